@@ -1,0 +1,67 @@
+"""Bodies that the robot carries without the model knowing: a payload, a mass on a link."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from collections.abc import Sequence
+from typing import Annotated, ClassVar, Literal, Self
+
+import casadi as ca
+import numpy as np
+from pydantic import Field
+
+from irb2400_ctrl.effects.base import Acts, Effect, Signals
+
+Vector3 = Annotated[tuple[float, float, float], Field(description="in the frame of the body that carries it")]
+
+
+class AddedBody(Effect):
+    """A point mass m at c, fixed to a link frame: phi = (m, m c, m (|c|^2 1 - c c^T)), tau = Y(q, qd, qdd) phi."""
+
+    acts: ClassVar[Acts] = "parameters"
+    group: ClassVar[str] = "mass"
+    splits: ClassVar[str] = "wide ranges of the axes behind it, high accelerations"
+
+    mass_kg: float = Field(description="mass m, negative for one that is missing [kg]")
+    com_m: Vector3 = Field(default=(0.0, 0.0, 0.0), description="its place c [m]")
+
+    @abstractmethod
+    def carrier(self, n: int) -> int:
+        """Number of the carrying link, n + 1 for the flange frame."""
+
+    def basis(self, s: Signals) -> ca.SX:
+        return s.regressor(self.carrier(s.q.numel()))
+
+    def coefficients(self) -> tuple[float, ...]:
+        m, c = self.mass_kg, np.array(self.com_m)
+        inertia = m * (c @ c * np.eye(3) - np.outer(c, c))
+        i, j = np.triu_indices(3)
+        return (m, *(m * c), *inertia[i, j])
+
+    @classmethod
+    def from_coefficients(cls, joint: int | None, coefficients: Sequence[float], nonlinear: dict[str, float]) -> Self:
+        m, x, y, z = (float(c) for c in coefficients[:4])
+        return cls.of(joint, mass_kg=m, com_m=(x / m, y / m, z / m))
+
+
+class Payload(AddedBody):
+    """A mass at the flange that the tool data do not contain (frame: flange, eq. 9)."""
+
+    sentence: ClassVar[str] = "the robot carries more (or less) at its flange than its tool data say"
+    whole_arm: ClassVar[bool] = True
+
+    kind: Literal["payload"] = "payload"
+
+    def carrier(self, n: int) -> int:
+        return n + 1
+
+
+class LinkInertia(AddedBody):
+    """A mass on a link that the link data do not contain (frame: that link)."""
+
+    sentence: ClassVar[str] = "a link of the robot is heavier or lighter than its data say"
+
+    kind: Literal["link_inertia"] = "link_inertia"
+
+    def carrier(self, n: int) -> int:
+        return self.index + 1

@@ -1,0 +1,55 @@
+"""Spring or gas balancer that carries part of an axis' weight."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import ClassVar, Literal, Self
+
+import casadi as ca
+from pydantic import Field
+
+from irb2400_ctrl.effects.base import Effect, Signals
+
+
+class Balancer(Effect):
+    """tau_j = T (1 - l0 / l(d)) sin d, d = q_j - q_0, l(d)^2 = 1 + rho^2 - 2 rho cos d.
+
+    A spring between the base and a lever on the link: lever ratio rho = lever / base distance, all lengths in units
+    of the base distance, l0 = free_ratio * (1 - rho). T = stiffness * lever * base distance; T > 0 pulls towards q_0.
+    """
+
+    group: ClassVar[str] = "gain"
+    splits: ClassVar[str] = "a second payload, higher accelerations"
+    sentence: ClassVar[str] = "a balancing spring or gas cylinder helps the axis to carry its weight"
+
+    kind: Literal["balancer"] = "balancer"
+    torque_Nm: float = Field(gt=0, description="stiffness times both lever arms T [Nm]")
+    neutral_rad: float = Field(default=0.0, description="angle q_0 of the dead centre [rad]")
+    lever_ratio: float = Field(default=0.3, gt=0, lt=1, description="lever over base distance rho [-]")
+    free_ratio: float = Field(default=0.0, ge=0, le=1, description="free length over shortest length [-]")
+
+    def basis(self, s: Signals) -> ca.SX:
+        d = s.q[self.index] - self.neutral_rad
+        rho = self.lever_ratio
+        length = ca.sqrt(1 + rho**2 - 2 * rho * ca.cos(d))
+        return self.on((1 - self.free_ratio * (1 - rho) / length) * ca.sin(d), s.q.numel())
+
+    def coefficients(self) -> tuple[float, ...]:
+        return (self.torque_Nm,)
+
+    @classmethod
+    def from_coefficients(cls, joint: int | None, coefficients: Sequence[float], nonlinear: dict[str, float]) -> Self:
+        return cls.of(joint, torque_Nm=coefficients[0], **nonlinear)
+
+    @classmethod
+    def grid(cls, joint: int | None) -> list[dict[str, float]]:
+        return [
+            {"neutral_rad": math.radians(angle), "lever_ratio": 0.3, "free_ratio": free}
+            for angle in range(-180, 180, 10)
+            for free in (0.0, 0.9)
+        ]
+
+    @classmethod
+    def joints(cls, n: int) -> Sequence[int | None]:
+        return (2, 3)

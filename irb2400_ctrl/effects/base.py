@@ -1,0 +1,173 @@
+"""The abstract `Effect`: a named, parametrised piece of physics that the base model lacks.
+
+Every effect is written once, in *regressor form*
+
+    tau_effect = B(q, qd, qdd, t, x; nonlinear parameters) @ coefficients          [Nm]
+
+so that one definition serves the plant and the controller (`torque`), the diagnosis (`basis`, `from_coefficients`)
+and the robot file (the fields of the class). tau_effect is torque that the actuators must supply *in addition*,
+the same sign as the friction of eq. 56.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
+from typing import Any, ClassVar, Literal, Protocol, Self
+
+import casadi as ca
+from pydantic import BaseModel, ConfigDict, Field
+
+Acts = Literal["force", "parameters", "measurement"]
+
+
+class Signals(Protocol):
+    """What an effect may depend on; all symbolic (SX), column vectors of the arm's n actuators."""
+
+    @property
+    def q(self) -> ca.SX:
+        """actuator angles [rad]"""
+
+    @property
+    def qd(self) -> ca.SX:
+        """actuator speeds [rad/s]"""
+
+    @property
+    def qdd(self) -> ca.SX:
+        """actuator accelerations [rad/s2]"""
+
+    @property
+    def time(self) -> ca.SX:
+        """time since the start of the record [s]"""
+
+    @property
+    def sign(self) -> ca.SX:
+        """direction of motion, sgn(qd)"""
+
+    @property
+    def load(self) -> ca.SX:
+        """rigid-body torque (inertia, Coriolis, gravity) that each transmission carries [Nm]"""
+
+    @property
+    def gravity_map(self) -> ca.SX:
+        """d tau / d g, shape (n, 3): the gravity torque is gravity_map @ g"""
+
+    @property
+    def tcp_jacobian(self) -> ca.SX:
+        """TCP Jacobian (6, n), linear then angular rows, base frame"""
+
+    def regressor(self, link: int) -> ca.SX:
+        """d tau / d phi of link 1…n, or n + 1 for the flange frame, shape (n, 10)
+
+        phi = (m, m cx, m cy, m cz, Ixx, Ixy, Ixz, Iyy, Iyz, Izz), inertia about the frame's origin.
+        """
+
+    @property
+    def tau(self) -> ca.SX:
+        """whole torque of the arm, friction and force effects included [Nm]"""
+
+    @property
+    def tau_rate(self) -> ca.SX:
+        """time derivative of `tau` [Nm/s]"""
+
+    @property
+    def tau_jacobian(self) -> ca.SX:
+        """d tau / d q, shape (n, n) [Nm/rad]"""
+
+    @property
+    def load_rate2(self) -> ca.SX:
+        """second time derivative of `load` [Nm/s2]"""
+
+    @property
+    def mass_matrix(self) -> ca.SX:
+        """M(q), shape (n, n) [kg m2]"""
+
+    @property
+    def state(self) -> ca.SX:
+        """internal state of this effect, shape (len(states),)"""
+
+
+class Effect(BaseModel, ABC):
+    """A physical effect. Final subclasses give `kind`, fields with units, `basis`, `coefficients` and their inverse."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+    acts: ClassVar[Acts] = "force"
+    """on the arm as a force, on the arm's own parameters, or in the measuring chain"""
+    group: ClassVar[str] = ""
+    """effects of one group are hard to tell apart on an ordinary motion"""
+    splits: ClassVar[str] = ""
+    """the experiment that tells the members of the group apart"""
+    sentence: ClassVar[str] = ""
+    """one line in plain language"""
+    whole_arm: ClassVar[bool] = False
+    """concerns the whole arm: `joint` is absent"""
+    states: ClassVar[tuple[str, ...]] = ()
+    """names of the internal states x, for an effect with memory"""
+
+    kind: str
+    joint: int | None = Field(default=None, ge=1)
+    source: str = ""
+
+    @abstractmethod
+    def basis(self, s: Signals) -> ca.SX:
+        """Regressor B, shape (n, k) [Nm per unit of coefficient]; depends on nonlinear parameters only."""
+
+    @abstractmethod
+    def coefficients(self) -> tuple[float, ...]:
+        """The k coefficients that the fields stand for."""
+
+    @classmethod
+    @abstractmethod
+    def from_coefficients(cls, joint: int | None, coefficients: Sequence[float], nonlinear: dict[str, float]) -> Self:
+        """The effect whose `coefficients()` are the given ones (inverse of `coefficients`)."""
+
+    @classmethod
+    def grid(cls, joint: int | None) -> list[dict[str, float]]:
+        """Values of the nonlinear parameters that diagnosis scans; one empty entry when there are none."""
+        return [{}]
+
+    @classmethod
+    def prototype(cls, joint: int | None, nonlinear: dict[str, float]) -> Self:
+        """An instance with unit coefficients, for asking `basis` of it."""
+        fields: dict[str, Any] = {"kind": cls.model_fields["kind"].default, "joint": joint, **nonlinear}
+        return cls.model_construct(**fields)
+
+    @classmethod
+    def of(cls, joint: int | None, **fields: Any) -> Self:
+        """The validated effect with the given fields."""
+        return cls.model_validate({"joint": joint, **fields})
+
+    @classmethod
+    def joints(cls, n: int) -> Sequence[int | None]:
+        """The joints this effect can sit on, for an arm of n."""
+        return [None] if cls.whole_arm else range(1, n + 1)
+
+    def state_rate(self, s: Signals) -> ca.SX:
+        """dx/dt of the internal states, shape (len(states),)."""
+        return ca.SX(0, 1)
+
+    def steady_state(self, s: Signals) -> ca.SX:
+        """The internal states after a long motion in one direction: what a memoryless consumer uses."""
+        return ca.SX(len(self.states), 1)
+
+    def torque(self, s: Signals) -> ca.SX:
+        """tau_effect = basis @ coefficients, shape (n,) [Nm]."""
+        return self.basis(s) @ ca.DM(list(self.coefficients()))
+
+    def parameters(self) -> dict[str, Any]:
+        """The effect's own fields: name with unit -> value."""
+        return self.model_dump(exclude={"kind", "joint", "source"}, exclude_none=True)
+
+    def on(self, column: ca.SX, n: int) -> ca.SX:
+        """A scalar torque placed on this effect's joint, shape (n, 1)."""
+        placed = ca.SX(n, 1)
+        placed[self.index] = column
+        return placed
+
+    @property
+    def index(self) -> int:
+        """Zero-based joint index."""
+        if self.joint is None:
+            raise ValueError(f"{self.kind} needs a joint")
+        return self.joint - 1

@@ -1,0 +1,32 @@
+"""Coulomb friction that differs between the two directions of motion."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import ClassVar, Literal, Self
+
+import casadi as ca
+from pydantic import Field
+
+from irb2400_ctrl.effects.base import Effect, Signals
+
+
+class CoulombAsymmetry(Effect):
+    """tau_j = delta |sgn(qd_j)|: Coulomb level F_c + delta forwards and F_c - delta backwards; nothing at rest."""
+
+    group: ClassVar[str] = "offset"
+    splits: ClassVar[str] = "brake-released standstill, several speeds"
+    sentence: ClassVar[str] = "dry friction of the joint is larger in one direction than in the other"
+
+    kind: Literal["coulomb_asymmetry"] = "coulomb_asymmetry"
+    delta_Nm: float = Field(description="half the difference of the two Coulomb levels [Nm]")
+
+    def basis(self, s: Signals) -> ca.SX:
+        return self.on(s.sign[self.index] ** 2, s.q.numel())
+
+    def coefficients(self) -> tuple[float, ...]:
+        return (self.delta_Nm,)
+
+    @classmethod
+    def from_coefficients(cls, joint: int | None, coefficients: Sequence[float], nonlinear: dict[str, float]) -> Self:
+        return cls.of(joint, delta_Nm=coefficients[0])

@@ -1,0 +1,43 @@
+"""Torque ripple of a gear or motor."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import ClassVar, Literal, Self
+
+import casadi as ca
+from pydantic import Field
+
+from irb2400_ctrl.effects.base import Effect, Signals
+
+
+class GearRipple(Effect):
+    """tau_j = A sin(order q_j + phase): periodic in the joint angle, `order` periods per turn."""
+
+    group: ClassVar[str] = "ripple"
+    splits: ClassVar[str] = "slow motion over a wide range of the joint"
+    sentence: ClassVar[str] = "torque of the joint ripples with its angle, as a worn or eccentric gear makes it"
+
+    kind: Literal["gear_ripple"] = "gear_ripple"
+    amplitude_Nm: float = Field(ge=0, description="amplitude A [Nm]")
+    order: float = Field(gt=0, description="periods per joint turn [-]")
+    phase_rad: float = Field(default=0.0, description="phase at q = 0 [rad]")
+
+    def basis(self, s: Signals) -> ca.SX:
+        angle = self.order * s.q[self.index]
+        n = s.q.numel()
+        return ca.horzcat(self.on(ca.sin(angle), n), self.on(ca.cos(angle), n))
+
+    def coefficients(self) -> tuple[float, ...]:
+        return (self.amplitude_Nm * math.cos(self.phase_rad), self.amplitude_Nm * math.sin(self.phase_rad))
+
+    @classmethod
+    def from_coefficients(cls, joint: int | None, coefficients: Sequence[float], nonlinear: dict[str, float]) -> Self:
+        a, b = coefficients
+        return cls.of(joint, amplitude_Nm=math.hypot(a, b), phase_rad=math.atan2(b, a), **nonlinear)
+
+    @classmethod
+    def grid(cls, joint: int | None) -> list[dict[str, float]]:
+        # below order 4 a ripple is a gravity or spring law; above 160 the 250 Hz record no longer resolves it
+        return [{"order": 4.0 + 0.25 * k} for k in range(4 * 156 + 1)]

@@ -1,0 +1,45 @@
+"""Hysteresis of the transmission: friction that builds up over a small angle after each reversal."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import ClassVar, Literal, Self
+
+import casadi as ca
+from pydantic import Field
+
+from irb2400_ctrl.effects.base import Effect, Signals
+
+
+class Hysteresis(Effect):
+    """tau_j = A z,  dz/dt = (qd_j - |qd_j| z) / width  (Dahl model; z -> sgn(qd_j) after a few widths)."""
+
+    group: ClassVar[str] = "reversal"
+    splits: ClassVar[str] = "slow reversals at several amplitudes"
+    sentence: ClassVar[str] = "after each reversal the friction of the joint builds up over a small angle"
+    states: ClassVar[tuple[str, ...]] = ("z",)
+
+    kind: Literal["hysteresis"] = "hysteresis"
+    amplitude_Nm: float = Field(ge=0, description="half height of the loop A [Nm]")
+    width_rad: float = Field(gt=0, description="angle over which the loop builds up [rad]")
+
+    def basis(self, s: Signals) -> ca.SX:
+        return self.on(s.state[0], s.q.numel())
+
+    def state_rate(self, s: Signals) -> ca.SX:
+        speed = s.qd[self.index]
+        return (speed - ca.fabs(speed) * s.state[0]) / self.width_rad
+
+    def steady_state(self, s: Signals) -> ca.SX:
+        return s.sign[self.index]
+
+    def coefficients(self) -> tuple[float, ...]:
+        return (self.amplitude_Nm,)
+
+    @classmethod
+    def from_coefficients(cls, joint: int | None, coefficients: Sequence[float], nonlinear: dict[str, float]) -> Self:
+        return cls.of(joint, amplitude_Nm=coefficients[0], **nonlinear)
+
+    @classmethod
+    def grid(cls, joint: int | None) -> list[dict[str, float]]:
+        return [{"width_rad": w} for w in (0.005, 0.01, 0.02, 0.04, 0.08, 0.16)]

@@ -1,0 +1,40 @@
+"""Lever and rod of the parallelogram, which the paper neglects."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import ClassVar, Literal, Self
+
+import casadi as ca
+from pydantic import Field
+
+from irb2400_ctrl.effects.base import Effect, Signals
+
+STANDARD_GRAVITY = 9.81
+
+
+class LinkageInertia(Effect):
+    """tau_3 = J qdd_3 - 9.81 S cos(q_3): a lever on the axis of q_3 with inertia J and static moment S."""
+
+    group: ClassVar[str] = "mass"
+    splits: ClassVar[str] = "not separable from the moments of links 2 and 3 in the base set"
+    sentence: ClassVar[str] = "the rod and lever of the parallelogram have a mass that the model neglects"
+
+    kind: Literal["linkage_inertia"] = "linkage_inertia"
+    inertia_kgm2: float = Field(ge=0, description="inertia J about the axis of q_3 [kg m2]")
+    moment_kgm: float = Field(default=0.0, description="static moment S along the forearm [kg m]")
+
+    def basis(self, s: Signals) -> ca.SX:
+        j, n = self.index, s.q.numel()
+        return ca.horzcat(self.on(s.qdd[j], n), self.on(-STANDARD_GRAVITY * ca.cos(s.q[j]), n))
+
+    def coefficients(self) -> tuple[float, ...]:
+        return (self.inertia_kgm2, self.moment_kgm)
+
+    @classmethod
+    def from_coefficients(cls, joint: int | None, coefficients: Sequence[float], nonlinear: dict[str, float]) -> Self:
+        return cls.of(joint, inertia_kgm2=coefficients[0], moment_kgm=coefficients[1])
+
+    @classmethod
+    def joints(cls, n: int) -> Sequence[int | None]:
+        return (3,)

@@ -1,0 +1,32 @@
+"""Dry friction that grows with the load on the transmission."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import ClassVar, Literal, Self
+
+import casadi as ca
+from pydantic import Field
+
+from irb2400_ctrl.effects.base import Effect, Signals
+
+
+class LoadFriction(Effect):
+    """tau_j = mu |load_j| sgn(qd_j), load the rigid-body torque (Bittencourt et al.)."""
+
+    group: ClassVar[str] = "friction level"
+    splits: ClassVar[str] = "a second payload, poses with a small load torque"
+    sentence: ClassVar[str] = "dry friction of the joint grows with the torque that its gear carries"
+
+    kind: Literal["load_friction"] = "load_friction"
+    coefficient: float = Field(ge=0, lt=1, description="friction per load torque mu [Nm/Nm]")
+
+    def basis(self, s: Signals) -> ca.SX:
+        return self.on(ca.fabs(s.load[self.index]) * s.sign[self.index], s.q.numel())
+
+    def coefficients(self) -> tuple[float, ...]:
+        return (self.coefficient,)
+
+    @classmethod
+    def from_coefficients(cls, joint: int | None, coefficients: Sequence[float], nonlinear: dict[str, float]) -> Self:
+        return cls.of(joint, coefficient=coefficients[0])

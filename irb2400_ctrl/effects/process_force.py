@@ -1,0 +1,39 @@
+"""Force of the process (milling, contact, a pulling hose) at the tool centre point."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import ClassVar, Literal, Self
+
+import casadi as ca
+from pydantic import Field
+
+from irb2400_ctrl.effects.base import Effect, Signals
+
+
+class ProcessForce(Effect):
+    """tau = -J_v(q)^T F while start_s <= t < stop_s; F acts on the tool, constant in the base frame."""
+
+    group: ClassVar[str] = "tool"
+    splits: ClassVar[str] = "the same motion without contact"
+    sentence: ClassVar[str] = "something pushes or pulls at the tool"
+    whole_arm: ClassVar[bool] = True
+
+    kind: Literal["process_force"] = "process_force"
+    force_x_N: float = Field(default=0.0, description="force on the tool along base x [N]")
+    force_y_N: float = Field(default=0.0, description="force on the tool along base y [N]")
+    force_z_N: float = Field(default=0.0, description="force on the tool along base z [N]")
+    start_s: float = Field(default=0.0, description="first instant of the force [s]")
+    stop_s: float = Field(default=1e9, description="end of the force [s]")
+
+    def basis(self, s: Signals) -> ca.SX:
+        active = ca.logic_and(s.time >= self.start_s, s.time < self.stop_s)
+        return -active * s.tcp_jacobian[:3, :].T
+
+    def coefficients(self) -> tuple[float, ...]:
+        return (self.force_x_N, self.force_y_N, self.force_z_N)
+
+    @classmethod
+    def from_coefficients(cls, joint: int | None, coefficients: Sequence[float], nonlinear: dict[str, float]) -> Self:
+        x, y, z = coefficients
+        return cls.of(joint, force_x_N=x, force_y_N=y, force_z_N=z, **nonlinear)

@@ -1,0 +1,33 @@
+"""Delay of the torque signal against the position signal."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import ClassVar, Literal, Self
+
+import casadi as ca
+from pydantic import Field
+
+from irb2400_ctrl.effects.base import Acts, Effect, Signals
+
+
+class TimeDelay(Effect):
+    """measured tau_j(t) = tau_j(t - delay), to first order tau_j - delay dtau_j/dt."""
+
+    acts: ClassVar[Acts] = "measurement"
+    group: ClassVar[str] = "delay"
+    splits: ClassVar[str] = "excitation above 1/(2 pi tau)"
+    sentence: ClassVar[str] = "the torque of the joint is recorded later than its position"
+
+    kind: Literal["time_delay"] = "time_delay"
+    delay_s: float = Field(description="delay [s]")
+
+    def basis(self, s: Signals) -> ca.SX:
+        return self.on(-s.tau_rate[self.index], s.q.numel())
+
+    def coefficients(self) -> tuple[float, ...]:
+        return (self.delay_s,)
+
+    @classmethod
+    def from_coefficients(cls, joint: int | None, coefficients: Sequence[float], nonlinear: dict[str, float]) -> Self:
+        return cls.of(joint, delay_s=coefficients[0])

@@ -1,0 +1,33 @@
+"""Wrong torque constant in the measuring chain."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import ClassVar, Literal, Self
+
+import casadi as ca
+from pydantic import Field
+
+from irb2400_ctrl.effects.base import Acts, Effect, Signals
+
+
+class TorqueGain(Effect):
+    """measured tau_j = gain * tau_j."""
+
+    acts: ClassVar[Acts] = "measurement"
+    group: ClassVar[str] = "gain"
+    splits: ClassVar[str] = "a second payload, higher accelerations"
+    sentence: ClassVar[str] = "the reported torque of the joint is a constant multiple of the true one"
+
+    kind: Literal["torque_gain"] = "torque_gain"
+    gain: float = Field(gt=0, description="measured over true torque [-]")
+
+    def basis(self, s: Signals) -> ca.SX:
+        return self.on(s.tau[self.index], s.q.numel())
+
+    def coefficients(self) -> tuple[float, ...]:
+        return (self.gain - 1.0,)
+
+    @classmethod
+    def from_coefficients(cls, joint: int | None, coefficients: Sequence[float], nonlinear: dict[str, float]) -> Self:
+        return cls.of(joint, gain=1.0 + coefficients[0])

@@ -1,0 +1,33 @@
+"""Constant offset of the torque reading."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import ClassVar, Literal, Self
+
+import casadi as ca
+from pydantic import Field
+
+from irb2400_ctrl.effects.base import Acts, Effect, Signals
+
+
+class TorqueOffset(Effect):
+    """measured tau_j = tau_j + offset."""
+
+    acts: ClassVar[Acts] = "measurement"
+    group: ClassVar[str] = "offset"
+    splits: ClassVar[str] = "brake-released standstill, several speeds"
+    sentence: ClassVar[str] = "the reported torque of the joint is shifted by a constant"
+
+    kind: Literal["torque_offset"] = "torque_offset"
+    offset_Nm: float = Field(description="offset [Nm]")
+
+    def basis(self, s: Signals) -> ca.SX:
+        return self.on(ca.SX(1.0), s.q.numel())
+
+    def coefficients(self) -> tuple[float, ...]:
+        return (self.offset_Nm,)
+
+    @classmethod
+    def from_coefficients(cls, joint: int | None, coefficients: Sequence[float], nonlinear: dict[str, float]) -> Self:
+        return cls.of(joint, offset_Nm=coefficients[0])

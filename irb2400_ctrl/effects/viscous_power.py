@@ -1,0 +1,38 @@
+"""Viscous friction that grows less (or more) than proportionally with speed."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import ClassVar, Literal, Self
+
+import casadi as ca
+from pydantic import Field
+
+from irb2400_ctrl.effects.base import Effect, Signals
+
+
+class ViscousPower(Effect):
+    """tau_j = c |qd_j|^p sgn(qd_j), p != 1."""
+
+    group: ClassVar[str] = "viscous"
+    splits: ClassVar[str] = "speeds over more than a decade, recordings spread over the warm-up"
+    sentence: ClassVar[str] = "friction of the joint does not grow in proportion to its speed"
+
+    kind: Literal["viscous_power"] = "viscous_power"
+    coefficient: float = Field(description="torque at 1 rad/s [Nm]")
+    exponent: float = Field(gt=0, le=3, description="exponent p [-]")
+
+    def basis(self, s: Signals) -> ca.SX:
+        speed = s.qd[self.index]
+        return self.on(ca.fabs(speed) ** self.exponent * ca.sign(speed), s.q.numel())
+
+    def coefficients(self) -> tuple[float, ...]:
+        return (self.coefficient,)
+
+    @classmethod
+    def from_coefficients(cls, joint: int | None, coefficients: Sequence[float], nonlinear: dict[str, float]) -> Self:
+        return cls.of(joint, coefficient=coefficients[0], **nonlinear)
+
+    @classmethod
+    def grid(cls, joint: int | None) -> list[dict[str, float]]:
+        return [{"exponent": p} for p in (0.4, 0.6, 1.5, 2.0)]

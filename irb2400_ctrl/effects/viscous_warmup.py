@@ -1,0 +1,37 @@
+"""Viscous friction that falls while the grease warms up."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import ClassVar, Literal, Self
+
+import casadi as ca
+from pydantic import Field
+
+from irb2400_ctrl.effects.base import Effect, Signals
+
+
+class ViscousWarmup(Effect):
+    """tau_j = D exp(-t / T) qd_j: extra viscous friction of a cold gear, gone after a few T."""
+
+    group: ClassVar[str] = "viscous"
+    splits: ClassVar[str] = "speeds over more than a decade, recordings spread over the warm-up"
+    sentence: ClassVar[str] = "the joint runs stiffer while its grease is cold"
+
+    kind: Literal["viscous_warmup"] = "viscous_warmup"
+    viscous_Nms_rad: float = Field(ge=0, description="extra viscous coefficient at t = 0 [Nm s/rad]")
+    time_constant_s: float = Field(gt=0, description="warm-up time constant T [s]")
+
+    def basis(self, s: Signals) -> ca.SX:
+        return self.on(ca.exp(-s.time / self.time_constant_s) * s.qd[self.index], s.q.numel())
+
+    def coefficients(self) -> tuple[float, ...]:
+        return (self.viscous_Nms_rad,)
+
+    @classmethod
+    def from_coefficients(cls, joint: int | None, coefficients: Sequence[float], nonlinear: dict[str, float]) -> Self:
+        return cls.of(joint, viscous_Nms_rad=coefficients[0], **nonlinear)
+
+    @classmethod
+    def grid(cls, joint: int | None) -> list[dict[str, float]]:
+        return [{"time_constant_s": t} for t in (5.0, 10.0, 20.0, 40.0, 80.0, 160.0, 320.0)]

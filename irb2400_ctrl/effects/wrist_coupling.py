@@ -1,0 +1,46 @@
+"""Mechanical coupling of two neighbouring wrist axes."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import ClassVar, Literal, Self
+
+import casadi as ca
+from pydantic import Field
+
+from irb2400_ctrl.effects.base import Effect, Signals
+
+
+class WristCoupling(Effect):
+    """tau_j = I qdd_k + D qd_k,  tau_k = I qdd_j + D qd_j,  k = j + 1.
+
+    The bevel gears of a wrist turn motor k when joint j moves, so its rotor inertia and its viscous friction are felt
+    on both axes.
+    """
+
+    group: ClassVar[str] = "coupling"
+    splits: ClassVar[str] = "each wrist axis moved alone"
+    sentence: ClassVar[str] = "moving this wrist axis drags its neighbour's motor along"
+
+    kind: Literal["wrist_coupling"] = "wrist_coupling"
+    inertia_kgm2: float = Field(default=0.0, description="coupled inertia I [kg m2]")
+    viscous_Nms_rad: float = Field(default=0.0, description="coupled viscous friction D [Nm s/rad]")
+
+    def basis(self, s: Signals) -> ca.SX:
+        j, n = self.index, s.q.numel()
+        columns = ca.SX(n, 2)
+        for column, signal in enumerate((s.qdd, s.qd)):
+            columns[j, column] = signal[j + 1]
+            columns[j + 1, column] = signal[j]
+        return columns
+
+    def coefficients(self) -> tuple[float, ...]:
+        return (self.inertia_kgm2, self.viscous_Nms_rad)
+
+    @classmethod
+    def from_coefficients(cls, joint: int | None, coefficients: Sequence[float], nonlinear: dict[str, float]) -> Self:
+        return cls.of(joint, inertia_kgm2=coefficients[0], viscous_Nms_rad=coefficients[1])
+
+    @classmethod
+    def joints(cls, n: int) -> Sequence[int | None]:
+        return range(4, n)

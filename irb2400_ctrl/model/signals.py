@@ -1,0 +1,101 @@
+"""The symbolic signals that effects are written in, computed from the rigid-body model."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import casadi as ca
+
+from irb2400_ctrl.model import kinematics, mass_matrix, newton_euler
+from irb2400_ctrl.model.friction import friction
+from irb2400_ctrl.model.regressor import regressor, transport
+from irb2400_ctrl.robot import Robot
+
+
+@dataclass(frozen=True)
+class ArmSignals:
+    """State of the arm, and on demand what follows from it (implements `effects.Signals`).
+
+    `phi` are the link parameters with the parameter effects folded in, shape (n, 10).
+    """
+
+    robot: Robot
+    phi: ca.DM
+    q: ca.SX
+    qd: ca.SX
+    qdd: ca.SX
+    time: ca.SX
+    sign: ca.SX
+    state: ca.SX
+    qddd: ca.SX
+    qdddd: ca.SX
+
+    @classmethod
+    def symbols(cls, robot: Robot, phi: ca.DM) -> ArmSignals:
+        """Fresh symbols for everything."""
+        q, qd, qdd, qddd, qdddd = (ca.SX.sym(name, robot.n) for name in ("q", "qd", "qdd", "qddd", "qdddd"))
+        return cls(robot, phi, q, qd, qdd, ca.SX.sym("time"), ca.sign(qd), ca.SX(0, 1), qddd, qdddd)
+
+    def with_state(self, state: ca.SX) -> ArmSignals:
+        """The same signals for an effect with the given internal state."""
+        return replace(self, state=state)
+
+    @cached_property
+    def load(self) -> ca.SX:
+        """Rigid-body torque, shape (n,) [Nm]."""
+        return newton_euler.inverse_dynamics(self.robot, self.q, self.qd, self.qdd, self.phi)
+
+    @cached_property
+    def gravity_map(self) -> ca.SX:
+        """d tau / d g, shape (n, 3)."""
+        g = ca.SX.sym("g", 3)
+        zero = ca.SX.zeros(self.robot.n)
+        return ca.jacobian(newton_euler.inverse_dynamics(self.robot, self.q, zero, zero, self.phi, g), g)
+
+    @cached_property
+    def tcp_jacobian(self) -> ca.SX:
+        """TCP Jacobian, shape (6, n)."""
+        return kinematics.tcp_jacobian(self.robot, self.q)
+
+    @cached_property
+    def _regressor(self) -> ca.SX:
+        return regressor(self.robot, self.q, self.qd, self.qdd)
+
+    def regressor(self, link: int) -> ca.SX:
+        """d tau / d phi of link 1…n, or n + 1 for the flange frame, shape (n, 10)."""
+        n = self.robot.n
+        if link == n + 1:
+            return self._regressor[:, -10:] @ transport(ca.DM(self.robot.flange.matrix()))
+        return self._regressor[:, 10 * (link - 1) : 10 * link]
+
+    @cached_property
+    def mass_matrix(self) -> ca.SX:
+        """M(q), shape (n, n) [kg m2]."""
+        return mass_matrix.mass_matrix(self.robot, self.q, self.phi)
+
+    @cached_property
+    def tau(self) -> ca.SX:
+        """Rigid-body torque and friction [Nm]; the effects' own part is second order here and left out."""
+        return self.load + friction(self.robot, self.qd, self.sign)
+
+    @cached_property
+    def tau_rate(self) -> ca.SX:
+        """d tau / dt [Nm/s] along the motion; the jump of dry friction at reversals is left out."""
+        smooth = self.load + ca.DM(self.robot.friction[:, 2]) * self.qd
+        return self._rate(smooth)
+
+    @cached_property
+    def tau_jacobian(self) -> ca.SX:
+        """d tau / d q, shape (n, n) [Nm/rad]."""
+        return ca.jacobian(self.load, self.q)
+
+    @cached_property
+    def load_rate2(self) -> ca.SX:
+        """d2 load / dt2 [Nm/s2]."""
+        return self._rate(self._rate(self.load))
+
+    def _rate(self, signal: ca.SX) -> ca.SX:
+        """Time derivative of a function of (q, qd, qdd, qddd) by the chain rule."""
+        state = ca.vertcat(self.q, self.qd, self.qdd, self.qddd)
+        return ca.jtimes(signal, state, ca.vertcat(self.qd, self.qdd, self.qddd, self.qdddd))

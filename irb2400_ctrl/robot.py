@@ -1,0 +1,341 @@
+"""`Robot`: the validated description of an arm, read from and written to a TOML file.
+
+The file is the border: every key carries its unit, every table its source or the word assumption. Inside the library
+the arrays of `Robot` are SI and radians without suffix.
+"""
+
+from __future__ import annotations
+
+import difflib
+import tomllib
+from functools import cached_property
+from importlib import resources
+from pathlib import Path
+from typing import Annotated, Any, Literal, Self
+
+import numpy as np
+import numpy.typing as npt
+import tomli_w
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationError, model_validator
+
+from irb2400_ctrl.effects import LIBRARY, AnyEffect
+from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.files import write_atomic
+
+Array = npt.NDArray[np.float64]
+Positive = Annotated[float, Field(gt=0)]
+NotNegative = Annotated[float, Field(ge=0)]
+Vector3 = tuple[float, float, float]
+Range = tuple[float, float]
+Row4 = tuple[float, float, float, float]
+
+
+class _Table(BaseModel):
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False, ignored_types=(cached_property,))
+
+
+def _six(value: object) -> object:
+    """[xx, yy, zz, xy, xz, yz] from a table with those keys, so that a file may name the elements."""
+    if isinstance(value, dict) and set(value) == {"xx", "yy", "zz", "xy", "xz", "yz"}:
+        return tuple(value[key] for key in ("xx", "yy", "zz", "xy", "xz", "yz"))
+    return value
+
+
+Inertia = Annotated[tuple[float, float, float, float, float, float], BeforeValidator(_six)]
+
+
+class ModifiedDH(_Table):
+    """Pose of frame i in frame i - 1 by modified Denavit-Hartenberg parameters (eq. 1)."""
+
+    a_m: float
+    alpha_rad: float
+    d_m: float
+
+    def matrix(self) -> Array:
+        """Rot_x(alpha) Trans_x(a) Trans_z(d): the part of eq. 2 in front of the joint's turn, shape (4, 4)."""
+        # multiples of 90 degrees give exact zeros, so that the symbolic model has no 6e-17 terms
+        c, s = (round(v) if abs(v - round(v)) < 1e-12 else v for v in (np.cos(self.alpha_rad), np.sin(self.alpha_rad)))
+        return np.array(
+            [[1, 0, 0, self.a_m], [0, c, -s, -self.d_m * s], [0, s, c, self.d_m * c], [0, 0, 0, 1]], dtype=float
+        )
+
+
+class Transform(_Table):
+    """Pose of frame i in frame i - 1 as a homogeneous matrix; the joint turns about the new z axis."""
+
+    transform: tuple[Row4, Row4, Row4, Row4]
+
+    @model_validator(mode="after")
+    def _is_pose(self) -> Self:
+        X = np.array(self.transform)
+        R = X[:3, :3]
+        if np.abs(R @ R.T - np.eye(3)).max() > 1e-6 or np.linalg.det(R) < 0 or (X[3] != (0, 0, 0, 1)).any():
+            raise ValueError("not a pose: expected [[R, p], [0, 0, 0, 1]] with R a rotation (R R^T = 1, det R = 1)")
+        return self
+
+    def matrix(self) -> Array:
+        """The matrix, shape (4, 4)."""
+        X = np.array(self.transform)
+        rounded = np.round(X[:3, :3])
+        X[:3, :3] = np.where(np.abs(X[:3, :3] - rounded) < 1e-9, rounded, X[:3, :3])
+        return X
+
+
+class Body(_Table):
+    """Mass data of a rigid body in its link frame; inertia about the centre of mass (Tab. 3, 4)."""
+
+    mass_kg: NotNegative
+    com_m: Vector3
+    inertia_kgm2: Inertia
+    """xx, yy, zz, xy, xz, yz: elements of the tensor"""
+
+    def tensor(self) -> Array:
+        """Inertia tensor about the centre of mass, shape (3, 3) [kg m2]."""
+        xx, yy, zz, xy, xz, yz = self.inertia_kgm2
+        return np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+
+    def parameters(self, X: Array | None = None) -> Array:
+        """phi = (m, m c, I_O) with I_O = (xx, xy, xz, yy, yz, zz) about the frame's origin, shape (10,).
+
+        With a pose X (4, 4), the body is first expressed in the frame that X leads to.
+        """
+        R, p = (np.eye(3), np.zeros(3)) if X is None else (X[:3, :3], X[:3, 3])
+        c = R @ np.array(self.com_m) + p
+        tensor = R @ self.tensor() @ R.T + self.mass_kg * (c @ c * np.eye(3) - np.outer(c, c))
+        return np.array([self.mass_kg, *(self.mass_kg * c), *tensor[np.triu_indices(3)]])
+
+
+class Link(_Table):
+    """One link: where its joint is, and what it weighs."""
+
+    name: str
+    frame: ModifiedDH | Transform
+    body: Body
+    source: str = Field(min_length=1)
+
+
+class Friction(_Table):
+    """Stribeck friction of one actuator (eq. 54, Tab. 5)."""
+
+    static_Nm: NotNegative
+    coulomb_Nm: NotNegative
+    viscous_Nms_rad: NotNegative
+    stribeck_rad_s: Positive
+    source: str = Field(min_length=1)
+
+
+class Limits(_Table):
+    """Limits of one actuator."""
+
+    range_deg: Range
+    speed_deg_s: Positive
+    range_source: str = Field(min_length=1)
+    torque_Nm: Positive
+    torque_source: str = Field(min_length=1)
+    acceleration_deg_s2: Positive | None = None
+    torque_rate_Nm_s: Positive | None = None
+
+    @model_validator(mode="after")
+    def _ordered(self) -> Self:
+        low, high = self.range_deg
+        if low >= high:
+            raise ValueError(f"range_deg is [{low}, {high}], expected the lower end first")
+        return self
+
+
+class Joint(_Table):
+    """One actuator: friction and limits act on its own angle q."""
+
+    name: str
+    friction: Friction
+    limits: Limits
+
+
+class Coupling(_Table):
+    """theta = matrix @ q + offset: link angles from actuator angles (parallelogram: theta3 = q3 - q2)."""
+
+    matrix: tuple[tuple[float, ...], ...]
+    offset_rad: tuple[float, ...]
+    source: str = Field(min_length=1)
+    difference_deg: Range | None = None
+    """range of q3 - q2 on a controller that limits it; absent when not known"""
+
+
+class Tool(_Table):
+    """The tool on the flange: pose of the TCP (eq. 12) and mass data (Tab. 4), both in the flange frame."""
+
+    name: str
+    tcp: Transform
+    body: Body
+    spindle_axis: Vector3 = (0.0, 0.0, 1.0)
+    """direction of the tool in the TCP frame, from the spindle out to the tip"""
+    source: str = Field(min_length=1)
+
+
+class Robot(_Table):
+    """An arm of n revolute joints. Read it with `load_robot`, change it with `model_copy(update=...)`."""
+
+    schema_version: Literal[1] = 1
+    name: str
+    source: str = Field(min_length=1)
+    gravity_m_s2: Vector3
+    gravity_source: str = Field(min_length=1)
+    links: tuple[Link, ...] = Field(min_length=1)
+    joints: tuple[Joint, ...]
+    coupling: Coupling
+    flange: ModifiedDH | Transform
+    tool: Tool | None = None
+    effects: tuple[AnyEffect, ...] = ()
+
+    @model_validator(mode="after")
+    def _consistent(self) -> Self:
+        n = len(self.links)
+        problems = []
+        if len(self.joints) != n:
+            problems.append(f"{n} links but {len(self.joints)} joints")
+        A = self.coupling.matrix
+        if len(A) != n or any(len(row) != n for row in A) or len(self.coupling.offset_rad) != n:
+            problems.append(f"coupling: expected a {n} x {n} matrix and {n} offsets")
+        elif abs(np.linalg.det(np.array(A))) < 1e-9:
+            problems.append("coupling: the matrix is singular")
+        for effect in self.effects:
+            allowed = list(LIBRARY[effect.kind].joints(n))
+            if effect.joint not in allowed:
+                names = "absent" if allowed == [None] else ", ".join(str(j) for j in allowed)
+                problems.append(f"effects: {effect.kind} on joint {effect.joint}, expected {names}")
+        if problems:
+            raise ValueError("; ".join(problems))
+        return self
+
+    @property
+    def n(self) -> int:
+        """Number of joints."""
+        return len(self.links)
+
+    @cached_property
+    def A(self) -> Array:
+        """Coupling matrix, theta = A q + offset, shape (n, n)."""
+        return _read_only(np.array(self.coupling.matrix, dtype=float))
+
+    @cached_property
+    def offset(self) -> Array:
+        """Offset of the coupling [rad], shape (n,)."""
+        return _read_only(np.array(self.coupling.offset_rad, dtype=float))
+
+    @cached_property
+    def gravity(self) -> Array:
+        """Gravity vector in the base frame [m/s2], shape (3,)."""
+        return _read_only(np.array(self.gravity_m_s2))
+
+    @cached_property
+    def q_min(self) -> Array:
+        """Lower end of the joint box [rad], shape (n,)."""
+        return _read_only(np.radians([j.limits.range_deg[0] for j in self.joints]))
+
+    @cached_property
+    def q_max(self) -> Array:
+        """Upper end of the joint box [rad], shape (n,)."""
+        return _read_only(np.radians([j.limits.range_deg[1] for j in self.joints]))
+
+    @cached_property
+    def qd_max(self) -> Array:
+        """Speed limits [rad/s], shape (n,)."""
+        return _read_only(np.radians([j.limits.speed_deg_s for j in self.joints]))
+
+    @cached_property
+    def tau_max(self) -> Array:
+        """Torque limits [Nm], shape (n,)."""
+        return _read_only(np.array([j.limits.torque_Nm for j in self.joints]))
+
+    @cached_property
+    def friction(self) -> Array:
+        """Friction of eq. 54: columns F_s, F_c [Nm], F_v [Nm s/rad], omega_st [rad/s]; shape (n, 4)."""
+        return _read_only(
+            np.array(
+                [
+                    [f.static_Nm, f.coulomb_Nm, f.viscous_Nms_rad, f.stribeck_rad_s]
+                    for f in (joint.friction for joint in self.joints)
+                ]
+            )
+        )
+
+    @cached_property
+    def inertial_parameters(self) -> Array:
+        """phi of each link (tool folded into the last one), about the link frames' origins, shape (n, 10)."""
+        phi = np.array([link.body.parameters() for link in self.links])
+        if self.tool is not None:
+            phi[-1] += self.tool.body.parameters(self.flange.matrix())
+        return _read_only(phi)
+
+    @cached_property
+    def X_FT(self) -> Array:
+        """Pose of the TCP in the flange frame (eq. 12), shape (4, 4)."""
+        return _read_only(np.eye(4) if self.tool is None else self.tool.tcp.matrix())
+
+    def with_effects(self, *effects: AnyEffect) -> Robot:
+        """This robot with further effects, validated."""
+        return Robot.model_validate({**dict(self), "effects": (*self.effects, *effects)})
+
+
+def _read_only(array: Array) -> Array:
+    array.setflags(write=False)
+    return array
+
+
+def robot_names() -> list[str]:
+    """Names of the robots that come with the library."""
+    folder = resources.files("irb2400_ctrl") / "robots"
+    return sorted(Path(entry.name).stem for entry in folder.iterdir() if entry.name.endswith(".toml"))
+
+
+def load_robot(source: str | Path) -> Robot:
+    """The robot of a TOML file, or one of the library's own by name (`irb2400`).
+
+    Raises:
+        InputError: no such file or name, or the file is not valid; all problems are listed at once.
+    """
+    if isinstance(source, str) and source in robot_names():
+        text = (resources.files("irb2400_ctrl") / "robots" / f"{source}.toml").read_text()
+    else:
+        path = Path(source)
+        if not path.is_file():
+            known = ", ".join(robot_names())
+            raise InputError(f"no robot file {path}: expected a TOML file or one of the robots {known}")
+        text = path.read_text()
+    try:
+        return Robot.model_validate(tomllib.loads(text))
+    except tomllib.TOMLDecodeError as error:
+        raise InputError(f"{source} is not TOML: {error}") from error
+    except ValidationError as error:
+        raise InputError(_explain(str(source), error)) from error
+
+
+def save_robot(robot: Robot, path: Path | str) -> Path:
+    """Write the robot as TOML (loads again to an equal one)."""
+    return write_atomic(path, tomli_w.dumps(robot.model_dump(mode="json", exclude_none=True)))
+
+
+def _explain(source: str, error: ValidationError) -> str:
+    """One line per problem: where, what was found, what was expected."""
+    lines = []
+    for item in error.errors():
+        # pydantic puts the tag of a union (ModifiedDH, the effect's kind) into the path; the file has no such key
+        parts = [part for part in item["loc"] if part not in {"ModifiedDH", "Transform", *LIBRARY}]
+        place = "".join(f"[{part + 1}]" if isinstance(part, int) else f".{part}" for part in parts).lstrip(".")
+        if item["type"] == "extra_forbidden":
+            near = difflib.get_close_matches(str(item["loc"][-1]), _keys(), n=1)
+            hint = f"; did you mean {near[0]}?" if near else ""
+            lines.append(f"{place}: unknown key{hint}")
+        else:
+            value: Any = item["input"]
+            found = "" if isinstance(value, dict | list | tuple | BaseModel) else f", found {value!r}"
+            lines.append(f"{place or 'robot'}: {item['msg'].removeprefix('Value error, ')}{found}")
+    return f"{source} is not a valid robot file:\n  " + "\n  ".join(dict.fromkeys(lines))
+
+
+def _keys() -> list[str]:
+    tables: list[type[BaseModel]] = [
+        *(ModifiedDH, Transform, Body, Link, Friction, Limits, Joint, Coupling, Tool, Robot),
+        *LIBRARY.values(),
+    ]
+    return sorted({key for table in tables for key in table.model_fields})
