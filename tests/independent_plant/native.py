@@ -1,0 +1,120 @@
+"""The C plant: compiled at first use into a cache directory, called through ctypes."""
+
+from __future__ import annotations
+
+import ctypes
+import functools
+import hashlib
+import os
+import platform
+import shutil
+import subprocess
+import tempfile
+from pathlib import Path
+
+import numpy as np
+
+SOURCES = Path(__file__).parent / "csrc"
+FLAGS = ["-std=c11", "-O3", "-march=native", "-fno-math-errno", "-shared", "-fPIC"]
+RECORD_RATE = 1000.0  # Hz, of references and records
+_double_p = ctypes.POINTER(ctypes.c_double)
+
+
+@functools.cache
+def library() -> ctypes.CDLL:
+    """The compiled plant; built once per source text, flags and machine."""
+    files = sorted(SOURCES.glob("*.[ch]"))
+    compiler = shutil.which(os.environ.get("CC", "cc"))
+    if compiler is None:
+        raise RuntimeError("the independent plant needs a C compiler; none was found as $CC or cc")
+    text = b"".join(f.read_bytes() for f in files) + " ".join([compiler, *FLAGS, platform.processor()]).encode()
+    cache = Path(tempfile.gettempdir()) / f"independent_plant_{os.getuid()}"
+    target = cache / f"plant_{hashlib.sha256(text).hexdigest()[:16]}.so"
+    if not target.exists():
+        cache.mkdir(mode=0o700, exist_ok=True)
+        partial = target.with_suffix(f".{os.getpid()}.tmp")
+        sources = [str(f) for f in files if f.suffix == ".c"]
+        subprocess.run([compiler, *FLAGS, *sources, "-o", str(partial), "-lm"], check=True)
+        partial.replace(target)
+    return ctypes.CDLL(str(target))
+
+
+@functools.cache
+def law_index() -> dict[str, int]:
+    """Number of each effect law, in the order the C source lists them."""
+    names = (ctypes.c_char_p * 64).in_dll(library(), "effect_laws")
+    found: dict[str, int] = {}
+    for raw in names:
+        if raw is None:
+            return found
+        found[raw.decode()] = len(found)
+    raise RuntimeError("effect_laws is not terminated")
+
+
+def _p(array: np.ndarray) -> ctypes._Pointer[ctypes.c_double]:
+    return array.ctypes.data_as(_double_p)
+
+
+def _c(array: np.ndarray) -> np.ndarray:
+    return np.ascontiguousarray(array, dtype=np.float64)
+
+
+def inverse_dynamics(arm: np.ndarray, q: np.ndarray, qd: np.ndarray, qdd: np.ndarray) -> np.ndarray:
+    """Rigid torque [Nm] of one state; arm packed by `parameters.Arm.packed`."""
+    tau = np.empty(6)
+    library().inverse_dynamics(_p(_c(arm)), _p(_c(q)), _p(_c(qd)), _p(_c(qdd)), _p(tau))
+    return tau
+
+
+def equations_of_motion(arm: np.ndarray, q: np.ndarray, qd: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Mass matrix (6, 6) and bias torque (6,)."""
+    mass, bias = np.empty((6, 6)), np.empty(6)
+    library().equations_of_motion(_p(_c(arm)), _p(_c(q)), _p(_c(qd)), _p(mass), _p(bias))
+    return mass, bias
+
+
+def torque_against_force(q: np.ndarray, point: np.ndarray, force: np.ndarray) -> np.ndarray:
+    """Torque [Nm] that holds the arm against a force [N, base frame] pulling at a point [m, frame 6]."""
+    tau = np.empty(6)
+    library().torque_against_force(_p(_c(q)), _p(_c(point)), _p(_c(force)), _p(tau))
+    return tau
+
+
+def follow(plant: np.ndarray, effects: np.ndarray, start: float, reference: np.ndarray) -> np.ndarray:
+    """Closed loop along a reference (n, 6) at 1 kHz; returns (n - 1, 18): angles seen, speeds, motor torques."""
+    reference = _c(reference)
+    n = len(reference)
+    out = np.empty((n - 1, 18))
+    effects = _c(effects)
+    written = library().follow(
+        _p(_c(plant)), len(effects), _p(effects), ctypes.c_double(start), n, _p(reference), _p(out)
+    )
+    if written != n - 1 or not np.isfinite(out).all():
+        raise RuntimeError(f"the plant stopped after {written} of {n - 1} records: its mass matrix is not definite")
+    return out
+
+
+def prescribed(plant: np.ndarray, effects: np.ndarray, start: float, dt: float, motion: np.ndarray) -> np.ndarray:
+    """Torque (n, 6) that a motion (n, 18: q, qd, qdd) asks for, effects and friction included."""
+    motion, effects = _c(motion), _c(effects)
+    out = np.empty((len(motion), 6))
+    library().prescribed(
+        _p(_c(plant)),
+        len(effects),
+        _p(effects),
+        ctypes.c_double(start),
+        ctypes.c_double(dt),
+        len(motion),
+        _p(motion),
+        _p(out),
+    )
+    return out
+
+
+def swing(arm: np.ndarray, dt: float, n: int, state: np.ndarray) -> np.ndarray:
+    """Free motion from a state (12,) without motors and friction: states (n, 12)."""
+    states = np.zeros((n, 12))
+    states[0] = state
+    if library().swing(_p(_c(arm)), ctypes.c_double(dt), n, _p(states)) != n - 1:
+        raise RuntimeError("the mass matrix lost its definiteness")
+    return states
