@@ -1,0 +1,14 @@
+"""C99 from CasADi expressions: machine code for this computer, packages for embedded targets, checks on an emulator."""
+
+from irb2400_ctrl.codegen.block import Block, CompiledBlock, Field, compile_block
+from irb2400_ctrl.codegen.build import CompiledFunction, FunctionBuffers, compile_function
+
+__all__ = [
+    "Block",
+    "CompiledBlock",
+    "CompiledFunction",
+    "Field",
+    "FunctionBuffers",
+    "compile_block",
+    "compile_function",
+]

@@ -1,0 +1,165 @@
+"""`Block`: a discrete-time system, the common form of controllers for simulation and code generation."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import casadi as ca
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from irb2400_ctrl.codegen.build import CompiledFunction, Real, compile_function
+from irb2400_ctrl.errors import InputError
+
+Array = NDArray[Any]
+
+
+@dataclass(frozen=True)
+class Field:
+    """A named vector of a block.
+
+    `default` is the initial state or the parameter's value (zeros when empty). `lower` and `upper` (`size` values
+    each, empty: no bound) are the range in which an input is believed, and to which an output is saturated, in
+    generated code.
+    """
+
+    name: str
+    size: int
+    unit: str
+    doc: str
+    default: tuple[float, ...] = ()
+    lower: tuple[float, ...] = ()
+    upper: tuple[float, ...] = ()
+
+    def __post_init__(self) -> None:
+        if not self.name.isidentifier() or self.size < 1:
+            raise InputError(
+                f"field {self.name!r} of size {self.size}; expected a C identifier and a size of at least 1"
+            )
+        for what in ("default", "lower", "upper"):
+            values = getattr(self, what)
+            if values and (len(values) != self.size or not np.all(np.isfinite(values))):
+                raise InputError(
+                    f"field {self.name!r}: {what} is {values}; expected {self.size} finite values, or none"
+                )
+        if any(low > high for low, high in zip(self.lower, self.upper, strict=False)):
+            raise InputError(f"field {self.name!r}: a lower bound lies above its upper bound; swap them")
+
+    @property
+    def start(self) -> Array:
+        """Default value, shape (size,)."""
+        return np.array(self.default, float) if self.default else np.zeros(self.size)
+
+
+@dataclass(frozen=True)
+class Block:
+    """x+ = f(x, u, p), y = g(x, u, p), every `sample_time` seconds.
+
+    `step` is an SX function: inputs states + inputs + parameters by name and in this order, outputs the next states
+    in the same order, then the outputs.
+    """
+
+    name: str
+    doc: str
+    sample_time: float
+    states: tuple[Field, ...]
+    inputs: tuple[Field, ...]
+    outputs: tuple[Field, ...]
+    parameters: tuple[Field, ...]
+    step: ca.Function
+
+    def __post_init__(self) -> None:
+        taken = (*self.states, *self.inputs, *self.parameters)
+        given = (*self.states, *self.outputs)
+        found_in = [(n, self.step.numel_in(n)) for n in self.step.name_in()]
+        if found_in != [(f.name, f.size) for f in taken]:
+            raise InputError(
+                f"block {self.name!r}: step takes {found_in}; expected the states, inputs and parameters "
+                f"{[(f.name, f.size) for f in taken]} by name, in this order"
+            )
+        found_out = [self.step.numel_out(i) for i in range(self.step.n_out())]
+        if found_out != [f.size for f in given]:
+            raise InputError(
+                f"block {self.name!r}: step gives {found_out} elements; "
+                f"expected next states, then outputs: {[(f.name, f.size) for f in given]}"
+            )
+
+    def flat(self) -> ca.Function:
+        """The step with one vector each: (x, u, p) -> (x+, y)."""
+        groups = (self.states, self.inputs, self.parameters)
+        vectors = [ca.SX.sym(name, sum(f.size for f in group)) for name, group in zip("xup", groups, strict=True)]
+        parts = [
+            part
+            for vector, group in zip(vectors, groups, strict=True)
+            for part in (ca.vertsplit(vector, _offsets(group)) if group else [])
+        ]
+        shaped = [ca.reshape(v, *self.step.size_in(i)) for i, v in enumerate(parts)]
+        results = [ca.vec(ca.densify(r)) for r in self.step.call(shaped, True, False)]
+        n = len(self.states)
+        ends = [ca.vertcat(*results[:n]), ca.vertcat(*results[n:])]
+        return ca.Function(self.name, vectors, ends, ["x", "u", "p"], ["x_next", "y"])
+
+
+@dataclass(frozen=True, eq=False)
+class CompiledBlock:
+    """A block as machine code on this computer; vectors hold the fields one after the other."""
+
+    block: Block
+    function: CompiledFunction
+
+    @property
+    def initial_state(self) -> Array:
+        """x0, shape (nx,)."""
+        return _stack(self.block.states, {})
+
+    @property
+    def default_parameters(self) -> Array:
+        """p, shape (np,)."""
+        return _stack(self.block.parameters, {})
+
+    def parameters(self, **values: ArrayLike) -> Array:
+        """The default parameters with some fields replaced, shape (np,).
+
+        Raises:
+            InputError: an unknown name or a wrong size.
+        """
+        return _stack(self.block.parameters, values)
+
+    def step(self, x: ArrayLike, u: ArrayLike, p: ArrayLike | None = None) -> tuple[Array, Array]:
+        """One step: (x+, y)."""
+        after, y = self.function.call(x, u, self.default_parameters if p is None else p)
+        return after, y
+
+    def rollout(
+        self, inputs: ArrayLike, *, x0: ArrayLike | None = None, p: ArrayLike | None = None
+    ) -> tuple[Array, Array]:
+        """Many steps in C: `inputs` (n, nu) -> states (n + 1, nx), outputs (n, ny)."""
+        start = self.initial_state if x0 is None else x0
+        return self.function.rollout(start, inputs, self.default_parameters if p is None else p)
+
+    def split(self, fields: tuple[Field, ...], values: Array) -> dict[str, Array]:
+        """The last axis of `values` by field name, for example `split(block.outputs, y)`."""
+        ends = np.cumsum([f.size for f in fields])
+        return {f.name: values[..., end - f.size : end] for f, end in zip(fields, ends, strict=True)}
+
+
+def compile_block(block: Block, *, real: Real = "double") -> CompiledBlock:
+    """Machine code of a block's step for this computer."""
+    return CompiledBlock(block, compile_function(block.flat(), real=real))
+
+
+def _offsets(fields: tuple[Field, ...]) -> list[int]:
+    return [0, *(int(end) for end in np.cumsum([f.size for f in fields]))]
+
+
+def _stack(fields: tuple[Field, ...], values: Mapping[str, ArrayLike]) -> Array:
+    unknown = set(values) - {f.name for f in fields}
+    if unknown:
+        raise InputError(f"found unknown names {sorted(unknown)}; expected some of {[f.name for f in fields]}")
+    parts = [np.asarray(values.get(f.name, f.start), float).ravel() for f in fields]
+    for field, part in zip(fields, parts, strict=True):
+        if part.size != field.size:
+            raise InputError(f"{field.name!r} has {part.size} values; expected {field.size}")
+    return np.concatenate([np.zeros(0), *parts])

@@ -1,0 +1,175 @@
+"""A `casadi.Function` as a list of operations in single-assignment form, equal operations merged."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import casadi as ca
+
+from irb2400_ctrl.errors import InputError
+
+SINCOS = -1
+"""sine and cosine of one argument, computed together"""
+SINE_OF, COSINE_OF = -2, -3
+"""the two halves of SINCOS"""
+SELECT = -4
+"""(condition, a, b): a where the condition holds, else b"""
+
+_COMMUTATIVE = frozenset((ca.OP_ADD, ca.OP_MUL, ca.OP_EQ, ca.OP_NE, ca.OP_AND, ca.OP_OR, ca.OP_HYPOT))
+
+
+@dataclass(frozen=True)
+class Node:
+    """One operation; `args` are indices of earlier nodes, for an input (argument, dense column-major element)."""
+
+    op: int
+    args: tuple[int, ...] = ()
+    value: float = 0.0
+
+
+@dataclass(frozen=True)
+class Graph:
+    """Operations in an order in which they can be computed; `results[k][i]`: node of element i of output k, or None."""
+
+    nodes: tuple[Node, ...]
+    results: tuple[tuple[int | None, ...], ...]
+
+
+class _Builder:
+    """Collects nodes; an operation that is already there is not added again."""
+
+    def __init__(self) -> None:
+        self.nodes: list[Node] = []
+        self.known: dict[tuple[int, tuple[int, ...], str], int] = {}
+
+    def add(self, op: int, args: tuple[int, ...] = (), value: float = 0.0) -> int:
+        if op in _COMMUTATIVE:
+            args = tuple(sorted(args))
+        # repr tells 0.0 from -0.0, which compare equal
+        key = (op, args, repr(value))
+        if key not in self.known:
+            self.known[key] = len(self.nodes)
+            self.nodes.append(Node(op, args, value))
+        return self.known[key]
+
+
+def as_sx(fn: ca.Function) -> ca.Function:
+    """`fn` itself when made of SX, else its expansion.
+
+    Raises:
+        InputError: the function cannot be expanded into scalar operations, or has free variables.
+    """
+    if fn.is_a("SXFunction"):
+        expanded = fn
+    else:
+        try:
+            expanded = fn.expand()
+        except RuntimeError as error:
+            raise InputError(
+                f"function {fn.name()!r} cannot be expanded into scalar operations; expected an SX function "
+                "(no solvers, lookups or callbacks inside); build it from ca.SX symbols"
+            ) from error
+    if expanded.has_free():
+        raise InputError(
+            f"function {fn.name()!r} has free variables {expanded.get_free()}; "
+            "every symbol must be an input: add them to the inputs or substitute numbers"
+        )
+    return expanded
+
+
+def read_graph(fn: ca.Function) -> Graph:
+    """The operations of `fn`, merged, sine and cosine of one argument paired, `if_else` folded into one selection."""
+    fn = as_sx(fn)
+    built = _Builder()
+    dense_in = [fn.sparsity_in(i).find() for i in range(fn.n_in())]
+    dense_out = [fn.sparsity_out(i).find() for i in range(fn.n_out())]
+    results: list[list[int | None]] = [[None] * fn.numel_out(i) for i in range(fn.n_out())]
+    work: dict[int, int] = {}
+    for k in range(fn.n_instructions()):
+        op = fn.instruction_id(k)
+        inputs, outputs = fn.instruction_input(k), fn.instruction_output(k)
+        if op == ca.OP_INPUT:
+            work[outputs[0]] = built.add(op, (inputs[0], dense_in[inputs[0]][inputs[1]]))
+        elif op == ca.OP_CONST:
+            work[outputs[0]] = built.add(op, (), float(fn.instruction_constant(k)))
+        elif op == ca.OP_OUTPUT:
+            results[outputs[0]][dense_out[outputs[0]][outputs[1]]] = work[inputs[0]]
+        elif op == ca.OP_CALL:
+            raise InputError(
+                f"function {fn.name()!r} calls another function inside; expected plain operations; "
+                "call the inner function with inlining (the default) or expand it first"
+            )
+        else:
+            work[outputs[0]] = built.add(op, tuple(work[i] for i in inputs))
+    paired = _pair_sincos(built.nodes, results)
+    selected = _fold_selections(*paired)
+    return _without_dead(*selected)
+
+
+_Results = list[list[int | None]]
+
+
+def _pair_sincos(nodes: list[Node], results: _Results) -> tuple[list[Node], _Results]:
+    """Where both sine and cosine of a node are needed, one SINCOS and its two halves."""
+    sines = {n.args[0] for n in nodes if n.op == ca.OP_SIN}
+    both = sines & {n.args[0] for n in nodes if n.op == ca.OP_COS}
+    built = _Builder()
+    new: list[int] = []
+    for node in nodes:
+        if node.op in (ca.OP_SIN, ca.OP_COS) and node.args[0] in both:
+            pair = built.add(SINCOS, (new[node.args[0]],))
+            new.append(built.add(SINE_OF if node.op == ca.OP_SIN else COSINE_OF, (pair,)))
+        else:
+            new.append(_copy(built, node, new))
+    return built.nodes, _renumber(results, new)
+
+
+def _fold_selections(nodes: list[Node], results: _Results) -> tuple[list[Node], _Results]:
+    """if_else_zero(c, a) + if_else_zero(not c, b), which CasADi makes of if_else, becomes one SELECT."""
+    built = _Builder()
+    new: list[int] = []
+    for node in nodes:
+        if node.op == ca.OP_ADD:
+            first, second = (nodes[i] for i in node.args)
+            if first.op == second.op == ca.OP_IF_ELSE_ZERO:
+                if _is_not(nodes, first.args[0], second.args[0]):
+                    first, second = second, first
+                if _is_not(nodes, second.args[0], first.args[0]):
+                    chosen = (first.args[0], first.args[1], second.args[1])
+                    new.append(built.add(SELECT, tuple(new[i] for i in chosen)))
+                    continue
+        new.append(_copy(built, node, new))
+    return built.nodes, _renumber(results, new)
+
+
+def _is_not(nodes: list[Node], index: int, of: int) -> bool:
+    return nodes[index].op == ca.OP_NOT and nodes[index].args[0] == of
+
+
+def _copy(built: _Builder, node: Node, new: list[int]) -> int:
+    if node.op in (ca.OP_INPUT, ca.OP_CONST):
+        return built.add(node.op, node.args, node.value)
+    return built.add(node.op, tuple(new[i] for i in node.args), node.value)
+
+
+def _renumber(results: _Results, new: list[int]) -> _Results:
+    return [[None if i is None else new[i] for i in column] for column in results]
+
+
+def _without_dead(nodes: list[Node], results: _Results) -> Graph:
+    """The nodes that some result needs, in the same order."""
+    alive = {i for column in results for i in column if i is not None}
+    for index in reversed(range(len(nodes))):
+        if index in alive and nodes[index].op not in (ca.OP_INPUT, ca.OP_CONST):
+            alive.update(nodes[index].args)
+    built = _Builder()
+    new: list[int] = []
+    for index, node in enumerate(nodes):
+        new.append(_copy(built, node, new) if index in alive else -1)
+    return Graph(tuple(built.nodes), tuple(tuple(column) for column in _renumber(results, new)))
+
+
+def is_finite_constant(node: Node) -> bool:
+    """Whether the node is a number that C can spell."""
+    return node.op == ca.OP_CONST and math.isfinite(node.value)

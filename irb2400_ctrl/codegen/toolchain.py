@@ -1,0 +1,138 @@
+"""The C compiler of this machine, and the cache that keeps what it made."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import platform
+import shlex
+import shutil
+import subprocess
+import sys
+import tempfile
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+
+from irb2400_ctrl.errors import IrbError, ToolMissingError
+
+# -fno-math-errno and -fno-trapping-math free the compiler from bookkeeping nobody reads; values stay the same.
+# Contraction to fused multiply-add would change last bits from machine to machine.
+EXACT_FLAGS = ("-std=c99", "-O3", "-ffp-contract=off", "-fno-math-errno", "-fno-trapping-math")
+FUSED_FLAGS = ("-std=c99", "-O3", "-ffp-contract=fast", "-fno-math-errno", "-fno-trapping-math")
+
+
+@dataclass(frozen=True)
+class Compiler:
+    """A C compiler: the command's words and what tells this installation from another."""
+
+    command: tuple[str, ...]
+    identity: str
+
+
+def find_compiler() -> Compiler:
+    """`$CC`, else cc, gcc or clang on the path.
+
+    Raises:
+        ToolMissingError: none of them is there.
+    """
+    chosen = shlex.split(os.environ.get("CC", ""))
+    candidates = [chosen] if chosen else [["cc"], ["gcc"], ["clang"]]
+    for command in candidates:
+        path = shutil.which(command[0])
+        if path:
+            file = Path(path).resolve()
+            status = file.stat()
+            return Compiler((path, *command[1:]), f"{file} {status.st_size} {status.st_mtime_ns} {command[1:]}")
+    raise ToolMissingError(
+        f"found no C compiler (looked for {', '.join(c[0] for c in candidates)}); expected one on the path; "
+        "install it (Debian: apt-get install gcc; Fedora: dnf install gcc; macOS: xcode-select --install) "
+        "or name it in the environment variable CC"
+    )
+
+
+@cache
+def native_flags() -> tuple[str, ...]:
+    """Flags for this very processor, as far as the compilers of this system know them."""
+    if sys.platform.startswith("linux"):
+        return ("-march=native",) if platform.machine() == "x86_64" else ("-mcpu=native",)
+    return ("-mcpu=native",) if platform.machine() == "arm64" else ()
+
+
+@cache
+def processor() -> str:
+    """What tells this processor from another that cannot run code made for it."""
+    try:
+        lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
+    except OSError:
+        return platform.platform() + platform.processor()
+    marks = {line for line in lines if line.startswith(("model name", "flags", "Features", "CPU part"))}
+    return platform.machine() + "".join(sorted(marks))
+
+
+def cache_dir() -> Path:
+    """`$XDG_CACHE_HOME/irb2400_ctrl`, else `~/.cache/irb2400_ctrl`, else a private folder for temporary files."""
+    base = os.environ.get("XDG_CACHE_HOME")
+    candidates = [Path(base)] if base else []
+    home = os.path.expanduser("~")
+    if home != "~":
+        candidates.append(Path(home) / ".cache")
+    for candidate in candidates:
+        folder = candidate / "irb2400_ctrl"
+        try:
+            folder.mkdir(mode=0o700, parents=True, exist_ok=True)
+        except OSError:
+            continue
+        if os.access(folder, os.W_OK | os.X_OK):
+            return folder
+    return _temporary_cache()
+
+
+def _temporary_cache() -> Path:
+    user = os.getuid() if hasattr(os, "getuid") else 0
+    folder = Path(tempfile.gettempdir()) / f"irb2400_ctrl-{user}"
+    folder.mkdir(mode=0o700, exist_ok=True)
+    status = folder.lstat()
+    # code from this folder is executed: nobody else may have made it or write to it
+    if hasattr(os, "getuid") and (status.st_uid != user or status.st_mode & 0o022 or folder.is_symlink()):
+        return Path(tempfile.mkdtemp(prefix="irb2400_ctrl-"))
+    return folder
+
+
+def build_shared(source: str, *, fused: bool = False) -> Path:
+    """Compile C text to a shared library, or find it in the cache.
+
+    The key is the content: text, flags, compiler, processor. The library is made under a temporary name and moved,
+    so that two processes may build the same thing at once.
+
+    Raises:
+        ToolMissingError: no compiler.
+        IrbError: the compiler rejects the text.
+    """
+    compiler = find_compiler()
+    flags = (*(FUSED_FLAGS if fused else EXACT_FLAGS), *native_flags(), "-fPIC", "-shared")
+    key = hashlib.sha256("\0".join((source, *flags, compiler.identity, processor())).encode()).hexdigest()[:32]
+    library = cache_dir() / f"{key}.so"
+    if not library.exists():
+        with tempfile.TemporaryDirectory(dir=library.parent, prefix=".build-") as work:
+            text, made = Path(work) / "code.c", Path(work) / "code.so"
+            text.write_text(source, encoding="utf-8")
+            run_tool([*compiler.command, *flags, str(text), "-o", str(made), "-lm"])
+            os.replace(made, library)
+    return library
+
+
+def run_tool(command: list[str], *, cwd: Path | None = None, timeout: float = 600.0) -> str:
+    """Run a program of the toolchain and return what it printed.
+
+    Raises:
+        IrbError: it failed; the message holds the command and the end of its complaint.
+    """
+    try:
+        done = subprocess.run(command, cwd=cwd, capture_output=True, text=True, timeout=timeout, check=False)
+    except (OSError, subprocess.TimeoutExpired) as error:
+        raise IrbError(f"could not run {shlex.join(command)}: {error}") from error
+    if done.returncode:
+        complaint = (done.stderr or done.stdout).strip()[-2000:]
+        raise IrbError(f"{shlex.join(command)} failed with exit code {done.returncode}:\n{complaint}")
+    return done.stdout
