@@ -50,7 +50,7 @@ static inline real_t own_abs(real_t x)
 
 /*@ sincos : round */
 /* sin and cos together, without a branch: x = k pi + r, |r| <= pi/2, both times (-1)^k.
-   Domain |x| <= 1600 (float), 3e6 (double); absolute error <= 1.5e-7 (float), 2.5e-16 (double). */
+   Domain |x| <= 1600 (float), 3e6 (double); absolute error <= 1.7e-7 (float), 3.2e-16 (double). */
 typedef struct {
     real_t s;
     real_t c;
@@ -139,10 +139,11 @@ static inline exponential_t own_expm1_parts(real_t x)
 static inline real_t own_exp(real_t x)
 {
     const exponential_t e = own_expm1_parts(x);
-    return e.scale + (e.scale * e.reduced);
+    return e.scale * (R(1.0) + e.reduced);
 }
 
 /*@ expm1 : expm1_parts */
+/* Domain -1e9 <= x <= 88 (float), 709 (double); <= 3 ulp. */
 static inline real_t own_expm1(real_t x)
 {
     const exponential_t e = own_expm1_parts(x);
@@ -159,6 +160,7 @@ static inline real_t own_tanh(real_t x)
 }
 
 /*@ sinh : abs expm1 */
+/* Domain |x| <= 88 (float), 709 (double); <= 4 ulp. */
 static inline real_t own_sinh(real_t x)
 {
     const real_t e = own_expm1(own_abs(x));
@@ -167,6 +169,7 @@ static inline real_t own_sinh(real_t x)
 }
 
 /*@ cosh : exp */
+/* Domain |x| <= 88 (float), 709 (double); <= 4 ulp. */
 static inline real_t own_cosh(real_t x)
 {
     const real_t e = own_exp(x);

@@ -1,0 +1,153 @@
+"""`CompiledFunction`: calling, looping, the cache, and errors that help."""
+
+import os
+import stat
+import sys
+from pathlib import Path
+
+import casadi as ca
+import numpy as np
+import pytest
+
+from irb2400_ctrl.codegen import compile_function
+from irb2400_ctrl.codegen.toolchain import cache_dir
+from irb2400_ctrl.errors import InputError, ToolMissingError
+
+
+def pendulum(dt: float = 0.01) -> ca.Function:
+    """(x, u, p) -> (x+, y) of a damped pendulum, semi-implicit Euler."""
+    x, u, p = ca.SX.sym("x", 2), ca.SX.sym("u"), ca.SX.sym("p", 2)
+    speed = x[1] + dt * (u - p[0] * ca.sin(x[0]) - p[1] * x[1])
+    return ca.Function(
+        "pendulum", [x, u, p], [ca.vertcat(x[0] + dt * speed, speed), x[0]], ["x", "u", "p"], ["xn", "y"]
+    )
+
+
+@pytest.mark.parametrize("real", ["double", "float"])
+def test_call_map_and_buffers_agree(real: str) -> None:
+    fn = compile_function(pendulum(), real=real)  # type: ignore[arg-type]
+    rng = np.random.default_rng(0)
+    x, u, p = rng.normal(size=(50, 2)), rng.normal(size=(50, 1)), np.array([9.81, 0.1])
+    after, angle = fn.map(x, u, p)
+    memory = fn.buffers()
+    for k in range(50):
+        one = fn.call(x[k], u[k], p)
+        for place, value in zip(memory.inputs, (x[k], u[k], p), strict=True):
+            place[:] = value
+        memory.run()
+        assert np.array_equal(one[0], after[k])
+        assert np.array_equal(one[1], angle[k])
+        assert np.array_equal(memory.outputs[0], after[k])
+    reference = np.array(pendulum().map(50)(x.T, u.T, np.tile(p[:, None], 50))[0]).T
+    assert np.allclose(after, reference, rtol=0, atol=2e-6 if real == "float" else 1e-15)
+
+
+def test_rollout_is_the_iteration() -> None:
+    fn = compile_function(pendulum())
+    u = np.sin(np.linspace(0, 9, 300))[:, None]
+    states, outputs = fn.rollout([0.1, 0.0], u, [9.81, 0.1])
+    x = np.array([0.1, 0.0])
+    for k in range(300):
+        assert np.array_equal(states[k], x)
+        x, y = fn.call(x, u[k], [9.81, 0.1])
+        assert np.array_equal(outputs[k], y)
+    assert np.array_equal(states[300], x)
+
+
+def test_rollout_without_constants() -> None:
+    x, u = ca.SX.sym("x"), ca.SX.sym("u")
+    states, outputs = compile_function(ca.Function("sum", [x, u], [x + u, 2 * x])).rollout([0.0], np.ones((5, 1)))
+    assert states[:, 0].tolist() == [0, 1, 2, 3, 4, 5]
+    assert outputs[:, 0].tolist() == [0, 2, 4, 6, 8]
+
+
+def test_map_over_matrices() -> None:
+    m, s = ca.SX.sym("m", 2, 3), ca.SX.sym("s")
+    fn = compile_function(ca.Function("f", [m, s], [s * m.T]))
+    values = np.random.default_rng(1).normal(size=(7, 2, 3))
+    (found,) = fn.map(values, 2.0)
+    assert np.array_equal(found, 2 * values.transpose(0, 2, 1))
+    (fixed,) = fn.map(values[0], np.arange(4.0)[:, None])
+    assert np.array_equal(fixed, np.arange(4.0)[:, None, None] * values[0].T)
+
+
+def test_mx_functions_are_expanded() -> None:
+    z = ca.MX.sym("z", 3)
+    assert compile_function(ca.Function("f", [z], [ca.dot(z, z)])).call([1, 2, 3])[0] == 14
+
+
+def test_functions_without_inputs_or_used_inputs() -> None:
+    x = ca.SX.sym("x", 2)
+    assert compile_function(ca.Function("f", [], [ca.SX(3.0)])).call()[0] == 3
+    assert compile_function(ca.Function("f", [x], [ca.SX(3.0)])).call([1, 2])[0] == 3
+
+
+def test_a_second_start_compiles_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    log = tmp_path / "calls"
+    wrapper = tmp_path / "counting-cc"
+    wrapper.write_text(f'#!/bin/sh\necho call >> "{log}"\nexec cc "$@"\n')
+    wrapper.chmod(wrapper.stat().st_mode | stat.S_IXUSR)
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
+    monkeypatch.setenv("CC", str(wrapper))
+    compile_function(pendulum())
+    compile_function(pendulum())
+    assert log.read_text().count("call") == 1
+    compile_function(pendulum(0.02))
+    assert log.read_text().count("call") == 2
+    compile_function(pendulum(), real="float")
+    compile_function(pendulum(), fused=True)
+    assert log.read_text().count("call") == 4
+    assert not [f for f in cache_dir().iterdir() if f.suffix != ".so"]
+
+
+def test_a_missing_compiler_is_said(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setenv("PATH", str(tmp_path))
+    monkeypatch.delenv("CC", raising=False)
+    with pytest.raises(ToolMissingError, match="apt-get install gcc"):
+        compile_function(pendulum())
+
+
+@pytest.mark.skipif(not sys.platform.startswith("linux") or os.getuid() == 0, reason="root writes everywhere")
+def test_an_unwritable_home_falls_back(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    closed = tmp_path / "closed"
+    closed.mkdir(mode=0o500)
+    monkeypatch.setenv("XDG_CACHE_HOME", str(closed))
+    monkeypatch.setenv("HOME", str(closed))
+    assert closed not in cache_dir().parents
+
+
+def test_no_home_falls_back_to_a_private_folder(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    blocked = tmp_path / "file"
+    blocked.write_text("")
+    monkeypatch.setenv("XDG_CACHE_HOME", str(blocked))
+    monkeypatch.setenv("HOME", str(blocked))
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
+    folder = cache_dir()
+    assert folder.parent == tmp_path
+    assert folder.stat().st_mode & 0o077 == 0
+
+
+@pytest.mark.parametrize(
+    ("arguments", "says"),
+    [(([1.0],), "found 1 arguments"), (([1.0], [1.0], [1.0, 2.0]), r"'x' has shape \(1,\)")],
+)
+def test_wrong_calls(arguments: tuple[list[float], ...], says: str) -> None:
+    with pytest.raises(InputError, match=says):
+        compile_function(pendulum()).call(*arguments)
+
+
+def test_wrong_maps_and_rollouts() -> None:
+    fn = compile_function(pendulum())
+    with pytest.raises(InputError, match="different numbers of rows"):
+        fn.map(np.zeros((3, 2)), np.zeros((4, 1)), [1, 2])
+    with pytest.raises(InputError, match="no different numbers of rows"):
+        fn.map([0, 0], [0], [1, 2])
+    with pytest.raises(InputError, match=r"'u' has shape \(3, 2\)"):
+        fn.map(np.zeros((3, 2)), np.zeros((3, 2)), [1, 2])
+    with pytest.raises(InputError, match="found 0 constants"):
+        fn.rollout([0, 0], np.zeros((3, 1)))
+    with pytest.raises(InputError, match=r"expected\s+\(n, 1\)"):
+        fn.rollout([0, 0], np.zeros(3), [1, 2])
+    x = ca.SX.sym("x")
+    with pytest.raises(InputError, match=r"\(x, u, p\)"):
+        compile_function(ca.Function("f", [x], [x])).rollout([0], np.zeros((1, 1)))
