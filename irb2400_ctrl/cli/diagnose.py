@@ -1,0 +1,46 @@
+"""`irb2400 diagnose`: what does the model lack that the log shows?"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from irb2400_ctrl.cli.options import OutOption, RobotOption, input_file, output_folder
+from irb2400_ctrl.cli.progress import step
+
+
+def diagnose(
+    log: Annotated[Path, typer.Argument(metavar="LOG", help="Measured log (.csv or .csv.gz).")],
+    out: OutOption,
+    validate: Annotated[
+        Path | None, typer.Option(metavar="LOG2", help="Another motion of the same arm, for the error after.")
+    ] = None,
+    reference: Annotated[
+        Path | None, typer.Option(metavar="LOG3", help="Log of the arm known to be sound: gives the noise model.")
+    ] = None,
+    robot: RobotOption = "irb2400",
+) -> None:
+    """Find the residual, name the effect behind it, add it to the robot -> findings.json, robot.toml, report.html."""
+    for path in (log, validate, reference):
+        if path is not None:
+            input_file(path, "a log (.csv or .csv.gz)")
+    output_folder(out)
+
+    from irb2400_ctrl.diagnosis import diagnose as run
+    from irb2400_ctrl.measurement import read_log
+    from irb2400_ctrl.report.diagnosis_report import diagnosis_page, lines
+    from irb2400_ctrl.robot import load_robot
+
+    arm = load_robot(robot)
+    with step(f"reading {log.name}"):
+        logs = [None if path is None else read_log(path) for path in (log, validate, reference)]
+    assert logs[0] is not None
+    with step("comparing log and model"):
+        result = run(arm, logs[0], validation=logs[1], reference=logs[2])
+    with step("writing the report"):
+        result.write(out)
+        diagnosis_page(result, title=f"Diagnosis of {log.name}").write(out / "report.html")
+    print("\n".join(lines(result)))
+    print(f"written: {out / 'findings.json'}, {out / 'robot.toml'}, {out / 'report.html'}")

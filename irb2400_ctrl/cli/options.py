@@ -1,0 +1,34 @@
+"""Options that several commands share."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+RobotOption = Annotated[str, typer.Option("--robot", metavar="ROBOT", help="A robot file (TOML) or a name.")]
+OutOption = Annotated[Path, typer.Option("--out", metavar="DIR", help="Folder for the results; all is written there.")]
+
+
+def input_file(path: Path, what: str) -> Path:
+    """The path, if a file is there; InputError says what was expected otherwise."""
+    from irb2400_ctrl.errors import InputError
+
+    if not path.is_file():
+        found = "a folder" if path.is_dir() else "nothing"
+        raise InputError(f"{path}: found {found}, expected {what}; check the path")
+    return path
+
+
+def output_folder(out: Path) -> Path:
+    """The folder, made if missing; InputError when a file is in the way."""
+    from irb2400_ctrl.errors import InputError
+
+    if out.exists() and not out.is_dir():
+        raise InputError(f"--out {out}: found a file, expected a folder or a new name")
+    try:
+        out.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InputError(f"--out {out}: cannot make the folder ({error.strerror}); choose another place") from error
+    return out

@@ -1,0 +1,41 @@
+"""`irb2400 simulate`: a trajectory in closed loop on a plant."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from irb2400_ctrl.cli.options import OutOption, RobotOption, input_file, output_folder
+from irb2400_ctrl.cli.progress import step
+
+
+def simulate(
+    trajectory: Annotated[Path, typer.Argument(metavar="TRAJECTORY", help="trajectory.csv of `irb2400 plan`.")],
+    out: OutOption,
+    controller: Annotated[str, typer.Option(metavar="NAME", help="Controller; an unknown name lists all.")],
+    robot: RobotOption = "irb2400",
+    plant: Annotated[
+        str | None, typer.Option(metavar="ROBOT", help="Robot of the plant; the controller's own if absent.")
+    ] = None,
+) -> None:
+    """Track a trajectory with a controller (1 kHz, generated C) -> log.csv, simulation.json, tracking.png."""
+    input_file(trajectory, "a trajectory (CSV)")
+    output_folder(out)
+
+    from irb2400_ctrl.report.simulation_figures import tracking_figure
+    from irb2400_ctrl.robot import load_robot
+    from irb2400_ctrl.simulation import read_trajectory
+    from irb2400_ctrl.simulation import simulate as run
+
+    arm = load_robot(robot)
+    motion = read_trajectory(trajectory)
+    with step(f"simulating {controller}"):
+        simulation = run(arm, motion, controller, plant=None if plant is None else load_robot(plant))
+        simulation.write(out)
+        tracking_figure({controller: simulation}).savefig(out / "tracking.png", dpi=120)
+    s = simulation.summary()
+    print(f"{controller}: {s['duration_s']:.2f} s simulated")
+    print(f"TCP error {s['tcp_error_mm']['rms']:.3f} mm rms, {s['tcp_error_mm']['max']:.3f} mm at most")
+    print(f"written: {out / 'log.csv'}, {out / 'simulation.json'}, {out / 'tracking.png'}")

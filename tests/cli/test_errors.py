@@ -1,0 +1,92 @@
+"""What a user sees when the input is wrong: one or two lines, exit code 2, never a traceback."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import irb2400_ctrl as irb
+
+
+def irb2400(*arguments: object, cwd: Path) -> subprocess.CompletedProcess[str]:
+    command = [sys.executable, "-m", "irb2400_ctrl.cli.main", *(str(a) for a in arguments)]
+    return subprocess.run(command, cwd=cwd, capture_output=True, text=True, check=False)
+
+
+def complaint(*arguments: object, cwd: Path) -> str:
+    done = irb2400(*arguments, cwd=cwd)
+    assert done.returncode == 2, done.stderr
+    assert "Traceback" not in done.stderr
+    assert done.stdout == ""
+    return done.stderr
+
+
+@pytest.mark.parametrize("command", ["plan", "diagnose", "simulate"])
+def test_missing_file(command: str, tmp_path: Path) -> None:
+    extra = ["--controller", "computed_torque"] if command == "simulate" else []
+    text = complaint(command, "nowhere.csv", "--out", "out", *extra, cwd=tmp_path)
+    assert "nowhere.csv" in text
+    assert "expected" in text
+    assert not (tmp_path / "out").exists()
+
+
+def write_log(path: Path, drop: str = "", nan_row: int | None = None) -> Path:
+    names = ["time_s", *(f"q{j}_deg" for j in range(1, 7)), *(f"tau{j}_Nm" for j in range(1, 7))]
+    time = np.arange(1000) / 250
+    data = np.column_stack([time, *(10 * np.sin(time * (1 + j)) for j in range(6)), *(np.cos(time) for _ in range(6))])
+    if nan_row is not None:
+        data[nan_row, 3] = np.nan
+    keep = [i for i, name in enumerate(names) if not (drop and name.startswith(drop))]
+    rows = [",".join(names[i] for i in keep), *(",".join(f"{row[i]:.6f}" for i in keep) for row in data)]
+    path.write_text("\n".join(rows) + "\n")
+    return path
+
+
+def test_log_without_torque(tmp_path: Path) -> None:
+    log = write_log(tmp_path / "log.csv", drop="tau")
+    text = complaint("diagnose", log, "--out", tmp_path / "out", cwd=tmp_path)
+    assert "tau1_Nm" in text
+
+
+def test_nan_in_a_log_says_where(tmp_path: Path) -> None:
+    log = write_log(tmp_path / "log.csv", nan_row=500)
+    text = complaint("diagnose", log, "--out", tmp_path / "out", cwd=tmp_path)
+    assert "q3_deg" in text
+    assert "502" in text  # the line of the file: header, then row 500
+
+
+def test_unreachable_path_names_point_and_distance(tmp_path: Path) -> None:
+    path = tmp_path / "far.csv"
+    path.write_text("x_mm,y_mm,z_mm,i,j,k\n1000,0,800,0,0,1\n1000,50,800,0,0,1\n4000,100,800,0,0,1\n")
+    text = complaint("plan", path, "--out", tmp_path / "out", cwd=tmp_path)
+    assert "point 3" in text
+    assert "mm" in text
+
+
+def test_robot_with_two_mistakes_reports_both(tmp_path: Path) -> None:
+    good = irb.save_robot(irb.load_robot("irb2400"), tmp_path / "good.toml").read_text()
+    bad = tmp_path / "bad.toml"
+    bad.write_text(good.replace("mass_kg = 26.5", "mass_kg = -26.5").replace("speed_deg_s", "sped_deg_s", 1))
+    text = complaint("robot", "check", bad, cwd=tmp_path)
+    assert "mass_kg" in text
+    assert "-26.5" in text
+    assert "did you mean speed_deg_s" in text
+
+
+def test_unknown_controller_lists_the_known_ones(tmp_path: Path) -> None:
+    text = complaint("codegen", "--controller", "magic", "--out", tmp_path / "out", cwd=tmp_path)
+    assert "computed_torque" in text
+
+
+def test_help_loads_no_heavy_package(tmp_path: Path) -> None:
+    code = (
+        "import sys; from irb2400_ctrl.cli import main; "
+        "print([m for m in ('casadi', 'numpy', 'pydantic', 'toppra', 'control', 'matplotlib') if m in sys.modules])"
+    )
+    done = subprocess.run([sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "[]"
+    assert irb2400("--help", cwd=tmp_path).returncode == 0
