@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import difflib
 import tomllib
+from collections.abc import Mapping
 from functools import cached_property
 from importlib import resources
 from pathlib import Path
@@ -274,7 +275,12 @@ class Robot(_Table):
 
     def with_effects(self, *effects: AnyEffect) -> Robot:
         """This robot with further effects, validated."""
-        return Robot.model_validate({**dict(self), "effects": (*self.effects, *effects)})
+        return self.model_copy(update={"effects": (*self.effects, *effects)})
+
+    def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> Robot:
+        """This robot with some fields changed, validated; nothing computed for the old one is carried along."""
+        fields = {name: getattr(self, name) for name in type(self).model_fields}
+        return type(self).model_validate({**fields, **(update or {})})
 
 
 def _read_only(array: Array) -> Array:

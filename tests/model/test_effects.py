@@ -1,0 +1,142 @@
+"""Every effect of the library: regressor form, inverse of its coefficients, and its place in the dynamics."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import casadi as ca
+import numpy as np
+import pytest
+from model.states import States
+
+import irb2400_ctrl as irb
+from irb2400_ctrl.effects import LIBRARY, Effect
+
+FIELDS: dict[str, dict[str, Any]] = {
+    "backlash": {"joint": 2, "gap_rad": 0.002},
+    "balancer": {"joint": 2, "torque_Nm": 400.0, "neutral_rad": 0.1, "free_ratio": 0.5},
+    "base_tilt": {"tilt_x_rad": 0.02, "tilt_y_rad": -0.01},
+    "cable_spring": {"joint": 4, "stiffness_Nm_rad": 12.0, "neutral_rad": 0.3},
+    "coulomb_asymmetry": {"joint": 5},
+    "coulomb_change": {"joint": 3},
+    "elastic_joint": {"joint": 2, "stiffness_Nm_rad": 2e5, "damping_Nms_rad": 0.0},
+    "encoder_zero": {"joint": 3, "zero_rad": 0.004},
+    "gear_ripple": {"joint": 4, "amplitude_Nm": 3.0, "order": 37.0, "phase_rad": 0.4},
+    "hysteresis": {"joint": 5, "amplitude_Nm": 4.0, "width_rad": 0.02},
+    "link_inertia": {"joint": 2, "mass_kg": 8.0, "com_m": (0.3, 0.1, -0.05)},
+    "linkage_inertia": {"joint": 3, "inertia_kgm2": 1.5, "moment_kgm": 2.0},
+    "load_friction": {"joint": 2, "coefficient": 0.06},
+    "payload": {"mass_kg": 5.0, "com_m": (0.02, -0.01, 0.1)},
+    "process_force": {"force_x_N": 50.0, "force_y_N": -20.0, "force_z_N": 10.0},
+    "rotor_inertia": {"joint": 1},
+    "time_delay": {"joint": 1, "delay_s": 0.004},
+    "torque_gain": {"joint": 6, "gain": 1.05},
+    "torque_offset": {"joint": 6},
+    "viscous_change": {"joint": 1},
+    "viscous_power": {"joint": 1, "coefficient": 8.0, "exponent": 0.6},
+    "viscous_warmup": {"joint": 2, "viscous_Nms_rad": 20.0, "time_constant_s": 40.0},
+    "wrist_coupling": {"joint": 4, "inertia_kgm2": 0.2, "viscous_Nms_rad": 0.5},
+}
+
+
+def example(kind: str) -> Effect:
+    """An effect with a value in every field; the one coefficient of a simple effect is 0.7 in its own unit."""
+    effect_type = LIBRARY[kind]
+    given = dict(FIELDS[kind])
+    open_fields = [
+        name
+        for name, field in effect_type.model_fields.items()
+        if field.is_required() and name not in given and name not in {"kind", "joint", "source"}
+    ]
+    return effect_type.of(given.pop("joint", None), **given, **dict.fromkeys(open_fields, 0.7))
+
+
+def test_every_kind_of_the_library_is_tested_here() -> None:
+    assert set(FIELDS) == set(LIBRARY)
+
+
+@pytest.mark.parametrize("kind", LIBRARY)
+def test_torque_is_basis_times_coefficients(kind: str, model: irb.Model, states: States) -> None:
+    effect = example(kind)
+    s = model.signals()
+    s = s.with_state(effect.steady_state(s))
+    basis, torque = effect.basis(s), effect.torque(s)
+    k = len(effect.coefficients())
+    assert basis.shape == (6, k)
+    inputs = [s.q, s.qd, s.qdd, s.time, s.qddd, s.qdddd]
+    f = ca.Function("f", inputs, [basis @ ca.DM(list(effect.coefficients())) - torque, torque])
+    for q, qd, qdd in zip(states.q[:10], states.qd[:10], states.qdd[:10], strict=True):
+        difference, value = (np.array(out) for out in f(q, qd, qdd, 3.0, 10 * qdd, 100 * qdd))
+        assert np.isfinite(value).all()
+        assert np.abs(difference).max() <= 1e-12 * max(1.0, np.abs(value).max())
+
+
+@pytest.mark.parametrize("kind", LIBRARY)
+def test_coefficients_and_back_is_the_same_effect(kind: str, model: irb.Model) -> None:
+    effect = example(kind)
+    cell = type(effect).grid(effect.joint)[0]
+    nonlinear = {name: getattr(effect, name) for name in cell}
+    if kind == "process_force":
+        nonlinear = {"start_s": effect.start_s, "stop_s": effect.stop_s}  # type: ignore[attr-defined]
+    again = type(effect).from_coefficients(effect.joint, effect.coefficients(), nonlinear)
+    found, expected = again.model_dump(), effect.model_dump()
+    assert found.keys() == expected.keys()
+    for name, value in expected.items():
+        assert found[name] == (value if value is None or isinstance(value, str) else pytest.approx(value)), name
+
+
+@pytest.mark.parametrize("kind", LIBRARY)
+def test_forward_undoes_inverse_dynamics(kind: str, robot: irb.Robot, states: States) -> None:
+    effect = example(kind)
+    arm = irb.Model(robot.with_effects(effect))
+    q, qd, qdd = states.q[:40], states.qd[:40], states.qdd[:40]
+    tau = arm.inverse_dynamics(q, qd, qdd, time=2.0)
+    np.testing.assert_allclose(arm.forward_dynamics(q, qd, tau, time=2.0), qdd, rtol=0, atol=1e-7)
+    plain = irb.Model(robot).inverse_dynamics(q, qd, qdd)
+    if effect.acts == "measurement":
+        np.testing.assert_array_equal(tau, plain)
+    elif kind != "elastic_joint":
+        assert np.abs(tau - plain).max() > 1e-3
+
+
+# the elastic joint's law is of second order in the acceleration: M is its slope at rest only
+@pytest.mark.parametrize("kind", sorted(set(LIBRARY) - {"elastic_joint"}))
+def test_gravity_and_mass_matrix_hold_the_effect(kind: str, robot: irb.Robot, states: States) -> None:
+    """tau(q, 0, 0) = G, and tau - G = M qdd from rest."""
+    arm = irb.Model(robot.with_effects(example(kind)))
+    zero = np.zeros(6)
+    for q, qdd in zip(states.q[:10], states.qdd[:10], strict=True):
+        at_rest = arm.inverse_dynamics(q, zero, zero, friction=False)
+        np.testing.assert_allclose(arm.gravity(q), at_rest, rtol=0, atol=1e-10)
+        moved = arm.inverse_dynamics(q, zero, qdd, friction=False)
+        np.testing.assert_allclose(moved - at_rest, arm.mass_matrix(q) @ qdd, rtol=0, atol=1e-9)
+
+
+@pytest.mark.parametrize("kind", LIBRARY)
+def test_a_robot_file_keeps_the_effect(kind: str, robot: irb.Robot, tmp_path: Any) -> None:
+    arm = robot.with_effects(example(kind))
+    assert irb.load_robot(irb.save_robot(arm, tmp_path / "arm.toml")) == arm
+
+
+def test_payload_moves_with_the_flange(robot: irb.Robot, states: States) -> None:
+    """A payload effect is the same as a heavier tool."""
+    assert robot.tool is not None
+    payload = LIBRARY["payload"].of(None, mass_kg=robot.tool.body.mass_kg, com_m=robot.tool.body.com_m)
+    point_tool = robot.tool.body.model_copy(update={"inertia_kgm2": (0.0,) * 6})
+    with_tool = robot.model_copy(update={"tool": robot.tool.model_copy(update={"body": point_tool})})
+    bare = robot.model_copy(update={"tool": None}).with_effects(payload)
+    np.testing.assert_allclose(
+        irb.Model(bare).inverse_dynamics(states.q, states.qd, states.qdd),
+        irb.Model(with_tool).inverse_dynamics(states.q, states.qd, states.qdd),
+        rtol=0,
+        atol=1e-9,
+    )
+
+
+def test_base_tilt_is_a_turned_gravity(robot: irb.Robot, states: States) -> None:
+    """First order in the angle: the exact turn of gravity differs by its square."""
+    t = 1e-4
+    tilted = irb.Model(robot.with_effects(LIBRARY["base_tilt"].of(None, tilt_x_rad=t)))
+    turned = robot.model_copy(update={"gravity_m_s2": (0.0, -9.81 * np.sin(t), -9.81 * np.cos(t))})
+    exact = irb.Model(turned)
+    np.testing.assert_allclose(tilted.gravity(states.q), exact.gravity(states.q), rtol=0, atol=1e-4)
