@@ -340,3 +340,9 @@ static inline real_t own_fmax(real_t x, real_t y)
 {
     return (y > x) ? y : x;
 }
+
+/*@ clip */
+static inline real_t own_clip(real_t x, real_t low, real_t high)
+{
+    return (x < low) ? low : ((x > high) ? high : x);
+}

@@ -1,0 +1,286 @@
+"""A `Block` as a self-contained C99 package: one source, one header, and what shows how to use them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from irb2400_ctrl.codegen import package_pages
+from irb2400_ctrl.codegen.block import Block, Field
+from irb2400_ctrl.codegen.build import Real
+from irb2400_ctrl.codegen.emit import emit_body
+from irb2400_ctrl.codegen.own_math import prelude
+from irb2400_ctrl.errors import InputError
+
+_KEYWORDS = frozenset(
+    "auto bool break case char const continue default do double else enum extern false float for goto if inline int "
+    "long register restrict return short signed sizeof static struct switch true typedef union unsigned void "
+    "volatile while real_t".split()
+)
+FAULT_INPUT = 1
+"""status bit: an input is not a number or outside its range"""
+FAULT_RESULT = 2
+"""status bit: the computed step is not finite"""
+
+
+@dataclass(frozen=True)
+class Package:
+    """The texts of a C package for one block.
+
+    The four C structs hold reals only, one field after the other; `state_fields` … list them in order, so that a
+    flat vector is the struct.
+    """
+
+    block: Block
+    real: Real = "float"
+
+    def __post_init__(self) -> None:
+        fields = (*self.state_fields, *self.block.inputs, *self.block.outputs, *self.parameter_fields)
+        for name in (self.block.name, *(f.name for f in fields)):
+            if name in _KEYWORDS or not name.isidentifier() or not name.isascii():
+                raise InputError(f"block {self.block.name!r}: {name!r} is no name in C; rename the block or the field")
+        for group in (self.state_fields, self.parameter_fields):
+            names = [f.name for f in group]
+            if len(names) != len(set(names)):
+                raise InputError(
+                    f"block {self.block.name!r}: found two fields of one name among {names}; note that held_*, *_min "
+                    "and *_max are added for outputs and bounds; rename yours"
+                )
+
+    @property
+    def name(self) -> str:
+        """Prefix of everything in the package."""
+        return self.block.name
+
+    @cached_property
+    def state_fields(self) -> tuple[Field, ...]:
+        """The block's states and the last good outputs."""
+        held = (Field(f"held_{f.name}", f.size, f.unit, f"last good {f.name}") for f in self.block.outputs)
+        return (*self.block.states, *held)
+
+    @cached_property
+    def parameter_fields(self) -> tuple[Field, ...]:
+        """The block's parameters, then the bounds of inputs and outputs."""
+        bounds = []
+        for field in (*self.block.inputs, *self.block.outputs):
+            word = "believed" if field in self.block.inputs else "sent"
+            for end, values in (("min", field.lower), ("max", field.upper)):
+                if values:
+                    text = f"{'smallest' if end == 'min' else 'largest'} {field.name} that is {word}"
+                    bounds.append(Field(f"{field.name}_{end}", field.size, field.unit, text, values))
+        return (*self.block.parameters, *bounds)
+
+    def files(self) -> dict[str, str]:
+        """File name -> text of the whole package."""
+        return {
+            f"{self.name}.h": self.header(),
+            f"{self.name}.c": self.source(),
+            "main.c": package_pages.main_c(self.block),
+            "CMakeLists.txt": package_pages.cmake(self.name),
+            "README.md": package_pages.readme(self.block, self.real),
+        }
+
+    def header(self) -> str:
+        """Types and functions."""
+        name, upper = self.name, self.name.upper()
+        return f"""\
+/* {_plain(self.block.doc) or name}
+
+   Generated C99 without dependencies: no heap, no global variables, no library. Call {name}_init once and
+   {name}_step every {self.block.sample_time:g} s. */
+#ifndef {upper}_H
+#define {upper}_H
+
+#include <stdint.h>
+
+/* Precision of the whole file: 1 float, 0 double. */
+#ifndef {upper}_SINGLE
+#define {upper}_SINGLE {int(self.real == "float")}
+#endif
+
+#if {upper}_SINGLE
+typedef float {name}_real_t;
+#else
+typedef double {name}_real_t;
+#endif
+
+/* Bits of the status that {name}_step returns; 0: all well. While one is set, the state stands still and the last
+   good output is repeated. */
+#define {upper}_FAULT_INPUT {FAULT_INPUT}u /* an input is not a number or outside its range */
+#define {upper}_FAULT_RESULT {FAULT_RESULT}u /* the result is not finite, for example after wrong parameters */
+
+{self._struct("state", self.state_fields)}
+{self._struct("input", self.block.inputs)}
+{self._struct("output", self.block.outputs)}
+{self._struct("parameters", self.parameter_fields)}
+/* Gains and limits as designed; pass a table of your own to replace them. */
+extern const {name}_parameters_t {name}_default_parameters;
+
+/* Initial state; the held output is zero, or the bound next to zero. */
+void {name}_init({name}_state_t *state, const {name}_parameters_t *parameters);
+
+/* One sample: reads input and parameters, moves the state on, writes output. */
+uint32_t {name}_step({name}_state_t *state, const {name}_input_t *input,
+    const {name}_parameters_t *parameters, {name}_output_t *output);
+
+#endif
+"""
+
+    def source(self) -> str:
+        """The one C file."""
+        name, upper = self.name, self.name.upper()
+        places = self._places()
+        body = emit_body(self.block.step, lambda k, i: f"{places[k]}[{i}]")
+        functions = {*body.functions, *(["clip"] if any(f.lower or f.upper for f in self.block.outputs) else [])}
+        macro = f"{upper}_SINGLE"
+        own = prelude(functions).replace("REAL_IS_FLOAT", macro)
+        return f"""\
+/* {_plain(self.block.doc) or name}: see {name}.h. */
+#include "{name}.h"
+
+#include <stdbool.h>
+{"#include <string.h>" if "memcpy" in own else ""}
+
+#if defined(__FAST_MATH__)
+#error "-ffast-math breaks the rounding that this file relies on"
+#endif
+
+typedef {name}_real_t real_t;
+#define R(x) ((real_t)(x))
+
+{own}
+{self._defaults()}
+{self._checks()}
+{self._init()}
+uint32_t {name}_step({name}_state_t *state, const {name}_input_t *input,
+    const {name}_parameters_t *parameters, {name}_output_t *output)
+{{
+    uint32_t status = inputs_are_valid(input, parameters) ? 0u : {upper}_FAULT_INPUT;
+    if (status == 0u) {{
+{_lines(body.statements, 8)}
+{self._finish(body.results)}
+    }}
+    if (status != 0u) {{
+{self._hold()}
+    }}
+    return status;
+}}
+"""
+
+    def _places(self) -> list[str]:
+        groups = (("state", self.block.states), ("input", self.block.inputs), ("parameters", self.block.parameters))
+        return [f"{struct}->{field.name}" for struct, fields in groups for field in fields]
+
+    def _struct(self, kind: str, fields: Sequence[Field]) -> str:
+        real = f"{self.name}_real_t"
+        # C has no empty struct
+        members = [f"    {real} {f.name}[{f.size}]; /* {_described(f)} */" for f in fields]
+        body = "\n".join(members or [f"    {real} unused[1];"])
+        return f"typedef struct {{\n{body}\n}} {self.name}_{kind}_t;\n"
+
+    def _defaults(self) -> str:
+        rows = [
+            f"    {{ {', '.join(f'R({v!r})' for v in map(float, f.start))} }}, /* {f.name} {_described(f)} */"
+            for f in self.parameter_fields
+        ] or ["    { R(0.0) }"]
+        return f"const {self.name}_parameters_t {self.name}_default_parameters = {{\n" + "\n".join(rows) + "\n};\n"
+
+    def _checks(self) -> str:
+        """Every comparison with a number that is none is false, so that one test covers range and validity."""
+        terms = []
+        free = []
+        for field in self.block.inputs:
+            for i in range(field.size):
+                at = f"input->{field.name}[{i}]"
+                if field.lower:
+                    terms.append(f"({at} >= parameters->{field.name}_min[{i}])")
+                if field.upper:
+                    terms.append(f"({at} <= parameters->{field.name}_max[{i}])")
+                if not (field.lower and field.upper):
+                    free.append(at)
+        if free:
+            terms.append("((sum - sum) == R(0.0))")
+        lines = [f"    const real_t sum = {_joined(free, ' + ', 8)};"] if free else []
+        if not any(f.lower or f.upper for f in self.block.inputs):
+            lines.append("    (void)parameters;")
+        if not self.block.inputs:
+            lines.append("    (void)input;")
+        comment = "    /* infinity - infinity and NaN - NaN are NaN */\n" if free else ""
+        return (
+            f"static inline bool inputs_are_valid(const {self.name}_input_t *input, "
+            f"const {self.name}_parameters_t *parameters)\n{{\n"
+            + "".join(f"{line}\n" for line in lines)
+            + f"{comment}    return {_joined(terms, ' && ', 8) or 'true'};\n}}\n"
+        )
+
+    def _init(self) -> str:
+        lines = []
+        for field in self.block.states:
+            lines += [f"state->{field.name}[{i}] = R({float(v)!r});" for i, v in enumerate(field.start)]
+        for field in self.block.outputs:
+            lines += [f"state->held_{field.name}[{i}] = {_clip(field, i, 'R(0.0)')};" for i in range(field.size)]
+        if not any(f.lower or f.upper for f in self.block.outputs):
+            lines.append("(void)parameters;")
+        return (
+            f"void {self.name}_init({self.name}_state_t *state, const {self.name}_parameters_t *parameters)\n"
+            f"{{\n{_lines(lines, 4)}\n}}\n"
+        )
+
+    def _finish(self, results: Sequence[Sequence[str]]) -> str:
+        """Test the result as a whole, then store it."""
+        flat = [text for column in results for text in column]
+        n = len(self.block.states)
+        stores = [f"state->{f.name}[{i}] = {r};" for f, c in zip(self.block.states, results, strict=False) for i, r in enumerate(c)]
+        for field, column in zip(self.block.outputs, results[n:], strict=True):
+            for i, text in enumerate(column):
+                stores.append(f"output->{field.name}[{i}] = {_clip(field, i, text)};")
+                stores.append(f"state->held_{field.name}[{i}] = output->{field.name}[{i}];")
+        return (
+            f"        const real_t total = {_joined(flat, ' + ', 12)};\n"
+            "        if ((total - total) == R(0.0)) {\n"
+            f"{_lines(stores, 12)}\n"
+            "        } else {\n"
+            f"            status = {self.name.upper()}_FAULT_RESULT;\n"
+            "        }"
+        )
+
+    def _hold(self) -> str:
+        return _lines(
+            (f"output->{f.name}[{i}] = state->held_{f.name}[{i}];" for f in self.block.outputs for i in range(f.size)),
+            8,
+        )
+
+    def initial_input(self) -> np.ndarray:
+        """An input inside its bounds, zero where possible; flat."""
+        return np.concatenate([np.zeros(0), *(package_pages.inside(f) for f in self.block.inputs)])
+
+
+def _clip(field: Field, i: int, text: str) -> str:
+    low, high = f"parameters->{field.name}_min[{i}]", f"parameters->{field.name}_max[{i}]"
+    if field.lower and field.upper:
+        return f"own_clip({text}, {low}, {high})"
+    if field.lower:
+        return f"own_clip({text}, {low}, {text})"
+    return f"own_clip({text}, {text}, {high})" if field.upper else text
+
+
+def _described(field: Field) -> str:
+    return f"[{field.unit or '-'}] {_plain(field.doc)}".strip()
+
+
+def _plain(text: str) -> str:
+    """Text that cannot end a C comment."""
+    return " ".join(text.replace("*/", "* /").replace("/*", "/ *").split())
+
+
+def _lines(statements: Iterable[str], indent: int) -> str:
+    return "\n".join(" " * indent + line for line in statements)
+
+
+def _joined(terms: Sequence[str], operator: str, indent: int) -> str:
+    """Terms with an operator between, four a line."""
+    rows = [operator.join(terms[i : i + 4]) for i in range(0, len(terms), 4)]
+    return f"\n{' ' * indent}{operator.strip()} ".join(rows)
