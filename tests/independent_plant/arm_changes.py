@@ -58,14 +58,20 @@ def transmission(arm: Arm, drawn: Drawn, size: float) -> np.ndarray:
     rotor = 0.35 * min(1 / np.linalg.inv(m)[j, j] for m in mass)
     link = np.median([m[j, j] for m in mass]) - rotor
     if drawn.effect.kind == "elastic_joint":
-        stiffness, cubic, gap, damping = link * (2 * np.pi * 5.0) ** 2 / size, 2e3 * (1 + drawn.spare[0]), 0.0, 0.06
+        stiffness, cubic, gap, damping = (
+            link * (2 * np.pi * 5.0) ** 2 / size,
+            2e3 * (1 + drawn.spare[0]),
+            0.0,
+            0.06,
+        )
     else:
         stiffness, cubic, gap, damping = link * (2 * np.pi * 30.0) ** 2, 0.0, size, 0.2
+    stiffness = min(stiffness, rotor * 2500.0**2)  # what steps of 0.25 ms resolve
     return np.array([j, rotor, stiffness, cubic, 2 * damping * np.sqrt(stiffness * rotor), gap])
 
 
 def measured_torque(time: np.ndarray, tau: np.ndarray, drawn: Drawn, size: float) -> np.ndarray:
-    """What the measuring chain reports of torques (n, 6) at even times: gain, offset or delay of that size."""
+    """What the measuring chain reports of torques (n, 6) at even times: gain, offset or delay."""
     seen = tau.copy()
     if drawn.effect.kind == "time_delay":  # seven tenths pure delay, three tenths first-order lag
         dt = time[1] - time[0]

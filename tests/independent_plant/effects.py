@@ -1,7 +1,7 @@
 """Catalogue of what an arm may have: where it can sit, what it depends on, and how its shape is drawn.
 
-The laws themselves are in `csrc/effects.c` (forces) or below (arm, transmission and measuring chain). They deliberately
-differ from a textbook's: second harmonics, cubic terms, odd exponents, real two-mass transmissions.
+The laws themselves are in `csrc/effects.c` (forces) and `arm_changes.py` (arm, transmission, measuring chain). They
+deliberately differ from a textbook's: second harmonics, cubic terms, odd exponents, two-mass transmissions.
 """
 
 from __future__ import annotations
@@ -27,6 +27,7 @@ class Recipe:
         signals: what its torque depends on; "partner:x" becomes the partner joint's signal, e.g. "qd4".
         shape: draws the law's parameters after its size.
         start: size to begin the search with; limit: largest plausible size, in the law's own unit.
+        wrist: share of the limit that holds for axes 4-6.
         signed: whether the size may be negative.
         partners: joints that may be the partner.
     """
@@ -39,6 +40,7 @@ class Recipe:
     shape: Shape = field(default=lambda rng, joint, partner: [])
     signed: bool = False
     partners: tuple[int, ...] = ()
+    wrist: float = 1.0
 
 
 def _middle(joint: int) -> float:
@@ -70,9 +72,15 @@ def _hysteresis(rng: np.random.Generator, joint: int, _: int) -> list[float]:
 
 LIBRARY: dict[str, Recipe] = {
     "payload": Recipe("arm", (), ("q", "qdd"), 1.0, 12.0),
-    "rotor_inertia": Recipe("arm", ALL, ("qdd",), 1.0, 60.0),
+    "rotor_inertia": Recipe("arm", ALL, ("qdd",), 1.0, 30.0, wrist=0.1),
     "coulomb_asymmetry": Recipe(
-        "law", ALL, ("sign_qd",), 1.0, 30.0, lambda r, j, k: [r.uniform(0.85, 1.2), r.uniform(0.85, 1.2)], signed=True
+        "law",
+        ALL,
+        ("sign_qd",),
+        1.0,
+        30.0,
+        lambda r, j, k: [r.uniform(0.85, 1.2), r.uniform(0.85, 1.2)],
+        signed=True,
     ),
     "coulomb_change": Recipe(
         "law", ALL, ("sign_qd",), 1.0, 40.0, lambda r, j, k: [r.uniform(0.0, 0.3), r.uniform(0.03, 0.2)]
@@ -86,7 +94,9 @@ LIBRARY: dict[str, Recipe] = {
         60.0,
         lambda r, j, k: [r.uniform(0.9, 1.05), r.uniform(8, 40), r.uniform(1.0, 1.6)],
     ),
-    "load_friction": Recipe("law", (1, 2, 3, 4, 5), ("load", "sign_qd"), 0.02, 0.6, lambda r, j, k: [r.uniform(0.85, 1.1)]),
+    "load_friction": Recipe(
+        "law", (1, 2, 3, 4, 5), ("load", "sign_qd"), 0.02, 0.6, lambda r, j, k: [r.uniform(0.85, 1.1)]
+    ),
     "hysteresis": Recipe("law", ALL, ("q", "qd"), 1.0, 60.0, _hysteresis),
     "gear_ripple": Recipe("law", ALL, ("q",), 1.0, 60.0, _ripple),
     "balancer": Recipe(
@@ -104,13 +114,18 @@ LIBRARY: dict[str, Recipe] = {
         ("qd", "partner:qd"),
         1.0,
         40.0,
-        lambda r, j, k: [r.uniform(0.2, 0.6) * r.choice([-1, 1]), r.uniform(0.03, 0.08), r.uniform(0.2, 0.6), j - 2],
+        lambda r, j, k: [
+            r.uniform(0.2, 0.6) * r.choice([-1, 1]),
+            r.uniform(0.03, 0.08),
+            r.uniform(0.2, 0.6),
+            j - 2,
+        ],
         partners=(4, 5),
     ),
     "torque_gain": Recipe("chain", ALL, ("load",), 0.05, 0.3, signed=True),
     "torque_offset": Recipe("chain", ALL, (), 1.0, 60.0, signed=True),
     "time_delay": Recipe("chain", (), ("qd",), 0.004, 0.04),
-    "encoder_zero": Recipe("chain", (2, 3, 5), ("q",), 0.005, 0.06, signed=True),
+    "encoder_zero": Recipe("chain", (2, 3, 5), ("q",), 0.005, 0.04, signed=True),
     "elastic_joint": Recipe("transmission", ALL, ("qdd",), 0.3, 1.0),
     "transmission_backlash": Recipe("transmission", ALL, ("qd", "load"), 0.002, 0.02),
     "base_tilt": Recipe("arm", (), ("q",), 0.02, 0.1),
@@ -136,22 +151,32 @@ OUTSIDE: dict[str, Recipe] = {
         ("qd",),
         1.0,
         100.0,
-        lambda r, j, k: [r.uniform(0.15, 0.3) * SPEEDS[j - 1], r.uniform(0.02, 0.05) * SPEEDS[j - 1]],
+        lambda r, j, k: [r.uniform(0.06, 0.14) * SPEEDS[j - 1], r.uniform(0.015, 0.04) * SPEEDS[j - 1]],
     ),
     "sticky_window": Recipe(
-        "law", ALL, ("q", "qd"), 1.0, 150.0, lambda r, j, k: [_inside(r, j, 0.5), r.uniform(0.1, 0.2) * _half(j)]
+        "law",
+        ALL,
+        ("q", "qd"),
+        1.0,
+        150.0,
+        lambda r, j, k: [_inside(r, j, 0.5), r.uniform(0.1, 0.2) * _half(j)],
     ),
     "even_speed": Recipe("law", ALL, ("qd",), 1.0, 100.0, signed=True),
     "offset_drift": Recipe("law", ALL, ("time",), 1.0, 100.0, lambda r, j, k: [r.uniform(6, 20)], signed=True),
     "hum": Recipe("law", ALL, ("time",), 1.0, 100.0, lambda r, j, k: [r.uniform(1.0, 6.0), r.uniform(0, 6.28)]),
     "end_cushion": Recipe(
-        "law", ALL, ("q",), 10.0, 3000.0, lambda r, j, k: [_inside(r, j, 0.2), r.uniform(0.45, 0.6) * _half(j)]
+        "law",
+        ALL,
+        ("q",),
+        10.0,
+        3000.0,
+        lambda r, j, k: [_inside(r, j, 0.2), r.uniform(0.45, 0.6) * _half(j)],
     ),
     "angle_speed": Recipe("law", ALL, ("q", "qd"), 1.0, 300.0, lambda r, j, k: [_inside(r, j, 0.3)]),
     "cross_speed": Recipe(
         "law", ALL, ("partner:qd",), 1.0, 100.0, lambda r, j, k: [0.0, 0.0, k - 1], signed=True, partners=ALL
     ),
-    "acceleration_square": Recipe("law", ALL, ("qdd",), 0.1, 5.0),
+    "acceleration_square": Recipe("law", ALL, ("qdd",), 0.1, 100.0, lambda r, j, k: [8.0 if j in (4, 6) else 2.0]),
     "bursts": Recipe("law", ALL, ("time",), 1.0, 150.0, lambda r, j, k: [r.uniform(3.0, 7.0), r.uniform(0, 6.28)]),
     "load_square": Recipe("law", (1, 2, 3, 4, 5), ("load",), 1e-4, 0.01, signed=True),
     "angle_bump": Recipe(
@@ -167,7 +192,7 @@ OUTSIDE: dict[str, Recipe] = {
 
 KINDS: dict[str, Recipe] = LIBRARY | OUTSIDE
 
-# Kinds that one motion of the bare arm can hardly tell apart (notes of the trial); truth is met by any of its group.
+# Kinds that one motion of the bare arm can hardly tell apart; a truth is met by any of its group.
 GROUPS: tuple[frozenset[str], ...] = (
     frozenset({"transmission_backlash", "encoder_zero"}),
     frozenset({"coulomb_asymmetry", "torque_offset"}),
@@ -186,7 +211,7 @@ class Effect:
     Args:
         kind: a key of `KINDS`.
         joint: 1-6; None leaves it to the draw, or to the whole arm.
-        fraction: wanted rms torque over the rms torque of the joint (the joint it moves most, if of the whole arm).
+        fraction: wanted rms torque over that of the joint (of the joint it moves most, if of the whole arm).
         on_at: time from which it acts [s].
     """
 
@@ -219,9 +244,16 @@ class Drawn:
         return KINDS[self.effect.kind]
 
     @property
+    def limit(self) -> float:
+        """Largest plausible size on this joint."""
+        return self.recipe.limit * (self.recipe.wrist if self.joint and self.joint > 3 else 1.0)
+
+    @property
     def signals(self) -> tuple[str, ...]:
         """Signals of the joint itself by bare name, a partner's with its number."""
-        return tuple(s.replace("partner:", "") + (str(self.partner) if "partner" in s else "") for s in self.recipe.signals)
+        return tuple(
+            s.replace("partner:", "") + (str(self.partner) if "partner" in s else "") for s in self.recipe.signals
+        )
 
 
 def draw(effect: Effect, rng: np.random.Generator) -> Drawn:

@@ -16,7 +16,7 @@ WORK = RANGES * np.array([0.6, 0.62, 0.68, 0.63, 0.8, 0.405])[:, None]
 
 @dataclass(frozen=True)
 class Motion:
-    """A commanded motion: angles (n, 6) [rad] at 1 kHz from `start` [s], the first `lead` seconds a run-up."""
+    """Commanded angles (n, 6) [rad] at 1 kHz from `start` [s] on; a run-up of `lead` seconds comes before."""
 
     start: float
     lead: float
@@ -25,7 +25,7 @@ class Motion:
     def with_derivatives(self, every: int = 4) -> tuple[float, np.ndarray]:
         """Sample time [s] and q, qd, qdd (m, 18) of the recorded part, for prescribed-motion torques."""
         dt = every / RECORD_RATE
-        q = self.q[:: every]
+        q = self.q[::every]
         qd = np.gradient(q, dt, axis=0)
         skip = round(self.lead / dt)
         return dt, np.hstack([q, qd, np.gradient(qd, dt, axis=0)])[skip:]
@@ -37,13 +37,13 @@ def _fit(shape: np.ndarray, box: np.ndarray, speed: float, rng: np.random.Genera
     widest = np.abs(np.diff(shape)).max() * RECORD_RATE
     scale = min((box[1] - box[0]) / np.ptp(shape), speed / widest)
     room = (box[1] - box[0] - scale * np.ptp(shape)) / 2
-    return scale * shape + box.mean() + rng.uniform(-0.9, 0.9) * room
+    return np.asarray(scale * shape + box.mean() + rng.uniform(-0.9, 0.9) * room)
 
 
 def identification(
     rng: np.random.Generator, duration: float = 40.0, idle: tuple[int, ...] = (), chirp: bool = False
 ) -> Motion:
-    """A multi-sine (harmonics up to 0.42 Hz) on all axes; `idle` axes (1-6) rest; optionally a 0.6-7 Hz chirp on top.
+    """A multi-sine (up to 0.42 Hz) on all axes but `idle` ones (1-6); optionally a 0.6-7 Hz chirp on top.
 
     The motion is periodic, so that the record begins in full motion, as the recorded ones do.
     """
@@ -52,7 +52,7 @@ def identification(
     q = np.empty((len(time), 6))
     for j in range(6):
         harmonics = np.arange(1, 18)
-        weight = rng.uniform(0.0, 1.0, 17) * np.exp(-((harmonics - rng.uniform(2, 14)) / rng.uniform(3, 8)) ** 2)
+        weight = rng.uniform(0.0, 1.0, 17) * np.exp(-(((harmonics - rng.uniform(2, 14)) / rng.uniform(3, 8)) ** 2))
         phase = rng.uniform(0, 2 * np.pi, 17)
         shape = sum(
             w * np.sin(2 * np.pi * h / period * time + p) for h, w, p in zip(harmonics, weight, phase, strict=True)
@@ -71,7 +71,7 @@ def identification(
 
 
 def validation(rng: np.random.Generator, duration: float = 30.0, start: float = 900.0) -> Motion:
-    """Rest-to-rest moves of all axes together (fifth-order polynomials) with short dwells, a quarter of an hour later."""
+    """Rest-to-rest moves of all axes (fifth-order polynomials) with short dwells, 15 minutes later."""
     lead = 1.0
     n = round((duration + lead) * RECORD_RATE) + 1
     box = 0.8 * WORK

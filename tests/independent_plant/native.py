@@ -81,7 +81,7 @@ def torque_against_force(q: np.ndarray, point: np.ndarray, force: np.ndarray) ->
 
 
 def follow(plant: np.ndarray, effects: np.ndarray, start: float, reference: np.ndarray) -> np.ndarray:
-    """Closed loop along a reference (n, 6) at 1 kHz; returns (n - 1, 18): angles seen, speeds, motor torques."""
+    """Closed loop along a reference (n, 6) at 1 kHz: angles seen, speeds, motor torques (n - 1, 18)."""
     reference = _c(reference)
     n = len(reference)
     out = np.empty((n - 1, 18))

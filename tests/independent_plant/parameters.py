@@ -21,7 +21,18 @@ LINKS = np.array(
         [29.7, 0.131, -1.81, -296.7, 0.74128, 0.71936, 0.09626, 0.208, 0.035, 0.000711],
         [2.8, -0.587, -0.245, 0.540, 0.0034, 0.00332, 0.00419, 0.00023, 0.00023, 0.0003],
         [0.8, 0.208, 0.035, 72.270, 0.00002, 0.0, 0.0, 0.0, 0.0, 0.0],
-        [12.7, -38.3, 0.0, 129.3 + 1e3 * FLANGE_OFFSET, 0.269, 0.274, 0.193, 0.0, 0.0, 0.0],  # spindle, frame 6
+        [
+            12.7,
+            -38.3,
+            0.0,
+            129.3 + 1e3 * FLANGE_OFFSET,
+            0.269,
+            0.274,
+            0.193,
+            0.0,
+            0.0,
+            0.0,
+        ],  # spindle, frame 6
     ]
 )
 LINKS[:, 1:4] /= 1e3
@@ -89,7 +100,7 @@ def _definite(arm: Arm, rng: np.random.Generator) -> bool:
     packed = arm.packed()
     poses = rng.uniform(RANGES[:, 0], RANGES[:, 1], (50, 6))
     smallest = [np.linalg.eigvalsh(native.equations_of_motion(packed, q, np.zeros(6))[0])[0] for q in poses]
-    return min(smallest) > 0.02
+    return bool(min(smallest) > 0.02)
 
 
 def drawn_arm(rng: np.random.Generator, spread: float = 1.0) -> tuple[Arm, np.ndarray]:
@@ -119,7 +130,7 @@ class Servo:
 
     @staticmethod
     def drawn(rng: np.random.Generator, arm: Arm) -> Servo:
-        """A servo of a good industrial drive: lag 6-18 ms behind the command, speed loop 40-60 Hz, friction partly fed forward."""
+        """A good drive: 6-18 ms behind the command, speed loop 40-60 Hz, friction partly fed forward."""
         home = np.array([0.0, 0.2, 0.1, 0.3, 0.6, 0.0])
         inertia = np.diag(native.equations_of_motion(arm.packed(), home, np.zeros(6))[0])
         lag, zeta = rng.uniform(0.0055, 0.0175, 6), rng.uniform(0.55, 0.68, 6)
@@ -130,4 +141,17 @@ class Servo:
         ki = kv * bandwidth / rng.uniform(3.0, 5.0, 6)
         forward = rng.uniform(0.97, 1.0, 6)
         omega = 2.0 * zeta / (lag - (1.0 - forward) / kp)
-        return Servo(np.column_stack([omega, zeta, kp, kv, ki, forward, 0.8 * inertia, 0.8 * FRICTION[:, 1], TORQUE_LIMITS]))
+        fed = 0.8 * inertia, 0.8 * FRICTION[:, 1]
+        return Servo(np.column_stack([omega, zeta, kp, kv, ki, forward, *fed, TORQUE_LIMITS]))
+
+    def detuned(self, joint: int, rotor: float, stiffness: float) -> Servo:
+        """As a drive engineer would set it for a motor of that inertia on a spring: below the resonance."""
+        table = self.table.copy()
+        row = table[joint]
+        resonance = np.sqrt(stiffness / max(row[3] / 300.0 - rotor, rotor))
+        integral_rate = min(row[4] / row[3], resonance / 5)
+        row[2] = min(row[2], resonance / 4)
+        row[3] = min(row[3], 1000.0 * rotor)
+        row[4] = integral_rate * row[3]
+        row[6] *= 0.5
+        return Servo(table)

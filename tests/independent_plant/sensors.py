@@ -16,9 +16,9 @@ class Sensors:
     Args:
         angle_step, angle_noise: encoder resolution and noise [rad].
         speed_noise: [rad/s].
-        torque_noise: rms of six axes [Nm]; a share of it white, the rest first-order with that correlation time [s].
+        torque_noise: rms of six axes [Nm]; a share of it white, the rest of first order.
         white_share: share of the noise's variance that is white.
-        colour_time: [s].
+        colour_time: correlation time of that rest [s].
         lost: share of samples that never arrive.
     """
 
@@ -38,7 +38,7 @@ class Sensors:
         slow = lfilter([np.sqrt(1 - pole**2)], [1, -pole], rng.standard_normal((n + 200, 6)), axis=0)[200:]
         white = rng.standard_normal((n, 6))
         mixed = np.sqrt(self.white_share) * white + np.sqrt(1 - self.white_share) * slow
-        return np.asarray(self.torque_noise) * mixed
+        return np.asarray(np.asarray(self.torque_noise) * mixed)
 
     def read(
         self, rng: np.random.Generator, time: np.ndarray, record: np.ndarray, reference: np.ndarray

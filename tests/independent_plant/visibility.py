@@ -1,0 +1,70 @@
+"""How much of an effect no honest method could blame on the uncertain base parameters.
+
+The base parameters may move within their priors; what of the effect's torque then is left is what a diagnosis can see.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from .case import Case
+from .machine import STREAM, Machine
+from .parameters import FRICTION, paper_arm
+
+BLOCK = 13  # samples of 4 ms in one average: about 20 Hz, where the recorded arms' noise is nearly white
+
+
+def _averaged(x: np.ndarray) -> np.ndarray:
+    n = len(x) // BLOCK
+    return x[: n * BLOCK].reshape(n, BLOCK, -1).mean(axis=1)
+
+
+def _noise_of_averages(case: Case) -> np.ndarray:
+    return _averaged(case.sensors.torque_errors(np.random.default_rng(0), 20000)).std(axis=0)
+
+
+def _base_directions(case: Case) -> np.ndarray:
+    """Torque (n, 6, 82) per standard deviation of each uncertain base parameter."""
+    dt, moving = case.motions[0].with_derivatives(STREAM)
+
+    def torque(bodies: np.ndarray, friction: np.ndarray) -> np.ndarray:
+        arm = replace(paper_arm(), bodies=bodies)
+        return _averaged(Machine(arm, friction, case.machine.servo).asked_torque((), dt, moving))
+
+    nominal = paper_arm().bodies
+    plain = torque(nominal, FRICTION)
+    columns = []
+    for body in range(7):
+        for k in range(10):
+            step = 0.02 * nominal[body, 0] if k == 0 else 0.005 if k < 4 else 0.05 * nominal[body, k]
+            moved = nominal.copy()
+            moved[body, k] += step
+            columns.append(torque(moved, FRICTION) - plain)
+    for joint in range(6):
+        for k in (1, 2):  # the static level shows only below the Stribeck speed
+            moved = FRICTION.copy()
+            moved[joint, k] *= 1.04
+            columns.append(torque(nominal, moved) - plain)
+    return np.stack(columns, axis=2)
+
+
+def beyond_priors(case: Case) -> list[tuple[np.ndarray, float]]:
+    """Per effect: rms of the torque that stays unexplained, over each joint's rms torque (6,); and its strength.
+
+    Strength is the distance in standard deviations between the effect's torque and none at all, with noise and priors
+    counted: sqrt(tau' (R + X X')^-1 tau). Below about 5 no test can be sure that anything is there.
+    """
+    X = _base_directions(case)
+    weight = 1.0 / _noise_of_averages(case)
+    A = (X * weight[None, :, None]).reshape(-1, X.shape[2])
+    gram = A.T @ A + np.eye(A.shape[1]) / case.spread**2
+    found = []
+    for drawn, size, _ in case.sized_effects:
+        tau = _averaged(case.effect_torque(drawn, size))
+        y = (tau * weight).ravel()
+        left = y - A @ np.linalg.solve(gram, A.T @ y)
+        rms = np.sqrt(((left.reshape(-1, 6) / weight) ** 2).mean(0) / (case.plain_torque**2).mean(0))
+        found.append((rms, float(np.sqrt(np.maximum(y @ left, 0.0)))))
+    return found
