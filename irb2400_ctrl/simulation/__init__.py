@@ -1,1 +1,22 @@
-"""."""
+"""The simulated arm: plant, instruments, closed loop in generated C, and what came out."""
+
+from irb2400_ctrl.simulation.instruments import IDEAL_ACTUATORS, IDEAL_SENSORS, Actuators, Sensors
+from irb2400_ctrl.simulation.perturb import perturbed_robot
+from irb2400_ctrl.simulation.result import Simulation
+from irb2400_ctrl.simulation.simulate import Loop, make_loop, simulate
+from irb2400_ctrl.simulation.trajectory import Trajectory, from_angles, load_trajectory
+
+__all__ = [
+    "IDEAL_ACTUATORS",
+    "IDEAL_SENSORS",
+    "Actuators",
+    "Loop",
+    "Sensors",
+    "Simulation",
+    "Trajectory",
+    "from_angles",
+    "load_trajectory",
+    "make_loop",
+    "perturbed_robot",
+    "simulate",
+]

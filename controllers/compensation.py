@@ -1,0 +1,109 @@
+"""The model inside a controller: inverse dynamics with friction along the *reference* motion and effects with memory.
+
+    tau = M(q) a + C(q, qd) qd + G(q) + F(qd_ref; s) + effects(q, qd, a, t, z; s),   s = qd_ref / sqrt(qd_ref^2 + eps^2)
+
+Dry friction is compensated in the direction the arm is meant to move: the measured speed has noise and stick in it, and
+its sign would make the torque chatter. The regularised sign s leaves a resting reference without friction torque.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+from itertools import pairwise
+
+import casadi as ca
+
+from irb2400_ctrl.codegen import Field
+from irb2400_ctrl.effects import Effect
+from irb2400_ctrl.effects.memory import next_memory
+from irb2400_ctrl.model import Model
+from irb2400_ctrl.model.friction import friction
+from irb2400_ctrl.robot import Robot
+
+SIGN_WIDTH = 2e-3
+"""eps of the regularised sign [rad/s]: a reference passes it in a millisecond or two, friction of 0.5 % is lost at ten
+times this speed"""
+
+
+@dataclass(frozen=True)
+class Compensation:
+    """Torque that the model says a motion needs, as a piece of a discrete-time block.
+
+    Args:
+        robot: with its effects; those of the measuring chain are left alone.
+        sample_time: of the controller [s], for effects with memory.
+    """
+
+    robot: Robot
+    sample_time: float
+
+    @cached_property
+    def effects(self) -> tuple[Effect, ...]:
+        """Effects that load the actuators as a force (those on the arm's parameters are in the model's mass data)."""
+        return tuple(effect for effect in self.robot.effects if effect.acts == "force")
+
+    @cached_property
+    def memories(self) -> tuple[tuple[Effect, Field], ...]:
+        """The effects with internal states, and those states as fields of the block."""
+        return tuple(
+            (
+                effect,
+                Field(
+                    f"{effect.kind}_{effect.joint or 'arm'}_{place}",
+                    len(effect.states),
+                    "-",
+                    f"memory {', '.join(effect.states)} of {effect.kind}",
+                ),
+            )
+            for place, effect in enumerate(self.effects)
+            if effect.states
+        )
+
+    @cached_property
+    def _core(self) -> ca.Function:
+        """(q, qd, qdd, qd_ref, time, memory) -> (tau, next memory)."""
+        model = Model(self.robot)
+        n = self.robot.n
+        qd_ref = ca.SX.sym("qd_ref", n)
+        sign = qd_ref / ca.sqrt(qd_ref**2 + SIGN_WIDTH**2)
+        s = replace(model.signals(), sign=sign)
+        # speeds of effects with memory come from the reference too, for the same reason as the friction's
+        along = replace(s, qd=qd_ref)
+        tau = s.load + friction(self.robot, qd_ref, sign)
+        old = [ca.SX.sym(field.name, field.size) for _, field in self.memories]
+        states = {id(effect): x for (effect, _), x in zip(self.memories, old, strict=True)}
+        new = []
+        for effect in self.effects:
+            x = states.get(id(effect), ca.SX(0, 1))
+            tau += effect.torque(s.with_state(x))
+            if effect.states:
+                new.append(next_memory(effect.state_rate(along.with_state(x)), x, self.sample_time))
+        # the derivatives of the acceleration are not known to a controller; elastic joints count as rigid here
+        rest = ca.vertcat(s.qddd, s.qdddd)
+        tau = ca.substitute(tau, rest, ca.SX.zeros(rest.numel()))
+        memory, grown = ca.vertcat(ca.SX(0, 1), *old), ca.vertcat(ca.SX(0, 1), *new)
+        outputs = [ca.cse(ca.densify(tau)), grown]
+        return ca.Function("compensation", [s.q, s.qd, s.qdd, qd_ref, s.time, memory], outputs)
+
+    @cached_property
+    def uses_time(self) -> bool:
+        """Whether an effect depends on the time since the start."""
+        return bool(self._core.jac_sparsity(0, 4).nnz())
+
+    @property
+    def states(self) -> tuple[Field, ...]:
+        """What the block has to remember for this torque."""
+        clock = (Field("clock", 1, "s", "time since the controller was started"),) if self.uses_time else ()
+        return (*clock, *(field for _, field in self.memories))
+
+    def torque(self, x: list[ca.SX], q: ca.SX, qd: ca.SX, qdd: ca.SX, qd_ref: ca.SX) -> tuple[ca.SX, list[ca.SX]]:
+        """tau and the next values of `states`, given their present ones."""
+        clock = x[0] if self.uses_time else ca.SX(0)
+        memory = x[1:] if self.uses_time else x
+        tau, grown = self._core.call([q, qd, qdd, qd_ref, clock, ca.vertcat(ca.SX(0, 1), *memory)], True, False)
+        ends = [0]
+        for _, field in self.memories:
+            ends.append(ends[-1] + field.size)
+        after = [grown[a:b] for a, b in pairwise(ends)]
+        return tau, [*([clock + self.sample_time] if self.uses_time else []), *after]

@@ -1,0 +1,104 @@
+"""The arm's equations of motion, taken apart the way the time step needs them.
+
+    M(q) qdd + bias(q, qd, t, z) + f = tau + J^T w,      f_j in [lower_j, upper_j] (dry friction, set-valued at rest)
+
+Everything that carries the sign of the motion (Coulomb and Stribeck friction of eq. 55, and the effects that act
+through it) is dry friction; the rest, viscous friction and the effects' smooth part included, is bias.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import casadi as ca
+
+from irb2400_ctrl.effects import Effect
+from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.model import Model, mass_matrix, newton_euler
+from irb2400_ctrl.model.friction import friction
+from irb2400_ctrl.model.signals import ArmSignals
+from irb2400_ctrl.robot import Robot
+from irb2400_ctrl.simulation.dry_friction import Bounds
+
+
+@dataclass(frozen=True)
+class Mechanics:
+    """Symbolic mechanics of a robot whose mass and friction data are symbols themselves.
+
+    Args:
+        robot: geometry and effects; its numbers for `phi` and `table` are not used.
+        phi: inertial parameters of the links, shape (n, 10).
+        table: friction parameters, shape (n, 4).
+    """
+
+    robot: Robot
+    phi: ca.SX
+    table: ca.SX
+
+    @property
+    def effects(self) -> tuple[Effect, ...]:
+        """The effects that act as a force; elasticity is a state of its own, parameter effects are in `phi`."""
+        return tuple(e for e in self.robot.effects if e.acts == "force" and e.kind != "elastic_joint")
+
+    @property
+    def memory_size(self) -> int:
+        """Number of internal states of the effects."""
+        return sum(len(e.states) for e in self.effects)
+
+    def equations(
+        self, q: ca.SX, qd: ca.SX, qdd: ca.SX, time: ca.SX, memory: ca.SX
+    ) -> tuple[ca.SX, ca.SX, Bounds, ca.SX]:
+        """M (n, n), bias (n,), bounds of the dry friction, and the rate of the effects' memory.
+
+        Args:
+            qdd: an estimate of the acceleration, for effects that depend on the load: shape (n,) [rad/s2].
+        """
+        n = self.robot.n
+        s = ArmSignals.symbols(self.robot, self.phi)
+        sign, z = ca.SX.sym("sign", n), ca.SX.sym("z", self.memory_size)
+        s = replace(s, sign=sign)
+        torque, rates = self._effects(s, z)
+        torque = self._expand(torque, s, sign)
+        zero = ca.SX.zeros(n)
+        smooth = ca.substitute(torque, sign, zero)
+        slope = ca.jacobian(smooth, s.qdd)
+        bent = bool(ca.jacobian(slope, s.qdd).nnz())
+        if bent:
+            slope = ca.SX(n, n)
+        else:
+            smooth = ca.substitute(smooth, s.qdd, zero)
+        M = mass_matrix.mass_matrix(self.robot, s.q, self.phi) + slope
+        bias = newton_euler.inverse_dynamics(self.robot, s.q, s.qd, zero, self.phi) + smooth
+        bias += friction(self.robot, s.qd, zero, self.table)
+        upper, lower = (ca.substitute(torque - smooth, sign, d * ca.SX.ones(n)) for d in (1, -1))
+        dry = [friction(self.robot, v, ca.SX.ones(n), self.table) - self.table[:, 2] * v for v in (s.qd, zero)]
+        limits = [ca.fmax(upper + dry[0], 0), ca.fmin(lower - dry[0], 0)]
+        limits += [ca.fmax(upper + dry[1], 0), ca.fmin(lower - dry[1], 0)]
+        arguments = [s.q, s.qd, s.qdd, s.time, z]
+        f = ca.Function("mechanics", [*arguments, self.phi, self.table], [M, bias, *limits, rates])
+        M, bias, up, low, static_up, static_low, rate = f.call(
+            [q, qd, qdd, time, memory, self.phi, self.table], True, False
+        )
+        return M, bias, Bounds(up, low, static_up, static_low), rate
+
+    def _effects(self, s: ArmSignals, z: ca.SX) -> tuple[ca.SX, ca.SX]:
+        torque, rates, used = ca.SX.zeros(self.robot.n), [ca.SX(0, 1)], 0
+        for effect in self.effects:
+            own = s.with_state(z[used : used + len(effect.states)])
+            used += len(effect.states)
+            torque += effect.torque(own)
+            rates.append(effect.state_rate(own))
+        return torque, ca.vertcat(*rates)
+
+    def _expand(self, torque: ca.SX, s: ArmSignals, sign: ca.SX) -> ca.SX:
+        """Check the form that the friction step relies on: each torque carries its own joint's sign only."""
+        rows, columns = ca.jacobian_sparsity(torque, sign).get_triplet()
+        if any(row != column for row, column in zip(rows, columns, strict=True)):
+            raise InputError("an effect puts the sign of one joint's motion into another joint's torque: no such plant")
+        rest = ca.vertcat(s.qddd, s.qdddd)
+        return ca.substitute(torque, rest, ca.SX.zeros(rest.numel()))
+
+
+def mass_data(robot: Robot) -> ca.DM:
+    """Numbers for `phi`, effects on the arm's parameters folded in, shape (n, 10)."""
+    return Model(robot).phi

@@ -1,0 +1,63 @@
+"""An arm that differs from its model the way real ones differ from their data sheets."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.robot import Body, Robot
+
+
+def perturbed_robot(
+    robot: Robot,
+    seed: int,
+    *,
+    mass: float = 0.02,
+    com_m: float = 0.005,
+    inertia: float = 0.05,
+    friction: float = 0.04,
+) -> Robot:
+    """A copy with mass and friction data drawn around those of the robot.
+
+    Args:
+        robot: the model.
+        seed: the same seed gives the same arm.
+        mass, inertia, friction: relative standard deviations [-].
+        com_m: standard deviation of each coordinate of the centres of mass [m].
+    """
+    if min(mass, com_m, inertia, friction) < 0:
+        raise InputError("perturbed_robot: found a negative deviation; expected zero or more")
+    rng = np.random.default_rng(seed)
+
+    def body(nominal: Body) -> Body:
+        scale = 1 + inertia * _draw(rng, 1)[0]
+        shift = com_m * _draw(rng, 3)
+        return Body(
+            mass_kg=nominal.mass_kg * (1 + mass * _draw(rng, 1)[0]),
+            com_m=tuple(np.add(nominal.com_m, shift).tolist()),
+            inertia_kgm2=tuple((scale * np.array(nominal.inertia_kgm2)).tolist()),
+        )
+
+    links = tuple(link.model_copy(update={"body": body(link.body)}) for link in robot.links)
+    joints = []
+    for joint in robot.joints:
+        old = joint.friction
+        static, coulomb, viscous = (1 + friction * _draw(rng, 3)).tolist()
+        new = old.model_copy(
+            update={
+                "static_Nm": old.static_Nm * static,
+                "coulomb_Nm": old.coulomb_Nm * coulomb,
+                "viscous_Nms_rad": old.viscous_Nms_rad * viscous,
+            }
+        )
+        joints.append(joint.model_copy(update={"friction": new}))
+    tool = robot.tool
+    if tool is not None:
+        tool = tool.model_copy(update={"body": body(tool.body)})
+    data = {"links": links, "joints": tuple(joints), "tool": tool, "name": f"{robot.name} (perturbed, seed {seed})"}
+    return Robot.model_validate({**dict(robot), **data})
+
+
+def _draw(rng: np.random.Generator, count: int) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
+    """Normal deviates cut at two standard deviations, so that no draw is beyond what a data sheet allows."""
+    return np.clip(rng.standard_normal(count), -2.0, 2.0)

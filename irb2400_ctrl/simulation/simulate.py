@@ -1,0 +1,188 @@
+"""Closed-loop simulation in generated C: `simulate` runs it, `Simulation` holds and writes what came out."""
+
+from __future__ import annotations
+
+import time as clock
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from irb2400_ctrl.codegen import Block, CompiledBlock, compile_block
+from irb2400_ctrl.errors import InputError, IrbError
+from irb2400_ctrl.model import Model
+from irb2400_ctrl.robot import Robot
+from irb2400_ctrl.simulation.instruments import Actuators, Sensors
+from irb2400_ctrl.simulation.loop import closed_loop, encoder_zero
+from irb2400_ctrl.simulation.mechanics import mass_data
+from irb2400_ctrl.simulation.plant import SUBSTEPS
+from irb2400_ctrl.simulation.result import Simulation
+from irb2400_ctrl.simulation.trajectory import Trajectory
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Loop:
+    """A compiled closed loop; runs many times, also for other mass, friction and gain values, without a compiler."""
+
+    robot: Robot
+    plant: Robot
+    controller: Block
+    sensors: Sensors
+    actuators: Actuators
+    compiled: CompiledBlock
+
+    def run(
+        self,
+        trajectory: Trajectory,
+        *,
+        plant: Robot | None = None,
+        gains: Mapping[str, ArrayLike] | None = None,
+        wrench: ArrayLike | None = None,
+        hold: float = 0.0,
+        seed: int = 0,
+    ) -> Simulation:
+        """Follow the trajectory once.
+
+        Args:
+            trajectory: at any rate; interpolated to the controller's.
+            plant: other mass and friction data than those the loop was made with; the same effects.
+            gains: values of controller parameters by name; defaults otherwise.
+            wrench: force and moment on the tool [N, Nm], shape (m, 6) at the control rate, if the loop has that input.
+            hold: time after the end for which the last pose is held [s].
+            seed: of the noise on the logged torque.
+
+        Raises:
+            InputError: shapes or names that do not fit.
+            IrbError: the motion diverged (its mass matrix is not positive definite, or the loop is unstable).
+        """
+        arm = self.plant if plant is None else plant
+        # effects are written into the compiled code; only mass and friction are its parameters
+        compiled_in = [tuple(e for e in r.effects if e.acts != "parameters") for r in (arm, self.plant)]
+        if compiled_in[0] != compiled_in[1]:
+            raise InputError("this loop was compiled for a plant with other effects; make a new one with `make_loop`")
+        period = self.controller.sample_time
+        motion = trajectory.at_rate(1.0 / period, hold=hold)
+        if motion.q.shape[1] != arm.n:
+            raise InputError(f"trajectory: found {motion.q.shape[1]} axes; the robot has {arm.n}")
+        block = self.compiled.block
+        columns = [motion.q, motion.qd, motion.qdd]
+        if len(block.inputs) > 3:
+            columns.append(np.zeros((len(motion.time), 6)) if wrench is None else np.asarray(wrench, dtype=float))
+        elif wrench is not None:
+            raise InputError("this loop has no wrench input; make it with `wrench=True`")
+        if any(len(column) != len(motion.time) for column in columns):
+            raise InputError(f"wrench: found {len(columns[-1])} rows; expected {len(motion.time)}, one per period")
+        own = {f"c_{name}": value for name, value in (gains or {}).items()}
+        data = {"p_phi": _column(np.asarray(mass_data(arm))), "p_friction": _column(arm.friction)}
+        p = self.compiled.parameters(**own, **data)
+        x0 = self._start(arm, motion, own)
+        begun = clock.perf_counter()
+        _, outputs = self.compiled.rollout(np.hstack(columns), x0=x0, p=p)
+        wall = clock.perf_counter() - begun
+        signals = self.compiled.split(block.outputs, outputs)
+        if not np.isfinite(outputs).all() or np.abs(signals["q"]).max() > 1e3:
+            bad = int(np.argmax(~np.isfinite(outputs).all(axis=1) | (np.abs(outputs[:, : arm.n]).max(axis=1) > 1e3)))
+            raise IrbError(
+                f"the simulated arm diverged at {motion.time[bad]:.3f} s under {self.controller.name!r}: "
+                "lower the gains, or check the plant's mass data"
+            )
+        return Simulation(self.robot, arm, self.controller, self.sensors, self.actuators, motion, signals, wall, seed)
+
+    def _start(self, arm: Robot, motion: Trajectory, gains: Mapping[str, ArrayLike]) -> Array:
+        """State at the first sample: on the reference, torque in balance, an integrator filled accordingly."""
+        block, n = self.compiled.block, arm.n
+        zero = np.array(encoder_zero(arm))
+        q, qd, qdd = motion.q[0], motion.qd[0], motion.qdd[0]
+        balance = Model(arm).inverse_dynamics(q + zero, qd, qdd)
+        values: dict[str, Array] = {f.name: f.start for f in block.states}
+        step = self.sensors.encoder_step_rad
+        before = q - qd * self.controller.sample_time
+        values |= {"p_q": q + zero, "p_qd": qd, "p_qdd": qdd}
+        values["q_before"] = before if step == 0 else step * np.floor(before / step + 0.5)
+        values |= {"qd_filter": qd, "tau_before": balance, "tau_lag": balance}
+        if "c_integral" in values and values["c_integral"].size == n:
+            # bumpless: the drive takes over the torque that the brake has held
+            values["c_integral"] = values["c_integral"] + balance - self._first_command(motion, gains)
+        return np.concatenate([np.asarray(values[f.name], dtype=float).ravel() for f in block.states])
+
+    def _first_command(self, motion: Trajectory, gains: Mapping[str, ArrayLike]) -> Array:
+        q, qd = motion.q[0], motion.qd[0]
+        given = {"q": q, "qd": qd, "q_ref": q, "qd_ref": qd, "qdd_ref": motion.qdd[0]}
+        control = self.controller
+        arguments: list[Any] = [f.start for f in control.states]
+        arguments += [given[f.name] for f in control.inputs]
+        arguments += [np.broadcast_to(gains.get(f"c_{f.name}", f.start), f.size) for f in control.parameters]
+        results = control.step.call(arguments)
+        place = len(control.states) + [f.name for f in control.outputs].index("tau")
+        return np.asarray(results[place]).ravel()
+
+
+def make_loop(
+    robot: Robot,
+    controller: Block | str,
+    *,
+    plant: Robot | None = None,
+    rate: float = 1000.0,
+    sensors: Sensors | None = None,
+    actuators: Actuators | None = None,
+    substeps: int = SUBSTEPS,
+    wrench: bool = False,
+) -> Loop:
+    """Compile controller, instruments and plant into one loop; arguments as for `simulate`."""
+    if isinstance(controller, str):
+        from irb2400_ctrl.controllers import controller as by_name
+
+        controller = by_name(controller, robot, 1.0 / rate)
+    arm = robot if plant is None else plant
+    sensors, actuators = sensors or Sensors(), actuators or Actuators()
+    block = closed_loop(controller, arm, sensors=sensors, actuators=actuators, substeps=substeps, wrench=wrench)
+    return Loop(robot, arm, controller, sensors, actuators, compile_block(block))
+
+
+def simulate(
+    robot: Robot,
+    trajectory: Trajectory,
+    controller: Block | str,
+    *,
+    plant: Robot | None = None,
+    rate: float = 1000.0,
+    sensors: Sensors | None = None,
+    actuators: Actuators | None = None,
+    substeps: int = SUBSTEPS,
+    gains: Mapping[str, ArrayLike] | None = None,
+    wrench: ArrayLike | None = None,
+    hold: float = 0.0,
+    seed: int = 0,
+) -> Simulation:
+    """Follow a trajectory with a controller on a plant, all in generated C.
+
+    Args:
+        robot: what the controller knows (used when `controller` is a name), and the geometry of the reference.
+        trajectory: reference motion at any rate.
+        controller: a block with inputs among q, qd, q_ref, qd_ref, qdd_ref and an output tau, or a name.
+        plant: the true arm with its effects; default the robot itself.
+        rate: control rate [Hz] for a controller given by name; a block brings its own.
+        sensors, actuators: of the drive; default `Sensors()`, `Actuators()`.
+        substeps: time steps of the plant per control period.
+        gains: controller parameters by name.
+        wrench: force and moment on the tool at the TCP, base frame [N, Nm], shape (m, 6) at the control rate.
+        hold: time after the end for which the last pose is held [s].
+        seed: of the noise on the logged torque.
+
+    Raises:
+        InputError: input that does not fit together.
+        IrbError: the motion diverged.
+    """
+    loop = make_loop(
+        robot, controller, plant=plant, rate=rate, sensors=sensors, actuators=actuators, substeps=substeps,
+        wrench=wrench is not None,
+    )  # fmt: skip
+    return loop.run(trajectory, gains=gains, wrench=wrench, hold=hold, seed=seed)
+
+
+def _column(matrix: Array) -> Array:
+    return np.asarray(matrix).ravel(order="F")
