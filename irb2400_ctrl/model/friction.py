@@ -7,9 +7,7 @@ import casadi as ca
 from irb2400_ctrl.robot import Robot
 
 
-def friction(
-    robot: Robot, qd: ca.SX, sign: ca.SX | None = None, table: ca.SX | ca.DM | None = None
-) -> ca.SX:
+def friction(robot: Robot, qd: ca.SX, sign: ca.SX | None = None, table: ca.SX | ca.DM | None = None) -> ca.SX:
     """F = (F_c + (F_s - F_c) exp(-|qd / omega_st|^2)) sgn(qd) + F_v qd (eq. 55), shape (n,) [Nm].
 
     Args:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import casadi as ca
 
+from irb2400_ctrl.model.chain import cos_sin
 from irb2400_ctrl.robot import Robot
 
 
@@ -26,29 +27,10 @@ def rotation_z(c: ca.SX, s: ca.SX) -> ca.SX:
     return ca.vertcat(ca.horzcat(c, -s, 0), ca.horzcat(s, c, 0), ca.horzcat(0, 0, 1))
 
 
-def cos_sin(robot: Robot, q: ca.SX) -> list[tuple[ca.SX, ca.SX]]:
-    """(cos, sin) of the link angles.
-
-    An offset of a multiple of 90 degrees is taken out of the argument, as in eqs. 3-8: the generated code then holds
-    exact zeros and ones and no rounding of pi.
-    """
-    angles = ca.DM(robot.A) @ q
-    pairs = []
-    for i, offset in enumerate(robot.offset):
-        quarter = offset / (ca.pi / 2)
-        turns = round(quarter)
-        if abs(quarter - turns) < 1e-12:
-            c, s = ca.cos(angles[i]), ca.sin(angles[i])
-            pairs.append([(c, s), (-s, c), (-c, -s), (s, -c)][turns % 4])
-        else:
-            pairs.append((ca.cos(angles[i] + offset), ca.sin(angles[i] + offset)))
-    return pairs
-
-
 def joint_transforms(robot: Robot, q: ca.SX) -> list[tuple[ca.SX, ca.SX]]:
     """(R, p) of frame i in frame i - 1, i = 1…n (eqs. 2-8): rotation (3, 3) and position (3,) [m]."""
     transforms = []
-    for link, (c, s) in zip(robot.links, cos_sin(robot, q), strict=True):
+    for link, (c, s) in zip(robot.links, cos_sin(robot.A, robot.offset, q), strict=True):
         X = ca.DM(link.frame.matrix())
         transforms.append((ca.SX(X[:3, :3]) @ rotation_z(c, s), ca.SX(X[:3, 3])))
     return transforms

@@ -1,20 +1,23 @@
-"""Inverse dynamics by the Newton-Euler recursion (eqs. 57-68).
+"""Inverse dynamics by the Newton-Euler recursion (eqs. 57-68), written for few operations.
 
-The recursion carries first moments and inertias about the link frames' origins, which is the same physics as eqs.
-58-61 about the centres of mass with fewer operations:
+A body with pseudo-inertia [[Sigma, mc], [mc^T, m]] about its link's origin, whose points have the acceleration
+a + U r with U = [eps]x + [w]x [w]x (eq. 68), needs (eqs. 58-61 about the origin instead of the centre of mass)
 
-    f_i = m a_i + eps_i x mc + w_i x (w_i x mc)                       (eqs. 58, 60, 68)
-    n_i = I_O eps_i + w_i x (I_O w_i) + mc x a_i                      (eqs. 59, 61)
+    f = m a + U mc,    n = mc x a + vee(U Sigma - Sigma U^T).
 
-Gravity enters as an upward acceleration of the base (eq. 64). tau_theta_i = z_i . n_i and tau = A^T tau_theta, because
-the actuators turn theta = A q + offset.
+Gravity enters as an upward acceleration of the base (eq. 64). Links go in groups of parallel axes (`chain`): the
+force of a link is carried along the group, its moment goes to the group's frame at once, because a link of the group
+shifts the later ones without turning them.
 """
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import casadi as ca
 
-from irb2400_ctrl.model.kinematics import joint_transforms, skew
+from irb2400_ctrl.model.bodies import link_bodies
+from irb2400_ctrl.model.chain import CosSin, chain_of, turned, turned_back
 from irb2400_ctrl.robot import Robot
 
 
@@ -33,55 +36,81 @@ def inverse_dynamics(
         phi: inertial parameters (m, mc, I_O) of each link, shape (n, 10); default those of the robot.
         gravity: gravity in the base frame [m/s2], shape (3,); default the robot's.
     """
-    n = robot.n
-    phi = ca.DM(robot.inertial_parameters) if phi is None else phi
+    chain, bodies = chain_of(robot), link_bodies(robot, phi)
+    turns, B = chain.cos_sin(q), ca.DM(chain.B)
+    rate, rate2 = B @ qd, B @ qdd
     gravity = ca.DM(robot.gravity) if gravity is None else gravity
-    A = ca.DM(robot.A)
-    rate, rate2 = A @ qd, A @ qdd
-    z = ca.DM([0, 0, 1])
 
-    transforms = joint_transforms(robot, q)
-    w, eps, a = ca.SX(3, 1), ca.SX(3, 1), ca.SX(-gravity)
-    forces, moments = [], []
-    for i, (R, p) in enumerate(transforms):
-        a = R.T @ (a + ca.cross(eps, p) + ca.cross(w, ca.cross(w, p)))
-        w_parent = R.T @ w
-        w = w_parent + rate[i] * z
-        eps = R.T @ eps + rate2[i] * z + ca.cross(w_parent, rate[i] * z)
-        m, mc, inertia = phi[i, 0], phi[i, 1:4].T, symmetric(phi[i, 4:10])
-        forces.append(m * a + ca.cross(eps, mc) + ca.cross(w, ca.cross(w, mc)))
-        moments.append(inertia @ eps + ca.cross(w, inertia @ w) + ca.cross(mc, a))
+    forces, moments = [ca.SX(3, 1)] * robot.n, [ca.SX(3, 1)] * robot.n
+    w, eps, U, a = ca.SX(3, 1), ca.SX(3, 1), ca.SX(3, 3), ca.SX(-gravity)
+    for group in chain.groups:
+        R = ca.SX(ca.DM(group.R))
+        a_G = R.T @ (a + U @ ca.DM(group.p))
+        w_G, eps_G = R.T @ w, R.T @ eps
+        for i in group.links:
+            w, eps = _turning(turns[i], w_G, eps_G, rate[i], rate2[i])
+            motion = _Motion.of(w, eps)
+            U, a = motion.U, turned_back(turns[i], a_G)
+            forces[i], moments[i] = _wrench(bodies[i], motion, a)
+            if i + 1 in group.links:
+                a_G = a_G + turned(turns[i], U @ ca.DM(group.steps[i - group.links.start]))
 
-    tau_theta = ca.SX(n, 1)
-    f, moment = ca.SX(3, 1), ca.SX(3, 1)
-    for i in reversed(range(n)):
-        f, moment = f + forces[i], moment + moments[i]
-        tau_theta[i] = moment[2]
-        R, p = transforms[i]
-        f, moment = R @ f, R @ moment
-        moment += ca.cross(p, f)
-    return A.T @ tau_theta
-
-
-def symmetric(six: ca.SX | ca.DM) -> ca.SX:
-    """Tensor (3, 3) from (xx, xy, xz, yy, yz, zz)."""
-    xx, xy, xz, yy, yz, zz = (six[k] for k in range(6))
-    return ca.SX(ca.vertcat(ca.horzcat(xx, xy, xz), ca.horzcat(xy, yy, yz), ca.horzcat(xz, yz, zz)))
-
-
-def body_wrench(w: ca.SX, eps: ca.SX, a: ca.SX) -> ca.SX:
-    """d (f, n) / d phi of a body that moves with w, eps, and acceleration a of its origin, shape (6, 10)."""
-    L = inertia_map
-    linear = ca.horzcat(a, skew(eps) + skew(w) @ skew(w), ca.SX(3, 6))
-    angular = ca.horzcat(ca.SX(3, 1), -skew(a), L(eps) + skew(w) @ L(w))
-    return ca.vertcat(linear, angular)
+    tau = ca.SX(robot.n, 1)
+    f, n = ca.SX(3, 1), ca.SX(3, 1)
+    for group in reversed(chain.groups):
+        last = group.links[-1]
+        forces[last], moments[last] = forces[last] + f, moments[last] + n
+        f_G, n_G = ca.SX(3, 1), ca.SX(3, 1)
+        for i in reversed(group.links):
+            tau[i] = moments[i][2]
+            if i != last:
+                step = ca.DM(group.steps[i - group.links.start])
+                tau[i] += step[0] * turned_back(turns[i], f_G)[1] - step[1] * turned_back(turns[i], f_G)[0]
+                n_G += ca.cross(turned(turns[i], ca.SX(step)), f_G)
+            f_G, n_G = f_G + turned(turns[i], forces[i]), n_G + turned(turns[i], moments[i])
+        R = ca.SX(ca.DM(group.R))
+        f, n = R @ f_G, R @ n_G
+        n += ca.cross(ca.SX(ca.DM(group.p)), f)
+    return B.T @ tau
 
 
-def inertia_map(v: ca.SX) -> ca.SX:
-    """L(v), shape (3, 6), so that I v = L(v) (xx, xy, xz, yy, yz, zz)."""
-    x, y, z = v[0], v[1], v[2]
-    return ca.vertcat(
-        ca.horzcat(x, y, z, 0, 0, 0),
-        ca.horzcat(0, x, 0, y, z, 0),
-        ca.horzcat(0, 0, x, 0, y, z),
+def _turning(turn: CosSin, w_G: ca.SX, eps_G: ca.SX, rate: ca.SX, rate2: ca.SX) -> tuple[ca.SX, ca.SX]:
+    """Angular velocity and acceleration of a link that turns in frame G (eqs. 65, 66), in the link's frame."""
+    w = turned_back(turn, w_G)
+    gyroscopic = ca.vertcat(w[1] * rate, -w[0] * rate, 0)
+    z = ca.vertcat(0, 0, 1)
+    return w + rate * z, turned_back(turn, eps_G) + gyroscopic + rate2 * z
+
+
+@dataclass(frozen=True)
+class _Motion:
+    """U = [eps]x + [w]x [w]x and the differences of its diagonal, which cost less from the squares."""
+
+    U: ca.SX
+    differences: tuple[ca.SX, ca.SX, ca.SX]
+    """U_zz - U_yy, U_xx - U_zz, U_yy - U_xx"""
+
+    @classmethod
+    def of(cls, w: ca.SX, eps: ca.SX) -> _Motion:
+        x, y, z = w[0], w[1], w[2]
+        xx, yy, zz, xy, xz, yz = x * x, y * y, z * z, x * y, x * z, y * z
+        U = ca.vertcat(
+            ca.horzcat(-(yy + zz), xy - eps[2], xz + eps[1]),
+            ca.horzcat(xy + eps[2], -(xx + zz), yz - eps[0]),
+            ca.horzcat(xz - eps[1], yz + eps[0], -(xx + yy)),
+        )
+        return cls(U, (zz - yy, xx - zz, yy - xx))
+
+
+def _wrench(J: ca.SX, motion: _Motion, a: ca.SX) -> tuple[ca.SX, ca.SX]:
+    """Force and moment about the link's origin that the body needs, in the link's frame."""
+    U, (zy, xz, yx) = motion.U, motion.differences
+    S, mc = J[:3, :3], J[:3, 3]
+    force = J[3, 3] * a + U @ mc
+    # vee(U S - S U^T), the products of each off-diagonal second moment gathered
+    euler = ca.vertcat(
+        S[1, 1] * U[2, 1] - S[2, 2] * U[1, 2] + S[0, 1] * U[2, 0] - S[0, 2] * U[1, 0] + S[1, 2] * zy,
+        S[2, 2] * U[0, 2] - S[0, 0] * U[2, 0] + S[1, 2] * U[0, 1] - S[0, 1] * U[2, 1] + S[0, 2] * xz,
+        S[0, 0] * U[1, 0] - S[1, 1] * U[0, 1] + S[0, 2] * U[1, 2] - S[1, 2] * U[0, 2] + S[0, 1] * yx,
     )
+    return force, ca.cross(mc, a) + euler

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import casadi as ca
+import numpy as np
 
-from irb2400_ctrl.model.newton_euler import inverse_dynamics, symmetric
+from irb2400_ctrl.model.bodies import parameters, pseudo_inertia
+from irb2400_ctrl.model.newton_euler import inverse_dynamics
 from irb2400_ctrl.robot import Robot
 
 
@@ -16,15 +18,8 @@ def regressor(robot: Robot, q: ca.SX, qd: ca.SX, qdd: ca.SX) -> ca.SX:
 
 
 def transport(X: ca.DM) -> ca.DM:
-    """T (10, 10), so that T phi are the parameters of a body in the frame that X (4, 4) leads to.
-
-    The pseudo-inertia [[Sigma, mc], [mc^T, m]], Sigma = tr(I)/2 1 - I, moves as X J X^T.
-    """
-    phi = ca.SX.sym("phi", 10)
-    inertia, mc = symmetric(phi[4:10]), phi[1:4]
-    J = ca.vertcat(ca.horzcat(ca.trace(inertia) / 2 * ca.SX.eye(3) - inertia, mc), ca.horzcat(mc.T, phi[0]))
-    J = X @ J @ X.T
-    Sigma = J[:3, :3]
-    moved = ca.trace(Sigma) * ca.SX.eye(3) - Sigma
-    six = [moved[i, j] for i in range(3) for j in range(i, 3)]
-    return ca.DM(ca.evalf(ca.jacobian(ca.vertcat(J[3, 3], J[:3, 3], *six), phi)))
+    """T (10, 10), so that T phi are the parameters of a body in the frame that X (4, 4) leads to."""
+    columns = [
+        parameters(np.array(X @ ca.DM(ca.evalf(pseudo_inertia(unit))) @ X.T)) for unit in ca.horzsplit(ca.DM.eye(10))
+    ]
+    return ca.DM(np.column_stack(columns))

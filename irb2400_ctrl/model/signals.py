@@ -21,7 +21,7 @@ class ArmSignals:
     """
 
     robot: Robot
-    phi: ca.DM
+    phi: ca.DM | ca.SX
     q: ca.SX
     qd: ca.SX
     qdd: ca.SX
@@ -32,7 +32,7 @@ class ArmSignals:
     qdddd: ca.SX
 
     @classmethod
-    def symbols(cls, robot: Robot, phi: ca.DM) -> ArmSignals:
+    def symbols(cls, robot: Robot, phi: ca.DM | ca.SX) -> ArmSignals:
         """Fresh symbols for everything."""
         q, qd, qdd, qddd, qdddd = (ca.SX.sym(name, robot.n) for name in ("q", "qd", "qdd", "qddd", "qdddd"))
         return cls(robot, phi, q, qd, qdd, ca.SX.sym("time"), ca.sign(qd), ca.SX(0, 1), qddd, qdddd)
@@ -81,9 +81,11 @@ class ArmSignals:
 
     @cached_property
     def tau_rate(self) -> ca.SX:
-        """d tau / dt [Nm/s] along the motion; the jump of dry friction at reversals is left out."""
-        smooth = self.load + ca.DM(self.robot.friction[:, 2]) * self.qd
-        return self._rate(smooth)
+        """d tau / dt [Nm/s] along the motion; the jump of dry friction at a reversal is spread over about 10 ms."""
+        coulomb, viscous = (ca.DM(column) for column in self.robot.friction[:, 1:3].T)
+        width = 0.005 + 0.005 * ca.fabs(self.qdd)
+        jump = coulomb * self.qdd / width / ca.cosh(ca.fmin(ca.fabs(self.qd / width), 30.0)) ** 2
+        return self._rate(self.load + viscous * self.qd) + jump
 
     @cached_property
     def tau_jacobian(self) -> ca.SX:

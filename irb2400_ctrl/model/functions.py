@@ -1,0 +1,131 @@
+"""The CasADi functions (SX) behind the methods of `Model`, by name; for code generation and optimisation."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+import casadi as ca
+
+from irb2400_ctrl.model import euler_lagrange, geometry, kinematics, newton_euler
+from irb2400_ctrl.model.acceleration import Acceleration
+from irb2400_ctrl.model.friction import friction
+from irb2400_ctrl.model.regressor import regressor
+
+if TYPE_CHECKING:
+    from irb2400_ctrl.model.model import Model
+
+
+def function(name: str, inputs: dict[str, ca.SX], outputs: dict[str, ca.SX]) -> ca.Function:
+    """One CasADi function with shared subexpressions computed once, its outputs dense."""
+    shared = ca.cse([ca.densify(expression) for expression in outputs.values()])
+    return ca.Function(name, list(inputs.values()), shared, list(inputs), list(outputs))
+
+
+def inverse_dynamics(model: Model, name: str, with_friction: bool = True, with_wrench: bool = False) -> ca.Function:
+    """(q, qd, qdd, [wrench], time) -> tau."""
+    s, wrench = model.signals(), ca.SX.sym("wrench", 6)
+    inputs = {"q": s.q, "qd": s.qd, "qdd": s.qdd}
+    tau = s.load + model.effect_torque(s)
+    if with_friction:
+        tau += friction(model.robot, s.qd)
+    if with_wrench:
+        tau -= s.tcp_jacobian.T @ wrench
+        inputs["wrench"] = wrench
+    return function(name, {**inputs, "time": s.time}, {"tau": tau})
+
+
+def forward_dynamics(model: Model, name: str, with_friction: bool = True, with_wrench: bool = False) -> ca.Function:
+    """(q, qd, tau, [wrench], time) -> qdd."""
+    s, tau, wrench = model.signals(), ca.SX.sym("tau", model.robot.n), ca.SX.sym("wrench", 6)
+    inputs = {"q": s.q, "qd": s.qd, "tau": tau}
+    driving = tau
+    if with_wrench:
+        driving = tau + s.tcp_jacobian.T @ wrench
+        inputs["wrench"] = wrench
+    qdd = Acceleration.of(model, s, driving, with_friction).qdd
+    return function(name, {**inputs, "time": s.time}, {"qdd": qdd})
+
+
+def forward_dynamics_derivatives(model: Model, name: str, with_friction: bool = True) -> ca.Function:
+    """(q, qd, tau, time) -> (qdd, dqdd_dq, dqdd_dqd, dqdd_dtau)."""
+    s, tau = model.signals(), ca.SX.sym("tau", model.robot.n)
+    solution = Acceleration.of(model, s, tau, with_friction)
+    return function(name, {"q": s.q, "qd": s.qd, "tau": tau, "time": s.time}, solution.derivatives())
+
+
+def mass_matrix(model: Model, name: str) -> ca.Function:
+    """q -> M, with the inertia of the effects at rest."""
+    s = model.signals()
+    zero = ca.SX.zeros(model.robot.n)
+    slope = ca.substitute(ca.jacobian(model.effect_torque(s), s.qdd), ca.vertcat(s.qd, s.qdd), ca.vertcat(zero, zero))
+    return function(name, {"q": s.q}, {"M": s.mass_matrix + ca.substitute(slope, s.time, 0)})
+
+
+def gravity(model: Model, name: str) -> ca.Function:
+    """q -> G, effects at rest included."""
+    s = model.signals()
+    zero = ca.SX.zeros(model.robot.n)
+    tau = ca.substitute(model.effect_torque(s), ca.vertcat(s.qd, s.qdd, s.time), ca.vertcat(zero, zero, 0))
+    tau += newton_euler.inverse_dynamics(model.robot, s.q, zero, zero, model.phi)
+    return function(name, {"q": s.q}, {"G": tau})
+
+
+def external_torque(model: Model, name: str) -> ca.Function:
+    """(q, wrench) -> J^T wrench."""
+    s, wrench = model.signals(), ca.SX.sym("wrench", 6)
+    return function(name, {"q": s.q, "wrench": wrench}, {"tau_ext": s.tcp_jacobian.T @ wrench})
+
+
+def coriolis(model: Model, name: str) -> ca.Function:
+    """(q, qd) -> C."""
+    s = model.signals()
+    return function(name, {"q": s.q, "qd": s.qd}, {"C": euler_lagrange.coriolis(model.robot, s.q, s.qd)})
+
+
+def torque_regressor(model: Model, name: str, base: bool = False) -> ca.Function:
+    """(q, qd, qdd) -> Y, in all inertial parameters or in the base parameters."""
+    s = model.signals()
+    Y = regressor(model.robot, s.q, s.qd, s.qdd)
+    if base:
+        Y = Y[:, list(model.base_parameters.kept)]
+    return function(name, {"q": s.q, "qd": s.qd, "qdd": s.qdd}, {"Y": Y})
+
+
+def friction_torque(model: Model, name: str) -> ca.Function:
+    """qd -> F."""
+    qd = ca.SX.sym("qd", model.robot.n)
+    return function(name, {"qd": qd}, {"F": friction(model.robot, qd)})
+
+
+def of_q(name: str, model: Model, output: str, expression: Callable[[ca.SX], ca.SX]) -> ca.Function:
+    """q -> a kinematic quantity."""
+    q = ca.SX.sym("q", model.robot.n)
+    return function(name, {"q": q}, {output: expression(q)})
+
+
+FUNCTIONS: dict[str, Callable[[Model], ca.Function]] = {
+    "inverse_dynamics": lambda m: inverse_dynamics(m, "inverse_dynamics"),
+    "inverse_dynamics_without_friction": lambda m: inverse_dynamics(m, "inverse_dynamics", with_friction=False),
+    "inverse_dynamics_with_wrench": lambda m: inverse_dynamics(m, "inverse_dynamics", with_wrench=True),
+    "forward_dynamics": lambda m: forward_dynamics(m, "forward_dynamics"),
+    "forward_dynamics_without_friction": lambda m: forward_dynamics(m, "forward_dynamics", with_friction=False),
+    "forward_dynamics_with_wrench": lambda m: forward_dynamics(m, "forward_dynamics", with_wrench=True),
+    "forward_dynamics_derivatives": lambda m: forward_dynamics_derivatives(m, "forward_dynamics_derivatives"),
+    "forward_dynamics_derivatives_without_friction": lambda m: forward_dynamics_derivatives(
+        m, "forward_dynamics_derivatives", with_friction=False
+    ),
+    "mass_matrix": lambda m: mass_matrix(m, "mass_matrix"),
+    "gravity": lambda m: gravity(m, "gravity"),
+    "external_torque": lambda m: external_torque(m, "external_torque"),
+    "coriolis": lambda m: coriolis(m, "coriolis"),
+    "regressor": lambda m: torque_regressor(m, "regressor"),
+    "base_regressor": lambda m: torque_regressor(m, "base_regressor", base=True),
+    "friction": lambda m: friction_torque(m, "friction"),
+    "tcp_pose": lambda m: of_q("tcp_pose", m, "X_BT", lambda q: kinematics.tcp_pose(m.robot, q)),
+    "flange_pose": lambda m: of_q("flange_pose", m, "X_BF", lambda q: kinematics.flange_pose(m.robot, q)),
+    "tcp_jacobian": lambda m: of_q("tcp_jacobian", m, "J", lambda q: kinematics.tcp_jacobian(m.robot, q)),
+    "singularity_factors": lambda m: of_q(
+        "singularity_factors", m, "factors", lambda q: ca.vertcat(*geometry.singularity_factors(m.arm_geometry, q))
+    ),
+}
