@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from irb2400_ctrl.codegen.emit import emit_body
-from irb2400_ctrl.codegen.graph import as_sx
+from irb2400_ctrl.codegen.graph import as_sx, read_graph
 from irb2400_ctrl.codegen.own_math import prelude
 from irb2400_ctrl.codegen.toolchain import build_shared
 from irb2400_ctrl.errors import InputError
@@ -55,7 +55,7 @@ def compile_function(
 
 def host_source(fn: ca.Function, *, real: Real, math: Math = "own") -> str:
     """C text of the shared library: the function and the loops over it."""
-    body = emit_body(fn, lambda argument, i: f"a{argument}[{i}]", libm=math == "libm")
+    body = emit_body(read_graph(fn), fn.name(), lambda argument, i: f"a{argument}[{i}]", libm=math == "libm")
     n_in, n_out = fn.n_in(), fn.n_out()
     sizes_in = [fn.numel_in(i) for i in range(n_in)]
     sizes_out = [fn.numel_out(i) for i in range(n_out)]

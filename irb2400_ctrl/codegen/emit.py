@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import casadi as ca
 
-from irb2400_ctrl.codegen.graph import COSINE_OF, SELECT, SINCOS, SINE_OF, Graph, read_graph
+from irb2400_ctrl.codegen.graph import COSINE_OF, SELECT, SINCOS, SINE_OF, Graph
 from irb2400_ctrl.codegen.own_math import own_functions
 from irb2400_ctrl.errors import InputError
 
@@ -53,18 +53,19 @@ def literal(value: float) -> str:
     return "(R(1.0) / R(0.0))" if value > 0 else "(R(-1.0) / R(0.0))"
 
 
-def emit_body(fn: ca.Function, element: Callable[[int, int], str], *, libm: bool = False) -> Body:
-    """C statements that compute `fn`.
+def emit_body(graph: Graph, name: str, element: Callable[[int, int], str], *, libm: bool = False) -> Body:
+    """C statements that compute a graph.
 
     Args:
-        fn: the function; MX functions are expanded.
+        graph: operations of a function, from `read_graph`.
+        name: of the function, for messages.
         element: C expression of an input, `element(argument, dense column-major index)`.
         libm: whether functions beyond `own_math` may be used.
 
     Raises:
         InputError: an operation that the emitter does not know, or that needs the C library.
     """
-    return _Writer(read_graph(fn), element, fn.name(), libm).body()
+    return _Writer(graph, element, name, libm).body()
 
 
 class _Writer:

@@ -17,7 +17,16 @@ FLASH = 0x0000_0000
 RAM = 0x2000_0000
 MEMORY_SIZE = 0x0040_0000
 STACK_SIZE = 0x4000
-FLAGS = ("-std=c99", "-O2", "-mthumb", "-mfloat-abi=hard", "-ffp-contract=off", "-ffunction-sections", "-fdata-sections")
+FLAGS = (
+    "-std=c99",
+    "-O2",
+    "-mthumb",
+    "-mfloat-abi=hard",
+    "-ffp-contract=off",
+    "-fno-math-errno",
+    "-ffunction-sections",
+    "-fdata-sections",
+)
 WARNINGS = ("-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wdouble-promotion", "-Wshadow", "-Werror")
 TOOLS = ("arm-none-eabi-gcc", "arm-none-eabi-nm", "arm-none-eabi-objcopy")
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import casadi as ca
@@ -170,6 +170,48 @@ def _without_dead(nodes: list[Node], results: _Results) -> Graph:
     return Graph(tuple(built.nodes), tuple(tuple(column) for column in _renumber(results, new)))
 
 
-def is_finite_constant(node: Node) -> bool:
-    """Whether the node is a number that C can spell."""
-    return node.op == ca.OP_CONST and math.isfinite(node.value)
+Bounds = tuple[float | None, float | None]
+
+
+def without_saturation(graph: Graph, bounds: Mapping[tuple[int, int], Bounds]) -> Graph:
+    """Results (output, element) that are cut at exactly the given (lower, upper) are taken from before the cut.
+
+    For a caller who saturates them himself, with bounds that may be replaced.
+    """
+    results: _Results = [list(column) for column in graph.results]
+    for (k, i), (low, high) in bounds.items():
+        index = results[k][i]
+        for _ in range(2):
+            if index is not None:
+                index = _uncut(graph.nodes, index, ca.OP_FMIN, high)
+                index = _uncut(graph.nodes, index, ca.OP_FMAX, low)
+        results[k][i] = index
+    return _without_dead(list(graph.nodes), results)
+
+
+def _uncut(nodes: tuple[Node, ...], index: int, op: int, bound: float | None) -> int:
+    """The operand that fmin or fmax compares with the bound, or the node itself where it is no such comparison."""
+    node = nodes[index]
+    if node.op == op and bound is not None:
+        for at, other in (node.args, node.args[::-1]):
+            if nodes[other].op == ca.OP_CONST and nodes[other].value == bound:
+                return at
+    return index
+
+
+_CARRYING = frozenset(
+    (ca.OP_ADD, ca.OP_SUB, ca.OP_MUL, ca.OP_NEG, ca.OP_SQ, ca.OP_TWICE, ca.OP_ASSIGN, SINCOS, SINE_OF, COSINE_OF)
+)
+
+
+def carried_inputs(graph: Graph) -> frozenset[tuple[int, int]]:
+    """Inputs (argument, element) whose NaN or infinity is sure to make some result NaN or infinite.
+
+    Sums, products and sines pass it on whatever their other operand; quotients, exponentials and selections may not.
+    """
+    carried = {i for column in graph.results for i in column if i is not None}
+    for index in reversed(range(len(graph.nodes))):
+        if index in carried and graph.nodes[index].op in _CARRYING:
+            carried.update(graph.nodes[index].args)
+    nodes = graph.nodes
+    return frozenset((nodes[i].args[0], nodes[i].args[1]) for i in carried if nodes[i].op == ca.OP_INPUT)

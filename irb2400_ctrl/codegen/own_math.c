@@ -177,19 +177,36 @@ static inline real_t own_cosh(real_t x)
 }
 
 /*@ sqrt : bits */
-/* Newton's iteration from half the exponent; normal numbers and 0, NaN for x < 0; <= 1 ulp. */
+/* Correctly rounded for normal numbers; 0 and infinity stay, NaN for x < 0. In hardware where the compiler may use it
+   without calling a library (-fno-math-errno), else Newton's iteration from half the exponent and one step with the
+   exact remainder, which gives the same bits. */
 static inline real_t own_sqrt(real_t x)
 {
+#if defined(__NO_MATH_ERRNO__) && REAL_IS_FLOAT && (defined(__SSE2__) || defined(__aarch64__) || defined(__ARM_FP))
+    return __builtin_sqrtf(x);
+#elif defined(__NO_MATH_ERRNO__) && !REAL_IS_FLOAT && (defined(__SSE2__) || defined(__aarch64__))
+    return __builtin_sqrt(x);
+#else
 #if REAL_IS_FLOAT
+    const real_t splitter = R(4097.0);
     real_t y = from_bits(0x1FBD1DF5u + (to_bits(x) >> 1));
 #else
+    const real_t splitter = R(134217729.0);
     real_t y = from_bits(0x1FF7A3BEA91D9B1BuLL + (to_bits(x) >> 1));
     y = R(0.5) * (y + (x / y));
 #endif
     y = R(0.5) * (y + (x / y));
     y = R(0.5) * (y + (x / y));
     y = R(0.5) * (y + (x / y));
-    return (x > R(0.0)) ? y : ((x < R(0.0)) ? ((x - x) / (x - x)) : x);
+    const real_t scaled = splitter * y;
+    const real_t high = scaled - (scaled - y);
+    const real_t low = y - high;
+    const real_t product = y * y;
+    const real_t rest = (((high * high) - product) + (R(2.0) * (high * low))) + (low * low);
+    y = y + (((x - product) - rest) / (y + y));
+    const bool ordinary = (x > R(0.0)) && ((x - x) == R(0.0));
+    return ordinary ? y : ((x < R(0.0)) ? ((x - x) / (x - x)) : x);
+#endif
 }
 
 /*@ log : bits */
@@ -345,4 +362,10 @@ static inline real_t own_fmax(real_t x, real_t y)
 static inline real_t own_clip(real_t x, real_t low, real_t high)
 {
     return (x < low) ? low : ((x > high) ? high : x);
+}
+
+/*@ limit : abs */
+static inline real_t own_limit(real_t x, real_t magnitude)
+{
+    return (own_abs(x) <= magnitude) ? x : ((x < R(0.0)) ? -magnitude : magnitude);
 }

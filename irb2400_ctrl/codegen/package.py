@@ -12,13 +12,14 @@ from irb2400_ctrl.codegen import package_pages
 from irb2400_ctrl.codegen.block import Block, Field
 from irb2400_ctrl.codegen.build import Real
 from irb2400_ctrl.codegen.emit import emit_body
+from irb2400_ctrl.codegen.graph import Bounds, Graph, carried_inputs, read_graph, without_saturation
 from irb2400_ctrl.codegen.own_math import prelude
 from irb2400_ctrl.errors import InputError
 
 _KEYWORDS = frozenset(
-    "auto bool break case char const continue default do double else enum extern false float for goto if inline int "
-    "long register restrict return short signed sizeof static struct switch true typedef union unsigned void "
-    "volatile while real_t".split()
+    """auto bool break case char const continue default do double else enum extern false float for goto if inline int
+    long register restrict return short signed sizeof static struct switch true typedef union unsigned void volatile
+    while real_t state input output parameters status""".split()  # noqa: SIM905
 )
 FAULT_INPUT = 1
 """status bit: an input is not a number or outside its range"""
@@ -46,8 +47,8 @@ class Package:
             names = [f.name for f in group]
             if len(names) != len(set(names)):
                 raise InputError(
-                    f"block {self.block.name!r}: found two fields of one name among {names}; note that held_*, *_min "
-                    "and *_max are added for outputs and bounds; rename yours"
+                    f"block {self.block.name!r}: found two fields of one name among {names}; note that held_*, *_min, "
+                    "*_max and *_limit are added for outputs and bounds; rename yours"
                 )
 
     @property
@@ -67,11 +68,24 @@ class Package:
         bounds = []
         for field in (*self.block.inputs, *self.block.outputs):
             word = "believed" if field in self.block.inputs else "sent"
-            for end, values in (("min", field.lower), ("max", field.upper)):
+            ends = (("min", "smallest", field.lower), ("max", "largest", field.upper))
+            if is_symmetric(field):
+                ends = (("limit", "largest magnitude of", ()), ("limit", "largest magnitude of", field.upper))
+            for end, adjective, values in ends:
                 if values:
-                    text = f"{'smallest' if end == 'min' else 'largest'} {field.name} that is {word}"
+                    text = f"{adjective} {field.name} that is {word}"
                     bounds.append(Field(f"{field.name}_{end}", field.size, field.unit, text, values))
         return (*self.block.parameters, *bounds)
+
+    @cached_property
+    def graph(self) -> Graph:
+        """The step's operations, without the saturation that the package does from its table."""
+        bounds: dict[tuple[int, int], Bounds] = {}
+        for k, field in enumerate(self.block.outputs, start=len(self.block.states)):
+            for i in range(field.size):
+                low = field.lower[i] if field.lower else None
+                bounds[k, i] = low, field.upper[i] if field.upper else None
+        return without_saturation(read_graph(self.block.step), bounds)
 
     def files(self) -> dict[str, str]:
         """File name -> text of the whole package."""
@@ -133,8 +147,8 @@ uint32_t {name}_step({name}_state_t *state, const {name}_input_t *input,
         """The one C file."""
         name, upper = self.name, self.name.upper()
         places = self._places()
-        body = emit_body(self.block.step, lambda k, i: f"{places[k]}[{i}]")
-        functions = {*body.functions, *(["clip"] if any(f.lower or f.upper for f in self.block.outputs) else [])}
+        body = emit_body(self.graph, name, lambda k, i: f"{places[k]}[{i}]")
+        functions = body.functions | self._guard_functions()
         macro = f"{upper}_SINGLE"
         own = prelude(functions).replace("REAL_IS_FLOAT", macro)
         return f"""\
@@ -170,6 +184,11 @@ uint32_t {name}_step({name}_state_t *state, const {name}_input_t *input,
 }}
 """
 
+    def _guard_functions(self) -> set[str]:
+        outputs = [f for f in self.block.outputs if f.lower or f.upper]
+        names = {"clip" for f in outputs if not is_symmetric(f)} | {"limit" for f in outputs if is_symmetric(f)}
+        return names | {"abs" for f in self.block.inputs if is_symmetric(f)}
+
     def _places(self) -> list[str]:
         groups = (("state", self.block.states), ("input", self.block.inputs), ("parameters", self.block.parameters))
         return [f"{struct}->{field.name}" for struct, fields in groups for field in fields]
@@ -189,31 +208,37 @@ uint32_t {name}_step({name}_state_t *state, const {name}_input_t *input,
         return f"const {self.name}_parameters_t {self.name}_default_parameters = {{\n" + "\n".join(rows) + "\n};\n"
 
     def _checks(self) -> str:
-        """Every comparison with a number that is none is false, so that one test covers range and validity."""
-        terms = []
-        free = []
-        for field in self.block.inputs:
+        """Every comparison with a number that is none is false, so that one test covers range and validity.
+
+        Where a wrong input is sure to spoil the result, the test of the result finds it for nothing; only the
+        question whose fault it was is asked here.
+        """
+        terms, free, early = [], [], []
+        carried = carried_inputs(self.graph)
+        for k, field in enumerate(self.block.inputs, start=len(self.block.states)):
             for i in range(field.size):
                 at = f"input->{field.name}[{i}]"
+                if is_symmetric(field):
+                    terms.append(f"(own_abs({at}) <= parameters->{field.name}_limit[{i}])")
+                    continue
                 if field.lower:
                     terms.append(f"({at} >= parameters->{field.name}_min[{i}])")
                 if field.upper:
                     terms.append(f"({at} <= parameters->{field.name}_max[{i}])")
                 if not (field.lower and field.upper):
                     free.append(at)
-        if free:
-            terms.append("((sum - sum) == R(0.0))")
-        lines = [f"    const real_t sum = {_joined(free, ' + ', 8)};"] if free else []
+                    early += [] if (k, i) in carried else [at]
+        types = f"const {self.name}_input_t *input", f"const {self.name}_parameters_t *parameters"
+        finite = _finite_function("inputs_are_finite", types[0], free)
+        if early:
+            finite += "\n" + _finite_function("inputs_are_sound", types[0], early)
+            terms.append("inputs_are_sound(input)")
+        unused = "" if self.block.inputs else "    (void)input;\n"
         if not any(f.lower or f.upper for f in self.block.inputs):
-            lines.append("    (void)parameters;")
-        if not self.block.inputs:
-            lines.append("    (void)input;")
-        comment = "    /* infinity - infinity and NaN - NaN are NaN */\n" if free else ""
+            unused += "    (void)parameters;\n"
         return (
-            f"static inline bool inputs_are_valid(const {self.name}_input_t *input, "
-            f"const {self.name}_parameters_t *parameters)\n{{\n"
-            + "".join(f"{line}\n" for line in lines)
-            + f"{comment}    return {_joined(terms, ' && ', 8) or 'true'};\n}}\n"
+            f"{finite}\nstatic inline bool inputs_are_valid({', '.join(types)})\n{{\n{unused}"
+            f"    return {_joined(terms, ' && ', 8) or 'true'};\n}}\n"
         )
 
     def _init(self) -> str:
@@ -231,9 +256,14 @@ uint32_t {name}_step({name}_state_t *state, const {name}_input_t *input,
 
     def _finish(self, results: Sequence[Sequence[str]]) -> str:
         """Test the result as a whole, then store it."""
+        upper = self.name.upper()
         flat = [text for column in results for text in column]
         n = len(self.block.states)
-        stores = [f"state->{f.name}[{i}] = {r};" for f, c in zip(self.block.states, results, strict=False) for i, r in enumerate(c)]
+        stores = [
+            f"state->{f.name}[{i}] = {r};"
+            for f, c in zip(self.block.states, results, strict=False)
+            for i, r in enumerate(c)
+        ]
         for field, column in zip(self.block.outputs, results[n:], strict=True):
             for i, text in enumerate(column):
                 stores.append(f"output->{field.name}[{i}] = {_clip(field, i, text)};")
@@ -243,7 +273,7 @@ uint32_t {name}_step({name}_state_t *state, const {name}_input_t *input,
             "        if ((total - total) == R(0.0)) {\n"
             f"{_lines(stores, 12)}\n"
             "        } else {\n"
-            f"            status = {self.name.upper()}_FAULT_RESULT;\n"
+            f"            status = inputs_are_finite(input) ? {upper}_FAULT_RESULT : {upper}_FAULT_INPUT;\n"
             "        }"
         )
 
@@ -258,7 +288,24 @@ uint32_t {name}_step({name}_state_t *state, const {name}_input_t *input,
         return np.concatenate([np.zeros(0), *(package_pages.inside(f) for f in self.block.inputs)])
 
 
+def _finite_function(name: str, argument: str, terms: Sequence[str]) -> str:
+    """A C predicate: the sum of the terms is finite; infinity - infinity and NaN - NaN are NaN."""
+    if not terms:
+        return f"static inline bool {name}({argument})\n{{\n    (void)input;\n    return true;\n}}\n"
+    return (
+        f"static inline bool {name}({argument})\n{{\n    const real_t sum = {_joined(terms, ' + ', 8)};\n"
+        "    return (sum - sum) == R(0.0);\n}\n"
+    )
+
+
+def is_symmetric(field: Field) -> bool:
+    """Whether the bounds of a field are a magnitude: one comparison and one table less."""
+    return bool(field.upper) and field.lower == tuple(-v for v in field.upper)
+
+
 def _clip(field: Field, i: int, text: str) -> str:
+    if is_symmetric(field):
+        return f"own_limit({text}, parameters->{field.name}_limit[{i}])"
     low, high = f"parameters->{field.name}_min[{i}]", f"parameters->{field.name}_max[{i}]"
     if field.lower and field.upper:
         return f"own_clip({text}, {low}, {high})"

@@ -50,9 +50,9 @@ set_target_properties({name} PROPERTIES C_STANDARD 99 C_STANDARD_REQUIRED ON)
 if(DEFINED {upper}_SINGLE)
   target_compile_definitions({name} PUBLIC {upper}_SINGLE=${{{upper}_SINGLE}})
 endif()
-# the same bits on every machine: no fused multiply-add
+# the same bits on every machine: no fused multiply-add; roots in hardware: no errno
 if(CMAKE_C_COMPILER_ID MATCHES "GNU|Clang")
-  target_compile_options({name} PRIVATE -ffp-contract=off -Wall -Wextra -Wpedantic -Wconversion -Wdouble-promotion)
+  target_compile_options({name} PRIVATE -ffp-contract=off -fno-math-errno -Wall -Wextra -Wpedantic -Wconversion -Wdouble-promotion)
 endif()
 
 if(NOT CMAKE_CROSSCOMPILING)
@@ -95,7 +95,8 @@ void every_sample(const {name}_input_t *measured, {name}_output_t *command)
 }}
 ```
 
-`main.c` is a whole program: `cc -std=c99 {name}.c main.c -o example && ./example`, or `cmake -B build && cmake --build build`.
+`main.c` is a whole program: `cc -std=c99 {name}.c main.c -o example && ./example`,
+or `cmake -B build && cmake --build build`.
 
 ## Inputs
 
@@ -109,7 +110,8 @@ void every_sample(const {name}_input_t *measured, {name}_output_t *command)
 ## Parameters
 
 {parameters}
-Bounds from the tables above stand beside the parameters as `<field>_min` and `<field>_max`. To change a gain or a
+Bounds from the tables above stand beside the parameters: `<field>_limit` where they are symmetric, else `<field>_min`
+and `<field>_max`. To change a gain or a
 limit, copy `{name}_default_parameters` into a table of your own and pass that.
 
 ## What it promises
@@ -129,7 +131,9 @@ def _table(fields: tuple[Field, ...]) -> str:
     rows = ["| field | unit | meaning | default | bounds |", "| --- | --- | --- | --- | --- |"]
     for f in fields:
         bounds = "; ".join(
-            f"{word} {', '.join(f'{v:g}' for v in values)}" for word, values in (("≥", f.lower), ("≤", f.upper)) if values
+            f"{word} {', '.join(f'{v:g}' for v in values)}"
+            for word, values in (("≥", f.lower), ("≤", f.upper))
+            if values
         )
         default = ", ".join(f"{v:g}" for v in f.default)
         rows.append(f"| `{f.name}[{f.size}]` | {f.unit or '–'} | {f.doc} | {default} | {bounds} |")

@@ -67,7 +67,7 @@ def test_equal_operations_are_merged_and_paired() -> None:
 
 
 def test_single_assignment_and_marked_literals() -> None:
-    body = emit_body(ca.Function("f", [X], [ca.vertcat(*EXACT.values())]), lambda k, i: f"a{k}[{i}]")
+    body = emit_body(read_graph(ca.Function("f", [X], [ca.vertcat(*EXACT.values())])), "f", lambda k, i: f"a{k}[{i}]")
     names = [line.split()[2] for line in body.statements]
     assert all(line.startswith("const ") for line in body.statements)
     assert len(names) == len(set(names))
