@@ -25,14 +25,14 @@ def pid(
     robot: Robot,
     sample_time: float = 0.001,
     *,
-    position_bandwidth: ArrayLike = 30.0,
-    speed_bandwidth: ArrayLike = 120.0,
-    integral_time: ArrayLike = 0.05,
+    position_bandwidth: ArrayLike = 25.0,
+    speed_bandwidth: ArrayLike = 80.0,
+    integral_time: ArrayLike = 0.1,
     speed_feedforward: ArrayLike = 1.0,
 ) -> Block:
     """tau = Kv e_v + I,  e_v = Kp (q_ref - q) + ff qd_ref - qd,  dI/dt = Kv e_v / Ti: a drive's cascade P-PI.
 
-    Kv = J speed_bandwidth with J the inertia each axis sees in the middle of its range. It knows no model of the arm:
+    Kv = J speed_bandwidth with J from `typical_inertia`. It knows no model of the arm:
     gravity and friction come out of the integrator. Anti-windup by back-calculation. The integrator starts at zero,
     like a drive whose brake opens; the arm sags until it has found the weight.
 
@@ -52,9 +52,9 @@ def feedforward_pid(
     robot: Robot,
     sample_time: float = 0.001,
     *,
-    position_bandwidth: ArrayLike = 30.0,
-    speed_bandwidth: ArrayLike = 120.0,
-    integral_time: ArrayLike = 0.05,
+    position_bandwidth: ArrayLike = 25.0,
+    speed_bandwidth: ArrayLike = 80.0,
+    integral_time: ArrayLike = 0.1,
     speed_feedforward: ArrayLike = 1.0,
 ) -> Block:
     """The cascade of `pid` plus the model's torque along the reference: tau = ID(q_ref, qd_ref, qdd_ref) + Kv e_v + I.
@@ -85,21 +85,20 @@ def _cascade(
         gain(robot, "ki", "Nm/rad", "torque rate per speed error", kv / np.maximum(ti, 1e-6)),
         gain(robot, "feedforward", "-", "share of the reference speed fed forward", share),
         gain(robot, "tracking", "s", "time constant of the anti-windup", np.maximum(ti, sample_time)),
+        *(() if model is None else model.parameters),
     )
     memory = () if model is None else model.states
     states = (Field("integral", robot.n, "Nm", "integral torque"), *memory)
 
     def law(v: Values) -> Values:
         error = v["kp"] * (v["q_ref"] - v["q"]) + v["feedforward"] * v["qd_ref"] - v["qd"]
-        forward, after = ca.SX.zeros(robot.n), list[ca.SX]()
+        forward, after = ca.SX.zeros(robot.n), dict[str, ca.SX]()
         if model is not None:
-            forward, after = model.torque(
-                [v[field.name] for field in memory], v["q_ref"], v["qd_ref"], v["qdd_ref"], v["qd_ref"]
-            )
+            forward, after = model.torque(v, (v["q_ref"], v["qd_ref"], v["qdd_ref"]), v["qd_ref"], v["qd"])
         wanted = forward + v["kv"] * error + v["integral"]
         tau = saturate(robot, wanted)
         integral = back_calculated(v["integral"], v["ki"] * error, tau - wanted, v["tracking"], sample_time)
-        return {"tau": tau, "integral": integral, **dict(zip((f.name for f in memory), after, strict=True))}
+        return {"tau": tau, "integral": integral, **after}
 
     return assemble(
         name, doc, sample_time, law,

@@ -1,13 +1,18 @@
 """The model inside a controller: inverse dynamics with friction along the *reference* motion and effects with memory.
 
-    tau = M(q) a + C(q, qd) qd + G(q) + F(qd_ref; s) + effects(q, qd, a, t, z; s),   s = qd_ref / sqrt(qd_ref^2 + eps^2)
+    tau = M(q) a + C(q, qd) qd + G(q) + effects(q, qd, a, t, z; s) + F_v qd_ref
+        + (F_c + (F_s - F_c) exp(-(qd / omega_st)^2) (1 - exp(-(qd_ref / breakaway)^2))) s
+    s = qd_ref / sqrt(qd_ref^2 + eps^2)
 
 Dry friction is compensated in the direction the arm is meant to move: the measured speed has noise and stick in it, and
-its sign would make the torque chatter. The regularised sign s leaves a resting reference without friction torque.
+its sign would make the torque chatter. The regularised sign s leaves a resting reference without friction torque. How
+far the Stribeck curve has fallen is read from the measured speed: a joint that still sticks while the reference has
+moved on needs its static friction, or it stays behind until the feedback has found it.
 """
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
@@ -21,6 +26,9 @@ from irb2400_ctrl.model import Model
 from irb2400_ctrl.model.friction import friction
 from irb2400_ctrl.robot import Robot
 
+BREAKAWAY = 0.02
+"""reference speed [rad/s] from which on the static friction is compensated in full; below, a joint that has just
+broken loose would overshoot the reference and stick again, at the expense of its gear"""
 SIGN_WIDTH = 2e-3
 """eps of the regularised sign [rad/s]: a reference passes it in a millisecond or two, friction of 0.5 % is lost at ten
 times this speed"""
@@ -62,15 +70,18 @@ class Compensation:
 
     @cached_property
     def _core(self) -> ca.Function:
-        """(q, qd, qdd, qd_ref, time, memory) -> (tau, next memory)."""
+        """(q, qd, qdd, qd_ref, slip, breakaway, time, memory) -> (tau, next memory)."""
         model = Model(self.robot)
         n = self.robot.n
-        qd_ref = ca.SX.sym("qd_ref", n)
+        qd_ref, slip, breakaway = (ca.SX.sym(name, n) for name in ("qd_ref", "slip", "breakaway"))
         sign = qd_ref / ca.sqrt(qd_ref**2 + SIGN_WIDTH**2)
         s = replace(model.signals(), sign=sign)
         # speeds of effects with memory come from the reference too, for the same reason as the friction's
         along = replace(s, qd=qd_ref)
-        tau = s.load + friction(self.robot, qd_ref, sign)
+        viscous = ca.DM(self.robot.friction[:, 2])
+        coulomb = ca.DM(self.robot.friction[:, 1]) * sign
+        stribeck = friction(self.robot, slip, sign) - viscous * slip - coulomb
+        tau = s.load + viscous * qd_ref + coulomb + stribeck * (1 - ca.exp(-((qd_ref / breakaway) ** 2)))
         old = [ca.SX.sym(field.name, field.size) for _, field in self.memories]
         states = {id(effect): x for (effect, _), x in zip(self.memories, old, strict=True)}
         new = []
@@ -84,12 +95,12 @@ class Compensation:
         tau = ca.substitute(tau, rest, ca.SX.zeros(rest.numel()))
         memory, grown = ca.vertcat(ca.SX(0, 1), *old), ca.vertcat(ca.SX(0, 1), *new)
         outputs = [ca.cse(ca.densify(tau)), grown]
-        return ca.Function("compensation", [s.q, s.qd, s.qdd, qd_ref, s.time, memory], outputs)
+        return ca.Function("compensation", [s.q, s.qd, s.qdd, qd_ref, slip, breakaway, s.time, memory], outputs)
 
     @cached_property
     def uses_time(self) -> bool:
         """Whether an effect depends on the time since the start."""
-        return bool(self._core.jac_sparsity(0, 4).nnz())
+        return bool(self._core.jac_sparsity(0, 6).nnz())
 
     @property
     def states(self) -> tuple[Field, ...]:
@@ -97,13 +108,30 @@ class Compensation:
         clock = (Field("clock", 1, "s", "time since the controller was started"),) if self.uses_time else ()
         return (*clock, *(field for _, field in self.memories))
 
-    def torque(self, x: list[ca.SX], q: ca.SX, qd: ca.SX, qdd: ca.SX, qd_ref: ca.SX) -> tuple[ca.SX, list[ca.SX]]:
-        """tau and the next values of `states`, given their present ones."""
-        clock = x[0] if self.uses_time else ca.SX(0)
-        memory = x[1:] if self.uses_time else x
-        tau, grown = self._core.call([q, qd, qdd, qd_ref, clock, ca.vertcat(ca.SX(0, 1), *memory)], True, False)
+    @property
+    def parameters(self) -> tuple[Field, ...]:
+        """What can be tuned without new code."""
+        doc = "reference speed from which on static friction is compensated"
+        return (Field("breakaway", self.robot.n, "rad/s", doc, (BREAKAWAY,) * self.robot.n),)
+
+    def torque(
+        self, values: Mapping[str, ca.SX], motion: tuple[ca.SX, ca.SX, ca.SX], qd_ref: ca.SX, slip: ca.SX
+    ) -> tuple[ca.SX, dict[str, ca.SX]]:
+        """tau, and the next values of `states` by name.
+
+        Args:
+            values: present values of `states` and `parameters` by name.
+            motion: (q, qd, qdd) for inertia, Coriolis force, gravity and effects.
+            qd_ref: speed that says where the arm is meant to go.
+            slip: speed at which the Stribeck curve is read.
+        """
+        clock = values["clock"] if self.uses_time else ca.SX(0)
+        memory = [values[field.name] for _, field in self.memories]
+        tau, grown = self._core.call(
+            [*motion, qd_ref, slip, values["breakaway"], clock, ca.vertcat(ca.SX(0, 1), *memory)], True, False
+        )
         ends = [0]
         for _, field in self.memories:
             ends.append(ends[-1] + field.size)
-        after = [grown[a:b] for a, b in pairwise(ends)]
-        return tau, [*([clock + self.sample_time] if self.uses_time else []), *after]
+        after = {f.name: grown[a:b] for (_, f), (a, b) in zip(self.memories, pairwise(ends), strict=True)}
+        return tau, after | ({"clock": clock + self.sample_time} if self.uses_time else {})

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import casadi as ca
 from numpy.typing import ArrayLike
 
 from irb2400_ctrl.codegen import Block
@@ -22,19 +21,19 @@ def computed_torque(
         bandwidth: natural frequency of the error [rad/s], one or one per joint.
         damping: damping ratio [-], one or one per joint.
     """
+    model = Compensation(robot, sample_time)
     omega = gain(robot, "bandwidth", "rad/s", "natural frequency of the tracking error", bandwidth)
     zeta = gain(robot, "damping", "-", "damping ratio of the tracking error", damping)
     parameters = (
         gain(robot, "kp", "1/s2", "acceleration per angle error", omega.start**2),
         gain(robot, "kd", "1/s", "acceleration per speed error", 2 * zeta.start * omega.start),
+        *model.parameters,
     )
-    model = Compensation(robot, sample_time)
 
     def law(v: Values) -> Values:
         wanted = v["qdd_ref"] + v["kd"] * (v["qd_ref"] - v["qd"]) + v["kp"] * (v["q_ref"] - v["q"])
-        memory = [v[field.name] for field in model.states]
-        tau, after = model.torque(memory, v["q"], v["qd"], wanted, v["qd_ref"])
-        return {"tau": saturate(robot, ca.cse(tau)), **dict(zip((f.name for f in model.states), after, strict=True))}
+        tau, after = model.torque(v, (v["q"], v["qd"], wanted), v["qd_ref"], v["qd"])
+        return {"tau": saturate(robot, tau), **after}
 
     return assemble(
         "computed_torque",

@@ -12,11 +12,11 @@ from irb2400_ctrl.robot import Robot
 
 
 def gravity_pd(
-    robot: Robot, sample_time: float = 0.001, *, bandwidth: ArrayLike = 30.0, damping: ArrayLike = 1.0
+    robot: Robot, sample_time: float = 0.001, *, bandwidth: ArrayLike = 40.0, damping: ArrayLike = 1.0
 ) -> Block:
     """tau = G(q) + Kp (q_ref - q) + Kd (qd_ref - qd).
 
-    Kp = J bandwidth^2, Kd = 2 damping J bandwidth with J the inertia each axis sees in the middle of its range.
+    Kp = J bandwidth^2, Kd = 2 damping J bandwidth with J from `typical_inertia`.
 
     Args:
         bandwidth: natural frequency of an axis alone [rad/s], one or one per joint.
