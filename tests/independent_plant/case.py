@@ -98,11 +98,12 @@ class Case:
         always = ((replace(drawn, effect=replace(drawn.effect, on_at=-np.inf)), size),)
         if drawn.recipe.where == "transmission":
             return self.machine.unexplained_torque(always, self.motions[0])[: len(self.plain_torque)]
-        return self.machine.asked_torque(always, *self.motions[0].with_derivatives(STREAM)) - self.plain_torque
+        asked = self.machine.asked_torque(always, *self.motions[0].with_derivatives(STREAM))
+        return np.asarray(asked - self.plain_torque)
 
     def _fractions(self, drawn: Drawn, size: float) -> np.ndarray:
-        ratio: np.ndarray = (self.effect_torque(drawn, size) ** 2).mean(0) / (self.plain_torque**2).mean(0)
-        return np.asarray(np.sqrt(ratio))
+        power, total = ((x**2).mean(axis=0) for x in (self.effect_torque(drawn, size), self.plain_torque))
+        return np.asarray(np.sqrt(power / total))
 
     def _with_size(self, drawn: Drawn) -> tuple[Drawn, float, np.ndarray]:
         """Search the size whose torque has the wanted fraction, within what is plausible."""
@@ -121,7 +122,16 @@ class Case:
     def sized_effects(self) -> tuple[tuple[Drawn, float, np.ndarray], ...]:
         """Effects with everything drawn, their sizes, and their torque as a fraction of each joint's (6,)."""
         rng = self._rng("effects")
-        return tuple(self._with_size(draw(effect, rng)) for effect in self.effects)
+        return tuple(self._drawn_and_sized(effect, rng) for effect in self.effects)
+
+    def _drawn_and_sized(self, effect: Effect, rng: np.random.Generator) -> tuple[Drawn, float, np.ndarray]:
+        """Draw anew, a few times, where the motion does not reach what was drawn (a cushion, a window)."""
+        best = self._with_size(draw(effect, rng))
+        for _ in range(0 if best[0].recipe.where == "transmission" else 6):
+            if best[2].max() > 0.7 * effect.fraction:
+                break
+            best = max(best, self._with_size(draw(effect, rng)), key=lambda found: float(found[2].max()))
+        return best
 
     @cached_property
     def truth(self) -> tuple[TrueEffect, ...]:

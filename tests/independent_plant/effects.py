@@ -176,18 +176,7 @@ OUTSIDE: dict[str, Recipe] = {
     "cross_speed": Recipe(
         "law", ALL, ("partner:qd",), 1.0, 100.0, lambda r, j, k: [0.0, 0.0, k - 1], signed=True, partners=ALL
     ),
-    "acceleration_square": Recipe("law", ALL, ("qdd",), 0.1, 100.0, lambda r, j, k: [8.0 if j in (4, 6) else 2.0]),
-    "bursts": Recipe("law", ALL, ("time",), 1.0, 150.0, lambda r, j, k: [r.uniform(3.0, 7.0), r.uniform(0, 6.28)]),
-    "load_square": Recipe("law", (1, 2, 3, 4, 5), ("load",), 1e-4, 0.01, signed=True),
-    "angle_bump": Recipe(
-        "law",
-        ALL,
-        ("q",),
-        1.0,
-        150.0,
-        lambda r, j, k: [_inside(r, j, 0.4), r.uniform(0.08, 0.15) * _half(j)],
-        signed=True,
-    ),
+    "acceleration_square": Recipe("law", ALL, ("qdd",), 0.1, 100.0, signed=True),
 }
 
 KINDS: dict[str, Recipe] = LIBRARY | OUTSIDE

@@ -18,11 +18,11 @@ BLOCK = 13  # samples of 4 ms in one average: about 20 Hz, where the recorded ar
 
 def _averaged(x: np.ndarray) -> np.ndarray:
     n = len(x) // BLOCK
-    return x[: n * BLOCK].reshape(n, BLOCK, -1).mean(axis=1)
+    return np.asarray(x[: n * BLOCK].reshape(n, BLOCK, -1).mean(axis=1))
 
 
 def _noise_of_averages(case: Case) -> np.ndarray:
-    return _averaged(case.sensors.torque_errors(np.random.default_rng(0), 20000)).std(axis=0)
+    return np.asarray(_averaged(case.sensors.torque_errors(np.random.default_rng(0), 20000)).std(axis=0))
 
 
 def _base_directions(case: Case) -> np.ndarray:

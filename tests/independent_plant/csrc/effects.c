@@ -87,7 +87,7 @@ void apply_effect(const Effect *effect, Memory *memory, const Situation *now, Ex
     const int j = (int)effect->joint;
     const double q = now->q[j], v = now->qd[j], load = now->load[j];
     double torque = 0.0, size;
-    memory->slow_qdd += fmin(1.0, now->dt / 0.01) * (now->qdd[j] - memory->slow_qdd);
+    memory->slow_qdd += fmin(1.0, now->dt / 0.03) * (now->qdd[j] - memory->slow_qdd);
     if ((int)effect->law == HYSTERESIS) torque = hysteresis(p, memory, v * now->dt); /* remembers even while off */
     if (t < effect->on_at) return;
     switch ((int)effect->law) {
@@ -111,9 +111,7 @@ void apply_effect(const Effect *effect, Memory *memory, const Situation *now, Ex
     case END_CUSHION: torque = p[0] * (q - p[1] - clamp(q - p[1], p[2])); break;
     case ANGLE_SPEED: torque = p[0] * (q - p[1]) * (q - p[1]) * v; break;
     case CROSS_SPEED: torque = p[0] * now->qd[(int)p[3]]; break;
-    case ACCELERATION_SQUARE: /* a straight line beyond p1, else it would feed its own rattle */
-        torque = p[0] * memory->slow_qdd * fabs(memory->slow_qdd) / (1.0 + fabs(memory->slow_qdd) / p[1]);
-        break;
+    case ACCELERATION_SQUARE: out->reported[j] += p[0] * memory->slow_qdd * memory->slow_qdd; break;
     case BURSTS: torque = bursts(p, t); break;
     case LOAD_SQUARE: torque = p[0] * load * fabs(load); break;
     case ANGLE_BUMP: torque = p[0] * bell((q - p[1]) / p[2]); break;

@@ -14,8 +14,8 @@ typedef struct { /* what a law may look at */
     const double *q, *qd, *qdd, *load;
 } Situation;
 
-typedef struct { /* what it gives: torque the motor must add, and dry friction beyond the paper's, either way */
-    double smooth[6], forward[6], backward[6];
+typedef struct { /* what it gives: torque the motor must add, dry friction beyond the paper's either way, error of the report */
+    double smooth[6], forward[6], backward[6], reported[6];
 } Extra;
 
 extern const char *effect_laws[]; /* names, ends with a null pointer */

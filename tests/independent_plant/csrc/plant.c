@@ -130,6 +130,7 @@ static int step(const Plant *plant, int count, const Effect *effects, Memory *me
 
     const Situation now = {time, DT, q, qd, s->qdd, s->load};
     gather(count, effects, memories, &now, plant->friction, &extra);
+    for (int j = 0; j < 6; j++) record[12 + j] += extra.reported[j];
     equations_of_motion(arm, s->q, s->v, M, bias);
     for (int j = 0; j < 6; j++) rhs[j] = u[j] - extra.smooth[j] - bias[j];
     if (elastic >= 0) {
@@ -196,7 +197,8 @@ void prescribed(const Plant *plant, int count, const Effect *effects, double sta
         const Situation now = {time, dt, true_q, qd, qdd, load};
         gather(count, effects, memories, &now, plant->friction, &extra);
         for (int j = 0; j < 6; j++)
-            tau[j] = load[j] + extra.smooth[j] + (qd[j] > 0.0 ? extra.forward[j] : qd[j] < 0.0 ? -extra.backward[j] : 0.0);
+            tau[j] = load[j] + extra.smooth[j] + extra.reported[j] +
+                     (qd[j] > 0.0 ? extra.forward[j] : qd[j] < 0.0 ? -extra.backward[j] : 0.0);
     }
 }
 
