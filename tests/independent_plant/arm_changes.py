@@ -32,7 +32,7 @@ def changed_arm(arm: Arm, drawn: Drawn, size: float) -> Arm:
             centre = np.array(reach) + 0.12 * np.array([a, b, c])
             return arm.with_body(i, join(arm.bodies[i], _lump(size, centre, 0.08)))
         case "linkage_inertia":
-            return replace(arm, rod=np.array([size, 0.2 + 0.05 * a, np.pi + 0.2 * b, 0.35 + 0.05 * c]))
+            return replace(arm, rod=np.array([size, 0.35 + 0.05 * a, -np.pi / 2 + 0.3 * b, 0.08 + 0.05 * c]))
         case "rotor_inertia":
             assert drawn.joint is not None
             rotor = arm.rotor.copy()

@@ -101,7 +101,7 @@ LIBRARY: dict[str, Recipe] = {
     "gear_ripple": Recipe("law", ALL, ("q",), 1.0, 60.0, _ripple),
     "balancer": Recipe(
         "law",
-        (2,),
+        (2, 3),
         ("q",),
         100.0,
         3000.0,
@@ -110,17 +110,12 @@ LIBRARY: dict[str, Recipe] = {
     "cable_spring": Recipe("law", (1, 3, 4, 5, 6), ("q",), 1.0, 200.0, _cable),
     "wrist_coupling": Recipe(
         "law",
-        (5, 6),
+        (4, 5),
         ("qd", "partner:qd"),
         1.0,
-        40.0,
-        lambda r, j, k: [
-            r.uniform(0.2, 0.6) * r.choice([-1, 1]),
-            r.uniform(0.03, 0.08),
-            r.uniform(0.2, 0.6),
-            j - 2,
-        ],
-        partners=(4, 5),
+        60.0,
+        lambda r, j, k: [r.uniform(0.3, 0.6) * r.choice([-1, 1]), r.uniform(0.03, 0.08), r.uniform(0.85, 1.0), j],
+        partners=(5, 6),
     ),
     "torque_gain": Recipe("chain", ALL, ("load",), 0.05, 0.3, signed=True),
     "torque_offset": Recipe("chain", ALL, (), 1.0, 60.0, signed=True),
@@ -130,7 +125,7 @@ LIBRARY: dict[str, Recipe] = {
     "transmission_backlash": Recipe("transmission", ALL, ("qd", "load"), 0.002, 0.02),
     "base_tilt": Recipe("arm", (), ("q",), 0.02, 0.1),
     "process_force": Recipe("law", (), ("q", "time"), 20.0, 400.0),
-    "linkage_inertia": Recipe("arm", (), ("q", "qdd"), 2.0, 25.0),
+    "linkage_inertia": Recipe("arm", (3,), ("q", "qdd"), 2.0, 25.0),
     "link_inertia": Recipe("arm", (2, 3, 4), ("q", "qdd"), 1.0, 25.0),
 }
 
@@ -188,7 +183,7 @@ GROUPS: tuple[frozenset[str], ...] = (
     frozenset({"torque_gain", "balancer", "link_inertia", "linkage_inertia", "payload", "encoder_zero", "base_tilt"}),
     frozenset({"load_friction", "coulomb_change"}),
     frozenset({"rotor_inertia", "link_inertia", "linkage_inertia", "elastic_joint"}),
-    frozenset({"viscous_change", "viscous_warmup"}),
+    frozenset({"viscous_change", "viscous_warmup", "viscous_power"}),
     frozenset({"hysteresis", "coulomb_change"}),
 )
 
@@ -254,7 +249,7 @@ def draw(effect: Effect, rng: np.random.Generator) -> Drawn:
     partner: int | None = None
     if effect.kind == "wrist_coupling":
         assert joint is not None
-        partner = joint - 1
+        partner = joint + 1
     elif recipe.partners:
         partner = int(rng.choice([k for k in recipe.partners if k != joint]))
     sign = float(rng.choice([-1.0, 1.0])) if recipe.signed else 1.0

@@ -51,13 +51,14 @@ static double balancer(const double *p, double q) {
     return -p[0] * p[3] * tanh((length - p[2]) / p[3]) * sin(angle) / length;
 }
 
-/* Motor 6 also turns by p1 times q5 (p4: the partner joint), so its seal friction is felt by both. */
+/* The motor of the next axis (p4) also turns by p1 times this one's angle, so both feel its friction: a power p3 of speed
+ * and some dry friction that sets in at p2. */
 static double wrist_coupling(const double *p, const Situation *now, int j, Extra *out) {
-    const int partner = (int)p[4];
-    const double speed = now->qd[j] + p[1] * now->qd[partner];
-    const double coupled = tanh(speed / p[2]) + p[3] * speed, alone = tanh(now->qd[j] / p[2]) + p[3] * now->qd[j];
-    out->smooth[partner] += p[0] * p[1] * coupled;
-    return p[0] * (coupled - alone);
+    const int next = (int)p[4];
+    const double alone = now->qd[next], coupled = alone + p[1] * now->qd[j];
+    const double friction = signed_power(coupled, p[3]) + 0.3 * tanh(coupled / p[2]);
+    out->smooth[next] += p[0] * (friction - signed_power(alone, p[3]) - 0.3 * tanh(alone / p[2]));
+    return p[0] * p[1] * friction;
 }
 
 /* Force (p0..p2) on the tool's tip in the base frame, in cuts of length p4 every p3 seconds, with a tooth-passing swing
