@@ -2,6 +2,7 @@
 
 from irb2400_ctrl.codegen.block import Block, CompiledBlock, Field, compile_block
 from irb2400_ctrl.codegen.build import CompiledFunction, FunctionBuffers, compile_function
+from irb2400_ctrl.codegen.verification import Verification, export_package
 
 __all__ = [
     "Block",
@@ -9,6 +10,8 @@ __all__ = [
     "CompiledFunction",
     "Field",
     "FunctionBuffers",
+    "Verification",
     "compile_block",
     "compile_function",
+    "export_package",
 ]

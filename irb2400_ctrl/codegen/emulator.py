@@ -6,6 +6,7 @@ cycles.
 
 from __future__ import annotations
 
+from importlib import import_module
 from typing import Any
 
 import numpy as np
@@ -30,21 +31,21 @@ class TargetController(Controller):
     def __init__(self, firmware: Firmware) -> None:
         super().__init__(firmware.package)
         try:
-            import unicorn
-            from unicorn import arm_const
+            unicorn: Any = import_module("unicorn")
+            arm_const: Any = import_module("unicorn.arm_const")
         except ImportError as error:
             raise ToolMissingError(
                 "found no Python package unicorn; expected it for running firmware on an emulated Cortex-M; "
                 'install it: pip install "irb2400_ctrl[embedded]" (or pip install unicorn)'
             ) from error
         self.firmware = firmware
-        self._registers: Any = arm_const
+        self._registers = arm_const
         self._failure = unicorn.UcError
         model, mode = arm_const.UC_CPU_ARM_CORTEX_M4, unicorn.UC_MODE_THUMB | unicorn.UC_MODE_MCLASS
         if firmware.target.hardware_double:
             # unicorn's M-class models have no double unit; its general core runs the same Thumb-2 and FPv5 code
             model, mode = arm_const.UC_CPU_ARM_MAX, unicorn.UC_MODE_THUMB
-        machine: Any = unicorn.Uc(unicorn.UC_ARCH_ARM, mode)
+        machine = unicorn.Uc(unicorn.UC_ARCH_ARM, mode)
         machine.ctl_set_cpu_model(model)
         machine.mem_map(FLASH, MEMORY_SIZE)
         machine.mem_map(RAM, MEMORY_SIZE)

@@ -52,7 +52,8 @@ if(DEFINED {upper}_SINGLE)
 endif()
 # the same bits on every machine: no fused multiply-add; roots in hardware: no errno
 if(CMAKE_C_COMPILER_ID MATCHES "GNU|Clang")
-  target_compile_options({name} PRIVATE -ffp-contract=off -fno-math-errno -Wall -Wextra -Wpedantic -Wconversion -Wdouble-promotion)
+  target_compile_options({name} PRIVATE -ffp-contract=off -fno-math-errno)
+  target_compile_options({name} PRIVATE -Wall -Wextra -Wpedantic -Wconversion -Wdouble-promotion)
 endif()
 
 if(NOT CMAKE_CROSSCOMPILING)

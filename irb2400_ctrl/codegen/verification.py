@@ -1,0 +1,322 @@
+"""Export of a block as a C package, and the measured proof that it computes what the block says."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from irb2400_ctrl.codegen.block import Block, Field
+from irb2400_ctrl.codegen.build import Real
+from irb2400_ctrl.codegen.controller import Controller, HostController
+from irb2400_ctrl.codegen.emulator import TargetController
+from irb2400_ctrl.codegen.firmware import Firmware, build_firmware, find_target, firmware_files
+from irb2400_ctrl.codegen.package import FAULT_INPUT, Package
+from irb2400_ctrl.codegen.toolchain import EXACT_FLAGS
+from irb2400_ctrl.errors import ToolMissingError
+from irb2400_ctrl.files import write_atomic
+
+Array = NDArray[Any]
+STATES = 1024
+
+
+@dataclass(frozen=True)
+class TargetFigures:
+    """What was measured on the emulated processor."""
+
+    compiler: str
+    flags: str
+    instructions_min: int
+    instructions_max: int
+    repeatable: bool
+    """whether a second run over all states took the same number of instructions at each"""
+    stack_bytes: int
+    code_bytes: int
+    table_bytes: int
+    undefined_symbols: tuple[str, ...]
+    forbidden_symbols: tuple[str, ...]
+    """double helpers in a float build, functions of the C library, the heap"""
+    values_compared: int
+    values_different: int
+    """against the same source compiled for this computer, bit by bit"""
+    software_double: bool
+    """double precision without hardware for it: the compiler's library rounds otherwise now and then"""
+    faults_held: bool
+
+
+@dataclass(frozen=True)
+class Verification:
+    """Result of `export_package`; `verification.json` holds the same."""
+
+    package: str
+    target: str
+    real: Real
+    sample_time_s: float
+    states: int
+    host_flags: str
+    max_difference: dict[str, float]
+    """largest difference to the block in double on this computer, per state and output, in the field's unit"""
+    max_relative_difference: float
+    """the largest of them, relative to the field's largest magnitude"""
+    faults_held: bool | None
+    """wrong inputs, one by one: fault raised, output repeated, state kept; on this computer"""
+    on_target: TargetFigures | None
+    missing: tuple[str, ...]
+    """tools that were not there, and how to install them"""
+
+    @property
+    def tolerance(self) -> float:
+        """Relative difference that rounding explains."""
+        return 2e-4 if self.real == "float" else 1e-11
+
+    @property
+    def passed(self) -> bool:
+        """Whether everything that could be checked holds; False where nothing could be."""
+        host = self.faults_held is True and self.max_relative_difference <= self.tolerance
+        target = self.on_target
+        return host and (
+            target is None
+            or (
+                target.faults_held
+                and target.repeatable
+                and (target.values_different == 0 or target.software_double)
+                and not target.forbidden_symbols
+            )
+        )
+
+    def to_json(self) -> str:
+        """Text of `verification.json`."""
+        return json.dumps({"passed": self.passed, **dataclasses.asdict(self)}, indent=2, ensure_ascii=False) + "\n"
+
+    def table(self) -> str:
+        """A few lines for a terminal."""
+        rows = [("package", f"{self.package} ({self.real})"), ("target", self.target)]
+        if self.faults_held is not None:
+            worst = max(self.max_difference.items(), key=lambda item: item[1], default=("nothing", 0.0))
+            rows.append(("states checked", f"{self.states}"))
+            rows.append(
+                ("largest difference", f"{worst[1]:.3g} in {worst[0]}; relative {self.max_relative_difference:.2g}")
+            )
+            rows.append(("wrong inputs", "fault raised, output held" if self.faults_held else "NOT held"))
+        if self.on_target:
+            t = self.on_target
+            same = f"{t.values_different} of {t.values_compared} values differ from this computer's"
+            rows += [
+                ("instructions per step", f"{t.instructions_min} to {t.instructions_max}"),
+                ("stack", f"{t.stack_bytes} B"),
+                ("code, tables", f"{t.code_bytes} B, {t.table_bytes} B"),
+                ("forbidden symbols", ", ".join(t.forbidden_symbols) or "none"),
+                ("bits", same),
+            ]
+        rows += [("not checked", text) for text in self.missing]
+        rows.append(("verdict", "passed" if self.passed else "NOT passed"))
+        return "\n".join(f"{name:<22} {value}" for name, value in rows)
+
+
+def export_package(
+    block: Block, out_dir: Path | str, target: str = "host", real: Real | None = None, *, states: int = STATES
+) -> Verification:
+    """Write a block as a self-contained C package and verify it.
+
+    Args:
+        block: the controller.
+        out_dir: folder for the package; made where missing.
+        target: "host", "cortex-m4f" or "cortex-m7"; for a processor the image is run on an emulator.
+        real: precision; default float on cortex-m4f, else double.
+        states: number of random states to compare.
+
+    Raises:
+        InputError: unknown target, or a block that has no C form.
+    """
+    processor = None if target == "host" else find_target(target)
+    package = Package(block, real or (processor.real if processor else "double"))
+    out = Path(out_dir)
+    files = package.files()
+    if processor:
+        files |= {f"firmware/{name}": text for name, text in firmware_files(package).items()}
+    for name, text in files.items():
+        write_atomic(out / name, text)
+    verification = verify(package, target, states)
+    write_atomic(out / "verification.json", verification.to_json())
+    return verification
+
+
+def verify(package: Package, target: str, states: int = STATES) -> Verification:
+    """Check a package on this computer and, for a processor, on its emulator."""
+    missing: list[str] = []
+    points = random_points(package, states)
+    differences: dict[str, float] = {}
+    relative, held, figures = float("inf"), None, None
+    try:
+        host = HostController(package)
+    except ToolMissingError as error:
+        missing.append(str(error))
+    else:
+        results = run_points(host, *points)
+        differences, relative = compare_with_block(package, *points, *results)
+        held = faults_are_held(host, points[1][0])
+        if target != "host":
+            try:
+                firmware = build_firmware(package, find_target(target))
+                figures = measure(TargetController(firmware), firmware, points, results)
+            except ToolMissingError as error:
+                missing.append(str(error))
+    return Verification(
+        package=package.name,
+        target=target,
+        real=package.real,
+        sample_time_s=package.block.sample_time,
+        states=states,
+        host_flags=" ".join(EXACT_FLAGS),
+        max_difference=differences,
+        max_relative_difference=relative,
+        faults_held=held,
+        on_target=figures,
+        missing=tuple(missing),
+    )
+
+
+def random_points(package: Package, count: int) -> tuple[Array, Array]:
+    """States (count, nx) and inputs (count, nu) inside the bounds; half of them small, where friction is steep."""
+    rng = np.random.default_rng(20240)
+
+    def draw(fields: tuple[Field, ...]) -> Array:
+        columns = [np.zeros((count, 0))]
+        for f in fields:
+            low = np.array(f.lower) if f.lower else f.start - np.maximum(1.0, np.abs(f.start))
+            high = np.array(f.upper) if f.upper else f.start + np.maximum(1.0, np.abs(f.start))
+            values = low + (high - low) * rng.uniform(0, 1, (count, f.size))
+            near = np.clip(f.start, low, high)
+            shrink = np.where(np.arange(count) % 2, 1.0, 10.0 ** rng.uniform(-4, 0, count))
+            columns.append(near + shrink[:, None] * (values - near))
+        return np.hstack(columns)
+
+    held = sum(f.size for f in package.block.outputs)
+    states = np.hstack([draw(package.block.states), np.zeros((count, held))])
+    dtype = np.float32 if package.real == "float" else np.float64
+    # rounded first: both sides get the very same numbers; towards zero, so that bounds are kept
+    return states.astype(dtype), _inwards(draw(package.block.inputs), dtype)
+
+
+def _inwards(values: Array, dtype: type[np.floating[Any]]) -> Array:
+    rounded = values.astype(dtype)
+    outside = np.abs(rounded.astype(float)) > np.abs(values)
+    return np.where(outside, np.nextafter(rounded, dtype(0)), rounded)
+
+
+def run_points(controller: Controller, states: Array, inputs: Array) -> tuple[Array, Array]:
+    """(next states with held outputs, outputs), row by row."""
+    after, outputs = [], []
+    for x, u in zip(states, inputs, strict=True):
+        controller.state = x
+        y, status = controller.step(u)
+        after.append(controller.state)
+        # a fault at an ordinary state must not pass for agreement
+        outputs.append(y if status == 0 else np.full_like(y, np.nan))
+    return np.array(after), np.array(outputs)
+
+
+def compare_with_block(
+    package: Package, states: Array, inputs: Array, after: Array, outputs: Array
+) -> tuple[dict[str, float], float]:
+    """Largest difference per field to the block's own step in double, outputs saturated; and the largest relative."""
+    block = package.block
+    width = sum(f.size for f in block.states)
+    dtype = states.dtype
+    parameters = np.concatenate([np.zeros(0), *(f.start for f in block.parameters)]).astype(dtype).astype(float)
+    columns = [a.astype(float).T for a in (states[:, :width], inputs)]
+    spread = np.tile(parameters[:, None], len(inputs))
+    expected_after, expected = (np.array(v).T for v in block.flat().map(len(inputs))(*columns, spread))
+    low = np.concatenate([f.lower or (-np.inf,) * f.size for f in block.outputs]).astype(dtype)
+    high = np.concatenate([f.upper or (np.inf,) * f.size for f in block.outputs]).astype(dtype)
+    found = np.hstack([after[:, :width], outputs]).astype(float)
+    wanted = np.hstack([expected_after, np.clip(expected, low, high)])
+    differences, relative, at = {}, 0.0, 0
+    names = [f"{f.name} (next)" for f in block.states] + [f.name for f in block.outputs]
+    for name, field in zip(names, (*block.states, *block.outputs), strict=True):
+        part = slice(at, at + field.size)
+        error = np.abs(found[:, part] - wanted[:, part])
+        worst = float(np.max(error)) if np.isfinite(error).all() else float("inf")
+        differences[name] = worst
+        relative = max(relative, worst / max(float(np.max(np.abs(wanted[:, part]))), 1e-9))
+        at += field.size
+    return differences, relative
+
+
+def faults_are_held(controller: Controller, ordinary: Array) -> bool:
+    """Whether every single wrong input raises the fault, repeats the output and keeps the state."""
+    controller.reset()
+    good, status = controller.step(ordinary)
+    before = controller.state
+    if status != 0:
+        return False
+    for wrong in wrong_inputs(controller.package, ordinary):
+        answer, status = controller.step(wrong)
+        if status != FAULT_INPUT or not np.array_equal(answer, good) or not np.array_equal(controller.state, before):
+            return False
+    return controller.step(ordinary)[1] == 0
+
+
+def wrong_inputs(package: Package, ordinary: Array) -> list[Array]:
+    """The ordinary input with one element that is no number, infinite, or beyond a bound."""
+    wrong, at = [], 0
+    for field in package.block.inputs:
+        for i in range(field.size):
+            bad = [np.nan, np.inf, -np.inf]
+            bad += [field.lower[i] - max(1e-3, 1e-3 * abs(field.lower[i]))] if field.lower else []
+            bad += [field.upper[i] + max(1e-3, 1e-3 * abs(field.upper[i]))] if field.upper else []
+            for value in bad:
+                changed = ordinary.copy()
+                changed[at + i] = value
+                wrong.append(changed)
+        at += field.size
+    return wrong
+
+
+def measure(
+    target: TargetController, firmware: Firmware, points: tuple[Array, Array], on_host: tuple[Array, Array]
+) -> TargetFigures:
+    """Run all points twice, the step alone and inside the tick's handler."""
+    counts: list[tuple[int, int]] = []
+    after, outputs = [], []
+    for x, u in zip(*points, strict=True):
+        target.state = x
+        y, _, instructions, stack = target.measured_step(u)
+        counts.append((instructions, stack))
+        after.append(target.state)
+        outputs.append(y)
+    again = []
+    for x, u in zip(*points, strict=True):
+        target.state = x
+        again.append(target.measured_step(u)[2:])
+    in_handler = run_points(target, *points)
+    runs = ((np.array(after), np.array(outputs)), in_handler)
+    pairs = [(a, b) for run in runs for a, b in zip(run, on_host, strict=True)]
+    software_double = firmware.package.real == "double" and not firmware.target.hardware_double
+    allowed = ("__aeabi_d", "__aeabi_i2d", "__aeabi_ui2d", "__aeabi_l", "__aeabi_cd") if software_double else ()
+    lengths = [c[0] for c in counts]
+    return TargetFigures(
+        compiler=firmware.compiler,
+        flags=" ".join(firmware.flags),
+        instructions_min=min(lengths),
+        instructions_max=max(lengths),
+        repeatable=again == counts,
+        stack_bytes=max(c[1] for c in counts),
+        code_bytes=firmware.code_bytes,
+        table_bytes=firmware.table_bytes,
+        undefined_symbols=firmware.undefined,
+        forbidden_symbols=tuple(s for s in firmware.undefined if not s.startswith(allowed or ("\0",))),
+        values_compared=sum(a.size for a, _ in pairs),
+        values_different=sum(int(np.sum(a.view(_unsigned(a)) != b.view(_unsigned(b)))) for a, b in pairs),
+        software_double=software_double,
+        faults_held=faults_are_held(target, points[1][0]),
+    )
+
+
+def _unsigned(values: Array) -> type[np.unsignedinteger[Any]]:
+    return np.uint32 if values.dtype == np.float32 else np.uint64
