@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 
@@ -48,6 +48,18 @@ class TrueEffect:
         return self.fractions[self.main_joint - 1]
 
 
+def _rng(seed: int, what: str) -> np.random.Generator:
+    return np.random.default_rng([seed, *what.encode()])
+
+
+@lru_cache(maxsize=8)  # only the latest: a list of hundreds of cases is not to hold all of theirs
+def _motions(
+    seed: int, duration: float, validation_duration: float, idle: tuple[int, ...], chirp: bool
+) -> tuple[Motion, Motion]:
+    first = identification(_rng(seed, "identification"), duration, idle, chirp)
+    return first, validation(_rng(seed, "validation"), validation_duration)
+
+
 @dataclass(frozen=True)
 class Case:
     """An arm with effects.
@@ -74,7 +86,7 @@ class Case:
     name: str = ""
 
     def _rng(self, what: str) -> np.random.Generator:
-        return np.random.default_rng([self.seed, *what.encode()])
+        return _rng(self.seed, what)
 
     @cached_property
     def machine(self) -> Machine:
@@ -82,11 +94,10 @@ class Case:
         arm, friction = drawn_arm(self._rng("arm"), self.spread)
         return Machine(arm, friction, Servo.drawn(self._rng("servo"), arm))
 
-    @cached_property
+    @property
     def motions(self) -> tuple[Motion, Motion]:
         """Commanded identification and validation motion."""
-        first = identification(self._rng("identification"), self.duration, self.idle, self.chirp)
-        return first, validation(self._rng("validation"), self.validation_duration)
+        return _motions(self.seed, self.duration, self.validation_duration, self.idle, self.chirp)
 
     @cached_property
     def plain_torque(self) -> np.ndarray:
