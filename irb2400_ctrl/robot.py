@@ -163,7 +163,7 @@ class Coupling(_Table):
 
 
 class Tool(_Table):
-    """The tool on the flange: pose of the TCP (eq. 12) and mass data (Tab. 4), both in the flange frame."""
+    """The tool on the flange: TCP (eqs. 10-12, 69) and mass data (eq. 43, Tab. 4), both in the flange frame."""
 
     name: str
     tcp: Transform

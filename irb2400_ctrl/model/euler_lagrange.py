@@ -46,8 +46,25 @@ def potential(robot: Robot, q: ca.SX) -> ca.SX:
 
 
 def kinetic(robot: Robot, q: ca.SX, qd: ca.SX) -> ca.SX:
-    """K = qd^T M qd / 2 (eq. 46) [J]."""
-    return 0.5 * qd.T @ mass_matrix(robot, q) @ qd
+    """K = sum (m v^2 + w^T R I R^T w) / 2 (eq. 46), v = J_v qd and w = J_w qd of each body (eq. 47) [J]."""
+    K = ca.SX(0)
+    for link, mass, com, tensor, X in _bodies(robot, q):
+        R = X[:3, :3]
+        twist = point_jacobian(robot, q, X[:3, 3] + R @ ca.DM(com), link) @ qd
+        v, w = twist[:3], R.T @ twist[3:]
+        K += 0.5 * (mass * ca.dot(v, v) + ca.dot(w, ca.DM(tensor) @ w))
+    return K
+
+
+def lagrange_equation(robot: Robot, q: ca.SX, qd: ca.SX, qdd: ca.SX) -> ca.SX:
+    """Generalised force d/dt (dL/dqd) - dL/dq (eq. 44) of L = K - P (eq. 45), shape (n,) [Nm].
+
+    Straight from the energies, without M, C and G; equal to them (eq. 49).
+    """
+    L = kinetic(robot, q, qd) - potential(robot, q)
+    momentum = ca.gradient(L, qd)
+    rate = ca.jtimes(momentum, ca.vertcat(q, qd), ca.vertcat(qd, qdd))
+    return rate - ca.gradient(L, q)
 
 
 def gravity(robot: Robot, q: ca.SX) -> ca.SX:
@@ -56,7 +73,7 @@ def gravity(robot: Robot, q: ca.SX) -> ca.SX:
 
 
 def inverse_dynamics(robot: Robot, q: ca.SX, qd: ca.SX, qdd: ca.SX) -> ca.SX:
-    """M qdd + C qd + G (eq. 56 without friction), shape (n,) [Nm]."""
+    """M qdd + C qd + G (eqs. 49, 56 without friction), shape (n,) [Nm]."""
     return mass_matrix(robot, q) @ qdd + coriolis(robot, q, qd) @ qd + gravity(robot, q)
 
 

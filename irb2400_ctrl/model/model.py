@@ -38,7 +38,7 @@ class Model:
     def inverse_dynamics(
         self, q: Value, qd: Value, qdd: Value, *, friction: bool = True, time: float = 0.0, wrench: Value | None = None
     ) -> Value:
-        """tau = M qdd + C qd + G + F + effects - J^T wrench (eq. 56) [Nm].
+        """tau = M qdd + C qd + G + F + effects - J^T wrench (eqs. 53, 56) [Nm].
 
         Args:
             q, qd, qdd: [rad, rad/s, rad/s2], shape (n,) or (m, n).

@@ -29,7 +29,11 @@ def inverse_dynamics(
     phi: ca.SX | ca.DM | None = None,
     gravity: ca.SX | ca.DM | None = None,
 ) -> ca.SX:
-    """Rigid-body torque of the actuators, no friction, no effects, shape (n,) [Nm].
+    """Rigid-body torque of the actuators, no friction, no effects, shape (n,) [Nm] (eqs. 57, 60, 61).
+
+    The moment on a link is projected on its joint's axis (eq. 57) and tau = B^T tau_phi. Gravity is an upward
+    acceleration of the base, which every frame sees turned by (R_i^B)^T (eq. 64). The step to the next joint is that of
+    eq. 67. Friction is no part of the recursion: carried down as eq. 61 prints it, it would load the joints below.
 
     Args:
         q, qd, qdd: actuator angles, speeds, accelerations [rad, rad/s, rad/s2], shape (n,).
@@ -103,7 +107,10 @@ class _Motion:
 
 
 def _wrench(J: ca.SX, motion: _Motion, a: ca.SX) -> tuple[ca.SX, ca.SX]:
-    """Force and moment about the link's origin that the body needs, in the link's frame."""
+    """Force and moment about the link's origin that the body needs, in the link's frame (eqs. 58, 59, 68).
+
+    The tool is a part of the last body, so the recursion needs no start of its own (eqs. 62, 63).
+    """
     U, (zy, xz, yx) = motion.U, motion.differences
     S, mc = J[:3, :3], J[:3, 3]
     force = J[3, 3] * a + U @ mc

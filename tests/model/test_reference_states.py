@@ -9,6 +9,7 @@ import numpy.typing as npt
 import pytest
 
 import irb2400_ctrl as irb
+from irb2400_ctrl.model.symmetry import com_in_symmetry_plane
 
 Array = npt.NDArray[np.float64]
 Table = dict[str, Array]
@@ -31,6 +32,16 @@ def test_quantity_equals_the_reference(name: str, model: irb.Model, reference: T
     found, expected = QUANTITIES[name](model, reference), reference[name]
     scale = np.abs(expected).max()
     np.testing.assert_allclose(found, expected, rtol=0, atol=1e-12 * scale)
+
+
+def test_centres_of_mass_in_the_symmetry_planes(robot: irb.Robot, reference: Table) -> None:
+    """The option of eqs. 37-42."""
+    s, arm = reference, irb.Model(com_in_symmetry_plane(robot))
+    found, expected = (
+        arm.inverse_dynamics(s["q"], s["qd"], s["qdd"], friction=False),
+        s["tau_rigid_com_in_symmetry_plane"],
+    )
+    np.testing.assert_allclose(found, expected, rtol=0, atol=1e-12 * np.abs(expected).max())
 
 
 def test_forward_dynamics_returns_the_accelerations(model: irb.Model, reference: Table) -> None:
