@@ -19,6 +19,7 @@ swept in turn (projected Gauss-Seidel), beginning with the torques of the last s
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import casadi as ca
@@ -35,7 +36,12 @@ class Bounds:
 
 
 def dry_friction_step(
-    v_start: ca.SX, v_free: ca.SX, hW: ca.SX, bounds: Bounds, guess: ca.SX, sweeps: int
+    v_start: ca.SX,
+    v_free: ca.SX,
+    hW: ca.SX,
+    bounds: Callable[[ca.SX], Bounds],
+    guess: tuple[ca.SX, ca.SX],
+    sweeps: int,
 ) -> tuple[ca.SX, ca.SX]:
     """End speeds and mean dry torques of one step, each shape (n,).
 
@@ -43,24 +49,25 @@ def dry_friction_step(
         v_start: speeds at the start [rad/s].
         v_free: speeds at the end without dry friction [rad/s].
         hW: step times inverse mass matrix, shape (n, n).
-        bounds: of the friction torque [Nm].
-        guess: torques to begin with, those of the last step [Nm].
+        bounds: of the friction torque [Nm] as functions of the speeds [rad/s].
+        guess: end speeds and torques to begin with.
         sweeps: number of Gauss-Seidel sweeps.
     """
     n = v_start.numel()
-    f = [guess[j] for j in range(n)]
-    v = v_free - hW @ guess
+    v_end, f = guess[0], ca.vertsplit(guess[1])
+    v = v_free - hW @ guess[1]
     stuck = [ca.SX(0)] * n
     for _ in range(sweeps):
+        limits = bounds(0.5 * (v_start + v_end))
         for j in range(n):
             w = hW[j, j]
             u = v[j] + w * f[j]
-            f_new, stuck[j] = _mean_torque(v_start[j], u, w, _of(bounds, j))
+            f_new, stuck[j] = _mean_torque(v_start[j], u, w, _of(limits, j))
             v -= hW[:, j] * (f_new - f[j])
             f[j] = f_new
-    # the last sweep leaves a rounding (and a rest of the iteration) on joints that stand
-    end = [ca.if_else(stuck[j], 0, v[j]) for j in range(n)]
-    return ca.vertcat(*end), ca.vertcat(*f)
+        # a sweep leaves a rounding (and a rest of the iteration) on joints that stand
+        v_end = ca.vertcat(*(ca.if_else(stuck[j], 0, v[j]) for j in range(n)))
+    return v_end, ca.vertcat(*f)
 
 
 def _mean_torque(start: ca.SX, u: ca.SX, w: ca.SX, b: Bounds) -> tuple[ca.SX, ca.SX]:
@@ -71,7 +78,7 @@ def _mean_torque(start: ca.SX, u: ca.SX, w: ca.SX, b: Bounds) -> tuple[ca.SX, ca
     slid = u - w * first
     keeps = ca.logic_or(ca.logic_and(forwards, slid > 0), ca.logic_and(backwards, slid < 0))
     sticks = ca.logic_and(drive <= b.static_upper, drive >= b.static_lower)
-    share = ca.if_else(start == 0, 0, start / ca.if_else(start == slid, 1, start - slid))
+    share = start / ca.if_else(start == slid, 1, start - slid)
     second = ca.if_else(drive > 0, b.upper, b.lower)
     stopped = ca.if_else(sticks, u / w, share * first + (1 - share) * second)
     stands = ca.logic_and(ca.logic_not(keeps), sticks)

@@ -47,8 +47,8 @@ class Mechanics:
 
     def equations(
         self, q: ca.SX, qd: ca.SX, qdd: ca.SX, time: ca.SX, memory: ca.SX
-    ) -> tuple[ca.SX, ca.SX, Bounds, ca.SX]:
-        """M (n, n), bias (n,), bounds of the dry friction, and the rate of the effects' memory.
+    ) -> tuple[ca.SX, ca.SX, tuple[ca.SX, ca.SX], ca.SX]:
+        """M (n, n), bias (n,), the effects' share in upper and lower bound of the dry friction, rate of their memory.
 
         Args:
             qdd: an estimate of the acceleration, for effects that depend on the load: shape (n,) [rad/s2].
@@ -70,16 +70,21 @@ class Mechanics:
         M = mass_matrix.mass_matrix(self.robot, s.q, self.phi) + slope
         bias = newton_euler.inverse_dynamics(self.robot, s.q, s.qd, zero, self.phi) + smooth
         bias += friction(self.robot, s.qd, zero, self.table)
-        upper, lower = (ca.substitute(torque - smooth, sign, d * ca.SX.ones(n)) for d in (1, -1))
-        dry = [friction(self.robot, v, ca.SX.ones(n), self.table) - self.table[:, 2] * v for v in (s.qd, zero)]
-        limits = [ca.fmax(upper + dry[0], 0), ca.fmin(lower - dry[0], 0)]
-        limits += [ca.fmax(upper + dry[1], 0), ca.fmin(lower - dry[1], 0)]
+        share = torque - ca.substitute(torque, sign, zero)
+        upper, lower = (ca.substitute(share, sign, d * ca.SX.ones(n)) for d in (1, -1))
         arguments = [s.q, s.qd, s.qdd, s.time, z]
-        f = ca.Function("mechanics", [*arguments, self.phi, self.table], [M, bias, *limits, rates])
-        M, bias, up, low, static_up, static_low, rate = f.call(
-            [q, qd, qdd, time, memory, self.phi, self.table], True, False
-        )
-        return M, bias, Bounds(up, low, static_up, static_low), rate
+        f = ca.Function("mechanics", [*arguments, self.phi, self.table], [M, bias, upper, lower, rates])
+        M, bias, upper, lower, rate = f.call([q, qd, qdd, time, memory, self.phi, self.table], True, False)
+        return M, bias, (upper, lower), rate
+
+    def bounds(self, qd: ca.SX, effects: tuple[ca.SX, ca.SX]) -> Bounds:
+        """Bounds of the dry friction at the speeds qd, the effects' share given."""
+        forwards = ca.SX.ones(self.robot.n)
+        moving = friction(self.robot, qd, forwards, self.table) - self.table[:, 2] * qd
+        static = self.table[:, 0]
+        up, low = effects
+        limits = (up + moving, low - moving, up + static, low - static)
+        return Bounds(*(pick(value, 0) for pick, value in zip((ca.fmax, ca.fmin) * 2, limits, strict=True)))
 
     def _effects(self, s: ArmSignals, z: ca.SX) -> tuple[ca.SX, ca.SX]:
         torque, rates, used = ca.SX.zeros(self.robot.n), [ca.SX(0, 1)], 0
