@@ -2,14 +2,10 @@
 /* The bit pattern of a real and back; a copy of equal size, which every compiler turns into a register move. */
 #if REAL_IS_FLOAT
 typedef uint32_t bits_t;
-#define EXPONENT_SHIFT 23
-#define EXPONENT_BIAS 127
 #define ONE_BITS 0x3F800000u
 #define SIGN_SHIFT 31
 #else
 typedef uint64_t bits_t;
-#define EXPONENT_SHIFT 52
-#define EXPONENT_BIAS 1023
 #define ONE_BITS 0x3FF0000000000000uLL
 #define SIGN_SHIFT 63
 #endif
@@ -17,16 +13,25 @@ typedef uint64_t bits_t;
 static inline real_t from_bits(bits_t bits)
 {
     real_t x;
-    (void)memcpy(&x, &bits, sizeof(x));
+    (void)memcpy((unsigned char *)&x, (const unsigned char *)&bits, sizeof(x));
     return x;
 }
 
 static inline bits_t to_bits(real_t x)
 {
     bits_t bits;
-    (void)memcpy(&bits, &x, sizeof(bits));
+    (void)memcpy((unsigned char *)&bits, (const unsigned char *)&x, sizeof(bits));
     return bits;
 }
+
+/*@ exponent : bits */
+#if REAL_IS_FLOAT
+#define EXPONENT_SHIFT 23
+#define EXPONENT_BIAS 127
+#else
+#define EXPONENT_SHIFT 52
+#define EXPONENT_BIAS 1023
+#endif
 
 /*@ abs */
 static inline real_t own_abs(real_t x)
@@ -105,7 +110,7 @@ static inline real_t own_tan(real_t x)
     return both.s / both.c;
 }
 
-/*@ expm1_parts : round */
+/*@ expm1_parts : round exponent */
 /* x = n ln2 + r: scale = 2^n (0 below, infinity above the range of reals), reduced = exp(r) - 1, |r| <= ln2 / 2. */
 typedef struct {
     real_t scale;
@@ -205,11 +210,11 @@ static inline real_t own_sqrt(real_t x)
     const real_t rest = (((high * high) - product) + (R(2.0) * (high * low))) + (low * low);
     y = y + (((x - product) - rest) / (y + y));
     const bool ordinary = (x > R(0.0)) && ((x - x) == R(0.0));
-    return ordinary ? y : ((x < R(0.0)) ? ((x - x) / (x - x)) : x);
+    return ordinary ? y : ((x < R(0.0)) ? ((x - x) / R(0.0)) : x);
 #endif
 }
 
-/*@ log : bits */
+/*@ log : exponent */
 /* Normal numbers x > 0, x = m 2^e with m in [sqrt(1/2), sqrt(2)); NaN for the others; <= 2 ulp. */
 static inline real_t own_log(real_t x)
 {
@@ -235,7 +240,7 @@ static inline real_t own_log(real_t x)
 #endif
     const real_t half = R(0.5) * (f * f);
     const real_t result = (n * high) + (f - (half - ((s * (half + (z * p))) + (n * low))));
-    return (x > R(0.0)) ? result : ((x - x) / (x - x));
+    return (x > R(0.0)) ? result : ((x - x) / R(0.0));
 }
 
 /*@ pow : exp log */
@@ -255,8 +260,10 @@ static inline real_t own_atan2(real_t y, real_t x)
     const real_t high = steep ? ay : ax;
     const real_t low = steep ? ax : ay;
     const bool wide = low > (R(0.41421356237309503) * high);
-    const real_t top = wide ? (low - high) : low;
-    const real_t bottom = wide ? (low + high) : high;
+    const real_t difference = low - high;
+    const real_t sum = low + high;
+    const real_t top = wide ? difference : low;
+    const real_t bottom = wide ? sum : high;
     const real_t t = top / ((bottom > R(0.0)) ? bottom : R(1.0));
     const real_t z = t * t;
 #if REAL_IS_FLOAT
@@ -321,8 +328,10 @@ static inline real_t own_fmod(real_t x, real_t y)
     const real_t ax = own_abs(x);
     const real_t ay = own_abs(y);
     const real_t r = ax - (ay * own_floor(ax / ay));
-    const real_t high = (r < R(0.0)) ? (r + ay) : r;
-    const real_t low = (high >= ay) ? (high - ay) : high;
+    const real_t above = r + ay;
+    const real_t high = (r < R(0.0)) ? above : r;
+    const real_t below = high - ay;
+    const real_t low = (high >= ay) ? below : high;
     return (x < R(0.0)) ? -low : low;
 }
 

@@ -233,12 +233,10 @@ uint32_t {name}_step({name}_state_t *state, const {name}_input_t *input,
         if early:
             finite += "\n" + _finite_function("inputs_are_sound", types[0], early)
             terms.append("inputs_are_sound(input)")
-        unused = "" if self.block.inputs else "    (void)input;\n"
-        if not any(f.lower or f.upper for f in self.block.inputs):
-            unused += "    (void)parameters;\n"
+        valid = _joined(terms, " && ", 8) or "true"
+        unused = "".join(f"    (void){name};\n" for name in ("input", "parameters") if name not in valid)
         return (
-            f"{finite}\nstatic inline bool inputs_are_valid({', '.join(types)})\n{{\n{unused}"
-            f"    return {_joined(terms, ' && ', 8) or 'true'};\n}}\n"
+            f"{finite}\nstatic inline bool inputs_are_valid({', '.join(types)})\n{{\n{unused}    return {valid};\n}}\n"
         )
 
     def _init(self) -> str:
