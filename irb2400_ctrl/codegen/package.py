@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -11,6 +11,7 @@ import numpy as np
 from irb2400_ctrl.codegen import package_pages
 from irb2400_ctrl.codegen.block import Block, Field
 from irb2400_ctrl.codegen.build import Real
+from irb2400_ctrl.codegen.c_text import clip, described, finite_function, indented, is_symmetric, joined, plain
 from irb2400_ctrl.codegen.emit import emit_body
 from irb2400_ctrl.codegen.graph import Bounds, Graph, carried_inputs, read_graph, without_saturation
 from irb2400_ctrl.codegen.own_math import prelude
@@ -101,7 +102,7 @@ class Package:
         """Types and functions."""
         name, upper = self.name, self.name.upper()
         return f"""\
-/* {_plain(self.block.doc) or name}
+/* {plain(self.block.doc) or name}
 
    Generated C99 without dependencies: no heap, no global variables, no library. Call {name}_init once and
    {name}_step every {self.block.sample_time:g} s. */
@@ -152,7 +153,7 @@ uint32_t {name}_step({name}_state_t *state, const {name}_input_t *input,
         macro = f"{upper}_SINGLE"
         own = prelude(functions).replace("REAL_IS_FLOAT", macro)
         return f"""\
-/* {_plain(self.block.doc) or name}: see {name}.h. */
+/* {plain(self.block.doc) or name}: see {name}.h. */
 #include "{name}.h"
 
 #include <stdbool.h>
@@ -174,7 +175,7 @@ uint32_t {name}_step({name}_state_t *state, const {name}_input_t *input,
 {{
     uint32_t status = inputs_are_valid(input, parameters) ? 0u : {upper}_FAULT_INPUT;
     if (status == 0u) {{
-{_lines(body.statements, 8)}
+{indented(body.statements, 8)}
 {self._finish(body.results)}
     }}
     if (status != 0u) {{
@@ -196,13 +197,13 @@ uint32_t {name}_step({name}_state_t *state, const {name}_input_t *input,
     def _struct(self, kind: str, fields: Sequence[Field]) -> str:
         real = f"{self.name}_real_t"
         # C has no empty struct
-        members = [f"    {real} {f.name}[{f.size}]; /* {_described(f)} */" for f in fields]
+        members = [f"    {real} {f.name}[{f.size}]; /* {described(f)} */" for f in fields]
         body = "\n".join(members or [f"    {real} unused[1];"])
         return f"typedef struct {{\n{body}\n}} {self.name}_{kind}_t;\n"
 
     def _defaults(self) -> str:
         rows = [
-            f"    {{ {', '.join(f'R({v!r})' for v in map(float, f.start))} }}, /* {f.name} {_described(f)} */"
+            f"    {{ {', '.join(f'R({v!r})' for v in map(float, f.start))} }}, /* {f.name} {described(f)} */"
             for f in self.parameter_fields
         ] or ["    { R(0.0) }"]
         return f"const {self.name}_parameters_t {self.name}_default_parameters = {{\n" + "\n".join(rows) + "\n};\n"
@@ -229,11 +230,11 @@ uint32_t {name}_step({name}_state_t *state, const {name}_input_t *input,
                     free.append(at)
                     early += [] if (k, i) in carried else [at]
         types = f"const {self.name}_input_t *input", f"const {self.name}_parameters_t *parameters"
-        finite = _finite_function("inputs_are_finite", types[0], free)
+        finite = finite_function("inputs_are_finite", types[0], free)
         if early:
-            finite += "\n" + _finite_function("inputs_are_sound", types[0], early)
+            finite += "\n" + finite_function("inputs_are_sound", types[0], early)
             terms.append("inputs_are_sound(input)")
-        valid = _joined(terms, " && ", 8) or "true"
+        valid = joined(terms, " && ", 8) or "true"
         unused = "".join(f"    (void){name};\n" for name in ("input", "parameters") if name not in valid)
         return (
             f"{finite}\nstatic inline bool inputs_are_valid({', '.join(types)})\n{{\n{unused}    return {valid};\n}}\n"
@@ -244,12 +245,12 @@ uint32_t {name}_step({name}_state_t *state, const {name}_input_t *input,
         for field in self.block.states:
             lines += [f"state->{field.name}[{i}] = R({float(v)!r});" for i, v in enumerate(field.start)]
         for field in self.block.outputs:
-            lines += [f"state->held_{field.name}[{i}] = {_clip(field, i, 'R(0.0)')};" for i in range(field.size)]
+            lines += [f"state->held_{field.name}[{i}] = {clip(field, i, 'R(0.0)')};" for i in range(field.size)]
         if not any(f.lower or f.upper for f in self.block.outputs):
             lines.append("(void)parameters;")
         return (
             f"void {self.name}_init({self.name}_state_t *state, const {self.name}_parameters_t *parameters)\n"
-            f"{{\n{_lines(lines, 4)}\n}}\n"
+            f"{{\n{indented(lines, 4)}\n}}\n"
         )
 
     def _finish(self, results: Sequence[Sequence[str]]) -> str:
@@ -264,19 +265,19 @@ uint32_t {name}_step({name}_state_t *state, const {name}_input_t *input,
         ]
         for field, column in zip(self.block.outputs, results[n:], strict=True):
             for i, text in enumerate(column):
-                stores.append(f"output->{field.name}[{i}] = {_clip(field, i, text)};")
+                stores.append(f"output->{field.name}[{i}] = {clip(field, i, text)};")
                 stores.append(f"state->held_{field.name}[{i}] = output->{field.name}[{i}];")
         return (
-            f"        const real_t total = {_joined(flat, ' + ', 12)};\n"
+            f"        const real_t total = {joined(flat, ' + ', 12)};\n"
             "        if ((total - total) == R(0.0)) {\n"
-            f"{_lines(stores, 12)}\n"
+            f"{indented(stores, 12)}\n"
             "        } else {\n"
             f"            status = inputs_are_finite(input) ? {upper}_FAULT_RESULT : {upper}_FAULT_INPUT;\n"
             "        }"
         )
 
     def _hold(self) -> str:
-        return _lines(
+        return indented(
             (f"output->{f.name}[{i}] = state->held_{f.name}[{i}];" for f in self.block.outputs for i in range(f.size)),
             8,
         )
@@ -284,48 +285,3 @@ uint32_t {name}_step({name}_state_t *state, const {name}_input_t *input,
     def initial_input(self) -> np.ndarray:
         """An input inside its bounds, zero where possible; flat."""
         return np.concatenate([np.zeros(0), *(package_pages.inside(f) for f in self.block.inputs)])
-
-
-def _finite_function(name: str, argument: str, terms: Sequence[str]) -> str:
-    """A C predicate: the sum of the terms is finite; infinity - infinity and NaN - NaN are NaN."""
-    if not terms:
-        return f"static inline bool {name}({argument})\n{{\n    (void)input;\n    return true;\n}}\n"
-    return (
-        f"static inline bool {name}({argument})\n{{\n    const real_t sum = {_joined(terms, ' + ', 8)};\n"
-        "    return (sum - sum) == R(0.0);\n}\n"
-    )
-
-
-def is_symmetric(field: Field) -> bool:
-    """Whether the bounds of a field are a magnitude: one comparison and one table less."""
-    return bool(field.upper) and field.lower == tuple(-v for v in field.upper)
-
-
-def _clip(field: Field, i: int, text: str) -> str:
-    if is_symmetric(field):
-        return f"own_limit({text}, parameters->{field.name}_limit[{i}])"
-    low, high = f"parameters->{field.name}_min[{i}]", f"parameters->{field.name}_max[{i}]"
-    if field.lower and field.upper:
-        return f"own_clip({text}, {low}, {high})"
-    if field.lower:
-        return f"own_clip({text}, {low}, {text})"
-    return f"own_clip({text}, {text}, {high})" if field.upper else text
-
-
-def _described(field: Field) -> str:
-    return f"[{field.unit or '-'}] {_plain(field.doc)}".strip()
-
-
-def _plain(text: str) -> str:
-    """Text that cannot end a C comment."""
-    return " ".join(text.replace("*/", "* /").replace("/*", "/ *").split())
-
-
-def _lines(statements: Iterable[str], indent: int) -> str:
-    return "\n".join(" " * indent + line for line in statements)
-
-
-def _joined(terms: Sequence[str], operator: str, indent: int) -> str:
-    """Terms with an operator between, four a line."""
-    rows = [operator.join(terms[i : i + 4]) for i in range(0, len(terms), 4)]
-    return f"\n{' ' * indent}{operator.strip()} ".join(rows)
