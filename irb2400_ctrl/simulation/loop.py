@@ -34,7 +34,6 @@ def closed_loop(
     """
     n, period = plant.n, controller.sample_time
     arm = plant_block(plant, period, substeps=substeps, wrench=wrench)
-    zero = encoder_zero(plant)
     states = [
         *prefixed("p_", arm.states),
         *prefixed("c_", controller.states),
@@ -63,11 +62,15 @@ def closed_loop(
         Field("dry", n, "Nm", "dry friction, mean of the step before"),
         *prefixed("c_", extra),
     ]
-    parameters = [*prefixed("p_", arm.parameters), *prefixed("c_", controller.parameters)]
+    parameters = [
+        *prefixed("p_", arm.parameters),
+        *prefixed("c_", controller.parameters),
+        Field("encoder_zero", n, "rad", "true minus reported angle", tuple(encoder_zero(plant))),
+    ]
     v = {f.name: ca.SX.sym(f.name, f.size) for f in (*states, *inputs, *parameters)}
 
     q, qd = v["p_q"], v["p_qd"]
-    q_seen = quantised(q - ca.DM(zero), sensors.encoder_step_rad)
+    q_seen = quantised(q - v["encoder_zero"], sensors.encoder_step_rad)
     if sensors.speed_filter_Hz > 0:
         share = 1 - math.exp(-2 * math.pi * sensors.speed_filter_Hz * period)
         qd_seen = v["qd_filter"] + share * ((q_seen - v["q_before"]) / period - v["qd_filter"])

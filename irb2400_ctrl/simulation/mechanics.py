@@ -11,6 +11,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import casadi as ca
+import numpy as np
 
 from irb2400_ctrl.effects import Effect
 from irb2400_ctrl.errors import InputError
@@ -19,26 +20,29 @@ from irb2400_ctrl.model.friction import friction
 from irb2400_ctrl.model.signals import ArmSignals
 from irb2400_ctrl.robot import Robot
 from irb2400_ctrl.simulation.dry_friction import Bounds
+from irb2400_ctrl.simulation.effect_data import EffectForm, data_of, effect_data
 
 
 @dataclass(frozen=True)
 class Mechanics:
-    """Symbolic mechanics of a robot whose mass and friction data are symbols themselves.
+    """Symbolic mechanics of a robot whose mass, friction and effect data are symbols themselves.
 
     Args:
-        robot: geometry and effects; its numbers for `phi` and `table` are not used.
+        robot: geometry and kinds of effects; its numbers for `phi`, `table` and `data` are not used.
         phi: inertial parameters of the links, shape (n, 10).
         table: friction parameters, shape (n, 4).
+        data: numbers of the effects (`effect_data`), shape (k,).
     """
 
     robot: Robot
     phi: ca.SX
     table: ca.SX
+    data: ca.SX
 
     @property
     def effects(self) -> tuple[Effect, ...]:
         """The effects that act as a force; elasticity is a state of its own, parameter effects are in `phi`."""
-        return tuple(e for e in self.robot.effects if e.acts == "force" and e.kind != "elastic_joint")
+        return force_effects(self.robot)
 
     @property
     def memory_size(self) -> int:
@@ -72,9 +76,9 @@ class Mechanics:
         bias += friction(self.robot, s.qd, zero, self.table)
         share = torque - ca.substitute(torque, sign, zero)
         upper, lower = (ca.substitute(share, sign, d * ca.SX.ones(n)) for d in (1, -1))
-        arguments = [s.q, s.qd, s.qdd, s.time, z]
-        f = ca.Function("mechanics", [*arguments, self.phi, self.table], [M, bias, upper, lower, rates])
-        M, bias, upper, lower, rate = f.call([q, qd, qdd, time, memory, self.phi, self.table], True, False)
+        arguments, numbers = [s.q, s.qd, s.qdd, s.time, z], [self.phi, self.table, self.data]
+        f = ca.Function("mechanics", [*arguments, *numbers], [M, bias, upper, lower, rates])
+        M, bias, upper, lower, rate = f.call([q, qd, qdd, time, memory, *numbers], True, False)
         return M, bias, (upper, lower), rate
 
     def bounds(self, qd: ca.SX, effects: tuple[ca.SX, ca.SX]) -> Bounds:
@@ -88,12 +92,27 @@ class Mechanics:
 
     def _effects(self, s: ArmSignals, z: ca.SX) -> tuple[ca.SX, ca.SX]:
         torque, rates, used = ca.SX.zeros(self.robot.n), [ca.SX(0, 1)], 0
-        for effect in self.effects:
-            own = s.with_state(z[used : used + len(effect.states)])
-            used += len(effect.states)
-            torque += effect.torque(own)
-            rates.append(effect.state_rate(own))
+        for form in self._forms():
+            own = s.with_state(z[used : used + form.states])
+            used += form.states
+            torque += form.torque(own)
+            rates.append(form.effect.state_rate(own))
         return torque, ca.vertcat(*rates)
+
+    def _forms(self) -> list[EffectForm]:
+        ends = np.cumsum([0, *(len(effect_data(e)) for e in self.effects)]).tolist()
+        parts = zip(self.effects, ends, ends[1:], strict=False)
+        return [EffectForm.of(effect, self.data[start:end]) for effect, start, end in parts]
+
+    def balance(self) -> ca.Function:
+        """(q, qd, qdd, phi, friction, effects) -> torque of that motion [Nm], memory of the effects in steady state."""
+        s = ArmSignals.symbols(self.robot, self.phi)
+        torque = s.load + friction(self.robot, s.qd, s.sign, self.table)
+        for form in self._forms():
+            torque += form.torque(s.with_state(form.effect.steady_state(s)))
+        torque = self._expand(torque, s, ca.SX.sym("none", self.robot.n))
+        torque = ca.substitute(torque, s.time, 0)
+        return ca.Function("balance", [s.q, s.qd, s.qdd, self.phi, self.table, self.data], [ca.densify(torque)])
 
     def _expand(self, torque: ca.SX, s: ArmSignals, sign: ca.SX) -> ca.SX:
         """Check the form that the friction step relies on: each torque carries its own joint's sign only."""
@@ -102,6 +121,17 @@ class Mechanics:
             raise InputError("an effect puts the sign of one joint's motion into another joint's torque: no such plant")
         rest = ca.vertcat(s.qddd, s.qdddd)
         return ca.substitute(torque, rest, ca.SX.zeros(rest.numel()))
+
+
+def symbolic_mechanics(robot: Robot) -> Mechanics:
+    """The mechanics with fresh symbols for all numbers."""
+    n, k = robot.n, len(data_of(force_effects(robot)))
+    return Mechanics(robot, ca.SX.sym("phi", n, 10), ca.SX.sym("friction", n, 4), ca.SX.sym("effects", k))
+
+
+def force_effects(robot: Robot) -> tuple[Effect, ...]:
+    """The effects that act as a force; elasticity is a state of its own, parameter effects are in `phi`."""
+    return tuple(e for e in robot.effects if e.acts == "force" and e.kind != "elastic_joint")
 
 
 def mass_data(robot: Robot) -> ca.DM:

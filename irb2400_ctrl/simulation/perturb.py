@@ -55,7 +55,7 @@ def perturbed_robot(
     if tool is not None:
         tool = tool.model_copy(update={"body": body(tool.body)})
     data = {"links": links, "joints": tuple(joints), "tool": tool, "name": f"{robot.name} (perturbed, seed {seed})"}
-    return Robot.model_validate({**dict(robot), **data})
+    return robot.model_copy(update=data)
 
 
 def _draw(rng: np.random.Generator, count: int) -> np.ndarray[tuple[int], np.dtype[np.float64]]:

@@ -1,4 +1,4 @@
-"""The plant: a rigid arm with dry friction and effects as a discrete-time block, its mass and friction as parameters.
+"""The plant: a rigid arm with dry friction and effects as a discrete-time block, the numbers of all as parameters.
 
 One time step h (a control period holds `substeps` of them, the torque constant over it) is a leapfrog:
 
@@ -24,7 +24,8 @@ from irb2400_ctrl.model import kinematics
 from irb2400_ctrl.model.linear_solve import factorise
 from irb2400_ctrl.robot import Robot
 from irb2400_ctrl.simulation.dry_friction import dry_friction_step
-from irb2400_ctrl.simulation.mechanics import Mechanics, mass_data
+from irb2400_ctrl.simulation.effect_data import data_of
+from irb2400_ctrl.simulation.mechanics import force_effects, mass_data, symbolic_mechanics
 
 SUBSTEPS = 1
 FRICTION_STEPS = 2
@@ -44,7 +45,8 @@ def plant_block(
     """The arm between two samples of the controller, the torque held.
 
     Inputs: `tau` (n,) [Nm]; with `wrench` also `wrench` (6,): force and moment on the tool at the TCP, base frame
-    [N, Nm]. Outputs: `q`, `qd` at the *end* of the period. Parameters: link mass data `phi`, `friction`.
+    [N, Nm]. Outputs: `q`, `qd` at the *end* of the period. Parameters: link mass data `phi`, `friction`, and the
+    numbers of the effects, `effects`, where there are any.
 
     Args:
         robot: the arm; its effects of kind force and parameters act, those of the measuring chain do not.
@@ -77,10 +79,14 @@ def plant_block(
         Field("phi", 10 * n, "kg, kg m, kg m2", "(m, m c, I_O) of the links, column by column", mass),
         Field("friction", 4 * n, "Nm, Nm, Nm s/rad, rad/s", "F_s, F_c, F_v, omega_st, column by column", friction),
     ]
+    numbers = data_of(force_effects(robot))
+    if numbers:
+        doc = "coefficients, fields and shape of each effect"
+        parameters.append(Field("effects", len(numbers), "units of the effects", doc, numbers))
     given = {field.name: ca.SX.sym(field.name, field.size) for field in (*states, *inputs, *parameters)}
     x = [given.get(name, ca.SX(0, 1)) for name in STATES]
     held = [given["tau"], given.get("wrench", ca.SX(0, 1))]
-    data = [ca.reshape(given["phi"], n, 10), ca.reshape(given["friction"], n, 4)]
+    data = [ca.reshape(given["phi"], n, 10), ca.reshape(given["friction"], n, 4), given.get("effects", ca.SX(0, 1))]
     for _ in range(substeps):
         x = step.call([*x, *held, *data], True, False)
     after = [value for name, value in zip(STATES, x, strict=True) if name in given]
@@ -91,9 +97,9 @@ def plant_block(
 
 
 def _time_step(robot: Robot, h: float, friction_steps: int, sweeps: int, wrench: bool) -> ca.Function:
-    """(q, qd, qdd, dry, time, memory, tau, wrench, phi, friction) -> the first six after the time h."""
+    """(q, qd, qdd, dry, time, memory, tau, wrench, phi, friction, effects) -> the first six after the time h."""
     n = robot.n
-    mechanics = Mechanics(robot, ca.SX.sym("phi", n, 10), ca.SX.sym("friction", n, 4))
+    mechanics = symbolic_mechanics(robot)
     q, qd, qdd, dry = (ca.SX.sym(name, n) for name in ("q", "qd", "qdd", "dry"))
     time, memory, tau = ca.SX.sym("time"), ca.SX.sym("memory", mechanics.memory_size), ca.SX.sym("tau", n)
     w = ca.SX.sym("wrench", 6 if wrench else 0)
@@ -112,8 +118,8 @@ def _time_step(robot: Robot, h: float, friction_steps: int, sweeps: int, wrench:
         )  # fmt: skip
         moved, acceleration, v = moved + 0.5 * part * (v + v_end), (v_end - v) / part, v_end
     after = [q + moved, v, acceleration, f, time + h, next_memory(rate, memory, h)]
-    arguments = [q, qd, qdd, dry, time, memory, tau, w, mechanics.phi, mechanics.table]
-    names = [*STATES, "tau", "wrench", "phi", "friction"]
+    arguments = [q, qd, qdd, dry, time, memory, tau, w, mechanics.phi, mechanics.table, mechanics.data]
+    names = [*STATES, "tau", "wrench", "phi", "friction", "effects"]
     dense = ca.cse([ca.densify(value) for value in after])
     return ca.Function("time_step", arguments, dense, names, [f"{name}_end" for name in STATES])
 

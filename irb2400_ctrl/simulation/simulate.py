@@ -5,18 +5,20 @@ from __future__ import annotations
 import time as clock
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
+import casadi as ca
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from irb2400_ctrl.codegen import Block, CompiledBlock, compile_block
 from irb2400_ctrl.errors import InputError, IrbError
-from irb2400_ctrl.model import Model
 from irb2400_ctrl.robot import Robot
+from irb2400_ctrl.simulation.effect_data import data_of, structure
 from irb2400_ctrl.simulation.instruments import Actuators, Sensors
 from irb2400_ctrl.simulation.loop import closed_loop, encoder_zero
-from irb2400_ctrl.simulation.mechanics import mass_data
+from irb2400_ctrl.simulation.mechanics import force_effects, mass_data, symbolic_mechanics
 from irb2400_ctrl.simulation.plant import SUBSTEPS
 from irb2400_ctrl.simulation.result import Simulation
 from irb2400_ctrl.simulation.trajectory import Trajectory
@@ -26,7 +28,10 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Loop:
-    """A compiled closed loop; runs many times, also for other mass, friction and gain values, without a compiler."""
+    """A compiled closed loop; runs many times without a compiler, also for other numbers.
+
+    Mass, friction, gains and the parameters of effects are inputs; the kinds of the effects are compiled in.
+    """
 
     robot: Robot
     plant: Robot
@@ -49,7 +54,7 @@ class Loop:
 
         Args:
             trajectory: at any rate; interpolated to the controller's.
-            plant: other mass and friction data than those the loop was made with; the same effects.
+            plant: other numbers than those the loop was made with; effects of the same kinds on the same joints.
             gains: values of controller parameters by name; defaults otherwise.
             wrench: force and moment on the tool [N, Nm], shape (m, 6) at the control rate, if the loop has that input.
             hold: time after the end for which the last pose is held [s].
@@ -60,9 +65,8 @@ class Loop:
             IrbError: the motion diverged (its mass matrix is not positive definite, or the loop is unstable).
         """
         arm = self.plant if plant is None else plant
-        # effects are written into the compiled code; only mass and friction are its parameters
-        compiled_in = [tuple(e for e in r.effects if e.acts != "parameters") for r in (arm, self.plant)]
-        if compiled_in[0] != compiled_in[1]:
+        # numbers of the effects are parameters of the compiled code, their equations are not
+        if structure(force_effects(arm)) != structure(force_effects(self.plant)):
             raise InputError("this loop was compiled for a plant with other effects; make a new one with `make_loop`")
         period = self.controller.sample_time
         motion = trajectory.at_rate(1.0 / period, hold=hold)
@@ -78,6 +82,9 @@ class Loop:
             raise InputError(f"wrench: found {len(columns[-1])} rows; expected {len(motion.time)}, one per period")
         own = {f"c_{name}": value for name, value in (gains or {}).items()}
         data = {"p_phi": _column(np.asarray(mass_data(arm))), "p_friction": _column(arm.friction)}
+        data["encoder_zero"] = np.array(encoder_zero(arm))
+        if effects := data_of(force_effects(arm)):
+            data["p_effects"] = np.array(effects)
         p = self.compiled.parameters(**own, **data)
         x0 = self._start(arm, motion, own)
         begun = clock.perf_counter()
@@ -97,7 +104,7 @@ class Loop:
         block, n = self.compiled.block, arm.n
         zero = np.array(encoder_zero(arm))
         q, qd, qdd = motion.q[0], motion.qd[0], motion.qdd[0]
-        balance = Model(arm).inverse_dynamics(q + zero, qd, qdd)
+        balance = self._balance_torque(arm, q + zero, qd, qdd)
         values: dict[str, Array] = {f.name: f.start for f in block.states}
         step = self.sensors.encoder_step_rad
         before = q - qd * self.controller.sample_time
@@ -108,6 +115,15 @@ class Loop:
             # bumpless: the drive takes over the torque that the brake has held
             values["c_integral"] = values["c_integral"] + balance - self._first_command(motion, gains)
         return np.concatenate([np.asarray(values[f.name], dtype=float).ravel() for f in block.states])
+
+    @cached_property
+    def _balance(self) -> ca.Function:
+        return symbolic_mechanics(self.plant).balance()
+
+    def _balance_torque(self, arm: Robot, q: Array, qd: Array, qdd: Array) -> Array:
+        numbers = [mass_data(arm), ca.DM(arm.friction), ca.DM(list(data_of(force_effects(arm))))]
+        torque: Any = self._balance(q, qd, qdd, *numbers)
+        return np.asarray(torque, dtype=float).ravel()
 
     def _first_command(self, motion: Trajectory, gains: Mapping[str, ArrayLike]) -> Array:
         q, qd = motion.q[0], motion.qd[0]
