@@ -1,0 +1,186 @@
+"""The closed loop: files, instruments, reproducibility, and that its step is fine enough."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+from simulation.arms import START, STOP, arm, quintic_move, strong, with_effect, without_friction
+
+from irb2400_ctrl.errors import InputError, IrbError
+from irb2400_ctrl.model import Model
+from irb2400_ctrl.simulation import (
+    IDEAL_ACTUATORS,
+    IDEAL_SENSORS,
+    Actuators,
+    Sensors,
+    Simulation,
+    make_loop,
+    perturbed_robot,
+    simulate,
+)
+
+MOVE = quintic_move(START, STOP, 1.2)
+
+
+@pytest.fixture(scope="module")
+def run() -> Simulation:
+    return simulate(arm(), MOVE, "computed_torque", plant=perturbed_robot(arm(), 5), hold=0.2)
+
+
+def test_tracks_within_a_millimetre(run: Simulation) -> None:
+    assert 0 < run.tcp_error.max() < 1.5e-3
+    assert run.contour_error.max() <= run.tcp_error.max() + 1e-12
+
+
+def test_error_of_the_tool_is_the_distance_of_the_poses(run: Simulation) -> None:
+    k = 700
+    model = Model(arm())
+    actual, wanted = model.tcp_pose(run.q[k]), model.tcp_pose(run.q_ref[k])
+    assert run.tcp_error[k] == pytest.approx(np.linalg.norm(actual[:3, 3] - wanted[:3, 3]), rel=1e-9)
+
+
+def test_contour_error_forgives_being_late() -> None:
+    from irb2400_ctrl.simulation.tracking import contour_errors
+
+    s = np.linspace(0, 1, 501)
+    path = np.column_stack([np.cos(s), np.sin(s), s])
+    late = np.vstack([path[:10], path[:-10]])
+    off = path + np.array([0, 0, 2e-3])
+    assert contour_errors(path, late, 40).max() < 1e-9
+    expected = 2e-3 * np.sqrt(0.5)  # the helix rises at 45 degrees
+    np.testing.assert_allclose(contour_errors(path, off, 40)[50:-50], expected, rtol=1e-3)
+
+
+def test_writes_the_log_of_the_contract(run: Simulation, tmp_path) -> None:
+    log, summary = run.write(tmp_path)
+    header, *rows = log.read_text().splitlines()
+    names = header.split(",")
+    assert names[:2] == ["time_s", "q1_deg"]
+    assert {"qd6_deg_s", "tau6_Nm", "q6_ref_deg"} <= set(names)
+    table = np.array([[float(x) for x in row.split(",")] for row in rows])
+    np.testing.assert_allclose(np.diff(table[:, 0]), 0.004, atol=1e-9)
+    np.testing.assert_allclose(table[:, 1:7], np.degrees(run.signals["q_seen"][::4]), atol=1e-6)
+    data = json.loads(summary.read_text())
+    assert data["tcp_error_mm"]["max"] == pytest.approx(1e3 * run.tcp_error.max())
+    assert data["controller"] == "computed_torque"
+
+
+def test_measured_angles_lie_on_the_encoder_grid(run: Simulation) -> None:
+    step = run.sensors.encoder_step_rad
+    counts = run.signals["q_seen"] / step
+    np.testing.assert_allclose(counts, np.round(counts), atol=1e-6)
+    assert np.abs(run.signals["q_seen"] - run.q).max() <= 0.51 * step
+
+
+def test_speed_is_the_filtered_difference(run: Simulation) -> None:
+    period, f = 1e-3, run.sensors.speed_filter_Hz
+    share = 1 - np.exp(-2 * np.pi * f * period)
+    q, qd = run.signals["q_seen"], run.signals["qd_seen"]
+    expected = qd[:-1] + share * (np.diff(q, axis=0) / period - qd[:-1])
+    np.testing.assert_allclose(qd[1:], expected, atol=1e-12)
+
+
+def test_the_command_of_one_sample_acts_at_the_next(run: Simulation) -> None:
+    limit = run.plant.tau_max
+    np.testing.assert_array_equal(run.tau[1:], np.clip(run.signals["command"][:-1], -limit, limit))
+
+
+def test_same_seed_same_bits(run: Simulation) -> None:
+    again = simulate(arm(), MOVE, "computed_torque", plant=perturbed_robot(arm(), 5), hold=0.2)
+    np.testing.assert_array_equal(again.q, run.q)
+    robot = arm()
+    assert robot.friction[0, 0] == 36.3  # cached arrays of the nominal arm must not travel into the copy
+    assert (perturbed_robot(robot, 6).friction[:, :3] != perturbed_robot(robot, 5).friction[:, :3]).all()
+    assert (perturbed_robot(robot, 6).friction[:, :3] != robot.friction[:, :3]).all()
+
+
+def test_a_finer_step_tells_the_same_story(run: Simulation) -> None:
+    fine = simulate(arm(), MOVE, "computed_torque", plant=perturbed_robot(arm(), 5), hold=0.2, substeps=8)
+    assert np.abs(fine.p_BT - run.p_BT).max() < 0.05 * run.tcp_error.max()
+    assert np.sqrt(np.mean(fine.tcp_error**2)) == pytest.approx(np.sqrt(np.mean(run.tcp_error**2)), rel=0.03)
+
+
+def test_one_loop_serves_many_plants(run: Simulation) -> None:
+    loop = make_loop(arm(), "computed_torque")
+    other = loop.run(MOVE, plant=perturbed_robot(arm(), 5), hold=0.2)
+    np.testing.assert_array_equal(other.q, run.q)
+    with pytest.raises(InputError, match="other effects"):
+        loop.run(MOVE, plant=with_effect(arm(), "cable_spring", 2, {"stiffness_Nm_rad": 10.0}))
+
+
+def test_log_obeys_the_plants_equations(run: Simulation) -> None:
+    """The simulated torque is the plant's inverse dynamics of the simulated motion."""
+    h = 1e-3
+    qdd = (run.qd[2:] - run.qd[:-2]) / (2 * h)
+    tau = 0.5 * (run.tau[1:-1] + run.tau[:-2])
+    moving = (np.abs(run.qd[1:-1]) > 0.15).all(axis=1)
+    predicted = Model(run.plant).inverse_dynamics(run.q[1:-1], run.qd[1:-1], qdd)
+    residual = (predicted - tau)[moving]
+    assert moving.sum() > 300
+    assert (np.abs(residual).max(axis=0) < 0.01 * run.plant.tau_max).all()
+
+
+def test_measuring_chain_of_the_plant_reaches_the_log_only() -> None:
+    plant = with_effect(arm(), "torque_gain", 2, {"gain": 1.1})
+    plant = with_effect(plant, "torque_offset", 4, {"offset_Nm": 2.0})
+    plant = with_effect(plant, "time_delay", 1, {"delay_s": 0.004})
+    changed, plain = (simulate(arm(), MOVE, "computed_torque", plant=p) for p in (plant, arm()))
+    np.testing.assert_array_equal(changed.q, plain.q)
+    reported = changed.reported_torque()
+    np.testing.assert_allclose(reported[:, 1], 1.1 * plain.tau[:, 1])
+    np.testing.assert_allclose(reported[:, 3], plain.tau[:, 3] + 2.0)
+    np.testing.assert_allclose(reported[4:, 0], plain.tau[:-4, 0], atol=1e-9)
+
+
+def test_encoder_zero_shifts_the_arm_not_the_reading() -> None:
+    plant = with_effect(arm(), "encoder_zero", 3, {"zero_rad": 0.002})
+    run = simulate(arm(), MOVE, "computed_torque", plant=plant)
+    assert np.abs(run.signals["q_seen"] - run.q_ref).max() < 1e-3
+    np.testing.assert_allclose(run.q[:, 2] - run.signals["q_seen"][:, 2], 0.002, atol=5e-6)
+
+
+def test_starts_without_a_bump() -> None:
+    still = quintic_move(START, START, 0.3)
+    for name in ("pid", "gravity_pd", "feedforward_pid", "computed_torque"):
+        run = simulate(arm(), still, name)
+        assert np.abs(run.q - START).max() < 1e-8, name
+
+
+def test_lag_of_the_torque_path() -> None:
+    run = simulate(
+        strong(without_friction(arm())), quintic_move(START, START, 0.05), "gravity_pd",
+        sensors=IDEAL_SENSORS, actuators=Actuators(delay_samples=0, lag_s=0.005), gains={"kp": np.zeros(6), "kd": np.zeros(6)},
+    )  # fmt: skip
+    # in balance: the lagged torque equals the gravity torque all the time
+    np.testing.assert_allclose(run.tau, np.tile(run.tau[0], (len(run.time), 1)), atol=1e-9)
+
+
+def test_torque_noise_is_that_of_the_seed() -> None:
+    noisy = Sensors(torque_noise_Nm=1.0)
+    a, b = (simulate(arm(), MOVE, "gravity_pd", sensors=noisy, seed=s) for s in (1, 2))
+    np.testing.assert_array_equal(a.tau, b.tau)
+    assert np.std(a.reported_torque() - a.tau) == pytest.approx(1.0, rel=0.05)
+    assert (a.reported_torque() != b.reported_torque()).any()
+
+
+def test_an_unstable_loop_is_an_error_not_a_nan() -> None:
+    with pytest.raises(IrbError, match="diverged"):
+        simulate(
+            strong(arm()),
+            MOVE,
+            "gravity_pd",
+            gains={"kp": np.full(6, 1e7), "kd": np.zeros(6)},
+            actuators=IDEAL_ACTUATORS,
+            hold=2.0,
+        )
+
+
+def test_says_what_does_not_fit() -> None:
+    with pytest.raises(InputError, match="no controller 'pidd'"):
+        simulate(arm(), MOVE, "pidd")
+    with pytest.raises(InputError, match="unknown names"):
+        simulate(arm(), MOVE, "gravity_pd", gains={"kq": 1.0})
+    with pytest.raises(InputError, match="wrench: found 3 rows"):
+        simulate(arm(), MOVE, "gravity_pd", wrench=np.zeros((3, 6)))
