@@ -5,17 +5,31 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from irb2400_ctrl.codegen import compile_function
+from irb2400_ctrl.codegen import CompiledFunction, compile_function
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.robot import Robot
 
 Array = NDArray[np.float64]
+BLOCK = 16
+"""segments that are ruled out together"""
 
 
 def tcp_positions(robot: Robot, q: Array) -> Array:
     """TCP positions in the base frame [m], shape (m, 3), of angles (m, n)."""
-    poses = compile_function(Model(robot).function("tcp_pose")).map(q)[0]
+    poses = _tcp_pose(robot).map(q)[0]
     return np.ascontiguousarray(poses[:, :3, 3])
+
+
+def _tcp_pose(robot: Robot) -> CompiledFunction:
+    """The compiled pose, kept by geometry: arms that differ in mass or friction share it."""
+    tool = None if robot.tool is None else robot.tool.tcp
+    key = (tuple(link.frame for link in robot.links), robot.coupling, robot.flange, tool)
+    if key not in _COMPILED:
+        _COMPILED[key] = compile_function(Model(robot).function("tcp_pose"))
+    return _COMPILED[key]
+
+
+_COMPILED: dict[object, CompiledFunction] = {}
 
 
 def contour_errors(path: Array, points: Array, window: int) -> Array:
@@ -24,17 +38,23 @@ def contour_errors(path: Array, points: Array, window: int) -> Array:
     Being late on the path costs nothing here: a point is compared with the stretch of `path` (m, 3) that lies within
     `window` samples of it.
     """
-    count = len(path)
     best = np.linalg.norm(points - path, axis=1)
     start, along = path[:-1], np.diff(path, axis=0)
     length2 = np.maximum(np.einsum("ij,ij->i", along, along), 1e-30)
-    rows = np.arange(count)
-    for shift in range(-window, window):
-        k = rows + shift
-        valid = (k >= 0) & (k < count - 1)
-        k = k[valid]
-        offset = points[valid] - start[k]
-        share = np.clip(np.einsum("ij,ij->i", offset, along[k]) / length2[k], 0.0, 1.0)
-        distance = np.linalg.norm(offset - share[:, None] * along[k], axis=1)
-        best[valid] = np.minimum(best[valid], distance)
+    arc = np.concatenate([[0.0], np.cumsum(np.sqrt(length2))])
+    rows, segments = np.arange(len(path)), len(start)
+    for block in range(-window, window, BLOCK):
+        shifts = range(block, min(block + BLOCK, window))
+        first, last = (np.clip(rows + shift, 0, segments - 1) for shift in (shifts[0], shifts[-1]))
+        # a stretch that begins farther away than its length and the best so far cannot be nearer
+        away = points - start[first]
+        reach = best + arc[last + 1] - arc[first]
+        near = np.flatnonzero(np.einsum("ij,ij->i", away, away) < reach * reach)
+        for shift in shifts:
+            i = near[(near + shift >= 0) & (near + shift < segments)]
+            k = i + shift
+            offset = points[i] - start[k]
+            share = np.clip(np.einsum("ij,ij->i", offset, along[k]) / length2[k], 0.0, 1.0)
+            distance = np.linalg.norm(offset - share[:, None] * along[k], axis=1)
+            best[i] = np.minimum(best[i], distance)
     return np.asarray(best)
