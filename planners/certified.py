@@ -1,0 +1,149 @@
+"""Time-optimal timing of a path with a torque bound that holds at every instant."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from irb2400_ctrl.errors import InfeasibleError
+from irb2400_ctrl.planners.cells import Cells
+from irb2400_ctrl.planners.limits import MotionLimits, speed_bounds
+from irb2400_ctrl.planners.rows import Linearisation, torque_rows
+from irb2400_ctrl.planners.time_law import TimeLaw
+from irb2400_ctrl.planners.two_pass import Passed, two_pass
+
+Array = npt.NDArray[np.float64]
+
+# further passes stop when they gain less than this part of the duration
+_GAIN = 2e-4
+_PASSES = 6
+
+
+@dataclass(frozen=True)
+class Timed:
+    """A time law and how it was reached."""
+
+    law: TimeLaw
+    passes: int
+    speed_bound: Array
+    """bound of x at the grid points by speed and feed, shape (m + 1,)"""
+
+
+def time_path(
+    cells: Cells,
+    limits: MotionLimits,
+    friction: Array,
+    feed_bound: Array | None = None,
+    extra: Array | None = None,
+) -> Timed:
+    """The fastest rest-to-rest time law whose rows hold on every cell.
+
+    The first pass guesses speeds; each later one is safe by itself and starts from the one before: tangents and chords
+    move to its speeds, and as it stays feasible in the new rows the duration only falls.
+
+    Args:
+        cells: the enclosed path.
+        limits: speed, torque and acceleration limits.
+        friction: table of eq. 54, shape (n, 4).
+        feed_bound: bound of x = sdot^2 within each cell, shape (m,).
+        extra: torque to hold back, see `torque_rows`.
+
+    Raises:
+        InfeasibleError: no motion within the limits; says where, and which axis lacks what.
+    """
+    h, m = cells.h, len(cells.h)
+    bound = speed_bounds(cells, limits.qd_max, feed_bound)
+    bound[[0, -1]] = 0.0
+    bound = np.minimum(bound, 1e9)
+    still = np.zeros(m + 1)
+    guess = _guess(cells, limits, friction, bound, extra)
+    best: Passed | None = None
+    duration = np.inf
+    low, high, factor = still, bound, 1.3
+    start = guess
+    passes = 1
+    for _ in range(_PASSES):
+        if start is not None:
+            # each bound is looser than the motion it comes from, and never looser than the bound before
+            high = np.minimum(high, factor * _widened(start) + 1e-12)
+            low = start / factor**2 if best is not None else still
+        x = start if start is not None else 0.25 * bound
+        at = Linearisation(
+            x_bar=np.maximum((x[:-1] + x[1:]) / 2, 1e-9),
+            x_low=np.minimum(low[:-1], low[1:]),
+            x_high=np.maximum(high[:-1], high[1:]),
+            u_max=_acceleration_bound(x, h),
+        )
+        passed = two_pass(torque_rows(cells, limits, friction, at, extra), h, low, high)
+        passes += 1
+        if passed.stuck is not None:
+            if best is not None:
+                break
+            if start is not None:
+                # the guess was too bold to hold its neighbourhood: begin without it
+                start, high = None, bound
+                continue
+            raise _explain(cells, limits, friction, passed.stuck)
+        new = TimeLaw(cells.s, passed.x).duration
+        gained = duration - new
+        if new <= duration:
+            best, duration = passed, new
+        if not gained > _GAIN * new:
+            break
+        start, factor = passed.x, 1.02 + (factor - 1.02) / 4
+    assert best is not None
+    if not np.isfinite(duration):
+        raise _explain(cells, limits, friction, int(np.argmin(best.x[1:-1])))
+    return Timed(TimeLaw(cells.s, best.x), passes, bound)
+
+
+def _guess(cells: Cells, limits: MotionLimits, friction: Array, bound: Array, extra: Array | None) -> Array | None:
+    """Speeds to start from: two rough passes that leave the safe sides out."""
+    x, m = 0.25 * bound, len(cells.h)
+    x = np.minimum(x, 4 * np.median(x) + 1e-9)
+    for _ in range(2):
+        mean = np.maximum((x[:-1] + x[1:]) / 2, 1e-9)
+        at = Linearisation(mean, mean, 1.2 * mean, np.full(m, np.inf))
+        passed = two_pass(torque_rows(cells, limits, friction, at, extra), cells.h, np.zeros(m + 1), bound)
+        if passed.stuck is not None:
+            return None
+        x = passed.x
+    return x
+
+
+def _widened(x: Array) -> Array:
+    """Largest value among the neighbours within three grid points."""
+    padded = np.pad(x, 3, mode="edge")
+    return np.asarray(np.lib.stride_tricks.sliding_window_view(padded, 7).max(axis=1))
+
+
+def _acceleration_bound(x: Array, h: Array) -> Array:
+    """Generous bound of |u| in each cell, from a motion nearby."""
+    u = np.abs(np.diff(x)) / (2 * h)
+    padded = np.pad(u, 5, mode="edge")
+    return np.asarray(3 * np.lib.stride_tricks.sliding_window_view(padded, 11).max(axis=1) + 3 * np.median(u) + 1e-6)
+
+
+def _explain(cells: Cells, limits: MotionLimits, friction: Array, cell: int) -> InfeasibleError:
+    """Which axis cannot even hold the arm, at the stuck cell or nearest to it."""
+    forwards = np.where(cells.forwards, friction[:, 1], 0.0)
+    backwards = np.where(cells.backwards, friction[:, 1], 0.0)
+    above, below = cells.c_high.max(axis=1) + forwards, cells.c_low.min(axis=1) - backwards
+    needed = np.maximum(above, -below)
+    ratio = needed / limits.tau_max
+    heavy = np.flatnonzero(ratio.max(axis=1) > 1)
+    if len(heavy):
+        cell = int(heavy[np.argmin(np.abs(heavy - cell))])
+        axis = int(np.argmax(ratio[cell]))
+        return InfeasibleError(
+            f"at {1e3 * cells.s[cell]:.1f} mm, axis {axis + 1} cannot hold the arm: needs {needed[cell, axis]:,.0f} of "
+            f"{limits.tau_max[axis]:,.0f} Nm; lighten the load, move the work frame, or raise torque_Nm"
+        )
+    axis = int(np.argmax(ratio[cell]))
+    return InfeasibleError(
+        f"at {1e3 * cells.s[cell]:.1f} mm no acceleration keeps all axes within their torque limits; axis {axis + 1} is "
+        f"closest, with {needed[cell, axis]:,.0f} of {limits.tau_max[axis]:,.0f} Nm to move slowly; round the corner "
+        "there, or move the work frame"
+    )

@@ -1,0 +1,58 @@
+"""Limits of a motion, and the speed they allow at the grid points of a path."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from irb2400_ctrl.planners.cells import Cells
+from irb2400_ctrl.robot import Robot
+
+Array = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class MotionLimits:
+    """What the arm may do; all arrays of shape (n,)."""
+
+    qd_max: Array
+    """[rad/s]"""
+    tau_max: Array
+    """[Nm]"""
+    qdd_max: Array
+    """[rad/s2], inf where there is none"""
+
+    @classmethod
+    def of(cls, robot: Robot) -> MotionLimits:
+        """The limits of a robot's description."""
+        stated = [joint.limits.acceleration_deg_s2 for joint in robot.joints]
+        return cls(robot.qd_max, robot.tau_max, np.array([np.inf if a is None else np.radians(a) for a in stated]))
+
+
+def speed_bounds(cells: Cells, qd_max: Array, cell_bound: Array | None = None) -> Array:
+    """Bounds of x = sdot^2 at the grid points that keep |q'| sqrt(x) <= qd_max all over the cells, shape (m + 1,).
+
+    Between grid points x is linear and q'^2 of degree four: the bounds at the ends are lowered by what the Bernstein
+    coefficients of their product show above the limit.
+
+    Args:
+        cells: the path, cell by cell.
+        qd_max: speed limits [rad/s], shape (n,).
+        cell_bound: a further bound of x within each cell (feed), shape (m,).
+    """
+    s0, s1, s2 = cells.speed[:, 0], cells.speed[:, 1], cells.speed[:, 2]
+    G = np.stack([s0**2, s0 * s1, (2 * s1**2 + s0 * s2) / 3, s1 * s2, s2**2], axis=1) / qd_max**2
+    # a joint that stands at one end would allow any speed there
+    floor = np.maximum(1e-2 * np.abs(G).max(axis=1), 1e-12)
+    first, last = 1 / np.maximum(G[:, 0], floor), 1 / np.maximum(G[:, 4], floor)
+    k = np.arange(6)[None, :, None]
+    padded = np.concatenate([G, np.zeros_like(G[:, :1])], axis=1)
+    shifted = np.concatenate([np.zeros_like(G[:, :1]), G], axis=1)
+    product = (5 - k) / 5 * padded * first[:, None] + k / 5 * shifted * last[:, None]
+    excess = np.maximum(product.max(axis=1), 1.0)
+    first, last = (first / excess).min(axis=1), (last / excess).min(axis=1)
+    if cell_bound is not None:
+        first, last = np.minimum(first, cell_bound), np.minimum(last, cell_bound)
+    return np.minimum(np.append(first, np.inf), np.insert(last, 0, np.inf))
