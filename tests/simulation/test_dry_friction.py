@@ -74,8 +74,8 @@ def event_driven(static: float, coulomb: float, stribeck: float, times: np.ndarr
             positions[(times >= t) & (times < start)] = x
             t, direction = start + 1e-12, int(np.sign(force(start + 1e-9)))
 
-        def standstill(s, y, d=direction):
-            return y[1] * d + (1.0 if s < t + 1e-9 else 0.0)
+        def standstill(s, y, d=direction, begun=t):
+            return y[1] * d + (1.0 if s < begun + 1e-9 else 0.0)
 
         standstill.terminal, standstill.direction = True, -1
         run = solve_ivp(
