@@ -50,11 +50,11 @@ def contour_errors(path: Array, points: Array, window: int) -> Array:
         away = points - start[first]
         reach = best + arc[last + 1] - arc[first]
         near = np.flatnonzero(np.einsum("ij,ij->i", away, away) < reach * reach)
-        for shift in shifts:
-            i = near[(near + shift >= 0) & (near + shift < segments)]
-            k = i + shift
-            offset = points[i] - start[k]
-            share = np.clip(np.einsum("ij,ij->i", offset, along[k]) / length2[k], 0.0, 1.0)
-            distance = np.linalg.norm(offset - share[:, None] * along[k], axis=1)
-            best[i] = np.minimum(best[i], distance)
+        k = near[:, None] + np.array(shifts)
+        inside = (k >= 0) & (k < segments)
+        k = np.clip(k, 0, segments - 1)
+        offset = points[near, None] - start[k]
+        share = np.clip(np.einsum("ijk,ijk->ij", offset, along[k]) / length2[k], 0.0, 1.0)
+        distance = np.linalg.norm(offset - share[..., None] * along[k], axis=2)
+        best[near] = np.minimum(best[near], np.where(inside, distance, np.inf).min(axis=1))
     return np.asarray(best)
