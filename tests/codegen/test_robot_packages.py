@@ -1,0 +1,103 @@
+"""The controllers of the robot as packages: correct everywhere, and the rigid-body step within its budget."""
+
+import shutil
+from pathlib import Path
+
+import casadi as ca
+import numpy as np
+import pytest
+
+import irb2400_ctrl as irb
+from irb2400_ctrl.codegen import Block, Field, compile_function, export_package
+from irb2400_ctrl.codegen.firmware import TOOLS
+from irb2400_ctrl.codegen.package import Package
+from irb2400_ctrl.controllers import CONTROLLERS, controller
+
+from .test_package import misra_findings, write
+
+needs_target = pytest.mark.skipif(shutil.which(TOOLS[0]) is None, reason="no Arm cross compiler")
+
+
+@pytest.fixture(scope="module")
+def robot() -> irb.Robot:
+    return irb.load_robot("irb2400")
+
+
+def rigid_computed_torque(robot: irb.Robot) -> Block:
+    """tau = M(q) (qdd_ref + kd (qd_ref - qd) + kp (q_ref - q)) + C qd + G, all of Tab. 3, no friction."""
+    symbols = {name: ca.SX.sym(name, 6) for name in ("q", "qd", "q_ref", "qd_ref", "qdd_ref", "kp", "kd")}
+    q, qd, q_ref, qd_ref, qdd_ref, kp, kd = symbols.values()
+    wanted = qdd_ref + kd * (qd_ref - qd) + kp * (q_ref - q)
+    tau = irb.Model(robot).inverse_dynamics(q, qd, wanted, friction=False)
+    high = tuple(robot.tau_max)
+    fast = tuple(2 * robot.qd_max)
+    return Block(
+        name="rigid_computed_torque",
+        doc="computed torque of the rigid arm",
+        sample_time=0.001,
+        states=(),
+        inputs=(
+            Field("q", 6, "rad", "angles", lower=tuple(robot.q_min), upper=tuple(robot.q_max)),
+            Field("qd", 6, "rad/s", "speeds", lower=tuple(-v for v in fast), upper=fast),
+            Field("q_ref", 6, "rad", "wanted angles"),
+            Field("qd_ref", 6, "rad/s", "wanted speeds"),
+            Field("qdd_ref", 6, "rad/s2", "wanted accelerations"),
+        ),
+        outputs=(Field("tau", 6, "Nm", "torques", lower=tuple(-v for v in high), upper=high),),
+        parameters=(Field("kp", 6, "1/s2", "", (3600.0,) * 6), Field("kd", 6, "1/s", "", (120.0,) * 6)),
+        step=ca.Function("step", list(symbols.values()), [tau], list(symbols), ["tau"]),
+    )
+
+
+@needs_target
+def test_rigid_computed_torque_keeps_its_budget(robot: irb.Robot, tmp_path: Path) -> None:
+    pytest.importorskip("unicorn")
+    verification = export_package(rigid_computed_torque(robot), tmp_path, "cortex-m4f")
+    figures = verification.on_target
+    assert verification.passed, verification.table()
+    assert figures is not None
+    assert figures.instructions_max <= 1100
+    assert figures.stack_bytes <= 450
+    assert figures.code_bytes <= 5000
+    assert figures.values_different == 0
+    assert figures.undefined_symbols == ()
+
+
+@needs_target
+@pytest.mark.parametrize("name", sorted(CONTROLLERS))
+@pytest.mark.parametrize(("target", "real"), [("cortex-m4f", "float"), ("cortex-m7", "double")])
+def test_every_controller_on_the_target(robot: irb.Robot, name: str, target: str, real: str, tmp_path: Path) -> None:
+    pytest.importorskip("unicorn")
+    verification = export_package(controller(name, robot), tmp_path, target, real)  # type: ignore[arg-type]
+    assert verification.passed, verification.table()
+    assert verification.on_target is not None
+    assert verification.on_target.undefined_symbols == ()
+    assert verification.on_target.stack_bytes <= (450 if real == "float" else 900)
+
+
+@pytest.mark.skipif(shutil.which("cppcheck") is None, reason="cppcheck is not installed")
+def test_misra_of_the_largest_controller(robot: irb.Robot, tmp_path: Path) -> None:
+    package = Package(controller("feedforward_pid", robot), "float")
+    write(package, tmp_path)
+    assert misra_findings(tmp_path, f"{package.name}.c") == []
+
+
+def test_generated_dynamics_are_the_model(robot: irb.Robot) -> None:
+    model = irb.Model(robot)
+    q, qd, qdd = (ca.SX.sym(name, 6) for name in ("q", "qd", "qdd"))
+    forms = {
+        "inverse": (model.inverse_dynamics(q, qd, qdd), [q, qd, qdd]),
+        "mass": (model.mass_matrix(q), [q]),
+        "forward": (model.forward_dynamics(q, qd, qdd), [q, qd, qdd]),
+        "pose": (model.tcp_pose(q), [q]),
+    }
+    rng = np.random.default_rng(0)
+    points = [rng.uniform(robot.q_min, robot.q_max, (200, 6)), *rng.uniform(-2, 2, (2, 200, 6))]
+    for name, (form, symbols) in forms.items():
+        fn = ca.Function(name, symbols, [form])
+        given = points[: len(symbols)]
+        (found,) = compile_function(fn).map(*given)
+        for k in range(0, 200, 20):
+            expected = np.array(fn(*(p[k] for p in given)))
+            scale = max(1.0, float(np.abs(expected).max()))
+            assert np.abs(found[k] - expected.reshape(found[k].shape)).max() < 1e-11 * scale, name
