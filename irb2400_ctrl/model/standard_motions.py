@@ -1,0 +1,86 @@
+"""A standard set of motions, and the torque by which two descriptions of an arm differ on them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from irb2400_ctrl.model.model import Model
+from irb2400_ctrl.robot import Robot
+
+Array = npt.NDArray[np.float64]
+
+RATE = 250.0
+"""samples per second, that of the robot's own log [1/s]"""
+SHARE = 0.6
+"""of range and speed that the motions use [-]"""
+DURATION = 10.0
+
+
+@dataclass(frozen=True)
+class Motion:
+    """A motion of all joints."""
+
+    name: str
+    q: Array
+    qd: Array
+    qdd: Array
+
+
+@dataclass(frozen=True)
+class TorqueDifference:
+    """How far the torques of two robots are apart on one motion; per joint [Nm], shape (n,)."""
+
+    motion: str
+    largest: Array
+    rms: Array
+    rms_of_torque: Array
+    """of the first robot's rigid-body torque, for comparison"""
+
+
+def standard_motions(robot: Robot) -> list[Motion]:
+    """Each joint swinging alone, then all together (three mixtures of sines), inside range and speed limits."""
+    time = np.arange(0.0, DURATION, 1 / RATE)
+    middle, half = (robot.q_max + robot.q_min) / 2, (robot.q_max - robot.q_min) / 2
+    motions = []
+    for i in range(robot.n):
+        amplitude = SHARE * half * np.eye(robot.n)[i]
+        frequency = np.full(robot.n, SHARE * robot.qd_max[i] / amplitude[i])
+        motions.append(_sines(f"axis {i + 1} alone", time, middle, amplitude[None], frequency[None]))
+    for seed in range(3):
+        rng = np.random.default_rng(seed)
+        share = rng.dirichlet(np.ones(3), robot.n).T
+        frequency = rng.uniform(0.5, 2.0, (3, robot.n))
+        amplitude = SHARE * share * np.minimum(half, robot.qd_max / frequency)
+        motions.append(_sines(f"all axes, mixture {seed + 1}", time, middle, amplitude, frequency))
+    return motions
+
+
+def torque_differences(robot: Robot, other: Robot) -> list[TorqueDifference]:
+    """Rigid-body torque of `other` less that of `robot` on each standard motion; friction is the same in both."""
+    first, second = Model(robot), Model(other)
+    found = []
+    for motion in standard_motions(robot):
+        tau = first.inverse_dynamics(motion.q, motion.qd, motion.qdd, friction=False)
+        difference = second.inverse_dynamics(motion.q, motion.qd, motion.qdd, friction=False) - tau
+        largest = np.abs(difference).max(axis=0)
+        found.append(TorqueDifference(motion.name, largest, _rms(difference), _rms(tau)))
+    return found
+
+
+def _sines(name: str, time: Array, middle: Array, amplitude: Array, frequency: Array) -> Motion:
+    """q = middle + sum of amplitude sin(frequency t); amplitude and frequency [rad, rad/s], shape (terms, n)."""
+    angle = time[:, None, None] * frequency
+    q = middle + (amplitude * np.sin(angle)).sum(axis=1)
+    qd = (amplitude * frequency * np.cos(angle)).sum(axis=1)
+    qdd = -(amplitude * frequency**2 * np.sin(angle)).sum(axis=1)
+    for array in (q, qd, qdd):
+        array.setflags(write=False)
+    return Motion(name, q, qd, qdd)
+
+
+def _rms(values: Array) -> Array:
+    result: Array = np.sqrt((values**2).mean(axis=0))
+    return result
