@@ -23,6 +23,7 @@ def is_symmetric(field: Field) -> bool:
 
 
 def clip(field: Field, i: int, text: str) -> str:
+    """C expression: element i of a field cut at its bounds from the parameter table."""
     if is_symmetric(field):
         return f"own_limit({text}, parameters->{field.name}_limit[{i}])"
     low, high = f"parameters->{field.name}_min[{i}]", f"parameters->{field.name}_max[{i}]"
@@ -34,6 +35,7 @@ def clip(field: Field, i: int, text: str) -> str:
 
 
 def described(field: Field) -> str:
+    """Unit and meaning, for a C comment."""
     return f"[{field.unit or '-'}] {plain(field.doc)}".strip()
 
 
@@ -43,6 +45,7 @@ def plain(text: str) -> str:
 
 
 def indented(statements: Iterable[str], indent: int) -> str:
+    """One statement a line."""
     return "\n".join(" " * indent + line for line in statements)
 
 

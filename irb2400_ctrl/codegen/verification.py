@@ -18,7 +18,7 @@ from irb2400_ctrl.codegen.controller import HostController
 from irb2400_ctrl.codegen.emulator import TargetController
 from irb2400_ctrl.codegen.firmware import Firmware, build_firmware, find_target, firmware_files
 from irb2400_ctrl.codegen.package import Package
-from irb2400_ctrl.codegen.toolchain import EXACT_FLAGS
+from irb2400_ctrl.codegen.toolchain import EXACT_FLAGS, find_compiler, run_tool
 from irb2400_ctrl.errors import ToolMissingError
 from irb2400_ctrl.files import write_atomic
 
@@ -59,6 +59,7 @@ class Verification:
     real: Real
     sample_time_s: float
     states: int
+    host_compiler: str
     host_flags: str
     max_difference: dict[str, float]
     """largest difference to the block in double on this computer, per state and output, in the field's unit"""
@@ -152,12 +153,13 @@ def verify(package: Package, target: str, states: int = STATES) -> Verification:
     missing: list[str] = []
     points = random_points(package, states)
     differences: dict[str, float] = {}
-    relative, held, figures = float("inf"), None, None
+    relative, held, figures, compiler = float("inf"), None, None, ""
     try:
         host = HostController(package)
     except ToolMissingError as error:
         missing.append(str(error))
     else:
+        compiler = run_tool([*find_compiler().command, "--version"]).splitlines()[0]
         results = run_points(host, *points)
         differences, relative = compare_with_block(package, *points, *results)
         held = faults_are_held(host, points[1][0])
@@ -173,6 +175,7 @@ def verify(package: Package, target: str, states: int = STATES) -> Verification:
         real=package.real,
         sample_time_s=package.block.sample_time,
         states=states,
+        host_compiler=compiler,
         host_flags=" ".join(EXACT_FLAGS),
         max_difference=differences,
         max_relative_difference=relative,
