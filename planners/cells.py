@@ -12,6 +12,7 @@ and the last factor by ball arithmetic. No sample enters: what is enclosed here 
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -96,39 +97,48 @@ def reversals(path: JointPath) -> Array:
     return np.unique((first + found)[inside])
 
 
-def enclose(dynamics: PathDynamics, path: JointPath, s: Array) -> Cells:
-    """The enclosure on the cells between the lengths s (knots of the path included)."""
-    m, n = len(s) - 1, path.n
-    h = np.diff(s)
-    middle = s[:-1] + h / 2
+def parabolas(
+    path: JointPath, s: Array, values: Callable[..., tuple[Array, ...]], radii: Callable[..., tuple[Array, ...]]
+) -> tuple[list[Array], Array]:
+    """Bernstein coefficients (m, 3, k) of functions of (q, q', q'') on the cells, and bounds of what they miss.
+
+    Args:
+        path: the joint path.
+        s: ends of the cells, knots of the path included [m], shape (m + 1,).
+        values: (q, q', q'') -> functions at many points.
+        radii: (q, q', q'', r, r', r'') -> their radii over complex balls (`ball_function`).
+    """
+    m = len(s) - 1
+    middle = s[:-1] + np.diff(s) / 2
     piece = path.piece(middle)
     # one-sided values: every cell is evaluated on its own polynomial piece
-    at = np.concatenate([s[:-1], middle, s[1:]])
-    pieces = np.concatenate([piece, piece, piece])
-    q, dq, ddq = (path.on_piece(at, pieces, order) for order in (0, 1, 2))
-    values = [f.reshape(3, m, n) for f in dynamics.coefficients(q, dq, ddq)]
-    a, b, e, c_minus, c_zero, c_plus = (_bernstein(f) for f in values)
+    at, pieces = np.concatenate([s[:-1], middle, s[1:]]), np.concatenate([piece, piece, piece])
+    found = values(*(path.on_piece(at, pieces, order) for order in (0, 1, 2)))
+    bernstein = [_bernstein(f.reshape(3, m, -1)) for f in found]
+    return bernstein, _remainder(radii, path, middle, piece, np.diff(s) / 2)
 
-    speeds = dq.reshape(3, m, n)
-    speed = _bernstein(speeds)
-    moving = np.abs(speed).max(axis=1) > 0
-    forwards = (speed.max(axis=1) > 0) & moving
-    backwards = (speed.min(axis=1) < 0) & moving
+
+def enclose(dynamics: PathDynamics, path: JointPath, s: Array) -> Cells:
+    """The enclosure on the cells between the lengths s (knots of the path included)."""
+    fitted, remainder = parabolas(path, s, dynamics.coefficients, dynamics.radii)
+    a, b, e, c_minus, c_zero, c_plus = fitted
+    r_a, r_b, r_e, r_minus, r_zero, r_plus = remainder
+    piece = path.piece(s[:-1] + np.diff(s) / 2)
+    ends = [(path.on_piece(at, piece, 1), path.on_piece(at, piece, 2)) for at in (s[:-1], s[1:])]
+    (first, curved), (last, curved_last) = ends
+    # q' is a parabola: its middle Bernstein coefficient follows the tangent at the start
+    speed = np.stack([first, first + curved * np.diff(s)[:, None] / 2, last], axis=1)
     # at a reversal that ends the cell q' is zero up to rounding: that is no motion the other way
     noise = 1e-9 * np.abs(speed).max(axis=1)
-    forwards &= speed.max(axis=1) > noise
-    backwards &= speed.min(axis=1) < -noise
+    forwards, backwards = speed.max(axis=1) > noise, speed.min(axis=1) < -noise
     still = ~(forwards ^ backwards)
-    options = [(forwards, c_plus), (backwards, c_minus), (still, c_zero)]
-    c_high = np.full_like(c_zero, -np.inf)
-    c_low = np.full_like(c_zero, np.inf)
-    for used, c in options:
+    c_high, c_low = np.full_like(c_zero, -np.inf), np.full_like(c_zero, np.inf)
+    for used, c in ((forwards, c_plus), (backwards, c_minus), (still, c_zero)):
         c_high = np.where(used[:, None], np.maximum(c_high, c), c_high)
         c_low = np.where(used[:, None], np.minimum(c_low, c), c_low)
-
-    remainder = _remainder(dynamics, path, middle, piece, h / 2)
-    curvature = np.stack([ddq[:m], ddq[2 * m :]], axis=1)
-    return Cells(s, a, b, e, c_low, c_high, remainder, speed, forwards, backwards, curvature)
+    rest = np.stack([r_a, r_b, r_e, np.maximum(np.maximum(r_minus, r_plus), r_zero)])
+    curvature = np.stack([curved, curved_last], axis=1)
+    return Cells(s, a, b, e, c_low, c_high, rest, speed, forwards, backwards, curvature)
 
 
 def _bernstein(values: Array) -> Array:
@@ -138,10 +148,10 @@ def _bernstein(values: Array) -> Array:
 
 
 def _remainder(
-    dynamics: PathDynamics, path: JointPath, middle: Array, piece: npt.NDArray[np.int64], w: Array
+    radii: Callable[..., tuple[Array, ...]], path: JointPath, middle: Array, piece: npt.NDArray[np.int64], w: Array
 ) -> Array:
-    q, dq, ddq = (path.on_piece(middle, piece, order) for order in (0, 1, 2))
-    dddq = path.on_piece(middle, piece, 3)
+    """Cauchy's bound for every function, shape (functions, m, k)."""
+    q, dq, ddq, dddq = (path.on_piece(middle, piece, order) for order in (0, 1, 2, 3))
     size = [np.abs(d).max(axis=1) + 1e-300 for d in (dq, ddq, dddq)]
     R = np.minimum.reduce([_REACH / size[0], np.sqrt(_REACH / size[1]), np.cbrt(_REACH / size[2])]) / 2
     kappa = np.clip(R / w, 2.0, _KAPPA)
@@ -149,6 +159,5 @@ def _remainder(
     r = np.abs(dq) * R + np.abs(ddq) * R**2 / 2 + np.abs(dddq) * R**3 / 6
     dr = np.abs(ddq) * R + np.abs(dddq) * R**2 / 2
     ddr = np.abs(dddq) * R
-    a, b, e, c_minus, c_zero, c_plus = dynamics.radii(q, dq, ddq, r, dr, ddr)
     factor = 2 / (3 * np.sqrt(3)) / ((kappa**2 - 1) * (kappa - 1))
-    return factor[:, None] * np.stack([a, b, e, np.maximum(np.maximum(c_minus, c_plus), c_zero)])
+    return np.asarray(factor[:, None] * np.stack(radii(q, dq, ddq, r, dr, ddr)))

@@ -36,11 +36,8 @@ class JointPath:
         """The interpolating spline through q (m, n) [rad] at lengths s (m,) (not-a-knot ends)."""
         from scipy.interpolate import CubicSpline
 
-        if len(s) < 4:
-            # too few points for not-a-knot: straight in joint space for two, natural for three
-            spline = CubicSpline(s, q, bc_type="natural")
-        else:
-            spline = CubicSpline(s, q)
+        # too few points for not-a-knot: straight in joint space for two, natural for three
+        spline = CubicSpline(s, q, bc_type="natural" if len(s) < 4 else "not-a-knot")
         return cls(np.array(s, dtype=float), np.ascontiguousarray(spline.c[::-1]))
 
     @property

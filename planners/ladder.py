@@ -185,7 +185,9 @@ class Ladder:
         valid = ((wanted >= 0) & (wanted < count)).all(axis=-1)
         return np.where(valid, wanted[..., 0] * count[1] + wanted[..., 1], -1)
 
-    def _trace(self, end: tuple[int, int, int], back: list[Integers], shifts: tuple[int, ...], cost: float) -> Candidate:
+    def _trace(
+        self, end: tuple[int, int, int], back: list[Integers], shifts: tuple[int, ...], cost: float
+    ) -> Candidate:
         row, branch, turn = end
         rows = [row]
         for i in range(len(back), 0, -1):
@@ -229,6 +231,6 @@ class Ladder:
         _, back = self._sweep(FREE_SHIFTS if len(self.rotation) > 1 else (0,), level=None)
         at = min(len(back), len(self.u) - 1)
         return UnreachableError(
-            f"no continuous motion reaches point {names[at] + 1}: every configuration that reaches the points before it "
-            "meets the joint box or a singularity there; split the path, or move the work frame"
+            f"no continuous motion reaches point {names[at] + 1}: every configuration that reaches the points before "
+            "it meets the joint box or a singularity there; split the path, or move the work frame"
         )

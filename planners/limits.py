@@ -55,4 +55,4 @@ def speed_bounds(cells: Cells, qd_max: Array, cell_bound: Array | None = None) -
     first, last = (first / excess).min(axis=1), (last / excess).min(axis=1)
     if cell_bound is not None:
         first, last = np.minimum(first, cell_bound), np.minimum(last, cell_bound)
-    return np.minimum(np.append(first, np.inf), np.insert(last, 0, np.inf))
+    return np.asarray(np.minimum(np.append(first, np.inf), np.insert(last, 0, np.inf)))

@@ -88,7 +88,9 @@ def coefficient_function(model: Model, effects: tuple[Effect, ...]) -> ca.Functi
     tau = s.load + _effects_torque(effects, s)
     dq, ddq, v, u = ca.SX.sym("dq", n), ca.SX.sym("ddq", n), ca.SX.sym("v"), ca.SX.sym("u")
     tau = ca.substitute(
-        tau, ca.vertcat(s.qd, s.qdd, s.qddd, s.qdddd, s.time), ca.vertcat(dq * v, ddq * v**2 + dq * u, ca.SX.zeros(2 * n + 1))
+        tau,
+        ca.vertcat(s.qd, s.qdd, s.qddd, s.qdddd, s.time),
+        ca.vertcat(dq * v, ddq * v**2 + dq * u, ca.SX.zeros(2 * n + 1)),
     )
     zero = ca.SX.zeros(n)
     rest = ca.vertcat(v, u, sign)

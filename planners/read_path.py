@@ -15,11 +15,15 @@ from irb2400_ctrl.planners.toolpath import ToolPath
 
 APT_SUFFIXES = (".apt", ".aptsource", ".cls", ".cl", ".cldata", ".cld")
 # words that carry no motion of the tool tip; anything else unknown is refused, so that no motion is lost in silence
-APT_IGNORED = frozenset(
-    "PARTNO PPRINT PPFUN INSERT MACHIN UNITS SPINDL COOLNT LOADTL LOAD TOOLNO CUTTER CUTCOM TLON TLLFT TLRGT TLOFPS "
-    "TLONPS INTOL OUTTOL TOLER MULTAX PAINT TPRINT TOOL END STOP OPSTOP DELAY FINI REMARK CLPRNT NOPOST SEQNO PREFUN "
-    "AUXFUN OPERATION OPTION CHECK MODE DISPLY SET CLEARP SAFPOS FLOAT PLABEL TMARK SELECT CALSUB HEAD PREGEO".split()
-)
+# fmt: off
+APT_IGNORED = frozenset({
+    "PARTNO", "PPRINT", "PPFUN", "INSERT", "MACHIN", "UNITS", "SPINDL", "COOLNT", "LOADTL", "LOAD", "TOOLNO",
+    "CUTTER", "CUTCOM", "TLON", "TLLFT", "TLRGT", "TLOFPS", "TLONPS", "INTOL", "OUTTOL", "TOLER", "MULTAX",
+    "PAINT", "TPRINT", "TOOL", "END", "STOP", "OPSTOP", "DELAY", "FINI", "REMARK", "CLPRNT", "NOPOST",
+    "SEQNO", "PREFUN", "AUXFUN", "OPERATION", "OPTION", "CHECK", "MODE", "DISPLY", "SET", "CLEARP", "SAFPOS",
+    "FLOAT", "PLABEL", "TMARK", "SELECT", "CALSUB", "HEAD", "PREGEO",
+})
+# fmt: on
 INCH = 25.4
 
 
@@ -89,9 +93,9 @@ def read_csv(text: str, name: str) -> ToolPath:
 
 
 def read_apt(text: str, name: str) -> ToolPath:
-    """APT/CLDATA: GOTO/x,y,z[,i,j,k], FROM/…, GODLTA/dx,dy,dz, FEDRAT/ with its unit, RAPID, UNITS/; the rest has no motion.
+    """APT/CLDATA: GOTO/x,y,z[,i,j,k], FROM/…, GODLTA/dx,dy,dz, FEDRAT/, RAPID, UNITS/; the other words have no motion.
 
-    FEDRAT is per minute unless it says otherwise (MMPS, IPS: per second). After RAPID the next motion has no feed limit.
+    FEDRAT is per minute unless it says otherwise (MMPS, IPS: per second). After RAPID the next motion is not limited.
     """
     points: list[list[float]] = []
     axes: list[list[float]] = []

@@ -34,7 +34,7 @@ class TaskCurve:
 
     control: Array
     """control points with a phantom at either end [m], shape (segments + 3, m)"""
-    origin: Array
+    origin: npt.NDArray[np.int64]
     """number of the way-point that each segment leads to, shape (segments,)"""
     full: bool
     """the orientation is complete (not only the tool axis)"""
@@ -56,7 +56,7 @@ class TaskCurve:
             1: np.hstack([np.zeros_like(t), np.ones_like(t), 2 * t, 3 * t**2]),
         }[order]
         weights = powers @ _BASIS.T
-        return np.einsum("nk,nkm->nm", weights, self.control[k[:, None] + np.arange(4)])
+        return np.asarray(np.einsum("nk,nkm->nm", weights, self.control[k[:, None] + np.arange(4)]))
 
     def lengths(self, u: Array) -> Array:
         """Length of the curve between neighbouring parameters u (sorted, none across a knot), shape (n - 1,) [m]."""
@@ -106,7 +106,9 @@ def smooth_curve(path: ToolPath, tolerance: float = 5e-5) -> TaskCurve:
     return TaskCurve(control, origin, path.rotation is not None, path, tolerance)
 
 
-def _turned_in_steps(points: Array, number: npt.NDArray[np.int64], path: ToolPath) -> tuple[Array, npt.NDArray[np.int64]]:
+def _turned_in_steps(
+    points: Array, number: npt.NDArray[np.int64], path: ToolPath
+) -> tuple[Array, npt.NDArray[np.int64]]:
     """Intermediate points where the orientation turns by more than 10 degrees in one move (great circles)."""
     L = ROTATION_LENGTH
     vectors = points[:, 3:].reshape(len(points), -1, 3) / L

@@ -92,7 +92,9 @@ class ToolPath:
         return ToolPath(
             np.concatenate([self.position, other.position]),
             None if self.axis is None or other.axis is None else np.concatenate([self.axis, other.axis]),
-            None if self.rotation is None or other.rotation is None else np.concatenate([self.rotation, other.rotation]),
+            None
+            if self.rotation is None or other.rotation is None
+            else np.concatenate([self.rotation, other.rotation]),
             np.concatenate([self.feed, other.feed]),
             self.name,
         )

@@ -1,0 +1,123 @@
+"""`Certificate`: everything that is needed to check a timed path again, without the solver that made it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from irb2400_ctrl.model import Model
+from irb2400_ctrl.planners.cells import Cells, enclose
+from irb2400_ctrl.planners.joint_path import JointPath
+from irb2400_ctrl.planners.limits import MotionLimits
+from irb2400_ctrl.planners.path_dynamics import PathDynamics
+from irb2400_ctrl.planners.rows import dry_friction
+from irb2400_ctrl.planners.time_law import TimeLaw
+
+Array = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Certificate:
+    """A motion: the joint path, the grid with sdot^2 on it, and the limits it claims to keep."""
+
+    path: JointPath
+    law: TimeLaw
+    limits: MotionLimits
+
+
+@dataclass(frozen=True)
+class Checked:
+    """Upper bounds over all times, not samples."""
+
+    torque_ratio: float
+    """largest |tau| / tau_max; inf where nothing can be said"""
+    velocity_ratio: float
+    """largest |qd| / qd_max"""
+    torque_at: tuple[float, int]
+    """where: length [m] and axis 1…n"""
+
+    def holds(self, tolerance: float = 1e-9) -> bool:
+        """Whether both bounds are at most one."""
+        return self.torque_ratio <= 1 + tolerance and self.velocity_ratio <= 1 + tolerance
+
+
+def check(certificate: Certificate, model: Model, dynamics: PathDynamics | None = None) -> Checked:
+    """Bound torque and speed of the motion cell by cell, from its own numbers u and x alone.
+
+    In a cell u is a number, x(t) is linear, and tau is a cubic with known Bernstein coefficients plus friction at known
+    speeds plus a bounded remainder; nothing of the solver's linearisations is used.
+    """
+    dynamics = PathDynamics(model) if dynamics is None else dynamics
+    law, limits = certificate.law, certificate.limits
+    # half the solver's cells: sharper, and nothing that the solver computed is used again
+    s = np.sort(np.concatenate([law.s, (law.s[:-1] + law.s[1:]) / 2]))
+    x = np.interp(s, law.s, law.x)
+    cells = enclose(dynamics, certificate.path, s)
+    u = np.repeat(law.u, 2)
+    above, below = torque_bounds(cells, u, x, model.robot.friction)
+    ratio = np.maximum(above, -below) / limits.tau_max
+    if dynamics.irregular or not np.isfinite(ratio).all():
+        ratio = np.full_like(ratio, np.inf)
+    cell, axis = np.unravel_index(int(np.argmax(ratio)), ratio.shape)
+    return Checked(
+        float(ratio[cell, axis]),
+        float(np.sqrt(_squared_speed(cells, x, limits.qd_max).max())),
+        (float(s[cell]), int(axis) + 1),
+    )
+
+
+def torque_bounds(cells: Cells, u: Array, x: Array, friction: Array) -> tuple[Array, Array]:
+    """Largest and smallest torque in each cell, each (m, n) [Nm]."""
+    first, last = x[:-1, None], x[1:, None]
+    product = _times_linear(cells.b, x[:-1], x[1:])
+    low, high = np.minimum(first, last), np.maximum(first, last)
+    e_low, e_high = _root_range(cells.e, x)
+    r_a, r_b, r_e, r_c = cells.remainder
+    rest = r_a * np.abs(u)[:, None] + r_b * high + r_e * np.sqrt(high) + r_c
+    forwards, backwards = dry_friction(cells, friction, low[:, 0])
+    F_c = np.minimum(friction[:, 0], friction[:, 1])
+    top = np.where(cells.forwards, forwards, np.where(cells.backwards, -F_c, 0.0))
+    bottom = np.where(cells.backwards, -backwards, np.where(cells.forwards, F_c, 0.0))
+    base = _raise(cells.a) * u[:, None, None] + product
+    above = (base + _raise(cells.c_high) + e_high).max(axis=1) + top + rest
+    below = (base + _raise(cells.c_low) + e_low).min(axis=1) + bottom - rest
+    return above, below
+
+
+def _root_range(e: Array, x: Array) -> tuple[Array, Array]:
+    """Cubic Bernstein coefficients below and above e(t) sqrt(x(t)), x linear in t; each (m, 4, n).
+
+    The root of a linear function is concave: it lies between its secant and the tangent at the middle, both linear.
+    """
+    v = np.sqrt(x)
+    secant = v[:-1], v[1:]
+    middle = np.maximum((x[:-1] + x[1:]) / 2, 1e-300)
+    tangent = (middle + x[:-1]) / (2 * np.sqrt(middle)), (middle + x[1:]) / (2 * np.sqrt(middle))
+    positive, negative = np.maximum(e, 0.0), np.minimum(e, 0.0)
+    low = _times_linear(positive, *secant) + _times_linear(negative, *tangent)
+    high = _times_linear(positive, *tangent) + _times_linear(negative, *secant)
+    return low, high
+
+
+def _times_linear(f: Array, first: Array, last: Array) -> Array:
+    """Product of a parabola f (m, 3, n) with the linear function from `first` to `last` (m,), degree 3."""
+    x0, x1 = first[:, None], last[:, None]
+    terms = [f[:, 0] * x0, (f[:, 0] * x1 + 2 * f[:, 1] * x0) / 3, (2 * f[:, 1] * x1 + f[:, 2] * x0) / 3, f[:, 2] * x1]
+    return np.stack(terms, axis=1)
+
+
+def _raise(f: Array) -> Array:
+    return np.stack([f[:, 0], (f[:, 0] + 2 * f[:, 1]) / 3, (2 * f[:, 1] + f[:, 2]) / 3, f[:, 2]], axis=1)
+
+
+def _squared_speed(cells: Cells, x: Array, qd_max: Array) -> Array:
+    """Upper bound of (q'^2 x) / qd_max^2 in each cell, by the Bernstein coefficients of degree 5, shape (m, n)."""
+    s0, s1, s2 = cells.speed[:, 0], cells.speed[:, 1], cells.speed[:, 2]
+    G = np.stack([s0**2, s0 * s1, (2 * s1**2 + s0 * s2) / 3, s1 * s2, s2**2], axis=1) / qd_max**2
+    k = np.arange(6)[None, :, None]
+    padded = np.concatenate([G, np.zeros_like(G[:, :1])], axis=1)
+    shifted = np.concatenate([np.zeros_like(G[:, :1]), G], axis=1)
+    coefficients = (5 - k) / 5 * padded * x[:-1, None, None] + k / 5 * shifted * x[1:, None, None]
+    return np.asarray(coefficients.max(axis=1))

@@ -1,0 +1,99 @@
+"""How far a motion is from the stated way-points, and from the singularities, over the whole path."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from irb2400_ctrl.codegen import compile_function
+from irb2400_ctrl.model import Model
+from irb2400_ctrl.planners.ball import ball_function
+from irb2400_ctrl.planners.cells import parabolas
+from irb2400_ctrl.planners.follow import Followed
+from irb2400_ctrl.planners.orientation import Orientation
+
+Array = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Deviation:
+    """Largest distances between the motion and the polygon of way-points."""
+
+    position: Array
+    """distance of the TCP from the polygon at `s` [m]"""
+    axis: Array
+    """angle between the tool axis and the one stated there [rad]"""
+    s: Array
+    corner: float
+    """largest distance of a way-point from the motion [m]"""
+
+    @property
+    def largest(self) -> float:
+        """Both ways: motion from polygon, way-point from motion [m]."""
+        return max(float(self.position.max()), self.corner)
+
+
+def deviation(model: Model, orientation: Orientation, followed: Followed) -> Deviation:
+    """Distances at every station and three times in between."""
+    curve = orientation.curve
+    path, joints = curve.path, followed.joints
+    f = np.array([0.0, 0.25, 0.5, 0.75])
+    s = np.append((joints.knots[:-1, None] + f * np.diff(joints.knots)[:, None]).ravel(), joints.knots[-1])
+    u = np.append((followed.u[:-1, None] + f * np.diff(followed.u)[:, None]).ravel(), followed.u[-1])
+    X = model.tcp_pose(joints(s))
+    p, axis = X[:, :3, 3], -(X[:, :3, :3] @ orientation.spindle)
+    stated = path.tool_axis(orientation.spindle)
+    point = curve.origin[np.minimum(u.astype(int), curve.segments - 1)]
+    distance, angle = np.full(len(s), np.inf), np.full(len(s), np.inf)
+    for shift in (-1, 0, 1):
+        last = np.clip(point + shift, 1, len(path) - 1)
+        d, t = _to_segment(p, path.position[last - 1], path.position[last])
+        between = stated[last - 1] + t[:, None] * (stated[last] - stated[last - 1])
+        between /= np.maximum(np.linalg.norm(between, axis=1, keepdims=True), 1e-12)
+        a = 2 * np.arcsin(np.clip(np.linalg.norm(axis - between, axis=1) / 2, 0, 1))
+        nearer = d < distance - 1e-12
+        # where the tool only turns, both sides are equally near and the better axis counts
+        angle = np.where(nearer, a, np.where(d < distance + 1e-9, np.minimum(a, angle), angle))
+        distance = np.minimum(d, distance)
+    return Deviation(distance, angle, s, _corners(path.position, point, p))
+
+
+def _corners(points: Array, point: npt.NDArray[np.int64], p: Array) -> float:
+    """Largest distance of a way-point from the polygon through the motion's samples p next to it."""
+    at = np.searchsorted(point, np.arange(len(points)), side="right")
+    best = np.full(len(points), np.inf)
+    for shift in range(-12, 12):
+        first = np.clip(at + shift, 0, len(p) - 2)
+        d, _ = _to_segment(points, p[first], p[first + 1])
+        best = np.minimum(best, d)
+    # way-points that repeat others have no samples of their own
+    known = np.isin(np.arange(len(points)), point)
+    known[0] = True
+    return float(best[known].max())
+
+
+def _to_segment(p: Array, a: Array, b: Array) -> tuple[Array, Array]:
+    """Distance of points from segments and the foot's parameter 0…1."""
+    side = b - a
+    length2 = np.maximum((side**2).sum(axis=1), 1e-30)
+    t = np.clip(((p - a) * side).sum(axis=1) / length2, 0, 1)
+    return np.linalg.norm(p - a - t[:, None] * side, axis=1), t
+
+
+def singularity_margins(model: Model, followed: Followed) -> dict[str, float]:
+    """Lower bounds of |sin q5| [-], |r| [m] and |k| [m] (eqs. 34-36) that hold at every point of the path."""
+    factors = model.function("singularity_factors")
+    value, radius = compile_function(factors), compile_function(ball_function(factors))
+    coefficients, remainder = parabolas(
+        followed.joints,
+        followed.joints.knots,
+        lambda q, dq, ddq: value.map(q),
+        lambda q, dq, ddq, r, dr, ddr: radius.map(q, r),
+    )
+    bernstein, rest = coefficients[0], remainder[0]
+    one_sign = (bernstein > 0).all(axis=1) | (bernstein < 0).all(axis=1)
+    lower = np.where(one_sign, np.abs(bernstein).min(axis=1) - rest, 0.0)
+    smallest = np.maximum(lower.min(axis=0), 0.0)
+    return dict(zip(("wrist", "shoulder", "elbow"), map(float, smallest), strict=True))

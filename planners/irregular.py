@@ -1,0 +1,59 @@
+"""Timing with effects whose torque has no enclosure: bounded by looking, with room to spare."""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+
+from irb2400_ctrl.errors import InfeasibleError
+from irb2400_ctrl.planners.cells import Cells
+from irb2400_ctrl.planners.certified import Timed, time_path
+from irb2400_ctrl.planners.joint_path import JointPath
+from irb2400_ctrl.planners.limits import MotionLimits
+from irb2400_ctrl.planners.path_dynamics import PathDynamics
+
+Array = npt.NDArray[np.float64]
+
+_ROUNDS = 6
+_LOOKS = 5
+# held back beyond what was seen, as a part of it
+_ROOM = 0.03
+
+
+def time_with_irregular(
+    dynamics: PathDynamics, path: JointPath, cells: Cells, limits: MotionLimits, friction: Array, feed: Array
+) -> Timed:
+    """Time the path, look at the extra torque along the motion, hold that much back, and time it again.
+
+    Raises:
+        InfeasibleError: nothing is left of the limits, or the rounds do not settle.
+    """
+    held = np.zeros((len(cells.h), 2, path.n))
+    timed: Timed | None = None
+    for _ in range(_ROUNDS):
+        timed = time_path(cells, limits, friction, feed, held)
+        seen = _seen(dynamics, path, timed)
+        if timed is not None and (seen <= held + 1e-9).all():
+            return timed
+        # only ever more: the rounds end
+        held = np.maximum(held, seen + _ROOM * np.abs(seen) + 1e-6)
+    law = timed.law if timed is not None else None
+    raise InfeasibleError(
+        "the torque of the effects "
+        + ", ".join(sorted({e.kind for e in dynamics.irregular}))
+        + f" does not settle with the timing ({'no motion' if law is None else f'{law.duration:.2f} s'} at last); "
+        "lower the speed limits"
+    )
+
+
+def _seen(dynamics: PathDynamics, path: JointPath, timed: Timed) -> Array:
+    """Largest extra torque upwards and downwards in each cell and its neighbours, shape (m, 2, n)."""
+    law = timed.law
+    m = len(law.u)
+    part = (np.arange(_LOOKS) + 0.5) / _LOOKS
+    t = (law.time[:-1, None] + part * np.diff(law.time)[:, None]).ravel()
+    _, q, qd, qdd = law.motion(path, t)
+    tau = dynamics.irregular_torque(q, qd, qdd, t).reshape(m, _LOOKS, path.n)
+    both = np.stack([tau.max(axis=1), -tau.min(axis=1)], axis=1)
+    padded = np.pad(both, ((1, 1), (0, 0), (0, 0)), mode="edge")
+    return np.asarray(np.maximum(np.maximum(padded[:-2], padded[1:-1]), padded[2:]))

@@ -1,0 +1,211 @@
+"""`plan_path`: from a tool path to a timed trajectory."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from typing import Literal
+
+import casadi as ca
+import numpy as np
+import numpy.typing as npt
+
+from irb2400_ctrl.codegen import compile_function
+from irb2400_ctrl.errors import InfeasibleError, InputError
+from irb2400_ctrl.model import Model
+from irb2400_ctrl.planners.cells import Cells, enclose, grid
+from irb2400_ctrl.planners.certificate import Certificate, Checked, check
+from irb2400_ctrl.planners.certified import Timed, time_path
+from irb2400_ctrl.planners.deviation import deviation, singularity_margins
+from irb2400_ctrl.planners.irregular import time_with_irregular
+from irb2400_ctrl.planners.limits import MotionLimits
+from irb2400_ctrl.planners.margins import COMFORTABLE
+from irb2400_ctrl.planners.orientation import Orientation
+from irb2400_ctrl.planners.path_dynamics import PathDynamics
+from irb2400_ctrl.planners.plan import Plan, Trajectory
+from irb2400_ctrl.planners.selection import Choice, choices
+from irb2400_ctrl.planners.task_curve import smooth_curve
+from irb2400_ctrl.planners.toolpath import ToolPath
+from irb2400_ctrl.robot import Robot
+
+Array = npt.NDArray[np.float64]
+Progress = Callable[[str], None]
+Backend = Literal["certified", "toppra"]
+
+
+@dataclass
+class _Clock:
+    progress: Progress | None
+    seconds: dict[str, float] = field(default_factory=dict)
+
+    @contextmanager
+    def stage(self, name: str) -> Iterator[None]:
+        if self.progress is not None:
+            self.progress(name)
+        start = time.perf_counter()
+        try:
+            yield
+        finally:
+            self.seconds[name] = self.seconds.get(name, 0.0) + time.perf_counter() - start
+
+
+def plan_path(
+    robot: Robot,
+    path: ToolPath,
+    *,
+    rate: float = 250.0,
+    free_tool_rotation: bool = True,
+    work_frame: Array | None = None,
+    tolerance: float = 5e-5,
+    timing: Backend = "certified",
+    cells: int = 1000,
+    limits: MotionLimits | None = None,
+    progress: Progress | None = None,
+) -> Plan:
+    """The fastest motion along a tool path, rest to rest, clear of singularities and within the limits.
+
+    Args:
+        robot: the arm, tool and effects included.
+        path: way-points of the TCP in the robot base, or in `work_frame`.
+        rate: rows of the trajectory per second [1/s].
+        free_tool_rotation: choose the rotation about the spindle along the path; otherwise a stated orientation is
+            held, and for a path of tool axes the best constant rotation is taken.
+        work_frame: pose X_BW of the frame the path is stated in, shape (4, 4).
+        tolerance: how far corners of the polygon may be cut [m].
+        timing: "certified" (torque bound at every instant) or "toppra".
+        cells: smallest number of grid cells of the timing.
+        limits: other limits than the robot's.
+        progress: called with the name of each stage as it begins.
+
+    Raises:
+        InputError: an argument or the path itself is wrong.
+        UnreachableError: no configuration or no continuous motion; says at which point.
+        InfeasibleError: the torque limits leave no motion; says where.
+    """
+    if not np.isfinite(rate) or rate <= 0:
+        raise InputError(f"rate: found {rate}, expected a positive number of rows per second")
+    if not np.isfinite(tolerance) or tolerance <= 0:
+        raise InputError(f"tolerance: found {tolerance} m, expected a positive length")
+    if timing not in {"certified", "toppra"}:
+        raise InputError(f"timing: found {timing!r}, expected 'certified' or 'toppra'")
+    clock = _Clock(progress)
+    limits = MotionLimits.of(robot) if limits is None else limits
+    with clock.stage("model"):
+        model = Model(robot)
+        dynamics = PathDynamics(model)
+        spindle = np.array((0.0, 0.0, 1.0) if robot.tool is None else robot.tool.spindle_axis)
+    with clock.stage("curve"):
+        placed = path if work_frame is None else path.moved(work_frame)
+        orientation = Orientation.of(smooth_curve(placed, tolerance), spindle)
+    with clock.stage("branch and rotation"):
+        found = list(choices(model, orientation, free_tool_rotation))
+    with clock.stage("timing"):
+        options, problem = [], None
+        for choice in found:
+            try:
+                options.append((choice, _timed(model, dynamics, choice, orientation, limits, cells, timing)))
+            except InfeasibleError as error:
+                problem = error
+        if not options:
+            raise problem or InfeasibleError("no motion within the limits")
+    choice, timed = min(options, key=lambda o: _rank(*o))
+    with clock.stage("check"):
+        certificate = Certificate(choice.followed.joints, timed.law, limits)
+        checked = check(certificate, model, dynamics)
+        margins = singularity_margins(model, choice.followed)
+        off = deviation(model, orientation, choice.followed)
+    with clock.stage("trajectory"):
+        trajectory = _trajectory(model, certificate, rate)
+        torque_ratio, velocity_ratio = _ratios(model, certificate, checked)
+    return Plan(
+        robot=robot,
+        path=placed,
+        trajectory=trajectory,
+        certificate=certificate,
+        duration=timed.law.duration,
+        guaranteed=timing == "certified" and checked.holds(),
+        timing=timing,
+        max_tcp_deviation=off.largest,
+        max_tool_axis_deviation=float(off.axis.max()),
+        singularity_margin=margins,
+        max_torque_ratio=torque_ratio,
+        max_velocity_ratio=velocity_ratio,
+        chosen=choice.kind,
+        branch=choice.branch,
+        rotation=choice.rotation(trajectory.s),
+        alternatives=tuple(
+            {"kind": c.kind, "branch": c.branch, "relative_margin": c.margin, "duration_s": t.law.duration}
+            for c, t in options
+        ),
+        wall_time=clock.seconds,
+    )
+
+
+def _rank(choice: Choice, timed: Timed) -> tuple[float, float]:
+    """Larger margin first as long as it is not comfortable, then the shorter duration."""
+    return (-round(min(choice.margin, COMFORTABLE), 2), timed.law.duration)
+
+
+def _timed(
+    model: Model,
+    dynamics: PathDynamics,
+    choice: Choice,
+    orientation: Orientation,
+    limits: MotionLimits,
+    count: int,
+    timing: Backend,
+) -> Timed:
+    followed = choice.followed
+    cells = enclose(dynamics, followed.joints, grid(followed.joints, count))
+    feed = _feed_bound(model, choice, orientation, cells)
+    friction = model.robot.friction
+    if timing == "toppra":
+        from irb2400_ctrl.planners.toppra_timing import time_with_toppra
+
+        return time_with_toppra(cells, limits, friction, feed)
+    if dynamics.irregular:
+        return time_with_irregular(dynamics, followed.joints, cells, limits, friction, feed)
+    return time_path(cells, limits, friction, feed)
+
+
+def _feed_bound(model: Model, choice: Choice, orientation: Orientation, cells: Cells) -> Array:
+    """(feed / |p'|)^2 within each cell, from the TCP's speed at the ends and the middle, shape (m,)."""
+    followed, curve = choice.followed, orientation.curve
+    middle = (cells.s[:-1] + cells.s[1:]) / 2
+    piece = followed.joints.piece(middle)
+    feed = curve.path.feed[curve.origin[np.minimum(followed.u[piece].astype(int), curve.segments - 1)]]
+    if not np.isfinite(feed).any():
+        return np.full(len(middle), np.inf)
+    q, dq = ca.SX.sym("q", model.robot.n), ca.SX.sym("dq", model.robot.n)
+    tip = compile_function(ca.Function("tip", [q, dq], [model.tcp_jacobian(q)[:3, :] @ dq]))
+    speeds = []
+    for s in (cells.s[:-1], middle, cells.s[1:]):
+        (rate,) = tip.map(followed.joints.on_piece(s, piece), followed.joints.on_piece(s, piece, 1))
+        speeds.append(np.linalg.norm(rate, axis=1))
+    return np.asarray((feed / np.maximum(np.max(speeds, axis=0) * (1 + 1e-6), 1e-9)) ** 2)
+
+
+def _trajectory(model: Model, certificate: Certificate, rate: float) -> Trajectory:
+    """Rows at k / rate up to the first one at or after the end."""
+    rows = int(np.ceil(certificate.law.duration * rate - 1e-9)) + 1
+    if rows > 20_000_000:
+        raise InputError(f"rate: {rate} rows per second make {rows} rows; expected a lower rate")
+    t = np.arange(rows) / rate
+    s, q, qd, qdd = certificate.law.motion(certificate.path, t)
+    return Trajectory(t, q, qd, qdd, model.inverse_dynamics(q, qd, qdd), s)
+
+
+def _ratios(model: Model, certificate: Certificate, checked: Checked) -> tuple[float, float]:
+    """Largest torque and speed ratios: the bound over all times, or, where there is none, 10,000 looks per second."""
+    if np.isfinite(checked.torque_ratio):
+        return checked.torque_ratio, checked.velocity_ratio
+    duration = certificate.law.duration
+    worst = 0.0
+    for first in np.arange(0.0, duration, 10.0):
+        t = np.arange(first, min(first + 10.0, duration), 1e-4)
+        _, q, qd, qdd = certificate.law.motion(certificate.path, t)
+        tau = np.array([model.inverse_dynamics(q, qd, qdd)])[0]
+        worst = max(worst, float((np.abs(tau) / certificate.limits.tau_max).max()))
+    return worst, checked.velocity_ratio
