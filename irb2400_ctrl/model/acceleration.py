@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import casadi as ca
 
+from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.model import linear_solve, newton_euler
 from irb2400_ctrl.model.friction import friction
 from irb2400_ctrl.model.signals import ArmSignals
@@ -33,12 +34,22 @@ class Acceleration:
 
     @classmethod
     def of(cls, model: Model, s: ArmSignals, tau: ca.SX, with_friction: bool) -> Acceleration:
-        """M qdd = tau - rest: the mass matrix by composite bodies, the rest by one recursion at qdd = 0."""
+        """M qdd = tau - rest: the mass matrix by composite bodies, the rest by one recursion at qdd = 0.
+
+        Raises:
+            InputError: an axis without any inertia about itself; its acceleration is not determined.
+        """
         zero = ca.SX.zeros(model.robot.n)
         effects = model.effect_torque(s)
         rest = newton_euler.inverse_dynamics(model.robot, s.q, s.qd, zero, model.phi)
         dry = friction(model.robot, s.qd) if with_friction else zero
         slope = s.mass_matrix + ca.jacobian(effects, s.qdd)
+        for i in range(model.robot.n):
+            if slope[i, i].is_zero():
+                raise InputError(
+                    f"forward dynamics: axis {i + 1} has no inertia about itself, so no torque determines its "
+                    "acceleration; give link or tool an inertia, or the robot a rotor_inertia effect on that axis"
+                )
         bent = any(ca.which_depends(effects, s.qdd, 2))
         # the slope of a load-dependent law is not symmetric
         symmetric = not bent

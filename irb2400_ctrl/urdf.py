@@ -1,0 +1,137 @@
+"""`Robot` as URDF, for tools that read nothing else.
+
+URDF knows chains of joints but no coupling: its joints are the link angles A q, not the actuators. What a user of the
+file must do about the parallelogram stands in a comment at its head. Effects have no place in URDF and are named there.
+"""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from xml.sax.saxutils import escape, quoteattr
+
+import numpy as np
+import numpy.typing as npt
+
+from irb2400_ctrl.files import write_atomic
+from irb2400_ctrl.robot import Body, Robot
+
+Array = npt.NDArray[np.float64]
+
+
+def save_urdf(robot: Robot, path: Path | str) -> Path:
+    """Write the robot as URDF."""
+    return write_atomic(path, to_urdf(robot))
+
+
+def to_urdf(robot: Robot) -> str:
+    """The robot as URDF text: links `base`, those of the file, `flange`, `tool`, `tcp`; joints turn by A q."""
+    lines = ['<?xml version="1.0" encoding="utf-8"?>', f"<robot name={quoteattr(robot.name)}>", _head(robot)]
+    lines.append('  <link name="base"/>')
+    parent = "base"
+    for i, link in enumerate(robot.links):
+        name = _name(link.name)
+        lines += [_link(name, link.body), _revolute(robot, i, parent, name)]
+        parent = name
+    lines += ['  <link name="flange"/>', _fixed("flange", parent, robot.flange.matrix())]
+    if robot.tool is not None:
+        lines += [_link("tool", robot.tool.body), _fixed("tool", "flange", np.eye(4))]
+    lines += ['  <link name="tcp"/>', _fixed("tcp", "flange", np.asarray(robot.X_FT)), "</robot>"]
+    return "\n".join(lines) + "\n"
+
+
+def _head(robot: Robot) -> str:
+    notes = [f"Made from {robot.name}. {robot.source}"]
+    A = robot.A
+    if np.abs(A - np.eye(robot.n)).max() > 0:
+        rows = []
+        for i, row in enumerate(A):
+            if np.abs(row - np.eye(robot.n)[i]).max() > 0:
+                rows.append(f"joint_{i + 1} = {_combination(row)}")
+        notes.append(
+            "The joints below are link angles, not actuator angles q: "
+            + "; ".join(rows)
+            + ", all others joint_i = q_i (parallelogram). Speeds and accelerations go the same way; torques come back "
+            "as tau_q = A^T tau_joint."
+        )
+        notes.append("Limits of coupled joints are what the actuators' limits allow at most.")
+    if robot.effects:
+        kinds = ", ".join(sorted({effect.kind for effect in robot.effects}))
+        notes.append(f"Effects of the robot file that URDF cannot hold: {kinds}.")
+    notes.append("Stribeck friction (static, transition speed) is not part of URDF; damping and friction are.")
+    text = "\n       ".join(notes).replace("--", "-")
+    return f"  <!-- {escape(text)} -->"
+
+
+def _combination(row: Array) -> str:
+    """ "q3 - q2" of a row of the coupling matrix, positive terms first."""
+    order = sorted(np.flatnonzero(row), key=lambda k: row[k] < 0)
+    text = ""
+    for k in order:
+        size = "" if abs(row[k]) == 1 else f"{abs(row[k]):g} "
+        text += f" {'-' if row[k] < 0 else '+'} {size}q{k + 1}"
+    return text.removeprefix(" + ").strip()
+
+
+def _link(name: str, body: Body) -> str:
+    xx, yy, zz, xy, xz, yz = (_number(value) for value in body.inertia_kgm2)
+    return (
+        f'  <link name="{name}">\n    <inertial>\n'
+        f'      <origin xyz="{_numbers(body.com_m)}" rpy="0 0 0"/>\n      <mass value="{_number(body.mass_kg)}"/>\n'
+        f'      <inertia ixx="{xx}" ixy="{xy}" ixz="{xz}" iyy="{yy}" iyz="{yz}" izz="{zz}"/>\n'
+        "    </inertial>\n  </link>"
+    )
+
+
+def _revolute(robot: Robot, i: int, parent: str, child: str) -> str:
+    """Joint i with its zero where A q is zero: the offset of theta is part of its origin."""
+    A, c, s = robot.A, np.cos(robot.offset[i]), np.sin(robot.offset[i])
+    X = robot.links[i].frame.matrix()
+    X[:3, :3] = X[:3, :3] @ np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]])
+    ends = np.array([A[i] * robot.q_min, A[i] * robot.q_max])
+    lower, upper = ends.min(axis=0).sum(), ends.max(axis=0).sum()
+    effort, velocity = np.abs(np.linalg.inv(A).T[i]) @ robot.tau_max, np.abs(A[i]) @ robot.qd_max
+    lines = [
+        f'  <joint name="joint_{i + 1}" type="revolute">',
+        f'    <parent link="{parent}"/>\n    <child link="{child}"/>\n    {_origin(X)}\n    <axis xyz="0 0 1"/>',
+        f'    <limit lower="{_number(lower)}" upper="{_number(upper)}" effort="{_number(effort)}" '
+        f'velocity="{_number(velocity)}"/>',
+    ]
+    alone = np.eye(robot.n)[i]
+    if (A[i] == alone).all() and (A[:, i] == alone).all():
+        _, coulomb, viscous, _ = robot.friction[i]
+        lines.append(f'    <dynamics damping="{_number(viscous)}" friction="{_number(coulomb)}"/>')
+    return "\n".join([*lines, "  </joint>"])
+
+
+def _fixed(child: str, parent: str, X: Array) -> str:
+    return (
+        f'  <joint name="{parent}_to_{child}" type="fixed">\n    <parent link="{parent}"/>\n'
+        f'    <child link="{child}"/>\n    {_origin(X)}\n  </joint>'
+    )
+
+
+def _origin(X: Array) -> str:
+    """Position and fixed-axis angles: R = Rz(yaw) Ry(pitch) Rx(roll)."""
+    R = X[:3, :3]
+    if abs(R[2, 0]) < 1 - 1e-12:
+        pitch = np.arctan2(-R[2, 0], np.hypot(R[0, 0], R[1, 0]))
+        roll, yaw = np.arctan2(R[2, 1], R[2, 2]), np.arctan2(R[1, 0], R[0, 0])
+    else:
+        # roll and yaw turn about the same axis: all of it goes into yaw
+        pitch, roll = -np.sign(R[2, 0]) * np.pi / 2, 0.0
+        yaw = np.arctan2(-R[0, 1], R[1, 1])
+    return f'<origin xyz="{_numbers(X[:3, 3])}" rpy="{_numbers((roll, pitch, yaw))}"/>'
+
+
+def _name(text: str) -> str:
+    return re.sub(r"\W+", "_", text).strip("_")
+
+
+def _number(value: float) -> str:
+    """Shortest text that reads back to the same number."""
+    return repr(float(value) + 0.0)
+
+
+def _numbers(values: tuple[float, ...] | Array) -> str:
+    return " ".join(_number(value) for value in values)
