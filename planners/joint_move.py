@@ -276,8 +276,8 @@ def _states(trajectory: Any, time: Array) -> tuple[Array, Array, Array]:
 
 
 def _instants(trajectory: Any) -> Array:
-    """Where the torque is looked at: 1 kHz (3000 instants of a long move), every switch of jerk, and densely where a joint starts, stops or turns
-    (static friction acts only below some mrad/s) [s], shape (m,)."""
+    """Where the torque is looked at [s], shape (m,): 1 kHz (3000 instants of a long move), every switch of jerk, and
+    densely where a joint starts, stops or turns (static friction acts only below some mrad/s)."""
     duration = trajectory.duration
     grid = np.linspace(0.0, duration, int(min(1e3 * duration, 3000.0)) + 2)
     switches = [
