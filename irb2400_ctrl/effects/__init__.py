@@ -7,7 +7,6 @@ from typing import Annotated
 from pydantic import Field
 
 from irb2400_ctrl.effects.added_body import LinkInertia, Payload
-from irb2400_ctrl.effects.backlash import Backlash
 from irb2400_ctrl.effects.balancer import Balancer
 from irb2400_ctrl.effects.base import Effect, Signals
 from irb2400_ctrl.effects.base_tilt import BaseTilt
@@ -25,6 +24,7 @@ from irb2400_ctrl.effects.rotor_inertia import RotorInertia
 from irb2400_ctrl.effects.time_delay import TimeDelay
 from irb2400_ctrl.effects.torque_gain import TorqueGain
 from irb2400_ctrl.effects.torque_offset import TorqueOffset
+from irb2400_ctrl.effects.transmission_backlash import TransmissionBacklash
 from irb2400_ctrl.effects.viscous_change import ViscousChange
 from irb2400_ctrl.effects.viscous_power import ViscousPower
 from irb2400_ctrl.effects.viscous_warmup import ViscousWarmup
@@ -33,7 +33,6 @@ from irb2400_ctrl.effects.wrist_coupling import WristCoupling
 LIBRARY: dict[str, type[Effect]] = {
     effect.model_fields["kind"].default: effect
     for effect in (
-        Backlash,
         Balancer,
         BaseTilt,
         CableSpring,
@@ -52,6 +51,7 @@ LIBRARY: dict[str, type[Effect]] = {
         TimeDelay,
         TorqueGain,
         TorqueOffset,
+        TransmissionBacklash,
         ViscousChange,
         ViscousPower,
         ViscousWarmup,
@@ -60,8 +60,7 @@ LIBRARY: dict[str, type[Effect]] = {
 }
 
 AnyEffect = Annotated[
-    Backlash
-    | Balancer
+    Balancer
     | BaseTilt
     | CableSpring
     | CoulombAsymmetry
@@ -79,6 +78,7 @@ AnyEffect = Annotated[
     | TimeDelay
     | TorqueGain
     | TorqueOffset
+    | TransmissionBacklash
     | ViscousChange
     | ViscousPower
     | ViscousWarmup

@@ -22,6 +22,9 @@ class AddedBody(Effect):
     group: ClassVar[str] = "mass"
     splits: ClassVar[str] = "wide ranges of the axes behind it, high accelerations"
 
+    usual: ClassVar[dict[str, tuple[float, float]]] = {"com_m": (0.0, 0.25), "mass_kg": (0.0, 10.0)}
+    scales: ClassVar[tuple[float, ...]] = (10.0, *[3.0] * 3, *[1.0] * 6)
+
     mass_kg: float = Field(description="mass m, negative for one that is missing [kg]")
     com_m: Vector3 = Field(default=(0.0, 0.0, 0.0), description="its place c [m]")
 
@@ -65,3 +68,8 @@ class LinkInertia(AddedBody):
 
     def carrier(self, n: int) -> int:
         return self.index + 1
+
+    @classmethod
+    def joints(cls, n: int) -> Sequence[int | None]:
+        # a mass on the last link is a payload; of link 1 only the inertia about its axis is ever seen
+        return range(2, n)

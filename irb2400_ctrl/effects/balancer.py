@@ -23,6 +23,8 @@ class Balancer(Effect):
     splits: ClassVar[str] = "a second payload, higher accelerations"
     sentence: ClassVar[str] = "a balancing spring or gas cylinder helps the axis to carry its weight"
 
+    usual: ClassVar[dict[str, tuple[float, float]]] = {"lever_ratio": (0.3, 0.15), "free_ratio": (0.5, 0.3)}
+
     kind: Literal["balancer"] = "balancer"
     torque_Nm: float = Field(gt=0, description="stiffness times both lever arms T [Nm]")
     neutral_rad: float = Field(default=0.0, description="angle q_0 of the dead centre [rad]")
@@ -34,6 +36,10 @@ class Balancer(Effect):
         rho = self.lever_ratio
         length = ca.sqrt(1 + rho**2 - 2 * rho * ca.cos(d))
         return self.on((1 - self.free_ratio * (1 - rho) / length) * ca.sin(d), s.q.numel())
+
+    def departures(self, s: Signals) -> ca.SX:
+        d, n = s.q[self.index] - self.neutral_rad, s.q.numel()
+        return ca.horzcat(self.on(ca.cos(d), n), self.on(ca.sin(2 * d), n), self.on(ca.cos(2 * d), n))
 
     def coefficients(self) -> tuple[float, ...]:
         return (self.torque_Nm,)

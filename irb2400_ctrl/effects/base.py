@@ -100,13 +100,23 @@ class Effect(BaseModel, ABC):
     """the experiment that tells the members of the group apart"""
     sentence: ClassVar[str] = ""
     """one line in plain language"""
+    abscissa: ClassVar[Literal["q", "qd", "qdd", "load", "time"]] = "q"
+    """signal over which the effect's torque is best drawn"""
     whole_arm: ClassVar[bool] = False
     """concerns the whole arm: `joint` is absent"""
+    scales: ClassVar[tuple[float, ...]] = ()
+    """plausible sizes of the coefficients where the data alone may not settle each of them; empty: no such knowledge"""
+    fixed: ClassVar[tuple[str, ...]] = ()
+    """fields that a fit does not move continuously (times of switching)"""
+    usual: ClassVar[dict[str, tuple[float, float]]] = {}
+    """fields that the data may not settle: usual value and its spread"""
     states: ClassVar[tuple[str, ...]] = ()
     """names of the internal states x, for an effect with memory"""
 
     kind: str
     joint: int | None = Field(default=None, ge=1)
+    shape: tuple[float, ...] = ()
+    """coefficients of `departures`; empty: exactly the law"""
     source: str = ""
 
     @abstractmethod
@@ -121,6 +131,14 @@ class Effect(BaseModel, ABC):
     @abstractmethod
     def from_coefficients(cls, joint: int | None, coefficients: Sequence[float], nonlinear: dict[str, float]) -> Self:
         """The effect whose `coefficients()` are the given ones (inverse of `coefficients`)."""
+
+    def departures(self, s: Signals) -> ca.SX:
+        """Further columns that a real device of this kind may show beside the law, shape (n, k).
+
+        A second harmonic, a slightly cubic spring, another exponent of speed: diagnosis allows each a fraction of the
+        effect's own size, so that a device is recognised that is not exactly the textbook's. Default: none.
+        """
+        return ca.SX(s.q.numel(), 0)
 
     @classmethod
     def grid(cls, joint: int | None) -> list[dict[str, float]]:
@@ -152,12 +170,19 @@ class Effect(BaseModel, ABC):
         return ca.SX(len(self.states), 1)
 
     def torque(self, s: Signals) -> ca.SX:
-        """tau_effect = basis @ coefficients, shape (n,) [Nm]."""
-        return self.basis(s) @ ca.DM(list(self.coefficients()))
+        """tau_effect = basis @ coefficients + departures @ shape, shape (n,) [Nm]."""
+        tau = self.basis(s) @ ca.DM(list(self.coefficients()))
+        return tau + self.departures(s) @ ca.DM(list(self.shape)) if self.shape else tau
 
     def parameters(self) -> dict[str, Any]:
         """The effect's own fields: name with unit -> value."""
-        return self.model_dump(exclude={"kind", "joint", "source"}, exclude_none=True)
+        own = self.model_dump(exclude={"kind", "joint", "source", "shape"}, exclude_none=True)
+        return {**own, "shape": list(self.shape)} if self.shape else own
+
+    @classmethod
+    def nonlinear_names(cls, joint: int | None) -> tuple[str, ...]:
+        """Fields that `basis` depends on: those of the grid."""
+        return tuple(cls.grid(joint)[0])
 
     def on(self, column: ca.SX, n: int) -> ca.SX:
         """A scalar torque placed on this effect's joint, shape (n, 1)."""

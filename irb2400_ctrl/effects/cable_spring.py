@@ -26,6 +26,10 @@ class CableSpring(Effect):
         n = s.q.numel()
         return ca.horzcat(self.on(s.q[self.index], n), self.on(ca.SX(1.0), n))
 
+    def departures(self, s: Signals) -> ca.SX:
+        q, n = s.q[self.index], s.q.numel()
+        return ca.horzcat(self.on(q**2, n), self.on(q**3, n))
+
     def coefficients(self) -> tuple[float, ...]:
         return (self.stiffness_Nm_rad, -self.stiffness_Nm_rad * self.neutral_rad)
 

@@ -14,6 +14,7 @@ from irb2400_ctrl.effects.base import Effect, Signals
 class CoulombAsymmetry(Effect):
     """tau_j = delta |sgn(qd_j)|: Coulomb level F_c + delta forwards and F_c - delta backwards; nothing at rest."""
 
+    abscissa = "qd"
     group: ClassVar[str] = "offset"
     splits: ClassVar[str] = "brake-released standstill, several speeds"
     sentence: ClassVar[str] = "dry friction of the joint is larger in one direction than in the other"
@@ -23,6 +24,10 @@ class CoulombAsymmetry(Effect):
 
     def basis(self, s: Signals) -> ca.SX:
         return self.on(s.sign[self.index] ** 2, s.q.numel())
+
+    def departures(self, s: Signals) -> ca.SX:
+        speed, n = ca.fabs(s.qd[self.index]), s.q.numel()
+        return ca.horzcat(self.on(ca.exp(-speed / 0.3), n), self.on(s.sign[self.index], n))
 
     def coefficients(self) -> tuple[float, ...]:
         return (self.delta_Nm,)

@@ -14,6 +14,7 @@ from irb2400_ctrl.effects.base import Effect, Signals
 class CoulombChange(Effect):
     """tau_j = dF_c sgn(qd_j)."""
 
+    abscissa = "qd"
     group: ClassVar[str] = "friction level"
     splits: ClassVar[str] = "a second payload, poses with a small load torque"
     sentence: ClassVar[str] = "dry friction of the joint is not what the robot file says"
@@ -23,6 +24,10 @@ class CoulombChange(Effect):
 
     def basis(self, s: Signals) -> ca.SX:
         return self.on(s.sign[self.index], s.q.numel())
+
+    def departures(self, s: Signals) -> ca.SX:
+        speed, n = ca.fabs(s.qd[self.index]), s.q.numel()
+        return ca.horzcat(*[self.on(s.sign[self.index] * ca.exp(-speed / v), n) for v in (0.05, 0.3)])
 
     def coefficients(self) -> tuple[float, ...]:
         return (self.coulomb_Nm,)

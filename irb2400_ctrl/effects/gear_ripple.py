@@ -29,6 +29,10 @@ class GearRipple(Effect):
         n = s.q.numel()
         return ca.horzcat(self.on(ca.sin(angle), n), self.on(ca.cos(angle), n))
 
+    def departures(self, s: Signals) -> ca.SX:
+        angle, n = self.order * s.q[self.index], s.q.numel()
+        return ca.horzcat(*[self.on(f(k * angle), n) for k in (2, 3) for f in (ca.sin, ca.cos)])
+
     def coefficients(self) -> tuple[float, ...]:
         return (self.amplitude_Nm * math.cos(self.phase_rad), self.amplitude_Nm * math.sin(self.phase_rad))
 
@@ -40,4 +44,4 @@ class GearRipple(Effect):
     @classmethod
     def grid(cls, joint: int | None) -> list[dict[str, float]]:
         # below order 4 a ripple is a gravity or spring law; above 160 the 250 Hz record no longer resolves it
-        return [{"order": 4.0 + 0.25 * k} for k in range(4 * 156 + 1)]
+        return [{"order": 4.0 + 0.5 * k} for k in range(2 * 156 + 1)]

@@ -14,6 +14,7 @@ from irb2400_ctrl.effects.base import Effect, Signals
 class Hysteresis(Effect):
     """tau_j = A z,  dz/dt = (qd_j - |qd_j| z) / width  (Dahl model; z -> sgn(qd_j) after a few widths)."""
 
+    abscissa = "qd"
     group: ClassVar[str] = "reversal"
     splits: ClassVar[str] = "slow reversals at several amplitudes"
     sentence: ClassVar[str] = "after each reversal the friction of the joint builds up over a small angle"
@@ -32,6 +33,10 @@ class Hysteresis(Effect):
 
     def steady_state(self, s: Signals) -> ca.SX:
         return s.sign[self.index]
+
+    def departures(self, s: Signals) -> ca.SX:
+        n = s.q.numel()
+        return ca.horzcat(self.on(s.state[0] ** 2 * ca.sign(s.state[0]), n), self.on(s.sign[self.index], n))
 
     def coefficients(self) -> tuple[float, ...]:
         return (self.amplitude_Nm,)

@@ -16,6 +16,7 @@ STANDARD_GRAVITY = 9.81
 class LinkageInertia(Effect):
     """tau_3 = J qdd_3 - 9.81 S cos(q_3): a lever on the axis of q_3 with inertia J and static moment S."""
 
+    abscissa = "qdd"
     group: ClassVar[str] = "mass"
     splits: ClassVar[str] = "not separable from the moments of links 2 and 3 in the base set"
     sentence: ClassVar[str] = "the rod and lever of the parallelogram have a mass that the model neglects"

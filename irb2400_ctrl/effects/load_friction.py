@@ -14,6 +14,7 @@ from irb2400_ctrl.effects.base import Effect, Signals
 class LoadFriction(Effect):
     """tau_j = mu |load_j| sgn(qd_j), load the rigid-body torque (Bittencourt et al.)."""
 
+    abscissa = "load"
     group: ClassVar[str] = "friction level"
     splits: ClassVar[str] = "a second payload, poses with a small load torque"
     sentence: ClassVar[str] = "dry friction of the joint grows with the torque that its gear carries"
@@ -23,6 +24,11 @@ class LoadFriction(Effect):
 
     def basis(self, s: Signals) -> ca.SX:
         return self.on(ca.fabs(s.load[self.index]) * s.sign[self.index], s.q.numel())
+
+    def departures(self, s: Signals) -> ca.SX:
+        load, n = ca.fabs(s.load[self.index]), s.q.numel()
+        # a power of the load near one, in units that keep the column of the law's size
+        return self.on(load * ca.log(load / 50.0 + 1e-3) * s.sign[self.index], n)
 
     def coefficients(self) -> tuple[float, ...]:
         return (self.coefficient,)

@@ -14,10 +14,13 @@ from irb2400_ctrl.effects.base import Effect, Signals
 class ProcessForce(Effect):
     """tau = -J_v(q)^T F while start_s <= t < stop_s; F acts on the tool, constant in the base frame."""
 
+    abscissa = "time"
     group: ClassVar[str] = "tool"
     splits: ClassVar[str] = "the same motion without contact"
     sentence: ClassVar[str] = "something pushes or pulls at the tool"
     whole_arm: ClassVar[bool] = True
+
+    fixed: ClassVar[tuple[str, ...]] = ("start_s", "stop_s")
 
     kind: Literal["process_force"] = "process_force"
     force_x_N: float = Field(default=0.0, description="force on the tool along base x [N]")

@@ -14,6 +14,7 @@ from irb2400_ctrl.effects.base import Effect, Signals
 class RotorInertia(Effect):
     """tau_j = J qdd_j, J >= 0 (gyroscopic terms of the fast rotor neglected)."""
 
+    abscissa = "qdd"
     group: ClassVar[str] = "inertia"
     splits: ClassVar[str] = "none: on joint 1 it equals the inertia of link 1 about its axis"
     sentence: ClassVar[str] = (

@@ -12,9 +12,10 @@ from irb2400_ctrl.effects.base import Acts, Effect, Signals
 
 
 class TimeDelay(Effect):
-    """measured tau_j(t) = tau_j(t - delay), to first order tau_j - delay dtau_j/dt."""
+    """measured tau_j(t) = tau_j(t - delay), to first order tau_j - delay dtau_j/dt; without a joint, all joints alike."""
 
     acts: ClassVar[Acts] = "measurement"
+    abscissa = "time"
     group: ClassVar[str] = "delay"
     splits: ClassVar[str] = "excitation above 1/(2 pi tau)"
     sentence: ClassVar[str] = "the torque of the joint is recorded later than its position"
@@ -23,7 +24,7 @@ class TimeDelay(Effect):
     delay_s: float = Field(description="delay [s]")
 
     def basis(self, s: Signals) -> ca.SX:
-        return self.on(-s.tau_rate[self.index], s.q.numel())
+        return -s.tau_rate if self.joint is None else self.on(-s.tau_rate[self.index], s.q.numel())
 
     def coefficients(self) -> tuple[float, ...]:
         return (self.delay_s,)
@@ -31,3 +32,7 @@ class TimeDelay(Effect):
     @classmethod
     def from_coefficients(cls, joint: int | None, coefficients: Sequence[float], nonlinear: dict[str, float]) -> Self:
         return cls.of(joint, delay_s=coefficients[0])
+
+    @classmethod
+    def joints(cls, n: int) -> Sequence[int | None]:
+        return (None, *range(1, n + 1))

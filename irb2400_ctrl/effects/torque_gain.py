@@ -15,6 +15,7 @@ class TorqueGain(Effect):
     """measured tau_j = gain * tau_j."""
 
     acts: ClassVar[Acts] = "measurement"
+    abscissa = "load"
     group: ClassVar[str] = "gain"
     splits: ClassVar[str] = "a second payload, higher accelerations"
     sentence: ClassVar[str] = "the reported torque of the joint is a constant multiple of the true one"
@@ -24,6 +25,10 @@ class TorqueGain(Effect):
 
     def basis(self, s: Signals) -> ca.SX:
         return self.on(s.tau[self.index], s.q.numel())
+
+    def departures(self, s: Signals) -> ca.SX:
+        tau = s.tau[self.index]
+        return self.on(tau * ca.fabs(tau), s.q.numel())
 
     def coefficients(self) -> tuple[float, ...]:
         return (self.gain - 1.0,)

@@ -15,6 +15,7 @@ class TorqueOffset(Effect):
     """measured tau_j = tau_j + offset."""
 
     acts: ClassVar[Acts] = "measurement"
+    abscissa = "time"
     group: ClassVar[str] = "offset"
     splits: ClassVar[str] = "brake-released standstill, several speeds"
     sentence: ClassVar[str] = "the reported torque of the joint is shifted by a constant"
@@ -24,6 +25,9 @@ class TorqueOffset(Effect):
 
     def basis(self, s: Signals) -> ca.SX:
         return self.on(ca.SX(1.0), s.q.numel())
+
+    def departures(self, s: Signals) -> ca.SX:
+        return self.on(s.time, s.q.numel())
 
     def coefficients(self) -> tuple[float, ...]:
         return (self.offset_Nm,)

@@ -14,6 +14,7 @@ from irb2400_ctrl.effects.base import Effect, Signals
 class ViscousChange(Effect):
     """tau_j = dF_v qd_j."""
 
+    abscissa = "qd"
     group: ClassVar[str] = "viscous"
     splits: ClassVar[str] = "speeds over more than a decade, recordings spread over the warm-up"
     sentence: ClassVar[str] = "speed-proportional friction of the joint is not what the robot file says"
@@ -23,6 +24,10 @@ class ViscousChange(Effect):
 
     def basis(self, s: Signals) -> ca.SX:
         return self.on(s.qd[self.index], s.q.numel())
+
+    def departures(self, s: Signals) -> ca.SX:
+        speed, n = s.qd[self.index], s.q.numel()
+        return ca.horzcat(*[self.on(ca.fabs(speed) ** p * s.sign[self.index], n) for p in (0.5, 2.0)])
 
     def coefficients(self) -> tuple[float, ...]:
         return (self.viscous_Nms_rad,)

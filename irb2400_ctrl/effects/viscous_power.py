@@ -14,6 +14,7 @@ from irb2400_ctrl.effects.base import Effect, Signals
 class ViscousPower(Effect):
     """tau_j = c |qd_j|^p sgn(qd_j), p != 1."""
 
+    abscissa = "qd"
     group: ClassVar[str] = "viscous"
     splits: ClassVar[str] = "speeds over more than a decade, recordings spread over the warm-up"
     sentence: ClassVar[str] = "friction of the joint does not grow in proportion to its speed"

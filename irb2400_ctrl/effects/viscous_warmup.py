@@ -14,6 +14,7 @@ from irb2400_ctrl.effects.base import Effect, Signals
 class ViscousWarmup(Effect):
     """tau_j = D exp(-t / T) qd_j: extra viscous friction of a cold gear, gone after a few T."""
 
+    abscissa = "time"
     group: ClassVar[str] = "viscous"
     splits: ClassVar[str] = "speeds over more than a decade, recordings spread over the warm-up"
     sentence: ClassVar[str] = "the joint runs stiffer while its grease is cold"
@@ -24,6 +25,13 @@ class ViscousWarmup(Effect):
 
     def basis(self, s: Signals) -> ca.SX:
         return self.on(ca.exp(-s.time / self.time_constant_s) * s.qd[self.index], s.q.numel())
+
+    def departures(self, s: Signals) -> ca.SX:
+        speed, n = s.qd[self.index], s.q.numel()
+        level = ca.exp(-s.time / self.time_constant_s)
+        shapes = [level**2, level**0.5]
+        columns = [self.on(shape * speed, n) for shape in shapes]
+        return ca.horzcat(*columns, *[self.on(level * ca.fabs(speed) ** p * s.sign[self.index], n) for p in (0.5, 2.0)])
 
     def coefficients(self) -> tuple[float, ...]:
         return (self.viscous_Nms_rad,)

@@ -18,6 +18,7 @@ class WristCoupling(Effect):
     on both axes.
     """
 
+    abscissa = "qd"
     group: ClassVar[str] = "coupling"
     splits: ClassVar[str] = "each wrist axis moved alone"
     sentence: ClassVar[str] = "moving this wrist axis drags its neighbour's motor along"

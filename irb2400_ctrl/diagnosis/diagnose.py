@@ -1,0 +1,245 @@
+"""`diagnose`: from a robot and a log to what the robot has and its model lacks."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+from threadpoolctl import threadpool_limits
+
+from irb2400_ctrl.diagnosis.bases import Bases
+from irb2400_ctrl.diagnosis.confidence import alternatives, confidence
+from irb2400_ctrl.diagnosis.fit import Fit, Fitter, effect_torque
+from irb2400_ctrl.diagnosis.metrics import errors, noise_floor
+from irb2400_ctrl.diagnosis.motion import Motion, prepare
+from irb2400_ctrl.diagnosis.nuisance import Nuisance, Uncertainty
+from irb2400_ctrl.diagnosis.predict import predicted_torque
+from irb2400_ctrl.diagnosis.result import Comparison, Curve, Diagnosis, Finding, Unexplained
+from irb2400_ctrl.diagnosis.scan import Candidate, Scan
+from irb2400_ctrl.diagnosis.selection import Criteria, Selection, Step, reversal_rows
+from irb2400_ctrl.effects import Effect
+from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.measurement.log import Log
+from irb2400_ctrl.robot import Robot
+
+Array = npt.NDArray[np.float64]
+
+INFLATION = 1.5
+"""standard errors from the noise alone cover too little: the model's own imperfection adds to them"""
+LEAST_SPEED = 0.05
+"""[rad/s] rms speed of a joint below which nothing can be said about it"""
+
+
+def diagnose(
+    robot: Robot,
+    log: Log,
+    validation: Log | None = None,
+    *,
+    uncertainty: Uncertainty | None = None,
+    criteria: Criteria | None = None,
+    progress: Callable[[str], None] = lambda stage: None,
+) -> Diagnosis:
+    """What the robot has and its model lacks.
+
+    Args:
+        robot: the model as it is believed to be.
+        log: of the motion to explain; a wide, lively motion of all joints tells most.
+        validation: another motion of the same arm; only the errors before and after are computed on it.
+        uncertainty: of the robot's numbers; default data-sheet values.
+        criteria: when an explanation counts.
+        progress: told the name of each stage.
+
+    Raises:
+        InputError: the log does not fit the robot, or is too short.
+    """
+    for one in (log, validation):
+        if one is not None and one.n != robot.n:
+            raise InputError(f"{one.name}: found {one.n} joints, expected {robot.n} as in {robot.name}")
+    # the matrices are small: threads would only wait for each other
+    with threadpool_limits(limits=1, user_api="blas"):
+        progress("prepare")
+        motion = prepare(log)
+        bases = _bases(robot.model_copy(update={"effects": _folded(robot)}))
+        nuisance = Nuisance(robot, Uncertainty() if uncertainty is None else uncertainty)
+        Z = motion.filtered(nuisance.columns(bases.model, motion))
+        load = bases.model.inverse_dynamics(motion.q, motion.qd, motion.qdd, friction=False)
+        progress("scan")
+        scan = Scan(bases, motion, load)
+        fitter = Fitter(robot, bases, motion, Z, reversal_rows(motion))
+        steps, fit = Selection(scan, fitter, criteria).run()
+        progress("conclude")
+        return _concluded(
+            robot, nuisance, motion, load, bases, steps, fit, None if validation is None else prepare(validation)
+        )
+
+
+def _folded(robot: Robot) -> tuple[Effect, ...]:
+    """Effects that change the arm's own parameters: the bases are built with them."""
+    return tuple(e for e in robot.effects if e.acts == "parameters")
+
+
+@lru_cache(maxsize=4)
+def _bases_of(text: str) -> Bases:
+    return Bases(Robot.model_validate_json(text))
+
+
+def _bases(robot: Robot) -> Bases:
+    """Bases are expensive to build and depend on the robot only."""
+    return _bases_of(robot.model_dump_json())
+
+
+def _concluded(
+    robot: Robot,
+    nuisance: Nuisance,
+    motion: Motion,
+    load: Array,
+    bases: Bases,
+    steps: Sequence[Step],
+    fit: Fit,
+    validation: Motion | None,
+) -> Diagnosis:
+    fresh = nuisance.updated(fit.z)
+    recalibrated = fresh.model_copy(update={"effects": robot.effects})
+    augmented = Robot.model_validate({**dict(fresh), "effects": (*robot.effects, *fit.effects)})
+    compared = [
+        _compared(m, robot, recalibrated, augmented) for m in ([motion] if validation is None else [motion, validation])
+    ]
+    idle = tuple(j + 1 for j in range(motion.n) if np.sqrt(np.mean(motion.qd[:, j] ** 2)) < LEAST_SPEED)
+    floor = noise_floor(motion.tau - compared[0].after, motion.known, motion.step)
+    weak = (
+        [] if motion.instrumented else ["no commanded motion (q_ref) explains the measured one: regressors carry noise"]
+    )
+    weak += [f"joint {j} is not excited" for j in idle]
+    return Diagnosis(
+        given=robot,
+        robot=augmented,
+        findings=_findings(steps, fit, motion, load, bases),
+        unexplained=_unexplained(steps, fit, motion, load),
+        recalibrated=_recalibrated(nuisance, fit, augmented),
+        identification=compared[0],
+        validation=None if validation is None else compared[1],
+        noise_floor=floor,
+        not_excited=idle,
+        weak=tuple(weak),
+    )
+
+
+def _compared(motion: Motion, before: Robot, recalibrated: Robot, after: Robot) -> Comparison:
+    taus = [predicted_torque(robot, motion) for robot in (before, recalibrated, after)]
+    found = [errors(motion.tau, tau, motion.known) for tau in taus]
+    for array in (motion.time, motion.tau, *taus):
+        array.setflags(write=False)
+    return Comparison(
+        motion.name, motion.time, motion.tau, taus[0], taus[1], taus[2], motion.known, found[0], found[1], found[2]
+    )
+
+
+def _findings(steps: Sequence[Step], fit: Fit, motion: Motion, load: Array, bases: Bases) -> tuple[Finding, ...]:
+    found, place = [], 0
+    rms = np.sqrt(np.mean(motion.filtered(motion.tau) ** 2, axis=0))
+    for step in steps:
+        for _ in step.candidate.effects:
+            effect = fit.effects[place]
+            torque = effect_torque(bases, effect, motion, filtered=True)
+            share = np.sqrt(np.mean(torque**2, axis=0)) / np.maximum(rms, 1e-9)
+            joint = int(np.argmax(share)) if effect.joint is None else effect.index
+            found.append(
+                Finding(
+                    effect=effect,
+                    standard_errors=_standard_errors(fit, place),
+                    confidence=confidence(step),
+                    alternatives=alternatives(step),
+                    gain=step.gain,
+                    margin=step.margin,
+                    share=share,
+                    curve=_curve(motion, load, joint, effect.abscissa, torque[:, joint], fit.residual[:, joint]),
+                )
+            )
+            place += 1
+    return tuple(found)
+
+
+def _standard_errors(fit: Fit, place: int) -> dict[str, float | list[float]]:
+    found: dict[str, Any] = {}
+    for parameter, sigma in zip(fit.parameters, fit.sigma, strict=True):
+        if parameter.effect == place:
+            value = float(INFLATION * sigma)
+            if parameter.element is None:
+                found[parameter.name] = value
+            else:
+                found.setdefault(parameter.name, []).append(value)
+    return found
+
+
+def _unexplained(steps: Sequence[Step], fit: Fit, motion: Motion, load: Array) -> tuple[Unexplained, ...]:
+    """Generic laws, one entry per joint."""
+    by_joint: dict[int, list[tuple[Step, Array]]] = {}
+    generic = iter(fit.generic)
+    for step in steps:
+        if not step.candidate.known:
+            by_joint.setdefault(step.candidate.joint or 1, []).append((step, next(generic)))
+    found = []
+    for joint, parts in by_joint.items():
+        torque = np.sum([tau for _, tau in parts], axis=0)[:, joint - 1]
+        first = max(parts, key=lambda part: float(np.mean(part[1] ** 2)))[0]
+        candidate: Candidate = first.candidate
+        signal = candidate.depends_on[0] if candidate.depends_on[0] in {"q", "qd", "qdd", "load", "time"} else "time"
+        found.append(
+            Unexplained(
+                joint=joint,
+                depends_on=candidate.depends_on,
+                rmse=float(np.sqrt(np.mean(torque**2))),
+                confidence=confidence(first),
+                description=candidate.name,
+                curve=_curve(motion, load, joint - 1, signal, torque, fit.residual[:, joint - 1]),
+            )
+        )
+    return tuple(found)
+
+
+_UNITS = {"q": "rad", "qd": "rad/s", "qdd": "rad/s2", "load": "Nm", "time": "s"}
+
+
+def _curve(motion: Motion, load: Array, joint: int, signal: str, law: Array, residual: Array, bins: int = 40) -> Curve:
+    """Binned torque over a signal of the joint (zero-based), with a 95 % band."""
+    sources = {"q": motion.q, "qd": motion.qd, "qdd": motion.qdd, "load": load}
+    x = motion.row_time if signal == "time" else motion.at_rows(sources[signal][:, joint])
+    rows = motion.row_known[:, joint]
+    x, law, seen = x[rows], law[rows], (law + residual)[rows]
+    edges = np.linspace(x.min(), x.max() + 1e-12, bins + 1) if len(x) else np.zeros(1)
+    place = np.clip(np.digitize(x, edges) - 1, 0, bins - 1)
+    used = [k for k in range(bins) if (place == k).sum() >= 3]
+    middle = np.array([x[place == k].mean() for k in used])
+    mean = np.array([seen[place == k].mean() for k in used])
+    error = np.array([2.0 * seen[place == k].std() / np.sqrt((place == k).sum()) for k in used])
+    line = np.array([law[place == k].mean() for k in used])
+    for array in (middle, mean, line):
+        array.setflags(write=False)
+    return Curve(joint + 1, signal, _UNITS[signal], middle, mean, mean - error, mean + error, line)
+
+
+def _recalibrated(nuisance: Nuisance, fit: Fit, robot: Robot) -> dict[str, Any]:
+    """New values, all joints, of the terms where some value moved further than its own uncertainty."""
+    n = robot.n
+    found: dict[str, Any] = {}
+    moved = (np.abs(fit.z) > 1.0) & (np.abs(fit.z) > 2.0 * fit.z_sigma)
+    coulomb, viscous, _ = moved[-3 * n :].reshape(3, n)
+    if coulomb.any():
+        found["coulomb"] = [float(v) for v in robot.friction[:, 1]]
+    if viscous.any():
+        found["viscous"] = [float(v) for v in robot.friction[:, 2]]
+    bodies = moved[: -3 * n].reshape(-1, 10)
+    for name, part in (("mass", slice(0, 1)), ("com", slice(1, 4)), ("inertia", slice(4, 10))):
+        if bodies[:n, part].any():
+            values = {"mass": "mass_kg", "com": "com_m", "inertia": "inertia_kgm2"}[name]
+            found[f"link_{name}"] = [getattr(link.body, values) for link in robot.links]
+        if robot.tool is not None and bodies[n:, part].any():
+            values = {"mass": "mass_kg", "com": "com_m", "inertia": "inertia_kgm2"}[name]
+            found[f"tool_{name}"] = getattr(robot.tool.body, values)
+    return found
+
+
+__all__ = ["diagnose"]

@@ -1,0 +1,244 @@
+"""All parameters of the chosen effects at once, with the uncertain base: Gauss-Newton on the exact prediction."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+import numpy.typing as npt
+from pydantic import ValidationError
+
+from irb2400_ctrl.diagnosis.bases import Bases
+from irb2400_ctrl.diagnosis.evidence import DEPARTURE
+from irb2400_ctrl.diagnosis.motion import Motion
+from irb2400_ctrl.diagnosis.noise import Noise, autoregressive
+from irb2400_ctrl.diagnosis.predict import effect_torque, nonlinear_of, predicted_torque
+from irb2400_ctrl.diagnosis.scan import Candidate
+from irb2400_ctrl.effects import Effect
+from irb2400_ctrl.robot import Robot
+
+Array = npt.NDArray[np.float64]
+Mask = npt.NDArray[np.bool_]
+
+ITERATIONS = 5
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """One natural parameter of one effect: place of the effect, field, element (None for a plain number)."""
+
+    effect: int
+    name: str
+    element: int | None
+    prior: tuple[float, float] | None
+
+
+@dataclass(frozen=True)
+class Fit:
+    """The chosen explanations fitted together with the uncertain base.
+
+    Args:
+        effects: fitted, with their shape; parameters, sigma: their natural parameters and standard errors.
+        z: deviations of the base in prior standard deviations, z_sigma their standard errors.
+        y: what the effects (without shape) leave of the filtered torque, shape (rows, n).
+        Z: base and everything else that may still move, unit priors, shape (rows, n, k).
+        residual: what everything together leaves; noise: of it, per joint.
+        generic: filtered torque of the generic laws, one (rows, n) per law.
+    """
+
+    effects: tuple[Effect, ...]
+    parameters: tuple[Parameter, ...]
+    sigma: Array
+    z: Array
+    z_sigma: Array
+    y: Array
+    Z: Array
+    residual: Array
+    noise: tuple[Noise, ...]
+    generic: tuple[Array, ...] = field(default=())
+
+
+class Fitter:
+    """Fits sets of candidates to one log."""
+
+    def __init__(self, robot: Robot, bases: Bases, motion: Motion, Z: Array, reversal: Mask) -> None:
+        self.robot, self.bases, self.motion, self.Z, self.reversal = robot, bases, motion, Z, reversal
+        self._cache: dict[tuple[object, ...], Array] = {}
+
+    def fit(self, chosen: Sequence[Candidate], iterations: int = ITERATIONS) -> Fit:
+        """Gauss-Newton from the candidates' own estimates."""
+        effects = [e for c in chosen for e in c.effects]
+        generics = [c for c in chosen if not c.known]
+        G = [self._generic_columns(c) for c in generics]
+        noise: tuple[Noise, ...] | None = None
+        state = self._linearised(effects, G)
+        for _ in range(iterations if effects else 1):
+            y, columns, parameters, sizes, k_shape = state
+            noise = self._noise(y - self._solved(y, columns, noise)[1]) if noise is None else noise
+            b, explained, _ = self._solved(y, columns, noise)
+            noise = self._noise(y - explained)
+            b, explained, covariance = self._solved(y, columns, noise)
+            start = self.Z.shape[2]
+            step = b[start : start + len(parameters)] * sizes
+            if not len(step):
+                break
+            moved = _moved(effects, parameters, step)
+            if moved is None:
+                break
+            effects = moved
+            state = self._linearised(effects, G)
+            scale = np.sqrt(np.diag(covariance))[start : start + len(parameters)] * sizes
+            if (np.abs(step) < 0.05 * scale).all():
+                break
+        return self._finished(effects, state, noise, len(generics))
+
+    def _finished(self, effects: list[Effect], state: _State, noise: tuple[Noise, ...] | None, generics: int) -> Fit:
+        y, columns, parameters, sizes, shapes = state
+        _, explained, _ = self._solved(y, columns, noise)
+        noise = self._noise(y - explained)
+        b, explained, covariance = self._solved(y, columns, noise)
+        k, p = self.Z.shape[2], len(parameters)
+        sigma = np.sqrt(np.diag(covariance))
+        shaped, place = [], k + p
+        for effect, unit in zip(effects, shapes, strict=True):
+            values = b[place : place + len(unit)] * unit
+            place += len(unit)
+            shaped.append(effect.model_copy(update={"shape": tuple(float(v) for v in values)}) if len(unit) else effect)
+        generic, width = [], columns.shape[2] - place
+        for part in np.array_split(np.arange(place, place + width), generics) if generics else []:
+            generic.append(columns[:, :, part] @ b[part])
+        return Fit(
+            effects=tuple(shaped),
+            parameters=tuple(parameters),
+            sigma=sigma[k : k + p] * sizes,
+            z=b[:k],
+            z_sigma=sigma[:k],
+            y=y,
+            Z=columns,
+            residual=y - explained,
+            noise=noise,
+            generic=tuple(generic),
+        )
+
+    def _linearised(self, effects: list[Effect], G: list[Array]) -> _State:
+        """Residual of the exact prediction, all columns with unit priors, the parameters and their scales."""
+        bare = [e.model_copy(update={"shape": ()}) for e in effects]
+        robot = self.robot.model_copy(update={"effects": (*self.robot.effects, *bare)})
+        motion = self.motion
+        y = motion.filtered(motion.tau - predicted_torque(robot, motion, self.bases))
+        blocks, parameters, sizes, shapes = [self.Z], [], [], []
+        for place, effect in enumerate(bare):
+            torque = self._torque(effect)
+            size = max(float(np.sqrt(np.mean(torque**2))), 1e-9)
+            for parameter in parameters_of(effect, place):
+                slope = self._slope(effect, parameter)
+                scale = 3.0 * size / max(float(np.sqrt(np.mean(slope**2))), 1e-12)
+                if parameter.prior is not None:
+                    scale = min(scale, parameter.prior[1])
+                blocks.append(slope[:, :, None] * scale)
+                parameters.append(parameter)
+                sizes.append(scale)
+        for effect in bare:
+            columns, unit = self._departures(effect)
+            blocks.append(columns * unit)
+            shapes.append(unit)
+        return y, np.concatenate([*blocks, *G], axis=2), parameters, np.array(sizes), shapes
+
+    def _torque(self, effect: Effect) -> Array:
+        key = (effect.kind, effect.joint, *sorted(nonlinear_of(effect).items()))
+        if effect.shape or key not in self._cache:
+            law = self.bases.columns(effect.kind, effect.joint, self.motion, [nonlinear_of(effect)])[0]
+            placed = np.zeros((self.motion.rows, self.motion.n, law.values.shape[2]))
+            placed[:, list(law.joints)] = law.values
+            self._cache[key] = placed
+        return np.asarray(self._cache[key] @ np.array(effect.coefficients()))
+
+    def _slope(self, effect: Effect, parameter: Parameter) -> Array:
+        """d torque / d parameter by central differences, shape (rows, n)."""
+        value = _get(effect, parameter)
+        step = 1e-4 * max(abs(value), 1e-2)
+        up, down = _set(effect, parameter, value + step), _set(effect, parameter, value - step)
+        return np.asarray((self._torque(up) - self._torque(down)) / (2 * step))
+
+    def _departures(self, effect: Effect) -> tuple[Array, Array]:
+        columns = self.bases.columns(effect.kind, effect.joint, self.motion, [nonlinear_of(effect)], departures=True)[0]
+        placed = np.zeros((self.motion.rows, self.motion.n, columns.values.shape[2]))
+        placed[:, list(columns.joints)] = columns.values
+        size = np.sqrt(np.mean(self._torque(effect)[:, list(columns.joints)] ** 2)) if columns.joints else 0.0
+        widths = np.sqrt(np.mean(columns.values**2, axis=(0, 1))) if columns.values.size else np.zeros(0)
+        return placed, np.asarray(1.5 * DEPARTURE * size / np.maximum(widths, 1e-12))
+
+    def _generic_columns(self, candidate: Candidate) -> Array:
+        b = candidate.score.coefficients
+        values = candidate.law.values * (3.0 * np.sqrt(np.mean(b**2)))
+        placed = np.zeros((self.motion.rows, self.motion.n, values.shape[2]))
+        placed[:, list(candidate.law.joints)] = values
+        return placed
+
+    def _solved(self, y: Array, columns: Array, noise: Sequence[Noise] | None) -> tuple[Array, Array, Array]:
+        """Posterior mean (k,), explained torque (rows, n), covariance (k, k)."""
+        if noise is None:
+            from irb2400_ctrl.diagnosis.noise import white
+
+            noise = [white(y[:, j], self.motion.row_known[:, j]) for j in range(self.motion.n)]
+        k = columns.shape[2]
+        A, right = np.eye(k), np.zeros(k)
+        for j, one in enumerate(noise):
+            X, v = one.whiten(columns[:, j, :]), one.whiten(y[:, j])
+            A += X.T @ X
+            right += X.T @ v
+        covariance = np.linalg.inv(A)
+        b = covariance @ right
+        return b, columns @ b, covariance
+
+    def _noise(self, residual: Array) -> tuple[Noise, ...]:
+        known = self.motion.row_known
+        return tuple(autoregressive(residual[:, j], known[:, j], self.reversal[:, j]) for j in range(self.motion.n))
+
+
+_State = tuple[Array, Array, list[Parameter], Array, list[Array]]
+
+
+def parameters_of(effect: Effect, place: int) -> list[Parameter]:
+    """The natural parameters of an effect that a fit may move."""
+    found = []
+    for name, value in effect.parameters().items():
+        prior = type(effect).usual.get(name)
+        if isinstance(value, tuple | list):
+            if name not in {"shape", "windows_s"}:
+                found += [Parameter(place, name, k, prior) for k in range(len(value))]
+        elif isinstance(value, float) and name not in type(effect).fixed:
+            found.append(Parameter(place, name, None, prior))
+    return found
+
+
+def _get(effect: Effect, parameter: Parameter) -> float:
+    value = getattr(effect, parameter.name)
+    return float(value if parameter.element is None else value[parameter.element])
+
+
+def _set(effect: Effect, parameter: Parameter, value: float) -> Effect:
+    """A copy without validation (differences may step over a bound)."""
+    if parameter.element is None:
+        return effect.model_copy(update={parameter.name: value})
+    whole = list(getattr(effect, parameter.name))
+    whole[parameter.element] = value
+    return effect.model_copy(update={parameter.name: tuple(whole)})
+
+
+def _moved(effects: list[Effect], parameters: Sequence[Parameter], step: Array) -> list[Effect] | None:
+    """The effects after a step, shortened until all bounds hold; None if no step is possible."""
+    for shrink in (1.0, 0.5, 0.25, 0.1):
+        moved = list(effects)
+        for parameter, change in zip(parameters, step * shrink, strict=True):
+            effect = moved[parameter.effect]
+            moved[parameter.effect] = _set(effect, parameter, _get(effect, parameter) + float(change))
+        try:
+            return [type(e).model_validate(e.model_dump()) for e in moved]
+        except ValidationError:
+            continue
+    return None
+
+
+__all__ = ["Fit", "Fitter", "Parameter", "effect_torque", "parameters_of"]

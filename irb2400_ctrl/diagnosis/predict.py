@@ -1,0 +1,73 @@
+"""What a robot's model says a log should show, effects with memory and the measuring chain included."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import numpy.typing as npt
+
+from irb2400_ctrl.diagnosis.bases import Bases
+from irb2400_ctrl.diagnosis.motion import Motion
+from irb2400_ctrl.effects import Effect
+from irb2400_ctrl.effects.encoder_zero import EncoderZero
+from irb2400_ctrl.effects.time_delay import TimeDelay
+from irb2400_ctrl.effects.torque_gain import TorqueGain
+from irb2400_ctrl.model import Model
+from irb2400_ctrl.robot import Robot
+
+Array = npt.NDArray[np.float64]
+
+
+def predicted_torque(robot: Robot, motion: Motion, bases: Bases | None = None) -> Array:
+    """Torques that the log of a motion should show, shape (m, n) [Nm].
+
+    Model torque at the true angles, plus force effects, through gain, offset and delay of the measuring chain.
+
+    Args:
+        bases: evaluator of the robot the bases are built on; default the robot itself without its effects.
+    """
+    folded = tuple(e for e in robot.effects if e.acts == "parameters")
+    others = [e for e in robot.effects if e.acts != "parameters"]
+    arm = robot.model_copy(update={"effects": folded})
+    q = motion.q.copy()
+    for effect in others:
+        if isinstance(effect, EncoderZero):
+            q[:, effect.index] += effect.zero_rad
+    model = Model(arm)
+    tau = np.array(model.inverse_dynamics(q, motion.qd, motion.qdd))
+    moved = replace(motion, q=q)
+    bases = Bases(arm) if bases is None else bases
+    for effect in others:
+        if not isinstance(effect, EncoderZero | TorqueGain | TimeDelay):
+            tau += effect_torque(bases, effect, moved)
+    for effect in others:
+        if isinstance(effect, TorqueGain):
+            tau[:, effect.index] *= effect.gain
+            tau += _shape_torque(bases, effect, moved)
+    for effect in others:
+        if isinstance(effect, TimeDelay):
+            for j in range(robot.n) if effect.joint is None else [effect.index]:
+                tau[:, j] = np.interp(motion.time - effect.delay_s, motion.time, tau[:, j])
+            tau += _shape_torque(bases, effect, moved)
+    return tau
+
+
+def effect_torque(bases: Bases, effect: Effect, motion: Motion, *, filtered: bool = False) -> Array:
+    """Torque of one effect along a motion from its basis, shape (m, n) or filtered (rows, n) [Nm]."""
+    law = bases.columns(effect.kind, effect.joint, motion, [nonlinear_of(effect)], filtered=filtered)[0]
+    tau = law.torque(np.array(effect.coefficients()), motion.n)
+    return tau + _shape_torque(bases, effect, motion, filtered=filtered)
+
+
+def _shape_torque(bases: Bases, effect: Effect, motion: Motion, *, filtered: bool = False) -> Array:
+    if not effect.shape:
+        return np.zeros((motion.rows if filtered else len(motion.time), motion.n))
+    nonlinear = [nonlinear_of(effect)]
+    columns = bases.columns(effect.kind, effect.joint, motion, nonlinear, departures=True, filtered=filtered)[0]
+    return columns.torque(np.array(effect.shape), motion.n)
+
+
+def nonlinear_of(effect: Effect) -> dict[str, float]:
+    """The nonlinear parameters that the effect's basis depends on."""
+    return {key: float(getattr(effect, key)) for key in type(effect).nonlinear_names(effect.joint)}

@@ -1,0 +1,219 @@
+"""Forward selection of explanations with a family-wise criterion, then exchange and pruning."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+import numpy.typing as npt
+
+from irb2400_ctrl.diagnosis.evidence import Problem
+from irb2400_ctrl.diagnosis.fit import Fit, Fitter
+from irb2400_ctrl.diagnosis.motion import Motion
+from irb2400_ctrl.diagnosis.noise import Noise, autoregressive, white
+from irb2400_ctrl.diagnosis.scan import Candidate, Scan
+from irb2400_ctrl.measurement.uniform import widened
+
+Array = npt.NDArray[np.float64]
+Mask = npt.NDArray[np.bool_]
+
+REVERSAL_TIME = 0.06
+"""[s] rows nearer than this to a reversal have a variance of their own"""
+
+
+@dataclass(frozen=True)
+class Criteria:
+    """When an explanation counts.
+
+    Args:
+        gain: log evidence over the model without it [nats], family-wise.
+        energy: its energy over what the base alone leaves on that joint.
+        torque: its rms torque over the joint's.
+        relative: its rms torque over the largest effect already found on that joint.
+        unknown: how much a generic law must beat the best effect by [nats], and as share of that effect's gain.
+    """
+
+    gain: float = 12.0
+    energy: float = 0.05
+    torque: float = 0.003
+    relative: float = 0.15
+    unknown: float = 10.0
+    unknown_share: float = 0.02
+    shortlist: int = 10
+    most: int = 8
+
+
+@dataclass(frozen=True)
+class Rival:
+    """A candidate with its own noise model."""
+
+    candidate: Candidate
+    evidence: float
+    """log evidence under the noise that the candidate leaves [nats]"""
+
+
+@dataclass(frozen=True)
+class Step:
+    """One accepted explanation.
+
+    Args:
+        candidate: accepted; gain: log evidence over the model without it; rivals: others, best first.
+    """
+
+    candidate: Candidate
+    gain: float
+    rivals: tuple[Rival, ...]
+
+    @property
+    def margin(self) -> float:
+        """Evidence over the best rival of another kind or joint [nats]."""
+        others = [r.evidence for r in self.rivals if _family(r.candidate) != _family(self.candidate)]
+        best = max((r.evidence for r in self.rivals if _family(r.candidate) == _family(self.candidate)), default=0.0)
+        return float(best - max(others)) if others else self.gain
+
+
+class Selection:
+    """Explains the filtered residual of one log, given its uncertain base."""
+
+    def __init__(self, scan: Scan, fitter: Fitter, criteria: Criteria | None = None) -> None:
+        self.scan, self.fitter = scan, fitter
+        self.criteria = Criteria() if criteria is None else criteria
+        self.motion: Motion = scan.motion
+        self.reversal = fitter.reversal
+        self.rms_torque = np.sqrt(np.mean(self.motion.filtered(self.motion.tau) ** 2, axis=0))
+        self.y = np.zeros((0, 0))
+
+    def run(self) -> tuple[list[Step], Fit]:
+        """The accepted explanations, in the order they were found, and their common fit."""
+        steps: list[Step] = []
+        fit = self.fitter.fit([])
+        while len(steps) < self.criteria.most:
+            step = self.next_step([s.candidate for s in steps], fit)
+            if step is None:
+                break
+            steps.append(step)
+            if len(steps) > 1:
+                steps = self._exchanged(steps)
+            fit = self.fitter.fit([s.candidate for s in steps])
+        return steps, fit
+
+    def next_step(self, chosen: Sequence[Candidate], fit: Fit) -> Step | None:
+        """The best further explanation if it counts."""
+        self.y, Z = fit.y, fit.Z
+        base, base_rss = self._base(Z)
+        rivals = self.rivals(Z)
+        if not rivals:
+            return None
+        best = self._choice(rivals, base)
+        gain = best.evidence - base
+        if gain < self.criteria.gain or not self._practical(best.candidate, base_rss, chosen):
+            return None
+        return Step(best.candidate, gain, tuple(rivals))
+
+    def rivals(self, Z: Array) -> list[Rival]:
+        """The most promising candidates, each judged under its own noise, best first."""
+        problem = self._problem(Z, None, colour=False)
+        short = problem_ranking(self.scan, problem, self.criteria.shortlist)
+        rivals = [self._judged(candidate, Z) for candidate in short]
+        return sorted(rivals, key=lambda r: -r.evidence)
+
+    def _choice(self, rivals: list[Rival], base: float) -> Rival:
+        """The best rival; a generic law only where it clearly beats the library."""
+        best = rivals[0]
+        known = next((r for r in rivals if r.candidate.known), None)
+        if best.candidate.known or known is None:
+            return best
+        c = self.criteria
+        lead = best.evidence - known.evidence
+        return best if lead > c.unknown + c.unknown_share * max(known.evidence - base, 0.0) else known
+
+    def _judged(self, candidate: Candidate, Z: Array) -> Rival:
+        problem = self._problem(Z, candidate, colour=False)
+        for _ in range(2):
+            residual = self.y - self._explained(problem, Z, candidate)
+            problem = Problem(self.y, Z, self._noise(residual))
+            candidate = self._rescored(candidate, problem)
+        return Rival(candidate, problem.log_evidence + candidate.score.gain)
+
+    def _rescored(self, candidate: Candidate, problem: Problem) -> Candidate:
+        scales = self.scan.scales(candidate)
+        score = problem.score(candidate.law, candidate.departures, scales)
+        return replace(candidate, score=replace(score, gain=score.gain - candidate.penalty))
+
+    def _explained(self, problem: Problem, Z: Array, candidate: Candidate) -> Array:
+        """Torque of the candidate and the base together, fitted under the problem's noise."""
+        tau = candidate.torque(self.motion.n)
+        rest = Problem(self.y - tau, Z, problem.noise)
+        return np.asarray(tau + Z @ rest.z)
+
+    def _problem(self, Z: Array, candidate: Candidate | None, colour: bool) -> Problem:
+        """White (or coloured) noise of the level that the base or the candidate leaves."""
+        rows = self.motion.row_known
+        first = [white(self.y[:, j], rows[:, j]) for j in range(self.motion.n)]
+        problem = Problem(self.y, Z, first)
+        residual = self.y - Z @ problem.z
+        noise = self._noise(residual) if colour else [white(residual[:, j], rows[:, j]) for j in range(self.motion.n)]
+        return Problem(self.y, Z, noise)
+
+    def _base(self, Z: Array) -> tuple[float, Array]:
+        """Log evidence without a further explanation, and the energy it leaves per joint."""
+        problem = self._problem(Z, None, colour=False)
+        for _ in range(2):
+            residual = self.y - Z @ problem.z
+            problem = Problem(self.y, Z, self._noise(residual))
+        return problem.log_evidence, self._energy(self.y - Z @ problem.z)
+
+    def _noise(self, residual: Array) -> list[Noise]:
+        rows = self.motion.row_known
+        return [autoregressive(residual[:, j], rows[:, j], self.reversal[:, j]) for j in range(self.motion.n)]
+
+    def _energy(self, residual: Array) -> Array:
+        known = self.motion.row_known
+        return np.array([np.sum(residual[known[:, j], j] ** 2) for j in range(self.motion.n)])
+
+    def _practical(self, candidate: Candidate, before: Array, chosen: Sequence[Candidate]) -> bool:
+        """Large enough to matter, on at least one joint it acts on."""
+        c, n = self.criteria, self.motion.n
+        size = np.sqrt(np.mean(candidate.torque(n) ** 2, axis=0))
+        earlier = (
+            np.max([np.sqrt(np.mean(e.torque(n) ** 2, axis=0)) for e in chosen], axis=0) if chosen else np.zeros(n)
+        )
+        left = np.sqrt(before / np.maximum(self.motion.row_known.sum(axis=0), 1))
+        matters = (
+            (size > np.sqrt(c.energy) * left) & (size > c.torque * self.rms_torque) & (size > c.relative * earlier)
+        )
+        return bool(matters.any())
+
+    def _exchanged(self, steps: list[Step]) -> list[Step]:
+        """Each explanation judged again given the others; one that no longer counts falls out."""
+        kept = list(steps)
+        for place in reversed(range(len(steps) - 1)):
+            others = [s.candidate for k, s in enumerate(kept) if k != place]
+            step = self.next_step(others, self.fitter.fit(others))
+            if step is None:
+                kept.pop(place)
+            else:
+                kept[place] = step
+        return kept
+
+
+def problem_ranking(scan: Scan, problem: Problem, count: int) -> list[Candidate]:
+    """The best `count` candidates, among them at least a third of the library and a few generic ones."""
+    ranked = scan.rank(problem)
+    known = [c for c in ranked if c.known][: max(count * 2 // 3, 1)]
+    generic = [c for c in ranked if not c.known][: max(count - len(known), count // 3)]
+    return known + generic
+
+
+def _family(candidate: Candidate) -> tuple[str, int | None]:
+    return candidate.kind, candidate.joint
+
+
+def reversal_rows(motion: Motion) -> Mask:
+    """Rows near a change of direction, shape (rows, n)."""
+    turning = np.zeros(motion.q.shape, dtype=bool)
+    for j in range(motion.n):
+        turning[np.flatnonzero(np.diff(np.sign(motion.qd[:, j])) != 0), j] = True
+        turning[:, j] = widened(turning[:, j], round(REVERSAL_TIME / motion.step))
+    return motion.at_rows(turning.astype(float)) > 0.5

@@ -1,0 +1,104 @@
+"""`Log`: a recorded motion of an arm, SI and radians, exactly as it was sampled."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from types import MappingProxyType
+
+import numpy as np
+import numpy.typing as npt
+
+from irb2400_ctrl.errors import InputError
+
+Array = npt.NDArray[np.float64]
+
+MIN_RATE = 50.0
+"""[Hz] below this the torque of a moving arm is not resolved"""
+
+
+@dataclass(frozen=True)
+class Log:
+    """A recorded motion; arrays are read-only.
+
+    Args:
+        time: instants of the samples [s], strictly rising, shape (m,); gaps and jitter are allowed.
+        q: measured actuator angles [rad], shape (m, n).
+        tau: measured actuator torques [Nm], shape (m, n).
+        qd: measured actuator speeds [rad/s], shape (m, n), if recorded.
+        q_ref: commanded actuator angles [rad], shape (m, n), if recorded.
+        extra: columns that are none of these, as read, by header name.
+        name: what to call the log in messages and reports.
+
+    Raises:
+        InputError: shapes differ, a number is not finite, time does not rise, fewer than 50 samples per second.
+    """
+
+    time: Array
+    q: Array
+    tau: Array
+    qd: Array | None = None
+    q_ref: Array | None = None
+    extra: Mapping[str, Array] = field(default_factory=dict)
+    name: str = "log"
+
+    def __post_init__(self) -> None:
+        for key in ("time", "q", "tau", "qd", "q_ref"):
+            value = getattr(self, key)
+            if value is not None:
+                array = np.array(value, dtype=float)
+                array.setflags(write=False)
+                object.__setattr__(self, key, array)
+        object.__setattr__(self, "extra", MappingProxyType(dict(self.extra)))
+        self._check()
+
+    def _check(self) -> None:
+        if self.q.ndim != 2 or self.time.shape != (len(self.q),):
+            raise InputError(
+                f"{self.name}: found angles {self.q.shape} for times {self.time.shape}, expected (m, n), (m,)"
+            )
+        for key in ("tau", "qd", "q_ref"):
+            value = getattr(self, key)
+            if value is not None and value.shape != self.q.shape:
+                raise InputError(
+                    f"{self.name}: found {key} of shape {value.shape}, expected {self.q.shape} as the angles"
+                )
+        for key in ("time", "q", "tau", "qd", "q_ref"):
+            value = getattr(self, key)
+            if value is not None and not np.isfinite(value).all():
+                where = np.argwhere(~np.isfinite(value))[0]
+                column = f" {where[1] + 1}" if len(where) > 1 else ""
+                count = int((~np.isfinite(value)).sum())
+                raise InputError(
+                    f"{self.name}: {key}{column} is not a number at sample {where[0] + 1} ({count} such values); "
+                    "expected finite numbers: delete the row of a lost sample"
+                )
+        if len(self.time) < 2:
+            raise InputError(f"{self.name}: found {len(self.time)} samples, expected a recorded motion")
+        steps = np.diff(self.time)
+        if (steps <= 0).any():
+            k = int(np.argmax(steps <= 0))
+            raise InputError(
+                f"{self.name}: time does not rise at sample {k + 2} ({self.time[k]:g} s, then {self.time[k + 1]:g} s); "
+                "expected rising times: sort the rows, delete doubled ones"
+            )
+        if self.rate < MIN_RATE * 0.999:
+            raise InputError(
+                f"{self.name}: found {self.rate:.3g} samples per second, expected at least {MIN_RATE:.0f}; "
+                "is time_s in seconds?"
+            )
+
+    @property
+    def n(self) -> int:
+        """Number of joints."""
+        return int(self.q.shape[1])
+
+    @property
+    def rate(self) -> float:
+        """Nominal sampling rate [Hz]: the inverse of the median step."""
+        return float(1.0 / np.median(np.diff(self.time)))
+
+    @property
+    def duration(self) -> float:
+        """From the first to the last sample [s]."""
+        return float(self.time[-1] - self.time[0])
