@@ -181,10 +181,10 @@ static inline real_t own_cosh(real_t x)
     return R(0.5) * (e + (R(1.0) / e));
 }
 
-/*@ sqrt : bits */
+/*@ sqrt : exponent */
 /* Correctly rounded for normal numbers; 0 and infinity stay, NaN for x < 0. In hardware where the compiler may use it
-   without calling a library (-fno-math-errno), else Newton's iteration from half the exponent and one step with the
-   exact remainder, which gives the same bits. */
+   without calling a library (-fno-math-errno); else x = m 4^n with m in [1, 4), Newton's iteration on m, and one step
+   with the exact remainder, which gives the same bits. */
 static inline real_t own_sqrt(real_t x)
 {
 #if defined(__NO_MATH_ERRNO__) && REAL_IS_FLOAT && (defined(__SSE2__) || defined(__aarch64__) || defined(__ARM_FP))
@@ -192,25 +192,36 @@ static inline real_t own_sqrt(real_t x)
 #elif defined(__NO_MATH_ERRNO__) && !REAL_IS_FLOAT && (defined(__SSE2__) || defined(__aarch64__))
     return __builtin_sqrt(x);
 #else
+    const bits_t one = ONE_BITS;
+    const bits_t bias = EXPONENT_BIAS;
+    const bits_t exponent = to_bits(x) >> EXPONENT_SHIFT;
+    const bits_t even = (exponent & 1u) ^ 1u;
+    const bits_t mantissa = to_bits(x) & (((bits_t)1u << EXPONENT_SHIFT) - 1u);
+    const real_t m = from_bits((one + (even << EXPONENT_SHIFT)) | mantissa);
 #if REAL_IS_FLOAT
     const real_t splitter = R(4097.0);
-    real_t y = from_bits(0x1FBD1DF5u + (to_bits(x) >> 1));
+    real_t y = from_bits(0x1FBD1DF5u + (to_bits(m) >> 1));
 #else
     const real_t splitter = R(134217729.0);
-    real_t y = from_bits(0x1FF7A3BEA91D9B1BuLL + (to_bits(x) >> 1));
-    y = R(0.5) * (y + (x / y));
+    real_t y = from_bits(0x1FF7A3BEA91D9B1BuLL + (to_bits(m) >> 1));
+    y = R(0.5) * (y + (m / y));
 #endif
-    y = R(0.5) * (y + (x / y));
-    y = R(0.5) * (y + (x / y));
-    y = R(0.5) * (y + (x / y));
+    y = R(0.5) * (y + (m / y));
+    y = R(0.5) * (y + (m / y));
+    y = R(0.5) * (y + (m / y));
     const real_t scaled = splitter * y;
     const real_t high = scaled - (scaled - y);
     const real_t low = y - high;
     const real_t product = y * y;
     const real_t rest = (((high * high) - product) + (R(2.0) * (high * low))) + (low * low);
-    y = y + (((x - product) - rest) / (y + y));
+    y = y + (((m - product) - rest) / (y + y));
+    /* the root of the last number below 4 lies closer to 2 than a quotient can tell, but below the middle */
+    const real_t last = from_bits((one + ((bits_t)1u << EXPONENT_SHIFT)) - 1u);
+    y = (y < last) ? y : last;
+    const bits_t half = ((exponent + bias) - even) >> 1;
+    const real_t root = from_bits(to_bits(y) + ((half - bias) << EXPONENT_SHIFT));
     const bool ordinary = (x > R(0.0)) && ((x - x) == R(0.0));
-    return ordinary ? y : ((x < R(0.0)) ? ((x - x) / R(0.0)) : x);
+    return ordinary ? root : ((x < R(0.0)) ? ((x - x) / R(0.0)) : x);
 #endif
 }
 
