@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 
 import casadi as ca
 import numpy as np
@@ -89,3 +90,23 @@ def assemble(
     names_out = [f"{n}_out" if n in names_in else n for n in names_out]
     step = ca.Function(name, list(symbols.values()), given, names_in, names_out)
     return Block(name, doc, sample_time, tuple(states), tuple(inputs), tuple(outputs), tuple(parameters), step)
+
+
+def with_gains(block: Block, **gains: ArrayLike) -> Block:
+    """The block with other defaults for some of its parameters.
+
+    Raises:
+        InputError: no such parameter, or neither one number nor one per element.
+    """
+    known = {f.name: f for f in block.parameters}
+    for name, value in gains.items():
+        if name not in known:
+            raise InputError(f"{block.name} has no parameter {name!r}; expected some of {', '.join(known)}")
+        array = np.asarray(value, dtype=float)
+        if array.shape not in {(), (known[name].size,)} or not np.isfinite(array).all():
+            raise InputError(
+                f"{block.name}: {name} is {array.tolist()}; expected 1 or {known[name].size} finite numbers"
+            )
+        default = tuple(np.broadcast_to(array, known[name].size).tolist())
+        known[name] = replace(known[name], default=default)
+    return replace(block, parameters=tuple(known.values()))

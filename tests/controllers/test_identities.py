@@ -46,7 +46,7 @@ def test_computed_torque_linearises_exactly(kind: str, joint: int | None, fields
 def test_model_torque_is_inverse_dynamics_on_the_reference(
     kind: str, joint: int | None, fields: dict[str, object]
 ) -> None:
-    """On the reference, in full motion, the feed-forward torque is that of `Model.inverse_dynamics`, effects included."""
+    """On the reference, in full motion, the model's torque is `Model.inverse_dynamics`, effects included."""
     robot = with_effect(strong(arm()), kind, joint, fields)
     q = RNG.uniform(0.8 * robot.q_min, 0.8 * robot.q_max)
     qd = RNG.choice([-1, 1], 6) * RNG.uniform(0.8, 1.5, 6)
