@@ -82,7 +82,8 @@ def test_root_without_hardware_has_the_same_bits(real: str) -> None:
     points = np.concatenate(
         [rng.uniform(1, 4, 2_000_000), 10.0 ** rng.uniform(-decades, decades, 200_000), [0.0, np.inf]]
     )
-    points = points.astype(dtype)
+    below = np.nextafter(np.array([1, 2, 4, 16], dtype), dtype.type(0))
+    points = np.concatenate([points.astype(dtype), below])
     found = np.empty_like(points)
     given = (ctypes.c_void_p * 1)(points.ctypes.data)
     taken = (ctypes.c_void_p * 1)(found.ctypes.data)
