@@ -195,11 +195,21 @@ def race(model: irb.Model) -> list[Time]:
         program, arm = build_race(), write_arm(model.robot, folder / "arm")
         arguments = [entry.argument(folder, k) for k, entry in enumerate(entries)]
         text = run([str(program), str(arm), str(BLOCKS), *arguments])
-    times = np.array([[float(word) for word in line.split()] for line in text.splitlines()])
+    sums, *lines = text.splitlines()
+    compare(entries, [float(word) for word in sums.split()[1:]])
+    times = np.array([[float(word) for word in line.split()] for line in lines])
     return [
         Time(entry.task, entry.who, float(column.min()), float(np.median(column)))
         for entry, column in zip(entries, times.T, strict=True)
     ]
+
+
+def compare(entries: list[Candidate], sums: list[float]) -> None:
+    """Stop when two candidates of one task computed different things."""
+    for entry, value in zip(entries, sums, strict=True):
+        first = next(other for e, other in zip(entries, sums, strict=True) if e.task == entry.task)
+        if abs(value - first) > 1e-9 * max(1.0, abs(first)):
+            sys.exit(f"{entry.task}: {entry.who} gives {value!r}, expected {first!r}")
 
 
 def table(times: list[Time], model: irb.Model) -> str:

@@ -3,7 +3,8 @@
 //   race ARM BLOCKS "NAME|KIND|TARGET|WIDTH|FILE|ENTRY|INPUTS"...
 //
 // KIND own: TARGET is a library with run(in, out); casadi: one with CasADi's ENTRY of INPUTS arguments; pinocchio: the
-// name of an algorithm. FILE holds the inputs as doubles, WIDTH per call.
+// name of an algorithm. The first line holds, per candidate, the sum over the inputs of its first result: whoever does
+// the same task must have the same. FILE holds the inputs as doubles, WIDTH per call.
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
@@ -133,6 +134,13 @@ int main(int argc, char **argv)
         }
         candidates.push_back(c);
     }
+    std::printf("sums");
+    for (auto &c : candidates) {
+        double total = 0.0;
+        for (std::size_t i = 0; i < c.count(); i++) { total += c.call(&c.inputs[i * c.width]); }
+        std::printf(" %.17g", total);
+    }
+    std::printf("\n");
     double sum = 0.0;
     for (int b = -2; b < blocks; b++) {
         for (auto &c : candidates) {

@@ -3,9 +3,14 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
+
+from irb2400_ctrl.cli.options import OutOption, output_folder
+
+if TYPE_CHECKING:
+    from irb2400_ctrl.robot import Robot
 
 app = typer.Typer(help="Show, check or export a robot description.", no_args_is_help=True)
 RobotArgument = Annotated[str, typer.Argument(metavar="ROBOT", help="A robot file (TOML) or a name.")]
@@ -42,3 +47,71 @@ def show(robot: RobotArgument = "irb2400") -> None:
     for effect in arm.effects:
         place = f" on joint {effect.joint}" if effect.joint else ""
         print(f"effect {effect.kind}{place}: {effect.parameters()}")
+
+
+@app.command()
+def check(
+    robot: RobotArgument = "irb2400",
+    project: Annotated[
+        Path | None, typer.Option(metavar="OUT.toml", help="Write the nearest physically consistent robot there.")
+    ] = None,
+    symmetry_plane: Annotated[
+        Path | None,
+        typer.Option(metavar="OUT.toml", help="Write the robot with the centres of mass of eqs. 37-42 there."),
+    ] = None,
+) -> None:
+    """Say in plain words what in the description cannot be so."""
+    from irb2400_ctrl.model import consistency
+    from irb2400_ctrl.model.positive_definite import certify
+    from irb2400_ctrl.robot import load_robot, save_robot
+
+    arm = load_robot(robot)
+    print("body               principal moments kg m2          triangle slack  smallest of pseudo-inertia")
+    for body in consistency.report(arm):
+        moments = " ".join(f"{value:9.5f}" for value in body.principal_moments)
+        verdict = "" if body.consistent else "  impossible"
+        print(f"{body.name:<18} {moments}  {body.triangle_slack:13.5f}  {body.pseudo_inertia:13.5f}{verdict}")
+    issues = consistency.check(arm)
+    for issue in issues:
+        print(issue.sentence)
+    certificate = certify(arm)
+    word = "is positive definite" if certificate.shown else "is not shown to be positive definite"
+    print(f"the mass matrix {word} over the whole joint box: {certificate.reason}")
+    if not issues:
+        print("every body could exist")
+    if project is not None:
+        nearest, distance = consistency.project(arm)
+        save_robot(nearest, project)
+        print(f"written: {project}, second moments of the bodies moved by {distance:.4g} kg m2 in all")
+        _print_torque_differences(arm, nearest)
+    if symmetry_plane is not None:
+        from irb2400_ctrl.model.symmetry import com_in_symmetry_plane
+
+        symmetric = com_in_symmetry_plane(arm)
+        save_robot(symmetric, symmetry_plane)
+        print(f"written: {symmetry_plane}, centres of mass in the planes of symmetry")
+        _print_torque_differences(arm, symmetric)
+
+
+@app.command()
+def export(
+    out: OutOption,
+    robot: RobotArgument = "irb2400",
+) -> None:
+    """Write the robot as URDF; its head says what the parallelogram means for a reader of the file."""
+    import re
+
+    from irb2400_ctrl.robot import load_robot
+    from irb2400_ctrl.urdf import save_urdf
+
+    arm = load_robot(robot)
+    name = re.sub(r"\W+", "_", arm.name).strip("_").lower()
+    print(f"written: {save_urdf(arm, output_folder(out) / f'{name}.urdf')}")
+
+
+def _print_torque_differences(arm: Robot, other: Robot) -> None:
+    from irb2400_ctrl.model.standard_motions import torque_differences
+
+    print("torque difference on the standard motions, largest per joint [Nm]")
+    for found in torque_differences(arm, other):
+        print(f"{found.motion:<24}" + " ".join(f"{value:8.3f}" for value in found.largest))

@@ -129,6 +129,8 @@ class Model:
         q = closed_form.windings(branches.q[0], self.robot.q_min, self.robot.q_max)
         if len(q) == 0:
             raise UnreachableError(self._why_unreachable(branches))
+        if self.robot.coupling.difference_deg is not None:
+            q = self._within_coupled_bound(q, self.robot.coupling.difference_deg)
         if seed is not None:
             q = q[np.argsort(np.abs(q - np.asarray(seed, dtype=float)).max(axis=1), kind="stable")]
         return q
@@ -142,6 +144,20 @@ class Model:
     def arm_geometry(self) -> geometry.ArmGeometry:
         """Constants of Tab. 2; raises InputError for an arm of another family."""
         return geometry.arm_geometry(self.robot)
+
+    @staticmethod
+    def _within_coupled_bound(q: Array, difference_deg: tuple[float, float]) -> Array:
+        """Solutions whose q3 - q2 the controller's coupled bound allows."""
+        low, high = difference_deg
+        difference = np.degrees(q[:, 2] - q[:, 1])
+        allowed = (difference >= low - 1e-7) & (difference <= high + 1e-7)
+        if not allowed.any():
+            found = ", ".join(sorted({f"{value:.1f}" for value in difference}))
+            raise UnreachableError(
+                f"every branch inside the joint box breaks the coupled bound: q3 - q2 is {found} deg, "
+                f"range {low:.0f} to {high:.0f} deg"
+            )
+        return q[allowed]
 
     def _why_unreachable(self, branches: closed_form.Branches) -> str:
         q = branches.q[0]

@@ -80,8 +80,9 @@ def _bound(robot: Robot, k: int) -> tuple[float, int]:
         half = (high - low) / (2 * count)
         axes = [lo + h * (2 * np.arange(c) + 1) for lo, h, c in zip(low, half, count, strict=True)]
         grid = np.array(np.meshgrid(*axes, indexing="ij")).reshape(k - 1, -1)
-        lower = float(np.linalg.eigvalsh(part(grid))[:, 0].min() - slopes @ half)
-        if lower > 0.0 or 4 * grid.shape[1] > MOST_CELLS:
+        smallest = np.linalg.eigvalsh(part(grid))[:, 0].min()
+        lower = float(smallest - slopes @ half)
+        if lower > 0.0 or smallest <= 0.0 or 4 * grid.shape[1] > MOST_CELLS:
             return lower, grid.shape[1]
         count = 2 * count
 

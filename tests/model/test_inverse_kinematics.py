@@ -105,6 +105,29 @@ def test_vectorised_branches_equal_single_ones(model: irb.Model, states: States)
     np.testing.assert_allclose(together, alone, rtol=0, atol=1e-13)
 
 
+class TestCoupledBound:
+    """An optional bound on q3 - q2, which the real controller has and the paper does not print."""
+
+    @staticmethod
+    def bounded(robot: irb.Robot, low: float, high: float) -> irb.Model:
+        coupling = robot.coupling.model_copy(update={"difference_deg": (low, high)})
+        return irb.Model(robot.model_copy(update={"coupling": coupling}))
+
+    def test_solutions_beyond_it_are_left_out(self, robot: irb.Robot, model: irb.Model) -> None:
+        X_BT = model.tcp_pose(np.array([0.2, 0.9, 0.1, 0.4, 0.9, 0.3]))
+        free = model.inverse_kinematics(X_BT)
+        difference = np.degrees(free[:, 2] - free[:, 1])
+        assert np.ptp(difference) > 10.0
+        middle = (difference.min() + difference.max()) / 2
+        some = self.bounded(robot, -300.0, middle).inverse_kinematics(X_BT)
+        np.testing.assert_array_equal(some, free[difference < middle])
+
+    def test_when_none_is_left_it_says_so(self, robot: irb.Robot, model: irb.Model) -> None:
+        X_BT = model.tcp_pose(np.array([0.2, 0.3, 0.1, 0.4, 0.9, 0.3]))
+        with pytest.raises(UnreachableError, match=r"q3 - q2 is .* deg, range 200 to 201 deg"):
+            self.bounded(robot, 200.0, 201.0).inverse_kinematics(X_BT)
+
+
 class TestRefusals:
     def test_out_of_reach_says_by_how_much(self, model: irb.Model) -> None:
         X = np.eye(4)

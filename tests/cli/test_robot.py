@@ -1,0 +1,48 @@
+"""`irb2400 robot check` and `export` from the shell."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+import irb2400_ctrl as irb
+from irb2400_ctrl.model.consistency import check
+
+
+def irb2400(*arguments: object, cwd: Path) -> subprocess.CompletedProcess[str]:
+    command = [sys.executable, "-m", "irb2400_ctrl.cli.main", *(str(a) for a in arguments)]
+    return subprocess.run(command, cwd=cwd, capture_output=True, text=True, check=False)
+
+
+def test_check_names_the_links_and_writes_the_nearest_robot(tmp_path: Path) -> None:
+    done = irb2400("robot", "check", "irb2400", "--project", "near.toml", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    for words in (
+        "link_2: a principal moment",
+        "link_4: principal moments",
+        "mass matrix is positive definite",
+        "0.66",
+    ):
+        assert words in done.stdout
+    assert check(irb.load_robot(tmp_path / "near.toml")) == []
+    again = irb2400("robot", "check", "near.toml", cwd=tmp_path)
+    assert "every body could exist" in again.stdout
+
+
+def test_check_writes_the_symmetric_robot(tmp_path: Path) -> None:
+    done = irb2400("robot", "check", "--symmetry-plane", "symmetric.toml", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert irb.load_robot(tmp_path / "symmetric.toml").links[4].body.com_m == (0.0, 0.0, 0.0)
+
+
+def test_export_writes_urdf(tmp_path: Path) -> None:
+    done = irb2400("robot", "export", "irb2400", "--out", "out", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert (tmp_path / "out" / "abb_irb_2400.urdf").read_text().startswith("<?xml")
+
+
+def test_a_missing_robot_is_one_line(tmp_path: Path) -> None:
+    done = irb2400("robot", "check", "nowhere.toml", cwd=tmp_path)
+    assert done.returncode == 2
+    assert len(done.stderr.splitlines()) == 1
