@@ -42,14 +42,6 @@ def parameters(J: Array) -> Array:
     return np.array([J[3, 3], *J[:3, 3], *inertia[np.triu_indices(3)]])
 
 
-def link_bodies(robot: Robot, phi: ca.SX | ca.DM | None) -> list[ca.SX]:
-    """Pseudo-inertias of the links: regrouped when phi are numbers, as they are when phi are symbols."""
-    if isinstance(phi, ca.SX) and not phi.is_constant():
-        return [pseudo_inertia(phi[i, :]) for i in range(robot.n)]
-    numbers = robot.inertial_parameters if phi is None else np.asarray(ca.DM(phi))
-    return [ca.SX(ca.sparsify(ca.DM(J))) for J in regrouped(robot, numbers)]
-
-
 def regrouped(robot: Robot, phi: Array) -> list[Array]:
     """Pseudo-inertias with the same torque in every motion, as many entries zero as can be; (4, 4) each."""
     bodies = [np.array(ca.evalf(pseudo_inertia(ca.DM(row)))) for row in phi]

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import casadi as ca
 
-from irb2400_ctrl.model.bodies import link_bodies
-from irb2400_ctrl.model.chain import Chain, CosSin, chain_of, turned, turned_back
+from irb2400_ctrl.model.arm import arm_of
+from irb2400_ctrl.model.chain import Chain, CosSin, turned, turned_back
 from irb2400_ctrl.model.linear_solve import solve_ldl as solve_ldl
 from irb2400_ctrl.robot import Robot
 
@@ -17,7 +17,8 @@ def mass_matrix(robot: Robot, q: ca.SX, phi: ca.SX | ca.DM | None = None) -> ca.
     unit acceleration of phi_i, carried down to the joints below it. In a group of parallel axes phi_i turns link i
     alone and shifts the later ones.
     """
-    chain, bodies = chain_of(robot), link_bodies(robot, phi)
+    arm = arm_of(robot, phi)
+    chain, bodies = arm.chain, arm.bodies
     turns, B = chain.cos_sin(q), ca.DM(chain.B)
     M = ca.SX(robot.n, robot.n)
     beyond = ca.SX(4, 4)

@@ -16,8 +16,8 @@ from dataclasses import dataclass
 
 import casadi as ca
 
-from irb2400_ctrl.model.bodies import link_bodies
-from irb2400_ctrl.model.chain import CosSin, chain_of, turned, turned_back
+from irb2400_ctrl.model.arm import arm_of
+from irb2400_ctrl.model.chain import CosSin, turned, turned_back
 from irb2400_ctrl.robot import Robot
 
 
@@ -40,13 +40,14 @@ def inverse_dynamics(
         phi: inertial parameters (m, mc, I_O) of each link, shape (n, 10); default those of the robot.
         gravity: gravity in the base frame [m/s2], shape (3,); default the robot's.
     """
-    chain, bodies = chain_of(robot), link_bodies(robot, phi)
+    arm = arm_of(robot, phi)
+    chain, bodies = arm.chain, arm.bodies
     turns, B = chain.cos_sin(q), ca.DM(chain.B)
     rate, rate2 = B @ qd, B @ qdd
     gravity = ca.DM(robot.gravity) if gravity is None else gravity
 
     forces, moments = [ca.SX(3, 1)] * robot.n, [ca.SX(3, 1)] * robot.n
-    w, eps, U, a = ca.SX(3, 1), ca.SX(3, 1), ca.SX(3, 3), ca.SX(-gravity)
+    w, eps, U, a = ca.SX(3, 1), ca.SX(3, 1), ca.SX(3, 3), ca.SX(-gravity / arm.length)
     for group in chain.groups:
         R = ca.SX(ca.DM(group.R))
         a_G = R.T @ (a + U @ ca.DM(group.p))

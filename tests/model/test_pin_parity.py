@@ -23,6 +23,19 @@ def test_inverse_dynamics(model: irb.Model, engine: PinArm, states: States) -> N
     np.testing.assert_allclose(found, expected, rtol=0, atol=1e-12 * np.abs(expected).max())
 
 
+@pytest.mark.parametrize("mounted", ["on a wall", "without its tool"])
+def test_inverse_dynamics_otherwise_mounted(robot: irb.Robot, states: States, mounted: str) -> None:
+    """Regrouping drops what a vertical axis 1 or this tool hides; another arm must not lose it."""
+    change = {"gravity_m_s2": (6.0, -7.0, -3.0)} if mounted == "on a wall" else {"tool": None}
+    arm = robot.model_copy(update=change)
+    engine, model = PinArm.of(arm), irb.Model(arm)
+    found = model.inverse_dynamics(states.q, states.qd, states.qdd, friction=False)
+    expected = [engine.inverse_dynamics(*row) for row in zip(states.q, states.qd, states.qdd, strict=True)]
+    np.testing.assert_allclose(found, expected, rtol=0, atol=1e-12 * np.abs(expected).max())
+    masses = np.array([engine.mass_matrix(q) for q in states.q[:20]])
+    np.testing.assert_allclose(model.mass_matrix(states.q[:20]), masses, rtol=0, atol=1e-12 * masses.max())
+
+
 def test_forward_dynamics(model: irb.Model, engine: PinArm, states: States) -> None:
     tau = model.inverse_dynamics(states.q, states.qd, states.qdd, friction=False)
     found = model.forward_dynamics(states.q, states.qd, tau, friction=False)
