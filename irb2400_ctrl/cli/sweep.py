@@ -1,0 +1,55 @@
+"""`irb2400 sweep`: a study over many plants, controllers and motions."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from irb2400_ctrl.cli.options import OutOption, input_file, output_folder
+from irb2400_ctrl.cli.progress import step
+
+INTERRUPTED = 130
+
+
+def sweep(
+    study: Annotated[Path, typer.Argument(metavar="STUDY", help="What to vary: a TOML file (docs/sweep.md).")],
+    out: OutOption,
+    scheduler: Annotated[
+        str | None, typer.Option(metavar="ADDRESS", help="Dask scheduler (host:port) to use its workers instead.")
+    ] = None,
+    workers: Annotated[int | None, typer.Option(metavar="N", help="Processes here; one per core if absent.")] = None,
+) -> None:
+    """Run every case of a study that is not done yet -> cases.parquet, study.toml, sweep.png."""
+    input_file(study, "a study (TOML)")
+
+    from irb2400_ctrl.sweep import load_study, run_sweep, summary_text
+
+    wanted = load_study(study)
+    output_folder(out)
+    counts = (0, wanted.cases)
+    with step(f"{wanted.cases} cases") as show:
+
+        def progress(done: int, of: int) -> None:
+            nonlocal counts
+            counts = (done, of)
+            show(f"{done} of {of} cases")
+
+        try:
+            result = run_sweep(wanted, out, workers=workers, scheduler=scheduler, progress=progress)
+        except KeyboardInterrupt:
+            done, of = counts
+            print(f"\nstopped: {done} of {of} cases are saved; the same command runs the others", file=sys.stderr)
+            raise typer.Exit(INTERRUPTED) from None
+
+        from irb2400_ctrl.report.sweep_figures import sweep_figure
+
+        picture = out / "sweep.png"
+        sweep_figure(wanted.name, result.lines).savefig(picture, dpi=120)
+    print(f"{wanted.name}: {wanted.cases} cases, {result.ran} run now")
+    print(summary_text(result.lines))
+    for row in result.problems[:3]:
+        print(f"case {row['case']} ({row['controller']}, {row['motion']}): {row['status']}, {row['message']}")
+    print(f"written: {result.table}, {out / 'study.toml'}, {picture}")

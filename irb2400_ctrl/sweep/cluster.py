@@ -1,0 +1,85 @@
+"""Cases on a Dask cluster: the same cases, handed to whatever workers the scheduler has."""
+
+from __future__ import annotations
+
+import traceback
+from collections.abc import Iterable
+from itertools import islice
+from typing import Any
+
+from irb2400_ctrl.errors import InputError, IrbError, ToolMissingError
+from irb2400_ctrl.sweep.cases import Outcome
+from irb2400_ctrl.sweep.pool import Lost, Results, Work
+from irb2400_ctrl.sweep.study import Study
+
+IN_FLIGHT = 4
+"""cases handed out per thread of the cluster: enough to keep it busy, few enough to lose"""
+
+
+def run_on_cluster(study: Study, cases: Iterable[int], address: str, work: Work) -> Results:
+    """Run the cases on the cluster behind a scheduler's address, in any order; results come as they are ready.
+
+    Dask repeats the cases of a worker that died; results leave the cluster at once, so nothing finished is lost.
+
+    Raises:
+        ToolMissingError: `distributed` is not installed.
+        InputError: nobody answers at that address, or there are no workers.
+        IrbError: a case met an error of ours.
+    """
+    try:
+        import distributed
+    except ImportError as error:
+        raise ToolMissingError(
+            "--scheduler needs dask.distributed, which is not installed; pip install 'irb2400_ctrl[cluster]'"
+        ) from error
+    dask: Any = distributed  # its functions carry no types
+    try:
+        client = dask.Client(address, timeout=10, set_as_default=False)
+    except (OSError, TimeoutError, ValueError) as error:
+        raise InputError(f"no Dask scheduler answers at {address} ({error}); expected host:port of one") from error
+    with client:
+        try:
+            client.wait_for_workers(1, timeout=60)
+        except TimeoutError as error:
+            raise InputError(f"the scheduler at {address} has no workers; start some with `dask worker`") from error
+        # a task of its own, not scattered data: it can be made again when its worker dies
+        shared = client.submit(_same, study, key=f"study-{study.fingerprint[:16]}")
+        waiting, numbers = iter(cases), dict[str, int]()
+        done = dask.as_completed([], with_results=True, raise_errors=False)
+
+        def hand_out() -> None:
+            # workers may come and go while the sweep runs
+            room = max(1, IN_FLIGHT * sum(client.nthreads().values())) - len(numbers)
+            for case in islice(waiting, max(room, 0)):
+                future = client.submit(_answer, work, shared, case, pure=False)
+                numbers[future.key] = case
+                done.add(future)
+
+        hand_out()
+        least = len(numbers) // 2
+        for future, answer in done:
+            case = numbers.pop(future.key)
+            if future.status != "finished":
+                failure = answer[1] if isinstance(answer, tuple) else future.exception()
+                if not isinstance(failure, dask.KilledWorker):
+                    raise IrbError(f"case {case} could not be run on the cluster: {failure}") from failure
+                yield Lost(case, f"its worker died {failure.allowed_failures + 1} times")
+            elif isinstance(answer, str):
+                raise IrbError(f"case {case} met an error that is not the study's:\n{answer}")
+            else:
+                yield answer
+            future.release()
+            if len(numbers) <= least:
+                hand_out()
+                least = len(numbers) // 2
+
+
+def _same(study: Study) -> Study:
+    return study
+
+
+def _answer(work: Work, study: Study, case: int) -> Outcome | str:
+    try:
+        return work(study, case)
+    except Exception:
+        return traceback.format_exc()

@@ -1,0 +1,134 @@
+"""Cases on the cores of this machine: worker processes that are handed one case at a time.
+
+`concurrent.futures` gives up a whole pool when one of its processes dies. Here a dead worker costs the case it was
+at, which another one repeats; the others do not notice.
+"""
+
+from __future__ import annotations
+
+import multiprocessing
+import signal
+import traceback
+from collections import Counter, deque
+from collections.abc import Callable, Generator, Iterable
+from dataclasses import dataclass
+from multiprocessing.connection import Connection, wait
+from multiprocessing.process import BaseProcess
+
+from irb2400_ctrl.errors import IrbError
+from irb2400_ctrl.sweep.cases import Outcome
+from irb2400_ctrl.sweep.study import Study
+
+Work = Callable[[Study, int], Outcome]
+ATTEMPTS = 3
+"""how often a case that takes its worker down is tried"""
+DEATHS_IN_A_ROW = 10
+
+
+@dataclass(frozen=True)
+class Lost:
+    """A case that took down its worker each time."""
+
+    index: int
+    reason: str
+
+
+Results = Generator[Outcome | Lost, None, None]
+
+
+@dataclass
+class _Worker:
+    process: BaseProcess
+    connection: Connection
+    case: int | None = None
+
+
+def run_on_cores(study: Study, cases: Iterable[int], workers: int, work: Work) -> Results:
+    """Run the cases, in any order; results come as they are ready.
+
+    Raises:
+        IrbError: a case met an error of ours, or workers cannot live on this machine.
+    """
+    pending, attempts, staff, deaths = deque(cases), Counter[int](), list[_Worker](), 0
+    try:
+        while pending or any(w.case is not None for w in staff):
+            while pending and len(staff) < workers:
+                staff.append(_hire(study, work))
+            for worker in staff:
+                if worker.case is None and pending:
+                    worker.case = pending.popleft()
+                    _hand_over(worker)
+            ready = wait([w.connection for w in staff if w.case is not None])
+            for worker in [w for w in staff if w.connection in ready]:
+                case = worker.case
+                assert case is not None
+                worker.case = None
+                try:
+                    outcome = worker.connection.recv()
+                except (EOFError, OSError):
+                    staff.remove(worker)
+                    code = _dismiss(worker)
+                    attempts[case] += 1
+                    deaths += 1
+                    if deaths >= DEATHS_IN_A_ROW:
+                        raise IrbError(
+                            f"{deaths} workers died in a row (exit code {code}): out of memory, or no way to start one"
+                        ) from None
+                    if attempts[case] < ATTEMPTS:
+                        pending.appendleft(case)
+                    else:
+                        yield Lost(case, f"its worker died {ATTEMPTS} times (exit code {code})")
+                    continue
+                deaths = 0
+                if isinstance(outcome, str):
+                    raise IrbError(f"case {case} met an error that is not the study's:\n{outcome}")
+                yield outcome
+    finally:
+        for worker in staff:
+            _dismiss(worker)
+
+
+def _hire(study: Study, work: Work) -> _Worker:
+    # spawn: a fork would inherit locks of threads that do not exist in the child
+    context = multiprocessing.get_context("spawn")
+    ours, theirs = context.Pipe()
+    process = context.Process(target=_serve, args=(theirs, study, work), daemon=True)
+    process.start()
+    theirs.close()
+    return _Worker(process, ours)
+
+
+def _hand_over(worker: _Worker) -> None:
+    try:
+        worker.connection.send(worker.case)
+    except OSError:
+        # it has died meanwhile; reading from it will say so
+        return
+
+
+def _dismiss(worker: _Worker) -> int | None:
+    worker.connection.close()
+    worker.process.terminate()
+    worker.process.join()
+    code = worker.process.exitcode
+    worker.process.close()
+    return code
+
+
+def _serve(connection: Connection, study: Study, work: Work) -> None:
+    """A worker's life: until the other end is closed."""
+    # Ctrl-C at a terminal reaches all processes; the first one decides, and dismisses the others
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    while True:
+        try:
+            case = connection.recv()
+        except (EOFError, OSError):
+            return
+        try:
+            answer: Outcome | str = work(study, case)
+        except Exception:
+            answer = traceback.format_exc()
+        try:
+            connection.send(answer)
+        except OSError:
+            return
