@@ -6,7 +6,7 @@ import sys
 
 import typer
 
-from irb2400_ctrl.cli import codegen, demo, diagnose, plan, robot, simulate
+from irb2400_ctrl.cli import codegen, demo, diagnose, plan, robot, simulate, sweep
 
 app = typer.Typer(
     name="irb2400",
@@ -18,6 +18,7 @@ app = typer.Typer(
 app.command("demo")(demo.demo)
 app.command("plan")(plan.plan)
 app.command("simulate")(simulate.simulate)
+app.command("sweep")(sweep.sweep)
 app.command("codegen")(codegen.codegen)
 app.command("diagnose")(diagnose.diagnose)
 app.add_typer(robot.app, name="robot")
