@@ -13,12 +13,16 @@ from irb2400_ctrl.controllers.parts import (
     assemble,
     back_calculated,
     gain,
+    resting,
     saturate,
     signals_in,
     torque_out,
 )
 from irb2400_ctrl.controllers.scaling import typical_inertia
 from irb2400_ctrl.robot import Robot
+
+DEADBAND = 1e-4
+"""angle error [rad] that the integral leaves alone at rest; against static friction it would creep and hunt"""
 
 
 def pid(
@@ -84,6 +88,7 @@ def _cascade(
         gain(robot, "kv", "Nm s/rad", "torque per speed error", kv),
         gain(robot, "ki", "Nm/rad", "torque rate per speed error", kv / np.maximum(ti, 1e-6)),
         gain(robot, "feedforward", "-", "share of the reference speed fed forward", share),
+        gain(robot, "deadband", "rad", "angle error that is left alone at rest", DEADBAND),
         gain(robot, "tracking", "s", "time constant of the anti-windup", np.maximum(ti, sample_time)),
         *(() if model is None else model.parameters),
     )
@@ -97,7 +102,10 @@ def _cascade(
             forward, after = model.torque(v, (v["q_ref"], v["qd_ref"], v["qdd_ref"]), v["qd_ref"], v["qd"])
         wanted = forward + v["kv"] * error + v["integral"]
         tau = saturate(robot, wanted)
-        integral = back_calculated(v["integral"], v["ki"] * error, tau - wanted, v["tracking"], sample_time)
+        still = resting(v["qd_ref"], v["q_ref"] - v["q"], v["deadband"])
+        integral = back_calculated(
+            v["integral"], (1 - still) * v["ki"] * error, tau - wanted, v["tracking"], sample_time
+        )
         return {"tau": tau, "integral": integral, **after}
 
     return assemble(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from numpy.typing import ArrayLike
 
-from irb2400_ctrl.codegen import Block
+from irb2400_ctrl.codegen import Block, Field
 from irb2400_ctrl.controllers.compensation import Compensation
 from irb2400_ctrl.controllers.parts import Values, assemble, gain, saturate, signals_in, torque_out
 from irb2400_ctrl.robot import Robot
@@ -22,13 +22,7 @@ def computed_torque(
         damping: damping ratio [-], one or one per joint.
     """
     model = Compensation(robot, sample_time)
-    omega = gain(robot, "bandwidth", "rad/s", "natural frequency of the tracking error", bandwidth)
-    zeta = gain(robot, "damping", "-", "damping ratio of the tracking error", damping)
-    parameters = (
-        gain(robot, "kp", "1/s2", "acceleration per angle error", omega.start**2),
-        gain(robot, "kd", "1/s", "acceleration per speed error", 2 * zeta.start * omega.start),
-        *model.parameters,
-    )
+    parameters = (*pd_gains(robot, bandwidth, damping), *model.parameters)
 
     def law(v: Values) -> Values:
         wanted = v["qdd_ref"] + v["kd"] * (v["qd_ref"] - v["qd"]) + v["kp"] * (v["q_ref"] - v["q"])
@@ -44,4 +38,14 @@ def computed_torque(
         inputs=signals_in(robot),
         outputs=torque_out(robot),
         parameters=parameters,
+    )
+
+
+def pd_gains(robot: Robot, bandwidth: ArrayLike, damping: ArrayLike) -> tuple[Field, Field]:
+    """Kp = bandwidth^2 and Kd = 2 damping bandwidth as parameters."""
+    omega = gain(robot, "bandwidth", "rad/s", "natural frequency of the tracking error", bandwidth).start
+    zeta = gain(robot, "damping", "-", "damping ratio of the tracking error", damping).start
+    return (
+        gain(robot, "kp", "1/s2", "acceleration per angle error", omega**2),
+        gain(robot, "kd", "1/s", "acceleration per speed error", 2 * zeta * omega),
     )

@@ -66,6 +66,11 @@ def back_calculated(integral: ca.SX, rate: ca.SX, excess: ca.SX, tracking: ca.SX
     return integral + step * rate + share * excess
 
 
+def resting(qd_ref: ca.SX, error: ca.SX, deadband: ca.SX) -> ca.SX:
+    """1 for each joint whose reference rests and whose angle error is inside the deadband, else 0."""
+    return ca.logic_and(ca.fabs(qd_ref) < 1e-6, ca.fabs(error) < deadband)
+
+
 def assemble(
     name: str,
     doc: str,

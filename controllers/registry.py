@@ -7,8 +7,10 @@ from collections.abc import Callable
 from typing import Any
 
 from irb2400_ctrl.codegen import Block
+from irb2400_ctrl.controllers.adaptive import adaptive
 from irb2400_ctrl.controllers.cascade import feedforward_pid, pid
 from irb2400_ctrl.controllers.computed_torque import computed_torque
+from irb2400_ctrl.controllers.computed_torque_integral import computed_torque_integral
 from irb2400_ctrl.controllers.gravity_pd import gravity_pd
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.robot import Robot
@@ -18,6 +20,8 @@ CONTROLLERS: dict[str, Callable[..., Block]] = {
     "gravity_pd": gravity_pd,
     "feedforward_pid": feedforward_pid,
     "computed_torque": computed_torque,
+    "computed_torque_integral": computed_torque_integral,
+    "adaptive": adaptive,
 }
 
 

@@ -28,8 +28,8 @@ def closed_loop(
 ) -> Block:
     """One control period of the whole loop as a block.
 
-    Inputs: `q_ref`, `qd_ref`, `qdd_ref`, with `wrench` also `wrench`. Outputs, all at the sample: true `q` and `qd`,
-    measured `q_seen` and `qd_seen`, `tau` as it acts during the period, `command`, `dry` friction of the step before.
+    Inputs: `q_ref`, `qd_ref`, `qdd_ref`, with `wrench` also `wrench`, `fresh` if the controller has it. Outputs, all
+    at the sample: true `q` and `qd`, measured `q_seen` and `qd_seen`, `tau` as it acts during the period, `command`, `dry` friction of the step before.
     States and parameters of the controller bear the prefix `c_`, those of the plant `p_`.
     """
     n, period = plant.n, controller.sample_time
@@ -42,15 +42,17 @@ def closed_loop(
         Field("tau_before", n, "Nm", "command of the sample before"),
         Field("tau_lag", n, "Nm", "torque behind the lag"),
     ]
-    known = {"q", "qd", *REFERENCE}
+    known = {"q", "qd", "fresh", *REFERENCE}
     if not {f.name for f in controller.inputs} <= known or "tau" not in {f.name for f in controller.outputs}:
         raise InputError(
             f"controller {controller.name!r} has inputs {[f.name for f in controller.inputs]}; "
-            "expected some of q, qd, q_ref, qd_ref, qdd_ref, and an output tau"
+            "expected some of q, qd, q_ref, qd_ref, qdd_ref, fresh, and an output tau"
         )
     inputs = [Field(name, n, unit, "reference") for name, unit in REFERENCE.items()]
     if wrench:
         inputs.append(Field("wrench", 6, "N, Nm", "force and moment on the tool at the TCP, base frame"))
+    if any(f.name == "fresh" for f in controller.inputs):
+        inputs.append(Field("fresh", 1, "-", "0 where the sample was lost on its way to the controller"))
     extra = [f for f in controller.outputs if f.name != "tau"]
     outputs = [
         Field("q", n, "rad", "true angles"),

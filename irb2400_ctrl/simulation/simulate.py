@@ -47,6 +47,7 @@ class Loop:
         plant: Robot | None = None,
         gains: Mapping[str, ArrayLike] | None = None,
         wrench: ArrayLike | None = None,
+        lost: ArrayLike | None = None,
         hold: float = 0.0,
         seed: int = 0,
     ) -> Simulation:
@@ -57,6 +58,7 @@ class Loop:
             plant: other numbers than those the loop was made with; effects of the same kinds on the same joints.
             gains: values of controller parameters by name; defaults otherwise.
             wrench: force and moment on the tool [N, Nm], shape (m, 6) at the control rate, if the loop has that input.
+            lost: true where a sample does not reach the controller, shape (m,), for a controller with input `fresh`.
             hold: time after the end for which the last pose is held [s].
             seed: of the noise on the logged torque.
 
@@ -73,20 +75,20 @@ class Loop:
         if motion.q.shape[1] != arm.n:
             raise InputError(f"trajectory: found {motion.q.shape[1]} axes; the robot has {arm.n}")
         block = self.compiled.block
+        m = len(motion.time)
         columns = [motion.q, motion.qd, motion.qdd]
-        if len(block.inputs) > 3:
-            columns.append(np.zeros((len(motion.time), 6)) if wrench is None else np.asarray(wrench, dtype=float))
-        elif wrench is not None:
-            raise InputError("this loop has no wrench input; make it with `wrench=True`")
-        if any(len(column) != len(motion.time) for column in columns):
-            raise InputError(f"wrench: found {len(columns[-1])} rows; expected {len(motion.time)}, one per period")
-        own = {f"c_{name}": value for name, value in (gains or {}).items()}
+        columns += self._input("wrench", np.zeros((m, 6)) if wrench is None else wrench, wrench is not None, m)
+        fresh = np.ones(m) if lost is None else 1.0 - np.asarray(lost, dtype=float)
+        columns += self._input("fresh", fresh, lost is not None, m)
+        own = self._gains(gains or {})
         data = {"p_phi": _column(np.asarray(mass_data(arm))), "p_friction": _column(arm.friction)}
         data["encoder_zero"] = np.array(encoder_zero(arm))
         if effects := data_of(force_effects(arm)):
             data["p_effects"] = np.array(effects)
+        x0, hold_torque = self._start(arm, motion, own)
+        if any(f.name == "c_hold" for f in block.parameters):
+            own = {"c_hold": hold_torque, **own}
         p = self.compiled.parameters(**own, **data)
-        x0 = self._start(arm, motion, own)
         begun = clock.perf_counter()
         _, outputs = self.compiled.rollout(np.hstack(columns), x0=x0, p=p)
         wall = clock.perf_counter() - begun
@@ -99,8 +101,33 @@ class Loop:
             )
         return Simulation(self.robot, arm, self.controller, self.sensors, self.actuators, motion, signals, wall, seed)
 
-    def _start(self, arm: Robot, motion: Trajectory, gains: Mapping[str, ArrayLike]) -> Array:
-        """State at the first sample: on the reference, torque in balance, an integrator filled accordingly."""
+    def _input(self, name: str, values: ArrayLike, given: bool, count: int) -> list[Array]:
+        """The columns of an input that not every loop has."""
+        size = {f.name: f.size for f in self.compiled.block.inputs}.get(name)
+        if size is None:
+            if given:
+                raise InputError(
+                    f"this loop has no input {name!r}: make it with `wrench=True`, or `guarded` for lost samples"
+                )
+            return []
+        array = np.asarray(values, dtype=float)
+        array = array[:, None] if array.ndim == 1 and size == 1 else array
+        if array.shape != (count, size):
+            raise InputError(
+                f"{name}: found shape {array.shape}; expected ({count}, {size}), one row per control period"
+            )
+        return [array]
+
+    def _gains(self, gains: Mapping[str, ArrayLike]) -> dict[str, Array]:
+        """Parameters of the controller under their names in the loop; one number stands for all elements."""
+        sizes = {f.name: f.size for f in self.controller.parameters}
+        unknown = sorted(set(gains) - set(sizes))
+        if unknown:
+            raise InputError(f"{self.controller.name} has no parameter {', '.join(unknown)}; it has {', '.join(sizes)}")
+        return {f"c_{name}": np.broadcast_to(np.asarray(g, dtype=float), sizes[name]) for name, g in gains.items()}
+
+    def _start(self, arm: Robot, motion: Trajectory, gains: Mapping[str, ArrayLike]) -> tuple[Array, Array]:
+        """State at the first sample: on the reference, torque in balance, an integrator filled; and that torque."""
         block, n = self.compiled.block, arm.n
         zero = np.array(encoder_zero(arm))
         q, qd, qdd = motion.q[0], motion.qd[0], motion.qdd[0]
@@ -114,7 +141,7 @@ class Loop:
         if "c_integral" in values and values["c_integral"].size == n:
             # bumpless: the drive takes over the torque that the brake has held
             values["c_integral"] = values["c_integral"] + balance - self._first_command(motion, gains)
-        return np.concatenate([np.asarray(values[f.name], dtype=float).ravel() for f in block.states])
+        return np.concatenate([np.asarray(values[f.name], dtype=float).ravel() for f in block.states]), balance
 
     @cached_property
     def _balance(self) -> ca.Function:
@@ -127,9 +154,12 @@ class Loop:
 
     def _first_command(self, motion: Trajectory, gains: Mapping[str, ArrayLike]) -> Array:
         q, qd = motion.q[0], motion.qd[0]
-        given = {"q": q, "qd": qd, "q_ref": q, "qd_ref": qd, "qdd_ref": motion.qdd[0]}
+        given: dict[str, ArrayLike] = {"q": q, "qd": qd, "q_ref": q, "qd_ref": qd, "qdd_ref": motion.qdd[0]}
+        # a guarded controller is asked what it would say after its soft start
+        given |= {"fresh": 1.0, "blend": 1.0}
+        gains = {"c_torque_rate": np.full(len(q), 1e12), **gains}
         control = self.controller
-        arguments: list[Any] = [f.start for f in control.states]
+        arguments: list[Any] = [given.get(f.name, f.start) for f in control.states]
         arguments += [given[f.name] for f in control.inputs]
         arguments += [np.broadcast_to(gains.get(f"c_{f.name}", f.start), f.size) for f in control.parameters]
         results = control.step.call(arguments)
