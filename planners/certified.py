@@ -144,6 +144,6 @@ def _explain(cells: Cells, limits: MotionLimits, friction: Array, cell: int) -> 
     axis = int(np.argmax(ratio[cell]))
     return InfeasibleError(
         f"at {1e3 * cells.s[cell]:.1f} mm no acceleration keeps all axes within their torque limits; axis {axis + 1} "
-        f"is closest, with {needed[cell, axis]:,.0f} of {limits.tau_max[axis]:,.0f} Nm to move slowly; round the corner "
-        "there, or move the work frame"
+        f"is closest, with {needed[cell, axis]:,.0f} of {limits.tau_max[axis]:,.0f} Nm to move slowly; round the "
+        "corner there, or move the work frame"
     )

@@ -13,6 +13,7 @@ from irb2400_ctrl.planners.ball import ball_function
 from irb2400_ctrl.planners.cells import parabolas
 from irb2400_ctrl.planners.follow import Followed
 from irb2400_ctrl.planners.orientation import Orientation
+from irb2400_ctrl.planners.task_curve import ROTATION_LENGTH, TaskCurve
 
 Array = npt.NDArray[np.float64]
 
@@ -45,11 +46,15 @@ def deviation(model: Model, orientation: Orientation, followed: Followed) -> Dev
     X = model.tcp_pose(joints(s))
     p, axis = X[:, :3, 3], -(X[:, :3, :3] @ orientation.spindle)
     stated = path.tool_axis(orientation.spindle)
+    both, stated_both = (np.hstack([x, ROTATION_LENGTH * y]) for x, y in ((p, axis), (path.position, stated)))
     point = curve.origin[np.minimum(u.astype(int), curve.segments - 1)]
     distance, angle = np.full(len(s), np.inf), np.full(len(s), np.inf)
     for shift in (-1, 0, 1):
         last = np.clip(point + shift, 1, len(path) - 1)
-        d, t = _to_segment(p, path.position[last - 1], path.position[last])
+        # the nearest point in position and direction, so that turning on the spot has a place, too
+        _, t = _to_segment(both, stated_both[last - 1], stated_both[last])
+        foot = path.position[last - 1] + t[:, None] * (path.position[last] - path.position[last - 1])
+        d = np.linalg.norm(p - foot, axis=1)
         between = stated[last - 1] + t[:, None] * (stated[last] - stated[last - 1])
         between /= np.maximum(np.linalg.norm(between, axis=1, keepdims=True), 1e-12)
         a = 2 * np.arcsin(np.clip(np.linalg.norm(axis - between, axis=1) / 2, 0, 1))
@@ -57,21 +62,21 @@ def deviation(model: Model, orientation: Orientation, followed: Followed) -> Dev
         # where the tool only turns, both sides are equally near and the better axis counts
         angle = np.where(nearer, a, np.where(d < distance + 1e-9, np.minimum(a, angle), angle))
         distance = np.minimum(d, distance)
-    return Deviation(distance, angle, s, _corners(path.position, point, p))
+    return Deviation(distance, angle, s, _corners(curve) + followed.error)
 
 
-def _corners(points: Array, point: npt.NDArray[np.int64], p: Array) -> float:
-    """Largest distance of a way-point from the polygon through the motion's samples p next to it."""
-    at = np.searchsorted(point, np.arange(len(points)), side="right")
-    best = np.full(len(points), np.inf)
-    for shift in range(-12, 12):
-        first = np.clip(at + shift, 0, len(p) - 2)
-        d, _ = _to_segment(points, p[first], p[first + 1])
+def _corners(curve: TaskCurve) -> float:
+    """Largest distance of a way-point from the curve: looked for one segment before and behind its control point."""
+    last = np.flatnonzero(np.append(np.diff(curve.origin) > 0, True))
+    point, at = curve.path.position[curve.origin[last]], last + 1.0
+    looks = np.linspace(-1.0, 1.0, 33)
+    u = np.clip(at[:, None] + looks, 0.0, float(curve.segments))
+    places = curve(u.ravel())[:, :3].reshape(*u.shape, 3)
+    best = np.full(len(point), np.inf)
+    for k in range(len(looks) - 1):
+        d, _ = _to_segment(point, places[:, k], places[:, k + 1])
         best = np.minimum(best, d)
-    # way-points that repeat others have no samples of their own
-    known = np.isin(np.arange(len(points)), point)
-    known[0] = True
-    return float(best[known].max())
+    return float(best.max())
 
 
 def _to_segment(p: Array, a: Array, b: Array) -> tuple[Array, Array]:

@@ -111,12 +111,13 @@ class Ladder:
             return []
         # ways of clearly smaller margin than the best are not followed further
         level = max(m for m, _, _ in candidates)
-        found: list[Candidate] = []
+        found: list[tuple[float, float, tuple[int, int, int], list[Integers]]] = []
         sweeps: dict[float, tuple[Array, list[Integers]]] = {}
         for m, branch, row in candidates:
             if m < 0.9 * level:
                 continue
-            floor = 0.999 * m
+            # a few levels, so that ways of nearly equal margin share a sweep
+            floor = 0.99 * level * 0.97 ** np.ceil(np.log(level / m) / -np.log(0.97))
             if floor not in sweeps:
                 cost, back = self._sweep(shifts, level=floor)
                 sweeps[floor] = (cost, back)
@@ -126,9 +127,9 @@ class Ladder:
                 continue
             end_row = row if per_rotation else int(np.argmin(cost[:, branch].min(axis=1)))
             end = (end_row, branch, int(np.argmin(cost[end_row, branch])))
-            found.append(self._trace(end, back, shifts, float(cost[end])))
-        found.sort(key=lambda c: (-round(min(c.margin, COMFORTABLE), 3), c.cost))
-        return found[:keep]
+            found.append((-round(m, 3), float(cost[end]), end, back))
+        found.sort(key=lambda way: way[:2])
+        return [self._trace(end, back, shifts, cost) for _, cost, end, back in found[:keep]]
 
     def _sweep(self, shifts: tuple[int, ...], level: float | None) -> tuple[Array, list[Integers]]:
         """One pass over the stations: bottleneck margin (level None), or cost among nodes of margin >= level.

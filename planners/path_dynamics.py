@@ -8,7 +8,7 @@ friction of eq. 55 stands apart, because its sign and Stribeck curve need their 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import casadi as ca
 import numpy as np
@@ -19,6 +19,7 @@ from irb2400_ctrl.effects import Effect
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.model.signals import ArmSignals
 from irb2400_ctrl.planners.ball import ball_function
+from irb2400_ctrl.robot import Robot
 
 Array = npt.NDArray[np.float64]
 
@@ -78,6 +79,12 @@ class PathDynamics:
             return np.zeros_like(q)
         columns = [ca.DM(v.T) for v in (q, qd, qdd)] + [ca.DM(time[None, :])]
         return np.asarray(self._irregular_torque(*columns)).T
+
+
+@lru_cache(maxsize=8)
+def path_dynamics(robot: Robot) -> PathDynamics:
+    """The coefficients of a robot, built once."""
+    return PathDynamics(Model(robot))
 
 
 def coefficient_function(model: Model, effects: tuple[Effect, ...]) -> ca.Function:

@@ -23,7 +23,7 @@ from irb2400_ctrl.planners.irregular import time_with_irregular
 from irb2400_ctrl.planners.limits import MotionLimits
 from irb2400_ctrl.planners.margins import COMFORTABLE
 from irb2400_ctrl.planners.orientation import Orientation
-from irb2400_ctrl.planners.path_dynamics import PathDynamics
+from irb2400_ctrl.planners.path_dynamics import PathDynamics, path_dynamics
 from irb2400_ctrl.planners.plan import Plan, Trajectory
 from irb2400_ctrl.planners.selection import Choice, choices
 from irb2400_ctrl.planners.task_curve import smooth_curve
@@ -93,8 +93,8 @@ def plan_path(
     clock = _Clock(progress)
     limits = MotionLimits.of(robot) if limits is None else limits
     with clock.stage("model"):
-        model = Model(robot)
-        dynamics = PathDynamics(model)
+        dynamics = path_dynamics(robot)
+        model = dynamics.model
         spindle = np.array((0.0, 0.0, 1.0) if robot.tool is None else robot.tool.spindle_axis)
     with clock.stage("curve"):
         placed = path if work_frame is None else path.moved(work_frame)

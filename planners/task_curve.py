@@ -154,7 +154,8 @@ def _corner_steps(points: Array, tolerance: float) -> tuple[Array, npt.NDArray[n
     bend = np.linalg.norm(np.diff(sides / length[:, None], axis=0), axis=1)
     before, after = length[:-1], length[1:]
     smooth = (bend < SMOOTH_BEND) & (np.maximum(before, after) < 2 * np.minimum(before, after))
-    passed = bend * 2 * before * after / (before + after) / 6
+    # the longer side decides: beside a tiny one the curve would still cut the corner from far away
+    passed = bend * np.maximum(before, after) / 6
     needed = np.where(~smooth & (passed > tolerance), 6 * tolerance / np.maximum(bend, 1e-12), np.inf)
     return np.concatenate([[np.inf], needed, [np.inf]]), np.concatenate([[False], smooth, [False]])
 
