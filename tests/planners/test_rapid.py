@@ -351,3 +351,14 @@ def test_a_configuration_that_does_not_exist_is_refused(model: irb.Model) -> Non
     module: RapidModule = read_rapid(text.replace("[" + ",".join(map(str, conf)) + "]", "[3,3,3,7]"))
     with pytest.raises(InputError, match="no joint angles with configuration"):
         module.joint_angles(model)
+
+
+def test_blocks_of_the_documentation_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    page = Path(__file__).parents[2] / "docs" / "programs_out.md"
+    blocks = re.findall(r"```python\n(.*?)```", page.read_text(), re.DOTALL)
+    assert blocks
+    monkeypatch.chdir(tmp_path)
+    scope: dict[str, object] = {}
+    for block in blocks:
+        exec(block, scope)
+    assert (tmp_path / "part.mod").is_file()
