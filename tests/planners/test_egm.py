@@ -392,7 +392,7 @@ def test_speed_guidance_leaves_only_the_delay() -> None:
     rows = np.array(controller.rows)[: len(report.time)]
     # with the speed fed forward the servo's own lag is gone: the plan, one to two cycles late
     time = report.time
-    assert np.degrees(np.abs(rows - planned(time - 1.5 * CYCLE)[0])).max() < 0.1
+    assert np.degrees(np.abs(rows - planned(time - 1.5 * CYCLE)[0])).max() < 0.02
     speed = np.abs(planned(np.array(0.5))[1]).max()
     assert np.abs(rows - planned(time)[0]).max() < 1.8 * CYCLE * speed
     assert report.outcome == "finished"
