@@ -1,7 +1,7 @@
 """Write the example part: a freeform raster as a CAM system states it (APT/CLDATA, millimetres).
 
 A gently waved pocket floor of 200 x 120 mm, cut in parallel lines with the tool axis on the surface normal. Run it
-to make `examples/toolpaths/freeform.apt` again: `python examples/make_toolpath.py`.
+to make `irb2400_ctrl/data/freeform.apt` again: `python examples/make_toolpath.py`.
 """
 
 from __future__ import annotations
@@ -53,6 +53,6 @@ def program() -> str:
 
 
 if __name__ == "__main__":
-    target = Path(__file__).parent / "toolpaths" / "freeform.apt"
+    target = Path(__file__).parent.parent / "irb2400_ctrl" / "data" / "freeform.apt"
     target.write_text(program())
     print(f"{target.name}: {program().count('GOTO/')} points")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from enum import StrEnum
-from typing import Annotated
+from typing import Annotated, Literal
 
 import typer
 
@@ -19,19 +19,13 @@ class Target(StrEnum):
     cortex_m7 = "cortex-m7"
 
 
-class Precision(StrEnum):
-    """Floating-point type of the generated C."""
-
-    float = "float"
-    double = "double"
-
-
 def codegen(
     out: OutOption,
     controller: Annotated[str, typer.Option(metavar="NAME", help="Controller; an unknown name lists all.")],
     target: Annotated[Target, typer.Option(help="Processor to build and verify for.")] = Target.host,
     precision: Annotated[
-        Precision | None, typer.Option(help="float or double; default float on cortex-m4f, double elsewhere.")
+        Literal["float", "double"] | None,
+        typer.Option(help="Floating-point type; default float on cortex-m4f, double elsewhere."),
     ] = None,
     robot: RobotOption = "irb2400",
     sample_time: Annotated[float, typer.Option(help="Seconds between two steps.", min=1e-5, max=0.1)] = 0.001,
@@ -44,8 +38,7 @@ def codegen(
     from irb2400_ctrl.robot import load_robot
 
     block = make_controller(controller, load_robot(robot), sample_time=sample_time)
-    real = precision.value if precision else "float" if target is Target.cortex_m4f else "double"
     with step(f"generating {controller} for {target.value}"):
-        verification = export_package(block, out, target=target.value, real=real)
+        verification = export_package(block, out, target=target.value, real=precision)
     print(verification.table())
     print(f"written: {out}")

@@ -17,13 +17,10 @@ def diagnose(
     validate: Annotated[
         Path | None, typer.Option(metavar="LOG2", help="Another motion of the same arm, for the error after.")
     ] = None,
-    reference: Annotated[
-        Path | None, typer.Option(metavar="LOG3", help="Log of the arm known to be sound: gives the noise model.")
-    ] = None,
     robot: RobotOption = "irb2400",
 ) -> None:
     """Find the residual, name the effect behind it, add it to the robot -> findings.json, robot.toml, report.html."""
-    for path in (log, validate, reference):
+    for path in (log, validate):
         if path is not None:
             input_file(path, "a log (.csv or .csv.gz)")
     output_folder(out)
@@ -35,10 +32,10 @@ def diagnose(
 
     arm = load_robot(robot)
     with step(f"reading {log.name}"):
-        logs = [None if path is None else read_log(path) for path in (log, validate, reference)]
+        logs = [None if path is None else read_log(path) for path in (log, validate)]
     assert logs[0] is not None
     with step("comparing log and model"):
-        result = run(arm, logs[0], validation=logs[1], reference=logs[2])
+        result = run(arm, logs[0], validation=logs[1])
     with step("writing the report"):
         result.write(out)
         diagnosis_page(result, title=f"Diagnosis of {log.name}").write(out / "report.html")

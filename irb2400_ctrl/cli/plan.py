@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated
 
@@ -20,21 +21,26 @@ def plan(
         bool,
         typer.Option("--free-tool-rotation/--fixed", help="Turn the tool freely about its own axis, or hold it."),
     ] = True,
+    torque_share: Annotated[
+        float, typer.Option(help="Share of the torque limits the plan may use; the rest is the controller's.", min=0.1)
+    ] = 1.0,
 ) -> None:
     """Plan a toolpath: branch, tool rotation, torque-limited timing -> trajectory.csv, plan.json, figures."""
     input_file(path, "a toolpath (CSV or APT/CLDATA)")
     output_folder(out)
 
-    from irb2400_ctrl.planners import plan_path, read_path
+    from irb2400_ctrl.planners import MotionLimits, plan_path, read_path
     from irb2400_ctrl.report.plan_figures import save_figures
     from irb2400_ctrl.robot import load_robot
 
     arm = load_robot(robot)
     toolpath = read_path(path)
+    limits = MotionLimits.of(arm)
+    limits = replace(limits, tau_max=torque_share * limits.tau_max)
     with step(f"planning {len(toolpath)} points"):
-        planned = plan_path(arm, toolpath, rate=rate, free_tool_rotation=free_tool_rotation)
+        planned = plan_path(arm, toolpath, rate=rate, free_tool_rotation=free_tool_rotation, limits=limits)
         planned.write(out)
-        save_figures(arm, planned, out)
+        save_figures(planned, out)
     s = planned.summary()
     print(f"{path.name}: {len(toolpath)} points, {s['duration_s']:.2f} s")
     margin = s["singularity_margin"]

@@ -79,6 +79,9 @@ def check(
     print(f"the mass matrix {word} over the whole joint box: {certificate.reason}")
     if not issues:
         print("every body could exist")
+    for joint in arm.joints:
+        if "assumption" in joint.limits.torque_source:
+            print(f"{joint.name}: torque limit {joint.limits.torque_Nm:.0f} Nm is an {joint.limits.torque_source}")
     if project is not None:
         nearest, distance = consistency.project(arm)
         save_robot(nearest, project)

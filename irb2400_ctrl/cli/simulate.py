@@ -26,11 +26,11 @@ def simulate(
 
     from irb2400_ctrl.report.simulation_figures import tracking_figure
     from irb2400_ctrl.robot import load_robot
-    from irb2400_ctrl.simulation import read_trajectory
+    from irb2400_ctrl.simulation import load_trajectory
     from irb2400_ctrl.simulation import simulate as run
 
     arm = load_robot(robot)
-    motion = read_trajectory(trajectory)
+    motion = load_trajectory(trajectory)
     with step(f"simulating {controller}"):
         simulation = run(arm, motion, controller, plant=None if plant is None else load_robot(plant))
         simulation.write(out)

@@ -16,10 +16,12 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 STYLE = """
-body { font: 16px/1.5 system-ui, sans-serif; color: #1c2024; margin: 0 auto; max-width: 60rem; padding: 1rem 1.5rem 4rem; }
+body { font: 16px/1.5 system-ui, sans-serif; color: #1c2024; margin: 0 auto;
+  max-width: 60rem; padding: 1rem 1.5rem 4rem; }
 h1 { font-size: 1.7rem; } h2 { font-size: 1.25rem; margin-top: 2.2rem; border-bottom: 1px solid #ccd3da; }
 table { border-collapse: collapse; margin: 0.8rem 0; } caption { text-align: left; color: #55606b; padding: 0.2rem 0; }
-th, td { padding: 0.2rem 0.8rem; text-align: right; border-bottom: 1px solid #e4e8ec; font-variant-numeric: tabular-nums; }
+th, td { padding: 0.2rem 0.8rem; text-align: right; border-bottom: 1px solid #e4e8ec; }
+td { font-variant-numeric: tabular-nums; }
 th { background: #f3f5f7; } th:first-child, td:first-child { text-align: left; }
 figure { margin: 1rem 0; } figure img { max-width: 100%; } figcaption { color: #55606b; font-size: 0.92rem; }
 .finding { border-left: 4px solid #2a6fb0; background: #f3f8fc; padding: 0.5rem 1rem; margin: 0.8rem 0; }
@@ -52,13 +54,10 @@ class Page:
         self._parts.append(f"<table><caption>{html.escape(caption)}</caption><tr>{cells}</tr>{body}</table>")
 
     def figure(self, figure: Figure, caption: str) -> None:
-        """A figure, embedded as PNG; the figure is closed to free its memory."""
-        import matplotlib.pyplot as plt
-
+        """A figure, embedded as PNG."""
         buffer = io.BytesIO()
         # without metadata the same figure gives the same bytes
         figure.savefig(buffer, format="png", dpi=110, bbox_inches="tight", metadata={"Software": None})
-        plt.close(figure)
         data = base64.b64encode(buffer.getvalue()).decode()
         text = html.escape(caption)
         self._parts.append(
@@ -79,7 +78,7 @@ class Page:
 
 def show(value: object) -> str:
     """A number for a reader: three significant digits; anything else as text."""
-    if isinstance(value, float):
+    if isinstance(value, float):  # numpy's float64 is one too
         magnitude = abs(value)
         if magnitude >= 100:
             return f"{value:,.0f}"

@@ -19,6 +19,7 @@ class ClosedLoop:
     """Tracking of one motion by the controller of the robot as given and of the robot as diagnosed."""
 
     controller: str
+    motion: str
     plant: Robot
     before: Simulation
     after: Simulation
@@ -29,7 +30,9 @@ class ClosedLoop:
         return rms(self.before) / rms(self.after)
 
 
-def close_loop(given: Robot, diagnosed: Robot, trajectory: Trajectory, *, plant: Robot, controller: str) -> ClosedLoop:
+def close_loop(
+    given: Robot, diagnosed: Robot, trajectory: Trajectory, *, plant: Robot, controller: str, motion: str
+) -> ClosedLoop:
     """Track `trajectory` on `plant` with `controller` made from either description of the robot.
 
     Args:
@@ -37,13 +40,14 @@ def close_loop(given: Robot, diagnosed: Robot, trajectory: Trajectory, *, plant:
         diagnosed: the robot with what the diagnosis found.
         plant: the simulated arm, which has the effect; best one whose other parameters differ from both.
         controller: name of the controller; the same structure and gains rule for both.
+        motion: what the trajectory is, in words.
     """
 
     def run(robot: Robot) -> Simulation:
         block: Block = make_controller(controller, robot)
         return simulate(robot, trajectory, block, plant=plant)
 
-    return ClosedLoop(controller, plant, run(given), run(diagnosed))
+    return ClosedLoop(controller, motion, plant, run(given), run(diagnosed))
 
 
 def rms(run: Simulation) -> float:

@@ -1,0 +1,138 @@
+"""The report and the table of the main job."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from irb2400_ctrl.report.diagnosis_report import add_diagnosis, finding_title
+from irb2400_ctrl.report.main_job import MainJob
+from irb2400_ctrl.report.page import Page
+from irb2400_ctrl.report.plan_figures import plan_figures
+from irb2400_ctrl.report.simulation_figures import torque_figure, tracking_figure
+
+STEPS = (
+    "One symbolic model of the arm does everything on this page: it times a CAM toolpath under torque limits, becomes "
+    "controllers in C, is simulated in closed loop, and is compared with a measured log to find what it lacks."
+)
+
+
+def main_page(job: MainJob) -> Page:
+    """report.html of `irb2400 demo`."""
+    page = Page(f"{job.robot.name}: from toolpath and log to a better controller")
+    page.text(STEPS)
+    _add_plan(page, job)
+    _add_code(page, job)
+    _add_tracking(page, job)
+    page.heading("What does the model lack?")
+    page.text(
+        f"A recorded motion of one arm ({job.diagnosis.identification.known.shape[0]} samples) is compared with the "
+        "model as given. The error after is reported on the other motion of the same arm."
+    )
+    add_diagnosis(page, job.diagnosis)
+    _add_closed_loop(page, job)
+    return page
+
+
+def _add_plan(page: Page, job: MainJob) -> None:
+    s = job.plan.summary()
+    page.heading("The toolpath")
+    page.text(
+        f"{s['points']} points of {s['path']}, {s['length_mm']:,.0f} mm, in {s['duration_s']:.2f} s. "
+        f"Tool rotation: {s['tool_rotation']}. "
+        + ("The torque bound holds at every instant by construction." if s["guaranteed"] else "")
+    )
+    margin = s["singularity_margin"]
+    page.table(
+        "The plan in numbers",
+        ("quantity", "value"),
+        [
+            ["TCP deviation, at most [mm]", float(s["max_tcp_deviation_mm"])],
+            ["tool axis deviation, at most [deg]", float(s["max_tool_axis_deviation_deg"])],
+            ["margin to the wrist singularity, |sin q5|", float(margin["wrist"])],
+            ["margin to the shoulder singularity [m]", float(margin["shoulder"])],
+            ["margin to the elbow singularity [m]", float(margin["elbow"])],
+            ["torque over limit, at most", float(s["max_torque_ratio"])],
+            ["speed over limit, at most", float(s["max_velocity_ratio"])],
+        ],
+    )
+    for caption, figure in plan_figures(job.plan).items():
+        page.figure(figure, caption)
+
+
+def _add_code(page: Page, job: MainJob) -> None:
+    page.heading("Controllers in C")
+    page.text("Generated from the symbolic model, compiled here, and compared with it state by state.")
+    rows: list[list[object]] = []
+    for name, verification in job.packages.items():
+        v = verification
+        rows.append([name, v.real, v.states, v.max_relative_difference, "passed" if v.passed else "failed"])
+    page.table("Packages", ("controller", "type", "states", "largest relative difference", "verdict"), rows)
+
+
+def _add_tracking(page: Page, job: MainJob) -> None:
+    page.heading("Closed loop on an arm that differs from the model")
+    page.text(
+        "1 kHz control in generated C, quantised encoders, saturated torques; masses, centres of mass, inertias and "
+        "friction of the plant differ from the model by what a data sheet leaves open."
+    )
+    rows = []
+    for name, run in job.tracking.items():
+        s = run.summary()
+        errors = (*s["tcp_error_mm"].values(), *s["contour_error_mm"].values())
+        rows.append([name, *(float(v) for v in errors)])
+    head = ("controller", "TCP rms [mm]", "TCP max [mm]", "contour rms [mm]", "contour max [mm]")
+    page.table("Tracking of the toolpath", head, rows)
+    page.figure(tracking_figure(job.tracking), "Distance of the TCP from its reference, and the worst of each joint.")
+    best = "computed_torque"
+    page.figure(torque_figure(job.tracking[best], best), "Torque of each joint against its limits.")
+
+
+def _add_closed_loop(page: Page, job: MainJob) -> None:
+    loop = job.closed_loop
+    names = ", ".join(finding_title(f) for f in job.diagnosis.findings) or "recalibrated parameters"
+    page.heading("The loop closed")
+    page.text(
+        f"The controller ({loop.controller}) is generated again from the robot with what was found ({names}) and "
+        f"follows {loop.motion} on a simulated arm that has it and differs from both descriptions otherwise."
+    )
+    rows = []
+    for name, run in (("robot as given", loop.before), ("robot as diagnosed", loop.after)):
+        s = run.summary()
+        joint = np.array(s["joint_error_deg"]["rms"])
+        rows.append([name, *(float(v) for v in s["tcp_error_mm"].values()), *(float(1e3 * v) for v in joint)])
+    head = ("controller from", "TCP rms [mm]", "TCP max [mm]", *(f"q{j + 1} rms [mdeg]" for j in range(len(joint))))
+    page.table("Tracking before and after", head, rows)
+    runs = {"robot as given": loop.before, "robot as diagnosed": loop.after}
+    page.figure(tracking_figure(runs), "The same motion and gains; only the description behind the controller differs.")
+
+
+def table(job: MainJob) -> str:
+    """At most 20 lines for the terminal."""
+    s = job.plan.summary()
+    margin = s["singularity_margin"]
+    found = [
+        f"plan      {s['points']} points in {s['duration_s']:.2f} s, torque at most {100 * s['max_torque_ratio']:.1f} %"
+        + (" (guaranteed at every instant)" if s["guaranteed"] else ""),
+        f"          margins: wrist {margin['wrist']:.3f}, shoulder {margin['shoulder']:.3f} m, "
+        f"elbow {margin['elbow']:.3f} m",
+    ]
+    for name, v in job.packages.items():
+        verdict = "equal to the model" if v.passed else "DIFFERS from the model"
+        found.append(f"C         {name}: {verdict} within {v.max_relative_difference:.0e} over {v.states} states")
+    for name, run in job.tracking.items():
+        e = run.summary()["tcp_error_mm"]
+        found.append(f"track     {name:<16} TCP error {e['rms']:.3f} mm rms, {e['max']:.3f} mm at most")
+    found.append(f"diagnose  verdict: {job.diagnosis.verdict}")
+    for finding in job.diagnosis.findings:
+        found.append(f"          {finding_title(finding)}, confidence {100 * finding.confidence:.0f} %")
+    compared = job.diagnosis.validation or job.diagnosis.identification
+    for name, values in (
+        ("before", compared.error_before.rmse),
+        ("after", compared.error_after.rmse),
+        ("noise floor", job.diagnosis.noise_floor),
+    ):
+        found.append(f"          RMSE {name:<12} " + " ".join(f"{v:6.2f}" for v in values) + "  Nm, other motion")
+    for name, run in (("given", job.closed_loop.before), ("diagnosed", job.closed_loop.after)):
+        e = run.summary()["tcp_error_mm"]
+        found.append(f"close     robot as {name:<10} TCP error {e['rms']:.3f} mm rms, {e['max']:.3f} mm at most")
+    return "\n".join(found)
