@@ -95,7 +95,7 @@ static std::function<double(const double *)> pinocchio_call(const std::string &k
         };
     return [=](const double *x) {
         pin::computeABADerivatives(*model, *data, Map(x, 6), Map(x + 6, 6), Map(x + 12, 6));
-        return data->ddq_dq(0, 0);
+        return data->ddq[0];
     };
 }
 

@@ -13,7 +13,8 @@ import irb2400_ctrl as irb
 
 Array = npt.NDArray[np.float64]
 
-KR300 = Path("/work/shared/measured/kr300/robot.json")
+# measured data may lie beside the project; nothing of them is part of it
+KR300 = Path(__file__).resolve().parents[3] / "shared" / "measured" / "kr300" / "robot.json"
 
 
 def _transform(roll: float, position: tuple[float, float, float], yaw: float = 0.0) -> dict[str, Any]:
