@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+import casadi as ca
 import numpy as np
 import numpy.typing as npt
 import pytest
@@ -12,6 +13,7 @@ from model import printed_kinematics as eq
 from model.states import States
 
 import irb2400_ctrl as irb
+from irb2400_ctrl.model import euler_lagrange
 from irb2400_ctrl.robot import ModifiedDH
 
 Array = npt.NDArray[np.float64]
@@ -201,6 +203,21 @@ class TestEnergies:
             )
             without = dynamics.kinetic_energy(model.robot.model_copy(update={"links": tuple(links)}), q, qd)
             assert abs(total - without) < 0.95 * total
+
+    def test_eqs_48_and_50_sum_over_the_links_and_forget_the_tool(self, model: irb.Model, states: States) -> None:
+        """n = 6 bodies in section 5, while eqs. 62, 63 of section 6 carry the spindle: the methods would disagree."""
+        robot = model.robot
+        q = ca.SX.sym("q", 6)
+        terms = [
+            ca.Function("terms", [q], [euler_lagrange.mass_matrix(arm, q), euler_lagrange.gravity(arm, q)])
+            for arm in (robot, robot.model_copy(update={"tool": None}))
+        ]
+        for position in states.q[:5]:
+            with_tool, without = ([np.array(term) for term in f(position)] for f in terms)
+            at_rest = dynamics.joint_torques(robot, position, np.zeros(6), np.zeros(6))
+            np.testing.assert_allclose(robot.A.T @ at_rest, with_tool[1].ravel(), rtol=0, atol=1e-10)
+            assert np.abs(without[1].ravel() - with_tool[1].ravel()).max() > 10.0
+            assert np.abs(without[0] - with_tool[0]).max() > 1.0
 
     def test_eq_48_has_the_sign_of_an_upward_g(self, model: irb.Model, states: States) -> None:
         """With the g of eqs. 58-64, which points down, G = dP/dq (eq. 52) comes out with the wrong sign."""
