@@ -48,8 +48,11 @@ class Compensation:
 
     @cached_property
     def effects(self) -> tuple[Effect, ...]:
-        """Effects that load the actuators as a force (those on the arm's parameters are in the model's mass data)."""
-        return tuple(effect for effect in self.robot.effects if effect.acts == "force")
+        """Effects that load the actuators as a force (those on the arm's parameters are in the model's mass data).
+
+        An elastic joint counts as rigid: its spring would need the derivatives of the acceleration.
+        """
+        return tuple(e for e in self.robot.effects if e.acts == "force" and e.kind != "elastic_joint")
 
     @cached_property
     def memories(self) -> tuple[tuple[Effect, Field], ...]:

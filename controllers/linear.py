@@ -62,6 +62,9 @@ def linearize_block(block: Block, q: Array) -> Any:
     import control
 
     values = {f.name: f.start for f in (*block.states, *block.parameters)}
+    if "deadband" in values:
+        # inside its deadband an integral stands still; outside is where stability matters
+        values["deadband"] = np.zeros_like(values["deadband"])
     rest = {f.name: (q if f.name in {"q", "q_ref"} else np.zeros(f.size)) for f in block.inputs}
     flat = block.flat()
     x, u, p = (ca.SX.sym(name, flat.numel_in(i)) for i, name in enumerate("xup"))
@@ -75,7 +78,9 @@ def linearize_block(block: Block, q: Array) -> Any:
     slopes = ca.Function("slopes", [x, u, p], [ca.densify(m) for m in matrices])
     at = [_stack(block.states, values), _stack(block.inputs, rest), _stack(block.parameters, values)]
     A, B, C, D = (np.asarray(m) for m in slopes.call(at))
-    return control.ss(A, B, -C, -D, block.sample_time)
+    # states that stand still at rest (learned parameters) are constants of the linear loop
+    moving = (np.abs(A - np.eye(len(A))).max(axis=1, initial=0.0) > 0) | (np.abs(B).max(axis=1, initial=0.0) > 0)
+    return control.ss(A[np.ix_(moving, moving)], B[moving], -C[:, moving], -D, block.sample_time)
 
 
 def _columns(expression: ca.SX, u: ca.SX, place: dict[str, slice]) -> ca.SX:

@@ -11,7 +11,7 @@ from irb2400_ctrl.codegen import Block, Field
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.robot import Robot
 from irb2400_ctrl.simulation.instruments import Actuators, Sensors
-from irb2400_ctrl.simulation.plant import plant_block
+from irb2400_ctrl.simulation.plant import link_angles, plant_block
 
 Values = dict[str, ca.SX]
 REFERENCE = {"q_ref": "rad", "qd_ref": "rad/s", "qdd_ref": "rad/s2"}
@@ -29,7 +29,8 @@ def closed_loop(
     """One control period of the whole loop as a block.
 
     Inputs: `q_ref`, `qd_ref`, `qdd_ref`, with `wrench` also `wrench`, `fresh` if the controller has it. Outputs, all
-    at the sample: true `q` and `qd`, measured `q_seen` and `qd_seen`, `tau` as it acts during the period, `command`, `dry` friction of the step before.
+    at the sample: true `q` and `qd`, measured `q_seen` and `qd_seen`, `tau` as it acts during the period, `command`,
+    `dry` friction of the step before, `q_link` (differs from `q` where a joint is elastic).
     States and parameters of the controller bear the prefix `c_`, those of the plant `p_`.
     """
     n, period = plant.n, controller.sample_time
@@ -62,6 +63,7 @@ def closed_loop(
         Field("tau", n, "Nm", "torque that acts on the arm"),
         Field("command", n, "Nm", "torque command"),
         Field("dry", n, "Nm", "dry friction, mean of the step before"),
+        Field("q_link", n, "rad", "true angles on the side of the links"),
         *prefixed("c_", extra),
     ]
     parameters = [
@@ -100,6 +102,7 @@ def closed_loop(
     }
     given: Values = {
         "q": q, "qd": qd, "q_seen": q_seen, "qd_seen": qd_seen, "tau": tau, "command": command, "dry": v["p_dry"],
+        "q_link": link_angles(plant, q, v.get("p_link", ca.SX(0, 1))),
         **{f"c_{f.name}": control[f.name] for f in extra},
     }  # fmt: skip
     results = [ca.densify(x) for x in (*(after[f.name] for f in states), *(given[f.name] for f in outputs))]

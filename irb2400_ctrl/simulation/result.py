@@ -28,7 +28,8 @@ CONTOUR_WINDOW_S = 0.15
 class Simulation:
     """One run. Arrays (m, n) at the control rate, in rad, rad/s, Nm; errors of the TCP in metres.
 
-    `signals` holds by name: q, qd (true), q_seen, qd_seen (measured), tau (acting), command, dry.
+    `signals` holds by name: q, qd (true), q_seen, qd_seen (measured), tau (acting), command, dry, q_link
+    (true angles on the side of the links; they differ from q where a joint is elastic).
     """
 
     robot: Robot
@@ -73,7 +74,7 @@ class Simulation:
     @cached_property
     def p_BT(self) -> Array:
         """TCP positions [m], shape (m, 3)."""
-        return tcp_positions(self.plant, self.q)
+        return tcp_positions(self.plant, self.signals["q_link"])
 
     @cached_property
     def p_BT_ref(self) -> Array:

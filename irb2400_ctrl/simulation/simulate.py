@@ -16,6 +16,7 @@ from irb2400_ctrl.codegen import Block, CompiledBlock, compile_block
 from irb2400_ctrl.errors import InputError, IrbError
 from irb2400_ctrl.robot import Robot
 from irb2400_ctrl.simulation.effect_data import data_of, structure
+from irb2400_ctrl.simulation.elasticity import elastic_data, elastic_joints
 from irb2400_ctrl.simulation.instruments import Actuators, Sensors
 from irb2400_ctrl.simulation.loop import closed_loop, encoder_zero
 from irb2400_ctrl.simulation.mechanics import force_effects, mass_data, symbolic_mechanics
@@ -68,7 +69,8 @@ class Loop:
         """
         arm = self.plant if plant is None else plant
         # numbers of the effects are parameters of the compiled code, their equations are not
-        if structure(force_effects(arm)) != structure(force_effects(self.plant)):
+        same = structure(force_effects(arm)) == structure(force_effects(self.plant))
+        if not same or elastic_joints(arm) != elastic_joints(self.plant):
             raise InputError("this loop was compiled for a plant with other effects; make a new one with `make_loop`")
         period = self.controller.sample_time
         motion = trajectory.at_rate(1.0 / period, hold=hold)
@@ -85,6 +87,8 @@ class Loop:
         data["encoder_zero"] = np.array(encoder_zero(arm))
         if effects := data_of(force_effects(arm)):
             data["p_effects"] = np.array(effects)
+        if elastic_joints(arm):
+            data["p_elastic"] = _column(elastic_data(arm))
         x0, hold_torque = self._start(arm, motion, own)
         if any(f.name == "c_hold" for f in block.parameters):
             own = {"c_hold": hold_torque, **own}
@@ -131,11 +135,18 @@ class Loop:
         block, n = self.compiled.block, arm.n
         zero = np.array(encoder_zero(arm))
         q, qd, qdd = motion.q[0], motion.qd[0], motion.qdd[0]
-        balance = self._balance_torque(arm, q + zero, qd, qdd)
+        soft, elastic = list(elastic_joints(arm)), elastic_data(arm)
+        link = q + zero
+        balance = self._balance_torque(arm, link, qd, qdd)
+        # the links hang in their springs; stiff ones, so that a few rounds find the equilibrium
+        for _ in range(8 if soft else 0):
+            link[soft] = (q + zero)[soft] - balance[soft] / elastic[:, 0]
+            balance = self._balance_torque(arm, link, qd, qdd)
         values: dict[str, Array] = {f.name: f.start for f in block.states}
         step = self.sensors.encoder_step_rad
         before = q - qd * self.controller.sample_time
         values |= {"p_q": q + zero, "p_qd": qd, "p_qdd": qdd}
+        values |= {"p_link": link[soft], "p_link_rate": qd[soft], "p_link_acc": qdd[soft]}
         values["q_before"] = before if step == 0 else step * np.floor(before / step + 0.5)
         values |= {"qd_filter": qd, "tau_before": balance, "tau_lag": balance}
         if "c_integral" in values and values["c_integral"].size == n:

@@ -108,9 +108,13 @@ def test_steady_state_of_computed_torque_under_a_wrench() -> None:
 def test_an_integrator_leaves_no_error_under_a_constant_wrench(name: str) -> None:
     robot = strong(without_friction(arm()))
     wrench = np.tile([60.0, -40.0, 80.0, 2.0, 1.0, -3.0], (1501, 1))
-    run = simulate(robot, STILL, name, wrench=wrench, sensors=IDEAL_SENSORS)
-    assert np.abs(run.q - START).max() > 1e-4
-    assert np.abs(run.q[-1] - START).max() < 1e-6
+    ends = {}
+    for deadband in (0.0, 1e-4):
+        run = simulate(robot, STILL, name, wrench=wrench, sensors=IDEAL_SENSORS, gains={"deadband": deadband})
+        assert np.abs(run.q - START).max() > 1e-4
+        ends[deadband] = np.abs(run.q[-1] - START).max()
+    assert ends[0.0] < 1e-6
+    assert ends[1e-4] < 1e-4
 
 
 def test_anti_windup_shortens_the_overshoot() -> None:
