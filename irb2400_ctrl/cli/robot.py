@@ -77,7 +77,17 @@ def check(
     certificate = certify(arm)
     word = "is positive definite" if certificate.shown else "is not shown to be positive definite"
     print(f"the mass matrix {word} over the whole joint box: {certificate.reason}")
-    if not issues:
+    if issues:
+        from irb2400_ctrl.model.realisable import realise
+
+        found = realise(arm)
+        print(
+            "other bodies, which could exist, make the same torques"
+            if found.exists
+            else "no set of bodies that could exist makes exactly these torques "
+            f"(the best leaves an eigenvalue of {found.margin:.3g} in a pseudo-inertia)"
+        )
+    else:
         print("every body could exist")
     for joint in arm.joints:
         if "assumption" in joint.limits.torque_source:
