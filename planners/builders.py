@@ -35,9 +35,7 @@ def poses(X_BT: npt.ArrayLike, *, feed: npt.ArrayLike = np.inf, name: str = "pos
     X = np.asarray(X_BT, dtype=float)
     if X.ndim != 3 or X.shape[1:] != (4, 4):
         raise InputError(f"{name}: poses have shape {X.shape}, expected (n, 4, 4)")
-    return ToolPath(
-        X[:, :3, 3], None, X[:, :3, :3], np.broadcast_to(np.asarray(feed, dtype=float), (len(X),)), name
-    )
+    return ToolPath(X[:, :3, 3], None, X[:, :3, :3], np.broadcast_to(np.asarray(feed, dtype=float), (len(X),)), name)
 
 
 def line(start: Sequence[float], end: Sequence[float], axis: npt.ArrayLike = UP, *, feed: float = np.inf) -> ToolPath:
@@ -58,7 +56,9 @@ def circle(
 ) -> ToolPath:
     """An arc about `centre` in the plane across `normal`, from angle `start` over `sweep`; tool axis `normal`."""
     if radius <= 0 or chord <= 0 or sweep == 0:
-        raise InputError(f"circle: radius {radius}, chord {chord}, sweep {sweep}; expected positive lengths and a sweep")
+        raise InputError(
+            f"circle: radius {radius}, chord {chord}, sweep {sweep}; expected positive lengths and a sweep"
+        )
     z = np.asarray(normal, dtype=float) / np.linalg.norm(normal)
     helper = np.eye(3)[0] if abs(z[0]) < 0.9 else np.eye(3)[1]
     x = helper - (helper @ z) * z
@@ -93,9 +93,7 @@ def curve(
     raise InputError(f"{name}: the curve is not smooth enough for a chord tolerance of {1e3 * chord} mm")
 
 
-def spline(
-    points: npt.ArrayLike, axis: npt.ArrayLike = UP, *, feed: float = np.inf, chord: float = CHORD
-) -> ToolPath:
+def spline(points: npt.ArrayLike, axis: npt.ArrayLike = UP, *, feed: float = np.inf, chord: float = CHORD) -> ToolPath:
     """The cubic spline through points (n, 3) [m], over their chord length; tool axes are interpolated likewise."""
     from scipy.interpolate import CubicSpline
 

@@ -26,6 +26,8 @@ Array = npt.NDArray[np.float64]
 # how far joints may turn on the circle of Cauchy's integral [rad]; larger: smaller factor, larger variation
 _REACH = 0.25
 _KAPPA = 400.0
+# largest turn of a joint within a cell [rad]
+_TURN = 0.03
 # cells shorter than this part of their neighbours' spacing are not cut off at a reversal
 _SLIVER = 1e-6
 
@@ -61,9 +63,10 @@ class Cells:
 
 def grid(path: JointPath, count: int) -> Array:
     """Ends of cells: knots, joint reversals, and even steps so that there are about `count` [m]."""
-    steps = np.maximum(1, np.ceil(np.diff(path.knots) / (path.length / count) - 1e-9).astype(int))
-    if len(path.knots) > count:
-        steps[:] = 1
+    turned = np.abs(np.diff(path(path.knots), axis=0)).max(axis=1)
+    by_turn = np.ceil(turned / _TURN)
+    by_length = np.ceil(np.diff(path.knots) / (path.length / count) - 1e-9)
+    steps = np.maximum(1, np.maximum(by_length, by_turn)).astype(int)
     first = np.repeat(path.knots[:-1], steps)
     number = np.arange(steps.sum()) - np.repeat(np.cumsum(steps) - steps, steps)
     even = np.append(first + number * np.repeat(np.diff(path.knots) / steps, steps), path.knots[-1])

@@ -51,13 +51,16 @@ def check(certificate: Certificate, model: Model, dynamics: PathDynamics | None 
     """
     dynamics = PathDynamics(model) if dynamics is None else dynamics
     law, limits = certificate.law, certificate.limits
-    # half the solver's cells: sharper, and nothing that the solver computed is used again
-    s = np.sort(np.concatenate([law.s, (law.s[:-1] + law.s[1:]) / 2]))
-    x = np.interp(s, law.s, law.x)
-    cells = enclose(dynamics, certificate.path, s)
-    u = np.repeat(law.u, 2)
-    above, below = torque_bounds(cells, u, x, model.robot.friction)
-    ratio = np.maximum(above, -below) / limits.tau_max
+    # parts of the solver's cells: sharper, and nothing that the solver computed is used again
+    for parts in (2, 4, 8):
+        split = np.arange(parts) / parts
+        s = np.append((law.s[:-1, None] + split * np.diff(law.s)[:, None]).ravel(), law.s[-1])
+        x = np.append((law.x[:-1, None] + split * np.diff(law.x)[:, None]).ravel(), law.x[-1])
+        cells = enclose(dynamics, certificate.path, s)
+        above, below = torque_bounds(cells, np.repeat(law.u, parts), x, model.robot.friction)
+        ratio = np.maximum(above, -below) / limits.tau_max
+        if ratio.max() <= 1:
+            break
     if dynamics.irregular or not np.isfinite(ratio).all():
         ratio = np.full_like(ratio, np.inf)
     cell, axis = np.unravel_index(int(np.argmax(ratio)), ratio.shape)

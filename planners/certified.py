@@ -67,11 +67,11 @@ def time_path(
     for _ in range(_PASSES):
         if start is not None:
             # each bound is looser than the motion it comes from, and never looser than the bound before
-            high = np.minimum(high, factor * _widened(start) + 1e-12)
+            high = np.minimum(high, factor * _widened(start) + 1e-30)
             low = start / factor**2 if best is not None else still
         x = start if start is not None else 0.25 * bound
         at = Linearisation(
-            x_bar=np.maximum((x[:-1] + x[1:]) / 2, 1e-9),
+            x_bar=np.maximum((x[:-1] + x[1:]) / 2, 1e-30),
             x_low=np.minimum(low[:-1], low[1:]),
             x_high=np.maximum(high[:-1], high[1:]),
             u_max=_acceleration_bound(x, h),
@@ -104,13 +104,28 @@ def _guess(cells: Cells, limits: MotionLimits, friction: Array, bound: Array, ex
     x, m = 0.25 * bound, len(cells.h)
     x = np.minimum(x, 4 * np.median(x) + 1e-9)
     for _ in range(2):
-        mean = np.maximum((x[:-1] + x[1:]) / 2, 1e-9)
+        mean = np.maximum((x[:-1] + x[1:]) / 2, 1e-30)
         at = Linearisation(mean, mean, 1.2 * mean, np.full(m, np.inf))
         passed = two_pass(torque_rows(cells, limits, friction, at, extra), cells.h, np.zeros(m + 1), bound)
         if passed.stuck is not None:
             return None
         x = passed.x
     return x
+
+
+def remainder_share(
+    cells: Cells, limits: MotionLimits, friction: Array, x: Array | None, feed_bound: Array | None = None
+) -> Array:
+    """Largest part of a torque limit that the enclosure of each cell takes, at speeds x or at a guess, shape (m,)."""
+    if x is None:
+        bound = np.minimum(speed_bounds(cells, limits.qd_max, feed_bound), 1e9)
+        bound[[0, -1]] = 0.0
+        guess = _guess(cells, limits, friction, bound, None)
+        x = 0.25 * bound if guess is None else guess
+    high = np.maximum(x[:-1], x[1:])[:, None]
+    r_a, r_b, r_e, r_c = cells.remainder
+    rest = r_a * _acceleration_bound(x, cells.h)[:, None] + r_b * high + r_e * np.sqrt(high) + r_c
+    return np.asarray((rest / limits.tau_max).max(axis=1))
 
 
 def _widened(x: Array) -> Array:
@@ -123,7 +138,9 @@ def _acceleration_bound(x: Array, h: Array) -> Array:
     """Generous bound of |u| in each cell, from a motion nearby."""
     u = np.abs(np.diff(x)) / (2 * h)
     padded = np.pad(u, 5, mode="edge")
-    return np.asarray(3 * np.lib.stride_tricks.sliding_window_view(padded, 11).max(axis=1) + 3 * np.median(u) + 1e-6)
+    nearby = np.lib.stride_tricks.sliding_window_view(padded, 11).max(axis=1)
+    # where the speed hardly changes: a thousandth of x per cell
+    return np.asarray(3 * nearby + 1e-3 * (x[:-1] + x[1:]) / h)
 
 
 def _explain(cells: Cells, limits: MotionLimits, friction: Array, cell: int) -> InfeasibleError:

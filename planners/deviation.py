@@ -48,20 +48,17 @@ def deviation(model: Model, orientation: Orientation, followed: Followed) -> Dev
     stated = path.tool_axis(orientation.spindle)
     both, stated_both = (np.hstack([x, ROTATION_LENGTH * y]) for x, y in ((p, axis), (path.position, stated)))
     point = curve.origin[np.minimum(u.astype(int), curve.segments - 1)]
-    distance, angle = np.full(len(s), np.inf), np.full(len(s), np.inf)
+    distance, angle, nearest = (np.full(len(s), np.inf) for _ in range(3))
     for shift in (-1, 0, 1):
         last = np.clip(point + shift, 1, len(path) - 1)
-        # the nearest point in position and direction, so that turning on the spot has a place, too
-        _, t = _to_segment(both, stated_both[last - 1], stated_both[last])
-        foot = path.position[last - 1] + t[:, None] * (path.position[last] - path.position[last - 1])
-        d = np.linalg.norm(p - foot, axis=1)
+        d, _ = _to_segment(p, path.position[last - 1], path.position[last])
+        # the place by position and direction together, so that turning on the spot has a place, too
+        gap, t = _to_segment(both, stated_both[last - 1], stated_both[last])
         between = stated[last - 1] + t[:, None] * (stated[last] - stated[last - 1])
         between /= np.maximum(np.linalg.norm(between, axis=1, keepdims=True), 1e-12)
         a = 2 * np.arcsin(np.clip(np.linalg.norm(axis - between, axis=1) / 2, 0, 1))
-        nearer = d < distance - 1e-12
-        # where the tool only turns, both sides are equally near and the better axis counts
-        angle = np.where(nearer, a, np.where(d < distance + 1e-9, np.minimum(a, angle), angle))
-        distance = np.minimum(d, distance)
+        angle = np.where(gap < nearest, a, angle)
+        distance, nearest = np.minimum(d, distance), np.minimum(gap, nearest)
     return Deviation(distance, angle, s, _corners(curve) + followed.error)
 
 

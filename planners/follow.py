@@ -15,14 +15,47 @@ from irb2400_ctrl.planners.orientation import Orientation
 from irb2400_ctrl.planners.task_curve import TaskCurve
 
 Array = npt.NDArray[np.float64]
-RotationLaw = Callable[[Array], Array]
-"""free rotation [rad] over the length along the path [m]"""
+Integers = npt.NDArray[np.int64]
 
 # distance between stations to start with [m]
 COARSE = 0.02
 # a joint that moves further between stations is looked at more closely [rad]
 JOINT_STEP = 0.15
-MAX_ROUNDS = 14
+MAX_ROUNDS = 40
+# stations are not put closer than this: a joint that still jumps there has no path [m]
+SMALLEST = 1e-10
+# below this the wrist is so straight that q4 has no direction of its own [-]
+STRAIGHT = 1e-6
+
+
+@dataclass(frozen=True)
+class Target:
+    """What the joints have to follow along a curve."""
+
+    orientation: Orientation
+    pose: Callable[[Array, Array], Array]
+    """X_BT (n, 4, 4) at curve parameters u and lengths s, both (n,)"""
+    branch: Callable[[Array], Integers]
+    """closed-form branch at curve parameters u"""
+
+    @classmethod
+    def of(cls, orientation: Orientation, rotation: Callable[[Array], Array], branch: int) -> Target:
+        """One branch, the tool turned by rotation(s) [rad] about the spindle."""
+        return cls(
+            orientation,
+            lambda u, s: orientation.poses(u, rotation(s)),
+            lambda u: np.full(len(u), branch, dtype=np.int64),
+        )
+
+    @property
+    def curve(self) -> TaskCurve:
+        """The curve of the tool."""
+        return self.orientation.curve
+
+    def point(self, u: float) -> int:
+        """Number 1… of the way-point that leads on from u."""
+        curve = self.curve
+        return int(curve.origin[min(int(u), curve.segments - 1)]) + 1
 
 
 @dataclass(frozen=True)
@@ -33,9 +66,9 @@ class Followed:
     u: Array
     """curve parameter at the knots of the joint path, shape (m + 1,)"""
     error: float
-    """largest distance of the TCP from the curve, between stations [m]"""
+    """largest distance of the TCP from its target, between stations [m]"""
     axis_error: float
-    """largest angle of the tool axis to the curve's, between stations [rad]"""
+    """largest angle of the tool axis to its target, between stations [rad]"""
 
 
 def station_parameters(curve: TaskCurve, spacing: float) -> Array:
@@ -47,65 +80,92 @@ def station_parameters(curve: TaskCurve, spacing: float) -> Array:
 
 
 def arc_length(curve: TaskCurve, u: Array) -> Array:
-    """Length along the curve from its start to each u, shape (n,) [m]; u holds every knot."""
-    return np.concatenate([[0.0], np.cumsum(curve.lengths(u))])
+    """Length along the curve from its start to any sorted u, shape (n,) [m]."""
+    every = np.unique(np.concatenate([u, np.arange(curve.segments + 1.0)]))
+    total = np.concatenate([[0.0], np.cumsum(curve.lengths(every))])
+    return np.asarray(total[np.searchsorted(every, u)])
 
 
 def follow(
-    model: Model,
-    orientation: Orientation,
-    rotation: RotationLaw,
-    branch: int,
-    q_start: Array,
-    tolerance: float = 5e-6,
-    axis_tolerance: float = 2e-4,
+    model: Model, target: Target, q_start: Array | None, tolerance: float = 5e-6, axis_tolerance: float = 2e-4
 ) -> Followed:
-    """The joint path of one branch whose TCP stays within `tolerance` [m] and `axis_tolerance` [rad] of the curve.
+    """The joint path whose TCP stays within `tolerance` [m] and `axis_tolerance` [rad] of the target.
+
+    Args:
+        model: the arm.
+        target: poses and branch along the curve.
+        q_start: configuration at the start, decides the whole turns [rad]; None takes those that fit the joint box.
+        tolerance, axis_tolerance: how exactly the target is followed between stations.
 
     Raises:
         UnreachableError: the branch ends, or jumps, somewhere between the stations.
     """
-    curve = orientation.curve
+    curve = target.curve
     u = station_parameters(curve, COARSE)
+    dropped = np.empty(0)
     for _ in range(MAX_ROUNDS):
         s = arc_length(curve, u)
-        q = _configurations(model, orientation, u, rotation(s), branch, q_start)
+        q, kept = _configurations(model, target, u, s, q_start)
+        dropped = np.concatenate([dropped, u[~kept]])
+        u, s = u[kept], s[kept]
         path = JointPath.through(s, q)
         middle = (u[:-1] + u[1:]) / 2
-        s_middle = s[:-1] + curve.lengths(np.sort(np.concatenate([u, middle])))[::2]
-        X = orientation.poses(middle, rotation(s_middle))
+        s_middle = arc_length(curve, np.sort(np.concatenate([u, middle])))[1::2]
+        X = target.pose(middle, s_middle)
         reached = model.tcp_pose(path(s_middle))
+        spindle = target.orientation.spindle
         error = np.linalg.norm(reached[:, :3, 3] - X[:, :3, 3], axis=1)
-        turned = _angle(reached[:, :3, :3] @ orientation.spindle, X[:, :3, :3] @ orientation.spindle)
+        turned = _angle(reached[:, :3, :3] @ spindle, X[:, :3, :3] @ spindle)
         step = np.abs(np.diff(q, axis=0)).max(axis=1)
         coarse = (error > tolerance) | (turned > axis_tolerance) | (step > JOINT_STEP)
         if not coarse.any():
             return Followed(path, u, float(error.max()), float(turned.max()))
         # a spline's error spreads to the neighbours: a jump in knot distance would send it back and forth
-        coarse[1:] |= coarse[:-1].copy() & (np.diff(s)[1:] > 3 * np.diff(s)[:-1])
-        coarse[:-1] |= coarse[1:].copy() & (np.diff(s)[:-1] > 3 * np.diff(s)[1:])
-        u = np.sort(np.concatenate([u, middle[coarse]]))
+        gaps = np.diff(s)
+        coarse[1:] |= coarse[:-1].copy() & (gaps[1:] > 3 * gaps[:-1])
+        coarse[:-1] |= coarse[1:].copy() & (gaps[:-1] > 3 * gaps[1:])
+        if (gaps[coarse] < SMALLEST).any():
+            break
+        # a station that was dropped comes back beside its old place
+        beside = np.isin(middle, dropped) * (u[1:] - u[:-1]) / 6
+        u = np.sort(np.concatenate([u, (middle + beside)[coarse]]))
     at = int(np.argmax(step))
-    point = int(curve.origin[min(int(u[at]), curve.segments - 1)])
     raise UnreachableError(
-        f"near point {point + 1} axis {int(np.argmax(np.abs(np.diff(q, axis=0))[at])) + 1} turns by "
-        f"{np.degrees(step[at]):.1f} deg within {1e6 * np.diff(s)[at]:.1f} um of path: the path runs through a "
+        f"near point {target.point(u[at])} axis {int(np.argmax(np.abs(np.diff(q, axis=0))[at])) + 1} turns by "
+        f"{np.degrees(step[at]):.1f} deg within {1e6 * np.diff(s)[at]:.3g} um of path: the path runs through a "
         "singularity; free the tool rotation, or move the work frame"
     )
 
 
 def _configurations(
-    model: Model, orientation: Orientation, u: Array, rotation: Array, branch: int, q_start: Array
-) -> Array:
-    q = model.inverse_kinematics_branches(orientation.poses(u, rotation)).q[:, branch]
+    model: Model, target: Target, u: Array, s: Array, q_start: Array | None
+) -> tuple[Array, npt.NDArray[np.bool_]]:
+    """Continuous joint angles at the stations that have them, and which stations these are."""
+    X = target.pose(u, s)
+    branch = target.branch(u)
+    q = model.inverse_kinematics_branches(X).q[np.arange(len(u)), branch]
     missing = ~np.isfinite(q).all(axis=1)
     if missing.any():
-        curve = orientation.curve
-        point = int(curve.origin[min(int(u[int(np.argmax(missing))]), curve.segments - 1)])
-        raise UnreachableError(f"on the way to point {point + 1} the arm is too short; move the work frame")
-    q = np.unwrap(q, axis=0)
-    turns = np.round((q_start - q[0]) / (2 * np.pi))
-    return np.asarray(q + 2 * np.pi * turns)
+        point = target.point(u[int(np.argmax(missing))])
+        raise UnreachableError(f"on the way to point {point} the arm is too short; move the work frame")
+    straight = np.abs(np.sin(q[:, 4])) < STRAIGHT
+    if straight.all():
+        straight[:] = False
+    # at an end q4 comes from the neighbours' direction; in between the spline passes through by itself
+    for end, near in ((0, np.flatnonzero(~straight)[:1]), (len(u) - 1, np.flatnonzero(~straight)[-1:])):
+        if straight[end] and len(near):
+            q[end] = model.inverse_kinematics_branches(X[end : end + 1], q[near[0]]).q[0, branch[end]]
+    straight[[0, -1]] = False
+    q = np.unwrap(q[~straight], axis=0)
+    return q + 2 * np.pi * _turns(model, q, q_start), ~straight
+
+
+def _turns(model: Model, q: Array, q_start: Array | None) -> Array:
+    """Whole turns to add: those of the start, or those that bring the motion to the middle of the joint box."""
+    if q_start is not None:
+        return np.asarray(np.round((q_start - q[0]) / (2 * np.pi)))
+    centre = (model.robot.q_min + model.robot.q_max) / 2
+    return np.asarray(np.round((centre - (q.min(axis=0) + q.max(axis=0)) / 2) / (2 * np.pi)))
 
 
 def _angle(a: Array, b: Array) -> Array:

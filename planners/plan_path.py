@@ -15,16 +15,18 @@ import numpy.typing as npt
 from irb2400_ctrl.codegen import compile_function
 from irb2400_ctrl.errors import InfeasibleError, InputError
 from irb2400_ctrl.model import Model
-from irb2400_ctrl.planners.cells import Cells, enclose, grid
+from irb2400_ctrl.planners.cells import enclose, grid
 from irb2400_ctrl.planners.certificate import Certificate, Checked, check
-from irb2400_ctrl.planners.certified import Timed, time_path
+from irb2400_ctrl.planners.certified import Timed
 from irb2400_ctrl.planners.deviation import deviation, singularity_margins
+from irb2400_ctrl.planners.follow import Followed
 from irb2400_ctrl.planners.irregular import time_with_irregular
 from irb2400_ctrl.planners.limits import MotionLimits
 from irb2400_ctrl.planners.margins import COMFORTABLE
 from irb2400_ctrl.planners.orientation import Orientation
 from irb2400_ctrl.planners.path_dynamics import PathDynamics, path_dynamics
 from irb2400_ctrl.planners.plan import Plan, Trajectory
+from irb2400_ctrl.planners.retime import FeedBound, time_joint_path
 from irb2400_ctrl.planners.selection import Choice, choices
 from irb2400_ctrl.planners.task_curve import smooth_curve
 from irb2400_ctrl.planners.toolpath import ToolPath
@@ -59,6 +61,7 @@ def plan_path(
     free_tool_rotation: bool = True,
     work_frame: Array | None = None,
     tolerance: float = 5e-5,
+    axis_tolerance: float = np.radians(0.1),
     timing: Backend = "certified",
     cells: int = 1000,
     limits: MotionLimits | None = None,
@@ -74,6 +77,7 @@ def plan_path(
             held, and for a path of tool axes the best constant rotation is taken.
         work_frame: pose X_BW of the frame the path is stated in, shape (4, 4).
         tolerance: how far corners of the polygon may be cut [m].
+        axis_tolerance: how far a stated orientation may be left to pass exactly through the wrist singularity [rad].
         timing: "certified" (torque bound at every instant) or "toppra".
         cells: smallest number of grid cells of the timing.
         limits: other limits than the robot's.
@@ -110,7 +114,8 @@ def plan_path(
                 problem = error
         if not options:
             raise problem or InfeasibleError("no motion within the limits")
-    choice, timed = min(options, key=lambda o: _rank(*o))
+    allowed = [o for o in options if o[0].turn <= axis_tolerance] or options
+    choice, timed = min(allowed, key=lambda o: _rank(*o))
     with clock.stage("check"):
         certificate = Certificate(choice.followed.joints, timed.law, limits)
         checked = check(certificate, model, dynamics)
@@ -136,7 +141,13 @@ def plan_path(
         branch=choice.branch,
         rotation=choice.rotation(trajectory.s),
         alternatives=tuple(
-            {"kind": c.kind, "branch": c.branch, "relative_margin": c.margin, "duration_s": t.law.duration}
+            {
+                "kind": c.kind,
+                "branch": c.branch,
+                "relative_margin": float(c.margins.min()),
+                "turn_deg": float(np.degrees(c.turn)),
+                "duration_s": t.law.duration,
+            }
             for c, t in options
         ),
         wall_time=clock.seconds,
@@ -157,34 +168,40 @@ def _timed(
     count: int,
     timing: Backend,
 ) -> Timed:
-    followed = choice.followed
-    cells = enclose(dynamics, followed.joints, grid(followed.joints, count))
-    feed = _feed_bound(model, choice, orientation, cells)
-    friction = model.robot.friction
+    joints = choice.followed.joints
+    feed = feed_bound(model, choice.followed, orientation)
     if timing == "toppra":
         from irb2400_ctrl.planners.toppra_timing import time_with_toppra
 
-        return time_with_toppra(cells, limits, friction, feed)
+        s = grid(joints, count)
+        return time_with_toppra(enclose(dynamics, joints, s), limits, model.robot.friction, feed(s))
     if dynamics.irregular:
-        return time_with_irregular(dynamics, followed.joints, cells, limits, friction, feed)
-    return time_path(cells, limits, friction, feed)
+        s = grid(joints, count)
+        return time_with_irregular(
+            dynamics, joints, enclose(dynamics, joints, s), limits, model.robot.friction, feed(s)
+        )
+    return time_joint_path(dynamics, joints, limits, count=count, feed=feed)[0]
 
 
-def _feed_bound(model: Model, choice: Choice, orientation: Orientation, cells: Cells) -> Array:
-    """(feed / |p'|)^2 within each cell, from the TCP's speed at the ends and the middle, shape (m,)."""
-    followed, curve = choice.followed, orientation.curve
-    middle = (cells.s[:-1] + cells.s[1:]) / 2
-    piece = followed.joints.piece(middle)
-    feed = curve.path.feed[curve.origin[np.minimum(followed.u[piece].astype(int), curve.segments - 1)]]
-    if not np.isfinite(feed).any():
-        return np.full(len(middle), np.inf)
+def feed_bound(model: Model, followed: Followed, orientation: Orientation) -> FeedBound:
+    """(feed / |p'|)^2 within cells, from the TCP's speed at their ends and middles."""
+    curve, joints = orientation.curve, followed.joints
     q, dq = ca.SX.sym("q", model.robot.n), ca.SX.sym("dq", model.robot.n)
     tip = compile_function(ca.Function("tip", [q, dq], [model.tcp_jacobian(q)[:3, :] @ dq]))
-    speeds = []
-    for s in (cells.s[:-1], middle, cells.s[1:]):
-        (rate,) = tip.map(followed.joints.on_piece(s, piece), followed.joints.on_piece(s, piece, 1))
-        speeds.append(np.linalg.norm(rate, axis=1))
-    return np.asarray((feed / np.maximum(np.max(speeds, axis=0) * (1 + 1e-6), 1e-9)) ** 2)
+
+    def bound(s: Array) -> Array:
+        middle = (s[:-1] + s[1:]) / 2
+        piece = joints.piece(middle)
+        feed = curve.path.feed[curve.origin[np.minimum(followed.u[piece].astype(int), curve.segments - 1)]]
+        if not np.isfinite(feed).any():
+            return np.full(len(middle), np.inf)
+        speeds = []
+        for at in (s[:-1], middle, s[1:]):
+            (rate,) = tip.map(joints.on_piece(at, piece), joints.on_piece(at, piece, 1))
+            speeds.append(np.linalg.norm(rate, axis=1))
+        return np.asarray((feed / np.maximum(np.max(speeds, axis=0) * (1 + 1e-6), 1e-9)) ** 2)
+
+    return bound
 
 
 def _trajectory(model: Model, certificate: Certificate, rate: float) -> Trajectory:

@@ -23,7 +23,7 @@ from irb2400_ctrl.planners.limits import MotionLimits
 Array = npt.NDArray[np.float64]
 
 # room for rounding in the passes, as a part of the limit
-ROUNDING = 1e-9
+ROUNDING = 1e-7
 
 
 @dataclass(frozen=True)

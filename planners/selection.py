@@ -10,12 +10,15 @@ import numpy.typing as npt
 
 from irb2400_ctrl.errors import UnreachableError
 from irb2400_ctrl.model import Model
-from irb2400_ctrl.planners.follow import Followed, RotationLaw, arc_length, follow, station_parameters
-from irb2400_ctrl.planners.ladder import FREE_SHIFTS, Candidate, Ladder
+from irb2400_ctrl.planners.follow import Followed, Target, arc_length, follow, station_parameters
+from irb2400_ctrl.planners.ladder import BOX_INSET, FREE_SHIFTS, Candidate, Ladder
 from irb2400_ctrl.planners.margins import relative_margins
 from irb2400_ctrl.planners.orientation import Orientation
+from irb2400_ctrl.planners.wrist_passage import Passing, passings
 
 Array = npt.NDArray[np.float64]
+RotationLaw = Callable[[Array], Array]
+"""free rotation [rad] over the length along the path [m]"""
 
 GRID = np.radians(np.arange(0.0, 360.0, 5.0))
 MAX_STATIONS = 600
@@ -23,15 +26,29 @@ MAX_STATIONS = 600
 
 @dataclass(frozen=True)
 class Choice:
-    """A joint path and the way through the ladder it came from."""
+    """A joint path and how it was found."""
 
     kind: str
     """"given orientation", "constant rotation" or "free rotation" """
     branch: int
+    """closed-form branch at the start"""
     rotation: RotationLaw
     followed: Followed
-    margin: float
-    """smallest relative singularity margin over the joint path [-]"""
+    margins: Array
+    """smallest relative margins (wrist, shoulder, elbow) over the joint path, shape (3,) [-]"""
+    passing: Passing | None = None
+    """how a path of given orientations takes the wrist singularity"""
+
+    @property
+    def margin(self) -> float:
+        """Smallest of the three, leaving out a wrist singularity that the path passes on purpose."""
+        passed = self.passing is not None and len(self.passing.passages) > 0
+        return float(self.margins[1:].min() if passed else self.margins.min())
+
+    @property
+    def turn(self) -> float:
+        """Angle by which the stated orientation is left at most [rad]."""
+        return 0.0 if self.passing is None else self.passing.turn
 
 
 def choices(model: Model, orientation: Orientation, free: bool, keep: int = 3) -> Iterator[Choice]:
@@ -41,46 +58,59 @@ def choices(model: Model, orientation: Orientation, free: bool, keep: int = 3) -
         UnreachableError: no way leads through; says at which point, which axis, by how much.
     """
     curve = orientation.curve
-    u = _stations(orientation)
-    s = arc_length_at(orientation, u)
     held = curve.full and not free
+    u = _stations(orientation)
+    s = arc_length(curve, u)
     ladder = Ladder.of(model, orientation, u, np.zeros(1) if held else GRID)
-    ways: list[tuple[str, Candidate]] = []
-    if held:
-        ways += [("given orientation", c) for c in ladder.best((0,), keep=keep)]
-    else:
-        ways += [("constant rotation", c) for c in ladder.best((0,), per_rotation=True, keep=keep)]
-        if free:
-            ways += [("free rotation", c) for c in ladder.best(FREE_SHIFTS, keep=keep)]
     problem: UnreachableError | None = None
     found = False
-    for kind, way in ways:
-        for law in _laws(s, way, kind):
-            try:
-                followed = follow(model, orientation, law, int(way.branch[0]), way.q_start)
-                _inside_box(model, followed, orientation)
-            except UnreachableError as error:
-                problem = error
-                continue
-            found = True
-            yield Choice(kind, int(way.branch[0]), law, followed, continuous_margin(model, followed))
+    options = _held(model, orientation, ladder) if held else _turned(ladder, orientation, s, free, keep)
+    for kind, branch, law, target, q_start, passing in options:
+        try:
+            followed = follow(model, target, q_start)
+            _inside_box(model, followed, target)
+        except UnreachableError as error:
+            problem = problem or error
+            continue
+        found = True
+        yield Choice(kind, branch, law, followed, continuous_margins(model, followed), passing)
     if not found:
         names = curve.origin[np.minimum(u.astype(int), curve.segments - 1)].copy()
         names[0] = 0
         raise problem or ladder.explain(names)
 
 
-def continuous_margin(model: Model, followed: Followed) -> float:
-    """Smallest relative margin over the path, looked at four times between stations."""
+_Option = tuple[str, int, RotationLaw, Target, Array | None, Passing | None]
+
+
+def _held(model: Model, orientation: Orientation, ladder: Ladder) -> Iterator[_Option]:
+    """Every posture whose first three axes stay in the joint box, with every way past or through the wrist."""
+    low, high = model.robot.q_min[:3] + BOX_INSET, model.robot.q_max[:3] - BOX_INSET
+    with np.errstate(invalid="ignore"):
+        inside = ((ladder.q[:, 0, ::2, :3] >= low) & (ladder.q[:, 0, ::2, :3] <= high)).all(axis=(0, 2))
+    for posture in np.flatnonzero(inside):
+        for passing in passings(model, orientation, int(posture)):
+            branch = int(passing.target.branch(np.zeros(1))[0])
+            yield "given orientation", branch, _constant(0.0), passing.target, None, passing
+
+
+def _turned(ladder: Ladder, orientation: Orientation, s: Array, free: bool, keep: int) -> Iterator[_Option]:
+    """The best constant rotations and, if the rotation is free, the best varying ones, smoothed."""
+    ways: list[tuple[str, Candidate]] = []
+    ways += [("constant rotation", c) for c in ladder.best((0,), per_rotation=True, keep=keep)]
+    if free:
+        ways += [("free rotation", c) for c in ladder.best(FREE_SHIFTS, keep=keep)]
+    for kind, way in ways:
+        for law in _laws(s, way, kind):
+            branch = int(way.branch[0])
+            yield kind, branch, law, Target.of(orientation, law, branch), way.q_start, None
+
+
+def continuous_margins(model: Model, followed: Followed) -> Array:
+    """Smallest relative margins over the path, looked at four times between stations, shape (3,)."""
     s = followed.joints.knots
     fine = np.unique(np.concatenate([s[:-1] + f * np.diff(s) for f in (0, 0.25, 0.5, 0.75)] + [s[-1:]]))
-    return float(relative_margins(model, followed.joints(fine)).min())
-
-
-def arc_length_at(orientation: Orientation, u: Array) -> Array:
-    """Length along the curve at any sorted parameters u, shape (n,) [m]."""
-    every = np.unique(np.concatenate([u, np.arange(orientation.curve.segments + 1.0)]))
-    return np.asarray(arc_length(orientation.curve, every)[np.searchsorted(every, u)])
+    return np.asarray(relative_margins(model, followed.joints(fine)).min(axis=0))
 
 
 def _stations(orientation: Orientation) -> Array:
@@ -113,7 +143,7 @@ def _spline(spline: Callable[[Array], Array]) -> RotationLaw:
     return lambda s: np.asarray(spline(s))
 
 
-def _inside_box(model: Model, followed: Followed, orientation: Orientation) -> None:
+def _inside_box(model: Model, followed: Followed, target: Target) -> None:
     s = followed.joints.knots
     fine = np.concatenate([s, (s[:-1] + s[1:]) / 2])
     u = np.concatenate([followed.u, (followed.u[:-1] + followed.u[1:]) / 2])
@@ -122,10 +152,8 @@ def _inside_box(model: Model, followed: Followed, orientation: Orientation) -> N
     worst = int(np.argmax(excess.max(axis=1)))
     axis = int(np.argmax(excess[worst]))
     if excess[worst, axis] > 0:
-        curve = orientation.curve
-        point = int(curve.origin[min(int(u[worst]), curve.segments - 1)])
         low, high = np.degrees([model.robot.q_min[axis], model.robot.q_max[axis]])
         raise UnreachableError(
-            f"near point {point + 1} axis {axis + 1} would need {np.degrees(q[worst, axis]):.1f} deg, "
+            f"near point {target.point(u[worst])} axis {axis + 1} would need {np.degrees(q[worst, axis]):.1f} deg, "
             f"{np.degrees(excess[worst, axis]):.1f} deg beyond its range {low:.0f} to {high:.0f} deg"
         )

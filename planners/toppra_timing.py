@@ -39,7 +39,7 @@ def time_with_toppra(
     x = np.minimum(0.25 * bound, np.median(bound))
     m = len(cells.h)
     for _ in range(passes):
-        mean = np.maximum((x[:-1] + x[1:]) / 2, 1e-9)
+        mean = np.maximum((x[:-1] + x[1:]) / 2, 1e-30)
         rows = torque_rows(cells, limits, friction, Linearisation(mean, mean, 1.02 * mean, np.full(m, np.inf)))
         # the rows of a cubic's four Bernstein coefficients: the first and the last are its ends
         ends = end_rows(rows, limits)
