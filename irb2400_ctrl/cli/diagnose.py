@@ -18,6 +18,12 @@ def diagnose(
         Path | None, typer.Option(metavar="LOG2", help="Another motion of the same arm, for the error after.")
     ] = None,
     robot: RobotOption = "irb2400",
+    close_loop: Annotated[
+        bool,
+        typer.Option(
+            "--close-loop", help="Also make the controller again and track the log's motion before and after."
+        ),
+    ] = False,
 ) -> None:
     """Find the residual, name the effect behind it, add it to the robot -> findings.json, robot.toml, report.html."""
     for path in (log, validate):
@@ -25,7 +31,10 @@ def diagnose(
             input_file(path, "a log (.csv or .csv.gz)")
     output_folder(out)
 
+    import json
+
     from irb2400_ctrl.diagnosis import diagnose as run
+    from irb2400_ctrl.files import write_atomic
     from irb2400_ctrl.measurement import read_log
     from irb2400_ctrl.report.diagnosis_report import diagnosis_page, lines
     from irb2400_ctrl.robot import load_robot
@@ -36,8 +45,19 @@ def diagnose(
     assert logs[0] is not None
     with step("comparing log and model"):
         result = run(arm, logs[0], validation=logs[1])
+    page, text = diagnosis_page(result, title=f"Diagnosis of {log.name}"), lines(result)
+    if close_loop:
+        with step("closing the loop"):
+            from irb2400_ctrl.report.closed_loop_section import add_closed_loop, closed_loop_lines
+            from irb2400_ctrl.simulation.close_loop import close_loop as track
+            from irb2400_ctrl.simulation.recorded import recorded_motion
+
+            loop = track(arm, result.robot, recorded_motion(logs[0]))
+            write_atomic(out / "closed_loop.json", json.dumps(loop.summary(), indent=2) + "\n")
+            add_closed_loop(page, result, loop)
+            text += closed_loop_lines(loop)
     with step("writing the report"):
         result.write(out)
-        diagnosis_page(result, title=f"Diagnosis of {log.name}").write(out / "report.html")
-    print("\n".join(lines(result)))
+        page.write(out / "report.html")
+    print("\n".join(text))
     print(f"written: {out / 'findings.json'}, {out / 'robot.toml'}, {out / 'report.html'}")

@@ -15,13 +15,13 @@ from irb2400_ctrl.planners import MotionLimits, Plan, plan_path, read_path
 from irb2400_ctrl.robot import Robot, load_robot
 from irb2400_ctrl.simulation import Simulation, Trajectory, perturbed_robot, simulate
 from irb2400_ctrl.simulation.close_loop import ClosedLoop, close_loop
+from irb2400_ctrl.simulation.recorded import recorded_motion
 
 DATA = Path(str(resources.files("irb2400_ctrl") / "data"))
 TOOLPATH = DATA / "freeform.apt"
 ARM = DATA / "arm"
 TRACKED_WITH = ("pid", "feedforward_pid", "computed_torque")
 GENERATED = ("computed_torque", "feedforward_pid")
-CLOSED_WITH = "computed_torque"
 # what the planner may use of the torque limits; the rest is the controller's, for what the model does not know
 TORQUE_SHARE = 0.9
 # the plant differs from the model within the uncertainty of the data sheet; the seed only makes the page repeatable
@@ -71,9 +71,5 @@ def run_main_job(out: Path, say: Callable[[str], None] = lambda text: None) -> M
     diagnosis.write(out / "diagnosis")
 
     say("closing the loop")
-    # the diagnosed robot with its parameters drawn anew: it has the effect, and neither controller knows it exactly
-    plant = perturbed_robot(diagnosis.robot, PLANT_SEED)
-    loop = close_loop(
-        robot, diagnosis.robot, motion, plant=plant, controller=CLOSED_WITH, motion="the toolpath planned above"
-    )
+    loop = close_loop(robot, diagnosis.robot, recorded_motion(log))
     return MainJob(robot, plan, packages, tracking, log, diagnosis, loop)

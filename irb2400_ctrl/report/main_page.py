@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import numpy as np
-
+from irb2400_ctrl.report.closed_loop_section import add_closed_loop, closed_loop_lines
 from irb2400_ctrl.report.diagnosis_report import add_diagnosis, finding_title
-from irb2400_ctrl.report.main_job import MainJob
+from irb2400_ctrl.report.main_job import TORQUE_SHARE, MainJob
 from irb2400_ctrl.report.page import Page
 from irb2400_ctrl.report.plan_figures import plan_figures
 from irb2400_ctrl.report.simulation_figures import torque_figure, tracking_figure
@@ -29,7 +28,7 @@ def main_page(job: MainJob) -> Page:
         "model as given. The error after is reported on the other motion of the same arm."
     )
     add_diagnosis(page, job.diagnosis)
-    _add_closed_loop(page, job)
+    add_closed_loop(page, job.diagnosis, job.closed_loop)
     return page
 
 
@@ -51,7 +50,7 @@ def _add_plan(page: Page, job: MainJob) -> None:
             ["margin to the wrist singularity, |sin q5|", float(margin["wrist"])],
             ["margin to the shoulder singularity [m]", float(margin["shoulder"])],
             ["margin to the elbow singularity [m]", float(margin["elbow"])],
-            ["torque over limit, at most", float(s["max_torque_ratio"])],
+            [f"torque over {100 * TORQUE_SHARE:.0f} % of its limit, at most", float(s["max_torque_ratio"])],
             ["speed over limit, at most", float(s["max_velocity_ratio"])],
         ],
     )
@@ -87,31 +86,12 @@ def _add_tracking(page: Page, job: MainJob) -> None:
     page.figure(torque_figure(job.tracking[best], best), "Torque of each joint against its limits.")
 
 
-def _add_closed_loop(page: Page, job: MainJob) -> None:
-    loop = job.closed_loop
-    names = ", ".join(finding_title(f) for f in job.diagnosis.findings) or "recalibrated parameters"
-    page.heading("The loop closed")
-    page.text(
-        f"The controller ({loop.controller}) is generated again from the robot with what was found ({names}) and "
-        f"follows {loop.motion} on a simulated arm that has it and differs from both descriptions otherwise."
-    )
-    rows = []
-    for name, run in (("robot as given", loop.before), ("robot as diagnosed", loop.after)):
-        s = run.summary()
-        joint = np.array(s["joint_error_deg"]["rms"])
-        rows.append([name, *(float(v) for v in s["tcp_error_mm"].values()), *(float(1e3 * v) for v in joint)])
-    head = ("controller from", "TCP rms [mm]", "TCP max [mm]", *(f"q{j + 1} rms [mdeg]" for j in range(len(joint))))
-    page.table("Tracking before and after", head, rows)
-    runs = {"robot as given": loop.before, "robot as diagnosed": loop.after}
-    page.figure(tracking_figure(runs), "The same motion and gains; only the description behind the controller differs.")
-
-
 def table(job: MainJob) -> str:
     """At most 20 lines for the terminal."""
     s = job.plan.summary()
     margin = s["singularity_margin"]
     found = [
-        f"plan      {s['points']} points in {s['duration_s']:.2f} s, torque at most {100 * s['max_torque_ratio']:.1f} %"
+        f"plan      {s['points']} points in {s['duration_s']:.2f} s, torque at most {100 * TORQUE_SHARE * s['max_torque_ratio']:.1f} %"
         + (" (guaranteed at every instant)" if s["guaranteed"] else ""),
         f"          margins: wrist {margin['wrist']:.3f}, shoulder {margin['shoulder']:.3f} m, "
         f"elbow {margin['elbow']:.3f} m",
@@ -132,7 +112,5 @@ def table(job: MainJob) -> str:
         ("noise floor", job.diagnosis.noise_floor),
     ):
         found.append(f"          RMSE {name:<12} " + " ".join(f"{v:6.2f}" for v in values) + "  Nm, other motion")
-    for name, run in (("given", job.closed_loop.before), ("diagnosed", job.closed_loop.after)):
-        e = run.summary()["tcp_error_mm"]
-        found.append(f"close     robot as {name:<10} TCP error {e['rms']:.3f} mm rms, {e['max']:.3f} mm at most")
+    found += [f"close     {line}" for line in closed_loop_lines(job.closed_loop)]
     return "\n".join(found)
