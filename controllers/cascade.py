@@ -29,9 +29,9 @@ def pid(
     robot: Robot,
     sample_time: float = 0.001,
     *,
-    position_bandwidth: ArrayLike = 25.0,
+    position_bandwidth: ArrayLike = 20.0,
     speed_bandwidth: ArrayLike = 80.0,
-    integral_time: ArrayLike = 0.1,
+    integral_time: ArrayLike = 0.12,
     speed_feedforward: ArrayLike = 1.0,
 ) -> Block:
     """tau = Kv e_v + I,  e_v = Kp (q_ref - q) + ff qd_ref - qd,  dI/dt = Kv e_v / Ti: a drive's cascade P-PI.
@@ -56,9 +56,9 @@ def feedforward_pid(
     robot: Robot,
     sample_time: float = 0.001,
     *,
-    position_bandwidth: ArrayLike = 25.0,
+    position_bandwidth: ArrayLike = 20.0,
     speed_bandwidth: ArrayLike = 80.0,
-    integral_time: ArrayLike = 0.1,
+    integral_time: ArrayLike = 0.12,
     speed_feedforward: ArrayLike = 1.0,
 ) -> Block:
     """The cascade of `pid` plus the model's torque along the reference: tau = ID(q_ref, qd_ref, qdd_ref) + Kv e_v + I.
