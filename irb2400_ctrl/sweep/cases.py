@@ -23,7 +23,6 @@ from irb2400_ctrl.errors import IrbError
 from irb2400_ctrl.robot import Robot
 from irb2400_ctrl.simulation import Loop, Simulation, Trajectory, make_loop, perturbed_robot
 from irb2400_ctrl.simulation.effect_data import structure
-from irb2400_ctrl.simulation.mechanics import force_effects
 from irb2400_ctrl.sweep.motions import Motion
 from irb2400_ctrl.sweep.quantities import draw
 from irb2400_ctrl.sweep.study import Control, Study
@@ -120,6 +119,7 @@ class Runner:
     def __init__(self, study: Study) -> None:
         self.study = study
         self._loops: dict[tuple[object, ...], Loop] = {}
+        self._references: dict[tuple[str, float, int], Trajectory] = {}
         self._building = threading.Lock()
 
     def simulate(self, case: Case, plant: DrawnPlant) -> Simulation:
@@ -128,7 +128,7 @@ class Runner:
         loop = self._loop(case.control, plant.robot)
         seed = int(random(study, NOISE, case.index).integers(2**31))
         simulation = loop.run(
-            reference(study, case), plant=plant.robot, gains=case.control.gains, hold=case.motion.hold_s, seed=seed
+            self._reference(case), plant=plant.robot, gains=case.control.gains, hold=case.motion.hold_s, seed=seed
         )
         # the noise of the log is no part of the loop
         noisy = study.sensors.model_copy(update={"torque_noise_Nm": plant.torque_noise_Nm})
@@ -151,8 +151,18 @@ class Runner:
             row |= {"status": "failed", "message": str(error)}
         return Outcome({**row, "wall_time_s": clock.perf_counter() - begun}, log)
 
+    def _reference(self, case: Case) -> Trajectory:
+        """The case's motion; kept, as the next controllers follow it too."""
+        key = (case.motion.name, case.speed, case.draw if case.motion.random is not None else -1)
+        with self._building:
+            if key not in self._references:
+                if len(self._references) > 100:
+                    self._references.clear()
+                self._references[key] = reference(self.study, case)
+            return self._references[key]
+
     def _loop(self, control: Control, arm: Robot) -> Loop:
-        key = (control.label, structure(force_effects(arm)))
+        key = (control.label, structure([e for e in arm.effects if e.acts == "force"]))
         with self._building:
             if key not in self._loops:
                 study = self.study

@@ -34,7 +34,7 @@ def run_on_cluster(study: Study, cases: Iterable[int], address: str, work: Work)
         ) from error
     dask: Any = distributed  # its functions carry no types
     try:
-        client = dask.Client(address, timeout=10, set_as_default=False)
+        client = dask.Client(address, timeout=5, set_as_default=False)
     except (OSError, TimeoutError, ValueError) as error:
         raise InputError(f"no Dask scheduler answers at {address} ({error}); expected host:port of one") from error
     with client:
@@ -45,7 +45,7 @@ def run_on_cluster(study: Study, cases: Iterable[int], address: str, work: Work)
         # a task of its own, not scattered data: it can be made again when its worker dies
         shared = client.submit(_same, study, key=f"study-{study.fingerprint[:16]}")
         waiting, numbers = iter(cases), dict[str, int]()
-        done = dask.as_completed([], with_results=True, raise_errors=False)
+        done = dask.as_completed([], loop=client.loop, with_results=True, raise_errors=False)
 
         def hand_out() -> None:
             # workers may come and go while the sweep runs

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import itertools
+import math
+from functools import lru_cache
 from pathlib import Path
 from typing import Annotated, Self
 
@@ -11,6 +13,7 @@ from numpy.typing import NDArray
 from pydantic import Field, PrivateAttr, ValidationInfo, field_validator, model_validator
 
 from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.model import Model
 from irb2400_ctrl.robot import Robot
 from irb2400_ctrl.simulation import Trajectory, load_trajectory
 from irb2400_ctrl.sweep.quantities import Table
@@ -20,6 +23,7 @@ Speed = Annotated[float, Field(gt=0, le=10)]
 QUINTIC_PEAK = 1.875
 """largest speed of a fifth-order move from rest to rest over its mean speed"""
 SAMPLE_RATE = 250.0
+SHORTEST_S, LONGEST_S = 0.02, 1000.0
 
 
 class RandomPoses(Table):
@@ -40,7 +44,7 @@ class Motion(Table):
     """from rest to rest through these joint angles"""
     random: RandomPoses | None = None
     speeds: tuple[Speed, ...] = Field(default=(1.0,), min_length=1)
-    """scales of speed; 1 is the file's own, or the speed at which one joint of each move reaches its limit"""
+    """scales of speed; 1 is the file's own, or the fastest that the nominal robot's speed and torque limits allow"""
     hold_s: float = Field(default=0.0, ge=0)
     """time at the end for which the last pose is held"""
     _read: Trajectory | None = PrivateAttr(default=None)
@@ -95,24 +99,72 @@ class Motion(Table):
             poses = middle + self.random.share * half * rng.uniform(-1, 1, (self.random.count, robot.n))
         else:
             poses = np.radians(np.array(self.poses_deg))
-        return point_to_point(poses, speed * robot.qd_max)
+        return point_to_point(robot, poses, speed)
 
 
 def _folder(info: ValidationInfo) -> Path:
     return Path((info.context or {}).get("folder", "."))
 
 
-def point_to_point(poses: Array, speed_limits: Array) -> Trajectory:
-    """Fifth-order moves from rest to rest through poses (k, n) [rad], one joint at its speed limit in each."""
-    times, angles, speeds, accelerations = [np.zeros(1)], [poses[:1]], [0 * poses[:1]], [0 * poses[:1]]
+def point_to_point(robot: Robot, poses: Array, speed: float) -> Trajectory:
+    """Fifth-order moves from rest to rest through poses (k, n) [rad].
+
+    Each move is `speed` times as fast as it could be on the nominal robot: at 1 one joint reaches its speed limit or
+    one actuator its torque limit.
+
+    Raises:
+        InputError: the arm's weight alone is beyond an actuator.
+    """
+    parts = [(np.zeros(1), poses[:1], 0 * poses[:1], 0 * poses[:1])]
     for start, stop in itertools.pairwise(poses):
-        way = stop - start
-        wanted = QUINTIC_PEAK * float(np.max(np.abs(way) / speed_limits))
-        samples = max(2, int(np.ceil(wanted * SAMPLE_RATE)))
-        duration = max(wanted, samples / SAMPLE_RATE * 1e-3)
-        s = (np.arange(1, samples + 1) / samples)[:, None]
-        times.append(times[-1][-1] + s[:, 0] * duration)
-        angles.append(start + way * s**3 * (10 - 15 * s + 6 * s**2))
-        speeds.append(way * 30 * s**2 * (1 - s) ** 2 / duration)
-        accelerations.append(way * 60 * s * (1 - s) * (1 - 2 * s) / duration**2)
-    return Trajectory(*(np.concatenate(parts) for parts in (times, angles, speeds, accelerations)))
+        duration = _shortest(robot, start, stop) / speed
+        samples = max(20, math.ceil(duration * SAMPLE_RATE))
+        s = np.arange(1, samples + 1) / samples
+        q, qd, qdd = _quintic_move(start, stop, s)
+        parts.append((parts[-1][0][-1] + s * duration, q, qd / duration, qdd / duration**2))
+    return Trajectory(*(np.concatenate(arrays) for arrays in zip(*parts, strict=True)))
+
+
+def _shortest(robot: Robot, start: Array, stop: Array) -> float:
+    """Duration of the fastest move [s].
+
+    At the duration T the torque along the way is G + A / T^2 + F(v / T), with A and v those of a move in one second.
+    """
+    model = _model(robot.model_dump_json())
+    q, v, a = _quintic_move(start, stop, np.linspace(0, 1, 101))
+    weight = model.inverse_dynamics(q, 0 * q, 0 * q, friction=False)
+    moving = model.inverse_dynamics(q, v, a, friction=False) - weight
+    effort = np.abs(weight).max(axis=0) / robot.tau_max
+    if effort.max() >= 1:
+        axis = int(np.argmax(effort))
+        raise InputError(f"axis {axis + 1} cannot hold the arm on the way: {100 * effort[axis]:.0f} % of its torque")
+    low = SHORTEST_S + QUINTIC_PEAK * float(np.max(np.abs(stop - start) / robot.qd_max))
+
+    def possible(T: float) -> bool:
+        torque = weight + moving / T**2 + model.friction(v / T)
+        return bool((np.abs(torque) <= robot.tau_max).all())
+
+    if possible(low):
+        return low
+    high = low
+    while not possible(high):
+        low, high = high, 2 * high
+        if high > LONGEST_S:
+            raise InputError(f"no speed at which the nominal arm moves from {np.degrees(start).round(1).tolist()}")
+    for _ in range(20):
+        middle = 0.5 * (low + high)
+        low, high = (low, middle) if possible(middle) else (middle, high)
+    return high
+
+
+def _quintic_move(start: Array, stop: Array, s: Array) -> tuple[Array, Array, Array]:
+    """Angles and two derivatives of the fifth-order move in one second, at the shares s of the way's time."""
+    way, s = stop - start, s[:, None]
+    q = start + way * s**3 * (10 - 15 * s + 6 * s**2)
+    return q, way * 30 * s**2 * (1 - s) ** 2, way * 60 * s * (1 - s) * (1 - 2 * s)
+
+
+@lru_cache(maxsize=4)
+def _model(robot: str) -> Model:
+    # by the robot's text: robots that hold computed arrays cannot be compared
+    return Model(Robot.model_validate_json(robot))

@@ -1,0 +1,83 @@
+"""The same study on a Dask cluster of separate processes."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from sweep import studies
+from sweep.studies import CASES, SMALL, TRACE, attempts, small
+from sweep.test_run import read
+
+from irb2400_ctrl.errors import InputError, IrbError
+from irb2400_ctrl.sweep import run_sweep
+
+pytest.importorskip("distributed")
+
+
+@pytest.fixture(scope="module")
+def trace(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return tmp_path_factory.mktemp("trace")
+
+
+@pytest.fixture(scope="module")
+def cluster(trace: Path) -> Iterator[str]:
+    """Address of a scheduler with two workers, each a process of its own."""
+    from distributed import LocalCluster
+
+    environment = {TRACE: str(trace), "PYTHONPATH": str(Path(studies.__file__).parent.parent)}
+    with pytest.MonkeyPatch.context() as patch:
+        for name, value in environment.items():
+            patch.setenv(name, value)
+        with LocalCluster(
+            n_workers=2, threads_per_worker=1, processes=True, dashboard_address=None, host="127.0.0.1"
+        ) as made:
+            yield made.scheduler_address
+
+
+def test_a_cluster_gives_the_same_table(cluster: str, tmp_path: Path) -> None:
+    study = small(tmp_path, "logs = true\n" + SMALL)
+    here, there = tmp_path / "here", tmp_path / "there"
+    run_sweep(study, here, workers=1)
+    sweep = run_sweep(study, there, scheduler=cluster)
+    assert sweep.ran == CASES
+    assert read(there).equals(read(here), check_metadata=True)
+    for log in (here / "logs").iterdir():
+        assert (there / "logs" / log.name).read_bytes() == log.read_bytes()
+
+
+def test_a_killed_worker_of_a_cluster_costs_its_running_case_only(cluster: str, trace: Path, tmp_path: Path) -> None:
+    sweep = run_sweep(small(tmp_path), tmp_path / "out", scheduler=cluster, work=studies.dies_once)
+    assert [row["case"] for row in sweep.rows] == list(range(CASES))
+    assert not sweep.problems
+    begun = attempts(trace)
+    assert sorted(begun) == list(range(CASES))
+    assert begun[5] == 2
+    # dask may have sent a finished result whose message the death cut off: at most what one worker holds
+    assert sum(begun.values()) <= CASES + 2
+
+
+def test_an_error_of_the_program_on_a_cluster(cluster: str, tmp_path: Path) -> None:
+    with pytest.raises(IrbError, match="a mistake of ours"):
+        run_sweep(small(tmp_path), tmp_path / "out", scheduler=cluster, work=studies.broken)
+
+
+def test_a_case_that_always_kills_workers_of_a_cluster(cluster: str, trace: Path, tmp_path: Path) -> None:
+    sweep = run_sweep(small(tmp_path), tmp_path / "out", scheduler=cluster, work=studies.dies_always)
+    (lost,) = sweep.problems
+    assert (lost["case"], lost["status"]) == (5, "lost")
+
+
+def test_nobody_answers(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"no Dask scheduler answers at 127\.0\.0\.1:9"):
+        run_sweep(small(tmp_path), tmp_path / "out", scheduler="127.0.0.1:9")
+
+
+def test_command_with_a_scheduler(cluster: str, tmp_path: Path) -> None:
+    study = studies.write_study(tmp_path, SMALL.replace("draws = 4", "draws = 1"))
+    command = [sys.executable, "-m", "irb2400_ctrl.cli.main", "sweep", str(study), "--out", str(tmp_path / "out")]
+    done = subprocess.run([*command, "--scheduler", cluster], capture_output=True, text=True, check=True)
+    assert "6 cases, 6 run now" in done.stdout
