@@ -23,7 +23,7 @@ def tracking_figure(runs: Mapping[str, Simulation]) -> Figure:
         per_joint.bar(np.arange(1, len(worst) + 1) + (k - (len(runs) - 1) / 2) * width, worst, width, label=name)
     over_time.set(xlabel="time [s]", ylabel="TCP error [mm]")
     over_time.set_ylim(bottom=0)
-    over_time.legend()
+    over_time.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), frameon=False)
     over_time.grid(alpha=0.3)
     per_joint.set(xlabel="joint", ylabel="largest joint error [deg]")
     per_joint.set_yscale("log")
