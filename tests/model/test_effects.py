@@ -19,7 +19,7 @@ FIELDS: dict[str, dict[str, Any]] = {
     "cable_spring": {"joint": 4, "stiffness_Nm_rad": 12.0, "neutral_rad": 0.3},
     "coulomb_asymmetry": {"joint": 5},
     "coulomb_change": {"joint": 3},
-    "elastic_joint": {"joint": 2, "stiffness_Nm_rad": 2e5, "damping_Nms_rad": 0.0},
+    "elastic_joint": {"joint": 2, "stiffness_Nm_rad": 2e5},
     "encoder_zero": {"joint": 3, "zero_rad": 0.004},
     "gear_ripple": {"joint": 4, "amplitude_Nm": 3.0, "order": 37.0, "phase_rad": 0.4},
     "hysteresis": {"joint": 5, "amplitude_Nm": 4.0, "width_rad": 0.02},
