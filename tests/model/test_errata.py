@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
+from pathlib import Path
 
 import casadi as ca
 import numpy as np
@@ -354,3 +356,12 @@ def screw(z: Array, point: Array, angle: float) -> Array:
     X[:3, :3] = np.eye(3) + np.sin(angle) * K + (1 - np.cos(angle)) * K @ K
     X[:3, 3] = point - X[:3, :3] @ point
     return X
+
+
+def test_every_slip_of_the_list_names_a_test_that_exists() -> None:
+    text = (Path(__file__).parents[2] / "docs" / "paper_errata.md").read_text()
+    named = re.findall(r"`(test_\w+)", text)
+    assert len(named) >= 25
+    tests = re.findall(r"def (test_\w+)", Path(__file__).read_text())
+    for name in named:
+        assert any(test.startswith(name) for test in tests), name
