@@ -90,9 +90,10 @@ def table(job: MainJob) -> str:
     """At most 20 lines for the terminal."""
     s = job.plan.summary()
     margin = s["singularity_margin"]
+    torque = 100 * TORQUE_SHARE * s["max_torque_ratio"]
     found = [
-        f"plan      {s['points']} points in {s['duration_s']:.2f} s, torque at most {100 * TORQUE_SHARE * s['max_torque_ratio']:.1f} %"
-        + (" (guaranteed at every instant)" if s["guaranteed"] else ""),
+        f"plan      {s['points']} points in {s['duration_s']:.2f} s, torque at most {torque:.1f} % of its limit"
+        + (", at every instant" if s["guaranteed"] else ""),
         f"          margins: wrist {margin['wrist']:.3f}, shoulder {margin['shoulder']:.3f} m, "
         f"elbow {margin['elbow']:.3f} m",
     ]

@@ -1,0 +1,108 @@
+"""The main job and the commands, on the data that comes with the package: files, contracts, sane numbers."""
+
+from __future__ import annotations
+
+import csv
+import json
+from importlib import resources
+from pathlib import Path
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+import irb2400_ctrl as irb
+from irb2400_ctrl.cli.main import app
+
+DATA = Path(str(resources.files("irb2400_ctrl") / "data"))
+
+
+def run(*arguments: object) -> str:
+    done = CliRunner().invoke(app, [str(a) for a in arguments], catch_exceptions=False)
+    assert done.exit_code == 0, done.output
+    return done.output
+
+
+@pytest.fixture(scope="module")
+def demo(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, str]:
+    out = tmp_path_factory.mktemp("demo")
+    return out, run("demo", "--out", out)
+
+
+def test_demo_prints_a_small_table_and_the_report(demo: tuple[Path, str]) -> None:
+    out, text = demo
+    assert len(text.strip().splitlines()) <= 20
+    assert text.strip().splitlines()[-1] == f"report: {out / 'report.html'}"
+
+
+def test_report_is_one_self_contained_file(demo: tuple[Path, str]) -> None:
+    page = (demo[0] / "report.html").read_text()
+    assert page.count("data:image/png;base64,") >= 8
+    for outside in ('src="http', "href=", "<script"):
+        assert outside not in page
+
+
+def test_findings_keep_the_contract_and_reach_the_noise_floor(demo: tuple[Path, str]) -> None:
+    found = json.loads((demo[0] / "diagnosis" / "findings.json").read_text())
+    assert found["verdict"] == "explained"
+    (effect,) = found["effects"]
+    assert (effect["kind"], effect["joint"]) == ("gear_ripple", 4)
+    assert {"parameters", "standard_errors", "confidence", "alternatives"} <= set(effect)
+    for stage in ("before", "after"):
+        for which in ("identification", "validation"):
+            metrics = found["error"][which][stage]
+            assert set(metrics) == {"mae_Nm", "rmse_Nm", "rmse_over_mean_percent"}
+            assert all(len(values) == 6 for values in metrics.values())
+    after = np.array(found["error"]["validation"]["after"]["rmse_Nm"])
+    before = np.array(found["error"]["validation"]["before"]["rmse_Nm"])
+    assert (after <= 1.1 * np.array(found["error"]["noise_floor_Nm"])).all()
+    assert after[3] < 0.25 * before[3]
+    robot = irb.load_robot(demo[0] / "diagnosis" / "robot.toml")
+    assert [e.kind for e in robot.effects] == ["gear_ripple"]
+
+
+def test_plan_keeps_the_contract(demo: tuple[Path, str]) -> None:
+    plan = json.loads((demo[0] / "plan" / "plan.json").read_text())
+    assert {"duration_s", "reachable", "max_tcp_deviation_mm", "max_tool_axis_deviation_deg", "singularity_margin",
+            "max_torque_ratio", "max_velocity_ratio", "guaranteed", "wall_time_s"} <= set(plan)  # fmt: skip
+    assert plan["guaranteed"] is True
+    assert plan["max_torque_ratio"] <= 1.0
+    with (demo[0] / "plan" / "trajectory.csv").open() as file:
+        header, *rows = csv.reader(file)
+    for name in ("time_s", "q1_deg", "qd6_deg_s", "qdd3_deg_s2", "tau2_Nm", "s"):
+        assert name in header
+    table = np.array(rows, dtype=float)
+    assert table[0, 0] == 0.0
+    speeds = [i for i, name in enumerate(header) if name.startswith("qd") and name.endswith("deg_s")]
+    assert np.abs(table[[0, -1]][:, speeds]).max() < 1e-6
+
+
+def test_better_description_tracks_better(demo: tuple[Path, str]) -> None:
+    lines = [line.split() for line in demo[1].splitlines() if line.startswith("close")]
+    before, after = (float(words[words.index("mm") - 1]) for words in lines)
+    assert after < 0.6 * before
+
+
+def test_commands_hand_on_their_files(demo: tuple[Path, str], tmp_path: Path) -> None:
+    trajectory, robot = demo[0] / "plan" / "trajectory.csv", demo[0] / "diagnosis" / "robot.toml"
+    run("simulate", trajectory, "--controller", "feedforward_pid", "--robot", robot, "--out", tmp_path / "run")
+    simulation = json.loads((tmp_path / "run" / "simulation.json").read_text())
+    assert 0.0 < simulation["tcp_error_mm"]["rms"] < 5.0
+    assert (tmp_path / "run" / "tracking.png").read_bytes().startswith(b"\x89PNG")
+    run("codegen", "--controller", "gravity_pd", "--robot", robot, "--out", tmp_path / "c")
+    assert json.loads((tmp_path / "c" / "verification.json").read_text())["passed"] is True
+    run("robot", "show", robot)
+    assert "inertia" in run("robot", "check", robot)
+    # a simulated log is a log like any other
+    assert "verdict:" in run("diagnose", tmp_path / "run" / "log.csv", "--robot", robot, "--out", tmp_path / "found")
+    assert (tmp_path / "found" / "report.html").is_file()
+
+
+def test_plan_with_held_orientation(tmp_path: Path) -> None:
+    path = tmp_path / "line.csv"
+    rows = ["x_mm,y_mm,z_mm,i,j,k,feed_mm_s", *(f"{900 + 2 * k},{-50 + 4 * k},700,0,0,1,200" for k in range(26))]
+    path.write_text("\n".join(rows) + "\n")
+    run("plan", path, "--fixed", "--rate", 500, "--out", tmp_path / "plan")
+    plan = json.loads((tmp_path / "plan" / "plan.json").read_text())
+    assert plan["duration_s"] >= 0.9 * 111.8 / 200
+    assert (tmp_path / "plan" / "torque.png").is_file()
