@@ -10,6 +10,7 @@ import casadi as ca
 import numpy as np
 import numpy.typing as npt
 
+from irb2400_ctrl.diagnosis.memory import Memory
 from irb2400_ctrl.diagnosis.motion import Motion
 from irb2400_ctrl.diagnosis.vectorised import Vectorised
 from irb2400_ctrl.effects import LIBRARY, Effect
@@ -88,70 +89,58 @@ class _Law:
         prototype = effect.prototype(joint, dict(zip(keys, theta, strict=True)))  # type: ignore[arg-type]
         state = ca.SX.sym("x", len(effect.states))
         s = s.with_state(state)
-        basis = prototype.departures(s) if departures else prototype.basis(s)
+        law = prototype.basis(s)
+        basis = prototype.departures(s) if departures else law
         # departures live on the joints of the law, so that both can stand side by side
-        rows = sorted(set(prototype.basis(s).sparsity().row()))
+        rows = sorted(set(law.sparsity().row()))
         self.joints, self.k = tuple(rows), basis.shape[1]
-        flat = ca.vertcat(*[ca.densify(basis[row, :]).T for row in rows]) if rows and self.k else ca.SX(0, 1)
         scalars = [*ca.vertsplit(ca.vertcat(s.q, s.qd, s.qdd, s.qddd, s.qdddd, s.time))]
-        self.law = Vectorised([*scalars, *ca.vertsplit(state), *theta], flat)
-        self.states = len(effect.states)
-        if self.states:
-            self.rate = _exponential_step([*scalars], state, theta, prototype.state_rate(s))
+        inputs = [*scalars, *ca.vertsplit(state), *theta]
+        self.law = Vectorised(inputs, _flat(basis, rows))
+        # the record may begin in any state: what a different beginning adds is a departure too
+        self.free = len(effect.states) if departures else 0
+        if self.free:
+            self.response = Vectorised(inputs, _flat(law, rows))
+            self.k_law = law.shape[1]
+        self.memory = (
+            Memory(scalars, state, theta, prototype.state_rate(s), prototype.steady_state(s)) if effect.states else None
+        )
 
     def __call__(self, motion: Motion, grid: list[tuple[float, ...]], filtered: bool) -> list[Columns]:
         m = len(motion.time)
         inputs = inputs_of(motion)
         count = motion.rows if filtered else m
-        values = np.empty((len(grid), count, len(self.joints), self.k))
+        values = np.empty((len(grid), count, len(self.joints), self.k + self.free))
         if values.size == 0:
             return [Columns(self.joints, v) for v in values]
-        chunk = max(1, CHUNK // m)
+        chunk = max(1, (CHUNK if self.memory is None else CHUNK // 16) // m)
         for start in range(0, len(grid), chunk):
             piece = grid[start : start + chunk]
             part = np.array(piece, dtype=float).reshape(len(piece), len(grid[0]))
             theta = [part[:, i : i + 1] for i in range(part.shape[1])]
-            states = self._states(inputs, motion.step, theta, len(part)) if self.states else []
-            for place, flat in enumerate(self.law(*inputs, *states, *theta)):
-                i, c = divmod(place, self.k)
+            trajectories = [] if self.memory is None else self.memory.states(inputs, motion.step, theta, (len(part), m))
+            states = trajectories[0] if trajectories else []
+            place = slice(start, start + len(part))
+
+            def put(flat: Array, joint: int, column: int, part: Array = part, place: slice = place) -> None:
                 whole = np.broadcast_to(flat, (len(part), m)).T
-                values[start : start + len(part), :, i, c] = (motion.filtered(whole) if filtered else whole).T
+                values[place, :, joint, column] = (motion.filtered(whole) if filtered else whole).T
+
+            for index, flat in enumerate(self.law(*inputs, *states, *theta) if self.k else []):
+                put(flat, *divmod(index, self.k))
+            if self.free:
+                rest = self.response(*inputs, *states, *theta)
+                for column, other in enumerate(trajectories[1:]):
+                    moved = self.response(*inputs, *other, *theta)
+                    for i in range(len(self.joints)):
+                        # of a law of several columns the first stands for the beginning
+                        put(moved[i * self.k_law] - rest[i * self.k_law], i, self.k + column)
         return [Columns(self.joints, v) for v in values]
 
-    def _states(self, inputs: list[Array], step: float, theta: list[Array], count: int) -> list[Array]:
-        """States of all grid points, each (count, m), from zero."""
-        decay, gain = self.rate(inputs, theta, step)
-        m = len(inputs[0])
-        found = []
-        for a, b in zip(decay, gain, strict=True):
-            a, b = np.broadcast_to(a, (count, m)).T, np.broadcast_to(b, (count, m)).T
-            x = np.zeros((m, count))
-            for k in range(1, m):
-                x[k] = a[k] * x[k - 1] + b[k]
-            found.append(x.T)
-        return found
 
-
-class _exponential_step:
-    """x+ = exp(a h) x + (exp(a h) - 1) / a * b for states with dx/dt = a x + b: exact for constant a, b over a step."""
-
-    def __init__(self, scalars: list[ca.SX], state: ca.SX, theta: list[ca.SX], rate: ca.SX) -> None:
-        a = ca.diag(ca.jacobian(rate, state))
-        b = ca.substitute(rate, state, ca.SX.zeros(state.numel()))
-        self._evaluate = Vectorised([*scalars, *theta], ca.vertcat(a, b))
-        self._n = state.numel()
-
-    def __call__(self, inputs: list[Array], theta: list[Array], step: float) -> tuple[list[Array], list[Array]]:
-        """Factors of x and additions per sample, for every state."""
-        values = self._evaluate(*inputs, *theta)
-        decay, gain = [], []
-        for a, b in zip(values[: self._n], values[self._n :], strict=True):
-            factor = np.exp(np.minimum(a * step, 0.0))
-            small = np.abs(a * step) < 1e-9
-            growth = np.where(small, step, (factor - 1.0) / np.where(small, 1.0, a))
-            decay.append(factor)
-            gain.append(growth * b)
-        return decay, gain
+def _flat(basis: ca.SX, rows: list[int]) -> ca.SX:
+    """The rows of a basis one after another as a column."""
+    return ca.vertcat(*[ca.densify(basis[row, :]).T for row in rows]) if rows and basis.shape[1] else ca.SX(0, 1)
 
 
 __all__ = ["Bases", "Columns", "inputs_of"]

@@ -12,7 +12,7 @@ from threadpoolctl import threadpool_limits
 
 from irb2400_ctrl.diagnosis.bases import Bases
 from irb2400_ctrl.diagnosis.confidence import alternatives, confidence
-from irb2400_ctrl.diagnosis.fit import Fit, Fitter, effect_torque
+from irb2400_ctrl.diagnosis.fit import Fit, Fitter, effect_torque, noisy_reversals_masked
 from irb2400_ctrl.diagnosis.metrics import errors, noise_floor
 from irb2400_ctrl.diagnosis.motion import Motion, prepare
 from irb2400_ctrl.diagnosis.nuisance import Nuisance, Uncertainty
@@ -67,8 +67,11 @@ def diagnose(
         Z = motion.filtered(nuisance.columns(bases.model, motion))
         load = bases.model.inverse_dynamics(motion.q, motion.qd, motion.qdd, friction=False)
         progress("scan")
+        reversal = reversal_rows(motion)
+        first = Fitter(robot, bases, motion, Z, reversal).fit([])
+        motion = noisy_reversals_masked(motion, first, reversal)
         scan = Scan(bases, motion, load)
-        fitter = Fitter(robot, bases, motion, Z, reversal_rows(motion))
+        fitter = Fitter(robot, bases, motion, Z, reversal)
         steps, fit = Selection(scan, fitter, criteria).run()
         progress("conclude")
         return _concluded(

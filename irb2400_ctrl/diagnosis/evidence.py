@@ -15,11 +15,14 @@ from scipy.linalg import cho_solve, solve_triangular
 
 from irb2400_ctrl.diagnosis.bases import Columns
 from irb2400_ctrl.diagnosis.noise import Noise
+from irb2400_ctrl.effects import LIBRARY
 
 Array = npt.NDArray[np.float64]
 
 DEPARTURE = 0.25
 """how far a real device departs from the textbook's law: rms over rms, one standard deviation"""
+BEGINNING = 3.0
+"""the same for the response to an unknown state at the beginning of the record"""
 
 
 @dataclass(frozen=True)
@@ -107,12 +110,15 @@ class Problem:
                 found[i] = _law_gain(gram, right[part], ())[0]
         return found
 
-    def score(self, law: Columns, departures: Columns | None = None, scales: Sequence[float] = ()) -> Score:
+    def score(
+        self, law: Columns, departures: Columns | None = None, scales: Sequence[float] = (), shares: Array | None = None
+    ) -> Score:
         """Evidence of a law, with departures of at most about DEPARTURE of its own size.
 
         Args:
             law, departures: filtered columns on the same joints.
             scales: plausible sizes of the law's coefficients; empty: as flat as the data allow (g-prior at its best g).
+            shares: allowed size of each departure over the law's; default DEPARTURE.
         """
         k = law.values.shape[2]
         if departures is None or departures.values.shape[2] == 0:
@@ -124,7 +130,7 @@ class Problem:
         both = Columns(law.joints, np.concatenate([law.values, departures.values], axis=2))
         gram, right = self.projected(both)
         _, _, b, _ = _law_gain(gram[:k, :k], right[:k], scales)
-        unit = departure_unit(law, b, departures)
+        unit = departure_unit(law, b, departures, shares)
         d = len(unit)
         scale = np.concatenate([np.ones(k), unit])
         gram, right = gram * np.outer(scale, scale), right * scale
@@ -139,11 +145,24 @@ class Problem:
         return Score(gain + gain_departures, explained, b, covariance, w * unit)
 
 
-def departure_unit(law: Columns, coefficients: Array, departures: Columns) -> Array:
-    """Standard deviation of each departure's coefficient: DEPARTURE times the rms torque of the law."""
+def departure_shares(kind: str, count: int) -> Array:
+    """Allowed size of each departure over the law's own: small for another shape, free for the record's beginning."""
+    shares = np.full(count, DEPARTURE)
+    states = len(LIBRARY[kind].states)
+    if states:
+        shares[count - states :] = BEGINNING
+    return shares
+
+
+def departure_unit(law: Columns, coefficients: Array, departures: Columns, shares: Array | None = None) -> Array:
+    """Standard deviation of each departure's coefficient: its share of the rms torque of the law."""
     size = np.sqrt(np.mean((law.values @ coefficients) ** 2))
+    if shares is not None and (shares == BEGINNING).any():
+        # a beginning can show where the law itself hardly does
+        least = np.sqrt(np.mean((law.values @ np.ones(len(coefficients))) ** 2))
+        size = np.where(shares == BEGINNING, max(size, least), size)
     widths = np.sqrt(np.mean(departures.values**2, axis=(0, 1)))
-    return np.asarray(DEPARTURE * size / np.maximum(widths, 1e-12))
+    return np.asarray((DEPARTURE if shares is None else shares) * size / np.maximum(widths, 1e-12))
 
 
 def _law_gain(gram: Array, right: Array, scales: Sequence[float]) -> tuple[float, float, Array, Array]:

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 import numpy.typing as npt
 from pydantic import ValidationError
 
 from irb2400_ctrl.diagnosis.bases import Bases
-from irb2400_ctrl.diagnosis.evidence import DEPARTURE
+from irb2400_ctrl.diagnosis.evidence import departure_shares, departure_unit
 from irb2400_ctrl.diagnosis.motion import Motion
 from irb2400_ctrl.diagnosis.noise import Noise, autoregressive
 from irb2400_ctrl.diagnosis.predict import effect_torque, nonlinear_of, predicted_torque
@@ -59,6 +59,24 @@ class Fit:
     generic: tuple[Array, ...] = field(default=())
 
 
+NOISY_REVERSAL = 2.5
+"""residual near reversals over that elsewhere, above which a joint sticks in a way that the log does not resolve"""
+
+
+def noisy_reversals_masked(motion: Motion, fit: Fit, reversal: Mask) -> Motion:
+    """The motion without the rows near reversals of joints whose sticking no model of this kind follows."""
+    known = motion.row_known.copy()
+    for j in range(motion.n):
+        near, calm = known[:, j] & reversal[:, j], known[:, j] & ~reversal[:, j]
+        if near.sum() > 10 and calm.sum() > 50:
+            level = np.median(np.abs(np.diff(fit.residual[:, j])[calm[1:]])) / 0.9539
+            if np.sqrt(np.mean(fit.residual[near, j] ** 2)) > NOISY_REVERSAL * max(
+                level, float(np.sqrt(np.mean(fit.residual[calm, j] ** 2)))
+            ):
+                known[:, j] = calm
+    return replace(motion, row_known=known)
+
+
 class Fitter:
     """Fits sets of candidates to one log."""
 
@@ -102,9 +120,11 @@ class Fitter:
         sigma = np.sqrt(np.diag(covariance))
         shaped, place = [], k + p
         for effect, unit in zip(effects, shapes, strict=True):
-            values = b[place : place + len(unit)] * unit
+            # how the record began is no property of the robot: its columns are not kept
+            kept = len(unit) - len(effect.states)
+            values = (b[place : place + len(unit)] * unit)[:kept]
             place += len(unit)
-            shaped.append(effect.model_copy(update={"shape": tuple(float(v) for v in values)}) if len(unit) else effect)
+            shaped.append(effect.model_copy(update={"shape": tuple(float(v) for v in values)}) if kept else effect)
         generic, width = [], columns.shape[2] - place
         for part in np.array_split(np.arange(place, place + width), generics) if generics else []:
             generic.append(columns[:, :, part] @ b[part])
@@ -165,9 +185,12 @@ class Fitter:
         columns = self.bases.columns(effect.kind, effect.joint, self.motion, [nonlinear_of(effect)], departures=True)[0]
         placed = np.zeros((self.motion.rows, self.motion.n, columns.values.shape[2]))
         placed[:, list(columns.joints)] = columns.values
-        size = np.sqrt(np.mean(self._torque(effect)[:, list(columns.joints)] ** 2)) if columns.joints else 0.0
-        widths = np.sqrt(np.mean(columns.values**2, axis=(0, 1))) if columns.values.size else np.zeros(0)
-        return placed, np.asarray(1.5 * DEPARTURE * size / np.maximum(widths, 1e-12))
+        law = self.bases.columns(effect.kind, effect.joint, self.motion, [nonlinear_of(effect)])[0]
+        shares = departure_shares(effect.kind, placed.shape[2])
+        if not placed.shape[2]:
+            return placed, np.zeros(0)
+        # wider than in the competition, so that they do not come out too small
+        return placed, 1.5 * departure_unit(law, np.array(effect.coefficients()), columns, shares)
 
     def _generic_columns(self, candidate: Candidate) -> Array:
         b = candidate.score.coefficients
@@ -181,7 +204,7 @@ class Fitter:
         if noise is None:
             from irb2400_ctrl.diagnosis.noise import white
 
-            noise = [white(y[:, j], self.motion.row_known[:, j]) for j in range(self.motion.n)]
+            noise = [white(y[:, j], self.motion.row_known[:, j], self.reversal[:, j]) for j in range(self.motion.n)]
         k = columns.shape[2]
         A, right = np.eye(k), np.zeros(k)
         for j, one in enumerate(noise):
@@ -203,7 +226,11 @@ _State = tuple[Array, Array, list[Parameter], Array, list[Array]]
 def parameters_of(effect: Effect, place: int) -> list[Parameter]:
     """The natural parameters of an effect that a fit may move."""
     found = []
+    # those of effects with memory come from a search that also moves the record's beginning
+    held = type(effect).nonlinear_names(effect.joint) if effect.states else ()
     for name, value in effect.parameters().items():
+        if name in held:
+            continue
         prior = type(effect).usual.get(name)
         if isinstance(value, tuple | list):
             if name not in {"shape", "windows_s"}:
@@ -241,4 +268,4 @@ def _moved(effects: list[Effect], parameters: Sequence[Parameter], step: Array) 
     return None
 
 
-__all__ = ["Fit", "Fitter", "Parameter", "effect_torque", "parameters_of"]
+__all__ = ["Fit", "Fitter", "Parameter", "effect_torque", "noisy_reversals_masked", "parameters_of"]

@@ -10,7 +10,7 @@ import numpy.typing as npt
 Array = npt.NDArray[np.float64]
 Mask = npt.NDArray[np.bool_]
 
-ORDER = 4
+ORDER = 2
 MOST_COLOUR = 4.0
 """largest over geometric mean power density that is believed to be noise"""
 
@@ -51,16 +51,26 @@ def complete_rows(known: Mask, order: int = ORDER) -> npt.NDArray[np.intp]:
     return np.flatnonzero(good)
 
 
-def white(residual: Array, known: Mask) -> Noise:
-    """White noise of the level that the row-to-row differences of the residual show (robust against slow misfit)."""
+def white(residual: Array, known: Mask, reversal: Mask) -> Noise:
+    """White noise of the level that row-to-row differences show (robust against slow misfit), larger near reversals."""
     kept = complete_rows(known)
     a = np.zeros(ORDER + 1)
     a[0] = 1.0
     if len(kept) < 20:
         return Noise(a, np.ones(len(kept)), kept)
-    differences = residual[kept] - residual[kept - 1]
-    level = np.median(np.abs(differences)) / 0.6745 / np.sqrt(2.0)
-    return Noise(a, np.full(len(kept), 1.0 / max(level, 1e-9)), kept)
+    differences = (residual[kept] - residual[kept - 1]) / np.sqrt(2.0)
+    calm = ~reversal[kept]
+    use = calm if calm.sum() > 20 else np.ones(len(kept), dtype=bool)
+    level = max(float(np.median(np.abs(differences[use])) / 0.6745), 1e-9)
+    return Noise(a, _weights(differences, level, calm), kept)
+
+
+def _weights(error: Array, sigma: float, calm: Mask) -> Array:
+    """One over the standard deviation, which near reversals is that of the errors there."""
+    weight = np.full(len(error), 1.0 / sigma)
+    if (~calm).sum() > 10:
+        weight[~calm] = 1.0 / max(float(np.sqrt(np.mean(error[~calm] ** 2))), sigma)
+    return weight
 
 
 def _not_too_coloured(coefficients: Array) -> Array:
@@ -94,7 +104,7 @@ def autoregressive(residual: Array, known: Mask, reversal: Mask, floor: float = 
     """
     kept = complete_rows(known)
     if len(kept) < 20 * ORDER:
-        return white(residual, known)
+        return white(residual, known, reversal)
     past = np.column_stack([residual[kept - lag] for lag in range(1, ORDER + 1)])
     now = residual[kept]
     calm = ~reversal[kept]
@@ -105,10 +115,4 @@ def autoregressive(residual: Array, known: Mask, reversal: Mask, floor: float = 
     coefficients = _not_too_coloured(np.linalg.solve(gram, past[use].T @ now[use]))
     error = now - past @ coefficients
     sigma = max(float(np.sqrt(np.mean(error[use] ** 2))), floor, 1e-9)
-    weight = np.full(len(kept), 1.0 / sigma)
-    turning = ~calm
-    if turning.sum() > 10:
-        # robust: the worst reversals must not hide the others
-        there = max(float(np.median(np.abs(error[turning])) / 0.6745), sigma)
-        weight[turning] = 1.0 / there
-    return Noise(np.append(1.0, -coefficients), weight, kept)
+    return Noise(np.append(1.0, -coefficients), _weights(error, sigma, calm), kept)

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import numpy.typing as npt
 
-from irb2400_ctrl.diagnosis.bases import Bases
+from irb2400_ctrl.diagnosis.bases import Bases, Columns
 from irb2400_ctrl.diagnosis.motion import Motion
 from irb2400_ctrl.effects import Effect
 from irb2400_ctrl.effects.encoder_zero import EncoderZero
@@ -65,7 +65,9 @@ def _shape_torque(bases: Bases, effect: Effect, motion: Motion, *, filtered: boo
         return np.zeros((motion.rows if filtered else len(motion.time), motion.n))
     nonlinear = [nonlinear_of(effect)]
     columns = bases.columns(effect.kind, effect.joint, motion, nonlinear, departures=True, filtered=filtered)[0]
-    return columns.torque(np.array(effect.shape), motion.n)
+    # further columns tell how a record began: no property of the robot
+    kept = Columns(columns.joints, columns.values[:, :, : len(effect.shape)])
+    return kept.torque(np.array(effect.shape), motion.n)
 
 
 def nonlinear_of(effect: Effect) -> dict[str, float]:

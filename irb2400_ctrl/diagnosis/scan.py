@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cache, cached_property
 
 import numpy as np
 import numpy.typing as npt
 from pydantic import ValidationError
 
 from irb2400_ctrl.diagnosis.bases import Bases, Columns
-from irb2400_ctrl.diagnosis.evidence import Problem, Score, departure_unit, g_prior_gain
+from irb2400_ctrl.diagnosis.evidence import Problem, Score, departure_shares, g_prior_gain
 from irb2400_ctrl.diagnosis.generic import Generic, generic_laws, vibrations
 from irb2400_ctrl.diagnosis.motion import Motion
 from irb2400_ctrl.effects import LIBRARY, Effect
@@ -20,6 +20,8 @@ Array = npt.NDArray[np.float64]
 
 EVERYWHERE = ("rotor_inertia",)
 """effects that a maker leaves out of all joints alike"""
+EVERYWHERE_PENALTY = 15.0
+"""[nats]"""
 KEPT_GENERIC = 4
 """how many generic laws of each joint are judged"""
 KEPT_GRID_POINTS = 2
@@ -56,13 +58,6 @@ class Candidate:
         return tau
 
     @property
-    def departure_unit(self) -> Array:
-        """One standard deviation of each departure coefficient, shape (d,)."""
-        if self.departures is None:
-            return np.zeros(0)
-        return departure_unit(self.law, self.score.coefficients, self.departures)
-
-    @property
     def known(self) -> bool:
         """Whether it is an effect of the library."""
         return bool(self.effects)
@@ -73,6 +68,8 @@ class Scan:
 
     def __init__(self, bases: Bases, motion: Motion, load: Array) -> None:
         self.bases, self.motion, self.load = bases, motion, load
+        self._departures: dict[tuple[object, ...], Columns] = {}
+        self._vibrations = cache(lambda joint: vibrations(motion, joint))
 
     @cached_property
     def families(self) -> list[tuple[str, int | None]]:
@@ -89,8 +86,11 @@ class Scan:
     def laws(self) -> dict[tuple[str, int | None], tuple[list[dict[str, float]], list[Columns]]]:
         """Grid and filtered columns of each family."""
         found = {}
+        inertia = np.median(np.einsum("mjj->mj", self.bases.model.mass_matrix(self.motion.q[::50])), axis=0)
         for kind, joint in self.families:
-            grid = LIBRARY[kind].grid(joint)
+            effect = LIBRARY[kind]
+            felt = float(inertia[(joint or 1) - 1])
+            grid = [g for g in effect.grid(joint) if effect.sensible(g, felt)]
             found[kind, joint] = (grid, self.bases.columns(kind, joint, self.motion, grid))
         return found
 
@@ -99,14 +99,32 @@ class Scan:
         """Filtered columns of the generic laws, by joint."""
         return generic_laws(self.motion, self.load)
 
+    @cached_property
+    def remembering(self) -> dict[tuple[str, int | None], list[Columns]]:
+        """Departures of every grid point of effects with memory: how the record began may be all that shows them."""
+        return {
+            (kind, joint): self.bases.columns(kind, joint, self.motion, grid, departures=True)
+            for (kind, joint), (grid, _) in self.laws.items()
+            if LIBRARY[kind].states and grid
+        }
+
     def departures(self, kind: str, joint: int | None, nonlinear: dict[str, float]) -> Columns:
         """Filtered columns of an effect's departures."""
+        key = (kind, joint, *sorted(nonlinear.items()))
+        if key not in self._departures:
+            self._departures[key] = self._departures_of(kind, joint, nonlinear)
+        return self._departures[key]
+
+    def _departures_of(self, kind: str, joint: int | None, nonlinear: dict[str, float]) -> Columns:
         return self.bases.columns(kind, joint, self.motion, [nonlinear], departures=True)[0]
 
-    def rank(self, problem: Problem) -> list[Candidate]:
-        """All plausible candidates, best first."""
-        found = [c for kind, joint in self.families for c in self._library(problem, kind, joint)]
-        found += [c for kind in EVERYWHERE if (c := self._everywhere(problem, kind)) is not None]
+    def rank(self, problem: Problem, chosen: Sequence[Candidate] = ()) -> list[Candidate]:
+        """All plausible candidates, best first; what is chosen already does not come twice (but for ripples)."""
+        taken = {(e.kind, e.joint) for c in chosen for e in c.effects if e.kind != "gear_ripple"}
+        families = [f for f in self.families if f not in taken]
+        found = [c for kind, joint in families for c in self._library(problem, kind, joint)]
+        rest = [kind for kind in EVERYWHERE if kind not in {e.kind for c in chosen for e in c.effects}]
+        found += [c for kind in rest if (c := self._everywhere(problem, kind)) is not None]
         found += [c for joint in range(self.motion.n) for c in self._generic(problem, joint)]
         found += [self._vibration(problem, joint) for joint in range(self.motion.n)]
         return sorted((c for c in found if c.score.gain > 0), key=lambda c: -c.score.gain)
@@ -117,13 +135,17 @@ class Scan:
 
     def _library(self, problem: Problem, kind: str, joint: int | None) -> list[Candidate]:
         grid, laws = self.laws[kind, joint]
-        if not laws[0].joints:
+        if not laws or not laws[0].joints:
             return []  # no torque of this arm depends on it (zero of axis 1)
         best: Candidate | None = None
-        for place in _promising(problem, laws):
+        for place in self._promising(problem, kind, joint):
             nonlinear, law = grid[place], laws[place]
-            extra = self.departures(kind, joint, nonlinear)
-            score = problem.score(law, extra, LIBRARY[kind].scales)
+            extra = (
+                self.remembering[kind, joint][place]
+                if LIBRARY[kind].states
+                else self.departures(kind, joint, nonlinear)
+            )
+            score = self._score(problem, kind, law, extra)
             # a family with many members must win by more
             penalty = float(np.log(len(grid)))
             score = replace(score, gain=score.gain - penalty)
@@ -131,6 +153,61 @@ class Scan:
             if effect is not None and (best is None or score.gain > best.score.gain):
                 best = Candidate(kind, joint, kind, (), (effect,), law, extra, score, penalty)
         return [] if best is None else [best]
+
+    def polished(self, problem: Problem, candidate: Candidate) -> Candidate:
+        """Nonlinear parameters of an effect with memory, by coordinate search on the evidence.
+
+        How the record began is free and changes with them, so the fit's slopes would mislead.
+        """
+        if not candidate.known or not LIBRARY[candidate.kind].states:
+            return candidate
+        best, effect = candidate, candidate.effects[0]
+        nonlinear = {key: float(getattr(effect, key)) for key in type(effect).nonlinear_names(effect.joint)}
+        for width in (0.1, 0.04, 0.015):
+            for key in nonlinear:
+                # a damping is known far less sharply than a frequency
+                spread = (1 + width) ** (8 if "damping" in key else 1)
+                trials = [{**nonlinear, key: nonlinear[key] * spread**k} for k in (-2, -1, 1, 2)]
+                for trial in trials:
+                    moved = self._at(problem, best, trial)
+                    if moved is not None and moved.score.gain > best.score.gain:
+                        best, nonlinear = moved, trial
+        return best
+
+    def _at(self, problem: Problem, candidate: Candidate, nonlinear: dict[str, float]) -> Candidate | None:
+        kind, joint = candidate.kind, candidate.joint
+        law = self.bases.columns(kind, joint, self.motion, [nonlinear])[0]
+        extra = self.departures(kind, joint, nonlinear)
+        score = self._score(problem, kind, law, extra)
+        score = replace(score, gain=score.gain - candidate.penalty)
+        effect = plausible(kind, joint, score.coefficients, nonlinear)
+        return None if effect is None else replace(candidate, effects=(effect,), law=law, departures=extra, score=score)
+
+    def _score(self, problem: Problem, kind: str, law: Columns, extra: Columns) -> Score:
+        return problem.score(law, extra, LIBRARY[kind].scales, departure_shares(kind, extra.values.shape[2]))
+
+    def _promising(self, problem: Problem, kind: str, joint: int | None) -> list[int]:
+        """Places in the grid worth a closer look."""
+        _, laws = self.laws[kind, joint]
+        if len(laws) == 1:
+            return [0]
+        if LIBRARY[kind].states:
+            # on the joint itself, law and beginning as free columns
+            own = int(joint or 1) - 1
+            place = laws[0].joints.index(own)
+            both = zip(laws, self.remembering[kind, joint], strict=True)
+            blocks = [np.hstack([law.values[:, place], extra.values[:, place]]) for law, extra in both]
+            gains = problem.gains(own, blocks)
+        elif len(laws[0].joints) == 1:
+            gram, right = problem.projected_many(laws[0].joints[0], np.stack([law.values[:, 0] for law in laws]))
+            k = right.shape[1]
+            size = np.sqrt(np.maximum(np.einsum("gii->gi", gram), 0)) + 1e-12
+            normal = gram / (size[:, :, None] * size[:, None, :]) + 1e-8 * np.eye(k)
+            explained = np.einsum("gi,gi->g", right / size, np.linalg.solve(normal, (right / size)[..., None])[..., 0])
+            gains = np.asarray(g_prior_gain(explained, k))
+        else:
+            gains = np.array([problem.score(law).gain for law in laws])
+        return [int(place) for place in np.argsort(-gains)[:KEPT_GRID_POINTS]]
 
     def _everywhere(self, problem: Problem, kind: str) -> Candidate | None:
         """One effect on every joint at once, with a size for each."""
@@ -142,7 +219,9 @@ class Scan:
         present = tuple(e for e in effects if e is not None)
         if len(present) < max(2, n - 2):
             return None
-        return Candidate(kind, None, f"{kind} of every joint", (), present, law, None, score)
+        # one joint alone is the simpler story unless several clearly show it
+        score = replace(score, gain=score.gain - EVERYWHERE_PENALTY)
+        return Candidate(kind, None, f"{kind} of every joint", (), present, law, None, score, EVERYWHERE_PENALTY)
 
     def _generic(self, problem: Problem, joint: int) -> list[Candidate]:
         """The best generic laws of one joint (zero-based)."""
@@ -157,7 +236,7 @@ class Scan:
         return found
 
     def _vibration(self, problem: Problem, joint: int) -> Candidate:
-        frequency, values = vibrations(self.motion, joint)
+        frequency, values = self._vibrations(joint)
         gram, right = problem.projected_many(joint, values)
         explained = np.einsum("gi,gi->g", right, np.linalg.solve(gram + 1e-9 * np.eye(2), right[..., None])[..., 0])
         place = int(np.argmax(explained))
@@ -168,27 +247,11 @@ class Scan:
         return Candidate("unexplained", joint + 1, name, ("time",), (), law, None, score, penalty)
 
 
-def _promising(problem: Problem, laws: Sequence[Columns]) -> list[int]:
-    """Places in the grid worth a closer look."""
-    if len(laws) == 1:
-        return [0]
-    if len(laws[0].joints) == 1:
-        gram, right = problem.projected_many(laws[0].joints[0], np.stack([law.values[:, 0] for law in laws]))
-        k = right.shape[1]
-        size = np.sqrt(np.maximum(np.einsum("gii->gi", gram), 0)) + 1e-12
-        normal = gram / (size[:, :, None] * size[:, None, :]) + 1e-8 * np.eye(k)
-        explained = np.einsum("gi,gi->g", right / size, np.linalg.solve(normal, (right / size)[..., None])[..., 0])
-        gains = g_prior_gain(explained, k)
-    else:
-        gains = np.array([problem.score(law).gain for law in laws])
-    return [int(place) for place in np.argsort(-np.asarray(gains))[:KEPT_GRID_POINTS]]
-
-
 def plausible(kind: str, joint: int | None, coefficients: Array, nonlinear: dict[str, float]) -> Effect | None:
     """The effect with these coefficients if its bounds allow them, else None."""
     try:
         return LIBRARY[kind].from_coefficients(joint, [float(c) for c in coefficients], nonlinear)
-    except (ValidationError, ZeroDivisionError):
+    except (ValidationError, ValueError, ZeroDivisionError):
         return None
 
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
-from irb2400_ctrl.diagnosis.evidence import Problem
+from irb2400_ctrl.diagnosis.evidence import Problem, departure_shares
 from irb2400_ctrl.diagnosis.fit import Fit, Fitter
 from irb2400_ctrl.diagnosis.motion import Motion
 from irb2400_ctrl.diagnosis.noise import Noise, autoregressive, white
@@ -18,7 +18,7 @@ from irb2400_ctrl.measurement.uniform import widened
 Array = npt.NDArray[np.float64]
 Mask = npt.NDArray[np.bool_]
 
-REVERSAL_TIME = 0.06
+REVERSAL_TIME = 0.12
 """[s] rows nearer than this to a reversal have a variance of their own"""
 
 
@@ -34,7 +34,7 @@ class Criteria:
         unknown: how much a generic law must beat the best effect by [nats], and as share of that effect's gain.
     """
 
-    gain: float = 12.0
+    gain: float = 20.0
     energy: float = 0.05
     torque: float = 0.003
     relative: float = 0.15
@@ -67,10 +67,13 @@ class Step:
 
     @property
     def margin(self) -> float:
-        """Evidence over the best rival of another kind or joint [nats]."""
-        others = [r.evidence for r in self.rivals if _family(r.candidate) != _family(self.candidate)]
-        best = max((r.evidence for r in self.rivals if _family(r.candidate) == _family(self.candidate)), default=0.0)
-        return float(best - max(others)) if others else self.gain
+        """Evidence over the best other effect of the library [nats]; the gain itself where there is none.
+
+        For a generic law: over the best effect. A flexible function of the same signals is no rival of a law.
+        """
+        best = next(r.evidence for r in self.rivals if r.candidate is self.candidate)
+        others = [r.evidence for r in self.rivals if r.candidate.known and not _same(r.candidate, self.candidate)]
+        return float(min(best - max(others, default=-np.inf), self.gain))
 
 
 class Selection:
@@ -102,19 +105,21 @@ class Selection:
         """The best further explanation if it counts."""
         self.y, Z = fit.y, fit.Z
         base, base_rss = self._base(Z)
-        rivals = self.rivals(Z)
+        rivals = self.rivals(Z, chosen)
         if not rivals:
             return None
         best = self._choice(rivals, base)
         gain = best.evidence - base
         if gain < self.criteria.gain or not self._practical(best.candidate, base_rss, chosen):
             return None
-        return Step(best.candidate, gain, tuple(rivals))
+        polished = self._polished(best, Z)
+        rivals[rivals.index(best)] = polished
+        return Step(polished.candidate, gain, tuple(rivals))
 
-    def rivals(self, Z: Array) -> list[Rival]:
+    def rivals(self, Z: Array, chosen: Sequence[Candidate] = ()) -> list[Rival]:
         """The most promising candidates, each judged under its own noise, best first."""
         problem = self._problem(Z, None, colour=False)
-        short = problem_ranking(self.scan, problem, self.criteria.shortlist)
+        short = problem_ranking(self.scan, problem, self.criteria.shortlist, chosen)
         rivals = [self._judged(candidate, Z) for candidate in short]
         return sorted(rivals, key=lambda r: -r.evidence)
 
@@ -136,9 +141,21 @@ class Selection:
             candidate = self._rescored(candidate, problem)
         return Rival(candidate, problem.log_evidence + candidate.score.gain)
 
+    def _polished(self, rival: Rival, Z: Array) -> Rival:
+        """The rival with its nonlinear parameters searched, where the fit can not do it."""
+        candidate = rival.candidate
+        if not candidate.known or not any(e.states for e in candidate.effects):
+            return rival
+        problem = self._problem(Z, None, colour=False)
+        problem = Problem(self.y, Z, self._noise(self.y - self._explained(problem, Z, candidate)))
+        return replace(rival, candidate=self.scan.polished(problem, candidate))
+
     def _rescored(self, candidate: Candidate, problem: Problem) -> Candidate:
         scales = self.scan.scales(candidate)
-        score = problem.score(candidate.law, candidate.departures, scales)
+        shares = None
+        if candidate.known and candidate.departures is not None:
+            shares = departure_shares(candidate.kind, candidate.departures.values.shape[2])
+        score = problem.score(candidate.law, candidate.departures, scales, shares)
         return replace(candidate, score=replace(score, gain=score.gain - candidate.penalty))
 
     def _explained(self, problem: Problem, Z: Array, candidate: Candidate) -> Array:
@@ -150,14 +167,18 @@ class Selection:
     def _problem(self, Z: Array, candidate: Candidate | None, colour: bool) -> Problem:
         """White (or coloured) noise of the level that the base or the candidate leaves."""
         rows = self.motion.row_known
-        first = [white(self.y[:, j], rows[:, j]) for j in range(self.motion.n)]
+        first = [white(self.y[:, j], rows[:, j], self.reversal[:, j]) for j in range(self.motion.n)]
         problem = Problem(self.y, Z, first)
         residual = self.y - Z @ problem.z
-        noise = self._noise(residual) if colour else [white(residual[:, j], rows[:, j]) for j in range(self.motion.n)]
+        noise = (
+            self._noise(residual)
+            if colour
+            else [white(residual[:, j], rows[:, j], self.reversal[:, j]) for j in range(self.motion.n)]
+        )
         return Problem(self.y, Z, noise)
 
     def _base(self, Z: Array) -> tuple[float, Array]:
-        """Log evidence without a further explanation, and the energy it leaves per joint."""
+        """Log evidence without a further explanation, and the mean square it leaves per joint away from reversals."""
         problem = self._problem(Z, None, colour=False)
         for _ in range(2):
             residual = self.y - Z @ problem.z
@@ -169,8 +190,10 @@ class Selection:
         return [autoregressive(residual[:, j], rows[:, j], self.reversal[:, j]) for j in range(self.motion.n)]
 
     def _energy(self, residual: Array) -> Array:
-        known = self.motion.row_known
-        return np.array([np.sum(residual[known[:, j], j] ** 2) for j in range(self.motion.n)])
+        calm = self.motion.row_known & ~self.reversal
+        return np.array(
+            [np.mean(residual[calm[:, j], j] ** 2) if calm[:, j].any() else 0.0 for j in range(self.motion.n)]
+        )
 
     def _practical(self, candidate: Candidate, before: Array, chosen: Sequence[Candidate]) -> bool:
         """Large enough to matter, on at least one joint it acts on."""
@@ -179,7 +202,7 @@ class Selection:
         earlier = (
             np.max([np.sqrt(np.mean(e.torque(n) ** 2, axis=0)) for e in chosen], axis=0) if chosen else np.zeros(n)
         )
-        left = np.sqrt(before / np.maximum(self.motion.row_known.sum(axis=0), 1))
+        left = np.sqrt(before)
         matters = (
             (size > np.sqrt(c.energy) * left) & (size > c.torque * self.rms_torque) & (size > c.relative * earlier)
         )
@@ -198,16 +221,17 @@ class Selection:
         return kept
 
 
-def problem_ranking(scan: Scan, problem: Problem, count: int) -> list[Candidate]:
+def problem_ranking(scan: Scan, problem: Problem, count: int, chosen: Sequence[Candidate]) -> list[Candidate]:
     """The best `count` candidates, among them at least a third of the library and a few generic ones."""
-    ranked = scan.rank(problem)
+    ranked = scan.rank(problem, chosen)
     known = [c for c in ranked if c.known][: max(count * 2 // 3, 1)]
     generic = [c for c in ranked if not c.known][: max(count - len(known), count // 3)]
     return known + generic
 
 
-def _family(candidate: Candidate) -> tuple[str, int | None]:
-    return candidate.kind, candidate.joint
+def _same(one: Candidate, other: Candidate) -> bool:
+    """Whether two candidates say the same, one of them perhaps for every joint."""
+    return one.kind == other.kind and (one.joint == other.joint or None in (one.joint, other.joint))
 
 
 def reversal_rows(motion: Motion) -> Mask:

@@ -146,6 +146,11 @@ class Effect(BaseModel, ABC):
         return [{}]
 
     @classmethod
+    def sensible(cls, nonlinear: dict[str, float], inertia: float) -> bool:
+        """Whether a point of the grid is worth a trial on a joint that feels this inertia [kg m2]."""
+        return True
+
+    @classmethod
     def prototype(cls, joint: int | None, nonlinear: dict[str, float]) -> Self:
         """An instance with unit coefficients, for asking `basis` of it."""
         fields: dict[str, Any] = {"kind": cls.model_fields["kind"].default, "joint": joint, **nonlinear}

@@ -20,7 +20,7 @@ class CableSpring(Effect):
 
     kind: Literal["cable_spring"] = "cable_spring"
     stiffness_Nm_rad: float = Field(ge=0, description="stiffness k [Nm/rad]")
-    neutral_rad: float = Field(default=0.0, description="angle q_0 without torque [rad]")
+    neutral_rad: float = Field(default=0.0, ge=-7, le=7, description="angle q_0 without torque [rad]")
 
     def basis(self, s: Signals) -> ca.SX:
         n = s.q.numel()

@@ -1,0 +1,93 @@
+"""States of effects with memory along a motion, for many nonlinear parameters at once.
+
+The states follow dx/dt = A x + b with A, b given by the motion. Over one sample A and b are taken as constant, and the
+step x+ = exp(A h) x + integral exp(A s) ds b is exact: no resonance is shifted and no stiff friction blows up.
+"""
+
+from __future__ import annotations
+
+import casadi as ca
+import numpy as np
+import numpy.typing as npt
+
+from irb2400_ctrl.diagnosis.vectorised import Vectorised
+
+Array = npt.NDArray[np.float64]
+
+
+class Memory:
+    """One or two states with a rate linear in them."""
+
+    def __init__(self, scalars: list[ca.SX], state: ca.SX, theta: list[ca.SX], rate: ca.SX, steady: ca.SX) -> None:
+        self.n = state.numel()
+        if self.n > 2:
+            raise NotImplementedError("effects with more than two states")
+        A = ca.jacobian(rate, state)
+        b = ca.substitute(rate, state, ca.SX.zeros(self.n))
+        self._evaluate = Vectorised([*scalars, *theta], ca.vertcat(ca.vec(ca.densify(A).T), b, steady))
+
+    def states(self, inputs: list[Array], step: float, theta: list[Array], shape: tuple[int, int]) -> list[list[Array]]:
+        """Trajectories (g, m) of each state: begun in the steady state, then begun one unit off in each state."""
+        n, (g, m) = self.n, shape
+        values = [np.broadcast_to(v, shape) for v in self._evaluate(*inputs, *theta)]
+        A = [[values[n * i + k] for k in range(n)] for i in range(n)]
+        b, steady = values[n * n : n * n + n], values[n * n + n :]
+        E, add = _scalar(A[0][0], b[0], step) if n == 1 else _pair(A, b, step)
+        # x[k + 1] = E x[k] + add as one affine map from the first sample, for all samples at once
+        P, c = _composed([[e[:, :-1] for e in row] for row in E], [v[:, :-1] for v in add])
+        trajectories = []
+        for begun in range(n + 1):
+            x0 = [steady[i][:, :1].copy() for i in range(n)]
+            if begun:
+                # one unit of a rate is small against one of its state: give it the size of a swing
+                x0[begun - 1] = x0[begun - 1] + (1.0 if begun == 1 else np.sqrt(np.abs(A[1][0][:, :1]) + 1e-12))
+            later = [sum((P[i][k] * x0[k] for k in range(n)), c[i]) for i in range(n)]
+            trajectories.append([np.concatenate([x0[i], later[i]], axis=1) for i in range(n)])
+        return trajectories
+
+
+def _composed(E: list[list[Array]], c: list[Array]) -> tuple[list[list[Array]], list[Array]]:
+    """Affine maps from the first sample to every later one, by doubling: log2(m) passes over the whole record."""
+    n, m = len(E), c[0].shape[1]
+    E, c = [[np.array(e) for e in row] for row in E], [np.array(v) for v in c]
+    reach = 1
+    while reach < m:
+        late, early = slice(reach, None), slice(None, m - reach)
+        new_c = [sum((E[i][k][:, late] * c[k][:, early] for k in range(n)), c[i][:, late]) for i in range(n)]
+        new_E = [[_sum([E[i][k][:, late] * E[k][j][:, early] for k in range(n)]) for j in range(n)] for i in range(n)]
+        for i in range(n):
+            c[i][:, late] = new_c[i]
+            for j in range(n):
+                E[i][j][:, late] = new_E[i][j]
+        reach *= 2
+    return E, c
+
+
+def _sum(terms: list[Array]) -> Array:
+    return np.sum(terms, axis=0) if len(terms) > 2 else terms[0] + terms[1] if len(terms) == 2 else terms[0]
+
+
+def _scalar(a: Array, b: Array, h: float) -> tuple[list[list[Array]], list[Array]]:
+    factor = np.exp(np.minimum(a * h, 0.0))
+    small = np.abs(a * h) < 1e-9
+    growth = np.where(small, h, (factor - 1.0) / np.where(small, 1.0, a))
+    return [[factor]], [growth * b]
+
+
+def _pair(A: list[list[Array]], b: list[Array], h: float) -> tuple[list[list[Array]], list[Array]]:
+    """exp(A h) by Cayley-Hamilton, and A^-1 (exp(A h) - 1) b."""
+    (a11, a12), (a21, a22) = A
+    mean = (a11 + a22) / 2
+    determinant = a11 * a22 - a12 * a21
+    root = np.sqrt((mean**2 - determinant).astype(complex)) * h
+    c = np.cosh(root).real
+    s = np.where(np.abs(root) < 1e-9, h, (np.sinh(root) / np.where(np.abs(root) < 1e-9, 1.0, root)).real * h)
+    decay = np.exp(np.minimum(mean * h, 0.0))
+    E = [
+        [decay * (c + s * (a11 - mean)), decay * s * a12],
+        [decay * s * a21, decay * (c + s * (a22 - mean))],
+    ]
+    r1 = (E[0][0] - 1.0) * b[0] + E[0][1] * b[1]
+    r2 = E[1][0] * b[0] + (E[1][1] - 1.0) * b[1]
+    safe = np.where(np.abs(determinant) < 1e-12, 1.0, determinant)
+    return E, [(a22 * r1 - a12 * r2) / safe, (a11 * r2 - a21 * r1) / safe]
