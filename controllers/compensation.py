@@ -26,7 +26,7 @@ from irb2400_ctrl.model import Model
 from irb2400_ctrl.model.friction import friction
 from irb2400_ctrl.robot import Robot
 
-BREAKAWAY = 0.02
+BREAKAWAY = 0.01
 """reference speed [rad/s] from which on the static friction is compensated in full; below, a joint that has just
 broken loose would overshoot the reference and stick again, at the expense of its gear"""
 SIGN_WIDTH = 2e-3

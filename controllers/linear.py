@@ -15,34 +15,67 @@ from irb2400_ctrl.controllers.margins import Margins, frequencies, margins
 from irb2400_ctrl.controllers.timing import Timing
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.model import Model
+from irb2400_ctrl.model.elasticity import elastic_data, elastic_joints, links_only
 from irb2400_ctrl.robot import Robot
 
 Array = NDArray[np.float64]
 
 
 def linearize(robot: Robot, q: Array, qd: Array | None = None, tau: Array | None = None) -> Any:
-    """The arm around a state: x = (q, qd), u = tau, y = x, as `control.StateSpace`.
+    """The arm around a state: u = tau, y = (q, qd) of the actuators, as `control.StateSpace`.
 
-    Dry friction has no slope and is left out; viscous friction and effects are in.
+    x = (q, qd), with elastic joints x = (q, l, qd, ld), l their link angles. Dry friction has no slope and is left
+    out; viscous friction and effects are in.
 
     Args:
         q: [rad], shape (n,).
-        qd: [rad/s], default at rest.
+        qd: [rad/s], default at rest. The links of elastic joints hang in their springs and move along.
         tau: [Nm], default the torque that gives no acceleration.
     """
     import control
 
-    n, model = robot.n, Model(robot)
-    qd = np.zeros(n) if qd is None else np.asarray(qd, dtype=float)
-    smooth = viscous_dynamics(model)
+    n, soft = robot.n, list(elastic_joints(robot))
+    k = len(soft)
+    q, qd = np.array(q, dtype=float), np.zeros(n) if qd is None else np.asarray(qd, dtype=float)
+    link, load = hanging(robot, q, qd)
     if tau is None:
         # no acceleration, viscous friction in balance
-        tau = model.inverse_dynamics(q, qd, np.zeros(n), friction=False) + robot.friction[:, 2] * qd
-    x, u = ca.SX.sym("x", 2 * n), ca.SX.sym("u", n)
-    rate = ca.vertcat(x[n:], smooth(x[:n], x[n:], u))
-    slopes = ca.Function("slopes", [x, u], [ca.jacobian(rate, x), ca.jacobian(rate, u)])
-    A, B = (np.asarray(ca.densify(m)) for m in slopes.call([np.concatenate([q, qd]), tau]))
-    return control.ss(A, B, np.eye(2 * n), np.zeros((2 * n, n)))
+        tau = load + robot.friction[:, 2] * qd
+    x, u = ca.SX.sym("x", 2 * (n + k)), ca.SX.sym("u", n)
+    slopes = ca.Function("slopes", [x, u], [ca.jacobian(arm_rate(robot, x, u), s) for s in (x, u)])
+    at = np.concatenate([q, link[soft], qd, qd[soft]])
+    A, B = (np.asarray(ca.densify(m)) for m in slopes.call([at, tau]))
+    C = np.eye(2 * (n + k))[[*range(n), *range(n + k, 2 * n + k)]]
+    return control.ss(A, B, C, np.zeros((2 * n, n)))
+
+
+def hanging(robot: Robot, q: Array, qd: Array) -> tuple[Array, Array]:
+    """Link angles and torques without friction when nothing accelerates, motors at q, shapes (n,)."""
+    links, soft = Model(links_only(robot)), list(elastic_joints(robot))
+    angles = np.array(q, dtype=float)
+    load = links.inverse_dynamics(angles, qd, np.zeros(robot.n), friction=False)
+    for _ in range(8 if soft else 0):
+        # springs are stiff: a few rounds find the equilibrium
+        angles[soft] = q[soft] - load[soft] / elastic_data(robot)[:, 0]
+        load = links.inverse_dynamics(angles, qd, np.zeros(robot.n), friction=False)
+    return angles, load
+
+
+def arm_rate(robot: Robot, x: ca.SX, tau: ca.SX) -> ca.SX:
+    """dx/dt of x = (q, l, qd, ld) without dry friction; l are the links of elastic joints."""
+    n, soft = robot.n, list(elastic_joints(robot))
+    k = len(soft)
+    q, link, qd, link_rate = ca.vertsplit(x, [0, n, n + k, 2 * n + k, 2 * (n + k)])
+    stiffness, damping, inertia = (ca.DM(column) for column in elastic_data(robot).T)
+    angles, speeds, drive = ca.SX(q), ca.SX(qd), tau - ca.DM(robot.friction[:, 2]) * qd
+    spring = stiffness * (q[soft] - link) + damping * (qd[soft] - link_rate)
+    motors = (drive[soft] - spring) / inertia
+    angles[soft], speeds[soft], drive[soft] = link, link_rate, spring
+    free = Model(links_only(robot)).function("forward_dynamics_without_friction")
+    links = free(angles, speeds, drive, 0)
+    actuators = ca.SX(links)
+    actuators[soft] = motors
+    return ca.vertcat(qd, link_rate, actuators, links[soft])
 
 
 def viscous_dynamics(model: Model) -> ca.Function:

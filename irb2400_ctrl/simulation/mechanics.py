@@ -16,12 +16,12 @@ import numpy as np
 from irb2400_ctrl.effects import Effect
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.model import Model, mass_matrix, newton_euler
+from irb2400_ctrl.model.elasticity import links_only
 from irb2400_ctrl.model.friction import friction
 from irb2400_ctrl.model.signals import ArmSignals
 from irb2400_ctrl.robot import Robot
 from irb2400_ctrl.simulation.dry_friction import Bounds
 from irb2400_ctrl.simulation.effect_data import EffectForm, data_of, effect_data
-from irb2400_ctrl.simulation.elasticity import elastic_joints
 
 
 @dataclass(frozen=True)
@@ -132,13 +132,7 @@ def symbolic_mechanics(robot: Robot) -> Mechanics:
 
 def force_effects(robot: Robot) -> tuple[Effect, ...]:
     """The effects that act as a force; elasticity is a state of its own, parameter effects are in `phi`."""
-    soft = elastic_joints(robot)
-    # the rotor of an elastic joint is a body of its own, not part of the arm
-    return tuple(
-        e
-        for e in robot.effects
-        if e.acts == "force" and e.kind != "elastic_joint" and not (e.kind == "rotor_inertia" and e.index in soft)
-    )
+    return tuple(e for e in links_only(robot).effects if e.acts == "force")
 
 
 def mass_data(robot: Robot) -> ca.DM:

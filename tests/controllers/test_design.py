@@ -237,3 +237,33 @@ def test_says_what_cannot_be() -> None:
     with pytest.raises(InputError, match="expected 1 or 6"):
         computed_torque_with(arm(), [place_poles(60.0)] * 2)
     assert frequencies(1e-3)[-1] < np.pi / 1e-3
+
+
+def test_elastic_joint_in_the_linearised_arm() -> None:
+    """Locked motor frequency and the two-mass resonance of joint 1, and the step of the simulated plant."""
+    from irb2400_ctrl.codegen import compile_block
+    from irb2400_ctrl.simulation.plant import plant_block
+
+    robot = with_effect(without_friction(arm()), "elastic_joint", 1, {"stiffness_Nm_rad": 4e4, "damping_ratio": 0.02})
+    robot = with_effect(robot, "rotor_inertia", 1, {"inertia_kgm2": 15.0})
+    system = linearize(robot, START)
+    assert system.nstates == 14
+    free = 1 / np.linalg.inv(Model(arm()).mass_matrix(START))[0, 0]
+    resonance = np.sqrt(4e4 * (1 / 15.0 + 1 / free))
+    frequencies_found = np.abs(np.linalg.eigvals(system.A))
+    assert np.min(np.abs(frequencies_found - resonance)) < 0.02 * resonance
+    # a small torque pulse on the simulated plant gives the linear answer
+    plant = compile_block(plant_block(robot, 1e-4))
+    values = {f.name: f.start for f in plant.block.states}
+    from irb2400_ctrl.controllers.linear import hanging
+
+    link, load = hanging(robot, START, np.zeros(6))
+    values |= {"q": START, "link": link[:1]}
+    push = np.array([0.5, 0, 0, 0, 0, 0])
+    states, _ = plant.rollout(
+        np.tile(load + push, (200, 1)), x0=np.concatenate([values[f.name] for f in plant.block.states])
+    )
+    import control
+
+    answer = control.forced_response(system, np.arange(201) * 1e-4, np.tile(push[:, None], (1, 201)))
+    np.testing.assert_allclose(states[:, 0] - START[0], answer.outputs[0], atol=2e-8)

@@ -100,7 +100,7 @@ def test_numbers_are_inputs_of_the_compiled_loop() -> None:
 
 
 def test_without_a_rotor_a_share_of_the_axis_is_assumed() -> None:
-    from irb2400_ctrl.simulation.elasticity import ROTOR_SHARE, elastic_data
+    from irb2400_ctrl.model.elasticity import ROTOR_SHARE, elastic_data
 
     robot = with_effect(arm(), "elastic_joint", 2, {"stiffness_Nm_rad": 1e5})
     M = Model(arm()).mass_matrix(np.zeros(6))
