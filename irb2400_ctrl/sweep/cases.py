@@ -168,8 +168,9 @@ class Runner:
                 study = self.study
                 block = control.block(study.robot, study.rate_Hz)
                 self._loops[key] = make_loop(
-                    study.robot, block, plant=arm, sensors=study.sensors, actuators=study.actuators
-                )
+                    study.robot, block, plant=arm, sensors=study.sensors, actuators=study.actuators,
+                    substeps=study.substeps,
+                )  # fmt: skip
             return self._loops[key]
 
 

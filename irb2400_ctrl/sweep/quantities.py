@@ -11,7 +11,9 @@ from pydantic import AfterValidator, BaseModel, ConfigDict, Discriminator, Field
 from irb2400_ctrl.effects import LIBRARY, Effect
 
 # what the simulated plant does not have: a study that asks for it would compare an arm with itself
-NOT_SIMULATED = {"elastic_joint", "transmission_backlash"}
+NOT_SIMULATED = {"transmission_backlash"}
+# in the plant a spring with a state of its own, whatever its coefficient in the regressor
+ALWAYS_THERE = {"elastic_joint"}
 
 
 class Table(BaseModel):
@@ -135,6 +137,8 @@ class EffectDraw(BaseModel):
 
 def without_size(effect: Effect) -> Effect | None:
     """The effect with coefficients of zero, None if its kind has no such member."""
+    if effect.kind in ALWAYS_THERE:
+        return None
     bent = effect.nonlinear_names(effect.joint)
     values = {name: value if name in bent else 0.0 for name, value in effect.parameters().items()}
     try:

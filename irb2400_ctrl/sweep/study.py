@@ -27,6 +27,7 @@ from irb2400_ctrl.controllers import CONTROLLERS, controller
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.robot import Robot, load_robot, robot_names
 from irb2400_ctrl.simulation import Actuators, Sensors
+from irb2400_ctrl.simulation.plant import SUBSTEPS
 from irb2400_ctrl.sweep.motions import Motion, RandomPoses
 from irb2400_ctrl.sweep.quantities import FORMS, Deviations, EffectDraw, Payload, Quantity, Table
 
@@ -104,6 +105,8 @@ class Study(Table):
     draws: int = Field(ge=1, le=1_000_000)
     seed: int = Field(ge=0)
     rate_Hz: float = Field(default=1000.0, gt=0)
+    substeps: int = Field(default=SUBSTEPS, ge=1, le=100)
+    """time steps of the plant per period of the controllers"""
     logs: bool = False
     """keep the log of every case, as the robot's data stream would give it"""
     plant: Deviations = Deviations()

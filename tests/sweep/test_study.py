@@ -171,7 +171,7 @@ def test_an_absent_effect_has_no_size(kind: str) -> None:
     joint = next(iter(LIBRARY[kind].joints(6)))
     effect = _example(kind, joint)
     zero = without_size(effect)
-    if kind == "balancer":  # its torque is positive by definition
+    if kind in {"balancer", "elastic_joint"}:  # positive by definition; a spring is never nothing
         assert zero is None
     else:
         assert zero is not None
@@ -180,8 +180,8 @@ def test_an_absent_effect_has_no_size(kind: str) -> None:
 
 
 def test_an_effect_that_cannot_be_zero_is_left_out() -> None:
-    draw = EffectDraw(kind="balancer", joint=(2, 3), probability=0.0, torque_Nm=100.0)  # type: ignore[call-arg]
-    assert draw.draw(np.random.default_rng(0)) == (None, [])
+    values = {"kind": "elastic_joint", "joint": [2, 3], "probability": 0.0, "stiffness_Nm_rad": 2e5}
+    assert EffectDraw.model_validate(values).draw(np.random.default_rng(0)) == (None, [])
 
 
 @pytest.mark.parametrize("stop", [[60, 20, 10, 60, 60, 120], [5, 5, 5, 5, 35, 5], [0, 0, 0, 0, 30, 300]])
@@ -233,5 +233,5 @@ def test_speed_of_a_motion_from_a_file(tmp_path: Path) -> None:
 
 def _example(kind: str, joint: int | None) -> Effect:
     known = {name: fields for name, _, fields in FORCE_EFFECTS}
-    known |= {"hysteresis": {"amplitude_Nm": 5.0, "width_rad": 0.01}}
+    known |= {"hysteresis": {"amplitude_Nm": 5.0, "width_rad": 0.01}, "elastic_joint": {"stiffness_Nm_rad": 2e5}}
     return LIBRARY[kind].of(joint, **known[kind])
