@@ -143,7 +143,9 @@ class Simulation:
                 tau[:, effect.index] += values["offset_Nm"]
             elif effect.kind == "time_delay":
                 late = self.time - values["delay_s"]
-                tau[:, effect.index] = np.interp(late, self.time, tau[:, effect.index])
+                # without a joint the whole stream is late
+                for j in range(self.plant.n) if effect.joint is None else [effect.index]:
+                    tau[:, j] = np.interp(late, self.time, tau[:, j])
         noise = np.random.default_rng(self.seed).standard_normal(tau.shape)
         return np.asarray(tau + self.sensors.torque_noise_Nm * noise)
 
