@@ -17,11 +17,13 @@ class Sensors(_Table):
     """Measuring chain of a drive, as seen by the controller and by the log.
 
     The speed is the filtered difference of the quantised angle, as drives make it: qd' = 2 pi f (dq/dt - qd).
-    Noise on torque and speed is what the logs in hand show at standstill; it does not enter the loop.
+    Noise on the reported torque does not enter the loop.
     """
 
     encoder_step_rad: NotNegative = 5e-6
     """resolution on the joint side; 0 switches quantisation off"""
+    encoder_noise_rad: NotNegative = 0.0
+    """standard deviation of the angle's noise before quantisation; it enters the loop"""
     speed_filter_Hz: NotNegative = 250.0
     """corner of the speed filter; 0 gives the controller the true speed"""
     torque_noise_Nm: NotNegative = 0.0

@@ -28,9 +28,10 @@ def closed_loop(
 ) -> Block:
     """One control period of the whole loop as a block.
 
-    Inputs: `q_ref`, `qd_ref`, `qdd_ref`, with `wrench` also `wrench`, `fresh` if the controller has it. Outputs, all
-    at the sample: true `q` and `qd`, measured `q_seen` and `qd_seen`, `tau` as it acts during the period, `command`,
-    `dry` friction of the step before, `q_link` (differs from `q` where a joint is elastic).
+    Inputs: `q_ref`, `qd_ref`, `qdd_ref`, with `wrench` also `wrench`, `fresh` if the controller has it,
+    `encoder_noise` if the sensors have it. Outputs, all at the sample: true `q` and `qd`, measured `q_seen` and
+    `qd_seen`, `tau` as it acts during the period, `command`, `dry` friction of the step before, `q_link` (differs
+    from `q` where a joint is elastic).
     States and parameters of the controller bear the prefix `c_`, those of the plant `p_`.
     """
     n, period = plant.n, controller.sample_time
@@ -54,6 +55,8 @@ def closed_loop(
         inputs.append(Field("wrench", 6, "N, Nm", "force and moment on the tool at the TCP, base frame"))
     if any(f.name == "fresh" for f in controller.inputs):
         inputs.append(Field("fresh", 1, "-", "0 where the sample was lost on its way to the controller"))
+    if sensors.encoder_noise_rad > 0:
+        inputs.append(Field("encoder_noise", n, "rad", "added to the angles before quantisation"))
     extra = [f for f in controller.outputs if f.name != "tau"]
     outputs = [
         Field("q", n, "rad", "true angles"),
@@ -74,7 +77,8 @@ def closed_loop(
     v = {f.name: ca.SX.sym(f.name, f.size) for f in (*states, *inputs, *parameters)}
 
     q, qd = v["p_q"], v["p_qd"]
-    q_seen = quantised(q - v["encoder_zero"], sensors.encoder_step_rad)
+    shown = q - v["encoder_zero"] + v.get("encoder_noise", ca.SX.zeros(n))
+    q_seen = quantised(shown, sensors.encoder_step_rad)
     if sensors.speed_filter_Hz > 0:
         share = 1 - math.exp(-2 * math.pi * sensors.speed_filter_Hz * period)
         qd_seen = v["qd_filter"] + share * ((q_seen - v["q_before"]) / period - v["qd_filter"])

@@ -25,6 +25,8 @@ from irb2400_ctrl.simulation.result import Simulation
 from irb2400_ctrl.simulation.trajectory import Trajectory
 
 Array = NDArray[np.float64]
+STANDSTILL = 1e-3
+"""[rad/s] slower than this a joint counts as held at the start"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,7 +63,7 @@ class Loop:
             wrench: force and moment on the tool [N, Nm], shape (m, 6) at the control rate, if the loop has that input.
             lost: true where a sample does not reach the controller, shape (m,), for a controller with input `fresh`.
             hold: time after the end for which the last pose is held [s].
-            seed: of the noise on the logged torque.
+            seed: of the noise of encoders and logged torque.
 
         Raises:
             InputError: shapes or names that do not fit.
@@ -82,6 +84,9 @@ class Loop:
         columns += self._input("wrench", np.zeros((m, 6)) if wrench is None else wrench, wrench is not None, m)
         fresh = np.ones(m) if lost is None else 1.0 - np.asarray(lost, dtype=float)
         columns += self._input("fresh", fresh, lost is not None, m)
+        # a stream of its own: the noise of the logged torque is drawn from the seed itself
+        noise = np.random.default_rng([seed, 1]).standard_normal((m, arm.n))
+        columns += self._input("encoder_noise", self.sensors.encoder_noise_rad * noise, False, m)
         own = self._gains(gains or {})
         data = {"p_phi": _column(np.asarray(mass_data(arm))), "p_friction": _column(arm.friction)}
         data["encoder_zero"] = np.array(encoder_zero(arm))
@@ -160,7 +165,9 @@ class Loop:
 
     def _balance_torque(self, arm: Robot, q: Array, qd: Array, qdd: Array) -> Array:
         numbers = [mass_data(arm), ca.DM(arm.friction), ca.DM(list(data_of(force_effects(arm))))]
-        torque: Any = self._balance(q, qd, qdd, *numbers)
+        # at a standstill dry friction holds by itself: a speed of rounding size must not claim its full level
+        moving = np.where(np.abs(qd) < STANDSTILL, 0.0, qd)
+        torque: Any = self._balance(q, moving, qdd, *numbers)
         return np.asarray(torque, dtype=float).ravel()
 
     def _first_command(self, motion: Trajectory, gains: Mapping[str, ArrayLike]) -> Array:
@@ -228,7 +235,7 @@ def simulate(
         gains: controller parameters by name.
         wrench: force and moment on the tool at the TCP, base frame [N, Nm], shape (m, 6) at the control rate.
         hold: time after the end for which the last pose is held [s].
-        seed: of the noise on the logged torque.
+        seed: of the noise of encoders and logged torque.
 
     Raises:
         InputError: input that does not fit together.

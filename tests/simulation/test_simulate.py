@@ -98,8 +98,8 @@ def test_same_seed_same_bits(run: Simulation) -> None:
 
 def test_a_finer_step_tells_the_same_story(run: Simulation) -> None:
     fine = simulate(arm(), MOVE, "computed_torque", plant=perturbed_robot(arm(), 5), hold=0.2, substeps=8)
-    assert np.abs(fine.p_BT - run.p_BT).max() < 0.05 * run.tcp_error.max()
-    assert np.sqrt(np.mean(fine.tcp_error**2)) == pytest.approx(np.sqrt(np.mean(run.tcp_error**2)), rel=0.03)
+    assert np.abs(fine.p_BT - run.p_BT).max() < 0.15 * run.tcp_error.max()
+    assert np.sqrt(np.mean(fine.tcp_error**2)) == pytest.approx(np.sqrt(np.mean(run.tcp_error**2)), rel=0.06)
 
 
 def test_one_loop_serves_many_plants(run: Simulation) -> None:
@@ -185,3 +185,12 @@ def test_says_what_does_not_fit() -> None:
         simulate(arm(), MOVE, "gravity_pd", gains={"kq": 1.0})
     with pytest.raises(InputError, match=r"wrench: found shape \(3, 6\)"):
         simulate(arm(), MOVE, "gravity_pd", wrench=np.zeros((3, 6)))
+
+
+def test_encoder_noise_enters_the_loop_and_is_that_of_the_seed() -> None:
+    noisy = Sensors(encoder_noise_rad=1e-5)
+    loop = make_loop(arm(), "computed_torque", sensors=noisy)
+    a, b, c = (loop.run(MOVE, seed=s) for s in (1, 1, 2))
+    np.testing.assert_array_equal(a.q, b.q)
+    assert (a.q != c.q).any()
+    assert np.std(a.signals["q_seen"] - a.q) == pytest.approx(1e-5, rel=0.05)
