@@ -103,6 +103,8 @@ def follow(
     curve = target.curve
     u = station_parameters(curve, COARSE)
     dropped = np.empty(0)
+    # a path that asks for more stations than this has a jump in it
+    most = 4 * len(u) + 3000
     for _ in range(MAX_ROUNDS):
         s = arc_length(curve, u)
         q, kept = _configurations(model, target, u, s, q_start)
@@ -124,7 +126,7 @@ def follow(
         gaps = np.diff(s)
         coarse[1:] |= coarse[:-1].copy() & (gaps[1:] > 3 * gaps[:-1])
         coarse[:-1] |= coarse[1:].copy() & (gaps[:-1] > 3 * gaps[1:])
-        if (gaps[coarse] < SMALLEST).any():
+        if (gaps[coarse] < SMALLEST).any() or len(u) > most:
             break
         # a station that was dropped comes back beside its old place
         beside = np.isin(middle, dropped) * (u[1:] - u[:-1]) / 6

@@ -84,6 +84,10 @@ class Plan:
     """free tool rotation at the rows of the trajectory [rad]"""
     alternatives: tuple[dict[str, Any], ...] = ()
     """the candidates that were compared: kind, branch, margin, duration_s"""
+    passages: tuple[dict[str, Any], ...] = ()
+    """where the path comes close to the wrist singularity, and what is done there"""
+    remedies: tuple[dict[str, Any], ...] = ()
+    """what could be done there, cheapest first: duration_s, position_mm, angle_deg, allowed"""
     wall_time: dict[str, float] = field(default_factory=dict)
     """[s] per stage"""
 
@@ -108,6 +112,8 @@ class Plan:
             "branch": self.branch,
             "compared": list(self.alternatives),
             "peak_torque_Nm": [float(v) for v in np.abs(self.trajectory.tau).max(axis=0)],
+            "wrist_passages": list(self.passages),
+            "wrist_remedies": list(self.remedies),
             "wall_time_s": self.wall_time,
         }
 

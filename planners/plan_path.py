@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from typing import Literal
 
@@ -15,6 +15,7 @@ import numpy.typing as npt
 from irb2400_ctrl.codegen import compile_function
 from irb2400_ctrl.errors import InfeasibleError, InputError
 from irb2400_ctrl.model import Model
+from irb2400_ctrl.planners import remedies
 from irb2400_ctrl.planners.cells import enclose, grid
 from irb2400_ctrl.planners.certificate import Certificate, Checked, check
 from irb2400_ctrl.planners.certified import Timed
@@ -121,6 +122,8 @@ def plan_path(
         checked = check(certificate, model, dynamics)
         margins = singularity_margins(model, choice.followed)
         off = deviation(model, orientation, choice.followed)
+    with clock.stage("remedies"):
+        priced = _remedies(dynamics, options, choice, orientation, limits, axis_tolerance, cells)
     with clock.stage("trajectory"):
         trajectory = _trajectory(model, certificate, rate)
         torque_ratio, velocity_ratio = _ratios(model, certificate, checked)
@@ -150,6 +153,8 @@ def plan_path(
             }
             for c, t in options
         ),
+        passages=tuple(remedies.taken(choice)),
+        remedies=tuple(r.summary() for r in priced),
         wall_time=clock.seconds,
     )
 
@@ -157,6 +162,39 @@ def plan_path(
 def _rank(choice: Choice, timed: Timed) -> tuple[float, float]:
     """Larger margin first as long as it is not comfortable, then the shorter duration."""
     return (-round(min(choice.margin, COMFORTABLE), 2), timed.law.duration)
+
+
+def _remedies(
+    dynamics: PathDynamics,
+    options: list[tuple[Choice, Timed]],
+    chosen: Choice,
+    orientation: Orientation,
+    limits: MotionLimits,
+    tolerance: float,
+    cells: int,
+) -> list[remedies.Remedy]:
+    """The cheapest of each kind of remedy, for a path that comes close to the wrist singularity."""
+    model = dynamics.model
+    if chosen.passing is None or not chosen.passing.passages:
+        return []
+    best: dict[str, remedies.Remedy] = {}
+    for choice, timed in options:
+        remedy = remedies.of_choice(choice, timed.law.duration, tolerance)
+        if remedy is not None and (remedy.name not in best or remedy.duration < best[remedy.name].duration):
+            best[remedy.name] = remedy
+    for choice, angle in remedies.turned_about_axis(model, orientation):
+        feed = feed_bound(model, choice.followed, orientation)
+        with suppress(InfeasibleError):
+            timed, _ = time_joint_path(dynamics, choice.followed.joints, limits, count=cells, feed=feed)
+            name = f"turn the tool about its axis ({choice.kind})"
+            best[name] = remedies.Remedy(name, timed.law.duration, choice.followed.error, angle, False)
+    with suppress(InfeasibleError):
+        damped = remedies.damped(model, orientation, chosen.followed)
+        feed = feed_bound(model, damped, orientation)
+        timed, _ = time_joint_path(dynamics, damped.joints, limits, count=cells, feed=feed)
+        name = "damped least squares"
+        best[name] = remedies.Remedy(name, timed.law.duration, damped.error, damped.axis_error, False)
+    return sorted(best.values(), key=lambda r: r.duration)
 
 
 def _timed(

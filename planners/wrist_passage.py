@@ -47,7 +47,7 @@ class Passage:
     @property
     def miss(self) -> float:
         """Angle by which the path misses the singularity [rad]."""
-        return float(np.arcsin(min(np.linalg.norm(self.w), 1.0)))
+        return float(np.arcsin(min(float(np.linalg.norm(self.w)), 1.0)))
 
 
 @dataclass(frozen=True)
@@ -100,9 +100,9 @@ def passages(model: Model, orientation: Orientation, posture: int) -> list[Passa
         at = (low + high) / 2
         s = arc_length(curve, np.array([0.0, at, curve.segments]))[1]
         w_at = wrist_direction(model, orientation.poses(np.array([at]), np.zeros(1)), posture)[0]
-        if np.arcsin(min(np.linalg.norm(w_at), 1.0)) > NEAR:
-            continue
-        found.append(Passage(float(s), float(at), w_at, _fade(u, size, at)))
+        passage = Passage(float(s), float(at), w_at, _fade(u, size, at))
+        if passage.miss <= NEAR:
+            found.append(passage)
     return found
 
 

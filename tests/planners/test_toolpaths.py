@@ -1,0 +1,70 @@
+"""Every named tool path of `toolpaths.toml` does what the file says."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+from toolpath_cases import CASES, build
+
+from irb2400_ctrl import errors, load_robot
+from irb2400_ctrl.model import Model
+from irb2400_ctrl.planners import MotionLimits, Plan, check, plan_path
+
+ROBOT = load_robot("irb2400")
+MODEL = Model(ROBOT)
+
+
+def test_there_are_at_least_25_with_different_names() -> None:
+    assert len({case["name"] for case in CASES}) == len(CASES) >= 25
+
+
+@pytest.mark.parametrize("case", CASES, ids=lambda case: case["name"])
+def test_named_toolpath(case: dict[str, Any]) -> None:
+    options = dict(case.get("plan", {}))
+    limits = MotionLimits.of(ROBOT)
+    if "tau_max_Nm" in options:
+        limits = replace(limits, tau_max=np.array(options["tau_max_Nm"], dtype=float))
+    arguments = {
+        "free_tool_rotation": not options.get("fixed", False),
+        "axis_tolerance": np.radians(options.get("axis_tolerance_deg", 0.1)),
+        "limits": limits,
+    }
+    if case["expect"] != "planned":
+        with pytest.raises(getattr(errors, case["expect"]), match=case["says"]):
+            plan_path(ROBOT, build(MODEL, **case["build"]), **arguments)
+        return
+    plan = plan_path(ROBOT, build(MODEL, **case["build"]), **arguments)
+    _holds_what_every_plan_promises(plan)
+    if "duration" in case:
+        low, high = case["duration"]
+        assert low <= plan.duration <= high
+    assert 1e3 * plan.max_tcp_deviation <= case.get("deviation_mm", 0.1)
+    if "axis_deg" in case:
+        assert np.degrees(plan.max_tool_axis_deviation) <= case["axis_deg"]
+    for name, least in case.get("margin", {}).items():
+        assert plan.singularity_margin[name] >= least if name != "elbow" else plan.singularity_margin[name] > 0
+    if "wrist" in case:
+        assert [p["taken"] for p in plan.passages] == [case["wrist"]]
+        assert {"damped least squares"} & {r["remedy"] for r in plan.remedies}
+
+
+def _holds_what_every_plan_promises(plan: Plan) -> None:
+    trajectory, limits = plan.trajectory, plan.certificate.limits
+    assert plan.guaranteed
+    assert check(plan.certificate, MODEL).holds()
+    assert (trajectory.qd[[0, -1]] == 0).all()
+    assert (trajectory.q >= ROBOT.q_min).all()
+    assert (trajectory.q <= ROBOT.q_max).all()
+    assert (np.abs(trajectory.qd) <= limits.qd_max * (1 + 1e-9)).all()
+    # sampled ten thousand times a second the torque never exceeds its limit
+    time = np.arange(0.0, plan.duration, 1e-4)
+    _, q, qd, qdd = plan.certificate.law.motion(plan.certificate.path, time)
+    ratio = np.abs(MODEL.inverse_dynamics(q, qd, qdd)) / limits.tau_max
+    assert ratio.max() <= 1.0
+    assert ratio.max() <= plan.max_torque_ratio * (1 + 1e-9)
+    # the margins are bounds over the whole path
+    factors = np.abs(MODEL.singularity_factors(q)).min(axis=0)
+    assert (factors >= np.array(list(plan.singularity_margin.values())) - 1e-9).all()
