@@ -277,6 +277,14 @@ class Robot(_Table):
         """This robot with further effects, validated."""
         return self.model_copy(update={"effects": (*self.effects, *effects)})
 
+    def __eq__(self, other: object) -> bool:
+        """Equal descriptions; arrays that were computed on the way do not count."""
+        return isinstance(other, Robot) and self.model_dump() == other.model_dump()
+
+    def __hash__(self) -> int:
+        """Of the description as a robot file has it."""
+        return hash(self.model_dump_json())
+
     def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> Robot:
         """This robot with some fields changed, validated; nothing computed for the old one is carried along."""
         fields = {name: getattr(self, name) for name in type(self).model_fields}

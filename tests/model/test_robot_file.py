@@ -138,3 +138,12 @@ def test_parameters_move_with_the_frame(mass: float, com: tuple[float, float, fl
     np.testing.assert_allclose(phi[:4], [mass, *(mass * c)], atol=1e-9)
     trace = phi[4] + phi[7] + phi[9]
     assert trace == pytest.approx(3.1 + 2 * mass * c @ c, abs=1e-6)
+
+
+def test_equality_is_of_the_description_not_of_what_was_computed() -> None:
+    used, fresh = irb.load_robot("irb2400"), irb.load_robot("irb2400")
+    assert used.q_min.size == used.tau_max.size == 6
+    assert fresh.q_min.size == 6
+    assert used == fresh
+    assert hash(used) == hash(fresh)
+    assert used != fresh.model_copy(update={"name": "another"})
