@@ -6,20 +6,33 @@ plan.write("out")
 """
 
 from irb2400_ctrl.planners.certificate import Certificate, Checked, check
+from irb2400_ctrl.planners.joint_move import JointMove, joint_move
 from irb2400_ctrl.planners.limits import MotionLimits
 from irb2400_ctrl.planners.plan import Plan, Trajectory
 from irb2400_ctrl.planners.plan_path import plan_path
+from irb2400_ctrl.planners.positioner import Positioner, PositionerAxis, choose_settings
+from irb2400_ctrl.planners.rapid import RapidOptions, RapidProgram, rapid_program
+from irb2400_ctrl.planners.rapid_reader import read_rapid
 from irb2400_ctrl.planners.read_path import read_path
 from irb2400_ctrl.planners.toolpath import ToolPath
 
 __all__ = [
     "Certificate",
     "Checked",
+    "JointMove",
     "MotionLimits",
     "Plan",
+    "Positioner",
+    "PositionerAxis",
+    "RapidOptions",
+    "RapidProgram",
     "ToolPath",
     "Trajectory",
     "check",
+    "choose_settings",
+    "joint_move",
     "plan_path",
+    "rapid_program",
     "read_path",
+    "read_rapid",
 ]

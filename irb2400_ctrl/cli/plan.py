@@ -24,6 +24,9 @@ def plan(
     torque_share: Annotated[
         float, typer.Option(help="Share of the torque limits the plan may use; the rest is the controller's.", min=0.1)
     ] = 1.0,
+    rapid: Annotated[
+        bool, typer.Option("--rapid", help="Also write the motion as a RAPID module, program.mod.")
+    ] = False,
 ) -> None:
     """Plan a toolpath: branch, tool rotation, torque-limited timing -> trajectory.csv, plan.json, figures."""
     input_file(path, "a toolpath (CSV or APT/CLDATA)")
@@ -41,6 +44,14 @@ def plan(
         planned = plan_path(arm, toolpath, rate=rate, free_tool_rotation=free_tool_rotation, limits=limits)
         planned.write(out)
         save_figures(planned, out)
+        written = ["trajectory.csv", "plan.json", "torque.png", "margins.png", "joints.png"]
+        if rapid:
+            from irb2400_ctrl.model import Model
+            from irb2400_ctrl.planners.rapid import rapid_program
+
+            motion = planned.trajectory
+            rapid_program(Model(arm), motion.time, motion.q).save(out / "program.mod")
+            written.append("program.mod")
     s = planned.summary()
     print(f"{path.name}: {len(toolpath)} points, {s['duration_s']:.2f} s")
     margin = s["singularity_margin"]
@@ -52,4 +63,4 @@ def plan(
         f"torque at most {100 * s['max_torque_ratio']:.1f} % of its limit, speed {100 * s['max_velocity_ratio']:.1f} %"
         + ("; the torque bound holds at every instant by construction" if s["guaranteed"] else "")
     )
-    print(f"written: {out / 'trajectory.csv'}, {out / 'plan.json'}, figures")
+    print(f"written to {out}: {', '.join(written)}")

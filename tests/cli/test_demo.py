@@ -102,7 +102,8 @@ def test_plan_with_held_orientation(tmp_path: Path) -> None:
     path = tmp_path / "line.csv"
     rows = ["x_mm,y_mm,z_mm,i,j,k,feed_mm_s", *(f"{900 + 2 * k},{-50 + 4 * k},700,0,0,1,200" for k in range(26))]
     path.write_text("\n".join(rows) + "\n")
-    run("plan", path, "--fixed", "--rate", 500, "--out", tmp_path / "plan")
+    run("plan", path, "--fixed", "--rate", 500, "--rapid", "--out", tmp_path / "plan")
     plan = json.loads((tmp_path / "plan" / "plan.json").read_text())
     assert plan["duration_s"] >= 0.9 * 111.8 / 200
     assert (tmp_path / "plan" / "torque.png").is_file()
+    assert (tmp_path / "plan" / "program.mod").read_text().startswith("MODULE")
