@@ -1,0 +1,179 @@
+"""The torque bound holds at every instant, costs next to nothing, and can be checked without the solver."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import casadi as ca
+import numpy as np
+import pytest
+
+from irb2400_ctrl import load_robot
+from irb2400_ctrl.codegen import compile_function
+from irb2400_ctrl.effects import LIBRARY
+from irb2400_ctrl.errors import InfeasibleError
+from irb2400_ctrl.planners import Certificate, MotionLimits, check
+from irb2400_ctrl.planners.ball import ball_function
+from irb2400_ctrl.planners.cells import enclose, grid, reversals
+from irb2400_ctrl.planners.joint_path import JointPath
+from irb2400_ctrl.planners.limits import speed_bounds
+from irb2400_ctrl.planners.path_dynamics import PathDynamics, path_dynamics
+from irb2400_ctrl.planners.retime import time_joint_path
+from irb2400_ctrl.planners.time_law import TimeLaw
+
+ROBOT = load_robot("irb2400")
+DYNAMICS = path_dynamics(ROBOT)
+LIMITS = MotionLimits.of(ROBOT)
+# torque by another door than the coefficients: the model's own inverse dynamics
+TORQUE = compile_function(DYNAMICS.model.function("inverse_dynamics"))
+
+
+def random_path(seed: int, points: int = 6) -> JointPath:
+    """A cubic spline through random way-points in the joint box."""
+    rng = np.random.default_rng(seed)
+    q = rng.uniform(0.8 * ROBOT.q_min, 0.8 * ROBOT.q_max, (points, 6))
+    q[:, [3, 5]] = rng.uniform(-2, 2, (points, 2))
+    s = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(q, axis=0), axis=1))])
+    return JointPath.through(s / s[-1], q)
+
+
+def worst_ratio(path: JointPath, law: TimeLaw, rate: float = 1e4) -> float:
+    time = np.arange(0.0, law.duration, 1 / rate)
+    _, q, qd, qdd = law.motion(path, time)
+    (tau,) = TORQUE.map(q, qd, qdd, np.zeros(1))
+    return float((np.abs(tau) / LIMITS.tau_max).max())
+
+
+def test_no_violation_at_10_khz_on_200_random_paths() -> None:
+    speeds = []
+    for seed in range(200):
+        path = random_path(seed, points=4 + seed % 5)
+        timed, _ = time_joint_path(DYNAMICS, path, LIMITS)
+        assert worst_ratio(path, timed.law) <= 1.0
+        first = path(timed.law.s, 1)
+        speeds.append((np.abs(first) * np.sqrt(timed.law.x)[:, None] / LIMITS.qd_max).max())
+    assert max(speeds) <= 1 + 1e-9
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_certificate_is_checked_without_the_solver(seed: int) -> None:
+    path = random_path(seed)
+    timed, _ = time_joint_path(DYNAMICS, path, LIMITS)
+    checked = check(Certificate(path, timed.law, LIMITS), DYNAMICS.model)
+    assert checked.holds()
+    assert worst_ratio(path, timed.law) <= checked.torque_ratio
+    # the bound is sharp, and a faster motion is caught
+    assert checked.torque_ratio > 0.999
+    faster = TimeLaw(timed.law.s.copy(), 1.001 * timed.law.x)
+    assert not check(Certificate(path, faster, LIMITS), DYNAMICS.model).holds()
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_as_fast_as_toppra_on_the_same_physics(seed: int) -> None:
+    from irb2400_ctrl.planners.toppra_timing import time_with_toppra
+
+    path = random_path(seed)
+    timed, _ = time_joint_path(DYNAMICS, path, LIMITS)
+    cells = enclose(DYNAMICS, path, grid(path, 1000))
+    other = time_with_toppra(cells, LIMITS, ROBOT.friction)
+    assert timed.law.duration <= 1.005 * other.law.duration
+
+
+def test_the_guarantee_costs_less_than_a_thousandth_of_the_duration() -> None:
+    path = random_path(3)
+    durations = [time_joint_path(DYNAMICS, path, LIMITS, count=n)[0].law.duration for n in (250, 500, 1000, 4000)]
+    losses = np.array(durations[:3]) / durations[3] - 1
+    assert losses[0] > losses[1] > losses[2] > 0
+    assert losses[0] < 1e-3
+
+
+def test_enclosure_holds_the_coefficients_between_the_grid_points() -> None:
+    path = random_path(5)
+    s = grid(path, 60)
+    cells = enclose(DYNAMICS, path, s)
+    for t in (0.11, 0.37, 0.73):
+        at = s[:-1] + t * np.diff(s)
+        piece = path.piece((s[:-1] + s[1:]) / 2)
+        exact = DYNAMICS.coefficients(*(path.on_piece(at, piece, order) for order in (0, 1, 2)))
+        weights = np.array([(1 - t) ** 2, 2 * t * (1 - t), t**2])
+        for number, name in enumerate(("a", "b", "e")):
+            parabola = np.einsum("k,mkn->mn", weights, getattr(cells, name))
+            error = np.abs(parabola - exact[number])
+            assert (error <= cells.remainder[number] + 1e-9).all()
+    # coarse as the cells are, the parabolas are off by something: the bound is not empty
+    assert cells.remainder[0].max() > 1e-6
+
+
+def test_remainder_falls_with_the_third_power_of_the_cells() -> None:
+    path = random_path(5)
+    sizes = [np.median(enclose(DYNAMICS, path, grid(path, n)).remainder[0].max(axis=1)) for n in (2000, 4000)]
+    assert 6 < sizes[0] / sizes[1] < 10
+
+
+def test_no_joint_turns_back_inside_a_cell() -> None:
+    path = random_path(8)
+    cells = enclose(DYNAMICS, path, grid(path, 500))
+    assert len(reversals(path)) > 3
+    assert not (cells.forwards & cells.backwards).any()
+
+
+def test_speed_bounds_hold_between_grid_points() -> None:
+    path = random_path(2)
+    s = grid(path, 40)
+    cells = enclose(DYNAMICS, path, s)
+    x = speed_bounds(cells, LIMITS.qd_max)
+    fine = np.linspace(0, path.length, 20001)
+    qd = path(fine, 1) * np.sqrt(np.interp(fine, s, x))[:, None]
+    assert (np.abs(qd) / LIMITS.qd_max).max() <= 1 + 1e-9
+
+
+def test_ball_radii_hold_for_complex_arguments() -> None:
+    x = ca.SX.sym("x", 2)
+    f = ca.sin(x[0]) * ca.cos(x[1]) ** 2 + x[0] / (2 + x[1]) - ca.sqrt(3 + x[0] * x[1])
+    radius = ball_function(ca.Function("f", [x], [f]))
+
+    def value(z: np.ndarray) -> complex:
+        return complex(np.sin(z[0]) * np.cos(z[1]) ** 2 + z[0] / (2 + z[1]) - np.sqrt(3 + z[0] * z[1]))
+
+    rng = np.random.default_rng(1)
+    for _ in range(50):
+        centre, r = rng.uniform(-1, 1, 2), rng.uniform(0, 0.3, 2)
+        bound = float(radius(centre, r))
+        offsets = r * np.exp(2j * np.pi * rng.uniform(size=(40, 2)))
+        reached = max(abs(value(centre + d) - value(centre)) for d in offsets)
+        assert reached <= bound
+        assert bound < 20 * reached + 1e-12
+
+
+def test_effects_of_the_robot_enter_the_bound() -> None:
+    effects = [
+        LIBRARY["rotor_inertia"].of(2, inertia_kgm2=8.0),
+        LIBRARY["payload"].of(None, mass_kg=5.0),
+        LIBRARY["gear_ripple"].of(3, amplitude_Nm=8.0, order=37.0),
+    ]
+    robot = ROBOT.with_effects(*effects)
+    dynamics = PathDynamics(path_dynamics(robot).model)
+    assert dynamics.irregular == ()
+    path = random_path(1)
+    timed, _ = time_joint_path(dynamics, path, LIMITS)
+    bare, _ = time_joint_path(DYNAMICS, path, LIMITS)
+    assert timed.law.duration > 1.01 * bare.law.duration
+    time = np.arange(0.0, timed.law.duration, 1e-4)
+    _, q, qd, qdd = timed.law.motion(path, time)
+    assert (np.abs(dynamics.model.inverse_dynamics(q, qd, qdd)) <= LIMITS.tau_max).all()
+
+
+def test_infeasible_names_place_axis_and_torque() -> None:
+    weak = replace(LIMITS, tau_max=np.array([1300, 40.0, 700, 140, 150, 60]))
+    with pytest.raises(InfeasibleError, match=r"at \d+\.\d mm, axis 2 cannot hold the arm: needs [\d,]+ of 40 Nm"):
+        time_joint_path(DYNAMICS, random_path(0), weak)
+
+
+def test_acceleration_limit() -> None:
+    limited = replace(LIMITS, qdd_max=np.full(6, 4.0))
+    path = random_path(4)
+    timed, _ = time_joint_path(DYNAMICS, path, limited)
+    time = np.arange(0.0, timed.law.duration, 1e-4)
+    _, _, _, qdd = timed.law.motion(path, time)
+    assert np.abs(qdd).max() <= 4.0
+    assert np.abs(qdd).max() > 3.99
