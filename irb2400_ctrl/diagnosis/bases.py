@@ -72,6 +72,8 @@ class Bases:
             departures: the columns of `Effect.departures` instead of the basis.
             filtered: through the motion's common filter (rows), or sample by sample.
         """
+        if not grid:
+            return []
         keys = tuple(grid[0])
         name = (kind, joint, departures, keys)
         if name not in self._laws:

@@ -63,7 +63,7 @@ def diagnose(
         progress("prepare")
         motion = prepare(log)
         bases = _bases(robot.model_copy(update={"effects": _folded(robot)}))
-        nuisance = Nuisance(robot, Uncertainty() if uncertainty is None else uncertainty)
+        nuisance = Nuisance.of(robot, Uncertainty() if uncertainty is None else uncertainty, motion)
         Z = motion.filtered(nuisance.columns(bases.model, motion))
         load = bases.model.inverse_dynamics(motion.q, motion.qd, motion.qdd, friction=False)
         progress("scan")

@@ -91,25 +91,50 @@ class Fitter:
         G = [self._generic_columns(c) for c in generics]
         noise: tuple[Noise, ...] | None = None
         state = self._linearised(effects, G)
-        for _ in range(iterations if effects else 1):
-            y, columns, parameters, sizes, k_shape = state
-            noise = self._noise(y - self._solved(y, columns, noise)[1]) if noise is None else noise
-            b, explained, _ = self._solved(y, columns, noise)
-            noise = self._noise(y - explained)
-            b, explained, covariance = self._solved(y, columns, noise)
+        for _ in range(iterations if effects else 0):
+            y, columns, parameters, sizes, _ = state
+            noise = self._noise(y - self._solved(y, columns, noise)[1])
+            b, _, covariance = self._solved(y, columns, noise)
             start = self.Z.shape[2]
             step = b[start : start + len(parameters)] * sizes
             if not len(step):
                 break
-            moved = _moved(effects, parameters, step)
-            if moved is None:
+            better = self._descended(effects, G, parameters, step, state, noise)
+            if better is None:
                 break
-            effects = moved
-            state = self._linearised(effects, G)
+            effects, state, shrink = better
             scale = np.sqrt(np.diag(covariance))[start : start + len(parameters)] * sizes
-            if (np.abs(step) < 0.05 * scale).all():
+            if (np.abs(shrink * step) < 0.05 * scale).all():
                 break
         return self._finished(effects, state, noise, len(generics))
+
+    def _descended(
+        self,
+        effects: list[Effect],
+        G: list[Array],
+        parameters: list[Parameter],
+        step: Array,
+        state: _State,
+        noise: tuple[Noise, ...],
+    ) -> tuple[list[Effect], _State, float] | None:
+        """Effects and state after the longest of a few fractions of the step that does not fit worse."""
+        before = self._misfit(state, noise)
+        for shrink in (1.0, 0.4, 0.15):
+            moved = _moved(effects, parameters, shrink * step)
+            if moved is not None:
+                there = self._linearised(moved, G)
+                if self._misfit(there, noise) < before + 0.1:
+                    return moved, there, shrink
+        return None
+
+    def _misfit(self, state: _State, noise: tuple[Noise, ...]) -> float:
+        """Whitened sum of squares that is left when everything but the natural parameters is fitted."""
+        y, columns, parameters, _, _ = state
+        k = self.Z.shape[2]
+        held = np.delete(columns, np.arange(k, k + len(parameters)), axis=2)
+        b, explained, _ = self._solved(y, held, noise)
+        left = y - explained
+        return float(sum(np.sum(one.whiten(left[:, j]) ** 2) for j, one in enumerate(noise)) + b @ b)
 
     def _finished(self, effects: list[Effect], state: _State, noise: tuple[Noise, ...] | None, generics: int) -> Fit:
         y, columns, parameters, sizes, shapes = state
@@ -146,7 +171,7 @@ class Fitter:
         bare = [e.model_copy(update={"shape": ()}) for e in effects]
         robot = self.robot.model_copy(update={"effects": (*self.robot.effects, *bare)})
         motion = self.motion
-        y = motion.filtered(motion.tau - predicted_torque(robot, motion, self.bases))
+        y = motion.filtered(motion.tau_smooth - predicted_torque(robot, motion, self.bases))
         blocks, parameters, sizes, shapes = [self.Z], [], [], []
         for place, effect in enumerate(bare):
             torque = self._torque(effect)

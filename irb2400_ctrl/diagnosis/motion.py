@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,7 +15,9 @@ from irb2400_ctrl.measurement.uniform import (
     UniformLog,
     derivative_margin,
     derivatives,
+    polished,
     resample,
+    smoothed,
     widened,
 )
 
@@ -47,6 +48,8 @@ class Motion:
     qddd: Array
     qdddd: Array
     tau: Array
+    tau_smooth: Array
+    """through the smoothing that the angles went through: what predictions are compared with"""
     known: Mask
     step: float
     instrumented: bool
@@ -85,7 +88,8 @@ def prepare(log: Log) -> Motion:
     """
     uniform = resample(log)
     q, instrumented = _motion(uniform)
-    parts = derivatives(q, uniform.step)
+    # a commanded motion has only its last digit to be smoothed away: no torque needs to share that
+    parts = derivatives((polished if instrumented else smoothed)(q, uniform.step), uniform.step)
     margin = derivative_margin(uniform.step)
     inside = slice(margin, len(q) - margin)
     low_pass = LowPass(CUTOFF, uniform.step)
@@ -95,7 +99,8 @@ def prepare(log: Log) -> Motion:
     gap = widened(~uniform.valid, margin)[inside]
     known = ~(_standstill(qd, uniform.step) | gap[:, None])
     time = uniform.time[inside]
-    row_known = np.column_stack([low_pass.instants(~widened(~known[:, j], low_pass.half)) for j in range(log.n)])
+    reach = low_pass.half + (0 if instrumented else margin)
+    row_known = np.column_stack([low_pass.instants(~widened(~known[:, j], reach)) for j in range(log.n)])
     return Motion(
         name=log.name,
         time=time,
@@ -105,6 +110,7 @@ def prepare(log: Log) -> Motion:
         qddd=qddd,
         qdddd=qdddd,
         tau=uniform.tau[inside],
+        tau_smooth=(uniform.tau if instrumented else smoothed(uniform.tau, uniform.step))[inside],
         known=known,
         step=uniform.step,
         instrumented=instrumented,
@@ -121,11 +127,11 @@ def _motion(log: UniformLog) -> tuple[Array, bool]:
         return log.q, False
     ideal = followed(log)
     difference = log.q - ideal
-    smooth = derivatives(difference, log.step, 0)[0]
+    smooth = smoothed(difference, log.step)
     good = ~widened(~log.valid, derivative_margin(log.step))
     good[: round(0.2 / log.step)] = False
     noise = np.std((difference - smooth)[good], axis=0)
-    # white noise of size s leaves about 0.45 s after the smoothing; more than that is real motion
+    # white noise of size s leaves less than 0.5 s after the smoothing; more than that is real motion
     real = np.std(smooth[good], axis=0) > 1.0 * noise + 1e-7
     start = round(0.2 / log.step)
     # the first samples have no history to be predicted from: blend from the measured angles
@@ -145,6 +151,3 @@ def _standstill(qd: Array, step: float) -> Mask:
             if stop - start >= least:
                 still[start:stop, j] = True
     return still
-
-
-Evaluate = Callable[[Motion], Array]

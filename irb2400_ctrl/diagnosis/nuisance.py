@@ -19,6 +19,9 @@ from irb2400_ctrl.robot import Body, Robot
 Array = npt.NDArray[np.float64]
 
 
+UNKNOWN_FRICTION = 0.5
+
+
 @dataclass(frozen=True)
 class Uncertainty:
     """One standard deviation of what a robot file says.
@@ -43,6 +46,17 @@ class Nuisance:
 
     robot: Robot
     uncertainty: Uncertainty
+    torque_scale: Array
+    """rms torque of each joint [Nm]: a friction that the file gives as zero is unknown, up to half of this"""
+    speed_scale: Array
+    """rms speed of each joint [rad/s]"""
+
+    @classmethod
+    def of(cls, robot: Robot, uncertainty: Uncertainty, motion: Motion) -> Nuisance:
+        """For the log of a motion."""
+        torque = np.sqrt(np.mean(motion.tau**2, axis=0))
+        speed = np.sqrt(np.mean(motion.qd**2, axis=0))
+        return cls(robot, uncertainty, torque, np.maximum(speed, 1e-3))
 
     @property
     def bodies(self) -> list[Body]:
@@ -53,7 +67,12 @@ class Nuisance:
         """Standard deviations in file units, shape (k,)."""
         u, friction = self.uncertainty, self.robot.friction
         inertial = [self._body_sigma(body) for body in self.bodies]
-        dry = [u.friction * friction[:, 1], u.friction * friction[:, 2], u.static * friction[:, 0]]
+        unknown = UNKNOWN_FRICTION * self.torque_scale
+        dry = [
+            np.where(friction[:, 1] > 0, u.friction * friction[:, 1], unknown),
+            np.where(friction[:, 2] > 0, u.friction * friction[:, 2], unknown / self.speed_scale),
+            np.where(friction[:, 0] > 0, u.static * friction[:, 0], unknown),
+        ]
         return np.concatenate([*inertial, *dry])
 
     def _body_sigma(self, body: Body) -> Array:

@@ -12,14 +12,19 @@ from irb2400_ctrl.diagnosis.evidence import Problem, departure_shares
 from irb2400_ctrl.diagnosis.fit import Fit, Fitter
 from irb2400_ctrl.diagnosis.motion import Motion
 from irb2400_ctrl.diagnosis.noise import Noise, autoregressive, white
+from irb2400_ctrl.diagnosis.predict import predicted_torque
 from irb2400_ctrl.diagnosis.scan import Candidate, Scan
 from irb2400_ctrl.measurement.uniform import widened
 
 Array = npt.NDArray[np.float64]
 Mask = npt.NDArray[np.bool_]
 
-REVERSAL_TIME = 0.12
+REVERSAL_TIME = 0.16
 """[s] rows nearer than this to a reversal have a variance of their own"""
+
+
+STICKING_SPEED = 0.03
+"""[rad/s] below this a joint may stick, whether or not it turns"""
 
 
 @dataclass(frozen=True)
@@ -31,6 +36,7 @@ class Criteria:
         energy: its energy over what the base alone leaves on that joint.
         torque: its rms torque over the joint's.
         relative: its rms torque over the largest effect already found on that joint.
+        largest: its rms torque over the joint's, above which it only cancels another one.
         unknown: how much a generic law must beat the best effect by [nats], and as share of that effect's gain.
     """
 
@@ -38,6 +44,7 @@ class Criteria:
     energy: float = 0.05
     torque: float = 0.003
     relative: float = 0.15
+    largest: float = 1.5
     unknown: float = 10.0
     unknown_share: float = 0.02
     shortlist: int = 10
@@ -85,6 +92,9 @@ class Selection:
         self.motion: Motion = scan.motion
         self.reversal = fitter.reversal
         self.rms_torque = np.sqrt(np.mean(self.motion.filtered(self.motion.tau) ** 2, axis=0))
+        self.rms_predicted = np.sqrt(
+            np.mean(self.motion.filtered(predicted_torque(fitter.robot, self.motion)) ** 2, axis=0)
+        )
         self.y = np.zeros((0, 0))
 
     def run(self) -> tuple[list[Step], Fit]:
@@ -108,9 +118,12 @@ class Selection:
         rivals = self.rivals(Z, chosen)
         if not rivals:
             return None
+        rivals = [r for r in rivals if self._practical(r, base_rss, chosen, Z)]
+        if not rivals:
+            return None
         best = self._choice(rivals, base)
         gain = best.evidence - base
-        if gain < self.criteria.gain or not self._practical(best.candidate, base_rss, chosen):
+        if gain < self.criteria.gain:
             return None
         polished = self._polished(best, Z)
         rivals[rivals.index(best)] = polished
@@ -195,17 +208,23 @@ class Selection:
             [np.mean(residual[calm[:, j], j] ** 2) if calm[:, j].any() else 0.0 for j in range(self.motion.n)]
         )
 
-    def _practical(self, candidate: Candidate, before: Array, chosen: Sequence[Candidate]) -> bool:
-        """Large enough to matter, on at least one joint it acts on."""
-        c, n = self.criteria, self.motion.n
+    def _practical(self, rival: Rival, before: Array, chosen: Sequence[Candidate], Z: Array) -> bool:
+        """Large enough to matter, on at least one joint it acts on.
+
+        Beside an effect already found on a joint, only what it takes off the residual there counts: the leftovers of
+        a law of slightly another shape are no effect of their own.
+        """
+        c, n, candidate = self.criteria, self.motion.n, rival.candidate
         size = np.sqrt(np.mean(candidate.torque(n) ** 2, axis=0))
-        earlier = (
-            np.max([np.sqrt(np.mean(e.torque(n) ** 2, axis=0)) for e in chosen], axis=0) if chosen else np.zeros(n)
-        )
-        left = np.sqrt(before)
-        matters = (
-            (size > np.sqrt(c.energy) * left) & (size > c.torque * self.rms_torque) & (size > c.relative * earlier)
-        )
+        if (size > c.largest * np.maximum(self.rms_torque, self.rms_predicted)).any():
+            return False  # a torque that something else must cancel again
+        matters = (size > np.sqrt(c.energy * before)) & (size > c.torque * self.rms_torque)
+        if chosen and matters.any():
+            earlier = np.max([np.sqrt(np.mean(e.torque(n) ** 2, axis=0)) for e in chosen], axis=0)
+            problem = self._problem(Z, None, colour=False)
+            after = self._energy(self.y - self._explained(problem, Z, candidate))
+            added = np.sqrt(np.maximum(before - after, 0.0))
+            matters &= (added > c.relative * earlier) & (added > np.sqrt(c.energy * before))
         return bool(matters.any())
 
     def _exchanged(self, steps: list[Step]) -> list[Step]:
@@ -214,9 +233,10 @@ class Selection:
         for place in reversed(range(len(steps) - 1)):
             others = [s.candidate for k, s in enumerate(kept) if k != place]
             step = self.next_step(others, self.fitter.fit(others))
-            if step is None:
+            if step is None and all(o.known for o in others):
                 kept.pop(place)
-            else:
+            elif step is not None and (step.candidate.known or not kept[place].candidate.known):
+                # a flexible law never takes the place of a name
                 kept[place] = step
         return kept
 
@@ -235,8 +255,8 @@ def _same(one: Candidate, other: Candidate) -> bool:
 
 
 def reversal_rows(motion: Motion) -> Mask:
-    """Rows near a change of direction, shape (rows, n)."""
-    turning = np.zeros(motion.q.shape, dtype=bool)
+    """Rows near a change of direction or a near stop, shape (rows, n)."""
+    turning = np.abs(motion.qd) < STICKING_SPEED
     for j in range(motion.n):
         turning[np.flatnonzero(np.diff(np.sign(motion.qd[:, j])) != 0), j] = True
         turning[:, j] = widened(turning[:, j], round(REVERSAL_TIME / motion.step))

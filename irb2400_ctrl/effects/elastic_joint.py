@@ -72,4 +72,4 @@ class ElasticJoint(Effect):
     @classmethod
     def sensible(cls, nonlinear: dict[str, float], inertia: float) -> bool:
         # resonances that a moving arm excites and a record at 50 to 250 Hz still shows
-        return 3.5 < (nonlinear["stiffness_Nm_rad"] / inertia) ** 0.5 / 6.2832 < 16.0
+        return 3.5 < (nonlinear["stiffness_Nm_rad"] / max(inertia, 1e-6)) ** 0.5 / 6.2832 < 16.0

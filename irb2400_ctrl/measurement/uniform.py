@@ -7,8 +7,8 @@ from functools import cached_property
 
 import numpy as np
 import numpy.typing as npt
-from scipy.interpolate import PchipInterpolator
-from scipy.ndimage import binary_dilation, convolve1d
+from scipy.interpolate import CubicSpline, PchipInterpolator
+from scipy.ndimage import binary_dilation, convolve1d, correlate1d
 from scipy.signal import firwin, savgol_coeffs
 
 from irb2400_ctrl.errors import InputError
@@ -22,7 +22,11 @@ MAX_RATE = 250.0
 MAX_GAP = 0.025
 """[s] longer gaps are not bridged"""
 HALF_WINDOW = 0.040
-"""[s] half width of the local polynomials that give the derivatives"""
+"""[s] half width of the smoothing before differentiation"""
+SMOOTHING = 20.0
+"""[Hz] its cut-off"""
+MIN_GRID = 200.0
+"""[Hz] slower logs are interpolated to this, so that differences are accurate"""
 
 
 @dataclass(frozen=True)
@@ -49,31 +53,37 @@ def resample(log: Log, rate: float | None = None) -> UniformLog:
     """The log on a uniform grid: jitter and short drop-outs interpolated, longer gaps marked.
 
     Args:
-        rate: of the grid [Hz]; default the log's own, at most 250 Hz. A faster log is low-passed before.
+        rate: of the grid [Hz]; default the log's own, but 200 to 250 Hz. A faster log is low-passed before.
 
     Raises:
         InputError: less than two seconds of data.
     """
-    rate = min(log.rate, MAX_RATE) if rate is None else rate
+    rate = float(np.clip(log.rate, MIN_GRID, MAX_RATE)) if rate is None else rate
     # 249.99 Hz from printed times means 250 Hz
     step = 1.0 / (round(rate, 1) if abs(rate - round(rate)) < 0.05 * rate else rate)
     if log.duration < 2.0:
         raise InputError(f"{log.name}: found {log.duration:.2f} s of data, expected at least 2 s")
     time = log.time[0] + step * np.arange(int(np.floor(log.duration / step + 1e-6)) + 1)
-    columns = [log.q, log.tau] + ([] if log.q_ref is None else [log.q_ref])
-    stacked = np.hstack(columns)
+    angles = [log.q] + ([] if log.q_ref is None else [log.q_ref])
+    stacked = np.hstack([*angles, log.tau])
     at = log.time
     if log.rate > 1.5 / step:
         at, stacked = _decimated(log, stacked, 1.0 / step)
     even = len(time) == len(at) and np.abs(time - at).max() < 0.05 * step
-    on_grid = stacked if even else PchipInterpolator(at, stacked, axis=0)(np.clip(time, at[0], at[-1]))
+    n = log.n
+    if even:
+        on_grid = stacked
+    else:
+        # angles are smooth enough for a spline with a second derivative; torques may jump
+        inside = np.clip(time, at[0], at[-1])
+        smooth = CubicSpline(at, stacked[:, :-n], axis=0)(inside)
+        on_grid = np.hstack([smooth, PchipInterpolator(at, stacked[:, -n:], axis=0)(inside)])
     after = np.clip(np.searchsorted(log.time, time), 1, len(log.time) - 1)
     gap = log.time[after] - log.time[after - 1]
     on_sample = np.minimum(np.abs(log.time[after] - time), np.abs(time - log.time[after - 1])) < 0.25 * step
-    valid = (gap <= max(MAX_GAP, 2.5 * step)) | on_sample
-    n = log.n
-    q_ref = None if log.q_ref is None else on_grid[:, 2 * n :]
-    return UniformLog(time, on_grid[:, :n], on_grid[:, n : 2 * n], q_ref, valid, step)
+    valid = (gap <= max(MAX_GAP, 2.5 / log.rate)) | on_sample
+    q_ref = None if log.q_ref is None else on_grid[:, n : 2 * n]
+    return UniformLog(time, on_grid[:, :n], on_grid[:, -n:], q_ref, valid, step)
 
 
 def _decimated(log: Log, stacked: Array, rate: float) -> tuple[Array, Array]:
@@ -138,20 +148,38 @@ class LowPass:
         return signal[self.half : len(signal) - self.half : self.keep]
 
 
-def derivatives(q: Array, step: float, orders: int = 4) -> tuple[Array, ...]:
-    """q, qd, qdd… by local polynomials (Savitzky-Golay, degree 5, +-40 ms), each (m, n).
+def smoothed(signal: Array, step: float) -> Array:
+    """Low-passed at 20 Hz over +-40 ms, zero phase. The first and last `derivative_margin` samples are not complete.
 
-    The first and last `derivative_margin` samples use what is there and are not to be trusted.
+    Angles and torques go through the same one, so that what it takes from an acceleration it takes from its torque.
     """
-    half = derivative_margin(step)
-    degree = min(5, 2 * half)
-    found = []
-    for order in range(orders + 1):
-        weights = savgol_coeffs(2 * half + 1, degree, deriv=order, delta=step, use="conv")
-        found.append(np.asarray(convolve1d(q, weights, axis=0, mode="nearest")))
+    half = max(4, round(HALF_WINDOW / step))
+    weights = firwin(2 * half + 1, min(SMOOTHING, 0.45 / step), fs=1.0 / step, window=("kaiser", 4.0))
+    return np.asarray(convolve1d(signal, weights, axis=0, mode="nearest"))
+
+
+def polished(signal: Array, step: float) -> Array:
+    """Local polynomials of degree 5 over +-40 ms (Savitzky-Golay): takes quantisation off, keeps all below 20 Hz."""
+    half = max(4, round(HALF_WINDOW / step))
+    return np.asarray(convolve1d(signal, savgol_coeffs(2 * half + 1, 5), axis=0, mode="nearest"))
+
+
+def derivatives(q: Array, step: float, orders: int = 4) -> tuple[Array, ...]:
+    """q, qd, qdd… of smoothed angles by central differences of fourth order, each (m, n)."""
+    found = [q]
+    for order in range(1, orders + 1):
+        # the second and fourth derivative each from the one two below: fewer neighbours than first differences twice
+        stencil = _FIRST / step if order % 2 else _SECOND / step**2
+        found.append(
+            np.asarray(correlate1d(found[order - 1 if order % 2 else order - 2], stencil, axis=0, mode="nearest"))
+        )
     return tuple(found)
 
 
+_FIRST = np.array([1.0, -8.0, 0.0, 8.0, -1.0]) / 12.0
+_SECOND = np.array([-1.0, 16.0, -30.0, 16.0, -1.0]) / 12.0
+
+
 def derivative_margin(step: float) -> int:
-    """Half width of the local polynomials in samples."""
-    return max(4, round(HALF_WINDOW / step))
+    """Samples at the ends, and beside a gap, that smoothing and differences make incomplete."""
+    return max(4, round(HALF_WINDOW / step)) + 6
