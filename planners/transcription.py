@@ -1,0 +1,346 @@
+"""`Transcription`: a motion through way-points with free geometry as a sparse nonlinear program.
+
+Between two way-points the time is cut into equal intervals; on each the acceleration is linear in time, so that q(t) is
+a cubic spline with unknown knots q_i, qd_i, qdd_i and one unknown interval length dt_k per segment:
+
+    q_{i+1}  = q_i + dt qd_i + dt^2 (2 qdd_i + qdd_{i+1}) / 6
+    qd_{i+1} = qd_i + dt (qdd_i + qdd_{i+1}) / 2
+
+Torque, power and singularity factors are demanded at the knots. What they do between knots is not looked at here: the
+certified timing takes the geometry afterwards. The joint box holds everywhere (Bernstein coefficients of the cubics).
+The derivatives of the dynamics are made once for a single knot and mapped over all of them, as machine code where there
+is a compiler; what couples knots is bilinear and cheap.
+"""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Literal
+
+import casadi as ca
+import numpy as np
+import numpy.typing as npt
+
+from irb2400_ctrl.codegen.toolchain import build_shared
+from irb2400_ctrl.errors import ToolMissingError
+from irb2400_ctrl.model import Model
+from irb2400_ctrl.planners.limits import MotionLimits
+
+Array = npt.NDArray[np.float64]
+Objective = Literal["time", "energy"]
+
+# width of a change of direction in the smoothed friction, as a part of the speed limit: about what a joint gains within
+# one interval, so that its static friction is seen at a knot
+_REVERSAL = 0.04
+# weight of the mean squared acceleration: makes the motion of joints that limit nothing unique
+_SMOOTH = 1e-3
+_OPTIONS = {
+    "ipopt.print_level": 0,
+    "ipopt.sb": "yes",
+    "print_time": False,
+    # CasADi would differentiate the machine code for it
+    "no_nlp_grad": True,
+    "ipopt.linear_solver": "mumps",
+    "ipopt.tol": 1e-4,
+    "ipopt.constr_viol_tol": 1e-4,
+    "ipopt.dual_inf_tol": 1e-2,
+    "ipopt.compl_inf_tol": 1e-4,
+    "ipopt.acceptable_tol": 1e-3,
+    "ipopt.acceptable_iter": 5,
+    "ipopt.acceptable_constr_viol_tol": 1e-4,
+    "ipopt.acceptable_obj_change_tol": 1e-4,
+    "ipopt.mu_strategy": "adaptive",
+    "ipopt.bound_relax_factor": 0.0,
+}
+
+
+@dataclass(frozen=True)
+class Knots:
+    """A motion as knots of a cubic spline in time."""
+
+    time: Array
+    """[s], shape (m + 1,)"""
+    q: Array
+    qd: Array
+    qdd: Array
+    """[rad], [rad/s], [rad/s2], shape (m + 1, n)"""
+
+
+@dataclass(frozen=True)
+class Solved:
+    """What the solver left."""
+
+    knots: Knots
+    converged: bool
+    status: str
+    """IPOPT's return status"""
+    iterations: int
+    wall_time: float
+    """of the solver alone [s]"""
+
+
+@dataclass(frozen=True, eq=False)
+class Transcription:
+    """One problem: build once, solve from any guess."""
+
+    model: Model
+    limits: MotionLimits
+    waypoints: Array
+    """[rad], shape (k + 1, n)"""
+    intervals: tuple[int, ...]
+    """number of intervals of each of the k segments"""
+    objective: Objective = "time"
+    duration: float = np.inf
+    """upper bound [s]"""
+    margins: tuple[tuple[int, float], ...] = ()
+    """(number of the singularity factor, signed bound): sign(b) factor >= |b| with b in the factor's unit"""
+    torque_rate: Array | None = None
+    """limit of the change of torque without dry friction [Nm/s], shape (n,)"""
+    reserve: float = 0.0
+    """part of every torque limit left for what happens between knots [-]"""
+    compiled: bool = field(default=True)
+    """whether the mapped derivatives run as machine code"""
+
+    # ---- one knot
+
+    @cached_property
+    def _accelerations(self) -> Array:
+        """Unit of the acceleration variables: what the torque limit gives to each axis alone [rad/s2]."""
+        inertia = np.diagonal(self.model.mass_matrix(self.waypoints), axis1=1, axis2=2).max(axis=0)
+        return np.asarray(self.limits.tau_max / inertia)
+
+    @cached_property
+    def _knot(self) -> ca.Function:
+        """(q, qd, qdd in units of the variables) -> rows at a knot.
+
+        The torque must stay within its limits for either direction that the joint may have within about one interval:
+        U(qd) is dry friction at its worst upwards, -U(-qd) downwards.
+        """
+        robot, n = self.model.robot, self.model.robot.n
+        y = ca.SX.sym("y", 3 * n)
+        q, qd, qdd = y[:n], y[n : 2 * n] * ca.DM(self.limits.qd_max), y[2 * n :] * ca.DM(self._accelerations)
+        bare = self.model.function("inverse_dynamics_without_friction")(q, qd, qdd, 0)
+        F_s, F_c, F_v, _ = (ca.DM(column) for column in robot.friction.T)
+        width = ca.DM(_REVERSAL * self.limits.qd_max)
+        smooth = bare + F_v * qd
+        tau_max = ca.DM(self.limits.tau_max)
+
+        def dry(speed: ca.SX) -> ca.SX:
+            return F_c * ca.tanh(2 * speed / width + 2) + ca.fmax(F_s - F_c, 0) * ca.exp(-((speed / width) ** 2))
+
+        rows = [(smooth + dry(qd)) / tau_max, (smooth - dry(-qd)) / tau_max]
+        if self.objective == "energy":
+            rows.append((smooth + F_c * ca.tanh(2 * qd / width)) * qd / (tau_max * ca.DM(self.limits.qd_max)))
+        if self.torque_rate is not None:
+            rows.append(smooth / tau_max)
+        if self.margins:
+            factors = self.model.function("singularity_factors")(q)
+            rows.append(ca.vertcat(*(np.sign(b) * factors[k] for k, b in self.margins)))
+        return ca.Function("knot", [y], [ca.cse(ca.densify(ca.vertcat(*rows)))], ["y"], ["rows"])
+
+    @cached_property
+    def _knot_derivatives(self) -> ca.Function:
+        """(y, multipliers) -> rows, their Jacobian, upper triangle of the Hessian of their weighted sum."""
+        y = ca.SX.sym("y", 3 * self.model.robot.n)
+        rows = self._knot(y)
+        weights = ca.SX.sym("w", rows.numel())
+        hessian, _ = ca.hessian(ca.dot(weights, rows), y)
+        outputs = ca.cse([rows, ca.jacobian(rows, y), ca.triu(hessian)])
+        function = ca.Function("knot_d", [y, weights], outputs, ["y", "w"], ["rows", "jacobian", "hessian"])
+        return _machine_code(function) if self.compiled else function
+
+    # ---- the program
+
+    @cached_property
+    def _sizes(self) -> tuple[int, int, int]:
+        """Knots, variables per knot (3 n), variables in all."""
+        n, knots = self.model.robot.n, sum(self.intervals) + 1
+        return knots, 3 * n, knots * (3 * n + self._extra) + len(self.intervals)
+
+    @property
+    def _extra(self) -> int:
+        """Further variables of a knot: power and torque, where they are needed."""
+        n = self.model.robot.n
+        return n * (self.objective == "energy") + n * (self.torque_rate is not None)
+
+    @cached_property
+    def _segment(self) -> npt.NDArray[np.int64]:
+        """Segment of each interval."""
+        return np.repeat(np.arange(len(self.intervals)), self.intervals)
+
+    def _coupling(self, step: Array) -> tuple[ca.Function, Array, Array]:
+        """x -> (objective, rows that couple knots), and the bounds of these rows; `step` is the unit of dt [s]."""
+        knots, width, size = self._sizes
+        n, robot = self.model.robot.n, self.model.robot
+        x = ca.SX.sym("x", size)
+        w = ca.reshape(x[: knots * width], width, knots)
+        extra = ca.reshape(x[knots * width : knots * (width + self._extra)], self._extra, knots)
+        segment = self._segment.tolist()
+        dt_k = x[-len(self.intervals) :] * ca.DM(step)
+        dt = ca.repmat(dt_k[segment].T, n, 1)
+        speed, acceleration = ca.DM(self.limits.qd_max), ca.DM(self._accelerations)
+        q, qd, qdd = w[:n, :], w[n : 2 * n, :], w[2 * n :, :]
+        unit = ca.repmat(ca.DM(step[segment]).T, n, 1) * ca.repmat(speed, 1, knots - 1)
+        v = qd * ca.repmat(speed, 1, knots)
+        a = qdd * ca.repmat(acceleration, 1, knots)
+        first, last = slice(0, knots - 1), slice(1, knots)
+        defect_q = (q[:, last] - q[:, first] - dt * (v[:, first] + dt * (2 * a[:, first] + a[:, last]) / 6)) / unit
+        defect_v = qd[:, last] - qd[:, first] - dt * (a[:, first] + a[:, last]) / 2 / ca.repmat(speed, 1, knots - 1)
+        inner = [q[:, first] + dt * v[:, first] / 3, q[:, last] - dt * v[:, last] / 3]
+        rows = [(defect_q, 0.0, 0.0), (defect_v, 0.0, 0.0)]
+        low, high = np.tile(robot.q_min, knots - 1), np.tile(robot.q_max, knots - 1)
+        rows += [(value, low, high) for value in inner]
+        if robot.coupling.difference_deg is not None:
+            bound = np.radians(robot.coupling.difference_deg)
+            rows += [(value[2, :] - value[1, :], bound[0], bound[1]) for value in (*inner, q)]
+        total = ca.dot(dt_k, ca.DM(np.array(self.intervals, dtype=float)))
+        reference = float(step @ self.intervals)
+        if self.torque_rate is not None:
+            tau = extra[-n:, :]
+            change = ca.repmat(ca.DM(self.torque_rate / self.limits.tau_max), 1, knots - 1) * dt
+            rows += [(tau[:, last] - tau[:, first] - change, -np.inf, 0.0)]
+            rows += [(tau[:, last] - tau[:, first] + change, 0.0, np.inf)]
+        if np.isfinite(self.duration):
+            rows += [(total / self.duration, -np.inf, 1.0)]
+        objective = total / reference
+        if self.objective == "energy":
+            power = ca.DM(self.limits.tau_max * self.limits.qd_max / 1000.0).T @ extra[:n, :]
+            objective = ca.dot(dt[0, :], (power[:, first] + power[:, last]) / 2) / reference
+        objective += _SMOOTH * ca.sumsqr(qdd) / knots
+        vectors = [(ca.vec(value), lower, upper) for value, lower, upper in rows]
+        ends = [
+            np.concatenate([np.broadcast_to(np.asarray(bound[k], dtype=float), (bound[0].numel(),)) for bound in vectors])
+            for k in (1, 2)
+        ]
+        return ca.Function("coupling", [x], [objective, ca.vertcat(*(value for value, _, _ in vectors))]), ends[0], ends[1]
+
+    def _knot_rows(self) -> tuple[ca.DM, Array, Array]:
+        """Constant matrix C of the rows at all knots, rows(w) + C x, and their bounds."""
+        knots, width, size = self._sizes
+        n, count = self.model.robot.n, self._knot.numel_out(0)
+        C = ca.DM(count * knots, size)
+        low, high = np.full((knots, count), -np.inf), np.full((knots, count), np.inf)
+        high[:, :n], low[:, n : 2 * n] = 1 - self.reserve, -(1 - self.reserve)
+        row, column = 2 * n, 0
+        for needed, upper in ((self.objective == "energy", 0.0), (self.torque_rate is not None, 0.0)):
+            if not needed:
+                continue
+            for i in range(knots):
+                for j in range(n):
+                    C[i * count + row + j, knots * width + i * self._extra + column + j] = -1
+            # power variables lie above the power, torque variables on the torque
+            high[:, row : row + n] = upper
+            low[:, row : row + n] = -np.inf if column == 0 and self.objective == "energy" else 0.0
+            row, column = row + n, column + n
+        for k, (_, bound) in enumerate(self.margins):
+            low[:, row + k] = abs(bound)
+        return C, low.ravel(), high.ravel()
+
+    def solve(self, guess: Knots, wall_time: float = 8.0) -> Solved:
+        """Minimise from a guess whose knots belong to `intervals`; the geometry found goes through all way-points."""
+        knots, width, size = self._sizes
+        n = self.model.robot.n
+        at = np.concatenate([[0], np.cumsum(self.intervals)])
+        step = np.diff(guess.time[at]) / self.intervals
+        coupling, low_c, high_c = self._coupling(step)
+        C, low_k, high_k = self._knot_rows()
+        solver = _solver(self._knot_derivatives, coupling, C, knots, size, wall_time)
+        low, high = self._bounds(at)
+        scale = np.concatenate([np.ones(n), self.limits.qd_max, self._accelerations])
+        w = np.hstack([guess.q, guess.qd, guess.qdd]) / scale
+        extra = []
+        if self._extra:
+            rows = np.asarray(self._knot.map(knots)(ca.DM(w.T)))[2 * n : 2 * n + self._extra].T
+            if self.objective == "energy":
+                rows[:, :n] = np.maximum(rows[:, :n], 0.0) + 0.01
+            extra = [rows.ravel()]
+        x0 = np.concatenate([w.ravel(), *extra, np.ones(len(self.intervals))])
+        started = time.perf_counter()
+        found = solver(x0=x0, lbx=low, ubx=high, lbg=np.append(low_c, low_k), ubg=np.append(high_c, high_k))
+        elapsed = time.perf_counter() - started
+        statistics = solver.stats()
+        x = np.asarray(found["x"]).ravel()
+        w = x[: knots * width].reshape(knots, width) * scale
+        dt = (x[-len(self.intervals) :] * step)[self._segment]
+        q = w[:, :n]
+        q[at] = self.waypoints
+        return Solved(
+            Knots(np.concatenate([[0.0], np.cumsum(dt)]), q, w[:, n : 2 * n], w[:, 2 * n :]),
+            bool(statistics["success"]),
+            str(statistics["return_status"]),
+            int(statistics["iter_count"]),
+            elapsed,
+        )
+
+    def _bounds(self, at: npt.NDArray[np.int64]) -> tuple[Array, Array]:
+        """Bounds of all variables: box, speed, rest at the ends, way-points."""
+        knots, width, size = self._sizes
+        n, robot = self.model.robot.n, self.model.robot
+        reach = np.where(np.isfinite(self.limits.qdd_max), self.limits.qdd_max / self._accelerations, 20.0)
+        high = np.tile(np.concatenate([robot.q_max, np.ones(n), reach]), (knots, 1))
+        low = np.tile(np.concatenate([robot.q_min, -np.ones(n), -reach]), (knots, 1))
+        for bound in (low, high):
+            bound[at, :n] = self.waypoints
+            # rest at both ends; with a limited torque rate the torque starts from what holds the arm
+            bound[[0, -1], n : (3 if self.torque_rate is not None else 2) * n] = 0.0
+        free = np.full(knots * self._extra, np.inf)
+        power = np.tile(np.arange(self._extra) < n * (self.objective == "energy"), knots)
+        lowest = np.where(power, 0.0, -np.inf)
+        k = len(self.intervals)
+        return np.concatenate([low.ravel(), lowest, np.full(k, 0.02)]), np.concatenate([high.ravel(), free, np.full(k, 50.0)])
+
+
+def _solver(knot: ca.Function, coupling: ca.Function, C: ca.DM, knots: int, size: int, wall_time: float) -> ca.Function:
+    """IPOPT with derivatives put together from one knot's, mapped, and those of the coupling."""
+    x, p, sigma = ca.MX.sym("x", size), ca.MX.sym("p", 0), ca.MX.sym("sigma")
+    width, count = knot.size1_in(0), knot.numel_out(0)
+    w = ca.reshape(x[: knots * width], width, knots)
+    mapped = knot.map(knots)
+    zero = ca.DM.zeros(count, knots)
+    rest = ca.Sparsity(size - knots * width, size - knots * width)
+
+    z = ca.SX.sym("z", size)
+    f_z, g_z = coupling(z)
+    weights = ca.SX.sym("l", g_z.numel())
+    sigma_z = ca.SX.sym("sigma")
+    hessian, _ = ca.hessian(sigma_z * f_z + ca.dot(weights, g_z), z)
+    first = ca.Function("first", [z], [f_z, ca.gradient(f_z, z), g_z, ca.jacobian(g_z, z)])
+    second = ca.Function("second", [z, sigma_z, weights], [ca.triu(hessian)])
+
+    f, gradient, g_c, J_c = first(x)
+    rows, jacobian, _ = mapped(w, zero)
+    g = ca.vertcat(g_c, ca.vec(rows) + C @ x)
+    blocks = ca.diagcat(*[knot.sparsity_out(1)] * knots)
+    J_k = ca.horzcat(ca.MX(blocks, jacobian.nz[:]), ca.MX(count * knots, size - knots * width)) + C
+    multipliers = ca.MX.sym("lam", g.numel())
+    _, _, H = mapped(w, ca.reshape(multipliers[g_c.numel() :], count, knots))
+    H_k = ca.MX(ca.diagcat(*[knot.sparsity_out(2)] * knots, rest), H.nz[:])
+    H_c = second(x, sigma, multipliers[: g_c.numel()])
+    f_only, g_only = coupling(x)
+    options = {
+        **_OPTIONS,
+        "ipopt.max_wall_time": wall_time,
+        "grad_f": ca.Function("grad_f", [x, p], [f, gradient], ["x", "p"], ["f", "grad_f_x"]),
+        "jac_g": ca.Function("jac_g", [x, p], [g, ca.vertcat(J_c, J_k)], ["x", "p"], ["g", "jac_g_x"]),
+        "hess_lag": ca.Function(
+            "hess_lag", [x, p, sigma, multipliers], [H_c + H_k], ["x", "p", "lam_f", "lam_g"], ["triu_hess_gamma_x_x"]
+        ),
+    }
+    return ca.nlpsol("solver", "ipopt", {"x": x, "p": p, "f": f_only, "g": g}, options)
+
+
+def _machine_code(function: ca.Function) -> ca.Function:
+    """The same function from a shared library in the build cache; without a compiler the function itself."""
+    try:
+        return ca.external(function.name(), str(build_shared(_c_text(function))))
+    except ToolMissingError:
+        return function
+
+
+def _c_text(function: ca.Function) -> str:
+    """CasADi's own C text of a function."""
+    generator = ca.CodeGenerator(f"{function.name()}.c", {"with_header": False})
+    generator.add(function)
+    return str(generator.dump())
