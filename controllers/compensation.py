@@ -23,6 +23,7 @@ from irb2400_ctrl.codegen import Field
 from irb2400_ctrl.effects import Effect
 from irb2400_ctrl.effects.memory import next_memory
 from irb2400_ctrl.model import Model
+from irb2400_ctrl.model.elasticity import TRANSMISSIONS
 from irb2400_ctrl.model.friction import friction
 from irb2400_ctrl.robot import Robot
 
@@ -52,7 +53,7 @@ class Compensation:
 
         An elastic joint counts as rigid: its spring would need the derivatives of the acceleration.
         """
-        return tuple(e for e in self.robot.effects if e.acts == "force" and e.kind != "elastic_joint")
+        return tuple(e for e in self.robot.effects if e.acts == "force" and e.kind not in TRANSMISSIONS)
 
     @cached_property
     def memories(self) -> tuple[tuple[Effect, Field], ...]:

@@ -15,7 +15,7 @@ from irb2400_ctrl.controllers.margins import Margins, frequencies, margins
 from irb2400_ctrl.controllers.timing import Timing
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.model import Model
-from irb2400_ctrl.model.elasticity import elastic_data, elastic_joints, links_only
+from irb2400_ctrl.model.elasticity import elastic_data, elastic_joints, links_only, twist
 from irb2400_ctrl.robot import Robot
 
 Array = NDArray[np.float64]
@@ -56,7 +56,7 @@ def hanging(robot: Robot, q: Array, qd: Array) -> tuple[Array, Array]:
     load = links.inverse_dynamics(angles, qd, np.zeros(robot.n), friction=False)
     for _ in range(8 if soft else 0):
         # springs are stiff: a few rounds find the equilibrium
-        angles[soft] = q[soft] - load[soft] / elastic_data(robot)[:, 0]
+        angles[soft] = q[soft] - twist(load[soft], elastic_data(robot))
         load = links.inverse_dynamics(angles, qd, np.zeros(robot.n), friction=False)
     return angles, load
 
@@ -66,9 +66,11 @@ def arm_rate(robot: Robot, x: ca.SX, tau: ca.SX) -> ca.SX:
     n, soft = robot.n, list(elastic_joints(robot))
     k = len(soft)
     q, link, qd, link_rate = ca.vertsplit(x, [0, n, n + k, 2 * n + k, 2 * (n + k)])
-    stiffness, damping, inertia = (ca.DM(column) for column in elastic_data(robot).T)
+    stiffness, damping, inertia, gap = (ca.DM(column) for column in elastic_data(robot).T)
     angles, speeds, drive = ca.SX(q), ca.SX(qd), tau - ca.DM(robot.friction[:, 2]) * qd
-    spring = stiffness * (q[soft] - link) + damping * (qd[soft] - link_rate)
+    # in contact: on which side of its gap a joint stands is decided by the pose, and the slope is the same
+    side = 0.5 * gap * ca.sign(q[soft] - link)
+    spring = stiffness * (q[soft] - link - side) + damping * (qd[soft] - link_rate)
     motors = (drive[soft] - spring) / inertia
     angles[soft], speeds[soft], drive[soft] = link, link_rate, spring
     free = Model(links_only(robot)).function("forward_dynamics_without_friction")

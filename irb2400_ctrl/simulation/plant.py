@@ -84,13 +84,13 @@ def plant_block(
         doc = "coefficients, fields and shape of each effect"
         parameters.append(Field("effects", len(numbers), "units of the effects", doc, numbers))
     if soft:
-        doc = "stiffness, damping, rotor inertia, column by column"
-        parameters.append(Field("elastic", 3 * soft, "Nm/rad, Nm s/rad, kg m2", doc, _column(ca.DM(elastic))))
+        doc = "stiffness, damping, rotor inertia, gap, column by column"
+        parameters.append(Field("elastic", 4 * soft, "Nm/rad, Nm s/rad, kg m2, rad", doc, _column(ca.DM(elastic))))
     given = {field.name: ca.SX.sym(field.name, field.size) for field in (*states, *inputs, *parameters)}
     x = [given.get(name, ca.SX(0, 1)) for name in STATES]
     held = [given["tau"], given.get("wrench", ca.SX(0, 1))]
     data = [ca.reshape(given["phi"], n, 10), ca.reshape(given["friction"], n, 4), given.get("effects", ca.SX(0, 1))]
-    data.append(ca.reshape(given["elastic"], soft, 3) if soft else ca.SX(0, 3))
+    data.append(ca.reshape(given["elastic"], soft, 4) if soft else ca.SX(0, 4))
     for _ in range(substeps):
         x = step.call([*x, *held, *data], True, False)
     link = link_angles(robot, x[0], x[6])

@@ -16,7 +16,7 @@ from irb2400_ctrl.codegen import Block, CompiledBlock, compile_block
 from irb2400_ctrl.errors import InputError, IrbError
 from irb2400_ctrl.robot import Robot
 from irb2400_ctrl.simulation.effect_data import data_of, structure
-from irb2400_ctrl.simulation.elasticity import elastic_data, elastic_joints
+from irb2400_ctrl.simulation.elasticity import elastic_data, elastic_joints, twist
 from irb2400_ctrl.simulation.instruments import Actuators, Sensors
 from irb2400_ctrl.simulation.loop import closed_loop, encoder_zero
 from irb2400_ctrl.simulation.mechanics import force_effects, mass_data, symbolic_mechanics
@@ -145,7 +145,7 @@ class Loop:
         balance = self._balance_torque(arm, link, qd, qdd)
         # the links hang in their springs; stiff ones, so that a few rounds find the equilibrium
         for _ in range(8 if soft else 0):
-            link[soft] = (q + zero)[soft] - balance[soft] / elastic[:, 0]
+            link[soft] = (q + zero)[soft] - twist(balance[soft], elastic)
             balance = self._balance_torque(arm, link, qd, qdd)
         values: dict[str, Array] = {f.name: f.start for f in block.states}
         step = self.sensors.encoder_step_rad

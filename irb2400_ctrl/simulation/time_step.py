@@ -34,7 +34,7 @@ def time_step(robot: Robot, h: float, friction_steps: int, sweeps: int, wrench: 
     q, qd, qdd, dry, tau = (ca.SX.sym(name, n) for name in ("q", "qd", "qdd", "dry", "tau"))
     link, link_rate, link_acc = (ca.SX.sym(name, k) for name in STATES[-3:])
     time, memory = ca.SX.sym("time"), ca.SX.sym("memory", mechanics.memory_size)
-    w, elastic = ca.SX.sym("wrench", 6 if wrench else 0), ca.SX.sym("elastic", k, 3)
+    w, elastic = ca.SX.sym("wrench", 6 if wrench else 0), ca.SX.sym("elastic", k, 4)
 
     arguments = [q, qd, qdd, dry, time, memory, link, link_rate, link_acc, tau, w]
     arguments += [mechanics.phi, mechanics.table, mechanics.data, elastic]
@@ -55,8 +55,12 @@ def time_step(robot: Robot, h: float, friction_steps: int, sweeps: int, wrench: 
 
     part = h / friction_steps
     for _ in range(friction_steps):
-        spring = elastic[:, 0] * (q[soft] - link + 0.5 * part * (qd[soft] - link_rate))
-        spring += elastic[:, 1] * (qd[soft] - link_rate + 0.5 * part * (qdd[soft] - link_acc))
+        twist = q[soft] - link + 0.5 * part * (qd[soft] - link_rate)
+        half_gap = 0.5 * elastic[:, 3]
+        wound = twist - ca.fmin(ca.fmax(twist, -half_gap), half_gap)
+        touching = ca.logic_or(wound != 0, half_gap == 0)
+        twisting = qd[soft] - link_rate + 0.5 * part * (qdd[soft] - link_acc)
+        spring = elastic[:, 0] * wound + touching * elastic[:, 1] * twisting
         acting = W @ (_put(tau, soft, spring) - bias)
         motors = (tau[soft] - spring - viscous * (qd[soft] + 0.5 * part * qdd[soft])) / elastic[:, 2]
         free = _put(acting, soft, motors)

@@ -104,7 +104,7 @@ def test_without_a_rotor_a_share_of_the_axis_is_assumed() -> None:
 
     robot = with_effect(arm(), "elastic_joint", 2, {"stiffness_Nm_rad": 1e5})
     M = Model(arm()).mass_matrix(np.zeros(6))
-    np.testing.assert_allclose(elastic_data(robot), [[1e5, 0.1 * np.sqrt(1e5 * M[1, 1]), ROTOR_SHARE * M[1, 1]]])
+    np.testing.assert_allclose(elastic_data(robot), [[1e5, 0.1 * np.sqrt(1e5 * M[1, 1]), ROTOR_SHARE * M[1, 1], 0.0]])
 
 
 def test_refuses_what_the_step_cannot_resolve() -> None:
@@ -114,3 +114,34 @@ def test_refuses_what_the_step_cannot_resolve() -> None:
         plant_block(with_effect(elastic(arm()), "elastic_joint", 1, {"stiffness_Nm_rad": 1e4}))
     with pytest.raises(InputError, match="more than 0"):
         plant_block(elastic(arm(), inertia=0.0))
+
+
+def test_backlash_leaves_the_link_half_a_gap_below_its_motor() -> None:
+    gap = 2e-3
+    plant = with_effect(arm(), "transmission_backlash", 3, {"gap_rad": gap})
+    run = simulate(arm(), quintic_move(START, START, 0.4), "feedforward_pid", plant=plant)
+    from irb2400_ctrl.model.elasticity import elastic_data
+
+    weight = Model(arm()).gravity(run.signals["q_link"][-1])[2]
+    expected = weight / elastic_data(plant)[0, 0] + np.sign(weight) * gap / 2
+    assert (run.q - run.signals["q_link"])[-1, 2] == pytest.approx(expected, rel=1e-3)
+    assert np.abs(run.q - START).max() < 1e-5
+
+
+def test_backlash_is_crossed_when_the_load_changes_its_sign() -> None:
+    gap = 4e-3
+    plant = with_effect(arm(), "transmission_backlash", 1, {"gap_rad": gap})
+    move = quintic_move(START, START + np.array([0.6, 0, 0, 0, 0, 0]), 0.7)
+    run = simulate(arm(), move, "computed_torque", plant=plant, substeps=2)
+    twist = (run.q - run.signals["q_link"])[:, 0]
+    # the motor pushes the link from behind, then brakes it: one side of the gap, then the other
+    assert np.median(twist[100:300]) == pytest.approx(gap / 2, rel=0.3)
+    assert np.median(twist[450:650]) == pytest.approx(-gap / 2, rel=0.3)
+
+
+def test_a_gap_of_nothing_is_a_spring() -> None:
+    move = quintic_move(START, STOP, 0.6)
+    spring = elastic(arm(), 1)
+    both = with_effect(spring, "transmission_backlash", 1, {"gap_rad": 0.0})
+    runs = [simulate(arm(), move, "computed_torque", plant=p).q for p in (spring, both)]
+    np.testing.assert_array_equal(*runs)

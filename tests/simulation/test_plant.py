@@ -7,6 +7,7 @@ import pytest
 from simulation.arms import FORCE_EFFECTS, START, arm, strong, with_effect, without_friction
 
 from irb2400_ctrl.codegen import compile_block
+from irb2400_ctrl.effects import LIBRARY
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.robot import Robot
@@ -178,3 +179,12 @@ def test_a_wrench_at_the_tool_acts_through_the_jacobian() -> None:
 def test_refuses_senseless_steps() -> None:
     with pytest.raises(InputError, match="0 substeps"):
         plant_block(arm(), substeps=0)
+
+
+def test_every_effect_of_the_library_is_simulated_and_tested() -> None:
+    """A new kind has to find its place: force, mass data, measuring chain, or a transmission of its own."""
+    elsewhere = {
+        *("hysteresis", "elastic_joint", "transmission_backlash"),
+        *("encoder_zero", "torque_gain", "torque_offset", "time_delay"),
+    }
+    assert set(LIBRARY) == {kind for kind, _, _ in FORCE_EFFECTS} | elsewhere
