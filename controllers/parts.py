@@ -13,6 +13,9 @@ from irb2400_ctrl.codegen import Block, Field
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.robot import Robot
 
+BEYOND = 0.05
+"""how far beyond the joint box an angle is still believed [rad]: an arm at its limit overshoots a little"""
+
 Values = dict[str, ca.SX]
 Law = Callable[[Values], Values]
 
@@ -20,7 +23,7 @@ Law = Callable[[Values], Values]
 def signals_in(robot: Robot) -> tuple[Field, ...]:
     """Inputs of every controller: measured angle and speed, and the reference motion."""
     n = robot.n
-    low, high = tuple(robot.q_min), tuple(robot.q_max)
+    low, high = tuple((robot.q_min - BEYOND).tolist()), tuple((robot.q_max + BEYOND).tolist())
     return (
         Field("q", n, "rad", "measured actuator angles", lower=low, upper=high),
         Field("qd", n, "rad/s", "measured actuator speeds"),

@@ -72,7 +72,9 @@ def test_every_controller_on_the_target(robot: irb.Robot, name: str, target: str
     assert verification.passed, verification.table()
     assert verification.on_target is not None
     assert verification.on_target.undefined_symbols == ()
-    assert verification.on_target.stack_bytes <= (450 if real == "float" else 900)
+    # the adaptive law carries a (6, 10) regressor through the step
+    budget = 550 if name == "adaptive" else 450
+    assert verification.on_target.stack_bytes <= (budget if real == "float" else 2 * budget)
 
 
 @pytest.mark.skipif(shutil.which("cppcheck") is None, reason="cppcheck is not installed")
