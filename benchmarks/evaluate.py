@@ -3,7 +3,7 @@
     python benchmarks/evaluate.py run OUT.jsonl --suite clean --count 300 --seed 100
     python benchmarks/evaluate.py table OUT.jsonl [MORE.jsonl …] > docs/evaluation.md
 
-Each line of OUT.jsonl is one arm: what it really had, what was said, how surely, and the errors on its validation motion.
+Each line of OUT.jsonl is one arm: what it really had, what was said, how surely, and the errors on its validation log.
 """
 
 from __future__ import annotations

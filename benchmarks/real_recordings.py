@@ -1,4 +1,4 @@
-"""What two real robots have that their rigid-body data lack: KUKA KR300 (A identifies, B validates), Staubli TX40 (blocks).
+"""What two real robots have and their rigid-body data lack: KUKA KR300 (B validates A), Staubli TX40 (blocks).
 
     python benchmarks/real_recordings.py FOLDER OUT
 

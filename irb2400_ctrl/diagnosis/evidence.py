@@ -1,7 +1,7 @@
 """How much better a set of columns explains the torques: Bayesian evidence with the uncertain base integrated out.
 
-With whitened y = X b + Z z + e, z ~ N(0, 1), e ~ N(0, 1), integrating z replaces the identity by P = (1 + Z Z^T)^-1, and
-everything follows from small Gram matrices.
+With whitened y = X b + Z z + e, z ~ N(0, 1), e ~ N(0, 1), integrating z replaces the identity by
+P = (1 + Z Z^T)^-1, and everything follows from small Gram matrices.
 """
 
 from __future__ import annotations
@@ -171,19 +171,19 @@ def _law_gain(gram: Array, right: Array, scales: Sequence[float]) -> tuple[float
     if len(scales):
         s = np.array(scales)
         inside = np.eye(k) + gram * np.outer(s, s)
-        covariance = np.linalg.inv(inside) * np.outer(s, s)
-        b = covariance @ right
+        covariance = np.asarray(np.linalg.inv(inside) * np.outer(s, s), dtype=float)
+        b: Array = covariance @ right
         explained = float(right @ b)
         return 0.5 * (explained - float(np.linalg.slogdet(inside)[1])), explained, b, covariance
     size = np.sqrt(np.maximum(np.diag(gram), 0.0)) + 1e-12
     normal = gram / np.outer(size, size) + 1e-8 * np.eye(k)
-    covariance = np.linalg.inv(normal) / np.outer(size, size)
+    covariance = np.asarray(np.linalg.inv(normal) / np.outer(size, size), dtype=float)
     b = covariance @ right
     explained = float(right @ b)
-    return g_prior_gain(explained, k), explained, b, covariance
+    return float(g_prior_gain(explained, k)), explained, b, covariance
 
 
-def g_prior_gain(explained: float | Array, k: int) -> float:
+def g_prior_gain(explained: float | Array, k: int) -> Array:
     """Log evidence of k columns under Zellner's prior at its best g: (R - k - k log(R / k)) / 2 for R > k."""
     R = np.maximum(explained, k)
-    return 0.5 * (R - k - k * np.log(R / k))  # type: ignore[return-value]
+    return np.asarray(0.5 * (R - k - k * np.log(R / k)))

@@ -236,7 +236,7 @@ class Fitter:
             X, v = one.whiten(columns[:, j, :]), one.whiten(y[:, j])
             A += X.T @ X
             right += X.T @ v
-        covariance = np.linalg.inv(A)
+        covariance = np.asarray(np.linalg.inv(A), dtype=float)
         b = covariance @ right
         return b, columns @ b, covariance
 

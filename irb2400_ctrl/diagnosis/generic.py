@@ -51,7 +51,7 @@ def generic_laws(motion: Motion, load: Array) -> dict[int, list[Generic]]:
     moving = [j for j in range(n) if np.ptp(motion.qd[:, j]) > 1e-3]
     span = motion.time[-1] - motion.time[0]
     # what serves every joint is filtered once
-    common = {
+    common: dict[tuple[str, tuple[str, ...]], Array] = {
         ("slow time", ("time",)): motion.filtered(splines(motion.time, int(np.clip(span / 1.5, 6, 40)))),
     }
     for k in moving:
@@ -75,7 +75,7 @@ def generic_laws(motion: Motion, load: Array) -> dict[int, list[Generic]]:
 
 def _of_joint(motion: Motion, load: Array, j: int) -> dict[tuple[str, tuple[str, ...]], Array]:
     """Laws in the joint's own signals."""
-    own = {("load", ("load",)): splines(load[:, j], 10)}
+    own: dict[tuple[str, tuple[str, ...]], Array] = {("load", ("load",)): splines(load[:, j], 10)}
     if np.ptp(motion.qd[:, j]) > 1e-3:
         q, qd, sign = motion.q[:, j], motion.qd[:, j][:, None], np.sign(motion.qd[:, j])[:, None]
         q_fine, time = splines(q, 20), splines(motion.time, 6)
@@ -105,7 +105,7 @@ def _products(x: Array, y: Array) -> Array:
         # Chebyshev polynomials: powers alone are nearly dependent
         return np.stack([u, 2 * u**2 - 1, 4 * u**3 - 3 * u, 8 * u**4 - 8 * u**2 + 1], axis=1)
 
-    return np.einsum("mi,mj->mij", powers(x), powers(y)).reshape(len(x), 16)
+    return np.asarray(np.einsum("mi,mj->mij", powers(x), powers(y)).reshape(len(x), 16))
 
 
 def vibrations(motion: Motion, joint: int) -> tuple[Array, Array]:

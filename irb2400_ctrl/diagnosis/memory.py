@@ -28,7 +28,7 @@ class Memory:
 
     def states(self, inputs: list[Array], step: float, theta: list[Array], shape: tuple[int, int]) -> list[list[Array]]:
         """Trajectories (g, m) of each state: begun in the steady state, then begun one unit off in each state."""
-        n, (g, m) = self.n, shape
+        n = self.n
         values = [np.broadcast_to(v, shape) for v in self._evaluate(*inputs, *theta)]
         A = [[values[n * i + k] for k in range(n)] for i in range(n)]
         b, steady = values[n * n : n * n + n], values[n * n + n :]

@@ -100,7 +100,9 @@ def prepare(log: Log) -> Motion:
     known = ~(_standstill(qd, uniform.step) | gap[:, None])
     time = uniform.time[inside]
     reach = low_pass.half + (0 if instrumented else margin)
-    row_known = np.column_stack([low_pass.instants(~widened(~known[:, j], reach)) for j in range(log.n)])
+    row_known = np.column_stack([low_pass.instants(~widened(~known[:, j], reach)) for j in range(log.n)]).astype(
+        np.bool_
+    )
     return Motion(
         name=log.name,
         time=time,

@@ -1,7 +1,7 @@
 """What the model already has but does not know exactly: inertial parameters and friction, with data-sheet uncertainty.
 
-Each uncertain number p = p0 + sigma z has a standard normal z; its column is d tau / d z. One standard deviation: masses
-2 %, centres of mass 5 mm, inertias 5 %, friction 4 %.
+Each uncertain number p = p0 + sigma z has a standard normal z; its column is d tau / d z. One standard deviation:
+masses 2 %, centres of mass 5 mm, inertias 5 %, friction 4 %.
 """
 
 from __future__ import annotations
@@ -27,7 +27,8 @@ class Uncertainty:
     """One standard deviation of what a robot file says.
 
     Args:
-        mass, inertia, friction: relative; com: [m]; static: relative, of the static friction, which a moving arm hardly shows.
+        mass, inertia, friction: relative; com: [m].
+        static: relative, of the static friction, which a moving arm hardly shows.
     """
 
     mass: float = 0.02
@@ -135,7 +136,7 @@ def _changed(body: Body, change: Array) -> Body:
 
 
 def _parameter_slope(body: Body, X: Array | None) -> Array:
-    """d phi / d (mass, com, inertia about the centre of mass), shape (10, 10), by exact differences (phi is quadratic)."""
+    """d phi / d (mass, com, inertia about the centre of mass), shape (10, 10), by exact differences."""
     slope = np.empty((10, 10))
     for k in range(10):
         step = np.zeros(10)
@@ -151,4 +152,4 @@ def _shifted(body: Body, change: Array) -> Body:
         "com_m": tuple(np.array(body.com_m) + change[1:4]),
         "inertia_kgm2": tuple(np.array(body.inertia_kgm2) + change[4:]),
     }
-    return Body.model_construct(**fields)  # type: ignore[arg-type]
+    return Body.model_construct(**fields)

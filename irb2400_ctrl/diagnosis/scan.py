@@ -35,7 +35,7 @@ class Candidate:
     Args:
         kind, joint: of the effect (joint from 1, None for the whole arm), or `unexplained` with the joint.
         depends_on: signals of a generic law, empty for an effect.
-        effects: as the scan estimates it (one per joint for an effect that sits on every joint); empty for a generic law.
+        effects: as the scan estimates it (one per joint if it sits on every joint); empty for a generic law.
         law, departures: filtered columns.
     """
 

@@ -40,9 +40,9 @@ class Criteria:
         unknown: how much a generic law must beat the best effect by [nats], and as share of that effect's gain.
     """
 
-    gain: float = 20.0
+    gain: float = 25.0
     energy: float = 0.05
-    torque: float = 0.003
+    torque: float = 0.006
     relative: float = 0.15
     largest: float = 1.5
     unknown: float = 10.0

@@ -1,7 +1,7 @@
 """A CasADi expression evaluated on numpy arrays: every instruction works on all samples at once, with broadcasting.
 
-An effect's law is one scalar expression; a log has ten thousand samples and a ripple some hundred orders to try. Walking
-the instruction list with arrays costs one numpy call per operation, whatever the number of samples.
+An effect's law is one scalar expression; a log has ten thousand samples and a ripple some hundred orders to try.
+Walking the instruction list with arrays costs one numpy call per operation, whatever the number of samples.
 """
 
 from __future__ import annotations

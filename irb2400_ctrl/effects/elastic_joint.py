@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import ClassVar, Literal, Self
 
@@ -14,7 +15,7 @@ from irb2400_ctrl.effects.base import Effect, Signals
 class ElasticJoint(Effect):
     """The link swings on a spring k behind its motor: link angle q_j - x / k with the spring torque x,
 
-    x'' + 2 zeta w x' + w^2 x = w^2 load_j,   w^2 = k / M_jj(q),   tau = tau_rigid - M(:, j) x'' / k - (dtau/dq_j) x / k.
+    x'' + 2 zeta w x' + w^2 x = w^2 load_j,  w^2 = k / M_jj(q),  tau = tau_rigid - M(:, j) x'' / k - (dtau/dq_j) x / k.
 
     Below the resonance x'' is d2 load_j / dt2. The other joints' springs are stiff against this one.
     """
@@ -72,4 +73,4 @@ class ElasticJoint(Effect):
     @classmethod
     def sensible(cls, nonlinear: dict[str, float], inertia: float) -> bool:
         # resonances that a moving arm excites and a record at 50 to 250 Hz still shows
-        return 3.5 < (nonlinear["stiffness_Nm_rad"] / max(inertia, 1e-6)) ** 0.5 / 6.2832 < 16.0
+        return 3.5 < math.sqrt(nonlinear["stiffness_Nm_rad"] / max(inertia, 1e-6)) / (2 * math.pi) < 16.0

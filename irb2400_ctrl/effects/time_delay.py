@@ -12,7 +12,7 @@ from irb2400_ctrl.effects.base import Acts, Effect, Signals
 
 
 class TimeDelay(Effect):
-    """measured tau_j(t) = tau_j(t - delay), to first order tau_j - delay dtau_j/dt; without a joint, all joints alike."""
+    """measured tau_j(t) = tau_j(t - delay), to first order tau_j - delay dtau_j/dt; without a joint, all alike."""
 
     acts: ClassVar[Acts] = "measurement"
     abscissa = "time"

@@ -151,7 +151,8 @@ def _numbers(path: Path, header: list[str], table: Array, extra: dict[str, Array
     if bad.any():
         row, column = np.argwhere(bad)[0]
         raise InputError(
-            f"{path}: {int(bad.sum())} cells are not finite numbers, the first is {header[used[column]]} in line {row + 2}; "
+            f"{path}: {int(bad.sum())} cells are not finite numbers, the first is {header[used[column]]} "
+            f"in line {row + 2}; "
             "expected numbers everywhere: delete the rows of lost samples"
         )
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import TypeVar
 
 import numpy as np
 import numpy.typing as npt
@@ -16,6 +17,7 @@ from irb2400_ctrl.measurement.log import Log
 
 Array = npt.NDArray[np.float64]
 Mask = npt.NDArray[np.bool_]
+Kept = TypeVar("Kept", bound=np.generic)
 
 MAX_RATE = 250.0
 """[Hz] faster logs are averaged down to this: nothing of an arm's rigid motion lies above a tenth of it"""
@@ -143,7 +145,7 @@ class LowPass:
             out += weight * signal[k : k + last : self.keep]
         return out
 
-    def instants(self, signal: Array) -> Array:
+    def instants(self, signal: npt.NDArray[Kept]) -> npt.NDArray[Kept]:
         """The kept samples of a signal, not filtered (for time stamps and masks)."""
         return signal[self.half : len(signal) - self.half : self.keep]
 

@@ -1,0 +1,152 @@
+"""Parts of the diagnosis, each against something it must equal."""
+
+from __future__ import annotations
+
+from functools import cache
+
+import casadi as ca
+import numpy as np
+import pytest
+from independent_plant import Case
+
+from irb2400_ctrl.diagnosis.bases import Bases, Columns
+from irb2400_ctrl.diagnosis.evidence import Problem
+from irb2400_ctrl.diagnosis.memory import Memory
+from irb2400_ctrl.diagnosis.metrics import errors, noise_floor
+from irb2400_ctrl.diagnosis.motion import Motion, prepare
+from irb2400_ctrl.diagnosis.noise import MOST_COLOUR, ORDER, Noise, _not_too_coloured
+from irb2400_ctrl.diagnosis.nuisance import Nuisance, Uncertainty
+from irb2400_ctrl.diagnosis.predict import effect_torque, predicted_torque
+from irb2400_ctrl.diagnosis.vectorised import Vectorised
+from irb2400_ctrl.effects import LIBRARY
+from irb2400_ctrl.effects.added_body import Payload
+from irb2400_ctrl.effects.encoder_zero import EncoderZero
+from irb2400_ctrl.effects.time_delay import TimeDelay
+from irb2400_ctrl.measurement import Log
+from irb2400_ctrl.model import Model
+from irb2400_ctrl.robot import load_robot
+
+ROBOT = load_robot("irb2400")
+BASES = Bases(ROBOT)
+
+
+@cache
+def motion() -> Motion:
+    recorded = Case(5, duration=8.0, validation_duration=3.0).simulate()[0]
+    return prepare(Log(recorded.time, recorded.q, recorded.tau, q_ref=recorded.q_ref))
+
+
+def test_vectorised_expression_equals_casadi() -> None:
+    x, y = ca.SX.sym("x"), ca.SX.sym("y")
+    expression = ca.vertcat(
+        ca.if_else(x > y, ca.sin(x) * y**2, ca.fabs(y) ** 1.7 - ca.sign(x)),
+        ca.exp(-ca.fabs(x)) / (1 + y**2) + ca.atan2(y, x) + ca.fmin(x, y) * ca.tanh(y),
+        ca.sqrt(1 + x**2) - ca.cosh(y) + 2 * x,
+        ca.logic_and(x > 0, y <= 0.5),
+    )
+    rng = np.random.default_rng(0)
+    a, b = rng.normal(size=40), rng.normal(size=(7, 1))
+    found = np.array([np.broadcast_to(v, (7, 40)) for v in Vectorised([x, y], expression)(a, b)])
+    grid = np.array(np.broadcast_arrays(a, b)).reshape(2, -1)
+    exact = np.asarray(ca.Function("f", [ca.vertcat(x, y)], [expression])(grid)).reshape(4, 7, 40)
+    np.testing.assert_allclose(found, exact, rtol=1e-13, atol=1e-14)
+
+
+def test_memory_is_exact_for_an_oscillator() -> None:
+    """x'' + 2 zeta w x' + w^2 x = w^2 u with constant u, from rest: the textbook step response, at a coarse step."""
+    u, w = ca.SX.sym("u"), ca.SX.sym("w")
+    state, zeta = ca.SX.sym("x", 2), 0.1
+    rate = ca.vertcat(state[1], w**2 * (u - state[0]) - 2 * zeta * w * state[1])
+    memory = Memory([u], state, [w], rate, ca.SX.zeros(2))
+    step, m = 0.02, 200
+    frequency = np.array([[5.0], [40.0]])
+    (x, _), begun, _ = memory.states([np.ones(m)], step, [frequency], (2, m))
+    t, damped = step * np.arange(m), np.sqrt(1 - zeta**2) * frequency
+    envelope = np.exp(-zeta * frequency * t)
+    swing = np.cos(damped * t) + zeta / np.sqrt(1 - zeta**2) * np.sin(damped * t)
+    np.testing.assert_allclose(x, 1 - envelope * swing, atol=1e-9)
+    np.testing.assert_allclose(begun[0] - x, envelope * swing, atol=1e-9)
+
+
+def test_evidence_equals_the_direct_integral() -> None:
+    """Marginal likelihood of y = Z z + X b + e with normal z, b, e, from the full covariance matrix."""
+    rng = np.random.default_rng(1)
+    rows, kept = 60, np.arange(60)
+    Z, X = rng.normal(size=(rows, 1, 4)), rng.normal(size=(rows, 1, 2))
+    y = Z @ np.ones(4) + X @ np.array([0.4, -0.2]) + rng.normal(size=(rows, 1))
+    noise = Noise(np.append(1.0, np.zeros(ORDER)), np.ones(rows), kept)
+    problem = Problem(y, Z, [noise])
+    scales = (0.7, 0.3)
+    score = problem.score(Columns((0,), X), scales=scales)
+
+    def direct(with_law: bool) -> float:
+        S = np.eye(rows) + Z[:, 0] @ Z[:, 0].T
+        if with_law:
+            S += (X[:, 0] * np.square(scales)) @ X[:, 0].T
+        return float(-0.5 * (y[:, 0] @ np.linalg.solve(S, y[:, 0]) + np.linalg.slogdet(S)[1]))
+
+    assert score.gain == pytest.approx(direct(True) - direct(False), rel=1e-9)
+    assert problem.log_evidence == pytest.approx(direct(False), rel=1e-9)
+    blocks = problem.gains(0, [X[:, 0], Z[:, 0]])
+    assert blocks[0] == pytest.approx(problem.score(Columns((0,), X)).gain, rel=1e-9)
+
+
+def test_nuisance_columns_are_the_slope_of_the_updated_robot() -> None:
+    nuisance = Nuisance.of(ROBOT, Uncertainty(), motion())
+    columns = nuisance.columns(BASES.model, motion())
+    z = np.random.default_rng(2).normal(size=columns.shape[2])
+    base = predicted_torque(ROBOT, motion())
+    change = predicted_torque(nuisance.updated(1e-4 * z), motion()) - base
+    np.testing.assert_allclose(change, 1e-4 * columns @ z, atol=2e-6 * np.abs(columns @ z).max())
+
+
+def test_prediction_knows_payload_delay_and_encoder_zero() -> None:
+    m = motion()
+    payload = Payload(mass_kg=3.0, com_m=(0.02, 0.0, 0.1))
+    loaded = ROBOT.with_effects(payload)
+    np.testing.assert_allclose(
+        predicted_torque(loaded, m), Model(loaded).inverse_dynamics(m.q, m.qd, m.qdd), rtol=1e-12
+    )
+    # the effect's basis says the same, to the last digit: it is linear in the body's parameters
+    change = predicted_torque(loaded, m) - predicted_torque(ROBOT, m)
+    np.testing.assert_allclose(effect_torque(BASES, payload, m), change, atol=1e-9 * np.abs(change).max())
+    plain = predicted_torque(ROBOT, m)
+    late = predicted_torque(ROBOT.with_effects(TimeDelay(delay_s=0.008)), m)
+    np.testing.assert_allclose(late[2:], plain[:-2], atol=1e-9)
+    turned = predicted_torque(ROBOT.with_effects(EncoderZero(joint=2, zero_rad=0.01)), m)
+    shifted = m.q + np.array([0, 0.01, 0, 0, 0, 0])
+    np.testing.assert_allclose(turned, BASES.model.inverse_dynamics(shifted, m.qd, m.qdd), atol=1e-12)
+
+
+@pytest.mark.parametrize("kind", sorted(LIBRARY))
+def test_every_effect_has_finite_columns_and_departures(kind: str) -> None:
+    effect = LIBRARY[kind]
+    for joint in effect.joints(6):
+        grid = effect.grid(joint)[:2]
+        for departures in (False, True):
+            for columns in BASES.columns(kind, joint, motion(), grid, departures=departures):
+                assert columns.values.shape[:2] == (motion().rows, len(columns.joints))
+                assert np.isfinite(columns.values).all()
+
+
+def test_noise_is_not_believed_to_be_slower_than_allowed() -> None:
+    slow = _not_too_coloured(np.array([1.8, -0.85]))
+    turn = np.exp(-1j * np.outer(np.linspace(0, np.pi, 400), [1, 2]))
+    spectrum = 1 / np.abs(1 - turn @ slow) ** 2
+    assert spectrum.max() / np.exp(np.log(spectrum).mean()) < 1.05 * MOST_COLOUR
+    mild = np.array([0.3, 0.1])
+    np.testing.assert_array_equal(_not_too_coloured(mild), mild)
+
+
+def test_metrics_are_equations_75_to_77_and_the_floor_is_the_noise() -> None:
+    rng = np.random.default_rng(3)
+    t = np.arange(0, 40, 0.004)
+    measured = 50 * np.sin(t)[:, None] + rng.normal(0, 2.0, (len(t), 1))
+    known = np.ones((len(t), 1), dtype=bool)
+    found = errors(measured, np.zeros_like(measured), known)
+    assert found.mae[0] == pytest.approx(np.abs(measured).mean())
+    assert found.rmse[0] == pytest.approx(np.sqrt((measured**2).mean()))
+    assert found.rmse_over_mean_percent[0] == pytest.approx(100 * found.rmse[0] / np.abs(measured).mean())
+    slow_error = 0.8 * np.sin(2 * np.pi * 0.3 * t)[:, None]
+    residual = measured - 50 * np.sin(t)[:, None] + slow_error
+    assert noise_floor(residual, known, 0.004)[0] == pytest.approx(2.0, rel=0.03)

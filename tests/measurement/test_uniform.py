@@ -1,0 +1,84 @@
+"""Resampling, filters, derivatives, servo response."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from irb2400_ctrl.measurement import Log
+from irb2400_ctrl.measurement.servo import followed
+from irb2400_ctrl.measurement.uniform import LowPass, derivative_margin, derivatives, polished, resample, smoothed
+
+
+def log_at(time: np.ndarray, lag: float = 0.0) -> Log:
+    def motion(t: np.ndarray) -> np.ndarray:
+        return np.sin(2.0 * t[:, None] + np.arange(6)) + 0.1 * np.sin(9.0 * t[:, None])
+
+    return Log(time, motion(time - lag), np.cos(time[:, None] * np.arange(1, 7)), q_ref=motion(time))
+
+
+@pytest.mark.parametrize("rate", [50.0, 100.0, 250.0, 500.0, 1000.0])
+def test_any_rate_comes_to_the_same_motion(rate: float) -> None:
+    log = resample(log_at(np.arange(0.0, 8.0, 1 / rate)))
+    exact = log_at(log.time)
+    assert 200.0 <= log.rate <= 250.0 + 1e-9
+    assert log.valid.all()
+    inside = slice(20, -20)
+    np.testing.assert_allclose(log.q[inside], exact.q[inside], atol=3e-5)
+
+
+def test_jitter_and_lost_samples_are_bridged_and_gaps_are_marked() -> None:
+    rng = np.random.default_rng(1)
+    time = np.arange(0.0, 10.0, 0.004)
+    time = time + np.append(0.0, rng.uniform(-0.001, 0.001, len(time) - 1))
+    keep = rng.uniform(size=len(time)) > 0.02
+    keep[(time > 4.0) & (time < 4.5)] = False
+    keep[[0, -1]] = True
+    log = resample(log_at(time[keep]), rate=250.0)
+    hole = (log.time > 4.02) & (log.time < 4.48)
+    assert not log.valid[hole].any()
+    assert log.valid[(log.time < 3.95) | (log.time > 4.55)].mean() > 0.999
+    np.testing.assert_allclose(log.q[log.valid], log_at(log.time).q[log.valid], atol=1e-5)
+
+
+def test_differences_converge_with_fourth_order() -> None:
+    errors = []
+    for step in (0.008, 0.004):
+        t = np.arange(0.0, 4.0, step)
+        _, d1, d2, *_ = derivatives(np.sin(12.0 * t)[:, None], step)
+        inside = slice(20, -20)
+        errors.append(
+            [
+                np.abs(d1[inside, 0] - 12 * np.cos(12 * t[inside])).max(),
+                np.abs(d2[inside, 0] + 144 * np.sin(12 * t[inside])).max(),
+            ]
+        )
+    np.testing.assert_allclose(np.array(errors[0]) / errors[1], 16.0, rtol=0.15)
+
+
+@pytest.mark.parametrize("smooth", [smoothed, polished])
+def test_smoothing_has_no_phase_and_unit_gain_at_rest(smooth) -> None:
+    t = np.arange(0.0, 4.0, 0.004)
+    slow = np.sin(2 * np.pi * 0.5 * t)[:, None]
+    margin = derivative_margin(0.004)
+    np.testing.assert_allclose(smooth(slow, 0.004)[margin:-margin], slow[margin:-margin], atol=2e-3)
+    np.testing.assert_allclose(smooth(np.ones((500, 2)), 0.004), 1.0, atol=1e-12)
+
+
+def test_low_pass_passes_the_slow_and_stops_the_fast() -> None:
+    low_pass = LowPass(10.0, 0.004)
+    t = np.arange(0.0, 10.0, 0.004)
+    for frequency, low, high in ((1.0, 0.99, 1.01), (30.0, 0.0, 0.01)):
+        out = low_pass(np.sin(2 * np.pi * frequency * t))
+        kept = low_pass.instants(np.sin(2 * np.pi * frequency * t))
+        assert len(out) == len(kept)
+        gain = np.abs(out).max()
+        assert low <= gain <= high
+        if low:
+            np.testing.assert_allclose(out, kept, atol=0.01)
+
+
+def test_servo_response_is_found() -> None:
+    log = resample(log_at(np.arange(0.0, 20.0, 0.004), lag=0.017))
+    error = (followed(log) - log.q)[100:]
+    assert np.abs(error).max() < 2e-4 * np.abs(log.q_ref - log.q).max()
