@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from functools import lru_cache
 from typing import Any
 
@@ -29,6 +30,8 @@ Array = npt.NDArray[np.float64]
 
 INFLATION = 1.5
 """standard errors from the noise alone cover too little: the model's own imperfection adds to them"""
+LEAST_SPREAD = 0.25
+"""what a reference log leaves uncertain at least, in data-sheet standard deviations"""
 LEAST_SPEED = 0.05
 """[rad/s] rms speed of a joint below which nothing can be said about it"""
 
@@ -37,6 +40,7 @@ def diagnose(
     robot: Robot,
     log: Log,
     validation: Log | None = None,
+    reference: Log | None = None,
     *,
     uncertainty: Uncertainty | None = None,
     criteria: Criteria | None = None,
@@ -48,6 +52,8 @@ def diagnose(
         robot: the model as it is believed to be.
         log: of the motion to explain; a wide, lively motion of all joints tells most.
         validation: another motion of the same arm; only the errors before and after are computed on it.
+        reference: of the same arm when nothing was wrong: what the log shows is then judged against it, with the arm's
+            own parameters instead of the data sheet's.
         uncertainty: of the robot's numbers; default data-sheet values.
         criteria: when an explanation counts.
         progress: told the name of each stage.
@@ -55,7 +61,7 @@ def diagnose(
     Raises:
         InputError: the log does not fit the robot, or is too short.
     """
-    for one in (log, validation):
+    for one in (log, validation, reference):
         if one is not None and one.n != robot.n:
             raise InputError(f"{one.name}: found {one.n} joints, expected {robot.n} as in {robot.name}")
     # the matrices are small: threads would only wait for each other
@@ -64,19 +70,30 @@ def diagnose(
         motion = prepare(log)
         bases = _bases(robot.model_copy(update={"effects": _folded(robot)}))
         nuisance = Nuisance.of(robot, Uncertainty() if uncertainty is None else uncertainty, motion)
+        if reference is not None:
+            nuisance = _referred(nuisance, bases, prepare(reference))
         Z = motion.filtered(nuisance.columns(bases.model, motion))
         load = bases.model.inverse_dynamics(motion.q, motion.qd, motion.qdd, friction=False)
         progress("scan")
         reversal = reversal_rows(motion)
-        first = Fitter(robot, bases, motion, Z, reversal).fit([])
+        offset = nuisance.offset(bases.model, motion)
+        first = Fitter(robot, bases, motion, Z, reversal, offset).fit([])
         motion = noisy_reversals_masked(motion, first, reversal)
         scan = Scan(bases, motion, load)
-        fitter = Fitter(robot, bases, motion, Z, reversal)
+        fitter = Fitter(robot, bases, motion, Z, reversal, offset)
         steps, fit = Selection(scan, fitter, criteria).run()
         progress("conclude")
         return _concluded(
             robot, nuisance, motion, load, bases, steps, fit, None if validation is None else prepare(validation)
         )
+
+
+def _referred(nuisance: Nuisance, bases: Bases, motion: Motion) -> Nuisance:
+    """The arm's numbers as a log without anything wrong settles them, with what uncertainty it leaves."""
+    Z = motion.filtered(nuisance.columns(bases.model, motion))
+    fit = Fitter(nuisance.robot, bases, motion, Z, reversal_rows(motion)).fit([])
+    # the arm of another day is never quite the same: friction moves with temperature
+    return replace(nuisance, centre=fit.z, spread=np.maximum(INFLATION * fit.z_sigma, LEAST_SPREAD))
 
 
 def _folded(robot: Robot) -> tuple[Effect, ...]:
@@ -104,7 +121,7 @@ def _concluded(
     fit: Fit,
     validation: Motion | None,
 ) -> Diagnosis:
-    fresh = nuisance.updated(fit.z)
+    fresh = nuisance.updated(nuisance.deviations(fit.z))
     recalibrated = fresh.model_copy(update={"effects": robot.effects})
     augmented = Robot.model_validate({**dict(fresh), "effects": (*robot.effects, *fit.effects)})
     compared = [
@@ -187,7 +204,7 @@ def _unexplained(steps: Sequence[Step], fit: Fit, motion: Motion, load: Array) -
     found = []
     for joint, parts in by_joint.items():
         torque = np.sum([tau for _, tau in parts], axis=0)[:, joint - 1]
-        first = max(parts, key=lambda part: float(np.mean(part[1] ** 2)))[0]
+        first = max(parts, key=lambda part: part[0].gain)[0]
         candidate: Candidate = first.candidate
         signal = candidate.depends_on[0] if candidate.depends_on[0] in {"q", "qd", "qdd", "load", "time"} else "time"
         found.append(
@@ -228,7 +245,8 @@ def _recalibrated(nuisance: Nuisance, fit: Fit, robot: Robot) -> dict[str, Any]:
     """New values, all joints, of the terms where some value moved further than its own uncertainty."""
     n = robot.n
     found: dict[str, Any] = {}
-    moved = (np.abs(fit.z) > 1.0) & (np.abs(fit.z) > 2.0 * fit.z_sigma)
+    z, spread = nuisance.deviations(fit.z), 1.0 if nuisance.spread is None else nuisance.spread
+    moved = (np.abs(z) > 1.0) & (np.abs(z) > 2.0 * spread * fit.z_sigma)
     coulomb, viscous, _ = moved[-3 * n :].reshape(3, n)
     if coulomb.any():
         found["coulomb"] = [float(v) for v in robot.friction[:, 1]]

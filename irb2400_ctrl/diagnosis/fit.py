@@ -80,8 +80,12 @@ def noisy_reversals_masked(motion: Motion, fit: Fit, reversal: Mask) -> Motion:
 class Fitter:
     """Fits sets of candidates to one log."""
 
-    def __init__(self, robot: Robot, bases: Bases, motion: Motion, Z: Array, reversal: Mask) -> None:
+    def __init__(
+        self, robot: Robot, bases: Bases, motion: Motion, Z: Array, reversal: Mask, offset: Array | None = None
+    ) -> None:
+        """`offset` (m, n): torque known beside the robot's own [Nm]."""
         self.robot, self.bases, self.motion, self.Z, self.reversal = robot, bases, motion, Z, reversal
+        self.offset = np.zeros_like(motion.tau) if offset is None else offset
         self._cache: dict[tuple[object, ...], Array] = {}
 
     def fit(self, chosen: Sequence[Candidate], iterations: int = ITERATIONS) -> Fit:
@@ -171,7 +175,7 @@ class Fitter:
         bare = [e.model_copy(update={"shape": ()}) for e in effects]
         robot = self.robot.model_copy(update={"effects": (*self.robot.effects, *bare)})
         motion = self.motion
-        y = motion.filtered(motion.tau_smooth - predicted_torque(robot, motion, self.bases))
+        y = motion.filtered(motion.tau_smooth - self.offset - predicted_torque(robot, motion, self.bases))
         blocks, parameters, sizes, shapes = [self.Z], [], [], []
         for place, effect in enumerate(bare):
             torque = self._torque(effect)

@@ -97,7 +97,11 @@ def prepare(log: Log) -> Motion:
         raise InputError(f"{log.name}: found {log.duration:.2f} s of data, expected at least 2 s")
     positions, qd, qdd, qddd, qdddd = (part[inside] for part in parts)
     gap = widened(~uniform.valid, margin)[inside]
-    known = ~(_standstill(qd, uniform.step) | gap[:, None])
+    still = _standstill(qd, uniform.step)
+    if not instrumented:
+        # smoothing reaches that far into a stop, whose friction nobody knows
+        still = np.column_stack([widened(still[:, j], margin) for j in range(log.n)])
+    known = ~(still | gap[:, None])
     time = uniform.time[inside]
     reach = low_pass.half + (0 if instrumented else margin)
     row_known = np.column_stack([low_pass.instants(~widened(~known[:, j], reach)) for j in range(log.n)]).astype(

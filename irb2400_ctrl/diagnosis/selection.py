@@ -43,7 +43,7 @@ class Criteria:
     gain: float = 25.0
     energy: float = 0.05
     torque: float = 0.006
-    relative: float = 0.15
+    relative: float = 0.22
     largest: float = 1.5
     unknown: float = 10.0
     unknown_share: float = 0.02

@@ -1,0 +1,87 @@
+"""The whole diagnosis on arms of an independent plant: a reduced form of `benchmarks/evaluate.py`."""
+
+from __future__ import annotations
+
+import json
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+from independent_plant import Case, Effect
+
+from irb2400_ctrl.diagnosis import Diagnosis, diagnose
+from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.measurement import Log
+from irb2400_ctrl.robot import load_robot
+
+
+@cache
+def diagnosed(seed: int, *effects: Effect, reference: bool = True) -> Diagnosis:
+    case = Case(seed, effects, duration=25.0, validation_duration=12.0)
+    logs = [
+        Log(one.time, one.q, one.tau, q_ref=one.q_ref if reference else None, name=name)
+        for one, name in zip(case.simulate(), ("identification", "validation"), strict=True)
+    ]
+    return diagnose(load_robot("irb2400"), *logs)
+
+
+@pytest.mark.parametrize("seed", [31, 32, 33])
+def test_nothing_is_missing_on_a_clean_arm(seed: int) -> None:
+    found = diagnosed(seed)
+    assert found.verdict == "nothing_missing"
+    assert found.robot.effects == ()
+
+
+@pytest.mark.parametrize(
+    ("kind", "joint"),
+    [("gear_ripple", 4), ("load_friction", 2), ("torque_gain", 5), ("cable_spring", 4), ("rotor_inertia", 3)],
+)
+def test_an_effect_is_named_and_takes_the_validation_error_away(kind: str, joint: int) -> None:
+    found = diagnosed(7, Effect(kind, joint, 0.1))
+    assert found.verdict == "explained"
+    assert [(f.effect.kind, f.effect.joint) for f in found.findings] == [(kind, joint)]
+    assert found.findings[0].confidence > 0.8
+    assert found.validation is not None
+    before, after = (e.rmse[joint - 1] for e in (found.validation.error_before, found.validation.error_after))
+    assert after < 0.7 * before
+    # the name alone, without new parameters, is not what made it better
+    assert after < 0.8 * found.validation.error_recalibrated.rmse[joint - 1]
+
+
+def test_what_no_effect_explains_is_reported_with_joint_and_signal() -> None:
+    found = diagnosed(9, Effect("sticky_window", 3, 0.1))
+    assert found.verdict == "unexplained"
+    assert 3 in [u.joint for u in found.unexplained]
+    assert "q" in next(u for u in found.unexplained if u.joint == 3).depends_on
+
+
+def test_without_the_commanded_motion_it_says_that_it_knows_less() -> None:
+    found = diagnosed(7, Effect("gear_ripple", 4, 0.1), reference=False)
+    assert [(f.effect.kind, f.effect.joint) for f in found.findings] == [("gear_ripple", 4)]
+    assert any("q_ref" in text for text in found.weak)
+
+
+def test_findings_file_keeps_the_contract(tmp_path: Path) -> None:
+    found = diagnosed(7, Effect("gear_ripple", 4, 0.1))
+    findings, toml = found.write(tmp_path)
+    content = json.loads(findings.read_text())
+    assert {"verdict", "effects", "recalibrated", "unexplained", "error"} <= set(content)
+    effect = content["effects"][0]
+    assert {"kind", "joint", "parameters", "standard_errors", "confidence", "alternatives"} <= set(effect)
+    assert set(effect["parameters"]) >= {"amplitude_Nm", "order"}
+    for name in ("identification", "validation"):
+        for side in ("before", "after"):
+            error = content["error"][name][side]
+            assert all(len(error[key]) == 6 for key in ("mae_Nm", "rmse_Nm", "rmse_over_mean_percent"))
+    assert len(content["error"]["noise_floor_Nm"]) == 6
+    again = load_robot(toml)
+    assert again.effects == found.robot.effects
+    np.testing.assert_allclose(again.friction, found.robot.friction)
+
+
+def test_a_log_of_another_arm_is_refused() -> None:
+    time = np.arange(0, 5, 0.004)
+    log = Log(time, np.sin(time[:, None] * np.ones(3)), np.ones((len(time), 3)))
+    with pytest.raises(InputError, match="found 3 joints, expected 6"):
+        diagnose(load_robot("irb2400"), log)
