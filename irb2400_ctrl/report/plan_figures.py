@@ -35,7 +35,7 @@ def save_figures(plan: Plan, out: Path) -> list[Path]:
 
 def torque_figure(plan: Plan) -> Figure:
     """Torque over time, one plot a joint."""
-    limits = plan.robot.tau_max
+    limits = plan.certificate.limits.tau_max
     return _joint_plots(plan, plan.trajectory.tau, -limits, limits, "torque", "Nm")
 
 

@@ -1,0 +1,236 @@
+"""Planning and timing: certified timing against toppra, ways to choose the tool rotation, cost over the points.
+
+    python benchmarks/planning.py [paths]
+
+Violations are looked for 10,000 times a second with the model's own inverse dynamics, Stribeck friction included.
+"""
+
+from __future__ import annotations
+
+import logging
+import resource
+import sys
+import time
+import warnings
+
+import numpy as np
+import numpy.typing as npt
+
+import irb2400_ctrl as irb
+from irb2400_ctrl.codegen import compile_function
+from irb2400_ctrl.errors import UnreachableError
+from irb2400_ctrl.planners import MotionLimits, Plan, ToolPath, builders, plan_path
+from irb2400_ctrl.planners.cells import enclose, grid
+from irb2400_ctrl.planners.certified import time_path
+from irb2400_ctrl.planners.joint_path import JointPath
+from irb2400_ctrl.planners.path_dynamics import path_dynamics
+from irb2400_ctrl.planners.retime import time_joint_path
+from irb2400_ctrl.planners.toppra_timing import time_with_toppra
+
+Array = npt.NDArray[np.float64]
+
+ROBOT = irb.load_robot("irb2400")
+DYNAMICS = path_dynamics(ROBOT)
+LIMITS = MotionLimits.of(ROBOT)
+TORQUE = compile_function(DYNAMICS.model.function("inverse_dynamics"))
+SIZES = (1000, 2000, 5000, 10000)
+
+
+def random_way_points(seed: int) -> tuple[Array, Array]:
+    """Six way-points in the joint box and their normalised chord length."""
+    rng = np.random.default_rng(seed)
+    q = rng.uniform(0.8 * ROBOT.q_min, 0.8 * ROBOT.q_max, (6, 6))
+    q[:, [3, 5]] = rng.uniform(-2, 2, (6, 2))
+    s = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(q, axis=0), axis=1))])
+    return s / s[-1], q
+
+
+def violation(q: Array, qd: Array, qdd: Array) -> float:
+    """By how much the torque exceeds its limit, as a part of it."""
+    (tau,) = TORQUE.map(q, qd, qdd, np.zeros(1))
+    return max(float((np.abs(tau) / LIMITS.tau_max).max()) - 1.0, 0.0)
+
+
+def toppra_defaults(s: Array, q: Array) -> tuple[float, float, float]:
+    """(duration, violation, seconds) of toppra as its documentation uses it: torque constraint and defaults."""
+    import toppra
+    from toppra import algorithm, constraint
+
+    logging.getLogger("toppra").setLevel(logging.ERROR)
+    memory = TORQUE.buffers()
+
+    def inverse_dynamics(position: Array, speed: Array, acceleration: Array) -> Array:
+        for place, value in zip(memory.inputs[:3], (position, speed, acceleration), strict=True):
+            place[:] = value
+        memory.run()
+        return np.array(memory.outputs[0])
+
+    began = time.perf_counter()
+    path = toppra.SplineInterpolator(s, q)
+    tau, qd = LIMITS.tau_max, LIMITS.qd_max
+    # friction of the callback is off at rest: toppra is given the Coulomb part
+    constraints = [
+        constraint.JointVelocityConstraint(np.stack([-qd, qd], axis=1)),
+        constraint.JointTorqueConstraint(
+            lambda a, b, c: inverse_dynamics(a, b, c) - friction(b), np.stack([-tau, tau], axis=1), ROBOT.friction[:, 1]
+        ),
+    ]
+    trajectory = algorithm.TOPPRA(constraints, path).compute_trajectory(0, 0)
+    seconds = time.perf_counter() - began
+    if trajectory is None:
+        return np.nan, np.nan, seconds
+    t = np.arange(0, trajectory.duration, 1e-4)
+    return trajectory.duration, violation(trajectory(t), trajectory(t, 1), trajectory(t, 2)), seconds
+
+
+def friction(qd: Array) -> Array:
+    """Friction of eq. 55 [Nm]."""
+    static, coulomb, viscous, stribeck = ROBOT.friction.T
+    return (coulomb + (static - coulomb) * np.exp(-((qd / stribeck) ** 2))) * np.sign(qd) + viscous * qd
+
+
+def timing_table(paths: int) -> None:
+    """Certified timing against toppra on random splines."""
+    rows: dict[str, list[tuple[float, float, float]]] = {
+        "certified": [],
+        "toppra, same rows": [],
+        "toppra defaults": [],
+    }
+    parts = []
+    for seed in range(paths):
+        s, q = random_way_points(seed)
+        path = JointPath.through(s, q)
+        t0 = time.perf_counter()
+        cells = enclose(DYNAMICS, path, grid(path, 1000))
+        t1 = time.perf_counter()
+        timed = time_path(cells, LIMITS, ROBOT.friction)
+        t2 = time.perf_counter()
+        parts.append((t1 - t0, t2 - t1))
+        laws = {"certified": (timed.law, t2 - t0)}
+        began = time.perf_counter()
+        laws["toppra, same rows"] = (
+            time_with_toppra(cells, LIMITS, ROBOT.friction).law,
+            time.perf_counter() - began,
+        )
+        for name, (law, seconds) in laws.items():
+            t = np.arange(0, law.duration, 1e-4)
+            _, *motion = law.motion(path, t)
+            rows[name].append((law.duration, violation(*motion), seconds))
+        rows["toppra defaults"].append(toppra_defaults(s, q))
+    reference = np.array([r[0] for r in rows["toppra, same rows"]])
+    print(f"Timing of {paths} random splines through six way-points, N = 1000 (toppra defaults: its own grid)")
+    print(f"{'':20s} {'duration':>9s} {'paths over':>11s} {'violation':>10s} {'worst':>8s} {'ms':>7s}")
+    for name, values in rows.items():
+        table = np.array(values)
+        over = table[:, 1] > 1e-9
+        ratio = np.nanmean(table[:, 0] / reference)
+        median, worst = (100 * np.nanmedian(table[:, 1]), 100 * np.nanmax(table[:, 1]))
+        print(
+            f"{name:20s} {ratio:9.4f} {over.sum():11d} {median:9.2f}% {worst:7.2f}% {1e3 * np.median(table[:, 2]):7.1f}"
+        )
+    largest = np.max(np.array([r[0] for r in rows["certified"]]) / reference)
+    cells_ms, passes_ms = 1e3 * np.median(np.array(parts), axis=0)
+    print(f"largest duration over toppra's: {largest:.5f}; coefficients {cells_ms:.1f} ms, passes {passes_ms:.1f} ms\n")
+
+
+def rotation_table() -> None:
+    """Free rotation, best constant rotation, and a joint spline through the way-points alone."""
+    centre = np.array([0.9, 0.0, 0.5])
+    paths = {
+        "line of 400 mm": builders.line((0.9, -0.2, 0.5), (0.9, 0.2, 0.5)),
+        "overhead line": builders.line([0.3, -0.1, 1.9], [0.3, 0.1, 1.9], (0, 0, -1)),
+        "circle of 300 mm": builders.circle(centre, 0.15),
+        "three sides of a box": box(centre),
+        "tilting arc": tilting(centre),
+    }
+    print("Tool rotation: duration [s], smallest relative margin, TCP deviation of the way-point spline [mm]")
+    print(f"{'':22s} {'free':>15s} {'best constant':>15s} {'joint spline':>20s}")
+    for name, path in paths.items():
+        free = plan_path(ROBOT, path)
+        try:
+            held = plan_path(ROBOT, path, free_tool_rotation=False)
+        except UnreachableError:
+            held = None
+        cells = [
+            "none" if p is None else f"{p.duration:7.3f} {relative(p.singularity_margin):7.2f}" for p in (free, held)
+        ]
+        print(f"{name:22s} {cells[0]:>15s} {cells[1]:>15s} {joint_spline(path, held or free):>20s}")
+    print()
+
+
+def relative(margin: dict[str, float]) -> float:
+    """The smallest of the three margins as a part of its largest value."""
+    g = DYNAMICS.model.arm_geometry
+    return min(margin["wrist"], margin["shoulder"] / (g.a1 + g.a2 + g.forearm), margin["elbow"] / g.forearm)
+
+
+def joint_spline(path: ToolPath, plan: Plan) -> str:
+    """Duration and TCP deviation of a spline through the joint angles at the way-points only."""
+    dense = plan.certificate.path
+    s = np.linspace(dense.knots[0], dense.knots[-1], 200001)
+    tip = DYNAMICS.model.tcp_pose(dense(s[::50]))[:, :3, 3]
+    # a few way-points of the path, as a robot program without straight moves has them
+    at = np.linspace(0, len(path) - 1, min(len(path), 5)).round().astype(int)
+    nearest = [int(np.argmin(np.linalg.norm(tip - p, axis=1))) for p in path.position[at]]
+    nearest[0], nearest[-1] = 0, len(tip) - 1
+    places = s[::50][np.unique(nearest)]
+    spline = JointPath.through(places, dense(places))
+    timed, _ = time_joint_path(DYNAMICS, spline, LIMITS)
+    reached = DYNAMICS.model.tcp_pose(spline(s[::200]))[:, :3, 3]
+    deviation = max(np.linalg.norm(tip - p, axis=1).min() for p in reached)
+    return f"{timed.law.duration:7.3f} s {1e3 * deviation:7.1f} mm"
+
+
+def box(centre: Array) -> ToolPath:
+    """Along the top of a box, the tool at right angles to three of its sides."""
+    points = centre + 0.15 * np.array([[-1, -1, 0], [-1, 1, 0], [1, 1, 0], [1, -1, 0]])
+    axes = np.array([[-0.5, 0, 1], [-0.5, 0.5, 1], [0.5, 0.5, 1], [0.5, -0.5, 1.0]])
+    return builders.way_points(points, axes / np.linalg.norm(axes, axis=1, keepdims=True))
+
+
+def tilting(centre: Array) -> ToolPath:
+    """An arc on which the tool axis tilts from 50 deg to one side to 50 deg to the other."""
+
+    def axis(t: Array) -> Array:
+        tilt = np.radians(50) * (2 * t - 1)
+        return np.stack([0 * t, np.sin(tilt), np.cos(tilt)], axis=1)
+
+    def position(t: Array) -> Array:
+        angle = np.pi * t
+        return centre + 0.15 * np.stack([np.cos(angle), np.sin(angle), 0 * t], axis=1)
+
+    return builders.curve(position, axis)
+
+
+def scale_table() -> None:
+    """Cost over the number of way-points."""
+    print("Freeform raster from way-points to trajectory (rest to rest, 250 Hz)")
+    print(
+        f"{'points':>8s} {'seconds':>8s} {'ms/point':>9s} {'of this: rotation':>18s} {'timing':>7s} {'MB at most':>11s}"
+    )
+    for points in SIZES:
+        path = builders.raster(
+            [0.9, 0, 0.5], 0.2, 0.2, lines=points // 100, points=100, feed=0.2,
+            height=lambda x, y: 0.012 * np.sin(2 * np.pi * x / 0.2) * np.cos(np.pi * y / 0.12),
+        )  # fmt: skip
+        began = time.perf_counter()
+        plan = plan_path(ROBOT, path)
+        seconds = time.perf_counter() - began
+        stages = plan.wall_time
+        memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
+        print(
+            f"{points:8d} {seconds:8.1f} {1e3 * seconds / points:9.2f} {stages['branch and rotation']:18.1f} "
+            f"{stages['timing']:7.1f} {memory:11.0f}"
+        )
+
+
+def main(paths: int = 200) -> None:
+    """Print the tables."""
+    warnings.simplefilter("ignore")
+    timing_table(paths)
+    rotation_table()
+    scale_table()
+
+
+if __name__ == "__main__":
+    main(int(sys.argv[1]) if len(sys.argv) > 1 else 200)
