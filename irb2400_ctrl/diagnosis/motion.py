@@ -30,6 +30,10 @@ STILL_SPEED = 0.02
 """[rad/s] below this for longer than `STILL_TIME` dry friction is undetermined"""
 STILL_TIME = 0.060
 """[s]"""
+STICKING_SPEED = 0.03
+"""[rad/s] below this a joint may stick, whether or not it turns"""
+STICKING_TIME = 0.12
+"""[s] how long before and after that its torque is not predictable"""
 
 
 @dataclass(frozen=True)
@@ -99,8 +103,9 @@ def prepare(log: Log) -> Motion:
     gap = widened(~uniform.valid, margin)[inside]
     still = _standstill(qd, uniform.step)
     if not instrumented:
-        # smoothing reaches that far into a stop, whose friction nobody knows
-        still = np.column_stack([widened(still[:, j], margin) for j in range(log.n)])
+        # a joint that really sticks does so while it should creep, and smoothing reaches that far
+        still |= np.abs(qd) < STICKING_SPEED
+        still = np.column_stack([widened(still[:, j], round(STICKING_TIME / uniform.step)) for j in range(log.n)])
     known = ~(still | gap[:, None])
     time = uniform.time[inside]
     reach = low_pass.half + (0 if instrumented else margin)

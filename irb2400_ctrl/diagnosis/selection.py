@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from irb2400_ctrl.diagnosis.evidence import Problem, departure_shares
 from irb2400_ctrl.diagnosis.fit import Fit, Fitter
-from irb2400_ctrl.diagnosis.motion import Motion
+from irb2400_ctrl.diagnosis.motion import STICKING_SPEED, Motion
 from irb2400_ctrl.diagnosis.noise import Noise, autoregressive, white
 from irb2400_ctrl.diagnosis.predict import predicted_torque
 from irb2400_ctrl.diagnosis.scan import Candidate, Scan
@@ -21,10 +21,6 @@ Mask = npt.NDArray[np.bool_]
 
 REVERSAL_TIME = 0.16
 """[s] rows nearer than this to a reversal have a variance of their own"""
-
-
-STICKING_SPEED = 0.03
-"""[rad/s] below this a joint may stick, whether or not it turns"""
 
 
 @dataclass(frozen=True)
