@@ -25,6 +25,7 @@ pytest: $(VENV)/.installed-test
 	$(BIN)/python -m pytest $(PYTEST_ARGS)
 
 bench: $(VENV)/.installed-test
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt 'mujoco>=3.2,<4'
 	$(BIN)/python benchmarks/run.py
 
 evaluate: $(VENV)/.installed-test

@@ -1,13 +1,19 @@
-"""All benchmarks of `make bench`, one after the other."""
+"""All benchmarks of `make bench`, one after the other, each in a process of its own."""
 
 from __future__ import annotations
 
-import dynamics
+import subprocess
+import sys
+from pathlib import Path
+
+BENCHMARKS = ("dynamics.py", "closed_loop.py", "planning.py")
 
 
 def main() -> None:
     """Print every table."""
-    dynamics.main()
+    for name in BENCHMARKS:
+        print(f"\n== {name}", flush=True)
+        subprocess.run([sys.executable, str(Path(__file__).parent / name)], check=True)
 
 
 if __name__ == "__main__":

@@ -17,6 +17,9 @@ def diagnose(
     validate: Annotated[
         Path | None, typer.Option(metavar="LOG2", help="Another motion of the same arm, for the error after.")
     ] = None,
+    reference: Annotated[
+        Path | None, typer.Option(metavar="LOG3", help="Log of the arm known to be sound: gives the noise model.")
+    ] = None,
     robot: RobotOption = "irb2400",
     close_loop: Annotated[
         bool,
@@ -26,7 +29,7 @@ def diagnose(
     ] = False,
 ) -> None:
     """Find the residual, name the effect behind it, add it to the robot -> findings.json, robot.toml, report.html."""
-    for path in (log, validate):
+    for path in (log, validate, reference):
         if path is not None:
             input_file(path, "a log (.csv or .csv.gz)")
     output_folder(out)
@@ -41,10 +44,10 @@ def diagnose(
 
     arm = load_robot(robot)
     with step(f"reading {log.name}"):
-        logs = [None if path is None else read_log(path) for path in (log, validate)]
+        logs = [None if path is None else read_log(path) for path in (log, validate, reference)]
     assert logs[0] is not None
     with step("comparing log and model"):
-        result = run(arm, logs[0], validation=logs[1])
+        result = run(arm, logs[0], validation=logs[1], reference=logs[2])
     page, text = diagnosis_page(result, title=f"Diagnosis of {log.name}"), lines(result)
     if close_loop:
         with step("closing the loop"):
