@@ -65,11 +65,13 @@ class Bases:
         *,
         departures: bool = False,
         filtered: bool = True,
+        windows: Sequence[tuple[float, float]] = (),
     ) -> list[Columns]:
         """The basis of one effect along the motion, one entry per set of nonlinear parameters.
 
         Args:
             departures: the columns of `Effect.departures` instead of the basis.
+            windows: times between which the effect acts [s]; empty: always.
             filtered: through the motion's common filter (rows), or sample by sample.
         """
         if not grid:
@@ -78,7 +80,10 @@ class Bases:
         name = (kind, joint, departures, keys)
         if name not in self._laws:
             self._laws[name] = _Law(self.signals, LIBRARY[kind], joint, departures, keys)
-        return self._laws[name](motion, [tuple(entry[key] for key in keys) for entry in grid], filtered)
+        active = np.ones(len(motion.time)) if not windows else np.zeros(len(motion.time))
+        for start, stop in windows:
+            active[(motion.time >= start) & (motion.time < stop)] = 1.0
+        return self._laws[name](motion, [tuple(entry[key] for key in keys) for entry in grid], filtered, active)
 
 
 class _Law:
@@ -108,7 +113,7 @@ class _Law:
             Memory(scalars, state, theta, prototype.state_rate(s), prototype.steady_state(s)) if effect.states else None
         )
 
-    def __call__(self, motion: Motion, grid: list[tuple[float, ...]], filtered: bool) -> list[Columns]:
+    def __call__(self, motion: Motion, grid: list[tuple[float, ...]], filtered: bool, active: Array) -> list[Columns]:
         m = len(motion.time)
         inputs = inputs_of(motion)
         count = motion.rows if filtered else m
@@ -125,7 +130,7 @@ class _Law:
             place = slice(start, start + len(part))
 
             def put(flat: Array, joint: int, column: int, part: Array = part, place: slice = place) -> None:
-                whole = np.broadcast_to(flat, (len(part), m)).T
+                whole = (np.broadcast_to(flat, (len(part), m)) * active).T
                 values[place, :, joint, column] = (motion.filtered(whole) if filtered else whole).T
 
             for index, flat in enumerate(self.law(*inputs, *states, *theta) if self.k else []):

@@ -195,9 +195,11 @@ class Fitter:
         return y, np.concatenate([*blocks, *G], axis=2), parameters, np.array(sizes), shapes
 
     def _torque(self, effect: Effect) -> Array:
-        key = (effect.kind, effect.joint, *sorted(nonlinear_of(effect).items()))
+        key = (effect.kind, effect.joint, effect.windows_s, *sorted(nonlinear_of(effect).items()))
         if effect.shape or key not in self._cache:
-            law = self.bases.columns(effect.kind, effect.joint, self.motion, [nonlinear_of(effect)])[0]
+            law = self.bases.columns(
+                effect.kind, effect.joint, self.motion, [nonlinear_of(effect)], windows=effect.windows_s
+            )[0]
             placed = np.zeros((self.motion.rows, self.motion.n, law.values.shape[2]))
             placed[:, list(law.joints)] = law.values
             self._cache[key] = placed
@@ -211,10 +213,14 @@ class Fitter:
         return np.asarray((self._torque(up) - self._torque(down)) / (2 * step))
 
     def _departures(self, effect: Effect) -> tuple[Array, Array]:
-        columns = self.bases.columns(effect.kind, effect.joint, self.motion, [nonlinear_of(effect)], departures=True)[0]
+        columns = self.bases.columns(
+            effect.kind, effect.joint, self.motion, [nonlinear_of(effect)], departures=True, windows=effect.windows_s
+        )[0]
         placed = np.zeros((self.motion.rows, self.motion.n, columns.values.shape[2]))
         placed[:, list(columns.joints)] = columns.values
-        law = self.bases.columns(effect.kind, effect.joint, self.motion, [nonlinear_of(effect)])[0]
+        law = self.bases.columns(
+            effect.kind, effect.joint, self.motion, [nonlinear_of(effect)], windows=effect.windows_s
+        )[0]
         shares = departure_shares(effect.kind, placed.shape[2])
         if not placed.shape[2]:
             return placed, np.zeros(0)

@@ -55,7 +55,9 @@ def predicted_torque(robot: Robot, motion: Motion, bases: Bases | None = None) -
 
 def effect_torque(bases: Bases, effect: Effect, motion: Motion, *, filtered: bool = False) -> Array:
     """Torque of one effect along a motion from its basis, shape (m, n) or filtered (rows, n) [Nm]."""
-    law = bases.columns(effect.kind, effect.joint, motion, [nonlinear_of(effect)], filtered=filtered)[0]
+    law = bases.columns(
+        effect.kind, effect.joint, motion, [nonlinear_of(effect)], filtered=filtered, windows=effect.windows_s
+    )[0]
     tau = law.torque(np.array(effect.coefficients()), motion.n)
     return tau + _shape_torque(bases, effect, motion, filtered=filtered)
 
@@ -64,7 +66,9 @@ def _shape_torque(bases: Bases, effect: Effect, motion: Motion, *, filtered: boo
     if not effect.shape:
         return np.zeros((motion.rows if filtered else len(motion.time), motion.n))
     nonlinear = [nonlinear_of(effect)]
-    columns = bases.columns(effect.kind, effect.joint, motion, nonlinear, departures=True, filtered=filtered)[0]
+    columns = bases.columns(
+        effect.kind, effect.joint, motion, nonlinear, departures=True, filtered=filtered, windows=effect.windows_s
+    )[0]
     # further columns tell how a record began: no property of the robot
     kept = Columns(columns.joints, columns.values[:, :, : len(effect.shape)])
     return kept.torque(np.array(effect.shape), motion.n)

@@ -14,11 +14,14 @@ from irb2400_ctrl.diagnosis.motion import STICKING_SPEED, Motion
 from irb2400_ctrl.diagnosis.noise import Noise, autoregressive, white
 from irb2400_ctrl.diagnosis.predict import predicted_torque
 from irb2400_ctrl.diagnosis.scan import Candidate, Scan
+from irb2400_ctrl.diagnosis.windows import windowed
 from irb2400_ctrl.measurement.uniform import widened
 
 Array = npt.NDArray[np.float64]
 Mask = npt.NDArray[np.bool_]
 
+TRIED_IN_PART = 4
+"""how many of the best effects are also tried as acting part of the time"""
 REVERSAL_TIME = 0.16
 """[s] rows nearer than this to a reversal have a variance of their own"""
 
@@ -38,7 +41,7 @@ class Criteria:
 
     gain: float = 25.0
     energy: float = 0.05
-    torque: float = 0.006
+    torque: float = 0.003
     relative: float = 0.22
     largest: float = 1.5
     unknown: float = 10.0
@@ -129,6 +132,8 @@ class Selection:
         """The most promising candidates, each judged under its own noise, best first."""
         problem = self._problem(Z, None, colour=False)
         short = problem_ranking(self.scan, problem, self.criteria.shortlist, chosen)
+        known = [c for c in short if c.known][:TRIED_IN_PART]
+        short += [part for c in known if (part := windowed(self.scan, problem, c)) is not None]
         rivals = [self._judged(candidate, Z) for candidate in short]
         return sorted(rivals, key=lambda r: -r.evidence)
 

@@ -117,6 +117,8 @@ class Effect(BaseModel, ABC):
     joint: int | None = Field(default=None, ge=1)
     shape: tuple[float, ...] = ()
     """coefficients of `departures`; empty: exactly the law"""
+    windows_s: tuple[tuple[float, float], ...] = ()
+    """times from, to between which a force effect acts [s]; empty: always"""
     source: str = ""
 
     @abstractmethod
@@ -177,12 +179,21 @@ class Effect(BaseModel, ABC):
     def torque(self, s: Signals) -> ca.SX:
         """tau_effect = basis @ coefficients + departures @ shape, shape (n,) [Nm]."""
         tau = self.basis(s) @ ca.DM(list(self.coefficients()))
-        return tau + self.departures(s) @ ca.DM(list(self.shape)) if self.shape else tau
+        if self.shape:
+            tau += self.departures(s) @ ca.DM(list(self.shape))
+        if not self.windows_s:
+            return tau
+        active = [ca.logic_and(s.time >= start, s.time < stop) for start, stop in self.windows_s]
+        return sum(active[1:], active[0]) * tau
 
     def parameters(self) -> dict[str, Any]:
         """The effect's own fields: name with unit -> value."""
-        own = self.model_dump(exclude={"kind", "joint", "source", "shape"}, exclude_none=True)
-        return {**own, "shape": list(self.shape)} if self.shape else own
+        own = self.model_dump(exclude={"kind", "joint", "source", "shape", "windows_s"}, exclude_none=True)
+        if self.shape:
+            own["shape"] = list(self.shape)
+        if self.windows_s:
+            own["windows_s"] = [list(window) for window in self.windows_s]
+        return own
 
     @classmethod
     def nonlinear_names(cls, joint: int | None) -> tuple[str, ...]:
