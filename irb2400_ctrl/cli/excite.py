@@ -1,0 +1,39 @@
+"""`irb2400 excite`: the motion that tells look-alike effects apart."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+from irb2400_ctrl.cli.options import OutOption, RobotOption, output_folder
+from irb2400_ctrl.cli.progress import step
+
+
+def excite(
+    group: Annotated[
+        str, typer.Option("--for", metavar="GROUP", help="Ambiguity group, or an effect of it, as a report names it.")
+    ],
+    out: OutOption,
+    robot: RobotOption = "irb2400",
+    seconds: Annotated[float, typer.Option(help="Duration of the motion, 10 to 600 s.")] = 40.0,
+    joint: Annotated[int | None, typer.Option(help="Only for effects on this joint; default all at once.")] = None,
+) -> None:
+    """Plan the motion that separates look-alike effects -> trajectory.csv, excitation.mod (RAPID), .json, .png."""
+    from irb2400_ctrl.excitation.groups import group_called
+
+    group_called(group)  # a wrong name is said before anything is written
+    output_folder(out)
+
+    from irb2400_ctrl.excitation import excite as run
+    from irb2400_ctrl.robot import load_robot
+
+    arm = load_robot(robot)
+    with step("preparing") as progress:
+        found = run(arm, group, seconds=seconds, joint=joint, progress=progress)
+        progress("writing")
+        found.write(out)
+    print("\n".join(found.lines()))
+    print(
+        f"written: {out / 'trajectory.csv'}, {out / 'excitation.mod'}, {out / 'excitation.json'}, {out / 'excitation.png'}"
+    )

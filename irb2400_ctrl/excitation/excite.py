@@ -1,0 +1,185 @@
+"""`excite`: the motion that tells the members of an ambiguity group apart, within the limits of the robot."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import numpy.typing as npt
+from threadpoolctl import threadpool_limits
+
+from irb2400_ctrl.diagnosis.motion import Motion
+from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.excitation.alternatives import Alternatives, Pair, named
+from irb2400_ctrl.excitation.assemble import Course, Workshop
+from irb2400_ctrl.excitation.design import ENOUGH, Budget, Design, merit, standard_course
+from irb2400_ctrl.excitation.groups import group_called
+from irb2400_ctrl.excitation.result import CLEAR, Excitation, Separability
+from irb2400_ctrl.robot import Robot
+
+Array = npt.NDArray[np.float64]
+
+SHORTEST, LONGEST = 10.0, 600.0
+"""[s] of a motion"""
+RICH = 1500
+"""random states that stand for every motion there is"""
+NOTHING_LEFT = 1e-3
+"""share of a member's torque below which it is said to be imitated exactly"""
+SURE = 1e4
+"""information of a record without noise, over that of the random states"""
+
+
+def excite(
+    robot: Robot,
+    group: str,
+    *,
+    seconds: float = 40.0,
+    joint: int | None = None,
+    seed: int = 0,
+    budget: Budget | None = None,
+    progress: Callable[[str], None] = lambda stage: None,
+) -> Excitation:
+    """Plan the motion.
+
+    Args:
+        group: name of an ambiguity group (`groups`), or of an effect in it.
+        seconds: duration of the motion.
+        joint: look at members on this joint only (from 1); default all joints at once.
+        seed: of the random search; the result follows from it.
+        budget: how long is searched.
+        progress: told the name of each stage.
+
+    Raises:
+        InputError: no such group, joint or duration; no member of the group can sit on the joint.
+        InfeasibleError: the limits of the robot leave no motion.
+    """
+    asked = group_called(group)
+    if not (np.isfinite(seconds) and SHORTEST <= seconds <= LONGEST):
+        raise InputError(f"found {seconds:g} seconds, expected {SHORTEST:g} to {LONGEST:g}")
+    if joint is not None and not 1 <= joint <= robot.n:
+        raise InputError(f"found joint {joint}, expected 1 to {robot.n}")
+    with threadpool_limits(limits=1, user_api="blas"):
+        progress("preparing")
+        workshop = Workshop(robot)
+        ordinary = standard_course(workshop, seconds)
+        standard = workshop.recorded(ordinary, "standard")
+        alternatives = Alternatives(robot, asked, standard, joint)
+        if not alternatives.pairs:
+            raise InputError(f"no effect of the group {asked.name} acts on joint {joint} of {robot.name}")
+        reasons, ceilings = _limits_of_motion(alternatives, standard)
+        wanted = np.where(ceilings >= CLEAR, np.minimum(ENOUGH, 0.9 * ceilings), 0.0)
+        if not wanted.any():
+            # where no motion separates anything, the motion that shows the members best is still worth having
+            wanted = np.full(len(wanted), ENOUGH)
+        design = Design(workshop, alternatives, wanted, seconds, np.random.default_rng(seed), joint)
+        pieces = design.run(budget or Budget(), progress)
+        progress("joining the pieces")
+        course, _ = workshop.filling(pieces, design.duration, seconds)
+        planned = workshop.recorded(course, "excited")
+        before, after = (alternatives.distances(alternatives.gram(m)) for m in (standard, planned))
+    table = tuple(
+        Separability(
+            pair.text,
+            pair.member,
+            pair.rival,
+            tuple(float(v[i]) for v in (before[0], after[0])),
+            tuple(float(v[i]) for v in (before[1], after[1])),
+            float(ceilings[i]),
+            reasons[i],
+        )
+        for i, pair in enumerate(alternatives.pairs)
+    )
+    return Excitation(
+        robot=robot,
+        group=asked,
+        joint=joint,
+        course=course,
+        tau=workshop.model.inverse_dynamics(course.q, course.qd, course.qdd),
+        standard=ordinary,
+        extent=workshop.extent(course),
+        flavours=tuple(piece.flavour for piece in pieces),
+        noise=alternatives.noise,
+        table=table,
+        gain=merit(after[0], wanted) - merit(before[0], wanted),
+    )
+
+
+def separability(robot: Robot, group: str, course: Course, *, joint: int | None = None) -> dict[Pair, float]:
+    """Distances of the pairs of a group on any motion, sizes set on the standard motion of the same duration."""
+    workshop = Workshop(robot)
+    standard = workshop.recorded(standard_course(workshop, max(course.duration, SHORTEST)))
+    alternatives = Alternatives(robot, group_called(group), standard, joint)
+    D, _ = alternatives.distances(alternatives.gram(workshop.recorded(course)))
+    return {pair: float(d) for pair, d in zip(alternatives.pairs, D, strict=True)}
+
+
+def _limits_of_motion(alternatives: Alternatives, standard: Motion) -> tuple[list[str], Array]:
+    """For each pair why no motion at all separates it (empty: one may), and the distance on a record without noise.
+
+    Random states of everything that a motion can be, independent of one another, show more than any motion does: what
+    is imitated exactly on them is imitated on every motion.
+    """
+    everything = alternatives.values(_rich(alternatives.robot, standard))
+    flat = everything.reshape(-1, alternatives.width)
+    ceilings = alternatives.distances(SURE * (flat.T @ flat))[0]
+    reasons = []
+    labels = base_labels(alternatives.robot)
+    for i, pair in enumerate(alternatives.pairs):
+        kinds = [place[0] for place in (pair.member, pair.rival) if place is not None]
+        left, used = (1.0, []) if _remembers(kinds) else alternatives.imitated_by(pair, everything, NOTHING_LEFT)
+        if left > NOTHING_LEFT:
+            reasons.append("")
+            ceilings[i] = np.inf
+            continue
+        parts = ([] if pair.rival is None else [named(pair.rival)]) + [labels[k] for k in used]
+        reasons.append(f"{_listed(parts)} can make the same torque in every motion")
+    return reasons, ceilings
+
+
+def _listed(parts: list[str]) -> str:
+    return parts[0] if len(parts) == 1 else ", ".join(parts[:-1]) + " and " + parts[-1]
+
+
+def _remembers(kinds: list[str]) -> bool:
+    from irb2400_ctrl.effects import LIBRARY
+
+    return any(LIBRARY[kind].states for kind in kinds)
+
+
+def _rich(robot: Robot, like: Motion) -> Motion:
+    """Independent random positions, speeds and accelerations all over the limits, in place of a motion."""
+    rng = np.random.default_rng(1)
+    m = RICH
+    q = rng.uniform(robot.q_min, robot.q_max, (m, robot.n))
+    qd = robot.qd_max * rng.uniform(-1, 1, (m, robot.n)) ** 3
+    qdd = rng.uniform(-30.0, 30.0, (m, robot.n))
+    qddd, qdddd = (rng.uniform(-w, w, (m, robot.n)) for w in (300.0, 3000.0))
+    known = np.ones((m, robot.n), dtype=bool)
+    time = np.sort(rng.uniform(0.0, like.time[-1], m))
+    cloud = replace(
+        like, name="states", time=time, q=q, qd=qd, qdd=qdd, qddd=qddd, qdddd=qdddd, known=known, low_pass=_AsIs(),
+        row_time=time, row_known=known,
+    )  # fmt: skip
+    return cloud
+
+
+class _AsIs:
+    """In place of a filter: states that do not follow one another have nothing to be filtered."""
+
+    keep, half = 1, 0
+
+    def __call__(self, signal: Array) -> Array:
+        return signal
+
+    def instants(self, signal: Array) -> Array:
+        """All of it."""
+        return signal
+
+
+def base_labels(robot: Robot) -> list[str]:
+    """What each column of the uncertain base is, in words."""
+    bodies = [f"link {k + 1}" for k in range(robot.n)] + ([] if robot.tool is None else ["the tool"])
+    parts = ("mass", "CoM x", "CoM y", "CoM z", "Ixx", "Iyy", "Izz", "Ixy", "Ixz", "Iyz")
+    labels = [f"{part} of {body}" for body in bodies for part in parts]
+    return labels + [f"{what} friction {k + 1}" for what in ("Coulomb", "viscous", "static") for k in range(robot.n)]

@@ -1,0 +1,99 @@
+"""Limits of a motion, looked at densely: joint box, speed, torque, and room around the foot of the robot."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from irb2400_ctrl.model import Model
+from irb2400_ctrl.robot import Robot
+
+Array = npt.NDArray[np.float64]
+
+SHARE = 0.9
+"""of torque and speed limits that an excitation uses; the rest is the controller's"""
+FLOOR, COLUMN = 0.10, 0.40
+"""[m] the flange and the tool stay this high above the base plane and this far from axis 1"""
+DENSE = 4
+"""instants looked at per row of a trajectory"""
+
+
+@dataclass(frozen=True)
+class Extent:
+    """How far a motion goes.
+
+    Args:
+        torque, speed: largest share of the limits; box: smallest distance from the joint box, negative outside [rad].
+        height, radius: smallest of flange and TCP above the base plane and from axis 1 [m].
+    """
+
+    torque: float
+    speed: float
+    box: float
+    height: float
+    radius: float
+
+    @property
+    def inside(self) -> bool:
+        """Within everything."""
+        return self.torque <= SHARE and self.speed <= 1.0 and self.box >= 0 and self.clear
+
+    @property
+    def clear(self) -> bool:
+        """Away from floor and foot."""
+        return self.height >= FLOOR and self.radius >= COLUMN
+
+
+def extent(model: Model, q: Array, qd: Array, qdd: Array) -> Extent:
+    """Of states (m, n); torque with friction and effects."""
+    robot = model.robot
+    tau = model.inverse_dynamics(q, qd, qdd)
+    points = np.concatenate([pose(q)[:, :3, 3] for pose in (model.tcp_pose, model.flange_pose)])
+    box = float(np.minimum(q - robot.q_min, robot.q_max - q).min())
+    if robot.coupling.difference_deg is not None:
+        low, high = np.radians(robot.coupling.difference_deg)
+        difference = q[:, 2] - q[:, 1]
+        box = min(box, float(np.minimum(difference - low, high - difference).min()))
+    return Extent(
+        torque=float((np.abs(tau) / robot.tau_max).max()),
+        speed=float((np.abs(qd) / robot.qd_max).max()),
+        box=box,
+        height=float(points[:, 2].min()),
+        radius=float(np.hypot(points[:, 0], points[:, 1]).min()),
+    )
+
+
+def with_share(robot: Robot, share: float = SHARE) -> Robot:
+    """The robot with smaller limits of torque and speed: what is planned for it leaves the rest free."""
+    joints = []
+    for joint in robot.joints:
+        limits = joint.limits.model_copy(
+            update={"torque_Nm": share * joint.limits.torque_Nm, "speed_deg_s": share * joint.limits.speed_deg_s}
+        )
+        joints.append(joint.model_copy(update={"limits": limits}))
+    return robot.model_copy(update={"joints": tuple(joints)})
+
+
+def between(step: float, q: Array, qd: Array, qdd: Array, at: Array) -> tuple[Array, Array, Array]:
+    """q, qd, qdd at the times `at` [s] from rows of a motion: polynomials of degree 5 through their three values."""
+    k = np.clip((at / step).astype(int), 0, len(q) - 2)
+    x = ((at - k * step) / step)[:, None]
+    h = step
+    p0, v0, a0 = q[k], qd[k] * h, qdd[k] * h**2
+    d = q[k + 1] - p0
+    v1, a1 = qd[k + 1] * h, qdd[k + 1] * h**2
+    c3 = 10 * d - 6 * v0 - 4 * v1 - 1.5 * a0 + 0.5 * a1
+    c4 = -15 * d + 8 * v0 + 7 * v1 + 1.5 * a0 - a1
+    c5 = 6 * d - 3 * (v0 + v1) - 0.5 * (a0 - a1)
+    value = p0 + x * (v0 + x * (a0 / 2 + x * (c3 + x * (c4 + x * c5))))
+    rate = (v0 + x * (a0 + x * (3 * c3 + x * (4 * c4 + 5 * x * c5)))) / h
+    bend = (a0 + x * (6 * c3 + x * (12 * c4 + 20 * x * c5))) / h**2
+    return value, rate, bend
+
+
+def dense_extent(model: Model, step: float, q: Array, qd: Array, qdd: Array) -> Extent:
+    """Of a whole motion, at `DENSE` instants per row."""
+    at = np.linspace(0.0, step * (len(q) - 1), DENSE * (len(q) - 1) + 1)
+    return extent(model, *between(step, q, qd, qdd, at))

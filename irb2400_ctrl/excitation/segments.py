@@ -1,0 +1,160 @@
+"""Smooth pieces of motion from rest to rest, drawn at random: finite Fourier series under a smooth window.
+
+    q_j(t) = c_j + w(t) sum_k a_jk sin(2 pi (f_jk t + r_jk t^2 / 2) + p_jk)
+
+w rises from 0 to 1 and falls back as a polynomial of degree 7, so that position, speed and acceleration begin and end at
+rest at the centre c. r is zero but for chirps.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+import numpy.typing as npt
+
+from irb2400_ctrl.robot import Robot
+
+Array = npt.NDArray[np.float64]
+
+RISE = 0.8
+"""[s] from rest to the full series"""
+INSET = 0.05
+"""share of each joint's range kept free at either end"""
+
+
+@dataclass(frozen=True)
+class Flavour:
+    """A kind of piece.
+
+    Args:
+        low, high: band of the base frequencies [Hz], drawn evenly over its logarithm; terms: per joint.
+        top: end of a chirp [Hz], 0 for none.
+        moving: share of the axes that move (the others rest), at least one.
+        size: range of the amplitude over what the limits allow.
+    """
+
+    name: str
+    low: float
+    high: float
+    terms: int
+    top: float = 0.0
+    moving: float = 1.0
+    size: tuple[float, float] = (0.5, 1.0)
+
+
+FLAVOURS: dict[str, Flavour] = {
+    f.name: f
+    for f in (
+        Flavour("swing", 0.1, 0.5, 3),
+        Flavour("lively", 0.4, 1.5, 3),
+        Flavour("fast", 1.0, 3.0, 2, size=(0.3, 1.0)),
+        Flavour("chirp", 0.4, 1.0, 1, top=6.0),
+        Flavour("slow", 0.03, 0.12, 1, size=(0.1, 1.0)),
+        # neighbouring frequencies beat: reversals at many amplitudes
+        Flavour("reversals", 0.3, 0.6, 2, size=(0.02, 0.5)),
+        Flavour("alone", 0.2, 1.5, 3, moving=0.3),
+    )
+}
+
+FOR_GROUP: dict[str, tuple[str, ...]] = {
+    "base": ("swing", "slow", "alone"),
+    "coupling": ("alone", "lively", "fast", "swing"),
+    "delay": ("fast", "chirp", "lively"),
+    "dynamic": ("chirp", "fast", "lively"),
+    "friction level": ("swing", "slow", "alone", "reversals", "lively"),
+    "offset": ("swing", "slow", "alone", "reversals"),
+    "position error": ("swing", "slow", "alone", "reversals", "lively"),
+    "position law": ("slow", "swing", "alone"),
+    "reversal": ("reversals", "slow", "swing", "alone"),
+    "ripple": ("slow", "swing", "alone"),
+    "viscous": ("slow", "swing", "lively", "fast", "alone"),
+}
+"""what a group's motion is drawn from; all flavours where nothing is said"""
+
+
+@dataclass(frozen=True)
+class Piece:
+    """One piece; amplitude, frequency, chirp rate, phase have shape (terms, n) [rad, Hz, Hz/s, rad]."""
+
+    flavour: str
+    centre: Array
+    amplitude: Array
+    frequency: Array
+    chirp: Array
+    phase: Array
+
+    def scaled(self, factor: Array | float) -> Piece:
+        """With amplitudes times a factor, shape (n,) or ()."""
+        return replace(self, amplitude=self.amplitude * factor)
+
+    def states(self, duration: float, time: Array) -> tuple[Array, Array, Array]:
+        """q, qd, qdd at the times [s], (m, n) each."""
+        t = time[:, None, None]
+        angle = 2 * np.pi * (self.frequency * t + 0.5 * self.chirp * t**2) + self.phase
+        rate = 2 * np.pi * (self.frequency + self.chirp * t)
+        a = self.amplitude
+        s = (a * np.sin(angle)).sum(axis=1)
+        sd = (a * rate * np.cos(angle)).sum(axis=1)
+        sdd = (a * (2 * np.pi * self.chirp * np.cos(angle) - rate**2 * np.sin(angle))).sum(axis=1)
+        w, wd, wdd = (v[:, None] for v in _window(time, duration))
+        return self.centre + w * s, wd * s + w * sd, wdd * s + 2 * wd * sd + w * sdd
+
+
+def _window(time: Array, duration: float) -> tuple[Array, Array, Array]:
+    """Window and its two derivatives."""
+    rise = min(RISE, duration / 3)
+    up = np.clip(time / rise, 0.0, 1.0)
+    down = np.clip((duration - time) / rise, 0.0, 1.0)
+    (a, ad, add), (b, bd, bdd) = _step(up), _step(down)
+    bd = -bd
+    return a * b, (ad * b + a * bd) / rise, (add * b + 2 * ad * bd + a * bdd) / rise**2
+
+
+def _step(x: Array) -> tuple[Array, Array, Array]:
+    """Polynomial from 0 to 1 with three vanishing derivatives at both ends, and its first two."""
+    value = x**4 * (35 - 84 * x + 70 * x**2 - 20 * x**3)
+    return value, 140 * x**3 * (1 - x) ** 3, 420 * x**2 * (1 - x) ** 2 * (1 - 2 * x)
+
+
+def drawn(rng: np.random.Generator, robot: Robot, flavour: Flavour, duration: float, joint: int | None = None) -> Piece:
+    """A random piece that keeps the joint box and the speed limits; `joint` (from 1) always moves."""
+    n = robot.n
+    low, high = robot.q_min, robot.q_max
+    span = high - low
+    centre = low + span * rng.uniform(0.15, 0.85, n)
+    # turns of an axis beyond a half one add nothing to the torque
+    room = np.minimum(np.minimum(centre - low, high - centre) - INSET * span, np.pi)
+    frequency = np.exp(rng.uniform(np.log(flavour.low), np.log(flavour.high), (flavour.terms, n)))
+    chirp = np.full_like(frequency, (flavour.top - flavour.low) / duration if flavour.top else 0.0)
+    amplitude = rng.dirichlet(np.full(flavour.terms, 2.0), n).T
+    phase = rng.uniform(0, 2 * np.pi, (flavour.terms, n))
+    piece = Piece(flavour.name, centre, amplitude, frequency, chirp, phase)
+    time = np.linspace(0.0, duration, 400)
+    q, qd, _ = piece.states(duration, time)
+    reach = np.abs(q - centre).max(axis=0)
+    speed = np.abs(qd).max(axis=0)
+    factor = rng.uniform(*flavour.size, n) * np.minimum(room / reach, 0.9 * robot.qd_max / speed)
+    moving = rng.uniform(size=n) < flavour.moving
+    moving[rng.integers(n) if joint is None else joint - 1] = True
+    return piece.scaled(factor * moving)
+
+
+def mutated(rng: np.random.Generator, robot: Robot, piece: Piece, duration: float, share: float = 0.25) -> Piece:
+    """A neighbour of a piece: everything moved a little; keeps box and speed like `drawn`."""
+    span = robot.q_max - robot.q_min
+    shape = piece.amplitude.shape
+    centre = piece.centre + 0.15 * share * span * rng.standard_normal(robot.n)
+    centre = np.clip(centre, robot.q_min + 0.15 * span, robot.q_max - 0.15 * span)
+    new = replace(
+        piece,
+        centre=centre,
+        amplitude=piece.amplitude * np.exp(share * rng.standard_normal(shape)),
+        frequency=piece.frequency * np.exp(share * rng.standard_normal(shape)),
+        phase=piece.phase + share * rng.standard_normal(shape),
+    )
+    q, qd, _ = new.states(duration, np.linspace(0.0, duration, 400))
+    room = np.minimum(centre - robot.q_min, robot.q_max - centre) - INSET * span
+    reach, speed = np.abs(q - centre).max(axis=0), np.abs(qd).max(axis=0)
+    allowed = np.minimum(room / np.maximum(reach, 1e-12), 0.9 * robot.qd_max / np.maximum(speed, 1e-12))
+    return new.scaled(np.minimum(1.0, allowed))
