@@ -23,10 +23,9 @@ import casadi as ca
 import numpy as np
 import numpy.typing as npt
 
-from irb2400_ctrl.codegen.toolchain import build_shared
-from irb2400_ctrl.errors import ToolMissingError
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.planners.limits import MotionLimits
+from irb2400_ctrl.planners.sparse_program import machine_code, sparse_program
 
 Array = npt.NDArray[np.float64]
 Objective = Literal["time", "energy"]
@@ -36,24 +35,6 @@ Objective = Literal["time", "energy"]
 _REVERSAL = 0.04
 # weight of the mean squared acceleration: makes the motion of joints that limit nothing unique
 _SMOOTH = 1e-3
-_OPTIONS = {
-    "ipopt.print_level": 0,
-    "ipopt.sb": "yes",
-    "print_time": False,
-    # CasADi would differentiate the machine code for it
-    "no_nlp_grad": True,
-    "ipopt.linear_solver": "mumps",
-    "ipopt.tol": 1e-4,
-    "ipopt.constr_viol_tol": 1e-4,
-    "ipopt.dual_inf_tol": 1e-2,
-    "ipopt.compl_inf_tol": 1e-4,
-    "ipopt.acceptable_tol": 1e-3,
-    "ipopt.acceptable_iter": 5,
-    "ipopt.acceptable_constr_viol_tol": 1e-4,
-    "ipopt.acceptable_obj_change_tol": 1e-4,
-    "ipopt.mu_strategy": "adaptive",
-    "ipopt.bound_relax_factor": 0.0,
-}
 
 
 @dataclass(frozen=True)
@@ -149,7 +130,7 @@ class Transcription:
         hessian, _ = ca.hessian(ca.dot(weights, rows), y)
         outputs = ca.cse([rows, ca.jacobian(rows, y), ca.triu(hessian)])
         function = ca.Function("knot_d", [y, weights], outputs, ["y", "w"], ["rows", "jacobian", "hessian"])
-        return _machine_code(function) if self.compiled else function
+        return machine_code(function) if self.compiled else function
 
     # ---- the program
 
@@ -177,12 +158,12 @@ class Transcription:
         x = ca.SX.sym("x", size)
         w = ca.reshape(x[: knots * width], width, knots)
         extra = ca.reshape(x[knots * width : knots * (width + self._extra)], self._extra, knots)
-        segment = self._segment.tolist()
         dt_k = x[-len(self.intervals) :] * ca.DM(step)
-        dt = ca.repmat(dt_k[segment].T, n, 1)
+        belongs = ca.DM(np.eye(len(self.intervals))[self._segment])
+        dt = ca.repmat((belongs @ dt_k).T, n, 1)
         speed, acceleration = ca.DM(self.limits.qd_max), ca.DM(self._accelerations)
         q, qd, qdd = w[:n, :], w[n : 2 * n, :], w[2 * n :, :]
-        unit = ca.repmat(ca.DM(step[segment]).T, n, 1) * ca.repmat(speed, 1, knots - 1)
+        unit = ca.repmat(ca.DM(step[self._segment]).T, n, 1) * ca.repmat(speed, 1, knots - 1)
         v = qd * ca.repmat(speed, 1, knots)
         a = qdd * ca.repmat(acceleration, 1, knots)
         first, last = slice(0, knots - 1), slice(1, knots)
@@ -210,11 +191,12 @@ class Transcription:
             objective = ca.dot(dt[0, :], (power[:, first] + power[:, last]) / 2) / reference
         objective += _SMOOTH * ca.sumsqr(qdd) / knots
         vectors = [(ca.vec(value), lower, upper) for value, lower, upper in rows]
-        ends = [
-            np.concatenate([np.broadcast_to(np.asarray(bound[k], dtype=float), (bound[0].numel(),)) for bound in vectors])
+        lower, upper = (
+            np.concatenate([np.broadcast_to(np.asarray(row[k], dtype=float), (row[0].numel(),)) for row in vectors])
             for k in (1, 2)
-        ]
-        return ca.Function("coupling", [x], [objective, ca.vertcat(*(value for value, _, _ in vectors))]), ends[0], ends[1]
+        )
+        stacked = ca.vertcat(*(value for value, _, _ in vectors))
+        return ca.Function("coupling", [x], [objective, stacked]), lower, upper
 
     def _knot_rows(self) -> tuple[ca.DM, Array, Array]:
         """Constant matrix C of the rows at all knots, rows(w) + C x, and their bounds."""
@@ -236,6 +218,8 @@ class Transcription:
             row, column = row + n, column + n
         for k, (_, bound) in enumerate(self.margins):
             low[:, row + k] = abs(bound)
+            # a way-point stays where it is, and a bound that was tightened must not exclude it
+            low[np.concatenate([[0], np.cumsum(self.intervals)]), row + k] = -np.inf
         return C, low.ravel(), high.ravel()
 
     def solve(self, guess: Knots, wall_time: float = 8.0) -> Solved:
@@ -246,7 +230,7 @@ class Transcription:
         step = np.diff(guess.time[at]) / self.intervals
         coupling, low_c, high_c = self._coupling(step)
         C, low_k, high_k = self._knot_rows()
-        solver = _solver(self._knot_derivatives, coupling, C, knots, size, wall_time)
+        solver = sparse_program(self._knot_derivatives, coupling, C, knots, size, wall_time)
         low, high = self._bounds(at)
         scale = np.concatenate([np.ones(n), self.limits.qd_max, self._accelerations])
         w = np.hstack([guess.q, guess.qd, guess.qdd]) / scale
@@ -276,7 +260,7 @@ class Transcription:
 
     def _bounds(self, at: npt.NDArray[np.int64]) -> tuple[Array, Array]:
         """Bounds of all variables: box, speed, rest at the ends, way-points."""
-        knots, width, size = self._sizes
+        knots, _, _ = self._sizes
         n, robot = self.model.robot.n, self.model.robot
         reach = np.where(np.isfinite(self.limits.qdd_max), self.limits.qdd_max / self._accelerations, 20.0)
         high = np.tile(np.concatenate([robot.q_max, np.ones(n), reach]), (knots, 1))
@@ -289,58 +273,6 @@ class Transcription:
         power = np.tile(np.arange(self._extra) < n * (self.objective == "energy"), knots)
         lowest = np.where(power, 0.0, -np.inf)
         k = len(self.intervals)
-        return np.concatenate([low.ravel(), lowest, np.full(k, 0.02)]), np.concatenate([high.ravel(), free, np.full(k, 50.0)])
-
-
-def _solver(knot: ca.Function, coupling: ca.Function, C: ca.DM, knots: int, size: int, wall_time: float) -> ca.Function:
-    """IPOPT with derivatives put together from one knot's, mapped, and those of the coupling."""
-    x, p, sigma = ca.MX.sym("x", size), ca.MX.sym("p", 0), ca.MX.sym("sigma")
-    width, count = knot.size1_in(0), knot.numel_out(0)
-    w = ca.reshape(x[: knots * width], width, knots)
-    mapped = knot.map(knots)
-    zero = ca.DM.zeros(count, knots)
-    rest = ca.Sparsity(size - knots * width, size - knots * width)
-
-    z = ca.SX.sym("z", size)
-    f_z, g_z = coupling(z)
-    weights = ca.SX.sym("l", g_z.numel())
-    sigma_z = ca.SX.sym("sigma")
-    hessian, _ = ca.hessian(sigma_z * f_z + ca.dot(weights, g_z), z)
-    first = ca.Function("first", [z], [f_z, ca.gradient(f_z, z), g_z, ca.jacobian(g_z, z)])
-    second = ca.Function("second", [z, sigma_z, weights], [ca.triu(hessian)])
-
-    f, gradient, g_c, J_c = first(x)
-    rows, jacobian, _ = mapped(w, zero)
-    g = ca.vertcat(g_c, ca.vec(rows) + C @ x)
-    blocks = ca.diagcat(*[knot.sparsity_out(1)] * knots)
-    J_k = ca.horzcat(ca.MX(blocks, jacobian.nz[:]), ca.MX(count * knots, size - knots * width)) + C
-    multipliers = ca.MX.sym("lam", g.numel())
-    _, _, H = mapped(w, ca.reshape(multipliers[g_c.numel() :], count, knots))
-    H_k = ca.MX(ca.diagcat(*[knot.sparsity_out(2)] * knots, rest), H.nz[:])
-    H_c = second(x, sigma, multipliers[: g_c.numel()])
-    f_only, g_only = coupling(x)
-    options = {
-        **_OPTIONS,
-        "ipopt.max_wall_time": wall_time,
-        "grad_f": ca.Function("grad_f", [x, p], [f, gradient], ["x", "p"], ["f", "grad_f_x"]),
-        "jac_g": ca.Function("jac_g", [x, p], [g, ca.vertcat(J_c, J_k)], ["x", "p"], ["g", "jac_g_x"]),
-        "hess_lag": ca.Function(
-            "hess_lag", [x, p, sigma, multipliers], [H_c + H_k], ["x", "p", "lam_f", "lam_g"], ["triu_hess_gamma_x_x"]
-        ),
-    }
-    return ca.nlpsol("solver", "ipopt", {"x": x, "p": p, "f": f_only, "g": g}, options)
-
-
-def _machine_code(function: ca.Function) -> ca.Function:
-    """The same function from a shared library in the build cache; without a compiler the function itself."""
-    try:
-        return ca.external(function.name(), str(build_shared(_c_text(function))))
-    except ToolMissingError:
-        return function
-
-
-def _c_text(function: ca.Function) -> str:
-    """CasADi's own C text of a function."""
-    generator = ca.CodeGenerator(f"{function.name()}.c", {"with_header": False})
-    generator.add(function)
-    return str(generator.dump())
+        # the interval lengths may change fifty times over
+        lower = np.concatenate([low.ravel(), lowest, np.full(k, 0.02)])
+        return lower, np.concatenate([high.ravel(), free, np.full(k, 50.0)])

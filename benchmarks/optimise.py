@@ -1,0 +1,104 @@
+"""Free geometry against the fixed spline: durations, solve times and violations on random way-points.
+
+    python benchmarks/optimise.py [--count 20] [--seed 1]
+
+Two sets of six way-points each: standard deviation of 0.5 rad about a working pose ("near"), and even over the middle
+half of the joint box ("far"). The fixed spline is the cubic spline at even parameters, in certified timing; toppra's
+time on it stands beside. Draws whose spline leaves the joint box or has no timing are left out, and counted.
+"""
+
+from __future__ import annotations
+
+import argparse
+import time
+from collections.abc import Callable
+
+import numpy as np
+import numpy.typing as npt
+
+import irb2400_ctrl as irb
+from irb2400_ctrl.errors import InfeasibleError
+from irb2400_ctrl.planners.certificate import check
+from irb2400_ctrl.planners.joint_path import JointPath
+from irb2400_ctrl.planners.limits import MotionLimits
+from irb2400_ctrl.planners.optimise import optimise_motion
+from irb2400_ctrl.planners.path_dynamics import path_dynamics
+from irb2400_ctrl.planners.retime import time_joint_path
+from irb2400_ctrl.planners.toppra_timing import time_with_toppra
+from irb2400_ctrl.robot import Robot
+
+Array = npt.NDArray[np.float64]
+HOME = np.radians([0.0, -20.0, 10.0, 0.0, 60.0, 0.0])
+
+
+def near(robot: Robot, draw: np.random.Generator) -> Array:
+    """Six way-points about a working pose."""
+    return HOME + 0.5 * draw.normal(size=(6, robot.n))
+
+
+def far(robot: Robot, draw: np.random.Generator) -> Array:
+    """Six way-points over half of the joint box."""
+    middle, half = (robot.q_min + robot.q_max) / 2, (robot.q_max - robot.q_min) / 2
+    return middle + half * draw.uniform(-0.5, 0.5, size=(6, robot.n))
+
+
+def problems(robot: Robot, kind: Callable[..., Array], count: int, seed: int) -> tuple[list[Array], int, int]:
+    """Way-points whose spline stays in the box and has a timing, and how many draws were left out for either."""
+    draw, found, outside, stuck = np.random.default_rng(seed), [], 0, 0
+    while len(found) < count:
+        W = kind(robot, draw)
+        path = JointPath.through(np.linspace(0.0, 1.0, 6), W)
+        q = path(np.linspace(0.0, 1.0, 2000))
+        if (q < robot.q_min).any() or (q > robot.q_max).any():
+            outside += 1
+            continue
+        try:
+            time_joint_path(path_dynamics(robot), path, MotionLimits.of(robot))
+        except InfeasibleError:
+            stuck += 1
+            continue
+        found.append(W)
+    return found, outside, stuck
+
+
+def main() -> None:
+    """Print one row a problem and the distribution of each set."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--count", type=int, default=20)
+    parser.add_argument("--seed", type=int, default=1)
+    options = parser.parse_args()
+    robot = irb.load_robot("irb2400")
+    dynamics = path_dynamics(robot)
+    for kind in (near, far):
+        cases, outside, stuck = problems(robot, kind, options.count, options.seed)
+        rows = []
+        print(f"{kind.__name__}: {len(cases)} problems; left out {outside} outside the box, {stuck} without a timing")
+        print("   fixed s  toppra s   free s   ratio  to toppra   solver s   all s  iterations  torque   speed")
+        for W in cases:
+            started = time.perf_counter()
+            found = optimise_motion(robot, W)
+            seconds = time.perf_counter() - started
+            assert found.reference is not None
+            _, cells = time_joint_path(dynamics, found.reference.certificate.path, found.reference.certificate.limits)
+            limits, friction = MotionLimits.of(robot), robot.friction
+            toppra = time_with_toppra(cells, limits, friction).law.duration
+            # again, from the certificate alone
+            checked = check(found.motion.certificate, dynamics.model, dynamics)
+            row = (found.reference.duration, toppra, found.duration, found.ratio, found.duration / toppra)
+            rows.append((*row, found.wall_time["solver"], seconds, checked.holds(), found.fell_back))
+            print(
+                f"{row[0]:10.3f}{row[1]:10.3f}{row[2]:9.3f}{row[3]:8.3f}{row[4]:11.3f}{found.wall_time['solver']:11.2f}"
+                f"{seconds:8.2f}{found.iterations:12d}{checked.torque_ratio:8.5f}{checked.velocity_ratio:8.5f}"
+                f"{'  fell back' if found.fell_back else ''}",
+                flush=True,
+            )
+        table = np.array(rows, dtype=float)
+        for name, column in (("ratio", 3), ("to toppra", 4), ("solver s", 5), ("all s", 6)):
+            v = table[:, column]
+            quartiles = " ".join(f"{x:.3f}" for x in np.quantile(v, [0, 0.25, 0.5, 0.75, 1]))
+            print(f"   {name:10} mean {v.mean():.3f}; smallest, quartiles, largest {quartiles}")
+        print(f"   violated {int((table[:, 7] == 0).sum())}, fell back {int(table[:, 8].sum())}\n")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,311 @@
+"""`optimise_motion`: the fastest, or most economical, motion through joint way-points with the geometry left free.
+
+A fixed path leaves only its timing to choose. Here the joints may go anywhere between the way-points: `Transcription`
+finds geometry and time together at knots, and the certified timing takes the geometry and times it again, so that
+nothing is violated between knots either. The result carries a certificate that `check` confirms without any solver.
+Whatever the optimiser finds competes with its own warm start, and the result says which one won and why.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+from numpy.typing import ArrayLike
+
+from irb2400_ctrl.errors import InfeasibleError, InputError
+from irb2400_ctrl.planners.cells import grid, reversals
+from irb2400_ctrl.planners.certificate import Certificate
+from irb2400_ctrl.planners.joint_move import _can_hold, _inside_box
+from irb2400_ctrl.planners.joint_path import JointPath
+from irb2400_ctrl.planners.limits import MotionLimits
+from irb2400_ctrl.planners.margins import NAMES
+from irb2400_ctrl.planners.optimised import Optimised, Outcome, outcome
+from irb2400_ctrl.planners.path_dynamics import PathDynamics, path_dynamics
+from irb2400_ctrl.planners.time_law import TimeLaw
+from irb2400_ctrl.planners.transcription import Knots, Objective, Solved, Transcription
+from irb2400_ctrl.planners.warm_start import Start, clamped, knots_of, shares, time_again, warm_start
+from irb2400_ctrl.robot import Robot
+
+Array = npt.NDArray[np.float64]
+
+# part of the torque limits left to what happens between knots; where the time law is kept, what it is slowed by instead
+_RESERVE = 0.003
+_RESERVE_KEPT = 0.01
+# how often a motion that falls short between knots is sent back with tighter bounds
+_TURNS = 3
+# duration that a motion of least energy may take, as a multiple of the fastest of its warm start
+_LONGER = 1.2
+
+
+def optimise_motion(
+    robot: Robot,
+    waypoints: ArrayLike,
+    *,
+    objective: Objective = "time",
+    duration: float | None = None,
+    margins: Mapping[str, float] | None = None,
+    torque_rate: ArrayLike | None = None,
+    limits: MotionLimits | None = None,
+    start: Start | None = None,
+    intervals: int = 150,
+    wall_time: float = 8.0,
+) -> Optimised:
+    """A rest-to-rest motion through the way-points, in order, free in between.
+
+    Args:
+        robot: the arm.
+        waypoints: actuator angles inside the joint box, two for point to point [rad], shape (k, n).
+        objective: "time", or "energy": the sum over the drives of the integral of max(0, tau qd).
+        duration: longest duration [s]; for energy by default 1.2 times the fastest time of the warm start.
+        margins: least |sin q5| ("wrist", [-]), |r| ("shoulder", [m]), |k| ("elbow", [m]) all over the path; the
+            way-points must lie on one side of each singularity named.
+        torque_rate: limit of the change of the torque, dry friction apart [Nm/s], shape (n,). The torque then starts
+            and ends at what holds the arm. Seen at 5 kHz, not enclosed.
+        limits: default those of the robot.
+        start: warm start: a joint path (of the path planner), its certificate, or a joint move; default the cubic
+            spline through the way-points at even parameters.
+        intervals: of the transcription, over all segments.
+        wall_time: for the solver [s].
+
+    Raises:
+        InputError: way-points that are not k > 1 vectors inside the joint box, or on both sides of a singularity.
+        InfeasibleError: neither the optimiser nor the warm start gives a motion within the limits.
+    """
+    dynamics = path_dynamics(robot)
+    limits = MotionLimits.of(robot) if limits is None else limits
+    W = _waypoints(dynamics, waypoints)
+    sides = _sides(dynamics, W, margins or {})
+    rate = None if torque_rate is None else np.broadcast_to(np.asarray(torque_rate, dtype=float), (robot.n,))
+    if rate is not None and not (np.isfinite(rate) & (rate > 0)).all():
+        raise InputError(f"torque_rate is {rate.tolist()}, expected one positive number of Nm/s per axis")
+    if duration is not None and not duration > 0:
+        raise InputError(f"duration is {duration}, expected a positive number of seconds")
+    if objective not in ("time", "energy") or intervals < 1:
+        raise InputError(f"objective {objective!r} with {intervals} intervals, expected time or energy, and at least 1")
+    clock = [time.perf_counter()]
+    guess, at, reference = warm_start(dynamics, limits, W, start)
+    clock.append(time.perf_counter())
+    longest = np.inf if duration is None else duration
+    if objective == "energy" and reference is not None:
+        longest = _LONGER * reference.duration if duration is None else duration
+        reference = _slowed(reference, dynamics, longest)
+    wish = _Wish(dynamics, limits, W, objective, longest, sides, rate)
+    counts = shares(at, intervals)
+    solved, best, problem = _search(wish, knots_of(guess, at, counts, longest), counts, wall_time)
+    clock.append(time.perf_counter())
+    return _compared(wish, solved, best, problem, reference, at, np.diff(clock))
+
+
+def _slowed(found: Outcome, dynamics: PathDynamics, duration: float) -> Outcome:
+    """The same motion evenly slowed to a longer duration: what its energy is to be compared with."""
+    factor = found.duration / duration
+    if factor >= 1:
+        return found
+    c = found.certificate
+    return outcome(Certificate(c.path, TimeLaw(c.law.s, factor**2 * c.law.x), c.limits), dynamics)
+
+
+@dataclass(frozen=True)
+class _Wish:
+    """What is asked for."""
+
+    dynamics: PathDynamics
+    limits: MotionLimits
+    waypoints: Array
+    objective: Objective
+    longest: float
+    margins: tuple[tuple[int, float], ...]
+    torque_rate: Array | None
+
+    @property
+    def keeps_law(self) -> bool:
+        """Whether the optimiser's own time law is kept: the fastest one would spoil energy and torque rate."""
+        return self.objective == "energy" or self.torque_rate is not None
+
+    def missed(self, found: Outcome) -> str | None:
+        """What a motion lacks, in words; None where it has everything."""
+        robot, path = self.dynamics.model.robot, found.certificate.path
+        if not found.checked.holds():
+            torque, speed = found.checked.torque_ratio, found.checked.velocity_ratio
+            return f"torque at {torque:.4f}, speed at {speed:.4f} of their limits"
+        if found.duration > self.longest * (1 + 1e-9):
+            return f"{found.duration:.3f} s are longer than {self.longest:.3f} s"
+        # the extremes of a cubic spline are at its knots and reversals
+        q = path(np.concatenate([path.knots, reversals(path)]))
+        excess = np.maximum(robot.q_min - q, q - robot.q_max).max(axis=0)
+        if excess.max() > 1e-9:
+            return f"axis {int(np.argmax(excess)) + 1} leaves its range by {np.degrees(excess.max()):.2f} deg"
+        if robot.coupling.difference_deg is not None:
+            low, high = np.radians(robot.coupling.difference_deg)
+            # both differences of knots and Bernstein coefficients: they enclose each cubic
+            c, h = path.coefficients[:, :, 2] - path.coefficients[:, :, 1], np.diff(path.knots)
+            hull = np.stack([c[0], c[0] + h * c[1] / 3, c[0] + h * (2 * c[1] + h * c[2]) / 3])
+            if hull.min() < low - 1e-7 or hull.max() > high + 1e-7:
+                return "q3 - q2 leaves its range"
+        for k, bound in self.margins:
+            if found.margins[NAMES[k]] < abs(bound) * (1 - 1e-9):
+                return f"the {NAMES[k]} margin is {found.margins[NAMES[k]]:.4g}, expected {abs(bound):.4g}"
+        if self.torque_rate is not None and (found.torque_rate > self.torque_rate * (1 + 1e-6)).any():
+            axis = int(np.argmax(found.torque_rate / self.torque_rate))
+            return f"the torque of axis {axis + 1} changes by {found.torque_rate[axis]:,.0f} Nm/s"
+        return None
+
+    def cost(self, found: Outcome) -> float:
+        """The objective."""
+        return found.duration if self.objective == "time" else float(found.energy.sum())
+
+
+def _waypoints(dynamics: PathDynamics, waypoints: ArrayLike) -> Array:
+    model = dynamics.model
+    W = np.array(waypoints, dtype=float)
+    if W.ndim != 2 or W.shape[0] < 2 or W.shape[1] != model.robot.n or not np.isfinite(W).all():
+        raise InputError(
+            f"waypoints of shape {W.shape}, expected two or more finite rows of {model.robot.n} angles [rad]"
+        )
+    for k, q in enumerate(W):
+        _inside_box(model, f"way-point {k + 1}", q)
+        _can_hold(model, f"way-point {k + 1}", q)
+    same = np.flatnonzero(np.abs(np.diff(W, axis=0)).max(axis=1) < 1e-6)
+    if len(same):
+        raise InputError(f"way-points {same[0] + 1} and {same[0] + 2} are the same; leave one of them out")
+    return W
+
+
+def _sides(dynamics: PathDynamics, W: Array, margins: Mapping[str, float]) -> tuple[tuple[int, float], ...]:
+    """(number of the factor, bound with the sign that it has at the way-points)."""
+    unknown = set(margins) - set(NAMES)
+    if unknown or any(not (np.isfinite(v) and v > 0) for v in margins.values()):
+        raise InputError(f"margins {dict(margins)}, expected positive numbers for some of {', '.join(NAMES)}")
+    factors = np.asarray(dynamics.model.function("singularity_factors").map(len(W))(W.T)).reshape(-1, len(W)).T
+    found = []
+    for name, least in margins.items():
+        k = NAMES.index(name)
+        sign = np.sign(factors[0, k])
+        wrong = np.flatnonzero(sign * factors[:, k] < least)
+        if len(wrong):
+            raise InputError(
+                f"way-point {wrong[0] + 1}: the {name} factor is {factors[wrong[0], k]:.4g}, expected at least "
+                f"{least:.4g} on the side of way-point 1 ({factors[0, k]:.4g}); lower the margin or move the way-point"
+            )
+        found.append((k, float(sign * least)))
+    return tuple(found)
+
+
+def _search(
+    wish: _Wish, guess: Knots, counts: tuple[int, ...], wall_time: float
+) -> tuple[Solved, Outcome | None, str | None]:
+    """Solve, time again, and tighten the margins if the path between knots falls short of them."""
+    dynamics, limits = wish.dynamics, wish.limits
+    reserve = _RESERVE_KEPT if wish.keeps_law else _RESERVE
+    margins, longest = wish.margins, wish.longest * (1 - _RESERVE)
+    stop = time.perf_counter() + wall_time
+    for turn in range(_TURNS):
+        program = Transcription(
+            dynamics.model, limits, wish.waypoints, counts, wish.objective, longest, margins, wish.torque_rate, reserve
+        )
+        solved = program.solve(guess, max(stop - time.perf_counter(), 0.1))
+        path = clamped(solved.knots.time, solved.knots.q)
+        try:
+            law = time_evenly(wish, path) if wish.keeps_law else time_again(dynamics, path, limits)
+        except InfeasibleError as error:
+            return solved, None, str(error)
+        found = outcome(Certificate(path, law, limits), dynamics)
+        problem = wish.missed(found)
+        lacking = [max(abs(b) - found.margins[NAMES[k]], 0.0) for k, b in wish.margins]
+        late = found.duration > wish.longest
+        if problem is None or turn == _TURNS - 1 or not (late or any(lacking)):
+            break
+        if late:
+            longest *= (1 - _RESERVE) * wish.longest / found.duration
+        margins = tuple((k, b + np.sign(b) * 1.5 * gap) for (k, b), gap in zip(margins, lacking, strict=True))
+        if solved.converged:
+            guess = solved.knots
+    return solved, None if problem else found, problem
+
+
+def time_evenly(wish: _Wish, path: JointPath) -> TimeLaw:
+    """The time law of the spline itself, all of it slowed by one factor where the limits need it.
+
+    Raises:
+        InfeasibleError: not even at 0.7 of its speed.
+    """
+    s = grid(path, 1000)
+
+    def at(speed: float) -> TimeLaw:
+        return TimeLaw(s, np.full(len(s), speed**2))
+
+    speed = 1.0
+    for _ in range(8):
+        found = outcome(Certificate(path, at(speed), wish.limits), wish.dynamics)
+        change = 1.0 if wish.torque_rate is None else float((found.torque_rate / wish.torque_rate).max())
+        # torque falls with the square of the speed, but for gravity and friction: a little more than the root
+        excess = max(found.checked.torque_ratio**0.6, found.checked.velocity_ratio, np.cbrt(change))
+        if excess <= 1:
+            return at(speed)
+        speed *= (1 - 1e-4) / excess
+        if not speed > 0.7:
+            break
+    raise InfeasibleError("what the optimiser found breaks the limits between its knots; try more intervals")
+
+
+def _compared(
+    wish: _Wish,
+    solved: Solved,
+    best: Outcome | None,
+    problem: str | None,
+    reference: Outcome | None,
+    at: Array,
+    clock: Array,
+) -> Optimised:
+    """The better of optimised motion and warm start, and why."""
+    said = f"IPOPT: {solved.status} after {solved.iterations} iterations"
+    fit = reference if reference is not None and wish.missed(reference) is None else None
+    if best is None and fit is None:
+        why = "no timing within the limits" if reference is None else wish.missed(reference)
+        raise InfeasibleError(
+            f"no motion found. {said}; its motion: {problem}. The warm start: {why}; allow more time, lower the "
+            "margins, or move the way-points"
+        )
+    fell_back = best is None or (fit is not None and wish.cost(fit) <= wish.cost(best))
+    motion = fit if fell_back else best
+    assert motion is not None
+    if best is None:
+        message = f"fell back to the warm start: {problem} ({said})"
+    elif fell_back:
+        message = f"fell back to the warm start, which is no worse ({said})"
+    elif not solved.converged:
+        message = f"the solver did not converge, its motion is better than the warm start and certified ({said})"
+    else:
+        message = f"optimised ({said})"
+    if fell_back:
+        passed = at
+    else:
+        law = motion.certificate.law
+        passed = np.interp(_knot_parameters(solved.knots, wish.waypoints), law.s, law.time)
+    stages = ("warm_start", "optimise_and_time")
+    wall = {**dict(zip(stages, map(float, clock), strict=True)), "solver": solved.wall_time}
+    return Optimised(
+        wish.waypoints,
+        passed,
+        wish.objective,
+        motion,
+        reference,
+        fell_back,
+        message,
+        solved.status,
+        solved.iterations,
+        wall,
+    )
+
+
+def _knot_parameters(knots: Knots, W: Array) -> Array:
+    """Parameters of the knots that are way-points, in order."""
+    found, first = [], 0
+    for w in W:
+        first += int(np.argmin(np.abs(knots.q[first:] - w).max(axis=1)))
+        found.append(float(knots.time[first]))
+    return np.array(found)
