@@ -126,7 +126,8 @@ def follow(
         gaps = np.diff(s)
         coarse[1:] |= coarse[:-1].copy() & (gaps[1:] > 3 * gaps[:-1])
         coarse[:-1] |= coarse[1:].copy() & (gaps[:-1] > 3 * gaps[1:])
-        if (gaps[coarse] < SMALLEST).any() or len(u) > most:
+        jumps = (step > 0.5) & (gaps < 1e-7)
+        if jumps.any() or (gaps[coarse] < SMALLEST).any() or len(u) > most:
             break
         # a station that was dropped comes back beside its old place
         beside = np.isin(middle, dropped) * (u[1:] - u[:-1]) / 6
