@@ -19,7 +19,6 @@ from numpy.typing import ArrayLike
 from irb2400_ctrl.errors import InfeasibleError, InputError
 from irb2400_ctrl.planners.cells import grid, reversals
 from irb2400_ctrl.planners.certificate import Certificate
-from irb2400_ctrl.planners.joint_move import _can_hold, _inside_box
 from irb2400_ctrl.planners.joint_path import JointPath
 from irb2400_ctrl.planners.limits import MotionLimits
 from irb2400_ctrl.planners.margins import NAMES
@@ -28,6 +27,7 @@ from irb2400_ctrl.planners.path_dynamics import PathDynamics, path_dynamics
 from irb2400_ctrl.planners.time_law import TimeLaw
 from irb2400_ctrl.planners.transcription import Knots, Objective, Solved, Transcription
 from irb2400_ctrl.planners.warm_start import Start, clamped, knots_of, shares, time_again, warm_start
+from irb2400_ctrl.planners.waypoints import checked_waypoints, signed_margins
 from irb2400_ctrl.robot import Robot
 
 Array = npt.NDArray[np.float64]
@@ -77,8 +77,8 @@ def optimise_motion(
     """
     dynamics = path_dynamics(robot)
     limits = MotionLimits.of(robot) if limits is None else limits
-    W = _waypoints(dynamics, waypoints)
-    sides = _sides(dynamics, W, margins or {})
+    W = checked_waypoints(dynamics.model, waypoints)
+    bounds = signed_margins(dynamics.model, W, margins or {})
     rate = None if torque_rate is None else np.broadcast_to(np.asarray(torque_rate, dtype=float), (robot.n,))
     if rate is not None and not (np.isfinite(rate) & (rate > 0)).all():
         raise InputError(f"torque_rate is {rate.tolist()}, expected one positive number of Nm/s per axis")
@@ -93,7 +93,7 @@ def optimise_motion(
     if objective == "energy" and reference is not None:
         longest = _LONGER * reference.duration if duration is None else duration
         reference = _slowed(reference, dynamics, longest)
-    wish = _Wish(dynamics, limits, W, objective, longest, sides, rate)
+    wish = _Wish(dynamics, limits, W, objective, longest, bounds, rate)
     counts = shares(at, intervals)
     solved, best, problem = _search(wish, knots_of(guess, at, counts, longest), counts, wall_time)
     clock.append(time.perf_counter())
@@ -157,42 +157,6 @@ class _Wish:
     def cost(self, found: Outcome) -> float:
         """The objective."""
         return found.duration if self.objective == "time" else float(found.energy.sum())
-
-
-def _waypoints(dynamics: PathDynamics, waypoints: ArrayLike) -> Array:
-    model = dynamics.model
-    W = np.array(waypoints, dtype=float)
-    if W.ndim != 2 or W.shape[0] < 2 or W.shape[1] != model.robot.n or not np.isfinite(W).all():
-        raise InputError(
-            f"waypoints of shape {W.shape}, expected two or more finite rows of {model.robot.n} angles [rad]"
-        )
-    for k, q in enumerate(W):
-        _inside_box(model, f"way-point {k + 1}", q)
-        _can_hold(model, f"way-point {k + 1}", q)
-    same = np.flatnonzero(np.abs(np.diff(W, axis=0)).max(axis=1) < 1e-6)
-    if len(same):
-        raise InputError(f"way-points {same[0] + 1} and {same[0] + 2} are the same; leave one of them out")
-    return W
-
-
-def _sides(dynamics: PathDynamics, W: Array, margins: Mapping[str, float]) -> tuple[tuple[int, float], ...]:
-    """(number of the factor, bound with the sign that it has at the way-points)."""
-    unknown = set(margins) - set(NAMES)
-    if unknown or any(not (np.isfinite(v) and v > 0) for v in margins.values()):
-        raise InputError(f"margins {dict(margins)}, expected positive numbers for some of {', '.join(NAMES)}")
-    factors = np.asarray(dynamics.model.function("singularity_factors").map(len(W))(W.T)).reshape(-1, len(W)).T
-    found = []
-    for name, least in margins.items():
-        k = NAMES.index(name)
-        sign = np.sign(factors[0, k])
-        wrong = np.flatnonzero(sign * factors[:, k] < least)
-        if len(wrong):
-            raise InputError(
-                f"way-point {wrong[0] + 1}: the {name} factor is {factors[wrong[0], k]:.4g}, expected at least "
-                f"{least:.4g} on the side of way-point 1 ({factors[0, k]:.4g}); lower the margin or move the way-point"
-            )
-        found.append((k, float(sign * least)))
-    return tuple(found)
 
 
 def _search(

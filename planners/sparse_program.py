@@ -6,6 +6,8 @@ Jacobian and Hessian of a single knot are evaluated for all knots, and their non
 
 from __future__ import annotations
 
+from typing import Any
+
 import casadi as ca
 
 from irb2400_ctrl.codegen.toolchain import build_shared
@@ -60,7 +62,7 @@ def sparse_program(
     H_k = ca.MX(ca.diagcat(*[knot.sparsity_out(2)] * knots, rest), H.nz[:])
     H_c = second(x, sigma, multipliers[: g_c.numel()])
     f_only, _ = coupling(x)
-    options = {
+    options: dict[str, Any] = {
         **_OPTIONS,
         "ipopt.max_wall_time": wall_time,
         "grad_f": ca.Function("grad_f", [x, p], [f, gradient], ["x", "p"], ["f", "grad_f_x"]),
@@ -69,7 +71,8 @@ def sparse_program(
             "hess_lag", [x, p, sigma, multipliers], [H_c + H_k], ["x", "p", "lam_f", "lam_g"], ["triu_hess_gamma_x_x"]
         ),
     }
-    return ca.nlpsol("solver", "ipopt", {"x": x, "p": p, "f": f_only, "g": g}, options)
+    program: dict[str, Any] = {"x": x, "p": p, "f": f_only, "g": g}
+    return ca.nlpsol("solver", "ipopt", program, options)
 
 
 def machine_code(function: ca.Function) -> ca.Function:

@@ -170,7 +170,7 @@ class Transcription:
         defect_q = (q[:, last] - q[:, first] - dt * (v[:, first] + dt * (2 * a[:, first] + a[:, last]) / 6)) / unit
         defect_v = qd[:, last] - qd[:, first] - dt * (a[:, first] + a[:, last]) / 2 / ca.repmat(speed, 1, knots - 1)
         inner = [q[:, first] + dt * v[:, first] / 3, q[:, last] - dt * v[:, last] / 3]
-        rows = [(defect_q, 0.0, 0.0), (defect_v, 0.0, 0.0)]
+        rows: list[tuple[ca.SX, float | Array, float | Array]] = [(defect_q, 0.0, 0.0), (defect_v, 0.0, 0.0)]
         low, high = np.tile(robot.q_min, knots - 1), np.tile(robot.q_max, knots - 1)
         rows += [(value, low, high) for value in inner]
         if robot.coupling.difference_deg is not None:
