@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from pathlib import Path
 from typing import Annotated
@@ -24,6 +25,10 @@ def plan(
     torque_share: Annotated[
         float, typer.Option(help="Share of the torque limits the plan may use; the rest is the controller's.", min=0.1)
     ] = 1.0,
+    tolerance_mm: Annotated[float, typer.Option(help="How far corners of the path may be cut.", min=1e-4)] = 0.05,
+    axis_tolerance_deg: Annotated[
+        float, typer.Option(help="How far the tool may tilt to pass the wrist singularity.", min=0.0)
+    ] = 0.1,
     rapid: Annotated[
         bool, typer.Option("--rapid", help="Also write the motion as a RAPID module, program.mod.")
     ] = False,
@@ -41,7 +46,15 @@ def plan(
     limits = MotionLimits.of(arm)
     limits = replace(limits, tau_max=torque_share * limits.tau_max)
     with step(f"planning {len(toolpath)} points"):
-        planned = plan_path(arm, toolpath, rate=rate, free_tool_rotation=free_tool_rotation, limits=limits)
+        planned = plan_path(
+            arm,
+            toolpath,
+            rate=rate,
+            free_tool_rotation=free_tool_rotation,
+            tolerance=1e-3 * tolerance_mm,
+            axis_tolerance=math.radians(axis_tolerance_deg),
+            limits=limits,
+        )
         planned.write(out)
         save_figures(planned, out)
         written = ["trajectory.csv", "plan.json", "torque.png", "margins.png", "joints.png"]
