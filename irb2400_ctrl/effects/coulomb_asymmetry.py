@@ -27,7 +27,7 @@ class CoulombAsymmetry(Effect):
 
     def departures(self, s: Signals) -> ca.SX:
         speed, n = ca.fabs(s.qd[self.index]), s.q.numel()
-        return ca.horzcat(self.on(ca.exp(-speed / 0.3), n), self.on(s.sign[self.index], n))
+        return ca.horzcat(self.on(ca.exp(-speed / 0.1), n), self.on(s.sign[self.index], n))
 
     def coefficients(self) -> tuple[float, ...]:
         return (self.delta_Nm,)

@@ -29,7 +29,8 @@ class ViscousWarmup(Effect):
     def departures(self, s: Signals) -> ca.SX:
         speed, n = s.qd[self.index], s.q.numel()
         level = ca.exp(-s.time / self.time_constant_s)
-        shapes = [level**2, level**0.5]
+        late = s.time / self.time_constant_s
+        shapes = [level * late, level * late**2]
         columns = [self.on(shape * speed, n) for shape in shapes]
         return ca.horzcat(*columns, *[self.on(level * ca.fabs(speed) ** p * s.sign[self.index], n) for p in (0.5, 2.0)])
 
@@ -42,4 +43,4 @@ class ViscousWarmup(Effect):
 
     @classmethod
     def grid(cls, joint: int | None) -> list[dict[str, float]]:
-        return [{"time_constant_s": t} for t in (5.0, 10.0, 20.0, 40.0, 80.0, 160.0, 320.0)]
+        return [{"time_constant_s": t} for t in (3.0, 5.0, 7.0, 10.0, 14.0, 20.0, 28.0, 40.0, 56.0, 80.0, 160.0, 320.0)]
