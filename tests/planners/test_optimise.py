@@ -35,7 +35,7 @@ def robot() -> irb.Robot:
 
 @pytest.fixture(scope="module")
 def fast(robot: irb.Robot) -> Optimised:
-    return optimise_motion(robot, drawn(2), intervals=100, wall_time=60.0)
+    return optimise_motion(robot, drawn(5), intervals=100, wall_time=60.0)
 
 
 def keeps_limits_at_10_kHz(robot: irb.Robot, found: Optimised) -> None:
@@ -128,7 +128,7 @@ def test_warm_start_from_a_joint_move(robot: irb.Robot) -> None:
 
 
 def test_without_time_to_solve_the_warm_start_comes_back_and_says_so(robot: irb.Robot) -> None:
-    found = optimise_motion(robot, drawn(2), intervals=100, wall_time=0.01)
+    found = optimise_motion(robot, drawn(5), intervals=100, wall_time=0.01)
     assert found.fell_back
     assert found.message.startswith("fell back to the warm start")
     assert found.solver_status in found.message
