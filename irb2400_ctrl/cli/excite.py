@@ -32,8 +32,6 @@ def excite(
     with step("preparing") as progress:
         found = run(arm, group, seconds=seconds, joint=joint, progress=progress)
         progress("writing")
-        found.write(out)
+        paths = found.write(out)
     print("\n".join(found.lines()))
-    print(
-        f"written: {out / 'trajectory.csv'}, {out / 'excitation.mod'}, {out / 'excitation.json'}, {out / 'excitation.png'}"
-    )
+    print("written: " + ", ".join(str(path) for path in paths))

@@ -4,7 +4,7 @@ A member's torque x (of a common size) is compared with everything that a rival 
 
     D^2 = min over b, z of |x - B b - Z z|^2 + |z|^2 + |b / s|^2
 
-in units of the assumed noise: the criterion of Atkinson and Fedorov for discrimination between models. D is the distance
+in units of the assumed noise: the criterion of Atkinson and Fedorov for telling models apart. D is the distance
 in standard deviations; D^2 / 2 is the log evidence [nats] by which data of noise one would speak for the member.
 D / |x| is the sine of the angle between the member and what imitates it.
 """
@@ -12,7 +12,6 @@ D / |x| is the sine of the angle between the member and what imitates it.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -29,7 +28,7 @@ Array = npt.NDArray[np.float64]
 
 SIZE = 0.05
 """rms torque of a member over that of its joint, on the standard motion"""
-NOISE = 0.002
+NOISE = 0.001
 """assumed noise of the filtered torque, model imperfection included, over the torque limit"""
 DEPARTURE = 0.25
 """by how much a rival may depart from its textbook law, over the member's own size"""
@@ -40,13 +39,13 @@ FREE = 1e-11
 
 
 OWN_TERMS: dict[str, tuple[int, ...]] = {"coulomb_change": (0, 2), "viscous_change": (1,)}
-"""members that are a change of the base itself, and which of its friction terms (Coulomb, viscous, static) they are: that
-the base may change is what they say, so it is no other explanation (likewise the link or tool of an added mass)"""
+"""members that are a change of the base itself, and which of its friction terms (Coulomb, viscous, static) they are:
+that the base may change is what they say, so it is no other explanation (likewise the link or tool of an added mass)"""
 
 
 @dataclass(frozen=True)
 class Columns:
-    """Columns of a rival with one set of nonlinear parameters: their place among all, and prior precisions (0: free)."""
+    """Columns of a rival with one set of nonlinear parameters: place among all, and prior precisions (0: free)."""
 
     place: Place
     part: slice
@@ -200,9 +199,10 @@ class Alternatives:
         """Columns of the base that a member is a change of."""
         kind, joint = member
         first, n = self.nuisance.sigmas().size - 3 * self.robot.n, self.robot.n
-        body = n if kind == "payload" and self.robot.tool is not None else (joint or 0) - 1
-        if kind == "link_inertia" or (kind == "payload" and body == n):
-            return tuple(range(10 * body, 10 * body + 10))
+        if kind == "payload":
+            return tuple(range(10 * n - 10, first))
+        if kind == "link_inertia" and joint is not None:
+            return tuple(range(10 * joint - 10, 10 * joint))
         return tuple(first + term * n + (joint or 1) - 1 for term in OWN_TERMS.get(kind, ()))
 
     def _beyond(self, S: Array, m: int, c: Columns, k: int) -> float:
@@ -218,14 +218,14 @@ class Alternatives:
         return replace(motion, time=motion.time - motion.time[0] + start, row_time=motion.row_time + start)
 
     def imitated_by(self, pair: Pair, columns: Array, enough: float) -> tuple[float, list[int]]:
-        """How well base and rival imitate the member if nothing were known of them beforehand, and with what of the base.
+        """How well base and rival imitate the member if nothing were known of them before, and what of the base does.
 
         Args:
             columns: `values` of states as rich as can be, shape (rows, n, width).
             enough: share of the member's torque below which it counts as imitated.
 
         Returns:
-            The share of the member's torque that is left, and few columns of the base that imitate it (best match first).
+            Share of the member's torque that is left, and few columns of the base that imitate it (best match first).
         """
         k = self.nuisance.sigmas().size
         flat = columns.reshape(-1, self.width)

@@ -142,6 +142,9 @@ class Workshop:
         return dense_extent(self.model, 1 / RATE, course.q, course.qd, course.qdd)
 
     def recorded(self, course: Course, name: str = "motion") -> Motion:
-        """The course as diagnosis would see it in a log, free of noise and lag."""
+        """The course as diagnosis sees it in a log of a real arm (that sticks when it turns), free of noise and lag.
+
+        Without `q_ref`, so that the rows about each reversal count as unknown, as they do on such an arm.
+        """
         tau = self.model.inverse_dynamics(course.q, course.qd, course.qdd)
-        return prepare(Log(time=course.time, q=course.q, tau=tau, q_ref=course.q, name=name))
+        return prepare(Log(time=course.time, q=course.q, tau=tau, name=name))

@@ -136,10 +136,8 @@ class Design:
         for _ in range(sweeps):
             before = value
             for slot in range(self.slots):
-                rest = np.sum(
-                    [pool[k].gram(s) for s, k in enumerate(best) if s != slot] or [np.zeros_like(pool[0].grams[0])],
-                    axis=0,
-                )
+                others = [pool[k].gram(s) for s, k in enumerate(best) if s != slot]
+                rest = np.sum(others, axis=0) if others else np.zeros_like(pool[0].grams[0])
                 found = [merit(self.alternatives.distances(rest + c.gram(slot))[0], self.enough) for c in pool]
                 place = int(np.argmax(found))
                 if found[place] > value:
@@ -150,7 +148,7 @@ class Design:
 
 
 def standard_course(workshop: Workshop, seconds: float, seed: int = 0) -> Course:
-    """The usual identification motion, for comparison: a multi-sine of all axes up to 0.42 Hz about the middle of the box.
+    """The usual identification motion, for comparison: a multi-sine of all axes up to 0.42 Hz about the box's middle.
 
     Raises:
         InfeasibleError: none is inside the limits.
@@ -158,9 +156,8 @@ def standard_course(workshop: Workshop, seconds: float, seed: int = 0) -> Course
     rng, robot = np.random.default_rng(seed), workshop.robot
     harmonics = np.arange(1, 18)[:, None] / 40.0
     for _ in range(50):
-        weight = rng.uniform(0, 1, (17, robot.n)) * np.exp(
-            -(((harmonics - rng.uniform(0.05, 0.35, robot.n)) / 0.14) ** 2)
-        )
+        bell = np.exp(-(((harmonics - rng.uniform(0.05, 0.35, robot.n)) / 0.14) ** 2))
+        weight = rng.uniform(0, 1, (17, robot.n)) * bell
         piece = Piece(
             "standard",
             robot.q_min + (robot.q_max - robot.q_min) * rng.uniform(0.4, 0.6, robot.n),
@@ -171,9 +168,8 @@ def standard_course(workshop: Workshop, seconds: float, seed: int = 0) -> Course
         )
         q, qd, _ = piece.states(seconds, np.linspace(0.0, seconds, 2000))
         span = robot.q_max - robot.q_min
-        factor = np.minimum(
-            0.3 * span / np.abs(q - piece.centre).max(axis=0), 0.45 * robot.qd_max / np.abs(qd).max(axis=0)
-        )
+        wide, fast = np.abs(q - piece.centre).max(axis=0), np.abs(qd).max(axis=0)
+        factor = np.minimum(0.3 * span / wide, 0.45 * robot.qd_max / fast)
         fitted = workshop.fitted(piece.scaled(factor), seconds)
         if fitted is not None:
             return workshop.course(fitted, seconds)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -16,6 +17,7 @@ from irb2400_ctrl.excitation.assemble import Course, Workshop
 from irb2400_ctrl.excitation.design import ENOUGH, Budget, Design, merit, standard_course
 from irb2400_ctrl.excitation.groups import group_called
 from irb2400_ctrl.excitation.result import CLEAR, Excitation, Separability
+from irb2400_ctrl.measurement.uniform import LowPass
 from irb2400_ctrl.robot import Robot
 
 Array = npt.NDArray[np.float64]
@@ -26,6 +28,8 @@ RICH = 1500
 """random states that stand for every motion there is"""
 NOTHING_LEFT = 1e-3
 """share of a member's torque below which it is said to be imitated exactly"""
+NAMED = 3
+"""numbers of the base that a reason names"""
 SURE = 1e4
 """information of a record without noise, over that of the random states"""
 
@@ -83,8 +87,8 @@ def excite(
             pair.text,
             pair.member,
             pair.rival,
-            tuple(float(v[i]) for v in (before[0], after[0])),
-            tuple(float(v[i]) for v in (before[1], after[1])),
+            (float(before[0][i]), float(after[0][i])),
+            (float(before[1][i]), float(after[1][i])),
             float(ceilings[i]),
             reasons[i],
         )
@@ -132,7 +136,9 @@ def _limits_of_motion(alternatives: Alternatives, standard: Motion) -> tuple[lis
             reasons.append("")
             ceilings[i] = np.inf
             continue
-        parts = ([] if pair.rival is None else [named(pair.rival)]) + [labels[k] for k in used]
+        parts = ([] if pair.rival is None else [named(pair.rival)]) + [labels[k] for k in used[:NAMED]]
+        if len(used) > NAMED:
+            parts.append("further inertial parameters")
         reasons.append(f"{_listed(parts)} can make the same torque in every motion")
     return reasons, ceilings
 
@@ -157,22 +163,20 @@ def _rich(robot: Robot, like: Motion) -> Motion:
     qddd, qdddd = (rng.uniform(-w, w, (m, robot.n)) for w in (300.0, 3000.0))
     known = np.ones((m, robot.n), dtype=bool)
     time = np.sort(rng.uniform(0.0, like.time[-1], m))
-    cloud = replace(
-        like, name="states", time=time, q=q, qd=qd, qdd=qdd, qddd=qddd, qdddd=qdddd, known=known, low_pass=_AsIs(),
+    as_is = _AsIs(like.low_pass.cutoff, like.step)
+    return replace(
+        like, name="states", time=time, q=q, qd=qd, qdd=qdd, qddd=qddd, qdddd=qdddd, known=known, low_pass=as_is,
         row_time=time, row_known=known,
     )  # fmt: skip
-    return cloud
 
 
-class _AsIs:
+class _AsIs(LowPass):
     """In place of a filter: states that do not follow one another have nothing to be filtered."""
-
-    keep, half = 1, 0
 
     def __call__(self, signal: Array) -> Array:
         return signal
 
-    def instants(self, signal: Array) -> Array:
+    def instants(self, signal: npt.NDArray[Any]) -> npt.NDArray[Any]:
         """All of it."""
         return signal
 

@@ -76,7 +76,7 @@ SIZES: dict[str, dict[str, Any]] = {
 """the law that stands for each kind; its height is then set in the common unit of `alternatives`"""
 
 CONTAINED = (("coulomb_change", "hysteresis"), ("viscous_change", "viscous_warmup"))
-"""members that are a limit of a rival (a loop of no width, a warm-up without end): only the simpler story speaks for them"""
+"""members that are a limit of a rival (a loop of no width, a warm-up without end): only simplicity speaks for them"""
 TIME_DEPENDENT = ("viscous_warmup", "process_force")
 """kinds for which it matters at what time of the record something is moved"""
 ON_ANOTHER_LINK = ("payload", "link_inertia", "linkage_inertia")
@@ -99,12 +99,11 @@ class Group:
     measure_else: str
 
     def members(self, n: int, joint: int | None = None) -> list[Place]:
-        """Places of the members on an arm of n joints; with `joint` only those that can sit there or on the whole arm."""
+        """Places of the members on an arm of n joints; with `joint` only those there or on the whole arm."""
         return [p for kind in self.kinds for p in places(kind, n) if joint is None or p[1] in (joint, None)]
 
     def rivals(self, place: Place, n: int) -> list[Place]:
         """What could be meant instead of a member."""
-        kind, joint = place
         others = [p for name in (*self.kinds, *self.lookalikes) for p in places(name, n) if p != place]
         return [p for p in others if _alike(place, p)]
 

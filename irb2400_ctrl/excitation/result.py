@@ -29,7 +29,7 @@ CLEAR = 5.0
 
 @dataclass(frozen=True)
 class Separability:
-    """How far a member is from what a rival and the uncertain base can imitate; on the standard motion, and on the planned.
+    """How far a member is from what a rival and the uncertain base can imitate: standard motion, then planned one.
 
     Args:
         pair: in words; member, rival: kind and joint, rival None for the base alone.
@@ -86,7 +86,7 @@ class Excitation:
     """The motion that tells the members of a group apart.
 
     Args:
-        course: rows at 250 Hz; tau: torque of the model along it [Nm], shape (m, n); standard: what it is compared with.
+        course: rows at 250 Hz; tau: torque of the model along it [Nm], (m, n); standard: what it is compared with.
         extent: how near to the limits it goes, over densely looked at instants.
         flavours: of its pieces, in order; noise: assumed, per joint [Nm].
         gain: rise of the criterion over the standard motion (of log distances, smallest plus mean).
@@ -109,7 +109,7 @@ class Excitation:
 
     @property
     def inseparable(self) -> tuple[Separability, ...]:
-        """Pairs that no motion tells apart by itself: what can be said rests on the data sheet's uncertainty, or nothing."""
+        """Pairs that no motion tells apart by itself: what can be said rests on the data sheet, or on nothing."""
         return tuple(row for row in self.table if row.reason)
 
     @property

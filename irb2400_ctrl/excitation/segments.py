@@ -2,8 +2,8 @@
 
     q_j(t) = c_j + w(t) sum_k a_jk sin(2 pi (f_jk t + r_jk t^2 / 2) + p_jk)
 
-w rises from 0 to 1 and falls back as a polynomial of degree 7, so that position, speed and acceleration begin and end at
-rest at the centre c. r is zero but for chirps.
+w rises from 0 to 1 and falls back as a polynomial of degree 7, so that speed and acceleration begin and end at zero,
+at the centre c. r is zero but for chirps.
 """
 
 from __future__ import annotations
@@ -23,6 +23,10 @@ INSET = 0.05
 """share of each joint's range kept free at either end"""
 
 
+CARRIER = 0.15
+"""[Hz] of a swing that carries fast pieces"""
+
+
 @dataclass(frozen=True)
 class Flavour:
     """A kind of piece.
@@ -32,6 +36,7 @@ class Flavour:
         top: end of a chirp [Hz], 0 for none.
         moving: share of the axes that move (the others rest), at least one.
         size: range of the amplitude over what the limits allow.
+        carried: ride on a wide, slow swing, so that the joint seldom turns (rows about a reversal tell little).
     """
 
     name: str
@@ -41,6 +46,7 @@ class Flavour:
     top: float = 0.0
     moving: float = 1.0
     size: tuple[float, float] = (0.5, 1.0)
+    carried: bool = False
 
 
 FLAVOURS: dict[str, Flavour] = {
@@ -48,8 +54,8 @@ FLAVOURS: dict[str, Flavour] = {
     for f in (
         Flavour("swing", 0.1, 0.5, 3),
         Flavour("lively", 0.4, 1.5, 3),
-        Flavour("fast", 1.0, 3.0, 2, size=(0.3, 1.0)),
-        Flavour("chirp", 0.4, 1.0, 1, top=6.0),
+        Flavour("fast", 1.0, 3.0, 2, carried=True),
+        Flavour("chirp", 0.4, 1.0, 1, top=6.0, carried=True),
         Flavour("slow", 0.03, 0.12, 1, size=(0.1, 1.0)),
         # neighbouring frequencies beat: reversals at many amplitudes
         Flavour("reversals", 0.3, 0.6, 2, size=(0.02, 0.5)),
@@ -128,7 +134,12 @@ def drawn(rng: np.random.Generator, robot: Robot, flavour: Flavour, duration: fl
     frequency = np.exp(rng.uniform(np.log(flavour.low), np.log(flavour.high), (flavour.terms, n)))
     chirp = np.full_like(frequency, (flavour.top - flavour.low) / duration if flavour.top else 0.0)
     amplitude = rng.dirichlet(np.full(flavour.terms, 2.0), n).T
-    phase = rng.uniform(0, 2 * np.pi, (flavour.terms, n))
+    if flavour.carried:
+        # shares of the speed, not of the way: the swing is the faster one most of the time
+        amplitude *= rng.uniform(0.2, 0.8, n) * CARRIER / frequency / (1 + flavour.top / flavour.low / 3)
+        frequency = np.vstack([rng.uniform(0.7, 1.3, n) * CARRIER, frequency])
+        amplitude, chirp = np.vstack([np.ones(n), amplitude]), np.vstack([np.zeros(n), chirp])
+    phase = rng.uniform(0, 2 * np.pi, frequency.shape)
     piece = Piece(flavour.name, centre, amplitude, frequency, chirp, phase)
     time = np.linspace(0.0, duration, 400)
     q, qd, _ = piece.states(duration, time)

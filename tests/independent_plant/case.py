@@ -154,12 +154,13 @@ class Case:
             for d, size, f in self.sized_effects
         )
 
-    def simulate(self) -> tuple[Log, Log]:
-        """The identification and the validation log."""
+    def simulate(self, commanded: Motion | None = None) -> tuple[Log, Log]:
+        """The identification and the validation log; `commanded` replaces the motion of the first, not the effects."""
+        motions = self.motions if commanded is None else (commanded, self.motions[1])
         effects = tuple((drawn, size) for drawn, size, _ in self.sized_effects)
         first, second = (
             self._read(self._rng(what), *self.machine.closed_loop(effects, move), move)
-            for move, what in zip(self.motions, ("noise", "more noise"), strict=True)
+            for move, what in zip(motions, ("noise", "more noise"), strict=True)
         )
         return first, second
 
