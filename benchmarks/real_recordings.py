@@ -61,7 +61,7 @@ def robot_of(path: Path) -> Robot:
     )
 
 
-def blocks(log: Log, seconds: float = 1.5, gap: float = 0.05) -> tuple[Log, Log]:
+def blocks(log: Log, seconds: float = 2.25, gap: float = 0.05) -> tuple[Log, Log]:
     """Even and odd blocks of a record, with a pause between them that no filter bridges."""
     place = np.floor((log.time - log.time[0]) / seconds).astype(int)
     inside = (log.time - log.time[0]) % seconds < seconds - gap

@@ -102,6 +102,7 @@ def prepare(log: Log) -> Motion:
     positions, qd, qdd, qddd, qdddd = (part[inside] for part in parts)
     gap = widened(~uniform.valid, margin)[inside]
     still = _standstill(qd, uniform.step)
+    determined = ~(still | gap[:, None])
     if not instrumented:
         # a joint that really sticks does so while it should creep, and smoothing reaches that far
         still |= np.abs(qd) < STICKING_SPEED
@@ -109,7 +110,7 @@ def prepare(log: Log) -> Motion:
     known = ~(still | gap[:, None])
     time = uniform.time[inside]
     reach = low_pass.half + (0 if instrumented else margin)
-    row_known = np.column_stack([low_pass.instants(~widened(~known[:, j], reach)) for j in range(log.n)]).astype(
+    row_known = np.column_stack([low_pass.instants(~widened(~determined[:, j], reach)) for j in range(log.n)]).astype(
         np.bool_
     )
     return Motion(

@@ -21,7 +21,7 @@ class ViscousWarmup(Effect):
 
     kind: Literal["viscous_warmup"] = "viscous_warmup"
     viscous_Nms_rad: float = Field(ge=0, description="extra viscous coefficient at t = 0 [Nm s/rad]")
-    time_constant_s: float = Field(gt=0, description="warm-up time constant T [s]")
+    time_constant_s: float = Field(gt=0, le=2000, description="warm-up time constant T [s]")
 
     def basis(self, s: Signals) -> ca.SX:
         return self.on(ca.exp(-s.time / self.time_constant_s) * s.qd[self.index], s.q.numel())
