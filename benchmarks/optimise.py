@@ -44,7 +44,8 @@ def far(robot: Robot, draw: np.random.Generator) -> Array:
 
 def problems(robot: Robot, kind: Callable[..., Array], count: int, seed: int) -> tuple[list[Array], int, int]:
     """Way-points whose spline stays in the box and has a timing, and how many draws were left out for either."""
-    draw, found, outside, stuck = np.random.default_rng(seed), [], 0, 0
+    draw, outside, stuck = np.random.default_rng(seed), 0, 0
+    found: list[Array] = []
     while len(found) < count:
         W = kind(robot, draw)
         path = JointPath.through(np.linspace(0.0, 1.0, 6), W)

@@ -25,7 +25,8 @@ for found in (fast, thrifty):
     print(f"  certified: torque {found.motion.checked.torque_ratio:.6f} of its limit at most")
 
 fig, axes = plt.subplots(2, 2, figsize=(10, 6), sharex=True, constrained_layout=True)
-for column, (title, part) in zip(axes.T, (("fixed spline", fast.reference), ("free geometry", fast.motion)), strict=True):
+shown = (("fixed spline", fast.reference), ("free geometry", fast.motion))
+for column, (title, part) in zip(axes.T, shown, strict=True):
     assert part is not None
     time = np.linspace(0, part.duration, 1500)
     _, q, qd, qdd = part.certificate.law.motion(part.certificate.path, time)
