@@ -166,12 +166,13 @@ def _search(
     dynamics, limits = wish.dynamics, wish.limits
     reserve = _RESERVE_KEPT if wish.keeps_law else _RESERVE
     margins, longest = wish.margins, wish.longest * (1 - _RESERVE)
-    stop = time.perf_counter() + wall_time
+    left = wall_time
     for turn in range(_TURNS):
         program = Transcription(
             dynamics.model, limits, wish.waypoints, counts, wish.objective, longest, margins, wish.torque_rate, reserve
         )
-        solved = program.solve(guess, max(stop - time.perf_counter(), 0.1))
+        solved = program.solve(guess, max(left, 1e-6))
+        left -= solved.wall_time
         path = clamped(solved.knots.time, solved.knots.q)
         try:
             law = time_evenly(wish, path) if wish.keeps_law else time_again(dynamics, path, limits)
