@@ -28,8 +28,16 @@ bench: $(VENV)/.installed-test
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt 'mujoco>=3.2,<4'
 	$(BIN)/python benchmarks/run.py
 
+# COUNT arms of every suite, drawn from SEED; the full evaluation is COUNT=300 and takes hours
+COUNT ?= 12
+SEED ?= 900
 evaluate: $(VENV)/.installed-test
-	PYTHONPATH=tests $(BIN)/python benchmarks/evaluate.py
+	mkdir -p build/evaluation
+	for suite in clean single pairs outside short idle_axis switched traps; do \
+	    $(BIN)/python benchmarks/evaluate.py run build/evaluation/$$suite.jsonl --suite $$suite --count $(COUNT) --seed $(SEED) || exit 1; \
+	done
+	$(BIN)/python benchmarks/evaluate.py table build/evaluation/*.jsonl > build/evaluation/evaluation.md
+	cat build/evaluation/evaluation.md
 
 docs: $(VENV)/.installed
 	$(BIN)/python docs/figures.py

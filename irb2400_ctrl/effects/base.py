@@ -181,6 +181,10 @@ class Effect(BaseModel, ABC):
         tau = self.basis(s) @ ca.DM(list(self.coefficients()))
         if self.shape:
             tau += self.departures(s) @ ca.DM(list(self.shape))
+        return self.switched(tau, s)
+
+    def switched(self, tau: ca.SX, s: Signals) -> ca.SX:
+        """`tau` inside the windows, zero outside; `tau` itself for an effect that always acts."""
         if not self.windows_s:
             return tau
         active = [ca.logic_and(s.time >= start, s.time < stop) for start, stop in self.windows_s]

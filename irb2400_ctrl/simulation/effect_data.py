@@ -30,7 +30,8 @@ class EffectForm:
         own, k = _fields(effect), len(effect.coefficients())
         # construct, not validate: the fields are symbols
         symbols: dict[str, Any] = {name: data[k + i] for i, name in enumerate(own)}
-        form = type(effect).model_construct(None, kind=effect.kind, joint=effect.joint, **symbols)
+        symbols |= {"kind": effect.kind, "joint": effect.joint, "windows_s": effect.windows_s}
+        form = type(effect).model_construct(None, **symbols)
         return cls(form, data[:k], data[k + len(own) :])
 
     @property
@@ -41,7 +42,9 @@ class EffectForm:
     def torque(self, s: ArmSignals) -> ca.SX:
         """As `Effect.torque`, shape (n,) [Nm]."""
         tau = self.effect.basis(s) @ self.coefficients
-        return tau + self.effect.departures(s) @ self.shape if self.shape.numel() else tau
+        if self.shape.numel():
+            tau += self.effect.departures(s) @ self.shape
+        return self.effect.switched(tau, s)
 
 
 def effect_data(effect: Effect) -> tuple[float, ...]:
@@ -54,10 +57,10 @@ def data_of(effects: Sequence[Effect]) -> tuple[float, ...]:
     return tuple(float(value) for effect in effects for value in effect_data(effect))
 
 
-def structure(effects: Sequence[Effect]) -> tuple[tuple[str, int | None, int], ...]:
-    """What of the effects is compiled in: their kinds, joints and number of shape coefficients."""
-    return tuple((e.kind, e.joint, len(e.shape)) for e in effects)
+def structure(effects: Sequence[Effect]) -> tuple[tuple[object, ...], ...]:
+    """What of the effects is compiled in: their kinds, joints, number of shape coefficients and windows of time."""
+    return tuple((e.kind, e.joint, len(e.shape), e.windows_s) for e in effects)
 
 
 def _fields(effect: Effect) -> dict[str, float]:
-    return {name: value for name, value in effect.parameters().items() if name != "shape"}
+    return {name: value for name, value in effect.parameters().items() if name not in {"shape", "windows_s"}}
