@@ -48,7 +48,15 @@ class Course:
         time = np.arange(rows + 1) / RATE
         factor = self.duration / time[-1]
         q, qd, qdd = between(1 / RATE, self.q, self.qd, self.qdd, time * factor)
-        return Course(time, q, qd * factor, qdd * factor**2)
+        return _resting(time, q, qd * factor, qdd * factor**2)
+
+
+def _resting(time: Array, q: Array, qd: Array, qdd: Array) -> Course:
+    """A course whose ends are exactly at rest, whatever rounding left there."""
+    qd, qdd = qd.copy(), qdd.copy()
+    qd[[0, -1]] = 0.0
+    qdd[[0, -1]] = 0.0
+    return Course(time, q, qd, qdd)
 
 
 class Workshop:
@@ -96,11 +104,7 @@ class Workshop:
             first = 1 if k else 0
             parts.append((course.q[first:], course.qd[first:], course.qdd[first:]))
         q, qd, qdd = (np.concatenate([part[i] for part in parts]) for i in range(3))
-        qd, qdd = qd.copy(), qdd.copy()
-        # rest is exactly rest
-        qd[[0, -1]] = 0.0
-        qdd[[0, -1]] = 0.0
-        return Course(np.arange(len(q)) / RATE, q, qd, qdd)
+        return _resting(np.arange(len(q)) / RATE, q, qd, qdd)
 
     def filling(self, pieces: Sequence[Piece], duration: float, seconds: float) -> tuple[Course, float]:
         """Pieces joined to a motion of `seconds`, and the duration of a piece that this came to.

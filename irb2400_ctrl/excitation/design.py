@@ -20,7 +20,7 @@ PIECE = 8.0
 """[s] wanted for a piece with the move to the next one"""
 MOVE = 1.5
 """[s] of it for the move"""
-ENOUGH = 60.0
+ENOUGH = 300.0
 """standard deviations beyond which more does not count"""
 
 
