@@ -94,7 +94,9 @@ int64_t two_pass(int64_t m, int64_t rows, const double *table, const double *h, 
         }
         x[i + 1] = x[i] + 2.0 * h[i] * u;
         if (x[i + 1] < reach_low[i + 1]) { x[i + 1] = reach_low[i + 1]; }
-        if (!(x[i + 1] <= reach_high[i + 1] * (1.0 + 1e-9) + 1e-300)) { return -1 - i; }
+        /* towards rest reach_high is 0 and what is left is the rounding of x[i]: relative to both */
+        if (!(x[i + 1] <= reach_high[i + 1] * (1.0 + 1e-9) + x[i] * 1e-12 + 1e-300)) { return -1 - i; }
+        if (x[i + 1] > reach_high[i + 1]) { x[i + 1] = reach_high[i + 1]; }
     }
     return m + 1;
 }

@@ -23,8 +23,6 @@ Start = JointPath | JointMove | Certificate
 # the warm start is slowed by this before the solver sees it: a point well inside the limits
 _SLOWED = 1.3
 _LEAST = 8
-# grids of the certified timing: a last resort when it gets stuck on one of them by rounding
-_COUNTS = (1000, 1130, 1270)
 _PASSED = 1e-6
 
 
@@ -105,15 +103,8 @@ def time_again(dynamics: PathDynamics, path: JointPath, limits: MotionLimits) ->
     Raises:
         InfeasibleError: there is none.
     """
-    problem: InfeasibleError | None = None
-    for count in _COUNTS:
-        try:
-            timed, cells = time_joint_path(dynamics, path, limits, count=count)
-            if dynamics.irregular:
-                open_feed = np.full(len(cells.h), np.inf)
-                timed = time_with_irregular(dynamics, path, cells, limits, dynamics.model.robot.friction, open_feed)
-            return timed.law
-        except InfeasibleError as error:
-            problem = problem or error
-    assert problem is not None
-    raise problem
+    timed, cells = time_joint_path(dynamics, path, limits)
+    if dynamics.irregular:
+        open_feed = np.full(len(cells.h), np.inf)
+        timed = time_with_irregular(dynamics, path, cells, limits, dynamics.model.robot.friction, open_feed)
+    return timed.law

@@ -177,3 +177,13 @@ def test_acceleration_limit() -> None:
     _, _, _, qdd = timed.law.motion(path, time)
     assert np.abs(qdd).max() <= 4.0
     assert np.abs(qdd).max() > 3.99
+
+
+@pytest.mark.parametrize("count", [200, 400, 1000, 1500])
+def test_comes_to_rest_on_any_grid(count: int) -> None:
+    # at rest the speed that may be left is zero, and rounding of the cell before must not read as "stuck"
+    rng = np.random.default_rng(1)
+    for _ in range(4):
+        path = JointPath.through(np.linspace(0.0, 1.0, 6), rng.uniform(-1.0, 1.0, (6, 6)))
+        timed, _ = time_joint_path(DYNAMICS, path, LIMITS, count=count)
+        assert timed.law.x[-1] == 0.0
