@@ -6,7 +6,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-BENCHMARKS = ("dynamics.py", "closed_loop.py", "planning.py")
+BENCHMARKS = ("dynamics.py", "closed_loop.py", "planning.py", "optimise.py")
 
 
 def main() -> None:

@@ -8,6 +8,8 @@ plan.write("out")
 from irb2400_ctrl.planners.certificate import Certificate, Checked, check
 from irb2400_ctrl.planners.joint_move import JointMove, joint_move
 from irb2400_ctrl.planners.limits import MotionLimits
+from irb2400_ctrl.planners.optimise import optimise_motion
+from irb2400_ctrl.planners.optimised import Optimised
 from irb2400_ctrl.planners.plan import Plan, Trajectory
 from irb2400_ctrl.planners.plan_path import plan_path
 from irb2400_ctrl.planners.positioner import Positioner, PositionerAxis, choose_settings
@@ -21,6 +23,7 @@ __all__ = [
     "Checked",
     "JointMove",
     "MotionLimits",
+    "Optimised",
     "Plan",
     "Positioner",
     "PositionerAxis",
@@ -31,6 +34,7 @@ __all__ = [
     "check",
     "choose_settings",
     "joint_move",
+    "optimise_motion",
     "plan_path",
     "rapid_program",
     "read_path",
