@@ -248,11 +248,12 @@ class Scan:
 
 
 def plausible(kind: str, joint: int | None, coefficients: Array, nonlinear: dict[str, float]) -> Effect | None:
-    """The effect with these coefficients if its bounds allow them, else None."""
+    """The effect with these coefficients if its bounds allow them and it is large enough to be named, else None."""
     try:
-        return LIBRARY[kind].from_coefficients(joint, [float(c) for c in coefficients], nonlinear)
+        effect = LIBRARY[kind].from_coefficients(joint, [float(c) for c in coefficients], nonlinear)
     except (ValidationError, ValueError, ZeroDivisionError):
         return None
+    return None if any(abs(getattr(effect, name)) < size for name, size in effect.least.items()) else effect
 
 
 def everywhere(laws: Sequence[Columns], n: int) -> Columns:

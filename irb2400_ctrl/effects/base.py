@@ -108,6 +108,10 @@ class Effect(BaseModel, ABC):
     """plausible sizes of the coefficients where the data alone may not settle each of them; empty: no such knowledge"""
     fixed: ClassVar[tuple[str, ...]] = ()
     """fields that a fit does not move continuously (times of switching)"""
+    lookalikes: ClassVar[tuple[str, ...]] = ()
+    """kinds of other groups that ordinary logs do not tell from this one"""
+    least: ClassVar[dict[str, float]] = {}
+    """fields below whose size (absolute) diagnosis does not name the effect"""
     usual: ClassVar[dict[str, tuple[float, float]]] = {}
     """fields that the data may not settle: usual value and its spread"""
     states: ClassVar[tuple[str, ...]] = ()

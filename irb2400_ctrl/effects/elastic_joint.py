@@ -26,6 +26,7 @@ class ElasticJoint(Effect):
     sentence: ClassVar[str] = (
         "the transmission of the joint twists under load: the link lags and swings behind the motor"
     )
+    lookalikes: ClassVar[tuple[str, ...]] = ("transmission_backlash",)
     states: ClassVar[tuple[str, ...]] = ("torque", "rate")
     usual: ClassVar[dict[str, tuple[float, float]]] = {"damping_ratio": (0.05, 0.05)}
 

@@ -20,6 +20,9 @@ class TimeDelay(Effect):
     splits: ClassVar[str] = "excitation above 1/(2 pi tau)"
     sentence: ClassVar[str] = "the torque of the joint is recorded later than its position"
 
+    # time stamps of a 250 Hz stream are no truer than a good part of its 4 ms period
+    least: ClassVar[dict[str, float]] = {"delay_s": 0.0015}
+
     kind: Literal["time_delay"] = "time_delay"
     delay_s: float = Field(description="delay [s]")
 
