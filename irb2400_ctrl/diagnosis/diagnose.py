@@ -175,7 +175,9 @@ def _findings(steps: Sequence[Step], fit: Fit, motion: Motion, load: Array, base
                     gain=step.gain,
                     margin=step.margin,
                     share=share,
-                    curve=_curve(motion, load, joint, effect.abscissa, torque[:, joint], fit.residual[:, joint]),
+                    curve=_curve(
+                        motion, load, joint, effect.abscissa, torque[:, joint], fit.residual[:, joint], effect.period
+                    ),
                 )
             )
             place += 1
@@ -223,10 +225,21 @@ def _unexplained(steps: Sequence[Step], fit: Fit, motion: Motion, load: Array) -
 _UNITS = {"q": "rad", "qd": "rad/s", "qdd": "rad/s2", "load": "Nm", "time": "s"}
 
 
-def _curve(motion: Motion, load: Array, joint: int, signal: str, law: Array, residual: Array, bins: int = 40) -> Curve:
-    """Binned torque over a signal of the joint (zero-based), with a 95 % band."""
+def _curve(
+    motion: Motion,
+    load: Array,
+    joint: int,
+    signal: str,
+    law: Array,
+    residual: Array,
+    period: float | None = None,
+    bins: int = 40,
+) -> Curve:
+    """Binned torque over a signal of the joint (zero-based), folded to one period if it has one; with a 95 % band."""
     sources = {"q": motion.q, "qd": motion.qd, "qdd": motion.qdd, "load": load}
     x = motion.row_time if signal == "time" else motion.at_rows(sources[signal][:, joint])
+    x = x if period is None else np.mod(x, period)
+    unit = _UNITS[signal] + ("" if period is None else ", within one period")
     rows = motion.row_known[:, joint]
     x, law, seen = x[rows], law[rows], (law + residual)[rows]
     edges = np.linspace(x.min(), x.max() + 1e-12, bins + 1) if len(x) else np.zeros(1)
@@ -238,7 +251,7 @@ def _curve(motion: Motion, load: Array, joint: int, signal: str, law: Array, res
     line = np.array([law[place == k].mean() for k in used])
     for array in (middle, mean, line):
         array.setflags(write=False)
-    return Curve(joint + 1, signal, _UNITS[signal], middle, mean, mean - error, mean + error, line)
+    return Curve(joint + 1, signal, unit, middle, mean, mean - error, mean + error, line)
 
 
 def _recalibrated(nuisance: Nuisance, fit: Fit, robot: Robot) -> dict[str, Any]:

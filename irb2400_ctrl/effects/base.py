@@ -215,6 +215,11 @@ class Effect(BaseModel, ABC):
         return placed
 
     @property
+    def period(self) -> float | None:
+        """Period of the law over its abscissa, if it has one."""
+        return None
+
+    @property
     def index(self) -> int:
         """Zero-based joint index."""
         if self.joint is None:

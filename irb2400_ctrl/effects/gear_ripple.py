@@ -45,3 +45,8 @@ class GearRipple(Effect):
     def grid(cls, joint: int | None) -> list[dict[str, float]]:
         # below order 4 a ripple is a gravity or spring law; above 160 the 250 Hz record no longer resolves it
         return [{"order": 4.0 + 0.5 * k} for k in range(2 * 156 + 1)]
+
+    @property
+    def period(self) -> float | None:
+        """One ripple [rad]."""
+        return 2.0 * math.pi / self.order

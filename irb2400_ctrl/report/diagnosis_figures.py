@@ -26,8 +26,12 @@ def torque_figure(comparison: Comparison, joint: int, seconds: float = 10.0) -> 
     figure = Figure(figsize=(9.0, 5.6), layout="constrained")
     upper, lower = figure.subplots(2, 1)
     upper.plot(time[shown], comparison.measured[shown, j], color="0.55", lw=2.0, label="measured")
-    upper.plot(time[shown], comparison.before[shown, j], color="tab:red", lw=0.9, label="model as given")
-    upper.plot(time[shown], comparison.after[shown, j], color="tab:blue", lw=0.9, label="model with what was found")
+    # at standstill dry friction is undetermined and the model's sign of speed only follows the noise
+    for model, color, name in (
+        (comparison.before, "tab:red", "model as given"),
+        (comparison.after, "tab:blue", "model with what was found"),
+    ):
+        upper.plot(time[shown], np.where(known, model[:, j], np.nan)[shown], color=color, lw=0.9, label=name)
     upper.set(xlabel="time [s]", ylabel=f"torque {joint} [Nm]")
     upper.legend(loc="best", fontsize="small")
     lower.plot(time, before, color="tab:red", lw=0.6, label="left by the model as given")

@@ -56,7 +56,10 @@ def add_diagnosis(page: Page, diagnosis: Diagnosis) -> None:
         )
         page.table("Parameters", ("parameter", "value", "standard error"), parameter_rows(finding))
         if finding.splits:
-            page.text(f"This log cannot exclude {', '.join(finding.alternatives)}. Measure next: {finding.splits}.")
+            page.text(
+                f"This log cannot exclude {', '.join(finding.alternatives)}. Measure next: {finding.splits}. "
+                f"A motion for it: irb2400 excite --for {finding.effect.kind} --out next"
+            )
     for rest in diagnosis.unexplained:
         page.heading(f"Joint {rest.joint}: unexplained")
         page.figure(curve_figure(rest.curve, "generic form"), "What is left, over the signal that orders it best.")
