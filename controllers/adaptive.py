@@ -13,6 +13,7 @@ from irb2400_ctrl.controllers.compensation import SIGN_WIDTH, Compensation
 from irb2400_ctrl.controllers.computed_torque import pd_gains
 from irb2400_ctrl.controllers.parts import Values, assemble, gain, saturate, signals_in, torque_out
 from irb2400_ctrl.controllers.scaling import typical_inertia
+from irb2400_ctrl.controllers.stribeck import fade
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.robot import Robot
@@ -63,7 +64,7 @@ def adaptive(
         Y = regressor(v["q"], v["qd"], wanted, v["qd_ref"])
         asked = known + Y @ v["theta"]
         tau = saturate(robot, asked)
-        going = 1 - ca.exp(-((v["qd_ref"] / v["breakaway"]) ** 2))
+        going = fade(v["qd_ref"], v["breakaway"])
         heard = going * (tau == asked) * (speed_error + v["slope"] * error)
         return {"tau": tau, "theta": v["theta"] + sample_time * v["rate"] * (Y.T @ heard), **after}
 

@@ -1,8 +1,8 @@
 """The model inside a controller: inverse dynamics with friction along the *reference* motion and effects with memory.
 
     tau = M(q) a + C(q, qd) qd + G(q) + effects(q, qd, a, t, z; s) + F_v qd_ref
-        + (F_c + (F_s - F_c) exp(-(qd / omega_st)^2) (1 - exp(-(qd_ref / breakaway)^2))) s
-    s = qd_ref / sqrt(qd_ref^2 + eps^2)
+        + (F_c + bell(qd / omega_st) qd_ref^2 / (qd_ref^2 + breakaway^2)) s
+    s = qd_ref / sqrt(qd_ref^2 + eps^2),    bell(x) = (F_s - F_c) exp(-x^2) to a quarter of a per cent (`stribeck`)
 
 Dry friction is compensated in the direction the arm is meant to move: the measured speed has noise and stick in it, and
 its sign would make the torque chatter. The regularised sign s leaves a resting reference without friction torque. How
@@ -20,16 +20,16 @@ from itertools import pairwise
 import casadi as ca
 
 from irb2400_ctrl.codegen import Field
+from irb2400_ctrl.controllers.stribeck import bell, fade
 from irb2400_ctrl.effects import Effect
 from irb2400_ctrl.effects.memory import next_memory
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.model.elasticity import TRANSMISSIONS
-from irb2400_ctrl.model.friction import friction
 from irb2400_ctrl.robot import Robot
 
-BREAKAWAY = 0.01
-"""reference speed [rad/s] from which on the static friction is compensated in full; below, a joint that has just
-broken loose would overshoot the reference and stick again, at the expense of its gear"""
+BREAKAWAY = 0.005
+"""reference speed [rad/s] at which half of the static friction above Coulomb's is compensated (0.9 at three times as
+much); with less, a joint that has just broken loose overshoots the reference and sticks again, and its gear pays"""
 SIGN_WIDTH = 2e-3
 """eps of the regularised sign [rad/s]: a reference passes it in a millisecond or two, friction of 0.5 % is lost at ten
 times this speed"""
@@ -82,10 +82,10 @@ class Compensation:
         s = replace(model.signals(), sign=sign)
         # speeds of effects with memory come from the reference too, for the same reason as the friction's
         along = replace(s, qd=qd_ref)
-        viscous = ca.DM(self.robot.friction[:, 2])
-        coulomb = ca.DM(self.robot.friction[:, 1]) * sign
-        stribeck = friction(self.robot, slip, sign) - viscous * slip - coulomb
-        tau = s.load + viscous * qd_ref + coulomb + stribeck * (1 - ca.exp(-((qd_ref / breakaway) ** 2)))
+        static, coulomb, viscous, width = self.robot.friction.T
+        dry = coulomb + bell(slip, width, static - coulomb) * fade(qd_ref, breakaway)
+        # one product with the speed, which a small processor reads once
+        tau = s.load + (viscous + dry / ca.sqrt(qd_ref**2 + SIGN_WIDTH**2)) * qd_ref
         old = [ca.SX.sym(field.name, field.size) for _, field in self.memories]
         states = {id(effect): x for (effect, _), x in zip(self.memories, old, strict=True)}
         new = []
@@ -115,7 +115,7 @@ class Compensation:
     @property
     def parameters(self) -> tuple[Field, ...]:
         """What can be tuned without new code."""
-        doc = "reference speed from which on static friction is compensated"
+        doc = "reference speed at which half of the static friction is compensated"
         return (Field("breakaway", self.robot.n, "rad/s", doc, (BREAKAWAY,) * self.robot.n),)
 
     def torque(

@@ -17,6 +17,26 @@ def finite_function(name: str, argument: str, terms: Sequence[str]) -> str:
     )
 
 
+def finite_fields_function(name: str, argument: str, fields: Sequence[Field]) -> str:
+    """The same for whole fields, in loops: for the cold path, where size counts and time does not.
+
+    The argument is a pointer to volatile: the compiler shall read the fields again, instead of carrying all of them
+    through the step in case they are asked for.
+    """
+    if not fields:
+        return finite_function(name, argument, ())
+    loops = "".join(
+        f"    for (uint32_t i = 0u; i < {size}u; i++) {{\n"
+        + "".join(f"        sum = sum + input->{f.name}[i];\n" for f in fields if f.size == size)
+        + "    }\n"
+        for size in sorted({f.size for f in fields})
+    )
+    return (
+        f"static inline bool {name}({argument})\n{{\n    real_t sum = R(0.0);\n{loops}"
+        "    return (sum - sum) == R(0.0);\n}\n"
+    )
+
+
 def is_symmetric(field: Field) -> bool:
     """Whether the bounds of a field are a magnitude: one comparison and one table less."""
     return bool(field.upper) and field.lower == tuple(-v for v in field.upper)

@@ -11,7 +11,16 @@ import numpy as np
 from irb2400_ctrl.codegen import package_pages
 from irb2400_ctrl.codegen.block import Block, Field
 from irb2400_ctrl.codegen.build import Real
-from irb2400_ctrl.codegen.c_text import clip, described, finite_function, indented, is_symmetric, joined, plain
+from irb2400_ctrl.codegen.c_text import (
+    clip,
+    described,
+    finite_fields_function,
+    finite_function,
+    indented,
+    is_symmetric,
+    joined,
+    plain,
+)
 from irb2400_ctrl.codegen.emit import emit_body
 from irb2400_ctrl.codegen.graph import Bounds, Graph, carried_inputs, read_graph, without_saturation
 from irb2400_ctrl.codegen.own_math import prelude
@@ -68,15 +77,23 @@ class Package:
         """The block's parameters, then the bounds of inputs and outputs."""
         bounds = []
         for field in (*self.block.inputs, *self.block.outputs):
-            word = "believed" if field in self.block.inputs else "sent"
+            word, sharing = "sent", [field.name]
+            if field in self.block.inputs:
+                word, sharing = "believed", [f.name for f in self.block.inputs if self._owner[f.name] == field.name]
             ends = (("min", "smallest", field.lower), ("max", "largest", field.upper))
             if is_symmetric(field):
                 ends = (("limit", "largest magnitude of", ()), ("limit", "largest magnitude of", field.upper))
             for end, adjective, values in ends:
-                if values:
-                    text = f"{adjective} {field.name} that is {word}"
+                if values and sharing:
+                    text = f"{adjective} {' and '.join(sharing)} that is {word}"
                     bounds.append(Field(f"{field.name}_{end}", field.size, field.unit, text, values))
         return (*self.block.parameters, *bounds)
+
+    @cached_property
+    def _owner(self) -> dict[str, str]:
+        """Name of each input -> the first input with its unit and bounds: they share a table, which is read once."""
+        first: dict[object, str] = {}
+        return {f.name: first.setdefault((f.size, f.unit, f.lower, f.upper), f.name) for f in self.block.inputs}
 
     @cached_property
     def graph(self) -> Graph:
@@ -214,23 +231,27 @@ uint32_t {name}_step({name}_state_t *state, const {name}_input_t *input,
         Where a wrong input is sure to spoil the result, the test of the result finds it for nothing; only the
         question whose fault it was is asked here.
         """
-        terms, free, early = [], [], []
+        tests, early = [], []
         carried = carried_inputs(self.graph)
+        order = list(self._owner)
         for k, field in enumerate(self.block.inputs, start=len(self.block.states)):
+            owner = self._owner[field.name]
             for i in range(field.size):
-                at = f"input->{field.name}[{i}]"
+                at, place = f"input->{field.name}[{i}]", (order.index(owner), i)
                 if is_symmetric(field):
-                    terms.append(f"(own_abs({at}) <= parameters->{field.name}_limit[{i}])")
+                    tests.append((place, f"(own_abs({at}) <= parameters->{owner}_limit[{i}])"))
                     continue
                 if field.lower:
-                    terms.append(f"({at} >= parameters->{field.name}_min[{i}])")
+                    tests.append((place, f"({at} >= parameters->{owner}_min[{i}])"))
                 if field.upper:
-                    terms.append(f"({at} <= parameters->{field.name}_max[{i}])")
+                    tests.append((place, f"({at} <= parameters->{owner}_max[{i}])"))
                 if not (field.lower and field.upper):
-                    free.append(at)
                     early += [] if (k, i) in carried else [at]
+        # what is held against the same bound stands together
+        terms = [term for _, term in sorted(tests, key=lambda test: test[0])]
         types = f"const {self.name}_input_t *input", f"const {self.name}_parameters_t *parameters"
-        finite = finite_function("inputs_are_finite", types[0], free)
+        free = [f for f in self.block.inputs if not (f.lower and f.upper)]
+        finite = finite_fields_function("inputs_are_finite", types[0].replace("const", "const volatile"), free)
         if early:
             finite += "\n" + finite_function("inputs_are_sound", types[0], early)
             terms.append("inputs_are_sound(input)")

@@ -112,8 +112,8 @@ or `cmake -B build && cmake --build build`.
 
 {parameters}
 Bounds from the tables above stand beside the parameters: `<field>_limit` where they are symmetric, else `<field>_min`
-and `<field>_max`. To change a gain or a
-limit, copy `{name}_default_parameters` into a table of your own and pass that.
+and `<field>_max`; inputs with the same unit and bounds share those of the first. To change a gain or a limit, copy
+`{name}_default_parameters` into a table of your own and pass that.
 
 ## What it promises
 

@@ -142,6 +142,23 @@ def test_first_fault_answers_with_the_safe_start() -> None:
     assert answer.tolist() == [0.0, 0.0]
 
 
+def test_inputs_of_equal_bounds_share_a_table() -> None:
+    block = pd_block()
+    like_q = {"lower": block.inputs[0].lower, "upper": block.inputs[0].upper}
+    ref = dataclasses.replace(block.inputs[2], **like_q)
+    shared = Package(dataclasses.replace(block, inputs=(*block.inputs[:2], ref, block.inputs[3])))
+    names = [f.name for f in shared.parameter_fields]
+    assert names == ["kp", "kd", "q_min", "q_max", "qd_limit", "bias_max", "tau_limit"]
+    compiled = HostController(shared)
+    good = shared.initial_input()
+    assert compiled.step(good)[1] == 0
+    for place, field in ((0, "q"), (4, "q_ref")):
+        for wrong in (block.inputs[0].upper[0] + 0.1, block.inputs[0].lower[0] - 0.1, np.nan, np.inf):
+            bad = good.copy()
+            bad[place] = wrong
+            assert compiled.step(bad)[1] == FAULT_INPUT, (field, wrong)
+
+
 def test_gains_and_limits_are_a_table_to_replace() -> None:
     package = Package(pd_block(), "double")
     names = [f.name for f in package.parameter_fields]

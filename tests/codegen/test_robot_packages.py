@@ -1,4 +1,4 @@
-"""The controllers of the robot as packages: correct everywhere, and the rigid-body step within its budget."""
+"""The controllers of the robot as packages: correct everywhere, and computed torque within its budget."""
 
 import shutil
 from pathlib import Path
@@ -50,9 +50,12 @@ def rigid_computed_torque(robot: irb.Robot) -> Block:
 
 
 @needs_target
-def test_rigid_computed_torque_keeps_its_budget(robot: irb.Robot, tmp_path: Path) -> None:
+@pytest.mark.parametrize("friction", [False, True])
+def test_computed_torque_keeps_its_budget(robot: irb.Robot, friction: bool, tmp_path: Path) -> None:
+    """Without friction, and as it is shipped."""
     pytest.importorskip("unicorn")
-    verification = export_package(rigid_computed_torque(robot), tmp_path, "cortex-m4f")
+    block = controller("computed_torque", robot) if friction else rigid_computed_torque(robot)
+    verification = export_package(block, tmp_path, "cortex-m4f")
     figures = verification.on_target
     assert verification.passed, verification.table()
     assert figures is not None
