@@ -10,10 +10,8 @@ from pydantic import AfterValidator, BaseModel, ConfigDict, Discriminator, Field
 
 from irb2400_ctrl.effects import LIBRARY, Effect
 
-# what the simulated plant does not have: a study that asks for it would compare an arm with itself
-NOT_SIMULATED = {"transmission_backlash"}
-# in the plant a spring with a state of its own, whatever its coefficient in the regressor
-ALWAYS_THERE = {"elastic_joint"}
+# in the plant a transmission with a state of its own, whatever its coefficient in the regressor
+ALWAYS_THERE = {"elastic_joint", "transmission_backlash"}
 
 
 class Table(BaseModel):
@@ -85,8 +83,6 @@ class EffectDraw(BaseModel):
     def _is_an_effect(self) -> Self:
         if self.kind not in LIBRARY:
             raise ValueError(f"no effect {self.kind!r}; expected one of {', '.join(sorted(LIBRARY))}")
-        if self.kind in NOT_SIMULATED:
-            raise ValueError(f"the simulated plant has no {self.kind}: its results would not show it")
         problems = []
         for joint in self.joints:
             # every corner that a draw may come near has to be a valid effect
@@ -151,7 +147,7 @@ def without_size(effect: Effect) -> Effect | None:
 def _problem(kind: str, item: Any) -> str:
     name = ".".join(str(part) for part in item["loc"])
     if item["type"] == "extra_forbidden":
-        known = [f for f in LIBRARY[kind].model_fields if f not in {"kind", "joint", "shape", "source"}]
+        known = [f for f in LIBRARY[kind].model_fields if f not in {"kind", "joint", "shape", "source", "windows_s"}]
         return f"{kind} has no {name}; expected some of {', '.join(known)}"
     return f"{name}: {item['msg']}"
 

@@ -16,7 +16,7 @@ from irb2400_ctrl.robot import load_robot
 from irb2400_ctrl.sweep import load_study, simulate_case
 from irb2400_ctrl.sweep.cases import Runner, case_of, drawn_plant, reference
 from irb2400_ctrl.sweep.motions import Motion, point_to_point
-from irb2400_ctrl.sweep.quantities import NOT_SIMULATED, EffectDraw, without_size
+from irb2400_ctrl.sweep.quantities import EffectDraw, without_size
 
 BAD = """
 name = "x"
@@ -58,7 +58,6 @@ FOUND = (
     "effects[2]: coulomb_Nm: Field required",
     "effects[2]: coulomb_change has no coulomb; expected some of coulomb_Nm",
     "effects[3].torque_Nm: a range has its lower end first, found [5.0, -3.0]",
-    "effects[4]: the simulated plant has no transmission_backlash",
     "controllers[1].controller: no controller 'magic'; expected one of",
     "motions[1].file: no file",
     "motions[1].speeds: Tuple should have at least 1 item",
@@ -166,7 +165,7 @@ def test_one_loop_serves_all_plants_and_gives_what_each_ones_own_would(tmp_path:
         assert row["tcp_error_rms_mm"] == simulate_case(study, index).summary()["tcp_error_mm"]["rms"]
 
 
-@pytest.mark.parametrize("kind", sorted(k for k, e in LIBRARY.items() if e.acts == "force" and k not in NOT_SIMULATED))
+@pytest.mark.parametrize("kind", sorted(k for k, e in LIBRARY.items() if e.acts == "force"))
 def test_an_absent_effect_has_no_size(kind: str) -> None:
     joint = next(iter(LIBRARY[kind].joints(6)))
     effect = _example(kind, joint)
