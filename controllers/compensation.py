@@ -27,7 +27,7 @@ from irb2400_ctrl.model import Model
 from irb2400_ctrl.model.elasticity import TRANSMISSIONS
 from irb2400_ctrl.robot import Robot
 
-BREAKAWAY = 0.005
+BREAKAWAY = 0.0045
 """reference speed [rad/s] at which half of the static friction above Coulomb's is compensated (0.9 at three times as
 much); with less, a joint that has just broken loose overshoots the reference and sticks again, and its gear pays"""
 SIGN_WIDTH = 2e-3

@@ -62,6 +62,6 @@ def test_friction_of_a_moving_reference_is_eq_55(name: str) -> None:
         rigid = Model(robot).inverse_dynamics(START, speed, np.zeros(6), friction=False)
         dry = tau - rigid - viscous * ref
         exact = np.asarray(wanted(qd)).ravel()
-        # sign and fade lack (2 mm/s / 0.5)^2 / 2 of all and (5 mm/s / 0.5)^2 of the static part
+        # sign and fade lack (0.002 / 0.5)^2 / 2 of all and (breakaway / 0.5)^2 of the static part
         bound = BELL_ERROR * (static - coulomb) + 8e-6 * static + 1e-4 * (static - coulomb)
         assert (np.abs(dry - exact) <= bound).all()
