@@ -11,6 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.planners.orientation import frame_of
 from irb2400_ctrl.planners.toolpath import ToolPath
 
 Array = npt.NDArray[np.float64]
@@ -60,10 +61,7 @@ def circle(
             f"circle: radius {radius}, chord {chord}, sweep {sweep}; expected positive lengths and a sweep"
         )
     z = np.asarray(normal, dtype=float) / np.linalg.norm(normal)
-    helper = np.eye(3)[0] if abs(z[0]) < 0.9 else np.eye(3)[1]
-    x = helper - (helper @ z) * z
-    x /= np.linalg.norm(x)
-    y = np.cross(z, x)
+    x, y, _ = frame_of(z).T
     step = 2 * np.arccos(max(1 - chord / radius, 0.0))
     count = max(int(np.ceil(abs(sweep) / step)), 16)
     angle = start + sweep * np.arange(count + 1) / count

@@ -72,12 +72,12 @@ class Orientation:
         x /= np.linalg.norm(x, axis=1, keepdims=True)
         field = np.stack([x, np.cross(out, x), out], axis=2)
         # columns (x, y, out) in the base of the tool's own (e1, e2, spindle)
-        own = _frame_of(self.spindle)
+        own = frame_of(self.spindle)
         X[:, :3, :3] = field @ own.T
         return X
 
 
-def _frame_of(z: Array) -> Array:
+def frame_of(z: Array) -> Array:
     """Rotation whose third column is z, first column near x (or y), shape (3, 3)."""
     helper = np.eye(3)[0] if abs(z[0]) < 0.9 else np.eye(3)[1]
     x = helper - (helper @ z) * z

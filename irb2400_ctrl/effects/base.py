@@ -20,6 +20,9 @@ from pydantic import BaseModel, ConfigDict, Field
 
 Acts = Literal["force", "parameters", "measurement"]
 
+STANDARD_GRAVITY = 9.81
+"""[m/s2], as the robot file of the paper's arm has it"""
+
 
 class Signals(Protocol):
     """What an effect may depend on; all symbolic (SX), column vectors of the arm's n actuators."""

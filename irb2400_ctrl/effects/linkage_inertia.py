@@ -8,9 +8,7 @@ from typing import ClassVar, Literal, Self
 import casadi as ca
 from pydantic import Field
 
-from irb2400_ctrl.effects.base import Effect, Signals
-
-STANDARD_GRAVITY = 9.81
+from irb2400_ctrl.effects.base import STANDARD_GRAVITY, Effect, Signals
 
 
 class LinkageInertia(Effect):
