@@ -173,9 +173,22 @@ def test_quantiles_of_the_summary() -> None:
     assert (line.saturated, line.failed) == (1, 0)
 
 
+# many cases, so that a busy machine, too, stops the command in the middle
+LONG = SMALL.replace("draws = 4", "draws = 60")
+LONG_CASES = 15 * CASES
+
+
+@pytest.fixture(scope="module")
+def long_alone(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The long study by one worker."""
+    folder = tmp_path_factory.mktemp("long_alone")
+    run_sweep(small(folder, LONG), folder / "out", workers=1)
+    return folder / "out"
+
+
 @pytest.mark.parametrize("how", [signal.SIGINT, signal.SIGKILL])
-def test_command_stopped_and_started_again(how: signal.Signals, alone: Path, tmp_path: Path) -> None:
-    study = studies.write_study(tmp_path, "logs = true\n" + SMALL)
+def test_command_stopped_and_started_again(how: signal.Signals, long_alone: Path, tmp_path: Path) -> None:
+    study = studies.write_study(tmp_path, LONG)
     out = tmp_path / "out"
     command = [sys.executable, "-m", "irb2400_ctrl.cli.main", "sweep", str(study), "--out", str(out), "--workers", "2"]
     process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
@@ -185,12 +198,12 @@ def test_command_stopped_and_started_again(how: signal.Signals, alone: Path, tmp
     process.send_signal(how)
     said = process.communicate()
     saved = len(journal.read_text().splitlines()) - 1
-    assert 3 <= saved < CASES
+    assert 3 <= saved < LONG_CASES
     if how == signal.SIGINT:
         assert process.returncode == 130
-        assert f"{saved} of {CASES} cases are saved" in said[1]
+        assert f"{saved} of {LONG_CASES} cases are saved" in said[1]
     done = subprocess.run(command, capture_output=True, text=True, check=True)
-    assert f"{CASES} cases, {CASES - saved} run now" in done.stdout
+    assert f"{LONG_CASES} cases, {LONG_CASES - saved} run now" in done.stdout
     assert done.stderr == ""
-    assert read(out).equals(read(alone))
+    assert read(out).equals(read(long_alone))
     assert (out / "sweep.png").stat().st_size > 10_000
