@@ -95,7 +95,7 @@ class _Law:
         theta = [ca.SX.sym(key) for key in keys]
         prototype = effect.prototype(joint, dict(zip(keys, theta, strict=True)))  # type: ignore[arg-type]
         state = ca.SX.sym("x", len(effect.states))
-        s = s.with_state(state)
+        s = s.with_state(state) if effect.states else s
         law = prototype.basis(s)
         basis = prototype.departures(s) if departures else law
         # departures live on the joints of the law, so that both can stand side by side

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import TypeVar
 
 import numpy as np
@@ -11,6 +11,7 @@ import numpy.typing as npt
 from scipy.interpolate import CubicSpline, PchipInterpolator
 from scipy.ndimage import binary_dilation, convolve1d, correlate1d
 from scipy.signal import firwin, savgol_coeffs
+from scipy.sparse import csr_matrix
 
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.measurement.log import Log
@@ -137,17 +138,21 @@ class LowPass:
 
     def __call__(self, signal: Array) -> Array:
         """Filter along the first axis and keep every `keep`-th sample, from the first complete one to the last."""
-        rows = len(self.instants(signal))
-        out = np.zeros((rows, *signal.shape[1:]))
-        last = (rows - 1) * self.keep + 1
-        # only the kept outputs are computed
-        for k, weight in enumerate(self.weights):
-            out += weight * signal[k : k + last : self.keep]
-        return out
+        flat = signal.reshape(len(signal), -1)
+        return np.asarray(_rows_of(self, len(signal)) @ flat).reshape(-1, *signal.shape[1:])
 
     def instants(self, signal: npt.NDArray[Kept]) -> npt.NDArray[Kept]:
         """The kept samples of a signal, not filtered (for time stamps and masks)."""
         return signal[self.half : len(signal) - self.half : self.keep]
+
+
+@lru_cache(maxsize=8)
+def _rows_of(low_pass: LowPass, length: int) -> csr_matrix:
+    """The filter on signals of one length as a sparse matrix: only the kept outputs are computed."""
+    rows, taps = len(low_pass.instants(np.empty(length))), len(low_pass.weights)
+    place = (np.arange(rows) * low_pass.keep)[:, None] + np.arange(taps)
+    starts = np.arange(rows + 1) * taps
+    return csr_matrix((np.tile(low_pass.weights, rows), place.ravel(), starts), shape=(rows, length))
 
 
 def smoothed(signal: Array, step: float) -> Array:

@@ -39,7 +39,11 @@ class ArmSignals:
 
     def with_state(self, state: ca.SX) -> ArmSignals:
         """The same signals for an effect with the given internal state."""
-        return replace(self, state=state)
+        moved = replace(self, state=state)
+        # nothing that follows from the motion depends on the state: what is known already is not derived again
+        known = {name: value for name, value in self.__dict__.items() if name not in self.__dataclass_fields__}
+        moved.__dict__.update(known)
+        return moved
 
     @cached_property
     def load(self) -> ca.SX:
