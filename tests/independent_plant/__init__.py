@@ -3,6 +3,7 @@
 from .case import Case, TrueEffect
 from .effects import GROUPS, KINDS, LIBRARY, OUTSIDE, Effect
 from .log import Log
+from .machine import Driven
 from .sensors import Sensors
 from .suites import SUITES, suite
 from .visibility import beyond_priors
@@ -14,6 +15,7 @@ __all__ = [
     "OUTSIDE",
     "SUITES",
     "Case",
+    "Driven",
     "Effect",
     "Log",
     "Sensors",

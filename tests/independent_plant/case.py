@@ -10,7 +10,7 @@ import numpy as np
 from . import native
 from .effects import LIBRARY, Drawn, Effect, draw
 from .log import Log
-from .machine import STREAM, Machine
+from .machine import STREAM, Driven, Machine
 from .motion import Motion, identification, validation
 from .parameters import Servo, drawn_arm
 from .sensors import Sensors
@@ -163,6 +163,11 @@ class Case:
             for move, what in zip(motions, ("noise", "more noise"), strict=True)
         )
         return first, second
+
+    def drive(self, drive: native.Drive) -> Driven:
+        """The validation motion made by somebody's controller instead of the arm's own servo."""
+        effects = tuple((drawn, size) for drawn, size, _ in self.sized_effects)
+        return self.machine.driven(effects, self.motions[1], drive)
 
     def _read(self, rng: np.random.Generator, time: np.ndarray, record: np.ndarray, move: Motion) -> Log:
         skip = round(move.lead * native.RECORD_RATE)

@@ -35,6 +35,24 @@ def _force_law(drawn: Drawn, size: float) -> list[float]:
 
 
 @dataclass(frozen=True)
+class Driven:
+    """What came of a motion, n samples at 1 kHz without the run-up: true angles [rad], speeds, torques (n, 6) that
+    acted, places of the tool's tip [m] (n, 3), and where the tip and the angles should have been."""
+
+    q: np.ndarray
+    qd: np.ndarray
+    tau: np.ndarray
+    tip: np.ndarray
+    tip_ref: np.ndarray
+    q_ref: np.ndarray
+
+    @property
+    def tip_error(self) -> np.ndarray:
+        """Distance of the tip from where it should be [m], (n,)."""
+        return np.asarray(np.linalg.norm(self.tip - self.tip_ref, axis=1))
+
+
+@dataclass(frozen=True)
 class Machine:
     """An arm, its friction (6, 4) as in `parameters.FRICTION`, its servo."""
 
@@ -69,6 +87,16 @@ class Machine:
         record[:, 12:] = _reported(time, record[:, 12:], effects)
         skip = round(move.lead * native.RECORD_RATE)
         return time[skip:], record[skip:]
+
+    def driven(self, effects: Sized, move: Motion, drive: native.Drive) -> Driven:
+        """A motion that begins at rest, made by somebody's controller; `drive` is asked at 1 kHz from the run-up on."""
+        encoder = {"encoder_step": 5e-6, "speed_corner": 2 * np.pi * 250.0}
+        record = native.driven(
+            *self.structures(effects), move.start - move.lead, move.q[0], len(move.q), drive, **encoder
+        )
+        skip = round(move.lead * native.RECORD_RATE)
+        q, qd, tau, tip = np.split(record[skip:], (6, 12, 18), axis=1)
+        return Driven(q, qd, tau, tip, native.tool_tip(move.q[skip:]), move.q[skip:])
 
     def asked_torque(self, effects: Sized, dt: float, moving: np.ndarray, start: float = 0.0) -> np.ndarray:
         """Reported torque (n, 6) of a motion (n, 18: q, qd, qdd) followed exactly; the transmission is rigid."""

@@ -10,7 +10,9 @@ import platform
 import shutil
 import subprocess
 import tempfile
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -18,6 +20,9 @@ SOURCES = Path(__file__).parent / "csrc"
 FLAGS = ["-std=c11", "-O3", "-march=native", "-fno-math-errno", "-shared", "-fPIC"]
 RECORD_RATE = 1000.0  # Hz, of references and records
 _double_p = ctypes.POINTER(ctypes.c_double)
+_DRIVE = ctypes.CFUNCTYPE(None, ctypes.c_int, _double_p, _double_p, _double_p)
+Drive = Callable[[int, np.ndarray, np.ndarray], np.ndarray]
+"""(sample at 1 kHz, angles seen (6,), speeds seen (6,)) -> torques (6,) that act from the next sample on"""
 
 
 @functools.cache
@@ -92,6 +97,53 @@ def follow(plant: np.ndarray, effects: np.ndarray, start: float, reference: np.n
     if written != n - 1 or not np.isfinite(out).all():
         raise RuntimeError(f"the plant stopped after {written} of {n - 1} records: its mass matrix is not definite")
     return out
+
+
+def driven(
+    plant: np.ndarray,
+    effects: np.ndarray,
+    start: float,
+    at: np.ndarray,
+    n: int,
+    drive: Drive,
+    *,
+    encoder_step: float,
+    speed_corner: float,
+) -> np.ndarray:
+    """Closed loop of somebody's controller from a standstill at the angles `at`, n samples at 1 kHz.
+
+    Returns:
+        (n, 21): true angles and speeds of the links, torques that act, place of the tool's tip [m].
+    """
+    effects = _c(effects)
+    out = np.empty((n, 21))
+    failures: list[BaseException] = []
+
+    def answer(sample: int, q: Any, qd: Any, tau: Any) -> None:
+        try:  # an exception would be lost on its way through C
+            if not failures:
+                given = drive(sample, *(np.ctypeslib.as_array(x, (6,)).copy() for x in (q, qd)))
+                np.ctypeslib.as_array(tau, (6,))[:] = given
+        except Exception as failure:
+            failures.append(failure)
+
+    written = library().driven(
+        _p(_c(plant)), len(effects), _p(effects), ctypes.c_double(start), _p(_c(at)), ctypes.c_double(encoder_step),
+        ctypes.c_double(speed_corner), n, _DRIVE(answer), _p(out),
+    )  # fmt: skip
+    if failures:
+        raise failures[0]
+    if written != n or not np.isfinite(out).all():
+        raise RuntimeError(f"the plant stopped after {written} of {n} records: its mass matrix is not definite")
+    return out
+
+
+def tool_tip(q: np.ndarray) -> np.ndarray:
+    """Place of the tool's tip in the base frame [m], shape (n, 3), of angles (n, 6)."""
+    tips = np.empty((len(q), 3))
+    for angles, tip in zip(_c(q), tips, strict=True):
+        library().tool_tip(_p(angles), _p(tip))
+    return tips
 
 
 def prescribed(plant: np.ndarray, effects: np.ndarray, start: float, dt: float, motion: np.ndarray) -> np.ndarray:

@@ -104,3 +104,10 @@ def test_joining_bodies_keeps_mass_moment_and_inertia() -> None:
 
     np.testing.assert_allclose(at_origin(both), at_origin(a) + at_origin(b))
     np.testing.assert_allclose(both[0] * both[1:4], a[0] * a[1:4] + b[0] * b[1:4])
+
+
+@states
+def test_the_tip_is_where_the_reference_has_the_tcp() -> None:
+    given = _states()
+    tips = native.tool_tip(np.array([s["q"] for s in given]))
+    np.testing.assert_allclose(tips, [s["X_BT"][:3, 3] for s in given], atol=1e-12)

@@ -64,7 +64,7 @@ static double wrist_coupling(const double *p, const Situation *now, int j, Extra
 /* Force (p0..p2) on the tool's tip in the base frame, in cuts of length p4 every p3 seconds, with a tooth-passing swing
  * p6 at p5 Hz, ramped within 0.1 s. */
 static void process_force(const double *p, const Situation *now, Extra *out) {
-    static const double tip[3] = {0.240, 0.0, 0.085 + 0.162};
+    static const Vec tip = TOOL_TIP;
     const double phase = fmod(now->time, p[3]);
     const double ramp = fmax(0.0, fmin(1.0, fmin(phase, p[4] - phase) / 0.1));
     const double level = ramp * (1.0 + p[6] * sin(TWO_PI * p[5] * now->time));

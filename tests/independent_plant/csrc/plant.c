@@ -1,5 +1,6 @@
 /* The arm in closed loop at 4 kHz: reference smoothing, cascaded servo, saturation, dry friction that really sticks,
- * one elastic transmission with backlash. Record and reference at 1 kHz. */
+ * one elastic transmission with backlash. Record and reference at 1 kHz. Instead of its own servo, anybody's controller
+ * may drive it at 1 kHz. */
 #include <math.h>
 #include <string.h>
 
@@ -110,27 +111,28 @@ static double turn_motor(const Transmission *t, State *s, int j, double drive, c
     return spring;
 }
 
-static int step(const Plant *plant, int count, const Effect *effects, Memory *memories, double time, const double ref[6],
-                const double rate[6], State *s, double record[18]) {
-    const Arm *arm = time < plant->change_at ? &plant->before : &plant->after;
+/* What the motors' encoders are on: link angles, but the motor's own where a transmission lies between. */
+static void motor_side(const Plant *plant, const State *s, double q[6], double qd[6]) {
     const int elastic = (int)plant->transmission.joint;
-    double M[6][6], inverse[6][6], bias[6], q[6], qd[6], seen[6], u[6], rhs[6], v[6];
-    Extra extra;
-    memcpy(q, s->q, sizeof q);
-    memcpy(qd, s->v, sizeof qd);
+    memcpy(q, s->q, sizeof s->q);
+    memcpy(qd, s->v, sizeof s->v);
     if (elastic >= 0) {
         q[elastic] = s->motor_q;
         qd[elastic] = s->motor_v;
     }
-    for (int j = 0; j < 6; j++) seen[j] = q[j] + plant->encoder_zero[j];
-    servo_torque(plant->servo, s, ref, rate, seen, qd, u);
-    memcpy(record, seen, sizeof seen);
-    memcpy(record + 6, qd, sizeof qd);
-    memcpy(record + 12, u, sizeof u);
+}
 
+/* A quarter of a millisecond under the motor torques u; reported (6): what the drives report beyond them. */
+static int step(const Plant *plant, int count, const Effect *effects, Memory *memories, double time, const double u[6],
+                State *s, double reported[6]) {
+    const Arm *arm = time < plant->change_at ? &plant->before : &plant->after;
+    const int elastic = (int)plant->transmission.joint;
+    double M[6][6], inverse[6][6], bias[6], q[6], qd[6], rhs[6], v[6];
+    Extra extra;
+    motor_side(plant, s, q, qd);
     const Situation now = {time, DT, q, qd, s->qdd, s->load};
     gather(count, effects, memories, &now, plant->friction, &extra);
-    for (int j = 0; j < 6; j++) record[12 + j] += extra.reported[j];
+    memcpy(reported, extra.reported, sizeof extra.reported);
     equations_of_motion(arm, s->q, s->v, M, bias);
     for (int j = 0; j < 6; j++) rhs[j] = u[j] - extra.smooth[j] - bias[j];
     if (elastic >= 0) {
@@ -155,33 +157,82 @@ static int step(const Plant *plant, int count, const Effect *effects, Memory *me
     return 1;
 }
 
+static void set_at(const Plant *plant, State *s, const double seen[6], const double speed[6]) {
+    memset(s, 0, sizeof *s);
+    for (int j = 0; j < 6; j++) {
+        s->smooth_q[j] = seen[j];
+        s->q[j] = seen[j] - plant->encoder_zero[j];
+        s->v[j] = s->smooth_v[j] = speed[j];
+    }
+    if (plant->transmission.joint >= 0) {
+        s->motor_q = s->q[(int)plant->transmission.joint];
+        s->motor_v = s->v[(int)plant->transmission.joint];
+    }
+}
+
 /* Follow the reference (n, 6) [rad] from time start; out (n - 1, 18): seen angles, speeds, motor torques.
  * Returns the number of records written: n - 1, or fewer if the mass matrix lost its definiteness. */
 int follow(const Plant *plant, int count, const Effect *effects, double start, int n, const double *ref, double *out) {
     Memory memories[16] = {{{0}, 0}};
-    State s = {0};
-    double M[6][6];
-    for (int j = 0; j < 6; j++) {
-        s.smooth_q[j] = ref[j];
-        s.q[j] = ref[j] - plant->encoder_zero[j];
-        s.v[j] = s.smooth_v[j] = (ref[6 + j] - ref[j]) / 0.001;
-    }
-    if (plant->transmission.joint >= 0) {
-        s.motor_q = s.q[(int)plant->transmission.joint];
-        s.motor_v = s.v[(int)plant->transmission.joint];
-    }
+    State s;
+    double M[6][6], speed[6];
+    for (int j = 0; j < 6; j++) speed[j] = (ref[6 + j] - ref[j]) / 0.001;
+    set_at(plant, &s, ref, speed);
     equations_of_motion(&plant->before, s.q, s.v, M, s.integral);
     for (int i = 0; i + 1 < n; i++)
         for (int k = 0; k < SUBSTEPS; k++) {
-            double now[6], rate[6], record[18];
+            double now[6], rate[6], record[18], *seen = record, *qd = record + 6, *u = record + 12, reported[6];
             for (int j = 0; j < 6; j++) {
                 rate[j] = (ref[6 * (i + 1) + j] - ref[6 * i + j]) / 0.001;
                 now[j] = ref[6 * i + j] + k * DT * rate[j];
             }
-            if (!step(plant, count, effects, memories, start + 0.001 * i + k * DT, now, rate, &s, record)) return i;
+            motor_side(plant, &s, seen, qd);
+            for (int j = 0; j < 6; j++) seen[j] += plant->encoder_zero[j];
+            servo_torque(plant->servo, &s, now, rate, seen, qd, u);
+            if (!step(plant, count, effects, memories, start + 0.001 * i + k * DT, u, &s, reported)) return i;
+            for (int j = 0; j < 6; j++) u[j] += reported[j];
             if (k == 0) memcpy(out + 18 * i, record, sizeof record);
         }
     return n - 1;
+}
+
+/* Anybody's controller, asked once a millisecond: angles and speeds as its sensors show them, to torques. */
+typedef void (*Drive)(int sample, const double q[6], const double qd[6], double tau[6]);
+
+/* Driven from a standstill at the seen angles (6) from time start on. Encoders of the given step [rad] are read at 4 kHz,
+ * their differences low-passed to speeds (corner [rad/s]). A torque acts from the next millisecond on, cut at the limits
+ * of the drives; until the first one the brakes' torque acts. out (n, 21): true angles and speeds of the links, torques
+ * that act, place of the tool's tip [m]. Returns the number of records written, as `follow` does. */
+int driven(const Plant *plant, int count, const Effect *effects, double start, const double *at, double encoder_step,
+           double corner, int n, Drive drive, double *out) {
+    static const double still[6];
+    const double share = 1.0 - exp(-corner * DT);
+    Memory memories[16] = {{{0}, 0}};
+    State s;
+    double M[6][6], next[6], before[6], speed[6] = {0};
+    set_at(plant, &s, at, still);
+    equations_of_motion(&plant->before, s.q, still, M, next);
+    for (int j = 0; j < 6; j++) before[j] = encoder_step * round(at[j] / encoder_step);
+    for (int i = 0; i < n; i++) {
+        double u[6], *row = out + 21 * i;
+        for (int j = 0; j < 6; j++) u[j] = clamp(next[j], -plant->servo[j].limit, plant->servo[j].limit);
+        memcpy(row, s.q, sizeof s.q);
+        memcpy(row + 6, s.v, sizeof s.v);
+        memcpy(row + 12, u, sizeof u);
+        tool_tip(s.q, row + 18);
+        drive(i, before, speed, next);
+        for (int k = 0; k < SUBSTEPS; k++) {
+            double q[6], qd[6], reported[6];
+            if (!step(plant, count, effects, memories, start + 0.001 * i + k * DT, u, &s, reported)) return i;
+            motor_side(plant, &s, q, qd);
+            for (int j = 0; j < 6; j++) {
+                const double shown = encoder_step * round((q[j] + plant->encoder_zero[j]) / encoder_step);
+                speed[j] += share * ((shown - before[j]) / DT - speed[j]);
+                before[j] = shown;
+            }
+        }
+    }
+    return n;
 }
 
 /* Torques (n, 6) that a prescribed motion (n, 18: q, qd, qdd; dt apart) asks for; the transmission is taken as rigid. */

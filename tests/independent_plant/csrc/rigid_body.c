@@ -173,3 +173,16 @@ void torque_against_force(const double q[6], const Vec point, const Vec force, d
     memcpy(&link[5][1], point, sizeof(Vec));
     newton_euler((const double(*)[10])link, field, &k, zero, zero, tau);
 }
+
+/* From the tip inwards, frame by frame. */
+void tool_tip(const double q[6], Vec tip) {
+    static const Vec in_frame_6 = TOOL_TIP;
+    const Angles k = link_angles(q);
+    memcpy(tip, in_frame_6, sizeof(Vec));
+    for (int i = 5; i >= 0; i--) {
+        Vec p, turned;
+        origin(i, p);
+        to_parent(&k, i, tip, turned);
+        for (int a = 0; a < 3; a++) tip[a] = p[a] + turned[a];
+    }
+}

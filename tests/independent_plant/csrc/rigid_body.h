@@ -2,6 +2,8 @@
 #ifndef RIGID_BODY_H
 #define RIGID_BODY_H
 
+#define TOOL_TIP {0.240, 0.0, 0.085 + 0.162} /* the spindle's, in frame 6 */
+
 typedef double Vec[3];
 
 typedef struct { /* everything that has inertia or weight; SI units */
@@ -17,5 +19,7 @@ void inverse_dynamics(const Arm *arm, const double q[6], const double qd[6], con
 void equations_of_motion(const Arm *arm, const double q[6], const double qd[6], double M[6][6], double bias[6]);
 /* Torques that hold the arm against a force [base frame] which pulls at a point of link 6. */
 void torque_against_force(const double q[6], const Vec point, const Vec force, double tau[6]);
+/* Place of the tool's tip in the base frame. */
+void tool_tip(const double q[6], Vec tip);
 
 #endif
