@@ -16,8 +16,11 @@ from collections.abc import Sequence
 from typing import Any, ClassVar, Literal, Protocol, Self
 
 import casadi as ca
+import numpy as np
+import numpy.typing as npt
 from pydantic import BaseModel, ConfigDict, Field
 
+Array = npt.NDArray[np.float64]
 Acts = Literal["force", "parameters", "measurement"]
 
 STANDARD_GRAVITY = 9.81
@@ -196,6 +199,13 @@ class Effect(BaseModel, ABC):
             return tau
         active = [ca.logic_and(s.time >= start, s.time < stop) for start, stop in self.windows_s]
         return sum(active[1:], active[0]) * tau
+
+    def reported(self, time: Array, tau: Array) -> Array:
+        """Exactly what the measuring chain shows of torques `tau` (m, n) [Nm] at the times `time` (m,) [s].
+
+        `basis` is its change to first order. An effect that is not in the torque's chain leaves `tau` as it is.
+        """
+        return tau
 
     def parameters(self) -> dict[str, Any]:
         """The effect's own fields: name with unit -> value."""

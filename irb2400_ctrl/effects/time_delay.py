@@ -6,9 +6,10 @@ from collections.abc import Sequence
 from typing import ClassVar, Literal, Self
 
 import casadi as ca
+import numpy as np
 from pydantic import Field
 
-from irb2400_ctrl.effects.base import Acts, Effect, Signals
+from irb2400_ctrl.effects.base import Acts, Array, Effect, Signals
 
 
 class TimeDelay(Effect):
@@ -28,6 +29,12 @@ class TimeDelay(Effect):
 
     def basis(self, s: Signals) -> ca.SX:
         return -s.tau_rate if self.joint is None else self.on(-s.tau_rate[self.index], s.q.numel())
+
+    def reported(self, time: Array, tau: Array) -> Array:
+        shown = np.array(tau)
+        for j in range(tau.shape[1]) if self.joint is None else [self.index]:
+            shown[:, j] = np.interp(time - self.delay_s, time, tau[:, j])
+        return shown
 
     def coefficients(self) -> tuple[float, ...]:
         return (self.delay_s,)

@@ -6,9 +6,10 @@ from collections.abc import Sequence
 from typing import ClassVar, Literal, Self
 
 import casadi as ca
+import numpy as np
 from pydantic import Field
 
-from irb2400_ctrl.effects.base import Acts, Effect, Signals
+from irb2400_ctrl.effects.base import Acts, Array, Effect, Signals
 
 
 class TorqueGain(Effect):
@@ -29,6 +30,11 @@ class TorqueGain(Effect):
     def departures(self, s: Signals) -> ca.SX:
         tau = s.tau[self.index]
         return self.on(tau * ca.fabs(tau), s.q.numel())
+
+    def reported(self, time: Array, tau: Array) -> Array:
+        shown, true = np.array(tau), tau[:, self.index]
+        shown[:, self.index] = self.gain * true + sum(self.shape) * true * np.abs(true)
+        return shown
 
     def coefficients(self) -> tuple[float, ...]:
         return (self.gain - 1.0,)

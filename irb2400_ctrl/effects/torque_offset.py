@@ -6,9 +6,10 @@ from collections.abc import Sequence
 from typing import ClassVar, Literal, Self
 
 import casadi as ca
+import numpy as np
 from pydantic import Field
 
-from irb2400_ctrl.effects.base import Acts, Effect, Signals
+from irb2400_ctrl.effects.base import Acts, Array, Effect, Signals
 
 
 class TorqueOffset(Effect):
@@ -28,6 +29,11 @@ class TorqueOffset(Effect):
 
     def departures(self, s: Signals) -> ca.SX:
         return self.on(s.time, s.q.numel())
+
+    def reported(self, time: Array, tau: Array) -> Array:
+        shown = np.array(tau)
+        shown[:, self.index] += self.offset_Nm + sum(self.shape) * time
+        return shown
 
     def coefficients(self) -> tuple[float, ...]:
         return (self.offset_Nm,)

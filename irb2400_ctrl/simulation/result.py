@@ -136,16 +136,7 @@ class Simulation:
         """Torque as the measuring chain reports it: with the plant's gain, offset and delay, and noise [Nm]."""
         tau = np.array(self.tau)
         for effect in self.plant.effects:
-            values = effect.parameters()
-            if effect.kind == "torque_gain":
-                tau[:, effect.index] *= values["gain"]
-            elif effect.kind == "torque_offset":
-                tau[:, effect.index] += values["offset_Nm"]
-            elif effect.kind == "time_delay":
-                late = self.time - values["delay_s"]
-                # without a joint the whole stream is late
-                for j in range(self.plant.n) if effect.joint is None else [effect.index]:
-                    tau[:, j] = np.interp(late, self.time, tau[:, j])
+            tau = effect.reported(self.time, tau)
         noise = np.random.default_rng(self.seed).standard_normal(tau.shape)
         return np.asarray(tau + self.sensors.torque_noise_Nm * noise)
 

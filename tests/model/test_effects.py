@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
 from typing import Any
 
 import casadi as ca
@@ -136,3 +137,26 @@ def test_base_tilt_is_a_turned_gravity(robot: irb.Robot, states: States) -> None
     turned = robot.model_copy(update={"gravity_m_s2": (0.0, -9.81 * np.sin(t), -9.81 * np.cos(t))})
     exact = irb.Model(turned)
     np.testing.assert_allclose(tilted.gravity(states.q), exact.gravity(states.q), rtol=0, atol=1e-4)
+
+
+@pytest.mark.parametrize(
+    "effect",
+    [
+        LIBRARY["torque_gain"].of(2, gain=1.07, shape=(1e-4,)),
+        LIBRARY["torque_offset"].of(3, offset_Nm=-4.0, shape=(0.3,)),
+        LIBRARY["time_delay"].of(1, delay_s=0.002),
+        LIBRARY["time_delay"].of(None, delay_s=0.002),
+    ],
+    ids=lambda effect: f"{effect.kind} {effect.joint}",
+)
+def test_what_the_chain_reports_is_the_law_to_first_order(effect: Effect) -> None:
+    time = np.arange(0.0, 2.0, 1e-3)
+    tau, rate = (100.0 * w * np.array(f(3.0 * time[:, None] + np.arange(6))) for f, w in ((np.sin, 1), (np.cos, 3)))
+    s: Any = SimpleNamespace(**{name: ca.SX.sym(name, 6) for name in ("q", "tau", "tau_rate")}, time=ca.SX.sym("t"))
+    law = ca.Function("law", [s.tau, s.tau_rate, s.time], [effect.torque(s)]).map(len(time))
+    first_order = np.array(law(tau.T, rate.T, time)).T
+    shown = effect.reported(time, tau) - tau
+    second_order = 0.5 * 900.0 * getattr(effect, "delay_s", 0.0) ** 2
+    # the first samples of a delayed record have no past
+    np.testing.assert_allclose(shown[3:], first_order[3:], atol=1e-9 + 1.1 * second_order)
+    assert np.abs(shown).max() > 0.2
