@@ -5,8 +5,9 @@
 Each row: arms of the independent plant with one effect (`tests/independent_plant`, physics at 4 kHz, laws of other
 shapes) -> their identification logs -> `diagnose` -> the controller's C package made again -> that C code follows
 another motion on the same arm. Three descriptions stand behind the controller: the robot as given; the same with the
-parameters that the diagnosis found but without the effect it named; the robot as diagnosed. Means over the arms, rms
-over 30 s: true angle of the axis with the effect (all axes for one of the whole arm), tip of the tool. Prints Markdown.
+parameters that the diagnosis found but without the effect it named; the robot as diagnosed. Each cell has these three.
+Means over the arms, rms over 30 s: true angle of the axis with the effect (of all axes for one of the whole arm)
+[mdeg], tip of the tool [mm]. Prints Markdown.
 """
 
 from __future__ import annotations
@@ -45,28 +46,25 @@ ROWS: tuple[tuple[str, int | None, float], ...] = (
 DESCRIPTIONS = ("given", "recalibrated", "diagnosed")
 
 
-def row(kind: str, closed: list[Closed]) -> list[str]:
-    """The lines of one effect, one per controller."""
+def row(kind: str, closed: list[Closed]) -> str:
+    """The line of one effect."""
     names = Counter(
         " + ".join(f"{f.effect.kind} {f.effect.joint or ''}".strip() for f in c.diagnosis.findings) or "nothing"
         for c in closed
     )
-    called = ", ".join(f"{name} ({count})" for name, count in names.most_common())
     truth = next((t for c in closed for t in c.case.truth), None)
     axis = "" if truth is None or truth.joint is None else f" {truth.joint}"
-    lines = []
+    cells = [kind + axis, ", ".join(f"{count} {name}" for name, count in names.most_common())]
     for controller in CONTROLLERS:
         runs = [[getattr(c, d)[controller] for c in closed] for d in DESCRIPTIONS]
-        tip = [1e3 * np.mean([r.tip for r in of]) for of in runs]
-        # an effect of the whole arm moves another axis most from arm to arm: all axes are counted there
         own = [1e3 * np.degrees(np.mean([_own_error(c, r) for c, r in zip(closed, of, strict=True)])) for of in runs]
-        cells = [" -> ".join(f"{x:.0f}" for x in own), " -> ".join(f"{x:.2f}" for x in tip)]
-        lines.append(f"| {kind}{axis} | {called} | `{controller}` | {cells[0]} | {cells[1]} |")
-    return lines
+        tip = [1e3 * np.mean([r.tip for r in of]) for of in runs]
+        cells += [", ".join(f"{x:.0f}" for x in own), ", ".join(f"{x:.2f}" for x in tip)]
+    return f"| {' | '.join(cells)} |"
 
 
 def _own_error(closed: Closed, tracking: Tracking) -> float:
-    """Rms error of the axis with the effect [rad]; of all axes for an effect of the whole arm, or none."""
+    """Rms error of the axis with the effect [rad]; of all axes where it has none of its own."""
     joint = closed.case.truth[0].joint if closed.case.truth else None
     joints = tracking.joints
     return float(np.sqrt((joints**2).mean())) if joint is None else float(joints[joint - 1])
@@ -81,14 +79,14 @@ def main() -> None:
     parser.add_argument("--real", choices=("float", "double"), default="float", help="precision of the generated C")
     args = parser.parse_args()
     robot = load_robot("irb2400")
-    print("| effect, axis | called (arms) | controller | axis [mdeg] given -> recalibrated -> diagnosed | tip [mm] |")
-    print("| --- | --- | --- | --- | --- |")
+    heads = ["effect, axis", "called (arms)", *(f"{c}: {what}" for c in CONTROLLERS for what in ("axis", "tip"))]
+    print(f"| {' | '.join(heads)} |\n|{' --- |' * len(heads)}")
     for kind, joint, fraction in ROWS:
         if args.only and kind not in args.only:
             continue
         effects = () if kind == "none" else (Effect(kind, joint, fraction),)
         cases = [Case(args.seed + i, effects) for i in range(args.arms)]
-        print("\n".join(row(kind, [close(case, robot, real=args.real) for case in cases])), flush=True)
+        print(row(kind, [close(case, robot, real=args.real) for case in cases]), flush=True)
 
 
 if __name__ == "__main__":

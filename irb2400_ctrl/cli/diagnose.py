@@ -24,9 +24,14 @@ def diagnose(
     close_loop: Annotated[
         bool,
         typer.Option(
-            "--close-loop", help="Also make the controller again and track the log's motion before and after."
+            "--close-loop",
+            help="Also generate the controller again (C code in DIR/controller) and track the log's motion, before and "
+            "after, on a simulated arm that has what was found.",
         ),
     ] = False,
+    controller: Annotated[
+        str, typer.Option(metavar="NAME", help="Which controller --close-loop makes; an unknown name lists all.")
+    ] = "feedforward_pid",
 ) -> None:
     """Find the residual, name the effect behind it, add it to the robot -> findings.json, robot.toml, report.html."""
     for path in (log, validate, reference):
@@ -43,6 +48,10 @@ def diagnose(
     from irb2400_ctrl.robot import load_robot
 
     arm = load_robot(robot)
+    if close_loop:
+        from irb2400_ctrl.controllers import controller as make_controller
+
+        make_controller(controller, arm)  # a wrong name is to be said before the long work
     with step(f"reading {log.name}"):
         logs = [None if path is None else read_log(path) for path in (log, validate, reference)]
     assert logs[0] is not None
@@ -51,11 +60,13 @@ def diagnose(
     page, text = diagnosis_page(result, title=f"Diagnosis of {log.name}"), lines(result)
     if close_loop:
         with step("closing the loop"):
+            from irb2400_ctrl.codegen import export_package
             from irb2400_ctrl.report.closed_loop_section import add_closed_loop, closed_loop_lines
             from irb2400_ctrl.simulation.close_loop import close_loop as track
             from irb2400_ctrl.simulation.recorded import recorded_motion
 
-            loop = track(arm, result.robot, recorded_motion(logs[0]))
+            export_package(make_controller(controller, result.robot), out / "controller")
+            loop = track(arm, result.robot, recorded_motion(logs[0]), controller=controller)
             write_atomic(out / "closed_loop.json", json.dumps(loop.summary(), indent=2) + "\n")
             add_closed_loop(page, result, loop)
             text += closed_loop_lines(loop)
@@ -63,4 +74,10 @@ def diagnose(
         result.write(out)
         page.write(out / "report.html")
     print("\n".join(text))
-    print(f"written: {out / 'findings.json'}, {out / 'robot.toml'}, {out / 'report.html'}")
+    written = [
+        "findings.json",
+        "robot.toml",
+        "report.html",
+        *(("closed_loop.json", "controller") if close_loop else ()),
+    ]
+    print(f"written: {', '.join(str(out / name) for name in written)}")

@@ -16,6 +16,7 @@ def perturbed_robot(
     com_m: float = 0.005,
     inertia: float = 0.05,
     friction: float = 0.04,
+    share: float = 1.0,
 ) -> Robot:
     """A copy with mass and friction data drawn around those of the robot.
 
@@ -24,7 +25,9 @@ def perturbed_robot(
         seed: the same seed gives the same arm.
         mass, inertia, friction: relative standard deviations [-].
         com_m: standard deviation of each coordinate of the centres of mass [m].
+        share: factor on all deviations [-].
     """
+    mass, com_m, inertia, friction = (share * d for d in (mass, com_m, inertia, friction))
     if min(mass, com_m, inertia, friction) < 0:
         raise InputError("perturbed_robot: found a negative deviation; expected zero or more")
     rng = np.random.default_rng(seed)

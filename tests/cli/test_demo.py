@@ -13,6 +13,8 @@ from typer.testing import CliRunner
 
 import irb2400_ctrl as irb
 from irb2400_ctrl.cli.main import app
+from irb2400_ctrl.codegen import export_package
+from irb2400_ctrl.controllers import controller
 
 DATA = Path(str(resources.files("irb2400_ctrl") / "data"))
 
@@ -79,8 +81,9 @@ def test_plan_keeps_the_contract(demo: tuple[Path, str]) -> None:
 
 def test_better_description_tracks_better(demo: tuple[Path, str]) -> None:
     lines = [line.split() for line in demo[1].splitlines() if line.startswith("close")]
-    before, after = (float(words[words.index("mm") - 1]) for words in lines)
+    before, recalibrated, after = (float(words[words.index("mm") - 1]) for words in lines)
     assert after < 0.6 * before
+    assert after < 0.6 * recalibrated
 
 
 def test_commands_hand_on_their_files(demo: tuple[Path, str], tmp_path: Path) -> None:
@@ -96,6 +99,25 @@ def test_commands_hand_on_their_files(demo: tuple[Path, str], tmp_path: Path) ->
     # a simulated log is a log like any other
     assert "verdict:" in run("diagnose", tmp_path / "run" / "log.csv", "--robot", robot, "--out", tmp_path / "found")
     assert (tmp_path / "found" / "report.html").is_file()
+
+
+def test_diagnose_closes_the_loop_with_generated_code(tmp_path: Path) -> None:
+    arm = DATA / "arm" / "identification.csv.gz"
+    text = run("diagnose", arm, "--close-loop", "--controller", "computed_torque", "--out", tmp_path)
+    assert "robot as diagnosed" in text
+    runs = json.loads((tmp_path / "closed_loop.json").read_text())
+    before, recalibrated, after = (runs[name] for name in ("before", "recalibrated", "after"))
+    axis = [r["joint_error_deg"]["rms"][3] for r in (before, recalibrated, after)]
+    assert axis[2] < 0.5 * min(axis[:2])
+    assert {r["controller"] for r in runs.values()} == {"computed_torque"}
+    assert json.loads((tmp_path / "controller" / "verification.json").read_text())["passed"] is True
+    # the ripple is in the code: sines that the given arm has not
+    export_package(controller("computed_torque", irb.load_robot("irb2400")), tmp_path / "given")
+    sines = [
+        (tmp_path / place / "computed_torque.c").read_text().count("own_sincos(") for place in ("given", "controller")
+    ]
+    assert sines[0] < sines[1]
+    assert "library's own simulation" in (tmp_path / "report.html").read_text()
 
 
 def test_plan_with_held_orientation(tmp_path: Path) -> None:
