@@ -18,14 +18,17 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from irb2400_ctrl.planners.added_torque import Added, Range, memories
 from irb2400_ctrl.planners.joint_path import JointPath
-from irb2400_ctrl.planners.path_dynamics import PathDynamics
+from irb2400_ctrl.planners.path_dynamics import OUTPUTS, PathDynamics
 
 Array = npt.NDArray[np.float64]
 
 # how far joints may turn on the circle of Cauchy's integral [rad]; larger: smaller factor, larger variation
 _REACH = 0.25
 _KAPPA = 400.0
+# parts of that reach to try one after the other
+_SHRINK = (1.0, 0.25, 1 / 16, 1 / 64)
 # largest turn of a joint within a cell [rad]
 _TURN = 0.03
 # cells shorter than this part of their neighbours' spacing are not cut off at a reversal
@@ -54,6 +57,8 @@ class Cells:
     """whether the joint moves in that direction somewhere in the cell, shape (m, n)"""
     curvature: Array
     """q'' at both ends (linear between), shape (m, 2, n) [rad/m2]"""
+    added: Added | None = None
+    """effects beside the regular form"""
 
     @property
     def h(self) -> Array:
@@ -124,8 +129,18 @@ def parabolas(
 def enclose(dynamics: PathDynamics, path: JointPath, s: Array) -> Cells:
     """The enclosure on the cells between the lengths s (knots of the path included)."""
     fitted, remainder = parabolas(path, s, dynamics.coefficients, dynamics.radii)
-    a, b, e, c_minus, c_zero, c_plus = fitted
-    r_a, r_b, r_e, r_minus, r_zero, r_plus = remainder
+    low, high = dynamics.factors
+    a, b, e = fitted[:3]
+    # what factors of the time add, coefficient by coefficient: the remainders simply add up
+    count, size = len(OUTPUTS), np.maximum(np.abs(low), np.abs(high))
+    timed = [[fitted[count * (k + 1) + i] for k in range(len(low))] for i in range(count)]
+    rest = np.array(remainder[:count])
+    for k, g in enumerate(size):
+        rest += g * remainder[count * (k + 1) : count * (k + 2)]
+    ranges = [Range.of(parts, low, high) for parts in timed] if len(low) else []
+    c_below, c_above = list(fitted[3:6]), list(fitted[3:6])
+    for i, found in enumerate(ranges[3:]):
+        c_below[i], c_above[i] = c_below[i] + found.low, c_above[i] + found.high
     piece = path.piece(s[:-1] + np.diff(s) / 2)
     ends = [(path.on_piece(at, piece, 1), path.on_piece(at, piece, 2)) for at in (s[:-1], s[1:])]
     (first, curved), (last, curved_last) = ends
@@ -135,13 +150,47 @@ def enclose(dynamics: PathDynamics, path: JointPath, s: Array) -> Cells:
     noise = 1e-9 * np.abs(speed).max(axis=1)
     forwards, backwards = speed.max(axis=1) > noise, speed.min(axis=1) < -noise
     still = ~(forwards ^ backwards)
-    c_high, c_low = np.full_like(c_zero, -np.inf), np.full_like(c_zero, np.inf)
-    for used, c in ((forwards, c_plus), (backwards, c_minus), (still, c_zero)):
-        c_high = np.where(used[:, None], np.maximum(c_high, c), c_high)
-        c_low = np.where(used[:, None], np.minimum(c_low, c), c_low)
-    rest = np.stack([r_a, r_b, r_e, np.maximum(np.maximum(r_minus, r_plus), r_zero)])
+    c_high, c_low = np.full_like(a, -np.inf), np.full_like(a, np.inf)
+    for used, below, above in zip((backwards, still, forwards), c_below, c_above, strict=True):
+        c_high = np.where(used[:, None], np.maximum(c_high, above), c_high)
+        c_low = np.where(used[:, None], np.minimum(c_low, below), c_low)
+    together = np.stack([*rest[:3], rest[3:].max(axis=0)])
     curvature = np.stack([curved, curved_last], axis=1)
-    return Cells(s, a, b, e, c_low, c_high, rest, speed, forwards, backwards, curvature)
+    added = None
+    if ranges or dynamics.forms.laws:
+        nothing = Range(np.zeros_like(a), np.zeros_like(a))
+        load, load_rest = fitted[-3:], remainder[-3:]
+        if not dynamics.needs_load:
+            load, load_rest = [np.empty(0)] * 3, np.empty((3, 0, 0))
+        direction = (
+            np.where(backwards, -1.0, np.where(forwards, 1.0, 0.0)),
+            np.where(forwards, 1.0, np.where(backwards, -1.0, 0.0)),
+        )
+        a_range, b_range, e_range = ranges[:3] or [nothing] * 3
+        square, missed = _square(speed)
+        added = Added(
+            a=a_range,
+            b=b_range,
+            e=e_range,
+            laws=dynamics.forms.laws,
+            direction=direction,
+            states=memories(dynamics.forms.laws, path(s), direction),
+            load=(load[0], load[1], load[2]),
+            load_remainder=load_rest,
+            square=square,
+            square_remainder=missed,
+        )
+    return Cells(s, a, b, e, c_low, c_high, together, speed, forwards, backwards, curvature, added)
+
+
+def _square(speed: Array) -> tuple[Array, Array]:
+    """Parabola of q'^2 through its values at start, middle and end, and what it misses."""
+    s0, s1, s2 = speed[:, 0], speed[:, 1], speed[:, 2]
+    parabola = _bernstein(np.stack([s0, (s0 + 2 * s1 + s2) / 4, s2]) ** 2)
+    # q'^2 = ... + c3 t^3 + c4 t^4; f - p = (c3 + c4 (t + 3/2)) t (t - 1/2)(t - 1), the product at most sqrt(3)/36
+    bend = s0 - 2 * s1 + s2
+    c3, c4 = 4 * (s1 - s0) * bend, bend**2
+    return parabola, np.sqrt(3) / 36 * (np.abs(c3 + 2 * c4) + np.abs(c4) / 2)
 
 
 def _bernstein(values: Array) -> Array:
@@ -157,7 +206,25 @@ def _remainder(
     q, dq, ddq, dddq = (path.on_piece(middle, piece, order) for order in (0, 1, 2, 3))
     size = [np.abs(d).max(axis=1) + 1e-300 for d in (dq, ddq, dddq)]
     R = np.minimum.reduce([_REACH / size[0], np.sqrt(_REACH / size[1]), np.cbrt(_REACH / size[2])]) / 2
-    kappa = np.clip(R / w, 2.0, _KAPPA)
+    found = np.empty((0, len(w), 0))
+    left = np.arange(len(w))
+    for shrink in _SHRINK:
+        kappa = np.clip(shrink * R[left] / w[left], 2.0, _KAPPA)
+        bound = _cauchy(radii, (q[left], dq[left], ddq[left], dddq[left]), kappa, w[left])
+        if not found.size:
+            found = bound
+        else:
+            found[:, left] = np.minimum(found[:, left], bound)
+        # a function that changes faster than the arm (gear ripple) has no bound on a circle this large
+        left = left[(bound.max(axis=(0, 2)) > 1e100) & (kappa > 2.0)]
+        if not len(left):
+            break
+    return found
+
+
+def _cauchy(radii: Callable[..., tuple[Array, ...]], path: tuple[Array, ...], kappa: Array, w: Array) -> Array:
+    """The bound on circles of radius kappa w about the middles of the cells, where q and its derivatives are given."""
+    q, dq, ddq, dddq = path
     R = (kappa * w)[:, None]
     r = np.abs(dq) * R + np.abs(ddq) * R**2 / 2 + np.abs(dddq) * R**3 / 6
     dr = np.abs(ddq) * R + np.abs(dddq) * R**2 / 2

@@ -13,6 +13,7 @@ from irb2400_ctrl.planners.joint_path import JointPath
 from irb2400_ctrl.planners.limits import MotionLimits
 from irb2400_ctrl.planners.path_dynamics import PathDynamics
 from irb2400_ctrl.planners.rows import dry_friction
+from irb2400_ctrl.planners.smooth_law import SmoothLaw
 from irb2400_ctrl.planners.time_law import TimeLaw
 
 Array = npt.NDArray[np.float64]
@@ -23,7 +24,7 @@ class Certificate:
     """A motion: the joint path, the grid with sdot^2 on it, and the limits it claims to keep."""
 
     path: JointPath
-    law: TimeLaw
+    law: TimeLaw | SmoothLaw
     limits: MotionLimits
 
 
@@ -37,10 +38,15 @@ class Checked:
     """largest |qd| / qd_max"""
     torque_at: tuple[float, int]
     """where: length [m] and axis 1…n"""
+    acceleration_ratio: float = 0.0
+    torque_rate_ratio: float = 0.0
+    jerk_ratio: float = 0.0
+    """of a `SmoothLaw`, as parts of their limits; zero where there is none"""
 
     def holds(self, tolerance: float = 1e-9) -> bool:
-        """Whether both bounds are at most one."""
-        return self.torque_ratio <= 1 + tolerance and self.velocity_ratio <= 1 + tolerance
+        """Whether all bounds are at most one."""
+        rates = (self.acceleration_ratio, self.torque_rate_ratio, self.jerk_ratio)
+        return max(self.torque_ratio, self.velocity_ratio, *rates) <= 1 + tolerance
 
 
 def check(certificate: Certificate, model: Model, dynamics: PathDynamics | None = None) -> Checked:
@@ -51,6 +57,11 @@ def check(certificate: Certificate, model: Model, dynamics: PathDynamics | None 
     """
     dynamics = PathDynamics(model) if dynamics is None else dynamics
     law, limits = certificate.law, certificate.limits
+    if isinstance(law, SmoothLaw):
+        # its cells are not of constant acceleration: another set of bounds, which stands on these types
+        from irb2400_ctrl.planners.smooth_certificate import check_smooth
+
+        return check_smooth(certificate, dynamics)
     # parts of the solver's cells: sharper, and nothing that the solver computed is used again
     for parts in (2, 4, 8):
         split = np.arange(parts) / parts
@@ -74,19 +85,47 @@ def check(certificate: Certificate, model: Model, dynamics: PathDynamics | None 
 def torque_bounds(cells: Cells, u: Array, x: Array, friction: Array) -> tuple[Array, Array]:
     """Largest and smallest torque in each cell, each (m, n) [Nm]."""
     first, last = x[:-1, None], x[1:, None]
-    product = _times_linear(cells.b, x[:-1], x[1:])
     low, high = np.minimum(first, last), np.maximum(first, last)
-    e_low, e_high = _root_range(cells.e, x)
     r_a, r_b, r_e, r_c = cells.remainder
     rest = r_a * np.abs(u)[:, None] + r_b * high + r_e * np.sqrt(high) + r_c
     forwards, backwards = dry_friction(cells, friction, low[:, 0])
     F_c = np.minimum(friction[:, 0], friction[:, 1])
     top = np.where(cells.forwards, forwards, np.where(cells.backwards, -F_c, 0.0))
     bottom = np.where(cells.backwards, -backwards, np.where(cells.forwards, F_c, 0.0))
-    base = _raise(cells.a) * u[:, None, None] + product
-    above = (base + _raise(cells.c_high) + e_high).max(axis=1) + top + rest
-    below = (base + _raise(cells.c_low) + e_low).min(axis=1) + bottom - rest
+    above = _largest(cells, u, x, 1.0) + top + rest
+    below = -_largest(cells, u, x, -1.0) + bottom - rest
     return above, below
+
+
+def _largest(cells: Cells, u: Array, x: Array, side: float) -> Array:
+    """Upper bound of side times the torque in each cell, dry friction and remainders left out, (m, n) [Nm]."""
+    added = cells.added
+    a, b, e = side * cells.a, side * cells.b, side * cells.e
+    c = cells.c_high if side > 0 else -cells.c_low
+    rest = np.zeros_like(a[:, 0])
+    turn = u[:, None, None]
+    extra = np.zeros_like(a)
+    if added is not None:
+        x_low, x_high = np.minimum(x[:-1], x[1:]), np.maximum(x[:-1], x[1:])
+        extra = np.maximum(turn * side * added.a.low, turn * side * added.a.high)
+        line = added.line("speed", side, *added.squared_speed(x_low, x_high))
+        b = b + added.b.upper(side) + line.beta[:, None] * added.square
+        e = e + added.e.upper(side)
+        c = c + line.alpha[:, None]
+        rest = np.abs(line.beta) * added.square_remainder * x_high[:, None]
+    base = raised(a * turn + extra + c) + _times_linear(b, x[:-1], x[1:]) + _root_range(e, x)[1]
+    if added is None or not added.has_load:
+        return np.asarray(base.max(axis=1) + rest)
+    a_l, b_l, c_l = added.load
+    load = raised(a_l * turn + c_l) + _times_linear(b_l, x[:-1], x[1:])
+    r_a, r_b, r_c = added.load_remainder
+    miss = r_a * np.abs(u)[:, None] + r_b * x_high[:, None] + r_c
+    size = np.abs(load).max(axis=1) + miss
+    line = added.line("load", side, np.zeros_like(size), size)
+    # |load| is the larger of load and -load: above a growing law the larger bound, above a falling one either bound
+    both = [(base + k * line.beta[:, None] * load).max(axis=1) for k in (1, -1)]
+    either = np.where(line.beta >= 0, np.maximum(*both), np.minimum(*both))
+    return np.asarray(either + line.alpha + np.abs(line.beta) * miss + rest)
 
 
 def _root_range(e: Array, x: Array) -> tuple[Array, Array]:
@@ -111,7 +150,8 @@ def _times_linear(f: Array, first: Array, last: Array) -> Array:
     return np.stack(terms, axis=1)
 
 
-def _raise(f: Array) -> Array:
+def raised(f: Array) -> Array:
+    """Degree 2 to degree 3, along axis 1."""
     return np.stack([f[:, 0], (f[:, 0] + 2 * f[:, 1]) / 3, (2 * f[:, 1] + f[:, 2]) / 3, f[:, 2]], axis=1)
 
 

@@ -77,6 +77,7 @@ def time_path(
             x_low=np.minimum(low[:-1], low[1:]),
             x_high=np.maximum(high[:-1], high[1:]),
             u_max=_acceleration_bound(x, h),
+            u_bar=np.diff(x) / (2 * h),
         )
         passed = two_pass(torque_rows(cells, limits, friction, at, extra), h, low, high)
         passes += 1
@@ -111,7 +112,7 @@ def _guess(cells: Cells, limits: MotionLimits, friction: Array, bound: Array, ex
     x = np.minimum(x, 4 * np.median(x) + 1e-9)
     for _ in range(2):
         mean = np.maximum((x[:-1] + x[1:]) / 2, 1e-30)
-        at = Linearisation(mean, mean, 1.2 * mean, np.full(m, np.inf))
+        at = Linearisation(mean, mean, 1.2 * mean, np.full(m, np.inf), np.diff(x) / (2 * cells.h))
         passed = two_pass(torque_rows(cells, limits, friction, at, extra), cells.h, np.zeros(m + 1), bound)
         if passed.stuck is not None:
             return None

@@ -1,4 +1,8 @@
-"""Timing with effects whose torque has no enclosure: bounded by looking, with room to spare."""
+"""Timing with effects whose torque has no bound: looked at, with room to spare.
+
+An elastic joint's torque follows the second derivative of the load. The timing lets the acceleration jump, so that
+there is none; what is looked at is the model's slow twist, and the swinging that a jump starts is left out.
+"""
 
 from __future__ import annotations
 
@@ -37,13 +41,26 @@ def time_with_irregular(
             return timed
         # only ever more: the rounds end
         held = np.maximum(held, seen + _ROOM * np.abs(seen) + 1e-6)
-    law = timed.law if timed is not None else None
+    law = None if timed is None else timed.law
     raise InfeasibleError(
         "the torque of the effects "
         + ", ".join(sorted({e.kind for e in dynamics.irregular}))
         + f" does not settle with the timing ({'no motion' if law is None else f'{law.duration:.2f} s'} at last); "
         "lower the speed limits"
     )
+
+
+def guarantee_note(dynamics: PathDynamics, certified: bool, holds: bool) -> str:
+    """Why a plan's torque bound is not guaranteed; empty where it is."""
+    if not certified:
+        return "timing by toppra: the torque limits are kept at grid points, in between they were only looked at"
+    if dynamics.irregular:
+        names = ", ".join(f"{e.kind} on axis {e.joint}" for e in dynamics.irregular)
+        return (
+            f"{names}: its torque follows the second derivative of the load, which has no bound where the acceleration "
+            f"jumps; the slow twist was looked at and held back with {100 * _ROOM:.0f} % to spare"
+        )
+    return "" if holds else "the check of the bound failed; plan with more cells"
 
 
 def _seen(dynamics: PathDynamics, path: JointPath, timed: Timed) -> Array:

@@ -2,12 +2,13 @@
 
 With q = q(s), qd = q' sqrt(x), qdd = q'' x + q' u the rigid-body torque and every effect that is at most quadratic in
 the speeds and linear in the accelerations have this form exactly (a = M q', b = M q'' + C(q, q') q', c = G). The dry
-friction of eq. 55 stands apart, because its sign and Stribeck curve need their own treatment.
+friction of eq. 55 stands apart, because its sign and Stribeck curve need their own treatment; so do effects of other
+forms (`effect_forms`, `added_torque`).
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property, lru_cache
 
 import casadi as ca
@@ -17,8 +18,8 @@ import numpy.typing as npt
 from irb2400_ctrl.codegen import CompiledFunction, compile_function
 from irb2400_ctrl.effects import Effect
 from irb2400_ctrl.model import Model
-from irb2400_ctrl.model.signals import ArmSignals
 from irb2400_ctrl.planners.ball import ball_function
+from irb2400_ctrl.planners.effect_forms import Forms, expand, split, with_sign
 from irb2400_ctrl.robot import Robot
 
 Array = npt.NDArray[np.float64]
@@ -33,19 +34,33 @@ class PathDynamics:
     model: Model
 
     @cached_property
-    def regular(self) -> tuple[Effect, ...]:
-        """Effects that fit the form above."""
-        return tuple(e for e in self.model.robot.effects if e.acts == "force" and _fits(self.model, e))
+    def forms(self) -> Forms:
+        """The robot's effects, sorted by how they are bounded."""
+        return Forms.of(self.model)
 
-    @cached_property
+    @property
     def irregular(self) -> tuple[Effect, ...]:
-        """Effects on the arm that do not: their torque is bounded by looking, and nothing is guaranteed."""
-        return tuple(e for e in self.model.robot.effects if e.acts == "force" and e not in self.regular)
+        """Effects without a bound: their torque is looked at, and nothing is guaranteed."""
+        return self.forms.open
+
+    @property
+    def needs_load(self) -> bool:
+        """Whether a law depends on the load of a transmission."""
+        return any(law.of == "load" for law in self.forms.laws)
 
     @cached_property
+    def _built(self) -> tuple[ca.Function, Array, Array]:
+        return coefficient_function(self.model, self.forms.regular, self.needs_load)
+
+    @property
     def symbolic(self) -> ca.Function:
-        """(q, q', q'') -> a, b, e and c for motion backwards, at rest, forwards."""
-        return coefficient_function(self.model, self.regular)
+        """(q, q', q'') -> a, b, e and c for motion backwards, at rest, forwards; then what `added_torque` needs."""
+        return self._built[0]
+
+    @property
+    def factors(self) -> tuple[Array, Array]:
+        """Bounds of the effects' factors of the time, over all times."""
+        return self._built[1:]
 
     @cached_property
     def _compiled(self) -> CompiledFunction:
@@ -56,7 +71,7 @@ class PathDynamics:
         return compile_function(ball_function(self.symbolic), fused=True)
 
     def coefficients(self, q: Array, dq: Array, ddq: Array) -> tuple[Array, ...]:
-        """a, b, e, c_minus, c_zero, c_plus at m points, each (m, n)."""
+        """The outputs of `symbolic` at m points, each (m, n)."""
         return self._compiled.map(q, dq, ddq)
 
     def radii(self, q: Array, dq: Array, ddq: Array, r: Array, dr: Array, ddr: Array) -> tuple[Array, ...]:
@@ -73,6 +88,11 @@ class PathDynamics:
         tau = ca.substitute(tau, ca.vertcat(s.qddd, s.qdddd), zero)
         return ca.Function("irregular", [s.q, s.qd, s.qdd, s.time], [ca.densify(tau)])
 
+    def torque(self, q: Array, qd: Array, qdd: Array, time: Array) -> Array:
+        """The model's torque at the times (m,) of a motion that starts at time zero, shape (m, n) [Nm]."""
+        columns = [ca.DM(v.T) for v in (q, qd, qdd)] + [ca.DM(time[None, :])]
+        return np.ascontiguousarray(np.asarray(self.model.function("inverse_dynamics")(*columns)).T)
+
     def irregular_torque(self, q: Array, qd: Array, qdd: Array, time: Array) -> Array:
         """Torque of the irregular effects, shape (m, n) [Nm]."""
         if not self.irregular:
@@ -87,62 +107,38 @@ def path_dynamics(robot: Robot) -> PathDynamics:
     return PathDynamics(Model(robot))
 
 
-def coefficient_function(model: Model, effects: tuple[Effect, ...]) -> ca.Function:
-    """The coefficients as an SX function of (q, q', q'')."""
+def coefficient_function(
+    model: Model, effects: tuple[Effect, ...], with_load: bool = False
+) -> tuple[ca.Function, Array, Array]:
+    """The coefficients as an SX function of (q, q', q''), and the bounds of the effects' factors of the time.
+
+    Outputs: a, b, e, c_minus, c_zero, c_plus of the arm with its effects; the same six for every factor of the time;
+    and with the load a_load, b_load, c_load of the rigid-body torque.
+    """
     n = model.robot.n
-    sign = ca.SX.sym("sign", n)
-    s = replace(model.signals(), sign=sign)
-    tau = s.load + _effects_torque(effects, s)
-    dq, ddq, v, u = ca.SX.sym("dq", n), ca.SX.sym("ddq", n), ca.SX.sym("v"), ca.SX.sym("u")
-    tau = ca.substitute(
-        tau,
-        ca.vertcat(s.qd, s.qdd, s.qddd, s.qdddd, s.time),
-        ca.vertcat(dq * v, ddq * v**2 + dq * u, ca.SX.zeros(2 * n + 1)),
-    )
-    zero = ca.SX.zeros(n)
-    rest = ca.vertcat(v, u, sign)
-    slope_v = ca.jacobian(tau, v)
-    at_rest = ca.vertcat(0, 0, zero)
-    a = ca.substitute(ca.jacobian(tau, u), rest, at_rest)
-    e = ca.substitute(slope_v, rest, at_rest)
-    b = ca.substitute(ca.jacobian(slope_v, v), rest, at_rest) / 2
-    c = [ca.substitute(tau, rest, ca.vertcat(0, 0, ca.DM([level] * n))) for level in (-1, 0, 1)]
-    viscous = ca.DM(model.robot.friction[:, 2])
-    outputs = [ca.densify(ca.simplify(o)) for o in (a, b, e + viscous * dq, *c)]
-    shared = ca.Function("coefficients", [s.q, dq, ddq], outputs, ["q", "dq", "ddq"], list(OUTPUTS))
-    together = ca.cse(ca.vertcat(*shared.call([s.q, dq, ddq], True, False)))
-    parts = ca.vertsplit(together, n)
-    return ca.Function("coefficients", [s.q, dq, ddq], parts, ["q", "dq", "ddq"], list(OUTPUTS))
-
-
-def _effects_torque(effects: tuple[Effect, ...], s: ArmSignals) -> ca.SX:
-    tau = ca.SX.zeros(s.q.numel())
+    s = with_sign(model)
+    tau, timed, low, high = s.load, list[ca.SX](), list[Array](), list[Array]()
     for effect in effects:
-        tau += effect.torque(s.with_state(effect.steady_state(s)))
-    return tau
-
-
-def _fits(model: Model, effect: Effect) -> bool:
-    """Whether the effect's torque has the form above: compared with its own expansion at random states."""
-    n = model.robot.n
-    signals = model.signals()
-    bare = effect.torque(signals.with_state(effect.steady_state(signals)))
-    if ca.depends_on(bare, ca.vertcat(signals.time, signals.qddd, signals.qdddd)):
-        return False
-    rng = np.random.default_rng(0)
-    truth = ca.Function("t", [signals.q, signals.qd, signals.qdd], [bare])
-    full = coefficient_function(model, (effect,))
-    alone = coefficient_function(model, ())
-    for _ in range(6):
-        q = rng.uniform(model.robot.q_min, model.robot.q_max)
-        dq, ddq = rng.normal(size=n), rng.normal(size=n)
-        v, u = rng.uniform(0.3, 3.0), rng.normal() * 3
-        a, b, e, c_minus, _, c_plus = (
-            np.asarray(x - y).ravel() for x, y in zip(full(q, dq, ddq), alone(q, dq, ddq), strict=True)
-        )
-        c = np.where(dq > 0, c_plus, c_minus)
-        expected = a * u + b * v**2 + e * v + c
-        found = np.asarray(truth(q, dq * v, ddq * v**2 + dq * u)).ravel()
-        if np.abs(found - expected).max() > 1e-9 * (1 + np.abs(found).max()):
-            return False
-    return True
+        parts = split(effect.torque(s.with_state(effect.steady_state(s))), s)
+        if parts is None:
+            raise ValueError(f"{effect.kind} is not regular")
+        tau += parts[0][0]
+        timed += parts[0][1:]
+        low.append(parts[1])
+        high.append(parts[2])
+    dq, ddq = ca.SX.sym("dq", n), ca.SX.sym("ddq", n)
+    arm = expand(tau, s, dq, ddq)
+    arm[2] += ca.DM(model.robot.friction[:, 2]) * dq
+    names, outputs = list(OUTPUTS), arm
+    for k, part in enumerate(timed):
+        names += [f"{name}_{k}" for name in OUTPUTS]
+        outputs += expand(part, s, dq, ddq)
+    if with_load:
+        names += ["a_load", "b_load", "c_load"]
+        load = expand(s.load, s, dq, ddq)
+        outputs += [load[0], load[1], load[4]]
+    shared = ca.Function("coefficients", [s.q, dq, ddq], outputs, ["q", "dq", "ddq"], names)
+    together = ca.cse(ca.vertcat(*shared.call([s.q, dq, ddq], True, False)))
+    parts_ = ca.vertsplit(together, n)
+    function = ca.Function("coefficients", [s.q, dq, ddq], parts_, ["q", "dq", "ddq"], names)
+    return function, np.concatenate([*low, np.empty(0)]), np.concatenate([*high, np.empty(0)])

@@ -30,7 +30,7 @@ class Trajectory:
     qdd: Array
     """[rad], [rad/s], [rad/s2], shape (k, n)"""
     tau: Array
-    """torque of the model, friction and effects included [Nm], shape (k, n)"""
+    """torque of the model, friction and effects included, at their times from the start [Nm], shape (k, n)"""
     s: Array
     """length along the path [m], shape (k,)"""
 
@@ -82,6 +82,8 @@ class Plan:
     branch: int
     rotation: Array
     """free tool rotation at the rows of the trajectory [rad]"""
+    guarantee_note: str = ""
+    """why the bound is not guaranteed; empty where it is"""
     alternatives: tuple[dict[str, Any], ...] = ()
     """the candidates that were compared: kind, branch, margin, duration_s"""
     passages: tuple[dict[str, Any], ...] = ()
@@ -106,6 +108,7 @@ class Plan:
             "max_torque_ratio": self.max_torque_ratio,
             "max_velocity_ratio": self.max_velocity_ratio,
             "guaranteed": self.guaranteed,
+            "guarantee_note": self.guarantee_note,
             "timing": self.timing,
             "tool_rotation": self.chosen,
             "tool_rotation_deg": [float(np.degrees(v)) for v in (self.rotation.min(), self.rotation.max())],

@@ -21,7 +21,7 @@ from irb2400_ctrl.planners.certificate import Certificate, Checked, check
 from irb2400_ctrl.planners.certified import Timed
 from irb2400_ctrl.planners.deviation import deviation, singularity_margins
 from irb2400_ctrl.planners.follow import Followed
-from irb2400_ctrl.planners.irregular import time_with_irregular
+from irb2400_ctrl.planners.irregular import guarantee_note, time_with_irregular
 from irb2400_ctrl.planners.limits import MotionLimits
 from irb2400_ctrl.planners.margins import COMFORTABLE
 from irb2400_ctrl.planners.orientation import Orientation
@@ -125,8 +125,8 @@ def plan_path(
     with clock.stage("remedies"):
         priced = _remedies(dynamics, options, choice, orientation, limits, axis_tolerance, cells)
     with clock.stage("trajectory"):
-        trajectory = _trajectory(model, certificate, rate)
-        torque_ratio, velocity_ratio = _ratios(model, certificate, checked)
+        trajectory = _trajectory(dynamics, certificate, rate)
+        torque_ratio, velocity_ratio = _ratios(dynamics, certificate, checked)
     return Plan(
         robot=robot,
         path=placed,
@@ -134,6 +134,7 @@ def plan_path(
         certificate=certificate,
         duration=timed.law.duration,
         guaranteed=timing == "certified" and checked.holds(),
+        guarantee_note=guarantee_note(dynamics, timing == "certified", checked.holds()),
         timing=timing,
         max_tcp_deviation=off.largest,
         max_tool_axis_deviation=float(off.axis.max()),
@@ -242,17 +243,17 @@ def feed_bound(model: Model, followed: Followed, orientation: Orientation) -> Fe
     return bound
 
 
-def _trajectory(model: Model, certificate: Certificate, rate: float) -> Trajectory:
+def _trajectory(dynamics: PathDynamics, certificate: Certificate, rate: float) -> Trajectory:
     """Rows at k / rate up to the first one at or after the end."""
     rows = int(np.ceil(certificate.law.duration * rate - 1e-9)) + 1
     if rows > 20_000_000:
         raise InputError(f"rate: {rate} rows per second make {rows} rows; expected a lower rate")
     t = np.arange(rows) / rate
     s, q, qd, qdd = certificate.law.motion(certificate.path, t)
-    return Trajectory(t, q, qd, qdd, model.inverse_dynamics(q, qd, qdd), s)
+    return Trajectory(t, q, qd, qdd, dynamics.torque(q, qd, qdd, t), s)
 
 
-def _ratios(model: Model, certificate: Certificate, checked: Checked) -> tuple[float, float]:
+def _ratios(dynamics: PathDynamics, certificate: Certificate, checked: Checked) -> tuple[float, float]:
     """Largest torque and speed ratios: the bound over all times, or, where there is none, 10,000 looks per second."""
     if np.isfinite(checked.torque_ratio):
         return checked.torque_ratio, checked.velocity_ratio
@@ -261,6 +262,6 @@ def _ratios(model: Model, certificate: Certificate, checked: Checked) -> tuple[f
     for first in np.arange(0.0, duration, 10.0):
         t = np.arange(first, min(first + 10.0, duration), 1e-4)
         _, q, qd, qdd = certificate.law.motion(certificate.path, t)
-        tau = np.array([model.inverse_dynamics(q, qd, qdd)])[0]
+        tau = dynamics.torque(q, qd, qdd, t)
         worst = max(worst, float((np.abs(tau) / certificate.limits.tau_max).max()))
     return worst, checked.velocity_ratio

@@ -8,6 +8,7 @@ it. What does not fit is bounded by what does, each time on the safe side:
     e sqrt(x), e < 0:   the chord x / sqrt(x_high) lies below the root up to x_high
     dry friction:       the Stribeck curve is highest at the slowest speed of the cell
     parabolas:          their remainder, times bounds of |u| and x that are rows themselves
+    other effects:      `added_torque`
 """
 
 from __future__ import annotations
@@ -17,6 +18,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from irb2400_ctrl.planners.added_torque import Variant, load_cap, variants
 from irb2400_ctrl.planners.cells import Cells
 from irb2400_ctrl.planners.limits import MotionLimits
 
@@ -37,6 +39,8 @@ class Linearisation:
     """bounds of x in the cell"""
     u_max: Array
     """bound of |u|; inf leaves the remainder of a out (a first guess, not safe)"""
+    u_bar: Array
+    """u expected: decides which sign a load has where its friction helps"""
 
 
 def dry_friction(cells: Cells, friction: Array, x_low: Array) -> tuple[Array, Array]:
@@ -80,18 +84,32 @@ def torque_rows(
         rest = r_a * at.u_max[:, None] + r_b * X + r_e * np.sqrt(X) + r_c
     held = np.zeros((len(h), 2, top.shape[1])) if extra is None else extra
     rows = []
+    nothing = np.zeros_like(top)
     for side, c, dry in ((1.0, cells.c_high, top), (-1.0, -cells.c_low, -bottom)):
-        e = side * cells.e
-        pushing = np.maximum(e, 0.0)
-        helping = np.where((e <= 0).all(axis=1, keepdims=True), e, 0.0)
-        root = np.sqrt(at.x_bar)[:, None, None]
-        chord = 1 / np.sqrt(np.maximum(at.x_high, 1e-30))[:, None, None]
-        b = side * cells.b + pushing / (2 * root) + helping * chord
-        constant = c + pushing * root / 2
-        p, q, r = _bernstein_rows(side * cells.a, b, constant, h)
-        limit = limits.tau_max
-        reserve = (dry + rest + held[:, 0 if side > 0 else 1])[:, None]
-        rows.append(np.stack([p, q, limit * (1 - ROUNDING) - r - reserve], axis=-1) / limit[:, None])
+        plain = Variant(side * cells.a, side * cells.b, side * cells.e, c, nothing)
+        box = at.x_low, at.x_high, at.u_max
+        for part in (
+            [plain]
+            if cells.added is None
+            else variants(cells.added, plain, side, (at.u_bar, at.x_bar), box, limits.tau_max)
+        ):
+            pushing = np.maximum(part.e, 0.0)
+            helping = np.where((part.e <= 0).all(axis=1, keepdims=True), part.e, 0.0)
+            root = np.sqrt(at.x_bar)[:, None, None]
+            chord = 1 / np.sqrt(np.maximum(at.x_high, 1e-30))[:, None, None]
+            b = part.b + pushing / (2 * root) + helping * chord
+            constant = part.c + pushing * root / 2
+            p, q, r = _bernstein_rows(part.a, b, constant, h)
+            limit = limits.tau_max
+            reserve = (dry + rest + part.rest + held[:, 0 if side > 0 else 1])[:, None]
+            rows.append(np.stack([p, q, limit * (1 - ROUNDING) - r - reserve], axis=-1) / limit[:, None])
+    if cells.added is not None and cells.added.has_load:
+        a, b, c = cells.added.load
+        # a bound of the load that is none for most axes: divided by itself all the same
+        cap = np.minimum(load_cap(cells.added, limits.tau_max), 1e6 * limits.tau_max)
+        for side in (1.0, -1.0):
+            p, q, r = _bernstein_rows(side * a, side * b, side * c, h)
+            rows.append(np.stack([p, q, cap * (1 - ROUNDING) - r], axis=-1) / cap[:, None])
     bounded = np.flatnonzero(np.isfinite(limits.qdd_max))
     if len(bounded):
         first, last = cells.curvature[:, 0][:, bounded], cells.curvature[:, 1][:, bounded]

@@ -40,7 +40,8 @@ def time_with_toppra(
     m = len(cells.h)
     for _ in range(passes):
         mean = np.maximum((x[:-1] + x[1:]) / 2, 1e-30)
-        rows = torque_rows(cells, limits, friction, Linearisation(mean, mean, 1.02 * mean, np.full(m, np.inf)))
+        at = Linearisation(mean, mean, 1.02 * mean, np.full(m, np.inf), np.diff(x) / (2 * cells.h))
+        rows = torque_rows(cells, limits, friction, at)
         # the rows of a cubic's four Bernstein coefficients: the first and the last are its ends
         ends = end_rows(rows, limits)
         instance = TOPPRA(
@@ -61,7 +62,10 @@ def time_with_toppra(
 def end_rows(rows: Array, limits: MotionLimits) -> Array:
     """Of the rows of every cubic only those of its two ends, shape (m, k / 2, 3)."""
     m, n, start, kept = len(rows), limits.qd_max.size, 0, []
-    for channels in (n, n, *[int(np.isfinite(limits.qdd_max).sum())] * 2):
+    bounded = int(np.isfinite(limits.qdd_max).sum())
+    # torque first, one block for every combination of the effects, then acceleration
+    blocks = (rows.shape[1] // 4 - 2 * bounded) // n
+    for channels in [n] * blocks + [bounded] * 2:
         block = rows[:, start : start + 4 * channels].reshape(m, 4, channels, 3)
         kept.append(block[:, [0, 3]].reshape(m, -1, 3))
         start += 4 * channels

@@ -186,6 +186,13 @@ class Effect(BaseModel, ABC):
         """The internal states after a long motion in one direction: what a memoryless consumer uses."""
         return ca.SX(len(self.states), 1)
 
+    def settled(self, turned: ca.SX) -> tuple[ca.SX, ca.SX] | None:
+        """Bounds of the internal states, whatever they were, once the joint has turned forwards by `turned` [rad].
+
+        Backwards the same with the opposite sign. None: the memory has no such bounds.
+        """
+        return None
+
     def torque(self, s: Signals) -> ca.SX:
         """tau_effect = basis @ coefficients + departures @ shape, shape (n,) [Nm]."""
         tau = self.basis(s) @ ca.DM(list(self.coefficients()))

@@ -34,6 +34,10 @@ class Hysteresis(Effect):
     def steady_state(self, s: Signals) -> ca.SX:
         return s.sign[self.index]
 
+    def settled(self, turned: ca.SX) -> tuple[ca.SX, ca.SX]:
+        # 1 - z falls to its e-th part over each width; z stays between -1 and 1
+        return 1 - 2 * ca.exp(-turned / self.width_rad), ca.SX(1.0)
+
     def departures(self, s: Signals) -> ca.SX:
         n = s.q.numel()
         return ca.horzcat(self.on(s.state[0] ** 2 * ca.sign(s.state[0]), n), self.on(s.sign[self.index], n))

@@ -1,0 +1,199 @@
+"""Every effect of the library that has a bound keeps it at every instant, whenever the motion starts."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import casadi as ca
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from irb2400_ctrl import load_robot
+from irb2400_ctrl.effects import LIBRARY, Effect
+from irb2400_ctrl.model import Model
+from irb2400_ctrl.planners import Certificate, MotionLimits, builders, check, plan_path
+from irb2400_ctrl.planners.cells import enclose, grid
+from irb2400_ctrl.planners.effect_forms import Forms
+from irb2400_ctrl.planners.interval import interval_function
+from irb2400_ctrl.planners.joint_path import JointPath
+from irb2400_ctrl.planners.path_dynamics import PathDynamics, path_dynamics
+from irb2400_ctrl.planners.retime import time_joint_path
+from irb2400_ctrl.planners.time_law import TimeLaw
+
+ROBOT = load_robot("irb2400")
+LIMITS = MotionLimits.of(ROBOT)
+# start of the motion on the effects' clock: cold and warm gears, before, inside and after the windows
+STARTS = (0.0, 0.3, 5.0, 1e6)
+
+
+def effect(kind: str, joint: int | None, **fields: Any) -> Effect:
+    return LIBRARY[kind].of(joint, **fields)
+
+
+CASES: dict[str, list[Effect]] = {
+    "load friction": [effect("load_friction", j, coefficient=0.08) for j in (2, 3)],
+    "load friction, another exponent": [effect("load_friction", 2, coefficient=0.08, shape=(0.02,))],
+    "load friction in a window": [effect("load_friction", 2, coefficient=0.08, windows_s=((0, 0.5),))],
+    "viscous power 0.5": [effect("viscous_power", j, coefficient=60, exponent=0.5) for j in (1, 2, 3)],
+    "viscous power 1.5": [effect("viscous_power", j, coefficient=60, exponent=1.5) for j in (1, 2, 3)],
+    "viscous power 2.5": [effect("viscous_power", j, coefficient=30, exponent=2.5) for j in (1, 2, 3)],
+    "less viscous": [effect("viscous_power", 2, coefficient=-20, exponent=0.7)],
+    "warm-up": [effect("viscous_warmup", j, viscous_Nms_rad=60, time_constant_s=5) for j in (1, 2, 3)],
+    "warm-up, another law": [
+        effect("viscous_warmup", 2, viscous_Nms_rad=60, time_constant_s=5, shape=(20, 10, 10, 5))
+    ],
+    "process force": [effect("process_force", None, force_x_N=60, force_z_N=-80, start_s=0.2, stop_s=0.8)],
+    "hysteresis": [effect("hysteresis", j, amplitude_Nm=40, width_rad=0.02) for j in (1, 2, 3)],
+    "ripple in windows": [
+        effect("gear_ripple", 3, amplitude_Nm=8, order=37, windows_s=((0.1, 0.6), (0.7, 0.9)))
+    ],
+    "fast ripple": [effect("gear_ripple", 2, amplitude_Nm=8, order=120, shape=(2, 2, 1, 1))],
+    "rotor in a window": [effect("rotor_inertia", 2, inertia_kgm2=8, windows_s=((0.1, 0.6),))],
+    "other dry friction": [
+        effect("coulomb_change", 3, coulomb_Nm=10, shape=(5, 5)),
+        effect("coulomb_asymmetry", 2, delta_Nm=10, shape=(5, 5)),
+        effect("viscous_change", 1, viscous_Nms_rad=10, shape=(5, 5)),
+    ],
+    "several": [
+        effect("load_friction", 2, coefficient=0.08),
+        effect("viscous_power", 1, coefficient=60, exponent=0.5),
+        effect("viscous_warmup", 2, viscous_Nms_rad=60, time_constant_s=5),
+        effect("process_force", None, force_z_N=-80, start_s=0.2, stop_s=0.8),
+        effect("hysteresis", 3, amplitude_Nm=40, width_rad=0.02),
+    ],
+}  # fmt: skip
+
+
+def random_path(seed: int) -> JointPath:
+    rng = np.random.default_rng(seed)
+    q = rng.uniform(0.8 * ROBOT.q_min, 0.8 * ROBOT.q_max, (6, 6))
+    q[:, [3, 5]] = rng.uniform(-2, 2, (6, 2))
+    s = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(q, axis=0), axis=1))])
+    return JointPath.through(s / s[-1], q)
+
+
+def worst_ratio(dynamics: PathDynamics, path: JointPath, law: TimeLaw) -> float:
+    """By another door than the bounds: the model's inverse dynamics 10,000 times a second."""
+    time = np.arange(0.0, law.duration, 1e-4)
+    _, *motion = law.motion(path, time)
+    tau = [dynamics.torque(*motion, time + start) for start in STARTS]
+    return float((np.abs(tau) / LIMITS.tau_max).max())
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_no_violation_whenever_the_motion_starts(name: str) -> None:
+    dynamics = path_dynamics(ROBOT.with_effects(*CASES[name]))
+    assert dynamics.irregular == ()
+    path = random_path(1)
+    timed, _ = time_joint_path(dynamics, path, LIMITS)
+    checked = check(Certificate(path, timed.law, LIMITS), dynamics.model)
+    assert worst_ratio(dynamics, path, timed.law) <= checked.torque_ratio
+    assert 0.999 < checked.torque_ratio <= 1 + 1e-9
+    faster = TimeLaw(timed.law.s.copy(), 1.002 * timed.law.x)
+    assert not check(Certificate(path, faster, LIMITS), dynamics.model).holds()
+    bare, _ = time_joint_path(path_dynamics(ROBOT), path, LIMITS)
+    # a motion timed without the effects is refused by the check with them
+    if name not in {"less viscous"}:
+        assert not check(Certificate(path, bare.law, LIMITS), dynamics.model).holds()
+
+
+@pytest.mark.parametrize(("name", "most"), [("load friction", 2e-3), ("viscous power 0.5", 2e-3), ("hysteresis", 2e-3),
+                                            ("process force", 2e-3), ("viscous power 2.5", 6e-3)])  # fmt: skip
+def test_the_bound_costs_little_against_a_fine_grid(name: str, most: float) -> None:
+    dynamics = path_dynamics(ROBOT.with_effects(*CASES[name]))
+    path = random_path(2)
+    durations = [time_joint_path(dynamics, path, LIMITS, count=count)[0].law.duration for count in (1000, 4000)]
+    assert durations[0] <= (1 + most) * durations[1]
+
+
+def test_every_effect_but_an_elastic_joint_has_a_bound() -> None:
+    rng = np.random.default_rng(1)
+    for kind, cls in LIBRARY.items():
+        if cls.acts != "force":
+            continue
+        joint = next(iter(cls.joints(6)))
+        bare = cls.prototype(joint, cls.grid(joint)[0])
+        width = bare.departures(path_dynamics(ROBOT).model.signals()).shape[1] if not cls.states else 0
+        for shape in ((), tuple(rng.uniform(0.1, 1.0, width))):
+            for windows in ((), ((0.1, 0.4),)):
+                fields = {**bare.model_dump(exclude={"kind", "joint", "shape", "windows_s"}), **_SIZES.get(kind, {})}
+                made = cls.model_construct(
+                    **{**fields, "kind": kind, "joint": joint, "shape": shape, "windows_s": windows}
+                )
+                forms = Forms.of(Model(ROBOT.with_effects(made)))
+                assert (len(forms.open) == 0) == (kind != "elastic_joint"), (kind, shape, windows)
+
+
+def test_hysteresis_stays_between_its_bounds() -> None:
+    # Dahl's law integrated along the path from every state at the start
+    width = 0.05
+    dynamics = PathDynamics(
+        path_dynamics(ROBOT.with_effects(effect("hysteresis", 2, amplitude_Nm=1, width_rad=width))).model
+    )
+    path = random_path(3)
+    s = grid(path, 300)
+    cells = enclose(dynamics, path, s)
+    assert cells.added is not None
+    low, high = cells.added.states[0]
+    for z in (-1.0, 0.0, 1.0):
+        for k in range(len(s) - 1):
+            q = path(np.linspace(s[k], s[k + 1], 20))[:, 1]
+            for step in np.diff(q):
+                assert low[k] - 1e-9 <= z <= high[k] + 1e-9
+                z = np.sign(step) + (z - np.sign(step)) * np.exp(-abs(step) / width)
+    # and the bounds close: where the joint has turned far, the state is known
+    assert (high - low).min() < 1e-3
+
+
+def test_elastic_joint_is_not_guaranteed_and_says_why() -> None:
+    robot = ROBOT.with_effects(effect("elastic_joint", 2, stiffness_Nm_rad=3e5))
+    plan = plan_path(robot, builders.line((0.9, 0, 0.5), (0.9, 0.2, 0.5)), free_tool_rotation=False)
+    assert not plan.guaranteed
+    assert "elastic_joint on axis 2: its torque follows" in plan.summary()["guarantee_note"]
+    assert plan.max_torque_ratio <= 1.0
+
+
+def test_plan_with_effects_is_guaranteed() -> None:
+    plan = plan_path(ROBOT.with_effects(*CASES["several"]), builders.line((0.9, 0, 0.5), (0.9, 0.2, 0.5)))
+    assert plan.guaranteed
+    assert plan.guarantee_note == ""
+    # the torque that is written is the one at that time: the process force begins at 0.2 s
+    assert check(plan.certificate, path_dynamics(plan.robot).model).holds()
+
+
+@settings(max_examples=60, deadline=None)
+@given(st.integers(0, 10**6))
+def test_intervals_hold_for_points_inside(seed: int) -> None:
+    x, y = ca.SX.sym("x"), ca.SX.sym("y")
+    f = ca.Function(
+        "f",
+        [x, y],
+        [ca.fabs(x) ** 0.6 * ca.sign(x) / (2 + ca.sin(1) * y**2), ca.exp(-(x**2)) * ca.sqrt(ca.fabs(y)) - x * y,
+         ca.if_else(x < y, ca.fmin(x, y**3), ca.log(1 + x**2)), ca.logic_and(x > 0, ca.logic_not(y > 0)) * x],
+    )  # fmt: skip
+    rng = np.random.default_rng(seed)
+    ends = np.sort(rng.normal(size=(2, 2)), axis=1)
+    found = interval_function(f, [(e[:1], e[1:]) for e in ends])
+    for point in rng.uniform(ends[:, 0], ends[:, 1], (50, 2)):
+        for (low, high), value in zip(found, f(*point), strict=True):
+            assert low[0] - 1e-12 <= float(value) <= high[0] + 1e-12
+
+
+# sizes of fields without a default
+_SIZES: dict[str, dict[str, Any]] = {
+    "load_friction": {"coefficient": 0.05},
+    "viscous_power": {"coefficient": 5.0},
+    "viscous_warmup": {"viscous_Nms_rad": 5.0},
+    "viscous_change": {"viscous_Nms_rad": 5.0},
+    "coulomb_change": {"coulomb_Nm": 5.0},
+    "coulomb_asymmetry": {"delta_Nm": 5.0},
+    "hysteresis": {"amplitude_Nm": 5.0},
+    "gear_ripple": {"amplitude_Nm": 5.0, "order": 20.0},
+    "balancer": {"torque_Nm": 200.0},
+    "cable_spring": {"stiffness_Nm_rad": 20.0},
+    "rotor_inertia": {"inertia_kgm2": 2.0},
+    "linkage_inertia": {"inertia_kgm2": 2.0},
+    "process_force": {"force_x_N": 50.0},
+}
