@@ -1,4 +1,4 @@
-"""The control examples run as they stand."""
+"""The examples of control and diagnosis run as they stand."""
 
 from __future__ import annotations
 
@@ -7,7 +7,9 @@ from pathlib import Path
 
 import pytest
 
-EXAMPLES = sorted((Path(__file__).parents[2] / "examples").glob("control_*.py"))
+EXAMPLES = sorted(
+    path for kind in ("control", "diagnosis") for path in (Path(__file__).parents[2] / "examples").glob(f"{kind}_*.py")
+)
 
 
 @pytest.mark.parametrize("path", EXAMPLES, ids=[p.stem for p in EXAMPLES])
