@@ -69,14 +69,17 @@ class Plan:
     timing: str
     """"certified" or "toppra" """
     max_tcp_deviation: float
-    """between the motion and the polygon of way-points, rounding of corners included [m]"""
+    """upper bound over the continuous path: motion from the polygon of way-points, and way-points from the motion,
+    rounding of corners included [m]"""
     max_tool_axis_deviation: float
-    """[rad]"""
+    """upper bound over the continuous path of the angle to the tool axis stated at the nearest place [rad]"""
     singularity_margin: dict[str, float]
     """lower bounds of |sin q5| [-], |r| [m], |k| [m] over the continuous path"""
     max_torque_ratio: float
     max_velocity_ratio: float
     """over all times"""
+    max_feed_ratio: float | None
+    """speed of the TCP over the feed, upper bound over all times; None without a feed"""
     chosen: str
     """how the tool rotation was chosen: "given orientation", "constant rotation", "free rotation" """
     branch: int
@@ -107,6 +110,7 @@ class Plan:
             "singularity_margin": self.singularity_margin,
             "max_torque_ratio": self.max_torque_ratio,
             "max_velocity_ratio": self.max_velocity_ratio,
+            "max_feed_ratio": self.max_feed_ratio,
             "guaranteed": self.guaranteed,
             "guarantee_note": self.guarantee_note,
             "timing": self.timing,

@@ -8,11 +8,9 @@ from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from typing import Literal
 
-import casadi as ca
 import numpy as np
 import numpy.typing as npt
 
-from irb2400_ctrl.codegen import compile_function
 from irb2400_ctrl.errors import InfeasibleError, InputError
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.planners import remedies
@@ -20,14 +18,14 @@ from irb2400_ctrl.planners.cells import enclose, grid
 from irb2400_ctrl.planners.certificate import Certificate, Checked, check
 from irb2400_ctrl.planners.certified import Timed
 from irb2400_ctrl.planners.deviation import deviation, singularity_margins
-from irb2400_ctrl.planners.follow import Followed
+from irb2400_ctrl.planners.feed import feed_bound, feed_ratio
 from irb2400_ctrl.planners.irregular import guarantee_note, time_with_irregular
 from irb2400_ctrl.planners.limits import MotionLimits
 from irb2400_ctrl.planners.margins import COMFORTABLE
 from irb2400_ctrl.planners.orientation import Orientation
 from irb2400_ctrl.planners.path_dynamics import PathDynamics, path_dynamics
 from irb2400_ctrl.planners.plan import Plan, Trajectory
-from irb2400_ctrl.planners.retime import FeedBound, time_joint_path
+from irb2400_ctrl.planners.retime import time_joint_path
 from irb2400_ctrl.planners.selection import Choice, choices
 from irb2400_ctrl.planners.task_curve import smooth_curve
 from irb2400_ctrl.planners.toolpath import ToolPath
@@ -137,10 +135,11 @@ def plan_path(
         guarantee_note=guarantee_note(dynamics, timing == "certified", checked.holds()),
         timing=timing,
         max_tcp_deviation=off.largest,
-        max_tool_axis_deviation=float(off.axis.max()),
+        max_tool_axis_deviation=off.axis,
         singularity_margin=margins,
         max_torque_ratio=torque_ratio,
         max_velocity_ratio=velocity_ratio,
+        max_feed_ratio=feed_ratio(feed_bound(model, choice.followed, orientation), timed.law),
         chosen=choice.kind,
         branch=choice.branch,
         rotation=choice.rotation(trajectory.s),
@@ -220,27 +219,6 @@ def _timed(
             dynamics, joints, enclose(dynamics, joints, s), limits, model.robot.friction, feed(s)
         )
     return time_joint_path(dynamics, joints, limits, count=count, feed=feed)[0]
-
-
-def feed_bound(model: Model, followed: Followed, orientation: Orientation) -> FeedBound:
-    """(feed / |p'|)^2 within cells, from the TCP's speed at their ends and middles."""
-    curve, joints = orientation.curve, followed.joints
-    q, dq = ca.SX.sym("q", model.robot.n), ca.SX.sym("dq", model.robot.n)
-    tip = compile_function(ca.Function("tip", [q, dq], [model.tcp_jacobian(q)[:3, :] @ dq]))
-
-    def bound(s: Array) -> Array:
-        middle = (s[:-1] + s[1:]) / 2
-        piece = joints.piece(middle)
-        feed = curve.path.feed[curve.origin[np.minimum(followed.u[piece].astype(int), curve.segments - 1)]]
-        if not np.isfinite(feed).any():
-            return np.full(len(middle), np.inf)
-        speeds = []
-        for at in (s[:-1], middle, s[1:]):
-            (rate,) = tip.map(joints.on_piece(at, piece), joints.on_piece(at, piece, 1))
-            speeds.append(np.linalg.norm(rate, axis=1))
-        return np.asarray((feed / np.maximum(np.max(speeds, axis=0) * (1 + 1e-6), 1e-9)) ** 2)
-
-    return bound
 
 
 def _trajectory(dynamics: PathDynamics, certificate: Certificate, rate: float) -> Trajectory:
