@@ -1,6 +1,6 @@
 """A finding makes the controller better on an arm that shares no code with the library, and really has the effect.
 
-`benchmarks/close_loop.py` does the same for more effects and arms; its table is in docs/control.md.
+`benchmarks/close_loop.py` does the same for more effects and arms; its table is in docs/diagnosis.md.
 """
 
 from __future__ import annotations
