@@ -24,6 +24,8 @@ JOINT_STEP = 0.15
 MAX_ROUNDS = 40
 # stations are not put closer than this: a joint that still jumps there has no path [m]
 SMALLEST = 1e-10
+# a joint that turns by more than JUMP [rad] within so little of the path [m] jumps
+JUMP, JUMP_WITHIN = 0.5, 1e-7
 # below this the wrist is so straight that q4 has no direction of its own [-]
 STRAIGHT = 1e-6
 
@@ -110,6 +112,7 @@ def follow(
         q, kept = _configurations(model, target, u, s, q_start)
         dropped = np.concatenate([dropped, u[~kept]])
         u, s = u[kept], s[kept]
+        _no_jump(model, target, u, q)
         path = JointPath.through(s, q)
         middle = (u[:-1] + u[1:]) / 2
         s_middle = arc_length(curve, np.sort(np.concatenate([u, middle])))[1::2]
@@ -126,17 +129,52 @@ def follow(
         gaps = np.diff(s)
         coarse[1:] |= coarse[:-1].copy() & (gaps[1:] > 3 * gaps[:-1])
         coarse[:-1] |= coarse[1:].copy() & (gaps[:-1] > 3 * gaps[1:])
-        jumps = (step > 0.5) & (gaps < 1e-7)
+        jumps = (step > JUMP) & (gaps < JUMP_WITHIN)
         if jumps.any() or (gaps[coarse] < SMALLEST).any() or len(u) > most:
             break
         # a station that was dropped comes back beside its old place
         beside = np.isin(middle, dropped) * (u[1:] - u[:-1]) / 6
         u = np.sort(np.concatenate([u, (middle + beside)[coarse]]))
     at = int(np.argmax(step))
-    raise UnreachableError(
-        f"near point {target.point(u[at])} axis {int(np.argmax(np.abs(np.diff(q, axis=0))[at])) + 1} turns by "
-        f"{np.degrees(step[at]):.1f} deg within {1e6 * np.diff(s)[at]:.3g} um of path: the path runs through a "
-        "singularity; free the tool rotation, or move the work frame"
+    raise _jump(target, u[at], np.diff(q, axis=0)[at], float(np.diff(s)[at]))
+
+
+def _no_jump(model: Model, target: Target, u: Array, q: Array) -> None:
+    """Refuse a path on which a joint jumps: a large step between stations that stays however closely one looks.
+
+    Looking at the largest step alone finds out within a few rounds what new stations along the whole path, which a
+    spline needs to follow a jump, would find out at a hundred times the cost.
+    """
+    step = np.abs(np.diff(q, axis=0)).max(axis=1)
+    at = int(np.argmax(step))
+    low, high = u[at], u[at + 1]
+    for _ in range(MAX_ROUNDS):
+        if step[at] <= JUMP:
+            return
+        fine = np.linspace(low, high, 33)
+        s = arc_length(target.curve, fine)
+        X = target.pose(fine, s)
+        found = model.inverse_kinematics_branches(X).q[np.arange(len(fine)), target.branch(fine)]
+        clear = np.isfinite(found).all(axis=1) & (np.abs(np.sin(found[:, 4])) >= STRAIGHT)
+        if clear.sum() < 2:
+            return
+        fine, s, found = fine[clear], s[clear], np.unwrap(found[clear], axis=0)
+        change = np.diff(found, axis=0)
+        step = np.abs(change).max(axis=1)
+        at = int(np.argmax(step))
+        low, high = fine[at], fine[at + 1]
+        if step[at] > JUMP and s[at + 1] - s[at] < JUMP_WITHIN:
+            raise _jump(target, low, change[at], float(s[at + 1] - s[at]))
+
+
+def _jump(target: Target, u: float, change: Array, way: float) -> UnreachableError:
+    axis = int(np.argmax(np.abs(change)))
+    # the way-point next to it, not the one that follows
+    point = target.point(round(u) - 0.5) if u > 0.5 else 1
+    return UnreachableError(
+        f"near point {point} axis {axis + 1} turns by {np.degrees(abs(change[axis])):.1f} deg within "
+        f"{1e6 * way:.3g} um of path: the path runs through a singularity; "
+        "free the tool rotation, or move the work frame"
     )
 
 

@@ -147,6 +147,7 @@ def _turned(model: Model, X: Array, posture: int, away: Array) -> Array:
     """Poses with the tool turned about the TCP so that w becomes w - away; `away` (n, 2)."""
     X = X.copy()
     wanted = wrist_direction(model, X, posture) - away
+    sizes = []
     for _ in range(80):
         q = model.inverse_kinematics_branches(X).q[:, 2 * posture]
         q1, q3, q5 = q[:, 0], q[:, 2], q[:, 4]
@@ -160,7 +161,9 @@ def _turned(model: Model, X: Array, posture: int, away: Array) -> Array:
         z_wanted = np.einsum("nij,nj->ni", R_B3, np.stack([-wanted[:, 0], upright, wanted[:, 1]], axis=1))
         z = X[:, :3, :3] @ _flange_axis(model)
         step = np.cross(z, z_wanted)
-        if np.abs(step).max() < 1e-14:
+        sizes.append(float(np.abs(step).max()))
+        # done, or beside another singularity, where no turn of the tool leads to the wrist's
+        if sizes[-1] < 1e-14 or (len(sizes) > 12 and sizes[-1] > 0.5 * min(sizes[:-6])):
             break
         X[:, :3, :3] = _small_rotations(step) @ X[:, :3, :3]
     return X

@@ -68,3 +68,26 @@ def _holds_what_every_plan_promises(plan: Plan) -> None:
     # the margins are bounds over the whole path
     factors = np.abs(MODEL.singularity_factors(q)).min(axis=0)
     assert (factors >= np.array(list(plan.singularity_margin.values())) - 1e-9).all()
+
+
+def test_a_path_through_the_shoulder_is_refused_after_few_looks(monkeypatch: pytest.MonkeyPatch) -> None:
+    looks = 0
+    solve = Model.inverse_kinematics_branches
+
+    def counted(model: Model, X: Any, seed: Any = None) -> Any:
+        nonlocal looks
+        looks += len(X)
+        return solve(model, X, seed)
+
+    monkeypatch.setattr(Model, "inverse_kinematics_branches", counted)
+    path = build(MODEL, kind="poses_through_shoulder")
+    with pytest.raises(errors.UnreachableError, match=r"near point 11 axis 1 turns by 90.0 deg within 0\.\d+ um"):
+        plan_path(ROBOT, path, free_tool_rotation=False)
+    # new stations all along the path, as a spline through a jump asks for them, took 600,000
+    assert looks < 30_000
+    # a near miss is no jump: driven slowly
+    beside = np.eye(4)
+    beside[0, 3] = 1e-5
+    plan = plan_path(ROBOT, path, free_tool_rotation=False, work_frame=beside)
+    assert plan.guaranteed
+    assert 9e-6 < plan.singularity_margin["shoulder"] < 1.1e-5
