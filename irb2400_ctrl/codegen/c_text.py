@@ -7,36 +7,6 @@ from collections.abc import Iterable, Sequence
 from irb2400_ctrl.codegen.block import Field
 
 
-def finite_function(name: str, argument: str, terms: Sequence[str]) -> str:
-    """A C predicate: the sum of the terms is finite; infinity - infinity and NaN - NaN are NaN."""
-    if not terms:
-        return f"static inline bool {name}({argument})\n{{\n    (void)input;\n    return true;\n}}\n"
-    return (
-        f"static inline bool {name}({argument})\n{{\n    const real_t sum = {joined(terms, ' + ', 8)};\n"
-        "    return (sum - sum) == R(0.0);\n}\n"
-    )
-
-
-def finite_fields_function(name: str, argument: str, fields: Sequence[Field]) -> str:
-    """The same for whole fields, in loops: for the cold path, where size counts and time does not.
-
-    The argument is a pointer to volatile: the compiler shall read the fields again, instead of carrying all of them
-    through the step in case they are asked for.
-    """
-    if not fields:
-        return finite_function(name, argument, ())
-    loops = "".join(
-        f"    for (uint32_t i = 0u; i < {size}u; i++) {{\n"
-        + "".join(f"        sum = sum + input->{f.name}[i];\n" for f in fields if f.size == size)
-        + "    }\n"
-        for size in sorted({f.size for f in fields})
-    )
-    return (
-        f"static inline bool {name}({argument})\n{{\n    real_t sum = R(0.0);\n{loops}"
-        "    return (sum - sum) == R(0.0);\n}\n"
-    )
-
-
 def is_symmetric(field: Field) -> bool:
     """Whether the bounds of a field are a magnitude: one comparison and one table less."""
     return bool(field.upper) and field.lower == tuple(-v for v in field.upper)

@@ -14,15 +14,14 @@ from irb2400_ctrl.codegen.build import Real
 from irb2400_ctrl.codegen.c_text import (
     clip,
     described,
-    finite_fields_function,
-    finite_function,
     indented,
     is_symmetric,
     joined,
     plain,
 )
 from irb2400_ctrl.codegen.emit import emit_body
-from irb2400_ctrl.codegen.graph import Bounds, Graph, carried_inputs, read_graph, without_saturation
+from irb2400_ctrl.codegen.graph import Bounds, Graph, read_graph, without_saturation
+from irb2400_ctrl.codegen.input_guard import input_guard, table_owners
 from irb2400_ctrl.codegen.own_math import prelude
 from irb2400_ctrl.errors import InputError
 
@@ -75,11 +74,11 @@ class Package:
     @cached_property
     def parameter_fields(self) -> tuple[Field, ...]:
         """The block's parameters, then the bounds of inputs and outputs."""
-        bounds = []
+        bounds, owners = [], table_owners(self.block.inputs)
         for field in (*self.block.inputs, *self.block.outputs):
             word, sharing = "sent", [field.name]
             if field in self.block.inputs:
-                word, sharing = "believed", [f.name for f in self.block.inputs if self._owner[f.name] == field.name]
+                word, sharing = "believed", [f.name for f in self.block.inputs if owners[f.name] == field.name]
             ends = (("min", "smallest", field.lower), ("max", "largest", field.upper))
             if is_symmetric(field):
                 ends = (("limit", "largest magnitude of", ()), ("limit", "largest magnitude of", field.upper))
@@ -88,12 +87,6 @@ class Package:
                     text = f"{adjective} {' and '.join(sharing)} that is {word}"
                     bounds.append(Field(f"{field.name}_{end}", field.size, field.unit, text, values))
         return (*self.block.parameters, *bounds)
-
-    @cached_property
-    def _owner(self) -> dict[str, str]:
-        """Name of each input -> the first input with its unit and bounds: they share a table, which is read once."""
-        first: dict[object, str] = {}
-        return {f.name: first.setdefault((f.size, f.unit, f.lower, f.upper), f.name) for f in self.block.inputs}
 
     @cached_property
     def graph(self) -> Graph:
@@ -185,7 +178,7 @@ typedef {name}_real_t real_t;
 
 {own}
 {self._defaults()}
-{self._checks()}
+{input_guard(self.block, self.graph)}
 {self._init()}
 uint32_t {name}_step({name}_state_t *state, const {name}_input_t *input,
     const {name}_parameters_t *parameters, {name}_output_t *output)
@@ -224,42 +217,6 @@ uint32_t {name}_step({name}_state_t *state, const {name}_input_t *input,
             for f in self.parameter_fields
         ] or ["    { R(0.0) }"]
         return f"const {self.name}_parameters_t {self.name}_default_parameters = {{\n" + "\n".join(rows) + "\n};\n"
-
-    def _checks(self) -> str:
-        """Every comparison with a number that is none is false, so that one test covers range and validity.
-
-        Where a wrong input is sure to spoil the result, the test of the result finds it for nothing; only the
-        question whose fault it was is asked here.
-        """
-        tests, early = [], []
-        carried = carried_inputs(self.graph)
-        order = list(self._owner)
-        for k, field in enumerate(self.block.inputs, start=len(self.block.states)):
-            owner = self._owner[field.name]
-            for i in range(field.size):
-                at, place = f"input->{field.name}[{i}]", (order.index(owner), i)
-                if is_symmetric(field):
-                    tests.append((place, f"(own_abs({at}) <= parameters->{owner}_limit[{i}])"))
-                    continue
-                if field.lower:
-                    tests.append((place, f"({at} >= parameters->{owner}_min[{i}])"))
-                if field.upper:
-                    tests.append((place, f"({at} <= parameters->{owner}_max[{i}])"))
-                if not (field.lower and field.upper):
-                    early += [] if (k, i) in carried else [at]
-        # what is held against the same bound stands together
-        terms = [term for _, term in sorted(tests, key=lambda test: test[0])]
-        types = f"const {self.name}_input_t *input", f"const {self.name}_parameters_t *parameters"
-        free = [f for f in self.block.inputs if not (f.lower and f.upper)]
-        finite = finite_fields_function("inputs_are_finite", types[0].replace("const", "const volatile"), free)
-        if early:
-            finite += "\n" + finite_function("inputs_are_sound", types[0], early)
-            terms.append("inputs_are_sound(input)")
-        valid = joined(terms, " && ", 8) or "true"
-        unused = "".join(f"    (void){name};\n" for name in ("input", "parameters") if name not in valid)
-        return (
-            f"{finite}\nstatic inline bool inputs_are_valid({', '.join(types)})\n{{\n{unused}    return {valid};\n}}\n"
-        )
 
     def _init(self) -> str:
         lines = []
