@@ -23,6 +23,15 @@ class MotionLimits:
     """[Nm]"""
     qdd_max: Array
     """[rad/s2], inf where there is none"""
+    torque_rate: Array | None = None
+    """of the change of torque, dry friction apart [Nm/s]; None lets it jump"""
+    jerk: Array | None = None
+    """[rad/s3]; None lets the acceleration jump"""
+
+    @property
+    def smooth(self) -> bool:
+        """Whether the motion has to be one without jumps of the acceleration."""
+        return self.torque_rate is not None or self.jerk is not None
 
     @classmethod
     def of(cls, robot: Robot) -> MotionLimits:

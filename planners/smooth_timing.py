@@ -1,0 +1,235 @@
+"""`time_smoothly`: the fastest motion along a path whose torque, or acceleration, changes at most at a given rate."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+import numpy.typing as npt
+
+from irb2400_ctrl.errors import InfeasibleError, InputError
+from irb2400_ctrl.planners.cells import enclose
+from irb2400_ctrl.planners.certificate import Certificate
+from irb2400_ctrl.planners.interior_point import solve
+from irb2400_ctrl.planners.joint_path import JointPath
+from irb2400_ctrl.planners.limits import MotionLimits, speed_bounds
+from irb2400_ctrl.planners.path_dynamics import PathDynamics
+from irb2400_ctrl.planners.retime import FeedBound, time_joint_path
+from irb2400_ctrl.planners.smooth_certificate import cell_ratios
+from irb2400_ctrl.planners.smooth_channels import Channels, Integers
+from irb2400_ctrl.planners.smooth_grid import first_grid, refined
+from irb2400_ctrl.planners.smooth_law import SmoothLaw
+from irb2400_ctrl.planners.smooth_program import SmoothProgram
+from irb2400_ctrl.planners.time_law import TimeLaw
+
+Array = npt.NDArray[np.float64]
+
+# how often what the bounds show above a limit is held back; then the motion is slowed by what is left of it
+_ROUNDS = 4
+_PARTS = 4
+_HELD = 2e-5
+# of the first solution, which only shows where cells have to be small, and of the others; parts of the duration
+_ROUGH, _GAP = 1e-3, 2e-4
+# speed, as a part of the fastest, below which nothing is looked for
+_SLOWEST = 1e-4
+# barrier to start with, near a solution
+_WARM, _NEAR = 1e-2, 1e-3
+# channels kept in each cell once it is known which ones are close to their limits, as a part of all
+_SELECTED = 0.5
+
+
+@dataclass(frozen=True)
+class SmoothTimed:
+    """A time law and how it was reached."""
+
+    law: SmoothLaw
+    fastest: TimeLaw
+    """the certified one without limits of rates"""
+    iterations: int
+    """of Newton's method, over all programs"""
+
+
+def time_smoothly(
+    dynamics: PathDynamics,
+    path: JointPath,
+    limits: MotionLimits,
+    *,
+    count: int = 500,
+    feed: FeedBound | None = None,
+) -> SmoothTimed:
+    """The time law from rest to rest, without a jump of the acceleration, whose bounds over all times keep the limits.
+
+    The fastest motion with jumps says where to begin. A first program on a coarse grid shows where the speed changes
+    and which channels matter; a second one, on small cells there, is solved until `cell_ratios` finds nothing above a
+    limit anywhere.
+
+    Args:
+        dynamics: the arm.
+        path: the joint path.
+        limits: with `torque_rate`, `jerk` or both.
+        count: about how many cells to begin with.
+        feed: bound of x = sdot^2 in cells, see `retime`.
+
+    Raises:
+        InputError: no limit of a rate among the limits.
+        InfeasibleError: no motion within the limits; says where, and which axis lacks what.
+    """
+    if not limits.smooth:
+        raise InputError("limits: found neither torque_rate nor jerk, expected at least one of them")
+    jumping = replace(limits, torque_rate=None, jerk=None)
+    fastest, cells = time_joint_path(dynamics, path, jumping, count=count, feed=feed)
+    s = first_grid(path, fastest.law, Channels.of(cells, limits, dynamics.model.robot.friction), count)
+    problem = _Problem.on(dynamics, path, limits, s, fastest.law, feed)
+    found = solve(problem.program, problem.start(), gap=_ROUGH)
+    iterations = found.iterations
+    rough = law_of(problem.program, s, found.z)
+    s = refined(rough, problem.program.channels)
+    problem = _Problem.on(dynamics, path, limits, s, rough, feed)
+    z = problem.start()
+    selected = problem.selected(rough, Certificate(path, rough, limits), dynamics)
+    barrier = _WARM
+    for turn in range(_ROUNDS):
+        found = solve(selected.program, z, barrier=barrier, gap=_GAP)
+        iterations += found.iterations
+        law = law_of(problem.program, s, found.z)
+        ratios, fine = cell_ratios(Certificate(path, law, limits), dynamics, _PARTS)
+        if _largest(ratios) <= 1 or turn == _ROUNDS - 1:
+            break
+        problem = problem.holding_back(ratios[:2], fine)
+        # a channel that was left out and is above its limit: all of them from now on
+        selected = problem if selected.overlooks(ratios[:2], fine) else problem.like(selected)
+        z, barrier = selected.inside(found.z), _NEAR
+    for _ in range(_ROUNDS):
+        worst = _largest(ratios)
+        if worst <= 1:
+            break
+        # torque falls with the square of the speed, but for gravity and friction
+        law = law.slowed(1 + 0.7 * (worst - 1) + 1e-9)
+        ratios, _ = cell_ratios(Certificate(path, law, limits), dynamics, _PARTS)
+    return SmoothTimed(law, fastest.law, iterations)
+
+
+def law_of(program: SmoothProgram, s: Array, z: Array) -> SmoothLaw:
+    """The time law of a program's unknowns."""
+    b, h = program.bernstein(z), np.diff(s)[1:-1]
+    x = np.concatenate([[0.0], b[:, 0], b[-1:, 2], [0.0]])
+    u = np.concatenate([[0.0], (b[:, 1] - b[:, 0]) / h, [(b[-1, 2] - b[-1, 1]) / h[-1]], [0.0]])
+    return SmoothLaw(s.copy(), x, u)
+
+
+def _largest(ratios: tuple[Array, ...]) -> float:
+    return max(float(r.max()) for r in ratios)
+
+
+@dataclass(frozen=True)
+class _Problem:
+    """A grid and the program on it."""
+
+    s: Array
+    program: SmoothProgram
+    columns: Integers
+    """which channel each of the program's is, shape (m, k)"""
+
+    @classmethod
+    def on(
+        cls,
+        dynamics: PathDynamics,
+        path: JointPath,
+        limits: MotionLimits,
+        s: Array,
+        near: TimeLaw | SmoothLaw,
+        feed: FeedBound | None,
+    ) -> _Problem:
+        """The program on a grid, near a motion that is known."""
+        cells = enclose(dynamics, path, s)
+        channels = Channels.of(cells, limits, dynamics.model.robot.friction)
+        bound = np.minimum(speed_bounds(cells, limits.qd_max, None if feed is None else feed(s)), 1e9)
+        guess = np.minimum(np.interp(s, near.s, near.x), bound)
+        keep = np.ones_like(channels.limit)
+        columns = np.broadcast_to(np.arange(channels.count), keep.shape)
+        return cls(s, SmoothProgram(channels, bound, guess, (keep, keep)), columns)
+
+    def start(self) -> Array:
+        """Unknowns of the motion it was made near to, slowed until it is inside."""
+        x = self.program.reference
+        z = (x[1:-2] + x[2:-1]) / 2
+        z[0], z[-1] = x[1], x[-2]
+        return self.inside(z, 0.8)
+
+    def inside(self, z: Array, slower: float = 0.98) -> Array:
+        """The same motion slowed until it is within all limits, with some room.
+
+        Raises:
+            InfeasibleError: it is not within them however slow.
+        """
+        least = _SLOWEST**2 * z.max()
+        while z.max() > least:
+            z = slower * z
+            if self.program.slacks(z).min() > 0:
+                return slower * z
+        raise self._stuck(z)
+
+    def _stuck(self, z: Array) -> InfeasibleError:
+        """Which limit stays out of reach."""
+        channels = self.program.channels
+        rows, _ = self.program.rows(z, slopes=False)
+        cell, row = np.unravel_index(int(np.argmin(rows)), rows.shape)
+        place, channel = int(cell) + 1, int(row) % channels.count
+        where = f"at {1e3 * self.s[place]:.1f} mm, axis {channels.axis[place, channel]}"
+        if row < 6 * channels.count:
+            limit = channels.limit[place, channel]
+            return InfeasibleError(
+                f"{where} is over its limit even in slow motion: the arm and static friction need "
+                f"{(1 - rows[cell, row]) * limit:,.0f} of {limit:,.0f} Nm; lighten the load, or raise torque_Nm"
+            )
+        rate = channels.rate[place, channel]
+        torque = np.isfinite(channels.friction[3, place, channel])
+        limited = f"torque rate of {rate:,.3g} Nm/s" if torque else f"jerk of {np.degrees(rate):,.3g} deg/s3"
+        return InfeasibleError(
+            f"{where} would have to be slower than {_SLOWEST:g} of the fastest motion to keep its {limited}; raise it"
+        )
+
+    def holding_back(self, ratios: tuple[Array, ...], fine: Array) -> _Problem:
+        """The same with a little more than what is above the limits held back, in the cells where it is."""
+        keep = []
+        for kept, ratio in zip(self.program.keep, self._coarse(ratios, fine), strict=True):
+            keep.append(kept / np.where(ratio > 1, ratio * (1 + _HELD), 1.0))
+        return replace(self, program=replace(self.program, keep=(keep[0], keep[1])))
+
+    def _coarse(self, ratios: tuple[Array, ...], fine: Array) -> list[Array]:
+        """The largest ratios among the parts of each cell, shapes (m, k) of all channels."""
+        at = np.clip(np.searchsorted(self.s, (fine[:-1] + fine[1:]) / 2) - 1, 0, len(self.s) - 2)
+        found = []
+        for ratio in ratios:
+            most = np.zeros((len(self.s) - 1, ratio.shape[1]))
+            np.maximum.at(most, at, ratio)
+            found.append(most)
+        return found
+
+    def selected(self, law: SmoothLaw, certificate: Certificate, dynamics: PathDynamics) -> _Problem:
+        """The same with only those channels in each cell that were the closest to their limits in a motion nearby."""
+        k = self.program.channels.count
+        few = int(np.ceil(_SELECTED * k))
+        ratios, fine = cell_ratios(certificate, dynamics, 1)
+        close = np.maximum(*ratios[:2])
+        # and in the cells around
+        padded = np.pad(close, ((3, 3), (0, 0)), mode="edge")
+        close = np.lib.stride_tricks.sliding_window_view(padded, 7, axis=0).max(axis=-1)
+        middle = (self.s[:-1] + self.s[1:]) / 2
+        here = close[np.clip(np.searchsorted(fine, middle) - 1, 0, len(close) - 1)]
+        return self._with(np.sort(np.argsort(-here, axis=1)[:, :few], axis=1))
+
+    def like(self, other: _Problem) -> _Problem:
+        """The same with another problem's selection."""
+        return self._with(other.columns)
+
+    def _with(self, columns: Integers) -> _Problem:
+        keep = tuple(np.take_along_axis(k, columns, 1) for k in self.program.keep)
+        channels = self.program.channels.selected(columns)
+        return _Problem(self.s, replace(self.program, channels=channels, keep=(keep[0], keep[1])), columns)
+
+    def overlooks(self, ratios: tuple[Array, ...], fine: Array) -> bool:
+        """Whether a channel that is not selected is above its limit."""
+        chosen = np.zeros((len(self.s) - 1, ratios[0].shape[1]), dtype=bool)
+        np.put_along_axis(chosen, self.columns, True, 1)
+        return any(bool(((most > 1) & ~chosen).any()) for most in self._coarse(ratios, fine))

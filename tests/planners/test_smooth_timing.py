@@ -1,0 +1,204 @@
+"""Torque rate and jerk stay below their limits at every instant, rest to rest, at the price of a fine reference."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from smooth_reference import reference_duration
+
+from irb2400_ctrl import load_robot
+from irb2400_ctrl.codegen import compile_function
+from irb2400_ctrl.errors import InfeasibleError, InputError
+from irb2400_ctrl.planners import Certificate, MotionLimits, check
+from irb2400_ctrl.planners.joint_path import JointPath
+from irb2400_ctrl.planners.path_dynamics import path_dynamics
+from irb2400_ctrl.planners.smooth_law import SmoothLaw
+from irb2400_ctrl.planners.smooth_timing import SmoothTimed, time_smoothly
+
+ROBOT = load_robot("irb2400")
+DYNAMICS = path_dynamics(ROBOT)
+LIMITS = MotionLimits.of(ROBOT)
+# torque by another door than the coefficients: the model's own inverse dynamics, with and without friction
+TORQUE = compile_function(DYNAMICS.model.function("inverse_dynamics"))
+SMOOTH_TORQUE = compile_function(DYNAMICS.model.function("inverse_dynamics_without_friction"))
+
+
+def random_path(seed: int, points: int = 6) -> JointPath:
+    """A cubic spline through random way-points in the joint box."""
+    rng = np.random.default_rng(seed)
+    q = rng.uniform(0.8 * ROBOT.q_min, 0.8 * ROBOT.q_max, (points, 6))
+    q[:, [3, 5]] = rng.uniform(-2, 2, (points, 2))
+    s = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(q, axis=0), axis=1))])
+    return JointPath.through(s / s[-1], q)
+
+
+def rated(per_second: float) -> MotionLimits:
+    """Torque rates as multiples of the torque limits."""
+    return replace(LIMITS, torque_rate=per_second * LIMITS.tau_max)
+
+
+def seen(path: JointPath, law: SmoothLaw, rate: float = 1e4) -> dict[str, np.ndarray]:
+    """Peaks over all samples, and torque without dry friction at the samples."""
+    time = np.append(np.arange(0.0, law.duration, 1 / rate), law.duration)
+    _, q, qd, qdd = law.motion(path, time)
+    (tau,) = TORQUE.map(q, qd, qdd, np.zeros(1))
+    (smooth,) = SMOOTH_TORQUE.map(q, qd, qdd, np.zeros(1))
+    smooth = smooth + ROBOT.friction[:, 2] * qd
+    dt = np.diff(time)[:, None]
+    return {
+        "torque": np.abs(tau).max(axis=0),
+        "speed": np.abs(qd).max(axis=0),
+        "acceleration": np.abs(qdd).max(axis=0),
+        "torque rate": np.abs(np.diff(smooth, axis=0) / dt).max(axis=0),
+        "jerk": np.abs(np.diff(qdd, axis=0) / dt).max(axis=0),
+        "smooth": smooth,
+        "qdd": qdd,
+    }
+
+
+@pytest.fixture(scope="module")
+def timed() -> SmoothTimed:
+    return time_smoothly(DYNAMICS, random_path(0), rated(20))
+
+
+def test_no_violation_at_10_khz_on_50_random_paths() -> None:
+    for seed in range(50):
+        path, limits = random_path(seed), rated((5, 10, 20, 50)[seed % 4])
+        law = time_smoothly(DYNAMICS, path, limits, count=250).law
+        peaks = seen(path, law)
+        assert (peaks["torque"] <= limits.tau_max).all()
+        assert (peaks["speed"] <= limits.qd_max).all()
+        # a difference of two torques is exact to about 1e-11 of them, over 0.1 ms
+        assert limits.torque_rate is not None
+        assert (peaks["torque rate"] <= limits.torque_rate * (1 + 1e-7)).all()
+        assert check(Certificate(path, law, limits), DYNAMICS.model, DYNAMICS).holds()
+
+
+def test_rest_to_rest_without_a_jump(timed: SmoothTimed) -> None:
+    path, limits = random_path(0), rated(20)
+    peaks = seen(path, timed.law)
+    held = DYNAMICS.model.gravity(path(np.array([0.0, 1.0])))
+    for end, place in ((0, 0), (-1, 1)):
+        assert np.abs(peaks["qdd"][end]).max() < 1e-9
+        np.testing.assert_allclose(peaks["smooth"][end], held[place], rtol=0, atol=1e-9)
+    # and not a microsecond later either: the torque leaves from there at its rate
+    assert limits.torque_rate is not None
+    for time in (1e-9, 1e-6, 1e-5):
+        for t in (time, timed.law.duration - time):
+            _, q, qd, qdd = timed.law.motion(path, np.array([t]))
+            start = held[0] if t < 1 else held[1]
+            now = DYNAMICS.model.inverse_dynamics(q, qd, qdd) - DYNAMICS.model.friction(qd) + ROBOT.friction[:, 2] * qd
+            assert (np.abs(now[0] - start) <= limits.torque_rate * time * (1 + 1e-6) + 1e-8).all()
+
+
+def test_certificate_is_checked_without_the_solver(timed: SmoothTimed) -> None:
+    path, limits = random_path(0), rated(20)
+    checked = check(Certificate(path, timed.law, limits), DYNAMICS.model)
+    assert checked.holds()
+    peaks = seen(path, timed.law)
+    assert (peaks["torque"] / limits.tau_max).max() <= checked.torque_ratio
+    assert limits.torque_rate is not None
+    ratio = (peaks["torque rate"] / limits.torque_rate).max()
+    assert checked.torque_rate_ratio - 3e-3 <= ratio <= checked.torque_rate_ratio + 1e-7
+    # the bounds are sharp, and a faster motion is caught by both
+    assert checked.torque_ratio > 0.999
+    assert checked.torque_rate_ratio > 0.999
+    faster = check(Certificate(path, timed.law.slowed(0.998), limits), DYNAMICS.model)
+    assert faster.torque_rate_ratio > 1
+    assert faster.torque_ratio > 1
+
+
+def test_numbers_that_are_no_motion_are_caught(timed: SmoothTimed) -> None:
+    law, path = timed.law, random_path(0)
+    x = law.x.copy()
+    x[300] *= 0.999
+    assert not check(Certificate(path, SmoothLaw(law.s.copy(), x, law.u.copy()), rated(20)), DYNAMICS.model).holds()
+    u = law.u.copy()
+    u[0] = 0.5
+    assert not check(Certificate(path, SmoothLaw(law.s.copy(), law.x.copy(), u), rated(20)), DYNAMICS.model).holds()
+
+
+def test_law_is_its_own_integral(timed: SmoothTimed) -> None:
+    law = timed.law
+    time = np.linspace(0.0, law.duration, 400001)
+    s, v, u = law.at(time)
+    dt = time[1]
+    assert np.abs(np.diff(s) / dt - (v[1:] + v[:-1]) / 2).max() < 1e-7
+    assert np.abs(np.diff(v) / dt - (u[1:] + u[:-1]) / 2).max() < 1e-3
+    # at the grid points it is where and as fast as it says
+    s, v, u = law.at(law.time[:-1])
+    np.testing.assert_allclose(s, law.s[:-1], atol=1e-12)
+    np.testing.assert_allclose(v**2, law.x[:-1], rtol=1e-9, atol=1e-15)
+    np.testing.assert_allclose(u, law.u[:-1], rtol=1e-7, atol=1e-9)
+    # from the left, too
+    s, v, u = law.at(law.time[1:] - 1e-12)
+    np.testing.assert_allclose(s, law.s[1:], atol=1e-10)
+    np.testing.assert_allclose(u, law.u[1:], rtol=1e-6, atol=1e-6)
+
+
+@pytest.mark.parametrize(("seed", "rate"), [(0, 20.0), (3, 10.0)])
+def test_duration_against_a_reference_of_another_kind(seed: int, rate: float) -> None:
+    path, limits = random_path(seed), rated(rate)
+    law = time_smoothly(DYNAMICS, path, limits, count=100).law
+    reference = reference_duration(DYNAMICS, path, limits, law, 1000)
+    assert law.duration < 1.005 * reference
+    assert law.duration > 0.999 * reference
+
+
+def test_the_price_falls_with_the_rate_and_with_the_cells() -> None:
+    path = random_path(2)
+    found = [time_smoothly(DYNAMICS, path, rated(r), count=250) for r in (5, 20, 200)]
+    durations = [f.law.duration for f in found]
+    assert (np.diff(durations) < 0).all()
+    assert durations[-1] < 1.004 * found[-1].fastest.duration
+    counts = [time_smoothly(DYNAMICS, path, rated(20), count=n).law.duration for n in (100, 1000)]
+    assert counts[0] < 1.005 * counts[1]
+
+
+def test_jerk_and_acceleration() -> None:
+    path = random_path(4)
+    limits = replace(LIMITS, jerk=np.full(6, 80.0), qdd_max=np.full(6, 6.0))
+    law = time_smoothly(DYNAMICS, path, limits).law
+    peaks = seen(path, law)
+    assert peaks["jerk"].max() <= 80.0 * (1 + 1e-6)
+    assert peaks["jerk"].max() > 79.5
+    assert 5.97 < peaks["acceleration"].max() <= 6.0
+    checked = check(Certificate(path, law, limits), DYNAMICS.model, DYNAMICS)
+    assert checked.holds()
+    assert checked.torque_rate_ratio == 0.0
+    assert min(checked.jerk_ratio, checked.acceleration_ratio) > 0.995
+
+
+def test_both_rates_on_a_part_of_the_joints() -> None:
+    path = random_path(1)
+    jerk = np.array([np.inf, 60.0, np.inf, np.inf, np.inf, 200.0])
+    limits = replace(rated(30), jerk=jerk)
+    law = time_smoothly(DYNAMICS, path, limits).law
+    peaks = seen(path, law)
+    assert (peaks["jerk"] <= jerk * (1 + 1e-6)).all()
+    assert limits.torque_rate is not None
+    assert (peaks["torque rate"] <= limits.torque_rate * (1 + 1e-7)).all()
+    assert law.duration > time_smoothly(DYNAMICS, path, rated(30)).law.duration
+
+
+def test_feed_is_kept() -> None:
+    path = random_path(5)
+    law = time_smoothly(DYNAMICS, path, rated(20), feed=lambda s: np.full(len(s) - 1, 0.15**2)).law
+    time = np.linspace(0.0, law.duration, 20001)
+    speed = law.at(time)[1].max()
+    assert 0.1499 < speed <= 0.15
+
+
+def test_what_cannot_be_is_said() -> None:
+    weak = replace(rated(20), tau_max=np.array([1300, 40.0, 700, 140, 150, 60]))
+    with pytest.raises(InfeasibleError, match=r"at \d+\.\d mm, axis 2 cannot hold the arm: needs [\d,]+ of 40 Nm"):
+        time_smoothly(DYNAMICS, random_path(0), weak)
+    slow = replace(LIMITS, torque_rate=1e-9 * LIMITS.tau_max)
+    with pytest.raises(
+        InfeasibleError, match=r"at \d+\.\d mm, axis \d would have to be slower .* torque rate of .* Nm/s"
+    ):
+        time_smoothly(DYNAMICS, random_path(0), slow)
+    with pytest.raises(InputError, match="neither torque_rate nor jerk"):
+        time_smoothly(DYNAMICS, random_path(0), LIMITS)

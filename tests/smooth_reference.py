@@ -1,0 +1,124 @@
+"""A reference for the smooth timing: another formulation, another discretisation, another solver (IPOPT).
+
+On a fine grid in s the unknowns are speed v_i, acceleration u_i and the duration dt_i of every cell; in a cell the path
+jerk is constant in *time*,
+
+    s_{i+1} - s_i = dt (v_i + dt (2 u_i + u_{i+1}) / 6),      v_{i+1} - v_i = dt (u_i + u_{i+1}) / 2,
+
+and torque and torque rate are demanded at both ends of every cell, from the coefficients themselves, their derivatives
+by differences. Nothing is enclosed and nothing is held back: it may be a little too fast between its points.
+"""
+
+from __future__ import annotations
+
+import casadi as ca
+import numpy as np
+import numpy.typing as npt
+
+from irb2400_ctrl.planners import MotionLimits
+from irb2400_ctrl.planners.cells import reversals
+from irb2400_ctrl.planners.joint_path import JointPath
+from irb2400_ctrl.planners.path_dynamics import PathDynamics
+from irb2400_ctrl.planners.smooth_law import SmoothLaw
+
+Array = npt.NDArray[np.float64]
+
+
+def reference_duration(
+    dynamics: PathDynamics, path: JointPath, limits: MotionLimits, guess: SmoothLaw, cells: int, slower: float = 1.3
+) -> float:
+    """Duration [s] of the nonlinear program with about so many cells, from a motion `slower` times as long.
+
+    Raises:
+        RuntimeError: IPOPT does not converge.
+    """
+    v_guess, u_guess, s = _grid(path, guess, cells)
+    h, m = np.diff(s), len(s) - 1
+    scale_v, scale_u = v_guess.max(), np.abs(u_guess).max()
+    dt_guess = guess.duration / m
+    V, U, T = ca.SX.sym("v", m + 1), ca.SX.sym("u", m + 1), ca.SX.sym("t", m)
+    v, u, dt = V * scale_v, U * scale_u, T * dt_guess
+    first, last = slice(0, m), slice(1, m + 1)
+    way = dt * (v[first] + dt * (2 * u[first] + u[last]) / 6)
+    g = [(way / h - 1), (v[last] - v[first] - dt * (u[first] + u[last]) / 2) / scale_v]
+    low, high = [np.zeros(2 * m)], [np.zeros(2 * m)]
+    jerk = (u[last] - u[first]) / dt
+    for at, vs, us in ((0, v[first], u[first]), (1, v[last], u[last])):
+        value, slope, dq = _coefficients(dynamics, path, s, at)
+        a, b, e, c = value
+        da, db, de, dc = slope
+        sign = np.sign(_middle(path, s))
+        F_s, F_c, _, stribeck = dynamics.model.robot.friction.T
+        for j in range(path.n):
+            level = F_c[j] + max(F_s[j] - F_c[j], 0) * ca.exp(-((dq[:, j] * vs / stribeck[j]) ** 2))
+            smooth = a[:, j] * us + b[:, j] * vs**2 + e[:, j] * vs + c[:, j]
+            g.append((smooth + sign[:, j] * level) / limits.tau_max[j])
+            rate = (da[:, j] + 2 * b[:, j]) * us * vs + a[:, j] * jerk + db[:, j] * vs**3 + dc[:, j] * vs
+            rate += e[:, j] * us + de[:, j] * vs**2
+            assert limits.torque_rate is not None
+            g.append(rate / limits.torque_rate[j])
+            low.append(-np.ones(2 * m))
+            high.append(np.ones(2 * m))
+    q_rate = np.abs(path(s, 1)) / limits.qd_max
+    top = np.minimum(1 / np.maximum(q_rate.max(axis=1), 1e-9) / scale_v, 1e3)
+    lower = np.concatenate([np.zeros(m + 1), np.full(m + 1, -np.inf), np.full(m, 1e-6)])
+    upper = np.concatenate([top, np.full(m + 1, np.inf), np.full(m, np.inf)])
+    rest = [0, m, m + 1, 2 * m + 1]
+    lower[rest], upper[rest] = 0.0, 0.0
+    unknowns = ca.vertcat(V, U, T)
+    options = {
+        "ipopt.print_level": 0,
+        "ipopt.sb": "yes",
+        "print_time": False,
+        "ipopt.tol": 1e-6,
+        "ipopt.max_iter": 1000,
+        "ipopt.mu_strategy": "adaptive",
+    }
+    solver = ca.nlpsol(
+        "reference", "ipopt", {"x": unknowns, "f": ca.sum1(dt) / guess.duration, "g": ca.vertcat(*g)}, options
+    )
+    start = np.concatenate([v_guess / slower / scale_v, u_guess / slower**2 / scale_u, np.full(m, slower)])
+    found = solver(x0=start, lbx=lower, ubx=upper, lbg=np.concatenate(low), ubg=np.concatenate(high))
+    if not solver.stats()["success"]:
+        raise RuntimeError(f"IPOPT: {solver.stats()['return_status']}")
+    return float(found["f"]) * guess.duration
+
+
+def _grid(path: JointPath, guess: SmoothLaw, cells: int) -> tuple[Array, Array, Array]:
+    """Even times of a motion nearby, which makes small cells where it is slow; knots and reversals."""
+    even = np.linspace(0.0, guess.duration, cells + 1)
+    s = guess.at(even)[0]
+    s[[0, -1]] = guess.s[[0, -1]]
+    fixed = np.concatenate([path.knots[1:-1], reversals(path)])
+    # a point next to a fixed one gives way to it
+    near = np.unique(np.clip(np.searchsorted(s, fixed), 1, cells - 1))
+    s = np.unique(np.concatenate([np.delete(s, near), fixed]))
+    time = np.interp(s, guess.s, guess.time)
+    for _ in range(60):
+        at, v, _ = guess.at(time)
+        time = np.clip(time + (s - at) / np.maximum(v, 1e-6 * np.sqrt(guess.x.max())), 0.0, guess.duration)
+    _, v, u = guess.at(time)
+    v[[0, -1]], u[[0, -1]] = 0.0, 0.0
+    return v, u, s
+
+
+def _middle(path: JointPath, s: Array) -> Array:
+    middle = (s[:-1] + s[1:]) / 2
+    return path(middle, 1)
+
+
+def _coefficients(
+    dynamics: PathDynamics, path: JointPath, s: Array, end: int
+) -> tuple[list[Array], list[Array], Array]:
+    """a, b, e, c and their slopes at one end of every cell, from inside the cell, and |q'| there; each (m, n)."""
+    piece = path.piece((s[:-1] + s[1:]) / 2)
+    at = s[1:] if end else s[:-1]
+    step = 1e-6 * path.length
+
+    def values(where: Array) -> list[Array]:
+        a, b, e, _, c, _ = dynamics.coefficients(*(path.on_piece(where, piece, order) for order in (0, 1, 2)))[:6]
+        return [np.array(f) for f in (a, b, e, c)]
+
+    above, below = values(at + step), values(at - step)
+    slopes = [(p - q) / (2 * step) for p, q in zip(above, below, strict=True)]
+    return values(at), slopes, np.abs(path.on_piece(at, piece, 1))
