@@ -11,6 +11,7 @@ from irb2400_ctrl.errors import InfeasibleError
 from irb2400_ctrl.planners.cells import Cells
 from irb2400_ctrl.planners.limits import MotionLimits, speed_bounds
 from irb2400_ctrl.planners.rows import Linearisation, torque_rows
+from irb2400_ctrl.planners.stuck import StuckError
 from irb2400_ctrl.planners.time_law import TimeLaw
 from irb2400_ctrl.planners.two_pass import Passed, two_pass
 
@@ -161,13 +162,15 @@ def _explain(cells: Cells, limits: MotionLimits, friction: Array, cell: int) -> 
     if len(heavy):
         cell = int(heavy[np.argmin(np.abs(heavy - cell))])
         axis = int(np.argmax(ratio[cell]))
-        return InfeasibleError(
-            f"at {1e3 * cells.s[cell]:.1f} mm, axis {axis + 1} cannot hold the arm: needs {needed[cell, axis]:,.0f} of "
-            f"{limits.tau_max[axis]:,.0f} Nm; lighten the load, move the work frame, or raise torque_Nm"
+        return StuckError(
+            float(cells.s[cell]),
+            f", axis {axis + 1} cannot hold the arm: needs {needed[cell, axis]:,.0f} of "
+            f"{limits.tau_max[axis]:,.0f} Nm; lighten the load, move the work frame, or raise torque_Nm",
         )
     axis = int(np.argmax(ratio[cell]))
-    return InfeasibleError(
-        f"at {1e3 * cells.s[cell]:.1f} mm no acceleration keeps all axes within their torque limits; axis {axis + 1} "
+    return StuckError(
+        float(cells.s[cell]),
+        f" no acceleration keeps all axes within their torque limits; axis {axis + 1} "
         f"is closest, with {needed[cell, axis]:,.0f} of {limits.tau_max[axis]:,.0f} Nm to move slowly; round the "
-        "corner there, or move the work frame"
+        "corner there, or move the work frame",
     )

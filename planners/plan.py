@@ -32,7 +32,7 @@ class Trajectory:
     tau: Array
     """torque of the model, friction and effects included, at their times from the start [Nm], shape (k, n)"""
     s: Array
-    """length along the path [m], shape (k,)"""
+    """length of the TCP's way [m] (with free geometry: the parameter of the path), shape (k,)"""
 
     def __post_init__(self) -> None:
         for name in ("time", "q", "qd", "qdd", "tau", "s"):
@@ -60,6 +60,8 @@ class Plan:
     robot: Robot
     path: ToolPath
     trajectory: Trajectory
+    length: float
+    """length of the TCP's way [m]"""
     certificate: Certificate
     """the joint path, its time law and the limits: checked again with `certificate.check`"""
     duration: float
@@ -102,7 +104,7 @@ class Plan:
             "path": self.path.name,
             "robot": self.robot.name,
             "points": len(self.path),
-            "length_mm": 1e3 * self.certificate.path.length,
+            "length_mm": 1e3 * self.length,
             "duration_s": self.duration,
             "reachable": True,
             "max_tcp_deviation_mm": 1e3 * self.max_tcp_deviation,

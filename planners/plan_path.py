@@ -27,7 +27,9 @@ from irb2400_ctrl.planners.path_dynamics import PathDynamics, path_dynamics
 from irb2400_ctrl.planners.plan import Plan, Trajectory
 from irb2400_ctrl.planners.retime import time_joint_path
 from irb2400_ctrl.planners.selection import Choice, choices
+from irb2400_ctrl.planners.stuck import StuckError
 from irb2400_ctrl.planners.task_curve import smooth_curve
+from irb2400_ctrl.planners.tip import Tip
 from irb2400_ctrl.planners.toolpath import ToolPath
 from irb2400_ctrl.robot import Robot
 
@@ -105,10 +107,14 @@ def plan_path(
     with clock.stage("branch and rotation"):
         found = list(choices(model, orientation, free_tool_rotation))
     with clock.stage("timing"):
-        options, problem = [], None
+        options: list[tuple[Choice, Timed]] = []
+        problem: InfeasibleError | None = None
         for choice in found:
             try:
                 options.append((choice, _timed(model, dynamics, choice, orientation, limits, cells, timing)))
+            except StuckError as error:
+                way = Tip(model, choice.followed.joints, orientation.spindle).way(error.s)
+                problem = StuckError(float(way), error.reason)
             except InfeasibleError as error:
                 problem = error
         if not options:
@@ -123,12 +129,14 @@ def plan_path(
     with clock.stage("remedies"):
         priced = _remedies(dynamics, options, choice, orientation, limits, axis_tolerance, cells)
     with clock.stage("trajectory"):
-        trajectory = _trajectory(dynamics, certificate, rate)
+        tip = Tip(model, choice.followed.joints, orientation.spindle)
+        trajectory, s = _trajectory(dynamics, certificate, tip, rate)
         torque_ratio, velocity_ratio = _ratios(dynamics, certificate, checked)
     return Plan(
         robot=robot,
         path=placed,
         trajectory=trajectory,
+        length=float(tip.lengths[-1]),
         certificate=certificate,
         duration=timed.law.duration,
         guaranteed=timing == "certified" and checked.holds(),
@@ -142,7 +150,7 @@ def plan_path(
         max_feed_ratio=feed_ratio(feed_bound(model, choice.followed, orientation), timed.law),
         chosen=choice.kind,
         branch=choice.branch,
-        rotation=choice.rotation(trajectory.s),
+        rotation=choice.rotation(s),
         alternatives=tuple(
             {
                 "kind": c.kind,
@@ -153,7 +161,7 @@ def plan_path(
             }
             for c, t in options
         ),
-        passages=tuple(remedies.taken(choice)),
+        passages=tuple({**p, "at_mm": 1e3 * float(tip.way(p["at_mm"] / 1e3))} for p in remedies.taken(choice)),
         remedies=tuple(r.summary() for r in priced),
         wall_time=clock.seconds,
     )
@@ -221,14 +229,14 @@ def _timed(
     return time_joint_path(dynamics, joints, limits, count=count, feed=feed)[0]
 
 
-def _trajectory(dynamics: PathDynamics, certificate: Certificate, rate: float) -> Trajectory:
-    """Rows at k / rate up to the first one at or after the end."""
+def _trajectory(dynamics: PathDynamics, certificate: Certificate, tip: Tip, rate: float) -> tuple[Trajectory, Array]:
+    """Rows at k / rate up to the first one at or after the end, and where on the joint path they are."""
     rows = int(np.ceil(certificate.law.duration * rate - 1e-9)) + 1
     if rows > 20_000_000:
         raise InputError(f"rate: {rate} rows per second make {rows} rows; expected a lower rate")
     t = np.arange(rows) / rate
     s, q, qd, qdd = certificate.law.motion(certificate.path, t)
-    return Trajectory(t, q, qd, qdd, dynamics.torque(q, qd, qdd, t), s)
+    return Trajectory(t, q, qd, qdd, dynamics.torque(q, qd, qdd, t), tip.way(s)), s
 
 
 def _ratios(dynamics: PathDynamics, certificate: Certificate, checked: Checked) -> tuple[float, float]:

@@ -91,6 +91,11 @@ class Tip:
         bend = _bend(rho, (a, a, a, a)) + 6 * _bend(rho, (a, a, b)) + 4 * _bend(rho, (a, c)) + 3 * _bend(rho, (b, b))
         return Enclosed(_bernstein(self.velocity(at, pieces)), _MISS * np.diff(s) ** 3 * bend)
 
+    def way(self, s: Array | float) -> Array:
+        """Length of the TCP's way up to the lengths s along the path, which count the tool's turning, too [m]."""
+        return np.asarray(np.interp(s, self.joints.knots, self.lengths))
+
+    @cached_property
     def lengths(self) -> Array:
         """Length of the TCP's way from the start to the knots of the joint path, shape (m + 1,) [m]."""
         knots = self.joints.knots

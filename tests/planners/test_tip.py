@@ -10,8 +10,9 @@ import pytest
 from toolpath_cases import CASES, build
 
 from irb2400_ctrl import load_robot
+from irb2400_ctrl.errors import InfeasibleError
 from irb2400_ctrl.model import Model
-from irb2400_ctrl.planners import Plan, builders, plan_path
+from irb2400_ctrl.planners import MotionLimits, Plan, builders, plan_path
 from irb2400_ctrl.planners.deviation import deviation
 from irb2400_ctrl.planners.follow import Target, follow
 from irb2400_ctrl.planners.joint_path import JointPath
@@ -66,7 +67,7 @@ def test_what_the_parabolas_miss_falls_with_the_third_power() -> None:
 def test_length_is_that_of_the_tip() -> None:
     tip = random_tip(2)
     way = tip.pose(np.linspace(0, 1, 200_001))[0]
-    assert tip.lengths()[-1] == pytest.approx(np.linalg.norm(np.diff(way, axis=0), axis=1).sum(), rel=1e-6)
+    assert tip.lengths[-1] == pytest.approx(np.linalg.norm(np.diff(way, axis=0), axis=1).sum(), rel=1e-6)
 
 
 @pytest.mark.parametrize("name", ["closed circle", "zigzag of tight corners", "corner with tiny segments in it",
@@ -153,3 +154,27 @@ def test_feed_holds_at_all_times() -> None:
     assert np.median(speed[slow]) > 0.0299
     free = plan_path(ROBOT, builders.line((0.9, 0, 0.5), (0.9, 0.1, 0.5)))
     assert free.max_feed_ratio is None
+
+
+def test_lengths_are_those_of_the_tip_whatever_the_tool_turns() -> None:
+    rolling = builders.way_points(np.array([[0.9, 0, 0.5], [0.9, 0.2, 0.5]]), np.array([[0, 0, 1], [0.6, 0, 0.8]]))
+    plan = plan_path(ROBOT, rolling)
+    assert plan.summary()["length_mm"] == pytest.approx(200.0, abs=0.01)
+    # the parameter of the joint path counts the turning, too
+    assert plan.certificate.path.length > 0.205
+    assert plan.trajectory.s[-1] == pytest.approx(plan.length, abs=1e-12)
+    # turning on the spot comes first; the place in a message does not count it
+    points = np.array([[0.9, 0, 0.5], [0.9, 0, 0.5], [1.6, 0, 0.5]])
+    longer = builders.way_points(points, np.array([[0.6, 0, 0.8], [0, 0, 1], [0, 0, 1]]))
+    weak = replace(MotionLimits.of(ROBOT), tau_max=np.array([1300, 300, 700, 140, 150, 60.0]))
+    with pytest.raises(InfeasibleError, match=r"at \d+\.\d mm, axis 2 cannot hold the arm") as caught:
+        plan_path(ROBOT, longer, limits=weak, free_tool_rotation=False)
+    assert 650.0 < float(str(caught.value).split()[1]) <= 700.1
+
+
+def test_passages_are_placed_by_the_tip() -> None:
+    plan = plan_path(ROBOT, build(MODEL, kind="wrist", miss=0.01), free_tool_rotation=False)
+    (passage,) = plan.passages
+    # the tip's way between the poses, not the parameter that counts the turning
+    way = np.linalg.norm(np.diff(plan.path.position, axis=0), axis=1)
+    assert passage["at_mm"] == pytest.approx(1e3 * way[:20].sum(), rel=0.02)

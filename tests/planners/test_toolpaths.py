@@ -83,8 +83,8 @@ def test_a_path_through_the_shoulder_is_refused_after_few_looks(monkeypatch: pyt
     path = build(MODEL, kind="poses_through_shoulder")
     with pytest.raises(errors.UnreachableError, match=r"near point 11 axis 1 turns by 90.0 deg within 0\.\d+ um"):
         plan_path(ROBOT, path, free_tool_rotation=False)
-    # new stations all along the path, as a spline through a jump asks for them, took 600,000
-    assert looks < 30_000
+    # new stations all along the path, as a spline through a jump asks for them, took 3,800,000
+    assert looks < 10_000
     # a near miss is no jump: driven slowly
     beside = np.eye(4)
     beside[0, 3] = 1e-5
