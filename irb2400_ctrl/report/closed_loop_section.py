@@ -35,7 +35,8 @@ def add_closed_loop(page: Page, diagnosis: Diagnosis, loop: ClosedLoop) -> None:
         rows.append([name, *s["tcp_error_mm"].values(), *(1e3 * v for v in s["joint_error_deg"]["rms"])])
     joints = (f"axis {j + 1} rms [mdeg]" for j in range(loop.plant.n))
     page.table("Tracking before and after", ("controller from", "TCP rms [mm]", "TCP max [mm]", *joints), rows)
-    page.figure(tracking_figure(runs), "The same motion and structure; only the description behind it differs.")
+    ends = {name: run for name, run in runs.items() if run is not loop.recalibrated}
+    page.figure(tracking_figure(ends), "The same motion and structure; only the description behind it differs.")
 
 
 def closed_loop_lines(loop: ClosedLoop) -> list[str]:
