@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -70,3 +72,10 @@ def test_an_error_of_the_controller_comes_back() -> None:
 
     with pytest.raises(RuntimeError, match="broken at 0"):
         CASE.drive(broken)
+
+
+def test_the_plant_knows_nothing_of_the_library() -> None:
+    here = Path(__file__)
+    sources = [p for p in here.parent.rglob("*") if p.suffix in {".py", ".c", ".h"} and p != here]
+    assert len(sources) > 15
+    assert not [p.name for p in sources if "irb2400_ctrl" in p.read_text()]
