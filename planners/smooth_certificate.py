@@ -14,6 +14,7 @@ from math import comb
 import numpy as np
 import numpy.typing as npt
 
+from irb2400_ctrl.planners.added_torque import Added, Variant, variants
 from irb2400_ctrl.planners.cells import enclose, reversals
 from irb2400_ctrl.planners.certificate import Certificate, Checked
 from irb2400_ctrl.planners.path_dynamics import PathDynamics
@@ -61,12 +62,16 @@ def cell_ratios(
     s = np.unique(np.concatenate([law.s, split, more]))
     cells = enclose(dynamics, certificate.path, s)
     channels = Channels.of(cells, limits, dynamics.model.robot.friction)
-    value, rate = _bounds(channels, *_polynomials(law, s))
+    x, u, beta = _polynomials(law, s)
     G = _product(cells.speed, cells.speed) / limits.qd_max**2
-    x, _, _ = _polynomials(law, s)
     speed = np.sqrt(np.maximum(_product(G, x[..., None]).max(axis=1), 0.0))
-    if dynamics.irregular or getattr(cells, "added", None) is not None:
-        value[:, : dynamics.model.robot.n] = np.inf
+    value, rate = _values(channels, cells.added, x, u), _rates(channels, x, u, beta)
+    n = dynamics.model.robot.n
+    if dynamics.irregular:
+        value[:, :n] = np.inf
+    if dynamics.irregular or cells.added is not None:
+        # effects of time, load or memory: the slopes of their torques have no bound here
+        rate[:, :n] = np.where(np.isfinite(channels.rate[:, :n]), np.inf, 0.0)
     return (value, rate, speed), s
 
 
@@ -83,7 +88,7 @@ def _consistent(law: SmoothLaw) -> bool:
 def _polynomials(law: SmoothLaw, s: Array) -> tuple[Array, Array, Array]:
     """Bernstein coefficients of x (degree 2) and u (degree 1), and u', on parts of the law's cells.
 
-    In the end parts: the largest x, zero and the largest u, and the (constant) jerk over the largest speed for u'.
+    In the end parts: the largest x; u at both ends; and for u' the (constant) jerk over the largest speed.
     """
     cell = np.clip(np.searchsorted(law.s, (s[:-1] + s[1:]) / 2) - 1, 0, len(law.s) - 2)
     beta, first, last = law.slope[cell], s[:-1] - law.s[cell], s[1:] - law.s[cell]
@@ -93,72 +98,81 @@ def _polynomials(law: SmoothLaw, s: Array) -> tuple[Array, Array, Array]:
     x = np.stack([x0, x0 + width * u[:, 0], x0 + width * (u[:, 0] + u[:, 1])], axis=1)
     h = np.diff(law.s)
     for end, near in ((0, 1), (-1, -2)):
-        x[end], u[end] = law.x[near], (0.0, law.u[near])
+        x[end], u[end] = law.x[near], law.u[[end, near]][:: 1 if end == 0 else -1]
         beta[end] = 2 / 9 * law.x[near] / h[end] ** 2
     return x, u, beta
 
 
-def _bounds(channels: Channels, x: Array, u: Array, beta: Array) -> tuple[Array, Array]:
-    """Upper bounds of |y| / limit and |dy/dt| / rate in each part, each (m, k)."""
-    c = channels
-    low, high = np.maximum(x.min(axis=1), 0.0)[:, None], x.max(axis=1)[:, None]
-    top, bottom = c.dry_friction(low)
-    U, X = u[..., None], x[..., None]
-    u_max = np.abs(u).max(axis=1)[:, None]
-    # sqrt(x): secant of the range below, tangent above
-    middle = np.maximum((low + high) / 2, 1e-300)
-    r = np.sqrt(middle)
-    tangent = (r[:, None] + X / r[:, None]) / 2
-    secant = (X + np.sqrt(low * high)[:, None]) / (np.sqrt(low) + np.sqrt(high))[:, None]
-    above, below = np.maximum(c.e, 0.0), np.minimum(c.e, 0.0)
-    base = _raised(_product(c.a, U), 4) + _product(c.b, X)
-    upper = base + _product(above, tangent) + _product(below, secant) + _raised(c.c_high, 4)
-    lower = base + _product(above, secant) + _product(below, tangent) + _raised(c.c_low, 4)
+def _values(c: Channels, added: Added | None, x: Array, u: Array) -> Array:
+    """Upper bounds of |y| / limit in each part, shape (m, k)."""
+    low, high = np.maximum(x.min(axis=1), 0.0), x.max(axis=1)
+    low[[0, -1]] = 0.0
+    u_max = np.abs(u).max(axis=1)
     r_a, r_b, r_e, r_c = c.remainder
-    rest = r_a * u_max + r_b * high + r_e * np.sqrt(high) + r_c
-    value = np.maximum(upper.max(axis=1) + top + rest, -(lower.min(axis=1) + bottom - rest)) / c.limit
-    # rates over sqrt(x); the tangent of 1/sqrt(x) is positive as long as x < 3 middle
-    d_a, d_b, d_e, d_c = (2 / c.h[:, None, None] * np.diff(f, axis=1) for f in (c.a, c.b, c.e, c.c_high))
-    bend = beta[:, None, None]
-    g = _raised(_product(d_a, U), 4) + _raised(_product(2 * c.b, U) + _product(d_b, X), 4)
-    g += _raised(c.a * bend, 4) + _raised(d_c, 4)
-    viscous = _product(c.e, U) + _product(d_e, X)
-    g += _raised(viscous, 4) / r[:, None]
+    rest = r_a * u_max[:, None] + r_b * high[:, None] + r_e * np.sqrt(high)[:, None] + r_c
+    top, bottom = c.dry_friction(low[:, None])
+    found = []
+    for side, dry, held in ((1.0, top, c.c_high), (-1.0, -bottom, -c.c_low)):
+        plain = Variant(side * c.a, side * c.b, side * c.e, held, rest)
+        found.append(_above(plain, x, u, low, high) + dry)
+        if added is not None:
+            n = added.square.shape[-1]
+            torques = Variant(*(f[..., :n] for f in (plain.a, plain.b, plain.e, plain.c, plain.rest)))
+            bar, box = (u.mean(axis=1), (low + high) / 2), (low, high, u_max)
+            every = variants(added, torques, side, bar, box, np.full(n, np.inf))
+            found[-1][:, :n] = np.max([_above(v, x, u, low, high) for v in every], axis=0) + dry[:, :n]
+    return np.asarray(np.maximum(*found) / c.limit)
+
+
+def _above(v: Variant, x: Array, u: Array, low: Array, high: Array) -> Array:
+    """Upper bound of a u + b x + e sqrt(x) + c + rest in each part, shape (m, k)."""
+    U, X = u[..., None], x[..., None]
+    # sqrt(x): secant of the range below, tangent above
+    r = np.sqrt(np.maximum((low + high) / 2, 1e-300))[:, None, None]
+    first, last = np.sqrt(low)[:, None, None], np.sqrt(high)[:, None, None]
+    tangent, secant = (r + X / r) / 2, (X + first * last) / (first + last)
+    found = _raised(_product(v.a, U), 4) + _product(v.b, X) + _raised(v.c, 4)
+    found += _product(np.maximum(v.e, 0.0), tangent) + _product(np.minimum(v.e, 0.0), secant)
+    bound = found.max(axis=1) + v.rest
+    for end in (0, -1):
+        # x between 0 and x_1, u between 0 and u_1: every term at its largest
+        u1, x1 = float(u[end, -1] if end == 0 else u[end, 0]), float(high[end])
+        terms = ((u1, v.a), (x1, v.b), (np.sqrt(x1), v.e))
+        bound[end] = v.c[end].max(axis=0) + v.rest[end]
+        bound[end] += sum(np.maximum((size * f[end]).max(axis=0), 0.0) for size, f in terms)
+    return np.asarray(bound)
+
+
+def _rates(c: Channels, x: Array, u: Array, beta: Array) -> Array:
+    """Upper bounds of |dy/dt| / rate in each part, zero where there is no limit, shape (m, k)."""
+    low, high = np.maximum(x.min(axis=1), 1e-300)[:, None], x.max(axis=1)[:, None]
+    U, X, bend = u[..., None], x[..., None], beta[:, None, None]
+    u_max = np.abs(u).max(axis=1)[:, None]
+    r_a, r_b, r_e, _ = c.remainder
     half = c.h[:, None] / 2
     s_a, s_b, s_e, s_c = _DERIVATIVE * c.remainder / half
-    spread = np.maximum(1 / np.sqrt(np.maximum(low, 1e-300)) - 1 / r, 1 / r - 1 / np.sqrt(high))
-    rest = s_a * u_max + r_a * np.abs(beta)[:, None] + 2 * r_b * u_max + s_b * high + s_c
-    rest += (r_e * u_max + s_e * high) / np.sqrt(np.maximum(low, 1e-300)) + np.abs(viscous).max(axis=1) * spread
+    # over sqrt(x); the tangent of 1/sqrt(x) is positive as long as x < 3 r^2
+    r = np.sqrt((low + high) / 2)
+    d_a, d_b, d_e, d_c = (np.diff(f, axis=1) / half[:, None] for f in (c.a, c.b, c.e, c.c_high))
+    viscous = _product(c.e, U) + _product(d_e, X)
+    g = _raised(_product(d_a, U) + c.a * bend, 4) + _raised(_product(2 * c.b, U) + _product(d_b, X), 4)
+    g += _raised(d_c, 4) + _raised(viscous, 4) / r[:, None]
+    spread = np.maximum(1 / np.sqrt(low) - 1 / r, 1 / r - 1 / np.sqrt(high))
+    rest = (s_a + 2 * r_b) * u_max + r_a * np.abs(beta)[:, None] + s_b * high + s_c
+    rest += (r_e * u_max + s_e * high) / np.sqrt(low) + np.abs(viscous).max(axis=1) * spread
     line = _raised(1.5 / r[:, None] - X / (2 * r[:, None] ** 3), 4)
     with np.errstate(divide="ignore", invalid="ignore"):
-        rate = np.where(line > 0, (np.abs(g) + rest[:, None]) / line, np.inf).max(axis=1) / c.rate
-    # where a coefficient lies in a band its slope is not known
-    rate = np.where((c.c_high == c.c_low).all(axis=1), rate, np.inf)
+        found = np.where(line > 0, (np.abs(g) + rest[:, None]) / line, np.inf).max(axis=1)
     for end in (0, -1):
-        value[end], rate[end] = _end_bounds(c, end, x[end], u[end], float(beta[end]))
-    return value, np.where(np.isfinite(c.rate), rate, 0.0)
-
-
-def _end_bounds(c: Channels, end: int, x: Array, u: Array, bend: float) -> tuple[Array, Array]:
-    """The same in an end cell: x between 0 and x_1, u between 0 and u_1, the jerk is constant."""
-    x1, u1, v1 = float(x[-1]), float(u[-1]), float(np.sqrt(x[-1]))
-    top, bottom = c.dry_friction(np.zeros((1, 1)))
-    r_a, r_b, r_e, r_c = c.remainder[:, end]
-    rest = r_a * abs(u1) + r_b * x1 + r_e * v1 + r_c
-    sides = []
-    for side, dry, hold in ((1.0, top[end], c.c_high[end]), (-1.0, bottom[end], c.c_low[end])):
-        moving = np.maximum((side * u1 * c.a[end]).max(axis=0), 0) + np.maximum((side * x1 * c.b[end]).max(axis=0), 0)
-        moving += np.maximum((side * v1 * c.e[end]).max(axis=0), 0)
-        sides.append((side * hold).max(axis=0) + side * dry + moving + rest)
-    half = c.h[end] / 2
-    a, b, e = (np.abs(f[end]).max(axis=0) + m for f, m in ((c.a, r_a), (c.b, r_b), (c.e, r_e)))
-    d_a, d_b, d_e, d_c = (
-        np.abs(np.diff(f[end], axis=0)).max(axis=0) / half + _DERIVATIVE * m / half
-        for f, m in ((c.a, r_a), (c.b, r_b), (c.e, r_e), (c.c_high, r_c))
-    )
-    rate = v1 * ((d_a + 2 * b) * abs(u1) + a * bend + d_b * x1 + d_c) + e * abs(u1) + d_e * x1
-    rate = np.where((c.c_high[end] == c.c_low[end]).all(axis=0), rate / c.rate[end], np.inf)
-    return np.maximum(*sides) / c.limit[end], rate
+        # the jerk is constant, and every other term at its largest
+        u1, x1 = float(u_max[end, 0]), float(high[end, 0])
+        a, b, e = (np.abs(f[end]).max(axis=0) + miss[end] for f, miss in ((c.a, r_a), (c.b, r_b), (c.e, r_e)))
+        slopes = ((d_a, s_a), (d_b, s_b), (d_e, s_e), (d_c, s_c))
+        p, q, s, t = (np.abs(d[end]).max(axis=0) + miss[end] for d, miss in slopes)
+        found[end] = np.sqrt(x1) * ((p + 2 * b) * u1 + a * beta[end] + q * x1 + t) + e * u1 + s * x1
+    # where a coefficient lies in a band its slope is not known
+    found = np.where((c.c_high == c.c_low).all(axis=1), found, np.inf)
+    return np.where(np.isfinite(c.rate), found / c.rate, 0.0)
 
 
 def _product(f: Array, g: Array) -> Array:

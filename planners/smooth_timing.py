@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
-from irb2400_ctrl.errors import InfeasibleError, InputError
+from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.planners.cells import enclose
 from irb2400_ctrl.planners.certificate import Certificate
 from irb2400_ctrl.planners.interior_point import solve
@@ -15,11 +15,12 @@ from irb2400_ctrl.planners.joint_path import JointPath
 from irb2400_ctrl.planners.limits import MotionLimits, speed_bounds
 from irb2400_ctrl.planners.path_dynamics import PathDynamics
 from irb2400_ctrl.planners.retime import FeedBound, time_joint_path
-from irb2400_ctrl.planners.smooth_certificate import cell_ratios
 from irb2400_ctrl.planners.smooth_channels import Channels, Integers
 from irb2400_ctrl.planners.smooth_grid import first_grid, refined
 from irb2400_ctrl.planners.smooth_law import SmoothLaw
+from irb2400_ctrl.planners.smooth_looks import looked_ratios
 from irb2400_ctrl.planners.smooth_program import SmoothProgram
+from irb2400_ctrl.planners.stuck import StuckError
 from irb2400_ctrl.planners.time_law import TimeLaw
 
 Array = npt.NDArray[np.float64]
@@ -27,6 +28,8 @@ Array = npt.NDArray[np.float64]
 # how often what the bounds show above a limit is held back; then the motion is slowed by what is left of it
 _ROUNDS = 4
 _PARTS = 4
+# what may be left of it: the check of the plan will say so
+_UNSETTLED = 1e-3
 _HELD = 2e-5
 # of the first solution, which only shows where cells have to be small, and of the others; parts of the duration
 _ROUGH, _GAP = 1e-3, 2e-4
@@ -60,7 +63,7 @@ def time_smoothly(
     """The time law from rest to rest, without a jump of the acceleration, whose bounds over all times keep the limits.
 
     The fastest motion with jumps says where to begin. A first program on a coarse grid shows where the speed changes
-    and which channels matter; a second one, on small cells there, is solved until `cell_ratios` finds nothing above a
+    and which channels matter; a second one, on small cells there, is solved until `looked_ratios` finds nothing above a
     limit anywhere.
 
     Args:
@@ -72,7 +75,7 @@ def time_smoothly(
 
     Raises:
         InputError: no limit of a rate among the limits.
-        InfeasibleError: no motion within the limits; says where, and which axis lacks what.
+        StuckError: no motion within the limits; says where, and which axis lacks what.
     """
     if not limits.smooth:
         raise InputError("limits: found neither torque_rate nor jerk, expected at least one of them")
@@ -92,7 +95,7 @@ def time_smoothly(
         found = solve(selected.program, z, barrier=barrier, gap=_GAP)
         iterations += found.iterations
         law = law_of(problem.program, s, found.z)
-        ratios, fine = cell_ratios(Certificate(path, law, limits), dynamics, _PARTS)
+        ratios, fine = looked_ratios(Certificate(path, law, limits), dynamics, _PARTS)
         if _largest(ratios) <= 1 or turn == _ROUNDS - 1:
             break
         problem = problem.holding_back(ratios[:2], fine)
@@ -105,7 +108,14 @@ def time_smoothly(
             break
         # torque falls with the square of the speed, but for gravity and friction
         law = law.slowed(1 + 0.7 * (worst - 1) + 1e-9)
-        ratios, _ = cell_ratios(Certificate(path, law, limits), dynamics, _PARTS)
+        ratios, fine = looked_ratios(Certificate(path, law, limits), dynamics, _PARTS)
+    if _largest(ratios) > 1 + _UNSETTLED:
+        most = np.maximum(*ratios[:2])
+        place, channel = np.unravel_index(int(np.argmax(most)), most.shape)
+        axis = problem.program.channels.axis[0, channel]
+        raise StuckError(
+            float(fine[place]), f", the limits of axis {axis} are passed by {100 * (most.max() - 1):.2g} % however slow"
+        )
     return SmoothTimed(law, fastest.law, iterations)
 
 
@@ -160,7 +170,7 @@ class _Problem:
         """The same motion slowed until it is within all limits, with some room.
 
         Raises:
-            InfeasibleError: it is not within them however slow.
+            StuckError: it is not within them however slow.
         """
         least = _SLOWEST**2 * z.max()
         while z.max() > least:
@@ -169,24 +179,26 @@ class _Problem:
                 return slower * z
         raise self._stuck(z)
 
-    def _stuck(self, z: Array) -> InfeasibleError:
-        """Which limit stays out of reach."""
+    def _stuck(self, z: Array) -> StuckError:
+        """Which limit stays out of reach, and where."""
         channels = self.program.channels
         rows, _ = self.program.rows(z, slopes=False)
         cell, row = np.unravel_index(int(np.argmin(rows)), rows.shape)
         place, channel = int(cell) + 1, int(row) % channels.count
-        where = f"at {1e3 * self.s[place]:.1f} mm, axis {channels.axis[place, channel]}"
+        axis, rate = channels.axis[place, channel], channels.rate[place, channel]
         if row < 6 * channels.count:
             limit = channels.limit[place, channel]
-            return InfeasibleError(
-                f"{where} is over its limit even in slow motion: the arm and static friction need "
-                f"{(1 - rows[cell, row]) * limit:,.0f} of {limit:,.0f} Nm; lighten the load, or raise torque_Nm"
+            return StuckError(
+                float(self.s[place]),
+                f", axis {axis} is over its limit even in slow motion: the arm and static friction need "
+                f"{(1 - rows[cell, row]) * limit:,.0f} of {limit:,.0f} Nm; lighten the load, or raise torque_Nm",
             )
-        rate = channels.rate[place, channel]
         torque = np.isfinite(channels.friction[3, place, channel])
         limited = f"torque rate of {rate:,.3g} Nm/s" if torque else f"jerk of {np.degrees(rate):,.3g} deg/s3"
-        return InfeasibleError(
-            f"{where} would have to be slower than {_SLOWEST:g} of the fastest motion to keep its {limited}; raise it"
+        return StuckError(
+            float(self.s[place]),
+            f", axis {axis} would have to be slower than {_SLOWEST:g} of the fastest motion to keep its {limited}; "
+            "raise it",
         )
 
     def holding_back(self, ratios: tuple[Array, ...], fine: Array) -> _Problem:
@@ -210,7 +222,7 @@ class _Problem:
         """The same with only those channels in each cell that were the closest to their limits in a motion nearby."""
         k = self.program.channels.count
         few = int(np.ceil(_SELECTED * k))
-        ratios, fine = cell_ratios(certificate, dynamics, 1)
+        ratios, fine = looked_ratios(certificate, dynamics, 1)
         close = np.maximum(*ratios[:2])
         # and in the cells around
         padded = np.pad(close, ((3, 3), (0, 0)), mode="edge")
