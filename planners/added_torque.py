@@ -80,8 +80,8 @@ class Added:
 
     @property
     def has_acceleration(self) -> bool:
-        """Whether a factor of the time multiplies u."""
-        return bool((self.a.low != 0).any() or (self.a.high != 0).any())
+        """Whether a factor of the time that varies multiplies u."""
+        return bool((self.a.low != self.a.high).any())
 
     def line(self, of: Literal["speed", "load"], side: float, low: Array, high: Array) -> Line:
         """The laws' sum on each joint, times side, lies below this line for w between low and high (m, n)."""

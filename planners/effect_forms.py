@@ -31,8 +31,8 @@ Array = npt.NDArray[np.float64]
 Memory = Callable[[Array], tuple[Array, Array]]
 """bounds (m,) of the internal state for a joint that has turned forwards by (m,) [rad]"""
 
-# all times from zero to thirty years, in steps small against any time constant
-_TIMES = np.concatenate([[0.0], np.geomspace(1e-3, 1e9, 2000)])
+# all times from zero to 28 years (a force without an end acts until 1e9 s), in steps small against any time constant
+_TIMES = np.concatenate([[0.0], np.geomspace(1e-3, 9e8, 2000)])
 
 
 @dataclass(frozen=True)

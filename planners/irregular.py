@@ -1,7 +1,7 @@
 """Timing with effects whose torque has no bound: looked at, with room to spare.
 
-An elastic joint's torque follows the second derivative of the load. The timing lets the acceleration jump, so that
-there is none; what is looked at is the model's slow twist, and the swinging that a jump starts is left out.
+The torque of a link that swings behind its motor follows the second derivative of the load. The timing lets the
+acceleration jump, so that there is none; what is looked at is the model's slow twist, and the swing is left out.
 """
 
 from __future__ import annotations
@@ -57,8 +57,8 @@ def guarantee_note(dynamics: PathDynamics, certified: bool, holds: bool) -> str:
     if dynamics.irregular:
         names = ", ".join(f"{e.kind} on axis {e.joint}" for e in dynamics.irregular)
         return (
-            f"{names}: its torque follows the second derivative of the load, which has no bound where the acceleration "
-            f"jumps; the slow twist was looked at and held back with {100 * _ROOM:.0f} % to spare"
+            f"{names}: the link swings behind its motor where the acceleration jumps, and what that adds has no bound; "
+            f"its slow part was looked at and held back with {100 * _ROOM:.0f} % to spare"
         )
     return "" if holds else "the check of the bound failed; plan with more cells"
 

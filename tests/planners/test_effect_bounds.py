@@ -24,6 +24,8 @@ from irb2400_ctrl.planners.time_law import TimeLaw
 
 ROBOT = load_robot("irb2400")
 LIMITS = MotionLimits.of(ROBOT)
+# effects that have no bound: a link that swings behind its motor
+SWINGING = {"elastic_joint", "transmission_backlash"}
 # start of the motion on the effects' clock: cold and warm gears, before, inside and after the windows
 STARTS = (0.0, 0.3, 5.0, 1e6)
 
@@ -108,7 +110,7 @@ def test_the_bound_costs_little_against_a_fine_grid(name: str, most: float) -> N
     assert durations[0] <= (1 + most) * durations[1]
 
 
-def test_every_effect_but_an_elastic_joint_has_a_bound() -> None:
+def test_every_effect_but_a_swinging_one_has_a_bound() -> None:
     rng = np.random.default_rng(1)
     for kind, cls in LIBRARY.items():
         if cls.acts != "force":
@@ -123,7 +125,17 @@ def test_every_effect_but_an_elastic_joint_has_a_bound() -> None:
                     **{**fields, "kind": kind, "joint": joint, "shape": shape, "windows_s": windows}
                 )
                 forms = Forms.of(Model(ROBOT.with_effects(made)))
-                assert (len(forms.open) == 0) == (kind != "elastic_joint"), (kind, shape, windows)
+                assert (len(forms.open) == 0) == (kind not in SWINGING), (kind, shape, windows)
+
+
+def test_a_force_without_an_end_is_always_there() -> None:
+    always = path_dynamics(ROBOT.with_effects(effect("process_force", None, force_z_N=-80)))
+    assert [list(end) for end in always.factors] == [[1.0], [1.0]]
+    sometimes = path_dynamics(ROBOT.with_effects(effect("process_force", None, force_z_N=-80, stop_s=3.0)))
+    assert [list(end) for end in sometimes.factors] == [[0.0], [1.0]]
+    path = random_path(0)
+    durations = [time_joint_path(d, path, LIMITS)[0].law.duration for d in (always, sometimes)]
+    assert durations[0] < durations[1]
 
 
 def test_hysteresis_stays_between_its_bounds() -> None:
@@ -151,7 +163,7 @@ def test_elastic_joint_is_not_guaranteed_and_says_why() -> None:
     robot = ROBOT.with_effects(effect("elastic_joint", 2, stiffness_Nm_rad=3e5))
     plan = plan_path(robot, builders.line((0.9, 0, 0.5), (0.9, 0.2, 0.5)), free_tool_rotation=False)
     assert not plan.guaranteed
-    assert "elastic_joint on axis 2: its torque follows" in plan.summary()["guarantee_note"]
+    assert "elastic_joint on axis 2: the link swings" in plan.summary()["guarantee_note"]
     assert plan.max_torque_ratio <= 1.0
 
 
