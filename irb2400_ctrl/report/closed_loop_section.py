@@ -11,10 +11,10 @@ from irb2400_ctrl.simulation.close_loop import ClosedLoop
 
 def add_closed_loop(page: Page, diagnosis: Diagnosis, loop: ClosedLoop) -> None:
     """Tracking of the recorded motion by the controllers of the robot as given, recalibrated and as diagnosed."""
-    names = ", ".join(finding_title(f) for f in diagnosis.findings) or "recalibrated parameters"
+    found = ", ".join(finding_title(f) for f in diagnosis.findings) or "recalibrated parameters"
     page.heading("The loop closed")
     page.text(
-        f"The controller ({loop.controller}) is generated again from the robot with what was found ({names}). All "
+        f"The controller ({loop.controller}) is generated again from the robot with what was found ({found}). All "
         "controllers follow the commanded motion of the log. Gains follow the same rule."
     )
     page.text(
@@ -28,6 +28,14 @@ def add_closed_loop(page: Page, diagnosis: Diagnosis, loop: ClosedLoop) -> None:
         page.text(
             f"No controller makes up for {', '.join(left_alone)}: it is in the measuring chain, to be put right there."
         )
+    in_part = [f for f in diagnosis.findings if f.effect.windows_s]
+    known = {(e.kind, e.joint) for e in loop.after.robot.effects}
+    for words, there in (
+        ("began in the record and is taken as lasting", True),
+        ("was an event and is left out", False),
+    ):
+        if names := [finding_title(f) for f in in_part if ((f.effect.kind, f.effect.joint) in known) is there]:
+            page.text(f"What acted only part of the time: {', '.join(names)} {words}.")
     runs = {f"robot as {name}": run for name, run in loop.runs.items()}
     rows: list[list[object]] = []
     for name, run in runs.items():

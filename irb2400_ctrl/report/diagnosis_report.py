@@ -11,6 +11,7 @@ import numpy as np
 from irb2400_ctrl.diagnosis import Comparison, Diagnosis, Finding
 from irb2400_ctrl.report.diagnosis_figures import curve_figure, torque_figure
 from irb2400_ctrl.report.page import Page, show
+from irb2400_ctrl.simulation.close_loop import OPEN_END_S
 
 VERDICTS = {
     "explained": "The log shows something the model lacks, and it has a name.",
@@ -132,9 +133,12 @@ def parameter_rows(finding: Finding) -> list[list[object]]:
     """Name, value, standard error."""
 
     def text(value: Any) -> str:
-        if isinstance(value, list | tuple):
-            return ", ".join(show(float(v)) for v in value)
-        return show(float(value))
+        if not isinstance(value, list | tuple):
+            return show(float(value))
+        return ", ".join(window(*v) if isinstance(v, list | tuple) else show(float(v)) for v in value)
+
+    def window(start: float, stop: float) -> str:
+        return f"{show(float(start))} to {show(float(stop))}" if stop < OPEN_END_S else f"{show(float(start))} on"
 
     errors = finding.standard_errors
     return [
