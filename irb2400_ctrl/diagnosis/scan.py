@@ -58,6 +58,11 @@ class Candidate:
         return tau
 
     @property
+    def leftover(self) -> float:
+        """Share of its torque that it may leave for others to explain."""
+        return max((e.leftover for e in self.effects), default=Effect.leftover)
+
+    @property
     def known(self) -> bool:
         """Whether it is an effect of the library."""
         return bool(self.effects)
@@ -121,7 +126,8 @@ class Scan:
     def rank(self, problem: Problem, chosen: Sequence[Candidate] = ()) -> list[Candidate]:
         """All plausible candidates, best first; what is chosen already does not come twice (but for ripples)."""
         taken = {(e.kind, e.joint) for c in chosen for e in c.effects if e.kind != "gear_ripple"}
-        families = [f for f in self.families if f not in taken]
+        devices = {(e.device, e.joint) for c in chosen for e in c.effects if e.device}
+        families = [f for f in self.families if f not in taken and (LIBRARY[f[0]].device, f[1]) not in devices]
         found = [c for kind, joint in families for c in self._library(problem, kind, joint)]
         rest = [kind for kind in EVERYWHERE if kind not in {e.kind for c in chosen for e in c.effects}]
         found += [c for kind in rest if (c := self._everywhere(problem, kind)) is not None]
@@ -153,6 +159,22 @@ class Scan:
             if effect is not None and (best is None or score.gain > best.score.gain):
                 best = Candidate(kind, joint, kind, (), (effect,), law, extra, score, penalty)
         return [] if best is None else [best]
+
+    def between(self, problem: Problem, candidate: Candidate) -> Candidate:
+        """The candidate with its one nonlinear parameter searched between the neighbours in the grid."""
+        if not candidate.known or not LIBRARY[candidate.kind].searched:
+            return candidate
+        grid, _ = self.laws[candidate.kind, candidate.joint]
+        (key,) = grid[0]
+        best, value = candidate, float(getattr(candidate.effects[0], key))
+        width = 0.5 * abs(grid[1][key] - grid[0][key])
+        for _ in range(3):
+            trials = [self._at(problem, best, {key: value + side * width}) for side in (-1, 1)]
+            for trial in trials:
+                if trial is not None and trial.score.gain > best.score.gain:
+                    best = trial
+            value, width = float(getattr(best.effects[0], key)), width / 2
+        return best
 
     def polished(self, problem: Problem, candidate: Candidate) -> Candidate:
         """Nonlinear parameters of an effect with memory, by coordinate search on the evidence.
@@ -253,7 +275,7 @@ def plausible(kind: str, joint: int | None, coefficients: Array, nonlinear: dict
         effect = LIBRARY[kind].from_coefficients(joint, [float(c) for c in coefficients], nonlinear)
     except (ValidationError, ValueError, ZeroDivisionError):
         return None
-    return None if any(abs(getattr(effect, name)) < size for name, size in effect.least.items()) else effect
+    return None if effect.negligible else effect
 
 
 def everywhere(laws: Sequence[Columns], n: int) -> Columns:

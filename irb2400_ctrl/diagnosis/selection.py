@@ -34,7 +34,7 @@ class Criteria:
         gain: log evidence over the model without it [nats], family-wise.
         energy: its energy over what the base alone leaves on that joint.
         torque: its rms torque over the joint's.
-        relative: its rms torque over the largest effect already found on that joint.
+        by_law: what its law alone gains over what it gains with departures.
         largest: its rms torque over the joint's, above which it only cancels another one.
         unknown: how much a generic law must beat the best effect by [nats], and as share of that effect's gain.
     """
@@ -42,7 +42,7 @@ class Criteria:
     gain: float = 25.0
     energy: float = 0.05
     torque: float = 0.003
-    relative: float = 0.22
+    by_law: float = 0.4
     largest: float = 1.5
     unknown: float = 10.0
     unknown_share: float = 0.02
@@ -52,11 +52,33 @@ class Criteria:
 
 @dataclass(frozen=True)
 class Rival:
-    """A candidate with its own noise model."""
+    """A candidate with its own noise model.
+
+    Args:
+        evidence: log evidence under the noise that the candidate leaves [nats].
+        by_law: what it gains without departures from its law [nats].
+    """
 
     candidate: Candidate
     evidence: float
-    """log evidence under the noise that the candidate leaves [nats]"""
+    by_law: float
+
+
+@dataclass(frozen=True)
+class Left:
+    """What the explanations so far leave, per joint.
+
+    Args:
+        energy: mean square away from reversals [Nm2]; noise: of it.
+    """
+
+    energy: Array
+    noise: Sequence[Noise]
+
+    def by_joint(self, gain: float, torque: Array) -> Array:
+        """The gain [nats] of a whole arm's effect, shared among the joints as its torque (rows, n) stands out there."""
+        seen = np.array([np.sum(one.whiten(torque[:, j]) ** 2) for j, one in enumerate(self.noise)])
+        return np.asarray(max(gain, 0.0) * seen / max(seen.sum(), 1e-12))
 
 
 @dataclass(frozen=True)
@@ -113,11 +135,11 @@ class Selection:
     def next_step(self, chosen: Sequence[Candidate], fit: Fit) -> Step | None:
         """The best further explanation if it counts."""
         self.y, Z = fit.y, fit.Z
-        base, base_rss = self._base(Z)
+        base, before = self._base(Z)
         rivals = self.rivals(Z, chosen)
         if not rivals:
             return None
-        rivals = [r for r in rivals if self._practical(r, base_rss, chosen, Z)]
+        rivals = [r for r in rivals if self._practical(r, r.evidence - base, before, chosen, Z)]
         if not rivals:
             return None
         best = self._choice(rivals, base)
@@ -132,6 +154,7 @@ class Selection:
         """The most promising candidates, each judged under its own noise, best first."""
         problem = self._problem(Z, None, colour=False)
         short = problem_ranking(self.scan, problem, self.criteria.shortlist, chosen)
+        short = [self.scan.between(problem, c) for c in short]
         known = [c for c in short if c.known][:TRIED_IN_PART]
         short += [part for c in known if (part := windowed(self.scan, problem, c)) is not None]
         rivals = [self._judged(candidate, Z) for candidate in short]
@@ -153,7 +176,13 @@ class Selection:
             residual = self.y - self._explained(problem, Z, candidate)
             problem = Problem(self.y, Z, self._noise(residual))
             candidate = self._rescored(candidate, problem)
-        return Rival(candidate, problem.log_evidence + candidate.score.gain)
+        return Rival(candidate, problem.log_evidence + candidate.score.gain, self._by_law(candidate, problem))
+
+    def _by_law(self, candidate: Candidate, problem: Problem) -> float:
+        """Gain of a candidate by its law alone, without the departures from it."""
+        if candidate.departures is None or any(e.states for e in candidate.effects):
+            return candidate.score.gain
+        return problem.score(candidate.law, scales=self.scan.scales(candidate)).gain - candidate.penalty
 
     def _polished(self, rival: Rival, Z: Array) -> Rival:
         """The rival with its nonlinear parameters searched, where the fit can not do it."""
@@ -191,13 +220,13 @@ class Selection:
         )
         return Problem(self.y, Z, noise)
 
-    def _base(self, Z: Array) -> tuple[float, Array]:
-        """Log evidence without a further explanation, and the mean square it leaves per joint away from reversals."""
+    def _base(self, Z: Array) -> tuple[float, Left]:
+        """Log evidence without a further explanation, and what it leaves."""
         problem = self._problem(Z, None, colour=False)
         for _ in range(2):
             residual = self.y - Z @ problem.z
             problem = Problem(self.y, Z, self._noise(residual))
-        return problem.log_evidence, self._energy(self.y - Z @ problem.z)
+        return problem.log_evidence, Left(self._energy(self.y - Z @ problem.z), problem.noise)
 
     def _noise(self, residual: Array) -> list[Noise]:
         rows = self.motion.row_known
@@ -209,23 +238,31 @@ class Selection:
             [np.mean(residual[calm[:, j], j] ** 2) if calm[:, j].any() else 0.0 for j in range(self.motion.n)]
         )
 
-    def _practical(self, rival: Rival, before: Array, chosen: Sequence[Candidate], Z: Array) -> bool:
+    def _practical(self, rival: Rival, gain: float, left: Left, chosen: Sequence[Candidate], Z: Array) -> bool:
         """Large enough to matter, on at least one joint it acts on.
 
-        Beside an effect already found on a joint, only what it takes off the residual there counts: the leftovers of
-        a law of slightly another shape are no effect of their own.
+        Beside an effect already found on a joint the leftovers of a law of slightly another shape are no effect of
+        their own: it must take a good part off the residual there, or, where the base had been bent to hide it, gain
+        a good part of the evidence.
         """
         c, n, candidate = self.criteria, self.motion.n, rival.candidate
         size = np.sqrt(np.mean(candidate.torque(n) ** 2, axis=0))
+        if rival.by_law < c.by_law * rival.candidate.score.gain:
+            return False  # not this law: some of its departures
         if (size > c.largest * np.maximum(self.rms_torque, self.rms_predicted)).any():
             return False  # a torque that something else must cancel again
-        matters = (size > np.sqrt(c.energy * before)) & (size > c.torque * self.rms_torque)
+        matters = (size > np.sqrt(c.energy * left.energy)) & (size > c.torque * self.rms_torque)
         if chosen and matters.any():
-            earlier = np.max([np.sqrt(np.mean(e.torque(n) ** 2, axis=0)) for e in chosen], axis=0)
             problem = self._problem(Z, None, colour=False)
             after = self._energy(self.y - self._explained(problem, Z, candidate))
-            added = np.sqrt(np.maximum(before - after, 0.0))
-            matters &= (added > c.relative * earlier) & (added > np.sqrt(c.energy * before))
+            added = np.sqrt(np.maximum(left.energy - after, 0.0))
+            for earlier in chosen:
+                torque, share = earlier.torque(n), earlier.leftover
+                more = added > share * np.sqrt(np.mean(torque**2, axis=0))
+                if candidate.known:
+                    known = left.by_joint(earlier.score.gain, torque) if earlier.joint is None else earlier.score.gain
+                    more |= gain > share**2 * known
+                matters &= more
         return bool(matters.any())
 
     def _exchanged(self, steps: list[Step]) -> list[Step]:

@@ -20,6 +20,8 @@ FOREVER = 1e9
 """[s] end of a window that the record does not show"""
 CLEARLY = 15.0
 """[nats] an effect that acts always is the simpler story"""
+PER_EDGE = 5.0
+"""[nats] for every further time of switching: about the log of the places where it could be"""
 BLOCK = 0.5
 """[s] resolution of the first look at a force over time"""
 STARTS = 16
@@ -44,8 +46,10 @@ def windowed(scan: Scan, problem: Problem, candidate: Candidate) -> Candidate | 
     if _gain(scan, problem, candidate, best) < always.gain + CLEARLY / 2:
         return None
     best = _sharpened(scan, problem, candidate, best)
-    penalty = CLEARLY + candidate.penalty
-    if _gain(scan, problem, candidate, best) < always.gain + CLEARLY:
+    edges = sum(edge < FOREVER for window in best for edge in window)
+    switching = CLEARLY + PER_EDGE * (edges - 1)
+    penalty = switching + candidate.penalty
+    if _gain(scan, problem, candidate, best) < always.gain + switching:
         return None
     law = _law(scan, candidate, best)
     fresh = problem.score(law, scales=scan.scales(candidate))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from abc import abstractmethod
 from collections.abc import Sequence
 from typing import Annotated, ClassVar, Literal, Self
@@ -13,6 +14,12 @@ from pydantic import Field
 from irb2400_ctrl.effects.base import Acts, Effect, Signals
 
 Vector3 = Annotated[tuple[float, float, float], Field(description="in the frame of the body that carries it")]
+
+
+REACH = 0.8
+"""[m] no body of an arm sits further from its link frame"""
+USUAL_REACH = 0.35
+"""[m] where it is taken to sit when the data do not tell"""
 
 
 class AddedBody(Effect):
@@ -43,8 +50,11 @@ class AddedBody(Effect):
 
     @classmethod
     def from_coefficients(cls, joint: int | None, coefficients: Sequence[float], nonlinear: dict[str, float]) -> Self:
-        m, x, y, z = (float(c) for c in coefficients[:4])
-        return cls.of(joint, mass_kg=m, com_m=(x / m, y / m, z / m))
+        m, *moment = (float(c) for c in coefficients[:4])
+        # a mass whose weight another link carries (the parallelogram) shows in its first moment only
+        if math.hypot(*moment) > REACH * abs(m):
+            m = math.hypot(*moment) / USUAL_REACH
+        return cls.of(joint, mass_kg=m, com_m=tuple(c / m for c in moment))
 
 
 class Payload(AddedBody):

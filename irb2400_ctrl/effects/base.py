@@ -114,10 +114,12 @@ class Effect(BaseModel, ABC):
     """plausible sizes of the coefficients where the data alone may not settle each of them; empty: no such knowledge"""
     fixed: ClassVar[tuple[str, ...]] = ()
     """fields that a fit does not move continuously (times of switching)"""
+    device: ClassVar[str] = ""
+    """part of a joint of which a log tells one flaw only: beside one effect on it no other is looked for"""
     lookalikes: ClassVar[tuple[str, ...]] = ()
     """kinds of other groups that ordinary logs do not tell from this one"""
-    least: ClassVar[dict[str, float]] = {}
-    """fields below whose size (absolute) diagnosis does not name the effect"""
+    leftover: ClassVar[float] = 0.22
+    """share of its torque that its law, being simpler than the real thing, may leave for others to explain"""
     usual: ClassVar[dict[str, tuple[float, float]]] = {}
     """fields that the data may not settle: usual value and its spread"""
     states: ClassVar[tuple[str, ...]] = ()
@@ -157,10 +159,18 @@ class Effect(BaseModel, ABC):
         """Values of the nonlinear parameters that diagnosis scans; one empty entry when there are none."""
         return [{}]
 
+    searched: ClassVar[bool] = False
+    """whether its (even) grid is too coarse to compare with others: the best point is then moved between neighbours"""
+
     @classmethod
     def sensible(cls, nonlinear: dict[str, float], inertia: float) -> bool:
         """Whether a point of the grid is worth a trial on a joint that feels this inertia [kg m2]."""
         return True
+
+    @property
+    def negligible(self) -> bool:
+        """Whether it is too small for a diagnosis to name it, however clearly it shows."""
+        return False
 
     @classmethod
     def prototype(cls, joint: int | None, nonlinear: dict[str, float]) -> Self:

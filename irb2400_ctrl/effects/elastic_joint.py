@@ -27,7 +27,10 @@ class ElasticJoint(Effect):
         "the transmission of the joint twists under load: the link lags and swings behind the motor"
     )
     lookalikes: ClassVar[tuple[str, ...]] = ("transmission_backlash",)
+    device: ClassVar[str] = "transmission"
     states: ClassVar[tuple[str, ...]] = ("torque", "rate")
+    # the swing of a real transmission, with play and a motor of its own, is followed roughly
+    leftover: ClassVar[float] = 0.5
     usual: ClassVar[dict[str, tuple[float, float]]] = {"damping_ratio": (0.05, 0.05)}
 
     kind: Literal["elastic_joint"] = "elastic_joint"

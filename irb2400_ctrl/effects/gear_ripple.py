@@ -19,6 +19,8 @@ class GearRipple(Effect):
     splits: ClassVar[str] = "slow motion over a wide range of the joint"
     sentence: ClassVar[str] = "torque of the joint ripples with its angle, as a worn or eccentric gear makes it"
 
+    searched: ClassVar[bool] = True
+
     kind: Literal["gear_ripple"] = "gear_ripple"
     amplitude_Nm: float = Field(ge=0, description="amplitude A [Nm]")
     order: float = Field(gt=0, description="periods per joint turn [-]")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import ClassVar, Literal, Self
 
@@ -12,8 +13,14 @@ from irb2400_ctrl.effects.base import Acts, Effect, Signals
 
 
 class TransmissionBacklash(Effect):
-    """link angle q_j - (gap / 2) sgn(load_j), to first order tau - (dtau/dq_j)(gap / 2) sgn(load_j)."""
+    """The link stands half the gap behind its motor on the side the load pushes it to: link angle q_j - x gap / 2 with
 
+    x'' + 1.4 w x' + w^2 x = w^2 sgn(load_j),  tau = tau_rigid - gap / 2 (M(:, j) x'' + (dtau/dq_j) x).
+
+    w = pi / crossing_s: the link crosses the gap in about that time, with a push at either side.
+    """
+
+    # angles are the motors': controllers and planners leave the play alone, a simulated plant has the link's angle too
     acts: ClassVar[Acts] = "measurement"
     abscissa = "load"
     group: ClassVar[str] = "position error"
@@ -21,16 +28,41 @@ class TransmissionBacklash(Effect):
     sentence: ClassVar[str] = (
         "the gear of the joint has play: the link stands half the gap away from where the motor says"
     )
+    leftover: ClassVar[float] = 0.5
+    device: ClassVar[str] = "transmission"
+    states: ClassVar[tuple[str, ...]] = ("side", "rate")
 
     kind: Literal["transmission_backlash"] = "transmission_backlash"
     gap_rad: float = Field(ge=0, description="full lost motion [rad]")
+    crossing_s: float = Field(default=0.05, gt=0, description="time in which the link crosses the gap [s]")
 
     def basis(self, s: Signals) -> ca.SX:
-        return -0.5 * s.tau_jacobian[:, self.index] * ca.sign(s.load[self.index])
+        j = self.index
+        acceleration = self._acceleration(s)
+        return -0.5 * (s.mass_matrix[:, j] * acceleration + s.tau_jacobian[:, j] * s.state[0])
+
+    def departures(self, s: Signals) -> ca.SX:
+        # where the load never changes sign, play is a shifted angle
+        return -0.5 * s.tau_jacobian[:, self.index] * s.state[0]
+
+    def _acceleration(self, s: Signals) -> ca.SX:
+        """d2 x / dt2 [1/s2]."""
+        w = math.pi / self.crossing_s
+        return w**2 * (ca.sign(s.load[self.index]) - s.state[0]) - 1.4 * w * s.state[1]
+
+    def state_rate(self, s: Signals) -> ca.SX:
+        return ca.vertcat(s.state[1], self._acceleration(s))
+
+    def steady_state(self, s: Signals) -> ca.SX:
+        return ca.vertcat(ca.sign(s.load[self.index]), 0)
 
     def coefficients(self) -> tuple[float, ...]:
         return (self.gap_rad,)
 
     @classmethod
     def from_coefficients(cls, joint: int | None, coefficients: Sequence[float], nonlinear: dict[str, float]) -> Self:
-        return cls.of(joint, gap_rad=coefficients[0])
+        return cls.of(joint, gap_rad=coefficients[0], **nonlinear)
+
+    @classmethod
+    def grid(cls, joint: int | None) -> list[dict[str, float]]:
+        return [{"crossing_s": t} for t in (0.02, 0.04, 0.06, 0.08, 0.12, 0.16)]

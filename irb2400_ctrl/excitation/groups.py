@@ -68,7 +68,7 @@ SIZES: dict[str, dict[str, Any]] = {
     "time_delay": {"delay_s": 0.004},
     "torque_gain": {"gain": 1.1},
     "torque_offset": {"offset_Nm": 1.0},
-    "transmission_backlash": {"gap_rad": 0.004},
+    "transmission_backlash": {"gap_rad": 0.004, "crossing_s": 0.06},
     "viscous_change": {"viscous_Nms_rad": 1.0},
     "viscous_power": {"coefficient": 1.0, "exponent": 0.5},
     "viscous_warmup": {"viscous_Nms_rad": 1.0, "time_constant_s": 20.0},

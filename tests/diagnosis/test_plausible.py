@@ -8,9 +8,19 @@ import pytest
 from irb2400_ctrl.diagnosis.scan import plausible
 
 
-@pytest.mark.parametrize(("delay", "named"), [(0.0008, False), (-0.0008, False), (0.003, True), (-0.003, True)])
-def test_a_delay_below_the_truth_of_the_time_stamps_is_not_named(delay: float, named: bool) -> None:
-    assert (plausible("time_delay", None, np.array([delay]), {}) is not None) == named
+@pytest.mark.parametrize(
+    ("joint", "delay", "named"),
+    [
+        (None, 0.0005, False),
+        (None, 0.001, True),
+        (None, -0.001, False),
+        (None, -0.003, True),
+        (1, 0.001, False),
+        (1, 0.003, True),
+    ],
+)
+def test_a_delay_below_the_truth_of_the_time_stamps_is_not_named(joint: int | None, delay: float, named: bool) -> None:
+    assert (plausible("time_delay", joint, np.array([delay]), {}) is not None) == named
 
 
 def test_bounds_of_the_physics_hold() -> None:
