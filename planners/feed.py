@@ -9,6 +9,7 @@ from irb2400_ctrl.model import Model
 from irb2400_ctrl.planners.follow import Followed
 from irb2400_ctrl.planners.orientation import Orientation
 from irb2400_ctrl.planners.retime import FeedBound
+from irb2400_ctrl.planners.smooth_law import SmoothLaw
 from irb2400_ctrl.planners.time_law import TimeLaw
 from irb2400_ctrl.planners.tip import Tip
 
@@ -36,9 +37,9 @@ def feed_bound(model: Model, followed: Followed, orientation: Orientation) -> Fe
     return bound
 
 
-def feed_ratio(bound: FeedBound, law: TimeLaw) -> float | None:
+def feed_ratio(bound: FeedBound, law: TimeLaw | SmoothLaw) -> float | None:
     """Upper bound of the TCP's speed over the feed, at all times; None where no feed is programmed."""
     most = bound(law.s)
     if not np.isfinite(most).any():
         return None
-    return float(np.sqrt((np.maximum(law.x[:-1], law.x[1:]) / most).max()))
+    return float(np.sqrt((law.largest / most).max()))

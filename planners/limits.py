@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
+from numpy.typing import ArrayLike
 
+from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.planners.cells import Cells
 from irb2400_ctrl.robot import Robot
 
@@ -27,6 +29,25 @@ class MotionLimits:
     """of the change of torque, dry friction apart [Nm/s]; None lets it jump"""
     jerk: Array | None = None
     """[rad/s3]; None lets the acceleration jump"""
+
+    def with_rates(self, torque_rate: ArrayLike | None, jerk: ArrayLike | None) -> MotionLimits:
+        """The same with limits of torque rate [Nm/s] and jerk [rad/s3], for all axes or for each; inf is none.
+
+        Raises:
+            InputError: not positive, or not as many as there are axes.
+        """
+        found = {}
+        for name, unit, value in (("torque_rate", "Nm/s", torque_rate), ("jerk", "rad/s3", jerk)):
+            if value is None:
+                continue
+            limit = np.array(value, dtype=float)
+            if limit.shape not in {(), self.tau_max.shape} or not (limit > 0).all():
+                raise InputError(
+                    f"{name}: found {limit.tolist()} {unit}, expected a positive number, or one for each of the "
+                    f"{len(self.tau_max)} axes"
+                )
+            found[name] = np.broadcast_to(limit, self.tau_max.shape)
+        return replace(self, **found)
 
     @property
     def smooth(self) -> bool:

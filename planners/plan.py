@@ -95,6 +95,8 @@ class Plan:
     """where the path comes close to the wrist singularity, and what is done there"""
     remedies: tuple[dict[str, Any], ...] = ()
     """what could be done there, cheapest first: duration_s, position_mm, angle_deg, allowed"""
+    rates: dict[str, Any] = field(default_factory=dict)
+    """limits of torque rate and jerk, upper bounds of both, and the price; empty where they are not limited"""
     wall_time: dict[str, float] = field(default_factory=dict)
     """[s] per stage"""
 
@@ -123,6 +125,7 @@ class Plan:
             "peak_torque_Nm": [float(v) for v in np.abs(self.trajectory.tau).max(axis=0)],
             "wrist_passages": list(self.passages),
             "wrist_remedies": list(self.remedies),
+            **self.rates,
             "wall_time_s": self.wall_time,
         }
 

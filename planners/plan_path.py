@@ -10,6 +10,7 @@ from typing import Literal
 
 import numpy as np
 import numpy.typing as npt
+from numpy.typing import ArrayLike
 
 from irb2400_ctrl.errors import InfeasibleError, InputError
 from irb2400_ctrl.model import Model
@@ -27,8 +28,12 @@ from irb2400_ctrl.planners.path_dynamics import PathDynamics, path_dynamics
 from irb2400_ctrl.planners.plan import Plan, Trajectory
 from irb2400_ctrl.planners.retime import time_joint_path
 from irb2400_ctrl.planners.selection import Choice, choices
+from irb2400_ctrl.planners.smooth_law import SmoothLaw
+from irb2400_ctrl.planners.smooth_looks import LOOKED_AT
+from irb2400_ctrl.planners.smooth_timing import rates_of, time_smoothly
 from irb2400_ctrl.planners.stuck import StuckError
 from irb2400_ctrl.planners.task_curve import smooth_curve
+from irb2400_ctrl.planners.time_law import TimeLaw
 from irb2400_ctrl.planners.tip import Tip
 from irb2400_ctrl.planners.toolpath import ToolPath
 from irb2400_ctrl.robot import Robot
@@ -66,6 +71,8 @@ def plan_path(
     timing: Backend = "certified",
     cells: int = 1000,
     limits: MotionLimits | None = None,
+    torque_rate: ArrayLike | None = None,
+    jerk: ArrayLike | None = None,
     progress: Progress | None = None,
 ) -> Plan:
     """The fastest motion along a tool path, rest to rest, clear of singularities and within the limits.
@@ -82,6 +89,9 @@ def plan_path(
         timing: "certified" (torque bound at every instant) or "toppra".
         cells: smallest number of grid cells of the timing.
         limits: other limits than the robot's.
+        torque_rate: limit of the change of the torque, dry friction apart, for all axes or for each [Nm/s]. The torque
+            then starts and ends at what holds the arm.
+        jerk: limit of the change of the joints' acceleration, for all axes or for each [rad/s3].
         progress: called with the name of each stage as it begins.
 
     Raises:
@@ -96,7 +106,9 @@ def plan_path(
     if timing not in {"certified", "toppra"}:
         raise InputError(f"timing: found {timing!r}, expected 'certified' or 'toppra'")
     clock = _Clock(progress)
-    limits = MotionLimits.of(robot) if limits is None else limits
+    limits = (MotionLimits.of(robot) if limits is None else limits).with_rates(torque_rate, jerk)
+    if limits.smooth and timing != "certified":
+        raise InputError(f"timing: found {timing!r} with a limit of torque rate or jerk, expected 'certified'")
     with clock.stage("model"):
         dynamics = path_dynamics(robot)
         model = dynamics.model
@@ -121,9 +133,14 @@ def plan_path(
             raise problem or InfeasibleError("no motion within the limits")
     allowed = [o for o in options if o[0].turn <= axis_tolerance] or options
     choice, timed = min(allowed, key=lambda o: _rank(*o))
+    law: TimeLaw | SmoothLaw = timed.law
+    if limits.smooth:
+        with clock.stage("smooth timing"):
+            choice, timed, law = _smoothed(dynamics, allowed, orientation, limits, cells)
     with clock.stage("check"):
-        certificate = Certificate(choice.followed.joints, timed.law, limits)
+        certificate = Certificate(choice.followed.joints, law, limits)
         checked = check(certificate, model, dynamics)
+        rated = bool(np.isfinite(checked.torque_rate_ratio)) or not np.isfinite(checked.torque_ratio)
         margins = singularity_margins(model, choice.followed)
         off = deviation(model, orientation, choice.followed)
     with clock.stage("remedies"):
@@ -138,16 +155,17 @@ def plan_path(
         trajectory=trajectory,
         length=float(tip.lengths[-1]),
         certificate=certificate,
-        duration=timed.law.duration,
+        duration=law.duration,
         guaranteed=timing == "certified" and checked.holds(),
-        guarantee_note=guarantee_note(dynamics, timing == "certified", checked.holds()),
+        guarantee_note=guarantee_note(dynamics, timing == "certified", checked.holds()) if rated else LOOKED_AT,
+        rates=rates_of(certificate, dynamics, timed.law) if limits.smooth else {},
         timing=timing,
         max_tcp_deviation=off.largest,
         max_tool_axis_deviation=off.axis,
         singularity_margin=margins,
         max_torque_ratio=torque_ratio,
         max_velocity_ratio=velocity_ratio,
-        max_feed_ratio=feed_ratio(feed_bound(model, choice.followed, orientation), timed.law),
+        max_feed_ratio=feed_ratio(feed_bound(model, choice.followed, orientation), law),
         chosen=choice.kind,
         branch=choice.branch,
         rotation=choice.rotation(s),
@@ -170,6 +188,30 @@ def plan_path(
 def _rank(choice: Choice, timed: Timed) -> tuple[float, float]:
     """Larger margin first as long as it is not comfortable, then the shorter duration."""
     return (-round(min(choice.margin, COMFORTABLE), 2), timed.law.duration)
+
+
+def _smoothed(
+    dynamics: PathDynamics,
+    options: list[tuple[Choice, Timed]],
+    orientation: Orientation,
+    limits: MotionLimits,
+    cells: int,
+) -> tuple[Choice, Timed, SmoothLaw]:
+    """The best option that has a motion with limits of the rates, too.
+
+    Raises:
+        InfeasibleError: none has one; says where.
+    """
+    problem: InfeasibleError | None = None
+    for choice, timed in sorted(options, key=lambda o: _rank(*o)):
+        feed = feed_bound(dynamics.model, choice.followed, orientation)
+        try:
+            law = time_smoothly(dynamics, choice.followed.joints, limits, count=max(cells // 2, 50), feed=feed).law
+            return choice, timed, law
+        except StuckError as error:
+            way = Tip(dynamics.model, choice.followed.joints, orientation.spindle).way(error.s)
+            problem = StuckError(float(way), error.reason)
+    raise problem or InfeasibleError("no motion within the limits")
 
 
 def _remedies(

@@ -41,6 +41,14 @@ class SmoothLaw:
         """beta = du/ds in each cell, shape (m,) [1/s2]; not used in the end cells."""
         return np.asarray(np.diff(self.u) / np.diff(self.s))
 
+    @property
+    def largest(self) -> Array:
+        """Upper bound of sdot^2 in each cell, shape (m,)."""
+        ends = np.maximum(self.x[:-1], self.x[1:])
+        middle = self.x[:-1] + np.diff(self.s) * self.u[:-1]
+        middle[[0, -1]] = 0.0
+        return np.maximum(ends, middle)
+
     @cached_property
     def time(self) -> Array:
         """When the grid points are passed [s], shape (m + 1,)."""
@@ -55,6 +63,14 @@ class SmoothLaw:
     def duration(self) -> float:
         """[s]"""
         return float(self.time[-1])
+
+    def on(self, s: Array) -> tuple[Array, Array]:
+        """x and u at lengths between the end cells, or at the ends, shapes of s."""
+        cell = np.clip(np.searchsorted(self.s, s, side="right") - 1, 1, len(self.s) - 3)
+        d = s - self.s[cell]
+        x = self.x[cell] + d * (2 * self.u[cell] + self.slope[cell] * d)
+        at_end = (s <= self.s[0]) | (s >= self.s[-1])
+        return np.where(at_end, 0.0, x), np.where(at_end, 0.0, self.u[cell] + self.slope[cell] * d)
 
     def slowed(self, factor: float) -> SmoothLaw:
         """The same motion that takes `factor` times as long."""

@@ -16,6 +16,10 @@ _RATE = 10_000.0
 _CHUNK = 50_000
 # added to what was seen, as a part of it
 _ROOM = 0.01
+LOOKED_AT = (
+    "the torque bound holds at every instant; the rate of a torque that depends on time, load or memory has no bound: "
+    f"it was looked at {_RATE:,.0f} times a second and held back with {100 * _ROOM:.0f} % to spare"
+)
 
 
 def looked_ratios(
@@ -38,10 +42,10 @@ def _seen(certificate: Certificate, dynamics: PathDynamics, s: Array) -> tuple[A
     """Largest |tau| and |dtau/dt|, dry friction apart from the second, in cells and their neighbours, each (m, n)."""
     law, model = certificate.law, dynamics.model
     count = int(np.ceil(law.duration * _RATE)) + 1
-    dt = law.duration / (count - 1)
+    dt = float(law.duration) / (count - 1)
     found = np.zeros((2, len(s) - 1, model.robot.n))
     for first in range(0, count - 1, _CHUNK):
-        time = dt * np.arange(first, min(first + _CHUNK + 1, count))
+        time = dt * np.arange(first, min(first + _CHUNK + 1, count), dtype=float)
         at, q, qd, qdd = law.motion(certificate.path, time)
         tau = dynamics.torque(q, qd, qdd, time)
         smooth = tau - model.friction(qd) + model.robot.friction[:, 2] * qd

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -36,7 +37,7 @@ _ROUGH, _GAP = 1e-3, 2e-4
 # speed, as a part of the fastest, below which nothing is looked for
 _SLOWEST = 1e-4
 # barrier to start with, near a solution
-_WARM, _NEAR = 1e-2, 1e-3
+_WARM, _NEAR = 1e-1, 1e-3
 # channels kept in each cell once it is known which ones are close to their limits, as a part of all
 _SELECTED = 0.5
 
@@ -88,7 +89,7 @@ def time_smoothly(
     rough = law_of(problem.program, s, found.z)
     s = refined(rough, problem.program.channels)
     problem = _Problem.on(dynamics, path, limits, s, rough, feed)
-    z = problem.start()
+    z = problem.start(rough)
     selected = problem.selected(rough, Certificate(path, rough, limits), dynamics)
     barrier = _WARM
     for turn in range(_ROUNDS):
@@ -127,6 +128,29 @@ def law_of(program: SmoothProgram, s: Array, z: Array) -> SmoothLaw:
     return SmoothLaw(s.copy(), x, u)
 
 
+def rates_of(certificate: Certificate, dynamics: PathDynamics, fastest: TimeLaw) -> dict[str, Any]:
+    """Limits and upper bounds of torque rate and jerk per axis, and the duration without them, for `plan.json`."""
+    limits, n = certificate.limits, dynamics.model.robot.n
+    (_, rate, _), _ = looked_ratios(certificate, dynamics, _PARTS)
+    most = rate.max(axis=0)
+    found: dict[str, Any] = {"duration_without_rates_s": fastest.duration}
+    if limits.torque_rate is not None:
+        found["torque_rate_limit_Nm_s"] = _listed(limits.torque_rate)
+        found["max_torque_rate_Nm_s"] = _listed(limits.torque_rate, most[:n])
+    if limits.jerk is not None:
+        ratio = np.zeros(n)
+        ratio[np.isfinite(limits.qdd_max) | np.isfinite(limits.jerk)] = most[n:]
+        found["jerk_limit_deg_s3"] = _listed(np.degrees(limits.jerk))
+        found["max_jerk_deg_s3"] = _listed(np.degrees(limits.jerk), ratio)
+    return found
+
+
+def _listed(limits: Array, ratio: Array | None = None) -> list[float | None]:
+    """Numbers per axis, limits times ratio; None where there is no limit."""
+    part = np.ones_like(limits) if ratio is None else ratio
+    return [float(f * v) if np.isfinite(v) else None for f, v in zip(part, limits, strict=True)]
+
+
 def _largest(ratios: tuple[Array, ...]) -> float:
     return max(float(r.max()) for r in ratios)
 
@@ -154,17 +178,23 @@ class _Problem:
         cells = enclose(dynamics, path, s)
         channels = Channels.of(cells, limits, dynamics.model.robot.friction)
         bound = np.minimum(speed_bounds(cells, limits.qd_max, None if feed is None else feed(s)), 1e9)
-        guess = np.minimum(np.interp(s, near.s, near.x), bound)
+        x = near.on(s)[0] if isinstance(near, SmoothLaw) else np.interp(s, near.s, near.x)
+        guess = np.minimum(x, bound)
         keep = np.ones_like(channels.limit)
         columns = np.broadcast_to(np.arange(channels.count), keep.shape)
         return cls(s, SmoothProgram(channels, bound, guess, (keep, keep)), columns)
 
-    def start(self) -> Array:
-        """Unknowns of the motion it was made near to, slowed until it is inside."""
+    def start(self, near: SmoothLaw | None = None) -> Array:
+        """Unknowns of a smooth motion, or of about the one the program was made near to, slowed until it is inside."""
         x = self.program.reference
-        z = (x[1:-2] + x[2:-1]) / 2
+        if near is None:
+            z = (x[1:-2] + x[2:-1]) / 2
+        else:
+            # the same spline on more cells: its middle Bernstein coefficients are the control points
+            x, u = near.on(self.s)
+            z = (x + np.append(np.diff(self.s), 0.0) * u)[1:-2]
         z[0], z[-1] = x[1], x[-2]
-        return self.inside(z, 0.8)
+        return self.inside(z, 0.8 if near is None else 0.98)
 
     def inside(self, z: Array, slower: float = 0.98) -> Array:
         """The same motion slowed until it is within all limits, with some room.

@@ -31,6 +31,11 @@ class TimeLaw:
         """sddot in each cell [m/s2], shape (m,)."""
         return np.asarray(np.diff(self.x) / (2 * np.diff(self.s)))
 
+    @property
+    def largest(self) -> Array:
+        """Largest sdot^2 in each cell, shape (m,)."""
+        return np.maximum(self.x[:-1], self.x[1:])
+
     @cached_property
     def time(self) -> Array:
         """When the grid points are passed [s], shape (m + 1,)."""

@@ -29,6 +29,20 @@ def plan(
     axis_tolerance_deg: Annotated[
         float, typer.Option(help="How far the tool may tilt to pass the wrist singularity.", min=0.0)
     ] = 0.1,
+    torque_rate: Annotated[
+        float | None,
+        typer.Option(
+            help="Limit of the change of the torque, in torque limits per second [1/s].",
+            min=1e-3,
+            show_default="no limit",
+        ),
+    ] = None,
+    jerk_deg_s3: Annotated[
+        float | None,
+        typer.Option(
+            "--jerk-deg-s3", "--jerk", help="Limit of the joints' jerk [deg/s3].", min=1e-3, show_default="no limit"
+        ),
+    ] = None,
     rapid: Annotated[
         bool, typer.Option("--rapid", help="Also write the motion as a RAPID module, program.mod.")
     ] = False,
@@ -54,6 +68,8 @@ def plan(
             tolerance=1e-3 * tolerance_mm,
             axis_tolerance=math.radians(axis_tolerance_deg),
             limits=limits,
+            torque_rate=None if torque_rate is None else torque_rate * arm.tau_max,
+            jerk=None if jerk_deg_s3 is None else math.radians(jerk_deg_s3),
         )
         planned.write(out)
         save_figures(planned, out)
@@ -76,4 +92,6 @@ def plan(
         f"torque at most {100 * s['max_torque_ratio']:.1f} % of its limit, speed {100 * s['max_velocity_ratio']:.1f} %"
         + ("; the torque bound holds at every instant by construction" if s["guaranteed"] else "")
     )
+    if "duration_without_rates_s" in s:
+        print(f"{planned.duration - s['duration_without_rates_s']:.2f} s longer than without limits of the rates")
     print(f"written to {out}: {', '.join(written)}")
