@@ -72,6 +72,11 @@ class Problem:
         """Number of rows."""
         return sum(len(v) for v in self.y)
 
+    def base_beside(self, torque: Array) -> Array:
+        """The base's z once a torque (rows, n) has been taken off y."""
+        part = sum((self.Z[j].T @ one.whiten(torque[:, j]) for j, one in enumerate(self.noise)), np.zeros(len(self.z)))
+        return np.asarray(self.z - cho_solve(self._factor, part))
+
     def whitened(self, columns: Columns) -> list[tuple[int, Array]]:
         """Filtered columns (rows, joints, k), whitened per joint."""
         return [(j, self.noise[j].whiten(columns.values[:, i, :])) for i, j in enumerate(columns.joints)]
@@ -91,8 +96,7 @@ class Problem:
         x = self.noise[joint].whiten(np.ascontiguousarray(values.transpose(1, 0, 2)).reshape(rows, g * k))
         C = self.Z[joint].T @ x
         half = solve_triangular(self._lower, C, lower=True)
-        sets, lowered = x.reshape(-1, g, k), half.reshape(-1, g, k)
-        gram = np.einsum("mgi,mgj->gij", sets, sets) - np.einsum("mgi,mgj->gij", lowered, lowered)
+        gram = _grams(x, g, k) - _grams(half, g, k)
         right = (x.T @ self.y[joint] - C.T @ self.z).reshape(g, k)
         return gram, right
 
@@ -143,6 +147,15 @@ class Problem:
         gain, explained, b, covariance = _law_gain(left_gram, left_right, scales)
         w = np.asarray(np.linalg.solve(S, right[k:] - gram[k:, :k] @ b))
         return Score(gain + gain_departures, explained, b, covariance, w * unit)
+
+
+def _grams(x: Array, g: int, k: int) -> Array:
+    """X^T X of g sets of k columns side by side, x (rows, g k), shape (g, k, k)."""
+    found = np.empty((g, k, k))
+    for i in range(k):
+        for j in range(i + 1):
+            found[:, i, j] = found[:, j, i] = np.einsum("mg,mg->g", x[:, i::k], x[:, j::k])
+    return found
 
 
 def departure_shares(kind: str, count: int) -> Array:

@@ -204,8 +204,7 @@ class Selection:
     def _explained(self, problem: Problem, Z: Array, candidate: Candidate) -> Array:
         """Torque of the candidate and the base together, fitted under the problem's noise."""
         tau = candidate.torque(self.motion.n)
-        rest = Problem(self.y - tau, Z, problem.noise)
-        return np.asarray(tau + Z @ rest.z)
+        return np.asarray(tau + Z @ problem.base_beside(tau))
 
     def _problem(self, Z: Array, candidate: Candidate | None, colour: bool) -> Problem:
         """White (or coloured) noise of the level that the base or the candidate leaves."""
