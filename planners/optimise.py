@@ -33,7 +33,7 @@ from irb2400_ctrl.robot import Robot
 Array = npt.NDArray[np.float64]
 
 # part of the torque limits left to what happens between knots; where the time law is kept, what it is slowed by instead
-_RESERVE = 0.003
+_RESERVE = 0.001
 _RESERVE_KEPT = 0.01
 # how often a motion that falls short between knots is sent back with tighter bounds
 _TURNS = 3
@@ -51,7 +51,7 @@ def optimise_motion(
     torque_rate: ArrayLike | None = None,
     limits: MotionLimits | None = None,
     start: Start | None = None,
-    intervals: int = 150,
+    intervals: int = 300,
     wall_time: float = 8.0,
 ) -> Optimised:
     """A rest-to-rest motion through the way-points, in order, free in between.

@@ -9,9 +9,13 @@ from __future__ import annotations
 from typing import Any
 
 import casadi as ca
+import numpy as np
+import numpy.typing as npt
 
 from irb2400_ctrl.codegen.toolchain import build_shared
 from irb2400_ctrl.errors import ToolMissingError
+
+Array = npt.NDArray[np.float64]
 
 _OPTIONS = {
     "ipopt.print_level": 0,
@@ -22,21 +26,29 @@ _OPTIONS = {
     "ipopt.linear_solver": "mumps",
     "ipopt.tol": 1e-4,
     "ipopt.constr_viol_tol": 1e-4,
-    "ipopt.dual_inf_tol": 1e-2,
+    "ipopt.dual_inf_tol": 1.0,
     "ipopt.compl_inf_tol": 1e-4,
-    "ipopt.acceptable_tol": 1e-3,
-    "ipopt.acceptable_iter": 5,
-    "ipopt.acceptable_constr_viol_tol": 1e-4,
-    "ipopt.acceptable_obj_change_tol": 1e-4,
+    # a looser end leaves a per cent of the duration behind
+    "ipopt.acceptable_iter": 0,
     "ipopt.mu_strategy": "adaptive",
     "ipopt.bound_relax_factor": 0.0,
 }
 
 
 def sparse_program(
-    knot: ca.Function, coupling: ca.Function, C: ca.DM, knots: int, size: int, wall_time: float
+    knot: ca.Function, parameters: Array, coupling: ca.Function, C: ca.DM, size: int, wall_time: float
 ) -> ca.Function:
-    """IPOPT with derivatives put together from one knot's, mapped, and those of the coupling."""
+    """IPOPT with derivatives put together from one knot's, mapped, and those of the coupling.
+
+    Args:
+        knot: (variables, parameters, multipliers) -> rows, Jacobian, upper triangle of the Hessian.
+        parameters: one column for each knot.
+        coupling: all variables -> objective, rows that couple knots.
+        C: matrix of all variables that is added to the rows of the knots.
+        size: number of all variables, those of the knots first.
+        wall_time: [s].
+    """
+    knots, columns = parameters.shape[1], ca.DM(parameters)
     x, p, sigma = ca.MX.sym("x", size), ca.MX.sym("p", 0), ca.MX.sym("sigma")
     width, count = knot.size1_in(0), knot.numel_out(0)
     w = ca.reshape(x[: knots * width], width, knots)
@@ -53,12 +65,12 @@ def sparse_program(
     second = ca.Function("second", [z, sigma_z, weights], [ca.triu(hessian)])
 
     f, gradient, g_c, J_c = first(x)
-    rows, jacobian, _ = mapped(w, zero)
+    rows, jacobian, _ = mapped(w, columns, zero)
     g = ca.vertcat(g_c, ca.vec(rows) + C @ x)
     blocks = ca.diagcat(*[knot.sparsity_out(1)] * knots)
     J_k = ca.horzcat(ca.MX(blocks, jacobian.nz[:]), ca.MX(count * knots, size - knots * width)) + C
     multipliers = ca.MX.sym("lam", g.numel())
-    _, _, H = mapped(w, ca.reshape(multipliers[g_c.numel() :], count, knots))
+    _, _, H = mapped(w, columns, ca.reshape(multipliers[g_c.numel() :], count, knots))
     H_k = ca.MX(ca.diagcat(*[knot.sparsity_out(2)] * knots, rest), H.nz[:])
     H_c = second(x, sigma, multipliers[: g_c.numel()])
     f_only, _ = coupling(x)

@@ -7,7 +7,7 @@ a cubic spline with unknown knots q_i, qd_i, qdd_i and one unknown interval leng
     qd_{i+1} = qd_i + dt (qdd_i + qdd_{i+1}) / 2
 
 Torque, power and singularity factors are demanded at the knots. What they do between knots is not looked at here: the
-certified timing takes the geometry afterwards. The joint box holds everywhere (Bernstein coefficients of the cubics).
+certified timing takes the geometry afterwards. Joint box and speed limits hold everywhere (Bernstein coefficients).
 The derivatives of the dynamics are made once for a single knot and mapped over all of them, as machine code where there
 is a compiler; what couples knots is bilinear and cheap.
 """
@@ -30,11 +30,15 @@ from irb2400_ctrl.planners.sparse_program import machine_code, sparse_program
 Array = npt.NDArray[np.float64]
 Objective = Literal["time", "energy"]
 
-# width of a change of direction in the smoothed friction, as a part of the speed limit: about what a joint gains within
-# one interval, so that its static friction is seen at a knot
-_REVERSAL = 0.04
+# width of a change of direction in the smoothed friction, as a part of what a joint can gain in speed in one interval
+# of the guess (whose intervals are 1.6 times those of the motion found): knots cannot step over static friction
+_REVERSAL = 1.25
+# but no more than this part of the speed limit
+_WIDEST = 0.5
 # weight of the mean squared acceleration: makes the motion of joints that limit nothing unique
-_SMOOTH = 1e-3
+_SMOOTH = 2e-4
+# the objective is one, times this: what the barrier leaves at the end is its tolerance times the number of active rows
+_SCALE = 100.0
 
 
 @dataclass(frozen=True)
@@ -92,19 +96,26 @@ class Transcription:
         inertia = np.diagonal(self.model.mass_matrix(self.waypoints), axis1=1, axis2=2).max(axis=0)
         return np.asarray(self.limits.tau_max / inertia)
 
+    def _parameters(self, dt: float) -> Array:
+        """Width of a change of direction, never below that of the friction itself, and unit of qdd; shape (2 n,)."""
+        gained = np.minimum(_REVERSAL * self._accelerations * dt, _WIDEST * self.limits.qd_max)
+        return np.concatenate([np.maximum(gained, self.model.robot.friction[:, 3]), self._accelerations])
+
     @cached_property
     def _knot(self) -> ca.Function:
-        """(q, qd, qdd in units of the variables) -> rows at a knot.
+        """(q, qd, qdd in units of the variables; width of a reversal [rad/s], unit of qdd [rad/s2]) -> rows at a knot.
+
+        What differs from problem to problem is a parameter, so that a robot's machine code serves all of them.
 
         The torque must stay within its limits for either direction that the joint may have within about one interval:
         U(qd) is dry friction at its worst upwards, -U(-qd) downwards.
         """
         robot, n = self.model.robot, self.model.robot.n
-        y = ca.SX.sym("y", 3 * n)
-        q, qd, qdd = y[:n], y[n : 2 * n] * ca.DM(self.limits.qd_max), y[2 * n :] * ca.DM(self._accelerations)
+        y, p = ca.SX.sym("y", 3 * n), ca.SX.sym("p", 2 * n)
+        width, unit = p[:n], p[n:]
+        q, qd, qdd = y[:n], y[n : 2 * n] * ca.DM(self.limits.qd_max), y[2 * n :] * unit
         bare = self.model.function("inverse_dynamics_without_friction")(q, qd, qdd, 0)
         F_s, F_c, F_v, _ = (ca.DM(column) for column in robot.friction.T)
-        width = ca.DM(_REVERSAL * self.limits.qd_max)
         smooth = bare + F_v * qd
         tau_max = ca.DM(self.limits.tau_max)
 
@@ -119,17 +130,18 @@ class Transcription:
         if self.margins:
             factors = self.model.function("singularity_factors")(q)
             rows.append(ca.vertcat(*(np.sign(b) * factors[k] for k, b in self.margins)))
-        return ca.Function("knot", [y], [ca.cse(ca.densify(ca.vertcat(*rows)))], ["y"], ["rows"])
+        return ca.Function("knot", [y, p], [ca.cse(ca.densify(ca.vertcat(*rows)))], ["y", "p"], ["rows"])
 
     @cached_property
     def _knot_derivatives(self) -> ca.Function:
-        """(y, multipliers) -> rows, their Jacobian, upper triangle of the Hessian of their weighted sum."""
-        y = ca.SX.sym("y", 3 * self.model.robot.n)
-        rows = self._knot(y)
+        """(y, parameters, multipliers) -> rows, their Jacobian, upper triangle of the Hessian of their weighted sum."""
+        y, p = ca.SX.sym("y", 3 * self.model.robot.n), ca.SX.sym("p", 2 * self.model.robot.n)
+        rows = self._knot(y, p)
         weights = ca.SX.sym("w", rows.numel())
         hessian, _ = ca.hessian(ca.dot(weights, rows), y)
         outputs = ca.cse([rows, ca.jacobian(rows, y), ca.triu(hessian)])
-        function = ca.Function("knot_d", [y, weights], outputs, ["y", "w"], ["rows", "jacobian", "hessian"])
+        inputs, names = [y, p, weights], ["y", "p", "w"]
+        function = ca.Function("knot_d", inputs, outputs, names, ["rows", "jacobian", "hessian"])
         return machine_code(function) if self.compiled else function
 
     # ---- the program
@@ -173,6 +185,8 @@ class Transcription:
         rows: list[tuple[ca.SX, float | Array, float | Array]] = [(defect_q, 0.0, 0.0), (defect_v, 0.0, 0.0)]
         low, high = np.tile(robot.q_min, knots - 1), np.tile(robot.q_max, knots - 1)
         rows += [(value, low, high) for value in inner]
+        # the speed is a parabola: with the knots themselves these coefficients enclose it
+        rows += [((v[:, first] + dt * a[:, first] / 2) / ca.repmat(speed, 1, knots - 1), -1.0, 1.0)]
         if robot.coupling.difference_deg is not None:
             bound = np.radians(robot.coupling.difference_deg)
             rows += [(value[2, :] - value[1, :], bound[0], bound[1]) for value in (*inner, q)]
@@ -190,6 +204,7 @@ class Transcription:
             power = ca.DM(self.limits.tau_max * self.limits.qd_max / 1000.0).T @ extra[:n, :]
             objective = ca.dot(dt[0, :], (power[:, first] + power[:, last]) / 2) / reference
         objective += _SMOOTH * ca.sumsqr(qdd) / knots
+        objective *= _SCALE
         vectors = [(ca.vec(value), lower, upper) for value, lower, upper in rows]
         lower, upper = (
             np.concatenate([np.broadcast_to(np.asarray(row[k], dtype=float), (row[0].numel(),)) for row in vectors])
@@ -230,13 +245,14 @@ class Transcription:
         step = np.diff(guess.time[at]) / self.intervals
         coupling, low_c, high_c = self._coupling(step)
         C, low_k, high_k = self._knot_rows()
-        solver = sparse_program(self._knot_derivatives, coupling, C, knots, size, wall_time)
+        parameters = np.tile(self._parameters(guess.time[-1] / (knots - 1)), (knots, 1)).T
+        solver = sparse_program(self._knot_derivatives, parameters, coupling, C, size, wall_time)
         low, high = self._bounds(at)
         scale = np.concatenate([np.ones(n), self.limits.qd_max, self._accelerations])
         w = np.hstack([guess.q, guess.qd, guess.qdd]) / scale
         extra = []
         if self._extra:
-            rows = np.asarray(self._knot.map(knots)(ca.DM(w.T)))[2 * n : 2 * n + self._extra].T
+            rows = np.asarray(self._knot.map(knots)(ca.DM(w.T), ca.DM(parameters)))[2 * n : 2 * n + self._extra].T
             if self.objective == "energy":
                 rows[:, :n] = np.maximum(rows[:, :n], 0.0) + 0.01
             extra = [rows.ravel()]

@@ -151,15 +151,18 @@ def test_derivatives_of_a_knot_match_casadi_and_differences(robot: irb.Robot) ->
     interpreted = replace(program, compiled=False)
     rng = np.random.default_rng(0)
     y, weights = np.concatenate([W[0], rng.uniform(-0.5, 0.5, 12)]), rng.normal(size=program._knot.numel_out(0))
-    machine = [np.asarray(ca.DM(v)) for v in program._knot_derivatives(y, weights)]
-    for one, other in zip(machine, interpreted._knot_derivatives(y, weights), strict=True):
+    p = np.concatenate([0.04 * robot.qd_max, rng.uniform(5.0, 50.0, 6)])
+    machine = [np.asarray(ca.DM(v)) for v in program._knot_derivatives(y, p, weights)]
+    for one, other in zip(machine, interpreted._knot_derivatives(y, p, weights), strict=True):
         assert one == pytest.approx(np.asarray(ca.DM(other)), rel=1e-9, abs=1e-9)
     step = 1e-6
     for j in range(18):
         d = step * np.eye(18)[j]
-        slope = (np.asarray(program._knot(y + d)) - np.asarray(program._knot(y - d)))[:, 0] / (2 * step)
+        slope = (np.asarray(program._knot(y + d, p)) - np.asarray(program._knot(y - d, p)))[:, 0] / (2 * step)
         assert machine[1][:, j] == pytest.approx(slope, rel=1e-5, abs=1e-6)
-        gradients = [np.asarray(ca.DM(program._knot_derivatives(y + k * d, weights)[1])).T @ weights for k in (1, -1)]
+        gradients = [
+            np.asarray(ca.DM(program._knot_derivatives(y + k * d, p, weights)[1])).T @ weights for k in (1, -1)
+        ]
         full = machine[2] + np.triu(machine[2], 1).T
         assert full[:, j] == pytest.approx((gradients[0] - gradients[1]) / (2 * step), rel=1e-4, abs=1e-4)
 
