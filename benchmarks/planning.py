@@ -12,6 +12,8 @@ import resource
 import sys
 import time
 import warnings
+from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import numpy.typing as npt
@@ -25,6 +27,7 @@ from irb2400_ctrl.planners.certified import time_path
 from irb2400_ctrl.planners.joint_path import JointPath
 from irb2400_ctrl.planners.path_dynamics import path_dynamics
 from irb2400_ctrl.planners.retime import time_joint_path
+from irb2400_ctrl.planners.smooth_timing import time_smoothly
 from irb2400_ctrl.planners.toppra_timing import time_with_toppra
 
 Array = npt.NDArray[np.float64]
@@ -133,6 +136,49 @@ def timing_table(paths: int) -> None:
     print(f"largest duration over toppra's: {largest:.5f}; coefficients {cells_ms:.1f} ms, passes {passes_ms:.1f} ms\n")
 
 
+def smooth_table(paths: int, references: int = 3) -> None:
+    """Limits of the torque rate: price, violations, and the duration over that of a finer program of another kind."""
+    sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
+    from smooth_reference import reference_duration
+
+    smooth_torque = compile_function(DYNAMICS.model.function("inverse_dynamics_without_friction"))
+    print(f"Torque rates limited, in torque limits per second; {paths} random splines, looked at 10,000 times a second")
+    print(
+        f"{'rate':>6s} {'price':>7s} {'worst':>7s} {'over':>5s} {'torque':>8s} {'rate':>8s} {'cells':>6s} {'s':>6s} "
+        f"{'longer than the reference':>26s}"
+    )
+    for rate in (50, 20, 10, 5):
+        limits = replace(LIMITS, torque_rate=rate * LIMITS.tau_max)
+        rows, longer = [], []
+        for seed in range(paths):
+            path = JointPath.through(*random_way_points(seed))
+            began = time.process_time()
+            timed = time_smoothly(DYNAMICS, path, limits)
+            seconds = time.process_time() - began
+            law = timed.law
+            t = np.append(np.arange(0, law.duration, 1e-4), law.duration)
+            _, q, qd, qdd = law.motion(path, t)
+            (tau,) = TORQUE.map(q, qd, qdd, np.zeros(1))
+            (bare,) = smooth_torque.map(q, qd, qdd, np.zeros(1))
+            change = np.abs(np.diff(bare + ROBOT.friction[:, 2] * qd, axis=0)) / np.diff(t)[:, None]
+            torque, seen = (np.abs(tau) / LIMITS.tau_max).max(), (change / limits.torque_rate).max()
+            rows.append((law.duration / timed.fastest.duration - 1, torque, seen, len(law.s) - 1, seconds))
+            if seed < references and rate in (20, 10):
+                try:
+                    reference = reference_duration(DYNAMICS, path, limits, law, 4 * len(law.s))
+                except RuntimeError:
+                    reference = np.nan
+                longer.append(law.duration / reference - 1)
+        price, torque, seen, cells, seconds = np.array(rows).T
+        over = ((torque > 1) | (seen > 1 + 1e-6)).sum()
+        said = ", ".join(f"{100 * f:.3f} %" for f in longer)
+        print(
+            f"{rate:6d} {100 * price.mean():6.2f}% {100 * price.max():6.2f}% {over:5d} {torque.max():8.5f} "
+            f"{seen.max():8.5f} {np.median(cells):6.0f} {np.median(seconds):6.2f} {said:>26s}"
+        )
+    print()
+
+
 def rotation_table() -> None:
     """Free rotation, best constant rotation, and a joint spline through the way-points alone."""
     centre = np.array([0.9, 0.0, 0.5])
@@ -228,6 +274,7 @@ def main(paths: int = 200) -> None:
     """Print the tables."""
     warnings.simplefilter("ignore")
     timing_table(paths)
+    smooth_table(max(paths // 4, 1))
     rotation_table()
     scale_table()
 

@@ -9,6 +9,7 @@ that of the rows, linear in the number of cells.
 
 from __future__ import annotations
 
+from contextlib import suppress
 from dataclasses import dataclass
 
 import numpy as np
@@ -63,6 +64,8 @@ def solve(program: SmoothProgram, z: Array, *, barrier: float = 1.0, gap: float 
             mu *= _SMALLER
         gradient = point.gradient - point.pulled(mu / point.slack)
         dz = _newton(point, multipliers, gradient)
+        if dz is None:
+            break
         ds = point.along(dz)
         step = min(1.0, _TO_BOUNDARY / max(float((-ds / point.slack).max()), 1e-9))
         new = _searched(point, dz, step, mu, float(gradient @ dz))
@@ -121,17 +124,16 @@ class _Point:
         return found
 
 
-def _newton(point: _Point, multipliers: Array, gradient: Array) -> Array:
+def _newton(point: _Point, multipliers: Array, gradient: Array) -> Array | None:
+    """The step; None where rounding leaves no positive definite matrix."""
     from scipy.linalg import LinAlgError, solveh_banded
 
     N = point.hessian + point.squared(multipliers / point.slack)
     bend = point.program.curvature(point.z, point._split(multipliers)[0])
-    for part in (1.0, 0.5):
-        try:
+    for part in (1.0, 0.5, 0.0):
+        with suppress(LinAlgError):
             return np.asarray(solveh_banded(N - part * bend, -gradient))
-        except LinAlgError:
-            continue
-    return np.asarray(solveh_banded(N, -gradient))
+    return None
 
 
 def _searched(point: _Point, dz: Array, step: float, mu: float, slope: float) -> _Point | None:

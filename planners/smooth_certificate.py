@@ -17,6 +17,7 @@ import numpy.typing as npt
 from irb2400_ctrl.planners.added_torque import Added, Variant, variants
 from irb2400_ctrl.planners.cells import enclose, reversals
 from irb2400_ctrl.planners.certificate import Certificate, Checked
+from irb2400_ctrl.planners.joint_path import JointPath
 from irb2400_ctrl.planners.path_dynamics import PathDynamics
 from irb2400_ctrl.planners.smooth_channels import Channels
 from irb2400_ctrl.planners.smooth_law import SmoothLaw
@@ -27,15 +28,16 @@ Array = npt.NDArray[np.float64]
 _PARTS = (2, 4, 8)
 # Cauchy: |f' - p'| <= 3 sqrt(3)/2 (2 + 2/(3 sqrt 3)/(kappa - 1)) |f - p| bound / w, kappa >= 2
 _DERIVATIVE = 1.5 * np.sqrt(3) * (2 + 2 / (3 * np.sqrt(3)))
-# the law's numbers may disagree by rounding
-_ROUNDING = 1e-7
+# the law's numbers may disagree by rounding, and so may the pieces of the path
+_ROUNDING = 1e-11
+_JOINED = 1e-7
 
 
 def check_smooth(certificate: Certificate, dynamics: PathDynamics) -> Checked:
     """Bounds over all times; inf where nothing can be said."""
     law = certificate.law
     assert isinstance(law, SmoothLaw)
-    if not _consistent(law):
+    if not (_consistent(law) and _joined(certificate.path)):
         return Checked(np.inf, np.inf, (float(law.s[0]), 1), np.inf, np.inf, np.inf)
     for parts in _PARTS:
         ratios, s = cell_ratios(certificate, dynamics, parts)
@@ -83,6 +85,16 @@ def _consistent(law: SmoothLaw) -> bool:
     inner = np.abs(np.diff(x) - h * (u[:-1] + u[1:]))[1:-1] <= _ROUNDING * (x[1:-2] + x[2:-1])
     ends = np.abs([x[1] - 1.5 * h[0] * u[1], x[-2] + 1.5 * h[-1] * u[-2]]) <= _ROUNDING * x[[1, -2]]
     return bool(inner.all() and ends.all() and not (x[[0, -1]] != 0).any() and not (u[[0, -1]] != 0).any())
+
+
+def _joined(path: JointPath) -> bool:
+    """Whether q, q' and q'' are continuous at the knots: a jump of q'' would be one of the torque."""
+    piece = np.arange(len(path.knots) - 2)
+    for order in (0, 1, 2):
+        before, after = (path.on_piece(path.knots[1:-1], piece + k, order) for k in (0, 1))
+        if (np.abs(after - before) > _JOINED * (1 + np.abs(before).max(axis=0, initial=0.0))).any():
+            return False
+    return True
 
 
 def _polynomials(law: SmoothLaw, s: Array) -> tuple[Array, Array, Array]:

@@ -16,6 +16,7 @@ from irb2400_ctrl.planners.joint_path import JointPath
 from irb2400_ctrl.planners.limits import MotionLimits, speed_bounds
 from irb2400_ctrl.planners.path_dynamics import PathDynamics
 from irb2400_ctrl.planners.retime import FeedBound, time_joint_path
+from irb2400_ctrl.planners.rows import ROUNDING
 from irb2400_ctrl.planners.smooth_channels import Channels, Integers
 from irb2400_ctrl.planners.smooth_grid import first_grid, refined
 from irb2400_ctrl.planners.smooth_law import SmoothLaw
@@ -31,6 +32,8 @@ _ROUNDS = 4
 _PARTS = 4
 # what may be left of it: the check of the plan will say so
 _UNSETTLED = 1e-3
+# a ratio to a limit, at the speed that keeps all others, that slowing down does not cure
+_HOPELESS = 20.0
 _HELD = 2e-5
 # of the first solution, which only shows where cells have to be small, and of the others; parts of the duration
 _ROUGH, _GAP = 1e-3, 2e-4
@@ -97,26 +100,23 @@ def time_smoothly(
         iterations += found.iterations
         law = law_of(problem.program, s, found.z)
         ratios, fine = looked_ratios(Certificate(path, law, limits), dynamics, _PARTS)
-        if _largest(ratios) <= 1 or turn == _ROUNDS - 1:
+        if _largest(ratios) <= 1 - ROUNDING or turn == _ROUNDS - 1:
             break
+        _refuse(problem, ratios, fine, _HOPELESS, "which no timing cures: an effect's torque jumps there by itself")
         problem = problem.holding_back(ratios[:2], fine)
         # a channel that was left out and is above its limit: all of them from now on
         selected = problem if selected.overlooks(ratios[:2], fine) else problem.like(selected)
         z, barrier = selected.inside(found.z), _NEAR
     for _ in range(_ROUNDS):
         worst = _largest(ratios)
-        if worst <= 1:
+        if worst <= 1 - ROUNDING:
             break
         # torque falls with the square of the speed, but for gravity and friction
-        law = law.slowed(1 + 0.7 * (worst - 1) + 1e-9)
+        law = law.slowed(1 + 0.7 * (worst - 1) + ROUNDING)
         ratios, fine = looked_ratios(Certificate(path, law, limits), dynamics, _PARTS)
-    if _largest(ratios) > 1 + _UNSETTLED:
-        most = np.maximum(*ratios[:2])
-        place, channel = np.unravel_index(int(np.argmax(most)), most.shape)
-        axis = problem.program.channels.axis[0, channel]
-        raise StuckError(
-            float(fine[place]), f", the limits of axis {axis} are passed by {100 * (most.max() - 1):.2g} % however slow"
-        )
+    _refuse(
+        problem, ratios, fine, 1 + _UNSETTLED, "and slowing down does not settle it; raise the torque rate or the jerk"
+    )
     return SmoothTimed(law, fastest.law, iterations)
 
 
@@ -149,6 +149,17 @@ def _listed(limits: Array, ratio: Array | None = None) -> list[float | None]:
     """Numbers per axis, limits times ratio; None where there is no limit."""
     part = np.ones_like(limits) if ratio is None else ratio
     return [float(f * v) if np.isfinite(v) else None for f, v in zip(part, limits, strict=True)]
+
+
+def _refuse(problem: _Problem, ratios: tuple[Array, ...], fine: Array, most: float, why: str) -> None:
+    """Raise StuckError where a ratio is larger than `most`."""
+    worst = np.maximum(*ratios[:2])
+    if worst.max() > most:
+        place, channel = np.unravel_index(int(np.argmax(worst)), worst.shape)
+        channels = problem.program.channels
+        names = ("torque", "torque rate") if np.isfinite(channels.friction[3, 0, channel]) else ("acceleration", "jerk")
+        kind, axis = names[int(ratios[1][place, channel] > ratios[0][place, channel])], channels.axis[0, channel]
+        raise StuckError(float(fine[place]), f", the {kind} of axis {axis} is {worst.max():.3g} times its limit, {why}")
 
 
 def _largest(ratios: tuple[Array, ...]) -> float:
@@ -235,7 +246,7 @@ class _Problem:
         """The same with a little more than what is above the limits held back, in the cells where it is."""
         keep = []
         for kept, ratio in zip(self.program.keep, self._coarse(ratios, fine), strict=True):
-            keep.append(kept / np.where(ratio > 1, ratio * (1 + _HELD), 1.0))
+            keep.append(kept / np.where(ratio > 1 - ROUNDING, ratio * (1 + _HELD), 1.0))
         return replace(self, program=replace(self.program, keep=(keep[0], keep[1])))
 
     def _coarse(self, ratios: tuple[Array, ...], fine: Array) -> list[Array]:

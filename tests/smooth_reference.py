@@ -70,8 +70,8 @@ def reference_duration(
         "ipopt.print_level": 0,
         "ipopt.sb": "yes",
         "print_time": False,
-        "ipopt.tol": 1e-6,
-        "ipopt.max_iter": 1000,
+        "ipopt.tol": 1e-5,
+        "ipopt.max_iter": 400,
         "ipopt.mu_strategy": "adaptive",
     }
     solver = ca.nlpsol(

@@ -118,6 +118,10 @@ def test_numbers_that_are_no_motion_are_caught(timed: SmoothTimed) -> None:
     u = law.u.copy()
     u[0] = 0.5
     assert not check(Certificate(path, SmoothLaw(law.s.copy(), law.x.copy(), u), rated(20)), DYNAMICS.model).holds()
+    # nor is a path whose second derivative jumps
+    bent = path.coefficients.copy()
+    bent[2, 2:] += 1e-3
+    assert not check(Certificate(JointPath(path.knots.copy(), bent), law, rated(20)), DYNAMICS.model).holds()
 
 
 def test_law_is_its_own_integral(timed: SmoothTimed) -> None:
