@@ -53,7 +53,7 @@ class Compensation:
 
         An elastic joint counts as rigid: its spring would need the derivatives of the acceleration.
         """
-        return tuple(e for e in self.robot.effects if e.acts == "force" and e.kind not in TRANSMISSIONS)
+        return tuple(e for e in self.robot.effects if e.role == "force" and e.kind not in TRANSMISSIONS)
 
     @cached_property
     def memories(self) -> tuple[tuple[Effect, Field], ...]:

@@ -86,7 +86,7 @@ class Forms:
         laws: list[ScalarLaw] = []
         left: list[Effect] = []
         for effect in model.robot.effects:
-            if effect.acts != "force":
+            if effect.role != "force":
                 continue
             if is_regular(model, effect):
                 regular.append(effect)

@@ -63,10 +63,9 @@ def diagnose(
             from irb2400_ctrl.codegen import export_package
             from irb2400_ctrl.report.closed_loop_section import add_closed_loop, closed_loop_lines
             from irb2400_ctrl.simulation.close_loop import close_loop as track
-            from irb2400_ctrl.simulation.close_loop import lasting
             from irb2400_ctrl.simulation.recorded import recorded_motion
 
-            export_package(make_controller(controller, lasting(result.robot)), out / "controller")
+            export_package(make_controller(controller, result.robot), out / "controller")
             loop = track(arm, result.robot, recorded_motion(logs[0]), controller=controller)
             write_atomic(out / "closed_loop.json", json.dumps(loop.summary(), indent=2) + "\n")
             add_closed_loop(page, result, loop)

@@ -98,7 +98,7 @@ def _referred(nuisance: Nuisance, bases: Bases, motion: Motion) -> Nuisance:
 
 def _folded(robot: Robot) -> tuple[Effect, ...]:
     """Effects that change the arm's own parameters: the bases are built with them."""
-    return tuple(e for e in robot.effects if e.acts == "parameters")
+    return tuple(e for e in robot.effects if e.role == "parameters")
 
 
 @lru_cache(maxsize=4)
@@ -124,9 +124,11 @@ def _concluded(
     fresh = nuisance.updated(nuisance.deviations(fit.z))
     recalibrated = fresh.model_copy(update={"effects": robot.effects})
     augmented = Robot.model_validate({**dict(fresh), "effects": (*robot.effects, *fit.effects)})
-    compared = [
-        _compared(m, robot, recalibrated, augmented) for m in ([motion] if validation is None else [motion, validation])
-    ]
+    # what began in the middle of one record is there all through the next
+    later = augmented.lasting()
+    compared = [_compared(motion, robot, recalibrated, augmented)]
+    if validation is not None:
+        compared.append(_compared(validation, robot, recalibrated, later))
     idle = tuple(j + 1 for j in range(motion.n) if np.sqrt(np.mean(motion.qd[:, j] ** 2)) < LEAST_SPEED)
     floor = noise_floor(motion.tau - compared[0].after, motion.known, motion.step)
     weak = (
@@ -135,10 +137,10 @@ def _concluded(
     weak += [f"joint {j} is not excited" for j in idle]
     return Diagnosis(
         given=robot,
-        robot=augmented,
+        robot=later,
         findings=_findings(steps, fit, motion, load, bases),
         unexplained=_unexplained(steps, fit, motion, load),
-        recalibrated=_recalibrated(nuisance, fit, augmented),
+        recalibrated=_recalibrated(nuisance, fit, later),
         identification=compared[0],
         validation=None if validation is None else compared[1],
         noise_floor=floor,

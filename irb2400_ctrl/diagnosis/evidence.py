@@ -111,7 +111,7 @@ class Problem:
             part = slice(start, start := start + block.shape[1])
             if block.shape[1]:
                 gram = x[:, part].T @ x[:, part] - half[:, part].T @ half[:, part]
-                found[i] = _law_gain(gram, right[part], ())[0]
+                found[i] = law_gain(gram, right[part], ())[0]
         return found
 
     def score(
@@ -127,13 +127,13 @@ class Problem:
         k = law.values.shape[2]
         if departures is None or departures.values.shape[2] == 0:
             gram, right = self.projected(law)
-            gain, explained, b, covariance = _law_gain(gram, right, scales)
+            gain, explained, b, covariance = law_gain(gram, right, scales)
             return Score(gain, explained, b, covariance, np.zeros(0))
         if departures.joints != law.joints:
             raise ValueError("a law and its departures act on the same joints")
         both = Columns(law.joints, np.concatenate([law.values, departures.values], axis=2))
         gram, right = self.projected(both)
-        _, _, b, _ = _law_gain(gram[:k, :k], right[:k], scales)
+        _, _, b, _ = law_gain(gram[:k, :k], right[:k], scales)
         unit = departure_unit(law, b, departures, shares)
         d = len(unit)
         scale = np.concatenate([np.ones(k), unit])
@@ -144,7 +144,7 @@ class Problem:
         gain_departures = 0.5 * (right[k:] @ solved[:, 0] - np.linalg.slogdet(S)[1])
         left_gram = gram[:k, :k] - gram[:k, k:] @ solved[:, 1:]
         left_right = right[:k] - gram[:k, k:] @ solved[:, 0]
-        gain, explained, b, covariance = _law_gain(left_gram, left_right, scales)
+        gain, explained, b, covariance = law_gain(left_gram, left_right, scales)
         w = np.asarray(np.linalg.solve(S, right[k:] - gram[k:, :k] @ b))
         return Score(gain + gain_departures, explained, b, covariance, w * unit)
 
@@ -178,7 +178,7 @@ def departure_unit(law: Columns, coefficients: Array, departures: Columns, share
     return np.asarray((DEPARTURE if shares is None else shares) * size / np.maximum(widths, 1e-12))
 
 
-def _law_gain(gram: Array, right: Array, scales: Sequence[float]) -> tuple[float, float, Array, Array]:
+def law_gain(gram: Array, right: Array, scales: Sequence[float]) -> tuple[float, float, Array, Array]:
     """Gain, explained sum of squares, coefficients and covariance of columns with their prior."""
     k = len(right)
     if len(scales):

@@ -27,13 +27,13 @@ def predicted_torque(robot: Robot, motion: Motion, bases: Bases | None = None) -
     Args:
         bases: evaluator of the robot the bases are built on; default the robot itself without its effects.
     """
-    folded = tuple(e for e in robot.effects if e.acts == "parameters")
-    others = [e for e in robot.effects if e.acts != "parameters"]
+    folded = tuple(e for e in robot.effects if e.role == "parameters")
+    others = [e for e in robot.effects if e.role != "parameters"]
     arm = robot.model_copy(update={"effects": folded})
     q = motion.q.copy()
     for effect in others:
         if isinstance(effect, EncoderZero):
-            q[:, effect.index] += effect.zero_rad
+            q[effect.active(motion.time), effect.index] += effect.zero_rad
     model = Model(arm)
     tau = np.array(model.inverse_dynamics(q, motion.qd, motion.qdd))
     moved = replace(motion, q=q)
@@ -43,13 +43,10 @@ def predicted_torque(robot: Robot, motion: Motion, bases: Bases | None = None) -
             tau += effect_torque(bases, effect, moved)
     for effect in others:
         if isinstance(effect, TorqueGain):
-            tau[:, effect.index] *= effect.gain
-            tau += _shape_torque(bases, effect, moved)
+            tau = effect.reported(motion.time, tau)
     for effect in others:
         if isinstance(effect, TimeDelay):
-            for j in range(robot.n) if effect.joint is None else [effect.index]:
-                tau[:, j] = np.interp(motion.time - effect.delay_s, motion.time, tau[:, j])
-            tau += _shape_torque(bases, effect, moved)
+            tau = effect.reported(motion.time, tau)
     return tau
 
 

@@ -14,13 +14,13 @@ from irb2400_ctrl.diagnosis.motion import STICKING_SPEED, Motion
 from irb2400_ctrl.diagnosis.noise import Noise, autoregressive, white
 from irb2400_ctrl.diagnosis.predict import predicted_torque
 from irb2400_ctrl.diagnosis.scan import Candidate, Scan
-from irb2400_ctrl.diagnosis.windows import windowed
+from irb2400_ctrl.diagnosis.windows import acting, windowed
 from irb2400_ctrl.measurement.uniform import widened
 
 Array = npt.NDArray[np.float64]
 Mask = npt.NDArray[np.bool_]
 
-TRIED_IN_PART = 4
+TRIED_IN_PART = 6
 """how many of the best effects are also tried as acting part of the time"""
 REVERSAL_TIME = 0.16
 """[s] rows nearer than this to a reversal have a variance of their own"""
@@ -153,12 +153,24 @@ class Selection:
     def rivals(self, Z: Array, chosen: Sequence[Candidate] = ()) -> list[Rival]:
         """The most promising candidates, each judged under its own noise, best first."""
         problem = self._problem(Z, None, colour=False)
-        short = problem_ranking(self.scan, problem, self.criteria.shortlist, chosen)
-        short = [self.scan.between(problem, c) for c in short]
-        known = [c for c in short if c.known][:TRIED_IN_PART]
-        short += [part for c in known if (part := windowed(self.scan, problem, c)) is not None]
+        ranked = self.scan.rank(problem, chosen)
+        short = [self.scan.between(problem, c) for c in shortlist(ranked, self.criteria.shortlist)]
+        short += self._in_part(problem, [c for c in ranked if c.known])
         rivals = [self._judged(candidate, Z) for candidate in short]
         return sorted(rivals, key=lambda r: -r.evidence)
+
+    def _in_part(self, problem: Problem, ranked: Sequence[Candidate]) -> list[Candidate]:
+        """The best effects acting part of the time, and in the same times whatever else could act on that joint."""
+        found = [part for c in ranked[:TRIED_IN_PART] if (part := windowed(self.scan, problem, c)) is not None]
+        if not found:
+            return []
+        best = max(found, key=lambda part: part.score.gain)
+        tried = {(part.kind, part.joint) for part in found}
+        others = [c for c in ranked if (c.kind, c.joint) not in tried and len(c.effects) == 1]
+        same = [
+            acting(self.scan, problem, c, best.effects[0].windows_s) for c in others if c.joint in (best.joint, None)
+        ]
+        return found + sorted(same, key=lambda part: -part.score.gain)[:TRIED_IN_PART]
 
     def _choice(self, rivals: list[Rival], base: float) -> Rival:
         """The best rival; a generic law only where it clearly beats the library."""
@@ -278,9 +290,8 @@ class Selection:
         return kept
 
 
-def problem_ranking(scan: Scan, problem: Problem, count: int, chosen: Sequence[Candidate]) -> list[Candidate]:
+def shortlist(ranked: Sequence[Candidate], count: int) -> list[Candidate]:
     """The best `count` candidates, among them at least a third of the library and a few generic ones."""
-    ranked = scan.rank(problem, chosen)
     known = [c for c in ranked if c.known][: max(count * 2 // 3, 1)]
     generic = [c for c in ranked if not c.known][: max(count - len(known), count // 3)]
     return known + generic

@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from irb2400_ctrl.diagnosis.bases import Columns
-from irb2400_ctrl.diagnosis.evidence import Problem
+from irb2400_ctrl.diagnosis.evidence import Problem, law_gain
 from irb2400_ctrl.diagnosis.scan import Candidate, Scan
 
 Array = npt.NDArray[np.float64]
@@ -29,39 +29,37 @@ STARTS = 16
 
 def windowed(scan: Scan, problem: Problem, candidate: Candidate) -> Candidate | None:
     """The candidate acting only part of the time, if that explains the log clearly better."""
-    if not candidate.known or len(candidate.effects) != 1 or candidate.effects[0].states:
+    if not candidate.known or len(candidate.effects) != 1 or candidate.effects[0].windows_s:
         return None
     effect = candidate.effects[0]
-    if effect.acts != "force" or effect.windows_s:
-        return None
-    always = problem.score(candidate.law)
-    first, last = float(scan.motion.time[0]), float(scan.motion.time[-1])
-    trials: list[Windows] = [((float(t), FOREVER),) for t in np.linspace(first, last, STARTS + 2)[1:-1]]
-    gains = [_gain(scan, problem, candidate, windows) for windows in trials]
-    best = trials[int(np.argmax(gains))]
+    always = problem.score(candidate.law, scales=scan.scales(candidate))
+    best, gain = _begun(scan, problem, candidate)
     if effect.kind == "process_force":
         comes_and_goes = _on_and_off(scan, problem, candidate)
-        if comes_and_goes and _gain(scan, problem, candidate, comes_and_goes) > max(gains):
-            best = comes_and_goes
-    if _gain(scan, problem, candidate, best) < always.gain + CLEARLY / 2:
+        if comes_and_goes and _gain(scan, problem, candidate, comes_and_goes) > gain:
+            best, gain = comes_and_goes, _gain(scan, problem, candidate, comes_and_goes)
+    if gain < always.gain + CLEARLY / 2:
         return None
     best = _sharpened(scan, problem, candidate, best)
-    edges = sum(edge < FOREVER for window in best for edge in window)
-    switching = CLEARLY + PER_EDGE * (edges - 1)
-    penalty = switching + candidate.penalty
-    if _gain(scan, problem, candidate, best) < always.gain + switching:
-        return None
-    law = _law(scan, candidate, best)
-    fresh = problem.score(law, scales=scan.scales(candidate))
-    fields = {**effect.model_dump(), "windows_s": best}
-    moved = type(effect).model_validate(fields)
+    part = acting(scan, problem, candidate, best)
+    return part if part.score.gain > always.gain - candidate.penalty else None
+
+
+def acting(scan: Scan, problem: Problem, candidate: Candidate, windows: Windows) -> Candidate:
+    """The candidate acting in these windows only; their choice is paid for."""
+    effect = candidate.effects[0]
+    edges = sum(edge < FOREVER for window in windows for edge in window)
+    penalty = candidate.penalty + CLEARLY + PER_EDGE * (edges - 1)
+    law = _law(scan, candidate, windows)
+    score = problem.score(law, scales=scan.scales(candidate))
+    moved = type(effect).model_validate({**effect.model_dump(), "windows_s": windows})
     return replace(
         candidate,
         name=f"{candidate.name}, part of the time",
         effects=(moved,),
         law=law,
         departures=None,
-        score=replace(fresh, gain=fresh.gain - penalty),
+        score=replace(score, gain=score.gain - penalty),
         penalty=penalty,
     )
 
@@ -73,19 +71,40 @@ def _law(scan: Scan, candidate: Candidate, windows: Windows) -> Columns:
 
 
 def _gain(scan: Scan, problem: Problem, candidate: Candidate, windows: Windows) -> float:
-    return problem.score(_law(scan, candidate, windows)).gain
+    return problem.score(_law(scan, candidate, windows), scales=scan.scales(candidate)).gain
+
+
+def _begun(scan: Scan, problem: Problem, candidate: Candidate) -> tuple[Windows, float]:
+    """The best of a few times at which the effect may have begun, and what that gains."""
+    edges = np.linspace(scan.motion.time[0], scan.motion.time[-1], STARTS + 2)[1:-1]
+    gram, right, k = _in_blocks(scan, problem, candidate, np.searchsorted(edges, scan.motion.time, side="right"))
+    gains = []
+    for start in range(1, STARTS + 1):
+        # a sum of blocks is the effect from there on
+        later = gram[start * k :, start * k :].reshape(STARTS + 1 - start, k, STARTS + 1 - start, k).sum(axis=(0, 2))
+        gains.append(law_gain(later, right[start * k :].reshape(-1, k).sum(axis=0), scan.scales(candidate))[0])
+    best = int(np.argmax(gains))
+    return ((float(edges[best]), FOREVER),), gains[best]
+
+
+def _in_blocks(
+    scan: Scan, problem: Problem, candidate: Candidate, place: npt.NDArray[np.intp]
+) -> tuple[Array, Array, int]:
+    """Gram matrix and right side of the k columns of a law, acting in one block of time after another."""
+    effect, motion = candidate.effects[0], scan.motion
+    nonlinear = {key: float(getattr(effect, key)) for key in type(effect).nonlinear_names(effect.joint)}
+    (whole,) = scan.bases.columns(effect.kind, effect.joint, motion, [nonlinear], filtered=False)
+    blocks = [motion.filtered(whole.values * (place == i)[:, None, None]) for i in range(int(place.max()) + 1)]
+    gram, right = problem.projected(Columns(whole.joints, np.concatenate(blocks, axis=2)))
+    return gram, right, whole.values.shape[2]
 
 
 def _on_and_off(scan: Scan, problem: Problem, candidate: Candidate) -> Windows:
     """Times at which a force of constant direction is there, from its value in short blocks."""
-    motion, effect = scan.motion, candidate.effects[0]
-    whole = scan.bases.columns(effect.kind, effect.joint, motion, filtered=False)[0]
-    place = ((motion.time - motion.time[0]) / BLOCK).astype(int)
-    count, k = int(place.max()) + 1, whole.values.shape[2]
-    blocks = [motion.filtered(whole.values * (place == i)[:, None, None]) for i in range(count)]
-    gram, right = problem.projected(Columns(whole.joints, np.concatenate(blocks, axis=2)))
+    motion = scan.motion
+    gram, right, k = _in_blocks(scan, problem, candidate, ((motion.time - motion.time[0]) / BLOCK).astype(np.intp))
     ridge = 0.03 * np.trace(gram) / len(gram)
-    force = np.linalg.solve(gram + ridge * np.eye(len(gram)), right).reshape(count, k)
+    force = np.linalg.solve(gram + ridge * np.eye(len(gram)), right).reshape(-1, k)
     direction = np.linalg.svd(force, full_matrices=False)[2][0]
     size = force @ direction
     size = size * np.sign(size[np.argmax(np.abs(size))])

@@ -23,6 +23,8 @@ from pydantic import BaseModel, ConfigDict, Field
 Array = npt.NDArray[np.float64]
 Acts = Literal["force", "parameters", "measurement"]
 
+OPEN_END_S = 1e6
+"""an effect whose window ends later than this [s] still acted at the end of the record"""
 STANDARD_GRAVITY = 9.81
 """[m/s2], as the robot file of the paper's arm has it"""
 
@@ -130,7 +132,7 @@ class Effect(BaseModel, ABC):
     shape: tuple[float, ...] = ()
     """coefficients of `departures`; empty: exactly the law"""
     windows_s: tuple[tuple[float, float], ...] = ()
-    """times from, to between which a force effect acts [s]; empty: always"""
+    """times from, to between which it acts [s]; empty: always"""
     source: str = ""
 
     @abstractmethod
@@ -217,11 +219,25 @@ class Effect(BaseModel, ABC):
         active = [ca.logic_and(s.time >= start, s.time < stop) for start, stop in self.windows_s]
         return sum(active[1:], active[0]) * tau
 
+    @property
+    def role(self) -> Acts:
+        """What it is for the model: `acts`, but a body that comes or goes loads an arm whose parameters are fixed."""
+        return "force" if self.acts == "parameters" and self.windows_s else self.acts
+
+    def active(self, time: Array) -> npt.NDArray[np.bool_]:
+        """Whether it acts at these times [s]."""
+        inside = [(time >= start) & (time < stop) for start, stop in self.windows_s]
+        return np.any(inside, axis=0) if inside else np.ones(len(time), dtype=bool)
+
     def reported(self, time: Array, tau: Array) -> Array:
         """Exactly what the measuring chain shows of torques `tau` (m, n) [Nm] at the times `time` (m,) [s].
 
         `basis` is its change to first order. An effect that is not in the torque's chain leaves `tau` as it is.
         """
+        return np.where(self.active(time)[:, None], self._shown(time, tau), tau)
+
+    def _shown(self, time: Array, tau: Array) -> Array:
+        """`reported` of an effect that always acts."""
         return tau
 
     def parameters(self) -> dict[str, Any]:

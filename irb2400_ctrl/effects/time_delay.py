@@ -27,7 +27,7 @@ class TimeDelay(Effect):
     def basis(self, s: Signals) -> ca.SX:
         return -s.tau_rate if self.joint is None else self.on(-s.tau_rate[self.index], s.q.numel())
 
-    def reported(self, time: Array, tau: Array) -> Array:
+    def _shown(self, time: Array, tau: Array) -> Array:
         shown = np.array(tau)
         for j in range(tau.shape[1]) if self.joint is None else [self.index]:
             shown[:, j] = np.interp(time - self.delay_s, time, tau[:, j])

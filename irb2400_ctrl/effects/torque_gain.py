@@ -31,7 +31,7 @@ class TorqueGain(Effect):
         tau = s.tau[self.index]
         return self.on(tau * ca.fabs(tau), s.q.numel())
 
-    def reported(self, time: Array, tau: Array) -> Array:
+    def _shown(self, time: Array, tau: Array) -> Array:
         shown, true = np.array(tau), tau[:, self.index]
         shown[:, self.index] = self.gain * true + sum(self.shape) * true * np.abs(true)
         return shown

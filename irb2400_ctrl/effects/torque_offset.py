@@ -30,7 +30,7 @@ class TorqueOffset(Effect):
     def departures(self, s: Signals) -> ca.SX:
         return self.on(s.time, s.q.numel())
 
-    def reported(self, time: Array, tau: Array) -> Array:
+    def _shown(self, time: Array, tau: Array) -> Array:
         shown = np.array(tau)
         shown[:, self.index] += self.offset_Nm + sum(self.shape) * time
         return shown

@@ -77,7 +77,7 @@ class Alternatives:
         """`standard`: motion on which sizes are set (torque included)."""
         self.robot, self.group = robot, group
         self.bases = Bases(
-            robot.model_copy(update={"effects": tuple(e for e in robot.effects if e.acts == "parameters")})
+            robot.model_copy(update={"effects": tuple(e for e in robot.effects if e.role == "parameters")})
         )
         self.nuisance = Nuisance.of(robot, Uncertainty(), standard)
         self.noise: Array = NOISE * robot.tau_max

@@ -190,7 +190,7 @@ class Model:
         phi = self.robot.inertial_parameters.copy()
         n = self.robot.n
         for effect in self.robot.effects:
-            if isinstance(effect, AddedBody):
+            if isinstance(effect, AddedBody) and effect.role == "parameters":
                 carrier, added = effect.carrier(n), np.array(effect.coefficients())
                 if carrier == n + 1:
                     carrier, added = n, np.asarray(transport(ca.DM(self.robot.flange.matrix()))) @ added
@@ -211,7 +211,7 @@ class Model:
         tau = ca.SX.zeros(self.robot.n)
         for effect in self.robot.effects:
             # parameter effects are folded into phi; the measuring chain does not load the actuators
-            if effect.acts == "force":
+            if effect.role == "force":
                 tau += effect.torque(s.with_state(effect.steady_state(s)))
         # derivatives of the acceleration are not inputs of the dynamics: elasticity is a state of the simulated plant
         zero = ca.SX.zeros(self.robot.n)

@@ -23,7 +23,7 @@ def add_closed_loop(page: Page, diagnosis: Diagnosis, loop: ClosedLoop) -> None:
         "sheet's uncertainty. So this is what the finding is worth to the controller if it is right; whether it is "
         "right, the validation log says."
     )
-    left_alone = [finding_title(f) for f in diagnosis.findings if f.effect.acts == "measurement"]
+    left_alone = [finding_title(f) for f in diagnosis.findings if f.effect.role == "measurement"]
     if left_alone:
         page.text(
             f"No controller makes up for {', '.join(left_alone)}: it is in the measuring chain, to be put right there."

@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 
 from irb2400_ctrl.diagnosis import Comparison, Diagnosis, Finding
+from irb2400_ctrl.effects.base import OPEN_END_S
 from irb2400_ctrl.report.diagnosis_figures import curve_figure, torque_figure
 from irb2400_ctrl.report.page import Page, show
-from irb2400_ctrl.simulation.close_loop import OPEN_END_S
 
 VERDICTS = {
     "explained": "The log shows something the model lacks, and it has a name.",

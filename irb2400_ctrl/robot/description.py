@@ -15,6 +15,7 @@ import numpy.typing as npt
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_validator
 
 from irb2400_ctrl.effects import LIBRARY, AnyEffect
+from irb2400_ctrl.effects.base import OPEN_END_S
 
 Array = npt.NDArray[np.float64]
 Positive = Annotated[float, Field(gt=0)]
@@ -269,6 +270,11 @@ class Robot(_Table):
     def with_effects(self, *effects: AnyEffect) -> Robot:
         """This robot with further effects, validated."""
         return self.model_copy(update={"effects": (*self.effects, *effects)})
+
+    def lasting(self) -> Robot:
+        """The robot after a record: what began in it acts from now on, what also ended in it was an event."""
+        kept = [e for e in self.effects if not e.windows_s or e.windows_s[-1][1] > OPEN_END_S]
+        return self.model_copy(update={"effects": tuple(e.model_copy(update={"windows_s": ()}) for e in kept)})
 
     def __eq__(self, other: object) -> bool:
         """Equal descriptions; arrays that were computed on the way do not count."""

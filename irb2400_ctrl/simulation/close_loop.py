@@ -18,8 +18,6 @@ PLANT_SEED = 7
 LEFT_OPEN = 0.25
 """share of the data sheet's uncertainty that a log leaves: with it the simulated arm is followed as well as arms of the
 independent plant are by controllers made from their diagnosis"""
-OPEN_END_S = 1e6
-"""an effect whose window ends later than this [s] still acted at the end of the record"""
 
 
 @dataclass(frozen=True)
@@ -49,12 +47,6 @@ class ClosedLoop:
         return {name: run.summary() for name, run in runs.items()}
 
 
-def lasting(robot: Robot) -> Robot:
-    """The robot after the record: what began in it acts from now on, what also ended in it was an event."""
-    kept = [e for e in robot.effects if not e.windows_s or e.windows_s[-1][1] > OPEN_END_S]
-    return robot.model_copy(update={"effects": tuple(e.model_copy(update={"windows_s": ()}) for e in kept)})
-
-
 def close_loop(
     given: Robot,
     diagnosed: Robot,
@@ -70,12 +62,12 @@ def close_loop(
 
     Args:
         given: the robot before the diagnosis.
-        diagnosed: the robot with what the diagnosis found; of it, what is `lasting`.
+        diagnosed: the robot with what the diagnosis found; of it, what is lasting (`Robot.lasting`).
         controller: name of the controller; the same structure and design rule for all.
         plant: the simulated arm; default the diagnosed robot with masses, centres of mass, inertias and friction drawn
             anew within what a log leaves open, so that it has exactly the effect and no controller knows the rest.
     """
-    diagnosed = lasting(diagnosed)
+    diagnosed = diagnosed.lasting()
     plant = perturbed_robot(diagnosed, PLANT_SEED, share=LEFT_OPEN) if plant is None else plant
 
     def run(robot: Robot) -> Simulation:

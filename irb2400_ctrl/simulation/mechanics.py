@@ -132,7 +132,7 @@ def symbolic_mechanics(robot: Robot) -> Mechanics:
 
 def force_effects(robot: Robot) -> tuple[Effect, ...]:
     """The effects that act as a force; elasticity is a state of its own, parameter effects are in `phi`."""
-    return tuple(e for e in links_only(robot).effects if e.acts == "force")
+    return tuple(e for e in links_only(robot).effects if e.role == "force")
 
 
 def mass_data(robot: Robot) -> ca.DM:

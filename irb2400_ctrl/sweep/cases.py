@@ -162,7 +162,7 @@ class Runner:
             return self._references[key]
 
     def _loop(self, control: Control, arm: Robot) -> Loop:
-        key = (control.label, structure([e for e in arm.effects if e.acts == "force"]))
+        key = (control.label, structure([e for e in arm.effects if e.role == "force"]))
         with self._building:
             if key not in self._loops:
                 study = self.study

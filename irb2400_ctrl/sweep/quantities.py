@@ -122,7 +122,7 @@ class EffectDraw(BaseModel):
         joint = self.joints[int(rng.integers(len(self.joints)))]
         values = {name: _drawn(value, rng) for name, value in self.ranges.items()}
         drawn = self._make(joint, values)
-        if drawn.acts != "force":
+        if drawn.role != "force":
             return (drawn, []) if present else (None, [])
         others = [self._make(j, values) for j in dict.fromkeys(self.joints) if not present or j != joint]
         return drawn if present else None, [zero for zero in map(without_size, others) if zero is not None]

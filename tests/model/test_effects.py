@@ -160,3 +160,20 @@ def test_what_the_chain_reports_is_the_law_to_first_order(effect: Effect) -> Non
     # the first samples of a delayed record have no past
     np.testing.assert_allclose(shown[3:], first_order[3:], atol=1e-9 + 1.1 * second_order)
     assert np.abs(shown).max() > 0.2
+
+
+def test_a_body_picked_up_in_mid_record_loads_the_arm_from_then_on(robot: irb.Robot, states: States) -> None:
+    payload = LIBRARY["payload"].of(None, mass_kg=4.0, com_m=(0.02, 0.0, 0.15))
+    later = payload.model_copy(update={"windows_s": ((5.0, 1e9),)})
+    bare, laden, arm = (irb.Model(robot.with_effects(*e)) for e in ((), (payload,), (later,)))
+    q, qd, qdd = states.q[:20], states.qd[:20], states.qdd[:20]
+    np.testing.assert_allclose(arm.inverse_dynamics(q, qd, qdd), bare.inverse_dynamics(q, qd, qdd), atol=1e-9)
+    moved = arm.inverse_dynamics(q, qd, qdd, time=6.0)
+    np.testing.assert_allclose(moved, laden.inverse_dynamics(q, qd, qdd), rtol=0, atol=1e-9)
+    assert robot.with_effects(later).lasting() == robot.with_effects(payload)
+
+
+def test_a_gain_shows_only_while_it_acts() -> None:
+    gain = LIBRARY["torque_gain"].of(2, gain=0.9, windows_s=((1.0, 2.0),))
+    time, tau = np.array([0.5, 1.5, 2.5]), np.ones((3, 6))
+    np.testing.assert_allclose(gain.reported(time, tau)[:, 1], [1.0, 0.9, 1.0])

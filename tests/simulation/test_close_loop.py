@@ -10,7 +10,7 @@ from simulation.arms import START, STOP, arm, quintic_move
 
 from irb2400_ctrl.effects import LIBRARY
 from irb2400_ctrl.report.diagnosis_report import parameter_rows
-from irb2400_ctrl.simulation.close_loop import close_loop, lasting
+from irb2400_ctrl.simulation.close_loop import close_loop
 
 SINCE = LIBRARY["gear_ripple"].of(4, amplitude_Nm=4.0, order=20.0, windows_s=((14.9, 1e9),))
 EVENT = LIBRARY["process_force"].of(None, force_z_N=50.0, windows_s=((1.0, 2.0), (5.0, 6.0)))
@@ -18,7 +18,7 @@ ALWAYS = LIBRARY["payload"].of(None, mass_kg=4.0, com_m=(0.0, 0.0, 0.1))
 
 
 def test_what_began_lasts_and_what_ended_is_over() -> None:
-    now = lasting(arm().with_effects(SINCE, EVENT, ALWAYS))
+    now = arm().with_effects(SINCE, EVENT, ALWAYS).lasting()
     assert [(e.kind, e.windows_s) for e in now.effects] == [("gear_ripple", ()), ("payload", ())]
     assert now.effects[0].parameters()["amplitude_Nm"] == 4.0
 
