@@ -178,7 +178,14 @@ def _findings(steps: Sequence[Step], fit: Fit, motion: Motion, load: Array, base
                     margin=step.margin,
                     share=share,
                     curve=_curve(
-                        motion, load, joint, effect.abscissa, torque[:, joint], fit.residual[:, joint], effect.period
+                        motion,
+                        load,
+                        joint,
+                        effect.abscissa,
+                        torque[:, joint],
+                        fit.residual[:, joint],
+                        period=effect.period,
+                        turned=effect.against_motion,
                     ),
                 )
             )
@@ -234,14 +241,23 @@ def _curve(
     signal: str,
     law: Array,
     residual: Array,
+    *,
     period: float | None = None,
+    turned: bool = False,
     bins: int = 40,
 ) -> Curve:
-    """Binned torque over a signal of the joint (zero-based), folded to one period if it has one; with a 95 % band."""
+    """Binned torque over a signal of the joint (zero-based), folded to one period if it has one; with a 95 % band.
+
+    `turned`: the torque of backward motion is turned over, so that friction of both directions lies on one curve.
+    """
+    if turned:
+        sign = np.sign(motion.at_rows(motion.qd[:, joint]))
+        law, residual = sign * law, sign * residual
     sources = {"q": motion.q, "qd": motion.qd, "qdd": motion.qdd, "load": load}
     x = motion.row_time if signal == "time" else motion.at_rows(sources[signal][:, joint])
     x = x if period is None else np.mod(x, period)
     unit = _UNITS[signal] + ("" if period is None else ", within one period")
+    unit += ", torque against the motion" if turned else ""
     rows = motion.row_known[:, joint]
     x, law, seen = x[rows], law[rows], (law + residual)[rows]
     edges = np.linspace(x.min(), x.max() + 1e-12, bins + 1) if len(x) else np.zeros(1)

@@ -31,7 +31,7 @@ class Criteria:
     """When an explanation counts.
 
     Args:
-        gain: log evidence over the model without it [nats], family-wise.
+        gain: log evidence of an effect over the model without it [nats], family-wise; generic_gain: of a generic law.
         energy: its energy over what the base alone leaves on that joint.
         torque: its rms torque over the joint's.
         by_law: what its law alone gains over what it gains with departures.
@@ -39,7 +39,8 @@ class Criteria:
         unknown: how much a generic law must beat the best effect by [nats], and as share of that effect's gain.
     """
 
-    gain: float = 25.0
+    gain: float = 18.0
+    generic_gain: float = 25.0
     energy: float = 0.05
     torque: float = 0.003
     by_law: float = 0.4
@@ -144,7 +145,7 @@ class Selection:
             return None
         best = self._choice(rivals, base)
         gain = best.evidence - base
-        if gain < self.criteria.gain:
+        if gain < (self.criteria.gain if best.candidate.known else self.criteria.generic_gain):
             return None
         polished = self._polished(best, Z)
         rivals[rivals.index(best)] = polished

@@ -110,6 +110,8 @@ class Effect(BaseModel, ABC):
     """one line in plain language"""
     abscissa: ClassVar[Literal["q", "qd", "qdd", "load", "time"]] = "q"
     """signal over which the effect's torque is best drawn"""
+    against_motion: ClassVar[bool] = False
+    """its curve is drawn for motion in the positive direction; the other one is turned over"""
     whole_arm: ClassVar[bool] = False
     """concerns the whole arm: `joint` is absent"""
     scales: ClassVar[tuple[float, ...]] = ()

@@ -15,6 +15,7 @@ class LoadFriction(Effect):
     """tau_j = mu |load_j| sgn(qd_j), load the rigid-body torque (Bittencourt et al.)."""
 
     abscissa = "load"
+    against_motion: ClassVar[bool] = True
     group: ClassVar[str] = "friction level"
     splits: ClassVar[str] = "a second payload, poses with a small load torque"
     sentence: ClassVar[str] = "dry friction of the joint grows with the torque that its gear carries"
