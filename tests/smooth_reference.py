@@ -71,7 +71,7 @@ def reference_duration(
         "ipopt.sb": "yes",
         "print_time": False,
         "ipopt.tol": 1e-5,
-        "ipopt.max_iter": 400,
+        "ipopt.max_iter": 250,
         "ipopt.mu_strategy": "adaptive",
     }
     solver = ca.nlpsol(
