@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from irb2400_ctrl.diagnosis.selection import Step
+from irb2400_ctrl.diagnosis.step import Step
 from irb2400_ctrl.effects import LIBRARY
 
 TABLE = ((0.0, 0.50), (3.0, 0.65), (10.0, 0.71), (30.0, 0.83), (100.0, 0.93), (1000.0, 0.97), (1e5, 0.985))

@@ -20,7 +20,8 @@ from irb2400_ctrl.diagnosis.nuisance import Nuisance, Uncertainty
 from irb2400_ctrl.diagnosis.predict import predicted_torque
 from irb2400_ctrl.diagnosis.result import Comparison, Curve, Diagnosis, Finding, Unexplained
 from irb2400_ctrl.diagnosis.scan import Candidate, Scan
-from irb2400_ctrl.diagnosis.selection import Criteria, Selection, Step, reversal_rows
+from irb2400_ctrl.diagnosis.selection import Criteria, Selection, reversal_rows
+from irb2400_ctrl.diagnosis.step import Step
 from irb2400_ctrl.effects import Effect
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.measurement.log import Log

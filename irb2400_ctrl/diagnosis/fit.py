@@ -7,12 +7,12 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 import numpy.typing as npt
-from pydantic import ValidationError
 
 from irb2400_ctrl.diagnosis.bases import Bases
 from irb2400_ctrl.diagnosis.evidence import departure_shares, departure_unit
 from irb2400_ctrl.diagnosis.motion import Motion
 from irb2400_ctrl.diagnosis.noise import Noise, autoregressive
+from irb2400_ctrl.diagnosis.parameters import Parameter, moved, parameters_of, value_of, with_value
 from irb2400_ctrl.diagnosis.predict import effect_torque, nonlinear_of, predicted_torque
 from irb2400_ctrl.diagnosis.scan import Candidate
 from irb2400_ctrl.effects import Effect
@@ -22,16 +22,6 @@ Array = npt.NDArray[np.float64]
 Mask = npt.NDArray[np.bool_]
 
 ITERATIONS = 5
-
-
-@dataclass(frozen=True)
-class Parameter:
-    """One natural parameter of one effect: place of the effect, field, element (None for a plain number)."""
-
-    effect: int
-    name: str
-    element: int | None
-    prior: tuple[float, float] | None
 
 
 @dataclass(frozen=True)
@@ -124,11 +114,11 @@ class Fitter:
         """Effects and state after the longest of a few fractions of the step that does not fit worse."""
         before = self._misfit(state, noise)
         for shrink in (1.0, 0.4, 0.15):
-            moved = _moved(effects, parameters, shrink * step)
-            if moved is not None:
-                there = self._linearised(moved, G)
+            further = moved(effects, parameters, shrink * step)
+            if further is not None:
+                there = self._linearised(further, G)
                 if self._misfit(there, noise) < before + 0.1:
-                    return moved, there, shrink
+                    return further, there, shrink
         return None
 
     def _misfit(self, state: _State, noise: tuple[Noise, ...]) -> float:
@@ -207,9 +197,9 @@ class Fitter:
 
     def _slope(self, effect: Effect, parameter: Parameter) -> Array:
         """d torque / d parameter by central differences, shape (rows, n)."""
-        value = _get(effect, parameter)
+        value = value_of(effect, parameter)
         step = 1e-4 * max(abs(value), 1e-2)
-        up, down = _set(effect, parameter, value + step), _set(effect, parameter, value - step)
+        up, down = with_value(effect, parameter, value + step), with_value(effect, parameter, value - step)
         return np.asarray((self._torque(up) - self._torque(down)) / (2 * step))
 
     def _departures(self, effect: Effect) -> tuple[Array, Array]:
@@ -258,49 +248,4 @@ class Fitter:
 _State = tuple[Array, Array, list[Parameter], Array, list[Array]]
 
 
-def parameters_of(effect: Effect, place: int) -> list[Parameter]:
-    """The natural parameters of an effect that a fit may move."""
-    found = []
-    # those of effects with memory come from a search that also moves the record's beginning
-    held = type(effect).nonlinear_names(effect.joint) if effect.states else ()
-    for name, value in effect.parameters().items():
-        if name in held:
-            continue
-        prior = type(effect).usual.get(name)
-        if isinstance(value, tuple | list):
-            if name not in {"shape", "windows_s"}:
-                found += [Parameter(place, name, k, prior) for k in range(len(value))]
-        elif isinstance(value, float) and name not in type(effect).fixed:
-            found.append(Parameter(place, name, None, prior))
-    return found
-
-
-def _get(effect: Effect, parameter: Parameter) -> float:
-    value = getattr(effect, parameter.name)
-    return float(value if parameter.element is None else value[parameter.element])
-
-
-def _set(effect: Effect, parameter: Parameter, value: float) -> Effect:
-    """A copy without validation (differences may step over a bound)."""
-    if parameter.element is None:
-        return effect.model_copy(update={parameter.name: value})
-    whole = list(getattr(effect, parameter.name))
-    whole[parameter.element] = value
-    return effect.model_copy(update={parameter.name: tuple(whole)})
-
-
-def _moved(effects: list[Effect], parameters: Sequence[Parameter], step: Array) -> list[Effect] | None:
-    """The effects after a step, shortened until all bounds hold; None if no step is possible."""
-    for shrink in (1.0, 0.5, 0.25, 0.1):
-        moved = list(effects)
-        for parameter, change in zip(parameters, step * shrink, strict=True):
-            effect = moved[parameter.effect]
-            moved[parameter.effect] = _set(effect, parameter, _get(effect, parameter) + float(change))
-        try:
-            return [type(e).model_validate(e.model_dump()) for e in moved]
-        except ValidationError:
-            continue
-    return None
-
-
-__all__ = ["Fit", "Fitter", "Parameter", "effect_torque", "noisy_reversals_masked", "parameters_of"]
+__all__ = ["Fit", "Fitter", "effect_torque", "noisy_reversals_masked"]

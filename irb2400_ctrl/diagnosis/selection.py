@@ -14,6 +14,7 @@ from irb2400_ctrl.diagnosis.motion import STICKING_SPEED, Motion
 from irb2400_ctrl.diagnosis.noise import Noise, autoregressive, white
 from irb2400_ctrl.diagnosis.predict import predicted_torque
 from irb2400_ctrl.diagnosis.scan import Candidate, Scan
+from irb2400_ctrl.diagnosis.step import Left, Rival, Step
 from irb2400_ctrl.diagnosis.windows import acting, windowed
 from irb2400_ctrl.measurement.uniform import widened
 
@@ -49,60 +50,6 @@ class Criteria:
     unknown_share: float = 0.02
     shortlist: int = 10
     most: int = 8
-
-
-@dataclass(frozen=True)
-class Rival:
-    """A candidate with its own noise model.
-
-    Args:
-        evidence: log evidence under the noise that the candidate leaves [nats].
-        by_law: what it gains without departures from its law [nats].
-    """
-
-    candidate: Candidate
-    evidence: float
-    by_law: float
-
-
-@dataclass(frozen=True)
-class Left:
-    """What the explanations so far leave, per joint.
-
-    Args:
-        energy: mean square away from reversals [Nm2]; noise: of it.
-    """
-
-    energy: Array
-    noise: Sequence[Noise]
-
-    def by_joint(self, gain: float, torque: Array) -> Array:
-        """The gain [nats] of a whole arm's effect, shared among the joints as its torque (rows, n) stands out there."""
-        seen = np.array([np.sum(one.whiten(torque[:, j]) ** 2) for j, one in enumerate(self.noise)])
-        return np.asarray(max(gain, 0.0) * seen / max(seen.sum(), 1e-12))
-
-
-@dataclass(frozen=True)
-class Step:
-    """One accepted explanation.
-
-    Args:
-        candidate: accepted; gain: log evidence over the model without it; rivals: others, best first.
-    """
-
-    candidate: Candidate
-    gain: float
-    rivals: tuple[Rival, ...]
-
-    @property
-    def margin(self) -> float:
-        """Evidence over the best other effect of the library [nats]; the gain itself where there is none.
-
-        For a generic law: over the best effect. A flexible function of the same signals is no rival of a law.
-        """
-        best = next(r.evidence for r in self.rivals if r.candidate is self.candidate)
-        others = [r.evidence for r in self.rivals if r.candidate.known and not _same(r.candidate, self.candidate)]
-        return float(min(best - max(others, default=-np.inf), self.gain))
 
 
 class Selection:
@@ -296,11 +243,6 @@ def shortlist(ranked: Sequence[Candidate], count: int) -> list[Candidate]:
     known = [c for c in ranked if c.known][: max(count * 2 // 3, 1)]
     generic = [c for c in ranked if not c.known][: max(count - len(known), count // 3)]
     return known + generic
-
-
-def _same(one: Candidate, other: Candidate) -> bool:
-    """Whether two candidates say the same, one of them perhaps for every joint."""
-    return one.kind == other.kind and (one.joint == other.joint or None in (one.joint, other.joint))
 
 
 def reversal_rows(motion: Motion) -> Mask:
