@@ -109,7 +109,7 @@ def time_smoothly(
         z, barrier = selected.inside(found.z), _NEAR
     for _ in range(_ROUNDS):
         worst = _largest(ratios)
-        if worst <= 1 - ROUNDING:
+        if worst <= 1 - ROUNDING or worst > _HOPELESS:
             break
         # torque falls with the square of the speed, but for gravity and friction
         law = law.slowed(1 + 0.7 * (worst - 1) + ROUNDING)
@@ -153,7 +153,7 @@ def _listed(limits: Array, ratio: Array | None = None) -> list[float | None]:
 
 def _refuse(problem: _Problem, ratios: tuple[Array, ...], fine: Array, most: float, why: str) -> None:
     """Raise StuckError where a ratio is larger than `most`."""
-    worst = np.maximum(*ratios[:2])
+    worst = _known(np.maximum(*ratios[:2]))
     if worst.max() > most:
         place, channel = np.unravel_index(int(np.argmax(worst)), worst.shape)
         channels = problem.program.channels
@@ -163,7 +163,12 @@ def _refuse(problem: _Problem, ratios: tuple[Array, ...], fine: Array, most: flo
 
 
 def _largest(ratios: tuple[Array, ...]) -> float:
-    return max(float(r.max()) for r in ratios)
+    return max(float(_known(r).max()) for r in ratios)
+
+
+def _known(ratio: Array) -> Array:
+    """A bound that could not be computed holds nothing."""
+    return np.where(np.isnan(ratio), np.inf, ratio)
 
 
 @dataclass(frozen=True)
