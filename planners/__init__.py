@@ -5,23 +5,28 @@ plan = plan_path(robot, read_path("part.apt"))
 plan.write("out")
 """
 
+from irb2400_ctrl.planners import builders
 from irb2400_ctrl.planners.certificate import Certificate, Checked, check
 from irb2400_ctrl.planners.joint_move import JointMove, joint_move
+from irb2400_ctrl.planners.joint_path import JointPath
 from irb2400_ctrl.planners.limits import MotionLimits
 from irb2400_ctrl.planners.optimise import optimise_motion
 from irb2400_ctrl.planners.optimised import Optimised
+from irb2400_ctrl.planners.path_dynamics import path_dynamics
 from irb2400_ctrl.planners.plan import Plan, Trajectory
 from irb2400_ctrl.planners.plan_path import plan_path
 from irb2400_ctrl.planners.positioner import Positioner, PositionerAxis, choose_settings
 from irb2400_ctrl.planners.rapid import RapidOptions, RapidProgram, rapid_program
 from irb2400_ctrl.planners.rapid_reader import read_rapid
 from irb2400_ctrl.planners.read_path import read_path
+from irb2400_ctrl.planners.retime import time_joint_path
 from irb2400_ctrl.planners.toolpath import ToolPath
 
 __all__ = [
     "Certificate",
     "Checked",
     "JointMove",
+    "JointPath",
     "MotionLimits",
     "Optimised",
     "Plan",
@@ -31,12 +36,15 @@ __all__ = [
     "RapidProgram",
     "ToolPath",
     "Trajectory",
+    "builders",
     "check",
     "choose_settings",
     "joint_move",
     "optimise_motion",
+    "path_dynamics",
     "plan_path",
     "rapid_program",
     "read_path",
     "read_rapid",
+    "time_joint_path",
 ]

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 
 from irb2400_ctrl.errors import InfeasibleError, InputError
 from irb2400_ctrl.model import Model
+from irb2400_ctrl.planners.joint_box import can_hold, inside_box, outside_box
 
 Array = npt.NDArray[np.float64]
 
@@ -88,8 +89,8 @@ def joint_move(
     if not (np.isfinite(rate) and rate > 0):
         raise InputError(f"rate is {rate}, expected a positive number of rows per second")
     for name, q in (("q_start", start), ("q_target", target)):
-        _inside_box(model, name, q)
-        _can_hold(model, name, q)
+        inside_box(model, name, q)
+        can_hold(model, name, q)
     if (np.abs(speed) > robot.qd_max * (1 + 1e-9)).any():
         axis = int(np.argmax(np.abs(speed) / robot.qd_max))
         raise InputError(
@@ -115,39 +116,6 @@ def _vector(name: str, value: ArrayLike, n: int, positive: bool = False) -> Arra
         axis = int(np.argmin(array))
         raise InputError(f"{name}: the limit of axis {axis + 1} is {array[axis]}, expected a positive number")
     return array
-
-
-def _outside_box(model: Model, q: Array) -> str | None:
-    """What of q (m, n) leaves the joint box, in words; None where nothing does."""
-    robot = model.robot
-    excess = np.maximum(robot.q_min - q, q - robot.q_max)
-    if excess.max() > 1e-9:
-        row, axis = np.unravel_index(int(np.argmax(excess)), excess.shape)
-        low, high = np.degrees([robot.q_min[axis], robot.q_max[axis]])
-        return f"axis {axis + 1} at {np.degrees(q[row, axis]):.2f} deg, range {low:.0f} to {high:.0f} deg"
-    if robot.coupling.difference_deg is not None:
-        difference = np.degrees(q[:, 2] - q[:, 1])
-        low, high = robot.coupling.difference_deg
-        worst = int(np.argmax(np.maximum(low - difference, difference - high)))
-        if not low - 1e-7 <= difference[worst] <= high + 1e-7:
-            return f"q3 - q2 at {difference[worst]:.2f} deg, range {low:.0f} to {high:.0f} deg"
-    return None
-
-
-def _inside_box(model: Model, name: str, q: Array) -> None:
-    problem = _outside_box(model, q[None])
-    if problem is not None:
-        raise InputError(f"{name} is outside the joint box: {problem}")
-
-
-def _can_hold(model: Model, name: str, q: Array) -> None:
-    needed = np.abs(model.gravity(q))
-    limit = model.robot.tau_max
-    if (needed > limit).any():
-        axis = int(np.argmax(needed / limit))
-        raise InfeasibleError(
-            f"{name}: axis {axis + 1} cannot hold the arm: needs {needed[axis]:,.0f} of {limit[axis]:,.0f} Nm"
-        )
 
 
 def _limits_of_file(model: Model) -> Array | None:
@@ -229,7 +197,7 @@ class _Search:
         trajectory = self._ruckig(scale, share)
         time = _instants(trajectory)
         q, qd, qdd = _states(trajectory, time)
-        problem = _outside_box(self.model, q)
+        problem = outside_box(self.model, q)
         if problem is not None:
             raise InfeasibleError(f"the move swings out of the joint box before it turns: {problem}")
         ratio = np.abs(self.model.inverse_dynamics(q, qd, qdd)) / self.model.robot.tau_max

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,24 +18,28 @@ import numpy.typing as npt
 from numpy.typing import ArrayLike
 
 from irb2400_ctrl.errors import InfeasibleError, InputError
-from irb2400_ctrl.planners.cells import grid, reversals
+from irb2400_ctrl.planners.cells import reversals
 from irb2400_ctrl.planners.certificate import Certificate
-from irb2400_ctrl.planners.joint_path import JointPath
+from irb2400_ctrl.planners.kept_law import rate_excess, slowed_outcome, smooth_outcome, smooth_path
+from irb2400_ctrl.planners.knots import Knots, Solved
 from irb2400_ctrl.planners.limits import MotionLimits
 from irb2400_ctrl.planners.margins import NAMES
 from irb2400_ctrl.planners.optimised import Optimised, Outcome, outcome
 from irb2400_ctrl.planners.path_dynamics import PathDynamics, path_dynamics
+from irb2400_ctrl.planners.stuck import StuckError
 from irb2400_ctrl.planners.time_law import TimeLaw
-from irb2400_ctrl.planners.transcription import Knots, Objective, Solved, Transcription
+from irb2400_ctrl.planners.transcription import Objective, Transcription
 from irb2400_ctrl.planners.warm_start import Start, clamped, knots_of, shares, time_again, warm_start
 from irb2400_ctrl.planners.waypoints import checked_waypoints, signed_margins
 from irb2400_ctrl.robot import Robot
 
 Array = npt.NDArray[np.float64]
 
-# part of the torque limits left to what happens between knots; where the time law is kept, what it is slowed by instead
+# part of the torque limits left to what happens between knots; for energy, what the motion would be slowed by instead
 _RESERVE = 0.001
 _RESERVE_KEPT = 0.01
+# loss of duration by timing again with a limited torque rate that is worth another turn
+_LOST = 1.003
 # how often a motion that falls short between knots is sent back with tighter bounds
 _TURNS = 3
 # duration that a motion of least energy may take, as a multiple of the fastest of its warm start
@@ -51,7 +56,7 @@ def optimise_motion(
     torque_rate: ArrayLike | None = None,
     limits: MotionLimits | None = None,
     start: Start | None = None,
-    intervals: int = 300,
+    intervals: int | None = None,
     wall_time: float = 8.0,
 ) -> Optimised:
     """A rest-to-rest motion through the way-points, in order, free in between.
@@ -64,11 +69,12 @@ def optimise_motion(
         margins: least |sin q5| ("wrist", [-]), |r| ("shoulder", [m]), |k| ("elbow", [m]) all over the path; the
             way-points must lie on one side of each singularity named.
         torque_rate: limit of the change of the torque, dry friction apart [Nm/s], shape (n,). The torque then starts
-            and ends at what holds the arm. Seen at 5 kHz, not enclosed.
+            and ends at what holds the arm. Bounded at every instant; for energy seen at 5 kHz.
         limits: default those of the robot.
         start: warm start: a joint path (of the path planner), its certificate, or a joint move; default the cubic
             spline through the way-points at even parameters.
-        intervals: of the transcription, over all segments.
+        intervals: of the transcription, over all segments; default 300, and 200 where there are more variables, for
+            energy or with a limited torque rate.
         wall_time: for the solver [s].
 
     Raises:
@@ -84,6 +90,8 @@ def optimise_motion(
         raise InputError(f"torque_rate is {rate.tolist()}, expected one positive number of Nm/s per axis")
     if duration is not None and not duration > 0:
         raise InputError(f"duration is {duration}, expected a positive number of seconds")
+    if intervals is None:
+        intervals = 300 if objective == "time" and rate is None else 200
     if objective not in ("time", "energy") or intervals < 1:
         raise InputError(f"objective {objective!r} with {intervals} intervals, expected time or energy, and at least 1")
     clock = [time.perf_counter()]
@@ -93,11 +101,15 @@ def optimise_motion(
     if objective == "energy" and reference is not None:
         longest = _LONGER * reference.duration if duration is None else duration
         reference = _slowed(reference, dynamics, longest)
+    elif rate is not None and reference is not None:
+        # where it cannot keep the rate, the one with jumps stays: to be told about, not to be returned
+        with suppress(InfeasibleError):
+            reference = smooth_outcome(dynamics, reference.certificate.path, limits, rate)
     wish = _Wish(dynamics, limits, W, objective, longest, bounds, rate)
     counts = shares(at, intervals)
     solved, best, problem = _search(wish, knots_of(guess, at, counts, longest), counts, wall_time)
     clock.append(time.perf_counter())
-    return _compared(wish, solved, best, problem, reference, at, np.diff(clock))
+    return _compared(wish, solved, best, problem, reference, at, counts, np.diff(clock))
 
 
 def _slowed(found: Outcome, dynamics: PathDynamics, duration: float) -> Outcome:
@@ -122,9 +134,23 @@ class _Wish:
     torque_rate: Array | None
 
     @property
-    def keeps_law(self) -> bool:
-        """Whether the optimiser's own time law is kept: the fastest one would spoil energy and torque rate."""
-        return self.objective == "energy" or self.torque_rate is not None
+    def smooth(self) -> bool:
+        """Whether the geometry is timed again with a limited torque rate."""
+        return self.objective == "time" and self.torque_rate is not None
+
+    def timed(self, knots: Knots) -> Outcome:
+        """The optimised geometry timed again: the fastest way, or with the solver's own law where energy counts.
+
+        Raises:
+            InfeasibleError: there is no timing within the limits.
+        """
+        if self.smooth and self.torque_rate is not None:
+            return smooth_outcome(self.dynamics, smooth_path(knots), self.limits, self.torque_rate)
+        path = clamped(knots.time, knots.q)
+        if self.objective == "energy":
+            return slowed_outcome(self.dynamics, path, self.limits, self.torque_rate)
+        law = time_again(self.dynamics, path, self.limits)
+        return outcome(Certificate(path, law, self.limits), self.dynamics)
 
     def missed(self, found: Outcome) -> str | None:
         """What a motion lacks, in words; None where it has everything."""
@@ -162,59 +188,47 @@ class _Wish:
 def _search(
     wish: _Wish, guess: Knots, counts: tuple[int, ...], wall_time: float
 ) -> tuple[Solved, Outcome | None, str | None]:
-    """Solve, time again, and tighten the margins if the path between knots falls short of them."""
-    dynamics, limits = wish.dynamics, wish.limits
-    reserve = _RESERVE_KEPT if wish.keeps_law else _RESERVE
-    margins, longest = wish.margins, wish.longest * (1 - _RESERVE)
-    left = wall_time
+    """Solve, time again, and tighten what the path between knots falls short of; the best motion of all turns."""
+    dynamics = wish.dynamics
+    reserve = _RESERVE_KEPT if wish.objective == "energy" else _RESERVE
+    margins, longest, rate = wish.margins, wish.longest * (1 - _RESERVE), wish.torque_rate
+    left, best, first = wall_time, None, None
     for turn in range(_TURNS):
         program = Transcription(
-            dynamics.model, limits, wish.waypoints, counts, wish.objective, longest, margins, wish.torque_rate, reserve
+            dynamics.model, wish.limits, wish.waypoints, counts, wish.objective, longest, margins, rate, reserve
         )
         solved = program.solve(guess, max(left, 1e-6))
         left -= solved.wall_time
-        path = clamped(solved.knots.time, solved.knots.q)
         try:
-            law = time_evenly(wish, path) if wish.keeps_law else time_again(dynamics, path, limits)
+            found = wish.timed(solved.knots)
         except InfeasibleError as error:
-            return solved, None, str(error)
-        found = outcome(Certificate(path, law, limits), dynamics)
+            return solved, best, _placed(error, solved.knots, counts)
         problem = wish.missed(found)
+        first = first or problem
+        if problem is None and (best is None or wish.cost(found) < wish.cost(best)):
+            best = found
         lacking = [max(abs(b) - found.margins[NAMES[k]], 0.0) for k, b in wish.margins]
         late = found.duration > wish.longest
-        if problem is None or turn == _TURNS - 1 or not (late or any(lacking)):
+        lost = wish.smooth and found.duration > _LOST * solved.knots.time[-1] and turn == 0 and left > solved.wall_time
+        if not (late or lost or any(lacking)):
             break
         if late:
             longest *= (1 - _RESERVE) * wish.longest / found.duration
+        if lost and rate is not None:
+            rate = rate / np.maximum(rate_excess(dynamics, solved.knots, rate), 1.0)
         margins = tuple((k, b + np.sign(b) * 1.5 * gap) for (k, b), gap in zip(margins, lacking, strict=True))
         if solved.converged:
             guess = solved.knots
-    return solved, None if problem else found, problem
+    return solved, best, None if best is not None else first
 
 
-def time_evenly(wish: _Wish, path: JointPath) -> TimeLaw:
-    """The time law of the spline itself, all of it slowed by one factor where the limits need it.
-
-    Raises:
-        InfeasibleError: not even at 0.7 of its speed.
-    """
-    s = grid(path, 1000)
-
-    def at(speed: float) -> TimeLaw:
-        return TimeLaw(s, np.full(len(s), speed**2))
-
-    speed = 1.0
-    for _ in range(8):
-        found = outcome(Certificate(path, at(speed), wish.limits), wish.dynamics)
-        change = 1.0 if wish.torque_rate is None else float((found.torque_rate / wish.torque_rate).max())
-        # torque falls with the square of the speed, but for gravity and friction: a little more than the root
-        excess = max(found.checked.torque_ratio**0.6, found.checked.velocity_ratio, np.cbrt(change))
-        if excess <= 1:
-            return at(speed)
-        speed *= (1 - 1e-4) / excess
-        if not speed > 0.7:
-            break
-    raise InfeasibleError("what the optimiser found breaks the limits between its knots; try more intervals")
+def _placed(error: InfeasibleError, knots: Knots, counts: tuple[int, ...]) -> str:
+    """An error with its place among the way-points: the parameter of an optimised path means nothing to anybody."""
+    if not isinstance(error, StuckError):
+        return str(error)
+    # a smooth path's parameter is less than a millisecond away from the time
+    at = int(np.clip(np.searchsorted(knots.time[_passed(counts)], error.s), 1, len(counts)))
+    return f"between way-points {at} and {at + 1}{error.reason.split(';')[0]}"
 
 
 def _compared(
@@ -224,6 +238,7 @@ def _compared(
     problem: str | None,
     reference: Outcome | None,
     at: Array,
+    counts: tuple[int, ...],
     clock: Array,
 ) -> Optimised:
     """The better of optimised motion and warm start, and why."""
@@ -249,8 +264,8 @@ def _compared(
     if fell_back:
         passed = at
     else:
-        law = motion.certificate.law
-        passed = np.interp(_knot_parameters(solved.knots, wish.waypoints), law.s, law.time)
+        path, law = motion.certificate.path, motion.certificate.law
+        passed = np.interp(path.knots[_passed(counts)], law.s, law.time)
     stages = ("warm_start", "optimise_and_time")
     wall = {**dict(zip(stages, map(float, clock), strict=True)), "solver": solved.wall_time}
     return Optimised(
@@ -267,10 +282,6 @@ def _compared(
     )
 
 
-def _knot_parameters(knots: Knots, W: Array) -> Array:
-    """Parameters of the knots that are way-points, in order."""
-    found, first = [], 0
-    for w in W:
-        first += int(np.argmin(np.abs(knots.q[first:] - w).max(axis=1)))
-        found.append(float(knots.time[first]))
-    return np.array(found)
+def _passed(counts: tuple[int, ...]) -> npt.NDArray[np.int64]:
+    """Numbers of the knots that are way-points."""
+    return np.concatenate([[0], np.cumsum(counts)])

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -16,6 +16,8 @@ from irb2400_ctrl.planners.follow import Followed
 from irb2400_ctrl.planners.joint_path import JointPath
 from irb2400_ctrl.planners.path_dynamics import PathDynamics
 from irb2400_ctrl.planners.plan import Trajectory
+from irb2400_ctrl.planners.smooth_law import SmoothLaw
+from irb2400_ctrl.planners.smooth_looks import looked_ratios
 
 Array = npt.NDArray[np.float64]
 
@@ -130,6 +132,7 @@ def outcome(certificate: Certificate, dynamics: PathDynamics) -> Outcome:
     energy = dt * (power.sum(axis=0) - (power[0] + power[-1]) / 2)
     moving = tau - model.friction(qd) + model.robot.friction[:, 2] * qd
     rate = np.abs(np.diff(moving, axis=0)).max(axis=0) / dt
+    guaranteed = not dynamics.irregular
     if dynamics.irregular:
         peak = np.abs(tau).max(axis=0)
         ratio = np.abs(tau) / certificate.limits.tau_max
@@ -138,10 +141,18 @@ def outcome(certificate: Certificate, dynamics: PathDynamics) -> Outcome:
         checked = Checked(float(ratio.max()), speed, (float(law.at(time[row : row + 1])[0][0]), int(axis) + 1))
     else:
         checked = check(certificate, model, dynamics)
-        above, below = torque_bounds(enclose(dynamics, path, law.s), law.u, law.x, model.robot.friction)
+        if isinstance(law, SmoothLaw):
+            ratios, _ = looked_ratios(certificate, dynamics, 1)
+            bound = ratios[0][:, : model.robot.n].max(axis=0) * certificate.limits.tau_max
+            if not np.isfinite(checked.torque_rate_ratio):
+                guaranteed = False
+                checked = replace(checked, torque_rate_ratio=float(ratios[1][:, : model.robot.n].max()))
+        else:
+            above, below = torque_bounds(enclose(dynamics, path, law.s), law.u, law.x, model.robot.friction)
+            bound = np.maximum(above, -below).max(axis=0)
         # both bounds hold, and the check's comes from smaller cells
-        peak = np.minimum(np.maximum(above, -below).max(axis=0), checked.torque_ratio * certificate.limits.tau_max)
-    return Outcome(certificate, checked, energy, peak, rate, path_margins(model, path), not dynamics.irregular)
+        peak = np.minimum(bound, checked.torque_ratio * certificate.limits.tau_max)
+    return Outcome(certificate, checked, energy, peak, rate, path_margins(model, path), guaranteed)
 
 
 def path_margins(model: Model, path: JointPath) -> dict[str, float]:

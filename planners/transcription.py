@@ -24,6 +24,7 @@ import numpy as np
 import numpy.typing as npt
 
 from irb2400_ctrl.model import Model
+from irb2400_ctrl.planners.knots import Knots, Solved
 from irb2400_ctrl.planners.limits import MotionLimits
 from irb2400_ctrl.planners.sparse_program import machine_code, sparse_program
 
@@ -35,35 +36,12 @@ Objective = Literal["time", "energy"]
 _REVERSAL = 1.25
 # but no more than this part of the speed limit
 _WIDEST = 0.5
+# the same for power, as a part of the speed limit: narrow, because friction that is smoothed away costs nothing
+_POWER = 0.04
 # weight of the mean squared acceleration: makes the motion of joints that limit nothing unique
 _SMOOTH = 2e-4
-# the objective is one, times this: what the barrier leaves at the end is its tolerance times the number of active rows
+# of the duration as a part of its guess: the barrier leaves its tolerance times the number of active rows at the end
 _SCALE = 100.0
-
-
-@dataclass(frozen=True)
-class Knots:
-    """A motion as knots of a cubic spline in time."""
-
-    time: Array
-    """[s], shape (m + 1,)"""
-    q: Array
-    qd: Array
-    qdd: Array
-    """[rad], [rad/s], [rad/s2], shape (m + 1, n)"""
-
-
-@dataclass(frozen=True)
-class Solved:
-    """What the solver left."""
-
-    knots: Knots
-    converged: bool
-    status: str
-    """IPOPT's return status"""
-    iterations: int
-    wall_time: float
-    """of the solver alone [s]"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,18 +53,28 @@ class Transcription:
     waypoints: Array
     """[rad], shape (k + 1, n)"""
     intervals: tuple[int, ...]
-    """number of intervals of each of the k segments"""
+    """number of intervals of each of the k segments; even where `paired`"""
     objective: Objective = "time"
     duration: float = np.inf
     """upper bound [s]"""
     margins: tuple[tuple[int, float], ...] = ()
     """(number of the singularity factor, signed bound): sign(b) factor >= |b| with b in the factor's unit"""
     torque_rate: Array | None = None
-    """limit of the change of torque without dry friction [Nm/s], shape (n,)"""
+    """limit of the change of torque without dry friction [Nm/s], for each axis, shape (n,), or for each interval, too,
+    shape (m, n)"""
     reserve: float = 0.0
     """part of every torque limit left for what happens between knots [-]"""
     compiled: bool = field(default=True)
     """whether the mapped derivatives run as machine code"""
+
+    @property
+    def paired(self) -> bool:
+        """Whether every second knot only looks, its acceleration the mean of its neighbours'.
+
+        Otherwise energy and torque rate go zigzag between the knots that they are counted at. A motion of least
+        duration gains more by the freedom than it loses when it is timed again.
+        """
+        return self.objective == "energy" or self.torque_rate is not None
 
     # ---- one knot
 
@@ -124,7 +112,8 @@ class Transcription:
 
         rows = [(smooth + dry(qd)) / tau_max, (smooth - dry(-qd)) / tau_max]
         if self.objective == "energy":
-            rows.append((smooth + F_c * ca.tanh(2 * qd / width)) * qd / (tau_max * ca.DM(self.limits.qd_max)))
+            speed = ca.DM(self.limits.qd_max)
+            rows.append((smooth + F_c * ca.tanh(2 * qd / (_POWER * speed))) * qd / (tau_max * speed))
         if self.torque_rate is not None:
             rows.append(smooth / tau_max)
         if self.margins:
@@ -185,6 +174,10 @@ class Transcription:
         rows: list[tuple[ca.SX, float | Array, float | Array]] = [(defect_q, 0.0, 0.0), (defect_v, 0.0, 0.0)]
         low, high = np.tile(robot.q_min, knots - 1), np.tile(robot.q_max, knots - 1)
         rows += [(value, low, high) for value in inner]
+        if self.paired:
+            odd = np.arange(1, knots - 1, 2)
+            bent = qdd[:, odd.tolist()] - (qdd[:, (odd - 1).tolist()] + qdd[:, (odd + 1).tolist()]) / 2
+            rows += [(bent, 0.0, 0.0)]
         # the speed is a parabola: with the knots themselves these coefficients enclose it
         rows += [((v[:, first] + dt * a[:, first] / 2) / ca.repmat(speed, 1, knots - 1), -1.0, 1.0)]
         if robot.coupling.difference_deg is not None:
@@ -194,17 +187,16 @@ class Transcription:
         reference = float(step @ self.intervals)
         if self.torque_rate is not None:
             tau = extra[-n:, :]
-            change = ca.repmat(ca.DM(self.torque_rate / self.limits.tau_max), 1, knots - 1) * dt
+            change = ca.DM(np.broadcast_to(self.torque_rate / self.limits.tau_max, (knots - 1, n)).T) * dt
             rows += [(tau[:, last] - tau[:, first] - change, -np.inf, 0.0)]
             rows += [(tau[:, last] - tau[:, first] + change, 0.0, np.inf)]
         if np.isfinite(self.duration):
             rows += [(total / self.duration, -np.inf, 1.0)]
-        objective = total / reference
+        objective = _SCALE * total / reference
         if self.objective == "energy":
             power = ca.DM(self.limits.tau_max * self.limits.qd_max / 1000.0).T @ extra[:n, :]
             objective = ca.dot(dt[0, :], (power[:, first] + power[:, last]) / 2) / reference
-        objective += _SMOOTH * ca.sumsqr(qdd) / knots
-        objective *= _SCALE
+        objective += (1.0 if self.objective == "energy" else _SCALE) * _SMOOTH * ca.sumsqr(qdd) / knots
         vectors = [(ca.vec(value), lower, upper) for value, lower, upper in rows]
         lower, upper = (
             np.concatenate([np.broadcast_to(np.asarray(row[k], dtype=float), (row[0].numel(),)) for row in vectors])

@@ -10,12 +10,12 @@ from irb2400_ctrl.planners.certificate import Certificate
 from irb2400_ctrl.planners.irregular import time_with_irregular
 from irb2400_ctrl.planners.joint_move import JointMove
 from irb2400_ctrl.planners.joint_path import JointPath
+from irb2400_ctrl.planners.knots import Knots
 from irb2400_ctrl.planners.limits import MotionLimits
 from irb2400_ctrl.planners.optimised import Outcome, outcome
 from irb2400_ctrl.planners.path_dynamics import PathDynamics
 from irb2400_ctrl.planners.retime import time_joint_path
 from irb2400_ctrl.planners.time_law import TimeLaw
-from irb2400_ctrl.planners.transcription import Knots
 
 Array = npt.NDArray[np.float64]
 Start = JointPath | JointMove | Certificate
@@ -73,8 +73,9 @@ def _passed(path: JointPath, W: Array) -> tuple[Array, bool]:
 
 
 def shares(at: Array, intervals: int) -> tuple[int, ...]:
+    """Even numbers of intervals in proportion to the durations of the segments."""
     share = np.diff(at) / (at[-1] - at[0])
-    return tuple(int(v) for v in np.maximum(_LEAST, np.round(intervals * share)))
+    return tuple(2 * int(v) for v in np.maximum(_LEAST // 2, np.round(intervals / 2 * share)))
 
 
 def knots_of(guess: Certificate | Knots, at: Array, counts: tuple[int, ...], longest: float) -> Knots:

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.model import Model
-from irb2400_ctrl.planners.joint_move import _can_hold, _inside_box
+from irb2400_ctrl.planners.joint_box import can_hold, inside_box
 from irb2400_ctrl.planners.margins import NAMES
 
 Array = npt.NDArray[np.float64]
@@ -24,8 +24,8 @@ def checked_waypoints(model: Model, waypoints: ArrayLike) -> Array:
             f"waypoints of shape {W.shape}, expected two or more finite rows of {model.robot.n} angles [rad]"
         )
     for k, q in enumerate(W):
-        _inside_box(model, f"way-point {k + 1}", q)
-        _can_hold(model, f"way-point {k + 1}", q)
+        inside_box(model, f"way-point {k + 1}", q)
+        can_hold(model, f"way-point {k + 1}", q)
     same = np.flatnonzero(np.abs(np.diff(W, axis=0)).max(axis=1) < 1e-6)
     if len(same):
         raise InputError(f"way-points {same[0] + 1} and {same[0] + 2} are the same; leave one of them out")

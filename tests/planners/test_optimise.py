@@ -14,10 +14,12 @@ from irb2400_ctrl.errors import InfeasibleError, InputError
 from irb2400_ctrl.planners.certificate import check
 from irb2400_ctrl.planners.joint_move import joint_move
 from irb2400_ctrl.planners.joint_path import JointPath
+from irb2400_ctrl.planners.knots import Knots
 from irb2400_ctrl.planners.limits import MotionLimits
-from irb2400_ctrl.planners.optimise import optimise_motion
+from irb2400_ctrl.planners.optimise import _placed, optimise_motion
 from irb2400_ctrl.planners.optimised import Optimised, path_margins
 from irb2400_ctrl.planners.path_dynamics import path_dynamics
+from irb2400_ctrl.planners.stuck import StuckError
 from irb2400_ctrl.planners.transcription import Transcription
 
 Array = npt.NDArray[np.float64]
@@ -90,10 +92,59 @@ def test_torque_rate_is_kept_and_the_start_has_no_jump(robot: irb.Robot) -> None
     found = optimise_motion(robot, drawn(2, 3), torque_rate=limit, intervals=60, wall_time=60.0)
     assert (free.motion.torque_rate > limit).any()
     assert (found.motion.torque_rate <= limit * (1 + 1e-6)).all()
-    assert found.duration > free.duration
+    # bounded at every instant, and checked again from the certificate alone
+    assert found.motion.guaranteed
+    assert 0 < check(found.motion.certificate, irb.Model(robot)).torque_rate_ratio <= 1
+    assert free.duration < found.duration < 1.1 * free.duration
+    # the fixed spline keeps the same limit
+    assert found.reference is not None
+    assert found.reference.checked.torque_rate_ratio <= 1
+    assert found.ratio < 0.95
     rows = found.trajectory(irb.Model(robot), rate=1e4)
     assert np.abs(rows.qdd[0]).max() < 1e-6
     keeps_limits_at_10_kHz(robot, found)
+
+
+def test_any_warm_start_ends_at_the_same_duration(robot: irb.Robot) -> None:
+    W = drawn(2, 4)
+    way = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(W, axis=0)).max(axis=1))])
+    found = [optimise_motion(robot, W, start=JointPath.through(s, W), wall_time=60.0) for s in (np.arange(4.0), way)]
+    assert found[0].reference is not None
+    assert found[1].reference is not None
+    assert abs(found[0].reference.duration / found[1].reference.duration - 1) > 0.03
+    assert found[0].duration == pytest.approx(found[1].duration, rel=3e-3)
+
+
+def test_nothing_goes_zigzag_between_the_knots_of_least_energy(robot: irb.Robot) -> None:
+    model, W = path_dynamics(robot).model, drawn(2, 3)
+    found = optimise_motion(robot, W, objective="energy", intervals=60, wall_time=60.0)
+    path = found.motion.certificate.path
+
+    def energy(time: Array) -> float:
+        tau = model.inverse_dynamics(path(time), path(time, 1), path(time, 2))
+        power = np.maximum(tau * path(time, 1), 0.0).sum(axis=1)
+        return float((np.diff(time) * (power[1:] + power[:-1]) / 2).sum())
+
+    assert energy(path.knots) == pytest.approx(energy(np.linspace(0.0, path.knots[-1], 5001)), rel=0.05)
+
+
+def test_speed_is_kept_between_knots(robot: irb.Robot) -> None:
+    limits, W = MotionLimits.of(robot), drawn(5)[:3]
+    cubic = JointPath.through(np.array([0.0, 2.0, 4.0]), W)
+    time = np.linspace(0.0, 4.0, 81)
+    guess = Knots(time, cubic(time), cubic(time, 1), cubic(time, 2))
+    solved = Transcription(path_dynamics(robot).model, limits, W, (40, 40)).solve(guess, 60.0)
+    assert solved.converged
+    k, h = solved.knots, np.diff(solved.knots.time)[:, None]
+    for part in np.linspace(0.0, 1.0, 11):
+        speed = k.qd[:-1] + part * h * (k.qdd[:-1] + part / 2 * np.diff(k.qdd, axis=0))
+        assert (np.abs(speed) / limits.qd_max).max() <= 1 + 1e-4
+
+
+def test_a_place_without_timing_is_named_by_its_way_points() -> None:
+    knots = Knots(np.linspace(0.0, 4.0, 21), *np.zeros((3, 21, 6)))
+    assert _placed(StuckError(2.3, " no way; round it"), knots, (10, 10)) == "between way-points 2 and 3 no way"
+    assert _placed(InfeasibleError("no"), knots, (10, 10)) == "no"
 
 
 def test_margin_holds_between_knots(robot: irb.Robot) -> None:
