@@ -37,15 +37,17 @@ class Criteria:
         torque: its rms torque over the joint's.
         by_law: what its law alone gains over what it gains with departures.
         largest: its rms torque over the joint's, above which it only cancels another one.
+        two_at_once: how much more a generic law may gain than the best effect, for two effects to be tried instead.
         unknown: how much a generic law must beat the best effect by [nats], and as share of that effect's gain.
     """
 
-    gain: float = 18.0
+    gain: float = 22.0
     generic_gain: float = 25.0
     energy: float = 0.05
     torque: float = 0.003
     by_law: float = 0.4
     largest: float = 1.5
+    two_at_once: float = 1.0
     unknown: float = 10.0
     unknown_share: float = 0.02
     shortlist: int = 10
@@ -80,23 +82,40 @@ class Selection:
             fit = self.fitter.fit([s.candidate for s in steps])
         return steps, fit
 
-    def next_step(self, chosen: Sequence[Candidate], fit: Fit) -> Step | None:
-        """The best further explanation if it counts."""
+    def next_step(self, chosen: Sequence[Candidate], fit: Fit, alone: bool = False) -> Step | None:
+        """The best further explanation if it counts; `alone`: no two effects in the place of a generic law."""
         self.y, Z = fit.y, fit.Z
         base, before = self._base(Z)
-        rivals = self.rivals(Z, chosen)
-        if not rivals:
-            return None
-        rivals = [r for r in rivals if self._practical(r, r.evidence - base, before, chosen, Z)]
+        every = self.rivals(Z, chosen)
+        rivals = [r for r in every if self._practical(r, r.evidence - base, before, chosen, Z)]
         if not rivals:
             return None
         best = self._choice(rivals, base)
+        if not best.candidate.known and not alone:
+            best = self._first_of_two(best, every, base, chosen)
+            rivals += [] if best in rivals else [best]
+            self.y = fit.y
         gain = best.evidence - base
         if gain < (self.criteria.gain if best.candidate.known else self.criteria.generic_gain):
             return None
         polished = self._polished(best, Z)
         rivals[rivals.index(best)] = polished
         return Step(polished.candidate, gain, tuple(rivals))
+
+    def _first_of_two(self, generic: Rival, rivals: list[Rival], base: float, chosen: Sequence[Candidate]) -> Rival:
+        """The better of two effects that together explain a joint at least as well as the generic law, else that law.
+
+        A flexible function takes in both at once, so that either of them alone is beaten by it.
+        """
+        joint, gained = generic.candidate.joint, generic.evidence - base
+        first = next((r for r in rivals if r.candidate.known and r.candidate.joint == joint), None)
+        if first is None or gained > (1.0 + self.criteria.two_at_once) * (first.evidence - base):
+            return generic
+        both = [*chosen, first.candidate]
+        second = self.next_step(both, self.fitter.fit(both), alone=True)
+        if second is None or not second.candidate.known or second.candidate.joint != joint:
+            return generic
+        return first if first.evidence - base + second.gain > gained else generic
 
     def rivals(self, Z: Array, chosen: Sequence[Candidate] = ()) -> list[Rival]:
         """The most promising candidates, each judged under its own noise, best first."""
