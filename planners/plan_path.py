@@ -48,6 +48,11 @@ class _Clock:
     progress: Progress | None
     seconds: dict[str, float] = field(default_factory=dict)
 
+    def within(self, name: str, done: str) -> None:
+        """Tell how far a long stage is."""
+        if self.progress is not None:
+            self.progress(f"{name}: {done}")
+
     @contextmanager
     def stage(self, name: str) -> Iterator[None]:
         if self.progress is not None:
@@ -92,7 +97,7 @@ def plan_path(
         torque_rate: limit of the change of the torque, dry friction apart, for all axes or for each [Nm/s]. The torque
             then starts and ends at what holds the arm.
         jerk: limit of the change of the joints' acceleration, for all axes or for each [rad/s3].
-        progress: called with the name of each stage as it begins.
+        progress: called with the name of each stage as it begins, and within long ones with how far they are.
 
     Raises:
         InputError: an argument or the path itself is wrong.
@@ -117,11 +122,15 @@ def plan_path(
         placed = path if work_frame is None else path.moved(work_frame)
         orientation = Orientation.of(smooth_curve(placed, tolerance), spindle)
     with clock.stage("branch and rotation"):
-        found = list(choices(model, orientation, free_tool_rotation))
+        found = []
+        for choice in choices(model, orientation, free_tool_rotation):
+            found.append(choice)
+            clock.within("branch and rotation", f"{len(found)} way{'s' * (len(found) > 1)}")
     with clock.stage("timing"):
         options: list[tuple[Choice, Timed]] = []
         problem: InfeasibleError | None = None
-        for choice in found:
+        for number, choice in enumerate(found):
+            clock.within("timing", f"{100 * number / len(found):.0f} %")
             try:
                 options.append((choice, _timed(model, dynamics, choice, orientation, limits, cells, timing)))
             except StuckError as error:

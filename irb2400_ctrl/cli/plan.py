@@ -59,7 +59,8 @@ def plan(
     toolpath = read_path(path)
     limits = MotionLimits.of(arm)
     limits = replace(limits, tau_max=torque_share * limits.tau_max)
-    with step(f"planning {len(toolpath)} points"):
+    task = f"planning {len(toolpath):,} points"
+    with step(task) as say:
         planned = plan_path(
             arm,
             toolpath,
@@ -70,7 +71,9 @@ def plan(
             limits=limits,
             torque_rate=None if torque_rate is None else torque_rate * arm.tau_max,
             jerk=None if jerk_deg_s3 is None else math.radians(jerk_deg_s3),
+            progress=lambda stage: say(f"{task}: {stage}"),
         )
+        say(f"{task}: writing")
         planned.write(out)
         save_figures(planned, out)
         written = ["trajectory.csv", "plan.json", "torque.png", "margins.png", "joints.png"]
