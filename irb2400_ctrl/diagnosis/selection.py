@@ -34,8 +34,8 @@ class Criteria:
     Args:
         gain: log evidence of an effect over the model without it [nats], family-wise; generic_gain: of a generic law.
         energy: its energy over what the base alone leaves on that joint.
-        torque: its rms torque over the joint's.
-        by_law: what its law alone gains over what it gains with departures.
+        torque: its rms torque over the joint's; torque_beside_law: the same where its law alone gains less than
+            `by_law` of what it gains with departures.
         largest: its rms torque over the joint's, above which it only cancels another one.
         two_at_once: how much more a generic law may gain than the best effect, for two effects to be tried instead.
         unknown: how much a generic law must beat the best effect by [nats], and as share of that effect's gain.
@@ -45,7 +45,8 @@ class Criteria:
     generic_gain: float = 25.0
     energy: float = 0.05
     torque: float = 0.003
-    by_law: float = 0.4
+    torque_beside_law: float = 0.02
+    by_law: float = 0.25
     largest: float = 1.5
     two_at_once: float = 1.0
     unknown: float = 10.0
@@ -225,11 +226,11 @@ class Selection:
         """
         c, n, candidate = self.criteria, self.motion.n, rival.candidate
         size = np.sqrt(np.mean(candidate.torque(n) ** 2, axis=0))
-        if rival.by_law < c.by_law * rival.candidate.score.gain:
-            return False  # not this law: some of its departures
         if (size > c.largest * np.maximum(self.rms_torque, self.rms_predicted)).any():
             return False  # a torque that something else must cancel again
-        matters = (size > np.sqrt(c.energy * left.energy)) & (size > c.torque * self.rms_torque)
+        # by departures from its law alone: the base takes the law in, and only a good size still speaks for the name
+        least = c.torque if rival.by_law > c.by_law * candidate.score.gain else c.torque_beside_law
+        matters = (size > np.sqrt(c.energy * left.energy)) & (size > least * self.rms_torque)
         if chosen and matters.any():
             problem = self._problem(Z, None, colour=False)
             after = self._energy(self.y - self._explained(problem, Z, candidate))

@@ -27,12 +27,17 @@ class LinkageInertia(Effect):
         j, n = self.index, s.q.numel()
         return ca.horzcat(self.on(s.qdd[j], n), self.on(-STANDARD_GRAVITY * ca.cos(s.q[j]), n))
 
+    def departures(self, s: Signals) -> ca.SX:
+        # the rod's centre of mass beside the forearm's line
+        return self.on(ca.sin(s.q[self.index]), s.q.numel())
+
     def coefficients(self) -> tuple[float, ...]:
         return (self.inertia_kgm2, self.moment_kgm)
 
     @classmethod
     def from_coefficients(cls, joint: int | None, coefficients: Sequence[float], nonlinear: dict[str, float]) -> Self:
-        return cls.of(joint, inertia_kgm2=coefficients[0], moment_kgm=coefficients[1])
+        # the moment shows far more than the inertia, which noise may turn below zero
+        return cls.of(joint, inertia_kgm2=max(0.0, coefficients[0]), moment_kgm=coefficients[1])
 
     @classmethod
     def joints(cls, n: int) -> Sequence[int | None]:
