@@ -22,6 +22,8 @@ EVERYWHERE = ("rotor_inertia",)
 """effects that a maker leaves out of all joints alike"""
 EVERYWHERE_PENALTY = 15.0
 """[nats]"""
+GENERIC_LEFTOVER = 0.5
+"""share of its torque that a flexible law may leave: what is left is more of the same unknown"""
 KEPT_GENERIC = 4
 """how many generic laws of each joint are judged"""
 KEPT_GRID_POINTS = 2
@@ -60,7 +62,7 @@ class Candidate:
     @property
     def leftover(self) -> float:
         """Share of its torque that it may leave for others to explain."""
-        return max((e.leftover for e in self.effects), default=Effect.leftover)
+        return max((e.leftover for e in self.effects), default=GENERIC_LEFTOVER)
 
     @property
     def known(self) -> bool:

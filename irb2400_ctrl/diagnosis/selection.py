@@ -23,6 +23,8 @@ Mask = npt.NDArray[np.bool_]
 
 TRIED_IN_PART = 6
 """how many of the best effects are also tried as acting part of the time"""
+SMALL_FAMILY = 20
+"""members of a family that still is one law"""
 REVERSAL_TIME = 0.16
 """[s] rows nearer than this to a reversal have a variance of their own"""
 
@@ -106,15 +108,20 @@ class Selection:
     def _first_of_two(self, generic: Rival, rivals: list[Rival], base: float, chosen: Sequence[Candidate]) -> Rival:
         """The better of two effects that together explain a joint at least as well as the generic law, else that law.
 
-        A flexible function takes in both at once, so that either of them alone is beaten by it.
+        A flexible function takes in both at once, so that either of them alone is beaten by it. Large families (a ripple
+        of any order) are flexible functions themselves.
         """
         joint, gained = generic.candidate.joint, generic.evidence - base
-        first = next((r for r in rivals if r.candidate.known and r.candidate.joint == joint), None)
+
+        def simple(candidate: Candidate) -> bool:
+            return candidate.known and candidate.joint == joint and candidate.penalty < np.log(SMALL_FAMILY)
+
+        first = next((r for r in rivals if simple(r.candidate)), None)
         if first is None or gained > (1.0 + self.criteria.two_at_once) * (first.evidence - base):
             return generic
         both = [*chosen, first.candidate]
         second = self.next_step(both, self.fitter.fit(both), alone=True)
-        if second is None or not second.candidate.known or second.candidate.joint != joint:
+        if second is None or not simple(second.candidate):
             return generic
         return first if first.evidence - base + second.gain > gained else generic
 
@@ -238,10 +245,13 @@ class Selection:
             for earlier in chosen:
                 torque, share = earlier.torque(n), earlier.leftover
                 more = added > share * np.sqrt(np.mean(torque**2, axis=0))
-                if candidate.known:
+                # a flexible law has taken in whatever the base could hide there
+                if candidate.known and earlier.known:
                     known = left.by_joint(earlier.score.gain, torque) if earlier.joint is None else earlier.score.gain
                     more |= gain > share**2 * known
                 matters &= more
+            if not candidate.known:
+                matters &= added > np.sqrt(c.energy * left.energy)
         return bool(matters.any())
 
     def _exchanged(self, steps: list[Step]) -> list[Step]:
