@@ -108,8 +108,8 @@ class Selection:
     def _first_of_two(self, generic: Rival, rivals: list[Rival], base: float, chosen: Sequence[Candidate]) -> Rival:
         """The better of two effects that together explain a joint at least as well as the generic law, else that law.
 
-        A flexible function takes in both at once, so that either of them alone is beaten by it. Large families (a ripple
-        of any order) are flexible functions themselves.
+        A flexible function takes in both at once, so that either of them alone is beaten by it. Large families (a
+        ripple of any order) are flexible functions themselves.
         """
         joint, gained = generic.candidate.joint, generic.evidence - base
 
