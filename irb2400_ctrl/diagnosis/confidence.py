@@ -7,12 +7,15 @@ import numpy as np
 from irb2400_ctrl.diagnosis.step import Step
 from irb2400_ctrl.effects import LIBRARY
 
-TABLE = ((0.0, 0.50), (3.0, 0.65), (10.0, 0.71), (30.0, 0.83), (100.0, 0.93), (1000.0, 0.97), (1e5, 0.985))
-"""margin to the best other explanation [nats] -> share of right names"""
+TABLE = ((0.0, 0.55), (3.0, 0.70), (30.0, 0.78), (100.0, 0.86), (300.0, 0.92), (1000.0, 0.96), (1e5, 0.985))
+"""margin to the best other explanation [nats] -> share of right names
+
+Measured on 214 findings on the independent plant (single effects and pairs, seeds 2027 to 2029): right in 10 of 15
+below 3, 39 of 50 from 3 to 100, 81 of 88 from 100 to 1000, 61 of 61 above.
+"""
 
 LOOKALIKE_CAP = 0.75
-"""no finding is surer than this if a kind of another group passes for it: elastic joints were right in 2 of 4 (seed 900
-and two arms with backlash; too few for more than a cap)"""
+"""no finding is surer than this if a kind of another group passes for it: elastic joints were right in 12 of 17"""
 
 LIKELY = 12.0
 """[nats] rivals nearer than this are alternatives"""
