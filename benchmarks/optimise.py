@@ -1,6 +1,7 @@
 """Free geometry against the fixed spline: durations, solve times and violations on random way-points.
 
     python benchmarks/optimise.py [--count 20] [--seed 1]
+    python benchmarks/optimise.py --more           (torque rate, energy, intervals and warm starts; six of each set)
 
 Two sets of six way-points each: standard deviation of 0.5 rad about a working pose ("near"), and even over the middle
 half of the joint box ("far"). The fixed spline is the cubic spline at even parameters, in certified timing; toppra's
@@ -62,16 +63,77 @@ def problems(robot: Robot, kind: Callable[..., Array], count: int, seed: int) ->
     return found, outside, stuck
 
 
+def listed(values: list[float]) -> str:
+    """Mean and extremes."""
+    return f"{np.mean(values):.3f} ({min(values):.3f} to {max(values):.3f})"
+
+
+def rates(robot: Robot, cases: list[Array]) -> None:
+    """What a limit of the torque rate costs, next to its price on the fixed spline."""
+    free = [optimise_motion(robot, W) for W in cases]
+    fixed = [found.reference.duration for found in free if found.reference is not None]
+    for rate in (50, 20, 10):
+        price, fixed_price, ratio, seconds, bounded = [], [], [], [], 0
+        for W, without, reference in zip(cases, free, fixed, strict=True):
+            started = time.perf_counter()
+            found = optimise_motion(robot, W, torque_rate=rate * robot.tau_max)
+            seconds.append(time.perf_counter() - started)
+            assert found.reference is not None
+            price.append(found.duration / without.duration)
+            fixed_price.append(found.reference.duration / reference)
+            ratio.append(found.ratio)
+            checked = check(found.motion.certificate, path_dynamics(robot).model, path_dynamics(robot))
+            bounded += checked.holds() and not found.fell_back
+        print(f"   {rate} tau_max per second: duration over that without {listed(price)}, on the spline", end=" ")
+        print(f"{listed(fixed_price)}; ratio {listed(ratio)}; {listed(seconds)} s; certified {bounded}", flush=True)
+
+
+def energies(robot: Robot, cases: list[Array]) -> None:
+    """Energy over that of the slowed spline."""
+    ratio, seconds = [], []
+    for W in cases:
+        started = time.perf_counter()
+        found = optimise_motion(robot, W, objective="energy")
+        seconds.append(time.perf_counter() - started)
+        assert found.reference is not None
+        ratio.append(float(found.motion.energy.sum() / found.reference.energy.sum()))
+    print(f"   energy over that of the slowed spline {listed(ratio)}; {listed(seconds)} s", flush=True)
+
+
+def settings(robot: Robot, cases: list[Array]) -> None:
+    """Duration over that of the even spline: with other numbers of intervals, and from other warm starts."""
+    fixed = [optimise_motion(robot, W, wall_time=1e-6).duration for W in cases]
+    for intervals in (60, 100, 150, 300, 600):
+        found = [optimise_motion(robot, W, intervals=intervals, wall_time=60.0) for W in cases]
+        ratio = [f.duration / reference for f, reference in zip(found, fixed, strict=True)]
+        solver = [f.wall_time["solver"] for f in found]
+        print(f"   {intervals} intervals: ratio {listed(ratio)}; solver {listed(solver)} s", flush=True)
+    spread = []
+    for W in cases:
+        steps = np.abs(np.diff(W, axis=0)).max(axis=1)
+        ways = [np.concatenate([[0.0], np.cumsum(steps**power)]) for power in (0.0, 0.5, 1.0)]
+        durations = [optimise_motion(robot, W, start=JointPath.through(s / s[-1], W)).duration for s in ways]
+        spread.append(max(durations) / min(durations))
+    print(f"   longest over shortest of three warm starts {listed(spread)}\n", flush=True)
+
+
 def main() -> None:
     """Print one row a problem and the distribution of each set."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--count", type=int, default=20)
     parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--more", action="store_true", help="other objectives and settings instead")
     options = parser.parse_args()
     robot = irb.load_robot("irb2400")
     dynamics = path_dynamics(robot)
     for kind in (near, far):
-        cases, outside, stuck = problems(robot, kind, options.count, options.seed)
+        cases, outside, stuck = problems(robot, kind, 6 if options.more else options.count, options.seed)
+        if options.more:
+            print(f"{kind.__name__}: {len(cases)} problems")
+            rates(robot, cases)
+            energies(robot, cases)
+            settings(robot, cases)
+            continue
         rows = []
         print(f"{kind.__name__}: {len(cases)} problems; left out {outside} outside the box, {stuck} without a timing")
         print("   fixed s  toppra s   free s   ratio  to toppra   solver s   all s  iterations  torque   speed")
