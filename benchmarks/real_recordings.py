@@ -102,7 +102,7 @@ def main() -> None:
     parser.add_argument("--most", type=int, default=30)
     args = parser.parse_args()
     # so much is missing that a flexible law would take the place of several effects: names first
-    criteria = Criteria(most=args.most, relative=0.05, unknown_share=1e6)
+    criteria = Criteria(most=args.most, leftover=0.25, unknown_share=1e6)
     kr300 = args.folder / "kr300"
     first = diagnose(
         robot_of(kr300 / "robot.json"), read_log(kr300 / "A.csv.gz"), read_log(kr300 / "B.csv.gz"), criteria=criteria

@@ -38,6 +38,7 @@ class Criteria:
         energy: its energy over what the base alone leaves on that joint.
         torque: its rms torque over the joint's; torque_beside_law: the same where its law alone gains less than
             `by_law` of what it gains with departures.
+        leftover: times what the law of an effect found before may leave (`Effect.leftover`), which counts no more.
         largest: its rms torque over the joint's, above which it only cancels another one.
         two_at_once: how much more a generic law may gain than the best effect, for two effects to be tried instead.
         unknown: how much a generic law must beat the best effect by [nats], and as share of that effect's gain.
@@ -49,6 +50,7 @@ class Criteria:
     torque: float = 0.003
     torque_beside_law: float = 0.02
     by_law: float = 0.25
+    leftover: float = 1.0
     largest: float = 1.5
     two_at_once: float = 1.0
     unknown: float = 10.0
@@ -243,7 +245,7 @@ class Selection:
             after = self._energy(self.y - self._explained(problem, Z, candidate))
             added = np.sqrt(np.maximum(left.energy - after, 0.0))
             for earlier in chosen:
-                torque, share = earlier.torque(n), earlier.leftover
+                torque, share = earlier.torque(n), c.leftover * earlier.leftover
                 more = added > share * np.sqrt(np.mean(torque**2, axis=0))
                 # a flexible law has taken in whatever the base could hide there
                 if candidate.known and earlier.known:

@@ -138,8 +138,9 @@ class LowPass:
 
     def __call__(self, signal: Array) -> Array:
         """Filter along the first axis and keep every `keep`-th sample, from the first complete one to the last."""
-        flat = signal.reshape(len(signal), -1)
-        return np.asarray(_rows_of(self, len(signal)) @ flat).reshape(-1, *signal.shape[1:])
+        rows = _rows_of(self, len(signal))
+        flat = signal.reshape(len(signal), int(np.prod(signal.shape[1:])))
+        return np.asarray(rows @ flat).reshape(rows.shape[0], *signal.shape[1:])
 
     def instants(self, signal: npt.NDArray[Kept]) -> npt.NDArray[Kept]:
         """The kept samples of a signal, not filtered (for time stamps and masks)."""

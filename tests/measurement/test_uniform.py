@@ -82,3 +82,11 @@ def test_servo_response_is_found() -> None:
     log = resample(log_at(np.arange(0.0, 20.0, 0.004), lag=0.017))
     error = (followed(log) - log.q)[100:]
     assert np.abs(error).max() < 2e-4 * np.abs(log.q_ref - log.q).max()
+
+
+def test_the_filter_takes_signals_of_any_shape_and_none() -> None:
+    low_pass, signal = LowPass(10.0, 0.004), np.random.default_rng(2).normal(size=(500, 2, 3))
+    found = low_pass(signal)
+    assert found.shape == (len(low_pass.instants(signal)), 2, 3)
+    np.testing.assert_array_equal(found[:, 1, 2], low_pass(signal[:, 1, 2]))
+    assert low_pass(np.zeros((500, 0))).shape == (len(found), 0)
