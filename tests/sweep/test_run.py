@@ -191,7 +191,14 @@ def test_command_stopped_and_started_again(how: signal.Signals, long_alone: Path
     study = studies.write_study(tmp_path, LONG)
     out = tmp_path / "out"
     command = [sys.executable, "-m", "irb2400_ctrl.cli.main", "sweep", str(study), "--out", str(out), "--workers", "2"]
-    process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    # tests that run in the background of a shell inherit that interrupts are ignored
+    process = subprocess.Popen(
+        command,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
+    )
     journal = out / "cases.jsonl"
     while process.poll() is None and (not journal.exists() or len(journal.read_text().splitlines()) < 4):
         time.sleep(0.01)
