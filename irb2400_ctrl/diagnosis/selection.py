@@ -77,6 +77,7 @@ class Selection:
         """The accepted explanations, in the order they were found, and their common fit."""
         steps: list[Step] = []
         fit = self.fitter.fit([])
+        tried: set[frozenset[tuple[str, int | None, str]]] = set()
         while len(steps) < self.criteria.most:
             step = self.next_step([s.candidate for s in steps], fit)
             if step is None:
@@ -85,6 +86,10 @@ class Selection:
             if len(steps) > 1:
                 steps = self._exchanged(steps)
             fit = self.fitter.fit([s.candidate for s in steps])
+            names = frozenset((s.candidate.kind, s.candidate.joint, s.candidate.name) for s in steps)
+            if names in tried:
+                break  # one explanation pushes another out and is pushed out by it again
+            tried.add(names)
         return steps, fit
 
     def next_step(self, chosen: Sequence[Candidate], fit: Fit, alone: bool = False) -> Step | None:

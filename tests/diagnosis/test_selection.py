@@ -1,0 +1,25 @@
+"""The selection comes to an end."""
+
+from __future__ import annotations
+
+from itertools import cycle
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from irb2400_ctrl.diagnosis.selection import Criteria, Selection
+
+
+def test_explanations_that_push_each_other_out_are_not_tried_for_ever(monkeypatch: pytest.MonkeyPatch) -> None:
+    offered: Any = cycle(
+        SimpleNamespace(candidate=SimpleNamespace(kind=kind, joint=1, name=kind)) for kind in ("one", "other", "third")
+    )
+    selection: Any = Selection.__new__(Selection)
+    selection.criteria = Criteria(most=3)
+    selection.fitter = SimpleNamespace(fit=lambda chosen: len(chosen))
+    monkeypatch.setattr(Selection, "next_step", lambda self, chosen, fit, alone=False: next(offered))
+    monkeypatch.setattr(Selection, "_exchanged", lambda self, steps: steps[-1:])
+    steps, fit = selection.run()
+    assert [s.candidate.kind for s in steps] == ["one"]
+    assert fit == 1
