@@ -43,7 +43,9 @@ def predicted_torque(robot: Robot, motion: Motion, bases: Bases | None = None) -
             tau += effect_torque(bases, effect, moved)
     for effect in others:
         if isinstance(effect, TorqueGain):
-            tau = effect.reported(motion.time, tau)
+            # the shape was fitted on the given robot's load, which a payload found beside it changes
+            bare = effect.model_copy(update={"shape": ()})
+            tau = bare.reported(motion.time, tau) + _shape_torque(bases, effect, moved)
     for effect in others:
         if isinstance(effect, TimeDelay):
             tau = effect.reported(motion.time, tau)

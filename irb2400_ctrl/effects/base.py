@@ -122,6 +122,8 @@ class Effect(BaseModel, ABC):
     """part of a joint of which a log tells one flaw only: beside one effect on it no other is looked for"""
     lookalikes: ClassVar[tuple[str, ...]] = ()
     """kinds of other groups that ordinary logs do not tell from this one"""
+    keeps_shape: ClassVar[bool] = True
+    """whether `departures` found on one log say something about another motion or load"""
     leftover: ClassVar[float] = 0.22
     """share of its torque that its law, being simpler than the real thing, may leave for others to explain"""
     usual: ClassVar[dict[str, tuple[float, float]]] = {}

@@ -17,6 +17,8 @@ class TorqueGain(Effect):
 
     acts: ClassVar[Acts] = "measurement"
     abscissa = "load"
+    # quadratic in a load that a payload found beside it changes
+    keeps_shape: ClassVar[bool] = False
     group: ClassVar[str] = "gain"
     splits: ClassVar[str] = "a second payload, higher accelerations"
     sentence: ClassVar[str] = "the reported torque of the joint is a constant multiple of the true one"
