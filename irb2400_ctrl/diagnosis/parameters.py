@@ -63,7 +63,9 @@ def moved(effects: list[Effect], parameters: Sequence[Parameter], step: Array) -
             effect = there[parameter.effect]
             there[parameter.effect] = with_value(effect, parameter, value_of(effect, parameter) + float(change))
         try:
-            return [type(e).model_validate(e.model_dump()) for e in there]
+            valid = [type(e).model_validate(e.model_dump()) for e in there]
         except ValidationError:
             continue
+        if not any(e.unlikely for e in valid):
+            return valid
     return None

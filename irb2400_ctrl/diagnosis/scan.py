@@ -277,7 +277,7 @@ def plausible(kind: str, joint: int | None, coefficients: Array, nonlinear: dict
         effect = LIBRARY[kind].from_coefficients(joint, [float(c) for c in coefficients], nonlinear)
     except (ValidationError, ValueError, ZeroDivisionError):
         return None
-    return None if effect.negligible else effect
+    return None if effect.unlikely else effect
 
 
 def everywhere(laws: Sequence[Columns], n: int) -> Columns:

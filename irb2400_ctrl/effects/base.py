@@ -174,8 +174,8 @@ class Effect(BaseModel, ABC):
         return True
 
     @property
-    def negligible(self) -> bool:
-        """Whether it is too small for a diagnosis to name it, however clearly it shows."""
+    def unlikely(self) -> bool:
+        """Whether it is too small, or too large, for a diagnosis to name it, however clearly it shows."""
         return False
 
     @classmethod

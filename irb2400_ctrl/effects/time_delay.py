@@ -41,7 +41,7 @@ class TimeDelay(Effect):
         return cls.of(joint, delay_s=coefficients[0])
 
     @property
-    def negligible(self) -> bool:
+    def unlikely(self) -> bool:
         # time stamps of a stream are no truer than a part of its period; a torque held from sample to sample, and
         # friction at reversals, make it look a little ahead of its motion, a single joint more than the whole arm
         return -0.003 < self.delay_s < (0.0007 if self.joint is None else 0.0015)

@@ -38,6 +38,11 @@ class TorqueGain(Effect):
         shown[:, self.index] = self.gain * true + sum(self.shape) * true * np.abs(true)
         return shown
 
+    @property
+    def unlikely(self) -> bool:
+        # no drive is off by half; something else is missing
+        return not 0.5 < self.gain < 1.5
+
     def coefficients(self) -> tuple[float, ...]:
         return (self.gain - 1.0,)
 
