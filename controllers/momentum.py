@@ -36,7 +36,7 @@ def momentum(robot: Robot) -> ca.Function:
     zero = ca.SX.zeros(n)
     others = ca.substitute(model.effect_torque(s), ca.vertcat(s.qdd, s.time), ca.vertcat(zero, 0))
     # gravity of the bare arm: effects come with the signals above, so that none is counted twice
-    bare = Model(robot.model_copy(update={"effects": tuple(e for e in robot.effects if e.role == "parameters")}))
+    bare = Model(robot.bare())
     weight = bare.function("gravity")
     kinetic = 0.5 * s.qd.T @ M @ s.qd
     beta = ca.gradient(kinetic, s.q) - weight(s.q) - friction(robot, s.qd, s.sign) - others

@@ -14,6 +14,7 @@ from irb2400_ctrl.diagnosis.memory import Memory
 from irb2400_ctrl.diagnosis.motion import Motion
 from irb2400_ctrl.diagnosis.vectorised import Vectorised
 from irb2400_ctrl.effects import LIBRARY, Effect
+from irb2400_ctrl.effects.base import within
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.model.signals import ArmSignals
 from irb2400_ctrl.robot import Robot
@@ -80,10 +81,9 @@ class Bases:
         name = (kind, joint, departures, keys)
         if name not in self._laws:
             self._laws[name] = _Law(self.signals, LIBRARY[kind], joint, departures, keys)
-        active = np.ones(len(motion.time)) if not windows else np.zeros(len(motion.time))
-        for start, stop in windows:
-            active[(motion.time >= start) & (motion.time < stop)] = 1.0
-        return self._laws[name](motion, [tuple(entry[key] for key in keys) for entry in grid], filtered, active)
+        return self._laws[name](
+            motion, [tuple(entry[key] for key in keys) for entry in grid], filtered, within(windows, motion.time)
+        )
 
 
 class _Law:
@@ -113,7 +113,9 @@ class _Law:
             Memory(scalars, state, theta, prototype.state_rate(s), prototype.steady_state(s)) if effect.states else None
         )
 
-    def __call__(self, motion: Motion, grid: list[tuple[float, ...]], filtered: bool, active: Array) -> list[Columns]:
+    def __call__(
+        self, motion: Motion, grid: list[tuple[float, ...]], filtered: bool, active: npt.NDArray[np.bool_]
+    ) -> list[Columns]:
         m = len(motion.time)
         inputs = inputs_of(motion)
         count = motion.rows if filtered else m

@@ -13,16 +13,15 @@ from threadpoolctl import threadpool_limits
 
 from irb2400_ctrl.diagnosis.bases import Bases
 from irb2400_ctrl.diagnosis.confidence import alternatives, confidence
-from irb2400_ctrl.diagnosis.fit import Fit, Fitter, effect_torque, noisy_reversals_masked
+from irb2400_ctrl.diagnosis.fit import Fit, Fitter, noisy_reversals_masked
 from irb2400_ctrl.diagnosis.metrics import errors, noise_floor
 from irb2400_ctrl.diagnosis.motion import Motion, prepare
 from irb2400_ctrl.diagnosis.nuisance import Nuisance, Uncertainty
-from irb2400_ctrl.diagnosis.predict import predicted_torque
+from irb2400_ctrl.diagnosis.predict import effect_torque, predicted_torque
 from irb2400_ctrl.diagnosis.result import Comparison, Curve, Diagnosis, Finding, Unexplained
 from irb2400_ctrl.diagnosis.scan import Candidate, Scan
 from irb2400_ctrl.diagnosis.selection import Criteria, Selection, reversal_rows
 from irb2400_ctrl.diagnosis.step import Step
-from irb2400_ctrl.effects import Effect
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.measurement.log import Log
 from irb2400_ctrl.robot import Robot
@@ -69,7 +68,7 @@ def diagnose(
     with threadpool_limits(limits=1, user_api="blas"):
         progress("prepare")
         motion = prepare(log)
-        bases = _bases(robot.model_copy(update={"effects": _folded(robot)}))
+        bases = _bases(robot.bare())
         nuisance = Nuisance.of(robot, Uncertainty() if uncertainty is None else uncertainty, motion)
         if reference is not None:
             nuisance = _referred(nuisance, bases, prepare(reference))
@@ -95,11 +94,6 @@ def _referred(nuisance: Nuisance, bases: Bases, motion: Motion) -> Nuisance:
     fit = Fitter(nuisance.robot, bases, motion, Z, reversal_rows(motion)).fit([])
     # the arm of another day is never quite the same: friction moves with temperature
     return replace(nuisance, centre=fit.z, spread=np.maximum(INFLATION * fit.z_sigma, LEAST_SPREAD))
-
-
-def _folded(robot: Robot) -> tuple[Effect, ...]:
-    """Effects that change the arm's own parameters: the bases are built with them."""
-    return tuple(e for e in robot.effects if e.role == "parameters")
 
 
 @lru_cache(maxsize=4)
@@ -293,6 +287,3 @@ def _recalibrated(nuisance: Nuisance, fit: Fit, robot: Robot) -> dict[str, Any]:
             values = {"mass": "mass_kg", "com": "com_m", "inertia": "inertia_kgm2"}[name]
             found[f"tool_{name}"] = getattr(robot.tool.body, values)
     return found
-
-
-__all__ = ["diagnose"]

@@ -13,7 +13,7 @@ from irb2400_ctrl.diagnosis.evidence import departure_shares, departure_unit
 from irb2400_ctrl.diagnosis.motion import Motion
 from irb2400_ctrl.diagnosis.noise import Noise, autoregressive
 from irb2400_ctrl.diagnosis.parameters import Parameter, moved, parameters_of, value_of, with_value
-from irb2400_ctrl.diagnosis.predict import effect_torque, nonlinear_of, predicted_torque
+from irb2400_ctrl.diagnosis.predict import predicted_torque
 from irb2400_ctrl.diagnosis.scan import Candidate
 from irb2400_ctrl.effects import Effect
 from irb2400_ctrl.robot import Robot
@@ -185,10 +185,10 @@ class Fitter:
         return y, np.concatenate([*blocks, *G], axis=2), parameters, np.array(sizes), shapes
 
     def _torque(self, effect: Effect) -> Array:
-        key = (effect.kind, effect.joint, effect.windows_s, *sorted(nonlinear_of(effect).items()))
+        key = (effect.kind, effect.joint, effect.windows_s, *sorted(effect.nonlinear.items()))
         if effect.shape or key not in self._cache:
             law = self.bases.columns(
-                effect.kind, effect.joint, self.motion, [nonlinear_of(effect)], windows=effect.windows_s
+                effect.kind, effect.joint, self.motion, [effect.nonlinear], windows=effect.windows_s
             )[0]
             placed = np.zeros((self.motion.rows, self.motion.n, law.values.shape[2]))
             placed[:, list(law.joints)] = law.values
@@ -204,13 +204,13 @@ class Fitter:
 
     def _departures(self, effect: Effect) -> tuple[Array, Array]:
         columns = self.bases.columns(
-            effect.kind, effect.joint, self.motion, [nonlinear_of(effect)], departures=True, windows=effect.windows_s
+            effect.kind, effect.joint, self.motion, [effect.nonlinear], departures=True, windows=effect.windows_s
         )[0]
         placed = np.zeros((self.motion.rows, self.motion.n, columns.values.shape[2]))
         placed[:, list(columns.joints)] = columns.values
-        law = self.bases.columns(
-            effect.kind, effect.joint, self.motion, [nonlinear_of(effect)], windows=effect.windows_s
-        )[0]
+        law = self.bases.columns(effect.kind, effect.joint, self.motion, [effect.nonlinear], windows=effect.windows_s)[
+            0
+        ]
         shares = departure_shares(effect.kind, placed.shape[2])
         if not placed.shape[2]:
             return placed, np.zeros(0)
@@ -246,6 +246,3 @@ class Fitter:
 
 
 _State = tuple[Array, Array, list[Parameter], Array, list[Array]]
-
-
-__all__ = ["Fit", "Fitter", "effect_torque", "noisy_reversals_masked"]

@@ -27,9 +27,8 @@ def predicted_torque(robot: Robot, motion: Motion, bases: Bases | None = None) -
     Args:
         bases: evaluator of the robot the bases are built on; default the robot itself without its effects.
     """
-    folded = tuple(e for e in robot.effects if e.role == "parameters")
+    arm = robot.bare()
     others = [e for e in robot.effects if e.role != "parameters"]
-    arm = robot.model_copy(update={"effects": folded})
     q = motion.q.copy()
     for effect in others:
         if isinstance(effect, EncoderZero):
@@ -41,38 +40,30 @@ def predicted_torque(robot: Robot, motion: Motion, bases: Bases | None = None) -
     for effect in others:
         if not isinstance(effect, EncoderZero | TorqueGain | TimeDelay):
             tau += effect_torque(bases, effect, moved)
-    for effect in others:
-        if isinstance(effect, TorqueGain):
-            # the shape was fitted on the given robot's load, which a payload found beside it changes
-            bare = effect.model_copy(update={"shape": ()})
-            tau = bare.reported(motion.time, tau) + _shape_torque(bases, effect, moved)
-    for effect in others:
-        if isinstance(effect, TimeDelay):
-            tau = effect.reported(motion.time, tau)
+    for kind in (TorqueGain, TimeDelay):  # the drive's reading is what arrives late
+        for effect in others:
+            if isinstance(effect, kind):
+                tau = effect.reported(motion.time, tau)
     return tau
 
 
 def effect_torque(bases: Bases, effect: Effect, motion: Motion, *, filtered: bool = False) -> Array:
     """Torque of one effect along a motion from its basis, shape (m, n) or filtered (rows, n) [Nm]."""
     law = bases.columns(
-        effect.kind, effect.joint, motion, [nonlinear_of(effect)], filtered=filtered, windows=effect.windows_s
+        effect.kind, effect.joint, motion, [effect.nonlinear], filtered=filtered, windows=effect.windows_s
     )[0]
     tau = law.torque(np.array(effect.coefficients()), motion.n)
-    return tau + _shape_torque(bases, effect, motion, filtered=filtered)
-
-
-def _shape_torque(bases: Bases, effect: Effect, motion: Motion, *, filtered: bool = False) -> Array:
     if not effect.shape:
-        return np.zeros((motion.rows if filtered else len(motion.time), motion.n))
-    nonlinear = [nonlinear_of(effect)]
+        return tau
     columns = bases.columns(
-        effect.kind, effect.joint, motion, nonlinear, departures=True, filtered=filtered, windows=effect.windows_s
+        effect.kind,
+        effect.joint,
+        motion,
+        [effect.nonlinear],
+        departures=True,
+        filtered=filtered,
+        windows=effect.windows_s,
     )[0]
     # further columns tell how a record began: no property of the robot
     kept = Columns(columns.joints, columns.values[:, :, : len(effect.shape)])
-    return kept.torque(np.array(effect.shape), motion.n)
-
-
-def nonlinear_of(effect: Effect) -> dict[str, float]:
-    """The nonlinear parameters that the effect's basis depends on."""
-    return {key: float(getattr(effect, key)) for key in type(effect).nonlinear_names(effect.joint)}
+    return tau + kept.torque(np.array(effect.shape), motion.n)

@@ -186,7 +186,7 @@ class Scan:
         if not candidate.known or not LIBRARY[candidate.kind].states:
             return candidate
         best, effect = candidate, candidate.effects[0]
-        nonlinear = {key: float(getattr(effect, key)) for key in type(effect).nonlinear_names(effect.joint)}
+        nonlinear = effect.nonlinear
         for width in (0.1, 0.04, 0.015):
             for key in nonlinear:
                 # a damping is known far less sharply than a frequency

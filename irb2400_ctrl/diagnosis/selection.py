@@ -134,7 +134,7 @@ class Selection:
 
     def rivals(self, Z: Array, chosen: Sequence[Candidate] = ()) -> list[Rival]:
         """The most promising candidates, each judged under its own noise, best first."""
-        problem = self._problem(Z, None, colour=False)
+        problem = self._problem(Z)
         ranked = self.scan.rank(problem, chosen)
         short = [self.scan.between(problem, c) for c in shortlist(ranked, self.criteria.shortlist)]
         short += self._in_part(problem, [c for c in ranked if c.known])
@@ -165,7 +165,7 @@ class Selection:
         return best if lead > c.unknown + c.unknown_share * max(known.evidence - base, 0.0) else known
 
     def _judged(self, candidate: Candidate, Z: Array) -> Rival:
-        problem = self._problem(Z, candidate, colour=False)
+        problem = self._problem(Z)
         for _ in range(2):
             residual = self.y - self._explained(problem, Z, candidate)
             problem = Problem(self.y, Z, self._noise(residual))
@@ -183,7 +183,7 @@ class Selection:
         candidate = rival.candidate
         if not candidate.known or not any(e.states for e in candidate.effects):
             return rival
-        problem = self._problem(Z, None, colour=False)
+        problem = self._problem(Z)
         problem = Problem(self.y, Z, self._noise(self.y - self._explained(problem, Z, candidate)))
         return replace(rival, candidate=self.scan.polished(problem, candidate))
 
@@ -200,22 +200,18 @@ class Selection:
         tau = candidate.torque(self.motion.n)
         return np.asarray(tau + Z @ problem.base_beside(tau))
 
-    def _problem(self, Z: Array, candidate: Candidate | None, colour: bool) -> Problem:
-        """White (or coloured) noise of the level that the base or the candidate leaves."""
+    def _problem(self, Z: Array) -> Problem:
+        """White noise of the level that the base leaves."""
         rows = self.motion.row_known
-        first = [white(self.y[:, j], rows[:, j], self.reversal[:, j]) for j in range(self.motion.n)]
-        problem = Problem(self.y, Z, first)
-        residual = self.y - Z @ problem.z
-        noise = (
-            self._noise(residual)
-            if colour
-            else [white(residual[:, j], rows[:, j], self.reversal[:, j]) for j in range(self.motion.n)]
-        )
-        return Problem(self.y, Z, noise)
+
+        def level(residual: Array) -> list[Noise]:
+            return [white(residual[:, j], rows[:, j], self.reversal[:, j]) for j in range(self.motion.n)]
+
+        return Problem(self.y, Z, level(self.y - Z @ Problem(self.y, Z, level(self.y)).z))
 
     def _base(self, Z: Array) -> tuple[float, Left]:
         """Log evidence without a further explanation, and what it leaves."""
-        problem = self._problem(Z, None, colour=False)
+        problem = self._problem(Z)
         for _ in range(2):
             residual = self.y - Z @ problem.z
             problem = Problem(self.y, Z, self._noise(residual))
@@ -246,7 +242,7 @@ class Selection:
         least = c.torque if rival.by_law > c.by_law * candidate.score.gain else c.torque_beside_law
         matters = (size > np.sqrt(c.energy * left.energy)) & (size > least * self.rms_torque)
         if chosen and matters.any():
-            problem = self._problem(Z, None, colour=False)
+            problem = self._problem(Z)
             after = self._energy(self.y - self._explained(problem, Z, candidate))
             added = np.sqrt(np.maximum(left.energy - after, 0.0))
             for earlier in chosen:

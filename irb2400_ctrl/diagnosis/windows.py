@@ -12,12 +12,11 @@ import numpy.typing as npt
 from irb2400_ctrl.diagnosis.bases import Columns
 from irb2400_ctrl.diagnosis.evidence import Problem, law_gain
 from irb2400_ctrl.diagnosis.scan import Candidate, Scan
+from irb2400_ctrl.effects.base import OPEN_END_S
 
 Array = npt.NDArray[np.float64]
 Windows = tuple[tuple[float, float], ...]
 
-FOREVER = 1e9
-"""[s] end of a window that the record does not show"""
 CLEARLY = 15.0
 """[nats] an effect that acts always is the simpler story"""
 PER_EDGE = 5.0
@@ -48,7 +47,7 @@ def windowed(scan: Scan, problem: Problem, candidate: Candidate) -> Candidate | 
 def acting(scan: Scan, problem: Problem, candidate: Candidate, windows: Windows) -> Candidate:
     """The candidate acting in these windows only; their choice is paid for."""
     effect = candidate.effects[0]
-    edges = sum(edge < FOREVER for window in windows for edge in window)
+    edges = sum(edge < OPEN_END_S for window in windows for edge in window)
     penalty = candidate.penalty + CLEARLY + PER_EDGE * (edges - 1)
     law = _law(scan, candidate, windows)
     score = problem.score(law, scales=scan.scales(candidate))
@@ -66,8 +65,7 @@ def acting(scan: Scan, problem: Problem, candidate: Candidate, windows: Windows)
 
 def _law(scan: Scan, candidate: Candidate, windows: Windows) -> Columns:
     effect = candidate.effects[0]
-    nonlinear = {key: float(getattr(effect, key)) for key in type(effect).nonlinear_names(effect.joint)}
-    return scan.bases.columns(effect.kind, effect.joint, scan.motion, [nonlinear], windows=windows)[0]
+    return scan.bases.columns(effect.kind, effect.joint, scan.motion, [effect.nonlinear], windows=windows)[0]
 
 
 def _gain(scan: Scan, problem: Problem, candidate: Candidate, windows: Windows) -> float:
@@ -84,7 +82,7 @@ def _begun(scan: Scan, problem: Problem, candidate: Candidate) -> tuple[Windows,
         later = gram[start * k :, start * k :].reshape(STARTS + 1 - start, k, STARTS + 1 - start, k).sum(axis=(0, 2))
         gains.append(law_gain(later, right[start * k :].reshape(-1, k).sum(axis=0), scan.scales(candidate))[0])
     best = int(np.argmax(gains))
-    return ((float(edges[best]), FOREVER),), gains[best]
+    return ((float(edges[best]), OPEN_END_S),), gains[best]
 
 
 def _in_blocks(
@@ -92,8 +90,7 @@ def _in_blocks(
 ) -> tuple[Array, Array, int]:
     """Gram matrix and right side of the k columns of a law, acting in one block of time after another."""
     effect, motion = candidate.effects[0], scan.motion
-    nonlinear = {key: float(getattr(effect, key)) for key in type(effect).nonlinear_names(effect.joint)}
-    (whole,) = scan.bases.columns(effect.kind, effect.joint, motion, [nonlinear], filtered=False)
+    (whole,) = scan.bases.columns(effect.kind, effect.joint, motion, [effect.nonlinear], filtered=False)
     blocks = [motion.filtered(whole.values * (place == i)[:, None, None]) for i in range(int(place.max()) + 1)]
     gram, right = problem.projected(Columns(whole.joints, np.concatenate(blocks, axis=2)))
     return gram, right, whole.values.shape[2]
@@ -123,7 +120,7 @@ def _sharpened(scan: Scan, problem: Problem, candidate: Candidate, windows: Wind
     for _ in range(3):
         for i in range(len(best)):
             for side in (0, 1):
-                if best[i][side] >= FOREVER:
+                if best[i][side] >= OPEN_END_S:
                     continue
                 for move in (-width, width):
                     trial = [list(w) for w in best]

@@ -23,8 +23,8 @@ from pydantic import BaseModel, ConfigDict, Field
 Array = npt.NDArray[np.float64]
 Acts = Literal["force", "parameters", "measurement"]
 
-OPEN_END_S = 1e6
-"""an effect whose window ends later than this [s] still acted at the end of the record"""
+OPEN_END_S = 1e9
+"""end [s] of a window that the record does not show: the effect still acted when it ended"""
 STANDARD_GRAVITY = 9.81
 """[m/s2], as the robot file of the paper's arm has it"""
 
@@ -230,8 +230,7 @@ class Effect(BaseModel, ABC):
 
     def active(self, time: Array) -> npt.NDArray[np.bool_]:
         """Whether it acts at these times [s]."""
-        inside = [(time >= start) & (time < stop) for start, stop in self.windows_s]
-        return np.any(inside, axis=0) if inside else np.ones(len(time), dtype=bool)
+        return within(self.windows_s, time)
 
     def reported(self, time: Array, tau: Array) -> Array:
         """Exactly what the measuring chain shows of torques `tau` (m, n) [Nm] at the times `time` (m,) [s].
@@ -258,6 +257,11 @@ class Effect(BaseModel, ABC):
         """Fields that `basis` depends on: those of the grid."""
         return tuple(cls.grid(joint)[0])
 
+    @property
+    def nonlinear(self) -> dict[str, float]:
+        """The nonlinear parameters that `basis` depends on."""
+        return {key: float(getattr(self, key)) for key in self.nonlinear_names(self.joint)}
+
     def on(self, column: ca.SX, n: int) -> ca.SX:
         """A scalar torque placed on this effect's joint, shape (n, 1)."""
         placed = ca.SX(n, 1)
@@ -275,3 +279,9 @@ class Effect(BaseModel, ABC):
         if self.joint is None:
             raise ValueError(f"{self.kind} needs a joint")
         return self.joint - 1
+
+
+def within(windows: Sequence[tuple[float, float]], time: Array) -> npt.NDArray[np.bool_]:
+    """Whether these times [s] lie in one of the windows; always, without any."""
+    inside = [(time >= start) & (time < stop) for start, stop in windows]
+    return np.any(inside, axis=0) if inside else np.ones(len(time), dtype=bool)

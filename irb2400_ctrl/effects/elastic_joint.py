@@ -10,6 +10,7 @@ import casadi as ca
 from pydantic import Field
 
 from irb2400_ctrl.effects.base import Effect, Signals
+from irb2400_ctrl.effects.link_lag import lag_torque
 
 
 class ElasticJoint(Effect):
@@ -45,10 +46,8 @@ class ElasticJoint(Effect):
     )
 
     def basis(self, s: Signals) -> ca.SX:
-        j = self.index
         x, rate = s.state[0], s.state[1]
-        acceleration = self._acceleration(s, x, rate)
-        return -(s.mass_matrix[:, j] * acceleration + s.tau_jacobian[:, j] * x) / self.stiffness_Nm_rad
+        return lag_torque(s, self.index, x, self._acceleration(s, x, rate)) / self.stiffness_Nm_rad
 
     def _acceleration(self, s: Signals, x: ca.SX, rate: ca.SX) -> ca.SX:
         """d2 x / dt2 [Nm/s2]."""

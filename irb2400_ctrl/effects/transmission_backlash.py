@@ -10,6 +10,7 @@ import casadi as ca
 from pydantic import Field
 
 from irb2400_ctrl.effects.base import Acts, Effect, Signals
+from irb2400_ctrl.effects.link_lag import lag_torque
 
 
 class TransmissionBacklash(Effect):
@@ -37,9 +38,7 @@ class TransmissionBacklash(Effect):
     crossing_s: float = Field(default=0.05, gt=0, description="time in which the link crosses the gap [s]")
 
     def basis(self, s: Signals) -> ca.SX:
-        j = self.index
-        acceleration = self._acceleration(s)
-        return -0.5 * (s.mass_matrix[:, j] * acceleration + s.tau_jacobian[:, j] * s.state[0])
+        return 0.5 * lag_torque(s, self.index, s.state[0], self._acceleration(s))
 
     def departures(self, s: Signals) -> ca.SX:
         # where the load never changes sign, play is a shifted angle

@@ -76,9 +76,7 @@ class Alternatives:
     def __init__(self, robot: Robot, group: Group, standard: Motion, joint: int | None = None) -> None:
         """`standard`: motion on which sizes are set (torque included)."""
         self.robot, self.group = robot, group
-        self.bases = Bases(
-            robot.model_copy(update={"effects": tuple(e for e in robot.effects if e.role == "parameters")})
-        )
+        self.bases = Bases(robot.bare())
         self.nuisance = Nuisance.of(robot, Uncertainty(), standard)
         self.noise: Array = NOISE * robot.tau_max
         self._standard = standard

@@ -46,8 +46,7 @@ def elastic_data(robot: Robot) -> Array:
         found = {e.kind: e.parameters() for e in robot.effects if e.kind in TRANSMISSIONS and e.index == j}
         rotors = [e for e in robot.effects if e.kind == "rotor_inertia" and e.index == j]
         # the damping ratio is that of the link on its spring, the motor held
-        bare = robot.model_copy(update={"effects": tuple(e for e in robot.effects if e.role == "parameters")})
-        link = float(Model(bare).mass_matrix(np.zeros(robot.n))[j, j])
+        link = float(Model(robot.bare()).mass_matrix(np.zeros(robot.n))[j, j])
         inertia = sum(float(e.coefficients()[0]) for e in rotors) if rotors else ROTOR_SHARE * link
         teeth = {"stiffness_Nm_rad": link * (2 * np.pi * TEETH_Hz) ** 2, "damping_ratio": TEETH_DAMPING}
         spring = found.get("elastic_joint", teeth)

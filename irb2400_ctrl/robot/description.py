@@ -271,9 +271,13 @@ class Robot(_Table):
         """This robot with further effects, validated."""
         return self.model_copy(update={"effects": (*self.effects, *effects)})
 
+    def bare(self) -> Robot:
+        """The arm alone, with the bodies that it carries always: without forces and measuring chain."""
+        return self.model_copy(update={"effects": tuple(e for e in self.effects if e.role == "parameters")})
+
     def lasting(self) -> Robot:
         """The robot after a record: what began in it acts from now on, what also ended in it was an event."""
-        kept = [e for e in self.effects if not e.windows_s or e.windows_s[-1][1] > OPEN_END_S]
+        kept = [e for e in self.effects if not e.windows_s or e.windows_s[-1][1] >= OPEN_END_S]
         return self.model_copy(update={"effects": tuple(e.model_copy(update={"windows_s": ()}) for e in kept)})
 
     def __eq__(self, other: object) -> bool:
