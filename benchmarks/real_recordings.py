@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from irb2400_ctrl.diagnosis import Diagnosis, diagnose
-from irb2400_ctrl.diagnosis.selection import Criteria
+from irb2400_ctrl.diagnosis.criteria import Criteria
 from irb2400_ctrl.measurement import Log, read_log
 from irb2400_ctrl.robot import Robot
 

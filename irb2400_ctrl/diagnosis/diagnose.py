@@ -13,6 +13,7 @@ from threadpoolctl import threadpool_limits
 
 from irb2400_ctrl.diagnosis.bases import Bases
 from irb2400_ctrl.diagnosis.confidence import alternatives, confidence
+from irb2400_ctrl.diagnosis.criteria import Criteria
 from irb2400_ctrl.diagnosis.fit import Fit, Fitter, noisy_reversals_masked
 from irb2400_ctrl.diagnosis.metrics import errors, noise_floor
 from irb2400_ctrl.diagnosis.motion import Motion, prepare
@@ -20,7 +21,7 @@ from irb2400_ctrl.diagnosis.nuisance import Nuisance, Uncertainty
 from irb2400_ctrl.diagnosis.predict import effect_torque, predicted_torque
 from irb2400_ctrl.diagnosis.result import Comparison, Curve, Diagnosis, Finding, Unexplained
 from irb2400_ctrl.diagnosis.scan import Candidate, Scan
-from irb2400_ctrl.diagnosis.selection import Criteria, Selection, reversal_rows
+from irb2400_ctrl.diagnosis.selection import Selection, reversal_rows
 from irb2400_ctrl.diagnosis.step import Step
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.measurement.log import Log

@@ -77,6 +77,12 @@ class Problem:
         part = sum((self.Z[j].T @ one.whiten(torque[:, j]) for j, one in enumerate(self.noise)), np.zeros(len(self.z)))
         return np.asarray(self.z - cho_solve(self._factor, part))
 
+    def own_share(self, torque: Array) -> float:
+        """Share of a torque (rows, n) that the base with free numbers would not give: X^T P X over X^T X."""
+        gram, _ = self.projected(Columns(tuple(range(len(self.noise))), torque[:, :, None]))
+        whole = sum(float(np.sum(one.whiten(torque[:, j]) ** 2)) for j, one in enumerate(self.noise))
+        return float(gram[0, 0]) / max(whole, 1e-12)
+
     def whitened(self, columns: Columns) -> list[tuple[int, Array]]:
         """Filtered columns (rows, joints, k), whitened per joint."""
         return [(j, self.noise[j].whiten(columns.values[:, i, :])) for i, j in enumerate(columns.joints)]
@@ -89,6 +95,23 @@ class Problem:
         right: Array = sum((x.T @ self.y[j] for j, x in blocks), np.zeros(k))
         C: Array = sum((self.Z[j].T @ x for j, x in blocks), np.zeros((len(self._Zy), k)))
         return gram - C.T @ cho_solve(self._factor, C), right - C.T @ self.z
+
+    def projected_in_blocks(self, columns: Columns, place: npt.NDArray[np.intp]) -> tuple[Array, Array]:
+        """The same for columns that act in one block of rows after another, `place` (rows,) rising from 0.
+
+        The filter's reach across the edges is left out.
+        """
+        k, count = columns.values.shape[2], int(place[-1]) + 1
+        gram, right, C = np.zeros((count * k, count * k)), np.zeros(count * k), np.zeros((len(self._Zy), count * k))
+        for j, x in self.whitened(columns):
+            edges = np.searchsorted(place[self.noise[j].kept], np.arange(count + 1))
+            for block in range(count):
+                rows, part = slice(*edges[block : block + 2]), slice(block * k, (block + 1) * k)
+                gram[part, part] += x[rows].T @ x[rows]
+                right[part] += x[rows].T @ self.y[j][rows]
+                C[:, part] += self.Z[j][rows].T @ x[rows]
+        half = solve_triangular(self._lower, C, lower=True)
+        return gram - half.T @ half, right - C.T @ self.z
 
     def projected_many(self, joint: int, values: Array) -> tuple[Array, Array]:
         """The same for g sets of columns on one joint, values (g, rows, k): (g, k, k) and (g, k)."""

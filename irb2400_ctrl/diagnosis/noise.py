@@ -42,6 +42,12 @@ class Noise:
         return np.asarray(out).reshape(-1, *columns.shape[1:])
 
 
+def without(noise: Noise, rows: Mask) -> Noise:
+    """The same noise where some rows do not count."""
+    stay = ~rows[noise.kept]
+    return Noise(noise.a, noise.weight[stay], noise.kept[stay])
+
+
 def complete_rows(known: Mask, order: int = ORDER) -> npt.NDArray[np.intp]:
     """Rows that are known and have `order` known rows before them."""
     good = known.copy()

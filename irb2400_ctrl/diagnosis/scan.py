@@ -15,6 +15,7 @@ from irb2400_ctrl.diagnosis.evidence import Problem, Score, departure_shares, g_
 from irb2400_ctrl.diagnosis.generic import Generic, generic_laws, vibrations
 from irb2400_ctrl.diagnosis.motion import Motion
 from irb2400_ctrl.effects import LIBRARY, Effect
+from irb2400_ctrl.effects.base import within
 
 Array = npt.NDArray[np.float64]
 
@@ -65,9 +66,38 @@ class Candidate:
         return max((e.leftover for e in self.effects), default=GENERIC_LEFTOVER)
 
     @property
+    def scales(self) -> tuple[float, ...]:
+        """Plausible sizes of its coefficients, empty if not known."""
+        return LIBRARY[self.kind].scales if self.known else ()
+
+    @property
+    def devices(self) -> frozenset[str]:
+        """Parts of joints that its effects are flaws of."""
+        return frozenset(e.device for e in self.effects if e.device)
+
+    @property
+    def begins(self) -> tuple[float, ...]:
+        """Times at which its effects begin [s]; empty for what acts always."""
+        return tuple(e.windows_s[0][0] for e in self.effects if e.windows_s)
+
+    @property
     def known(self) -> bool:
         """Whether it is an effect of the library."""
         return bool(self.effects)
+
+
+@dataclass(frozen=True)
+class Point:
+    """One effect of the library with its nonlinear parameters fixed."""
+
+    kind: str
+    joint: int | None
+    nonlinear: dict[str, float]
+
+    @property
+    def device(self) -> str:
+        """`Effect.device`."""
+        return LIBRARY[self.kind].device
 
 
 class Scan:
@@ -76,6 +106,7 @@ class Scan:
     def __init__(self, bases: Bases, motion: Motion, load: Array) -> None:
         self.bases, self.motion, self.load = bases, motion, load
         self._departures: dict[tuple[object, ...], Columns] = {}
+        self._samples: dict[tuple[object, ...], Columns] = {}
         self._vibrations = cache(lambda joint: vibrations(motion, joint))
 
     @cached_property
@@ -137,16 +168,47 @@ class Scan:
         found += [self._vibration(problem, joint) for joint in range(self.motion.n)]
         return sorted((c for c in found if c.score.gain > 0), key=lambda c: -c.score.gain)
 
-    def scales(self, candidate: Candidate) -> Sequence[float]:
-        """Plausible sizes of a candidate's coefficients, empty if not known."""
-        return LIBRARY[candidate.kind].scales if candidate.known else ()
+    def columns(self, point: Point) -> Columns:
+        """Filtered columns of an effect."""
+        grid, laws = self.laws[point.kind, point.joint]
+        return laws[grid.index(point.nonlinear)]
+
+    def samples(self, point: Point, departures: bool = False) -> Columns:
+        """Columns of an effect sample by sample, not filtered."""
+        key = (point.kind, point.joint, departures, *sorted(point.nonlinear.items()))
+        if key not in self._samples:
+            self._samples[key] = self.bases.columns(
+                point.kind, point.joint, self.motion, [point.nonlinear], departures=departures, filtered=False
+            )[0]
+        return self._samples[key]
+
+    def points(self, problem: Problem, joint: int | None, windows: Sequence[tuple[float, float]] = ()) -> list[Point]:
+        """Promising members of every effect that could act in these windows on a joint (None: on the whole arm)."""
+        found, acting = [], within(windows, self.motion.row_time)[:, None, None]
+        for kind, at in self.families:
+            if at != joint or not self._shows(kind, at):
+                continue
+            grid, always = self.laws[kind, at]
+            # the filter's reach across the edges of the windows hardly matters for a first look
+            laws = [Columns(law.joints, law.values * acting) for law in always] if windows else always
+            found += [Point(kind, at, grid[place]) for place in self._promising(problem, kind, at, laws)]
+        return found
+
+    def family_penalty(self, kind: str, joint: int | None) -> float:
+        """What the choice among the members of a family costs [nats]."""
+        return float(np.log(len(self.laws[kind, joint][0])))
+
+    def _shows(self, kind: str, joint: int | None) -> bool:
+        """Whether any torque of this arm depends on the effect (none does on the zero of axis 1)."""
+        laws = self.laws[kind, joint][1]
+        return bool(laws and laws[0].joints)
 
     def _library(self, problem: Problem, kind: str, joint: int | None) -> list[Candidate]:
         grid, laws = self.laws[kind, joint]
-        if not laws or not laws[0].joints:
-            return []  # no torque of this arm depends on it (zero of axis 1)
+        if not self._shows(kind, joint):
+            return []
         best: Candidate | None = None
-        for place in self._promising(problem, kind, joint):
+        for place in self._promising(problem, kind, joint, laws):
             nonlinear, law = grid[place], laws[place]
             extra = (
                 self.remembering[kind, joint][place]
@@ -155,7 +217,7 @@ class Scan:
             )
             score = self._score(problem, kind, law, extra)
             # a family with many members must win by more
-            penalty = float(np.log(len(grid)))
+            penalty = self.family_penalty(kind, joint)
             score = replace(score, gain=score.gain - penalty)
             effect = plausible(kind, joint, score.coefficients, nonlinear)
             if effect is not None and (best is None or score.gain > best.score.gain):
@@ -210,9 +272,8 @@ class Scan:
     def _score(self, problem: Problem, kind: str, law: Columns, extra: Columns) -> Score:
         return problem.score(law, extra, LIBRARY[kind].scales, departure_shares(kind, extra.values.shape[2]))
 
-    def _promising(self, problem: Problem, kind: str, joint: int | None) -> list[int]:
-        """Places in the grid worth a closer look."""
-        _, laws = self.laws[kind, joint]
+    def _promising(self, problem: Problem, kind: str, joint: int | None, laws: list[Columns]) -> list[int]:
+        """Places in the grid worth a closer look; `laws`: columns of the whole grid."""
         if len(laws) == 1:
             return [0]
         if LIBRARY[kind].states:

@@ -11,8 +11,9 @@ import numpy.typing as npt
 
 from irb2400_ctrl.diagnosis.bases import Columns
 from irb2400_ctrl.diagnosis.evidence import Problem, law_gain
-from irb2400_ctrl.diagnosis.scan import Candidate, Scan
-from irb2400_ctrl.effects.base import OPEN_END_S
+from irb2400_ctrl.diagnosis.scan import Candidate, Point, Scan, plausible
+from irb2400_ctrl.effects import LIBRARY
+from irb2400_ctrl.effects.base import OPEN_END_S, within
 
 Array = npt.NDArray[np.float64]
 Windows = tuple[tuple[float, float], ...]
@@ -24,114 +25,128 @@ PER_EDGE = 5.0
 BLOCK = 0.5
 """[s] resolution of the first look at a force over time"""
 STARTS = 16
+TRIED = 6
+"""how many effects are judged as acting part of the time, and as many again in the same times as the best of them"""
+
+JOINTS_OF = 3
+"""how many of the best effects say on which joints to look"""
 
 
-def windowed(scan: Scan, problem: Problem, candidate: Candidate) -> Candidate | None:
-    """The candidate acting only part of the time, if that explains the log clearly better."""
-    if not candidate.known or len(candidate.effects) != 1 or candidate.effects[0].windows_s:
-        return None
-    effect = candidate.effects[0]
-    always = problem.score(candidate.law, scales=scan.scales(candidate))
-    best, gain = _begun(scan, problem, candidate)
-    if effect.kind == "process_force":
-        comes_and_goes = _on_and_off(scan, problem, candidate)
-        if comes_and_goes and _gain(scan, problem, candidate, comes_and_goes) > gain:
-            best, gain = comes_and_goes, _gain(scan, problem, candidate, comes_and_goes)
-    if gain < always.gain + CLEARLY / 2:
-        return None
-    best = _sharpened(scan, problem, candidate, best)
-    part = acting(scan, problem, candidate, best)
-    return part if part.score.gain > always.gain - candidate.penalty else None
+class Windowing:
+    """Tries the effects of one scan as acting part of the time, under one problem."""
 
+    def __init__(self, scan: Scan, problem: Problem) -> None:
+        self.scan, self.problem, self.motion = scan, problem, scan.motion
 
-def acting(scan: Scan, problem: Problem, candidate: Candidate, windows: Windows) -> Candidate:
-    """The candidate acting in these windows only; their choice is paid for."""
-    effect = candidate.effects[0]
-    edges = sum(edge < OPEN_END_S for window in windows for edge in window)
-    penalty = candidate.penalty + CLEARLY + PER_EDGE * (edges - 1)
-    law = _law(scan, candidate, windows)
-    score = problem.score(law, scales=scan.scales(candidate))
-    moved = type(effect).model_validate({**effect.model_dump(), "windows_s": windows})
-    return replace(
-        candidate,
-        name=f"{candidate.name}, part of the time",
-        effects=(moved,),
-        law=law,
-        departures=None,
-        score=replace(score, gain=score.gain - penalty),
-        penalty=penalty,
-    )
+    def candidates(self, ranked: Sequence[Candidate]) -> list[Candidate]:
+        """Effects that clearly explain more when they act part of the time only, where the best of `ranked` sit.
 
+        In the times of the best of them, whatever else could act on its joint is tried too.
+        """
+        joints = {c.joint for c in ranked[:JOINTS_OF]} | {None}
+        looks = [look for joint in joints for law in self.scan.points(self.problem, joint) if (look := self._look(law))]
+        looks = sorted(looks, key=lambda look: -look[2])[:TRIED]
+        found = [part for law, windows, _ in looks if (part := self._acting(law, self._sharpened(law, windows)))]
+        if not found:
+            return []
+        best = max(found, key=lambda part: part.score.gain)
+        windows = best.effects[0].windows_s
+        tried = {(part.kind, part.joint) for part in found}
+        laws = [
+            law for law in self.scan.points(self.problem, best.joint, windows) if (law.kind, law.joint) not in tried
+        ]
+        laws += self.scan.points(self.problem, None, windows) if best.joint is not None else []
+        same = [part for law in laws if not law.device and (part := self._acting(law, windows))]
+        return found + sorted(same, key=lambda part: -part.score.gain)[:TRIED]
 
-def _law(scan: Scan, candidate: Candidate, windows: Windows) -> Columns:
-    effect = candidate.effects[0]
-    return scan.bases.columns(effect.kind, effect.joint, scan.motion, [effect.nonlinear], windows=windows)[0]
+    def _look(self, law: Point) -> tuple[Point, Windows, float] | None:
+        """An effect with the times in which it explains clearly more than always, and what it gains then."""
+        if law.device:
+            return None  # no transmission becomes soft within a record; a motion that grows livelier would pass for it
+        windows, gain, always = self._begun(law)
+        if law.kind == "process_force":
+            comes_and_goes = self._on_and_off(law)
+            if comes_and_goes and (there := self._gain(law, comes_and_goes)) > gain:
+                windows, gain = comes_and_goes, there
+        return (law, windows, gain) if gain > always + CLEARLY / 2 else None
 
+    def _acting(self, law: Point, windows: Windows) -> Candidate | None:
+        """An effect acting in these windows only, if it is plausible there; their choice is paid for."""
+        columns = self._columns(law, windows)
+        # how an effect with memory began is told by its window
+        extra = None if LIBRARY[law.kind].states else self._columns(law, windows, departures=True)
+        score = self.problem.score(columns, extra, LIBRARY[law.kind].scales)
+        effect = plausible(law.kind, law.joint, score.coefficients, law.nonlinear)
+        if effect is None:
+            return None
+        edges = sum(edge < OPEN_END_S for window in windows for edge in window)
+        penalty = self.scan.family_penalty(law.kind, law.joint) + CLEARLY + PER_EDGE * (edges - 1)
+        part = type(effect).model_validate({**effect.model_dump(), "windows_s": windows})
+        score = replace(score, gain=score.gain - penalty)
+        name = f"{law.kind}, part of the time"
+        return Candidate(law.kind, law.joint, name, (), (part,), columns, extra, score, penalty)
 
-def _gain(scan: Scan, problem: Problem, candidate: Candidate, windows: Windows) -> float:
-    return problem.score(_law(scan, candidate, windows), scales=scan.scales(candidate)).gain
+    def _columns(self, law: Point, windows: Windows, departures: bool = False) -> Columns:
+        whole = self.scan.samples(law, departures)
+        acting = within(windows, self.motion.time)[:, None, None]
+        return Columns(whole.joints, self.motion.filtered(whole.values * acting))
 
+    def _gain(self, law: Point, windows: Windows) -> float:
+        return self.problem.score(self._columns(law, windows), scales=LIBRARY[law.kind].scales).gain
 
-def _begun(scan: Scan, problem: Problem, candidate: Candidate) -> tuple[Windows, float]:
-    """The best of a few times at which the effect may have begun, and what that gains."""
-    edges = np.linspace(scan.motion.time[0], scan.motion.time[-1], STARTS + 2)[1:-1]
-    gram, right, k = _in_blocks(scan, problem, candidate, np.searchsorted(edges, scan.motion.time, side="right"))
-    gains = []
-    for start in range(1, STARTS + 1):
-        # a sum of blocks is the effect from there on
-        later = gram[start * k :, start * k :].reshape(STARTS + 1 - start, k, STARTS + 1 - start, k).sum(axis=(0, 2))
-        gains.append(law_gain(later, right[start * k :].reshape(-1, k).sum(axis=0), scan.scales(candidate))[0])
-    best = int(np.argmax(gains))
-    return ((float(edges[best]), OPEN_END_S),), gains[best]
+    def _begun(self, law: Point) -> tuple[Windows, float, float]:
+        """The best of a few times at which the effect may have begun, what that gains, and what it gains always."""
+        edges = np.linspace(self.motion.time[0], self.motion.time[-1], STARTS + 2)[1:-1]
+        columns = self.scan.columns(law)
+        place = np.searchsorted(edges, self.motion.row_time, side="right")
+        gram, right = self.problem.projected_in_blocks(columns, place)
+        k = columns.values.shape[2]
+        gains = []
+        for start in range(STARTS + 1):
+            # a sum of blocks is the effect from there on
+            count = STARTS + 1 - start
+            later = gram[start * k :, start * k :].reshape(count, k, count, k).sum(axis=(0, 2))
+            ahead = right[start * k :].reshape(-1, k).sum(axis=0)
+            gains.append(law_gain(later, ahead, LIBRARY[law.kind].scales)[0])
+        best = int(np.argmax(gains[1:]))
+        return ((float(edges[best]), OPEN_END_S),), gains[1 + best], gains[0]
 
+    def _on_and_off(self, law: Point) -> Windows:
+        """Times at which a force of constant direction is there, from its value in short blocks."""
+        time, columns = self.motion.time, self.scan.columns(law)
+        place = ((self.motion.row_time - time[0]) / BLOCK).astype(np.intp)
+        gram, right = self.problem.projected_in_blocks(columns, place)
+        ridge = 0.03 * np.trace(gram) / len(gram)
+        force = np.linalg.solve(gram + ridge * np.eye(len(gram)), right).reshape(-1, columns.values.shape[2])
+        direction = np.linalg.svd(force, full_matrices=False)[2][0]
+        size = force @ direction
+        size = size * np.sign(size[np.argmax(np.abs(size))])
+        on = size > 0.5 * np.quantile(size, 0.9)
+        edges = np.flatnonzero(np.diff(np.concatenate([[False], on, [False]]).astype(int)))
+        return tuple(
+            (float(time[0] + BLOCK * a), float(time[0] + BLOCK * b))
+            for a, b in zip(edges[::2], edges[1::2], strict=True)
+        )
 
-def _in_blocks(
-    scan: Scan, problem: Problem, candidate: Candidate, place: npt.NDArray[np.intp]
-) -> tuple[Array, Array, int]:
-    """Gram matrix and right side of the k columns of a law, acting in one block of time after another."""
-    effect, motion = candidate.effects[0], scan.motion
-    (whole,) = scan.bases.columns(effect.kind, effect.joint, motion, [effect.nonlinear], filtered=False)
-    blocks = [motion.filtered(whole.values * (place == i)[:, None, None]) for i in range(int(place.max()) + 1)]
-    gram, right = problem.projected(Columns(whole.joints, np.concatenate(blocks, axis=2)))
-    return gram, right, whole.values.shape[2]
-
-
-def _on_and_off(scan: Scan, problem: Problem, candidate: Candidate) -> Windows:
-    """Times at which a force of constant direction is there, from its value in short blocks."""
-    motion = scan.motion
-    gram, right, k = _in_blocks(scan, problem, candidate, ((motion.time - motion.time[0]) / BLOCK).astype(np.intp))
-    ridge = 0.03 * np.trace(gram) / len(gram)
-    force = np.linalg.solve(gram + ridge * np.eye(len(gram)), right).reshape(-1, k)
-    direction = np.linalg.svd(force, full_matrices=False)[2][0]
-    size = force @ direction
-    size = size * np.sign(size[np.argmax(np.abs(size))])
-    on = size > 0.5 * np.quantile(size, 0.9)
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], on, [False]]).astype(int)))
-    start = motion.time[0]
-    return tuple(
-        (float(start + BLOCK * a), float(start + BLOCK * b)) for a, b in zip(edges[::2], edges[1::2], strict=True)
-    )
-
-
-def _sharpened(scan: Scan, problem: Problem, candidate: Candidate, windows: Windows) -> Windows:
-    """Every edge moved to where the evidence is largest, coarse to fine."""
-    best, gain = [list(w) for w in windows], _gain(scan, problem, candidate, windows)
-    width = 0.5 * (scan.motion.time[-1] - scan.motion.time[0]) / STARTS if len(windows) == 1 else 0.5 * BLOCK
-    for _ in range(3):
-        for i in range(len(best)):
-            for side in (0, 1):
-                if best[i][side] >= OPEN_END_S:
-                    continue
-                for move in (-width, width):
-                    trial = [list(w) for w in best]
-                    trial[i][side] += move
-                    if not _ordered(trial):
+    def _sharpened(self, law: Point, windows: Windows) -> Windows:
+        """Every edge moved to where the evidence is largest, coarse to fine."""
+        best, gain = [list(w) for w in windows], self._gain(law, windows)
+        width = 0.5 * (self.motion.time[-1] - self.motion.time[0]) / STARTS if len(windows) == 1 else 0.5 * BLOCK
+        for _ in range(3):
+            for i in range(len(best)):
+                for side in (0, 1):
+                    if best[i][side] >= OPEN_END_S:
                         continue
-                    there = _gain(scan, problem, candidate, _frozen(trial))
-                    if there > gain:
-                        best, gain = trial, there
-        width /= 2
-    return _frozen(best)
+                    for move in (-width, width):
+                        trial = [list(w) for w in best]
+                        trial[i][side] += move
+                        if not _ordered(trial):
+                            continue
+                        there = self._gain(law, _frozen(trial))
+                        if there > gain:
+                            best, gain = trial, there
+            width /= 2
+        return _frozen(best)
 
 
 def _ordered(windows: Sequence[Sequence[float]]) -> bool:

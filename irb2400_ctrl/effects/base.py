@@ -124,6 +124,8 @@ class Effect(BaseModel, ABC):
     """kinds of other groups that ordinary logs do not tell from this one"""
     keeps_shape: ClassVar[bool] = True
     """whether `departures` found on one log say something about another motion or load"""
+    shows_moving: ClassVar[bool] = False
+    """whether a log must show it away from reversals too, where dry friction is hard to predict"""
     leftover: ClassVar[float] = 0.22
     """share of its torque that its law, being simpler than the real thing, may leave for others to explain"""
     usual: ClassVar[dict[str, tuple[float, float]]] = {}

@@ -18,6 +18,7 @@ class TimeDelay(Effect):
     acts: ClassVar[Acts] = "measurement"
     abscissa = "time"
     group: ClassVar[str] = "delay"
+    shows_moving: ClassVar[bool] = True
     splits: ClassVar[str] = "excitation above 1/(2 pi tau)"
     sentence: ClassVar[str] = "the torque of the joint is recorded later than its position"
 

@@ -8,7 +8,8 @@ from typing import Any
 
 import pytest
 
-from irb2400_ctrl.diagnosis.selection import Criteria, Selection
+from irb2400_ctrl.diagnosis.criteria import Criteria
+from irb2400_ctrl.diagnosis.selection import Selection
 
 
 def test_explanations_that_push_each_other_out_are_not_tried_for_ever(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -1,0 +1,133 @@
+"""When an explanation counts: significant, large enough to matter, and not what an earlier law has left over."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from irb2400_ctrl.diagnosis.judge import Judge, Rival
+from irb2400_ctrl.diagnosis.motion import Motion
+from irb2400_ctrl.diagnosis.scan import Candidate
+
+Array = npt.NDArray[np.float64]
+
+ONE_MOMENT = 1.0
+"""[s] what begins nearer in time than this began for one reason"""
+IN_THE_BASE = 0.01
+"""share of an effect's torque that no other numbers of the robot could give, below which only their spread speaks"""
+
+
+@dataclass(frozen=True)
+class Criteria:
+    """When an explanation counts.
+
+    Args:
+        gain: log evidence of an effect over the model without it [nats], family-wise; generic_gain: of a generic law;
+            gain_in_base: of an effect that other numbers of the robot would give as well (`IN_THE_BASE`), where no
+            misfit of shape or noise can pass for it.
+        energy: its energy over what the base alone leaves on that joint.
+        torque: its rms torque over the joint's; torque_beside_law: the same where its law alone gains less than
+            `by_law` of what it gains with departures.
+        leftover: times what the law of an effect found before may leave (`Effect.leftover`), which counts no more.
+        largest: its rms torque over the joint's, above which it only cancels another one.
+        two_at_once: how much more a generic law may gain than the best effect, for two effects to be tried instead.
+        unknown: how much a generic law must beat the best effect by [nats], and as share of that effect's gain.
+        shortlist: candidates judged in a step; most: explanations of one log.
+    """
+
+    gain: float = 22.0
+    generic_gain: float = 25.0
+    gain_in_base: float = 12.5
+    energy: float = 0.05
+    torque: float = 0.003
+    torque_beside_law: float = 0.02
+    by_law: float = 0.25
+    leftover: float = 1.0
+    largest: float = 1.5
+    two_at_once: float = 1.0
+    unknown: float = 10.0
+    unknown_share: float = 0.02
+    shortlist: int = 10
+    most: int = 8
+
+
+class Bar:
+    """The criteria applied to one log."""
+
+    def __init__(self, criteria: Criteria, motion: Motion, predicted: Array) -> None:
+        """`predicted`: torque of the robot as given along the motion, shape (m, n) [Nm]."""
+        self.criteria, self.n = criteria, motion.n
+        self.rms = np.sqrt(np.mean(motion.filtered(motion.tau) ** 2, axis=0))
+        self.largest = criteria.largest * np.maximum(
+            self.rms, np.sqrt(np.mean(motion.filtered(predicted) ** 2, axis=0))
+        )
+
+    def counts(self, judge: Judge, rival: Rival, chosen: Sequence[Candidate]) -> bool:
+        """Large enough to matter on at least one joint that it acts on, and no leftover of an earlier one there."""
+        c, candidate = self.criteria, rival.candidate
+        if of_one_moment(candidate, chosen):
+            return False
+        size = np.sqrt(np.mean(candidate.torque(self.n) ** 2, axis=0))
+        if (size > self.largest).any():
+            return False  # a torque that something else must cancel again
+        if any(e.shows_moving for e in candidate.effects) and not judge.shows_moving(candidate):
+            return False
+        # by departures from its law alone: the base takes the law in, and only a good size still speaks for the name
+        least = c.torque if rival.by_law > c.by_law * candidate.score.gain else c.torque_beside_law
+        matters = (size > np.sqrt(c.energy * judge.energy)) & (size > least * self.rms)
+        return bool(matters.any() and (not chosen or (matters & self._new(judge, rival, chosen)).any()))
+
+    def _new(self, judge: Judge, rival: Rival, chosen: Sequence[Candidate]) -> npt.NDArray[np.bool_]:
+        """Joints where it is more than earlier laws of slightly another shape leave, shape (n,).
+
+        It must take a good part off the residual there, or, where the base had been bent to hide it, gain a good part
+        of the evidence.
+        """
+        c, candidate, gain = self.criteria, rival.candidate, judge.gain(rival)
+        added = judge.added(candidate)
+        new = np.ones(self.n, dtype=bool) if candidate.known else added > np.sqrt(c.energy * judge.energy)
+        for earlier in chosen:
+            torque, share = earlier.torque(self.n), c.leftover * earlier.leftover
+            more = added > share * np.sqrt(np.mean(torque**2, axis=0))
+            # a flexible law has taken in whatever the base could hide there
+            if candidate.known and earlier.known:
+                known = judge.by_joint(earlier.score.gain, torque) if earlier.joint is None else earlier.score.gain
+                # the swing of one transmission moves its neighbours' links too
+                more |= gain > (share if candidate.devices & earlier.devices else share**2) * known
+            new &= more
+        return new
+
+    def least_gain(self, judge: Judge, candidate: Candidate, chosen: Sequence[Candidate]) -> float:
+        """Log evidence that a candidate needs [nats]."""
+        c = self.criteria
+        if not candidate.known:
+            return c.generic_gain
+        if chosen:
+            return c.gain  # what a simple law leaves bends the base
+        return c.gain if judge.own_share(candidate) > IN_THE_BASE else c.gain_in_base
+
+    def best(self, judge: Judge, rivals: Sequence[Rival], chosen: Sequence[Candidate]) -> Rival:
+        """The best rival; a generic law only where it beats the library by more than earlier laws may have left."""
+        best = rivals[0]
+        known = next((r for r in rivals if r.candidate.known), None)
+        if best.candidate.known or known is None:
+            return best
+        c, joint = self.criteria, (best.candidate.joint or 1) - 1
+        earlier = [
+            (c.leftover * e.leftover) ** 2 * judge.by_joint(e.score.gain, e.torque(self.n))[joint] for e in chosen
+        ]
+        needed = c.unknown + c.unknown_share * max(judge.gain(known), 0.0) + max(earlier, default=0.0)
+        return best if best.evidence - known.evidence > needed else known
+
+
+def of_one_moment(candidate: Candidate, others: Sequence[Candidate]) -> bool:
+    """Whether a larger effect begins at the same moment: what else begins then its simple law has left over."""
+    return any(
+        abs(start - moment) < ONE_MOMENT and candidate.score.gain < other.score.gain
+        for other in others
+        for start in candidate.begins
+        for moment in other.begins
+    )
