@@ -33,6 +33,7 @@ class Criteria:
             `by_law` of what it gains with departures.
         leftover: times what the law of an effect found before may leave (`Effect.leftover`), which counts no more.
         largest: its rms torque over the joint's, above which it only cancels another one.
+        moving: share of its gain that an effect of `Effect.shows_moving` has away from reversals.
         two_at_once: how much more a generic law may gain than the best effect, for two effects to be tried instead.
         unknown: how much a generic law must beat the best effect by [nats], and as share of that effect's gain.
         shortlist: candidates judged in a step; most: explanations of one log.
@@ -47,6 +48,7 @@ class Criteria:
     by_law: float = 0.25
     leftover: float = 1.0
     largest: float = 1.5
+    moving: float = 0.2
     two_at_once: float = 1.0
     unknown: float = 10.0
     unknown_share: float = 0.02
@@ -73,7 +75,9 @@ class Bar:
         size = np.sqrt(np.mean(candidate.torque(self.n) ** 2, axis=0))
         if (size > self.largest).any():
             return False  # a torque that something else must cancel again
-        if any(e.shows_moving for e in candidate.effects) and not judge.shows_moving(candidate):
+        if any(e.shows_moving for e in candidate.effects) and judge.gain_moving(candidate) < c.moving * judge.gain(
+            rival
+        ):
             return False
         # by departures from its law alone: the base takes the law in, and only a good size still speaks for the name
         least = c.torque if rival.by_law > c.by_law * candidate.score.gain else c.torque_beside_law

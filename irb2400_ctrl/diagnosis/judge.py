@@ -89,10 +89,10 @@ class Judge:
         """Share of its torque that no other numbers of the base would give."""
         return self.start.own_share(candidate.torque(self.n))
 
-    def shows_moving(self, candidate: Candidate) -> bool:
-        """Whether its law gains anything on the rows away from reversals."""
+    def gain_moving(self, candidate: Candidate) -> float:
+        """What its law gains on the rows away from reversals [nats]."""
         calm = [without(one, self.reversal[:, j]) for j, one in enumerate(self.base.noise)]
-        return Problem(self.y, self.Z, calm).score(candidate.law, scales=candidate.scales).gain > 0
+        return Problem(self.y, self.Z, calm).score(candidate.law, scales=candidate.scales).gain
 
     def by_joint(self, gain: float, torque: Array) -> Array:
         """A gain [nats] shared among the joints as its torque (rows, n) stands out there."""
