@@ -11,6 +11,7 @@ import numpy.typing as npt
 from irb2400_ctrl.diagnosis.judge import Judge, Rival
 from irb2400_ctrl.diagnosis.motion import Motion
 from irb2400_ctrl.diagnosis.scan import Candidate
+from irb2400_ctrl.effects.base import OPEN_END_S
 
 Array = npt.NDArray[np.float64]
 
@@ -34,6 +35,7 @@ class Criteria:
         leftover: times what the law of an effect found before may leave (`Effect.leftover`), which counts no more.
         largest: its rms torque over the joint's, above which it only cancels another one.
         moving: share of its gain that an effect of `Effect.shows_moving` has away from reversals.
+        elsewhere: share of what it explains that lies outside the second in which it explains most.
         two_at_once: how much more a generic law may gain than the best effect, for two effects to be tried instead.
         unknown: how much a generic law must beat the best effect by [nats], and as share of that effect's gain.
         shortlist: candidates judged in a step; most: explanations of one log.
@@ -49,6 +51,7 @@ class Criteria:
     leftover: float = 1.0
     largest: float = 1.5
     moving: float = 0.2
+    elsewhere: float = 0.4
     two_at_once: float = 1.0
     unknown: float = 10.0
     unknown_share: float = 0.02
@@ -82,7 +85,20 @@ class Bar:
         # by departures from its law alone: the base takes the law in, and only a good size still speaks for the name
         least = c.torque if rival.by_law > c.by_law * candidate.score.gain else c.torque_beside_law
         matters = (size > np.sqrt(c.energy * judge.energy)) & (size > least * self.rms)
-        return bool(matters.any() and (not chosen or (matters & self._new(judge, rival, chosen)).any()))
+        if chosen and matters.any():
+            matters &= self._new(judge, rival, chosen)
+        return bool(matters.any()) and not self._once(judge, candidate)
+
+    def _once(self, judge: Judge, candidate: Candidate) -> bool:
+        """Whether one second of the record says it nearly alone: something happened there, which is no law.
+
+        A force that comes and goes may be short, a swing may die out soon after the start, and what the base could
+        take as well moves all of it.
+        """
+        short = any(stop < OPEN_END_S for e in candidate.effects for _, stop in e.windows_s)
+        if short or candidate.devices or judge.own_share(candidate) < IN_THE_BASE:
+            return False
+        return judge.elsewhere(candidate) < self.criteria.elsewhere
 
     def _new(self, judge: Judge, rival: Rival, chosen: Sequence[Candidate]) -> npt.NDArray[np.bool_]:
         """Joints where it is more than earlier laws of slightly another shape leave, shape (n,).

@@ -94,6 +94,16 @@ class Judge:
         calm = [without(one, self.reversal[:, j]) for j, one in enumerate(self.base.noise)]
         return Problem(self.y, self.Z, calm).score(candidate.law, scales=candidate.scales).gain
 
+    def elsewhere(self, candidate: Candidate) -> float:
+        """Share of what a candidate takes off the whitened squares that it takes off outside its best second."""
+        before, after = self.y - self.Z @ self.base.z, self.y - self._explained(self.base, candidate)
+        second = (self.scan.motion.row_time - self.scan.motion.row_time[0]).astype(np.intp)
+        taken = np.zeros(second[-1] + 1)
+        for j, one in enumerate(self.base.noise):
+            change = one.whiten(before[:, j]) ** 2 - one.whiten(after[:, j]) ** 2
+            taken += np.bincount(second[one.kept], change, len(taken))
+        return float(1.0 - taken.max() / max(taken.sum(), 1e-12))
+
     def by_joint(self, gain: float, torque: Array) -> Array:
         """A gain [nats] shared among the joints as its torque (rows, n) stands out there."""
         seen = np.array([np.sum(one.whiten(torque[:, j]) ** 2) for j, one in enumerate(self.base.noise)])

@@ -17,6 +17,8 @@ class TorqueOffset(Effect):
 
     acts: ClassVar[Acts] = "measurement"
     abscissa = "time"
+    # a drift seen in one record says nothing about another, perhaps much later one
+    keeps_shape: ClassVar[bool] = False
     group: ClassVar[str] = "offset"
     splits: ClassVar[str] = "brake-released standstill, several speeds"
     sentence: ClassVar[str] = "the reported torque of the joint is shifted by a constant"
