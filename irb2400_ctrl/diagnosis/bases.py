@@ -105,7 +105,7 @@ class _Law:
         inputs = [*scalars, *ca.vertsplit(state), *theta]
         self.law = Vectorised(inputs, _flat(basis, rows))
         # the record may begin in any state: what a different beginning adds is a departure too
-        self.free = len(effect.states) if departures else 0
+        self.free = effect.beginnings() if departures else 0
         if self.free:
             self.response = Vectorised(inputs, _flat(law, rows))
             self.k_law = law.shape[1]
@@ -139,7 +139,7 @@ class _Law:
                 put(flat, *divmod(index, self.k))
             if self.free:
                 rest = self.response(*inputs, *states, *theta)
-                for column, other in enumerate(trajectories[1:]):
+                for column, other in enumerate(trajectories[1 : 1 + self.free]):
                     moved = self.response(*inputs, *other, *theta)
                     for i in range(len(self.joints)):
                         # of a law of several columns the first stands for the beginning

@@ -111,12 +111,13 @@ class Bar:
         new = np.ones(self.n, dtype=bool) if candidate.known else added > np.sqrt(c.energy * judge.energy)
         for earlier in chosen:
             torque, share = earlier.torque(self.n), c.leftover * earlier.leftover
-            more = added > share * np.sqrt(np.mean(torque**2, axis=0))
+            # the swing of one transmission moves its neighbours' links too: there only the evidence speaks
+            same = bool(candidate.devices & earlier.devices)
+            more = np.full(self.n, not same) & (added > share * np.sqrt(np.mean(torque**2, axis=0)))
             # a flexible law has taken in whatever the base could hide there
             if candidate.known and earlier.known:
                 known = judge.by_joint(earlier.score.gain, torque) if earlier.joint is None else earlier.score.gain
-                # the swing of one transmission moves its neighbours' links too
-                more |= gain > (share if candidate.devices & earlier.devices else share**2) * known
+                more |= gain > (share if same else share**2) * known
             new &= more
         return new
 

@@ -18,6 +18,8 @@ from irb2400_ctrl.diagnosis.noise import Noise
 from irb2400_ctrl.effects import LIBRARY
 
 Array = npt.NDArray[np.float64]
+Expected = Sequence[tuple[float, float]]
+"""usual value and spread of each coefficient"""
 
 DEPARTURE = 0.25
 """how far a real device departs from the textbook's law: rms over rms, one standard deviation"""
@@ -138,25 +140,26 @@ class Problem:
         return found
 
     def score(
-        self, law: Columns, departures: Columns | None = None, scales: Sequence[float] = (), shares: Array | None = None
+        self, law: Columns, departures: Columns | None = None, expected: Expected = (), shares: Array | None = None
     ) -> Score:
         """Evidence of a law, with departures of at most about DEPARTURE of its own size.
 
         Args:
             law, departures: filtered columns on the same joints.
-            scales: plausible sizes of the law's coefficients; empty: as flat as the data allow (g-prior at its best g).
+            expected: usual value and spread of the law's coefficients; empty: as flat as the data allow (g-prior at
+                its best g).
             shares: allowed size of each departure over the law's; default DEPARTURE.
         """
         k = law.values.shape[2]
         if departures is None or departures.values.shape[2] == 0:
             gram, right = self.projected(law)
-            gain, explained, b, covariance = law_gain(gram, right, scales)
+            gain, explained, b, covariance = law_gain(gram, right, expected)
             return Score(gain, explained, b, covariance, np.zeros(0))
         if departures.joints != law.joints:
             raise ValueError("a law and its departures act on the same joints")
         both = Columns(law.joints, np.concatenate([law.values, departures.values], axis=2))
         gram, right = self.projected(both)
-        _, _, b, _ = law_gain(gram[:k, :k], right[:k], scales)
+        _, _, b, _ = law_gain(gram[:k, :k], right[:k], expected)
         unit = departure_unit(law, b, departures, shares)
         d = len(unit)
         scale = np.concatenate([np.ones(k), unit])
@@ -167,7 +170,7 @@ class Problem:
         gain_departures = 0.5 * (right[k:] @ solved[:, 0] - np.linalg.slogdet(S)[1])
         left_gram = gram[:k, :k] - gram[:k, k:] @ solved[:, 1:]
         left_right = right[:k] - gram[:k, k:] @ solved[:, 0]
-        gain, explained, b, covariance = law_gain(left_gram, left_right, scales)
+        gain, explained, b, covariance = law_gain(left_gram, left_right, expected)
         w = np.asarray(np.linalg.solve(S, right[k:] - gram[k:, :k] @ b))
         return Score(gain + gain_departures, explained, b, covariance, w * unit)
 
@@ -184,9 +187,8 @@ def _grams(x: Array, g: int, k: int) -> Array:
 def departure_shares(kind: str, count: int) -> Array:
     """Allowed size of each departure over the law's own: small for another shape, free for the record's beginning."""
     shares = np.full(count, DEPARTURE)
-    states = len(LIBRARY[kind].states)
-    if states:
-        shares[count - states :] = BEGINNING
+    if beginnings := LIBRARY[kind].beginnings():
+        shares[count - beginnings :] = BEGINNING
     return shares
 
 
@@ -201,16 +203,20 @@ def departure_unit(law: Columns, coefficients: Array, departures: Columns, share
     return np.asarray((DEPARTURE if shares is None else shares) * size / np.maximum(widths, 1e-12))
 
 
-def law_gain(gram: Array, right: Array, scales: Sequence[float]) -> tuple[float, float, Array, Array]:
+def law_gain(gram: Array, right: Array, expected: Expected) -> tuple[float, float, Array, Array]:
     """Gain, explained sum of squares, coefficients and covariance of columns with their prior."""
     k = len(right)
-    if len(scales):
-        s = np.array(scales)
+    if len(expected):
+        usual, s = np.array(expected).T
+        # the usual torque is taken off first; what is left is a matter of the spread
+        offset = float(usual @ (right - 0.5 * gram @ usual))
+        right = right - gram @ usual
         inside = np.eye(k) + gram * np.outer(s, s)
         covariance = np.asarray(np.linalg.inv(inside) * np.outer(s, s), dtype=float)
         b: Array = covariance @ right
         explained = float(right @ b)
-        return 0.5 * (explained - float(np.linalg.slogdet(inside)[1])), explained, b, covariance
+        gain = offset + 0.5 * (explained - float(np.linalg.slogdet(inside)[1]))
+        return gain, 2 * offset + explained, usual + b, covariance
     size = np.sqrt(np.maximum(np.diag(gram), 0.0)) + 1e-12
     normal = gram / np.outer(size, size) + 1e-8 * np.eye(k)
     covariance = np.asarray(np.linalg.inv(normal) / np.outer(size, size), dtype=float)

@@ -140,7 +140,7 @@ class Fitter:
         shaped, place = [], k + p
         for effect, unit in zip(effects, shapes, strict=True):
             # how the record began is no property of the robot: its columns are not kept
-            kept = len(unit) - len(effect.states) if effect.keeps_shape else 0
+            kept = len(unit) - effect.beginnings() if effect.keeps_shape else 0
             values = (b[place : place + len(unit)] * unit)[:kept]
             place += len(unit)
             shaped.append(effect.model_copy(update={"shape": tuple(float(v) for v in values)}) if kept else effect)

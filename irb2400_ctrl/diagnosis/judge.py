@@ -92,7 +92,7 @@ class Judge:
     def gain_moving(self, candidate: Candidate) -> float:
         """What its law gains on the rows away from reversals [nats]."""
         calm = [without(one, self.reversal[:, j]) for j, one in enumerate(self.base.noise)]
-        return Problem(self.y, self.Z, calm).score(candidate.law, scales=candidate.scales).gain
+        return Problem(self.y, self.Z, calm).score(candidate.law, expected=candidate.expected).gain
 
     def elsewhere(self, candidate: Candidate) -> float:
         """Share of what a candidate takes off the whitened squares that it takes off outside its best second."""
@@ -123,14 +123,14 @@ class Judge:
         shares = None
         if candidate.known and candidate.departures is not None:
             shares = departure_shares(candidate.kind, candidate.departures.values.shape[2])
-        score = problem.score(candidate.law, candidate.departures, candidate.scales, shares)
+        score = problem.score(candidate.law, candidate.departures, candidate.expected, shares)
         return replace(candidate, score=replace(score, gain=score.gain - candidate.penalty))
 
     def _by_law(self, candidate: Candidate, problem: Problem) -> float:
         """Gain of a candidate by its law alone, without the departures from it."""
         if candidate.departures is None or any(e.states for e in candidate.effects):
             return candidate.score.gain
-        return problem.score(candidate.law, scales=candidate.scales).gain - candidate.penalty
+        return problem.score(candidate.law, expected=candidate.expected).gain - candidate.penalty
 
     def _energy(self, residual: Array) -> Array:
         calm = self._rows & ~self.reversal

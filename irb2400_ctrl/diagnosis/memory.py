@@ -16,34 +16,53 @@ Array = npt.NDArray[np.float64]
 
 
 class Memory:
-    """One or two states with a rate linear in them."""
+    """States with a rate linear in them, each alone or in pairs that do not touch each other."""
 
     def __init__(self, scalars: list[ca.SX], state: ca.SX, theta: list[ca.SX], rate: ca.SX, steady: ca.SX) -> None:
         self.n = state.numel()
-        if self.n > 2:
-            raise NotImplementedError("effects with more than two states")
+        width = 1 if self.n == 1 else 2
+        self._blocks = [list(range(i, i + width)) for i in range(0, self.n, width)]
         A = ca.jacobian(rate, state)
+        touching = [A[i, k].nnz() for block in self._blocks for i in block for k in range(self.n) if k not in block]
+        if self.n % width or any(touching):
+            raise NotImplementedError("effects with more than two states that depend on each other")
         b = ca.substitute(rate, state, ca.SX.zeros(self.n))
-        self._evaluate = Vectorised([*scalars, *theta], ca.vertcat(ca.vec(ca.densify(A).T), b, steady))
+        inside = [ca.densify(A[i, k]) for block in self._blocks for i in block for k in block]
+        self._evaluate = Vectorised([*scalars, *theta], ca.vertcat(*inside, b, steady))
 
     def states(self, inputs: list[Array], step: float, theta: list[Array], shape: tuple[int, int]) -> list[list[Array]]:
         """Trajectories (g, m) of each state: begun in the steady state, then begun one unit off in each state."""
-        n = self.n
         values = [np.broadcast_to(v, shape) for v in self._evaluate(*inputs, *theta)]
-        A = [[values[n * i + k] for k in range(n)] for i in range(n)]
-        b, steady = values[n * n : n * n + n], values[n * n + n :]
-        E, add = _scalar(A[0][0], b[0], step) if n == 1 else _pair(A, b, step)
-        # x[k + 1] = E x[k] + add as one affine map from the first sample, for all samples at once
-        P, c = _composed([[e[:, :-1] for e in row] for row in E], [v[:, :-1] for v in add])
-        trajectories = []
-        for begun in range(n + 1):
-            x0 = [steady[i][:, :1].copy() for i in range(n)]
-            if begun:
-                # one unit of a rate is small against one of its state: give it the size of a swing
-                x0[begun - 1] = x0[begun - 1] + (1.0 if begun == 1 else np.sqrt(np.abs(A[1][0][:, :1]) + 1e-12))
-            later = [sum((P[i][k] * x0[k] for k in range(n)), c[i]) for i in range(n)]
-            trajectories.append([np.concatenate([x0[i], later[i]], axis=1) for i in range(n)])
+        inside, b, steady = values[: -2 * self.n], values[-2 * self.n : -self.n], values[-self.n :]
+        begun: list[list[list[Array]]] = []
+        for place, block in enumerate(self._blocks):
+            n = len(block)
+            own = inside[place * n * n : (place + 1) * n * n]
+            A = [own[i * n : i * n + n] for i in range(n)]
+            begun.append(_trajectories(A, [b[i] for i in block], [steady[i] for i in block], step))
+        quiet = [x for block in begun for x in block[0]]
+        trajectories = [quiet]
+        for block, found in zip(self._blocks, begun, strict=True):
+            for other in found[1:]:
+                trajectories.append([other[block.index(i)] if i in block else quiet[i] for i in range(self.n)])
         return trajectories
+
+
+def _trajectories(A: list[list[Array]], b: list[Array], steady: list[Array], step: float) -> list[list[Array]]:
+    """One or two states that depend on each other: begun in the steady state, then one unit off in each."""
+    n = len(b)
+    E, add = _scalar(A[0][0], b[0], step) if n == 1 else _pair(A, b, step)
+    # x[k + 1] = E x[k] + add as one affine map from the first sample, for all samples at once
+    P, c = _composed([[e[:, :-1] for e in row] for row in E], [v[:, :-1] for v in add])
+    trajectories = []
+    for begun in range(n + 1):
+        x0 = [steady[i][:, :1].copy() for i in range(n)]
+        if begun:
+            # one unit of a rate is small against one of its state: give it the size of a swing
+            x0[begun - 1] = x0[begun - 1] + (1.0 if begun == 1 else np.sqrt(np.abs(A[1][0][:, :1]) + 1e-12))
+        later = [sum((P[i][k] * x0[k] for k in range(n)), c[i]) for i in range(n)]
+        trajectories.append([np.concatenate([x0[i], later[i]], axis=1) for i in range(n)])
+    return trajectories
 
 
 def _composed(E: list[list[Array]], c: list[Array]) -> tuple[list[list[Array]], list[Array]]:

@@ -66,9 +66,9 @@ class Candidate:
         return max((e.leftover for e in self.effects), default=GENERIC_LEFTOVER)
 
     @property
-    def scales(self) -> tuple[float, ...]:
-        """Plausible sizes of its coefficients, empty if not known."""
-        return LIBRARY[self.kind].scales if self.known else ()
+    def expected(self) -> tuple[tuple[float, float], ...]:
+        """`Effect.expected`; empty for a generic law."""
+        return LIBRARY[self.kind].expected if self.known else ()
 
     @property
     def devices(self) -> frozenset[str]:
@@ -270,7 +270,7 @@ class Scan:
         return None if effect is None else replace(candidate, effects=(effect,), law=law, departures=extra, score=score)
 
     def _score(self, problem: Problem, kind: str, law: Columns, extra: Columns) -> Score:
-        return problem.score(law, extra, LIBRARY[kind].scales, departure_shares(kind, extra.values.shape[2]))
+        return problem.score(law, extra, LIBRARY[kind].expected, departure_shares(kind, extra.values.shape[2]))
 
     def _promising(self, problem: Problem, kind: str, joint: int | None, laws: list[Columns]) -> list[int]:
         """Places in the grid worth a closer look; `laws`: columns of the whole grid."""

@@ -75,7 +75,7 @@ class Windowing:
         columns = self._columns(law, windows)
         # how an effect with memory began is told by its window
         extra = None if LIBRARY[law.kind].states else self._columns(law, windows, departures=True)
-        score = self.problem.score(columns, extra, LIBRARY[law.kind].scales)
+        score = self.problem.score(columns, extra, LIBRARY[law.kind].expected)
         effect = plausible(law.kind, law.joint, score.coefficients, law.nonlinear)
         if effect is None:
             return None
@@ -92,7 +92,7 @@ class Windowing:
         return Columns(whole.joints, self.motion.filtered(whole.values * acting))
 
     def _gain(self, law: Point, windows: Windows) -> float:
-        return self.problem.score(self._columns(law, windows), scales=LIBRARY[law.kind].scales).gain
+        return self.problem.score(self._columns(law, windows), expected=LIBRARY[law.kind].expected).gain
 
     def _begun(self, law: Point) -> tuple[Windows, float, float]:
         """The best of a few times at which the effect may have begun, what that gains, and what it gains always."""
@@ -107,7 +107,7 @@ class Windowing:
             count = STARTS + 1 - start
             later = gram[start * k :, start * k :].reshape(count, k, count, k).sum(axis=(0, 2))
             ahead = right[start * k :].reshape(-1, k).sum(axis=0)
-            gains.append(law_gain(later, ahead, LIBRARY[law.kind].scales)[0])
+            gains.append(law_gain(later, ahead, LIBRARY[law.kind].expected)[0])
         best = int(np.argmax(gains[1:]))
         return ((float(edges[best]), OPEN_END_S),), gains[1 + best], gains[0]
 

@@ -30,7 +30,7 @@ class AddedBody(Effect):
     splits: ClassVar[str] = "wide ranges of the axes behind it, high accelerations"
 
     usual: ClassVar[dict[str, tuple[float, float]]] = {"com_m": (0.0, 0.25), "mass_kg": (0.0, 10.0)}
-    scales: ClassVar[tuple[float, ...]] = (10.0, *[3.0] * 3, *[1.0] * 6)
+    expected: ClassVar[tuple[tuple[float, float], ...]] = ((0.0, 10.0), *[(0.0, 3.0)] * 3, *[(0.0, 1.0)] * 6)
 
     mass_kg: float = Field(description="mass m, negative for one that is missing [kg]")
     com_m: Vector3 = Field(default=(0.0, 0.0, 0.0), description="its place c [m]")

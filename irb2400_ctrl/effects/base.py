@@ -114,8 +114,8 @@ class Effect(BaseModel, ABC):
     """its curve is drawn for motion in the positive direction; the other one is turned over"""
     whole_arm: ClassVar[bool] = False
     """concerns the whole arm: `joint` is absent"""
-    scales: ClassVar[tuple[float, ...]] = ()
-    """plausible sizes of the coefficients where the data alone may not settle each of them; empty: no such knowledge"""
+    expected: ClassVar[tuple[tuple[float, float], ...]] = ()
+    """usual value and spread of each coefficient, where the data alone may not settle them; empty: no such knowledge"""
     fixed: ClassVar[tuple[str, ...]] = ()
     """fields that a fit does not move continuously (times of switching)"""
     device: ClassVar[str] = ""
@@ -199,6 +199,11 @@ class Effect(BaseModel, ABC):
     def state_rate(self, s: Signals) -> ca.SX:
         """dx/dt of the internal states, shape (len(states),)."""
         return ca.SX(0, 1)
+
+    @classmethod
+    def beginnings(cls) -> int:
+        """How many of the internal states, the first ones, may have any value when a record begins."""
+        return len(cls.states)
 
     def steady_state(self, s: Signals) -> ca.SX:
         """The internal states after a long motion in one direction: what a memoryless consumer uses."""

@@ -12,13 +12,18 @@ from pydantic import Field
 from irb2400_ctrl.effects.base import Effect, Signals
 from irb2400_ctrl.effects.link_lag import lag_torque
 
+DAMPED = 0.9
+"""damping ratio without a resonance"""
+
 
 class ElasticJoint(Effect):
     """The link swings on a spring k behind its motor: link angle q_j - x / k with the spring torque x,
 
     x'' + 2 zeta w x' + w^2 x = w^2 load_j,  w^2 = k / M_jj(q),  tau = tau_rigid - M(:, j) x'' / k - (dtau/dq_j) x / k.
 
-    Below the resonance x'' is d2 load_j / dt2. The other joints' springs are stiff against this one.
+    Below the resonance x'' is d2 load_j / dt2: a slow twist, of which the torque shows the share `visible`. It is what
+    the same equation gives without a resonance (zeta = 0.9); the rest is the swing. The other
+    joints' springs are stiff against this one.
     """
 
     abscissa = "load"
@@ -29,15 +34,20 @@ class ElasticJoint(Effect):
     )
     lookalikes: ClassVar[tuple[str, ...]] = ("transmission_backlash",)
     device: ClassVar[str] = "transmission"
-    states: ClassVar[tuple[str, ...]] = ("torque", "rate")
+    states: ClassVar[tuple[str, ...]] = ("torque", "rate", "slow_torque", "slow_rate")
     # the swing of a real transmission, with play and a motor of its own, is followed roughly
     leftover: ClassVar[float] = 0.5
+    expected: ClassVar[tuple[tuple[float, float], ...]] = ((1.0, 0.3), (0.5, 0.5))
+    fixed: ClassVar[tuple[str, ...]] = ("swing",)
     usual: ClassVar[dict[str, tuple[float, float]]] = {"damping_ratio": (0.05, 0.05)}
 
     kind: Literal["elastic_joint"] = "elastic_joint"
     stiffness_Nm_rad: float = Field(gt=0, description="torsional stiffness k [Nm/rad]")
     damping_ratio: float = Field(default=0.05, gt=0, lt=1, description="damping of the resonance zeta [-]")
 
+    swing: float = Field(
+        default=1.0, ge=0, le=2.5, description="size of the swing over what stiffness and load give [-]"
+    )
     visible: float = Field(
         default=1.0,
         ge=0,
@@ -46,28 +56,38 @@ class ElasticJoint(Effect):
     )
 
     def basis(self, s: Signals) -> ca.SX:
-        x, rate = s.state[0], s.state[1]
-        return lag_torque(s, self.index, x, self._acceleration(s, x, rate)) / self.stiffness_Nm_rad
+        slow = self._lag(s, s.state[2], s.state[3], DAMPED)
+        return ca.horzcat(self._lag(s, s.state[0], s.state[1], self.damping_ratio) - slow, slow)
 
-    def _acceleration(self, s: Signals, x: ca.SX, rate: ca.SX) -> ca.SX:
+    def _lag(self, s: Signals, x: ca.SX, rate: ca.SX, damping: float) -> ca.SX:
+        """Torque of all joints of a link that lags by x / k, shape (n, 1) [Nm]."""
+        return lag_torque(s, self.index, x, self._acceleration(s, x, rate, damping)) / self.stiffness_Nm_rad
+
+    def _acceleration(self, s: Signals, x: ca.SX, rate: ca.SX, damping: float) -> ca.SX:
         """d2 x / dt2 [Nm/s2]."""
         w = ca.sqrt(self.stiffness_Nm_rad / s.mass_matrix[self.index, self.index])
-        return w**2 * (s.load[self.index] - x) - 2 * self.damping_ratio * w * rate
+        return w**2 * (s.load[self.index] - x) - 2 * damping * w * rate
 
     def state_rate(self, s: Signals) -> ca.SX:
-        return ca.vertcat(s.state[1], self._acceleration(s, s.state[0], s.state[1]))
+        x, rate, slow, slow_rate = ca.vertsplit(s.state)
+        swing = self._acceleration(s, x, rate, self.damping_ratio)
+        return ca.vertcat(rate, swing, slow_rate, self._acceleration(s, slow, slow_rate, DAMPED))
 
     def steady_state(self, s: Signals) -> ca.SX:
-        # below the resonance: x'' = d2 load / dt2, and the spring carries what the accelerated link leaves
-        inertia = s.mass_matrix[self.index, self.index]
-        return ca.vertcat(s.load[self.index] - inertia / self.stiffness_Nm_rad * s.load_rate2[self.index], 0)
+        load = s.load[self.index]
+        return ca.vertcat(load, 0, load, 0)
+
+    @classmethod
+    def beginnings(cls) -> int:
+        return 2  # the slow twist has no beginning of its own
 
     def coefficients(self) -> tuple[float, ...]:
-        return (self.visible,)
+        return (self.swing, self.visible)
 
     @classmethod
     def from_coefficients(cls, joint: int | None, coefficients: Sequence[float], nonlinear: dict[str, float]) -> Self:
-        return cls.of(joint, visible=max(0.0, coefficients[0]), **nonlinear)
+        swing, visible = (min(max(0.0, c), 2.5) for c in coefficients)
+        return cls.of(joint, swing=swing, visible=visible, **nonlinear)
 
     @classmethod
     def grid(cls, joint: int | None) -> list[dict[str, float]]:

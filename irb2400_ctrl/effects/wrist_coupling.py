@@ -36,13 +36,12 @@ class WristCoupling(Effect):
         return columns
 
     def departures(self, s: Signals) -> ca.SX:
-        # action and reaction through different ratios, the motor turned along as a load of its own, another exponent
+        # action and reaction through different ratios, the motor turned along as a load of its own
         j, n = self.index, s.q.numel()
-        columns = ca.SX(n, 5)
+        columns = ca.SX(n, 4)
         for column, signal in enumerate((s.qdd, s.qd)):
             columns[j, column], columns[j + 1, column] = signal[j + 1], -signal[j]
             columns[j, column + 2] = signal[j]
-        columns[j, 4], columns[j + 1, 4] = s.qd[j + 1] * ca.fabs(s.qd[j + 1]), s.qd[j] * ca.fabs(s.qd[j])
         return columns
 
     def coefficients(self) -> tuple[float, ...]:

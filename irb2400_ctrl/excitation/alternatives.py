@@ -140,11 +140,11 @@ class Alternatives:
             extra = self.bases.columns(*place, self._standard, grid, departures=True)
             found, units = [], []
             for law, other in zip(laws, extra, strict=True):
-                k, d = law.values.shape[2], other.values.shape[2] - len(effect.states)
+                k, d = law.values.shape[2], other.values.shape[2] - effect.beginnings()
                 share = np.sqrt(np.mean(other.values[:, :, :d] ** 2, axis=0)) / self._rms[list(law.joints), None]
                 # a departure of one standard deviation is a part of what an effect of the common size makes
                 units.append(DEPARTURE * SIZE / np.maximum(share.max(axis=0), 1e-9))
-                law_precision = 1.0 / np.array(effect.scales) ** 2 if effect.scales else np.zeros(k)
+                law_precision = 1.0 / np.array(effect.expected)[:, 1] ** 2 if effect.expected else np.zeros(k)
                 found.append(Columns(place, slice(start, start + k + d), np.concatenate([law_precision, np.ones(d)])))
                 start += k + d
             self.rivals[place], self._units[place] = found, np.array(units)
@@ -233,7 +233,7 @@ class Alternatives:
         law = np.zeros((len(flat), 0))
         if pair.rival is not None:
             first = self.rivals[pair.rival][0]
-            count = int((first.precision == 0).sum()) or len(LIBRARY[pair.rival[0]].scales)
+            count = int((first.precision == 0).sum()) or len(LIBRARY[pair.rival[0]].expected)
             law = flat[:, first.part.start : first.part.start + count]
         left = _left(np.hstack([base, law]), x)
         used: list[int] = []

@@ -76,14 +76,15 @@ def test_evidence_equals_the_direct_integral() -> None:
     y = Z @ np.ones(4) + X @ np.array([0.4, -0.2]) + rng.normal(size=(rows, 1))
     noise = Noise(np.append(1.0, np.zeros(ORDER)), np.ones(rows), kept)
     problem = Problem(y, Z, [noise])
-    scales = (0.7, 0.3)
-    score = problem.score(Columns((0,), X), scales=scales)
+    usual, spread = np.array([0.2, -0.5]), np.array([0.7, 0.3])
+    score = problem.score(Columns((0,), X), expected=tuple(zip(usual, spread, strict=True)))
 
     def direct(with_law: bool) -> float:
-        S = np.eye(rows) + Z[:, 0] @ Z[:, 0].T
+        S, v = np.eye(rows) + Z[:, 0] @ Z[:, 0].T, y[:, 0]
         if with_law:
-            S += (X[:, 0] * np.square(scales)) @ X[:, 0].T
-        return float(-0.5 * (y[:, 0] @ np.linalg.solve(S, y[:, 0]) + np.linalg.slogdet(S)[1]))
+            S += (X[:, 0] * np.square(spread)) @ X[:, 0].T
+            v = v - X[:, 0] @ usual
+        return float(-0.5 * (v @ np.linalg.solve(S, v) + np.linalg.slogdet(S)[1]))
 
     assert score.gain == pytest.approx(direct(True) - direct(False), rel=1e-9)
     assert problem.log_evidence == pytest.approx(direct(False), rel=1e-9)
