@@ -12,6 +12,7 @@ import argparse
 import json
 import sys
 import time
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -21,8 +22,12 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 
 
-def outcome(case: Any, robot: Any) -> dict[str, Any]:
-    """Diagnose one case of the independent plant and set truth beside verdict."""
+def outcome(case: Any, robot: Any, reference: bool = False) -> dict[str, Any]:
+    """Diagnose one case of the independent plant and set truth beside verdict.
+
+    Args:
+        reference: whether a log of the same arm, moved otherwise and without its effects, goes with it.
+    """
     from independent_plant import beyond_priors
 
     from irb2400_ctrl.diagnosis import diagnose
@@ -32,6 +37,9 @@ def outcome(case: Any, robot: Any) -> dict[str, Any]:
         Log(log.time, log.q, log.tau, qd=log.qd, q_ref=log.q_ref, name=what)
         for log, what in zip(case.simulate(), ("identification", "validation"), strict=True)
     ]
+    if reference:
+        _, log = replace(case, effects=()).simulate()
+        logs.append(Log(log.time, log.q, log.tau, qd=log.qd, q_ref=log.q_ref, name="reference"))
     start = time.perf_counter()
     found = diagnose(robot, *logs)
     seconds = time.perf_counter() - start
@@ -93,7 +101,7 @@ def run(args: argparse.Namespace) -> None:
         for case in suite(args.suite, args.start + args.count, args.seed)[args.start :]:
             if case.name in done:
                 continue
-            line = outcome(case, robot)
+            line = outcome(case, robot, args.reference)
             file.write(json.dumps(line) + "\n")
             file.flush()
             if not args.quiet:
@@ -115,6 +123,7 @@ def main() -> None:
     runner.add_argument("--count", type=int, required=True)
     runner.add_argument("--start", type=int, default=0)
     runner.add_argument("--seed", type=int, default=100)
+    runner.add_argument("--reference", action="store_true", help="with a log of the same arm without its effects")
     runner.add_argument("--quiet", action="store_true")
     runner.set_defaults(do=run)
     table = commands.add_parser("table", help="the table of outcomes, as Markdown")

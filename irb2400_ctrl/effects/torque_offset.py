@@ -17,8 +17,6 @@ class TorqueOffset(Effect):
 
     acts: ClassVar[Acts] = "measurement"
     abscissa = "time"
-    # a drift seen in one record says nothing about another, perhaps much later one
-    keeps_shape: ClassVar[bool] = False
     group: ClassVar[str] = "offset"
     splits: ClassVar[str] = "brake-released standstill, several speeds"
     sentence: ClassVar[str] = "the reported torque of the joint is shifted by a constant"
@@ -29,12 +27,9 @@ class TorqueOffset(Effect):
     def basis(self, s: Signals) -> ca.SX:
         return self.on(ca.SX(1.0), s.q.numel())
 
-    def departures(self, s: Signals) -> ca.SX:
-        return self.on(s.time, s.q.numel())
-
     def _shown(self, time: Array, tau: Array) -> Array:
         shown = np.array(tau)
-        shown[:, self.index] += self.offset_Nm + sum(self.shape) * time
+        shown[:, self.index] += self.offset_Nm
         return shown
 
     def coefficients(self) -> tuple[float, ...]:

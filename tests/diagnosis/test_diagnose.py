@@ -35,7 +35,14 @@ def test_nothing_is_missing_on_a_clean_arm(seed: int) -> None:
 
 @pytest.mark.parametrize(
     ("kind", "joint"),
-    [("gear_ripple", 4), ("load_friction", 2), ("torque_gain", 5), ("cable_spring", 4), ("rotor_inertia", 3)],
+    [
+        ("gear_ripple", 4),
+        ("load_friction", 2),
+        ("torque_gain", 5),
+        ("cable_spring", 4),
+        ("rotor_inertia", 3),
+        ("torque_offset", 4),
+    ],
 )
 def test_an_effect_is_named_and_takes_the_validation_error_away(kind: str, joint: int) -> None:
     found = diagnosed(7, Effect(kind, joint, 0.1))

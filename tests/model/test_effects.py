@@ -143,7 +143,7 @@ def test_base_tilt_is_a_turned_gravity(robot: irb.Robot, states: States) -> None
     "effect",
     [
         LIBRARY["torque_gain"].of(2, gain=1.07, shape=(1e-4,)),
-        LIBRARY["torque_offset"].of(3, offset_Nm=-4.0, shape=(0.3,)),
+        LIBRARY["torque_offset"].of(3, offset_Nm=-4.0),
         LIBRARY["time_delay"].of(1, delay_s=0.002),
         LIBRARY["time_delay"].of(None, delay_s=0.002),
     ],
