@@ -16,6 +16,7 @@ from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_valida
 
 from irb2400_ctrl.effects import LIBRARY, AnyEffect
 from irb2400_ctrl.effects.base import OPEN_END_S
+from irb2400_ctrl.effects.blank import shape_size
 
 Array = npt.NDArray[np.float64]
 Positive = Annotated[float, Field(gt=0)]
@@ -198,6 +199,9 @@ class Robot(_Table):
             if effect.joint not in allowed:
                 names = "absent" if allowed == [None] else ", ".join(str(j) for j in allowed)
                 problems.append(f"effects: {effect.kind} on joint {effect.joint}, expected {names}")
+            elif effect.shape and len(effect.shape) != (size := shape_size(effect, n)):
+                wanted = f"{size} or none" if size else "none"
+                problems.append(f"effects: {effect.kind} has a shape of {len(effect.shape)} numbers, expected {wanted}")
         if problems:
             raise ValueError("; ".join(problems))
         return self

@@ -15,6 +15,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import irb2400_ctrl as irb
+from irb2400_ctrl.effects import LIBRARY
 from irb2400_ctrl.errors import InputError
 
 TEXT = (resources.files("irb2400_ctrl") / "robots" / "irb2400.toml").read_text()
@@ -147,3 +148,9 @@ def test_equality_is_of_the_description_not_of_what_was_computed() -> None:
     assert used == fresh
     assert hash(used) == hash(fresh)
     assert used != fresh.model_copy(update={"name": "another"})
+
+
+def test_a_shape_of_another_length_is_refused() -> None:
+    spring = LIBRARY["cable_spring"].of(4, stiffness_Nm_rad=3.0, shape=(1.0,))
+    with pytest.raises(ValueError, match="cable_spring has a shape of 1 numbers, expected 2 or none"):
+        irb.load_robot("irb2400").with_effects(spring)

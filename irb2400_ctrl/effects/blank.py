@@ -1,0 +1,44 @@
+"""Signals without an arm behind them: how wide an effect's columns are, before there is a model."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import casadi as ca
+
+from irb2400_ctrl.effects.base import Effect
+
+
+@dataclass(frozen=True)
+class Blank:
+    """Free symbols in the place of every signal of an arm of n joints (implements `Signals`)."""
+
+    q: ca.SX
+    qd: ca.SX
+    qdd: ca.SX
+    time: ca.SX
+    sign: ca.SX
+    load: ca.SX
+    gravity_map: ca.SX
+    tcp_jacobian: ca.SX
+    tau: ca.SX
+    tau_rate: ca.SX
+    tau_jacobian: ca.SX
+    load_rate2: ca.SX
+    mass_matrix: ca.SX
+    state: ca.SX
+
+    @classmethod
+    def of(cls, n: int, states: int) -> Blank:
+        """For an arm of n joints and an effect with so many internal states."""
+        sizes = {"time": (1, 1), "gravity_map": (n, 3), "tcp_jacobian": (6, n), "state": (states, 1)}
+        square = dict.fromkeys(("tau_jacobian", "mass_matrix"), (n, n))
+        return cls(**{name: ca.SX.sym(name, *(sizes | square).get(name, (n, 1))) for name in cls.__dataclass_fields__})
+
+    def regressor(self, link: int) -> ca.SX:
+        return ca.SX.sym(f"regressor_{link}", self.q.numel(), 10)
+
+
+def shape_size(effect: Effect, n: int) -> int:
+    """How many numbers a `shape` of this effect has on an arm of n joints."""
+    return int(effect.departures(Blank.of(n, len(effect.states))).shape[1])
