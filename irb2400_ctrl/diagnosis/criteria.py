@@ -126,9 +126,10 @@ class Bar:
         c = self.criteria
         if not candidate.known:
             return c.generic_gain
-        if chosen:
-            return c.gain  # what a simple law leaves bends the base
-        return c.gain if judge.own_share(candidate) > IN_THE_BASE else c.gain_in_base
+        if judge.own_share(candidate) > IN_THE_BASE:
+            return c.gain
+        # what an earlier law leaves bends the base
+        return 2.0 * c.gain if chosen else c.gain_in_base
 
     def best(self, judge: Judge, rivals: Sequence[Rival], chosen: Sequence[Candidate]) -> Rival:
         """The best rival; a generic law only where it beats the library by more than earlier laws may have left."""
