@@ -8,9 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from irb2400_ctrl.diagnosis.candidate import Candidate
 from irb2400_ctrl.diagnosis.judge import Judge, Rival
 from irb2400_ctrl.diagnosis.motion import Motion
-from irb2400_ctrl.diagnosis.scan import Candidate
 from irb2400_ctrl.effects.base import OPEN_END_S
 
 Array = npt.NDArray[np.float64]

@@ -12,6 +12,7 @@ import numpy.typing as npt
 from threadpoolctl import threadpool_limits
 
 from irb2400_ctrl.diagnosis.bases import Bases
+from irb2400_ctrl.diagnosis.candidate import Candidate
 from irb2400_ctrl.diagnosis.confidence import alternatives, confidence
 from irb2400_ctrl.diagnosis.criteria import Criteria
 from irb2400_ctrl.diagnosis.fit import Fit, Fitter, noisy_reversals_masked
@@ -20,7 +21,7 @@ from irb2400_ctrl.diagnosis.motion import Motion, prepare
 from irb2400_ctrl.diagnosis.nuisance import Nuisance, Uncertainty
 from irb2400_ctrl.diagnosis.predict import effect_torque, predicted_torque
 from irb2400_ctrl.diagnosis.result import Comparison, Curve, Diagnosis, Finding, Unexplained
-from irb2400_ctrl.diagnosis.scan import Candidate, Scan
+from irb2400_ctrl.diagnosis.scan import Scan
 from irb2400_ctrl.diagnosis.selection import Selection, reversal_rows
 from irb2400_ctrl.diagnosis.step import Step
 from irb2400_ctrl.errors import InputError

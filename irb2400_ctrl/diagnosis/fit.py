@@ -9,12 +9,12 @@ import numpy as np
 import numpy.typing as npt
 
 from irb2400_ctrl.diagnosis.bases import Bases
+from irb2400_ctrl.diagnosis.candidate import Candidate
 from irb2400_ctrl.diagnosis.evidence import departure_shares, departure_unit
 from irb2400_ctrl.diagnosis.motion import Motion
 from irb2400_ctrl.diagnosis.noise import Noise, autoregressive
 from irb2400_ctrl.diagnosis.parameters import Parameter, moved, parameters_of, value_of, with_value
 from irb2400_ctrl.diagnosis.predict import predicted_torque
-from irb2400_ctrl.diagnosis.scan import Candidate
 from irb2400_ctrl.effects import Effect
 from irb2400_ctrl.robot import Robot
 

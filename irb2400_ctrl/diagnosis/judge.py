@@ -8,9 +8,10 @@ from functools import cached_property
 import numpy as np
 import numpy.typing as npt
 
+from irb2400_ctrl.diagnosis.candidate import Candidate
 from irb2400_ctrl.diagnosis.evidence import Problem, departure_shares
 from irb2400_ctrl.diagnosis.noise import Noise, autoregressive, white, without
-from irb2400_ctrl.diagnosis.scan import Candidate, Scan
+from irb2400_ctrl.diagnosis.scan import Scan
 
 Array = npt.NDArray[np.float64]
 Mask = npt.NDArray[np.bool_]

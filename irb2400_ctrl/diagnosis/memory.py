@@ -1,7 +1,8 @@
 """States of effects with memory along a motion, for many nonlinear parameters at once.
 
-The states follow dx/dt = A x + b with A, b given by the motion. Over one sample A and b are taken as constant, and the
-step x+ = exp(A h) x + integral exp(A s) ds b is exact: no resonance is shifted and no stiff friction blows up.
+The states follow dx/dt = A x + b with A, b given by the motion. From one sample to the next A and b are taken as
+constant, the mean of both, and the step x+ = exp(A h) x + integral exp(A s) ds b is exact: no resonance is shifted and
+no stiff friction blows up.
 """
 
 from __future__ import annotations
@@ -51,9 +52,11 @@ class Memory:
 def _trajectories(A: list[list[Array]], b: list[Array], steady: list[Array], step: float) -> list[list[Array]]:
     """One or two states that depend on each other: begun in the steady state, then one unit off in each."""
     n = len(b)
+    # between two samples: their mean, or everything would come half a sample late
+    A, b = [[_between(a) for a in row] for row in A], [_between(v) for v in b]
     E, add = _scalar(A[0][0], b[0], step) if n == 1 else _pair(A, b, step)
     # x[k + 1] = E x[k] + add as one affine map from the first sample, for all samples at once
-    P, c = _composed([[e[:, :-1] for e in row] for row in E], [v[:, :-1] for v in add])
+    P, c = _composed(E, add)
     trajectories = []
     for begun in range(n + 1):
         x0 = [steady[i][:, :1].copy() for i in range(n)]
@@ -63,6 +66,10 @@ def _trajectories(A: list[list[Array]], b: list[Array], steady: list[Array], ste
         later = [sum((P[i][k] * x0[k] for k in range(n)), c[i]) for i in range(n)]
         trajectories.append([np.concatenate([x0[i], later[i]], axis=1) for i in range(n)])
     return trajectories
+
+
+def _between(v: Array) -> Array:
+    return np.asarray(0.5 * (v[:, :-1] + v[:, 1:]))
 
 
 def _composed(E: list[list[Array]], c: list[Array]) -> tuple[list[list[Array]], list[Array]]:

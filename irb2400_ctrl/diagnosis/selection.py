@@ -7,12 +7,13 @@ from collections.abc import Sequence
 import numpy as np
 import numpy.typing as npt
 
+from irb2400_ctrl.diagnosis.candidate import Candidate
 from irb2400_ctrl.diagnosis.criteria import Bar, Criteria, of_one_moment
 from irb2400_ctrl.diagnosis.fit import Fit, Fitter
 from irb2400_ctrl.diagnosis.judge import Judge, Rival
 from irb2400_ctrl.diagnosis.motion import STICKING_SPEED, Motion
 from irb2400_ctrl.diagnosis.predict import predicted_torque
-from irb2400_ctrl.diagnosis.scan import Candidate, Scan
+from irb2400_ctrl.diagnosis.scan import Scan
 from irb2400_ctrl.diagnosis.step import Step
 from irb2400_ctrl.diagnosis.windows import Windowing
 from irb2400_ctrl.measurement.uniform import widened

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from irb2400_ctrl.diagnosis.candidate import Candidate
 from irb2400_ctrl.diagnosis.judge import Rival
-from irb2400_ctrl.diagnosis.scan import Candidate
 
 
 @dataclass(frozen=True)

@@ -10,8 +10,9 @@ import numpy as np
 import numpy.typing as npt
 
 from irb2400_ctrl.diagnosis.bases import Columns
+from irb2400_ctrl.diagnosis.candidate import Candidate, Point, plausible
 from irb2400_ctrl.diagnosis.evidence import Problem, law_gain
-from irb2400_ctrl.diagnosis.scan import Candidate, Point, Scan, plausible
+from irb2400_ctrl.diagnosis.scan import Scan
 from irb2400_ctrl.effects import LIBRARY
 from irb2400_ctrl.effects.base import OPEN_END_S, within
 

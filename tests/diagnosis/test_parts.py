@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
 
 import casadi as ca
 import numpy as np
 import pytest
 from independent_plant import Case
+from scipy.integrate import solve_ivp
 
 from irb2400_ctrl.diagnosis.bases import Bases, Columns
 from irb2400_ctrl.diagnosis.evidence import Problem
@@ -151,3 +153,34 @@ def test_metrics_are_equations_75_to_77_and_the_floor_is_the_noise() -> None:
     slow_error = 0.8 * np.sin(2 * np.pi * 0.3 * t)[:, None]
     residual = measured - 50 * np.sin(t)[:, None] + slow_error
     assert noise_floor(residual, known, 0.004)[0] == pytest.approx(2.0, rel=0.03)
+
+
+def test_swing_and_slow_twist_together_are_the_link_on_its_spring() -> None:
+    """Both columns of an elastic joint against an integration of its equation; a slow motion has hardly any swing."""
+    m, k, zeta, j = motion(), 4e4, 0.04, 0
+    nonlinear = {"stiffness_Nm_rad": k, "damping_ratio": zeta}
+    (law,) = BASES.columns("elastic_joint", 1, m, [nonlinear], filtered=False)
+    swing, slow = law.values[:, law.joints.index(j)].T
+    load = BASES.model.inverse_dynamics(m.q, m.qd, m.qdd, friction=False)[:, j]
+    inertia = BASES.model.mass_matrix(m.q)[:, j, j]
+    time = m.time - m.time[0]
+
+    def rate(t: float, x: np.ndarray) -> list[float]:
+        w2 = k / np.interp(t, time, inertia)
+        return [x[1], w2 * (np.interp(t, time, load) - x[0]) - 2 * zeta * np.sqrt(w2) * x[1]]
+
+    found = solve_ivp(rate, (0.0, time[-1]), [load[0], 0.0], t_eval=time, max_step=2e-3, rtol=1e-8)
+    acceleration = np.array([rate(t, x)[1] for t, x in zip(time, found.y.T, strict=True)])
+    whole = -inertia * acceleration / k  # nothing of axis 1's torque depends on q1
+    np.testing.assert_allclose(swing + slow, whole, atol=0.02 * np.abs(whole).max())
+
+    still = 2 * np.pi * 0.3 * time
+    parts = [0.5 * (2 * np.pi * 0.3) ** n * np.cos(still + n * np.pi / 2) for n in range(5)]
+    held = np.tile(m.q[0], (len(time), 1))
+    rows = [held.copy(), *(np.zeros_like(held) for _ in range(4))]
+    for row, part in zip(rows, parts, strict=True):
+        row[:, j] = part
+    calm = replace(m, **dict(zip(("q", "qd", "qdd", "qddd", "qdddd"), rows, strict=True)))
+    (law,) = BASES.columns("elastic_joint", 1, calm, [nonlinear], filtered=False)
+    late = law.values[len(time) // 2 :, law.joints.index(j)]  # what the beginning stirred up has died out
+    assert np.abs(late[:, 0]).max() < 0.2 * np.abs(late[:, 1]).max()

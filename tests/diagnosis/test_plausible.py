@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from irb2400_ctrl.diagnosis.scan import plausible
+from irb2400_ctrl.diagnosis.candidate import plausible
 
 
 @pytest.mark.parametrize(
