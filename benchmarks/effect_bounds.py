@@ -9,6 +9,7 @@ after round; in between it may exceed the limits, and does. The certified motion
 from __future__ import annotations
 
 import sys
+from pathlib import Path
 
 import numpy as np
 import numpy.typing as npt
@@ -25,6 +26,9 @@ from irb2400_ctrl.planners.retime import time_joint_path
 from irb2400_ctrl.planners.time_law import TimeLaw
 from irb2400_ctrl.planners.two_pass import two_pass
 
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
+from spline_paths import random_path
+
 Array = npt.NDArray[np.float64]
 
 ROBOT = irb.load_robot("irb2400")
@@ -40,15 +44,6 @@ CASES: dict[str, list[Effect]] = {
     "process force": [LIBRARY["process_force"].of(None, force_x_N=60, force_z_N=-80, start_s=0.2, stop_s=0.8)],
     "rotor in a window": [LIBRARY["rotor_inertia"].of(2, inertia_kgm2=8, windows_s=((0.1, 0.6),))],
 }
-
-
-def random_path(seed: int) -> JointPath:
-    """A spline through six way-points in the joint box."""
-    rng = np.random.default_rng(seed)
-    q = rng.uniform(0.8 * ROBOT.q_min, 0.8 * ROBOT.q_max, (6, 6))
-    q[:, [3, 5]] = rng.uniform(-2, 2, (6, 2))
-    s = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(q, axis=0), axis=1))])
-    return JointPath.through(s / s[-1], q)
 
 
 def sampled_optimum(dynamics: PathDynamics, path: JointPath, count: int = 4000) -> TimeLaw:

@@ -30,6 +30,9 @@ from irb2400_ctrl.planners.retime import time_joint_path
 from irb2400_ctrl.planners.smooth_timing import time_smoothly
 from irb2400_ctrl.planners.toppra_timing import time_with_toppra
 
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
+from spline_paths import random_path, random_way_points
+
 Array = npt.NDArray[np.float64]
 
 ROBOT = irb.load_robot("irb2400")
@@ -37,15 +40,6 @@ DYNAMICS = path_dynamics(ROBOT)
 LIMITS = MotionLimits.of(ROBOT)
 TORQUE = compile_function(DYNAMICS.model.function("inverse_dynamics"))
 SIZES = (1000, 2000, 5000, 10000)
-
-
-def random_way_points(seed: int) -> tuple[Array, Array]:
-    """Six way-points in the joint box and their normalised chord length."""
-    rng = np.random.default_rng(seed)
-    q = rng.uniform(0.8 * ROBOT.q_min, 0.8 * ROBOT.q_max, (6, 6))
-    q[:, [3, 5]] = rng.uniform(-2, 2, (6, 2))
-    s = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(q, axis=0), axis=1))])
-    return s / s[-1], q
 
 
 def violation(q: Array, qd: Array, qdd: Array) -> float:
@@ -141,7 +135,6 @@ def smooth_table(paths: int, references: int = 3) -> None:
 
     The reference has 1,000 cells, even in time, and holds at its points only. It does not always converge ("nan").
     """
-    sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
     from smooth_reference import reference_duration
 
     smooth_torque = compile_function(DYNAMICS.model.function("inverse_dynamics_without_friction"))
@@ -154,7 +147,7 @@ def smooth_table(paths: int, references: int = 3) -> None:
         limits = replace(LIMITS, torque_rate=rate * LIMITS.tau_max)
         rows, longer = [], []
         for seed in range(paths):
-            path = JointPath.through(*random_way_points(seed))
+            path = random_path(seed)
             began = time.process_time()
             timed = time_smoothly(DYNAMICS, path, limits)
             seconds = time.process_time() - began

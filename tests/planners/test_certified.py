@@ -7,6 +7,7 @@ from dataclasses import replace
 import casadi as ca
 import numpy as np
 import pytest
+from spline_paths import random_path
 
 from irb2400_ctrl import load_robot
 from irb2400_ctrl.codegen import compile_function
@@ -26,15 +27,6 @@ DYNAMICS = path_dynamics(ROBOT)
 LIMITS = MotionLimits.of(ROBOT)
 # torque by another door than the coefficients: the model's own inverse dynamics
 TORQUE = compile_function(DYNAMICS.model.function("inverse_dynamics"))
-
-
-def random_path(seed: int, points: int = 6) -> JointPath:
-    """A cubic spline through random way-points in the joint box."""
-    rng = np.random.default_rng(seed)
-    q = rng.uniform(0.8 * ROBOT.q_min, 0.8 * ROBOT.q_max, (points, 6))
-    q[:, [3, 5]] = rng.uniform(-2, 2, (points, 2))
-    s = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(q, axis=0), axis=1))])
-    return JointPath.through(s / s[-1], q)
 
 
 def worst_ratio(path: JointPath, law: TimeLaw, rate: float = 1e4) -> float:

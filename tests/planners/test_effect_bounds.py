@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from spline_paths import random_path
 
 from irb2400_ctrl import load_robot
 from irb2400_ctrl.effects import LIBRARY, Effect
@@ -66,14 +67,6 @@ CASES: dict[str, list[Effect]] = {
         effect("hysteresis", 3, amplitude_Nm=40, width_rad=0.02),
     ],
 }  # fmt: skip
-
-
-def random_path(seed: int) -> JointPath:
-    rng = np.random.default_rng(seed)
-    q = rng.uniform(0.8 * ROBOT.q_min, 0.8 * ROBOT.q_max, (6, 6))
-    q[:, [3, 5]] = rng.uniform(-2, 2, (6, 2))
-    s = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(q, axis=0), axis=1))])
-    return JointPath.through(s / s[-1], q)
 
 
 def worst_ratio(dynamics: PathDynamics, path: JointPath, law: TimeLaw) -> float:

@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from smooth_reference import reference_duration
+from spline_paths import random_path
 
 from irb2400_ctrl import load_robot
 from irb2400_ctrl.codegen import compile_function
@@ -23,15 +24,6 @@ LIMITS = MotionLimits.of(ROBOT)
 # torque by another door than the coefficients: the model's own inverse dynamics, with and without friction
 TORQUE = compile_function(DYNAMICS.model.function("inverse_dynamics"))
 SMOOTH_TORQUE = compile_function(DYNAMICS.model.function("inverse_dynamics_without_friction"))
-
-
-def random_path(seed: int, points: int = 6) -> JointPath:
-    """A cubic spline through random way-points in the joint box."""
-    rng = np.random.default_rng(seed)
-    q = rng.uniform(0.8 * ROBOT.q_min, 0.8 * ROBOT.q_max, (points, 6))
-    q[:, [3, 5]] = rng.uniform(-2, 2, (points, 2))
-    s = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(q, axis=0), axis=1))])
-    return JointPath.through(s / s[-1], q)
 
 
 def rated(per_second: float) -> MotionLimits:
