@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 import numpy.typing as npt
@@ -39,6 +39,8 @@ class Candidate:
     score: Score
     penalty: float = 0.0
     """log number of members of its family [nats]"""
+    spread: dict[str, float] = field(default_factory=dict)
+    """standard errors of nonlinear parameters that a search has found, from the noise alone"""
 
     def torque(self, n: int) -> Array:
         """Filtered torque as scored, departures included, shape (rows, n)."""

@@ -168,7 +168,7 @@ def _findings(steps: Sequence[Step], fit: Fit, motion: Motion, load: Array, base
             found.append(
                 Finding(
                     effect=effect,
-                    standard_errors=_standard_errors(fit, place),
+                    standard_errors=_standard_errors(fit, place, step.candidate),
                     confidence=confidence(step),
                     alternatives=alternatives(step),
                     gain=step.gain,
@@ -190,8 +190,8 @@ def _findings(steps: Sequence[Step], fit: Fit, motion: Motion, load: Array, base
     return tuple(found)
 
 
-def _standard_errors(fit: Fit, place: int) -> dict[str, float | list[float]]:
-    found: dict[str, Any] = {}
+def _standard_errors(fit: Fit, place: int, candidate: Candidate) -> dict[str, float | list[float]]:
+    found: dict[str, Any] = {name: INFLATION * sigma for name, sigma in candidate.spread.items()}
     for parameter, sigma in zip(fit.parameters, fit.sigma, strict=True):
         if parameter.effect == place:
             value = float(INFLATION * sigma)

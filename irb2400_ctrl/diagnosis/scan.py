@@ -187,7 +187,19 @@ class Scan:
                     moved = self._at(problem, best, trial)
                     if moved is not None and moved.score.gain > best.score.gain:
                         best, nonlinear = moved, trial
-        return best
+        return replace(best, spread=self._spread(problem, best, nonlinear))
+
+    def _spread(self, problem: Problem, best: Candidate, nonlinear: dict[str, float]) -> dict[str, float]:
+        """Standard errors from the curvature of the evidence: gain(p + h) + gain(p - h) = 2 gain(p) - (h / sigma)^2."""
+        found = {}
+        for key, value in nonlinear.items():
+            for share in (0.01, 0.05, 0.2):
+                trials = [self._at(problem, best, {**nonlinear, key: value * (1 + side * share)}) for side in (-1, 1)]
+                drop = sum(best.score.gain - trial.score.gain for trial in trials if trial is not None)
+                if None not in trials and drop > 1.0:
+                    found[key] = share * value / float(np.sqrt(drop))
+                    break
+        return found
 
     def _at(self, problem: Problem, candidate: Candidate, nonlinear: dict[str, float]) -> Candidate | None:
         kind, joint = candidate.kind, candidate.joint

@@ -92,3 +92,13 @@ def test_a_log_of_another_arm_is_refused() -> None:
     log = Log(time, np.sin(time[:, None] * np.ones(3)), np.ones((len(time), 3)))
     with pytest.raises(InputError, match="found 3 joints, expected 6"):
         diagnose(load_robot("irb2400"), log)
+
+
+def test_an_elastic_joint_comes_with_the_spread_of_its_stiffness() -> None:
+    case = Case(3, (Effect("elastic_joint", 4, 0.1),), duration=25.0, validation_duration=8.0, chirp=True)
+    log = next(iter(case.simulate()))
+    found = diagnose(load_robot("irb2400"), Log(log.time, log.q, log.tau, q_ref=log.q_ref))
+    assert [(f.effect.kind, f.effect.joint) for f in found.findings] == [("elastic_joint", 4)]
+    value, sigma = found.findings[0].effect.parameters(), found.findings[0].standard_errors
+    for name in ("stiffness_Nm_rad", "damping_ratio"):
+        assert 1e-4 * value[name] < sigma[name] < 0.5 * value[name]
