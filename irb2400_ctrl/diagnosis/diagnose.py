@@ -254,7 +254,6 @@ def _curve(
     x = motion.row_time if signal == "time" else motion.at_rows(sources[signal][:, joint])
     x = x if period is None else np.mod(x, period)
     unit = _UNITS[signal] + ("" if period is None else ", within one period")
-    unit += ", torque against the motion" if turned else ""
     rows = motion.row_known[:, joint]
     x, law, seen = x[rows], law[rows], (law + residual)[rows]
     edges = np.linspace(x.min(), x.max() + 1e-12, bins + 1) if len(x) else np.zeros(1)
@@ -266,7 +265,7 @@ def _curve(
     line = np.array([law[place == k].mean() for k in used])
     for array in (middle, mean, line):
         array.setflags(write=False)
-    return Curve(joint + 1, signal, unit, middle, mean, mean - error, mean + error, line)
+    return Curve(joint + 1, signal, unit, middle, mean, mean - error, mean + error, line, turned)
 
 
 def _recalibrated(nuisance: Nuisance, fit: Fit, robot: Robot) -> dict[str, Any]:

@@ -27,7 +27,7 @@ class Curve:
     Args:
         joint: where it is drawn, from 1; signal: q, qd, qdd, load or time; unit: of the abscissa.
         x: middles of the bins; measured: what the log shows there once all else is taken off; low, high: its 95 % band;
-        law: what the effect says [Nm].
+        law: what the effect says [Nm]; turned: both as torque against the motion, whatever its direction.
     """
 
     joint: int
@@ -38,6 +38,7 @@ class Curve:
     low: Array
     high: Array
     law: Array
+    turned: bool = False
 
 
 @dataclass(frozen=True)

@@ -51,9 +51,10 @@ def curve_figure(curve: Curve, law: str) -> Figure:
     axis.plot(curve.x, curve.measured, "o", ms=3, color="0.35", label="log, mean of the bin")
     if np.isfinite(curve.law).all() and np.any(curve.law):
         axis.plot(curve.x, curve.law, color="tab:blue", lw=1.5, label=law)
+    direction = ", against the motion" if curve.turned else ""
     axis.set(
         xlabel=f"{_signal_name(curve.signal)} [{curve.unit}]",
-        ylabel=f"torque {curve.joint} of the effect [Nm]",
+        ylabel=f"torque {curve.joint} of the effect{direction} [Nm]",
     )
     axis.grid(alpha=0.3)
     axis.legend(fontsize="small")
