@@ -31,13 +31,15 @@ class Criteria:
             misfit of shape or noise can pass for it.
         energy: its energy over what the base alone leaves on that joint.
         torque: its rms torque over the joint's; torque_beside_law: the same where its law alone gains less than
-            `by_law` of what it gains with departures.
+            `by_law` of what it gains with departures; torque_begun: of an effect that acts part of the time.
         leftover: times what the law of an effect found before may leave (`Effect.leftover`), which counts no more.
         largest: its rms torque over the joint's, above which it only cancels another one.
         moving: share of its gain that an effect of `Effect.shows_moving` has away from reversals.
         elsewhere: share of what it explains that lies outside the second in which it explains most.
         two_at_once: how much more a generic law may gain than the best effect, for two effects to be tried instead.
         unknown: how much a generic law must beat the best effect by [nats], and as share of that effect's gain.
+        mostly_base: share of an effect's torque that no other numbers of the robot would give, below which a generic
+            law must also say `little` more: rms torque over the effect's.
         shortlist: candidates judged in a step; most: explanations of one log.
     """
 
@@ -47,6 +49,7 @@ class Criteria:
     energy: float = 0.05
     torque: float = 0.003
     torque_beside_law: float = 0.02
+    torque_begun: float = 0.01
     by_law: float = 0.25
     leftover: float = 1.0
     largest: float = 1.5
@@ -55,6 +58,8 @@ class Criteria:
     two_at_once: float = 1.0
     unknown: float = 10.0
     unknown_share: float = 0.02
+    mostly_base: float = 0.05
+    little: float = 0.1
     shortlist: int = 10
     most: int = 8
 
@@ -84,6 +89,7 @@ class Bar:
             return False
         # by departures from its law alone: the base takes the law in, and only a good size still speaks for the name
         least = c.torque if rival.by_law > c.by_law * candidate.score.gain else c.torque_beside_law
+        least = max(least, c.torque_begun) if candidate.begins else least
         matters = (size > np.sqrt(c.energy * judge.energy)) & (size > least * self.rms)
         if chosen and matters.any():
             matters &= self._new(judge, rival, chosen)
@@ -138,11 +144,23 @@ class Bar:
         if best.candidate.known or known is None:
             return best
         c, joint = self.criteria, (best.candidate.joint or 1) - 1
+        if judge.own_share(known.candidate) < c.mostly_base and self._leaves_little(judge, known, best):
+            return known
         earlier = [
             (c.leftover * e.leftover) ** 2 * judge.by_joint(e.score.gain, e.torque(self.n))[joint] for e in chosen
         ]
         needed = c.unknown + c.unknown_share * max(judge.gain(known), 0.0) + max(earlier, default=0.0)
         return best if best.evidence - known.evidence > needed else known
+
+    def _leaves_little(self, judge: Judge, known: Rival, generic: Rival) -> bool:
+        """Whether a generic law says hardly more than an effect.
+
+        The evidence for an effect that the base takes in for the most part understates it.
+        """
+        law = np.sqrt(np.mean(known.candidate.torque(self.n) ** 2, axis=0))
+        more = judge.explained(generic.candidate) - judge.explained(known.candidate)
+        place = (generic.candidate.joint or 1) - 1
+        return bool(np.sqrt(np.mean(more[:, place] ** 2)) < self.criteria.little * law[place])
 
 
 def of_one_moment(candidate: Candidate, others: Sequence[Candidate]) -> bool:

@@ -86,6 +86,10 @@ class Judge:
         after = self._energy(self.y - self._explained(self.start, candidate))
         return np.sqrt(np.maximum(self.energy - after, 0.0))
 
+    def explained(self, candidate: Candidate) -> Array:
+        """Torque of a candidate and a base that moves with it, shape (rows, n) [Nm]."""
+        return self._explained(self.start, candidate)
+
     def own_share(self, candidate: Candidate) -> float:
         """Share of its torque that no other numbers of the base would give."""
         return self.start.own_share(candidate.torque(self.n))

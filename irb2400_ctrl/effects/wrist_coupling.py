@@ -20,6 +20,8 @@ class WristCoupling(Effect):
 
     abscissa = "qd"
     group: ClassVar[str] = "coupling"
+    # the motor's friction is no straight line over the sum of two speeds
+    leftover: ClassVar[float] = 0.35
     splits: ClassVar[str] = "each wrist axis moved alone"
     sentence: ClassVar[str] = "moving this wrist axis drags its neighbour's motor along"
 
