@@ -105,9 +105,14 @@ def _pair(A: list[list[Array]], b: list[Array], h: float) -> tuple[list[list[Arr
     (a11, a12), (a21, a22) = A
     mean = (a11 + a22) / 2
     determinant = a11 * a22 - a12 * a21
-    root = np.sqrt((mean**2 - determinant).astype(complex)) * h
-    c = np.cosh(root).real
-    s = np.where(np.abs(root) < 1e-9, h, (np.sinh(root) / np.where(np.abs(root) < 1e-9, 1.0, root)).real * h)
+    squared = mean**2 - determinant
+    if (squared < 0.0).all():  # it swings: real numbers do, at a quarter of the time
+        turn = np.sqrt(-squared)
+        c, s = np.cos(turn * h), np.sin(turn * h) / turn
+    else:
+        root = np.sqrt(squared.astype(complex)) * h
+        c = np.cosh(root).real
+        s = np.where(np.abs(root) < 1e-9, h, (np.sinh(root) / np.where(np.abs(root) < 1e-9, 1.0, root)).real * h)
     decay = np.exp(np.minimum(mean * h, 0.0))
     E = [
         [decay * (c + s * (a11 - mean)), decay * s * a12],
