@@ -85,6 +85,24 @@ class Bases:
             motion, [tuple(entry[key] for key in keys) for entry in grid], filtered, within(windows, motion.time)
         )
 
+    def with_beginnings(
+        self, kind: str, joint: int | None, motion: Motion, grid: Sequence[dict[str, float]]
+    ) -> tuple[list[Columns], list[Columns]]:
+        """Filtered columns of basis and departures of an effect with memory, from one pass over its states."""
+        if not grid:
+            return [], []
+        keys = tuple(grid[0])
+        name = (kind, joint, True, keys)
+        if name not in self._laws:
+            self._laws[name] = _Law(self.signals, LIBRARY[kind], joint, True, keys)
+        law = self._laws[name]
+        points, always = [tuple(entry[key] for key in keys) for entry in grid], np.ones(len(motion.time), dtype=bool)
+        both, split = law(motion, points, True, always, law_too=True), law.k + law.free
+        return (
+            [Columns(c.joints, np.ascontiguousarray(c.values[:, :, split:])) for c in both],
+            [Columns(c.joints, np.ascontiguousarray(c.values[:, :, :split])) for c in both],
+        )
+
 
 class _Law:
     """One effect on one joint as a function of the scalars it depends on."""
@@ -106,20 +124,26 @@ class _Law:
         self.law = Vectorised(inputs, _flat(basis, rows))
         # the record may begin in any state: what a different beginning adds is a departure too
         self.free = effect.beginnings() if departures else 0
+        self.k_law = law.shape[1]
         if self.free:
             self.response = Vectorised(inputs, _flat(law, rows))
-            self.k_law = law.shape[1]
         self.memory = (
             Memory(scalars, state, theta, prototype.state_rate(s), prototype.steady_state(s)) if effect.states else None
         )
 
     def __call__(
-        self, motion: Motion, grid: list[tuple[float, ...]], filtered: bool, active: npt.NDArray[np.bool_]
+        self,
+        motion: Motion,
+        grid: list[tuple[float, ...]],
+        filtered: bool,
+        active: npt.NDArray[np.bool_],
+        law_too: bool = False,
     ) -> list[Columns]:
+        """`law_too`: the basis after the departures."""
         m = len(motion.time)
         inputs = inputs_of(motion)
         count = motion.rows if filtered else m
-        values = np.empty((len(grid), count, len(self.joints), self.k + self.free))
+        values = np.empty((len(grid), count, len(self.joints), self.k + self.free + (self.k_law if law_too else 0)))
         if values.size == 0:
             return [Columns(self.joints, v) for v in values]
         chunk = max(1, (CHUNK if self.memory is None else CHUNK // 16) // m)
@@ -139,6 +163,9 @@ class _Law:
                 put(flat, *divmod(index, self.k))
             if self.free:
                 rest = self.response(*inputs, *states, *theta)
+                for index, flat in enumerate(rest if law_too else []):
+                    joint, column = divmod(index, self.k_law)
+                    put(flat, joint, self.k + self.free + column)
                 for column, other in enumerate(trajectories[1 : 1 + self.free]):
                     moved = self.response(*inputs, *other, *theta)
                     for i in range(len(self.joints)):

@@ -34,6 +34,8 @@ class Scan:
 
     def __init__(self, bases: Bases, motion: Motion, load: Array) -> None:
         self.bases, self.motion, self.load = bases, motion, load
+        self.remembering: dict[tuple[str, int | None], list[Columns]] = {}
+        """departures of every grid point of effects with memory: how a record began may be all that shows them"""
         self._departures: dict[tuple[object, ...], Columns] = {}
         self._samples: dict[tuple[object, ...], Columns] = {}
         self._vibrations = cache(lambda joint: vibrations(motion, joint))
@@ -58,22 +60,17 @@ class Scan:
             effect = LIBRARY[kind]
             felt = float(inertia[(joint or 1) - 1])
             grid = [g for g in effect.grid(joint) if effect.sensible(g, felt)]
-            found[kind, joint] = (grid, self.bases.columns(kind, joint, self.motion, grid))
+            if effect.states:
+                columns, self.remembering[kind, joint] = self.bases.with_beginnings(kind, joint, self.motion, grid)
+            else:
+                columns = self.bases.columns(kind, joint, self.motion, grid)
+            found[kind, joint] = (grid, columns)
         return found
 
     @cached_property
     def generics(self) -> dict[int, list[Generic]]:
         """Filtered columns of the generic laws, by joint."""
         return generic_laws(self.motion, self.load)
-
-    @cached_property
-    def remembering(self) -> dict[tuple[str, int | None], list[Columns]]:
-        """Departures of every grid point of effects with memory: how the record began may be all that shows them."""
-        return {
-            (kind, joint): self.bases.columns(kind, joint, self.motion, grid, departures=True)
-            for (kind, joint), (grid, _) in self.laws.items()
-            if LIBRARY[kind].states and grid
-        }
 
     def departures(self, kind: str, joint: int | None, nonlinear: dict[str, float]) -> Columns:
         """Filtered columns of an effect's departures."""
