@@ -77,12 +77,9 @@ class Bases:
         """
         if not grid:
             return []
-        keys = tuple(grid[0])
-        name = (kind, joint, departures, keys)
-        if name not in self._laws:
-            self._laws[name] = _Law(self.signals, LIBRARY[kind], joint, departures, keys)
-        return self._laws[name](
-            motion, [tuple(entry[key] for key in keys) for entry in grid], filtered, within(windows, motion.time)
+        law = self._law(kind, joint, departures, tuple(grid[0]))
+        return law(
+            motion, [tuple(entry[key] for key in grid[0]) for entry in grid], filtered, within(windows, motion.time)
         )
 
     def with_beginnings(
@@ -91,17 +88,20 @@ class Bases:
         """Filtered columns of basis and departures of an effect with memory, from one pass over its states."""
         if not grid:
             return [], []
-        keys = tuple(grid[0])
-        name = (kind, joint, True, keys)
-        if name not in self._laws:
-            self._laws[name] = _Law(self.signals, LIBRARY[kind], joint, True, keys)
-        law = self._laws[name]
-        points, always = [tuple(entry[key] for key in keys) for entry in grid], np.ones(len(motion.time), dtype=bool)
+        law = self._law(kind, joint, True, tuple(grid[0]))
+        points, always = [tuple(entry[key] for key in grid[0]) for entry in grid], within((), motion.time)
         both, split = law(motion, points, True, always, law_too=True), law.k + law.free
         return (
             [Columns(c.joints, np.ascontiguousarray(c.values[:, :, split:])) for c in both],
             [Columns(c.joints, np.ascontiguousarray(c.values[:, :, :split])) for c in both],
         )
+
+    def _law(self, kind: str, joint: int | None, departures: bool, keys: tuple[str, ...]) -> _Law:
+        """The effect's expression, built once."""
+        name = (kind, joint, departures, keys)
+        if name not in self._laws:
+            self._laws[name] = _Law(self.signals, LIBRARY[kind], joint, departures, keys)
+        return self._laws[name]
 
 
 class _Law:

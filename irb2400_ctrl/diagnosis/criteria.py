@@ -17,8 +17,6 @@ Array = npt.NDArray[np.float64]
 
 ONE_MOMENT = 1.0
 """[s] what begins nearer in time than this began for one reason"""
-IN_THE_BASE = 0.01
-"""share of an effect's torque that no other numbers of the robot could give, below which only their spread speaks"""
 
 
 @dataclass(frozen=True)
@@ -27,8 +25,8 @@ class Criteria:
 
     Args:
         gain: log evidence of an effect over the model without it [nats], family-wise; generic_gain: of a generic law;
-            gain_in_base: of an effect that other numbers of the robot would give as well (`IN_THE_BASE`), where no
-            misfit of shape or noise can pass for it.
+            gain_in_base: of a first effect of which other numbers of the robot would give all but the share `in_base`,
+            where no misfit of shape or noise can pass for it; beside_in_base: the same beside another effect.
         energy: its energy over what the base alone leaves on that joint.
         torque: its rms torque over the joint's; torque_beside_law: the same where its law alone gains less than
             `by_law` of what it gains with departures; torque_begun: of an effect that acts part of the time.
@@ -46,6 +44,8 @@ class Criteria:
     gain: float = 22.0
     generic_gain: float = 25.0
     gain_in_base: float = 12.5
+    beside_in_base: float = 44.0
+    in_base: float = 0.01
     energy: float = 0.05
     torque: float = 0.003
     torque_beside_law: float = 0.02
@@ -83,9 +83,8 @@ class Bar:
         size = np.sqrt(np.mean(candidate.torque(self.n) ** 2, axis=0))
         if (size > self.largest).any():
             return False  # a torque that something else must cancel again
-        if any(e.shows_moving for e in candidate.effects) and judge.gain_moving(candidate) < c.moving * judge.gain(
-            rival
-        ):
+        moving = any(e.shows_moving for e in candidate.effects)
+        if moving and judge.gain_moving(candidate) < c.moving * judge.gain(rival):
             return False
         # by departures from its law alone: the base takes the law in, and only a good size still speaks for the name
         least = c.torque if rival.by_law > c.by_law * candidate.score.gain else c.torque_beside_law
@@ -102,7 +101,7 @@ class Bar:
         take as well moves all of it.
         """
         short = any(stop < OPEN_END_S for e in candidate.effects for _, stop in e.windows_s)
-        if short or candidate.devices or judge.own_share(candidate) < IN_THE_BASE:
+        if short or candidate.devices or judge.own_share(candidate) < self.criteria.in_base:
             return False
         return judge.elsewhere(candidate) < self.criteria.elsewhere
 
@@ -132,10 +131,10 @@ class Bar:
         c = self.criteria
         if not candidate.known:
             return c.generic_gain
-        if judge.own_share(candidate) > IN_THE_BASE:
+        if judge.own_share(candidate) > c.in_base:
             return c.gain
         # what an earlier law leaves bends the base
-        return 2.0 * c.gain if chosen else c.gain_in_base
+        return c.beside_in_base if chosen else c.gain_in_base
 
     def best(self, judge: Judge, rivals: Sequence[Rival], chosen: Sequence[Candidate]) -> Rival:
         """The best rival; a generic law only where it beats the library by more than earlier laws may have left."""

@@ -78,12 +78,12 @@ class Judge:
         candidate = rival.candidate
         if not any(e.states for e in candidate.effects):
             return rival
-        problem = self._under(self.y - self._explained(self.start, candidate))
+        problem = self._under(self.y - self.explained(candidate))
         return replace(rival, candidate=self.scan.polished(problem, candidate))
 
     def added(self, candidate: Candidate) -> Array:
         """Rms that a candidate takes off what is left, beside a base that moves with it, shape (n,) [Nm]."""
-        after = self._energy(self.y - self._explained(self.start, candidate))
+        after = self._energy(self.y - self.explained(candidate))
         return np.sqrt(np.maximum(self.energy - after, 0.0))
 
     def explained(self, candidate: Candidate) -> Array:

@@ -28,7 +28,6 @@ BLOCK = 0.5
 STARTS = 16
 TRIED = 6
 """how many effects are judged as acting part of the time, and as many again in the same times as the best of them"""
-
 JOINTS_OF = 3
 """how many of the best effects say on which joints to look"""
 
@@ -53,11 +52,9 @@ class Windowing:
         best = max(found, key=lambda part: part.score.gain)
         windows = best.effects[0].windows_s
         tried = {(part.kind, part.joint) for part in found}
-        laws = [
-            law for law in self.scan.points(self.problem, best.joint, windows) if (law.kind, law.joint) not in tried
-        ]
-        laws += self.scan.points(self.problem, None, windows) if best.joint is not None else []
-        same = [part for law in laws if not law.device and (part := self._acting(law, windows))]
+        laws = [law for joint in {best.joint, None} for law in self.scan.points(self.problem, joint, windows)]
+        laws = [law for law in laws if not law.device and (law.kind, law.joint) not in tried]
+        same = [part for law in laws if (part := self._acting(law, windows))]
         return found + sorted(same, key=lambda part: -part.score.gain)[:TRIED]
 
     def _look(self, law: Point) -> tuple[Point, Windows, float] | None:

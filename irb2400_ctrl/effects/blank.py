@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cache
 
 import casadi as ca
 
@@ -39,6 +40,8 @@ class Blank:
         return ca.SX.sym(f"regressor_{link}", self.q.numel(), 10)
 
 
-def shape_size(effect: Effect, n: int) -> int:
-    """How many numbers a `shape` of this effect has on an arm of n joints."""
-    return int(effect.departures(Blank.of(n, len(effect.states))).shape[1])
+@cache
+def shape_size(effect: type[Effect], joint: int | None, n: int) -> int:
+    """How many numbers a `shape` of this kind of effect has on an arm of n joints."""
+    prototype = effect.prototype(joint, effect.grid(joint)[0])
+    return int(prototype.departures(Blank.of(n, len(effect.states))).shape[1])

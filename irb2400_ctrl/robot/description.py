@@ -199,7 +199,7 @@ class Robot(_Table):
             if effect.joint not in allowed:
                 names = "absent" if allowed == [None] else ", ".join(str(j) for j in allowed)
                 problems.append(f"effects: {effect.kind} on joint {effect.joint}, expected {names}")
-            elif effect.shape and len(effect.shape) != (size := shape_size(effect, n)):
+            elif effect.shape and len(effect.shape) != (size := shape_size(type(effect), effect.joint, n)):
                 wanted = f"{size} or none" if size else "none"
                 problems.append(f"effects: {effect.kind} has a shape of {len(effect.shape)} numbers, expected {wanted}")
         if problems:

@@ -1,4 +1,4 @@
-"""The selection comes to an end."""
+"""The selection comes to an end, and gives one moment one cause."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from irb2400_ctrl.diagnosis.criteria import Criteria
+from irb2400_ctrl.diagnosis.criteria import Criteria, of_one_moment
 from irb2400_ctrl.diagnosis.selection import Selection
 
 
@@ -24,3 +24,14 @@ def test_explanations_that_push_each_other_out_are_not_tried_for_ever(monkeypatc
     steps, fit = selection.run()
     assert [s.candidate.kind for s in steps] == ["one"]
     assert fit == 1
+
+
+def test_of_what_begins_together_only_the_largest_is_a_cause() -> None:
+    def begun(gain: float, *times: float) -> Any:
+        return SimpleNamespace(begins=times, score=SimpleNamespace(gain=gain))
+
+    large, small = begun(900.0, 12.4), begun(60.0, 12.9)
+    assert of_one_moment(small, [large])
+    assert not of_one_moment(large, [small])
+    assert not of_one_moment(begun(60.0, 14.0), [large])
+    assert not of_one_moment(begun(60.0), [large])  # acts always
