@@ -1,13 +1,15 @@
 """What a finding is worth to the controller, on arms that share no code with the library.
 
-    python benchmarks/close_loop.py [--arms 3] [--seed 31] [--only gear_ripple …] [--real float|double]
+    python benchmarks/close_loop.py [--arms 3] [--seed 31] [--only gear_ripple …] [--real
+    float|double]
 
-Each row: arms of the independent plant with one effect (`tests/independent_plant`, physics at 4 kHz, laws of other
-shapes) -> their identification logs -> `diagnose` -> the controller's C package made again -> that C code follows
-another motion on the same arm. Three descriptions stand behind the controller: the robot as given; the same with the
-parameters that the diagnosis found but without the effect it named; the robot as diagnosed. Each cell has these three.
-Means over the arms, rms over 30 s: true angle of the axis with the effect (of all axes for one of the whole arm)
-[mdeg], tip of the tool [mm]. Prints Markdown.
+Each row: arms of the independent plant with one effect (`tests/independent_plant`, physics at 4
+kHz, laws of other shapes) -> their identification logs -> `diagnose` -> the controller's C package
+made again -> that C code follows another motion on the same arm. Three descriptions stand behind
+the controller: the robot as given; the same with the parameters that the diagnosis found but
+without the effect it named; the robot as diagnosed. Each cell has these three. Means over the arms,
+rms over 30 s: true angle of the axis with the effect (of all axes for one of the whole arm) [mdeg],
+tip of the tool [mm]. Prints Markdown.
 """
 
 from __future__ import annotations
@@ -49,7 +51,8 @@ DESCRIPTIONS = ("given", "recalibrated", "diagnosed")
 def row(kind: str, closed: list[Closed]) -> str:
     """The line of one effect."""
     names = Counter(
-        " + ".join(f"{f.effect.kind} {f.effect.joint or ''}".strip() for f in c.diagnosis.findings) or "nothing"
+        " + ".join(f"{f.effect.kind} {f.effect.joint or ''}".strip() for f in c.diagnosis.findings)
+        or "nothing"
         for c in closed
     )
     truth = next((t for c in closed for t in c.case.truth), None)
@@ -57,7 +60,10 @@ def row(kind: str, closed: list[Closed]) -> str:
     cells = [kind + axis, ", ".join(f"{count} {name}" for name, count in names.most_common())]
     for controller in CONTROLLERS:
         runs = [[getattr(c, d)[controller] for c in closed] for d in DESCRIPTIONS]
-        own = [1e3 * np.degrees(np.mean([_own_error(c, r) for c, r in zip(closed, of, strict=True)])) for of in runs]
+        own = [
+            1e3 * np.degrees(np.mean([_own_error(c, r) for c, r in zip(closed, of, strict=True)]))
+            for of in runs
+        ]
         tip = [1e3 * np.mean([r.tip for r in of]) for of in runs]
         cells += [", ".join(f"{x:.0f}" for x in own), ", ".join(f"{x:.2f}" for x in tip)]
     return f"| {' | '.join(cells)} |"
@@ -72,14 +78,22 @@ def _own_error(closed: Closed, tracking: Tracking) -> float:
 
 def main() -> None:
     """Command line."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--arms", type=int, default=3, help="arms per effect")
     parser.add_argument("--seed", type=int, default=31, help="of the first arm")
     parser.add_argument("--only", nargs="*", default=[], help="kinds; default all")
-    parser.add_argument("--real", choices=("float", "double"), default="float", help="precision of the generated C")
+    parser.add_argument(
+        "--real", choices=("float", "double"), default="float", help="precision of the generated C"
+    )
     args = parser.parse_args()
     robot = load_robot("irb2400")
-    heads = ["effect, axis", "called (arms)", *(f"{c}: {what}" for c in CONTROLLERS for what in ("axis", "tip"))]
+    heads = [
+        "effect, axis",
+        "called (arms)",
+        *(f"{c}: {what}" for c in CONTROLLERS for what in ("axis", "tip")),
+    ]
     print(f"| {' | '.join(heads)} |\n|{' --- |' * len(heads)}")
     for kind, joint, fraction in ROWS:
         if args.only and kind not in args.only:

@@ -1,7 +1,9 @@
-"""Dynamics against Pinocchio C++ and CasADi's own C: one process, candidates in turn, minima and medians.
+"""Dynamics against Pinocchio C++ and CasADi's own C: one process, candidates in turn, minima and
+medians.
 
-Pinocchio is compiled here from the headers of the `pin` wheel (test extra), as templates, with the flags of everybody.
-All candidates get the same 256 random states. Ours is what the library itself calls: `compile_function`.
+Pinocchio is compiled here from the headers of the `pin` wheel (test extra), as templates, with the
+flags of everybody. All candidates get the same 256 random states. Ours is what the library itself
+calls: `compile_function`.
 """
 
 from __future__ import annotations
@@ -20,11 +22,18 @@ import numpy.typing as npt
 
 import irb2400_ctrl as irb
 from irb2400_ctrl.codegen.build import host_source
-from irb2400_ctrl.codegen.toolchain import build_shared, cache_dir, find_compiler, native_flags, processor
+from irb2400_ctrl.codegen.toolchain import (
+    build_shared,
+    cache_dir,
+    find_compiler,
+    native_flags,
+    processor,
+)
 
 Array = npt.NDArray[np.float64]
 HERE = Path(__file__).parent
-# what the wheel's own CMake files define: Pinocchio's variant of joints is longer than Boost expects
+# what the wheel's own CMake files define: Pinocchio's variant of joints is longer than Boost
+# expects
 PINOCCHIO_FLAGS = (
     "-DBOOST_MPL_CFG_NO_PREPROCESSED_HEADERS",
     "-DBOOST_MPL_LIMIT_LIST_SIZE=30",
@@ -52,7 +61,15 @@ class Candidate:
         """Words for the racing program; the inputs go into a file."""
         path = folder / f"inputs_{position}"
         np.ascontiguousarray(self.inputs).tofile(path)
-        words = [self.who, self.kind, self.target, str(self.inputs.shape[1]), str(path), self.entry, str(self.groups)]
+        words = [
+            self.who,
+            self.kind,
+            self.target,
+            str(self.inputs.shape[1]),
+            str(path),
+            self.entry,
+            str(self.groups),
+        ]
         return "|".join(words)
 
 
@@ -88,9 +105,19 @@ def candidates(model: irb.Model, folder: Path) -> list[Candidate]:
     time = np.zeros((STATES, 1))
     found = []
     tasks = {
-        "inverse dynamics": ("inverse_dynamics_without_friction", [q, qd, qdd, time], "rnea", [*theta]),
+        "inverse dynamics": (
+            "inverse_dynamics_without_friction",
+            [q, qd, qdd, time],
+            "rnea",
+            [*theta],
+        ),
         "mass matrix": ("mass_matrix", [q], "crba", [*theta]),
-        "forward dynamics": ("forward_dynamics_without_friction", [q, qd, tau, time], "aba", [*theta[:2], tau_theta]),
+        "forward dynamics": (
+            "forward_dynamics_without_friction",
+            [q, qd, tau, time],
+            "aba",
+            [*theta[:2], tau_theta],
+        ),
         "forward dynamics derivatives": (
             "forward_dynamics_derivatives_without_friction",
             [q, qd, tau, time],
@@ -105,10 +132,20 @@ def candidates(model: irb.Model, folder: Path) -> list[Candidate]:
             library = build_shared(host_source(function, real="double"), fused=fused)
             found.append(Candidate(task, label, "own", str(library), together))
         library = casadi_library(function, folder, name)
-        found.append(Candidate(task, "CasADi's C", "casadi", str(library), together, function.name(), len(inputs)))
-        found.append(Candidate(task, "Pinocchio C++", "pinocchio", algorithm, np.hstack(pin_inputs)))
+        found.append(
+            Candidate(
+                task, "CasADi's C", "casadi", str(library), together, function.name(), len(inputs)
+            )
+        )
+        found.append(
+            Candidate(task, "Pinocchio C++", "pinocchio", algorithm, np.hstack(pin_inputs))
+        )
         if algorithm == "aba":
-            found.append(Candidate(task, "Pinocchio C++, local", "pinocchio", "aba_local", np.hstack(pin_inputs)))
+            found.append(
+                Candidate(
+                    task, "Pinocchio C++, local", "pinocchio", "aba_local", np.hstack(pin_inputs)
+                )
+            )
     found.append(controller_step(robot, q, qd, qdd))
     return found
 
@@ -133,18 +170,35 @@ def casadi_library(function: ca.Function, folder: Path, name: str) -> Path:
     generator.add(function)
     source = Path(generator.generate(f"{folder}/"))
     library = source.with_suffix(".so")
-    run([*find_compiler().command, *FLAGS, "-fPIC", "-shared", str(source), "-o", str(library), "-lm"])
+    run(
+        [
+            *find_compiler().command,
+            *FLAGS,
+            "-fPIC",
+            "-shared",
+            str(source),
+            "-o",
+            str(library),
+            "-lm",
+        ]
+    )
     return library
 
 
 def write_arm(robot: irb.Robot, path: Path) -> Path:
-    """Placement and mass data of each joint for Pinocchio; the tool is folded into the last link."""
+    """Placement and mass data of each joint for Pinocchio; the tool is folded into the last
+    link."""
     rows = []
     for i, link in enumerate(robot.links):
         m, mc, inertia = folded(robot, i)
         c = mc / m
         rows.append(
-            [*link.frame.matrix().ravel(), m, *c, *(inertia - m * (c @ c * np.eye(3) - np.outer(c, c))).ravel()]
+            [
+                *link.frame.matrix().ravel(),
+                m,
+                *c,
+                *(inertia - m * (c @ c * np.eye(3) - np.outer(c, c))).ravel(),
+            ]
         )
     np.array(rows).tofile(path)
     return path
@@ -161,8 +215,17 @@ def build_race() -> Path:
     """The racing program with Pinocchio inside; built once, because its templates take minutes."""
     includes = [wheel_prefix() / "include", Path(ca.__file__).parent / "include" / "eigen3"]
     source = HERE / "race.cpp"
-    command = ["g++", "-std=c++17", *FLAGS, *PINOCCHIO_FLAGS, "-w", *(f"-isystem{path}" for path in includes)]
-    key = hashlib.sha256("\0".join([*command, processor(), source.read_text()]).encode()).hexdigest()[:32]
+    command = [
+        "g++",
+        "-std=c++17",
+        *FLAGS,
+        *PINOCCHIO_FLAGS,
+        "-w",
+        *(f"-isystem{path}" for path in includes),
+    ]
+    key = hashlib.sha256(
+        "\0".join([*command, processor(), source.read_text()]).encode()
+    ).hexdigest()[:32]
     program = cache_dir() / f"race-{key}"
     if not program.exists():
         print("compiling Pinocchio (minutes, once) ...", file=sys.stderr)
@@ -192,7 +255,8 @@ def race(model: irb.Model) -> list[Time]:
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         entries = candidates(model, folder)
-        program, arm = build_race(), write_arm(model.robot, folder / "arm")
+        program = build_race()
+        arm = write_arm(model.robot, folder / "arm")
         arguments = [entry.argument(folder, k) for k, entry in enumerate(entries)]
         text = run([str(program), str(arm), str(BLOCKS), *arguments])
     sums, *lines = text.splitlines()
@@ -214,13 +278,22 @@ def compare(entries: list[Candidate], sums: list[float]) -> None:
 
 def table(times: list[Time], model: irb.Model) -> str:
     """Markdown: minima, medians, and how many times faster ours is (by minima)."""
-    lines = ["| task | who | minimum ns | median ns | ours is faster by |", "| --- | --- | ---: | ---: | ---: |"]
+    lines = [
+        "| task | who | minimum ns | median ns | ours is faster by |",
+        "| --- | --- | ---: | ---: | ---: |",
+    ]
     ours = {time.task: time.minimum for time in times if time.who == "ours"}
     for time in times:
         ratio = "" if time.who.startswith("ours") else f"{time.minimum / ours[time.task]:.1f}"
-        lines.append(f"| {time.task} | {time.who} | {time.minimum:.1f} | {time.median:.1f} | {ratio} |")
+        lines.append(
+            f"| {time.task} | {time.who} | {time.minimum:.1f} | {time.median:.1f} | {ratio} |"
+        )
     lines.append("")
-    for name in ("inverse_dynamics_without_friction", "mass_matrix", "forward_dynamics_without_friction"):
+    for name in (
+        "inverse_dynamics_without_friction",
+        "mass_matrix",
+        "forward_dynamics_without_friction",
+    ):
         lines.append(f"{name}: {model.function(name).n_instructions()} SX instructions")
     derivatives = model.function("forward_dynamics_derivatives_without_friction").n_instructions()
     lines.append(f"forward_dynamics_derivatives_without_friction: {derivatives} SX instructions")

@@ -1,9 +1,11 @@
-"""What the bound of every effect costs: certified timing against an optimum that holds at the ends of its cells only.
+"""What the bound of every effect costs: certified timing against an optimum that holds at the ends
+of its cells only.
 
     python benchmarks/effect_bounds.py [paths]
 
-The reference knows the time at which it passes each cell and linearises the model's own inverse dynamics there, round
-after round; in between it may exceed the limits, and does. The certified motion holds at all times, whenever it starts.
+The reference knows the time at which it passes each cell and linearises the model's own inverse
+dynamics there, round after round; in between it may exceed the limits, and does. The certified
+motion holds at all times, whenever it starts.
 """
 
 from __future__ import annotations
@@ -18,13 +20,13 @@ import irb2400_ctrl as irb
 from irb2400_ctrl.codegen import compile_function
 from irb2400_ctrl.effects import LIBRARY, Effect
 from irb2400_ctrl.planners import MotionLimits
-from irb2400_ctrl.planners.cells import enclose, grid
+from irb2400_ctrl.planners.enclosure.cells import enclose, grid
+from irb2400_ctrl.planners.enclosure.path_dynamics import PathDynamics, path_dynamics
 from irb2400_ctrl.planners.joint_path import JointPath
-from irb2400_ctrl.planners.limits import speed_bounds
-from irb2400_ctrl.planners.path_dynamics import PathDynamics, path_dynamics
-from irb2400_ctrl.planners.retime import time_joint_path
-from irb2400_ctrl.planners.time_law import TimeLaw
-from irb2400_ctrl.planners.two_pass import two_pass
+from irb2400_ctrl.planners.timing.motion_limits import speed_bounds
+from irb2400_ctrl.planners.timing.time_joint_path import time_joint_path
+from irb2400_ctrl.planners.timing.time_law import TimeLaw
+from irb2400_ctrl.planners.timing.two_pass import two_pass
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
 from spline_paths import random_path
@@ -40,8 +42,12 @@ CASES: dict[str, list[Effect]] = {
     "power 0.5": [LIBRARY["viscous_power"].of(j, coefficient=60, exponent=0.5) for j in (1, 2, 3)],
     "power 1.5": [LIBRARY["viscous_power"].of(j, coefficient=60, exponent=1.5) for j in (1, 2, 3)],
     "power 2.5": [LIBRARY["viscous_power"].of(j, coefficient=30, exponent=2.5) for j in (1, 2, 3)],
-    "cold gears": [LIBRARY["viscous_warmup"].of(j, viscous_Nms_rad=60, time_constant_s=5) for j in (1, 2, 3)],
-    "process force": [LIBRARY["process_force"].of(None, force_x_N=60, force_z_N=-80, start_s=0.2, stop_s=0.8)],
+    "cold gears": [
+        LIBRARY["viscous_warmup"].of(j, viscous_Nms_rad=60, time_constant_s=5) for j in (1, 2, 3)
+    ],
+    "process force": [
+        LIBRARY["process_force"].of(None, force_x_N=60, force_z_N=-80, start_s=0.2, stop_s=0.8)
+    ],
     "rotor in a window": [LIBRARY["rotor_inertia"].of(2, inertia_kgm2=8, windows_s=((0.1, 0.6),))],
 }
 
@@ -50,7 +56,8 @@ def sampled_optimum(dynamics: PathDynamics, path: JointPath, count: int = 4000) 
     """The fastest motion whose torque holds just inside both ends of every cell, from time zero."""
     torque = compile_function(dynamics.model.function("inverse_dynamics"))
     s = grid(path, count)
-    h, piece = np.diff(s), path.piece((s[:-1] + s[1:]) / 2)
+    h = np.diff(s)
+    piece = path.piece((s[:-1] + s[1:]) / 2)
     bound = np.minimum(speed_bounds(enclose(dynamics, path, s), LIMITS.qd_max), 1e9)
     bound[[0, -1]] = 0.0
     start = time_joint_path(path_dynamics(ROBOT), path, LIMITS, count=count)[0].law
@@ -68,9 +75,12 @@ def sampled_optimum(dynamics: PathDynamics, path: JointPath, count: int = 4000) 
 
 
 def _rows(torque, path: JointPath, law: TimeLaw, piece: Array, end: float) -> list[Array]:  # type: ignore[no-untyped-def]
-    """tau + d tau/du (u - u_0) + d tau/dx (x - x_0) within the limits at a part of each cell, shape (m, n, 3) twice."""
-    h, u = np.diff(law.s), law.u
-    at, time = law.s[:-1] + end * h, (law.time[:-1] + end * np.diff(law.time))[:, None]
+    """tau + d tau/du (u - u_0) + d tau/dx (x - x_0) within the limits at a part of each cell, shape
+    (m, n, 3) twice."""
+    h = np.diff(law.s)
+    u = law.u
+    at = law.s[:-1] + end * h
+    time = (law.time[:-1] + end * np.diff(law.time))[:, None]
     q, dq, ddq = (path.on_piece(at, piece, order) for order in range(3))
     x = np.maximum(law.x[:-1] + 2 * h * u * end, 1e-12)
 
@@ -78,7 +88,8 @@ def _rows(torque, path: JointPath, law: TimeLaw, piece: Array, end: float) -> li
         qdd = ddq * x[:, None] + dq * u[:, None]
         return np.asarray(torque.map(q, dq * np.sqrt(x)[:, None], qdd, time)[0])
 
-    du, dx = 1e-4 * (1 + np.abs(u)), 1e-4 * x
+    du = 1e-4 * (1 + np.abs(u))
+    dx = 1e-4 * x
     by_u = (tau(u + du, x) - tau(u - du, x)) / (2 * du)[:, None]
     by_x = (tau(u, x + dx) - tau(u, x - dx)) / (2 * dx)[:, None]
     rest = tau(u, x) - by_u * u[:, None] - by_x * x[:, None]
@@ -88,7 +99,8 @@ def _rows(torque, path: JointPath, law: TimeLaw, piece: Array, end: float) -> li
 
 
 def worst(dynamics: PathDynamics, path: JointPath, law: TimeLaw, start: float) -> float:
-    """Largest torque over its limit, looked for 10,000 times a second in a motion that starts at a time [s]."""
+    """Largest torque over its limit, looked for 10,000 times a second in a motion that starts at a
+    time [s]."""
     time = np.arange(0, law.duration, 1e-4)
     _, q, qd, qdd = law.motion(path, time)
     return float((np.abs(dynamics.torque(q, qd, qdd, time + start)) / LIMITS.tau_max).max())
@@ -99,15 +111,24 @@ def main(paths: int = 4) -> None:
     print(f"{'':20s} {'longer by':>18s} {'reference over':>15s} {'certified over':>15s}")
     for name, effects in CASES.items():
         dynamics = path_dynamics(ROBOT.with_effects(*effects))
-        price, reference, certified = [], 0.0, 0.0
+        price = []
+        reference = 0.0
+        certified = 0.0
         for seed in range(paths):
             path = random_path(seed)
-            fine, timed = sampled_optimum(dynamics, path), time_joint_path(dynamics, path, LIMITS)[0]
+            fine = sampled_optimum(dynamics, path)
+            timed = time_joint_path(dynamics, path, LIMITS)[0]
             price.append(100 * (timed.law.duration / fine.duration - 1))
             reference = max(reference, worst(dynamics, path, fine, 0.0) - 1)
-            certified = max(certified, *(worst(dynamics, path, timed.law, start) - 1 for start in (0.0, 0.3, 1e6)))
+            certified = max(
+                certified,
+                *(worst(dynamics, path, timed.law, start) - 1 for start in (0.0, 0.3, 1e6)),
+            )
         span = f"{min(price):.2f} … {max(price):.2f} %"
-        print(f"{name:20s} {span:>18s} {100 * reference:13.2f} % {100 * max(certified, 0.0):13.2f} %", flush=True)
+        print(
+            f"{name:20s} {span:>18s} {100 * reference:13.2f} % {100 * max(certified, 0.0):13.2f} %",
+            flush=True,
+        )
 
 
 if __name__ == "__main__":

@@ -1,9 +1,11 @@
-"""Blind evaluation of the diagnosis on an independent plant: run suites, keep every outcome, write the table.
+"""Blind evaluation of the diagnosis on an independent plant: run suites, keep every outcome, write
+the table.
 
     python benchmarks/evaluate.py run OUT.jsonl --suite clean --count 300 --seed 100
     python benchmarks/evaluate.py table OUT.jsonl [MORE.jsonl …] > docs/evaluation.md
 
-Each line of OUT.jsonl is one arm: what it really had, what was said, how surely, and the errors on its validation log.
+Each line of OUT.jsonl is one arm: what it really had, what was said, how surely, and the errors on
+its validation log.
 """
 
 from __future__ import annotations
@@ -26,7 +28,8 @@ def outcome(case: Any, robot: Any, reference: bool = False) -> dict[str, Any]:
     """Diagnose one case of the independent plant and set truth beside verdict.
 
     Args:
-        reference: whether a log of the same arm, moved otherwise and without its effects, goes with it.
+        reference: whether a log of the same arm, moved otherwise and without its effects, goes with
+            it.
     """
     from independent_plant import beyond_priors
 
@@ -96,7 +99,11 @@ def run(args: argparse.Namespace) -> None:
     robot = load_robot("irb2400")
     out = Path(args.out)
     out.parent.mkdir(parents=True, exist_ok=True)
-    done = {json.loads(line)["case"] for line in out.read_text().splitlines()} if out.exists() else set()
+    done = (
+        {json.loads(line)["case"] for line in out.read_text().splitlines()}
+        if out.exists()
+        else set()
+    )
     with out.open("a") as file:
         for case in suite(args.suite, args.start + args.count, args.seed)[args.start :]:
             if case.name in done:
@@ -106,7 +113,8 @@ def run(args: argparse.Namespace) -> None:
             file.flush()
             if not args.quiet:
                 truth = [
-                    (t["kind"], t["joint"], round(t["fraction"], 3), round(t["strength"], 1)) for t in line["truth"]
+                    (t["kind"], t["joint"], round(t["fraction"], 3), round(t["strength"], 1))
+                    for t in line["truth"]
                 ]
                 said = [(f["kind"], f["joint"], round(f["confidence"], 2)) for f in line["found"]]
                 left = [(u["joint"], u["depends_on"]) for u in line["unexplained"]]
@@ -115,7 +123,9 @@ def run(args: argparse.Namespace) -> None:
 
 def main() -> None:
     """Command line."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     commands = parser.add_subparsers(required=True)
     runner = commands.add_parser("run", help="diagnose cases of one suite")
     runner.add_argument("out")
@@ -123,7 +133,9 @@ def main() -> None:
     runner.add_argument("--count", type=int, required=True)
     runner.add_argument("--start", type=int, default=0)
     runner.add_argument("--seed", type=int, default=100)
-    runner.add_argument("--reference", action="store_true", help="with a log of the same arm without its effects")
+    runner.add_argument(
+        "--reference", action="store_true", help="with a log of the same arm without its effects"
+    )
     runner.add_argument("--quiet", action="store_true")
     runner.set_defaults(do=run)
     table = commands.add_parser("table", help="the table of outcomes, as Markdown")
@@ -136,7 +148,9 @@ def main() -> None:
 def _table(files: list[str]) -> str:
     from evaluation_table import table
 
-    return table([json.loads(line) for name in files for line in Path(name).read_text().splitlines()])
+    return table(
+        [json.loads(line) for name in files for line in Path(name).read_text().splitlines()]
+    )
 
 
 if __name__ == "__main__":

@@ -10,7 +10,8 @@ import numpy as np
 Case = dict[str, Any]
 
 VISIBLE = 10.0
-"""strength (standard deviations, priors and noise counted) above which an effect can honestly be asked for"""
+"""strength (standard deviations, priors and noise counted) above which an effect can honestly be
+asked for"""
 SURE = 0.9
 
 
@@ -30,7 +31,9 @@ def table(cases: list[Case]) -> str:
 
 def exact(finding: Case, truth: Case) -> bool:
     """Kind and joint right."""
-    same_joint = finding["joint"] == truth["joint"] or (truth["joint"] is None and finding["joint"] is None)
+    same_joint = finding["joint"] == truth["joint"] or (
+        truth["joint"] is None and finding["joint"] is None
+    )
     return bool(finding["kind"] == truth["kind"] and same_joint)
 
 
@@ -41,7 +44,9 @@ def in_group(finding: Case, truth: Case) -> bool:
 
 
 def _known(case: Case) -> list[Case]:
-    return [t for t in case["truth"] if t["in_library"] and t["strength"] >= VISIBLE and not t["idle"]]
+    return [
+        t for t in case["truth"] if t["in_library"] and t["strength"] >= VISIBLE and not t["idle"]
+    ]
 
 
 def _measures(suite: str, cases: list[Case]) -> list[tuple[str, int, int]]:
@@ -51,27 +56,51 @@ def _measures(suite: str, cases: list[Case]) -> list[tuple[str, int, int]]:
     if clean:
         named = sum(bool(c["found"]) for c in clean)
         found += [("a name on a clean arm", named, len(clean))]
-        found += [("unexplained on a clean arm", sum(bool(c["unexplained"]) for c in clean), len(clean))]
+        found += [
+            ("unexplained on a clean arm", sum(bool(c["unexplained"]) for c in clean), len(clean))
+        ]
     asked = [(c, t) for c in cases for t in _known(c)]
     if asked:
         found += [
-            ("exact kind and joint", sum(any(exact(f, t) for f in c["found"]) for c, t in asked), len(asked)),
-            ("truth in the reported group", sum(any(in_group(f, t) for f in c["found"]) for c, t in asked), len(asked)),
-            ("named or reported unexplained", sum(bool(c["found"] or c["unexplained"]) for c, _ in asked), len(asked)),
+            (
+                "exact kind and joint",
+                sum(any(exact(f, t) for f in c["found"]) for c, t in asked),
+                len(asked),
+            ),
+            (
+                "truth in the reported group",
+                sum(any(in_group(f, t) for f in c["found"]) for c, t in asked),
+                len(asked),
+            ),
+            (
+                "named or reported unexplained",
+                sum(bool(c["found"] or c["unexplained"]) for c, _ in asked),
+                len(asked),
+            ),
         ]
         arms = [c for c in cases if _known(c)]
         extra = [f for c in arms for f in c["found"] if not any(in_group(f, t) for t in c["truth"])]
-        found.append(("arms with a further wrong name", sum(_has_extra(c) for c in arms), len(arms)))
-        found.append(("sure and wrong (0.9 or more)", sum(f["confidence"] >= SURE for f in extra), len(arms)))
+        found.append(
+            ("arms with a further wrong name", sum(_has_extra(c) for c in arms), len(arms))
+        )
+        found.append(
+            ("sure and wrong (0.9 or more)", sum(f["confidence"] >= SURE for f in extra), len(arms))
+        )
         if suite == "pairs":
             both = [c for c in arms if len(_known(c)) == 2]
-            hits = sum(all(any(in_group(f, t) for f in c["found"]) for t in _known(c)) for c in both)
+            hits = sum(
+                all(any(in_group(f, t) for f in c["found"]) for t in _known(c)) for c in both
+            )
             found.append(("both named, each in its group", hits, len(both)))
     outside = [c for c in cases if c["truth"] and not any(t["in_library"] for t in c["truth"])]
     outside = [c for c in outside if c["truth"][0]["strength"] >= VISIBLE]
     if outside:
         reported = [c for c in outside if c["unexplained"]]
-        right_joint = [c for c in reported if any(u["joint"] == c["truth"][0]["main_joint"] for u in c["unexplained"])]
+        right_joint = [
+            c
+            for c in reported
+            if any(u["joint"] == c["truth"][0]["main_joint"] for u in c["unexplained"])
+        ]
         found += [
             ("outside: reported unexplained", len(reported), len(outside)),
             ("outside: right joint", len(right_joint), len(reported)),
@@ -95,7 +124,9 @@ def _right_signal(case: Case) -> bool:
     joint = truth["main_joint"]
     same = {"sign_qd": "qd", f"q{joint}": "q", f"qd{joint}": "qd", f"qdd{joint}": "qdd"}
     true = {same.get(s, s) for s in truth["signals"]}
-    said = {same.get(s, s) for u in case["unexplained"] if u["joint"] == joint for s in u["depends_on"]}
+    said = {
+        same.get(s, s) for u in case["unexplained"] if u["joint"] == joint for s in u["depends_on"]
+    }
     return bool(true & said)
 
 
@@ -119,13 +150,21 @@ def _errors(cases: list[Case]) -> list[str]:
 
 def _calibration(cases: list[Case]) -> list[str]:
     """Share of right names by confidence."""
-    said = [(f["confidence"], any(exact(f, t) for t in c["truth"])) for c in cases for f in c["found"]]
-    lines = ["| confidence | findings | mean confidence | exactly right |", "| --- | --- | --- | --- |"]
+    said = [
+        (f["confidence"], any(exact(f, t) for t in c["truth"])) for c in cases for f in c["found"]
+    ]
+    lines = [
+        "| confidence | findings | mean confidence | exactly right |",
+        "| --- | --- | --- | --- |",
+    ]
     for low, high in ((0.0, 0.6), (0.6, 0.75), (0.75, 0.9), (0.9, 0.95), (0.95, 1.01)):
         part = [(p, right) for p, right in said if low <= p < high]
         if part:
             p, right = np.array(part, dtype=float).T
-            lines.append(f"| {low:.2f} to {min(high, 1):.2f} | {len(part)} | {p.mean():.3f} | {right.mean():.3f} |")
+            lines.append(
+                f"| {low:.2f} to {min(high, 1):.2f} | {len(part)} | {p.mean():.3f} | "
+                f"{right.mean():.3f} |"
+            )
     return lines
 
 
@@ -140,5 +179,7 @@ def _confusion(cases: list[Case]) -> list[str]:
             said.setdefault(truth["kind"], Counter()).update(set(names) or {"nothing"})
     lines = ["| what it has | what was said |", "| --- | --- |"]
     for kind, counter in sorted(said.items()):
-        lines.append(f"| {kind} | {', '.join(f'{name} {count}' for name, count in counter.most_common())} |")
+        lines.append(
+            f"| {kind} | {', '.join(f'{name} {count}' for name, count in counter.most_common())} |"
+        )
     return lines

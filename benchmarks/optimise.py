@@ -1,11 +1,14 @@
-"""Free geometry against the fixed spline: durations, solve times and violations on random way-points.
+"""Free geometry against the fixed spline: durations, solve times and violations on random
+way-points.
 
     python benchmarks/optimise.py [--count 20] [--seed 1]
-    python benchmarks/optimise.py --more           (torque rate, energy, intervals and warm starts; six of each set)
+    python benchmarks/optimise.py --more           (torque rate, energy, intervals and warm starts;
+    six of each set)
 
-Two sets of six way-points each: standard deviation of 0.5 rad about a working pose ("near"), and even over the middle
-half of the joint box ("far"). The fixed spline is the cubic spline at even parameters, in certified timing; toppra's
-time on it stands beside. Draws whose spline leaves the joint box or has no timing are left out, and counted.
+Two sets of six way-points each: standard deviation of 0.5 rad about a working pose ("near"), and
+even over the middle half of the joint box ("far"). The fixed spline is the cubic spline at even
+parameters, in certified timing; toppra's time on it stands beside. Draws whose spline leaves the
+joint box or has no timing are left out, and counted.
 """
 
 from __future__ import annotations
@@ -19,13 +22,13 @@ import numpy.typing as npt
 
 import irb2400_ctrl as irb
 from irb2400_ctrl.errors import InfeasibleError
-from irb2400_ctrl.planners.certificate import check
+from irb2400_ctrl.planners.enclosure.path_dynamics import path_dynamics
 from irb2400_ctrl.planners.joint_path import JointPath
-from irb2400_ctrl.planners.limits import MotionLimits
-from irb2400_ctrl.planners.optimise import optimise_motion
-from irb2400_ctrl.planners.path_dynamics import path_dynamics
-from irb2400_ctrl.planners.retime import time_joint_path
-from irb2400_ctrl.planners.toppra_timing import time_with_toppra
+from irb2400_ctrl.planners.timing.certificate import check
+from irb2400_ctrl.planners.timing.motion_limits import MotionLimits
+from irb2400_ctrl.planners.timing.time_joint_path import time_joint_path
+from irb2400_ctrl.planners.timing.toppra_timing import time_with_toppra
+from irb2400_ctrl.planners.trajectory_optimisation.optimise_motion import optimise_motion
 from irb2400_ctrl.robot import Robot
 
 Array = npt.NDArray[np.float64]
@@ -39,13 +42,19 @@ def near(robot: Robot, draw: np.random.Generator) -> Array:
 
 def far(robot: Robot, draw: np.random.Generator) -> Array:
     """Six way-points over half of the joint box."""
-    middle, half = (robot.q_min + robot.q_max) / 2, (robot.q_max - robot.q_min) / 2
+    middle = (robot.q_min + robot.q_max) / 2
+    half = (robot.q_max - robot.q_min) / 2
     return middle + half * draw.uniform(-0.5, 0.5, size=(6, robot.n))
 
 
-def problems(robot: Robot, kind: Callable[..., Array], count: int, seed: int) -> tuple[list[Array], int, int]:
-    """Way-points whose spline stays in the box and has a timing, and how many draws were left out for either."""
-    draw, outside, stuck = np.random.default_rng(seed), 0, 0
+def problems(
+    robot: Robot, kind: Callable[..., Array], count: int, seed: int
+) -> tuple[list[Array], int, int]:
+    """Way-points whose spline stays in the box and has a timing, and how many draws were left out
+    for either."""
+    draw = np.random.default_rng(seed)
+    outside = 0
+    stuck = 0
     found: list[Array] = []
     while len(found) < count:
         W = kind(robot, draw)
@@ -73,7 +82,11 @@ def rates(robot: Robot, cases: list[Array]) -> None:
     free = [optimise_motion(robot, W) for W in cases]
     fixed = [found.reference.duration for found in free if found.reference is not None]
     for rate in (50, 20, 10):
-        price, fixed_price, ratio, seconds, bounded = [], [], [], [], 0
+        price = []
+        fixed_price = []
+        ratio = []
+        seconds = []
+        bounded = 0
         for W, without, reference in zip(cases, free, fixed, strict=True):
             started = time.perf_counter()
             found = optimise_motion(robot, W, torque_rate=rate * robot.tau_max)
@@ -82,44 +95,65 @@ def rates(robot: Robot, cases: list[Array]) -> None:
             price.append(found.duration / without.duration)
             fixed_price.append(found.reference.duration / reference)
             ratio.append(found.ratio)
-            checked = check(found.motion.certificate, path_dynamics(robot).model, path_dynamics(robot))
+            checked = check(
+                found.motion.certificate, path_dynamics(robot).model, path_dynamics(robot)
+            )
             bounded += checked.holds() and not found.fell_back
-        print(f"   {rate} tau_max per second: duration over that without {listed(price)}, on the spline", end=" ")
-        print(f"{listed(fixed_price)}; ratio {listed(ratio)}; {listed(seconds)} s; certified {bounded}", flush=True)
+        print(
+            f"   {rate} tau_max per second: duration over that without {listed(price)}, on the "
+            "spline",
+            end=" ",
+        )
+        print(
+            f"{listed(fixed_price)}; ratio {listed(ratio)}; {listed(seconds)} s; certified "
+            f"{bounded}",
+            flush=True,
+        )
 
 
 def energies(robot: Robot, cases: list[Array]) -> None:
     """Energy over that of the slowed spline."""
-    ratio, seconds = [], []
+    ratio = []
+    seconds = []
     for W in cases:
         started = time.perf_counter()
         found = optimise_motion(robot, W, objective="energy")
         seconds.append(time.perf_counter() - started)
         assert found.reference is not None
         ratio.append(float(found.motion.energy.sum() / found.reference.energy.sum()))
-    print(f"   energy over that of the slowed spline {listed(ratio)}; {listed(seconds)} s", flush=True)
+    print(
+        f"   energy over that of the slowed spline {listed(ratio)}; {listed(seconds)} s", flush=True
+    )
 
 
 def settings(robot: Robot, cases: list[Array]) -> None:
-    """Duration over that of the even spline: with other numbers of intervals, and from other warm starts."""
+    """Duration over that of the even spline: with other numbers of intervals, and from other warm
+    starts."""
     fixed = [optimise_motion(robot, W, wall_time=1e-6).duration for W in cases]
     for intervals in (60, 100, 150, 300, 600):
         found = [optimise_motion(robot, W, intervals=intervals, wall_time=60.0) for W in cases]
         ratio = [f.duration / reference for f, reference in zip(found, fixed, strict=True)]
         solver = [f.wall_time["solver"] for f in found]
-        print(f"   {intervals} intervals: ratio {listed(ratio)}; solver {listed(solver)} s", flush=True)
+        print(
+            f"   {intervals} intervals: ratio {listed(ratio)}; solver {listed(solver)} s",
+            flush=True,
+        )
     spread = []
     for W in cases:
         steps = np.abs(np.diff(W, axis=0)).max(axis=1)
         ways = [np.concatenate([[0.0], np.cumsum(steps**power)]) for power in (0.0, 0.5, 1.0)]
-        durations = [optimise_motion(robot, W, start=JointPath.through(s / s[-1], W)).duration for s in ways]
+        durations = [
+            optimise_motion(robot, W, start=JointPath.through(s / s[-1], W)).duration for s in ways
+        ]
         spread.append(max(durations) / min(durations))
     print(f"   longest over shortest of three warm starts {listed(spread)}\n", flush=True)
 
 
 def main() -> None:
     """Print one row a problem and the distribution of each set."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--count", type=int, default=20)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--more", action="store_true", help="other objectives and settings instead")
@@ -127,7 +161,9 @@ def main() -> None:
     robot = irb.load_robot("irb2400")
     dynamics = path_dynamics(robot)
     for kind in (near, far):
-        cases, outside, stuck = problems(robot, kind, 6 if options.more else options.count, options.seed)
+        cases, outside, stuck = problems(
+            robot, kind, 6 if options.more else options.count, options.seed
+        )
         if options.more:
             print(f"{kind.__name__}: {len(cases)} problems")
             rates(robot, cases)
@@ -135,20 +171,37 @@ def main() -> None:
             settings(robot, cases)
             continue
         rows = []
-        print(f"{kind.__name__}: {len(cases)} problems; left out {outside} outside the box, {stuck} without a timing")
-        print("   fixed s  toppra s   free s   ratio  to toppra   solver s   all s  iterations  torque   speed")
+        print(
+            f"{kind.__name__}: {len(cases)} problems; left out {outside} outside the box, {stuck} "
+            "without a timing"
+        )
+        print(
+            "   fixed s  toppra s   free s   ratio  to toppra   solver s   all s  iterations  "
+            "torque   speed"
+        )
         for W in cases:
             started = time.perf_counter()
             found = optimise_motion(robot, W)
             seconds = time.perf_counter() - started
             assert found.reference is not None
-            _, cells = time_joint_path(dynamics, found.reference.certificate.path, found.reference.certificate.limits)
-            limits, friction = MotionLimits.of(robot), robot.friction
+            _, cells = time_joint_path(
+                dynamics, found.reference.certificate.path, found.reference.certificate.limits
+            )
+            limits = MotionLimits.of(robot)
+            friction = robot.friction
             toppra = time_with_toppra(cells, limits, friction).law.duration
             # again, from the certificate alone
             checked = check(found.motion.certificate, dynamics.model, dynamics)
-            row = (found.reference.duration, toppra, found.duration, found.ratio, found.duration / toppra)
-            rows.append((*row, found.wall_time["solver"], seconds, checked.holds(), found.fell_back))
+            row = (
+                found.reference.duration,
+                toppra,
+                found.duration,
+                found.ratio,
+                found.duration / toppra,
+            )
+            rows.append(
+                (*row, found.wall_time["solver"], seconds, checked.holds(), found.fell_back)
+            )
             print(
                 f"{row[0]:10.3f}{row[1]:10.3f}{row[2]:9.3f}{row[3]:8.3f}{row[4]:11.3f}{found.wall_time['solver']:11.2f}"
                 f"{seconds:8.2f}{found.iterations:12d}{checked.torque_ratio:8.5f}{checked.velocity_ratio:8.5f}"

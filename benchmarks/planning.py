@@ -1,8 +1,10 @@
-"""Planning and timing: certified timing against toppra, ways to choose the tool rotation, cost over the points.
+"""Planning and timing: certified timing against toppra, ways to choose the tool rotation, cost over
+the points.
 
     python benchmarks/planning.py [paths]
 
-Violations are looked for 10,000 times a second with the model's own inverse dynamics, Stribeck friction included.
+Violations are looked for 10,000 times a second with the model's own inverse dynamics, Stribeck
+friction included.
 """
 
 from __future__ import annotations
@@ -21,14 +23,15 @@ import numpy.typing as npt
 import irb2400_ctrl as irb
 from irb2400_ctrl.codegen import compile_function
 from irb2400_ctrl.errors import UnreachableError
-from irb2400_ctrl.planners import MotionLimits, Plan, ToolPath, builders, plan_path
-from irb2400_ctrl.planners.cells import enclose, grid
-from irb2400_ctrl.planners.certified import time_path
+from irb2400_ctrl.planners import MotionLimits, Plan, ToolPath, plan_path
+from irb2400_ctrl.planners.enclosure.cells import enclose, grid
+from irb2400_ctrl.planners.enclosure.path_dynamics import path_dynamics
 from irb2400_ctrl.planners.joint_path import JointPath
-from irb2400_ctrl.planners.path_dynamics import path_dynamics
-from irb2400_ctrl.planners.retime import time_joint_path
-from irb2400_ctrl.planners.smooth_timing import time_smoothly
-from irb2400_ctrl.planners.toppra_timing import time_with_toppra
+from irb2400_ctrl.planners.timing.rate_limited.time_rate_limited import time_rate_limited
+from irb2400_ctrl.planners.timing.time_joint_path import time_joint_path
+from irb2400_ctrl.planners.timing.time_optimal import time_path
+from irb2400_ctrl.planners.timing.toppra_timing import time_with_toppra
+from irb2400_ctrl.planners.toolpath import builders
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
 from spline_paths import random_path, random_way_points
@@ -49,7 +52,8 @@ def violation(q: Array, qd: Array, qdd: Array) -> float:
 
 
 def toppra_defaults(s: Array, q: Array) -> tuple[float, float, float]:
-    """(duration, violation, seconds) of toppra as its documentation uses it: torque constraint and defaults."""
+    """(duration, violation, seconds) of toppra as its documentation uses it: torque constraint and
+    defaults."""
     import toppra
     from toppra import algorithm, constraint
 
@@ -64,12 +68,15 @@ def toppra_defaults(s: Array, q: Array) -> tuple[float, float, float]:
 
     began = time.perf_counter()
     path = toppra.SplineInterpolator(s, q)
-    tau, qd = LIMITS.tau_max, LIMITS.qd_max
+    tau = LIMITS.tau_max
+    qd = LIMITS.qd_max
     # friction of the callback is off at rest: toppra is given the Coulomb part
     constraints = [
         constraint.JointVelocityConstraint(np.stack([-qd, qd], axis=1)),
         constraint.JointTorqueConstraint(
-            lambda a, b, c: inverse_dynamics(a, b, c) - friction(b), np.stack([-tau, tau], axis=1), ROBOT.friction[:, 1]
+            lambda a, b, c: inverse_dynamics(a, b, c) - friction(b),
+            np.stack([-tau, tau], axis=1),
+            ROBOT.friction[:, 1],
         ),
     ]
     trajectory = algorithm.TOPPRA(constraints, path).compute_trajectory(0, 0)
@@ -77,13 +84,19 @@ def toppra_defaults(s: Array, q: Array) -> tuple[float, float, float]:
     if trajectory is None:
         return np.nan, np.nan, seconds
     t = np.arange(0, trajectory.duration, 1e-4)
-    return trajectory.duration, violation(trajectory(t), trajectory(t, 1), trajectory(t, 2)), seconds
+    return (
+        trajectory.duration,
+        violation(trajectory(t), trajectory(t, 1), trajectory(t, 2)),
+        seconds,
+    )
 
 
 def friction(qd: Array) -> Array:
     """Friction of eq. 55 [Nm]."""
     static, coulomb, viscous, stribeck = ROBOT.friction.T
-    return (coulomb + (static - coulomb) * np.exp(-((qd / stribeck) ** 2))) * np.sign(qd) + viscous * qd
+    return (coulomb + (static - coulomb) * np.exp(-((qd / stribeck) ** 2))) * np.sign(
+        qd
+    ) + viscous * qd
 
 
 def timing_table(paths: int) -> None:
@@ -115,41 +128,58 @@ def timing_table(paths: int) -> None:
             rows[name].append((law.duration, violation(*motion), seconds))
         rows["toppra defaults"].append(toppra_defaults(s, q))
     reference = np.array([r[0] for r in rows["toppra, same rows"]])
-    print(f"Timing of {paths} random splines through six way-points, N = 1000 (toppra defaults: its own grid)")
-    print(f"{'':20s} {'duration':>9s} {'paths over':>11s} {'violation':>10s} {'worst':>8s} {'ms':>7s}")
+    print(
+        f"Timing of {paths} random splines through six way-points, N = 1000 (toppra defaults: its "
+        "own grid)"
+    )
+    print(
+        f"{'':20s} {'duration':>9s} {'paths over':>11s} {'violation':>10s} {'worst':>8s} {'ms':>7s}"
+    )
     for name, values in rows.items():
         table = np.array(values)
         over = table[:, 1] > 1e-9
         ratio = np.nanmean(table[:, 0] / reference)
-        median, worst = (100 * np.nanmedian(table[:, 1]), 100 * np.nanmax(table[:, 1]))
+        median = 100 * np.nanmedian(table[:, 1])
+        worst = 100 * np.nanmax(table[:, 1])
         print(
-            f"{name:20s} {ratio:9.4f} {over.sum():11d} {median:9.2f}% {worst:7.2f}% {1e3 * np.median(table[:, 2]):7.1f}"
+            f"{name:20s} {ratio:9.4f} {over.sum():11d} {median:9.2f}% {worst:7.2f}% "
+            f"{1e3 * np.median(table[:, 2]):7.1f}"
         )
     largest = np.max(np.array([r[0] for r in rows["certified"]]) / reference)
     cells_ms, passes_ms = 1e3 * np.median(np.array(parts), axis=0)
-    print(f"largest duration over toppra's: {largest:.5f}; coefficients {cells_ms:.1f} ms, passes {passes_ms:.1f} ms\n")
+    print(
+        f"largest duration over toppra's: {largest:.5f}; coefficients {cells_ms:.1f} ms, passes "
+        f"{passes_ms:.1f} ms\n"
+    )
 
 
 def smooth_table(paths: int, references: int = 3) -> None:
-    """Limits of the torque rate: price, violations, and the duration over that of a finer program of another kind.
+    """Limits of the torque rate: price, violations, and the duration over that of a finer program
+    of another kind.
 
-    The reference has 1,000 cells, even in time, and holds at its points only. It does not always converge ("nan").
+    The reference has 1,000 cells, even in time, and holds at its points only. It does not always
+    converge ("nan").
     """
     from smooth_reference import reference_duration
 
     smooth_torque = compile_function(DYNAMICS.model.function("inverse_dynamics_without_friction"))
-    print(f"Torque rates limited, in torque limits per second; {paths} random splines, looked at 10,000 times a second")
     print(
-        f"{'rate':>6s} {'price':>7s} {'worst':>7s} {'over':>5s} {'torque':>8s} {'rate':>8s} {'cells':>6s} {'s':>6s} "
+        f"Torque rates limited, in torque limits per second; {paths} random splines, looked at "
+        "10,000 times a second"
+    )
+    print(
+        f"{'rate':>6s} {'price':>7s} {'worst':>7s} {'over':>5s} {'torque':>8s} {'rate':>8s} "
+        f"{'cells':>6s} {'s':>6s} "
         "  longer than the reference [%], from 100 and 500 cells"
     )
     for rate in (50, 20, 10, 5):
         limits = replace(LIMITS, torque_rate=rate * LIMITS.tau_max)
-        rows, longer = [], []
+        rows = []
+        longer = []
         for seed in range(paths):
             path = random_path(seed)
             began = time.process_time()
-            timed = time_smoothly(DYNAMICS, path, limits)
+            timed = time_rate_limited(DYNAMICS, path, limits)
             seconds = time.process_time() - began
             law = timed.law
             t = np.append(np.arange(0, law.duration, 1e-4), law.duration)
@@ -157,22 +187,28 @@ def smooth_table(paths: int, references: int = 3) -> None:
             (tau,) = TORQUE.map(q, qd, qdd, np.zeros(1))
             (bare,) = smooth_torque.map(q, qd, qdd, np.zeros(1))
             change = np.abs(np.diff(bare + ROBOT.friction[:, 2] * qd, axis=0)) / np.diff(t)[:, None]
-            torque, seen = (np.abs(tau) / LIMITS.tau_max).max(), (change / limits.torque_rate).max()
-            rows.append((law.duration / timed.fastest.duration - 1, torque, seen, len(law.s) - 1, seconds))
+            torque = (np.abs(tau) / LIMITS.tau_max).max()
+            seen = (change / limits.torque_rate).max()
+            rows.append(
+                (law.duration / timed.fastest.duration - 1, torque, seen, len(law.s) - 1, seconds)
+            )
             if seed < references and rate in (20, 10):
-                coarse = time_smoothly(DYNAMICS, path, limits, count=100).law
+                coarse = time_rate_limited(DYNAMICS, path, limits, count=100).law
                 try:
                     reference = reference_duration(DYNAMICS, path, limits, coarse, 1000)
                 except RuntimeError:
                     reference = np.nan
                 longer.append(
-                    f"{100 * (coarse.duration / reference - 1):.2f} {100 * (law.duration / reference - 1):.2f}"
+                    f"{100 * (coarse.duration / reference - 1):.2f} "
+                    f"{100 * (law.duration / reference - 1):.2f}"
                 )
         price, torque, seen, cells, seconds = np.array(rows).T
         over = ((torque > 1) | (seen > 1 + 1e-6)).sum()
         print(
-            f"{rate:6d} {100 * price.mean():6.2f}% {100 * price.max():6.2f}% {over:5d} {torque.max():8.5f} "
-            f"{seen.max():8.5f} {np.median(cells):6.0f} {np.median(seconds):6.2f}   {', '.join(longer)}"
+            f"{rate:6d} {100 * price.mean():6.2f}% {100 * price.max():6.2f}% {over:5d} "
+            f"{torque.max():8.5f} "
+            f"{seen.max():8.5f} {np.median(cells):6.0f} {np.median(seconds):6.2f}   "
+            f"{', '.join(longer)}"
         )
     print()
 
@@ -187,7 +223,10 @@ def rotation_table() -> None:
         "three sides of a box": box(centre),
         "tilting arc": tilting(centre),
     }
-    print("Tool rotation: duration [s], smallest relative margin, TCP deviation of the way-point spline [mm]")
+    print(
+        "Tool rotation: duration [s], smallest relative margin, TCP deviation of the way-point "
+        "spline [mm]"
+    )
     print(f"{'':22s} {'free':>15s} {'best constant':>15s} {'joint spline':>20s}")
     for name, path in paths.items():
         free = plan_path(ROBOT, path)
@@ -196,7 +235,8 @@ def rotation_table() -> None:
         except UnreachableError:
             held = None
         cells = [
-            "none" if p is None else f"{p.duration:7.3f} {relative(p.singularity_margin):7.2f}" for p in (free, held)
+            "none" if p is None else f"{p.duration:7.3f} {relative(p.singularity_margin):7.2f}"
+            for p in (free, held)
         ]
         print(f"{name:22s} {cells[0]:>15s} {cells[1]:>15s} {joint_spline(path, held or free):>20s}")
     print()
@@ -205,7 +245,9 @@ def rotation_table() -> None:
 def relative(margin: dict[str, float]) -> float:
     """The smallest of the three margins as a part of its largest value."""
     g = DYNAMICS.model.arm_geometry
-    return min(margin["wrist"], margin["shoulder"] / (g.a1 + g.a2 + g.forearm), margin["elbow"] / g.forearm)
+    return min(
+        margin["wrist"], margin["shoulder"] / (g.a1 + g.a2 + g.forearm), margin["elbow"] / g.forearm
+    )
 
 
 def joint_spline(path: ToolPath, plan: Plan) -> str:
@@ -216,7 +258,8 @@ def joint_spline(path: ToolPath, plan: Plan) -> str:
     # a few way-points of the path, as a robot program without straight moves has them
     at = np.linspace(0, len(path) - 1, min(len(path), 5)).round().astype(int)
     nearest = [int(np.argmin(np.linalg.norm(tip - p, axis=1))) for p in path.position[at]]
-    nearest[0], nearest[-1] = 0, len(tip) - 1
+    nearest[0] = 0
+    nearest[-1] = len(tip) - 1
     places = s[::50][np.unique(nearest)]
     spline = JointPath.through(places, dense(places))
     timed, _ = time_joint_path(DYNAMICS, spline, LIMITS)
@@ -250,7 +293,8 @@ def scale_table() -> None:
     """Cost over the number of way-points."""
     print("Freeform raster from way-points to trajectory (rest to rest, 250 Hz)")
     print(
-        f"{'points':>8s} {'seconds':>8s} {'ms/point':>9s} {'of this: rotation':>18s} {'timing':>7s} {'MB at most':>11s}"
+        f"{'points':>8s} {'seconds':>8s} {'ms/point':>9s} {'of this: rotation':>18s} "
+        f"{'timing':>7s} {'MB at most':>11s}"
     )
     for points in SIZES:
         path = builders.raster(
@@ -263,7 +307,8 @@ def scale_table() -> None:
         stages = plan.wall_time
         memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
         print(
-            f"{points:8d} {seconds:8.1f} {1e3 * seconds / points:9.2f} {stages['branch and rotation']:18.1f} "
+            f"{points:8d} {seconds:8.1f} {1e3 * seconds / points:9.2f} "
+            f"{stages['branch and rotation']:18.1f} "
             f"{stages['timing']:7.1f} {memory:11.0f}"
         )
 

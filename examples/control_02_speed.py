@@ -1,5 +1,5 @@
-"""Which controller for which speed? The same circle of the tool, 200 mm wide, at 30 to 600 mm/s, on an arm that
-differs from its model by a few per cent."""
+"""Which controller for which speed? The same circle of the tool, 200 mm wide, at 30 to 600 mm/s, on
+an arm that differs from its model by a few per cent."""
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -8,7 +8,8 @@ import irb2400_ctrl as irb
 from irb2400_ctrl.simulation import Trajectory, from_angles, make_loop, perturbed_robot
 
 robot = irb.load_robot("irb2400")
-model, plant = irb.Model(robot), perturbed_robot(robot, seed=1)
+model = irb.Model(robot)
+plant = perturbed_robot(robot, seed=1)
 START = np.array([0.1, 0.3, -0.1, 0.3, 0.9, -0.2])
 
 
@@ -18,7 +19,8 @@ def circle(speed: float, radius: float = 0.1) -> Trajectory:
     time = np.linspace(0, duration, int(60 * duration) + 20)
     share = time / duration
     angle = 2 * np.pi * share - np.sin(2 * np.pi * share)
-    X_BT, q = model.tcp_pose(START), [START]
+    X_BT = model.tcp_pose(START)
+    q = [START]
     for a in angle[1:]:
         X = X_BT.copy()
         X[:3, 3] += radius * np.array([np.cos(a) - 1, np.sin(a), 0])
@@ -27,7 +29,14 @@ def circle(speed: float, radius: float = 0.1) -> Trajectory:
 
 
 speeds = [0.03, 0.1, 0.3, 0.6]
-names = ["pid", "gravity_pd", "feedforward_pid", "computed_torque", "computed_torque_integral", "adaptive"]
+names = [
+    "pid",
+    "gravity_pd",
+    "feedforward_pid",
+    "computed_torque",
+    "computed_torque_integral",
+    "adaptive",
+]
 motions = [circle(speed) for speed in speeds]
 figure, axes = plt.subplots(figsize=(7, 4.5))
 for name in names:
@@ -35,7 +44,9 @@ for name in names:
     errors = [1e3 * np.sqrt(np.mean(loop.run(motion).tcp_error ** 2)) for motion in motions]
     axes.loglog([1e3 * s for s in speeds], errors, "o-", label=name)
     print(f"{name:26}", "  ".join(f"{e:7.3f} mm" for e in errors))
-axes.set(xlabel="mean speed of the tool [mm/s]", ylabel="TCP error [mm rms]", title="Circle of 200 mm")
+axes.set(
+    xlabel="mean speed of the tool [mm/s]", ylabel="TCP error [mm rms]", title="Circle of 200 mm"
+)
 axes.set_xticks([1e3 * s for s in speeds], [f"{1e3 * s:.0f}" for s in speeds])
 axes.minorticks_off()
 axes.grid(alpha=0.3)

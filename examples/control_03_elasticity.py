@@ -1,4 +1,5 @@
-"""What does an elastic gear on axis 1 do to the margins, and does it swing as in the paper's Fig. 12a?"""
+"""What does an elastic gear on axis 1 do to the margins, and does it swing as in the paper's Fig.
+12a?"""
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -16,7 +17,8 @@ block = controller("feedforward_pid", robot)
 
 
 def elastic(stiffness: float) -> irb.Robot:
-    """The arm with an elastic gear on axis 1; the rotor's inertia is an assumption, nobody publishes it."""
+    """The arm with an elastic gear on axis 1; the rotor's inertia is an assumption, nobody
+    publishes it."""
     return robot.with_effects(
         LIBRARY["elastic_joint"].of(1, stiffness_Nm_rad=stiffness, damping_ratio=0.03),
         LIBRARY["rotor_inertia"].of(1, inertia_kgm2=15.0),
@@ -24,7 +26,8 @@ def elastic(stiffness: float) -> irb.Robot:
 
 
 def move(angle: float, duration: float) -> Trajectory:
-    """Axis 1 alone, at constant speed between two quick ramps, as in the paper's single-axis tests."""
+    """Axis 1 alone, at constant speed between two quick ramps, as in the paper's single-axis
+    tests."""
     time = np.linspace(0, duration, int(250 * duration) + 1)
     ramp = 0.15
     speed = angle / (duration - ramp)
@@ -45,13 +48,17 @@ for stiffness in stiffnesses:
 rigid = LinearLoop(robot, block, pose, Timing())
 print(f"rigid: {rigid.joint(1)}")
 left.loglog(rigid.omega, np.abs(rigid.sensitivity[:, 0, 0]), "k--", label="rigid")
-left.set(xlabel="frequency [rad/s]", ylabel="|S| of axis 1 [-]", title="Sensitivity", ylim=(1e-2, 10))
+left.set(
+    xlabel="frequency [rad/s]", ylabel="|S| of axis 1 [-]", title="Sensitivity", ylim=(1e-2, 10)
+)
 left.legend()
 motion = move(0.8, 1.0)
 for plant, label in ((robot, "rigid"), (elastic(1e5), "k = 1e5 Nm/rad")):
     run = simulate(robot, motion, block, plant=plant, hold=0.4)
     right.plot(run.time, run.tau[:, 0], label=label, lw=0.8)
-right.set(xlabel="time [s]", ylabel="torque of axis 1 [Nm]", title="Single-axis move (as in Fig. 12a)")
+right.set(
+    xlabel="time [s]", ylabel="torque of axis 1 [Nm]", title="Single-axis move (as in Fig. 12a)"
+)
 right.legend()
 for axes in (left, right):
     axes.grid(alpha=0.3)

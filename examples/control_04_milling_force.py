@@ -1,4 +1,5 @@
-"""A milling force at the tool: how far does it push the tool, and does the momentum observer see it?"""
+"""A milling force at the tool: how far does it push the tool, and does the momentum observer see
+it?"""
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -10,7 +11,9 @@ from irb2400_ctrl.simulation import from_angles, make_loop
 
 robot = irb.load_robot("irb2400")
 time = np.linspace(0, 4, 81)
-way = (time / 4 - np.sin(2 * np.pi * time / 4) / (2 * np.pi))[:, None] * np.array([0.9, 0.5, -0.4, 1.2, 0.8, -1.2])
+way = (time / 4 - np.sin(2 * np.pi * time / 4) / (2 * np.pi))[:, None] * np.array(
+    [0.9, 0.5, -0.4, 1.2, 0.8, -1.2]
+)
 motion = from_angles(time, way + np.array([-0.4, 0.0, 0.1, 0.2, 0.5, -0.2]))
 fine = motion.at_rate(1000.0)
 
@@ -23,10 +26,12 @@ wrench[:, :3] = (cut * tooth)[:, None] * np.array([80.0, -40.0, 120.0])
 figure, (top, bottom) = plt.subplots(2, 1, figsize=(8, 6.5), sharex=True)
 for name in ("computed_torque", "computed_torque_integral"):
     loop = make_loop(robot, name, wrench=True)
-    run, free = loop.run(motion, wrench=wrench), loop.run(motion)
+    run = loop.run(motion, wrench=wrench)
+    free = loop.run(motion)
     pushed = 1e3 * np.linalg.norm(run.p_BT - free.p_BT, axis=1)
     print(
-        f"{name}: the force moves the tool by {pushed[cut].max():.2f} mm at most, {pushed[cut].mean():.2f} mm in mean"
+        f"{name}: the force moves the tool by {pushed[cut].max():.2f} mm at most, "
+        f"{pushed[cut].mean():.2f} mm in mean"
     )
     top.plot(run.time, pushed, label=name)
 top.set(ylabel="displacement of the TCP [mm]", title="Milling force of 80, -40, 120 N")

@@ -1,4 +1,5 @@
-"""What does an error in the inertias cost? All masses and tensors of the arm scaled against those of the model."""
+"""What does an error in the inertias cost? All masses and tensors of the arm scaled against those
+of the model."""
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -29,10 +30,17 @@ errors = np.array([-0.2, -0.1, -0.05, 0.0, 0.05, 0.1, 0.2])
 figure, axes = plt.subplots(figsize=(7, 4.5))
 for name in ("feedforward_pid", "computed_torque", "computed_torque_integral", "adaptive"):
     loop = make_loop(robot, name)
-    rms = [1e3 * np.sqrt(np.mean(loop.run(motion, plant=scaled(1 + e)).tcp_error ** 2)) for e in errors]
+    rms = [
+        1e3 * np.sqrt(np.mean(loop.run(motion, plant=scaled(1 + e)).tcp_error ** 2)) for e in errors
+    ]
     axes.plot(100 * errors, rms, "o-", label=name)
-    print(f"{name:26} exact {rms[3]:.2f} mm, 10 % too heavy {rms[5]:.2f} mm, 10 % too light {rms[1]:.2f} mm")
-axes.set(xlabel="mass of the arm against its model [%]", ylabel="TCP error [mm rms]", ylim=(0, None))
+    print(
+        f"{name:26} exact {rms[3]:.2f} mm, 10 % too heavy {rms[5]:.2f} mm, 10 % too light "
+        f"{rms[1]:.2f} mm"
+    )
+axes.set(
+    xlabel="mass of the arm against its model [%]", ylabel="TCP error [mm rms]", ylim=(0, None)
+)
 axes.grid(alpha=0.3)
 axes.legend()
 figure.tight_layout()

@@ -1,4 +1,5 @@
-"""What is it worth to tell the controller of an effect? A balancer, a worn gear and a payload, known or not."""
+"""What is it worth to tell the controller of an effect? A balancer, a worn gear and a payload,
+known or not."""
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -17,7 +18,8 @@ effects = {
 time = np.linspace(0, 4, 81)
 swing = np.sin(1.5 * time)[:, None] ** 2 * np.array([0.8, 0.5, -0.4, 1.2, 0.6, -1.0])
 motion = from_angles(time, swing + np.array([-0.3, 0.1, 0.0, 0.2, 0.6, -0.2]))
-before, after = [], []
+before = []
+after = []
 for name, effect in effects.items():
     # the true arm also differs in masses and friction, as arms do
     plant = perturbed_robot(robot, seed=4).with_effects(effect)

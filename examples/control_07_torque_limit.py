@@ -1,7 +1,8 @@
 """What happens when a motion is planned right up to the torque limit, or beyond it?
 
-The same move, faster and faster, until the model says that an axis needs 70 … 120 % of its torque. The arm differs from
-the model by a few per cent and the controller needs some torque for itself: how much should a planner leave?"""
+The same move, faster and faster, until the model says that an axis needs 70 … 120 % of its torque.
+The arm differs from the model by a few per cent and the controller needs some torque for itself:
+how much should a planner leave?"""
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -11,7 +12,8 @@ from irb2400_ctrl.simulation import Trajectory, make_loop, perturbed_robot
 
 robot = irb.load_robot("irb2400")
 model = irb.Model(robot)
-start, stop = np.array([-0.9, -0.5, 0.3, -0.8, 0.4, 0.6]), np.array([0.9, 0.8, -0.2, 0.9, 1.2, -0.8])
+start = np.array([-0.9, -0.5, 0.3, -0.8, 0.4, 0.6])
+stop = np.array([0.9, 0.8, -0.2, 0.9, 1.2, -0.8])
 
 
 def move(duration: float) -> Trajectory:
@@ -26,12 +28,15 @@ def move(duration: float) -> Trajectory:
 
 def torque_ratio(motion: Trajectory) -> float:
     """Largest torque over its limit that the model asks for."""
-    return float((np.abs(model.inverse_dynamics(motion.q, motion.qd, motion.qdd)) / robot.tau_max).max())
+    return float(
+        (np.abs(model.inverse_dynamics(motion.q, motion.qd, motion.qdd)) / robot.tau_max).max()
+    )
 
 
 def duration_for(ratio: float) -> float:
     """Duration at which the move needs that share of the torque (bisection)."""
-    low, high = 0.15, 3.0
+    low = 0.15
+    high = 3.0
     while high - low > 1e-4:
         middle = 0.5 * (low + high)
         low, high = (middle, high) if torque_ratio(move(middle)) > ratio else (low, middle)
@@ -48,7 +53,10 @@ for name in ("feedforward_pid", "computed_torque", "computed_torque_integral"):
         runs = [loop.run(motion, plant=perturbed_robot(robot, seed), hold=0.3) for seed in range(8)]
         worst.append(max(1e3 * run.tcp_error.max() for run in runs))
     axes.semilogy(100 * ratios, worst, "o-", label=name)
-    print(f"{name:26}", "  ".join(f"{100 * r:.0f} %: {w:.2f} mm" for r, w in zip(ratios, worst, strict=True)))
+    print(
+        f"{name:26}",
+        "  ".join(f"{100 * r:.0f} %: {w:.2f} mm" for r, w in zip(ratios, worst, strict=True)),
+    )
 axes.axvline(100, color="k", lw=0.8)
 axes.set(xlabel="torque the plan uses [% of the limit]", ylabel="largest TCP error of 8 arms [mm]")
 axes.grid(which="both", alpha=0.3)

@@ -1,4 +1,5 @@
-"""From a measured log to a better controller: what does this arm have that its model lacks, and what is it worth?"""
+"""From a measured log to a better controller: what does this arm have that its model lacks, and
+what is it worth?"""
 
 from importlib import resources
 from pathlib import Path
@@ -11,7 +12,7 @@ from irb2400_ctrl.codegen import export_package
 from irb2400_ctrl.controllers import controller
 from irb2400_ctrl.diagnosis import diagnose
 from irb2400_ctrl.measurement import read_log
-from irb2400_ctrl.simulation.close_loop import close_loop
+from irb2400_ctrl.simulation.close_the_loop import close_loop
 from irb2400_ctrl.simulation.recorded import recorded_motion
 
 # 1. two logs of one arm: a lively motion to learn from, another one to judge by
@@ -36,10 +37,13 @@ print(f"noise floor              {found.noise_floor.round(2)} Nm")
 # 4. the robot with the effect serves everything: here its controller, as C for a microcontroller
 irb.save_robot(found.robot, "my_arm.toml")
 mine = irb.load_robot("my_arm.toml")
-verification = export_package(controller("computed_torque", mine), "my_controller", target="host", real="float")
+verification = export_package(
+    controller("computed_torque", mine), "my_controller", target="host", real="float"
+)
 print("C code equal to the model:", verification.passed)
 
-# 5. the motion of the log again, with the controller of each description, on a simulated arm that has the effect
+# 5. the motion of the log again, with the controller of each description, on a simulated arm that
+# has the effect
 loop = close_loop(robot, mine, recorded_motion(log), controller="computed_torque")
 for name, run in loop.runs.items():
     print(f"robot as {name:13} TCP error {1e3 * np.sqrt(np.mean(run.tcp_error**2)):.2f} mm rms")
@@ -47,17 +51,33 @@ for name, run in loop.runs.items():
 curve = found.findings[0].curve
 j = curve.joint - 1
 figure, (left, middle, right) = plt.subplots(1, 3, figsize=(14, 4))
-for name, tau, color in (("as given", compared.before, "tab:red"), ("as diagnosed", compared.after, "tab:blue")):
+for name, tau, color in (
+    ("as given", compared.before, "tab:red"),
+    ("as diagnosed", compared.after, "tab:blue"),
+):
     rest = np.where(compared.known[:, j], compared.measured[:, j] - tau[:, j], np.nan)
     left.plot(compared.time - compared.time[0], rest, color=color, lw=0.6, label=f"robot {name}")
-left.set(xlabel="time [s]", ylabel="measured - predicted [Nm]", title=f"torque {j + 1}, the other motion")
-middle.fill_between(np.degrees(curve.x), curve.low, curve.high, color="0.8", label="log, all else taken off (95 %)")
-middle.plot(np.degrees(curve.x), curve.law, color="tab:blue", lw=1, label=found.findings[0].effect.kind)
-middle.set(xlabel=f"angle {j + 1} within one period [deg]", ylabel="torque [Nm]", title="the effect itself")
-for name, run, color in (("as given", loop.before, "tab:red"), ("as diagnosed", loop.after, "tab:blue")):
+left.set(
+    xlabel="time [s]", ylabel="measured - predicted [Nm]", title=f"torque {j + 1}, the other motion"
+)
+middle.fill_between(
+    np.degrees(curve.x), curve.low, curve.high, color="0.8", label="log, all else taken off (95 %)"
+)
+middle.plot(
+    np.degrees(curve.x), curve.law, color="tab:blue", lw=1, label=found.findings[0].effect.kind
+)
+middle.set(
+    xlabel=f"angle {j + 1} within one period [deg]", ylabel="torque [Nm]", title="the effect itself"
+)
+for name, run, color in (
+    ("as given", loop.before, "tab:red"),
+    ("as diagnosed", loop.after, "tab:blue"),
+):
     error = np.degrees(run.q - run.q_ref)[:, j]
     right.plot(run.time, error, color=color, lw=0.6, label=f"controller from the robot {name}")
-right.set(xlabel="time [s]", ylabel=f"error of joint {j + 1} [deg]", title="closed loop, computed torque")
+right.set(
+    xlabel="time [s]", ylabel=f"error of joint {j + 1} [deg]", title="closed loop, computed torque"
+)
 for axis in (left, middle, right):
     axis.grid(alpha=0.3)
     axis.legend(fontsize="small")

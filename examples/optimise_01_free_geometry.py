@@ -1,4 +1,5 @@
-"""How much faster, or how much more economical, is a motion whose geometry between the way-points is left free?"""
+"""How much faster, or how much more economical, is a motion whose geometry between the way-points
+is left free?"""
 
 import matplotlib
 
@@ -7,12 +8,17 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import irb2400_ctrl as irb
-from irb2400_ctrl.planners.optimise import optimise_motion
+from irb2400_ctrl.planners.trajectory_optimisation.optimise_motion import optimise_motion
 
 robot = irb.load_robot("irb2400")
 model = irb.Model(robot)
 waypoints = np.radians(
-    [[0, -20, 10, 0, 60, 0], [40, 10, -10, 30, 40, -60], [20, 25, -25, -20, 70, 0], [-30, -5, 20, 10, 50, 50]]
+    [
+        [0, -20, 10, 0, 60, 0],
+        [40, 10, -10, 30, 40, -60],
+        [20, 25, -25, -20, 70, 0],
+        [-30, -5, 20, 10, 50, 50],
+    ]
 )
 fast = optimise_motion(robot, waypoints)
 thrifty = optimise_motion(robot, waypoints, objective="energy")
@@ -20,7 +26,10 @@ for found in (fast, thrifty):
     assert found.reference is not None
     print(f"least {found.objective}: {found.message}")
     print(f"  duration {found.duration:.3f} s, fixed spline {found.reference.duration:.3f} s")
-    print(f"  energy {found.motion.energy.sum():.0f} J, fixed spline {found.reference.energy.sum():.0f} J")
+    print(
+        f"  energy {found.motion.energy.sum():.0f} J, fixed spline "
+        f"{found.reference.energy.sum():.0f} J"
+    )
     print("  peak torque [Nm]", found.motion.peak_torque.round(0), "of", robot.tau_max)
     print(f"  certified: torque {found.motion.checked.torque_ratio:.6f} of its limit at most")
 

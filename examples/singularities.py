@@ -23,11 +23,13 @@ def draw(model: irb.Model, path: Path) -> Path:
     grid[:, 1], grid[:, 2] = (axis.ravel() for axis in np.meshgrid(q2, q3))
     grid[:, 4] = 1.0
     factors = model.singularity_factors(grid).reshape(q3.size, q2.size, 3)
-    r, k = factors[:, :, 1], factors[:, :, 2]
+    r = factors[:, :, 1]
+    k = factors[:, :, 2]
 
     figure = Figure(figsize=(11, 4.6), layout="constrained")
     plane, *sketches = figure.subplots(1, 3, width_ratios=[1.5, 1, 1])
-    x, y = np.degrees(q2), np.degrees(q3)
+    x = np.degrees(q2)
+    y = np.degrees(q3)
     shades = plane.contourf(x, y, np.abs(r * k), levels=12, cmap="Greys_r")
     figure.colorbar(shades, ax=plane, label="|r k| of eq. 36 [m²]")
     curves = {"shoulder: r = 0": (r, "tab:orange"), "elbow: k = 0": (k, "tab:blue")}
@@ -57,7 +59,10 @@ def nearest_zero(factor: np.ndarray) -> tuple[int, int]:
 def draw_arm(axes, model: irb.Model, q: np.ndarray, colour: str) -> None:
     """Side view of the arm at q1 = 0: axis 1, shoulder, elbow, wrist centre, flange."""
     g = model.arm_geometry
-    c2, s2, c3, s3 = np.cos(q[1]), np.sin(q[1]), np.cos(q[2]), np.sin(q[2])
+    c2 = np.cos(q[1])
+    s2 = np.sin(q[1])
+    c3 = np.cos(q[2])
+    s3 = np.sin(q[2])
     points = np.array(
         [
             [0.0, 0.0],

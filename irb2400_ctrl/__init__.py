@@ -4,9 +4,13 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from irb2400_ctrl import _renamed
+
 if TYPE_CHECKING:
     from irb2400_ctrl.model import Model
     from irb2400_ctrl.robot import Robot, load_robot, save_robot
+
+_renamed.install()
 
 __all__ = ["Model", "Robot", "load_robot", "save_robot"]
 

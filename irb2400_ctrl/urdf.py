@@ -1,7 +1,8 @@
 """`Robot` as URDF, for tools that read nothing else.
 
-URDF knows chains of joints but no coupling: its joints are the link angles A q, not the actuators. What a user of the
-file must do about the parallelogram stands in a comment at its head. Effects have no place in URDF and are named there.
+URDF knows chains of joints but no coupling: its joints are the link angles A q, not the actuators.
+What a user of the file must do about the parallelogram stands in a comment at its head. Effects
+have no place in URDF and are named there.
 """
 
 from __future__ import annotations
@@ -25,8 +26,13 @@ def save_urdf(robot: Robot, path: Path | str) -> Path:
 
 
 def to_urdf(robot: Robot) -> str:
-    """The robot as URDF text: links `base`, those of the file, `flange`, `tool`, `tcp`; joints turn by A q."""
-    lines = ['<?xml version="1.0" encoding="utf-8"?>', f"<robot name={quoteattr(robot.name)}>", _head(robot)]
+    """The robot as URDF text: links `base`, those of the file, `flange`, `tool`, `tcp`; joints turn
+    by A q."""
+    lines = [
+        '<?xml version="1.0" encoding="utf-8"?>',
+        f"<robot name={quoteattr(robot.name)}>",
+        _head(robot),
+    ]
     lines.append('  <link name="base"/>')
     parent = "base"
     for i, link in enumerate(robot.links):
@@ -51,14 +57,18 @@ def _head(robot: Robot) -> str:
         notes.append(
             "The joints below are link angles, not actuator angles q: "
             + "; ".join(rows)
-            + ", all others joint_i = q_i (parallelogram). Speeds and accelerations go the same way; torques come back "
+            + ", all others joint_i = q_i (parallelogram). Speeds and accelerations go the same "
+            "way; torques come back "
             "as tau_q = A^T tau_joint."
         )
         notes.append("Limits of coupled joints are what the actuators' limits allow at most.")
     if robot.effects:
         kinds = ", ".join(sorted({effect.kind for effect in robot.effects}))
         notes.append(f"Effects of the robot file that URDF cannot hold: {kinds}.")
-    notes.append("Stribeck friction (static, transition speed) is not part of URDF; damping and friction are.")
+    notes.append(
+        "Stribeck friction (static, transition speed) is not part of URDF; damping and friction "
+        "are."
+    )
     text = "\n       ".join(notes).replace("--", "-")
     return f"  <!-- {escape(text)} -->"
 
@@ -77,7 +87,8 @@ def _link(name: str, body: Body) -> str:
     xx, yy, zz, xy, xz, yz = (_number(value) for value in body.inertia_kgm2)
     return (
         f'  <link name="{name}">\n    <inertial>\n'
-        f'      <origin xyz="{_numbers(body.com_m)}" rpy="0 0 0"/>\n      <mass value="{_number(body.mass_kg)}"/>\n'
+        f'      <origin xyz="{_numbers(body.com_m)}" rpy="0 0 0"/>\n      <mass '
+        f'value="{_number(body.mass_kg)}"/>\n'
         f'      <inertia ixx="{xx}" ixy="{xy}" ixz="{xz}" iyy="{yy}" iyz="{yz}" izz="{zz}"/>\n'
         "    </inertial>\n  </link>"
     )
@@ -85,15 +96,20 @@ def _link(name: str, body: Body) -> str:
 
 def _revolute(robot: Robot, i: int, parent: str, child: str) -> str:
     """Joint i with its zero where A q is zero: the offset of theta is part of its origin."""
-    A, c, s = robot.A, np.cos(robot.offset[i]), np.sin(robot.offset[i])
+    A = robot.A
+    c = np.cos(robot.offset[i])
+    s = np.sin(robot.offset[i])
     X = robot.links[i].frame.matrix()
     X[:3, :3] = X[:3, :3] @ np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]])
     ends = np.array([A[i] * robot.q_min, A[i] * robot.q_max])
-    lower, upper = ends.min(axis=0).sum(), ends.max(axis=0).sum()
-    effort, velocity = np.abs(np.linalg.inv(A).T[i]) @ robot.tau_max, np.abs(A[i]) @ robot.qd_max
+    lower = ends.min(axis=0).sum()
+    upper = ends.max(axis=0).sum()
+    effort = np.abs(np.linalg.inv(A).T[i]) @ robot.tau_max
+    velocity = np.abs(A[i]) @ robot.qd_max
     lines = [
         f'  <joint name="joint_{i + 1}" type="revolute">',
-        f'    <parent link="{parent}"/>\n    <child link="{child}"/>\n    {_origin(X)}\n    <axis xyz="0 0 1"/>',
+        f'    <parent link="{parent}"/>\n    <child link="{child}"/>\n    {_origin(X)}\n    <axis '
+        f'xyz="0 0 1"/>',
         f'    <limit lower="{_number(lower)}" upper="{_number(upper)}" effort="{_number(effort)}" '
         f'velocity="{_number(velocity)}"/>',
     ]
@@ -116,10 +132,12 @@ def _origin(X: Array) -> str:
     R = X[:3, :3]
     if abs(R[2, 0]) < 1 - 1e-12:
         pitch = np.arctan2(-R[2, 0], np.hypot(R[0, 0], R[1, 0]))
-        roll, yaw = np.arctan2(R[2, 1], R[2, 2]), np.arctan2(R[1, 0], R[0, 0])
+        roll = np.arctan2(R[2, 1], R[2, 2])
+        yaw = np.arctan2(R[1, 0], R[0, 0])
     else:
         # roll and yaw turn about the same axis: all of it goes into yaw
-        pitch, roll = -np.sign(R[2, 0]) * np.pi / 2, 0.0
+        pitch = -np.sign(R[2, 0]) * np.pi / 2
+        roll = 0.0
         yaw = np.arctan2(-R[0, 1], R[1, 1])
     return f'<origin xyz="{_numbers(X[:3, 3])}" rpy="{_numbers((roll, pitch, yaw))}"/>'
 

@@ -1,12 +1,15 @@
-"""A reference for the smooth timing: another formulation, another discretisation, another solver (IPOPT).
+"""A reference for the smooth timing: another formulation, another discretisation, another solver
+(IPOPT).
 
-On a fine grid in s the unknowns are speed v_i, acceleration u_i and the duration dt_i of every cell; in a cell the path
-jerk is constant in *time*,
+On a fine grid in s the unknowns are speed v_i, acceleration u_i and the duration dt_i of every
+cell; in a cell the path jerk is constant in *time*,
 
-    s_{i+1} - s_i = dt (v_i + dt (2 u_i + u_{i+1}) / 6),      v_{i+1} - v_i = dt (u_i + u_{i+1}) / 2,
+    s_{i+1} - s_i = dt (v_i + dt (2 u_i + u_{i+1}) / 6),      v_{i+1} - v_i = dt (u_i + u_{i+1}) /
+    2,
 
-and torque and torque rate are demanded at both ends of every cell, from the coefficients themselves, their derivatives
-by differences. Nothing is enclosed and nothing is held back: it may be a little too fast between its points.
+and torque and torque rate are demanded at both ends of every cell, from the coefficients
+themselves, their derivatives by differences. Nothing is enclosed and nothing is held back: it may
+be a little too fast between its points.
 """
 
 from __future__ import annotations
@@ -16,32 +19,46 @@ import numpy as np
 import numpy.typing as npt
 
 from irb2400_ctrl.planners import MotionLimits
-from irb2400_ctrl.planners.cells import reversals
+from irb2400_ctrl.planners.enclosure.cells import reversals
+from irb2400_ctrl.planners.enclosure.path_dynamics import PathDynamics
 from irb2400_ctrl.planners.joint_path import JointPath
-from irb2400_ctrl.planners.path_dynamics import PathDynamics
-from irb2400_ctrl.planners.smooth_law import SmoothLaw
+from irb2400_ctrl.planners.timing.rate_limited.rate_limited_law import RateLimitedLaw
 
 Array = npt.NDArray[np.float64]
 
 
 def reference_duration(
-    dynamics: PathDynamics, path: JointPath, limits: MotionLimits, guess: SmoothLaw, cells: int, slower: float = 1.3
+    dynamics: PathDynamics,
+    path: JointPath,
+    limits: MotionLimits,
+    guess: RateLimitedLaw,
+    cells: int,
+    slower: float = 1.3,
 ) -> float:
-    """Duration [s] of the nonlinear program with about so many cells, from a motion `slower` times as long.
+    """Duration [s] of the nonlinear program with about so many cells, from a motion `slower` times
+    as long.
 
     Raises:
         RuntimeError: IPOPT does not converge.
     """
     v_guess, u_guess, s = _grid(path, guess, cells)
-    h, m = np.diff(s), len(s) - 1
-    scale_v, scale_u = v_guess.max(), np.abs(u_guess).max()
+    h = np.diff(s)
+    m = len(s) - 1
+    scale_v = v_guess.max()
+    scale_u = np.abs(u_guess).max()
     dt_guess = guess.duration / m
-    V, U, T = ca.SX.sym("v", m + 1), ca.SX.sym("u", m + 1), ca.SX.sym("t", m)
-    v, u, dt = V * scale_v, U * scale_u, T * dt_guess
-    first, last = slice(0, m), slice(1, m + 1)
+    V = ca.SX.sym("v", m + 1)
+    U = ca.SX.sym("u", m + 1)
+    T = ca.SX.sym("t", m)
+    v = V * scale_v
+    u = U * scale_u
+    dt = T * dt_guess
+    first = slice(0, m)
+    last = slice(1, m + 1)
     way = dt * (v[first] + dt * (2 * u[first] + u[last]) / 6)
     g = [(way / h - 1), (v[last] - v[first] - dt * (u[first] + u[last]) / 2) / scale_v]
-    low, high = [np.zeros(2 * m)], [np.zeros(2 * m)]
+    low = [np.zeros(2 * m)]
+    high = [np.zeros(2 * m)]
     jerk = (u[last] - u[first]) / dt
     for at, vs, us in ((0, v[first], u[first]), (1, v[last], u[last])):
         value, slope, dq = _coefficients(dynamics, path, s, at)
@@ -53,7 +70,12 @@ def reference_duration(
             level = F_c[j] + max(F_s[j] - F_c[j], 0) * ca.exp(-((dq[:, j] * vs / stribeck[j]) ** 2))
             smooth = a[:, j] * us + b[:, j] * vs**2 + e[:, j] * vs + c[:, j]
             g.append((smooth + sign[:, j] * level) / limits.tau_max[j])
-            rate = (da[:, j] + 2 * b[:, j]) * us * vs + a[:, j] * jerk + db[:, j] * vs**3 + dc[:, j] * vs
+            rate = (
+                (da[:, j] + 2 * b[:, j]) * us * vs
+                + a[:, j] * jerk
+                + db[:, j] * vs**3
+                + dc[:, j] * vs
+            )
             rate += e[:, j] * us + de[:, j] * vs**2
             assert limits.torque_rate is not None
             g.append(rate / limits.torque_rate[j])
@@ -64,7 +86,8 @@ def reference_duration(
     lower = np.concatenate([np.zeros(m + 1), np.full(m + 1, -np.inf), np.full(m, 1e-6)])
     upper = np.concatenate([top, np.full(m + 1, np.inf), np.full(m, np.inf)])
     rest = [0, m, m + 1, 2 * m + 1]
-    lower[rest], upper[rest] = 0.0, 0.0
+    lower[rest] = 0.0
+    upper[rest] = 0.0
     unknowns = ca.vertcat(V, U, T)
     options = {
         "ipopt.print_level": 0,
@@ -75,17 +98,25 @@ def reference_duration(
         "ipopt.mu_strategy": "adaptive",
     }
     solver = ca.nlpsol(
-        "reference", "ipopt", {"x": unknowns, "f": ca.sum1(dt) / guess.duration, "g": ca.vertcat(*g)}, options
+        "reference",
+        "ipopt",
+        {"x": unknowns, "f": ca.sum1(dt) / guess.duration, "g": ca.vertcat(*g)},
+        options,
     )
-    start = np.concatenate([v_guess / slower / scale_v, u_guess / slower**2 / scale_u, np.full(m, slower)])
-    found = solver(x0=start, lbx=lower, ubx=upper, lbg=np.concatenate(low), ubg=np.concatenate(high))
+    start = np.concatenate(
+        [v_guess / slower / scale_v, u_guess / slower**2 / scale_u, np.full(m, slower)]
+    )
+    found = solver(
+        x0=start, lbx=lower, ubx=upper, lbg=np.concatenate(low), ubg=np.concatenate(high)
+    )
     if not solver.stats()["success"]:
         raise RuntimeError(f"IPOPT: {solver.stats()['return_status']}")
     return float(found["f"]) * guess.duration
 
 
-def _grid(path: JointPath, guess: SmoothLaw, cells: int) -> tuple[Array, Array, Array]:
-    """Even times of a motion nearby, which makes small cells where it is slow; knots and reversals."""
+def _grid(path: JointPath, guess: RateLimitedLaw, cells: int) -> tuple[Array, Array, Array]:
+    """Even times of a motion nearby, which makes small cells where it is slow; knots and
+    reversals."""
     even = np.linspace(0.0, guess.duration, cells + 1)
     s = guess.at(even)[0]
     s[[0, -1]] = guess.s[[0, -1]]
@@ -96,9 +127,12 @@ def _grid(path: JointPath, guess: SmoothLaw, cells: int) -> tuple[Array, Array, 
     time = np.interp(s, guess.s, guess.time)
     for _ in range(60):
         at, v, _ = guess.at(time)
-        time = np.clip(time + (s - at) / np.maximum(v, 1e-6 * np.sqrt(guess.x.max())), 0.0, guess.duration)
+        time = np.clip(
+            time + (s - at) / np.maximum(v, 1e-6 * np.sqrt(guess.x.max())), 0.0, guess.duration
+        )
     _, v, u = guess.at(time)
-    v[[0, -1]], u[[0, -1]] = 0.0, 0.0
+    v[[0, -1]] = 0.0
+    u[[0, -1]] = 0.0
     return v, u, s
 
 
@@ -110,15 +144,19 @@ def _middle(path: JointPath, s: Array) -> Array:
 def _coefficients(
     dynamics: PathDynamics, path: JointPath, s: Array, end: int
 ) -> tuple[list[Array], list[Array], Array]:
-    """a, b, e, c and their slopes at one end of every cell, from inside the cell, and |q'| there; each (m, n)."""
+    """a, b, e, c and their slopes at one end of every cell, from inside the cell, and |q'| there;
+    each (m, n)."""
     piece = path.piece((s[:-1] + s[1:]) / 2)
     at = s[1:] if end else s[:-1]
     step = 1e-6 * path.length
 
     def values(where: Array) -> list[Array]:
-        a, b, e, _, c, _ = dynamics.coefficients(*(path.on_piece(where, piece, order) for order in (0, 1, 2)))[:6]
+        a, b, e, _, c, _ = dynamics.coefficients(
+            *(path.on_piece(where, piece, order) for order in (0, 1, 2))
+        )[:6]
         return [np.array(f) for f in (a, b, e, c)]
 
-    above, below = values(at + step), values(at - step)
+    above = values(at + step)
+    below = values(at - step)
     slopes = [(p - q) / (2 * step) for p, q in zip(above, below, strict=True)]
     return values(at), slopes, np.abs(path.on_piece(at, piece, 1))

@@ -12,8 +12,10 @@ Array = npt.NDArray[np.float64]
 
 
 def random_way_points(seed: int, points: int = 6) -> tuple[Array, Array]:
-    """Normalised chord length and way-points in the joint box of the paper's arm, shapes (points,), (points, 6)."""
-    robot, rng = load_robot("irb2400"), np.random.default_rng(seed)
+    """Normalised chord length and way-points in the joint box of the paper's arm, shapes (points,),
+    (points, 6)."""
+    robot = load_robot("irb2400")
+    rng = np.random.default_rng(seed)
     q = rng.uniform(0.8 * robot.q_min, 0.8 * robot.q_max, (points, 6))
     q[:, [3, 5]] = rng.uniform(-2, 2, (points, 2))
     s = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(q, axis=0), axis=1))])

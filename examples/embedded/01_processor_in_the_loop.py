@@ -1,8 +1,9 @@
-"""Does the firmware do what the simulation says? The arm is simulated here, its controller runs on a Cortex-M4F.
+"""Does the firmware do what the simulation says? The arm is simulated here, its controller runs on
+a Cortex-M4F.
 
-The computed-torque controller becomes a C package; the same C file is compiled for this computer and, as firmware, for
-an emulated Cortex-M4F. Both steer the same simulated arm along the same motion for one second. The two recordings
-must be identical in every bit.
+The computed-torque controller becomes a C package; the same C file is compiled for this computer
+and, as firmware, for an emulated Cortex-M4F. Both steer the same simulated arm along the same
+motion for one second. The two recordings must be identical in every bit.
 
     python examples/embedded/01_processor_in_the_loop.py [FOLDER]
 
@@ -52,7 +53,8 @@ def plant(x: np.ndarray, tau: np.ndarray) -> np.ndarray:
 
 def sense(k: int, x: np.ndarray) -> np.ndarray:
     """Measured angles and speeds, then the reference: a swing that starts and ends at rest."""
-    phase, rate = np.pi * k / STEPS, np.pi / (STEPS * h)
+    phase = np.pi * k / STEPS
+    rate = np.pi / (STEPS * h)
     q_ref = HOME + SWING * np.sin(phase) ** 2
     qd_ref = SWING * rate * np.sin(2 * phase)
     qdd_ref = SWING * 2 * rate**2 * np.cos(2 * phase)
@@ -67,13 +69,19 @@ there = run_in_the_loop(TargetController(firmware), plant, sense, start, STEPS)
 time = h * np.arange(STEPS + 1)
 reference = np.array([sense(k, start)[12:18] for k in range(STEPS + 1)])
 error = np.degrees(there.states[:, :6] - reference)
-print(f"faults: {np.count_nonzero(there.status)}; largest error after 0.2 s: {np.abs(error[200:]).max():.4f} deg")
+print(
+    f"faults: {np.count_nonzero(there.status)}; largest error after 0.2 s: "
+    f"{np.abs(error[200:]).max():.4f} deg"
+)
 print(f"identical in every bit: {here.same_bits(there)}")
 
 figure = Figure(figsize=(8, 6), layout="constrained")
 upper, lower = figure.subplots(2, 1, sharex=True)
 upper.plot(time, error, label=[f"axis {i}" for i in range(1, 7)])
-upper.set(ylabel="angle error [deg]", title="Simulated arm, controller as firmware on an emulated Cortex-M4F")
+upper.set(
+    ylabel="angle error [deg]",
+    title="Simulated arm, controller as firmware on an emulated Cortex-M4F",
+)
 upper.legend(ncols=3)
 lower.plot(time[:-1], there.outputs)
 lower.set(xlabel="time [s]", ylabel="torque command [Nm]")

@@ -11,7 +11,7 @@ from irb2400_ctrl.cli.options import OutOption, RobotOption, output_folder
 from irb2400_ctrl.cli.progress import step
 
 
-class Target(StrEnum):
+class TargetName(StrEnum):
     """Where the generated C runs."""
 
     host = "host"
@@ -21,16 +21,23 @@ class Target(StrEnum):
 
 def codegen(
     out: OutOption,
-    controller: Annotated[str, typer.Option(metavar="NAME", help="Controller; an unknown name lists all.")],
-    target: Annotated[Target, typer.Option(help="Processor to build and verify for.")] = Target.host,
+    controller: Annotated[
+        str, typer.Option(metavar="NAME", help="Controller; an unknown name lists all.")
+    ],
+    target: Annotated[
+        TargetName, typer.Option(help="Processor to build and verify for.")
+    ] = TargetName.host,
     precision: Annotated[
         Literal["float", "double"] | None,
         typer.Option(help="Floating-point type; default float on cortex-m4f, double elsewhere."),
     ] = None,
     robot: RobotOption = "irb2400",
-    sample_time: Annotated[float, typer.Option(help="Seconds between two steps.", min=1e-5, max=0.1)] = 0.001,
+    sample_time: Annotated[
+        float, typer.Option(help="Seconds between two steps.", min=1e-5, max=0.1)
+    ] = 0.001,
 ) -> None:
-    """Write a controller as one C99 file and one header, build it for the target and verify it there."""
+    """Write a controller as one C99 file and one header, build it for the target and verify it
+    there."""
     output_folder(out)
 
     from irb2400_ctrl.codegen import export_package

@@ -1,4 +1,5 @@
-"""`irb2400 demo`: the main job, end to end, on a committed toolpath and a committed measured log."""
+"""`irb2400 demo`: the main job, end to end, on a committed toolpath and a committed measured
+log."""
 
 from __future__ import annotations
 
@@ -7,7 +8,8 @@ from irb2400_ctrl.cli.progress import step
 
 
 def demo(out: OutOption) -> None:
-    """Plan a part, track it with generated controllers, find what the model lacks in a log, close the loop."""
+    """Plan a part, track it with generated controllers, find what the model lacks in a log, close
+    the loop."""
     output_folder(out)
     with step("loading") as say:
         from irb2400_ctrl.report.main_job import run_main_job

@@ -15,25 +15,34 @@ def diagnose(
     log: Annotated[Path, typer.Argument(metavar="LOG", help="Measured log (.csv or .csv.gz).")],
     out: OutOption,
     validate: Annotated[
-        Path | None, typer.Option(metavar="LOG2", help="Another motion of the same arm, for the error after.")
+        Path | None,
+        typer.Option(metavar="LOG2", help="Another motion of the same arm, for the error after."),
     ] = None,
     reference: Annotated[
-        Path | None, typer.Option(metavar="LOG3", help="Log of the arm known to be sound: gives the noise model.")
+        Path | None,
+        typer.Option(
+            metavar="LOG3", help="Log of the arm known to be sound: gives the noise model."
+        ),
     ] = None,
     robot: RobotOption = "irb2400",
     close_loop: Annotated[
         bool,
         typer.Option(
             "--close-loop",
-            help="Also generate the controller again (C code in DIR/controller) and track the log's motion, before and "
+            help="Also generate the controller again (C code in DIR/controller) and track the "
+            "log's motion, before and "
             "after, on a simulated arm that has what was found.",
         ),
     ] = False,
     controller: Annotated[
-        str, typer.Option(metavar="NAME", help="Which controller --close-loop makes; an unknown name lists all.")
+        str,
+        typer.Option(
+            metavar="NAME", help="Which controller --close-loop makes; an unknown name lists all."
+        ),
     ] = "feedforward_pid",
 ) -> None:
-    """Find the residual, name the effect behind it, add it to the robot -> findings.json, robot.toml, report.html."""
+    """Find the residual, name the effect behind it, add it to the robot -> findings.json,
+    robot.toml, report.html."""
     for path in (log, validate, reference):
         if path is not None:
             input_file(path, "a log (.csv or .csv.gz)")
@@ -57,12 +66,13 @@ def diagnose(
     assert logs[0] is not None
     with step("comparing log and model"):
         result = run(arm, logs[0], validation=logs[1], reference=logs[2])
-    page, text = diagnosis_page(result, title=f"Diagnosis of {log.name}"), lines(result)
+    page = diagnosis_page(result, title=f"Diagnosis of {log.name}")
+    text = lines(result)
     if close_loop:
         with step("closing the loop"):
             from irb2400_ctrl.codegen import export_package
             from irb2400_ctrl.report.closed_loop_section import add_closed_loop, closed_loop_lines
-            from irb2400_ctrl.simulation.close_loop import close_loop as track
+            from irb2400_ctrl.simulation.close_the_loop import close_loop as track
             from irb2400_ctrl.simulation.recorded import recorded_motion
 
             export_package(make_controller(controller, result.robot), out / "controller")

@@ -12,14 +12,22 @@ from irb2400_ctrl.cli.progress import step
 
 def excite(
     group: Annotated[
-        str, typer.Option("--for", metavar="GROUP", help="Ambiguity group, or an effect of it, as a report names it.")
+        str,
+        typer.Option(
+            "--for",
+            metavar="GROUP",
+            help="Ambiguity group, or an effect of it, as a report names it.",
+        ),
     ],
     out: OutOption,
     robot: RobotOption = "irb2400",
     seconds: Annotated[float, typer.Option(help="Duration of the motion, 10 to 600 s.")] = 40.0,
-    joint: Annotated[int | None, typer.Option(help="Only for effects on this joint; default all at once.")] = None,
+    joint: Annotated[
+        int | None, typer.Option(help="Only for effects on this joint; default all at once.")
+    ] = None,
 ) -> None:
-    """Plan the motion that separates look-alike effects -> trajectory.csv, excitation.mod (RAPID), .json, .png."""
+    """Plan the motion that separates look-alike effects -> trajectory.csv, excitation.mod (RAPID),
+    .json, .png."""
     from irb2400_ctrl.excitation.groups import group_called
 
     group_called(group)  # a wrong name is said before anything is written

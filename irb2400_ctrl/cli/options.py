@@ -7,8 +7,12 @@ from typing import Annotated
 
 import typer
 
-RobotOption = Annotated[str, typer.Option("--robot", metavar="ROBOT", help="A robot file (TOML) or a name.")]
-OutOption = Annotated[Path, typer.Option("--out", metavar="DIR", help="Folder for the results; all is written there.")]
+RobotOption = Annotated[
+    str, typer.Option("--robot", metavar="ROBOT", help="A robot file (TOML) or a name.")
+]
+OutOption = Annotated[
+    Path, typer.Option("--out", metavar="DIR", help="Folder for the results; all is written there.")
+]
 
 
 def input_file(path: Path, what: str) -> Path:
@@ -30,5 +34,7 @@ def output_folder(out: Path) -> Path:
     try:
         out.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        raise InputError(f"--out {out}: cannot make the folder ({error.strerror}); choose another place") from error
+        raise InputError(
+            f"--out {out}: cannot make the folder ({error.strerror}); choose another place"
+        ) from error
     return out

@@ -17,17 +17,29 @@ def plan(
     path: Annotated[Path, typer.Argument(metavar="PATH", help="Toolpath: CSV or APT/CLDATA.")],
     out: OutOption,
     robot: RobotOption = "irb2400",
-    rate: Annotated[float, typer.Option(help="Samples per second of the trajectory.", min=10, max=10000)] = 250.0,
+    rate: Annotated[
+        float, typer.Option(help="Samples per second of the trajectory.", min=10, max=10000)
+    ] = 250.0,
     free_tool_rotation: Annotated[
         bool,
-        typer.Option("--free-tool-rotation/--fixed", help="Turn the tool freely about its own axis, or hold it."),
+        typer.Option(
+            "--free-tool-rotation/--fixed",
+            help="Turn the tool freely about its own axis, or hold it.",
+        ),
     ] = True,
     torque_share: Annotated[
-        float, typer.Option(help="Share of the torque limits the plan may use; the rest is the controller's.", min=0.1)
+        float,
+        typer.Option(
+            help="Share of the torque limits the plan may use; the rest is the controller's.",
+            min=0.1,
+        ),
     ] = 1.0,
-    tolerance_mm: Annotated[float, typer.Option(help="How far corners of the path may be cut.", min=1e-4)] = 0.05,
+    tolerance_mm: Annotated[
+        float, typer.Option(help="How far corners of the path may be cut.", min=1e-4)
+    ] = 0.05,
     axis_tolerance_deg: Annotated[
-        float, typer.Option(help="How far the tool may tilt to pass the wrist singularity.", min=0.0)
+        float,
+        typer.Option(help="How far the tool may tilt to pass the wrist singularity.", min=0.0),
     ] = 0.1,
     torque_rate: Annotated[
         float | None,
@@ -40,14 +52,19 @@ def plan(
     jerk_deg_s3: Annotated[
         float | None,
         typer.Option(
-            "--jerk-deg-s3", "--jerk", help="Limit of the joints' jerk [deg/s3].", min=1e-3, show_default="no limit"
+            "--jerk-deg-s3",
+            "--jerk",
+            help="Limit of the joints' jerk [deg/s3].",
+            min=1e-3,
+            show_default="no limit",
         ),
     ] = None,
     rapid: Annotated[
         bool, typer.Option("--rapid", help="Also write the motion as a RAPID module, program.mod.")
     ] = False,
 ) -> None:
-    """Plan a toolpath: branch, tool rotation, torque-limited timing -> trajectory.csv, plan.json, figures."""
+    """Plan a toolpath: branch, tool rotation, torque-limited timing -> trajectory.csv, plan.json,
+    figures."""
     input_file(path, "a toolpath (CSV or APT/CLDATA)")
     output_folder(out)
 
@@ -79,7 +96,7 @@ def plan(
         written = ["trajectory.csv", "plan.json", "torque.png", "margins.png", "joints.png"]
         if rapid:
             from irb2400_ctrl.model import Model
-            from irb2400_ctrl.planners.rapid import rapid_program
+            from irb2400_ctrl.planners.programs.rapid.rapid_program import rapid_program
 
             motion = planned.trajectory
             rapid_program(Model(arm), motion.time, motion.q).save(out / "program.mod")
@@ -92,9 +109,13 @@ def plan(
         f"elbow {margin['elbow']:.3f} m"
     )
     print(
-        f"torque at most {100 * s['max_torque_ratio']:.1f} % of its limit, speed {100 * s['max_velocity_ratio']:.1f} %"
+        f"torque at most {100 * s['max_torque_ratio']:.1f} % of its limit, speed "
+        f"{100 * s['max_velocity_ratio']:.1f} %"
         + ("; the torque bound holds at every instant by construction" if s["guaranteed"] else "")
     )
     if "duration_without_rates_s" in s:
-        print(f"{planned.duration - s['duration_without_rates_s']:.2f} s longer than without limits of the rates")
+        print(
+            f"{planned.duration - s['duration_without_rates_s']:.2f} s longer than without limits "
+            "of the rates"
+        )
     print(f"written to {out}: {', '.join(written)}")

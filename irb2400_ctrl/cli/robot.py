@@ -13,7 +13,9 @@ if TYPE_CHECKING:
     from irb2400_ctrl.robot import Robot
 
 app = typer.Typer(help="Show, check or export a robot description.", no_args_is_help=True)
-RobotArgument = Annotated[str, typer.Argument(metavar="ROBOT", help="A robot file (TOML) or a name.")]
+RobotArgument = Annotated[
+    str, typer.Argument(metavar="ROBOT", help="A robot file (TOML) or a name.")
+]
 
 
 @app.command()
@@ -53,11 +55,16 @@ def show(robot: RobotArgument = "irb2400") -> None:
 def check(
     robot: RobotArgument = "irb2400",
     project: Annotated[
-        Path | None, typer.Option(metavar="OUT.toml", help="Write the nearest physically consistent robot there.")
+        Path | None,
+        typer.Option(
+            metavar="OUT.toml", help="Write the nearest physically consistent robot there."
+        ),
     ] = None,
     symmetry_plane: Annotated[
         Path | None,
-        typer.Option(metavar="OUT.toml", help="Write the robot with the centres of mass of eqs. 37-42 there."),
+        typer.Option(
+            metavar="OUT.toml", help="Write the robot with the centres of mass of eqs. 37-42 there."
+        ),
     ] = None,
 ) -> None:
     """Say in plain words what in the description cannot be so."""
@@ -66,11 +73,17 @@ def check(
     from irb2400_ctrl.robot import load_robot, save_robot
 
     arm = load_robot(robot)
-    print("body               principal moments kg m2          triangle slack  smallest of pseudo-inertia")
+    print(
+        "body               principal moments kg m2          triangle slack  smallest of "
+        "pseudo-inertia"
+    )
     for body in consistency.report(arm):
         moments = " ".join(f"{value:9.5f}" for value in body.principal_moments)
         verdict = "" if body.consistent else "  impossible"
-        print(f"{body.name:<18} {moments}  {body.triangle_slack:13.5f}  {body.pseudo_inertia:13.5f}{verdict}")
+        print(
+            f"{body.name:<18} {moments}  {body.triangle_slack:13.5f}  "
+            f"{body.pseudo_inertia:13.5f}{verdict}"
+        )
     issues = consistency.check(arm)
     for issue in issues:
         print(issue.sentence)
@@ -91,11 +104,16 @@ def check(
         print("every body could exist")
     for joint in arm.joints:
         if "assumption" in joint.limits.torque_source:
-            print(f"{joint.name}: torque limit {joint.limits.torque_Nm:.0f} Nm is an {joint.limits.torque_source}")
+            print(
+                f"{joint.name}: torque limit {joint.limits.torque_Nm:.0f} Nm is an "
+                f"{joint.limits.torque_source}"
+            )
     if project is not None:
         nearest, distance = consistency.project(arm)
         save_robot(nearest, project)
-        print(f"written: {project}, second moments of the bodies moved by {distance:.4g} kg m2 in all")
+        print(
+            f"written: {project}, second moments of the bodies moved by {distance:.4g} kg m2 in all"
+        )
         _print_torque_differences(arm, nearest)
     if symmetry_plane is not None:
         from irb2400_ctrl.model.symmetry import com_in_symmetry_plane
@@ -111,7 +129,8 @@ def export(
     out: OutOption,
     robot: RobotArgument = "irb2400",
 ) -> None:
-    """Write the robot as URDF; its head says what the parallelogram means for a reader of the file."""
+    """Write the robot as URDF; its head says what the parallelogram means for a reader of the
+    file."""
     import re
 
     from irb2400_ctrl.robot import load_robot

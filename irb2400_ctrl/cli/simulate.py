@@ -12,15 +12,21 @@ from irb2400_ctrl.cli.progress import step
 
 
 def simulate(
-    trajectory: Annotated[Path, typer.Argument(metavar="TRAJECTORY", help="trajectory.csv of `irb2400 plan`.")],
+    trajectory: Annotated[
+        Path, typer.Argument(metavar="TRAJECTORY", help="trajectory.csv of `irb2400 plan`.")
+    ],
     out: OutOption,
-    controller: Annotated[str, typer.Option(metavar="NAME", help="Controller; an unknown name lists all.")],
+    controller: Annotated[
+        str, typer.Option(metavar="NAME", help="Controller; an unknown name lists all.")
+    ],
     robot: RobotOption = "irb2400",
     plant: Annotated[
-        str | None, typer.Option(metavar="ROBOT", help="Robot of the plant; the controller's own if absent.")
+        str | None,
+        typer.Option(metavar="ROBOT", help="Robot of the plant; the controller's own if absent."),
     ] = None,
 ) -> None:
-    """Track a trajectory with a controller (1 kHz, generated C) -> log.csv, simulation.json, tracking.png."""
+    """Track a trajectory with a controller (1 kHz, generated C) -> log.csv, simulation.json,
+    tracking.png."""
     input_file(trajectory, "a trajectory (CSV)")
     output_folder(out)
 
@@ -32,10 +38,15 @@ def simulate(
     arm = load_robot(robot)
     motion = load_trajectory(trajectory)
     with step(f"simulating {controller}"):
-        simulation = run(arm, motion, controller, plant=None if plant is None else load_robot(plant))
+        simulation = run(
+            arm, motion, controller, plant=None if plant is None else load_robot(plant)
+        )
         simulation.write(out)
         tracking_figure({controller: simulation}).savefig(out / "tracking.png", dpi=120)
     s = simulation.summary()
     print(f"{controller}: {s['duration_s']:.2f} s simulated")
-    print(f"TCP error {s['tcp_error_mm']['rms']:.3f} mm rms, {s['tcp_error_mm']['max']:.3f} mm at most")
+    print(
+        f"TCP error {s['tcp_error_mm']['rms']:.3f} mm rms, {s['tcp_error_mm']['max']:.3f} mm at "
+        "most"
+    )
     print(f"written: {out / 'log.csv'}, {out / 'simulation.json'}, {out / 'tracking.png'}")

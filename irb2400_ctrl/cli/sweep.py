@@ -15,12 +15,19 @@ INTERRUPTED = 130
 
 
 def sweep(
-    study: Annotated[Path, typer.Argument(metavar="STUDY", help="What to vary: a TOML file (docs/sweep.md).")],
+    study: Annotated[
+        Path, typer.Argument(metavar="STUDY", help="What to vary: a TOML file (docs/sweep.md).")
+    ],
     out: OutOption,
     scheduler: Annotated[
-        str | None, typer.Option(metavar="ADDRESS", help="Dask scheduler (host:port) to use its workers instead.")
+        str | None,
+        typer.Option(
+            metavar="ADDRESS", help="Dask scheduler (host:port) to use its workers instead."
+        ),
     ] = None,
-    workers: Annotated[int | None, typer.Option(metavar="N", help="Processes here; one per core if absent.")] = None,
+    workers: Annotated[
+        int | None, typer.Option(metavar="N", help="Processes here; one per core if absent.")
+    ] = None,
 ) -> None:
     """Run every case of a study that is not done yet -> cases.parquet, study.toml, sweep.png."""
     input_file(study, "a study (TOML)")
@@ -41,7 +48,10 @@ def sweep(
             result = run_sweep(wanted, out, workers=workers, scheduler=scheduler, progress=progress)
         except KeyboardInterrupt:
             done, of = counts
-            print(f"\nstopped: {done} of {of} cases are saved; the same command runs the others", file=sys.stderr)
+            print(
+                f"\nstopped: {done} of {of} cases are saved; the same command runs the others",
+                file=sys.stderr,
+            )
             raise typer.Exit(INTERRUPTED) from None
 
         from irb2400_ctrl.report.sweep_figures import sweep_figure
@@ -51,5 +61,8 @@ def sweep(
     print(f"{wanted.name}: {wanted.cases} cases, {result.ran} run now")
     print(summary_text(result.lines))
     for row in result.problems[:3]:
-        print(f"case {row['case']} ({row['controller']}, {row['motion']}): {row['status']}, {row['message']}")
+        print(
+            f"case {row['case']} ({row['controller']}, {row['motion']}): {row['status']}, "
+            f"{row['message']}"
+        )
     print(f"written: {result.table}, {out / 'study.toml'}, {picture}")

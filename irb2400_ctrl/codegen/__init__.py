@@ -1,4 +1,5 @@
-"""C99 from CasADi expressions: machine code for this computer, packages for embedded targets, checks on an emulator."""
+"""C99 from CasADi expressions: machine code for this computer, packages for embedded targets,
+checks on an emulator."""
 
 from irb2400_ctrl.codegen.block import Block, CompiledBlock, Field, compile_block
 from irb2400_ctrl.codegen.build import CompiledFunction, FunctionBuffers, compile_function

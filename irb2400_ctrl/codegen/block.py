@@ -1,4 +1,5 @@
-"""`Block`: a discrete-time system, the common form of controllers for simulation and code generation."""
+"""`Block`: a discrete-time system, the common form of controllers for simulation and code
+generation."""
 
 from __future__ import annotations
 
@@ -20,8 +21,10 @@ Array = NDArray[Any]
 class Field:
     """A named vector of a block.
 
-    `default` is the initial state or the parameter's value (zeros when empty). `lower` and `upper` (`size` values
-    each, empty: no bound) are the range in which an input is believed, and to which an output is saturated, in
+    `default` is the initial state or the parameter's value (zeros when empty). `lower` and `upper`
+    (`size` values
+    each, empty: no bound) are the range in which an input is believed, and to which an output is
+        saturated, in
     generated code.
     """
 
@@ -36,16 +39,20 @@ class Field:
     def __post_init__(self) -> None:
         if not self.name.isidentifier() or self.size < 1:
             raise InputError(
-                f"field {self.name!r} of size {self.size}; expected a C identifier and a size of at least 1"
+                f"field {self.name!r} of size {self.size}; expected a C identifier and a size of "
+                "at least 1"
             )
         for what in ("default", "lower", "upper"):
             values = getattr(self, what)
             if values and (len(values) != self.size or not np.all(np.isfinite(values))):
                 raise InputError(
-                    f"field {self.name!r}: {what} is {values}; expected {self.size} finite values, or none"
+                    f"field {self.name!r}: {what} is {values}; expected {self.size} finite values, "
+                    "or none"
                 )
         if any(low > high for low, high in zip(self.lower, self.upper, strict=False)):
-            raise InputError(f"field {self.name!r}: a lower bound lies above its upper bound; swap them")
+            raise InputError(
+                f"field {self.name!r}: a lower bound lies above its upper bound; swap them"
+            )
 
     @property
     def start(self) -> Array:
@@ -57,8 +64,8 @@ class Field:
 class Block:
     """x+ = f(x, u, p), y = g(x, u, p), every `sample_time` seconds.
 
-    `step` is an SX function: inputs states + inputs + parameters by name and in this order, outputs the next states
-    in the same order, then the outputs.
+    `step` is an SX function: inputs states + inputs + parameters by name and in this order, outputs
+    the next states in the same order, then the outputs.
     """
 
     name: str
@@ -76,7 +83,8 @@ class Block:
         found_in = [(n, self.step.numel_in(n)) for n in self.step.name_in()]
         if found_in != [(f.name, f.size) for f in taken]:
             raise InputError(
-                f"block {self.name!r}: step takes {found_in}; expected the states, inputs and parameters "
+                f"block {self.name!r}: step takes {found_in}; expected the states, inputs and "
+                "parameters "
                 f"{[(f.name, f.size) for f in taken]} by name, in this order"
             )
         found_out = [self.step.numel_out(i) for i in range(self.step.n_out())]
@@ -89,7 +97,10 @@ class Block:
     def flat(self) -> ca.Function:
         """The step with one vector each: (x, u, p) -> (x+, y)."""
         groups = (self.states, self.inputs, self.parameters)
-        vectors = [ca.SX.sym(name, sum(f.size for f in group)) for name, group in zip("xup", groups, strict=True)]
+        vectors = [
+            ca.SX.sym(name, sum(f.size for f in group))
+            for name, group in zip("xup", groups, strict=True)
+        ]
         parts = [
             part
             for vector, group in zip(vectors, groups, strict=True)
@@ -142,7 +153,9 @@ class CompiledBlock:
     def split(self, fields: tuple[Field, ...], values: Array) -> dict[str, Array]:
         """The last axis of `values` by field name, for example `split(block.outputs, y)`."""
         ends = np.cumsum([f.size for f in fields])
-        return {f.name: values[..., end - f.size : end] for f, end in zip(fields, ends, strict=True)}
+        return {
+            f.name: values[..., end - f.size : end] for f, end in zip(fields, ends, strict=True)
+        }
 
 
 def compile_block(block: Block, *, real: Real = "double") -> CompiledBlock:
@@ -157,7 +170,9 @@ def _offsets(fields: tuple[Field, ...]) -> list[int]:
 def _stack(fields: tuple[Field, ...], values: Mapping[str, ArrayLike]) -> Array:
     unknown = set(values) - {f.name for f in fields}
     if unknown:
-        raise InputError(f"found unknown names {sorted(unknown)}; expected some of {[f.name for f in fields]}")
+        raise InputError(
+            f"found unknown names {sorted(unknown)}; expected some of {[f.name for f in fields]}"
+        )
     parts = [np.asarray(values.get(f.name, f.start), float).ravel() for f in fields]
     for field, part in zip(fields, parts, strict=True):
         if part.size != field.size:

@@ -55,15 +55,25 @@ def compile_function(
 
 def host_source(fn: ca.Function, *, real: Real, math: Math = "own") -> str:
     """C text of the shared library: the function and the loops over it."""
-    body = emit_body(read_graph(fn), fn.name(), lambda argument, i: f"a{argument}[{i}]", libm=math == "libm")
-    n_in, n_out = fn.n_in(), fn.n_out()
+    body = emit_body(
+        read_graph(fn), fn.name(), lambda argument, i: f"a{argument}[{i}]", libm=math == "libm"
+    )
+    n_in = fn.n_in()
+    n_out = fn.n_out()
     sizes_in = [fn.numel_in(i) for i in range(n_in)]
     sizes_out = [fn.numel_out(i) for i in range(n_out)]
     signature = ", ".join(
-        [f"const real_t *restrict a{i}" for i in range(n_in)] + [f"real_t *restrict r{i}" for i in range(n_out)]
+        [f"const real_t *restrict a{i}" for i in range(n_in)]
+        + [f"real_t *restrict r{i}" for i in range(n_out)]
     )
-    stores = [f"r{k}[{i}] = {text};" for k, column in enumerate(body.results) for i, text in enumerate(column)]
-    at = [f"in + {sum(sizes_in[:i])}" for i in range(n_in)] + [f"out + {sum(sizes_out[:i])}" for i in range(n_out)]
+    stores = [
+        f"r{k}[{i}] = {text};"
+        for k, column in enumerate(body.results)
+        for i, text in enumerate(column)
+    ]
+    at = [f"in + {sum(sizes_in[:i])}" for i in range(n_in)] + [
+        f"out + {sum(sizes_out[:i])}" for i in range(n_out)
+    ]
     moving = [f"in[{i}] + (k * stride[{i}])" for i in range(n_in)]
     moving += [f"out[{i}] + (k * {sizes_out[i]})" for i in range(n_out)]
     lines = [
@@ -75,8 +85,10 @@ def host_source(fn: ca.Function, *, real: Real, math: Math = "own") -> str:
         f"static void evaluate({signature or 'void'})\n{{",
         *(f"    {line}" for line in (*body.statements, *stores)),
         "}",
-        f"void run(const real_t *in, real_t *out)\n{{\n    (void)in; (void)out;\n    evaluate({', '.join(at)});\n}}",
-        "void map(int64_t n, const real_t *const *in, const int64_t *stride, real_t *const *out)\n{",
+        f"void run(const real_t *in, real_t *out)\n{{\n    (void)in; (void)out;\n    "
+        f"evaluate({', '.join(at)});\n}}",
+        "void map(int64_t n, const real_t *const *in, const int64_t *stride, real_t *const "
+        "*out)\n{",
         "    (void)in; (void)stride; (void)out;",
         f"    for (int64_t k = 0; k < n; k++) {{ evaluate({', '.join(moving)}); }}\n}}",
     ]
@@ -84,7 +96,8 @@ def host_source(fn: ca.Function, *, real: Real, math: Math = "own") -> str:
         chain = [f"x + (k * {sizes_in[0]})", "u + (k * stride)", "p"][:n_in]
         chain += [f"x + ((k + 1) * {sizes_in[0]})", f"y + (k * {sizes_out[1]})"]
         lines += [
-            "void rollout(int64_t n, real_t *x, const real_t *u, int64_t stride, const real_t *p, real_t *y)\n{",
+            "void rollout(int64_t n, real_t *x, const real_t *u, int64_t stride, const real_t *p, "
+            "real_t *y)\n{",
             "    (void)p;",
             f"    for (int64_t k = 0; k < n; k++) {{ evaluate({', '.join(chain)}); }}\n}}",
         ]
@@ -97,9 +110,11 @@ def _can_roll(sizes_in: list[int], sizes_out: list[int]) -> bool:
 
 @dataclass(frozen=True)
 class FunctionBuffers:
-    """Fixed memory for one caller: write into `inputs`, call `run()`, read `outputs`; below a microsecond.
+    """Fixed memory for one caller: write into `inputs`, call `run()`, read `outputs`; below a
+    microsecond.
 
-    The arrays are views of one block each; a matrix shows up in its own shape. Give each thread its own.
+    The arrays are views of one block each; a matrix shows up in its own shape. Give each thread its
+    own.
     """
 
     inputs: tuple[Array, ...]
@@ -109,7 +124,8 @@ class FunctionBuffers:
 
 @dataclass(frozen=True, eq=False)
 class CompiledFunction:
-    """Machine code of a function with inputs and outputs of fixed shape; made by `compile_function`."""
+    """Machine code of a function with inputs and outputs of fixed shape; made by
+    `compile_function`."""
 
     name: str
     real: Real
@@ -128,8 +144,13 @@ class CompiledFunction:
         """New fixed memory and the fastest way to call from Python."""
         block_in = np.zeros(sum(r * c for r, c in self.input_shapes), self.dtype)
         block_out = np.zeros(sum(r * c for r, c in self.output_shapes), self.dtype)
-        run = partial(self._library.run, ctypes.c_void_p(block_in.ctypes.data), ctypes.c_void_p(block_out.ctypes.data))
-        inputs, outputs = _views(block_in, self.input_shapes), _views(block_out, self.output_shapes)
+        run = partial(
+            self._library.run,
+            ctypes.c_void_p(block_in.ctypes.data),
+            ctypes.c_void_p(block_out.ctypes.data),
+        )
+        inputs = _views(block_in, self.input_shapes)
+        outputs = _views(block_out, self.output_shapes)
         return FunctionBuffers(inputs, outputs, run)
 
     def call(self, *arguments: ArrayLike) -> tuple[Array, ...]:
@@ -152,8 +173,8 @@ class CompiledFunction:
         """Many evaluations, looped in C.
 
         Args:
-            arguments: each (n, k) for an input of k elements (a matrix input: (n, rows, columns)), or one
-                value of the input's own shape that holds for all n.
+            arguments: each (n, k) for an input of k elements (a matrix input: (n, rows, columns)),
+                or one value of the input's own shape that holds for all n.
 
         Returns:
             One array (n, m) per output; (n, rows, columns) for a matrix.
@@ -171,12 +192,19 @@ class CompiledFunction:
             )
         n = counts.pop()
         results = [np.empty((n, r * c), self.dtype) for r, c in self.output_shapes]
-        strides = (ctypes.c_int64 * len(flat))(*(rows.shape[1] if rows.ndim == 2 else 0 for rows in flat))
+        strides = (ctypes.c_int64 * len(flat))(
+            *(rows.shape[1] if rows.ndim == 2 else 0 for rows in flat)
+        )
         self._library.map(ctypes.c_int64(n), _pointers(flat), strides, _pointers(results))
-        return tuple(_unflatten(y, shape) for y, shape in zip(results, self.output_shapes, strict=True))
+        return tuple(
+            _unflatten(y, shape) for y, shape in zip(results, self.output_shapes, strict=True)
+        )
 
-    def rollout(self, x0: ArrayLike, inputs: ArrayLike, constants: ArrayLike = ()) -> tuple[Array, Array]:
-        """Iterate (x, u, p) -> (x+, y), looped in C; for a function of (x, u) leave `constants` out.
+    def rollout(
+        self, x0: ArrayLike, inputs: ArrayLike, constants: ArrayLike = ()
+    ) -> tuple[Array, Array]:
+        """Iterate (x, u, p) -> (x+, y), looped in C; for a function of (x, u) leave `constants`
+        out.
 
         Args:
             x0: first state, shape (nx,).
@@ -192,8 +220,10 @@ class CompiledFunction:
         sizes_in = [r * c for r, c in self.input_shapes]
         if not _can_roll(sizes_in, [r * c for r, c in self.output_shapes]):
             raise InputError(
-                f"{self.name}: found inputs {self.input_names} and outputs {self.output_names}; expected "
-                "(x, u, p) -> (x+, y) or (x, u) -> (x+, y) with x and x+ of one size; write the function so"
+                f"{self.name}: found inputs {self.input_names} and outputs {self.output_names}; "
+                "expected "
+                "(x, u, p) -> (x+, y) or (x, u) -> (x+, y) with x and x+ of one size; write the "
+                "function so"
             )
         start = np.asarray(x0, self.dtype).ravel()
         given = np.ascontiguousarray(inputs, self.dtype)
@@ -224,7 +254,8 @@ class CompiledFunction:
             )
 
     def _rows(self, i: int, given: Array) -> Array:
-        """(n, k) contiguous with matrices column by column, or (k,) for a value that holds for all."""
+        """(n, k) contiguous with matrices column by column, or (k,) for a value that holds for
+        all."""
         rows, columns = self.input_shapes[i]
         if columns == 1 or rows == 1:
             if given.ndim <= 1 and given.size == rows * columns:
@@ -239,11 +270,14 @@ class CompiledFunction:
         raise self._wrong_shape(i, given.shape, expected)
 
     def _wrong_shape(self, i: int, found: tuple[int, ...], expected: str) -> InputError:
-        return InputError(f"{self.name}: argument {self.input_names[i]!r} has shape {found}; expected {expected}")
+        return InputError(
+            f"{self.name}: argument {self.input_names[i]!r} has shape {found}; expected {expected}"
+        )
 
 
 def _views(block: Array, shapes: tuple[Shape, ...]) -> tuple[Array, ...]:
-    views, start = [], 0
+    views = []
+    start = 0
     for rows, columns in shapes:
         part = block[start : start + rows * columns]
         views.append(part if 1 in (rows, columns) else part.reshape((rows, columns), order="F"))

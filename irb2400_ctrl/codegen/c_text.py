@@ -16,7 +16,8 @@ def clip(field: Field, i: int, text: str) -> str:
     """C expression: element i of a field cut at its bounds from the parameter table."""
     if is_symmetric(field):
         return f"own_limit({text}, parameters->{field.name}_limit[{i}])"
-    low, high = f"parameters->{field.name}_min[{i}]", f"parameters->{field.name}_max[{i}]"
+    low = f"parameters->{field.name}_min[{i}]"
+    high = f"parameters->{field.name}_max[{i}]"
     if field.lower and field.upper:
         return f"own_clip({text}, {low}, {high})"
     if field.lower:

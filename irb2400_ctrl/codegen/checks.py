@@ -15,7 +15,8 @@ Array = NDArray[Any]
 
 
 def random_points(package: Package, count: int) -> tuple[Array, Array]:
-    """States (count, nx) and inputs (count, nu) inside the bounds; half of them small, where friction is steep."""
+    """States (count, nx) and inputs (count, nu) inside the bounds; half of them small, where
+    friction is steep."""
     rng = np.random.default_rng(20240)
 
     def draw(fields: tuple[Field, ...]) -> Array:
@@ -44,7 +45,8 @@ def _inwards(values: Array, dtype: type[np.floating[Any]]) -> Array:
 
 def run_points(controller: Controller, states: Array, inputs: Array) -> tuple[Array, Array]:
     """(next states with held outputs, outputs), row by row."""
-    after, outputs = [], []
+    after = []
+    outputs = []
     for x, u in zip(states, inputs, strict=True):
         controller.state = x
         y, status = controller.step(u)
@@ -57,19 +59,28 @@ def run_points(controller: Controller, states: Array, inputs: Array) -> tuple[Ar
 def compare_with_block(
     package: Package, states: Array, inputs: Array, after: Array, outputs: Array
 ) -> tuple[dict[str, float], float]:
-    """Largest difference per field to the block's own step in double, outputs saturated; and the largest relative."""
+    """Largest difference per field to the block's own step in double, outputs saturated; and the
+    largest relative."""
     block = package.block
     width = sum(f.size for f in block.states)
     dtype = states.dtype
-    parameters = np.concatenate([np.zeros(0), *(f.start for f in block.parameters)]).astype(dtype).astype(float)
+    parameters = (
+        np.concatenate([np.zeros(0), *(f.start for f in block.parameters)])
+        .astype(dtype)
+        .astype(float)
+    )
     columns = [a.astype(float).T for a in (states[:, :width], inputs)]
     spread = np.tile(parameters[:, None], len(inputs))
-    expected_after, expected = (np.array(v).T for v in block.flat().map(len(inputs))(*columns, spread))
+    expected_after, expected = (
+        np.array(v).T for v in block.flat().map(len(inputs))(*columns, spread)
+    )
     low = np.concatenate([f.lower or (-np.inf,) * f.size for f in block.outputs]).astype(dtype)
     high = np.concatenate([f.upper or (np.inf,) * f.size for f in block.outputs]).astype(dtype)
     found = np.hstack([after[:, :width], outputs]).astype(float)
     wanted = np.hstack([expected_after, np.clip(expected, low, high)])
-    differences, relative, at = {}, 0.0, 0
+    differences = {}
+    relative = 0.0
+    at = 0
     names = [f"{f.name} (next)" for f in block.states] + [f.name for f in block.outputs]
     for name, field in zip(names, (*block.states, *block.outputs), strict=True):
         part = slice(at, at + field.size)
@@ -90,14 +101,19 @@ def faults_are_held(controller: Controller, ordinary: Array) -> bool:
         return False
     for wrong in wrong_inputs(controller.package, ordinary):
         answer, status = controller.step(wrong)
-        if status != FAULT_INPUT or not np.array_equal(answer, good) or not np.array_equal(controller.state, before):
+        if (
+            status != FAULT_INPUT
+            or not np.array_equal(answer, good)
+            or not np.array_equal(controller.state, before)
+        ):
             return False
     return controller.step(ordinary)[1] == 0
 
 
 def wrong_inputs(package: Package, ordinary: Array) -> list[Array]:
     """The ordinary input with one element that is no number, infinite, or beyond a bound."""
-    wrong, at = [], 0
+    wrong = []
+    at = 0
     for field in package.block.inputs:
         for i in range(field.size):
             bad = [np.nan, np.inf, -np.inf]

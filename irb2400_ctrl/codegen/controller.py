@@ -1,4 +1,5 @@
-"""A generated package at work: the same calls whether it runs on this computer or on the emulated target."""
+"""A generated package at work: the same calls whether it runs on this computer or on the emulated
+target."""
 
 from __future__ import annotations
 
@@ -17,7 +18,8 @@ Array = NDArray[Any]
 
 
 class Controller(ABC):
-    """Calls NAME_init and NAME_step of one package; flat vectors hold the fields of a struct one after the other."""
+    """Calls NAME_init and NAME_step of one package; flat vectors hold the fields of a struct one
+    after the other."""
 
     def __init__(self, package: Package) -> None:
         self.package = package
@@ -52,13 +54,15 @@ class Controller(ABC):
         array = np.asarray(values, self.dtype).ravel()
         if array.size != self.sizes[kind]:
             raise InputError(
-                f"{self.package.name}: found {array.size} values for the {kind}; expected {self.sizes[kind]}"
+                f"{self.package.name}: found {array.size} values for the {kind}; expected "
+                f"{self.sizes[kind]}"
             )
         return array
 
 
 class HostController(Controller):
-    """The package compiled for this computer, with the flags that make host and target agree bit for bit."""
+    """The package compiled for this computer, with the flags that make host and target agree bit
+    for bit."""
 
     def __init__(self, package: Package) -> None:
         super().__init__(package)
@@ -68,7 +72,9 @@ class HostController(Controller):
         self._step = library[f"{package.name}_step"]
         self._step.restype = ctypes.c_uint32
         # an empty struct holds one unused real
-        self._memory = {kind: np.zeros(max(size, 1), self.dtype) for kind, size in self.sizes.items()}
+        self._memory = {
+            kind: np.zeros(max(size, 1), self.dtype) for kind, size in self.sizes.items()
+        }
         values = np.concatenate([np.zeros(0), *(f.start for f in package.parameter_fields)])
         self._memory["parameters"][: values.size] = values
         self._pointers = {kind: ctypes.c_void_p(m.ctypes.data) for kind, m in self._memory.items()}

@@ -1,7 +1,8 @@
-"""C99 text of a `casadi.Function`: one `const` local per operation, no work array, no library needed.
+"""C99 text of a `casadi.Function`: one `const` local per operation, no work array, no library
+needed.
 
-Reals are written `R(0.5)` and typed `real_t`; both are defined by the file around (float or double), so that one
-text serves both precisions and no double constant slips into a float build.
+Reals are written `R(0.5)` and typed `real_t`; both are defined by the file around (float or
+double), so that one text serves both precisions and no double constant slips into a float build.
 """
 
 from __future__ import annotations
@@ -20,22 +21,46 @@ _INFIX = {ca.OP_ADD: "+", ca.OP_SUB: "-", ca.OP_MUL: "*", ca.OP_DIV: "/"}
 _COMPARE = {ca.OP_LT: "<", ca.OP_LE: "<=", ca.OP_EQ: "==", ca.OP_NE: "!="}
 _LOGIC = {ca.OP_AND: "&&", ca.OP_OR: "||"}
 _CALL = {
-    ca.OP_EXP: "exp", ca.OP_LOG: "log", ca.OP_SQRT: "sqrt", ca.OP_SIN: "sin", ca.OP_COS: "cos", ca.OP_TAN: "tan",
-    ca.OP_ASIN: "asin", ca.OP_ACOS: "acos", ca.OP_ATAN: "atan", ca.OP_FLOOR: "floor", ca.OP_CEIL: "ceil",
-    ca.OP_FMOD: "fmod", ca.OP_FABS: "abs", ca.OP_SIGN: "sign", ca.OP_COPYSIGN: "copysign", ca.OP_ERF: "erf",
-    ca.OP_FMIN: "fmin", ca.OP_FMAX: "fmax", ca.OP_SINH: "sinh", ca.OP_COSH: "cosh", ca.OP_TANH: "tanh",
-    ca.OP_ASINH: "asinh", ca.OP_ACOSH: "acosh", ca.OP_ATANH: "atanh", ca.OP_ATAN2: "atan2",
-    ca.OP_LOG1P: "log1p", ca.OP_EXPM1: "expm1", ca.OP_HYPOT: "hypot", ca.OP_REMAINDER: "remainder",
-    ca.OP_POW: "pow", ca.OP_CONSTPOW: "pow",
-}  # fmt: skip
+    ca.OP_EXP: "exp",
+    ca.OP_LOG: "log",
+    ca.OP_SQRT: "sqrt",
+    ca.OP_SIN: "sin",
+    ca.OP_COS: "cos",
+    ca.OP_TAN: "tan",
+    ca.OP_ASIN: "asin",
+    ca.OP_ACOS: "acos",
+    ca.OP_ATAN: "atan",
+    ca.OP_FLOOR: "floor",
+    ca.OP_CEIL: "ceil",
+    ca.OP_FMOD: "fmod",
+    ca.OP_FABS: "abs",
+    ca.OP_SIGN: "sign",
+    ca.OP_COPYSIGN: "copysign",
+    ca.OP_ERF: "erf",
+    ca.OP_FMIN: "fmin",
+    ca.OP_FMAX: "fmax",
+    ca.OP_SINH: "sinh",
+    ca.OP_COSH: "cosh",
+    ca.OP_TANH: "tanh",
+    ca.OP_ASINH: "asinh",
+    ca.OP_ACOSH: "acosh",
+    ca.OP_ATANH: "atanh",
+    ca.OP_ATAN2: "atan2",
+    ca.OP_LOG1P: "log1p",
+    ca.OP_EXPM1: "expm1",
+    ca.OP_HYPOT: "hypot",
+    ca.OP_REMAINDER: "remainder",
+    ca.OP_POW: "pow",
+    ca.OP_CONSTPOW: "pow",
+}
 
 
 @dataclass(frozen=True)
-class Body:
+class CBody:
     """Statements and what they end in.
 
-    `results[k][i]` is the C expression of dense column-major element i of output k; `functions` are the names that
-    `own_math.prelude` must define before.
+    `results[k][i]` is the C expression of dense column-major element i of output k; `functions` are
+    the names that `own_math.prelude` must define before.
     """
 
     statements: tuple[str, ...]
@@ -53,7 +78,9 @@ def literal(value: float) -> str:
     return "(R(1.0) / R(0.0))" if value > 0 else "(R(-1.0) / R(0.0))"
 
 
-def emit_body(graph: Graph, name: str, element: Callable[[int, int], str], *, libm: bool = False) -> Body:
+def emit_body(
+    graph: Graph, name: str, element: Callable[[int, int], str], *, libm: bool = False
+) -> CBody:
     """C statements that compute a graph.
 
     Args:
@@ -71,24 +98,31 @@ def emit_body(graph: Graph, name: str, element: Callable[[int, int], str], *, li
 class _Writer:
     """Walks a graph once and keeps, for each node, the C expression that stands for it."""
 
-    def __init__(self, graph: Graph, element: Callable[[int, int], str], name: str, libm: bool) -> None:
-        self.graph, self.element, self.name, self.libm = graph, element, name, libm
+    def __init__(
+        self, graph: Graph, element: Callable[[int, int], str], name: str, libm: bool
+    ) -> None:
+        self.graph = graph
+        self.element = element
+        self.name = name
+        self.libm = libm
         self.text: list[str] = []
         self.boolean: list[bool] = []
         self.statements: list[str] = []
         self.functions: set[str] = set()
 
-    def body(self) -> Body:
+    def body(self) -> CBody:
         for index in range(len(self.graph.nodes)):
             self._node(index)
         results = tuple(
-            tuple("R(0.0)" if i is None else self._real(i) for i in column) for column in self.graph.results
+            tuple("R(0.0)" if i is None else self._real(i) for i in column)
+            for column in self.graph.results
         )
-        return Body(tuple(self.statements), results, frozenset(self.functions))
+        return CBody(tuple(self.statements), results, frozenset(self.functions))
 
     def _node(self, index: int) -> None:
         node = self.graph.nodes[index]
-        op, args = node.op, node.args
+        op = node.op
+        args = node.args
         if op == ca.OP_INPUT:
             self._keep(self.element(*args))
         elif op == ca.OP_CONST:
@@ -129,20 +163,28 @@ class _Writer:
             return f"R(1.0) / {values[0]}"
         if op in (ca.OP_POW, ca.OP_CONSTPOW):
             exponent = self.graph.nodes[args[1]]
-            if exponent.op == ca.OP_CONST and exponent.value == round(exponent.value) and abs(exponent.value) <= 64:
+            if (
+                exponent.op == ca.OP_CONST
+                and exponent.value == round(exponent.value)
+                and abs(exponent.value) <= 64
+            ):
                 return self._integer_power(values[0], int(exponent.value))
         if op in _CALL:
             return self._call(_CALL[op], values)
         raise InputError(
-            f"function {self.name!r} holds CasADi operation {op} ({len(args)} operands), which has no C form here; "
-            "expected arithmetic, elementary functions, comparisons and if_else; rewrite the expression with those"
+            f"function {self.name!r} holds CasADi operation {op} ({len(args)} operands), which has "
+            "no C form here; "
+            "expected arithmetic, elementary functions, comparisons and if_else; rewrite the "
+            "expression with those"
         )
 
     def _call(self, function: str, values: list[str]) -> str:
         if function not in own_functions() and not self.libm:
             raise InputError(
-                f"function {self.name!r} uses {function}(), which the built-in mathematics does not have; "
-                f'expected one of {", ".join(sorted(own_functions()))}; use math="libm" or rewrite the expression'
+                f"function {self.name!r} uses {function}(), which the built-in mathematics does "
+                "not have; "
+                f'expected one of {", ".join(sorted(own_functions()))}; use math="libm" or rewrite '
+                f"the expression"
             )
         self.functions.add(function)
         return f"own_{function}({', '.join(values)})"
@@ -153,7 +195,8 @@ class _Writer:
             return "R(1.0)"
         if exponent < 0:
             return f"R(1.0) / {self._fresh(self._integer_power(base, -exponent))}"
-        square, product = base, ""
+        square = base
+        product = ""
         while True:
             if exponent & 1:
                 product = f"{product} * {square}" if product else square
@@ -177,7 +220,9 @@ class _Writer:
         self.boolean.append(boolean)
 
     def _real(self, index: int) -> str:
-        return f"({self.text[index]} ? R(1.0) : R(0.0))" if self.boolean[index] else self.text[index]
+        return (
+            f"({self.text[index]} ? R(1.0) : R(0.0))" if self.boolean[index] else self.text[index]
+        )
 
     def _truth(self, index: int) -> str:
         return self.text[index] if self.boolean[index] else f"({self.text[index]} != R(0.0))"

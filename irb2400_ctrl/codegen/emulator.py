@@ -1,7 +1,7 @@
 """A firmware image on an emulated Cortex-M (the `unicorn` package), instruction by instruction.
 
-It executes Arm code exactly, but knows no pipeline and no flash wait states: what it counts are instructions, not
-cycles.
+It executes Arm code exactly, but knows no pipeline and no flash wait states: what it counts are
+instructions, not cycles.
 """
 
 from __future__ import annotations
@@ -35,21 +35,26 @@ class TargetController(Controller):
             arm_const: Any = import_module("unicorn.arm_const")
         except ImportError as error:
             raise ToolMissingError(
-                "found no Python package unicorn; expected it for running firmware on an emulated Cortex-M; "
+                "found no Python package unicorn; expected it for running firmware on an emulated "
+                "Cortex-M; "
                 'install it: pip install "irb2400_ctrl[embedded]" (or pip install unicorn)'
             ) from error
         self.firmware = firmware
         self._registers = arm_const
         self._failure = unicorn.UcError
-        model, mode = arm_const.UC_CPU_ARM_CORTEX_M4, unicorn.UC_MODE_THUMB | unicorn.UC_MODE_MCLASS
+        model = arm_const.UC_CPU_ARM_CORTEX_M4
+        mode = unicorn.UC_MODE_THUMB | unicorn.UC_MODE_MCLASS
         if firmware.target.hardware_double:
-            # unicorn's M-class models have no double unit; its general core runs the same Thumb-2 and FPv5 code
-            model, mode = arm_const.UC_CPU_ARM_MAX, unicorn.UC_MODE_THUMB
+            # unicorn's M-class models have no double unit; its general core runs the same Thumb-2
+            # and FPv5 code
+            model = arm_const.UC_CPU_ARM_MAX
+            mode = unicorn.UC_MODE_THUMB
         machine = unicorn.Uc(unicorn.UC_ARCH_ARM, mode)
         machine.ctl_set_cpu_model(model)
         machine.mem_map(FLASH, MEMORY_SIZE)
         machine.mem_map(RAM, MEMORY_SIZE)
-        # the start-up code switches the floating-point unit on by a write to this page; the emulator by a register
+        # the start-up code switches the floating-point unit on by a write to this page; the
+        # emulator by a register
         machine.mem_map(_SYSTEM_CONTROL, 0x1000)
         machine.reg_write(arm_const.UC_ARM_REG_C1_C0_2, 0xF << 20)
         machine.reg_write(arm_const.UC_ARM_REG_FPEXC, 0x4000_0000)
@@ -70,16 +75,25 @@ class TargetController(Controller):
         """Write the input, run the tick's handler, read the output: (output, status)."""
         self._write("input", self.flat("input", inputs))
         self._run(self.firmware.symbols["tick"], self.firmware.symbols["stack_top"])
-        status = int(np.frombuffer(self._machine.mem_read(self.firmware.symbols["status"], 4), "<u4")[0])
+        status = int(
+            np.frombuffer(self._machine.mem_read(self.firmware.symbols["status"], 4), "<u4")[0]
+        )
         return self._read("output"), status
 
     def measured_step(self, inputs: ArrayLike) -> tuple[Array, int, int, int]:
         """NAME_step called by itself: (output, status, instructions, bytes of stack)."""
-        symbols, name = self.firmware.symbols, self.package.name
+        symbols = self.firmware.symbols
+        name = self.package.name
         self._write("input", self.flat("input", inputs))
-        bottom, top = symbols["stack_bottom"], symbols["stack_top"]
+        bottom = symbols["stack_bottom"]
+        top = symbols["stack_top"]
         self._machine.mem_write(bottom, bytes([_PAINT]) * (top - bottom))
-        places = (symbols["state"], symbols["input"], symbols[f"{name}_default_parameters"], symbols["output"])
+        places = (
+            symbols["state"],
+            symbols["input"],
+            symbols[f"{name}_default_parameters"],
+            symbols["output"],
+        )
         for i, place in enumerate(places):
             self._machine.reg_write(self._registers.UC_ARM_REG_R0 + i, place)
         self._count = 0
@@ -108,7 +122,9 @@ class TargetController(Controller):
             self._machine.emu_start(address | 1, idle)
         except self._failure as error:
             at = self._machine.reg_read(self._registers.UC_ARM_REG_PC)
-            raise IrbError(f"the emulated {self.firmware.target.name} stopped at {at:#x}: {error}") from error
+            raise IrbError(
+                f"the emulated {self.firmware.target.name} stopped at {at:#x}: {error}"
+            ) from error
 
     def _count_block(self, _machine: object, address: int, size: int, _data: object) -> None:
         key = (address, size)
@@ -117,17 +133,23 @@ class TargetController(Controller):
         self._count += self._lengths[key]
 
     def _write(self, symbol: str, values: Array) -> None:
-        self._machine.mem_write(self.firmware.symbols[symbol], values.astype(self.dtype.newbyteorder("<")).tobytes())
+        self._machine.mem_write(
+            self.firmware.symbols[symbol], values.astype(self.dtype.newbyteorder("<")).tobytes()
+        )
 
     def _read(self, symbol: str) -> Array:
         count = self.sizes[symbol]
-        raw = bytes(self._machine.mem_read(self.firmware.symbols[symbol], count * self.dtype.itemsize))
+        raw = bytes(
+            self._machine.mem_read(self.firmware.symbols[symbol], count * self.dtype.itemsize)
+        )
         return np.frombuffer(raw, self.dtype.newbyteorder("<")).astype(self.dtype)
 
 
 def thumb_instructions(code: bytes) -> int:
-    """Number of Thumb-2 instructions in a run of code: 4 bytes where the first half-word says so, else 2."""
-    count, at = 0, 0
+    """Number of Thumb-2 instructions in a run of code: 4 bytes where the first half-word says so,
+    else 2."""
+    count = 0
+    at = 0
     while at < len(code):
         half = int.from_bytes(code[at : at + 2], "little")
         at += 4 if half >> 11 in (0b11101, 0b11110, 0b11111) else 2

@@ -1,4 +1,5 @@
-"""A package as a firmware image for a Cortex-M: start-up, vector table, control step in the tick's handler."""
+"""A package as a firmware image for a Cortex-M: start-up, vector table, control step in the tick's
+handler."""
 
 from __future__ import annotations
 
@@ -17,8 +18,9 @@ FLASH = 0x0000_0000
 RAM = 0x2000_0000
 MEMORY_SIZE = 0x0040_0000
 STACK_SIZE = 0x4000
-# From -fno-tree-ter on: these keep the compiler close to the order of the text, which was chosen for few live values:
-# 5 to 10 % fewer instructions than -O2 alone, measured on the controllers of this project.
+# From -fno-tree-ter on: these keep the compiler close to the order of the text, which was chosen
+# for few live values: 5 to 10 % fewer instructions than -O2 alone, measured on the controllers of
+# this project.
 FLAGS = (
     "-std=c99",
     "-O2",
@@ -37,7 +39,15 @@ FLAGS = (
     "-fweb",
     "-frename-registers",
 )
-WARNINGS = ("-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wdouble-promotion", "-Wshadow", "-Werror")
+WARNINGS = (
+    "-Wall",
+    "-Wextra",
+    "-Wpedantic",
+    "-Wconversion",
+    "-Wdouble-promotion",
+    "-Wshadow",
+    "-Werror",
+)
 TOOLS = ("arm-none-eabi-gcc", "arm-none-eabi-nm", "arm-none-eabi-objcopy")
 
 
@@ -54,8 +64,14 @@ class Target:
 TARGETS = {
     t.name: t
     for t in (
-        # with its own tuning the compiler avoids multiply-accumulate: more instructions and code, fewer cycles each
-        Target("cortex-m4f", ("-mcpu=cortex-m4", "-mtune=cortex-r4f", "-mfpu=fpv4-sp-d16"), "float", False),
+        # with its own tuning the compiler avoids multiply-accumulate: more instructions and code,
+        # fewer cycles each
+        Target(
+            "cortex-m4f",
+            ("-mcpu=cortex-m4", "-mtune=cortex-r4f", "-mfpu=fpv4-sp-d16"),
+            "float",
+            False,
+        ),
         Target("cortex-m7", ("-mcpu=cortex-m7", "-mfpu=fpv5-d16"), "double", True),
     )
 }
@@ -95,14 +111,17 @@ def require_tools() -> None:
     missing = [tool for tool in TOOLS if shutil.which(tool) is None]
     if missing:
         raise ToolMissingError(
-            f"found no {', '.join(missing)}; expected the cross toolchain for Arm Cortex-M on the path; "
-            "install it (Debian: apt-get install gcc-arm-none-eabi; Fedora: dnf install arm-none-eabi-gcc-cs; "
+            f"found no {', '.join(missing)}; expected the cross toolchain for Arm Cortex-M on the "
+            "path; "
+            "install it (Debian: apt-get install gcc-arm-none-eabi; Fedora: dnf install "
+            "arm-none-eabi-gcc-cs; "
             "macOS: brew install --cask gcc-arm-embedded)"
         )
 
 
 def build_firmware(package: Package, target: Target) -> Firmware:
-    """Cross-compile and link a package; warnings are errors, no library but the compiler's own arithmetic.
+    """Cross-compile and link a package; warnings are errors, no library but the compiler's own
+    arithmetic.
 
     Raises:
         ToolMissingError: no cross compiler.
@@ -121,10 +140,23 @@ def build_firmware(package: Package, target: Target) -> Firmware:
         for name in (package.name, "firmware"):
             # start-up runs before there is a memset to call
             plain = ("-fno-tree-loop-distribute-patterns",) if name == "firmware" else ()
-            run("arm-none-eabi-gcc", *flags, *plain, *WARNINGS, "-c", f"{name}.c", "-o", f"{name}.o")
+            run(
+                "arm-none-eabi-gcc", *flags, *plain, *WARNINGS, "-c", f"{name}.c", "-o", f"{name}.o"
+            )
         # memcpy of a few bytes is a move; were it not, linking without a C library fails here
-        run("arm-none-eabi-gcc", *flags, "-nostdlib", "-Wl,--gc-sections", "-T", "firmware.ld", f"{package.name}.o",
-            "firmware.o", "-lgcc", "-o", "firmware.elf")  # fmt: skip
+        run(
+            "arm-none-eabi-gcc",
+            *flags,
+            "-nostdlib",
+            "-Wl,--gc-sections",
+            "-T",
+            "firmware.ld",
+            f"{package.name}.o",
+            "firmware.o",
+            "-lgcc",
+            "-o",
+            "firmware.elf",
+        )
         run("arm-none-eabi-objcopy", "-O", "binary", "firmware.elf", "firmware.bin")
         code, tables = _sizes(run, f"{package.name}.o")
         return Firmware(
@@ -134,7 +166,11 @@ def build_firmware(package: Package, target: Target) -> Firmware:
             symbols=_symbols(run("arm-none-eabi-nm", "firmware.elf")),
             code_bytes=code,
             table_bytes=tables,
-            undefined=tuple(sorted(run("arm-none-eabi-nm", "-u", f"{package.name}.o").replace(" U ", " ").split())),
+            undefined=tuple(
+                sorted(
+                    run("arm-none-eabi-nm", "-u", f"{package.name}.o").replace(" U ", " ").split()
+                )
+            ),
             compiler=run("arm-none-eabi-gcc", "--version").splitlines()[0],
             flags=flags,
         )
@@ -150,7 +186,9 @@ def _sizes(run: Callable[..., str], file: str) -> tuple[int, int]:
     rows = [line.split() for line in run("arm-none-eabi-size", "-A", file).splitlines()]
     sizes = {row[0]: int(row[1]) for row in rows if len(row) == 3 and row[0].startswith(".")}
     code = sum(size for name, size in sizes.items() if name.startswith(".text"))
-    return code, sum(size for name, size in sizes.items() if name.startswith((".rodata", ".data", ".bss")))
+    return code, sum(
+        size for name, size in sizes.items() if name.startswith((".rodata", ".data", ".bss"))
+    )
 
 
 def firmware_files(package: Package) -> dict[str, str]:

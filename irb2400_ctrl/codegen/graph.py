@@ -1,4 +1,5 @@
-"""A `casadi.Function` as a list of operations in single-assignment form, equal operations merged."""
+"""A `casadi.Function` as a list of operations in single-assignment form, equal operations
+merged."""
 
 from __future__ import annotations
 
@@ -11,18 +12,22 @@ from irb2400_ctrl.errors import InputError
 
 SINCOS = -1
 """sine and cosine of one argument, computed together"""
-SINE_OF, COSINE_OF = -2, -3
+SINE_OF = -2
+COSINE_OF = -3
 """the two halves of SINCOS"""
 SELECT = -4
 """(condition, a, b): a where the condition holds, else b"""
 
 _LEAVES = (ca.OP_INPUT, ca.OP_CONST)
-_COMMUTATIVE = frozenset((ca.OP_ADD, ca.OP_MUL, ca.OP_EQ, ca.OP_NE, ca.OP_AND, ca.OP_OR, ca.OP_HYPOT))
+_COMMUTATIVE = frozenset(
+    (ca.OP_ADD, ca.OP_MUL, ca.OP_EQ, ca.OP_NE, ca.OP_AND, ca.OP_OR, ca.OP_HYPOT)
+)
 
 
 @dataclass(frozen=True)
 class Node:
-    """One operation; `args` are indices of earlier nodes, for an input (argument, dense column-major element)."""
+    """One operation; `args` are indices of earlier nodes, for an input (argument, dense
+    column-major element)."""
 
     op: int
     args: tuple[int, ...] = ()
@@ -31,7 +36,8 @@ class Node:
 
 @dataclass(frozen=True)
 class Graph:
-    """Operations in an order in which they can be computed; `results[k][i]`: node of element i of output k, or None."""
+    """Operations in an order in which they can be computed; `results[k][i]`: node of element i of
+    output k, or None."""
 
     nodes: tuple[Node, ...]
     results: tuple[tuple[int | None, ...], ...]
@@ -68,7 +74,8 @@ def as_sx(fn: ca.Function) -> ca.Function:
             expanded = fn.expand()
         except RuntimeError as error:
             raise InputError(
-                f"function {fn.name()!r} cannot be expanded into scalar operations; expected an SX function "
+                f"function {fn.name()!r} cannot be expanded into scalar operations; expected an SX "
+                "function "
                 "(no solvers, lookups or callbacks inside); build it from ca.SX symbols"
             ) from error
     if expanded.has_free():
@@ -80,7 +87,8 @@ def as_sx(fn: ca.Function) -> ca.Function:
 
 
 def read_graph(fn: ca.Function) -> Graph:
-    """The operations of `fn`, merged, sine and cosine of one argument paired, `if_else` folded into one selection."""
+    """The operations of `fn`, merged, sine and cosine of one argument paired, `if_else` folded into
+    one selection."""
     fn = as_sx(fn)
     built = _Builder()
     dense_in = [fn.sparsity_in(i).find() for i in range(fn.n_in())]
@@ -89,7 +97,8 @@ def read_graph(fn: ca.Function) -> Graph:
     work: dict[int, int] = {}
     for k in range(fn.n_instructions()):
         op = fn.instruction_id(k)
-        inputs, outputs = fn.instruction_input(k), fn.instruction_output(k)
+        inputs = fn.instruction_input(k)
+        outputs = fn.instruction_output(k)
         if op == ca.OP_INPUT:
             work[outputs[0]] = built.add(op, (inputs[0], dense_in[inputs[0]][inputs[1]]))
         elif op == ca.OP_CONST:
@@ -127,7 +136,8 @@ def _pair_sincos(nodes: list[Node], results: _Results) -> tuple[list[Node], _Res
 
 
 def _fold_selections(nodes: list[Node], results: _Results) -> tuple[list[Node], _Results]:
-    """if_else_zero(c, a) + if_else_zero(not c, b), which CasADi makes of if_else, becomes one SELECT."""
+    """if_else_zero(c, a) + if_else_zero(not c, b), which CasADi makes of if_else, becomes one
+    SELECT."""
     built = _Builder()
     new: list[int] = []
     for node in nodes:
@@ -174,14 +184,16 @@ def _without_dead(nodes: list[Node], results: _Results) -> Graph:
 def depth_first(graph: Graph) -> Graph:
     """The same operations in an order that keeps few values waiting.
 
-    Each result in turn, the operand that needs more registers first (Sethi and Ullman, J. ACM 17, 1970). Operations
-    are the same, so are their results.
+    Each result in turn, the operand that needs more registers first (Sethi and Ullman, J. ACM 17,
+    1970). Operations are the same, so are their results.
     """
     needs: list[int] = []
     for node in graph.nodes:
         operands = set() if node.op in _LEAVES else set(node.args)
         order = sorted((needs[i] for i in operands), reverse=True)
-        needs.append(0 if node.op in _LEAVES else max([1, *(need + k for k, need in enumerate(order))]))
+        needs.append(
+            0 if node.op in _LEAVES else max([1, *(need + k for k, need in enumerate(order))])
+        )
     built = _Builder()
     new: dict[int, int] = {}
     for root in (i for column in graph.results for i in column if i is not None):
@@ -196,7 +208,9 @@ def depth_first(graph: Graph) -> Graph:
             else:
                 waiting.append((index, True))
                 waiting.extend((i, False) for i in sorted(set(node.args), key=lambda i: needs[i]))
-    results = tuple(tuple(None if i is None else new[i] for i in column) for column in graph.results)
+    results = tuple(
+        tuple(None if i is None else new[i] for i in column) for column in graph.results
+    )
     return Graph(tuple(built.nodes), results)
 
 
@@ -204,7 +218,8 @@ Bounds = tuple[float | None, float | None]
 
 
 def without_saturation(graph: Graph, bounds: Mapping[tuple[int, int], Bounds]) -> Graph:
-    """Results (output, element) that are cut at exactly the given (lower, upper) are taken from before the cut.
+    """Results (output, element) that are cut at exactly the given (lower, upper) are taken from
+    before the cut.
 
     For a caller who saturates them himself, with bounds that may be replaced.
     """
@@ -220,7 +235,8 @@ def without_saturation(graph: Graph, bounds: Mapping[tuple[int, int], Bounds]) -
 
 
 def _uncut(nodes: tuple[Node, ...], index: int, op: int, bound: float | None) -> int:
-    """The operand that fmin or fmax compares with the bound, or the node itself where it is no such comparison."""
+    """The operand that fmin or fmax compares with the bound, or the node itself where it is no such
+    comparison."""
     node = nodes[index]
     if node.op == op and bound is not None:
         for at, other in (node.args, node.args[::-1]):
@@ -230,18 +246,32 @@ def _uncut(nodes: tuple[Node, ...], index: int, op: int, bound: float | None) ->
 
 
 _CARRYING = frozenset(
-    (ca.OP_ADD, ca.OP_SUB, ca.OP_MUL, ca.OP_NEG, ca.OP_SQ, ca.OP_TWICE, ca.OP_ASSIGN, SINCOS, SINE_OF, COSINE_OF)
+    (
+        ca.OP_ADD,
+        ca.OP_SUB,
+        ca.OP_MUL,
+        ca.OP_NEG,
+        ca.OP_SQ,
+        ca.OP_TWICE,
+        ca.OP_ASSIGN,
+        SINCOS,
+        SINE_OF,
+        COSINE_OF,
+    )
 )
 
 
 def carried_inputs(graph: Graph) -> frozenset[tuple[int, int]]:
     """Inputs (argument, element) whose NaN or infinity is sure to make some result NaN or infinite.
 
-    Sums, products and sines pass it on whatever their other operand; quotients, exponentials and selections may not.
+    Sums, products and sines pass it on whatever their other operand; quotients, exponentials and
+    selections may not.
     """
     carried = {i for column in graph.results for i in column if i is not None}
     for index in reversed(range(len(graph.nodes))):
         if index in carried and graph.nodes[index].op in _CARRYING:
             carried.update(graph.nodes[index].args)
     nodes = graph.nodes
-    return frozenset((nodes[i].args[0], nodes[i].args[1]) for i in carried if nodes[i].op == ca.OP_INPUT)
+    return frozenset(
+        (nodes[i].args[0], nodes[i].args[1]) for i in carried if nodes[i].op == ca.OP_INPUT
+    )

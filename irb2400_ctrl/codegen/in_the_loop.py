@@ -1,4 +1,5 @@
-"""Processor in the loop: generated code steers a simulated plant, on this computer or on the emulated target."""
+"""Processor in the loop: generated code steers a simulated plant, on this computer or on the
+emulated target."""
 
 from __future__ import annotations
 
@@ -32,11 +33,17 @@ class LoopRecord:
 
     def same_bits(self, other: LoopRecord) -> bool:
         """Whether two records are identical in every bit."""
-        pairs = ((self.states, other.states), (self.outputs, other.outputs), (self.status, other.status))
+        pairs = (
+            (self.states, other.states),
+            (self.outputs, other.outputs),
+            (self.status, other.status),
+        )
         return all(a.dtype == b.dtype and a.tobytes() == b.tobytes() for a, b in pairs)
 
 
-def run_in_the_loop(controller: Controller, plant: Plant, sense: Sense, x0: ArrayLike, steps: int) -> LoopRecord:
+def run_in_the_loop(
+    controller: Controller, plant: Plant, sense: Sense, x0: ArrayLike, steps: int
+) -> LoopRecord:
     """Close the loop of a generated controller and a plant, sample by sample.
 
     Args:
@@ -53,7 +60,9 @@ def run_in_the_loop(controller: Controller, plant: Plant, sense: Sense, x0: Arra
         raise InputError(f"found {steps} steps; expected at least one")
     controller.reset()
     x = np.array(x0, float)
-    states, outputs, status = [x], [], []
+    states = [x]
+    outputs = []
+    status = []
     for k in range(steps):
         y, word = controller.step(sense(k, x))
         x = np.array(plant(x, y.astype(float)), float)

@@ -1,9 +1,11 @@
-"""The elementary functions that generated C carries along: range reduction and minimax polynomials in plain C99.
+"""The elementary functions that generated C carries along: range reduction and minimax polynomials
+in plain C99.
 
-`own_math.c` holds them once for both precisions, in sections that begin with `/*@ name : what it needs */`. Taken
-from there, a generated file needs no library, gives the same bits on every IEEE-754 machine (without contraction to
-fused multiply-add), and its sine does not branch. Domain and accuracy stand at each function and are held by a test.
-With `libm=True` the same names call the C library instead: wider domains, more functions, other last bits.
+`own_math.c` holds them once for both precisions, in sections that begin with `/*@ name : what it
+needs */`. Taken from there, a generated file needs no library, gives the same bits on every
+IEEE-754 machine (without contraction to fused multiply-add), and its sine does not branch. Domain
+and accuracy stand at each function and are held by a test. With `libm=True` the same names call the
+C library instead: wider domains, more functions, other last bits.
 """
 
 from __future__ import annotations
@@ -14,9 +16,27 @@ from functools import cache
 from importlib.resources import files
 
 LIBM_UNARY = (
-    "sin", "cos", "tan", "exp", "expm1", "tanh", "sinh", "cosh", "sqrt", "log", "atan", "asin", "acos", "floor",
-    "ceil", "erf", "log1p", "asinh", "acosh", "atanh",
-)  # fmt: skip
+    "sin",
+    "cos",
+    "tan",
+    "exp",
+    "expm1",
+    "tanh",
+    "sinh",
+    "cosh",
+    "sqrt",
+    "log",
+    "atan",
+    "asin",
+    "acos",
+    "floor",
+    "ceil",
+    "erf",
+    "log1p",
+    "asinh",
+    "acosh",
+    "atanh",
+)
 LIBM_BINARY = ("pow", "atan2", "hypot", "fmod", "remainder", "copysign")
 
 
@@ -37,10 +57,13 @@ def own_functions() -> frozenset[str]:
 
 
 def prelude(names: Iterable[str], *, libm: bool = False) -> str:
-    """C text that defines `own_<name>` for each of `names`, and what they need, in the order of the file."""
+    """C text that defines `own_<name>` for each of `names`, and what they need, in the order of the
+    file."""
     sections = _sections()
     if libm:
-        taken = _closure((n for n in names if n in sections and n not in (*_libm_names(), "sincos")), sections)
+        taken = _closure(
+            (n for n in names if n in sections and n not in (*_libm_names(), "sincos")), sections
+        )
         return "\n".join([_libm_text(names), *(sections[n][1] for n in sections if n in taken)])
     taken = _closure(names, sections)
     return "\n".join(sections[n][1] for n in sections if n in taken)
@@ -69,10 +92,13 @@ def _libm_text(names: Iterable[str]) -> str:
             lines.append(f"static inline real_t own_{name}(real_t x) {{ return {name}(x); }}")
     for name in LIBM_BINARY:
         if name in wanted:
-            lines.append(f"static inline real_t own_{name}(real_t x, real_t y) {{ return {name}(x, y); }}")
+            lines.append(
+                f"static inline real_t own_{name}(real_t x, real_t y) {{ return {name}(x, y); }}"
+            )
     if "sincos" in wanted:
         lines.append("typedef struct { real_t s; real_t c; } sincos_t;")
         lines.append(
-            "static inline sincos_t own_sincos(real_t x) { const sincos_t both = { sin(x), cos(x) }; return both; }"
+            "static inline sincos_t own_sincos(real_t x) { const sincos_t both = { sin(x), cos(x) "
+            "}; return both; }"
         )
     return "\n".join(lines) + "\n"

@@ -1,4 +1,5 @@
-"""A `Block` as a self-contained C99 package: one source, one header, and what shows how to use them."""
+"""A `Block` as a self-contained C99 package: one source, one header, and what shows how to use
+them."""
 
 from __future__ import annotations
 
@@ -26,9 +27,10 @@ from irb2400_ctrl.codegen.own_math import prelude
 from irb2400_ctrl.errors import InputError
 
 _KEYWORDS = frozenset(
-    """auto bool break case char const continue default do double else enum extern false float for goto if inline int
-    long register restrict return short signed sizeof static struct switch true typedef union unsigned void volatile
-    while real_t state input output parameters status""".split()  # noqa: SIM905
+    """auto bool break case char const continue default do double else enum extern false float for
+    goto if inline int long register restrict return short signed sizeof static struct
+    switch true typedef union unsigned void volatile while real_t state input output
+    parameters status""".split()  # noqa: SIM905
 )
 FAULT_INPUT = 1
 """status bit: an input is not a number or outside its range"""
@@ -40,23 +42,32 @@ FAULT_RESULT = 2
 class Package:
     """The texts of a C package for one block.
 
-    The four C structs hold reals only, one field after the other; `state_fields` … list them in order, so that a
-    flat vector is the struct.
+    The four C structs hold reals only, one field after the other; `state_fields` … list them in
+    order, so that a flat vector is the struct.
     """
 
     block: Block
     real: Real = "float"
 
     def __post_init__(self) -> None:
-        fields = (*self.state_fields, *self.block.inputs, *self.block.outputs, *self.parameter_fields)
+        fields = (
+            *self.state_fields,
+            *self.block.inputs,
+            *self.block.outputs,
+            *self.parameter_fields,
+        )
         for name in (self.block.name, *(f.name for f in fields)):
             if name in _KEYWORDS or not name.isidentifier() or not name.isascii():
-                raise InputError(f"block {self.block.name!r}: {name!r} is no name in C; rename the block or the field")
+                raise InputError(
+                    f"block {self.block.name!r}: {name!r} is no name in C; rename the block or the "
+                    "field"
+                )
         for group in (self.state_fields, self.parameter_fields):
             names = [f.name for f in group]
             if len(names) != len(set(names)):
                 raise InputError(
-                    f"block {self.block.name!r}: found two fields of one name among {names}; note that held_*, *_min, "
+                    f"block {self.block.name!r}: found two fields of one name among {names}; note "
+                    "that held_*, *_min, "
                     "*_max and *_limit are added for outputs and bounds; rename yours"
                 )
 
@@ -68,24 +79,35 @@ class Package:
     @cached_property
     def state_fields(self) -> tuple[Field, ...]:
         """The block's states and the last good outputs."""
-        held = (Field(f"held_{f.name}", f.size, f.unit, f"last good {f.name}") for f in self.block.outputs)
+        held = (
+            Field(f"held_{f.name}", f.size, f.unit, f"last good {f.name}")
+            for f in self.block.outputs
+        )
         return (*self.block.states, *held)
 
     @cached_property
     def parameter_fields(self) -> tuple[Field, ...]:
         """The block's parameters, then the bounds of inputs and outputs."""
-        bounds, owners = [], table_owners(self.block.inputs)
+        bounds = []
+        owners = table_owners(self.block.inputs)
         for field in (*self.block.inputs, *self.block.outputs):
-            word, sharing = "sent", [field.name]
+            word = "sent"
+            sharing = [field.name]
             if field in self.block.inputs:
-                word, sharing = "believed", [f.name for f in self.block.inputs if owners[f.name] == field.name]
+                word = "believed"
+                sharing = [f.name for f in self.block.inputs if owners[f.name] == field.name]
             ends = (("min", "smallest", field.lower), ("max", "largest", field.upper))
             if is_symmetric(field):
-                ends = (("limit", "largest magnitude of", ()), ("limit", "largest magnitude of", field.upper))
+                ends = (
+                    ("limit", "largest magnitude of", ()),
+                    ("limit", "largest magnitude of", field.upper),
+                )
             for end, adjective, values in ends:
                 if values and sharing:
                     text = f"{adjective} {' and '.join(sharing)} that is {word}"
-                    bounds.append(Field(f"{field.name}_{end}", field.size, field.unit, text, values))
+                    bounds.append(
+                        Field(f"{field.name}_{end}", field.size, field.unit, text, values)
+                    )
         return (*self.block.parameters, *bounds)
 
     @cached_property
@@ -110,7 +132,8 @@ class Package:
 
     def header(self) -> str:
         """Types and functions."""
-        name, upper = self.name, self.name.upper()
+        name = self.name
+        upper = self.name.upper()
         return f"""\
 /* {plain(self.block.doc) or name}
 
@@ -156,7 +179,8 @@ uint32_t {name}_step({name}_state_t *state, const {name}_input_t *input,
 
     def source(self) -> str:
         """The one C file."""
-        name, upper = self.name, self.name.upper()
+        name = self.name
+        upper = self.name.upper()
         places = self._places()
         body = emit_body(self.graph, name, lambda k, i: f"{places[k]}[{i}]")
         functions = body.functions | self._guard_functions()
@@ -197,11 +221,17 @@ uint32_t {name}_step({name}_state_t *state, const {name}_input_t *input,
 
     def _guard_functions(self) -> set[str]:
         outputs = [f for f in self.block.outputs if f.lower or f.upper]
-        names = {"clip" for f in outputs if not is_symmetric(f)} | {"limit" for f in outputs if is_symmetric(f)}
+        names = {"clip" for f in outputs if not is_symmetric(f)} | {
+            "limit" for f in outputs if is_symmetric(f)
+        }
         return names | {"abs" for f in self.block.inputs if is_symmetric(f)}
 
     def _places(self) -> list[str]:
-        groups = (("state", self.block.states), ("input", self.block.inputs), ("parameters", self.block.parameters))
+        groups = (
+            ("state", self.block.states),
+            ("input", self.block.inputs),
+            ("parameters", self.block.parameters),
+        )
         return [f"{struct}->{field.name}" for struct, fields in groups for field in fields]
 
     def _struct(self, kind: str, fields: Sequence[Field]) -> str:
@@ -213,21 +243,32 @@ uint32_t {name}_step({name}_state_t *state, const {name}_input_t *input,
 
     def _defaults(self) -> str:
         rows = [
-            f"    {{ {', '.join(f'R({v!r})' for v in map(float, f.start))} }}, /* {f.name} {described(f)} */"
+            f"    {{ {', '.join(f'R({v!r})' for v in map(float, f.start))} }}, /* {f.name} "
+            f"{described(f)} */"
             for f in self.parameter_fields
         ] or ["    { R(0.0) }"]
-        return f"const {self.name}_parameters_t {self.name}_default_parameters = {{\n" + "\n".join(rows) + "\n};\n"
+        return (
+            f"const {self.name}_parameters_t {self.name}_default_parameters = {{\n"
+            + "\n".join(rows)
+            + "\n};\n"
+        )
 
     def _init(self) -> str:
         lines = []
         for field in self.block.states:
-            lines += [f"state->{field.name}[{i}] = R({float(v)!r});" for i, v in enumerate(field.start)]
+            lines += [
+                f"state->{field.name}[{i}] = R({float(v)!r});" for i, v in enumerate(field.start)
+            ]
         for field in self.block.outputs:
-            lines += [f"state->held_{field.name}[{i}] = {clip(field, i, 'R(0.0)')};" for i in range(field.size)]
+            lines += [
+                f"state->held_{field.name}[{i}] = {clip(field, i, 'R(0.0)')};"
+                for i in range(field.size)
+            ]
         if not any(f.lower or f.upper for f in self.block.outputs):
             lines.append("(void)parameters;")
         return (
-            f"void {self.name}_init({self.name}_state_t *state, const {self.name}_parameters_t *parameters)\n"
+            f"void {self.name}_init({self.name}_state_t *state, const {self.name}_parameters_t "
+            "*parameters)\n"
             f"{{\n{indented(lines, 4)}\n}}\n"
         )
 
@@ -250,13 +291,18 @@ uint32_t {name}_step({name}_state_t *state, const {name}_input_t *input,
             "        if ((total - total) == R(0.0)) {\n"
             f"{indented(stores, 12)}\n"
             "        } else {\n"
-            f"            status = inputs_are_finite(input) ? {upper}_FAULT_RESULT : {upper}_FAULT_INPUT;\n"
+            f"            status = inputs_are_finite(input) ? {upper}_FAULT_RESULT : "
+            f"{upper}_FAULT_INPUT;\n"
             "        }"
         )
 
     def _hold(self) -> str:
         return indented(
-            (f"output->{f.name}[{i}] = state->held_{f.name}[{i}];" for f in self.block.outputs for i in range(f.size)),
+            (
+                f"output->{f.name}[{i}] = state->held_{f.name}[{i}];"
+                for f in self.block.outputs
+                for i in range(f.size)
+            ),
             8,
         )
 

@@ -18,7 +18,10 @@ def inside(field: Field) -> NDArray[np.float64]:
 def main_c(block: Block) -> str:
     """A program of ten lines that calls the step once."""
     name = block.name
-    rows = ", ".join("{ " + ", ".join(f"{v:g}" for v in inside(f)) + " }" for f in block.inputs) or "{ 0 }"
+    rows = (
+        ", ".join("{ " + ", ".join(f"{v:g}" for v in inside(f)) + " }" for f in block.inputs)
+        or "{ 0 }"
+    )
     first = block.outputs[0]
     return f"""\
 #include <stdio.h>
@@ -65,9 +68,14 @@ endif()
 
 def readme(block: Block, real: str) -> str:
     """How to call the package."""
-    name, upper = block.name, block.name.upper()
+    name = block.name
+    upper = block.name.upper()
     states = _table(block.states) if block.states else "The block has no state of its own.\n"
-    parameters = _table(block.parameters) if block.parameters else "The block has no parameters beside the limits.\n"
+    parameters = (
+        _table(block.parameters)
+        if block.parameters
+        else "The block has no parameters beside the limits.\n"
+    )
     return f"""\
 # {name}
 

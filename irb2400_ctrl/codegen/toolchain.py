@@ -16,8 +16,8 @@ from pathlib import Path
 
 from irb2400_ctrl.errors import IrbError, ToolMissingError
 
-# -fno-math-errno and -fno-trapping-math free the compiler from bookkeeping nobody reads; values stay the same.
-# Contraction to fused multiply-add would change last bits from machine to machine.
+# -fno-math-errno and -fno-trapping-math free the compiler from bookkeeping nobody reads; values
+# stay the same. Contraction to fused multiply-add would change last bits from machine to machine.
 EXACT_FLAGS = ("-std=c99", "-O3", "-ffp-contract=off", "-fno-math-errno", "-fno-trapping-math")
 FUSED_FLAGS = ("-std=c99", "-O3", "-ffp-contract=fast", "-fno-math-errno", "-fno-trapping-math")
 
@@ -43,10 +43,14 @@ def find_compiler() -> Compiler:
         if path:
             file = Path(path).resolve()
             status = file.stat()
-            return Compiler((path, *command[1:]), f"{file} {status.st_size} {status.st_mtime_ns} {command[1:]}")
+            return Compiler(
+                (path, *command[1:]), f"{file} {status.st_size} {status.st_mtime_ns} {command[1:]}"
+            )
     raise ToolMissingError(
-        f"found no C compiler (looked for {', '.join(c[0] for c in candidates)}); expected one on the path; "
-        "install it (Debian: apt-get install gcc; Fedora: dnf install gcc; macOS: xcode-select --install) "
+        f"found no C compiler (looked for {', '.join(c[0] for c in candidates)}); expected one on "
+        "the path; "
+        "install it (Debian: apt-get install gcc; Fedora: dnf install gcc; macOS: xcode-select "
+        "--install) "
         "or name it in the environment variable CC"
     )
 
@@ -66,12 +70,15 @@ def processor() -> str:
         lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
     except OSError:
         return platform.platform() + platform.processor()
-    marks = {line for line in lines if line.startswith(("model name", "flags", "Features", "CPU part"))}
+    marks = {
+        line for line in lines if line.startswith(("model name", "flags", "Features", "CPU part"))
+    }
     return platform.machine() + "".join(sorted(marks))
 
 
 def cache_dir() -> Path:
-    """`$XDG_CACHE_HOME/irb2400_ctrl`, else `~/.cache/irb2400_ctrl`, else a private folder for temporary files."""
+    """`$XDG_CACHE_HOME/irb2400_ctrl`, else `~/.cache/irb2400_ctrl`, else a private folder for
+    temporary files."""
     base = os.environ.get("XDG_CACHE_HOME")
     candidates = [Path(base)] if base else []
     home = os.path.expanduser("~")
@@ -94,7 +101,9 @@ def _temporary_cache() -> Path:
     folder.mkdir(mode=0o700, exist_ok=True)
     status = folder.lstat()
     # code from this folder is executed: nobody else may have made it or write to it
-    if hasattr(os, "getuid") and (status.st_uid != user or status.st_mode & 0o022 or folder.is_symlink()):
+    if hasattr(os, "getuid") and (
+        status.st_uid != user or status.st_mode & 0o022 or folder.is_symlink()
+    ):
         return Path(tempfile.mkdtemp(prefix="irb2400_ctrl-"))
     return folder
 
@@ -102,8 +111,8 @@ def _temporary_cache() -> Path:
 def build_shared(source: str, *, fused: bool = False) -> Path:
     """Compile C text to a shared library, or find it in the cache.
 
-    The key is the content: text, flags, compiler, processor. The library is made under a temporary name and moved,
-    so that two processes may build the same thing at once.
+    The key is the content: text, flags, compiler, processor. The library is made under a temporary
+    name and moved, so that two processes may build the same thing at once.
 
     Raises:
         ToolMissingError: no compiler.
@@ -111,11 +120,14 @@ def build_shared(source: str, *, fused: bool = False) -> Path:
     """
     compiler = find_compiler()
     flags = (*(FUSED_FLAGS if fused else EXACT_FLAGS), *native_flags(), "-fPIC", "-shared")
-    key = hashlib.sha256("\0".join((source, *flags, compiler.identity, processor())).encode()).hexdigest()[:32]
+    key = hashlib.sha256(
+        "\0".join((source, *flags, compiler.identity, processor())).encode()
+    ).hexdigest()[:32]
     library = cache_dir() / f"{key}.so"
     if not library.exists():
         with tempfile.TemporaryDirectory(dir=library.parent, prefix=".build-") as work:
-            text, made = Path(work) / "code.c", Path(work) / "code.so"
+            text = Path(work) / "code.c"
+            made = Path(work) / "code.so"
             text.write_text(source, encoding="utf-8")
             run_tool([*compiler.command, *flags, str(text), "-o", str(made), "-lm"])
             os.replace(made, library)
@@ -129,10 +141,14 @@ def run_tool(command: list[str], *, cwd: Path | None = None, timeout: float = 60
         IrbError: it failed; the message holds the command and the end of its complaint.
     """
     try:
-        done = subprocess.run(command, cwd=cwd, capture_output=True, text=True, timeout=timeout, check=False)
+        done = subprocess.run(
+            command, cwd=cwd, capture_output=True, text=True, timeout=timeout, check=False
+        )
     except (OSError, subprocess.TimeoutExpired) as error:
         raise IrbError(f"could not run {shlex.join(command)}: {error}") from error
     if done.returncode:
         complaint = (done.stderr or done.stdout).strip()[-2000:]
-        raise IrbError(f"{shlex.join(command)} failed with exit code {done.returncode}:\n{complaint}")
+        raise IrbError(
+            f"{shlex.join(command)} failed with exit code {done.returncode}:\n{complaint}"
+        )
     return done.stdout

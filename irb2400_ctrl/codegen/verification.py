@@ -13,7 +13,12 @@ from numpy.typing import NDArray
 
 from irb2400_ctrl.codegen.block import Block
 from irb2400_ctrl.codegen.build import Real
-from irb2400_ctrl.codegen.checks import compare_with_block, faults_are_held, random_points, run_points
+from irb2400_ctrl.codegen.checks import (
+    compare_with_block,
+    faults_are_held,
+    random_points,
+    run_points,
+)
 from irb2400_ctrl.codegen.controller import HostController
 from irb2400_ctrl.codegen.emulator import TargetController
 from irb2400_ctrl.codegen.firmware import Firmware, build_firmware, find_target, firmware_files
@@ -46,7 +51,8 @@ class TargetFigures:
     values_different: int
     """against the same source compiled for this computer, bit by bit"""
     software_double: bool
-    """double precision without hardware for it: the compiler's library rounds otherwise now and then"""
+    """double precision without hardware for it: the compiler's library rounds otherwise now and
+    then"""
     faults_held: bool
 
 
@@ -62,7 +68,8 @@ class Verification:
     host_compiler: str
     host_flags: str
     max_difference: dict[str, float]
-    """largest difference to the block in double on this computer, per state and output, in the field's unit"""
+    """largest difference to the block in double on this computer, per state and output, in the
+    field's unit"""
     max_relative_difference: float
     """the largest of them, relative to the field's largest magnitude"""
     faults_held: bool | None
@@ -93,18 +100,30 @@ class Verification:
 
     def to_json(self) -> str:
         """Text of `verification.json`."""
-        return json.dumps({"passed": self.passed, **dataclasses.asdict(self)}, indent=2, ensure_ascii=False) + "\n"
+        return (
+            json.dumps(
+                {"passed": self.passed, **dataclasses.asdict(self)}, indent=2, ensure_ascii=False
+            )
+            + "\n"
+        )
 
     def table(self) -> str:
         """A few lines for a terminal."""
         rows = [("package", f"{self.package} ({self.real})"), ("target", self.target)]
         if self.faults_held is not None:
-            worst = max(self.max_difference.items(), key=lambda item: item[1], default=("nothing", 0.0))
+            worst = max(
+                self.max_difference.items(), key=lambda item: item[1], default=("nothing", 0.0)
+            )
             rows.append(("states checked", f"{self.states}"))
             rows.append(
-                ("largest difference", f"{worst[1]:.3g} in {worst[0]}; relative {self.max_relative_difference:.2g}")
+                (
+                    "largest difference",
+                    f"{worst[1]:.3g} in {worst[0]}; relative {self.max_relative_difference:.2g}",
+                )
             )
-            rows.append(("wrong inputs", "fault raised, output held" if self.faults_held else "NOT held"))
+            rows.append(
+                ("wrong inputs", "fault raised, output held" if self.faults_held else "NOT held")
+            )
         if self.on_target:
             t = self.on_target
             same = f"{t.values_different} of {t.values_compared} values differ from this computer's"
@@ -121,14 +140,20 @@ class Verification:
 
 
 def export_package(
-    block: Block, out_dir: Path | str, target: str = "host", real: Real | None = None, *, states: int = STATES
+    block: Block,
+    out_dir: Path | str,
+    target: str = "host",
+    real: Real | None = None,
+    *,
+    states: int = STATES,
 ) -> Verification:
     """Write a block as a self-contained C package and verify it.
 
     Args:
         block: the controller.
         out_dir: folder for the package; made where missing.
-        target: "host", "cortex-m4f" or "cortex-m7"; for a processor the image is run on an emulator.
+        target: "host", "cortex-m4f" or "cortex-m7"; for a processor the image is run on an
+            emulator.
         real: precision; default float on cortex-m4f, else double.
         states: number of random states to compare.
 
@@ -153,7 +178,10 @@ def verify(package: Package, target: str, states: int = STATES) -> Verification:
     missing: list[str] = []
     points = random_points(package, states)
     differences: dict[str, float] = {}
-    relative, held, figures, compiler = float("inf"), None, None, ""
+    relative = float("inf")
+    held = None
+    figures = None
+    compiler = ""
     try:
         host = HostController(package)
     except ToolMissingError as error:
@@ -186,11 +214,15 @@ def verify(package: Package, target: str, states: int = STATES) -> Verification:
 
 
 def measure(
-    target: TargetController, firmware: Firmware, points: tuple[Array, Array], on_host: tuple[Array, Array]
+    target: TargetController,
+    firmware: Firmware,
+    points: tuple[Array, Array],
+    on_host: tuple[Array, Array],
 ) -> TargetFigures:
     """Run all points twice, the step alone and inside the tick's handler."""
     counts: list[tuple[int, int]] = []
-    after, outputs = [], []
+    after = []
+    outputs = []
     for x, u in zip(*points, strict=True):
         target.state = x
         y, _, instructions, stack = target.measured_step(u)
@@ -205,7 +237,11 @@ def measure(
     runs = ((np.array(after), np.array(outputs)), in_handler)
     pairs = [(a, b) for run in runs for a, b in zip(run, on_host, strict=True)]
     software_double = firmware.package.real == "double" and not firmware.target.hardware_double
-    allowed = ("__aeabi_d", "__aeabi_i2d", "__aeabi_ui2d", "__aeabi_l", "__aeabi_cd") if software_double else ()
+    allowed = (
+        ("__aeabi_d", "__aeabi_i2d", "__aeabi_ui2d", "__aeabi_l", "__aeabi_cd")
+        if software_double
+        else ()
+    )
     lengths = [c[0] for c in counts]
     return TargetFigures(
         compiler=firmware.compiler,
@@ -217,9 +253,13 @@ def measure(
         code_bytes=firmware.code_bytes,
         table_bytes=firmware.table_bytes,
         undefined_symbols=firmware.undefined,
-        forbidden_symbols=tuple(s for s in firmware.undefined if not s.startswith(allowed or ("\0",))),
+        forbidden_symbols=tuple(
+            s for s in firmware.undefined if not s.startswith(allowed or ("\0",))
+        ),
         values_compared=sum(a.size for a, _ in pairs),
-        values_different=sum(int(np.sum(a.view(_unsigned(a)) != b.view(_unsigned(b)))) for a, b in pairs),
+        values_different=sum(
+            int(np.sum(a.view(_unsigned(a)) != b.view(_unsigned(b)))) for a, b in pairs
+        ),
         software_double=software_double,
         faults_held=faults_are_held(target, points[1][0]),
     )

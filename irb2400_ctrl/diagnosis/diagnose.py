@@ -11,27 +11,28 @@ import numpy as np
 import numpy.typing as npt
 from threadpoolctl import threadpool_limits
 
-from irb2400_ctrl.diagnosis.bases import Bases
-from irb2400_ctrl.diagnosis.candidate import Candidate
-from irb2400_ctrl.diagnosis.confidence import alternatives, confidence
-from irb2400_ctrl.diagnosis.criteria import Criteria
-from irb2400_ctrl.diagnosis.fit import Fit, Fitter, noisy_reversals_masked
-from irb2400_ctrl.diagnosis.metrics import errors, noise_floor
-from irb2400_ctrl.diagnosis.motion import Motion, prepare
-from irb2400_ctrl.diagnosis.nuisance import Nuisance, Uncertainty
-from irb2400_ctrl.diagnosis.predict import effect_torque, predicted_torque
-from irb2400_ctrl.diagnosis.result import Comparison, Curve, Diagnosis, Finding, Unexplained
-from irb2400_ctrl.diagnosis.scan import Scan
-from irb2400_ctrl.diagnosis.selection import Selection, reversal_rows
-from irb2400_ctrl.diagnosis.step import Step
+from irb2400_ctrl.diagnosis.comparison.confidence import alternatives, confidence
+from irb2400_ctrl.diagnosis.comparison.criteria import Criteria
+from irb2400_ctrl.diagnosis.comparison.scan import Scan
+from irb2400_ctrl.diagnosis.comparison.selection import Selection, reversal_rows
+from irb2400_ctrl.diagnosis.comparison.step import Step
+from irb2400_ctrl.diagnosis.diagnosis import Comparison, Curve, Diagnosis, Finding, Unexplained
+from irb2400_ctrl.diagnosis.estimation.candidate import Candidate
+from irb2400_ctrl.diagnosis.estimation.fit import Fit, Fitter, noisy_reversals_masked
+from irb2400_ctrl.diagnosis.preparation.base_prior import Nuisance, Uncertainty
+from irb2400_ctrl.diagnosis.preparation.metrics import errors, noise_floor
+from irb2400_ctrl.diagnosis.regressors.bases import Bases
+from irb2400_ctrl.diagnosis.regressors.predict import effect_torque, predicted_torque
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.measurement.log import Log
+from irb2400_ctrl.measurement.prepared_log import PreparedLog, prepare
 from irb2400_ctrl.robot import Robot
 
 Array = npt.NDArray[np.float64]
 
 INFLATION = 1.5
-"""standard errors from the noise alone cover too little: the model's own imperfection adds to them"""
+"""standard errors from the noise alone cover too little: the model's own imperfection adds to
+them"""
 LEAST_SPREAD = 0.25
 """what a reference log leaves uncertain at least, in data-sheet standard deviations"""
 LEAST_SPEED = 0.05
@@ -53,9 +54,10 @@ def diagnose(
     Args:
         robot: the model as it is believed to be.
         log: of the motion to explain; a wide, lively motion of all joints tells most.
-        validation: another motion of the same arm; only the errors before and after are computed on it.
-        reference: of the same arm when nothing was wrong: what the log shows is then judged against it, with the arm's
-            own parameters instead of the data sheet's.
+        validation: another motion of the same arm; only the errors before and after are computed on
+            it.
+        reference: of the same arm when nothing was wrong: what the log shows is then judged against
+            it, with the arm's own parameters instead of the data sheet's.
         uncertainty: of the robot's numbers; default data-sheet values.
         criteria: when an explanation counts.
         progress: told the name of each stage.
@@ -65,7 +67,9 @@ def diagnose(
     """
     for one in (log, validation, reference):
         if one is not None and one.n != robot.n:
-            raise InputError(f"{one.name}: found {one.n} joints, expected {robot.n} as in {robot.name}")
+            raise InputError(
+                f"{one.name}: found {one.n} joints, expected {robot.n} as in {robot.name}"
+            )
     # the matrices are small: threads would only wait for each other
     with threadpool_limits(limits=1, user_api="blas"):
         progress("prepare")
@@ -86,12 +90,20 @@ def diagnose(
         steps, fit = Selection(scan, fitter, criteria).run()
         progress("conclude")
         return _concluded(
-            robot, nuisance, motion, load, bases, steps, fit, None if validation is None else prepare(validation)
+            robot,
+            nuisance,
+            motion,
+            load,
+            bases,
+            steps,
+            fit,
+            None if validation is None else prepare(validation),
         )
 
 
-def _referred(nuisance: Nuisance, bases: Bases, motion: Motion) -> Nuisance:
-    """The arm's numbers as a log without anything wrong settles them, with what uncertainty it leaves."""
+def _referred(nuisance: Nuisance, bases: Bases, motion: PreparedLog) -> Nuisance:
+    """The arm's numbers as a log without anything wrong settles them, with what uncertainty it
+    leaves."""
     Z = motion.filtered(nuisance.columns(bases.model, motion))
     fit = Fitter(nuisance.robot, bases, motion, Z, reversal_rows(motion)).fit([])
     # the arm of another day is never quite the same: friction moves with temperature
@@ -111,12 +123,12 @@ def _bases(robot: Robot) -> Bases:
 def _concluded(
     robot: Robot,
     nuisance: Nuisance,
-    motion: Motion,
+    motion: PreparedLog,
     load: Array,
     bases: Bases,
     steps: Sequence[Step],
     fit: Fit,
-    validation: Motion | None,
+    validation: PreparedLog | None,
 ) -> Diagnosis:
     fresh = nuisance.updated(nuisance.deviations(fit.z))
     recalibrated = fresh.model_copy(update={"effects": robot.effects})
@@ -126,10 +138,14 @@ def _concluded(
     compared = [_compared(motion, robot, recalibrated, augmented)]
     if validation is not None:
         compared.append(_compared(validation, robot, recalibrated, later))
-    idle = tuple(j + 1 for j in range(motion.n) if np.sqrt(np.mean(motion.qd[:, j] ** 2)) < LEAST_SPEED)
+    idle = tuple(
+        j + 1 for j in range(motion.n) if np.sqrt(np.mean(motion.qd[:, j] ** 2)) < LEAST_SPEED
+    )
     floor = noise_floor(motion.tau - compared[0].after, motion.known, motion.step)
     weak = (
-        [] if motion.instrumented else ["no commanded motion (q_ref) explains the measured one: regressors carry noise"]
+        []
+        if motion.instrumented
+        else ["no commanded motion (q_ref) explains the measured one: regressors carry noise"]
     )
     weak += [f"joint {j} is not excited" for j in idle]
     return Diagnosis(
@@ -146,18 +162,30 @@ def _concluded(
     )
 
 
-def _compared(motion: Motion, before: Robot, recalibrated: Robot, after: Robot) -> Comparison:
+def _compared(motion: PreparedLog, before: Robot, recalibrated: Robot, after: Robot) -> Comparison:
     taus = [predicted_torque(robot, motion) for robot in (before, recalibrated, after)]
     found = [errors(motion.tau, tau, motion.known) for tau in taus]
     for array in (motion.time, motion.tau, *taus):
         array.setflags(write=False)
     return Comparison(
-        motion.name, motion.time, motion.tau, taus[0], taus[1], taus[2], motion.known, found[0], found[1], found[2]
+        motion.name,
+        motion.time,
+        motion.tau,
+        taus[0],
+        taus[1],
+        taus[2],
+        motion.known,
+        found[0],
+        found[1],
+        found[2],
     )
 
 
-def _findings(steps: Sequence[Step], fit: Fit, motion: Motion, load: Array, bases: Bases) -> tuple[Finding, ...]:
-    found, place = [], 0
+def _findings(
+    steps: Sequence[Step], fit: Fit, motion: PreparedLog, load: Array, bases: Bases
+) -> tuple[Finding, ...]:
+    found = []
+    place = 0
     rms = np.sqrt(np.mean(motion.filtered(motion.tau) ** 2, axis=0))
     for step in steps:
         for _ in step.candidate.effects:
@@ -202,7 +230,9 @@ def _standard_errors(fit: Fit, place: int, candidate: Candidate) -> dict[str, fl
     return found
 
 
-def _unexplained(steps: Sequence[Step], fit: Fit, motion: Motion, load: Array) -> tuple[Unexplained, ...]:
+def _unexplained(
+    steps: Sequence[Step], fit: Fit, motion: PreparedLog, load: Array
+) -> tuple[Unexplained, ...]:
     """Generic laws, one entry per joint."""
     by_joint: dict[int, list[tuple[Step, Array]]] = {}
     generic = iter(fit.generic)
@@ -214,7 +244,11 @@ def _unexplained(steps: Sequence[Step], fit: Fit, motion: Motion, load: Array) -
         torque = np.sum([tau for _, tau in parts], axis=0)[:, joint - 1]
         first = max(parts, key=lambda part: part[0].gain)[0]
         candidate: Candidate = first.candidate
-        signal = candidate.depends_on[0] if candidate.depends_on[0] in {"q", "qd", "qdd", "load", "time"} else "time"
+        signal = (
+            candidate.depends_on[0]
+            if candidate.depends_on[0] in {"q", "qd", "qdd", "load", "time"}
+            else "time"
+        )
         found.append(
             Unexplained(
                 joint=joint,
@@ -232,7 +266,7 @@ _UNITS = {"q": "rad", "qd": "rad/s", "qdd": "rad/s2", "load": "Nm", "time": "s"}
 
 
 def _curve(
-    motion: Motion,
+    motion: PreparedLog,
     load: Array,
     joint: int,
     signal: str,
@@ -243,13 +277,16 @@ def _curve(
     turned: bool = False,
     bins: int = 40,
 ) -> Curve:
-    """Binned torque over a signal of the joint (zero-based), folded to one period if it has one; with a 95 % band.
+    """Binned torque over a signal of the joint (zero-based), folded to one period if it has one;
+    with a 95 % band.
 
-    `turned`: the torque of backward motion is turned over, so that friction of both directions lies on one curve.
+    `turned`: the torque of backward motion is turned over, so that friction of both directions lies
+    on one curve.
     """
     if turned:
         sign = np.sign(motion.at_rows(motion.qd[:, joint]))
-        law, residual = sign * law, sign * residual
+        law = sign * law
+        residual = sign * residual
     sources = {"q": motion.q, "qd": motion.qd, "qdd": motion.qdd, "load": load}
     x = motion.row_time if signal == "time" else motion.at_rows(sources[signal][:, joint])
     x = x if period is None else np.mod(x, period)
@@ -269,10 +306,12 @@ def _curve(
 
 
 def _recalibrated(nuisance: Nuisance, fit: Fit, robot: Robot) -> dict[str, Any]:
-    """New values, all joints, of the terms where some value moved further than its own uncertainty."""
+    """New values, all joints, of the terms where some value moved further than its own
+    uncertainty."""
     n = robot.n
     found: dict[str, Any] = {}
-    z, spread = nuisance.deviations(fit.z), 1.0 if nuisance.spread is None else nuisance.spread
+    z = nuisance.deviations(fit.z)
+    spread = 1.0 if nuisance.spread is None else nuisance.spread
     moved = (np.abs(z) > 1.0) & (np.abs(z) > 2.0 * spread * fit.z_sigma)
     coulomb, viscous, _ = moved[-3 * n :].reshape(3, n)
     if coulomb.any():

@@ -13,7 +13,9 @@ from pydantic import Field
 
 from irb2400_ctrl.effects.base import Acts, Effect, Signals
 
-Vector3 = Annotated[tuple[float, float, float], Field(description="in the frame of the body that carries it")]
+Vector3 = Annotated[
+    tuple[float, float, float], Field(description="in the frame of the body that carries it")
+]
 
 
 REACH = 0.8
@@ -23,14 +25,19 @@ USUAL_REACH = 0.35
 
 
 class AddedBody(Effect):
-    """A point mass m at c, fixed to a link frame: phi = (m, m c, m (|c|^2 1 - c c^T)), tau = Y(q, qd, qdd) phi."""
+    """A point mass m at c, fixed to a link frame: phi = (m, m c, m (|c|^2 1 - c c^T)), tau = Y(q,
+    qd, qdd) phi."""
 
     acts: ClassVar[Acts] = "parameters"
     group: ClassVar[str] = "mass"
     splits: ClassVar[str] = "wide ranges of the axes behind it, high accelerations"
 
     usual: ClassVar[dict[str, tuple[float, float]]] = {"com_m": (0.0, 0.25), "mass_kg": (0.0, 10.0)}
-    expected: ClassVar[tuple[tuple[float, float], ...]] = ((0.0, 10.0), *[(0.0, 3.0)] * 3, *[(0.0, 1.0)] * 6)
+    expected: ClassVar[tuple[tuple[float, float], ...]] = (
+        (0.0, 10.0),
+        *[(0.0, 3.0)] * 3,
+        *[(0.0, 1.0)] * 6,
+    )
 
     mass_kg: float = Field(description="mass m, negative for one that is missing [kg]")
     com_m: Vector3 = Field(default=(0.0, 0.0, 0.0), description="its place c [m]")
@@ -43,15 +50,19 @@ class AddedBody(Effect):
         return s.regressor(self.carrier(s.q.numel()))
 
     def coefficients(self) -> tuple[float, ...]:
-        m, c = self.mass_kg, np.array(self.com_m)
+        m = self.mass_kg
+        c = np.array(self.com_m)
         inertia = m * (c @ c * np.eye(3) - np.outer(c, c))
         i, j = np.triu_indices(3)
         return (m, *(m * c), *inertia[i, j])
 
     @classmethod
-    def from_coefficients(cls, joint: int | None, coefficients: Sequence[float], nonlinear: dict[str, float]) -> Self:
+    def from_coefficients(
+        cls, joint: int | None, coefficients: Sequence[float], nonlinear: dict[str, float]
+    ) -> Self:
         m, *moment = (float(c) for c in coefficients[:4])
-        # a mass whose weight another link carries (the parallelogram) shows in its first moment only
+        # a mass whose weight another link carries (the parallelogram) shows in its first moment
+        # only
         if math.hypot(*moment) > REACH * abs(m):
             m = math.hypot(*moment) / USUAL_REACH
         return cls.of(joint, mass_kg=m, com_m=tuple(c / m for c in moment))
@@ -60,7 +71,9 @@ class AddedBody(Effect):
 class Payload(AddedBody):
     """A mass at the flange that the tool data do not contain (frame: flange, eq. 9)."""
 
-    sentence: ClassVar[str] = "the robot carries more (or less) at its flange than its tool data say"
+    sentence: ClassVar[str] = (
+        "the robot carries more (or less) at its flange than its tool data say"
+    )
     whole_arm: ClassVar[bool] = True
 
     kind: Literal["payload"] = "payload"
@@ -81,5 +94,6 @@ class LinkInertia(AddedBody):
 
     @classmethod
     def joints(cls, n: int) -> Sequence[int | None]:
-        # a mass on the last link is a payload; of link 1 only the inertia about its axis is ever seen
+        # a mass on the last link is a payload; of link 1 only the inertia about its axis is ever
+        # seen
         return range(2, n)

@@ -15,21 +15,31 @@ from irb2400_ctrl.effects.base import Effect, Signals
 class Balancer(Effect):
     """tau_j = T (1 - l0 / l(d)) sin d, d = q_j - q_0, l(d)^2 = 1 + rho^2 - 2 rho cos d.
 
-    A spring between the base and a lever on the link: lever ratio rho = lever / base distance, all lengths in units
-    of the base distance, l0 = free_ratio * (1 - rho). T = stiffness * lever * base distance; T > 0 pulls towards q_0.
+    A spring between the base and a lever on the link: lever ratio rho = lever / base distance, all
+    lengths in units of the base distance, l0 = free_ratio * (1 - rho). T = stiffness * lever * base
+    distance; T > 0 pulls towards q_0.
     """
 
     group: ClassVar[str] = "gain"
     splits: ClassVar[str] = "a second payload, higher accelerations"
-    sentence: ClassVar[str] = "a balancing spring or gas cylinder helps the axis to carry its weight"
+    sentence: ClassVar[str] = (
+        "a balancing spring or gas cylinder helps the axis to carry its weight"
+    )
 
-    usual: ClassVar[dict[str, tuple[float, float]]] = {"lever_ratio": (0.3, 0.15), "free_ratio": (0.5, 0.3)}
+    usual: ClassVar[dict[str, tuple[float, float]]] = {
+        "lever_ratio": (0.3, 0.15),
+        "free_ratio": (0.5, 0.3),
+    }
 
     kind: Literal["balancer"] = "balancer"
     torque_Nm: float = Field(gt=0, description="stiffness times both lever arms T [Nm]")
     neutral_rad: float = Field(default=0.0, description="angle q_0 of the dead centre [rad]")
-    lever_ratio: float = Field(default=0.3, gt=0, lt=1, description="lever over base distance rho [-]")
-    free_ratio: float = Field(default=0.0, ge=0, le=1, description="free length over shortest length [-]")
+    lever_ratio: float = Field(
+        default=0.3, gt=0, lt=1, description="lever over base distance rho [-]"
+    )
+    free_ratio: float = Field(
+        default=0.0, ge=0, le=1, description="free length over shortest length [-]"
+    )
 
     def basis(self, s: Signals) -> ca.SX:
         d = s.q[self.index] - self.neutral_rad
@@ -38,14 +48,19 @@ class Balancer(Effect):
         return self.on((1 - self.free_ratio * (1 - rho) / length) * ca.sin(d), s.q.numel())
 
     def departures(self, s: Signals) -> ca.SX:
-        d, n = s.q[self.index] - self.neutral_rad, s.q.numel()
-        return ca.horzcat(self.on(ca.cos(d), n), self.on(ca.sin(2 * d), n), self.on(ca.cos(2 * d), n))
+        d = s.q[self.index] - self.neutral_rad
+        n = s.q.numel()
+        return ca.horzcat(
+            self.on(ca.cos(d), n), self.on(ca.sin(2 * d), n), self.on(ca.cos(2 * d), n)
+        )
 
     def coefficients(self) -> tuple[float, ...]:
         return (self.torque_Nm,)
 
     @classmethod
-    def from_coefficients(cls, joint: int | None, coefficients: Sequence[float], nonlinear: dict[str, float]) -> Self:
+    def from_coefficients(
+        cls, joint: int | None, coefficients: Sequence[float], nonlinear: dict[str, float]
+    ) -> Self:
         return cls.of(joint, torque_Nm=coefficients[0], **nonlinear)
 
     @classmethod

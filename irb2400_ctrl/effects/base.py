@@ -4,9 +4,9 @@ Every effect is written once, in *regressor form*
 
     tau_effect = B(q, qd, qdd, t, x; nonlinear parameters) @ coefficients          [Nm]
 
-so that one definition serves the plant and the controller (`torque`), the diagnosis (`basis`, `from_coefficients`)
-and the robot file (the fields of the class). tau_effect is torque that the actuators must supply *in addition*,
-the same sign as the friction of eq. 56.
+so that one definition serves the plant and the controller (`torque`), the diagnosis (`basis`,
+`from_coefficients`) and the robot file (the fields of the class). tau_effect is torque that the
+actuators must supply *in addition*, the same sign as the friction of eq. 56.
 """
 
 from __future__ import annotations
@@ -96,7 +96,8 @@ class Signals(Protocol):
 
 
 class Effect(BaseModel, ABC):
-    """A physical effect. Final subclasses give `kind`, fields with units, `basis`, `coefficients` and their inverse."""
+    """A physical effect. Final subclasses give `kind`, fields with units, `basis`, `coefficients`
+    and their inverse."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
@@ -115,11 +116,13 @@ class Effect(BaseModel, ABC):
     whole_arm: ClassVar[bool] = False
     """concerns the whole arm: `joint` is absent"""
     expected: ClassVar[tuple[tuple[float, float], ...]] = ()
-    """usual value and spread of each coefficient, where the data alone may not settle them; empty: no such knowledge"""
+    """usual value and spread of each coefficient, where the data alone may not settle them; empty:
+    no such knowledge"""
     fixed: ClassVar[tuple[str, ...]] = ()
     """fields that a fit does not move continuously (times of switching)"""
     device: ClassVar[str] = ""
-    """part of a joint of which a log tells one flaw only: beside one effect on it no other is looked for"""
+    """part of a joint of which a log tells one flaw only: beside one effect on it no other is
+    looked for"""
     lookalikes: ClassVar[tuple[str, ...]] = ()
     """kinds of other groups that ordinary logs do not tell from this one"""
     keeps_shape: ClassVar[bool] = True
@@ -127,7 +130,8 @@ class Effect(BaseModel, ABC):
     shows_moving: ClassVar[bool] = False
     """whether a log must show it away from reversals too, where dry friction is hard to predict"""
     leftover: ClassVar[float] = 0.22
-    """share of its torque that its law, being simpler than the real thing, may leave for others to explain"""
+    """share of its torque that its law, being simpler than the real thing, may leave for others to
+    explain"""
     usual: ClassVar[dict[str, tuple[float, float]]] = {}
     """fields that the data may not settle: usual value and its spread"""
     states: ClassVar[tuple[str, ...]] = ()
@@ -143,7 +147,8 @@ class Effect(BaseModel, ABC):
 
     @abstractmethod
     def basis(self, s: Signals) -> ca.SX:
-        """Regressor B, shape (n, k) [Nm per unit of coefficient]; depends on nonlinear parameters only."""
+        """Regressor B, shape (n, k) [Nm per unit of coefficient]; depends on nonlinear parameters
+        only."""
 
     @abstractmethod
     def coefficients(self) -> tuple[float, ...]:
@@ -151,39 +156,50 @@ class Effect(BaseModel, ABC):
 
     @classmethod
     @abstractmethod
-    def from_coefficients(cls, joint: int | None, coefficients: Sequence[float], nonlinear: dict[str, float]) -> Self:
+    def from_coefficients(
+        cls, joint: int | None, coefficients: Sequence[float], nonlinear: dict[str, float]
+    ) -> Self:
         """The effect whose `coefficients()` are the given ones (inverse of `coefficients`)."""
 
     def departures(self, s: Signals) -> ca.SX:
         """Further columns that a real device of this kind may show beside the law, shape (n, k).
 
-        A second harmonic, a slightly cubic spring, another exponent of speed: diagnosis allows each a fraction of the
-        effect's own size, so that a device is recognised that is not exactly the textbook's. Default: none.
+        A second harmonic, a slightly cubic spring, another exponent of speed: diagnosis allows each
+        a fraction of the effect's own size, so that a device is recognised that is not exactly the
+        textbook's. Default: none.
         """
         return ca.SX(s.q.numel(), 0)
 
     @classmethod
     def grid(cls, joint: int | None) -> list[dict[str, float]]:
-        """Values of the nonlinear parameters that diagnosis scans; one empty entry when there are none."""
+        """Values of the nonlinear parameters that diagnosis scans; one empty entry when there are
+        none."""
         return [{}]
 
     searched: ClassVar[bool] = False
-    """whether its (even) grid is too coarse to compare with others: the best point is then moved between neighbours"""
+    """whether its (even) grid is too coarse to compare with others: the best point is then moved
+    between neighbours"""
 
     @classmethod
     def sensible(cls, nonlinear: dict[str, float], inertia: float) -> bool:
-        """Whether a point of the grid is worth a trial on a joint that feels this inertia [kg m2]."""
+        """Whether a point of the grid is worth a trial on a joint that feels this inertia [kg
+        m2]."""
         return True
 
     @property
     def unlikely(self) -> bool:
-        """Whether it is too small, or too large, for a diagnosis to name it, however clearly it shows."""
+        """Whether it is too small, or too large, for a diagnosis to name it, however clearly it
+        shows."""
         return False
 
     @classmethod
     def prototype(cls, joint: int | None, nonlinear: dict[str, float]) -> Self:
         """An instance with unit coefficients, for asking `basis` of it."""
-        fields: dict[str, Any] = {"kind": cls.model_fields["kind"].default, "joint": joint, **nonlinear}
+        fields: dict[str, Any] = {
+            "kind": cls.model_fields["kind"].default,
+            "joint": joint,
+            **nonlinear,
+        }
         return cls.model_construct(**fields)
 
     @classmethod
@@ -202,15 +218,18 @@ class Effect(BaseModel, ABC):
 
     @classmethod
     def beginnings(cls) -> int:
-        """How many of the internal states, the first ones, may have any value when a record begins."""
+        """How many of the internal states, the first ones, may have any value when a record
+        begins."""
         return len(cls.states)
 
     def steady_state(self, s: Signals) -> ca.SX:
-        """The internal states after a long motion in one direction: what a memoryless consumer uses."""
+        """The internal states after a long motion in one direction: what a memoryless consumer
+        uses."""
         return ca.SX(len(self.states), 1)
 
     def settled(self, turned: ca.SX) -> tuple[ca.SX, ca.SX] | None:
-        """Bounds of the internal states, whatever they were, once the joint has turned forwards by `turned` [rad].
+        """Bounds of the internal states, whatever they were, once the joint has turned forwards by
+        `turned` [rad].
 
         Backwards the same with the opposite sign. None: the memory has no such bounds.
         """
@@ -232,7 +251,8 @@ class Effect(BaseModel, ABC):
 
     @property
     def role(self) -> Acts:
-        """What it is for the model: `acts`, but a body that comes or goes loads an arm whose parameters are fixed."""
+        """What it is for the model: `acts`, but a body that comes or goes loads an arm whose
+        parameters are fixed."""
         return "force" if self.acts == "parameters" and self.windows_s else self.acts
 
     def active(self, time: Array) -> npt.NDArray[np.bool_]:
@@ -240,9 +260,11 @@ class Effect(BaseModel, ABC):
         return within(self.windows_s, time)
 
     def reported(self, time: Array, tau: Array) -> Array:
-        """Exactly what the measuring chain shows of torques `tau` (m, n) [Nm] at the times `time` (m,) [s].
+        """Exactly what the measuring chain shows of torques `tau` (m, n) [Nm] at the times `time`
+        (m,) [s].
 
-        `basis` is its change to first order. An effect that is not in the torque's chain leaves `tau` as it is.
+        `basis` is its change to first order. An effect that is not in the torque's chain leaves
+        `tau` as it is.
         """
         return np.where(self.active(time)[:, None], self._shown(time, tau), tau)
 
@@ -252,7 +274,9 @@ class Effect(BaseModel, ABC):
 
     def parameters(self) -> dict[str, Any]:
         """The effect's own fields: name with unit -> value."""
-        own = self.model_dump(exclude={"kind", "joint", "source", "shape", "windows_s"}, exclude_none=True)
+        own = self.model_dump(
+            exclude={"kind", "joint", "source", "shape", "windows_s"}, exclude_none=True
+        )
         if self.shape:
             own["shape"] = list(self.shape)
         if self.windows_s:

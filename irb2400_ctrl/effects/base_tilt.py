@@ -12,7 +12,8 @@ from irb2400_ctrl.effects.base import STANDARD_GRAVITY, Acts, Effect, Signals
 
 
 class BaseTilt(Effect):
-    """Gravity (g_x, g_y) = 9.81 (-tilt_y, tilt_x) in the base frame, small angles: tau = (d tau / d g) g."""
+    """Gravity (g_x, g_y) = 9.81 (-tilt_y, tilt_x) in the base frame, small angles: tau = (d tau / d
+    g) g."""
 
     acts: ClassVar[Acts] = "force"
     group: ClassVar[str] = "base"
@@ -21,17 +22,25 @@ class BaseTilt(Effect):
     whole_arm: ClassVar[bool] = True
 
     kind: Literal["base_tilt"] = "base_tilt"
-    tilt_x_rad: float = Field(default=0.0, description="rotation of the base about its x axis [rad]")
-    tilt_y_rad: float = Field(default=0.0, description="rotation of the base about its y axis [rad]")
+    tilt_x_rad: float = Field(
+        default=0.0, description="rotation of the base about its x axis [rad]"
+    )
+    tilt_y_rad: float = Field(
+        default=0.0, description="rotation of the base about its y axis [rad]"
+    )
 
     def basis(self, s: Signals) -> ca.SX:
-        g_x, g_y = s.gravity_map[:, 0], s.gravity_map[:, 1]
-        # a base turned by a small angle t about x sees gravity R^T g: g_y = -9.81 * t (about y: g_x = +9.81 * t)
+        g_x = s.gravity_map[:, 0]
+        g_y = s.gravity_map[:, 1]
+        # a base turned by a small angle t about x sees gravity R^T g: g_y = -9.81 * t (about y: g_x
+        # = +9.81 * t)
         return STANDARD_GRAVITY * ca.horzcat(-g_y, g_x)
 
     def coefficients(self) -> tuple[float, ...]:
         return (self.tilt_x_rad, self.tilt_y_rad)
 
     @classmethod
-    def from_coefficients(cls, joint: int | None, coefficients: Sequence[float], nonlinear: dict[str, float]) -> Self:
+    def from_coefficients(
+        cls, joint: int | None, coefficients: Sequence[float], nonlinear: dict[str, float]
+    ) -> Self:
         return cls.of(joint, tilt_x_rad=coefficients[0], tilt_y_rad=coefficients[1])

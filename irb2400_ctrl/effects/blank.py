@@ -32,9 +32,19 @@ class Blank:
     @classmethod
     def of(cls, n: int, states: int) -> Blank:
         """For an arm of n joints and an effect with so many internal states."""
-        sizes = {"time": (1, 1), "gravity_map": (n, 3), "tcp_jacobian": (6, n), "state": (states, 1)}
+        sizes = {
+            "time": (1, 1),
+            "gravity_map": (n, 3),
+            "tcp_jacobian": (6, n),
+            "state": (states, 1),
+        }
         square = dict.fromkeys(("tau_jacobian", "mass_matrix"), (n, n))
-        return cls(**{name: ca.SX.sym(name, *(sizes | square).get(name, (n, 1))) for name in cls.__dataclass_fields__})
+        return cls(
+            **{
+                name: ca.SX.sym(name, *(sizes | square).get(name, (n, 1)))
+                for name in cls.__dataclass_fields__
+            }
+        )
 
     def regressor(self, link: int) -> ca.SX:
         return ca.SX.sym(f"regressor_{link}", self.q.numel(), 10)

@@ -16,24 +16,31 @@ class CableSpring(Effect):
 
     group: ClassVar[str] = "position law"
     splits: ClassVar[str] = "the whole range of the joint at low speed"
-    sentence: ClassVar[str] = "a cable or hose package pulls the joint towards one angle like a spring"
+    sentence: ClassVar[str] = (
+        "a cable or hose package pulls the joint towards one angle like a spring"
+    )
 
     kind: Literal["cable_spring"] = "cable_spring"
     stiffness_Nm_rad: float = Field(ge=0, description="stiffness k [Nm/rad]")
-    neutral_rad: float = Field(default=0.0, ge=-7, le=7, description="angle q_0 without torque [rad]")
+    neutral_rad: float = Field(
+        default=0.0, ge=-7, le=7, description="angle q_0 without torque [rad]"
+    )
 
     def basis(self, s: Signals) -> ca.SX:
         n = s.q.numel()
         return ca.horzcat(self.on(s.q[self.index], n), self.on(ca.SX(1.0), n))
 
     def departures(self, s: Signals) -> ca.SX:
-        q, n = s.q[self.index], s.q.numel()
+        q = s.q[self.index]
+        n = s.q.numel()
         return ca.horzcat(self.on(q**2, n), self.on(q**3, n))
 
     def coefficients(self) -> tuple[float, ...]:
         return (self.stiffness_Nm_rad, -self.stiffness_Nm_rad * self.neutral_rad)
 
     @classmethod
-    def from_coefficients(cls, joint: int | None, coefficients: Sequence[float], nonlinear: dict[str, float]) -> Self:
+    def from_coefficients(
+        cls, joint: int | None, coefficients: Sequence[float], nonlinear: dict[str, float]
+    ) -> Self:
         k, constant = coefficients
         return cls.of(joint, stiffness_Nm_rad=k, neutral_rad=-constant / k)

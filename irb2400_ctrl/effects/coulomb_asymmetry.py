@@ -12,12 +12,15 @@ from irb2400_ctrl.effects.base import Effect, Signals
 
 
 class CoulombAsymmetry(Effect):
-    """tau_j = delta |sgn(qd_j)|: Coulomb level F_c + delta forwards and F_c - delta backwards; nothing at rest."""
+    """tau_j = delta |sgn(qd_j)|: Coulomb level F_c + delta forwards and F_c - delta backwards;
+    nothing at rest."""
 
     abscissa = "qd"
     group: ClassVar[str] = "offset"
     splits: ClassVar[str] = "brake-released standstill, several speeds"
-    sentence: ClassVar[str] = "dry friction of the joint is larger in one direction than in the other"
+    sentence: ClassVar[str] = (
+        "dry friction of the joint is larger in one direction than in the other"
+    )
 
     kind: Literal["coulomb_asymmetry"] = "coulomb_asymmetry"
     delta_Nm: float = Field(description="half the difference of the two Coulomb levels [Nm]")
@@ -26,12 +29,15 @@ class CoulombAsymmetry(Effect):
         return self.on(s.sign[self.index] ** 2, s.q.numel())
 
     def departures(self, s: Signals) -> ca.SX:
-        speed, n = ca.fabs(s.qd[self.index]), s.q.numel()
+        speed = ca.fabs(s.qd[self.index])
+        n = s.q.numel()
         return ca.horzcat(self.on(ca.exp(-speed / 0.1), n), self.on(s.sign[self.index], n))
 
     def coefficients(self) -> tuple[float, ...]:
         return (self.delta_Nm,)
 
     @classmethod
-    def from_coefficients(cls, joint: int | None, coefficients: Sequence[float], nonlinear: dict[str, float]) -> Self:
+    def from_coefficients(
+        cls, joint: int | None, coefficients: Sequence[float], nonlinear: dict[str, float]
+    ) -> Self:
         return cls.of(joint, delta_Nm=coefficients[0])

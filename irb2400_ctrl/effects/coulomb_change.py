@@ -26,12 +26,17 @@ class CoulombChange(Effect):
         return self.on(s.sign[self.index], s.q.numel())
 
     def departures(self, s: Signals) -> ca.SX:
-        speed, n = ca.fabs(s.qd[self.index]), s.q.numel()
-        return ca.horzcat(*[self.on(s.sign[self.index] * ca.exp(-speed / v), n) for v in (0.05, 0.3)])
+        speed = ca.fabs(s.qd[self.index])
+        n = s.q.numel()
+        return ca.horzcat(
+            *[self.on(s.sign[self.index] * ca.exp(-speed / v), n) for v in (0.05, 0.3)]
+        )
 
     def coefficients(self) -> tuple[float, ...]:
         return (self.coulomb_Nm,)
 
     @classmethod
-    def from_coefficients(cls, joint: int | None, coefficients: Sequence[float], nonlinear: dict[str, float]) -> Self:
+    def from_coefficients(
+        cls, joint: int | None, coefficients: Sequence[float], nonlinear: dict[str, float]
+    ) -> Self:
         return cls.of(joint, coulomb_Nm=coefficients[0])

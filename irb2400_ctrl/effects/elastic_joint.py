@@ -17,13 +17,15 @@ DAMPED = 0.9
 
 
 class ElasticJoint(Effect):
-    """The link swings on a spring k behind its motor: link angle q_j - x / k with the spring torque x,
+    """The link swings on a spring k behind its motor: link angle q_j - x / k with the spring torque
+    x,
 
-    x'' + 2 zeta w x' + w^2 x = w^2 load_j,  w^2 = k / M_jj(q),  tau = tau_rigid - M(:, j) x'' / k - (dtau/dq_j) x / k.
+    x'' + 2 zeta w x' + w^2 x = w^2 load_j,  w^2 = k / M_jj(q),  tau = tau_rigid - M(:, j) x'' / k -
+    (dtau/dq_j) x / k.
 
-    Below the resonance x'' is d2 load_j / dt2: a slow twist, of which the torque shows the share `visible`. It is what
-    the same equation gives without a resonance (zeta = 0.9); the rest is the swing. The other
-    joints' springs are stiff against this one.
+    Below the resonance x'' is d2 load_j / dt2: a slow twist, of which the torque shows the share
+    `visible`. It is what the same equation gives without a resonance (zeta = 0.9); the rest is the
+    swing. The other joints' springs are stiff against this one.
     """
 
     abscissa = "load"
@@ -43,10 +45,15 @@ class ElasticJoint(Effect):
 
     kind: Literal["elastic_joint"] = "elastic_joint"
     stiffness_Nm_rad: float = Field(gt=0, description="torsional stiffness k [Nm/rad]")
-    damping_ratio: float = Field(default=0.05, gt=0, lt=1, description="damping of the resonance zeta [-]")
+    damping_ratio: float = Field(
+        default=0.05, gt=0, lt=1, description="damping of the resonance zeta [-]"
+    )
 
     swing: float = Field(
-        default=1.0, ge=0, le=2.5, description="size of the swing over what stiffness and load give [-]"
+        default=1.0,
+        ge=0,
+        le=2.5,
+        description="size of the swing over what stiffness and load give [-]",
     )
     visible: float = Field(
         default=1.0,
@@ -61,7 +68,10 @@ class ElasticJoint(Effect):
 
     def _lag(self, s: Signals, x: ca.SX, rate: ca.SX, damping: float) -> ca.SX:
         """Torque of all joints of a link that lags by x / k, shape (n, 1) [Nm]."""
-        return lag_torque(s, self.index, x, self._acceleration(s, x, rate, damping)) / self.stiffness_Nm_rad
+        return (
+            lag_torque(s, self.index, x, self._acceleration(s, x, rate, damping))
+            / self.stiffness_Nm_rad
+        )
 
     def _acceleration(self, s: Signals, x: ca.SX, rate: ca.SX, damping: float) -> ca.SX:
         """d2 x / dt2 [Nm/s2]."""
@@ -85,15 +95,24 @@ class ElasticJoint(Effect):
         return (self.swing, self.visible)
 
     @classmethod
-    def from_coefficients(cls, joint: int | None, coefficients: Sequence[float], nonlinear: dict[str, float]) -> Self:
+    def from_coefficients(
+        cls, joint: int | None, coefficients: Sequence[float], nonlinear: dict[str, float]
+    ) -> Self:
         swing, visible = (min(max(0.0, c), 2.5) for c in coefficients)
         return cls.of(joint, swing=swing, visible=visible, **nonlinear)
 
     @classmethod
     def grid(cls, joint: int | None) -> list[dict[str, float]]:
-        return [{"stiffness_Nm_rad": 10 ** (2 + k / 24), "damping_ratio": 0.04} for k in range(24 * 4 + 12)]
+        return [
+            {"stiffness_Nm_rad": 10 ** (2 + k / 24), "damping_ratio": 0.04}
+            for k in range(24 * 4 + 12)
+        ]
 
     @classmethod
     def sensible(cls, nonlinear: dict[str, float], inertia: float) -> bool:
         # resonances that a moving arm excites and a record at 50 to 250 Hz still shows
-        return 3.5 < math.sqrt(nonlinear["stiffness_Nm_rad"] / max(inertia, 1e-6)) / (2 * math.pi) < 16.0
+        return (
+            3.5
+            < math.sqrt(nonlinear["stiffness_Nm_rad"] / max(inertia, 1e-6)) / (2 * math.pi)
+            < 16.0
+        )

@@ -17,7 +17,9 @@ class EncoderZero(Effect):
     acts: ClassVar[Acts] = "measurement"
     group: ClassVar[str] = "position error"
     splits: ClassVar[str] = "poses or payloads where the load torque changes sign"
-    sentence: ClassVar[str] = "the encoder of the joint is mounted or calibrated with an angle error"
+    sentence: ClassVar[str] = (
+        "the encoder of the joint is mounted or calibrated with an angle error"
+    )
 
     kind: Literal["encoder_zero"] = "encoder_zero"
     zero_rad: float = Field(description="true minus reported angle [rad]")
@@ -29,5 +31,7 @@ class EncoderZero(Effect):
         return (self.zero_rad,)
 
     @classmethod
-    def from_coefficients(cls, joint: int | None, coefficients: Sequence[float], nonlinear: dict[str, float]) -> Self:
+    def from_coefficients(
+        cls, joint: int | None, coefficients: Sequence[float], nonlinear: dict[str, float]
+    ) -> Self:
         return cls.of(joint, zero_rad=coefficients[0])

@@ -17,7 +17,9 @@ class GearRipple(Effect):
 
     group: ClassVar[str] = "ripple"
     splits: ClassVar[str] = "slow motion over a wide range of the joint"
-    sentence: ClassVar[str] = "torque of the joint ripples with its angle, as a worn or eccentric gear makes it"
+    sentence: ClassVar[str] = (
+        "torque of the joint ripples with its angle, as a worn or eccentric gear makes it"
+    )
 
     searched: ClassVar[bool] = True
 
@@ -32,20 +34,27 @@ class GearRipple(Effect):
         return ca.horzcat(self.on(ca.sin(angle), n), self.on(ca.cos(angle), n))
 
     def departures(self, s: Signals) -> ca.SX:
-        angle, n = self.order * s.q[self.index], s.q.numel()
+        angle = self.order * s.q[self.index]
+        n = s.q.numel()
         return ca.horzcat(*[self.on(f(k * angle), n) for k in (2, 3) for f in (ca.sin, ca.cos)])
 
     def coefficients(self) -> tuple[float, ...]:
-        return (self.amplitude_Nm * math.cos(self.phase_rad), self.amplitude_Nm * math.sin(self.phase_rad))
+        return (
+            self.amplitude_Nm * math.cos(self.phase_rad),
+            self.amplitude_Nm * math.sin(self.phase_rad),
+        )
 
     @classmethod
-    def from_coefficients(cls, joint: int | None, coefficients: Sequence[float], nonlinear: dict[str, float]) -> Self:
+    def from_coefficients(
+        cls, joint: int | None, coefficients: Sequence[float], nonlinear: dict[str, float]
+    ) -> Self:
         a, b = coefficients
         return cls.of(joint, amplitude_Nm=math.hypot(a, b), phase_rad=math.atan2(b, a), **nonlinear)
 
     @classmethod
     def grid(cls, joint: int | None) -> list[dict[str, float]]:
-        # below order 4 a ripple is a gravity or spring law; above 160 the 250 Hz record no longer resolves it
+        # below order 4 a ripple is a gravity or spring law; above 160 the 250 Hz record no longer
+        # resolves it
         return [{"order": 4.0 + 0.5 * k} for k in range(2 * 156 + 1)]
 
     @property

@@ -1,4 +1,5 @@
-"""Hysteresis of the transmission: friction that builds up over a small angle after each reversal."""
+"""Hysteresis of the transmission: friction that builds up over a small angle after each
+reversal."""
 
 from __future__ import annotations
 
@@ -12,12 +13,15 @@ from irb2400_ctrl.effects.base import Effect, Signals
 
 
 class Hysteresis(Effect):
-    """tau_j = A z,  dz/dt = (qd_j - |qd_j| z) / width  (Dahl model; z -> sgn(qd_j) after a few widths)."""
+    """tau_j = A z,  dz/dt = (qd_j - |qd_j| z) / width  (Dahl model; z -> sgn(qd_j) after a few
+    widths)."""
 
     abscissa = "qd"
     group: ClassVar[str] = "reversal"
     splits: ClassVar[str] = "slow reversals at several amplitudes"
-    sentence: ClassVar[str] = "after each reversal the friction of the joint builds up over a small angle"
+    sentence: ClassVar[str] = (
+        "after each reversal the friction of the joint builds up over a small angle"
+    )
     states: ClassVar[tuple[str, ...]] = ("z",)
 
     kind: Literal["hysteresis"] = "hysteresis"
@@ -40,13 +44,17 @@ class Hysteresis(Effect):
 
     def departures(self, s: Signals) -> ca.SX:
         n = s.q.numel()
-        return ca.horzcat(self.on(s.state[0] ** 2 * ca.sign(s.state[0]), n), self.on(s.sign[self.index], n))
+        return ca.horzcat(
+            self.on(s.state[0] ** 2 * ca.sign(s.state[0]), n), self.on(s.sign[self.index], n)
+        )
 
     def coefficients(self) -> tuple[float, ...]:
         return (self.amplitude_Nm,)
 
     @classmethod
-    def from_coefficients(cls, joint: int | None, coefficients: Sequence[float], nonlinear: dict[str, float]) -> Self:
+    def from_coefficients(
+        cls, joint: int | None, coefficients: Sequence[float], nonlinear: dict[str, float]
+    ) -> Self:
         return cls.of(joint, amplitude_Nm=coefficients[0], **nonlinear)
 
     @classmethod

@@ -8,7 +8,8 @@ from irb2400_ctrl.effects.base import Signals
 
 
 def lag_torque(s: Signals, index: int, lag: ca.SX, acceleration: ca.SX) -> ca.SX:
-    """Change of all joints' torque where the link angle is q_j - lag: -(M(:, j) lag'' + (dtau / dq_j) lag).
+    """Change of all joints' torque where the link angle is q_j - lag: -(M(:, j) lag'' + (dtau /
+    dq_j) lag).
 
     Args:
         index: zero-based joint j.

@@ -12,19 +12,23 @@ from irb2400_ctrl.effects.base import STANDARD_GRAVITY, Effect, Signals
 
 
 class LinkageInertia(Effect):
-    """tau_3 = J qdd_3 - 9.81 S cos(q_3): a lever on the axis of q_3 with inertia J and static moment S."""
+    """tau_3 = J qdd_3 - 9.81 S cos(q_3): a lever on the axis of q_3 with inertia J and static
+    moment S."""
 
     abscissa = "qdd"
     group: ClassVar[str] = "mass"
     splits: ClassVar[str] = "not separable from the moments of links 2 and 3 in the base set"
-    sentence: ClassVar[str] = "the rod and lever of the parallelogram have a mass that the model neglects"
+    sentence: ClassVar[str] = (
+        "the rod and lever of the parallelogram have a mass that the model neglects"
+    )
 
     kind: Literal["linkage_inertia"] = "linkage_inertia"
     inertia_kgm2: float = Field(ge=0, description="inertia J about the axis of q_3 [kg m2]")
     moment_kgm: float = Field(default=0.0, description="static moment S along the forearm [kg m]")
 
     def basis(self, s: Signals) -> ca.SX:
-        j, n = self.index, s.q.numel()
+        j = self.index
+        n = s.q.numel()
         return ca.horzcat(self.on(s.qdd[j], n), self.on(-STANDARD_GRAVITY * ca.cos(s.q[j]), n))
 
     def departures(self, s: Signals) -> ca.SX:
@@ -35,7 +39,9 @@ class LinkageInertia(Effect):
         return (self.inertia_kgm2, self.moment_kgm)
 
     @classmethod
-    def from_coefficients(cls, joint: int | None, coefficients: Sequence[float], nonlinear: dict[str, float]) -> Self:
+    def from_coefficients(
+        cls, joint: int | None, coefficients: Sequence[float], nonlinear: dict[str, float]
+    ) -> Self:
         # the moment shows far more than the inertia, which noise may turn below zero
         return cls.of(joint, inertia_kgm2=max(0.0, coefficients[0]), moment_kgm=coefficients[1])
 

@@ -18,7 +18,9 @@ class LoadFriction(Effect):
     against_motion: ClassVar[bool] = True
     group: ClassVar[str] = "friction level"
     splits: ClassVar[str] = "a second payload, poses with a small load torque"
-    sentence: ClassVar[str] = "dry friction of the joint grows with the torque that its gear carries"
+    sentence: ClassVar[str] = (
+        "dry friction of the joint grows with the torque that its gear carries"
+    )
 
     kind: Literal["load_friction"] = "load_friction"
     coefficient: float = Field(ge=0, lt=1, description="friction per load torque mu [Nm/Nm]")
@@ -27,7 +29,8 @@ class LoadFriction(Effect):
         return self.on(ca.fabs(s.load[self.index]) * s.sign[self.index], s.q.numel())
 
     def departures(self, s: Signals) -> ca.SX:
-        load, n = ca.fabs(s.load[self.index]), s.q.numel()
+        load = ca.fabs(s.load[self.index])
+        n = s.q.numel()
         # a power of the load near one, in units that keep the column of the law's size
         return self.on(load * ca.log(load / 50.0 + 1e-3) * s.sign[self.index], n)
 
@@ -35,5 +38,7 @@ class LoadFriction(Effect):
         return (self.coefficient,)
 
     @classmethod
-    def from_coefficients(cls, joint: int | None, coefficients: Sequence[float], nonlinear: dict[str, float]) -> Self:
+    def from_coefficients(
+        cls, joint: int | None, coefficients: Sequence[float], nonlinear: dict[str, float]
+    ) -> Self:
         return cls.of(joint, coefficient=coefficients[0])

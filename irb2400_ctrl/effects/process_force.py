@@ -12,7 +12,8 @@ from irb2400_ctrl.effects.base import Effect, Signals
 
 
 class ProcessForce(Effect):
-    """tau = -J_v(q)^T F while start_s <= t < stop_s; F acts on the tool, constant in the base frame."""
+    """tau = -J_v(q)^T F while start_s <= t < stop_s; F acts on the tool, constant in the base
+    frame."""
 
     abscissa = "time"
     group: ClassVar[str] = "tool"
@@ -37,6 +38,8 @@ class ProcessForce(Effect):
         return (self.force_x_N, self.force_y_N, self.force_z_N)
 
     @classmethod
-    def from_coefficients(cls, joint: int | None, coefficients: Sequence[float], nonlinear: dict[str, float]) -> Self:
+    def from_coefficients(
+        cls, joint: int | None, coefficients: Sequence[float], nonlinear: dict[str, float]
+    ) -> Self:
         x, y, z = coefficients
         return cls.of(joint, force_x_N=x, force_y_N=y, force_z_N=z, **nonlinear)

@@ -18,7 +18,8 @@ class RotorInertia(Effect):
     group: ClassVar[str] = "inertia"
     splits: ClassVar[str] = "none: on joint 1 it equals the inertia of link 1 about its axis"
     sentence: ClassVar[str] = (
-        "the motor rotor of the joint resists acceleration, an inertia that the model does not carry"
+        "the motor rotor of the joint resists acceleration, an inertia that the model does not "
+        "carry"
     )
 
     kind: Literal["rotor_inertia"] = "rotor_inertia"
@@ -31,5 +32,7 @@ class RotorInertia(Effect):
         return (self.inertia_kgm2,)
 
     @classmethod
-    def from_coefficients(cls, joint: int | None, coefficients: Sequence[float], nonlinear: dict[str, float]) -> Self:
+    def from_coefficients(
+        cls, joint: int | None, coefficients: Sequence[float], nonlinear: dict[str, float]
+    ) -> Self:
         return cls.of(joint, inertia_kgm2=coefficients[0])

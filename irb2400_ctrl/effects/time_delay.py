@@ -13,7 +13,8 @@ from irb2400_ctrl.effects.base import Acts, Array, Effect, Signals
 
 
 class TimeDelay(Effect):
-    """measured tau_j(t) = tau_j(t - delay), to first order tau_j - delay dtau_j/dt; without a joint, all alike."""
+    """measured tau_j(t) = tau_j(t - delay), to first order tau_j - delay dtau_j/dt; without a
+    joint, all alike."""
 
     acts: ClassVar[Acts] = "measurement"
     abscissa = "time"
@@ -38,13 +39,16 @@ class TimeDelay(Effect):
         return (self.delay_s,)
 
     @classmethod
-    def from_coefficients(cls, joint: int | None, coefficients: Sequence[float], nonlinear: dict[str, float]) -> Self:
+    def from_coefficients(
+        cls, joint: int | None, coefficients: Sequence[float], nonlinear: dict[str, float]
+    ) -> Self:
         return cls.of(joint, delay_s=coefficients[0])
 
     @property
     def unlikely(self) -> bool:
-        # time stamps of a stream are no truer than a part of its period; a torque held from sample to sample, and
-        # friction at reversals, make it look a little ahead of its motion, a single joint more than the whole arm
+        # time stamps of a stream are no truer than a part of its period; a torque held from sample
+        # to sample, and friction at reversals, make it look a little ahead of its motion, a single
+        # joint more than the whole arm
         return -0.003 < self.delay_s < (0.0007 if self.joint is None else 0.0015)
 
     @classmethod

@@ -21,7 +21,9 @@ class TorqueGain(Effect):
     keeps_shape: ClassVar[bool] = False
     group: ClassVar[str] = "gain"
     splits: ClassVar[str] = "a second payload, higher accelerations"
-    sentence: ClassVar[str] = "the reported torque of the joint is a constant multiple of the true one"
+    sentence: ClassVar[str] = (
+        "the reported torque of the joint is a constant multiple of the true one"
+    )
 
     kind: Literal["torque_gain"] = "torque_gain"
     gain: float = Field(gt=0, description="measured over true torque [-]")
@@ -34,18 +36,22 @@ class TorqueGain(Effect):
         return self.on(tau * ca.fabs(tau), s.q.numel())
 
     def _shown(self, time: Array, tau: Array) -> Array:
-        shown, true = np.array(tau), tau[:, self.index]
+        shown = np.array(tau)
+        true = tau[:, self.index]
         shown[:, self.index] = self.gain * true + sum(self.shape) * true * np.abs(true)
         return shown
 
     @property
     def unlikely(self) -> bool:
-        # no torque constant is known to a per cent; and no drive is off by half: something else is missing then
+        # no torque constant is known to a per cent; and no drive is off by half: something else is
+        # missing then
         return not 0.01 < abs(self.gain - 1.0) < 0.5
 
     def coefficients(self) -> tuple[float, ...]:
         return (self.gain - 1.0,)
 
     @classmethod
-    def from_coefficients(cls, joint: int | None, coefficients: Sequence[float], nonlinear: dict[str, float]) -> Self:
+    def from_coefficients(
+        cls, joint: int | None, coefficients: Sequence[float], nonlinear: dict[str, float]
+    ) -> Self:
         return cls.of(joint, gain=1.0 + coefficients[0])

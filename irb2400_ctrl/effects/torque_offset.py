@@ -36,5 +36,7 @@ class TorqueOffset(Effect):
         return (self.offset_Nm,)
 
     @classmethod
-    def from_coefficients(cls, joint: int | None, coefficients: Sequence[float], nonlinear: dict[str, float]) -> Self:
+    def from_coefficients(
+        cls, joint: int | None, coefficients: Sequence[float], nonlinear: dict[str, float]
+    ) -> Self:
         return cls.of(joint, offset_Nm=coefficients[0])

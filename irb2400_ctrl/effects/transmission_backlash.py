@@ -14,20 +14,24 @@ from irb2400_ctrl.effects.link_lag import lag_torque
 
 
 class TransmissionBacklash(Effect):
-    """The link stands half the gap behind its motor on the side the load pushes it to: link angle q_j - x gap / 2 with
+    """The link stands half the gap behind its motor on the side the load pushes it to: link angle
+    q_j - x gap / 2 with
 
-    x'' + 1.4 w x' + w^2 x = w^2 sgn(load_j),  tau = tau_rigid - gap / 2 (M(:, j) x'' + (dtau/dq_j) x).
+    x'' + 1.4 w x' + w^2 x = w^2 sgn(load_j),  tau = tau_rigid - gap / 2 (M(:, j) x'' + (dtau/dq_j)
+    x).
 
     w = pi / crossing_s: the link crosses the gap in about that time, with a push at either side.
     """
 
-    # angles are the motors': controllers and planners leave the play alone, a simulated plant has the link's angle too
+    # angles are the motors': controllers and planners leave the play alone, a simulated plant has
+    # the link's angle too
     acts: ClassVar[Acts] = "measurement"
     abscissa = "load"
     group: ClassVar[str] = "position error"
     splits: ClassVar[str] = "poses or payloads where the load torque changes sign"
     sentence: ClassVar[str] = (
-        "the gear of the joint has play: the link stands half the gap away from where the motor says"
+        "the gear of the joint has play: the link stands half the gap away from where the motor "
+        "says"
     )
     leftover: ClassVar[float] = 0.5
     device: ClassVar[str] = "transmission"
@@ -35,7 +39,9 @@ class TransmissionBacklash(Effect):
 
     kind: Literal["transmission_backlash"] = "transmission_backlash"
     gap_rad: float = Field(ge=0, description="full lost motion [rad]")
-    crossing_s: float = Field(default=0.05, gt=0, description="time in which the link crosses the gap [s]")
+    crossing_s: float = Field(
+        default=0.05, gt=0, description="time in which the link crosses the gap [s]"
+    )
 
     def basis(self, s: Signals) -> ca.SX:
         return 0.5 * lag_torque(s, self.index, s.state[0], self._acceleration(s))
@@ -59,7 +65,9 @@ class TransmissionBacklash(Effect):
         return (self.gap_rad,)
 
     @classmethod
-    def from_coefficients(cls, joint: int | None, coefficients: Sequence[float], nonlinear: dict[str, float]) -> Self:
+    def from_coefficients(
+        cls, joint: int | None, coefficients: Sequence[float], nonlinear: dict[str, float]
+    ) -> Self:
         return cls.of(joint, gap_rad=coefficients[0], **nonlinear)
 
     @classmethod

@@ -31,7 +31,9 @@ class ViscousPower(Effect):
         return (self.coefficient,)
 
     @classmethod
-    def from_coefficients(cls, joint: int | None, coefficients: Sequence[float], nonlinear: dict[str, float]) -> Self:
+    def from_coefficients(
+        cls, joint: int | None, coefficients: Sequence[float], nonlinear: dict[str, float]
+    ) -> Self:
         return cls.of(joint, coefficient=coefficients[0], **nonlinear)
 
     @classmethod

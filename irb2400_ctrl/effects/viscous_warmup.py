@@ -20,27 +20,38 @@ class ViscousWarmup(Effect):
     sentence: ClassVar[str] = "the joint runs stiffer while its grease is cold"
 
     kind: Literal["viscous_warmup"] = "viscous_warmup"
-    viscous_Nms_rad: float = Field(ge=0, description="extra viscous coefficient at t = 0 [Nm s/rad]")
+    viscous_Nms_rad: float = Field(
+        ge=0, description="extra viscous coefficient at t = 0 [Nm s/rad]"
+    )
     time_constant_s: float = Field(gt=0, le=2000, description="warm-up time constant T [s]")
 
     def basis(self, s: Signals) -> ca.SX:
         return self.on(ca.exp(-s.time / self.time_constant_s) * s.qd[self.index], s.q.numel())
 
     def departures(self, s: Signals) -> ca.SX:
-        speed, n = s.qd[self.index], s.q.numel()
+        speed = s.qd[self.index]
+        n = s.q.numel()
         level = ca.exp(-s.time / self.time_constant_s)
         late = s.time / self.time_constant_s
         shapes = [level * late, level * late**2]
         columns = [self.on(shape * speed, n) for shape in shapes]
-        return ca.horzcat(*columns, *[self.on(level * ca.fabs(speed) ** p * s.sign[self.index], n) for p in (0.5, 2.0)])
+        return ca.horzcat(
+            *columns,
+            *[self.on(level * ca.fabs(speed) ** p * s.sign[self.index], n) for p in (0.5, 2.0)],
+        )
 
     def coefficients(self) -> tuple[float, ...]:
         return (self.viscous_Nms_rad,)
 
     @classmethod
-    def from_coefficients(cls, joint: int | None, coefficients: Sequence[float], nonlinear: dict[str, float]) -> Self:
+    def from_coefficients(
+        cls, joint: int | None, coefficients: Sequence[float], nonlinear: dict[str, float]
+    ) -> Self:
         return cls.of(joint, viscous_Nms_rad=coefficients[0], **nonlinear)
 
     @classmethod
     def grid(cls, joint: int | None) -> list[dict[str, float]]:
-        return [{"time_constant_s": t} for t in (3.0, 5.0, 7.0, 10.0, 14.0, 20.0, 28.0, 40.0, 56.0, 80.0, 160.0, 320.0)]
+        return [
+            {"time_constant_s": t}
+            for t in (3.0, 5.0, 7.0, 10.0, 14.0, 20.0, 28.0, 40.0, 56.0, 80.0, 160.0, 320.0)
+        ]

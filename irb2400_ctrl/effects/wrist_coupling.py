@@ -14,8 +14,8 @@ from irb2400_ctrl.effects.base import Effect, Signals
 class WristCoupling(Effect):
     """tau_j = I qdd_k + D qd_k,  tau_k = I qdd_j + D qd_j,  k = j + 1.
 
-    The bevel gears of a wrist turn motor k when joint j moves, so its rotor inertia and its viscous friction are felt
-    on both axes.
+    The bevel gears of a wrist turn motor k when joint j moves, so its rotor inertia and its viscous
+    friction are felt on both axes.
     """
 
     abscissa = "qd"
@@ -30,7 +30,8 @@ class WristCoupling(Effect):
     viscous_Nms_rad: float = Field(default=0.0, description="coupled viscous friction D [Nm s/rad]")
 
     def basis(self, s: Signals) -> ca.SX:
-        j, n = self.index, s.q.numel()
+        j = self.index
+        n = s.q.numel()
         columns = ca.SX(n, 2)
         for column, signal in enumerate((s.qdd, s.qd)):
             columns[j, column] = signal[j + 1]
@@ -39,10 +40,12 @@ class WristCoupling(Effect):
 
     def departures(self, s: Signals) -> ca.SX:
         # action and reaction through different ratios, the motor turned along as a load of its own
-        j, n = self.index, s.q.numel()
+        j = self.index
+        n = s.q.numel()
         columns = ca.SX(n, 4)
         for column, signal in enumerate((s.qdd, s.qd)):
-            columns[j, column], columns[j + 1, column] = signal[j + 1], -signal[j]
+            columns[j, column] = signal[j + 1]
+            columns[j + 1, column] = -signal[j]
             columns[j, column + 2] = signal[j]
         return columns
 
@@ -50,7 +53,9 @@ class WristCoupling(Effect):
         return (self.inertia_kgm2, self.viscous_Nms_rad)
 
     @classmethod
-    def from_coefficients(cls, joint: int | None, coefficients: Sequence[float], nonlinear: dict[str, float]) -> Self:
+    def from_coefficients(
+        cls, joint: int | None, coefficients: Sequence[float], nonlinear: dict[str, float]
+    ) -> Self:
         return cls.of(joint, inertia_kgm2=coefficients[0], viscous_Nms_rad=coefficients[1])
 
     @classmethod

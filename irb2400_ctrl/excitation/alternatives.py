@@ -1,12 +1,15 @@
-"""The members of a group, their rivals and the uncertain base as columns along any motion, and how far they differ.
+"""The members of a group, their rivals and the uncertain base as columns along any motion, and how
+far they differ.
 
-A member's torque x (of a common size) is compared with everything that a rival B and the uncertain base Z can imitate:
+A member's torque x (of a common size) is compared with everything that a rival B and the uncertain
+base Z can imitate:
 
     D^2 = min over b, z of |x - B b - Z z|^2 + |z|^2 + |b / s|^2
 
-in units of the assumed noise: the criterion of Atkinson and Fedorov for telling models apart. D is the distance
-in standard deviations; D^2 / 2 is the log evidence [nats] by which data of noise one would speak for the member.
-D / |x| is the sine of the angle between the member and what imitates it.
+in units of the assumed noise: the criterion of Atkinson and Fedorov for telling models apart. D is
+the distance in standard deviations; D^2 / 2 is the log evidence [nats] by which data of noise one
+would speak for the member. D / |x| is the sine of the angle between the member and what imitates
+it.
 """
 
 from __future__ import annotations
@@ -17,11 +20,11 @@ import numpy as np
 import numpy.typing as npt
 from scipy.linalg import cho_factor, cho_solve
 
-from irb2400_ctrl.diagnosis.bases import Bases
-from irb2400_ctrl.diagnosis.motion import Motion
-from irb2400_ctrl.diagnosis.nuisance import Nuisance, Uncertainty
+from irb2400_ctrl.diagnosis.preparation.base_prior import Nuisance, Uncertainty
+from irb2400_ctrl.diagnosis.regressors.bases import Bases
 from irb2400_ctrl.effects import LIBRARY, Effect
-from irb2400_ctrl.excitation.groups import SIZES, Group, Place
+from irb2400_ctrl.excitation.groups import SIZES, AmbiguityGroup, Place
+from irb2400_ctrl.measurement.prepared_log import PreparedLog
 from irb2400_ctrl.robot import Robot
 
 Array = npt.NDArray[np.float64]
@@ -39,13 +42,15 @@ FREE = 1e-11
 
 
 OWN_TERMS: dict[str, tuple[int, ...]] = {"coulomb_change": (0, 2), "viscous_change": (1,)}
-"""members that are a change of the base itself, and which of its friction terms (Coulomb, viscous, static) they are:
-that the base may change is what they say, so it is no other explanation (likewise the link or tool of an added mass)"""
+"""members that are a change of the base itself, and which of its friction terms (Coulomb, viscous,
+static) they are: that the base may change is what they say, so it is no other explanation (likewise
+the link or tool of an added mass)"""
 
 
 @dataclass(frozen=True)
-class Columns:
-    """Columns of a rival with one set of nonlinear parameters: place among all, and prior precisions (0: free)."""
+class LookalikeColumns:
+    """LookalikeColumns of a rival with one set of nonlinear parameters: place among all, and prior
+    precisions (0: free)."""
 
     place: Place
     part: slice
@@ -62,7 +67,10 @@ class Pair:
     @property
     def text(self) -> str:
         """In words, for tables."""
-        return f"{named(self.member)} against {'the uncertain base' if self.rival is None else named(self.rival)}"
+        return (
+            f"{named(self.member)} against "
+            f"{'the uncertain base' if self.rival is None else named(self.rival)}"
+        )
 
 
 def named(place: Place) -> str:
@@ -73,9 +81,12 @@ def named(place: Place) -> str:
 class Alternatives:
     """Everything that may be meant when a member of a group is there."""
 
-    def __init__(self, robot: Robot, group: Group, standard: Motion, joint: int | None = None) -> None:
+    def __init__(
+        self, robot: Robot, group: AmbiguityGroup, standard: PreparedLog, joint: int | None = None
+    ) -> None:
         """`standard`: motion on which sizes are set (torque included)."""
-        self.robot, self.group = robot, group
+        self.robot = robot
+        self.group = group
         self.bases = Bases(robot.bare())
         self.nuisance = Nuisance.of(robot, Uncertainty(), standard)
         self.noise: Array = NOISE * robot.tau_max
@@ -101,7 +112,9 @@ class Alternatives:
         kind, joint = place
         fields = dict(SIZES[kind])
         if kind == "elastic_joint":
-            inertia = np.median(np.einsum("mjj->mj", self.bases.model.mass_matrix(self._standard.q[::50])), axis=0)
+            inertia = np.median(
+                np.einsum("mjj->mj", self.bases.model.mass_matrix(self._standard.q[::50])), axis=0
+            )
             fields["stiffness_Nm_rad"] = float(inertia[(joint or 1) - 1] * (2 * np.pi * 7.0) ** 2)
         if kind == "gear_ripple" and (joint or 1) > 3:
             fields["order"] = 12.0
@@ -109,49 +122,74 @@ class Alternatives:
             fields |= {"start_s": 0.3 * duration, "stop_s": 0.7 * duration}
         return LIBRARY[kind].of(joint, **fields)
 
-    def _torque(self, effect: Effect, motion: Motion) -> Array:
+    def _torque(self, effect: Effect, motion: PreparedLog) -> Array:
         """Filtered torque of an effect, shape (rows, n)."""
         names = type(effect).nonlinear_names(effect.joint)
         grid = [{name: float(getattr(effect, name)) for name in names}]
         law = self.bases.columns(effect.kind, effect.joint, motion, grid)[0]
         return law.torque(np.array(effect.coefficients()), motion.n)
 
-    def _acts(self, place: Place, motion: Motion) -> bool:
+    def _acts(self, place: Place, motion: PreparedLog) -> bool:
         law = self.bases.columns(*place, motion, self._grid(place)[:1])
         return bool(law and law[0].joints)
 
     def _grid(self, place: Place) -> list[dict[str, float]]:
         kind, joint = place
-        inertia = np.median(np.einsum("mjj->mj", self.bases.model.mass_matrix(self._standard.q[::200])), axis=0)
+        inertia = np.median(
+            np.einsum("mjj->mj", self.bases.model.mass_matrix(self._standard.q[::200])), axis=0
+        )
         felt = float(inertia[(joint or 1) - 1])
         grid = [g for g in LIBRARY[kind].grid(joint) if LIBRARY[kind].sensible(g, felt)]
         return (
-            [grid[k] for k in np.unique(np.linspace(0, len(grid) - 1, GRID_POINTS).round().astype(int))] if grid else []
+            [
+                grid[k]
+                for k in np.unique(np.linspace(0, len(grid) - 1, GRID_POINTS).round().astype(int))
+            ]
+            if grid
+            else []
         )
 
     def _layout(self) -> None:
-        """Places of all columns: base, members, then each rival's law and departures for each grid point."""
+        """Places of all columns: base, members, then each rival's law and departures for each grid
+        point."""
         start = self.nuisance.sigmas().size + len(self.members)
-        self.rivals: dict[Place, list[Columns]] = {}
+        self.rivals: dict[Place, list[LookalikeColumns]] = {}
         self._units: dict[Place, Array] = {}
         for place in dict.fromkeys(p.rival for p in self.pairs if p.rival is not None):
-            effect, grid = LIBRARY[place[0]], self._grid(place)
+            effect = LIBRARY[place[0]]
+            grid = self._grid(place)
             laws = self.bases.columns(*place, self._standard, grid)
             extra = self.bases.columns(*place, self._standard, grid, departures=True)
-            found, units = [], []
+            found = []
+            units = []
             for law, other in zip(laws, extra, strict=True):
-                k, d = law.values.shape[2], other.values.shape[2] - effect.beginnings()
-                share = np.sqrt(np.mean(other.values[:, :, :d] ** 2, axis=0)) / self._rms[list(law.joints), None]
-                # a departure of one standard deviation is a part of what an effect of the common size makes
+                k = law.values.shape[2]
+                d = other.values.shape[2] - effect.beginnings()
+                share = (
+                    np.sqrt(np.mean(other.values[:, :, :d] ** 2, axis=0))
+                    / self._rms[list(law.joints), None]
+                )
+                # a departure of one standard deviation is a part of what an effect of the common
+                # size makes
                 units.append(DEPARTURE * SIZE / np.maximum(share.max(axis=0), 1e-9))
-                law_precision = 1.0 / np.array(effect.expected)[:, 1] ** 2 if effect.expected else np.zeros(k)
-                found.append(Columns(place, slice(start, start + k + d), np.concatenate([law_precision, np.ones(d)])))
+                law_precision = (
+                    1.0 / np.array(effect.expected)[:, 1] ** 2 if effect.expected else np.zeros(k)
+                )
+                found.append(
+                    LookalikeColumns(
+                        place,
+                        slice(start, start + k + d),
+                        np.concatenate([law_precision, np.ones(d)]),
+                    )
+                )
                 start += k + d
-            self.rivals[place], self._units[place] = found, np.array(units)
+            self.rivals[place] = found
+            self._units[place] = np.array(units)
         self.width = start
 
-    def values(self, motion: Motion) -> Array:
-        """All columns along a motion, filtered and in units of the noise, shape (rows, n, width)."""
+    def values(self, motion: PreparedLog) -> Array:
+        """All columns along a motion, filtered and in units of the noise, shape (rows, n,
+        width)."""
         out = np.zeros((motion.rows, motion.n, self.width))
         k = self.nuisance.sigmas().size
         out[:, :, :k] = motion.filtered(self.nuisance.columns(self.bases.model, motion))
@@ -166,13 +204,14 @@ class Alternatives:
                 out[:, list(law.joints), c.part] = both
         return np.asarray(np.where(motion.row_known[:, :, None], out, 0.0) / self.noise[:, None])
 
-    def gram(self, motion: Motion) -> Array:
+    def gram(self, motion: PreparedLog) -> Array:
         """Information of a motion, shape (width, width); those of several motions add up."""
         flat = self.values(motion).reshape(-1, self.width)
         return np.asarray(flat.T @ flat)
 
     def distances(self, gram: Array) -> tuple[Array, Array]:
-        """D of each pair, and D over the size of the member: sine of the angle to its imitation; (pairs,) each."""
+        """D of each pair, and D over the size of the member: sine of the angle to its imitation;
+        (pairs,) each."""
         k = self.nuisance.sigmas().size
         projected: dict[tuple[int, ...], Array] = {}
         left = np.zeros(len(self.pairs))
@@ -194,36 +233,42 @@ class Alternatives:
         return D, D / np.sqrt(np.maximum(whole, 1e-12))
 
     def _own(self, member: Place) -> tuple[int, ...]:
-        """Columns of the base that a member is a change of."""
+        """LookalikeColumns of the base that a member is a change of."""
         kind, joint = member
-        first, n = self.nuisance.sigmas().size - 3 * self.robot.n, self.robot.n
+        first = self.nuisance.sigmas().size - 3 * self.robot.n
+        n = self.robot.n
         if kind == "payload":
             return tuple(range(10 * n - 10, first))
         if kind == "link_inertia" and joint is not None:
             return tuple(range(10 * joint - 10, 10 * joint))
         return tuple(first + term * n + (joint or 1) - 1 for term in OWN_TERMS.get(kind, ()))
 
-    def _beyond(self, S: Array, m: int, c: Columns, k: int) -> float:
+    def _beyond(self, S: Array, m: int, c: LookalikeColumns, k: int) -> float:
         """What of member m a rival can not imitate."""
         part = slice(c.part.start - k, c.part.stop - k)
-        B, right = S[part, part], S[part, m]
+        B = S[part, part]
+        right = S[part, m]
         size = np.maximum(np.diag(B), 1e-12)
         A = B + np.diag(np.where(c.precision > 0, c.precision, FREE * size))
         return float(S[m, m] - right @ np.linalg.solve(A, right))
 
-    def at(self, motion: Motion, start: float) -> Motion:
+    def at(self, motion: PreparedLog, start: float) -> PreparedLog:
         """The motion begun at another time of the record [s]."""
-        return replace(motion, time=motion.time - motion.time[0] + start, row_time=motion.row_time + start)
+        return replace(
+            motion, time=motion.time - motion.time[0] + start, row_time=motion.row_time + start
+        )
 
     def imitated_by(self, pair: Pair, columns: Array, enough: float) -> tuple[float, list[int]]:
-        """How well base and rival imitate the member if nothing were known of them before, and what of the base does.
+        """How well base and rival imitate the member if nothing were known of them before, and what
+        of the base does.
 
         Args:
             columns: `values` of states as rich as can be, shape (rows, n, width).
             enough: share of the member's torque below which it counts as imitated.
 
         Returns:
-            Share of the member's torque that is left, and few columns of the base that imitate it (best match first).
+            Share of the member's torque that is left, and few columns of the base that imitate it
+            (best match first).
         """
         k = self.nuisance.sigmas().size
         flat = columns.reshape(-1, self.width)
@@ -237,7 +282,9 @@ class Alternatives:
             law = flat[:, first.part.start : first.part.start + count]
         left = _left(np.hstack([base, law]), x)
         used: list[int] = []
-        while left < enough and _left(np.hstack([base[:, used], law]), x) > enough and len(used) < 8:
+        while (
+            left < enough and _left(np.hstack([base[:, used], law]), x) > enough and len(used) < 8
+        ):
             # matching pursuit: the column that takes most of what is left
             basis = np.hstack([base[:, used], law])
             rest = np.array([_left(np.column_stack([basis, base[:, i]]), x) for i in range(k)])

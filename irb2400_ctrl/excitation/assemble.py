@@ -1,4 +1,5 @@
-"""Pieces to one motion: fitted into the limits, joined by jerk-limited moves, stretched to the wanted time."""
+"""Pieces to one motion: fitted into the limits, joined by jerk-limited moves, stretched to the
+wanted time."""
 
 from __future__ import annotations
 
@@ -8,11 +9,18 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from irb2400_ctrl.diagnosis.motion import Motion, prepare
 from irb2400_ctrl.errors import InfeasibleError
-from irb2400_ctrl.excitation.feasible import SHARE, Extent, between, dense_extent, extent, with_share
+from irb2400_ctrl.excitation.feasible import (
+    SHARE,
+    Extent,
+    between,
+    dense_extent,
+    extent,
+    with_share,
+)
 from irb2400_ctrl.excitation.segments import Piece
 from irb2400_ctrl.measurement.log import Log
+from irb2400_ctrl.measurement.prepared_log import PreparedLog, prepare
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.planners.joint_move import joint_move
 from irb2400_ctrl.robot import Robot
@@ -53,7 +61,8 @@ class Course:
 
 def _resting(time: Array, q: Array, qd: Array, qdd: Array) -> Course:
     """A course whose ends are exactly at rest, whatever rounding left there."""
-    qd, qdd = qd.copy(), qdd.copy()
+    qd = qd.copy()
+    qdd = qdd.copy()
     qd[[0, -1]] = 0.0
     qdd[[0, -1]] = 0.0
     return Course(time, q, qd, qdd)
@@ -68,7 +77,8 @@ class Workshop:
         self._transfers = Model(with_share(robot))
 
     def fitted(self, piece: Piece, duration: float) -> Piece | None:
-        """The piece with amplitudes made smaller until it is inside all limits; None if even a small one is not."""
+        """The piece with amplitudes made smaller until it is inside all limits; None if even a
+        small one is not."""
         time = np.arange(round(duration * LOOK) + 1) / LOOK
         if not self._holds(piece):
             return None
@@ -106,7 +116,9 @@ class Workshop:
         q, qd, qdd = (np.concatenate([part[i] for part in parts]) for i in range(3))
         return _resting(np.arange(len(q)) / RATE, q, qd, qdd)
 
-    def filling(self, pieces: Sequence[Piece], duration: float, seconds: float) -> tuple[Course, float]:
+    def filling(
+        self, pieces: Sequence[Piece], duration: float, seconds: float
+    ) -> tuple[Course, float]:
         """Pieces joined to a motion of `seconds`, and the duration of a piece that this came to.
 
         Raises:
@@ -120,7 +132,9 @@ class Workshop:
             duration -= over / len(pieces) + 0.01
             fitted = [self.fitted(piece, duration) for piece in pieces]
             if duration < 2.0 or any(piece is None for piece in fitted):
-                raise InfeasibleError(f"the moves between {len(pieces)} pieces leave no room in {seconds:g} s")
+                raise InfeasibleError(
+                    f"the moves between {len(pieces)} pieces leave no room in {seconds:g} s"
+                )
             pieces = [piece for piece in fitted if piece is not None]
         course = self.within(course.stretched(max(seconds, course.duration)))
         return course, duration
@@ -137,18 +151,22 @@ class Workshop:
                 return course
             course = course.stretched(1.04 * course.duration)
         raise InfeasibleError(
-            f"no slower motion is inside the limits: torque {100 * found.torque:.0f} % of its limit, "
-            f"joint box {np.degrees(found.box):.1f} deg, height {found.height:.2f} m, radius {found.radius:.2f} m"
+            f"no slower motion is inside the limits: torque {100 * found.torque:.0f} % of its "
+            "limit, "
+            f"joint box {np.degrees(found.box):.1f} deg, height {found.height:.2f} m, radius "
+            f"{found.radius:.2f} m"
         )
 
     def extent(self, course: Course) -> Extent:
         """How far a course goes, looked at densely."""
         return dense_extent(self.model, 1 / RATE, course.q, course.qd, course.qdd)
 
-    def recorded(self, course: Course, name: str = "motion") -> Motion:
-        """The course as diagnosis sees it in a log of a real arm (that sticks when it turns), free of noise and lag.
+    def recorded(self, course: Course, name: str = "motion") -> PreparedLog:
+        """The course as diagnosis sees it in a log of a real arm (that sticks when it turns), free
+        of noise and lag.
 
-        Without `q_ref`, so that the rows about each reversal count as unknown, as they do on such an arm.
+        Without `q_ref`, so that the rows about each reversal count as unknown, as they do on such
+        an arm.
         """
         tau = self.model.inverse_dynamics(course.q, course.qd, course.qdd)
         return prepare(Log(time=course.time, q=course.q, tau=tau, name=name))

@@ -1,4 +1,5 @@
-"""`excite`: the motion that tells the members of an ambiguity group apart, within the limits of the robot."""
+"""`excite`: the motion that tells the members of an ambiguity group apart, within the limits of the
+robot."""
 
 from __future__ import annotations
 
@@ -10,19 +11,20 @@ import numpy as np
 import numpy.typing as npt
 from threadpoolctl import threadpool_limits
 
-from irb2400_ctrl.diagnosis.motion import Motion
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.excitation.alternatives import Alternatives, Pair, named
 from irb2400_ctrl.excitation.assemble import Course, Workshop
-from irb2400_ctrl.excitation.design import ENOUGH, Budget, Design, merit, standard_course
+from irb2400_ctrl.excitation.excitation import CLEAR, Excitation, Separability
 from irb2400_ctrl.excitation.groups import group_called
-from irb2400_ctrl.excitation.result import CLEAR, Excitation, Separability
+from irb2400_ctrl.excitation.motion_design import ENOUGH, Budget, Design, merit, standard_course
+from irb2400_ctrl.measurement.prepared_log import PreparedLog
 from irb2400_ctrl.measurement.uniform import LowPass
 from irb2400_ctrl.robot import Robot
 
 Array = npt.NDArray[np.float64]
 
-SHORTEST, LONGEST = 10.0, 600.0
+SHORTEST = 10.0
+LONGEST = 600.0
 """[s] of a motion"""
 RICH = 1500
 """random states that stand for every motion there is"""
@@ -70,11 +72,14 @@ def excite(
         standard = workshop.recorded(ordinary, "standard")
         alternatives = Alternatives(robot, asked, standard, joint)
         if not alternatives.pairs:
-            raise InputError(f"no effect of the group {asked.name} acts on joint {joint} of {robot.name}")
+            raise InputError(
+                f"no effect of the group {asked.name} acts on joint {joint} of {robot.name}"
+            )
         reasons, ceilings = _limits_of_motion(alternatives, standard)
         wanted = np.where(ceilings >= CLEAR, np.minimum(ENOUGH, 0.9 * ceilings), 0.0)
         if not wanted.any():
-            # where no motion separates anything, the motion that shows the members best is still worth having
+            # where no motion separates anything, the motion that shows the members best is still
+            # worth having
             wanted = np.full(len(wanted), ENOUGH)
         design = Design(workshop, alternatives, wanted, seconds, np.random.default_rng(seed), joint)
         pieces = design.run(budget or Budget(), progress)
@@ -109,8 +114,11 @@ def excite(
     )
 
 
-def separability(robot: Robot, group: str, course: Course, *, joint: int | None = None) -> dict[Pair, float]:
-    """Distances of the pairs of a group on any motion, sizes set on the standard motion of the same duration."""
+def separability(
+    robot: Robot, group: str, course: Course, *, joint: int | None = None
+) -> dict[Pair, float]:
+    """Distances of the pairs of a group on any motion, sizes set on the standard motion of the same
+    duration."""
     workshop = Workshop(robot)
     standard = workshop.recorded(standard_course(workshop, max(course.duration, SHORTEST)))
     alternatives = Alternatives(robot, group_called(group), standard, joint)
@@ -118,11 +126,12 @@ def separability(robot: Robot, group: str, course: Course, *, joint: int | None 
     return {pair: float(d) for pair, d in zip(alternatives.pairs, D, strict=True)}
 
 
-def _limits_of_motion(alternatives: Alternatives, standard: Motion) -> tuple[list[str], Array]:
-    """For each pair why no motion at all separates it (empty: one may), and the distance on a record without noise.
+def _limits_of_motion(alternatives: Alternatives, standard: PreparedLog) -> tuple[list[str], Array]:
+    """For each pair why no motion at all separates it (empty: one may), and the distance on a
+    record without noise.
 
-    Random states of everything that a motion can be, independent of one another, show more than any motion does: what
-    is imitated exactly on them is imitated on every motion.
+    Random states of everything that a motion can be, independent of one another, show more than any
+    motion does: what is imitated exactly on them is imitated on every motion.
     """
     everything = alternatives.values(_rich(alternatives.robot, standard))
     flat = everything.reshape(-1, alternatives.width)
@@ -131,12 +140,18 @@ def _limits_of_motion(alternatives: Alternatives, standard: Motion) -> tuple[lis
     labels = base_labels(alternatives.robot)
     for i, pair in enumerate(alternatives.pairs):
         kinds = [place[0] for place in (pair.member, pair.rival) if place is not None]
-        left, used = (1.0, []) if _remembers(kinds) else alternatives.imitated_by(pair, everything, NOTHING_LEFT)
+        left, used = (
+            (1.0, [])
+            if _remembers(kinds)
+            else alternatives.imitated_by(pair, everything, NOTHING_LEFT)
+        )
         if left > NOTHING_LEFT:
             reasons.append("")
             ceilings[i] = np.inf
             continue
-        parts = ([] if pair.rival is None else [named(pair.rival)]) + [labels[k] for k in used[:NAMED]]
+        parts = ([] if pair.rival is None else [named(pair.rival)]) + [
+            labels[k] for k in used[:NAMED]
+        ]
         if len(used) > NAMED:
             parts.append("further inertial parameters")
         reasons.append(f"{_listed(parts)} can make the same torque in every motion")
@@ -153,8 +168,9 @@ def _remembers(kinds: list[str]) -> bool:
     return any(LIBRARY[kind].states for kind in kinds)
 
 
-def _rich(robot: Robot, like: Motion) -> Motion:
-    """Independent random positions, speeds and accelerations all over the limits, in place of a motion."""
+def _rich(robot: Robot, like: PreparedLog) -> PreparedLog:
+    """Independent random positions, speeds and accelerations all over the limits, in place of a
+    motion."""
     rng = np.random.default_rng(1)
     m = RICH
     q = rng.uniform(robot.q_min, robot.q_max, (m, robot.n))
@@ -165,9 +181,19 @@ def _rich(robot: Robot, like: Motion) -> Motion:
     time = np.sort(rng.uniform(0.0, like.time[-1], m))
     as_is = _AsIs(like.low_pass.cutoff, like.step)
     return replace(
-        like, name="states", time=time, q=q, qd=qd, qdd=qdd, qddd=qddd, qdddd=qdddd, known=known, low_pass=as_is,
-        row_time=time, row_known=known,
-    )  # fmt: skip
+        like,
+        name="states",
+        time=time,
+        q=q,
+        qd=qd,
+        qdd=qdd,
+        qddd=qddd,
+        qdddd=qdddd,
+        known=known,
+        low_pass=as_is,
+        row_time=time,
+        row_known=known,
+    )
 
 
 class _AsIs(LowPass):
@@ -183,7 +209,13 @@ class _AsIs(LowPass):
 
 def base_labels(robot: Robot) -> list[str]:
     """What each column of the uncertain base is, in words."""
-    bodies = [f"link {k + 1}" for k in range(robot.n)] + ([] if robot.tool is None else ["the tool"])
+    bodies = [f"link {k + 1}" for k in range(robot.n)] + (
+        [] if robot.tool is None else ["the tool"]
+    )
     parts = ("mass", "CoM x", "CoM y", "CoM z", "Ixx", "Iyy", "Izz", "Ixy", "Ixz", "Iyz")
     labels = [f"{part} of {body}" for body in bodies for part in parts]
-    return labels + [f"{what} friction {k + 1}" for what in ("Coulomb", "viscous", "static") for k in range(robot.n)]
+    return labels + [
+        f"{what} friction {k + 1}"
+        for what in ("Coulomb", "viscous", "static")
+        for k in range(robot.n)
+    ]

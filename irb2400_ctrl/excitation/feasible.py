@@ -1,4 +1,5 @@
-"""Limits of a motion, looked at densely: joint box, speed, torque, and room around the foot of the robot."""
+"""Limits of a motion, looked at densely: joint box, speed, torque, and room around the foot of the
+robot."""
 
 from __future__ import annotations
 
@@ -14,7 +15,8 @@ Array = npt.NDArray[np.float64]
 
 SHARE = 0.9
 """of torque and speed limits that an excitation uses; the rest is the controller's"""
-FLOOR, COLUMN = 0.10, 0.40
+FLOOR = 0.10
+COLUMN = 0.40
 """[m] the flange and the tool stay this high above the base plane and this far from axis 1"""
 DENSE = 4
 """instants looked at per row of a trajectory"""
@@ -25,7 +27,8 @@ class Extent:
     """How far a motion goes.
 
     Args:
-        torque, speed: largest share of the limits; box: smallest distance from the joint box, negative outside [rad].
+        torque, speed: largest share of the limits; box: smallest distance from the joint box,
+            negative outside [rad].
         height, radius: smallest of flange and TCP above the base plane and from axis 1 [m].
     """
 
@@ -66,24 +69,32 @@ def extent(model: Model, q: Array, qd: Array, qdd: Array) -> Extent:
 
 
 def with_share(robot: Robot, share: float = SHARE) -> Robot:
-    """The robot with smaller limits of torque and speed: what is planned for it leaves the rest free."""
+    """The robot with smaller limits of torque and speed: what is planned for it leaves the rest
+    free."""
     joints = []
     for joint in robot.joints:
         limits = joint.limits.model_copy(
-            update={"torque_Nm": share * joint.limits.torque_Nm, "speed_deg_s": share * joint.limits.speed_deg_s}
+            update={
+                "torque_Nm": share * joint.limits.torque_Nm,
+                "speed_deg_s": share * joint.limits.speed_deg_s,
+            }
         )
         joints.append(joint.model_copy(update={"limits": limits}))
     return robot.model_copy(update={"joints": tuple(joints)})
 
 
 def between(step: float, q: Array, qd: Array, qdd: Array, at: Array) -> tuple[Array, Array, Array]:
-    """q, qd, qdd at the times `at` [s] from rows of a motion: polynomials of degree 5 through their three values."""
+    """q, qd, qdd at the times `at` [s] from rows of a motion: polynomials of degree 5 through their
+    three values."""
     k = np.clip((at / step).astype(int), 0, len(q) - 2)
     x = ((at - k * step) / step)[:, None]
     h = step
-    p0, v0, a0 = q[k], qd[k] * h, qdd[k] * h**2
+    p0 = q[k]
+    v0 = qd[k] * h
+    a0 = qdd[k] * h**2
     d = q[k + 1] - p0
-    v1, a1 = qd[k + 1] * h, qdd[k + 1] * h**2
+    v1 = qd[k + 1] * h
+    a1 = qdd[k + 1] * h**2
     c3 = 10 * d - 6 * v0 - 4 * v1 - 1.5 * a0 + 0.5 * a1
     c4 = -15 * d + 8 * v0 + 7 * v1 + 1.5 * a0 - a1
     c5 = 6 * d - 3 * (v0 + v1) - 0.5 * (a0 - a1)

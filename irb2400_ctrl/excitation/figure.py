@@ -1,11 +1,12 @@
-"""Figure of an excitation: angles and torques against their limits, and the separability before and after."""
+"""Figure of an excitation: angles and torques against their limits, and the separability before and
+after."""
 
 from __future__ import annotations
 
 import numpy as np
 from matplotlib.figure import Figure
 
-from irb2400_ctrl.excitation.result import CLEAR, Excitation
+from irb2400_ctrl.excitation.excitation import CLEAR, Excitation
 
 MOST = 24
 """pairs that are drawn; the least separated ones"""
@@ -17,8 +18,10 @@ def motion_figure(found: Excitation) -> Figure:
     figure = Figure(figsize=(9.0, 6.5 + 0.22 * len(rows)), layout="constrained")
     ratios = [1.0, 1.0, max(0.6, 0.09 * len(rows))]
     angle, torque, bars = figure.subplots(3, 1, gridspec_kw={"height_ratios": ratios})
-    robot, course = found.robot, found.course
-    middle, half = (robot.q_max + robot.q_min) / 2, (robot.q_max - robot.q_min) / 2
+    robot = found.robot
+    course = found.course
+    middle = (robot.q_max + robot.q_min) / 2
+    half = (robot.q_max - robot.q_min) / 2
     for axis, values, label in (
         (angle, (course.q - middle) / half, "angle over half range [-]"),
         (torque, found.tau / robot.tau_max, "torque over limit [-]"),
@@ -32,8 +35,20 @@ def motion_figure(found: Excitation) -> Figure:
         axis.grid(alpha=0.3)
     angle.legend(ncols=robot.n, fontsize="small", loc="upper center")
     place = np.arange(len(rows))
-    bars.barh(place + 0.2, [max(r.distance[0], 1e-2) for r in rows], 0.4, color="tab:gray", label="standard motion")
-    bars.barh(place - 0.2, [max(r.distance[1], 1e-2) for r in rows], 0.4, color="tab:blue", label="this motion")
+    bars.barh(
+        place + 0.2,
+        [max(r.distance[0], 1e-2) for r in rows],
+        0.4,
+        color="tab:gray",
+        label="standard motion",
+    )
+    bars.barh(
+        place - 0.2,
+        [max(r.distance[1], 1e-2) for r in rows],
+        0.4,
+        color="tab:blue",
+        label="this motion",
+    )
     bars.axvline(CLEAR, color="tab:red", ls="--", lw=0.9)
     bars.set_yticks(place, [r.pair for r in rows], fontsize="small")
     bars.set_xscale("log")

@@ -1,4 +1,5 @@
-"""Ambiguity groups: which effects look alike, of what size they are imagined, what to measure where no motion helps."""
+"""Ambiguity groups: which effects look alike, of what size they are imagined, what to measure where
+no motion helps."""
 
 from __future__ import annotations
 
@@ -31,16 +32,22 @@ LOOKALIKES: dict[str, tuple[str, ...]] = {
 
 MEASURE_ELSE: dict[str, str] = {
     "base": "measure the base with a level; a tilt turns with axis 1, an encoder zero does not",
-    "coupling": "move one wrist axis by hand with the brakes of the other released, and watch the other's torque",
+    "coupling": "move one wrist axis by hand with the brakes of the other released, and watch the "
+    "other's torque",
     "delay": "record position and torque of one tap on the arm, on one clock",
     "dynamic": "tap the arm with the axis held and read the ringing frequency from the torque",
-    "friction level": "record the same motion with a second, known payload: friction of the load grows with it",
-    "gain": "record the same motion with a second, known payload: a gain scales its torque too, a spring does not",
-    "inertia": "take the rotor inertia from the motor's data sheet, or record the motor uncoupled from the gear",
+    "friction level": "record the same motion with a second, known payload: friction of the load "
+    "grows with it",
+    "gain": "record the same motion with a second, known payload: a gain scales its torque too, a "
+    "spring does not",
+    "inertia": "take the rotor inertia from the motor's data sheet, or record the motor uncoupled "
+    "from the gear",
     "mass": "weigh the tool, or record the same motion without it; a link's mass stays",
-    "offset": "read the torque with the brakes on and the drives off: an offset of the measurement stays, friction "
+    "offset": "read the torque with the brakes on and the drives off: an offset of the measurement "
+    "stays, friction "
     "does not; no motion of the arm shows this difference",
-    "position error": "turn the link by hand against the braked motor: play is felt and measured with a dial gauge; "
+    "position error": "turn the link by hand against the braked motor: play is felt and measured "
+    "with a dial gauge; "
     "or record the same motion with a second payload",
     "position law": "record the same motion with the cable package taken off",
     "reversal": "record slow reversals of the axis alone with the brakes of the others on",
@@ -77,7 +84,8 @@ SIZES: dict[str, dict[str, Any]] = {
 """the law that stands for each kind; its height is then set in the common unit of `alternatives`"""
 
 CONTAINED = (("coulomb_change", "hysteresis"), ("viscous_change", "viscous_warmup"))
-"""members that are a limit of a rival (a loop of no width, a warm-up without end): only simplicity speaks for them"""
+"""members that are a limit of a rival (a loop of no width, a warm-up without end): only simplicity
+speaks for them"""
 TIME_DEPENDENT = ("viscous_warmup", "process_force")
 """kinds for which it matters at what time of the record something is moved"""
 ON_ANOTHER_LINK = ("payload", "link_inertia", "linkage_inertia")
@@ -85,12 +93,13 @@ ON_ANOTHER_LINK = ("payload", "link_inertia", "linkage_inertia")
 
 
 @dataclass(frozen=True)
-class Group:
+class AmbiguityGroup:
     """Effects that are hard to tell apart.
 
     Args:
         name; kinds: of the members; lookalikes: kinds of other groups that pass for a member.
-        splits: the experiment that tells them apart, in words; measure_else: where a motion does not.
+        splits: the experiment that tells them apart, in words; measure_else: where a motion does
+            not.
     """
 
     name: str
@@ -100,12 +109,20 @@ class Group:
     measure_else: str
 
     def members(self, n: int, joint: int | None = None) -> list[Place]:
-        """Places of the members on an arm of n joints; with `joint` only those there or on the whole arm."""
-        return [p for kind in self.kinds for p in places(kind, n) if joint is None or p[1] in (joint, None)]
+        """Places of the members on an arm of n joints; with `joint` only those there or on the
+        whole arm."""
+        return [
+            p
+            for kind in self.kinds
+            for p in places(kind, n)
+            if joint is None or p[1] in (joint, None)
+        ]
 
     def rivals(self, place: Place, n: int) -> list[Place]:
         """What could be meant instead of a member."""
-        others = [p for name in (*self.kinds, *self.lookalikes) for p in places(name, n) if p != place]
+        others = [
+            p for name in (*self.kinds, *self.lookalikes) for p in places(name, n) if p != place
+        ]
         return [p for p in others if _alike(place, p)]
 
 
@@ -118,24 +135,27 @@ def _alike(one: Place, other: Place) -> bool:
 
 
 def places(kind: str, n: int) -> list[Place]:
-    """Where an effect can sit on an arm of n joints; a delay of one joint is looked at joint by joint only."""
+    """Where an effect can sit on an arm of n joints; a delay of one joint is looked at joint by
+    joint only."""
     joints: Sequence[int | None] = LIBRARY[kind].joints(n)
     if any(j is not None for j in joints):
         joints = [j for j in joints if j is not None]
     return [(kind, j) for j in joints if j is None or j <= n]
 
 
-def groups() -> dict[str, Group]:
+def groups() -> dict[str, AmbiguityGroup]:
     """All ambiguity groups of the library by name."""
     found = {}
     for name in sorted({effect.group for effect in LIBRARY.values()}):
         kinds = tuple(kind for kind, effect in LIBRARY.items() if effect.group == name)
         splits = "; ".join(dict.fromkeys(LIBRARY[kind].splits for kind in kinds))
-        found[name] = Group(name, kinds, LOOKALIKES.get(name, ()), splits, MEASURE_ELSE.get(name, ""))
+        found[name] = AmbiguityGroup(
+            name, kinds, LOOKALIKES.get(name, ()), splits, MEASURE_ELSE.get(name, "")
+        )
     return found
 
 
-def group_called(name: str) -> Group:
+def group_called(name: str) -> AmbiguityGroup:
     """The group of this name, or the one an effect of this name belongs to.
 
     Raises:

@@ -1,9 +1,10 @@
-"""Smooth pieces of motion from rest to rest, drawn at random: finite Fourier series under a smooth window.
+"""Smooth pieces of motion from rest to rest, drawn at random: finite Fourier series under a smooth
+window.
 
     q_j(t) = c_j + w(t) sum_k a_jk sin(2 pi (f_jk t + r_jk t^2 / 2) + p_jk)
 
-w rises from 0 to 1 and falls back as a polynomial of degree 7, so that speed and acceleration begin and end at zero,
-at the centre c. r is zero but for chirps.
+w rises from 0 to 1 and falls back as a polynomial of degree 7, so that speed and acceleration begin
+and end at zero, at the centre c. r is zero but for chirps.
 """
 
 from __future__ import annotations
@@ -32,11 +33,13 @@ class Flavour:
     """A kind of piece.
 
     Args:
-        low, high: band of the base frequencies [Hz], drawn evenly over its logarithm; terms: per joint.
+        low, high: band of the base frequencies [Hz], drawn evenly over its logarithm; terms: per
+            joint.
         top: end of a chirp [Hz], 0 for none.
         moving: share of the axes that move (the others rest), at least one.
         size: range of the amplitude over what the limits allow.
-        carried: ride on a wide, slow swing, so that the joint seldom turns (rows about a reversal tell little).
+        carried: ride on a wide, slow swing, so that the joint seldom turns (rows about a reversal
+            tell little).
     """
 
     name: str
@@ -81,7 +84,8 @@ FOR_GROUP: dict[str, tuple[str, ...]] = {
 
 @dataclass(frozen=True)
 class Piece:
-    """One piece; amplitude, frequency, chirp rate, phase have shape (terms, n) [rad, Hz, Hz/s, rad]."""
+    """One piece; amplitude, frequency, chirp rate, phase have shape (terms, n) [rad, Hz, Hz/s,
+    rad]."""
 
     flavour: str
     centre: Array
@@ -112,7 +116,8 @@ def _window(time: Array, duration: float) -> tuple[Array, Array, Array]:
     rise = min(RISE, duration / 3)
     up = np.clip(time / rise, 0.0, 1.0)
     down = np.clip((duration - time) / rise, 0.0, 1.0)
-    (a, ad, add), (b, bd, bdd) = _step(up), _step(down)
+    (a, ad, add) = _step(up)
+    (b, bd, bdd) = _step(down)
     bd = -bd
     return a * b, (ad * b + a * bd) / rise, (add * b + 2 * ad * bd + a * bdd) / rise**2
 
@@ -123,10 +128,18 @@ def _step(x: Array) -> tuple[Array, Array, Array]:
     return value, 140 * x**3 * (1 - x) ** 3, 420 * x**2 * (1 - x) ** 2 * (1 - 2 * x)
 
 
-def drawn(rng: np.random.Generator, robot: Robot, flavour: Flavour, duration: float, joint: int | None = None) -> Piece:
-    """A random piece that keeps the joint box and the speed limits; `joint` (from 1) always moves."""
+def drawn(
+    rng: np.random.Generator,
+    robot: Robot,
+    flavour: Flavour,
+    duration: float,
+    joint: int | None = None,
+) -> Piece:
+    """A random piece that keeps the joint box and the speed limits; `joint` (from 1) always
+    moves."""
     n = robot.n
-    low, high = robot.q_min, robot.q_max
+    low = robot.q_min
+    high = robot.q_max
     span = high - low
     centre = low + span * rng.uniform(0.15, 0.85, n)
     # turns of an axis beyond a half one add nothing to the torque
@@ -136,9 +149,12 @@ def drawn(rng: np.random.Generator, robot: Robot, flavour: Flavour, duration: fl
     amplitude = rng.dirichlet(np.full(flavour.terms, 2.0), n).T
     if flavour.carried:
         # shares of the speed, not of the way: the swing is the faster one most of the time
-        amplitude *= rng.uniform(0.2, 0.8, n) * CARRIER / frequency / (1 + flavour.top / flavour.low / 3)
+        amplitude *= (
+            rng.uniform(0.2, 0.8, n) * CARRIER / frequency / (1 + flavour.top / flavour.low / 3)
+        )
         frequency = np.vstack([rng.uniform(0.7, 1.3, n) * CARRIER, frequency])
-        amplitude, chirp = np.vstack([np.ones(n), amplitude]), np.vstack([np.zeros(n), chirp])
+        amplitude = np.vstack([np.ones(n), amplitude])
+        chirp = np.vstack([np.zeros(n), chirp])
     phase = rng.uniform(0, 2 * np.pi, frequency.shape)
     piece = Piece(flavour.name, centre, amplitude, frequency, chirp, phase)
     time = np.linspace(0.0, duration, 400)
@@ -151,7 +167,9 @@ def drawn(rng: np.random.Generator, robot: Robot, flavour: Flavour, duration: fl
     return piece.scaled(factor * moving)
 
 
-def mutated(rng: np.random.Generator, robot: Robot, piece: Piece, duration: float, share: float = 0.25) -> Piece:
+def mutated(
+    rng: np.random.Generator, robot: Robot, piece: Piece, duration: float, share: float = 0.25
+) -> Piece:
     """A neighbour of a piece: everything moved a little; keeps box and speed like `drawn`."""
     span = robot.q_max - robot.q_min
     shape = piece.amplitude.shape
@@ -166,6 +184,9 @@ def mutated(rng: np.random.Generator, robot: Robot, piece: Piece, duration: floa
     )
     q, qd, _ = new.states(duration, np.linspace(0.0, duration, 400))
     room = np.minimum(centre - robot.q_min, robot.q_max - centre) - INSET * span
-    reach, speed = np.abs(q - centre).max(axis=0), np.abs(qd).max(axis=0)
-    allowed = np.minimum(room / np.maximum(reach, 1e-12), 0.9 * robot.qd_max / np.maximum(speed, 1e-12))
+    reach = np.abs(q - centre).max(axis=0)
+    speed = np.abs(qd).max(axis=0)
+    allowed = np.minimum(
+        room / np.maximum(reach, 1e-12), 0.9 * robot.qd_max / np.maximum(speed, 1e-12)
+    )
     return new.scaled(np.minimum(1.0, allowed))

@@ -1,7 +1,7 @@
 """Log files: CSV or `.csv.gz` with the unit in every header name.
 
-`time_s`, `q1_deg`… or `q1_rad`…, optionally `qd1_deg_s`… or `qd1_rad_s`…, `tau1_Nm`…, optionally `q1_ref_deg`… or
-`q1_ref_rad`…; any column order; other columns are kept aside.
+`time_s`, `q1_deg`… or `q1_rad`…, optionally `qd1_deg_s`… or `qd1_rad_s`…, `tau1_Nm`…, optionally
+`q1_ref_deg`… or `q1_ref_rad`…; any column order; other columns are kept aside.
 """
 
 from __future__ import annotations
@@ -38,8 +38,8 @@ def read_log(path: Path | str, joints: int | None = None) -> Log:
         joints: number of joints to expect; default as many as the header names.
 
     Raises:
-        InputError: no such file, columns or units missing, cells that are not numbers, time that does not rise, a rate
-            below 50 Hz; says where and what was expected.
+        InputError: no such file, columns or units missing, cells that are not numbers, time that
+            does not rise, a rate below 50 Hz; says where and what was expected.
     """
     path = Path(path)
     header, table = _table(path)
@@ -55,7 +55,9 @@ def read_log(path: Path | str, joints: int | None = None) -> Log:
         elif match is not None and match["unit"] in _SCALES.get(signal, {}):
             columns[signal][int(match["joint"])] = values * _SCALES[signal][match["unit"]]
         elif _BARE.fullmatch(name):
-            raise InputError(f"{path}: column {name!r} has no unit, expected for example {_example(name)}")
+            raise InputError(
+                f"{path}: column {name!r} has no unit, expected for example {_example(name)}"
+            )
         else:
             extra[name] = values
     if time is None:
@@ -73,10 +75,13 @@ def read_log(path: Path | str, joints: int | None = None) -> Log:
 
 
 def write_log(log: Log, path: Path | str) -> Path:
-    """Write a log as `.csv` or `.csv.gz` in degrees (reads again to the same numbers within the printed digits)."""
+    """Write a log as `.csv` or `.csv.gz` in degrees (reads again to the same numbers within the
+    printed digits)."""
     path = Path(path)
     n = log.n
-    header, columns, formats = ["time_s"], [log.time[:, None]], ["%.6f"]
+    header = ["time_s"]
+    columns = [log.time[:, None]]
+    formats = ["%.6f"]
     deg = np.degrees
     for name, values, unit, digits in (
         ("q{}_deg", log.q, deg, 6),
@@ -95,13 +100,17 @@ def write_log(log: Log, path: Path | str) -> Path:
     line = ",".join(formats)
     rows = "\n".join(line % tuple(row) for row in np.hstack(columns).tolist())
     text = ",".join(header) + "\n" + rows + "\n"
-    return write_atomic(path, gzip.compress(text.encode(), mtime=0) if path.suffix == ".gz" else text)
+    return write_atomic(
+        path, gzip.compress(text.encode(), mtime=0) if path.suffix == ".gz" else text
+    )
 
 
 def _table(path: Path) -> tuple[list[str], Array]:
     """Header names and the numbers below them; a cell that is no number becomes NaN."""
     if not path.is_file():
-        raise InputError(f"no log file {path}: expected a .csv or .csv.gz with time_s, q1_deg…, tau1_Nm…")
+        raise InputError(
+            f"no log file {path}: expected a .csv or .csv.gz with time_s, q1_deg…, tau1_Nm…"
+        )
     try:
         data = path.read_bytes()
         text = (gzip.decompress(data) if data[:2] == b"\x1f\x8b" else data).decode("utf-8-sig")
@@ -111,11 +120,14 @@ def _table(path: Path) -> tuple[list[str], Array]:
     header = [name.strip().strip('"') for name in head.split(",")]
     if len(header) < 2:
         raise InputError(
-            f"{path}: the first line is {head[:60]!r}, expected comma-separated names such as time_s,q1_deg"
+            f"{path}: the first line is {head[:60]!r}, expected comma-separated names such as "
+            "time_s,q1_deg"
         )
     doubled = sorted({name for name in header if header.count(name) > 1 and name})
     if doubled:
-        raise InputError(f"{path}: column {doubled[0]!r} appears {header.count(doubled[0])} times, expected once")
+        raise InputError(
+            f"{path}: column {doubled[0]!r} appears {header.count(doubled[0])} times, expected once"
+        )
     lines = [line for line in body.splitlines() if line.strip(" ,\r")]
     if not lines:
         raise InputError(f"{path}: a header but no samples")
@@ -132,7 +144,10 @@ def _table(path: Path) -> tuple[list[str], Array]:
     for row, line in enumerate(lines):
         cells = line.split(",")
         if len(cells) != width:
-            raise InputError(f"{path}, line {row + 2}: found {len(cells)} cells, expected {width} as in the header")
+            raise InputError(
+                f"{path}, line {row + 2}: found {len(cells)} cells, expected {width} as in the "
+                "header"
+            )
         table[row] = [_number(cell) for cell in cells]
     return header, table
 
@@ -145,25 +160,31 @@ def _number(cell: str) -> float:
 
 
 def _numbers(path: Path, header: list[str], table: Array, extra: dict[str, Array]) -> None:
-    """Refuse cells that are not finite numbers in the columns that matter, and say where they are."""
+    """Refuse cells that are not finite numbers in the columns that matter, and say where they
+    are."""
     used = [k for k, name in enumerate(header) if name not in extra]
     bad = ~np.isfinite(table[:, used])
     if bad.any():
         row, column = np.argwhere(bad)[0]
         raise InputError(
-            f"{path}: {int(bad.sum())} cells are not finite numbers, the first is {header[used[column]]} "
+            f"{path}: {int(bad.sum())} cells are not finite numbers, the first is "
+            f"{header[used[column]]} "
             f"in line {row + 2}; "
             "expected numbers everywhere: delete the rows of lost samples"
         )
 
 
-def _stack(path: Path, header: list[str], signal: str, found: dict[int, Array], n: int, unit: str) -> Array:
+def _stack(
+    path: Path, header: list[str], signal: str, found: dict[int, Array], n: int, unit: str
+) -> Array:
     missing = [j for j in range(1, n + 1) if j not in found]
     if missing:
         names = ", ".join(unit.format(j, j) for j in missing)
         raise InputError(f"{path}: no column {names}; found {_some(header)}")
     if max(found) > n:
-        raise InputError(f"{path}: found column {signal} for joint {max(found)}, expected {n} joints")
+        raise InputError(
+            f"{path}: found column {signal} for joint {max(found)}, expected {n} joints"
+        )
     return np.column_stack([found[j] for j in range(1, n + 1)])
 
 

@@ -31,7 +31,8 @@ class Log:
         name: what to call the log in messages and reports.
 
     Raises:
-        InputError: shapes differ, a number is not finite, time does not rise, fewer than 50 samples per second.
+        InputError: shapes differ, a number is not finite, time does not rise, fewer than 50 samples
+        per second.
     """
 
     time: Array
@@ -55,13 +56,15 @@ class Log:
     def _check(self) -> None:
         if self.q.ndim != 2 or self.time.shape != (len(self.q),):
             raise InputError(
-                f"{self.name}: found angles {self.q.shape} for times {self.time.shape}, expected (m, n), (m,)"
+                f"{self.name}: found angles {self.q.shape} for times {self.time.shape}, expected "
+                "(m, n), (m,)"
             )
         for key in ("tau", "qd", "q_ref"):
             value = getattr(self, key)
             if value is not None and value.shape != self.q.shape:
                 raise InputError(
-                    f"{self.name}: found {key} of shape {value.shape}, expected {self.q.shape} as the angles"
+                    f"{self.name}: found {key} of shape {value.shape}, expected {self.q.shape} as "
+                    "the angles"
                 )
         for key in ("time", "q", "tau", "qd", "q_ref"):
             value = getattr(self, key)
@@ -70,21 +73,26 @@ class Log:
                 column = f" {where[1] + 1}" if len(where) > 1 else ""
                 count = int((~np.isfinite(value)).sum())
                 raise InputError(
-                    f"{self.name}: {key}{column} is not a number at sample {where[0] + 1} ({count} such values); "
+                    f"{self.name}: {key}{column} is not a number at sample {where[0] + 1} ({count} "
+                    "such values); "
                     "expected finite numbers: delete the row of a lost sample"
                 )
         if len(self.time) < 2:
-            raise InputError(f"{self.name}: found {len(self.time)} samples, expected a recorded motion")
+            raise InputError(
+                f"{self.name}: found {len(self.time)} samples, expected a recorded motion"
+            )
         steps = np.diff(self.time)
         if (steps <= 0).any():
             k = int(np.argmax(steps <= 0))
             raise InputError(
-                f"{self.name}: time does not rise at sample {k + 2} ({self.time[k]:g} s, then {self.time[k + 1]:g} s); "
+                f"{self.name}: time does not rise at sample {k + 2} ({self.time[k]:g} s, then "
+                f"{self.time[k + 1]:g} s); "
                 "expected rising times: sort the rows, delete doubled ones"
             )
         if self.rate < MIN_RATE * 0.999:
             raise InputError(
-                f"{self.name}: found {self.rate:.3g} samples per second, expected at least {MIN_RATE:.0f}; "
+                f"{self.name}: found {self.rate:.3g} samples per second, expected at least "
+                f"{MIN_RATE:.0f}; "
                 "is time_s in seconds?"
             )
 

@@ -16,9 +16,9 @@ LAG = 0.120
 def followed(log: UniformLog, spacing: float = 0.008) -> Array:
     """The commanded motion through the fitted servo response, shape (m, n) [rad].
 
-    Taps every `spacing` seconds over 120 ms, least squares on the gap-free samples, unit gain at rest. It follows the
-    measured motion without its noise, so regressors built on it are not correlated with that noise (instrumental
-    variables; Janot, Vandanjon, Gautier 2014).
+    Taps every `spacing` seconds over 120 ms, least squares on the gap-free samples, unit gain at
+    rest. It follows the measured motion without its noise, so regressors built on it are not
+    correlated with that noise (instrumental variables; Janot, Vandanjon, Gautier 2014).
     """
     assert log.q_ref is not None
     stride = max(1, round(spacing / log.step))
@@ -31,7 +31,8 @@ def followed(log: UniformLog, spacing: float = 0.008) -> Array:
         ref = log.q_ref[:, j]
         # differences to the newest sample: the sum of the taps is one by construction
         lagged = np.column_stack([np.roll(ref, stride * k) - ref for k in range(1, taps + 1)])
-        X, y = lagged[good], (log.q[:, j] - ref)[good]
+        X = lagged[good]
+        y = (log.q[:, j] - ref)[good]
         if np.abs(X).max(initial=0.0) < 1e-6:
             q_hat[:, j] = ref + y.mean()
             continue

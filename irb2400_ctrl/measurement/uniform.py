@@ -21,7 +21,8 @@ Mask = npt.NDArray[np.bool_]
 Kept = TypeVar("Kept", bound=np.generic)
 
 MAX_RATE = 250.0
-"""[Hz] faster logs are averaged down to this: nothing of an arm's rigid motion lies above a tenth of it"""
+"""[Hz] faster logs are averaged down to this: nothing of an arm's rigid motion lies above a tenth
+of it"""
 MAX_GAP = 0.025
 """[s] longer gaps are not bridged"""
 HALF_WINDOW = 0.040
@@ -34,7 +35,8 @@ MIN_GRID = 200.0
 
 @dataclass(frozen=True)
 class UniformLog:
-    """A log on a uniform grid. Samples where `valid` is False stand in a gap and hold no information.
+    """A log on a uniform grid. Samples where `valid` is False stand in a gap and hold no
+    information.
 
     Shapes (m,) and (m, n); SI and radians; q_ref only if the log has it.
     """
@@ -56,7 +58,8 @@ def resample(log: Log, rate: float | None = None) -> UniformLog:
     """The log on a uniform grid: jitter and short drop-outs interpolated, longer gaps marked.
 
     Args:
-        rate: of the grid [Hz]; default the log's own, but 200 to 250 Hz. A faster log is low-passed before.
+        rate: of the grid [Hz]; default the log's own, but 200 to 250 Hz. A faster log is low-passed
+            before.
 
     Raises:
         InputError: less than two seconds of data.
@@ -83,7 +86,9 @@ def resample(log: Log, rate: float | None = None) -> UniformLog:
         on_grid = np.hstack([smooth, PchipInterpolator(at, stacked[:, -n:], axis=0)(inside)])
     after = np.clip(np.searchsorted(log.time, time), 1, len(log.time) - 1)
     gap = log.time[after] - log.time[after - 1]
-    on_sample = np.minimum(np.abs(log.time[after] - time), np.abs(time - log.time[after - 1])) < 0.25 * step
+    on_sample = (
+        np.minimum(np.abs(log.time[after] - time), np.abs(time - log.time[after - 1])) < 0.25 * step
+    )
     valid = (gap <= max(MAX_GAP, 2.5 / log.rate)) | on_sample
     q_ref = None if log.q_ref is None else on_grid[:, n : 2 * n]
     return UniformLog(time, on_grid[:, :n], on_grid[:, -n:], q_ref, valid, step)
@@ -95,7 +100,9 @@ def _decimated(log: Log, stacked: Array, rate: float) -> tuple[Array, Array]:
     at = log.time[0] + step * np.arange(int(np.floor(log.duration / step)) + 1)
     even = PchipInterpolator(log.time, stacked, axis=0)(at)
     half = int(np.ceil(2.0 * log.rate / rate))
-    return at, convolve1d(even, firwin(2 * half + 1, 0.4 * rate, fs=log.rate), axis=0, mode="nearest")
+    return at, convolve1d(
+        even, firwin(2 * half + 1, 0.4 * rate, fs=log.rate), axis=0, mode="nearest"
+    )
 
 
 def widened(mask: Mask, samples: int) -> Mask:
@@ -107,7 +114,8 @@ def widened(mask: Mask, samples: int) -> Mask:
 
 @dataclass(frozen=True)
 class LowPass:
-    """Zero-phase low-pass of finite length, applied alike to the measured torque and to everything it is compared with.
+    """Zero-phase low-pass of finite length, applied alike to the measured torque and to everything
+    it is compared with.
 
     Args:
         cutoff: [Hz]; step: of the signals [s]; keep: every how many samples the output is kept.
@@ -118,7 +126,8 @@ class LowPass:
 
     @property
     def keep(self) -> int:
-        """Decimation that the cut-off allows (the output still has 2.5 samples per period of the cut-off)."""
+        """Decimation that the cut-off allows (the output still has 2.5 samples per period of the
+        cut-off)."""
         return max(1, int(1.0 / (2.5 * self.cutoff * self.step) + 1e-9))
 
     @property
@@ -134,10 +143,13 @@ class LowPass:
     @cached_property
     def weights(self) -> Array:
         """The (symmetric) impulse response, shape (2 half + 1,)."""
-        return np.asarray(firwin(2 * self.half + 1, self.cutoff, fs=1.0 / self.step, window=("kaiser", 4.0)))
+        return np.asarray(
+            firwin(2 * self.half + 1, self.cutoff, fs=1.0 / self.step, window=("kaiser", 4.0))
+        )
 
     def __call__(self, signal: Array) -> Array:
-        """Filter along the first axis and keep every `keep`-th sample, from the first complete one to the last."""
+        """Filter along the first axis and keep every `keep`-th sample, from the first complete one
+        to the last."""
         rows = _rows_of(self, len(signal))
         flat = signal.reshape(len(signal), int(np.prod(signal.shape[1:])))
         return np.asarray(rows @ flat).reshape(rows.shape[0], *signal.shape[1:])
@@ -149,25 +161,34 @@ class LowPass:
 
 @lru_cache(maxsize=8)
 def _rows_of(low_pass: LowPass, length: int) -> csr_matrix:
-    """The filter on signals of one length as a sparse matrix: only the kept outputs are computed."""
-    rows, taps = len(low_pass.instants(np.empty(length))), len(low_pass.weights)
+    """The filter on signals of one length as a sparse matrix: only the kept outputs are
+    computed."""
+    rows = len(low_pass.instants(np.empty(length)))
+    taps = len(low_pass.weights)
     place = (np.arange(rows) * low_pass.keep)[:, None] + np.arange(taps)
     starts = np.arange(rows + 1) * taps
-    return csr_matrix((np.tile(low_pass.weights, rows), place.ravel(), starts), shape=(rows, length))
+    return csr_matrix(
+        (np.tile(low_pass.weights, rows), place.ravel(), starts), shape=(rows, length)
+    )
 
 
 def smoothed(signal: Array, step: float) -> Array:
-    """Low-passed at 20 Hz over +-40 ms, zero phase. The first and last `derivative_margin` samples are not complete.
+    """Low-passed at 20 Hz over +-40 ms, zero phase. The first and last `derivative_margin` samples
+    are not complete.
 
-    Angles and torques go through the same one, so that what it takes from an acceleration it takes from its torque.
+    Angles and torques go through the same one, so that what it takes from an acceleration it takes
+    from its torque.
     """
     half = max(4, round(HALF_WINDOW / step))
-    weights = firwin(2 * half + 1, min(SMOOTHING, 0.45 / step), fs=1.0 / step, window=("kaiser", 4.0))
+    weights = firwin(
+        2 * half + 1, min(SMOOTHING, 0.45 / step), fs=1.0 / step, window=("kaiser", 4.0)
+    )
     return np.asarray(convolve1d(signal, weights, axis=0, mode="nearest"))
 
 
 def polished(signal: Array, step: float) -> Array:
-    """Local polynomials of degree 5 over +-40 ms (Savitzky-Golay): takes quantisation off, keeps all below 20 Hz."""
+    """Local polynomials of degree 5 over +-40 ms (Savitzky-Golay): takes quantisation off, keeps
+    all below 20 Hz."""
     half = max(4, round(HALF_WINDOW / step))
     return np.asarray(convolve1d(signal, savgol_coeffs(2 * half + 1, 5), axis=0, mode="nearest"))
 
@@ -176,10 +197,15 @@ def derivatives(q: Array, step: float, orders: int = 4) -> tuple[Array, ...]:
     """q, qd, qdd… of smoothed angles by central differences of fourth order, each (m, n)."""
     found = [q]
     for order in range(1, orders + 1):
-        # the second and fourth derivative each from the one two below: fewer neighbours than first differences twice
+        # the second and fourth derivative each from the one two below: fewer neighbours than first
+        # differences twice
         stencil = _FIRST / step if order % 2 else _SECOND / step**2
         found.append(
-            np.asarray(correlate1d(found[order - 1 if order % 2 else order - 2], stencil, axis=0, mode="nearest"))
+            np.asarray(
+                correlate1d(
+                    found[order - 1 if order % 2 else order - 2], stencil, axis=0, mode="nearest"
+                )
+            )
         )
     return tuple(found)
 

@@ -1,4 +1,5 @@
-"""The acceleration that given torques cause, and its derivatives (forward dynamics, eq. 56 solved for qdd)."""
+"""The acceleration that given torques cause, and its derivatives (forward dynamics, eq. 56 solved
+for qdd)."""
 
 from __future__ import annotations
 
@@ -16,7 +17,8 @@ if TYPE_CHECKING:
     from irb2400_ctrl.model.model import Model
 
 NEWTON_STEPS = 4
-"""for effects that bend the law in the acceleration (load friction); from a start of zero four reach rounding"""
+"""for effects that bend the law in the acceleration (load friction); from a start of zero four
+reach rounding"""
 
 
 @dataclass(frozen=True)
@@ -34,10 +36,12 @@ class Acceleration:
 
     @classmethod
     def of(cls, model: Model, s: ArmSignals, tau: ca.SX, with_friction: bool) -> Acceleration:
-        """M qdd = tau - rest: the mass matrix by composite bodies, the rest by one recursion at qdd = 0.
+        """M qdd = tau - rest: the mass matrix by composite bodies, the rest by one recursion at qdd
+        = 0.
 
         Raises:
-            InputError: an axis without any inertia about itself; its acceleration is not determined.
+            InputError: an axis without any inertia about itself; its acceleration is not
+            determined.
         """
         zero = ca.SX.zeros(model.robot.n)
         effects = model.effect_torque(s)
@@ -47,8 +51,10 @@ class Acceleration:
         for i in range(model.robot.n):
             if slope[i, i].is_zero():
                 raise InputError(
-                    f"forward dynamics: axis {i + 1} has no inertia about itself, so no torque determines its "
-                    "acceleration; give link or tool an inertia, or the robot a rotor_inertia effect on that axis"
+                    f"forward dynamics: axis {i + 1} has no inertia about itself, so no torque "
+                    "determines its "
+                    "acceleration; give link or tool an inertia, or the robot a rotor_inertia "
+                    "effect on that axis"
                 )
         bent = any(ca.which_depends(effects, s.qdd, 2))
         # the slope of a load-dependent law is not symmetric
@@ -60,15 +66,25 @@ class Acceleration:
         return cls(s, tau, s.load + dry + effects, ca.substitute(slope, s.qdd, qdd), symmetric, qdd)
 
     def derivatives(self) -> dict[str, ca.SX]:
-        """By the implicit function theorem: dqdd/dx = -slope^-1 d required/dx, dqdd/dtau = slope^-1.
+        """By the implicit function theorem: dqdd/dx = -slope^-1 d required/dx, dqdd/dtau =
+        slope^-1.
 
         Half as many operations as differentiating the solve.
         """
-        s, n = self.signals, self.qdd.numel()
+        s = self.signals
+        n = self.qdd.numel()
         mobility = _solve(self.slope, ca.SX.eye(n), self.symmetric)
-        rows = [ca.jtimes(self.required, ca.vertcat(s.q, s.qd), unit, True).T for unit in ca.horzsplit(ca.DM.eye(n))]
+        rows = [
+            ca.jtimes(self.required, ca.vertcat(s.q, s.qd), unit, True).T
+            for unit in ca.horzsplit(ca.DM.eye(n))
+        ]
         by_state = -mobility @ ca.substitute(ca.vertcat(*rows), s.qdd, self.qdd)
-        return {"qdd": self.qdd, "dqdd_dq": by_state[:, :n], "dqdd_dqd": by_state[:, n:], "dqdd_dtau": mobility}
+        return {
+            "qdd": self.qdd,
+            "dqdd_dq": by_state[:, :n],
+            "dqdd_dqd": by_state[:, n:],
+            "dqdd_dtau": mobility,
+        }
 
 
 def _solve(A: ca.SX, b: ca.SX, symmetric: bool) -> ca.SX:

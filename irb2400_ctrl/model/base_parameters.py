@@ -1,4 +1,5 @@
-"""Base parameters: the smallest set of inertial parameters that the torque depends on, for any robot."""
+"""Base parameters: the smallest set of inertial parameters that the torque depends on, for any
+robot."""
 
 from __future__ import annotations
 
@@ -14,7 +15,8 @@ from irb2400_ctrl.robot import Robot
 Array = npt.NDArray[np.float64]
 
 NAMES = ("m", "mx", "my", "mz", "Ixx", "Ixy", "Ixz", "Iyy", "Iyz", "Izz")
-# kept first in every link; m, mz and Iyy follow: they look the same at every joint angle, so the link before has them
+# kept first in every link; m, mz and Iyy follow: they look the same at every joint angle, so the
+# link before has them
 PREFERENCE = ((9, 1, 2, 4, 5, 6, 8), (7, 3, 0))
 TOLERANCE = 1e-9
 """a column of the regressor is dependent when this fraction of it is left after projection [-]"""
@@ -28,7 +30,8 @@ class BaseParameters:
     kept: tuple[int, ...]
     """positions of the kept parameters in phi (10 per link, one link after another)"""
     matrix: Array
-    """values = matrix @ phi, shape (base, 10 n): the unit matrix in the kept columns, the regrouping in the others"""
+    """values = matrix @ phi, shape (base, 10 n): the unit matrix in the kept columns, the
+    regrouping in the others"""
     values: Array
     """base parameters of the robot [kg, kg m, kg m2], shape (base,)"""
 
@@ -55,9 +58,9 @@ class BaseParameters:
 def base_parameters(robot: Robot, phi: Array) -> BaseParameters:
     """Base parameters of a robot with link parameters phi (n, 10).
 
-    The regressor is sampled over random motions; column by column, in the order of PREFERENCE, a parameter is kept when
-    its column is not a combination of those kept before (Gautier 1991, by orthogonal projection). The factors of the
-    combinations are the map.
+    The regressor is sampled over random motions; column by column, in the order of PREFERENCE, a
+    parameter is kept when its column is not a combination of those kept before (Gautier 1991, by
+    orthogonal projection). The factors of the combinations are the map.
     """
     n = robot.n
     W = _sampled_regressor(robot)
@@ -91,4 +94,6 @@ def _sampled_regressor(robot: Robot) -> Array:
     q = rng.uniform(-np.pi, np.pi, (n, SAMPLES))
     qd, qdd = rng.normal(size=(2, n, SAMPLES))
     flat = np.asarray(Y(q, 2 * qd, 5 * qdd))
-    return np.ascontiguousarray(flat.reshape(n, SAMPLES, 10 * n).transpose(1, 0, 2).reshape(-1, 10 * n))
+    return np.ascontiguousarray(
+        flat.reshape(n, SAMPLES, 10 * n).transpose(1, 0, 2).reshape(-1, 10 * n)
+    )

@@ -1,13 +1,15 @@
-"""Mass data as pseudo-inertias, and the regrouping that leaves the torque unchanged with the fewest numbers.
+"""Mass data as pseudo-inertias, and the regrouping that leaves the torque unchanged with the fewest
+numbers.
 
 The pseudo-inertia of a body about its link's origin is the second moment of (r, 1):
 
     J = [[Sigma, m c], [m c^T, m]],    Sigma = tr(I)/2 1 - I = integral of r r^T dm,
 
-and moves to another frame as X J X^T. The entries of J in rows and columns (z, 1), that is Sigma_zz, m c_z and m, look
-the same at every angle of a joint that turns about z and have no inertia against that turn: this part of a body may
-ride on the link before. Done from the tip to the base this leaves each link seven numbers and the first link one: the
-36 base parameters of a six-axis arm, with which the recursions multiply by zeros that vanish.
+and moves to another frame as X J X^T. The entries of J in rows and columns (z, 1), that is
+Sigma_zz, m c_z and m, look the same at every angle of a joint that turns about z and have no
+inertia against that turn: this part of a body may ride on the link before. Done from the tip to the
+base this leaves each link seven numbers and the first link one: the 36 base parameters of a
+six-axis arm, with which the recursions multiply by zeros that vanish.
 """
 
 from __future__ import annotations
@@ -23,7 +25,10 @@ Array = npt.NDArray[np.float64]
 
 def pseudo_inertia(phi: ca.SX | ca.DM) -> ca.SX:
     """J (4, 4) of phi = (m, m c, I_O), I_O = (xx, xy, xz, yy, yz, zz)."""
-    m, x, y, z = phi[0], phi[1], phi[2], phi[3]
+    m = phi[0]
+    x = phi[1]
+    y = phi[2]
+    z = phi[3]
     xx, xy, xz, yy, yz, zz = (phi[k] for k in range(4, 10))
     return ca.SX(
         ca.vertcat(
@@ -43,7 +48,8 @@ def parameters(J: Array) -> Array:
 
 
 def regrouped(robot: Robot, phi: Array) -> list[Array]:
-    """Pseudo-inertias with the same torque in every motion, as many entries zero as can be; (4, 4) each."""
+    """Pseudo-inertias with the same torque in every motion, as many entries zero as can be; (4, 4)
+    each."""
     bodies = [np.array(ca.evalf(pseudo_inertia(ca.DM(row)))) for row in phi]
     axial = np.ix_([2, 3], [2, 3])
     for i in reversed(range(robot.n)):
@@ -53,7 +59,8 @@ def regrouped(robot: Robot, phi: Array) -> list[Array]:
         if i > 0:
             X = robot.links[i].frame.matrix()
             bodies[i - 1] += X @ part @ X.T
-    # the first link turns about a fixed axis: of its second moments only I_zz = Sigma_xx + Sigma_yy is felt
+    # the first link turns about a fixed axis: of its second moments only I_zz = Sigma_xx + Sigma_yy
+    # is felt
     first = np.zeros((4, 4))
     first[0, 0] = bodies[0][0, 0] + bodies[0][1, 1]
     first[:2, 3] = first[3, :2] = bodies[0][:2, 3]

@@ -1,12 +1,14 @@
 """The chain as groups of parallel axes.
 
-Links whose joints have parallel axes keep the same plane: link i of such a group stands in the group's frame G, turned
-about z by phi_i alone, whatever the links between do. So the dynamics are written in
+Links whose joints have parallel axes keep the same plane: link i of such a group stands in the
+group's frame G, turned about z by phi_i alone, whatever the links between do. So the dynamics are
+written in
 
     phi = B q + offset,    tau = B^T tau_phi,
 
-the angle of each link in its group's frame. For the IRB 2400 axes 2 and 3 are parallel and the parallelogram makes q3
-absolute: theta2 + theta3 = q3 - pi/2, B is the unit matrix, and no sine of a difference is left.
+the angle of each link in its group's frame. For the IRB 2400 axes 2 and 3 are parallel and the
+parallelogram makes q3 absolute: theta2 + theta3 = q3 - pi/2, B is the unit matrix, and no sine of a
+difference is left.
 """
 
 from __future__ import annotations
@@ -27,7 +29,7 @@ PARALLEL = 1e-12
 
 
 @dataclass(frozen=True)
-class Group:
+class LinkGroup:
     """Consecutive links with parallel joint axes, zero-based, and where they are mounted."""
 
     links: range
@@ -43,7 +45,7 @@ class Group:
 class Chain:
     """All groups from the base to the flange."""
 
-    groups: tuple[Group, ...]
+    groups: tuple[LinkGroup, ...]
     B: Array
     offset: Array
 
@@ -54,26 +56,28 @@ class Chain:
 
 def chain_of(robot: Robot) -> Chain:
     """The chain of a robot, for any mixture of modified DH and explicit transforms."""
-    groups: list[Group] = []
-    total, offset = np.eye(robot.n), np.array(robot.offset)
+    groups: list[LinkGroup] = []
+    total = np.eye(robot.n)
+    offset = np.array(robot.offset)
     for i, link in enumerate(robot.links):
         X = link.frame.matrix()
-        R, p = X[:3, :3], X[:3, 3]
+        R = X[:3, :3]
+        p = X[:3, 3]
         if groups and R[2, 2] > 1 - PARALLEL:
             last = groups[-1]
-            groups[-1] = Group(range(last.links.start, i + 1), last.R, last.p, (*last.steps, p))
+            groups[-1] = LinkGroup(range(last.links.start, i + 1), last.R, last.p, (*last.steps, p))
             total[i] += total[i - 1]
             offset[i] += offset[i - 1] + np.arctan2(R[1, 0], R[0, 0])
         else:
-            groups.append(Group(range(i, i + 1), R, p, ()))
+            groups.append(LinkGroup(range(i, i + 1), R, p, ()))
     return Chain(tuple(groups), total @ robot.A, offset)
 
 
 def cos_sin(matrix: Array, offset: Array, q: ca.SX) -> list[CosSin]:
     """(cos, sin) of matrix @ q + offset.
 
-    An offset of a multiple of 90 degrees is taken out of the argument, as in eqs. 3-8: the generated code then holds
-    exact zeros and ones and no rounding of pi.
+    An offset of a multiple of 90 degrees is taken out of the argument, as in eqs. 3-8: the
+    generated code then holds exact zeros and ones and no rounding of pi.
     """
     angles = ca.DM(matrix) @ q
     pairs: list[CosSin] = []
@@ -81,7 +85,8 @@ def cos_sin(matrix: Array, offset: Array, q: ca.SX) -> list[CosSin]:
         quarter = value / (ca.pi / 2)
         turns = round(quarter)
         if abs(quarter - turns) < 1e-12:
-            c, s = ca.cos(angles[i]), ca.sin(angles[i])
+            c = ca.cos(angles[i])
+            s = ca.sin(angles[i])
             pairs.append([(c, s), (-s, c), (-c, -s), (s, -c)][turns % 4])
         else:
             pairs.append((ca.cos(angles[i] + value), ca.sin(angles[i] + value)))

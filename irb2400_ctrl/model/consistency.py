@@ -4,9 +4,9 @@ A rigid body is a distribution of mass: with m > 0 its second moments about the 
 
     Sigma = integral of r r^T dm = tr(I)/2 1 - I,
 
-are positive semidefinite, which is the same as principal moments that obey the triangle inequality, and the same as a
-positive semidefinite pseudo-inertia (Wensing, Kim, Slotine 2018). Tensors estimated from CAD views or fitted to
-torques often are not.
+are positive semidefinite, which is the same as principal moments that obey the triangle inequality,
+and the same as a positive semidefinite pseudo-inertia (Wensing, Kim, Slotine 2018). Tensors
+estimated from CAD views or fitted to torques often are not.
 """
 
 from __future__ import annotations
@@ -78,18 +78,25 @@ def check(robot: Robot) -> list[Issue]:
     for body in report(robot):
         low, middle, high = body.principal_moments
         if body.mass == 0.0 and high > 0.0:
-            text = f"{body.name} has inertia ({high:.4g} kg m2) but no mass; expected a mass above zero"
+            text = (
+                f"{body.name} has inertia ({high:.4g} kg m2) but no mass; expected a mass "
+                "above "
+                "zero"
+            )
             issues.append(Issue(body.name, "massless", text, high))
         if low < -body.tolerance:
             text = (
-                f"{body.name}: a principal moment of inertia is negative ({low:.4g} kg m2), so turning the link about "
+                f"{body.name}: a principal moment of inertia is negative ({low:.4g} kg m2), so "
+                "turning the link about "
                 "that axis would set energy free; expected three positive ones"
             )
             issues.append(Issue(body.name, "negative_moment", text, low))
         elif body.triangle_slack < -body.tolerance:
             text = (
-                f"{body.name}: principal moments {low:.4g}, {middle:.4g}, {high:.4g} kg m2 break the triangle "
-                f"inequality; no body has a largest one above the sum of the others ({low + middle:.4g})"
+                f"{body.name}: principal moments {low:.4g}, {middle:.4g}, {high:.4g} kg m2 break "
+                "the triangle "
+                "inequality; no body has a largest one above the sum of the others "
+                f"({low + middle:.4g})"
             )
             issues.append(Issue(body.name, "triangle_inequality", text, body.triangle_slack))
     return issues
@@ -98,10 +105,10 @@ def check(robot: Robot) -> list[Issue]:
 def project(robot: Robot) -> tuple[Robot, float]:
     """The nearest robot whose bodies could exist, and the distance to it [kg m2].
 
-    Masses and centres of mass stay. Of each body Sigma goes to the nearest positive semidefinite matrix in the
-    Frobenius norm, which is Sigma with its negative eigenvalues set to zero (Higham 1988): exact, and the nearest in
-    the pseudo-inertia about the centre of mass too, because that matrix is block diagonal. The distance is the root of
-    the sum of squares over the bodies.
+    Masses and centres of mass stay. Of each body Sigma goes to the nearest positive semidefinite
+    matrix in the Frobenius norm, which is Sigma with its negative eigenvalues set to zero (Higham
+    1988): exact, and the nearest in the pseudo-inertia about the centre of mass too, because that
+    matrix is block diagonal. The distance is the root of the sum of squares over the bodies.
     """
     links = tuple(link.model_copy(update={"body": nearest(link.body)}) for link in robot.links)
     tool = robot.tool and robot.tool.model_copy(update={"body": nearest(robot.tool.body)})
@@ -112,7 +119,10 @@ def project(robot: Robot) -> tuple[Robot, float]:
 def distances(robot: Robot, other: Robot) -> dict[str, float]:
     """Frobenius distance between the second moments Sigma of each body in two robots [kg m2]."""
     pairs = zip(_bodies(robot), _bodies(other), strict=True)
-    return {name: float(np.linalg.norm(second_moments(a) - second_moments(b))) for (name, a), (_, b) in pairs}
+    return {
+        name: float(np.linalg.norm(second_moments(a) - second_moments(b)))
+        for (name, a), (_, b) in pairs
+    }
 
 
 def nearest(body: Body) -> Body:

@@ -1,8 +1,10 @@
-"""The same dynamics by the Euler-Lagrange formalism (eqs. 44-56): the second, independent derivation.
+"""The same dynamics by the Euler-Lagrange formalism (eqs. 44-56): the second, independent
+derivation.
 
-Nothing here uses the Newton-Euler recursion: energies from the centre-of-mass Jacobians, M from their sum (eq. 50),
-Coriolis terms from the Christoffel symbols (eq. 51), gravity from the potential's gradient (eq. 52). It is slow to
-evaluate and exists to check the recursion and to give C(q, qd) in its passive form (Mdot - 2C skew).
+Nothing here uses the Newton-Euler recursion: energies from the centre-of-mass Jacobians, M from
+their sum (eq. 50), Coriolis terms from the Christoffel symbols (eq. 51), gravity from the
+potential's gradient (eq. 52). It is slow to evaluate and exists to check the recursion and to give
+C(q, qd) in its passive form (Mdot - 2C skew).
 """
 
 from __future__ import annotations
@@ -20,13 +22,15 @@ def mass_matrix(robot: Robot, q: ca.SX) -> ca.SX:
     for link, mass, com, tensor, X in _bodies(robot, q):
         R = X[:3, :3]
         J = point_jacobian(robot, q, X[:3, 3] + R @ ca.DM(com), link)
-        J_v, J_w = J[:3, :], J[3:, :]
+        J_v = J[:3, :]
+        J_w = J[3:, :]
         M += mass * J_v.T @ J_v + J_w.T @ R @ ca.DM(tensor) @ R.T @ J_w
     return M
 
 
 def coriolis(robot: Robot, q: ca.SX, qd: ca.SX) -> ca.SX:
-    """C(q, qd) from the Christoffel symbols (eq. 51), shape (n, n); C qd is the Coriolis and centrifugal torque."""
+    """C(q, qd) from the Christoffel symbols (eq. 51), shape (n, n); C qd is the Coriolis and
+    centrifugal torque."""
     n = robot.n
     M = mass_matrix(robot, q)
     dM = [ca.reshape(ca.jacobian(M, q[i]), n, n) for i in range(n)]
@@ -46,12 +50,14 @@ def potential(robot: Robot, q: ca.SX) -> ca.SX:
 
 
 def kinetic(robot: Robot, q: ca.SX, qd: ca.SX) -> ca.SX:
-    """K = sum (m v^2 + w^T R I R^T w) / 2 (eq. 46), v = J_v qd and w = J_w qd of each body (eq. 47) [J]."""
+    """K = sum (m v^2 + w^T R I R^T w) / 2 (eq. 46), v = J_v qd and w = J_w qd of each body (eq. 47)
+    [J]."""
     K = ca.SX(0)
     for link, mass, com, tensor, X in _bodies(robot, q):
         R = X[:3, :3]
         twist = point_jacobian(robot, q, X[:3, 3] + R @ ca.DM(com), link) @ qd
-        v, w = twist[:3], R.T @ twist[3:]
+        v = twist[:3]
+        w = R.T @ twist[3:]
         K += 0.5 * (mass * ca.dot(v, v) + ca.dot(w, ca.DM(tensor) @ w))
     return K
 
@@ -78,13 +84,15 @@ def inverse_dynamics(robot: Robot, q: ca.SX, qd: ca.SX, qdd: ca.SX) -> ca.SX:
 
 
 def _bodies(robot: Robot, q: ca.SX) -> list[tuple[int, float, np.ndarray, np.ndarray, ca.SX]]:
-    """(link number, mass, centre of mass, tensor about it, pose) of every body; the tool rides on the flange."""
+    """(link number, mass, centre of mass, tensor about it, pose) of every body; the tool rides on
+    the flange."""
     poses = link_poses(robot, q)
     bodies = [
         (i + 1, link.body.mass_kg, np.array(link.body.com_m), link.body.tensor(), poses[i])
         for i, link in enumerate(robot.links)
     ]
     if robot.tool is not None:
-        body, X_BF = robot.tool.body, poses[-1] @ ca.SX(ca.DM(robot.flange.matrix()))
+        body = robot.tool.body
+        X_BF = poses[-1] @ ca.SX(ca.DM(robot.flange.matrix()))
         bodies.append((robot.n, body.mass_kg, np.array(body.com_m), body.tensor(), X_BF))
     return bodies

@@ -1,4 +1,5 @@
-"""The CasADi functions (SX) behind the methods of `Model`, by name; for code generation and optimisation."""
+"""The CasADi functions (SX) behind the methods of `Model`, by name; for code generation and
+optimisation."""
 
 from __future__ import annotations
 
@@ -22,9 +23,12 @@ def function(name: str, inputs: dict[str, ca.SX], outputs: dict[str, ca.SX]) -> 
     return ca.Function(name, list(inputs.values()), shared, list(inputs), list(outputs))
 
 
-def inverse_dynamics(model: Model, name: str, with_friction: bool = True, with_wrench: bool = False) -> ca.Function:
+def inverse_dynamics(
+    model: Model, name: str, with_friction: bool = True, with_wrench: bool = False
+) -> ca.Function:
     """(q, qd, qdd, [wrench], time) -> tau."""
-    s, wrench = model.signals(), ca.SX.sym("wrench", 6)
+    s = model.signals()
+    wrench = ca.SX.sym("wrench", 6)
     inputs = {"q": s.q, "qd": s.qd, "qdd": s.qdd}
     tau = s.load + model.effect_torque(s)
     if with_friction:
@@ -35,9 +39,13 @@ def inverse_dynamics(model: Model, name: str, with_friction: bool = True, with_w
     return function(name, {**inputs, "time": s.time}, {"tau": tau})
 
 
-def forward_dynamics(model: Model, name: str, with_friction: bool = True, with_wrench: bool = False) -> ca.Function:
+def forward_dynamics(
+    model: Model, name: str, with_friction: bool = True, with_wrench: bool = False
+) -> ca.Function:
     """(q, qd, tau, [wrench], time) -> qdd."""
-    s, tau, wrench = model.signals(), ca.SX.sym("tau", model.robot.n), ca.SX.sym("wrench", 6)
+    s = model.signals()
+    tau = ca.SX.sym("tau", model.robot.n)
+    wrench = ca.SX.sym("wrench", 6)
     inputs = {"q": s.q, "qd": s.qd, "tau": tau}
     driving = tau
     if with_wrench:
@@ -47,18 +55,25 @@ def forward_dynamics(model: Model, name: str, with_friction: bool = True, with_w
     return function(name, {**inputs, "time": s.time}, {"qdd": qdd})
 
 
-def forward_dynamics_derivatives(model: Model, name: str, with_friction: bool = True) -> ca.Function:
+def forward_dynamics_derivatives(
+    model: Model, name: str, with_friction: bool = True
+) -> ca.Function:
     """(q, qd, tau, time) -> (qdd, dqdd_dq, dqdd_dqd, dqdd_dtau)."""
-    s, tau = model.signals(), ca.SX.sym("tau", model.robot.n)
+    s = model.signals()
+    tau = ca.SX.sym("tau", model.robot.n)
     solution = Acceleration.of(model, s, tau, with_friction)
-    return function(name, {"q": s.q, "qd": s.qd, "tau": tau, "time": s.time}, solution.derivatives())
+    return function(
+        name, {"q": s.q, "qd": s.qd, "tau": tau, "time": s.time}, solution.derivatives()
+    )
 
 
 def mass_matrix(model: Model, name: str) -> ca.Function:
     """q -> M, with the inertia of the effects at rest."""
     s = model.signals()
     zero = ca.SX.zeros(model.robot.n)
-    slope = ca.substitute(ca.jacobian(model.effect_torque(s), s.qdd), ca.vertcat(s.qd, s.qdd), ca.vertcat(zero, zero))
+    slope = ca.substitute(
+        ca.jacobian(model.effect_torque(s), s.qdd), ca.vertcat(s.qd, s.qdd), ca.vertcat(zero, zero)
+    )
     return function(name, {"q": s.q}, {"M": s.mass_matrix + ca.substitute(slope, s.time, 0)})
 
 
@@ -66,21 +81,26 @@ def gravity(model: Model, name: str) -> ca.Function:
     """q -> G, effects at rest included."""
     s = model.signals()
     zero = ca.SX.zeros(model.robot.n)
-    tau = ca.substitute(model.effect_torque(s), ca.vertcat(s.qd, s.qdd, s.time), ca.vertcat(zero, zero, 0))
+    tau = ca.substitute(
+        model.effect_torque(s), ca.vertcat(s.qd, s.qdd, s.time), ca.vertcat(zero, zero, 0)
+    )
     tau += newton_euler.inverse_dynamics(model.robot, s.q, zero, zero, model.phi)
     return function(name, {"q": s.q}, {"G": tau})
 
 
 def external_torque(model: Model, name: str) -> ca.Function:
     """(q, wrench) -> J^T wrench."""
-    s, wrench = model.signals(), ca.SX.sym("wrench", 6)
+    s = model.signals()
+    wrench = ca.SX.sym("wrench", 6)
     return function(name, {"q": s.q, "wrench": wrench}, {"tau_ext": s.tcp_jacobian.T @ wrench})
 
 
 def coriolis(model: Model, name: str) -> ca.Function:
     """(q, qd) -> C."""
     s = model.signals()
-    return function(name, {"q": s.q, "qd": s.qd}, {"C": euler_lagrange.coriolis(model.robot, s.q, s.qd)})
+    return function(
+        name, {"q": s.q, "qd": s.qd}, {"C": euler_lagrange.coriolis(model.robot, s.q, s.qd)}
+    )
 
 
 def torque_regressor(model: Model, name: str, base: bool = False) -> ca.Function:
@@ -106,12 +126,22 @@ def of_q(name: str, model: Model, output: str, expression: Callable[[ca.SX], ca.
 
 FUNCTIONS: dict[str, Callable[[Model], ca.Function]] = {
     "inverse_dynamics": lambda m: inverse_dynamics(m, "inverse_dynamics"),
-    "inverse_dynamics_without_friction": lambda m: inverse_dynamics(m, "inverse_dynamics", with_friction=False),
-    "inverse_dynamics_with_wrench": lambda m: inverse_dynamics(m, "inverse_dynamics", with_wrench=True),
+    "inverse_dynamics_without_friction": lambda m: inverse_dynamics(
+        m, "inverse_dynamics", with_friction=False
+    ),
+    "inverse_dynamics_with_wrench": lambda m: inverse_dynamics(
+        m, "inverse_dynamics", with_wrench=True
+    ),
     "forward_dynamics": lambda m: forward_dynamics(m, "forward_dynamics"),
-    "forward_dynamics_without_friction": lambda m: forward_dynamics(m, "forward_dynamics", with_friction=False),
-    "forward_dynamics_with_wrench": lambda m: forward_dynamics(m, "forward_dynamics", with_wrench=True),
-    "forward_dynamics_derivatives": lambda m: forward_dynamics_derivatives(m, "forward_dynamics_derivatives"),
+    "forward_dynamics_without_friction": lambda m: forward_dynamics(
+        m, "forward_dynamics", with_friction=False
+    ),
+    "forward_dynamics_with_wrench": lambda m: forward_dynamics(
+        m, "forward_dynamics", with_wrench=True
+    ),
+    "forward_dynamics_derivatives": lambda m: forward_dynamics_derivatives(
+        m, "forward_dynamics_derivatives"
+    ),
     "forward_dynamics_derivatives_without_friction": lambda m: forward_dynamics_derivatives(
         m, "forward_dynamics_derivatives", with_friction=False
     ),
@@ -123,9 +153,16 @@ FUNCTIONS: dict[str, Callable[[Model], ca.Function]] = {
     "base_regressor": lambda m: torque_regressor(m, "base_regressor", base=True),
     "friction": lambda m: friction_torque(m, "friction"),
     "tcp_pose": lambda m: of_q("tcp_pose", m, "X_BT", lambda q: kinematics.tcp_pose(m.robot, q)),
-    "flange_pose": lambda m: of_q("flange_pose", m, "X_BF", lambda q: kinematics.flange_pose(m.robot, q)),
-    "tcp_jacobian": lambda m: of_q("tcp_jacobian", m, "J", lambda q: kinematics.tcp_jacobian(m.robot, q)),
+    "flange_pose": lambda m: of_q(
+        "flange_pose", m, "X_BF", lambda q: kinematics.flange_pose(m.robot, q)
+    ),
+    "tcp_jacobian": lambda m: of_q(
+        "tcp_jacobian", m, "J", lambda q: kinematics.tcp_jacobian(m.robot, q)
+    ),
     "singularity_factors": lambda m: of_q(
-        "singularity_factors", m, "factors", lambda q: ca.vertcat(*geometry.singularity_factors(m.arm_geometry, q))
+        "singularity_factors",
+        m,
+        "factors",
+        lambda q: ca.vertcat(*geometry.singularity_factors(m.arm_geometry, q)),
     ),
 }

@@ -1,7 +1,7 @@
 """Geometry of the IRB 2400 family: six axes, spherical wrist, an arm of two parallel axes.
 
-Closed-form inverse kinematics and the factored singularities hold for this family only; the constants are read from
-the chain, and a chain of another shape is refused.
+Closed-form inverse kinematics and the factored singularities hold for this family only; the
+constants are read from the chain, and a chain of another shape is refused.
 """
 
 from __future__ import annotations
@@ -58,8 +58,10 @@ def arm_geometry(robot: Robot) -> ArmGeometry:
             assert isinstance(robot.flange, ModifiedDH)
             return ArmGeometry(d1=d[0], a1=a[1], a2=a[2], a3=a[3], d4=d[3], d7=robot.flange.d_m)
     raise InputError(
-        f"{robot.name}: closed-form inverse kinematics and singularity factors need the chain of Tab. 2 "
-        "(modified DH, spherical wrist, q3 absolute); use a numerical inverse kinematics for this arm"
+        f"{robot.name}: closed-form inverse kinematics and singularity factors need the chain of "
+        "Tab. 2 "
+        "(modified DH, spherical wrist, q3 absolute); use a numerical inverse kinematics for this "
+        "arm"
     )
 
 

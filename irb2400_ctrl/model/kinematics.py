@@ -28,7 +28,8 @@ def rotation_z(c: ca.SX, s: ca.SX) -> ca.SX:
 
 
 def joint_transforms(robot: Robot, q: ca.SX) -> list[tuple[ca.SX, ca.SX]]:
-    """(R, p) of frame i in frame i - 1, i = 1…n (eqs. 2-8): rotation (3, 3) and position (3,) [m]."""
+    """(R, p) of frame i in frame i - 1, i = 1…n (eqs. 2-8): rotation (3, 3) and position (3,)
+    [m]."""
     transforms = []
     for link, (c, s) in zip(robot.links, cos_sin(robot.A, robot.offset, q), strict=True):
         X = ca.DM(link.frame.matrix())
@@ -62,10 +63,12 @@ def tcp_pose(robot: Robot, q: ca.SX) -> ca.SX:
 
 
 def point_jacobian(robot: Robot, q: ca.SX, point: ca.SX, link: int) -> ca.SX:
-    """Jacobian of a point fixed to link 1…n, base frame, shape (6, n): linear rows, then angular (eqs. 27-33).
+    """Jacobian of a point fixed to link 1…n, base frame, shape (6, n): linear rows, then angular
+    (eqs. 27-33).
 
-    Serial columns are [z_i x (p - o_i); z_i] (eq. 32); q moves the joints through theta = A q, so J_q = J_theta A.
-    For q2 this leaves z_2 x (o_3 - o_2) and no rotation: the parallelogram column of eq. 33.
+    Serial columns are [z_i x (p - o_i); z_i] (eq. 32); q moves the joints through theta = A q, so
+    J_q = J_theta A. For q2 this leaves z_2 x (o_3 - o_2) and no rotation: the parallelogram column
+    of eq. 33.
     """
     columns = []
     for i, X in enumerate(link_poses(robot, q)):

@@ -9,7 +9,8 @@ import casadi as ca
 
 @dataclass(frozen=True)
 class Factors:
-    """A = L D L^T with unit lower L; the reciprocals of D, because a division costs as much as ten products."""
+    """A = L D L^T with unit lower L; the reciprocals of D, because a division costs as much as ten
+    products."""
 
     L: ca.SX
     reciprocals: list[ca.SX]
@@ -31,7 +32,9 @@ class Factors:
 def factorise(A: ca.SX) -> Factors:
     """L D L^T of a symmetric positive definite A, shape (n, n)."""
     n = A.shape[0]
-    L, scaled, reciprocals = ca.SX.eye(n), ca.SX(n, n), []
+    L = ca.SX.eye(n)
+    scaled = ca.SX(n, n)
+    reciprocals = []
     for j in range(n):
         for i in range(j, n):
             # scaled = L D

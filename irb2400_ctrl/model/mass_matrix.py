@@ -1,4 +1,5 @@
-"""Mass matrix by the composite-rigid-body algorithm in groups of parallel axes, and the solve with it."""
+"""Mass matrix by the composite-rigid-body algorithm in groups of parallel axes, and the solve with
+it."""
 
 from __future__ import annotations
 
@@ -13,23 +14,27 @@ from irb2400_ctrl.robot import Robot
 def mass_matrix(robot: Robot, q: ca.SX, phi: ca.SX | ca.DM | None = None) -> ca.SX:
     """M(q) = B^T M_phi B (eq. 50), shape (n, n) [kg m2].
 
-    Composite bodies are gathered from the tip as pseudo-inertias. Column i is the wrench of the composite body under
-    unit acceleration of phi_i, carried down to the joints below it. In a group of parallel axes phi_i turns link i
-    alone and shifts the later ones.
+    Composite bodies are gathered from the tip as pseudo-inertias. Column i is the wrench of the
+    composite body under unit acceleration of phi_i, carried down to the joints below it. In a group
+    of parallel axes phi_i turns link i alone and shifts the later ones.
     """
     arm = arm_of(robot, phi)
-    chain, bodies = arm.chain, arm.bodies
-    turns, B = chain.cos_sin(q), ca.DM(chain.B)
+    chain = arm.chain
+    bodies = arm.bodies
+    turns = chain.cos_sin(q)
+    B = ca.DM(chain.B)
     M = ca.SX(robot.n, robot.n)
     beyond = ca.SX(4, 4)
     for g, group in reversed(list(enumerate(chain.groups))):
         later_G = ca.SX(4, 4)
         for i in reversed(group.links):
             if i == group.links[-1]:
-                body, later = bodies[i] + beyond, ca.SX(4, 4)
+                body = bodies[i] + beyond
+                later = ca.SX(4, 4)
                 step = ca.SX(3, 1)
             else:
-                body, later = bodies[i], later_G
+                body = bodies[i]
+                later = later_G
                 step = ca.SX(ca.DM(group.steps[i - group.links.start]))
             f, n, M[i, i] = _unit_turn(turns[i], body, later, step)
             for j, value in _carried_down(chain, turns, g, i, f, n):
@@ -41,19 +46,28 @@ def mass_matrix(robot: Robot, q: ca.SX, phi: ca.SX | ca.DM | None = None) -> ca.
 
 
 def _unit_turn(turn: CosSin, J: ca.SX, later: ca.SX, step: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX]:
-    """(force, moment, own torque) under unit acceleration of phi, in the group's frame about the link's origin.
+    """(force, moment, own torque) under unit acceleration of phi, in the group's frame about the
+    link's origin.
 
-    `later` is the composite of the later links of the group about the end of `step`: it is shifted, not turned.
+    `later` is the composite of the later links of the group about the end of `step`: it is shifted,
+    not turned.
     """
     shift = ca.vertcat(-step[1], step[0], 0)
     force = ca.vertcat(-J[1, 3], J[0, 3], 0) + later[3, 3] * shift
     moment = ca.vertcat(-J[0, 2], -J[1, 2], J[0, 0] + J[1, 1]) + later[3, 3] * ca.cross(step, shift)
     own = moment[2]
-    return turned(turn, force), turned(turn, moment) + ca.cross(later[:3, 3], turned(turn, shift)), own
+    return (
+        turned(turn, force),
+        turned(turn, moment) + ca.cross(later[:3, 3], turned(turn, shift)),
+        own,
+    )
 
 
-def _carried_down(chain: Chain, turns: list[CosSin], g: int, i: int, f: ca.SX, n: ca.SX) -> list[tuple[int, ca.SX]]:
-    """(j, generalised force on phi_j) for all joints below link i of group g, from its wrench in the group's frame."""
+def _carried_down(
+    chain: Chain, turns: list[CosSin], g: int, i: int, f: ca.SX, n: ca.SX
+) -> list[tuple[int, ca.SX]]:
+    """(j, generalised force on phi_j) for all joints below link i of group g, from its wrench in
+    the group's frame."""
     entries = []
     above = i
     for k in reversed(range(g + 1)):
@@ -61,14 +75,16 @@ def _carried_down(chain: Chain, turns: list[CosSin], g: int, i: int, f: ca.SX, n
         if k < g:
             above = group.links[-1]
             entries.append((above, n[2]))
-            f, n = turned(turns[above], f), turned(turns[above], n)
+            f = turned(turns[above], f)
+            n = turned(turns[above], n)
         for j in reversed(range(group.links.start, above)):
             step = ca.SX(ca.DM(group.steps[j - group.links.start]))
             local = turned_back(turns[j], f)
             entries.append((j, step[0] * local[1] - step[1] * local[0]))
             n = n + ca.cross(turned(turns[j], step), f)
         R = ca.SX(ca.DM(group.R))
-        f, n = R @ f, R @ n
+        f = R @ f
+        n = R @ n
         n = n + ca.cross(ca.SX(ca.DM(group.p)), f)
     return entries
 
@@ -78,7 +94,9 @@ def _turned_body(turn: CosSin, J: ca.SX) -> ca.SX:
     c, s = turn
     xy2 = J[0, 1] + J[0, 1]
     t = s * (J[0, 0] - J[1, 1]) + c * xy2
-    xx, yy, xy = J[0, 0] - s * t, J[1, 1] + s * t, c * t - J[0, 1]
+    xx = J[0, 0] - s * t
+    yy = J[1, 1] + s * t
+    xy = c * t - J[0, 1]
     xz, yz, _ = ca.vertsplit(turned(turn, ca.vertcat(J[0, 2], J[1, 2], 0)))
     first = turned(turn, J[:3, 3])
     return ca.vertcat(

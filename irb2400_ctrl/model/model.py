@@ -13,8 +13,8 @@ from irb2400_ctrl.errors import InputError, UnreachableError
 from irb2400_ctrl.model import geometry
 from irb2400_ctrl.model import inverse_kinematics as closed_form
 from irb2400_ctrl.model.base_parameters import BaseParameters, base_parameters
-from irb2400_ctrl.model.evaluate import Value, evaluate
 from irb2400_ctrl.model.functions import FUNCTIONS
+from irb2400_ctrl.model.numeric import Value, evaluate
 from irb2400_ctrl.model.regressor import transport
 from irb2400_ctrl.model.signals import ArmSignals
 from irb2400_ctrl.robot import Robot
@@ -25,8 +25,9 @@ Array = npt.NDArray[np.float64]
 class Model:
     """Kinematics and dynamics of one robot.
 
-    Every method takes numpy arrays of shape (n,), or (m, n) for m states at once, and returns the same kind; given
-    CasADi SX or MX columns it returns an expression. Angles in rad, torques in Nm on the actuators.
+    Every method takes numpy arrays of shape (n,), or (m, n) for m states at once, and returns the
+    same kind; given CasADi SX or MX columns it returns an expression. Angles in rad, torques in Nm
+    on the actuators.
     """
 
     def __init__(self, robot: Robot) -> None:
@@ -36,7 +37,14 @@ class Model:
     # ---- dynamics
 
     def inverse_dynamics(
-        self, q: Value, qd: Value, qdd: Value, *, friction: bool = True, time: float = 0.0, wrench: Value | None = None
+        self,
+        q: Value,
+        qd: Value,
+        qdd: Value,
+        *,
+        friction: bool = True,
+        time: float = 0.0,
+        wrench: Value | None = None,
     ) -> Value:
         """tau = M qdd + C qd + G + F + effects - J^T wrench (eqs. 53, 56) [Nm].
 
@@ -44,17 +52,25 @@ class Model:
             q, qd, qdd: [rad, rad/s, rad/s2], shape (n,) or (m, n).
             friction: False leaves the friction of eq. 55 out.
             time: since the start, for effects that depend on it [s].
-            wrench: force and moment of the surroundings on the tool at the TCP, base frame [N, Nm], shape (6,) or
-                (m, 6): what a force/torque sensor or a milling tool feels.
+            wrench: force and moment of the surroundings on the tool at the TCP, base frame [N, Nm],
+                shape (6,) or (m, 6): what a force/torque sensor or a milling tool feels.
 
-        Effects with memory stand in their steady state; load friction sees the arm's own load, not the wrench.
+        Effects with memory stand in their steady state; load friction sees the arm's own load, not
+        the wrench.
         """
         name = "inverse_dynamics" if friction else "inverse_dynamics_without_friction"
         tau = evaluate(self.function(name), q, qd, qdd, constants=(time,))
         return tau if wrench is None else tau - self.external_torque(q, wrench)
 
     def forward_dynamics(
-        self, q: Value, qd: Value, tau: Value, *, friction: bool = True, time: float = 0.0, wrench: Value | None = None
+        self,
+        q: Value,
+        qd: Value,
+        tau: Value,
+        *,
+        friction: bool = True,
+        time: float = 0.0,
+        wrench: Value | None = None,
     ) -> Value:
         """qdd with tau = inverse_dynamics(q, qd, qdd) [rad/s2] (eq. 56); arguments as there."""
         name = "forward_dynamics" if friction else "forward_dynamics_without_friction"
@@ -66,11 +82,13 @@ class Model:
         return evaluate(self.function("mass_matrix"), q, matrix=True)
 
     def coriolis(self, q: Value, qd: Value) -> Value:
-        """C(q, qd) of the rigid arm from the Christoffel symbols (eq. 51), shape (n, n); Mdot - 2C is skew."""
+        """C(q, qd) of the rigid arm from the Christoffel symbols (eq. 51), shape (n, n); Mdot - 2C
+        is skew."""
         return evaluate(self.function("coriolis"), q, qd, matrix=True)
 
     def gravity(self, q: Value) -> Value:
-        """G(q), the torque that holds the arm at rest without friction, effects included (eq. 52) [Nm]."""
+        """G(q), the torque that holds the arm at rest without friction, effects included (eq. 52)
+        [Nm]."""
         return evaluate(self.function("gravity"), q)
 
     def friction(self, qd: Value) -> Value:
@@ -82,11 +100,13 @@ class Model:
         return evaluate(self.function("regressor"), q, qd, qdd, matrix=True)
 
     def base_regressor(self, q: Value, qd: Value, qdd: Value) -> Value:
-        """Y_b with tau_rigid = Y_b @ base_parameters.values, shape (n, number of base parameters)."""
+        """Y_b with tau_rigid = Y_b @ base_parameters.values, shape (n, number of base
+        parameters)."""
         return evaluate(self.function("base_regressor"), q, qd, qdd, matrix=True)
 
     def external_torque(self, q: Value, wrench: Value) -> Value:
-        """tau_ext = J^T (F, N): generalised force of a wrench on the tool at the TCP, base frame [N, Nm] -> [Nm].
+        """tau_ext = J^T (F, N): generalised force of a wrench on the tool at the TCP, base frame
+        [N, Nm] -> [Nm].
 
         It helps the actuators: M qdd + ... = tau + tau_ext.
         """
@@ -107,14 +127,16 @@ class Model:
         return evaluate(self.function("tcp_jacobian"), q, matrix=True)
 
     def singularity_factors(self, q: Value) -> Value:
-        """(wrist, shoulder, elbow) = (sin q5, r, k) with det J = -a2 sin q5 r k (eqs. 34-36), shape (3,) [-, m, m]."""
+        """(wrist, shoulder, elbow) = (sin q5, r, k) with det J = -a2 sin q5 r k (eqs. 34-36), shape
+        (3,) [-, m, m]."""
         return evaluate(self.function("singularity_factors"), q)
 
     def inverse_kinematics(self, X_BT: Array, seed: Array | None = None) -> Array:
         """All actuator angles inside the joint box that reach the pose, shape (branches, 6) [rad].
 
-        Whole turns of axes 4 and 6 that fit into the box are solutions of their own. With `seed` (6,) the nearest
-        (largest joint difference smallest) comes first, and it decides an angle that a singularity leaves free.
+        Whole turns of axes 4 and 6 that fit into the box are solutions of their own. With `seed`
+        (6,) the nearest (largest joint difference smallest) comes first, and it decides an angle
+        that a singularity leaves free.
 
         Raises:
             InputError: not a pose, or the arm is not of this family.
@@ -122,9 +144,14 @@ class Model:
         """
         X = np.asarray(X_BT, dtype=float)
         if X.shape != (4, 4) or not np.isfinite(X).all():
-            raise InputError(f"inverse kinematics: found an array of shape {X.shape}, expected a finite (4, 4) pose")
+            raise InputError(
+                f"inverse kinematics: found an array of shape {X.shape}, expected a finite (4, 4) "
+                "pose"
+            )
         if np.abs(X[:3, :3] @ X[:3, :3].T - np.eye(3)).max() > 1e-6 or np.linalg.det(X[:3, :3]) < 0:
-            raise InputError("inverse kinematics: the upper left (3, 3) block of the pose is not a rotation")
+            raise InputError(
+                "inverse kinematics: the upper left (3, 3) block of the pose is not a rotation"
+            )
         branches = self.inverse_kinematics_branches(X[None], seed)
         q = closed_form.windings(branches.q[0], self.robot.q_min, self.robot.q_max)
         if len(q) == 0:
@@ -135,8 +162,11 @@ class Model:
             q = q[np.argsort(np.abs(q - np.asarray(seed, dtype=float)).max(axis=1), kind="stable")]
         return q
 
-    def inverse_kinematics_branches(self, X_BT: Array, seed: Array | None = None) -> closed_form.Branches:
-        """The eight geometric branches of m poses (m, 4, 4), joint box not regarded, no whole turns."""
+    def inverse_kinematics_branches(
+        self, X_BT: Array, seed: Array | None = None
+    ) -> closed_form.Branches:
+        """The eight geometric branches of m poses (m, 4, 4), joint box not regarded, no whole
+        turns."""
         X_TF = np.linalg.inv(self.robot.X_FT)
         return closed_form.solve(self.arm_geometry, np.asarray(X_BT, dtype=float) @ X_TF, seed)
 
@@ -154,7 +184,8 @@ class Model:
         if not allowed.any():
             found = ", ".join(sorted({f"{value:.1f}" for value in difference}))
             raise UnreachableError(
-                f"every branch inside the joint box breaks the coupled bound: q3 - q2 is {found} deg, "
+                f"every branch inside the joint box breaks the coupled bound: q3 - q2 is {found} "
+                "deg, "
                 f"range {low:.0f} to {high:.0f} deg"
             )
         return q[allowed]
@@ -162,8 +193,12 @@ class Model:
     def _why_unreachable(self, branches: closed_form.Branches) -> str:
         q = branches.q[0]
         if not np.isfinite(q).any():
-            return f"the wrist centre is {1e3 * branches.overreach[0].min():.1f} mm out of reach of the arm"
-        low, high = self.robot.q_min, self.robot.q_max
+            return (
+                f"the wrist centre is {1e3 * branches.overreach[0].min():.1f} mm out of reach "
+                "of the arm"
+            )
+        low = self.robot.q_min
+        high = self.robot.q_max
         excess = np.maximum(np.maximum(low - q, q - high), 0.0)
         worst = excess.max(axis=1)
         best = int(np.nanargmin(worst))
@@ -171,39 +206,48 @@ class Model:
         axis = int(np.argmax(excess[best]))
         return (
             f"no branch inside the joint box: the nearest needs axis {axis + 1} at "
-            f"{np.degrees(q[best, axis]):.1f} deg, range {limits[0, axis]:.0f} to {limits[1, axis]:.0f} deg"
+            f"{np.degrees(q[best, axis]):.1f} deg, range {limits[0, axis]:.0f} to "
+            f"{limits[1, axis]:.0f} deg"
         )
 
     # ---- symbolic core
 
     def function(self, name: str) -> ca.Function:
-        """The CasADi function (SX) behind a method, built once; for code generation and optimisation."""
+        """The CasADi function (SX) behind a method, built once; for code generation and
+        optimisation."""
         if name not in self._built:
             if name not in FUNCTIONS:
-                raise InputError(f"no model function {name!r}, expected one of {', '.join(sorted(FUNCTIONS))}")
+                raise InputError(
+                    f"no model function {name!r}, expected one of {', '.join(sorted(FUNCTIONS))}"
+                )
             self._built[name] = FUNCTIONS[name](self)
         return self._built[name]
 
     @cached_property
     def phi(self) -> ca.DM:
-        """Inertial parameters of the links with tool and parameter effects folded in, shape (n, 10)."""
+        """Inertial parameters of the links with tool and parameter effects folded in, shape (n,
+        10)."""
         phi = self.robot.inertial_parameters.copy()
         n = self.robot.n
         for effect in self.robot.effects:
             if isinstance(effect, AddedBody) and effect.role == "parameters":
-                carrier, added = effect.carrier(n), np.array(effect.coefficients())
+                carrier = effect.carrier(n)
+                added = np.array(effect.coefficients())
                 if carrier == n + 1:
-                    carrier, added = n, np.asarray(transport(ca.DM(self.robot.flange.matrix()))) @ added
+                    carrier = n
+                    added = np.asarray(transport(ca.DM(self.robot.flange.matrix()))) @ added
                 phi[carrier - 1] += added
         return ca.DM(phi)
 
     @cached_property
     def base_parameters(self) -> BaseParameters:
-        """The inertial parameters that the torque depends on, and the map from the standard ones."""
+        """The inertial parameters that the torque depends on, and the map from the standard
+        ones."""
         return base_parameters(self.robot, np.asarray(self.phi))
 
     def signals(self) -> ArmSignals:
-        """Fresh symbols of the arm's state and what follows from them: the language effects are written in."""
+        """Fresh symbols of the arm's state and what follows from them: the language effects are
+        written in."""
         return ArmSignals.symbols(self.robot, self.phi)
 
     def effect_torque(self, s: ArmSignals) -> ca.SX:
@@ -213,6 +257,7 @@ class Model:
             # parameter effects are folded into phi; the measuring chain does not load the actuators
             if effect.role == "force":
                 tau += effect.torque(s.with_state(effect.steady_state(s)))
-        # derivatives of the acceleration are not inputs of the dynamics: elasticity is a state of the simulated plant
+        # derivatives of the acceleration are not inputs of the dynamics: elasticity is a state of
+        # the simulated plant
         zero = ca.SX.zeros(self.robot.n)
         return ca.substitute(tau, ca.vertcat(s.qddd, s.qdddd), ca.vertcat(zero, zero))

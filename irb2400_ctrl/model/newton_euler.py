@@ -1,13 +1,14 @@
 """Inverse dynamics by the Newton-Euler recursion (eqs. 57-68), written for few operations.
 
-A body with pseudo-inertia [[Sigma, mc], [mc^T, m]] about its link's origin, whose points have the acceleration
-a + U r with U = [eps]x + [w]x [w]x (eq. 68), needs (eqs. 58-61 about the origin instead of the centre of mass)
+A body with pseudo-inertia [[Sigma, mc], [mc^T, m]] about its link's origin, whose points have the
+acceleration a + U r with U = [eps]x + [w]x [w]x (eq. 68), needs (eqs. 58-61 about the origin
+instead of the centre of mass)
 
     f = m a + U mc,    n = mc x a + vee(U Sigma - Sigma U^T).
 
-Gravity enters as an upward acceleration of the base (eq. 64). Links go in groups of parallel axes (`chain`): the
-force of a link is carried along the group, its moment goes to the group's frame at once, because a link of the group
-shifts the later ones without turning them.
+Gravity enters as an upward acceleration of the base (eq. 64). Links go in groups of parallel axes
+(`chain`): the force of a link is carried along the group, its moment goes to the group's frame at
+once, because a link of the group shifts the later ones without turning them.
 """
 
 from __future__ import annotations
@@ -29,58 +30,81 @@ def inverse_dynamics(
     phi: ca.SX | ca.DM | None = None,
     gravity: ca.SX | ca.DM | None = None,
 ) -> ca.SX:
-    """Rigid-body torque of the actuators, no friction, no effects, shape (n,) [Nm] (eqs. 57, 60, 61).
+    """Rigid-body torque of the actuators, no friction, no effects, shape (n,) [Nm] (eqs. 57, 60,
+    61).
 
-    The moment on a link is projected on its joint's axis (eq. 57) and tau = B^T tau_phi. Gravity is an upward
-    acceleration of the base, which every frame sees turned by (R_i^B)^T (eq. 64). The step to the next joint is that of
-    eq. 67. Friction is no part of the recursion: carried down as eq. 61 prints it, it would load the joints below.
+    The moment on a link is projected on its joint's axis (eq. 57) and tau = B^T tau_phi. Gravity is
+    an upward acceleration of the base, which every frame sees turned by (R_i^B)^T (eq. 64). The
+    step to the next joint is that of eq. 67. Friction is no part of the recursion: carried down as
+    eq. 61 prints it, it would load the joints below.
 
     Args:
         q, qd, qdd: actuator angles, speeds, accelerations [rad, rad/s, rad/s2], shape (n,).
-        phi: inertial parameters (m, mc, I_O) of each link, shape (n, 10); default those of the robot.
+        phi: inertial parameters (m, mc, I_O) of each link, shape (n, 10); default those of the
+            robot.
         gravity: gravity in the base frame [m/s2], shape (3,); default the robot's.
     """
     arm = arm_of(robot, phi)
-    chain, bodies = arm.chain, arm.bodies
-    turns, B = chain.cos_sin(q), ca.DM(chain.B)
-    rate, rate2 = B @ qd, B @ qdd
+    chain = arm.chain
+    bodies = arm.bodies
+    turns = chain.cos_sin(q)
+    B = ca.DM(chain.B)
+    rate = B @ qd
+    rate2 = B @ qdd
     gravity = ca.DM(robot.gravity) if gravity is None else gravity
 
-    forces, moments = [ca.SX(3, 1)] * robot.n, [ca.SX(3, 1)] * robot.n
-    w, eps, U, a = ca.SX(3, 1), ca.SX(3, 1), ca.SX(3, 3), ca.SX(-gravity / arm.length)
+    forces = [ca.SX(3, 1)] * robot.n
+    moments = [ca.SX(3, 1)] * robot.n
+    w = ca.SX(3, 1)
+    eps = ca.SX(3, 1)
+    U = ca.SX(3, 3)
+    a = ca.SX(-gravity / arm.length)
     for group in chain.groups:
         R = ca.SX(ca.DM(group.R))
         a_G = R.T @ (a + U @ ca.DM(group.p))
-        w_G, eps_G = R.T @ w, R.T @ eps
+        w_G = R.T @ w
+        eps_G = R.T @ eps
         for i in group.links:
             w, eps = _turning(turns[i], w_G, eps_G, rate[i], rate2[i])
             motion = _Motion.of(w, eps)
-            U, a = motion.U, turned_back(turns[i], a_G)
+            U = motion.U
+            a = turned_back(turns[i], a_G)
             forces[i], moments[i] = _wrench(bodies[i], motion, a)
             if i + 1 in group.links:
                 a_G = a_G + turned(turns[i], U @ ca.DM(group.steps[i - group.links.start]))
 
     tau = ca.SX(robot.n, 1)
-    f, n = ca.SX(3, 1), ca.SX(3, 1)
+    f = ca.SX(3, 1)
+    n = ca.SX(3, 1)
     for group in reversed(chain.groups):
         last = group.links[-1]
-        forces[last], moments[last] = forces[last] + f, moments[last] + n
-        f_G, n_G = ca.SX(3, 1), ca.SX(3, 1)
+        forces[last] = forces[last] + f
+        moments[last] = moments[last] + n
+        f_G = ca.SX(3, 1)
+        n_G = ca.SX(3, 1)
         for i in reversed(group.links):
             tau[i] = moments[i][2]
             if i != last:
                 step = ca.DM(group.steps[i - group.links.start])
-                tau[i] += step[0] * turned_back(turns[i], f_G)[1] - step[1] * turned_back(turns[i], f_G)[0]
+                tau[i] += (
+                    step[0] * turned_back(turns[i], f_G)[1]
+                    - step[1] * turned_back(turns[i], f_G)[0]
+                )
                 n_G += ca.cross(turned(turns[i], ca.SX(step)), f_G)
-            f_G, n_G = f_G + turned(turns[i], forces[i]), n_G + turned(turns[i], moments[i])
+            f_G = f_G + turned(turns[i], forces[i])
+            n_G = n_G + turned(turns[i], moments[i])
         R = ca.SX(ca.DM(group.R))
-        f, n = R @ f_G, R @ n_G
+        f = R @ f_G
+        n = R @ n_G
         n += ca.cross(ca.SX(ca.DM(group.p)), f)
     return B.T @ tau
 
 
-def _turning(turn: CosSin, w_G: ca.SX, eps_G: ca.SX, rate: ca.SX, rate2: ca.SX) -> tuple[ca.SX, ca.SX]:
-    """Angular velocity and acceleration of a link that turns in frame G (eqs. 65, 66), in the link's frame."""
+def _turning(
+    turn: CosSin, w_G: ca.SX, eps_G: ca.SX, rate: ca.SX, rate2: ca.SX
+) -> tuple[ca.SX, ca.SX]:
+    """Angular velocity and acceleration of a link that turns in frame G (eqs. 65, 66), in the
+    link's frame."""
     w = turned_back(turn, w_G)
     gyroscopic = ca.vertcat(w[1] * rate, -w[0] * rate, 0)
     z = ca.vertcat(0, 0, 1)
@@ -89,7 +113,8 @@ def _turning(turn: CosSin, w_G: ca.SX, eps_G: ca.SX, rate: ca.SX, rate2: ca.SX) 
 
 @dataclass(frozen=True)
 class _Motion:
-    """U = [eps]x + [w]x [w]x and the differences of its diagonal, which cost less from the squares."""
+    """U = [eps]x + [w]x [w]x and the differences of its diagonal, which cost less from the
+    squares."""
 
     U: ca.SX
     differences: tuple[ca.SX, ca.SX, ca.SX]
@@ -97,8 +122,15 @@ class _Motion:
 
     @classmethod
     def of(cls, w: ca.SX, eps: ca.SX) -> _Motion:
-        x, y, z = w[0], w[1], w[2]
-        xx, yy, zz, xy, xz, yz = x * x, y * y, z * z, x * y, x * z, y * z
+        x = w[0]
+        y = w[1]
+        z = w[2]
+        xx = x * x
+        yy = y * y
+        zz = z * z
+        xy = x * y
+        xz = x * z
+        yz = y * z
         U = ca.vertcat(
             ca.horzcat(-(yy + zz), xy - eps[2], xz + eps[1]),
             ca.horzcat(xy + eps[2], -(xx + zz), yz - eps[0]),
@@ -108,17 +140,32 @@ class _Motion:
 
 
 def _wrench(J: ca.SX, motion: _Motion, a: ca.SX) -> tuple[ca.SX, ca.SX]:
-    """Force and moment about the link's origin that the body needs, in the link's frame (eqs. 58, 59, 68).
+    """Force and moment about the link's origin that the body needs, in the link's frame (eqs. 58,
+    59, 68).
 
     The tool is a part of the last body, so the recursion needs no start of its own (eqs. 62, 63).
     """
-    U, (zy, xz, yx) = motion.U, motion.differences
-    S, mc = J[:3, :3], J[:3, 3]
+    U = motion.U
+    (zy, xz, yx) = motion.differences
+    S = J[:3, :3]
+    mc = J[:3, 3]
     force = J[3, 3] * a + U @ mc
     # vee(U S - S U^T), the products of each off-diagonal second moment gathered
     euler = ca.vertcat(
-        S[1, 1] * U[2, 1] - S[2, 2] * U[1, 2] + S[0, 1] * U[2, 0] - S[0, 2] * U[1, 0] + S[1, 2] * zy,
-        S[2, 2] * U[0, 2] - S[0, 0] * U[2, 0] + S[1, 2] * U[0, 1] - S[0, 1] * U[2, 1] + S[0, 2] * xz,
-        S[0, 0] * U[1, 0] - S[1, 1] * U[0, 1] + S[0, 2] * U[1, 2] - S[1, 2] * U[0, 2] + S[0, 1] * yx,
+        S[1, 1] * U[2, 1]
+        - S[2, 2] * U[1, 2]
+        + S[0, 1] * U[2, 0]
+        - S[0, 2] * U[1, 0]
+        + S[1, 2] * zy,
+        S[2, 2] * U[0, 2]
+        - S[0, 0] * U[2, 0]
+        + S[1, 2] * U[0, 1]
+        - S[0, 1] * U[2, 1]
+        + S[0, 2] * xz,
+        S[0, 0] * U[1, 0]
+        - S[1, 1] * U[0, 1]
+        + S[0, 2] * U[1, 2]
+        - S[1, 2] * U[0, 2]
+        + S[0, 1] * yx,
     )
     return force, ca.cross(mc, a) + euler

@@ -1,9 +1,10 @@
 """Is the mass matrix positive definite everywhere? A proof, not a sample.
 
-The kinetic energy is the sum over the bodies of m v^2 / 2 + w^T I w / 2. A body whose tensor about its centre of mass
-is positive definite never takes energy away, so only the links up to the last one with an indefinite tensor need a
-look, and their part of M depends on the few joints between them. When that part is positive definite, M is: whatever
-moves must move one of those joints or turn a later body.
+The kinetic energy is the sum over the bodies of m v^2 / 2 + w^T I w / 2. A body whose tensor about
+its centre of mass is positive definite never takes energy away, so only the links up to the last
+one with an indefinite tensor need a look, and their part of M depends on the few joints between
+them. When that part is positive definite, M is: whatever moves must move one of those joints or
+turn a later body.
 """
 
 from __future__ import annotations
@@ -26,7 +27,7 @@ MOST_CELLS = 2_000_000
 
 
 @dataclass(frozen=True)
-class Certificate:
+class DefinitenessProof:
     """What was shown about M(q)."""
 
     shown: bool
@@ -34,47 +35,56 @@ class Certificate:
     reason: str
     """in plain words"""
     lower_bound: float
-    """no eigenvalue of the examined part of M lies below [kg m2]; infinite when nothing had to be examined"""
+    """no eigenvalue of the examined part of M lies below [kg m2]; infinite when nothing had to be
+    examined"""
     links: int
     """number of links examined together"""
     cells: int
     """cells of the joint box that were looked at"""
 
 
-def certify(robot: Robot) -> Certificate:
+def certify(robot: Robot) -> DefinitenessProof:
     """Prove that M(q) is positive definite over the joint box, or say why it is not shown."""
     bodies = report(robot)
     # the tool rides on the last link
     carriers = [*range(robot.n), robot.n - 1][: len(bodies)]
-    weak = [i for i, body in zip(carriers, bodies, strict=True) if body.principal_moments[0] < -body.tolerance]
+    weak = [
+        i
+        for i, body in zip(carriers, bodies, strict=True)
+        if body.principal_moments[0] < -body.tolerance
+    ]
     first_sound = weak[-1] + 1 if weak else 0
     # I_zz about the joint's axis: a link whose joint alone moves must resist
     if not all(row[9] > 0.0 for row in robot.inertial_parameters[first_sound:]):
-        return Certificate(False, "a link has no inertia about its own joint", -np.inf, 0, 0)
+        return DefinitenessProof(False, "a link has no inertia about its own joint", -np.inf, 0, 0)
     if not weak:
-        return Certificate(True, "no body has a negative principal moment", np.inf, 0, 0)
+        return DefinitenessProof(True, "no body has a negative principal moment", np.inf, 0, 0)
     k = weak[-1] + 1
     if k > 3:
         reason = f"link {k} has an indefinite tensor: its part of M depends on more than two joints"
-        return Certificate(False, reason, -np.inf, k, 0)
+        return DefinitenessProof(False, reason, -np.inf, k, 0)
     lower, cells = _bound(robot, k)
     verdict = "is" if lower > 0.0 else "may not be"
     reason = (
-        f"links behind link {k} only add energy; the part of M of links 1-{k} {verdict} positive definite over the "
+        f"links behind link {k} only add energy; the part of M of links 1-{k} {verdict} positive "
+        "definite over the "
         f"joint box (no eigenvalue below {lower:.3g} kg m2)"
     )
-    return Certificate(lower > 0.0, reason, lower, k, cells)
+    return DefinitenessProof(lower > 0.0, reason, lower, k, cells)
 
 
 def _bound(robot: Robot, k: int) -> tuple[float, int]:
-    """Lower bound of the eigenvalues of the part of M of links 1…k over the box of axes 2…k, and cells used.
+    """Lower bound of the eigenvalues of the part of M of links 1…k over the box of axes 2…k, and
+    cells used.
 
-    M is a trigonometric polynomial, so its derivative by q_j is bounded by the sum of |frequency_j| times the spectral
-    norm over its Fourier coefficients. Between grid points it cannot change by more than that times half a cell.
+    M is a trigonometric polynomial, so its derivative by q_j is bounded by the sum of |frequency_j|
+    times the spectral norm over its Fourier coefficients. Between grid points it cannot change by
+    more than that times half a cell.
     """
     part = _Part(robot, k)
     slopes = _slopes(part, k)
-    low, high = robot.q_min[1:k], robot.q_max[1:k]
+    low = robot.q_min[1:k]
+    high = robot.q_max[1:k]
     count = np.full(k - 1, 20)
     while True:
         half = (high - low) / (2 * count)
@@ -95,7 +105,8 @@ class _Part:
         phi = robot.inertial_parameters.copy()
         phi[k:] = 0.0
         M = mass_matrix(robot, q, ca.DM(phi))[:k, :k]
-        self.n, self.k = robot.n, k
+        self.n = robot.n
+        self.k = k
         self.function = ca.Function("part", [q], [ca.densify(M)])
 
     def __call__(self, angles: Array) -> Array:

@@ -1,12 +1,13 @@
 """Could any bodies at all make a robot's torques?
 
-The torque knows the base parameters only. Many sets of link parameters share them, and a table with impossible bodies
-may still be one whose torques possible bodies could make (Sousa, Cortesao 2014). The question is a small semidefinite
-programme over the parameters that the torque does not see,
+The torque knows the base parameters only. Many sets of link parameters share them, and a table with
+impossible bodies may still be one whose torques possible bodies could make (Sousa, Cortesao 2014).
+The question is a small semidefinite programme over the parameters that the torque does not see,
 
     smallest s with J_i(z) + s 1 >= 0 for every link,    J_i the pseudo-inertias in kg and m,
 
-solved here by a barrier and Newton's method: s < 0 means that such bodies exist, and the best z gives them.
+solved here by a barrier and Newton's method: s < 0 means that such bodies exist, and the best z
+gives them.
 """
 
 from __future__ import annotations
@@ -45,12 +46,14 @@ class Realisation:
 
 
 def realise(robot: Robot) -> Realisation:
-    """Link parameters with the torques of `robot` (tool in the last link) that come nearest to real bodies, or are."""
+    """Link parameters with the torques of `robot` (tool in the last link) that come nearest to real
+    bodies, or are."""
     n = robot.n
     phi = robot.inertial_parameters.ravel()
     matrix = base_parameters(robot, robot.inertial_parameters).matrix
     unseen = np.linalg.svd(matrix)[2][matrix.shape[0] :]
-    start, directions = _pseudo_inertias(phi, n), np.array([_pseudo_inertias(row, n) for row in unseen])
+    start = _pseudo_inertias(phi, n)
+    directions = np.array([_pseudo_inertias(row, n) for row in unseen])
     z = _best(start, directions)
     best = (phi + unseen.T @ z).reshape(n, 10)
     best.setflags(write=False)

@@ -18,8 +18,10 @@ def regressor(robot: Robot, q: ca.SX, qd: ca.SX, qdd: ca.SX) -> ca.SX:
 
 
 def transport(X: ca.DM) -> ca.DM:
-    """T (10, 10), so that T phi are the parameters of a body in the frame that X (4, 4) leads to."""
+    """T (10, 10), so that T phi are the parameters of a body in the frame that X (4, 4) leads
+    to."""
     columns = [
-        parameters(np.array(X @ ca.DM(ca.evalf(pseudo_inertia(unit))) @ X.T)) for unit in ca.horzsplit(ca.DM.eye(10))
+        parameters(np.array(X @ ca.DM(ca.evalf(pseudo_inertia(unit))) @ X.T))
+        for unit in ca.horzsplit(ca.DM.eye(10))
     ]
     return ca.DM(np.column_stack(columns))

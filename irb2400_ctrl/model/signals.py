@@ -34,14 +34,21 @@ class ArmSignals:
     @classmethod
     def symbols(cls, robot: Robot, phi: ca.DM | ca.SX) -> ArmSignals:
         """Fresh symbols for everything."""
-        q, qd, qdd, qddd, qdddd = (ca.SX.sym(name, robot.n) for name in ("q", "qd", "qdd", "qddd", "qdddd"))
+        q, qd, qdd, qddd, qdddd = (
+            ca.SX.sym(name, robot.n) for name in ("q", "qd", "qdd", "qddd", "qdddd")
+        )
         return cls(robot, phi, q, qd, qdd, ca.SX.sym("time"), ca.sign(qd), ca.SX(0, 1), qddd, qdddd)
 
     def with_state(self, state: ca.SX) -> ArmSignals:
         """The same signals for an effect with the given internal state."""
         moved = replace(self, state=state)
-        # nothing that follows from the motion depends on the state: what is known already is not derived again
-        known = {name: value for name, value in self.__dict__.items() if name not in self.__dataclass_fields__}
+        # nothing that follows from the motion depends on the state: what is known already is not
+        # derived again
+        known = {
+            name: value
+            for name, value in self.__dict__.items()
+            if name not in self.__dataclass_fields__
+        }
         moved.__dict__.update(known)
         return moved
 
@@ -55,7 +62,9 @@ class ArmSignals:
         """d tau / d g, shape (n, 3)."""
         g = ca.SX.sym("g", 3)
         zero = ca.SX.zeros(self.robot.n)
-        return ca.jacobian(newton_euler.inverse_dynamics(self.robot, self.q, zero, zero, self.phi, g), g)
+        return ca.jacobian(
+            newton_euler.inverse_dynamics(self.robot, self.q, zero, zero, self.phi, g), g
+        )
 
     @cached_property
     def tcp_jacobian(self) -> ca.SX:
@@ -80,12 +89,14 @@ class ArmSignals:
 
     @cached_property
     def tau(self) -> ca.SX:
-        """Rigid-body torque and friction [Nm]; the effects' own part is second order here and left out."""
+        """Rigid-body torque and friction [Nm]; the effects' own part is second order here and left
+        out."""
         return self.load + friction(self.robot, self.qd, self.sign)
 
     @cached_property
     def tau_rate(self) -> ca.SX:
-        """d tau / dt [Nm/s] along the motion; the jump of dry friction at a reversal is spread over about 10 ms."""
+        """d tau / dt [Nm/s] along the motion; the jump of dry friction at a reversal is spread over
+        about 10 ms."""
         coulomb, viscous = (ca.DM(column) for column in self.robot.friction[:, 1:3].T)
         width = 0.005 + 0.005 * ca.fabs(self.qdd)
         jump = coulomb * self.qdd / width / ca.cosh(ca.fmin(ca.fabs(self.qd / width), 30.0)) ** 2

@@ -20,7 +20,7 @@ DURATION = 10.0
 
 
 @dataclass(frozen=True)
-class Motion:
+class StandardMotion:
     """A motion of all joints."""
 
     name: str
@@ -40,15 +40,19 @@ class TorqueDifference:
     """of the first robot's rigid-body torque, for comparison"""
 
 
-def standard_motions(robot: Robot) -> list[Motion]:
-    """Each joint swinging alone, then all together (three mixtures of sines), inside range and speed limits."""
+def standard_motions(robot: Robot) -> list[StandardMotion]:
+    """Each joint swinging alone, then all together (three mixtures of sines), inside range and
+    speed limits."""
     time = np.arange(0.0, DURATION, 1 / RATE)
-    middle, half = (robot.q_max + robot.q_min) / 2, (robot.q_max - robot.q_min) / 2
+    middle = (robot.q_max + robot.q_min) / 2
+    half = (robot.q_max - robot.q_min) / 2
     motions = []
     for i in range(robot.n):
         amplitude = SHARE * half * np.eye(robot.n)[i]
         frequency = np.full(robot.n, SHARE * robot.qd_max[i] / amplitude[i])
-        motions.append(_sines(f"axis {i + 1} alone", time, middle, amplitude[None], frequency[None]))
+        motions.append(
+            _sines(f"axis {i + 1} alone", time, middle, amplitude[None], frequency[None])
+        )
     for seed in range(3):
         rng = np.random.default_rng(seed)
         share = rng.dirichlet(np.ones(3), robot.n).T
@@ -59,8 +63,10 @@ def standard_motions(robot: Robot) -> list[Motion]:
 
 
 def torque_differences(robot: Robot, other: Robot) -> list[TorqueDifference]:
-    """Rigid-body torque of `other` less that of `robot` on each standard motion; friction is the same in both."""
-    first, second = Model(robot), Model(other)
+    """Rigid-body torque of `other` less that of `robot` on each standard motion; friction is the
+    same in both."""
+    first = Model(robot)
+    second = Model(other)
     found = []
     for motion in standard_motions(robot):
         tau = first.inverse_dynamics(motion.q, motion.qd, motion.qdd, friction=False)
@@ -70,15 +76,18 @@ def torque_differences(robot: Robot, other: Robot) -> list[TorqueDifference]:
     return found
 
 
-def _sines(name: str, time: Array, middle: Array, amplitude: Array, frequency: Array) -> Motion:
-    """q = middle + sum of amplitude sin(frequency t); amplitude and frequency [rad, rad/s], shape (terms, n)."""
+def _sines(
+    name: str, time: Array, middle: Array, amplitude: Array, frequency: Array
+) -> StandardMotion:
+    """q = middle + sum of amplitude sin(frequency t); amplitude and frequency [rad, rad/s], shape
+    (terms, n)."""
     angle = time[:, None, None] * frequency
     q = middle + (amplitude * np.sin(angle)).sum(axis=1)
     qd = (amplitude * frequency * np.cos(angle)).sum(axis=1)
     qdd = -(amplitude * frequency**2 * np.sin(angle)).sum(axis=1)
     for array in (q, qd, qdd):
         array.setflags(write=False)
-    return Motion(name, q, qd, qdd)
+    return StandardMotion(name, q, qd, qdd)
 
 
 def _rms(values: Array) -> Array:

@@ -1,4 +1,5 @@
-"""The arm with centres of mass in the links' planes of symmetry: the paper's assumption, which its table leaves."""
+"""The arm with centres of mass in the links' planes of symmetry: the paper's assumption, which its
+table leaves."""
 
 from __future__ import annotations
 
@@ -10,9 +11,11 @@ KEPT = ("z", "xy", "xy", "z", "", "z")
 
 
 def com_in_symmetry_plane(robot: Robot) -> Robot:
-    """This robot with the components of the centres of mass that eqs. 37-42 set to zero set to zero.
+    """This robot with the components of the centres of mass that eqs. 37-42 set to zero set to
+    zero.
 
-    Tab. 3 lists them all; the library follows the table by default. The tool (eq. 43) keeps its own.
+    Tab. 3 lists them all; the library follows the table by default. The tool (eq. 43) keeps its
+    own.
 
     Raises:
         InputError: the chain is not of this family, so the equations do not say anything about it.
@@ -20,7 +23,10 @@ def com_in_symmetry_plane(robot: Robot) -> Robot:
     arm_geometry(robot)
     links = []
     for link, kept in zip(robot.links, KEPT, strict=True):
-        x, y, z = (value if axis in kept else 0.0 for axis, value in zip("xyz", link.body.com_m, strict=True))
+        x, y, z = (
+            value if axis in kept else 0.0
+            for axis, value in zip("xyz", link.body.com_m, strict=True)
+        )
         body = link.body.model_copy(update={"com_m": (x, y, z)})
         links.append(link.model_copy(update={"body": body, "source": f"{link.source}; eqs. 37-42"}))
     return robot.model_copy(update={"links": tuple(links)})

@@ -7,11 +7,18 @@ from matplotlib.figure import Figure
 
 from irb2400_ctrl.diagnosis import Comparison, Curve
 
-AXIS_NAMES = {"q": "angle", "qd": "speed", "qdd": "acceleration", "load": "load torque", "time": "time"}
+AXIS_NAMES = {
+    "q": "angle",
+    "qd": "speed",
+    "qdd": "acceleration",
+    "load": "load torque",
+    "time": "time",
+}
 
 
 def torque_figure(comparison: Comparison, joint: int, seconds: float = 10.0) -> Figure:
-    """Measured torque of one joint against the model before and after, and what is left over the whole record.
+    """Measured torque of one joint against the model before and after, and what is left over the
+    whole record.
 
     The upper plot shows the stretch of `seconds` in which the model before was furthest off.
     """
@@ -26,12 +33,19 @@ def torque_figure(comparison: Comparison, joint: int, seconds: float = 10.0) -> 
     figure = Figure(figsize=(9.0, 5.6), layout="constrained")
     upper, lower = figure.subplots(2, 1)
     upper.plot(time[shown], comparison.measured[shown, j], color="0.55", lw=2.0, label="measured")
-    # at standstill dry friction is undetermined and the model's sign of speed only follows the noise
+    # at standstill dry friction is undetermined and the model's sign of speed only follows the
+    # noise
     for model, color, name in (
         (comparison.before, "tab:red", "model as given"),
         (comparison.after, "tab:blue", "model with what was found"),
     ):
-        upper.plot(time[shown], np.where(known, model[:, j], np.nan)[shown], color=color, lw=0.9, label=name)
+        upper.plot(
+            time[shown],
+            np.where(known, model[:, j], np.nan)[shown],
+            color=color,
+            lw=0.9,
+            label=name,
+        )
     upper.set(xlabel="time [s]", ylabel=f"torque {joint} [Nm]")
     upper.legend(loc="best", fontsize="small")
     lower.plot(time, before, color="tab:red", lw=0.6, label="left by the model as given")
@@ -44,7 +58,8 @@ def torque_figure(comparison: Comparison, joint: int, seconds: float = 10.0) -> 
 
 
 def curve_figure(curve: Curve, law: str) -> Figure:
-    """An effect's own torque: what the log shows once all else is taken off, with its band, and the law."""
+    """An effect's own torque: what the log shows once all else is taken off, with its band, and the
+    law."""
     figure = Figure(figsize=(7.0, 3.8), layout="constrained")
     axis = figure.subplots()
     axis.fill_between(curve.x, curve.low, curve.high, color="0.8", label="log, 95 % band")
@@ -63,7 +78,8 @@ def curve_figure(curve: Curve, law: str) -> Figure:
 
 def _signal_name(signal: str) -> str:
     """`q4` -> angle 4, `load` -> load torque."""
-    stem, digits = signal.rstrip("0123456789"), signal[len(signal.rstrip("0123456789")) :]
+    stem = signal.rstrip("0123456789")
+    digits = signal[len(signal.rstrip("0123456789")) :]
     return f"{AXIS_NAMES.get(stem, stem)} {digits}".rstrip()
 
 

@@ -28,14 +28,16 @@ def diagnosis_page(diagnosis: Diagnosis, title: str) -> Page:
 
 
 def add_diagnosis(page: Page, diagnosis: Diagnosis) -> None:
-    """Verdict, findings with their figures, errors before and after, what is left and what to measure next."""
+    """Verdict, findings with their figures, errors before and after, what is left and what to
+    measure next."""
     page.heading("Verdict")
     page.text(VERDICTS[diagnosis.verdict])
     for finding in diagnosis.findings:
         page.finding(finding_line(finding))
     for rest in diagnosis.unexplained:
         page.finding(
-            f"Joint {rest.joint}: {rest.rmse:.2f} Nm rms are unexplained; they depend on {', '.join(rest.depends_on)}. "
+            f"Joint {rest.joint}: {rest.rmse:.2f} Nm rms are unexplained; they depend on "
+            f"{', '.join(rest.depends_on)}. "
             f"{rest.description}"
         )
     for joint in diagnosis.not_excited:
@@ -46,24 +48,31 @@ def add_diagnosis(page: Page, diagnosis: Diagnosis) -> None:
     page.heading("Error before and after")
     for comparison in (diagnosis.identification, diagnosis.validation):
         if comparison is not None:
-            page.table(_caption(comparison, diagnosis), *error_table(comparison, diagnosis.noise_floor))
+            page.table(
+                _caption(comparison, diagnosis), *error_table(comparison, diagnosis.noise_floor)
+            )
 
     compared = diagnosis.validation or diagnosis.identification
     for finding in diagnosis.findings:
         page.heading(finding_title(finding))
         page.figure(
             curve_figure(finding.curve, f"law of {finding.effect.kind}"),
-            f"The effect's own torque on joint {finding.curve.joint}: the log with all else taken off, and the law.",
+            f"The effect's own torque on joint {finding.curve.joint}: the log with all else taken "
+            "off, and the law.",
         )
         page.table("Parameters", ("parameter", "value", "standard error"), parameter_rows(finding))
         if finding.splits:
             page.text(
-                f"This log cannot exclude {', '.join(finding.alternatives)}. Measure next: {finding.splits}. "
+                f"This log cannot exclude {', '.join(finding.alternatives)}. Measure next: "
+                f"{finding.splits}. "
                 f"A motion for it: irb2400 excite --for {finding.effect.kind} --out next"
             )
     for rest in diagnosis.unexplained:
         page.heading(f"Joint {rest.joint}: unexplained")
-        page.figure(curve_figure(rest.curve, "generic form"), "What is left, over the signal that orders it best.")
+        page.figure(
+            curve_figure(rest.curve, "generic form"),
+            "What is left, over the signal that orders it best.",
+        )
     for joint in _joints_to_show(diagnosis):
         page.figure(
             torque_figure(compared, joint),
@@ -73,12 +82,16 @@ def add_diagnosis(page: Page, diagnosis: Diagnosis) -> None:
     if rows:
         page.heading("Recalibrated")
         page.text("Terms the model already has, with the values this arm needs.")
-        page.table("New values", ("term", *(f"joint {j + 1}" for j in range(diagnosis.given.n))), rows)
+        page.table(
+            "New values", ("term", *(f"joint {j + 1}" for j in range(diagnosis.given.n))), rows
+        )
 
 
 def finding_title(finding: Finding) -> str:
     """`gear_ripple on joint 4`."""
-    return finding.effect.kind + ("" if finding.effect.joint is None else f" on joint {finding.effect.joint}")
+    return finding.effect.kind + (
+        "" if finding.effect.joint is None else f" on joint {finding.effect.joint}"
+    )
 
 
 def finding_line(finding: Finding) -> str:
@@ -111,9 +124,14 @@ def lines(diagnosis: Diagnosis) -> list[str]:
     return found
 
 
-def error_table(comparison: Comparison, floor: np.ndarray) -> tuple[Sequence[str], list[list[object]]]:
-    """Head and rows of eqs. 75-77, one row per joint; RMSE also after recalibration alone, and the noise floor."""
-    before, recalibrated, after = comparison.error_before, comparison.error_recalibrated, comparison.error_after
+def error_table(
+    comparison: Comparison, floor: np.ndarray
+) -> tuple[Sequence[str], list[list[object]]]:
+    """Head and rows of eqs. 75-77, one row per joint; RMSE also after recalibration alone, and the
+    noise floor."""
+    before = comparison.error_before
+    recalibrated = comparison.error_recalibrated
+    after = comparison.error_after
     columns = {
         "joint": [str(j + 1) for j in range(len(floor))],
         "MAE before": before.mae,
@@ -135,10 +153,16 @@ def parameter_rows(finding: Finding) -> list[list[object]]:
     def text(value: Any) -> str:
         if not isinstance(value, list | tuple):
             return show(float(value))
-        return ", ".join(window(*v) if isinstance(v, list | tuple) else show(float(v)) for v in value)
+        return ", ".join(
+            window(*v) if isinstance(v, list | tuple) else show(float(v)) for v in value
+        )
 
     def window(start: float, stop: float) -> str:
-        return f"{show(float(start))} to {show(float(stop))}" if stop < OPEN_END_S else f"{show(float(start))} on"
+        return (
+            f"{show(float(start))} to {show(float(stop))}"
+            if stop < OPEN_END_S
+            else f"{show(float(start))} on"
+        )
 
     errors = finding.standard_errors
     return [
@@ -151,14 +175,22 @@ def recalibration_rows(recalibrated: Mapping[str, Any]) -> list[list[object]]:
     """One row per term with a value for each joint (mass data of the links stand in robot.toml)."""
     rows: list[list[object]] = []
     for term, values in recalibrated.items():
-        flat = np.asarray(values, dtype=float) if isinstance(values, list | tuple | np.ndarray) else np.empty((0, 0))
+        flat = (
+            np.asarray(values, dtype=float)
+            if isinstance(values, list | tuple | np.ndarray)
+            else np.empty((0, 0))
+        )
         if flat.ndim == 1 and flat.size:
             rows.append([term, *(float(v) for v in flat)])
     return rows
 
 
 def _caption(comparison: Comparison, diagnosis: Diagnosis) -> str:
-    which = "the log it was found on" if comparison is diagnosis.identification else "the other motion of the same arm"
+    which = (
+        "the log it was found on"
+        if comparison is diagnosis.identification
+        else "the other motion of the same arm"
+    )
     return f"{Path(comparison.name).name}, {which}: eqs. 75-77 in Nm and %"
 
 

@@ -1,4 +1,5 @@
-"""The main job: plan a part, track it, find what the model lacks, close the loop. Every step on committed input."""
+"""The main job: plan a part, track it, find what the model lacks, close the loop. Every step on
+committed input."""
 
 from __future__ import annotations
 
@@ -14,7 +15,7 @@ from irb2400_ctrl.measurement import Log, read_log
 from irb2400_ctrl.planners import MotionLimits, Plan, plan_path, read_path
 from irb2400_ctrl.robot import Robot, load_robot
 from irb2400_ctrl.simulation import Simulation, Trajectory, perturbed_robot, simulate
-from irb2400_ctrl.simulation.close_loop import ClosedLoop, close_loop
+from irb2400_ctrl.simulation.close_the_loop import ClosedLoop, close_loop
 from irb2400_ctrl.simulation.recorded import recorded_motion
 
 DATA = Path(str(resources.files("irb2400_ctrl") / "data"))
@@ -22,9 +23,11 @@ TOOLPATH = DATA / "freeform.apt"
 ARM = DATA / "arm"
 TRACKED_WITH = ("pid", "feedforward_pid", "computed_torque")
 GENERATED = ("computed_torque", "feedforward_pid")
-# what the planner may use of the torque limits; the rest is the controller's, for what the model does not know
+# what the planner may use of the torque limits; the rest is the controller's, for what the model
+# does not know
 TORQUE_SHARE = 0.9
-# the plant differs from the model within the uncertainty of the data sheet; the seed only makes the page repeatable
+# the plant differs from the model within the uncertainty of the data sheet; the seed only makes the
+# page repeatable
 PLANT_SEED = 7
 
 
@@ -66,7 +69,8 @@ def run_main_job(out: Path, say: Callable[[str], None] = lambda text: None) -> M
         tracking[name].write(out / "tracking" / name)
 
     say("comparing log and model")
-    log, validation = read_log(ARM / "identification.csv.gz"), read_log(ARM / "validation.csv.gz")
+    log = read_log(ARM / "identification.csv.gz")
+    validation = read_log(ARM / "validation.csv.gz")
     diagnosis = diagnose(robot, log, validation=validation)
     diagnosis.write(out / "diagnosis")
 

@@ -50,24 +50,35 @@ class Page:
     def table(self, caption: str, head: Sequence[str], rows: Sequence[Sequence[object]]) -> None:
         """A table; numbers with three significant digits or as they are given in text."""
         cells = "".join(f"<th>{html.escape(name)}</th>" for name in head)
-        body = "".join("<tr>" + "".join(f"<td>{html.escape(show(v))}</td>" for v in row) + "</tr>" for row in rows)
-        self._parts.append(f"<table><caption>{html.escape(caption)}</caption><tr>{cells}</tr>{body}</table>")
+        body = "".join(
+            "<tr>" + "".join(f"<td>{html.escape(show(v))}</td>" for v in row) + "</tr>"
+            for row in rows
+        )
+        self._parts.append(
+            f"<table><caption>{html.escape(caption)}</caption><tr>{cells}</tr>{body}</table>"
+        )
 
     def figure(self, figure: Figure, caption: str) -> None:
         """A figure, embedded as PNG."""
         buffer = io.BytesIO()
         # without metadata the same figure gives the same bytes
-        figure.savefig(buffer, format="png", dpi=110, bbox_inches="tight", metadata={"Software": None})
+        figure.savefig(
+            buffer, format="png", dpi=110, bbox_inches="tight", metadata={"Software": None}
+        )
         data = base64.b64encode(buffer.getvalue()).decode()
         text = html.escape(caption)
         self._parts.append(
-            f'<figure><img alt="{text}" src="data:image/png;base64,{data}"><figcaption>{text}</figcaption></figure>'
+            f'<figure><img alt="{text}" '
+            f'src="data:image/png;base64,{data}"><figcaption>{text}</figcaption></figure>'
         )
 
     def write(self, path: Path | str) -> Path:
         """Write the page as one file."""
         title = html.escape(self.title)
-        head = f'<meta charset="utf-8"><meta name="viewport" content="width=device-width"><title>{title}</title>'
+        head = (
+            f'<meta charset="utf-8"><meta name="viewport" '
+            f'content="width=device-width"><title>{title}</title>'
+        )
         parts = "\n".join(self._parts)
         return write_atomic(
             path,

@@ -1,4 +1,5 @@
-"""Figures of a plan: joint angles, singularity margins and torque along the path, against their limits."""
+"""Figures of a plan: joint angles, singularity margins and torque along the path, against their
+limits."""
 
 from __future__ import annotations
 
@@ -10,16 +11,19 @@ from matplotlib.figure import Figure
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.planners import Plan
 
-MARGINS = (("wrist", "wrist |sin q5| [-]"), ("shoulder", "shoulder |r| [m]"), ("elbow", "elbow |k| [m]"))
+MARGINS = (
+    ("wrist", "wrist |sin q5| [-]"),
+    ("shoulder", "shoulder |r| [m]"),
+    ("elbow", "elbow |k| [m]"),
+)
 
 
 def plan_figures(plan: Plan) -> dict[str, Figure]:
     """Caption -> figure."""
     return {
         "Torque of each joint along the motion; the limits are dashed.": torque_figure(plan),
-        "Distance from the three singularities; the dashed line is the smallest value over the whole path.": (
-            margin_figure(plan)
-        ),
+        "Distance from the three singularities; the dashed line is the smallest value over the "
+        "whole path.": (margin_figure(plan)),
         "Joint angles along the motion; the ends of the joint box are dashed.": joint_figure(plan),
     }
 
@@ -27,7 +31,9 @@ def plan_figures(plan: Plan) -> dict[str, Figure]:
 def save_figures(plan: Plan, out: Path) -> list[Path]:
     """Write torque.png, margins.png and joints.png into a folder; returns their paths."""
     paths = []
-    for name, figure in zip(("torque", "margins", "joints"), plan_figures(plan).values(), strict=True):
+    for name, figure in zip(
+        ("torque", "margins", "joints"), plan_figures(plan).values(), strict=True
+    ):
         paths.append(out / f"{name}.png")
         figure.savefig(paths[-1], dpi=120, metadata={"Software": None})
     return paths
@@ -41,15 +47,19 @@ def torque_figure(plan: Plan) -> Figure:
 
 def joint_figure(plan: Plan) -> Figure:
     """Joint angles over time, one plot a joint."""
-    low, high = np.degrees(plan.robot.q_min), np.degrees(plan.robot.q_max)
+    low = np.degrees(plan.robot.q_min)
+    high = np.degrees(plan.robot.q_max)
     return _joint_plots(plan, np.degrees(plan.trajectory.q), low, high, "angle", "deg")
 
 
 def margin_figure(plan: Plan) -> Figure:
-    """The three singularity factors over time, with their smallest values over the continuous path."""
+    """The three singularity factors over time, with their smallest values over the continuous
+    path."""
     figure = Figure(figsize=(9.0, 6.0), layout="constrained")
     factors = np.abs(Model(plan.robot).singularity_factors(plan.trajectory.q))
-    for axis, (name, label), values in zip(figure.subplots(3, 1, sharex=True), MARGINS, factors.T, strict=True):
+    for axis, (name, label), values in zip(
+        figure.subplots(3, 1, sharex=True), MARGINS, factors.T, strict=True
+    ):
         axis.plot(plan.trajectory.time, values, lw=1.0)
         axis.axhline(plan.singularity_margin[name], color="tab:red", ls="--", lw=0.9)
         axis.set_ylabel(label)
@@ -59,7 +69,9 @@ def margin_figure(plan: Plan) -> Figure:
     return figure
 
 
-def _joint_plots(plan: Plan, values: np.ndarray, low: np.ndarray, high: np.ndarray, what: str, unit: str) -> Figure:
+def _joint_plots(
+    plan: Plan, values: np.ndarray, low: np.ndarray, high: np.ndarray, what: str, unit: str
+) -> Figure:
     n = values.shape[1]
     figure = Figure(figsize=(9.0, 7.0), layout="constrained")
     axes = figure.subplots((n + 1) // 2, 2, sharex=True).ravel()

@@ -11,16 +11,24 @@ from irb2400_ctrl.simulation import Simulation
 
 
 def tracking_figure(runs: Mapping[str, Simulation]) -> Figure:
-    """Distance of the TCP from its reference over time, one line per run, and the largest error of each joint."""
+    """Distance of the TCP from its reference over time, one line per run, and the largest error of
+    each joint."""
     figure = Figure(figsize=(9.0, 6.2), layout="constrained")
     over_time, per_joint = figure.subplots(2, 1, height_ratios=(3, 2))
     width = 0.8 / len(runs)
     for k, (name, run) in enumerate(runs.items()):
         error = 1e3 * run.tcp_error
         rms = float(np.sqrt(np.mean(error**2)))
-        over_time.plot(run.time, error, lw=1.0, label=f"{name}: {rms:.3f} mm rms, {error.max():.3f} mm at most")
+        over_time.plot(
+            run.time, error, lw=1.0, label=f"{name}: {rms:.3f} mm rms, {error.max():.3f} mm at most"
+        )
         worst = np.degrees(np.abs(run.q - run.q_ref)).max(axis=0)
-        per_joint.bar(np.arange(1, len(worst) + 1) + (k - (len(runs) - 1) / 2) * width, worst, width, label=name)
+        per_joint.bar(
+            np.arange(1, len(worst) + 1) + (k - (len(runs) - 1) / 2) * width,
+            worst,
+            width,
+            label=name,
+        )
     over_time.set(xlabel="time [s]", ylabel="TCP error [mm]")
     over_time.set_ylim(bottom=0)
     over_time.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), frameon=False)

@@ -1,7 +1,7 @@
 """`Robot`: the validated description of an arm.
 
-Its fields are the keys of the robot file: every key carries its unit, every table its source or the word assumption.
-Inside the library the arrays of `Robot` are SI and radians without suffix.
+Its fields are the keys of the robot file: every key carries its unit, every table its source or the
+word assumption. Inside the library the arrays of `Robot` are SI and radians without suffix.
 """
 
 from __future__ import annotations
@@ -27,11 +27,14 @@ Row4 = tuple[float, float, float, float]
 
 
 class _Table(BaseModel):
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False, ignored_types=(cached_property,))
+    model_config = ConfigDict(
+        frozen=True, extra="forbid", allow_inf_nan=False, ignored_types=(cached_property,)
+    )
 
 
 def _six(value: object) -> object:
-    """[xx, yy, zz, xy, xz, yz] from a table with those keys, so that a file may name the elements."""
+    """[xx, yy, zz, xy, xz, yz] from a table with those keys, so that a file may name the
+    elements."""
     if isinstance(value, dict) and set(value) == {"xx", "yy", "zz", "xy", "xz", "yz"}:
         return tuple(value[key] for key in ("xx", "yy", "zz", "xy", "xz", "yz"))
     return value
@@ -48,16 +51,22 @@ class ModifiedDH(_Table):
     d_m: float
 
     def matrix(self) -> Array:
-        """Rot_x(alpha) Trans_x(a) Trans_z(d): the part of eq. 2 in front of the joint's turn, shape (4, 4)."""
+        """Rot_x(alpha) Trans_x(a) Trans_z(d): the part of eq. 2 in front of the joint's turn, shape
+        (4, 4)."""
         # multiples of 90 degrees give exact zeros, so that the symbolic model has no 6e-17 terms
-        c, s = (round(v) if abs(v - round(v)) < 1e-12 else v for v in (np.cos(self.alpha_rad), np.sin(self.alpha_rad)))
+        c, s = (
+            round(v) if abs(v - round(v)) < 1e-12 else v
+            for v in (np.cos(self.alpha_rad), np.sin(self.alpha_rad))
+        )
         return np.array(
-            [[1, 0, 0, self.a_m], [0, c, -s, -self.d_m * s], [0, s, c, self.d_m * c], [0, 0, 0, 1]], dtype=float
+            [[1, 0, 0, self.a_m], [0, c, -s, -self.d_m * s], [0, s, c, self.d_m * c], [0, 0, 0, 1]],
+            dtype=float,
         )
 
 
 class Transform(_Table):
-    """Pose of frame i in frame i - 1 as a homogeneous matrix; the joint turns about the new z axis."""
+    """Pose of frame i in frame i - 1 as a homogeneous matrix; the joint turns about the new z
+    axis."""
 
     transform: tuple[Row4, Row4, Row4, Row4]
 
@@ -65,8 +74,15 @@ class Transform(_Table):
     def _is_pose(self) -> Self:
         X = np.array(self.transform)
         R = X[:3, :3]
-        if np.abs(R @ R.T - np.eye(3)).max() > 1e-6 or np.linalg.det(R) < 0 or (X[3] != (0, 0, 0, 1)).any():
-            raise ValueError("not a pose: expected [[R, p], [0, 0, 0, 1]] with R a rotation (R R^T = 1, det R = 1)")
+        if (
+            np.abs(R @ R.T - np.eye(3)).max() > 1e-6
+            or np.linalg.det(R) < 0
+            or (X[3] != (0, 0, 0, 1)).any()
+        ):
+            raise ValueError(
+                "not a pose: expected [[R, p], [0, 0, 0, 1]] with R a rotation (R R^T = 1, det R = "
+                "1)"
+            )
         return self
 
     def matrix(self) -> Array:
@@ -91,7 +107,8 @@ class Body(_Table):
         return np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
 
     def parameters(self, X: Array | None = None) -> Array:
-        """phi = (m, m c, I_O) with I_O = (xx, xy, xz, yy, yz, zz) about the frame's origin, shape (10,).
+        """phi = (m, m c, I_O) with I_O = (xx, xy, xz, yy, yz, zz) about the frame's origin, shape
+        (10,).
 
         With a pose X (4, 4), the body is first expressed in the frame that X leads to.
         """
@@ -148,7 +165,8 @@ class Joint(_Table):
 
 
 class Coupling(_Table):
-    """theta = matrix @ q + offset: link angles from actuator angles (parallelogram: theta3 = q3 - q2)."""
+    """theta = matrix @ q + offset: link angles from actuator angles (parallelogram: theta3 = q3 -
+    q2)."""
 
     matrix: tuple[tuple[float, ...], ...]
     offset_rad: tuple[float, ...]
@@ -158,7 +176,8 @@ class Coupling(_Table):
 
 
 class Tool(_Table):
-    """The tool on the flange: TCP (eqs. 10-12, 69) and mass data (eq. 43, Tab. 4), both in the flange frame."""
+    """The tool on the flange: TCP (eqs. 10-12, 69) and mass data (eq. 43, Tab. 4), both in the
+    flange frame."""
 
     name: str
     tcp: Transform
@@ -169,7 +188,8 @@ class Tool(_Table):
 
 
 class Robot(_Table):
-    """An arm of n revolute joints. Read it with `load_robot` (`file.py`), change it with `model_copy(update=...)`."""
+    """An arm of n revolute joints. Read it with `load_robot` (`file.py`), change it with
+    `model_copy(update=...)`."""
 
     schema_version: Literal[1] = 1
     name: str
@@ -199,9 +219,14 @@ class Robot(_Table):
             if effect.joint not in allowed:
                 names = "absent" if allowed == [None] else ", ".join(str(j) for j in allowed)
                 problems.append(f"effects: {effect.kind} on joint {effect.joint}, expected {names}")
-            elif effect.shape and len(effect.shape) != (size := shape_size(type(effect), effect.joint, n)):
+            elif effect.shape and len(effect.shape) != (
+                size := shape_size(type(effect), effect.joint, n)
+            ):
                 wanted = f"{size} or none" if size else "none"
-                problems.append(f"effects: {effect.kind} has a shape of {len(effect.shape)} numbers, expected {wanted}")
+                problems.append(
+                    f"effects: {effect.kind} has a shape of {len(effect.shape)} numbers, expected "
+                    f"{wanted}"
+                )
         if problems:
             raise ValueError("; ".join(problems))
         return self
@@ -248,7 +273,8 @@ class Robot(_Table):
 
     @cached_property
     def friction(self) -> Array:
-        """Friction of eq. 54: columns F_s, F_c [Nm], F_v [Nm s/rad], omega_st [rad/s]; shape (n, 4)."""
+        """Friction of eq. 54: columns F_s, F_c [Nm], F_v [Nm s/rad], omega_st [rad/s]; shape (n,
+        4)."""
         return _read_only(
             np.array(
                 [
@@ -260,7 +286,8 @@ class Robot(_Table):
 
     @cached_property
     def inertial_parameters(self) -> Array:
-        """phi of each link (tool folded into the last one), about the link frames' origins, shape (n, 10)."""
+        """phi of each link (tool folded into the last one), about the link frames' origins, shape
+        (n, 10)."""
         phi = np.array([link.body.parameters() for link in self.links])
         if self.tool is not None:
             phi[-1] += self.tool.body.parameters(self.flange.matrix())
@@ -276,13 +303,19 @@ class Robot(_Table):
         return self.model_copy(update={"effects": (*self.effects, *effects)})
 
     def bare(self) -> Robot:
-        """The arm alone, with the bodies that it carries always: without forces and measuring chain."""
-        return self.model_copy(update={"effects": tuple(e for e in self.effects if e.role == "parameters")})
+        """The arm alone, with the bodies that it carries always: without forces and measuring
+        chain."""
+        return self.model_copy(
+            update={"effects": tuple(e for e in self.effects if e.role == "parameters")}
+        )
 
     def lasting(self) -> Robot:
-        """The robot after a record: what began in it acts from now on, what also ended in it was an event."""
+        """The robot after a record: what began in it acts from now on, what also ended in it was an
+        event."""
         kept = [e for e in self.effects if not e.windows_s or e.windows_s[-1][1] >= OPEN_END_S]
-        return self.model_copy(update={"effects": tuple(e.model_copy(update={"windows_s": ()}) for e in kept)})
+        return self.model_copy(
+            update={"effects": tuple(e.model_copy(update={"windows_s": ()}) for e in kept)}
+        )
 
     def __eq__(self, other: object) -> bool:
         """Equal descriptions; arrays that were computed on the way do not count."""
@@ -293,7 +326,8 @@ class Robot(_Table):
         return hash(self.model_dump_json())
 
     def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> Robot:
-        """This robot with some fields changed, validated; nothing computed for the old one is carried along."""
+        """This robot with some fields changed, validated; nothing computed for the old one is
+        carried along."""
         fields = {name: getattr(self, name) for name in type(self).model_fields}
         return type(self).model_validate({**fields, **(update or {})})
 

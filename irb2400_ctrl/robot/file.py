@@ -1,4 +1,5 @@
-"""The robot file (TOML): read with all its problems listed at once, written so that it reads back equal."""
+"""The robot file (TOML): read with all its problems listed at once, written so that it reads back
+equal."""
 
 from __future__ import annotations
 
@@ -31,7 +32,9 @@ from irb2400_ctrl.robot.description import (
 def robot_names() -> list[str]:
     """Names of the robots that come with the library."""
     folder = resources.files("irb2400_ctrl") / "robots"
-    return sorted(Path(entry.name).stem for entry in folder.iterdir() if entry.name.endswith(".toml"))
+    return sorted(
+        Path(entry.name).stem for entry in folder.iterdir() if entry.name.endswith(".toml")
+    )
 
 
 def load_robot(source: str | Path) -> Robot:
@@ -46,7 +49,9 @@ def load_robot(source: str | Path) -> Robot:
         path = Path(source)
         if not path.is_file():
             known = ", ".join(robot_names())
-            raise InputError(f"no robot file {path}: expected a TOML file or one of the robots {known}")
+            raise InputError(
+                f"no robot file {path}: expected a TOML file or one of the robots {known}"
+            )
         text = path.read_text()
     try:
         return Robot.model_validate(tomllib.loads(text))
@@ -65,16 +70,21 @@ def _explain(source: str, error: ValidationError) -> str:
     """One line per problem: where, what was found, what was expected."""
     lines = []
     for item in error.errors():
-        # pydantic puts the tag of a union (ModifiedDH, the effect's kind) into the path; the file has no such key
+        # pydantic puts the tag of a union (ModifiedDH, the effect's kind) into the path; the file
+        # has no such key
         parts = [part for part in item["loc"] if part not in {"ModifiedDH", "Transform", *LIBRARY}]
-        place = "".join(f"[{part + 1}]" if isinstance(part, int) else f".{part}" for part in parts).lstrip(".")
+        place = "".join(
+            f"[{part + 1}]" if isinstance(part, int) else f".{part}" for part in parts
+        ).lstrip(".")
         if item["type"] == "extra_forbidden":
             near = difflib.get_close_matches(str(item["loc"][-1]), _keys(), n=1)
             hint = f"; did you mean {near[0]}?" if near else ""
             lines.append(f"{place}: unknown key{hint}")
         else:
             value: Any = item["input"]
-            found = "" if isinstance(value, dict | list | tuple | BaseModel) else f", found {value!r}"
+            found = (
+                "" if isinstance(value, dict | list | tuple | BaseModel) else f", found {value!r}"
+            )
             lines.append(f"{place or 'robot'}: {item['msg'].removeprefix('Value error, ')}{found}")
     return f"{source} is not a valid robot file:\n  " + "\n  ".join(dict.fromkeys(lines))
 

@@ -1,20 +1,23 @@
-"""Dry friction over one time step: stick, slip, stop and reversal inside the step, for all joints together.
+"""Dry friction over one time step: stick, slip, stop and reversal inside the step, for all joints
+together.
 
 Over a step h the mean dry torques f and the end speeds v are found from
 
     v = v_free - h W f,      W = M^-1,  v_free = v_start + h W (tau - bias)
 
-with, for each joint, the law of set-valued friction f in [lower, upper] *averaged over the step*. With the other
-joints' torques given, the speed of joint j is piecewise linear in the step, so its events have closed forms. Let u be
-its end speed without friction of its own, w = h W_jj, and p = (u - v_start) / w the mean torque that drives it:
+with, for each joint, the law of set-valued friction f in [lower, upper] *averaged over the step*.
+With the other joints' torques given, the speed of joint j is piecewise linear in the step, so its
+events have closed forms. Let u be its end speed without friction of its own, w = h W_jj, and p = (u
+- v_start) / w the mean torque that drives it:
 
     slides on:  f = bound of its direction, while the speed keeps its sign
     stops at the share s of the step (v_start + s w (p - bound) = 0), then
         sticks if p is inside the static bounds:  f = u / w, v = 0
-        goes on the other way otherwise:          f = s * bound + (1 - s) * bound of the other direction
+        goes on the other way otherwise:          f = s * bound + (1 - s) * bound of the other
+        direction
 
-so a reversal costs no step-size artefact of first order and a stuck joint stays exactly at rest. The joints are
-swept in turn (projected Gauss-Seidel), beginning with the torques of the last step.
+so a reversal costs no step-size artefact of first order and a stuck joint stays exactly at rest.
+The joints are swept in turn (projected Gauss-Seidel), beginning with the torques of the last step.
 """
 
 from __future__ import annotations
@@ -54,7 +57,8 @@ def dry_friction_step(
         sweeps: number of Gauss-Seidel sweeps.
     """
     n = v_start.numel()
-    v_end, f = guess[0], ca.vertsplit(guess[1])
+    v_end = guess[0]
+    f = ca.vertsplit(guess[1])
     v = v_free - hW @ guess[1]
     stuck = [ca.SX(0)] * n
     for _ in range(sweeps):
@@ -72,7 +76,8 @@ def dry_friction_step(
 
 def _mean_torque(start: ca.SX, u: ca.SX, w: ca.SX, b: Bounds) -> tuple[ca.SX, ca.SX]:
     """Mean dry torque of one joint over the step, and whether it stands at the end."""
-    forwards, backwards = start > 0, start < 0
+    forwards = start > 0
+    backwards = start < 0
     drive = (u - start) / w
     first = ca.if_else(forwards, b.upper, b.lower)
     slid = u - w * first

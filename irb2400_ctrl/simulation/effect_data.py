@@ -1,7 +1,9 @@
-"""The numbers of a plant's effects as inputs of its compiled code: other numbers, the same machine code.
+"""The numbers of a plant's effects as inputs of its compiled code: other numbers, the same machine
+code.
 
-An effect is `basis(nonlinear fields) @ coefficients + departures @ shape`. Its data are, one after the other, the
-coefficients, the fields, the shape; all three become symbols, so nothing of the effect but its form is compiled in.
+An effect is `basis(nonlinear fields) @ coefficients + departures @ shape`. Its data are, one after
+the other, the coefficients, the fields, the shape; all three become symbols, so nothing of the
+effect but its form is compiled in.
 """
 
 from __future__ import annotations
@@ -26,8 +28,10 @@ class EffectForm:
 
     @classmethod
     def of(cls, effect: Effect, data: ca.SX) -> EffectForm:
-        """The form of `effect`, its numbers taken from `data`, shape (len(effect_data(effect)),)."""
-        own, k = _fields(effect), len(effect.coefficients())
+        """The form of `effect`, its numbers taken from `data`, shape
+        (len(effect_data(effect)),)."""
+        own = _fields(effect)
+        k = len(effect.coefficients())
         # construct, not validate: the fields are symbols
         symbols: dict[str, Any] = {name: data[k + i] for i, name in enumerate(own)}
         symbols |= {"kind": effect.kind, "joint": effect.joint, "windows_s": effect.windows_s}
@@ -58,9 +62,14 @@ def data_of(effects: Sequence[Effect]) -> tuple[float, ...]:
 
 
 def structure(effects: Sequence[Effect]) -> tuple[tuple[object, ...], ...]:
-    """What of the effects is compiled in: their kinds, joints, number of shape coefficients and windows of time."""
+    """What of the effects is compiled in: their kinds, joints, number of shape coefficients and
+    windows of time."""
     return tuple((e.kind, e.joint, len(e.shape), e.windows_s) for e in effects)
 
 
 def _fields(effect: Effect) -> dict[str, float]:
-    return {name: value for name, value in effect.parameters().items() if name not in {"shape", "windows_s"}}
+    return {
+        name: value
+        for name, value in effect.parameters().items()
+        if name not in {"shape", "windows_s"}
+    }

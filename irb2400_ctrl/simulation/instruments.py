@@ -1,4 +1,5 @@
-"""What stands between controller and arm: encoders, speed filter, torque path; and what the data stream adds."""
+"""What stands between controller and arm: encoders, speed filter, torque path; and what the data
+stream adds."""
 
 from __future__ import annotations
 
@@ -9,15 +10,15 @@ from pydantic import BaseModel, ConfigDict, Field
 NotNegative = Annotated[float, Field(ge=0)]
 
 
-class _Table(BaseModel):
+class _Instrument(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
 
-class Sensors(_Table):
+class Sensors(_Instrument):
     """Measuring chain of a drive, as seen by the controller and by the log.
 
-    The speed is the filtered difference of the quantised angle, as drives make it: qd' = 2 pi f (dq/dt - qd).
-    Noise on the reported torque does not enter the loop.
+    The speed is the filtered difference of the quantised angle, as drives make it: qd' = 2 pi f
+    (dq/dt - qd). Noise on the reported torque does not enter the loop.
     """
 
     encoder_step_rad: NotNegative = 5e-6
@@ -32,7 +33,7 @@ class Sensors(_Table):
     """rate of the data stream"""
 
 
-class Actuators(_Table):
+class Actuators(_Instrument):
     """The torque path from the controller's output to the arm."""
 
     delay_samples: Annotated[int, Field(ge=0, le=1)] = 1

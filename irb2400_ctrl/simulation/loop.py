@@ -1,4 +1,5 @@
-"""Controller, instruments and plant in one discrete-time block: what `simulate` runs in generated C."""
+"""Controller, instruments and plant in one discrete-time block: what `simulate` runs in generated
+C."""
 
 from __future__ import annotations
 
@@ -28,13 +29,14 @@ def closed_loop(
 ) -> Block:
     """One control period of the whole loop as a block.
 
-    Inputs: `q_ref`, `qd_ref`, `qdd_ref`, with `wrench` also `wrench`, `fresh` if the controller has it,
-    `encoder_noise` if the sensors have it. Outputs, all at the sample: true `q` and `qd`, measured `q_seen` and
-    `qd_seen`, `tau` as it acts during the period, `command`, `dry` friction of the step before, `q_link` (differs
-    from `q` where a joint is elastic).
+    Inputs: `q_ref`, `qd_ref`, `qdd_ref`, with `wrench` also `wrench`, `fresh` if the controller has
+    it, `encoder_noise` if the sensors have it. Outputs, all at the sample: true `q` and `qd`,
+    measured `q_seen` and `qd_seen`, `tau` as it acts during the period, `command`, `dry` friction
+    of the step before, `q_link` (differs from `q` where a joint is elastic).
     States and parameters of the controller bear the prefix `c_`, those of the plant `p_`.
     """
-    n, period = plant.n, controller.sample_time
+    n = plant.n
+    period = controller.sample_time
     arm = plant_block(plant, period, substeps=substeps, wrench=wrench)
     states = [
         *prefixed("p_", arm.states),
@@ -45,16 +47,22 @@ def closed_loop(
         Field("tau_lag", n, "Nm", "torque behind the lag"),
     ]
     known = {"q", "qd", "fresh", *REFERENCE}
-    if not {f.name for f in controller.inputs} <= known or "tau" not in {f.name for f in controller.outputs}:
+    if not {f.name for f in controller.inputs} <= known or "tau" not in {
+        f.name for f in controller.outputs
+    }:
         raise InputError(
             f"controller {controller.name!r} has inputs {[f.name for f in controller.inputs]}; "
             "expected some of q, qd, q_ref, qd_ref, qdd_ref, fresh, and an output tau"
         )
     inputs = [Field(name, n, unit, "reference") for name, unit in REFERENCE.items()]
     if wrench:
-        inputs.append(Field("wrench", 6, "N, Nm", "force and moment on the tool at the TCP, base frame"))
+        inputs.append(
+            Field("wrench", 6, "N, Nm", "force and moment on the tool at the TCP, base frame")
+        )
     if any(f.name == "fresh" for f in controller.inputs):
-        inputs.append(Field("fresh", 1, "-", "0 where the sample was lost on its way to the controller"))
+        inputs.append(
+            Field("fresh", 1, "-", "0 where the sample was lost on its way to the controller")
+        )
     if sensors.encoder_noise_rad > 0:
         inputs.append(Field("encoder_noise", n, "rad", "added to the angles before quantisation"))
     extra = [f for f in controller.outputs if f.name != "tau"]
@@ -76,7 +84,8 @@ def closed_loop(
     ]
     v = {f.name: ca.SX.sym(f.name, f.size) for f in (*states, *inputs, *parameters)}
 
-    q, qd = v["p_q"], v["p_qd"]
+    q = v["p_q"]
+    qd = v["p_qd"]
     shown = q - v["encoder_zero"] + v.get("encoder_noise", ca.SX.zeros(n))
     q_seen = quantised(shown, sensors.encoder_step_rad)
     if sensors.speed_filter_Hz > 0:
@@ -94,7 +103,11 @@ def closed_loop(
     lag = 0.0 if actuators.lag_s == 0 else math.exp(-period / actuators.lag_s)
     # the torque behind a first-order lag, its mean over the period
     behind = wanted + lag * (v["tau_lag"] - wanted)
-    tau = wanted if lag == 0 else wanted + (v["tau_lag"] - wanted) * (1 - lag) * actuators.lag_s / period
+    tau = (
+        wanted
+        if lag == 0
+        else wanted + (v["tau_lag"] - wanted) * (1 - lag) * actuators.lag_s / period
+    )
     moved = run(arm, "p_", {**v, "p_tau": tau, **({"p_wrench": v["wrench"]} if wrench else {})})
     after = {
         **{f"p_{f.name}": moved[f"{f.name}_next"] for f in arm.states},
@@ -105,17 +118,31 @@ def closed_loop(
         "tau_lag": behind,
     }
     given: Values = {
-        "q": q, "qd": qd, "q_seen": q_seen, "qd_seen": qd_seen, "tau": tau, "command": command, "dry": v["p_dry"],
+        "q": q,
+        "qd": qd,
+        "q_seen": q_seen,
+        "qd_seen": qd_seen,
+        "tau": tau,
+        "command": command,
+        "dry": v["p_dry"],
         "q_link": link_angles(plant, q, v.get("p_link", ca.SX(0, 1))),
         **{f"c_{f.name}": control[f.name] for f in extra},
-    }  # fmt: skip
-    results = [ca.densify(x) for x in (*(after[f.name] for f in states), *(given[f.name] for f in outputs))]
+    }
+    results = [
+        ca.densify(x) for x in (*(after[f.name] for f in states), *(given[f.name] for f in outputs))
+    ]
     names_out = [*(f"{f.name}_next" for f in states), *(f"{f.name}_now" for f in outputs)]
     step = ca.Function(f"{controller.name}_loop", list(v.values()), results, list(v), names_out)
     return Block(
-        step.name(), f"{controller.name} on {plant.name}", period,
-        tuple(states), tuple(inputs), tuple(outputs), tuple(parameters), step,
-    )  # fmt: skip
+        step.name(),
+        f"{controller.name} on {plant.name}",
+        period,
+        tuple(states),
+        tuple(inputs),
+        tuple(outputs),
+        tuple(parameters),
+        step,
+    )
 
 
 def quantised(angle: ca.SX, step: float) -> ca.SX:
@@ -138,7 +165,8 @@ def prefixed(prefix: str, fields: tuple[Field, ...] | list[Field]) -> list[Field
 
 
 def run(block: Block, prefix: str, values: Mapping[str, ca.SX]) -> Values:
-    """One step of a block on expressions: next states under `<name>_next`, outputs under their names."""
+    """One step of a block on expressions: next states under `<name>_next`, outputs under their
+    names."""
     taken = (*block.states, *block.inputs, *block.parameters)
     results = block.step.call([values[prefix + f.name] for f in taken], True, False)
     n = len(block.states)

@@ -1,9 +1,11 @@
 """The arm's equations of motion, taken apart the way the time step needs them.
 
-    M(q) qdd + bias(q, qd, t, z) + f = tau + J^T w,      f_j in [lower_j, upper_j] (dry friction, set-valued at rest)
+    M(q) qdd + bias(q, qd, t, z) + f = tau + J^T w,      f_j in [lower_j, upper_j] (dry friction,
+    set-valued at rest)
 
-Everything that carries the sign of the motion (Coulomb and Stribeck friction of eq. 55, and the effects that act
-through it) is dry friction; the rest, viscous friction and the effects' smooth part included, is bias.
+Everything that carries the sign of the motion (Coulomb and Stribeck friction of eq. 55, and the
+effects that act through it) is dry friction; the rest, viscous friction and the effects' smooth
+part included, is bias.
 """
 
 from __future__ import annotations
@@ -29,7 +31,8 @@ class Mechanics:
     """Symbolic mechanics of a robot whose mass, friction and effect data are symbols themselves.
 
     Args:
-        robot: geometry and kinds of effects; its numbers for `phi`, `table` and `data` are not used.
+        robot: geometry and kinds of effects; its numbers for `phi`, `table` and `data` are not
+            used.
         phi: inertial parameters of the links, shape (n, 10).
         table: friction parameters, shape (n, 4).
         data: numbers of the effects (`effect_data`), shape (k,).
@@ -42,7 +45,8 @@ class Mechanics:
 
     @property
     def effects(self) -> tuple[Effect, ...]:
-        """The effects that act as a force; elasticity is a state of its own, parameter effects are in `phi`."""
+        """The effects that act as a force; elasticity is a state of its own, parameter effects are
+        in `phi`."""
         return force_effects(self.robot)
 
     @property
@@ -53,14 +57,17 @@ class Mechanics:
     def equations(
         self, q: ca.SX, qd: ca.SX, qdd: ca.SX, time: ca.SX, memory: ca.SX
     ) -> tuple[ca.SX, ca.SX, tuple[ca.SX, ca.SX], ca.SX]:
-        """M (n, n), bias (n,), the effects' share in upper and lower bound of the dry friction, rate of their memory.
+        """M (n, n), bias (n,), the effects' share in upper and lower bound of the dry friction,
+        rate of their memory.
 
         Args:
-            qdd: an estimate of the acceleration, for effects that depend on the load: shape (n,) [rad/s2].
+            qdd: an estimate of the acceleration, for effects that depend on the load: shape (n,)
+                [rad/s2].
         """
         n = self.robot.n
         s = ArmSignals.symbols(self.robot, self.phi)
-        sign, z = ca.SX.sym("sign", n), ca.SX.sym("z", self.memory_size)
+        sign = ca.SX.sym("sign", n)
+        z = ca.SX.sym("z", self.memory_size)
         s = replace(s, sign=sign)
         torque, rates = self._effects(s, z)
         torque = self._expand(torque, s, sign)
@@ -77,7 +84,8 @@ class Mechanics:
         bias += friction(self.robot, s.qd, zero, self.table)
         share = torque - ca.substitute(torque, sign, zero)
         upper, lower = (ca.substitute(share, sign, d * ca.SX.ones(n)) for d in (1, -1))
-        arguments, numbers = [s.q, s.qd, s.qdd, s.time, z], [self.phi, self.table, self.data]
+        arguments = [s.q, s.qd, s.qdd, s.time, z]
+        numbers = [self.phi, self.table, self.data]
         f = ca.Function("mechanics", [*arguments, *numbers], [M, bias, upper, lower, rates])
         M, bias, upper, lower, rate = f.call([q, qd, qdd, time, memory, *numbers], True, False)
         return M, bias, (upper, lower), rate
@@ -89,10 +97,14 @@ class Mechanics:
         static = self.table[:, 0]
         up, low = effects
         limits = (up + moving, low - moving, up + static, low - static)
-        return Bounds(*(pick(value, 0) for pick, value in zip((ca.fmax, ca.fmin) * 2, limits, strict=True)))
+        return Bounds(
+            *(pick(value, 0) for pick, value in zip((ca.fmax, ca.fmin) * 2, limits, strict=True))
+        )
 
     def _effects(self, s: ArmSignals, z: ca.SX) -> tuple[ca.SX, ca.SX]:
-        torque, rates, used = ca.SX.zeros(self.robot.n), [ca.SX(0, 1)], 0
+        torque = ca.SX.zeros(self.robot.n)
+        rates = [ca.SX(0, 1)]
+        used = 0
         for form in self._forms():
             own = s.with_state(z[used : used + form.states])
             used += form.states
@@ -106,32 +118,43 @@ class Mechanics:
         return [EffectForm.of(effect, self.data[start:end]) for effect, start, end in parts]
 
     def balance(self) -> ca.Function:
-        """(q, qd, qdd, phi, friction, effects) -> torque of that motion [Nm], memory of the effects in steady state."""
+        """(q, qd, qdd, phi, friction, effects) -> torque of that motion [Nm], memory of the effects
+        in steady state."""
         s = ArmSignals.symbols(self.robot, self.phi)
         torque = s.load + friction(self.robot, s.qd, s.sign, self.table)
         for form in self._forms():
             torque += form.torque(s.with_state(form.effect.steady_state(s)))
         torque = self._expand(torque, s, ca.SX.sym("none", self.robot.n))
         torque = ca.substitute(torque, s.time, 0)
-        return ca.Function("balance", [s.q, s.qd, s.qdd, self.phi, self.table, self.data], [ca.densify(torque)])
+        return ca.Function(
+            "balance", [s.q, s.qd, s.qdd, self.phi, self.table, self.data], [ca.densify(torque)]
+        )
 
     def _expand(self, torque: ca.SX, s: ArmSignals, sign: ca.SX) -> ca.SX:
-        """Check the form that the friction step relies on: each torque carries its own joint's sign only."""
+        """Check the form that the friction step relies on: each torque carries its own joint's sign
+        only."""
         rows, columns = ca.jacobian_sparsity(torque, sign).get_triplet()
         if any(row != column for row, column in zip(rows, columns, strict=True)):
-            raise InputError("an effect puts the sign of one joint's motion into another joint's torque: no such plant")
+            raise InputError(
+                "an effect puts the sign of one joint's motion into another joint's torque: no "
+                "such plant"
+            )
         rest = ca.vertcat(s.qddd, s.qdddd)
         return ca.substitute(torque, rest, ca.SX.zeros(rest.numel()))
 
 
 def symbolic_mechanics(robot: Robot) -> Mechanics:
     """The mechanics with fresh symbols for all numbers."""
-    n, k = robot.n, len(data_of(force_effects(robot)))
-    return Mechanics(robot, ca.SX.sym("phi", n, 10), ca.SX.sym("friction", n, 4), ca.SX.sym("effects", k))
+    n = robot.n
+    k = len(data_of(force_effects(robot)))
+    return Mechanics(
+        robot, ca.SX.sym("phi", n, 10), ca.SX.sym("friction", n, 4), ca.SX.sym("effects", k)
+    )
 
 
 def force_effects(robot: Robot) -> tuple[Effect, ...]:
-    """The effects that act as a force; elasticity is a state of its own, parameter effects are in `phi`."""
+    """The effects that act as a force; elasticity is a state of its own, parameter effects are in
+    `phi`."""
     return tuple(e for e in links_only(robot).effects if e.role == "force")
 
 

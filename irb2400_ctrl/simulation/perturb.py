@@ -57,10 +57,16 @@ def perturbed_robot(
     tool = robot.tool
     if tool is not None:
         tool = tool.model_copy(update={"body": body(tool.body)})
-    data = {"links": links, "joints": tuple(joints), "tool": tool, "name": f"{robot.name} (perturbed, seed {seed})"}
+    data = {
+        "links": links,
+        "joints": tuple(joints),
+        "tool": tool,
+        "name": f"{robot.name} (perturbed, seed {seed})",
+    }
     return robot.model_copy(update=data)
 
 
 def _draw(rng: np.random.Generator, count: int) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
-    """Normal deviates cut at two standard deviations, so that no draw is beyond what a data sheet allows."""
+    """Normal deviates cut at two standard deviations, so that no draw is beyond what a data sheet
+    allows."""
     return np.clip(rng.standard_normal(count), -2.0, 2.0)

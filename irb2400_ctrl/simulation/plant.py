@@ -1,4 +1,5 @@
-"""The plant: an arm with dry friction, effects and elastic joints as a discrete-time block, its numbers as inputs."""
+"""The plant: an arm with dry friction, effects and elastic joints as a discrete-time block, its
+numbers as inputs."""
 
 from __future__ import annotations
 
@@ -10,8 +11,8 @@ from irb2400_ctrl.codegen import Block, Field
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.robot import Robot
 from irb2400_ctrl.simulation.effect_data import data_of
-from irb2400_ctrl.simulation.elasticity import check_step, elastic_data, elastic_joints
 from irb2400_ctrl.simulation.mechanics import force_effects, mass_data
+from irb2400_ctrl.simulation.spring_step import check_step, elastic_data, elastic_joints
 from irb2400_ctrl.simulation.time_step import STATES, time_step
 
 SUBSTEPS = 1
@@ -30,13 +31,15 @@ def plant_block(
 ) -> Block:
     """The arm between two samples of the controller, the torque held.
 
-    Inputs: `tau` (n,) [Nm]; with `wrench` also `wrench` (6,): force and moment on the tool at the TCP, base frame
-    [N, Nm]. Outputs: `q_end`, `qd_end` of the actuators and `link_end` of the links at the *end* of the period; they
-    differ where a joint is elastic. Parameters: link mass data `phi`, `friction`, and where there are any the numbers
-    of the effects, `effects`, and of the elastic joints, `elastic`.
+    Inputs: `tau` (n,) [Nm]; with `wrench` also `wrench` (6,): force and moment on the tool at the
+    TCP, base frame [N, Nm]. Outputs: `q_end`, `qd_end` of the actuators and `link_end` of the links
+    at the *end* of the period; they differ where a joint is elastic. Parameters: link mass data
+    `phi`, `friction`, and where there are any the numbers of the effects, `effects`, and of the
+    elastic joints, `elastic`.
 
     Args:
-        robot: the arm; its effects of kind force and parameters act, those of the measuring chain do not.
+        robot: the arm; its effects of kind force and parameters act, those of the measuring chain
+            do not.
         sample_time: period of the controller [s].
         substeps: time steps per period.
         friction_steps: friction steps per time step.
@@ -68,16 +71,27 @@ def plant_block(
         ]
     inputs = [Field("tau", n, "Nm", "torque of the actuators")]
     if wrench:
-        inputs.append(Field("wrench", 6, "N, Nm", "force and moment on the tool at the TCP, base frame"))
+        inputs.append(
+            Field("wrench", 6, "N, Nm", "force and moment on the tool at the TCP, base frame")
+        )
     outputs = [
         Field("q_end", n, "rad", "actuator angles"),
         Field("qd_end", n, "rad/s", "actuator speeds"),
         Field("link_end", n, "rad", "angles on the side of the links"),
     ]
-    mass, friction = _column(mass_data(robot)), _column(ca.DM(robot.friction))
+    mass = _column(mass_data(robot))
+    friction = _column(ca.DM(robot.friction))
     parameters = [
-        Field("phi", 10 * n, "kg, kg m, kg m2", "(m, m c, I_O) of the links, column by column", mass),
-        Field("friction", 4 * n, "Nm, Nm, Nm s/rad, rad/s", "F_s, F_c, F_v, omega_st, column by column", friction),
+        Field(
+            "phi", 10 * n, "kg, kg m, kg m2", "(m, m c, I_O) of the links, column by column", mass
+        ),
+        Field(
+            "friction",
+            4 * n,
+            "Nm, Nm, Nm s/rad, rad/s",
+            "F_s, F_c, F_v, omega_st, column by column",
+            friction,
+        ),
     ]
     numbers = data_of(force_effects(robot))
     if numbers:
@@ -85,24 +99,44 @@ def plant_block(
         parameters.append(Field("effects", len(numbers), "units of the effects", doc, numbers))
     if soft:
         doc = "stiffness, damping, rotor inertia, gap, column by column"
-        parameters.append(Field("elastic", 4 * soft, "Nm/rad, Nm s/rad, kg m2, rad", doc, _column(ca.DM(elastic))))
-    given = {field.name: ca.SX.sym(field.name, field.size) for field in (*states, *inputs, *parameters)}
+        parameters.append(
+            Field("elastic", 4 * soft, "Nm/rad, Nm s/rad, kg m2, rad", doc, _column(ca.DM(elastic)))
+        )
+    given = {
+        field.name: ca.SX.sym(field.name, field.size) for field in (*states, *inputs, *parameters)
+    }
     x = [given.get(name, ca.SX(0, 1)) for name in STATES]
     held = [given["tau"], given.get("wrench", ca.SX(0, 1))]
-    data = [ca.reshape(given["phi"], n, 10), ca.reshape(given["friction"], n, 4), given.get("effects", ca.SX(0, 1))]
+    data = [
+        ca.reshape(given["phi"], n, 10),
+        ca.reshape(given["friction"], n, 4),
+        given.get("effects", ca.SX(0, 1)),
+    ]
     data.append(ca.reshape(given["elastic"], soft, 4) if soft else ca.SX(0, 4))
     for _ in range(substeps):
         x = step.call([*x, *held, *data], True, False)
     link = link_angles(robot, x[0], x[6])
     after = [value for name, value in zip(STATES, x, strict=True) if name in given]
     names_out = [*(f"{f.name}_next" for f in states), *(f.name for f in outputs)]
-    function = ca.Function("plant", list(given.values()), [*after, x[0], x[1], link], list(given), names_out)
+    function = ca.Function(
+        "plant", list(given.values()), [*after, x[0], x[1], link], list(given), names_out
+    )
     doc = f"arm, {substeps} steps of {1e3 * sample_time / substeps:g} ms per period"
-    return Block("plant", doc, sample_time, tuple(states), tuple(inputs), tuple(outputs), tuple(parameters), function)
+    return Block(
+        "plant",
+        doc,
+        sample_time,
+        tuple(states),
+        tuple(inputs),
+        tuple(outputs),
+        tuple(parameters),
+        function,
+    )
 
 
 def link_angles(robot: Robot, q: ca.SX, link: ca.SX) -> ca.SX:
-    """Angles on the side of the links, shape (n,): those of the actuators, but `link` where a joint is elastic."""
+    """Angles on the side of the links, shape (n,): those of the actuators, but `link` where a joint
+    is elastic."""
     angles = ca.SX(q)
     angles[list(elastic_joints(robot))] = link
     return angles

@@ -21,9 +21,11 @@ STOP_RAD_S = 0.01
 
 
 def recorded_motion(log: Log) -> Trajectory:
-    """The commanded motion of a log (the measured one if it has none), smoothed, with its derivatives.
+    """The commanded motion of a log (the measured one if it has none), smoothed, with its
+    derivatives.
 
-    Zero-phase low-pass, then a cubic spline through the samples. It ends where the command was cut off.
+    Zero-phase low-pass, then a cubic spline through the samples. It ends where the command was cut
+    off.
     """
     from scipy.interpolate import CubicSpline
     from scipy.signal import butter, sosfiltfilt
@@ -32,14 +34,17 @@ def recorded_motion(log: Log) -> Trajectory:
     q = uniform.q if uniform.q_ref is None else uniform.q_ref
     q = q[: _end(q, uniform.rate)]
     padding = min(round(SETTLED_S * uniform.rate), len(q) - 1)
-    q = np.asarray(sosfiltfilt(butter(3, CUTOFF_HZ, fs=uniform.rate, output="sos"), q, axis=0, padlen=padding))
+    q = np.asarray(
+        sosfiltfilt(butter(3, CUTOFF_HZ, fs=uniform.rate, output="sos"), q, axis=0, padlen=padding)
+    )
     time = uniform.time[: len(q)] - uniform.time[0]
     spline = CubicSpline(time, q)
     return Trajectory(time, q, spline(time, 1), spline(time, 2))
 
 
 def _end(q: Array, rate: float) -> int:
-    """Number of samples before the command was cut off in full motion, where recorders hold the last value."""
+    """Number of samples before the command was cut off in full motion, where recorders hold the
+    last value."""
     held = np.argmax(np.abs(q[::-1] - q[-1]) > SAME_RAD, axis=0)
     # the step into the held value may be a part of one
     last = len(q) - held - 1

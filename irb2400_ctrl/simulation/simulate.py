@@ -1,4 +1,5 @@
-"""Closed-loop simulation in generated C: `simulate` runs it, `Simulation` holds and writes what came out."""
+"""Closed-loop simulation in generated C: `simulate` runs it, `Simulation` holds and writes what
+came out."""
 
 from __future__ import annotations
 
@@ -16,12 +17,12 @@ from irb2400_ctrl.codegen import Block, CompiledBlock, compile_block
 from irb2400_ctrl.errors import InputError, IrbError
 from irb2400_ctrl.robot import Robot
 from irb2400_ctrl.simulation.effect_data import data_of, structure
-from irb2400_ctrl.simulation.elasticity import elastic_data, elastic_joints, twist
 from irb2400_ctrl.simulation.instruments import Actuators, Sensors
 from irb2400_ctrl.simulation.loop import closed_loop, encoder_zero
 from irb2400_ctrl.simulation.mechanics import force_effects, mass_data, symbolic_mechanics
 from irb2400_ctrl.simulation.plant import SUBSTEPS
-from irb2400_ctrl.simulation.result import Simulation
+from irb2400_ctrl.simulation.simulation import Simulation
+from irb2400_ctrl.simulation.spring_step import elastic_data, elastic_joints, twist
 from irb2400_ctrl.simulation.trajectory import Trajectory
 
 Array = NDArray[np.float64]
@@ -33,7 +34,8 @@ STANDSTILL = 1e-3
 class Loop:
     """A compiled closed loop; runs many times without a compiler, also for other numbers.
 
-    Mass, friction, gains and the parameters of effects are inputs; the kinds of the effects are compiled in.
+    Mass, friction, gains and the parameters of effects are inputs; the kinds of the effects are
+    compiled in.
     """
 
     robot: Robot
@@ -58,22 +60,29 @@ class Loop:
 
         Args:
             trajectory: at any rate; interpolated to the controller's.
-            plant: other numbers than those the loop was made with; effects of the same kinds on the same joints.
+            plant: other numbers than those the loop was made with; effects of the same kinds on the
+                same joints.
             gains: values of controller parameters by name; defaults otherwise.
-            wrench: force and moment on the tool [N, Nm], shape (m, 6) at the control rate, if the loop has that input.
-            lost: true where a sample does not reach the controller, shape (m,), for a controller with input `fresh`.
+            wrench: force and moment on the tool [N, Nm], shape (m, 6) at the control rate, if the
+                loop has that input.
+            lost: true where a sample does not reach the controller, shape (m,), for a controller
+                with input `fresh`.
             hold: time after the end for which the last pose is held [s].
             seed: of the noise of encoders and logged torque.
 
         Raises:
             InputError: shapes or names that do not fit.
-            IrbError: the motion diverged (its mass matrix is not positive definite, or the loop is unstable).
+            IrbError: the motion diverged (its mass matrix is not positive definite, or the loop is
+            unstable).
         """
         arm = self.plant if plant is None else plant
         # numbers of the effects are parameters of the compiled code, their equations are not
         same = structure(force_effects(arm)) == structure(force_effects(self.plant))
         if not same or elastic_joints(arm) != elastic_joints(self.plant):
-            raise InputError("this loop was compiled for a plant with other effects; make a new one with `make_loop`")
+            raise InputError(
+                "this loop was compiled for a plant with other effects; make a new one with "
+                "`make_loop`"
+            )
         period = self.controller.sample_time
         motion = trajectory.at_rate(1.0 / period, hold=hold)
         if motion.q.shape[1] != arm.n:
@@ -81,7 +90,9 @@ class Loop:
         block = self.compiled.block
         m = len(motion.time)
         columns = [motion.q, motion.qd, motion.qdd]
-        columns += self._input("wrench", np.zeros((m, 6)) if wrench is None else wrench, wrench is not None, m)
+        columns += self._input(
+            "wrench", np.zeros((m, 6)) if wrench is None else wrench, wrench is not None, m
+        )
         fresh = np.ones(m) if lost is None else 1.0 - np.asarray(lost, dtype=float)
         columns += self._input("fresh", fresh, lost is not None, m)
         # a stream of its own: the noise of the logged torque is drawn from the seed itself
@@ -103,12 +114,28 @@ class Loop:
         wall = clock.perf_counter() - begun
         signals = self.compiled.split(block.outputs, outputs)
         if not np.isfinite(outputs).all() or np.abs(signals["q"]).max() > 1e3:
-            bad = int(np.argmax(~np.isfinite(outputs).all(axis=1) | (np.abs(outputs[:, : arm.n]).max(axis=1) > 1e3)))
+            bad = int(
+                np.argmax(
+                    ~np.isfinite(outputs).all(axis=1)
+                    | (np.abs(outputs[:, : arm.n]).max(axis=1) > 1e3)
+                )
+            )
             raise IrbError(
-                f"the simulated arm diverged at {motion.time[bad]:.3f} s under {self.controller.name!r}: "
+                f"the simulated arm diverged at {motion.time[bad]:.3f} s under "
+                f"{self.controller.name!r}: "
                 "lower the gains, or check the plant's mass data"
             )
-        return Simulation(self.robot, arm, self.controller, self.sensors, self.actuators, motion, signals, wall, seed)
+        return Simulation(
+            self.robot,
+            arm,
+            self.controller,
+            self.sensors,
+            self.actuators,
+            motion,
+            signals,
+            wall,
+            seed,
+        )
 
     def _input(self, name: str, values: ArrayLike, given: bool, count: int) -> list[Array]:
         """The columns of an input that not every loop has."""
@@ -116,31 +143,47 @@ class Loop:
         if size is None:
             if given:
                 raise InputError(
-                    f"this loop has no input {name!r}: make it with `wrench=True`, or `guarded` for lost samples"
+                    f"this loop has no input {name!r}: make it with `wrench=True`, or `guarded` "
+                    "for lost samples"
                 )
             return []
         array = np.asarray(values, dtype=float)
         array = array[:, None] if array.ndim == 1 and size == 1 else array
         if array.shape != (count, size):
             raise InputError(
-                f"{name}: found shape {array.shape}; expected ({count}, {size}), one row per control period"
+                f"{name}: found shape {array.shape}; expected ({count}, {size}), one row per "
+                "control period"
             )
         return [array]
 
     def _gains(self, gains: Mapping[str, ArrayLike]) -> dict[str, Array]:
-        """Parameters of the controller under their names in the loop; one number stands for all elements."""
+        """Parameters of the controller under their names in the loop; one number stands for all
+        elements."""
         sizes = {f.name: f.size for f in self.controller.parameters}
         unknown = sorted(set(gains) - set(sizes))
         if unknown:
-            raise InputError(f"{self.controller.name} has no parameter {', '.join(unknown)}; it has {', '.join(sizes)}")
-        return {f"c_{name}": np.broadcast_to(np.asarray(g, dtype=float), sizes[name]) for name, g in gains.items()}
+            raise InputError(
+                f"{self.controller.name} has no parameter {', '.join(unknown)}; it has "
+                f"{', '.join(sizes)}"
+            )
+        return {
+            f"c_{name}": np.broadcast_to(np.asarray(g, dtype=float), sizes[name])
+            for name, g in gains.items()
+        }
 
-    def _start(self, arm: Robot, motion: Trajectory, gains: Mapping[str, ArrayLike]) -> tuple[Array, Array]:
-        """State at the first sample: on the reference, torque in balance, an integrator filled; and that torque."""
-        block, n = self.compiled.block, arm.n
+    def _start(
+        self, arm: Robot, motion: Trajectory, gains: Mapping[str, ArrayLike]
+    ) -> tuple[Array, Array]:
+        """State at the first sample: on the reference, torque in balance, an integrator filled; and
+        that torque."""
+        block = self.compiled.block
+        n = arm.n
         zero = np.array(encoder_zero(arm))
-        q, qd, qdd = motion.q[0], motion.qd[0], motion.qdd[0]
-        soft, elastic = list(elastic_joints(arm)), elastic_data(arm)
+        q = motion.q[0]
+        qd = motion.qd[0]
+        qdd = motion.qdd[0]
+        soft = list(elastic_joints(arm))
+        elastic = elastic_data(arm)
         link = q + zero
         balance = self._balance_torque(arm, link, qd, qdd)
         # the links hang in their springs; stiff ones, so that a few rounds find the equilibrium
@@ -156,8 +199,12 @@ class Loop:
         values |= {"qd_filter": qd, "tau_before": balance, "tau_lag": balance}
         if "c_integral" in values and values["c_integral"].size == n:
             # bumpless: the drive takes over the torque that the brake has held
-            values["c_integral"] = values["c_integral"] + balance - self._first_command(motion, gains)
-        return np.concatenate([np.asarray(values[f.name], dtype=float).ravel() for f in block.states]), balance
+            values["c_integral"] = (
+                values["c_integral"] + balance - self._first_command(motion, gains)
+            )
+        return np.concatenate(
+            [np.asarray(values[f.name], dtype=float).ravel() for f in block.states]
+        ), balance
 
     @cached_property
     def _balance(self) -> ca.Function:
@@ -165,21 +212,31 @@ class Loop:
 
     def _balance_torque(self, arm: Robot, q: Array, qd: Array, qdd: Array) -> Array:
         numbers = [mass_data(arm), ca.DM(arm.friction), ca.DM(list(data_of(force_effects(arm))))]
-        # at a standstill dry friction holds by itself: a speed of rounding size must not claim its full level
+        # at a standstill dry friction holds by itself: a speed of rounding size must not claim its
+        # full level
         moving = np.where(np.abs(qd) < STANDSTILL, 0.0, qd)
         torque: Any = self._balance(q, moving, qdd, *numbers)
         return np.asarray(torque, dtype=float).ravel()
 
     def _first_command(self, motion: Trajectory, gains: Mapping[str, ArrayLike]) -> Array:
-        q, qd = motion.q[0], motion.qd[0]
-        given: dict[str, ArrayLike] = {"q": q, "qd": qd, "q_ref": q, "qd_ref": qd, "qdd_ref": motion.qdd[0]}
+        q = motion.q[0]
+        qd = motion.qd[0]
+        given: dict[str, ArrayLike] = {
+            "q": q,
+            "qd": qd,
+            "q_ref": q,
+            "qd_ref": qd,
+            "qdd_ref": motion.qdd[0],
+        }
         # a guarded controller is asked what it would say after its soft start
         given |= {"fresh": 1.0, "blend": 1.0}
         gains = {"c_torque_rate": np.full(len(q), 1e12), **gains}
         control = self.controller
         arguments: list[Any] = [given.get(f.name, f.start) for f in control.states]
         arguments += [given[f.name] for f in control.inputs]
-        arguments += [np.broadcast_to(gains.get(f"c_{f.name}", f.start), f.size) for f in control.parameters]
+        arguments += [
+            np.broadcast_to(gains.get(f"c_{f.name}", f.start), f.size) for f in control.parameters
+        ]
         results = control.step.call(arguments)
         place = len(control.states) + [f.name for f in control.outputs].index("tau")
         return np.asarray(results[place]).ravel()
@@ -202,8 +259,11 @@ def make_loop(
 
         controller = by_name(controller, robot, 1.0 / rate)
     arm = robot if plant is None else plant
-    sensors, actuators = sensors or Sensors(), actuators or Actuators()
-    block = closed_loop(controller, arm, sensors=sensors, actuators=actuators, substeps=substeps, wrench=wrench)
+    sensors = sensors or Sensors()
+    actuators = actuators or Actuators()
+    block = closed_loop(
+        controller, arm, sensors=sensors, actuators=actuators, substeps=substeps, wrench=wrench
+    )
     return Loop(robot, arm, controller, sensors, actuators, compile_block(block))
 
 
@@ -225,15 +285,18 @@ def simulate(
     """Follow a trajectory with a controller on a plant, all in generated C.
 
     Args:
-        robot: what the controller knows (used when `controller` is a name), and the geometry of the reference.
+        robot: what the controller knows (used when `controller` is a name), and the geometry of the
+            reference.
         trajectory: reference motion at any rate.
-        controller: a block with inputs among q, qd, q_ref, qd_ref, qdd_ref and an output tau, or a name.
+        controller: a block with inputs among q, qd, q_ref, qd_ref, qdd_ref and an output tau, or a
+            name.
         plant: the true arm with its effects; default the robot itself.
         rate: control rate [Hz] for a controller given by name; a block brings its own.
         sensors, actuators: of the drive; default `Sensors()`, `Actuators()`.
         substeps: time steps of the plant per control period.
         gains: controller parameters by name.
-        wrench: force and moment on the tool at the TCP, base frame [N, Nm], shape (m, 6) at the control rate.
+        wrench: force and moment on the tool at the TCP, base frame [N, Nm], shape (m, 6) at the
+            control rate.
         hold: time after the end for which the last pose is held [s].
         seed: of the noise of encoders and logged torque.
 
@@ -242,9 +305,15 @@ def simulate(
         IrbError: the motion diverged.
     """
     loop = make_loop(
-        robot, controller, plant=plant, rate=rate, sensors=sensors, actuators=actuators, substeps=substeps,
+        robot,
+        controller,
+        plant=plant,
+        rate=rate,
+        sensors=sensors,
+        actuators=actuators,
+        substeps=substeps,
         wrench=wrench is not None,
-    )  # fmt: skip
+    )
     return loop.run(trajectory, gains=gains, wrench=wrench, hold=hold, seed=seed)
 
 

@@ -1,12 +1,14 @@
-"""One time step of the plant: leapfrog of the arm, fine friction steps of the actuators, elastic transmissions.
+"""One time step of the plant: leapfrog of the arm, fine friction steps of the actuators, elastic
+transmissions.
 
-    q_m = q + h/2 qd,   qd_m = qd + h/2 qdd_last        (angles of the links; the motors' where a joint is rigid)
-    M, bias and the effects' share of the dry friction at (q_m, qd_m), held over the step
-    `friction_steps` friction steps one after the other: springs at their middle, friction on the actuators
+    q_m = q + h/2 qd,   qd_m = qd + h/2 qdd_last        (angles of the links; the motors' where a
+    joint is rigid) M, bias and the effects' share of the dry friction at (q_m, qd_m), held over the
+    step `friction_steps` friction steps one after the other: springs at their middle, friction on
+    the actuators
 
-It is of second order, events of the dry friction included, with one evaluation of the dynamics per step. The friction
-steps are finer than the dynamics because friction is faster: where the Stribeck curve falls, a joint that breaks loose
-runs away with up to 4000 1/s.
+It is of second order, events of the dry friction included, with one evaluation of the dynamics per
+step. The friction steps are finer than the dynamics because friction is faster: where the Stribeck
+curve falls, a joint that breaks loose runs away with up to 4000 1/s.
 """
 
 from __future__ import annotations
@@ -18,29 +20,37 @@ from irb2400_ctrl.model import kinematics
 from irb2400_ctrl.model.linear_solve import factorise
 from irb2400_ctrl.robot import Robot
 from irb2400_ctrl.simulation.dry_friction import dry_friction_step
-from irb2400_ctrl.simulation.elasticity import elastic_joints
 from irb2400_ctrl.simulation.mechanics import symbolic_mechanics
+from irb2400_ctrl.simulation.spring_step import elastic_joints
 
 STATES = ("q", "qd", "qdd", "dry", "time", "memory", "link", "link_rate", "link_acc")
 """of the actuators, the effects, and the links of elastic joints"""
 
 
-def time_step(robot: Robot, h: float, friction_steps: int, sweeps: int, wrench: bool) -> ca.Function:
+def time_step(
+    robot: Robot, h: float, friction_steps: int, sweeps: int, wrench: bool
+) -> ca.Function:
     """(STATES, tau, wrench, phi, friction, effects, elastic) -> STATES after the time h."""
-    n, soft = robot.n, list(elastic_joints(robot))
+    n = robot.n
+    soft = list(elastic_joints(robot))
     stiff = [j for j in range(n) if j not in soft]
     k = len(soft)
     mechanics = symbolic_mechanics(robot)
     q, qd, qdd, dry, tau = (ca.SX.sym(name, n) for name in ("q", "qd", "qdd", "dry", "tau"))
     link, link_rate, link_acc = (ca.SX.sym(name, k) for name in STATES[-3:])
-    time, memory = ca.SX.sym("time"), ca.SX.sym("memory", mechanics.memory_size)
-    w, elastic = ca.SX.sym("wrench", 6 if wrench else 0), ca.SX.sym("elastic", k, 4)
+    time = ca.SX.sym("time")
+    memory = ca.SX.sym("memory", mechanics.memory_size)
+    w = ca.SX.sym("wrench", 6 if wrench else 0)
+    elastic = ca.SX.sym("elastic", k, 4)
 
     arguments = [q, qd, qdd, dry, time, memory, link, link_rate, link_acc, tau, w]
     arguments += [mechanics.phi, mechanics.table, mechanics.data, elastic]
 
-    angle, speed, acceleration = (_put(a, soft, b) for a, b in ((q, link), (qd, link_rate), (qdd, link_acc)))
-    q_m, qd_m = angle + 0.5 * h * speed, speed + 0.5 * h * acceleration
+    angle, speed, acceleration = (
+        _put(a, soft, b) for a, b in ((q, link), (qd, link_rate), (qdd, link_acc))
+    )
+    q_m = angle + 0.5 * h * speed
+    qd_m = speed + 0.5 * h * acceleration
     M, bias, effects, rate = mechanics.equations(q_m, qd_m, acceleration, time + 0.5 * h, memory)
     # the viscous friction of an elastic joint brakes its motor, not its link
     viscous = mechanics.table[soft, 2]
@@ -62,16 +72,21 @@ def time_step(robot: Robot, h: float, friction_steps: int, sweeps: int, wrench: 
         twisting = qd[soft] - link_rate + 0.5 * part * (qdd[soft] - link_acc)
         spring = elastic[:, 0] * wound + touching * elastic[:, 1] * twisting
         acting = W @ (_put(tau, soft, spring) - bias)
-        motors = (tau[soft] - spring - viscous * (qd[soft] + 0.5 * part * qdd[soft])) / elastic[:, 2]
+        motors = (tau[soft] - spring - viscous * (qd[soft] + 0.5 * part * qdd[soft])) / elastic[
+            :, 2
+        ]
         free = _put(acting, soft, motors)
         v_end, dry = dry_friction_step(
             qd, qd + part * free, part * W_actuators, lambda v: mechanics.bounds(v, effects),
             (qd + part * qdd, dry), sweeps,
         )  # fmt: skip
         link_end = link_rate + part * (acting[soft] - W[soft, stiff] @ dry[stiff])
-        q, link = q + 0.5 * part * (qd + v_end), link + 0.5 * part * (link_rate + link_end)
-        qdd, link_acc = (v_end - qd) / part, (link_end - link_rate) / part
-        qd, link_rate = v_end, link_end
+        q = q + 0.5 * part * (qd + v_end)
+        link = link + 0.5 * part * (link_rate + link_end)
+        qdd = (v_end - qd) / part
+        link_acc = (link_end - link_rate) / part
+        qd = v_end
+        link_rate = link_end
 
     after = [q, qd, qdd, dry, time + h, next_memory(rate, memory, h), link, link_rate, link_acc]
     names = [*STATES, "tau", "wrench", "phi", "friction", "effects", "elastic"]

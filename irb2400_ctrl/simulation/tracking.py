@@ -35,14 +35,16 @@ _COMPILED: dict[object, CompiledFunction] = {}
 def contour_errors(path: Array, points: Array, window: int) -> Array:
     """Distance of each point from the path it belongs to [m], shape (m,).
 
-    Being late on the path costs nothing here: a point is compared with the stretch of `path` (m, 3) that lies within
-    `window` samples of it.
+    Being late on the path costs nothing here: a point is compared with the stretch of `path` (m, 3)
+    that lies within `window` samples of it.
     """
     best = np.linalg.norm(points - path, axis=1)
-    start, along = path[:-1], np.diff(path, axis=0)
+    start = path[:-1]
+    along = np.diff(path, axis=0)
     length2 = np.maximum(np.einsum("ij,ij->i", along, along), 1e-30)
     arc = np.concatenate([[0.0], np.cumsum(np.sqrt(length2))])
-    rows, segments = np.arange(len(path)), len(start)
+    rows = np.arange(len(path))
+    segments = len(start)
     for block in range(-window, window, BLOCK):
         shifts = range(block, min(block + BLOCK, window))
         first, last = (np.clip(rows + shift, 0, segments - 1) for shift in (shifts[0], shifts[-1]))

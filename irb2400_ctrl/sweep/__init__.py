@@ -1,4 +1,5 @@
-"""Many runs: a study drawn over plants, effects, payloads, motions and controllers, on all cores or a cluster."""
+"""Many runs: a study drawn over plants, effects, payloads, motions and controllers, on all cores or
+a cluster."""
 
 from irb2400_ctrl.sweep.cases import simulate_case
 from irb2400_ctrl.sweep.run import Sweep, run_sweep

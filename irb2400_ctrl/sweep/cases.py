@@ -1,7 +1,8 @@
 """The cases of a study: which plant, controller, motion and speed each one is, and its run.
 
-Everything random of a plant comes from the seed and its number, everything random of a case from the seed and the
-case's number: a case is the same whichever worker runs it, in whatever order, and with however many others.
+Everything random of a plant comes from the seed and its number, everything random of a case from
+the seed and the case's number: a case is the same whichever worker runs it, in whatever order, and
+with however many others.
 """
 
 from __future__ import annotations
@@ -23,7 +24,7 @@ from irb2400_ctrl.errors import IrbError
 from irb2400_ctrl.robot import Robot
 from irb2400_ctrl.simulation import Loop, Simulation, Trajectory, make_loop, perturbed_robot
 from irb2400_ctrl.simulation.effect_data import structure
-from irb2400_ctrl.sweep.motions import Motion
+from irb2400_ctrl.sweep.motions import StudyMotion
 from irb2400_ctrl.sweep.quantities import draw
 from irb2400_ctrl.sweep.study import Control, Study
 
@@ -39,7 +40,7 @@ class Case:
     index: int
     draw: int
     control: Control
-    motion: Motion
+    motion: StudyMotion
     speed: float
 
 
@@ -53,7 +54,7 @@ class DrawnPlant:
 
 
 @dataclass(frozen=True)
-class Outcome:
+class CaseOutcome:
     """What a case leaves: its row of the table, and its log (gzip) if the study keeps logs."""
 
     row: Row
@@ -85,7 +86,8 @@ def drawn_plant(study: Study, number: int) -> DrawnPlant:
     effects: list[Effect] = []
     seed = int(rng.integers(2**63))
     if study.payload is not None:
-        mass, com = draw(study.payload.mass_kg, rng), tuple(draw(part, rng) for part in study.payload.com_m)
+        mass = draw(study.payload.mass_kg, rng)
+        com = tuple(draw(part, rng) for part in study.payload.com_m)
         effects.append(Payload.of(None, mass_kg=mass, com_m=com))
         values["payload_kg"] = mass
     for k, wanted in enumerate(study.effects):
@@ -97,8 +99,12 @@ def drawn_plant(study: Study, number: int) -> DrawnPlant:
             several = isinstance(value, tuple) and len(value) == 3
             parts = {f"_{axis}": i for i, axis in enumerate("xyz")} if several else {"": None}
             for suffix, i in parts.items():
-                values[f"{prefix}_{name}{suffix}"] = drawn if drawn is None or i is None else drawn[i]
-        effects += sorted([*absent, *([] if effect is None else [effect])], key=lambda e: e.joint or 0)
+                values[f"{prefix}_{name}{suffix}"] = (
+                    drawn if drawn is None or i is None else drawn[i]
+                )
+        effects += sorted(
+            [*absent, *([] if effect is None else [effect])], key=lambda e: e.joint or 0
+        )
     noise = draw(study.noise.torque_Nm, rng)
     values["torque_noise_Nm"] = noise
     try:
@@ -109,7 +115,8 @@ def drawn_plant(study: Study, number: int) -> DrawnPlant:
 
 
 def reference(study: Study, case: Case) -> Trajectory:
-    """The case's reference motion; random poses are those of the plant's number, the same for every controller."""
+    """The case's reference motion; random poses are those of the plant's number, the same for every
+    controller."""
     return case.motion.trajectory(study.robot, case.speed, random(study, POSES, case.draw))
 
 
@@ -128,13 +135,17 @@ class Runner:
         loop = self._loop(case.control, plant.robot)
         seed = int(random(study, NOISE, case.index).integers(2**31))
         simulation = loop.run(
-            self._reference(case), plant=plant.robot, gains=case.control.gains, hold=case.motion.hold_s, seed=seed
+            self._reference(case),
+            plant=plant.robot,
+            gains=case.control.gains,
+            hold=case.motion.hold_s,
+            seed=seed,
         )
         # the noise of the log is no part of the loop
         noisy = study.sensors.model_copy(update={"torque_noise_Nm": plant.torque_noise_Nm})
         return replace(simulation, sensors=noisy)
 
-    def run(self, index: int) -> Outcome:
+    def run(self, index: int) -> CaseOutcome:
         """The row of one case; a run that fails leaves a row that says why."""
         case = case_of(self.study, index)
         begun = clock.perf_counter()
@@ -149,7 +160,7 @@ class Runner:
                 log = log_of(simulation)
         except IrbError as error:
             row |= {"status": "failed", "message": str(error)}
-        return Outcome({**row, "wall_time_s": clock.perf_counter() - begun}, log)
+        return CaseOutcome({**row, "wall_time_s": clock.perf_counter() - begun}, log)
 
     def _reference(self, case: Case) -> Trajectory:
         """The case's motion; kept, as the next controllers follow it too."""
@@ -177,7 +188,7 @@ class Runner:
 _RUNNERS: dict[str, Runner] = {}
 
 
-def run_case(study: Study, index: int) -> Outcome:
+def run_case(study: Study, index: int) -> CaseOutcome:
     """Run one case; a process that is asked again for the same study has its loops at hand."""
     key = study.fingerprint
     if key not in _RUNNERS:

@@ -8,7 +8,7 @@ from itertools import islice
 from typing import Any
 
 from irb2400_ctrl.errors import InputError, IrbError, ToolMissingError
-from irb2400_ctrl.sweep.cases import Outcome
+from irb2400_ctrl.sweep.cases import CaseOutcome
 from irb2400_ctrl.sweep.pool import Lost, Results, Work
 from irb2400_ctrl.sweep.study import Study
 
@@ -17,9 +17,11 @@ IN_FLIGHT = 4
 
 
 def run_on_cluster(study: Study, cases: Iterable[int], address: str, work: Work) -> Results:
-    """Run the cases on the cluster behind a scheduler's address, in any order; results come as they are ready.
+    """Run the cases on the cluster behind a scheduler's address, in any order; results come as they
+    are ready.
 
-    Dask repeats the cases of a worker that died; results leave the cluster at once, so nothing finished is lost.
+    Dask repeats the cases of a worker that died; results leave the cluster at once, so nothing
+    finished is lost.
 
     Raises:
         ToolMissingError: `distributed` is not installed.
@@ -30,21 +32,27 @@ def run_on_cluster(study: Study, cases: Iterable[int], address: str, work: Work)
         import distributed
     except ImportError as error:
         raise ToolMissingError(
-            "--scheduler needs dask.distributed, which is not installed; pip install 'irb2400_ctrl[cluster]'"
+            "--scheduler needs dask.distributed, which is not installed; pip install "
+            "'irb2400_ctrl[cluster]'"
         ) from error
     dask: Any = distributed  # its functions carry no types
     try:
         client = dask.Client(address, timeout=5, set_as_default=False)
     except (OSError, TimeoutError, ValueError) as error:
-        raise InputError(f"no Dask scheduler answers at {address} ({error}); expected host:port of one") from error
+        raise InputError(
+            f"no Dask scheduler answers at {address} ({error}); expected host:port of one"
+        ) from error
     with client:
         try:
             client.wait_for_workers(1, timeout=60)
         except TimeoutError as error:
-            raise InputError(f"the scheduler at {address} has no workers; start some with `dask worker`") from error
+            raise InputError(
+                f"the scheduler at {address} has no workers; start some with `dask worker`"
+            ) from error
         # a task of its own, not scattered data: it can be made again when its worker dies
         shared = client.submit(_same, study, key=f"study-{study.fingerprint[:16]}")
-        waiting, numbers = iter(cases), dict[str, int]()
+        waiting = iter(cases)
+        numbers = dict[str, int]()
         done = dask.as_completed([], loop=client.loop, with_results=True, raise_errors=False)
 
         def hand_out() -> None:
@@ -62,7 +70,9 @@ def run_on_cluster(study: Study, cases: Iterable[int], address: str, work: Work)
             if future.status != "finished":
                 failure = answer[1] if isinstance(answer, tuple) else future.exception()
                 if not isinstance(failure, dask.KilledWorker):
-                    raise IrbError(f"case {case} could not be run on the cluster: {failure}") from failure
+                    raise IrbError(
+                        f"case {case} could not be run on the cluster: {failure}"
+                    ) from failure
                 yield Lost(case, f"its worker died {failure.allowed_failures + 1} times")
             elif isinstance(answer, str):
                 raise IrbError(f"case {case} met an error that is not the study's:\n{answer}")
@@ -78,7 +88,7 @@ def _same(study: Study) -> Study:
     return study
 
 
-def _answer(work: Work, study: Study, case: int) -> Outcome | str:
+def _answer(work: Work, study: Study, case: int) -> CaseOutcome | str:
     try:
         return work(study, case)
     except Exception:

@@ -11,16 +11,20 @@ from typing import Any
 
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.files import write_atomic
-from irb2400_ctrl.sweep.cases import Outcome, Row
+from irb2400_ctrl.sweep.cases import CaseOutcome, Row
 from irb2400_ctrl.sweep.study import Study, changed_keys
 
-STUDY, CASES, LOGS = "study.toml", "cases.jsonl", "logs"
+STUDY = "study.toml"
+CASES = "cases.jsonl"
+LOGS = "logs"
 
 
 class Journal:
-    """`cases.jsonl` in the folder of a sweep: a line that names the study, then a line per finished case.
+    """`cases.jsonl` in the folder of a sweep: a line that names the study, then a line per finished
+    case.
 
-    One process writes. A line counts once its end is there: a crash in the middle of one costs that case only.
+    One process writes. A line counts once its end is there: a crash in the middle of one costs that
+    case only.
     """
 
     def __init__(self, folder: Path, rows: dict[int, Row], file: Any) -> None:
@@ -28,7 +32,7 @@ class Journal:
         self.rows = rows
         self._file = file
 
-    def add(self, outcome: Outcome) -> None:
+    def add(self, outcome: CaseOutcome) -> None:
         """Save a finished case."""
         index = int(outcome.row["case"])
         if outcome.log:
@@ -52,7 +56,8 @@ def open_journal(folder: Path, study: Study) -> Iterator[Journal]:
         InputError: the folder holds another study, or another sweep writes to it.
     """
     folder.mkdir(parents=True, exist_ok=True)
-    path, copy = folder / CASES, folder / STUDY
+    path = folder / CASES
+    copy = folder / STUDY
     with path.open("a+b") as file:
         _lock(file, folder)
         file.seek(0)
@@ -67,7 +72,9 @@ def open_journal(folder: Path, study: Study) -> Iterator[Journal]:
         rows = {row["case"]: row for row in map(json.loads, lines[1:])}
         write_atomic(copy, study.text)
         if not lines:
-            file.write(json.dumps({"study": study.fingerprint, "cases": study.cases}).encode() + b"\n")
+            file.write(
+                json.dumps({"study": study.fingerprint, "cases": study.cases}).encode() + b"\n"
+            )
             file.flush()
         yield Journal(folder, rows, file)
         os.fsync(file.fileno())
@@ -82,7 +89,9 @@ def _lock(file: Any, folder: Path) -> None:
     try:
         fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except OSError as error:
-        raise InputError(f"{folder}: another sweep is writing there; wait for it or choose another folder") from error
+        raise InputError(
+            f"{folder}: another sweep is writing there; wait for it or choose another folder"
+        ) from error
 
 
 def _other_study(folder: Path, study: Study) -> str:
@@ -90,8 +99,11 @@ def _other_study(folder: Path, study: Study) -> str:
         keys = changed_keys((folder / STUDY).read_text(), study.text)
     except (OSError, ValueError):
         keys = []
-    what = f"differs in {', '.join(keys)}" if keys else "refers to files or settings that have changed"
+    what = (
+        f"differs in {', '.join(keys)}" if keys else "refers to files or settings that have changed"
+    )
     return (
-        f"{folder} holds the results of another study: {folder / STUDY} {what}. Results of two studies do not "
+        f"{folder} holds the results of another study: {folder / STUDY} {what}. Results of two "
+        "studies do not "
         "belong into one table; choose another folder, or delete that one"
     )

@@ -1,4 +1,5 @@
-"""Reference motions of a study: from files, through poses, or between poses drawn at random; at several speeds."""
+"""Reference motions of a study: from files, through poses, or between poses drawn at random; at
+several speeds."""
 
 from __future__ import annotations
 
@@ -23,7 +24,8 @@ Speed = Annotated[float, Field(gt=0, le=10)]
 QUINTIC_PEAK = 1.875
 """largest speed of a fifth-order move from rest to rest over its mean speed"""
 SAMPLE_RATE = 250.0
-SHORTEST_S, LONGEST_S = 0.02, 1000.0
+SHORTEST_S = 0.02
+LONGEST_S = 1000.0
 
 
 class RandomPoses(Table):
@@ -34,7 +36,7 @@ class RandomPoses(Table):
     """part of the joint box around its middle that is drawn from"""
 
 
-class Motion(Table):
+class StudyMotion(Table):
     """One reference motion; exactly one of `file`, `poses_deg` and `random` says which."""
 
     name: str = Field(min_length=1)
@@ -44,7 +46,8 @@ class Motion(Table):
     """from rest to rest through these joint angles"""
     random: RandomPoses | None = None
     speeds: tuple[Speed, ...] = Field(default=(1.0,), min_length=1)
-    """scales of speed; 1 is the file's own, or the fastest that the nominal robot's speed and torque limits allow"""
+    """scales of speed; 1 is the file's own, or the fastest that the nominal robot's speed and
+    torque limits allow"""
     hold_s: float = Field(default=0.0, ge=0)
     """time at the end for which the last pose is held"""
     _read: Trajectory | None = PrivateAttr(default=None)
@@ -60,7 +63,10 @@ class Motion(Table):
     def _one_source(self, info: ValidationInfo) -> Self:
         given = [key for key in ("file", "poses_deg", "random") if getattr(self, key) is not None]
         if len(given) != 1:
-            raise ValueError(f"found {' and '.join(given) or 'no source'}; expected one of file, poses_deg, random")
+            raise ValueError(
+                f"found {' and '.join(given) or 'no source'}; expected one of file, poses_deg, "
+                "random"
+            )
         if self.file is not None:
             try:
                 self._read = load_trajectory(_folder(info) / self.file)
@@ -81,7 +87,10 @@ class Motion(Table):
             elif (q < robot.q_min).any() or (q > robot.q_max).any():
                 axis = int(np.argmax(np.maximum(robot.q_min - q, q - robot.q_max)))
                 low, high = np.degrees([robot.q_min[axis], robot.q_max[axis]])
-                found.append(f"pose {k + 1}: axis {axis + 1} at {pose[axis]} deg, its range is {low:.0f} to {high:.0f}")
+                found.append(
+                    f"pose {k + 1}: axis {axis + 1} at {pose[axis]} deg, its range is {low:.0f} to "
+                    f"{high:.0f}"
+                )
         return found
 
     def data(self) -> bytes:
@@ -93,10 +102,17 @@ class Motion(Table):
         """The motion at one speed; `rng` draws its poses, if they are random."""
         if self._read is not None:
             t = self._read
-            return t if speed == 1.0 else Trajectory(t.time / speed, t.q, t.qd * speed, t.qdd * speed**2)
+            return (
+                t
+                if speed == 1.0
+                else Trajectory(t.time / speed, t.q, t.qd * speed, t.qdd * speed**2)
+            )
         if self.random is not None:
-            middle, half = 0.5 * (robot.q_max + robot.q_min), 0.5 * (robot.q_max - robot.q_min)
-            poses = middle + self.random.share * half * rng.uniform(-1, 1, (self.random.count, robot.n))
+            middle = 0.5 * (robot.q_max + robot.q_min)
+            half = 0.5 * (robot.q_max - robot.q_min)
+            poses = middle + self.random.share * half * rng.uniform(
+                -1, 1, (self.random.count, robot.n)
+            )
         else:
             poses = np.radians(np.array(self.poses_deg))
         return point_to_point(robot, poses, speed)
@@ -109,8 +125,8 @@ def _folder(info: ValidationInfo) -> Path:
 def point_to_point(robot: Robot, poses: Array, speed: float) -> Trajectory:
     """Fifth-order moves from rest to rest through poses (k, n) [rad].
 
-    Each move is `speed` times as fast as it could be on the nominal robot: at 1 one joint reaches its speed limit or
-    one actuator its torque limit.
+    Each move is `speed` times as fast as it could be on the nominal robot: at 1 one joint reaches
+    its speed limit or one actuator its torque limit.
 
     Raises:
         InputError: the arm's weight alone is beyond an actuator.
@@ -128,7 +144,8 @@ def point_to_point(robot: Robot, poses: Array, speed: float) -> Trajectory:
 def _shortest(robot: Robot, start: Array, stop: Array) -> float:
     """Duration of the fastest move [s].
 
-    At the duration T the torque along the way is G + A / T^2 + F(v / T), with A and v those of a move in one second.
+    At the duration T the torque along the way is G + A / T^2 + F(v / T), with A and v those of a
+    move in one second.
     """
     model = _model(robot.model_dump_json())
     q, v, a = _quintic_move(start, stop, np.linspace(0, 1, 101))
@@ -137,7 +154,10 @@ def _shortest(robot: Robot, start: Array, stop: Array) -> float:
     effort = np.abs(weight).max(axis=0) / robot.tau_max
     if effort.max() >= 1:
         axis = int(np.argmax(effort))
-        raise InputError(f"axis {axis + 1} cannot hold the arm on the way: {100 * effort[axis]:.0f} % of its torque")
+        raise InputError(
+            f"axis {axis + 1} cannot hold the arm on the way: {100 * effort[axis]:.0f} % of its "
+            "torque"
+        )
     low = SHORTEST_S + QUINTIC_PEAK * float(np.max(np.abs(stop - start) / robot.qd_max))
 
     def possible(T: float) -> bool:
@@ -148,9 +168,13 @@ def _shortest(robot: Robot, start: Array, stop: Array) -> float:
         return low
     high = low
     while not possible(high):
-        low, high = high, 2 * high
+        low = high
+        high = 2 * high
         if high > LONGEST_S:
-            raise InputError(f"no speed at which the nominal arm moves from {np.degrees(start).round(1).tolist()}")
+            raise InputError(
+                "no speed at which the nominal arm moves from "
+                f"{np.degrees(start).round(1).tolist()}"
+            )
     for _ in range(20):
         middle = 0.5 * (low + high)
         low, high = (low, middle) if possible(middle) else (middle, high)
@@ -158,8 +182,10 @@ def _shortest(robot: Robot, start: Array, stop: Array) -> float:
 
 
 def _quintic_move(start: Array, stop: Array, s: Array) -> tuple[Array, Array, Array]:
-    """Angles and two derivatives of the fifth-order move in one second, at the shares s of the way's time."""
-    way, s = stop - start, s[:, None]
+    """Angles and two derivatives of the fifth-order move in one second, at the shares s of the
+    way's time."""
+    way = stop - start
+    s = s[:, None]
     q = start + way * s**3 * (10 - 15 * s + 6 * s**2)
     return q, way * 30 * s**2 * (1 - s) ** 2, way * 60 * s * (1 - s) * (1 - 2 * s)
 

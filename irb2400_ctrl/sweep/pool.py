@@ -1,7 +1,7 @@
 """Cases on the cores of this machine: worker processes that are handed one case at a time.
 
-`concurrent.futures` gives up a whole pool when one of its processes dies. Here a dead worker costs the case it was
-at, which another one repeats; the others do not notice.
+`concurrent.futures` gives up a whole pool when one of its processes dies. Here a dead worker costs
+the case it was at, which another one repeats; the others do not notice.
 """
 
 from __future__ import annotations
@@ -16,10 +16,10 @@ from multiprocessing.connection import Connection, wait
 from multiprocessing.process import BaseProcess
 
 from irb2400_ctrl.errors import IrbError
-from irb2400_ctrl.sweep.cases import Outcome
+from irb2400_ctrl.sweep.cases import CaseOutcome
 from irb2400_ctrl.sweep.study import Study
 
-Work = Callable[[Study, int], Outcome]
+Work = Callable[[Study, int], CaseOutcome]
 ATTEMPTS = 3
 """how often a case that takes its worker down is tried"""
 DEATHS_IN_A_ROW = 10
@@ -33,7 +33,7 @@ class Lost:
     reason: str
 
 
-Results = Generator[Outcome | Lost, None, None]
+Results = Generator[CaseOutcome | Lost, None, None]
 
 
 @dataclass
@@ -49,7 +49,10 @@ def run_on_cores(study: Study, cases: Iterable[int], workers: int, work: Work) -
     Raises:
         IrbError: a case met an error of ours, or workers cannot live on this machine.
     """
-    pending, attempts, staff, deaths = deque(cases), Counter[int](), list[_Worker](), 0
+    pending = deque(cases)
+    attempts = Counter[int]()
+    staff = list[_Worker]()
+    deaths = 0
     try:
         while pending or any(w.case is not None for w in staff):
             while pending and len(staff) < workers:
@@ -72,7 +75,8 @@ def run_on_cores(study: Study, cases: Iterable[int], workers: int, work: Work) -
                     deaths += 1
                     if deaths >= DEATHS_IN_A_ROW:
                         raise IrbError(
-                            f"{deaths} workers died in a row (exit code {code}): out of memory, or no way to start one"
+                            f"{deaths} workers died in a row (exit code {code}): out of memory, or "
+                            "no way to start one"
                         ) from None
                     if attempts[case] < ATTEMPTS:
                         pending.appendleft(case)
@@ -125,7 +129,7 @@ def _serve(connection: Connection, study: Study, work: Work) -> None:
         except (EOFError, OSError):
             return
         try:
-            answer: Outcome | str = work(study, case)
+            answer: CaseOutcome | str = work(study, case)
         except Exception:
             answer = traceback.format_exc()
         try:

@@ -1,4 +1,5 @@
-"""Uncertain numbers of a study: fixed, or drawn from a range; and the effects and payloads made of them."""
+"""Uncertain numbers of a study: fixed, or drawn from a range; and the effects and payloads made of
+them."""
 
 from __future__ import annotations
 
@@ -6,7 +7,16 @@ from functools import cached_property
 from typing import Annotated, Any, Self
 
 import numpy as np
-from pydantic import AfterValidator, BaseModel, ConfigDict, Discriminator, Field, Tag, ValidationError, model_validator
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    ConfigDict,
+    Discriminator,
+    Field,
+    Tag,
+    ValidationError,
+    model_validator,
+)
 
 from irb2400_ctrl.effects import LIBRARY, Effect
 
@@ -17,7 +27,9 @@ ALWAYS_THERE = {"elastic_joint", "transmission_backlash"}
 class Table(BaseModel):
     """A table of the study file."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False, ignored_types=(cached_property,))
+    model_config = ConfigDict(
+        frozen=True, extra="forbid", allow_inf_nan=False, ignored_types=(cached_property,)
+    )
 
 
 def _form(value: object) -> str:
@@ -42,7 +54,8 @@ AnyQuantity = Annotated[_Number | _Range | Annotated[Vector, Tag("vector")], Dis
 
 
 def draw(quantity: Quantity, rng: np.random.Generator) -> float:
-    """One value; a fixed number uses up a random one too, so that fixing one leaves the others as they were."""
+    """One value; a fixed number uses up a random one too, so that fixing one leaves the others as
+    they were."""
     share = float(rng.random())
     if isinstance(quantity, tuple):
         low, high = quantity
@@ -51,7 +64,8 @@ def draw(quantity: Quantity, rng: np.random.Generator) -> float:
 
 
 class Deviations(Table):
-    """Relative standard deviations of the plant's data around the robot's, cut at two (`perturbed_robot`)."""
+    """Relative standard deviations of the plant's data around the robot's, cut at two
+    (`perturbed_robot`)."""
 
     mass: float = Field(default=0.0, ge=0, lt=0.5)
     com_m: float = Field(default=0.0, ge=0, le=0.1)
@@ -60,7 +74,7 @@ class Deviations(Table):
     friction: float = Field(default=0.0, ge=0, lt=0.5)
 
 
-class Payload(Table):
+class PayloadSpread(Table):
     """A mass at the flange that no controller knows."""
 
     mass_kg: Quantity
@@ -68,7 +82,8 @@ class Payload(Table):
 
 
 class EffectDraw(BaseModel):
-    """An effect of the plant: its kind, where it may sit, the ranges of its parameters (all other keys)."""
+    """An effect of the plant: its kind, where it may sit, the ranges of its parameters (all other
+    keys)."""
 
     model_config = ConfigDict(frozen=True, extra="allow", allow_inf_nan=False)
     __pydantic_extra__: dict[str, AnyQuantity]
@@ -82,13 +97,17 @@ class EffectDraw(BaseModel):
     @model_validator(mode="after")
     def _is_an_effect(self) -> Self:
         if self.kind not in LIBRARY:
-            raise ValueError(f"no effect {self.kind!r}; expected one of {', '.join(sorted(LIBRARY))}")
+            raise ValueError(
+                f"no effect {self.kind!r}; expected one of {', '.join(sorted(LIBRARY))}"
+            )
         problems = []
         for joint in self.joints:
             # every corner that a draw may come near has to be a valid effect
             for end in (0, 1):
                 try:
-                    self._make(joint, {name: _corner(value, end) for name, value in self.ranges.items()})
+                    self._make(
+                        joint, {name: _corner(value, end) for name, value in self.ranges.items()}
+                    )
                 except ValidationError as error:
                     problems += [_problem(self.kind, item) for item in error.errors()]
         if problems:
@@ -113,10 +132,11 @@ class EffectDraw(BaseModel):
         return [f"{self.kind} on joint {joint}, expected {names}" for joint in wrong]
 
     def draw(self, rng: np.random.Generator) -> tuple[Effect | None, list[Effect]]:
-        """The effect of one plant, None where it has none; and the same of size zero wherever it could have been.
+        """The effect of one plant, None where it has none; and the same of size zero wherever it
+        could have been.
 
-        With these all plants have the same equations, and one compiled loop serves them; a kind that cannot be zero
-        is left out where it is absent, which costs a compilation.
+        With these all plants have the same equations, and one compiled loop serves them; a kind
+        that cannot be zero is left out where it is absent, which costs a compilation.
         """
         present = bool(rng.random() < self.probability)
         joint = self.joints[int(rng.integers(len(self.joints)))]
@@ -124,8 +144,12 @@ class EffectDraw(BaseModel):
         drawn = self._make(joint, values)
         if drawn.role != "force":
             return (drawn, []) if present else (None, [])
-        others = [self._make(j, values) for j in dict.fromkeys(self.joints) if not present or j != joint]
-        return drawn if present else None, [zero for zero in map(without_size, others) if zero is not None]
+        others = [
+            self._make(j, values) for j in dict.fromkeys(self.joints) if not present or j != joint
+        ]
+        return drawn if present else None, [
+            zero for zero in map(without_size, others) if zero is not None
+        ]
 
     def _make(self, joint: int | None, values: dict[str, Any]) -> Effect:
         return LIBRARY[self.kind].of(joint, **values)
@@ -147,7 +171,11 @@ def without_size(effect: Effect) -> Effect | None:
 def _problem(kind: str, item: Any) -> str:
     name = ".".join(str(part) for part in item["loc"])
     if item["type"] == "extra_forbidden":
-        known = [f for f in LIBRARY[kind].model_fields if f not in {"kind", "joint", "shape", "source", "windows_s"}]
+        known = [
+            f
+            for f in LIBRARY[kind].model_fields
+            if f not in {"kind", "joint", "shape", "source", "windows_s"}
+        ]
         return f"{kind} has no {name}; expected some of {', '.join(known)}"
     return f"{name}: {item['msg']}"
 

@@ -1,4 +1,5 @@
-"""`run_sweep`: every case of a study that is not in the journal yet, here or on a cluster; then the table."""
+"""`run_sweep`: every case of a study that is not in the journal yet, here or on a cluster; then the
+table."""
 
 from __future__ import annotations
 
@@ -13,7 +14,7 @@ from irb2400_ctrl.sweep.cases import Row, identity, run_case
 from irb2400_ctrl.sweep.journal import open_journal
 from irb2400_ctrl.sweep.pool import Lost, Work, run_on_cores
 from irb2400_ctrl.sweep.study import Study
-from irb2400_ctrl.sweep.table import Line, make_table, summarise, write_table
+from irb2400_ctrl.sweep.table import SummaryLine, make_table, summarise, write_table
 
 
 @dataclass(frozen=True)
@@ -32,7 +33,7 @@ class Sweep:
         return [row for row in self.rows if row["status"] != "ok"]
 
     @property
-    def lines(self) -> list[Line]:
+    def lines(self) -> list[SummaryLine]:
         """Errors by controller, motion and speed."""
         return summarise(self.rows)
 
@@ -70,14 +71,20 @@ def run_sweep(
 
             results = run_on_cluster(study, missing, scheduler, work)
         else:
-            results = run_on_cores(study, missing, min(workers or cores(), max(1, len(missing))), work)
+            results = run_on_cores(
+                study, missing, min(workers or cores(), max(1, len(missing))), work
+            )
         lost: list[Row] = []
         # closing: an interrupt dismisses the workers now, not when the generator is collected
         with closing(results):
             for result in results if missing else ():
                 if isinstance(result, Lost):
                     # not in the journal: the next start tries it again
-                    row = {**identity(study, result.index), "status": "lost", "message": result.reason}
+                    row = {
+                        **identity(study, result.index),
+                        "status": "lost",
+                        "message": result.reason,
+                    }
                     lost.append({**row, "wall_time_s": None})
                 else:
                     journal.add(result)

@@ -1,4 +1,5 @@
-"""`Study`: what a sweep varies and how often, read from a TOML file with all of its problems reported at once."""
+"""`Study`: what a sweep varies and how often, read from a TOML file with all of its problems
+reported at once."""
 
 from __future__ import annotations
 
@@ -28,8 +29,15 @@ from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.robot import Robot, load_robot, robot_names
 from irb2400_ctrl.simulation import Actuators, Sensors
 from irb2400_ctrl.simulation.plant import SUBSTEPS
-from irb2400_ctrl.sweep.motions import Motion, RandomPoses
-from irb2400_ctrl.sweep.quantities import FORMS, Deviations, EffectDraw, Payload, Quantity, Table
+from irb2400_ctrl.sweep.motions import RandomPoses, StudyMotion
+from irb2400_ctrl.sweep.quantities import (
+    FORMS,
+    Deviations,
+    EffectDraw,
+    PayloadSpread,
+    Quantity,
+    Table,
+)
 
 
 def _robot(value: object, info: ValidationInfo) -> object:
@@ -83,15 +91,21 @@ class Control(Table):
             return [str(error)]
         sizes = {field.name: field.size for field in block.parameters}
         unknown = sorted(set(self.gains) - set(sizes))
-        found = [f"{self.controller} has no gain {g}; expected some of {', '.join(sizes)}" for g in unknown]
+        found = [
+            f"{self.controller} has no gain {g}; expected some of {', '.join(sizes)}"
+            for g in unknown
+        ]
         for name, value in self.gains.items():
             if name in sizes and np.size(value) not in (1, sizes[name]):
-                found.append(f"gain {name} has {np.size(value)} values, expected 1 or {sizes[name]}")
+                found.append(
+                    f"gain {name} has {np.size(value)} values, expected 1 or {sizes[name]}"
+                )
         return found
 
 
-class Noise(Table):
-    """Noise of the measuring chain, drawn for each plant; it is in the logs, not in the loop (as in `simulate`)."""
+class SensorNoise(Table):
+    """SensorNoise of the measuring chain, drawn for each plant; it is in the logs, not in the loop
+    (as in `simulate`)."""
 
     torque_Nm: Quantity = 0.0
 
@@ -111,12 +125,12 @@ class Study(Table):
     """keep the log of every case, as the robot's data stream would give it"""
     plant: Deviations = Deviations()
     effects: tuple[EffectDraw, ...] = ()
-    payload: Payload | None = None
-    noise: Noise = Noise()
+    payload: PayloadSpread | None = None
+    noise: SensorNoise = SensorNoise()
     sensors: Sensors = Sensors()
     actuators: Actuators = Actuators()
     controllers: tuple[Control, ...] = Field(min_length=1)
-    motions: tuple[Motion, ...] = Field(min_length=1)
+    motions: tuple[StudyMotion, ...] = Field(min_length=1)
     _text: str = PrivateAttr(default="")
 
     @model_validator(mode="after")
@@ -127,9 +141,13 @@ class Study(Table):
             ("motions", [m.name for m in self.motions]),
         ):
             doubles = sorted({name for name in names if names.count(name) > 1})
-            problems += [f"{what}: two are called {name!r}; give each a name of its own" for name in doubles]
+            problems += [
+                f"{what}: two are called {name!r}; give each a name of its own" for name in doubles
+            ]
         for i, control in enumerate(self.controllers):
-            problems += [f"controllers[{i + 1}]: {p}" for p in control.problems(self.robot, self.rate_Hz)]
+            problems += [
+                f"controllers[{i + 1}]: {p}" for p in control.problems(self.robot, self.rate_Hz)
+            ]
         for i, motion in enumerate(self.motions):
             problems += [f"motions[{i + 1}]: {p}" for p in motion.problems(self.robot)]
         for i, effect in enumerate(self.effects):
@@ -150,7 +168,8 @@ class Study(Table):
 
     @cached_property
     def fingerprint(self) -> str:
-        """Changes with anything that results depend on, files it refers to included; not with comments."""
+        """Changes with anything that results depend on, files it refers to included; not with
+        comments."""
         # the derived model holds robots in full; trajectories are read into arrays
         parts = [self.model_dump_json().encode(), *(m.data() for m in self.motions)]
         return hashlib.sha256(b"\0".join(parts)).hexdigest()
@@ -171,16 +190,23 @@ def load_study(path: Path | str) -> Study:
     except tomllib.TOMLDecodeError as error:
         raise InputError(f"{path} is not TOML: {error}") from error
     except ValidationError as error:
-        raise InputError(f"{path} is not a valid study:\n  " + "\n  ".join(_explain(error))) from error
+        raise InputError(
+            f"{path} is not a valid study:\n  " + "\n  ".join(_explain(error))
+        ) from error
     study._text = text
     return study
 
 
 def changed_keys(before: str, after: str) -> list[str]:
     """Top-level keys in which two study texts differ."""
-    old, new = tomllib.loads(before), tomllib.loads(after)
+    old = tomllib.loads(before)
+    new = tomllib.loads(after)
     missing = object()
-    return [key for key in dict.fromkeys([*old, *new]) if _json(old.get(key, missing)) != _json(new.get(key, missing))]
+    return [
+        key
+        for key in dict.fromkeys([*old, *new])
+        if _json(old.get(key, missing)) != _json(new.get(key, missing))
+    ]
 
 
 def _json(value: object) -> str:
@@ -188,18 +214,27 @@ def _json(value: object) -> str:
 
 
 def _explain(error: ValidationError) -> list[str]:
-    lines, items = [], error.errors()
+    lines = []
+    items = error.errors()
     for item in items:
-        if item["type"] == "too_short" and any(i["loc"][:1] == item["loc"] and i is not item for i in items):
+        if item["type"] == "too_short" and any(
+            i["loc"][:1] == item["loc"] and i is not item for i in items
+        ):
             # the entries are there, but with problems of their own
             continue
-        parts = [p for p in item["loc"] if p not in FORMS and not (isinstance(p, str) and _is_type_tag(p))]
+        parts = [
+            p
+            for p in item["loc"]
+            if p not in FORMS and not (isinstance(p, str) and _is_type_tag(p))
+        ]
         place = "".join(f"[{p + 1}]" if isinstance(p, int) else f".{p}" for p in parts).lstrip(".")
         message = item["msg"].removeprefix("Value error, ")
         if item["type"] == "extra_forbidden":
             near = difflib.get_close_matches(str(item["loc"][-1]), _keys(), n=1)
             message = "unknown key" + (f"; did you mean {near[0]}?" if near else "")
-        elif item["type"] != "value_error" and not isinstance(item["input"], dict | list | BaseModel):
+        elif item["type"] != "value_error" and not isinstance(
+            item["input"], dict | list | BaseModel
+        ):
             message += f", found {item['input']!r}"
         lines += [f"{place}: {line}" if place else line for line in message.splitlines()]
     return list(dict.fromkeys(lines))
@@ -211,6 +246,15 @@ def _is_type_tag(part: str) -> bool:
 
 
 def _keys() -> list[str]:
-    tables: list[type[BaseModel]] = [Study, Control, Noise, Deviations, Payload, EffectDraw, Motion, RandomPoses]
+    tables: list[type[BaseModel]] = [
+        Study,
+        Control,
+        SensorNoise,
+        Deviations,
+        PayloadSpread,
+        EffectDraw,
+        StudyMotion,
+        RandomPoses,
+    ]
     tables += [Sensors, Actuators]
     return sorted({key for table in tables for key in table.model_fields})

@@ -22,7 +22,8 @@ WHOLE = ("case", "draw")
 
 
 def make_table(study: Study, rows: Iterable[Row]) -> pa.Table:
-    """Rows in the order of their cases; a column for whatever any of them holds; null where one holds nothing.
+    """Rows in the order of their cases; a column for whatever any of them holds; null where one
+    holds nothing.
 
     The study's fingerprint and the file itself are in the table's metadata.
     """
@@ -30,7 +31,9 @@ def make_table(study: Study, rows: Iterable[Row]) -> pa.Table:
 
     ordered = sorted(rows, key=lambda row: int(row["case"]))
     # the columns' order is that of the longest row's making; failed rows are short
-    names = list(dict.fromkeys(name for row in sorted(ordered, key=len, reverse=True) for name in row))
+    names = list(
+        dict.fromkeys(name for row in sorted(ordered, key=len, reverse=True) for name in row)
+    )
     last = "wall_time_s"
     names = [*(name for name in names if name != last), last]
     fields = [pa.field(name, _type(pa, name)) for name in names]
@@ -56,7 +59,7 @@ def _type(pa: Any, name: str) -> Any:
 
 
 @dataclass(frozen=True)
-class Line:
+class SummaryLine:
     """TCP errors of one controller on one motion at one speed, over all plants [mm]."""
 
     controller: str
@@ -73,7 +76,7 @@ class Line:
         return float(np.quantile(self.errors_mm, share)) if self.errors_mm else float("nan")
 
 
-def summarise(rows: Iterable[Row]) -> list[Line]:
+def summarise(rows: Iterable[Row]) -> list[SummaryLine]:
     """One line per controller, motion and speed, in the order of the cases."""
     groups: dict[tuple[str, float, str], list[Row]] = {}
     for row in sorted(rows, key=lambda row: int(row["case"])):
@@ -81,23 +84,31 @@ def summarise(rows: Iterable[Row]) -> list[Line]:
     lines = []
     for key, members in groups.items():
         good = [row for row in members if row["status"] == "ok"]
-        hit = [any(row[name] > 0 for name in row if name.endswith("_saturated_share")) for row in good]
+        hit = [
+            any(row[name] > 0 for name in row if name.endswith("_saturated_share")) for row in good
+        ]
         errors = tuple(sorted(float(row["tcp_error_rms_mm"]) for row in good))
         motion, speed, controller = key
-        lines.append(Line(controller, motion, speed, errors, len(members) - len(good), sum(hit)))
+        lines.append(
+            SummaryLine(controller, motion, speed, errors, len(members) - len(good), sum(hit))
+        )
     return lines
 
 
-def summary_text(lines: Iterable[Line]) -> str:
+def summary_text(lines: Iterable[SummaryLine]) -> str:
     """The lines as a short table."""
     head = ("motion", "speed", "controller", "median", "95 %", "worst", "limit", "failed")
     body = [
         (
-            line.motion, f"{line.speed:g}", line.controller,
-            *(f"{line.quantile(share):.3f}" for share in (0.5, 0.95, 1.0)), str(line.saturated), str(line.failed),
+            line.motion,
+            f"{line.speed:g}",
+            line.controller,
+            *(f"{line.quantile(share):.3f}" for share in (0.5, 0.95, 1.0)),
+            str(line.saturated),
+            str(line.failed),
         )
         for line in lines
-    ]  # fmt: skip
+    ]
     widths = [max(len(row[k]) for row in (head, *body)) for k in range(len(head))]
     place = [str.ljust if name in {"motion", "controller"} else str.rjust for name in head]
     texts = ["TCP error rms over the plants [mm]; limit: runs at a torque limit"]

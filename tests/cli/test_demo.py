@@ -1,4 +1,5 @@
-"""The main job and the commands, on the data that comes with the package: files, contracts, sane numbers."""
+"""The main job and the commands, on the data that comes with the package: files, contracts, sane
+numbers."""
 
 from __future__ import annotations
 
@@ -63,8 +64,17 @@ def test_findings_keep_the_contract_and_reach_the_noise_floor(demo: tuple[Path, 
 
 def test_plan_keeps_the_contract(demo: tuple[Path, str]) -> None:
     plan = json.loads((demo[0] / "plan" / "plan.json").read_text())
-    assert {"duration_s", "reachable", "max_tcp_deviation_mm", "max_tool_axis_deviation_deg", "singularity_margin",
-            "max_torque_ratio", "max_velocity_ratio", "guaranteed", "wall_time_s"} <= set(plan)  # fmt: skip
+    assert {
+        "duration_s",
+        "reachable",
+        "max_tcp_deviation_mm",
+        "max_tool_axis_deviation_deg",
+        "singularity_margin",
+        "max_torque_ratio",
+        "max_velocity_ratio",
+        "guaranteed",
+        "wall_time_s",
+    } <= set(plan)
     assert plan["guaranteed"] is True
     assert plan["max_torque_ratio"] <= 1.0
     with (demo[0] / "plan" / "trajectory.csv").open() as file:
@@ -73,7 +83,9 @@ def test_plan_keeps_the_contract(demo: tuple[Path, str]) -> None:
         assert name in header
     table = np.array(rows, dtype=float)
     assert table[0, 0] == 0.0
-    speeds = [i for i, name in enumerate(header) if name.startswith("qd") and name.endswith("deg_s")]
+    speeds = [
+        i for i, name in enumerate(header) if name.startswith("qd") and name.endswith("deg_s")
+    ]
     assert np.abs(table[[0, -1]][:, speeds]).max() < 1e-6
 
 
@@ -85,8 +97,18 @@ def test_better_description_tracks_better(demo: tuple[Path, str]) -> None:
 
 
 def test_commands_hand_on_their_files(demo: tuple[Path, str], tmp_path: Path) -> None:
-    trajectory, robot = demo[0] / "plan" / "trajectory.csv", demo[0] / "diagnosis" / "robot.toml"
-    run("simulate", trajectory, "--controller", "feedforward_pid", "--robot", robot, "--out", tmp_path / "run")
+    trajectory = demo[0] / "plan" / "trajectory.csv"
+    robot = demo[0] / "diagnosis" / "robot.toml"
+    run(
+        "simulate",
+        trajectory,
+        "--controller",
+        "feedforward_pid",
+        "--robot",
+        robot,
+        "--out",
+        tmp_path / "run",
+    )
     simulation = json.loads((tmp_path / "run" / "simulation.json").read_text())
     assert 0.0 < simulation["tcp_error_mm"]["rms"] < 5.0
     assert (tmp_path / "run" / "tracking.png").read_bytes().startswith(b"\x89PNG")
@@ -95,13 +117,17 @@ def test_commands_hand_on_their_files(demo: tuple[Path, str], tmp_path: Path) ->
     run("robot", "show", robot)
     assert "inertia" in run("robot", "check", robot)
     # a simulated log is a log like any other
-    assert "verdict:" in run("diagnose", tmp_path / "run" / "log.csv", "--robot", robot, "--out", tmp_path / "found")
+    assert "verdict:" in run(
+        "diagnose", tmp_path / "run" / "log.csv", "--robot", robot, "--out", tmp_path / "found"
+    )
     assert (tmp_path / "found" / "report.html").is_file()
 
 
 def test_diagnose_closes_the_loop_with_generated_code(tmp_path: Path) -> None:
     arm = DATA / "arm" / "identification.csv.gz"
-    text = run("diagnose", arm, "--close-loop", "--controller", "computed_torque", "--out", tmp_path)
+    text = run(
+        "diagnose", arm, "--close-loop", "--controller", "computed_torque", "--out", tmp_path
+    )
     assert "robot as diagnosed" in text
     runs = json.loads((tmp_path / "closed_loop.json").read_text())
     before, recalibrated, after = (runs[name] for name in ("before", "recalibrated", "after"))
@@ -111,13 +137,22 @@ def test_diagnose_closes_the_loop_with_generated_code(tmp_path: Path) -> None:
     assert json.loads((tmp_path / "controller" / "verification.json").read_text())["passed"] is True
     # the ripple is in the code: its order is one of the numbers
     (ripple,) = irb.load_robot(tmp_path / "robot.toml").effects
-    assert f"R({ripple.parameters()['order']!r})" in (tmp_path / "controller" / "computed_torque.c").read_text()
-    assert "own simulation: it has the effects exactly as found" in (tmp_path / "report.html").read_text()
+    assert (
+        f"R({ripple.parameters()['order']!r})"
+        in (tmp_path / "controller" / "computed_torque.c").read_text()
+    )
+    assert (
+        "own simulation: it has the effects exactly as found"
+        in (tmp_path / "report.html").read_text()
+    )
 
 
 def test_plan_with_held_orientation(tmp_path: Path) -> None:
     path = tmp_path / "line.csv"
-    rows = ["x_mm,y_mm,z_mm,i,j,k,feed_mm_s", *(f"{900 + 2 * k},{-50 + 4 * k},700,0,0,1,200" for k in range(26))]
+    rows = [
+        "x_mm,y_mm,z_mm,i,j,k,feed_mm_s",
+        *(f"{900 + 2 * k},{-50 + 4 * k},700,0,0,1,200" for k in range(26)),
+    ]
     path.write_text("\n".join(rows) + "\n")
     run("plan", path, "--fixed", "--rate", 500, "--rapid", "--out", tmp_path / "plan")
     plan = json.loads((tmp_path / "plan" / "plan.json").read_text())

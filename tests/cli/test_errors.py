@@ -37,11 +37,16 @@ def test_missing_file(command: str, tmp_path: Path) -> None:
 def write_log(path: Path, drop: str = "", nan_row: int | None = None) -> Path:
     names = ["time_s", *(f"q{j}_deg" for j in range(1, 7)), *(f"tau{j}_Nm" for j in range(1, 7))]
     time = np.arange(1000) / 250
-    data = np.column_stack([time, *(10 * np.sin(time * (1 + j)) for j in range(6)), *(np.cos(time) for _ in range(6))])
+    data = np.column_stack(
+        [time, *(10 * np.sin(time * (1 + j)) for j in range(6)), *(np.cos(time) for _ in range(6))]
+    )
     if nan_row is not None:
         data[nan_row, 3] = np.nan
     keep = [i for i, name in enumerate(names) if not (drop and name.startswith(drop))]
-    rows = [",".join(names[i] for i in keep), *(",".join(f"{row[i]:.6f}" for i in keep) for row in data)]
+    rows = [
+        ",".join(names[i] for i in keep),
+        *(",".join(f"{row[i]:.6f}" for i in keep) for row in data),
+    ]
     path.write_text("\n".join(rows) + "\n")
     return path
 
@@ -61,7 +66,9 @@ def test_nan_in_a_log_says_where(tmp_path: Path) -> None:
 
 def test_unreachable_path_names_point_and_distance(tmp_path: Path) -> None:
     path = tmp_path / "far.csv"
-    path.write_text("x_mm,y_mm,z_mm,i,j,k\n1000,0,800,0,0,1\n1000,50,800,0,0,1\n4000,100,800,0,0,1\n")
+    path.write_text(
+        "x_mm,y_mm,z_mm,i,j,k\n1000,0,800,0,0,1\n1000,50,800,0,0,1\n4000,100,800,0,0,1\n"
+    )
     text = complaint("plan", path, "--out", tmp_path / "out", cwd=tmp_path)
     assert "point 3" in text
     assert "mm" in text
@@ -70,7 +77,9 @@ def test_unreachable_path_names_point_and_distance(tmp_path: Path) -> None:
 def test_robot_with_two_mistakes_reports_both(tmp_path: Path) -> None:
     good = irb.save_robot(irb.load_robot("irb2400"), tmp_path / "good.toml").read_text()
     bad = tmp_path / "bad.toml"
-    bad.write_text(good.replace("mass_kg = 26.5", "mass_kg = -26.5").replace("speed_deg_s", "sped_deg_s", 1))
+    bad.write_text(
+        good.replace("mass_kg = 26.5", "mass_kg = -26.5").replace("speed_deg_s", "sped_deg_s", 1)
+    )
     text = complaint("robot", "check", bad, cwd=tmp_path)
     assert "mass_kg" in text
     assert "-26.5" in text
@@ -85,8 +94,11 @@ def test_unknown_controller_lists_the_known_ones(tmp_path: Path) -> None:
 def test_help_loads_no_heavy_package(tmp_path: Path) -> None:
     code = (
         "import sys; from irb2400_ctrl.cli import main; "
-        "print([m for m in ('casadi', 'numpy', 'pydantic', 'toppra', 'control', 'matplotlib') if m in sys.modules])"
+        "print([m for m in ('casadi', 'numpy', 'pydantic', 'toppra', 'control', 'matplotlib') if m "
+        "in sys.modules])"
     )
-    done = subprocess.run([sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True, check=True)
+    done = subprocess.run(
+        [sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True, check=True
+    )
     assert done.stdout.strip() == "[]"
     assert irb2400("--help", cwd=tmp_path).returncode == 0

@@ -11,7 +11,8 @@ from pathlib import Path
 import pytest
 
 import irb2400_ctrl as irb
-from irb2400_ctrl.planners import builders, plan_path
+from irb2400_ctrl.planners import plan_path
+from irb2400_ctrl.planners.toolpath import builders
 
 COMMAND = (sys.executable, "-m", "irb2400_ctrl.cli.main", "plan")
 
@@ -26,17 +27,32 @@ def toolpath(tmp_path: Path) -> Path:
 
 def test_long_stages_tell_how_far_they_are() -> None:
     told: list[str] = []
-    plan_path(irb.load_robot("irb2400"), builders.line((0.9, 0, 0.5), (0.9, 0.1, 0.5)), progress=told.append)
-    shares = [int(text.removeprefix("timing: ").removesuffix(" %")) for text in told if text.startswith("timing: ")]
+    plan_path(
+        irb.load_robot("irb2400"),
+        builders.line((0.9, 0, 0.5), (0.9, 0.1, 0.5)),
+        progress=told.append,
+    )
+    shares = [
+        int(text.removeprefix("timing: ").removesuffix(" %"))
+        for text in told
+        if text.startswith("timing: ")
+    ]
     assert shares[0] == 0
     assert shares == sorted(set(shares))
     assert shares[-1] < 100
     assert "branch and rotation: 1 way" in told
-    assert told.index("curve") < told.index("branch and rotation") < told.index("timing") < told.index("check")
+    assert (
+        told.index("curve")
+        < told.index("branch and rotation")
+        < told.index("timing")
+        < told.index("check")
+    )
 
 
 def test_a_pipe_hears_nothing(toolpath: Path, tmp_path: Path) -> None:
-    run = subprocess.run([*COMMAND, str(toolpath), "--out", str(tmp_path / "out")], capture_output=True, text=True)
+    run = subprocess.run(
+        [*COMMAND, str(toolpath), "--out", str(tmp_path / "out")], capture_output=True, text=True
+    )
     assert run.returncode == 0, run.stderr
     assert "planning" not in run.stdout + run.stderr
     assert "timing:" not in run.stderr
@@ -46,7 +62,9 @@ def test_a_terminal_sees_stages(toolpath: Path, tmp_path: Path) -> None:
     ours, theirs = pty.openpty()
     environment = {**os.environ, "TERM": "xterm", "COLUMNS": "120"}
     command = [*COMMAND, str(toolpath), "--out", str(tmp_path / "out")]
-    with subprocess.Popen(command, stderr=theirs, stdout=subprocess.DEVNULL, env=environment) as process:
+    with subprocess.Popen(
+        command, stderr=theirs, stdout=subprocess.DEVNULL, env=environment
+    ) as process:
         os.close(theirs)
         seen = b""
         while True:

@@ -24,7 +24,8 @@ class Tracking:
     """How a controller made from one description of the arm followed a motion; rms values.
 
     Args:
-        joints: error of the true angles [rad], (6,); tip: distance of the tool's tip from its place [m].
+        joints: error of the true angles [rad], (6,); tip: distance of the tool's tip from its place
+            [m].
     """
 
     joints: np.ndarray
@@ -33,7 +34,10 @@ class Tracking:
     @classmethod
     def of(cls, run: Driven) -> Tracking:
         """The rms errors of one run."""
-        return cls(np.sqrt(((run.q - run.q_ref) ** 2).mean(axis=0)), float(np.sqrt((run.tip_error**2).mean())))
+        return cls(
+            np.sqrt(((run.q - run.q_ref) ** 2).mean(axis=0)),
+            float(np.sqrt((run.tip_error**2).mean())),
+        )
 
 
 @dataclass(frozen=True)
@@ -58,8 +62,11 @@ def measured(log: PlantLog, name: str) -> Log:
     return Log(log.time, log.q, log.tau, qd=log.qd, q_ref=log.q_ref, name=name)
 
 
-def close(case: Case, robot: Robot, controllers: tuple[str, ...] = CONTROLLERS, *, real: Real = "float") -> Closed:
-    """Diagnose the arm's identification log; follow its validation motion with controllers from each description."""
+def close(
+    case: Case, robot: Robot, controllers: tuple[str, ...] = CONTROLLERS, *, real: Real = "float"
+) -> Closed:
+    """Diagnose the arm's identification log; follow its validation motion with controllers from
+    each description."""
     diagnosis = diagnose(robot, measured(case.simulate()[0], "identification"))
     plain = diagnosis.robot.model_copy(update={"effects": robot.effects})
     given, recalibrated, diagnosed = (

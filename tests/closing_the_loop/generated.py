@@ -14,11 +14,16 @@ from irb2400_ctrl.codegen.package import Package
 def generated_drive(block: Block, q_ref: np.ndarray, real: Real = "float") -> Drive:
     """The block's C package, compiled for this computer, along a reference (n, 6) [rad] at 1 kHz.
 
-    The source is what `irb2400 codegen` writes, here built into a library. A fault of the package is an error.
+    The source is what `irb2400 codegen` writes, here built into a library. A fault of the package
+    is an error.
     """
     controller = HostController(Package(block, real))
     speed = np.gradient(q_ref, 1.0 / RECORD_RATE, axis=0)
-    reference = {"q_ref": q_ref, "qd_ref": speed, "qdd_ref": np.gradient(speed, 1.0 / RECORD_RATE, axis=0)}
+    reference = {
+        "q_ref": q_ref,
+        "qd_ref": speed,
+        "qdd_ref": np.gradient(speed, 1.0 / RECORD_RATE, axis=0),
+    }
 
     def drive(sample: int, q: np.ndarray, qd: np.ndarray) -> np.ndarray:
         known = {"q": q, "qd": qd, **{name: rows[sample] for name, rows in reference.items()}}

@@ -6,9 +6,13 @@ from irb2400_ctrl.codegen import Block, Field
 
 
 def pd_block() -> Block:
-    """Two-joint PD with integral, gravity in sine and cosine, Stribeck friction; bounds of every kind."""
-    z, q, qd, ref, bias = (ca.SX.sym(n, k) for n, k in (("z", 2), ("q", 2), ("qd", 2), ("q_ref", 2), ("bias", 1)))
-    kp, kd = ca.SX.sym("kp", 2), ca.SX.sym("kd", 2)
+    """Two-joint PD with integral, gravity in sine and cosine, Stribeck friction; bounds of every
+    kind."""
+    z, q, qd, ref, bias = (
+        ca.SX.sym(n, k) for n, k in (("z", 2), ("q", 2), ("qd", 2), ("q_ref", 2), ("bias", 1))
+    )
+    kp = ca.SX.sym("kp", 2)
+    kd = ca.SX.sym("kd", 2)
     error = ref - q
     gravity = ca.vertcat(30 * ca.cos(q[0]) + 8 * ca.sin(q[0] + q[1]), 8 * ca.sin(q[0] + q[1]))
     friction = (5 + 3 * ca.exp(-((qd / 0.02) ** 2))) * ca.sign(qd) + 2 * qd
@@ -42,15 +46,42 @@ def pd_block() -> Block:
 
 def every_operation_block() -> Block:
     """All operations that generated C knows, one output each."""
-    x, u = ca.SX.sym("x"), ca.SX.sym("u", 2)
-    a, b = u[0], u[1]
+    x = ca.SX.sym("x")
+    u = ca.SX.sym("u", 2)
+    a = u[0]
+    b = u[1]
     forms = [
-        ca.sin(a), ca.cos(b), ca.sin(b), ca.tan(a), ca.exp(a), ca.expm1(a), ca.tanh(b), ca.sinh(a), ca.cosh(a),
-        ca.sqrt(ca.fabs(a)), ca.log(1 + ca.fabs(a)), ca.constpow(ca.fabs(a), b), ca.atan2(a, b), ca.atan(a),
-        ca.asin(a / 4), ca.acos(b / 4), ca.hypot(a, b), ca.floor(a), ca.ceil(a), ca.fmod(a, 2), ca.remainder(a, 2),
-        ca.copysign(a, b), ca.sign(a), ca.fmin(a, b), ca.fmax(a, b), a**5, 1 / (4 + a), ca.logic_not(a),
-        ca.if_else(ca.logic_and(a < b, a != 0.5), a, b), ca.logic_or(a > b, a <= 0.25),
-    ]  # fmt: skip
+        ca.sin(a),
+        ca.cos(b),
+        ca.sin(b),
+        ca.tan(a),
+        ca.exp(a),
+        ca.expm1(a),
+        ca.tanh(b),
+        ca.sinh(a),
+        ca.cosh(a),
+        ca.sqrt(ca.fabs(a)),
+        ca.log(1 + ca.fabs(a)),
+        ca.constpow(ca.fabs(a), b),
+        ca.atan2(a, b),
+        ca.atan(a),
+        ca.asin(a / 4),
+        ca.acos(b / 4),
+        ca.hypot(a, b),
+        ca.floor(a),
+        ca.ceil(a),
+        ca.fmod(a, 2),
+        ca.remainder(a, 2),
+        ca.copysign(a, b),
+        ca.sign(a),
+        ca.fmin(a, b),
+        ca.fmax(a, b),
+        a**5,
+        1 / (4 + a),
+        ca.logic_not(a),
+        ca.if_else(ca.logic_and(a < b, a != 0.5), a, b),
+        ca.logic_or(a > b, a <= 0.25),
+    ]
     bounds = {"lower": (-2.0, -3.0), "upper": (2.0, 2.5)}
     return Block(
         name="all_operations",
@@ -69,5 +100,12 @@ def stateless_block() -> Block:
     u = ca.SX.sym("u", 3)
     step = ca.Function("step", [u], [2 * u, 1 / u[0]], ["u"], ["twice", "inverse"])
     return Block(
-        "twice", "twice", 0.01, (), (Field("u", 3, "", ""),), (Field("y", 3, "", ""), Field("v", 1, "", "")), (), step
+        "twice",
+        "twice",
+        0.01,
+        (),
+        (Field("u", 3, "", ""),),
+        (Field("y", 3, "", ""), Field("v", 1, "", "")),
+        (),
+        step,
     )

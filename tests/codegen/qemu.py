@@ -1,4 +1,5 @@
-"""A second emulator as judge: the package's step on QEMU's Cortex-M machines, driven through semihosting."""
+"""A second emulator as judge: the package's step on QEMU's Cortex-M machines, driven through
+semihosting."""
 
 import subprocess
 from pathlib import Path
@@ -24,7 +25,10 @@ def run_on_qemu(
     (folder / "firmware.c").write_text(program(package, states, inputs))
     sources = [f"{package.name}.c", "firmware.c"]
     plain = ["-fno-tree-loop-distribute-patterns", "-nostdlib", "-T", "firmware.ld"]
-    run_tool(["arm-none-eabi-gcc", *target.flags, *FLAGS, *plain, *sources, "-lgcc", "-o", "qemu.elf"], cwd=folder)
+    run_tool(
+        ["arm-none-eabi-gcc", *target.flags, *FLAGS, *plain, *sources, "-lgcc", "-o", "qemu.elf"],
+        cwd=folder,
+    )
     machine = [
         "-machine",
         MACHINES[target.name],
@@ -37,7 +41,13 @@ def run_on_qemu(
         "none",
     ]
     host = ["-semihosting-config", "enable=on,target=native", "-icount", "shift=0"]
-    subprocess.run(["qemu-system-arm", *machine, *host], cwd=folder, check=True, timeout=60, stdin=subprocess.DEVNULL)
+    subprocess.run(
+        ["qemu-system-arm", *machine, *host],
+        cwd=folder,
+        check=True,
+        timeout=60,
+        stdin=subprocess.DEVNULL,
+    )
     raw = (folder / "out.bin").read_bytes()
     with_step, without = np.frombuffer(raw[:8], "<u4")
     size = sum(f.size for f in package.block.outputs)
@@ -53,7 +63,10 @@ def program(package: Package, states: np.ndarray, inputs: np.ndarray) -> str:
         word = "uint32_t" if rows.dtype == np.float32 else "uint64_t"
         bits = rows.view(np.uint32 if rows.dtype == np.float32 else np.uint64)
         # bit patterns: decimal numbers could be read differently
-        body = ",\n".join(", ".join(f"{v:#x}u" if word == "uint32_t" else f"{v:#x}uLL" for v in row) for row in bits)
+        body = ",\n".join(
+            ", ".join(f"{v:#x}u" if word == "uint32_t" else f"{v:#x}uLL" for v in row)
+            for row in bits
+        )
         return f"static const {word} {kind}s[{bits.size}] = {{\n{body}\n}};\n"
 
     return f"""\

@@ -12,12 +12,19 @@ from irb2400_ctrl.errors import InputError
 
 def pi_block() -> Block:
     """PI with gravity compensation on two joints."""
-    z, q, ref = ca.SX.sym("z", 2), ca.SX.sym("q", 2), ca.SX.sym("q_ref", 2)
-    kp, ki = ca.SX.sym("kp", 2), ca.SX.sym("ki")
+    z = ca.SX.sym("z", 2)
+    q = ca.SX.sym("q", 2)
+    ref = ca.SX.sym("q_ref", 2)
+    kp = ca.SX.sym("kp", 2)
+    ki = ca.SX.sym("ki")
     e = ref - q
     tau = kp * e + ki * z + ca.vertcat(10 * ca.cos(q[0]), 3 * ca.sin(q[0] + q[1]))
     step = ca.Function(
-        "step", [z, q, ref, kp, ki], [z + 0.001 * e, tau], ["z", "q", "q_ref", "kp", "ki"], ["zn", "tau"]
+        "step",
+        [z, q, ref, kp, ki],
+        [z + 0.001 * e, tau],
+        ["z", "q", "q_ref", "kp", "ki"],
+        ["zn", "tau"],
     )
     return Block(
         name="pi_control",
@@ -26,7 +33,10 @@ def pi_block() -> Block:
         states=(Field("z", 2, "rad s", "integral of the error", (0.1, -0.1)),),
         inputs=(Field("q", 2, "rad", "joint angles"), Field("q_ref", 2, "rad", "wanted angles")),
         outputs=(Field("tau", 2, "Nm", "torques"),),
-        parameters=(Field("kp", 2, "Nm/rad", "gain", (50.0, 20.0)), Field("ki", 1, "Nm/(rad s)", "gain", (7.0,))),
+        parameters=(
+            Field("kp", 2, "Nm/rad", "gain", (50.0, 20.0)),
+            Field("ki", 1, "Nm/(rad s)", "gain", (7.0,)),
+        ),
         step=step,
     )
 

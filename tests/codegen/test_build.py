@@ -16,10 +16,16 @@ from irb2400_ctrl.errors import InputError, ToolMissingError
 
 def pendulum(dt: float = 0.01) -> ca.Function:
     """(x, u, p) -> (x+, y) of a damped pendulum, semi-implicit Euler."""
-    x, u, p = ca.SX.sym("x", 2), ca.SX.sym("u"), ca.SX.sym("p", 2)
+    x = ca.SX.sym("x", 2)
+    u = ca.SX.sym("u")
+    p = ca.SX.sym("p", 2)
     speed = x[1] + dt * (u - p[0] * ca.sin(x[0]) - p[1] * x[1])
     return ca.Function(
-        "pendulum", [x, u, p], [ca.vertcat(x[0] + dt * speed, speed), x[0]], ["x", "u", "p"], ["xn", "y"]
+        "pendulum",
+        [x, u, p],
+        [ca.vertcat(x[0] + dt * speed, speed), x[0]],
+        ["x", "u", "p"],
+        ["xn", "y"],
     )
 
 
@@ -27,7 +33,9 @@ def pendulum(dt: float = 0.01) -> ca.Function:
 def test_call_map_and_buffers_agree(real: str) -> None:
     fn = compile_function(pendulum(), real=real)  # type: ignore[arg-type]
     rng = np.random.default_rng(0)
-    x, u, p = rng.normal(size=(50, 2)), rng.normal(size=(50, 1)), np.array([9.81, 0.1])
+    x = rng.normal(size=(50, 2))
+    u = rng.normal(size=(50, 1))
+    p = np.array([9.81, 0.1])
     after, angle = fn.map(x, u, p)
     memory = fn.buffers()
     for k in range(50):
@@ -55,14 +63,18 @@ def test_rollout_is_the_iteration() -> None:
 
 
 def test_rollout_without_constants() -> None:
-    x, u = ca.SX.sym("x"), ca.SX.sym("u")
-    states, outputs = compile_function(ca.Function("sum", [x, u], [x + u, 2 * x])).rollout([0.0], np.ones((5, 1)))
+    x = ca.SX.sym("x")
+    u = ca.SX.sym("u")
+    states, outputs = compile_function(ca.Function("sum", [x, u], [x + u, 2 * x])).rollout(
+        [0.0], np.ones((5, 1))
+    )
     assert states[:, 0].tolist() == [0, 1, 2, 3, 4, 5]
     assert outputs[:, 0].tolist() == [0, 2, 4, 6, 8]
 
 
 def test_map_over_matrices() -> None:
-    m, s = ca.SX.sym("m", 2, 3), ca.SX.sym("s")
+    m = ca.SX.sym("m", 2, 3)
+    s = ca.SX.sym("s")
     fn = compile_function(ca.Function("f", [m, s], [s * m.T]))
     values = np.random.default_rng(1).normal(size=(7, 2, 3))
     (found,) = fn.map(values, 2.0)
@@ -107,7 +119,9 @@ def test_a_missing_compiler_is_said(monkeypatch: pytest.MonkeyPatch, tmp_path: P
         compile_function(pendulum())
 
 
-@pytest.mark.skipif(not sys.platform.startswith("linux") or os.getuid() == 0, reason="root writes everywhere")
+@pytest.mark.skipif(
+    not sys.platform.startswith("linux") or os.getuid() == 0, reason="root writes everywhere"
+)
 def test_an_unwritable_home_falls_back(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     closed = tmp_path / "closed"
     closed.mkdir(mode=0o500)
@@ -116,7 +130,9 @@ def test_an_unwritable_home_falls_back(monkeypatch: pytest.MonkeyPatch, tmp_path
     assert closed not in cache_dir().parents
 
 
-def test_no_home_falls_back_to_a_private_folder(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+def test_no_home_falls_back_to_a_private_folder(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
     blocked = tmp_path / "file"
     blocked.write_text("")
     monkeypatch.setenv("XDG_CACHE_HOME", str(blocked))

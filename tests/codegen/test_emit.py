@@ -14,29 +14,69 @@ from irb2400_ctrl.errors import InputError
 X = ca.SX.sym("x", 4)
 a, b, c, d = ca.vertsplit(X)
 EXACT = {
-    "add": a + b, "sub": a - b, "mul": a * b, "div": a / b, "neg": -a, "square": a**2, "twice": 2 * a, "inverse": 1 / a,
-    "cube": a**3, "fifth inverse": a**-5, "zeroth": a**0, "seventeenth": a**17,
-    "fabs": ca.fabs(a), "sign": ca.sign(a), "copysign": ca.copysign(a, b), "fmin": ca.fmin(a, b), "fmax": ca.fmax(a, b),
-    "if_else": ca.if_else(a < b, c, d), "if_else of number": ca.if_else(a, c, d),
+    "add": a + b,
+    "sub": a - b,
+    "mul": a * b,
+    "div": a / b,
+    "neg": -a,
+    "square": a**2,
+    "twice": 2 * a,
+    "inverse": 1 / a,
+    "cube": a**3,
+    "fifth inverse": a**-5,
+    "zeroth": a**0,
+    "seventeenth": a**17,
+    "fabs": ca.fabs(a),
+    "sign": ca.sign(a),
+    "copysign": ca.copysign(a, b),
+    "fmin": ca.fmin(a, b),
+    "fmax": ca.fmax(a, b),
+    "if_else": ca.if_else(a < b, c, d),
+    "if_else of number": ca.if_else(a, c, d),
     "if_else_zero": ca.if_else(a < b, c, 0),
-    "saturate": ca.fmax(ca.fmin(a, 0.5), -0.5), "comparison as number": (a < b) + 2 * (a <= b) + 4 * (a == c),
-    "logic": ca.logic_or(ca.logic_and(a > 0, b != 0), ca.logic_not(c >= d)), "not of number": ca.logic_not(a),
-    "constants": a + 1e-300 + 0.1, "infinity": ca.fmin(a, ca.inf),
-}  # fmt: skip
+    "saturate": ca.fmax(ca.fmin(a, 0.5), -0.5),
+    "comparison as number": (a < b) + 2 * (a <= b) + 4 * (a == c),
+    "logic": ca.logic_or(ca.logic_and(a > 0, b != 0), ca.logic_not(c >= d)),
+    "not of number": ca.logic_not(a),
+    "constants": a + 1e-300 + 0.1,
+    "infinity": ca.fmin(a, ca.inf),
+}
 CLOSE = {
-    "power": ca.fabs(a) ** 1.7, "power of two": ca.constpow(ca.fabs(a), b), "square root": ca.sqrt(ca.fabs(a)),
-    "stribeck": ca.exp(-((a / 0.01) ** 2)) * ca.sign(a), "tanh": ca.tanh(a / 0.01),
+    "power": ca.fabs(a) ** 1.7,
+    "power of two": ca.constpow(ca.fabs(a), b),
+    "square root": ca.sqrt(ca.fabs(a)),
+    "stribeck": ca.exp(-((a / 0.01) ** 2)) * ca.sign(a),
+    "tanh": ca.tanh(a / 0.01),
     "sin and cos": ca.sin(a) * ca.cos(a),
-    "sin alone": ca.sin(a), "cos alone": ca.cos(a), "tan": ca.tan(a), "atan2": ca.atan2(a, b), "fmod": ca.fmod(a, b),
-    "remainder": ca.remainder(a, b), "floor": ca.floor(a), "ceil": ca.ceil(a), "hypot": ca.hypot(a, b),
-    "sinh": ca.sinh(a), "cosh": ca.cosh(a), "expm1": ca.expm1(a), "asin": ca.asin(a / 8), "acos": ca.acos(a / 8),
-    "log": ca.log(ca.fabs(a) + 1e-3), "atan": ca.atan(a),
-}  # fmt: skip
+    "sin alone": ca.sin(a),
+    "cos alone": ca.cos(a),
+    "tan": ca.tan(a),
+    "atan2": ca.atan2(a, b),
+    "fmod": ca.fmod(a, b),
+    "remainder": ca.remainder(a, b),
+    "floor": ca.floor(a),
+    "ceil": ca.ceil(a),
+    "hypot": ca.hypot(a, b),
+    "sinh": ca.sinh(a),
+    "cosh": ca.cosh(a),
+    "expm1": ca.expm1(a),
+    "asin": ca.asin(a / 8),
+    "acos": ca.acos(a / 8),
+    "log": ca.log(ca.fabs(a) + 1e-3),
+    "atan": ca.atan(a),
+}
 
 
 def states() -> np.ndarray:
     grid = np.random.default_rng(0).uniform(-6, 6, (500, 4))
-    corners = np.array([[1.0, 1.0, 1.0, 1.0], [0.0, 1.0, 0.0, -1.0], [-2.0, 2.0, -2.0, 2.0], [1e-9, -1e-9, 5.0, -5.0]])
+    corners = np.array(
+        [
+            [1.0, 1.0, 1.0, 1.0],
+            [0.0, 1.0, 0.0, -1.0],
+            [-2.0, 2.0, -2.0, 2.0],
+            [1e-9, -1e-9, 5.0, -5.0],
+        ]
+    )
     return np.vstack([grid, corners])
 
 
@@ -51,14 +91,19 @@ def test_every_operation(math: str) -> None:
     names = list(forms)
     powers = {"cube", "fifth inverse", "seventeenth"}  # products in another order than pow()
     assert not [
-        n for n, good in zip(names, same.all(axis=0), strict=True) if not good and n in EXACT and n not in powers
+        n
+        for n, good in zip(names, same.all(axis=0), strict=True)
+        if not good and n in EXACT and n not in powers
     ]
     assert not [n for n, good in zip(names, close.all(axis=0), strict=True) if not good]
 
 
 def test_equal_operations_are_merged_and_paired() -> None:
-    x, y = ca.SX.sym("x"), ca.SX.sym("y")
-    fn = ca.Function("f", [x, y], [ca.sin(x) * y + y * ca.sin(x), ca.cos(x), ca.if_else(x < y, x, y)])
+    x = ca.SX.sym("x")
+    y = ca.SX.sym("y")
+    fn = ca.Function(
+        "f", [x, y], [ca.sin(x) * y + y * ca.sin(x), ca.cos(x), ca.if_else(x < y, x, y)]
+    )
     ops = [node.op for node in read_graph(fn).nodes]
     assert ops.count(SINCOS) == 1
     assert ops.count(SELECT) == 1
@@ -67,7 +112,11 @@ def test_equal_operations_are_merged_and_paired() -> None:
 
 
 def test_single_assignment_and_marked_literals() -> None:
-    body = emit_body(read_graph(ca.Function("f", [X], [ca.vertcat(*EXACT.values())])), "f", lambda k, i: f"a{k}[{i}]")
+    body = emit_body(
+        read_graph(ca.Function("f", [X], [ca.vertcat(*EXACT.values())])),
+        "f",
+        lambda k, i: f"a{k}[{i}]",
+    )
     names = [line.split()[2] for line in body.statements]
     assert all(line.startswith("const ") for line in body.statements)
     assert len(names) == len(set(names))
@@ -84,25 +133,44 @@ def test_sparse_matrices_are_dense_in_c() -> None:
 
 
 def test_what_has_no_c_form_is_refused() -> None:
-    x, free = ca.SX.sym("x"), ca.SX.sym("free")
+    x = ca.SX.sym("x")
+    free = ca.SX.sym("free")
     with pytest.raises(InputError, match="libm"):
         compile_function(ca.Function("f", [x], [ca.erf(x)]))
-    assert compile_function(ca.Function("f", [x], [ca.erf(x)]), math="libm").call([0.3])[0] == pytest.approx(
-        0.3286267595
-    )
+    assert compile_function(ca.Function("f", [x], [ca.erf(x)]), math="libm").call([0.3])[
+        0
+    ] == pytest.approx(0.3286267595)
     with pytest.raises(InputError, match="free variables"):
         compile_function(ca.Function("f", [x], [x * free], {"allow_free": True}))
     z = ca.MX.sym("z", 2)
-    lookup = ca.interpolant("table", "bspline", [[0.0, 1.0, 2.0, 3.0, 4.0]], [0.0, 1.0, 4.0, 9.0, 16.0])
+    lookup = ca.interpolant(
+        "table", "bspline", [[0.0, 1.0, 2.0, 3.0, 4.0]], [0.0, 1.0, 4.0, 9.0, 16.0]
+    )
     with pytest.raises(InputError, match="another function"):
         compile_function(ca.Function("f", [z], [lookup(z[0])]))
 
 
 _unary = st.sampled_from(
-    [ca.sin, ca.cos, ca.tanh, ca.fabs, ca.sign, lambda v: -v, lambda v: v**2, lambda v: ca.exp(-ca.fabs(v))]
+    [
+        ca.sin,
+        ca.cos,
+        ca.tanh,
+        ca.fabs,
+        ca.sign,
+        lambda v: -v,
+        lambda v: v**2,
+        lambda v: ca.exp(-ca.fabs(v)),
+    ]
 )
 _binary = st.sampled_from(
-    [lambda p, q: p + q, lambda p, q: p - q, lambda p, q: p * q, ca.fmin, ca.fmax, lambda p, q: ca.if_else(p < q, p, q)]
+    [
+        lambda p, q: p + q,
+        lambda p, q: p - q,
+        lambda p, q: p * q,
+        ca.fmin,
+        ca.fmax,
+        lambda p, q: ca.if_else(p < q, p, q),
+    ]
 )
 
 

@@ -1,4 +1,5 @@
-"""Packages as firmware on an emulated Cortex-M: same bits as this computer, counted instructions, no library."""
+"""Packages as firmware on an emulated Cortex-M: same bits as this computer, counted instructions,
+no library."""
 
 import json
 import shutil
@@ -21,9 +22,13 @@ needs_toolchain = pytest.mark.skipif(shutil.which(TOOLS[0]) is None, reason="no 
 
 
 @needs_toolchain
-@pytest.mark.parametrize(("target", "real"), [("cortex-m4f", "float"), ("cortex-m7", "double"), ("cortex-m7", "float")])
+@pytest.mark.parametrize(
+    ("target", "real"), [("cortex-m4f", "float"), ("cortex-m7", "double"), ("cortex-m7", "float")]
+)
 @pytest.mark.parametrize("make", [pd_block, every_operation_block, stateless_block])
-def test_same_bits_on_the_target(make: Callable[[], Block], target: str, real: str, tmp_path: Path) -> None:
+def test_same_bits_on_the_target(
+    make: Callable[[], Block], target: str, real: str, tmp_path: Path
+) -> None:
     verification = export_package(make(), tmp_path, target, real)  # type: ignore[arg-type]
     figures = verification.on_target
     assert verification.passed, verification.table()
@@ -34,7 +39,9 @@ def test_same_bits_on_the_target(make: Callable[[], Block], target: str, real: s
     assert figures.repeatable
     assert 0 < figures.instructions_min <= figures.instructions_max
     assert 0 <= figures.stack_bytes < 1024
-    assert json.loads((tmp_path / "verification.json").read_text())["on_target"]["faults_held"] is True
+    assert (
+        json.loads((tmp_path / "verification.json").read_text())["on_target"]["faults_held"] is True
+    )
     assert (tmp_path / "firmware" / "firmware.ld").exists()
 
 
@@ -48,10 +55,14 @@ def test_double_without_hardware_is_said(tmp_path: Path) -> None:
 
 
 @needs_toolchain
-def test_a_double_in_a_float_build_is_caught(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_double_in_a_float_build_is_caught(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     correct = Package.source
     slip = "const real_t total = (real_t)((double)input->q[0] * 1.1) + "
-    monkeypatch.setattr(Package, "source", lambda self: correct(self).replace("const real_t total = ", slip))
+    monkeypatch.setattr(
+        Package, "source", lambda self: correct(self).replace("const real_t total = ", slip)
+    )
     verification = export_package(pd_block(), tmp_path, "cortex-m4f")
     assert verification.on_target is not None
     assert "__aeabi_f2d" in verification.on_target.forbidden_symbols
@@ -60,18 +71,25 @@ def test_a_double_in_a_float_build_is_caught(tmp_path: Path, monkeypatch: pytest
 
 @needs_toolchain
 def test_counting_agrees_with_single_steps() -> None:
-    """The block-wise count is that of single steps and of the conditional instructions passed over."""
+    """The block-wise count is that of single steps and of the conditional instructions passed
+    over."""
     import unicorn
 
     for block, conditional in ((stateless_block(), 0), (pd_block(), 30)):
-        controller = TargetController(build_firmware(Package(block, "float"), find_target("cortex-m4f")))
+        controller = TargetController(
+            build_firmware(Package(block, "float"), find_target("cortex-m4f"))
+        )
         rng = np.random.default_rng(0)
         single = [0]
-        controller._machine.hook_add(unicorn.UC_HOOK_CODE, lambda *_, n=single: n.__setitem__(0, n[0] + 1))
+        controller._machine.hook_add(
+            unicorn.UC_HOOK_CODE, lambda *_, n=single: n.__setitem__(0, n[0] + 1)
+        )
         controller._machine.ctl_flush_tb()
         for _ in range(5):
             single[0] = 0
-            *_, count, _ = controller.measured_step(rng.uniform(0.1, 0.5, controller.sizes["input"]))
+            *_, count, _ = controller.measured_step(
+                rng.uniform(0.1, 0.5, controller.sizes["input"])
+            )
             assert 10 < single[0] <= count <= single[0] + conditional
 
 
@@ -82,7 +100,9 @@ def test_lengths_of_thumb_instructions() -> None:
 
 @needs_toolchain
 def test_reset_starts_over() -> None:
-    controller = TargetController(build_firmware(Package(pd_block(), "float"), find_target("cortex-m4f")))
+    controller = TargetController(
+        build_firmware(Package(pd_block(), "float"), find_target("cortex-m4f"))
+    )
     start = controller.state
     assert start.tolist() == [0.5, 0.0, 0.0, 0.0]
     controller.step([0.1, 0.1, 0, 0, 1, 1, 0])
@@ -93,7 +113,10 @@ def test_reset_starts_over() -> None:
 
 def test_missing_tools_are_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     which = shutil.which
-    monkeypatch.setattr("shutil.which", lambda name, *a, **k: None if name.startswith("arm-") else which(name, *a, **k))
+    monkeypatch.setattr(
+        "shutil.which",
+        lambda name, *a, **k: None if name.startswith("arm-") else which(name, *a, **k),
+    )
     verification = export_package(pd_block(), tmp_path, "cortex-m4f")
     assert verification.on_target is None
     assert "apt-get install gcc-arm-none-eabi" in verification.missing[0]

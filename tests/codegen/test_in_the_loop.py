@@ -23,7 +23,8 @@ ROOT = Path(__file__).parents[2]
 
 def plant(x: np.ndarray, tau: np.ndarray) -> np.ndarray:
     """Two unit inertias under gravity as the controller knows it, viscous friction, 2 ms."""
-    q, qd = x[:2], x[2:]
+    q = x[:2]
+    qd = x[2:]
     gravity = np.array([30 * np.cos(q[0]) + 8 * np.sin(q[0] + q[1]), 8 * np.sin(q[0] + q[1])])
     after = qd + 0.002 * (tau - gravity - 2 * qd)
     return np.concatenate([q + 0.002 * after, after])
@@ -65,7 +66,9 @@ def test_a_sensor_that_fails_is_survived() -> None:
             seen[0] = np.nan
         return seen
 
-    record = run_in_the_loop(HostController(Package(pd_block(), "float")), plant, failing, np.zeros(4), 100)
+    record = run_in_the_loop(
+        HostController(Package(pd_block(), "float")), plant, failing, np.zeros(4), 100
+    )
     assert record.status.nonzero()[0].tolist() == [40, 41, 42, 43, 44]
     assert set(record.status[40:45]) == {FAULT_INPUT}
     assert np.array_equal(record.outputs[40:45], np.tile(record.outputs[39], (5, 1)))
@@ -78,7 +81,9 @@ def test_no_steps_are_refused() -> None:
 
 
 @needs_target
-def test_the_example_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_example_runs(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
     pytest.importorskip("unicorn")
     script = ROOT / "examples" / "embedded" / "01_processor_in_the_loop.py"
     monkeypatch.setattr(sys, "argv", [str(script), str(tmp_path)])

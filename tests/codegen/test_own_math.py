@@ -10,7 +10,8 @@ from irb2400_ctrl.codegen import compile_function
 from irb2400_ctrl.codegen.build import host_source
 from irb2400_ctrl.codegen.toolchain import build_shared
 
-# function, CasADi form, domain per precision, scale that the error is counted in, bound in units of eps
+# function, CasADi form, domain per precision, scale that the error is counted in, bound in units of
+# eps
 TURN = {"float": 1600.0, "double": 3e6}
 UNARY = {
     "sin": (np.sin, ca.sin, TURN, "one", 1.4),
@@ -31,13 +32,19 @@ UNARY = {
 def samples(bound: float, real: str) -> np.ndarray:
     """Both signs, dense near zero and near the bound, exact in the given precision."""
     rng = np.random.default_rng(1)
-    size = bound * np.concatenate([rng.uniform(0, 1, 60_000), 10.0 ** rng.uniform(-8, 0, 60_000), [0.0, 1.0]])
+    size = bound * np.concatenate(
+        [rng.uniform(0, 1, 60_000), 10.0 ** rng.uniform(-8, 0, 60_000), [0.0, 1.0]]
+    )
     return np.concatenate([size, -size]).astype(np.float32 if real == "float" else np.float64)
 
 
 def worst(found: np.ndarray, expected: np.ndarray, scale: str) -> float:
     """Largest error in units of eps."""
-    unit = np.ones_like(expected) if scale == "one" else np.maximum(np.abs(expected), np.finfo(found.dtype).tiny)
+    unit = (
+        np.ones_like(expected)
+        if scale == "one"
+        else np.maximum(np.abs(expected), np.finfo(found.dtype).tiny)
+    )
     return float(np.max(np.abs(found - expected) / unit)) / float(np.finfo(found.dtype).eps)
 
 
@@ -80,7 +87,11 @@ def test_root_without_hardware_has_the_same_bits(real: str) -> None:
     rng = np.random.default_rng(4)
     decades = 37 if real == "float" else 300
     points = np.concatenate(
-        [rng.uniform(1, 4, 2_000_000), 10.0 ** rng.uniform(-decades, decades, 200_000), [0.0, np.inf]]
+        [
+            rng.uniform(1, 4, 2_000_000),
+            10.0 ** rng.uniform(-decades, decades, 200_000),
+            [0.0, np.inf],
+        ]
     )
     below = np.nextafter(np.array([1, 2, 4, 16], dtype), dtype.type(0))
     points = np.concatenate([points.astype(dtype), below])
@@ -93,13 +104,21 @@ def test_root_without_hardware_has_the_same_bits(real: str) -> None:
 
 @pytest.mark.parametrize("real", ["float", "double"])
 def test_two_arguments(real: str) -> None:
-    x, y = ca.SX.sym("x"), ca.SX.sym("y")
-    forms = [ca.atan2(y, x), ca.hypot(x, y), ca.constpow(ca.fabs(x), y), ca.fmod(x, y), ca.remainder(x, y)]
+    x = ca.SX.sym("x")
+    y = ca.SX.sym("y")
+    forms = [
+        ca.atan2(y, x),
+        ca.hypot(x, y),
+        ca.constpow(ca.fabs(x), y),
+        ca.fmod(x, y),
+        ca.remainder(x, y),
+    ]
     fn = compile_function(ca.Function("f", [x, y], forms), real=real)  # type: ignore[arg-type]
     rng = np.random.default_rng(3)
     a, b = (rng.uniform(-5, 5, 100_000).astype(fn.dtype) for _ in range(2))
     found = [column[:, 0] for column in fn.map(a[:, None], b[:, None])]
-    p, q = a.astype(np.longdouble), b.astype(np.longdouble)
+    p = a.astype(np.longdouble)
+    q = b.astype(np.longdouble)
     assert worst(found[0], np.arctan2(q, p), "value") <= 3.0
     assert worst(found[1], np.hypot(p, q), "value") <= 2.0
     growth = 2.0 + np.abs(q * np.log(np.abs(p)))
@@ -107,7 +126,9 @@ def test_two_arguments(real: str) -> None:
     assert np.max(error) <= np.finfo(fn.dtype).eps
     # near a multiple of y both neighbours are right answers to within the last bit of x
     modulo = np.abs(found[3] - np.fmod(p, q))
-    assert np.max(np.minimum(modulo, np.abs(np.abs(q) - modulo)) / np.abs(p)) <= np.finfo(fn.dtype).eps
+    assert (
+        np.max(np.minimum(modulo, np.abs(np.abs(q) - modulo)) / np.abs(p)) <= np.finfo(fn.dtype).eps
+    )
     rest = np.abs(found[4] - (p - q * np.rint(p / q)))
     assert np.max(np.minimum(rest, np.abs(np.abs(q) - rest)) / np.abs(p)) <= np.finfo(fn.dtype).eps
 
@@ -122,7 +143,9 @@ def test_ends_of_the_exponential(real: str) -> None:
 
 
 @pytest.mark.parametrize("real", ["float", "double"])
-@pytest.mark.parametrize("symbolic", [ca.sin, ca.cos, ca.exp, ca.tanh, ca.sqrt, ca.log, ca.fabs, ca.sign])
+@pytest.mark.parametrize(
+    "symbolic", [ca.sin, ca.cos, ca.exp, ca.tanh, ca.sqrt, ca.log, ca.fabs, ca.sign]
+)
 def test_not_a_number_stays(real: str, symbolic: object) -> None:
     x = ca.SX.sym("x")
     fn = compile_function(ca.Function("f", [x], [symbolic(x)]), real=real)  # type: ignore[operator,arg-type]

@@ -1,4 +1,5 @@
-"""Generated packages: they build anywhere without warnings, hold no library, and answer wrong inputs as promised."""
+"""Generated packages: they build anywhere without warnings, hold no library, and answer wrong
+inputs as promised."""
 
 import dataclasses
 import re
@@ -19,7 +20,16 @@ from irb2400_ctrl.errors import InputError
 
 from .blocks import every_operation_block, pd_block, stateless_block
 
-STRICT = ["-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wdouble-promotion", "-Wshadow", "-Werror"]
+STRICT = [
+    "-std=c99",
+    "-Wall",
+    "-Wextra",
+    "-Wpedantic",
+    "-Wconversion",
+    "-Wdouble-promotion",
+    "-Wshadow",
+    "-Werror",
+]
 BLOCKS = [pd_block, every_operation_block, stateless_block]
 
 
@@ -40,16 +50,28 @@ def test_builds_without_warnings_and_needs_no_library(
     compiler = find_compiler().command
     choice = f"-D{package.name.upper()}_SINGLE={single}"
     for errno in ("-fmath-errno", "-fno-math-errno"):
-        subprocess.run([*compiler, *STRICT, level, errno, choice, "-c", f"{package.name}.c"], cwd=folder, check=True)
+        subprocess.run(
+            [*compiler, *STRICT, level, errno, choice, "-c", f"{package.name}.c"],
+            cwd=folder,
+            check=True,
+        )
         wanted = subprocess.run(
-            ["nm", "-u", f"{package.name}.o"], cwd=folder, check=True, capture_output=True, text=True
+            ["nm", "-u", f"{package.name}.o"],
+            cwd=folder,
+            check=True,
+            capture_output=True,
+            text=True,
         )
         assert not wanted.stdout.split()
-        defined = subprocess.run(["nm", f"{package.name}.o"], cwd=folder, check=True, capture_output=True, text=True)
+        defined = subprocess.run(
+            ["nm", f"{package.name}.o"], cwd=folder, check=True, capture_output=True, text=True
+        )
         # no variable memory at all: neither data nor bss
         assert not [row for row in defined.stdout.splitlines() if row.split()[1] in "dDbBcC"]
     subprocess.run(
-        [*compiler, *STRICT, level, choice, f"{package.name}.c", "main.c", "-o", "example"], cwd=folder, check=True
+        [*compiler, *STRICT, level, choice, f"{package.name}.c", "main.c", "-o", "example"],
+        cwd=folder,
+        check=True,
     )
     said = subprocess.run(["./example"], cwd=folder, capture_output=True, text=True, check=False)
     assert said.stdout.startswith("status ")
@@ -60,9 +82,13 @@ def test_the_example_program_is_short_and_runs(tmp_path: Path) -> None:
     statements = re.findall(r";|^#include", (folder / "main.c").read_text(), flags=re.M)
     assert len(statements) <= 10
     subprocess.run(
-        [*find_compiler().command, "-std=c99", "pd_control.c", "main.c", "-o", "example"], cwd=folder, check=True
+        [*find_compiler().command, "-std=c99", "pd_control.c", "main.c", "-o", "example"],
+        cwd=folder,
+        check=True,
     )
-    said = subprocess.run(["./example"], cwd=folder, check=True, capture_output=True, text=True).stdout
+    said = subprocess.run(
+        ["./example"], cwd=folder, check=True, capture_output=True, text=True
+    ).stdout
     # at rest with all zero: 30 cos 0 + integral 0.5
     assert said == "status 0, tau[0] = 30.5 Nm\n"
 
@@ -71,18 +97,25 @@ def test_the_example_program_is_short_and_runs(tmp_path: Path) -> None:
 def test_the_cmake_project_builds(tmp_path: Path) -> None:
     folder = write(Package(pd_block()), tmp_path)
     subprocess.run(
-        ["cmake", "-S", ".", "-B", "build", "-DPD_CONTROL_SINGLE=0"], cwd=folder, check=True, capture_output=True
+        ["cmake", "-S", ".", "-B", "build", "-DPD_CONTROL_SINGLE=0"],
+        cwd=folder,
+        check=True,
+        capture_output=True,
     )
     subprocess.run(["cmake", "--build", "build"], cwd=folder, check=True, capture_output=True)
     assert (
         "30.5"
-        in subprocess.run(["build/pd_control_example"], cwd=folder, check=True, capture_output=True, text=True).stdout
+        in subprocess.run(
+            ["build/pd_control_example"], cwd=folder, check=True, capture_output=True, text=True
+        ).stdout
     )
 
 
 @pytest.mark.parametrize("make", BLOCKS)
 @pytest.mark.parametrize("real", ["float", "double"])
-def test_export_verifies_on_this_computer(make: Callable[[], Block], real: str, tmp_path: Path) -> None:
+def test_export_verifies_on_this_computer(
+    make: Callable[[], Block], real: str, tmp_path: Path
+) -> None:
     verification = export_package(make(), tmp_path / "deep" / "out", real=real)  # type: ignore[arg-type]
     assert verification.passed, verification.table()
     assert verification.faults_held
@@ -98,7 +131,11 @@ def test_verification_can_fail(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) 
     correct = Package.source
     monkeypatch.setattr(Package, "source", lambda self: correct(self).replace("R(30.0)", "R(30.1)"))
     assert not export_package(pd_block(), tmp_path).passed
-    monkeypatch.setattr(Package, "source", lambda self: correct(self).replace("<= parameters->q_max[1]", "<= R(9.0)"))
+    monkeypatch.setattr(
+        Package,
+        "source",
+        lambda self: correct(self).replace("<= parameters->q_max[1]", "<= R(9.0)"),
+    )
     verification = export_package(pd_block(), tmp_path)
     assert not verification.passed
     assert verification.faults_held is False
@@ -113,7 +150,15 @@ def test_faults_hold_the_last_safe_output() -> None:
     safe, status = controller.step(ordinary())
     assert status == 0
     before = controller.state
-    for at, value in [(0, np.nan), (1, 2.1), (2, -4.5), (4, np.inf), (5, np.nan), (6, 51.0), (6, -np.inf)]:
+    for at, value in [
+        (0, np.nan),
+        (1, 2.1),
+        (2, -4.5),
+        (4, np.inf),
+        (5, np.nan),
+        (6, 51.0),
+        (6, -np.inf),
+    ]:
         wrong = ordinary()
         wrong[at] = value
         held, status = controller.step(wrong)
@@ -153,7 +198,12 @@ def test_inputs_of_equal_bounds_share_a_table() -> None:
     good = shared.initial_input()
     assert compiled.step(good)[1] == 0
     for place, field in ((0, "q"), (4, "q_ref")):
-        for wrong in (block.inputs[0].upper[0] + 0.1, block.inputs[0].lower[0] - 0.1, np.nan, np.inf):
+        for wrong in (
+            block.inputs[0].upper[0] + 0.1,
+            block.inputs[0].lower[0] - 0.1,
+            np.nan,
+            np.inf,
+        ):
             bad = good.copy()
             bad[place] = wrong
             assert compiled.step(bad)[1] == FAULT_INPUT, (field, wrong)
@@ -180,7 +230,8 @@ def test_gains_and_limits_are_a_table_to_replace() -> None:
 def test_names_that_c_cannot_take_are_refused() -> None:
     with pytest.raises(InputError, match="'double'"):
         Package(dataclasses.replace(stateless_block(), name="double"))
-    x, u = ca.SX.sym("held_y"), ca.SX.sym("u")
+    x = ca.SX.sym("held_y")
+    u = ca.SX.sym("u")
     step = ca.Function("step", [x, u], [x, u], ["held_y", "u"], ["a", "b"])
     with pytest.raises(InputError, match="two fields of one name"):
         Package(
@@ -205,13 +256,22 @@ def test_unknown_target(tmp_path: Path) -> None:
 
 def misra_findings(folder: Path, file: str) -> list[str]:
     """Rule numbers that cppcheck's addon finds, over all configurations of the preprocessor."""
-    subprocess.run(["cppcheck", "--dump", "--quiet", "--std=c99", file], cwd=folder, check=True, capture_output=True)
+    subprocess.run(
+        ["cppcheck", "--dump", "--quiet", "--std=c99", file],
+        cwd=folder,
+        check=True,
+        capture_output=True,
+    )
     addons = [
         *Path("/usr").glob("lib/*/cppcheck/addons/misra.py"),
         *Path("/usr").glob("share/cppcheck/addons/misra.py"),
     ]
     done = subprocess.run(
-        ["python3", str(addons[0]), f"{file}.dump"], cwd=folder, capture_output=True, text=True, check=False
+        ["python3", str(addons[0]), f"{file}.dump"],
+        cwd=folder,
+        capture_output=True,
+        text=True,
+        check=False,
     )
     return re.findall(r"misra-c2012-[\d.]+(?=\])", done.stderr)
 
@@ -222,6 +282,10 @@ def test_misra(make: Callable[[], Block], tmp_path: Path) -> None:
     package = Package(make())
     write(package, tmp_path)
     assert misra_findings(tmp_path, f"{package.name}.c") == []
-    spoiled = package.source().replace("return status;", "if (status) return status;\n    return 0;")
+    spoiled = package.source().replace(
+        "return status;", "if (status) return status;\n    return 0;"
+    )
     (tmp_path / "spoiled.c").write_text(spoiled)
-    assert {"misra-c2012-14.4", "misra-c2012-15.5", "misra-c2012-15.6"} <= set(misra_findings(tmp_path, "spoiled.c"))
+    assert {"misra-c2012-14.4", "misra-c2012-15.5", "misra-c2012-15.6"} <= set(
+        misra_findings(tmp_path, "spoiled.c")
+    )

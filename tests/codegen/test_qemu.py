@@ -18,7 +18,8 @@ from .qemu import run_on_qemu
 
 pytest.importorskip("unicorn")
 pytestmark = pytest.mark.skipif(
-    shutil.which(TOOLS[0]) is None or shutil.which("qemu-system-arm") is None, reason="no cross compiler or no QEMU"
+    shutil.which(TOOLS[0]) is None or shutil.which("qemu-system-arm") is None,
+    reason="no cross compiler or no QEMU",
 )
 
 

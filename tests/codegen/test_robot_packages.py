@@ -1,4 +1,5 @@
-"""The controllers of the robot as packages: correct everywhere, and computed torque within its budget."""
+"""The controllers of the robot as packages: correct everywhere, and computed torque within its
+budget."""
 
 import shutil
 from pathlib import Path
@@ -24,8 +25,11 @@ def robot() -> irb.Robot:
 
 
 def rigid_computed_torque(robot: irb.Robot) -> Block:
-    """tau = M(q) (qdd_ref + kd (qd_ref - qd) + kp (q_ref - q)) + C qd + G, all of Tab. 3, no friction."""
-    symbols = {name: ca.SX.sym(name, 6) for name in ("q", "qd", "q_ref", "qd_ref", "qdd_ref", "kp", "kd")}
+    """tau = M(q) (qdd_ref + kd (qd_ref - qd) + kp (q_ref - q)) + C qd + G, all of Tab. 3, no
+    friction."""
+    symbols = {
+        name: ca.SX.sym(name, 6) for name in ("q", "qd", "q_ref", "qd_ref", "qdd_ref", "kp", "kd")
+    }
     q, qd, q_ref, qd_ref, qdd_ref, kp, kd = symbols.values()
     wanted = qdd_ref + kd * (qd_ref - qd) + kp * (q_ref - q)
     tau = irb.Model(robot).inverse_dynamics(q, qd, wanted, friction=False)
@@ -44,7 +48,10 @@ def rigid_computed_torque(robot: irb.Robot) -> Block:
             Field("qdd_ref", 6, "rad/s2", "wanted accelerations"),
         ),
         outputs=(Field("tau", 6, "Nm", "torques", lower=tuple(-v for v in high), upper=high),),
-        parameters=(Field("kp", 6, "1/s2", "", (3600.0,) * 6), Field("kd", 6, "1/s", "", (120.0,) * 6)),
+        parameters=(
+            Field("kp", 6, "1/s2", "", (3600.0,) * 6),
+            Field("kd", 6, "1/s", "", (120.0,) * 6),
+        ),
         step=ca.Function("step", list(symbols.values()), [tau], list(symbols), ["tau"]),
     )
 
@@ -69,7 +76,9 @@ def test_computed_torque_keeps_its_budget(robot: irb.Robot, friction: bool, tmp_
 @needs_target
 @pytest.mark.parametrize("name", sorted(CONTROLLERS))
 @pytest.mark.parametrize(("target", "real"), [("cortex-m4f", "float"), ("cortex-m7", "double")])
-def test_every_controller_on_the_target(robot: irb.Robot, name: str, target: str, real: str, tmp_path: Path) -> None:
+def test_every_controller_on_the_target(
+    robot: irb.Robot, name: str, target: str, real: str, tmp_path: Path
+) -> None:
     pytest.importorskip("unicorn")
     verification = export_package(controller(name, robot), tmp_path, target, real)  # type: ignore[arg-type]
     assert verification.passed, verification.table()

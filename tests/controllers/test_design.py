@@ -1,4 +1,5 @@
-"""Gain design: what was wished for is what the discrete loop has; linearisations against finite differences."""
+"""Gain design: what was wished for is what the discrete loop has; linearisations against finite
+differences."""
 
 from __future__ import annotations
 
@@ -40,19 +41,24 @@ def test_poles_are_where_they_were_placed(bandwidth: float, damping: float) -> N
     design = place_poles(bandwidth, damping, IDEAL)
     closed = np.array([[1, T], [0, 1]]) - np.outer([T**2 / 2, T], [design.kp, design.kd])
     wanted = np.exp(T * np.roots([1, 2 * damping * bandwidth, bandwidth**2]))
-    np.testing.assert_allclose(np.sort_complex(np.linalg.eigvals(closed)), np.sort_complex(wanted), atol=1e-7)
+    np.testing.assert_allclose(
+        np.sort_complex(np.linalg.eigvals(closed)), np.sort_complex(wanted), atol=1e-7
+    )
 
 
 @pytest.mark.parametrize(("crossover", "phase"), [(60.0, 60.0), (120.0, 55.0), (200.0, 45.0)])
 @pytest.mark.parametrize("timing", [Timing(), Timing(delay_samples=0, lag_s=0.002), IDEAL])
-def test_loop_shaping_hits_crossover_and_phase(crossover: float, phase: float, timing: Timing) -> None:
+def test_loop_shaping_hits_crossover_and_phase(
+    crossover: float, phase: float, timing: Timing
+) -> None:
     found = shape_loop(crossover, np.radians(phase), timing).margins
     assert found.crossover == pytest.approx(crossover, rel=1e-3)
     assert np.degrees(found.phase) == pytest.approx(phase, abs=0.1)
 
 
 def test_lqr_gains_satisfy_the_riccati_equation_and_grow_with_the_wish() -> None:
-    slow, fast = lqr(1e-2, 10.0), lqr(1e-3, 10.0)
+    slow = lqr(1e-2, 10.0)
+    fast = lqr(1e-3, 10.0)
     assert fast.kp > slow.kp
     # continuous limit: kp = a0 / e0, kd = sqrt(2 kp)
     assert slow.kp == pytest.approx(1000.0, rel=0.1)
@@ -84,22 +90,30 @@ def test_gain_and_delay_margins_are_where_the_loop_goes_unstable() -> None:
 def test_linearised_arm_agrees_with_finite_differences() -> None:
     robot = with_effect(arm(), "cable_spring", 2, {"stiffness_Nm_rad": 300.0})
     dynamics = viscous_dynamics(Model(robot))
-    q, qd, tau = RNG.uniform(0.6 * robot.q_min, 0.6 * robot.q_max), RNG.normal(size=6), 50 * RNG.normal(size=6)
-    system, h = linearize(robot, q, qd, tau), 1e-6
+    q = RNG.uniform(0.6 * robot.q_min, 0.6 * robot.q_max)
+    qd = RNG.normal(size=6)
+    tau = 50 * RNG.normal(size=6)
+    system = linearize(robot, q, qd, tau)
+    h = 1e-6
     point = np.concatenate([q, qd, tau])
 
     def rate(z: np.ndarray) -> np.ndarray:
         return np.asarray(dynamics(z[:6], z[6:12], z[12:])).ravel()
 
-    slopes = np.column_stack([(rate(point + h * e) - rate(point - h * e)) / (2 * h) for e in np.eye(18)])
-    np.testing.assert_allclose(np.hstack([system.A[6:], system.B[6:]]), slopes, rtol=1e-5, atol=1e-5)
+    slopes = np.column_stack(
+        [(rate(point + h * e) - rate(point - h * e)) / (2 * h) for e in np.eye(18)]
+    )
+    np.testing.assert_allclose(
+        np.hstack([system.A[6:], system.B[6:]]), slopes, rtol=1e-5, atol=1e-5
+    )
 
 
 @pytest.mark.parametrize("name", sorted(CONTROLLERS))
 def test_linearised_controller_agrees_with_finite_differences(name: str) -> None:
     block = controller(name, arm())
     system = linearize_block(block, START)
-    flat, h = block.flat(), 1e-6
+    flat = block.flat()
+    h = 1e-6
     x0 = np.concatenate([np.zeros(0), *(f.start for f in block.states)])
     u0 = np.concatenate([START if f.name in {"q", "q_ref"} else np.zeros(6) for f in block.inputs])
     p = np.concatenate([f.start for f in block.parameters])
@@ -147,7 +161,8 @@ def scaled(block, factor: float):
 
 
 def brink(stable) -> float:
-    low, high = 1.0, 100.0
+    low = 1.0
+    high = 100.0
     while high / low > 1.001:
         middle = np.sqrt(low * high)
         low, high = (middle, high) if stable(middle) else (low, middle)
@@ -163,7 +178,9 @@ def kicked(loop, motion, gains: dict[str, np.ndarray]) -> np.ndarray:
     p = loop.compiled.parameters(**{f"c_{k}": v for k, v in gains.items()})
     motion = motion.at_rate(1000.0)
     states, _ = loop.compiled.rollout(
-        np.hstack([motion.q, motion.qd, motion.qdd]), x0=np.concatenate([values[f.name] for f in block.states]), p=p
+        np.hstack([motion.q, motion.qd, motion.qdd]),
+        x0=np.concatenate([values[f.name] for f in block.states]),
+        p=p,
     )
     return loop.compiled.split(block.states, states)["p_qd"]
 
@@ -175,7 +192,9 @@ def test_control_systems_step_like_the_generated_code() -> None:
     system = to_control(block)
     motion = quintic_move(START, STOP, 0.1).at_rate(1000.0)
     inputs = np.hstack([motion.q + 1e-3, motion.qd, motion.q, motion.qd, motion.qdd])
-    response = control.input_output_response(system, motion.time, inputs.T, X0=np.zeros(system.nstates))
+    response = control.input_output_response(
+        system, motion.time, inputs.T, X0=np.zeros(system.nstates)
+    )
     from irb2400_ctrl.codegen import compile_block
 
     _, outputs = compile_block(block).rollout(inputs)
@@ -221,7 +240,9 @@ def test_designed_gains_reach_the_controller_and_its_loop() -> None:
 
 def test_fastest_stays_below_the_peak() -> None:
     robot = arm()
-    bandwidth, block = fastest(robot, lambda w: controller("gravity_pd", robot, bandwidth=w), [START], peak=1.8)
+    bandwidth, block = fastest(
+        robot, lambda w: controller("gravity_pd", robot, bandwidth=w), [START], peak=1.8
+    )
     assert over_poses(robot, block, [START]).coupled_peak <= 1.8
     over = controller("gravity_pd", robot, bandwidth=1.1 * bandwidth)
     assert over_poses(robot, over, [START]).coupled_peak > 1.8
@@ -240,11 +261,17 @@ def test_says_what_cannot_be() -> None:
 
 
 def test_elastic_joint_in_the_linearised_arm() -> None:
-    """Locked motor frequency and the two-mass resonance of joint 1, and the step of the simulated plant."""
+    """Locked motor frequency and the two-mass resonance of joint 1, and the step of the simulated
+    plant."""
     from irb2400_ctrl.codegen import compile_block
     from irb2400_ctrl.simulation.plant import plant_block
 
-    robot = with_effect(without_friction(arm()), "elastic_joint", 1, {"stiffness_Nm_rad": 4e4, "damping_ratio": 0.02})
+    robot = with_effect(
+        without_friction(arm()),
+        "elastic_joint",
+        1,
+        {"stiffness_Nm_rad": 4e4, "damping_ratio": 0.02},
+    )
     robot = with_effect(robot, "rotor_inertia", 1, {"inertia_kgm2": 15.0})
     system = linearize(robot, START)
     assert system.nstates == 14
@@ -261,9 +288,12 @@ def test_elastic_joint_in_the_linearised_arm() -> None:
     values |= {"q": START, "link": link[:1]}
     push = np.array([0.5, 0, 0, 0, 0, 0])
     states, _ = plant.rollout(
-        np.tile(load + push, (200, 1)), x0=np.concatenate([values[f.name] for f in plant.block.states])
+        np.tile(load + push, (200, 1)),
+        x0=np.concatenate([values[f.name] for f in plant.block.states]),
     )
     import control
 
-    answer = control.forced_response(system, np.arange(201) * 1e-4, np.tile(push[:, None], (1, 201)))
+    answer = control.forced_response(
+        system, np.arange(201) * 1e-4, np.tile(push[:, None], (1, 201))
+    )
     np.testing.assert_allclose(states[:, 0] - START[0], answer.outputs[0], atol=2e-8)

@@ -8,7 +8,9 @@ from pathlib import Path
 import pytest
 
 EXAMPLES = sorted(
-    path for kind in ("control", "diagnosis") for path in (Path(__file__).parents[2] / "examples").glob(f"{kind}_*.py")
+    path
+    for kind in ("control", "diagnosis")
+    for path in (Path(__file__).parents[2] / "examples").glob(f"{kind}_*.py")
 )
 
 

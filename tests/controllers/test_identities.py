@@ -4,7 +4,16 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from simulation.arms import FORCE_EFFECTS, START, STOP, arm, quintic_move, strong, with_effect, without_friction
+from simulation.arms import (
+    FORCE_EFFECTS,
+    START,
+    STOP,
+    arm,
+    quintic_move,
+    strong,
+    with_effect,
+    without_friction,
+)
 
 from irb2400_ctrl.codegen import Block, compile_block
 from irb2400_ctrl.controllers import CONTROLLERS, controller
@@ -24,29 +33,40 @@ def evaluate(block: Block, **inputs: np.ndarray) -> np.ndarray:
     return np.asarray(block.step.call([values[n] for n in names])[len(block.states)]).ravel()
 
 
-SMOOTH = [e for e in FORCE_EFFECTS if e[0] not in {"coulomb_asymmetry", "coulomb_change", "load_friction"}]
+SMOOTH = [
+    e for e in FORCE_EFFECTS if e[0] not in {"coulomb_asymmetry", "coulomb_change", "load_friction"}
+]
 
 
 @pytest.mark.parametrize(("kind", "joint", "fields"), SMOOTH, ids=[e[0] for e in SMOOTH])
-def test_computed_torque_linearises_exactly(kind: str, joint: int | None, fields: dict[str, object]) -> None:
-    """M (qdd_ref + Kd ed + Kp e) + ... on the nominal frictionless arm gives qdd = qdd_ref + Kd ed + Kp e."""
+def test_computed_torque_linearises_exactly(
+    kind: str, joint: int | None, fields: dict[str, object]
+) -> None:
+    """M (qdd_ref + Kd ed + Kp e) + ... on the nominal frictionless arm gives qdd = qdd_ref + Kd ed
+    + Kp e."""
     robot = with_effect(strong(without_friction(arm())), kind, joint, fields)
     block = controller("computed_torque", robot, bandwidth=[20, 30, 40, 50, 60, 70], damping=0.7)
-    kp, kd = block.parameters[0].start, block.parameters[1].start
+    kp = block.parameters[0].start
+    kd = block.parameters[1].start
     for _ in range(5):
         q = RNG.uniform(0.8 * robot.q_min, 0.8 * robot.q_max)
         qd, qd_ref, qdd_ref = RNG.normal(size=(3, 6))
         q_ref = q + 0.05 * RNG.normal(size=6)
         tau = evaluate(block, q=q, qd=qd, q_ref=q_ref, qd_ref=qd_ref, qdd_ref=qdd_ref)
         qdd = Model(robot).forward_dynamics(q, qd, tau)
-        np.testing.assert_allclose(qdd, qdd_ref + kd * (qd_ref - qd) + kp * (q_ref - q), rtol=1e-9, atol=1e-7)
+        np.testing.assert_allclose(
+            qdd, qdd_ref + kd * (qd_ref - qd) + kp * (q_ref - q), rtol=1e-9, atol=1e-7
+        )
 
 
-@pytest.mark.parametrize(("kind", "joint", "fields"), FORCE_EFFECTS, ids=[e[0] for e in FORCE_EFFECTS])
+@pytest.mark.parametrize(
+    ("kind", "joint", "fields"), FORCE_EFFECTS, ids=[e[0] for e in FORCE_EFFECTS]
+)
 def test_model_torque_is_inverse_dynamics_on_the_reference(
     kind: str, joint: int | None, fields: dict[str, object]
 ) -> None:
-    """On the reference, in full motion, the model's torque is `Model.inverse_dynamics`, effects included."""
+    """On the reference, in full motion, the model's torque is `Model.inverse_dynamics`, effects
+    included."""
     robot = with_effect(strong(arm()), kind, joint, fields)
     q = RNG.uniform(0.8 * robot.q_min, 0.8 * robot.q_max)
     qd = RNG.choice([-1, 1], 6) * RNG.uniform(0.8, 1.5, 6)
@@ -71,8 +91,18 @@ def test_gravity_pd_is_passive() -> None:
     still = quintic_move(START, START, 1.0)
     time = np.arange(4001) / 4000
     wrench = np.zeros((4001, 6))
-    wrench[:, :3] = 300 * np.sin(np.outer(2 * np.pi * time, [1.0, 2.3, 3.1])) * (time < 0.6)[:, None]
-    run = simulate(robot, still, block, wrench=wrench, sensors=IDEAL_SENSORS, actuators=IDEAL_ACTUATORS, substeps=1)
+    wrench[:, :3] = (
+        300 * np.sin(np.outer(2 * np.pi * time, [1.0, 2.3, 3.1])) * (time < 0.6)[:, None]
+    )
+    run = simulate(
+        robot,
+        still,
+        block,
+        wrench=wrench,
+        sensors=IDEAL_SENSORS,
+        actuators=IDEAL_ACTUATORS,
+        substeps=1,
+    )
     V = lyapunov(robot, run.q, run.qd, kp)
     J = Model(robot).tcp_jacobian(run.q)
     power = np.einsum("ki,kij,kj->k", wrench, J, run.qd)
@@ -88,20 +118,33 @@ def test_steady_state_of_gravity_pd_under_a_wrench() -> None:
     robot = strong(without_friction(arm()))
     wrench = np.tile([60.0, -40.0, 80.0, 2.0, 1.0, -3.0], (1501, 1))
     block = controller("gravity_pd", robot)
-    run = simulate(robot, STILL, block, wrench=wrench, sensors=IDEAL_SENSORS, actuators=IDEAL_ACTUATORS)
+    run = simulate(
+        robot, STILL, block, wrench=wrench, sensors=IDEAL_SENSORS, actuators=IDEAL_ACTUATORS
+    )
     J = Model(robot).tcp_jacobian(run.q[-1])
-    np.testing.assert_allclose(block.parameters[0].start * (START - run.q[-1]), -J.T @ wrench[0], rtol=1e-4, atol=1e-3)
+    np.testing.assert_allclose(
+        block.parameters[0].start * (START - run.q[-1]), -J.T @ wrench[0], rtol=1e-4, atol=1e-3
+    )
 
 
 def test_steady_state_of_computed_torque_under_a_wrench() -> None:
     """M Kp e = -J^T w."""
     robot = strong(without_friction(arm()))
     wrench = np.tile([60.0, -40.0, 80.0, 2.0, 1.0, -3.0], (1501, 1))
-    run = simulate(robot, STILL, "computed_torque", wrench=wrench, sensors=IDEAL_SENSORS, actuators=IDEAL_ACTUATORS)
+    run = simulate(
+        robot,
+        STILL,
+        "computed_torque",
+        wrench=wrench,
+        sensors=IDEAL_SENSORS,
+        actuators=IDEAL_ACTUATORS,
+    )
     model = Model(robot)
     error = START - run.q[-1]
     expected = -model.tcp_jacobian(run.q[-1]).T @ wrench[0]
-    np.testing.assert_allclose(model.mass_matrix(run.q[-1]) @ (3600 * error), expected, rtol=1e-3, atol=1e-2)
+    np.testing.assert_allclose(
+        model.mass_matrix(run.q[-1]) @ (3600 * error), expected, rtol=1e-3, atol=1e-2
+    )
 
 
 @pytest.mark.parametrize("name", ["pid", "feedforward_pid"])
@@ -110,7 +153,9 @@ def test_an_integrator_leaves_no_error_under_a_constant_wrench(name: str) -> Non
     wrench = np.tile([60.0, -40.0, 80.0, 2.0, 1.0, -3.0], (1501, 1))
     ends = {}
     for deadband in (0.0, 1e-4):
-        run = simulate(robot, STILL, name, wrench=wrench, sensors=IDEAL_SENSORS, gains={"deadband": deadband})
+        run = simulate(
+            robot, STILL, name, wrench=wrench, sensors=IDEAL_SENSORS, gains={"deadband": deadband}
+        )
         assert np.abs(run.q - START).max() > 1e-4
         ends[deadband] = np.abs(run.q[-1] - START).max()
     assert ends[0.0] < 1e-6
@@ -118,7 +163,8 @@ def test_an_integrator_leaves_no_error_under_a_constant_wrench(name: str) -> Non
 
 
 def test_anti_windup_shortens_the_overshoot() -> None:
-    """A step that saturates the torque: with back-calculation the arm passes its goal by far less."""
+    """A step that saturates the torque: with back-calculation the arm passes its goal by far
+    less."""
     robot = without_friction(arm())
     goal = START + np.array([0.8, 0, 0, 0, 0, 0])
     jump = quintic_move(goal, goal, 2.5)
@@ -156,7 +202,8 @@ def test_generated_c_follows_the_expression_step_by_step(name: str) -> None:
     noise = 1e-3 * RNG.normal(size=motion.q.shape)
     inputs = np.hstack([motion.q + noise, motion.qd + 10 * noise, motion.q, motion.qd, motion.qdd])
     states, outputs = compiled.rollout(inputs)
-    flat, x = block.flat(), compiled.initial_state
+    flat = block.flat()
+    x = compiled.initial_state
     for k, u in enumerate(inputs):
         after, y = flat(x, u, compiled.default_parameters)
         np.testing.assert_allclose(outputs[k], np.asarray(y).ravel(), rtol=1e-11, atol=1e-9)
@@ -200,7 +247,9 @@ def test_a_resting_reference_asks_for_no_dry_friction() -> None:
 def test_says_what_it_does_not_know() -> None:
     with pytest.raises(InputError, match="no controller 'lqr'; expected one of pid"):
         controller("lqr", arm())
-    with pytest.raises(InputError, match="no design parameter bandwith; expected some of bandwidth, damping"):
+    with pytest.raises(
+        InputError, match="no design parameter bandwith; expected some of bandwidth, damping"
+    ):
         controller("computed_torque", arm(), bandwith=3)
     with pytest.raises(InputError, match="one number"):
         controller("computed_torque", arm(), bandwidth=[1, 2])

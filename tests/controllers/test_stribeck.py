@@ -12,7 +12,8 @@ from irb2400_ctrl.controllers.stribeck import BELL_ERROR, bell, fade
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.model.friction import friction
 
-X, WIDTH = ca.SX.sym("x"), np.array([0.01])
+X = ca.SX.sym("x")
+WIDTH = np.array([0.01])
 
 
 def bell_at(x: np.ndarray, height: float = 1.0) -> np.ndarray:
@@ -23,7 +24,8 @@ def bell_at(x: np.ndarray, height: float = 1.0) -> np.ndarray:
 @pytest.mark.parametrize("height", [1.0, 26.0, -3.0, 0.0])
 def test_bell_is_the_exponential_within_its_bound(height: float) -> None:
     speed = np.concatenate([np.linspace(-0.1, 0.1, 20001), [-5.0, 5.0, 100.0]])
-    found, exact = bell_at(speed, height), height * np.exp(-((speed / WIDTH) ** 2))
+    found = bell_at(speed, height)
+    exact = height * np.exp(-((speed / WIDTH) ** 2))
     assert np.abs(found - exact).max() <= BELL_ERROR * abs(height)
     # the bound is no wider than it has to be
     assert np.abs(found - exact).max() >= 0.98 * BELL_ERROR * abs(height)
@@ -40,18 +42,25 @@ def test_what_is_not_a_number_stays_so() -> None:
 def test_fade() -> None:
     fn = ca.Function("fade", [X], [fade(X, ca.SX(0.005))])
     speeds = np.array([[0.0, 0.005, -0.005, 0.015, 1.0]])
-    np.testing.assert_allclose(np.asarray(fn(speeds)).ravel(), [0, 0.5, 0.5, 0.9, 1 / (1 + 2.5e-5)], rtol=1e-14)
+    np.testing.assert_allclose(
+        np.asarray(fn(speeds)).ravel(), [0, 0.5, 0.5, 0.9, 1 / (1 + 2.5e-5)], rtol=1e-14
+    )
 
 
 @pytest.mark.parametrize("name", ["computed_torque", "feedforward_pid"])
 def test_friction_of_a_moving_reference_is_eq_55(name: str) -> None:
-    """Whatever the measured speed: eq. 55 in the direction of the reference, within the bound and what fades."""
+    """Whatever the measured speed: eq. 55 in the direction of the reference, within the bound and
+    what fades."""
     robot = arm()
     block = controller(name, robot)
-    static, coulomb, viscous = robot.friction[:, 0], robot.friction[:, 1], robot.friction[:, 2]
+    static = robot.friction[:, 0]
+    coulomb = robot.friction[:, 1]
+    viscous = robot.friction[:, 2]
     ref = 0.5 * np.array([1.0, -1, 1, -1, 1, -1])
     slip = ca.SX.sym("slip", 6)
-    wanted = ca.Function("wanted", [slip], [friction(robot, slip, ca.DM(np.sign(ref))) - viscous * slip])
+    wanted = ca.Function(
+        "wanted", [slip], [friction(robot, slip, ca.DM(np.sign(ref))) - viscous * slip]
+    )
     for qd in np.linspace(0, 0.05, 40)[:, None] * np.ones(6):
         values = {f.name: f.start for f in (*block.states, *block.parameters)}
         values |= {"q": START, "q_ref": START, "qd": qd, "qd_ref": ref, "qdd_ref": np.zeros(6)}

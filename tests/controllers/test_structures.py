@@ -10,7 +10,14 @@ from irb2400_ctrl.codegen import compile_block
 from irb2400_ctrl.controllers import controller, guarded, momentum_observer
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.model import Model
-from irb2400_ctrl.simulation import IDEAL_ACTUATORS, IDEAL_SENSORS, Simulation, Trajectory, perturbed_robot, simulate
+from irb2400_ctrl.simulation import (
+    IDEAL_ACTUATORS,
+    IDEAL_SENSORS,
+    Simulation,
+    Trajectory,
+    perturbed_robot,
+    simulate,
+)
 
 MOVE = quintic_move(START, STOP, 1.2)
 STILL = quintic_move(START, START, 1.0)
@@ -22,7 +29,8 @@ def there_and_back(times: int, duration: float = 0.9) -> Trajectory:
     parts = [legs[k % 2] for k in range(times)]
     time = np.concatenate([[0.0], *(k * duration + p.time[1:] for k, p in enumerate(parts))])
     q, qd, qdd = (
-        np.vstack([getattr(parts[0], name)[:1], *(getattr(p, name)[1:] for p in parts)]) for name in ("q", "qd", "qdd")
+        np.vstack([getattr(parts[0], name)[:1], *(getattr(p, name)[1:] for p in parts)])
+        for name in ("q", "qd", "qdd")
     )
     return Trajectory(time, q, qd, qdd)
 
@@ -33,32 +41,44 @@ def rms(run: Simulation, share: slice = slice(None)) -> float:
 
 def test_integral_action_removes_an_unknown_weight() -> None:
     plant = with_effect(arm(), "payload", None, {"mass_kg": 8.0, "com_m": (0.05, 0.0, 0.15)})
-    plain, integral = (simulate(arm(), MOVE, n, plant=plant) for n in ("computed_torque", "computed_torque_integral"))
+    plain, integral = (
+        simulate(arm(), MOVE, n, plant=plant)
+        for n in ("computed_torque", "computed_torque_integral")
+    )
     assert rms(integral) < 0.7 * rms(plain)
 
 
 def test_the_integral_does_not_hunt_at_rest() -> None:
-    run = simulate(arm(), MOVE, "computed_torque_integral", plant=perturbed_robot(arm(), 3), hold=2.0)
+    run = simulate(
+        arm(), MOVE, "computed_torque_integral", plant=perturbed_robot(arm(), 3), hold=2.0
+    )
     inside = np.abs(run.q[-1500] - run.q_ref[-1]) < 0.9e-4
     assert inside.any()
     tau = run.tau[-1400:, inside]
-    np.testing.assert_allclose(run.q[-1400:, inside], np.tile(run.q[-1, inside], (1400, 1)), atol=1e-12)
+    np.testing.assert_allclose(
+        run.q[-1400:, inside], np.tile(run.q[-1, inside], (1400, 1)), atol=1e-12
+    )
     assert np.ptp(tau, axis=0).max() < 30
 
 
 def test_adaptation_learns_the_load() -> None:
     load = (6.0, (0.05, 0.0, 0.15))
-    plant = with_effect(without_friction(arm()), "payload", None, {"mass_kg": load[0], "com_m": load[1]})
+    plant = with_effect(
+        without_friction(arm()), "payload", None, {"mass_kg": load[0], "com_m": load[1]}
+    )
     motion = there_and_back(8)
     run = simulate(without_friction(arm()), motion, "adaptive", plant=plant, sensors=IDEAL_SENSORS)
     assert rms(run, slice(-900, None)) < 0.2 * rms(run, slice(0, 900))
 
 
 def test_adaptation_beats_the_fixed_model_with_a_load_and_friction() -> None:
-    plant = with_effect(perturbed_robot(arm(), 2), "payload", None, {"mass_kg": 8.0, "com_m": (0.05, 0.0, 0.15)})
+    plant = with_effect(
+        perturbed_robot(arm(), 2), "payload", None, {"mass_kg": 8.0, "com_m": (0.05, 0.0, 0.15)}
+    )
     motion = there_and_back(4)
     fixed, integral, learned = (
-        simulate(arm(), motion, n, plant=plant) for n in ("computed_torque", "computed_torque_integral", "adaptive")
+        simulate(arm(), motion, n, plant=plant)
+        for n in ("computed_torque", "computed_torque_integral", "adaptive")
     )
     assert rms(learned) < 0.4 * rms(fixed)
     assert rms(learned) < rms(integral)
@@ -73,18 +93,30 @@ def observed(run: Simulation, bandwidth: float = 60.0) -> dict[str, np.ndarray]:
 
 def test_observer_sees_nothing_on_the_nominal_arm() -> None:
     run = simulate(
-        strong(without_friction(arm())), MOVE, "computed_torque", sensors=IDEAL_SENSORS, actuators=IDEAL_ACTUATORS
+        strong(without_friction(arm())),
+        MOVE,
+        "computed_torque",
+        sensors=IDEAL_SENSORS,
+        actuators=IDEAL_ACTUATORS,
     )
     assert np.abs(observed(run)["tau_ext"] / arm().tau_max).max() < 2e-3
 
 
 def test_observer_agrees_with_a_force_torque_sensor() -> None:
-    """A force that rises and stays while the arm moves: the estimate follows with its time constant."""
+    """A force that rises and stays while the arm moves: the estimate follows with its time
+    constant."""
     robot = strong(without_friction(arm()))
     time = MOVE.at_rate(1000.0).time
     wrench = np.zeros((len(time), 6))
     wrench[time > 0.3] = [60.0, -40.0, 90.0, 3.0, -2.0, 4.0]
-    run = simulate(robot, MOVE, "computed_torque", wrench=wrench, sensors=IDEAL_SENSORS, actuators=IDEAL_ACTUATORS)
+    run = simulate(
+        robot,
+        MOVE,
+        "computed_torque",
+        wrench=wrench,
+        sensors=IDEAL_SENSORS,
+        actuators=IDEAL_ACTUATORS,
+    )
     seen = observed(run)
     truth = np.einsum("kij,ki->kj", Model(robot).tcp_jacobian(run.q), wrench)
     late = time > 0.3 + 6 / 60

@@ -12,16 +12,22 @@ from irb2400_ctrl.robot import load_robot
 
 def diagnosed(case: Case) -> Diagnosis:
     log = next(iter(case.simulate()))
-    return diagnose(load_robot("irb2400"), Log(log.time, log.q, log.tau, q_ref=log.q_ref, name="identification"))
+    return diagnose(
+        load_robot("irb2400"), Log(log.time, log.q, log.tau, q_ref=log.q_ref, name="identification")
+    )
 
 
 def named(found: Diagnosis) -> list[tuple[str, int | None]]:
     return [(f.effect.kind, f.effect.joint) for f in found.findings]
 
 
-@pytest.mark.parametrize(("kind", "joint"), [("wrist_coupling", 5), ("cable_spring", 3), ("coulomb_change", 5)])
+@pytest.mark.parametrize(
+    ("kind", "joint"), [("wrist_coupling", 5), ("cable_spring", 3), ("coulomb_change", 5)]
+)
 def test_what_begins_in_mid_record_has_one_name_and_its_time(kind: str, joint: int) -> None:
-    found = diagnosed(Case(11, (Effect(kind, joint, 0.1, on_at=13.0),), duration=25.0, validation_duration=8.0))
+    found = diagnosed(
+        Case(11, (Effect(kind, joint, 0.1, on_at=13.0),), duration=25.0, validation_duration=8.0)
+    )
     assert named(found) == [(kind, joint)]
     assert found.findings[0].effect.windows_s[0][0] == pytest.approx(13.0, abs=0.5)
     assert found.robot.effects[0].windows_s == ()  # from now on it is always there

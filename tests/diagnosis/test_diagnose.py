@@ -1,4 +1,5 @@
-"""The whole diagnosis on arms of an independent plant: a reduced form of `benchmarks/evaluate.py`."""
+"""The whole diagnosis on arms of an independent plant: a reduced form of
+`benchmarks/evaluate.py`."""
 
 from __future__ import annotations
 
@@ -50,7 +51,9 @@ def test_an_effect_is_named_and_takes_the_validation_error_away(kind: str, joint
     assert [(f.effect.kind, f.effect.joint) for f in found.findings] == [(kind, joint)]
     assert found.findings[0].confidence > 0.6
     assert found.validation is not None
-    before, after = (e.rmse[joint - 1] for e in (found.validation.error_before, found.validation.error_after))
+    before, after = (
+        e.rmse[joint - 1] for e in (found.validation.error_before, found.validation.error_after)
+    )
     assert after < 0.7 * before
     # the name alone, without new parameters, is not what made it better
     assert after < 0.8 * found.validation.error_recalibrated.rmse[joint - 1]
@@ -75,12 +78,16 @@ def test_findings_file_keeps_the_contract(tmp_path: Path) -> None:
     content = json.loads(findings.read_text())
     assert {"verdict", "effects", "recalibrated", "unexplained", "error"} <= set(content)
     effect = content["effects"][0]
-    assert {"kind", "joint", "parameters", "standard_errors", "confidence", "alternatives"} <= set(effect)
+    assert {"kind", "joint", "parameters", "standard_errors", "confidence", "alternatives"} <= set(
+        effect
+    )
     assert set(effect["parameters"]) >= {"amplitude_Nm", "order"}
     for name in ("identification", "validation"):
         for side in ("before", "after"):
             error = content["error"][name][side]
-            assert all(len(error[key]) == 6 for key in ("mae_Nm", "rmse_Nm", "rmse_over_mean_percent"))
+            assert all(
+                len(error[key]) == 6 for key in ("mae_Nm", "rmse_Nm", "rmse_over_mean_percent")
+            )
     assert len(content["error"]["noise_floor_Nm"]) == 6
     again = load_robot(toml)
     assert again.effects == found.robot.effects
@@ -95,10 +102,13 @@ def test_a_log_of_another_arm_is_refused() -> None:
 
 
 def test_an_elastic_joint_comes_with_the_spread_of_its_stiffness() -> None:
-    case = Case(3, (Effect("elastic_joint", 4, 0.1),), duration=25.0, validation_duration=8.0, chirp=True)
+    case = Case(
+        3, (Effect("elastic_joint", 4, 0.1),), duration=25.0, validation_duration=8.0, chirp=True
+    )
     log = next(iter(case.simulate()))
     found = diagnose(load_robot("irb2400"), Log(log.time, log.q, log.tau, q_ref=log.q_ref))
     assert [(f.effect.kind, f.effect.joint) for f in found.findings] == [("elastic_joint", 4)]
-    value, sigma = found.findings[0].effect.parameters(), found.findings[0].standard_errors
+    value = found.findings[0].effect.parameters()
+    sigma = found.findings[0].standard_errors
     for name in ("stiffness_Nm_rad", "damping_ratio"):
         assert 1e-4 * value[name] < sigma[name] < 0.5 * value[name]

@@ -11,20 +11,20 @@ import pytest
 from independent_plant import Case
 from scipy.integrate import solve_ivp
 
-from irb2400_ctrl.diagnosis.bases import Bases, Columns
-from irb2400_ctrl.diagnosis.evidence import Problem
-from irb2400_ctrl.diagnosis.memory import Memory
-from irb2400_ctrl.diagnosis.metrics import errors, noise_floor
-from irb2400_ctrl.diagnosis.motion import Motion, prepare
-from irb2400_ctrl.diagnosis.noise import MOST_COLOUR, ORDER, Noise, _not_too_coloured
-from irb2400_ctrl.diagnosis.nuisance import Nuisance, Uncertainty
-from irb2400_ctrl.diagnosis.predict import effect_torque, predicted_torque
-from irb2400_ctrl.diagnosis.vectorised import Vectorised
+from irb2400_ctrl.diagnosis.estimation.evidence import Problem
+from irb2400_ctrl.diagnosis.preparation.base_prior import Nuisance, Uncertainty
+from irb2400_ctrl.diagnosis.preparation.metrics import errors, noise_floor
+from irb2400_ctrl.diagnosis.preparation.noise import MOST_COLOUR, ORDER, Noise, _not_too_coloured
+from irb2400_ctrl.diagnosis.regressors.bases import Bases, RegressorColumns
+from irb2400_ctrl.diagnosis.regressors.effect_states import Memory
+from irb2400_ctrl.diagnosis.regressors.predict import effect_torque, predicted_torque
+from irb2400_ctrl.diagnosis.regressors.vectorised import Vectorised
 from irb2400_ctrl.effects import LIBRARY
 from irb2400_ctrl.effects.added_body import Payload
 from irb2400_ctrl.effects.encoder_zero import EncoderZero
 from irb2400_ctrl.effects.time_delay import TimeDelay
 from irb2400_ctrl.measurement import Log
+from irb2400_ctrl.measurement.prepared_log import PreparedLog, prepare
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.robot import load_robot
 
@@ -33,13 +33,14 @@ BASES = Bases(ROBOT)
 
 
 @cache
-def motion() -> Motion:
+def motion() -> PreparedLog:
     recorded = Case(5, duration=8.0, validation_duration=3.0).simulate()[0]
     return prepare(Log(recorded.time, recorded.q, recorded.tau, q_ref=recorded.q_ref))
 
 
 def test_vectorised_expression_equals_casadi() -> None:
-    x, y = ca.SX.sym("x"), ca.SX.sym("y")
+    x = ca.SX.sym("x")
+    y = ca.SX.sym("y")
     expression = ca.vertcat(
         ca.if_else(x > y, ca.sin(x) * y**2, ca.fabs(y) ** 1.7 - ca.sign(x)),
         ca.exp(-ca.fabs(x)) / (1 + y**2) + ca.atan2(y, x) + ca.fmin(x, y) * ca.tanh(y),
@@ -47,7 +48,8 @@ def test_vectorised_expression_equals_casadi() -> None:
         ca.logic_and(x > 0, y <= 0.5),
     )
     rng = np.random.default_rng(0)
-    a, b = rng.normal(size=40), rng.normal(size=(7, 1))
+    a = rng.normal(size=40)
+    b = rng.normal(size=(7, 1))
     found = np.array([np.broadcast_to(v, (7, 40)) for v in Vectorised([x, y], expression)(a, b)])
     grid = np.array(np.broadcast_arrays(a, b)).reshape(2, -1)
     exact = np.asarray(ca.Function("f", [ca.vertcat(x, y)], [expression])(grid)).reshape(4, 7, 40)
@@ -55,15 +57,20 @@ def test_vectorised_expression_equals_casadi() -> None:
 
 
 def test_memory_is_exact_for_an_oscillator() -> None:
-    """x'' + 2 zeta w x' + w^2 x = w^2 u with constant u, from rest: the textbook step response, at a coarse step."""
-    u, w = ca.SX.sym("u"), ca.SX.sym("w")
-    state, zeta = ca.SX.sym("x", 2), 0.1
+    """x'' + 2 zeta w x' + w^2 x = w^2 u with constant u, from rest: the textbook step response, at
+    a coarse step."""
+    u = ca.SX.sym("u")
+    w = ca.SX.sym("w")
+    state = ca.SX.sym("x", 2)
+    zeta = 0.1
     rate = ca.vertcat(state[1], w**2 * (u - state[0]) - 2 * zeta * w * state[1])
     memory = Memory([u], state, [w], rate, ca.SX.zeros(2))
-    step, m = 0.02, 200
+    step = 0.02
+    m = 200
     frequency = np.array([[5.0], [40.0]])
     (x, _), begun, _ = memory.states([np.ones(m)], step, [frequency], (2, m))
-    t, damped = step * np.arange(m), np.sqrt(1 - zeta**2) * frequency
+    t = step * np.arange(m)
+    damped = np.sqrt(1 - zeta**2) * frequency
     envelope = np.exp(-zeta * frequency * t)
     swing = np.cos(damped * t) + zeta / np.sqrt(1 - zeta**2) * np.sin(damped * t)
     np.testing.assert_allclose(x, 1 - envelope * swing, atol=1e-9)
@@ -71,18 +78,25 @@ def test_memory_is_exact_for_an_oscillator() -> None:
 
 
 def test_evidence_equals_the_direct_integral() -> None:
-    """Marginal likelihood of y = Z z + X b + e with normal z, b, e, from the full covariance matrix."""
+    """Marginal likelihood of y = Z z + X b + e with normal z, b, e, from the full covariance
+    matrix."""
     rng = np.random.default_rng(1)
-    rows, kept = 60, np.arange(60)
-    Z, X = rng.normal(size=(rows, 1, 4)), rng.normal(size=(rows, 1, 2))
+    rows = 60
+    kept = np.arange(60)
+    Z = rng.normal(size=(rows, 1, 4))
+    X = rng.normal(size=(rows, 1, 2))
     y = Z @ np.ones(4) + X @ np.array([0.4, -0.2]) + rng.normal(size=(rows, 1))
     noise = Noise(np.append(1.0, np.zeros(ORDER)), np.ones(rows), kept)
     problem = Problem(y, Z, [noise])
-    usual, spread = np.array([0.2, -0.5]), np.array([0.7, 0.3])
-    score = problem.score(Columns((0,), X), expected=tuple(zip(usual, spread, strict=True)))
+    usual = np.array([0.2, -0.5])
+    spread = np.array([0.7, 0.3])
+    score = problem.score(
+        RegressorColumns((0,), X), expected=tuple(zip(usual, spread, strict=True))
+    )
 
     def direct(with_law: bool) -> float:
-        S, v = np.eye(rows) + Z[:, 0] @ Z[:, 0].T, y[:, 0]
+        S = np.eye(rows) + Z[:, 0] @ Z[:, 0].T
+        v = y[:, 0]
         if with_law:
             S += (X[:, 0] * np.square(spread)) @ X[:, 0].T
             v = v - X[:, 0] @ usual
@@ -91,7 +105,7 @@ def test_evidence_equals_the_direct_integral() -> None:
     assert score.gain == pytest.approx(direct(True) - direct(False), rel=1e-9)
     assert problem.log_evidence == pytest.approx(direct(False), rel=1e-9)
     blocks = problem.gains(0, [X[:, 0], Z[:, 0]])
-    assert blocks[0] == pytest.approx(problem.score(Columns((0,), X)).gain, rel=1e-9)
+    assert blocks[0] == pytest.approx(problem.score(RegressorColumns((0,), X)).gain, rel=1e-9)
 
 
 def test_nuisance_columns_are_the_slope_of_the_updated_robot() -> None:
@@ -112,13 +126,17 @@ def test_prediction_knows_payload_delay_and_encoder_zero() -> None:
     )
     # the effect's basis says the same, to the last digit: it is linear in the body's parameters
     change = predicted_torque(loaded, m) - predicted_torque(ROBOT, m)
-    np.testing.assert_allclose(effect_torque(BASES, payload, m), change, atol=1e-9 * np.abs(change).max())
+    np.testing.assert_allclose(
+        effect_torque(BASES, payload, m), change, atol=1e-9 * np.abs(change).max()
+    )
     plain = predicted_torque(ROBOT, m)
     late = predicted_torque(ROBOT.with_effects(TimeDelay(delay_s=0.008)), m)
     np.testing.assert_allclose(late[2:], plain[:-2], atol=1e-9)
     turned = predicted_torque(ROBOT.with_effects(EncoderZero(joint=2, zero_rad=0.01)), m)
     shifted = m.q + np.array([0, 0.01, 0, 0, 0, 0])
-    np.testing.assert_allclose(turned, BASES.model.inverse_dynamics(shifted, m.qd, m.qdd), atol=1e-12)
+    np.testing.assert_allclose(
+        turned, BASES.model.inverse_dynamics(shifted, m.qd, m.qdd), atol=1e-12
+    )
 
 
 @pytest.mark.parametrize("kind", sorted(LIBRARY))
@@ -149,15 +167,21 @@ def test_metrics_are_equations_75_to_77_and_the_floor_is_the_noise() -> None:
     found = errors(measured, np.zeros_like(measured), known)
     assert found.mae[0] == pytest.approx(np.abs(measured).mean())
     assert found.rmse[0] == pytest.approx(np.sqrt((measured**2).mean()))
-    assert found.rmse_over_mean_percent[0] == pytest.approx(100 * found.rmse[0] / np.abs(measured).mean())
+    assert found.rmse_over_mean_percent[0] == pytest.approx(
+        100 * found.rmse[0] / np.abs(measured).mean()
+    )
     slow_error = 0.8 * np.sin(2 * np.pi * 0.3 * t)[:, None]
     residual = measured - 50 * np.sin(t)[:, None] + slow_error
     assert noise_floor(residual, known, 0.004)[0] == pytest.approx(2.0, rel=0.03)
 
 
 def test_swing_and_slow_twist_together_are_the_link_on_its_spring() -> None:
-    """Both columns of an elastic joint against an integration of its equation; a slow motion has hardly any swing."""
-    m, k, zeta, j = motion(), 4e4, 0.04, 0
+    """Both columns of an elastic joint against an integration of its equation; a slow motion has
+    hardly any swing."""
+    m = motion()
+    k = 4e4
+    zeta = 0.04
+    j = 0
     nonlinear = {"stiffness_Nm_rad": k, "damping_ratio": zeta}
     (law,) = BASES.columns("elastic_joint", 1, m, [nonlinear], filtered=False)
     swing, slow = law.values[:, law.joints.index(j)].T
@@ -182,5 +206,7 @@ def test_swing_and_slow_twist_together_are_the_link_on_its_spring() -> None:
         row[:, j] = part
     calm = replace(m, **dict(zip(("q", "qd", "qdd", "qddd", "qdddd"), rows, strict=True)))
     (law,) = BASES.columns("elastic_joint", 1, calm, [nonlinear], filtered=False)
-    late = law.values[len(time) // 2 :, law.joints.index(j)]  # what the beginning stirred up has died out
+    late = law.values[
+        len(time) // 2 :, law.joints.index(j)
+    ]  # what the beginning stirred up has died out
     assert np.abs(late[:, 0]).max() < 0.2 * np.abs(late[:, 1]).max()

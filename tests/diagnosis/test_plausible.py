@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from irb2400_ctrl.diagnosis.candidate import plausible
+from irb2400_ctrl.diagnosis.estimation.candidate import plausible
 
 
 @pytest.mark.parametrize(
@@ -20,7 +20,9 @@ from irb2400_ctrl.diagnosis.candidate import plausible
         (1, 0.003, True),
     ],
 )
-def test_a_delay_below_the_truth_of_the_time_stamps_is_not_named(joint: int | None, delay: float, named: bool) -> None:
+def test_a_delay_below_the_truth_of_the_time_stamps_is_not_named(
+    joint: int | None, delay: float, named: bool
+) -> None:
     assert (plausible("time_delay", joint, np.array([delay]), {}) is not None) == named
 
 

@@ -8,18 +8,23 @@ from typing import Any
 
 import pytest
 
-from irb2400_ctrl.diagnosis.criteria import Criteria, of_one_moment
-from irb2400_ctrl.diagnosis.selection import Selection
+from irb2400_ctrl.diagnosis.comparison.criteria import Criteria, of_one_moment
+from irb2400_ctrl.diagnosis.comparison.selection import Selection
 
 
-def test_explanations_that_push_each_other_out_are_not_tried_for_ever(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_explanations_that_push_each_other_out_are_not_tried_for_ever(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     offered: Any = cycle(
-        SimpleNamespace(candidate=SimpleNamespace(kind=kind, joint=1, name=kind)) for kind in ("one", "other", "third")
+        SimpleNamespace(candidate=SimpleNamespace(kind=kind, joint=1, name=kind))
+        for kind in ("one", "other", "third")
     )
     selection: Any = Selection.__new__(Selection)
     selection.criteria = Criteria(most=3)
     selection.fitter = SimpleNamespace(fit=lambda chosen: len(chosen))
-    monkeypatch.setattr(Selection, "next_step", lambda self, chosen, fit, alone=False: next(offered))
+    monkeypatch.setattr(
+        Selection, "next_step", lambda self, chosen, fit, alone=False: next(offered)
+    )
     monkeypatch.setattr(Selection, "_exchanged", lambda self, steps: steps[-1:])
     steps, fit = selection.run()
     assert [s.candidate.kind for s in steps] == ["one"]
@@ -30,7 +35,8 @@ def test_of_what_begins_together_only_the_largest_is_a_cause() -> None:
     def begun(gain: float, *times: float) -> Any:
         return SimpleNamespace(begins=times, score=SimpleNamespace(gain=gain))
 
-    large, small = begun(900.0, 12.4), begun(60.0, 12.9)
+    large = begun(900.0, 12.4)
+    small = begun(60.0, 12.9)
     assert of_one_moment(small, [large])
     assert not of_one_moment(large, [small])
     assert not of_one_moment(begun(60.0, 14.0), [large])

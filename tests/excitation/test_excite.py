@@ -1,4 +1,5 @@
-"""The planned motion keeps every limit, says what no motion can do, and helps on a plant that shares no code."""
+"""The planned motion keeps every limit, says what no motion can do, and helps on a plant that
+shares no code."""
 
 from __future__ import annotations
 
@@ -13,17 +14,17 @@ from independent_plant import Effect as PlantEffect
 from independent_plant.motion import Motion as PlantMotion
 
 from irb2400_ctrl.diagnosis import diagnose
-from irb2400_ctrl.diagnosis.motion import prepare
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.excitation import Budget, Excitation, excite, groups
 from irb2400_ctrl.excitation.alternatives import Alternatives
 from irb2400_ctrl.excitation.assemble import Course, Workshop
-from irb2400_ctrl.excitation.design import standard_course
 from irb2400_ctrl.excitation.feasible import SHARE, between
 from irb2400_ctrl.excitation.groups import group_called
+from irb2400_ctrl.excitation.motion_design import standard_course
 from irb2400_ctrl.measurement import Log
+from irb2400_ctrl.measurement.prepared_log import prepare
 from irb2400_ctrl.model import Model
-from irb2400_ctrl.planners.rapid_reader import read_rapid
+from irb2400_ctrl.planners.programs.rapid.rapid_reader import read_rapid
 from irb2400_ctrl.robot import load_robot
 
 ROBOT = load_robot("irb2400")
@@ -36,7 +37,8 @@ def planned(group: str, joint: int | None, seconds: float = 40.0) -> Excitation:
 
 
 def recorded(case: Case, course: Course | None) -> Log:
-    """Log of the plant on the course (default its own identification motion), the effects as large in both."""
+    """Log of the plant on the course (default its own identification motion), the effects as large
+    in both."""
     commanded = None
     if course is not None:
         time = np.arange(round(course.duration * 1000) + 1) / 1000
@@ -49,7 +51,8 @@ def recorded(case: Case, course: Course | None) -> Log:
 @pytest.mark.parametrize(("group", "joint"), [("friction level", 3), ("gain", 2)])
 def test_every_limit_holds_between_the_rows(group: str, joint: int) -> None:
     found = planned(group, joint)
-    course, model = found.course, Model(ROBOT)
+    course = found.course
+    model = Model(ROBOT)
     at = np.linspace(0.0, course.duration, 20 * len(course.time))
     q, qd, qdd = between(1 / 250, course.q, course.qd, course.qdd, at)
     assert (q >= ROBOT.q_min).all()
@@ -71,12 +74,16 @@ def test_rows_are_one_motion() -> None:
     mean = 0.5 * (course.qd[1:] + course.qd[:-1])
     jump = np.abs(np.diff(course.qdd, axis=0)).max()
     assert np.abs(np.diff(course.q, axis=0) / h - mean).max() <= h * jump
-    np.testing.assert_allclose(np.diff(course.qd, axis=0) / h, 0.5 * (course.qdd[1:] + course.qdd[:-1]), atol=jump)
+    np.testing.assert_allclose(
+        np.diff(course.qd, axis=0) / h, 0.5 * (course.qdd[1:] + course.qdd[:-1]), atol=jump
+    )
 
 
 def test_duration_is_the_one_asked_for() -> None:
     for seconds in (12.0, 40.0):
-        assert planned("friction level", 3, seconds).course.duration == pytest.approx(seconds, abs=0.01)
+        assert planned("friction level", 3, seconds).course.duration == pytest.approx(
+            seconds, abs=0.01
+        )
 
 
 def test_same_seed_same_motion() -> None:
@@ -93,7 +100,9 @@ def test_files(tmp_path: Path) -> None:
     assert len(lines) == len(found.course.time) + 1
     summary = json.loads((tmp_path / "excitation.json").read_text())
     assert summary["improves"]
-    assert {"member", "rival", "distance_before", "distance_after", "why_not"} <= set(summary["separability"][0])
+    assert {"member", "rival", "distance_before", "distance_after", "why_not"} <= set(
+        summary["separability"][0]
+    )
     assert (tmp_path / "excitation.png").stat().st_size > 10_000
     module = (tmp_path / "excitation.mod").read_text()
     assert read_rapid(module) is not None
@@ -134,7 +143,11 @@ def test_every_effect_of_the_library_is_in_a_group_with_a_representative() -> No
 def test_unknown_group_lists_the_groups() -> None:
     with pytest.raises(InputError, match=r"friction level \(coulomb_change, load_friction\)"):
         excite(ROBOT, "nonsense")
-    assert group_called("load_friction").name == group_called("friction-level").name == "friction level"
+    assert (
+        group_called("load_friction").name
+        == group_called("friction-level").name
+        == "friction level"
+    )
 
 
 @pytest.mark.parametrize(("seconds", "joint"), [(5.0, None), (np.nan, None), (40.0, 7)])
@@ -147,8 +160,11 @@ def test_wrong_input(seconds: float, joint: int | None) -> None:
     ("group", "joint", "kind", "times"),
     [("friction level", 3, "load_friction", 1.5), ("position error", 2, "encoder_zero", 1.5)],
 )
-def test_separates_better_on_the_independent_plant(group: str, joint: int, kind: str, times: float) -> None:
-    """Measured on what the plant really did: the closest pair is further apart than on its identification motion."""
+def test_separates_better_on_the_independent_plant(
+    group: str, joint: int, kind: str, times: float
+) -> None:
+    """Measured on what the plant really did: the closest pair is further apart than on its
+    identification motion."""
     found = planned(group, joint)
     workshop = Workshop(ROBOT)
     standard = workshop.recorded(standard_course(workshop, 40.0))
@@ -163,24 +179,37 @@ def test_separates_better_on_the_independent_plant(group: str, joint: int, kind:
 
 @pytest.mark.parametrize(
     ("group", "kind", "joint", "fraction", "seed"),
-    [("friction level", "load_friction", 3, 0.03, 2), ("position error", "encoder_zero", 2, 0.02, 1)],
+    [
+        ("friction level", "load_friction", 3, 0.03, 2),
+        ("position error", "encoder_zero", 2, 0.02, 1),
+    ],
 )
 def test_diagnosis_is_surer_on_the_planned_motion(
     group: str, kind: str, joint: int, fraction: float, seed: int
 ) -> None:
-    """The right member is named, and leads the next best effect by more than on the identification motion."""
+    """The right member is named, and leads the next best effect by more than on the identification
+    motion."""
     case = Case(seed, (PlantEffect(kind, joint, fraction),))
-    before, after = (diagnose(ROBOT, recorded(case, c)) for c in (None, planned(group, joint).course))
+    before, after = (
+        diagnose(ROBOT, recorded(case, c)) for c in (None, planned(group, joint).course)
+    )
     assert (kind, joint) in [(f.effect.kind, f.effect.joint) for f in after.findings]
-    leads = [max((f.margin for f in d.findings if f.effect.kind == kind), default=0.0) for d in (before, after)]
+    leads = [
+        max((f.margin for f in d.findings if f.effect.kind == kind), default=0.0)
+        for d in (before, after)
+    ]
     assert leads[1] > 1.3 * leads[0]
 
 
-def test_command(tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
+def test_command(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
     from irb2400_ctrl.cli.main import run
 
     out = tmp_path / "next"
-    monkeypatch.setattr("sys.argv", ["irb2400", "excite", "--for", "no such thing", "--out", str(out)])
+    monkeypatch.setattr(
+        "sys.argv", ["irb2400", "excite", "--for", "no such thing", "--out", str(out)]
+    )
     with pytest.raises(SystemExit) as end:
         run()
     assert end.value.code == 2

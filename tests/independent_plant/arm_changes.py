@@ -1,4 +1,5 @@
-"""Effects that change the arm itself, its transmission or its measuring chain: their laws, by size."""
+"""Effects that change the arm itself, its transmission or its measuring chain: their laws, by
+size."""
 
 from __future__ import annotations
 
@@ -19,7 +20,8 @@ def _lump(mass: float, centre: np.ndarray, radius: float) -> np.ndarray:
 
 
 def changed_arm(arm: Arm, drawn: Drawn, size: float) -> Arm:
-    """The arm with a payload [kg], bracket [kg], rod [kg], rotor [kg m2] or tilt [rad] of that size."""
+    """The arm with a payload [kg], bracket [kg], rod [kg], rotor [kg m2] or tilt [rad] of that
+    size."""
     a, b, c = drawn.spare[:3]
     match drawn.effect.kind:
         case "payload":
@@ -32,7 +34,9 @@ def changed_arm(arm: Arm, drawn: Drawn, size: float) -> Arm:
             centre = np.array(reach) + 0.12 * np.array([a, b, c])
             return arm.with_body(i, join(arm.bodies[i], _lump(size, centre, 0.08)))
         case "linkage_inertia":
-            return replace(arm, rod=np.array([size, 0.35 + 0.05 * a, -np.pi / 2 + 0.3 * b, 0.08 + 0.05 * c]))
+            return replace(
+                arm, rod=np.array([size, 0.35 + 0.05 * a, -np.pi / 2 + 0.3 * b, 0.08 + 0.05 * c])
+            )
         case "rotor_inertia":
             assert drawn.joint is not None
             rotor = arm.rotor.copy()
@@ -40,15 +44,19 @@ def changed_arm(arm: Arm, drawn: Drawn, size: float) -> Arm:
             return replace(arm, rotor=rotor)
         case "base_tilt":
             heading = np.pi * a
-            down = np.array([np.sin(size) * np.cos(heading), np.sin(size) * np.sin(heading), -np.cos(size)])
+            down = np.array(
+                [np.sin(size) * np.cos(heading), np.sin(size) * np.sin(heading), -np.cos(size)]
+            )
             return replace(arm, gravity=9.81 * down)
     raise ValueError(f"{drawn.effect.kind} does not change the arm")
 
 
 def transmission(arm: Arm, drawn: Drawn, size: float) -> np.ndarray:
-    """Two-mass transmission: compliance relative to a 5 Hz joint, or half the gap [rad] before a stiff one.
+    """Two-mass transmission: compliance relative to a 5 Hz joint, or half the gap [rad] before a
+    stiff one.
 
-    The motor takes its rotor's inertia out of the link's, so that at low frequency the arm is the rigid one.
+    The motor takes its rotor's inertia out of the link's, so that at low frequency the arm is the
+    rigid one.
     """
     assert drawn.joint is not None
     j = drawn.joint - 1
@@ -58,14 +66,15 @@ def transmission(arm: Arm, drawn: Drawn, size: float) -> np.ndarray:
     rotor = 0.35 * min(1 / np.linalg.inv(m)[j, j] for m in mass)
     link = np.median([m[j, j] for m in mass]) - rotor
     if drawn.effect.kind == "elastic_joint":
-        stiffness, cubic, gap, damping = (
-            link * (2 * np.pi * 5.0) ** 2 / size,
-            2e3 * (1 + drawn.spare[0]),
-            0.0,
-            0.06,
-        )
+        stiffness = link * (2 * np.pi * 5.0) ** 2 / size
+        cubic = 2e3 * (1 + drawn.spare[0])
+        gap = 0.0
+        damping = 0.06
     else:
-        stiffness, cubic, gap, damping = link * (2 * np.pi * 30.0) ** 2, 0.0, size, 0.2
+        stiffness = link * (2 * np.pi * 30.0) ** 2
+        cubic = 0.0
+        gap = size
+        damping = 0.2
     stiffness = min(stiffness, rotor * 2500.0**2)  # what steps of 0.25 ms resolve
     return np.array([j, rotor, stiffness, cubic, 2 * damping * np.sqrt(stiffness * rotor), gap])
 

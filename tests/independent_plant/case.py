@@ -1,4 +1,5 @@
-"""One test case: an arm nobody has seen, its effects, two recorded motions, and the truth about them."""
+"""One test case: an arm nobody has seen, its effects, two recorded motions, and the truth about
+them."""
 
 from __future__ import annotations
 
@@ -22,7 +23,8 @@ class TrueEffect:
 
     Args:
         kind, joint: the name; joint is 1-6 or None (whole arm).
-        signals: what its torque depends on: q, qd, sign_qd, qdd, load of the joint, time; "q4", "qd4" of another.
+        signals: what its torque depends on: q, qd, sign_qd, qdd, load of the joint, time; "q4",
+            "qd4" of another.
         fractions: rms of its torque over the rms torque of each joint during identification, (6,).
         size: in the law's own unit.
         in_library: whether the library is expected to know the kind.
@@ -44,7 +46,8 @@ class TrueEffect:
 
     @property
     def fraction(self) -> float:
-        """Its size at the main joint; less than was asked for where that was beyond what is plausible."""
+        """Its size at the main joint; less than was asked for where that was beyond what is
+        plausible."""
         return self.fractions[self.main_joint - 1]
 
 
@@ -65,7 +68,8 @@ class Case:
     """An arm with effects.
 
     Args:
-        seed: everything random follows from it; arm, motions and noise do not depend on the effects.
+        seed: everything random follows from it; arm, motions and noise do not depend on the
+            effects.
         effects: what it has beyond rigid bodies and paper friction.
         duration, validation_duration: of the recorded motions [s].
         spread: times the data-sheet uncertainty of the base parameters (1: as the priors say).
@@ -105,20 +109,26 @@ class Case:
         return self.machine.asked_torque((), *self.motions[0].with_derivatives(STREAM))
 
     def effect_torque(self, drawn: Drawn, size: float) -> np.ndarray:
-        """What an effect, on from the beginning, adds to the torques of the identification, (n, 6) at 250 Hz."""
+        """What an effect, on from the beginning, adds to the torques of the identification, (n, 6)
+        at 250 Hz."""
         always = ((replace(drawn, effect=replace(drawn.effect, on_at=-np.inf)), size),)
         if drawn.recipe.where == "transmission":
-            return self.machine.unexplained_torque(always, self.motions[0])[: len(self.plain_torque)]
+            return self.machine.unexplained_torque(always, self.motions[0])[
+                : len(self.plain_torque)
+            ]
         asked = self.machine.asked_torque(always, *self.motions[0].with_derivatives(STREAM))
         return np.asarray(asked - self.plain_torque)
 
     def _fractions(self, drawn: Drawn, size: float) -> np.ndarray:
-        power, total = ((x**2).mean(axis=0) for x in (self.effect_torque(drawn, size), self.plain_torque))
+        power, total = (
+            (x**2).mean(axis=0) for x in (self.effect_torque(drawn, size), self.plain_torque)
+        )
         return np.asarray(np.sqrt(power / total))
 
     def _with_size(self, drawn: Drawn) -> tuple[Drawn, float, np.ndarray]:
         """Search the size whose torque has the wanted fraction, within what is plausible."""
-        size, limit = drawn.sign * drawn.recipe.start, drawn.limit
+        size = drawn.sign * drawn.recipe.start
+        limit = drawn.limit
         fractions = self._fractions(drawn, size)
         for _ in range(5):
             got = fractions[drawn.joint - 1] if drawn.joint else fractions.max()
@@ -131,17 +141,23 @@ class Case:
 
     @cached_property
     def sized_effects(self) -> tuple[tuple[Drawn, float, np.ndarray], ...]:
-        """Effects with everything drawn, their sizes, and their torque as a fraction of each joint's (6,)."""
+        """Effects with everything drawn, their sizes, and their torque as a fraction of each
+        joint's (6,)."""
         rng = self._rng("effects")
         return tuple(self._drawn_and_sized(effect, rng) for effect in self.effects)
 
-    def _drawn_and_sized(self, effect: Effect, rng: np.random.Generator) -> tuple[Drawn, float, np.ndarray]:
-        """Draw anew, a few times, where the motion does not reach what was drawn (a cushion, a window)."""
+    def _drawn_and_sized(
+        self, effect: Effect, rng: np.random.Generator
+    ) -> tuple[Drawn, float, np.ndarray]:
+        """Draw anew, a few times, where the motion does not reach what was drawn (a cushion, a
+        window)."""
         best = self._with_size(draw(effect, rng))
         for _ in range(0 if best[0].recipe.where == "transmission" else 6):
             if best[2].max() > 0.7 * effect.fraction:
                 break
-            best = max(best, self._with_size(draw(effect, rng)), key=lambda found: float(found[2].max()))
+            best = max(
+                best, self._with_size(draw(effect, rng)), key=lambda found: float(found[2].max())
+            )
         return best
 
     @cached_property
@@ -149,13 +165,20 @@ class Case:
         """What this arm has, with the sizes it really came to."""
         return tuple(
             TrueEffect(
-                d.effect.kind, d.joint, d.signals, tuple(map(float, f)), size, d.effect.kind in LIBRARY, d.effect.on_at
+                d.effect.kind,
+                d.joint,
+                d.signals,
+                tuple(map(float, f)),
+                size,
+                d.effect.kind in LIBRARY,
+                d.effect.on_at,
             )
             for d, size, f in self.sized_effects
         )
 
     def simulate(self, commanded: Motion | None = None) -> tuple[Log, Log]:
-        """The identification and the validation log; `commanded` replaces the motion of the first, not the effects."""
+        """The identification and the validation log; `commanded` replaces the motion of the first,
+        not the effects."""
         motions = self.motions if commanded is None else (commanded, self.motions[1])
         effects = tuple((drawn, size) for drawn, size, _ in self.sized_effects)
         first, second = (
@@ -169,6 +192,8 @@ class Case:
         effects = tuple((drawn, size) for drawn, size, _ in self.sized_effects)
         return self.machine.driven(effects, self.motions[1], drive)
 
-    def _read(self, rng: np.random.Generator, time: np.ndarray, record: np.ndarray, move: Motion) -> Log:
+    def _read(
+        self, rng: np.random.Generator, time: np.ndarray, record: np.ndarray, move: Motion
+    ) -> Log:
         skip = round(move.lead * native.RECORD_RATE)
         return Log(*self.sensors.read(rng, time, record, move.q[skip:]))

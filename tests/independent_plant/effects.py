@@ -1,7 +1,9 @@
-"""Catalogue of what an arm may have: where it can sit, what it depends on, and how its shape is drawn.
+"""Catalogue of what an arm may have: where it can sit, what it depends on, and how its shape is
+drawn.
 
-The laws themselves are in `csrc/effects.c` (forces) and `arm_changes.py` (arm, transmission, measuring chain). They
-deliberately differ from a textbook's: second harmonics, cubic terms, odd exponents, two-mass transmissions.
+The laws themselves are in `csrc/effects.c` (forces) and `arm_changes.py` (arm, transmission,
+measuring chain). They deliberately differ from a textbook's: second harmonics, cubic terms, odd
+exponents, two-mass transmissions.
 """
 
 from __future__ import annotations
@@ -24,7 +26,8 @@ class Recipe:
     Args:
         where: "law" (C force), "arm", "transmission" or "chain".
         joints: joints (1-6) it may sit on; empty if it concerns the whole arm.
-        signals: what its torque depends on; "partner:x" becomes the partner joint's signal, e.g. "qd4".
+        signals: what its torque depends on; "partner:x" becomes the partner joint's signal, e.g.
+            "qd4".
         shape: draws the law's parameters after its size.
         start: size to begin the search with; limit: largest plausible size, in the law's own unit.
         wrist: share of the limit that holds for axes 4-6.
@@ -83,9 +86,16 @@ LIBRARY: dict[str, Recipe] = {
         signed=True,
     ),
     "coulomb_change": Recipe(
-        "law", ALL, ("sign_qd",), 1.0, 40.0, lambda r, j, k: [r.uniform(0.0, 0.3), r.uniform(0.03, 0.2)]
+        "law",
+        ALL,
+        ("sign_qd",),
+        1.0,
+        40.0,
+        lambda r, j, k: [r.uniform(0.0, 0.3), r.uniform(0.03, 0.2)],
     ),
-    "viscous_change": Recipe("law", ALL, ("qd",), 1.0, 60.0, lambda r, j, k: [r.uniform(0.85, 1.15)]),
+    "viscous_change": Recipe(
+        "law", ALL, ("qd",), 1.0, 60.0, lambda r, j, k: [r.uniform(0.85, 1.15)]
+    ),
     "viscous_warmup": Recipe(
         "law",
         ALL,
@@ -95,7 +105,12 @@ LIBRARY: dict[str, Recipe] = {
         lambda r, j, k: [r.uniform(0.9, 1.05), r.uniform(8, 40), r.uniform(1.0, 1.6)],
     ),
     "load_friction": Recipe(
-        "law", (1, 2, 3, 4, 5), ("load", "sign_qd"), 0.02, 0.6, lambda r, j, k: [r.uniform(0.85, 1.1)]
+        "law",
+        (1, 2, 3, 4, 5),
+        ("load", "sign_qd"),
+        0.02,
+        0.6,
+        lambda r, j, k: [r.uniform(0.85, 1.1)],
     ),
     "hysteresis": Recipe("law", ALL, ("q", "qd"), 1.0, 60.0, _hysteresis),
     "gear_ripple": Recipe("law", ALL, ("q",), 1.0, 60.0, _ripple),
@@ -105,7 +120,12 @@ LIBRARY: dict[str, Recipe] = {
         ("q",),
         100.0,
         3000.0,
-        lambda r, j, k: [r.uniform(0.3, 0.6), r.uniform(0.4, 0.6), r.uniform(0.4, 1.0), r.uniform(-0.1, 0.1)],
+        lambda r, j, k: [
+            r.uniform(0.3, 0.6),
+            r.uniform(0.4, 0.6),
+            r.uniform(0.4, 1.0),
+            r.uniform(-0.1, 0.1),
+        ],
     ),
     "cable_spring": Recipe("law", (1, 3, 4, 5, 6), ("q",), 1.0, 200.0, _cable),
     "wrist_coupling": Recipe(
@@ -114,7 +134,12 @@ LIBRARY: dict[str, Recipe] = {
         ("qd", "partner:qd"),
         1.0,
         60.0,
-        lambda r, j, k: [r.uniform(0.3, 0.6) * r.choice([-1, 1]), r.uniform(0.03, 0.08), r.uniform(0.85, 1.0), j],
+        lambda r, j, k: [
+            r.uniform(0.3, 0.6) * r.choice([-1, 1]),
+            r.uniform(0.03, 0.08),
+            r.uniform(0.85, 1.0),
+            j,
+        ],
         partners=(5, 6),
     ),
     "torque_gain": Recipe("chain", ALL, ("load",), 0.05, 0.3, signed=True),
@@ -146,7 +171,10 @@ OUTSIDE: dict[str, Recipe] = {
         ("qd",),
         1.0,
         100.0,
-        lambda r, j, k: [r.uniform(0.06, 0.14) * SPEEDS[j - 1], r.uniform(0.015, 0.04) * SPEEDS[j - 1]],
+        lambda r, j, k: [
+            r.uniform(0.06, 0.14) * SPEEDS[j - 1],
+            r.uniform(0.015, 0.04) * SPEEDS[j - 1],
+        ],
     ),
     "sticky_window": Recipe(
         "law",
@@ -157,8 +185,12 @@ OUTSIDE: dict[str, Recipe] = {
         lambda r, j, k: [_inside(r, j, 0.5), r.uniform(0.1, 0.2) * _half(j)],
     ),
     "even_speed": Recipe("law", ALL, ("qd",), 1.0, 100.0, signed=True),
-    "offset_drift": Recipe("law", ALL, ("time",), 1.0, 100.0, lambda r, j, k: [r.uniform(6, 20)], signed=True),
-    "hum": Recipe("law", ALL, ("time",), 1.0, 100.0, lambda r, j, k: [r.uniform(1.0, 6.0), r.uniform(0, 6.28)]),
+    "offset_drift": Recipe(
+        "law", ALL, ("time",), 1.0, 100.0, lambda r, j, k: [r.uniform(6, 20)], signed=True
+    ),
+    "hum": Recipe(
+        "law", ALL, ("time",), 1.0, 100.0, lambda r, j, k: [r.uniform(1.0, 6.0), r.uniform(0, 6.28)]
+    ),
     "end_cushion": Recipe(
         "law",
         ALL,
@@ -167,9 +199,18 @@ OUTSIDE: dict[str, Recipe] = {
         3000.0,
         lambda r, j, k: [_inside(r, j, 0.2), r.uniform(0.45, 0.6) * _half(j)],
     ),
-    "angle_speed": Recipe("law", ALL, ("q", "qd"), 1.0, 300.0, lambda r, j, k: [_inside(r, j, 0.3)]),
+    "angle_speed": Recipe(
+        "law", ALL, ("q", "qd"), 1.0, 300.0, lambda r, j, k: [_inside(r, j, 0.3)]
+    ),
     "cross_speed": Recipe(
-        "law", ALL, ("partner:qd",), 1.0, 100.0, lambda r, j, k: [0.0, 0.0, k - 1], signed=True, partners=ALL
+        "law",
+        ALL,
+        ("partner:qd",),
+        1.0,
+        100.0,
+        lambda r, j, k: [0.0, 0.0, k - 1],
+        signed=True,
+        partners=ALL,
     ),
     "acceleration_square": Recipe("law", ALL, ("qdd",), 0.1, 100.0, signed=True),
 }
@@ -180,7 +221,17 @@ KINDS: dict[str, Recipe] = LIBRARY | OUTSIDE
 GROUPS: tuple[frozenset[str], ...] = (
     frozenset({"transmission_backlash", "encoder_zero"}),
     frozenset({"coulomb_asymmetry", "torque_offset"}),
-    frozenset({"torque_gain", "balancer", "link_inertia", "linkage_inertia", "payload", "encoder_zero", "base_tilt"}),
+    frozenset(
+        {
+            "torque_gain",
+            "balancer",
+            "link_inertia",
+            "linkage_inertia",
+            "payload",
+            "encoder_zero",
+            "base_tilt",
+        }
+    ),
     frozenset({"load_friction", "coulomb_change"}),
     frozenset({"rotor_inertia", "link_inertia", "linkage_inertia", "elastic_joint"}),
     frozenset({"viscous_change", "viscous_warmup", "viscous_power"}),
@@ -195,7 +246,8 @@ class Effect:
     Args:
         kind: a key of `KINDS`.
         joint: 1-6; None leaves it to the draw, or to the whole arm.
-        fraction: wanted rms torque over that of the joint (of the joint it moves most, if of the whole arm).
+        fraction: wanted rms torque over that of the joint (of the joint it moves most, if of the
+            whole arm).
         on_at: time from which it acts [s].
     """
 
@@ -209,12 +261,15 @@ class Effect:
             raise ValueError(f"unknown effect {self.kind!r}; known are {', '.join(KINDS)}")
         joints = KINDS[self.kind].joints
         if self.joint is not None and self.joint not in joints:
-            raise ValueError(f"{self.kind} sits on joints {joints or 'of the whole arm'}, not on {self.joint}")
+            raise ValueError(
+                f"{self.kind} sits on joints {joints or 'of the whole arm'}, not on {self.joint}"
+            )
 
 
 @dataclass(frozen=True)
 class Drawn:
-    """An effect with everything drawn but its size: sign, joint, partner, shape, spare random numbers."""
+    """An effect with everything drawn but its size: sign, joint, partner, shape, spare random
+    numbers."""
 
     effect: Effect
     joint: int | None
@@ -236,7 +291,8 @@ class Drawn:
     def signals(self) -> tuple[str, ...]:
         """Signals of the joint itself by bare name, a partner's with its number."""
         return tuple(
-            s.replace("partner:", "") + (str(self.partner) if "partner" in s else "") for s in self.recipe.signals
+            s.replace("partner:", "") + (str(self.partner) if "partner" in s else "")
+            for s in self.recipe.signals
         )
 
 
@@ -254,4 +310,6 @@ def draw(effect: Effect, rng: np.random.Generator) -> Drawn:
         partner = int(rng.choice([k for k in recipe.partners if k != joint]))
     sign = float(rng.choice([-1.0, 1.0])) if recipe.signed else 1.0
     shape = recipe.shape(rng, joint or 1, partner or 1)
-    return Drawn(effect, joint, partner, sign, tuple(map(float, shape)), tuple(rng.uniform(-1, 1, 6)))
+    return Drawn(
+        effect, joint, partner, sign, tuple(map(float, shape)), tuple(rng.uniform(-1, 1, 6))
+    )

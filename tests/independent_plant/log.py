@@ -33,7 +33,10 @@ class Log:
         path = Path(path)
         columns = 25 if reference else 19
         form = ",".join(f"%.{k}f" for k in DIGITS[:columns])
-        lines = [",".join(HEADER[:columns]), *(form % tuple(row) for row in self.table()[:, :columns])]
+        lines = [
+            ",".join(HEADER[:columns]),
+            *(form % tuple(row) for row in self.table()[:, :columns]),
+        ]
         text = ("\n".join(lines) + "\n").encode()
         path.write_bytes(gzip.compress(text, 4, mtime=0) if path.suffix == ".gz" else text)
         return path

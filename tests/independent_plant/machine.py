@@ -1,4 +1,5 @@
-"""An arm with its drives, moved with or without effects: closed loop, and torque asked by a given motion."""
+"""An arm with its drives, moved with or without effects: closed loop, and torque asked by a given
+motion."""
 
 from __future__ import annotations
 
@@ -36,8 +37,9 @@ def _force_law(drawn: Drawn, size: float) -> list[float]:
 
 @dataclass(frozen=True)
 class Driven:
-    """What came of a motion, n samples at 1 kHz without the run-up: true angles [rad], speeds, torques (n, 6) that
-    acted, places of the tool's tip [m] (n, 3), and where the tip and the angles should have been."""
+    """What came of a motion, n samples at 1 kHz without the run-up: true angles [rad], speeds,
+    torques (n, 6) that acted, places of the tool's tip [m] (n, 3), and where the tip and the angles
+    should have been."""
 
     q: np.ndarray
     qd: np.ndarray
@@ -62,13 +64,18 @@ class Machine:
 
     def structures(self, effects: Sized = ()) -> tuple[np.ndarray, np.ndarray]:
         """Plant and force laws as the C structures."""
-        after, change_at, servo = self.arm, -np.inf, self.servo
-        zero, transmission, laws = np.zeros(6), arm_changes.RIGID, []
+        after = self.arm
+        change_at = -np.inf
+        servo = self.servo
+        zero = np.zeros(6)
+        transmission = arm_changes.RIGID
+        laws = []
         for drawn, size in effects:
             j = (drawn.joint or 1) - 1
             match drawn.recipe.where:
                 case "arm":
-                    after, change_at = arm_changes.changed_arm(after, drawn, size), drawn.effect.on_at
+                    after = arm_changes.changed_arm(after, drawn, size)
+                    change_at = drawn.effect.on_at
                 case "transmission":
                     transmission = arm_changes.transmission(self.arm, drawn, size)
                     servo = servo.detuned(j, transmission[1], transmission[2])
@@ -89,22 +96,32 @@ class Machine:
         return time[skip:], record[skip:]
 
     def driven(self, effects: Sized, move: Motion, drive: native.Drive) -> Driven:
-        """A motion that begins at rest, made by somebody's controller; `drive` is asked at 1 kHz from the run-up on."""
+        """A motion that begins at rest, made by somebody's controller; `drive` is asked at 1 kHz
+        from the run-up on."""
         encoder = {"encoder_step": 5e-6, "speed_corner": 2 * np.pi * 250.0}
         record = native.driven(
-            *self.structures(effects), move.start - move.lead, move.q[0], len(move.q), drive, **encoder
+            *self.structures(effects),
+            move.start - move.lead,
+            move.q[0],
+            len(move.q),
+            drive,
+            **encoder,
         )
         skip = round(move.lead * native.RECORD_RATE)
         q, qd, tau, tip = np.split(record[skip:], (6, 12, 18), axis=1)
         return Driven(q, qd, tau, tip, native.tool_tip(move.q[skip:]), move.q[skip:])
 
-    def asked_torque(self, effects: Sized, dt: float, moving: np.ndarray, start: float = 0.0) -> np.ndarray:
-        """Reported torque (n, 6) of a motion (n, 18: q, qd, qdd) followed exactly; the transmission is rigid."""
+    def asked_torque(
+        self, effects: Sized, dt: float, moving: np.ndarray, start: float = 0.0
+    ) -> np.ndarray:
+        """Reported torque (n, 6) of a motion (n, 18: q, qd, qdd) followed exactly; the transmission
+        is rigid."""
         tau = native.prescribed(*self.structures(effects), start, dt, moving)
         return _reported(start + dt * np.arange(len(tau)), tau, effects)
 
     def unexplained_torque(self, effects: Sized, move: Motion) -> np.ndarray:
-        """Reported torque less what the plain arm needs for the motion made, below 10 Hz, 0 near standstill."""
+        """Reported torque less what the plain arm needs for the motion made, below 10 Hz, 0 near
+        standstill."""
         from scipy.ndimage import maximum_filter1d
 
         record = self.closed_loop(effects, move)[1][::STREAM]

@@ -1,4 +1,5 @@
-"""Commanded motions like those of the recorded arms: a periodic multi-sine, and rest-to-rest moves."""
+"""Commanded motions like those of the recorded arms: a periodic multi-sine, and rest-to-rest
+moves."""
 
 from __future__ import annotations
 
@@ -10,20 +11,23 @@ from .native import RECORD_RATE
 from .parameters import RANGES, SPEEDS
 
 IDENTIFICATION_SHARE, VALIDATION_SHARE = 0.55, 0.5  # of the speed limits, as recorded
-# what the recorded arms use of their ranges: about 0.6 of axes 1, 2, 3, 4, 0.8 of axis 5, 0.4 of axis 6
+# what the recorded arms use of their ranges: about 0.6 of axes 1, 2, 3, 4, 0.8 of axis 5, 0.4 of
+# axis 6
 WORK = RANGES * np.array([0.6, 0.62, 0.68, 0.63, 0.8, 0.405])[:, None]
 
 
 @dataclass(frozen=True)
 class Motion:
-    """Commanded angles (n, 6) [rad] at 1 kHz from `start` [s] on; a run-up of `lead` seconds comes before."""
+    """Commanded angles (n, 6) [rad] at 1 kHz from `start` [s] on; a run-up of `lead` seconds comes
+    before."""
 
     start: float
     lead: float
     q: np.ndarray
 
     def with_derivatives(self, every: int = 4) -> tuple[float, np.ndarray]:
-        """Sample time [s] and q, qd, qdd (m, 18) of the recorded part, for prescribed-motion torques."""
+        """Sample time [s] and q, qd, qdd (m, 18) of the recorded part, for prescribed-motion
+        torques."""
         dt = every / RECORD_RATE
         q = self.q[::every]
         qd = np.gradient(q, dt, axis=0)
@@ -41,29 +45,42 @@ def _fit(shape: np.ndarray, box: np.ndarray, speed: float, rng: np.random.Genera
 
 
 def identification(
-    rng: np.random.Generator, duration: float = 40.0, idle: tuple[int, ...] = (), chirp: bool = False
+    rng: np.random.Generator,
+    duration: float = 40.0,
+    idle: tuple[int, ...] = (),
+    chirp: bool = False,
 ) -> Motion:
-    """A multi-sine (up to 0.42 Hz) on all axes but `idle` ones (1-6); optionally a 0.6-7 Hz chirp on top.
+    """A multi-sine (up to 0.42 Hz) on all axes but `idle` ones (1-6); optionally a 0.6-7 Hz chirp
+    on top.
 
     The motion is periodic, so that the record begins in full motion, as the recorded ones do.
     """
-    lead, period = 1.0, 40.0
+    lead = 1.0
+    period = 40.0
     time = np.arange(round((lead + duration) * RECORD_RATE) + 1) / RECORD_RATE - lead
     q = np.empty((len(time), 6))
     for j in range(6):
         harmonics = np.arange(1, 18)
-        weight = rng.uniform(0.0, 1.0, 17) * np.exp(-(((harmonics - rng.uniform(2, 14)) / rng.uniform(3, 8)) ** 2))
+        weight = rng.uniform(0.0, 1.0, 17) * np.exp(
+            -(((harmonics - rng.uniform(2, 14)) / rng.uniform(3, 8)) ** 2)
+        )
         phase = rng.uniform(0, 2 * np.pi, 17)
         shape = sum(
-            w * np.sin(2 * np.pi * h / period * time + p) for h, w, p in zip(harmonics, weight, phase, strict=True)
+            w * np.sin(2 * np.pi * h / period * time + p)
+            for h, w, p in zip(harmonics, weight, phase, strict=True)
         )
         speed = IDENTIFICATION_SHARE * SPEEDS[j] * rng.uniform(0.45, 1.0)
         q[:, j] = _fit(np.asarray(shape), WORK[j], speed, rng)
         if chirp:
-            low, high = 0.6, 7.0
-            sweep = 2 * np.pi * (low * time + (high - low) / (2 * duration) * time**2) + rng.uniform(0, 6.28)
+            low = 0.6
+            high = 7.0
+            sweep = 2 * np.pi * (
+                low * time + (high - low) / (2 * duration) * time**2
+            ) + rng.uniform(0, 6.28)
             frequency = np.maximum(low + (high - low) / duration * time, low)
-            amplitude = np.minimum(0.05 * SPEEDS[j], rng.uniform(2.5, 4.0) / (2 * np.pi * frequency))
+            amplitude = np.minimum(
+                0.05 * SPEEDS[j], rng.uniform(2.5, 4.0) / (2 * np.pi * frequency)
+            )
             q[:, j] += amplitude / (2 * np.pi * frequency) * np.sin(sweep)
         if j + 1 in idle:
             q[:, j] = q[0, j]
@@ -71,7 +88,8 @@ def identification(
 
 
 def validation(rng: np.random.Generator, duration: float = 30.0, start: float = 900.0) -> Motion:
-    """Rest-to-rest moves of all axes (fifth-order polynomials) with short dwells, 15 minutes later."""
+    """Rest-to-rest moves of all axes (fifth-order polynomials) with short dwells, 15 minutes
+    later."""
     lead = 1.0
     n = round((duration + lead) * RECORD_RATE) + 1
     box = 0.8 * WORK

@@ -22,7 +22,8 @@ RECORD_RATE = 1000.0  # Hz, of references and records
 _double_p = ctypes.POINTER(ctypes.c_double)
 _DRIVE = ctypes.CFUNCTYPE(None, ctypes.c_int, _double_p, _double_p, _double_p)
 Drive = Callable[[int, np.ndarray, np.ndarray], np.ndarray]
-"""(sample at 1 kHz, angles seen (6,), speeds seen (6,)) -> torques (6,) that act from the next sample on"""
+"""(sample at 1 kHz, angles seen (6,), speeds seen (6,)) -> torques (6,) that act from the next
+sample on"""
 
 
 @functools.cache
@@ -32,7 +33,10 @@ def library() -> ctypes.CDLL:
     compiler = shutil.which(os.environ.get("CC", "cc"))
     if compiler is None:
         raise RuntimeError("the independent plant needs a C compiler; none was found as $CC or cc")
-    text = b"".join(f.read_bytes() for f in files) + " ".join([compiler, *FLAGS, platform.processor()]).encode()
+    text = (
+        b"".join(f.read_bytes() for f in files)
+        + " ".join([compiler, *FLAGS, platform.processor()]).encode()
+    )
     cache = Path(tempfile.gettempdir()) / f"independent_plant_{os.getuid()}"
     target = cache / f"plant_{hashlib.sha256(text).hexdigest()[:16]}.so"
     if not target.exists():
@@ -71,22 +75,29 @@ def inverse_dynamics(arm: np.ndarray, q: np.ndarray, qd: np.ndarray, qdd: np.nda
     return tau
 
 
-def equations_of_motion(arm: np.ndarray, q: np.ndarray, qd: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def equations_of_motion(
+    arm: np.ndarray, q: np.ndarray, qd: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
     """Mass matrix (6, 6) and bias torque (6,)."""
-    mass, bias = np.empty((6, 6)), np.empty(6)
+    mass = np.empty((6, 6))
+    bias = np.empty(6)
     library().equations_of_motion(_p(_c(arm)), _p(_c(q)), _p(_c(qd)), _p(mass), _p(bias))
     return mass, bias
 
 
 def torque_against_force(q: np.ndarray, point: np.ndarray, force: np.ndarray) -> np.ndarray:
-    """Torque [Nm] that holds the arm against a force [N, base frame] pulling at a point [m, frame 6]."""
+    """Torque [Nm] that holds the arm against a force [N, base frame] pulling at a point [m, frame
+    6]."""
     tau = np.empty(6)
     library().torque_against_force(_p(_c(q)), _p(_c(point)), _p(_c(force)), _p(tau))
     return tau
 
 
-def follow(plant: np.ndarray, effects: np.ndarray, start: float, reference: np.ndarray) -> np.ndarray:
-    """Closed loop along a reference (n, 6) at 1 kHz: angles seen, speeds, motor torques (n - 1, 18)."""
+def follow(
+    plant: np.ndarray, effects: np.ndarray, start: float, reference: np.ndarray
+) -> np.ndarray:
+    """Closed loop along a reference (n, 6) at 1 kHz: angles seen, speeds, motor torques (n - 1,
+    18)."""
     reference = _c(reference)
     n = len(reference)
     out = np.empty((n - 1, 18))
@@ -95,7 +106,9 @@ def follow(plant: np.ndarray, effects: np.ndarray, start: float, reference: np.n
         _p(_c(plant)), len(effects), _p(effects), ctypes.c_double(start), n, _p(reference), _p(out)
     )
     if written != n - 1 or not np.isfinite(out).all():
-        raise RuntimeError(f"the plant stopped after {written} of {n - 1} records: its mass matrix is not definite")
+        raise RuntimeError(
+            f"the plant stopped after {written} of {n - 1} records: its mass matrix is not definite"
+        )
     return out
 
 
@@ -110,7 +123,8 @@ def driven(
     encoder_step: float,
     speed_corner: float,
 ) -> np.ndarray:
-    """Closed loop of somebody's controller from a standstill at the angles `at`, n samples at 1 kHz.
+    """Closed loop of somebody's controller from a standstill at the angles `at`, n samples at 1
+    kHz.
 
     Returns:
         (n, 21): true angles and speeds of the links, torques that act, place of the tool's tip [m].
@@ -128,13 +142,23 @@ def driven(
             failures.append(failure)
 
     written = library().driven(
-        _p(_c(plant)), len(effects), _p(effects), ctypes.c_double(start), _p(_c(at)), ctypes.c_double(encoder_step),
-        ctypes.c_double(speed_corner), n, _DRIVE(answer), _p(out),
-    )  # fmt: skip
+        _p(_c(plant)),
+        len(effects),
+        _p(effects),
+        ctypes.c_double(start),
+        _p(_c(at)),
+        ctypes.c_double(encoder_step),
+        ctypes.c_double(speed_corner),
+        n,
+        _DRIVE(answer),
+        _p(out),
+    )
     if failures:
         raise failures[0]
     if written != n or not np.isfinite(out).all():
-        raise RuntimeError(f"the plant stopped after {written} of {n} records: its mass matrix is not definite")
+        raise RuntimeError(
+            f"the plant stopped after {written} of {n} records: its mass matrix is not definite"
+        )
     return out
 
 
@@ -146,9 +170,12 @@ def tool_tip(q: np.ndarray) -> np.ndarray:
     return tips
 
 
-def prescribed(plant: np.ndarray, effects: np.ndarray, start: float, dt: float, motion: np.ndarray) -> np.ndarray:
+def prescribed(
+    plant: np.ndarray, effects: np.ndarray, start: float, dt: float, motion: np.ndarray
+) -> np.ndarray:
     """Torque (n, 6) that a motion (n, 18: q, qd, qdd) asks for, effects and friction included."""
-    motion, effects = _c(motion), _c(effects)
+    motion = _c(motion)
+    effects = _c(effects)
     out = np.empty((len(motion), 6))
     library().prescribed(
         _p(_c(plant)),

@@ -1,4 +1,5 @@
-"""Numbers of the arm: the paper's Tabs. 3-5, drawn within data-sheet uncertainty, packed for the C plant."""
+"""Numbers of the arm: the paper's Tabs. 3-5, drawn within data-sheet uncertainty, packed for the C
+plant."""
 
 from __future__ import annotations
 
@@ -51,7 +52,8 @@ FRICTION = np.array(
 
 
 def join(first: np.ndarray, second: np.ndarray) -> np.ndarray:
-    """Two bodies (10,) in the same axes as one: Steiner's theorem about the common centre of mass."""
+    """Two bodies (10,) in the same axes as one: Steiner's theorem about the common centre of
+    mass."""
     mass = first[0] + second[0]
     centre = (first[0] * first[1:4] + second[0] * second[1:4]) / mass
     inertia = np.zeros(6)
@@ -64,7 +66,8 @@ def join(first: np.ndarray, second: np.ndarray) -> np.ndarray:
 
 @dataclass(frozen=True)
 class Arm:
-    """Bodies (7, 10), free fall [m/s2], parallelogram rod (mass, crank, phase, distance), rotors [kg m2]."""
+    """Bodies (7, 10), free fall [m/s2], parallelogram rod (mass, crank, phase, distance), rotors
+    [kg m2]."""
 
     bodies: np.ndarray
     gravity: np.ndarray
@@ -73,7 +76,8 @@ class Arm:
     payload: np.ndarray | None = None
 
     def packed(self) -> np.ndarray:
-        """As the C structure: six links (the spindle and payload joined to link 6), gravity, rod, rotors."""
+        """As the C structure: six links (the spindle and payload joined to link 6), gravity, rod,
+        rotors."""
         links = [self.bodies[i] for i in range(6)]
         links[5] = join(links[5], self.bodies[6])
         if self.payload is not None:
@@ -99,14 +103,17 @@ def _normal(rng: np.random.Generator, shape: tuple[int, ...]) -> np.ndarray:
 def _definite(arm: Arm, rng: np.random.Generator) -> bool:
     packed = arm.packed()
     poses = rng.uniform(RANGES[:, 0], RANGES[:, 1], (50, 6))
-    smallest = [np.linalg.eigvalsh(native.equations_of_motion(packed, q, np.zeros(6))[0])[0] for q in poses]
+    smallest = [
+        np.linalg.eigvalsh(native.equations_of_motion(packed, q, np.zeros(6))[0])[0] for q in poses
+    ]
     return bool(min(smallest) > 0.02)
 
 
 def drawn_arm(rng: np.random.Generator, spread: float = 1.0) -> tuple[Arm, np.ndarray]:
     """An arm and its friction, off the paper by data-sheet uncertainty.
 
-    One standard deviation: masses 2 %, centres of mass 5 mm, inertias 5 %, friction 4 %; all times `spread`.
+    One standard deviation: masses 2 %, centres of mass 5 mm, inertias 5 %, friction 4 %; all times
+    `spread`.
     """
     for _ in range(100):
         bodies = LINKS.copy()
@@ -119,21 +126,26 @@ def drawn_arm(rng: np.random.Generator, spread: float = 1.0) -> tuple[Arm, np.nd
             friction[:, :3] *= 1 + spread * 0.04 * _normal(rng, (6, 3))
             friction[:, 0] = np.maximum(friction[:, 0], friction[:, 1])
             return arm, friction
-    raise RuntimeError(f"no arm with a positive definite mass matrix in 100 draws of spread {spread}")
+    raise RuntimeError(
+        f"no arm with a positive definite mass matrix in 100 draws of spread {spread}"
+    )
 
 
 @dataclass(frozen=True)
 class Servo:
-    """Reference smoothing (rad/s, damping) and cascade gains of six axes, (6, 9) as the C structure."""
+    """Reference smoothing (rad/s, damping) and cascade gains of six axes, (6, 9) as the C
+    structure."""
 
     table: np.ndarray
 
     @staticmethod
     def drawn(rng: np.random.Generator, arm: Arm) -> Servo:
-        """A good drive: 6-18 ms behind the command, speed loop 40-60 Hz, friction partly fed forward."""
+        """A good drive: 6-18 ms behind the command, speed loop 40-60 Hz, friction partly fed
+        forward."""
         home = np.array([0.0, 0.2, 0.1, 0.3, 0.6, 0.0])
         inertia = np.diag(native.equations_of_motion(arm.packed(), home, np.zeros(6))[0])
-        lag, zeta = rng.uniform(0.0055, 0.0175, 6), rng.uniform(0.55, 0.68, 6)
+        lag = rng.uniform(0.0055, 0.0175, 6)
+        zeta = rng.uniform(0.55, 0.68, 6)
         bandwidth = rng.uniform(250.0, 400.0, 6)
         kp = bandwidth / rng.uniform(3.5, 5.0, 6)
         felt = np.maximum(inertia, 0.8)  # the drives of the light axes are tuned stiffly
@@ -145,7 +157,8 @@ class Servo:
         return Servo(np.column_stack([omega, zeta, kp, kv, ki, forward, *fed, TORQUE_LIMITS]))
 
     def detuned(self, joint: int, rotor: float, stiffness: float) -> Servo:
-        """As a drive engineer would set it for a motor of that inertia on a spring: below the resonance."""
+        """As a drive engineer would set it for a motor of that inertia on a spring: below the
+        resonance."""
         table = self.table.copy()
         row = table[joint]
         resonance = np.sqrt(stiffness / max(row[3] / 300.0 - rotor, rotor))

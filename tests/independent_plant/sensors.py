@@ -1,4 +1,5 @@
-"""What a controller's data stream does to the truth: quantisation, noise, a grid of 4 ms, lost samples."""
+"""What a controller's data stream does to the truth: quantisation, noise, a grid of 4 ms, lost
+samples."""
 
 from __future__ import annotations
 
@@ -35,7 +36,9 @@ class Sensors:
         from scipy.signal import lfilter
 
         pole = np.exp(-STEP / 1000 / self.colour_time)
-        slow = lfilter([np.sqrt(1 - pole**2)], [1, -pole], rng.standard_normal((n + 200, 6)), axis=0)[200:]
+        slow = lfilter(
+            [np.sqrt(1 - pole**2)], [1, -pole], rng.standard_normal((n + 200, 6)), axis=0
+        )[200:]
         white = rng.standard_normal((n, 6))
         mixed = np.sqrt(self.white_share) * white + np.sqrt(1 - self.white_share) * slow
         return np.asarray(np.asarray(self.torque_noise) * mixed)
@@ -45,11 +48,22 @@ class Sensors:
     ) -> tuple[np.ndarray, ...]:
         """Time, q, qd, tau, q_ref as the stream gives them, from records at 1 kHz."""
         sample = slice(None, None, STEP)
-        q, qd, tau = record[sample, :6], record[sample, 6:12], record[sample, 12:]
+        q = record[sample, :6]
+        qd = record[sample, 6:12]
+        tau = record[sample, 12:]
         n = len(q)
-        q = np.round((q + self.angle_noise * rng.standard_normal((n, 6))) / self.angle_step) * self.angle_step
+        q = (
+            np.round((q + self.angle_noise * rng.standard_normal((n, 6))) / self.angle_step)
+            * self.angle_step
+        )
         qd = qd + self.speed_noise * rng.standard_normal((n, 6))
         tau = tau + self.torque_errors(rng, n)
         kept = rng.uniform(size=n) >= self.lost
         kept[[0, -1]] = True
-        return time[sample][kept], q[kept], qd[kept], tau[kept], reference[: len(record)][sample][kept]
+        return (
+            time[sample][kept],
+            q[kept],
+            qd[kept],
+            tau[kept],
+            reference[: len(record)][sample][kept],
+        )

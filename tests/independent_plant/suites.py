@@ -19,7 +19,9 @@ def _chirp(rng: np.random.Generator, *kinds: str) -> bool:
     return any(k in NEEDS_CHIRP for k in kinds) or bool(rng.uniform() < CHIRP_SHARE)
 
 
-def _effect(rng: np.random.Generator, kind: str, fraction: float | None = None, on_at: float = -np.inf) -> Effect:
+def _effect(
+    rng: np.random.Generator, kind: str, fraction: float | None = None, on_at: float = -np.inf
+) -> Effect:
     return Effect(kind, None, float(rng.choice(FRACTIONS)) if fraction is None else fraction, on_at)
 
 
@@ -31,7 +33,8 @@ def clean(rng: np.random.Generator, i: int) -> Case:
 def single(rng: np.random.Generator, i: int) -> Case:
     """One effect of the library; kinds and sizes in turn."""
     kinds = tuple(LIBRARY)
-    kind, fraction = kinds[i % len(kinds)], FRACTIONS[(i + i // len(kinds)) % len(FRACTIONS)]
+    kind = kinds[i % len(kinds)]
+    fraction = FRACTIONS[(i + i // len(kinds)) % len(FRACTIONS)]
     return Case(int(rng.integers(2**31)), (_effect(rng, kind, fraction),), chirp=_chirp(rng, kind))
 
 
@@ -47,14 +50,19 @@ def pairs(rng: np.random.Generator, i: int) -> Case:
 def outside(rng: np.random.Generator, i: int) -> Case:
     """One effect that no library is expected to know."""
     kinds = tuple(OUTSIDE)
-    kind, fraction = kinds[i % len(kinds)], FRACTIONS[1:][(i + i // len(kinds)) % 3]
+    kind = kinds[i % len(kinds)]
+    fraction = FRACTIONS[1:][(i + i // len(kinds)) % 3]
     return Case(int(rng.integers(2**31)), (_effect(rng, kind, fraction),), chirp=_chirp(rng))
 
 
 def _any(rng: np.random.Generator, i: int, on_at: float = -np.inf) -> tuple[Effect, ...]:
     """Nothing in every third case, else an effect of the library that needs no chirp."""
     kinds = [k for k in LIBRARY if k not in NEEDS_CHIRP]
-    return () if i % 3 == 0 else (_effect(rng, str(rng.choice(kinds)), float(rng.choice(FRACTIONS[1:])), on_at),)
+    return (
+        ()
+        if i % 3 == 0
+        else (_effect(rng, str(rng.choice(kinds)), float(rng.choice(FRACTIONS[1:])), on_at),)
+    )
 
 
 def short(rng: np.random.Generator, i: int) -> Case:
@@ -68,7 +76,8 @@ def short(rng: np.random.Generator, i: int) -> Case:
 
 
 def idle_axis(rng: np.random.Generator, i: int) -> Case:
-    """One axis at rest; in some cases the effect sits on it and cannot show in the identification record."""
+    """One axis at rest; in some cases the effect sits on it and cannot show in the identification
+    record."""
     return Case(int(rng.integers(2**31)), _any(rng, i), idle=(int(rng.integers(1, 7)),))
 
 
@@ -92,7 +101,9 @@ def traps(rng: np.random.Generator, i: int) -> Case:
         ("loud", lambda: Case(seed, sensors=loud)),
         (
             "coarse_encoder",
-            lambda: Case(seed, sensors=Sensors(angle_step=1e-4, angle_noise=1e-5, speed_noise=4e-3)),
+            lambda: Case(
+                seed, sensors=Sensors(angle_step=1e-4, angle_noise=1e-5, speed_noise=4e-3)
+            ),
         ),
         ("lossy", lambda: Case(seed, sensors=Sensors(lost=0.08))),
         ("coloured", lambda: Case(seed, sensors=Sensors(white_share=0.1, colour_time=0.15))),
@@ -103,7 +114,10 @@ def traps(rng: np.random.Generator, i: int) -> Case:
         ("balancer_or_gain", lambda: Case(seed, (Effect("balancer", 2, 0.08),))),
         ("rotor_or_link", lambda: Case(seed, (Effect("rotor_inertia", 1, 0.08),))),
         ("warm_or_viscous", lambda: Case(seed, (_effect(rng, "viscous_warmup", 0.08),))),
-        ("wrong_priors_and_payload", lambda: Case(seed, (Effect("payload", None, 0.08),), spread=2.5)),
+        (
+            "wrong_priors_and_payload",
+            lambda: Case(seed, (Effect("payload", None, 0.08),), spread=2.5),
+        ),
     )
     name, make = made[i % len(made)]
     case = make()

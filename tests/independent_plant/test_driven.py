@@ -1,4 +1,5 @@
-"""Somebody's controller instead of the plant's own servo: what it sees, when its torque acts, how it may fail."""
+"""Somebody's controller instead of the plant's own servo: what it sees, when its torque acts, how
+it may fail."""
 
 from __future__ import annotations
 
@@ -17,7 +18,8 @@ CASE = Case(3, duration=1.0, validation_duration=4.0)
 
 def _servo(case: Case, seen: list[tuple[np.ndarray, np.ndarray]]) -> Driven:
     """Gravity of the true arm and a stiff cascade."""
-    reference, arm = case.motions[1].q, case.machine.arm.packed()
+    reference = case.motions[1].q
+    arm = case.machine.arm.packed()
     kv = case.machine.servo.table[:, 3] / 4
 
     def drive(sample: int, q: np.ndarray, qd: np.ndarray) -> np.ndarray:
@@ -50,7 +52,14 @@ def test_a_torque_acts_a_millisecond_late_and_within_the_limits() -> None:
     asked = np.linspace(0.0, 3.0, 40)[:, None] * TORQUE_LIMITS
     plant, laws = CASE.machine.structures()
     out = native.driven(
-        plant, laws, 0.0, np.zeros(6), 40, lambda k, q, qd: asked[k], encoder_step=5e-6, speed_corner=1500.0
+        plant,
+        laws,
+        0.0,
+        np.zeros(6),
+        40,
+        lambda k, q, qd: asked[k],
+        encoder_step=5e-6,
+        speed_corner=1500.0,
     )
     np.testing.assert_array_equal(out[1:, 12:18], np.minimum(asked[:-1], TORQUE_LIMITS))
 

@@ -1,8 +1,9 @@
 """The logs look like the recorded ones, and the loop behaves like a drive on a real joint.
 
-The figures for comparison were measured on the twelve recorded arms: encoder step 5e-6 rad; speed column less the
-derivative of the angles 0.034 deg/s; lag 6.1-18.0 ms; torque noise (fourth differences) 1.00, 1.72, 1.02, 0.30, 0.26,
-0.26 Nm; torque rms 34-83, 249-332, 237-285, 13-21, 21-29, 10-13 Nm; 14-37 of 10,000 samples lost.
+The figures for comparison were measured on the twelve recorded arms: encoder step 5e-6 rad; speed
+column less the derivative of the angles 0.034 deg/s; lag 6.1-18.0 ms; torque noise (fourth
+differences) 1.00, 1.72, 1.02, 0.30, 0.26, 0.26 Nm; torque rms 34-83, 249-332, 237-285, 13-21,
+21-29, 10-13 Nm; 14-37 of 10,000 samples lost.
 """
 
 from __future__ import annotations
@@ -20,7 +21,9 @@ from .machine import STREAM, below_10_hz
 from .parameters import RANGES, SPEEDS, TORQUE_LIMITS
 from .sensors import Sensors
 
-QUIET = Sensors(angle_step=1e-12, angle_noise=0.0, speed_noise=0.0, torque_noise=(0.0,) * 6, lost=0.0)
+QUIET = Sensors(
+    angle_step=1e-12, angle_noise=0.0, speed_noise=0.0, torque_noise=(0.0,) * 6, lost=0.0
+)
 
 
 @pytest.fixture(scope="module")
@@ -55,7 +58,8 @@ def test_torque_noise_matches_the_recorded_arms(logs: tuple[Log, Log]) -> None:
 
 
 def test_torques_and_speeds_are_of_the_recorded_size() -> None:
-    rms, speed = [], []
+    rms = []
+    speed = []
     for seed in range(6):
         log = Case(seed, validation_duration=1.0).simulate()[0]
         rms.append(np.sqrt((log.tau**2).mean(0)))
@@ -63,7 +67,8 @@ def test_torques_and_speeds_are_of_the_recorded_size() -> None:
         assert (log.q > RANGES[:, 0]).all()
         assert (log.q < RANGES[:, 1]).all()
         assert (np.abs(log.tau) < TORQUE_LIMITS).all()
-    low, high = np.array([34, 249, 237, 13, 21, 10]), np.array([83, 332, 285, 21, 29, 13])
+    low = np.array([34, 249, 237, 13, 21, 10])
+    high = np.array([83, 332, 285, 21, 29, 13])
     typical = np.median(rms, axis=0)
     assert (typical > 0.8 * low).all()
     assert (typical < 1.2 * high).all()
@@ -79,9 +84,11 @@ def test_some_samples_are_lost_and_the_grid_is_4_ms(logs: tuple[Log, Log]) -> No
 
 
 def test_the_noise_floor_below_10_hz_is_that_of_the_recorded_arms() -> None:
-    """What a perfect model leaves on a clean arm: measured 0.49, 0.82, 0.52, 0.145, 0.13, 0.13 Nm on the recordings."""
+    """What a perfect model leaves on a clean arm: measured 0.49, 0.82, 0.52, 0.145, 0.13, 0.13 Nm
+    on the recordings."""
     case = Case(4, sensors=Sensors(lost=0.0))
-    log, truth = case.simulate()[0], replace(case, sensors=QUIET).simulate()[0]
+    log = case.simulate()[0]
+    truth = replace(case, sensors=QUIET).simulate()[0]
     moving = np.hstack([truth.q, truth.qd, np.gradient(truth.qd, 0.004, axis=0)])
     needed = case.machine.asked_torque((), STREAM / 1000, moving)
     from scipy.ndimage import maximum_filter1d
@@ -93,7 +100,8 @@ def test_the_noise_floor_below_10_hz_is_that_of_the_recorded_arms() -> None:
 
 
 def test_joints_stick_at_rest() -> None:
-    """During the dwells the angles stand still to the encoder's step although gravity pulls at them."""
+    """During the dwells the angles stand still to the encoder's step although gravity pulls at
+    them."""
     log = replace(Case(3, duration=1.0), sensors=QUIET).simulate()[1]
     resting = np.flatnonzero((log.time > 900.08) & (log.time < 900.2))
     assert (np.abs(log.qd[resting]) < 1e-9).all()
@@ -101,16 +109,22 @@ def test_joints_stick_at_rest() -> None:
     assert np.abs(log.tau[resting]).max() > 50.0
 
 
-def test_a_file_has_the_header_and_digits_of_the_recordings(logs: tuple[Log, Log], tmp_path: Path) -> None:
+def test_a_file_has_the_header_and_digits_of_the_recordings(
+    logs: tuple[Log, Log], tmp_path: Path
+) -> None:
     path = logs[0].write_csv(tmp_path / "log.csv.gz")
     lines = gzip.decompress(path.read_bytes()).decode().splitlines()
     assert lines[0].split(",") == HEADER
     assert lines[0].startswith("time_s,q1_deg,q2_deg")
-    assert [len(x.split(".")[1]) for x in lines[1].split(",")] == [4] + [5] * 6 + [4] * 6 + [3] * 6 + [5] * 6
+    assert [len(x.split(".")[1]) for x in lines[1].split(",")] == [4] + [5] * 6 + [4] * 6 + [
+        3
+    ] * 6 + [5] * 6
     assert len(lines) == len(logs[0].time) + 1
     without = logs[0].write_csv(tmp_path / "log.csv", reference=False).read_text().splitlines()
     assert "ref" not in without[0]
-    np.testing.assert_allclose(np.fromstring(without[1], sep=","), logs[0].table()[0, :19], atol=1e-3)
+    np.testing.assert_allclose(
+        np.fromstring(without[1], sep=","), logs[0].table()[0, :19], atol=1e-3
+    )
 
 
 def test_a_seed_gives_the_same_log_again_and_another_seed_another() -> None:

@@ -17,13 +17,17 @@ states = pytest.mark.skipif(not STATES.exists(), reason="the reference states ar
 
 
 def _states() -> list[dict[str, np.ndarray]]:
-    return [{k: np.array(v) for k, v in s.items()} for s in json.loads(STATES.read_text())["states"]]
+    return [
+        {k: np.array(v) for k, v in s.items()} for s in json.loads(STATES.read_text())["states"]
+    ]
 
 
 def _loaded_arm() -> Arm:
     """With a rod and rotors, so that these terms are in every identity."""
     arm, _ = drawn_arm(np.random.default_rng(5))
-    return replace(arm, rod=np.array([14.0, 0.2, 3.0, 0.35]), rotor=np.array([3.0, 2.0, 2.0, 0.2, 0.1, 0.1]))
+    return replace(
+        arm, rod=np.array([14.0, 0.2, 3.0, 0.35]), rotor=np.array([3.0, 2.0, 2.0, 0.2, 0.1, 0.1])
+    )
 
 
 @states
@@ -35,7 +39,9 @@ def test_torques_mass_matrix_gravity_and_friction_match_the_reference() -> None:
         np.testing.assert_allclose(mass, s["mass_matrix"], atol=1e-10)
         np.testing.assert_allclose(gravity, s["gravity"], atol=1e-9)
         np.testing.assert_allclose(mass @ s["qdd"] + bias, s["tau_rigid"], atol=1e-9)
-        np.testing.assert_allclose(native.inverse_dynamics(arm, s["q"], s["qd"], s["qdd"]), s["tau_rigid"], atol=1e-9)
+        np.testing.assert_allclose(
+            native.inverse_dynamics(arm, s["q"], s["qd"], s["qdd"]), s["tau_rigid"], atol=1e-9
+        )
         fs, fc, fv, stribeck = FRICTION.T
         dry = fc + (fs - fc) * np.exp(-((s["qd"] / stribeck) ** 2))
         np.testing.assert_allclose(dry * np.sign(s["qd"]) + fv * s["qd"], s["friction"], atol=1e-9)
@@ -43,19 +49,25 @@ def test_torques_mass_matrix_gravity_and_friction_match_the_reference() -> None:
 
 @states
 def test_tool_forces_match_the_reference_jacobian() -> None:
-    tip, force = np.array([0.240, 0.0, 0.085 + 0.162]), np.array([30.0, -20.0, 50.0])
+    tip = np.array([0.240, 0.0, 0.085 + 0.162])
+    force = np.array([30.0, -20.0, 50.0])
     for s in _states():
         tau = native.torque_against_force(s["q"], tip, force)
         np.testing.assert_allclose(tau, -s["J_tcp"][:3].T @ force, atol=1e-9)
 
 
 def test_mass_matrix_is_symmetric_and_inverse_dynamics_agrees_with_it() -> None:
-    rng, arm = np.random.default_rng(1), _loaded_arm().packed()
+    rng = np.random.default_rng(1)
+    arm = _loaded_arm().packed()
     for _ in range(20):
-        q, qd, qdd = rng.uniform(-1, 1, 6), rng.uniform(-3, 3, 6), rng.uniform(-9, 9, 6)
+        q = rng.uniform(-1, 1, 6)
+        qd = rng.uniform(-3, 3, 6)
+        qdd = rng.uniform(-9, 9, 6)
         mass, bias = native.equations_of_motion(arm, q, qd)
         np.testing.assert_allclose(mass, mass.T, atol=1e-11)
-        np.testing.assert_allclose(native.inverse_dynamics(arm, q, qd, qdd), mass @ qdd + bias, atol=1e-9)
+        np.testing.assert_allclose(
+            native.inverse_dynamics(arm, q, qd, qdd), mass @ qdd + bias, atol=1e-9
+        )
 
 
 def _energy_drift(dt: float) -> float:
@@ -65,9 +77,11 @@ def _energy_drift(dt: float) -> float:
     arm = _loaded_arm().packed()
     start = np.concatenate([[0.3, 0.2, -0.1, 0.4, 0.8, -0.3], [0.5, -0.4, 0.3, 1.0, -0.8, 0.6]])
     swung = native.swing(arm, dt, round(0.64 / dt) + 1, start)
-    kinetic, power = [], []
+    kinetic = []
+    power = []
     for state in swung:
-        q, qd = state[:6], state[6:]
+        q = state[:6]
+        qd = state[6:]
         mass, _ = native.equations_of_motion(arm, q, qd)
         gravity = native.equations_of_motion(arm, q, np.zeros(6))[1]
         kinetic.append(0.5 * qd @ mass @ qd)
@@ -76,17 +90,22 @@ def _energy_drift(dt: float) -> float:
 
 
 def test_a_free_swing_keeps_its_energy_to_fourth_order() -> None:
-    coarse, fine = _energy_drift(0.02), _energy_drift(0.01)
+    coarse = _energy_drift(0.02)
+    fine = _energy_drift(0.01)
     assert fine < 1e-3
     assert 3.3 < np.log2(coarse / fine) < 5.0
 
 
 def test_gravity_comes_from_a_potential() -> None:
-    arm, q, h = _loaded_arm().packed(), np.array([0.3, 0.2, -0.1, 0.4, 0.8, -0.3]), 1e-5
+    arm = _loaded_arm().packed()
+    q = np.array([0.3, 0.2, -0.1, 0.4, 0.8, -0.3])
+    h = 1e-5
     columns = []
     for j in range(6):
         step = h * np.eye(6)[j]
-        ahead, behind = (native.equations_of_motion(arm, q + s, np.zeros(6))[1] for s in (step, -step))
+        ahead, behind = (
+            native.equations_of_motion(arm, q + s, np.zeros(6))[1] for s in (step, -step)
+        )
         columns.append((ahead - behind) / (2 * h))
     hessian = np.array(columns)
     np.testing.assert_allclose(hessian, hessian.T, atol=1e-6)
@@ -98,7 +117,8 @@ def test_joining_bodies_keeps_mass_moment_and_inertia() -> None:
     both = join(a, b)
 
     def at_origin(body: np.ndarray) -> np.ndarray:
-        i, c = body[4:], body[1:4]
+        i = body[4:]
+        c = body[1:4]
         tensor = np.array([[i[0], i[3], i[4]], [i[3], i[1], i[5]], [i[4], i[5], i[2]]])
         return np.asarray(tensor + body[0] * (c @ c * np.eye(3) - np.outer(c, c)))
 

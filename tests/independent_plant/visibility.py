@@ -1,6 +1,7 @@
 """How much of an effect no honest method could blame on the uncertain base parameters.
 
-The base parameters may move within their priors; what of the effect's torque then is left is what a diagnosis can see.
+The base parameters may move within their priors; what of the effect's torque then is left is what a
+diagnosis can see.
 """
 
 from __future__ import annotations
@@ -13,7 +14,8 @@ from .case import Case
 from .machine import STREAM, Machine
 from .parameters import FRICTION, paper_arm
 
-BLOCK = 13  # samples of 4 ms in one average: about 20 Hz, where the recorded arms' noise is nearly white
+BLOCK = 13
+"""samples of 4 ms in one average: about 20 Hz, where the recorded arms' noise is nearly white"""
 
 
 def _averaged(x: np.ndarray) -> np.ndarray:
@@ -22,7 +24,9 @@ def _averaged(x: np.ndarray) -> np.ndarray:
 
 
 def _noise_of_averages(case: Case) -> np.ndarray:
-    return np.asarray(_averaged(case.sensors.torque_errors(np.random.default_rng(0), 20000)).std(axis=0))
+    return np.asarray(
+        _averaged(case.sensors.torque_errors(np.random.default_rng(0), 20000)).std(axis=0)
+    )
 
 
 def _base_directions(case: Case) -> np.ndarray:
@@ -38,7 +42,9 @@ def _base_directions(case: Case) -> np.ndarray:
     columns = []
     for body in range(7):
         for k in range(10):
-            step = 0.02 * nominal[body, 0] if k == 0 else 0.005 if k < 4 else 0.05 * nominal[body, k]
+            step = (
+                0.02 * nominal[body, 0] if k == 0 else 0.005 if k < 4 else 0.05 * nominal[body, k]
+            )
             moved = nominal.copy()
             moved[body, k] += step
             columns.append(torque(moved, FRICTION) - plain)
@@ -51,9 +57,11 @@ def _base_directions(case: Case) -> np.ndarray:
 
 
 def beyond_priors(case: Case) -> list[tuple[np.ndarray, float]]:
-    """Per effect: rms of the torque that stays unexplained, over each joint's rms torque (6,); and its strength.
+    """Per effect: rms of the torque that stays unexplained, over each joint's rms torque (6,); and
+    its strength.
 
-    Strength is the distance in standard deviations between the effect's torque and none at all, with noise and priors
+    Strength is the distance in standard deviations between the effect's torque and none at all,
+    with noise and priors
     counted: sqrt(tau' (R + X X')^-1 tau). Below about 5 no test can be sure that anything is there.
     """
     X = _base_directions(case)
@@ -65,6 +73,8 @@ def beyond_priors(case: Case) -> list[tuple[np.ndarray, float]]:
         tau = _averaged(case.effect_torque(drawn, size))
         y = (tau * weight).ravel()
         left = y - A @ np.linalg.solve(gram, A.T @ y)
-        rms = np.sqrt(((left.reshape(-1, 6) / weight) ** 2).mean(0) / (case.plain_torque**2).mean(0))
+        rms = np.sqrt(
+            ((left.reshape(-1, 6) / weight) ** 2).mean(0) / (case.plain_torque**2).mean(0)
+        )
         found.append((rms, float(np.sqrt(np.maximum(y @ left, 0.0)))))
     return found

@@ -23,7 +23,9 @@ def text_of(log: Log, **changes: str) -> str:
     names = ["time_s", *(f"q{j}_rad" for j in range(1, 7)), *(f"tau{j}_Nm" for j in range(1, 7))]
     names = [changes.get(name, name) for name in names]
     rows = np.column_stack([log.time, log.q, log.tau])
-    return ",".join(names) + "\n" + "\n".join(",".join(f"{v:.9g}" for v in row) for row in rows) + "\n"
+    return (
+        ",".join(names) + "\n" + "\n".join(",".join(f"{v:.9g}" for v in row) for row in rows) + "\n"
+    )
 
 
 @pytest.mark.parametrize("suffix", [".csv", ".csv.gz"])
@@ -38,7 +40,10 @@ def test_columns_in_any_order_and_extra_ones_kept_aside(tmp_path: Path) -> None:
     log = made()
     lines = [line.split(",") for line in text_of(log).splitlines()]
     order = np.random.default_rng(0).permutation(len(lines[0]))
-    text = "\n".join(",".join([line[k] for k in order] + ["load" if i == 0 else "7"]) for i, line in enumerate(lines))
+    text = "\n".join(
+        ",".join([line[k] for k in order] + ["load" if i == 0 else "7"])
+        for i, line in enumerate(lines)
+    )
     path = tmp_path / "log.csv"
     path.write_text(text)
     found = read_log(path)
@@ -49,7 +54,9 @@ def test_columns_in_any_order_and_extra_ones_kept_aside(tmp_path: Path) -> None:
 
 def test_degrees_and_radians_are_the_same_log(tmp_path: Path) -> None:
     log = made()
-    text = text_of(Log(log.time, np.degrees(log.q), log.tau), **{f"q{j}_rad": f"q{j}_deg" for j in range(1, 7)})
+    text = text_of(
+        Log(log.time, np.degrees(log.q), log.tau), **{f"q{j}_rad": f"q{j}_deg" for j in range(1, 7)}
+    )
     path = tmp_path / "log.csv"
     path.write_text(text)
     np.testing.assert_allclose(read_log(path).q, log.q, atol=1e-8)

@@ -7,14 +7,23 @@ import pytest
 
 from irb2400_ctrl.measurement import Log
 from irb2400_ctrl.measurement.servo import followed
-from irb2400_ctrl.measurement.uniform import LowPass, derivative_margin, derivatives, polished, resample, smoothed
+from irb2400_ctrl.measurement.uniform import (
+    LowPass,
+    derivative_margin,
+    derivatives,
+    polished,
+    resample,
+    smoothed,
+)
 
 
 def log_at(time: np.ndarray, lag: float = 0.0) -> Log:
     def motion(t: np.ndarray) -> np.ndarray:
         return np.sin(2.0 * t[:, None] + np.arange(6)) + 0.1 * np.sin(9.0 * t[:, None])
 
-    return Log(time, motion(time - lag), np.cos(time[:, None] * np.arange(1, 7)), q_ref=motion(time))
+    return Log(
+        time, motion(time - lag), np.cos(time[:, None] * np.arange(1, 7)), q_ref=motion(time)
+    )
 
 
 @pytest.mark.parametrize("rate", [50.0, 100.0, 250.0, 500.0, 1000.0])
@@ -85,7 +94,8 @@ def test_servo_response_is_found() -> None:
 
 
 def test_the_filter_takes_signals_of_any_shape_and_none() -> None:
-    low_pass, signal = LowPass(10.0, 0.004), np.random.default_rng(2).normal(size=(500, 2, 3))
+    low_pass = LowPass(10.0, 0.004)
+    signal = np.random.default_rng(2).normal(size=(500, 2, 3))
     found = low_pass(signal)
     assert found.shape == (len(low_pass.instants(signal)), 2, 3)
     np.testing.assert_array_equal(found[:, 1, 2], low_pass(signal[:, 1, 2]))

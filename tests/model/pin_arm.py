@@ -53,7 +53,9 @@ class PinArm:
         import pinocchio as pin
 
         A = self.robot.A
-        acceleration = pin.aba(self.model, self.data, self.theta(q), A @ qd, np.linalg.solve(A.T, tau))
+        acceleration = pin.aba(
+            self.model, self.data, self.theta(q), A @ qd, np.linalg.solve(A.T, tau)
+        )
         return np.linalg.solve(A, np.asarray(acceleration))
 
     def mass_matrix(self, q: Array) -> Array:

@@ -1,7 +1,8 @@
-"""The paper's dynamic equations 46-68 about the centres of mass, in numpy, with their slips as switches.
+"""The paper's dynamic equations 46-68 about the centres of mass, in numpy, with their slips as
+switches.
 
-Independent of the library's recursion: link poses from eqs. 3-9, angular quantities in the base frame (eqs. 65, 66),
-one link after another, moments about the joints by eqs. 58-61.
+Independent of the library's recursion: link poses from eqs. 3-9, angular quantities in the base
+frame (eqs. 65, 66), one link after another, moments about the joints by eqs. 58-61.
 """
 
 from __future__ import annotations
@@ -52,7 +53,8 @@ class Bodies:
 def poses(q: Array) -> list[Array]:
     """X_B1 … X_B7 (eq. 13)."""
     v = eq.Angles.of(q)
-    X, found = np.eye(4), []
+    X = np.eye(4)
+    found = []
     for factor in (eq.eq_3, eq.eq_4, eq.eq_5, eq.eq_6, eq.eq_7, eq.eq_8, eq.eq_9):
         X = X @ factor(v)
         found.append(X)
@@ -61,8 +63,12 @@ def poses(q: Array) -> list[Array]:
 
 def motion(robot: irb.Robot, q: Array, qd: Array, qdd: Array) -> tuple[Array, Array, Array]:
     """(omega, epsilon, acceleration of the origin) of frames 1-7 in the base, shape (7, 3) each."""
-    rate, rate2 = robot.A @ qd, robot.A @ qdd
-    w, eps, a, o = np.zeros(3), np.zeros(3), np.zeros(3), np.zeros(3)
+    rate = robot.A @ qd
+    rate2 = robot.A @ qdd
+    w = np.zeros(3)
+    eps = np.zeros(3)
+    a = np.zeros(3)
+    o = np.zeros(3)
     rows = []
     for i, X in enumerate(poses(q)):
         step = X[:3, 3] - o
@@ -77,14 +83,19 @@ def motion(robot: irb.Robot, q: Array, qd: Array, qdd: Array) -> tuple[Array, Ar
     return omega, epsilon, acceleration
 
 
-def joint_torques(robot: irb.Robot, q: Array, qd: Array, qdd: Array, form: Print | None = None) -> Array:
-    """tau_zi of eqs. 57-68: projections on the joint axes, friction included, without A^T; shape (6,)."""
+def joint_torques(
+    robot: irb.Robot, q: Array, qd: Array, qdd: Array, form: Print | None = None
+) -> Array:
+    """tau_zi of eqs. 57-68: projections on the joint axes, friction included, without A^T; shape
+    (6,)."""
     form = Print() if form is None else form
-    bodies, X = Bodies.of(robot), poses(q)
+    bodies = Bodies.of(robot)
+    X = poses(q)
     omega, epsilon, acceleration = motion(robot, q, qd, qdd)
     R = [pose[:3, :3] for pose in X]
     sign = -1.0 if form.force_of_the_next_link_as_described else 1.0
-    f, tau = np.zeros(3), np.zeros(3)
+    f = np.zeros(3)
+    tau = np.zeros(3)
     result = np.zeros(6)
     for i in reversed(range(7)):
         w, eps = R[i].T @ omega[i], R[i].T @ epsilon[i]  # eqs. 65, 66
@@ -93,7 +104,9 @@ def joint_torques(robot: irb.Robot, q: Array, qd: Array, qdd: Array, form: Print
         g = -(R[i] if form.gravity_without_transpose else R[i].T) @ (G * UP)  # eq. 64
         if i == 6:
             f = bodies.mass[i] * a_S - bodies.mass[i] * g  # eq. 62
-            tau = bodies.tensor[i] @ eps + np.cross(w, bodies.tensor[i] @ w) - np.cross(f, r)  # eq. 63
+            tau = (
+                bodies.tensor[i] @ eps + np.cross(w, bodies.tensor[i] @ w) - np.cross(f, r)
+            )  # eq. 63
             continue
         R_next = R[i].T @ R[i + 1]
         r_next = r - R[i].T @ (X[i + 1][:3, 3] - X[i][:3, 3])  # eq. 67
@@ -114,11 +127,14 @@ def joint_torques(robot: irb.Robot, q: Array, qd: Array, qdd: Array, form: Print
 def kinetic_energy(robot: irb.Robot, q: Array, qd: Array, form: Print | None = None) -> float:
     """K of eq. 46, summed over the links and the tool."""
     form = Print() if form is None else form
-    bodies, X = Bodies.of(robot), poses(q)
+    bodies = Bodies.of(robot)
+    X = poses(q)
     omega, _, _ = motion(robot, q, qd, np.zeros(6))
     half = 1.0 if form.kinetic_rotation_not_halved else 0.5
-    K, step = 0.0, 1e-6
-    before, after = poses(q - step * qd), poses(q + step * qd)
+    K = 0.0
+    step = 1e-6
+    before = poses(q - step * qd)
+    after = poses(q + step * qd)
     for i in range(7):
         place = np.array([*bodies.com[i], 1.0])
         v = ((after[i] - before[i]) @ place)[:3] / (2 * step)
@@ -131,4 +147,9 @@ def potential_energy_printed(robot: irb.Robot, q: Array) -> float:
     """P of eq. 48 with g the gravity vector of eqs. 58-64 (pointing down)."""
     bodies = Bodies.of(robot)
     down = -G * UP
-    return float(sum(m * down @ (X @ [*c, 1.0])[:3] for m, c, X in zip(bodies.mass, bodies.com, poses(q), strict=True)))
+    return float(
+        sum(
+            m * down @ (X @ [*c, 1.0])[:3]
+            for m, c, X in zip(bodies.mass, bodies.com, poses(q), strict=True)
+        )
+    )

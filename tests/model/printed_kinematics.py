@@ -1,4 +1,5 @@
-"""The paper's kinematic equations 2-26 and 36 exactly as printed, and the corrected ones; numpy, angles in rad."""
+"""The paper's kinematic equations 2-26 and 36 exactly as printed, and the corrected ones; numpy,
+angles in rad."""
 
 from __future__ import annotations
 
@@ -9,8 +10,15 @@ import numpy.typing as npt
 
 Array = npt.NDArray[np.float64]
 
-D1, A1, A2, A3, D4, D7 = 0.615, 0.1, 0.705, 0.135, 0.755, 0.085
-X_T, Y_T, Z_T = 0.24, 0.0, 0.162
+D1 = 0.615
+A1 = 0.1
+A2 = 0.705
+A3 = 0.135
+D4 = 0.755
+D7 = 0.085
+X_T = 0.24
+Y_T = 0.0
+Z_T = 0.162
 
 
 @dataclass(frozen=True)
@@ -39,8 +47,18 @@ class Angles:
 
 
 def eq_2(a: float, alpha: float, d: float, theta: float) -> Array:
-    ct, st, ca, sa = np.cos(theta), np.sin(theta), np.cos(alpha), np.sin(alpha)
-    return np.array([[ct, -st, 0, a], [st * ca, ct * ca, -sa, -d * sa], [st * sa, ct * sa, ca, d * ca], [0, 0, 0, 1]])
+    ct = np.cos(theta)
+    st = np.sin(theta)
+    ca = np.cos(alpha)
+    sa = np.sin(alpha)
+    return np.array(
+        [
+            [ct, -st, 0, a],
+            [st * ca, ct * ca, -sa, -d * sa],
+            [st * sa, ct * sa, ca, d * ca],
+            [0, 0, 0, 1],
+        ]
+    )
 
 
 def eq_3(v: Angles) -> Array:
@@ -222,7 +240,10 @@ def eq_26(v: Angles, y_T: float = Y_T) -> float:
 
 def eq_36(v: Angles) -> float:
     """Left side."""
-    c2, s2, c3, s3 = v.c2, v.s2, v.c3, v.s3
+    c2 = v.c2
+    s2 = v.s2
+    c3 = v.c3
+    s3 = v.s3
     return (
         c2 * s3 * A1 * A3
         + (c2 * c3 + s2 * s3) * A1 * D4

@@ -1,4 +1,5 @@
-"""Two more arms with explicit transforms: one like a UR, one read from measured data when it is there."""
+"""Two more arms with explicit transforms: one like a UR, one read from measured data when it is
+there."""
 
 from __future__ import annotations
 
@@ -17,11 +18,19 @@ Array = npt.NDArray[np.float64]
 KR300 = Path(__file__).resolve().parents[3] / "shared" / "measured" / "kr300" / "robot.json"
 
 
-def _transform(roll: float, position: tuple[float, float, float], yaw: float = 0.0) -> dict[str, Any]:
-    c, s, cy, sy = np.cos(roll), np.sin(roll), np.cos(yaw), np.sin(yaw)
-    R = np.array([[cy, -sy, 0], [sy, cy, 0], [0, 0, 1]]) @ np.array([[1, 0, 0], [0, c, -s], [0, s, c]])
+def _transform(
+    roll: float, position: tuple[float, float, float], yaw: float = 0.0
+) -> dict[str, Any]:
+    c = np.cos(roll)
+    s = np.sin(roll)
+    cy = np.cos(yaw)
+    sy = np.sin(yaw)
+    R = np.array([[cy, -sy, 0], [sy, cy, 0], [0, 0, 1]]) @ np.array(
+        [[1, 0, 0], [0, c, -s], [0, s, c]]
+    )
     X = np.eye(4)
-    X[:3, :3], X[:3, 3] = R, position
+    X[:3, :3] = R
+    X[:3, 3] = position
     return {"transform": tuple(tuple(float(v) for v in row) for row in X)}
 
 
@@ -46,7 +55,9 @@ def _joint(number: int) -> dict[str, Any]:
     }
 
 
-def _robot(name: str, links: list[dict[str, Any]], flange: dict[str, Any], offset: tuple[float, ...]) -> irb.Robot:
+def _robot(
+    name: str, links: list[dict[str, Any]], flange: dict[str, Any], offset: tuple[float, ...]
+) -> irb.Robot:
     n = len(links)
     return irb.Robot.model_validate(
         {
@@ -56,14 +67,19 @@ def _robot(name: str, links: list[dict[str, Any]], flange: dict[str, Any], offse
             "gravity_source": "standard value",
             "links": links,
             "joints": [_joint(i + 1) for i in range(n)],
-            "coupling": {"matrix": np.eye(n).tolist(), "offset_rad": offset, "source": "serial arm"},
+            "coupling": {
+                "matrix": np.eye(n).tolist(),
+                "offset_rad": offset,
+                "source": "serial arm",
+            },
             "flange": flange,
         }
     )
 
 
 def ur_like(seed: int = 0) -> irb.Robot:
-    """Three parallel axes, no spherical wrist, skew offsets; masses and tensors of random bodies."""
+    """Three parallel axes, no spherical wrist, skew offsets; masses and tensors of random
+    bodies."""
     rng = np.random.default_rng(seed)
     frames = [
         _transform(0.0, (0.0, 0.0, 0.16)),
@@ -75,14 +91,20 @@ def ur_like(seed: int = 0) -> irb.Robot:
     ]
     links = []
     for i, frame in enumerate(frames):
-        points, masses = rng.normal(0.0, 0.1, (8, 3)), rng.uniform(0.2, 1.0, 8)
-        m, c = masses.sum(), masses @ points / masses.sum()
+        points = rng.normal(0.0, 0.1, (8, 3))
+        masses = rng.uniform(0.2, 1.0, 8)
+        m = masses.sum()
+        c = masses @ points / masses.sum()
         Sigma = np.einsum("k,ki,kj->ij", masses, points - c, points - c)
         tensor = np.trace(Sigma) * np.eye(3) - Sigma
         six = (tensor[0, 0], tensor[1, 1], tensor[2, 2], tensor[0, 1], tensor[0, 2], tensor[1, 2])
         body = {"mass_kg": m, "com_m": tuple(c), "inertia_kgm2": tuple(float(v) for v in six)}
-        links.append({"name": f"link_{i + 1}", "frame": frame, "body": body, "source": "random bodies"})
-    return _robot("like a UR", links, _transform(0.2, (0.0, 0.0, 0.1)), (0.0, 0.3, 0.0, -np.pi / 2, 0.0, 0.1))
+        links.append(
+            {"name": f"link_{i + 1}", "frame": frame, "body": body, "source": "random bodies"}
+        )
+    return _robot(
+        "like a UR", links, _transform(0.2, (0.0, 0.0, 0.1)), (0.0, 0.3, 0.0, -np.pi / 2, 0.0, 0.1)
+    )
 
 
 def kr300() -> irb.Robot:
@@ -98,6 +120,13 @@ def kr300() -> irb.Robot:
             "inertia_kgm2": tuple(float(v) for v in six),
         }
         frame = {"transform": tuple(tuple(row) for row in joint["parent_to_joint"])}
-        links.append({"name": joint["name"], "frame": frame, "body": body, "source": "the measured data's model file"})
+        links.append(
+            {
+                "name": joint["name"],
+                "frame": frame,
+                "body": body,
+                "source": "the measured data's model file",
+            }
+        )
     flange = {"transform": tuple(tuple(row) for row in data["last_joint_to_flange"])}
     return _robot(data["name"], links, flange, (0.0,) * len(links))

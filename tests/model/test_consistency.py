@@ -8,7 +8,14 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import irb2400_ctrl as irb
-from irb2400_ctrl.model.consistency import check, distances, nearest, project, report, second_moments
+from irb2400_ctrl.model.consistency import (
+    check,
+    distances,
+    nearest,
+    project,
+    report,
+    second_moments,
+)
 from irb2400_ctrl.model.positive_definite import certify
 from irb2400_ctrl.model.standard_motions import standard_motions, torque_differences
 from irb2400_ctrl.robot import Body
@@ -41,8 +48,13 @@ class TestReport:
 
     def test_a_massless_link_with_inertia_is_found(self, robot: irb.Robot) -> None:
         links = list(robot.links)
-        links[4] = links[4].model_copy(update={"body": links[4].body.model_copy(update={"mass_kg": 0.0})})
-        kinds = {issue.place: issue.kind for issue in check(robot.model_copy(update={"links": tuple(links)}))}
+        links[4] = links[4].model_copy(
+            update={"body": links[4].body.model_copy(update={"mass_kg": 0.0})}
+        )
+        kinds = {
+            issue.place: issue.kind
+            for issue in check(robot.model_copy(update={"links": tuple(links)}))
+        }
         assert kinds["link_5"] == "massless"
 
 
@@ -60,9 +72,13 @@ class TestProjection:
 
     def test_only_inconsistent_links_change_and_say_so(self, robot: irb.Robot) -> None:
         projected, _ = project(robot)
-        changed = [new.name for old, new in zip(robot.links, projected.links, strict=True) if old != new]
+        changed = [
+            new.name for old, new in zip(robot.links, projected.links, strict=True) if old != new
+        ]
         assert changed == ["link_2", "link_3", "link_4", "link_6"]
-        assert all("nearest physically consistent" in projected.links[i].source for i in (1, 2, 3, 5))
+        assert all(
+            "nearest physically consistent" in projected.links[i].source for i in (1, 2, 3, 5)
+        )
 
     def test_projecting_twice_changes_nothing(self, robot: irb.Robot) -> None:
         projected, _ = project(robot)
@@ -71,9 +87,11 @@ class TestProjection:
     @settings(deadline=None, max_examples=100)
     @given(tensors, st.integers(0, 2**31))
     def test_no_consistent_body_is_nearer(self, six: tuple[float, ...], seed: int) -> None:
-        """Optimality of the projection: (Sigma - P) . (S - P) <= 0 for every positive semidefinite S."""
+        """Optimality of the projection: (Sigma - P) . (S - P) <= 0 for every positive semidefinite
+        S."""
         body = Body(mass_kg=1.0, com_m=(0, 0, 0), inertia_kgm2=six)
-        Sigma, P = second_moments(body), second_moments(nearest(body))
+        Sigma = second_moments(body)
+        P = second_moments(nearest(body))
         assert np.linalg.eigvalsh(P)[0] > -1e-12
         rng = np.random.default_rng(seed)
         for _ in range(20):
@@ -83,14 +101,20 @@ class TestProjection:
 
 
 class TestTorqueDifference:
-    def test_motions_stay_in_the_limits_and_are_their_own_derivatives(self, robot: irb.Robot) -> None:
+    def test_motions_stay_in_the_limits_and_are_their_own_derivatives(
+        self, robot: irb.Robot
+    ) -> None:
         for motion in standard_motions(robot):
             assert (motion.q >= robot.q_min).all()
             assert (motion.q <= robot.q_max).all()
             assert (np.abs(motion.qd) <= robot.qd_max).all()
             step = 1 / 250
-            np.testing.assert_allclose(np.gradient(motion.q, step, axis=0)[1:-1], motion.qd[1:-1], atol=0.05)
-            np.testing.assert_allclose(np.gradient(motion.qd, step, axis=0)[1:-1], motion.qdd[1:-1], atol=0.6)
+            np.testing.assert_allclose(
+                np.gradient(motion.q, step, axis=0)[1:-1], motion.qd[1:-1], atol=0.05
+            )
+            np.testing.assert_allclose(
+                np.gradient(motion.qd, step, axis=0)[1:-1], motion.qdd[1:-1], atol=0.6
+            )
 
     def test_difference_is_what_the_tensors_make(self, robot: irb.Robot) -> None:
         projected, _ = project(robot)
@@ -107,7 +131,8 @@ class TestTorqueDifference:
 
 class TestPositiveDefinite:
     def test_shown_for_the_table_as_printed(self, robot: irb.Robot) -> None:
-        """Links 2 and 3 are indefinite; the part of M of links 1-3 is bounded from below over the whole box."""
+        """Links 2 and 3 are indefinite; the part of M of links 1-3 is bounded from below over the
+        whole box."""
         found = certify(robot)
         assert found.shown
         assert found.links == 3
@@ -126,7 +151,9 @@ class TestPositiveDefinite:
 
     def test_not_shown_where_it_is_not_so(self, robot: irb.Robot) -> None:
         links = list(robot.links)
-        bad = links[1].body.model_copy(update={"mass_kg": 0.1, "inertia_kgm2": (0, 0, -50.0, 0, 0, 0)})
+        bad = links[1].body.model_copy(
+            update={"mass_kg": 0.1, "inertia_kgm2": (0, 0, -50.0, 0, 0, 0)}
+        )
         links[1] = links[1].model_copy(update={"body": bad})
         light = robot.model_copy(update={"links": tuple(links)})
         found = certify(light)

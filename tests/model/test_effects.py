@@ -1,4 +1,5 @@
-"""Every effect of the library: regressor form, inverse of its coefficients, and its place in the dynamics."""
+"""Every effect of the library: regressor form, inverse of its coefficients, and its place in the
+dynamics."""
 
 from __future__ import annotations
 
@@ -57,7 +58,8 @@ def test_torque_is_basis_times_coefficients(kind: str, model: irb.Model, states:
     effect = example(kind)
     s = model.signals()
     s = s.with_state(effect.steady_state(s))
-    basis, torque = effect.basis(s), effect.torque(s)
+    basis = effect.basis(s)
+    torque = effect.torque(s)
     k = len(effect.coefficients())
     assert basis.shape == (6, k)
     inputs = [s.q, s.qd, s.qdd, s.time, s.qddd, s.qdddd]
@@ -76,17 +78,22 @@ def test_coefficients_and_back_is_the_same_effect(kind: str, model: irb.Model) -
     if kind == "process_force":
         nonlinear = {"start_s": effect.start_s, "stop_s": effect.stop_s}  # type: ignore[attr-defined]
     again = type(effect).from_coefficients(effect.joint, effect.coefficients(), nonlinear)
-    found, expected = again.model_dump(), effect.model_dump()
+    found = again.model_dump()
+    expected = effect.model_dump()
     assert found.keys() == expected.keys()
     for name, value in expected.items():
-        assert found[name] == (value if value is None or isinstance(value, str) else pytest.approx(value)), name
+        assert found[name] == (
+            value if value is None or isinstance(value, str) else pytest.approx(value)
+        ), name
 
 
 @pytest.mark.parametrize("kind", LIBRARY)
 def test_forward_undoes_inverse_dynamics(kind: str, robot: irb.Robot, states: States) -> None:
     effect = example(kind)
     arm = irb.Model(robot.with_effects(effect))
-    q, qd, qdd = states.q[:40], states.qd[:40], states.qdd[:40]
+    q = states.q[:40]
+    qd = states.qd[:40]
+    qdd = states.qdd[:40]
     tau = arm.inverse_dynamics(q, qd, qdd, time=2.0)
     np.testing.assert_allclose(arm.forward_dynamics(q, qd, tau, time=2.0), qdd, rtol=0, atol=1e-7)
     plain = irb.Model(robot).inverse_dynamics(q, qd, qdd)
@@ -98,7 +105,9 @@ def test_forward_undoes_inverse_dynamics(kind: str, robot: irb.Robot, states: St
 
 # the elastic joint's law is of second order in the acceleration: M is its slope at rest only
 @pytest.mark.parametrize("kind", sorted(set(LIBRARY) - {"elastic_joint"}))
-def test_gravity_and_mass_matrix_hold_the_effect(kind: str, robot: irb.Robot, states: States) -> None:
+def test_gravity_and_mass_matrix_hold_the_effect(
+    kind: str, robot: irb.Robot, states: States
+) -> None:
     """tau(q, 0, 0) = G, and tau - G = M qdd from rest."""
     arm = irb.Model(robot.with_effects(example(kind)))
     zero = np.zeros(6)
@@ -118,9 +127,13 @@ def test_a_robot_file_keeps_the_effect(kind: str, robot: irb.Robot, tmp_path: An
 def test_payload_moves_with_the_flange(robot: irb.Robot, states: States) -> None:
     """A payload effect is the same as a heavier tool."""
     assert robot.tool is not None
-    payload = LIBRARY["payload"].of(None, mass_kg=robot.tool.body.mass_kg, com_m=robot.tool.body.com_m)
+    payload = LIBRARY["payload"].of(
+        None, mass_kg=robot.tool.body.mass_kg, com_m=robot.tool.body.com_m
+    )
     point_tool = robot.tool.body.model_copy(update={"inertia_kgm2": (0.0,) * 6})
-    with_tool = robot.model_copy(update={"tool": robot.tool.model_copy(update={"body": point_tool})})
+    with_tool = robot.model_copy(
+        update={"tool": robot.tool.model_copy(update={"body": point_tool})}
+    )
     bare = robot.model_copy(update={"tool": None}).with_effects(payload)
     np.testing.assert_allclose(
         irb.Model(bare).inverse_dynamics(states.q, states.qd, states.qdd),
@@ -151,8 +164,13 @@ def test_base_tilt_is_a_turned_gravity(robot: irb.Robot, states: States) -> None
 )
 def test_what_the_chain_reports_is_the_law_to_first_order(effect: Effect) -> None:
     time = np.arange(0.0, 2.0, 1e-3)
-    tau, rate = (100.0 * w * np.array(f(3.0 * time[:, None] + np.arange(6))) for f, w in ((np.sin, 1), (np.cos, 3)))
-    s: Any = SimpleNamespace(**{name: ca.SX.sym(name, 6) for name in ("q", "tau", "tau_rate")}, time=ca.SX.sym("t"))
+    tau, rate = (
+        100.0 * w * np.array(f(3.0 * time[:, None] + np.arange(6)))
+        for f, w in ((np.sin, 1), (np.cos, 3))
+    )
+    s: Any = SimpleNamespace(
+        **{name: ca.SX.sym(name, 6) for name in ("q", "tau", "tau_rate")}, time=ca.SX.sym("t")
+    )
     law = ca.Function("law", [s.tau, s.tau_rate, s.time], [effect.torque(s)]).map(len(time))
     first_order = np.array(law(tau.T, rate.T, time)).T
     shown = effect.reported(time, tau) - tau
@@ -162,12 +180,18 @@ def test_what_the_chain_reports_is_the_law_to_first_order(effect: Effect) -> Non
     assert np.abs(shown).max() > 0.2
 
 
-def test_a_body_picked_up_in_mid_record_loads_the_arm_from_then_on(robot: irb.Robot, states: States) -> None:
+def test_a_body_picked_up_in_mid_record_loads_the_arm_from_then_on(
+    robot: irb.Robot, states: States
+) -> None:
     payload = LIBRARY["payload"].of(None, mass_kg=4.0, com_m=(0.02, 0.0, 0.15))
     later = payload.model_copy(update={"windows_s": ((5.0, 1e9),)})
     bare, laden, arm = (irb.Model(robot.with_effects(*e)) for e in ((), (payload,), (later,)))
-    q, qd, qdd = states.q[:20], states.qd[:20], states.qdd[:20]
-    np.testing.assert_allclose(arm.inverse_dynamics(q, qd, qdd), bare.inverse_dynamics(q, qd, qdd), atol=1e-9)
+    q = states.q[:20]
+    qd = states.qd[:20]
+    qdd = states.qdd[:20]
+    np.testing.assert_allclose(
+        arm.inverse_dynamics(q, qd, qdd), bare.inverse_dynamics(q, qd, qdd), atol=1e-9
+    )
     moved = arm.inverse_dynamics(q, qd, qdd, time=6.0)
     np.testing.assert_allclose(moved, laden.inverse_dynamics(q, qd, qdd), rtol=0, atol=1e-9)
     assert robot.with_effects(later).lasting() == robot.with_effects(payload)
@@ -175,5 +199,6 @@ def test_a_body_picked_up_in_mid_record_loads_the_arm_from_then_on(robot: irb.Ro
 
 def test_a_gain_shows_only_while_it_acts() -> None:
     gain = LIBRARY["torque_gain"].of(2, gain=0.9, windows_s=((1.0, 2.0),))
-    time, tau = np.array([0.5, 1.5, 2.5]), np.ones((3, 6))
+    time = np.array([0.5, 1.5, 2.5])
+    tau = np.ones((3, 6))
     np.testing.assert_allclose(gain.reported(time, tau)[:, 1], [1.0, 0.9, 1.0])

@@ -1,4 +1,5 @@
-"""Every slip of the paper's print in docs/paper_errata.md: the printed form fails, the corrected one holds."""
+"""Every slip of the paper's print in docs/paper_errata.md: the printed form fails, the corrected
+one holds."""
 
 from __future__ import annotations
 
@@ -24,7 +25,8 @@ Element = Callable[[eq.Angles], float]
 
 class TestFrames:
     @pytest.mark.parametrize(
-        ("number", "printed"), [(1, eq.eq_3), (2, eq.eq_4), (3, eq.eq_5), (4, eq.eq_6), (5, eq.eq_7), (6, eq.eq_8)]
+        ("number", "printed"),
+        [(1, eq.eq_3), (2, eq.eq_4), (3, eq.eq_5), (4, eq.eq_6), (5, eq.eq_7), (6, eq.eq_8)],
     )
     def test_eqs_3_to_8_are_eq_2_with_table_2(
         self, robot: irb.Robot, states: States, number: int, printed: Callable[[eq.Angles], Array]
@@ -38,20 +40,26 @@ class TestFrames:
 
     def test_eq_6_prints_a_plus_where_a_minus_stands(self, states: States) -> None:
         wrong = eq.eq_6_printed(eq.Angles.of(states.q[0]))[:3, :3]
-        assert np.abs(wrong @ wrong.T - np.eye(3)).max() > 0.1, "the printed matrix would be a rotation"
+        assert np.abs(wrong @ wrong.T - np.eye(3)).max() > 0.1, (
+            "the printed matrix would be a rotation"
+        )
 
     def test_table_2_heads_its_columns_with_the_subscript_of_the_link_before(
         self, robot: irb.Robot, states: States
     ) -> None:
-        """Read literally (a_i, alpha_i in the row of link i) eq. 2 would take them from the row above."""
+        """Read literally (a_i, alpha_i in the row of link i) eq. 2 would take them from the row
+        above."""
         v = eq.Angles.of(states.q[0])
         theta = (robot.A @ states.q[0] + robot.offset)[1]
         literal = eq.eq_2(0.0, 0.0, 0.0, theta)
         assert np.abs(literal - eq.eq_4(v)).max() > 0.1
-        np.testing.assert_allclose(eq.eq_2(0.1, -np.pi / 2, 0.0, theta), eq.eq_4(v), rtol=0, atol=1e-15)
+        np.testing.assert_allclose(
+            eq.eq_2(0.1, -np.pi / 2, 0.0, theta), eq.eq_4(v), rtol=0, atol=1e-15
+        )
 
     def test_x_i_meets_the_next_axis_not_the_one_before(self, states: States) -> None:
-        """Section 3 says that x_i intersects z_(i-1): the rule of the classic convention, not of the modified one."""
+        """Section 3 says that x_i intersects z_(i-1): the rule of the classic convention, not of
+        the modified one."""
         X = dynamics.poses(states.q[0])
         assert line_distance(X[3], 0, X[2], 2) > 1e-3, "x_4 would meet z_3"
         for i in range(5):
@@ -59,7 +67,8 @@ class TestFrames:
 
     def test_eq_10_holds_o_T_in_7_not_o_7_in_T(self, robot: irb.Robot) -> None:
         """The sentence before eq. 10 names o_7^T, the position of frame 7 in the tool's frame."""
-        o_T_in_7, R = robot.X_FT[:3, 3], robot.X_FT[:3, :3]
+        o_T_in_7 = robot.X_FT[:3, 3]
+        R = robot.X_FT[:3, :3]
         o_7_in_T = -R.T @ o_T_in_7
         expected = eq.eq_12(eq.Angles.of(np.zeros(6)))[:3, 3]
         np.testing.assert_array_equal(o_T_in_7, expected)
@@ -68,7 +77,9 @@ class TestFrames:
 
 def line_distance(X: Array, axis: int, Y: Array, other: int) -> float:
     """Distance between two axes as infinite lines [m]."""
-    u, v, between = X[:3, axis], Y[:3, other], Y[:3, 3] - X[:3, 3]
+    u = X[:3, axis]
+    v = Y[:3, other]
+    between = Y[:3, 3] - X[:3, 3]
     normal = np.cross(u, v)
     if np.linalg.norm(normal) < 1e-12:
         return float(np.linalg.norm(between - (between @ u) * u))
@@ -104,7 +115,9 @@ class TestPose:
 
     def test_library_is_the_chain_product(self, model: irb.Model, states: States) -> None:
         for q in states.q[:50]:
-            np.testing.assert_allclose(model.tcp_pose(q), self.product(eq.Angles.of(q)), rtol=0, atol=1e-14)
+            np.testing.assert_allclose(
+                model.tcp_pose(q), self.product(eq.Angles.of(q)), rtol=0, atol=1e-14
+            )
 
     @pytest.mark.parametrize("number", ELEMENTS)
     def test_element(self, number: int, states: States) -> None:
@@ -138,28 +151,37 @@ class TestSingularities:
         found = [eq.eq_36(eq.Angles.of(q)) for q in states.q]
         np.testing.assert_allclose(found, factors[:, 1] * factors[:, 2], rtol=0, atol=1e-14)
 
-    def test_det_j_is_the_product_of_three_factors_over_the_whole_box(self, model: irb.Model) -> None:
+    def test_det_j_is_the_product_of_three_factors_over_the_whole_box(
+        self, model: irb.Model
+    ) -> None:
         robot = model.robot
         q = np.random.default_rng(5).uniform(robot.q_min, robot.q_max, (5000, 6))
         factors = model.singularity_factors(q)
         expected = -model.arm_geometry.a2 * factors.prod(axis=1)
-        np.testing.assert_allclose(np.linalg.det(model.tcp_jacobian(q)), expected, rtol=0, atol=1e-13)
+        np.testing.assert_allclose(
+            np.linalg.det(model.tcp_jacobian(q)), expected, rtol=0, atol=1e-13
+        )
 
     @pytest.mark.parametrize("vanishing", ["wrist", "shoulder", "elbow"])
-    def test_there_are_three_singularities_not_exactly_two(self, model: irb.Model, vanishing: str) -> None:
+    def test_there_are_three_singularities_not_exactly_two(
+        self, model: irb.Model, vanishing: str
+    ) -> None:
         """Each factor vanishes inside the joint box while the other two do not."""
         q = singular_pose(model, vanishing)
         robot = model.robot
         assert (q > robot.q_min).all()
         assert (q < robot.q_max).all()
-        factors = dict(zip(("wrist", "shoulder", "elbow"), model.singularity_factors(q), strict=True))
+        factors = dict(
+            zip(("wrist", "shoulder", "elbow"), model.singularity_factors(q), strict=True)
+        )
         assert abs(factors.pop(vanishing)) < 1e-12
         assert min(abs(value) for value in factors.values()) > 0.1
         singular = np.linalg.svd(model.tcp_jacobian(q), compute_uv=False)
         assert singular[5] < 1e-12 < 1e-3 < singular[4]
 
     def test_eq_36_does_not_put_the_wrist_centre_on_axis_1(self, model: irb.Model) -> None:
-        """The text reads eq. 36 as 'the wrist centre meets z_B'; it also vanishes a metre away from that axis."""
+        """The text reads eq. 36 as 'the wrist centre meets z_B'; it also vanishes a metre away from
+        that axis."""
         q = singular_pose(model, "elbow")
         assert abs(eq.eq_36(eq.Angles.of(q))) < 1e-12
         wrist = dynamics.poses(q)[3][:3, 3]
@@ -187,42 +209,58 @@ def singular_pose(model: irb.Model, kind: str) -> Array:
 
 class TestEnergies:
     def test_eq_46_lacks_the_half_on_rotation(self, model: irb.Model, states: States) -> None:
-        q, qd = states.q[0], states.qd[0]
+        q = states.q[0]
+        qd = states.qd[0]
         expected = 0.5 * qd @ model.mass_matrix(q) @ qd
         assert dynamics.kinetic_energy(model.robot, q, qd) == pytest.approx(expected, rel=1e-7)
-        printed = dynamics.kinetic_energy(model.robot, q, qd, dynamics.Print(kinetic_rotation_not_halved=True))
+        printed = dynamics.kinetic_energy(
+            model.robot, q, qd, dynamics.Print(kinetic_rotation_not_halved=True)
+        )
         assert abs(printed - expected) > 0.01 * expected
 
     def test_eq_46_lacks_the_sum(self, model: irb.Model, states: States) -> None:
         """The one term that is printed, of whichever link, is not half qd^T M qd."""
-        q, qd = states.q[0], states.qd[0]
+        q = states.q[0]
+        qd = states.qd[0]
         total = dynamics.kinetic_energy(model.robot, q, qd)
         for link in range(6):
             links = list(model.robot.links)
             body = links[link].body
             links[link] = links[link].model_copy(
-                update={"body": body.model_copy(update={"mass_kg": 0.0, "inertia_kgm2": (0.0,) * 6})}
+                update={
+                    "body": body.model_copy(update={"mass_kg": 0.0, "inertia_kgm2": (0.0,) * 6})
+                }
             )
-            without = dynamics.kinetic_energy(model.robot.model_copy(update={"links": tuple(links)}), q, qd)
+            without = dynamics.kinetic_energy(
+                model.robot.model_copy(update={"links": tuple(links)}), q, qd
+            )
             assert abs(total - without) < 0.95 * total
 
-    def test_eqs_48_and_50_sum_over_the_links_and_forget_the_tool(self, model: irb.Model, states: States) -> None:
-        """n = 6 bodies in section 5, while eqs. 62, 63 of section 6 carry the spindle: the methods would disagree."""
+    def test_eqs_48_and_50_sum_over_the_links_and_forget_the_tool(
+        self, model: irb.Model, states: States
+    ) -> None:
+        """n = 6 bodies in section 5, while eqs. 62, 63 of section 6 carry the spindle: the methods
+        would disagree."""
         robot = model.robot
         q = ca.SX.sym("q", 6)
         terms = [
-            ca.Function("terms", [q], [euler_lagrange.mass_matrix(arm, q), euler_lagrange.gravity(arm, q)])
+            ca.Function(
+                "terms", [q], [euler_lagrange.mass_matrix(arm, q), euler_lagrange.gravity(arm, q)]
+            )
             for arm in (robot, robot.model_copy(update={"tool": None}))
         ]
         for position in states.q[:5]:
             with_tool, without = ([np.array(term) for term in f(position)] for f in terms)
             at_rest = dynamics.joint_torques(robot, position, np.zeros(6), np.zeros(6))
-            np.testing.assert_allclose(robot.A.T @ at_rest, with_tool[1].ravel(), rtol=0, atol=1e-10)
+            np.testing.assert_allclose(
+                robot.A.T @ at_rest, with_tool[1].ravel(), rtol=0, atol=1e-10
+            )
             assert np.abs(without[1].ravel() - with_tool[1].ravel()).max() > 10.0
             assert np.abs(without[0] - with_tool[0]).max() > 1.0
 
     def test_eq_48_has_the_sign_of_an_upward_g(self, model: irb.Model, states: States) -> None:
-        """With the g of eqs. 58-64, which points down, G = dP/dq (eq. 52) comes out with the wrong sign."""
+        """With the g of eqs. 58-64, which points down, G = dP/dq (eq. 52) comes out with the wrong
+        sign."""
         step = 1e-6
         for q in states.q[:5]:
             printed = np.array(
@@ -239,9 +277,14 @@ class TestEnergies:
             np.testing.assert_allclose(-printed, G, rtol=0, atol=1e-5)
             assert np.abs(printed - G).max() > 1.0
 
-    def test_eq_49_prints_the_speed_for_the_acceleration(self, model: irb.Model, states: States) -> None:
-        q, qd, qdd = states.q[0], states.qd[0], states.qdd[0]
-        M, rest = model.mass_matrix(q), model.coriolis(q, qd) @ qd + model.gravity(q)
+    def test_eq_49_prints_the_speed_for_the_acceleration(
+        self, model: irb.Model, states: States
+    ) -> None:
+        q = states.q[0]
+        qd = states.qd[0]
+        qdd = states.qdd[0]
+        M = model.mass_matrix(q)
+        rest = model.coriolis(q, qd) @ qd + model.gravity(q)
         tau = model.inverse_dynamics(q, qd, qdd, friction=False)
         np.testing.assert_allclose(M @ qdd + rest, tau, rtol=0, atol=1e-10)
         assert np.abs(M @ qd + rest - tau).max() > 10.0
@@ -259,8 +302,11 @@ class TestRecursion:
             expected = model.inverse_dynamics(q, qd, qdd, friction=False)
             np.testing.assert_allclose(model.robot.A.T @ tau_theta, expected, rtol=0, atol=1e-10)
 
-    def test_u_i_is_not_the_projection_on_axis_i(self, model: irb.Model, state: tuple[Array, Array, Array]) -> None:
-        """Below eq. 57; the motor of axis 2 does not feel axis 3: u_2 = tau_z2 - tau_z3 (tau = A^T tau_theta)."""
+    def test_u_i_is_not_the_projection_on_axis_i(
+        self, model: irb.Model, state: tuple[Array, Array, Array]
+    ) -> None:
+        """Below eq. 57; the motor of axis 2 does not feel axis 3: u_2 = tau_z2 - tau_z3 (tau = A^T
+        tau_theta)."""
         tau_z = dynamics.joint_torques(model.robot, *state)
         u = model.inverse_dynamics(*state, friction=False)
         assert abs(tau_z[1] - u[1]) > 10.0
@@ -270,9 +316,11 @@ class TestRecursion:
     def test_eqs_59_and_61_load_friction_on_the_joints_below(
         self, model: irb.Model, state: tuple[Array, Array, Array]
     ) -> None:
-        """Friction is an inner torque of joint i: its reaction on link i - 1 is missing in the print."""
+        """Friction is an inner torque of joint i: its reaction on link i - 1 is missing in the
+        print."""
         q, qd, qdd = state
-        A, F = model.robot.A, model.friction(qd)
+        A = model.robot.A
+        F = model.friction(qd)
         on_joints = np.linalg.solve(A.T, F)
         expected = model.inverse_dynamics(q, qd, qdd)
         right = dynamics.joint_torques(model.robot, q, qd, qdd, dynamics.Print(friction=on_joints))
@@ -280,18 +328,22 @@ class TestRecursion:
         form = dynamics.Print(friction=on_joints, friction_carried_down=True)
         printed = A.T @ dynamics.joint_torques(model.robot, q, qd, qdd, form)
         assert np.abs(printed - expected).max() > 5.0
-        # axis 4 would carry the friction of axis 6 by the cosine of q5 (axes 4 and 6 are parallel at q5 = 0)
+        # axis 4 would carry the friction of axis 6 by the cosine of q5 (axes 4 and 6 are parallel
+        # at q5 = 0)
         assert printed[3] - expected[3] == pytest.approx(np.cos(q[4]) * F[5], abs=1e-9)
 
     def test_text_below_fig_6_turns_the_force_of_the_next_link_round(
         self, model: irb.Model, state: tuple[Array, Array, Array]
     ) -> None:
-        """f_(i+1) as 'exerted by link i+1 on link i' would enter eqs. 58, 59 with the other sign."""
+        """f_(i+1) as 'exerted by link i+1 on link i' would enter eqs. 58, 59 with the other
+        sign."""
         form = dynamics.Print(force_of_the_next_link_as_described=True)
         printed = model.robot.A.T @ dynamics.joint_torques(model.robot, *state, form)
         assert np.abs(printed - model.inverse_dynamics(*state, friction=False)).max() > 10.0
 
-    def test_eq_64_needs_the_transpose(self, model: irb.Model, state: tuple[Array, Array, Array]) -> None:
+    def test_eq_64_needs_the_transpose(
+        self, model: irb.Model, state: tuple[Array, Array, Array]
+    ) -> None:
         form = dynamics.Print(gravity_without_transpose=True)
         printed = model.robot.A.T @ dynamics.joint_torques(model.robot, *state, form)
         assert np.abs(printed - model.inverse_dynamics(*state, friction=False)).max() > 10.0
@@ -303,8 +355,11 @@ class TestNumbersAndClaims:
         assert np.radians(9.3) < 0.5, "9.3 deg/s lies inside the range of eq. 74"
 
     def test_mean_absolute_errors_are_not_3_5_percent(self) -> None:
-        """Section 7: 'MAE and RMSE for joints 2 and 3 represent approximately 3.5 %'; true for the RMSE only."""
-        mae, rmse, mean = np.array([8.52, 2.9]), np.array([10.89, 3.79]), np.array([319.60, 102.91])
+        """Section 7: 'MAE and RMSE for joints 2 and 3 represent approximately 3.5 %'; true for the
+        RMSE only."""
+        mae = np.array([8.52, 2.9])
+        rmse = np.array([10.89, 3.79])
+        mean = np.array([319.60, 102.91])
         assert (rmse / mean > 0.034).all()
         assert (mae / mean < 0.029).all()
 
@@ -316,13 +371,17 @@ class TestNumbersAndClaims:
         assert ((rmse - half) / (mean + half) * 100 - half <= percent).all()
         assert (percent <= (rmse + half) / (mean - half) * 100 + half).all()
 
-    def test_modified_dh_does_not_condition_the_jacobian_better(self, model: irb.Model, states: States) -> None:
-        """Section 8 claims better-conditioned Jacobians; the product of exponentials gives the very same matrix."""
+    def test_modified_dh_does_not_condition_the_jacobian_better(
+        self, model: irb.Model, states: States
+    ) -> None:
+        """Section 8 claims better-conditioned Jacobians; the product of exponentials gives the very
+        same matrix."""
         zero = np.zeros(6)
         axes = [(X[:3, 2], X[:3, 3]) for X in dynamics.poses(zero)[:6]]
         for q in states.q[:10]:
             theta = model.robot.A @ q
-            X, columns = np.eye(4), []
+            X = np.eye(4)
+            columns = []
             for (z, point), angle in zip(axes, theta, strict=True):
                 columns.append((X[:3, :3] @ z, (X @ [*point, 1.0])[:3]))
                 X = X @ screw(z, point, angle)
@@ -330,8 +389,11 @@ class TestNumbersAndClaims:
             J = np.array([[*np.cross(z, tip - o), *z] for z, o in columns]).T @ model.robot.A
             np.testing.assert_allclose(model.tcp_jacobian(q), J, rtol=0, atol=1e-13)
 
-    def test_constant_speed_of_one_joint_leaves_friction_and_gravity(self, model: irb.Model, states: States) -> None:
-        """Eq. 70 is right for this arm: a joint that moves alone feels no velocity product of its own."""
+    def test_constant_speed_of_one_joint_leaves_friction_and_gravity(
+        self, model: irb.Model, states: States
+    ) -> None:
+        """Eq. 70 is right for this arm: a joint that moves alone feels no velocity product of its
+        own."""
         for q in states.q[:10]:
             for i in range(6):
                 qd = 2.0 * np.eye(6)[i]
@@ -340,10 +402,14 @@ class TestNumbersAndClaims:
     def test_eqs_54_and_55_agree(self, model: irb.Model) -> None:
         static, coulomb, viscous, stribeck = model.robot.friction.T
         for qd in np.random.default_rng(1).normal(0, 0.02, (20, 6)):
-            eq_54 = (coulomb + (static - coulomb) * np.exp(-(np.abs(qd) ** 2) / stribeck**2)) * np.sign(qd)
+            eq_54 = (
+                coulomb + (static - coulomb) * np.exp(-(np.abs(qd) ** 2) / stribeck**2)
+            ) * np.sign(qd)
             np.testing.assert_allclose(model.friction(qd), eq_54 + viscous * qd, rtol=0, atol=1e-12)
 
-    def test_eqs_37_to_42_and_table_3_are_different_arms(self, model: irb.Model, reference: dict[str, Array]) -> None:
+    def test_eqs_37_to_42_and_table_3_are_different_arms(
+        self, model: irb.Model, reference: dict[str, Array]
+    ) -> None:
         s = reference
         difference = s["tau_rigid"] - s["tau_rigid_com_in_symmetry_plane"]
         assert np.abs(difference).max() > 1.0

@@ -28,13 +28,18 @@ def test_instructions_stay_in_the_budget(model: irb.Model, name: str) -> None:
 
 
 def test_regrouping_leaves_the_torque_unchanged(robot: irb.Robot, states: States) -> None:
-    """The same recursion with the parameters as they stand (symbols are not regrouped) and regrouped (numbers are)."""
+    """The same recursion with the parameters as they stand (symbols are not regrouped) and
+    regrouped (numbers are)."""
     symbols = [ca.SX.sym(name, 6) for name in ("q", "qd", "qdd")]
     phi = ca.SX.sym("phi", 6, 10)
-    plain = ca.Function("plain", [*symbols, phi], [newton_euler.inverse_dynamics(robot, *symbols, phi)])
+    plain = ca.Function(
+        "plain", [*symbols, phi], [newton_euler.inverse_dynamics(robot, *symbols, phi)]
+    )
     short = ca.Function("short", symbols, [newton_euler.inverse_dynamics(robot, *symbols)])
     assert short.n_instructions() < plain.n_instructions()
-    expected = np.array(plain(states.q.T, states.qd.T, states.qdd.T, ca.repmat(robot.inertial_parameters, 1, 200)))
+    expected = np.array(
+        plain(states.q.T, states.qd.T, states.qdd.T, ca.repmat(robot.inertial_parameters, 1, 200))
+    )
     found = np.array(short(states.q.T, states.qd.T, states.qdd.T))
     np.testing.assert_allclose(found, expected, rtol=0, atol=1e-12 * np.abs(expected).max())
 
@@ -64,7 +69,9 @@ class TestBaseParameters:
         tau = model.inverse_dynamics(states.q, states.qd, states.qdd, friction=False)
         assert Y.shape == (200, 6, 36)
         scale = np.abs(tau).max()
-        np.testing.assert_allclose(Y @ model.base_parameters.values, tau, rtol=0, atol=1e-10 * scale)
+        np.testing.assert_allclose(
+            Y @ model.base_parameters.values, tau, rtol=0, atol=1e-10 * scale
+        )
 
     def test_none_is_dispensable(self, model: irb.Model, states: States) -> None:
         Y = model.base_regressor(states.q, states.qd, states.qdd).reshape(-1, 36)
@@ -74,11 +81,17 @@ class TestBaseParameters:
     def test_standard_regressor_has_the_same_rank(self, model: irb.Model, states: States) -> None:
         Y = model.regressor(states.q, states.qd, states.qdd).reshape(-1, 60)
         tau = model.inverse_dynamics(states.q, states.qd, states.qdd, friction=False).ravel()
-        np.testing.assert_allclose(Y @ model.robot.inertial_parameters.ravel(), tau, rtol=0, atol=1e-9)
+        np.testing.assert_allclose(
+            Y @ model.robot.inertial_parameters.ravel(), tau, rtol=0, atol=1e-9
+        )
         assert np.linalg.matrix_rank(Y, tol=1e-9 * np.linalg.norm(Y)) == 36
 
-    def test_the_map_holds_for_other_masses(self, model: irb.Model, robot: irb.Robot, states: States) -> None:
-        heavy = irb.Model(robot.with_effects(LIBRARY["payload"].of(None, mass_kg=9.0, com_m=(0.1, -0.05, 0.2))))
+    def test_the_map_holds_for_other_masses(
+        self, model: irb.Model, robot: irb.Robot, states: States
+    ) -> None:
+        heavy = irb.Model(
+            robot.with_effects(LIBRARY["payload"].of(None, mass_kg=9.0, com_m=(0.1, -0.05, 0.2)))
+        )
         tau = heavy.inverse_dynamics(states.q, states.qd, states.qdd, friction=False)
         values = model.base_parameters.matrix @ np.asarray(heavy.phi).ravel()
         Y = model.base_regressor(states.q, states.qd, states.qdd)
@@ -92,7 +105,8 @@ class TestBaseParameters:
 
 @pytest.fixture(scope="module", params=["no effect", "load_friction", "rotor_inertia"])
 def arm(request: pytest.FixtureRequest, robot: irb.Robot) -> irb.Model:
-    """Without effects, with one that bends the law in the acceleration, with one that adds to the mass matrix."""
+    """Without effects, with one that bends the law in the acceleration, with one that adds to the
+    mass matrix."""
     if request.param == "load_friction":
         return irb.Model(robot.with_effects(LIBRARY["load_friction"].of(2, coefficient=0.06)))
     if request.param == "rotor_inertia":
@@ -114,24 +128,35 @@ class TestDerivatives:
             for position, expected in enumerate(found[1:]):
                 differences = np.empty((6, 6))
                 for k in range(6):
-                    low, high = [q, qd, tau], [q, qd, tau]
+                    low = [q, qd, tau]
+                    high = [q, qd, tau]
                     h = step * (100.0 if position == 2 else 1.0)
                     shift = h * np.eye(6)[k]
-                    low[position], high[position] = low[position] - shift, high[position] + shift
-                    differences[:, k] = (arm.forward_dynamics(*high) - arm.forward_dynamics(*low)) / (2 * h)
-                np.testing.assert_allclose(expected, differences, rtol=2e-5, atol=2e-5 * np.abs(differences).max())
+                    low[position] = low[position] - shift
+                    high[position] = high[position] + shift
+                    differences[:, k] = (
+                        arm.forward_dynamics(*high) - arm.forward_dynamics(*low)
+                    ) / (2 * h)
+                np.testing.assert_allclose(
+                    expected, differences, rtol=2e-5, atol=2e-5 * np.abs(differences).max()
+                )
 
-    def test_mobility_is_the_inverse_of_the_mass_matrix(self, model: irb.Model, states: States) -> None:
+    def test_mobility_is_the_inverse_of_the_mass_matrix(
+        self, model: irb.Model, states: States
+    ) -> None:
         f = model.function("forward_dynamics_derivatives_without_friction")
         for q in states.q[:10]:
             mobility = np.array(f(q, np.zeros(6), np.zeros(6), 0.0)[3])
-            np.testing.assert_allclose(mobility @ model.mass_matrix(q), np.eye(6), rtol=0, atol=1e-10)
+            np.testing.assert_allclose(
+                mobility @ model.mass_matrix(q), np.eye(6), rtol=0, atol=1e-10
+            )
 
 
 def test_factors_give_back_the_matrix() -> None:
     rng = np.random.default_rng(0)
     root = rng.normal(size=(5, 5))
-    A, b = root @ root.T + np.eye(5), rng.normal(size=(5, 3))
+    A = root @ root.T + np.eye(5)
+    b = rng.normal(size=(5, 3))
     x = np.array(ca.evalf(factorise(ca.SX(A)).solve(ca.SX(b))))
     np.testing.assert_allclose(A @ x, b, rtol=0, atol=1e-11)
 
@@ -154,17 +179,29 @@ class TestWrench:
         np.testing.assert_allclose(found, states.qdd, rtol=0, atol=1e-9)
 
     def test_symbolic_functions_take_it_too(self, model: irb.Model, states: States) -> None:
-        q, qd, qdd = states.q[0], states.qd[0], states.qdd[0]
+        q = states.q[0]
+        qd = states.qd[0]
+        qdd = states.qdd[0]
         wrench = np.array([30.0, -20.0, 100.0, 5.0, -4.0, 3.0])
-        tau = np.array(model.function("inverse_dynamics_with_wrench")(q, qd, qdd, wrench, 0.0)).ravel()
-        np.testing.assert_allclose(tau, model.inverse_dynamics(q, qd, qdd, wrench=wrench), rtol=0, atol=1e-10)
-        back = np.array(model.function("forward_dynamics_with_wrench")(q, qd, tau, wrench, 0.0)).ravel()
+        tau = np.array(
+            model.function("inverse_dynamics_with_wrench")(q, qd, qdd, wrench, 0.0)
+        ).ravel()
+        np.testing.assert_allclose(
+            tau, model.inverse_dynamics(q, qd, qdd, wrench=wrench), rtol=0, atol=1e-10
+        )
+        back = np.array(
+            model.function("forward_dynamics_with_wrench")(q, qd, tau, wrench, 0.0)
+        ).ravel()
         np.testing.assert_allclose(back, qdd, rtol=0, atol=1e-9)
 
-    def test_a_weight_in_the_tool_is_a_force_at_the_tcp(self, robot: irb.Robot, states: States) -> None:
+    def test_a_weight_in_the_tool_is_a_force_at_the_tcp(
+        self, robot: irb.Robot, states: States
+    ) -> None:
         """A point mass at the TCP at rest and the force of its weight are the same torque."""
         place = tuple(robot.X_FT[:3, 3])
-        loaded = irb.Model(robot.with_effects(LIBRARY["payload"].of(None, mass_kg=8.0, com_m=place)))
+        loaded = irb.Model(
+            robot.with_effects(LIBRARY["payload"].of(None, mass_kg=8.0, com_m=place))
+        )
         weight = np.array([0.0, 0.0, -8.0 * 9.81, 0.0, 0.0, 0.0])
         zero = np.zeros(6)
         plain = irb.Model(robot)

@@ -17,7 +17,8 @@ def test_mass_matrix_is_symmetric(model: irb.Model, states: States) -> None:
 
 
 def test_mdot_minus_2c_is_skew(model: irb.Model, states: States) -> None:
-    q, qd = ca.SX.sym("q", 6), ca.SX.sym("qd", 6)
+    q = ca.SX.sym("q", 6)
+    qd = ca.SX.sym("qd", 6)
     M = ca.vec(model.mass_matrix(q))
     rate = ca.Function("rate", [q, qd], [ca.reshape(ca.jtimes(M, q, qd), 6, 6)])
     for position, speed in zip(states.q[:50], states.qd[:50], strict=True):
@@ -26,12 +27,15 @@ def test_mdot_minus_2c_is_skew(model: irb.Model, states: States) -> None:
 
 
 def test_m22_does_not_depend_on_the_pose(model: irb.Model, states: States) -> None:
-    """A consequence of the parallelogram: q2 turns link 2 only and carries the rest along without turning it."""
+    """A consequence of the parallelogram: q2 turns link 2 only and carries the rest along without
+    turning it."""
     assert np.ptp(model.mass_matrix(states.q)[:, 1, 1]) < 1e-12
 
 
 @pytest.mark.parametrize("friction", [True, False])
-def test_forward_after_inverse_is_identity(model: irb.Model, states: States, friction: bool) -> None:
+def test_forward_after_inverse_is_identity(
+    model: irb.Model, states: States, friction: bool
+) -> None:
     tau = model.inverse_dynamics(states.q, states.qd, states.qdd, friction=friction)
     qdd = model.forward_dynamics(states.q, states.qd, tau, friction=friction)
     np.testing.assert_allclose(qdd, states.qdd, rtol=0, atol=1e-9)
@@ -39,29 +43,40 @@ def test_forward_after_inverse_is_identity(model: irb.Model, states: States, fri
 
 def test_torque_is_the_sum_of_its_terms(model: irb.Model, states: States) -> None:
     for q, qd, qdd in zip(states.q[:50], states.qd[:50], states.qdd[:50], strict=True):
-        terms = model.mass_matrix(q) @ qdd + model.coriolis(q, qd) @ qd + model.gravity(q) + model.friction(qd)
+        terms = (
+            model.mass_matrix(q) @ qdd
+            + model.coriolis(q, qd) @ qd
+            + model.gravity(q)
+            + model.friction(qd)
+        )
         np.testing.assert_allclose(model.inverse_dynamics(q, qd, qdd), terms, rtol=0, atol=1e-10)
 
 
 def test_jacobian_is_the_derivative_of_the_pose(model: irb.Model, states: States) -> None:
-    q, qd = ca.SX.sym("q", 6), ca.SX.sym("qd", 6)
+    q = ca.SX.sym("q", 6)
+    qd = ca.SX.sym("qd", 6)
     X = model.tcp_pose(q)
-    R, p = X[:3, :3], X[:3, 3]
+    R = X[:3, :3]
+    p = X[:3, 3]
     S = ca.reshape(ca.jtimes(ca.vec(R), q, qd), 3, 3) @ R.T
     twist = ca.vertcat(ca.jtimes(p, q, qd), S[2, 1], S[0, 2], S[1, 0])
     derivative = ca.Function("twist", [q, qd], [twist])
     for position, speed in zip(states.q[:50], states.qd[:50], strict=True):
         expected = np.array(derivative(position, speed)).ravel()
-        np.testing.assert_allclose(model.tcp_jacobian(position) @ speed, expected, rtol=0, atol=1e-12)
+        np.testing.assert_allclose(
+            model.tcp_jacobian(position) @ speed, expected, rtol=0, atol=1e-12
+        )
 
 
 def test_external_torque_does_the_work_of_the_wrench(model: irb.Model, states: States) -> None:
-    """Virtual work: tau_ext . qd = F . v + N . omega for every motion (v, omega by differences of the pose)."""
+    """Virtual work: tau_ext . qd = F . v + N . omega for every motion (v, omega by differences of
+    the pose)."""
     rng = np.random.default_rng(1)
     step = 1e-6
     for q, qd in zip(states.q[:20], states.qd[:20], strict=True):
         wrench = rng.normal(size=6) * 100
-        before, after = model.tcp_pose(q - step * qd), model.tcp_pose(q + step * qd)
+        before = model.tcp_pose(q - step * qd)
+        after = model.tcp_pose(q + step * qd)
         v = (after[:3, 3] - before[:3, 3]) / (2 * step)
         S = (after[:3, :3] - before[:3, :3]) @ model.tcp_pose(q)[:3, :3].T / (2 * step)
         omega = np.array([S[2, 1], S[0, 2], S[1, 0]])
@@ -74,7 +89,8 @@ class TestFreeSwing:
 
     @staticmethod
     def energy(model: irb.Model) -> ca.Function:
-        q, qd = ca.SX.sym("q", 6), ca.SX.sym("qd", 6)
+        q = ca.SX.sym("q", 6)
+        qd = ca.SX.sym("qd", 6)
         robot = model.robot
         energy = euler_lagrange.kinetic(robot, q, qd) + euler_lagrange.potential(robot, q)
         return ca.Function("energy", [q, qd], [energy])
@@ -85,11 +101,13 @@ class TestFreeSwing:
         x = ca.MX.sym("x", 13)
 
         def rate(x: ca.MX) -> ca.MX:
-            q, qd = x[:6], x[6:12]
+            q = x[:6]
+            qd = x[6:12]
             qdd = model.forward_dynamics(q, qd, ca.MX.zeros(6), friction=friction)
             return ca.vertcat(qd, qdd, ca.dot(qd, model.friction(qd)) if friction else 0)
 
-        # with friction: so short that no joint comes to rest, where the law jumps and the integrator loses its order
+        # with friction: so short that no joint comes to rest, where the law jumps and the
+        # integrator loses its order
         h = (0.01 if friction else 0.4) / steps
         k1 = rate(x)
         k2 = rate(x + h / 2 * k1)
@@ -104,7 +122,9 @@ class TestFreeSwing:
         drift = []
         for steps in (50, 100, 200):
             start, path = self.swing(model, steps, friction=False)
-            drift.append(abs(float(energy(path[:6, -1], path[6:12, -1]) - energy(start[:6], start[6:12]))))
+            drift.append(
+                abs(float(energy(path[:6, -1], path[6:12, -1]) - energy(start[:6], start[6:12])))
+            )
         orders = np.log2(np.array(drift[:-1]) / np.array(drift[1:]))
         assert (orders > 3.5).all()
         kinetic = float(energy(path[:6, -1], path[6:12, -1]) - energy(path[:6, -1], np.zeros(6)))

@@ -16,15 +16,21 @@ BOX = list(zip(ARM.robot.q_min, ARM.robot.q_max, strict=True))
 configurations = st.tuples(*(st.floats(low, high) for low, high in BOX)).map(np.array)
 
 
-def assert_all_reach(model: irb.Model, q: np.ndarray, X_BT: np.ndarray, tolerance: float = 1e-9) -> None:
-    np.testing.assert_allclose(model.tcp_pose(q), np.broadcast_to(X_BT, (len(q), 4, 4)), rtol=0, atol=tolerance)
+def assert_all_reach(
+    model: irb.Model, q: np.ndarray, X_BT: np.ndarray, tolerance: float = 1e-9
+) -> None:
+    np.testing.assert_allclose(
+        model.tcp_pose(q), np.broadcast_to(X_BT, (len(q), 4, 4)), rtol=0, atol=tolerance
+    )
     assert (q >= model.robot.q_min - 1e-8).all()
     assert (q <= model.robot.q_max + 1e-8).all()
 
 
 @settings(deadline=None, max_examples=200)
 @given(configurations)
-def test_every_solution_reaches_the_pose_and_the_nearest_to_the_seed_is_first(q: np.ndarray) -> None:
+def test_every_solution_reaches_the_pose_and_the_nearest_to_the_seed_is_first(
+    q: np.ndarray,
+) -> None:
     X_BT = ARM.tcp_pose(q)
     solutions = ARM.inverse_kinematics(X_BT, seed=q)
     assert_all_reach(ARM, solutions, X_BT, 1e-8)
@@ -35,7 +41,9 @@ def test_every_solution_reaches_the_pose_and_the_nearest_to_the_seed_is_first(q:
 def test_the_seed_comes_back_away_from_singularities(model: irb.Model, states: States) -> None:
     for q in states.q:
         if np.abs(model.singularity_factors(q)).min() > 1e-3:
-            np.testing.assert_allclose(model.inverse_kinematics(model.tcp_pose(q), seed=q)[0], q, rtol=0, atol=1e-9)
+            np.testing.assert_allclose(
+                model.inverse_kinematics(model.tcp_pose(q), seed=q)[0], q, rtol=0, atol=1e-9
+            )
 
 
 def test_eight_branches_are_eight_different_postures(model: irb.Model) -> None:
@@ -75,7 +83,8 @@ def test_at_the_wrist_singularity_the_seed_decides_axis_4(model: irb.Model, q: l
 
 def test_wrist_centre_on_axis_1_takes_axis_1_from_the_seed(model: irb.Model) -> None:
     g = model.arm_geometry
-    # r = 0 inside the joint box: solve a1 + a2 sin q2 + a3 sin q3 + d4 cos q3 = 0 for q2 at q3 = 50 deg
+    # r = 0 inside the joint box: solve a1 + a2 sin q2 + a3 sin q3 + d4 cos q3 = 0 for q2 at q3 = 50
+    # deg
     q3 = np.radians(50.0)
     q2 = np.arcsin(-(g.a1 + g.a3 * np.sin(q3) + g.d4 * np.cos(q3)) / g.a2)
     q = np.array([0.7, q2, q3, 0.2, 0.6, 0.1])
@@ -143,7 +152,12 @@ class TestRefusals:
 
     @pytest.mark.parametrize(
         "X",
-        [np.eye(3), np.full((4, 4), np.nan), np.diag([1.0, 1.0, -1.0, 1.0]), np.diag([2.0, 1.0, 1.0, 1.0])],
+        [
+            np.eye(3),
+            np.full((4, 4), np.nan),
+            np.diag([1.0, 1.0, -1.0, 1.0]),
+            np.diag([2.0, 1.0, 1.0, 1.0]),
+        ],
         ids=["shape", "nan", "mirror", "scaled"],
     )
     def test_not_a_pose(self, model: irb.Model, X: np.ndarray) -> None:

@@ -19,7 +19,9 @@ def engine(robot: irb.Robot) -> PinArm:
 
 def test_inverse_dynamics(model: irb.Model, engine: PinArm, states: States) -> None:
     found = model.inverse_dynamics(states.q, states.qd, states.qdd, friction=False)
-    expected = [engine.inverse_dynamics(*row) for row in zip(states.q, states.qd, states.qdd, strict=True)]
+    expected = [
+        engine.inverse_dynamics(*row) for row in zip(states.q, states.qd, states.qdd, strict=True)
+    ]
     np.testing.assert_allclose(found, expected, rtol=0, atol=1e-12 * np.abs(expected).max())
 
 
@@ -28,12 +30,17 @@ def test_inverse_dynamics_otherwise_mounted(robot: irb.Robot, states: States, mo
     """Regrouping drops what a vertical axis 1 or this tool hides; another arm must not lose it."""
     change = {"gravity_m_s2": (6.0, -7.0, -3.0)} if mounted == "on a wall" else {"tool": None}
     arm = robot.model_copy(update=change)
-    engine, model = PinArm.of(arm), irb.Model(arm)
+    engine = PinArm.of(arm)
+    model = irb.Model(arm)
     found = model.inverse_dynamics(states.q, states.qd, states.qdd, friction=False)
-    expected = [engine.inverse_dynamics(*row) for row in zip(states.q, states.qd, states.qdd, strict=True)]
+    expected = [
+        engine.inverse_dynamics(*row) for row in zip(states.q, states.qd, states.qdd, strict=True)
+    ]
     np.testing.assert_allclose(found, expected, rtol=0, atol=1e-12 * np.abs(expected).max())
     masses = np.array([engine.mass_matrix(q) for q in states.q[:20]])
-    np.testing.assert_allclose(model.mass_matrix(states.q[:20]), masses, rtol=0, atol=1e-12 * masses.max())
+    np.testing.assert_allclose(
+        model.mass_matrix(states.q[:20]), masses, rtol=0, atol=1e-12 * masses.max()
+    )
 
 
 def test_forward_dynamics(model: irb.Model, engine: PinArm, states: States) -> None:
@@ -45,7 +52,9 @@ def test_forward_dynamics(model: irb.Model, engine: PinArm, states: States) -> N
 
 def test_mass_matrix(model: irb.Model, engine: PinArm, states: States) -> None:
     expected = np.array([engine.mass_matrix(q) for q in states.q])
-    np.testing.assert_allclose(model.mass_matrix(states.q), expected, rtol=0, atol=1e-12 * np.abs(expected).max())
+    np.testing.assert_allclose(
+        model.mass_matrix(states.q), expected, rtol=0, atol=1e-12 * np.abs(expected).max()
+    )
 
 
 def test_pose_and_jacobian(model: irb.Model, engine: PinArm, states: States) -> None:

@@ -29,18 +29,18 @@ QUANTITIES: dict[str, Callable[[irb.Model, Table], Array]] = {
 
 @pytest.mark.parametrize("name", QUANTITIES)
 def test_quantity_equals_the_reference(name: str, model: irb.Model, reference: Table) -> None:
-    found, expected = QUANTITIES[name](model, reference), reference[name]
+    found = QUANTITIES[name](model, reference)
+    expected = reference[name]
     scale = np.abs(expected).max()
     np.testing.assert_allclose(found, expected, rtol=0, atol=1e-12 * scale)
 
 
 def test_centres_of_mass_in_the_symmetry_planes(robot: irb.Robot, reference: Table) -> None:
     """The option of eqs. 37-42."""
-    s, arm = reference, irb.Model(com_in_symmetry_plane(robot))
-    found, expected = (
-        arm.inverse_dynamics(s["q"], s["qd"], s["qdd"], friction=False),
-        s["tau_rigid_com_in_symmetry_plane"],
-    )
+    s = reference
+    arm = irb.Model(com_in_symmetry_plane(robot))
+    found = arm.inverse_dynamics(s["q"], s["qd"], s["qdd"], friction=False)
+    expected = s["tau_rigid_com_in_symmetry_plane"]
     np.testing.assert_allclose(found, expected, rtol=0, atol=1e-12 * np.abs(expected).max())
 
 
@@ -50,7 +50,8 @@ def test_forward_dynamics_returns_the_accelerations(model: irb.Model, reference:
 
 
 def test_forgetting_the_coupling_is_visible(model: irb.Model, reference: Table) -> None:
-    """tau = A^T tau_theta: without the transposed coupling axis 2 is wrong, so the parity above has teeth."""
+    """tau = A^T tau_theta: without the transposed coupling axis 2 is wrong, so the parity above has
+    teeth."""
     A = model.robot.A
     tau_theta = np.linalg.solve(A.T, reference["tau_rigid"].T).T
     assert np.abs(tau_theta - reference["tau_rigid"]).max() > 10.0

@@ -49,11 +49,15 @@ def test_every_number_of_the_file_has_a_source(robot: irb.Robot) -> None:
     for joint in robot.joints:
         sources += [joint.friction.source, joint.limits.range_source, joint.limits.torque_source]
     assert robot.tool is not None
-    assert all((*sources, robot.source, robot.gravity_source, robot.coupling.source, robot.tool.source))
+    assert all(
+        (*sources, robot.source, robot.gravity_source, robot.coupling.source, robot.tool.source)
+    )
     assert all("assumption" in joint.limits.torque_source for joint in robot.joints)
 
 
-def test_negative_mass_and_misspelt_key_are_reported_at_once(table: dict[str, Any], tmp_path: Path) -> None:
+def test_negative_mass_and_misspelt_key_are_reported_at_once(
+    table: dict[str, Any], tmp_path: Path
+) -> None:
     table["links"][1]["body"]["mass_kg"] = -26.5
     table["joints"][0]["friction"]["coulmb_Nm"] = table["joints"][0]["friction"].pop("coulomb_Nm")
     with pytest.raises(InputError) as caught:
@@ -80,16 +84,25 @@ WRONG = {
     "infinite mass": (_set("links.0.body.mass_kg", float("inf")), r"links\[1\]\.body\.mass_kg"),
     "nan in the geometry": (_set("links.0.frame.d_m", float("nan")), r"links\[1\]\.frame\.d_m"),
     "text for a number": (_set("links.0.body.mass_kg", "heavy"), "heavy"),
-    "range upside down": (_set("joints.2.limits.range_deg", [65.0, -60.0]), "expected the lower end first"),
+    "range upside down": (
+        _set("joints.2.limits.range_deg", [65.0, -60.0]),
+        "expected the lower end first",
+    ),
     "zero torque": (_set("joints.2.limits.torque_Nm", 0.0), r"joints\[3\]\.limits\.torque_Nm"),
     "no source": (_set("links.0.source", ""), r"links\[1\]\.source"),
     "coupling singular": (_set("coupling.matrix", [[0.0] * 6] * 6), "singular"),
     "coupling too small": (_set("coupling.matrix", [[1.0]]), "expected a 6 x 6 matrix"),
     "a joint too few": (lambda t: t["joints"].pop(), "6 links but 5 joints"),
     "no links": (_set("links", []), "links"),
-    "tcp no rotation": (_set("tool.tcp.transform", [[1, 0, 0, 0]] * 3 + [[0, 0, 0, 1]]), "not a pose"),
+    "tcp no rotation": (
+        _set("tool.tcp.transform", [[1, 0, 0, 0]] * 3 + [[0, 0, 0, 1]]),
+        "not a pose",
+    ),
     "unknown effect": (_set("effects", [{"kind": "ghost"}]), "effects"),
-    "effect on joint 7": (_set("effects", [{"kind": "torque_offset", "joint": 7, "offset_Nm": 1.0}]), "torque_offset"),
+    "effect on joint 7": (
+        _set("effects", [{"kind": "torque_offset", "joint": 7, "offset_Nm": 1.0}]),
+        "torque_offset",
+    ),
     "other schema": (_set("schema_version", 2), "schema_version"),
 }
 
@@ -126,8 +139,11 @@ def test_arrays_cannot_be_written(robot: irb.Robot) -> None:
     com=st.tuples(*[st.floats(-1, 1)] * 3),
     angle=st.floats(-3, 3),
 )
-def test_parameters_move_with_the_frame(mass: float, com: tuple[float, float, float], angle: float) -> None:
-    """phi in another frame: the mass stays, the first moment turns and shifts, the trace of Sigma is |r|^2 dm."""
+def test_parameters_move_with_the_frame(
+    mass: float, com: tuple[float, float, float], angle: float
+) -> None:
+    """phi in another frame: the mass stays, the first moment turns and shifts, the trace of Sigma
+    is |r|^2 dm."""
     from irb2400_ctrl.robot import Body
 
     body = Body(mass_kg=mass, com_m=com, inertia_kgm2=(1.0, 1.2, 0.9, 0.1, 0.0, -0.1))
@@ -142,7 +158,8 @@ def test_parameters_move_with_the_frame(mass: float, com: tuple[float, float, fl
 
 
 def test_equality_is_of_the_description_not_of_what_was_computed() -> None:
-    used, fresh = irb.load_robot("irb2400"), irb.load_robot("irb2400")
+    used = irb.load_robot("irb2400")
+    fresh = irb.load_robot("irb2400")
     assert used.q_min.size == used.tau_max.size == 6
     assert fresh.q_min.size == 6
     assert used == fresh
@@ -152,5 +169,7 @@ def test_equality_is_of_the_description_not_of_what_was_computed() -> None:
 
 def test_a_shape_of_another_length_is_refused() -> None:
     spring = LIBRARY["cable_spring"].of(4, stiffness_Nm_rad=3.0, shape=(1.0,))
-    with pytest.raises(ValueError, match="cable_spring has a shape of 1 numbers, expected 2 or none"):
+    with pytest.raises(
+        ValueError, match="cable_spring has a shape of 1 numbers, expected 2 or none"
+    ):
         irb.load_robot("irb2400").with_effects(spring)

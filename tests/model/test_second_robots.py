@@ -36,19 +36,27 @@ def motion(arm: irb.Robot) -> States:
 def test_inverse_dynamics(arm: irb.Robot, motion: States) -> None:
     engine = PinArm.of(arm)
     found = irb.Model(arm).inverse_dynamics(motion.q, motion.qd, motion.qdd, friction=False)
-    expected = [engine.inverse_dynamics(*row) for row in zip(motion.q, motion.qd, motion.qdd, strict=True)]
+    expected = [
+        engine.inverse_dynamics(*row) for row in zip(motion.q, motion.qd, motion.qdd, strict=True)
+    ]
     np.testing.assert_allclose(found, expected, rtol=0, atol=1e-12 * np.abs(expected).max())
 
 
 def test_mass_matrix_and_forward_dynamics(arm: irb.Robot, motion: States) -> None:
-    engine, model = PinArm.of(arm), irb.Model(arm)
+    engine = PinArm.of(arm)
+    model = irb.Model(arm)
     expected = np.array([engine.mass_matrix(q) for q in motion.q])
-    np.testing.assert_allclose(model.mass_matrix(motion.q), expected, rtol=0, atol=1e-12 * np.abs(expected).max())
-    # the measured arm is bare, without inertia about its last axis: rotors make forward dynamics possible
+    np.testing.assert_allclose(
+        model.mass_matrix(motion.q), expected, rtol=0, atol=1e-12 * np.abs(expected).max()
+    )
+    # the measured arm is bare, without inertia about its last axis: rotors make forward dynamics
+    # possible
     rotors = [LIBRARY["rotor_inertia"].of(i + 1, inertia_kgm2=0.5) for i in range(arm.n)]
     driven = irb.Model(arm.with_effects(*rotors))
     tau = driven.inverse_dynamics(motion.q, motion.qd, motion.qdd)
-    np.testing.assert_allclose(driven.forward_dynamics(motion.q, motion.qd, tau), motion.qdd, rtol=0, atol=1e-8)
+    np.testing.assert_allclose(
+        driven.forward_dynamics(motion.q, motion.qd, tau), motion.qdd, rtol=0, atol=1e-8
+    )
 
 
 def test_an_axis_without_inertia_is_named() -> None:
@@ -63,7 +71,8 @@ def test_an_axis_without_inertia_is_named() -> None:
 
 
 def test_pose_and_jacobian(arm: irb.Robot, motion: States) -> None:
-    engine, model = PinArm.of(arm), irb.Model(arm)
+    engine = PinArm.of(arm)
+    model = irb.Model(arm)
     for q in motion.q[:20]:
         X_BT, J = engine.tcp(q)
         np.testing.assert_allclose(model.tcp_pose(q), X_BT, rtol=0, atol=1e-12)

@@ -1,4 +1,5 @@
-"""The example that corrects the paper's count of singularities runs and draws both curves of eq. 36."""
+"""The example that corrects the paper's count of singularities runs and draws both curves of eq.
+36."""
 
 from __future__ import annotations
 

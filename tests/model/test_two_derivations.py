@@ -1,4 +1,5 @@
-"""Newton-Euler and Euler-Lagrange: two independent derivations, one dynamics (end of section 6 of the paper)."""
+"""Newton-Euler and Euler-Lagrange: two independent derivations, one dynamics (end of section 6 of
+the paper)."""
 
 from __future__ import annotations
 
@@ -41,17 +42,24 @@ def test_terms_agree_to_1e_10(model: irb.Model, lagrange: ca.Function, states: S
         assert relative(bias, (C_qd + G).ravel()) < 1e-10
 
 
-def test_lagrange_equation_itself_agrees(robot: irb.Robot, model: irb.Model, states: States) -> None:
+def test_lagrange_equation_itself_agrees(
+    robot: irb.Robot, model: irb.Model, states: States
+) -> None:
     """Eq. 44 straight from the energies, without the mass matrix and the Christoffel symbols."""
     symbols = [ca.SX.sym(name, robot.n) for name in ("q", "qd", "qdd")]
-    lagrange = ca.Function("lagrange", symbols, [ca.cse(euler_lagrange.lagrange_equation(robot, *symbols))])
+    lagrange = ca.Function(
+        "lagrange", symbols, [ca.cse(euler_lagrange.lagrange_equation(robot, *symbols))]
+    )
     expected = np.array(lagrange(states.q.T, states.qd.T, states.qdd.T)).T
     found = model.inverse_dynamics(states.q, states.qd, states.qdd, friction=False)
     assert relative(found, expected) < 1e-10
 
 
 def test_kinetic_energy_is_half_qd_m_qd(robot: irb.Robot, model: irb.Model, states: States) -> None:
-    q, qd = ca.SX.sym("q", 6), ca.SX.sym("qd", 6)
+    q = ca.SX.sym("q", 6)
+    qd = ca.SX.sym("qd", 6)
     kinetic = ca.Function("kinetic", [q, qd], [euler_lagrange.kinetic(robot, q, qd)])
     expected = 0.5 * np.einsum("ni,nij,nj->n", states.qd, model.mass_matrix(states.q), states.qd)
-    np.testing.assert_allclose(np.array(kinetic(states.q.T, states.qd.T)).ravel(), expected, rtol=1e-12)
+    np.testing.assert_allclose(
+        np.array(kinetic(states.q.T, states.qd.T)).ravel(), expected, rtol=1e-12
+    )

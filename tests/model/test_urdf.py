@@ -27,7 +27,9 @@ def test_torques_agree_through_the_coupling(arm: irb.Robot) -> None:
     """The file's joints are A q; tau_q = A^T tau_joint, as its head says."""
     engine = pin.buildModelFromXML(to_urdf(arm))
     data = engine.createData()
-    states, model, A = random_states(arm, 50), irb.Model(arm), arm.A
+    states = random_states(arm, 50)
+    model = irb.Model(arm)
+    A = arm.A
     tau = model.inverse_dynamics(states.q, states.qd, states.qdd, friction=False)
     for row, expected in zip(zip(states.q, states.qd, states.qdd, strict=True), tau, strict=True):
         found = A.T @ pin.rnea(engine, data, *(A @ value for value in row))
@@ -36,7 +38,8 @@ def test_torques_agree_through_the_coupling(arm: irb.Robot) -> None:
 
 def test_poses_agree(arm: irb.Robot) -> None:
     engine = pin.buildModelFromXML(to_urdf(arm))
-    data, model = engine.createData(), irb.Model(arm)
+    data = engine.createData()
+    model = irb.Model(arm)
     for q in random_states(arm, 20).q:
         pin.framesForwardKinematics(engine, data, arm.A @ q)
         for name, expected in (("tcp", model.tcp_pose(q)), ("flange", model.flange_pose(q))):
@@ -53,7 +56,9 @@ def test_limits_of_uncoupled_joints_are_those_of_the_actuators(robot: irb.Robot)
     np.testing.assert_allclose(engine.upperVelocityLimit[2], robot.qd_max[1] + robot.qd_max[2])
 
 
-def test_the_head_explains_the_parallelogram_and_names_what_is_lost(robot: irb.Robot, tmp_path: Path) -> None:
+def test_the_head_explains_the_parallelogram_and_names_what_is_lost(
+    robot: irb.Robot, tmp_path: Path
+) -> None:
     arm = robot.with_effects(LIBRARY["payload"].of(None, mass_kg=1.0))
     text = save_urdf(arm, tmp_path / "arm.urdf").read_text()
     assert "joint_3 = q3 - q2" in text

@@ -1,4 +1,5 @@
-"""The Python contract: numpy in, numpy out; SX/MX in, the same out; (6,) for one state, (n, 6) for many."""
+"""The Python contract: numpy in, numpy out; SX/MX in, the same out; (6,) for one state, (n, 6) for
+many."""
 
 from __future__ import annotations
 
@@ -61,12 +62,16 @@ def test_many_states_are_the_single_ones_stacked(model: irb.Model, name: str, ro
 def test_lists_are_taken(model: irb.Model, name: str) -> None:
     count, _ = METHODS[name]
     given = arguments(count)
-    np.testing.assert_array_equal(method(model, name)(*(a.tolist() for a in given)), method(model, name)(*given))
+    np.testing.assert_array_equal(
+        method(model, name)(*(a.tolist() for a in given)), method(model, name)(*given)
+    )
 
 
 @pytest.mark.parametrize("kind", [ca.SX, ca.MX])
 @pytest.mark.parametrize("name", METHODS)
-def test_symbols_give_the_same_numbers(model: irb.Model, name: str, kind: type[ca.SX] | type[ca.MX]) -> None:
+def test_symbols_give_the_same_numbers(
+    model: irb.Model, name: str, kind: type[ca.SX] | type[ca.MX]
+) -> None:
     count, shape = METHODS[name]
     symbols = [kind.sym(f"v{i}", 6) for i in range(count)]
     expression = method(model, name)(*symbols)
@@ -77,16 +82,23 @@ def test_symbols_give_the_same_numbers(model: irb.Model, name: str, kind: type[c
 
 
 def test_one_position_may_go_with_many_speeds(model: irb.Model) -> None:
-    q, qd = arguments(1)[0], arguments(1, 5)[0]
+    q = arguments(1)[0]
+    qd = arguments(1, 5)[0]
     expected = [model.inverse_dynamics(q, v, np.zeros(6)) for v in qd]
     np.testing.assert_array_equal(model.inverse_dynamics(q, qd, np.zeros(6)), expected)
 
 
 @pytest.mark.parametrize(
     ("shape", "said"),
-    [((5,), r"argument 1: found shape \(5,\)"), ((3, 5), r"found shape \(3, 5\)"), ((), r"found shape \(\)")],
+    [
+        ((5,), r"argument 1: found shape \(5,\)"),
+        ((3, 5), r"found shape \(3, 5\)"),
+        ((), r"found shape \(\)"),
+    ],
 )
-def test_a_wrong_shape_says_what_was_expected(model: irb.Model, shape: tuple[int, ...], said: str) -> None:
+def test_a_wrong_shape_says_what_was_expected(
+    model: irb.Model, shape: tuple[int, ...], said: str
+) -> None:
     with pytest.raises(InputError, match=rf"mass_matrix, {said}|{said}"):
         model.mass_matrix(np.zeros(shape))
 

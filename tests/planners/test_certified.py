@@ -1,4 +1,5 @@
-"""The torque bound holds at every instant, costs next to nothing, and can be checked without the solver."""
+"""The torque bound holds at every instant, costs next to nothing, and can be checked without the
+solver."""
 
 from __future__ import annotations
 
@@ -14,13 +15,13 @@ from irb2400_ctrl.codegen import compile_function
 from irb2400_ctrl.effects import LIBRARY
 from irb2400_ctrl.errors import InfeasibleError
 from irb2400_ctrl.planners import Certificate, MotionLimits, check
-from irb2400_ctrl.planners.ball import ball_function
-from irb2400_ctrl.planners.cells import enclose, grid, reversals
+from irb2400_ctrl.planners.enclosure.cells import enclose, grid, reversals
+from irb2400_ctrl.planners.enclosure.complex_disc import disc_function
+from irb2400_ctrl.planners.enclosure.path_dynamics import PathDynamics, path_dynamics
 from irb2400_ctrl.planners.joint_path import JointPath
-from irb2400_ctrl.planners.limits import speed_bounds
-from irb2400_ctrl.planners.path_dynamics import PathDynamics, path_dynamics
-from irb2400_ctrl.planners.retime import time_joint_path
-from irb2400_ctrl.planners.time_law import TimeLaw
+from irb2400_ctrl.planners.timing.motion_limits import speed_bounds
+from irb2400_ctrl.planners.timing.time_joint_path import time_joint_path
+from irb2400_ctrl.planners.timing.time_law import TimeLaw
 
 ROBOT = load_robot("irb2400")
 DYNAMICS = path_dynamics(ROBOT)
@@ -62,7 +63,7 @@ def test_certificate_is_checked_without_the_solver(seed: int) -> None:
 
 @pytest.mark.parametrize("seed", range(4))
 def test_as_fast_as_toppra_on_the_same_physics(seed: int) -> None:
-    from irb2400_ctrl.planners.toppra_timing import time_with_toppra
+    from irb2400_ctrl.planners.timing.toppra_timing import time_with_toppra
 
     path = random_path(seed)
     timed, _ = time_joint_path(DYNAMICS, path, LIMITS)
@@ -73,7 +74,10 @@ def test_as_fast_as_toppra_on_the_same_physics(seed: int) -> None:
 
 def test_the_guarantee_costs_less_than_a_thousandth_of_the_duration() -> None:
     path = random_path(3)
-    durations = [time_joint_path(DYNAMICS, path, LIMITS, count=n)[0].law.duration for n in (250, 500, 1000, 4000)]
+    durations = [
+        time_joint_path(DYNAMICS, path, LIMITS, count=n)[0].law.duration
+        for n in (250, 500, 1000, 4000)
+    ]
     losses = np.array(durations[:3]) / durations[3] - 1
     assert losses[0] > losses[1] > losses[2] > 0
     assert losses[0] < 1e-3
@@ -98,7 +102,10 @@ def test_enclosure_holds_the_coefficients_between_the_grid_points() -> None:
 
 def test_remainder_falls_with_the_third_power_of_the_cells() -> None:
     path = random_path(5)
-    sizes = [np.median(enclose(DYNAMICS, path, grid(path, n)).remainder[0].max(axis=1)) for n in (2000, 4000)]
+    sizes = [
+        np.median(enclose(DYNAMICS, path, grid(path, n)).remainder[0].max(axis=1))
+        for n in (2000, 4000)
+    ]
     assert 6 < sizes[0] / sizes[1] < 10
 
 
@@ -122,14 +129,17 @@ def test_speed_bounds_hold_between_grid_points() -> None:
 def test_ball_radii_hold_for_complex_arguments() -> None:
     x = ca.SX.sym("x", 2)
     f = ca.sin(x[0]) * ca.cos(x[1]) ** 2 + x[0] / (2 + x[1]) - ca.sqrt(3 + x[0] * x[1])
-    radius = ball_function(ca.Function("f", [x], [f]))
+    radius = disc_function(ca.Function("f", [x], [f]))
 
     def value(z: np.ndarray) -> complex:
-        return complex(np.sin(z[0]) * np.cos(z[1]) ** 2 + z[0] / (2 + z[1]) - np.sqrt(3 + z[0] * z[1]))
+        return complex(
+            np.sin(z[0]) * np.cos(z[1]) ** 2 + z[0] / (2 + z[1]) - np.sqrt(3 + z[0] * z[1])
+        )
 
     rng = np.random.default_rng(1)
     for _ in range(50):
-        centre, r = rng.uniform(-1, 1, 2), rng.uniform(0, 0.3, 2)
+        centre = rng.uniform(-1, 1, 2)
+        r = rng.uniform(0, 0.3, 2)
         bound = float(radius(centre, r))
         offsets = r * np.exp(2j * np.pi * rng.uniform(size=(40, 2)))
         reached = max(abs(value(centre + d) - value(centre)) for d in offsets)
@@ -157,7 +167,9 @@ def test_effects_of_the_robot_enter_the_bound() -> None:
 
 def test_infeasible_names_place_axis_and_torque() -> None:
     weak = replace(LIMITS, tau_max=np.array([1300, 40.0, 700, 140, 150, 60]))
-    with pytest.raises(InfeasibleError, match=r"at \d+\.\d mm, axis 2 cannot hold the arm: needs [\d,]+ of 40 Nm"):
+    with pytest.raises(
+        InfeasibleError, match=r"at \d+\.\d mm, axis 2 cannot hold the arm: needs [\d,]+ of 40 Nm"
+    ):
         time_joint_path(DYNAMICS, random_path(0), weak)
 
 
@@ -173,7 +185,8 @@ def test_acceleration_limit() -> None:
 
 @pytest.mark.parametrize("count", [200, 400, 1000, 1500])
 def test_comes_to_rest_on_any_grid(count: int) -> None:
-    # at rest the speed that may be left is zero, and rounding of the cell before must not read as "stuck"
+    # at rest the speed that may be left is zero, and rounding of the cell before must not read as
+    # "stuck"
     rng = np.random.default_rng(1)
     for _ in range(4):
         path = JointPath.through(np.linspace(0.0, 1.0, 6), rng.uniform(-1.0, 1.0, (6, 6)))

@@ -1,4 +1,5 @@
-"""Every effect of the library that has a bound keeps it at every instant, whenever the motion starts."""
+"""Every effect of the library that has a bound keeps it at every instant, whenever the motion
+starts."""
 
 from __future__ import annotations
 
@@ -14,20 +15,22 @@ from spline_paths import random_path
 from irb2400_ctrl import load_robot
 from irb2400_ctrl.effects import LIBRARY, Effect
 from irb2400_ctrl.model import Model
-from irb2400_ctrl.planners import Certificate, MotionLimits, builders, check, plan_path
-from irb2400_ctrl.planners.cells import enclose, grid
-from irb2400_ctrl.planners.effect_forms import Forms
-from irb2400_ctrl.planners.interval import interval_function
+from irb2400_ctrl.planners import Certificate, MotionLimits, check, plan_path
+from irb2400_ctrl.planners.enclosure.cells import enclose, grid
+from irb2400_ctrl.planners.enclosure.effect_forms import Forms
+from irb2400_ctrl.planners.enclosure.interval import interval_function
+from irb2400_ctrl.planners.enclosure.path_dynamics import PathDynamics, path_dynamics
 from irb2400_ctrl.planners.joint_path import JointPath
-from irb2400_ctrl.planners.path_dynamics import PathDynamics, path_dynamics
-from irb2400_ctrl.planners.retime import time_joint_path
-from irb2400_ctrl.planners.time_law import TimeLaw
+from irb2400_ctrl.planners.timing.time_joint_path import time_joint_path
+from irb2400_ctrl.planners.timing.time_law import TimeLaw
+from irb2400_ctrl.planners.toolpath import builders
 
 ROBOT = load_robot("irb2400")
 LIMITS = MotionLimits.of(ROBOT)
 # effects that have no bound: a link that swings behind its motor
 SWINGING = {"elastic_joint", "transmission_backlash"}
-# start of the motion on the effects' clock: cold and warm gears, before, inside and after the windows
+# start of the motion on the effects' clock: cold and warm gears, before, inside and after the
+# windows
 STARTS = (0.0, 0.3, 5.0, 1e6)
 
 
@@ -37,17 +40,31 @@ def effect(kind: str, joint: int | None, **fields: Any) -> Effect:
 
 CASES: dict[str, list[Effect]] = {
     "load friction": [effect("load_friction", j, coefficient=0.08) for j in (2, 3)],
-    "load friction, another exponent": [effect("load_friction", 2, coefficient=0.08, shape=(0.02,))],
-    "load friction in a window": [effect("load_friction", 2, coefficient=0.08, windows_s=((0, 0.5),))],
-    "viscous power 0.5": [effect("viscous_power", j, coefficient=60, exponent=0.5) for j in (1, 2, 3)],
-    "viscous power 1.5": [effect("viscous_power", j, coefficient=60, exponent=1.5) for j in (1, 2, 3)],
-    "viscous power 2.5": [effect("viscous_power", j, coefficient=30, exponent=2.5) for j in (1, 2, 3)],
+    "load friction, another exponent": [
+        effect("load_friction", 2, coefficient=0.08, shape=(0.02,))
+    ],
+    "load friction in a window": [
+        effect("load_friction", 2, coefficient=0.08, windows_s=((0, 0.5),))
+    ],
+    "viscous power 0.5": [
+        effect("viscous_power", j, coefficient=60, exponent=0.5) for j in (1, 2, 3)
+    ],
+    "viscous power 1.5": [
+        effect("viscous_power", j, coefficient=60, exponent=1.5) for j in (1, 2, 3)
+    ],
+    "viscous power 2.5": [
+        effect("viscous_power", j, coefficient=30, exponent=2.5) for j in (1, 2, 3)
+    ],
     "less viscous": [effect("viscous_power", 2, coefficient=-20, exponent=0.7)],
-    "warm-up": [effect("viscous_warmup", j, viscous_Nms_rad=60, time_constant_s=5) for j in (1, 2, 3)],
+    "warm-up": [
+        effect("viscous_warmup", j, viscous_Nms_rad=60, time_constant_s=5) for j in (1, 2, 3)
+    ],
     "warm-up, another law": [
         effect("viscous_warmup", 2, viscous_Nms_rad=60, time_constant_s=5, shape=(20, 10, 10, 5))
     ],
-    "process force": [effect("process_force", None, force_x_N=60, force_z_N=-80, start_s=0.2, stop_s=0.8)],
+    "process force": [
+        effect("process_force", None, force_x_N=60, force_z_N=-80, start_s=0.2, stop_s=0.8)
+    ],
     "hysteresis": [effect("hysteresis", j, amplitude_Nm=40, width_rad=0.02) for j in (1, 2, 3)],
     "ripple in windows": [
         effect("gear_ripple", 3, amplitude_Nm=8, order=37, windows_s=((0.1, 0.6), (0.7, 0.9)))
@@ -66,7 +83,7 @@ CASES: dict[str, list[Effect]] = {
         effect("process_force", None, force_z_N=-80, start_s=0.2, stop_s=0.8),
         effect("hysteresis", 3, amplitude_Nm=40, width_rad=0.02),
     ],
-}  # fmt: skip
+}
 
 
 def worst_ratio(dynamics: PathDynamics, path: JointPath, law: TimeLaw) -> float:
@@ -94,12 +111,23 @@ def test_no_violation_whenever_the_motion_starts(name: str) -> None:
         assert not check(Certificate(path, bare.law, LIMITS), dynamics.model).holds()
 
 
-@pytest.mark.parametrize(("name", "most"), [("load friction", 2e-3), ("viscous power 0.5", 2e-3), ("hysteresis", 2e-3),
-                                            ("process force", 2e-3), ("viscous power 2.5", 6e-3)])  # fmt: skip
+@pytest.mark.parametrize(
+    ("name", "most"),
+    [
+        ("load friction", 2e-3),
+        ("viscous power 0.5", 2e-3),
+        ("hysteresis", 2e-3),
+        ("process force", 2e-3),
+        ("viscous power 2.5", 6e-3),
+    ],
+)
 def test_the_bound_costs_little_against_a_fine_grid(name: str, most: float) -> None:
     dynamics = path_dynamics(ROBOT.with_effects(*CASES[name]))
     path = random_path(2)
-    durations = [time_joint_path(dynamics, path, LIMITS, count=count)[0].law.duration for count in (1000, 4000)]
+    durations = [
+        time_joint_path(dynamics, path, LIMITS, count=count)[0].law.duration
+        for count in (1000, 4000)
+    ]
     assert durations[0] <= (1 + most) * durations[1]
 
 
@@ -110,10 +138,15 @@ def test_every_effect_but_a_swinging_one_has_a_bound() -> None:
             continue
         joint = next(iter(cls.joints(6)))
         bare = cls.prototype(joint, cls.grid(joint)[0])
-        width = bare.departures(path_dynamics(ROBOT).model.signals()).shape[1] if not cls.states else 0
+        width = (
+            bare.departures(path_dynamics(ROBOT).model.signals()).shape[1] if not cls.states else 0
+        )
         for shape in ((), tuple(rng.uniform(0.1, 1.0, width))):
             for windows in ((), ((0.1, 0.4),)):
-                fields = {**bare.model_dump(exclude={"kind", "joint", "shape", "windows_s"}), **_SIZES.get(kind, {})}
+                fields = {
+                    **bare.model_dump(exclude={"kind", "joint", "shape", "windows_s"}),
+                    **_SIZES.get(kind, {}),
+                }
                 made = cls.model_construct(
                     **{**fields, "kind": kind, "joint": joint, "shape": shape, "windows_s": windows}
                 )
@@ -124,7 +157,9 @@ def test_every_effect_but_a_swinging_one_has_a_bound() -> None:
 def test_a_force_without_an_end_is_always_there() -> None:
     always = path_dynamics(ROBOT.with_effects(effect("process_force", None, force_z_N=-80)))
     assert [list(end) for end in always.factors] == [[1.0], [1.0]]
-    sometimes = path_dynamics(ROBOT.with_effects(effect("process_force", None, force_z_N=-80, stop_s=3.0)))
+    sometimes = path_dynamics(
+        ROBOT.with_effects(effect("process_force", None, force_z_N=-80, stop_s=3.0))
+    )
     assert [list(end) for end in sometimes.factors] == [[0.0], [1.0]]
     path = random_path(0)
     durations = [time_joint_path(d, path, LIMITS)[0].law.duration for d in (always, sometimes)]
@@ -135,7 +170,9 @@ def test_hysteresis_stays_between_its_bounds() -> None:
     # Dahl's law integrated along the path from every state at the start
     width = 0.05
     dynamics = PathDynamics(
-        path_dynamics(ROBOT.with_effects(effect("hysteresis", 2, amplitude_Nm=1, width_rad=width))).model
+        path_dynamics(
+            ROBOT.with_effects(effect("hysteresis", 2, amplitude_Nm=1, width_rad=width))
+        ).model
     )
     path = random_path(3)
     s = grid(path, 300)
@@ -161,7 +198,9 @@ def test_elastic_joint_is_not_guaranteed_and_says_why() -> None:
 
 
 def test_plan_with_effects_is_guaranteed() -> None:
-    plan = plan_path(ROBOT.with_effects(*CASES["several"]), builders.line((0.9, 0, 0.5), (0.9, 0.2, 0.5)))
+    plan = plan_path(
+        ROBOT.with_effects(*CASES["several"]), builders.line((0.9, 0, 0.5), (0.9, 0.2, 0.5))
+    )
     assert plan.guaranteed
     assert plan.guarantee_note == ""
     # the torque that is written is the one at that time: the process force begins at 0.2 s
@@ -171,13 +210,18 @@ def test_plan_with_effects_is_guaranteed() -> None:
 @settings(max_examples=60, deadline=None)
 @given(st.integers(0, 10**6))
 def test_intervals_hold_for_points_inside(seed: int) -> None:
-    x, y = ca.SX.sym("x"), ca.SX.sym("y")
+    x = ca.SX.sym("x")
+    y = ca.SX.sym("y")
     f = ca.Function(
         "f",
         [x, y],
-        [ca.fabs(x) ** 0.6 * ca.sign(x) / (2 + ca.sin(1) * y**2), ca.exp(-(x**2)) * ca.sqrt(ca.fabs(y)) - x * y,
-         ca.if_else(x < y, ca.fmin(x, y**3), ca.log(1 + x**2)), ca.logic_and(x > 0, ca.logic_not(y > 0)) * x],
-    )  # fmt: skip
+        [
+            ca.fabs(x) ** 0.6 * ca.sign(x) / (2 + ca.sin(1) * y**2),
+            ca.exp(-(x**2)) * ca.sqrt(ca.fabs(y)) - x * y,
+            ca.if_else(x < y, ca.fmin(x, y**3), ca.log(1 + x**2)),
+            ca.logic_and(x > 0, ca.logic_not(y > 0)) * x,
+        ],
+    )
     rng = np.random.default_rng(seed)
     ends = np.sort(rng.normal(size=(2, 2)), axis=1)
     found = interval_function(f, [(e[:1], e[1:]) for e in ends])

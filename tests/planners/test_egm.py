@@ -1,4 +1,5 @@
-"""EGM: bytes on the wire, the follower's decisions, and a stream over UDP to a simulated controller with servo lag."""
+"""EGM: bytes on the wire, the follower's decisions, and a stream over UDP to a simulated controller
+with servo lag."""
 
 from __future__ import annotations
 
@@ -15,8 +16,14 @@ import pytest
 
 import irb2400_ctrl as irb
 from irb2400_ctrl.errors import InputError
-from irb2400_ctrl.planners import egm_proto as proto
-from irb2400_ctrl.planners.egm import EgmError, EgmFollower, EgmOptions, EgmReport, stream
+from irb2400_ctrl.planners.programs.egm import egm_messages as proto
+from irb2400_ctrl.planners.programs.egm.egm_stream import (
+    EgmError,
+    EgmFollower,
+    EgmOptions,
+    EgmReport,
+    stream,
+)
 
 Array = npt.NDArray[np.float64]
 CYCLE = 0.004
@@ -29,7 +36,8 @@ ROBOT = irb.load_robot("irb2400")
 def planned(t: Array, duration: float = 1.0) -> tuple[Array, Array]:
     """Rest to rest along a quintic: q and qd at times t, held outside [0, duration]."""
     u = np.clip(np.asarray(t) / duration, 0.0, 1.0)[..., None]
-    ease, rate = u**3 * (10 - 15 * u + 6 * u**2), 30 * u**2 * (1 - u) ** 2 / duration
+    ease = u**3 * (10 - 15 * u + 6 * u**2)
+    rate = 30 * u**2 * (1 - u) ** 2 / duration
     return START + ease * SWEEP, rate * SWEEP
 
 
@@ -42,13 +50,18 @@ def follower(options: EgmOptions | None = None, rate: float = 250.0) -> EgmFollo
 
 
 def test_bytes_are_those_of_the_wire_format() -> None:
-    """Against bytes written out by hand from the Protocol Buffers encoding and ABB's field numbers."""
+    """Against bytes written out by hand from the Protocol Buffers encoding and ABB's field
+    numbers."""
     message = proto.SensorMessage(300, 5, (1.0,), (-2.0,))
     expected = (
-        bytes([0x0A, 7, 0x08, 0xAC, 0x02, 0x10, 5, 0x18, 3])  # header: seqno 300, tm 5, MSGTYPE_CORRECTION
-        + bytes([0x12, 11, 0x0A, 9, 0x09]) + struct.pack("<d", 1.0)  # planned.joints
-        + bytes([0x1A, 11, 0x0A, 9, 0x09]) + struct.pack("<d", -2.0)  # speedRef.joints
-    )  # fmt: skip
+        bytes(
+            [0x0A, 7, 0x08, 0xAC, 0x02, 0x10, 5, 0x18, 3]
+        )  # header: seqno 300, tm 5, MSGTYPE_CORRECTION
+        + bytes([0x12, 11, 0x0A, 9, 0x09])
+        + struct.pack("<d", 1.0)  # planned.joints
+        + bytes([0x1A, 11, 0x0A, 9, 0x09])
+        + struct.pack("<d", -2.0)  # speedRef.joints
+    )
     assert proto.encode_sensor(message) == expected
     assert proto.decode_sensor(expected) == message
 
@@ -56,9 +69,14 @@ def test_bytes_are_those_of_the_wire_format() -> None:
 def test_messages_survive_the_way_there_and_back() -> None:
     draw = np.random.default_rng(0)
     for _ in range(50):
-        q, qd = tuple(draw.normal(size=6)), tuple(draw.normal(size=6))
-        sensor = proto.SensorMessage(int(draw.integers(1 << 32)), int(draw.integers(1 << 32)), q, qd)
-        robot = proto.RobotMessage(int(draw.integers(1 << 32)), 7, q, qd, 1, 3, bool(draw.integers(2)), 2)
+        q = tuple(draw.normal(size=6))
+        qd = tuple(draw.normal(size=6))
+        sensor = proto.SensorMessage(
+            int(draw.integers(1 << 32)), int(draw.integers(1 << 32)), q, qd
+        )
+        robot = proto.RobotMessage(
+            int(draw.integers(1 << 32)), 7, q, qd, 1, 3, bool(draw.integers(2)), 2
+        )
         assert proto.decode_sensor(proto.encode_sensor(sensor)) == sensor
         assert proto.decode_robot(proto.encode_robot(robot)) == robot
 
@@ -69,7 +87,9 @@ def abb_messages() -> dict[str, Any]:
     from google.protobuf import descriptor_pb2, descriptor_pool, message_factory
 
     D = descriptor_pb2.FieldDescriptorProto
-    file = descriptor_pb2.FileDescriptorProto(name="egm_test.proto", package="abb.egm", syntax="proto2")
+    file = descriptor_pb2.FileDescriptorProto(
+        name="egm_test.proto", package="abb.egm", syntax="proto2"
+    )
     nested: dict[str, list[tuple[str, int, Any, Any]]] = {
         "EgmHeader": [
             ("seqno", 1, D.TYPE_UINT32, None),
@@ -102,9 +122,12 @@ def abb_messages() -> dict[str, Any]:
     for name, fields in nested.items():
         message = file.message_type.add(name=name)
         for field, number, kind, label in fields:
-            added = message.field.add(name=field, number=number, label=D.LABEL_REPEATED if label else D.LABEL_OPTIONAL)
+            added = message.field.add(
+                name=field, number=number, label=D.LABEL_REPEATED if label else D.LABEL_OPTIONAL
+            )
             if isinstance(kind, str):
-                added.type, added.type_name = D.TYPE_MESSAGE, f".abb.egm.{kind}"
+                added.type = D.TYPE_MESSAGE
+                added.type_name = f".abb.egm.{kind}"
             else:
                 added.type = kind
     pool = descriptor_pool.DescriptorPool()
@@ -118,20 +141,29 @@ def abb_messages() -> dict[str, Any]:
 def test_googles_library_reads_and_writes_the_same() -> None:
     messages = abb_messages()
     theirs = messages["EgmSensor"]()
-    theirs.ParseFromString(proto.encode_sensor(proto.SensorMessage(70000, 123456, (1.5, -2.0, 3, 4, 5, 6), (0.5,) * 6)))
+    theirs.ParseFromString(
+        proto.encode_sensor(proto.SensorMessage(70000, 123456, (1.5, -2.0, 3, 4, 5, 6), (0.5,) * 6))
+    )
     assert (theirs.header.seqno, theirs.header.tm, theirs.header.mtype) == (70000, 123456, 3)
     assert list(theirs.planned.joints.joints) == [1.5, -2.0, 3, 4, 5, 6]
     assert list(theirs.speedRef.joints.joints) == [0.5] * 6
     robot = messages["EgmRobot"]()
-    robot.header.seqno, robot.header.tm, robot.header.mtype = 9, 4_000_000_000, 2
+    robot.header.seqno = 9
+    robot.header.tm = 4_000_000_000
+    robot.header.mtype = 2
     robot.feedBack.joints.joints.extend([1, 2, 3, 4, 5, 6.25])
-    robot.feedBack.time.sec, robot.feedBack.time.usec = 1, 2
+    robot.feedBack.time.sec = 1
+    robot.feedBack.time.usec = 2
     robot.planned.joints.joints.extend([6, 5, 4, 3, 2, 1])
-    robot.motorState.state, robot.mciState.state, robot.rapidExecState.state = 1, 3, 2
+    robot.motorState.state = 1
+    robot.mciState.state = 3
+    robot.rapidExecState.state = 2
     robot.testSignals.signals.extend([0.1, 0.2])
     robot.utilizationRate = 42.0
     ours = proto.decode_robot(robot.SerializeToString())
-    assert ours == proto.RobotMessage(9, 4_000_000_000, (1, 2, 3, 4, 5, 6.25), (6, 5, 4, 3, 2, 1), 1, 3, False, 2)
+    assert ours == proto.RobotMessage(
+        9, 4_000_000_000, (1, 2, 3, 4, 5, 6.25), (6, 5, 4, 3, 2, 1), 1, 3, False, 2
+    )
     theirs_again = messages["EgmRobot"]()
     theirs_again.ParseFromString(proto.encode_robot(ours))
     assert list(theirs_again.feedBack.joints.joints) == [1, 2, 3, 4, 5, 6.25]
@@ -140,7 +172,14 @@ def test_googles_library_reads_and_writes_the_same() -> None:
 
 def test_packed_joints_are_read_too() -> None:
     packed = b"\x0a" + bytes([48]) + struct.pack("<6d", 1, 2, 3, 4, 5, 6)
-    data = b"\x0a\x04\x08\x01\x10\x02" + b"\x12" + bytes([len(packed) + 2]) + b"\x0a" + bytes([len(packed)]) + packed
+    data = (
+        b"\x0a\x04\x08\x01\x10\x02"
+        + b"\x12"
+        + bytes([len(packed) + 2])
+        + b"\x0a"
+        + bytes([len(packed)])
+        + packed
+    )
     assert proto.decode_robot(data).q_deg == (1, 2, 3, 4, 5, 6)
 
 
@@ -162,7 +201,9 @@ def test_torn_messages_are_refused() -> None:
 # ---- decisions
 
 
-def message(sequence: int, q: Array, state: int = proto.MCI_RUNNING, time_ms: int | None = None) -> proto.RobotMessage:
+def message(
+    sequence: int, q: Array, state: int = proto.MCI_RUNNING, time_ms: int | None = None
+) -> proto.RobotMessage:
     clock = 4 * sequence if time_ms is None else time_ms
     return proto.RobotMessage(sequence, clock, tuple(np.degrees(q)), (), proto.MOTORS_ON, state)
 
@@ -199,7 +240,9 @@ def test_numbers_that_wrap_go_on() -> None:
     f = follower()
     top = (1 << 32) - 3
     for k in range(8):
-        answer = f.answer(message((top + k) % (1 << 32), START, time_ms=((1 << 32) - 10 + 4 * k) % (1 << 32)))
+        answer = f.answer(
+            message((top + k) % (1 << 32), START, time_ms=((1 << 32) - 10 + 4 * k) % (1 << 32))
+        )
         assert answer is not None
     assert f.plan_time == pytest.approx(7 * CYCLE)
     assert (f.report().lost, f.report().late) == (0, 0)
@@ -222,11 +265,16 @@ def test_late_and_double_messages_are_not_answered() -> None:
         ([(0, START + AXIS_1, 3, 0)], r"axis 1 stands 5\.00 deg from the plan's start"),
         ([(0, START, 3, 0), (1, START, 2, 4)], r"EGM left the running state \(state 2"),
         ([(0, START, 3, 0), (1, START + 6 * AXIS_1, 3, 4)], r"axis 1 is 30\.0 deg from the plan"),
-        ([(0, START, 3, 0), (50, START, 3, 200)], r"49 messages of the controller got lost in a row"),
+        (
+            [(0, START, 3, 0), (50, START, 3, 200)],
+            r"49 messages of the controller got lost in a row",
+        ),
         ([(0, START[:5], 3, 0)], "sends 5 axes, expected 6"),
     ],
 )
-def test_what_is_not_as_planned_ends_the_stream(messages: list[tuple[int, Array, int, int]], text: str) -> None:
+def test_what_is_not_as_planned_ends_the_stream(
+    messages: list[tuple[int, Array, int, int]], text: str
+) -> None:
     f = follower()
     for sequence, q, state, clock in messages[:-1]:
         f.answer(message(sequence, q, state, clock))
@@ -244,7 +292,8 @@ def test_an_arm_that_never_arrives_is_reported() -> None:
             f.answer(message(sequence, planned(np.array(sequence * CYCLE))[0] + 0.002))
 
     with pytest.raises(
-        EgmError, match=r"at 1\.000 s of 1\.000 s: axis \d is still 0\.115 deg from the end after 0\.1 s"
+        EgmError,
+        match=r"at 1\.000 s of 1\.000 s: axis \d is still 0\.115 deg from the end after 0\.1 s",
     ):
         beside_the_plan()
 
@@ -252,7 +301,8 @@ def test_an_arm_that_never_arrives_is_reported() -> None:
 def test_a_stop_stays_on_the_path_and_comes_to_rest() -> None:
     f = follower(EgmOptions(stop_time=0.2))
     f.answer(message(0, START))
-    references, speeds = [], []
+    references = []
+    speeds = []
     for sequence in range(1, 200):
         if sequence == 100:
             f.stop()
@@ -299,12 +349,15 @@ PATIENT = EgmOptions(timeout=2.0)
 
 
 class Controller:
-    """qd = speed reference + K (position reference - q), exact over each cycle; references act one cycle later."""
+    """qd = speed reference + K (position reference - q), exact over each cycle; references act one
+    cycle later."""
 
     def __init__(self, port: int, gain: float, q: Array = START) -> None:
         self.address = ("127.0.0.1", port)
         self.gain = gain
-        self.q, self.q_ref, self.qd_ref = q.copy(), q.copy(), np.zeros(6)
+        self.q = q.copy()
+        self.q_ref = q.copy()
+        self.qd_ref = np.zeros(6)
         self.sequence = 0
         self.rows: list[Array] = []
 
@@ -314,13 +367,15 @@ class Controller:
         lost_there: Callable[[int], bool] = lambda k: False,
         lost_back: Callable[[int], bool] = lambda k: False,
     ) -> int:
-        """Talk for some cycles; returns how many messages were answered. Ends early when nobody answers any more."""
+        """Talk for some cycles; returns how many messages were answered. Ends early when nobody
+        answers any more."""
         answered = 0
         with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as wire:
             wire.settimeout(0.3)
             for k in range(cycles):
                 self.rows.append(self.q.copy())
-                reference, speed = self.q_ref, self.qd_ref
+                reference = self.q_ref
+                speed = self.qd_ref
                 if not lost_there(k):
                     wire.sendto(proto.encode_robot(message(self.sequence, self.q)), self.address)
                     try:
@@ -331,7 +386,9 @@ class Controller:
                     assert answer.sequence == answered
                     if not lost_back(k):
                         self.q_ref = np.radians(answer.q_deg)
-                        self.qd_ref = np.radians(answer.qd_deg_s) if answer.qd_deg_s else np.zeros(6)
+                        self.qd_ref = (
+                            np.radians(answer.qd_deg_s) if answer.qd_deg_s else np.zeros(6)
+                        )
                 self.sequence += 1
                 # the servo integrates with the references that it had when the cycle began
                 offset = reference + speed / self.gain
@@ -339,7 +396,9 @@ class Controller:
         return answered
 
 
-def on_loopback(f: EgmFollower, **options: Any) -> tuple[int, Future[EgmReport], ThreadPoolExecutor]:
+def on_loopback(
+    f: EgmFollower, **options: Any
+) -> tuple[int, Future[EgmReport], ThreadPoolExecutor]:
     """The stream in a thread of its own, on a free port."""
     ports: Queue[int] = Queue()
     pool = ThreadPoolExecutor(1)
@@ -348,10 +407,12 @@ def on_loopback(f: EgmFollower, **options: Any) -> tuple[int, Future[EgmReport],
 
 
 def lagged(gain: float, cycles: int, delay: float) -> Array:
-    """The servo's law on the plan itself, q' = K (plan(t - delay) - q), integrated finely: rows at the cycles."""
+    """The servo's law on the plan itself, q' = K (plan(t - delay) - q), integrated finely: rows at
+    the cycles."""
     fine = 50
     h = CYCLE / fine
-    q, rows = START.copy(), []
+    q = START.copy()
+    rows = []
     for k in range(cycles * fine):
         if k % fine == 0:
             rows.append(q)
@@ -374,7 +435,9 @@ def test_position_guidance_follows_the_plan_by_the_lag_law() -> None:
     # and the lag is what the law says: speed / gain, where the speed is highest
     top = 125
     lag = planned(np.array(top * CYCLE))[0] - rows[top]
-    assert lag == pytest.approx(planned(np.array(top * CYCLE))[1] * (1 / 20.0 + 1.5 * CYCLE), rel=0.1)
+    assert lag == pytest.approx(
+        planned(np.array(top * CYCLE))[1] * (1 / 20.0 + 1.5 * CYCLE), rel=0.1
+    )
     assert report.outcome == "finished"
     assert (report.lost, report.late) == (0, 0)
     assert np.degrees(np.abs(rows[-1] - (START + SWEEP))).max() <= 0.05
@@ -400,7 +463,8 @@ def test_speed_guidance_leaves_only_the_delay() -> None:
 
 def test_lost_messages_either_way_do_not_lose_the_plan() -> None:
     draw = np.random.default_rng(2)
-    there, back = draw.random(1000) < 0.1, draw.random(1000) < 0.1
+    there = draw.random(1000) < 0.1
+    back = draw.random(1000) < 0.1
     there[:2] = back[:2] = False
     there[120:124] = True
     f = follower(PATIENT)
@@ -413,10 +477,13 @@ def test_lost_messages_either_way_do_not_lose_the_plan() -> None:
     assert report.lost == int(there[:cycles].sum()) > 10
     assert answered == len(report.time)
     rows = np.array(controller.rows)[:cycles]
-    runs = "".join("x" if a or b else " " for a, b in zip(there[:cycles], back[:cycles], strict=True)).split()
+    runs = "".join(
+        "x" if a or b else " " for a, b in zip(there[:cycles], back[:cycles], strict=True)
+    ).split()
     worst = max(map(len, runs))
     assert worst >= 4
-    # while nothing comes the servo goes on towards the last reference: at most that many cycles late
+    # while nothing comes the servo goes on towards the last reference: at most that many cycles
+    # late
     speed = np.abs(planned(np.array(0.5))[1]).max()
     assert np.abs(rows - planned(np.arange(cycles) * CYCLE)[0]).max() < (2 + worst) * CYCLE * speed
     assert np.degrees(np.abs(rows[-1] - (START + SWEEP))).max() <= 0.05
@@ -428,14 +495,18 @@ def test_a_silent_controller_ends_the_stream() -> None:
     port, future, pool = on_loopback(f)
     with pool:
         Controller(port, gain=20.0).run(80)
-        with pytest.raises(EgmError, match=r"EGM stopped at 0\.316 s of 1\.000 s: no message for 0\.050 s") as caught:
+        with pytest.raises(
+            EgmError, match=r"EGM stopped at 0\.316 s of 1\.000 s: no message for 0\.050 s"
+        ) as caught:
             future.result(timeout=5.0)
     assert caught.value.report.outcome == "failed"
     assert len(caught.value.report.time) == 80
 
 
 def test_nobody_calling_is_reported() -> None:
-    with pytest.raises(EgmError, match=r"before the plan began: no controller called within 0\.1 s"):
+    with pytest.raises(
+        EgmError, match=r"before the plan began: no controller called within 0\.1 s"
+    ):
         stream(follower(EgmOptions(connect_timeout=0.05)), host="127.0.0.1", port=0)
 
 

@@ -1,4 +1,5 @@
-"""Joint moves: limits between the rows, exact ends, all axes together, and inputs that ruckig would swallow."""
+"""Joint moves: limits between the rows, exact ends, all axes together, and inputs that ruckig would
+swallow."""
 
 from __future__ import annotations
 
@@ -21,7 +22,8 @@ def model() -> irb.Model:
 
 
 def at_10_kHz(move: JointMove) -> tuple[Array, Array, Array]:
-    """The move between its rows, as the cubic through angles and speeds that a controller would make of them."""
+    """The move between its rows, as the cubic through angles and speeds that a controller would
+    make of them."""
     spline = CubicHermiteSpline(move.time, move.q, move.qd)
     time = np.arange(0.0, move.duration, 1e-4)
     return spline(time), spline(time, 1), spline(time, 2)
@@ -29,7 +31,8 @@ def at_10_kHz(move: JointMove) -> tuple[Array, Array, Array]:
 
 def random_pairs(model: irb.Model, count: int, seed: int) -> list[tuple[Array, Array]]:
     draw = np.random.default_rng(seed)
-    low, high = model.robot.q_min, model.robot.q_max
+    low = model.robot.q_min
+    high = model.robot.q_max
     q = draw.uniform(low, high, (2 * count, 6))
     return [(q[2 * k], q[2 * k + 1]) for k in range(count)]
 
@@ -37,7 +40,8 @@ def random_pairs(model: irb.Model, count: int, seed: int) -> list[tuple[Array, A
 @pytest.mark.parametrize("pair", range(6))
 def test_rest_to_rest_keeps_every_limit_at_10_kHz(model: irb.Model, pair: int) -> None:
     start, target = random_pairs(model, 6, seed=1)[pair]
-    # a row every 0.1 ms: the limits are those of the motion itself, no interpolation between rows in between
+    # a row every 0.1 ms: the limits are those of the motion itself, no interpolation between rows
+    # in between
     move = joint_move(model, start, target, rate=10_000.0)
     robot = model.robot
     tau = model.inverse_dynamics(move.q, move.qd, move.qdd)
@@ -87,12 +91,15 @@ def test_goes_on_from_a_moving_state(model: irb.Model) -> None:
         assert np.abs(move.qd[-1]).max() < 1e-8
         q, qd_fine, _ = at_10_kHz(move)
         assert (np.abs(qd_fine) <= model.robot.qd_max * 1.001).all()
-        assert (np.abs(model.inverse_dynamics(move.q, move.qd, move.qdd)) <= model.robot.tau_max).all()
+        assert (
+            np.abs(model.inverse_dynamics(move.q, move.qd, move.qdd)) <= model.robot.tau_max
+        ).all()
         assert (q > model.robot.q_min).all()
 
 
 def test_stated_limits_are_never_exceeded(model: irb.Model) -> None:
-    acceleration, jerk = np.full(6, 1.5), np.full(6, 9.0)
+    acceleration = np.full(6, 1.5)
+    jerk = np.full(6, 9.0)
     move = joint_move(model, HOME, HOME + 0.5, qdd_max=acceleration, qddd_max=jerk, rate=10_000.0)
     assert (np.abs(move.qdd) <= 1.5 + 1e-9).all()
     assert (np.abs(np.diff(move.qdd, axis=0)) * 1e4 <= 9.0 + 1e-3).all()
@@ -103,13 +110,18 @@ def test_weaker_motors_make_a_slower_move(model: irb.Model) -> None:
     target = HOME + np.array([1.0, 0.6, -0.4, 0.0, 0.0, 0.0])
     limits = [joint.limits for joint in model.robot.joints]
     weak = [
-        joint.model_copy(update={"limits": limit.model_copy(update={"torque_Nm": 0.6 * limit.torque_Nm})})
+        joint.model_copy(
+            update={"limits": limit.model_copy(update={"torque_Nm": 0.6 * limit.torque_Nm})}
+        )
         for joint, limit in zip(model.robot.joints, limits, strict=True)
     ]
     slow_model = irb.Model(model.robot.model_copy(update={"joints": tuple(weak)}))
-    slow, fast = joint_move(slow_model, HOME, target), joint_move(model, HOME, target)
+    slow = joint_move(slow_model, HOME, target)
+    fast = joint_move(model, HOME, target)
     assert slow.duration > 1.1 * fast.duration
-    assert (np.abs(slow_model.inverse_dynamics(slow.q, slow.qd, slow.qdd)) <= slow_model.robot.tau_max).all()
+    assert (
+        np.abs(slow_model.inverse_dynamics(slow.q, slow.qd, slow.qdd)) <= slow_model.robot.tau_max
+    ).all()
 
 
 def test_nothing_to_do_takes_no_time(model: irb.Model) -> None:
@@ -137,11 +149,16 @@ def test_rows_cannot_be_written(model: irb.Model) -> None:
         ({"q_target": np.full(6, np.nan)}, "axis 1 is not finite"),
         ({"qd_start": np.array([0, 0, np.inf, 0, 0, 0])}, "axis 3 is not finite"),
         ({"q_target": np.radians([0, 0, 70.0, 0, 0, 0])}, "axis 3 at 70.00 deg, range -60 to 65"),
-        ({"qd_start": np.radians([0, 160.0, 0, 0, 0, 0])}, "axis 2 moves at 160.0 deg/s, expected at most 150.0"),
+        (
+            {"qd_start": np.radians([0, 160.0, 0, 0, 0, 0])},
+            "axis 2 moves at 160.0 deg/s, expected at most 150.0",
+        ),
         ({"rate": 0.0}, "rate is 0.0"),
     ],
 )
-def test_wrong_input_is_refused_in_words(model: irb.Model, change: dict[str, object], message: str) -> None:
+def test_wrong_input_is_refused_in_words(
+    model: irb.Model, change: dict[str, object], message: str
+) -> None:
     request: dict[str, object] = {"q_start": HOME, "q_target": HOME + 0.1} | change
     with pytest.raises(InputError, match=message):
         joint_move(model, **request)  # type: ignore[arg-type]
@@ -149,16 +166,22 @@ def test_wrong_input_is_refused_in_words(model: irb.Model, change: dict[str, obj
 
 def test_an_arm_that_cannot_hold_itself_is_refused(model: irb.Model) -> None:
     joints = list(model.robot.joints)
-    joints[1] = joints[1].model_copy(update={"limits": joints[1].limits.model_copy(update={"torque_Nm": 200.0})})
+    joints[1] = joints[1].model_copy(
+        update={"limits": joints[1].limits.model_copy(update={"torque_Nm": 200.0})}
+    )
     weak = irb.Model(model.robot.model_copy(update={"joints": tuple(joints)}))
     stretched = np.radians([0.0, 80.0, 0.0, 0.0, 0.0, 0.0])
-    with pytest.raises(InfeasibleError, match=r"q_target: axis 2 cannot hold the arm: needs .* of 200 Nm"):
+    with pytest.raises(
+        InfeasibleError, match=r"q_target: axis 2 cannot hold the arm: needs .* of 200 Nm"
+    ):
         joint_move(weak, HOME, stretched)
 
 
 def test_too_weak_to_overcome_friction_names_the_place(model: irb.Model) -> None:
     joints = list(model.robot.joints)
-    joints[5] = joints[5].model_copy(update={"limits": joints[5].limits.model_copy(update={"torque_Nm": 10.0})})
+    joints[5] = joints[5].model_copy(
+        update={"limits": joints[5].limits.model_copy(update={"torque_Nm": 10.0})}
+    )
     weak = irb.Model(model.robot.model_copy(update={"joints": tuple(joints)}))
     with pytest.raises(InfeasibleError, match=r"at \d\.\d+ s axis 6 needs \d+ of 10 Nm"):
         joint_move(weak, HOME, HOME + np.array([0, 0, 0, 0, 0, 1.0]))

@@ -1,4 +1,5 @@
-"""Free geometry: nothing violated between knots, way-points met, never worse than the warm start, and it says so."""
+"""Free geometry: nothing violated between knots, way-points met, never worse than the warm start,
+and it says so."""
 
 from __future__ import annotations
 
@@ -11,16 +12,16 @@ import pytest
 
 import irb2400_ctrl as irb
 from irb2400_ctrl.errors import InfeasibleError, InputError
-from irb2400_ctrl.planners.certificate import check
+from irb2400_ctrl.planners.enclosure.path_dynamics import path_dynamics
 from irb2400_ctrl.planners.joint_move import joint_move
 from irb2400_ctrl.planners.joint_path import JointPath
-from irb2400_ctrl.planners.knots import Knots
-from irb2400_ctrl.planners.limits import MotionLimits
-from irb2400_ctrl.planners.optimise import _placed, optimise_motion
-from irb2400_ctrl.planners.optimised import Optimised, path_margins
-from irb2400_ctrl.planners.path_dynamics import path_dynamics
-from irb2400_ctrl.planners.stuck import StuckError
-from irb2400_ctrl.planners.transcription import Transcription
+from irb2400_ctrl.planners.timing.certificate import check
+from irb2400_ctrl.planners.timing.infeasible_point import InfeasiblePointError
+from irb2400_ctrl.planners.timing.motion_limits import MotionLimits
+from irb2400_ctrl.planners.trajectory_optimisation.knots import Knots
+from irb2400_ctrl.planners.trajectory_optimisation.optimise_motion import _placed, optimise_motion
+from irb2400_ctrl.planners.trajectory_optimisation.optimised import Optimised, path_margins
+from irb2400_ctrl.planners.trajectory_optimisation.transcription import Transcription
 
 Array = npt.NDArray[np.float64]
 HOME = np.radians([0.0, -20.0, 10.0, 0.0, 60.0, 0.0])
@@ -59,7 +60,9 @@ def test_faster_than_the_fixed_spline_and_certified(robot: irb.Robot, fast: Opti
 
 
 def test_way_points_are_met_in_order(fast: Optimised) -> None:
-    _, q, _, _ = fast.motion.certificate.law.motion(fast.motion.certificate.path, fast.waypoint_time)
+    _, q, _, _ = fast.motion.certificate.law.motion(
+        fast.motion.certificate.path, fast.waypoint_time
+    )
     assert np.abs(q - fast.waypoints).max() < 1e-6
     assert (np.diff(fast.waypoint_time) > 0).all()
     assert fast.waypoint_time[-1] == pytest.approx(fast.duration)
@@ -73,7 +76,8 @@ def test_peak_torque_and_energy_are_those_of_the_motion(robot: irb.Robot, fast: 
     power = np.maximum(rows.tau * rows.qd, 0.0)
     energy = (np.diff(rows.time)[:, None] * (power[1:] + power[:-1]) / 2).sum(axis=0)
     assert fast.motion.energy == pytest.approx(energy, rel=0.01)
-    # drives give what friction and the net work of gravity take (nothing, between rests at equal heights)
+    # drives give what friction and the net work of gravity take (nothing, between rests at equal
+    # heights)
     assert fast.motion.energy.sum() > 0
 
 
@@ -108,7 +112,10 @@ def test_torque_rate_is_kept_and_the_start_has_no_jump(robot: irb.Robot) -> None
 def test_any_warm_start_ends_at_the_same_duration(robot: irb.Robot) -> None:
     W = drawn(2, 4)
     way = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(W, axis=0)).max(axis=1))])
-    found = [optimise_motion(robot, W, start=JointPath.through(s, W), wall_time=60.0) for s in (np.arange(4.0), way)]
+    found = [
+        optimise_motion(robot, W, start=JointPath.through(s, W), wall_time=60.0)
+        for s in (np.arange(4.0), way)
+    ]
     assert found[0].reference is not None
     assert found[1].reference is not None
     assert abs(found[0].reference.duration / found[1].reference.duration - 1) > 0.03
@@ -116,7 +123,8 @@ def test_any_warm_start_ends_at_the_same_duration(robot: irb.Robot) -> None:
 
 
 def test_nothing_goes_zigzag_between_the_knots_of_least_energy(robot: irb.Robot) -> None:
-    model, W = path_dynamics(robot).model, drawn(2, 3)
+    model = path_dynamics(robot).model
+    W = drawn(2, 3)
     found = optimise_motion(robot, W, objective="energy", intervals=60, wall_time=60.0)
     path = found.motion.certificate.path
 
@@ -125,17 +133,21 @@ def test_nothing_goes_zigzag_between_the_knots_of_least_energy(robot: irb.Robot)
         power = np.maximum(tau * path(time, 1), 0.0).sum(axis=1)
         return float((np.diff(time) * (power[1:] + power[:-1]) / 2).sum())
 
-    assert energy(path.knots) == pytest.approx(energy(np.linspace(0.0, path.knots[-1], 5001)), rel=0.05)
+    assert energy(path.knots) == pytest.approx(
+        energy(np.linspace(0.0, path.knots[-1], 5001)), rel=0.05
+    )
 
 
 def test_speed_is_kept_between_knots(robot: irb.Robot) -> None:
-    limits, W = MotionLimits.of(robot), drawn(5)[:3]
+    limits = MotionLimits.of(robot)
+    W = drawn(5)[:3]
     cubic = JointPath.through(np.array([0.0, 2.0, 4.0]), W)
     time = np.linspace(0.0, 4.0, 81)
     guess = Knots(time, cubic(time), cubic(time, 1), cubic(time, 2))
     solved = Transcription(path_dynamics(robot).model, limits, W, (40, 40)).solve(guess, 60.0)
     assert solved.converged
-    k, h = solved.knots, np.diff(solved.knots.time)[:, None]
+    k = solved.knots
+    h = np.diff(solved.knots.time)[:, None]
     for part in np.linspace(0.0, 1.0, 11):
         speed = k.qd[:-1] + part * h * (k.qdd[:-1] + part / 2 * np.diff(k.qdd, axis=0))
         assert (np.abs(speed) / limits.qd_max).max() <= 1 + 1e-4
@@ -143,7 +155,10 @@ def test_speed_is_kept_between_knots(robot: irb.Robot) -> None:
 
 def test_a_place_without_timing_is_named_by_its_way_points() -> None:
     knots = Knots(np.linspace(0.0, 4.0, 21), *np.zeros((3, 21, 6)))
-    assert _placed(StuckError(2.3, " no way; round it"), knots, (10, 10)) == "between way-points 2 and 3 no way"
+    assert (
+        _placed(InfeasiblePointError(2.3, " no way; round it"), knots, (10, 10))
+        == "between way-points 2 and 3 no way"
+    )
     assert _placed(InfeasibleError("no"), knots, (10, 10)) == "no"
 
 
@@ -198,10 +213,13 @@ def test_derivatives_of_a_knot_match_casadi_and_differences(robot: irb.Robot) ->
     model = path_dynamics(robot).model
     W = drawn(1, 2)
     limits = MotionLimits.of(robot)
-    program = Transcription(model, limits, W, (10,), "energy", margins=((0, 0.1),), torque_rate=robot.tau_max)
+    program = Transcription(
+        model, limits, W, (10,), "energy", margins=((0, 0.1),), torque_rate=robot.tau_max
+    )
     interpreted = replace(program, compiled=False)
     rng = np.random.default_rng(0)
-    y, weights = np.concatenate([W[0], rng.uniform(-0.5, 0.5, 12)]), rng.normal(size=program._knot.numel_out(0))
+    y = np.concatenate([W[0], rng.uniform(-0.5, 0.5, 12)])
+    weights = rng.normal(size=program._knot.numel_out(0))
     p = np.concatenate([0.04 * robot.qd_max, rng.uniform(5.0, 50.0, 6)])
     machine = [np.asarray(ca.DM(v)) for v in program._knot_derivatives(y, p, weights)]
     for one, other in zip(machine, interpreted._knot_derivatives(y, p, weights), strict=True):
@@ -209,13 +227,18 @@ def test_derivatives_of_a_knot_match_casadi_and_differences(robot: irb.Robot) ->
     step = 1e-6
     for j in range(18):
         d = step * np.eye(18)[j]
-        slope = (np.asarray(program._knot(y + d, p)) - np.asarray(program._knot(y - d, p)))[:, 0] / (2 * step)
+        slope = (np.asarray(program._knot(y + d, p)) - np.asarray(program._knot(y - d, p)))[
+            :, 0
+        ] / (2 * step)
         assert machine[1][:, j] == pytest.approx(slope, rel=1e-5, abs=1e-6)
         gradients = [
-            np.asarray(ca.DM(program._knot_derivatives(y + k * d, p, weights)[1])).T @ weights for k in (1, -1)
+            np.asarray(ca.DM(program._knot_derivatives(y + k * d, p, weights)[1])).T @ weights
+            for k in (1, -1)
         ]
         full = machine[2] + np.triu(machine[2], 1).T
-        assert full[:, j] == pytest.approx((gradients[0] - gradients[1]) / (2 * step), rel=1e-4, abs=1e-4)
+        assert full[:, j] == pytest.approx(
+            (gradients[0] - gradients[1]) / (2 * step), rel=1e-4, abs=1e-4
+        )
 
 
 @pytest.mark.parametrize(
@@ -229,10 +252,16 @@ def test_derivatives_of_a_knot_match_casadi_and_differences(robot: irb.Robot) ->
         (lambda W: W, {"margins": {"wrist": 0.999}}, "way-point 1"),
         (lambda W: W, {"torque_rate": -1.0}, "torque_rate"),
         (lambda W: W, {"duration": 0.0}, "duration"),
-        (lambda W: W, {"start": JointPath.through(np.array([0.0, 1.0]), drawn(9, 2))}, "start passes"),
+        (
+            lambda W: W,
+            {"start": JointPath.through(np.array([0.0, 1.0]), drawn(9, 2))},
+            "start passes",
+        ),
     ],
 )
-def test_wrong_requests_are_named(robot: irb.Robot, change: object, options: dict[str, object], match: str) -> None:
+def test_wrong_requests_are_named(
+    robot: irb.Robot, change: object, options: dict[str, object], match: str
+) -> None:
     assert callable(change)
     with pytest.raises(InputError, match=match):
         optimise_motion(robot, change(drawn(2, 3)), **options)  # type: ignore[arg-type]

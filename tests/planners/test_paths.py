@@ -13,8 +13,9 @@ from hypothesis import strategies as st
 
 from irb2400_ctrl import load_robot
 from irb2400_ctrl.errors import InputError
-from irb2400_ctrl.planners import ToolPath, builders, plan_path, read_path
-from irb2400_ctrl.planners.task_curve import smooth_curve
+from irb2400_ctrl.planners import ToolPath, plan_path, read_path
+from irb2400_ctrl.planners.toolpath import builders
+from irb2400_ctrl.planners.toolpath.task_curve import smooth_curve
 
 ROBOT = load_robot("irb2400")
 
@@ -43,7 +44,9 @@ def test_apt_with_units_feeds_rapid_and_continuation(tmp_path: Path) -> None:
         ]
     )
     path = read_path(written(tmp_path, "part.apt", text))
-    assert np.allclose(path.position, 25.4e-3 * np.array([[1, 2, 3], [2, 2, 3], [2, 3, 3], [2, 3, 2]]))
+    assert np.allclose(
+        path.position, 25.4e-3 * np.array([[1, 2, 3], [2, 2, 3], [2, 3, 3], [2, 3, 2]])
+    )
     assert path.axis is not None
     assert np.allclose(path.axis, [[0, 0, 1], [0, 0, 1], [0.6, 0, 0.8], [0.6, 0, 0.8]])
     assert np.allclose(path.feed[1:], [25.4e-3, np.inf, 5e-3])
@@ -71,8 +74,16 @@ HEAD = "x_mm,y_mm,z_mm,i,j,k\n900,0,500,0,0,1\n"
 @pytest.mark.parametrize(
     ("name", "text", "says"),
     [
-        ("a.csv", HEAD + "950,nan,500,0,0,1\n", "line 3, column y_mm: found nan, expected a finite number"),
-        ("a.csv", HEAD + "950,zero,500,0,0,1\n", "line 3, column y_mm: found 'zero', expected a number"),
+        (
+            "a.csv",
+            HEAD + "950,nan,500,0,0,1\n",
+            "line 3, column y_mm: found nan, expected a finite number",
+        ),
+        (
+            "a.csv",
+            HEAD + "950,zero,500,0,0,1\n",
+            "line 3, column y_mm: found 'zero', expected a number",
+        ),
         ("a.csv", HEAD + "950,0,500,0,0\n", "line 3: found 5 values, expected 6"),
         ("a.csv", HEAD + "950,0,500,0,0,7\n", "line 3: the tool axis i,j,k does not have length 1"),
         ("a.csv", HEAD, "found 1 point"),
@@ -80,7 +91,11 @@ HEAD = "x_mm,y_mm,z_mm,i,j,k\n900,0,500,0,0,1\n"
         ("a.csv", "x_mm,y_mm\n1,2\n", "no column z_mm"),
         ("a.csv", "x_mm,y_mm,z_mm\n1,2,3\n", "no orientation"),
         ("a.apt", "GOTO/1,2,3\nGOTO/1,2\n", "line 2: GOTO/ has 2 numbers"),
-        ("a.apt", "GOTO/1,2,3\nGOTO/1,2,inf\n", "line 2, GOTO: found INF, expected a finite number"),
+        (
+            "a.apt",
+            "GOTO/1,2,3\nGOTO/1,2,inf\n",
+            "line 2, GOTO: found INF, expected a finite number",
+        ),
         ("a.apt", "GOTO/1,2,3\nGOTO/1,2,4,0,0,2\n", "line 2: the tool axis"),
         ("a.apt", "GOTO/1,2,3\nCIRCLE/0,0,0,0,0,1,5\n", "line 2: CIRCLE/ is not read"),
         ("a.apt", "GOTO/1,2,3\nJUMP/4,5,6\n", "line 2: unknown statement 'JUMP'"),
@@ -113,19 +128,31 @@ def test_work_frame_moves_points_and_axes() -> None:
     st.lists(st.tuples(*[st.floats(-100, 100)] * 3), min_size=2, max_size=12),
     st.sampled_from([1e-5, 5e-5, 1e-3]),
 )
-def test_curve_stays_within_the_tolerance_of_any_polygon(points: list[tuple[float, ...]], tolerance: float) -> None:
+def test_curve_stays_within_the_tolerance_of_any_polygon(
+    points: list[tuple[float, ...]], tolerance: float
+) -> None:
     p = np.array(points) / 1e3
     if np.linalg.norm(np.diff(p, axis=0), axis=1).max() < 1e-6:
         return
     curve = smooth_curve(builders.way_points(p), tolerance)
     places = curve(np.linspace(0, curve.segments, 60 * curve.segments + 1))[:, :3]
-    a, side = p[:-1], np.diff(p, axis=0)
-    t = np.einsum("nmk,mk->nm", places[:, None] - a, side) / np.maximum((side**2).sum(axis=1), 1e-30)
+    a = p[:-1]
+    side = np.diff(p, axis=0)
+    t = np.einsum("nmk,mk->nm", places[:, None] - a, side) / np.maximum(
+        (side**2).sum(axis=1), 1e-30
+    )
     foot = a + np.clip(t, 0, 1)[..., None] * side
     distance = np.linalg.norm(places[:, None] - foot, axis=2).min(axis=1)
-    # gentle bends are passed exactly instead; there the curve leaves the sides by the sagitta of the arc
-    bend = np.linalg.norm(np.diff(side / np.maximum(np.linalg.norm(side, axis=1), 1e-12)[:, None], axis=0), axis=1)
-    sagitta = 0.0 if not len(bend) else (np.where(bend < 0.3, bend, 0).max() * np.linalg.norm(side, axis=1).max()) / 4
+    # gentle bends are passed exactly instead; there the curve leaves the sides by the sagitta of
+    # the arc
+    bend = np.linalg.norm(
+        np.diff(side / np.maximum(np.linalg.norm(side, axis=1), 1e-12)[:, None], axis=0), axis=1
+    )
+    sagitta = (
+        0.0
+        if not len(bend)
+        else (np.where(bend < 0.3, bend, 0).max() * np.linalg.norm(side, axis=1).max()) / 4
+    )
     assert distance.max() <= tolerance + sagitta + 1e-9
 
 
@@ -162,8 +189,13 @@ def test_free_rotation_is_at_least_as_good_as_the_best_constant_one() -> None:
     path = builders.way_points([[0.3, -0.1, 1.9], [0.3, 0.1, 1.9]], (0, 0, -1))
     held = plan_path(ROBOT, path, free_tool_rotation=False)
     free = plan_path(ROBOT, path)
-    margins = [min(p.singularity_margin["shoulder"] / 1.57, p.singularity_margin["wrist"]) for p in (held, free)]
-    assert margins[1] > 1.3 * margins[0] or (margins[1] >= margins[0] and free.duration <= held.duration)
+    margins = [
+        min(p.singularity_margin["shoulder"] / 1.57, p.singularity_margin["wrist"])
+        for p in (held, free)
+    ]
+    assert margins[1] > 1.3 * margins[0] or (
+        margins[1] >= margins[0] and free.duration <= held.duration
+    )
     # smooth: no steps of the grid it was chosen on
     turn = np.diff(free.rotation)
     assert np.abs(np.diff(turn)).max() < np.radians(0.5)

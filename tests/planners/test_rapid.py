@@ -14,10 +14,14 @@ from scipy.spatial.transform import Rotation
 
 import irb2400_ctrl as irb
 from irb2400_ctrl.errors import InputError
-from irb2400_ctrl.planners import rapid_data
-from irb2400_ctrl.planners.rapid import RapidOptions, RapidProgram, rapid_program
-from irb2400_ctrl.planners.rapid_reader import RapidModule, read_rapid
-from irb2400_ctrl.planners.rapid_thinning import deviation
+from irb2400_ctrl.planners.programs.rapid import rapid_data
+from irb2400_ctrl.planners.programs.rapid.rapid_program import (
+    RapidOptions,
+    RapidProgram,
+    rapid_program,
+)
+from irb2400_ctrl.planners.programs.rapid.rapid_reader import RapidModule, read_rapid
+from irb2400_ctrl.planners.programs.rapid.rapid_thinning import deviation
 
 Array = npt.NDArray[np.float64]
 HOME = np.radians([10.0, -15.0, 12.0, 100.0, 50.0, -250.0])
@@ -33,7 +37,8 @@ def model() -> irb.Model:
 
 @cache
 def circle(model: irb.Model, count: int = 1001) -> tuple[Array, Array]:
-    """A plan over 4 s: the tool goes round a circle of 60 mm and tilts by some degrees, from rest to rest."""
+    """A plan over 4 s: the tool goes round a circle of 60 mm and tilts by some degrees, from rest
+    to rest."""
     time = np.linspace(0.0, 4.0, count)
     share = time / time[-1]
     phase = 2 * np.pi * share**3 * (10 - 15 * share + 6 * share**2)
@@ -42,7 +47,10 @@ def circle(model: irb.Model, count: int = 1001) -> tuple[Array, Array]:
     for angle in phase[1:]:
         X_k = X.copy()
         X_k[:3, 3] += 0.06 * np.array([np.cos(angle) - 1, np.sin(angle), 0.0])
-        X_k[:3, :3] = X[:3, :3] @ Rotation.from_rotvec([0.0, 0.1 * np.sin(angle), 0.05 * np.sin(angle)]).as_matrix()
+        X_k[:3, :3] = (
+            X[:3, :3]
+            @ Rotation.from_rotvec([0.0, 0.1 * np.sin(angle), 0.05 * np.sin(angle)]).as_matrix()
+        )
         q.append(model.inverse_kinematics(X_k, q[-1])[0])
     return time, np.array(q)
 
@@ -52,7 +60,8 @@ def wrist_passage(model: irb.Model) -> tuple[Array, Array]:
     time = np.linspace(0.0, 2.0, 500)
     share = time / 2.0
     ease = share**3 * (10 - 15 * share + 6 * share**2)
-    a, b = np.radians([0, 0, 0, 20.0, -25.0, 0]), np.radians([15.0, 10.0, 0, 20.0, 30.0, 0])
+    a = np.radians([0, 0, 0, 20.0, -25.0, 0])
+    b = np.radians([15.0, 10.0, 0, 20.0, 30.0, 0])
     return time, a + ease[:, None] * (b - a)
 
 
@@ -67,7 +76,9 @@ def in_single_precision(text: str) -> str:
 
 @pytest.mark.parametrize("X_BW", [None, WORK])
 @pytest.mark.parametrize("stored", [str, in_single_precision])
-def test_linear_targets_read_back_equal_the_plan(model: irb.Model, X_BW: Array | None, stored: object) -> None:
+def test_linear_targets_read_back_equal_the_plan(
+    model: irb.Model, X_BW: Array | None, stored: object
+) -> None:
     time, q = circle(model)
     program = rapid_program(model, time, q, X_BW=X_BW)
     module = read_rapid(stored(program.text))  # type: ignore[operator]
@@ -93,7 +104,9 @@ def test_joint_targets_read_back_equal_the_plan(model: irb.Model) -> None:
 
 
 @pytest.mark.parametrize("motion", ["linear", "joint"])
-def test_straight_moves_stay_within_the_tolerance_of_every_row(model: irb.Model, motion: str) -> None:
+def test_straight_moves_stay_within_the_tolerance_of_every_row(
+    model: irb.Model, motion: str
+) -> None:
     time, q = circle(model)
     options = RapidOptions(motion=motion, tolerance_mm=0.05, tolerance_deg=0.05)  # type: ignore[arg-type]
     samples = rapid_program(model, time, q, options).samples
@@ -102,7 +115,9 @@ def test_straight_moves_stay_within_the_tolerance_of_every_row(model: irb.Model,
     assert len(samples) < len(q) / 4
     X = model.tcp_pose(q)
     for first, last in pairwise(samples):
-        distance, angle = deviation(model, q[first : last + 1], X[first : last + 1], motion == "joint")
+        distance, angle = deviation(
+            model, q[first : last + 1], X[first : last + 1], motion == "joint"
+        )
         assert 1e3 * distance <= 0.05
         assert np.degrees(angle) <= 0.05
     # the sagitta of the chord: an independent figure for a circle of 60 mm
@@ -122,7 +137,14 @@ def test_configuration_data_follow_the_quadrants(model: irb.Model) -> None:
         ],
         dtype=float,
     )
-    expected = [[0, 0, 0, 0], [1, -1, 3, 1], [-2, 1, -5, 0], [-1, 0, 1, 0], [0, 0, 0, 4], [0, 0, 0, 3]]
+    expected = [
+        [0, 0, 0, 0],
+        [1, -1, 3, 1],
+        [-2, 1, -5, 0],
+        [-1, 0, 1, 0],
+        [0, 0, 0, 4],
+        [0, 0, 0, 3],
+    ]
     assert rapid_data.configuration(model, np.radians(degrees)).tolist() == expected
     # rounding noise at zero does not decide
     noise = np.full((1, 6), -1e-15)
@@ -130,12 +152,17 @@ def test_configuration_data_follow_the_quadrants(model: irb.Model) -> None:
 
 
 def test_configuration_and_pose_single_out_the_joint_angles(model: irb.Model) -> None:
-    """Over the joint box: of all joint angles with a target's pose, exactly one has its configuration data."""
+    """Over the joint box: of all joint angles with a target's pose, exactly one has its
+    configuration data."""
     draw = np.random.default_rng(4)
     q = draw.uniform(model.robot.q_min, model.robot.q_max, (300, 6))
     for angles, conf in zip(q, rapid_data.configuration(model, q).tolist(), strict=True):
         every = model.inverse_kinematics(model.tcp_pose(angles))
-        same = [found for found in every if rapid_data.configuration(model, found[None])[0].tolist() == conf]
+        same = [
+            found
+            for found in every
+            if rapid_data.configuration(model, found[None])[0].tolist() == conf
+        ]
         assert len(same) == 1
         assert np.abs(same[0] - angles).max() < 1e-6
 
@@ -152,7 +179,8 @@ def test_wrist_centre_behind_axis_1_is_in_cfx(model: irb.Model) -> None:
 
 
 def test_zero_pose_is_abbs(model: irb.Model) -> None:
-    """At zero, tool0 of an IRB 2400 is at (940, 0, 1455) mm, [0.7071, 0, 0.7071, 0]: the published drawing."""
+    """At zero, tool0 of an IRB 2400 is at (940, 0, 1455) mm, [0.7071, 0, 0.7071, 0]: the published
+    drawing."""
     X = model.flange_pose(np.zeros(6))
     assert 1e3 * X[:3, 3] == pytest.approx([940.0, 0.0, 1455.0])
     assert rapid_data.quaternion(X[:3, :3]) == pytest.approx([0.5**0.5, 0, 0.5**0.5, 0])
@@ -188,7 +216,10 @@ def test_without_a_tool_the_flange_is_tool0(model: irb.Model) -> None:
     program = rapid_program(bare, time, q)
     assert "tool0\\WObj:=wobj0;" in program.text
     assert "tooldata" not in program.text
-    assert np.degrees(np.abs(read_rapid(program.text).joint_angles(bare) - q[program.samples])).max() < 1e-4
+    assert (
+        np.degrees(np.abs(read_rapid(program.text).joint_angles(bare) - q[program.samples])).max()
+        < 1e-4
+    )
 
 
 def test_wrist_passage_runs_under_singarea(model: irb.Model) -> None:
@@ -196,12 +227,16 @@ def test_wrist_passage_runs_under_singarea(model: irb.Model) -> None:
     program = rapid_program(model, time, q)
     module = read_rapid(program.text)
     crossing = int(np.flatnonzero(q[1:, 4] * q[:-1, 4] <= 0)[0])
-    for move, first, last in zip(module.moves[1:], program.samples[:-1], program.samples[1:], strict=True):
+    for move, first, last in zip(
+        module.moves[1:], program.samples[:-1], program.samples[1:], strict=True
+    ):
         assert move.wrist == (first <= crossing < last), (first, last)
     assert program.text.count("SingArea\\Wrist;") == 1
     assert program.text.rindex("SingArea\\Off;") > program.text.index("SingArea\\Wrist;")
     # on both sides the configuration data tell the two signs of axis 5 apart
-    signs = {move.configuration[3] & 1 for move in module.moves[1:] if move.configuration is not None}
+    signs = {
+        move.configuration[3] & 1 for move in module.moves[1:] if move.configuration is not None
+    }
     assert signs == {0, 1}
     flagged = np.zeros(len(q), dtype=bool)
     flagged[100:120] = True
@@ -220,7 +255,10 @@ def test_speeds_times_and_stops(model: irb.Model) -> None:
         assert move.speed_mm_s == pytest.approx(max(planned[first:last].max(), 0.1), abs=1e-3)
     assert sum(move.duration or 0.0 for move in moves) == pytest.approx(4.0, abs=1e-3)
     assert [move.stops for move in moves] == [False] * (len(moves) - 1) + [True]
-    assert all(move.stops for move in read_rapid(rapid_program(model, time, q, RapidOptions(zone_mm=0.0)).text).moves)
+    assert all(
+        move.stops
+        for move in read_rapid(rapid_program(model, time, q, RapidOptions(zone_mm=0.0)).text).moves
+    )
 
 
 def test_a_pause_becomes_a_stop_and_a_wait(model: irb.Model) -> None:
@@ -260,7 +298,9 @@ def check_syntax(program: RapidProgram) -> None:
 
 def test_text_keeps_the_rules_of_the_language(model: irb.Model) -> None:
     time, q = circle(model)
-    long = RapidOptions(module="M" * 32, tool="t" * 32, work_object="w" * 32, entry="e" * 32, state_time=True)
+    long = RapidOptions(
+        module="M" * 32, tool="t" * 32, work_object="w" * 32, entry="e" * 32, state_time=True
+    )
     for options in (RapidOptions(), long, RapidOptions(motion="joint")):
         check_syntax(rapid_program(model, time, q, options, X_BW=WORK, external=(180.0, -123.4567)))
     check_syntax(rapid_program(model, *wrist_passage(model)))
@@ -268,7 +308,9 @@ def test_text_keeps_the_rules_of_the_language(model: irb.Model) -> None:
 
 def test_a_large_program_is_split_into_procedures(model: irb.Model) -> None:
     time, q = circle(model)
-    program = rapid_program(model, time, q, RapidOptions(tolerance_mm=0.002, moves_per_procedure=40))
+    program = rapid_program(
+        model, time, q, RapidOptions(tolerance_mm=0.002, moves_per_procedure=40)
+    )
     bodies = re.findall(r"PROC Part\d+\(\)(.*?)ENDPROC", program.text, re.DOTALL)
     assert len(bodies) == -(-len(program.samples) // 40) > 1
     assert max(body.count("Move") for body in bodies) <= 40
@@ -336,7 +378,9 @@ def test_wrong_plans_are_refused(model: irb.Model) -> None:
         ("[TRUE,", "[TRUE,,", "cannot read the value"),
     ],
 )
-def test_the_reader_names_what_it_cannot_read(model: irb.Model, old: str, new: str, message: str) -> None:
+def test_the_reader_names_what_it_cannot_read(
+    model: irb.Model, old: str, new: str, message: str
+) -> None:
     time, q = circle(model, 101)
     text = rapid_program(model, time, q).text
     assert old in text
@@ -348,7 +392,9 @@ def test_a_configuration_that_does_not_exist_is_refused(model: irb.Model) -> Non
     time, q = circle(model, 101)
     text = rapid_program(model, time, q).text
     conf = rapid_data.configuration(model, q[:1])[0]
-    module: RapidModule = read_rapid(text.replace("[" + ",".join(map(str, conf)) + "]", "[3,3,3,7]"))
+    module: RapidModule = read_rapid(
+        text.replace("[" + ",".join(map(str, conf)) + "]", "[3,3,3,7]")
+    )
     with pytest.raises(InputError, match="no joint angles with configuration"):
         module.joint_angles(model)
 

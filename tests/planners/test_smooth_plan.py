@@ -13,8 +13,9 @@ from irb2400_ctrl import Model, load_robot
 from irb2400_ctrl.cli.main import app
 from irb2400_ctrl.effects import LIBRARY
 from irb2400_ctrl.errors import InfeasibleError, InputError
-from irb2400_ctrl.planners import Plan, ToolPath, builders, check, plan_path
-from irb2400_ctrl.planners.limits import MotionLimits
+from irb2400_ctrl.planners import Plan, ToolPath, check, plan_path
+from irb2400_ctrl.planners.timing.motion_limits import MotionLimits
+from irb2400_ctrl.planners.toolpath import builders
 
 ROBOT = load_robot("irb2400")
 MODEL = Model(ROBOT)
@@ -33,7 +34,9 @@ def without_dry_friction(plan: Plan) -> np.ndarray:
 
 @pytest.fixture(scope="module")
 def plan() -> Plan:
-    return plan_path(ROBOT, corner(), rate=10_000.0, free_tool_rotation=False, torque_rate=20 * ROBOT.tau_max)
+    return plan_path(
+        ROBOT, corner(), rate=10_000.0, free_tool_rotation=False, torque_rate=20 * ROBOT.tau_max
+    )
 
 
 def test_torque_changes_slowly_along_a_tool_path(plan: Plan) -> None:
@@ -50,7 +53,8 @@ def test_torque_changes_slowly_along_a_tool_path(plan: Plan) -> None:
 
 def test_plan_states_rates_and_price(plan: Plan) -> None:
     said = plan.summary()
-    most, limit = np.array(said["max_torque_rate_Nm_s"]), np.array(said["torque_rate_limit_Nm_s"])
+    most = np.array(said["max_torque_rate_Nm_s"])
+    limit = np.array(said["torque_rate_limit_Nm_s"])
     np.testing.assert_allclose(limit, 20 * ROBOT.tau_max)
     assert (most <= limit * (1 + 1e-9)).all()
     assert (most / limit).max() > 0.99
@@ -80,7 +84,9 @@ def test_effects_without_a_bound_of_their_slope_are_looked_at() -> None:
         LIBRARY["viscous_power"].of(1, coefficient=60, exponent=1.5),
     ]
     robot = ROBOT.with_effects(*effects)
-    plan = plan_path(robot, corner(), rate=10_000.0, free_tool_rotation=False, torque_rate=20 * robot.tau_max)
+    plan = plan_path(
+        robot, corner(), rate=10_000.0, free_tool_rotation=False, torque_rate=20 * robot.tau_max
+    )
     # torque is bounded, its rate is not: nothing is promised
     assert plan.max_torque_ratio <= 1.0
     assert not plan.guaranteed
@@ -93,13 +99,18 @@ def test_effects_without_a_bound_of_their_slope_are_looked_at() -> None:
 
 def test_wrong_limits_are_refused() -> None:
     path = corner()
-    with pytest.raises(InputError, match=r"torque_rate: found -1\.0 Nm/s, expected a positive number"):
+    with pytest.raises(
+        InputError, match=r"torque_rate: found -1\.0 Nm/s, expected a positive number"
+    ):
         plan_path(ROBOT, path, torque_rate=-1.0)
     with pytest.raises(InputError, match="one for each of the 6 axes"):
         plan_path(ROBOT, path, jerk=[1.0, 2.0])
     with pytest.raises(InputError, match="'toppra' with a limit of torque rate or jerk"):
         plan_path(ROBOT, path, jerk=10.0, timing="toppra")
-    with pytest.raises(InfeasibleError, match=r"at \d+\.\d mm, axis \d would have to be slower .* jerk of .* deg/s3"):
+    with pytest.raises(
+        InfeasibleError,
+        match=r"at \d+\.\d mm, axis \d would have to be slower .* jerk of .* deg/s3",
+    ):
         plan_path(ROBOT, path, free_tool_rotation=False, jerk=1e-12)
     limits = MotionLimits.of(ROBOT)
     assert limits.with_rates(None, None) == limits

@@ -1,4 +1,5 @@
-"""Torque rate and jerk stay below their limits at every instant, rest to rest, at the price of a fine reference."""
+"""Torque rate and jerk stay below their limits at every instant, rest to rest, at the price of a
+fine reference."""
 
 from __future__ import annotations
 
@@ -13,15 +14,19 @@ from irb2400_ctrl import load_robot
 from irb2400_ctrl.codegen import compile_function
 from irb2400_ctrl.errors import InfeasibleError, InputError
 from irb2400_ctrl.planners import Certificate, MotionLimits, check
+from irb2400_ctrl.planners.enclosure.path_dynamics import path_dynamics
 from irb2400_ctrl.planners.joint_path import JointPath
-from irb2400_ctrl.planners.path_dynamics import path_dynamics
-from irb2400_ctrl.planners.smooth_law import SmoothLaw
-from irb2400_ctrl.planners.smooth_timing import SmoothTimed, time_smoothly
+from irb2400_ctrl.planners.timing.rate_limited.rate_limited_law import RateLimitedLaw
+from irb2400_ctrl.planners.timing.rate_limited.time_rate_limited import (
+    RateLimitedTiming,
+    time_rate_limited,
+)
 
 ROBOT = load_robot("irb2400")
 DYNAMICS = path_dynamics(ROBOT)
 LIMITS = MotionLimits.of(ROBOT)
-# torque by another door than the coefficients: the model's own inverse dynamics, with and without friction
+# torque by another door than the coefficients: the model's own inverse dynamics, with and without
+# friction
 TORQUE = compile_function(DYNAMICS.model.function("inverse_dynamics"))
 SMOOTH_TORQUE = compile_function(DYNAMICS.model.function("inverse_dynamics_without_friction"))
 
@@ -31,7 +36,7 @@ def rated(per_second: float) -> MotionLimits:
     return replace(LIMITS, torque_rate=per_second * LIMITS.tau_max)
 
 
-def seen(path: JointPath, law: SmoothLaw, rate: float = 1e4) -> dict[str, np.ndarray]:
+def seen(path: JointPath, law: RateLimitedLaw, rate: float = 1e4) -> dict[str, np.ndarray]:
     """Peaks over all samples, and torque without dry friction at the samples."""
     time = np.append(np.arange(0.0, law.duration, 1 / rate), law.duration)
     _, q, qd, qdd = law.motion(path, time)
@@ -51,14 +56,15 @@ def seen(path: JointPath, law: SmoothLaw, rate: float = 1e4) -> dict[str, np.nda
 
 
 @pytest.fixture(scope="module")
-def timed() -> SmoothTimed:
-    return time_smoothly(DYNAMICS, random_path(0), rated(20))
+def timed() -> RateLimitedTiming:
+    return time_rate_limited(DYNAMICS, random_path(0), rated(20))
 
 
 def test_no_violation_at_10_khz_on_50_random_paths() -> None:
     for seed in range(50):
-        path, limits = random_path(seed), rated((5, 10, 20, 50)[seed % 4])
-        law = time_smoothly(DYNAMICS, path, limits, count=250).law
+        path = random_path(seed)
+        limits = rated((5, 10, 20, 50)[seed % 4])
+        law = time_rate_limited(DYNAMICS, path, limits, count=250).law
         peaks = seen(path, law)
         assert (peaks["torque"] <= limits.tau_max).all()
         assert (peaks["speed"] <= limits.qd_max).all()
@@ -68,8 +74,9 @@ def test_no_violation_at_10_khz_on_50_random_paths() -> None:
         assert check(Certificate(path, law, limits), DYNAMICS.model, DYNAMICS).holds()
 
 
-def test_rest_to_rest_without_a_jump(timed: SmoothTimed) -> None:
-    path, limits = random_path(0), rated(20)
+def test_rest_to_rest_without_a_jump(timed: RateLimitedTiming) -> None:
+    path = random_path(0)
+    limits = rated(20)
     peaks = seen(path, timed.law)
     held = DYNAMICS.model.gravity(path(np.array([0.0, 1.0])))
     for end, place in ((0, 0), (-1, 1)):
@@ -81,12 +88,17 @@ def test_rest_to_rest_without_a_jump(timed: SmoothTimed) -> None:
         for t in (time, timed.law.duration - time):
             _, q, qd, qdd = timed.law.motion(path, np.array([t]))
             start = held[0] if t < 1 else held[1]
-            now = DYNAMICS.model.inverse_dynamics(q, qd, qdd) - DYNAMICS.model.friction(qd) + ROBOT.friction[:, 2] * qd
+            now = (
+                DYNAMICS.model.inverse_dynamics(q, qd, qdd)
+                - DYNAMICS.model.friction(qd)
+                + ROBOT.friction[:, 2] * qd
+            )
             assert (np.abs(now[0] - start) <= limits.torque_rate * time * (1 + 1e-6) + 1e-8).all()
 
 
-def test_certificate_is_checked_without_the_solver(timed: SmoothTimed) -> None:
-    path, limits = random_path(0), rated(20)
+def test_certificate_is_checked_without_the_solver(timed: RateLimitedTiming) -> None:
+    path = random_path(0)
+    limits = rated(20)
     checked = check(Certificate(path, timed.law, limits), DYNAMICS.model)
     assert checked.holds()
     peaks = seen(path, timed.law)
@@ -102,21 +114,28 @@ def test_certificate_is_checked_without_the_solver(timed: SmoothTimed) -> None:
     assert faster.torque_ratio > 1
 
 
-def test_numbers_that_are_no_motion_are_caught(timed: SmoothTimed) -> None:
-    law, path = timed.law, random_path(0)
+def test_numbers_that_are_no_motion_are_caught(timed: RateLimitedTiming) -> None:
+    law = timed.law
+    path = random_path(0)
     x = law.x.copy()
     x[300] *= 0.999
-    assert not check(Certificate(path, SmoothLaw(law.s.copy(), x, law.u.copy()), rated(20)), DYNAMICS.model).holds()
+    assert not check(
+        Certificate(path, RateLimitedLaw(law.s.copy(), x, law.u.copy()), rated(20)), DYNAMICS.model
+    ).holds()
     u = law.u.copy()
     u[0] = 0.5
-    assert not check(Certificate(path, SmoothLaw(law.s.copy(), law.x.copy(), u), rated(20)), DYNAMICS.model).holds()
+    assert not check(
+        Certificate(path, RateLimitedLaw(law.s.copy(), law.x.copy(), u), rated(20)), DYNAMICS.model
+    ).holds()
     # nor is a path whose second derivative jumps
     bent = path.coefficients.copy()
     bent[2, 2:] += 1e-3
-    assert not check(Certificate(JointPath(path.knots.copy(), bent), law, rated(20)), DYNAMICS.model).holds()
+    assert not check(
+        Certificate(JointPath(path.knots.copy(), bent), law, rated(20)), DYNAMICS.model
+    ).holds()
 
 
-def test_law_is_its_own_integral(timed: SmoothTimed) -> None:
+def test_law_is_its_own_integral(timed: RateLimitedTiming) -> None:
     law = timed.law
     time = np.linspace(0.0, law.duration, 400001)
     s, v, u = law.at(time)
@@ -136,8 +155,9 @@ def test_law_is_its_own_integral(timed: SmoothTimed) -> None:
 
 @pytest.mark.parametrize(("seed", "rate"), [(0, 20.0), (3, 10.0)])
 def test_duration_against_a_reference_of_another_kind(seed: int, rate: float) -> None:
-    path, limits = random_path(seed), rated(rate)
-    law = time_smoothly(DYNAMICS, path, limits, count=100).law
+    path = random_path(seed)
+    limits = rated(rate)
+    law = time_rate_limited(DYNAMICS, path, limits, count=100).law
     reference = reference_duration(DYNAMICS, path, limits, law, 1000)
     assert law.duration < 1.005 * reference
     assert law.duration > 0.999 * reference
@@ -145,18 +165,20 @@ def test_duration_against_a_reference_of_another_kind(seed: int, rate: float) ->
 
 def test_the_price_falls_with_the_rate_and_with_the_cells() -> None:
     path = random_path(2)
-    found = [time_smoothly(DYNAMICS, path, rated(r), count=250) for r in (5, 20, 200)]
+    found = [time_rate_limited(DYNAMICS, path, rated(r), count=250) for r in (5, 20, 200)]
     durations = [f.law.duration for f in found]
     assert (np.diff(durations) < 0).all()
     assert durations[-1] < 1.004 * found[-1].fastest.duration
-    counts = [time_smoothly(DYNAMICS, path, rated(20), count=n).law.duration for n in (100, 1000)]
+    counts = [
+        time_rate_limited(DYNAMICS, path, rated(20), count=n).law.duration for n in (100, 1000)
+    ]
     assert counts[0] < 1.005 * counts[1]
 
 
 def test_jerk_and_acceleration() -> None:
     path = random_path(4)
     limits = replace(LIMITS, jerk=np.full(6, 80.0), qdd_max=np.full(6, 6.0))
-    law = time_smoothly(DYNAMICS, path, limits).law
+    law = time_rate_limited(DYNAMICS, path, limits).law
     peaks = seen(path, law)
     assert peaks["jerk"].max() <= 80.0 * (1 + 1e-6)
     assert peaks["jerk"].max() > 79.5
@@ -171,17 +193,19 @@ def test_both_rates_on_a_part_of_the_joints() -> None:
     path = random_path(1)
     jerk = np.array([np.inf, 60.0, np.inf, np.inf, np.inf, 200.0])
     limits = replace(rated(30), jerk=jerk)
-    law = time_smoothly(DYNAMICS, path, limits).law
+    law = time_rate_limited(DYNAMICS, path, limits).law
     peaks = seen(path, law)
     assert (peaks["jerk"] <= jerk * (1 + 1e-6)).all()
     assert limits.torque_rate is not None
     assert (peaks["torque rate"] <= limits.torque_rate * (1 + 1e-7)).all()
-    assert law.duration > time_smoothly(DYNAMICS, path, rated(30)).law.duration
+    assert law.duration > time_rate_limited(DYNAMICS, path, rated(30)).law.duration
 
 
 def test_feed_is_kept() -> None:
     path = random_path(5)
-    law = time_smoothly(DYNAMICS, path, rated(20), feed=lambda s: np.full(len(s) - 1, 0.15**2)).law
+    law = time_rate_limited(
+        DYNAMICS, path, rated(20), feed=lambda s: np.full(len(s) - 1, 0.15**2)
+    ).law
     time = np.linspace(0.0, law.duration, 20001)
     speed = law.at(time)[1].max()
     assert 0.1499 < speed <= 0.15
@@ -189,12 +213,15 @@ def test_feed_is_kept() -> None:
 
 def test_what_cannot_be_is_said() -> None:
     weak = replace(rated(20), tau_max=np.array([1300, 40.0, 700, 140, 150, 60]))
-    with pytest.raises(InfeasibleError, match=r"at \d+\.\d mm, axis 2 cannot hold the arm: needs [\d,]+ of 40 Nm"):
-        time_smoothly(DYNAMICS, random_path(0), weak)
+    with pytest.raises(
+        InfeasibleError, match=r"at \d+\.\d mm, axis 2 cannot hold the arm: needs [\d,]+ of 40 Nm"
+    ):
+        time_rate_limited(DYNAMICS, random_path(0), weak)
     slow = replace(LIMITS, torque_rate=1e-9 * LIMITS.tau_max)
     with pytest.raises(
-        InfeasibleError, match=r"at \d+\.\d mm, axis \d would have to be slower .* torque rate of .* Nm/s"
+        InfeasibleError,
+        match=r"at \d+\.\d mm, axis \d would have to be slower .* torque rate of .* Nm/s",
     ):
-        time_smoothly(DYNAMICS, random_path(0), slow)
+        time_rate_limited(DYNAMICS, random_path(0), slow)
     with pytest.raises(InputError, match="neither torque_rate nor jerk"):
-        time_smoothly(DYNAMICS, random_path(0), LIMITS)
+        time_rate_limited(DYNAMICS, random_path(0), LIMITS)

@@ -1,4 +1,5 @@
-"""Bounds of the TCP along a path hold between the points looked at, and are not far above what is reached."""
+"""Bounds of the TCP along a path hold between the points looked at, and are not far above what is
+reached."""
 
 from __future__ import annotations
 
@@ -12,28 +13,33 @@ from toolpath_cases import CASES, build
 from irb2400_ctrl import load_robot
 from irb2400_ctrl.errors import InfeasibleError
 from irb2400_ctrl.model import Model
-from irb2400_ctrl.planners import MotionLimits, Plan, builders, plan_path
-from irb2400_ctrl.planners.deviation import deviation
-from irb2400_ctrl.planners.follow import Target, follow
+from irb2400_ctrl.planners import MotionLimits, Plan, plan_path
+from irb2400_ctrl.planners.enclosure.deviation import deviation
+from irb2400_ctrl.planners.enclosure.tcp_path import TcpPath
 from irb2400_ctrl.planners.joint_path import JointPath
-from irb2400_ctrl.planners.orientation import Orientation
-from irb2400_ctrl.planners.task_curve import ROTATION_LENGTH, smooth_curve
-from irb2400_ctrl.planners.tip import Tip
+from irb2400_ctrl.planners.redundancy.follow import JointTarget, follow
+from irb2400_ctrl.planners.toolpath import builders
+from irb2400_ctrl.planners.toolpath.orientation import Orientation
+from irb2400_ctrl.planners.toolpath.task_curve import ROTATION_LENGTH, smooth_curve
 
 ROBOT = load_robot("irb2400")
 MODEL = Model(ROBOT)
 SPINDLE = np.array([0.0, 0.0, 1.0])
 
 
-def random_tip(seed: int) -> Tip:
+def random_tip(seed: int) -> TcpPath:
     rng = np.random.default_rng(seed)
     q = rng.uniform(0.6 * ROBOT.q_min, 0.6 * ROBOT.q_max, (8, 6))
-    return Tip(MODEL, JointPath.through(np.linspace(0, 1, 8), q), SPINDLE)
+    return TcpPath(MODEL, JointPath.through(np.linspace(0, 1, 8), q), SPINDLE)
 
 
-def cells(tip: Tip, parts: int) -> np.ndarray:
+def cells(tip: TcpPath, parts: int) -> np.ndarray:
     knots = tip.joints.knots
-    s = np.unique(np.concatenate([knots, *(k + np.diff(knots)[0] * np.arange(parts) / parts for k in knots[:-1])]))
+    s = np.unique(
+        np.concatenate(
+            [knots, *(k + np.diff(knots)[0] * np.arange(parts) / parts for k in knots[:-1])]
+        )
+    )
     return s[np.append(True, np.diff(s) > 1e-9)]
 
 
@@ -49,7 +55,9 @@ def test_position_axis_and_speed_stay_near_their_parabolas(seed: int) -> None:
         at = s[:-1] + t * np.diff(s)
         p, a = tip.pose(at, piece)
         weights = np.array([(1 - t) ** 2, 2 * t * (1 - t), t**2])
-        for k, (found, true) in enumerate(((position, p), (axis, a), (rate, tip.velocity(at, piece)))):
+        for k, (found, true) in enumerate(
+            ((position, p), (axis, a), (rate, tip.velocity(at, piece)))
+        ):
             away = np.linalg.norm(np.einsum("i,mik->mk", weights, found.points) - true, axis=1)
             assert (away <= found.miss + 1e-12).all()
             reached[k] = max(reached[k], (away / found.miss).max())
@@ -60,29 +68,37 @@ def test_position_axis_and_speed_stay_near_their_parabolas(seed: int) -> None:
 
 def test_what_the_parabolas_miss_falls_with_the_third_power() -> None:
     tip = random_tip(1)
-    sizes = [tip.enclosed(np.stack([s[:-1], s[1:]]))[0].miss.max() for s in (cells(tip, 50), cells(tip, 100))]
+    sizes = [
+        tip.enclosed(np.stack([s[:-1], s[1:]]))[0].miss.max()
+        for s in (cells(tip, 50), cells(tip, 100))
+    ]
     assert 7 < sizes[0] / sizes[1] < 9
 
 
 def test_length_is_that_of_the_tip() -> None:
     tip = random_tip(2)
     way = tip.pose(np.linspace(0, 1, 200_001))[0]
-    assert tip.lengths[-1] == pytest.approx(np.linalg.norm(np.diff(way, axis=0), axis=1).sum(), rel=1e-6)
+    assert tip.lengths[-1] == pytest.approx(
+        np.linalg.norm(np.diff(way, axis=0), axis=1).sum(), rel=1e-6
+    )
 
 
-@pytest.mark.parametrize("name", ["closed circle", "zigzag of tight corners", "corner with tiny segments in it",
+@pytest.mark.parametrize("name", ["closed circle", "zigzag of tight "
+                                                   "corners", "corner with tiny segments in it",
                                   "repeated points", "turning on the spot", "freeform raster",
                                   "missing the wrist by 0.01 deg"])  # fmt: skip
 def test_deviation_is_an_upper_bound_and_sharp(name: str) -> None:
     case: dict[str, Any] = next(c for c in CASES if c["name"] == name)
     plan = plan_path(
-        ROBOT, build(MODEL, **case["build"]), free_tool_rotation=not case.get("plan", {}).get("fixed", False)
+        ROBOT,
+        build(MODEL, **case["build"]),
+        free_tool_rotation=not case.get("plan", {}).get("fixed", False),
     )
     position, axis = looked_at(plan)
     assert position <= plan.max_tcp_deviation + 1e-12
     assert axis <= plan.max_tool_axis_deviation + 1e-12
     # the way-points' distance from the motion counts, too: look at the motion finely
-    tip = Tip(MODEL, plan.certificate.path, SPINDLE)
+    tip = TcpPath(MODEL, plan.certificate.path, SPINDLE)
     fine = tip.pose(np.linspace(0, plan.certificate.path.length, 40_001))[0]
     corner = max(np.linalg.norm(fine - p, axis=1).min() for p in plan.path.position)
     assert plan.max_tcp_deviation <= 1.01 * max(position, corner) + 2e-7
@@ -92,19 +108,23 @@ def test_deviation_is_an_upper_bound_and_sharp(name: str) -> None:
 def looked_at(plan: Plan) -> tuple[float, float]:
     """Distance from the polygon and angle at its nearest place, 20,000 looks over all its sides."""
     path = plan.certificate.path
-    tip = Tip(MODEL, path, SPINDLE)
+    tip = TcpPath(MODEL, path, SPINDLE)
     s = np.linspace(path.knots[0], path.knots[-1], 20_001)
     p, axis = tip.pose(s)
     stated = plan.path.tool_axis(SPINDLE)
-    nearest, angle, gap = np.full(len(s), np.inf), np.zeros(len(s)), np.full(len(s), np.inf)
-    both, corner = np.hstack([p, ROTATION_LENGTH * axis]), np.hstack([plan.path.position, ROTATION_LENGTH * stated])
+    nearest = np.full(len(s), np.inf)
+    angle = np.zeros(len(s))
+    gap = np.full(len(s), np.inf)
+    both = np.hstack([p, ROTATION_LENGTH * axis])
+    corner = np.hstack([plan.path.position, ROTATION_LENGTH * stated])
     for k in range(len(corner) - 1):
         nearest = np.minimum(nearest, _foot(p, corner[k, :3], corner[k + 1, :3])[0])
         d, t = _foot(both, corner[k], corner[k + 1])
         line = stated[k] + t[:, None] * (stated[k + 1] - stated[k])
         line /= np.linalg.norm(line, axis=1, keepdims=True)
         turned = 2 * np.arcsin(np.minimum(np.linalg.norm(line - axis, axis=1) / 2, 1))
-        angle, gap = np.where(d < gap, turned, angle), np.minimum(d, gap)
+        angle = np.where(d < gap, turned, angle)
+        gap = np.minimum(d, gap)
     return float(nearest.max()), float(angle.max())
 
 
@@ -118,7 +138,7 @@ def test_deviation_sees_what_happens_between_the_stations() -> None:
     # a bump of the joint path that is zero at every station and in every middle
     path = builders.line((0.9, 0, 0.5), (0.9, 0.2, 0.5))
     orientation = Orientation.of(smooth_curve(path), SPINDLE)
-    followed = follow(MODEL, Target.of(orientation, lambda s: np.zeros(len(s)), 0), None)
+    followed = follow(MODEL, JointTarget.of(orientation, lambda s: np.zeros(len(s)), 0), None)
     true = deviation(MODEL, orientation, followed)
     assert true.position < 1e-6
     # swing the tool's end out in one piece, by a cubic that vanishes at its ends and its middle
@@ -129,14 +149,18 @@ def test_deviation_sees_what_happens_between_the_stations() -> None:
     coefficients[1:, k, 1] += size * np.array([0.5 / h, -1.5 / h**2, 1.0 / h**3]) * 6 * np.sqrt(3)
     bent = replace(followed, joints=JointPath(followed.joints.knots.copy(), coefficients))
     s = followed.joints.knots[k] + h * np.linspace(0, 1, 2001)
-    seen = np.linalg.norm((Tip(MODEL, bent.joints, SPINDLE).pose(s)[0] - path.position[0])[:, [0, 2]], axis=1).max()
+    seen = np.linalg.norm(
+        (TcpPath(MODEL, bent.joints, SPINDLE).pose(s)[0] - path.position[0])[:, [0, 2]], axis=1
+    ).max()
     found = deviation(MODEL, orientation, bent).position
     assert seen <= found < 1.01 * seen
     assert found > 2e-4
 
 
 def test_feed_holds_at_all_times() -> None:
-    path = builders.way_points(np.array([[0.9, 0, 0.5], [0.9, 0.1, 0.5], [1.0, 0.15, 0.45], [1.0, 0.2, 0.5]]), feed=0.1)
+    path = builders.way_points(
+        np.array([[0.9, 0, 0.5], [0.9, 0.1, 0.5], [1.0, 0.15, 0.45], [1.0, 0.2, 0.5]]), feed=0.1
+    )
     feed = np.array([0.1, 0.1, 0.03, 0.2])
     plan = plan_path(ROBOT, replace(path, feed=feed))
     assert plan.max_feed_ratio is not None
@@ -148,7 +172,9 @@ def test_feed_holds_at_all_times() -> None:
     # the side to the third point has a feed of its own
     side = path.position[2] - path.position[1]
     along = (MODEL.tcp_pose(q)[:, :3, 3] - path.position[1]) @ side / (side @ side)
-    away = np.linalg.norm(MODEL.tcp_pose(q)[:, :3, 3] - path.position[1] - along[:, None] * side, axis=1)
+    away = np.linalg.norm(
+        MODEL.tcp_pose(q)[:, :3, 3] - path.position[1] - along[:, None] * side, axis=1
+    )
     slow = (away < 1e-5) & (along > 0.05) & (along < 0.95)
     assert speed[slow].max() <= 0.03 * (1 + 1e-9)
     assert np.median(speed[slow]) > 0.0299
@@ -157,7 +183,9 @@ def test_feed_holds_at_all_times() -> None:
 
 
 def test_lengths_are_those_of_the_tip_whatever_the_tool_turns() -> None:
-    rolling = builders.way_points(np.array([[0.9, 0, 0.5], [0.9, 0.2, 0.5]]), np.array([[0, 0, 1], [0.6, 0, 0.8]]))
+    rolling = builders.way_points(
+        np.array([[0.9, 0, 0.5], [0.9, 0.2, 0.5]]), np.array([[0, 0, 1], [0.6, 0, 0.8]])
+    )
     plan = plan_path(ROBOT, rolling)
     assert plan.summary()["length_mm"] == pytest.approx(200.0, abs=0.01)
     # the parameter of the joint path counts the turning, too
@@ -167,7 +195,9 @@ def test_lengths_are_those_of_the_tip_whatever_the_tool_turns() -> None:
     points = np.array([[0.9, 0, 0.5], [0.9, 0, 0.5], [1.6, 0, 0.5]])
     longer = builders.way_points(points, np.array([[0.6, 0, 0.8], [0, 0, 1], [0, 0, 1]]))
     weak = replace(MotionLimits.of(ROBOT), tau_max=np.array([1300, 300, 700, 140, 150, 60.0]))
-    with pytest.raises(InfeasibleError, match=r"at \d+\.\d mm, axis 2 cannot hold the arm") as caught:
+    with pytest.raises(
+        InfeasibleError, match=r"at \d+\.\d mm, axis 2 cannot hold the arm"
+    ) as caught:
         plan_path(ROBOT, longer, limits=weak, free_tool_rotation=False)
     assert 650.0 < float(str(caught.value).split()[1]) <= 700.1
 

@@ -45,14 +45,19 @@ def test_named_toolpath(case: dict[str, Any]) -> None:
     if "axis_deg" in case:
         assert np.degrees(plan.max_tool_axis_deviation) <= case["axis_deg"]
     for name, least in case.get("margin", {}).items():
-        assert plan.singularity_margin[name] >= least if name != "elbow" else plan.singularity_margin[name] > 0
+        assert (
+            plan.singularity_margin[name] >= least
+            if name != "elbow"
+            else plan.singularity_margin[name] > 0
+        )
     if "wrist" in case:
         assert [p["taken"] for p in plan.passages] == [case["wrist"]]
         assert {"damped least squares"} & {r["remedy"] for r in plan.remedies}
 
 
 def _holds_what_every_plan_promises(plan: Plan) -> None:
-    trajectory, limits = plan.trajectory, plan.certificate.limits
+    trajectory = plan.trajectory
+    limits = plan.certificate.limits
     assert plan.guaranteed
     assert check(plan.certificate, MODEL).holds()
     assert (trajectory.qd[[0, -1]] == 0).all()
@@ -70,7 +75,9 @@ def _holds_what_every_plan_promises(plan: Plan) -> None:
     assert (factors >= np.array(list(plan.singularity_margin.values())) - 1e-9).all()
 
 
-def test_a_path_through_the_shoulder_is_refused_after_few_looks(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_path_through_the_shoulder_is_refused_after_few_looks(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     looks = 0
     solve = Model.inverse_kinematics_branches
 
@@ -81,7 +88,9 @@ def test_a_path_through_the_shoulder_is_refused_after_few_looks(monkeypatch: pyt
 
     monkeypatch.setattr(Model, "inverse_kinematics_branches", counted)
     path = build(MODEL, kind="poses_through_shoulder")
-    with pytest.raises(errors.UnreachableError, match=r"near point 11 axis 1 turns by 90.0 deg within 0\.\d+ um"):
+    with pytest.raises(
+        errors.UnreachableError, match=r"near point 11 axis 1 turns by 90.0 deg within 0\.\d+ um"
+    ):
         plan_path(ROBOT, path, free_tool_rotation=False)
     # new stations all along the path, as a spline through a jump asks for them, took 3,800,000
     assert looks < 10_000

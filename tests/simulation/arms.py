@@ -36,14 +36,18 @@ def arm() -> Robot:
 def without_friction(robot: Robot) -> Robot:
     """The same arm with no friction at all."""
     nothing = {"static_Nm": 0.0, "coulomb_Nm": 0.0, "viscous_Nms_rad": 0.0}
-    joints = tuple(j.model_copy(update={"friction": j.friction.model_copy(update=nothing)}) for j in robot.joints)
+    joints = tuple(
+        j.model_copy(update={"friction": j.friction.model_copy(update=nothing)})
+        for j in robot.joints
+    )
     return Robot.model_validate({**dict(robot), "joints": joints})
 
 
 def strong(robot: Robot) -> Robot:
     """The same arm with torque limits that are never reached."""
     joints = tuple(
-        j.model_copy(update={"limits": j.limits.model_copy(update={"torque_Nm": 1e6})}) for j in robot.joints
+        j.model_copy(update={"limits": j.limits.model_copy(update={"torque_Nm": 1e6})})
+        for j in robot.joints
     )
     return Robot.model_validate({**dict(robot), "joints": joints})
 
@@ -53,7 +57,9 @@ def with_effect(robot: Robot, kind: str, joint: int | None, fields: dict[str, ob
     return robot.with_effects(LIBRARY[kind].of(joint, **fields))
 
 
-def quintic_move(start: np.ndarray, stop: np.ndarray, duration: float, rate: float = 250.0) -> Trajectory:
+def quintic_move(
+    start: np.ndarray, stop: np.ndarray, duration: float, rate: float = 250.0
+) -> Trajectory:
     """Rest to rest by a fifth-order polynomial."""
     time = np.arange(round(duration * rate) + 1) / rate
     s = (time / duration)[:, None]

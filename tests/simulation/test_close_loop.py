@@ -10,7 +10,7 @@ from simulation.arms import START, STOP, arm, quintic_move
 
 from irb2400_ctrl.effects import LIBRARY
 from irb2400_ctrl.report.diagnosis_report import parameter_rows
-from irb2400_ctrl.simulation.close_loop import close_loop
+from irb2400_ctrl.simulation.close_the_loop import close_loop
 
 SINCE = LIBRARY["gear_ripple"].of(4, amplitude_Nm=4.0, order=20.0, windows_s=((14.9, 1e9),))
 EVENT = LIBRARY["process_force"].of(None, force_z_N=50.0, windows_s=((1.0, 2.0), (5.0, 6.0)))
@@ -35,6 +35,8 @@ def test_each_description_is_followed_and_the_effects_own_worth_stands_apart() -
 
 
 def test_windows_are_shown_as_times() -> None:
-    rows: Any = [parameter_rows(SimpleNamespace(effect=e, standard_errors={})) for e in (SINCE, EVENT)]  # type: ignore[arg-type]
+    rows: Any = [
+        parameter_rows(SimpleNamespace(effect=e, standard_errors={})) for e in (SINCE, EVENT)
+    ]  # type: ignore[arg-type]
     assert ["windows_s", "14.9 on", ""] in rows[0]
     assert ["windows_s", "1 to 2, 5 to 6", ""] in rows[1]

@@ -11,29 +11,40 @@ from irb2400_ctrl.codegen import compile_function
 from irb2400_ctrl.simulation.dry_friction import Bounds, dry_friction_step
 
 
-def slider(static: float, coulomb: float, stribeck: float, h: float, mass: float = 1.0, sweeps: int = 2):
+def slider(
+    static: float, coulomb: float, stribeck: float, h: float, mass: float = 1.0, sweeps: int = 2
+):
     """A body on a rough floor: (x, force) -> (x+, friction), x = (position, speed, friction)."""
-    x, force = ca.SX.sym("x", 3), ca.SX.sym("u")
+    x = ca.SX.sym("x", 3)
+    force = ca.SX.sym("u")
 
     def bounds(v: ca.SX) -> Bounds:
         level = coulomb + (static - coulomb) * ca.exp(-((v / stribeck) ** 2))
         return Bounds(level, -level, ca.SX(static), ca.SX(-static))
 
-    v, f = dry_friction_step(x[1], x[1] + h * force / mass, ca.SX(h / mass), bounds, (x[1], x[2]), sweeps)
-    return compile_function(ca.Function("slider", [x, force], [ca.vertcat(x[0] + h / 2 * (x[1] + v), v, f), f]))
+    v, f = dry_friction_step(
+        x[1], x[1] + h * force / mass, ca.SX(h / mass), bounds, (x[1], x[2]), sweeps
+    )
+    return compile_function(
+        ca.Function("slider", [x, force], [ca.vertcat(x[0] + h / 2 * (x[1] + v), v, f), f])
+    )
 
 
 @pytest.mark.parametrize("h", [0.1, 0.037, 0.001])
 def test_a_sliding_body_stops_where_it_should_and_stays(h: float) -> None:
     states, _ = slider(2.0, 2.0, 1.0, h).rollout([0.0, 1.0, 0.0], np.zeros((round(3 / h), 1)))
-    # v^2 / (2 mu g): within the step of the stop the speed is taken as linear, an error of second order
+    # v^2 / (2 mu g): within the step of the stop the speed is taken as linear, an error of second
+    # order
     assert states[-1, 0] == pytest.approx(0.25, abs=2 * h**2)
     assert (states[round(1 / h) :, 1] == 0.0).all()
     assert np.ptp(states[round(1 / h) :, 0]) == 0.0
 
 
 def test_a_reversal_inside_a_step_has_the_right_impulse() -> None:
-    h, force, level, v0 = 0.1, -5.0, 2.0, 0.3
+    h = 0.1
+    force = -5.0
+    level = 2.0
+    v0 = 0.3
     states, _ = slider(level, level, 1.0, h).rollout([0.0, v0, 0.0], [[force]])
     stop = v0 / (level - force)
     assert states[1, 1] == pytest.approx((force + level) * (h - stop), rel=1e-12)
@@ -52,13 +63,18 @@ def test_no_chatter_at_rest() -> None:
     assert np.count_nonzero(np.diff(signs)) == 1  # it stops once and never moves again
 
 
-def event_driven(static: float, coulomb: float, stribeck: float, times: np.ndarray, force) -> np.ndarray:
+def event_driven(
+    static: float, coulomb: float, stribeck: float, times: np.ndarray, force
+) -> np.ndarray:
     """Positions by an adaptive integrator with events at standstill and at break-away."""
 
     def level(v: float) -> float:
         return coulomb + (static - coulomb) * np.exp(-((v / stribeck) ** 2))
 
-    t, x, v, direction = 0.0, 0.0, 0.0, 0
+    t = 0.0
+    x = 0.0
+    v = 0.0
+    direction = 0
     positions = np.zeros(len(times))
     while t < times[-1]:
         if direction == 0:
@@ -70,22 +86,34 @@ def event_driven(static: float, coulomb: float, stribeck: float, times: np.ndarr
             from scipy.optimize import brentq
 
             k = int(np.argmax(over))
-            start = later[k] if k == 0 else brentq(lambda s: abs(force(s)) - static, later[k - 1], later[k], xtol=1e-13)
+            start = (
+                later[k]
+                if k == 0
+                else brentq(lambda s: abs(force(s)) - static, later[k - 1], later[k], xtol=1e-13)
+            )
             positions[(times >= t) & (times < start)] = x
-            t, direction = start + 1e-12, int(np.sign(force(start + 1e-9)))
+            t = start + 1e-12
+            direction = int(np.sign(force(start + 1e-9)))
 
         def standstill(s, y, d=direction, begun=t):
             return y[1] * d + (1.0 if s < begun + 1e-9 else 0.0)
 
-        standstill.terminal, standstill.direction = True, -1
+        standstill.terminal = True
+        standstill.direction = -1
         run = solve_ivp(
             lambda s, y, d=direction: [y[1], force(s) - d * level(y[1])],
-            (t, times[-1]), [x, v + direction * 1e-9], events=standstill, rtol=1e-10, atol=1e-13, dense_output=True,
+            (t, times[-1]),
+            [x, v + direction * 1e-9],
+            events=standstill,
+            rtol=1e-10,
+            atol=1e-13,
+            dense_output=True,
             max_step=0.01,
-        )  # fmt: skip
+        )
         inside = (times >= t) & (times <= run.t[-1])
         positions[inside] = run.sol(times[inside])[0]
-        t, (x, v) = run.t[-1], run.y[:, -1]
+        t = run.t[-1]
+        (x, v) = run.y[:, -1]
         load = force(t)
         direction = 0 if abs(load) <= static else int(np.sign(load))
         v = 0.0
@@ -93,7 +121,9 @@ def event_driven(static: float, coulomb: float, stribeck: float, times: np.ndarr
 
 
 def test_converges_to_the_event_driven_solution_with_second_order() -> None:
-    static, coulomb, stribeck = 1.5, 1.0, 0.05
+    static = 1.5
+    coulomb = 1.0
+    stribeck = 0.05
 
     def force(t):
         return 2.5 * np.sin(3.0 * t + 0.4) * (1 + 0.2 * np.asarray(t))
@@ -104,7 +134,9 @@ def test_converges_to_the_event_driven_solution_with_second_order() -> None:
     for n in (1200, 2400, 4800):
         h = 6 / n
         middle = (np.arange(n) + 0.5) * h
-        states, _ = slider(static, coulomb, stribeck, h).rollout([0.0, 0.0, 0.0], force(middle)[:, None])
+        states, _ = slider(static, coulomb, stribeck, h).rollout(
+            [0.0, 0.0, 0.0], force(middle)[:, None]
+        )
         errors.append(np.abs(states[:: n // 120, 0] - truth).max())
     orders = np.log2(np.array(errors[:-1]) / errors[1:])
     assert errors[-1] < 2e-5

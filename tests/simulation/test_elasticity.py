@@ -1,4 +1,5 @@
-"""Elastic joints: against an adaptive integrator of equations written out here, and in their limits."""
+"""Elastic joints: against an adaptive integrator of equations written out here, and in their
+limits."""
 
 from __future__ import annotations
 
@@ -14,12 +15,18 @@ from irb2400_ctrl.robot import Robot
 from irb2400_ctrl.simulation import make_loop, simulate
 from irb2400_ctrl.simulation.plant import plant_block
 
-K, Z, J = 2.0e4, 0.03, 12.0
+K = 2.0e4
+Z = 0.03
+J = 12.0
 SPEED = np.array([0.5, -0.4, 0.3, 0.8, -0.6, 0.7])
 
 
-def elastic(robot: Robot, joint: int = 1, stiffness: float = K, damping: float = Z, inertia: float = J) -> Robot:
-    robot = with_effect(robot, "elastic_joint", joint, {"stiffness_Nm_rad": stiffness, "damping_ratio": damping})
+def elastic(
+    robot: Robot, joint: int = 1, stiffness: float = K, damping: float = Z, inertia: float = J
+) -> Robot:
+    robot = with_effect(
+        robot, "elastic_joint", joint, {"stiffness_Nm_rad": stiffness, "damping_ratio": damping}
+    )
     return with_effect(robot, "rotor_inertia", joint, {"inertia_kgm2": inertia})
 
 
@@ -27,7 +34,12 @@ def free_swing(robot: Robot, steps: int, count: int, twist: float) -> dict[str, 
     plant = compile_block(plant_block(robot, 1e-3 / steps))
     fields = plant.block.states
     values = {f.name: f.start for f in fields}
-    values |= {"q": START + twist * np.eye(6)[0], "qd": SPEED, "link": START[:1], "link_rate": SPEED[:1]}
+    values |= {
+        "q": START + twist * np.eye(6)[0],
+        "qd": SPEED,
+        "link": START[:1],
+        "link_rate": SPEED[:1],
+    }
     x0 = np.concatenate([values[f.name] for f in fields])
     states, _ = plant.rollout(np.zeros((count * steps, 6)), x0=x0)
     return plant.split(fields, states[::steps])
@@ -41,13 +53,17 @@ def test_converges_to_the_adaptive_solution_with_second_order() -> None:
     spring = K * (x[12] - x[0]) + D * (x[13] - x[6])
     tau = ca.vertcat(spring, ca.SX.zeros(5))
     rate = ca.vertcat(x[6:12], links(x[:6], x[6:12], tau, 0), x[13], -spring / J)
-    solver = ca.integrator("s", "cvodes", {"x": x, "ode": rate}, 0, [0.1, 0.2], {"reltol": 1e-11, "abstol": 1e-12})
+    solver = ca.integrator(
+        "s", "cvodes", {"x": x, "ode": rate}, 0, [0.1, 0.2], {"reltol": 1e-11, "abstol": 1e-12}
+    )
     x0 = np.concatenate([START, SPEED, [START[0] + 0.01, SPEED[0]]])
     truth = np.asarray(solver(x0=x0)["xf"]).T
     errors = []
     for steps in (1, 2, 4):
         run = free_swing(robot, steps, 200, twist=0.01)
-        links_and_motor = np.column_stack([run["link"], run["q"][:, 1:], run["q"][:, :1]])[[100, 200]]
+        links_and_motor = np.column_stack([run["link"], run["q"][:, 1:], run["q"][:, :1]])[
+            [100, 200]
+        ]
         errors.append(np.abs(links_and_motor - truth[:, [0, 1, 2, 3, 4, 5, 12]]).max())
     assert errors[0] < 1e-4
     np.testing.assert_allclose(np.log2(np.array(errors[:-1]) / errors[1:]), 2.0, atol=0.3)
@@ -104,7 +120,9 @@ def test_without_a_rotor_a_share_of_the_axis_is_assumed() -> None:
 
     robot = with_effect(arm(), "elastic_joint", 2, {"stiffness_Nm_rad": 1e5})
     M = Model(arm()).mass_matrix(np.zeros(6))
-    np.testing.assert_allclose(elastic_data(robot), [[1e5, 0.1 * np.sqrt(1e5 * M[1, 1]), ROTOR_SHARE * M[1, 1], 0.0]])
+    np.testing.assert_allclose(
+        elastic_data(robot), [[1e5, 0.1 * np.sqrt(1e5 * M[1, 1]), ROTOR_SHARE * M[1, 1], 0.0]]
+    )
 
 
 def test_refuses_what_the_step_cannot_resolve() -> None:

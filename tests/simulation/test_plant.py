@@ -26,11 +26,13 @@ def roll(
     period: float = 1e-3,
     sweeps: int = 2,
 ) -> dict[str, np.ndarray]:
-    """States at the control instants (n + 1) under a torque (n, 6), each held for `steps` time steps."""
+    """States at the control instants (n + 1) under a torque (n, 6), each held for `steps` time
+    steps."""
     # a block of one step run oftener: unrolled steps give the same bits and longer compilations
     plant = compile_block(plant_block(robot, period / steps, sweeps=sweeps))
     x0 = plant.initial_state
-    x0[:6], x0[6:12] = q, qd
+    x0[:6] = q
+    x0[6:12] = qd
     states, _ = plant.rollout(np.repeat(tau, steps, axis=0), x0=x0)
     return plant.split(plant.block.states, states[::steps])
 
@@ -40,14 +42,19 @@ def test_unrolled_steps_are_the_same_as_more_steps() -> None:
     tau = Model(robot).gravity(START) + np.array([80.0, -60.0, 50.0, 10.0, -12.0, 8.0])
     plant = compile_block(plant_block(robot, 1e-3, substeps=3))
     x0 = plant.initial_state
-    x0[:6], x0[6:12] = START, SPEED
+    x0[:6] = START
+    x0[6:12] = SPEED
     states, _ = plant.rollout(np.tile(tau, (20, 1)), x0=x0)
     finer = roll(robot, np.tile(tau, (20, 1)), START, SPEED, steps=3)
     np.testing.assert_allclose(states[:, :6], finer["q"], rtol=0, atol=1e-14)
 
 
-@pytest.mark.parametrize(("kind", "joint", "fields"), FORCE_EFFECTS, ids=[e[0] for e in FORCE_EFFECTS])
-def test_accelerates_as_the_model_says(kind: str, joint: int | None, fields: dict[str, object]) -> None:
+@pytest.mark.parametrize(
+    ("kind", "joint", "fields"), FORCE_EFFECTS, ids=[e[0] for e in FORCE_EFFECTS]
+)
+def test_accelerates_as_the_model_says(
+    kind: str, joint: int | None, fields: dict[str, object]
+) -> None:
     robot = with_effect(arm(), kind, joint, fields)
     tau = Model(robot).gravity(START) + np.array([80.0, -60.0, 50.0, 10.0, -12.0, 8.0])
     # many tiny steps: the acceleration estimate that load friction looks at has settled
@@ -69,10 +76,14 @@ def test_smooth_motion_converges_with_second_order() -> None:
 def test_stick_slip_motion_converges() -> None:
     robot = arm()
     time = np.arange(500)[:, None] * 1e-3
-    swing = np.array([150, 150, 80, 25, 45, 14]) * np.sin(2 * np.pi * np.array([2, 2.3, 3.1, 4.3, 2.7, 3.9]) * time)
+    swing = np.array([150, 150, 80, 25, 45, 14]) * np.sin(
+        2 * np.pi * np.array([2, 2.3, 3.1, 4.3, 2.7, 3.9]) * time
+    )
     tau = Model(robot).gravity(START) + swing
     fine = roll(robot, tau, START, 0 * SPEED, steps=32, sweeps=6)["q"]
-    errors = [np.abs(roll(robot, tau, START, 0 * SPEED, steps=k)["q"] - fine).max() for k in (1, 2, 4, 8)]
+    errors = [
+        np.abs(roll(robot, tau, START, 0 * SPEED, steps=k)["q"] - fine).max() for k in (1, 2, 4, 8)
+    ]
     assert errors[0] < 2e-4
     assert np.log2(errors[0] / errors[3]) / 3 > 0.9, errors
 
@@ -112,7 +123,8 @@ def potential(robot: Robot, q: np.ndarray) -> np.ndarray:
     for k, angles in enumerate(theta):
         X = np.eye(4)
         for link, angle, phi in zip(robot.links, angles, robot.inertial_parameters, strict=True):
-            c, s = np.cos(angle), np.sin(angle)
+            c = np.cos(angle)
+            s = np.sin(angle)
             turn = np.array([[c, -s, 0, 0], [s, c, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1.0]])
             X = X @ link.frame.matrix() @ turn
             total[k] -= robot.gravity @ (phi[0] * X[:3, 3] + X[:3, :3] @ phi[1:4])
@@ -155,7 +167,9 @@ def test_breaks_loose_above_static_friction_on_that_joint_only() -> None:
 
 def test_hysteresis_grows_along_its_law() -> None:
     width = 0.05
-    robot = with_effect(strong(without_friction(arm())), "hysteresis", 1, {"amplitude_Nm": 5.0, "width_rad": width})
+    robot = with_effect(
+        strong(without_friction(arm())), "hysteresis", 1, {"amplitude_Nm": 5.0, "width_rad": width}
+    )
     tau = np.tile(Model(robot).gravity(START), (200, 1))
     states = roll(robot, tau, START, np.array([1.0, 0, 0, 0, 0, 0]))
     way = states["q"][:, 0] - START[0]
@@ -182,7 +196,8 @@ def test_refuses_senseless_steps() -> None:
 
 
 def test_every_effect_of_the_library_is_simulated_and_tested() -> None:
-    """A new kind has to find its place: force, mass data, measuring chain, or a transmission of its own."""
+    """A new kind has to find its place: force, mass data, measuring chain, or a transmission of its
+    own."""
     elsewhere = {
         *("hysteresis", "elastic_joint", "transmission_backlash"),
         *("encoder_zero", "torque_gain", "torque_offset", "time_delay"),

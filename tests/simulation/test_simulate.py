@@ -37,8 +37,11 @@ def test_tracks_within_a_millimetre(run: Simulation) -> None:
 def test_error_of_the_tool_is_the_distance_of_the_poses(run: Simulation) -> None:
     k = 700
     model = Model(arm())
-    actual, wanted = model.tcp_pose(run.q[k]), model.tcp_pose(run.q_ref[k])
-    assert run.tcp_error[k] == pytest.approx(np.linalg.norm(actual[:3, 3] - wanted[:3, 3]), rel=1e-9)
+    actual = model.tcp_pose(run.q[k])
+    wanted = model.tcp_pose(run.q_ref[k])
+    assert run.tcp_error[k] == pytest.approx(
+        np.linalg.norm(actual[:3, 3] - wanted[:3, 3]), rel=1e-9
+    )
 
 
 def test_contour_error_forgives_being_late() -> None:
@@ -75,9 +78,11 @@ def test_measured_angles_lie_on_the_encoder_grid(run: Simulation) -> None:
 
 
 def test_speed_is_the_filtered_difference(run: Simulation) -> None:
-    period, f = 1e-3, run.sensors.speed_filter_Hz
+    period = 1e-3
+    f = run.sensors.speed_filter_Hz
     share = 1 - np.exp(-2 * np.pi * f * period)
-    q, qd = run.signals["q_seen"], run.signals["qd_seen"]
+    q = run.signals["q_seen"]
+    qd = run.signals["qd_seen"]
     expected = qd[:-1] + share * (np.diff(q, axis=0) / period - qd[:-1])
     np.testing.assert_allclose(qd[1:], expected, atol=1e-12)
 
@@ -91,15 +96,23 @@ def test_same_seed_same_bits(run: Simulation) -> None:
     again = simulate(arm(), MOVE, "computed_torque", plant=perturbed_robot(arm(), 5), hold=0.2)
     np.testing.assert_array_equal(again.q, run.q)
     robot = arm()
-    assert robot.friction[0, 0] == 36.3  # cached arrays of the nominal arm must not travel into the copy
-    assert (perturbed_robot(robot, 6).friction[:, :3] != perturbed_robot(robot, 5).friction[:, :3]).all()
+    assert (
+        robot.friction[0, 0] == 36.3
+    )  # cached arrays of the nominal arm must not travel into the copy
+    assert (
+        perturbed_robot(robot, 6).friction[:, :3] != perturbed_robot(robot, 5).friction[:, :3]
+    ).all()
     assert (perturbed_robot(robot, 6).friction[:, :3] != robot.friction[:, :3]).all()
 
 
 def test_a_finer_step_tells_the_same_story(run: Simulation) -> None:
-    fine = simulate(arm(), MOVE, "computed_torque", plant=perturbed_robot(arm(), 5), hold=0.2, substeps=8)
+    fine = simulate(
+        arm(), MOVE, "computed_torque", plant=perturbed_robot(arm(), 5), hold=0.2, substeps=8
+    )
     assert np.abs(fine.p_BT - run.p_BT).max() < 0.15 * run.tcp_error.max()
-    assert np.sqrt(np.mean(fine.tcp_error**2)) == pytest.approx(np.sqrt(np.mean(run.tcp_error**2)), rel=0.06)
+    assert np.sqrt(np.mean(fine.tcp_error**2)) == pytest.approx(
+        np.sqrt(np.mean(run.tcp_error**2)), rel=0.06
+    )
 
 
 def test_one_loop_serves_many_plants(run: Simulation) -> None:
@@ -201,12 +214,14 @@ def test_generated_c_of_the_whole_loop_follows_the_expression_step_by_step() -> 
     loop = make_loop(arm(), "adaptive", plant=plant)
     motion = MOVE.at_rate(1000.0)
     inputs = np.hstack([motion.q, motion.qd, motion.qdd])[300:340]
-    block, x = loop.compiled.block, loop.compiled.initial_state
+    block = loop.compiled.block
+    x = loop.compiled.initial_state
     x[:6] = motion.q[300]
     states, outputs = loop.compiled.rollout(inputs, x0=x)
     flat = block.flat()
     for k, u in enumerate(inputs):
-        # from the same state each time: a stick event a rounding earlier is no difference of the code
+        # from the same state each time: a stick event a rounding earlier is no difference of the
+        # code
         after, y = flat(states[k], u, loop.compiled.default_parameters)
         np.testing.assert_allclose(states[k + 1], np.asarray(after).ravel(), rtol=1e-9, atol=1e-7)
         np.testing.assert_allclose(outputs[k], np.asarray(y).ravel(), rtol=1e-9, atol=1e-7)

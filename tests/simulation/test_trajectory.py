@@ -16,10 +16,17 @@ MOVE = quintic_move(START, STOP, 1.2)
 
 def csv_of(motion: Trajectory, unit: str = "deg", derivatives: bool = True) -> str:
     scale = np.degrees if unit == "deg" else np.asarray
-    blocks = [("q", "", motion.q)] + ([("qd", "_s", motion.qd), ("qdd", "_s2", motion.qdd)] if derivatives else [])
+    blocks = [("q", "", motion.q)] + (
+        [("qd", "_s", motion.qd), ("qdd", "_s2", motion.qdd)] if derivatives else []
+    )
     names = ["time_s"] + [f"{n}{j}_{unit}{per}" for n, per, _ in blocks for j in range(1, 7)]
     table = np.column_stack([motion.time, *(scale(values) for _, _, values in blocks)])
-    return ",".join(names) + "\n" + "\n".join(",".join(f"{x:.12g}" for x in row) for row in table) + "\n"
+    return (
+        ",".join(names)
+        + "\n"
+        + "\n".join(",".join(f"{x:.12g}" for x in row) for row in table)
+        + "\n"
+    )
 
 
 @pytest.mark.parametrize("unit", ["deg", "rad"])
@@ -82,7 +89,10 @@ def test_arrays_are_read_only() -> None:
         (lambda t: t[: t.rindex("\n", 0, -2)] + "\nx" + ",0" * 18 + "\n", "could not convert"),
         (lambda t: t.replace("\n0.004,", "\n0.4,"), "time does not increase"),
         (lambda t: t.replace("\n0.004,", "\nnan,"), "NaN"),
-        (lambda t: t.replace("qd1_deg_s,", "qd1_rad_s,").replace("qd2_deg_s,", "qd2_rad_s,"), "lacks the columns qd1"),
+        (
+            lambda t: t.replace("qd1_deg_s,", "qd1_rad_s,").replace("qd2_deg_s,", "qd2_rad_s,"),
+            "lacks the columns qd1",
+        ),
         (lambda t: "", "is empty"),
     ],
 )

@@ -8,7 +8,7 @@ import time
 from pathlib import Path
 
 from irb2400_ctrl.sweep import Study, load_study
-from irb2400_ctrl.sweep.cases import Outcome, identity, run_case
+from irb2400_ctrl.sweep.cases import CaseOutcome, identity, run_case
 
 SMALL = """
 name = "small"
@@ -76,14 +76,14 @@ def attempts(folder: Path) -> dict[int, int]:
     return {case: names.count(case) for case in sorted(set(names))}
 
 
-def traced(study: Study, index: int) -> Outcome:
+def traced(study: Study, index: int) -> CaseOutcome:
     """A case that leaves a mark and takes its time, without simulating anything."""
     mark(index)
     time.sleep(0.01)
     return quick(study, index)
 
 
-def dies_once(study: Study, index: int) -> Outcome:
+def dies_once(study: Study, index: int) -> CaseOutcome:
     """Case 5 takes its worker down the first time."""
     if mark(index) == 1 and index == 5:
         os.kill(os.getpid(), signal.SIGKILL)
@@ -91,7 +91,7 @@ def dies_once(study: Study, index: int) -> Outcome:
     return quick(study, index)
 
 
-def dies_always(study: Study, index: int) -> Outcome:
+def dies_always(study: Study, index: int) -> CaseOutcome:
     """Case 5 takes its worker down each time."""
     mark(index)
     if index == 5:
@@ -99,29 +99,29 @@ def dies_always(study: Study, index: int) -> Outcome:
     return quick(study, index)
 
 
-def dies_at_once(study: Study, index: int) -> Outcome:
+def dies_at_once(study: Study, index: int) -> CaseOutcome:
     """No case is ever finished."""
     os._exit(1)
 
 
-def broken(study: Study, index: int) -> Outcome:
+def broken(study: Study, index: int) -> CaseOutcome:
     """Case 3 meets an error of the program."""
     if index == 3:
         raise ZeroDivisionError("a mistake of ours")
     return quick(study, index)
 
 
-def slow(study: Study, index: int) -> Outcome:
+def slow(study: Study, index: int) -> CaseOutcome:
     """A real case that leaves a mark and takes at least a tenth of a second."""
     mark(index)
     time.sleep(0.1)
     return run_case(study, index)
 
 
-def quick(study: Study, index: int) -> Outcome:
+def quick(study: Study, index: int) -> CaseOutcome:
     """A row without a simulation."""
     figures = {"tcp_error_rms_mm": float(index), "joint1_saturated_share": 0.0}
-    return Outcome({**identity(study, index), **figures, "wall_time_s": 0.0})
+    return CaseOutcome({**identity(study, index), **figures, "wall_time_s": 0.0})
 
 
 def mark(index: int) -> int:

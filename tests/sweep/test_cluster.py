@@ -33,14 +33,19 @@ def cluster(trace: Path) -> Iterator[str]:
         for name, value in environment.items():
             patch.setenv(name, value)
         with LocalCluster(
-            n_workers=2, threads_per_worker=1, processes=True, dashboard_address=None, host="127.0.0.1"
+            n_workers=2,
+            threads_per_worker=1,
+            processes=True,
+            dashboard_address=None,
+            host="127.0.0.1",
         ) as made:
             yield made.scheduler_address
 
 
 def test_a_cluster_gives_the_same_table(cluster: str, tmp_path: Path) -> None:
     study = small(tmp_path, "logs = true\n" + SMALL)
-    here, there = tmp_path / "here", tmp_path / "there"
+    here = tmp_path / "here"
+    there = tmp_path / "there"
     run_sweep(study, here, workers=1)
     sweep = run_sweep(study, there, scheduler=cluster)
     assert sweep.ran == CASES
@@ -49,14 +54,17 @@ def test_a_cluster_gives_the_same_table(cluster: str, tmp_path: Path) -> None:
         assert (there / "logs" / log.name).read_bytes() == log.read_bytes()
 
 
-def test_a_killed_worker_of_a_cluster_costs_its_running_case_only(cluster: str, trace: Path, tmp_path: Path) -> None:
+def test_a_killed_worker_of_a_cluster_costs_its_running_case_only(
+    cluster: str, trace: Path, tmp_path: Path
+) -> None:
     sweep = run_sweep(small(tmp_path), tmp_path / "out", scheduler=cluster, work=studies.dies_once)
     assert [row["case"] for row in sweep.rows] == list(range(CASES))
     assert not sweep.problems
     begun = attempts(trace)
     assert sorted(begun) == list(range(CASES))
     assert begun[5] == 2
-    # dask may have sent a finished result whose message the death cut off: at most what one worker holds
+    # dask may have sent a finished result whose message the death cut off: at most what one worker
+    # holds
     assert sum(begun.values()) <= CASES + 2
 
 
@@ -65,8 +73,12 @@ def test_an_error_of_the_program_on_a_cluster(cluster: str, tmp_path: Path) -> N
         run_sweep(small(tmp_path), tmp_path / "out", scheduler=cluster, work=studies.broken)
 
 
-def test_a_case_that_always_kills_workers_of_a_cluster(cluster: str, trace: Path, tmp_path: Path) -> None:
-    sweep = run_sweep(small(tmp_path), tmp_path / "out", scheduler=cluster, work=studies.dies_always)
+def test_a_case_that_always_kills_workers_of_a_cluster(
+    cluster: str, trace: Path, tmp_path: Path
+) -> None:
+    sweep = run_sweep(
+        small(tmp_path), tmp_path / "out", scheduler=cluster, work=studies.dies_always
+    )
     (lost,) = sweep.problems
     assert (lost["case"], lost["status"]) == (5, "lost")
 
@@ -78,6 +90,16 @@ def test_nobody_answers(tmp_path: Path) -> None:
 
 def test_command_with_a_scheduler(cluster: str, tmp_path: Path) -> None:
     study = studies.write_study(tmp_path, SMALL.replace("draws = 4", "draws = 1"))
-    command = [sys.executable, "-m", "irb2400_ctrl.cli.main", "sweep", str(study), "--out", str(tmp_path / "out")]
-    done = subprocess.run([*command, "--scheduler", cluster], capture_output=True, text=True, check=True)
+    command = [
+        sys.executable,
+        "-m",
+        "irb2400_ctrl.cli.main",
+        "sweep",
+        str(study),
+        "--out",
+        str(tmp_path / "out"),
+    ]
+    done = subprocess.run(
+        [*command, "--scheduler", cluster], capture_output=True, text=True, check=True
+    )
     assert "6 cases, 6 run now" in done.stdout

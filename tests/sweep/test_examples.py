@@ -9,7 +9,7 @@ import pytest
 
 from irb2400_ctrl.sweep import load_study
 from irb2400_ctrl.sweep.cases import Runner
-from irb2400_ctrl.sweep.motions import Motion
+from irb2400_ctrl.sweep.motions import StudyMotion
 from irb2400_ctrl.sweep.study import Control, Study
 
 ROOT = Path(__file__).parent.parent.parent
@@ -27,13 +27,15 @@ def test_first_plant_of_each_study(path: Path) -> None:
 
 def test_guide_names_every_key() -> None:
     guide = (ROOT / "docs" / "sweep.md").read_text()
-    for table in (Study, Control, Motion):
+    for table in (Study, Control, StudyMotion):
         for key in table.model_fields:
             if key != "schema_version":
                 assert re.search(rf"`(\[*){key}\b", guide), key
 
 
-def test_example_of_the_guide(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+def test_example_of_the_guide(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
     monkeypatch.chdir(ROOT)
     (block,) = re.findall(r"```python\n(.*?)```", (ROOT / "docs" / "sweep.md").read_text(), re.S)
     exec(compile(block, "docs/sweep.md", "exec"), {})

@@ -75,8 +75,11 @@ def test_a_killed_worker_costs_its_running_case_only(tmp_path: Path, trace: Path
     assert attempts(trace) == {case: 2 if case == 5 else 1 for case in range(CASES)}
 
 
-def test_a_case_that_always_kills_is_named_and_tried_again_later(tmp_path: Path, trace: Path) -> None:
-    study, out = small(tmp_path), tmp_path / "out"
+def test_a_case_that_always_kills_is_named_and_tried_again_later(
+    tmp_path: Path, trace: Path
+) -> None:
+    study = small(tmp_path)
+    out = tmp_path / "out"
     sweep = run_sweep(study, out, workers=2, work=studies.dies_always)
     assert attempts(trace) == {case: 3 if case == 5 else 1 for case in range(CASES)}
     (lost,) = sweep.problems
@@ -101,7 +104,8 @@ def test_an_error_of_the_program_ends_the_sweep_and_keeps_what_is_done(tmp_path:
 
 
 def test_an_interrupted_sweep_goes_on_where_it_was(tmp_path: Path, trace: Path) -> None:
-    study, out = small(tmp_path), tmp_path / "out"
+    study = small(tmp_path)
+    out = tmp_path / "out"
 
     def stop_after_ten(done: int, of: int) -> None:
         assert of == CASES
@@ -111,7 +115,9 @@ def test_an_interrupted_sweep_goes_on_where_it_was(tmp_path: Path, trace: Path) 
     with pytest.raises(KeyboardInterrupt):
         run_sweep(study, out, workers=2, work=studies.traced, progress=stop_after_ten)
     assert not (out / "cases.parquet").exists()
-    saved = [json.loads(line)["case"] for line in (out / "cases.jsonl").read_text().splitlines()[1:]]
+    saved = [
+        json.loads(line)["case"] for line in (out / "cases.jsonl").read_text().splitlines()[1:]
+    ]
     assert len(saved) == 10
     before = attempts(trace)
     sweep = run_sweep(study, out, workers=2, work=studies.traced)
@@ -121,7 +127,8 @@ def test_an_interrupted_sweep_goes_on_where_it_was(tmp_path: Path, trace: Path) 
 
 
 def test_a_torn_line_costs_its_case_only(tmp_path: Path, trace: Path) -> None:
-    study, out = small(tmp_path), tmp_path / "out"
+    study = small(tmp_path)
+    out = tmp_path / "out"
     whole = run_sweep(study, out, workers=1, work=studies.traced)
     journal = out / "cases.jsonl"
     journal.write_bytes(journal.read_bytes()[:-9])
@@ -137,14 +144,18 @@ def test_a_finished_sweep_runs_nothing(alone: Path, tmp_path: Path) -> None:
 
 
 def test_another_study_is_refused(alone: Path, tmp_path: Path) -> None:
-    other = small(tmp_path, "logs = true\n" + SMALL.replace("draws = 4", "draws = 5").replace("friction = 0.1", ""))
+    other = small(
+        tmp_path,
+        "logs = true\n" + SMALL.replace("draws = 4", "draws = 5").replace("friction = 0.1", ""),
+    )
     with pytest.raises(InputError, match=r"another study: .* differs in draws, plant"):
         run_sweep(other, alone)
     assert (alone / "study.toml").read_text() == "logs = true\n" + SMALL
 
 
 def test_two_sweeps_into_one_folder_are_refused(tmp_path: Path, trace: Path) -> None:
-    study, out = small(tmp_path), tmp_path / "out"
+    study = small(tmp_path)
+    out = tmp_path / "out"
 
     def second(done: int, of: int) -> None:
         with pytest.raises(InputError, match="another sweep is writing there"):
@@ -165,7 +176,13 @@ def test_runs_that_fail_say_so_in_the_table(tmp_path: Path) -> None:
 
 
 def test_quantiles_of_the_summary() -> None:
-    common = {"motion": "m", "speed": 1.0, "controller": "c", "status": "ok", "joint1_saturated_share": 0.0}
+    common = {
+        "motion": "m",
+        "speed": 1.0,
+        "controller": "c",
+        "status": "ok",
+        "joint1_saturated_share": 0.0,
+    }
     rows = [{**common, "case": k, "tcp_error_rms_mm": float(k)} for k in range(101)]
     rows[3] |= {"joint1_saturated_share": 0.5}
     (line,) = summarise(rows)
@@ -187,10 +204,22 @@ def long_alone(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.mark.parametrize("how", [signal.SIGINT, signal.SIGKILL])
-def test_command_stopped_and_started_again(how: signal.Signals, long_alone: Path, tmp_path: Path) -> None:
+def test_command_stopped_and_started_again(
+    how: signal.Signals, long_alone: Path, tmp_path: Path
+) -> None:
     study = studies.write_study(tmp_path, LONG)
     out = tmp_path / "out"
-    command = [sys.executable, "-m", "irb2400_ctrl.cli.main", "sweep", str(study), "--out", str(out), "--workers", "2"]
+    command = [
+        sys.executable,
+        "-m",
+        "irb2400_ctrl.cli.main",
+        "sweep",
+        str(study),
+        "--out",
+        str(out),
+        "--workers",
+        "2",
+    ]
     # tests that run in the background of a shell inherit that interrupts are ignored
     process = subprocess.Popen(
         command,
@@ -200,7 +229,9 @@ def test_command_stopped_and_started_again(how: signal.Signals, long_alone: Path
         preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
     )
     journal = out / "cases.jsonl"
-    while process.poll() is None and (not journal.exists() or len(journal.read_text().splitlines()) < 4):
+    while process.poll() is None and (
+        not journal.exists() or len(journal.read_text().splitlines()) < 4
+    ):
         time.sleep(0.01)
     process.send_signal(how)
     said = process.communicate()

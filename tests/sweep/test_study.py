@@ -15,7 +15,7 @@ from irb2400_ctrl.model import Model
 from irb2400_ctrl.robot import load_robot
 from irb2400_ctrl.sweep import load_study, simulate_case
 from irb2400_ctrl.sweep.cases import Runner, case_of, drawn_plant, reference
-from irb2400_ctrl.sweep.motions import Motion, point_to_point
+from irb2400_ctrl.sweep.motions import StudyMotion, point_to_point
 from irb2400_ctrl.sweep.quantities import EffectDraw, without_size
 
 BAD = """
@@ -81,12 +81,24 @@ def test_all_problems_of_a_study_at_once(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("old", "new", "expected"),
     [
-        ("joint = [1, 2]", "joint = [1, 7]", "effects[1]: coulomb_change on joint 7, expected 1, 2, 3, 4, 5, 6"),
+        (
+            "joint = [1, 2]",
+            "joint = [1, 7]",
+            "effects[1]: coulomb_change on joint 7, expected 1, 2, 3, 4, 5, 6",
+        ),
         ("bandwidth = 30.0", "bandwith = 30.0", "computed_torque has no design parameter bandwith"),
         ('name = "soft"', 'name = "soft"\ngains = { kq = 1.0 }', "computed_torque has no gain kq"),
         ('name = "soft"', 'name = "feedforward_pid"', "two are called 'feedforward_pid'"),
-        ("[5, 5, 5, 5, 35, 5]", "[5, 5, 5, 5, 35]", "motions[1]: pose 2 has 5 angles, the robot 6 axes"),
-        ("[5, 5, 5, 5, 35, 5]", "[999, 5, 5, 5, 35, 5]", "motions[1]: pose 2: axis 1 at 999.0 deg, its range is"),
+        (
+            "[5, 5, 5, 5, 35, 5]",
+            "[5, 5, 5, 5, 35]",
+            "motions[1]: pose 2 has 5 angles, the robot 6 axes",
+        ),
+        (
+            "[5, 5, 5, 5, 35, 5]",
+            "[999, 5, 5, 5, 35, 5]",
+            "motions[1]: pose 2: axis 1 at 999.0 deg, its range is",
+        ),
         ("draws = 4", "draws = = 4", "is not TOML"),
     ],
 )
@@ -122,7 +134,8 @@ def test_every_case_once(tmp_path: Path) -> None:
 
 def test_controllers_meet_the_same_plant_on_the_same_motion(tmp_path: Path) -> None:
     study = small(tmp_path)
-    first, second = case_of(study, 4), case_of(study, 5)
+    first = case_of(study, 4)
+    second = case_of(study, 5)
     assert first.control != second.control
     assert first.motion.random is not None
     np.testing.assert_array_equal(reference(study, first).q, reference(study, second).q)
@@ -141,14 +154,22 @@ def test_draws_fill_their_ranges(tmp_path: Path) -> None:
     # 300 draws: four standard deviations of a binomial
     assert abs(joints.count(None) / 300 - 0.3) < 4 * np.sqrt(0.3 * 0.7 / 300)
     assert abs(joints.count(1) / 300 - 0.35) < 4 * np.sqrt(0.35 * 0.65 / 300)
-    levels = np.array([v["effect1_coulomb_change_coulomb_Nm"] for v in values if v["effect1_coulomb_change_joint"]])
+    levels = np.array(
+        [
+            v["effect1_coulomb_change_coulomb_Nm"]
+            for v in values
+            if v["effect1_coulomb_change_joint"]
+        ]
+    )
     assert 2.0 <= levels.min() < 3.0
     assert 19.0 < levels.max() <= 20.0
 
 
 def test_all_plants_have_the_same_equations(tmp_path: Path) -> None:
     study = small(tmp_path)
-    kinds = {tuple((e.kind, e.joint) for e in drawn_plant(study, k).robot.effects) for k in range(40)}
+    kinds = {
+        tuple((e.kind, e.joint) for e in drawn_plant(study, k).robot.effects) for k in range(40)
+    }
     assert kinds == {(("payload", None), ("coulomb_change", 1), ("coulomb_change", 2))}
 
 
@@ -157,12 +178,19 @@ def test_one_loop_serves_all_plants_and_gives_what_each_ones_own_would(tmp_path:
     runner = Runner(study)
     for index in (0, 6, 12):
         row = runner.run(index).row
-        case, plant = case_of(study, index), drawn_plant(study, case_of(study, index).draw)
+        case = case_of(study, index)
+        plant = drawn_plant(study, case_of(study, index).draw)
         real = [e for e in plant.robot.effects if any(e.coefficients())]
-        alone = runner.simulate(case, type(plant)(plant.robot.model_copy(update={"effects": tuple(real)}), {}, 0.0))
+        alone = runner.simulate(
+            case, type(plant)(plant.robot.model_copy(update={"effects": tuple(real)}), {}, 0.0)
+        )
         assert row["status"] == "ok"
-        assert row["tcp_error_rms_mm"] == pytest.approx(alone.summary()["tcp_error_mm"]["rms"], rel=1e-9)
-        assert row["tcp_error_rms_mm"] == simulate_case(study, index).summary()["tcp_error_mm"]["rms"]
+        assert row["tcp_error_rms_mm"] == pytest.approx(
+            alone.summary()["tcp_error_mm"]["rms"], rel=1e-9
+        )
+        assert (
+            row["tcp_error_rms_mm"] == simulate_case(study, index).summary()["tcp_error_mm"]["rms"]
+        )
 
 
 @pytest.mark.parametrize("kind", sorted(k for k, e in LIBRARY.items() if e.acts == "force"))
@@ -183,13 +211,17 @@ def test_an_effect_that_cannot_be_zero_is_left_out() -> None:
     assert EffectDraw.model_validate(values).draw(np.random.default_rng(0)) == (None, [])
 
 
-@pytest.mark.parametrize("stop", [[60, 20, 10, 60, 60, 120], [5, 5, 5, 5, 35, 5], [0, 0, 0, 0, 30, 300]])
+@pytest.mark.parametrize(
+    "stop", [[60, 20, 10, 60, 60, 120], [5, 5, 5, 5, 35, 5], [0, 0, 0, 0, 30, 300]]
+)
 def test_moves_go_to_the_limits_of_the_nominal_robot(stop: list[float]) -> None:
     robot = load_robot("irb2400")
     poses = np.radians([[0, 0, 0, 0, 30, 0], stop])
     motion = point_to_point(robot, poses, 1.0)
     speed = (np.abs(motion.qd) / robot.qd_max).max()
-    torque = (np.abs(Model(robot).inverse_dynamics(motion.q, motion.qd, motion.qdd)) / robot.tau_max).max()
+    torque = (
+        np.abs(Model(robot).inverse_dynamics(motion.q, motion.qd, motion.qdd)) / robot.tau_max
+    ).max()
     # sampled here and there at different places of the way
     assert 0.97 < max(speed, torque) < 1.005
     half = point_to_point(robot, poses, 0.5)
@@ -201,7 +233,9 @@ def test_moves_go_to_the_limits_of_the_nominal_robot(stop: list[float]) -> None:
 
 def test_moves_come_to_rest_at_each_pose() -> None:
     robot = load_robot("irb2400")
-    poses = np.radians([[0, 0, 0, 0, 30, 0], [10, 5, 0, 0, 40, 0], [10, 5, 0, 0, 40, 0], [0, 5, 0, 0, 40, 0]])
+    poses = np.radians(
+        [[0, 0, 0, 0, 30, 0], [10, 5, 0, 0, 40, 0], [10, 5, 0, 0, 40, 0], [0, 5, 0, 0, 40, 0]]
+    )
     motion = point_to_point(robot, poses, 0.4)
     for pose in poses:
         there = np.abs(motion.q - pose).max(axis=1) < 1e-12
@@ -212,9 +246,17 @@ def test_moves_come_to_rest_at_each_pose() -> None:
 def test_a_pose_that_the_arm_cannot_hold() -> None:
     robot = load_robot("irb2400")
     limits = robot.joints[1].limits.model_copy(update={"torque_Nm": 20.0})
-    weak = (robot.joints[0], robot.joints[1].model_copy(update={"limits": limits}), *robot.joints[2:])
+    weak = (
+        robot.joints[0],
+        robot.joints[1].model_copy(update={"limits": limits}),
+        *robot.joints[2:],
+    )
     with pytest.raises(InputError, match="axis 2 cannot hold the arm"):
-        point_to_point(robot.model_copy(update={"joints": weak}), np.radians([[0] * 6, [0, 60, 0, 0, 0, 0]]), 1.0)
+        point_to_point(
+            robot.model_copy(update={"joints": weak}),
+            np.radians([[0] * 6, [0, 60, 0, 0, 0, 0]]),
+            1.0,
+        )
 
 
 def test_speed_of_a_motion_from_a_file(tmp_path: Path) -> None:
@@ -222,9 +264,12 @@ def test_speed_of_a_motion_from_a_file(tmp_path: Path) -> None:
     rows = [[0.1 * k, *([0.2 * k**2] * 6)] for k in range(8)]
     header = "time_s," + ",".join(f"q{j}_deg" for j in range(1, 7))
     np.savetxt(tmp_path / "m.csv", rows, delimiter=",", header=header, comments="")
-    motion = Motion.model_validate({"name": "m", "file": "m.csv"}, context={"folder": tmp_path})
+    motion = StudyMotion.model_validate(
+        {"name": "m", "file": "m.csv"}, context={"folder": tmp_path}
+    )
     rng = np.random.default_rng(0)
-    own, fast = motion.trajectory(robot, 1.0, rng), motion.trajectory(robot, 2.0, rng)
+    own = motion.trajectory(robot, 1.0, rng)
+    fast = motion.trajectory(robot, 2.0, rng)
     assert fast.duration == pytest.approx(0.5 * own.duration)
     np.testing.assert_allclose(fast.qd, 2 * own.qd)
     np.testing.assert_allclose(fast.qdd, 4 * own.qdd)
@@ -232,5 +277,8 @@ def test_speed_of_a_motion_from_a_file(tmp_path: Path) -> None:
 
 def _example(kind: str, joint: int | None) -> Effect:
     known = {name: fields for name, _, fields in FORCE_EFFECTS}
-    known |= {"hysteresis": {"amplitude_Nm": 5.0, "width_rad": 0.01}, "elastic_joint": {"stiffness_Nm_rad": 2e5}}
+    known |= {
+        "hysteresis": {"amplitude_Nm": 5.0, "width_rad": 0.01},
+        "elastic_joint": {"stiffness_Nm_rad": 2e5},
+    }
     return LIBRARY[kind].of(joint, **known[kind])

@@ -10,9 +10,12 @@ from typing import Any
 import numpy as np
 
 from irb2400_ctrl.model import Model
-from irb2400_ctrl.planners import ToolPath, builders
+from irb2400_ctrl.planners import ToolPath
+from irb2400_ctrl.planners.toolpath import builders
 
-CASES: list[dict[str, Any]] = tomllib.loads((Path(__file__).parent / "toolpaths.toml").read_text())["case"]
+CASES: list[dict[str, Any]] = tomllib.loads((Path(__file__).parent / "toolpaths.toml").read_text())[
+    "case"
+]
 
 
 def build(model: Model, kind: str, **arguments: Any) -> ToolPath:
@@ -21,12 +24,20 @@ def build(model: Model, kind: str, **arguments: Any) -> ToolPath:
     return path
 
 
-def _points(model: Model, points: Any, axis: Any = (0, 0, 1), axes: Any = None, feed: float = np.inf) -> ToolPath:
-    return builders.way_points(np.array(points) / 1e3, axis if axes is None else axes, feed=feed / 1e3)
+def _points(
+    model: Model, points: Any, axis: Any = (0, 0, 1), axes: Any = None, feed: float = np.inf
+) -> ToolPath:
+    return builders.way_points(
+        np.array(points) / 1e3, axis if axes is None else axes, feed=feed / 1e3
+    )
 
 
-def _circle(model: Model, centre: Any, radius: float, start: float = 0, sweep: float = 360) -> ToolPath:
-    return builders.circle(np.array(centre) / 1e3, radius / 1e3, start=np.radians(start), sweep=np.radians(sweep))
+def _circle(
+    model: Model, centre: Any, radius: float, start: float = 0, sweep: float = 360
+) -> ToolPath:
+    return builders.circle(
+        np.array(centre) / 1e3, radius / 1e3, start=np.radians(start), sweep=np.radians(sweep)
+    )
 
 
 def _steps(model: Model, start: Any, step: Any, count: int) -> ToolPath:
@@ -37,24 +48,34 @@ def _spline(model: Model, points: Any) -> ToolPath:
     return builders.spline(np.array(points) / 1e3)
 
 
-def _raster(model: Model, centre: Any, length: float, width: float, lines: int, points: int, feed: float) -> ToolPath:
+def _raster(
+    model: Model, centre: Any, length: float, width: float, lines: int, points: int, feed: float
+) -> ToolPath:
     return builders.raster(
-        np.array(centre) / 1e3, length / 1e3, width / 1e3, lines=lines, points=points, feed=feed / 1e3,
+        np.array(centre) / 1e3,
+        length / 1e3,
+        width / 1e3,
+        lines=lines,
+        points=points,
+        feed=feed / 1e3,
         height=lambda x, y: 0.01 * np.sin(2 * np.pi * x / 0.15) * np.cos(np.pi * y / 0.06),
-    )  # fmt: skip
+    )
 
 
 def _wrist(model: Model, miss: float) -> ToolPath:
-    """Poses on which q5 runs from -20 to 20 deg while the wrist passes its singularity at the angle `miss`."""
+    """Poses on which q5 runs from -20 to 20 deg while the wrist passes its singularity at the angle
+    `miss`."""
     q = np.array([0.1, 0.2, 0.1, 0.3, 0.0, 0.2])
-    along, across = np.array([np.cos(q[3]), np.sin(q[3])]), np.array([-np.sin(q[3]), np.cos(q[3])])
+    along = np.array([np.cos(q[3]), np.sin(q[3])])
+    across = np.array([-np.sin(q[3]), np.cos(q[3])])
     poses = []
     for angle in np.radians(np.linspace(-20, 20, 41)):
         state = q.copy()
         state[4] = angle
         if miss:
             w = np.sin(angle) * along + np.sin(np.radians(miss)) * across
-            state[3], state[4] = np.arctan2(w[1], w[0]), np.arcsin(np.hypot(*w))
+            state[3] = np.arctan2(w[1], w[0])
+            state[4] = np.arcsin(np.hypot(*w))
             # straight, only the sum of axes 4 and 6 counts
             state[5] = q[5] + q[3] - state[3]
         poses.append(model.tcp_pose(state))
@@ -70,7 +91,8 @@ def _wind_up(model: Model, turns: float) -> ToolPath:
 
 
 def _reach_out(model: Model, beyond: float) -> ToolPath:
-    """Straight out in the direction of the forearm; the arm is stretched at the end, or would have to be longer."""
+    """Straight out in the direction of the forearm; the arm is stretched at the end, or would have
+    to be longer."""
     g = model.arm_geometry
     stretched = np.array([0.1, 0.9, 0.0, 0.3, 0.8, 0.2])
     # q2 - q3 with k = 0, eq. 36

@@ -1,0 +1,121 @@
+"""Adaptive computed torque: learns the payload and the dry friction while the arm moves."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import casadi as ca
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from irb2400_ctrl.codegen import Block, Field
+from irb2400_ctrl.controllers.compensation import SIGN_WIDTH, Compensation
+from irb2400_ctrl.controllers.computed_torque import pd_gains
+from irb2400_ctrl.controllers.parts import Values, assemble, gain, saturate, signals_in, torque_out
+from irb2400_ctrl.controllers.scaling import typical_inertia
+from irb2400_ctrl.controllers.stribeck import fade
+from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.model import Model
+from irb2400_ctrl.robot import Robot
+
+PAYLOAD = 4
+"""learned of the load at the flange: mass and first moments; its own inertia is too small to be
+told from them"""
+
+
+def adaptive(
+    robot: Robot,
+    sample_time: float = 0.001,
+    *,
+    bandwidth: ArrayLike = 60.0,
+    damping: ArrayLike = 1.0,
+    adaptation_time: float = 0.3,
+) -> Block:
+    """tau = tau_ct + Y theta,  d theta/dt = Gamma Y^T s,  s = ed + bandwidth e (gradient law,
+    Slotine and Li 1987).
+
+    theta holds what a robot in use changes: the load at the flange (m, m c) and each joint's
+    Coulomb friction. Unlike an integrator it keeps what it has learned when pose and direction
+    change. Y is the model's regressor at (q, qd, commanded acceleration), friction in the direction
+    of the reference. Learning stops while a joint is at its torque limit, and at rest, where static
+    friction would teach it anything.
+
+    Args:
+        bandwidth, damping: of the error, as in `computed_torque`.
+        adaptation_time: how fast a parameter alone is learned in a typical motion [s].
+    """
+    if not adaptation_time > 0:
+        raise InputError(f"adaptation_time is {adaptation_time} s; expected a positive time")
+    model = Compensation(robot, sample_time)
+    kp, kd = pd_gains(robot, bandwidth, damping)
+    size = PAYLOAD + robot.n
+    regressor = _regressor(robot)
+    rate = _rates(robot, regressor, typical_inertia(robot) * kd.start, adaptation_time)
+    parameters = (
+        kp,
+        kd,
+        Field(
+            "rate",
+            size,
+            "theta^2/(Nm rad)",
+            "learning rates, the diagonal of Gamma",
+            tuple(rate.tolist()),
+        ),
+        gain(robot, "slope", "1/s", "weight of the angle error in s", np.sqrt(kp.start)),
+        *model.parameters,
+    )
+    theta = Field(
+        "theta",
+        size,
+        "kg, kg m, Nm",
+        "learned load (m, m c) and Coulomb friction, added to the model's",
+    )
+
+    def law(v: Values) -> Values:
+        error = v["q_ref"] - v["q"]
+        speed_error = v["qd_ref"] - v["qd"]
+        wanted = v["qdd_ref"] + v["kd"] * speed_error + v["kp"] * error
+        known, after = model.torque(v, (v["q"], v["qd"], wanted), v["qd_ref"], v["qd"])
+        Y = regressor(v["q"], v["qd"], wanted, v["qd_ref"])
+        asked = known + Y @ v["theta"]
+        tau = saturate(robot, asked)
+        going = fade(v["qd_ref"], v["breakaway"])
+        heard = going * (tau == asked) * (speed_error + v["slope"] * error)
+        return {"tau": tau, "theta": v["theta"] + sample_time * v["rate"] * (Y.T @ heard), **after}
+
+    return assemble(
+        "adaptive",
+        "computed torque that learns load and dry friction",
+        sample_time,
+        law,
+        states=(theta, *model.states),
+        inputs=signals_in(robot),
+        outputs=torque_out(robot),
+        parameters=parameters,
+    )
+
+
+def _regressor(robot: Robot) -> ca.Function:
+    """(q, qd, qdd, qd_ref) -> Y, shape (n, 4 + n)."""
+    s = Model(robot).signals()
+    qd_ref = ca.SX.sym("qd_ref", robot.n)
+    s = replace(s, sign=qd_ref / ca.sqrt(qd_ref**2 + SIGN_WIDTH**2))
+    load = s.regressor(robot.n + 1)[:, :PAYLOAD]
+    Y = ca.densify(ca.cse(ca.horzcat(load, ca.diag(s.sign))))
+    return ca.Function("regressor", [s.q, s.qd, s.qdd, qd_ref], [Y])
+
+
+def _rates(
+    robot: Robot, regressor: ca.Function, stiffness: NDArray[np.float64], time: float
+) -> NDArray[np.float64]:
+    """Gamma_ii = 1 / (T sum_j mean Y_ji^2 / (J Kd)_j): each parameter alone converges in about
+    T."""
+    rng = np.random.default_rng(0)
+    power = np.zeros(regressor.size2_out(0))
+    poses = 64
+    for _ in range(poses):
+        q = rng.uniform(robot.q_min, robot.q_max)
+        qd = rng.uniform(-0.5, 0.5, robot.n) * robot.qd_max
+        Y = np.asarray(regressor(q, qd, np.zeros(robot.n), qd))
+        power += (Y**2 / stiffness[:, None]).sum(axis=0) / poses
+    return np.asarray(1.0 / (time * power))

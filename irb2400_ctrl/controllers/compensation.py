@@ -1,0 +1,165 @@
+"""The model inside a controller: inverse dynamics with friction along the *reference* motion and
+effects with memory.
+
+    tau = M(q) a + C(q, qd) qd + G(q) + effects(q, qd, a, t, z; s) + F_v qd_ref
+        + (F_c + bell(qd / omega_st) qd_ref^2 / (qd_ref^2 + breakaway^2)) s
+    s = qd_ref / sqrt(qd_ref^2 + eps^2),    bell(x) = (F_s - F_c) exp(-x^2) to a quarter of a per
+    cent (`stribeck`)
+
+Dry friction is compensated in the direction the arm is meant to move: the measured speed has noise
+and stick in it, and its sign would make the torque chatter. The regularised sign s leaves a resting
+reference without friction torque. How far the Stribeck curve has fallen is read from the measured
+speed: a joint that still sticks while the reference has moved on needs its static friction, or it
+stays behind until the feedback has found it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property
+from itertools import pairwise
+
+import casadi as ca
+
+from irb2400_ctrl.codegen import Field
+from irb2400_ctrl.controllers.stribeck import bell, fade
+from irb2400_ctrl.effects import Effect
+from irb2400_ctrl.effects.memory import next_memory
+from irb2400_ctrl.model import Model
+from irb2400_ctrl.model.elasticity import TRANSMISSIONS
+from irb2400_ctrl.robot import Robot
+
+BREAKAWAY = 0.0045
+"""reference speed [rad/s] at which half of the static friction above Coulomb's is compensated (0.9
+at three times as much); with less, a joint that has just broken loose overshoots the reference and
+sticks again, and its gear pays"""
+SIGN_WIDTH = 2e-3
+"""eps of the regularised sign [rad/s]: a reference passes it in a millisecond or two, friction of
+0.5 % is lost at ten times this speed"""
+
+
+@dataclass(frozen=True)
+class Compensation:
+    """Torque that the model says a motion needs, as a piece of a discrete-time block.
+
+    Args:
+        robot: with its effects; those of the measuring chain are left alone.
+        sample_time: of the controller [s], for effects with memory.
+    """
+
+    robot: Robot
+    sample_time: float
+
+    @cached_property
+    def effects(self) -> tuple[Effect, ...]:
+        """Effects that load the actuators as a force (those on the arm's parameters are in the
+        model's mass data).
+
+        An elastic joint counts as rigid: its spring would need the derivatives of the acceleration.
+        """
+        return tuple(
+            e for e in self.robot.effects if e.role == "force" and e.kind not in TRANSMISSIONS
+        )
+
+    @cached_property
+    def memories(self) -> tuple[tuple[Effect, Field], ...]:
+        """The effects with internal states, and those states as fields of the block."""
+        return tuple(
+            (
+                effect,
+                Field(
+                    f"{effect.kind}_{effect.joint or 'arm'}_{place}",
+                    len(effect.states),
+                    "-",
+                    f"memory {', '.join(effect.states)} of {effect.kind}",
+                ),
+            )
+            for place, effect in enumerate(self.effects)
+            if effect.states
+        )
+
+    @cached_property
+    def _core(self) -> ca.Function:
+        """(q, qd, qdd, qd_ref, slip, breakaway, time, memory) -> (tau, next memory)."""
+        model = Model(self.robot)
+        n = self.robot.n
+        qd_ref, slip, breakaway = (ca.SX.sym(name, n) for name in ("qd_ref", "slip", "breakaway"))
+        sign = qd_ref / ca.sqrt(qd_ref**2 + SIGN_WIDTH**2)
+        s = replace(model.signals(), sign=sign)
+        # speeds of effects with memory come from the reference too, for the same reason as the
+        # friction's
+        along = replace(s, qd=qd_ref)
+        static, coulomb, viscous, width = self.robot.friction.T
+        dry = coulomb + bell(slip, width, static - coulomb) * fade(qd_ref, breakaway)
+        # one product with the speed, which a small processor reads once
+        tau = s.load + (viscous + dry / ca.sqrt(qd_ref**2 + SIGN_WIDTH**2)) * qd_ref
+        old = [ca.SX.sym(field.name, field.size) for _, field in self.memories]
+        states = {id(effect): x for (effect, _), x in zip(self.memories, old, strict=True)}
+        new = []
+        for effect in self.effects:
+            x = states.get(id(effect), ca.SX(0, 1))
+            tau += effect.torque(s.with_state(x))
+            if effect.states:
+                new.append(next_memory(effect.state_rate(along.with_state(x)), x, self.sample_time))
+        # the derivatives of the acceleration are not known to a controller; elastic joints count as
+        # rigid here
+        rest = ca.vertcat(s.qddd, s.qdddd)
+        tau = ca.substitute(tau, rest, ca.SX.zeros(rest.numel()))
+        memory = ca.vertcat(ca.SX(0, 1), *old)
+        grown = ca.vertcat(ca.SX(0, 1), *new)
+        outputs = [ca.cse(ca.densify(tau)), grown]
+        return ca.Function(
+            "compensation", [s.q, s.qd, s.qdd, qd_ref, slip, breakaway, s.time, memory], outputs
+        )
+
+    @cached_property
+    def uses_time(self) -> bool:
+        """Whether an effect depends on the time since the start."""
+        return bool(self._core.jac_sparsity(0, 6).nnz())
+
+    @property
+    def states(self) -> tuple[Field, ...]:
+        """What the block has to remember for this torque."""
+        clock = (
+            (Field("clock", 1, "s", "time since the controller was started"),)
+            if self.uses_time
+            else ()
+        )
+        return (*clock, *(field for _, field in self.memories))
+
+    @property
+    def parameters(self) -> tuple[Field, ...]:
+        """What can be tuned without new code."""
+        doc = "reference speed at which half of the static friction is compensated"
+        return (Field("breakaway", self.robot.n, "rad/s", doc, (BREAKAWAY,) * self.robot.n),)
+
+    def torque(
+        self,
+        values: Mapping[str, ca.SX],
+        motion: tuple[ca.SX, ca.SX, ca.SX],
+        qd_ref: ca.SX,
+        slip: ca.SX,
+    ) -> tuple[ca.SX, dict[str, ca.SX]]:
+        """tau, and the next values of `states` by name.
+
+        Args:
+            values: present values of `states` and `parameters` by name.
+            motion: (q, qd, qdd) for inertia, Coriolis force, gravity and effects.
+            qd_ref: speed that says where the arm is meant to go.
+            slip: speed at which the Stribeck curve is read.
+        """
+        clock = values["clock"] if self.uses_time else ca.SX(0)
+        memory = [values[field.name] for _, field in self.memories]
+        tau, grown = self._core.call(
+            [*motion, qd_ref, slip, values["breakaway"], clock, ca.vertcat(ca.SX(0, 1), *memory)],
+            True,
+            False,
+        )
+        ends = [0]
+        for _, field in self.memories:
+            ends.append(ends[-1] + field.size)
+        after = {
+            f.name: grown[a:b] for (_, f), (a, b) in zip(self.memories, pairwise(ends), strict=True)
+        }
+        return tau, after | ({"clock": clock + self.sample_time} if self.uses_time else {})

@@ -1,0 +1,60 @@
+"""Computed torque: the model linearises the arm, a PD law shapes the double integrators that
+remain."""
+
+from __future__ import annotations
+
+from numpy.typing import ArrayLike
+
+from irb2400_ctrl.codegen import Block, Field
+from irb2400_ctrl.controllers.compensation import Compensation
+from irb2400_ctrl.controllers.parts import Values, assemble, gain, saturate, signals_in, torque_out
+from irb2400_ctrl.robot import Robot
+
+
+def computed_torque(
+    robot: Robot,
+    sample_time: float = 0.001,
+    *,
+    bandwidth: ArrayLike = 60.0,
+    damping: ArrayLike = 1.0,
+) -> Block:
+    """tau = M(q) (qdd_ref + Kd (qd_ref - qd) + Kp (q_ref - q)) + C(q, qd) qd + G(q) + F(qd_ref) +
+    effects.
+
+    Kp = bandwidth^2, Kd = 2 damping bandwidth: each joint's error obeys e'' + Kd e' + Kp e = 0 on
+    the nominal arm.
+
+    Args:
+        bandwidth: natural frequency of the error [rad/s], one or one per joint.
+        damping: damping ratio [-], one or one per joint.
+    """
+    model = Compensation(robot, sample_time)
+    parameters = (*pd_gains(robot, bandwidth, damping), *model.parameters)
+
+    def law(v: Values) -> Values:
+        wanted = v["qdd_ref"] + v["kd"] * (v["qd_ref"] - v["qd"]) + v["kp"] * (v["q_ref"] - v["q"])
+        tau, after = model.torque(v, (v["q"], v["qd"], wanted), v["qd_ref"], v["qd"])
+        return {"tau": saturate(robot, tau), **after}
+
+    return assemble(
+        "computed_torque",
+        "inverse dynamics with a PD law on the acceleration",
+        sample_time,
+        law,
+        states=model.states,
+        inputs=signals_in(robot),
+        outputs=torque_out(robot),
+        parameters=parameters,
+    )
+
+
+def pd_gains(robot: Robot, bandwidth: ArrayLike, damping: ArrayLike) -> tuple[Field, Field]:
+    """Kp = bandwidth^2 and Kd = 2 damping bandwidth as parameters."""
+    omega = gain(
+        robot, "bandwidth", "rad/s", "natural frequency of the tracking error", bandwidth
+    ).start
+    zeta = gain(robot, "damping", "-", "damping ratio of the tracking error", damping).start
+    return (
+        gain(robot, "kp", "1/s2", "acceleration per angle error", omega**2),
+        gain(robot, "kd", "1/s", "acceleration per speed error", 2 * zeta * omega),
+    )

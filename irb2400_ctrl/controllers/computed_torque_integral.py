@@ -1,0 +1,81 @@
+"""Computed torque with integral action."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from irb2400_ctrl.codegen import Block, Field
+from irb2400_ctrl.controllers.compensation import Compensation
+from irb2400_ctrl.controllers.computed_torque import pd_gains
+from irb2400_ctrl.controllers.parts import (
+    Values,
+    assemble,
+    back_calculated,
+    gain,
+    resting,
+    saturate,
+    signals_in,
+    torque_out,
+)
+from irb2400_ctrl.controllers.scaling import typical_inertia
+from irb2400_ctrl.robot import Robot
+
+
+def computed_torque_integral(
+    robot: Robot,
+    sample_time: float = 0.001,
+    *,
+    bandwidth: ArrayLike = 60.0,
+    damping: ArrayLike = 1.0,
+    integral_time: ArrayLike = 0.1,
+    deadband: ArrayLike = 1e-4,
+) -> Block:
+    """Computed torque plus an integral torque: tau = tau_ct + I,  dI/dt = J Kp e / Ti.
+
+    J is `typical_inertia`. Anti-windup by back-calculation. While the reference rests and the error
+    is inside the deadband the integral holds still: against static friction it would otherwise
+    creep and hunt.
+
+    Args:
+        bandwidth, damping: of the error, as in `computed_torque`.
+        integral_time: Ti [s].
+        deadband: angle error that is left alone at rest [rad].
+    """
+    model = Compensation(robot, sample_time)
+    kp, kd = pd_gains(robot, bandwidth, damping)
+    ti = gain(robot, "integral_time", "s", "", integral_time).start
+    ki = typical_inertia(robot) * kp.start / np.maximum(ti, 1e-6)
+    parameters = (
+        kp,
+        kd,
+        gain(robot, "ki", "Nm/(rad s)", "torque rate per angle error", ki),
+        gain(robot, "deadband", "rad", "angle error that is left alone at rest", deadband),
+        gain(
+            robot, "tracking", "s", "time constant of the anti-windup", np.maximum(ti, sample_time)
+        ),
+        *model.parameters,
+    )
+
+    def law(v: Values) -> Values:
+        error = v["q_ref"] - v["q"]
+        wanted = v["qdd_ref"] + v["kd"] * (v["qd_ref"] - v["qd"]) + v["kp"] * error
+        known, after = model.torque(v, (v["q"], v["qd"], wanted), v["qd_ref"], v["qd"])
+        asked = known + v["integral"]
+        tau = saturate(robot, asked)
+        moving = 1 - resting(v["qd_ref"], error, v["deadband"])
+        integral = back_calculated(
+            v["integral"], moving * v["ki"] * error, tau - asked, v["tracking"], sample_time
+        )
+        return {"tau": tau, "integral": integral, **after}
+
+    return assemble(
+        "computed_torque_integral",
+        "computed torque with integral action",
+        sample_time,
+        law,
+        states=(Field("integral", robot.n, "Nm", "integral torque"), *model.states),
+        inputs=signals_in(robot),
+        outputs=torque_out(robot),
+        parameters=parameters,
+    )

@@ -1,0 +1,52 @@
+"""PD control with gravity compensation: needs no inertias, and is passive."""
+
+from __future__ import annotations
+
+from numpy.typing import ArrayLike
+
+from irb2400_ctrl.codegen import Block
+from irb2400_ctrl.controllers.parts import Values, assemble, gain, saturate, signals_in, torque_out
+from irb2400_ctrl.controllers.scaling import typical_inertia
+from irb2400_ctrl.model import Model
+from irb2400_ctrl.robot import Robot
+
+
+def gravity_pd(
+    robot: Robot,
+    sample_time: float = 0.001,
+    *,
+    bandwidth: ArrayLike = 40.0,
+    damping: ArrayLike = 1.0,
+) -> Block:
+    """tau = G(q) + Kp (q_ref - q) + Kd (qd_ref - qd).
+
+    Kp = J bandwidth^2, Kd = 2 damping J bandwidth with J from `typical_inertia`.
+
+    Args:
+        bandwidth: natural frequency of an axis alone [rad/s], one or one per joint.
+        damping: damping ratio [-], one or one per joint.
+    """
+    omega = gain(robot, "bandwidth", "rad/s", "natural frequency of an axis alone", bandwidth).start
+    zeta = gain(robot, "damping", "-", "damping ratio", damping).start
+    J = typical_inertia(robot)
+    parameters = (
+        gain(robot, "kp", "Nm/rad", "torque per angle error", J * omega**2),
+        gain(robot, "kd", "Nm s/rad", "torque per speed error", 2 * zeta * J * omega),
+    )
+    gravity = Model(robot).function("gravity")
+
+    def law(v: Values) -> Values:
+        weight = gravity.call([v["q"]], True, False)[0]
+        tau = weight + v["kp"] * (v["q_ref"] - v["q"]) + v["kd"] * (v["qd_ref"] - v["qd"])
+        return {"tau": saturate(robot, tau)}
+
+    return assemble(
+        "gravity_pd",
+        "PD with gravity compensation",
+        sample_time,
+        law,
+        states=(),
+        inputs=signals_in(robot),
+        outputs=torque_out(robot),
+        parameters=parameters,
+    )

@@ -1,0 +1,117 @@
+"""Generalised-momentum observer: the torque that the model cannot explain, without accelerations.
+
+    p = M(q) qd,    dp/dt = tau + beta(q, qd) + tau_ext,    beta = d(qd^T M qd / 2)/dq - G(q) -
+    F(qd) - effects
+    r = K (p - integral of (tau + beta + r) dt)            =>  r follows tau_ext with the time
+    constant 1 / K
+
+(De Luca and Mattone 2003.) tau_ext helps the actuators: a push at the tool shows up as J^T w. Dry
+friction is taken in the measured direction, regularised; a joint that stands can hide any torque
+below its static friction from it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import casadi as ca
+
+from irb2400_ctrl.codegen import Block, Field
+from irb2400_ctrl.controllers.parts import Values, assemble, gain
+from irb2400_ctrl.model import Model
+from irb2400_ctrl.model.friction import friction
+from irb2400_ctrl.model.linear_solve import factorise
+from irb2400_ctrl.robot import Robot
+
+SIGN_WIDTH = 0.02
+"""speed [rad/s] over which the measured direction is regularised: a few times the noise of the
+measured speed"""
+DAMPING = 1e-3
+"""damping of the Jacobian's inverse, so that a singular pose gives a small wrench and not an
+infinite one"""
+
+
+def momentum(robot: Robot) -> ca.Function:
+    """(q, qd) -> (p, beta), effects included (memory in its steady state, time-dependent ones at
+    time zero)."""
+    model = Model(robot)
+    n = robot.n
+    s = model.signals()
+    s = replace(s, sign=s.qd / ca.sqrt(s.qd**2 + SIGN_WIDTH**2))
+    M = model.function("mass_matrix")(s.q)
+    zero = ca.SX.zeros(n)
+    others = ca.substitute(model.effect_torque(s), ca.vertcat(s.qdd, s.time), ca.vertcat(zero, 0))
+    # gravity of the bare arm: effects come with the signals above, so that none is counted twice
+    bare = Model(robot.bare())
+    weight = bare.function("gravity")
+    kinetic = 0.5 * s.qd.T @ M @ s.qd
+    beta = ca.gradient(kinetic, s.q) - weight(s.q) - friction(robot, s.qd, s.sign) - others
+    return ca.Function(
+        "momentum", [s.q, s.qd], [M @ s.qd, ca.cse(beta)], ["q", "qd"], ["p", "beta"]
+    )
+
+
+def momentum_observer(
+    robot: Robot, sample_time: float = 0.001, *, bandwidth: float = 60.0
+) -> Block:
+    """Estimates the external torque, and the wrench at the TCP that would explain it.
+
+    Inputs: `q`, `qd` as measured, `tau` the torque that acts in the coming period. Outputs:
+    `tau_ext` (n,) [Nm] and `wrench` (6,): force and moment on the tool in the base frame [N, Nm],
+    from J^T wrench = tau_ext (damped).
+
+    Args:
+        bandwidth: K [rad/s].
+    """
+    n = robot.n
+    core = momentum(robot)
+    jacobian = Model(robot).function("tcp_jacobian")
+    inputs = (
+        Field("q", n, "rad", "measured actuator angles"),
+        Field("qd", n, "rad/s", "measured actuator speeds"),
+        Field("tau", n, "Nm", "torque that acts in the coming period"),
+    )
+    outputs = (
+        Field("tau_ext", n, "Nm", "torque from outside"),
+        Field("wrench", 6, "N, Nm", "force and moment on the tool at the TCP, base frame"),
+    )
+
+    def law(v: Values) -> Values:
+        tau_ext, after = residual(core, v, v["q"], v["qd"], v["tau"], sample_time)
+        J = jacobian(v["q"])
+        wrench = factorise(J @ J.T + DAMPING**2 * ca.SX.eye(6)).solve(J @ tau_ext)
+        return {"tau_ext": tau_ext, "wrench": wrench, **after}
+
+    return assemble(
+        "momentum_observer",
+        "external torque from the generalised momentum",
+        sample_time,
+        law,
+        states=observer_states(n),
+        inputs=inputs,
+        outputs=outputs,
+        parameters=(gain(robot, "observer", "rad/s", "bandwidth of the observer", bandwidth),),
+    )
+
+
+def observer_states(n: int) -> tuple[Field, ...]:
+    """What the observer remembers."""
+    return (
+        Field("explained", n, "kg m2/s", "momentum that the model explains"),
+        Field("running", 1, "-", "0 before the first sample, 1 after"),
+    )
+
+
+def residual(
+    core: ca.Function, v: Values, q: ca.SX, qd: ca.SX, tau: ca.SX, sample_time: float
+) -> tuple[ca.SX, Values]:
+    """The estimate at this sample and the observer's next states."""
+    p, beta = core.call([q, qd], True, False)
+    # at the first sample nothing has been observed yet: the arm's present momentum counts as
+    # explained
+    explained = ca.if_else(v["running"] > 0, v["explained"], p)
+    tau_ext = v["observer"] * (p - explained)
+    return tau_ext, {
+        "explained": explained + sample_time * (tau + beta + tau_ext),
+        "running": ca.SX(1),
+    }

@@ -1,0 +1,144 @@
+"""Pieces that the controllers share: their inputs and outputs, saturation, anti-windup, the
+assembly into a `Block`."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+import casadi as ca
+import numpy as np
+from numpy.typing import ArrayLike
+
+from irb2400_ctrl.codegen import Block, Field
+from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.robot import Robot
+
+BEYOND = 0.05
+"""how far beyond the joint box an angle is still believed [rad]: an arm at its limit overshoots a
+little"""
+
+Values = dict[str, ca.SX]
+Law = Callable[[Values], Values]
+
+
+def signals_in(robot: Robot) -> tuple[Field, ...]:
+    """Inputs of every controller: measured angle and speed, and the reference motion."""
+    n = robot.n
+    low = tuple((robot.q_min - BEYOND).tolist())
+    high = tuple((robot.q_max + BEYOND).tolist())
+    return (
+        Field("q", n, "rad", "measured actuator angles", lower=low, upper=high),
+        Field("qd", n, "rad/s", "measured actuator speeds"),
+        Field("q_ref", n, "rad", "reference angles", lower=low, upper=high),
+        Field("qd_ref", n, "rad/s", "reference speeds"),
+        Field("qdd_ref", n, "rad/s2", "reference accelerations"),
+    )
+
+
+def torque_out(robot: Robot) -> tuple[Field, ...]:
+    """Output of every controller: the torque command, already inside the limits."""
+    high = tuple(robot.tau_max)
+    return (Field("tau", robot.n, "Nm", "torque command", lower=tuple(-robot.tau_max), upper=high),)
+
+
+def gain(robot: Robot, name: str, unit: str, doc: str, value: ArrayLike) -> Field:
+    """A parameter per joint; one number stands for all joints.
+
+    Raises:
+        InputError: neither one number nor one per joint, or a negative one.
+    """
+    array = np.asarray(value, dtype=float)
+    if array.shape not in {(), (robot.n,)} or not np.isfinite(array).all() or (array < 0).any():
+        raise InputError(
+            f"{name} is {array.tolist()}; expected one number [{unit}] >= 0, or {robot.n} of them, "
+            "one per joint"
+        )
+    return Field(name, robot.n, unit, doc, default=tuple(np.broadcast_to(array, robot.n).tolist()))
+
+
+def saturate(robot: Robot, tau: ca.SX) -> ca.SX:
+    """tau cut at the torque limits of the robot."""
+    high = ca.DM(robot.tau_max)
+    return ca.fmin(ca.fmax(tau, -high), high)
+
+
+def back_calculated(
+    integral: ca.SX, rate: ca.SX, excess: ca.SX, tracking: ca.SX, step: float
+) -> ca.SX:
+    """Next value of an integral torque with anti-windup (back-calculation).
+
+    dI/dt = rate + excess / T_t, where excess = saturated minus wanted torque: while the command is
+    cut, the integral moves, with time constant T_t = `tracking` [s], to where the command just
+    reaches the limit.
+    """
+    share = ca.fmin(step / tracking, 1.0)
+    return integral + step * rate + share * excess
+
+
+def resting(qd_ref: ca.SX, error: ca.SX, deadband: ca.SX) -> ca.SX:
+    """1 for each joint whose reference rests and whose angle error is inside the deadband, else
+    0."""
+    return ca.logic_and(ca.fabs(qd_ref) < 1e-6, ca.fabs(error) < deadband)
+
+
+def assemble(
+    name: str,
+    doc: str,
+    sample_time: float,
+    law: Law,
+    *,
+    states: Sequence[Field],
+    inputs: Sequence[Field],
+    outputs: Sequence[Field],
+    parameters: Sequence[Field],
+) -> Block:
+    """The block whose step is `law`: values of states, inputs and parameters by name -> next states
+    and outputs."""
+    if not (np.isfinite(sample_time) and sample_time > 0):
+        raise InputError(
+            f"sample time is {sample_time} s; expected a positive number of seconds, for example "
+            "0.001"
+        )
+    taken = (*states, *inputs, *parameters)
+    symbols = {field.name: ca.SX.sym(field.name, field.size) for field in taken}
+    results = law(dict(symbols))
+    given = [ca.densify(results[field.name]) for field in (*states, *outputs)]
+    names_out = [*(f"{field.name}_next" for field in states), *(field.name for field in outputs)]
+    names_in = [field.name for field in taken]
+    # an output may bear the name of an input (a filtered q); CasADi wants them apart
+    names_out = [f"{n}_out" if n in names_in else n for n in names_out]
+    step = ca.Function(name, list(symbols.values()), given, names_in, names_out)
+    return Block(
+        name,
+        doc,
+        sample_time,
+        tuple(states),
+        tuple(inputs),
+        tuple(outputs),
+        tuple(parameters),
+        step,
+    )
+
+
+def with_gains(block: Block, **gains: ArrayLike) -> Block:
+    """The block with other defaults for some of its parameters.
+
+    Raises:
+        InputError: no such parameter, or neither one number nor one per element.
+    """
+    known = {f.name: f for f in block.parameters}
+    for name, value in gains.items():
+        if name not in known:
+            raise InputError(
+                f"{block.name} has no parameter {name!r}; expected some of {', '.join(known)}"
+            )
+        array = np.asarray(value, dtype=float)
+        if array.shape not in {(), (known[name].size,)} or not np.isfinite(array).all():
+            raise InputError(
+                f"{block.name}: {name} is {array.tolist()}; expected 1 or {known[name].size} "
+                "finite numbers"
+            )
+        default = tuple(np.broadcast_to(array, known[name].size).tolist())
+        known[name] = replace(known[name], default=default)
+    return replace(block, parameters=tuple(known.values()))

@@ -1,0 +1,52 @@
+"""Controllers by name."""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Callable
+from typing import Any
+
+from irb2400_ctrl.codegen import Block
+from irb2400_ctrl.controllers.adaptive import adaptive
+from irb2400_ctrl.controllers.cascade import feedforward_pid, pid
+from irb2400_ctrl.controllers.computed_torque import computed_torque
+from irb2400_ctrl.controllers.computed_torque_integral import computed_torque_integral
+from irb2400_ctrl.controllers.gravity_pd import gravity_pd
+from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.robot import Robot
+
+CONTROLLERS: dict[str, Callable[..., Block]] = {
+    "pid": pid,
+    "gravity_pd": gravity_pd,
+    "feedforward_pid": feedforward_pid,
+    "computed_torque": computed_torque,
+    "computed_torque_integral": computed_torque_integral,
+    "adaptive": adaptive,
+}
+
+
+def controller(name: str, robot: Robot, sample_time: float = 0.001, **design: Any) -> Block:
+    """The controller of that name for a robot, effects of the robot included.
+
+    Args:
+        name: one of `CONTROLLERS`.
+        sample_time: [s].
+        design: wishes of that controller (bandwidth, damping …), see its function; defaults
+            otherwise.
+
+    Raises:
+        InputError: no such controller or wish.
+    """
+    if name not in CONTROLLERS:
+        raise InputError(f"no controller {name!r}; expected one of {', '.join(CONTROLLERS)}")
+    build = CONTROLLERS[name]
+    known = [
+        key for key in inspect.signature(build).parameters if key not in {"robot", "sample_time"}
+    ]
+    unknown = sorted(set(design) - set(known))
+    if unknown:
+        raise InputError(
+            f"{name} has no design parameter {', '.join(unknown)}; expected some of "
+            f"{', '.join(known)}"
+        )
+    return build(robot, sample_time, **design)

@@ -1,0 +1,1 @@
+"""Which explanation is chosen, and when it counts."""

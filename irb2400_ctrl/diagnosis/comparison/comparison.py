@@ -1,0 +1,167 @@
+"""Judges candidates on one log: each under the noise that it leaves itself, against a base that may
+bend to hide it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+import numpy.typing as npt
+
+from irb2400_ctrl.diagnosis.comparison.scan import Scan
+from irb2400_ctrl.diagnosis.estimation.candidate import Candidate
+from irb2400_ctrl.diagnosis.estimation.evidence import Problem, departure_shares
+from irb2400_ctrl.diagnosis.preparation.noise import Noise, autoregressive, white, without
+
+Array = npt.NDArray[np.float64]
+Mask = npt.NDArray[np.bool_]
+
+
+@dataclass(frozen=True)
+class Rival:
+    """A candidate with its own noise model.
+
+    Args:
+        evidence: log evidence under the noise that the candidate leaves [nats].
+        by_law: what it gains without departures from its law [nats].
+    """
+
+    candidate: Candidate
+    evidence: float
+    by_law: float
+
+
+class Judge:
+    """The ground of one step: filtered torques y (rows, n) that are left, and the base Z (rows, n,
+    k) that may move."""
+
+    def __init__(self, scan: Scan, reversal: Mask, y: Array, Z: Array) -> None:
+        """`reversal`: rows near a change of direction, shape (rows, n)."""
+        self.scan = scan
+        self.reversal = reversal
+        self.y = y
+        self.Z = Z
+        self.n = scan.motion.n
+        self._rows = scan.motion.row_known
+
+    @cached_property
+    def start(self) -> Problem:
+        """Under white noise of the level that the base leaves: the ground for a first ranking."""
+
+        def level(residual: Array) -> list[Noise]:
+            return [
+                white(residual[:, j], self._rows[:, j], self.reversal[:, j]) for j in range(self.n)
+            ]
+
+        return Problem(
+            self.y, self.Z, level(self.y - self.Z @ Problem(self.y, self.Z, level(self.y)).z)
+        )
+
+    @cached_property
+    def base(self) -> Problem:
+        """Without a further explanation, under the noise that this leaves."""
+        problem = self.start
+        for _ in range(2):
+            problem = self._under(self.y - self.Z @ problem.z)
+        return problem
+
+    @cached_property
+    def energy(self) -> Array:
+        """Mean square that the base leaves away from reversals, shape (n,) [Nm2]."""
+        return self._energy(self.y - self.Z @ self.base.z)
+
+    def judged(self, candidate: Candidate) -> Rival:
+        """The candidate under its own noise."""
+        problem = self.start
+        for _ in range(2):
+            problem = self._under(self.y - self._explained(problem, candidate))
+            candidate = self._rescored(candidate, problem)
+        return Rival(
+            candidate, problem.log_evidence + candidate.score.gain, self._by_law(candidate, problem)
+        )
+
+    def gain(self, rival: Rival) -> float:
+        """Log evidence over the base alone [nats]."""
+        return rival.evidence - self.base.log_evidence
+
+    def polished(self, rival: Rival) -> Rival:
+        """The rival with its nonlinear parameters searched, where the fit can not do it."""
+        candidate = rival.candidate
+        if not any(e.states for e in candidate.effects):
+            return rival
+        problem = self._under(self.y - self.explained(candidate))
+        return replace(rival, candidate=self.scan.polished(problem, candidate))
+
+    def added(self, candidate: Candidate) -> Array:
+        """Rms that a candidate takes off what is left, beside a base that moves with it, shape (n,)
+        [Nm]."""
+        after = self._energy(self.y - self.explained(candidate))
+        return np.sqrt(np.maximum(self.energy - after, 0.0))
+
+    def explained(self, candidate: Candidate) -> Array:
+        """Torque of a candidate and a base that moves with it, shape (rows, n) [Nm]."""
+        return self._explained(self.start, candidate)
+
+    def own_share(self, candidate: Candidate) -> float:
+        """Share of its torque that no other numbers of the base would give."""
+        return self.start.own_share(candidate.torque(self.n))
+
+    def gain_moving(self, candidate: Candidate) -> float:
+        """What its law gains on the rows away from reversals [nats]."""
+        calm = [without(one, self.reversal[:, j]) for j, one in enumerate(self.base.noise)]
+        return Problem(self.y, self.Z, calm).score(candidate.law, expected=candidate.expected).gain
+
+    def elsewhere(self, candidate: Candidate) -> float:
+        """Share of what a candidate takes off the whitened squares that it takes off outside its
+        best second."""
+        before = self.y - self.Z @ self.base.z
+        after = self.y - self._explained(self.base, candidate)
+        second = (self.scan.motion.row_time - self.scan.motion.row_time[0]).astype(np.intp)
+        taken = np.zeros(second[-1] + 1)
+        for j, one in enumerate(self.base.noise):
+            change = one.whiten(before[:, j]) ** 2 - one.whiten(after[:, j]) ** 2
+            taken += np.bincount(second[one.kept], change, len(taken))
+        return float(1.0 - taken.max() / max(taken.sum(), 1e-12))
+
+    def by_joint(self, gain: float, torque: Array) -> Array:
+        """A gain [nats] shared among the joints as its torque (rows, n) stands out there."""
+        seen = np.array(
+            [np.sum(one.whiten(torque[:, j]) ** 2) for j, one in enumerate(self.base.noise)]
+        )
+        return np.asarray(max(gain, 0.0) * seen / max(seen.sum(), 1e-12))
+
+    def _under(self, residual: Array) -> Problem:
+        """The problem under the noise of a residual."""
+        noise = [
+            autoregressive(residual[:, j], self._rows[:, j], self.reversal[:, j])
+            for j in range(self.n)
+        ]
+        return Problem(self.y, self.Z, noise)
+
+    def _explained(self, problem: Problem, candidate: Candidate) -> Array:
+        """Torque of the candidate and the base together, fitted under the problem's noise."""
+        tau = candidate.torque(self.n)
+        return np.asarray(tau + self.Z @ problem.base_beside(tau))
+
+    def _rescored(self, candidate: Candidate, problem: Problem) -> Candidate:
+        shares = None
+        if candidate.known and candidate.departures is not None:
+            shares = departure_shares(candidate.kind, candidate.departures.values.shape[2])
+        score = problem.score(candidate.law, candidate.departures, candidate.expected, shares)
+        return replace(candidate, score=replace(score, gain=score.gain - candidate.penalty))
+
+    def _by_law(self, candidate: Candidate, problem: Problem) -> float:
+        """Gain of a candidate by its law alone, without the departures from it."""
+        if candidate.departures is None or any(e.states for e in candidate.effects):
+            return candidate.score.gain
+        return problem.score(candidate.law, expected=candidate.expected).gain - candidate.penalty
+
+    def _energy(self, residual: Array) -> Array:
+        calm = self._rows & ~self.reversal
+        return np.array(
+            [
+                np.mean(residual[calm[:, j], j] ** 2) if calm[:, j].any() else 0.0
+                for j in range(self.n)
+            ]
+        )

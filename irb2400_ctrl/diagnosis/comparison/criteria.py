@@ -1,0 +1,205 @@
+"""When an explanation counts: significant, large enough to matter, and not what an earlier law has
+left over."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from irb2400_ctrl.diagnosis.comparison.comparison import Judge, Rival
+from irb2400_ctrl.diagnosis.estimation.candidate import Candidate
+from irb2400_ctrl.effects.base import OPEN_END_S
+from irb2400_ctrl.measurement.prepared_log import PreparedLog
+
+Array = npt.NDArray[np.float64]
+
+ONE_MOMENT = 1.0
+"""[s] what begins nearer in time than this began for one reason"""
+
+
+@dataclass(frozen=True)
+class Criteria:
+    """When an explanation counts.
+
+    Args:
+        gain: log evidence of an effect over the model without it [nats], family-wise; generic_gain:
+            of a generic law; gain_in_base: of a first effect of which other numbers of the robot
+            would give all but the share `in_base`, where no misfit of shape or noise can pass for
+            it; beside_in_base: the same beside another effect.
+        energy: its energy over what the base alone leaves on that joint.
+        torque: its rms torque over the joint's; torque_beside_law: the same where its law alone
+            gains less than `by_law` of what it gains with departures; torque_begun: of an effect
+            that acts part of the time.
+        leftover: times what the law of an effect found before may leave (`Effect.leftover`), which
+            counts no more.
+        largest: its rms torque over the joint's, above which it only cancels another one.
+        moving: share of its gain that an effect of `Effect.shows_moving` has away from reversals.
+        elsewhere: share of what it explains that lies outside the second in which it explains most.
+        two_at_once: how much more a generic law may gain than the best effect, for two effects to
+            be tried instead.
+        unknown: how much a generic law must beat the best effect by [nats], and as share of that
+            effect's gain.
+        mostly_base: share of an effect's torque that no other numbers of the robot would give,
+            below which a generic law must also say `little` more: rms torque over the effect's.
+        shortlist: candidates judged in a step; most: explanations of one log.
+    """
+
+    gain: float = 22.0
+    generic_gain: float = 25.0
+    gain_in_base: float = 12.5
+    beside_in_base: float = 44.0
+    in_base: float = 0.01
+    energy: float = 0.05
+    torque: float = 0.003
+    torque_beside_law: float = 0.02
+    torque_begun: float = 0.01
+    by_law: float = 0.25
+    leftover: float = 1.0
+    largest: float = 1.5
+    moving: float = 0.2
+    elsewhere: float = 0.4
+    two_at_once: float = 1.0
+    unknown: float = 10.0
+    unknown_share: float = 0.02
+    mostly_base: float = 0.05
+    little: float = 0.1
+    shortlist: int = 10
+    most: int = 8
+
+
+class Bar:
+    """The criteria applied to one log."""
+
+    def __init__(self, criteria: Criteria, motion: PreparedLog, predicted: Array) -> None:
+        """`predicted`: torque of the robot as given along the motion, shape (m, n) [Nm]."""
+        self.criteria = criteria
+        self.n = motion.n
+        self.rms = np.sqrt(np.mean(motion.filtered(motion.tau) ** 2, axis=0))
+        self.largest = criteria.largest * np.maximum(
+            self.rms, np.sqrt(np.mean(motion.filtered(predicted) ** 2, axis=0))
+        )
+
+    def counts(self, judge: Judge, rival: Rival, chosen: Sequence[Candidate]) -> bool:
+        """Large enough to matter on at least one joint that it acts on, and no leftover of an
+        earlier one there."""
+        c = self.criteria
+        candidate = rival.candidate
+        if of_one_moment(candidate, chosen):
+            return False
+        size = np.sqrt(np.mean(candidate.torque(self.n) ** 2, axis=0))
+        if (size > self.largest).any():
+            return False  # a torque that something else must cancel again
+        moving = any(e.shows_moving for e in candidate.effects)
+        if moving and judge.gain_moving(candidate) < c.moving * judge.gain(rival):
+            return False
+        # by departures from its law alone: the base takes the law in, and only a good size still
+        # speaks for the name
+        least = c.torque if rival.by_law > c.by_law * candidate.score.gain else c.torque_beside_law
+        least = max(least, c.torque_begun) if candidate.begins else least
+        matters = (size > np.sqrt(c.energy * judge.energy)) & (size > least * self.rms)
+        if chosen and matters.any():
+            matters &= self._new(judge, rival, chosen)
+        return bool(matters.any()) and not self._once(judge, candidate)
+
+    def _once(self, judge: Judge, candidate: Candidate) -> bool:
+        """Whether one second of the record says it nearly alone: something happened there, which is
+        no law.
+
+        A force that comes and goes may be short, a swing may die out soon after the start, and what
+        the base could take as well moves all of it.
+        """
+        short = any(stop < OPEN_END_S for e in candidate.effects for _, stop in e.windows_s)
+        if short or candidate.devices or judge.own_share(candidate) < self.criteria.in_base:
+            return False
+        return judge.elsewhere(candidate) < self.criteria.elsewhere
+
+    def _new(
+        self, judge: Judge, rival: Rival, chosen: Sequence[Candidate]
+    ) -> npt.NDArray[np.bool_]:
+        """Joints where it is more than earlier laws of slightly another shape leave, shape (n,).
+
+        It must take a good part off the residual there, or, where the base had been bent to hide
+        it, gain a good part of the evidence.
+        """
+        c = self.criteria
+        candidate = rival.candidate
+        gain = judge.gain(rival)
+        added = judge.added(candidate)
+        new = (
+            np.ones(self.n, dtype=bool)
+            if candidate.known
+            else added > np.sqrt(c.energy * judge.energy)
+        )
+        for earlier in chosen:
+            torque = earlier.torque(self.n)
+            share = c.leftover * earlier.leftover
+            # the swing of one transmission moves its neighbours' links too: there only the evidence
+            # speaks
+            same = bool(candidate.devices & earlier.devices)
+            more = np.full(self.n, not same) & (added > share * np.sqrt(np.mean(torque**2, axis=0)))
+            # a flexible law has taken in whatever the base could hide there
+            if candidate.known and earlier.known:
+                known = (
+                    judge.by_joint(earlier.score.gain, torque)
+                    if earlier.joint is None
+                    else earlier.score.gain
+                )
+                more |= gain > (share if same else share**2) * known
+            new &= more
+        return new
+
+    def least_gain(self, judge: Judge, candidate: Candidate, chosen: Sequence[Candidate]) -> float:
+        """Log evidence that a candidate needs [nats]."""
+        c = self.criteria
+        if not candidate.known:
+            return c.generic_gain
+        if judge.own_share(candidate) > c.in_base:
+            return c.gain
+        # what an earlier law leaves bends the base
+        return c.beside_in_base if chosen else c.gain_in_base
+
+    def best(self, judge: Judge, rivals: Sequence[Rival], chosen: Sequence[Candidate]) -> Rival:
+        """The best rival; a generic law only where it beats the library by more than earlier laws
+        may have left."""
+        best = rivals[0]
+        known = next((r for r in rivals if r.candidate.known), None)
+        if best.candidate.known or known is None:
+            return best
+        c = self.criteria
+        joint = (best.candidate.joint or 1) - 1
+        if judge.own_share(known.candidate) < c.mostly_base and self._leaves_little(
+            judge, known, best
+        ):
+            return known
+        earlier = [
+            (c.leftover * e.leftover) ** 2 * judge.by_joint(e.score.gain, e.torque(self.n))[joint]
+            for e in chosen
+        ]
+        needed = (
+            c.unknown + c.unknown_share * max(judge.gain(known), 0.0) + max(earlier, default=0.0)
+        )
+        return best if best.evidence - known.evidence > needed else known
+
+    def _leaves_little(self, judge: Judge, known: Rival, generic: Rival) -> bool:
+        """Whether a generic law says hardly more than an effect.
+
+        The evidence for an effect that the base takes in for the most part understates it.
+        """
+        law = np.sqrt(np.mean(known.candidate.torque(self.n) ** 2, axis=0))
+        more = judge.explained(generic.candidate) - judge.explained(known.candidate)
+        place = (generic.candidate.joint or 1) - 1
+        return bool(np.sqrt(np.mean(more[:, place] ** 2)) < self.criteria.little * law[place])
+
+
+def of_one_moment(candidate: Candidate, others: Sequence[Candidate]) -> bool:
+    """Whether a larger effect begins at the same moment: what else begins then its simple law has
+    left over."""
+    return any(
+        abs(start - moment) < ONE_MOMENT and candidate.score.gain < other.score.gain
+        for other in others
+        for start in candidate.begins
+        for moment in other.begins
+    )

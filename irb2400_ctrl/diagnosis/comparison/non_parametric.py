@@ -1,0 +1,137 @@
+"""Generic tests beside the library: flexible functions of one or two signals, which name no cause.
+
+Where one of them clearly beats every effect of the library, the honest verdict is `unexplained`,
+with the joint and the signals it depends on.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import combinations
+
+import numpy as np
+import numpy.typing as npt
+
+from irb2400_ctrl.measurement.prepared_log import PreparedLog
+
+Array = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Generic:
+    """A flexible law: torque of `joint` (zero-based) as a function of `depends_on`; filtered
+    columns (rows, k)."""
+
+    name: str
+    joint: int
+    depends_on: tuple[str, ...]
+    columns: Array
+
+
+def splines(x: Array, count: int) -> Array:
+    """Cubic B-splines over the visited range of x, knots even between its extremes, shape (m,
+    count)."""
+    from scipy.interpolate import BSpline
+
+    low = float(x.min())
+    high = float(x.max())
+    if high - low < 1e-9:
+        return np.zeros((len(x), 0))
+    inner = np.linspace(low, high, count - 2)
+    step = inner[1] - inner[0]
+    knots = np.concatenate([low - step * np.arange(3, 0, -1), inner, high + step * np.arange(1, 4)])
+    basis = BSpline.design_matrix(np.clip(x, low, high), knots, 3)
+    return np.asarray(basis.toarray())
+
+
+def generic_laws(motion: PreparedLog, load: Array) -> dict[int, list[Generic]]:
+    """All generic laws of one log, by joint (zero-based).
+
+    Args:
+        load: rigid-body torque along the motion, shape (m, n) [Nm].
+    """
+    n = motion.n
+    moving = [j for j in range(n) if np.ptp(motion.qd[:, j]) > 1e-3]
+    span = motion.time[-1] - motion.time[0]
+    # what serves every joint is filtered once
+    common: dict[tuple[str, tuple[str, ...]], Array] = {
+        ("slow time", ("time",)): motion.filtered(
+            splines(motion.time, int(np.clip(span / 1.5, 6, 40)))
+        ),
+    }
+    for k in moving:
+        sign = np.sign(motion.qd[:, k])[:, None]
+        common[f"angle of {k + 1}", (f"q{k + 1}",)] = motion.filtered(splines(motion.q[:, k], 10))
+        common[f"speed of {k + 1}", (f"qd{k + 1}",)] = motion.filtered(
+            np.hstack([splines(motion.qd[:, k], 10), sign])
+        )
+        common[f"acceleration of {k + 1}", (f"qdd{k + 1}",)] = motion.filtered(
+            splines(motion.qdd[:, k], 8)
+        )
+    for k, m in combinations(moving, 2):
+        surface = np.hstack(
+            [
+                _products(motion.q[:, k], motion.q[:, m]),
+                splines(motion.q[:, k], 6)[:, :-1],
+                splines(motion.q[:, m], 6),
+            ]
+        )
+        common[f"angles {k + 1} and {m + 1}", (f"q{k + 1}", f"q{m + 1}")] = motion.filtered(surface)
+    return {
+        j: [
+            Generic(name, j, _own(signals, j), columns)
+            for (name, signals), columns in (common | _of_joint(motion, load, j)).items()
+        ]
+        for j in range(n)
+    }
+
+
+def _of_joint(motion: PreparedLog, load: Array, j: int) -> dict[tuple[str, tuple[str, ...]], Array]:
+    """Laws in the joint's own signals."""
+    own: dict[tuple[str, tuple[str, ...]], Array] = {("load", ("load",)): splines(load[:, j], 10)}
+    if np.ptp(motion.qd[:, j]) > 1e-3:
+        q = motion.q[:, j]
+        qd = motion.qd[:, j][:, None]
+        sign = np.sign(motion.qd[:, j])[:, None]
+        q_fine = splines(q, 20)
+        time = splines(motion.time, 6)
+        own |= {
+            ("angle", ("q",)): q_fine,
+            ("speed", ("qd",)): np.hstack([splines(motion.qd[:, j], 20), sign]),
+            ("acceleration", ("qdd",)): splines(motion.qdd[:, j], 10),
+            ("friction over angle", ("q", "qd")): sign * q_fine,
+            ("viscosity over angle", ("q", "qd")): qd * splines(q, 8),
+            ("friction over time", ("qd", "time")): np.hstack([sign * time, qd * time]),
+            ("friction over load", ("load", "sign_qd")): sign * splines(load[:, j], 8),
+        }
+    return {key: motion.filtered(values) for key, values in own.items()}
+
+
+def _own(signals: tuple[str, ...], j: int) -> tuple[str, ...]:
+    """The joint's own signals without its number."""
+    bare = {f"{s}{j + 1}": s for s in ("q", "qd", "qdd")}
+    return tuple(bare.get(s, s) for s in signals)
+
+
+def _products(x: Array, y: Array) -> Array:
+    """Products of polynomials of degree 1 to 4 in two signals scaled to [-1, 1], shape (m, 16)."""
+
+    def powers(v: Array) -> Array:
+        u = 2 * (v - v.min()) / max(np.ptp(v), 1e-9) - 1
+        # Chebyshev polynomials: powers alone are nearly dependent
+        return np.stack([u, 2 * u**2 - 1, 4 * u**3 - 3 * u, 8 * u**4 - 8 * u**2 + 1], axis=1)
+
+    return np.asarray(np.einsum("mi,mj->mij", powers(x), powers(y)).reshape(len(x), 16))
+
+
+def vibrations(motion: PreparedLog, joint: int) -> tuple[Array, Array]:
+    """Frequencies [Hz] and filtered sine and cosine in time, shape (g, rows, 2): a hum that no
+    motion explains."""
+    span = motion.time[-1] - motion.time[0]
+    frequency = np.arange(0.4, 9.0, 0.5 / span)
+    gain = motion.low_pass.weights
+    half = (len(gain) - 1) // 2
+    offsets = np.arange(-half, half + 1) * motion.step
+    passed = np.cos(2 * np.pi * frequency[:, None] * offsets) @ gain
+    angle = 2 * np.pi * frequency[:, None] * motion.row_time
+    return frequency, passed[:, None, None] * np.stack([np.sin(angle), np.cos(angle)], axis=2)

@@ -1,0 +1,190 @@
+"""Effects that act only part of the time: one that begins in the middle of a record, a force that
+comes and goes."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+import numpy.typing as npt
+
+from irb2400_ctrl.diagnosis.comparison.scan import Scan
+from irb2400_ctrl.diagnosis.estimation.candidate import Candidate, Point, plausible
+from irb2400_ctrl.diagnosis.estimation.evidence import Problem, law_gain
+from irb2400_ctrl.diagnosis.regressors.bases import RegressorColumns
+from irb2400_ctrl.effects import LIBRARY
+from irb2400_ctrl.effects.base import OPEN_END_S, within
+
+Array = npt.NDArray[np.float64]
+Windows = tuple[tuple[float, float], ...]
+
+CLEARLY = 15.0
+"""[nats] an effect that acts always is the simpler story"""
+PER_EDGE = 5.0
+"""[nats] for every further time of switching: about the log of the places where it could be"""
+BLOCK = 0.5
+"""[s] resolution of the first look at a force over time"""
+STARTS = 16
+TRIED = 6
+"""how many effects are judged as acting part of the time, and as many again in the same times as
+the best of them"""
+JOINTS_OF = 3
+"""how many of the best effects say on which joints to look"""
+
+
+class Windowing:
+    """Tries the effects of one scan as acting part of the time, under one problem."""
+
+    def __init__(self, scan: Scan, problem: Problem) -> None:
+        self.scan = scan
+        self.problem = problem
+        self.motion = scan.motion
+
+    def candidates(self, ranked: Sequence[Candidate]) -> list[Candidate]:
+        """Effects that clearly explain more when they act part of the time only, where the best of
+        `ranked` sit.
+
+        In the times of the best of them, whatever else could act on its joint is tried too.
+        """
+        joints = {c.joint for c in ranked[:JOINTS_OF]} | {None}
+        looks = [
+            look
+            for joint in joints
+            for law in self.scan.points(self.problem, joint)
+            if (look := self._look(law))
+        ]
+        looks = sorted(looks, key=lambda look: -look[2])[:TRIED]
+        found = [
+            part
+            for law, windows, _ in looks
+            if (part := self._acting(law, self._sharpened(law, windows)))
+        ]
+        if not found:
+            return []
+        best = max(found, key=lambda part: part.score.gain)
+        windows = best.effects[0].windows_s
+        tried = {(part.kind, part.joint) for part in found}
+        laws = [
+            law
+            for joint in {best.joint, None}
+            for law in self.scan.points(self.problem, joint, windows)
+        ]
+        laws = [law for law in laws if not law.device and (law.kind, law.joint) not in tried]
+        same = [part for law in laws if (part := self._acting(law, windows))]
+        return found + sorted(same, key=lambda part: -part.score.gain)[:TRIED]
+
+    def _look(self, law: Point) -> tuple[Point, Windows, float] | None:
+        """An effect with the times in which it explains clearly more than always, and what it gains
+        then."""
+        if law.device:
+            # no transmission becomes soft within a record; a livelier motion would pass for it
+            return None
+        windows, gain, always = self._begun(law)
+        if law.kind == "process_force":
+            comes_and_goes = self._on_and_off(law)
+            if comes_and_goes and (there := self._gain(law, comes_and_goes)) > gain:
+                windows = comes_and_goes
+                gain = there
+        return (law, windows, gain) if gain > always + CLEARLY / 2 else None
+
+    def _acting(self, law: Point, windows: Windows) -> Candidate | None:
+        """An effect acting in these windows only, if it is plausible there; their choice is paid
+        for."""
+        columns = self._columns(law, windows)
+        # how an effect with memory began is told by its window
+        extra = None if LIBRARY[law.kind].states else self._columns(law, windows, departures=True)
+        score = self.problem.score(columns, extra, LIBRARY[law.kind].expected)
+        effect = plausible(law.kind, law.joint, score.coefficients, law.nonlinear)
+        if effect is None:
+            return None
+        edges = sum(edge < OPEN_END_S for window in windows for edge in window)
+        penalty = self.scan.family_penalty(law.kind, law.joint) + CLEARLY + PER_EDGE * (edges - 1)
+        part = type(effect).model_validate({**effect.model_dump(), "windows_s": windows})
+        score = replace(score, gain=score.gain - penalty)
+        name = f"{law.kind}, part of the time"
+        return Candidate(law.kind, law.joint, name, (), (part,), columns, extra, score, penalty)
+
+    def _columns(self, law: Point, windows: Windows, departures: bool = False) -> RegressorColumns:
+        whole = self.scan.samples(law, departures)
+        acting = within(windows, self.motion.time)[:, None, None]
+        return RegressorColumns(whole.joints, self.motion.filtered(whole.values * acting))
+
+    def _gain(self, law: Point, windows: Windows) -> float:
+        return self.problem.score(
+            self._columns(law, windows), expected=LIBRARY[law.kind].expected
+        ).gain
+
+    def _begun(self, law: Point) -> tuple[Windows, float, float]:
+        """The best of a few times at which the effect may have begun, what that gains, and what it
+        gains always."""
+        edges = np.linspace(self.motion.time[0], self.motion.time[-1], STARTS + 2)[1:-1]
+        columns = self.scan.columns(law)
+        place = np.searchsorted(edges, self.motion.row_time, side="right")
+        gram, right = self.problem.projected_in_blocks(columns, place)
+        k = columns.values.shape[2]
+        gains = []
+        for start in range(STARTS + 1):
+            # a sum of blocks is the effect from there on
+            count = STARTS + 1 - start
+            later = gram[start * k :, start * k :].reshape(count, k, count, k).sum(axis=(0, 2))
+            ahead = right[start * k :].reshape(-1, k).sum(axis=0)
+            gains.append(law_gain(later, ahead, LIBRARY[law.kind].expected)[0])
+        best = int(np.argmax(gains[1:]))
+        return ((float(edges[best]), OPEN_END_S),), gains[1 + best], gains[0]
+
+    def _on_and_off(self, law: Point) -> Windows:
+        """Times at which a force of constant direction is there, from its value in short blocks."""
+        time = self.motion.time
+        columns = self.scan.columns(law)
+        place = ((self.motion.row_time - time[0]) / BLOCK).astype(np.intp)
+        gram, right = self.problem.projected_in_blocks(columns, place)
+        ridge = 0.03 * np.trace(gram) / len(gram)
+        force = np.linalg.solve(gram + ridge * np.eye(len(gram)), right).reshape(
+            -1, columns.values.shape[2]
+        )
+        direction = np.linalg.svd(force, full_matrices=False)[2][0]
+        size = force @ direction
+        size = size * np.sign(size[np.argmax(np.abs(size))])
+        on = size > 0.5 * np.quantile(size, 0.9)
+        edges = np.flatnonzero(np.diff(np.concatenate([[False], on, [False]]).astype(int)))
+        return tuple(
+            (float(time[0] + BLOCK * a), float(time[0] + BLOCK * b))
+            for a, b in zip(edges[::2], edges[1::2], strict=True)
+        )
+
+    def _sharpened(self, law: Point, windows: Windows) -> Windows:
+        """Every edge moved to where the evidence is largest, coarse to fine."""
+        best = [list(w) for w in windows]
+        gain = self._gain(law, windows)
+        width = (
+            0.5 * (self.motion.time[-1] - self.motion.time[0]) / STARTS
+            if len(windows) == 1
+            else 0.5 * BLOCK
+        )
+        for _ in range(3):
+            for i in range(len(best)):
+                for side in (0, 1):
+                    if best[i][side] >= OPEN_END_S:
+                        continue
+                    for move in (-width, width):
+                        trial = [list(w) for w in best]
+                        trial[i][side] += move
+                        if not _ordered(trial):
+                            continue
+                        there = self._gain(law, _frozen(trial))
+                        if there > gain:
+                            best = trial
+                            gain = there
+            width /= 2
+        return _frozen(best)
+
+
+def _ordered(windows: Sequence[Sequence[float]]) -> bool:
+    flat = [edge for window in windows for edge in window]
+    return all(a < b for a, b in pairwise(flat))
+
+
+def _frozen(windows: Sequence[Sequence[float]]) -> Windows:
+    return tuple((float(a), float(b)) for a, b in windows)

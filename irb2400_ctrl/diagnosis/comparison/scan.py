@@ -1,0 +1,362 @@
+"""Every effect of the library and every generic law, scored against what is left of one log."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from functools import cache, cached_property
+
+import numpy as np
+import numpy.typing as npt
+
+from irb2400_ctrl.diagnosis.comparison.non_parametric import Generic, generic_laws, vibrations
+from irb2400_ctrl.diagnosis.estimation.candidate import Candidate, Point, plausible
+from irb2400_ctrl.diagnosis.estimation.evidence import (
+    Problem,
+    Score,
+    departure_shares,
+    g_prior_gain,
+)
+from irb2400_ctrl.diagnosis.regressors.bases import Bases, RegressorColumns
+from irb2400_ctrl.effects import LIBRARY
+from irb2400_ctrl.effects.base import within
+from irb2400_ctrl.measurement.prepared_log import PreparedLog
+
+Array = npt.NDArray[np.float64]
+
+EVERYWHERE = ("rotor_inertia",)
+"""effects that a maker leaves out of all joints alike"""
+EVERYWHERE_PENALTY = 15.0
+"""[nats]"""
+KEPT_GENERIC = 4
+"""how many generic laws of each joint are judged"""
+KEPT_GRID_POINTS = 2
+"""how many of the best nonlinear parameters of a family are scored with departures"""
+
+
+class Scan:
+    """The columns of one log, computed once; `rank` scores them in any situation."""
+
+    def __init__(self, bases: Bases, motion: PreparedLog, load: Array) -> None:
+        self.bases = bases
+        self.motion = motion
+        self.load = load
+        self.remembering: dict[tuple[str, int | None], list[RegressorColumns]] = {}
+        """departures of every grid point of effects with memory: how a record began may be all that
+        shows them"""
+        self._departures: dict[tuple[object, ...], RegressorColumns] = {}
+        self._samples: dict[tuple[object, ...], RegressorColumns] = {}
+        self._vibrations = cache(lambda joint: vibrations(motion, joint))
+
+    @cached_property
+    def families(self) -> list[tuple[str, int | None]]:
+        """Effects that can act: joints that hardly move carry only what needs no motion of
+        theirs."""
+        n = self.motion.n
+        return [
+            (kind, joint)
+            for kind, effect in LIBRARY.items()
+            for joint in effect.joints(n)
+            if joint is None or joint <= n
+        ]
+
+    @cached_property
+    def laws(
+        self,
+    ) -> dict[tuple[str, int | None], tuple[list[dict[str, float]], list[RegressorColumns]]]:
+        """Grid and filtered columns of each family."""
+        found = {}
+        inertia = np.median(
+            np.einsum("mjj->mj", self.bases.model.mass_matrix(self.motion.q[::50])), axis=0
+        )
+        for kind, joint in self.families:
+            effect = LIBRARY[kind]
+            felt = float(inertia[(joint or 1) - 1])
+            grid = [g for g in effect.grid(joint) if effect.sensible(g, felt)]
+            if effect.states:
+                columns, self.remembering[kind, joint] = self.bases.with_beginnings(
+                    kind, joint, self.motion, grid
+                )
+            else:
+                columns = self.bases.columns(kind, joint, self.motion, grid)
+            found[kind, joint] = (grid, columns)
+        return found
+
+    @cached_property
+    def generics(self) -> dict[int, list[Generic]]:
+        """Filtered columns of the generic laws, by joint."""
+        return generic_laws(self.motion, self.load)
+
+    def departures(
+        self, kind: str, joint: int | None, nonlinear: dict[str, float]
+    ) -> RegressorColumns:
+        """Filtered columns of an effect's departures."""
+        key = (kind, joint, *sorted(nonlinear.items()))
+        if key not in self._departures:
+            self._departures[key] = self._departures_of(kind, joint, nonlinear)
+        return self._departures[key]
+
+    def _departures_of(
+        self, kind: str, joint: int | None, nonlinear: dict[str, float]
+    ) -> RegressorColumns:
+        return self.bases.columns(kind, joint, self.motion, [nonlinear], departures=True)[0]
+
+    def rank(self, problem: Problem, chosen: Sequence[Candidate] = ()) -> list[Candidate]:
+        """All plausible candidates, best first; what is chosen already does not come twice (but for
+        ripples)."""
+        taken = {(e.kind, e.joint) for c in chosen for e in c.effects if e.kind != "gear_ripple"}
+        devices = {(e.device, e.joint) for c in chosen for e in c.effects if e.device}
+        families = [
+            f
+            for f in self.families
+            if f not in taken and (LIBRARY[f[0]].device, f[1]) not in devices
+        ]
+        found = [c for kind, joint in families for c in self._library(problem, kind, joint)]
+        rest = [
+            kind for kind in EVERYWHERE if kind not in {e.kind for c in chosen for e in c.effects}
+        ]
+        found += [c for kind in rest if (c := self._everywhere(problem, kind)) is not None]
+        found += [c for joint in range(self.motion.n) for c in self._generic(problem, joint)]
+        found += [self._vibration(problem, joint) for joint in range(self.motion.n)]
+        return sorted((c for c in found if c.score.gain > 0), key=lambda c: -c.score.gain)
+
+    def columns(self, point: Point) -> RegressorColumns:
+        """Filtered columns of an effect."""
+        grid, laws = self.laws[point.kind, point.joint]
+        return laws[grid.index(point.nonlinear)]
+
+    def samples(self, point: Point, departures: bool = False) -> RegressorColumns:
+        """RegressorColumns of an effect sample by sample, not filtered."""
+        key = (point.kind, point.joint, departures, *sorted(point.nonlinear.items()))
+        if key not in self._samples:
+            self._samples[key] = self.bases.columns(
+                point.kind,
+                point.joint,
+                self.motion,
+                [point.nonlinear],
+                departures=departures,
+                filtered=False,
+            )[0]
+        return self._samples[key]
+
+    def points(
+        self, problem: Problem, joint: int | None, windows: Sequence[tuple[float, float]] = ()
+    ) -> list[Point]:
+        """Promising members of every effect that could act in these windows on a joint (None: on
+        the whole arm)."""
+        found = []
+        acting = within(windows, self.motion.row_time)[:, None, None]
+        for kind, at in self.families:
+            if at != joint or not self._shows(kind, at):
+                continue
+            grid, always = self.laws[kind, at]
+            # the filter's reach across the edges of the windows hardly matters for a first look
+            laws = (
+                [RegressorColumns(law.joints, law.values * acting) for law in always]
+                if windows
+                else always
+            )
+            found += [
+                Point(kind, at, grid[place]) for place in self._promising(problem, kind, at, laws)
+            ]
+        return found
+
+    def family_penalty(self, kind: str, joint: int | None) -> float:
+        """What the choice among the members of a family costs [nats]."""
+        return float(np.log(len(self.laws[kind, joint][0])))
+
+    def _shows(self, kind: str, joint: int | None) -> bool:
+        """Whether any torque of this arm depends on the effect (none does on the zero of axis
+        1)."""
+        laws = self.laws[kind, joint][1]
+        return bool(laws and laws[0].joints)
+
+    def _library(self, problem: Problem, kind: str, joint: int | None) -> list[Candidate]:
+        grid, laws = self.laws[kind, joint]
+        if not self._shows(kind, joint):
+            return []
+        best: Candidate | None = None
+        for place in self._promising(problem, kind, joint, laws):
+            nonlinear = grid[place]
+            law = laws[place]
+            extra = (
+                self.remembering[kind, joint][place]
+                if LIBRARY[kind].states
+                else self.departures(kind, joint, nonlinear)
+            )
+            score = self._score(problem, kind, law, extra)
+            # a family with many members must win by more
+            penalty = self.family_penalty(kind, joint)
+            score = replace(score, gain=score.gain - penalty)
+            effect = plausible(kind, joint, score.coefficients, nonlinear)
+            if effect is not None and (best is None or score.gain > best.score.gain):
+                best = Candidate(kind, joint, kind, (), (effect,), law, extra, score, penalty)
+        return [] if best is None else [best]
+
+    def between(self, problem: Problem, candidate: Candidate) -> Candidate:
+        """The candidate with its one nonlinear parameter searched between the neighbours in the
+        grid."""
+        if not candidate.known or not LIBRARY[candidate.kind].searched:
+            return candidate
+        grid, _ = self.laws[candidate.kind, candidate.joint]
+        (key,) = grid[0]
+        best = candidate
+        value = float(getattr(candidate.effects[0], key))
+        width = 0.5 * abs(grid[1][key] - grid[0][key])
+        for _ in range(3):
+            trials = [self._at(problem, best, {key: value + side * width}) for side in (-1, 1)]
+            for trial in trials:
+                if trial is not None and trial.score.gain > best.score.gain:
+                    best = trial
+            value = float(getattr(best.effects[0], key))
+            width = width / 2
+        return best
+
+    def polished(self, problem: Problem, candidate: Candidate) -> Candidate:
+        """Nonlinear parameters of an effect with memory, by coordinate search on the evidence.
+
+        How the record began is free and changes with them, so the fit's slopes would mislead.
+        """
+        if not candidate.known or not LIBRARY[candidate.kind].states:
+            return candidate
+        best = candidate
+        effect = candidate.effects[0]
+        nonlinear = effect.nonlinear
+        for width in (0.1, 0.04, 0.015):
+            for key in nonlinear:
+                # a damping is known far less sharply than a frequency
+                spread = (1 + width) ** (8 if "damping" in key else 1)
+                trials = [{**nonlinear, key: nonlinear[key] * spread**k} for k in (-2, -1, 1, 2)]
+                for trial in trials:
+                    moved = self._at(problem, best, trial)
+                    if moved is not None and moved.score.gain > best.score.gain:
+                        best = moved
+                        nonlinear = trial
+        return replace(best, spread=self._spread(problem, best, nonlinear))
+
+    def _spread(
+        self, problem: Problem, best: Candidate, nonlinear: dict[str, float]
+    ) -> dict[str, float]:
+        """Standard errors from the curvature of the evidence: gain(p + h) + gain(p - h) = 2 gain(p)
+        - (h / sigma)^2."""
+        found = {}
+        for key, value in nonlinear.items():
+            for share in (0.01, 0.05, 0.2):
+                trials = [
+                    self._at(problem, best, {**nonlinear, key: value * (1 + side * share)})
+                    for side in (-1, 1)
+                ]
+                drop = sum(
+                    best.score.gain - trial.score.gain for trial in trials if trial is not None
+                )
+                if None not in trials and drop > 1.0:
+                    found[key] = share * value / float(np.sqrt(drop))
+                    break
+        return found
+
+    def _at(
+        self, problem: Problem, candidate: Candidate, nonlinear: dict[str, float]
+    ) -> Candidate | None:
+        kind = candidate.kind
+        joint = candidate.joint
+        law = self.bases.columns(kind, joint, self.motion, [nonlinear])[0]
+        extra = self.departures(kind, joint, nonlinear)
+        score = self._score(problem, kind, law, extra)
+        score = replace(score, gain=score.gain - candidate.penalty)
+        effect = plausible(kind, joint, score.coefficients, nonlinear)
+        return (
+            None
+            if effect is None
+            else replace(candidate, effects=(effect,), law=law, departures=extra, score=score)
+        )
+
+    def _score(
+        self, problem: Problem, kind: str, law: RegressorColumns, extra: RegressorColumns
+    ) -> Score:
+        return problem.score(
+            law, extra, LIBRARY[kind].expected, departure_shares(kind, extra.values.shape[2])
+        )
+
+    def _promising(
+        self, problem: Problem, kind: str, joint: int | None, laws: list[RegressorColumns]
+    ) -> list[int]:
+        """Places in the grid worth a closer look; `laws`: columns of the whole grid."""
+        if len(laws) == 1:
+            return [0]
+        if LIBRARY[kind].states:
+            # on the joint itself, law and beginning as free columns
+            own = int(joint or 1) - 1
+            place = laws[0].joints.index(own)
+            both = zip(laws, self.remembering[kind, joint], strict=True)
+            blocks = [
+                np.hstack([law.values[:, place], extra.values[:, place]]) for law, extra in both
+            ]
+            gains = problem.gains(own, blocks)
+        elif len(laws[0].joints) == 1:
+            gram, right = problem.projected_many(
+                laws[0].joints[0], np.stack([law.values[:, 0] for law in laws])
+            )
+            k = right.shape[1]
+            size = np.sqrt(np.maximum(np.einsum("gii->gi", gram), 0)) + 1e-12
+            normal = gram / (size[:, :, None] * size[:, None, :]) + 1e-8 * np.eye(k)
+            explained = np.einsum(
+                "gi,gi->g", right / size, np.linalg.solve(normal, (right / size)[..., None])[..., 0]
+            )
+            gains = np.asarray(g_prior_gain(explained, k))
+        else:
+            gains = np.array([problem.score(law).gain for law in laws])
+        return [int(place) for place in np.argsort(-gains)[:KEPT_GRID_POINTS]]
+
+    def _everywhere(self, problem: Problem, kind: str) -> Candidate | None:
+        """One effect on every joint at once, with a size for each."""
+        n = self.motion.n
+        law = everywhere([self.laws[kind, j + 1][1][0] for j in range(n)], n)
+        score = problem.score(law)
+        effects = [plausible(kind, j + 1, score.coefficients[j : j + 1], {}) for j in range(n)]
+        # a joint that does not show it may come out slightly negative
+        present = tuple(e for e in effects if e is not None)
+        if len(present) < max(2, n - 2):
+            return None
+        # one joint alone is the simpler story unless several clearly show it
+        score = replace(score, gain=score.gain - EVERYWHERE_PENALTY)
+        return Candidate(
+            kind, None, f"{kind} of every joint", (), present, law, None, score, EVERYWHERE_PENALTY
+        )
+
+    def _generic(self, problem: Problem, joint: int) -> list[Candidate]:
+        """The best generic laws of one joint (zero-based)."""
+        laws = self.generics[joint]
+        gains = problem.gains(joint, [law.columns for law in laws])
+        found = []
+        for place in np.argsort(-gains)[:KEPT_GENERIC]:
+            law = laws[place]
+            columns = RegressorColumns((joint,), law.columns[:, None, :])
+            score = problem.score(columns)
+            found.append(
+                Candidate(
+                    "unexplained", joint + 1, law.name, law.depends_on, (), columns, None, score
+                )
+            )
+        return found
+
+    def _vibration(self, problem: Problem, joint: int) -> Candidate:
+        frequency, values = self._vibrations(joint)
+        gram, right = problem.projected_many(joint, values)
+        explained = np.einsum(
+            "gi,gi->g", right, np.linalg.solve(gram + 1e-9 * np.eye(2), right[..., None])[..., 0]
+        )
+        place = int(np.argmax(explained))
+        law = RegressorColumns((joint,), values[place][:, None, :])
+        score = problem.score(law)
+        penalty = float(np.log(len(frequency)))
+        score = replace(score, gain=score.gain - penalty)
+        name = f"vibration of {frequency[place]:.2f} Hz"
+        return Candidate("unexplained", joint + 1, name, ("time",), (), law, None, score, penalty)
+
+
+def everywhere(laws: Sequence[RegressorColumns], n: int) -> RegressorColumns:
+    """One column per joint from the laws of one column on each joint."""
+    values = np.zeros((len(laws[0].values), n, n))
+    for j, law in enumerate(laws):
+        values[:, j, j] = law.values[:, 0, 0]
+    return RegressorColumns(tuple(range(n)), values)

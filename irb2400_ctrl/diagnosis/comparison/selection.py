@@ -1,0 +1,146 @@
+"""Forward selection of explanations with a family-wise criterion, then exchange and pruning."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import numpy.typing as npt
+
+from irb2400_ctrl.diagnosis.comparison.comparison import Judge, Rival
+from irb2400_ctrl.diagnosis.comparison.criteria import Bar, Criteria, of_one_moment
+from irb2400_ctrl.diagnosis.comparison.onset import Windowing
+from irb2400_ctrl.diagnosis.comparison.scan import Scan
+from irb2400_ctrl.diagnosis.comparison.step import Step
+from irb2400_ctrl.diagnosis.estimation.candidate import Candidate
+from irb2400_ctrl.diagnosis.estimation.fit import Fit, Fitter
+from irb2400_ctrl.diagnosis.regressors.predict import predicted_torque
+from irb2400_ctrl.measurement.prepared_log import STICKING_SPEED, PreparedLog
+from irb2400_ctrl.measurement.uniform import widened
+
+Mask = npt.NDArray[np.bool_]
+
+SMALL_FAMILY = 20
+"""members of a family that still is one law"""
+REVERSAL_TIME = 0.16
+"""[s] rows nearer than this to a reversal have a variance of their own"""
+
+
+class Selection:
+    """Explains the filtered residual of one log, given its uncertain base."""
+
+    def __init__(self, scan: Scan, fitter: Fitter, criteria: Criteria | None = None) -> None:
+        self.scan = scan
+        self.fitter = fitter
+        self.criteria = Criteria() if criteria is None else criteria
+        self.bar = Bar(self.criteria, scan.motion, predicted_torque(fitter.robot, scan.motion))
+
+    def run(self) -> tuple[list[Step], Fit]:
+        """The accepted explanations, in the order they were found, and their common fit."""
+        steps: list[Step] = []
+        fit = self.fitter.fit([])
+        tried: set[frozenset[tuple[str, int | None, str]]] = set()
+        while len(steps) < self.criteria.most:
+            step = self.next_step([s.candidate for s in steps], fit)
+            if step is None:
+                break
+            steps.append(step)
+            if len(steps) > 1:
+                steps = self._exchanged(steps)
+            fit = self.fitter.fit([s.candidate for s in steps])
+            names = frozenset(
+                (s.candidate.kind, s.candidate.joint, s.candidate.name) for s in steps
+            )
+            if names in tried:
+                break  # one explanation pushes another out and is pushed out by it again
+            tried.add(names)
+        return steps, fit
+
+    def next_step(self, chosen: Sequence[Candidate], fit: Fit, alone: bool = False) -> Step | None:
+        """The best further explanation if it counts; `alone`: no two effects in the place of a
+        generic law."""
+        judge = Judge(self.scan, self.fitter.reversal, fit.y, fit.Z)
+        every = self.rivals(judge, chosen)
+        rivals = [rival for rival in every if self.bar.counts(judge, rival, chosen)]
+        if not rivals:
+            return None
+        best = self.bar.best(judge, rivals, chosen)
+        if not best.candidate.known and not alone:
+            best = self._first_of_two(judge, best, every, chosen)
+            rivals += [] if best in rivals else [best]
+        if judge.gain(best) < self.bar.least_gain(judge, best.candidate, chosen):
+            return None
+        polished = judge.polished(best)
+        rivals[rivals.index(best)] = polished
+        return Step(polished.candidate, judge.gain(best), tuple(rivals))
+
+    def _first_of_two(
+        self, judge: Judge, generic: Rival, rivals: Sequence[Rival], chosen: Sequence[Candidate]
+    ) -> Rival:
+        """The better of two effects that together explain a joint at least as well as the generic
+        law, else that law.
+
+        A flexible function takes in both at once, so that either of them alone is beaten by it.
+        Large families (a ripple of any order) are flexible functions themselves.
+        """
+        joint = generic.candidate.joint
+        gained = judge.gain(generic)
+
+        def simple(candidate: Candidate) -> bool:
+            return (
+                candidate.known
+                and candidate.joint == joint
+                and candidate.penalty < np.log(SMALL_FAMILY)
+            )
+
+        first = next((r for r in rivals if simple(r.candidate)), None)
+        if first is None or gained > (1.0 + self.criteria.two_at_once) * judge.gain(first):
+            return generic
+        both = [*chosen, first.candidate]
+        second = self.next_step(both, self.fitter.fit(both), alone=True)
+        if second is None or not simple(second.candidate):
+            return generic
+        return first if judge.gain(first) + second.gain > gained else generic
+
+    def rivals(self, judge: Judge, chosen: Sequence[Candidate] = ()) -> list[Rival]:
+        """The most promising candidates, each judged under its own noise, best first."""
+        ranked = self.scan.rank(judge.start, chosen)
+        short = [
+            self.scan.between(judge.start, c) for c in shortlist(ranked, self.criteria.shortlist)
+        ]
+        short += Windowing(self.scan, judge.start).candidates([c for c in ranked if c.known])
+        return sorted((judge.judged(candidate) for candidate in short), key=lambda r: -r.evidence)
+
+    def _exchanged(self, steps: list[Step]) -> list[Step]:
+        """Each explanation judged again given the others; one that no longer counts falls out."""
+        kept = list(steps)
+        for place in reversed(range(len(steps) - 1)):
+            others = [s.candidate for k, s in enumerate(kept) if k != place]
+            step = self.next_step(others, self.fitter.fit(others))
+            if step is None and all(o.known for o in others):
+                kept.pop(place)
+            elif step is not None and (step.candidate.known or not kept[place].candidate.known):
+                # a flexible law never takes the place of a name
+                kept[place] = step
+        return [
+            s
+            for s in kept
+            if not of_one_moment(s.candidate, [k.candidate for k in kept if k is not s])
+        ]
+
+
+def shortlist(ranked: Sequence[Candidate], count: int) -> list[Candidate]:
+    """The best `count` candidates, among them at least a third of the library and a few generic
+    ones."""
+    known = [c for c in ranked if c.known][: max(count * 2 // 3, 1)]
+    generic = [c for c in ranked if not c.known][: max(count - len(known), count // 3)]
+    return known + generic
+
+
+def reversal_rows(motion: PreparedLog) -> Mask:
+    """Rows near a change of direction or a near stop, shape (rows, n)."""
+    turning = np.abs(motion.qd) < STICKING_SPEED
+    for j in range(motion.n):
+        turning[np.flatnonzero(np.diff(np.sign(motion.qd[:, j])) != 0), j] = True
+        turning[:, j] = widened(turning[:, j], round(REVERSAL_TIME / motion.step))
+    return motion.at_rows(turning.astype(float)) > 0.5

@@ -1,0 +1,45 @@
+"""What a step of the selection settles on."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from irb2400_ctrl.diagnosis.comparison.comparison import Rival
+from irb2400_ctrl.diagnosis.estimation.candidate import Candidate
+
+
+@dataclass(frozen=True)
+class Step:
+    """One accepted explanation.
+
+    Args:
+        candidate: accepted; gain: log evidence over the model without it; rivals: others, best
+            first.
+    """
+
+    candidate: Candidate
+    gain: float
+    rivals: tuple[Rival, ...]
+
+    @property
+    def margin(self) -> float:
+        """Evidence over the best other effect of the library [nats]; the gain itself where there is
+        none.
+
+        For a generic law: over the best effect. A flexible function of the same signals is no rival
+        of a law.
+        """
+        best = next(r.evidence for r in self.rivals if r.candidate is self.candidate)
+        others = [
+            r.evidence
+            for r in self.rivals
+            if r.candidate.known and not _same(r.candidate, self.candidate)
+        ]
+        return float(min(best - max(others, default=-np.inf), self.gain))
+
+
+def _same(one: Candidate, other: Candidate) -> bool:
+    """Whether two candidates say the same, one of them perhaps for every joint."""
+    return one.kind == other.kind and (one.joint == other.joint or None in (one.joint, other.joint))

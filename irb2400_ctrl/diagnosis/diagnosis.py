@@ -1,0 +1,219 @@
+"""What a diagnosis says: findings, the augmented robot, errors before and after, and what a report
+draws."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Literal
+
+import numpy as np
+import numpy.typing as npt
+
+from irb2400_ctrl.diagnosis.preparation.metrics import Errors
+from irb2400_ctrl.effects import Effect
+from irb2400_ctrl.files import write_atomic
+from irb2400_ctrl.robot import Robot, save_robot
+
+Array = npt.NDArray[np.float64]
+Verdict = Literal["explained", "nothing_missing", "unexplained"]
+
+
+@dataclass(frozen=True)
+class Curve:
+    """An effect's own torque over the signal it is best seen on.
+
+    Args:
+        joint: where it is drawn, from 1; signal: q, qd, qdd, load or time; unit: of the abscissa.
+        x: middles of the bins; measured: what the log shows there once all else is taken off; low,
+            high: its 95 % band;
+        law: what the effect says [Nm]; turned: both as torque against the motion, whatever its
+            direction.
+    """
+
+    joint: int
+    signal: str
+    unit: str
+    x: Array
+    measured: Array
+    low: Array
+    high: Array
+    law: Array
+    turned: bool = False
+
+
+@dataclass(frozen=True)
+class Finding:
+    """An effect that the robot has and its model lacked.
+
+    Args:
+        effect: with its parameters; standard_errors: by parameter name.
+        confidence: probability that kind and joint are right, from measured suites.
+        alternatives: kinds that this log can not exclude; splits: the motion that would.
+        gain: log evidence [nats]; margin: over the best other explanation [nats].
+        share: rms torque of the effect over the rms torque of each joint, shape (n,).
+    """
+
+    effect: Effect
+    standard_errors: Mapping[str, float | list[float]]
+    confidence: float
+    alternatives: tuple[str, ...]
+    gain: float
+    margin: float
+    share: Array
+    curve: Curve
+
+    @property
+    def sentence(self) -> str:
+        """One plain sentence."""
+        place = "" if self.effect.joint is None else f"Joint {self.effect.joint}: "
+        text = f"{place}{self.effect.sentence}"
+        return text[0].upper() + text[1:] + "."
+
+    @property
+    def splits(self) -> str:
+        """What to measure to exclude the alternatives."""
+        return self.effect.splits if self.alternatives else ""
+
+    def to_json(self) -> dict[str, Any]:
+        """As in findings.json."""
+        return {
+            "kind": self.effect.kind,
+            "joint": self.effect.joint,
+            "parameters": _plain(self.effect.parameters()),
+            "standard_errors": _plain(dict(self.standard_errors)),
+            "confidence": round(self.confidence, 3),
+            "alternatives": list(self.alternatives),
+            "sentence": self.sentence,
+            "measure_next": self.splits,
+            "log_evidence": round(self.gain, 1),
+            "margin": round(self.margin, 1),
+            "share_of_torque": [round(float(v), 5) for v in self.share],
+        }
+
+
+@dataclass(frozen=True)
+class Unexplained:
+    """A torque that no effect of the library makes.
+
+    Args:
+        joint: from 1; depends_on: signals of that joint, or of another with its number; rmse: its
+            size [Nm].
+    """
+
+    joint: int
+    depends_on: tuple[str, ...]
+    rmse: float
+    confidence: float
+    description: str
+    curve: Curve
+
+    def to_json(self) -> dict[str, Any]:
+        """As in findings.json."""
+        return {
+            "joint": self.joint,
+            "depends_on": list(self.depends_on),
+            "rmse_Nm": round(self.rmse, 4),
+            "confidence": round(self.confidence, 3),
+            "description": self.description,
+        }
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """One log against the robot as given and the robot with what was found; arrays (m, n) on a
+    uniform grid.
+
+    Args:
+        known: samples that count for the errors.
+        recalibrated: the robot with new parameters but without the effects.
+    """
+
+    name: str
+    time: Array
+    measured: Array
+    before: Array
+    recalibrated: Array
+    after: Array
+    known: npt.NDArray[np.bool_]
+    error_before: Errors
+    error_recalibrated: Errors
+    error_after: Errors
+
+    def to_json(self) -> dict[str, Any]:
+        """As in findings.json."""
+        return {
+            "before": self.error_before.to_json(),
+            "recalibrated": self.error_recalibrated.to_json(),
+            "after": self.error_after.to_json(),
+        }
+
+
+@dataclass(frozen=True)
+class Diagnosis:
+    """The answer to: what does this log show that the robot's model lacks?
+
+    Args:
+        given, robot: as given, and with new parameters and the effects found.
+        noise_floor: rms of the torque noise per joint [Nm].
+        not_excited: joints (from 1) that hardly moved: nothing can be said about them.
+        weak: why the answer is weaker than usual, in words; empty if it is not.
+    """
+
+    given: Robot
+    robot: Robot
+    findings: tuple[Finding, ...]
+    unexplained: tuple[Unexplained, ...]
+    recalibrated: Mapping[str, Any]
+    identification: Comparison
+    validation: Comparison | None
+    noise_floor: Array
+    not_excited: tuple[int, ...]
+    weak: tuple[str, ...] = field(default=())
+
+    @property
+    def verdict(self) -> Verdict:
+        """`unexplained` wins over `explained`: something is left that has no name."""
+        if self.unexplained:
+            return "unexplained"
+        return "explained" if self.findings else "nothing_missing"
+
+    @property
+    def error(self) -> dict[str, Any]:
+        """Errors before and after, as in findings.json."""
+        found: dict[str, Any] = {"identification": self.identification.to_json()}
+        if self.validation is not None:
+            found["validation"] = self.validation.to_json()
+        found["noise_floor_Nm"] = [float(v) for v in self.noise_floor]
+        return found
+
+    def to_json(self) -> dict[str, Any]:
+        """The content of findings.json."""
+        return {
+            "verdict": self.verdict,
+            "effects": [f.to_json() for f in self.findings],
+            "recalibrated": _plain(dict(self.recalibrated)),
+            "unexplained": [u.to_json() for u in self.unexplained],
+            "error": self.error,
+            "not_excited": list(self.not_excited),
+            "weak": list(self.weak),
+            "log": self.identification.name,
+            "validation_log": None if self.validation is None else self.validation.name,
+        }
+
+    def write(self, out: Path | str) -> tuple[Path, Path]:
+        """Write findings.json and robot.toml into a folder; returns both paths."""
+        out = Path(out)
+        text = json.dumps(self.to_json(), indent=1, allow_nan=False) + "\n"
+        return write_atomic(out / "findings.json", text), save_robot(self.robot, out / "robot.toml")
+
+
+def _plain(value: Any) -> Any:
+    """Tuples to lists, numpy to Python."""
+    if isinstance(value, Mapping):
+        return {k: _plain(v) for k, v in value.items()}
+    if isinstance(value, tuple | list | np.ndarray):
+        return [_plain(v) for v in value]
+    return float(value) if isinstance(value, np.floating) else value

@@ -1,0 +1,1 @@
+"""How well candidates explain a log, and with which numbers."""

@@ -1,0 +1,104 @@
+"""What may explain a log: an effect with its numbers, or a flexible law; columns and score beside
+it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+import numpy.typing as npt
+from pydantic import ValidationError
+
+from irb2400_ctrl.diagnosis.estimation.evidence import Score
+from irb2400_ctrl.diagnosis.regressors.bases import RegressorColumns
+from irb2400_ctrl.effects import LIBRARY, Effect
+
+Array = npt.NDArray[np.float64]
+
+GENERIC_LEFTOVER = 0.5
+"""share of its torque that a flexible law may leave: what is left is more of the same unknown"""
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """An explanation with its score.
+
+    Args:
+        kind, joint: of the effect (joint from 1, None for the whole arm), or `unexplained` with the
+            joint.
+        depends_on: signals of a generic law, empty for an effect.
+        effects: as the scan estimates it (one per joint if it sits on every joint); empty for a
+            generic law.
+        law, departures: filtered columns.
+    """
+
+    kind: str
+    joint: int | None
+    name: str
+    depends_on: tuple[str, ...]
+    effects: tuple[Effect, ...]
+    law: RegressorColumns
+    departures: RegressorColumns | None
+    score: Score
+    penalty: float = 0.0
+    """log number of members of its family [nats]"""
+    spread: dict[str, float] = field(default_factory=dict)
+    """standard errors of nonlinear parameters that a search has found, from the noise alone"""
+
+    def torque(self, n: int) -> Array:
+        """Filtered torque as scored, departures included, shape (rows, n)."""
+        tau = self.law.torque(self.score.coefficients, n)
+        if self.departures is not None and len(self.score.departures):
+            tau += self.departures.torque(self.score.departures, n)
+        return tau
+
+    @property
+    def leftover(self) -> float:
+        """Share of its torque that it may leave for others to explain."""
+        return max((e.leftover for e in self.effects), default=GENERIC_LEFTOVER)
+
+    @property
+    def expected(self) -> tuple[tuple[float, float], ...]:
+        """`Effect.expected`; empty for a generic law."""
+        return LIBRARY[self.kind].expected if self.known else ()
+
+    @property
+    def devices(self) -> frozenset[str]:
+        """Parts of joints that its effects are flaws of."""
+        return frozenset(e.device for e in self.effects if e.device)
+
+    @property
+    def begins(self) -> tuple[float, ...]:
+        """Times at which its effects begin [s]; empty for what acts always."""
+        return tuple(e.windows_s[0][0] for e in self.effects if e.windows_s)
+
+    @property
+    def known(self) -> bool:
+        """Whether it is an effect of the library."""
+        return bool(self.effects)
+
+
+@dataclass(frozen=True)
+class Point:
+    """One effect of the library with its nonlinear parameters fixed."""
+
+    kind: str
+    joint: int | None
+    nonlinear: dict[str, float]
+
+    @property
+    def device(self) -> str:
+        """`Effect.device`."""
+        return LIBRARY[self.kind].device
+
+
+def plausible(
+    kind: str, joint: int | None, coefficients: Array, nonlinear: dict[str, float]
+) -> Effect | None:
+    """The effect with these coefficients if its bounds allow them and it is large enough to be
+    named, else None."""
+    try:
+        effect = LIBRARY[kind].from_coefficients(joint, [float(c) for c in coefficients], nonlinear)
+    except (ValidationError, ValueError, ZeroDivisionError):
+        return None
+    return None if effect.unlikely else effect

@@ -1,0 +1,76 @@
+"""The natural parameters of effects that a fit moves."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+from pydantic import ValidationError
+
+from irb2400_ctrl.effects import Effect
+
+Array = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """One natural parameter of one effect: place of the effect, field, element (None for a plain
+    number)."""
+
+    effect: int
+    name: str
+    element: int | None
+    prior: tuple[float, float] | None
+
+
+def parameters_of(effect: Effect, place: int) -> list[Parameter]:
+    """The natural parameters of an effect that a fit may move."""
+    found = []
+    # those of effects with memory come from a search that also moves the record's beginning
+    held = type(effect).nonlinear_names(effect.joint) if effect.states else ()
+    for name, value in effect.parameters().items():
+        if name in held:
+            continue
+        prior = type(effect).usual.get(name)
+        if isinstance(value, tuple | list):
+            if name not in {"shape", "windows_s"}:
+                found += [Parameter(place, name, k, prior) for k in range(len(value))]
+        elif isinstance(value, float) and name not in type(effect).fixed:
+            found.append(Parameter(place, name, None, prior))
+    return found
+
+
+def value_of(effect: Effect, parameter: Parameter) -> float:
+    value = getattr(effect, parameter.name)
+    return float(value if parameter.element is None else value[parameter.element])
+
+
+def with_value(effect: Effect, parameter: Parameter, value: float) -> Effect:
+    """A copy without validation (differences may step over a bound)."""
+    if parameter.element is None:
+        return effect.model_copy(update={parameter.name: value})
+    whole = list(getattr(effect, parameter.name))
+    whole[parameter.element] = value
+    return effect.model_copy(update={parameter.name: tuple(whole)})
+
+
+def moved(
+    effects: list[Effect], parameters: Sequence[Parameter], step: Array
+) -> list[Effect] | None:
+    """The effects after a step, shortened until all bounds hold; None if no step is possible."""
+    for shrink in (1.0, 0.5, 0.25, 0.1):
+        there = list(effects)
+        for parameter, change in zip(parameters, step * shrink, strict=True):
+            effect = there[parameter.effect]
+            there[parameter.effect] = with_value(
+                effect, parameter, value_of(effect, parameter) + float(change)
+            )
+        try:
+            valid = [type(e).model_validate(e.model_dump()) for e in there]
+        except ValidationError:
+            continue
+        if not any(e.unlikely for e in valid):
+            return valid
+    return None

@@ -1,0 +1,271 @@
+"""How much better a set of columns explains the torques: Bayesian evidence with the uncertain base
+integrated out.
+
+With whitened y = X b + Z z + e, z ~ N(0, 1), e ~ N(0, 1), integrating z replaces the identity by
+P = (1 + Z Z^T)^-1, and everything follows from small Gram matrices.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+from scipy.linalg import cho_solve, solve_triangular
+
+from irb2400_ctrl.diagnosis.preparation.noise import Noise
+from irb2400_ctrl.diagnosis.regressors.bases import RegressorColumns
+from irb2400_ctrl.effects import LIBRARY
+
+Array = npt.NDArray[np.float64]
+Expected = Sequence[tuple[float, float]]
+"""usual value and spread of each coefficient"""
+
+DEPARTURE = 0.25
+"""how far a real device departs from the textbook's law: rms over rms, one standard deviation"""
+BEGINNING = 3.0
+"""the same for the response to an unknown state at the beginning of the record"""
+
+
+@dataclass(frozen=True)
+class Score:
+    """What a set of columns gains.
+
+    Args:
+        gain: log evidence over the base alone [nats].
+        explained: reduction of the whitened sum of squares by the law itself.
+        coefficients, covariance: of the law.
+        departures: coefficients of the departures, in units of their own standard deviation.
+    """
+
+    gain: float
+    explained: float
+    coefficients: Array
+    covariance: Array
+    departures: Array
+
+
+class Problem:
+    """Whitened torques y (rows, n) against the uncertain base Z (rows, n, k): the ground on which
+    laws compete."""
+
+    def __init__(self, y: Array, Z: Array, noise: Sequence[Noise]) -> None:
+        self.noise = tuple(noise)
+        self.y = [one.whiten(y[:, j]) for j, one in enumerate(noise)]
+        self.Z = [one.whiten(Z[:, j, :]) for j, one in enumerate(noise)]
+        k = Z.shape[2]
+        A = np.eye(k) + sum((block.T @ block for block in self.Z), np.zeros((k, k)))
+        self._lower = np.linalg.cholesky(A)
+        self._factor = (self._lower, True)
+        self._Zy: Array = sum(
+            (block.T @ v for block, v in zip(self.Z, self.y, strict=True)), np.zeros(k)
+        )
+        self.z: Array = cho_solve(self._factor, self._Zy)
+        self.quadratic = float(sum(v @ v for v in self.y) - self._Zy @ self.z)
+        """y^T P y"""
+        self.covariance: Array = cho_solve(self._factor, np.eye(k))
+
+    @property
+    def log_evidence(self) -> float:
+        """Log evidence of the base alone under this noise, up to a constant that all models
+        share."""
+        factor, _ = self._factor
+        log_weights = sum(float(np.sum(np.log(one.weight))) for one in self.noise)
+        return log_weights - 0.5 * self.quadratic - float(np.sum(np.log(np.abs(np.diag(factor)))))
+
+    @property
+    def count(self) -> int:
+        """Number of rows."""
+        return sum(len(v) for v in self.y)
+
+    def base_beside(self, torque: Array) -> Array:
+        """The base's z once a torque (rows, n) has been taken off y."""
+        part = sum(
+            (self.Z[j].T @ one.whiten(torque[:, j]) for j, one in enumerate(self.noise)),
+            np.zeros(len(self.z)),
+        )
+        return np.asarray(self.z - cho_solve(self._factor, part))
+
+    def own_share(self, torque: Array) -> float:
+        """Share of a torque (rows, n) that the base with free numbers would not give: X^T P X over
+        X^T X."""
+        gram, _ = self.projected(
+            RegressorColumns(tuple(range(len(self.noise))), torque[:, :, None])
+        )
+        whole = sum(
+            float(np.sum(one.whiten(torque[:, j]) ** 2)) for j, one in enumerate(self.noise)
+        )
+        return float(gram[0, 0]) / max(whole, 1e-12)
+
+    def whitened(self, columns: RegressorColumns) -> list[tuple[int, Array]]:
+        """Filtered columns (rows, joints, k), whitened per joint."""
+        return [
+            (j, self.noise[j].whiten(columns.values[:, i, :])) for i, j in enumerate(columns.joints)
+        ]
+
+    def projected(self, columns: RegressorColumns) -> tuple[Array, Array]:
+        """X^T P X (k, k) and X^T P y (k,)."""
+        blocks = self.whitened(columns)
+        k = columns.values.shape[2]
+        gram: Array = sum((x.T @ x for _, x in blocks), np.zeros((k, k)))
+        right: Array = sum((x.T @ self.y[j] for j, x in blocks), np.zeros(k))
+        C: Array = sum((self.Z[j].T @ x for j, x in blocks), np.zeros((len(self._Zy), k)))
+        return gram - C.T @ cho_solve(self._factor, C), right - C.T @ self.z
+
+    def projected_in_blocks(
+        self, columns: RegressorColumns, place: npt.NDArray[np.intp]
+    ) -> tuple[Array, Array]:
+        """The same for columns that act in one block of rows after another, `place` (rows,) rising
+        from 0.
+
+        The filter's reach across the edges is left out.
+        """
+        k = columns.values.shape[2]
+        count = int(place[-1]) + 1
+        gram = np.zeros((count * k, count * k))
+        right = np.zeros(count * k)
+        C = np.zeros((len(self._Zy), count * k))
+        for j, x in self.whitened(columns):
+            edges = np.searchsorted(place[self.noise[j].kept], np.arange(count + 1))
+            for block in range(count):
+                rows = slice(*edges[block : block + 2])
+                part = slice(block * k, (block + 1) * k)
+                gram[part, part] += x[rows].T @ x[rows]
+                right[part] += x[rows].T @ self.y[j][rows]
+                C[:, part] += self.Z[j][rows].T @ x[rows]
+        half = solve_triangular(self._lower, C, lower=True)
+        return gram - half.T @ half, right - C.T @ self.z
+
+    def projected_many(self, joint: int, values: Array) -> tuple[Array, Array]:
+        """The same for g sets of columns on one joint, values (g, rows, k): (g, k, k) and (g,
+        k)."""
+        g, rows, k = values.shape
+        x = self.noise[joint].whiten(
+            np.ascontiguousarray(values.transpose(1, 0, 2)).reshape(rows, g * k)
+        )
+        C = self.Z[joint].T @ x
+        half = solve_triangular(self._lower, C, lower=True)
+        gram = _grams(x, g, k) - _grams(half, g, k)
+        right = (x.T @ self.y[joint] - C.T @ self.z).reshape(g, k)
+        return gram, right
+
+    def gains(self, joint: int, blocks: Sequence[Array]) -> Array:
+        """Evidence of many sets of columns (rows, k_i) on one joint, shape (len(blocks),)
+        [nats]."""
+        x = self.noise[joint].whiten(np.hstack(blocks))
+        C = self.Z[joint].T @ x
+        half = solve_triangular(self._lower, C, lower=True)
+        right = x.T @ self.y[joint] - C.T @ self.z
+        found = np.zeros(len(blocks))
+        start = 0
+        for i, block in enumerate(blocks):
+            part = slice(start, start := start + block.shape[1])
+            if block.shape[1]:
+                gram = x[:, part].T @ x[:, part] - half[:, part].T @ half[:, part]
+                found[i] = law_gain(gram, right[part], ())[0]
+        return found
+
+    def score(
+        self,
+        law: RegressorColumns,
+        departures: RegressorColumns | None = None,
+        expected: Expected = (),
+        shares: Array | None = None,
+    ) -> Score:
+        """Evidence of a law, with departures of at most about DEPARTURE of its own size.
+
+        Args:
+            law, departures: filtered columns on the same joints.
+            expected: usual value and spread of the law's coefficients; empty: as flat as the data
+                allow (g-prior at its best g).
+            shares: allowed size of each departure over the law's; default DEPARTURE.
+        """
+        k = law.values.shape[2]
+        if departures is None or departures.values.shape[2] == 0:
+            gram, right = self.projected(law)
+            gain, explained, b, covariance = law_gain(gram, right, expected)
+            return Score(gain, explained, b, covariance, np.zeros(0))
+        if departures.joints != law.joints:
+            raise ValueError("a law and its departures act on the same joints")
+        both = RegressorColumns(law.joints, np.concatenate([law.values, departures.values], axis=2))
+        gram, right = self.projected(both)
+        _, _, b, _ = law_gain(gram[:k, :k], right[:k], expected)
+        unit = departure_unit(law, b, departures, shares)
+        d = len(unit)
+        scale = np.concatenate([np.ones(k), unit])
+        gram = gram * np.outer(scale, scale)
+        right = right * scale
+        # departures first, with their unit normal prior
+        S = np.eye(d) + gram[k:, k:]
+        solved = np.linalg.solve(S, np.column_stack([right[k:], gram[k:, :k]]))
+        gain_departures = 0.5 * (right[k:] @ solved[:, 0] - np.linalg.slogdet(S)[1])
+        left_gram = gram[:k, :k] - gram[:k, k:] @ solved[:, 1:]
+        left_right = right[:k] - gram[:k, k:] @ solved[:, 0]
+        gain, explained, b, covariance = law_gain(left_gram, left_right, expected)
+        w = np.asarray(np.linalg.solve(S, right[k:] - gram[k:, :k] @ b))
+        return Score(gain + gain_departures, explained, b, covariance, w * unit)
+
+
+def _grams(x: Array, g: int, k: int) -> Array:
+    """X^T X of g sets of k columns side by side, x (rows, g k), shape (g, k, k)."""
+    found = np.empty((g, k, k))
+    for i in range(k):
+        for j in range(i + 1):
+            found[:, i, j] = found[:, j, i] = np.einsum("mg,mg->g", x[:, i::k], x[:, j::k])
+    return found
+
+
+def departure_shares(kind: str, count: int) -> Array:
+    """Allowed size of each departure over the law's own: small for another shape, free for the
+    record's beginning."""
+    shares = np.full(count, DEPARTURE)
+    if beginnings := LIBRARY[kind].beginnings():
+        shares[count - beginnings :] = BEGINNING
+    return shares
+
+
+def departure_unit(
+    law: RegressorColumns,
+    coefficients: Array,
+    departures: RegressorColumns,
+    shares: Array | None = None,
+) -> Array:
+    """Standard deviation of each departure's coefficient: its share of the rms torque of the
+    law."""
+    size = np.sqrt(np.mean((law.values @ coefficients) ** 2))
+    if shares is not None and (shares == BEGINNING).any():
+        # a beginning can show where the law itself hardly does
+        least = np.sqrt(np.mean((law.values @ np.ones(len(coefficients))) ** 2))
+        size = np.where(shares == BEGINNING, max(size, least), size)
+    widths = np.sqrt(np.mean(departures.values**2, axis=(0, 1)))
+    return np.asarray((DEPARTURE if shares is None else shares) * size / np.maximum(widths, 1e-12))
+
+
+def law_gain(gram: Array, right: Array, expected: Expected) -> tuple[float, float, Array, Array]:
+    """Gain, explained sum of squares, coefficients and covariance of columns with their prior."""
+    k = len(right)
+    if len(expected):
+        usual, s = np.array(expected).T
+        # the usual torque is taken off first; what is left is a matter of the spread
+        offset = float(usual @ (right - 0.5 * gram @ usual))
+        right = right - gram @ usual
+        inside = np.eye(k) + gram * np.outer(s, s)
+        covariance = np.asarray(np.linalg.inv(inside) * np.outer(s, s), dtype=float)
+        b: Array = covariance @ right
+        explained = float(right @ b)
+        gain = offset + 0.5 * (explained - float(np.linalg.slogdet(inside)[1]))
+        return gain, 2 * offset + explained, usual + b, covariance
+    size = np.sqrt(np.maximum(np.diag(gram), 0.0)) + 1e-12
+    normal = gram / np.outer(size, size) + 1e-8 * np.eye(k)
+    covariance = np.asarray(np.linalg.inv(normal) / np.outer(size, size), dtype=float)
+    b = covariance @ right
+    explained = float(right @ b)
+    return float(g_prior_gain(explained, k)), explained, b, covariance
+
+
+def g_prior_gain(explained: float | Array, k: int) -> Array:
+    """Log evidence of k columns under Zellner's prior at its best g: (R - k - k log(R / k)) / 2 for
+    R > k."""
+    R = np.maximum(explained, k)
+    return np.asarray(0.5 * (R - k - k * np.log(R / k)))

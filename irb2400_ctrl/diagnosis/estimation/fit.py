@@ -1,0 +1,304 @@
+"""All parameters of the chosen effects at once, with the uncertain base: Gauss-Newton on the exact
+prediction."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+import numpy.typing as npt
+
+from irb2400_ctrl.diagnosis.estimation.candidate import Candidate
+from irb2400_ctrl.diagnosis.estimation.effect_parameters import (
+    Parameter,
+    moved,
+    parameters_of,
+    value_of,
+    with_value,
+)
+from irb2400_ctrl.diagnosis.estimation.evidence import departure_shares, departure_unit
+from irb2400_ctrl.diagnosis.preparation.noise import Noise, autoregressive
+from irb2400_ctrl.diagnosis.regressors.bases import Bases
+from irb2400_ctrl.diagnosis.regressors.predict import predicted_torque
+from irb2400_ctrl.effects import Effect
+from irb2400_ctrl.measurement.prepared_log import PreparedLog
+from irb2400_ctrl.robot import Robot
+
+Array = npt.NDArray[np.float64]
+Mask = npt.NDArray[np.bool_]
+
+ITERATIONS = 5
+
+
+@dataclass(frozen=True)
+class Fit:
+    """The chosen explanations fitted together with the uncertain base.
+
+    Args:
+        effects: fitted, with their shape; parameters, sigma: their natural parameters and standard
+            errors.
+        z: deviations of the base in prior standard deviations, z_sigma their standard errors.
+        y: what the effects (without shape) leave of the filtered torque, shape (rows, n).
+        Z: base and everything else that may still move, unit priors, shape (rows, n, k).
+        residual: what everything together leaves; noise: of it, per joint.
+        generic: filtered torque of the generic laws, one (rows, n) per law.
+    """
+
+    effects: tuple[Effect, ...]
+    parameters: tuple[Parameter, ...]
+    sigma: Array
+    z: Array
+    z_sigma: Array
+    y: Array
+    Z: Array
+    residual: Array
+    noise: tuple[Noise, ...]
+    generic: tuple[Array, ...] = field(default=())
+
+
+NOISY_REVERSAL = 2.5
+"""residual near reversals over that elsewhere, above which a joint sticks in a way that the log
+does not resolve"""
+
+
+def noisy_reversals_masked(motion: PreparedLog, fit: Fit, reversal: Mask) -> PreparedLog:
+    """The motion without the rows near reversals of joints whose sticking no model of this kind
+    follows."""
+    known = motion.row_known.copy()
+    for j in range(motion.n):
+        near = known[:, j] & reversal[:, j]
+        calm = known[:, j] & ~reversal[:, j]
+        if near.sum() > 10 and calm.sum() > 50:
+            level = np.median(np.abs(np.diff(fit.residual[:, j])[calm[1:]])) / 0.9539
+            if np.sqrt(np.mean(fit.residual[near, j] ** 2)) > NOISY_REVERSAL * max(
+                level, float(np.sqrt(np.mean(fit.residual[calm, j] ** 2)))
+            ):
+                known[:, j] = calm
+    return replace(motion, row_known=known)
+
+
+class Fitter:
+    """Fits sets of candidates to one log."""
+
+    def __init__(
+        self,
+        robot: Robot,
+        bases: Bases,
+        motion: PreparedLog,
+        Z: Array,
+        reversal: Mask,
+        offset: Array | None = None,
+    ) -> None:
+        """`offset` (m, n): torque known beside the robot's own [Nm]."""
+        self.robot = robot
+        self.bases = bases
+        self.motion = motion
+        self.Z = Z
+        self.reversal = reversal
+        self.offset = np.zeros_like(motion.tau) if offset is None else offset
+        self._cache: dict[tuple[object, ...], Array] = {}
+
+    def fit(self, chosen: Sequence[Candidate], iterations: int = ITERATIONS) -> Fit:
+        """Gauss-Newton from the candidates' own estimates."""
+        effects = [e for c in chosen for e in c.effects]
+        generics = [c for c in chosen if not c.known]
+        G = [self._generic_columns(c) for c in generics]
+        noise: tuple[Noise, ...] | None = None
+        state = self._linearised(effects, G)
+        for _ in range(iterations if effects else 0):
+            y, columns, parameters, sizes, _ = state
+            noise = self._noise(y - self._solved(y, columns, noise)[1])
+            b, _, covariance = self._solved(y, columns, noise)
+            start = self.Z.shape[2]
+            step = b[start : start + len(parameters)] * sizes
+            if not len(step):
+                break
+            better = self._descended(effects, G, parameters, step, state, noise)
+            if better is None:
+                break
+            effects, state, shrink = better
+            scale = np.sqrt(np.diag(covariance))[start : start + len(parameters)] * sizes
+            if (np.abs(shrink * step) < 0.05 * scale).all():
+                break
+        return self._finished(effects, state, noise, len(generics))
+
+    def _descended(
+        self,
+        effects: list[Effect],
+        G: list[Array],
+        parameters: list[Parameter],
+        step: Array,
+        state: _State,
+        noise: tuple[Noise, ...],
+    ) -> tuple[list[Effect], _State, float] | None:
+        """Effects and state after the longest of a few fractions of the step that does not fit
+        worse."""
+        before = self._misfit(state, noise)
+        for shrink in (1.0, 0.4, 0.15):
+            further = moved(effects, parameters, shrink * step)
+            if further is not None:
+                there = self._linearised(further, G)
+                if self._misfit(there, noise) < before + 0.1:
+                    return further, there, shrink
+        return None
+
+    def _misfit(self, state: _State, noise: tuple[Noise, ...]) -> float:
+        """Whitened sum of squares that is left when everything but the natural parameters is
+        fitted."""
+        y, columns, parameters, _, _ = state
+        k = self.Z.shape[2]
+        held = np.delete(columns, np.arange(k, k + len(parameters)), axis=2)
+        b, explained, _ = self._solved(y, held, noise)
+        left = y - explained
+        return float(
+            sum(np.sum(one.whiten(left[:, j]) ** 2) for j, one in enumerate(noise)) + b @ b
+        )
+
+    def _finished(
+        self, effects: list[Effect], state: _State, noise: tuple[Noise, ...] | None, generics: int
+    ) -> Fit:
+        y, columns, parameters, sizes, shapes = state
+        _, explained, _ = self._solved(y, columns, noise)
+        noise = self._noise(y - explained)
+        b, explained, covariance = self._solved(y, columns, noise)
+        k = self.Z.shape[2]
+        p = len(parameters)
+        sigma = np.sqrt(np.diag(covariance))
+        shaped = []
+        place = k + p
+        for effect, unit in zip(effects, shapes, strict=True):
+            # how the record began is no property of the robot: its columns are not kept
+            kept = len(unit) - effect.beginnings() if effect.keeps_shape else 0
+            values = (b[place : place + len(unit)] * unit)[:kept]
+            place += len(unit)
+            shaped.append(
+                effect.model_copy(update={"shape": tuple(float(v) for v in values)})
+                if kept
+                else effect
+            )
+        generic = []
+        width = columns.shape[2] - place
+        for part in np.array_split(np.arange(place, place + width), generics) if generics else []:
+            generic.append(columns[:, :, part] @ b[part])
+        return Fit(
+            effects=tuple(shaped),
+            parameters=tuple(parameters),
+            sigma=sigma[k : k + p] * sizes,
+            z=b[:k],
+            z_sigma=sigma[:k],
+            y=y,
+            Z=columns,
+            residual=y - explained,
+            noise=noise,
+            generic=tuple(generic),
+        )
+
+    def _linearised(self, effects: list[Effect], G: list[Array]) -> _State:
+        """Residual of the exact prediction, all columns with unit priors, the parameters and their
+        scales."""
+        bare = [e.model_copy(update={"shape": ()}) for e in effects]
+        robot = self.robot.model_copy(update={"effects": (*self.robot.effects, *bare)})
+        motion = self.motion
+        y = motion.filtered(
+            motion.tau_smooth - self.offset - predicted_torque(robot, motion, self.bases)
+        )
+        blocks = [self.Z]
+        parameters = []
+        sizes = []
+        shapes = []
+        for place, effect in enumerate(bare):
+            torque = self._torque(effect)
+            size = max(float(np.sqrt(np.mean(torque**2))), 1e-9)
+            for parameter in parameters_of(effect, place):
+                slope = self._slope(effect, parameter)
+                scale = 3.0 * size / max(float(np.sqrt(np.mean(slope**2))), 1e-12)
+                if parameter.prior is not None:
+                    scale = min(scale, parameter.prior[1])
+                blocks.append(slope[:, :, None] * scale)
+                parameters.append(parameter)
+                sizes.append(scale)
+        for effect in bare:
+            columns, unit = self._departures(effect)
+            blocks.append(columns * unit)
+            shapes.append(unit)
+        return y, np.concatenate([*blocks, *G], axis=2), parameters, np.array(sizes), shapes
+
+    def _torque(self, effect: Effect) -> Array:
+        key = (effect.kind, effect.joint, effect.windows_s, *sorted(effect.nonlinear.items()))
+        if effect.shape or key not in self._cache:
+            law = self.bases.columns(
+                effect.kind, effect.joint, self.motion, [effect.nonlinear], windows=effect.windows_s
+            )[0]
+            placed = np.zeros((self.motion.rows, self.motion.n, law.values.shape[2]))
+            placed[:, list(law.joints)] = law.values
+            self._cache[key] = placed
+        return np.asarray(self._cache[key] @ np.array(effect.coefficients()))
+
+    def _slope(self, effect: Effect, parameter: Parameter) -> Array:
+        """d torque / d parameter by central differences, shape (rows, n)."""
+        value = value_of(effect, parameter)
+        step = 1e-4 * max(abs(value), 1e-2)
+        up = with_value(effect, parameter, value + step)
+        down = with_value(effect, parameter, value - step)
+        return np.asarray((self._torque(up) - self._torque(down)) / (2 * step))
+
+    def _departures(self, effect: Effect) -> tuple[Array, Array]:
+        columns = self.bases.columns(
+            effect.kind,
+            effect.joint,
+            self.motion,
+            [effect.nonlinear],
+            departures=True,
+            windows=effect.windows_s,
+        )[0]
+        placed = np.zeros((self.motion.rows, self.motion.n, columns.values.shape[2]))
+        placed[:, list(columns.joints)] = columns.values
+        law = self.bases.columns(
+            effect.kind, effect.joint, self.motion, [effect.nonlinear], windows=effect.windows_s
+        )[0]
+        shares = departure_shares(effect.kind, placed.shape[2])
+        if not placed.shape[2]:
+            return placed, np.zeros(0)
+        # wider than in the competition, so that they do not come out too small
+        return placed, 1.5 * departure_unit(law, np.array(effect.coefficients()), columns, shares)
+
+    def _generic_columns(self, candidate: Candidate) -> Array:
+        b = candidate.score.coefficients
+        values = candidate.law.values * (3.0 * np.sqrt(np.mean(b**2)))
+        placed = np.zeros((self.motion.rows, self.motion.n, values.shape[2]))
+        placed[:, list(candidate.law.joints)] = values
+        return placed
+
+    def _solved(
+        self, y: Array, columns: Array, noise: Sequence[Noise] | None
+    ) -> tuple[Array, Array, Array]:
+        """Posterior mean (k,), explained torque (rows, n), covariance (k, k)."""
+        if noise is None:
+            from irb2400_ctrl.diagnosis.preparation.noise import white
+
+            noise = [
+                white(y[:, j], self.motion.row_known[:, j], self.reversal[:, j])
+                for j in range(self.motion.n)
+            ]
+        k = columns.shape[2]
+        A = np.eye(k)
+        right = np.zeros(k)
+        for j, one in enumerate(noise):
+            X = one.whiten(columns[:, j, :])
+            v = one.whiten(y[:, j])
+            A += X.T @ X
+            right += X.T @ v
+        covariance = np.asarray(np.linalg.inv(A), dtype=float)
+        b = covariance @ right
+        return b, columns @ b, covariance
+
+    def _noise(self, residual: Array) -> tuple[Noise, ...]:
+        known = self.motion.row_known
+        return tuple(
+            autoregressive(residual[:, j], known[:, j], self.reversal[:, j])
+            for j in range(self.motion.n)
+        )
+
+
+_State = tuple[Array, Array, list[Parameter], Array, list[Array]]

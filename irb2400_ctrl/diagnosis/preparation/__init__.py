@@ -1,0 +1,1 @@
+"""What is known before anything is explained: noise, errors, how far the base may be off."""

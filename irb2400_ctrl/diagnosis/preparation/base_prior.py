@@ -1,0 +1,200 @@
+"""What the model already has but does not know exactly: inertial parameters and friction, with
+data-sheet uncertainty.
+
+Each uncertain number p = p0 + sigma z has a standard normal z; its column is d tau / d z. One
+standard deviation: masses 2 %, centres of mass 5 mm, inertias 5 %, friction 4 %.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from irb2400_ctrl.measurement.prepared_log import PreparedLog
+from irb2400_ctrl.model import Model
+from irb2400_ctrl.robot import Body, Robot
+
+Array = npt.NDArray[np.float64]
+
+
+UNKNOWN_FRICTION = 0.5
+
+
+@dataclass(frozen=True)
+class Uncertainty:
+    """One standard deviation of what a robot file says.
+
+    Args:
+        mass, inertia, friction: relative; com: [m].
+        static: relative, of the static friction, which a moving arm hardly shows.
+    """
+
+    mass: float = 0.02
+    com: float = 0.005
+    inertia: float = 0.05
+    friction: float = 0.04
+    static: float = 0.25
+
+
+@dataclass(frozen=True)
+class Nuisance:
+    """Uncertain numbers of a robot file and how to write new ones back.
+
+    Columns: 10 per link (mass, CoM, inertia), 10 for the tool, then n Coulomb, n viscous, n static.
+    """
+
+    robot: Robot
+    uncertainty: Uncertainty
+    torque_scale: Array
+    """rms torque of each joint [Nm]: a friction that the file gives as zero is unknown, up to half
+    of this"""
+    speed_scale: Array
+    """rms speed of each joint [rad/s]"""
+    centre: Array | None = None
+    """where a reference log puts the numbers, in data-sheet standard deviations; default the file's
+    values"""
+    spread: Array | None = None
+    """and how uncertain it leaves them, in the same unit; default one"""
+
+    @classmethod
+    def of(cls, robot: Robot, uncertainty: Uncertainty, motion: PreparedLog) -> Nuisance:
+        """For the log of a motion."""
+        torque = np.sqrt(np.mean(motion.tau**2, axis=0))
+        speed = np.sqrt(np.mean(motion.qd**2, axis=0))
+        return cls(robot, uncertainty, torque, np.maximum(speed, 1e-3))
+
+    @property
+    def bodies(self) -> list[Body]:
+        tool = [] if self.robot.tool is None else [self.robot.tool.body]
+        return [link.body for link in self.robot.links] + tool
+
+    def sigmas(self) -> Array:
+        """Standard deviations in file units, shape (k,)."""
+        u = self.uncertainty
+        friction = self.robot.friction
+        inertial = [self._body_sigma(body) for body in self.bodies]
+        unknown = UNKNOWN_FRICTION * self.torque_scale
+        dry = [
+            np.where(friction[:, 1] > 0, u.friction * friction[:, 1], unknown),
+            np.where(friction[:, 2] > 0, u.friction * friction[:, 2], unknown / self.speed_scale),
+            np.where(friction[:, 0] > 0, u.static * friction[:, 0], unknown),
+        ]
+        return np.concatenate([*inertial, *dry])
+
+    def offset(self, model: Model, motion: PreparedLog) -> Array:
+        """Torque of the reference's own numbers over the file's, shape (m, n) [Nm]; zero without a
+        reference."""
+        if self.centre is None:
+            return np.zeros_like(motion.tau)
+        return np.asarray(self.file_columns(model, motion) @ self.centre)
+
+    def deviations(self, z: Array) -> Array:
+        """Fitted z in data-sheet standard deviations from the file's values, shape (k,)."""
+        if self.centre is None or self.spread is None:
+            return z
+        return np.asarray(self.centre + self.spread * z)
+
+    def _body_sigma(self, body: Body) -> Array:
+        u = self.uncertainty
+        inertia = np.array(body.inertia_kgm2)
+        # an element printed as zero is not known to be zero: one per cent of the mean principal
+        # moment at least
+        least = 0.2 * u.inertia * np.abs(inertia[:3]).mean()
+        com = u.com if body.mass_kg else 0.0
+        return np.concatenate(
+            [[u.mass * body.mass_kg], np.full(3, com), np.hypot(u.inertia * inertia, least)]
+        )
+
+    def columns(self, model: Model, motion: PreparedLog) -> Array:
+        """d tau / d z along the motion, shape (m, n, k) [Nm]."""
+        columns = self.file_columns(model, motion)
+        return columns if self.spread is None else columns * self.spread
+
+    def file_columns(self, model: Model, motion: PreparedLog) -> Array:
+        """d tau per data-sheet standard deviation, shape (m, n, k) [Nm]."""
+        n = self.robot.n
+        Y: Any = model.regressor(motion.q, motion.qd, motion.qdd)
+        parts = []
+        for i, body in enumerate(self.bodies):
+            link, X = (i, None) if i < n else (n - 1, self.robot.flange.matrix())
+            parts.append(
+                Y[:, :, 10 * link : 10 * link + 10]
+                @ (_parameter_slope(body, X) * self._body_sigma(body))
+            )
+        friction = self.robot.friction
+        sign = np.sign(motion.qd)
+        stribeck = sign * np.exp(-((motion.qd / friction[:, 3]) ** 2))
+        for signal, size in zip(
+            (sign - stribeck, motion.qd, stribeck),
+            self.sigmas()[-3 * n :].reshape(3, n),
+            strict=True,
+        ):
+            placed = np.zeros((*signal.shape, n))
+            placed[:, np.arange(n), np.arange(n)] = signal * size
+            parts.append(placed)
+        return np.concatenate(parts, axis=2)
+
+    def updated(self, z: Array) -> Robot:
+        """The robot with p0 + sigma z written into its links, tool and friction."""
+        n = self.robot.n
+        robot = self.robot
+        change = self.sigmas() * z
+        bodies = [
+            _changed(body, change[10 * i : 10 * i + 10]) for i, body in enumerate(self.bodies)
+        ]
+        coulomb, viscous, static = change[-3 * n :].reshape(3, n)
+        joints = []
+        for j, joint in enumerate(robot.joints):
+            f = joint.friction
+            level = max(0.0, f.coulomb_Nm + coulomb[j])
+            new = f.model_copy(
+                update={
+                    "coulomb_Nm": float(level),
+                    "viscous_Nms_rad": float(max(0.0, f.viscous_Nms_rad + viscous[j])),
+                    "static_Nm": float(max(level, f.static_Nm + static[j])),
+                }
+            )
+            joints.append(joint.model_copy(update={"friction": new}))
+        links = [
+            link.model_copy(update={"body": b})
+            for link, b in zip(robot.links, bodies[:n], strict=True)
+        ]
+        tool = None if robot.tool is None else robot.tool.model_copy(update={"body": bodies[n]})
+        return robot.model_copy(
+            update={"links": tuple(links), "joints": tuple(joints), "tool": tool}
+        )
+
+
+def _changed(body: Body, change: Array) -> Body:
+    return body.model_copy(
+        update={
+            "mass_kg": float(max(0.0, body.mass_kg + change[0])),
+            "com_m": tuple(float(v) for v in np.array(body.com_m) + change[1:4]),
+            "inertia_kgm2": tuple(float(v) for v in np.array(body.inertia_kgm2) + change[4:]),
+        }
+    )
+
+
+def _parameter_slope(body: Body, X: Array | None) -> Array:
+    """d phi / d (mass, com, inertia about the centre of mass), shape (10, 10), by exact
+    differences."""
+    slope = np.empty((10, 10))
+    for k in range(10):
+        step = np.zeros(10)
+        step[k] = 1e-3
+        up = _shifted(body, step)
+        down = _shifted(body, -step)
+        slope[:, k] = (up.parameters(X) - down.parameters(X)) / 2e-3
+    return slope
+
+
+def _shifted(body: Body, change: Array) -> Body:
+    fields = {
+        "mass_kg": body.mass_kg + change[0],
+        "com_m": tuple(np.array(body.com_m) + change[1:4]),
+        "inertia_kgm2": tuple(np.array(body.inertia_kgm2) + change[4:]),
+    }
+    return Body.model_construct(**fields)

@@ -1,0 +1,1 @@
+"""What every effect would show on a log."""

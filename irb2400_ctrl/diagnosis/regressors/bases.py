@@ -1,0 +1,223 @@
+"""Numbers of the effects' symbolic bases along a motion, all samples and all nonlinear parameters
+at once."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import casadi as ca
+import numpy as np
+import numpy.typing as npt
+
+from irb2400_ctrl.diagnosis.regressors.effect_states import Memory
+from irb2400_ctrl.diagnosis.regressors.vectorised import Vectorised
+from irb2400_ctrl.effects import LIBRARY, Effect
+from irb2400_ctrl.effects.base import within
+from irb2400_ctrl.measurement.prepared_log import PreparedLog
+from irb2400_ctrl.model import Model
+from irb2400_ctrl.model.signals import ArmSignals
+from irb2400_ctrl.robot import Robot
+
+Array = npt.NDArray[np.float64]
+
+CHUNK = 4_000_000
+"""numbers per array while a grid is evaluated: bounds the memory"""
+
+
+@dataclass(frozen=True)
+class RegressorColumns:
+    """Torque per unit of coefficient: values (m, len(joints), k) on the zero-based joints; zero on
+    all others."""
+
+    joints: tuple[int, ...]
+    values: Array
+
+    def torque(self, coefficients: Array, n: int) -> Array:
+        """values @ coefficients on all n joints, shape (m, n)."""
+        tau = np.zeros((len(self.values), n))
+        tau[:, list(self.joints)] = self.values @ coefficients
+        return tau
+
+
+def inputs_of(motion: PreparedLog) -> list[Array]:
+    """The 5 n + 1 scalars effects may depend on, each (m,): q, qd, qdd, qddd, qdddd, time."""
+    parts = (motion.q, motion.qd, motion.qdd, motion.qddd, motion.qdddd)
+    return [np.ascontiguousarray(part[:, j]) for part in parts for j in range(motion.n)] + [
+        motion.time
+    ]
+
+
+class Bases:
+    """Evaluates effects of one robot; builds each expression once."""
+
+    def __init__(self, robot: Robot) -> None:
+        self.robot = robot
+        self.model = Model(robot)
+        self._laws: dict[tuple[str, int | None, bool, tuple[str, ...]], _Law] = {}
+
+    @cached_property
+    def signals(self) -> ArmSignals:
+        return self.model.signals()
+
+    def columns(
+        self,
+        kind: str,
+        joint: int | None,
+        motion: PreparedLog,
+        grid: Sequence[dict[str, float]] = ({},),
+        *,
+        departures: bool = False,
+        filtered: bool = True,
+        windows: Sequence[tuple[float, float]] = (),
+    ) -> list[RegressorColumns]:
+        """The basis of one effect along the motion, one entry per set of nonlinear parameters.
+
+        Args:
+            departures: the columns of `Effect.departures` instead of the basis.
+            windows: times between which the effect acts [s]; empty: always.
+            filtered: through the motion's common filter (rows), or sample by sample.
+        """
+        if not grid:
+            return []
+        law = self._law(kind, joint, departures, tuple(grid[0]))
+        return law(
+            motion,
+            [tuple(entry[key] for key in grid[0]) for entry in grid],
+            filtered,
+            within(windows, motion.time),
+        )
+
+    def with_beginnings(
+        self, kind: str, joint: int | None, motion: PreparedLog, grid: Sequence[dict[str, float]]
+    ) -> tuple[list[RegressorColumns], list[RegressorColumns]]:
+        """Filtered columns of basis and departures of an effect with memory, from one pass over its
+        states."""
+        if not grid:
+            return [], []
+        law = self._law(kind, joint, True, tuple(grid[0]))
+        points = [tuple(entry[key] for key in grid[0]) for entry in grid]
+        always = within((), motion.time)
+        both = law(motion, points, True, always, law_too=True)
+        split = law.k + law.free
+        return (
+            [
+                RegressorColumns(c.joints, np.ascontiguousarray(c.values[:, :, split:]))
+                for c in both
+            ],
+            [
+                RegressorColumns(c.joints, np.ascontiguousarray(c.values[:, :, :split]))
+                for c in both
+            ],
+        )
+
+    def _law(self, kind: str, joint: int | None, departures: bool, keys: tuple[str, ...]) -> _Law:
+        """The effect's expression, built once."""
+        name = (kind, joint, departures, keys)
+        if name not in self._laws:
+            self._laws[name] = _Law(self.signals, LIBRARY[kind], joint, departures, keys)
+        return self._laws[name]
+
+
+class _Law:
+    """One effect on one joint as a function of the scalars it depends on."""
+
+    def __init__(
+        self,
+        s: ArmSignals,
+        effect: type[Effect],
+        joint: int | None,
+        departures: bool,
+        keys: tuple[str, ...],
+    ) -> None:
+        theta = [ca.SX.sym(key) for key in keys]
+        prototype = effect.prototype(joint, dict(zip(keys, theta, strict=True)))  # type: ignore[arg-type]
+        state = ca.SX.sym("x", len(effect.states))
+        s = s.with_state(state) if effect.states else s
+        law = prototype.basis(s)
+        basis = prototype.departures(s) if departures else law
+        # departures live on the joints of the law, so that both can stand side by side
+        rows = sorted(set(law.sparsity().row()))
+        self.joints = tuple(rows)
+        self.k = basis.shape[1]
+        scalars = [*ca.vertsplit(ca.vertcat(s.q, s.qd, s.qdd, s.qddd, s.qdddd, s.time))]
+        inputs = [*scalars, *ca.vertsplit(state), *theta]
+        self.law = Vectorised(inputs, _flat(basis, rows))
+        # the record may begin in any state: what a different beginning adds is a departure too
+        self.free = effect.beginnings() if departures else 0
+        self.k_law = law.shape[1]
+        if self.free:
+            self.response = Vectorised(inputs, _flat(law, rows))
+        self.memory = (
+            Memory(scalars, state, theta, prototype.state_rate(s), prototype.steady_state(s))
+            if effect.states
+            else None
+        )
+
+    def __call__(
+        self,
+        motion: PreparedLog,
+        grid: list[tuple[float, ...]],
+        filtered: bool,
+        active: npt.NDArray[np.bool_],
+        law_too: bool = False,
+    ) -> list[RegressorColumns]:
+        """`law_too`: the basis after the departures."""
+        m = len(motion.time)
+        inputs = inputs_of(motion)
+        count = motion.rows if filtered else m
+        values = np.empty(
+            (
+                len(grid),
+                count,
+                len(self.joints),
+                self.k + self.free + (self.k_law if law_too else 0),
+            )
+        )
+        if values.size == 0:
+            return [RegressorColumns(self.joints, v) for v in values]
+        chunk = max(1, (CHUNK if self.memory is None else CHUNK // 16) // m)
+        for start in range(0, len(grid), chunk):
+            piece = grid[start : start + chunk]
+            part = np.array(piece, dtype=float).reshape(len(piece), len(grid[0]))
+            theta = [part[:, i : i + 1] for i in range(part.shape[1])]
+            trajectories = (
+                []
+                if self.memory is None
+                else self.memory.states(inputs, motion.step, theta, (len(part), m))
+            )
+            states = trajectories[0] if trajectories else []
+            place = slice(start, start + len(part))
+
+            def put(
+                flat: Array, joint: int, column: int, part: Array = part, place: slice = place
+            ) -> None:
+                whole = (np.broadcast_to(flat, (len(part), m)) * active).T
+                values[place, :, joint, column] = (motion.filtered(whole) if filtered else whole).T
+
+            for index, flat in enumerate(self.law(*inputs, *states, *theta) if self.k else []):
+                put(flat, *divmod(index, self.k))
+            if self.free:
+                rest = self.response(*inputs, *states, *theta)
+                for index, flat in enumerate(rest if law_too else []):
+                    joint, column = divmod(index, self.k_law)
+                    put(flat, joint, self.k + self.free + column)
+                for column, other in enumerate(trajectories[1 : 1 + self.free]):
+                    moved = self.response(*inputs, *other, *theta)
+                    for i in range(len(self.joints)):
+                        # of a law of several columns the first stands for the beginning
+                        put(moved[i * self.k_law] - rest[i * self.k_law], i, self.k + column)
+        return [RegressorColumns(self.joints, v) for v in values]
+
+
+def _flat(basis: ca.SX, rows: list[int]) -> ca.SX:
+    """The rows of a basis one after another as a column."""
+    return (
+        ca.vertcat(*[ca.densify(basis[row, :]).T for row in rows])
+        if rows and basis.shape[1]
+        else ca.SX(0, 1)
+    )
+
+
+__all__ = ["Bases", "RegressorColumns", "inputs_of"]

@@ -1,0 +1,80 @@
+"""What a robot's model says a log should show, effects with memory and the measuring chain
+included."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import numpy.typing as npt
+
+from irb2400_ctrl.diagnosis.regressors.bases import Bases, RegressorColumns
+from irb2400_ctrl.effects import Effect
+from irb2400_ctrl.effects.encoder_zero import EncoderZero
+from irb2400_ctrl.effects.time_delay import TimeDelay
+from irb2400_ctrl.effects.torque_gain import TorqueGain
+from irb2400_ctrl.measurement.prepared_log import PreparedLog
+from irb2400_ctrl.model import Model
+from irb2400_ctrl.robot import Robot
+
+Array = npt.NDArray[np.float64]
+
+
+def predicted_torque(robot: Robot, motion: PreparedLog, bases: Bases | None = None) -> Array:
+    """Torques that the log of a motion should show, shape (m, n) [Nm].
+
+    Model torque at the true angles, plus force effects, through gain, offset and delay of the
+    measuring chain.
+
+    Args:
+        bases: evaluator of the robot the bases are built on; default the robot itself without its
+            effects.
+    """
+    arm = robot.bare()
+    others = [e for e in robot.effects if e.role != "parameters"]
+    q = motion.q.copy()
+    for effect in others:
+        if isinstance(effect, EncoderZero):
+            q[effect.active(motion.time), effect.index] += effect.zero_rad
+    model = Model(arm)
+    tau = np.array(model.inverse_dynamics(q, motion.qd, motion.qdd))
+    moved = replace(motion, q=q)
+    bases = Bases(arm) if bases is None else bases
+    for effect in others:
+        if not isinstance(effect, EncoderZero | TorqueGain | TimeDelay):
+            tau += effect_torque(bases, effect, moved)
+    for kind in (TorqueGain, TimeDelay):  # the drive's reading is what arrives late
+        for effect in others:
+            if isinstance(effect, kind):
+                tau = effect.reported(motion.time, tau)
+    return tau
+
+
+def effect_torque(
+    bases: Bases, effect: Effect, motion: PreparedLog, *, filtered: bool = False
+) -> Array:
+    """Torque of one effect along a motion from its basis, shape (m, n) or filtered (rows, n)
+    [Nm]."""
+    law = bases.columns(
+        effect.kind,
+        effect.joint,
+        motion,
+        [effect.nonlinear],
+        filtered=filtered,
+        windows=effect.windows_s,
+    )[0]
+    tau = law.torque(np.array(effect.coefficients()), motion.n)
+    if not effect.shape:
+        return tau
+    columns = bases.columns(
+        effect.kind,
+        effect.joint,
+        motion,
+        [effect.nonlinear],
+        departures=True,
+        filtered=filtered,
+        windows=effect.windows_s,
+    )[0]
+    # further columns tell how a record began: no property of the robot
+    kept = RegressorColumns(columns.joints, columns.values[:, :, : len(effect.shape)])
+    return tau + kept.torque(np.array(effect.shape), motion.n)

@@ -1,0 +1,112 @@
+"""A CasADi expression evaluated on numpy arrays: every instruction works on all samples at once,
+with broadcasting.
+
+An effect's law is one scalar expression; a log has ten thousand samples and a ripple some hundred
+orders to try. Walking the instruction list with arrays costs one numpy call per operation, whatever
+the number of samples.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import casadi as ca
+import numpy as np
+import numpy.typing as npt
+
+Array = npt.NDArray[np.float64]
+
+
+def _divide(x: Array, y: Array) -> Array:
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.asarray(x / y)
+
+
+_UNARY: dict[int, Callable[[Any], Any]] = {
+    ca.OP_ASSIGN: lambda x: x,
+    ca.OP_NEG: np.negative,
+    ca.OP_SQ: np.square,
+    ca.OP_TWICE: lambda x: 2.0 * x,
+    ca.OP_SQRT: np.sqrt,
+    ca.OP_SIN: np.sin,
+    ca.OP_COS: np.cos,
+    ca.OP_TAN: np.tan,
+    ca.OP_ASIN: np.arcsin,
+    ca.OP_ACOS: np.arccos,
+    ca.OP_ATAN: np.arctan,
+    ca.OP_SINH: np.sinh,
+    ca.OP_COSH: np.cosh,
+    ca.OP_TANH: np.tanh,
+    ca.OP_EXP: np.exp,
+    ca.OP_LOG: np.log,
+    ca.OP_FABS: np.abs,
+    ca.OP_SIGN: np.sign,
+    ca.OP_INV: lambda x: _divide(1.0, x),  # type: ignore[arg-type]
+    ca.OP_FLOOR: np.floor,
+    ca.OP_CEIL: np.ceil,
+    ca.OP_NOT: lambda x: np.where(x == 0, 1.0, 0.0),
+}
+_BINARY: dict[int, Callable[[Any, Any], Any]] = {
+    ca.OP_ADD: np.add,
+    ca.OP_SUB: np.subtract,
+    ca.OP_MUL: np.multiply,
+    ca.OP_DIV: _divide,
+    ca.OP_POW: np.power,
+    ca.OP_CONSTPOW: np.power,
+    ca.OP_FMIN: np.minimum,
+    ca.OP_FMAX: np.maximum,
+    ca.OP_ATAN2: np.arctan2,
+    ca.OP_FMOD: np.fmod,
+    ca.OP_HYPOT: np.hypot,
+    ca.OP_LT: lambda x, y: np.where(x < y, 1.0, 0.0),
+    ca.OP_LE: lambda x, y: np.where(x <= y, 1.0, 0.0),
+    ca.OP_EQ: lambda x, y: np.where(x == y, 1.0, 0.0),
+    ca.OP_NE: lambda x, y: np.where(x != y, 1.0, 0.0),
+    ca.OP_AND: lambda x, y: np.where((x != 0) & (y != 0), 1.0, 0.0),
+    ca.OP_OR: lambda x, y: np.where((x != 0) | (y != 0), 1.0, 0.0),
+    # if_else(c, a, b) is written as c * a + !c * b with a product that is zero whenever c is
+    ca.OP_IF_ELSE_ZERO: lambda c, x: np.where(c != 0, x, 0.0),
+}
+
+
+class Vectorised:
+    """An SX function of scalars; call it with one array per scalar input, all of shapes that
+    broadcast."""
+
+    def __init__(self, inputs: list[ca.SX], outputs: ca.SX) -> None:
+        """Inputs: scalar symbols; outputs: column of scalar expressions."""
+        packed = ca.vertcat(*inputs) if inputs else ca.SX(0, 1)
+        function = ca.Function("vectorised", [packed], [ca.densify(outputs)], {"cse": True})
+        self.size = outputs.numel()
+        self._program: list[tuple[int, tuple[int, ...], int, float]] = []
+        for k in range(function.n_instructions()):
+            code = function.instruction_id(k)
+            operands = tuple(function.instruction_input(k))
+            target = tuple(function.instruction_output(k))
+            constant = function.instruction_constant(k) if code == ca.OP_CONST else 0.0
+            # inputs and outputs name (argument, element); everything else a place in the work
+            # vector
+            if code == ca.OP_INPUT:
+                operands = (operands[1],)
+            place = target[1] if code == ca.OP_OUTPUT else target[0]
+            self._program.append((code, operands, place, constant))
+
+    def __call__(self, *values: Array | float) -> list[Array]:
+        """The outputs, each of the broadcast shape of what it depends on."""
+        work: dict[int, Any] = {}
+        outputs: list[Any] = [0.0] * self.size
+        for code, operands, place, constant in self._program:
+            if code in _BINARY:
+                work[place] = _BINARY[code](work[operands[0]], work[operands[1]])
+            elif code in _UNARY:
+                work[place] = _UNARY[code](work[operands[0]])
+            elif code == ca.OP_INPUT:
+                work[place] = values[operands[0]]
+            elif code == ca.OP_CONST:
+                work[place] = constant
+            elif code == ca.OP_OUTPUT:
+                outputs[place] = work[operands[0]]
+            else:
+                raise NotImplementedError(f"CasADi operation {code} has no array counterpart here")
+        return [np.asarray(value, dtype=float) for value in outputs]

@@ -1,0 +1,220 @@
+"""`Excitation`: the planned motion, what it promises, and its files."""
+
+from __future__ import annotations
+
+import json
+import math
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from irb2400_ctrl.excitation.alternatives import NOISE, SIZE, named
+from irb2400_ctrl.excitation.assemble import RATE, Course
+from irb2400_ctrl.excitation.feasible import SHARE, Extent
+from irb2400_ctrl.excitation.groups import AmbiguityGroup, Place
+from irb2400_ctrl.files import write_atomic
+from irb2400_ctrl.model import Model
+from irb2400_ctrl.planners.plan import Trajectory
+from irb2400_ctrl.planners.programs.rapid.rapid_program import (
+    RapidOptions,
+    RapidProgram,
+    rapid_program,
+)
+from irb2400_ctrl.robot import Robot
+
+Array = npt.NDArray[np.float64]
+
+CLEAR = 5.0
+"""standard deviations from which on members are called separated"""
+
+
+@dataclass(frozen=True)
+class Separability:
+    """How far a member is from what a rival and the uncertain base can imitate: standard motion,
+    then planned one.
+
+    Args:
+        pair: in words; member, rival: kind and joint, rival None for the base alone.
+        distance: [standard deviations of the assumed noise]; sine: of the angle between the member
+            and its imitation.
+        ceiling: largest distance that any record could show where no motion separates them, else
+            infinite.
+        reason: why no motion separates them; empty where one may.
+    """
+
+    pair: str
+    member: Place
+    rival: Place | None
+    distance: tuple[float, float]
+    sine: tuple[float, float]
+    ceiling: float
+    reason: str
+
+    @property
+    def separated(self) -> bool:
+        """Whether the planned motion tells them apart, the data sheet's word included."""
+        return self.distance[1] >= CLEAR
+
+    @property
+    def hopeless(self) -> bool:
+        """Whether no motion tells them apart, at the common size."""
+        return self.ceiling < CLEAR
+
+    @property
+    def verdict(self) -> str:
+        """In words, for tables."""
+        if self.hopeless:
+            return "no motion separates them"
+        if not self.separated:
+            return "still close"
+        return "only by the data sheet" if self.reason else "separated"
+
+    def row(self) -> dict[str, Any]:
+        """For `excitation.json`."""
+        return {
+            "member": named(self.member),
+            "rival": "uncertain base" if self.rival is None else named(self.rival),
+            "distance_before": round(self.distance[0], 3),
+            "distance_after": round(self.distance[1], 3),
+            "sine_before": round(self.sine[0], 5),
+            "sine_after": round(self.sine[1], 5),
+            "separable_by_motion": not self.reason,
+            "verdict": self.verdict,
+            "largest_distance_of_any_record": round(self.ceiling, 3)
+            if math.isfinite(self.ceiling)
+            else None,
+            "why_not": self.reason,
+        }
+
+
+@dataclass(frozen=True)
+class Excitation:
+    """The motion that tells the members of a group apart.
+
+    Args:
+        course: rows at 250 Hz; tau: torque of the model along it [Nm], (m, n); standard: what it is
+            compared with.
+        extent: how near to the limits it goes, over densely looked at instants.
+        flavours: of its pieces, in order; noise: assumed, per joint [Nm].
+        gain: rise of the criterion over the standard motion (of log distances, smallest plus mean).
+    """
+
+    robot: Robot
+    group: AmbiguityGroup
+    joint: int | None
+    course: Course
+    tau: Array
+    standard: Course
+    extent: Extent
+    flavours: tuple[str, ...]
+    noise: Array
+    table: tuple[Separability, ...]
+    gain: float
+
+    def __post_init__(self) -> None:
+        self.tau.setflags(write=False)
+
+    @property
+    def inseparable(self) -> tuple[Separability, ...]:
+        """Pairs that no motion tells apart by itself: what can be said rests on the data sheet, or
+        on nothing."""
+        return tuple(row for row in self.table if row.reason)
+
+    @property
+    def open(self) -> tuple[Separability, ...]:
+        """Pairs that a motion may tell apart, but this one does not."""
+        return tuple(row for row in self.table if not row.hopeless and not row.separated)
+
+    def summary(self) -> dict[str, Any]:
+        """The content of `excitation.json`."""
+        smallest = [
+            min((row.distance[i] for row in self.table if not row.hopeless), default=0.0)
+            for i in (0, 1)
+        ]
+        return {
+            "group": self.group.name,
+            "members": list(self.group.kinds),
+            "joint": self.joint,
+            "robot": self.robot.name,
+            "duration_s": self.course.duration,
+            "pieces": list(self.flavours),
+            "max_torque_ratio": self.extent.torque,
+            "max_velocity_ratio": self.extent.speed,
+            "smallest_distance_from_joint_box_deg": math.degrees(self.extent.box),
+            "smallest_height_m": self.extent.height,
+            "smallest_radius_m": self.extent.radius,
+            "assumed": {
+                "size_of_each_effect_over_joint_rms_torque": SIZE,
+                "noise_over_torque_limit": NOISE,
+                "noise_Nm": [float(v) for v in self.noise],
+                "separated_from_distance": CLEAR,
+            },
+            "smallest_distance_before": smallest[0],
+            "smallest_distance_after": smallest[1],
+            "improves": bool(self.gain > 0),
+            "separability": [row.row() for row in self.table],
+            "splits": self.group.splits,
+            "measure_else": self.group.measure_else if self.inseparable or self.open else "",
+        }
+
+    def trajectory(self) -> Trajectory:
+        """With torque and the way of the TCP."""
+        c = self.course
+        points = Model(self.robot).tcp_pose(c.q)[:, :3, 3]
+        way = np.append(0.0, np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1)))
+        return Trajectory(c.time, c.q, c.qd, c.qdd, self.tau, way)
+
+    def program(self) -> RapidProgram:
+        """The motion as a RAPID module of joint moves with their times."""
+        options = RapidOptions(
+            module="Excitation",
+            motion="joint",
+            tolerance_mm=0.5,
+            tolerance_deg=0.2,
+            zone_mm=1.0,
+            state_time=True,
+        )
+        return rapid_program(Model(self.robot), self.course.time, self.course.q, options)
+
+    def lines(self) -> list[str]:
+        """For the terminal."""
+        text = [
+            f"{self.group.name}: {', '.join(self.group.kinds)}; {self.course.duration:.1f} s",
+            f"torque at most {100 * self.extent.torque:.0f} % of its limit, speed "
+            f"{100 * self.extent.speed:.0f} % "
+            f"({100 * SHARE:.0f} % of the torque is used)",
+            f"{'separation in standard deviations':<58}{'standard':>10}{'planned':>10}",
+        ]
+        for row in self.table:
+            text.append(
+                f"  {row.pair:<56}{row.distance[0]:>10.1f}{row.distance[1]:>10.1f}  {row.verdict}"
+            )
+        for row in self.inseparable:
+            text.append(
+                f"{row.pair}: {row.reason}; a record of any length shows {row.ceiling:.1f} at most"
+            )
+        if self.inseparable or self.open:
+            text.append(f"measure besides: {self.group.measure_else}")
+        return text
+
+    def write(self, out: Path | str) -> list[Path]:
+        """Write `trajectory.csv`, `excitation.mod`, `excitation.json` and `excitation.png`; returns
+        their paths."""
+        from irb2400_ctrl.excitation.figure import motion_figure
+
+        folder = Path(out)
+        folder.mkdir(parents=True, exist_ok=True)
+        paths = [
+            write_atomic(folder / "trajectory.csv", self.trajectory().csv()),
+            self.program().save(folder / "excitation.mod"),
+            write_atomic(folder / "excitation.json", json.dumps(self.summary(), indent=2) + "\n"),
+            folder / "excitation.png",
+        ]
+        motion_figure(self).savefig(paths[-1], dpi=120, metadata={"Software": None})
+        return paths
+
+
+__all__ = ["RATE", "Excitation", "Separability"]

@@ -1,0 +1,209 @@
+"""Choice of pieces: a random pool, Fedorov's exchange on their information, and mutations of what
+was chosen."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from irb2400_ctrl.errors import InfeasibleError
+from irb2400_ctrl.excitation.alternatives import Alternatives
+from irb2400_ctrl.excitation.assemble import Course, Workshop
+from irb2400_ctrl.excitation.groups import TIME_DEPENDENT
+from irb2400_ctrl.excitation.segments import FLAVOURS, FOR_GROUP, Piece, drawn, mutated
+
+Array = npt.NDArray[np.float64]
+
+PIECE = 8.0
+"""[s] wanted for a piece with the move to the next one"""
+MOVE = 1.5
+"""[s] of it for the move"""
+ENOUGH = 300.0
+"""standard deviations beyond which more does not count"""
+
+
+@dataclass(frozen=True)
+class Budget:
+    """How long is searched: pieces drawn, rounds of mutations, mutations in each."""
+
+    pool: int = 72
+    rounds: int = 2
+    mutations: int = 24
+
+
+@dataclass(frozen=True)
+class MotionCandidate:
+    """A piece with its information in each slot of the motion (one entry where the slot does not
+    matter)."""
+
+    piece: Piece
+    grams: tuple[Array, ...]
+
+    def gram(self, slot: int) -> Array:
+        """Information when placed in this slot."""
+        return self.grams[slot if len(self.grams) > 1 else 0]
+
+
+def merit(D: Array, enough: Array) -> float:
+    """What is maximised: the smallest distance weighs as much as all others together.
+
+    Args:
+        D: distances; enough: of each what counts at most, 0 for a pair that is left out; shape
+        (pairs,).
+    """
+    used = np.minimum(D, enough)[enough > 0]
+    if len(used) == 0:
+        return 0.0
+    logs = np.log(np.maximum(used, 1e-6))
+    return float(logs.min() + logs.mean())
+
+
+class Design:
+    """The search for one group on one robot."""
+
+    def __init__(
+        self,
+        workshop: Workshop,
+        alternatives: Alternatives,
+        enough: Array,
+        seconds: float,
+        rng: np.random.Generator,
+        joint: int | None = None,
+    ) -> None:
+        """`enough`: as in `merit`; `joint` (from 1) always moves."""
+        self.workshop = workshop
+        self.alternatives = alternatives
+        self.enough = enough
+        self.seconds = seconds
+        self.rng = rng
+        self.joint = joint
+        self.slots = max(1, round(seconds / PIECE))
+        self.duration = (seconds - MOVE * (self.slots - 1)) / self.slots
+        kinds = {p.member[0] for p in alternatives.pairs} | {
+            p.rival[0] for p in alternatives.pairs if p.rival
+        }
+        self.timed = bool(kinds & set(TIME_DEPENDENT))
+        names = FOR_GROUP.get(alternatives.group.name, tuple(FLAVOURS))
+        self.flavours = [FLAVOURS[name] for name in names]
+
+    def run(self, budget: Budget, progress: Callable[[str], None]) -> list[Piece]:
+        """The chosen pieces, in order.
+
+        Raises:
+            InfeasibleError: hardly any piece is inside the limits.
+        """
+        pool: list[MotionCandidate] = []
+        for k in range(6 * budget.pool):
+            progress(f"drawing motions ({len(pool)} of {budget.pool})")
+            piece = drawn(
+                self.rng,
+                self.workshop.robot,
+                self.flavours[k % len(self.flavours)],
+                self.duration,
+                self.joint,
+            )
+            self._add(pool, piece)
+            if len(pool) >= budget.pool:
+                break
+        if len(pool) < self.slots:
+            raise InfeasibleError(
+                f"only {len(pool)} of {6 * budget.pool} random pieces of motion are inside the "
+                "limits of "
+                f"{self.workshop.robot.name}; expected at least {self.slots}: check torque limits "
+                "and joint box"
+            )
+        chosen = self._exchanged(pool, self._greedy(pool))
+        for number in range(budget.rounds):
+            progress(f"improving the motion ({number + 1} of {budget.rounds})")
+            share = 0.3 / (number + 1)
+            for k in range(budget.mutations):
+                parent = pool[chosen[k % self.slots]].piece
+                self._add(
+                    pool, mutated(self.rng, self.workshop.robot, parent, self.duration, share)
+                )
+            chosen = self._exchanged(pool, chosen)
+        return [pool[k].piece for k in chosen]
+
+    def _add(self, pool: list[MotionCandidate], piece: Piece) -> None:
+        fitted = self.workshop.fitted(piece, self.duration)
+        if fitted is None:
+            return
+        motion = self.workshop.recorded(self.workshop.course(fitted, self.duration))
+        starts = [k * self.seconds / self.slots for k in range(self.slots)] if self.timed else [0.0]
+        grams = tuple(
+            self.alternatives.gram(self.alternatives.at(motion, start)) for start in starts
+        )
+        pool.append(MotionCandidate(fitted, grams))
+
+    def _merit(self, pool: Sequence[MotionCandidate], chosen: Sequence[int]) -> float:
+        gram = np.sum([pool[k].gram(slot) for slot, k in enumerate(chosen)], axis=0)
+        return merit(self.alternatives.distances(gram)[0], self.enough)
+
+    def _greedy(self, pool: Sequence[MotionCandidate]) -> list[int]:
+        chosen: list[int] = []
+        for _ in range(self.slots):
+            chosen.append(
+                int(np.argmax([self._merit(pool, [*chosen, k]) for k in range(len(pool))]))
+            )
+        return chosen
+
+    def _exchanged(
+        self, pool: Sequence[MotionCandidate], chosen: Sequence[int], sweeps: int = 3
+    ) -> list[int]:
+        """Each slot given the piece that is best beside the others, until nothing changes."""
+        best = list(chosen)
+        value = self._merit(pool, best)
+        for _ in range(sweeps):
+            before = value
+            for slot in range(self.slots):
+                others = [pool[k].gram(s) for s, k in enumerate(best) if s != slot]
+                rest = np.sum(others, axis=0) if others else np.zeros_like(pool[0].grams[0])
+                found = [
+                    merit(self.alternatives.distances(rest + c.gram(slot))[0], self.enough)
+                    for c in pool
+                ]
+                place = int(np.argmax(found))
+                if found[place] > value:
+                    best[slot] = place
+                    value = found[place]
+            if value <= before + 1e-3:
+                break
+        return best
+
+
+def standard_course(workshop: Workshop, seconds: float, seed: int = 0) -> Course:
+    """The usual identification motion, for comparison: a multi-sine of all axes up to 0.42 Hz about
+    the box's middle.
+
+    Raises:
+        InfeasibleError: none is inside the limits.
+    """
+    rng = np.random.default_rng(seed)
+    robot = workshop.robot
+    harmonics = np.arange(1, 18)[:, None] / 40.0
+    for _ in range(50):
+        bell = np.exp(-(((harmonics - rng.uniform(0.05, 0.35, robot.n)) / 0.14) ** 2))
+        weight = rng.uniform(0, 1, (17, robot.n)) * bell
+        piece = Piece(
+            "standard",
+            robot.q_min + (robot.q_max - robot.q_min) * rng.uniform(0.4, 0.6, robot.n),
+            weight,
+            np.broadcast_to(harmonics, weight.shape),
+            np.zeros_like(weight),
+            rng.uniform(0, 2 * np.pi, weight.shape),
+        )
+        q, qd, _ = piece.states(seconds, np.linspace(0.0, seconds, 2000))
+        span = robot.q_max - robot.q_min
+        wide = np.abs(q - piece.centre).max(axis=0)
+        fast = np.abs(qd).max(axis=0)
+        factor = np.minimum(0.3 * span / wide, 0.45 * robot.qd_max / fast)
+        fitted = workshop.fitted(piece.scaled(factor), seconds)
+        if fitted is not None:
+            return workshop.course(fitted, seconds)
+    raise InfeasibleError(
+        f"no standard motion is inside the limits of {robot.name}: check torque limits and joint "
+        "box"
+    )

@@ -1,0 +1,170 @@
+"""A log made ready for comparison: uniform, smooth, differentiated, with masks of what cannot be
+judged."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.measurement.log import Log
+from irb2400_ctrl.measurement.servo import followed
+from irb2400_ctrl.measurement.uniform import (
+    LowPass,
+    UniformLog,
+    derivative_margin,
+    derivatives,
+    polished,
+    resample,
+    smoothed,
+    widened,
+)
+
+Array = npt.NDArray[np.float64]
+Mask = npt.NDArray[np.bool_]
+
+CUTOFF = 10.0
+"""[Hz] of the common zero-phase filter"""
+STILL_SPEED = 0.02
+"""[rad/s] below this for longer than `STILL_TIME` dry friction is undetermined"""
+STILL_TIME = 0.060
+"""[s]"""
+STICKING_SPEED = 0.03
+"""[rad/s] below this a joint may stick, whether or not it turns"""
+STICKING_TIME = 0.12
+"""[s] how long before and after that its torque is not predictable"""
+
+
+@dataclass(frozen=True)
+class PreparedLog:
+    """PreparedLog and torque of one log on a uniform grid of m samples; arrays (m, n), SI and
+    radians.
+
+    `known` is False where a gap or a standstill leaves the torque of that joint undetermined.
+    Filtered quantities have `rows` instants, `row_known` (rows, n) says which are complete.
+    """
+
+    name: str
+    time: Array
+    q: Array
+    qd: Array
+    qdd: Array
+    qddd: Array
+    qdddd: Array
+    tau: Array
+    tau_smooth: Array
+    """through the smoothing that the angles went through: what predictions are compared with"""
+    known: Mask
+    step: float
+    instrumented: bool
+    """whether the motion comes from the commanded one through the servo response"""
+    follow_error: Array
+    """rms of measured minus used angles, shape (n,) [rad]"""
+    low_pass: LowPass
+    row_time: Array
+    row_known: Mask
+
+    @property
+    def n(self) -> int:
+        """Number of joints."""
+        return int(self.q.shape[1])
+
+    @property
+    def rows(self) -> int:
+        """Number of filtered instants."""
+        return len(self.row_time)
+
+    def filtered(self, signal: Array) -> Array:
+        """The common filter along the first axis, decimated: (m, ...) -> (rows, ...)."""
+        return self.low_pass(signal)
+
+    def at_rows(self, signal: Array) -> Array:
+        """A signal at the instants of the rows, not filtered."""
+        return self.low_pass.instants(signal)
+
+
+def prepare(log: Log) -> PreparedLog:
+    """Resample, smooth and differentiate a log.
+
+    The motion is the commanded one through the fitted servo response where that explains the
+    measured angles down to their noise; a joint that also moves otherwise (the true motion under
+    disturbances) keeps its measured, smoothed angles.
+    """
+    uniform = resample(log)
+    q, instrumented = _motion(uniform)
+    # a commanded motion has only its last digit to be smoothed away: no torque needs to share that
+    parts = derivatives((polished if instrumented else smoothed)(q, uniform.step), uniform.step)
+    margin = derivative_margin(uniform.step)
+    inside = slice(margin, len(q) - margin)
+    low_pass = LowPass(CUTOFF, uniform.step)
+    if len(q) - 2 * margin < 4 * low_pass.half:
+        raise InputError(f"{log.name}: found {log.duration:.2f} s of data, expected at least 2 s")
+    positions, qd, qdd, qddd, qdddd = (part[inside] for part in parts)
+    gap = widened(~uniform.valid, margin)[inside]
+    still = _standstill(qd, uniform.step)
+    determined = ~(still | gap[:, None])
+    if not instrumented:
+        # a joint that really sticks does so while it should creep, and smoothing reaches that far
+        still |= np.abs(qd) < STICKING_SPEED
+        still = np.column_stack(
+            [widened(still[:, j], round(STICKING_TIME / uniform.step)) for j in range(log.n)]
+        )
+    known = ~(still | gap[:, None])
+    time = uniform.time[inside]
+    reach = low_pass.half + (0 if instrumented else margin)
+    row_known = np.column_stack(
+        [low_pass.instants(~widened(~determined[:, j], reach)) for j in range(log.n)]
+    ).astype(np.bool_)
+    return PreparedLog(
+        name=log.name,
+        time=time,
+        q=positions,
+        qd=qd,
+        qdd=qdd,
+        qddd=qddd,
+        qdddd=qdddd,
+        tau=uniform.tau[inside],
+        tau_smooth=(uniform.tau if instrumented else smoothed(uniform.tau, uniform.step))[inside],
+        known=known,
+        step=uniform.step,
+        instrumented=instrumented,
+        follow_error=np.sqrt(np.mean((uniform.q - q)[inside][~gap] ** 2, axis=0)),
+        low_pass=low_pass,
+        row_time=low_pass.instants(time),
+        row_known=row_known,
+    )
+
+
+def _motion(log: UniformLog) -> tuple[Array, bool]:
+    """Angles to build the regressors on, and whether all come from the commanded motion."""
+    if log.q_ref is None:
+        return log.q, False
+    ideal = followed(log)
+    difference = log.q - ideal
+    smooth = smoothed(difference, log.step)
+    good = ~widened(~log.valid, derivative_margin(log.step))
+    good[: round(0.2 / log.step)] = False
+    noise = np.std((difference - smooth)[good], axis=0)
+    # white noise of size s leaves less than 0.5 s after the smoothing; more than that is real
+    # motion
+    real = np.std(smooth[good], axis=0) > 1.0 * noise + 1e-7
+    start = round(0.2 / log.step)
+    # the first samples have no history to be predicted from: blend from the measured angles
+    ramp = np.clip(np.arange(len(ideal)) / start, 0.0, 1.0)[:, None]
+    q = np.where(real, log.q, ideal + (1.0 - ramp) * difference)
+    return q, not real.any()
+
+
+def _standstill(qd: Array, step: float) -> Mask:
+    """Samples in stretches of at least STILL_TIME with a speed below STILL_SPEED, per joint."""
+    slow = np.abs(qd) < STILL_SPEED
+    least = max(1, round(STILL_TIME / step))
+    still = np.zeros_like(slow)
+    for j in range(qd.shape[1]):
+        edges = np.flatnonzero(np.diff(np.concatenate([[0], slow[:, j].astype(np.int8), [0]])))
+        for start, stop in zip(edges[::2], edges[1::2], strict=True):
+            if stop - start >= least:
+                still[start:stop, j] = True
+    return still

@@ -1,0 +1,55 @@
+"""Tool paths in, timed trajectories out: clear of singularities, within the torque limits.
+
+from irb2400_ctrl.planners import plan_path
+from irb2400_ctrl.planners import read_path
+plan = plan_path(robot, read_path("part.apt"))
+plan.write("out")
+"""
+
+from irb2400_ctrl.planners.enclosure.path_dynamics import path_dynamics
+from irb2400_ctrl.planners.joint_move import JointMove, joint_move
+from irb2400_ctrl.planners.joint_path import JointPath
+from irb2400_ctrl.planners.plan import Plan, Trajectory
+from irb2400_ctrl.planners.plan_path import plan_path
+from irb2400_ctrl.planners.programs.rapid.rapid_program import (
+    RapidOptions,
+    RapidProgram,
+    rapid_program,
+)
+from irb2400_ctrl.planners.programs.rapid.rapid_reader import read_rapid
+from irb2400_ctrl.planners.timing.certificate import Certificate, Checked, check
+from irb2400_ctrl.planners.timing.motion_limits import MotionLimits
+from irb2400_ctrl.planners.timing.time_joint_path import time_joint_path
+from irb2400_ctrl.planners.toolpath import builders
+from irb2400_ctrl.planners.toolpath.positioner import Positioner, PositionerAxis, choose_settings
+from irb2400_ctrl.planners.toolpath.read_path import read_path
+from irb2400_ctrl.planners.toolpath.toolpath import ToolPath
+from irb2400_ctrl.planners.trajectory_optimisation.optimise_motion import optimise_motion
+from irb2400_ctrl.planners.trajectory_optimisation.optimised import Optimised
+
+__all__ = [
+    "Certificate",
+    "Checked",
+    "JointMove",
+    "JointPath",
+    "MotionLimits",
+    "Optimised",
+    "Plan",
+    "Positioner",
+    "PositionerAxis",
+    "RapidOptions",
+    "RapidProgram",
+    "ToolPath",
+    "Trajectory",
+    "builders",
+    "check",
+    "choose_settings",
+    "joint_move",
+    "optimise_motion",
+    "path_dynamics",
+    "plan_path",
+    "rapid_program",
+    "read_path",
+    "read_rapid",
+    "time_joint_path",
+]

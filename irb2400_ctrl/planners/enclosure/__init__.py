@@ -1,0 +1,1 @@
+"""Bounds that hold for every point of a path: torque, effects, place of the tool."""

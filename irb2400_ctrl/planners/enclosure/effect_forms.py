@@ -1,0 +1,330 @@
+"""Which form an effect's torque has along a path, and with it how it is bounded.
+
+    regular   a(s) u + b(s) x + e(s) sqrt(x) + c(s)              enclosed like the arm itself
+    timed     the same times factors of the time alone           each factor between its bounds over
+    all times
+    law       f(qd_j), f(qd_j, memory) or f(|load_j|)            a straight line above, one below
+    (`ScalarLaw`)
+    open      anything else (elastic_joint)                      no bound
+
+Time counts from an instant that the timing does not know: the bounds hold whenever the motion
+starts.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import casadi as ca
+import numpy as np
+import numpy.typing as npt
+
+from irb2400_ctrl.effects import Effect
+from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.model import Model
+from irb2400_ctrl.model.signals import ArmSignals
+from irb2400_ctrl.planners.enclosure import interval
+from irb2400_ctrl.planners.enclosure.complex_disc import disc_function
+from irb2400_ctrl.planners.enclosure.interval import Interval
+
+Array = npt.NDArray[np.float64]
+
+Memory = Callable[[Array], tuple[Array, Array]]
+"""bounds (m,) of the internal state for a joint that has turned forwards by (m,) [rad]"""
+
+# all times from zero to 28 years (a force without an end acts until 1e9 s), in steps small against
+# any time constant
+_TIMES = np.concatenate([[0.0], np.geomspace(1e-3, 9e8, 2000)])
+
+
+@dataclass(frozen=True)
+class Lifted:
+    """An effect's torque with every part that depends on time alone replaced by a symbol."""
+
+    tau: ca.SX
+    factors: ca.SX
+    """the symbols, shape (k, 1)"""
+    low: Array
+    high: Array
+    """bounds of the factors over all times, shape (k,)"""
+
+
+@dataclass(frozen=True, eq=False)
+class ScalarLaw:
+    """Torque on one joint as a function of one scalar w of its motion, for one direction of
+    motion."""
+
+    joint: int
+    """zero-based"""
+    of: Literal["speed", "load"]
+    """w: qd^2 [rad2/s2] or |load| [Nm]"""
+    values: ca.Function
+    """(w, direction, state, factors…) -> f, df/dw, d2f/dw2"""
+    low: Array
+    high: Array
+    """bounds of the factors"""
+    memory: Memory | None
+    curved: bool
+    """whether f is anything but a straight line over w"""
+
+    def bounds(self, w: Interval, direction: Interval, state: Interval) -> list[Interval]:
+        """Bounds of f, df/dw and d2f/dw2 over m boxes."""
+        ends = [(np.array([a]), np.array([b])) for a, b in zip(self.low, self.high, strict=True)]
+        return interval.interval_function(self.values, [w, direction, state, *ends])
+
+
+@dataclass(frozen=True, eq=False)
+class Forms:
+    """The force effects of a robot, sorted."""
+
+    regular: tuple[Effect, ...]
+    """of the regular form, up to factors of the time"""
+    laws: tuple[ScalarLaw, ...]
+    open: tuple[Effect, ...]
+
+    @classmethod
+    def of(cls, model: Model) -> Forms:
+        """Sort the effects of a robot."""
+        regular: list[Effect] = []
+        laws: list[ScalarLaw] = []
+        left: list[Effect] = []
+        for effect in model.robot.effects:
+            if effect.role != "force":
+                continue
+            if is_regular(model, effect):
+                regular.append(effect)
+                continue
+            law = _law(model, effect)
+            if law is None:
+                left.append(effect)
+            else:
+                laws.append(law)
+        return cls(tuple(regular), tuple(laws), tuple(left))
+
+
+def expand(tau: ca.SX, s: ArmSignals, dq: ca.SX, ddq: ca.SX) -> list[ca.SX]:
+    """a, b, e and c (backwards, at rest, forwards) of a torque of the regular form, as expressions
+    of (q, q', q'')."""
+    n = s.q.numel()
+    v = ca.SX.sym("v")
+    u = ca.SX.sym("u")
+    zero = ca.SX.zeros(n)
+    tau = ca.substitute(
+        tau,
+        ca.vertcat(s.qd, s.qdd, s.qddd, s.qdddd, s.time),
+        ca.vertcat(dq * v, ddq * v**2 + dq * u, ca.SX.zeros(2 * n + 1)),
+    )
+    rest = ca.vertcat(v, u, s.sign)
+    at_rest = ca.vertcat(0, 0, zero)
+    slope_v = ca.jacobian(tau, v)
+    a = ca.substitute(ca.jacobian(tau, u), rest, at_rest)
+    e = ca.substitute(slope_v, rest, at_rest)
+    b = ca.substitute(ca.jacobian(slope_v, v), rest, at_rest) / 2
+    c = [ca.substitute(tau, rest, ca.vertcat(0, 0, ca.DM([level] * n))) for level in (-1, 0, 1)]
+    return [ca.densify(ca.simplify(o)) for o in (a, b, e, *c)]
+
+
+def with_sign(model: Model) -> ArmSignals:
+    """Signals whose direction of motion is a symbol of its own."""
+    return replace(model.signals(), sign=ca.SX.sym("sign", model.robot.n))
+
+
+def split(tau: ca.SX, s: ArmSignals) -> tuple[list[ca.SX], Array, Array] | None:
+    """A torque as parts[0] + sum_k factor_k parts[k], and the factors' bounds; None if it is not of
+    that form.
+
+    The product of two factors (a window around a force that has its own times) counts as a third
+    one.
+    """
+    found = lifted(tau, s)
+    g = found.factors
+    count = found.factors.numel()
+    if not count:
+        return [tau], found.low, found.high
+    low = list(found.low)
+    high = list(found.high)
+    zero = ca.SX.zeros(count)
+    slope = ca.jacobian(found.tau, g)
+    parts = [ca.substitute(found.tau, g, zero), *ca.horzsplit(ca.substitute(slope, g, zero))]
+    for k in range(count):
+        bend = ca.jacobian(slope[:, k], g)
+        if ca.depends_on(bend, g) or not bend[:, k].is_zero():
+            return None
+        for i in range(k):
+            if not bend[:, i].is_zero():
+                ends = [
+                    a * b
+                    for a in (found.low[k], found.high[k])
+                    for b in (found.low[i], found.high[i])
+                ]
+                parts.append(bend[:, i])
+                low.append(min(ends))
+                high.append(max(ends))
+    return parts, np.array(low), np.array(high)
+
+
+def is_regular(model: Model, effect: Effect) -> bool:
+    """Whether the torque has the regular form, up to factors of the time: compared with its own
+    expansion."""
+    s = with_sign(model)
+    if effect.states:
+        return False
+    parts = split(effect.torque(s), s)
+    return parts is not None and all(_fits(model, part, s) for part in parts[0])
+
+
+def _fits(model: Model, tau: ca.SX, s: ArmSignals) -> bool:
+    """Compare with the expansion at random states; its coefficients must be analytic."""
+    n = model.robot.n
+    if ca.depends_on(tau, ca.vertcat(s.time, s.qddd, s.qdddd)):
+        return False
+    dq = ca.SX.sym("dq", n)
+    ddq = ca.SX.sym("ddq", n)
+    truth = ca.Function("t", [s.q, s.qd, s.qdd, s.sign], [tau])
+    form = ca.Function("form", [s.q, dq, ddq], expand(tau, s, dq, ddq))
+    try:
+        disc_function(form)
+    except InputError:
+        return False
+    rng = np.random.default_rng(0)
+    for _ in range(6):
+        q = rng.uniform(model.robot.q_min, model.robot.q_max)
+        d = rng.normal(size=n)
+        dd = rng.normal(size=n)
+        v = rng.uniform(0.3, 3.0)
+        u = rng.normal() * 3
+        a, b, e, c_minus, _, c_plus = (np.asarray(x).ravel() for x in form(q, d, dd))
+        expected = a * u + b * v**2 + e * v + np.where(d > 0, c_plus, c_minus)
+        found = np.asarray(truth(q, d * v, dd * v**2 + d * u, np.sign(d))).ravel()
+        if not np.abs(found - expected).max() <= 1e-9 * (1 + np.abs(found).max()):
+            return False
+    return True
+
+
+def _law(model: Model, effect: Effect) -> ScalarLaw | None:
+    """The effect as a law of one scalar of one joint; None if it is not one."""
+    n = model.robot.n
+    memory = _memory(effect)
+    if effect.joint is None or len(effect.states) > 1 or (effect.states and memory is None):
+        return None
+    j = effect.index
+    s = replace(with_sign(model), state=ca.SX.sym("state", len(effect.states)))
+    load = ca.SX.sym("load", n)
+    # the rigid-body torque as a symbol, in place of its long expression
+    vars(s)["load"] = load
+    parts = lifted(effect.torque(s), s)
+    others = [k for k in range(n) if k != j]
+    elsewhere = parts.tau[others]
+    w = ca.SX.sym("w")
+    direction = ca.SX.sym("direction")
+    state = ca.SX.sym("x")
+    f = ca.substitute(parts.tau[j], s.sign[j], direction)
+    f = ca.substitute(f, s.state, state) if effect.states else f
+    by_load = bool(ca.depends_on(f, load[j]))
+    f = (
+        ca.substitute(f, load[j], w)
+        if by_load
+        else ca.substitute(f, s.qd[j], direction * ca.sqrt(w))
+    )
+    arguments = (
+        [w, direction, state, *ca.vertsplit(parts.factors)]
+        if parts.factors.numel()
+        else [w, direction, state]
+    )
+    if not elsewhere.is_zero() or {v.element_hash() for v in ca.symvar(f)} - {
+        v.element_hash() for v in arguments
+    }:
+        return None
+    slope = ca.jacobian(f, w)
+    bend = ca.jacobian(slope, w)
+    values = ca.Function("law", arguments, [ca.densify(x) for x in (f, slope, bend)])
+    try:
+        interval.interval_function(values, [(np.ones(1), np.ones(1))] * values.n_in())
+    except InputError:
+        return None
+    if by_load and not _even(values):
+        return None
+    return ScalarLaw(
+        j, "load" if by_load else "speed", values, parts.low, parts.high, memory, not bend.is_zero()
+    )
+
+
+def _even(values: ca.Function) -> bool:
+    """Whether a law of the load depends on its size only."""
+    rest = [0.7] * (values.n_in() - 1)
+    pairs = [(float(values(w, *rest)[0]), float(values(-w, *rest)[0])) for w in (3.0, 70.0, 900.0)]
+    return all(np.isclose(one, other, atol=1e-12) for one, other in pairs)
+
+
+def _memory(effect: Effect) -> Memory | None:
+    turned = ca.SX.sym("turned")
+    ends = effect.settled(turned)
+    if ends is None or len(effect.states) != 1:
+        return None
+    function = ca.Function("settled", [turned], [ca.densify(end) for end in ends])
+
+    def bounds(angle: Array) -> tuple[Array, Array]:
+        low, high = function(ca.DM(angle[None, :]))
+        return np.asarray(low).ravel(), np.asarray(high).ravel()
+
+    return bounds
+
+
+def lifted(tau: ca.SX, s: ArmSignals) -> Lifted:
+    """Separate the time from the rest, operation by operation; no factors where time does not
+    enter."""
+    if not ca.depends_on(tau, s.time):
+        return Lifted(tau, ca.SX(0, 1), np.empty(0), np.empty(0))
+    inputs = list(ca.vertsplit(ca.vertcat(*ca.symvar(tau))))
+    function = ca.Function("torque", inputs, [ca.densify(tau)])
+    clock = next(i for i, v in enumerate(inputs) if v.element_hash() == s.time.element_hash())
+    result = ca.SX.zeros(tau.numel())
+    factors: list[ca.SX] = []
+    low: list[float] = []
+    high: list[float] = []
+    # operand: expression, and its bounds at all times if it depends on time alone
+    work: dict[int, tuple[ca.SX, Interval | None]] = {}
+    known: dict[int, ca.SX] = {}
+
+    def still(x: tuple[ca.SX, Interval | None]) -> ca.SX:
+        expression, range_ = x
+        if range_ is None or expression.is_constant():
+            return expression
+        key = expression.element_hash()
+        if key not in known:
+            known[key] = ca.SX.sym(f"factor{len(known)}")
+            factors.append(known[key])
+            low.append(float(np.min(range_[0])))
+            high.append(float(np.max(range_[1])))
+        return known[key]
+
+    for k in range(function.n_instructions()):
+        op = function.instruction_id(k)
+        i_in = function.instruction_input(k)
+        i_out = function.instruction_output(k)
+        if op == ca.OP_CONST:
+            value = float(function.instruction_constant(k))
+            work[i_out[0]] = (ca.SX(value), (np.array([value]), np.array([value])))
+        elif op == ca.OP_INPUT:
+            timely = i_in[0] == clock
+            work[i_out[0]] = (inputs[i_in[0]], (_TIMES[:-1], _TIMES[1:]) if timely else None)
+        elif op == ca.OP_OUTPUT:
+            result[i_out[1]] = still(work[i_in[0]])
+        else:
+            operands = [work[i] for i in i_in]
+            ranges = [r for _, r in operands if r is not None]
+            if len(ranges) == len(operands):
+                with np.errstate(all="ignore"):
+                    range_ = interval.apply(op, ranges, "effect")
+                work[i_out[0]] = (_operation(op, [e for e, _ in operands]), range_)
+            else:
+                work[i_out[0]] = (_operation(op, [still(o) for o in operands]), None)
+    return Lifted(
+        result, ca.vertcat(*factors) if factors else ca.SX(0, 1), np.array(low), np.array(high)
+    )
+
+
+def _operation(op: int, operands: list[ca.SX]) -> ca.SX:
+    return ca.SX.unary(op, *operands) if len(operands) == 1 else ca.SX.binary(op, *operands)

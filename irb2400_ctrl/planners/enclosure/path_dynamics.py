@@ -1,0 +1,156 @@
+"""The arm's torque along a path: tau = a(s) u + b(s) x + e(s) sqrt(x) + c(s) with x = sdot^2, u =
+sddot.
+
+With q = q(s), qd = q' sqrt(x), qdd = q'' x + q' u the rigid-body torque and every effect that is at
+most quadratic in the speeds and linear in the accelerations have this form exactly (a = M q', b = M
+q'' + C(q, q') q', c = G). The dry friction of eq. 55 stands apart, because its sign and Stribeck
+curve need their own treatment; so do effects of other forms (`effect_forms`, `added_torque`).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+
+import casadi as ca
+import numpy as np
+import numpy.typing as npt
+
+from irb2400_ctrl.codegen import CompiledFunction, compile_function
+from irb2400_ctrl.effects import Effect
+from irb2400_ctrl.model import Model
+from irb2400_ctrl.planners.enclosure.complex_disc import disc_function
+from irb2400_ctrl.planners.enclosure.effect_forms import Forms, expand, split, with_sign
+from irb2400_ctrl.robot import Robot
+
+Array = npt.NDArray[np.float64]
+
+OUTPUTS = ("a", "b", "e", "c_minus", "c_zero", "c_plus")
+
+
+@dataclass(frozen=True, eq=False)
+class PathDynamics:
+    """Coefficients of one robot's torque along paths, as machine code."""
+
+    model: Model
+
+    @cached_property
+    def forms(self) -> Forms:
+        """The robot's effects, sorted by how they are bounded."""
+        return Forms.of(self.model)
+
+    @property
+    def irregular(self) -> tuple[Effect, ...]:
+        """Effects without a bound: their torque is looked at, and nothing is guaranteed."""
+        return self.forms.open
+
+    @property
+    def needs_load(self) -> bool:
+        """Whether a law depends on the load of a transmission."""
+        return any(law.of == "load" for law in self.forms.laws)
+
+    @cached_property
+    def _built(self) -> tuple[ca.Function, Array, Array]:
+        return coefficient_function(self.model, self.forms.regular, self.needs_load)
+
+    @property
+    def symbolic(self) -> ca.Function:
+        """(q, q', q'') -> a, b, e and c for motion backwards, at rest, forwards; then what
+        `added_torque` needs."""
+        return self._built[0]
+
+    @property
+    def factors(self) -> tuple[Array, Array]:
+        """Bounds of the effects' factors of the time, over all times."""
+        return self._built[1:]
+
+    @cached_property
+    def _compiled(self) -> CompiledFunction:
+        return compile_function(self.symbolic, fused=True)
+
+    @cached_property
+    def _ball(self) -> CompiledFunction:
+        return compile_function(disc_function(self.symbolic), fused=True)
+
+    def coefficients(self, q: Array, dq: Array, ddq: Array) -> tuple[Array, ...]:
+        """The outputs of `symbolic` at m points, each (m, n)."""
+        return self._compiled.map(q, dq, ddq)
+
+    def radii(
+        self, q: Array, dq: Array, ddq: Array, r: Array, dr: Array, ddr: Array
+    ) -> tuple[Array, ...]:
+        """By how much the coefficients differ at most from those at (q, q', q'') within complex
+        balls, each (m, n)."""
+        return self._ball.map(q, dq, ddq, r, dr, ddr)
+
+    @cached_property
+    def _irregular_torque(self) -> ca.Function:
+        s = self.model.signals()
+        tau = ca.SX.zeros(self.model.robot.n)
+        for effect in self.irregular:
+            tau += effect.torque(s.with_state(effect.steady_state(s)))
+        zero = ca.SX.zeros(2 * self.model.robot.n)
+        tau = ca.substitute(tau, ca.vertcat(s.qddd, s.qdddd), zero)
+        return ca.Function("irregular", [s.q, s.qd, s.qdd, s.time], [ca.densify(tau)])
+
+    def torque(self, q: Array, qd: Array, qdd: Array, time: Array) -> Array:
+        """The model's torque at the times (m,) of a motion that starts at time zero, shape (m, n)
+        [Nm]."""
+        columns = [ca.DM(v.T) for v in (q, qd, qdd)] + [ca.DM(time[None, :])]
+        return np.ascontiguousarray(np.asarray(self.model.function("inverse_dynamics")(*columns)).T)
+
+    def irregular_torque(self, q: Array, qd: Array, qdd: Array, time: Array) -> Array:
+        """Torque of the irregular effects, shape (m, n) [Nm]."""
+        if not self.irregular:
+            return np.zeros_like(q)
+        columns = [ca.DM(v.T) for v in (q, qd, qdd)] + [ca.DM(time[None, :])]
+        return np.asarray(self._irregular_torque(*columns)).T
+
+
+@lru_cache(maxsize=8)
+def path_dynamics(robot: Robot) -> PathDynamics:
+    """The coefficients of a robot, built once."""
+    return PathDynamics(Model(robot))
+
+
+def coefficient_function(
+    model: Model, effects: tuple[Effect, ...], with_load: bool = False
+) -> tuple[ca.Function, Array, Array]:
+    """The coefficients as an SX function of (q, q', q''), and the bounds of the effects' factors of
+    the time.
+
+    Outputs: a, b, e, c_minus, c_zero, c_plus of the arm with its effects; the same six for every
+    factor of the time; and with the load a_load, b_load, c_load of the rigid-body torque.
+    """
+    n = model.robot.n
+    s = with_sign(model)
+    tau = s.load
+    timed = list[ca.SX]()
+    low = list[Array]()
+    high = list[Array]()
+    for effect in effects:
+        parts = split(effect.torque(s.with_state(effect.steady_state(s))), s)
+        if parts is None:
+            raise ValueError(f"{effect.kind} is not regular")
+        tau += parts[0][0]
+        timed += parts[0][1:]
+        low.append(parts[1])
+        high.append(parts[2])
+    dq = ca.SX.sym("dq", n)
+    ddq = ca.SX.sym("ddq", n)
+    arm = expand(tau, s, dq, ddq)
+    arm[2] += ca.DM(model.robot.friction[:, 2]) * dq
+    names = list(OUTPUTS)
+    outputs = arm
+    for k, part in enumerate(timed):
+        names += [f"{name}_{k}" for name in OUTPUTS]
+        outputs += expand(part, s, dq, ddq)
+    if with_load:
+        names += ["a_load", "b_load", "c_load"]
+        load = expand(s.load, s, dq, ddq)
+        outputs += [load[0], load[1], load[4]]
+    shared = ca.Function("coefficients", [s.q, dq, ddq], outputs, ["q", "dq", "ddq"], names)
+    together = ca.cse(ca.vertcat(*shared.call([s.q, dq, ddq], True, False)))
+    parts_ = ca.vertsplit(together, n)
+    function = ca.Function("coefficients", [s.q, dq, ddq], parts_, ["q", "dq", "ddq"], names)
+    return function, np.concatenate([*low, np.empty(0)]), np.concatenate([*high, np.empty(0)])

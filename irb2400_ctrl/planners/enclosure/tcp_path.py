@@ -1,0 +1,182 @@
+"""The tool centre point along a joint path: position, tool axis and speed, bounded between the
+points looked at.
+
+Every joint turns some links about an axis, so a partial derivative of the TCP's position, of
+whatever order, is at most as long as the links that its outermost joint turns (`levers`), and one
+of a direction at most 1. With q(s) cubic that bounds the third derivative along the path, and a
+parabola through three values misses at most
+
+    |f - p| <= sqrt(3) / 216 h^3 max |f'''|.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import casadi as ca
+import numpy as np
+import numpy.typing as npt
+
+from irb2400_ctrl.codegen import CompiledFunction, compile_function
+from irb2400_ctrl.model import Model
+from irb2400_ctrl.planners.joint_path import JointPath
+
+Array = npt.NDArray[np.float64]
+
+_MISS = np.sqrt(3) / 216
+_GAUSS, _WEIGHT = np.polynomial.legendre.leggauss(8)
+# a joint turns no further than this within one formula of quadrature [rad]
+_TURN = 0.2
+
+
+@dataclass(frozen=True)
+class Enclosed:
+    """Parabolas on m cells as Bernstein coefficients, shape (m, 3, 3), and how far the truth is
+    from them, (m,)."""
+
+    points: Array
+    miss: Array
+
+    @property
+    def size(self) -> Array:
+        """Upper bound of the length of the vector in each cell: it stays within the hull of the
+        coefficients, (m,)."""
+        return np.asarray(np.linalg.norm(self.points, axis=2).max(axis=1) + self.miss)
+
+
+@dataclass(frozen=True, eq=False)
+class TcpPath:
+    """The TCP of one arm along one joint path."""
+
+    model: Model
+    joints: JointPath
+    spindle: Array
+    """tool direction in the TCP frame, out of the spindle, shape (3,)"""
+
+    @cached_property
+    def _pose(self) -> CompiledFunction:
+        q = ca.SX.sym("q", self.model.robot.n)
+        X = self.model.tcp_pose(q)
+        return compile_function(
+            ca.Function("tip_pose", [q], [ca.vertcat(X[:3, 3], ca.vec(X[:3, :3]))])
+        )
+
+    @cached_property
+    def _velocity(self) -> CompiledFunction:
+        q = ca.SX.sym("q", self.model.robot.n)
+        dq = ca.SX.sym("dq", self.model.robot.n)
+        return compile_function(
+            ca.Function("tip", [q, dq], [self.model.tcp_jacobian(q)[:3, :] @ dq])
+        )
+
+    def pose(self, s: Array, piece: npt.NDArray[np.int64] | None = None) -> tuple[Array, Array]:
+        """Position [m] and tool axis (towards the spindle) at the lengths s, each (k, 3)."""
+        at = self.joints(s) if piece is None else self.joints.on_piece(s, piece)
+        found = self._pose.map(at)[0]
+        return found[:, :3], -(found[:, 3:].reshape(-1, 3, 3).transpose(0, 2, 1) @ self.spindle)
+
+    def velocity(self, s: Array, piece: npt.NDArray[np.int64]) -> Array:
+        """dp/ds, shape (k, 3) [m/m]."""
+        return self._velocity.map(
+            self.joints.on_piece(s, piece), self.joints.on_piece(s, piece, 1)
+        )[0]
+
+    def enclosed(self, ends: Array) -> tuple[Enclosed, Enclosed]:
+        """Position and tool axis on cells that start and end at `ends` (2, m), each inside one
+        piece of the path."""
+        at, pieces = _three(self.joints, ends)
+        p, axis = self.pose(at, pieces)
+        a, b, c = self._turning(ends)
+        lever = levers(self.model)
+        bends = [
+            _bend(rho, (a, a, a)) + 3 * _bend(rho, (a, b)) + _bend(rho, (c,))
+            for rho in (lever, 0 * lever + 1)
+        ]
+        scale = _MISS * (ends[1] - ends[0]) ** 3
+        return Enclosed(_bernstein(p), scale * bends[0]), Enclosed(
+            _bernstein(axis), scale * bends[1]
+        )
+
+    def enclosed_velocity(self, s: Array) -> Enclosed:
+        """dp/ds on the cells between the lengths s (m + 1,), knots of the path included."""
+        ends = np.stack([s[:-1], s[1:]])
+        at, pieces = _three(self.joints, ends)
+        a, b, c = self._turning(ends)
+        rho = levers(self.model)
+        # four derivatives of the position; q'''' = 0
+        bend = (
+            _bend(rho, (a, a, a, a))
+            + 6 * _bend(rho, (a, a, b))
+            + 4 * _bend(rho, (a, c))
+            + 3 * _bend(rho, (b, b))
+        )
+        return Enclosed(_bernstein(self.velocity(at, pieces)), _MISS * np.diff(s) ** 3 * bend)
+
+    def way(self, s: Array | float) -> Array:
+        """Length of the TCP's way up to the lengths s along the path, which count the tool's
+        turning, too [m]."""
+        return np.asarray(np.interp(s, self.joints.knots, self.lengths))
+
+    @cached_property
+    def lengths(self) -> Array:
+        """Length of the TCP's way from the start to the knots of the joint path, shape (m + 1,)
+        [m]."""
+        knots = self.joints.knots
+        turned = self._turning(np.stack([knots[:-1], knots[1:]]))[0].max(axis=1) * np.diff(knots)
+        parts = np.maximum(1, np.ceil(turned / _TURN)).astype(int)
+        piece = np.repeat(np.arange(len(parts)), parts)
+        h = np.repeat(np.diff(knots) / parts, parts)
+        start = (
+            knots[piece] + (np.arange(len(piece)) - np.repeat(np.cumsum(parts) - parts, parts)) * h
+        )
+        at = (start[:, None] + h[:, None] * (1 + _GAUSS) / 2).ravel()
+        rate = self.velocity(at, np.repeat(piece, len(_GAUSS)))
+        way = np.linalg.norm(rate, axis=1).reshape(len(h), -1) @ (_WEIGHT / 2) * h
+        return np.concatenate([[0.0], np.cumsum(np.bincount(piece, way))])
+
+    def _turning(self, ends: Array) -> tuple[Array, Array, Array]:
+        """Bounds of the first three derivatives of q, without their signs, in the cells, each (m,
+        n)."""
+        first, last = ends
+        piece = self.joints.piece((first + last) / 2)
+        d0 = self.joints.on_piece(first, piece, 1)
+        dd0 = self.joints.on_piece(first, piece, 2)
+        d1 = self.joints.on_piece(last, piece, 1)
+        dd1 = self.joints.on_piece(last, piece, 2)
+        middle = d0 + dd0 * (last - first)[:, None] / 2
+        a = np.maximum.reduce([np.abs(d0), np.abs(middle), np.abs(d1)])
+        return (
+            a,
+            np.maximum(np.abs(dd0), np.abs(dd1)),
+            np.abs(self.joints.on_piece(first, piece, 3)),
+        )
+
+
+def levers(model: Model) -> Array:
+    """Length of the links that each joint turns, the joints before it standing or not, shape (n,)
+    [m]."""
+    g = model.arm_geometry
+    tool = abs(g.d7) + float(np.linalg.norm(model.robot.X_FT[:3, 3]))
+    # q3 is absolute: axis 2 alone turns the upper arm only
+    return np.array(
+        [abs(g.a1) + abs(g.a2) + g.forearm + tool, abs(g.a2), g.forearm + tool, tool, tool, tool]
+    )
+
+
+def _bend(lever: Array, rates: tuple[Array, ...]) -> Array:
+    """Sum over joints i, j, ... of lever[max(i, j, ...)] rate_i rate_j ..., shape (m,)."""
+    together = np.prod([np.cumsum(rate, axis=1) for rate in rates], axis=0)
+    return np.asarray(np.diff(together, axis=1, prepend=0.0) @ lever)
+
+
+def _three(joints: JointPath, ends: Array) -> tuple[Array, npt.NDArray[np.int64]]:
+    """Start, middle and end of all cells, and the polynomial piece of each."""
+    middle = (ends[0] + ends[1]) / 2
+    piece = joints.piece(middle)
+    return np.concatenate([ends[0], middle, ends[1]]), np.concatenate([piece, piece, piece])
+
+
+def _bernstein(values: Array) -> Array:
+    first, middle, last = values.reshape(3, -1, 3)
+    return np.stack([first, 2 * middle - (first + last) / 2, last], axis=1)

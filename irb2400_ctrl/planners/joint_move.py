@@ -1,0 +1,303 @@
+"""Jerk-limited synchronised joint moves: to the start of a path, between paths, and on to a target
+after a stop."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+from numpy.typing import ArrayLike
+
+from irb2400_ctrl.errors import InfeasibleError, InputError
+from irb2400_ctrl.model import Model
+from irb2400_ctrl.planners.joint_box import can_hold, inside_box, outside_box
+
+Array = npt.NDArray[np.float64]
+
+# time from zero to full acceleration where no jerk limit is given [s]: an assumption, nothing is
+# published
+RAMP_TIME = 0.05
+# torque is checked at instants, not enclosed: this share is kept free for what lies between them
+# [-]
+FREE_SHARE = 0.002
+_SCALES = np.geomspace(4.0, 0.02, 14)
+_SPEED_SHARES = (1.0, 0.7, 0.5, 0.3, 0.15)
+
+
+@dataclass(frozen=True)
+class JointMove:
+    """A move of all joints that starts and ends together; the rows are equidistant and the last one
+    is at rest."""
+
+    time: Array
+    """[s], shape (m,)"""
+    q: Array
+    """[rad], shape (m, n)"""
+    qd: Array
+    """[rad/s], shape (m, n)"""
+    qdd: Array
+    """[rad/s2], shape (m, n)"""
+    qdd_max: Array
+    """acceleration limits that the move was made with, after scaling to the torque [rad/s2], shape
+    (n,)"""
+    qddd_max: Array
+    """jerk limits that the move was made with [rad/s3], shape (n,)"""
+    max_torque_ratio: float
+    """largest |tau| / tau_max over the move, friction and effects included [-]"""
+
+    def __post_init__(self) -> None:
+        for array in (self.time, self.q, self.qd, self.qdd, self.qdd_max, self.qddd_max):
+            array.setflags(write=False)
+
+    @property
+    def duration(self) -> float:
+        """[s]"""
+        return float(self.time[-1])
+
+
+def joint_move(
+    model: Model,
+    q_start: ArrayLike,
+    q_target: ArrayLike,
+    *,
+    qd_start: ArrayLike | None = None,
+    qdd_start: ArrayLike | None = None,
+    qdd_max: ArrayLike | None = None,
+    qddd_max: ArrayLike | None = None,
+    rate: float = 250.0,
+) -> JointMove:
+    """The fastest jerk-limited move found from the start state to rest at the target, inside the
+    torque limits.
+
+    ruckig gives the time-optimal move for boxes of speed, acceleration and jerk; those of
+    acceleration and jerk are scaled together until inverse dynamics stays within the torque limits
+    (friction and effects included), and the speed as well where friction at full speed alone is too
+    much.
+
+    Args:
+        q_start, q_target: actuator angles inside the joint box [rad], shape (n,).
+        qd_start, qdd_start: state at the start, default rest [rad/s, rad/s2], shape (n,).
+        qdd_max: upper limits of acceleration [rad/s2], shape (n,); default those of the robot file,
+            else what the torque leaves of each axis (then scaled up as well as down).
+        qddd_max: upper limits of jerk [rad/s3], shape (n,); default `qdd_max` reached in 50 ms.
+        rate: of the rows; the duration is a whole number of them [1/s].
+
+    Raises:
+        InputError: a vector of another length, not finite, or outside the joint box or speed
+        limits. InfeasibleError: the torque limits or the joint box leave no move; names axis and
+        place.
+    """
+    robot = model.robot
+    start = _vector("q_start", q_start, robot.n)
+    target = _vector("q_target", q_target, robot.n)
+    speed = _vector("qd_start", np.zeros(robot.n) if qd_start is None else qd_start, robot.n)
+    acceleration = _vector(
+        "qdd_start", np.zeros(robot.n) if qdd_start is None else qdd_start, robot.n
+    )
+    if not (np.isfinite(rate) and rate > 0):
+        raise InputError(f"rate is {rate}, expected a positive number of rows per second")
+    for name, q in (("q_start", start), ("q_target", target)):
+        inside_box(model, name, q)
+        can_hold(model, name, q)
+    if (np.abs(speed) > robot.qd_max * (1 + 1e-9)).any():
+        axis = int(np.argmax(np.abs(speed) / robot.qd_max))
+        raise InputError(
+            f"qd_start: axis {axis + 1} moves at {np.degrees(speed[axis]):.1f} deg/s, "
+            f"expected at most {np.degrees(robot.qd_max[axis]):.1f}"
+        )
+    given = qdd_max if qdd_max is not None else _limits_of_file(model)
+    box = (
+        _accelerations(model, start, target)
+        if given is None
+        else _vector("qdd_max", given, robot.n, positive=True)
+    )
+    jerk = (
+        box / RAMP_TIME
+        if qddd_max is None
+        else _vector("qddd_max", qddd_max, robot.n, positive=True)
+    )
+    # what somebody stated is never exceeded; what was only estimated may be scaled up
+    top = 1.0 if given is not None or qddd_max is not None else _SCALES[0]
+    return _Search(model, start, target, speed, acceleration, box, jerk, rate).best(top)
+
+
+def _vector(name: str, value: ArrayLike, n: int, positive: bool = False) -> Array:
+    """`value` as a finite vector of length n: ruckig itself would take any length without a
+    word."""
+    array = np.array(value, dtype=float)
+    if array.shape != (n,):
+        raise InputError(f"{name} has shape {array.shape}, expected ({n},): one value per axis")
+    if not np.isfinite(array).all():
+        raise InputError(
+            f"{name}: the value of axis {int(np.argmin(np.isfinite(array))) + 1} is not finite"
+        )
+    if positive and (array <= 0).any():
+        axis = int(np.argmin(array))
+        raise InputError(
+            f"{name}: the limit of axis {axis + 1} is {array[axis]}, expected a positive number"
+        )
+    return array
+
+
+def _limits_of_file(model: Model) -> Array | None:
+    values = [joint.limits.acceleration_deg_s2 for joint in model.robot.joints]
+    stated = [value for value in values if value is not None]
+    return np.radians(stated) if len(stated) == len(values) else None
+
+
+def _accelerations(model: Model, start: Array, target: Array) -> Array:
+    """What gravity and friction leave to each axis alone along the straight line in joint space
+    [rad/s2]."""
+    q = start + np.linspace(0.0, 1.0, 9)[:, None] * (target - start)
+    limit = model.robot.tau_max
+    left = limit - np.abs(model.gravity(q)).max(axis=0) - np.abs(model.friction(model.robot.qd_max))
+    inertia = np.diagonal(model.mass_matrix(q), axis1=1, axis2=2).max(axis=0)
+    found: Array = np.maximum(left, 0.1 * limit) / inertia
+    return found
+
+
+@dataclass(frozen=True)
+class _Search:
+    """The moves between two states as the boxes of acceleration and jerk are scaled."""
+
+    model: Model
+    start: Array
+    target: Array
+    qd: Array
+    qdd: Array
+    qdd_max: Array
+    qddd_max: Array
+    rate: float
+
+    def best(self, top: float) -> JointMove:
+        """The shortest move inside the torque limits over scales up to `top` and a few shares of
+        the speed."""
+        found: tuple[float, Any, float, float] | None = None
+        last: InfeasibleError | None = None
+        for share in _SPEED_SHARES:
+            if (np.abs(self.qd) > share * self.model.robot.qd_max * (1 + 1e-9)).any():
+                break
+            try:
+                scale, trajectory, ratio = self._largest_scale(top, share)
+            except InfeasibleError as error:
+                last = error
+                continue
+            if found is not None and trajectory.duration >= found[1].duration:
+                break
+            found = (scale, trajectory, ratio, share)
+        if found is None:
+            assert last is not None
+            raise last
+        return self._sampled(*found[:3])
+
+    def _largest_scale(self, top: float, share: float) -> tuple[float, Any, float]:
+        """The largest scale whose move keeps torque and box, to 1 %. Tried from above: with speed
+        at the start a small scale may brake too late for the box, so what is feasible need not be
+        everything below some scale."""
+        scales = [top, *_SCALES[top > _SCALES]]
+        first: InfeasibleError | None = None
+        for position, scale in enumerate(scales):
+            try:
+                trajectory, ratio = self._tried(scale, share)
+            except InfeasibleError as error:
+                first = first or error
+                continue
+            low = scale
+            high = scales[position - 1] if position else scale
+            while high / low > 1.01:
+                middle = float(np.sqrt(low * high))
+                try:
+                    trajectory, ratio = self._tried(middle, share)
+                    low = middle
+                except InfeasibleError:
+                    high = middle
+            return low, trajectory, ratio
+        assert first is not None
+        raise InfeasibleError(
+            "joint move: no acceleration down to 2 % of the estimate is possible; at the first "
+            f"try {first}"
+        )
+
+    def _tried(self, scale: float, share: float) -> tuple[Any, float]:
+        """ruckig's move at this scale and its largest torque ratio; InfeasibleError where it breaks
+        torque or box."""
+        trajectory = self._ruckig(scale, share)
+        time = _instants(trajectory)
+        q, qd, qdd = _states(trajectory, time)
+        problem = outside_box(self.model, q)
+        if problem is not None:
+            raise InfeasibleError(
+                f"the move swings out of the joint box before it turns: {problem}"
+            )
+        ratio = np.abs(self.model.inverse_dynamics(q, qd, qdd)) / self.model.robot.tau_max
+        worst = float(ratio.max())
+        if worst > 1.0 - FREE_SHARE:
+            row, axis = np.unravel_index(int(np.argmax(ratio)), ratio.shape)
+            limit = self.model.robot.tau_max[axis]
+            raise InfeasibleError(
+                f"at {time[row]:.3f} s axis {axis + 1} needs {ratio[row, axis] * limit:,.0f} of "
+                f"{limit:,.0f} Nm"
+            )
+        return trajectory, worst
+
+    def _ruckig(self, scale: float, share: float) -> Any:
+        import ruckig
+
+        n = self.model.robot.n
+        generator = ruckig.Ruckig(n, 1.0 / self.rate)
+        order = ruckig.InputParameter(n)
+        trajectory = ruckig.Trajectory(n)
+        order.current_position = self.start.tolist()
+        order.target_position = self.target.tolist()
+        order.current_velocity = self.qd.tolist()
+        order.current_acceleration = self.qdd.tolist()
+        order.max_velocity = (share * self.model.robot.qd_max).tolist()
+        order.max_acceleration = (scale * self.qdd_max).tolist()
+        order.max_jerk = (scale * self.qddd_max).tolist()
+        # straight in joint space where the start state allows it, else only of equal duration
+        order.synchronization = ruckig.Synchronization.Phase
+        order.duration_discretization = ruckig.DurationDiscretization.Discrete
+        try:
+            result = generator.calculate(order, trajectory)
+        except RuntimeError as error:
+            raise InputError(f"joint move: ruckig refused the request: {error}") from error
+        if result not in (ruckig.Result.Working, ruckig.Result.Finished):
+            raise InfeasibleError(
+                f"ruckig found no move ({result.name}); try other limits or start from rest"
+            )
+        return trajectory
+
+    def _sampled(self, scale: float, trajectory: Any, ratio: float) -> JointMove:
+        count = round(trajectory.duration * self.rate)
+        time = np.arange(count + 1) / self.rate
+        q, qd, qdd = _states(trajectory, time)
+        return JointMove(time, q, qd, qdd, scale * self.qdd_max, scale * self.qddd_max, ratio)
+
+
+def _states(trajectory: Any, time: Array) -> tuple[Array, Array, Array]:
+    """q, qd, qdd at the times, each (m, n)."""
+    rows = np.array([trajectory.at_time(t) for t in time])
+    return rows[:, 0], rows[:, 1], rows[:, 2]
+
+
+def _instants(trajectory: Any) -> Array:
+    """Where the torque is looked at [s], shape (m,): 1 kHz (3000 instants of a long move), every
+    switch of jerk, and densely where a joint starts, stops or turns (static friction acts only
+    below some mrad/s)."""
+    duration = trajectory.duration
+    grid = np.linspace(0.0, duration, int(min(1e3 * duration, 3000.0)) + 2)
+    switches = [
+        profile.brake.duration + np.cumsum([0.0, *profile.t])
+        for section in trajectory.profiles
+        for profile in section
+    ]
+    near = np.geomspace(1e-6, 5e-3, 20)
+    speed = _states(trajectory, grid)[1]
+    turns = [
+        np.linspace(grid[k], grid[k + 1], 12)
+        for k in np.flatnonzero((speed[1:] * speed[:-1] < 0).any(axis=1))
+    ]
+    time = np.concatenate([grid, near, duration - near, *switches, *turns])
+    return np.unique(np.clip(time, 0.0, duration))

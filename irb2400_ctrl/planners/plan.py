@@ -1,0 +1,155 @@
+"""`Plan`: a timed tool path, with everything that was promised about it, and its files."""
+
+from __future__ import annotations
+
+import io
+import json
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from irb2400_ctrl.files import write_atomic
+from irb2400_ctrl.planners.timing.certificate import Certificate
+from irb2400_ctrl.planners.toolpath.toolpath import ToolPath
+from irb2400_ctrl.robot import Robot
+
+Array = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Trajectory:
+    """A motion at even times; the first and the last row are at rest. All arrays are read-only."""
+
+    time: Array
+    """[s], shape (k,)"""
+    q: Array
+    qd: Array
+    qdd: Array
+    """[rad], [rad/s], [rad/s2], shape (k, n)"""
+    tau: Array
+    """torque of the model, friction and effects included, at their times from the start [Nm], shape
+    (k, n)"""
+    s: Array
+    """length of the TCP's way [m] (with free geometry: the parameter of the path), shape (k,)"""
+
+    def __post_init__(self) -> None:
+        for name in ("time", "q", "qd", "qdd", "tau", "s"):
+            getattr(self, name).setflags(write=False)
+
+    def csv(self) -> str:
+        """The text of `trajectory.csv`: degrees, and s in metres."""
+        n = self.q.shape[1]
+        units = (("q", "_deg"), ("qd", "_deg_s"), ("qdd", "_deg_s2"), ("tau", "_Nm"))
+        header = [
+            "time_s",
+            *(f"{name}{j + 1}{unit}" for name, unit in units for j in range(n)),
+            "s",
+        ]
+        # adding zero takes the sign from a negative zero
+        table = 0.0 + np.column_stack(
+            [
+                self.time,
+                np.degrees(self.q),
+                np.degrees(self.qd),
+                np.degrees(self.qdd),
+                self.tau,
+                self.s,
+            ]
+        )
+        text = io.StringIO()
+        text.write(",".join(header) + "\n")
+        np.savetxt(text, table, delimiter=",", fmt=["%.6f", *["%.9g"] * (4 * n + 1)])
+        return text.getvalue()
+
+
+@dataclass(frozen=True)
+class Plan:
+    """What `plan_path` found."""
+
+    robot: Robot
+    path: ToolPath
+    trajectory: Trajectory
+    length: float
+    """length of the TCP's way [m]"""
+    certificate: Certificate
+    """the joint path, its time law and the limits: checked again with `certificate.check`"""
+    duration: float
+    """[s]"""
+    guaranteed: bool
+    """the torque bound holds at every instant by construction, and was re-checked"""
+    timing: str
+    """"certified" or "toppra" """
+    max_tcp_deviation: float
+    """upper bound over the continuous path: motion from the polygon of way-points, and way-points
+    from the motion, rounding of corners included [m]"""
+    max_tool_axis_deviation: float
+    """upper bound over the continuous path of the angle to the tool axis stated at the nearest
+    place [rad]"""
+    singularity_margin: dict[str, float]
+    """lower bounds of |sin q5| [-], |r| [m], |k| [m] over the continuous path"""
+    max_torque_ratio: float
+    max_velocity_ratio: float
+    """over all times"""
+    max_feed_ratio: float | None
+    """speed of the TCP over the feed, upper bound over all times; None without a feed"""
+    chosen: str
+    """how the tool rotation was chosen: "given orientation", "constant rotation", "free rotation"
+    """
+    branch: int
+    rotation: Array
+    """free tool rotation at the rows of the trajectory [rad]"""
+    guarantee_note: str = ""
+    """why the bound is not guaranteed; empty where it is"""
+    alternatives: tuple[dict[str, Any], ...] = ()
+    """the candidates that were compared: kind, branch, margin, duration_s"""
+    passages: tuple[dict[str, Any], ...] = ()
+    """where the path comes close to the wrist singularity, and what is done there"""
+    remedies: tuple[dict[str, Any], ...] = ()
+    """what could be done there, cheapest first: duration_s, position_mm, angle_deg, allowed"""
+    rates: dict[str, Any] = field(default_factory=dict)
+    """limits of torque rate and jerk, upper bounds of both, and the price; empty where they are not
+    limited"""
+    wall_time: dict[str, float] = field(default_factory=dict)
+    """[s] per stage"""
+
+    def summary(self) -> dict[str, Any]:
+        """The content of `plan.json`."""
+        return {
+            "path": self.path.name,
+            "robot": self.robot.name,
+            "points": len(self.path),
+            "length_mm": 1e3 * self.length,
+            "duration_s": self.duration,
+            "reachable": True,
+            "max_tcp_deviation_mm": 1e3 * self.max_tcp_deviation,
+            "max_tool_axis_deviation_deg": float(np.degrees(self.max_tool_axis_deviation)),
+            "singularity_margin": self.singularity_margin,
+            "max_torque_ratio": self.max_torque_ratio,
+            "max_velocity_ratio": self.max_velocity_ratio,
+            "max_feed_ratio": self.max_feed_ratio,
+            "guaranteed": self.guaranteed,
+            "guarantee_note": self.guarantee_note,
+            "timing": self.timing,
+            "tool_rotation": self.chosen,
+            "tool_rotation_deg": [
+                float(np.degrees(v)) for v in (self.rotation.min(), self.rotation.max())
+            ],
+            "branch": self.branch,
+            "compared": list(self.alternatives),
+            "peak_torque_Nm": [float(v) for v in np.abs(self.trajectory.tau).max(axis=0)],
+            "wrist_passages": list(self.passages),
+            "wrist_remedies": list(self.remedies),
+            **self.rates,
+            "wall_time_s": self.wall_time,
+        }
+
+    def write(self, out_dir: Path | str) -> tuple[Path, Path]:
+        """Write `trajectory.csv` and `plan.json` into a folder; returns their paths."""
+        folder = Path(out_dir)
+        trajectory = write_atomic(folder / "trajectory.csv", self.trajectory.csv())
+        return trajectory, write_atomic(
+            folder / "plan.json", json.dumps(self.summary(), indent=2) + "\n"
+        )

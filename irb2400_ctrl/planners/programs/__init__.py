@@ -1,0 +1,1 @@
+"""Programs for the robot's own controller."""

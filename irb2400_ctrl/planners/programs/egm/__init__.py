@@ -1,0 +1,1 @@
+"""Motions streamed by ABB's Externally Guided Motion."""

@@ -1,0 +1,1 @@
+"""RAPID modules of an ABB controller, written and read back."""

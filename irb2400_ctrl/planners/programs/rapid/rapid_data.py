@@ -1,0 +1,167 @@
+"""RAPID data of a pose, a joint state, a tool and a work object, in the units and conventions of
+ABB's controller."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+
+import numpy as np
+import numpy.typing as npt
+
+from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.model import Model
+from irb2400_ctrl.robot import Robot
+
+Array = npt.NDArray[np.float64]
+
+UNUSED_AXIS = "9E9"
+# angles this close to a quadrant's edge count as on it, so that rounding noise has no say [deg]
+_EDGE = 6
+_RESERVED = re.compile(
+    r"alias|and|backward|case|connect|const|default|div|do|else|elseif|endfor|endfunc|endif|endmodule|endp"
+    r"roc|endrecord|endtest|endtrap|endwhile|error|exit|false|for|from|func|goto|if|inout|local|mod|module"
+    r"|nostepin|not|noview|or|pers|proc|raise|readonly|record|retry|return|step|sysmodule|test|then|to|tra"
+    r"p|true|trynext|undo|var|viewonly|while|with|xor"
+)
+
+
+def check_name(what: str, name: str) -> None:
+    """InputError unless `name` is a RAPID identifier: a letter, then letters, digits, _, at most
+    32, not reserved."""
+    if not re.fullmatch(r"[A-Za-z][A-Za-z0-9_]{0,31}", name) or _RESERVED.fullmatch(name.lower()):
+        raise InputError(
+            f"RAPID: {what} is {name!r}, expected a letter followed by up to 31 letters, digits or "
+            "_ (no RAPID word)"
+        )
+
+
+def check_pose(what: str, X: npt.ArrayLike) -> Array:
+    """X as a pose of shape (4, 4); InputError where it is none."""
+    pose = np.asarray(X, dtype=float)
+    if (
+        pose.shape != (4, 4)
+        or not np.isfinite(pose).all()
+        or np.abs(pose[:3, :3] @ pose[:3, :3].T - np.eye(3)).max() > 1e-6
+        or np.linalg.det(pose[:3, :3]) < 0
+        or (pose[3] != (0, 0, 0, 1)).any()
+    ):
+        raise InputError(f"{what}: expected a pose [[R, p], [0, 0, 0, 1]] of shape (4, 4)")
+    return pose
+
+
+def quaternion(R: Array) -> Array:
+    """(q1, q2, q3, q4), scalar first and not negative, of rotations (..., 3, 3); shape (..., 4)."""
+    from scipy.spatial.transform import Rotation
+
+    xyzw = Rotation.from_matrix(R).as_quat(canonical=True)
+    return np.roll(xyzw, 1, axis=-1)
+
+
+def angle_between(R_1: Array, R_2: Array) -> Array:
+    """Angle of the turn from R_1 to R_2, both (..., 3, 3) [rad]; exact for small angles too."""
+    chord = np.linalg.norm(R_1 - R_2, axis=(-2, -1)) / np.sqrt(8.0)
+    angle: Array = 2.0 * np.arcsin(np.clip(chord, 0.0, 1.0))
+    return angle
+
+
+def turned(R_1: Array, R_2: Array, share: Array) -> Array:
+    """Orientations on the shortest turn from R_1 to R_2 at shares (m,) of it, shape (m, 3, 3)."""
+    from scipy.spatial.transform import Rotation
+
+    turn = Rotation.from_matrix(R_1.T @ R_2).as_rotvec()
+    found: Array = R_1 @ Rotation.from_rotvec(share[:, None] * turn).as_matrix()
+    return found
+
+
+def configuration(model: Model, q: Array) -> npt.NDArray[np.int64]:
+    """confdata (cf1, cf4, cf6, cfx) of actuator angles q (n, 6) [rad], shape (n, 4).
+
+    cf is the quarter turn of axes 1, 4 and 6: 0 for 0..90 deg, 1 for 90..180, -1 for -90..0, and so
+    on. cfx is
+    4 (wrist centre behind axis 1) + 2 (wrist centre behind the lower arm) + 1 (axis 5 negative):
+        the signs of the
+    shoulder and elbow factors r and k (eqs. 34-36) and of q5.
+
+    Source: ABB, Technical reference manual RAPID, confdata. Arms whose cfx the controller does not
+    use ignore it.
+    """
+    wrapped = np.round(np.degrees(q), _EDGE)
+    quadrant = np.floor(wrapped[:, [0, 3, 5]] / 90.0).astype(np.int64)
+    _, r, k = model.singularity_factors(q).T
+    cfx = 4 * (r < 0) + 2 * (k < 0) + 1 * (wrapped[:, 4] < 0)
+    return np.column_stack([quadrant, cfx]).astype(np.int64)
+
+
+def external_axes(positions: Sequence[float]) -> str:
+    """extjoint: positions of the external axes, 9E9 for those that are absent."""
+    if len(positions) > 6 or not np.isfinite(list(positions)).all():
+        raise InputError(
+            f"RAPID: external axes are {list(positions)}, expected at most 6 finite positions"
+        )
+    return (
+        "["
+        + ",".join([_number(v, 4) for v in positions] + [UNUSED_AXIS] * (6 - len(positions)))
+        + "]"
+    )
+
+
+def jointtarget(name: str, q: Array, extax: str) -> list[str]:
+    """Declaration of a jointtarget; axis angles in degrees to 1e-5."""
+    return [f"LOCAL CONST jointtarget {name}:=", f"  [{_vector(np.degrees(q), 5)},", f"  {extax}];"]
+
+
+def robtarget(
+    name: str, X_WT: Array, configuration: npt.NDArray[np.int64], extax: str
+) -> list[str]:
+    """Declaration of a robtarget; position in mm to 1e-4, quaternion to 1e-8."""
+    conf = "[" + ",".join(str(int(c)) for c in configuration) + "]"
+    return [
+        f"LOCAL CONST robtarget {name}:=",
+        f"  [{_vector(1e3 * X_WT[:3, 3], 4)},",
+        f"  {_vector(quaternion(X_WT[:3, :3]), 8)},",
+        f"  {conf},{extax}];",
+    ]
+
+
+def tooldata(name: str, robot: Robot) -> list[str]:
+    """Declaration of the robot's tool: pose of the TCP in the flange (ABB's tool0), mass, CoM,
+    inertia about it."""
+    assert robot.tool is not None
+    body = robot.tool.body
+    tensor = body.tensor()
+    moments = np.diagonal(tensor)
+    axes = np.eye(3)
+    if np.abs(tensor - np.diag(moments)).max() > 1e-9:
+        moments, axes = np.linalg.eigh(tensor)
+        axes = axes * np.sign(np.linalg.det(axes))
+    inertia = ",".join(_number(value, 6) for value in moments)
+    return [
+        f"PERS tooldata {name}:=[TRUE,",
+        f"  {_pose(robot.X_FT)},",
+        f"  [{_number(body.mass_kg, 4)},{_vector(1e3 * np.array(body.com_m), 4)},",
+        f"  {_vector(quaternion(axes), 8)},{inertia}]];",
+    ]
+
+
+def wobjdata(name: str, X_BW: Array) -> list[str]:
+    """Declaration of a fixed work object whose user frame stands in the base at X_BW."""
+    return [
+        f'PERS wobjdata {name}:=[FALSE,TRUE,"",',
+        f"  {_pose(X_BW)},",
+        "  [[0,0,0],[1,0,0,0]]];",
+    ]
+
+
+def _pose(X: Array) -> str:
+    return f"[{_vector(1e3 * X[:3, 3], 4)},{_vector(quaternion(X[:3, :3]), 8)}]"
+
+
+def _vector(values: Array, decimals: int) -> str:
+    return "[" + ",".join(_number(value, decimals) for value in values) + "]"
+
+
+def _number(value: float, decimals: int) -> str:
+    """Fixed point without trailing zeros and without minus zero."""
+    text = f"{value:.{decimals}f}".rstrip("0").rstrip(".") if decimals else f"{value:.0f}"
+    return "0" if text in {"-0", ""} else text

@@ -1,0 +1,1 @@
+"""Which branch, and which rotation of the tool, a path is followed with."""

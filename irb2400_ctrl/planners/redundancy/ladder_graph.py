@@ -1,0 +1,263 @@
+"""Choice of the branch and of the free tool rotation over a whole path (ladder graph, dynamic
+programming).
+
+Nodes are (station, rotation, branch, whole turns of axes 4 and 6); edges join neighbouring stations
+where every joint moves continuously, and are never stored. Two sweeps, lexicographic: the largest
+smallest margin first, then, among the nodes that keep it, the shortest motion.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from irb2400_ctrl.errors import UnreachableError
+from irb2400_ctrl.model import Model
+from irb2400_ctrl.planners.redundancy.singularity_margins import COMFORTABLE, relative_margins
+from irb2400_ctrl.planners.toolpath.orientation import Orientation
+
+Array = npt.NDArray[np.float64]
+Integers = npt.NDArray[np.int64]
+
+BRANCHES = 8
+# a joint that moves further between neighbouring stations than this has jumped to another solution
+# [rad]
+LARGEST_STEP = np.radians(60)
+# distance kept from the ends of the joint box, room for the spline between stations [rad]
+BOX_INSET = np.radians(0.2)
+# turns of the tool between neighbouring stations, in steps of the rotation grid
+FREE_SHIFTS = (0, -1, 1, -2, 2)
+
+
+@dataclass(frozen=True)
+class LadderWay:
+    """One way through the ladder."""
+
+    rotation: Array
+    """free rotation at each station, continuous [rad], shape (n,)"""
+    branch: Integers
+    """closed-form branch at each station, shape (n,)"""
+    q_start: Array
+    """configuration at the first station, whole turns included [rad], shape (6,)"""
+    margin: float
+    """smallest relative margin at the stations [-]"""
+    cost: float
+    """sum over stations of the largest time a joint needs at full speed [s]"""
+
+
+@dataclass(frozen=True)
+class Ladder:
+    """All configurations of a path's stations."""
+
+    model: Model
+    u: Array
+    """curve parameters of the stations, shape (n,)"""
+    rotation: Array
+    """grid of tool rotations [rad], shape (r,)"""
+    q: Array
+    """[rad], shape (n, r, 8, 6); not finite where a branch does not exist"""
+    overreach: Array
+    """distance by which the wrist centre is out of reach [m], shape (n, r, 8)"""
+    margin: Array
+    """relative margin, smallest of three, shape (n, r, 8)"""
+    turns: Array
+    """whole turns of axes 4 and 6 that nodes may carry, shape (k, 2)"""
+
+    @classmethod
+    def of(cls, model: Model, orientation: Orientation, u: Array, rotation: Array) -> Ladder:
+        """Closed-form inverse kinematics of all stations and rotations."""
+        n = len(u)
+        r = len(rotation)
+        X = orientation.fan(u, rotation)
+        found = model.inverse_kinematics_branches(X.reshape(-1, 4, 4))
+        q = found.q.reshape(n, r, BRANCHES, 6)
+        margin = np.nan_to_num(relative_margins(model, q).min(axis=-1), nan=-1.0)
+        low = model.robot.q_min
+        high = model.robot.q_max
+        # base angles lie in (-pi, pi]
+        ranges = [
+            np.arange(
+                np.ceil((low[j] - np.pi) / (2 * np.pi)),
+                np.floor((high[j] + np.pi) / (2 * np.pi)) + 1,
+            )
+            for j in (3, 5)
+        ]
+        turns = np.array([(a, b) for a in ranges[0] for b in ranges[1]])
+        return cls(model, u, rotation, q, found.overreach.reshape(n, r, BRANCHES), margin, turns)
+
+    def inside(self, i: int) -> npt.NDArray[np.bool_]:
+        """Nodes of station i within the joint box, shape (r, 8, k)."""
+        low = self.model.robot.q_min + BOX_INSET
+        high = self.model.robot.q_max - BOX_INSET
+        q = self.q[i]
+        with np.errstate(invalid="ignore"):
+            fixed = ((q >= low) & (q <= high))[..., [0, 1, 2, 4]].all(axis=-1)
+            q4 = q[..., 3, None] + 2 * np.pi * self.turns[:, 0]
+            q6 = q[..., 5, None] + 2 * np.pi * self.turns[:, 1]
+            wound = (q4 >= low[3]) & (q4 <= high[3]) & (q6 >= low[5]) & (q6 <= high[5])
+        return np.asarray(fixed[..., None] & wound)
+
+    def best(
+        self, shifts: tuple[int, ...], *, per_rotation: bool = False, keep: int = 4
+    ) -> list[LadderWay]:
+        """The best ways through the ladder, at most one per branch (and per rotation), best first.
+
+        Args:
+            shifts: allowed turns of the tool between stations, in grid steps; (0,) holds it
+                constant.
+            per_rotation: one candidate for every end rotation instead of the best one per branch.
+            keep: how many to return.
+        """
+        margin, _ = self._sweep(shifts, level=None)
+        ends = margin.max(axis=2)
+        # more than comfortable is worth nothing: let the length of the motion decide there
+        capped = np.minimum(ends, COMFORTABLE)
+        candidates = []
+        for branch in range(BRANCHES):
+            rows = (
+                range(len(self.rotation)) if per_rotation else [int(np.argmax(capped[:, branch]))]
+            )
+            candidates += [
+                (float(capped[row, branch]), branch, row) for row in rows if capped[row, branch] > 0
+            ]
+        if not candidates:
+            return []
+        # ways of clearly smaller margin than the best are not followed further
+        level = max(m for m, _, _ in candidates)
+        found: list[tuple[float, float, tuple[int, int, int], list[Integers]]] = []
+        sweeps: dict[float, tuple[Array, list[Integers]]] = {}
+        for m, branch, row in candidates:
+            if m < 0.9 * level:
+                continue
+            # a few levels, so that ways of nearly equal margin share a sweep
+            floor = 0.99 * level * 0.97 ** np.ceil(np.log(level / m) / -np.log(0.97))
+            if floor not in sweeps:
+                cost, back = self._sweep(shifts, level=floor)
+                sweeps[floor] = (cost, back)
+            cost, back = sweeps[floor]
+            slice_ = cost[row, branch] if per_rotation else cost[:, branch].min(axis=0)
+            if not np.isfinite(slice_.min()):
+                continue
+            end_row = row if per_rotation else int(np.argmin(cost[:, branch].min(axis=1)))
+            end = (end_row, branch, int(np.argmin(cost[end_row, branch])))
+            found.append((-round(m, 3), float(cost[end]), end, back))
+        found.sort(key=lambda way: way[:2])
+        return [self._trace(end, back, shifts, cost) for _, cost, end, back in found[:keep]]
+
+    def _sweep(self, shifts: tuple[int, ...], level: float | None) -> tuple[Array, list[Integers]]:
+        """One pass over the stations: bottleneck margin (level None), or cost among nodes of margin
+        >= level.
+
+        Returns the value of the nodes of the last station, shape (r, 8, k), and the shift taken
+        into each station.
+        """
+        n, r = self.q.shape[:2]
+        k = len(self.turns)
+        worst = -1.0 if level is None else np.inf
+        node = self._node_value(0, level)
+        value = node
+        back: list[Integers] = []
+        speed = self.model.robot.qd_max
+        for i in range(1, n):
+            node = self._node_value(i, level)
+            best = np.full((r, BRANCHES, k), worst)
+            taken = np.full((r, BRANCHES, k), -1, dtype=np.int64)
+            for number, shift in enumerate(shifts):
+                previous = np.roll(self.q[i - 1], shift, axis=0)
+                step = self.q[i] - previous
+                with np.errstate(invalid="ignore"):
+                    whole = np.round(step[..., [3, 5]] / (2 * np.pi))
+                    step[..., [3, 5]] -= 2 * np.pi * whole
+                    joined = (np.abs(step) < LARGEST_STEP).all(axis=-1)
+                source = self._source(whole)
+                came = np.take_along_axis(
+                    np.roll(value, shift, axis=0), np.maximum(source, 0), axis=2
+                )
+                came = np.where((source >= 0) & joined[..., None], came, worst)
+                if level is None:
+                    reached = np.minimum(came, node)
+                    better = reached > best
+                else:
+                    time = np.nan_to_num(np.abs(step) / speed, nan=np.inf).max(axis=-1)
+                    reached = came + node + (time + 1e-3 * shift**2)[..., None]
+                    better = reached < best
+                best = np.where(better, reached, best)
+                taken = np.where(better, number, taken)
+            value = best
+            back.append(taken)
+            if not (value > 0).any() if level is None else not np.isfinite(value).any():
+                break
+        return value, back
+
+    def _node_value(self, i: int, level: float | None) -> Array:
+        inside = self.inside(i)
+        margin = self.margin[i][..., None]
+        if level is None:
+            return np.where(inside, margin, -1.0)
+        return np.where(inside & (margin >= level), 0.0, np.inf)
+
+    def _source(self, whole: Array) -> Integers:
+        """Index into `turns` a node comes from, -1 where that lies outside, shape (r, 8, k)."""
+        first = self.turns.min(axis=0)
+        count = (self.turns.max(axis=0) - first + 1).astype(int)
+        wanted = np.nan_to_num(self.turns + whole[..., None, :] - first, nan=-1.0).astype(np.int64)
+        valid = ((wanted >= 0) & (wanted < count)).all(axis=-1)
+        return np.where(valid, wanted[..., 0] * count[1] + wanted[..., 1], -1)
+
+    def _trace(
+        self, end: tuple[int, int, int], back: list[Integers], shifts: tuple[int, ...], cost: float
+    ) -> LadderWay:
+        row, branch, turn = end
+        rows = [row]
+        for i in range(len(back), 0, -1):
+            number = int(back[i - 1][row, branch, turn])
+            step = self.q[i, row, branch]
+            previous = (row - shifts[number]) % len(self.rotation)
+            whole = np.round((step - self.q[i - 1, previous, branch])[[3, 5]] / (2 * np.pi))
+            turn = int(self._source(np.broadcast_to(whole, (1, 1, 2)))[0, 0, turn])
+            row = previous
+            rows.append(row)
+        rows.reverse()
+        margin = float(self.margin[np.arange(len(rows)), rows, branch].min())
+        rotation = np.unwrap(self.rotation[rows])
+        q_start = self.q[0, row, branch].copy()
+        q_start[[3, 5]] += 2 * np.pi * self.turns[turn]
+        return LadderWay(rotation, np.full(len(rows), branch), q_start, margin, cost)
+
+    def explain(self, names: Integers) -> UnreachableError:
+        """Why nothing leads through: the first station without any configuration, or where the
+        motion breaks."""
+        low = self.model.robot.q_min + BOX_INSET
+        high = self.model.robot.q_max - BOX_INSET
+        for i in range(len(self.u)):
+            if self.inside(i).any():
+                continue
+            q = self.q[i].reshape(-1, 6)
+            if not np.isfinite(q).any():
+                gap = 1e3 * float(self.overreach[i].min())
+                return UnreachableError(
+                    f"point {names[i] + 1} is out of reach: the wrist centre lies {gap:.1f} mm "
+                    "beyond the arm; "
+                    "move the work frame closer, or choose another tool axis"
+                )
+            excess = np.maximum(np.maximum(low - q, q - high), 0.0)
+            # axes 4 and 6 fit somewhere within whole turns; the others decide unless only they are
+            # outside
+            best = int(np.nanargmin(excess.max(axis=1)))
+            axis = int(np.argmax(excess[best]))
+            ends = np.degrees([self.model.robot.q_min[axis], self.model.robot.q_max[axis]])
+            return UnreachableError(
+                f"point {names[i] + 1} is out of the joint box: axis {axis + 1} would need "
+                f"{np.degrees(q[best, axis]):.1f} deg, {np.degrees(excess[best, axis]):.1f} deg "
+                "beyond its range "
+                f"{ends[0]:.0f} to {ends[1]:.0f} deg; move the work frame or free the tool rotation"
+            )
+        _, back = self._sweep(FREE_SHIFTS if len(self.rotation) > 1 else (0,), level=None)
+        at = min(len(back), len(self.u) - 1)
+        return UnreachableError(
+            f"no continuous motion reaches point {names[at] + 1}: every configuration that reaches "
+            "the points before "
+            "it meets the joint box or a singularity there; split the path, or move the work frame"
+        )

@@ -1,0 +1,100 @@
+"""Limits of a motion, and the speed they allow at the grid points of a path."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+import numpy.typing as npt
+from numpy.typing import ArrayLike
+
+from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.planners.enclosure.cells import Cells
+from irb2400_ctrl.robot import Robot
+
+Array = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class MotionLimits:
+    """What the arm may do; all arrays of shape (n,)."""
+
+    qd_max: Array
+    """[rad/s]"""
+    tau_max: Array
+    """[Nm]"""
+    qdd_max: Array
+    """[rad/s2], inf where there is none"""
+    torque_rate: Array | None = None
+    """of the change of torque, dry friction apart [Nm/s]; None lets it jump"""
+    jerk: Array | None = None
+    """[rad/s3]; None lets the acceleration jump"""
+
+    def with_rates(self, torque_rate: ArrayLike | None, jerk: ArrayLike | None) -> MotionLimits:
+        """The same with limits of torque rate [Nm/s] and jerk [rad/s3], for all axes or for each;
+        inf is none.
+
+        Raises:
+            InputError: not positive, or not as many as there are axes.
+        """
+        found = {}
+        for name, unit, value in (("torque_rate", "Nm/s", torque_rate), ("jerk", "rad/s3", jerk)):
+            if value is None:
+                continue
+            limit = np.array(value, dtype=float)
+            if limit.shape not in {(), self.tau_max.shape} or not (limit > 0).all():
+                raise InputError(
+                    f"{name}: found {limit.tolist()} {unit}, expected a positive number, or one "
+                    "for each of the "
+                    f"{len(self.tau_max)} axes"
+                )
+            found[name] = np.broadcast_to(limit, self.tau_max.shape)
+        return replace(self, **found)
+
+    @property
+    def smooth(self) -> bool:
+        """Whether the motion has to be one without jumps of the acceleration."""
+        return self.torque_rate is not None or self.jerk is not None
+
+    @classmethod
+    def of(cls, robot: Robot) -> MotionLimits:
+        """The limits of a robot's description."""
+        stated = [joint.limits.acceleration_deg_s2 for joint in robot.joints]
+        return cls(
+            robot.qd_max,
+            robot.tau_max,
+            np.array([np.inf if a is None else np.radians(a) for a in stated]),
+        )
+
+
+def speed_bounds(cells: Cells, qd_max: Array, cell_bound: Array | None = None) -> Array:
+    """Bounds of x = sdot^2 at the grid points that keep |q'| sqrt(x) <= qd_max all over the cells,
+    shape (m + 1,).
+
+    Between grid points x is linear and q'^2 of degree four: the bounds at the ends are lowered by
+    what the Bernstein coefficients of their product show above the limit.
+
+    Args:
+        cells: the path, cell by cell.
+        qd_max: speed limits [rad/s], shape (n,).
+        cell_bound: a further bound of x within each cell (feed), shape (m,).
+    """
+    s0 = cells.speed[:, 0]
+    s1 = cells.speed[:, 1]
+    s2 = cells.speed[:, 2]
+    G = np.stack([s0**2, s0 * s1, (2 * s1**2 + s0 * s2) / 3, s1 * s2, s2**2], axis=1) / qd_max**2
+    # a joint that stands at one end would allow any speed there
+    floor = np.maximum(1e-2 * np.abs(G).max(axis=1), 1e-12)
+    first = 1 / np.maximum(G[:, 0], floor)
+    last = 1 / np.maximum(G[:, 4], floor)
+    k = np.arange(6)[None, :, None]
+    padded = np.concatenate([G, np.zeros_like(G[:, :1])], axis=1)
+    shifted = np.concatenate([np.zeros_like(G[:, :1]), G], axis=1)
+    product = (5 - k) / 5 * padded * first[:, None] + k / 5 * shifted * last[:, None]
+    excess = np.maximum(product.max(axis=1), 1.0)
+    first = (first / excess).min(axis=1)
+    last = (last / excess).min(axis=1)
+    if cell_bound is not None:
+        first = np.minimum(first, cell_bound)
+        last = np.minimum(last, cell_bound)
+    return np.asarray(np.minimum(np.append(first, np.inf), np.insert(last, 0, np.inf)))

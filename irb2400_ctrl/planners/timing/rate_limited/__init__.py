@@ -1,0 +1,1 @@
+"""Time laws without a jump of torque or acceleration."""

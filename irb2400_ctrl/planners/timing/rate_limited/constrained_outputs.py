@@ -1,0 +1,134 @@
+"""`ConstrainedOutputs`: everything along a path whose value and rate of change have limits,
+enclosed cell by cell.
+
+A channel is  y = a(s) u + b(s) x + e(s) sqrt(x) + c(s) + dry friction: the torque of each axis,
+and, with a = q', b = q'', its acceleration. Its rate of change, dry friction apart, is with u' =
+du/ds
+
+    dy/dt = sqrt(x) [(a' + 2 b) u + a u' + b' x + c'] + e u + e' x.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields, replace
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from irb2400_ctrl.planners.enclosure.cells import Cells
+from irb2400_ctrl.planners.timing.motion_limits import MotionLimits
+
+Array = npt.NDArray[np.float64]
+Integers = npt.NDArray[np.int64]
+Booleans = npt.NDArray[np.bool_]
+
+
+@dataclass(frozen=True)
+class ConstrainedOutputs:
+    """k channels on m cells; parabolas as Bernstein coefficients of degree 2 (second axis)."""
+
+    h: Array
+    """lengths of the cells [m], shape (m,)"""
+    a: Array
+    b: Array
+    e: Array
+    c_high: Array
+    c_low: Array
+    """shape (m, 3, k)"""
+    remainder: Array
+    """bounds of the distance of a, b, e, c from their parabolas, shape (4, m, k)"""
+    slow: Array
+    """smallest |q'| in the cell, where friction is highest, shape (m, k)"""
+    forwards: Booleans
+    backwards: Booleans
+    friction: Array
+    """of eq. 54: largest, Coulomb, least, and the Stribeck speed squared, shape (4, m, k)"""
+    limit: Array
+    """of |y|, shape (m, k)"""
+    rate: Array
+    """of |dy/dt|, shape (m, k); inf, like the limit, where there is none"""
+    axis: Integers
+    """number 1… of the axis, shape (m, k)"""
+
+    @classmethod
+    def of(cls, cells: Cells, limits: MotionLimits, friction: Array) -> ConstrainedOutputs:
+        """The torques of an enclosed path, then the accelerations of joints where they or their
+        rates are limited."""
+        m, _, n = cells.a.shape
+        F_s, F_c, _, stribeck = friction.T
+        slow = np.abs(cells.speed).min(axis=1)
+        one_way = (cells.speed.min(axis=1) >= 0) | (cells.speed.max(axis=1) <= 0)
+        none = np.full(n, np.inf)
+        rate = none if limits.torque_rate is None else limits.torque_rate
+        jerk = none if limits.jerk is None else limits.jerk
+        # all joints first as torques, then as accelerations without anything but a and b
+        zero = np.zeros((m, n))
+        zeros = np.zeros((m, 3, n))
+        first = cells.curvature[:, 0]
+        last = cells.curvature[:, 1]
+        pairs: tuple[tuple[Any, Any], ...] = (
+            (cells.a, cells.speed),
+            (cells.b, np.stack([first, (first + last) / 2, last], axis=1)),
+            (cells.e, zeros),
+            (cells.c_high, zeros),
+            (cells.c_low, zeros),
+            (cells.remainder, np.zeros((4, m, n))),
+            (np.where(one_way, slow, 0.0), zero),
+            (cells.forwards, zero.astype(bool)),
+            (cells.backwards, zero.astype(bool)),
+            (
+                _rows([np.maximum(F_s, F_c), F_c, np.minimum(F_s, F_c), stribeck**2], m),
+                _rows([0, 0, 0, none], m, n),
+            ),
+            (_rows([limits.tau_max], m)[0], _rows([limits.qdd_max], m)[0]),
+            (_rows([rate], m)[0], _rows([jerk], m)[0]),
+            2 * (np.broadcast_to(np.arange(1, n + 1), (m, n)),),
+        )
+        wanted = np.flatnonzero(np.isfinite(limits.qdd_max) | np.isfinite(jerk))
+        parts: list[Any] = [
+            np.concatenate([torque, motion[..., wanted]], axis=-1) for torque, motion in pairs
+        ]
+        return cls(cells.h, *parts)
+
+    @property
+    def count(self) -> int:
+        """Number of channels."""
+        return int(self.limit.shape[1])
+
+    def selected(self, columns: Integers) -> ConstrainedOutputs:
+        """Other channels in each cell: those with the given numbers, shape (m, k')."""
+        found = {}
+        for part in fields(self)[1:]:
+            values = getattr(self, part.name)
+            # cells come first, but in `remainder` and `friction` second
+            places = (
+                {2: columns, 3: columns[:, None]}[values.ndim]
+                if len(values) == len(self.h)
+                else columns[None]
+            )
+            found[part.name] = np.take_along_axis(values, places, -1)
+        return replace(self, **found)
+
+    def dry_friction(self, x: Array) -> tuple[Array, Array]:
+        """Largest and smallest dry friction in each cell that is passed with sdot^2 >= x (m, 1),
+        shapes (m, k)."""
+        largest, coulomb, least, stribeck2 = self.friction
+        level = coulomb + (largest - coulomb) * np.exp(-(self.slow**2) * x / stribeck2)
+        # moving one way alone, friction always helps the other side by a little
+        top = np.where(self.forwards, level, np.where(self.backwards, -least, 0.0))
+        bottom = np.where(self.backwards, -level, np.where(self.forwards, least, 0.0))
+        return top, bottom
+
+    def building_up(self, x: Array) -> tuple[Array, Array]:
+        """Path jerk within the rates [m/s3], and how long it acts until a limit, or x, is reached
+        [s]; each (m,)."""
+        a = np.maximum(np.abs(self.a).max(axis=1), 1e-12)
+        jerk = (self.rate / a).min(axis=1)
+        return jerk, np.minimum((self.limit / a).min(axis=1) / jerk, np.sqrt(np.sqrt(x) / jerk))
+
+
+def _rows(values: list[Array | int], m: int, n: int | None = None) -> Array:
+    """Numbers per joint, the same in every cell, shape (len(values), m, n)."""
+    width = len(np.atleast_1d(values[0])) if n is None else n
+    return np.stack([np.broadcast_to(np.asarray(v, dtype=float), (m, width)) for v in values])

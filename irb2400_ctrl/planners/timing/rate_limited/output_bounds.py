@@ -1,0 +1,242 @@
+"""Bounds of torque, speed and their rates over all times of a motion along a `RateLimitedLaw`.
+
+Nothing of the program that found the motion is used, only its numbers. In a part of a cell u is
+linear and x quadratic in s, the coefficients are parabolas up to a remainder r, so that every
+channel, and its rate over sqrt(x), are polynomials of s with known Bernstein coefficients. What the
+derivative of a parabola misses is bounded by Cauchy's integral again: with the remainder of
+`cells`, at most 6.2 r / w on a part of half width w. sqrt(x) lies between secant and tangent,
+1/sqrt(x) above its tangent.
+"""
+
+from __future__ import annotations
+
+from math import comb
+
+import numpy as np
+import numpy.typing as npt
+
+from irb2400_ctrl.planners.enclosure.cells import enclose, reversals
+from irb2400_ctrl.planners.enclosure.effect_bounds import Added, Variant, variants
+from irb2400_ctrl.planners.enclosure.path_dynamics import PathDynamics
+from irb2400_ctrl.planners.joint_path import JointPath
+from irb2400_ctrl.planners.timing.certificate import Certificate, Checked
+from irb2400_ctrl.planners.timing.rate_limited.constrained_outputs import ConstrainedOutputs
+from irb2400_ctrl.planners.timing.rate_limited.rate_limited_law import RateLimitedLaw
+
+Array = npt.NDArray[np.float64]
+
+# parts that each cell is cut into; more, while a bound is above the limit
+_PARTS = (2, 4, 8)
+# Cauchy: |f' - p'| <= 3 sqrt(3)/2 (2 + 2/(3 sqrt 3)/(kappa - 1)) |f - p| bound / w, kappa >= 2
+_DERIVATIVE = 1.5 * np.sqrt(3) * (2 + 2 / (3 * np.sqrt(3)))
+# the law's numbers may disagree by rounding, and so may the pieces of the path
+_ROUNDING = 1e-11
+_JOINED = 1e-7
+
+
+def check_rate_limited(certificate: Certificate, dynamics: PathDynamics) -> Checked:
+    """Bounds over all times; inf where nothing can be said."""
+    law = certificate.law
+    assert isinstance(law, RateLimitedLaw)
+    if not (_consistent(law) and _joined(certificate.path)):
+        return Checked(np.inf, np.inf, (float(law.s[0]), 1), np.inf, np.inf, np.inf)
+    for parts in _PARTS:
+        ratios, s = cell_ratios(certificate, dynamics, parts)
+        if max(np.nanmax(r) for r in ratios) <= 1:
+            break
+    value, rate, speed = ratios
+    torques = dynamics.model.robot.n
+    cell, axis = np.unravel_index(int(np.argmax(value[:, :torques])), (len(value), torques))
+    worst = [
+        float(f.max(initial=0.0))
+        for f in (value[:, torques:], rate[:, :torques], rate[:, torques:])
+    ]
+    return Checked(
+        float(value[cell, axis]), float(speed.max()), (float(s[cell]), int(axis) + 1), *worst
+    )
+
+
+def cell_ratios(
+    certificate: Certificate, dynamics: PathDynamics, parts: int
+) -> tuple[tuple[Array, Array, Array], Array]:
+    """Upper bounds of |y| / limit, |dy/dt| / rate (m, k) and of speed (m, n) on parts of cells, and
+    their ends s."""
+    law = certificate.law
+    limits = certificate.limits
+    assert isinstance(law, RateLimitedLaw)
+    inner = law.s[1:-1]
+    split = (inner[:-1, None] + np.arange(parts) / parts * np.diff(inner)[:, None]).ravel()
+    # nothing is taken for granted: knots and reversals that are not on the law's grid cut its cells
+    more = np.concatenate([certificate.path.knots, reversals(certificate.path)])
+    more = more[(more > inner[0]) & (more < inner[-1])]
+    s = np.unique(np.concatenate([law.s, split, more]))
+    cells = enclose(dynamics, certificate.path, s)
+    channels = ConstrainedOutputs.of(cells, limits, dynamics.model.robot.friction)
+    x, u, beta = _polynomials(law, s)
+    G = _product(cells.speed, cells.speed) / limits.qd_max**2
+    speed = np.sqrt(np.maximum(_product(G, x[..., None]).max(axis=1), 0.0))
+    value = _values(channels, cells.added, x, u)
+    rate = _rates(channels, x, u, beta)
+    n = dynamics.model.robot.n
+    if dynamics.irregular:
+        value[:, :n] = np.inf
+    if dynamics.irregular or cells.added is not None:
+        # effects of time, load or memory: the slopes of their torques have no bound here
+        rate[:, :n] = np.where(np.isfinite(channels.rate[:, :n]), np.inf, 0.0)
+    return (value, rate, speed), s
+
+
+def _consistent(law: RateLimitedLaw) -> bool:
+    """Whether the numbers are those of one motion: x from u, rest at both ends."""
+    h = np.diff(law.s)
+    x = law.x
+    u = law.u
+    if not (len(h) > 2 and (h > 0).all() and np.isfinite(u).all() and (x[1:-1] > 0).all()):
+        return False
+    inner = np.abs(np.diff(x) - h * (u[:-1] + u[1:]))[1:-1] <= _ROUNDING * (x[1:-2] + x[2:-1])
+    ends = np.abs([x[1] - 1.5 * h[0] * u[1], x[-2] + 1.5 * h[-1] * u[-2]]) <= _ROUNDING * x[[1, -2]]
+    return bool(
+        inner.all() and ends.all() and not (x[[0, -1]] != 0).any() and not (u[[0, -1]] != 0).any()
+    )
+
+
+def _joined(path: JointPath) -> bool:
+    """Whether q, q' and q'' are continuous at the knots: a jump of q'' would be one of the
+    torque."""
+    piece = np.arange(len(path.knots) - 2)
+    for order in (0, 1, 2):
+        before, after = (path.on_piece(path.knots[1:-1], piece + k, order) for k in (0, 1))
+        if (np.abs(after - before) > _JOINED * (1 + np.abs(before).max(axis=0, initial=0.0))).any():
+            return False
+    return True
+
+
+def _polynomials(law: RateLimitedLaw, s: Array) -> tuple[Array, Array, Array]:
+    """Bernstein coefficients of x (degree 2) and u (degree 1), and u', on parts of the law's cells.
+
+    In the end parts: the largest x; u at both ends; and for u' the (constant) jerk over the largest
+    speed.
+    """
+    cell = np.clip(np.searchsorted(law.s, (s[:-1] + s[1:]) / 2) - 1, 0, len(law.s) - 2)
+    beta = law.slope[cell]
+    first = s[:-1] - law.s[cell]
+    last = s[1:] - law.s[cell]
+    u = law.u[cell, None] + beta[:, None] * np.stack([first, last], axis=1)
+    x0 = law.x[cell] + first * (2 * law.u[cell] + beta * first)
+    width = last - first
+    x = np.stack([x0, x0 + width * u[:, 0], x0 + width * (u[:, 0] + u[:, 1])], axis=1)
+    h = np.diff(law.s)
+    for end, near in ((0, 1), (-1, -2)):
+        x[end] = law.x[near]
+        u[end] = law.u[[end, near]][:: 1 if end == 0 else -1]
+        beta[end] = 2 / 9 * law.x[near] / h[end] ** 2
+    return x, u, beta
+
+
+def _values(c: ConstrainedOutputs, added: Added | None, x: Array, u: Array) -> Array:
+    """Upper bounds of |y| / limit in each part, shape (m, k)."""
+    low = np.maximum(x.min(axis=1), 0.0)
+    high = x.max(axis=1)
+    low[[0, -1]] = 0.0
+    u_max = np.abs(u).max(axis=1)
+    r_a, r_b, r_e, r_c = c.remainder
+    rest = r_a * u_max[:, None] + r_b * high[:, None] + r_e * np.sqrt(high)[:, None] + r_c
+    top, bottom = c.dry_friction(low[:, None])
+    found = []
+    for side, dry, held in ((1.0, top, c.c_high), (-1.0, -bottom, -c.c_low)):
+        plain = Variant(side * c.a, side * c.b, side * c.e, held, rest)
+        found.append(_above(plain, x, u, low, high) + dry)
+        if added is not None:
+            n = added.square.shape[-1]
+            torques = Variant(
+                *(f[..., :n] for f in (plain.a, plain.b, plain.e, plain.c, plain.rest))
+            )
+            bar = (u.mean(axis=1), (low + high) / 2)
+            box = (low, high, u_max)
+            every = variants(added, torques, side, bar, box, np.full(n, np.inf))
+            found[-1][:, :n] = (
+                np.max([_above(v, x, u, low, high) for v in every], axis=0) + dry[:, :n]
+            )
+    return np.asarray(np.maximum(*found) / c.limit)
+
+
+def _above(v: Variant, x: Array, u: Array, low: Array, high: Array) -> Array:
+    """Upper bound of a u + b x + e sqrt(x) + c + rest in each part, shape (m, k)."""
+    U = u[..., None]
+    X = x[..., None]
+    # sqrt(x): secant of the range below, tangent above
+    r = np.sqrt(np.maximum((low + high) / 2, 1e-300))[:, None, None]
+    first = np.sqrt(low)[:, None, None]
+    last = np.sqrt(high)[:, None, None]
+    tangent = (r + X / r) / 2
+    secant = (X + first * last) / (first + last)
+    found = _raised(_product(v.a, U), 4) + _product(v.b, X) + _raised(v.c, 4)
+    found += _product(np.maximum(v.e, 0.0), tangent) + _product(np.minimum(v.e, 0.0), secant)
+    bound = found.max(axis=1) + v.rest
+    for end in (0, -1):
+        # x between 0 and x_1, u between 0 and u_1: every term at its largest
+        u1 = float(u[end, -1] if end == 0 else u[end, 0])
+        x1 = float(high[end])
+        terms = ((u1, v.a), (x1, v.b), (np.sqrt(x1), v.e))
+        bound[end] = v.c[end].max(axis=0) + v.rest[end]
+        bound[end] += sum(np.maximum((size * f[end]).max(axis=0), 0.0) for size, f in terms)
+    return np.asarray(bound)
+
+
+def _rates(c: ConstrainedOutputs, x: Array, u: Array, beta: Array) -> Array:
+    """Upper bounds of |dy/dt| / rate in each part, zero where there is no limit, shape (m, k)."""
+    low = np.maximum(x.min(axis=1), 1e-300)[:, None]
+    high = x.max(axis=1)[:, None]
+    U = u[..., None]
+    X = x[..., None]
+    bend = beta[:, None, None]
+    u_max = np.abs(u).max(axis=1)[:, None]
+    r_a, r_b, r_e, _ = c.remainder
+    half = c.h[:, None] / 2
+    s_a, s_b, s_e, s_c = _DERIVATIVE * c.remainder / half
+    # over sqrt(x); the tangent of 1/sqrt(x) is positive as long as x < 3 r^2
+    r = np.sqrt((low + high) / 2)
+    d_a, d_b, d_e, d_c = (np.diff(f, axis=1) / half[:, None] for f in (c.a, c.b, c.e, c.c_high))
+    viscous = _product(c.e, U) + _product(d_e, X)
+    g = _raised(_product(d_a, U) + c.a * bend, 4) + _raised(
+        _product(2 * c.b, U) + _product(d_b, X), 4
+    )
+    g += _raised(d_c, 4) + _raised(viscous, 4) / r[:, None]
+    spread = np.maximum(1 / np.sqrt(low) - 1 / r, 1 / r - 1 / np.sqrt(high))
+    rest = (s_a + 2 * r_b) * u_max + r_a * np.abs(beta)[:, None] + s_b * high + s_c
+    rest += (r_e * u_max + s_e * high) / np.sqrt(low) + np.abs(viscous).max(axis=1) * spread
+    line = _raised(1.5 / r[:, None] - X / (2 * r[:, None] ** 3), 4)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        found = np.where(line > 0, (np.abs(g) + rest[:, None]) / line, np.inf).max(axis=1)
+    for end in (0, -1):
+        # the jerk is constant, and every other term at its largest
+        u1 = float(u_max[end, 0])
+        x1 = float(high[end, 0])
+        a, b, e = (
+            np.abs(f[end]).max(axis=0) + miss[end]
+            for f, miss in ((c.a, r_a), (c.b, r_b), (c.e, r_e))
+        )
+        slopes = ((d_a, s_a), (d_b, s_b), (d_e, s_e), (d_c, s_c))
+        p, q, s, t = (np.abs(d[end]).max(axis=0) + miss[end] for d, miss in slopes)
+        found[end] = np.sqrt(x1) * ((p + 2 * b) * u1 + a * beta[end] + q * x1 + t) + e * u1 + s * x1
+    # where a coefficient lies in a band its slope is not known
+    found = np.where((c.c_high == c.c_low).all(axis=1), found, np.inf)
+    return np.where(np.isfinite(c.rate), found / c.rate, 0.0)
+
+
+def _product(f: Array, g: Array) -> Array:
+    """Bernstein coefficients (axis 1) of the product of two polynomials."""
+    p = f.shape[1] - 1
+    q = g.shape[1] - 1
+    shape = np.broadcast_shapes(f.shape[2:], g.shape[2:])
+    found = np.zeros((len(f), p + q + 1, *shape))
+    for i in range(p + 1):
+        for j in range(q + 1):
+            found[:, i + j] += comb(p, i) * comb(q, j) / comb(p + q, i + j) * f[:, i] * g[:, j]
+    return found
+
+
+def _raised(f: Array, degree: int) -> Array:
+    """The same polynomial with the Bernstein coefficients of a higher degree."""
+    more = degree + 1 - f.shape[1]
+    return _product(f, np.ones((len(f), more + 1, *[1] * (f.ndim - 2))))

@@ -1,0 +1,1 @@
+"""What the tool shall do: way-points read or built, their smooth curve, its orientations."""

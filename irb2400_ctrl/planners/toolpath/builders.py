@@ -1,0 +1,165 @@
+"""Tool paths in Python: lines, circles, splines, way-points and rasters; lengths in metres, angles
+in radians.
+
+Curves are sampled so finely that the polygon through the samples stays within `chord` of them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+import numpy.typing as npt
+
+from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.planners.toolpath.orientation import frame_of
+from irb2400_ctrl.planners.toolpath.toolpath import ToolPath
+
+Array = npt.NDArray[np.float64]
+UP = (0.0, 0.0, 1.0)
+CHORD = 1e-5
+
+
+def way_points(
+    points: npt.ArrayLike,
+    axis: npt.ArrayLike = UP,
+    *,
+    feed: npt.ArrayLike = np.inf,
+    name: str = "way-points",
+) -> ToolPath:
+    """Straight lines through points (n, 3) [m]; `axis` one tool axis or one per point; `feed` [m/s]
+    likewise."""
+    position = np.asarray(points, dtype=float)
+    if position.ndim != 2 or position.shape[1] != 3:
+        raise InputError(f"{name}: points have shape {position.shape}, expected (n, 3)")
+    n = len(position)
+    axes = np.broadcast_to(np.asarray(axis, dtype=float), (n, 3))
+    return ToolPath(
+        position, axes, None, np.broadcast_to(np.asarray(feed, dtype=float), (n,)), name
+    )
+
+
+def poses(X_BT: npt.ArrayLike, *, feed: npt.ArrayLike = np.inf, name: str = "poses") -> ToolPath:
+    """Straight lines through full poses (n, 4, 4)."""
+    X = np.asarray(X_BT, dtype=float)
+    if X.ndim != 3 or X.shape[1:] != (4, 4):
+        raise InputError(f"{name}: poses have shape {X.shape}, expected (n, 4, 4)")
+    return ToolPath(
+        X[:, :3, 3],
+        None,
+        X[:, :3, :3],
+        np.broadcast_to(np.asarray(feed, dtype=float), (len(X),)),
+        name,
+    )
+
+
+def line(
+    start: Sequence[float], end: Sequence[float], axis: npt.ArrayLike = UP, *, feed: float = np.inf
+) -> ToolPath:
+    """A straight line; `axis` may be one tool axis or one for each end."""
+    return way_points([start, end], axis, feed=feed, name="line")
+
+
+def circle(
+    centre: Sequence[float],
+    radius: float,
+    *,
+    normal: Sequence[float] = UP,
+    axis: npt.ArrayLike | None = None,
+    start: float = 0.0,
+    sweep: float = 2 * np.pi,
+    feed: float = np.inf,
+    chord: float = CHORD,
+) -> ToolPath:
+    """An arc about `centre` in the plane across `normal`, from angle `start` over `sweep`; tool
+    axis `normal`."""
+    if radius <= 0 or chord <= 0 or sweep == 0:
+        raise InputError(
+            f"circle: radius {radius}, chord {chord}, sweep {sweep}; expected positive lengths and "
+            "a sweep"
+        )
+    z = np.asarray(normal, dtype=float) / np.linalg.norm(normal)
+    x, y, _ = frame_of(z).T
+    step = 2 * np.arccos(max(1 - chord / radius, 0.0))
+    count = max(int(np.ceil(abs(sweep) / step)), 16)
+    angle = start + sweep * np.arange(count + 1) / count
+    points = np.asarray(centre) + radius * (np.cos(angle)[:, None] * x + np.sin(angle)[:, None] * y)
+    return way_points(points, z if axis is None else axis, feed=feed, name="circle")
+
+
+def curve(
+    position: Callable[[Array], Array],
+    axis: Callable[[Array], Array] | Sequence[float] = UP,
+    *,
+    feed: float = np.inf,
+    chord: float = CHORD,
+    name: str = "curve",
+) -> ToolPath:
+    """A curve position(t) (k, 3) [m], 0 <= t <= 1, and tool axis axis(t) (k, 3) or a constant
+    one."""
+    t = np.linspace(0, 1, 65)
+    for _ in range(16):
+        p = position(t)
+        middle = (t[:-1] + t[1:]) / 2
+        sagitta = np.linalg.norm(position(middle) - (p[:-1] + p[1:]) / 2, axis=1)
+        coarse = sagitta > chord
+        if not coarse.any():
+            axes = np.broadcast_to(axis(t) if callable(axis) else np.asarray(axis), p.shape)
+            return way_points(p, axes, feed=feed, name=name)
+        t = np.sort(np.concatenate([t, middle[coarse]]))
+    raise InputError(
+        f"{name}: the curve is not smooth enough for a chord tolerance of {1e3 * chord} mm"
+    )
+
+
+def spline(
+    points: npt.ArrayLike, axis: npt.ArrayLike = UP, *, feed: float = np.inf, chord: float = CHORD
+) -> ToolPath:
+    """The cubic spline through points (n, 3) [m], over their chord length; tool axes are
+    interpolated likewise."""
+    from scipy.interpolate import CubicSpline
+
+    p = np.asarray(points, dtype=float)
+    if p.ndim != 2 or p.shape[1] != 3 or len(p) < 3:
+        raise InputError(f"spline: points have shape {p.shape}, expected (n, 3) with n >= 3")
+    s = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(p, axis=0), axis=1))])
+    if (np.diff(s) <= 0).any():
+        raise InputError(
+            f"spline: point {int(np.argmax(np.diff(s) <= 0)) + 2} repeats the one before"
+        )
+    s /= s[-1]
+    axes = np.broadcast_to(np.asarray(axis, dtype=float), p.shape)
+    position = CubicSpline(s, p)
+    direction = CubicSpline(s, axes)
+    return curve(
+        lambda t: np.asarray(position(t)),
+        lambda t: np.asarray(direction(t)),
+        feed=feed,
+        chord=chord,
+        name="spline",
+    )
+
+
+def raster(
+    centre: Sequence[float],
+    length: float,
+    width: float,
+    *,
+    lines: int,
+    points: int,
+    height: Callable[[Array, Array], Array] | None = None,
+    feed: float = np.inf,
+) -> ToolPath:
+    """Parallel lines back and forth over a surface z = height(x, y) about `centre`; tool axis
+    up."""
+    if lines < 1 or points < 2:
+        raise InputError(
+            f"raster: {lines} lines of {points} points; expected at least 1 line of 2 points"
+        )
+    x_line = np.linspace(-length / 2, length / 2, points)
+    passes = []
+    for number, y in enumerate(np.linspace(-width / 2, width / 2, lines)):
+        x = x_line if number % 2 == 0 else x_line[::-1]
+        z = np.zeros(points) if height is None else height(x, np.full(points, y))
+        passes.append(np.stack([x, np.full(points, y), z], axis=1))
+    return way_points(np.vstack(passes) + np.asarray(centre), feed=feed, name="raster")

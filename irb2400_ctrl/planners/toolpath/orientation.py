@@ -1,0 +1,100 @@
+"""Full tool orientations along a task curve, up to the free rotation about the tool axis."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from irb2400_ctrl.planners.toolpath.task_curve import TaskCurve
+
+Array = npt.NDArray[np.float64]
+
+
+def rotations_about(axis: Array, angle: Array) -> Array:
+    """Rotation matrices (n, 3, 3) about a unit axis (3,) by angles (n,) [rad] (Rodrigues)."""
+    K = np.array([[0, -axis[2], axis[1]], [axis[2], 0, -axis[0]], [-axis[1], axis[0], 0]])
+    s = np.sin(angle)[:, None, None]
+    c = np.cos(angle)[:, None, None]
+    turned: Array = np.eye(3) + s * K + (1 - c) * (K @ K)
+    return turned
+
+
+@dataclass(frozen=True)
+class Orientation:
+    """Where tool rotation zero is: a fixed smooth field of frames on the sphere of tool axes.
+
+    For a path of tool axes the frame at rotation zero has the TCP's first direction across the
+    spindle as close to `guide` as the axis allows; for a path with full orientations it is the
+    stated one.
+    """
+
+    curve: TaskCurve
+    spindle: Array
+    """direction of the tool in the TCP frame, out of the spindle, shape (3,)"""
+    guide: Array
+    """fixed direction in the base, shape (3,)"""
+
+    @classmethod
+    def of(cls, curve: TaskCurve, spindle: Array) -> Orientation:
+        """The field whose guide direction stays farthest from being parallel to a tool axis of the
+        path."""
+        spindle = np.asarray(spindle, dtype=float) / np.linalg.norm(spindle)
+        axes = curve.control[:, 3:6]
+        axes = axes / np.maximum(np.linalg.norm(axes, axis=1, keepdims=True), 1e-12)
+        candidates = np.vstack([np.eye(3), _sphere(60)])
+        across = np.linalg.norm(np.cross(axes[:, None], candidates[None]), axis=2).min(axis=0)
+        # base x, then y, then z unless the axes come near: a guide that a user can remember
+        good = np.flatnonzero(across > 0.5)
+        return cls(curve, spindle, candidates[good[0] if len(good) else int(np.argmax(across))])
+
+    def poses(self, u: Array, rotation: Array) -> Array:
+        """X_BT at the curve's parameters u with the tool turned by `rotation` [rad] about the
+        spindle, (n, 4, 4)."""
+        X = self._at_zero(u)
+        X[:, :3, :3] = X[:, :3, :3] @ rotations_about(
+            self.spindle, np.broadcast_to(rotation, u.shape)
+        )
+        return X
+
+    def fan(self, u: Array, rotation: Array) -> Array:
+        """X_BT for all pairs of parameter and rotation, shape (len(u), len(rotation), 4, 4)."""
+        X = self._at_zero(u)
+        turned = np.tile(X[:, None], (1, len(rotation), 1, 1))
+        turned[:, :, :3, :3] = X[:, None, :3, :3] @ rotations_about(self.spindle, rotation)[None]
+        return turned
+
+    def _at_zero(self, u: Array) -> Array:
+        position, first, full = self.curve.pose(u)
+        X = np.tile(np.eye(4), (len(u), 1, 1))
+        X[:, :3, 3] = position
+        if full is not None:
+            X[:, :3, :3] = full
+            return X
+        # out of the spindle is -axis; the guide's part across it is the first direction
+        out = -first
+        x = self.guide - (out @ self.guide)[:, None] * out
+        x /= np.linalg.norm(x, axis=1, keepdims=True)
+        field = np.stack([x, np.cross(out, x), out], axis=2)
+        # columns (x, y, out) in the base of the tool's own (e1, e2, spindle)
+        own = frame_of(self.spindle)
+        X[:, :3, :3] = field @ own.T
+        return X
+
+
+def frame_of(z: Array) -> Array:
+    """Rotation whose third column is z, first column near x (or y), shape (3, 3)."""
+    helper = np.eye(3)[0] if abs(z[0]) < 0.9 else np.eye(3)[1]
+    x = helper - (helper @ z) * z
+    x /= np.linalg.norm(x)
+    return np.stack([x, np.cross(z, x), z], axis=1)
+
+
+def _sphere(count: int) -> Array:
+    """Directions spread evenly over half a sphere (Fibonacci spiral), shape (count, 3)."""
+    k = np.arange(count) + 0.5
+    z = 1 - k / count
+    angle = np.pi * (1 + 5**0.5) * k
+    r = np.sqrt(1 - z**2)
+    return np.stack([r * np.cos(angle), r * np.sin(angle), z], axis=1)

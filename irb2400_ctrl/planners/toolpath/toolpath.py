@@ -1,0 +1,123 @@
+"""`ToolPath`: way-points of the tool centre point, as CAM or a script states them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+import numpy.typing as npt
+
+from irb2400_ctrl.errors import InputError
+
+Array = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class ToolPath:
+    """Way-points joined by straight lines; lines, circles and splines are built as fine polylines
+    (`builders`).
+
+    Exactly one of `axis` and `rotation` is given: with `axis` the tool may turn about it freely.
+    """
+
+    position: Array
+    """TCP in the robot base [m], shape (n, 3)"""
+    axis: Array | None = None
+    """unit vectors from the tool tip towards the spindle, shape (n, 3)"""
+    rotation: Array | None = None
+    """full orientation R_BT, shape (n, 3, 3)"""
+    feed: Array = field(default_factory=lambda: np.empty(0))
+    """limit of the TCP speed on the way to each point, inf where none is stated [m/s], shape
+    (n,)"""
+    name: str = "path"
+
+    def __post_init__(self) -> None:
+        n = len(self.position)
+        if self.feed.size == 0:
+            object.__setattr__(self, "feed", np.full(n, np.inf))
+        if (self.axis is None) == (self.rotation is None):
+            raise InputError(f"{self.name}: expected either tool axes or full orientations")
+        if n < 2:
+            raise InputError(f"{self.name}: found {n} point(s), expected at least 2")
+        shapes = {"position": (n, 3), "axis": (n, 3), "rotation": (n, 3, 3), "feed": (n,)}
+        for key, shape in shapes.items():
+            value = getattr(self, key)
+            if value is None:
+                continue
+            array = np.array(value, dtype=float)
+            if array.shape != shape:
+                raise InputError(f"{self.name}: {key} has shape {array.shape}, expected {shape}")
+            if np.isnan(array).any() or (key != "feed" and not np.isfinite(array).all()):
+                row = int(np.argwhere(~np.isfinite(array))[0][0])
+                raise InputError(f"{self.name}: {key} of point {row + 1} is not finite")
+            object.__setattr__(self, key, array)
+        if (self.feed <= 0).any():
+            row = int(np.argmax(self.feed <= 0))
+            raise InputError(
+                f"{self.name}: feed of point {row + 1} is {self.feed[row]}, expected a positive "
+                "speed"
+            )
+        if self.axis is not None:
+            length = np.linalg.norm(self.axis, axis=1)
+            if (length < 1e-6).any():
+                raise InputError(
+                    f"{self.name}: the tool axis of point {int(np.argmin(length)) + 1} has no "
+                    "direction"
+                )
+            object.__setattr__(self, "axis", self.axis / length[:, None])
+        if self.rotation is not None:
+            R = self.rotation
+            wrong = np.abs(R @ R.transpose(0, 2, 1) - np.eye(3)).max(axis=(1, 2)) > 1e-6
+            wrong |= np.linalg.det(R) < 0
+            if wrong.any():
+                raise InputError(
+                    f"{self.name}: the orientation of point {int(np.argmax(wrong)) + 1} is not a "
+                    "rotation"
+                )
+        for key in shapes:
+            value = getattr(self, key)
+            if value is not None:
+                value.setflags(write=False)
+
+    def __len__(self) -> int:
+        return len(self.position)
+
+    def moved(self, X_BW: Array) -> ToolPath:
+        """The same path stated in a work frame W, expressed in the base by X_BW (4, 4)."""
+        X = np.asarray(X_BW, dtype=float)
+        if X.shape != (4, 4) or np.abs(X[:3, :3] @ X[:3, :3].T - np.eye(3)).max() > 1e-6:
+            raise InputError("work frame: expected a pose [[R, p], [0, 0, 0, 1]] of shape (4, 4)")
+        R = X[:3, :3]
+        p = X[:3, 3]
+        return ToolPath(
+            self.position @ R.T + p,
+            None if self.axis is None else self.axis @ R.T,
+            None if self.rotation is None else R @ self.rotation,
+            self.feed,
+            self.name,
+        )
+
+    def then(self, other: ToolPath) -> ToolPath:
+        """This path and, straight on, the other one; both must state the orientation in the same
+        way."""
+        if (self.axis is None) != (other.axis is None):
+            raise InputError("cannot join a path of tool axes with one of full orientations")
+        return ToolPath(
+            np.concatenate([self.position, other.position]),
+            None
+            if self.axis is None or other.axis is None
+            else np.concatenate([self.axis, other.axis]),
+            None
+            if self.rotation is None or other.rotation is None
+            else np.concatenate([self.rotation, other.rotation]),
+            np.concatenate([self.feed, other.feed]),
+            self.name,
+        )
+
+    def tool_axis(self, spindle_axis: Array) -> Array:
+        """Unit vectors from the tip towards the spindle, shape (n, 3); the spindle points out along
+        `spindle_axis`."""
+        if self.axis is not None:
+            return self.axis
+        assert self.rotation is not None
+        return -self.rotation @ spindle_axis

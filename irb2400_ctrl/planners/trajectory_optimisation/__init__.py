@@ -1,0 +1,1 @@
+"""Motions whose geometry is free between way-points."""

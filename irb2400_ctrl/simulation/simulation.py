@@ -1,0 +1,177 @@
+"""What a closed-loop simulation gives: signals at the control rate, tracking errors, and the files
+of the contract."""
+
+from __future__ import annotations
+
+import io
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from irb2400_ctrl.codegen import Block
+from irb2400_ctrl.files import write_atomic
+from irb2400_ctrl.robot import Robot
+from irb2400_ctrl.simulation.instruments import Actuators, Sensors
+from irb2400_ctrl.simulation.tracking import contour_errors, tcp_positions
+from irb2400_ctrl.simulation.trajectory import Trajectory
+
+Array = NDArray[np.float64]
+CONTOUR_WINDOW_S = 0.15
+
+
+@dataclass(frozen=True, eq=False)
+class Simulation:
+    """One run. Arrays (m, n) at the control rate, in rad, rad/s, Nm; errors of the TCP in metres.
+
+    `signals` holds by name: q, qd (true), q_seen, qd_seen (measured), tau (acting), command, dry,
+    q_link (true angles on the side of the links; they differ from q where a joint is elastic).
+    """
+
+    robot: Robot
+    plant: Robot
+    controller: Block
+    sensors: Sensors
+    actuators: Actuators
+    reference: Trajectory
+    signals: Mapping[str, Array]
+    wall_time: float
+    seed: int
+
+    def __post_init__(self) -> None:
+        for array in self.signals.values():
+            array.setflags(write=False)
+
+    @property
+    def time(self) -> Array:
+        """[s], shape (m,)."""
+        return self.reference.time
+
+    @property
+    def q(self) -> Array:
+        """True angles [rad]."""
+        return self.signals["q"]
+
+    @property
+    def qd(self) -> Array:
+        """True speeds [rad/s]."""
+        return self.signals["qd"]
+
+    @property
+    def q_ref(self) -> Array:
+        """Reference angles [rad]."""
+        return self.reference.q
+
+    @property
+    def tau(self) -> Array:
+        """Torque that acts on the arm [Nm]."""
+        return self.signals["tau"]
+
+    @cached_property
+    def p_BT(self) -> Array:
+        """TCP positions [m], shape (m, 3)."""
+        return tcp_positions(self.plant, self.signals["q_link"])
+
+    @cached_property
+    def p_BT_ref(self) -> Array:
+        """Reference positions of the TCP [m], shape (m, 3)."""
+        return tcp_positions(self.robot, self.q_ref)
+
+    @cached_property
+    def tcp_error(self) -> Array:
+        """Distance of the TCP from where it should be at that time [m], shape (m,)."""
+        return np.asarray(np.linalg.norm(self.p_BT - self.p_BT_ref, axis=1))
+
+    @cached_property
+    def contour_error(self) -> Array:
+        """Distance of the TCP from the path, whatever the time along it [m], shape (m,)."""
+        window = max(1, round(CONTOUR_WINDOW_S / self.controller.sample_time))
+        return contour_errors(self.p_BT_ref, self.p_BT, window)
+
+    @property
+    def real_time_factor(self) -> float:
+        """Simulated over elapsed time of the loop itself."""
+        return float(self.time[-1] / max(self.wall_time, 1e-9))
+
+    def summary(self) -> dict[str, Any]:
+        """The figures of `simulation.json`."""
+        error = np.degrees(self.q - self.q_ref)
+        limit = self.plant.tau_max
+        return {
+            "controller": self.controller.name,
+            "robot": self.robot.name,
+            "plant": self.plant.name,
+            "duration_s": float(self.time[-1]),
+            "control_rate_Hz": 1.0 / self.controller.sample_time,
+            "tcp_error_mm": {
+                "rms": 1e3 * _rms(self.tcp_error),
+                "max": 1e3 * float(self.tcp_error.max()),
+            },
+            "contour_error_mm": {
+                "rms": 1e3 * _rms(self.contour_error),
+                "max": 1e3 * float(self.contour_error.max()),
+            },
+            "joint_error_deg": {
+                "rms": [_rms(e) for e in error.T],
+                "max": np.abs(error).max(axis=0).tolist(),
+            },
+            "max_torque_ratio": (np.abs(self.tau).max(axis=0) / limit).tolist(),
+            "saturated_share": (np.abs(self.tau) >= limit * (1 - 1e-9)).mean(axis=0).tolist(),
+            "sensors": self.sensors.model_dump(),
+            "actuators": self.actuators.model_dump(),
+            "seed": self.seed,
+            "real_time_factor": self.real_time_factor,
+        }
+
+    def log_columns(self) -> dict[str, Array]:
+        """The log as the robot's data stream would give it: header name -> column."""
+        every = max(1, round(1.0 / (self.sensors.rate_Hz * self.controller.sample_time)))
+        rows = slice(None, None, every)
+        n = self.plant.n
+        columns = {"time_s": self.time[rows]}
+        for name, unit, values in (
+            ("q", "deg", np.degrees(self.signals["q_seen"])),
+            ("qd", "deg_s", np.degrees(self.signals["qd_seen"])),
+            ("tau", "Nm", self.reported_torque()),
+        ):
+            columns |= {f"{name}{j + 1}_{unit}": values[rows, j] for j in range(n)}
+        return columns | {f"q{j + 1}_ref_deg": np.degrees(self.q_ref[rows, j]) for j in range(n)}
+
+    def reported_torque(self) -> Array:
+        """Torque as the measuring chain reports it: with the plant's gain, offset and delay, and
+        noise [Nm]."""
+        tau = np.array(self.tau)
+        for effect in self.plant.effects:
+            tau = effect.reported(self.time, tau)
+        noise = np.random.default_rng(self.seed).standard_normal(tau.shape)
+        return np.asarray(tau + self.sensors.torque_noise_Nm * noise)
+
+    def write(self, out: Path | str) -> tuple[Path, Path]:
+        """Write `log.csv` and `simulation.json` into the folder `out`; returns their paths."""
+        columns = self.log_columns()
+        text = io.StringIO()
+        text.write(",".join(columns) + "\n")
+        formats = [_format(name) for name in columns]
+        np.savetxt(text, np.column_stack(list(columns.values())), fmt=formats, delimiter=",")
+        log = write_atomic(Path(out) / "log.csv", text.getvalue())
+        return log, write_atomic(
+            Path(out) / "simulation.json", json.dumps(self.summary(), indent=2) + "\n"
+        )
+
+
+def _format(name: str) -> str:
+    if name == "time_s":
+        return "%.4f"
+    if name.startswith("tau"):
+        return "%.3f"
+    # 1e-6 deg is a fifteenth of the encoder's step, so that rounding adds nothing that matters
+    return "%.4f" if name.endswith("deg_s") else "%.6f"
+
+
+def _rms(values: Array) -> float:
+    return float(np.sqrt(np.mean(np.square(values))))

@@ -1,0 +1,20 @@
+"""Module names of version 0.1 still lead to the same objects, and say what they are called now."""
+
+from __future__ import annotations
+
+import importlib
+import sys
+
+import pytest
+
+from irb2400_ctrl._renamed import PACKAGE, RENAMED
+
+
+@pytest.mark.parametrize("old", sorted(RENAMED))
+def test_an_old_module_name_leads_to_the_new_module_and_says_so(old: str) -> None:
+    sys.modules.pop(PACKAGE + old, None)
+    with pytest.warns(DeprecationWarning, match=RENAMED[old].replace(".", r"\.")):
+        found = importlib.import_module(PACKAGE + old)
+    assert found is importlib.import_module(PACKAGE + RENAMED[old])
+    assert found.__spec__ is not None
+    assert found.__spec__.name == PACKAGE + RENAMED[old]
