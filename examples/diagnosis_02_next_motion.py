@@ -11,9 +11,8 @@ import irb2400_ctrl as irb
 from irb2400_ctrl.diagnosis import diagnose
 from irb2400_ctrl.effects import LIBRARY
 from irb2400_ctrl.excitation import Budget, excite
-from irb2400_ctrl.measurement import read_log
+from irb2400_ctrl.measurement import read_log, recorded_motion
 from irb2400_ctrl.simulation import Sensors, load_trajectory, perturbed_robot, simulate
-from irb2400_ctrl.simulation.recorded import recorded_motion
 
 robot = irb.load_robot("irb2400")
 # an arm a few per cent off its data sheet, whose axis 3 has 0.02 Nm more friction per Nm of load

@@ -71,9 +71,9 @@ def diagnose(
     if close_loop:
         with step("closing the loop"):
             from irb2400_ctrl.codegen import export_package
+            from irb2400_ctrl.measurement import recorded_motion
             from irb2400_ctrl.report.closed_loop_section import add_closed_loop, closed_loop_lines
             from irb2400_ctrl.simulation.close_the_loop import close_loop as track
-            from irb2400_ctrl.simulation.recorded import recorded_motion
 
             export_package(make_controller(controller, result.robot), out / "controller")
             loop = track(arm, result.robot, recorded_motion(logs[0]), controller=controller)

@@ -98,8 +98,7 @@ def plan(
             from irb2400_ctrl.model import Model
             from irb2400_ctrl.planners.programs.rapid.rapid_program import rapid_program
 
-            motion = planned.trajectory
-            rapid_program(Model(arm), motion.time, motion.q).save(out / "program.mod")
+            rapid_program(Model(arm), planned.trajectory).save(out / "program.mod")
             written.append("program.mod")
     s = planned.summary()
     print(f"{path.name}: {len(toolpath)} points, {s['duration_s']:.2f} s")

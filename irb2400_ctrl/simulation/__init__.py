@@ -4,7 +4,7 @@ from irb2400_ctrl.simulation.instruments import IDEAL_ACTUATORS, IDEAL_SENSORS, 
 from irb2400_ctrl.simulation.perturb import perturbed_robot
 from irb2400_ctrl.simulation.simulate import Loop, make_loop, simulate
 from irb2400_ctrl.simulation.simulation import Simulation
-from irb2400_ctrl.simulation.trajectory import Trajectory, from_angles, load_trajectory
+from irb2400_ctrl.trajectory import Trajectory, from_angles, load_trajectory
 
 __all__ = [
     "IDEAL_ACTUATORS",

@@ -23,7 +23,7 @@ from irb2400_ctrl.simulation.mechanics import force_effects, mass_data, symbolic
 from irb2400_ctrl.simulation.plant import SUBSTEPS
 from irb2400_ctrl.simulation.simulation import Simulation
 from irb2400_ctrl.simulation.spring_step import elastic_data, elastic_joints, twist
-from irb2400_ctrl.simulation.trajectory import Trajectory
+from irb2400_ctrl.trajectory import Trajectory
 
 Array = NDArray[np.float64]
 STANDSTILL = 1e-3
@@ -82,6 +82,11 @@ class Loop:
             raise InputError(
                 "this loop was compiled for a plant with other effects; make a new one with "
                 "`make_loop`"
+            )
+        if not isinstance(trajectory, Trajectory):
+            raise InputError(
+                f"trajectory: found a {type(trajectory).__name__}; expected a Trajectory, such as "
+                "`plan.trajectory`"
             )
         period = self.controller.sample_time
         motion = trajectory.at_rate(1.0 / period, hold=hold)
