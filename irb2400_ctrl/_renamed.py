@@ -91,6 +91,7 @@ RENAMED = {
     "simulation.close_loop": "simulation.close_the_loop",
     "simulation.elasticity": "simulation.spring_step",
     "simulation.result": "simulation.simulation",
+    "urdf": "robot.urdf_export",
 }
 """old name -> new name, both below `irb2400_ctrl`"""
 

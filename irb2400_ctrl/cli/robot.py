@@ -134,7 +134,7 @@ def export(
     import re
 
     from irb2400_ctrl.robot import load_robot
-    from irb2400_ctrl.urdf import save_urdf
+    from irb2400_ctrl.robot.urdf_export import save_urdf
 
     arm = load_robot(robot)
     name = re.sub(r"\W+", "_", arm.name).strip("_").lower()
