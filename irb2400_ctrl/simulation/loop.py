@@ -61,30 +61,20 @@ def closed_loop(
         "tau_lag": behind_lag,
     }
     shown: Values = {
-        "q": v["p_q"],
-        "qd": v["p_qd"],
         "q_seen": q_seen,
         "qd_seen": qd_seen,
         "tau": tau,
         "command": command,
-        "dry": v["p_dry"],
-        "q_link": link_angles(plant, v["p_q"], v.get("p_link", ca.SX(0, 1))),
+        **_true(v, plant),
         **{f"c_{f.name}": control[f.name] for f in _extra(controller)},
     }
     results = [*(after[f.name] for f in states), *(shown[f.name] for f in outputs)]
     names_out = [*(f"{f.name}_next" for f in states), *(f"{f.name}_now" for f in outputs)]
     dense = [ca.densify(x) for x in results]
     step = ca.Function(f"{controller.name}_loop", list(v.values()), dense, list(v), names_out)
-    return Block(
-        step.name(),
-        f"{controller.name} on {plant.name}",
-        period,
-        tuple(states),
-        tuple(inputs),
-        tuple(outputs),
-        tuple(parameters),
-        step,
-    )
+    doc = f"{controller.name} on {plant.name}"
+    ports = (tuple(states), tuple(inputs), tuple(outputs), tuple(parameters))
+    return Block(step.name(), doc, period, *ports, step)
 
 
 def _check_ports(controller: Block) -> None:
@@ -149,6 +139,16 @@ def _parameters(plant: Robot, arm: Block, controller: Block) -> list[Field]:
         *prefixed("c_", controller.parameters),
         Field("encoder_zero", plant.n, "rad", "true minus reported angle", zero),
     ]
+
+
+def _true(v: Values, plant: Robot) -> Values:
+    """Motion and friction of the arm at the sample."""
+    return {
+        "q": v["p_q"],
+        "qd": v["p_qd"],
+        "dry": v["p_dry"],
+        "q_link": link_angles(plant, v["p_q"], v.get("p_link", ca.SX(0, 1))),
+    }
 
 
 def _measured(v: Values, sensors: Sensors, period: float) -> tuple[ca.SX, ca.SX]:
