@@ -1,5 +1,4 @@
-"""Closed-loop simulation in generated C: `simulate` runs it, `Simulation` holds and writes what
-came out."""
+"""Closed-loop simulation in generated C: `simulate` runs it once, a `Loop` runs it many times."""
 
 from __future__ import annotations
 

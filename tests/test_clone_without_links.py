@@ -1,0 +1,69 @@
+"""A clone without symbolic links, git's default on Windows, is a whole package.
+
+Run with `-S`: no `.pth` file and no finder of an editable installation may stand in for what the
+clone lacks. What is not committed yet is not in a clone.
+"""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parent.parent
+
+
+@pytest.fixture(scope="module")
+def clone(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    if shutil.which("git") is None or not (ROOT / ".git").exists():
+        pytest.skip("not a git work tree")
+    place = tmp_path_factory.mktemp("clone") / "irb2400"
+    command = ["git", "-c", "core.symlinks=false", "clone", "--quiet", str(ROOT), str(place)]
+    subprocess.run(command, check=True, capture_output=True)
+    return place
+
+
+def run_in(clone: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
+    """The running interpreter on the clone, with the installed dependencies."""
+    installed = [p for p in sys.path if Path(p).name in {"site-packages", "dist-packages"}]
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join([str(clone), *installed])}
+    return subprocess.run(
+        [sys.executable, "-S", *arguments],
+        cwd=clone.parent,
+        env=environment,
+        capture_output=True,
+        text=True,
+    )
+
+
+def test_the_clone_has_no_link(clone: Path) -> None:
+    for name in ("controllers", "planners"):
+        assert not (clone / name).is_symlink()
+        assert (clone / name).is_file()
+
+
+@pytest.mark.parametrize("name", ["planners", "planners.timing.rate_limited", "controllers"])
+def test_packages_come_from_the_clone(clone: Path, name: str) -> None:
+    text = f"import irb2400_ctrl.{name} as package; print(package.__file__)"
+    found = run_in(clone, "-c", text)
+    assert found.returncode == 0, found.stderr
+    assert Path(found.stdout.strip()).is_relative_to(clone)
+
+
+def test_the_main_job_runs_from_the_clone(clone: Path) -> None:
+    out = clone.parent / "out"
+    found = run_in(clone, "-m", "irb2400_ctrl", "demo", "--out", str(out))
+    assert found.returncode == 0, found.stderr
+    assert (out / "report.html").is_file()
+    assert "gear_ripple on joint 4" in found.stdout
+
+
+def test_the_command_line_needs_no_script_on_the_path(clone: Path) -> None:
+    found = run_in(clone, "-m", "irb2400_ctrl", "--help")
+    assert found.returncode == 0, found.stderr
+    assert "Usage: python -m irb2400_ctrl" in found.stdout
+    assert run_in(clone, "-m", "irb2400_ctrl", "robot", "show", "nobody").returncode == 2
