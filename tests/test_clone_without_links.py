@@ -15,6 +15,11 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parent.parent
+PATH = """x_mm,y_mm,z_mm,i,j,k
+900,-50,700,0,0,1
+900,0,700,0,0,1
+900,50,700,0,0,1
+"""
 
 
 @pytest.fixture(scope="module")
@@ -54,12 +59,20 @@ def test_packages_come_from_the_clone(clone: Path, name: str) -> None:
     assert Path(found.stdout.strip()).is_relative_to(clone)
 
 
-def test_the_main_job_runs_from_the_clone(clone: Path) -> None:
+def test_plan_simulate_and_codegen_run_from_the_clone(clone: Path) -> None:
+    path = clone.parent / "path.csv"
+    path.write_text(PATH)
     out = clone.parent / "out"
-    found = run_in(clone, "-m", "irb2400_ctrl", "demo", "--out", str(out))
-    assert found.returncode == 0, found.stderr
-    assert (out / "report.html").is_file()
-    assert "gear_ripple on joint 4" in found.stdout
+    steps = [
+        ("plan", str(path), "--out", str(out)),
+        ("simulate", str(out / "trajectory.csv"), "--controller", "pid", "--out", str(out)),
+        ("codegen", "--controller", "pid", "--target", "host", "--out", str(out / "c")),
+    ]
+    for arguments in steps:
+        found = run_in(clone, "-m", "irb2400_ctrl", *arguments)
+        assert found.returncode == 0, found.stderr
+    assert (out / "log.csv").is_file()
+    assert (out / "c" / "pid.c").is_file()
 
 
 def test_the_command_line_needs_no_script_on_the_path(clone: Path) -> None:
