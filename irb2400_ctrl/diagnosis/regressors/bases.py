@@ -171,8 +171,8 @@ class _Law:
         numbers = CHUNK if self.memory is None else CHUNK // 16
         chunk = max(1, numbers // m)
         for start in range(0, len(grid), chunk):
-            part = np.array(grid[start : start + chunk], dtype=float)
-            part = part.reshape(-1, len(grid[0]))
+            points = grid[start : start + chunk]
+            part = np.array(points, dtype=float).reshape(len(points), len(grid[0]))
             place = slice(start, start + len(part))
             for joint, column, flat in self._flat_columns(motion, inputs, part, law_too):
                 whole = (np.broadcast_to(flat, (len(part), m)) * active).T
