@@ -11,7 +11,7 @@ from irb2400_ctrl.errors import InfeasibleError
 from irb2400_ctrl.planners.enclosure.cells import Cells
 from irb2400_ctrl.planners.timing.infeasible_point import InfeasiblePointError
 from irb2400_ctrl.planners.timing.motion_limits import MotionLimits, speed_bounds
-from irb2400_ctrl.planners.timing.time_law import TimeLaw
+from irb2400_ctrl.planners.timing.piecewise_constant_law import PiecewiseConstantLaw
 from irb2400_ctrl.planners.timing.torque_constraints import Linearisation, torque_constraints
 from irb2400_ctrl.planners.timing.two_pass import Passed, two_pass
 
@@ -29,7 +29,7 @@ _TIGHT = 1.2
 class Timed:
     """A time law and how it was reached."""
 
-    law: TimeLaw
+    law: PiecewiseConstantLaw
     passes: int
     speed_bound: Array
     """bound of x at the grid points by speed and feed, shape (m + 1,)"""
@@ -98,7 +98,7 @@ def time_path(
             else:
                 break
             continue
-        new = TimeLaw(cells.s, passed.x).duration
+        new = PiecewiseConstantLaw(cells.s, passed.x).duration
         gained = duration - new
         if new <= duration:
             best = passed
@@ -111,7 +111,7 @@ def time_path(
         raise _explain(cells, limits, friction, 0 if passed.stuck is None else passed.stuck)
     if not np.isfinite(duration):
         raise _explain(cells, limits, friction, int(np.argmin(best.x[1:-1])))
-    return Timed(TimeLaw(cells.s, best.x), passes, bound)
+    return Timed(PiecewiseConstantLaw(cells.s, best.x), passes, bound)
 
 
 def _guess(

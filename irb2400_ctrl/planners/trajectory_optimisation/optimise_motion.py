@@ -26,7 +26,6 @@ from irb2400_ctrl.planners.redundancy.singularity_margins import NAMES
 from irb2400_ctrl.planners.timing.certificate import Certificate
 from irb2400_ctrl.planners.timing.infeasible_point import InfeasiblePointError
 from irb2400_ctrl.planners.timing.motion_limits import MotionLimits
-from irb2400_ctrl.planners.timing.time_law import TimeLaw
 from irb2400_ctrl.planners.trajectory_optimisation.knots import Knots, Solved
 from irb2400_ctrl.planners.trajectory_optimisation.optimised import (
     MotionOutcome,
@@ -150,11 +149,11 @@ def optimise_motion(
 def _slowed(found: MotionOutcome, dynamics: PathDynamics, duration: float) -> MotionOutcome:
     """The same motion evenly slowed to a longer duration: what its energy is to be compared
     with."""
-    factor = found.duration / duration
-    if factor >= 1:
+    if duration <= found.duration:
         return found
     c = found.certificate
-    return outcome(Certificate(c.path, TimeLaw(c.law.s, factor**2 * c.law.x), c.limits), dynamics)
+    law = c.law.slowed(duration / found.duration)
+    return outcome(Certificate(c.path, law, c.limits), dynamics)
 
 
 @dataclass(frozen=True)

@@ -31,20 +31,18 @@ _STEADY = 0.02
 _SLIVER = 0.05
 
 
-def first_grid(
-    path: JointPath, fastest: TimeLaw, channels: ConstrainedOutputs, count: int
-) -> Array:
+def first_grid(path: JointPath, fastest: TimeLaw, outputs: ConstrainedOutputs, count: int) -> Array:
     """Knots, reversals, even steps; small steps at both ends, growing, and wherever the fastest
     motion changes by much.
 
     Args:
         path: the joint path.
         fastest: its time law with jumps.
-        channels: on the cells of that law.
+        outputs: on the cells of that law.
         count: about how many even steps.
     """
     s = grid(path, count)
-    jerk, ramp = channels.building_up(np.full(len(channels.h), fastest.x.max()))
+    jerk, ramp = outputs.building_up(np.full(len(outputs.h), fastest.x.max()))
     steps = [s]
     for end, side in ((0, 1.0), (-1, -1.0)):
         first = min(jerk[end] * (_FIRST * ramp[end]) ** 3 / 6, 1e-2 * np.diff(s)[end])
@@ -60,10 +58,10 @@ def first_grid(
     )
 
 
-def refined(law: RateLimitedLaw, channels: ConstrainedOutputs) -> Array:
+def refined(law: RateLimitedLaw, outputs: ConstrainedOutputs) -> Array:
     """The grid of a law, cut so that no cell in which the speed changes takes long, for a closer
     solution."""
-    _, ramp = channels.building_up(np.maximum(law.x[:-1], law.x[1:]))
+    _, ramp = outputs.building_up(np.maximum(law.x[:-1], law.x[1:]))
     change = np.zeros(len(ramp))
     change[1:-1] = np.abs(np.diff(np.log(law.x[1:-1])))
     busy = change > _STEADY
