@@ -69,8 +69,8 @@ def sampled_optimum(dynamics: PathDynamics, path: JointPath, count: int = 4000) 
         near = np.maximum.reduce([law.x, np.roll(law.x, 1), np.roll(law.x, -1)])
         high = np.minimum(bound, room * near + 1e-9)
         passed = two_pass(np.concatenate(rows, axis=1), h, np.zeros_like(high), high)
-        if passed.stuck is not None:
-            raise RuntimeError(f"the reference is stuck at cell {passed.stuck}")
+        if passed.infeasible_cell is not None:
+            raise RuntimeError(f"the reference has no motion at cell {passed.infeasible_cell}")
         law = PiecewiseConstantLaw(s, passed.x)
     return law
 

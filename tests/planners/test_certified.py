@@ -127,7 +127,7 @@ def test_speed_bounds_hold_between_grid_points() -> None:
     assert (np.abs(qd) / LIMITS.qd_max).max() <= 1 + 1e-9
 
 
-def test_ball_radii_hold_for_complex_arguments() -> None:
+def test_disc_radii_hold_for_complex_arguments() -> None:
     x = ca.SX.sym("x", 2)
     f = ca.sin(x[0]) * ca.cos(x[1]) ** 2 + x[0] / (2 + x[1]) - ca.sqrt(3 + x[0] * x[1])
     radius = disc_function(ca.Function("f", [x], [f]))

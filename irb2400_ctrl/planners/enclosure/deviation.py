@@ -15,8 +15,8 @@ import numpy.typing as npt
 
 from irb2400_ctrl.codegen import compile_function
 from irb2400_ctrl.model import Model
-from irb2400_ctrl.planners.enclosure.cells import parabolas
 from irb2400_ctrl.planners.enclosure.complex_disc import disc_function
+from irb2400_ctrl.planners.enclosure.parabolas import parabolas
 from irb2400_ctrl.planners.enclosure.tcp_path import TcpPath
 from irb2400_ctrl.planners.redundancy.follow import Followed
 from irb2400_ctrl.planners.toolpath.orientation import Orientation

@@ -36,7 +36,7 @@ class TimeLaw(ABC):
 
     @property
     def duration(self) -> float:
-        """[s]; not finite when the path gets stuck."""
+        """[s]; not finite where the path comes to rest on its way."""
         return float(self.time[-1])
 
     @property

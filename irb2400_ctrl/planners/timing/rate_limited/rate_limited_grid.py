@@ -5,12 +5,9 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from irb2400_ctrl.planners.enclosure.cells import grid
+from irb2400_ctrl.planners.enclosure.cells import divided, grid
 from irb2400_ctrl.planners.joint_path import JointPath
-from irb2400_ctrl.planners.timing.rate_limited.constrained_outputs import (
-    ConstrainedOutputs,
-    Integers,
-)
+from irb2400_ctrl.planners.timing.rate_limited.constrained_outputs import ConstrainedOutputs
 from irb2400_ctrl.planners.timing.rate_limited.rate_limited_law import RateLimitedLaw
 from irb2400_ctrl.planners.timing.time_law import TimeLaw
 
@@ -53,7 +50,7 @@ def first_grid(path: JointPath, fastest: TimeLaw, outputs: ConstrainedOutputs, c
     s = _without_slivers(np.unique(np.concatenate(steps)), path.knots)
     x = np.interp(s, fastest.s, fastest.x)
     change = np.abs(np.diff(np.log(np.maximum(x[1:-1], 1e-300))))
-    return _cut(
+    return divided(
         s, np.concatenate([[1], np.clip(np.ceil(change / _CHANGE), 1, 20), [1]]).astype(int)
     )
 
@@ -72,7 +69,7 @@ def refined(law: RateLimitedLaw, outputs: ConstrainedOutputs) -> Array:
     )
     parts = np.where(busy, parts, 1).astype(int)
     parts[[0, -1]] = 1
-    return _cut(law.s, parts)
+    return divided(law.s, parts)
 
 
 def _without_slivers(s: Array, knots: Array) -> Array:
@@ -83,10 +80,3 @@ def _without_slivers(s: Array, knots: Array) -> Array:
     drop = np.flatnonzero(near & ~fixed[1:-1]) + 1
     # of neighbours only the first goes
     return np.delete(s, drop[np.diff(drop, prepend=-1) > 1])
-
-
-def _cut(s: Array, parts: Integers) -> Array:
-    """Every cell cut into so many equal parts."""
-    first = np.repeat(s[:-1], parts)
-    number = np.arange(parts.sum()) - np.repeat(np.cumsum(parts) - parts, parts)
-    return np.append(first + number * np.repeat(np.diff(s) / parts, parts), s[-1])
