@@ -8,7 +8,6 @@ import casadi as ca
 import numpy as np
 import numpy.typing as npt
 
-from irb2400_ctrl.effects.added_body import AddedBody
 from irb2400_ctrl.errors import InputError, UnreachableError
 from irb2400_ctrl.model import geometry
 from irb2400_ctrl.model import inverse_kinematics as closed_form
@@ -230,9 +229,8 @@ class Model:
         phi = self.robot.inertial_parameters.copy()
         n = self.robot.n
         for effect in self.robot.effects:
-            if isinstance(effect, AddedBody) and effect.role == "parameters":
-                carrier = effect.carrier(n)
-                added = np.array(effect.coefficients())
+            if effect.role == "parameters":
+                carrier, added = effect.body(n)
                 if carrier == n + 1:
                     carrier = n
                     added = np.asarray(transport(ca.DM(self.robot.flange.matrix()))) @ added
