@@ -75,14 +75,7 @@ class Loop:
         """
         arm = self.plant if plant is None else plant
         self._check_structure(arm)
-        if not isinstance(trajectory, Trajectory):
-            raise InputError(
-                f"trajectory: found a {type(trajectory).__name__}; expected a Trajectory, such as "
-                "`plan.trajectory`"
-            )
-        motion = trajectory.at_rate(1.0 / self.controller.sample_time, hold=hold)
-        if motion.q.shape[1] != arm.n:
-            raise InputError(f"trajectory: found {motion.q.shape[1]} axes; the robot has {arm.n}")
+        motion = self._at_control_rate(trajectory, arm.n, hold)
         inputs = self._inputs(motion, wrench, lost, seed)
         own = self._gains(gains or {})
         x0, hold_torque = self._initial.of(arm, motion, own)
@@ -104,6 +97,17 @@ class Loop:
             wall,
             seed,
         )
+
+    def _at_control_rate(self, trajectory: Trajectory, axes: int, hold: float) -> Trajectory:
+        if not isinstance(trajectory, Trajectory):
+            raise InputError(
+                f"trajectory: found a {type(trajectory).__name__}; expected a Trajectory, such as "
+                "`plan.trajectory`"
+            )
+        motion = trajectory.at_rate(1.0 / self.controller.sample_time, hold=hold)
+        if motion.q.shape[1] != axes:
+            raise InputError(f"trajectory: found {motion.q.shape[1]} axes; the robot has {axes}")
+        return motion
 
     @cached_property
     def _initial(self) -> InitialState:
