@@ -33,7 +33,6 @@ if TYPE_CHECKING:
         simulation,
         sweep,
         trajectory,
-        urdf,
     )
     from irb2400_ctrl.codegen import export_package
     from irb2400_ctrl.controllers import controller
@@ -75,7 +74,6 @@ __all__ = [
     "simulation",
     "sweep",
     "trajectory",
-    "urdf",
 ]
 
 _HOUSES = {

@@ -93,6 +93,7 @@ RENAMED = {
     "simulation.recorded": "measurement.recorded",
     "simulation.result": "simulation.simulation",
     "simulation.trajectory": "trajectory",
+    "urdf": "robot.urdf_export",
 }
 """old name -> new name, both below `irb2400_ctrl`"""
 

@@ -16,7 +16,8 @@ from irb2400_ctrl.diagnosis.comparison.criteria import Criteria
 from irb2400_ctrl.diagnosis.comparison.scan import Scan
 from irb2400_ctrl.diagnosis.comparison.selection import Selection, reversal_rows
 from irb2400_ctrl.diagnosis.comparison.step import Step
-from irb2400_ctrl.diagnosis.diagnosis import Comparison, Curve, Diagnosis, Finding, Unexplained
+from irb2400_ctrl.diagnosis.curves import UNITS, binned_curve
+from irb2400_ctrl.diagnosis.diagnosis import Comparison, Diagnosis, Finding, Unexplained
 from irb2400_ctrl.diagnosis.estimation.candidate import Candidate
 from irb2400_ctrl.diagnosis.estimation.fit import Fit, Fitter, noisy_reversals_masked
 from irb2400_ctrl.diagnosis.preparation.base_prior import Nuisance, Uncertainty
@@ -202,7 +203,7 @@ def _findings(
                     gain=step.gain,
                     margin=step.margin,
                     share=share,
-                    curve=_curve(
+                    curve=binned_curve(
                         motion,
                         load,
                         joint,
@@ -242,13 +243,10 @@ def _unexplained(
     found = []
     for joint, parts in by_joint.items():
         torque = np.sum([tau for _, tau in parts], axis=0)[:, joint - 1]
+        residual = fit.residual[:, joint - 1]
         first = max(parts, key=lambda part: part[0].gain)[0]
         candidate: Candidate = first.candidate
-        signal = (
-            candidate.depends_on[0]
-            if candidate.depends_on[0] in {"q", "qd", "qdd", "load", "time"}
-            else "time"
-        )
+        signal = candidate.depends_on[0] if candidate.depends_on[0] in UNITS else "time"
         found.append(
             Unexplained(
                 joint=joint,
@@ -256,53 +254,10 @@ def _unexplained(
                 rmse=float(np.sqrt(np.mean(torque**2))),
                 confidence=confidence(first),
                 description=candidate.name,
-                curve=_curve(motion, load, joint - 1, signal, torque, fit.residual[:, joint - 1]),
+                curve=binned_curve(motion, load, joint - 1, signal, torque, residual),
             )
         )
     return tuple(found)
-
-
-_UNITS = {"q": "rad", "qd": "rad/s", "qdd": "rad/s2", "load": "Nm", "time": "s"}
-
-
-def _curve(
-    motion: PreparedLog,
-    load: Array,
-    joint: int,
-    signal: str,
-    law: Array,
-    residual: Array,
-    *,
-    period: float | None = None,
-    turned: bool = False,
-    bins: int = 40,
-) -> Curve:
-    """Binned torque over a signal of the joint (zero-based), folded to one period if it has one;
-    with a 95 % band.
-
-    `turned`: the torque of backward motion is turned over, so that friction of both directions lies
-    on one curve.
-    """
-    if turned:
-        sign = np.sign(motion.at_rows(motion.qd[:, joint]))
-        law = sign * law
-        residual = sign * residual
-    sources = {"q": motion.q, "qd": motion.qd, "qdd": motion.qdd, "load": load}
-    x = motion.row_time if signal == "time" else motion.at_rows(sources[signal][:, joint])
-    x = x if period is None else np.mod(x, period)
-    unit = _UNITS[signal] + ("" if period is None else ", within one period")
-    rows = motion.row_known[:, joint]
-    x, law, seen = x[rows], law[rows], (law + residual)[rows]
-    edges = np.linspace(x.min(), x.max() + 1e-12, bins + 1) if len(x) else np.zeros(1)
-    place = np.clip(np.digitize(x, edges) - 1, 0, bins - 1)
-    used = [k for k in range(bins) if (place == k).sum() >= 3]
-    middle = np.array([x[place == k].mean() for k in used])
-    mean = np.array([seen[place == k].mean() for k in used])
-    error = np.array([2.0 * seen[place == k].std() / np.sqrt((place == k).sum()) for k in used])
-    line = np.array([law[place == k].mean() for k in used])
-    for array in (middle, mean, line):
-        array.setflags(write=False)
-    return Curve(joint + 1, signal, unit, middle, mean, mean - error, mean + error, line, turned)
 
 
 def _recalibrated(nuisance: Nuisance, fit: Fit, robot: Robot) -> dict[str, Any]:

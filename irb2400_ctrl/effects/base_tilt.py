@@ -12,7 +12,7 @@ from irb2400_ctrl.effects.base import STANDARD_GRAVITY, Acts, Effect, Signals
 
 
 class BaseTilt(Effect):
-    """Gravity (g_x, g_y) = 9.81 (-tilt_y, tilt_x) in the base frame, small angles: tau = (d tau / d
+    """Gravity (g_x, g_y) = 9.81 (tilt_y, -tilt_x) in the base frame, small angles: tau = (d tau / d
     g) g."""
 
     acts: ClassVar[Acts] = "force"
