@@ -1,1 +1,1 @@
-"""The command line `irb2400`: one file per command, which parses, calls and prints."""
+"""."""

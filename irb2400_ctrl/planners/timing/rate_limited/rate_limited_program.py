@@ -2,8 +2,8 @@
 with few neighbours.
 
 Unknown are the control points z of x(s) = sdot^2, a quadratic B-spline on the inner cells: u = x'/2
-is continuous and linear in each cell. In the end cells s = h (t / T)^3 (`RateLimitedLaw`), so that
-x_1 = 3 h u_1 / 2 there. With the channels y = a u + b x + e sqrt(x) + c + dry friction of
+is continuous and linear in each cell. In the end cells s = h (t / T)^3 (`SmoothLaw`), so that x_1 =
+3 h u_1 / 2 there. With the channels y = a u + b x + e sqrt(x) + c + dry friction of
 `ConstrainedOutputs`, at both ends and the middle of every cell,
 
     |y| <= limit,        |(a' + 2 b) u + a u' + b' x + c' + (e u + e' x) / sqrt(x)| <= rate /
