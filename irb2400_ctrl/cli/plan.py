@@ -121,8 +121,7 @@ def _write(planned: Plan, arm: Robot, out: Path, rapid: bool) -> list[str]:
         from irb2400_ctrl.model import Model
         from irb2400_ctrl.planners.programs.rapid.rapid_program import rapid_program
 
-        motion = planned.trajectory
-        rapid_program(Model(arm), motion.time, motion.q).save(out / "program.mod")
+        rapid_program(Model(arm), planned.trajectory).save(out / "program.mod")
         written.append("program.mod")
     return written
 

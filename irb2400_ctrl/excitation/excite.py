@@ -13,13 +13,14 @@ from threadpoolctl import threadpool_limits
 
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.excitation.alternatives import Alternatives, Pair, named
-from irb2400_ctrl.excitation.assemble import Course, Workshop
+from irb2400_ctrl.excitation.assemble import Workshop
 from irb2400_ctrl.excitation.excitation import CLEAR, Excitation, Separability
 from irb2400_ctrl.excitation.groups import group_called
 from irb2400_ctrl.excitation.motion_design import ENOUGH, Budget, Design, merit, standard_course
 from irb2400_ctrl.measurement.prepared_log import PreparedLog
 from irb2400_ctrl.measurement.uniform import LowPass
 from irb2400_ctrl.robot import Robot
+from irb2400_ctrl.trajectory import Trajectory
 
 Array = npt.NDArray[np.float64]
 
@@ -133,7 +134,7 @@ def _table(
 
 
 def separability(
-    robot: Robot, group: str, course: Course, *, joint: int | None = None
+    robot: Robot, group: str, course: Trajectory, *, joint: int | None = None
 ) -> dict[Pair, float]:
     """Distances of the pairs of a group on any motion, sizes set on the standard motion of the same
     duration."""

@@ -11,9 +11,10 @@ import numpy.typing as npt
 
 from irb2400_ctrl.errors import InfeasibleError
 from irb2400_ctrl.excitation.alternatives import Alternatives
-from irb2400_ctrl.excitation.assemble import Course, Workshop
+from irb2400_ctrl.excitation.assemble import Workshop
 from irb2400_ctrl.excitation.groups import TIME_DEPENDENT
 from irb2400_ctrl.excitation.segments import FLAVOURS, FOR_GROUP, Piece, drawn, mutated
+from irb2400_ctrl.trajectory import Trajectory
 
 Array = npt.NDArray[np.float64]
 
@@ -174,7 +175,7 @@ class Design:
         return best
 
 
-def standard_course(workshop: Workshop, seconds: float, seed: int = 0) -> Course:
+def standard_course(workshop: Workshop, seconds: float, seed: int = 0) -> Trajectory:
     """The usual identification motion, for comparison: a multi-sine of all axes up to 0.42 Hz about
     the box's middle.
 

@@ -18,7 +18,7 @@ from irb2400_ctrl.planners.enclosure.cells import enclose, grid
 from irb2400_ctrl.planners.enclosure.deviation import deviation, singularity_margins
 from irb2400_ctrl.planners.enclosure.path_dynamics import PathDynamics, path_dynamics
 from irb2400_ctrl.planners.enclosure.tcp_path import TcpPath
-from irb2400_ctrl.planners.plan import Plan, Trajectory
+from irb2400_ctrl.planners.plan import Plan
 from irb2400_ctrl.planners.redundancy import wrist_remedies as remedies
 from irb2400_ctrl.planners.redundancy.choices import Choice, choices
 from irb2400_ctrl.planners.redundancy.singularity_margins import COMFORTABLE
@@ -37,6 +37,7 @@ from irb2400_ctrl.planners.toolpath.orientation import Orientation
 from irb2400_ctrl.planners.toolpath.task_curve import smooth_curve
 from irb2400_ctrl.planners.toolpath.toolpath import ToolPath
 from irb2400_ctrl.robot import Robot
+from irb2400_ctrl.trajectory import Trajectory
 
 Array = npt.NDArray[np.float64]
 Progress = Callable[[str], None]
@@ -313,7 +314,8 @@ def _trajectory(
         raise InputError(f"rate: {rate} rows per second make {rows} rows; expected a lower rate")
     t = np.arange(rows) / rate
     s, q, qd, qdd = certificate.law.motion(certificate.path, t)
-    return Trajectory(t, q, qd, qdd, dynamics.torque(q, qd, qdd, t), tip.way(s)), s
+    tau = dynamics.torque(q, qd, qdd, t)
+    return Trajectory(t, q, qd, qdd, tau, tip.way(s), check_speeds=False), s
 
 
 def _ratios(

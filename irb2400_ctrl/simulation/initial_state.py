@@ -19,7 +19,7 @@ from irb2400_ctrl.simulation.instruments import Sensors
 from irb2400_ctrl.simulation.loop import encoder_zero
 from irb2400_ctrl.simulation.mechanics import force_effects, mass_data, symbolic_mechanics
 from irb2400_ctrl.simulation.spring_step import elastic_data, elastic_joints, twist
-from irb2400_ctrl.simulation.trajectory import Trajectory
+from irb2400_ctrl.trajectory import Trajectory
 
 Array = NDArray[np.float64]
 STANDSTILL = 1e-3

@@ -21,7 +21,7 @@ from irb2400_ctrl.simulation.mechanics import force_effects, mass_data
 from irb2400_ctrl.simulation.plant import SUBSTEPS
 from irb2400_ctrl.simulation.simulation import Simulation
 from irb2400_ctrl.simulation.spring_step import elastic_data, elastic_joints
-from irb2400_ctrl.simulation.trajectory import Trajectory
+from irb2400_ctrl.trajectory import Trajectory
 
 Array = NDArray[np.float64]
 FAR = 1e3
@@ -75,6 +75,11 @@ class Loop:
         """
         arm = self.plant if plant is None else plant
         self._check_structure(arm)
+        if not isinstance(trajectory, Trajectory):
+            raise InputError(
+                f"trajectory: found a {type(trajectory).__name__}; expected a Trajectory, such as "
+                "`plan.trajectory`"
+            )
         motion = trajectory.at_rate(1.0 / self.controller.sample_time, hold=hold)
         if motion.q.shape[1] != arm.n:
             raise InputError(f"trajectory: found {motion.q.shape[1]} axes; the robot has {arm.n}")

@@ -17,7 +17,7 @@ from irb2400_ctrl.diagnosis import diagnose
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.excitation import Budget, Excitation, excite, groups
 from irb2400_ctrl.excitation.alternatives import Alternatives
-from irb2400_ctrl.excitation.assemble import Course, Workshop
+from irb2400_ctrl.excitation.assemble import Workshop
 from irb2400_ctrl.excitation.feasible import SHARE, between
 from irb2400_ctrl.excitation.groups import group_called
 from irb2400_ctrl.excitation.motion_design import standard_course
@@ -26,6 +26,7 @@ from irb2400_ctrl.measurement.prepared_log import prepare
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.planners.programs.rapid.rapid_reader import read_rapid
 from irb2400_ctrl.robot import load_robot
+from irb2400_ctrl.trajectory import Trajectory
 
 ROBOT = load_robot("irb2400")
 SMALL = Budget(pool=30, rounds=1, mutations=12)
@@ -36,7 +37,7 @@ def planned(group: str, joint: int | None, seconds: float = 40.0) -> Excitation:
     return excite(ROBOT, group, joint=joint, seconds=seconds, budget=SMALL)
 
 
-def recorded(case: Case, course: Course | None) -> Log:
+def recorded(case: Case, course: Trajectory | None) -> Log:
     """Log of the plant on the course (default its own identification motion), the effects as large
     in both."""
     commanded = None
