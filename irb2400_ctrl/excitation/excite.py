@@ -14,9 +14,10 @@ from threadpoolctl import threadpool_limits
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.excitation.alternatives import Alternatives, Pair, named
 from irb2400_ctrl.excitation.assemble import Workshop
-from irb2400_ctrl.excitation.excitation import CLEAR, Excitation, Separability
+from irb2400_ctrl.excitation.excitation import Excitation
 from irb2400_ctrl.excitation.groups import group_called
 from irb2400_ctrl.excitation.motion_design import ENOUGH, Budget, Design, merit, standard_course
+from irb2400_ctrl.excitation.pair_separability import CLEAR, Separability
 from irb2400_ctrl.measurement.prepared_log import PreparedLog
 from irb2400_ctrl.measurement.uniform import LowPass
 from irb2400_ctrl.robot import Robot

@@ -17,7 +17,8 @@ from irb2400_ctrl.planners.programs.rapid.rapid_program import (
     rapid_program,
 )
 from irb2400_ctrl.planners.programs.rapid.rapid_reader import read_rapid
-from irb2400_ctrl.planners.timing.certificate import Certificate, Checked, check
+from irb2400_ctrl.planners.timing.certificate import Certificate, check
+from irb2400_ctrl.planners.timing.motion_bounds import Checked
 from irb2400_ctrl.planners.timing.motion_limits import MotionLimits
 from irb2400_ctrl.planners.timing.time_joint_path import time_joint_path
 from irb2400_ctrl.planners.toolpath import builders

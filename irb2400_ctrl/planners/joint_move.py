@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike
 from irb2400_ctrl.errors import InfeasibleError, InputError
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.planners.joint_box import can_hold, inside_box, outside_box
+from irb2400_ctrl.robot import Robot
 from irb2400_ctrl.trajectory import Trajectory
 
 Array = npt.NDArray[np.float64]
@@ -115,23 +116,16 @@ def joint_move(
     for name, q in (("q_start", start), ("q_target", target)):
         inside_box(model, name, q)
         can_hold(model, name, q)
-    if (np.abs(speed) > robot.qd_max * (1 + 1e-9)).any():
-        axis = int(np.argmax(np.abs(speed) / robot.qd_max))
-        raise InputError(
-            f"qd_start: axis {axis + 1} moves at {np.degrees(speed[axis]):.1f} deg/s, "
-            f"expected at most {np.degrees(robot.qd_max[axis]):.1f}"
-        )
+    _within_speed(robot, speed)
     given = qdd_max if qdd_max is not None else _limits_of_file(model)
-    box = (
-        _accelerations(model, start, target)
-        if given is None
-        else _vector("qdd_max", given, robot.n, positive=True)
-    )
-    jerk = (
-        box / RAMP_TIME
-        if qddd_max is None
-        else _vector("qddd_max", qddd_max, robot.n, positive=True)
-    )
+    if given is None:
+        box = _accelerations(model, start, target)
+    else:
+        box = _vector("qdd_max", given, robot.n, positive=True)
+    if qddd_max is None:
+        jerk = box / RAMP_TIME
+    else:
+        jerk = _vector("qddd_max", qddd_max, robot.n, positive=True)
     # what somebody stated is never exceeded; what was only estimated may be scaled up
     top = 1.0 if given is not None or qddd_max is not None else _SCALES[0]
     return _Search(model, start, target, speed, acceleration, box, jerk, rate).best(top)
@@ -153,6 +147,16 @@ def _vector(name: str, value: ArrayLike, n: int, positive: bool = False) -> Arra
             f"{name}: the limit of axis {axis + 1} is {array[axis]}, expected a positive number"
         )
     return array
+
+
+def _within_speed(robot: Robot, speed: Array) -> None:
+    """Refuse a start that is faster than the speed limits."""
+    if (np.abs(speed) > robot.qd_max * (1 + 1e-9)).any():
+        axis = int(np.argmax(np.abs(speed) / robot.qd_max))
+        raise InputError(
+            f"qd_start: axis {axis + 1} moves at {np.degrees(speed[axis]):.1f} deg/s, "
+            f"expected at most {np.degrees(robot.qd_max[axis]):.1f}"
+        )
 
 
 def _limits_of_file(model: Model) -> Array | None:

@@ -21,6 +21,7 @@ from irb2400_ctrl.planners.enclosure.effect_forms import Forms
 from irb2400_ctrl.planners.enclosure.interval import interval_function
 from irb2400_ctrl.planners.enclosure.path_dynamics import PathDynamics, path_dynamics
 from irb2400_ctrl.planners.joint_path import JointPath
+from irb2400_ctrl.planners.timing.piecewise_constant_law import PiecewiseConstantLaw
 from irb2400_ctrl.planners.timing.time_joint_path import time_joint_path
 from irb2400_ctrl.planners.timing.time_law import TimeLaw
 from irb2400_ctrl.planners.toolpath import builders
@@ -103,7 +104,7 @@ def test_no_violation_whenever_the_motion_starts(name: str) -> None:
     checked = check(Certificate(path, timed.law, LIMITS), dynamics.model)
     assert worst_ratio(dynamics, path, timed.law) <= checked.torque_ratio
     assert 0.999 < checked.torque_ratio <= 1 + 1e-9
-    faster = TimeLaw(timed.law.s.copy(), 1.002 * timed.law.x)
+    faster = PiecewiseConstantLaw(timed.law.s.copy(), 1.002 * timed.law.x)
     assert not check(Certificate(path, faster, LIMITS), dynamics.model).holds()
     bare, _ = time_joint_path(path_dynamics(ROBOT), path, LIMITS)
     # a motion timed without the effects is refused by the check with them

@@ -290,19 +290,7 @@ def stream(
                 wire.settimeout(left)
                 data, sender = wire.recvfrom(4096)
             except TimeoutError as error:
-                if follower.running:
-                    reason = f"no message for {options.timeout:.3f} s"
-                elif peer is None:
-                    reason = (
-                        f"no controller called within {options.connect_timeout:.1f} s (UDPUC "
-                        "address and port?)"
-                    )
-                else:
-                    reason = (
-                        "the controller calls but EGM did not run within "
-                        f"{options.connect_timeout:.1f} s"
-                    )
-                raise follower.failure(reason) from error
+                raise follower.failure(_silence(follower, peer is not None)) from error
             if peer not in (None, sender):
                 continue
             try:
@@ -319,6 +307,16 @@ def stream(
             if follower.running:
                 deadline = monotonic() + options.timeout
     return follower.report()
+
+
+def _silence(follower: EgmFollower, called: bool) -> str:
+    """Why waiting for a message has an end."""
+    options = follower.options
+    if follower.running:
+        return f"no message for {options.timeout:.3f} s"
+    if called:
+        return f"the controller calls but EGM did not run within {options.connect_timeout:.1f} s"
+    return f"no controller called within {options.connect_timeout:.1f} s (UDPUC address and port?)"
 
 
 def _checked(
