@@ -55,12 +55,11 @@ class Problem:
         self.y = [one.whiten(y[:, j]) for j, one in enumerate(noise)]
         self.Z = [one.whiten(Z[:, j, :]) for j, one in enumerate(noise)]
         k = Z.shape[2]
-        A = np.eye(k) + sum((block.T @ block for block in self.Z), np.zeros((k, k)))
-        self._lower = np.linalg.cholesky(A)
+        gram = sum((block.T @ block for block in self.Z), np.zeros((k, k)))
+        self._lower = np.linalg.cholesky(np.eye(k) + gram)
         self._factor = (self._lower, True)
-        self._Zy: Array = sum(
-            (block.T @ v for block, v in zip(self.Z, self.y, strict=True)), np.zeros(k)
-        )
+        products = (block.T @ v for block, v in zip(self.Z, self.y, strict=True))
+        self._Zy: Array = sum(products, np.zeros(k))
         self.z: Array = cho_solve(self._factor, self._Zy)
         self.quadratic = float(sum(v @ v for v in self.y) - self._Zy @ self.z)
         """y^T P y"""
