@@ -66,21 +66,6 @@ FLAVOURS: dict[str, Flavour] = {
     )
 }
 
-FOR_GROUP: dict[str, tuple[str, ...]] = {
-    "base": ("swing", "slow", "alone"),
-    "coupling": ("alone", "lively", "fast", "swing"),
-    "delay": ("fast", "chirp", "lively"),
-    "dynamic": ("chirp", "fast", "lively"),
-    "friction level": ("swing", "slow", "alone", "reversals", "lively"),
-    "offset": ("swing", "slow", "alone", "reversals"),
-    "position error": ("swing", "slow", "alone", "reversals", "lively"),
-    "position law": ("slow", "swing", "alone"),
-    "reversal": ("reversals", "slow", "swing", "alone"),
-    "ripple": ("slow", "swing", "alone"),
-    "viscous": ("slow", "swing", "lively", "fast", "alone"),
-}
-"""what a group's motion is drawn from; all flavours where nothing is said"""
-
 
 @dataclass(frozen=True)
 class Piece:
