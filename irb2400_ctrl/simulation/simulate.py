@@ -75,14 +75,7 @@ class Loop:
         """
         arm = self.plant if plant is None else plant
         self._check_structure(arm)
-        if not isinstance(trajectory, Trajectory):
-            raise InputError(
-                f"trajectory: found a {type(trajectory).__name__}; expected a Trajectory, such as "
-                "`plan.trajectory`"
-            )
-        motion = trajectory.at_rate(1.0 / self.controller.sample_time, hold=hold)
-        if motion.q.shape[1] != arm.n:
-            raise InputError(f"trajectory: found {motion.q.shape[1]} axes; the robot has {arm.n}")
+        motion = self._reference(trajectory, arm.n, hold)
         inputs = self._inputs(motion, wrench, lost, seed)
         own = self._gains(gains or {})
         x0, hold_torque = self._initial.of(arm, motion, own)
@@ -108,6 +101,18 @@ class Loop:
     @cached_property
     def _initial(self) -> InitialState:
         return InitialState(self.plant, self.controller, self.sensors, self.compiled.block)
+
+    def _reference(self, trajectory: Trajectory, axes: int, hold: float) -> Trajectory:
+        """The motion at the controller's rate."""
+        if not isinstance(trajectory, Trajectory):
+            raise InputError(
+                f"trajectory: found a {type(trajectory).__name__}; expected a Trajectory, such as "
+                "`plan.trajectory`"
+            )
+        motion = trajectory.at_rate(1.0 / self.controller.sample_time, hold=hold)
+        if motion.q.shape[1] != axes:
+            raise InputError(f"trajectory: found {motion.q.shape[1]} axes; the robot has {axes}")
+        return motion
 
     def _check_structure(self, arm: Robot) -> None:
         """Numbers of the effects are parameters of the compiled code, their equations are not."""
