@@ -97,7 +97,7 @@ def _close_loop(result: Diagnosis, log: Log, controller: str, page: Page, out: P
     from irb2400_ctrl.codegen import export_package
     from irb2400_ctrl.controllers import controller as make_controller
     from irb2400_ctrl.files import write_atomic
-    from irb2400_ctrl.measurement.recorded import recorded_motion
+    from irb2400_ctrl.measurement import recorded_motion
     from irb2400_ctrl.report.closed_loop_section import add_closed_loop, closed_loop_lines
     from irb2400_ctrl.simulation.close_the_loop import close_loop
 

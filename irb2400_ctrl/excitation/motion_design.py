@@ -9,11 +9,11 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from irb2400_ctrl.effects import LIBRARY
 from irb2400_ctrl.errors import InfeasibleError
 from irb2400_ctrl.excitation.alternatives import Alternatives
 from irb2400_ctrl.excitation.assemble import Workshop
-from irb2400_ctrl.excitation.groups import TIME_DEPENDENT
-from irb2400_ctrl.excitation.segments import FLAVOURS, FOR_GROUP, Piece, drawn, mutated
+from irb2400_ctrl.excitation.segments import FLAVOURS, Piece, drawn, mutated
 from irb2400_ctrl.trajectory import Trajectory
 
 Array = npt.NDArray[np.float64]
@@ -86,8 +86,8 @@ class Design:
         kinds = {p.member[0] for p in alternatives.pairs} | {
             p.rival[0] for p in alternatives.pairs if p.rival
         }
-        self.timed = bool(kinds & set(TIME_DEPENDENT))
-        names = FOR_GROUP.get(alternatives.group.name, tuple(FLAVOURS))
+        self.timed = any(LIBRARY[kind].ambiguity.time_matters for kind in kinds)
+        names = alternatives.group.motions or tuple(FLAVOURS)
         self.flavours = [FLAVOURS[name] for name in names]
 
     def run(self, budget: Budget, progress: Callable[[str], None]) -> list[Piece]:

@@ -188,8 +188,8 @@ def encoder_zero(robot: Robot) -> list[float]:
     """True minus reported angle of each joint [rad], from the effects of the measuring chain."""
     zero = [0.0] * robot.n
     for effect in robot.effects:
-        if effect.kind == "encoder_zero":
-            zero[effect.index] += effect.coefficients()[0]
+        if effect.chain == "angle":
+            zero[effect.index] += effect.angle_offset
     return zero
 
 

@@ -75,7 +75,7 @@ class Loop:
         """
         arm = self.plant if plant is None else plant
         self._check_structure(arm)
-        motion = self._reference(trajectory, arm.n, hold)
+        motion = self._reference(trajectory, hold)
         inputs = self._inputs(motion, wrench, lost, seed)
         own = self._gains(gains or {})
         x0, hold_torque = self._initial.of(arm, motion, own)
@@ -102,16 +102,17 @@ class Loop:
     def _initial(self) -> InitialState:
         return InitialState(self.plant, self.controller, self.sensors, self.compiled.block)
 
-    def _reference(self, trajectory: Trajectory, axes: int, hold: float) -> Trajectory:
-        """The motion at the controller's rate."""
+    def _reference(self, trajectory: Trajectory, hold: float) -> Trajectory:
+        """The motion at the control rate."""
         if not isinstance(trajectory, Trajectory):
             raise InputError(
                 f"trajectory: found a {type(trajectory).__name__}; expected a Trajectory, such as "
                 "`plan.trajectory`"
             )
         motion = trajectory.at_rate(1.0 / self.controller.sample_time, hold=hold)
-        if motion.q.shape[1] != axes:
-            raise InputError(f"trajectory: found {motion.q.shape[1]} axes; the robot has {axes}")
+        axes = motion.q.shape[1]
+        if axes != self.plant.n:
+            raise InputError(f"trajectory: found {axes} axes; the robot has {self.plant.n}")
         return motion
 
     def _check_structure(self, arm: Robot) -> None:

@@ -163,7 +163,9 @@ def _spring_torque(x: _State, held: _Held, part: float) -> ca.SX:
     wound = twist - ca.fmin(ca.fmax(twist, -half_gap), half_gap)
     touching = ca.logic_or(wound != 0, half_gap == 0)
     twisting = rate + 0.5 * part * (x.qdd[soft] - x.link_acc)
-    return held.elastic[:, 0] * wound + touching * held.elastic[:, 1] * twisting
+    stiffness = held.elastic[:, 0]
+    damping = held.elastic[:, 1]
+    return stiffness * wound + touching * damping * twisting
 
 
 def _put(whole: ca.SX, places: list[int], values: ca.SX) -> ca.SX:

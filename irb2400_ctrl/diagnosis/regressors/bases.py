@@ -59,7 +59,7 @@ class Bases:
     def __init__(self, robot: Robot) -> None:
         self.robot = robot
         self.model = Model(robot)
-        self._laws: dict[tuple[str, int | None, bool, tuple[str, ...]], _Law] = {}
+        self._laws: dict[tuple[type[Effect], int | None, bool, tuple[str, ...]], _Law] = {}
 
     @cached_property
     def signals(self) -> ArmSignals:
@@ -72,20 +72,20 @@ class Bases:
         motion: PreparedLog,
         grid: Sequence[dict[str, float]] = ({},),
         *,
-        departures: bool = False,
+        discrepancy: bool = False,
         filtered: bool = True,
         windows: Sequence[tuple[float, float]] = (),
     ) -> list[RegressorColumns]:
         """The basis of one effect along the motion, one entry per set of nonlinear parameters.
 
         Args:
-            departures: the columns of `Effect.departures` instead of the basis.
+            discrepancy: the columns of `Effect.discrepancy_basis` instead of the basis.
             windows: times between which the effect acts [s]; empty: always.
             filtered: through the motion's common filter (rows), or sample by sample.
         """
         if not grid:
             return []
-        law = self._law(kind, joint, departures, tuple(grid[0]))
+        law = self._law(kind, joint, discrepancy, tuple(grid[0]))
         return law(
             motion,
             [tuple(entry[key] for key in grid[0]) for entry in grid],
@@ -96,8 +96,8 @@ class Bases:
     def with_beginnings(
         self, kind: str, joint: int | None, motion: PreparedLog, grid: Sequence[dict[str, float]]
     ) -> tuple[list[RegressorColumns], list[RegressorColumns]]:
-        """Filtered columns of basis and departures of an effect with memory, from one pass over its
-        states."""
+        """Filtered columns of basis and discrepancy of an effect with memory, from one pass over
+        its states."""
         if not grid:
             return [], []
         law = self._law(kind, joint, True, tuple(grid[0]))
@@ -109,11 +109,12 @@ class Bases:
         departures = [c.part(slice(split)) for c in both]
         return basis, departures
 
-    def _law(self, kind: str, joint: int | None, departures: bool, keys: tuple[str, ...]) -> _Law:
+    def _law(self, kind: str, joint: int | None, discrepancy: bool, keys: tuple[str, ...]) -> _Law:
         """The effect's expression, built once."""
-        name = (kind, joint, departures, keys)
+        effect = LIBRARY[kind]
+        name = (effect, joint, discrepancy, keys)
         if name not in self._laws:
-            self._laws[name] = _Law(self.signals, LIBRARY[kind], joint, departures, keys)
+            self._laws[name] = _Law(self.signals, effect, joint, discrepancy, keys)
         return self._laws[name]
 
 
@@ -125,7 +126,7 @@ class _Law:
         s: ArmSignals,
         effect: type[Effect],
         joint: int | None,
-        departures: bool,
+        discrepancy: bool,
         keys: tuple[str, ...],
     ) -> None:
         theta = [ca.SX.sym(key) for key in keys]
@@ -133,8 +134,8 @@ class _Law:
         state = ca.SX.sym("x", len(effect.states))
         s = s.with_state(state) if effect.states else s
         law = prototype.basis(s)
-        basis = prototype.departures(s) if departures else law
-        # departures live on the joints of the law, so that both can stand side by side
+        basis = prototype.discrepancy_basis(s) if discrepancy else law
+        # it lives on the joints of the law, so that both can stand side by side
         rows = sorted(set(law.sparsity().row()))
         self.joints = tuple(rows)
         self.k = basis.shape[1]
@@ -142,7 +143,7 @@ class _Law:
         inputs = [*scalars, *ca.vertsplit(state), *theta]
         self.law = Vectorised(inputs, _flat(basis, rows))
         # the record may begin in any state: what a different beginning adds is a departure too
-        self.free = effect.beginnings() if departures else 0
+        self.free = effect.beginnings() if discrepancy else 0
         self.k_law = law.shape[1]
         if self.free:
             self.response = Vectorised(inputs, _flat(law, rows))
@@ -160,7 +161,7 @@ class _Law:
         active: npt.NDArray[np.bool_],
         law_too: bool = False,
     ) -> list[RegressorColumns]:
-        """`law_too`: the basis after the departures."""
+        """`law_too`: the basis after the discrepancy."""
         m = len(motion.time)
         rows = motion.rows if filtered else m
         columns = self.k + self.free + (self.k_law if law_too else 0)
