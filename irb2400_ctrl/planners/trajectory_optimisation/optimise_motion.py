@@ -84,7 +84,7 @@ def optimise_motion(
             the path; the way-points must lie on one side of each singularity named.
         torque_rate: limit of the change of the torque, dry friction apart [Nm/s], shape (n,). The
             torque then starts and ends at what holds the arm. Bounded at every instant; for energy
-            seen at 5 kHz.
+            sampled at 5 kHz.
         limits: default those of the robot.
         start: warm start: a joint path (of the path planner), its certificate, or a joint move;
             default the cubic spline through the way-points at even parameters.

@@ -8,7 +8,7 @@ length dt_k per segment:
     qd_{i+1} = qd_i + dt (qdd_i + qdd_{i+1}) / 2
 
 Torque, power and singularity factors are demanded at the knots. What they do between knots is not
-looked at here: the certified timing takes the geometry afterwards. Joint box and speed limits hold
+checked here: the certified timing takes the geometry afterwards. Joint box and speed limits hold
 everywhere (Bernstein coefficients). The derivatives of the dynamics are made once for a single knot
 and mapped over all of them, as machine code where there is a compiler; what couples knots is
 bilinear and cheap.
@@ -91,7 +91,7 @@ class Transcription:
 
     @property
     def paired(self) -> bool:
-        """Whether every second knot only looks, its acceleration the mean of its neighbours'.
+        """Whether every second knot only samples, its acceleration the mean of its neighbours'.
 
         Otherwise energy and torque rate go zigzag between the knots that they are counted at. A
         motion of least duration gains more by the freedom than it loses when it is timed again.
