@@ -12,16 +12,16 @@ import numpy as np
 import numpy.typing as npt
 
 from irb2400_ctrl.excitation.alternatives import NOISE, SIZE
-from irb2400_ctrl.excitation.assemble import RATE, Course
+from irb2400_ctrl.excitation.assemble import RATE
 from irb2400_ctrl.excitation.feasible import SHARE, Extent
 from irb2400_ctrl.excitation.groups import AmbiguityGroup
 from irb2400_ctrl.excitation.pair_separability import CLEAR, Separability
 from irb2400_ctrl.files import write_atomic
 from irb2400_ctrl.model import Model
-from irb2400_ctrl.planners.plan import Trajectory
 from irb2400_ctrl.planners.programs.rapid.rapid_options import RapidOptions
 from irb2400_ctrl.planners.programs.rapid.rapid_program import RapidProgram, rapid_program
 from irb2400_ctrl.robot import Robot
+from irb2400_ctrl.trajectory import Trajectory
 
 Array = npt.NDArray[np.float64]
 
@@ -41,9 +41,9 @@ class Excitation:
     robot: Robot
     group: AmbiguityGroup
     joint: int | None
-    course: Course
+    course: Trajectory
     tau: Array
-    standard: Course
+    standard: Trajectory
     extent: Extent
     flavours: tuple[str, ...]
     noise: Array
@@ -113,7 +113,7 @@ class Excitation:
             zone_mm=1.0,
             state_time=True,
         )
-        return rapid_program(Model(self.robot), self.course.time, self.course.q, options)
+        return rapid_program(Model(self.robot), self.course, options=options)
 
     def lines(self) -> list[str]:
         """For the terminal."""

@@ -9,9 +9,9 @@ import numpy as np
 import numpy.typing as npt
 from matplotlib.figure import Figure
 
-from irb2400_ctrl.excitation.assemble import Course
 from irb2400_ctrl.excitation.pair_separability import CLEAR, Separability
 from irb2400_ctrl.robot import Robot
+from irb2400_ctrl.trajectory import Trajectory
 
 Array = npt.NDArray[np.float64]
 
@@ -20,7 +20,7 @@ MOST = 24
 
 
 def motion_figure(
-    robot: Robot, course: Course, tau: Array, table: Sequence[Separability], name: str
+    robot: Robot, course: Trajectory, tau: Array, table: Sequence[Separability], name: str
 ) -> Figure:
     """Angles and torques as shares of their limits, and one pair of bars for each two effects.
 

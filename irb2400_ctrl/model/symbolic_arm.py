@@ -7,7 +7,6 @@ from functools import cached_property
 import casadi as ca
 import numpy as np
 
-from irb2400_ctrl.effects.added_body import AddedBody
 from irb2400_ctrl.model import geometry
 from irb2400_ctrl.model.base_parameters import BaseParameters, base_parameters
 from irb2400_ctrl.model.regressor import transport
@@ -33,9 +32,8 @@ class SymbolicArm:
         phi = self.robot.inertial_parameters.copy()
         n = self.robot.n
         for effect in self.robot.effects:
-            if isinstance(effect, AddedBody) and effect.role == "parameters":
-                carrier = effect.carrier(n)
-                added = np.array(effect.coefficients())
+            if effect.role == "parameters":
+                carrier, added = effect.body(n)
                 if carrier == n + 1:
                     carrier = n
                     added = np.asarray(transport(ca.DM(self.robot.flange.matrix()))) @ added

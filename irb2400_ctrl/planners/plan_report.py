@@ -11,11 +11,12 @@ import numpy.typing as npt
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.planners.certify import PlanBounds
 from irb2400_ctrl.planners.enclosure.path_dynamics import PathDynamics
-from irb2400_ctrl.planners.plan import Plan, Trajectory
+from irb2400_ctrl.planners.plan import Plan
 from irb2400_ctrl.planners.redundancy.wrist_remedies import Remedy, taken
 from irb2400_ctrl.planners.timing.time_choices import TimedChoice
 from irb2400_ctrl.planners.timing.timing_options import TimingOptions
 from irb2400_ctrl.planners.toolpath.orientation import Orientation
+from irb2400_ctrl.trajectory import Trajectory
 
 Array = npt.NDArray[np.float64]
 
@@ -85,7 +86,8 @@ def _rows(dynamics: PathDynamics, chosen: TimedChoice, rate: float) -> tuple[Tra
     t = np.arange(rows) / rate
     s, q, qd, qdd = chosen.law.motion(chosen.path.joints, t)
     tau = dynamics.torque(q, qd, qdd, t)
-    return Trajectory(t, q, qd, qdd, tau, chosen.path.tcp.way(s)), s
+    way = chosen.path.tcp.way(s)
+    return Trajectory(t, q, qd, qdd, tau, way, check_speeds=False), s
 
 
 def _compared(option: TimedChoice) -> dict[str, Any]:

@@ -87,8 +87,8 @@ def optimise_motion(
             torque then starts and ends at what holds the arm. Bounded at every instant; for energy
             sampled at 5 kHz.
         limits: default those of the robot.
-        start: warm start: a joint path (of the path planner), its certificate, or a joint move;
-            default the cubic spline through the way-points at even parameters.
+        start: warm start: a joint path (of the path planner), its certificate, a joint move or a
+            trajectory; default the cubic spline through the way-points at even parameters.
         intervals: of the transcription, over all segments; default 300, and 200 where there are
             more variables, for energy or with a limited torque rate.
         wall_time: for the solver [s].

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -12,10 +13,10 @@ from irb2400_ctrl.model import Model
 from irb2400_ctrl.planners.enclosure.deviation import singularity_margins
 from irb2400_ctrl.planners.enclosure.path_dynamics import PathDynamics
 from irb2400_ctrl.planners.joint_path import JointPath
-from irb2400_ctrl.planners.plan import Trajectory
 from irb2400_ctrl.planners.redundancy.follow import Followed
 from irb2400_ctrl.planners.timing.certificate import Certificate, check
 from irb2400_ctrl.planners.timing.motion_bounds import Checked
+from irb2400_ctrl.trajectory import Trajectory
 
 Array = npt.NDArray[np.float64]
 
@@ -92,9 +93,11 @@ class Optimised:
     def trajectory(self, model: Model, rate: float = 1000.0) -> Trajectory:
         """The motion at `rate` rows a second, and one at its end; `s` is the parameter of its joint
         path."""
-        time = np.append(np.arange(0.0, self.duration, 1 / rate), self.duration)
+        rows = np.arange(math.ceil(self.duration * rate - 1e-9)) / rate
+        time = np.append(rows, self.duration)
         s, q, qd, qdd = self.motion.certificate.law.motion(self.motion.certificate.path, time)
-        return Trajectory(time, q, qd, qdd, model.inverse_dynamics(q, qd, qdd), s)
+        tau = model.inverse_dynamics(q, qd, qdd)
+        return Trajectory(time, q, qd, qdd, tau, s, check_speeds=False)
 
     def summary(self) -> dict[str, Any]:
         """Numbers for a report; units in the names."""

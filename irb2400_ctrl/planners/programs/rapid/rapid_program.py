@@ -15,6 +15,7 @@ from pathlib import Path
 
 import numpy as np
 import numpy.typing as npt
+from numpy.typing import ArrayLike
 
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.files import write_atomic
@@ -23,6 +24,7 @@ from irb2400_ctrl.planners.programs.rapid import rapid_data as data
 from irb2400_ctrl.planners.programs.rapid.rapid_module import Names, module_text, move
 from irb2400_ctrl.planners.programs.rapid.rapid_options import RapidOptions
 from irb2400_ctrl.planners.programs.rapid.rapid_thinning import rows_to_keep, thinned
+from irb2400_ctrl.trajectory import Trajectory
 
 Array = npt.NDArray[np.float64]
 
@@ -45,8 +47,8 @@ class RapidProgram:
 
 def rapid_program(
     model: Model,
-    time: Array,
-    q: Array,
+    motion: Trajectory | ArrayLike,
+    q: ArrayLike | None = None,
     options: RapidOptions | None = None,
     *,
     X_BW: Array | None = None,
@@ -56,9 +58,9 @@ def rapid_program(
     """The module that moves along the plan.
 
     Args:
-        time: [s], shape (n,), increasing.
-        q: actuator angles of the plan [rad], shape (n, 6); q3 is absolute, as ABB counts axis 3 of
-            this arm.
+        motion: the plan; or only its times [s], shape (n,), increasing, and then
+        q: its actuator angles [rad], shape (n, 6). q3 is absolute, as ABB counts axis 3 of this
+            arm.
         X_BW: work object in the robot base, whose targets are written in it; default the base
         (wobj0).
         wrist_crossing: rows where the path passes the wrist singularity, shape (n,): linear moves
@@ -71,7 +73,7 @@ def rapid_program(
         refuses.
     """
     options = options or RapidOptions()
-    time, q = _checked(model, time, q)
+    time, q = _checked(model, motion, q)
     crossing = _crossing(q, wrist_crossing)
     X_BT = model.tcp_pose(q)
     rest = np.append(False, np.abs(np.diff(q, axis=0)).max(axis=1) < 1e-10)
@@ -173,9 +175,17 @@ def _target(k: int, samples: npt.NDArray[np.int64]) -> str:
     return f"p{k + 1:0{width}d}"
 
 
-def _checked(model: Model, time: Array, q: Array) -> tuple[Array, Array]:
-    time = np.asarray(time, dtype=float)
-    q = np.asarray(q, dtype=float)
+def _checked(
+    model: Model, motion: Trajectory | ArrayLike, angles: ArrayLike | None
+) -> tuple[Array, Array]:
+    if isinstance(motion, Trajectory):
+        if angles is not None:
+            raise InputError("RAPID: found a trajectory and angles besides, expected one of them")
+        time = motion.time
+        q = motion.q
+    else:
+        time = np.asarray(motion, dtype=float)
+        q = np.asarray(angles, dtype=float)
     n = model.robot.n
     if n != 6:
         raise InputError(f"RAPID: found an arm of {n} axes, expected 6")
