@@ -1,0 +1,1 @@
+"""Readers of CAM files: one file per concept of their languages."""

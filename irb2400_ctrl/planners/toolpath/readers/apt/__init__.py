@@ -1,0 +1,1 @@
+"""NX CLSF, Creo NCL, CATIA aptsource and APT/CLDATA (ISO 4343)."""

@@ -1,0 +1,1 @@
+"""Arcs, splines and holes as the points and moves that stand for them."""

@@ -1,0 +1,1 @@
+"""G-code (ISO 6983): LinuxCNC, Fanuc, FreeCAD."""
