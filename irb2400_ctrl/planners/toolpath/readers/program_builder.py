@@ -90,7 +90,6 @@ class ProgramBuilder:
         """Whether the tool has moved at all."""
         return self._points > 0
 
-    # ---------------------------------------------------------------- what the machine is told
     def begin_operation(self, name: str) -> None:
         """The file names what comes next."""
         self.operation_name = name.strip()
@@ -99,6 +98,7 @@ class ProgramBuilder:
     def change_tool(self, tool: Tool) -> None:
         """Another tool, or more said of this one before it has moved."""
         self.tool = tool
+        self.tool_described = True
         self._split(keep_place=False)
         text = f"{'' if tool.number is None else tool.number} {tool.name}".strip()
         if all((event.kind, event.text) != ("tool", text) for event in self._draft.events):
@@ -168,7 +168,6 @@ class ProgramBuilder:
             raise error
         self.note("unknown", str(error).removeprefix(f"{self.place}: "))
 
-    # ---------------------------------------------------------------- motion
     def move(self, position: Array, *, axis: Array | None = None, rapid: bool = False) -> None:
         """A straight move of the tool tip."""
         self._begin_cut(rapid)
@@ -190,19 +189,23 @@ class ProgramBuilder:
         if self.here is None:
             raise InputError(f"{self.place}: an arc begins, but the tool's place is not known yet")
         start = self.here
-        self._check_arc(arc, start, end)
-        self._begin_cut(rapid)
+        if arcs.checked_miss(arc, start, end, self.place) > arcs.EXPECTED_MISS:
+            self.note(
+                "assumed", "start, end and radius of an arc differ by rounding; both ends are met"
+            )
+        self._begin_cut(rapid, curved=True)
         if self._points + arcs.count(arc, start, end, self.chord) > self.most_points:
             self._too_many()
         places = arcs.points(arc, start, end, self.chord)
         length = float(np.linalg.norm(np.diff(np.vstack([start, places]), axis=0), axis=1).sum())
-        self._curve(places, self._axes(axis, len(places)), self._speed(length, rapid), rapid)
+        axes = arcs.blended_axes(self.axis, axis, len(places), self.place)
+        self._curve(places, axes, self._speed(length, rapid), rapid)
 
     def curve(self, places: Array, axes: Array | None, *, rapid: bool = False) -> None:
         """A polyline that stands for a curve from where the tool is."""
         if self.here is None:
             raise InputError(f"{self.place}: a curve begins, but the tool's place is not known yet")
-        self._begin_cut(rapid)
+        self._begin_cut(rapid, curved=True)
         length = float(
             np.linalg.norm(np.diff(np.vstack([self.here, places]), axis=0), axis=1).sum()
         )
@@ -223,7 +226,6 @@ class ProgramBuilder:
                 self.event("dwell", f"{step.dwell:g} s")
         self.feed = kept
 
-    # ---------------------------------------------------------------- the result
     def finish(self, dialect: str, units: str, units_stated: bool) -> CamProgram:
         """The operations that move the tool, all in the frame of the first of them.
 
@@ -237,6 +239,10 @@ class ProgramBuilder:
                 "2 (GOTO/… in APT, G0 or G1 in G-code)"
             )
         first = self._done[0].frame
+        if any(not np.array_equal(draft.frame, first) for draft in self._done):
+            self.note(
+                "assumed", "operations are stated in several frames: all in that of the first"
+            )
         seen: dict[str, int] = {}
         operations = []
         for number, draft in enumerate(self._done, 1):
@@ -255,7 +261,6 @@ class ProgramBuilder:
             units_stated,
         )
 
-    # ---------------------------------------------------------------- inside
     def _new_draft(self) -> Draft:
         return Draft(
             self.operation_name,
@@ -282,9 +287,12 @@ class ProgramBuilder:
             self._draft.continues = True
             self._append(self.here, np.inf, True, old.line[-1])
 
-    def _begin_cut(self, rapid: bool) -> None:
-        """A cut at the start of an operation begins where the tool is."""
-        if not rapid and not self._draft.position and self.here is not None:
+    def _begin_cut(self, rapid: bool, curved: bool = False) -> None:
+        """A cut at the start of an operation begins where the tool is; not with another tool, which
+        comes from its magazine. A curve needs its start in any case."""
+        changed = bool(self._done) and self._done[-1].tool != self._draft.tool
+        begins = not self._draft.position and self.here is not None
+        if begins and self.here is not None and (curved or not (rapid or changed)):
             self._append(self.here, np.inf, True)
 
     def _speed(self, length: float, rapid: bool) -> float:
@@ -295,17 +303,6 @@ class ProgramBuilder:
             self._feedless = True
             self.note("assumed", "a cut without a stated feed is not limited in speed")
         return speed
-
-    def _axes(self, end: Array | None, k: int) -> Array:
-        """Tool axes from the present one to `end` over k points, shape (k, 3)."""
-        if end is None or np.allclose(end, self.axis, atol=1e-9):
-            return np.tile(self.axis, (k, 1))
-        t = (np.arange(1, k + 1) / k)[:, None]
-        axes = (1 - t) * self.axis + t * end
-        length = np.linalg.norm(axes, axis=1, keepdims=True)
-        if (length < 1e-6).any():
-            raise InputError(f"{self.place}: the tool axis turns over within one arc")
-        return np.asarray(axes / length)
 
     def _curve(self, places: Array, axes: Array, speed: float, rapid: bool) -> None:
         for place, axis in zip(places, axes, strict=True):
@@ -335,18 +332,3 @@ class ProgramBuilder:
             f"{self.place}: the file makes more than {self.most_points:,} points; choose a larger "
             "chord tolerance, or split the file"
         )
-
-    def _check_arc(self, arc: Arc, start: Array, end: Array) -> None:
-        off = arcs.miss(arc, start, end)
-        if not np.linalg.norm(arc.normal) > 1e-9:
-            raise InputError(f"{self.place}: the arc's axis has no direction")
-        if off > arcs.largest_miss(arc, start):
-            raise InputError(
-                f"{self.place}: start and end are not on one circle: the radii differ by "
-                f"{1e3 * off:.4g} mm, expected at most {1e3 * arcs.largest_miss(arc, start):.3g}; "
-                "check the centre (G-code: I J K from the start, or absolute with G90.1)"
-            )
-        if off > arcs.EXPECTED_MISS:
-            self.note(
-                "assumed", "start, end and radius of an arc differ by rounding; both ends are met"
-            )

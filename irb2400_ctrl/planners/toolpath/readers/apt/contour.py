@@ -35,73 +35,101 @@ def arc_and_end(
     for word, values in GEOMETRY.findall(statement.text):
         numbers = [number(v, f"{place}, {word.upper()}") for v in split_arguments(values) if v]
         found.setdefault(word.upper(), []).append(numbers)
-    centre, normal, radius = _circle(found, unit, place)
-    end = _end(found, centre, normal, radius, start, unit, place)
+    arc = _circle(found, unit, place)
     second = re.search(r"ON\s*,\s*2\s*,\s*INTOF", statement.text, re.IGNORECASE) is not None
-    return _turned(Arc(centre, normal, radius), start, end, direction, second, place), end
+    stated = _stated_end(found, arc, start, unit)
+    if stated is None:
+        turned = _with_direction(arc, start, direction, place)
+        return turned, _met(found, turned, start, second, unit, place)
+    if direction is not None:
+        return _with_direction(arc, start, direction, place), stated
+    return _without_direction(arc, start, stated, second, place), stated
 
 
-def _circle(
-    found: dict[str, list[list[float]]], unit: float, place: str
-) -> tuple[Array, Array, float]:
+def _circle(found: dict[str, list[list[float]]], unit: float, place: str) -> Arc:
     shapes = found.get("CIRCLE", []) + found.get("CYLNDR", [])
     if len(shapes) != 1 or len(shapes[0]) not in {4, 7}:
         raise InputError(
-            f"{place}: TLON,GOFWD/ is read along (CIRCLE/x,y,z,r) or (CYLNDR/x,y,z,i,j,k,r); "
-            f"found {sorted(found)}"
+            f"{place}: GOFWD/ is read along (CIRCLE/x,y,z,r) or (CYLNDR/x,y,z,i,j,k,r); found "
+            f"{sorted(found)}"
         )
     values = shapes[0]
-    centre = unit * np.array(values[:3])
     normal = np.array(values[3:6]) if len(values) == 7 else np.array([0.0, 0.0, 1.0])
     if not np.linalg.norm(normal) > 1e-6 or values[-1] <= 0:
         raise InputError(f"{place}: the circle has no axis or no positive radius")
-    return centre, normal / np.linalg.norm(normal), unit * values[-1]
+    return Arc(unit * np.array(values[:3]), normal / np.linalg.norm(normal), unit * values[-1])
 
 
-def _end(
+def _stated_end(
+    found: dict[str, list[list[float]]], arc: Arc, start: Array, unit: float
+) -> Array | None:
+    """The last point of a plane, or the end of a line from the centre; its rounding is undone."""
+    assert arc.radius is not None
+    lines = [values for values in found.get("LINE", []) if len(values) == 6]
+    points = [values for values in found.get("POINT", []) if len(values) == 3]
+    if not lines:
+        return np.asarray(unit * np.array(points[-1])) if points else None
+    ends = unit * np.array(lines[-1]).reshape(2, 3)
+    side = _across(ends[1] - ends[0], arc)
+    length = float(np.linalg.norm(side))
+    if np.linalg.norm(_across(ends[0] - arc.centre, arc)) > 1e-5 or length < 1e-9:
+        return None
+    level = ends[1] if abs(length - arc.radius) < 1e-4 else start
+    foot = arc.centre + arc.radius * side / length
+    return np.asarray(foot + ((level - foot) @ arc.normal) * arc.normal)
+
+
+def _met(
     found: dict[str, list[list[float]]],
-    centre: Array,
-    normal: Array,
-    radius: float,
+    arc: Arc,
     start: Array,
+    second: bool,
     unit: float,
     place: str,
 ) -> Array:
+    """Where the motion meets any other line for the first or second time."""
+    assert arc.radius is not None
     lines = [values for values in found.get("LINE", []) if len(values) == 6]
-    stated = [values for values in found.get("POINT", []) if len(values) == 3]
-    if lines:
-        a = unit * np.array(lines[-1][:3])
-        b = unit * np.array(lines[-1][3:])
-        side = b - a
-        side = side - (side @ normal) * normal
-        if np.linalg.norm(a - centre) < 1e-5 and np.linalg.norm(side) > 1e-9:
-            # from the centre through the end; rounding of the stated point does not matter
-            level = b if abs(np.linalg.norm(side) - radius) < 1e-4 else start
-            foot = centre + radius * side / np.linalg.norm(side)
-            return np.asarray(foot + ((level - foot) @ normal) * normal)
-    elif stated:
-        return np.asarray(unit * np.array(stated[-1]))
-    raise InputError(
-        f"{place}: no end of the arc; expected ON,(LINE/centre,end) or a last (POINT/end)"
-    )
+    if not lines:
+        raise InputError(
+            f"{place}: no end of the arc; expected ON,(LINE/centre,end) or a last (POINT/end)"
+        )
+    ends = unit * np.array(lines[-1]).reshape(2, 3)
+    way = _across(ends[1] - ends[0], arc)
+    along = way / max(float(np.linalg.norm(way)), 1e-12)
+    offset = _across(ends[0] - arc.centre, arc)
+    foot = offset - (offset @ along) * along
+    square = arc.radius**2 - float(foot @ foot)
+    if square < 0:
+        raise InputError(f"{place}: the line that shall end the arc does not meet its circle")
+    height = float((start - arc.centre) @ arc.normal) * arc.normal
+    both = [arc.centre + height + foot + s * math.sqrt(square) * along for s in (-1.0, 1.0)]
+    both.sort(key=lambda end: arcs.sweep(arc, start, end))
+    return np.asarray(both[1 if second else 0])
 
 
-def _turned(
-    arc: Arc, start: Array, end: Array, direction: Array | None, second: bool, place: str
-) -> Arc:
-    """The arc about its axis or against it, whichever goes in the stated direction."""
-    other = Arc(arc.centre, -arc.normal, arc.radius)
-    if direction is not None:
-        tangent = np.cross(arc.normal, start - arc.centre)
-        share = float(tangent @ direction)
-        if abs(share) < 1e-3 * float(np.linalg.norm(tangent) * np.linalg.norm(direction)):
-            raise InputError(
-                f"{place}: the direction INDIRV/ points across the circle at the start of the arc; "
-                "expected its tangent"
-            )
-        return arc if share > 0 else other
-    # without a direction: the end is the second meeting with the diameter beyond half a turn
-    longer = arcs.sweep(arc, start, end) > math.pi
-    if abs(arcs.sweep(arc, start, end) - math.pi) < 1e-3:
+def _across(vector: Array, arc: Arc) -> Array:
+    """The part of a vector in the plane of the arc."""
+    return np.asarray(vector - (vector @ arc.normal) * arc.normal)
+
+
+def _with_direction(arc: Arc, start: Array, direction: Array | None, place: str) -> Arc:
+    """The arc about its axis or against it, as `INDIRV/` says."""
+    if direction is None:
+        raise InputError(f"{place}: an arc without INDIRV/ before it; which way is not known")
+    tangent = np.cross(arc.normal, start - arc.centre)
+    share = float(tangent @ direction)
+    if abs(share) < 1e-3 * float(np.linalg.norm(tangent) * np.linalg.norm(direction)):
+        raise InputError(
+            f"{place}: the direction INDIRV/ points across the circle at the start of the arc; "
+            "expected its tangent"
+        )
+    return arc if share > 0 else Arc(arc.centre, -arc.normal, arc.radius)
+
+
+def _without_direction(arc: Arc, start: Array, end: Array, second: bool, place: str) -> Arc:
+    """The end is the second meeting with the line through the centre beyond half a turn."""
+    turn = arcs.sweep(arc, start, end)
+    if abs(turn - math.pi) < 1e-3:
         raise InputError(f"{place}: half a circle without INDIRV/; which way round is not known")
-    return arc if longer == second else other
+    return arc if (turn > math.pi) == second else Arc(arc.centre, -arc.normal, arc.radius)

@@ -16,6 +16,8 @@ from irb2400_ctrl.planners.toolpath.readers.apt.statements import Statement, is_
 from irb2400_ctrl.planners.toolpath.readers.apt.units import FEED_WORDS, feed_of
 from irb2400_ctrl.planners.toolpath.readers.expansion.drilling import HoleCycle
 
+# DWELL,REV,n counts revolutions
+CYCLE_FEED_WORDS = FEED_WORDS - {"REV", "LOCK"}
 KINDS = {
     "DRILL": "drill",
     "SPOT": "drill",
@@ -78,7 +80,7 @@ def hole_cycle(statement: Statement, unit: float, upwards: bool, place: str) -> 
     words = statement.words
     kind, name = _kind(words, place)
     values, bare, feed = _values(statement, place)
-    feed_words = {word for word in words if word in FEED_WORDS}
+    feed_words = {word for word in words if word in CYCLE_FEED_WORDS}
     depth, clear, steps = _bare(bare, values, place)
     if "feed to" in values:
         depth = abs(values["feed to"][0])
@@ -133,9 +135,9 @@ def _values(
             value = number(argument, f"{place}, CYCLE")
             if last in LENGTH_WORDS:
                 values[LENGTH_WORDS[last]].append(value)
-            elif last in FEED_WORDS and feed is None:
+            elif last in CYCLE_FEED_WORDS and feed is None:
                 feed = value
-            elif last in FEED_WORDS:
+            elif last in CYCLE_FEED_WORDS:
                 # Creo's peck table: other feeds in deeper steps; the slowest is safe for all
                 feed = min(feed, value) if feed is not None else value
             elif last in OTHER_WORDS:
@@ -160,7 +162,7 @@ def _feed_before(
 ) -> bool:
     """Whether the bare number just read is a feed: its unit follows, and it is not the depth."""
     stated = "depth" in values or "feed to" in values
-    return argument.upper() in FEED_WORDS and last == "" and len(bare) > (0 if stated else 1)
+    return argument.upper() in CYCLE_FEED_WORDS and last == "" and len(bare) > (0 if stated else 1)
 
 
 def _bare(

@@ -72,7 +72,7 @@ class Machine:
         """CUTTER/diameter,corner radius,e,f,a,b,height."""
         builder = self._builder
         values = self._numbers(statement)
-        tool = builder.tool if builder.tool_described or not builder.moved else Tool()
+        tool = self._described()
         if values and values[0] > 0:
             length = unit * values[6] if len(values) > 6 and values[6] > 0 else tool.length
             builder.describe_tool(replace(tool, diameter=unit * values[0], length=length))
@@ -90,9 +90,11 @@ class Machine:
                 offset = int(number(words[words.index(word) + 1], builder.place))
         if offset is None and len(statement.arguments) == 2 == len(numbers):
             offset = int(number(numbers[1], builder.place))
-        tool = replace(
-            self._described(), number=int(number(numbers[0], builder.place)), length_offset=offset
-        )
+        loaded = int(number(numbers[0], builder.place))
+        known = self._described()
+        if known.number not in {None, loaded}:
+            known = Tool()
+        tool = replace(known, number=loaded, length_offset=offset)
         if "LENGTH" in words[:-1] and is_number(words[words.index("LENGTH") + 1]):
             length = number(words[words.index("LENGTH") + 1], builder.place)
             tool = replace(tool, length=unit * length)

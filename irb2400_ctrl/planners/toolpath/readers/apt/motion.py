@@ -39,6 +39,7 @@ class Motion:
             "CIRCLE": self._circles.begin,
             "MOVARC": self._circles.begin,
             "TLON": self._contour,
+            "GOFWD": self._contour,
             "INDIRV": self._circles.set_direction,
             "NURBS": self._nurbs.begin,
             "KNOT": self._nurbs.knots,
@@ -75,7 +76,6 @@ class Motion:
             self._nurbs.end(self._take_rapid())
         self._circles.none_open()
 
-    # ---------------------------------------------------------------- points
     def _goto(self, statement: Statement) -> None:
         builder = self._builder
         position, axis = self._placement.point_and_axis(statement)
@@ -132,7 +132,6 @@ class Motion:
             # TLON alone: the tool will be on the line, not beside it
             self._builder.note("ignored", "TLON")
 
-    # ---------------------------------------------------------------- modes
     def _set_cycle(self, statement: Statement) -> None:
         self._circles.none_open()
         builder = self._builder

@@ -8,6 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from irb2400_ctrl.errors import InputError
+
 Array = npt.NDArray[np.float64]
 # CAM writes three or four digits; both ends lie that far from the circle
 SAME_PLACE = 1e-6
@@ -39,6 +41,35 @@ def miss(arc: Arc, start: Array, end: Array) -> float:
     if arc.radius is not None:
         radii.append(arc.radius)
     return max(radii) - min(radii)
+
+
+def checked_miss(arc: Arc, start: Array, end: Array, place: str) -> float:
+    """The miss [m]; InputError where rounding does not explain it."""
+    if not np.linalg.norm(arc.normal) > 1e-9:
+        raise InputError(f"{place}: the arc's axis has no direction")
+    off = miss(arc, start, end)
+    allowed = largest_miss(arc, start)
+    if off > allowed:
+        raise InputError(
+            f"{place}: start and end are not on one circle: the radii differ by {1e3 * off:.4g} "
+            f"mm, expected at most {1e3 * allowed:.3g}; check the centre (G-code: I J K from the "
+            "start, or absolute with G90.1)"
+        )
+    if not np.linalg.norm(_split(arc, start)[0]) > SAME_PLACE:
+        raise InputError(f"{place}: the arc begins in its own centre")
+    return off
+
+
+def blended_axes(start: Array, end: Array | None, k: int, place: str) -> Array:
+    """Tool axes from `start` to `end` over k points, shape (k, 3)."""
+    if end is None or np.allclose(end, start, atol=1e-9):
+        return np.tile(start, (k, 1))
+    t = (np.arange(1, k + 1) / k)[:, None]
+    axes = (1 - t) * start + t * end
+    length = np.linalg.norm(axes, axis=1, keepdims=True)
+    if (length < 1e-6).any():
+        raise InputError(f"{place}: the tool axis turns over within one arc")
+    return np.asarray(axes / length)
 
 
 def largest_miss(arc: Arc, start: Array) -> float:

@@ -61,10 +61,12 @@ class GcodeMotion:
         else:
             self._straight(values, axis, rapid=motion == 0)
 
-    # ---------------------------------------------------------------- straight
     def _straight(self, values: dict[str, float], axis: Array, *, rapid: bool) -> None:
         state = self._state
         builder = self._builder
+        others = [letter for letter in "IJKRQ" if letter in values and not state.vectors]
+        if others:
+            raise InputError(f"{builder.place}: {others[0]} in a straight move is not read")
         target = state.target(values)
         if None in target and rapid:
             builder.note(
@@ -80,7 +82,6 @@ class GcodeMotion:
         builder.move(place, axis=axis, rapid=rapid)
         state.at = target
 
-    # ---------------------------------------------------------------- arcs
     def _arc(self, motion: int, values: dict[str, float], axis: Array) -> None:
         state = self._state
         builder = self._builder
@@ -147,7 +148,6 @@ class GcodeMotion:
         side = np.cross(normal, chord / length) * (1.0 if radius > 0 else -1.0)
         return np.asarray(p + chord / 2 + height * side)
 
-    # ---------------------------------------------------------------- cycles
     def _cycle(self, motion: int, values: dict[str, float]) -> None:
         state = self._state
         builder = self._builder
@@ -165,8 +165,31 @@ class GcodeMotion:
         repeats = round(values.get("L", values.get("K", 1.0)))
         if not 0 <= repeats <= MOST_REPEATS:
             raise InputError(f"{place}: a cycle repeated {repeats} times, expected 0 … 10,000")
+        level, bottom = self._heights(motion)
         for _ in range(repeats):
-            self._one_hole(motion, values)
+            self._one_hole(motion, values, level, bottom)
+
+    def _heights(self, motion: int) -> tuple[float, float]:
+        """R and Z of the hole; in G91 R counts from where the tool is, Z from R. Repeats keep
+        them."""
+        state = self._state
+        words = state.cycle
+        old = state.at[2]
+        level = words["R"]
+        bottom = words["Z"]
+        if not state.absolute:
+            if old is None:
+                raise InputError(
+                    f"{self._builder.place}: a cycle in G91 from a Z that is not stated yet"
+                )
+            level = old + words["R"]
+            bottom = level + words["Z"]
+        if bottom > level + 1e-9:
+            raise InputError(
+                f"{self._builder.place}: G{motion}: Z is above R ({1e3 * bottom:.4g} over "
+                f"{1e3 * level:.4g} mm), expected the bottom below"
+            )
+        return level, bottom
 
     def _store(self, values: dict[str, float]) -> None:
         """Z, R, Q and P stay for the next blocks."""
@@ -175,24 +198,12 @@ class GcodeMotion:
             if letter in values:
                 state.cycle[letter] = values[letter] * (1.0 if letter == "P" else state.unit)
 
-    def _one_hole(self, motion: int, values: dict[str, float]) -> None:
+    def _one_hole(self, motion: int, values: dict[str, float], level: float, bottom: float) -> None:
         state = self._state
         builder = self._builder
         words = state.cycle
         across = {key: value for key, value in values.items() if key in "XY"}
         x, y, old = state.target(across)
-        level = words["R"]
-        bottom = words["Z"]
-        if not state.absolute:
-            if old is None:
-                raise InputError(f"{builder.place}: a cycle in G91 from a Z that is not stated yet")
-            level = old + words["R"]
-            bottom = level + words["Z"]
-        if bottom > level + 1e-9:
-            raise InputError(
-                f"{builder.place}: G{motion}: Z is above R ({1e3 * bottom:.4g} over "
-                f"{1e3 * level:.4g} mm), expected the bottom below"
-            )
         point = state.placed([x, y, level], builder.place)
         cycle = HoleCycle(
             CYCLES[motion],
@@ -211,7 +222,6 @@ class GcodeMotion:
         end = level if not state.retract_to_start or old is None else max(level, old)
         state.at = [x, y, end]
 
-    # ---------------------------------------------------------------- tool axis
     def _axis(self, values: dict[str, float]) -> Array:
         """The tool axis that the block asks for, in the work frame."""
         state = self._state
@@ -239,6 +249,7 @@ class GcodeMotion:
             raise InputError(f"{builder.place}: {error}") from error
 
 
-def moves(values: dict[str, float]) -> bool:
-    """Whether a block has words that lead somewhere."""
-    return any(letter in values for letter in (*AXES, *ROTARY))
+def moves(values: dict[str, float], motion: int | None = None) -> bool:
+    """Whether a block has words that lead somewhere; a full circle needs its centre only."""
+    words = (*AXES, *ROTARY, *CENTRE) if motion in {2, 3} else (*AXES, *ROTARY)
+    return any(letter in values for letter in words)

@@ -132,17 +132,15 @@ class _Reader:
         self._machine.before(functions, values, block.orders)
         used = self._special(codes, values)
         self._set_motion(codes)
-        if moves(values) and not used and self._state.motion != 80:
-            self._move(values, codes)
-        elif moves(values) and not used:
-            self._motion_after_g80()
+        leads = not used and moves(values, self._state.motion)
+        if leads and self._state.motion == 80:
+            raise InputError(
+                f"{builder.place}: found axis words after G80; expected G0, G1, G2, G3 or a cycle"
+            )
+        if leads:
+            self._move(values)
         self._machine.after(functions)
         self.ended = bool({2, 30} & set(functions))
-
-    def _motion_after_g80(self) -> None:
-        raise InputError(
-            f"{self._builder.place}: found axis words after G80; expected G0, G1, G2, G3 or a cycle"
-        )
 
     def _modes(self, codes: list[float], values: dict[str, float]) -> None:
         state = self._state
@@ -228,7 +226,8 @@ class _Reader:
         if 53 in codes and not moves(values):
             return
         named = [i for i, letter in enumerate(AXES) if letter in values]
-        if not {53} & set(codes) and named and any(values[AXES[i]] != 0 for i in named):
+        through = state.absolute or any(values[AXES[i]] != 0 for i in named)
+        if 53 not in codes and named and through:
             state.motion = 0
             self._motion.run(values)
         builder.note(
@@ -250,7 +249,7 @@ class _Reader:
             if found[0] not in CYCLES:
                 self._state.cycle.clear()
 
-    def _move(self, values: dict[str, float], codes: list[float]) -> None:
+    def _move(self, values: dict[str, float]) -> None:
         state = self._state
         builder = self._builder
         if state.feed_mode == 93 and state.motion in {1, 2, 3} and "F" not in values:
