@@ -57,8 +57,10 @@ FreeOption = Annotated[
 ShareOption = Annotated[
     float,
     typer.Option(
-        help="Share of the torque limits the plan may use; the rest is the controller's.",
+        help="Share of the torque limits the plan may use, 0.9 for 90 %; the rest is the "
+        "controller's.",
         min=0.1,
+        max=1.0,
     ),
 ]
 ToleranceOption = Annotated[
