@@ -42,7 +42,10 @@ def diagnose(
     ] = "feedforward_pid",
 ) -> None:
     """Find the residual, name the effect behind it, add it to the robot -> findings.json,
-    robot.toml, report.html."""
+    robot.toml, report.html.
+
+    A log that is not what its columns say gets the verdict log_not_understood and exit code 0: that
+    is an answer (`irb2400 log check` exits 2)."""
     for path in (log, validate, reference):
         if path is not None:
             input_file(path, "a log (.csv or .csv.gz)")
@@ -68,7 +71,8 @@ def diagnose(
         result = run(arm, logs[0], validation=logs[1], reference=logs[2])
     page = diagnosis_page(result, title=f"Diagnosis of {log.name}")
     text = lines(result)
-    if close_loop:
+    looped = close_loop and result.log_problem is None
+    if looped:
         with step("closing the loop"):
             from irb2400_ctrl.codegen import export_package
             from irb2400_ctrl.report.closed_loop_section import add_closed_loop, closed_loop_lines
@@ -88,6 +92,6 @@ def diagnose(
         "findings.json",
         "robot.toml",
         "report.html",
-        *(("closed_loop.json", "controller") if close_loop else ()),
+        *(("closed_loop.json", "controller") if looped else ()),
     ]
     print(f"written: {', '.join(str(out / name) for name in written)}")

@@ -39,7 +39,7 @@ def read_log(path: Path | str, joints: int | None = None) -> Log:
 
     Raises:
         InputError: no such file, columns or units missing, cells that are not numbers, time that
-            does not rise, a rate below 50 Hz; says where and what was expected.
+            does not rise, a rate below 10 Hz; says where and what was expected.
     """
     path = Path(path)
     header, table = _table(path)

@@ -99,5 +99,5 @@ def test_missing_broken_and_slow_files(tmp_path: Path) -> None:
     path.write_bytes(gzip.compress(b"time_s,q1_rad\n")[:-9])
     with pytest.raises(InputError, match="not a readable"):
         read_log(path)
-    with pytest.raises(InputError, match="at least 50"):
-        made(rate=20.0)
+    with pytest.raises(InputError, match="at least 10"):
+        made(rate=5.0)
