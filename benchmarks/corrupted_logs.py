@@ -24,17 +24,23 @@ def sound(count: int, seed: int) -> None:
     from corrupted_logs import sound_log
 
     from irb2400_ctrl.plausibility import log_problem
+    from irb2400_ctrl.plausibility.search import LOST_PRICE, understand
 
     refused = []
+    prices = []
     start = time.perf_counter()
     for k in range(count):
         drawn = sound_log(seed + k)
         problem = log_problem(drawn.robot, drawn.log)
+        understood = understand(drawn.robot, drawn.log)
+        prices.append(np.nan if understood is None else understood.labelled.price)
         if problem is not None:
             refused.append(problem.kind)
             print(f"REFUSED {seed + k}: {problem.kind}, {problem.says} [{drawn.text}]", flush=True)
         if (k + 1) % 25 == 0:
             print(f"{k + 1} drawn, {len(refused)} refused", flush=True)
+    quantiles = ", ".join(f"{v:.0f}" for v in np.nanquantile(prices, [0.5, 0.9, 0.99, 1.0]))
+    print(f"price as labelled, median, 90 %, 99 %, most: {quantiles} (refused above {LOST_PRICE})")
     upper = 100 * (1 - 0.05 ** (1 / count)) if not refused else float("nan")
     print(
         f"seed {seed}: {len(refused)} of {count} sound logs refused {dict(Counter(refused))}"

@@ -7,12 +7,18 @@ from typing import Annotated
 
 import typer
 
-from irb2400_ctrl.cli.options import OutOption, RobotOption, input_file, output_folder
+from irb2400_ctrl.cli.options import (
+    ColumnsOption,
+    OutOption,
+    RobotOption,
+    input_file,
+    output_folder,
+)
 from irb2400_ctrl.cli.progress import step
 
 
 def diagnose(
-    log: Annotated[Path, typer.Argument(metavar="LOG", help="Measured log (.csv or .csv.gz).")],
+    log: Annotated[Path, typer.Argument(metavar="LOG", help="Measured log (docs/logs.md).")],
     out: OutOption,
     validate: Annotated[
         Path | None,
@@ -25,6 +31,7 @@ def diagnose(
         ),
     ] = None,
     robot: RobotOption = "irb2400",
+    columns: ColumnsOption = None,
     close_loop: Annotated[
         bool,
         typer.Option(
@@ -48,7 +55,7 @@ def diagnose(
     is an answer (`irb2400 log check` exits 2)."""
     for path in (log, validate, reference):
         if path is not None:
-            input_file(path, "a log (.csv or .csv.gz)")
+            input_file(path, "a log (CSV, MAT, Parquet or ROS 2 bag)")
     output_folder(out)
 
     import json
@@ -65,7 +72,10 @@ def diagnose(
 
         make_controller(controller, arm)  # a wrong name is to be said before the long work
     with step(f"reading {log.name}"):
-        logs = [None if path is None else read_log(path) for path in (log, validate, reference)]
+        logs = [
+            None if path is None else read_log(path, columns=columns)
+            for path in (log, validate, reference)
+        ]
     assert logs[0] is not None
     with step("comparing log and model"):
         result = run(arm, logs[0], validation=logs[1], reference=logs[2])

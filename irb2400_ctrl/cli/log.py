@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from irb2400_ctrl.cli.options import RobotOption, input_file
+from irb2400_ctrl.cli.options import ColumnsOption, RobotOption, input_file
 from irb2400_ctrl.cli.progress import step
 
 if TYPE_CHECKING:
@@ -25,6 +25,7 @@ def log() -> None:
 def check(
     log: Annotated[Path, typer.Argument(metavar="LOG", help="Measured log.")],
     robot: RobotOption = "irb2400",
+    columns: ColumnsOption = None,
     no_robot: Annotated[
         bool, typer.Option("--no-robot", help="Only what the columns show of themselves.")
     ] = False,
@@ -45,7 +46,7 @@ def check(
 
     arm = None if no_robot else load_robot(robot)
     with step(f"reading {log.name}"):
-        found = check_log(arm, read_log(log))
+        found = check_log(arm, read_log(log, columns=columns))
     print(json.dumps(found.to_json(), indent=1) if as_json else "\n".join(lines(found)))
     if found.problem is not None:
         raise InputError(f"{log}: {found.problem.says}")

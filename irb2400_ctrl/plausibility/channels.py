@@ -114,7 +114,9 @@ def _torques(log: Log) -> LogProblem | None:
         for start, stop in _runs(log.tau[:, j], least):
             outside = np.concatenate([log.tau[:start, j], log.tau[stop:, j]])
             coarse = len(outside) < 20 or np.mean(np.diff(outside) == 0.0) > 0.3
-            if not coarse and np.ptp(log.q[start:stop, j]) > 0.05:
+            # a value at the end of the range is a limit that was met (`_clipped`)
+            end = log.tau[start, j] in (outside.max(initial=-np.inf), outside.min(initial=np.inf))
+            if not (coarse or end) and np.ptp(log.q[start:stop, j]) > 0.05:
                 return _held("constant_torque", "torque", log, start, stop, int(j))
     return None
 

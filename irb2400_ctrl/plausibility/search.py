@@ -37,10 +37,10 @@ STEPS = 3
 """readings on top of each other at most"""
 BEYOND = 200.0
 """a price that only numbers far from the robot's reach: then a good fit proves nothing"""
-LOST_PRICE = 250.0
-"""of six joints: above this, and no reading that helps, the log is not this robot's"""
-LOST_LEFT = 0.6
-"""share of the torque left, averaged over the joints by torque, that goes with it"""
+FITS_PRICE = 150.0
+"""of six joints: a reading that leaves more than this does not fit either"""
+LOST_PRICE = 300.0
+"""of six joints: above this, and no reading that fits, the log is not this robot's"""
 DELAYS = (-1.0, -0.5, -0.3, -0.2, -0.1, 0.1, 0.2, 0.3, 0.5, 1.0)
 """[s] shifts of the torques against the motion that are tried"""
 
@@ -79,12 +79,11 @@ def understand(robot: Robot, log: Log) -> Understanding | None:
         if found is None:
             break
         reading, best = found
-    if reading is not plain:
-        problem: LogProblem | None = LogProblem(
-            reading.kind, reading.says, dict(reading.fits), reading.joints
-        )
-    else:
-        problem = _lost(rows, labelled, scale)
+    problem: LogProblem | None = None
+    if reading is not plain and best.price < FITS_PRICE * scale:
+        problem = LogProblem(reading.kind, reading.says, dict(reading.fits), reading.joints)
+    elif labelled.price > LOST_PRICE * scale:
+        problem = _lost(labelled)
     return Understanding(labelled, best, reading, problem)
 
 
@@ -101,18 +100,14 @@ def clearly_better(one: Fit, other: Fit) -> bool:
     )
 
 
-def _lost(rows: Rows, fit: Fit, scale: float) -> LogProblem | None:
-    """Whether the model explains so little that the log cannot be this robot's."""
-    weight = (rows.tau**2).mean(axis=0)
-    share = float(np.sqrt(np.sum(weight * fit.left**2) / weight.sum()))
-    if fit.price < LOST_PRICE * scale or max(share, float(np.median(fit.left))) < LOST_LEFT:
-        return None
+def _lost(fit: Fit) -> LogProblem:
+    """No reading of the log fits the robot."""
     listed = ", ".join(f"{100 * v:.0f}" for v in fit.left)
     return LogProblem(
         "not_this_robot",
-        "the robot's model explains neither these columns nor any other reading of them "
-        f"({listed} % of the joints' torques are left over): another robot, or columns of "
-        "different records",
+        "neither these columns nor any other reading of them fit the robot, with any payload and "
+        f"friction ({listed} % of the joints' torques are left, the numbers far from the file's): "
+        "another robot, or columns of different records",
         {"left_percent": [round(100 * float(v), 1) for v in fit.left]},
     )
 
