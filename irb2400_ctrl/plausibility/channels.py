@@ -68,7 +68,7 @@ def _spikes(log: Log) -> LogProblem | None:
     for j in range(log.n):
         for name, size, bar in (
             ("tau", np.abs(log.tau[:, j]), SPIKE),
-            ("q", _bend(log.q[:, j]), JUMP),
+            ("q", _peak(log.q[:, j]), JUMP),
         ):
             place = int(np.argmax(size))
             others = np.delete(size, slice(max(0, place - 2), place + 3))
@@ -115,7 +115,7 @@ def _torques(log: Log) -> LogProblem | None:
             outside = np.concatenate([log.tau[:start, j], log.tau[stop:, j]])
             coarse = len(outside) < 20 or np.mean(np.diff(outside) == 0.0) > 0.3
             # a value at the end of the range is a limit that was met (`_clipped`)
-            end = log.tau[start, j] in (outside.max(initial=-np.inf), outside.min(initial=np.inf))
+            end = log.tau[start, j] in (log.tau[:, j].max(), log.tau[:, j].min())
             if not (coarse or end) and np.ptp(log.q[start:stop, j]) > 0.05:
                 return _held("constant_torque", "torque", log, start, stop, int(j))
     return None
@@ -239,6 +239,13 @@ def _bend(values: Array) -> Array:
     bend = np.zeros_like(values)
     bend[1:-1] = np.abs(values[1:-1] - 0.5 * (values[:-2] + values[2:]))
     return bend
+
+
+def _peak(values: Array) -> Array:
+    """The same where the neighbours agree with each other: one sample alone, not a step."""
+    peak = _bend(values)
+    peak[1:-1] = np.maximum(peak[1:-1] - np.abs(values[2:] - values[:-2]), 0.0)
+    return peak
 
 
 def _runs(values: Array, least: int) -> Iterator[Run]:

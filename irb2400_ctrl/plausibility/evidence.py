@@ -120,7 +120,7 @@ class Nominal:
         if not np.abs(nominal).max() < ABSURD * size.max():
             return Fit(np.inf, np.inf, np.ones(n))
         weight = np.sqrt(min(PER_SECOND * rows.seconds, MOST_ROWS) / m) / (misfit * size)
-        weight = weight * np.where(np.abs(rows.turn) < 0.5, STILL, 1.0)
+        weight = weight * np.where(rows.still, STILL, 1.0)
         k = Y.shape[2]
         dry = self.robot.friction[:, 1]
         viscous = self.robot.friction[:, 2]

@@ -14,6 +14,7 @@ from irb2400_ctrl.measurement.uniform import resample
 from irb2400_ctrl.plausibility.reading import Reading
 
 Array = npt.NDArray[np.float64]
+Mask = npt.NDArray[np.bool_]
 
 CUTOFF = 4.0
 """[Hz] of the filter on motion and torque"""
@@ -24,22 +25,35 @@ LEAST = 20
 SHORTEST = 2.5
 """[s] of motion that a comparison with a model needs"""
 CREEP = 0.01
-"""[rad/s] below this the direction of dry friction is not known"""
+"""[rad/s] below this the direction of dry friction is not known, and"""
+SLOW = 0.05
+"""of the joint's rms speed"""
 
 
 @dataclass(frozen=True)
 class Rows:
     """Motion and torque of a log through one low-pass, decimated; shapes (m, n), SI.
 
-    `turn` is the filtered direction of motion: what dry friction follows.
+    `turn` is the filtered direction of motion: what dry friction follows; `still` says where it is
+    not known.
     """
 
     q: Array
     qd: Array
     qdd: Array
     turn: Array
+    still: Mask
     tau: Array
     seconds: float
+
+    def thinned(self, keep: int) -> Rows:
+        """Every `keep`-th row of as many seconds."""
+        if keep == 1 or len(self.q) < LEAST * keep:
+            return self
+        q, qd, qdd, turn, tau = (
+            part[::keep] for part in (self.q, self.qd, self.qdd, self.turn, self.tau)
+        )
+        return Rows(q, qd, qdd, turn, self.still[::keep], tau, self.seconds)
 
     def with_torque(self, tau: Array) -> Rows:
         """The same motion with other torques."""
@@ -49,13 +63,15 @@ class Rows:
         """The rows another reading of the columns gives (its delay apart)."""
         B = reading.angles
         clock = reading.clock
-        # the direction of motion does not depend on units
-        way = self.qd @ (B / np.abs(B).max(axis=1, keepdims=True)).T
+        # the direction of motion does not depend on the clock
+        way = self.qd @ B.T
         return Rows(
             self.q @ B.T + reading.offset,
             self.qd @ B.T / clock,
             self.qdd @ B.T / clock**2,
             self.turn if reading.keeps_motion else np.tanh(way / CREEP),
+            # what is still stays still, or slow motion would be cheap to explain
+            self.still[:, np.argmax(np.abs(B), axis=1)],
             self.tau @ reading.torques.T,
             self.seconds,
         )
@@ -92,4 +108,6 @@ def rows_of(log: Log, delay: float = 0.0) -> Rows | None:
     if len(place) < LEAST:
         return None
     tau = slow(even.tau)[place + late]
-    return Rows(angles[place], qd[place], qdd[place], turn[place], tau, seconds)
+    slowest = np.maximum(CREEP, SLOW * np.sqrt(np.mean(qd**2, axis=0)))
+    still = (np.abs(qd) < slowest) | (np.abs(turn) < 0.5)
+    return Rows(angles[place], qd[place], qdd[place], turn[place], still[place], tau, seconds)

@@ -23,16 +23,20 @@ from irb2400_ctrl.robot import Robot
 
 Array = npt.NDArray[np.float64]
 
-SOUND_PRICE = 100.0
+SOUND_PRICE = 35.0
 """of six joints: below this, with no joint badly explained, nothing else is tried"""
 SOUND_LEFT = 0.4
 """share of a joint's torque left that is still well explained"""
-MARGIN = 40.0
+MARGIN = 30.0
 """twice the log evidence by which another reading must be better"""
 SHARE = 0.2
 """and over the cost of the reading before it"""
 HALF = 0.5
 """of what is left, joint by joint in its own size, is the most that it may leave"""
+THIN = 3
+"""every third row is enough to sort the readings"""
+FINALISTS = 4
+"""readings that are then compared on all rows"""
 STEPS = 3
 """readings on top of each other at most"""
 BEYOND = 200.0
@@ -115,10 +119,11 @@ def _lost(fit: Fit) -> LogProblem:
 class _Search:
     """Readings of one log, tried on top of each other."""
 
-    def __init__(self, nominal: Nominal, log: Log, rows: Rows) -> None:
+    def __init__(self, nominal: Nominal, log: Log, rows: Rows, keep: int = 1) -> None:
         self._nominal = nominal
         self._log = log
-        self._rows = {0.0: rows}
+        self._keep = keep
+        self._rows = {0.0: rows.thinned(keep)}
         self._columns: dict[bytes, tuple[Array, Array]] = {}
 
     def rows(self, reading: Reading) -> Rows | None:
@@ -128,7 +133,7 @@ class _Search:
             found = rows_of(self._log, delay)
             if found is None:
                 return None
-            self._rows[delay] = found
+            self._rows[delay] = found.thinned(self._keep)
         return self._rows[delay].read_as(reading)
 
     def fit(self, reading: Reading) -> Fit:
@@ -141,20 +146,19 @@ class _Search:
 
     def better(self, first: Reading, fit: Fit) -> tuple[Reading, Fit] | None:
         """The best reading on top of `first`, if it is better by far."""
-        best = None
-        for tried in (self._torques(first), self._motions()):
-            for one in tried:
+        quick = _Search(self._nominal, self._log, self._rows[0.0], THIN)
+        tried: list[tuple[float, int, Reading]] = []
+        for several in (quick._torques(first), quick._motions()):
+            for one in several:
                 reading = one.after(first) if first.kind else one
-                found = self.fit(reading)
-                if best is None or found.cost < best[1].cost:
-                    best = reading, found
+                tried.append((quick.fit(reading).cost, len(tried), reading))
+            best = min(tried)[2]
             # a factor that explains all is not found by chance; a sign or an order may be another's
-            scaled = best is not None and (best[0].kind == "torque_scale")
-            if best is not None and scaled and sound(best[1], self._nominal.robot.n):
+            if best.kind == "torque_scale" and sound(self.fit(best), self._nominal.robot.n):
                 break
-        if best is None or not clearly_better(best[1], fit):
-            return None
-        return best
+        fits = [(reading, self.fit(reading)) for _, _, reading in sorted(tried)[:FINALISTS]]
+        reading, found = min(fits, key=lambda pair: pair[1].cost)
+        return (reading, found) if clearly_better(found, fit) else None
 
     def _torques(self, first: Reading) -> Iterator[Reading]:
         yield from torque_readings(self._nominal.robot)
