@@ -155,6 +155,7 @@ def test_canned_cycles_point_by_point(tmp_path: Path, cycle: str) -> None:
     ("G92 X0", "G92 is a shift of coordinates"),
     ("G5 X1 Y1 I1 J1", "G5 is a spline"),
     ("G17.5", "unknown code G17.5"),
+    ("G1 X5 (to the left Y7 F60", "a comment ( without its )"),
     ("#1=5", "variables and expressions are not read"),
     ("G1 X[1+2] F60", "variables and expressions"),
     ("O100 SUB", "sub-programs are not read"),

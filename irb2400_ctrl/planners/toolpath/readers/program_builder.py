@@ -47,11 +47,13 @@ class ProgramBuilder:
         most_points: int = MOST_POINTS,
         strict: bool = True,
         default_name: str = "",
+        default_spindle: float = 0.0,
     ) -> None:
         if not chord > 0:
             raise InputError(f"chord: found {chord} m, expected a positive length")
         self.name = name
         self.default_name = default_name
+        self.default_spindle = default_spindle
         self.chord = chord
         self.most_points = most_points
         self.strict = strict
@@ -298,7 +300,12 @@ class ProgramBuilder:
     def _speed(self, length: float, rapid: bool) -> float:
         if rapid:
             return np.inf
-        speed = self.feed.speed(length, self.spindle.speed, self.place)
+        try:
+            speed = self.feed.speed(length, self.spindle.speed or self.default_spindle, self.place)
+        except InputError as error:
+            # whoever only looks at the file shall see the point all the same
+            self.failed(error)
+            return np.inf
         if not np.isfinite(speed) and not self._feedless and self.here is not None:
             self._feedless = True
             self.note("assumed", "a cut without a stated feed is not limited in speed")
