@@ -103,7 +103,7 @@ def read_program(
 
 def _check_size(program: CamProgram) -> None:
     """A path of a few millimetres at the origin, in a unit that the file leaves open."""
-    if program.units_stated:
+    if program.units_stated or not program.operations:
         return
     position = np.concatenate([o.path.position for o in program.operations])
     size = float(np.linalg.norm(np.ptp(position, axis=0)))

@@ -115,10 +115,17 @@ class ProgramBuilder:
         self._draft.tool = tool
 
     def set_spindle(self, spindle: Spindle) -> None:
-        """Start, stop or turn the spindle; the tool waits for it."""
-        if spindle != self.spindle:
-            self.spindle = spindle
+        """Start, stop or turn the spindle; the tool waits until it has its speed, and does not wait
+        for it to stop."""
+        if spindle == self.spindle:
+            return
+        self.spindle = spindle
+        if spindle.speed > 0:
             self._split(keep_place=True)
+        elif self._draft.position:
+            self.event("spindle", "off")
+        else:
+            self._draft.spindle = spindle
 
     def set_coolant(self, state: str) -> None:
         """Coolant on or off: the tool does not wait."""
@@ -232,15 +239,15 @@ class ProgramBuilder:
         """The operations that move the tool, all in the frame of the first of them.
 
         Raises:
-            InputError: there is none.
+            InputError: there is none, and the caller does not only look at the file.
         """
         self._split(keep_place=False)
-        if not self._done:
+        if not self._done and self.strict:
             raise InputError(
                 f"{self.name}: found {min(self._points, 1)} point(s) of motion, expected at least "
                 "2 (GOTO/… in APT, G0 or G1 in G-code)"
             )
-        first = self._done[0].frame
+        first = self._done[0].frame if self._done else self.frame
         if any(not np.array_equal(draft.frame, first) for draft in self._done):
             self.note(
                 "assumed", "operations are stated in several frames: all in that of the first"

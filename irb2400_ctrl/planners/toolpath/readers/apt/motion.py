@@ -58,7 +58,7 @@ class Motion:
         if word == "" and self._last_word == "GOTO":
             # Creo: further points of an arc on lines of their own
             word = "GOTO"
-        if self._nurbs.open and word not in {"KNOT", "CNTRL"}:
+        if self._nurbs.open and word not in {"KNOT", "CNTRL", "PAINT"}:
             self._nurbs.end(self._take_rapid())
         if word != "GOTO":
             self._circles.interrupted()

@@ -13,6 +13,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.planners.toolpath.readers.unread_line import UnreadLineError
 
 WORD = re.compile(r"\s*([A-Z])\s*([-+]?(?:\d+\.?\d*|\.\d+))")
 # orders of Siemens' controls written as words
@@ -46,7 +47,7 @@ class Block:
         return {key: value for key, value in self.words if key not in "GMN"}
 
 
-def blocks(text: str, name: str) -> Iterator[Block | InputError]:
+def blocks(text: str, name: str) -> Iterator[Block | UnreadLineError]:
     """All lines that hold anything; a line that cannot be read comes as its error."""
     for line, raw in enumerate(text.split("\n"), 1):
         code, comments, closed = _split(raw)
@@ -62,7 +63,7 @@ def blocks(text: str, name: str) -> Iterator[Block | InputError]:
                 raise InputError(f"{name}, line {line}: found a comment ( without its )")
             words, orders = _words(code, f"{name}, line {line}")
         except InputError as error:
-            yield error
+            yield UnreadLineError(line, str(error))
             continue
         if words or comments or orders:
             yield Block(line, tuple(words), tuple(comments), tuple(orders), optional)
