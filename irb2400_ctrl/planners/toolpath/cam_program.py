@@ -111,7 +111,8 @@ class Operation:
         """What `irb2400 path show --json` prints of an operation."""
         cut, rapid = self.lengths()
         feed = self.feed_range()
-        low, high = self.path.position.min(axis=0), self.path.position.max(axis=0)
+        low = self.path.position.min(axis=0)
+        high = self.path.position.max(axis=0)
         tool = self.tool
         return {
             "number": self.number,

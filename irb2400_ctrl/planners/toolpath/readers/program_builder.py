@@ -12,7 +12,6 @@ from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.planners.toolpath.cam_program import (
     CamProgram,
     Event,
-    Note,
     Spindle,
     Tool,
 )
@@ -20,7 +19,8 @@ from irb2400_ctrl.planners.toolpath.readers.expansion import arcs, drilling
 from irb2400_ctrl.planners.toolpath.readers.expansion.arcs import Arc
 from irb2400_ctrl.planners.toolpath.readers.expansion.drilling import HoleCycle
 from irb2400_ctrl.planners.toolpath.readers.feed import Feed
-from irb2400_ctrl.planners.toolpath.readers.operation_draft import Draft
+from irb2400_ctrl.planners.toolpath.readers.notes import Notes
+from irb2400_ctrl.planners.toolpath.readers.operation_draft import Draft, finished
 
 Array = npt.NDArray[np.float64]
 CHORD = 5e-5
@@ -73,7 +73,7 @@ class ProgramBuilder:
         """something was said about the tool since the last motion"""
         self._points = 0
         self._done: list[Draft] = []
-        self._notes: dict[tuple[str, str], Note] = {}
+        self._notes = Notes()
         self._feedless = False
         self._draft = self._new_draft()
 
@@ -165,10 +165,7 @@ class ProgramBuilder:
 
     def note(self, kind: str, text: str) -> None:
         """A statement that makes no motion; equal ones are counted."""
-        known = self._notes.get((kind, text))
-        self._notes[kind, text] = (
-            Note(kind, self.line, text) if known is None else replace(known, count=known.count + 1)
-        )
+        self._notes.add(kind, self.line, text)
 
     def failed(self, error: InputError) -> None:
         """A statement could not be read: refuse, or note it where the caller only looks at the
@@ -247,25 +244,13 @@ class ProgramBuilder:
                 f"{self.name}: found {min(self._points, 1)} point(s) of motion, expected at least "
                 "2 (GOTO/… in APT, G0 or G1 in G-code)"
             )
-        first = self._done[0].frame if self._done else self.frame
-        if any(not np.array_equal(draft.frame, first) for draft in self._done):
-            self.note(
-                "assumed", "operations are stated in several frames: all in that of the first"
-            )
-        seen: dict[str, int] = {}
-        operations = []
-        for number, draft in enumerate(self._done, 1):
-            draft.name = draft.name or (self.default_name if len(self._done) == 1 else "")
-            seen[draft.name] = seen.get(draft.name, 0) + 1
-            again = f" ({seen[draft.name]})" if draft.name and seen[draft.name] > 1 else ""
-            same = np.array_equal(draft.frame, first)
-            X = np.eye(4) if same else np.linalg.inv(first) @ draft.frame
-            operations.append(draft.finished(number, again, X))
+        if any(not np.array_equal(d.frame, self._done[0].frame) for d in self._done):
+            self.note("assumed", "points in several frames: all brought into the first one")
         return CamProgram(
             PurePath(self.name).name,
             dialect,
-            tuple(operations),
-            tuple(self._notes.values()),
+            finished(self._done, self.default_name),
+            self._notes.all(),
             units,
             units_stated,
         )

@@ -61,7 +61,8 @@ class Rotary:
 
 def rotation(index: int, angle: float) -> Array:
     """About x, y or z."""
-    c, s = math.cos(angle), math.sin(angle)
+    c = math.cos(angle)
+    s = math.sin(angle)
     a, b = [(1, 2), (2, 0), (0, 1)][index]
     R = np.eye(3)
     R[a, a] = R[b, b] = c
