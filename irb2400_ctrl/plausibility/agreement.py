@@ -85,7 +85,8 @@ def _compared(
         fast = f"{factor:.3g} times too fast" if factor > 1 else f"{1 / factor:.3g} times too slow"
         return LogProblem(
             "time_scale",
-            f"dq/dt is {factor:.3g} times the recorded speed on every joint: the clock looks {fast}",
+            f"dq/dt is {factor:.3g} times the recorded speed on every joint: the clock looks "
+            f"{fast}",
             {"factor": float(f"{factor:.4g}")},
         )
     which = [int(joints[k]) + 1 for k in wrong]
