@@ -24,6 +24,8 @@ EVEN = 2e-6
 """[s] scatter of the stamps below which they need no help"""
 LONGEST = 60.0
 """[s] of the record that the search for the period looks at"""
+MOST_PERIODS = 100_000
+"""that the search looks at: bounds its memory whatever the stamps are"""
 BINS = 8
 """per period, in that search"""
 WIDTH = 0.1
@@ -99,7 +101,8 @@ def _period(stamps: Array, finer: int) -> float:
     """Period near the median step over `finer` that the stamps keep in phase best:
     max |sum exp(2 pi i f t)|, the sum by one Fourier transform."""
     near = float(np.median(np.diff(stamps))) / finer
-    t = stamps[stamps < stamps[0] + LONGEST] - stamps[0]
+    span = min(LONGEST, MOST_PERIODS * near)
+    t = stamps[stamps < stamps[0] + span] - stamps[0]
     bin_width = near / BINS
     length = int(next_fast_len(4 * int(np.ceil(t[-1] / bin_width) + 1), real=True))
     counts = np.bincount(np.round(t / bin_width).astype(np.int64), minlength=length)

@@ -81,6 +81,14 @@ def _compared(
     if not wrong:
         return None
     factor = float(np.median(ratio[wrong]))
+    if kind == "speed" and len(wrong) == len(joints) > 1 and _clock(ratio, factor):
+        fast = f"{factor:.3g} times too fast" if factor > 1 else f"{1 / factor:.3g} times too slow"
+        return LogProblem(
+            "time_scale",
+            f"dq/dt is {factor:.3g} times the recorded speed on every joint: the clock looks "
+            f"{fast}",
+            {"factor": float(f"{factor:.4g}")},
+        )
     which = [int(joints[k]) + 1 for k in wrong]
     return LogProblem(
         f"{kind}_unit",
@@ -88,6 +96,12 @@ def _compared(
         {"factor": float(f"{factor:.4g}")},
         tuple(which),
     )
+
+
+def _clock(ratio: Array, factor: float) -> bool:
+    """Whether one factor on all joints is that of a clock, not of a unit of angles."""
+    degrees = abs(abs(np.log(factor)) - np.log(DEGREES)) < 0.1
+    return bool(np.abs(np.log(ratio / factor)).max() < 0.1) and not degrees
 
 
 def _far(ratio: float) -> bool:

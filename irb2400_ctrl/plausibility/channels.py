@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from irb2400_ctrl.measurement.log import Log
+from irb2400_ctrl.measurement.log_facts import digit, neighbour_noise
 from irb2400_ctrl.plausibility.problem import LogProblem, named
 
 Array = npt.NDArray[np.float64]
@@ -25,6 +26,8 @@ SPIKE = 30.0
 """a torque over the largest of all others"""
 JUMP = 20.0
 """a single step of an angle over the largest of all others"""
+FINE = 0.5
+"""digit over noise of a column in which a value does not stay by chance"""
 CLIPPED = 0.005
 """share of samples exactly at one end of the range"""
 FASTEST = 20e3
@@ -110,13 +113,12 @@ def _torques(log: Log) -> LogProblem | None:
             joints=tuple(dead),
         )
     least = max(20, round(0.5 * log.rate))
-    for j in np.flatnonzero(moving):
+    fine = _fine(log.tau)
+    for j in np.flatnonzero(moving & fine):
         for start, stop in _runs(log.tau[:, j], least):
-            outside = np.concatenate([log.tau[:start, j], log.tau[stop:, j]])
-            coarse = len(outside) < 20 or np.mean(np.diff(outside) == 0.0) > 0.3
             # a value at the end of the range is a limit that was met (`_clipped`)
             end = log.tau[start, j] in (log.tau[:, j].max(), log.tau[:, j].min())
-            if not (coarse or end) and np.ptp(log.q[start:stop, j]) > 0.05:
+            if not end and np.ptp(log.q[start:stop, j]) > 0.05:
                 return _held("constant_torque", "torque", log, start, stop, int(j))
     return None
 
@@ -125,7 +127,7 @@ def _clipped(log: Log) -> LogProblem | None:
     """Torques cut off at one value."""
     found = []
     levels = []
-    for j in range(log.n):
+    for j in np.flatnonzero(_fine(log.tau)):
         tau = log.tau[:, j]
         for end in (tau.max(), tau.min()):
             level, counts = np.unique(tau, return_counts=True)
@@ -133,7 +135,7 @@ def _clipped(log: Log) -> LogProblem | None:
             near = counts[1:6] if place == 0 else counts[-6:-1]
             here = counts[place]
             if len(near) and end and here > max(CLIPPED * len(tau), 10, 8 * near.max()):
-                found.append(j + 1)
+                found.append(int(j) + 1)
                 levels.append(float(f"{abs(end):.4g}"))
                 break
     if not found:
@@ -232,6 +234,11 @@ def _held(kind: str, what: str, log: Log, start: int, stop: int, j: int) -> LogP
         {"from_s": float(log.time[start]), "to_s": float(log.time[stop - 1])},
         (j + 1,),
     )
+
+
+def _fine(tau: Array) -> npt.NDArray[np.bool_]:
+    """Columns whose digit is so much finer than their noise that equal neighbours are rare."""
+    return np.asarray(digit(tau) < FINE * neighbour_noise(tau))
 
 
 def _bend(values: Array) -> Array:

@@ -16,7 +16,7 @@ from irb2400_ctrl.plausibility.channels import channel_problem
 from irb2400_ctrl.plausibility.cost_of_noise import torque_from_angle_noise
 from irb2400_ctrl.plausibility.problem import LogProblem, named
 from irb2400_ctrl.plausibility.rows import SHORTEST
-from irb2400_ctrl.plausibility.search import understand
+from irb2400_ctrl.plausibility.search import Understanding, understand
 from irb2400_ctrl.robot import Robot
 
 Array = npt.NDArray[np.float64]
@@ -75,15 +75,20 @@ def log_problem(robot: Robot | None, log: Log) -> LogProblem | None:
     Raises:
         InputError: another number of joints than the robot's.
     """
+    return _examined(robot, log)[0]
+
+
+def _examined(robot: Robot | None, log: Log) -> tuple[LogProblem | None, Understanding | None]:
+    """The problem, and how the model explains the log where it was asked."""
     if robot is not None and robot.n != log.n:
         raise InputError(f"{log.name}: found {log.n} joints, expected {robot.n} as in {robot.name}")
     broken = channel_problem(log)
     if broken is not None:
-        return broken
+        return broken, None
     understood = None if robot is None else understand(robot, log)
     if understood is not None and understood.problem is not None:
-        return understood.problem
-    return speed_problem(log) or command_problem(log)
+        return understood.problem, understood
+    return speed_problem(log) or command_problem(log), understood
 
 
 def check_log(robot: Robot | None, log: Log) -> LogCheck:
@@ -92,12 +97,9 @@ def check_log(robot: Robot | None, log: Log) -> LogCheck:
     Raises:
         InputError: another number of joints than the robot's.
     """
-    problem = log_problem(robot, log)
-    understood = None
-    noise = None
-    if robot is not None and (problem is None or not problem.unusable):
-        understood = understand(robot, log)
-        noise = torque_from_angle_noise(robot, log)
+    problem, understood = _examined(robot, log)
+    usable = problem is None or not problem.unusable
+    noise = None if robot is None or not usable else torque_from_angle_noise(robot, log)
     return LogCheck(
         name=log.name,
         robot=None if robot is None else robot.name,
