@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from irb2400_ctrl.cli.options import OutOption, RobotOption, output_folder
+from irb2400_ctrl.cli.options import OutOption, RobotOption, load_arm, output_folder
 from irb2400_ctrl.cli.progress import step
 
 
@@ -34,9 +34,8 @@ def excite(
     output_folder(out)
 
     from irb2400_ctrl.excitation import excite as run
-    from irb2400_ctrl.robot import load_robot
 
-    arm = load_robot(robot)
+    arm = load_arm(robot)
     with step("preparing") as progress:
         found = run(arm, group, seconds=seconds, joint=joint, progress=progress)
         progress("writing")

@@ -9,7 +9,7 @@ from typing import Annotated
 
 import typer
 
-from irb2400_ctrl.cli.options import OutOption, RobotOption, input_file, output_folder
+from irb2400_ctrl.cli.options import OutOption, RobotOption, input_file, load_arm, output_folder
 from irb2400_ctrl.cli.progress import step
 
 
@@ -70,9 +70,8 @@ def plan(
 
     from irb2400_ctrl.planners import MotionLimits, plan_path, read_path
     from irb2400_ctrl.report.plan_figures import save_figures
-    from irb2400_ctrl.robot import load_robot
 
-    arm = load_robot(robot)
+    arm = load_arm(robot)
     toolpath = read_path(path)
     limits = MotionLimits.of(arm)
     limits = replace(limits, tau_max=torque_share * limits.tau_max)

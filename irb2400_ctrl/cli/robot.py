@@ -1,4 +1,4 @@
-"""`irb2400 robot show|check|export`: the description of the arm."""
+"""`irb2400 robot show|check|import|new|export`: the description of the arm."""
 
 from __future__ import annotations
 
@@ -7,12 +7,15 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from irb2400_ctrl.cli import robot_in
 from irb2400_ctrl.cli.options import OutOption, output_folder
 
 if TYPE_CHECKING:
     from irb2400_ctrl.robot import Robot
 
-app = typer.Typer(help="Show, check or export a robot description.", no_args_is_help=True)
+app = typer.Typer(help="Show, check, import, begin or export a robot.", no_args_is_help=True)
+app.command("import")(robot_in.import_)
+app.command("new")(robot_in.new)
 RobotArgument = Annotated[
     str, typer.Argument(metavar="ROBOT", help="A robot file (TOML) or a name.")
 ]
@@ -32,9 +35,10 @@ def show(robot: RobotArgument = "irb2400") -> None:
         low, high = joint.limits.range_deg
         f = joint.friction
         print(
-            f"{joint.name:<10} {low:>6.0f} … {high:<6.0f} {joint.limits.speed_deg_s:>10.0f} "
-            f"{joint.limits.torque_Nm:>10.0f} {f.static_Nm:>6.1f} {f.coulomb_Nm:>6.1f} "
-            f"{f.viscous_Nms_rad:>11.2f} {f.stribeck_rad_s:>10.4f}"
+            f"{joint.name:<10} {low:>6.0f} … {high:<6.0f} {_cell(joint.limits.speed_deg_s, 10, 0)} "
+            f"{_cell(joint.limits.torque_Nm, 10, 0)} {_cell(f.static_Nm, 6, 1)} "
+            f"{_cell(f.coulomb_Nm, 6, 1)} {_cell(f.viscous_Nms_rad, 11, 2)} "
+            f"{_cell(f.stribeck_rad_s, 10, 4)}"
         )
     print("link        mass kg   centre of mass mm")
     bodies = [(link.name, link.body) for link in arm.links]
@@ -46,6 +50,8 @@ def show(robot: RobotArgument = "irb2400") -> None:
     if arm.tool is not None:
         x, y, z = 1e3 * np.array(arm.X_FT[:3, 3])
         print(f"TCP in the flange frame: {x:.0f}, {y:.0f}, {z:.0f} mm")
+    for line in arm.assumptions():
+        print(line)
     for effect in arm.effects:
         place = f" on joint {effect.joint}" if effect.joint else ""
         print(f"effect {effect.kind}{place}: {effect.parameters()}")
@@ -69,6 +75,7 @@ def check(
 ) -> None:
     """Say in plain words what in the description cannot be so."""
     from irb2400_ctrl.model import consistency
+    from irb2400_ctrl.model.plausibility import plausibility
     from irb2400_ctrl.model.positive_definite import certify
     from irb2400_ctrl.robot import load_robot, save_robot
 
@@ -85,8 +92,8 @@ def check(
             f"{body.pseudo_inertia:13.5f}{verdict}"
         )
     issues = consistency.check(arm)
-    for issue in issues:
-        print(issue.sentence)
+    for note in [*plausibility(arm), *arm.assumptions()]:
+        print(note)
     certificate = certify(arm)
     word = "is positive definite" if certificate.shown else "is not shown to be positive definite"
     print(f"the mass matrix {word} over the whole joint box: {certificate.reason}")
@@ -103,11 +110,9 @@ def check(
     else:
         print("every body could exist")
     for joint in arm.joints:
-        if "assumption" in joint.limits.torque_source:
-            print(
-                f"{joint.name}: torque limit {joint.limits.torque_Nm:.0f} Nm is an "
-                f"{joint.limits.torque_source}"
-            )
+        limit = joint.limits.torque_Nm
+        if limit is not None and "assumption" in joint.limits.torque_source:
+            print(f"{joint.name}: torque limit {limit:.0f} Nm is an {joint.limits.torque_source}")
     if project is not None:
         nearest, distance = consistency.project(arm)
         save_robot(nearest, project)
@@ -139,6 +144,11 @@ def export(
     arm = load_robot(robot)
     name = re.sub(r"\W+", "_", arm.name).strip("_").lower()
     print(f"written: {save_urdf(arm, output_folder(out) / f'{name}.urdf')}")
+
+
+def _cell(value: float | None, width: int, digits: int) -> str:
+    """A number of the table, or a question mark for what is unknown."""
+    return f"{'?':>{width}}" if value is None else f"{value:>{width}.{digits}f}"
 
 
 def _print_torque_differences(arm: Robot, other: Robot) -> None:

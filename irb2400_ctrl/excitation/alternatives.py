@@ -20,7 +20,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy.linalg import cho_factor, cho_solve
 
-from irb2400_ctrl.diagnosis.preparation.base_prior import Nuisance, Uncertainty
+from irb2400_ctrl.diagnosis.preparation.base_prior import Nuisance
 from irb2400_ctrl.diagnosis.regressors.bases import Bases
 from irb2400_ctrl.effects import LIBRARY, Effect
 from irb2400_ctrl.excitation.groups import SIZES, AmbiguityGroup, Place
@@ -88,7 +88,7 @@ class Alternatives:
         self.robot = robot
         self.group = group
         self.bases = Bases(robot.bare())
-        self.nuisance = Nuisance.of(robot, Uncertainty(), standard)
+        self.nuisance = Nuisance.of(robot, robot.uncertainty, standard)
         self.noise: Array = NOISE * robot.tau_max
         self._standard = standard
         rms = np.maximum(np.sqrt(np.mean(standard.filtered(standard.tau) ** 2, axis=0)), 1e-9)

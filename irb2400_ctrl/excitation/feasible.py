@@ -72,11 +72,11 @@ def with_share(robot: Robot, share: float = SHARE) -> Robot:
     """The robot with smaller limits of torque and speed: what is planned for it leaves the rest
     free."""
     joints = []
-    for joint in robot.joints:
+    for joint, torque, speed in zip(robot.joints, robot.tau_max, robot.qd_max, strict=True):
         limits = joint.limits.model_copy(
             update={
-                "torque_Nm": share * joint.limits.torque_Nm,
-                "speed_deg_s": share * joint.limits.speed_deg_s,
+                "torque_Nm": share * torque,
+                "speed_deg_s": float(np.degrees(share * speed)),
             }
         )
         joints.append(joint.model_copy(update={"limits": limits}))

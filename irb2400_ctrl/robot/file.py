@@ -18,15 +18,14 @@ from irb2400_ctrl.files import write_atomic
 from irb2400_ctrl.robot.description import (
     Body,
     Coupling,
-    Friction,
-    Joint,
-    Limits,
     Link,
     ModifiedDH,
     Robot,
     Tool,
     Transform,
 )
+from irb2400_ctrl.robot.joint import Friction, Joint, Limits, MotorCoupling, Transmission
+from irb2400_ctrl.robot.uncertainty import BodyUncertainty, Uncertainty
 
 
 def robot_names() -> list[str]:
@@ -63,7 +62,18 @@ def load_robot(source: str | Path) -> Robot:
 
 def save_robot(robot: Robot, path: Path | str) -> Path:
     """Write the robot as TOML (loads again to an equal one)."""
-    return write_atomic(path, tomli_w.dumps(robot.model_dump(mode="json", exclude_none=True)))
+    return write_atomic(path, tomli_w.dumps(_stated(robot)))
+
+
+def _stated(robot: Robot) -> dict[str, Any]:
+    """The tables of the file: without what is unknown."""
+    tables = robot.model_dump(mode="json", exclude_none=True)
+    for joint, table in zip(robot.joints, tables["joints"], strict=True):
+        if joint.friction == Friction():
+            del table["friction"]
+    if not robot.uncertainty.links:
+        del tables["uncertainty"]["links"]
+    return tables
 
 
 def _explain(source: str, error: ValidationError) -> str:
@@ -92,6 +102,7 @@ def _explain(source: str, error: ValidationError) -> str:
 def _keys() -> list[str]:
     tables: list[type[BaseModel]] = [
         *(ModifiedDH, Transform, Body, Link, Friction, Limits, Joint, Coupling, Tool, Robot),
+        *(Transmission, MotorCoupling, Uncertainty, BodyUncertainty),
         *LIBRARY.values(),
     ]
     return sorted({key for table in tables for key in table.model_fields})

@@ -98,7 +98,7 @@ def closed_loop(
     command = control["tau"]
     wanted = v["tau_before"] if actuators.delay_samples else command
     if actuators.saturate:
-        limit = ca.DM(plant.tau_max)
+        limit = ca.DM(plant.tau_bound)
         wanted = ca.fmin(ca.fmax(wanted, -limit), limit)
     lag = 0.0 if actuators.lag_s == 0 else math.exp(-period / actuators.lag_s)
     # the torque behind a first-order lag, its mean over the period
