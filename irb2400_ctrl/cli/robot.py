@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
@@ -16,6 +16,8 @@ if TYPE_CHECKING:
 app = typer.Typer(help="Show, check, import, begin or export a robot.", no_args_is_help=True)
 app.command("import")(robot_in.import_)
 app.command("new")(robot_in.new)
+EXPORT_MARGIN = 1e-3
+"""smallest second moment of a body over its largest, in an exported file [-]"""
 RobotArgument = Annotated[
     str, typer.Argument(metavar="ROBOT", help="A robot file (TOML) or a name.")
 ]
@@ -133,17 +135,44 @@ def check(
 def export(
     out: OutOption,
     robot: RobotArgument = "irb2400",
+    format: Annotated[
+        Literal["urdf", "mjcf"], typer.Option(help="URDF, or MJCF with the coupling as a tendon.")
+    ] = "urdf",
+    as_is: Annotated[
+        bool, typer.Option("--as-is", help="Keep mass data that no real body can have.")
+    ] = False,
 ) -> None:
-    """Write the robot as URDF; its head says what the parallelogram means for a reader of the
-    file."""
+    """Write the robot as URDF or MJCF, its bodies such that a simulator accepts them; its head says
+    what is left out."""
     import re
 
+    from irb2400_ctrl.model.consistency import project
     from irb2400_ctrl.robot import load_robot
+    from irb2400_ctrl.robot.mjcf import save_mjcf
     from irb2400_ctrl.urdf import save_urdf
 
     arm = load_robot(robot)
+    written = arm if as_is else project(arm, EXPORT_MARGIN)[0]
+    for line in arm.assumptions():
+        print(line)
+    left_out = sorted({effect.kind for effect in arm.effects})
+    if left_out:
+        print(f"left out, the format has no place for them: {', '.join(left_out)}")
+    print("left out, the format has no place for it: static friction and its transition speed")
+    if format == "urdf" and arm.coupled:
+        print("left out: the coupling; the joints are link angles A q, the head says how to use it")
+    for link in written.links:
+        if link.body.mass_kg == 0.0:
+            print(f"{link.name} has no mass: simulators refuse a moving body without one")
+    if written != arm:
+        print(
+            "mass data moved strictly inside what real bodies can have, as simulators ask for "
+            "(--as-is keeps them)"
+        )
+        _print_torque_differences(arm, written)
     name = re.sub(r"\W+", "_", arm.name).strip("_").lower()
-    print(f"written: {save_urdf(arm, output_folder(out) / f'{name}.urdf')}")
+    save = {"urdf": (save_urdf, "urdf"), "mjcf": (save_mjcf, "xml")}[format]
+    print(f"written: {save[0](written, output_folder(out) / f'{name}.{save[1]}')}")
 
 
 def _cell(value: float | None, width: int, digits: int) -> str:

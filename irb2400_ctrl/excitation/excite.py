@@ -17,6 +17,7 @@ from irb2400_ctrl.excitation.assemble import Course, Workshop
 from irb2400_ctrl.excitation.excitation import CLEAR, Excitation, Separability
 from irb2400_ctrl.excitation.groups import group_called
 from irb2400_ctrl.excitation.motion_design import ENOUGH, Budget, Design, merit, standard_course
+from irb2400_ctrl.excitation.room import with_room
 from irb2400_ctrl.measurement.prepared_log import PreparedLog
 from irb2400_ctrl.measurement.uniform import LowPass
 from irb2400_ctrl.robot import Robot
@@ -67,6 +68,7 @@ def excite(
         raise InputError(f"found joint {joint}, expected 1 to {robot.n}")
     with threadpool_limits(limits=1, user_api="blas"):
         progress("preparing")
+        robot = with_room(robot)
         workshop = Workshop(robot)
         ordinary = standard_course(workshop, seconds)
         standard = workshop.recorded(ordinary, "standard")
@@ -119,6 +121,7 @@ def separability(
 ) -> dict[Pair, float]:
     """Distances of the pairs of a group on any motion, sizes set on the standard motion of the same
     duration."""
+    robot = with_room(robot)
     workshop = Workshop(robot)
     standard = workshop.recorded(standard_course(workshop, max(course.duration, SHORTEST)))
     alternatives = Alternatives(robot, group_called(group), standard, joint)

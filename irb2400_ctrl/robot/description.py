@@ -209,6 +209,11 @@ class Robot(Table):
         """Coupling matrix, theta = A q + offset, shape (n, n)."""
         return _read_only(np.array(self.coupling.matrix, dtype=float))
 
+    @property
+    def coupled(self) -> bool:
+        """Whether an actuator moves more than its own link angle."""
+        return not np.array_equal(self.A, np.eye(self.n))
+
     @cached_property
     def offset(self) -> Array:
         """Offset of the coupling [rad], shape (n,)."""

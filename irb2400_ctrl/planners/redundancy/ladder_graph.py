@@ -1,7 +1,7 @@
 """Choice of the branch and of the free tool rotation over a whole path (ladder graph, dynamic
 programming).
 
-Nodes are (station, rotation, branch, whole turns of the wound axes); edges join neighbouring stations
+Nodes are (station, rotation, branch, whole turns); edges join neighbouring stations
 where every joint moves continuously, and are never stored. Two sweeps, lexicographic: the largest
 smallest margin first, then, among the nodes that keep it, the shortest motion.
 """
