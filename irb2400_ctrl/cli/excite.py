@@ -30,12 +30,12 @@ def excite(
     .json, .png."""
     from irb2400_ctrl.excitation.groups import group_called
 
+    arm = load_arm(robot)  # brings the user's own effects along
     group_called(group)  # a wrong name is said before anything is written
     output_folder(out)
 
     from irb2400_ctrl.excitation import excite as run
 
-    arm = load_arm(robot)
     with step("preparing") as progress:
         found = run(arm, group, seconds=seconds, joint=joint, progress=progress)
         progress("writing")

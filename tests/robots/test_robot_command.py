@@ -182,7 +182,7 @@ def test_a_dh_table_without_convention_or_mass_is_refused(tmp_path: Path) -> Non
 
 
 def test_uncertainty_of_the_file_is_the_prior() -> None:
-    from irb2400_ctrl.diagnosis.preparation.base_prior import Nuisance
+    from irb2400_ctrl.diagnosis.preparation.base_prior import BasePrior
     from irb2400_ctrl.robot import BodyUncertainty
 
     robot = irb.load_robot("ur10e")
@@ -191,7 +191,7 @@ def test_uncertainty_of_the_file_is_the_prior() -> None:
     )
     changed = robot.model_copy(update={"uncertainty": own})
     size = np.ones(6)
-    sigma = [Nuisance(r, r.uncertainty, size, size).sigmas() for r in (robot, changed)]
+    sigma = [BasePrior(r, r.uncertainty, size, size).sigmas() for r in (robot, changed)]
     assert sigma[0][20] == pytest.approx(0.1 * robot.links[2].body.mass_kg)
     assert sigma[1][20] == pytest.approx(0.5 * robot.links[2].body.mass_kg)
     assert (np.delete(sigma[0], 20) == np.delete(sigma[1], 20)).all()

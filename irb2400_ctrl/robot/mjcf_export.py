@@ -28,7 +28,7 @@ def save_mjcf(robot: Robot, path: Path | str) -> Path:
 def to_mjcf(robot: Robot) -> str:
     """The robot as MJCF text: bodies of the links, `flange` and `tcp` as sites, one motor for each
     actuator."""
-    Q = np.linalg.inv(robot.A)
+    Q: Array = np.asarray(np.linalg.inv(robot.A), dtype=np.float64)
     lines = [
         f"<mujoco model={quoteattr(robot.name)}>",
         f"  <!-- {_head(robot)} -->",
