@@ -13,7 +13,7 @@ RobotFile = Annotated[
 
 
 def import_(
-    path: Annotated[Path, typer.Argument(metavar="FILE", help="URDF or DH table (CSV).")],
+    path: Annotated[Path, typer.Argument(metavar="FILE", help="URDF, MJCF, or DH table (CSV).")],
     out: RobotFile,
     base_link: Annotated[str | None, typer.Option(help="Link to start from; default root.")] = None,
     tool_link: Annotated[

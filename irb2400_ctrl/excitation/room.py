@@ -22,8 +22,12 @@ COLUMN = 0.40
 """[m] flange and tool stay this high above the base plane and this far from axis 1; smaller arms
 keep a fifth of their reach from the axis"""
 _SHARE = 0.2
-_WIDE = np.radians(50.0)
-"""half the range that a joint keeps about a place with room [rad]"""
+_AT_SHOULDER = 0.02
+"""a base frame this close below axis 2 lies at the shoulder [m]"""
+_WIDTHS = np.radians([50.0, 35.0, 25.0, 15.0])
+"""half the range that a joint keeps about a place with room, the widest that is free [rad]"""
+_FREE = 0.95
+"""share of the configurations about such a place that are clear"""
 _DRAWN = 3000
 _LOOKED_AT = 60
 _AROUND = 80
@@ -33,12 +37,13 @@ _AROUND = 80
 def floor_and_column(robot: Robot) -> tuple[float, float]:
     """Lowest height and smallest distance from axis 1 of flange and tool [m].
 
-    A base frame that lies at the shoulder (Puma) has its floor below: half a reach is free there.
+    A low shoulder (a small arm on a table) halves the height; a base frame that lies at the
+    shoulder (Puma) has its floor below, half a reach is free there.
     """
     frames = [link.frame.matrix() for link in robot.links]
     shoulder = float((frames[0] @ frames[1])[2, 3]) if robot.n > 1 else 0.0
     reach = sum(float(np.linalg.norm(X[:3, 3])) for X in (*frames, robot.flange.matrix()))
-    floor = FLOOR if shoulder > FLOOR else shoulder - reach / 2
+    floor = min(FLOOR, shoulder / 2) if shoulder > _AT_SHOULDER else shoulder - reach / 2
     return floor, min(COLUMN, _SHARE * reach)
 
 
@@ -49,15 +54,16 @@ def height_and_radius(model: Model, q: Array) -> tuple[Array, Array]:
     return p[..., 2].min(axis=0), radius
 
 
-def with_room(robot: Robot) -> Robot:
-    """The robot, its ranges narrowed about a place with room if the middle of its box has none.
+def with_room(robot: Robot, narrow: bool = False) -> Robot:
+    """The robot, its ranges narrowed about a place with room if the middle of its box has none, or
+    where `narrow` asks for it.
 
     Raises:
         InfeasibleError: there is no such place.
     """
     model = Model(robot)
     low, high = robot.q_min, robot.q_max
-    if _clear(model, (low + high)[None] / 2)[0]:
+    if not narrow and _clear(model, (low + high)[None] / 2)[0]:
         return robot
     rng = np.random.default_rng(0)
     # whole turns are the same place
@@ -67,10 +73,13 @@ def with_room(robot: Robot) -> Robot:
         raise InfeasibleError(
             f"{robot.name}: flange and tool are clear of floor and column nowhere in the joint box"
         )
-    around = rng.uniform(-_WIDE, _WIDE, (_AROUND, robot.n))
-    free = [float(_clear(model, np.clip(q + around, low, high)).mean()) for q in near]
-    centre = near[int(np.argmax(free))]
-    ends = np.degrees([np.maximum(low, centre - _WIDE), np.minimum(high, centre + _WIDE)])
+    around = rng.uniform(-1.0, 1.0, (_AROUND, robot.n))
+    for wide in _WIDTHS:
+        free = [float(_clear(model, np.clip(q + wide * around, low, high)).mean()) for q in near]
+        centre = near[int(np.argmax(free))]
+        if max(free) >= _FREE:
+            break
+    ends = np.degrees([np.maximum(low, centre - wide), np.minimum(high, centre + wide)])
     joints = [
         joint.model_copy(
             update={"limits": joint.limits.model_copy(update={"range_deg": (float(a), float(b))})}

@@ -106,6 +106,11 @@ def chain_robot(
         "joints": tables,
         "flange": _transform(chain.X),
     }
+    fields["effects"] = [
+        {"kind": "rotor_inertia", "joint": k, "inertia_kgm2": joint.armature}
+        for k, joint in enumerate(chain.joints, 1)
+        if joint.armature
+    ]
     if payload is not None:
         fields["tool"] = _payload(payload)
     return Imported(Robot.model_validate(fields), tuple(notes))

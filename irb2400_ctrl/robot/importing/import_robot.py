@@ -8,6 +8,7 @@ from pathlib import Path
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.robot.importing.chain_robot import Imported, Payload, chain_robot
 from irb2400_ctrl.robot.importing.dh_file import read_dh
+from irb2400_ctrl.robot.importing.mjcf_file import read_mjcf
 from irb2400_ctrl.robot.importing.tree import Tree
 from irb2400_ctrl.robot.importing.urdf_file import read_urdf
 
@@ -21,7 +22,7 @@ def import_robot(
     payload: Payload | None = None,
     convention: str | None = None,
 ) -> Imported:
-    """The robot of a URDF, or of a DH table (CSV).
+    """The robot of a URDF, an MJCF, or a DH table (CSV).
 
     Args:
         path: the file.
@@ -40,7 +41,7 @@ def import_robot(
 def read_tree(path: Path, convention: str | None = None) -> Tree:
     """The links and joints of a file of any known format."""
     if not path.is_file():
-        raise InputError(f"{path}: found nothing, expected a URDF, or a DH table (CSV)")
+        raise InputError(f"{path}: found nothing, expected a URDF, an MJCF, or a DH table (CSV)")
     if path.suffix.lower() == ".csv":
         return read_dh(path, convention)
     try:
@@ -49,4 +50,8 @@ def read_tree(path: Path, convention: str | None = None) -> Tree:
         raise InputError(f"{path} is not XML: {error}") from error
     if root.tag == "robot":
         return read_urdf(path, root)
-    raise InputError(f"{path}: found <{root.tag}> at the top, expected <robot> (URDF)")
+    if root.tag == "mujoco":
+        return read_mjcf(path, root)
+    raise InputError(
+        f"{path}: found <{root.tag}> at the top, expected <robot> (URDF) or <mujoco> (MJCF)"
+    )
