@@ -12,7 +12,7 @@ import numpy.typing as npt
 from irb2400_ctrl.codegen.build import CompiledFunction, FunctionBuffers, compile_function
 from irb2400_ctrl.errors import InputError, ToolMissingError
 from irb2400_ctrl.model.arm_family import arm_geometry
-from irb2400_ctrl.model.inverse_kinematics import Branches, closed_form, solve
+from irb2400_ctrl.model.inverse_kinematics import Branches, boxed, closed_form, solve, windings
 from irb2400_ctrl.model.newton_branches import NewtonBranches
 from irb2400_ctrl.robot import Robot
 
@@ -27,6 +27,9 @@ class BranchSolver(Protocol):
 
     def one(self, X_BF: Array, seed: Array | None) -> tuple[Array, Array]:
         """(q (b, n), overreach (b,)) for one pose (4, 4)."""
+
+    def inside(self, X_BF: Array, seed: Array | None) -> Array:
+        """Every configuration in the joint box for one pose, whole turns included, shape (m, n)."""
 
 
 def branch_solver(robot: Robot) -> BranchSolver:
@@ -44,14 +47,16 @@ def branch_solver(robot: Robot) -> BranchSolver:
         geometry = arm_geometry(robot)
     except InputError:
         return NewtonBranches(robot)
-    return ClosedForm(closed_form(geometry))
+    return ClosedForm(closed_form(geometry), robot.q_min, robot.q_max)
 
 
 class ClosedForm:
     """The closed form as machine code, or through CasADi where there is no C compiler."""
 
-    def __init__(self, function: ca.Function) -> None:
+    def __init__(self, function: ca.Function, q_min: Array, q_max: Array) -> None:
         self.function: ca.Function = function
+        self.q_min: Array = q_min
+        self.q_max: Array = q_max
 
     @cached_property
     def _compiled(self) -> CompiledFunction | None:
@@ -64,8 +69,27 @@ class ClosedForm:
     def _buffers(self) -> FunctionBuffers | None:
         return None if self._compiled is None else self._compiled.buffers()
 
+    @cached_property
+    def _boxed(self) -> FunctionBuffers | None:
+        function = boxed(self.function, self.q_min, self.q_max)
+        if function is None or self._compiled is None:
+            return None
+        return compile_function(function).buffers()
+
+    def inside(self, X_BF: Array, seed: Array | None) -> Array:
+        """One pose, every configuration in the joint box."""
+        buffers = self._boxed
+        if buffers is None:
+            return windings(self.one(X_BF, seed)[0], self.q_min, self.q_max)
+        pose, start = buffers.inputs
+        pose[...] = X_BF
+        start[...] = 0.0 if seed is None else seed
+        buffers.run()
+        q, fits, _ = buffers.outputs
+        return np.asarray(q.T[fits > 0])
+
     def many(self, X_BF: Array, seed: Array | None) -> Branches:
-        """Poses (n, 4, 4); about half a microsecond each."""
+        """Poses (n, 4, 4); about a microsecond each."""
         if self._compiled is None:
             return solve(self.function, X_BF, seed)
         seeds = np.zeros(6) if seed is None else np.asarray(seed, dtype=float)

@@ -26,6 +26,7 @@ WRIST_EPSILON = 1e-9
 REACHED = 1e-9
 _BOX_TOLERANCE = 1e-9
 _TURN = 2 * np.pi
+_MOST_TURNS = 16
 
 
 @dataclass(frozen=True)
@@ -185,6 +186,33 @@ def solve(function: ca.Function, X_BF: Array, seed: Array | None) -> Branches:
     beyond = np.ascontiguousarray(np.asarray(overreach).T).reshape(n, BRANCHES)
     angles[beyond > 0] = np.nan
     return Branches(angles, beyond)
+
+
+def boxed(function: ca.Function, q_min: Array, q_max: Array) -> ca.Function | None:
+    """(X_BF, seed) -> (q (6, 8 k), fits (8 k,), overreach (8,)): the branches with every whole turn
+    that can lie in the joint box, and which of them do; None where there are too many."""
+    most = np.floor((q_max - q_min + 2 * _BOX_TOLERANCE) / _TURN).astype(int) + 1
+    turns = _all_turns(tuple(most.tolist()))
+    if len(turns) > _MOST_TURNS:
+        return None
+    X_BF = ca.SX.sym("X_BF", 4, 4)
+    seed = ca.SX.sym("seed", 6)
+    q, overreach = function(X_BF, seed)
+    low = ca.repmat(ca.DM(q_min - _BOX_TOLERANCE), 1, BRANCHES)
+    lowest = q + _TURN * ca.ceil((low - q) / _TURN)
+    columns = []
+    fits = []
+    for k in range(BRANCHES):
+        for turn in turns:
+            angles = lowest[:, k] + ca.DM(_TURN * turn)
+            inside = overreach[k] <= 0
+            for j in range(len(q_max)):
+                inside = ca.logic_and(inside, angles[j] <= q_max[j] + _BOX_TOLERANCE)
+            columns.append(angles)
+            fits.append(inside)
+    outputs = ca.cse([ca.horzcat(*columns), ca.vertcat(*fits), overreach])
+    return ca.Function("boxed_inverse_kinematics", [X_BF, seed], outputs,
+                       ["X_BF", "seed"], ["q", "fits", "overreach"])  # fmt: skip
 
 
 def windings(q: Array, q_min: Array, q_max: Array) -> Array:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from functools import cached_property
 
 import casadi as ca
@@ -11,7 +12,7 @@ import numpy.typing as npt
 from irb2400_ctrl.errors import InputError, UnreachableError
 from irb2400_ctrl.model.branch_solver import BranchSolver, branch_solver
 from irb2400_ctrl.model.functions import FUNCTIONS
-from irb2400_ctrl.model.inverse_kinematics import Branches, windings
+from irb2400_ctrl.model.inverse_kinematics import Branches
 from irb2400_ctrl.model.numeric import Value, evaluate
 from irb2400_ctrl.model.symbolic_arm import SymbolicArm
 from irb2400_ctrl.robot import Robot
@@ -154,7 +155,8 @@ class Model(SymbolicArm):
             UnreachableError: no branch reaches the pose inside the joint box; says by how much.
         """
         X = np.asarray(X_BT, dtype=float)
-        if X.shape != (4, 4) or not np.isfinite(X).all():
+        # a number that is not finite makes the sum so
+        if X.shape != (4, 4) or not math.isfinite(X.sum()):
             raise InputError(
                 f"inverse kinematics: found an array of shape {X.shape}, expected a finite (4, 4) "
                 "pose"
@@ -163,10 +165,10 @@ class Model(SymbolicArm):
             raise InputError(
                 "inverse kinematics: the upper left (3, 3) block of the pose is not a rotation"
             )
-        branches, overreach = self._branch_solver.one(X @ self._X_TF, seed)
-        q = windings(branches, self.robot.q_min, self.robot.q_max)
+        X_BF = X @ self._X_TF
+        q = self._branch_solver.inside(X_BF, seed)
         if len(q) == 0:
-            raise UnreachableError(self._why_unreachable(branches, overreach))
+            raise UnreachableError(self._why_unreachable(*self._branch_solver.one(X_BF, seed)))
         if self.robot.coupling.difference_deg is not None:
             q = self._within_coupled_bound(q, self.robot.coupling.difference_deg)
         if seed is not None:

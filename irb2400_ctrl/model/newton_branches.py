@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from irb2400_ctrl.model import kinematics
-from irb2400_ctrl.model.inverse_kinematics import Branches
+from irb2400_ctrl.model.inverse_kinematics import Branches, windings
 from irb2400_ctrl.robot import Robot
 
 Array = npt.NDArray[np.float64]
@@ -39,6 +39,8 @@ class NewtonBranches:
         X = kinematics.flange_pose(robot, q)
         J = kinematics.point_jacobian(robot, q, X[:3, 3], robot.n)
         self.n: int = robot.n
+        self.q_min: Array = robot.q_min
+        self.q_max: Array = robot.q_max
         outputs = ca.cse([ca.densify(X), ca.densify(J)])
         self.function: ca.Function = ca.Function("pose", [q], outputs)
         lengths = [np.linalg.norm(link.frame.matrix()[:3, 3]) for link in robot.links]
@@ -79,6 +81,10 @@ class NewtonBranches:
             return wrapped, np.zeros(len(wrapped))
         short = max(float(np.linalg.norm(X_BF[:3, 3])) - self.size, 0.0)
         return np.full((1, self.n), np.nan), np.array([short])
+
+    def inside(self, X_BF: Array, seed: Array | None) -> Array:
+        """One pose, every configuration found with the whole turns that the joint box allows."""
+        return windings(self.one(X_BF, seed)[0], self.q_min, self.q_max)
 
     def _descend(self, q: Array, X_BF: Array) -> Array:
         """Damped Newton from every start at once; the configurations that arrived, shape (k, n)."""

@@ -172,3 +172,18 @@ def test_whole_turns_fill_the_box_and_nothing_else() -> None:
     turn = 2 * np.pi
     expected = [[0.5, 1 - turn], [0.5, 1.0], [-0.5, -3.0], [-0.5, -3 + turn]]
     np.testing.assert_allclose(found, expected)
+
+
+@pytest.mark.parametrize("name", ["irb2400", "puma560", "kr16 URDF"])
+def test_the_joint_box_in_machine_code_is_that_of_windings(name: str) -> None:
+    robot_ = arm(name)
+    model = irb.Model(robot_)
+    solver = branch_solver(robot_)
+    counts = set()
+    for q in np.random.default_rng(8).uniform(robot_.q_min, robot_.q_max, (200, 6)):
+        X = model.flange_pose(q)
+        expected = windings(solver.one(X, q)[0], robot_.q_min, robot_.q_max)
+        found = solver.inside(X, q)
+        np.testing.assert_allclose(found, expected, rtol=0, atol=1e-12)
+        counts.add(len(found))
+    assert len(counts) > 2
