@@ -6,6 +6,7 @@ Each arm is posed at random configurations, away from singularities by 1e-4 in e
 is a branch whose forward kinematics is not the pose (1e-8); *missed* a pose whose branches do not
 hold the configuration it came from (1e-6). With --search the number of branches is compared, on N
 poses an arm, with Newton's method from many starts, which knows no family.
+EAIK and py-opw-kinematics are timed beside it when they are installed.
 """
 
 from __future__ import annotations
@@ -73,6 +74,8 @@ def _spread(X: np.ndarray, exists: np.ndarray) -> np.ndarray:
 def timed(model: irb.Model, X: np.ndarray) -> tuple[float, float, float]:
     """Processor time of one pose by the scalar method, in a batch, and from a buffer [us]."""
     few = X[:2000]
+    with suppress(UnreachableError):
+        model.inverse_kinematics(few[0])  # built and compiled once
     start = time.process_time()
     for pose in few:
         # many configurations lie outside the joint box: what is timed is the whole answer
@@ -107,6 +110,41 @@ def searched(robot: irb.Robot, poses: int) -> str:
     return f"{robot.name:<24} {compared:>7} poses searched, {different} with another count"
 
 
+def peers() -> list[str]:
+    """The same poses of the Puma through EAIK and py-opw-kinematics, where they are installed."""
+    model = irb.Model(irb.load_robot("puma560"))
+    low, high = model.robot.q_min, model.robot.q_max
+    X = model.tcp_pose(np.random.default_rng(2).uniform(low, high, (2000, 6)))
+    model.inverse_kinematics(X[0])
+    solvers = {"ours, method": lambda: [model.inverse_kinematics(pose) for pose in X]}
+    with suppress(ImportError):
+        from eaik.IK_DH import DhRobot
+
+        half = np.pi / 2
+        arm = DhRobot(
+            np.array([half, 0, -half, half, -half, 0]),
+            np.array([0, 0.4318, 0.0203, 0, 0, 0]),
+            np.array([0, 0, 0.15005, 0.4318, 0, 0]),
+        )
+        solvers["EAIK"] = lambda: [arm.IK(pose) for pose in X]
+    with suppress(ImportError):
+        from py_opw_kinematics import KinematicModel, Robot
+        from scipy.spatial.transform import RigidTransform
+
+        opw = Robot(KinematicModel(a2=-0.0203, b=0.15005, c2=0.4318, c3=0.4318), degrees=False)
+        poses = [RigidTransform.from_matrix(pose) for pose in X]
+        solvers["py-opw-kinematics"] = lambda: [opw.inverse(pose) for pose in poses]
+    rows = []
+    for name, solve in solvers.items():
+        times = []
+        for _ in range(5):
+            start = time.process_time()
+            solve()
+            times.append(time.process_time() - start)
+        rows.append(f"{name:<24} {1e6 * min(times) / len(X):8.1f} us a pose (Puma 560, in its box)")
+    return rows
+
+
 def main() -> None:
     """Print the table."""
     numbers = [int(word) for word in sys.argv[1:] if word.isdigit()]
@@ -114,6 +152,7 @@ def main() -> None:
     print("arm                        poses branches  false  missed  buffer    batch  method [us]")
     for robot in robots():
         print(checked(robot, poses), flush=True)
+    print("\n".join(peers()), flush=True)
     if "--search" in sys.argv:
         for robot in robots():
             print(searched(robot, numbers[1] if len(numbers) > 1 else 50), flush=True)
