@@ -10,11 +10,13 @@ from pydantic import BeforeValidator, SerializeAsAny
 
 from irb2400_ctrl.effects import registry
 from irb2400_ctrl.effects.ambiguity import Ambiguity
-from irb2400_ctrl.effects.base import Effect, Signals, Transmission
+from irb2400_ctrl.effects.base import Effect
 from irb2400_ctrl.effects.drawing import Drawing
 from irb2400_ctrl.effects.prior import Prior
 from irb2400_ctrl.effects.registry import load_effects, users_files
 from irb2400_ctrl.effects.search import Search
+from irb2400_ctrl.effects.signals import Signals
+from irb2400_ctrl.effects.transmission import Transmission
 from irb2400_ctrl.errors import InputError
 
 # a file in this folder is enough: its classes register themselves

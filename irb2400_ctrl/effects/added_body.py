@@ -13,8 +13,9 @@ import numpy as np
 from pydantic import Field
 
 from irb2400_ctrl.effects.ambiguity import MASS, Ambiguity
-from irb2400_ctrl.effects.base import Acts, Array, Effect, Signals
+from irb2400_ctrl.effects.base import Acts, Array, Effect
 from irb2400_ctrl.effects.prior import Prior
+from irb2400_ctrl.effects.signals import Signals
 
 Vector3 = Annotated[
     tuple[float, float, float], Field(description="in the frame of the body that carries it")

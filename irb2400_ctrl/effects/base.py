@@ -19,9 +19,9 @@ from __future__ import annotations
 import inspect
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
-from typing import Any, ClassVar, Literal, Protocol, Self
+from typing import Any, ClassVar, Literal, Self
 
 import casadi as ca
 import numpy as np
@@ -33,6 +33,8 @@ from irb2400_ctrl.effects.drawing import Drawing
 from irb2400_ctrl.effects.prior import Prior
 from irb2400_ctrl.effects.registry import LIBRARY, load_effects, register, source_file
 from irb2400_ctrl.effects.search import Search
+from irb2400_ctrl.effects.signals import Signals
+from irb2400_ctrl.effects.transmission import Transmission
 
 Array = npt.NDArray[np.float64]
 Acts = Literal["force", "parameters", "measurement", "transmission"]
@@ -45,72 +47,6 @@ OPEN_END_S = 1e9
 """end [s] of a window that the record does not show: the effect still acted when it ended"""
 STANDARD_GRAVITY = 9.81
 """[m/s2], as the robot file of the paper's arm has it"""
-
-
-class Signals(Protocol):
-    """What an effect may depend on; all symbolic (SX), column vectors of the arm's n actuators."""
-
-    @property
-    def q(self) -> ca.SX:
-        """actuator angles [rad]"""
-
-    @property
-    def qd(self) -> ca.SX:
-        """actuator speeds [rad/s]"""
-
-    @property
-    def qdd(self) -> ca.SX:
-        """actuator accelerations [rad/s2]"""
-
-    @property
-    def time(self) -> ca.SX:
-        """time since the start of the record [s]"""
-
-    @property
-    def sign(self) -> ca.SX:
-        """direction of motion, sgn(qd)"""
-
-    @property
-    def load(self) -> ca.SX:
-        """rigid-body torque (inertia, Coriolis, gravity) that each transmission carries [Nm]"""
-
-    @property
-    def gravity_map(self) -> ca.SX:
-        """d tau / d g, shape (n, 3): the gravity torque is gravity_map @ g"""
-
-    @property
-    def tcp_jacobian(self) -> ca.SX:
-        """TCP Jacobian (6, n), linear then angular rows, base frame"""
-
-    def regressor(self, link: int) -> ca.SX:
-        """d tau / d phi of link 1…n, or n + 1 for the flange frame, shape (n, 10)
-
-        phi = (m, m cx, m cy, m cz, Ixx, Ixy, Ixz, Iyy, Iyz, Izz), inertia about the frame's origin.
-        """
-
-    @property
-    def tau(self) -> ca.SX:
-        """whole torque of the arm, friction and force effects included [Nm]"""
-
-    @property
-    def tau_rate(self) -> ca.SX:
-        """time derivative of `tau` [Nm/s]"""
-
-    @property
-    def tau_jacobian(self) -> ca.SX:
-        """d tau / d q, shape (n, n) [Nm/rad]"""
-
-    @property
-    def load_rate2(self) -> ca.SX:
-        """second time derivative of `load` [Nm/s2]"""
-
-    @property
-    def mass_matrix(self) -> ca.SX:
-        """M(q), shape (n, n) [kg m2]"""
-
-    @property
-    def state(self) -> ca.SX:
-        """internal state of this effect, shape (len(states),)"""
 
 
 class Effect(BaseModel, ABC):
@@ -367,20 +303,6 @@ class Effect(BaseModel, ABC):
         if self.joint is None:
             raise ValueError(f"{self.kind} needs a joint")
         return self.joint - 1
-
-
-@dataclass(frozen=True)
-class Transmission:
-    """What one effect says about a joint's transmission; what it leaves open another may say.
-
-    Args:
-        stiffness: of the spring [Nm/rad]; damping: its ratio for the link, motor held.
-        gap: full lost motion [rad].
-    """
-
-    stiffness: float | None = None
-    damping: float | None = None
-    gap: float | None = None
 
 
 def _revived(kind: str, file: Path | None, fields: dict[str, Any]) -> Effect:

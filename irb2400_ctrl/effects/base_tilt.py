@@ -9,7 +9,8 @@ import casadi as ca
 from pydantic import Field
 
 from irb2400_ctrl.effects.ambiguity import BASE, Ambiguity
-from irb2400_ctrl.effects.base import STANDARD_GRAVITY, Acts, Effect, Signals
+from irb2400_ctrl.effects.base import STANDARD_GRAVITY, Acts, Effect
+from irb2400_ctrl.effects.signals import Signals
 
 
 class BaseTilt(Effect):

@@ -9,7 +9,8 @@ import casadi as ca
 from pydantic import Field
 
 from irb2400_ctrl.effects.ambiguity import POSITION_LAW, Ambiguity
-from irb2400_ctrl.effects.base import Effect, Signals
+from irb2400_ctrl.effects.base import Effect
+from irb2400_ctrl.effects.signals import Signals
 
 
 class CableSpring(Effect):

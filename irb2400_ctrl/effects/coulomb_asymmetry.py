@@ -9,8 +9,9 @@ import casadi as ca
 from pydantic import Field
 
 from irb2400_ctrl.effects.ambiguity import OFFSET, Ambiguity
-from irb2400_ctrl.effects.base import Effect, Signals
+from irb2400_ctrl.effects.base import Effect
 from irb2400_ctrl.effects.drawing import Drawing
+from irb2400_ctrl.effects.signals import Signals
 
 
 class CoulombAsymmetry(Effect):

@@ -11,11 +11,13 @@ import casadi as ca
 from pydantic import Field
 
 from irb2400_ctrl.effects.ambiguity import DYNAMIC, Ambiguity
-from irb2400_ctrl.effects.base import Acts, Effect, Signals, Transmission
+from irb2400_ctrl.effects.base import Acts, Effect
 from irb2400_ctrl.effects.drawing import Drawing
 from irb2400_ctrl.effects.link_lag import lag_torque
 from irb2400_ctrl.effects.prior import Prior
 from irb2400_ctrl.effects.search import Search
+from irb2400_ctrl.effects.signals import Signals
+from irb2400_ctrl.effects.transmission import Transmission
 
 DAMPED = 0.9
 """damping ratio without a resonance"""

@@ -9,7 +9,8 @@ import casadi as ca
 from pydantic import Field
 
 from irb2400_ctrl.effects.ambiguity import POSITION_ERROR, Ambiguity
-from irb2400_ctrl.effects.base import Acts, Effect, Link, Signals
+from irb2400_ctrl.effects.base import Acts, Effect, Link
+from irb2400_ctrl.effects.signals import Signals
 
 
 class EncoderZero(Effect):

@@ -10,9 +10,10 @@ import numpy as np
 from pydantic import Field
 
 from irb2400_ctrl.effects.ambiguity import DELAY, Ambiguity
-from irb2400_ctrl.effects.base import Acts, Array, Effect, Link, Signals
+from irb2400_ctrl.effects.base import Acts, Array, Effect, Link
 from irb2400_ctrl.effects.drawing import Drawing
 from irb2400_ctrl.effects.search import Search
+from irb2400_ctrl.effects.signals import Signals
 
 
 class TimeDelay(Effect):

@@ -10,8 +10,9 @@ import numpy as np
 from pydantic import Field
 
 from irb2400_ctrl.effects.ambiguity import OFFSET, Ambiguity
-from irb2400_ctrl.effects.base import Acts, Array, Effect, Signals
+from irb2400_ctrl.effects.base import Acts, Array, Effect
 from irb2400_ctrl.effects.drawing import Drawing
+from irb2400_ctrl.effects.signals import Signals
 
 
 class TorqueOffset(Effect):

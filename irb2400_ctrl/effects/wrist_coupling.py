@@ -9,9 +9,10 @@ import casadi as ca
 from pydantic import Field
 
 from irb2400_ctrl.effects.ambiguity import COUPLING, Ambiguity
-from irb2400_ctrl.effects.base import Effect, Signals
+from irb2400_ctrl.effects.base import Effect
 from irb2400_ctrl.effects.drawing import Drawing
 from irb2400_ctrl.effects.prior import Prior
+from irb2400_ctrl.effects.signals import Signals
 
 
 class WristCoupling(Effect):
