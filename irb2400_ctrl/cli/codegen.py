@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 
 import typer
 
-from irb2400_ctrl.cli.options import OutOption, RobotOption, output_folder
+from irb2400_ctrl.cli.options import OutOption, RobotOption, load_arm, output_folder
 from irb2400_ctrl.cli.progress import step
 
 
@@ -42,9 +42,8 @@ def codegen(
 
     from irb2400_ctrl.codegen import export_package
     from irb2400_ctrl.controllers import controller as make_controller
-    from irb2400_ctrl.robot import load_robot
 
-    block = make_controller(controller, load_robot(robot), sample_time=sample_time)
+    block = make_controller(controller, load_arm(robot), sample_time=sample_time)
     with step(f"generating {controller} for {target.value}"):
         verification = export_package(block, out, target=target.value, real=precision)
     print(verification.table())

@@ -12,6 +12,7 @@ from irb2400_ctrl.cli.options import (
     OutOption,
     RobotOption,
     input_file,
+    load_arm,
     output_folder,
 )
 from irb2400_ctrl.cli.progress import step
@@ -74,9 +75,8 @@ def diagnose(
     from irb2400_ctrl.diagnosis import diagnose as run
     from irb2400_ctrl.measurement import read_log
     from irb2400_ctrl.report.diagnosis_report import diagnosis_page, lines
-    from irb2400_ctrl.robot import load_robot
 
-    arm = load_robot(robot)
+    arm = load_arm(robot)
     if close_loop:
         from irb2400_ctrl.controllers import controller as make_controller
 

@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from irb2400_ctrl.cli.options import OutOption, RobotOption, output_folder
+from irb2400_ctrl.cli.options import OutOption, RobotOption, load_arm, output_folder
 from irb2400_ctrl.cli.progress import step
 
 
@@ -29,9 +29,8 @@ def excite(
     """Plan the motion that separates look-alike effects -> trajectory.csv, excitation.mod (RAPID),
     .json, .png."""
     from irb2400_ctrl.excitation.groups import group_called
-    from irb2400_ctrl.robot import load_robot
 
-    arm = load_robot(robot)  # brings the user's own effects along
+    arm = load_arm(robot)  # brings the user's own effects along
     group_called(group)  # a wrong name is said before anything is written
     output_folder(out)
 

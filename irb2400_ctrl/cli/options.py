@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
+
+if TYPE_CHECKING:
+    from irb2400_ctrl.robot import Robot
 
 RobotOption = Annotated[
     str, typer.Option("--robot", metavar="ROBOT", help="A robot file (TOML) or a name.")
@@ -19,6 +23,16 @@ ColumnsOption = Annotated[
 OutOption = Annotated[
     Path, typer.Option("--out", metavar="DIR", help="Folder for the results; all is written there.")
 ]
+
+
+def load_arm(robot: str) -> Robot:
+    """The robot; says on stderr what its file does not state and what is done without it."""
+    from irb2400_ctrl.robot import load_robot
+
+    arm = load_robot(robot)
+    for line in arm.assumptions():
+        print(f"{arm.name}: {line}", file=sys.stderr)
+    return arm
 
 
 def input_file(path: Path, what: str) -> Path:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from irb2400_ctrl.cli.options import OutOption, RobotOption, input_file, output_folder
+from irb2400_ctrl.cli.options import OutOption, RobotOption, input_file, load_arm, output_folder
 from irb2400_ctrl.cli.path import ROTARY_HELP, UNITS_HELP
 from irb2400_ctrl.cli.progress import step
 
@@ -123,14 +123,13 @@ def plan(
 
     from irb2400_ctrl.planners import MotionLimits, read_program
     from irb2400_ctrl.planners.toolpath.work_frame import work_frame as pose_of
-    from irb2400_ctrl.robot import load_robot
 
     pose = None if work_frame is None else pose_of(work_frame)
     program = read_program(path, units=units, rotary=rotary, spindle_rpm=spindle_rpm)
     if operation is not None:
         program = replace(program, operations=(program.operation(operation),))
     output_folder(out)
-    arm = load_robot(robot)
+    arm = load_arm(robot)
     limits = MotionLimits.of(arm)
     options = {
         "rate": rate,

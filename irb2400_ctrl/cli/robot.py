@@ -1,18 +1,23 @@
-"""`irb2400 robot show|check|export`: the description of the arm."""
+"""`irb2400 robot show|check|import|new|export`: the description of the arm."""
 
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
+from irb2400_ctrl.cli import robot_in
 from irb2400_ctrl.cli.options import OutOption, output_folder
 
 if TYPE_CHECKING:
     from irb2400_ctrl.robot import Robot
 
-app = typer.Typer(help="Show, check or export a robot description.", no_args_is_help=True)
+app = typer.Typer(help="Show, check, import, begin or export a robot.", no_args_is_help=True)
+app.command("import")(robot_in.import_)
+app.command("new")(robot_in.new)
+EXPORT_MARGIN = 1e-3
+"""smallest second moment of a body over its largest, in an exported file [-]"""
 RobotArgument = Annotated[
     str, typer.Argument(metavar="ROBOT", help="A robot file (TOML) or a name.")
 ]
@@ -32,9 +37,10 @@ def show(robot: RobotArgument = "irb2400") -> None:
         low, high = joint.limits.range_deg
         f = joint.friction
         print(
-            f"{joint.name:<10} {low:>6.0f} … {high:<6.0f} {joint.limits.speed_deg_s:>10.0f} "
-            f"{joint.limits.torque_Nm:>10.0f} {f.static_Nm:>6.1f} {f.coulomb_Nm:>6.1f} "
-            f"{f.viscous_Nms_rad:>11.2f} {f.stribeck_rad_s:>10.4f}"
+            f"{joint.name:<10} {low:>6.0f} … {high:<6.0f} {_cell(joint.limits.speed_deg_s, 10, 0)} "
+            f"{_cell(joint.limits.torque_Nm, 10, 0)} {_cell(f.static_Nm, 6, 1)} "
+            f"{_cell(f.coulomb_Nm, 6, 1)} {_cell(f.viscous_Nms_rad, 11, 2)} "
+            f"{_cell(f.stribeck_rad_s, 10, 4)}"
         )
     print("link        mass kg   centre of mass mm")
     bodies = [(link.name, link.body) for link in arm.links]
@@ -46,6 +52,8 @@ def show(robot: RobotArgument = "irb2400") -> None:
     if arm.tool is not None:
         x, y, z = 1e3 * np.array(arm.X_FT[:3, 3])
         print(f"TCP in the flange frame: {x:.0f}, {y:.0f}, {z:.0f} mm")
+    for line in arm.assumptions():
+        print(line)
     for effect in arm.effects:
         place = f" on joint {effect.joint}" if effect.joint else ""
         print(f"effect {effect.kind}{place}: {effect.parameters()}")
@@ -83,22 +91,50 @@ def check(
 def export(
     out: OutOption,
     robot: RobotArgument = "irb2400",
+    format: Annotated[
+        Literal["urdf", "mjcf"], typer.Option(help="URDF, or MJCF with the coupling as a tendon.")
+    ] = "urdf",
+    as_is: Annotated[
+        bool, typer.Option("--as-is", help="Keep mass data that no real body can have.")
+    ] = False,
 ) -> None:
-    """Write the robot as URDF; its head says what the parallelogram means for a reader of the
-    file."""
+    """Write the robot as URDF or MJCF, its bodies such that a simulator accepts them; its head says
+    what is left out."""
     import re
 
+    from irb2400_ctrl.model.consistency import project
     from irb2400_ctrl.robot import load_robot
+    from irb2400_ctrl.robot.mjcf_export import save_mjcf
     from irb2400_ctrl.robot.urdf_export import save_urdf
 
     arm = load_robot(robot)
+    written = arm if as_is else project(arm, EXPORT_MARGIN)[0]
+    for line in arm.assumptions():
+        print(line)
+    left_out = sorted({effect.kind for effect in arm.effects})
+    if left_out:
+        print(f"left out, the format has no place for them: {', '.join(left_out)}")
+    print("left out, the format has no place for it: static friction and its transition speed")
+    if format == "urdf" and arm.coupled:
+        print("left out: the coupling; the joints are link angles A q, the head says how to use it")
+    for link in written.links:
+        if link.body.mass_kg == 0.0:
+            print(f"{link.name} has no mass: simulators refuse a moving body without one")
+    if written != arm:
+        print(
+            "mass data moved strictly inside what real bodies can have, as simulators ask for "
+            "(--as-is keeps them)"
+        )
+        _print_torque_differences(arm, written)
     name = re.sub(r"\W+", "_", arm.name).strip("_").lower()
-    print(f"written: {save_urdf(arm, output_folder(out) / f'{name}.urdf')}")
+    save = {"urdf": (save_urdf, "urdf"), "mjcf": (save_mjcf, "xml")}[format]
+    print(f"written: {save[0](written, output_folder(out) / f'{name}.{save[1]}')}")
 
 
 def _print_bodies(arm: Robot) -> None:
     """Which bodies could exist, and whether that matters to the torques."""
     from irb2400_ctrl.model import consistency
+    from irb2400_ctrl.model.plausibility import plausibility
     from irb2400_ctrl.model.positive_definite import certify
 
     print(
@@ -113,8 +149,8 @@ def _print_bodies(arm: Robot) -> None:
             f"{body.pseudo_inertia:13.5f}{verdict}"
         )
     issues = consistency.check(arm)
-    for issue in issues:
-        print(issue.sentence)
+    for note in [*plausibility(arm), *arm.assumptions()]:
+        print(note)
     certificate = certify(arm)
     word = "is positive definite" if certificate.shown else "is not shown to be positive definite"
     print(f"the mass matrix {word} over the whole joint box: {certificate.reason}")
@@ -136,11 +172,9 @@ def _realisable(arm: Robot) -> str:
 
 def _print_assumed_limits(arm: Robot) -> None:
     for joint in arm.joints:
-        if "assumption" in joint.limits.torque_source:
-            print(
-                f"{joint.name}: torque limit {joint.limits.torque_Nm:.0f} Nm is an "
-                f"{joint.limits.torque_source}"
-            )
+        limit = joint.limits.torque_Nm
+        if limit is not None and "assumption" in joint.limits.torque_source:
+            print(f"{joint.name}: torque limit {limit:.0f} Nm is an {joint.limits.torque_source}")
 
 
 def _write_nearest_consistent(arm: Robot, path: Path) -> None:
@@ -161,6 +195,11 @@ def _write_symmetric(arm: Robot, path: Path) -> None:
     save_robot(symmetric, path)
     print(f"written: {path}, centres of mass in the planes of symmetry")
     _print_torque_differences(arm, symmetric)
+
+
+def _cell(value: float | None, width: int, digits: int) -> str:
+    """A number of the table, or a question mark for what is unknown."""
+    return f"{'?':>{width}}" if value is None else f"{value:>{width}.{digits}f}"
 
 
 def _print_torque_differences(arm: Robot, other: Robot) -> None:

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from irb2400_ctrl.cli.options import OutOption, RobotOption, input_file, output_folder
+from irb2400_ctrl.cli.options import OutOption, RobotOption, input_file, load_arm, output_folder
 from irb2400_ctrl.cli.progress import step
 
 
@@ -31,16 +31,13 @@ def simulate(
     output_folder(out)
 
     from irb2400_ctrl.report.simulation_figures import tracking_figure
-    from irb2400_ctrl.robot import load_robot
     from irb2400_ctrl.simulation import load_trajectory
     from irb2400_ctrl.simulation import simulate as run
 
-    arm = load_robot(robot)
+    arm = load_arm(robot)
     motion = load_trajectory(trajectory)
     with step(f"simulating {controller}"):
-        simulation = run(
-            arm, motion, controller, plant=None if plant is None else load_robot(plant)
-        )
+        simulation = run(arm, motion, controller, plant=None if plant is None else load_arm(plant))
         simulation.write(out)
         tracking_figure({controller: simulation}).savefig(out / "tracking.png", dpi=120)
     s = simulation.summary()

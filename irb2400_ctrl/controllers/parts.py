@@ -38,6 +38,8 @@ def signals_in(robot: Robot) -> tuple[Field, ...]:
 
 def torque_out(robot: Robot) -> tuple[Field, ...]:
     """Output of every controller: the torque command, already inside the limits."""
+    if np.isinf(robot.tau_bound).any():
+        return (Field("tau", robot.n, "Nm", "torque command; not all limits are known"),)
     high = tuple(robot.tau_max)
     return (Field("tau", robot.n, "Nm", "torque command", lower=tuple(-robot.tau_max), upper=high),)
 
@@ -58,9 +60,12 @@ def gain(robot: Robot, name: str, unit: str, doc: str, value: ArrayLike) -> Fiel
 
 
 def saturate(robot: Robot, tau: ca.SX) -> ca.SX:
-    """tau cut at the torque limits of the robot."""
-    high = ca.DM(robot.tau_max)
-    return ca.fmin(ca.fmax(tau, -high), high)
+    """tau cut at the torque limits of the robot, where it states one."""
+    cut = [
+        ca.fmin(ca.fmax(tau[i], -high), high) if np.isfinite(high) else tau[i]
+        for i, high in enumerate(robot.tau_bound)
+    ]
+    return ca.vertcat(*cut)
 
 
 def back_calculated(

@@ -20,7 +20,7 @@ from irb2400_ctrl.diagnosis.curves import UNITS, binned_curve
 from irb2400_ctrl.diagnosis.diagnosis import Comparison, Diagnosis, Finding, Unexplained
 from irb2400_ctrl.diagnosis.estimation.candidate import Candidate
 from irb2400_ctrl.diagnosis.estimation.fit import Fit, Fitter, noisy_reversals_masked
-from irb2400_ctrl.diagnosis.preparation.base_prior import BasePrior, Uncertainty
+from irb2400_ctrl.diagnosis.preparation.base_prior import BasePrior
 from irb2400_ctrl.diagnosis.preparation.metrics import errors, noise_floor
 from irb2400_ctrl.diagnosis.regressors.bases import Bases
 from irb2400_ctrl.diagnosis.regressors.predict import effect_torque, predicted_torque
@@ -28,7 +28,7 @@ from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.measurement.log import Log
 from irb2400_ctrl.measurement.prepared_log import PreparedLog, prepare
 from irb2400_ctrl.plausibility import LogProblem, log_problem
-from irb2400_ctrl.robot import Robot
+from irb2400_ctrl.robot import Robot, Uncertainty
 
 Array = npt.NDArray[np.float64]
 
@@ -77,7 +77,7 @@ def diagnose(
         progress("prepare")
         motion = prepare(log)
         bases = _bases(robot.bare())
-        base_prior = BasePrior.of(robot, uncertainty or Uncertainty(), motion)
+        base_prior = BasePrior.of(robot, uncertainty or robot.uncertainty, motion)
         if reference is not None:
             base_prior = _referred(base_prior, bases, prepare(reference))
         Z = motion.filtered(base_prior.columns(bases.model, motion))

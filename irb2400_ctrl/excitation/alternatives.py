@@ -21,7 +21,7 @@ import numpy.typing as npt
 from scipy.linalg import cho_factor, cho_solve
 
 from irb2400_ctrl.diagnosis.estimation.evidence import DISCREPANCY
-from irb2400_ctrl.diagnosis.preparation.base_prior import BasePrior, Uncertainty
+from irb2400_ctrl.diagnosis.preparation.base_prior import BasePrior
 from irb2400_ctrl.diagnosis.regressors.bases import Bases
 from irb2400_ctrl.effects import LIBRARY, Effect
 from irb2400_ctrl.excitation.groups import AmbiguityGroup, Place
@@ -85,7 +85,7 @@ class Alternatives:
         self.robot = robot
         self.group = group
         self.bases = Bases(robot.bare())
-        self.base_prior = BasePrior.of(robot, Uncertainty(), standard)
+        self.base_prior = BasePrior.of(robot, robot.uncertainty, standard)
         self.noise: Array = NOISE * robot.tau_max
         self._standard = standard
         rms = np.maximum(np.sqrt(np.mean(standard.filtered(standard.tau) ** 2, axis=0)), 1e-9)

@@ -138,14 +138,14 @@ class Excitation:
 
     def write(self, out: Path | str) -> list[Path]:
         """Write `trajectory.csv`, `excitation.mod`, `excitation.json` and `excitation.png`; returns
-        their paths."""
+        their paths. RAPID knows six axes: other arms get no module."""
         from irb2400_ctrl.excitation.figure import motion_figure
 
         folder = Path(out)
         folder.mkdir(parents=True, exist_ok=True)
         paths = [
             write_atomic(folder / "trajectory.csv", self.trajectory().csv()),
-            self.program().save(folder / "excitation.mod"),
+            *([self.program().save(folder / "excitation.mod")] if self.robot.n == 6 else []),
             write_atomic(folder / "excitation.json", json.dumps(self.summary(), indent=2) + "\n"),
             folder / "excitation.png",
         ]

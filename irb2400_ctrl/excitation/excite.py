@@ -11,13 +11,14 @@ import numpy as np
 import numpy.typing as npt
 from threadpoolctl import threadpool_limits
 
-from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.errors import InfeasibleError, InputError
 from irb2400_ctrl.excitation.alternatives import Alternatives, Pair, named
 from irb2400_ctrl.excitation.assemble import Workshop
 from irb2400_ctrl.excitation.excitation import Excitation
-from irb2400_ctrl.excitation.groups import group_called
+from irb2400_ctrl.excitation.groups import AmbiguityGroup, group_called
 from irb2400_ctrl.excitation.motion_design import ENOUGH, Budget, Design, merit, standard_course
 from irb2400_ctrl.excitation.pair_separability import CLEAR, Separability
+from irb2400_ctrl.excitation.room import with_room
 from irb2400_ctrl.measurement.prepared_log import PreparedLog
 from irb2400_ctrl.measurement.uniform import LowPass
 from irb2400_ctrl.robot import Robot
@@ -64,6 +65,25 @@ def excite(
     """
     asked = group_called(group)
     _check(robot, seconds, joint)
+    options = (asked, seconds, joint, seed, budget or Budget(), progress)
+    try:
+        return _excited(with_room(robot), *options)
+    except InfeasibleError:
+        # moves between pieces may lead through floor or column: keep to a place with room
+        narrow = with_room(robot, narrow=True)
+    return _excited(narrow, *options)
+
+
+def _excited(
+    robot: Robot,
+    asked: AmbiguityGroup,
+    seconds: float,
+    joint: int | None,
+    seed: int,
+    budget: Budget,
+    progress: Callable[[str], None],
+) -> Excitation:
+    """The motion on a robot whose ranges are those that it may use."""
     with threadpool_limits(limits=1, user_api="blas"):
         progress("preparing")
         workshop = Workshop(robot)
@@ -77,7 +97,7 @@ def excite(
         reasons, ceilings = _limits_of_motion(alternatives, standard)
         wanted = _wanted_distances(ceilings)
         design = Design(workshop, alternatives, wanted, seconds, np.random.default_rng(seed), joint)
-        pieces = design.run(budget or Budget(), progress)
+        pieces = design.run(budget, progress)
         progress("joining the pieces")
         course, _ = workshop.filling(pieces, design.duration, seconds)
         planned = workshop.recorded(course, "excited")
@@ -139,6 +159,7 @@ def separability(
 ) -> dict[Pair, float]:
     """Distances of the pairs of a group on any motion, sizes set on the standard motion of the same
     duration."""
+    robot = with_room(robot)
     workshop = Workshop(robot)
     standard = workshop.recorded(standard_course(workshop, max(course.duration, SHORTEST)))
     alternatives = Alternatives(robot, group_called(group), standard, joint)

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from irb2400_ctrl.excitation.room import floor_and_column, height_and_radius
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.robot import Robot
 
@@ -15,9 +16,6 @@ Array = npt.NDArray[np.float64]
 
 SHARE = 0.9
 """of torque and speed limits that an excitation uses; the rest is the controller's"""
-FLOOR = 0.10
-COLUMN = 0.40
-"""[m] the flange and the tool stay this high above the base plane and this far from axis 1"""
 DENSE = 4
 """instants looked at per row of a trajectory"""
 
@@ -30,6 +28,7 @@ class Extent:
         torque, speed: largest share of the limits; box: smallest distance from the joint box,
             negative outside [rad].
         height, radius: smallest of flange and TCP above the base plane and from axis 1 [m].
+        floor, column: what these must be at least [m].
     """
 
     torque: float
@@ -37,6 +36,8 @@ class Extent:
     box: float
     height: float
     radius: float
+    floor: float
+    column: float
 
     @property
     def inside(self) -> bool:
@@ -46,14 +47,15 @@ class Extent:
     @property
     def clear(self) -> bool:
         """Away from floor and foot."""
-        return self.height >= FLOOR and self.radius >= COLUMN
+        return self.height >= self.floor and self.radius >= self.column
 
 
 def extent(model: Model, q: Array, qd: Array, qdd: Array) -> Extent:
     """Of states (m, n); torque with friction and effects."""
     robot = model.robot
     tau = model.inverse_dynamics(q, qd, qdd)
-    points = np.concatenate([pose(q)[:, :3, 3] for pose in (model.tcp_pose, model.flange_pose)])
+    height, radius = height_and_radius(model, q)
+    floor, column = floor_and_column(robot)
     box = float(np.minimum(q - robot.q_min, robot.q_max - q).min())
     if robot.coupling.difference_deg is not None:
         low, high = np.radians(robot.coupling.difference_deg)
@@ -63,8 +65,10 @@ def extent(model: Model, q: Array, qd: Array, qdd: Array) -> Extent:
         torque=float((np.abs(tau) / robot.tau_max).max()),
         speed=float((np.abs(qd) / robot.qd_max).max()),
         box=box,
-        height=float(points[:, 2].min()),
-        radius=float(np.hypot(points[:, 0], points[:, 1]).min()),
+        height=float(height.min()),
+        radius=float(radius.min()),
+        floor=floor,
+        column=column,
     )
 
 
@@ -72,11 +76,11 @@ def with_share(robot: Robot, share: float = SHARE) -> Robot:
     """The robot with smaller limits of torque and speed: what is planned for it leaves the rest
     free."""
     joints = []
-    for joint in robot.joints:
+    for joint, torque, speed in zip(robot.joints, robot.tau_max, robot.qd_max, strict=True):
         limits = joint.limits.model_copy(
             update={
-                "torque_Nm": share * joint.limits.torque_Nm,
-                "speed_deg_s": share * joint.limits.speed_deg_s,
+                "torque_Nm": share * torque,
+                "speed_deg_s": float(np.degrees(share * speed)),
             }
         )
         joints.append(joint.model_copy(update={"limits": limits}))

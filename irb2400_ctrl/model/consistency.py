@@ -20,6 +20,8 @@ from irb2400_ctrl.robot import Body, Robot
 
 Array = npt.NDArray[np.float64]
 
+THINNEST_M = 0.01
+"""size of a body whose file gives no inertia at all, where a margin asks for one [m]"""
 ROUNDING = 1e-9
 """what counts as zero, as a fraction of the body's largest principal moment [-]"""
 
@@ -102,16 +104,21 @@ def check(robot: Robot) -> list[Issue]:
     return issues
 
 
-def project(robot: Robot) -> tuple[Robot, float]:
+def project(robot: Robot, margin: float = 0.0) -> tuple[Robot, float]:
     """The nearest robot whose bodies could exist, and the distance to it [kg m2].
+
+    With a `margin` every eigenvalue of Sigma is at least this share of the largest one: strictly
+    inside, where simulators accept a body (a rod without thickness is on the edge).
 
     Masses and centres of mass stay. Of each body Sigma goes to the nearest positive semidefinite
     matrix in the Frobenius norm, which is Sigma with its negative eigenvalues set to zero (Higham
     1988): exact, and the nearest in the pseudo-inertia about the centre of mass too, because that
     matrix is block diagonal. The distance is the root of the sum of squares over the bodies.
     """
-    links = tuple(link.model_copy(update={"body": nearest(link.body)}) for link in robot.links)
-    tool = robot.tool and robot.tool.model_copy(update={"body": nearest(robot.tool.body)})
+    links = tuple(
+        link.model_copy(update={"body": nearest(link.body, margin)}) for link in robot.links
+    )
+    tool = robot.tool and robot.tool.model_copy(update={"body": nearest(robot.tool.body, margin)})
     projected = robot.model_copy(update={"links": _sourced(robot, links), "tool": tool})
     return projected, float(np.hypot.reduce(list(distances(robot, projected).values())))
 
@@ -125,12 +132,14 @@ def distances(robot: Robot, other: Robot) -> dict[str, float]:
     }
 
 
-def nearest(body: Body) -> Body:
-    """The body with the nearest positive semidefinite second moments; itself if they are."""
+def nearest(body: Body, margin: float = 0.0) -> Body:
+    """The body with the nearest second moments whose eigenvalues are at least `margin` times the
+    largest; itself if they are."""
     values, axes = np.linalg.eigh(second_moments(body))
-    if values[0] >= -ROUNDING * np.abs(values).max():
+    least = margin * max(float(values.max()), body.mass_kg * THINNEST_M**2)
+    if values[0] >= least - ROUNDING * np.abs(values).max():
         return body
-    Sigma = (axes * np.maximum(values, 0.0)) @ axes.T
+    Sigma = (axes * np.maximum(values, least)) @ axes.T
     tensor = np.trace(Sigma) * np.eye(3) - Sigma
     six = (tensor[0, 0], tensor[1, 1], tensor[2, 2], tensor[0, 1], tensor[0, 2], tensor[1, 2])
     return body.model_copy(update={"inertia_kgm2": tuple(float(value) for value in six)})

@@ -10,6 +10,7 @@ import casadi as ca
 from irb2400_ctrl.model import euler_lagrange, geometry, kinematics, newton_euler
 from irb2400_ctrl.model.acceleration import Acceleration
 from irb2400_ctrl.model.friction import friction
+from irb2400_ctrl.model.inverse_kinematics import closed_form
 from irb2400_ctrl.model.regressor import regressor
 from irb2400_ctrl.model.symbolic_arm import SymbolicArm
 
@@ -158,6 +159,7 @@ FUNCTIONS: dict[str, Callable[[SymbolicArm], ca.Function]] = {
     "tcp_jacobian": lambda m: of_q(
         "tcp_jacobian", m, "J", lambda q: kinematics.tcp_jacobian(m.robot, q)
     ),
+    "inverse_kinematics": lambda m: closed_form(m.arm_geometry),
     "singularity_factors": lambda m: of_q(
         "singularity_factors",
         m,

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import math
+from functools import cached_property
+
 import casadi as ca
 import numpy as np
 import numpy.typing as npt
 
 from irb2400_ctrl.errors import InputError, UnreachableError
-from irb2400_ctrl.model import inverse_kinematics as closed_form
+from irb2400_ctrl.model.branch_solver import BranchSolver, branch_solver
 from irb2400_ctrl.model.functions import FUNCTIONS
+from irb2400_ctrl.model.inverse_kinematics import Branches
 from irb2400_ctrl.model.numeric import Value, evaluate
 from irb2400_ctrl.model.symbolic_arm import SymbolicArm
 from irb2400_ctrl.robot import Robot
@@ -121,48 +125,68 @@ class Model(SymbolicArm):
         return evaluate(self.function("tcp_jacobian"), q, matrix=True)
 
     def singularity_factors(self, q: Value) -> Value:
-        """(wrist, shoulder, elbow) = (sin q5, r, k) with det J = -a2 sin q5 r k (eqs. 34-36), shape
-        (3,) [-, m, m]."""
+        """(wrist, shoulder, elbow) = (sin phi5, r, k) with |det J| = a2 |sin phi5 r k| (eqs.
+        34-36), shape (3,) [-, m, m]; phi = q for the IRB 2400 (`ArmGeometry`).
+
+        Raises:
+            InputError: an arm of another family; see `smallest_singular_value`.
+        """
         return evaluate(self.function("singularity_factors"), q)
+
+    def smallest_singular_value(self, q: Array) -> Array:
+        """How far any arm is from a singularity: the smallest singular value of the Jacobian, its
+        linear rows over the arm's reach, shape () or (m,) [-]; zero in every singularity."""
+        J = np.array(self.tcp_jacobian(np.asarray(q, dtype=float)))
+        frames = [link.frame.matrix() for link in self.robot.links]
+        reach = sum(float(np.linalg.norm(X[:3, 3])) for X in (*frames, self.robot.flange.matrix()))
+        J[..., :3, :] /= max(reach, 1e-9)
+        return np.asarray(np.linalg.svd(J, compute_uv=False)[..., -1])
 
     def inverse_kinematics(self, X_BT: Array, seed: Array | None = None) -> Array:
         """All actuator angles inside the joint box that reach the pose, shape (branches, 6) [rad].
 
-        Whole turns of axes 4 and 6 that fit into the box are solutions of their own. With `seed`
-        (6,) the nearest (largest joint difference smallest) comes first, and it decides an angle
-        that a singularity leaves free.
+        Closed form for arms with a spherical wrist or three parallel axes, Newton's method from
+        many starts for other arms of six axes. Whole turns that fit into the box are solutions of
+        their own. With `seed` (6,) the nearest (largest joint difference smallest) comes first, and
+        it decides an angle that a singularity leaves free.
 
         Raises:
-            InputError: not a pose, or the arm is not of this family.
+            InputError: not a pose, or the arm has not six axes.
             UnreachableError: no branch reaches the pose inside the joint box; says by how much.
         """
         X = np.asarray(X_BT, dtype=float)
-        if X.shape != (4, 4) or not np.isfinite(X).all():
+        # a number that is not finite makes the sum so
+        if X.shape != (4, 4) or not math.isfinite(X.sum()):
             raise InputError(
                 f"inverse kinematics: found an array of shape {X.shape}, expected a finite (4, 4) "
                 "pose"
             )
-        if np.abs(X[:3, :3] @ X[:3, :3].T - np.eye(3)).max() > 1e-6 or np.linalg.det(X[:3, :3]) < 0:
+        if not _is_rotation(X):
             raise InputError(
                 "inverse kinematics: the upper left (3, 3) block of the pose is not a rotation"
             )
-        branches = self.inverse_kinematics_branches(X[None], seed)
-        q = closed_form.windings(branches.q[0], self.robot.q_min, self.robot.q_max)
+        X_BF = X @ self._X_TF
+        q = self._branch_solver.inside(X_BF, seed)
         if len(q) == 0:
-            raise UnreachableError(self._why_unreachable(branches))
+            raise UnreachableError(self._why_unreachable(*self._branch_solver.one(X_BF, seed)))
         if self.robot.coupling.difference_deg is not None:
             q = self._within_coupled_bound(q, self.robot.coupling.difference_deg)
         if seed is not None:
             q = q[np.argsort(np.abs(q - np.asarray(seed, dtype=float)).max(axis=1), kind="stable")]
         return q
 
-    def inverse_kinematics_branches(
-        self, X_BT: Array, seed: Array | None = None
-    ) -> closed_form.Branches:
-        """The eight geometric branches of m poses (m, 4, 4), joint box not regarded, no whole
-        turns."""
-        X_TF = np.linalg.inv(self.robot.X_FT)
-        return closed_form.solve(self.arm_geometry, np.asarray(X_BT, dtype=float) @ X_TF, seed)
+    def inverse_kinematics_branches(self, X_BT: Array, seed: Array | None = None) -> Branches:
+        """The geometric branches of m poses (m, 4, 4), joint box not regarded, no whole turns:
+        eight in a fixed order from a closed form."""
+        return self._branch_solver.many(np.asarray(X_BT, dtype=float) @ self._X_TF, seed)
+
+    @cached_property
+    def _branch_solver(self) -> BranchSolver:
+        return branch_solver(self.robot)
+
+    @cached_property
+    def _X_TF(self) -> Array:
+        return np.asarray(np.linalg.inv(self.robot.X_FT))
 
     @staticmethod
     def _within_coupled_bound(q: Array, difference_deg: tuple[float, float]) -> Array:
@@ -179,13 +203,9 @@ class Model(SymbolicArm):
             )
         return q[allowed]
 
-    def _why_unreachable(self, branches: closed_form.Branches) -> str:
-        q = branches.q[0]
+    def _why_unreachable(self, q: Array, overreach: Array) -> str:
         if not np.isfinite(q).any():
-            return (
-                f"the wrist centre is {1e3 * branches.overreach[0].min():.1f} mm out of reach "
-                "of the arm"
-            )
+            return f"the wrist centre is {1e3 * overreach.min():.1f} mm out of reach of the arm"
         low = self.robot.q_min
         high = self.robot.q_max
         excess = np.maximum(np.maximum(low - q, q - high), 0.0)
@@ -211,3 +231,18 @@ class Model(SymbolicArm):
                 )
             self._built[name] = FUNCTIONS[name](self)
         return self._built[name]
+
+
+def _is_rotation(X: Array) -> bool:
+    """The upper left block of a pose has unit columns at right angles, right-handed."""
+    (a, b, c), (d, e, f), (g, h, i) = X[:3, :3].tolist()
+    products = (
+        a * a + d * d + g * g - 1.0,
+        b * b + e * e + h * h - 1.0,
+        c * c + f * f + i * i - 1.0,
+        a * b + d * e + g * h,
+        a * c + d * f + g * i,
+        b * c + e * f + h * i,
+    )
+    right = a * (e * i - f * h) - b * (d * i - f * g) + c * (d * h - e * g) > 0.0
+    return bool(right and max(abs(value) for value in products) <= 1e-6)

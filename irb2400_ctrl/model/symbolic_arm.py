@@ -8,6 +8,7 @@ import casadi as ca
 import numpy as np
 
 from irb2400_ctrl.model import geometry
+from irb2400_ctrl.model.arm_family import arm_geometry
 from irb2400_ctrl.model.base_parameters import BaseParameters, base_parameters
 from irb2400_ctrl.model.regressor import transport
 from irb2400_ctrl.model.signals import ArmSignals
@@ -22,8 +23,8 @@ class SymbolicArm:
 
     @cached_property
     def arm_geometry(self) -> geometry.ArmGeometry:
-        """Constants of Tab. 2; raises InputError for an arm of another family."""
-        return geometry.arm_geometry(self.robot)
+        """Constants of the arm's family; raises InputError for an arm of none."""
+        return arm_geometry(self.robot)
 
     @cached_property
     def phi(self) -> ca.DM:

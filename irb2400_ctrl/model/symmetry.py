@@ -3,9 +3,13 @@ table leaves."""
 
 from __future__ import annotations
 
-from irb2400_ctrl.model.geometry import arm_geometry
+import numpy as np
+
+from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.robot import Robot
 
+TWISTS = (0.0, -np.pi / 2, 0.0, -np.pi / 2, np.pi / 2, np.pi / 2)
+"""alpha of the frames of Tab. 2 [rad]"""
 KEPT = ("z", "xy", "xy", "z", "", "z")
 """components of each link's centre of mass that eqs. 37-42 keep"""
 
@@ -20,7 +24,11 @@ def com_in_symmetry_plane(robot: Robot) -> Robot:
     Raises:
         InputError: the chain is not of this family, so the equations do not say anything about it.
     """
-    arm_geometry(robot)
+    twists = [getattr(link.frame, "alpha_rad", np.nan) for link in robot.links]
+    if len(twists) != len(TWISTS) or not np.allclose(twists, TWISTS):
+        raise InputError(
+            f"{robot.name}: the planes of symmetry of eqs. 37-42 are stated in the frames of Tab. 2"
+        )
     links = []
     for link, kept in zip(robot.links, KEPT, strict=True):
         x, y, z = (

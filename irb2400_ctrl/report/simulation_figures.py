@@ -44,10 +44,12 @@ def torque_figure(run: Simulation, name: str) -> Figure:
     n = run.tau.shape[1]
     figure = Figure(figsize=(9.0, 7.0), layout="constrained")
     axes = figure.subplots((n + 1) // 2, 2, sharex=True).ravel()
-    for joint, (axis, limit) in enumerate(zip(axes, run.plant.tau_max, strict=False)):
+    for joint, (axis, limit) in enumerate(zip(axes, run.plant.tau_bound, strict=False)):
         axis.plot(run.time, run.tau[:, joint], lw=0.8)
         for sign in (-1, 1):
-            axis.axhline(sign * limit, color="tab:red", lw=0.9, ls="--")
+            axis.axhline(
+                sign * limit if np.isfinite(limit) else np.nan, color="tab:red", lw=0.9, ls="--"
+            )
         axis.set_ylabel(f"torque {joint + 1} [Nm]")
         axis.grid(alpha=0.3)
     for axis in axes[-2:]:

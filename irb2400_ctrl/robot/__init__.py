@@ -3,9 +3,6 @@
 from irb2400_ctrl.robot.description import (
     Body,
     Coupling,
-    Friction,
-    Joint,
-    Limits,
     Link,
     ModifiedDH,
     Robot,
@@ -13,18 +10,24 @@ from irb2400_ctrl.robot.description import (
     Transform,
 )
 from irb2400_ctrl.robot.file import load_robot, robot_names, save_robot
+from irb2400_ctrl.robot.joint import Friction, Joint, Limits, MotorCoupling, Transmission
+from irb2400_ctrl.robot.uncertainty import BodyUncertainty, Uncertainty
 
 __all__ = [
     "Body",
+    "BodyUncertainty",
     "Coupling",
     "Friction",
     "Joint",
     "Limits",
     "Link",
     "ModifiedDH",
+    "MotorCoupling",
     "Robot",
     "Tool",
     "Transform",
+    "Transmission",
+    "Uncertainty",
     "load_robot",
     "robot_names",
     "save_robot",

@@ -13,24 +13,21 @@ from typing import Annotated, Any, Literal, Self
 
 import numpy as np
 import numpy.typing as npt
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_validator
+from pydantic import BeforeValidator, Field, model_validator
 
 from irb2400_ctrl.effects import LIBRARY, AnyEffect, load_effects
 from irb2400_ctrl.effects.base import OPEN_END_S
 from irb2400_ctrl.effects.blank import discrepancy_size
+from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.robot.joint import Joint, MotorCoupling
+from irb2400_ctrl.robot.table import NotNegative, Range, Table, Vector3
+from irb2400_ctrl.robot.uncertainty import Uncertainty
 
 Array = npt.NDArray[np.float64]
-Positive = Annotated[float, Field(gt=0)]
-NotNegative = Annotated[float, Field(ge=0)]
-Vector3 = tuple[float, float, float]
-Range = tuple[float, float]
 Row4 = tuple[float, float, float, float]
 
-
-class _Table(BaseModel):
-    model_config = ConfigDict(
-        frozen=True, extra="forbid", allow_inf_nan=False, ignored_types=(cached_property,)
-    )
+STRIBECK_RAD_S = 0.01
+"""speed at which static friction would fade where the file states none; typical of such gears"""
 
 
 def _six(value: object) -> object:
@@ -44,7 +41,7 @@ def _six(value: object) -> object:
 Inertia = Annotated[tuple[float, float, float, float, float, float], BeforeValidator(_six)]
 
 
-class ModifiedDH(_Table):
+class ModifiedDH(Table):
     """Pose of frame i in frame i - 1 by modified Denavit-Hartenberg parameters (eq. 1)."""
 
     a_m: float
@@ -65,7 +62,7 @@ class ModifiedDH(_Table):
         )
 
 
-class Transform(_Table):
+class Transform(Table):
     """Pose of frame i in frame i - 1 as a homogeneous matrix; the joint turns about the new z
     axis."""
 
@@ -94,7 +91,7 @@ class Transform(_Table):
         return X
 
 
-class Body(_Table):
+class Body(Table):
     """Mass data of a rigid body in its link frame; inertia about the centre of mass (Tab. 3, 4)."""
 
     mass_kg: NotNegative
@@ -119,7 +116,7 @@ class Body(_Table):
         return np.array([self.mass_kg, *(self.mass_kg * c), *tensor[np.triu_indices(3)]])
 
 
-class Link(_Table):
+class Link(Table):
     """One link: where its joint is, and what it weighs."""
 
     name: str
@@ -128,44 +125,7 @@ class Link(_Table):
     source: str = Field(min_length=1)
 
 
-class Friction(_Table):
-    """Stribeck friction of one actuator (eq. 54, Tab. 5)."""
-
-    static_Nm: NotNegative
-    coulomb_Nm: NotNegative
-    viscous_Nms_rad: NotNegative
-    stribeck_rad_s: Positive
-    source: str = Field(min_length=1)
-
-
-class Limits(_Table):
-    """Limits of one actuator."""
-
-    range_deg: Range
-    speed_deg_s: Positive
-    range_source: str = Field(min_length=1)
-    torque_Nm: Positive
-    torque_source: str = Field(min_length=1)
-    acceleration_deg_s2: Positive | None = None
-    torque_rate_Nm_s: Positive | None = None
-
-    @model_validator(mode="after")
-    def _ordered(self) -> Self:
-        low, high = self.range_deg
-        if low >= high:
-            raise ValueError(f"range_deg is [{low}, {high}], expected the lower end first")
-        return self
-
-
-class Joint(_Table):
-    """One actuator: friction and limits act on its own angle q."""
-
-    name: str
-    friction: Friction
-    limits: Limits
-
-
-class Coupling(_Table):
+class Coupling(Table):
     """theta = matrix @ q + offset: link angles from actuator angles (parallelogram: theta3 = q3 -
     q2)."""
 
@@ -176,7 +136,7 @@ class Coupling(_Table):
     """range of q3 - q2 on a controller that limits it; absent when not known"""
 
 
-class Tool(_Table):
+class Tool(Table):
     """The tool on the flange: TCP (eqs. 10-12, 69) and mass data (eq. 43, Tab. 4), both in the
     flange frame."""
 
@@ -188,7 +148,7 @@ class Tool(_Table):
     source: str = Field(min_length=1)
 
 
-class Robot(_Table):
+class Robot(Table):
     """An arm of n revolute joints. Read it with `load_robot` (`file.py`), change it with
     `model_copy(update=...)`."""
 
@@ -202,6 +162,8 @@ class Robot(_Table):
     coupling: Coupling
     flange: ModifiedDH | Transform
     tool: Tool | None = None
+    motor_coupling: MotorCoupling | None = None
+    uncertainty: Uncertainty = Uncertainty()
     effects: tuple[AnyEffect, ...] = ()
     effect_files: tuple[Path, ...] = Field(default=(), exclude=True)
     """Python files that define effects of the user's own; a robot file names them relative to
@@ -218,6 +180,12 @@ class Robot(_Table):
             problems.append(f"coupling: expected a {n} x {n} matrix and {n} offsets")
         elif abs(np.linalg.det(np.array(A))) < 1e-9:
             problems.append("coupling: the matrix is singular")
+        motors = self.motor_coupling
+        if motors is not None and np.shape(motors.matrix) != (n, n):
+            problems.append(f"motor_coupling: expected a {n} x {n} matrix")
+        bodies = {"tool", *(link.name for link in self.links)}
+        for name in sorted(set(self.uncertainty.links) - bodies):
+            problems.append(f"uncertainty.links.{name}: no such link")
         for effect in self.effects:
             allowed = list(LIBRARY[effect.kind].joints(n))
             if effect.joint not in allowed:
@@ -245,6 +213,11 @@ class Robot(_Table):
         """Coupling matrix, theta = A q + offset, shape (n, n)."""
         return _read_only(np.array(self.coupling.matrix, dtype=float))
 
+    @property
+    def coupled(self) -> bool:
+        """Whether an actuator moves more than its own link angle."""
+        return not np.array_equal(self.A, np.eye(self.n))
+
     @cached_property
     def offset(self) -> Array:
         """Offset of the coupling [rad], shape (n,)."""
@@ -267,26 +240,63 @@ class Robot(_Table):
 
     @cached_property
     def qd_max(self) -> Array:
-        """Speed limits [rad/s], shape (n,)."""
-        return _read_only(np.radians([j.limits.speed_deg_s for j in self.joints]))
+        """Speed limits [rad/s], shape (n,).
+
+        Raises:
+            InputError: the file does not state all of them.
+        """
+        speeds = self._stated("speed_deg_s", "speed limit", "deg/s")
+        return _read_only(np.radians(speeds))
 
     @cached_property
     def tau_max(self) -> Array:
-        """Torque limits [Nm], shape (n,)."""
-        return _read_only(np.array([j.limits.torque_Nm for j in self.joints]))
+        """Torque limits [Nm], shape (n,).
+
+        Raises:
+            InputError: the file does not state all of them.
+        """
+        return _read_only(self._stated("torque_Nm", "torque limit", "Nm"))
+
+    @cached_property
+    def tau_bound(self) -> Array:
+        """Torque limits [Nm], infinite where the file states none, shape (n,)."""
+        limits = [joint.limits.torque_Nm for joint in self.joints]
+        return _read_only(np.array([np.inf if value is None else value for value in limits]))
+
+    def _stated(self, key: str, what: str, unit: str) -> Array:
+        """A limit of all joints; says which joints lack it and how to state it."""
+        values = [getattr(joint.limits, key) for joint in self.joints]
+        lacking = [j.name for j, value in zip(self.joints, values, strict=True) if value is None]
+        if lacking:
+            raise InputError(
+                f"{self.name}: the {what} of {', '.join(lacking)} is unknown, and this needs it; "
+                f"write {key} = ... [{unit}] into the joint's limits table of the robot file"
+            )
+        return np.array(values, dtype=float)
 
     @cached_property
     def friction(self) -> Array:
-        """Friction of eq. 54: columns F_s, F_c [Nm], F_v [Nm s/rad], omega_st [rad/s]; shape (n,
-        4)."""
-        return _read_only(
-            np.array(
-                [
-                    [f.static_Nm, f.coulomb_Nm, f.viscous_Nms_rad, f.stribeck_rad_s]
-                    for f in (joint.friction for joint in self.joints)
-                ]
+        """Friction of eq. 54 to compute with: columns F_s, F_c [Nm], F_v [Nm s/rad], omega_st
+        [rad/s]; shape (n, 4).
+
+        A term that the file does not state is left out of the torque: F_c and F_v are zero, F_s is
+        F_c. `friction_known` says which, `assumptions` says so in words.
+        """
+        rows = []
+        for f in (joint.friction for joint in self.joints):
+            coulomb = f.coulomb_Nm or 0.0
+            static = coulomb if f.static_Nm is None else f.static_Nm
+            rows.append(
+                [static, coulomb, f.viscous_Nms_rad or 0.0, f.stribeck_rad_s or STRIBECK_RAD_S]
             )
-        )
+        return _read_only(np.array(rows))
+
+    @cached_property
+    def friction_known(self) -> npt.NDArray[np.bool_]:
+        """Which numbers of `friction` the file states, shape (n, 4)."""
+        known = np.array([joint.friction.known() for joint in self.joints])
+        known.setflags(write=False)
+        return known
 
     @cached_property
     def inertial_parameters(self) -> Array:
@@ -301,6 +311,26 @@ class Robot(_Table):
     def X_FT(self) -> Array:
         """Pose of the TCP in the flange frame (eq. 12), shape (4, 4)."""
         return _read_only(np.eye(4) if self.tool is None else self.tool.tcp.matrix())
+
+    def assumptions(self) -> list[str]:
+        """What the file does not state, and what is done without it, in plain words."""
+        known = self.friction_known
+        says = []
+        for column, term, instead in (
+            (1, "Coulomb friction", "left out of the torque"),
+            (2, "viscous friction", "left out of the torque"),
+            (0, "static friction", "taken equal to the Coulomb friction"),
+        ):
+            says += self._unknown(known[:, column], term, instead)
+        stated = ~np.isinf(self.tau_bound)
+        says += self._unknown(stated, "torque limit", "no torque is cut; planning needs it")
+        speeds = np.array([joint.limits.speed_deg_s is not None for joint in self.joints])
+        return says + self._unknown(speeds, "speed limit", "planning needs it")
+
+    def _unknown(self, known: npt.NDArray[np.bool_], term: str, instead: str) -> list[str]:
+        names = [j.name for j, there in zip(self.joints, known, strict=True) if not there]
+        who = "every joint" if len(names) == self.n else ", ".join(names)
+        return [f"{term} of {who} is unknown: {instead}"] if names else []
 
     def with_effects(self, *effects: AnyEffect) -> Robot:
         """This robot with further effects, validated."""

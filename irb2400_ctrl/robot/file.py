@@ -19,15 +19,14 @@ from irb2400_ctrl.files import write_atomic
 from irb2400_ctrl.robot.description import (
     Body,
     Coupling,
-    Friction,
-    Joint,
-    Limits,
     Link,
     ModifiedDH,
     Robot,
     Tool,
     Transform,
 )
+from irb2400_ctrl.robot.joint import Friction, Joint, Limits, MotorCoupling, Transmission
+from irb2400_ctrl.robot.uncertainty import BodyUncertainty, Uncertainty
 
 
 def robot_names() -> list[str]:
@@ -75,12 +74,23 @@ def save_robot(robot: Robot, path: Path | str) -> Path:
     It names the files of effects that are the user's own, as seen from its folder.
     """
     path = Path(path)
-    data = robot.model_dump(mode="json", exclude_none=True)
+    data = _stated(robot)
     files = [*robot.effect_files, *users_files(type(effect) for effect in robot.effects)]
     if files:
         # ahead of the tables
         data = {"effect_files": [_seen_from(path.parent, f) for f in dict.fromkeys(files)], **data}
     return write_atomic(path, tomli_w.dumps(data))
+
+
+def _stated(robot: Robot) -> dict[str, Any]:
+    """The tables of the file: without what is unknown."""
+    tables = robot.model_dump(mode="json", exclude_none=True)
+    for joint, table in zip(robot.joints, tables["joints"], strict=True):
+        if joint.friction == Friction():
+            del table["friction"]
+    if not robot.uncertainty.links:
+        del tables["uncertainty"]["links"]
+    return tables
 
 
 def _loaded(files: object, folder: Path, source: str) -> tuple[Path, ...]:
@@ -128,6 +138,7 @@ def _explain(source: str, error: ValidationError) -> str:
 def _keys() -> list[str]:
     tables: list[type[BaseModel]] = [
         *(ModifiedDH, Transform, Body, Link, Friction, Limits, Joint, Coupling, Tool, Robot),
+        *(Transmission, MotorCoupling, Uncertainty, BodyUncertainty),
         *LIBRARY.values(),
     ]
     return sorted({key for table in tables for key in table.model_fields})

@@ -169,7 +169,7 @@ def _acting(
     """Mean torque of the drives over the period, and the torque behind their lag at its end."""
     wanted = v["tau_before"] if actuators.delay_samples else command
     if actuators.saturate:
-        limit = ca.DM(plant.tau_max)
+        limit = ca.DM(plant.tau_bound)
         wanted = ca.fmin(ca.fmax(wanted, -limit), limit)
     if actuators.lag_s == 0:
         return wanted, wanted

@@ -48,9 +48,12 @@ def perturbed_robot(
         static, coulomb, viscous = (1 + friction * _draw(rng, 3)).tolist()
         new = old.model_copy(
             update={
-                "static_Nm": old.static_Nm * static,
-                "coulomb_Nm": old.coulomb_Nm * coulomb,
-                "viscous_Nms_rad": old.viscous_Nms_rad * viscous,
+                key: None if value is None else value * factor
+                for key, value, factor in (
+                    ("static_Nm", old.static_Nm, static),
+                    ("coulomb_Nm", old.coulomb_Nm, coulomb),
+                    ("viscous_Nms_rad", old.viscous_Nms_rad, viscous),
+                )
             }
         )
         joints.append(joint.model_copy(update={"friction": new}))

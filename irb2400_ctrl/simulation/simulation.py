@@ -102,7 +102,7 @@ class Simulation:
     def summary(self) -> dict[str, Any]:
         """The figures of `simulation.json`."""
         error = np.degrees(self.q - self.q_ref)
-        limit = self.plant.tau_max
+        limit = self.plant.tau_bound
         return {
             "controller": self.controller.name,
             "robot": self.robot.name,

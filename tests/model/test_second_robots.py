@@ -16,6 +16,7 @@ from irb2400_ctrl.effects import LIBRARY
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.model.chain import chain_of
 from irb2400_ctrl.model.positive_definite import certify
+from irb2400_ctrl.robot import ModifiedDH
 
 pytest.importorskip("pinocchio")
 
@@ -98,10 +99,12 @@ def test_real_bodies_make_a_positive_definite_mass_matrix() -> None:
     assert found.cells == 0
 
 
-def test_closed_form_inverse_kinematics_is_refused_for_another_family() -> None:
-    model = irb.Model(ur_like())
-    with pytest.raises(InputError, match=r"chain of Tab\. 2"):
-        model.inverse_kinematics(np.eye(4))
+def test_an_arm_of_no_family_has_no_factors() -> None:
+    robot = ur_like()
+    skew = robot.links[4].model_copy(update={"frame": ModifiedDH(a_m=0.1, alpha_rad=1.0, d_m=0.2)})
+    changed = robot.model_copy(update={"links": (*robot.links[:4], skew, robot.links[5])})
+    with pytest.raises(InputError, match=r"no closed-form .* not at right angles"):
+        irb.Model(changed).singularity_factors(np.zeros(6))
 
 
 def test_a_file_of_it_loads_again(tmp_path: Path) -> None:

@@ -1,7 +1,8 @@
 """What is known before anything is explained: noise, errors, how far the base may be off."""
 
-from irb2400_ctrl.diagnosis.preparation.base_prior import BasePrior, Uncertainty
+from irb2400_ctrl.diagnosis.preparation.base_prior import BasePrior
 from irb2400_ctrl.diagnosis.preparation.metrics import Errors, errors, noise_floor
 from irb2400_ctrl.diagnosis.preparation.noise import Noise
+from irb2400_ctrl.robot import Uncertainty
 
 __all__ = ["BasePrior", "Errors", "Noise", "Uncertainty", "errors", "noise_floor"]

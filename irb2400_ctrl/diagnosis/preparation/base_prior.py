@@ -2,7 +2,7 @@
 data-sheet uncertainty.
 
 Each uncertain number p = p0 + sigma z has a standard normal z; its column is d tau / d z. One
-standard deviation: masses 2 %, centres of mass 5 mm, inertias 5 %, friction 4 %.
+standard deviation is what the robot file states under `[uncertainty]`.
 """
 
 from __future__ import annotations
@@ -15,28 +15,12 @@ import numpy.typing as npt
 
 from irb2400_ctrl.measurement.prepared_log import PreparedLog
 from irb2400_ctrl.model import Model
-from irb2400_ctrl.robot import Body, Robot
+from irb2400_ctrl.robot import Body, Robot, Uncertainty
 
 Array = npt.NDArray[np.float64]
 
 
 UNKNOWN_FRICTION = 0.5
-
-
-@dataclass(frozen=True)
-class Uncertainty:
-    """One standard deviation of what a robot file says.
-
-    Args:
-        mass, inertia, friction: relative; com: [m].
-        static: relative, of the static friction, which a moving arm hardly shows.
-    """
-
-    mass: float = 0.02
-    com: float = 0.005
-    inertia: float = 0.05
-    friction: float = 0.04
-    static: float = 0.25
 
 
 @dataclass(frozen=True)
@@ -49,8 +33,8 @@ class BasePrior:
     robot: Robot
     uncertainty: Uncertainty
     torque_scale: Array
-    """rms torque of each joint [Nm]: a friction that the file gives as zero is unknown, up to half
-    of this"""
+    """rms torque of each joint [Nm]: a friction that the file does not state, or gives as zero, is
+    unknown, up to half of this"""
     speed_scale: Array
     """rms speed of each joint [rad/s]"""
     centre: Array | None = None
@@ -74,13 +58,15 @@ class BasePrior:
     def sigmas(self) -> Array:
         """Standard deviations in file units, shape (k,)."""
         u = self.uncertainty
-        friction = self.robot.friction
-        inertial = [self._body_sigma(body) for body in self.bodies]
+        friction = np.where(self.robot.friction_known, self.robot.friction, 0.0)
+        inertial = [self._body_sigma(body, name) for body, name in self._named()]
         unknown = UNKNOWN_FRICTION * self.torque_scale
         dry = [
-            np.where(friction[:, 1] > 0, u.friction * friction[:, 1], unknown),
-            np.where(friction[:, 2] > 0, u.friction * friction[:, 2], unknown / self.speed_scale),
-            np.where(friction[:, 0] > 0, u.static * friction[:, 0], unknown),
+            np.where(friction[:, 1] > 0, u.friction_relative * friction[:, 1], unknown),
+            np.where(
+                friction[:, 2] > 0, u.friction_relative * friction[:, 2], unknown / self.speed_scale
+            ),
+            np.where(friction[:, 0] > 0, u.static_relative * friction[:, 0], unknown),
         ]
         return np.concatenate([*inertial, *dry])
 
@@ -97,15 +83,19 @@ class BasePrior:
             return z
         return np.asarray(self.centre + self.spread * z)
 
-    def _body_sigma(self, body: Body) -> Array:
-        u = self.uncertainty
+    def _named(self) -> list[tuple[Body, str]]:
+        names = [*(link.name for link in self.robot.links), "tool"]
+        return list(zip(self.bodies, names, strict=False))
+
+    def _body_sigma(self, body: Body, name: str) -> Array:
+        mass, shift, relative = self.uncertainty.of_body(name)
         inertia = np.array(body.inertia_kgm2)
         # an element printed as zero is not known to be zero: one per cent of the mean principal
         # moment at least
-        least = 0.2 * u.inertia * np.abs(inertia[:3]).mean()
-        com = u.com if body.mass_kg else 0.0
+        least = 0.2 * relative * np.abs(inertia[:3]).mean()
+        com = shift if body.mass_kg else 0.0
         return np.concatenate(
-            [[u.mass * body.mass_kg], np.full(3, com), np.hypot(u.inertia * inertia, least)]
+            [[mass * body.mass_kg], np.full(3, com), np.hypot(relative * inertia, least)]
         )
 
     def columns(self, model: Model, motion: PreparedLog) -> Array:
@@ -118,11 +108,11 @@ class BasePrior:
         n = self.robot.n
         Y: Any = model.regressor(motion.q, motion.qd, motion.qdd)
         parts = []
-        for i, body in enumerate(self.bodies):
+        for i, (body, name) in enumerate(self._named()):
             link, X = (i, None) if i < n else (n - 1, self.robot.flange.matrix())
             parts.append(
                 Y[:, :, 10 * link : 10 * link + 10]
-                @ (_parameter_slope(body, X) * self._body_sigma(body))
+                @ (_parameter_slope(body, X) * self._body_sigma(body, name))
             )
         friction = self.robot.friction
         sign = np.sign(motion.qd)
@@ -148,13 +138,14 @@ class BasePrior:
         coulomb, viscous, static = change[-3 * n :].reshape(3, n)
         joints = []
         for j, joint in enumerate(robot.joints):
-            f = joint.friction
-            level = max(0.0, f.coulomb_Nm + coulomb[j])
-            new = f.model_copy(
+            F_s, F_c, F_v, stribeck = robot.friction[j]
+            level = max(0.0, F_c + coulomb[j])
+            new = joint.friction.model_copy(
                 update={
                     "coulomb_Nm": float(level),
-                    "viscous_Nms_rad": float(max(0.0, f.viscous_Nms_rad + viscous[j])),
-                    "static_Nm": float(max(level, f.static_Nm + static[j])),
+                    "viscous_Nms_rad": float(max(0.0, F_v + viscous[j])),
+                    "static_Nm": float(max(level, F_s + static[j])),
+                    "stribeck_rad_s": float(stribeck),
                 }
             )
             joints.append(joint.model_copy(update={"friction": new}))

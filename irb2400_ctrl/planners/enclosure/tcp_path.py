@@ -19,6 +19,7 @@ import numpy as np
 import numpy.typing as npt
 
 from irb2400_ctrl.codegen import CompiledFunction, compile_function
+from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.planners.joint_path import JointPath
 
@@ -155,13 +156,30 @@ class TcpPath:
 
 def levers(model: Model) -> Array:
     """Length of the links that each joint turns, the joints before it standing or not, shape (n,)
-    [m]."""
+    [m].
+
+    Raises:
+        InputError: a coupling other than that of the parallelogram.
+    """
     g = model.arm_geometry
-    tool = abs(g.d7) + float(np.linalg.norm(model.robot.X_FT[:3, 3]))
-    # q3 is absolute: axis 2 alone turns the upper arm only
-    return np.array(
-        [abs(g.a1) + abs(g.a2) + g.forearm + tool, abs(g.a2), g.forearm + tool, tool, tool, tool]
-    )
+    flange = float(np.linalg.norm(g.X_6F[:3, 3]))
+    tool = flange + float(np.linalg.norm(model.robot.X_FT[:3, 3]))
+    last = tool + (0.0 if g.spherical else float(np.hypot(g.d4, g.e4)))
+    fore = g.forearm + last
+    parallelogram = np.eye(6)
+    parallelogram[2, 1] = -1.0
+    if np.array_equal(model.robot.A, parallelogram):
+        # q3 is absolute: axis 2 alone turns the upper arm only
+        upper = g.a2
+    elif np.array_equal(model.robot.A, np.eye(6)):
+        upper = g.a2 + fore
+    else:
+        raise InputError(
+            f"{model.robot.name}: planning knows serial arms and the parallelogram theta3 = q3 - "
+            "q2, not this coupling"
+        )
+    whole = abs(g.a1) + g.a2 + abs(g.b) + fore
+    return np.array([whole, upper, fore, last, tool, tool])
 
 
 def _bend(lever: Array, rates: tuple[Array, ...]) -> Array:

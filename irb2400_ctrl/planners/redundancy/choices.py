@@ -98,9 +98,8 @@ def _held(model: Model, orientation: Orientation, ladder: Ladder) -> Iterator[_O
     low = model.robot.q_min[:3] + BOX_INSET
     high = model.robot.q_max[:3] - BOX_INSET
     with np.errstate(invalid="ignore"):
-        inside = ((ladder.q[:, 0, ::2, :3] >= low) & (ladder.q[:, 0, ::2, :3] <= high)).all(
-            axis=(0, 2)
-        )
+        each = ((ladder.q[:, 0, :, :3] >= low) & (ladder.q[:, 0, :, :3] <= high)).all(axis=(0, 2))
+        inside = each.reshape(-1, 2).any(axis=1)
     for posture in np.flatnonzero(inside):
         for passing in passings(model, orientation, int(posture)):
             branch = int(passing.target.branch(np.zeros(1))[0])

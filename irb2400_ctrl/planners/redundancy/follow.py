@@ -170,7 +170,7 @@ def _no_jump(model: Model, target: JointTarget, u: Array, q: Array) -> None:
         s = arc_length(target.curve, fine)
         X = target.pose(fine, s)
         found = model.inverse_kinematics_branches(X).q[np.arange(len(fine)), target.branch(fine)]
-        clear = np.isfinite(found).all(axis=1) & (np.abs(np.sin(found[:, 4])) >= STRAIGHT)
+        clear = np.isfinite(found).all(axis=1) & (_bent(model, found))
         if clear.sum() < 2:
             return
         fine = fine[clear]
@@ -183,6 +183,12 @@ def _no_jump(model: Model, target: JointTarget, u: Array, q: Array) -> None:
         high = fine[at + 1]
         if step[at] > JUMP and s[at + 1] - s[at] < JUMP_WITHIN:
             raise _jump(target, low, change[at], float(s[at + 1] - s[at]))
+
+
+def _bent(model: Model, q: Array) -> npt.NDArray[np.bool_]:
+    """Whether the wrist has a direction of its own, |sin phi5| >= STRAIGHT; shape (n,)."""
+    phi5 = model.arm_geometry.canonical(q)[:, 4]
+    return np.asarray(np.abs(np.sin(phi5)) >= STRAIGHT)
 
 
 def _jump(target: JointTarget, u: float, change: Array, way: float) -> UnreachableError:
@@ -210,7 +216,7 @@ def _configurations(
         raise UnreachableError(
             f"on the way to point {point} the arm is too short; move the work frame"
         )
-    straight = np.abs(np.sin(q[:, 4])) < STRAIGHT
+    straight = ~_bent(model, q)
     if straight.all():
         straight[:] = False
     # at an end q4 comes from the neighbours' direction; in between the spline passes through by

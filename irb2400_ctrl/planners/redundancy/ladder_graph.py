@@ -1,14 +1,16 @@
 """Choice of the branch and of the free tool rotation over a whole path (ladder graph, dynamic
 programming).
 
-Nodes are (station, rotation, branch, whole turns of axes 4 and 6); edges join neighbouring stations
+Nodes are (station, rotation, branch, whole turns); edges join neighbouring stations
 where every joint moves continuously, and are never stored. Two sweeps, lexicographic: the largest
 smallest margin first, then, among the nodes that keep it, the shortest motion.
 """
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 import numpy.typing as npt
@@ -29,6 +31,24 @@ LARGEST_STEP = np.radians(60)
 BOX_INSET = np.radians(0.2)
 # turns of the tool between neighbouring stations, in steps of the rotation grid
 FREE_SHIFTS = (0, -1, 1, -2, 2)
+
+
+MOST_TURNS = 27
+"""combinations of whole turns that a node may carry; what is beyond is not looked for"""
+
+
+def wound_axes(model: Model) -> list[int]:
+    """Zero-based axes whose whole turns a path may use: the two that an arm of the family winds
+    (4 and 6 of a spherical wrist), and others whose range goes beyond half a turn either way."""
+    low = model.robot.q_min
+    high = model.robot.q_max
+    beyond = np.flatnonzero((low < -np.pi - 1e-9) | (high > np.pi + 1e-9))
+    axes = list(model.arm_geometry.wound)
+    turns = np.floor((high + np.pi) / (2 * np.pi)) - np.ceil((low - np.pi) / (2 * np.pi)) + 1
+    for j in (3, 4, 0, 2, 1):
+        if j in beyond and j not in axes and np.prod(turns[[*axes, j]]) <= MOST_TURNS:
+            axes.append(j)
+    return sorted(axes)
 
 
 @dataclass(frozen=True)
@@ -63,7 +83,7 @@ class Ladder:
     margin: Array
     """relative margin, smallest of three, shape (n, r, 8)"""
     turns: Array
-    """whole turns of axes 4 and 6 that nodes may carry, shape (k, 2)"""
+    """whole turns of the wound axes that nodes may carry, shape (k, number of wound axes)"""
 
     @classmethod
     def of(cls, model: Model, orientation: Orientation, u: Array, rotation: Array) -> Ladder:
@@ -82,22 +102,29 @@ class Ladder:
                 np.ceil((low[j] - np.pi) / (2 * np.pi)),
                 np.floor((high[j] + np.pi) / (2 * np.pi)) + 1,
             )
-            for j in (3, 5)
+            for j in wound_axes(model)
         ]
-        turns = np.array([(a, b) for a in ranges[0] for b in ranges[1]])
+        turns = np.array(list(itertools.product(*ranges)))
         return cls(model, u, rotation, q, found.overreach.reshape(n, r, BRANCHES), margin, turns)
 
-    def inside(self, i: int) -> npt.NDArray[np.bool_]:
-        """Nodes of station i within the joint box, shape (r, 8, k)."""
+    @cached_property
+    def wound(self) -> list[int]:
+        """Zero-based axes whose whole turns the nodes carry."""
+        return wound_axes(self.model)
+
+    def inside(self, station: int) -> npt.NDArray[np.bool_]:
+        """Nodes of a station within the joint box, shape (r, 8, k)."""
         low = self.model.robot.q_min + BOX_INSET
         high = self.model.robot.q_max - BOX_INSET
-        q = self.q[i]
+        q = self.q[station]
         with np.errstate(invalid="ignore"):
-            fixed = ((q >= low) & (q <= high))[..., [0, 1, 2, 4]].all(axis=-1)
-            q4 = q[..., 3, None] + 2 * np.pi * self.turns[:, 0]
-            q6 = q[..., 5, None] + 2 * np.pi * self.turns[:, 1]
-            wound = (q4 >= low[3]) & (q4 <= high[3]) & (q6 >= low[5]) & (q6 <= high[5])
-        return np.asarray(fixed[..., None] & wound)
+            others = [j for j in range(q.shape[-1]) if j not in self.wound]
+            fixed = ((q >= low) & (q <= high))[..., others].all(axis=-1)
+            held = np.broadcast_to(fixed[..., None], (*fixed.shape, len(self.turns)))
+            for k, j in enumerate(self.wound):
+                angle = q[..., j, None] + 2 * np.pi * self.turns[:, k]
+                held = held & (angle >= low[j]) & (angle <= high[j])
+        return np.asarray(held)
 
     def best(
         self, shifts: tuple[int, ...], *, per_rotation: bool = False, keep: int = 4
@@ -168,8 +195,8 @@ class Ladder:
                 previous = np.roll(self.q[i - 1], shift, axis=0)
                 step = self.q[i] - previous
                 with np.errstate(invalid="ignore"):
-                    whole = np.round(step[..., [3, 5]] / (2 * np.pi))
-                    step[..., [3, 5]] -= 2 * np.pi * whole
+                    whole = np.round(step[..., self.wound] / (2 * np.pi))
+                    step[..., self.wound] -= 2 * np.pi * whole
                     joined = (np.abs(step) < LARGEST_STEP).all(axis=-1)
                 source = self._source(whole)
                 came = np.take_along_axis(
@@ -204,7 +231,10 @@ class Ladder:
         count = (self.turns.max(axis=0) - first + 1).astype(int)
         wanted = np.nan_to_num(self.turns + whole[..., None, :] - first, nan=-1.0).astype(np.int64)
         valid = ((wanted >= 0) & (wanted < count)).all(axis=-1)
-        return np.where(valid, wanted[..., 0] * count[1] + wanted[..., 1], -1)
+        place = np.zeros(wanted.shape[:-1], dtype=np.int64)
+        for k, size in enumerate(count):
+            place = place * size + wanted[..., k]
+        return np.where(valid, place, -1)
 
     def _trace(
         self, end: tuple[int, int, int], back: list[Integers], shifts: tuple[int, ...], cost: float
@@ -215,15 +245,15 @@ class Ladder:
             number = int(back[i - 1][row, branch, turn])
             step = self.q[i, row, branch]
             previous = (row - shifts[number]) % len(self.rotation)
-            whole = np.round((step - self.q[i - 1, previous, branch])[[3, 5]] / (2 * np.pi))
-            turn = int(self._source(np.broadcast_to(whole, (1, 1, 2)))[0, 0, turn])
+            whole = np.round((step - self.q[i - 1, previous, branch])[self.wound] / (2 * np.pi))
+            turn = int(self._source(whole.reshape(1, 1, -1))[0, 0, turn])
             row = previous
             rows.append(row)
         rows.reverse()
         margin = float(self.margin[np.arange(len(rows)), rows, branch].min())
         rotation = np.unwrap(self.rotation[rows])
         q_start = self.q[0, row, branch].copy()
-        q_start[[3, 5]] += 2 * np.pi * self.turns[turn]
+        q_start[self.wound] += 2 * np.pi * self.turns[turn]
         return LadderWay(rotation, np.full(len(rows), branch), q_start, margin, cost)
 
     def explain(self, names: Integers) -> UnreachableError:

@@ -16,18 +16,13 @@ wrist)"""
 
 
 def scales(model: Model) -> Array:
-    """Largest values of (sin q5, r, k) over all configurations, shape (3,) [-, m, m]."""
+    """Largest values of (sin phi5, r, k) over all configurations, shape (3,) [-, m, m]."""
     g = model.arm_geometry
-    return np.array([1.0, g.a1 + g.a2 + g.forearm, g.forearm])
+    return np.array([1.0, abs(g.a1) + g.a2 + g.forearm_reach(), g.forearm])
 
 
 def relative_margins(model: Model, q: Array) -> Array:
-    """|sin q5|, |r|, |k| of eqs. 34-36, each as a part of its largest value, shape (n, 3) [-]."""
-    g = model.arm_geometry
-    q2 = q[..., 1]
-    q3 = q[..., 2]
-    r = g.a1 + g.a2 * np.sin(q2) + g.a3 * np.sin(q3) + g.d4 * np.cos(q3)
-    k = g.d4 * np.cos(q2 - q3) - g.a3 * np.sin(q2 - q3)
-    factors = np.abs(np.stack([np.sin(q[..., 4]), r, k], axis=-1))
-    relative: Array = factors / scales(model)
+    """|sin phi5|, |r|, |k| of eqs. 34-36, each as a part of its largest value, shape (n, 3) [-]."""
+    flat = model.singularity_factors(q.reshape(-1, q.shape[-1]))
+    relative: Array = np.abs(flat).reshape(*q.shape[:-1], 3) / scales(model)
     return relative

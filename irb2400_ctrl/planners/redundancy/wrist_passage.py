@@ -94,6 +94,9 @@ def passages(model: Model, orientation: Orientation, posture: int) -> list[Passa
     w = wrist_direction(model, orientation.poses(u, np.zeros(1)), posture)
     if not np.isfinite(w).all():
         return None
+    if not model.arm_geometry.spherical:
+        # w is that of a spherical wrist; other wrists are led past their singularity
+        return []
     size = np.linalg.norm(w, axis=1)
     inner = np.flatnonzero((size[1:-1] <= size[:-2]) & (size[1:-1] < size[2:])) + 1
     found = []
@@ -119,11 +122,16 @@ def passages(model: Model, orientation: Orientation, posture: int) -> list[Passa
 
 
 def wrist_direction(model: Model, X: Array, posture: int) -> Array:
-    """w = sin q5 (cos q4, sin q4) for poses X (n, 4, 4), shape (n, 2) [-]."""
-    q = model.inverse_kinematics_branches(X).q[:, 2 * posture]
+    """w = sin phi5 (cos phi4, sin phi4) for poses X (n, 4, 4), shape (n, 2) [-]."""
+    phi = _angles(model, X, posture)
     return np.asarray(
-        np.sin(q[:, 4])[:, None] * np.stack([np.cos(q[:, 3]), np.sin(q[:, 3])], axis=1)
+        np.sin(phi[:, 4])[:, None] * np.stack([np.cos(phi[:, 3]), np.sin(phi[:, 3])], axis=1)
     )
+
+
+def _angles(model: Model, X: Array, posture: int) -> Array:
+    """Canonical angles phi of a posture, first flip, shape (n, 6) [rad]."""
+    return model.arm_geometry.canonical(model.inverse_kinematics_branches(X).q[:, 2 * posture])
 
 
 def _fade(u: Array, size: Array, at: float) -> float:
@@ -169,9 +177,10 @@ def _turned(model: Model, X: Array, posture: int, away: Array) -> Array:
     """Poses with the tool turned about the TCP so that w becomes w - away; `away` (n, 2)."""
     X = X.copy()
     wanted = wrist_direction(model, X, posture) - away
+    R_B0 = model.arm_geometry.X_B0[:3, :3]
     sizes = []
     for _ in range(80):
-        q = model.inverse_kinematics_branches(X).q[:, 2 * posture]
+        q = _angles(model, X, posture)
         q1 = q[:, 0]
         q3 = q[:, 2]
         q5 = q[:, 4]
@@ -191,7 +200,7 @@ def _turned(model: Model, X: Array, posture: int, away: Array) -> Array:
         )
         upright = np.sign(np.cos(q5)) * np.sqrt(np.maximum(1 - (wanted**2).sum(axis=1), 0))
         z_wanted = np.einsum(
-            "nij,nj->ni", R_B3, np.stack([-wanted[:, 0], upright, wanted[:, 1]], axis=1)
+            "nij,nj->ni", R_B0 @ R_B3, np.stack([-wanted[:, 0], upright, wanted[:, 1]], axis=1)
         )
         z = X[:, :3, :3] @ _flange_axis(model)
         step = np.cross(z, z_wanted)
@@ -204,8 +213,9 @@ def _turned(model: Model, X: Array, posture: int, away: Array) -> Array:
 
 
 def _flange_axis(model: Model) -> Array:
-    """Flange axis in the TCP frame, shape (3,)."""
-    return np.asarray(model.robot.X_FT[:3, :3].T @ np.array([0.0, 0.0, 1.0]))
+    """Axis 6 in the TCP frame, shape (3,)."""
+    R_6T = model.arm_geometry.X_6F[:3, :3] @ model.robot.X_FT[:3, :3]
+    return np.asarray(R_6T.T @ np.array([0.0, 0.0, 1.0]))
 
 
 def _small_rotations(v: Array) -> Array:

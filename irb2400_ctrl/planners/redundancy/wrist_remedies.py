@@ -111,7 +111,8 @@ def damped(model: Model, orientation: Orientation, start: Followed) -> Followed:
             error = np.concatenate(
                 [target[:3, 3] - pose[:3, 3], _rotation_vector(target[:3, :3] @ pose[:3, :3].T)]
             )
-            weight = _DAMPING * max(0.0, 1 - abs(np.sin(q[4])) / _DAMPED_BELOW)
+            phi5 = model.arm_geometry.canonical(q)[4]
+            weight = _DAMPING * max(0.0, 1 - abs(np.sin(phi5)) / _DAMPED_BELOW)
             q = q + J.T @ np.linalg.solve(J @ J.T + weight**2 * np.eye(6), error)
         pose = model.tcp_pose(q)
         position = max(position, float(np.linalg.norm(target[:3, 3] - pose[:3, 3])))

@@ -1,0 +1,162 @@
+"""Inverse kinematics on many random poses: no false branch, none missed, and what a pose costs.
+
+    python benchmarks/inverse_kinematics.py [POSES] [--search N]
+
+Each arm is posed at random configurations, away from singularities by 1e-4 in every factor. *False*
+is a branch whose forward kinematics is not the pose (1e-8); *missed* a pose whose branches do not
+hold the configuration it came from (1e-6). With --search the number of branches is compared, on N
+poses an arm, with Newton's method from many starts, which knows no family.
+EAIK and py-opw-kinematics are timed beside it when they are installed.
+"""
+
+from __future__ import annotations
+
+import sys
+import tempfile
+import time
+from contextlib import suppress
+from pathlib import Path
+
+import numpy as np
+
+import irb2400_ctrl as irb
+from irb2400_ctrl.errors import UnreachableError
+from irb2400_ctrl.model.branch_solver import ClosedForm
+from irb2400_ctrl.model.newton_branches import NewtonBranches
+from irb2400_ctrl.robot.importing import import_robot
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
+
+from robots.public_arms import arms, urdf
+
+
+def robots() -> list[irb.Robot]:
+    """The shipped arms and the six-axis ones of the test collection."""
+    found = [irb.load_robot(name) for name in ("irb2400", "puma560", "ur10e")]
+    with tempfile.TemporaryDirectory() as folder:
+        for name, arm in arms().items():
+            if len(arm.axes) == 6 and name not in ("puma560", "ur10e"):
+                path = Path(folder) / f"{name}.urdf"
+                path.write_text(urdf(arm))
+                found.append(import_robot(path).robot)
+    return found
+
+
+def checked(robot: irb.Robot, poses: int) -> str:
+    """One row of the table."""
+    model = irb.Model(robot)
+    rng = np.random.default_rng(0)
+    q = rng.uniform(-np.pi, np.pi, (poses, 6))
+    q = q[np.abs(model.singularity_factors(q)).min(axis=1) > 1e-4]
+    X = model.tcp_pose(q)
+    model.inverse_kinematics_branches(X[:1])
+    false = missed = branches = 0
+    for first in range(0, len(q), 10_000):
+        part = slice(first, first + 10_000)
+        found = model.inverse_kinematics_branches(X[part]).q
+        exists = np.isfinite(found).all(axis=2)
+        error = np.abs(model.tcp_pose(found[exists]) - _spread(X[part], exists)).max(axis=(1, 2))
+        away = np.abs(np.exp(1j * found) - np.exp(1j * q[part])[:, None]).max(axis=2)
+        false += int((error > 1e-8).sum())
+        missed += int((np.where(exists, away, np.inf).min(axis=1) > 1e-6).sum())
+        branches += int(exists.sum())
+    one, batch, run = timed(model, X[:20_000])
+    return (
+        f"{robot.name:<24} {len(q):>7} {branches:>8} {false:>6} {missed:>7} "
+        f"{run:>8.2f} {batch:>8.2f} {one:>8.1f}"
+    )
+
+
+def _spread(X: np.ndarray, exists: np.ndarray) -> np.ndarray:
+    return np.broadcast_to(X[:, None], (*exists.shape, 4, 4))[exists]
+
+
+def timed(model: irb.Model, X: np.ndarray) -> tuple[float, float, float]:
+    """Processor time of one pose by the scalar method, in a batch, and from a buffer [us]."""
+    few = X[:2000]
+    with suppress(UnreachableError):
+        model.inverse_kinematics(few[0])  # built and compiled once
+    start = time.process_time()
+    for pose in few:
+        # many configurations lie outside the joint box: what is timed is the whole answer
+        with suppress(UnreachableError):
+            model.inverse_kinematics(pose)
+    one = (time.process_time() - start) / len(few)
+    start = time.process_time()
+    model.inverse_kinematics_branches(X)
+    batch = (time.process_time() - start) / len(X)
+    solver = model._branch_solver
+    assert isinstance(solver, ClosedForm)
+    assert solver._compiled is not None
+    start = time.process_time()
+    solver._compiled.map(X, np.zeros(6))
+    return 1e6 * one, 1e6 * batch, 1e6 * (time.process_time() - start) / len(X)
+
+
+def searched(robot: irb.Robot, poses: int) -> str:
+    """Number of branches by the closed form and by search."""
+    model = irb.Model(robot)
+    search = NewtonBranches(robot)
+    rng = np.random.default_rng(1)
+    different = compared = 0
+    while compared < poses:
+        q = rng.uniform(-np.pi, np.pi, 6)
+        if np.abs(model.singularity_factors(q)).min() < 0.05:
+            continue
+        closed = model.inverse_kinematics_branches(model.tcp_pose(q)[None]).q[0]
+        numerical, _ = search.one(model.flange_pose(q), None)
+        different += int(np.isfinite(closed).all(axis=1).sum() != len(numerical))
+        compared += 1
+    return f"{robot.name:<24} {compared:>7} poses searched, {different} with another count"
+
+
+def peers() -> list[str]:
+    """The same poses of the Puma through EAIK and py-opw-kinematics, where they are installed."""
+    model = irb.Model(irb.load_robot("puma560"))
+    low, high = model.robot.q_min, model.robot.q_max
+    X = model.tcp_pose(np.random.default_rng(2).uniform(low, high, (2000, 6)))
+    model.inverse_kinematics(X[0])
+    solvers = {"ours, method": lambda: [model.inverse_kinematics(pose) for pose in X]}
+    with suppress(ImportError):
+        from eaik.IK_DH import DhRobot
+
+        half = np.pi / 2
+        arm = DhRobot(
+            np.array([half, 0, -half, half, -half, 0]),
+            np.array([0, 0.4318, 0.0203, 0, 0, 0]),
+            np.array([0, 0, 0.15005, 0.4318, 0, 0]),
+        )
+        solvers["EAIK"] = lambda: [arm.IK(pose) for pose in X]
+    with suppress(ImportError):
+        from py_opw_kinematics import KinematicModel, Robot
+        from scipy.spatial.transform import RigidTransform
+
+        opw = Robot(KinematicModel(a2=-0.0203, b=0.15005, c2=0.4318, c3=0.4318), degrees=False)
+        poses = [RigidTransform.from_matrix(pose) for pose in X]
+        solvers["py-opw-kinematics"] = lambda: [opw.inverse(pose) for pose in poses]
+    rows = []
+    for name, solve in solvers.items():
+        times = []
+        for _ in range(5):
+            start = time.process_time()
+            solve()
+            times.append(time.process_time() - start)
+        rows.append(f"{name:<24} {1e6 * min(times) / len(X):8.1f} us a pose (Puma 560, in its box)")
+    return rows
+
+
+def main() -> None:
+    """Print the table."""
+    numbers = [int(word) for word in sys.argv[1:] if word.isdigit()]
+    poses = numbers[0] if numbers else 100_000
+    print("arm                        poses branches  false  missed  buffer    batch  method [us]")
+    for robot in robots():
+        print(checked(robot, poses), flush=True)
+    print("\n".join(peers()), flush=True)
+    if "--search" in sys.argv:
+        for robot in robots():
+            print(searched(robot, numbers[1] if len(numbers) > 1 else 50), flush=True)
+
+
+if __name__ == "__main__":
+    main()

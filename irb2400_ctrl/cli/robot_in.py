@@ -1,0 +1,80 @@
+"""`irb2400 robot import|new`: a robot file from another format, or from a template."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+RobotFile = Annotated[
+    Path, typer.Option("--out", metavar="ARM.toml", help="The robot file to write.")
+]
+
+
+def import_(
+    path: Annotated[Path, typer.Argument(metavar="FILE", help="URDF, MJCF, or DH table (CSV).")],
+    out: RobotFile,
+    base_link: Annotated[str | None, typer.Option(help="Link to start from; default root.")] = None,
+    tool_link: Annotated[
+        str | None, typer.Option(help="Link that ends the arm; default its tool frame.")
+    ] = None,
+    parallelogram: Annotated[
+        bool, typer.Option(help="Axis 3 is driven over a parallelogram: theta3 = q3 - q2.")
+    ] = False,
+    coupling: Annotated[
+        list[str] | None,
+        typer.Option(metavar="I,J,FACTOR", help="theta_I = q_I + FACTOR q_J; may be repeated."),
+    ] = None,
+    payload_kg: Annotated[float | None, typer.Option(help="Load on the flange.", min=0.0)] = None,
+    payload_com_mm: Annotated[
+        str, typer.Option(metavar="X,Y,Z", help="Its centre of mass in the flange frame.")
+    ] = "0,0,0",
+    convention: Annotated[
+        str | None, typer.Option(help="Of a DH table: standard or modified.")
+    ] = None,
+) -> None:
+    """Make a robot file from another format; says what was unknown and what looks wrong."""
+    from irb2400_ctrl.model.plausibility import plausibility
+    from irb2400_ctrl.robot import save_robot
+    from irb2400_ctrl.robot.importing import Payload, import_robot
+
+    terms = [_numbers("--coupling", text) for text in coupling or []]
+    if parallelogram:
+        terms.append((3.0, 2.0, -1.0))
+    x, y, z = (value / 1e3 for value in _numbers("--payload-com-mm", payload_com_mm))
+    found = import_robot(
+        path,
+        base=base_link,
+        tip=tool_link,
+        coupling=tuple((int(i), int(j), factor) for i, j, factor in terms),
+        payload=None if payload_kg is None else Payload(payload_kg, (x, y, z)),
+        convention=convention,
+    )
+    save_robot(found.robot, out)
+    print(f"{found.robot.name}: {found.robot.n} joints")
+    for note in (*found.notes, *found.robot.assumptions()):
+        print(f"note: {note}")
+    for note in plausibility(found.robot):
+        print(f"check: {note}")
+    print(f"written: {out}")
+
+
+def new(out: RobotFile) -> None:
+    """Write a commented template of a robot file; it loads as it is."""
+    from importlib import resources
+
+    from irb2400_ctrl.files import write_atomic
+
+    text = (resources.files("irb2400_ctrl") / "robot" / "template.toml").read_text()
+    print(f"written: {write_atomic(out, text)}")
+
+
+def _numbers(option: str, text: str) -> tuple[float, float, float]:
+    from irb2400_ctrl.errors import InputError
+
+    try:
+        a, b, c = (float(part) for part in text.split(","))
+    except ValueError as error:
+        raise InputError(f"{option}: found {text!r}, expected three numbers a,b,c") from error
+    return a, b, c

@@ -1,0 +1,95 @@
+"""Where an arm has room to move: its floor and column, and a part of the joint box away from both.
+
+The middle of the joint box of an IRB 2400 is such a place. Of other arms it may be an arm stretched
+out flat, from which most motions lead into the floor.
+"""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+import numpy as np
+import numpy.typing as npt
+
+from irb2400_ctrl.errors import InfeasibleError
+from irb2400_ctrl.model import Model
+from irb2400_ctrl.robot import Robot
+
+Array = npt.NDArray[np.float64]
+
+FLOOR = 0.10
+COLUMN = 0.40
+"""[m] flange and tool stay this high above the base plane and this far from axis 1; smaller arms
+keep a fifth of their reach from the axis"""
+_SHARE = 0.2
+_AT_SHOULDER = 0.02
+"""a base frame this close below axis 2 lies at the shoulder [m]"""
+_WIDTHS = np.radians([50.0, 35.0, 25.0, 15.0])
+"""half the range that a joint keeps about a place with room, the widest that is free [rad]"""
+_FREE = 0.95
+"""share of the configurations about such a place that are clear"""
+_DRAWN = 3000
+_LOOKED_AT = 60
+_AROUND = 80
+
+
+@lru_cache(maxsize=32)
+def floor_and_column(robot: Robot) -> tuple[float, float]:
+    """Lowest height and smallest distance from axis 1 of flange and tool [m].
+
+    A low shoulder (a small arm on a table) halves the height; a base frame that lies at the
+    shoulder (Puma) has its floor below, half a reach is free there.
+    """
+    frames = [link.frame.matrix() for link in robot.links]
+    shoulder = float((frames[0] @ frames[1])[2, 3]) if robot.n > 1 else 0.0
+    reach = sum(float(np.linalg.norm(X[:3, 3])) for X in (*frames, robot.flange.matrix()))
+    floor = min(FLOOR, shoulder / 2) if shoulder > _AT_SHOULDER else shoulder - reach / 2
+    return floor, min(COLUMN, _SHARE * reach)
+
+
+def height_and_radius(model: Model, q: Array) -> tuple[Array, Array]:
+    """Of the lower and the nearer of flange and TCP [m], shape (m,) each."""
+    p = np.stack([pose(q)[:, :3, 3] for pose in (model.tcp_pose, model.flange_pose)])
+    radius: Array = np.hypot(p[..., 0], p[..., 1]).min(axis=0)
+    return p[..., 2].min(axis=0), radius
+
+
+def with_room(robot: Robot, narrow: bool = False) -> Robot:
+    """The robot, its ranges narrowed about a place with room if the middle of its box has none, or
+    where `narrow` asks for it.
+
+    Raises:
+        InfeasibleError: there is no such place.
+    """
+    model = Model(robot)
+    low, high = robot.q_min, robot.q_max
+    if not narrow and _clear(model, (low + high)[None] / 2)[0]:
+        return robot
+    rng = np.random.default_rng(0)
+    # whole turns are the same place
+    near = np.clip(rng.uniform(-np.pi, np.pi, (_DRAWN, robot.n)), low, high)
+    near = near[_clear(model, near)][:_LOOKED_AT]
+    if len(near) == 0:
+        raise InfeasibleError(
+            f"{robot.name}: flange and tool are clear of floor and column nowhere in the joint box"
+        )
+    around = rng.uniform(-1.0, 1.0, (_AROUND, robot.n))
+    for wide in _WIDTHS:
+        free = [float(_clear(model, np.clip(q + wide * around, low, high)).mean()) for q in near]
+        centre = near[int(np.argmax(free))]
+        if max(free) >= _FREE:
+            break
+    ends = np.degrees([np.maximum(low, centre - wide), np.minimum(high, centre + wide)])
+    joints = [
+        joint.model_copy(
+            update={"limits": joint.limits.model_copy(update={"range_deg": (float(a), float(b))})}
+        )
+        for joint, a, b in zip(robot.joints, *ends, strict=True)
+    ]
+    return robot.model_copy(update={"joints": tuple(joints)})
+
+
+def _clear(model: Model, q: Array) -> npt.NDArray[np.bool_]:
+    height, radius = height_and_radius(model, q)
+    floor, column = floor_and_column(model.robot)
+    return np.asarray((height >= floor) & (radius >= column))

@@ -1,0 +1,115 @@
+"""Inverse kinematics of one robot: closed form where its family has one, otherwise numerical."""
+
+from __future__ import annotations
+
+from functools import cached_property
+from typing import Protocol
+
+import casadi as ca
+import numpy as np
+import numpy.typing as npt
+
+from irb2400_ctrl.codegen.build import CompiledFunction, FunctionBuffers, compile_function
+from irb2400_ctrl.errors import InputError, ToolMissingError
+from irb2400_ctrl.model.arm_family import arm_geometry
+from irb2400_ctrl.model.inverse_kinematics import Branches, boxed, closed_form, solve, windings
+from irb2400_ctrl.model.newton_branches import NewtonBranches
+from irb2400_ctrl.robot import Robot
+
+Array = npt.NDArray[np.float64]
+
+
+class BranchSolver(Protocol):
+    """All configurations that reach a flange pose, joint box and whole turns not regarded."""
+
+    def many(self, X_BF: Array, seed: Array | None) -> Branches:
+        """For poses (n, 4, 4)."""
+
+    def one(self, X_BF: Array, seed: Array | None) -> tuple[Array, Array]:
+        """(q (b, n), overreach (b,)) for one pose (4, 4)."""
+
+    def inside(self, X_BF: Array, seed: Array | None) -> Array:
+        """Every configuration in the joint box for one pose, whole turns included, shape (m, n)."""
+
+
+def branch_solver(robot: Robot) -> BranchSolver:
+    """The solver that fits the arm.
+
+    Raises:
+        InputError: an arm of other than six axes: a pose leaves an axis free, or cannot be reached.
+    """
+    if robot.n != 6:
+        raise InputError(
+            f"{robot.name}: inverse kinematics knows arms of six axes, this one has {robot.n}; "
+            "hold one axis: make a robot file in which it is part of the frame of the next link"
+        )
+    try:
+        geometry = arm_geometry(robot)
+    except InputError:
+        return NewtonBranches(robot)
+    return ClosedForm(closed_form(geometry), robot.q_min, robot.q_max)
+
+
+class ClosedForm:
+    """The closed form as machine code, or through CasADi where there is no C compiler."""
+
+    def __init__(self, function: ca.Function, q_min: Array, q_max: Array) -> None:
+        self.function: ca.Function = function
+        self.q_min: Array = q_min
+        self.q_max: Array = q_max
+
+    @cached_property
+    def _compiled(self) -> CompiledFunction | None:
+        try:
+            return compile_function(self.function)
+        except ToolMissingError:
+            return None
+
+    @cached_property
+    def _buffers(self) -> FunctionBuffers | None:
+        return None if self._compiled is None else self._compiled.buffers()
+
+    @cached_property
+    def _boxed(self) -> FunctionBuffers | None:
+        function = boxed(self.function, self.q_min, self.q_max)
+        if function is None or self._compiled is None:
+            return None
+        return compile_function(function).buffers()
+
+    def inside(self, X_BF: Array, seed: Array | None) -> Array:
+        """One pose, every configuration in the joint box."""
+        buffers = self._boxed
+        if buffers is None:
+            return windings(self.one(X_BF, seed)[0], self.q_min, self.q_max)
+        pose, start = buffers.inputs
+        pose[...] = X_BF
+        start[...] = 0.0 if seed is None else seed
+        buffers.run()
+        q, fits, _ = buffers.outputs
+        return np.asarray(q.T[fits > 0])
+
+    def many(self, X_BF: Array, seed: Array | None) -> Branches:
+        """Poses (n, 4, 4); about a microsecond each."""
+        if self._compiled is None:
+            return solve(self.function, X_BF, seed)
+        seeds = np.zeros(6) if seed is None else np.asarray(seed, dtype=float)
+        q, overreach = self._compiled.map(X_BF, seeds)
+        angles = np.ascontiguousarray(q.transpose(0, 2, 1))
+        angles[overreach > 0] = np.nan
+        return Branches(angles, overreach)
+
+    def one(self, X_BF: Array, seed: Array | None) -> tuple[Array, Array]:
+        """One pose (4, 4), without the arrays that many need."""
+        buffers = self._buffers
+        if buffers is None:
+            found = self.many(X_BF[None], seed)
+            return found.q[0], found.overreach[0]
+        pose, start = buffers.inputs
+        pose[...] = X_BF
+        start[...] = 0.0 if seed is None else seed
+        buffers.run()
+        q, overreach = buffers.outputs
+        angles = q.T.copy()
+        if overreach.any():
+            angles[overreach > 0] = np.nan
+        return angles, overreach.copy()

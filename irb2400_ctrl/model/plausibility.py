@@ -1,0 +1,67 @@
+"""Does a robot description make sense? Notes in plain words on what looks wrong."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from irb2400_ctrl.model.consistency import check
+from irb2400_ctrl.robot import Body, Robot
+
+FAR_M = 2.0
+"""a centre of mass farther from its link's frame is more likely a slip of unit [m]"""
+EARTH_M_S2 = (9.0, 10.5)
+DENSEST_KG_M2 = 5.0
+"""largest radius of gyration squared that a link may have [m2]"""
+FAST_DEG_S = 2000.0
+WIDE_DEG = 1000.0
+NARROW_DEG = 7.0
+
+
+def plausibility(robot: Robot) -> list[str]:
+    """What looks wrong, in the order of the file; empty when nothing does."""
+    notes = _gravity(robot)
+    for link in robot.links:
+        notes += _body(link.name, link.body, link is not robot.links[0])
+    if robot.tool is not None:
+        notes += _body(robot.tool.name, robot.tool.body, False)
+    notes += [issue.sentence for issue in check(robot) if issue.kind != "massless"]
+    for joint in robot.joints:
+        low, high = joint.limits.range_deg
+        if max(abs(low), abs(high)) > WIDE_DEG:
+            notes.append(f"{joint.name}: range {low:g} to {high:g} deg is several turns")
+        if high - low < NARROW_DEG:
+            notes.append(
+                f"{joint.name}: range {low:g} to {high:g} deg is narrow; it looks like radians"
+            )
+        speed = joint.limits.speed_deg_s
+        if speed is not None and speed > FAST_DEG_S:
+            notes.append(f"{joint.name}: speed limit {speed:g} deg/s is beyond any arm's")
+    return notes
+
+
+def _gravity(robot: Robot) -> list[str]:
+    g = robot.gravity
+    size = float(np.linalg.norm(g))
+    low, high = EARTH_M_S2
+    if not low < size < high:
+        return [f"gravity is {size:.4g} m/s2, expected about 9.81"]
+    if g[2] > 0.9 * size:
+        return ["gravity points up in the base frame: the sign is wrong unless the arm hangs"]
+    return []
+
+
+def _body(name: str, body: Body, needed: bool) -> list[str]:
+    notes = []
+    inertia = float(np.abs(body.inertia_kgm2).max())
+    if body.mass_kg == 0.0 and (needed or inertia > 0.0):
+        extra = f" but an inertia of {inertia:.4g} kg m2" if inertia else ""
+        notes.append(f"{name} has no mass{extra}; expected a mass above zero")
+    distance = float(np.linalg.norm(body.com_m))
+    if distance > FAR_M:
+        notes.append(f"{name}: the centre of mass is {distance:.3g} m away; it looks like mm")
+    if body.mass_kg > 0.0 and inertia > DENSEST_KG_M2 * body.mass_kg:
+        notes.append(
+            f"{name}: inertia {inertia:.4g} kg m2 is too much for {body.mass_kg:.4g} kg; it looks "
+            "like another unit, or like one about the base"
+        )
+    return notes

@@ -1,0 +1,238 @@
+"""One chain of a tree becomes a `Robot`: fixed joints folded, every joint axis turned to z."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.robot.description import Robot
+from irb2400_ctrl.robot.importing.joint_tables import joint_table
+from irb2400_ctrl.robot.importing.tree import (
+    TURNING,
+    Mass,
+    Tree,
+    TreeJoint,
+    inverse,
+    pose,
+    rotation_to,
+)
+
+Array = npt.NDArray[np.float64]
+
+TIPS = ("tcp", "tool0", "tool_0", "ee_link", "flange", "link_ee", "ee")
+"""names that tools give to the end of an arm, most telling first"""
+
+
+@dataclass(frozen=True)
+class Imported:
+    """The robot, and what a reader of the file it came from should know."""
+
+    robot: Robot
+    notes: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Payload:
+    """A load on the flange: mass [kg], centre of mass in the flange frame [m]."""
+
+    mass: float
+    com: tuple[float, float, float] = (0.0, 0.0, 0.0)
+
+
+@dataclass
+class _Collected:
+    """Links of the chain so far: frame in the one before, and everything fixed to it."""
+
+    frames: list[Array]
+    masses: list[Mass]
+    joints: list[TreeJoint]
+    X: Array
+    """the link last looked at, in the frame of the last joint, shape (4, 4)"""
+
+
+def chain_robot(
+    tree: Tree,
+    *,
+    base: str | None = None,
+    tip: str | None = None,
+    coupling: tuple[tuple[int, int, float], ...] = (),
+    payload: Payload | None = None,
+) -> Imported:
+    """The robot of the chain from `base` to `tip`.
+
+    Args:
+        tree: the file.
+        base, tip: links; default the root, and the end of the longest chain.
+        coupling: (i, j, factor): theta_i = q_i + factor q_j; a parallelogram on axis 3 is (3, 2,
+            -1).
+        payload: on the flange.
+
+    Raises:
+        InputError: a chain that is none, a joint that slides or follows another.
+    """
+    notes = list(tree.notes)
+    base = base or tree.root()
+    tip = tip or _tip(tree, base)
+    path = tree.path(base, tip)
+    _turning_only(tree, path)
+    notes.append(f"chain from {base} to {tip}")
+    chain = _Collected([], [], [], np.eye(4))
+    on_path = {joint.name for joint in path}
+    _gather(tree, base, np.eye(4), on_path, None, notes)
+    for joint in path:
+        _step(tree, joint, chain, on_path, notes)
+    if not chain.joints:
+        raise InputError(f"{tree.name}: no joint between {base} and {tip} turns")
+    tables = [joint_table(joint, notes) for joint in chain.joints]
+    if len({t["limits"].get("torque_Nm") for t in tables}) == 1 and len(tables) > 1:
+        notes.append("all torque limits are the same number: often a placeholder, check them")
+    n = len(chain.joints)
+    if coupling:
+        notes.append("ranges and torque limits are taken as those of the actuators, not of links")
+    fields: dict[str, Any] = {
+        "name": tree.name,
+        "source": tree.source,
+        "gravity_m_s2": tree.gravity,
+        "gravity_source": "assumption: the base stands upright; the file does not say",
+        "coupling": _coupling(n, coupling),
+        "links": [
+            _link(joint, frame, mass, tree.source, notes)
+            for joint, frame, mass in zip(chain.joints, chain.frames, chain.masses, strict=True)
+        ],
+        "joints": tables,
+        "flange": _transform(chain.X),
+    }
+    fields["effects"] = [
+        {"kind": "rotor_inertia", "joint": k, "inertia_kgm2": joint.armature}
+        for k, joint in enumerate(chain.joints, 1)
+        if joint.armature
+    ]
+    if payload is not None:
+        fields["tool"] = _payload(payload)
+    return Imported(Robot.model_validate(fields), tuple(notes))
+
+
+def _step(
+    tree: Tree, joint: TreeJoint, chain: _Collected, on_path: set[str], notes: list[str]
+) -> None:
+    """Go over one joint of the path: a fixed one moves on, a turning one begins a link."""
+    X = chain.X @ joint.X
+    if joint.kind in TURNING:
+        turned = pose(np.zeros(3), rotation_to(joint.axis))
+        chain.frames.append(X @ turned)
+        chain.masses.append(Mass(0.0, np.zeros(3), np.zeros((3, 3))))
+        chain.joints.append(joint)
+        X = inverse(turned)
+    chain.X = X
+    body = _gather(tree, joint.child, X, on_path, chain.masses[-1] if chain.masses else None, notes)
+    if body is not None:
+        chain.masses[-1] = body
+
+
+def _gather(
+    tree: Tree, link: str, X: Array, on_path: set[str], body: Mass | None, notes: list[str]
+) -> Mass | None:
+    """`body` with the link and everything that is fixed to it; None (the base) gathers nothing."""
+    own = tree.links[link]
+    if body is not None and own is not None:
+        body = body.joined(own.seen_from(X))
+    for joint in tree.hanging_on(link):
+        if joint.name in on_path:
+            continue
+        if joint.kind == "fixed":
+            body = _gather(tree, joint.child, X @ joint.X, on_path, body, notes)
+        else:
+            weight = _weight(tree, joint.child)
+            notes.append(
+                f"joint {joint.name} ({joint.kind}) on {link} is not on the chain: it and what "
+                f"hangs on it are left out ({weight:.3g} kg); give it as a payload if it is carried"
+            )
+    return body
+
+
+def _weight(tree: Tree, link: str) -> float:
+    own = tree.links[link]
+    return (0.0 if own is None else own.mass) + sum(
+        _weight(tree, joint.child) for joint in tree.hanging_on(link)
+    )
+
+
+def _tip(tree: Tree, base: str) -> str:
+    """An end with a telling name if there is one, otherwise that of the chain with the most
+    joints."""
+    best: list[tuple[bool, int, int, int, str]] = []
+    for order, link in enumerate(tree.links):
+        try:
+            path = tree.path(base, link)
+        except InputError:
+            continue
+        turns = sum(j.kind in TURNING for j in path)
+        rank = next((len(TIPS) - k for k, t in enumerate(TIPS) if link.lower().endswith(t)), 0)
+        if not rank and any(j.kind not in TURNING | {"fixed"} or j.mimics for j in path):
+            continue
+        last = bool(path) and path[-1].kind in TURNING
+        best.append((rank > 0, turns, rank if rank else int(last) - 1, -order, link))
+    return max(best)[4]
+
+
+def _turning_only(tree: Tree, path: list[TreeJoint]) -> None:
+    for joint in path:
+        if joint.kind not in TURNING | {"fixed"}:
+            raise InputError(
+                f"{tree.name}: joint {joint.name} is {joint.kind or 'of no type'}; this library "
+                "knows arms whose joints turn, choose another end with --tool-link"
+            )
+        if joint.mimics:
+            raise InputError(
+                f"{tree.name}: joint {joint.name} follows {joint.mimics} (mimic) and has no "
+                "actuator of its own; state the coupling with --coupling, or choose another end"
+            )
+
+
+def _coupling(n: int, terms: tuple[tuple[int, int, float], ...]) -> dict[str, Any]:
+    A = np.eye(n)
+    for i, j, factor in terms:
+        if not (1 <= i <= n and 1 <= j <= n and i != j):
+            raise InputError(f"coupling {i},{j},{factor:g}: expected two of the joints 1 to {n}")
+        A[i - 1, j - 1] = factor
+    return {
+        "matrix": A.tolist(),
+        "offset_rad": [0.0] * n,
+        "source": "stated at the import" if terms else "serial arm",
+    }
+
+
+def _link(joint: TreeJoint, X: Array, mass: Mass, source: str, notes: list[str]) -> dict[str, Any]:
+    if mass.mass == 0.0:
+        notes.append(f"link {joint.child} has no mass data in the file: it counts as massless")
+    return {
+        "name": joint.child,
+        "frame": _transform(X),
+        "body": {
+            "mass_kg": mass.mass,
+            "com_m": mass.com.tolist(),
+            "inertia_kgm2": mass.tensor[[0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]].tolist(),
+        },
+        "source": source,
+    }
+
+
+def _payload(payload: Payload) -> dict[str, Any]:
+    return {
+        "name": "payload",
+        "tcp": _transform(np.eye(4)),
+        "body": {
+            "mass_kg": payload.mass,
+            "com_m": payload.com,
+            "inertia_kgm2": (0.0, 0.0, 0.0, 0.0, 0.0, 0.0),
+        },
+        "source": "stated at the import; a point mass",
+    }
+
+
+def _transform(X: Array) -> dict[str, Any]:
+    return {"transform": X.tolist()}

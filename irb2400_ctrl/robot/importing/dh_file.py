@@ -1,0 +1,156 @@
+"""DH tables in: a CSV of standard or modified Denavit-Hartenberg numbers with mass data.
+
+Columns carry their unit: `alpha_deg|rad`, `a_mm|m`, `d_mm|m`, `theta_offset_deg|rad` (default 0),
+`mass_kg`, `com_x_mm|m` …, `ixx_kgm2` … `iyz_kgm2` (about the centre of mass), in the frame of the
+row; optionally `name`, `low_deg|rad`, `high_deg|rad`, `speed_deg_s|rad_s`, `torque_Nm`,
+`viscous_Nms_rad`, `coulomb_Nm`. A row named `flange` is fixed. A line `# convention: standard` or
+`# convention: modified` stands above the header.
+"""
+
+from __future__ import annotations
+
+import csv
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
+
+from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.robot.importing.tree import Mass, Tree, TreeJoint, pose
+
+Array = npt.NDArray[np.float64]
+
+CONVENTIONS = ("standard", "modified")
+_UNITS = {
+    "": 1.0,
+    "_m": 1.0,
+    "_mm": 1e-3,
+    "_rad": 1.0,
+    "_deg": np.pi / 180,
+    "_rad_s": 1.0,
+    "_deg_s": np.pi / 180,
+    "_kg": 1.0,
+    "_kgm2": 1.0,
+    "_Nm": 1.0,
+    "_Nms_rad": 1.0,
+}
+
+
+@dataclass(frozen=True)
+class _Row:
+    """One row, numbers looked up by their name without unit."""
+
+    where: str
+    cells: dict[str, str]
+
+    def get(self, name: str) -> float | None:
+        """The number in SI; None where the table has no such cell."""
+        for unit, factor in _UNITS.items():
+            text = (self.cells.get(name + unit) or "").strip()
+            if text:
+                try:
+                    return factor * float(text)
+                except ValueError as error:
+                    raise InputError(f"{self.where}: {name} is {text!r}, no number") from error
+        return None
+
+    def need(self, name: str, units: str) -> float:
+        value = self.get(name)
+        if value is None:
+            raise InputError(f"{self.where}: found no {name}, expected a column {name}_{units}")
+        return value
+
+
+def read_dh(path: Path, convention: str | None) -> Tree:
+    """The tree of a DH table.
+
+    Raises:
+        InputError: no convention, a column that is missing, a cell that is no number.
+    """
+    lines = path.read_text().splitlines()
+    comments = [line.lstrip("# ").strip() for line in lines if line.startswith("#")]
+    named = [c.split(":")[1].strip() for c in comments if c.lower().startswith("convention")]
+    convention = convention or (named[0] if named else None)
+    if convention not in CONVENTIONS:
+        raise InputError(
+            f"{path}: the convention is {convention or 'not stated'}, expected standard or "
+            "modified; write a line `# convention: standard` above the header or give --convention"
+        )
+    rows = [
+        _Row(f"{path}, row {k}", cells)
+        for k, cells in enumerate(csv.DictReader(x for x in lines if not x.startswith("#")), 1)
+    ]
+    links: dict[str, Mass | None] = {"base": None}
+    joints = []
+    parent = "base"
+    before = np.eye(4)
+    for k, row in enumerate(rows, 1):
+        name = (row.cells.get("name") or f"link_{k}").strip()
+        fixed = name == "flange"
+        offset = row.get("theta_offset") or 0.0
+        step = _step(row, convention)
+        at, after = (before, step) if convention == "standard" else (before @ step, np.eye(4))
+        X = at @ _turn(2, offset)
+        joints.append(_joint(row, f"axis_{k}", "fixed" if fixed else "revolute", parent, name, X))
+        links[name] = None if fixed else _mass(row).seen_from(after)
+        if fixed and convention == "standard":
+            raise InputError(f"{row.where}: a standard table needs no flange row")
+        parent = name
+        before = after
+    links["tool0"] = None
+    joints.append(TreeJoint("tool", "fixed", parent, "tool0", before, np.zeros(3)))
+    source = f"imported from {path.name} ({convention} DH)"
+    return Tree(path.stem, source, links, tuple(joints))
+
+
+def _joint(row: _Row, name: str, kind: str, parent: str, child: str, X: Array) -> TreeJoint:
+    low = row.get("low")
+    high = row.get("high")
+    return TreeJoint(
+        name,
+        kind,
+        parent,
+        child,
+        X,
+        np.array([0.0, 0.0, 1.0]),
+        range=None if low is None or high is None else (low, high),
+        speed=row.get("speed"),
+        effort=row.get("torque"),
+        damping=row.get("viscous"),
+        dry=row.get("coulomb"),
+    )
+
+
+def _step(row: _Row, convention: str) -> Array:
+    """Trans_z(d) Trans_x(a) Rot_x(alpha), after the turn; or Rot_x(alpha) Trans_x(a) Trans_z(d)
+    before it, shape (4, 4)."""
+    X = _turn(0, row.need("alpha", "deg"))
+    a = row.need("a", "mm")
+    d = row.need("d", "mm")
+    X[:3, 3] = (a, 0.0, d) if convention == "standard" else a * np.eye(3)[0] + d * X[:3, 2]
+    return X
+
+
+def _mass(row: _Row) -> Mass:
+    if row.get("mass") is None:
+        raise InputError(
+            f"{row.where}: found no mass_kg; a DH table alone has no dynamics: add mass_kg, "
+            "com_x_mm, com_y_mm, com_z_mm, ixx_kgm2, iyy_kgm2, izz_kgm2 (ixy, ixz, iyz optional)"
+        )
+    com = np.array([row.need(f"com_{axis}", "mm") for axis in "xyz"])
+    xx, yy, zz = (row.need(f"i{axis}{axis}", "kgm2") for axis in "xyz")
+    xy, xz, yz = (row.get(f"i{pair}") or 0.0 for pair in ("xy", "xz", "yz"))
+    return Mass(row.need("mass", "kg"), com, np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]))
+
+
+def _turn(axis: int, angle: float) -> Array:
+    """Rotation about a coordinate axis, exact for quarter turns, shape (4, 4)."""
+    c, s = (round(v) if abs(v - round(v)) < 1e-12 else v for v in (np.cos(angle), np.sin(angle)))
+    R = np.eye(3)
+    j = (axis + 1) % 3
+    k = (axis + 2) % 3
+    R[j, j] = R[k, k] = c
+    R[j, k] = -s
+    R[k, j] = s
+    return pose(np.zeros(3), R)

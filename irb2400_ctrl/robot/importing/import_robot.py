@@ -1,0 +1,57 @@
+"""The door: which format a file has, and the robot of its chain."""
+
+from __future__ import annotations
+
+import xml.etree.ElementTree as ET
+from pathlib import Path
+
+from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.robot.importing.chain_robot import Imported, Payload, chain_robot
+from irb2400_ctrl.robot.importing.dh_file import read_dh
+from irb2400_ctrl.robot.importing.mjcf_file import read_mjcf
+from irb2400_ctrl.robot.importing.tree import Tree
+from irb2400_ctrl.robot.importing.urdf_file import read_urdf
+
+
+def import_robot(
+    path: Path | str,
+    *,
+    base: str | None = None,
+    tip: str | None = None,
+    coupling: tuple[tuple[int, int, float], ...] = (),
+    payload: Payload | None = None,
+    convention: str | None = None,
+) -> Imported:
+    """The robot of a URDF, an MJCF, or a DH table (CSV).
+
+    Args:
+        path: the file.
+        base, tip: links at the ends of the chain; default the root and the tool's end.
+        coupling: (i, j, factor): theta_i = q_i + factor q_j.
+        payload: on the flange.
+        convention: of a DH table, `standard` or `modified`; default what its file says.
+
+    Raises:
+        InputError: not such a file, or an arm that this library does not know.
+    """
+    tree = read_tree(Path(path), convention)
+    return chain_robot(tree, base=base, tip=tip, coupling=coupling, payload=payload)
+
+
+def read_tree(path: Path, convention: str | None = None) -> Tree:
+    """The links and joints of a file of any known format."""
+    if not path.is_file():
+        raise InputError(f"{path}: found nothing, expected a URDF, an MJCF, or a DH table (CSV)")
+    if path.suffix.lower() == ".csv":
+        return read_dh(path, convention)
+    try:
+        root = ET.parse(path).getroot()
+    except ET.ParseError as error:
+        raise InputError(f"{path} is not XML: {error}") from error
+    if root.tag == "robot":
+        return read_urdf(path, root)
+    if root.tag == "mujoco":
+        return read_mjcf(path, root)
+    raise InputError(
+        f"{path}: found <{root.tag}> at the top, expected <robot> (URDF) or <mujoco> (MJCF)"
+    )

@@ -1,0 +1,59 @@
+"""The joint's table of a robot file from what another format says; what is absurd is unknown."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from irb2400_ctrl.robot.importing.tree import TreeJoint
+
+ABSURD_EFFORT = 1e5
+"""a joint of an arm does not reach this torque [Nm]"""
+ABSURD_SPEED = 100.0
+"""nor this speed [rad/s]"""
+DEGREES = 4 * np.pi
+"""a range beyond two turns either way looks like degrees [rad]"""
+
+
+def joint_table(joint: TreeJoint, notes: list[str]) -> dict[str, Any]:
+    """Limits and friction of one joint; appends to `notes` what was not believed."""
+    table: dict[str, Any] = {"name": joint.name, "limits": _limits(joint, notes)}
+    friction: dict[str, Any] = {}
+    if joint.damping:
+        friction["viscous_Nms_rad"] = joint.damping
+    if joint.dry:
+        friction["coulomb_Nm"] = joint.dry
+    if friction:
+        table["friction"] = {**friction, "source": "the imported file"}
+    return table
+
+
+def _limits(joint: TreeJoint, notes: list[str]) -> dict[str, Any]:
+    source = "the imported file"
+    ends = joint.range
+    if ends is None or ends[0] >= ends[1]:
+        if joint.kind != "continuous":
+            notes.append(f"joint {joint.name}: no range in the file; one turn either way is kept")
+        ends = (-2 * np.pi, 2 * np.pi)
+        source = "assumption: the file states no range, one turn either way is kept"
+    elif max(abs(end) for end in ends) > DEGREES:
+        notes.append(
+            f"joint {joint.name}: range {ends[0]:g} to {ends[1]:g} rad is beyond two turns; it "
+            "looks like degrees, check the file"
+        )
+    limits: dict[str, Any] = {"range_deg": np.degrees(ends).tolist(), "range_source": source}
+    if joint.speed is not None and 0 < joint.speed <= ABSURD_SPEED:
+        limits["speed_deg_s"] = float(np.degrees(joint.speed))
+    else:
+        notes.append(f"joint {joint.name}: speed limit {_found(joint.speed)}, taken as unknown")
+    if joint.effort is not None and 0 < joint.effort < ABSURD_EFFORT:
+        limits["torque_Nm"] = joint.effort
+        limits["torque_source"] = "the imported file"
+    else:
+        notes.append(f"joint {joint.name}: torque limit {_found(joint.effort)}, taken as unknown")
+    return limits
+
+
+def _found(value: float | None) -> str:
+    return "is not in the file" if value is None else f"is {value:g} in the file"

@@ -1,0 +1,153 @@
+"""A robot as other formats have it: links that carry mass, joints between them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from irb2400_ctrl.errors import InputError
+
+Array = npt.NDArray[np.float64]
+
+TURNING = {"revolute", "continuous"}
+
+
+@dataclass(frozen=True)
+class Mass:
+    """Mass data in a frame: mass [kg], centre of mass (3,) [m], tensor about it (3, 3) [kg m2]."""
+
+    mass: float
+    com: Array
+    tensor: Array
+
+    def seen_from(self, X: Array) -> Mass:
+        """The same body in the frame that the pose X (4, 4) leads to."""
+        R = X[:3, :3]
+        return Mass(self.mass, R @ self.com + X[:3, 3], R @ self.tensor @ R.T)
+
+    def joined(self, other: Mass) -> Mass:
+        """Both bodies as one, in the same frame."""
+        total = self.mass + other.mass
+        if total == 0.0:
+            return Mass(0.0, np.zeros(3), self.tensor + other.tensor)
+        com = (self.mass * self.com + other.mass * other.com) / total
+        tensor = np.zeros((3, 3))
+        for body in (self, other):
+            r = body.com - com
+            tensor += body.tensor + body.mass * (r @ r * np.eye(3) - np.outer(r, r))
+        return Mass(total, com, tensor)
+
+
+@dataclass(frozen=True)
+class TreeJoint:
+    """One joint; None is what the file does not say."""
+
+    name: str
+    kind: str
+    """`revolute`, `continuous`, `fixed`, or what else the format knows"""
+    parent: str
+    child: str
+    X: Array
+    """pose of the child's frame in the parent's at angle zero, shape (4, 4)"""
+    axis: Array
+    """direction in the child's frame, not of unit length, shape (3,)"""
+    range: tuple[float, float] | None = None
+    """[rad]"""
+    speed: float | None = None
+    """[rad/s]"""
+    effort: float | None = None
+    """[Nm]"""
+    damping: float | None = None
+    """[Nm s/rad]"""
+    dry: float | None = None
+    """[Nm]"""
+    armature: float | None = None
+    """rotor inertia on the joint's side [kg m2]"""
+    mimics: str | None = None
+
+
+@dataclass(frozen=True)
+class Tree:
+    """Links by name, joints in the order of the file."""
+
+    name: str
+    source: str
+    links: dict[str, Mass | None]
+    joints: tuple[TreeJoint, ...]
+    gravity: tuple[float, float, float] = (0.0, 0.0, -9.81)
+    notes: tuple[str, ...] = ()
+
+    def root(self) -> str:
+        """The link that hangs on no joint.
+
+        Raises:
+            InputError: none, or several.
+        """
+        children = {joint.child for joint in self.joints}
+        roots = [name for name in self.links if name not in children]
+        if len(roots) != 1:
+            found = ", ".join(roots) or "none"
+            raise InputError(
+                f"{self.name}: found the root links {found}, expected one link that hangs on no "
+                "joint"
+            )
+        return roots[0]
+
+    def path(self, base: str, tip: str) -> list[TreeJoint]:
+        """The joints from one link out to another.
+
+        Raises:
+            InputError: no such link, or it does not hang on the base.
+        """
+        for name in (base, tip):
+            if name not in self.links:
+                known = ", ".join(self.links)
+                raise InputError(f"{self.name} has no link {name!r}; it has {known}")
+        above = {joint.child: joint for joint in self.joints}
+        path: list[TreeJoint] = []
+        link = tip
+        while link != base:
+            if link not in above or len(path) > len(self.joints):
+                raise InputError(f"{self.name}: no chain of joints leads from {base} to {tip}")
+            path.append(above[link])
+            link = above[link].parent
+        return path[::-1]
+
+    def hanging_on(self, link: str) -> list[TreeJoint]:
+        """Joints whose parent is this link."""
+        return [joint for joint in self.joints if joint.parent == link]
+
+
+def pose(xyz: Array, R: Array) -> Array:
+    """[[R, p], [0, 1]], shape (4, 4)."""
+    X = np.eye(4)
+    X[:3, :3] = R
+    X[:3, 3] = xyz
+    return X
+
+
+def inverse(X: Array) -> Array:
+    """The inverse of a pose."""
+    R = X[:3, :3].T
+    return pose(-R @ X[:3, 3], R)
+
+
+def rotation_to(axis: Array) -> Array:
+    """A rotation whose z axis points along `axis`; exact for the axes of the frame, shape (3, 3).
+
+    Raises:
+        InputError: an axis of no length.
+    """
+    length = float(np.linalg.norm(axis))
+    if not np.isfinite(length) or length < 1e-9:
+        raise InputError(f"joint axis {axis.tolist()}: expected a direction, not zero")
+    z = axis / length
+    helper = np.roll(np.eye(3)[int(np.argmax(np.abs(z)))], 1)
+    x = np.cross(helper, z)
+    if z[2] > 0.999:
+        # an axis along z keeps the frame of the file
+        x = np.array([1.0, 0.0, 0.0]) - z[0] * z
+    x /= np.linalg.norm(x)
+    return np.stack([x, np.cross(z, x), z], axis=1)

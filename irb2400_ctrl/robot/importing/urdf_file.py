@@ -1,0 +1,134 @@
+"""URDF in: the links and joints of a file, read with the parser of the standard library."""
+
+from __future__ import annotations
+
+import xml.etree.ElementTree as ET
+from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
+
+from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.robot.importing.tree import Mass, Tree, TreeJoint, pose
+
+Array = npt.NDArray[np.float64]
+
+
+def read_urdf(path: Path, root: ET.Element) -> Tree:
+    """The tree of a URDF.
+
+    Raises:
+        InputError: xacro that is not expanded, a missing attribute, a number that is none.
+    """
+    if "xacro" in path.read_text(errors="replace").lower() and _is_xacro(root):
+        raise InputError(
+            f"{path} is xacro, not URDF: macros are not expanded yet; run "
+            f"`xacro {path.name} > arm.urdf` and import that"
+        )
+    links = {_name(path, link, "link"): _mass(path, link) for link in root.findall("link")}
+    joints = tuple(_joint(path, joint) for joint in root.findall("joint"))
+    for joint in joints:
+        for link in (joint.parent, joint.child):
+            if link not in links:
+                raise InputError(f"{path}: joint {joint.name} names the link {link}, which is none")
+    name = root.get("name") or path.stem
+    return Tree(name, f"imported from {path.name} (URDF)", links, joints)
+
+
+def _is_xacro(root: ET.Element) -> bool:
+    return any(
+        "xacro" in str(element.tag) or any("${" in v for v in element.attrib.values())
+        for element in root.iter()
+    )
+
+
+def _joint(path: Path, element: ET.Element) -> TreeJoint:
+    name = _name(path, element, "joint")
+    limit = element.find("limit")
+    dynamics = element.find("dynamics")
+    mimic = element.find("mimic")
+    kind = element.get("type", "")
+    axis = element.find("axis")
+    where = f"{path}: joint {name}"
+    ends = (_optional(where, limit, "lower"), _optional(where, limit, "upper"))
+    low, high = (0.0 if end is None else end for end in ends)
+    return TreeJoint(
+        name=name,
+        kind=kind,
+        parent=_attribute(where, element.find("parent"), "link"),
+        child=_attribute(where, element.find("child"), "link"),
+        X=_origin(where, element.find("origin")),
+        axis=np.array([1.0, 0.0, 0.0]) if axis is None else _vector(where, axis.get("xyz", ""), 3),
+        range=None if kind == "continuous" or ends == (None, None) else (low, high),
+        speed=_optional(where, limit, "velocity"),
+        effort=_optional(where, limit, "effort"),
+        damping=_optional(where, dynamics, "damping"),
+        dry=_optional(where, dynamics, "friction"),
+        mimics=None if mimic is None else mimic.get("joint"),
+    )
+
+
+def _mass(path: Path, link: ET.Element) -> Mass | None:
+    inertial = link.find("inertial")
+    if inertial is None:
+        return None
+    where = f"{path}: link {link.get('name')}"
+    mass = _number(where, _attribute(where, inertial.find("mass"), "value"))
+    X = _origin(where, inertial.find("origin"))
+    inertia = inertial.find("inertia")
+    keys = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
+    xx, xy, xz, yy, yz, zz = (_number(where, _attribute(where, inertia, key)) for key in keys)
+    tensor = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+    return Mass(mass, np.zeros(3), tensor).seen_from(X)
+
+
+def _origin(where: str, element: ET.Element | None) -> Array:
+    if element is None:
+        return np.eye(4)
+    xyz = _vector(where, element.get("xyz", "0 0 0"), 3)
+    return pose(xyz, rotation_rpy(_vector(where, element.get("rpy", "0 0 0"), 3)))
+
+
+def rotation_rpy(rpy: Array) -> Array:
+    """Rz(yaw) Ry(pitch) Rx(roll), shape (3, 3)."""
+    (cr, cp, cy), (sr, sp, sy) = np.cos(rpy), np.sin(rpy)
+    return np.array(
+        [
+            [cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],
+            [sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr],
+            [-sp, cp * sr, cp * cr],
+        ]
+    )
+
+
+def _name(path: Path, element: ET.Element, what: str) -> str:
+    name = element.get("name")
+    if not name:
+        raise InputError(f"{path}: a {what} has no name")
+    return name
+
+
+def _attribute(where: str, element: ET.Element | None, key: str) -> str:
+    if element is None or element.get(key) is None:
+        raise InputError(f"{where}: found no {key}, expected one")
+    return str(element.get(key))
+
+
+def _optional(where: str, element: ET.Element | None, key: str) -> float | None:
+    if element is None or element.get(key) is None:
+        return None
+    return _number(where, str(element.get(key)))
+
+
+def _number(where: str, text: str) -> float:
+    return float(_vector(where, text, 1)[0])
+
+
+def _vector(where: str, text: str, count: int) -> Array:
+    try:
+        values = [float(word) for word in text.split()]
+    except ValueError:
+        values = []
+    if len(values) != count or not np.isfinite(values).all():
+        raise InputError(f"{where}: found {text!r}, expected {count} finite numbers")
+    return np.array(values)

@@ -1,0 +1,144 @@
+"""Robots out: MuJoCo and Pinocchio load what is written and make the torques of what is written."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import pytest
+from robots.imported import robot as public
+from typer.testing import CliRunner
+
+import irb2400_ctrl as irb
+from irb2400_ctrl.cli.main import app
+from irb2400_ctrl.model.consistency import project, second_moments
+from irb2400_ctrl.robot.importing import import_robot
+from irb2400_ctrl.robot.mjcf_export import to_mjcf
+from irb2400_ctrl.robot.urdf_export import to_urdf
+
+Array = npt.NDArray[np.float64]
+MARGIN = 1e-3
+NAMES = ("irb2400", "ur10e", "irb1200", "kr16", "panda")
+
+
+def arm(name: str) -> irb.Robot:
+    known = irb.load_robot(name) if name in ("irb2400", "ur10e") else public(name)
+    return project(known, MARGIN)[0]
+
+
+def states(robot: irb.Robot, count: int = 12) -> tuple[Array, Array, Array]:
+    rng = np.random.default_rng(2)
+    q = rng.uniform(robot.q_min, robot.q_max, (count, robot.n))
+    qd, qdd = rng.normal(0.0, 1.5, (2, count, robot.n))
+    return q, qd, qdd
+
+
+def inverse(mujoco: Any, model: Any, q: Array, qd: Array, qdd: Array) -> Array:
+    data = mujoco.MjData(model)
+    data.qpos[:], data.qvel[:], data.qacc[:] = q, qd, qdd
+    mujoco.mj_inverse(model, data)
+    return np.array(data.qfrc_inverse)
+
+
+def without_constraints(mujoco: Any, text: str) -> Any:
+    model = mujoco.MjModel.from_xml_string(text)
+    model.opt.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_CONSTRAINT)
+    return model
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_mujoco_makes_the_torques_of_the_mjcf(name: str) -> None:
+    mujoco = pytest.importorskip("mujoco")
+    robot = arm(name)
+    engine = without_constraints(mujoco, to_mjcf(robot))
+    for q, qd, qdd in zip(*states(robot), strict=True):
+        tau = irb.Model(robot).inverse_dynamics(q, qd, qdd, friction=False)
+        # damping of joints and tendons acts on the actuators' speeds, dry friction is a constraint
+        tau = tau + robot.friction[:, 2] * qd
+        found = robot.A.T @ inverse(mujoco, engine, robot.A @ q, robot.A @ qd, robot.A @ qdd)
+        np.testing.assert_allclose(found, tau, rtol=0, atol=1e-6 * max(1.0, np.abs(tau).max()))
+
+
+def test_a_motor_on_the_tendon_is_the_actuator() -> None:
+    """The torque of motor i, through the transmission, is the i-th of tau_q, and the length q."""
+    mujoco = pytest.importorskip("mujoco")
+    robot = arm("irb2400")
+    engine = without_constraints(mujoco, to_mjcf(robot))
+    data = mujoco.MjData(engine)
+    q = np.array([0.1, 0.2, 0.3, 0.4, 0.5, 0.6])
+    data.qpos[:] = robot.A @ q
+    data.ctrl[:] = tau = np.array([10.0, 20.0, 30.0, 4.0, 5.0, 6.0])
+    mujoco.mj_forward(engine, data)
+    np.testing.assert_allclose(data.actuator_length, q, atol=1e-12)
+    np.testing.assert_allclose(robot.A.T @ data.qfrc_actuator, tau, atol=1e-12)
+    np.testing.assert_allclose(engine.tendon_range[0], [robot.q_min[2], robot.q_max[2]])
+    np.testing.assert_allclose(engine.tendon_frictionloss, robot.friction[2:3, 1])
+    tcp = data.site("tcp")
+    X = irb.Model(robot).tcp_pose(q)
+    np.testing.assert_allclose(tcp.xpos, X[:3, 3], atol=1e-12)
+    np.testing.assert_allclose(tcp.xmat.reshape(3, 3), X[:3, :3], atol=1e-12)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_mujoco_and_pinocchio_make_the_torques_of_the_urdf(name: str) -> None:
+    mujoco = pytest.importorskip("mujoco")
+    pin = pytest.importorskip("pinocchio")
+    robot = arm(name)
+    text = to_urdf(robot)
+    engines = (without_constraints(mujoco, text), pin.buildModelFromXML(text))
+    for q, qd, qdd in zip(*states(robot, 5), strict=True):
+        tau = irb.Model(robot).inverse_dynamics(q, qd, qdd, friction=False)
+        joint = tuple(robot.A @ value for value in (q, qd, qdd))
+        damping = np.array(engines[0].dof_damping) * joint[1]
+        found = (
+            inverse(mujoco, engines[0], *joint) - damping,
+            pin.rnea(engines[1], engines[1].createData(), *joint),
+        )
+        for torque in found:
+            np.testing.assert_allclose(
+                robot.A.T @ torque, tau, rtol=0, atol=1e-6 * max(1.0, np.abs(tau).max())
+            )
+
+
+def test_the_margin_puts_every_body_strictly_inside() -> None:
+    printed = irb.load_robot("irb2400")
+    inside, distance = project(printed, MARGIN)
+    for link in inside.links:
+        values = np.linalg.eigvalsh(second_moments(link.body))
+        assert values[0] >= 0.999 * MARGIN * values[-1] > 0.0
+    again, moved = project(inside, MARGIN)
+    assert moved < 1e-12 < distance
+    assert again.links == inside.links
+
+
+@pytest.mark.parametrize("form", ["urdf", "mjcf"])
+def test_export_says_what_it_changed_and_left_out(form: str, tmp_path: Path) -> None:
+    run = CliRunner().invoke(app, ["robot", "export", "--format", form, "--out", str(tmp_path)])
+    assert run.exit_code == 0
+    assert "strictly inside" in run.output
+    assert "torque difference" in run.output
+    assert "static friction" in run.output
+    assert ("left out: the coupling" in run.output) == (form == "urdf")
+    written = next(tmp_path.iterdir())
+    mujoco = pytest.importorskip("mujoco")
+    assert mujoco.MjModel.from_xml_path(str(written)).nv == 6
+    as_is = ["robot", "export", "--format", form, "--as-is", "--out", str(tmp_path)]
+    assert "strictly" not in CliRunner().invoke(app, as_is).output
+    with pytest.raises(ValueError, match="inertia"):
+        mujoco.MjModel.from_xml_path(str(written))
+
+
+def test_a_urdf_comes_back_as_it_went_out(tmp_path: Path) -> None:
+    robot = arm("irb1200")
+    path = tmp_path / "arm.urdf"
+    path.write_text(to_urdf(robot))
+    back = import_robot(path).robot
+    q, qd, qdd = states(robot)
+    np.testing.assert_allclose(
+        irb.Model(back).inverse_dynamics(q, qd, qdd),
+        irb.Model(robot).inverse_dynamics(q, qd, qdd),
+        atol=1e-10,
+    )
+    np.testing.assert_allclose(back.q_max, robot.q_max, rtol=1e-14)

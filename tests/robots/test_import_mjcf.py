@@ -1,0 +1,95 @@
+"""MJCF in: what MuJoCo computes from a file, the imported robot computes too."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from robots.imported import robot
+
+import irb2400_ctrl as irb
+from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.robot.importing import import_robot
+from irb2400_ctrl.robot.mjcf_export import to_mjcf
+
+OWN = """<mujoco model="own">
+  <compiler angle="degree" inertiafromgeom="false"/>
+  <option gravity="0.5 0 -9.7"/>
+  <default><joint damping="0.5" range="-170 170"/>
+    <default class="wrist"><joint armature="0.03" frictionloss="0.2" damping="0.1"/></default>
+  </default>
+  <worldbody><body name="foot" pos="0 0 0.3" euler="10 20 30">
+    <inertial pos="0 0 0.1" mass="9" diaginertia="1 1 1"/>
+    <body name="shoulder" pos="0 0.1 0.2" quat="0.9 0.1 -0.2 0.3">
+      <joint name="j1" axis="0 1 0" pos="0.02 0 0.01" range="-90 100"/>
+      <inertial pos="0.1 0 0.05" quat="0.7 0.1 0.7 0" mass="4" diaginertia="0.1 0.08 0.05"/>
+      <body name="arm" pos="0.4 0 0" childclass="wrist">
+        <joint name="j2" axis="0 0 1"/><joint name="j3" axis="1 1 0" pos="0.1 0 0"/>
+        <inertial pos="0.1 0.02 0" mass="2" fullinertia="0.03 0.04 0.05 0.001 0.002 0.003"/>
+        <body name="plate" pos="0 0 0.2" euler="0 45 0">
+          <inertial pos="0.05 0 0" mass="0.5" diaginertia="0.002 0.003 0.004"/>
+          <site name="tcp" pos="0 0 0.1" euler="0 0 90"/>
+        </body></body></body></body></worldbody>
+  <actuator><motor joint="j1" gear="50" ctrlrange="-2 2"/></actuator>
+</mujoco>"""
+
+
+def test_a_file_with_defaults_offsets_and_two_hinges_in_a_body(tmp_path: Path) -> None:
+    mujoco = pytest.importorskip("mujoco")
+    path = tmp_path / "own.xml"
+    path.write_text(OWN)
+    own = import_robot(path).robot
+    assert [joint.name for joint in own.joints] == ["j1", "j2", "j3"]
+    assert own.tau_bound[0] == 100.0
+    np.testing.assert_allclose(np.degrees([own.q_min[0], own.q_max[0]]), [-90, 100])
+    np.testing.assert_allclose(own.friction[:, 1:3], [[0, 0.5], [0.2, 0.1], [0.2, 0.1]])
+    engine = mujoco.MjModel.from_xml_path(str(path))
+    engine.opt.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_CONSTRAINT)
+    data = mujoco.MjData(engine)
+    model = irb.Model(own)
+    rng = np.random.default_rng(0)
+    for _ in range(10):
+        q, qd, qdd = rng.normal(0.0, 1.0, (3, 3))
+        data.qpos[:], data.qvel[:], data.qacc[:] = q, qd, qdd
+        mujoco.mj_inverse(engine, data)
+        tau = model.inverse_dynamics(q, qd, qdd, friction=False) + own.friction[:, 2] * qd
+        np.testing.assert_allclose(tau, data.qfrc_inverse, rtol=0, atol=1e-9)
+        mujoco.mj_forward(engine, data)
+        tcp = data.site("tcp")
+        X = model.tcp_pose(q)
+        np.testing.assert_allclose(X[:3, 3], tcp.xpos, atol=1e-12)
+        np.testing.assert_allclose(X[:3, :3], tcp.xmat.reshape(3, 3), atol=1e-12)
+
+
+def test_an_exported_arm_comes_back(tmp_path: Path) -> None:
+    arm = robot("kr16")
+    path = tmp_path / "kr16.xml"
+    path.write_text(to_mjcf(arm))
+    back = import_robot(path).robot
+    q, qd, qdd = np.random.default_rng(1).uniform(-1, 1, (3, 20, 6))
+    np.testing.assert_allclose(
+        irb.Model(back).inverse_dynamics(q, qd, qdd),
+        irb.Model(arm).inverse_dynamics(q, qd, qdd),
+        atol=1e-9,
+    )
+    np.testing.assert_allclose(irb.Model(back).tcp_pose(q), irb.Model(arm).tcp_pose(q), atol=1e-12)
+    np.testing.assert_allclose(back.tau_max, arm.tau_max)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "says"),
+    [
+        ("<worldbody>", "<include file='x.xml'/><worldbody>", "includes other files"),
+        ('<joint name="j2" axis="0 0 1"/>', "<freejoint/>", "flies freely"),
+        ('name="j2"', 'name="j2" type="ball"', "ball"),
+        ('euler="0 45 0"', 'zaxis="0 1 0"', "quat or euler"),
+        ('mass="4"', 'mass="four"', "finite numbers"),
+        ("mujoco", "robots", "expected <robot>"),
+    ],
+)
+def test_what_cannot_be_read_is_said(old: str, new: str, says: str, tmp_path: Path) -> None:
+    path = tmp_path / "own.xml"
+    path.write_text(OWN.replace(old, new))
+    with pytest.raises(InputError, match=says):
+        import_robot(path)

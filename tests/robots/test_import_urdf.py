@@ -1,0 +1,175 @@
+"""URDF in: the imported arm is the one that Pinocchio reads; what is unknown stays unknown."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import pytest
+from robots.public_arms import arms, urdf
+
+import irb2400_ctrl as irb
+from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.robot.importing import Imported, Payload, import_robot
+
+Array = npt.NDArray[np.float64]
+ARMS = arms()
+FINGERS = """
+<link name="finger"><inertial><mass value="0.2"/><origin xyz="0 0 0.1"/>
+<inertia ixx="1e-4" ixy="0" ixz="0" iyy="1e-4" iyz="0" izz="1e-4"/></inertial></link>
+<joint name="finger_slide" type="prismatic"><parent link="tool0"/><child link="finger"/>
+<axis xyz="0 1 0"/><limit lower="0" upper="0.04" velocity="1" effort="20"/></joint>
+<link name="camera"><inertial><mass value="0.5"/><origin xyz="0.05 0.02 0.1" rpy="0.1 0.2 0.3"/>
+<inertia ixx="2e-3" ixy="1e-4" ixz="0" iyy="3e-3" iyz="2e-4" izz="2.5e-3"/></inertial></link>
+<joint name="camera_mount" type="fixed"><parent link="link_4"/><child link="camera"/>
+<origin xyz="0.01 0.02 0.03" rpy="0.4 -0.5 0.6"/></joint>
+"""
+
+
+def imported(tmp_path: Path, text: str, **options: Any) -> Imported:
+    path = tmp_path / "arm.urdf"
+    path.write_text(text)
+    return import_robot(path, **options)
+
+
+def one_joint(tmp_path: Path, changes: dict[str, str]) -> Imported:
+    text = urdf(ARMS["irb1200"])
+    for old, new in changes.items():
+        assert old in text
+        text = text.replace(old, new, 1)
+    return imported(tmp_path, text)
+
+
+@pytest.mark.parametrize("name", ARMS)
+def test_dynamics_and_kinematics_are_those_of_pinocchio(name: str, tmp_path: Path) -> None:
+    pin = pytest.importorskip("pinocchio")
+    text = urdf(ARMS[name])
+    robot = imported(tmp_path, text).robot
+    model = irb.Model(robot)
+    engine = pin.buildModelFromXML(text)
+    data = engine.createData()
+    rng = np.random.default_rng(1)
+    frame = engine.getFrameId("tool0")
+    for _ in range(25):
+        q = rng.uniform(robot.q_min, robot.q_max)
+        qd, qdd = rng.normal(0.0, 2.0, (2, robot.n))
+        pairs = [
+            (
+                model.inverse_dynamics(q, qd, qdd, friction=False),
+                pin.rnea(engine, data, q, qd, qdd),
+            ),
+            (model.gravity(q), pin.computeGeneralizedGravity(engine, data, q)),
+        ]
+        upper = np.triu(pin.crba(engine, data, q))
+        pairs.append((model.mass_matrix(q), upper + np.triu(upper, 1).T))
+        for found, expected in pairs:
+            scale = max(float(np.abs(expected).max()), 1.0)
+            np.testing.assert_allclose(found, expected, rtol=0, atol=1e-12 * scale)
+        pin.framesForwardKinematics(engine, data, q)
+        np.testing.assert_allclose(
+            model.tcp_pose(q), data.oMf[frame].homogeneous, rtol=0, atol=1e-12
+        )
+        J = pin.computeFrameJacobian(engine, data, q, frame, pin.LOCAL_WORLD_ALIGNED)
+        np.testing.assert_allclose(model.tcp_jacobian(q), J, rtol=0, atol=1e-12)
+
+
+def test_fixed_links_are_folded_in_and_fingers_left_out(tmp_path: Path) -> None:
+    pin = pytest.importorskip("pinocchio")
+    text = urdf(ARMS["irb1200"]).replace("</robot>", FINGERS + "</robot>")
+    found = imported(tmp_path, text)
+    engine = pin.buildModelFromXML(text)
+    # the finger is there for Pinocchio; without its weight the rest must be equal
+    engine.inertias[7] = pin.Inertia.Zero()
+    q = np.array([0.3, -0.4, 0.5, 0.6, -0.7, 0.8])
+    weight = pin.computeGeneralizedGravity(engine, engine.createData(), np.append(q, 0.0))[:6]
+    np.testing.assert_allclose(irb.Model(found.robot).gravity(q), weight, rtol=0, atol=1e-11)
+    assert any("finger_slide" in note and "0.2 kg" in note for note in found.notes)
+
+
+def test_limits_and_friction_are_carried(tmp_path: Path) -> None:
+    damped = '<dynamics damping="1.5" friction="0.25"/><axis xyz="1.0 0.0 0.0"/>'
+    robot = one_joint(tmp_path, {'<axis xyz="1.0 0.0 0.0"/>': damped}).robot
+    axes = ARMS["irb1200"].axes
+    np.testing.assert_allclose(robot.q_min, [a.range[0] for a in axes], rtol=1e-15)
+    np.testing.assert_allclose(robot.qd_max, [a.speed for a in axes], rtol=1e-15)
+    np.testing.assert_array_equal(robot.tau_max, [a.effort for a in axes])
+    assert robot.friction_known.tolist() == [
+        [False, k == 3, k == 3, False] for k in range(6)
+    ]  # only axis 4 states something
+    np.testing.assert_array_equal(robot.friction[3, :3], [0.25, 0.25, 1.5])
+
+
+@pytest.mark.parametrize("effort", ["0", "1e30", "-1"])
+def test_an_absurd_torque_limit_is_unknown(effort: str, tmp_path: Path) -> None:
+    found = one_joint(tmp_path, {'effort="110.0"': f'effort="{effort}"'})
+    assert any("joint_3: torque limit" in note for note in found.notes)
+    assert np.isinf(found.robot.tau_bound[2])
+    with pytest.raises(InputError, match=r"torque limit of joint_3 is unknown.*torque_Nm"):
+        _ = found.robot.tau_max
+    assert any("torque limit of joint_3" in line for line in found.robot.assumptions())
+
+
+def test_a_range_in_degrees_is_noticed(tmp_path: Path) -> None:
+    text = urdf(ARMS["irb1200"])
+    low = float(np.radians(-100.0))
+    notes = imported(tmp_path, text.replace(f'lower="{low!r}"', 'lower="-100"')).notes
+    assert any("looks like degrees" in note for note in notes)
+
+
+def test_a_continuous_joint_keeps_a_turn_either_way(tmp_path: Path) -> None:
+    found = one_joint(
+        tmp_path, {'name="joint_6" type="revolute"': 'name="joint_6" type="continuous"'}
+    )
+    np.testing.assert_allclose(found.robot.q_max[5], 2 * np.pi)
+    assert "assumption" in found.robot.joints[5].limits.range_source
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "says"),
+    [
+        ('name="joint_3" type="revolute"', 'name="joint_3" type="prismatic"', "prismatic"),
+        ('<axis xyz="1.0 0.0 0.0"/>', '<axis xyz="0 0 0"/>', "expected a direction"),
+        ('<axis xyz="1.0 0.0 0.0"/>', '<mimic joint="joint_1"/>', "mimic"),
+        ('<axis xyz="1.0 0.0 0.0"/>', '<axis xyz="1 0"/>', "expected 3 finite numbers"),
+        ('<parent link="link_2"/>', '<parent link="link_9"/>', "link_9"),
+        ('xyz="0.0 0.0 0.399"', 'xyz="${xacro_height} 0 0"', "xacro"),
+        ("</robot>", "", "not XML"),
+    ],
+)
+def test_what_cannot_be_read_is_said(old: str, new: str, says: str, tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=says):
+        one_joint(tmp_path, {old: new})
+
+
+def test_base_and_tool_can_be_chosen(tmp_path: Path) -> None:
+    text = urdf(ARMS["panda"])
+    robot = imported(tmp_path, text, base="link_1", tip="link_6").robot
+    assert [joint.name for joint in robot.joints] == [f"joint_{i}" for i in range(2, 7)]
+    with pytest.raises(InputError, match="no link 'hand'"):
+        imported(tmp_path, text, tip="hand")
+
+
+def test_a_parallelogram_and_a_payload_are_stated(tmp_path: Path) -> None:
+    text = urdf(ARMS["irb4600"])
+    serial = imported(tmp_path, text).robot
+    coupled = imported(tmp_path, text, coupling=((3, 2, -1.0),), payload=Payload(10.0)).robot
+    q = np.array([0.1, 0.2, 0.3, 0.4, 0.5, 0.6])
+    theta = q - np.array([0, 0, 0.2, 0, 0, 0])
+    np.testing.assert_allclose(
+        irb.Model(coupled).flange_pose(q), irb.Model(serial).flange_pose(theta), atol=1e-14
+    )
+    assert coupled.inertial_parameters[-1, 0] == pytest.approx(11.5)
+    with pytest.raises(InputError, match="expected two of the joints"):
+        imported(tmp_path, text, coupling=((7, 2, -1.0),))
+
+
+def test_what_is_unknown_survives_the_file(tmp_path: Path) -> None:
+    found = one_joint(tmp_path, {'effort="110.0"': 'effort="0"'}).robot
+    path = irb.save_robot(found, tmp_path / "arm.toml")
+    assert irb.load_robot(path) == found
+    assert "static_Nm" not in path.read_text()
+    torque = irb.Model(found).friction(np.ones(6))
+    np.testing.assert_array_equal(torque, np.zeros(6))
+    assert any("viscous friction of every joint is unknown" in s for s in found.assumptions())

@@ -1,0 +1,93 @@
+"""Every verb on every arm: planned with a certificate, generated; refused where it must be."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from robots.imported import SIX_AXES, bent, robot
+
+import irb2400_ctrl as irb
+from irb2400_ctrl.codegen import export_package
+from irb2400_ctrl.controllers import controller
+from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.planners import plan_path
+from irb2400_ctrl.planners.toolpath.builders import curve, raster
+from irb2400_ctrl.planners.toolpath.toolpath import ToolPath
+
+
+def paths(name: str) -> tuple[ToolPath, ToolPath]:
+    """A raster and a spiral in front of the arm, of its size."""
+    model = irb.Model(robot(name))
+    x, y, z = model.tcp_pose(bent(model))[:3, 3]
+    size = 0.1 * model.arm_geometry.a2
+
+    def spiral(t: np.ndarray) -> np.ndarray:
+        angle = 4 * np.pi * t
+        rho = size * (0.2 + 0.8 * t)
+        return np.stack([x + rho * np.cos(angle), y + rho * np.sin(angle), z + 0 * t], axis=1)
+
+    return raster((x, y, z), 2 * size, size, lines=3, points=5), curve(spiral)
+
+
+@pytest.mark.parametrize("name", SIX_AXES)
+def test_a_raster_and_a_spiral_are_planned_with_a_certificate(name: str) -> None:
+    for path in paths(name):
+        plan = plan_path(robot(name), path, cells=150)
+        assert plan.guaranteed
+        assert plan.max_torque_ratio <= 1.0 + 1e-9
+        assert plan.max_tcp_deviation < 1e-4
+        assert set(plan.singularity_margin) == {"wrist", "shoulder", "elbow"}
+        assert min(plan.singularity_margin.values()) > 0.0
+        # looked at from outside: the rows keep the limits and follow the path
+        rows = plan.trajectory
+        tau = irb.Model(robot(name)).inverse_dynamics(rows.q, rows.qd, rows.qdd)
+        assert (np.abs(tau) <= robot(name).tau_max * (1 + 1e-9)).all()
+        assert (np.abs(rows.qd) <= robot(name).qd_max * (1 + 1e-9)).all()
+
+
+def test_a_stated_orientation_is_held_on_parallel_axes() -> None:
+    model = irb.Model(robot("ur5"))
+    X = np.broadcast_to(model.tcp_pose(bent(model)), (5, 4, 4)).copy()
+    X[:, 1, 3] += np.linspace(0.0, 0.1, 5)
+    from irb2400_ctrl.planners.toolpath.builders import poses
+
+    plan = plan_path(robot("ur5"), poses(X), cells=150, free_tool_rotation=False)
+    assert plan.guaranteed
+    reached = model.tcp_pose(plan.trajectory.q)
+    np.testing.assert_allclose(reached[:, :3, :3], X[:1, :3, :3].repeat(len(reached), 0), atol=1e-3)
+
+
+def test_planning_without_torque_limits_says_what_is_missing() -> None:
+    known = robot("irb1200")
+    joint = known.joints[3]
+    limits = joint.limits.model_copy(update={"torque_Nm": None, "torque_source": "unknown"})
+    unknown = known.model_copy(
+        update={
+            "joints": (
+                *known.joints[:3],
+                joint.model_copy(update={"limits": limits}),
+                *known.joints[4:],
+            )
+        }
+    )
+    with pytest.raises(InputError, match=r"torque limit of joint_4 is unknown.*torque_Nm = "):
+        plan_path(unknown, paths("irb1200")[0])
+    # a controller needs none: it cuts the others
+    block = controller("computed_torque", unknown)
+    assert not np.isfinite(unknown.tau_bound[3])
+    assert block.name == "computed_torque"
+
+
+def test_seven_axes_are_not_planned() -> None:
+    with pytest.raises(InputError, match="six"):
+        plan_path(robot("panda"), paths("ur5")[0])
+
+
+@pytest.mark.parametrize("name", [*SIX_AXES, "panda"])
+def test_a_controller_is_generated_and_agrees_with_the_model(name: str, tmp_path: Path) -> None:
+    arm = robot(name)
+    block = controller("computed_torque", arm)
+    verification = export_package(block, tmp_path / name, target="host")
+    assert verification.passed
