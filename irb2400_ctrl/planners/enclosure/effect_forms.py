@@ -19,17 +19,15 @@ from typing import Literal
 
 import casadi as ca
 import numpy as np
-import numpy.typing as npt
 
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.effects import Effect
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.model.signals import ArmSignals
-from irb2400_ctrl.planners.enclosure import interval
 from irb2400_ctrl.planners.enclosure.complex_disc import disc_function
-from irb2400_ctrl.planners.enclosure.interval import Interval
-
-Array = npt.NDArray[np.float64]
+from irb2400_ctrl.planners.enclosure.interval import INTERVALS, Interval, interval_function
+from irb2400_ctrl.symbolic import Algebra, NoRule, walk
 
 Memory = Callable[[Array], tuple[Array, Array]]
 """bounds (m,) of the internal state for a joint that has turned forwards by (m,) [rad]"""
@@ -72,7 +70,7 @@ class ScalarLaw:
     def bounds(self, w: Interval, direction: Interval, state: Interval) -> list[Interval]:
         """Bounds of f, df/dw and d2f/dw2 over m boxes."""
         ends = [(np.array([a]), np.array([b])) for a, b in zip(self.low, self.high, strict=True)]
-        return interval.interval_function(self.values, [w, direction, state, *ends])
+        return interval_function(self.values, [w, direction, state, *ends])
 
 
 @dataclass(frozen=True, eq=False)
@@ -241,7 +239,7 @@ def _law(model: Model, effect: Effect) -> ScalarLaw | None:
     bend = ca.jacobian(slope, w)
     values = ca.Function("law", arguments, [ca.densify(x) for x in (f, slope, bend)])
     try:
-        interval.interval_function(values, [(np.ones(1), np.ones(1))] * values.n_in())
+        interval_function(values, [(np.ones(1), np.ones(1))] * values.n_in())
     except InputError:
         return None
     if by_load and not _even(values):
@@ -272,6 +270,53 @@ def _memory(effect: Effect) -> Memory | None:
     return bounds
 
 
+Timed = tuple[ca.SX, Interval | None]
+"""an expression, and its bounds at all times if it depends on time alone"""
+
+
+class _TimedParts(Algebra[Timed]):
+    """Numbers are expressions; one that depends on time alone becomes a factor where it meets the
+    rest."""
+
+    expected = "a force that depends on the time must be bounded over all times"
+
+    def __init__(self) -> None:
+        self.factors: list[ca.SX] = []
+        self.low: list[float] = []
+        self.high: list[float] = []
+        self._known: dict[int, ca.SX] = {}
+
+    def constant(self, value: float) -> Timed:
+        return ca.SX(value), INTERVALS.constant(value)
+
+    def rule(self, op: int) -> Callable[..., Timed]:
+        bounds = INTERVALS.rule(op)
+
+        def apply(*operands: Timed) -> Timed:
+            ranges = [r for _, r in operands if r is not None]
+            if len(ranges) < len(operands):
+                return _operation(op, [self.apart(o) for o in operands]), None
+            if bounds is None:
+                raise NoRule(op)
+            with np.errstate(all="ignore"):
+                return _operation(op, [e for e, _ in operands]), bounds(*ranges)
+
+        return apply
+
+    def apart(self, x: Timed) -> ca.SX:
+        """The expression itself, or the factor that stands for it."""
+        expression, range_ = x
+        if range_ is None or expression.is_constant():
+            return expression
+        key = expression.element_hash()
+        if key not in self._known:
+            self._known[key] = ca.SX.sym(f"factor{len(self._known)}")
+            self.factors.append(self._known[key])
+            self.low.append(float(np.min(range_[0])))
+            self.high.append(float(np.max(range_[1])))
+        return self._known[key]
+
+
 def lifted(tau: ca.SX, s: ArmSignals) -> Lifted:
     """Separate the time from the rest, operation by operation; no factors where time does not
     enter."""
@@ -280,50 +325,12 @@ def lifted(tau: ca.SX, s: ArmSignals) -> Lifted:
     inputs = list(ca.vertsplit(ca.vertcat(*ca.symvar(tau))))
     function = ca.Function("torque", inputs, [ca.densify(tau)])
     clock = next(i for i, v in enumerate(inputs) if v.element_hash() == s.time.element_hash())
-    result = ca.SX.zeros(tau.numel())
-    factors: list[ca.SX] = []
-    low: list[float] = []
-    high: list[float] = []
-    # operand: expression, and its bounds at all times if it depends on time alone
-    work: dict[int, tuple[ca.SX, Interval | None]] = {}
-    known: dict[int, ca.SX] = {}
-
-    def still(x: tuple[ca.SX, Interval | None]) -> ca.SX:
-        expression, range_ = x
-        if range_ is None or expression.is_constant():
-            return expression
-        key = expression.element_hash()
-        if key not in known:
-            known[key] = ca.SX.sym(f"factor{len(known)}")
-            factors.append(known[key])
-            low.append(float(np.min(range_[0])))
-            high.append(float(np.max(range_[1])))
-        return known[key]
-
-    for k in range(function.n_instructions()):
-        op = function.instruction_id(k)
-        i_in = function.instruction_input(k)
-        i_out = function.instruction_output(k)
-        if op == ca.OP_CONST:
-            value = float(function.instruction_constant(k))
-            work[i_out[0]] = (ca.SX(value), (np.array([value]), np.array([value])))
-        elif op == ca.OP_INPUT:
-            timely = i_in[0] == clock
-            work[i_out[0]] = (inputs[i_in[0]], (_TIMES[:-1], _TIMES[1:]) if timely else None)
-        elif op == ca.OP_OUTPUT:
-            result[i_out[1]] = still(work[i_in[0]])
-        else:
-            operands = [work[i] for i in i_in]
-            ranges = [r for _, r in operands if r is not None]
-            if len(ranges) == len(operands):
-                with np.errstate(all="ignore"):
-                    range_ = interval.apply(op, ranges, "effect")
-                work[i_out[0]] = (_operation(op, [e for e, _ in operands]), range_)
-            else:
-                work[i_out[0]] = (_operation(op, [still(o) for o in operands]), None)
-    return Lifted(
-        result, ca.vertcat(*factors) if factors else ca.SX(0, 1), np.array(low), np.array(high)
-    )
+    parts = _TimedParts()
+    times = _TIMES[:-1], _TIMES[1:]
+    (column,) = walk(function, parts, lambda k, _: (inputs[k], times if k == clock else None))
+    result = ca.vertcat(*(parts.apart(x) for x in column))
+    factors = ca.vertcat(*parts.factors) if parts.factors else ca.SX(0, 1)
+    return Lifted(result, factors, np.array(parts.low), np.array(parts.high))
 
 
 def _operation(op: int, operands: list[ca.SX]) -> ca.SX:
