@@ -10,7 +10,7 @@ import casadi as ca
 
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.model import linear_solve, newton_euler
-from irb2400_ctrl.model.friction import friction
+from irb2400_ctrl.model.friction import FrictionLaw
 from irb2400_ctrl.model.signals import ArmSignals
 
 if TYPE_CHECKING:
@@ -46,7 +46,7 @@ class Acceleration:
         zero = ca.SX.zeros(model.robot.n)
         effects = model.effect_torque(s)
         rest = newton_euler.inverse_dynamics(model.robot, s.q, s.qd, zero, model.phi)
-        dry = friction(model.robot, s.qd) if with_friction else zero
+        dry = FrictionLaw.of(model.robot).torque(s.qd) if with_friction else zero
         slope = s.mass_matrix + ca.jacobian(effects, s.qdd)
         for i in range(model.robot.n):
             if slope[i, i].is_zero():

@@ -10,7 +10,7 @@ import casadi as ca
 
 from irb2400_ctrl.model import euler_lagrange, geometry, kinematics, newton_euler
 from irb2400_ctrl.model.acceleration import Acceleration
-from irb2400_ctrl.model.friction import friction
+from irb2400_ctrl.model.friction import FrictionLaw
 from irb2400_ctrl.model.regressor import regressor
 
 if TYPE_CHECKING:
@@ -32,7 +32,7 @@ def inverse_dynamics(
     inputs = {"q": s.q, "qd": s.qd, "qdd": s.qdd}
     tau = s.load + model.effect_torque(s)
     if with_friction:
-        tau += friction(model.robot, s.qd)
+        tau += FrictionLaw.of(model.robot).torque(s.qd)
     if with_wrench:
         tau -= s.tcp_jacobian.T @ wrench
         inputs["wrench"] = wrench
@@ -115,7 +115,7 @@ def torque_regressor(model: Model, name: str, base: bool = False) -> ca.Function
 def friction_torque(model: Model, name: str) -> ca.Function:
     """qd -> F."""
     qd = ca.SX.sym("qd", model.robot.n)
-    return function(name, {"qd": qd}, {"F": friction(model.robot, qd)})
+    return function(name, {"qd": qd}, {"F": FrictionLaw.of(model.robot).torque(qd)})
 
 
 def of_q(name: str, model: Model, output: str, expression: Callable[[ca.SX], ca.SX]) -> ca.Function:

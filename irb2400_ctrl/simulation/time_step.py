@@ -53,7 +53,7 @@ def time_step(
     qd_m = speed + 0.5 * h * acceleration
     M, bias, effects, rate = mechanics.equations(q_m, qd_m, acceleration, time + 0.5 * h, memory)
     # the viscous friction of an elastic joint brakes its motor, not its link
-    viscous = mechanics.table[soft, 2]
+    viscous = mechanics.law.viscous[soft]
     bias[soft] -= viscous * qd_m[soft]
     if wrench:
         bias -= kinematics.tcp_jacobian(robot, q_m).T @ w

@@ -15,6 +15,7 @@ import numpy.typing as npt
 
 from irb2400_ctrl.measurement.prepared_log import PreparedLog
 from irb2400_ctrl.model import Model
+from irb2400_ctrl.model.friction import FrictionLaw
 from irb2400_ctrl.robot import Body, Robot
 
 Array = npt.NDArray[np.float64]
@@ -74,13 +75,13 @@ class Nuisance:
     def sigmas(self) -> Array:
         """Standard deviations in file units, shape (k,)."""
         u = self.uncertainty
-        friction = self.robot.friction
+        law = FrictionLaw.of(self.robot)
         inertial = [self._body_sigma(body) for body in self.bodies]
         unknown = UNKNOWN_FRICTION * self.torque_scale
         dry = [
-            np.where(friction[:, 1] > 0, u.friction * friction[:, 1], unknown),
-            np.where(friction[:, 2] > 0, u.friction * friction[:, 2], unknown / self.speed_scale),
-            np.where(friction[:, 0] > 0, u.static * friction[:, 0], unknown),
+            np.where(law.coulomb > 0, u.friction * law.coulomb, unknown),
+            np.where(law.viscous > 0, u.friction * law.viscous, unknown / self.speed_scale),
+            np.where(law.static > 0, u.static * law.static, unknown),
         ]
         return np.concatenate([*inertial, *dry])
 
@@ -124,11 +125,8 @@ class Nuisance:
                 Y[:, :, 10 * link : 10 * link + 10]
                 @ (_parameter_slope(body, X) * self._body_sigma(body))
             )
-        friction = self.robot.friction
-        sign = np.sign(motion.qd)
-        stribeck = sign * np.exp(-((motion.qd / friction[:, 3]) ** 2))
         for signal, size in zip(
-            (sign - stribeck, motion.qd, stribeck),
+            FrictionLaw.of(self.robot).regressor(motion.qd),
             self.sigmas()[-3 * n :].reshape(3, n),
             strict=True,
         ):

@@ -19,6 +19,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from irb2400_ctrl.planners.enclosure import bernstein
 from irb2400_ctrl.planners.enclosure.effect_bounds import Added, Range, memories
 from irb2400_ctrl.planners.enclosure.path_dynamics import OUTPUTS, PathDynamics
 from irb2400_ctrl.planners.joint_path import JointPath
@@ -132,8 +133,8 @@ def parabolas(
     at = np.concatenate([s[:-1], middle, s[1:]])
     pieces = np.concatenate([piece, piece, piece])
     found = values(*(path.on_piece(at, pieces, order) for order in (0, 1, 2)))
-    bernstein = [_bernstein(f.reshape(3, m, -1)) for f in found]
-    return bernstein, _remainder(radii, path, middle, piece, np.diff(s) / 2)
+    fitted = [bernstein.through(*f.reshape(3, m, -1)) for f in found]
+    return fitted, _remainder(radii, path, middle, piece, np.diff(s) / 2)
 
 
 def enclose(dynamics: PathDynamics, path: JointPath, s: Array) -> Cells:
@@ -157,12 +158,13 @@ def enclose(dynamics: PathDynamics, path: JointPath, s: Array) -> Cells:
     piece = path.piece(s[:-1] + np.diff(s) / 2)
     ends = [(path.on_piece(at, piece, 1), path.on_piece(at, piece, 2)) for at in (s[:-1], s[1:])]
     (first, curved), (last, curved_last) = ends
-    # q' is a parabola: its middle Bernstein coefficient follows the tangent at the start
-    speed = np.stack([first, first + curved * np.diff(s)[:, None] / 2, last], axis=1)
+    # q' is a parabola
+    speed = bernstein.leaving(first, curved * np.diff(s)[:, None], last)
     # at a reversal that ends the cell q' is zero up to rounding: that is no motion the other way
-    noise = 1e-9 * np.abs(speed).max(axis=1)
-    forwards = speed.max(axis=1) > noise
-    backwards = speed.min(axis=1) < -noise
+    noise = 1e-9 * bernstein.largest_size(speed)
+    slowest, fastest = bernstein.hull(speed)
+    forwards = fastest > noise
+    backwards = slowest < -noise
     still = ~(forwards ^ backwards)
     c_high = np.full_like(a, -np.inf)
     c_low = np.full_like(a, np.inf)
@@ -170,7 +172,7 @@ def enclose(dynamics: PathDynamics, path: JointPath, s: Array) -> Cells:
         c_high = np.where(used[:, None], np.maximum(c_high, above), c_high)
         c_low = np.where(used[:, None], np.minimum(c_low, below), c_low)
     together = np.stack([*rest[:3], rest[3:].max(axis=0)])
-    curvature = np.stack([curved, curved_last], axis=1)
+    curvature = bernstein.linear(curved, curved_last)
     added = None
     if ranges or dynamics.forms.laws:
         nothing = Range(np.zeros_like(a), np.zeros_like(a))
@@ -205,20 +207,13 @@ def _square(speed: Array) -> tuple[Array, Array]:
     s0 = speed[:, 0]
     s1 = speed[:, 1]
     s2 = speed[:, 2]
-    parabola = _bernstein(np.stack([s0, (s0 + 2 * s1 + s2) / 4, s2]) ** 2)
+    parabola = bernstein.through(s0**2, ((s0 + 2 * s1 + s2) / 4) ** 2, s2**2)
     # q'^2 = ... + c3 t^3 + c4 t^4; f - p = (c3 + c4 (t + 3/2)) t (t - 1/2)(t - 1), the product at
     # most sqrt(3)/36
     bend = s0 - 2 * s1 + s2
     c3 = 4 * (s1 - s0) * bend
     c4 = bend**2
     return parabola, np.sqrt(3) / 36 * (np.abs(c3 + 2 * c4) + np.abs(c4) / 2)
-
-
-def _bernstein(values: Array) -> Array:
-    """Bernstein coefficients (m, 3, n) of the parabolas through values at start, middle and end (3,
-    m, n)."""
-    first, middle, last = values
-    return np.stack([first, 2 * middle - (first + last) / 2, last], axis=1)
 
 
 def _remainder(

@@ -21,6 +21,7 @@ from functools import cached_property
 import numpy as np
 import numpy.typing as npt
 
+from irb2400_ctrl.planners.enclosure import bernstein
 from irb2400_ctrl.planners.timing.rate_limited.constrained_outputs import (
     ConstrainedOutputs,
     Integers,
@@ -28,14 +29,14 @@ from irb2400_ctrl.planners.timing.rate_limited.constrained_outputs import (
 
 Array = npt.NDArray[np.float64]
 
-# where the rows stand in a cell: Bernstein polynomials there, their slopes, and their bend
+# where the rows stand in a cell: Bernstein polynomials there, half their slopes, and their bend
 _AT = np.array([0.0, 0.5, 1.0])
-_VALUE = np.stack([(1 - _AT) ** 2, 2 * _AT * (1 - _AT), _AT**2], axis=1)
-_SLOPE = np.stack([-(1 - _AT), 1 - 2 * _AT, _AT], axis=1)
-_BEND = np.array([1.0, -2.0, 1.0])
+_VALUE = bernstein.basis(2, _AT)
+_SLOPE = bernstein.basis(1, _AT) @ np.diff(np.eye(3), axis=0)
+_BEND = np.diff(np.eye(3), 2, axis=0)[0]
 # Gauss's rule with three points on [0, 1]
 _NODES = 0.5 + np.sqrt(0.15) * np.array([-1.0, 0.0, 1.0])
-_GAUSS = np.stack([(1 - _NODES) ** 2, 2 * _NODES * (1 - _NODES), _NODES**2], axis=1)
+_GAUSS = bernstein.basis(2, _NODES)
 _WEIGHTS = np.array([5.0, 8.0, 5.0]) / 18
 
 
@@ -156,11 +157,10 @@ class RateLimitedProgram:
     def _units(self) -> tuple[Array, Array, Array, Array]:
         """Limits, scale of the rates' rows over the rates (m - 2, 1, k), x to scale rows with, its
         bound (m - 2, 3)."""
-        ends = []
-        for f in (self.reference, self.bound):
-            first = f[1:-2]
-            last = f[2:-1]
-            ends.append(np.stack([first, (first + last) / 2, last], axis=1))
+        ends = [
+            bernstein.raised(bernstein.linear(f[1:-2], f[2:-1]), 2)
+            for f in (self.reference, self.bound)
+        ]
         factor = np.sqrt(ends[0])[..., None] / self.channels.rate[1:-1, None]
         return self.channels.limit[1:-1, None], factor, ends[0], ends[1]
 
@@ -181,7 +181,7 @@ class RateLimitedProgram:
         bez = self.bernstein(z)
         r = np.sqrt(x)
         value, rate = (k[1:-1, None] for k in self.keep)
-        top, bottom = self.channels.dry_friction(
+        bottom, top = self.channels.dry_friction(
             np.concatenate([[0.0], bez.min(axis=1), [0.0]])[:, None]
         )
         y = a * u + b * x + e * r
@@ -236,7 +236,7 @@ class RateLimitedProgram:
         taken at its largest.
         """
         c = self.channels
-        top, bottom = c.dry_friction(np.zeros((1, 1)))
+        bottom, top = c.dry_friction(np.zeros((1, 1)))
         found = []
         slope = []
         for cell, sign, x, near in ((0, 1.0, z[0], 1), (-1, -1.0, z[-1], -2)):

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
+from irb2400_ctrl.model.friction import FrictionLaw
 from irb2400_ctrl.planners.enclosure.path_dynamics import PathDynamics
 from irb2400_ctrl.planners.timing.certificate import Certificate
 from irb2400_ctrl.planners.timing.rate_limited.output_bounds import cell_ratios
@@ -55,7 +56,7 @@ def _seen(certificate: Certificate, dynamics: PathDynamics, s: Array) -> tuple[A
         time = dt * np.arange(first, min(first + _CHUNK + 1, count), dtype=float)
         at, q, qd, qdd = law.motion(certificate.path, time)
         tau = dynamics.torque(q, qd, qdd, time)
-        smooth = tau - model.friction(qd) + model.robot.friction[:, 2] * qd
+        smooth = tau - FrictionLaw.of(model.robot).dry(qd)
         # where a joint turns back, what depends on its direction jumps
         turned = np.sign(qd[1:]) != np.sign(qd[:-1])
         change = np.where(turned, 0.0, np.abs(np.diff(smooth, axis=0)) / dt)
