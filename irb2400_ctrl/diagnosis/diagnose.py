@@ -19,14 +19,14 @@ from irb2400_ctrl.diagnosis.comparison.step import Step
 from irb2400_ctrl.diagnosis.diagnosis import Comparison, Curve, Diagnosis, Finding, Unexplained
 from irb2400_ctrl.diagnosis.estimation.candidate import Candidate
 from irb2400_ctrl.diagnosis.estimation.fit import Fit, Fitter, noisy_reversals_masked
-from irb2400_ctrl.diagnosis.preparation.base_prior import Nuisance, Uncertainty
+from irb2400_ctrl.diagnosis.preparation.base_prior import Nuisance
 from irb2400_ctrl.diagnosis.preparation.metrics import errors, noise_floor
 from irb2400_ctrl.diagnosis.regressors.bases import Bases
 from irb2400_ctrl.diagnosis.regressors.predict import effect_torque, predicted_torque
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.measurement.log import Log
 from irb2400_ctrl.measurement.prepared_log import PreparedLog, prepare
-from irb2400_ctrl.robot import Robot
+from irb2400_ctrl.robot import Robot, Uncertainty
 
 Array = npt.NDArray[np.float64]
 

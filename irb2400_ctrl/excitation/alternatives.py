@@ -20,12 +20,13 @@ import numpy as np
 import numpy.typing as npt
 from scipy.linalg import cho_factor, cho_solve
 
-from irb2400_ctrl.diagnosis.preparation.base_prior import Nuisance, Uncertainty
+from irb2400_ctrl.diagnosis.estimation.evidence import DEPARTURE
+from irb2400_ctrl.diagnosis.preparation.base_prior import Nuisance
 from irb2400_ctrl.diagnosis.regressors.bases import Bases
 from irb2400_ctrl.effects import LIBRARY, Effect
 from irb2400_ctrl.excitation.groups import SIZES, AmbiguityGroup, Place
 from irb2400_ctrl.measurement.prepared_log import PreparedLog
-from irb2400_ctrl.robot import Robot
+from irb2400_ctrl.robot import Robot, Uncertainty
 
 Array = npt.NDArray[np.float64]
 
@@ -33,8 +34,6 @@ SIZE = 0.05
 """rms torque of a member over that of its joint, on the standard motion"""
 NOISE = 0.001
 """assumed noise of the filtered torque, model imperfection included, over the torque limit"""
-DEPARTURE = 0.25
-"""by how much a rival may depart from its textbook law, over the member's own size"""
 GRID_POINTS = 5
 """nonlinear parameters of a rival that are tried"""
 FREE = 1e-11

@@ -7,6 +7,7 @@ constants are read from the chain, and a chain of another shape is refused.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import casadi as ca
 import numpy as np
@@ -65,15 +66,20 @@ def arm_geometry(robot: Robot) -> ArmGeometry:
     )
 
 
-def singularity_factors(geometry: ArmGeometry, q: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX]:
+def singularity_factors(geometry: ArmGeometry, q: Any) -> tuple[Any, Any, Any]:
     """(wrist, shoulder, elbow) = (sin q5, r, k) with det J = -a2 sin q5 r k (eqs. 34-36).
 
     r = a1 + a2 sin q2 + a3 sin q3 + d4 cos q3   distance of the wrist centre from axis 1 [m]
     k = d4 cos(q2 - q3) - a3 sin(q2 - q3)        zero for the stretched arm [m]
 
     Eq. 36 is the product r k: it holds two singularities, not one (docs/paper_errata.md).
+
+    Args:
+        q: actuator angles [rad], a CasADi column or an array of shape (6, …).
     """
     g = geometry
-    r = g.a1 + g.a2 * ca.sin(q[1]) + g.a3 * ca.sin(q[2]) + g.d4 * ca.cos(q[2])
-    k = g.d4 * ca.cos(q[1] - q[2]) - g.a3 * ca.sin(q[1] - q[2])
-    return ca.sin(q[4]), r, k
+    sin = np.sin if isinstance(q, np.ndarray) else ca.sin
+    cos = np.cos if isinstance(q, np.ndarray) else ca.cos
+    r = g.a1 + g.a2 * sin(q[1]) + g.a3 * sin(q[2]) + g.d4 * cos(q[2])
+    k = g.d4 * cos(q[1] - q[2]) - g.a3 * sin(q[1] - q[2])
+    return sin(q[4]), r, k

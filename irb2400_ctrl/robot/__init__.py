@@ -13,6 +13,7 @@ from irb2400_ctrl.robot.description import (
     Transform,
 )
 from irb2400_ctrl.robot.file import load_robot, robot_names, save_robot
+from irb2400_ctrl.robot.uncertainty import Uncertainty
 
 __all__ = [
     "Body",
@@ -25,6 +26,7 @@ __all__ = [
     "Robot",
     "Tool",
     "Transform",
+    "Uncertainty",
     "load_robot",
     "robot_names",
     "save_robot",

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable
-from typing import Any, Generic, NamedTuple, TypeVar
+from typing import Any, Generic, TypeVar
 
 import casadi as ca
 
@@ -49,16 +49,9 @@ class Algebra(ABC, Generic[T]):
         """
 
 
-class _Step(NamedTuple):
-    """One instruction. `first`, `second` and `place` number places of the work vector, but input:
-    `first`, `second` are argument and element; output: `place`, `second` are."""
-
-    op: int
-    rule: Callable[..., Any] | None
-    first: int
-    second: int
-    place: int
-    value: float
+_Step = tuple[int, Callable[..., Any] | None, int, int, int, float]
+"""One instruction: operation, rule, first, second, place, constant. The three numbers name places
+of the work vector, but input: first, second are argument and element; output: place, second are."""
 
 
 class Walk(Generic[T]):
@@ -83,11 +76,11 @@ class Walk(Generic[T]):
         operands = function.instruction_input(k)
         target = function.instruction_output(k)
         if op == ca.OP_INPUT:
-            return _Step(op, None, operands[0], operands[1], target[0], 0.0)
+            return op, None, operands[0], operands[1], target[0], 0.0
         if op == ca.OP_CONST:
-            return _Step(op, None, 0, 0, target[0], float(function.instruction_constant(k)))
+            return op, None, 0, 0, target[0], float(function.instruction_constant(k))
         if op == ca.OP_OUTPUT:
-            return _Step(op, None, operands[0], target[1], target[0], 0.0)
+            return op, None, operands[0], target[1], target[0], 0.0
         if op == ca.OP_CALL:
             raise InputError(
                 f"function {self.name!r} calls another function inside; expected plain operations; "
@@ -99,7 +92,7 @@ class Walk(Generic[T]):
                 raise self._refused(op)
             self._rules[op] = rule
         second = operands[1] if len(operands) == 2 else -1
-        return _Step(op, self._rules[op], operands[0], second, target[0], 0.0)
+        return op, self._rules[op], operands[0], second, target[0], 0.0
 
     def __call__(self, arguments: Callable[[int, int], T]) -> list[list[T]]:
         """The structural nonzeros of every output.

@@ -12,7 +12,7 @@ from independent_plant import Case
 from scipy.integrate import solve_ivp
 
 from irb2400_ctrl.diagnosis.estimation.evidence import Problem
-from irb2400_ctrl.diagnosis.preparation.base_prior import Nuisance, Uncertainty
+from irb2400_ctrl.diagnosis.preparation.base_prior import Nuisance
 from irb2400_ctrl.diagnosis.preparation.metrics import errors, noise_floor
 from irb2400_ctrl.diagnosis.preparation.noise import MOST_COLOUR, ORDER, Noise, _not_too_coloured
 from irb2400_ctrl.diagnosis.regressors.bases import Bases, RegressorColumns
@@ -26,7 +26,7 @@ from irb2400_ctrl.effects.time_delay import TimeDelay
 from irb2400_ctrl.measurement import Log
 from irb2400_ctrl.measurement.prepared_log import PreparedLog, prepare
 from irb2400_ctrl.model import Model
-from irb2400_ctrl.robot import load_robot
+from irb2400_ctrl.robot import Uncertainty, load_robot
 
 ROBOT = load_robot("irb2400")
 BASES = Bases(ROBOT)

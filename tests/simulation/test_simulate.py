@@ -10,6 +10,7 @@ from simulation.arms import START, STOP, arm, quintic_move, strong, with_effect,
 
 from irb2400_ctrl.errors import InputError, IrbError
 from irb2400_ctrl.model import Model
+from irb2400_ctrl.robot import Uncertainty
 from irb2400_ctrl.simulation import (
     IDEAL_ACTUATORS,
     IDEAL_SENSORS,
@@ -225,3 +226,17 @@ def test_generated_c_of_the_whole_loop_follows_the_expression_step_by_step() -> 
         after, y = flat(states[k], u, loop.compiled.default_parameters)
         np.testing.assert_allclose(states[k + 1], np.asarray(after).ravel(), rtol=1e-9, atol=1e-7)
         np.testing.assert_allclose(outputs[k], np.asarray(y).ravel(), rtol=1e-9, atol=1e-7)
+
+
+def test_default_spread_is_that_of_the_data_sheet() -> None:
+    """The draws are normal deviates cut at two: their size over the stated one is 0.96."""
+    stated = Uncertainty()
+    arms = [perturbed_robot(arm(), seed) for seed in range(40)]
+    friction = np.array([a.friction[:, :3] / arm().friction[:, :3] - 1 for a in arms])
+    assert friction.std() == pytest.approx(0.96 * stated.friction, rel=0.1)
+    links = [pair for robot in arms for pair in zip(robot.links, arm().links, strict=True)]
+    bodies = [(found.body, nominal.body) for found, nominal in links]
+    mass = np.array([a.mass_kg / b.mass_kg - 1 for a, b in bodies if b.mass_kg])
+    com = np.array([np.subtract(a.com_m, b.com_m) for a, b in bodies])
+    assert mass.std() == pytest.approx(0.96 * stated.mass, rel=0.15)
+    assert com.std() == pytest.approx(0.96 * stated.com, rel=0.15)

@@ -1,8 +1,8 @@
 """What the model already has but does not know exactly: inertial parameters and friction, with
 data-sheet uncertainty.
 
-Each uncertain number p = p0 + sigma z has a standard normal z; its column is d tau / d z. One
-standard deviation: masses 2 %, centres of mass 5 mm, inertias 5 %, friction 4 %.
+Each uncertain number p = p0 + sigma z has a standard normal z; its column is d tau / d z. The
+standard deviations are those of `Uncertainty`.
 """
 
 from __future__ import annotations
@@ -16,28 +16,12 @@ import numpy.typing as npt
 from irb2400_ctrl.measurement.prepared_log import PreparedLog
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.model.friction import FrictionLaw
-from irb2400_ctrl.robot import Body, Robot
+from irb2400_ctrl.robot import Body, Robot, Uncertainty
 
 Array = npt.NDArray[np.float64]
 
 
 UNKNOWN_FRICTION = 0.5
-
-
-@dataclass(frozen=True)
-class Uncertainty:
-    """One standard deviation of what a robot file says.
-
-    Args:
-        mass, inertia, friction: relative; com: [m].
-        static: relative, of the static friction, which a moving arm hardly shows.
-    """
-
-    mass: float = 0.02
-    com: float = 0.005
-    inertia: float = 0.05
-    friction: float = 0.04
-    static: float = 0.25
 
 
 @dataclass(frozen=True)

@@ -55,26 +55,34 @@ def product(f: Array, g: Array, times: Callable[[Array, Array], Array] = np.mult
     """The product of two polynomials, or any bilinear function of them (`np.cross`)."""
     p = f.shape[1] - 1
     q = g.shape[1] - 1
-    scaled = [comb(p, i) * f[:, i] for i in range(p + 1)]
-    other = [comb(q, j) * g[:, j] for j in range(q + 1)]
-    found = [
-        sum(times(scaled[i], other[k - i]) for i in range(max(0, k - q), min(p, k) + 1))
-        for k in range(p + q + 1)
-    ]
-    return np.stack([c / comb(p + q, k) for k, c in enumerate(found)], axis=1)
+    scaled = [_times(comb(p, i), f[:, i]) for i in range(p + 1)]
+    other = [_times(comb(q, j), g[:, j]) for j in range(q + 1)]
+    found = []
+    for k in range(p + q + 1):
+        terms = [times(scaled[i], other[k - i]) for i in range(max(0, k - q), min(p, k) + 1)]
+        found.append(_mean(terms, comb(p + q, k)))
+    return np.stack(found, axis=1)
 
 
 def raised(f: Array, degree: int) -> Array:
     """The same polynomial with the coefficients of a higher degree."""
     d = f.shape[1] - 1
     more = degree - d
-    found = [
-        sum(
-            comb(d, i) * comb(more, k - i) * f[:, i] for i in range(max(0, k - more), min(d, k) + 1)
-        )
-        for k in range(degree + 1)
-    ]
-    return np.stack([np.asarray(c) / comb(degree, k) for k, c in enumerate(found)], axis=1)
+    found = []
+    for k in range(degree + 1):
+        among = range(max(0, k - more), min(d, k) + 1)
+        terms = [_times(comb(d, i) * comb(more, k - i), f[:, i]) for i in among]
+        found.append(_mean(terms, comb(degree, k)))
+    return np.stack(found, axis=1)
+
+
+def _times(weight: int, f: Array) -> Array:
+    return f if weight == 1 else weight * f
+
+
+def _mean(terms: list[Array], weight: int) -> Array:
+    total = sum(terms[1:], terms[0])
+    return total if weight == 1 else total / weight
 
 
 def times_parameter(f: Array) -> Array:

@@ -20,6 +20,7 @@ from irb2400_ctrl.planners.enclosure.cells import parabolas
 from irb2400_ctrl.planners.enclosure.complex_disc import disc_function
 from irb2400_ctrl.planners.enclosure.tcp_path import TcpPath
 from irb2400_ctrl.planners.redundancy.follow import Followed
+from irb2400_ctrl.planners.redundancy.singularity_margins import NAMES
 from irb2400_ctrl.planners.toolpath.orientation import Orientation
 from irb2400_ctrl.planners.toolpath.task_curve import ROTATION_LENGTH, TaskCurve
 
@@ -213,4 +214,4 @@ def singularity_margins(model: Model, followed: Followed) -> dict[str, float]:
     )
     lower = bernstein.least_size(coefficients[0]) - remainder[0]
     smallest = np.maximum(lower.min(axis=0), 0.0)
-    return dict(zip(("wrist", "shoulder", "elbow"), map(float, smallest), strict=True))
+    return dict(zip(NAMES, map(float, smallest), strict=True))

@@ -15,6 +15,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Literal
 
 import casadi as ca
@@ -70,7 +71,11 @@ class ScalarLaw:
     def bounds(self, w: Interval, direction: Interval, state: Interval) -> list[Interval]:
         """Bounds of f, df/dw and d2f/dw2 over m boxes."""
         ends = [(np.array([a]), np.array([b])) for a, b in zip(self.low, self.high, strict=True)]
-        return interval_function(self.values, [w, direction, state, *ends])
+        return self._bounds([w, direction, state, *ends])
+
+    @cached_property
+    def _bounds(self) -> Callable[[list[Interval]], list[Interval]]:
+        return interval_function(self.values)
 
 
 @dataclass(frozen=True, eq=False)
@@ -239,7 +244,7 @@ def _law(model: Model, effect: Effect) -> ScalarLaw | None:
     bend = ca.jacobian(slope, w)
     values = ca.Function("law", arguments, [ca.densify(x) for x in (f, slope, bend)])
     try:
-        interval_function(values, [(np.ones(1), np.ones(1))] * values.n_in())
+        interval_function(values)([(np.ones(1), np.ones(1))] * values.n_in())
     except InputError:
         return None
     if by_load and not _even(values):

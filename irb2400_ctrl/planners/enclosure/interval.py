@@ -15,26 +15,30 @@ import casadi as ca
 import numpy as np
 
 from irb2400_ctrl.arrays import Array
-from irb2400_ctrl.symbolic import Algebra, NoRule, walk
+from irb2400_ctrl.symbolic import Algebra, NoRule, Walk
 
 Interval = tuple[Array, Array]
 """lower and upper ends, shapes that broadcast"""
 
 
-def interval_function(function: ca.Function, arguments: list[Interval]) -> list[Interval]:
-    """Bounds of the scalar outputs over boxes.
+def interval_function(function: ca.Function) -> Callable[[list[Interval]], list[Interval]]:
+    """Bounds of the scalar outputs over boxes, from one interval per input.
 
     Args:
         function: an SX function of scalars.
-        arguments: one interval per input.
 
     Raises:
-        InputError: an operation without a rule.
+        InputError: an operation without a rule, when the function is read or for some boxes.
     """
-    with np.errstate(all="ignore"):
-        found = walk(function, INTERVALS, lambda k, _: arguments[k])
-    # an output without a structural nonzero is zero
-    return [column[0] if column else INTERVALS.constant(0.0) for column in found]
+    bound = Walk(function, INTERVALS)
+
+    def bounds(arguments: list[Interval]) -> list[Interval]:
+        with np.errstate(all="ignore"):
+            found = bound(lambda k, _: arguments[k])
+        # an output without a structural nonzero is zero
+        return [column[0] if column else INTERVALS.constant(0.0) for column in found]
+
+    return bounds
 
 
 class _Intervals(Algebra[Interval]):

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-import numpy.typing as npt
 
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.model import Model
-
-Array = npt.NDArray[np.float64]
+from irb2400_ctrl.model.geometry import singularity_factors
 
 NAMES = ("wrist", "shoulder", "elbow")
 COMFORTABLE = 0.3
@@ -23,11 +22,6 @@ def scales(model: Model) -> Array:
 
 def relative_margins(model: Model, q: Array) -> Array:
     """|sin q5|, |r|, |k| of eqs. 34-36, each as a part of its largest value, shape (n, 3) [-]."""
-    g = model.arm_geometry
-    q2 = q[..., 1]
-    q3 = q[..., 2]
-    r = g.a1 + g.a2 * np.sin(q2) + g.a3 * np.sin(q3) + g.d4 * np.cos(q3)
-    k = g.d4 * np.cos(q2 - q3) - g.a3 * np.sin(q2 - q3)
-    factors = np.abs(np.stack([np.sin(q[..., 4]), r, k], axis=-1))
-    relative: Array = factors / scales(model)
+    factors = singularity_factors(model.arm_geometry, np.moveaxis(q, -1, 0))
+    relative: Array = np.abs(np.stack(factors, axis=-1)) / scales(model)
     return relative
