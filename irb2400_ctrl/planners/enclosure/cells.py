@@ -124,7 +124,7 @@ def parabolas(
         path: the joint path.
         s: ends of the cells, knots of the path included [m], shape (m + 1,).
         values: (q, q', q'') -> functions at many points.
-        radii: (q, q', q'', r, r', r'') -> their radii over complex balls (`ball_function`).
+        radii: (q, q', q'', r, r', r'') -> their radii over complex discs (`disc_function`).
     """
     m = len(s) - 1
     middle = s[:-1] + np.diff(s) / 2
