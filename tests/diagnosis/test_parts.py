@@ -12,7 +12,7 @@ from independent_plant import Case
 from scipy.integrate import solve_ivp
 
 from irb2400_ctrl.diagnosis.estimation.evidence import Problem
-from irb2400_ctrl.diagnosis.preparation.base_prior import Nuisance
+from irb2400_ctrl.diagnosis.preparation.base_prior import BasePrior
 from irb2400_ctrl.diagnosis.preparation.metrics import errors, noise_floor
 from irb2400_ctrl.diagnosis.preparation.noise import MOST_COLOUR, ORDER, Noise, _not_too_coloured
 from irb2400_ctrl.diagnosis.regressors.bases import Bases, RegressorColumns
@@ -108,12 +108,29 @@ def test_evidence_equals_the_direct_integral() -> None:
     assert blocks[0] == pytest.approx(problem.score(RegressorColumns((0,), X)).gain, rel=1e-9)
 
 
-def test_nuisance_columns_are_the_slope_of_the_updated_robot() -> None:
-    nuisance = Nuisance.of(ROBOT, Uncertainty(), motion())
-    columns = nuisance.columns(BASES.model, motion())
+def test_data_sheet_spread_is_what_is_documented() -> None:
+    """Masses 2 %, centres of mass 5 mm, inertias 5 %, friction 4 %, static friction 25 %."""
+    base_prior = BasePrior.of(ROBOT, Uncertainty(), motion())
+    sigmas = base_prior.sigmas()
+    body = ROBOT.links[1].body
+    mass, *com = sigmas[10:14]
+    assert mass == pytest.approx(0.02 * body.mass_kg)
+    np.testing.assert_allclose(com, 0.005)
+    # at least a fifth of the share of the mean principal moment, for elements printed as zero
+    inertia = np.array(body.inertia_kgm2)
+    least = 0.2 * np.abs(inertia[:3]).mean()
+    np.testing.assert_allclose(sigmas[14:20], 0.05 * np.hypot(inertia, least))
+    static, coulomb, viscous, _ = ROBOT.friction.T
+    expected = np.concatenate([0.04 * coulomb, 0.04 * viscous, 0.25 * static])
+    np.testing.assert_allclose(sigmas[-3 * ROBOT.n :], expected)
+
+
+def test_base_prior_columns_are_the_slope_of_the_updated_robot() -> None:
+    base_prior = BasePrior.of(ROBOT, Uncertainty(), motion())
+    columns = base_prior.columns(BASES.model, motion())
     z = np.random.default_rng(2).normal(size=columns.shape[2])
     base = predicted_torque(ROBOT, motion())
-    change = predicted_torque(nuisance.updated(1e-4 * z), motion()) - base
+    change = predicted_torque(base_prior.updated(1e-4 * z), motion()) - base
     np.testing.assert_allclose(change, 1e-4 * columns @ z, atol=2e-6 * np.abs(columns @ z).max())
 
 
@@ -140,12 +157,12 @@ def test_prediction_knows_payload_delay_and_encoder_zero() -> None:
 
 
 @pytest.mark.parametrize("kind", sorted(LIBRARY))
-def test_every_effect_has_finite_columns_and_departures(kind: str) -> None:
+def test_every_effect_has_finite_columns_and_discrepancy(kind: str) -> None:
     effect = LIBRARY[kind]
     for joint in effect.joints(6):
         grid = effect.grid(joint)[:2]
-        for departures in (False, True):
-            for columns in BASES.columns(kind, joint, motion(), grid, departures=departures):
+        for discrepancy in (False, True):
+            for columns in BASES.columns(kind, joint, motion(), grid, discrepancy=discrepancy):
                 assert columns.values.shape[:2] == (motion().rows, len(columns.joints))
                 assert np.isfinite(columns.values).all()
 

@@ -25,7 +25,7 @@ UNKNOWN_FRICTION = 0.5
 
 
 @dataclass(frozen=True)
-class Nuisance:
+class BasePrior:
     """Uncertain numbers of a robot file and how to write new ones back.
 
     Columns: 10 per link (mass, CoM, inertia), 10 for the tool, then n Coulomb, n viscous, n static.
@@ -45,7 +45,7 @@ class Nuisance:
     """and how uncertain it leaves them, in the same unit; default one"""
 
     @classmethod
-    def of(cls, robot: Robot, uncertainty: Uncertainty, motion: PreparedLog) -> Nuisance:
+    def of(cls, robot: Robot, uncertainty: Uncertainty, motion: PreparedLog) -> BasePrior:
         """For the log of a motion."""
         torque = np.sqrt(np.mean(motion.tau**2, axis=0))
         speed = np.sqrt(np.mean(motion.qd**2, axis=0))

@@ -60,12 +60,14 @@ _DISCS = _Discs()
 
 
 def _multiply(x: Disc, y: Disc) -> Disc:
-    (m, r), (n, s) = x, y
+    m, r = x
+    n, s = y
     return m * n, ca.fabs(m) * s + r * (ca.fabs(n) + s)
 
 
 def _divide(x: Disc, y: Disc) -> Disc:
-    (m, r), (n, s) = x, y
+    m, r = x
+    n, s = y
     inverse, r_inverse = _inverse((n, s))
     return m / n, ca.fabs(m) * r_inverse + r * (ca.fabs(inverse) + r_inverse)
 
