@@ -18,11 +18,8 @@ from irb2400_ctrl.excitation.groups import AmbiguityGroup
 from irb2400_ctrl.excitation.pair_separability import CLEAR, Separability
 from irb2400_ctrl.files import write_atomic
 from irb2400_ctrl.model import Model
-from irb2400_ctrl.planners.programs.rapid.rapid_program import (
-    RapidOptions,
-    RapidProgram,
-    rapid_program,
-)
+from irb2400_ctrl.planners.programs.rapid.rapid_options import RapidOptions
+from irb2400_ctrl.planners.programs.rapid.rapid_program import RapidProgram, rapid_program
 from irb2400_ctrl.robot import Robot
 from irb2400_ctrl.trajectory import Trajectory
 

@@ -11,11 +11,8 @@ from irb2400_ctrl.planners.joint_move import JointMove, joint_move
 from irb2400_ctrl.planners.joint_path import JointPath
 from irb2400_ctrl.planners.plan import Plan
 from irb2400_ctrl.planners.plan_path import plan_path
-from irb2400_ctrl.planners.programs.rapid.rapid_program import (
-    RapidOptions,
-    RapidProgram,
-    rapid_program,
-)
+from irb2400_ctrl.planners.programs.rapid.rapid_options import RapidOptions
+from irb2400_ctrl.planners.programs.rapid.rapid_program import RapidProgram, rapid_program
 from irb2400_ctrl.planners.programs.rapid.rapid_reader import read_rapid
 from irb2400_ctrl.planners.timing.certificate import Certificate, check
 from irb2400_ctrl.planners.timing.motion_bounds import Checked

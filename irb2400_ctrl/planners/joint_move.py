@@ -301,7 +301,7 @@ def _states(trajectory: Any, time: Array) -> tuple[Array, Array, Array]:
 
 
 def _instants(trajectory: Any) -> Array:
-    """Where the torque is looked at [s], shape (m,): 1 kHz (3000 instants of a long move), every
+    """Where the torque is sampled [s], shape (m,): 1 kHz (3000 instants of a long move), every
     switch of jerk, and densely where a joint starts, stops or turns (static friction acts only
     below some mrad/s)."""
     duration = trajectory.duration

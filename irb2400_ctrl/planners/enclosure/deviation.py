@@ -30,7 +30,7 @@ Integers = npt.NDArray[np.int64]
 # cells are cut until what a parabola may miss is below this [m, rad]
 _POSITION = 1e-8
 _AXIS = 1e-6
-# cells are cut further where the bound lies above the largest value seen by more than this part,
+# cells are cut further where the bound lies above the largest sample by more than this part,
 # and this [m, rad]
 _ABOVE = 2e-3
 _SLACK = 2e-8
@@ -68,11 +68,11 @@ def deviation(tcp: TcpPath, orientation: Orientation, followed: Followed) -> Dev
     )
     cells = _cut(ends, parts)
     largest = np.zeros(2)
-    seen = np.zeros(2)
+    sampled = np.zeros(2)
     for last in range(_ROUNDS):
         above, reached = _bounds(tcp, orientation, followed, cells)
-        seen = np.maximum(seen, reached.max(axis=1))
-        wide = (above > (1 + _ABOVE) * seen[:, None] + np.array([[_SLACK], [_AXIS_SLACK]])).any(
+        sampled = np.maximum(sampled, reached.max(axis=1))
+        wide = (above > (1 + _ABOVE) * sampled[:, None] + np.array([[_SLACK], [_AXIS_SLACK]])).any(
             axis=0
         )
         if last == _ROUNDS - 1:

@@ -42,7 +42,7 @@ class PathDynamics:
 
     @property
     def irregular(self) -> tuple[Effect, ...]:
-        """Effects without a bound: their torque is looked at, and nothing is guaranteed."""
+        """Effects without a bound: their torque is sampled, and nothing is guaranteed."""
         return self.forms.open
 
     @property

@@ -17,6 +17,7 @@ from irb2400_ctrl.planners.enclosure.path_dynamics import PathDynamics, path_dyn
 from irb2400_ctrl.planners.redundancy.singularity_margins import NAMES
 from irb2400_ctrl.planners.timing.certificate import Certificate
 from irb2400_ctrl.planners.timing.motion_limits import MotionLimits
+from irb2400_ctrl.planners.trajectory_optimisation.knot_coupling import Objective
 from irb2400_ctrl.planners.trajectory_optimisation.knots import Knots
 from irb2400_ctrl.planners.trajectory_optimisation.optimised import MotionOutcome, outcome
 from irb2400_ctrl.planners.trajectory_optimisation.retiming import (
@@ -24,7 +25,6 @@ from irb2400_ctrl.planners.trajectory_optimisation.retiming import (
     smooth_outcome,
     smooth_path,
 )
-from irb2400_ctrl.planners.trajectory_optimisation.transcription import Objective
 from irb2400_ctrl.planners.trajectory_optimisation.warm_start import clamped, time_again
 from irb2400_ctrl.planners.trajectory_optimisation.waypoints import (
     checked_waypoints,

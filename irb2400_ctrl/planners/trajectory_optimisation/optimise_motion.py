@@ -25,6 +25,7 @@ from irb2400_ctrl.planners.redundancy.singularity_margins import NAMES
 from irb2400_ctrl.planners.timing.certificate import Certificate
 from irb2400_ctrl.planners.timing.infeasible_point import InfeasiblePointError
 from irb2400_ctrl.planners.timing.motion_limits import MotionLimits
+from irb2400_ctrl.planners.trajectory_optimisation.knot_coupling import Objective
 from irb2400_ctrl.planners.trajectory_optimisation.knots import Knots, Solved
 from irb2400_ctrl.planners.trajectory_optimisation.motion_request import MotionRequest
 from irb2400_ctrl.planners.trajectory_optimisation.optimised import (
@@ -36,7 +37,7 @@ from irb2400_ctrl.planners.trajectory_optimisation.retiming import (
     rate_excess,
     smooth_outcome,
 )
-from irb2400_ctrl.planners.trajectory_optimisation.transcription import Objective, Transcription
+from irb2400_ctrl.planners.trajectory_optimisation.transcription import Transcription
 from irb2400_ctrl.planners.trajectory_optimisation.warm_start import (
     Start,
     knots_of,
@@ -84,7 +85,7 @@ def optimise_motion(
             the path; the way-points must lie on one side of each singularity named.
         torque_rate: limit of the change of the torque, dry friction apart [Nm/s], shape (n,). The
             torque then starts and ends at what holds the arm. Bounded at every instant; for energy
-            seen at 5 kHz.
+            sampled at 5 kHz.
         limits: default those of the robot.
         start: warm start: a joint path (of the path planner), its certificate, a joint move or a
             trajectory; default the cubic spline through the way-points at even parameters.

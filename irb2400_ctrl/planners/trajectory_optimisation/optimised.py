@@ -21,7 +21,7 @@ from irb2400_ctrl.trajectory import Trajectory
 
 Array = npt.NDArray[np.float64]
 
-# instants per second at which energy is summed up, and torque seen where it has no enclosure
+# instants per second at which energy is summed up, and torque sampled where it has no enclosure
 _RATE = 5000.0
 
 
@@ -36,14 +36,14 @@ class MotionOutcome:
     """what each drive takes up, integral of max(0, tau qd): braking gives nothing back [J], shape
     (n,)"""
     peak_torque: Array
-    """upper bounds of |tau| over all times (of the looks, where an effect has no enclosure) [Nm],
+    """upper bounds of |tau| over all times (of samples, where an effect has no enclosure) [Nm],
     shape (n,)"""
     torque_rate: Array
-    """largest change of the torque without dry friction, seen at 5 kHz [Nm/s]; shape (n,)"""
+    """largest change of the torque without dry friction, sampled at 5 kHz [Nm/s]; shape (n,)"""
     margins: dict[str, float]
     """lower bounds of |sin q5| [-], |r| [m], |k| [m] over the continuous path"""
     guaranteed: bool
-    """whether an enclosure says so; with effects that have none, the torque was only looked at"""
+    """whether an enclosure says so; with effects that have none, the torque was only sampled"""
 
     def __post_init__(self) -> None:
         for array in (self.energy, self.peak_torque, self.torque_rate):

@@ -33,8 +33,8 @@ Array = npt.NDArray[np.float64]
 _RAMP = 1.0
 # cells of the smooth timing: half as many cost another half per cent
 _COUNT = 1000
-# looks within each interval, and the step of the difference there [s]
-_LOOKS = 6
+# samples within each interval, and the step of the difference there [s]
+_SAMPLES = 6
 _STEP = 1e-6
 # motions slowed below this part of the solver's speed are given up
 _SLOWEST = 0.7
@@ -69,18 +69,18 @@ def smooth_outcome(
 
 
 def rate_excess(dynamics: PathDynamics, knots: Knots, torque_rate: Array) -> Array:
-    """Largest torque rate seen inside each interval of the knots' spline over its limit, shape (m,
-    n).
+    """Largest torque rate sampled inside each interval of the knots' spline over its limit, shape
+    (m, n).
 
     A program that limits differences of knots limits the mean only.
     """
     model = dynamics.model
     path = clamped(knots.time, knots.q)
     step = np.diff(knots.time)
-    part = (np.arange(_LOOKS) + 0.5) / _LOOKS
+    part = (np.arange(_SAMPLES) + 0.5) / _SAMPLES
     part[[0, -1]] = 0.01, 0.99
     t = (knots.time[:-1, None] + part * step[:, None]).ravel()
-    piece = np.repeat(np.arange(len(step)), _LOOKS)
+    piece = np.repeat(np.arange(len(step)), _SAMPLES)
 
     def moving(time: Array) -> Array:
         """Torque without dry friction."""
@@ -88,7 +88,7 @@ def rate_excess(dynamics: PathDynamics, knots: Knots, torque_rate: Array) -> Arr
         return np.asarray(model.inverse_dynamics(q, qd, qdd) - FrictionLaw.of(model.robot).dry(qd))
 
     change = np.abs(moving(t + _STEP) - moving(t - _STEP)) / (2 * _STEP)
-    return np.asarray((change / torque_rate).reshape(len(step), _LOOKS, -1).max(axis=1))
+    return np.asarray((change / torque_rate).reshape(len(step), _SAMPLES, -1).max(axis=1))
 
 
 def slowed_outcome(

@@ -8,7 +8,7 @@ length dt_k per segment:
     qd_{i+1} = qd_i + dt (qdd_i + qdd_{i+1}) / 2
 
 Torque, power and singularity factors are demanded at the knots. What they do between knots is not
-looked at here: the certified timing takes the geometry afterwards. Joint box and speed limits hold
+checked here: the certified timing takes the geometry afterwards. Joint box and speed limits hold
 everywhere (Bernstein coefficients). The derivatives of the dynamics are made once for a single knot
 and mapped over all of them, as machine code where there is a compiler; what couples knots is
 bilinear and cheap.
@@ -19,7 +19,6 @@ from __future__ import annotations
 import time
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Literal
 
 import casadi as ca
 import numpy as np
@@ -28,6 +27,7 @@ import numpy.typing as npt
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.model.friction import FrictionLaw
 from irb2400_ctrl.planners.timing.motion_limits import MotionLimits
+from irb2400_ctrl.planners.trajectory_optimisation.knot_coupling import KnotCoupling, Objective
 from irb2400_ctrl.planners.trajectory_optimisation.knots import Knots, Solved
 from irb2400_ctrl.planners.trajectory_optimisation.sparse_program import (
     machine_code,
@@ -35,7 +35,6 @@ from irb2400_ctrl.planners.trajectory_optimisation.sparse_program import (
 )
 
 Array = npt.NDArray[np.float64]
-Objective = Literal["time", "energy"]
 
 # width of a change of direction in the smoothed friction, as a part of what a joint can gain in
 # speed in one interval of the guess (whose intervals are 1.6 times those of the motion found):
@@ -46,24 +45,6 @@ _WIDEST = 0.5
 # the same for power, as a part of the speed limit: narrow, because friction that is smoothed away
 # costs nothing
 _POWER = 0.04
-# weight of the mean squared acceleration: makes the motion of joints that limit nothing unique
-_SMOOTH = 2e-4
-# of the duration as a part of its guess: the barrier leaves its tolerance times the number of
-# active rows at the end
-_SCALE = 100.0
-
-
-@dataclass(frozen=True, eq=False)
-class _Row:
-    """low <= value <= high, entry by entry."""
-
-    value: ca.SX
-    low: float | Array
-    high: float | Array
-
-    def spread(self, bound: float | Array) -> Array:
-        """A bound of every entry, shape (entries,)."""
-        return np.broadcast_to(np.asarray(bound, dtype=float), (self.value.numel(),))
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,7 +73,7 @@ class Transcription:
 
     @property
     def paired(self) -> bool:
-        """Whether every second knot only looks, its acceleration the mean of its neighbours'.
+        """Whether every second knot only samples, its acceleration the mean of its neighbours'.
 
         Otherwise energy and torque rate go zigzag between the knots that they are counted at. A
         motion of least duration gains more by the freedom than it loses when it is timed again.
@@ -194,91 +175,18 @@ class Transcription:
     def _coupling(self, step: Array) -> tuple[ca.Function, Array, Array]:
         """x -> (objective, rows that couple knots), and the bounds of these rows; `step` is the
         unit of dt [s]."""
-        knots, width, size = self._sizes
-        n = self.model.robot.n
-        x = ca.SX.sym("x", size)
-        w = ca.reshape(x[: knots * width], width, knots)
-        extra = ca.reshape(x[knots * width : knots * (width + self._extra)], self._extra, knots)
-        dt_k = x[-len(self.intervals) :] * ca.DM(step)
-        belongs = ca.DM(np.eye(len(self.intervals))[self._segment])
-        dt = ca.repmat((belongs @ dt_k).T, n, 1)
-        total = ca.dot(dt_k, ca.DM(np.array(self.intervals, dtype=float)))
-        rows = self._motion_rows(w, dt, step)
-        if self.torque_rate is not None:
-            rows += self._rate_rows(extra[-n:, :], dt)
-        if np.isfinite(self.duration):
-            rows.append(_Row(total / self.duration, -np.inf, 1.0))
-        objective = self._objective(w, extra, dt, total, float(step @ self.intervals))
-        stacked = ca.vertcat(*(ca.vec(row.value) for row in rows))
-        lower = np.concatenate([row.spread(row.low) for row in rows])
-        upper = np.concatenate([row.spread(row.high) for row in rows])
-        return ca.Function("coupling", [x], [objective, stacked]), lower, upper
-
-    def _motion_rows(self, w: ca.SX, dt: ca.SX, step: Array) -> list[_Row]:
-        """What makes a cubic spline of the knots: continuity, joint box and speeds in between."""
-        knots, _, _ = self._sizes
-        robot = self.model.robot
-        n = robot.n
-        speed = ca.repmat(ca.DM(self.limits.qd_max), 1, knots - 1)
-        q = w[:n, :]
-        qd = w[n : 2 * n, :]
-        qdd = w[2 * n :, :]
-        v = qd * ca.repmat(ca.DM(self.limits.qd_max), 1, knots)
-        a = qdd * ca.repmat(ca.DM(self._accelerations), 1, knots)
-        first = slice(0, knots - 1)
-        last = slice(1, knots)
-        unit = ca.repmat(ca.DM(step[self._segment]).T, n, 1) * speed
-        reached = dt * (v[:, first] + dt * (2 * a[:, first] + a[:, last]) / 6)
-        gained = dt * (a[:, first] + a[:, last]) / 2 / speed
-        rows = [
-            _Row((q[:, last] - q[:, first] - reached) / unit, 0.0, 0.0),
-            _Row(qd[:, last] - qd[:, first] - gained, 0.0, 0.0),
-        ]
-        # inner Bernstein coefficients of q: with the knots they enclose each cubic
-        inner = [q[:, first] + dt * v[:, first] / 3, q[:, last] - dt * v[:, last] / 3]
-        low = np.tile(robot.q_min, knots - 1)
-        high = np.tile(robot.q_max, knots - 1)
-        rows += [_Row(value, low, high) for value in inner]
-        if self.paired:
-            odd = np.arange(1, knots - 1, 2)
-            around = qdd[:, (odd - 1).tolist()] + qdd[:, (odd + 1).tolist()]
-            rows.append(_Row(qdd[:, odd.tolist()] - around / 2, 0.0, 0.0))
-        # the speed is a parabola: with the knots themselves these coefficients enclose it
-        rows.append(_Row((v[:, first] + dt * a[:, first] / 2) / speed, -1.0, 1.0))
-        if robot.coupling.difference_deg is not None:
-            bound = np.radians(robot.coupling.difference_deg)
-            for value in (*inner, q):
-                rows.append(_Row(value[2, :] - value[1, :], bound[0], bound[1]))
-        return rows
-
-    def _rate_rows(self, tau: ca.SX, dt: ca.SX) -> list[_Row]:
-        """Change of the torque from knot to knot within its rate, in units of the torque limits."""
-        assert self.torque_rate is not None
-        knots, _, _ = self._sizes
-        shape = (knots - 1, self.model.robot.n)
-        rate = np.broadcast_to(self.torque_rate / self.limits.tau_max, shape)
-        change = ca.DM(rate.T) * dt
-        first = slice(0, knots - 1)
-        last = slice(1, knots)
-        return [
-            _Row(tau[:, last] - tau[:, first] - change, -np.inf, 0.0),
-            _Row(tau[:, last] - tau[:, first] + change, 0.0, np.inf),
-        ]
-
-    def _objective(
-        self, w: ca.SX, extra: ca.SX, dt: ca.SX, total: ca.SX, reference: float
-    ) -> ca.SX:
-        """Duration, or energy over the duration of the guess, and a little of the accelerations."""
-        knots, _, _ = self._sizes
-        n = self.model.robot.n
-        scale = _SCALE if self.objective == "time" else 1.0
-        smooth = scale * _SMOOTH * ca.sumsqr(w[2 * n :, :]) / knots
-        if self.objective == "time":
-            return scale * total / reference + smooth
-        unit = ca.DM(self.limits.tau_max * self.limits.qd_max / 1000.0)
-        power = unit.T @ extra[:n, :]
-        mean = (power[:, : knots - 1] + power[:, 1:]) / 2
-        return ca.dot(dt[0, :], mean) / reference + smooth
+        return KnotCoupling(
+            robot=self.model.robot,
+            limits=self.limits,
+            accelerations=self._accelerations,
+            intervals=self.intervals,
+            step=step,
+            objective=self.objective,
+            duration=self.duration,
+            torque_rate=self.torque_rate,
+            paired=self.paired,
+            extra=self._extra,
+        ).function()
 
     def _knot_rows(self) -> tuple[ca.DM, Array, Array]:
         """Constant matrix C of the rows at all knots, rows(w) + C x, and their bounds."""

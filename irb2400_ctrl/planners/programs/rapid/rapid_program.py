@@ -9,11 +9,9 @@ docs/programs_out.md for what was checked.
 from __future__ import annotations
 
 import itertools
-import re
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Literal
 
 import numpy as np
 import numpy.typing as npt
@@ -23,59 +21,12 @@ from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.files import write_atomic
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.planners.programs.rapid import rapid_data as data
+from irb2400_ctrl.planners.programs.rapid.rapid_module import Names, module_text, move
+from irb2400_ctrl.planners.programs.rapid.rapid_options import RapidOptions
 from irb2400_ctrl.planners.programs.rapid.rapid_thinning import rows_to_keep, thinned
 from irb2400_ctrl.trajectory import Trajectory
 
 Array = npt.NDArray[np.float64]
-Motion = Literal["linear", "joint"]
-
-LINE_LENGTH = 80
-_OWN_NAMES = re.compile(r"p\d+|part\d+|zpath|vapproach")
-
-
-@dataclass(frozen=True)
-class RapidOptions:
-    """How a plan is written as RAPID. Names are RAPID identifiers of at most 32 characters."""
-
-    module: str = "PlannedPath"
-    entry: str = "main"
-    tool: str = "tPlanned"
-    work_object: str = "wPlanned"
-    motion: Motion = "linear"
-    """`linear`: MoveL to robtargets; `joint`: MoveAbsJ to jointtargets"""
-    tolerance_mm: float = 0.02
-    """straight moves (in space or in joint space) stay this close to the plan at the TCP"""
-    tolerance_deg: float = 0.02
-    """and the tool's orientation this close"""
-    zone_mm: float = 0.3
-    """corner zone of the points passed through; 0 stops at every point"""
-    approach_speed_mm_s: float = 100.0
-    """speed of the MoveAbsJ to the start"""
-    state_time: bool = False
-    """also give each move its planned duration (argument T), which then replaces its speed"""
-    moves_per_procedure: int = 500
-
-    def __post_init__(self) -> None:
-        for key in ("module", "entry", "tool", "work_object"):
-            data.check_name(key, getattr(self, key))
-        names = [name.lower() for name in (self.module, self.entry, self.tool, self.work_object)]
-        if len(set(names)) < len(names) or any(_OWN_NAMES.fullmatch(name) for name in names):
-            raise InputError(
-                f"RAPID: names are {', '.join(names)}; module, entry, tool and work object need "
-                "four different ones, "
-                "and p<number>, part<number>, zPath and vApproach are the module's own"
-            )
-        if self.motion not in ("linear", "joint"):
-            raise InputError(f"RAPID: motion is {self.motion!r}, expected linear or joint")
-        for key in ("tolerance_mm", "tolerance_deg", "approach_speed_mm_s"):
-            if not (np.isfinite(getattr(self, key)) and getattr(self, key) > 0):
-                raise InputError(
-                    f"RAPID: {key} is {getattr(self, key)}, expected a positive number"
-                )
-        if not (np.isfinite(self.zone_mm) and self.zone_mm >= 0):
-            raise InputError(f"RAPID: zone_mm is {self.zone_mm}, expected a number >= 0")
-        if self.moves_per_procedure < 1:
-            raise InputError("RAPID: moves_per_procedure is less than 1")
 
 
 @dataclass(frozen=True)
@@ -137,13 +88,13 @@ def rapid_program(
         np.radians(options.tolerance_deg),
     )
     X_WT = X_BT if X_BW is None else np.linalg.inv(data.check_pose("work object", X_BW)) @ X_BT
-    names = _Names(options, model.robot.tool is not None, X_BW is not None)
+    names = Names(options, model.robot.tool is not None, X_BW is not None)
     plan = _PlanRows(time, q, X_WT, _speeds(time, X_BT), rest, crossing)
     configuration = data.configuration(model, q[samples])
     extax = data.external_axes(external)
     declarations, targets = _declarations(plan, samples, configuration, extax, options)
     moves = _moves(plan, samples, options, names)
-    text = _module(model, options, names, X_BW, declarations, moves)
+    text = module_text(model, options, names, X_BW, declarations, moves)
     return RapidProgram(text, np.array(targets))
 
 
@@ -190,10 +141,10 @@ def _declarations(
 
 
 def _moves(
-    plan: _PlanRows, samples: npt.NDArray[np.int64], options: RapidOptions, names: _Names
+    plan: _PlanRows, samples: npt.NDArray[np.int64], options: RapidOptions, names: Names
 ) -> list[list[str]]:
     """The instructions in order, the wrist singularity switched on and off where it is passed."""
-    moves = [_call("MoveAbsJ", _target(0, samples), "vApproach", "fine", names)]
+    moves = [move("MoveAbsJ", _target(0, samples), "vApproach", "fine", names)]
     inside = False
     for k, (before, row) in enumerate(itertools.pairwise(samples), start=1):
         duration = plan.time[row] - plan.time[before]
@@ -212,7 +163,7 @@ def _moves(
             speed += f"\\T:={duration:.5f}"
         instruction = "MoveAbsJ" if as_joints else "MoveL"
         zone = "fine" if stops else "zPath"
-        moves.append(_call(instruction, _target(k, samples), speed, zone, names))
+        moves.append(move(instruction, _target(k, samples), speed, zone, names))
     if inside:
         moves.append(["SingArea\\Off;"])
     return moves
@@ -222,25 +173,6 @@ def _target(k: int, samples: npt.NDArray[np.int64]) -> str:
     """Name of the target of sample k."""
     width = max(4, len(str(len(samples))))
     return f"p{k + 1:0{width}d}"
-
-
-@dataclass(frozen=True)
-class _Names:
-    """Tool and work object as the moves name them."""
-
-    options: RapidOptions
-    own_tool: bool
-    own_work_object: bool
-
-    @property
-    def tool(self) -> str:
-        """the module's own tool, or the bare flange"""
-        return self.options.tool if self.own_tool else "tool0"
-
-    @property
-    def work_object(self) -> str:
-        """the module's own work object, or the base"""
-        return self.options.work_object if self.own_work_object else "wobj0"
 
 
 def _checked(
@@ -316,65 +248,3 @@ def _speeddata(speeds: Array) -> str:
     the controller."""
     v, w = np.maximum(speeds.max(axis=0), (0.1, 1.0))
     return f"[{v:.3f},{w:.3f},5000,1000]"
-
-
-def _call(instruction: str, target: str, speed: str, zone: str, names: _Names) -> list[str]:
-    """A move as lines of at most 80 characters (a RAPID statement may go on in the next line)."""
-    pieces = [
-        f"{instruction} {target},",
-        f"{speed},",
-        f"{zone},{names.tool}",
-        f"\\WObj:={names.work_object};",
-    ]
-    lines = [pieces[0]]
-    for piece in pieces[1:]:
-        if len(lines[-1]) + len(piece) <= LINE_LENGTH - 4:
-            lines[-1] += piece
-        else:
-            lines.append("  " + piece)
-    return lines
-
-
-def _module(
-    model: Model,
-    options: RapidOptions,
-    names: _Names,
-    X_BW: Array | None,
-    targets: list[list[str]],
-    moves: list[list[str]],
-) -> str:
-    z = options.zone_mm
-    lines = [
-        f"MODULE {options.module}",
-        "  ! Written from a plan. Run it slowly and without the work-piece first.",
-        "  ! Base frame = world frame; axis 3 counts from the vertical (parallel rod).",
-    ]
-    if names.own_tool:
-        lines += _indented(data.tooldata(names.tool, model.robot), 2)
-    if X_BW is not None:
-        lines += _indented(data.wobjdata(names.work_object, X_BW), 2)
-    lines += [
-        f"  LOCAL CONST speeddata vApproach:=[{options.approach_speed_mm_s:.3f},20,5000,1000];"
-    ]
-    if z > 0:
-        lines += [
-            f"  LOCAL CONST zonedata zPath:=[FALSE,{z:g},{z:g},{z:g},{z / 10:g},{z:g},{z / 10:g}];"
-        ]
-    lines += [line for target in targets for line in _indented(target, 2)]
-    size = options.moves_per_procedure
-    parts = [moves[k : k + size] for k in range(0, len(moves), size)]
-    start = ["ConfL\\On;", "ConfJ\\On;", "SingArea\\Off;"]
-    lines += ["", f"  PROC {options.entry}()", *_indented(start, 4)]
-    lines += [f"    Part{k + 1};" for k in range(len(parts))] + ["  ENDPROC"]
-    for k, part in enumerate(parts):
-        lines += [
-            "",
-            f"  PROC Part{k + 1}()",
-            *(line for move in part for line in _indented(move, 4)),
-            "  ENDPROC",
-        ]
-    return "\n".join([*lines, "ENDMODULE", ""])
-
-
-def _indented(lines: list[str], by: int) -> list[str]:
-    return [" " * by + line for line in lines]

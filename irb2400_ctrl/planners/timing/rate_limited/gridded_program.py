@@ -174,7 +174,7 @@ class GriddedProgram:
 
     def law(self, z: Array) -> RateLimitedLaw:
         """The time law of the unknowns."""
-        b = self.program.bernstein(z)
+        b = self.program.spline.bernstein(z)
         h = np.diff(self.s)[1:-1]
         last = (b[-1, 2] - b[-1, 1]) / h[-1]
         x = np.concatenate([[0.0], b[:, 0], b[-1:, 2], [0.0]])
