@@ -76,9 +76,7 @@ def diagnose(
         progress("prepare")
         motion = prepare(log)
         bases = _bases(robot.bare())
-        base_prior = BasePrior.of(
-            robot, Uncertainty() if uncertainty is None else uncertainty, motion
-        )
+        base_prior = BasePrior.of(robot, uncertainty or Uncertainty(), motion)
         if reference is not None:
             base_prior = _referred(base_prior, bases, prepare(reference))
         Z = motion.filtered(base_prior.columns(bases.model, motion))

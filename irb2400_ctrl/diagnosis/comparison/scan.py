@@ -5,16 +5,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from functools import cache, cached_property
 
 import numpy as np
 import numpy.typing as npt
 
-from irb2400_ctrl.diagnosis.comparison.non_parametric import (
-    NonParametricLaw,
-    non_parametric_laws,
-    vibrations,
-)
+from irb2400_ctrl.diagnosis.comparison.log_columns import LogColumns
 from irb2400_ctrl.diagnosis.estimation.candidate import Candidate, Point, plausible
 from irb2400_ctrl.diagnosis.estimation.evidence import (
     Problem,
@@ -22,10 +17,9 @@ from irb2400_ctrl.diagnosis.estimation.evidence import (
     discrepancy_shares,
     g_prior_gain,
 )
-from irb2400_ctrl.diagnosis.regressors.bases import Bases, RegressorColumns
+from irb2400_ctrl.diagnosis.regressors.bases import RegressorColumns
 from irb2400_ctrl.effects import LIBRARY
 from irb2400_ctrl.effects.base import within
-from irb2400_ctrl.measurement.prepared_log import PreparedLog
 
 Array = npt.NDArray[np.float64]
 
@@ -37,72 +31,8 @@ KEPT_GRID_POINTS = 2
 """how many of the best nonlinear parameters of a family are scored with discrepancy"""
 
 
-class Scan:
-    """The columns of one log, computed once; `rank` scores them in any situation."""
-
-    def __init__(self, bases: Bases, motion: PreparedLog, load: Array) -> None:
-        self.bases = bases
-        self.motion = motion
-        self.load = load
-        self.remembering: dict[tuple[str, int | None], list[RegressorColumns]] = {}
-        """discrepancy of every grid point of effects with memory: how a record began may be all
-        that shows them"""
-        self._discrepancy: dict[tuple[object, ...], RegressorColumns] = {}
-        self._samples: dict[tuple[object, ...], RegressorColumns] = {}
-        self._vibrations = cache(lambda joint: vibrations(motion, joint))
-
-    @cached_property
-    def families(self) -> list[tuple[str, int | None]]:
-        """Effects that can act: joints that hardly move carry only what needs no motion of
-        theirs."""
-        n = self.motion.n
-        return [
-            (kind, joint)
-            for kind, effect in LIBRARY.items()
-            for joint in effect.joints(n)
-            if joint is None or joint <= n
-        ]
-
-    @cached_property
-    def laws(
-        self,
-    ) -> dict[tuple[str, int | None], tuple[list[dict[str, float]], list[RegressorColumns]]]:
-        """Grid and filtered columns of each family."""
-        found = {}
-        inertia = np.median(
-            np.einsum("mjj->mj", self.bases.model.mass_matrix(self.motion.q[::50])), axis=0
-        )
-        for kind, joint in self.families:
-            effect = LIBRARY[kind]
-            felt = float(inertia[(joint or 1) - 1])
-            grid = [g for g in effect.grid(joint) if effect.sensible(g, felt)]
-            if effect.states:
-                columns, self.remembering[kind, joint] = self.bases.with_beginnings(
-                    kind, joint, self.motion, grid
-                )
-            else:
-                columns = self.bases.columns(kind, joint, self.motion, grid)
-            found[kind, joint] = (grid, columns)
-        return found
-
-    @cached_property
-    def non_parametric(self) -> dict[int, list[NonParametricLaw]]:
-        """Filtered columns of the non-parametric laws, by joint."""
-        return non_parametric_laws(self.motion, self.load)
-
-    def discrepancy(
-        self, kind: str, joint: int | None, nonlinear: dict[str, float]
-    ) -> RegressorColumns:
-        """Filtered columns of an effect's discrepancy."""
-        key = (kind, joint, *sorted(nonlinear.items()))
-        if key not in self._discrepancy:
-            self._discrepancy[key] = self._discrepancy_of(kind, joint, nonlinear)
-        return self._discrepancy[key]
-
-    def _discrepancy_of(
-        self, kind: str, joint: int | None, nonlinear: dict[str, float]
-    ) -> RegressorColumns:
-        return self.bases.columns(kind, joint, self.motion, [nonlinear], discrepancy=True)[0]
+class Scan(LogColumns):
+    """The columns of one log, scored against what is left of it in any situation."""
 
     def rank(self, problem: Problem, chosen: Sequence[Candidate] = ()) -> list[Candidate]:
         """All plausible candidates, best first; what is chosen already does not come twice
@@ -126,25 +56,6 @@ class Scan:
         found += [self._vibration(problem, joint) for joint in range(self.motion.n)]
         return sorted((c for c in found if c.score.gain > 0), key=lambda c: -c.score.gain)
 
-    def columns(self, point: Point) -> RegressorColumns:
-        """Filtered columns of an effect."""
-        grid, laws = self.laws[point.kind, point.joint]
-        return laws[grid.index(point.nonlinear)]
-
-    def samples(self, point: Point, discrepancy: bool = False) -> RegressorColumns:
-        """RegressorColumns of an effect sample by sample, not filtered."""
-        key = (point.kind, point.joint, discrepancy, *sorted(point.nonlinear.items()))
-        if key not in self._samples:
-            self._samples[key] = self.bases.columns(
-                point.kind,
-                point.joint,
-                self.motion,
-                [point.nonlinear],
-                discrepancy=discrepancy,
-                filtered=False,
-            )[0]
-        return self._samples[key]
-
     def points(
         self, problem: Problem, joint: int | None, windows: Sequence[tuple[float, float]] = ()
     ) -> list[Point]:
@@ -153,7 +64,7 @@ class Scan:
         found = []
         acting = within(windows, self.motion.row_time)[:, None, None]
         for kind, at in self.families:
-            if at != joint or not self._shows(kind, at):
+            if at != joint or not self.shows(kind, at):
                 continue
             grid, always = self.laws[kind, at]
             # the filter's reach across the edges of the windows hardly matters for a first look
@@ -167,19 +78,9 @@ class Scan:
             ]
         return found
 
-    def family_penalty(self, kind: str, joint: int | None) -> float:
-        """What the choice among the members of a family costs [nats]."""
-        return float(np.log(len(self.laws[kind, joint][0])))
-
-    def _shows(self, kind: str, joint: int | None) -> bool:
-        """Whether any torque of this arm depends on the effect (none does on the zero of axis
-        1)."""
-        laws = self.laws[kind, joint][1]
-        return bool(laws and laws[0].joints)
-
     def _library(self, problem: Problem, kind: str, joint: int | None) -> list[Candidate]:
         grid, laws = self.laws[kind, joint]
-        if not self._shows(kind, joint):
+        if not self.shows(kind, joint):
             return []
         best: Candidate | None = None
         for place in self._promising(problem, kind, joint, laws):
@@ -348,7 +249,7 @@ class Scan:
         return found
 
     def _vibration(self, problem: Problem, joint: int) -> Candidate:
-        frequency, values = self._vibrations(joint)
+        frequency, values = self.vibrations_of(joint)
         gram, right = problem.projected_many(joint, values)
         explained = np.einsum(
             "gi,gi->g", right, np.linalg.solve(gram + 1e-9 * np.eye(2), right[..., None])[..., 0]
