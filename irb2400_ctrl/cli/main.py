@@ -6,7 +6,7 @@ import sys
 
 import typer
 
-from irb2400_ctrl.cli import codegen, demo, diagnose, excite, plan, robot, simulate, sweep
+from irb2400_ctrl.cli import codegen, demo, diagnose, excite, path, plan, robot, simulate, sweep
 
 app = typer.Typer(
     name="irb2400",
@@ -23,6 +23,7 @@ app.command("codegen")(codegen.codegen)
 app.command("diagnose")(diagnose.diagnose)
 app.command("excite")(excite.excite)
 app.add_typer(robot.app, name="robot")
+app.add_typer(path.app, name="path")
 
 
 def run() -> None:

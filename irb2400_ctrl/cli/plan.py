@@ -5,18 +5,45 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from irb2400_ctrl.cli.options import OutOption, RobotOption, input_file, output_folder
+from irb2400_ctrl.cli.path import ROTARY_HELP, UNITS_HELP
 from irb2400_ctrl.cli.progress import step
 
 if TYPE_CHECKING:
-    from irb2400_ctrl.planners import Plan
+    from irb2400_ctrl.planners import CamProgram, Plan
     from irb2400_ctrl.robot import Robot
 
-PathArgument = Annotated[Path, typer.Argument(metavar="PATH", help="Toolpath: CSV or APT/CLDATA.")]
+PathArgument = Annotated[
+    Path,
+    typer.Argument(
+        metavar="PATH", help="Toolpath: CSV, APT/CLDATA (NX CLSF, Creo NCL, CATIA) or G-code."
+    ),
+]
+OperationOption = Annotated[
+    str | None,
+    typer.Option(
+        "--operation",
+        metavar="NAME|NUMBER",
+        help="Plan this operation only; else each into its own folder.",
+        show_default="all",
+    ),
+]
+WorkFrameOption = Annotated[
+    str | None,
+    typer.Option(
+        "--work-frame",
+        metavar="X,Y,Z,RX,RY,RZ",
+        help="Pose of the file's frame in the robot base [mm, deg]; turned about the base's fixed "
+        "x, then y, then z.",
+        show_default="the base",
+    ),
+]
+UnitsOption = Annotated[str | None, typer.Option("--units", help=UNITS_HELP)]
+RotaryOption = Annotated[str | None, typer.Option("--rotary", help=ROTARY_HELP)]
 RateOption = Annotated[
     float, typer.Option(help="Samples per second of the trajectory.", min=10, max=10000)
 ]
@@ -30,8 +57,10 @@ FreeOption = Annotated[
 ShareOption = Annotated[
     float,
     typer.Option(
-        help="Share of the torque limits the plan may use; the rest is the controller's.",
+        help="Share of the torque limits the plan may use, 0.9 for 90 %; the rest is the "
+        "controller's.",
         min=0.1,
+        max=1.0,
     ),
 ]
 ToleranceOption = Annotated[
@@ -76,47 +105,100 @@ def plan(
     torque_rate: TorqueRateOption = None,
     jerk_deg_s3: JerkOption = None,
     rapid: RapidOption = False,
+    operation: OperationOption = None,
+    work_frame: WorkFrameOption = None,
+    units: UnitsOption = None,
+    rotary: RotaryOption = None,
 ) -> None:
     """Plan a toolpath: branch, tool rotation, torque-limited timing -> trajectory.csv, plan.json,
     figures."""
-    input_file(path, "a toolpath (CSV or APT/CLDATA)")
-    output_folder(out)
+    input_file(path, "a toolpath (CSV, APT/CLDATA or G-code)")
 
-    from irb2400_ctrl.planners import MotionLimits, plan_path, read_path
+    from irb2400_ctrl.planners import MotionLimits, read_program
+    from irb2400_ctrl.planners.toolpath.work_frame import work_frame as pose_of
     from irb2400_ctrl.robot import load_robot
 
+    pose = None if work_frame is None else pose_of(work_frame)
+    program = read_program(path, units=units, rotary=rotary)
+    if operation is not None:
+        program = replace(program, operations=(program.operation(operation),))
+    output_folder(out)
     arm = load_robot(robot)
-    toolpath = read_path(path)
     limits = MotionLimits.of(arm)
-    limits = replace(limits, tau_max=torque_share * limits.tau_max)
+    options = {
+        "rate": rate,
+        "free_tool_rotation": free_tool_rotation,
+        "work_frame": pose,
+        "tolerance": 1e-3 * tolerance_mm,
+        "axis_tolerance": math.radians(axis_tolerance_deg),
+        "limits": replace(limits, tau_max=torque_share * limits.tau_max),
+        "torque_rate": None if torque_rate is None else torque_rate * arm.tau_max,
+        "jerk": None if jerk_deg_s3 is None else math.radians(jerk_deg_s3),
+    }
+    for note in program.of_kind("assumed"):
+        print(f"assumed, {note}")
+    if len(program.operations) > 1:
+        _plan_all(arm, program, options, out, rapid)
+    else:
+        _plan_one(arm, program, options, out, rapid)
+
+
+def _plan_one(
+    arm: Robot, program: CamProgram, options: dict[str, Any], out: Path, rapid: bool
+) -> None:
+    """The only operation, into the folder itself."""
+    from irb2400_ctrl.planners import plan_path
+
+    toolpath = program.operation().path
     task = f"planning {len(toolpath):,} points"
     with step(task) as say:
         planned = plan_path(
-            arm,
-            toolpath,
-            rate=rate,
-            free_tool_rotation=free_tool_rotation,
-            tolerance=1e-3 * tolerance_mm,
-            axis_tolerance=math.radians(axis_tolerance_deg),
-            limits=limits,
-            torque_rate=None if torque_rate is None else torque_rate * arm.tau_max,
-            jerk=None if jerk_deg_s3 is None else math.radians(jerk_deg_s3),
-            progress=lambda stage: say(f"{task}: {stage}"),
+            arm, toolpath, progress=lambda stage: say(f"{task}: {stage}"), **options
         )
         say(f"{task}: writing")
-        written = _write(planned, arm, out, rapid)
-    print(f"{path.name}: {len(toolpath)} points, {planned.summary()['duration_s']:.2f} s")
+        planned.write(out)
+        written = ["trajectory.csv", "plan.json", *_figures(planned, arm, out, rapid)]
+    print(f"{program.name}: {len(toolpath)} points, {planned.summary()['duration_s']:.2f} s")
     _print_summary(planned)
     print(f"written to {out}: {', '.join(written)}")
 
 
-def _write(planned: Plan, arm: Robot, out: Path, rapid: bool) -> list[str]:
-    """The files, and their names."""
+def _plan_all(
+    arm: Robot, program: CamProgram, options: dict[str, Any], out: Path, rapid: bool
+) -> None:
+    """Each operation into its own folder, and program.json."""
+    from irb2400_ctrl.errors import InputError
+    from irb2400_ctrl.planners.program_plan import plan_program
+
+    task = f"planning {len(program.operations)} operations"
+    with step(task) as say:
+        found = plan_program(
+            arm, program, started=lambda o: say(f"{task}: {o.number} {o.name}"), **options
+        )
+        found.write(out)
+        for done in found.operations:
+            if done.plan is not None:
+                _figures(done.plan, arm, out / done.folder, rapid)
+    for done in found.operations:
+        if done.plan is not None:
+            points = len(done.operation.path)
+            print(f"{done.folder}: {points} points, {done.plan.duration:.2f} s")
+    if found.transfers():
+        print(f"{len(found.transfers())} ways between operations are not planned (program.json)")
+    print(f"written to {out}: program.json and a folder per operation")
+    if found.refused:
+        reasons = "; ".join(
+            f"{o.operation.number} ({o.operation.name}): {o.refused}" for o in found.refused
+        )
+        raise InputError(f"{len(found.refused)} of {len(found.operations)} operations: {reasons}")
+
+
+def _figures(planned: Plan, arm: Robot, out: Path, rapid: bool) -> list[str]:
+    """The figures, and the RAPID module if wanted; their names."""
     from irb2400_ctrl.report.plan_figures import save_figures
 
-    planned.write(out)
     save_figures(planned, out)
-    written = ["trajectory.csv", "plan.json", "torque.png", "margins.png", "joints.png"]
+    written = ["torque.png", "margins.png", "joints.png"]
     if rapid:
         from irb2400_ctrl.model import Model
         from irb2400_ctrl.planners.programs.rapid.rapid_program import rapid_program

@@ -19,19 +19,22 @@ from irb2400_ctrl.planners.timing.motion_bounds import Checked
 from irb2400_ctrl.planners.timing.motion_limits import MotionLimits
 from irb2400_ctrl.planners.timing.time_joint_path import time_joint_path
 from irb2400_ctrl.planners.toolpath import builders
+from irb2400_ctrl.planners.toolpath.cam_program import CamProgram, Operation
 from irb2400_ctrl.planners.toolpath.positioner import Positioner, PositionerAxis, choose_settings
-from irb2400_ctrl.planners.toolpath.read_path import read_path
+from irb2400_ctrl.planners.toolpath.read_path import read_path, read_program
 from irb2400_ctrl.planners.toolpath.toolpath import ToolPath
 from irb2400_ctrl.planners.trajectory_optimisation.optimise_motion import optimise_motion
 from irb2400_ctrl.planners.trajectory_optimisation.optimised import Optimised
 from irb2400_ctrl.trajectory import Trajectory
 
 __all__ = [
+    "CamProgram",
     "Certificate",
     "Checked",
     "JointMove",
     "JointPath",
     "MotionLimits",
+    "Operation",
     "Optimised",
     "Plan",
     "Positioner",
@@ -49,6 +52,7 @@ __all__ = [
     "plan_path",
     "rapid_program",
     "read_path",
+    "read_program",
     "read_rapid",
     "time_joint_path",
 ]

@@ -37,12 +37,13 @@ class TimingOptions:
         """The options of a request; limits default to those of the robot.
 
         Raises:
-            InputError: an unknown back-end, a limit that is not positive, or one of torque rate or
-            jerk that the back-end does not know.
+            InputError: an unknown back-end, a limit that is not positive or wider than the robot's,
+            or one of torque rate or jerk that the back-end does not know.
         """
         if backend not in {"certified", "toppra"}:
             raise InputError(f"timing: found {backend!r}, expected 'certified' or 'toppra'")
-        stated = MotionLimits.of(robot) if limits is None else limits
+        own = MotionLimits.of(robot)
+        stated = own if limits is None else limits.within(own)
         limited = stated.with_rates(torque_rate, jerk)
         if limited.smooth and backend != "certified":
             raise InputError(

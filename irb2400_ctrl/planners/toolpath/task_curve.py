@@ -27,6 +27,8 @@ ROTATION_LENGTH = 0.1
 SMOOTH_BEND = 0.3
 """change of direction up to which a way-point counts as part of a smooth curve, not a corner
 [rad]"""
+FEED_STEP = 1e-3
+"""distance of the control points beside a way-point at which the feed changes [m]"""
 # rows: basis functions of a uniform cubic B-spline segment in powers of u
 _BASIS = np.array([[1, -3, 3, -1], [4, 0, -6, 3], [1, 3, 3, -3], [0, 0, 0, 1]]) / 6.0
 _GAUSS, _WEIGHT = np.polynomial.legendre.leggauss(5)
@@ -109,7 +111,9 @@ def smooth_curve(path: ToolPath, tolerance: float = 5e-5) -> TaskCurve:
     if len(points) < 2:
         raise InputError(f"{path.name}: all points are the same, expected a path with a length")
     points, number = _turned_in_steps(points, number, path)
-    corner_step, smooth = _corner_steps(points, tolerance)
+    feed = path.feed[number]
+    changes = feed[1:-1] != feed[2:]
+    corner_step, smooth = _corner_steps(points, tolerance, changes)
     control, origin, smooth = _with_neighbours(points, number, corner_step, smooth)
     control = _through(control, smooth)
     control = np.vstack([2 * control[0] - control[1], control, 2 * control[-1] - control[-2]])
@@ -161,12 +165,15 @@ def _turned_in_steps(
     return np.vstack(pieces), np.concatenate(numbers)
 
 
-def _corner_steps(points: Array, tolerance: float) -> tuple[Array, npt.NDArray[np.bool_]]:
+def _corner_steps(
+    points: Array, tolerance: float, changes: npt.NDArray[np.bool_]
+) -> tuple[Array, npt.NDArray[np.bool_]]:
     """Distance of the control points to add on either side of each point (inf: none) [m], and which
     points are smooth.
 
     With neighbours at the distance d along both sides the curve passes the corner at d |t2 - t1| /
-    6.
+    6. Where the feed changes (`changes`, inner points) the segments must meet at the way-point;
+    without neighbours they meet a sixth of the difference of its sides beside it.
     """
     sides = np.diff(points, axis=0)
     length = np.linalg.norm(sides, axis=1)
@@ -179,6 +186,9 @@ def _corner_steps(points: Array, tolerance: float) -> tuple[Array, npt.NDArray[n
     needed = np.where(
         ~smooth & (passed > tolerance), 6 * tolerance / np.maximum(bend, 1e-12), np.inf
     )
+    aside = ~smooth & changes & (np.abs(after - before) / 6 > tolerance)
+    near = np.minimum(0.45 * np.minimum(before, after), FEED_STEP)
+    needed = np.where(aside, np.minimum(needed, near), needed)
     return np.concatenate([[np.inf], needed, [np.inf]]), np.concatenate([[False], smooth, [False]])
 
 

@@ -1,0 +1,3 @@
+"""Readers of CAM files: one file per concept of their languages."""
+
+__all__: list[str] = []

@@ -1,0 +1,169 @@
+"""Arcs in APT-like files: `CIRCLE/`, `MOVARC/` with the `GOTO/` that ends them, `TLON,GOFWD/`."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import numpy.typing as npt
+
+from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.planners.toolpath.readers.apt import contour
+from irb2400_ctrl.planners.toolpath.readers.apt.placement import Placement
+from irb2400_ctrl.planners.toolpath.readers.apt.statements import Statement, is_number, number
+from irb2400_ctrl.planners.toolpath.readers.expansion import arcs
+from irb2400_ctrl.planners.toolpath.readers.expansion.arcs import Arc
+from irb2400_ctrl.planners.toolpath.readers.program_builder import ProgramBuilder
+
+Array = npt.NDArray[np.float64]
+NX = "NX CLSF"
+CREO = "Creo NCL"
+WORDS = frozenset({"TIMES", "ANGLE", "CENTER", "AXIS", "RADIUS", "CANON"})
+# Creo writes ten digits: a further point of an arc lies this close to its circle
+ON_CIRCLE = 2e-6
+ANGLE_ERROR = math.radians(0.5)
+
+
+class Circles:
+    """The arc that waits for its end, and the direction that `INDIRV/` states."""
+
+    def __init__(self, builder: ProgramBuilder, placement: Placement, dialect: str) -> None:
+        self._builder = builder
+        self._placement = placement
+        self._dialect = dialect
+        self._arc: Arc | None = None
+        self._angle: float | None = None
+        self._line = 0
+        self._more: Arc | None = None
+        self._direction: Array | None = None
+
+    @property
+    def open(self) -> bool:
+        """Whether an arc waits for its end."""
+        return self._arc is not None
+
+    def begin(self, statement: Statement) -> None:
+        """CIRCLE/ or MOVARC/ x,y,z,i,j,k,r[,…][,TIMES,n][,ANGLE,a]; the next GOTO/ ends it."""
+        self.none_open()
+        place = self._builder.place
+        values, times, angle = _values(statement, place)
+        if len(values) == 4:
+            values = [*values[:3], 0.0, 0.0, 1.0, values[3]]
+        if len(values) < 7 or values[6] <= 0 or math.hypot(*values[3:6]) < 1e-6:
+            raise InputError(
+                f"{place}: {statement.word}/ has the numbers {values}, expected x,y,z,i,j,k,radius"
+            )
+        # NX: "axis vector … (assuming a clockwise direction)"; PTC: the right-hand rule
+        sign = -1.0 if self._dialect == NX else 1.0
+        normal = sign * self._placement.direction(values[3:6])
+        radius = self._placement.unit * values[6]
+        self._arc = Arc(self._placement.point(values[:3]), normal, radius, times)
+        self._angle = angle
+        self._line = statement.line
+        if times > 1:
+            self._builder.note("assumed", "TIMES,n: the arc ends in its n-th turn")
+        if self._dialect not in {NX, CREO} and statement.word == "CIRCLE":
+            self._builder.note("assumed", "CIRCLE/ turns right-handed about its axis")
+
+    def close(self, position: Array, axis: Array | None, rapid: bool) -> None:
+        """The end of the arc."""
+        assert self._arc is not None
+        arc = self._arc
+        self._arc = None
+        if self._angle is not None:
+            arc = self._fitting(arc, position, self._angle)
+        self._builder.arc(arc, position, axis=axis, rapid=rapid)
+        self._more = arc if self._dialect == CREO else None
+
+    def goes_on(self, position: Array, axis: Array | None, rapid: bool) -> bool:
+        """Creo: further points of the same arc; whether this one was."""
+        if self._more is None or not self._on_circle(self._more, position):
+            self._more = None
+            return False
+        self._builder.arc(self._more, position, axis=axis, rapid=rapid)
+        return True
+
+    def interrupted(self) -> None:
+        """Another statement than GOTO/: no further points of an arc follow."""
+        self._more = None
+
+    def none_open(self) -> None:
+        """InputError where an arc still waits for its end."""
+        if self._arc is not None:
+            self._arc = None
+            raise InputError(
+                f"{self._builder.name}, line {self._line}: CIRCLE/ is not read: no GOTO/ with the "
+                "end of the arc follows it"
+            )
+
+    def set_direction(self, statement: Statement) -> None:
+        """INDIRV/i,j,k."""
+        values = statement.numbers(self._builder.place)
+        if len(values) != 3:
+            raise InputError(f"{self._builder.place}: INDIRV/ expects three numbers")
+        self._direction = np.array(values)
+
+    def follow(self, statement: Statement, rapid: bool) -> None:
+        """TLON,GOFWD/…"""
+        builder = self._builder
+        self.none_open()
+        if not np.array_equal(self._placement.shift, np.eye(4)):
+            raise InputError(f"{builder.place}: TLON/ together with TRACUT/ or TRANS/ is not read")
+        arc, end = contour.arc_and_end(
+            statement,
+            self._placement.here(),
+            self._direction,
+            self._placement.unit,
+            builder.place,
+        )
+        self._direction = None
+        builder.arc(arc, end, rapid=rapid)
+
+    def _fitting(self, arc: Arc, end: Array, degrees: float) -> Arc:
+        """The arc in the direction that turns by the stated angle."""
+        angle = math.radians(abs(degrees))
+        for normal in (arc.normal, -arc.normal):
+            turned = replace(arc, normal=normal)
+            once = arcs.sweep(replace(turned, turns=1), self._placement.here(), end)
+            off = (angle - once + math.pi) % (2 * math.pi) - math.pi
+            if abs(off) < ANGLE_ERROR:
+                turns = max(round((angle - once) / (2 * math.pi)), 0) + 1
+                return replace(turned, turns=turns)
+        raise InputError(
+            f"{self._builder.place}: the arc of line {self._line} turns by {degrees:g} deg, but "
+            "the next point lies elsewhere"
+        )
+
+    def _on_circle(self, arc: Arc, position: Array) -> bool:
+        here = self._placement.here()
+        level = float((position - here) @ arc.normal) / float(np.linalg.norm(arc.normal))
+        return (
+            arcs.miss(arc, here, position) < ON_CIRCLE
+            and abs(level) < ON_CIRCLE
+            and float(np.linalg.norm(position - here)) > ON_CIRCLE
+        )
+
+
+def _values(statement: Statement, place: str) -> tuple[list[float], int, float | None]:
+    """Numbers before TIMES and ANGLE, and theirs."""
+    values: list[float] = []
+    times = 1
+    angle = None
+    last = ""
+    for argument in statement.arguments:
+        if not is_number(argument):
+            last = argument.upper()
+            if last not in WORDS:
+                raise InputError(
+                    f"{place}: {statement.word}/ has the word {last}, expected numbers"
+                )
+            continue
+        value = number(argument, f"{place}, {statement.word}")
+        if last == "TIMES":
+            times = max(round(value), 1)
+        elif last == "ANGLE":
+            angle = value
+        else:
+            values.append(value)
+    return values, times, angle

@@ -1,0 +1,199 @@
+"""`CYCLE/…` of APT-like files: which hole it describes.
+
+Three ways of writing are in use. Creo: `DRILL, DEPTH, a, MMPM, b, CLEAR, c, RAPTO, d, RETURN, e`
+(PTC's help, "CL Output for Holemaking Cycles"). Siemens NX: `DRILL, RAPTO, a, FEDTO, b, RTRCTO, c,
+MMPM, d` with FEDTO counted upwards from the point. ISO 4343 and CATIA: bare numbers, depth first,
+the clearance after it, the feed beside its unit.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import defaultdict
+
+from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.planners.toolpath.readers.apt.statements import Statement, is_number, number
+from irb2400_ctrl.planners.toolpath.readers.apt.units import FEED_WORDS, feed_of
+from irb2400_ctrl.planners.toolpath.readers.expansion.drilling import HoleCycle
+
+# DWELL,REV,n counts revolutions
+CYCLE_FEED_WORDS = FEED_WORDS - {"REV", "LOCK"}
+KINDS = {
+    "DRILL": "drill",
+    "SPOT": "drill",
+    "SPDRL": "drill",
+    "CDRILL": "drill",
+    "CTRDRL": "drill",
+    "FACE": "drill",
+    "CSINK": "drill",
+    "CBORE": "drill",
+    "SPFACE": "drill",
+    "THRU": "drill",
+    "DEEP": "peck",
+    "DEEPHL": "peck",
+    "PECK": "peck",
+    "BRKCHP": "chip",
+    "CHIP": "chip",
+    "REAM": "bore",
+    "BORE": "bore",
+    "TAP": "bore",
+    "RIGID": "bore",
+}
+REFUSED = frozenset({"MILL", "THREAD", "ROUGH", "PROFIL", "BACKBORE", "BCKBRE", "PLUNGE", "GROOVE"})
+# words with a number: what it means
+LENGTH_WORDS = {
+    "DEPTH": "depth",
+    "FEDTO": "feed to",
+    "CLEAR": "clear",
+    "RAPTO": "rapid to",
+    "RETURN": "retract",
+    "RTRCTO": "retract",
+    "STEP": "step",
+    "INCR": "step",
+    "STEP1": "step",
+    "STEP2": "step",
+    "STEP3": "step",
+    "STEP4": "step",
+    "STEP5": "step",
+    "STEP6": "step",
+    "STEP7": "step",
+}
+# numbers that change no place
+_OTHERS = """DWELL TIMES TPI LEAD PITCH DIAMETR DIAMET DIA REV CAM TOOL ORIENT CSINK BACK TLANGL
+CUTANG SPINDL OFFSET MAXRPM RANGE RETRCT BOTTOM TLCOMP THREAD THRDS"""
+OTHER_WORDS = frozenset(_OTHERS.split())
+# back to the height from which the tool came (NX: RTRCTO,AUTO; Creo: RETURN,0)
+UP_WORDS = frozenset({"AUTO", "MANUAL"})
+
+
+def hole_cycle(statement: Statement, unit: float, upwards: bool, place: str) -> HoleCycle:
+    """The hole of a `CYCLE/` statement.
+
+    Args:
+        unit: length unit of the file [m].
+        upwards: RAPTO and FEDTO are heights over the point (NX); else RAPTO is a way down from
+            CLEAR (Creo).
+
+    Raises:
+        InputError: no drilling cycle, no depth, or numbers whose meaning is not known.
+    """
+    words = statement.words
+    kind, name = _kind(words, place)
+    values, bare, feed = _values(statement, place)
+    feed_words = {word for word in words if word in CYCLE_FEED_WORDS}
+    depth, clear, steps = _bare(bare, values, place)
+    if "feed to" in values:
+        depth = abs(values["feed to"][0])
+    rapid_to = values.get("rapid to", [None])[0]
+    clearance, start = _heights(clear, rapid_to, upwards)
+    if depth is None:
+        raise InputError(
+            f"{place}: CYCLE/{name} states no depth; expected DEPTH,… (Creo), FEDTO,… (NX) or the "
+            "depth as first number"
+        )
+    if depth < 0 or any(step <= 0 for step in steps):
+        raise InputError(f"{place}: CYCLE/{name} has a negative depth or step; expected lengths")
+    retract = values.get("retract", [clearance])[0]
+    if UP_WORDS & set(words) or ("RETURN" in words and retract == 0):
+        retract = math.inf
+    return HoleCycle(
+        kind if steps or kind not in {"peck", "chip"} else "drill",
+        depth * unit,
+        start * unit,
+        max(retract, start) * unit,
+        tuple(step * unit for step in steps),
+        _dwell(values),
+        None if feed is None else feed_of(feed, feed_words, unit),
+        name,
+    )
+
+
+def _kind(words: list[str], place: str) -> tuple[str, str]:
+    found = [word for word in words if word in KINDS]
+    refused = [word for word in words if word in REFUSED]
+    if refused or not found:
+        shown = (refused or words or ["nothing"])[0]
+        raise InputError(
+            f"{place}: CYCLE/{shown} is not read; expected one of {', '.join(KINDS)}, or points"
+        )
+    # NX: DRILL,DEEP and DRILL,BRKCHP: the later word says how
+    special = [word for word in found if KINDS[word] != "drill"]
+    name = (special or found)[0]
+    return KINDS[name], name
+
+
+def _values(
+    statement: Statement, place: str
+) -> tuple[dict[str, list[float]], list[float], float | None]:
+    """Numbers by their word, bare numbers, and the feed beside its unit."""
+    values: dict[str, list[float]] = defaultdict(list)
+    bare: list[float] = []
+    feed: float | None = None
+    last = ""
+    for argument in statement.arguments:
+        if is_number(argument):
+            value = number(argument, f"{place}, CYCLE")
+            if last in LENGTH_WORDS:
+                values[LENGTH_WORDS[last]].append(value)
+            elif last in CYCLE_FEED_WORDS and feed is None:
+                feed = value
+            elif last in CYCLE_FEED_WORDS:
+                # Creo's peck table: other feeds in deeper steps; the slowest is safe for all
+                feed = min(feed, value) if feed is not None else value
+            elif last in OTHER_WORDS:
+                values[last].append(value)
+            else:
+                bare.append(value)
+                continue
+        elif _feed_before(argument, last, bare, values) and feed is None:
+            feed = bare.pop()
+            last = ""
+            continue
+        last = "" if is_number(argument) else argument.upper()
+        if last and last in KINDS:
+            last = ""
+    if feed is not None and feed <= 0:
+        raise InputError(f"{place}: CYCLE/ has the feed {feed}, expected a positive one")
+    return values, bare, feed
+
+
+def _feed_before(
+    argument: str, last: str, bare: list[float], values: dict[str, list[float]]
+) -> bool:
+    """Whether the bare number just read is a feed: its unit follows, and it is not the depth."""
+    stated = "depth" in values or "feed to" in values
+    return argument.upper() in CYCLE_FEED_WORDS and last == "" and len(bare) > (0 if stated else 1)
+
+
+def _bare(
+    bare: list[float], values: dict[str, list[float]], place: str
+) -> tuple[float | None, float | None, list[float]]:
+    """Depth, clearance and steps from numbers with and without a word."""
+    depth = values.get("depth", [None])[0]
+    clear = values.get("clear", [None])[0]
+    steps = list(values.get("step", []))
+    rest = list(bare)
+    if depth is None and "feed to" not in values and rest:
+        depth = rest.pop(0)
+    if clear is None and "rapid to" not in values and rest:
+        clear = rest.pop(0)
+    if rest or len(values.get("depth", [])) > 1:
+        raise InputError(
+            f"{place}: CYCLE/ has numbers whose meaning is not known: {rest or values['depth']}; "
+            "expected words before them (DEPTH, STEP, CLEAR, RETURN, FEDTO, RAPTO, RTRCTO)"
+        )
+    return depth, clear, steps
+
+
+def _heights(clear: float | None, rapid_to: float | None, upwards: bool) -> tuple[float, float]:
+    """Height of the retract and height where the feed begins."""
+    if rapid_to is None:
+        return clear or 0.0, clear or 0.0
+    if clear is None or upwards:
+        return rapid_to, rapid_to
+    return clear, clear - rapid_to
+
+
+def _dwell(values: dict[str, list[float]]) -> float:
+    """Seconds at the bottom."""
+    return max(values.get("DWELL", [0.0])[0], 0.0)

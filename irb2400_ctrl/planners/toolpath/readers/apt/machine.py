@@ -1,0 +1,191 @@
+"""What the machine around the tool is told in APT-like files: tool, spindle, coolant, stops."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from dataclasses import replace
+
+from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.planners.toolpath.cam_program import Tool
+from irb2400_ctrl.planners.toolpath.readers.apt import frames, units
+from irb2400_ctrl.planners.toolpath.readers.apt.statements import Statement, is_number, number
+from irb2400_ctrl.planners.toolpath.readers.program_builder import ProgramBuilder
+
+
+class Machine:
+    """Carries statements out on the builder."""
+
+    def __init__(self, builder: ProgramBuilder) -> None:
+        self._builder = builder
+        self._do: dict[str, Callable[[Statement, float], None]] = {
+            "TOOL PATH": self._tool_path,
+            "TLDATA": self._tool_data,
+            "CUTTER": self._cutter,
+            "LOADTL": self._load,
+            "LOAD": self._load_word,
+            "SELECT": self._select,
+            "SELCTL": self._select,
+            "UNLOAD": self._select,
+            "TURRET": self._load,
+            "TOOLNO": self._tool_number,
+            "TPRINT": self._tool_name,
+            "MSYS": self._frame,
+            "SPINDL": self._spindle,
+            "COOLNT": self._coolant,
+            "STOP": self._stop,
+            "OPSTOP": self._stop,
+            "DELAY": self._delay,
+            "CUTCOM": self._compensation,
+            "ORIGIN": self._origin,
+            "PPRINT": self._message,
+        }
+
+    def read(self, statement: Statement, unit: float) -> bool:
+        """Carry it out, if it is one of the machine's; whether it was."""
+        order = self._do.get(statement.word)
+        if order is None:
+            return False
+        order(statement, unit)
+        return True
+
+    def _tool_path(self, statement: Statement, unit: float) -> None:
+        """NX: TOOL PATH/operation,TOOL,tool."""
+        builder = self._builder
+        words = statement.words
+        split = words.index("TOOL") if "TOOL" in words else len(words)
+        name = ",".join(statement.arguments[:split])
+        tool = ",".join(statement.arguments[split + 1 :])
+        builder.begin_operation(name)
+        if tool and (tool != builder.tool.name or builder.tool.number is not None):
+            builder.describe_tool(Tool(name=tool))
+
+    def _tool_data(self, statement: Statement, unit: float) -> None:
+        """NX: TLDATA/kind,diameter,corner radius,length,…"""
+        values = self._numbers(statement)
+        tool = self._builder.tool
+        diameter = unit * values[0] if values and values[0] > 0 else None
+        length = unit * values[2] if len(values) > 2 and values[2] > 0 else None
+        self._builder.describe_tool(replace(tool, diameter=diameter, length=length))
+
+    def _cutter(self, statement: Statement, unit: float) -> None:
+        """CUTTER/diameter,corner radius,e,f,a,b,height."""
+        builder = self._builder
+        values = self._numbers(statement)
+        tool = self._described()
+        if values and values[0] > 0:
+            length = unit * values[6] if len(values) > 6 and values[6] > 0 else tool.length
+            builder.describe_tool(replace(tool, diameter=unit * values[0], length=length))
+
+    def _load(self, statement: Statement, unit: float) -> None:
+        builder = self._builder
+        numbers = [a for a in statement.arguments if is_number(a)]
+        if not numbers:
+            builder.change_tool(replace(self._described(), number=None))
+            return
+        words = statement.words
+        offset = None
+        for word in ("ADJUST", "OSETNO"):
+            if word in words[:-1] and is_number(words[words.index(word) + 1]):
+                offset = int(number(words[words.index(word) + 1], builder.place))
+        if offset is None and len(statement.arguments) == 2 == len(numbers):
+            offset = int(number(numbers[1], builder.place))
+        loaded = int(number(numbers[0], builder.place))
+        known = self._described()
+        if known.number not in {None, loaded}:
+            known = Tool()
+        tool = replace(known, number=loaded, length_offset=offset)
+        if "LENGTH" in words[:-1] and is_number(words[words.index("LENGTH") + 1]):
+            length = number(words[words.index("LENGTH") + 1], builder.place)
+            tool = replace(tool, length=unit * length)
+        builder.change_tool(tool)
+
+    def _described(self) -> Tool:
+        """What was said about the next tool; nothing of the one in the spindle."""
+        builder = self._builder
+        return builder.tool if builder.tool_described or not builder.moved else Tool()
+
+    def _load_word(self, statement: Statement, unit: float) -> None:
+        """NX: LOAD/TOOL,number,ADJUST,register."""
+        if "TOOL" not in statement.words:
+            self._builder.note("ignored", "LOAD/ of no tool")
+            return
+        self._load(statement, unit)
+
+    def _select(self, statement: Statement, unit: float) -> None:
+        self._builder.note("ignored", f"{statement.word}/: the magazine only")
+
+    def _tool_number(self, statement: Statement, unit: float) -> None:
+        """CATIA: TOOLNO/number,diameter."""
+        values = self._numbers(statement)
+        tool = self._described()
+        if values:
+            tool = replace(tool, number=int(values[0]))
+        if len(values) > 1 and values[1] > 0:
+            tool = replace(tool, diameter=unit * values[1])
+        self._builder.describe_tool(tool)
+
+    def _tool_name(self, statement: Statement, unit: float) -> None:
+        self._builder.describe_tool(replace(self._described(), name=statement.text))
+
+    def _frame(self, statement: Statement, unit: float) -> None:
+        builder = self._builder
+        values = statement.numbers(builder.place)
+        builder.set_frame(frames.of_axes(values, unit, builder.place))
+
+    def _spindle(self, statement: Statement, unit: float) -> None:
+        builder = self._builder
+        found = units.spindle(
+            statement, builder.spindle, builder.tool.diameter, unit, builder.place
+        )
+        if found is None:
+            builder.note("assumed", "SPINDL/ with a surface speed, but no diameter: speed unknown")
+        else:
+            builder.set_spindle(found)
+
+    def _coolant(self, statement: Statement, unit: float) -> None:
+        self._builder.set_coolant(" ".join(statement.words).lower() or "on")
+
+    def _stop(self, statement: Statement, unit: float) -> None:
+        kind = "stop" if statement.word == "STOP" else "optional stop"
+        self._builder.stop(kind, statement.text)
+
+    def _delay(self, statement: Statement, unit: float) -> None:
+        self._builder.event("dwell", statement.text)
+
+    def _compensation(self, statement: Statement, unit: float) -> None:
+        builder = self._builder
+        words = set(statement.words)
+        builder.event("compensation", " ".join(statement.words).lower())
+        if not words & {"LEFT", "RIGHT", "ON"}:
+            builder.note("ignored", f"CUTCOM/{' '.join(statement.words)}")
+            return
+        if builder.on_profile:
+            raise InputError(
+                f"{builder.place}: CUTCOM/ with OUTPUT_ON_PROFILE: the points lie on the part's "
+                "edge, a tool's radius beside the path; expected CUTCOM_GEOMETRY_TYPE / "
+                "OUTPUT_ON_CENTER"
+            )
+        builder.note(
+            "assumed", "CUTCOM/: the points are the tool's centre; nothing is added for its radius"
+        )
+
+    def _origin(self, statement: Statement, unit: float) -> None:
+        values = self._numbers(statement)
+        if any(values[:3]):
+            self._builder.note(
+                "assumed", "ORIGIN/: the post-processor's zero; the points are not moved by it"
+            )
+        else:
+            self._builder.note("ignored", "ORIGIN/0,0,0")
+
+    def _message(self, statement: Statement, unit: float) -> None:
+        name = re.match(r"OPERATION\s+NAME\s*:?\s*(.+)", statement.text, re.IGNORECASE)
+        if name:
+            self._builder.begin_operation(name.group(1))
+        else:
+            self._builder.event("message", statement.text)
+
+    def _numbers(self, statement: Statement) -> list[float]:
+        place = f"{self._builder.place}, {statement.word}"
+        return [number(a, place) for a in statement.arguments if is_number(a)]

@@ -1,0 +1,178 @@
+"""What moves the tool in APT-like files: points, arcs, splines, holes, and how they are stated."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.planners.toolpath.readers.apt import units
+from irb2400_ctrl.planners.toolpath.readers.apt.circles import NX, Circles
+from irb2400_ctrl.planners.toolpath.readers.apt.cycles import hole_cycle
+from irb2400_ctrl.planners.toolpath.readers.apt.nurbs import Nurbs
+from irb2400_ctrl.planners.toolpath.readers.apt.placement import Placement
+from irb2400_ctrl.planners.toolpath.readers.apt.statements import Statement, is_number, number
+from irb2400_ctrl.planners.toolpath.readers.expansion.drilling import HoleCycle
+from irb2400_ctrl.planners.toolpath.readers.program_builder import ProgramBuilder
+
+
+class Motion:
+    """Carries statements of motion out on the builder."""
+
+    def __init__(self, builder: ProgramBuilder, dialect: str) -> None:
+        self._builder = builder
+        self._dialect = dialect
+        self._placement = Placement(builder)
+        self._circles = Circles(builder, self._placement, dialect)
+        self._nurbs = Nurbs(builder, self._placement)
+        self._rapid = False
+        self._incremental = False
+        self._cycle: HoleCycle | None = None
+        self._last_cycle: HoleCycle | None = None
+        self._last_word = ""
+        self._do: dict[str, Callable[[Statement], None]] = {
+            "GOTO": self._goto,
+            "FROM": self._from,
+            "GODLTA": self._delta,
+            "GOHOME": self._home,
+            "RAPID": self._set_rapid,
+            "FEDRAT": self._feed,
+            "CIRCLE": self._circles.begin,
+            "MOVARC": self._circles.begin,
+            "TLON": self._contour,
+            "GOFWD": self._contour,
+            "INDIRV": self._circles.set_direction,
+            "NURBS": self._nurbs.begin,
+            "KNOT": self._nurbs.knots,
+            "CNTRL": self._nurbs.control,
+            "MOVNRB": self._nurbs.creo,
+            "CYCLE": self._set_cycle,
+            "MODE": self._mode,
+            "TLAXIS": self._tool_axis,
+            "TRACUT": self._placement.transform,
+            "TRANS": self._placement.translate,
+        }
+
+    def read(self, statement: Statement, unit: float) -> bool:
+        """Carry it out, if it is one of motion; whether it was."""
+        word = statement.word
+        if word == "" and self._last_word == "GOTO":
+            # Creo: further points of an arc on lines of their own
+            word = "GOTO"
+        if self._nurbs.open and word not in {"KNOT", "CNTRL"}:
+            self._nurbs.end(self._take_rapid())
+        if word != "GOTO":
+            self._circles.interrupted()
+        self._last_word = word
+        order = self._do.get(word)
+        if order is None:
+            return False
+        self._placement.unit = unit
+        order(statement)
+        return True
+
+    def end(self) -> None:
+        """The file ends: nothing may be left open."""
+        if self._nurbs.open:
+            self._nurbs.end(self._take_rapid())
+        self._circles.none_open()
+
+    def _goto(self, statement: Statement) -> None:
+        builder = self._builder
+        position, axis = self._placement.point_and_axis(statement)
+        if self._incremental:
+            numbers = statement.numbers(builder.place)
+            position = self._placement.here() + self._placement.way(numbers[:3])
+        rapid = self._take_rapid()
+        if self._cycle is not None:
+            if rapid:
+                builder.note("assumed", "RAPID before a point of a CYCLE/: it is a hole as well")
+            builder.drill(self._cycle, position, axis)
+        elif self._circles.open:
+            self._circles.close(position, axis, rapid)
+        elif not self._circles.goes_on(position, axis, rapid):
+            builder.move(position, axis=axis, rapid=rapid)
+
+    def _from(self, statement: Statement) -> None:
+        self._circles.none_open()
+        position, axis = self._placement.point_and_axis(statement)
+        self._builder.start(position, axis)
+
+    def _delta(self, statement: Statement) -> None:
+        """GODLTA/dx,dy,dz[,i,j,k], or GODLTA/d along the tool axis."""
+        self._circles.none_open()
+        builder = self._builder
+        values = statement.numbers(builder.place)
+        here = self._placement.here()
+        if len(values) not in {1, 3, 6}:
+            raise InputError(
+                f"{builder.place}: GODLTA/ has {len(values)} numbers, expected 1, 3 or 6"
+            )
+        axis = self._placement.axis(values[3:]) if len(values) == 6 else None
+        if len(values) == 1:
+            way = self._placement.unit * values[0] * builder.axis
+        else:
+            way = self._placement.way(values[:3])
+        builder.move(here + way, axis=axis, rapid=self._take_rapid())
+
+    def _home(self, statement: Statement) -> None:
+        self._circles.none_open()
+        builder = self._builder
+        self._rapid = False
+        if statement.arguments:
+            position, axis = self._placement.point_and_axis(statement)
+            builder.move(position, axis=axis, rapid=True)
+        else:
+            builder.leave()
+            builder.note("assumed", "GOHOME/ without a place: the machine's home; the robot stays")
+
+    def _contour(self, statement: Statement) -> None:
+        if any("/" in argument for argument in statement.arguments):
+            self._circles.follow(statement, self._take_rapid())
+        else:
+            # TLON alone: the tool will be on the line, not beside it
+            self._builder.note("ignored", "TLON")
+
+    def _set_cycle(self, statement: Statement) -> None:
+        self._circles.none_open()
+        builder = self._builder
+        word = (statement.words or [""])[0]
+        if word in {"OFF", "NOMORE"}:
+            self._cycle = None
+            return
+        if word == "ON":
+            self._cycle = self._last_cycle
+            return
+        cycle = hole_cycle(statement, self._placement.unit, self._dialect == NX, builder.place)
+        self._cycle = cycle
+        self._last_cycle = cycle
+        if cycle.name in {"DEEP", "DEEPHL", "PECK", "BRKCHP"} and not cycle.steps:
+            builder.note("assumed", f"CYCLE/{cycle.name} without a step: one stroke")
+
+    def _set_rapid(self, statement: Statement) -> None:
+        self._rapid = True
+
+    def _take_rapid(self) -> bool:
+        """Whether this move is rapid: the word holds for one move (ISO 4343)."""
+        rapid = self._rapid
+        self._rapid = False
+        return rapid
+
+    def _feed(self, statement: Statement) -> None:
+        builder = self._builder
+        builder.feed = units.feed(statement.arguments, builder.place, self._placement.unit)
+
+    def _mode(self, statement: Statement) -> None:
+        words = set(statement.words)
+        if words & {"INCR", "INC"}:
+            self._incremental = True
+        elif words & {"ABSOL", "ABS"}:
+            self._incremental = False
+        else:
+            self._builder.note("ignored", f"MODE/{' '.join(statement.words)}")
+
+    def _tool_axis(self, statement: Statement) -> None:
+        place = f"{self._builder.place}, TLAXIS"
+        values = [number(a, place) for a in statement.arguments if is_number(a)]
+        if len(values) != 3:
+            raise InputError(f"{place}: found {len(values)} numbers, expected i,j,k")
+        self._builder.axis = self._placement.axis(values)

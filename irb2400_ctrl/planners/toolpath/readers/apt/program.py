@@ -1,0 +1,111 @@
+"""`read_apt`: NX CLSF, Creo NCL, CATIA aptsource and plain APT/CLDATA as a `CamProgram`."""
+
+from __future__ import annotations
+
+from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.planners.toolpath.cam_program import CamProgram
+from irb2400_ctrl.planners.toolpath.readers.apt import units
+from irb2400_ctrl.planners.toolpath.readers.apt.comments import Comments
+from irb2400_ctrl.planners.toolpath.readers.apt.machine import Machine
+from irb2400_ctrl.planners.toolpath.readers.apt.motion import Motion
+from irb2400_ctrl.planners.toolpath.readers.apt.statements import COMMENT, Statement, statements
+from irb2400_ctrl.planners.toolpath.readers.apt.vocabulary import (
+    IGNORED,
+    MACHINE_CODE,
+    MOVING,
+    TURNING,
+)
+from irb2400_ctrl.planners.toolpath.readers.program_builder import ProgramBuilder
+
+
+def read_apt(
+    text: str, name: str, dialect: str, builder: ProgramBuilder, units: str | None = None
+) -> CamProgram:
+    """All operations of an APT-like file.
+
+    Args:
+        dialect: "NX CLSF", "Creo NCL", "CATIA aptsource" or "APT".
+        units: unit of length, against what the file says.
+
+    Raises:
+        InputError: a statement that cannot be read, or that may move the tool and is not known; the
+            message has its line.
+    """
+    program = list(statements(text, name))
+    unit_of = _Units(program, name, units, builder)
+    motion = Motion(builder, dialect)
+    machine = Machine(builder)
+    comments = Comments(builder)
+    for statement in program:
+        builder.line = statement.line
+        unit = unit_of.at(statement.line)
+        try:
+            if statement.word == COMMENT:
+                comments.read(statement.text, unit)
+            elif not (motion.read(statement, unit) or machine.read(statement, unit)):
+                _rest(builder, statement)
+        except InputError as error:
+            builder.failed(error)
+    try:
+        motion.end()
+    except InputError as error:
+        builder.failed(error)
+    return builder.finish(dialect, unit_of.name, unit_of.stated)
+
+
+def _rest(builder: ProgramBuilder, statement: Statement) -> None:
+    """Words that move nothing are noted; all others refused."""
+    word = statement.word
+    if word in TURNING and _turns_nothing(statement):
+        builder.note("ignored", f"{word}/ by zero")
+    elif word in MOVING:
+        raise InputError(
+            f"{builder.place}: {word}/ moves the tool or the part and is not read; expected "
+            "GOTO/, GODLTA/, CIRCLE/ or MOVARC/ (let the CAM system write points)"
+        )
+    elif word in MACHINE_CODE:
+        builder.note("assumed", f"{word}/{statement.text[:60]}: machine code, not carried out")
+    elif word in IGNORED:
+        builder.note("ignored", f"{word}/")
+    else:
+        shown = f"{word}/{statement.text[:40]}" if statement.text else word
+        raise InputError(
+            f"{builder.place}: unknown statement {word!r} ({shown}); expected APT/CLDATA such as "
+            "GOTO/x,y,z,i,j,k"
+        )
+
+
+def _turns_nothing(statement: Statement) -> bool:
+    numbers = [a for a in statement.arguments if a[:1] in "+-.0123456789"]
+    return bool(numbers) and all(n.strip("+-0.") == "" for n in numbers)
+
+
+class _Units:
+    """The unit of length at each line: one `UNITS/` anywhere holds for the whole file."""
+
+    def __init__(
+        self, program: list[Statement], name: str, asked: str | None, builder: ProgramBuilder
+    ) -> None:
+        stated = units.stated_units(program, name)
+        self._steps: list[tuple[int, float]] = []
+        self.stated = bool(stated) or asked is not None
+        if asked is not None:
+            self.name = asked
+        elif not stated:
+            self.name = units.units_of_feeds(program) or "mm"
+            why = "as its feeds" if units.units_of_feeds(program) else "the default"
+            builder.line = 1
+            builder.note("assumed", f"no UNITS/ in the file: lengths in {self.name}, {why}")
+        else:
+            self.name = stated[0][1]
+            if any(unit != self.name for _, unit in stated):
+                self._steps = [(line, units.length_unit(unit)) for line, unit in stated[1:]]
+        self._first = units.length_unit(self.name)
+
+    def at(self, line: int) -> float:
+        """The unit [m]."""
+        unit = self._first
+        for start, later in self._steps:
+            if line >= start:
+                unit = later
+        return unit

@@ -1,0 +1,118 @@
+"""The statements of APT-like files: continuation, comments, words and numbers."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from irb2400_ctrl.errors import InputError
+
+COMMENT = "$$"
+NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([EeDd][-+]?\d+)?$")
+# the rest of such a line is text for people, with or without a slash before it
+TEXT_WORDS = ("PARTNO", "PPRINT", "TPRINT", "INSERT", "REMARK", "TITLES", "TITLE", "LETTER", "NOTE")
+
+
+@dataclass(frozen=True)
+class Statement:
+    """`WORD/argument,argument,…` of one or more lines, or a comment (`word` is "$$")."""
+
+    line: int
+    word: str
+    """capital letters; "" for a line of bare numbers"""
+    arguments: tuple[str, ...]
+    """as written, without blanks around them"""
+    text: str
+    """all after the word"""
+
+    @property
+    def words(self) -> list[str]:
+        """The arguments in capital letters."""
+        return [argument.upper() for argument in self.arguments]
+
+    def numbers(self, place: str) -> list[float]:
+        """All arguments as numbers; InputError names the one that is none."""
+        return [number(argument, f"{place}, {self.word}") for argument in self.arguments]
+
+
+def number(text: str, place: str) -> float:
+    """A finite number; Fortran's D exponents too."""
+    try:
+        value = float(text.upper().replace("D", "E"))
+    except ValueError:
+        raise InputError(f"{place}: found {text.upper()!r}, expected a number") from None
+    if not math.isfinite(value):
+        raise InputError(f"{place}: found {text.upper()}, expected a finite number")
+    return value
+
+
+def is_number(text: str) -> bool:
+    """Whether an argument is a number."""
+    return NUMBER.match(text) is not None
+
+
+def statements(text: str, name: str) -> Iterator[Statement]:
+    """All statements and comments; `$` at the end of a line continues it, in comments too.
+
+    Raises:
+        InputError: the file ends within a statement, or a line has no word.
+    """
+    pending = ""
+    start = 0
+    for line, raw in enumerate(text.split("\n"), 1):
+        part = raw.strip()
+        if pending and not part:
+            continue
+        start = start if pending else line
+        commented = (pending or part).startswith(COMMENT)
+        if not commented:
+            part = part.split(COMMENT)[0].strip()
+        # Creo continues what it says in comments; others end a sentence with $ by chance
+        continues = not commented or (pending or part).startswith("$$->")
+        if continues and part.endswith("$") and not part.endswith(COMMENT):
+            pending += part[:-1].strip() + " "
+            continue
+        joined = (pending + part).strip()
+        pending = ""
+        if joined:
+            yield _statement(start, joined, name)
+    if pending:
+        raise InputError(f"{name}, line {start}: the statement is continued by $ but the file ends")
+
+
+def _statement(line: int, text: str, name: str) -> Statement:
+    if text.startswith(COMMENT):
+        return Statement(line, COMMENT, (), text[len(COMMENT) :])
+    upper = text.upper()
+    for word in TEXT_WORDS:
+        if upper.startswith(word) and not upper[len(word) :][:1].isalnum():
+            rest = text[len(word) :].strip().removeprefix("/").strip()
+            return Statement(line, word, tuple(split_arguments(rest)), rest)
+    head, slash, tail = text.partition("/")
+    first, *more = [part.strip() for part in head.split(",")]
+    if is_number(first) and not slash:
+        return Statement(line, "", tuple(split_arguments(text)), text)
+    if re.match(r"[A-Za-z]", first) is None:
+        raise InputError(
+            f"{name}, line {line}: found {text[:40]!r}, expected an APT statement such as GOTO/"
+        )
+    word = re.sub(r"\s+", " ", first).upper()
+    arguments = tuple(part for part in more if part) + tuple(split_arguments(tail))
+    return Statement(line, word, arguments, tail.strip())
+
+
+def split_arguments(text: str) -> list[str]:
+    """Arguments between commas; commas within brackets do not separate. A last empty one counts
+    not."""
+    parts = [""]
+    depth = 0
+    for character in text:
+        depth += (character == "(") - (character == ")")
+        if character == "," and depth <= 0:
+            parts.append("")
+        else:
+            parts[-1] += character
+    parts = [part.strip() for part in parts]
+    return parts[:-1] if not parts[-1] else parts

@@ -1,0 +1,26 @@
+"""Words of APT, ISO 4343 and of the CAM systems' CL files that move nothing, or surely do.
+
+A word that is in no list here and that no reader knows is refused, so that no motion is lost in
+silence.
+"""
+
+from __future__ import annotations
+
+_DISPLAY = """AUTOPS CHECK CLPRNT CLRSRF DATE DEBUG DISPLY DRAFT FORMAT ISN LEADER LETTER LPRINT
+NOTE OVPLOT PAINT PARTNO PBS PENDWN PENUP PLABEL PLOT REMARK SSPEED SYN TITLE TITLES VERIFY"""
+_TOLERANCE = """ARCOUT CLDIST CUTDIR DNTCUT CUT FLOAT INTCOD INTOL LINTOL MAXDPM MAXVEL MCHFIN
+MCHTOL OUTTOL PREGEO PSIS SLOWDN SPMIL TLLFT TLOFPS TLONPS TLRGT TOLER ZSURF"""
+_MACHINE = """AIR BOUNDARY BREAK CATMAT CLAMP CLEARP COMPON COUPLE END END-OF-PATH FINI HEAD MACHIN
+MATERIAL MFGNO MULTAX NOPOST OPERATION OPSKIP OPTION PITCH PIVOTZ POSTN PPFUN PROGRAM RESERV REWIND
+RTRCTO SAFETY SAFPOS SEQNO SET START STOCK SWITCH TMARK TOOL UNITS VOCABF"""
+_MOVING = """ARCDAT ARCMOV ARCSLP CALL CALSUB COPY DEFSUB ENDSUB GOBACK GOCLER GODOWN GOLFT
+GORGT GOUP INDEX MACRO MOVBLK POCKET RETRCT ROTABL ROTATE ROTHED SCURVE SMIL TERMAC THREAD UMACRO"""
+
+IGNORED = frozenset(f"{_DISPLAY} {_TOLERANCE} {_MACHINE}".split())
+"""what the listing, the tolerances of the CAM and the machine around the tool are told"""
+MACHINE_CODE = frozenset(("INSERT", "PREFUN", "AUXFUN"))
+"""orders to one machine in its own language: what they do there is not known here"""
+MOVING = frozenset(_MOVING.split())
+"""they move the tool or the part, and are not read"""
+TURNING = frozenset(("ROTABL", "ROTATE", "ROTHED"))
+"""they turn a table or head; by zero they move nothing"""

@@ -1,0 +1,153 @@
+"""CSV tool paths: `x_mm,y_mm,z_mm` with a tool axis or an orientation, and a feed."""
+
+from __future__ import annotations
+
+import csv
+import math
+import re
+from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
+
+from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.planners.toolpath.cam_program import CamProgram, Note, Operation
+from irb2400_ctrl.planners.toolpath.readers.apt.statements import number
+from irb2400_ctrl.planners.toolpath.toolpath import ToolPath
+
+Array = npt.NDArray[np.float64]
+POINT = ["x_mm", "y_mm", "z_mm"]
+AXIS = ["i", "j", "k"]
+QUATERNION = ["qw", "qx", "qy", "qz"]
+FEED = "feed_mm_s"
+# a column that sounds like motion and is not read would change the motion in silence
+MOTION = re.compile(
+    r"(feed|fedrat|speed|vel|rapid|time|t_|f$|f_|[xyzabcuvwijk]$|[xyzabcuvw]_|r[xyz]|q[wxyz]|roll"
+    r"|pitch|yaw|tool|spindle)",
+    re.IGNORECASE,
+)
+
+
+def read_csv(text: str, name: str, unit: float = 1e-3) -> CamProgram:
+    """A program of one operation from CSV with a header; lines that begin with # are comments.
+
+    Args:
+        unit: of the places, against the header [m].
+
+    Raises:
+        InputError: a column is missing or not known although it sounds like motion, or a value is
+            wrong; the message has its line.
+    """
+    lines = [
+        (line, row) for line, row in enumerate(text.split("\n"), 1) if row.strip() and row[0] != "#"
+    ]
+    if not lines:
+        raise InputError(
+            f"{name} is empty: expected a header x_mm,y_mm,z_mm,i,j,k and one row per point"
+        )
+    header = [cell.strip() for cell in lines[0][1].split(",")]
+    full, others = _columns(header, name, lines[0][0])
+    wanted = POINT + (QUATERNION if full else AXIS) + ([FEED] if FEED in header else [])
+    table = _table(lines[1:], header, wanted, name)
+    numbers = [line for line, _ in lines[1:]]
+    path = _path(table, full, FEED in header, name, numbers, unit)
+    notes = [Note("ignored", lines[0][0], f"column {column}") for column in others]
+    operation = Operation(
+        1, path.name, path, ~np.isfinite(path.feed), np.array(numbers, dtype=np.int64)
+    )
+    return CamProgram(Path(name).name, "CSV", (operation,), tuple(notes), units_stated=False)
+
+
+def _columns(header: list[str], name: str, line: int) -> tuple[bool, list[str]]:
+    """Whether the orientation is full, and the columns that are left aside."""
+    missing = [key for key in POINT if key not in header]
+    if missing:
+        raise InputError(
+            f"{name}, line {line}: no column {', '.join(missing)} in the header {header}"
+        )
+    twice = sorted({key for key in header if header.count(key) > 1})
+    if twice:
+        raise InputError(f"{name}, line {line}: found the column {twice[0]} twice, expected once")
+    if set(AXIS) <= set(header) and set(QUATERNION) <= set(header):
+        raise InputError(f"{name}: found both i,j,k and qw,qx,qy,qz; expected one of the two")
+    full = set(QUATERNION) <= set(header)
+    if not full and not set(AXIS) <= set(header):
+        raise InputError(
+            f"{name}: no orientation; expected columns i,j,k (tool axis) or qw,qx,qy,qz"
+        )
+    known = {*POINT, *(QUATERNION if full else AXIS), FEED}
+    others = [key for key in header if key not in known]
+    motion = [key for key in others if MOTION.match(key)]
+    if motion:
+        raise InputError(
+            f"{name}, line {line}: the column {motion[0]!r} is not read; expected "
+            f"{', '.join([*POINT, *AXIS])} (or {', '.join(QUATERNION)}) and {FEED} [mm/s]; rename "
+            "or remove it"
+        )
+    return full, others
+
+
+def _table(lines: list[tuple[int, str]], header: list[str], wanted: list[str], name: str) -> Array:
+    columns = [header.index(key) for key in wanted]
+    rows = []
+    for (line, _), cells in zip(lines, csv.reader(text for _, text in lines), strict=True):
+        if len(cells) != len(header):
+            raise InputError(
+                f"{name}, line {line}: found {len(cells)} values, expected {len(header)}"
+            )
+        row = []
+        for key, column in zip(wanted, columns, strict=True):
+            cell = cells[column]
+            blank_feed = key == FEED and not cell.strip()
+            place = f"{name}, line {line}, column {key}"
+            row.append(math.inf if blank_feed else _number(cell, place))
+        rows.append(row)
+    if len(rows) < 2:
+        raise InputError(f"{name}: found {len(rows)} point(s), expected at least 2")
+    return np.array(rows)
+
+
+def _number(cell: str, place: str) -> float:
+    try:
+        return number(cell, place)
+    except InputError:
+        # as written, not in APT's capitals
+        wrong = f"{place}: found {cell.strip()!r}, expected a number"
+        try:
+            value = float(cell)
+        except ValueError:
+            raise InputError(wrong) from None
+        raise InputError(f"{place}: found {value}, expected a finite number") from None
+
+
+def _path(
+    table: Array, full: bool, fed: bool, name: str, lines: list[int], unit_m: float
+) -> ToolPath:
+    feed = table[:, -1] / 1e3 if fed else np.full(len(table), np.inf)
+    _check_rows(name, lines, feed <= 0, "feed_mm_s is not positive")
+    directions = table[:, 3:7] if full else table[:, 3:6]
+    norm = np.linalg.norm(directions, axis=1)
+    # CAM rounds to a few digits; a norm far from 1 means the columns hold something else
+    what = "quaternion" if full else "tool axis i,j,k"
+    _check_rows(name, lines, np.abs(norm - 1) > 0.02, f"the {what} does not have length 1")
+    unit = directions / norm[:, None]
+    stem = Path(name).stem
+    if full:
+        return ToolPath(unit_m * table[:, :3], None, quaternion_matrix(unit), feed, stem)
+    return ToolPath(unit_m * table[:, :3], unit, None, feed, stem)
+
+
+def quaternion_matrix(q: Array) -> Array:
+    """Rotation matrices (n, 3, 3) of unit quaternions w, x, y, z (n, 4)."""
+    w, x, y, z = q.T
+    rows = [
+        [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+        [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+        [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+    ]
+    return np.moveaxis(np.array(rows), 2, 0)
+
+
+def _check_rows(name: str, lines: list[int], wrong: npt.NDArray[np.bool_], what: str) -> None:
+    if wrong.any():
+        raise InputError(f"{name}, line {lines[int(np.argmax(wrong))]}: {what}")

@@ -1,0 +1,79 @@
+"""Which language a CAM file is in: by its content first, by its suffix where that says nothing."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+from irb2400_ctrl.errors import InputError
+
+APT_SUFFIXES = (".apt", ".aptsource", ".cls", ".clsf", ".cl", ".cldata", ".cld", ".ncl")
+GCODE_SUFFIXES = (".nc", ".ngc", ".gcode", ".gc", ".tap", ".cnc", ".mpf", ".iso", ".eia", ".din")
+APT_LINE = re.compile(
+    r"^\s*(GOTO|FROM|GODLTA|FEDRAT|CIRCLE|MOVARC|CYCLE|SPINDL|COOLNT|LOADTL|CUTTER|UNITS|PARTNO"
+    r"|MULTAX|TOOL PATH|TLDATA|MSYS|PAINT|MACHIN|LOAD|CUTCOM|NURBS|TLON|INTOL|OUTTOL|PPRINT)\s*/",
+    re.IGNORECASE | re.MULTILINE,
+)
+GCODE_LINE = re.compile(
+    r"^\s*/?\s*(?:N\s*\d+\s*)?(?:[GM]\s*\d+(?:\.\d+)?(?=[\sA-Z(;]|$)"
+    r"|[XYZ]\s*[-+]?[\d.]+(?=[\sA-Z(;]|$))",
+    re.IGNORECASE | re.MULTILINE,
+)
+HEIDENHAIN = re.compile(r"^\s*\d*\s*BEGIN PGM\b", re.IGNORECASE | re.MULTILINE)
+CSV_COLUMNS = re.compile(r"(^|,)\s*[xyz]_?\w*\s*(,|$)", re.IGNORECASE)
+LISTED = ".csv, " + ", ".join((*APT_SUFFIXES[:5], ".ncl", ".nc", ".ngc", ".gcode"))
+
+
+def dialect(text: str, path: Path) -> str:
+    """ "CSV", "G-code", "NX CLSF", "Creo NCL", "CATIA aptsource" or "APT".
+
+    Raises:
+        InputError: the content is of no known language, or of two.
+    """
+    # Creo counts versions behind its suffix: part.ncl.8
+    suffix = next((s for s in reversed(path.suffixes) if not s[1:].isdecimal()), "").lower()
+    if HEIDENHAIN.search(text):
+        raise InputError(f"{path}: Heidenhain's plain language is not read; let the CAM system "
+                         "write G-code (DIN/ISO) or APT")  # fmt: skip
+    if _is_csv(text):
+        return "CSV"
+    apt = len(APT_LINE.findall(text))
+    gcode = len(GCODE_LINE.findall(_without_comments(text)))
+    if apt and gcode and min(apt, gcode) > 0.2 * max(apt, gcode):
+        raise InputError(
+            f"{path}: found {apt} lines of APT and {gcode} of G-code, expected one language; split "
+            "the file"
+        )
+    if apt > gcode:
+        return _apt_dialect(text)
+    if gcode:
+        return "G-code"
+    if suffix == ".csv":
+        return "CSV"
+    if suffix in APT_SUFFIXES:
+        return _apt_dialect(text)
+    if suffix in GCODE_SUFFIXES:
+        return "G-code"
+    raise InputError(f"{path}: unknown kind {suffix!r}, expected one of {LISTED}, or such content")
+
+
+def _apt_dialect(text: str) -> str:
+    if re.search(r"^\s*(TOOL PATH|END-OF-PATH|TLDATA\s*/|MSYS\s*/)", text, re.MULTILINE | re.I):
+        return "NX CLSF"
+    if re.search(r"^\s*\$\$\s*(->|\*\s*Pro/CLfile)", text, re.MULTILINE | re.IGNORECASE):
+        return "Creo NCL"
+    if re.search(r"^\s*\$\$.*CATIA", text, re.MULTILINE | re.IGNORECASE):
+        return "CATIA aptsource"
+    return "APT"
+
+
+def _is_csv(text: str) -> bool:
+    """Whether the first line that is no comment is a header with columns of coordinates."""
+    for line in text.split("\n"):
+        if line.strip() and not line.startswith("#"):
+            return "," in line and "/" not in line and CSV_COLUMNS.search(line) is not None
+    return False
+
+
+def _without_comments(text: str) -> str:
+    return re.sub(r"\([^)\n]*\)|;[^\n]*", "", text)

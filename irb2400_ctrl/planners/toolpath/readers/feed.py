@@ -1,0 +1,40 @@
+"""Feeds: a speed, a way per turn of the spindle, or a share of the move per time."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from irb2400_ctrl.errors import InputError
+
+MM = 1e-3
+INCH = 25.4e-3
+FOOT = 12 * INCH
+LENGTHS = {"mm": MM, "cm": 1e-2, "m": 1.0, "inch": INCH, "foot": FOOT}
+"""units of length that a file may state [m]"""
+
+
+@dataclass(frozen=True)
+class Feed:
+    """A programmed feed."""
+
+    kind: str = "none"
+    """"speed" [m/s], "turn" [m per revolution], "inverse" [moves per second], or "none" """
+    value: float = math.inf
+
+    def speed(self, length: float, spindle_speed: float, place: str) -> float:
+        """Speed of the tool tip [m/s] on a move of `length` [m]; `spindle_speed` [rad/s].
+
+        Raises:
+            InputError: a feed per revolution, and the spindle stands.
+        """
+        if self.kind == "turn":
+            if spindle_speed <= 0:
+                raise InputError(
+                    f"{place}: the feed is per revolution, but no spindle speed is stated; "
+                    "expected SPINDL/…,RPM (or S and M3) before the move, or a feed per minute"
+                )
+            return self.value * spindle_speed / (2 * math.pi)
+        if self.kind == "inverse":
+            return max(self.value * length, 1e-9)
+        return self.value

@@ -1,0 +1,119 @@
+"""The blocks of G-code: words of a letter and a number, and comments.
+
+An own lexer, about a hundred lines: of the two libraries at hand, `gcodeparser` drops what its
+pattern does not match (a block `X1 Y2` without G1 among it) and `pygcode` has had no release since
+2017 and is under the GPL.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from irb2400_ctrl.errors import InputError
+
+WORD = re.compile(r"\s*([A-Z])\s*([-+]?(?:\d+\.?\d*|\.\d+))")
+# orders of Siemens' controls written as words
+NAMED = re.compile(r"\s*(TRAORI|TRAFOOF|SOFT|BRISK|FFWON|FFWOF|COMPCAD|COMPOF)\b(\(\s*1?\s*\))?")
+SUBPROGRAM = re.compile(r"^\s*O\s*<|^\s*O\d+\s+(SUB|CALL|IF|WHILE|REPEAT|DO|ENDSUB)")
+UNREADABLE = (
+    (re.compile(r"[#\[\]]|\bR\d+\s*="), "variables and expressions are not read"),
+    (SUBPROGRAM, "sub-programs are not read"),
+    (re.compile(r"="), "words such as X=10 or CR=5 (Siemens) are not read"),
+)
+
+
+@dataclass(frozen=True)
+class Block:
+    """One line."""
+
+    line: int
+    words: tuple[tuple[str, float], ...]
+    comments: tuple[str, ...] = ()
+    orders: tuple[str, ...] = ()
+    """written out: TRAORI, …"""
+    optional: bool = False
+    """behind a / : skipped when the operator wants it"""
+
+    def codes(self, letter: str) -> list[float]:
+        """All numbers behind this letter."""
+        return [value for key, value in self.words if key == letter]
+
+    def values(self) -> dict[str, float]:
+        """The words other than G, M and N by their letter."""
+        return {key: value for key, value in self.words if key not in "GMN"}
+
+
+def blocks(text: str, name: str) -> Iterator[Block | InputError]:
+    """All lines that hold anything; a line that cannot be read comes as its error."""
+    for line, raw in enumerate(text.split("\n"), 1):
+        code, comments = _split(raw)
+        code = code.strip().upper()
+        optional = code.startswith("/")
+        code = code.lstrip("/").strip() if optional else code
+        if code.startswith("%"):
+            continue
+        # program number: O1234 or :1234
+        code = re.sub(r"^[O:]\s*\d+\s*$", "", code)
+        try:
+            words, orders = _words(code, f"{name}, line {line}")
+        except InputError as error:
+            yield error
+            continue
+        if words or comments or orders:
+            yield Block(line, tuple(words), tuple(comments), tuple(orders), optional)
+
+
+def _split(raw: str) -> tuple[str, list[str]]:
+    """Code without comments, and the comments; `;` reaches to the end of the line."""
+    comments: list[str] = []
+    code = ""
+    rest = raw
+    while rest:
+        start = re.search(r"[(;]", rest)
+        order = re.search(r"\bTRA(?:ORI|FOOF)\s*\(\s*1?\s*\)", rest, re.IGNORECASE)
+        if order and start and order.start() < start.start() < order.end():
+            code += rest[: order.end()]
+            rest = rest[order.end() :]
+            continue
+        if start is None:
+            code += rest
+            break
+        code += rest[: start.start()] + " "
+        if rest[start.start()] == ";":
+            comments.append(rest[start.start() + 1 :].strip())
+            break
+        body, closed, rest = rest[start.start() + 1 :].partition(")")
+        comments.append(body.strip())
+        if not closed:
+            break
+    return code, comments
+
+
+def _words(code: str, place: str) -> tuple[list[tuple[str, float]], list[str]]:
+    words: list[tuple[str, float]] = []
+    orders: list[str] = []
+    at = 0
+    while at < len(code):
+        named = NAMED.match(code, at)
+        word = WORD.match(code, at)
+        if named:
+            orders.append(named.group(1))
+            at = named.end()
+        elif word:
+            value = float(word.group(2))
+            if not math.isfinite(value):
+                raise InputError(f"{place}: found {word.group(2)[:20]}…, expected a finite number")
+            words.append((word.group(1), value))
+            at = word.end()
+        elif code[at:].strip() == "":
+            break
+        else:
+            why = next((text for pattern, text in UNREADABLE if pattern.search(code)), "")
+            raise InputError(
+                f"{place}: found {code[at:].strip()[:30]!r}, expected words such as G1 X10.5"
+                + (f"; {why}" if why else "")
+            )
+    return words, orders

@@ -1,0 +1,119 @@
+"""What the machine around the tool is told in G-code: M functions, tools, comments of the CAM."""
+
+from __future__ import annotations
+
+import math
+import re
+from dataclasses import replace
+
+from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.planners.toolpath.cam_program import Spindle, Tool
+from irb2400_ctrl.planners.toolpath.readers.gcode.state import GcodeState
+from irb2400_ctrl.planners.toolpath.readers.program_builder import ProgramBuilder
+
+STOPS = {0: "stop", 1: "optional stop", 60: "pallet change"}
+COOLANT = {7: "mist", 8: "flood", 9: "off"}
+SUBPROGRAMS = {97, 98, 99}
+BEGIN = re.compile(r"begin operation\s*:\s*(.*)", re.IGNORECASE)
+FINISH = re.compile(r"finish operation", re.IGNORECASE)
+TOOL_NAME = re.compile(r"TC\s*:\s*(.*)", re.IGNORECASE)
+HIDDEN_CHANGE = re.compile(r"M0?6\s*T(\d+)", re.IGNORECASE)
+DIAMETER = re.compile(r"Compensated Tool Path\.\s*Diameter:\s*([\d.]+)", re.IGNORECASE)
+MESSAGE = re.compile(r"MSG\s*,\s*(.*)", re.IGNORECASE)
+
+
+class GcodeMachine:
+    """Carries out what moves no axis."""
+
+    def __init__(self, builder: ProgramBuilder, state: GcodeState) -> None:
+        self._builder = builder
+        self._state = state
+
+    def before(
+        self, functions: list[int], values: dict[str, float], orders: tuple[str, ...]
+    ) -> None:
+        """What comes before the motion of a block: tool, spindle, coolant."""
+        state = self._state
+        builder = self._builder
+        if "T" in values:
+            state.next_tool = int(values["T"])
+        if 6 in functions:
+            self._change()
+        if "S" in values:
+            if values["S"] < 0:
+                raise InputError(f"{builder.place}: S{values['S']}, expected at least zero")
+            state.spindle_speed = values["S"]
+            if builder.spindle.speed > 0:
+                self._turn(builder.spindle.clockwise)
+        for function in functions:
+            self._function(function)
+        for order in orders:
+            self._order(order)
+
+    def after(self, functions: list[int]) -> None:
+        """What comes after it: stops."""
+        for function in functions:
+            if function in STOPS:
+                self._builder.stop(STOPS[function], f"M{function}")
+
+    def comment(self, text: str) -> None:
+        """FreeCAD names operations and tools in comments; messages are for the operator."""
+        builder = self._builder
+        begin = BEGIN.match(text)
+        name = TOOL_NAME.match(begin.group(1) if begin else text)
+        hidden = HIDDEN_CHANGE.match(text)
+        diameter = DIAMETER.search(text)
+        message = MESSAGE.match(text)
+        if name:
+            known = builder.tool if builder.tool.name == name.group(1) else Tool()
+            builder.describe_tool(replace(known, name=name.group(1)))
+        if begin:
+            builder.begin_operation(begin.group(1))
+        elif FINISH.match(text):
+            builder.begin_operation("")
+        elif hidden and builder.tool_described:
+            builder.describe_tool(replace(builder.tool, number=int(hidden.group(1))))
+            builder.note("assumed", f"the tool's number from the comment ({text})")
+        elif diameter and float(diameter.group(1)) > 0:
+            value = float(diameter.group(1)) * self._state.unit
+            builder.describe_tool(replace(builder.tool, diameter=value))
+        elif message:
+            builder.event("message", message.group(1))
+
+    def _change(self) -> None:
+        builder = self._builder
+        known = builder.tool if builder.tool_described else Tool()
+        builder.change_tool(replace(known, number=self._state.next_tool))
+
+    def _turn(self, clockwise: bool) -> None:
+        speed = 2 * math.pi * self._state.spindle_speed / 60
+        self._builder.set_spindle(Spindle(speed, clockwise))
+
+    def _function(self, function: int) -> None:
+        builder = self._builder
+        if function in {3, 4}:
+            self._turn(function == 3)
+        elif function in {13, 14}:
+            self._turn(function == 13)
+            builder.set_coolant("flood")
+        elif function == 5:
+            builder.set_spindle(Spindle(0.0, builder.spindle.clockwise))
+        elif function in COOLANT:
+            builder.set_coolant(COOLANT[function])
+        elif function in {128, 129}:
+            self._state.tool_centre = function == 128
+        elif function in SUBPROGRAMS:
+            raise InputError(
+                f"{builder.place}: M{function} calls or ends a sub-program; not read, expected all "
+                "moves in one program"
+            )
+        elif function in {48, 49}:
+            builder.note("ignored", f"M{function}")
+        elif function not in {2, 6, 30, *STOPS}:
+            builder.note("assumed", f"M{function}: a function of the machine, not carried out")
+
+    def _order(self, order: str) -> None:
+        if order in {"TRAORI", "TRAFOOF"}:
+            self._state.tool_centre = order == "TRAORI"
+        else:
+            self._builder.note("ignored", order)

@@ -1,0 +1,265 @@
+"""`read_gcode`: 3-axis and 5-axis G-code (ISO 6983; LinuxCNC, Fanuc, FreeCAD) as a `CamProgram`."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.planners.toolpath.cam_program import CamProgram
+from irb2400_ctrl.planners.toolpath.readers.feed import LENGTHS
+from irb2400_ctrl.planners.toolpath.readers.gcode.blocks import Block, blocks
+from irb2400_ctrl.planners.toolpath.readers.gcode.machine import GcodeMachine
+from irb2400_ctrl.planners.toolpath.readers.gcode.motion import CYCLES, GcodeMotion, moves
+from irb2400_ctrl.planners.toolpath.readers.gcode.rotary import Rotary, tilted_plane
+from irb2400_ctrl.planners.toolpath.readers.gcode.state import AXES, GcodeState
+from irb2400_ctrl.planners.toolpath.readers.program_builder import ProgramBuilder
+
+MOTION = {0, 1, 2, 3, 80, *CYCLES}
+LETTERS = frozenset("ABCDFGHIJKLMNPQRSTXYZ")
+# exact stop, blending, safe zones, look-ahead, compensation off: nothing for the points
+# exact stop, blending, safe zones, look-ahead, compensation off: nothing for the points
+HARMLESS = frozenset(
+    [5.1, 8, 9, 15, 22, 23, 25, 26, 40, 49.1, 50, 50.1, 61, 61.1, 62, 63, 64, 69.1, 80.1, 97]
+)
+# take axis words for something else than a place to go to, or end something
+SPECIAL = frozenset([4, 28, 28.1, 30, 53, 53.1, 68.2, 69, 92.1, 92.2])
+RADIUS = (
+    "the offset by the tool's radius, which the control knows; let the CAM system write the path "
+    "of the tool's centre"
+)
+REFUSED = {
+    5: "a spline",
+    5.2: "a spline",
+    7: "programming in diameters",
+    10: "a change of the control's offsets",
+    16: "polar coordinates",
+    31: "a probe",
+    33: "thread cutting",
+    38.2: "a probe",
+    41: RADIUS,
+    42: RADIUS,
+    51: "scaling",
+    51.1: "mirroring",
+    52: "a local offset",
+    65: "a macro",
+    66: "a macro",
+    68: "a rotation of coordinates",
+    76: "a cycle",
+    87: "a cycle",
+    88: "a cycle",
+    92: "a shift of coordinates",
+    96: "constant surface speed",
+}
+
+
+def read_gcode(
+    text: str,
+    name: str,
+    builder: ProgramBuilder,
+    units: str | None = None,
+    rotary: str | None = None,
+) -> CamProgram:
+    """All operations of a G-code file.
+
+    Args:
+        units: unit of length, against G20 and G21.
+        rotary: the machine's rotary axes from part to tool, such as "C,A".
+
+    Raises:
+        InputError: a word that is not known or not read, with its line.
+    """
+    reader = _Reader(builder, units, None if rotary is None else Rotary.of(rotary))
+    for block in blocks(text, name):
+        if isinstance(block, InputError):
+            builder.failed(block)
+            continue
+        builder.line = block.line
+        try:
+            reader.block(block)
+        except InputError as error:
+            builder.failed(error)
+        if reader.ended:
+            break
+    name_of_unit = reader.unit_name()
+    return builder.finish("G-code", name_of_unit, reader.unit_stated)
+
+
+class _Reader:
+    """Goes through the blocks; within a block in the order of RS-274."""
+
+    def __init__(self, builder: ProgramBuilder, units: str | None, rotary: Rotary | None) -> None:
+        self._builder = builder
+        self._state = GcodeState()
+        if units is not None:
+            self._state.unit = LENGTHS[units]
+            self._state.unit_fixed = True
+        self._units = units
+        self._motion = GcodeMotion(builder, self._state, rotary)
+        self._machine = GcodeMachine(builder, self._state)
+        self._used_offset: float | None = None
+        self.ended = False
+
+    @property
+    def unit_stated(self) -> bool:
+        """G20, G21 or the user said so."""
+        return self._state.unit_stated or self._state.unit_fixed
+
+    def unit_name(self) -> str:
+        """For the summary."""
+        if self._units is not None:
+            return self._units
+        if not self._state.unit_stated:
+            self._builder.line = 1
+            self._builder.note("assumed", "neither G20 nor G21 in the file: lengths in mm")
+        return "mm" if self._state.unit == LENGTHS["mm"] else "inch"
+
+    def block(self, block: Block) -> None:
+        """One line."""
+        builder = self._builder
+        for comment in block.comments:
+            self._machine.comment(comment)
+        if block.optional:
+            builder.note("assumed", "blocks behind / are carried out")
+        values = block.values()
+        unknown = sorted(set(values) - LETTERS)
+        if unknown:
+            raise InputError(f"{builder.place}: found the word {unknown[0]}, which is not read")
+        codes = [round(code, 3) for code in block.codes("G")]
+        functions = [int(code) for code in block.codes("M")]
+        self._modes(codes, values)
+        self._machine.before(functions, values, block.orders)
+        used = self._special(codes, values)
+        self._set_motion(codes)
+        leads = not used and moves(values, self._state.motion)
+        if leads and self._state.motion == 80:
+            raise InputError(
+                f"{builder.place}: found axis words after G80; expected G0, G1, G2, G3 or a cycle"
+            )
+        if leads:
+            self._move(values)
+        self._machine.after(functions)
+        self.ended = bool({2, 30} & set(functions))
+
+    def _modes(self, codes: list[float], values: dict[str, float]) -> None:
+        state = self._state
+        builder = self._builder
+        for code in codes:
+            self._mode(code)
+        if "F" in values:
+            if values["F"] < 0:
+                raise InputError(f"{builder.place}: F{values['F']}, expected a positive feed")
+            builder.feed = state.feed(values["F"])
+        if "H" in values and {43, 43.4, 43.5} & set(codes):
+            builder.set_length_offset(int(values["H"]))
+
+    def _mode(self, code: float) -> None:
+        state = self._state
+        simple: dict[float, Callable[[], None]] = {
+            17: lambda: setattr(state, "plane", 17),
+            18: lambda: setattr(state, "plane", 18),
+            19: lambda: setattr(state, "plane", 19),
+            20: lambda: state.set_units(20),
+            21: lambda: state.set_units(21),
+            70: lambda: state.set_units(70),
+            71: lambda: state.set_units(71),
+            90: lambda: setattr(state, "absolute", True),
+            91: lambda: setattr(state, "absolute", False),
+            90.1: lambda: setattr(state, "arc_absolute", True),
+            91.1: lambda: setattr(state, "arc_absolute", False),
+            93: lambda: self._feed_mode(93),
+            94: lambda: self._feed_mode(94),
+            95: lambda: self._feed_mode(95),
+            98: lambda: setattr(state, "retract_to_start", True),
+            99: lambda: setattr(state, "retract_to_start", False),
+            43: lambda: None,
+            43.1: lambda: None,
+            43.4: lambda: setattr(state, "tool_centre", True),
+            43.5: lambda: setattr(state, "vectors", True),
+            49: self._no_tool_centre,
+        }
+        if code in simple:
+            simple[code]()
+        elif code in REFUSED:
+            raise InputError(f"{self._builder.place}: G{code:g} is {REFUSED[code]}; not read")
+        elif code in HARMLESS:
+            self._builder.note("ignored", f"G{code:g}")
+        elif 54 <= code < 60:
+            state.work_offset = code
+        elif code not in MOTION and code not in SPECIAL:
+            raise InputError(f"{self._builder.place}: unknown code G{code:g}")
+
+    def _no_tool_centre(self) -> None:
+        self._state.tool_centre = False
+        self._state.vectors = False
+
+    def _feed_mode(self, mode: int) -> None:
+        if mode != self._state.feed_mode:
+            self._state.feed_mode = mode
+            self._builder.feed = type(self._builder.feed)()
+
+    def _special(self, codes: list[float], values: dict[str, float]) -> bool:
+        """Codes that take the axis words for something else; whether one did."""
+        state = self._state
+        builder = self._builder
+        if 4 in codes:
+            seconds = values.get("P", values.get("X", 0.0))
+            builder.event("dwell", f"P{seconds:g}")
+            return True
+        if 68.2 in codes:
+            if "P" in values:
+                raise InputError(f"{builder.place}: G68.2 P… is not read; expected X Y Z I J K")
+            state.set_tilt(tilted_plane(values, state.unit))
+            return True
+        if 69 in codes:
+            state.set_tilt(np.eye(4))
+        if {28, 30, 53} & set(codes):
+            self._machine_place(codes, values)
+            return True
+        return bool({28.1, 92.1, 92.2} & set(codes))
+
+    def _machine_place(self, codes: list[float], values: dict[str, float]) -> None:
+        """G28, G30, G53: places of the machine, which the robot has not."""
+        state = self._state
+        builder = self._builder
+        if 53 in codes and not moves(values):
+            return
+        named = [i for i, letter in enumerate(AXES) if letter in values]
+        through = state.absolute or any(values[AXES[i]] != 0 for i in named)
+        if 53 not in codes and named and through:
+            state.motion = 0
+            self._motion.run(values)
+        builder.note(
+            "assumed", "G28, G30, G53: places of the machine tool; the robot does not go there"
+        )
+        builder.leave()
+        for i in named or range(3):
+            state.at[i] = None
+
+    def _set_motion(self, codes: list[float]) -> None:
+        found = [int(code) for code in codes if code in MOTION]
+        if len(set(found)) > 1:
+            raise InputError(
+                f"{self._builder.place}: found G{found[0]} and G{found[1]} in one block, expected "
+                "one motion"
+            )
+        if found:
+            self._state.motion = found[0]
+            if found[0] not in CYCLES:
+                self._state.cycle.clear()
+
+    def _move(self, values: dict[str, float]) -> None:
+        state = self._state
+        builder = self._builder
+        if state.feed_mode == 93 and state.motion in {1, 2, 3} and "F" not in values:
+            raise InputError(f"{builder.place}: G93 (inverse time) needs F in every cutting block")
+        offset = state.work_offset
+        if self._used_offset is None:
+            self._used_offset = offset
+        elif offset is not None and offset != self._used_offset:
+            raise InputError(
+                f"{builder.place}: G{offset:g} after motion in G{self._used_offset:g}: how the two "
+                "lie to each other is stored in the control, not in the file; split the file"
+            )
+        self._motion.run(values)

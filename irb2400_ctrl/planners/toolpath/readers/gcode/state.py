@@ -1,0 +1,103 @@
+"""The modal state of a G-code control: units, plane, distances, frames, the place of the tool."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+import numpy.typing as npt
+
+from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.planners.toolpath.readers.feed import INCH, MM, Feed
+
+Array = npt.NDArray[np.float64]
+AXES = "XYZ"
+ROTARY = "ABC"
+# first and second axis of the plane, and its normal, so that G3 turns right-handed about the normal
+PLANES = {17: (0, 1, 2), 18: (2, 0, 1), 19: (1, 2, 0)}
+
+
+@dataclass
+class GcodeState:
+    """What holds until it is changed."""
+
+    unit: float = MM
+    unit_stated: bool = False
+    unit_fixed: bool = False
+    """the user states the unit: G20 and G21 do not change it"""
+    plane: int = 17
+    absolute: bool = True
+    arc_absolute: bool = False
+    feed_mode: int = 94
+    motion: int | None = None
+    retract_to_start: bool = True
+    spindle_speed: float = 0.0
+    """S word [1/min]"""
+    next_tool: int | None = None
+    work_offset: float | None = None
+    at: list[float | None] = field(default_factory=lambda: [None, None, None])
+    """place in the (tilted) work frame [m]; None where the file has not stated it yet"""
+    tilt: Array = field(default_factory=lambda: np.eye(4))
+    """pose of the tilted plane (G68.2) in the work frame"""
+    rotary: dict[str, float] = field(default_factory=lambda: dict.fromkeys(ROTARY, 0.0))
+    """[deg]"""
+    tool_centre: bool = False
+    """the coordinates are those of the tool's tip in the part (G43.4, M128, TRAORI)"""
+    vectors: bool = False
+    """I J K of a straight move are the tool axis (G43.5)"""
+    cycle: dict[str, float] = field(default_factory=dict)
+    """words of the canned cycle in force; lengths in metres"""
+
+    def set_units(self, code: int) -> None:
+        """G20, G21 (G70, G71)."""
+        self.unit_stated = True
+        if not self.unit_fixed:
+            self.unit = INCH if code in {20, 70} else MM
+
+    def feed(self, value: float) -> Feed:
+        """The feed of an F word in the mode in force; zero states none."""
+        if value == 0:
+            return Feed()
+        if self.feed_mode == 93:
+            return Feed("inverse", value / 60)
+        if self.feed_mode == 95:
+            return Feed("turn", value * self.unit)
+        return Feed("speed", value * self.unit / 60)
+
+    def target(self, values: dict[str, float]) -> list[float | None]:
+        """Where a block leads."""
+        result = list(self.at)
+        for index, letter in enumerate(AXES):
+            if letter not in values:
+                continue
+            way = values[letter] * self.unit
+            known = result[index]
+            if self.absolute:
+                result[index] = way
+            elif known is not None:
+                result[index] = known + way
+        return result
+
+    def placed(self, point: list[float | None] | Array, place: str) -> Array:
+        """A place in the (tilted) work frame, in the work frame.
+
+        Raises:
+            InputError: a coordinate is not known.
+        """
+        missing = [AXES[i] for i in range(3) if point[i] is None]
+        if missing:
+            raise InputError(
+                f"{place}: a cut, but {' and '.join(missing)} of the tool is not stated yet; "
+                "expected a G0 to a stated place before it"
+            )
+        p = np.array(point, dtype=float)
+        return np.asarray(self.tilt[:3, :3] @ p + self.tilt[:3, 3])
+
+    def set_tilt(self, tilt: Array) -> None:
+        """Another tilted plane; the tool stays where it is."""
+        if None not in self.at:
+            X = np.linalg.inv(tilt) @ self.tilt
+            self.at = list(X[:3, :3] @ np.array(self.at, dtype=float) + X[:3, 3])
+        elif not np.array_equal(tilt, self.tilt):
+            self.at = [None, None, None]
+        self.tilt = tilt

@@ -1,0 +1,334 @@
+"""`ProgramBuilder`: the state of an imagined machine, and the operations it has been told to do."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import PurePath
+
+import numpy as np
+import numpy.typing as npt
+
+from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.planners.toolpath.cam_program import (
+    CamProgram,
+    Event,
+    Note,
+    Spindle,
+    Tool,
+)
+from irb2400_ctrl.planners.toolpath.readers.expansion import arcs, drilling
+from irb2400_ctrl.planners.toolpath.readers.expansion.arcs import Arc
+from irb2400_ctrl.planners.toolpath.readers.expansion.drilling import HoleCycle
+from irb2400_ctrl.planners.toolpath.readers.feed import Feed
+from irb2400_ctrl.planners.toolpath.readers.operation_draft import Draft
+
+Array = npt.NDArray[np.float64]
+CHORD = 5e-5
+MOST_POINTS = 2_000_000
+UP = np.array([0.0, 0.0, 1.0])
+
+
+class TooManyPointsError(InputError):
+    """The file is larger than the limit."""
+
+
+class ProgramBuilder:
+    """Collects moves, events and notes while a reader walks through a file.
+
+    A tool change, a stop, a change of the spindle and a new name begin a new operation. Lengths in
+    metres, speeds in m/s.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        *,
+        chord: float = CHORD,
+        most_points: int = MOST_POINTS,
+        strict: bool = True,
+        default_name: str = "",
+    ) -> None:
+        if not chord > 0:
+            raise InputError(f"chord: found {chord} m, expected a positive length")
+        self.name = name
+        self.default_name = default_name
+        self.chord = chord
+        self.most_points = most_points
+        self.strict = strict
+        self.line = 0
+        self.here: Array | None = None
+        self.axis = UP
+        self.feed = Feed()
+        self.tool = Tool()
+        self.spindle = Spindle()
+        self.coolant = "off"
+        self.frame = np.eye(4)
+        self.stated_frame = False
+        self.operation_name = ""
+        self.on_profile = False
+        """the points are those of the part's edge, where cutter compensation is on (Creo)"""
+        self.tool_described = False
+        """something was said about the tool since the last motion"""
+        self._points = 0
+        self._done: list[Draft] = []
+        self._notes: dict[tuple[str, str], Note] = {}
+        self._feedless = False
+        self._draft = self._new_draft()
+
+    @property
+    def place(self) -> str:
+        """Where the reader is, for messages."""
+        return f"{self.name}, line {self.line}"
+
+    @property
+    def points(self) -> int:
+        """How many points there are so far."""
+        return self._points
+
+    @property
+    def moved(self) -> bool:
+        """Whether the tool has moved at all."""
+        return self._points > 0
+
+    def begin_operation(self, name: str) -> None:
+        """The file names what comes next."""
+        self.operation_name = name.strip()
+        self._split(keep_place=False)
+
+    def change_tool(self, tool: Tool) -> None:
+        """Another tool, or more said of this one before it has moved."""
+        self.tool = tool
+        self.tool_described = True
+        self._split(keep_place=False)
+        text = f"{'' if tool.number is None else tool.number} {tool.name}".strip()
+        if all((event.kind, event.text) != ("tool", text) for event in self._draft.events):
+            self._draft.events.append(Event("tool", -1, self.line, text))
+
+    def describe_tool(self, tool: Tool) -> None:
+        """More about the tool; after motion it is the next one."""
+        self.tool = tool
+        self.tool_described = True
+        if len(self._draft.position) > 1:
+            self._split(keep_place=False)
+        self._draft.tool = tool
+
+    def set_spindle(self, spindle: Spindle) -> None:
+        """Start, stop or turn the spindle; the tool waits for it."""
+        if spindle != self.spindle:
+            self.spindle = spindle
+            self._split(keep_place=True)
+
+    def set_coolant(self, state: str) -> None:
+        """Coolant on or off: the tool does not wait."""
+        self.coolant = state
+        if self._draft.position:
+            self.event("coolant", state)
+        else:
+            self._draft.coolant = state
+
+    def set_frame(self, X_PM: Array) -> None:
+        """The frame in which the next points are stated, in the part."""
+        if self.here is not None:
+            X = np.linalg.inv(X_PM) @ self.frame
+            self.here = X[:3, :3] @ self.here + X[:3, 3]
+        self.frame = X_PM
+        self.stated_frame = True
+        self._split(keep_place=False)
+
+    def stop(self, kind: str, text: str) -> None:
+        """The program waits for the operator."""
+        self.event(kind, text)
+        self._split(keep_place=True)
+
+    def leave(self) -> None:
+        """The tool goes to a place that the file does not state in the part's frame."""
+        self._split(keep_place=False)
+        self.here = None
+
+    def set_length_offset(self, register: int) -> None:
+        """The register of the tool's length offset; the same tool, the same operation."""
+        self.tool = replace(self.tool, length_offset=register)
+        self._draft.tool = replace(self._draft.tool, length_offset=register)
+
+    def event(self, kind: str, text: str) -> None:
+        """Something happens at the last point."""
+        self._draft.events.append(Event(kind, len(self._draft.position) - 1, self.line, text))
+
+    def note(self, kind: str, text: str) -> None:
+        """A statement that makes no motion; equal ones are counted."""
+        known = self._notes.get((kind, text))
+        self._notes[kind, text] = (
+            Note(kind, self.line, text) if known is None else replace(known, count=known.count + 1)
+        )
+
+    def failed(self, error: InputError) -> None:
+        """A statement could not be read: refuse, or note it where the caller only looks at the
+        file."""
+        if self.strict or isinstance(error, TooManyPointsError):
+            raise error
+        self.note("unknown", str(error).removeprefix(f"{self.place}: "))
+
+    def move(self, position: Array, *, axis: Array | None = None, rapid: bool = False) -> None:
+        """A straight move of the tool tip."""
+        self._begin_cut(rapid)
+        length = 0.0 if self.here is None else float(np.linalg.norm(position - self.here))
+        self.axis = self.axis if axis is None else axis
+        self._append(position, self._speed(length, rapid), rapid)
+
+    def start(self, position: Array, axis: Array | None = None) -> None:
+        """The tool is there already."""
+        self.axis = self.axis if axis is None else axis
+        self._append(position, np.inf, True)
+
+    def arc(self, arc: Arc, end: Array, *, axis: Array | None = None, rapid: bool = False) -> None:
+        """A circular or helical move.
+
+        Raises:
+            InputError: the ends do not lie on one circle about the axis.
+        """
+        if self.here is None:
+            raise InputError(f"{self.place}: an arc begins, but the tool's place is not known yet")
+        start = self.here
+        if arcs.checked_miss(arc, start, end, self.place) > arcs.EXPECTED_MISS:
+            self.note(
+                "assumed", "start, end and radius of an arc differ by rounding; both ends are met"
+            )
+        self._begin_cut(rapid, curved=True)
+        if self._points + arcs.count(arc, start, end, self.chord) > self.most_points:
+            self._too_many()
+        places = arcs.points(arc, start, end, self.chord)
+        length = float(np.linalg.norm(np.diff(np.vstack([start, places]), axis=0), axis=1).sum())
+        axes = arcs.blended_axes(self.axis, axis, len(places), self.place)
+        self._curve(places, axes, self._speed(length, rapid), rapid)
+
+    def curve(self, places: Array, axes: Array | None, *, rapid: bool = False) -> None:
+        """A polyline that stands for a curve from where the tool is."""
+        if self.here is None:
+            raise InputError(f"{self.place}: a curve begins, but the tool's place is not known yet")
+        self._begin_cut(rapid, curved=True)
+        length = float(
+            np.linalg.norm(np.diff(np.vstack([self.here, places]), axis=0), axis=1).sum()
+        )
+        known = np.tile(self.axis, (len(places), 1)) if axes is None else axes
+        self._curve(places, known, self._speed(length, rapid), rapid)
+
+    def drill(self, cycle: HoleCycle, point: Array, axis: Array | None = None) -> None:
+        """A hole: approach, feed, retract."""
+        self.axis = self.axis if axis is None else axis
+        kept = self.feed
+        cycle = drilling.with_retract(cycle, self.here, point, self.axis)
+        for step in drilling.approach(cycle, self.here, point, self.axis):
+            self.move(step.position, rapid=True)
+        self.feed = kept if cycle.feed is None else cycle.feed
+        for step in drilling.hole(cycle, point, self.axis):
+            self.move(step.position, rapid=step.rapid)
+            if step.dwell > 0:
+                self.event("dwell", f"{step.dwell:g} s")
+        self.feed = kept
+
+    def finish(self, dialect: str, units: str, units_stated: bool) -> CamProgram:
+        """The operations that move the tool, all in the frame of the first of them.
+
+        Raises:
+            InputError: there is none.
+        """
+        self._split(keep_place=False)
+        if not self._done:
+            raise InputError(
+                f"{self.name}: found {min(self._points, 1)} point(s) of motion, expected at least "
+                "2 (GOTO/… in APT, G0 or G1 in G-code)"
+            )
+        first = self._done[0].frame
+        if any(not np.array_equal(draft.frame, first) for draft in self._done):
+            self.note(
+                "assumed", "operations are stated in several frames: all in that of the first"
+            )
+        seen: dict[str, int] = {}
+        operations = []
+        for number, draft in enumerate(self._done, 1):
+            draft.name = draft.name or (self.default_name if len(self._done) == 1 else "")
+            seen[draft.name] = seen.get(draft.name, 0) + 1
+            again = f" ({seen[draft.name]})" if draft.name and seen[draft.name] > 1 else ""
+            same = np.array_equal(draft.frame, first)
+            X = np.eye(4) if same else np.linalg.inv(first) @ draft.frame
+            operations.append(draft.finished(number, again, X))
+        return CamProgram(
+            PurePath(self.name).name,
+            dialect,
+            tuple(operations),
+            tuple(self._notes.values()),
+            units,
+            units_stated,
+        )
+
+    def _new_draft(self) -> Draft:
+        return Draft(
+            self.operation_name,
+            self.tool,
+            self.spindle,
+            self.coolant,
+            self.frame,
+            self.stated_frame,
+        )
+
+    def _split(self, *, keep_place: bool) -> None:
+        """End the operation in hand; the next one begins where it ends if the tool stays there."""
+        old = self._draft
+        moves = len(old.position) > 1
+        if moves:
+            self._done.append(old)
+        self._draft = self._new_draft()
+        if not moves:
+            self._draft.events = [replace(event, point=-1) for event in old.events]
+            if len(old.position) == 1 and not keep_place and not old.continues:
+                self.line = max(self.line, old.line[0])
+                self.note("assumed", "a single point without a way to it makes no operation")
+        if keep_place and self.here is not None and old.position:
+            self._draft.continues = True
+            self._append(self.here, np.inf, True, old.line[-1])
+
+    def _begin_cut(self, rapid: bool, curved: bool = False) -> None:
+        """A cut at the start of an operation begins where the tool is; not with another tool, which
+        comes from its magazine. A curve needs its start in any case."""
+        changed = bool(self._done) and self._done[-1].tool != self._draft.tool
+        begins = not self._draft.position and self.here is not None
+        if begins and self.here is not None and (curved or not (rapid or changed)):
+            self._append(self.here, np.inf, True)
+
+    def _speed(self, length: float, rapid: bool) -> float:
+        if rapid:
+            return np.inf
+        speed = self.feed.speed(length, self.spindle.speed, self.place)
+        if not np.isfinite(speed) and not self._feedless and self.here is not None:
+            self._feedless = True
+            self.note("assumed", "a cut without a stated feed is not limited in speed")
+        return speed
+
+    def _curve(self, places: Array, axes: Array, speed: float, rapid: bool) -> None:
+        for place, axis in zip(places, axes, strict=True):
+            self.axis = axis
+            self._append(place, speed, rapid)
+
+    def _append(self, position: Array, speed: float, rapid: bool, line: int | None = None) -> None:
+        self._points += 1
+        if self._points > self.most_points:
+            self._too_many()
+        if not np.abs(position).max() < 1e3:
+            raise InputError(
+                f"{self.place}: the point lies {np.abs(position).max():.3g} m away, expected less "
+                "than 1000 m; check the numbers and the unit of length"
+            )
+        self.tool_described = False
+        draft = self._draft
+        draft.position.append(position)
+        draft.axis.append(self.axis)
+        draft.feed.append(speed)
+        draft.rapid.append(rapid)
+        draft.line.append(self.line if line is None else line)
+        self.here = position
+
+    def _too_many(self) -> None:
+        raise TooManyPointsError(
+            f"{self.place}: the file makes more than {self.most_points:,} points; choose a larger "
+            "chord tolerance, or split the file"
+        )

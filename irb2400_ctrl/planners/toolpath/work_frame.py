@@ -1,0 +1,52 @@
+"""Where a part stands: six numbers as a pose of the work frame in the base."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import numpy.typing as npt
+
+from irb2400_ctrl.errors import InputError
+
+Array = npt.NDArray[np.float64]
+
+
+def work_frame(values_mm_deg: str | tuple[float, ...]) -> Array:
+    """X_BW (4, 4) of `x,y,z,rx,ry,rz`: R = Rz(rz) Ry(ry) Rx(rx), turned about the base's fixed x,
+    then y, then z.
+
+    Args:
+        values_mm_deg: place [mm] and angles [deg], as a text with commas or as six numbers; the
+            angles may be left out.
+
+    Raises:
+        InputError: not three or six finite numbers.
+    """
+    parts = values_mm_deg.split(",") if isinstance(values_mm_deg, str) else list(values_mm_deg)
+    try:
+        values = [float(part) for part in parts]
+    except ValueError:
+        values = []
+    if len(values) not in {3, 6} or not all(math.isfinite(value) for value in values):
+        raise InputError(
+            f"work frame: found {values_mm_deg!r}, expected x,y,z,rx,ry,rz in mm and degrees, such "
+            "as 900,0,400,0,0,90"
+        )
+    rx, ry, rz = [math.radians(value) for value in (*values, 0.0, 0.0, 0.0)[3:6]]
+    X = np.eye(4)
+    X[:3, :3] = _turn(2, rz) @ _turn(1, ry) @ _turn(0, rx)
+    X[:3, 3] = np.array(values[:3]) / 1e3
+    return X
+
+
+def _turn(index: int, angle: float) -> Array:
+    """About x, y or z."""
+    first = (index + 1) % 3
+    second = (index + 2) % 3
+    R = np.eye(3)
+    R[first, first] = math.cos(angle)
+    R[second, second] = math.cos(angle)
+    R[first, second] = -math.sin(angle)
+    R[second, first] = math.sin(angle)
+    return R

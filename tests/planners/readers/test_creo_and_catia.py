@@ -1,0 +1,230 @@
+"""Creo NCL and CATIA aptsource: what they say in comments, their arcs and their holes."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.planners import CamProgram, read_program
+
+CREO = """$$*          Pro/CLfile  Version 8.0 - 8.0.3.0
+$$-> MFGNO / PART1
+PARTNO / PART1
+$$-> FEATNO / 41
+MACHIN / UNCX01, 1
+UNITS / MM
+LOADTL / 4, OSETNO, 9
+$$-> CUTTER / 8.000000
+$$-> CSYS / 1.0000000000, 0.0000000000, 0.0000000000, 5.0000000000,  $
+            0.0000000000, 1.0000000000, 0.0000000000, 6.0000000000,  $
+            0.0000000000, 0.0000000000, 1.0000000000, 7.0000000000
+SPINDL / RPM, 4000.000000,  CLW
+"""
+CATIA = """$$ -----------------------------------------------------------------
+$$     Généré le jeudi
+$$     CATIA APT VERSION 1.0
+$$*CATIA0
+$$ Programme.1
+$$     1.00000     0.00000     0.00000   -20.00000
+$$     0.00000     1.00000     0.00000   -30.00000
+$$     0.00000     0.00000     1.00000    40.00000
+PARTNO PART 1, SIDE A
+$$ OPERATION NAME : Changement outil.1
+CUTTER/ 12.000000,  0.500000,  5.500000,  0.500000,  0.000000,$
+         0.000000, 60.000000
+TOOLNO/5,   12.000000
+TPRINT/T5 Fraise D12
+LOADTL/5
+$$ OPERATION NAME : Contour.1
+SPINDL/ 3000.0000,RPM,CLW
+FEDRAT/  240.0000,MMPM
+"""
+
+
+def creo(tmp_path: Path, body: str) -> CamProgram:
+    file = tmp_path / "part.ncl.12"
+    file.write_text(CREO + body + "$$-> END /\nFINI\n")
+    return read_program(file)
+
+
+def catia(tmp_path: Path, body: str) -> CamProgram:
+    file = tmp_path / "part.aptsource"
+    file.write_text(CATIA + body + "REWIND/0\nEND\n", encoding="latin-1")
+    return read_program(file)
+
+
+def test_creo_head(tmp_path: Path) -> None:
+    read = creo(
+        tmp_path, "RAPID\nGOTO / 1.0, 2.0, 30.0\nFEDRAT / 90.0, MMPM\nGOTO / 1.0,$\n2.0, 3\n"
+    )
+    operation = read.operation()
+    assert read.dialect == "Creo NCL"
+    assert operation.name == "feature 41"
+    assert operation.tool.number == 4
+    assert operation.tool.length_offset == 9
+    assert operation.tool.diameter == pytest.approx(8e-3)
+    assert operation.frame is not None
+    assert np.allclose(operation.frame[:3, 3], [5e-3, 6e-3, 7e-3])
+    assert np.allclose(1e3 * operation.path.position, [[1, 2, 30], [1, 2, 3]])
+    assert operation.path.feed[1] == pytest.approx(1.5e-3)
+
+
+def test_creo_arc_turns_right_handed_through_all_its_points(tmp_path: Path) -> None:
+    points = [(10 * np.cos(a), 10 * np.sin(a)) for a in np.radians([100, 200, 300])]
+    rows = "".join(f"GOTO / {x:.10f}, {y:.10f}, 4.0\n" for x, y in points)
+    body = f"GOTO / 10, 0, 4\nCIRCLE / 0.0, 0.0, 4.0, $\n0, 0, 1.0, 10.0\n{rows}GOTO / 20, -20, 4\n"
+    operation = creo(tmp_path, body).operation()
+    p = 1e3 * operation.path.position
+    on_circle = p[:-1]
+    assert np.allclose(np.linalg.norm(on_circle[:, :2], axis=1), 10, atol=1e-8)
+    angle = np.degrees(np.unwrap(np.arctan2(on_circle[:, 1], on_circle[:, 0])))
+    assert angle[-1] - angle[0] == pytest.approx(300)
+    assert (np.diff(angle) > 0).all()
+
+
+def test_creo_points_of_an_arc_on_lines_of_their_own(tmp_path: Path) -> None:
+    body = (
+        "GOTO / 10, 0, 4\nCIRCLE / 0, 0, 4, 0, 0, -1, 10\n"
+        "GOTO / 0, -10, 4\n-10, 0, 4\n0, 10, 4\nFEDRAT / 5, IPM\nGOTO / 10, 0, 4\n"
+    )
+    p = 1e3 * creo(tmp_path, body).operation().path.position
+    # three quarters of a turn clockwise, then a straight cut: FEDRAT/ ended the arc
+    assert np.allclose(np.linalg.norm(p[:-1, :2], axis=1), 10)
+    middle = (p[-1] + p[-2]) / 2
+    assert np.allclose(p[-2:], [[0, 10, 4], [10, 0, 4]], atol=1e-9)
+    assert np.allclose(middle[:2], [5, 5])
+
+
+def test_creo_helix_from_its_help_page(tmp_path: Path) -> None:
+    body = (
+        "GOTO / 8.198, 0.0, -.625\nCIRCLE / 8.0, 0.0, -0.625, $ $$ 1ST ORBIT\n"
+        "0.0, 0.0, 1.0, 0.198\nGOTO / 8.198, 0.0, -0.583333\n"
+    )
+    p = 1e3 * creo(tmp_path, body).operation().path.position
+    assert p[-1, 2] == pytest.approx(-0.583333)
+    assert np.allclose(np.linalg.norm(p[:, :2] - [8, 0], axis=1), 0.198)
+    assert len(p) > 5
+
+
+@pytest.mark.parametrize(("words", "heights"), [
+    # point at z = 10; approach from 30
+    ("DRILL, DEPTH, 6.0, MMPM, 90.0, CLEAR, 2.0", [30, 12, 4, 12]),
+    ("DRILL, DEPTH, 6.0, MMPM, 90.0, CLEAR, 5.0, RAPTO, 3.0", [30, 12, 4, 15]),
+    ("DRILL, DEPTH, 6.0, MMPM, 90.0, CLEAR, 2.0, RETURN, 9.0", [30, 12, 4, 19]),
+    ("DRILL, DEPTH, 6.0, MMPM, 90.0, CLEAR, 2.0, RETURN, 0", [30, 12, 4, 30]),
+    ("TAP, DEPTH, 6.0, MMPM, 90.0, TPI, 20, CLEAR, 2.0", [30, 12, 4, 12]),
+    ("BRKCHP, DEPTH, 6.0, STEP, 5, MMPM, 90.0, CLEAR, 2.0", [30, 12, 7, 7.254, 4, 12]),
+    ("DEEP, DEPTH, 6.0, STEP, 5, STEP, 2, MMPM, 90.0, CLEAR, 2.0",
+     [30, 12, 7, 12, 7.254, 5, 12, 5.254, 4, 12]),
+    ("DRILL, 6.0, 90.0, MMPM, 2.0", [30, 12, 4, 12]),
+])  # fmt: skip
+def test_creo_cycles_point_by_point(tmp_path: Path, words: str, heights: list[float]) -> None:
+    body = f"RAPID\nGOTO / 1, 1, 30\nCYCLE / {words}\nGOTO / 1, 1, 10\nCYCLE / OFF\n"
+    operation = creo(tmp_path, body).operation()
+    assert np.allclose(1e3 * operation.path.position[:, 2], heights)
+    cuts = operation.path.feed[~operation.rapid]
+    assert np.allclose(cuts, 1.5e-3)
+    # a tap comes out at feed, a drill rapidly
+    assert operation.rapid[-1] == (not words.startswith("TAP"))
+
+
+def test_creo_points_on_the_edge_of_the_part_are_refused(tmp_path: Path) -> None:
+    body = "$$-> CUTCOM_GEOMETRY_TYPE / OUTPUT_ON_PROFILE\nGOTO / 0, 0, 9\n{}GOTO / 50, 0, 9\n"
+    assert len(creo(tmp_path, body.format("")).operation().path) == 2
+    with pytest.raises(InputError, match=r"line 15: CUTCOM/ with OUTPUT_ON_PROFILE"):
+        creo(tmp_path, body.format("CUTCOM / LEFT, 1\n"))
+
+
+def test_creo_splines_are_read_by_their_points(tmp_path: Path) -> None:
+    body = (
+        "GOTO / 0, 0, 0\nMOVNRB / M3AXIS\nMOVNRB / ON,4,8,0,4,30\nMOVNRB / 1,0,0,0,0,1,1,1,1\n"
+        "MOVNRB / 2,0,0,0,9,0,0,9,9,0,20,9,0\nMOVNRB / NEXT\n{}MOVNRB / OFF\n"
+    )
+    points = "GOTO / 9, 3, 0\nGOTO / 20, 9, 0\n"
+    assert len(creo(tmp_path, body.format(points)).operation().path) == 3
+    with pytest.raises(InputError, match="without points after MOVNRB/NEXT"):
+        creo(tmp_path, body.format("") + points)
+
+
+def test_catia_head(tmp_path: Path) -> None:
+    read = catia(tmp_path, "RAPID\nGOTO  /   1.0, 2.0, 30.0, 0.0, 0.0, 1.0\nGOTO/1,2,3\n")
+    operation = read.operation()
+    assert read.dialect == "CATIA aptsource"
+    assert operation.name == "Contour.1"
+    assert operation.tool.number == 5
+    assert operation.tool.name == "T5 Fraise D12"
+    assert operation.tool.diameter == pytest.approx(12e-3)
+    assert operation.tool.length == pytest.approx(60e-3)
+    assert operation.frame is not None
+    assert np.allclose(operation.frame[:3, 3], [-0.02, -0.03, 0.04])
+    assert operation.spindle.rpm == pytest.approx(3000)
+
+
+def test_catia_drilling_with_bare_numbers(tmp_path: Path) -> None:
+    body = "RAPID\nGOTO/9,8,25,0,0,1\nCYCLE/DRILL,    3.0,    5.0\nGOTO/9,8,20,0,0,1\nCYCLE/OFF\n"
+    operation = catia(tmp_path, body).operation()
+    assert np.allclose(1e3 * operation.path.position[:, 2], [25, 17, 25])
+    assert operation.path.feed[1] == pytest.approx(4e-3)
+
+
+ARC = "AUTOPS\nINDIRV/ {}\nTLON,GOFWD/ (CIRCLE/ 0.0, 0.0, 5.0,$\n 10.0),ON,{}(LINE/ 0.0, 0.0, 5.0,$\n {})\n"  # noqa: E501
+
+
+@pytest.mark.parametrize(("direction", "times", "end", "turn"), [
+    ("0.0, 1.0, 0.0", "", "0.0, 10.0, 5.0", 90),
+    ("0.0, -1.0, 0.0", "2,INTOF,$\n", "0.0, 10.0, 5.0", -270),
+    ("0.0, -1.0, 0.0", "", "-7.0710678, -7.0710678, 5.0", -135),
+])  # fmt: skip
+def test_catia_arcs(tmp_path: Path, direction: str, times: str, end: str, turn: float) -> None:
+    body = f"GOTO/10,0,5,0,0,1\n{ARC.format(direction, times, end)}"
+    p = 1e3 * catia(tmp_path, body).operation().path.position
+    angle = np.degrees(np.unwrap(np.arctan2(p[:, 1], p[:, 0])))
+    assert angle[-1] - angle[0] == pytest.approx(turn, abs=1e-4)
+    assert np.allclose(np.linalg.norm(p[:, :2], axis=1), 10)
+    assert np.allclose(p[:, 2], 5)
+    # the same without INDIRV: which meeting of the diameter says which way
+    without = body.replace(f"INDIRV/ {direction}\n", "")
+    q = 1e3 * catia(tmp_path, without).operation().path.position
+    assert np.allclose(p, q)
+
+
+def test_catia_arc_about_another_axis(tmp_path: Path) -> None:
+    body = (
+        "GOTO/0,10,0,0,0,1\nPSIS/(PLANE/(POINT/0,10,0),PERPTO,(VECTOR/0,0,1))\nINDIRV/0,0,1\n"
+        "TLON,GOFWD/(CYLNDR/0,0,0,1,0,0,10),ON,(PLANE/(POINT/0,0,0),PERPTO,$\n"
+        "(VECTOR/1,0,0)),(POINT/0,0,0),(POINT/0,0,10)\n"
+    )
+    p = 1e3 * catia(tmp_path, body).operation().path.position
+    assert np.allclose(np.linalg.norm(p, axis=1), 10)
+    assert np.allclose(p[-1], [0, 0, 10])
+    assert (np.diff(p[:, 2]) > 0).all()
+
+
+def test_an_arc_up_to_any_line(tmp_path: Path) -> None:
+    # Creo's "APT format": the exit line need not go through the centre
+    arc = (
+        "INDIRV / 0, 1, 0\nTLON\nGOFWD / (CIRCLE / 0, 0, 4, 10), ON, {}(LINE / -9, 6, 4, 9, 6, 4)\n"
+    )
+    for times, x in (("", 8.0), ("2,INTOF,", -8.0)):
+        p = (
+            1e3
+            * creo(tmp_path, f"GOTO / 10, 0, 4\n{arc.format(times)}\n").operation().path.position
+        )
+        assert np.allclose(p[-1], [x, 6, 4])
+        assert (p[:, 1] > -1e-9).all()
+
+
+@pytest.mark.parametrize(("statement", "says"), [
+    ("INDIRV/1,0,0\nTLON,GOFWD/(CIRCLE/0,0,5,10),ON,(LINE/0,0,5,0,10,5)", "points across"),
+    ("TLON,GOFWD/(CIRCLE/0,0,5,10),ON,(LINE/0,0,5,-10,0,5)", "half a circle without INDIRV"),
+    ("INDIRV/0,1,0\nTLON,GOFWD/(CIRCLE/0,0,5,10)", "no end of the arc"),
+    ("INDIRV/0,1,0\nTLON,GOFWD/(ELLIPS/0,0,5,10),ON,(LINE/0,0,5,0,10,5)", "is read along"),
+    ("INDIRV/0,1,0\nTLON,GOFWD/(CIRCLE/0,0,5,10),ON,(LINE/-9,16,5,9,16,5)", "does not meet"),
+])  # fmt: skip
+def test_unclear_arcs_are_refused(tmp_path: Path, statement: str, says: str) -> None:
+    with pytest.raises(InputError) as caught:
+        catia(tmp_path, f"GOTO/10,0,5,0,0,1\n{statement}\n")
+    assert says in str(caught.value)
