@@ -46,7 +46,7 @@ class ConstrainedOutputs:
     backwards: Booleans
     friction: Array
     """F_s, F_c, F_v, omega_st of eq. 54, shape (4, m, k); no friction, and omega_st = inf, where
-    the channel is an acceleration"""
+    the output is an acceleration"""
     limit: Array
     """of |y|, shape (m, k)"""
     rate: Array
