@@ -63,8 +63,10 @@ FreeOption = Annotated[
 ShareOption = Annotated[
     float,
     typer.Option(
-        help="Share of the torque limits the plan may use; the rest is the controller's.",
+        help="Share of the torque limits the plan may use, 0.9 for 90 %; the rest is the "
+        "controller's.",
         min=0.1,
+        max=1.0,
     ),
 ]
 ToleranceOption = Annotated[
@@ -192,8 +194,9 @@ def _plan_all(
         print(f"{len(found.transfers())} ways between operations are not planned (program.json)")
     print(f"written to {out}: program.json and a folder per operation")
     if found.refused:
-        reasons = "; ".join(f"{o.operation.number} ({o.operation.name}): {o.refused}"
-                            for o in found.refused)  # fmt: skip
+        reasons = "; ".join(
+            f"{o.operation.number} ({o.operation.name}): {o.refused}" for o in found.refused
+        )
         raise InputError(f"{len(found.refused)} of {len(found.operations)} operations: {reasons}")
 
 
@@ -207,8 +210,7 @@ def _figures(planned: Plan, arm: Robot, out: Path, rapid: bool) -> list[str]:
         from irb2400_ctrl.model import Model
         from irb2400_ctrl.planners.programs.rapid.rapid_program import rapid_program
 
-        motion = planned.trajectory
-        rapid_program(Model(arm), motion.time, motion.q).save(out / "program.mod")
+        rapid_program(Model(arm), planned.trajectory).save(out / "program.mod")
         written.append("program.mod")
     return written
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import casadi as ca
 
-from irb2400_ctrl.effects.base import Signals
+from irb2400_ctrl.effects.signals import Signals
 
 
 def lag_torque(s: Signals, index: int, lag: ca.SX, acceleration: ca.SX) -> ca.SX:

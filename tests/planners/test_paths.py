@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -13,7 +14,7 @@ from hypothesis import strategies as st
 
 from irb2400_ctrl import load_robot
 from irb2400_ctrl.errors import InputError
-from irb2400_ctrl.planners import ToolPath, plan_path, read_path
+from irb2400_ctrl.planners import MotionLimits, ToolPath, plan_path, read_path
 from irb2400_ctrl.planners.toolpath import builders
 from irb2400_ctrl.planners.toolpath.task_curve import smooth_curve
 
@@ -209,3 +210,24 @@ def test_wrong_arguments() -> None:
         plan_path(ROBOT, path, tolerance=-1)
     with pytest.raises(InputError, match="not finite"):
         ToolPath(np.array([[0, 0, np.nan], [1, 0, 0]]), np.tile([0.0, 0, 1], (2, 1)))
+
+
+@pytest.mark.parametrize(("name", "axis"), [("tau_max", 2), ("qd_max", 4), ("qdd_max", 1)])
+def test_limits_of_a_plan_can_only_tighten_the_robots(name: str, axis: int) -> None:
+    # 90 for 90 % once planned 24,065 Nm on an axis of 1,300 Nm, and certified it
+    path = builders.line((0.9, 0.0, 0.9), (0.9, 0.1, 0.9))
+    robot = ROBOT.model_copy(
+        update={
+            "joints": tuple(
+                j.model_copy(
+                    update={"limits": j.limits.model_copy(update={"acceleration_deg_s2": 500.0})}
+                )
+                for j in ROBOT.joints
+            )
+        }
+    )
+    own = MotionLimits.of(robot)
+    wider = getattr(own, name).copy()
+    wider[axis - 1] *= 1.01
+    with pytest.raises(InputError, match=rf"{name} of axis {axis} .*at most the robot's own"):
+        plan_path(robot, path, limits=replace(own, **{name: wider}))

@@ -1,143 +1,60 @@
-"""Every effect of the library and every generic law, scored against what is left of one log."""
+"""Every effect of the library and every non-parametric law, scored against what is left of one
+log."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from functools import cache, cached_property
 
 import numpy as np
 import numpy.typing as npt
 
-from irb2400_ctrl.diagnosis.comparison.non_parametric import Generic, generic_laws, vibrations
+from irb2400_ctrl.diagnosis.comparison.log_columns import LogColumns
 from irb2400_ctrl.diagnosis.estimation.candidate import Candidate, Point, plausible
 from irb2400_ctrl.diagnosis.estimation.evidence import (
     Problem,
     Score,
-    departure_shares,
+    discrepancy_shares,
     g_prior_gain,
 )
-from irb2400_ctrl.diagnosis.regressors.bases import Bases, RegressorColumns
+from irb2400_ctrl.diagnosis.regressors.bases import RegressorColumns
 from irb2400_ctrl.effects import LIBRARY
 from irb2400_ctrl.effects.base import within
-from irb2400_ctrl.measurement.prepared_log import PreparedLog
 
 Array = npt.NDArray[np.float64]
 
-EVERYWHERE = ("rotor_inertia",)
-"""effects that a maker leaves out of all joints alike"""
 EVERYWHERE_PENALTY = 15.0
 """[nats]"""
-KEPT_GENERIC = 4
-"""how many generic laws of each joint are judged"""
+KEPT_NON_PARAMETRIC = 4
+"""how many non-parametric laws of each joint are judged"""
 KEPT_GRID_POINTS = 2
-"""how many of the best nonlinear parameters of a family are scored with departures"""
+"""how many of the best nonlinear parameters of a family are scored with discrepancy"""
 
 
-class Scan:
-    """The columns of one log, computed once; `rank` scores them in any situation."""
-
-    def __init__(self, bases: Bases, motion: PreparedLog, load: Array) -> None:
-        self.bases = bases
-        self.motion = motion
-        self.load = load
-        self.remembering: dict[tuple[str, int | None], list[RegressorColumns]] = {}
-        """departures of every grid point of effects with memory: how a record began may be all that
-        shows them"""
-        self._departures: dict[tuple[object, ...], RegressorColumns] = {}
-        self._samples: dict[tuple[object, ...], RegressorColumns] = {}
-        self._vibrations = cache(lambda joint: vibrations(motion, joint))
-
-    @cached_property
-    def families(self) -> list[tuple[str, int | None]]:
-        """Effects that can act: joints that hardly move carry only what needs no motion of
-        theirs."""
-        n = self.motion.n
-        return [
-            (kind, joint)
-            for kind, effect in LIBRARY.items()
-            for joint in effect.joints(n)
-            if joint is None or joint <= n
-        ]
-
-    @cached_property
-    def laws(
-        self,
-    ) -> dict[tuple[str, int | None], tuple[list[dict[str, float]], list[RegressorColumns]]]:
-        """Grid and filtered columns of each family."""
-        found = {}
-        inertia = np.median(
-            np.einsum("mjj->mj", self.bases.model.mass_matrix(self.motion.q[::50])), axis=0
-        )
-        for kind, joint in self.families:
-            effect = LIBRARY[kind]
-            felt = float(inertia[(joint or 1) - 1])
-            grid = [g for g in effect.grid(joint) if effect.sensible(g, felt)]
-            if effect.states:
-                columns, self.remembering[kind, joint] = self.bases.with_beginnings(
-                    kind, joint, self.motion, grid
-                )
-            else:
-                columns = self.bases.columns(kind, joint, self.motion, grid)
-            found[kind, joint] = (grid, columns)
-        return found
-
-    @cached_property
-    def generics(self) -> dict[int, list[Generic]]:
-        """Filtered columns of the generic laws, by joint."""
-        return generic_laws(self.motion, self.load)
-
-    def departures(
-        self, kind: str, joint: int | None, nonlinear: dict[str, float]
-    ) -> RegressorColumns:
-        """Filtered columns of an effect's departures."""
-        key = (kind, joint, *sorted(nonlinear.items()))
-        if key not in self._departures:
-            self._departures[key] = self._departures_of(kind, joint, nonlinear)
-        return self._departures[key]
-
-    def _departures_of(
-        self, kind: str, joint: int | None, nonlinear: dict[str, float]
-    ) -> RegressorColumns:
-        return self.bases.columns(kind, joint, self.motion, [nonlinear], departures=True)[0]
+class Scan(LogColumns):
+    """The columns of one log, scored against what is left of it in any situation."""
 
     def rank(self, problem: Problem, chosen: Sequence[Candidate] = ()) -> list[Candidate]:
-        """All plausible candidates, best first; what is chosen already does not come twice (but for
-        ripples)."""
-        taken = {(e.kind, e.joint) for c in chosen for e in c.effects if e.kind != "gear_ripple"}
-        devices = {(e.device, e.joint) for c in chosen for e in c.effects if e.device}
+        """All plausible candidates, best first; what is chosen already does not come twice
+        (but for `Search.repeats`)."""
+        there = [e for c in chosen for e in c.effects]
+        taken = {(e.kind, e.joint) for e in there if not e.search.repeats}
+        devices = {(e.search.device, e.joint) for e in there if e.search.device}
         families = [
             f
             for f in self.families
-            if f not in taken and (LIBRARY[f[0]].device, f[1]) not in devices
+            if f not in taken and (LIBRARY[f[0]].search.device, f[1]) not in devices
         ]
         found = [c for kind, joint in families for c in self._library(problem, kind, joint)]
         rest = [
-            kind for kind in EVERYWHERE if kind not in {e.kind for c in chosen for e in c.effects}
+            kind
+            for kind, effect in LIBRARY.items()
+            if effect.search.on_every_joint and kind not in {e.kind for e in there}
         ]
         found += [c for kind in rest if (c := self._everywhere(problem, kind)) is not None]
-        found += [c for joint in range(self.motion.n) for c in self._generic(problem, joint)]
+        found += [c for joint in range(self.motion.n) for c in self._non_parametric(problem, joint)]
         found += [self._vibration(problem, joint) for joint in range(self.motion.n)]
         return sorted((c for c in found if c.score.gain > 0), key=lambda c: -c.score.gain)
-
-    def columns(self, point: Point) -> RegressorColumns:
-        """Filtered columns of an effect."""
-        grid, laws = self.laws[point.kind, point.joint]
-        return laws[grid.index(point.nonlinear)]
-
-    def samples(self, point: Point, departures: bool = False) -> RegressorColumns:
-        """RegressorColumns of an effect sample by sample, not filtered."""
-        key = (point.kind, point.joint, departures, *sorted(point.nonlinear.items()))
-        if key not in self._samples:
-            self._samples[key] = self.bases.columns(
-                point.kind,
-                point.joint,
-                self.motion,
-                [point.nonlinear],
-                departures=departures,
-                filtered=False,
-            )[0]
-        return self._samples[key]
 
     def points(
         self, problem: Problem, joint: int | None, windows: Sequence[tuple[float, float]] = ()
@@ -147,7 +64,7 @@ class Scan:
         found = []
         acting = within(windows, self.motion.row_time)[:, None, None]
         for kind, at in self.families:
-            if at != joint or not self._shows(kind, at):
+            if at != joint or not self.shows(kind, at):
                 continue
             grid, always = self.laws[kind, at]
             # the filter's reach across the edges of the windows hardly matters for a first look
@@ -161,19 +78,9 @@ class Scan:
             ]
         return found
 
-    def family_penalty(self, kind: str, joint: int | None) -> float:
-        """What the choice among the members of a family costs [nats]."""
-        return float(np.log(len(self.laws[kind, joint][0])))
-
-    def _shows(self, kind: str, joint: int | None) -> bool:
-        """Whether any torque of this arm depends on the effect (none does on the zero of axis
-        1)."""
-        laws = self.laws[kind, joint][1]
-        return bool(laws and laws[0].joints)
-
     def _library(self, problem: Problem, kind: str, joint: int | None) -> list[Candidate]:
         grid, laws = self.laws[kind, joint]
-        if not self._shows(kind, joint):
+        if not self.shows(kind, joint):
             return []
         best: Candidate | None = None
         for place in self._promising(problem, kind, joint, laws):
@@ -182,7 +89,7 @@ class Scan:
             extra = (
                 self.remembering[kind, joint][place]
                 if LIBRARY[kind].states
-                else self.departures(kind, joint, nonlinear)
+                else self.discrepancy(kind, joint, nonlinear)
             )
             score = self._score(problem, kind, law, extra)
             # a family with many members must win by more
@@ -196,7 +103,7 @@ class Scan:
     def between(self, problem: Problem, candidate: Candidate) -> Candidate:
         """The candidate with its one nonlinear parameter searched between the neighbours in the
         grid."""
-        if not candidate.known or not LIBRARY[candidate.kind].searched:
+        if not candidate.known or not LIBRARY[candidate.kind].search.between_grid:
             return candidate
         grid, _ = self.laws[candidate.kind, candidate.joint]
         (key,) = grid[0]
@@ -224,8 +131,7 @@ class Scan:
         nonlinear = effect.nonlinear
         for width in (0.1, 0.04, 0.015):
             for key in nonlinear:
-                # a damping is known far less sharply than a frequency
-                spread = (1 + width) ** (8 if "damping" in key else 1)
+                spread = (1 + width) ** (8 if key in effect.prior.loose else 1)
                 trials = [{**nonlinear, key: nonlinear[key] * spread**k} for k in (-2, -1, 1, 2)]
                 for trial in trials:
                     moved = self._at(problem, best, trial)
@@ -260,21 +166,24 @@ class Scan:
         kind = candidate.kind
         joint = candidate.joint
         law = self.bases.columns(kind, joint, self.motion, [nonlinear])[0]
-        extra = self.departures(kind, joint, nonlinear)
+        extra = self.discrepancy(kind, joint, nonlinear)
         score = self._score(problem, kind, law, extra)
         score = replace(score, gain=score.gain - candidate.penalty)
         effect = plausible(kind, joint, score.coefficients, nonlinear)
         return (
             None
             if effect is None
-            else replace(candidate, effects=(effect,), law=law, departures=extra, score=score)
+            else replace(candidate, effects=(effect,), law=law, discrepancy=extra, score=score)
         )
 
     def _score(
         self, problem: Problem, kind: str, law: RegressorColumns, extra: RegressorColumns
     ) -> Score:
         return problem.score(
-            law, extra, LIBRARY[kind].expected, departure_shares(kind, extra.values.shape[2])
+            law,
+            extra,
+            LIBRARY[kind].prior.coefficients,
+            discrepancy_shares(kind, extra.values.shape[2]),
         )
 
     def _promising(
@@ -323,12 +232,12 @@ class Scan:
             kind, None, f"{kind} of every joint", (), present, law, None, score, EVERYWHERE_PENALTY
         )
 
-    def _generic(self, problem: Problem, joint: int) -> list[Candidate]:
-        """The best generic laws of one joint (zero-based)."""
-        laws = self.generics[joint]
+    def _non_parametric(self, problem: Problem, joint: int) -> list[Candidate]:
+        """The best non-parametric laws of one joint (zero-based)."""
+        laws = self.non_parametric[joint]
         gains = problem.gains(joint, [law.columns for law in laws])
         found = []
-        for place in np.argsort(-gains)[:KEPT_GENERIC]:
+        for place in np.argsort(-gains)[:KEPT_NON_PARAMETRIC]:
             law = laws[place]
             columns = RegressorColumns((joint,), law.columns[:, None, :])
             score = problem.score(columns)
@@ -340,7 +249,7 @@ class Scan:
         return found
 
     def _vibration(self, problem: Problem, joint: int) -> Candidate:
-        frequency, values = self._vibrations(joint)
+        frequency, values = self.vibrations_of(joint)
         gram, right = problem.projected_many(joint, values)
         explained = np.einsum(
             "gi,gi->g", right, np.linalg.solve(gram + 1e-9 * np.eye(2), right[..., None])[..., 0]

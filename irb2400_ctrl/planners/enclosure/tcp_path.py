@@ -1,5 +1,5 @@
 """The tool centre point along a joint path: position, tool axis and speed, bounded between the
-points looked at.
+samples.
 
 Every joint turns some links about an axis, so a partial derivative of the TCP's position, of
 whatever order, is at most as long as the links that its outermost joint turns (`levers`), and one
@@ -59,7 +59,7 @@ class TcpPath:
         q = ca.SX.sym("q", self.model.robot.n)
         X = self.model.tcp_pose(q)
         return compile_function(
-            ca.Function("tip_pose", [q], [ca.vertcat(X[:3, 3], ca.vec(X[:3, :3]))])
+            ca.Function("tcp_pose", [q], [ca.vertcat(X[:3, 3], ca.vec(X[:3, :3]))])
         )
 
     @cached_property
@@ -67,7 +67,7 @@ class TcpPath:
         q = ca.SX.sym("q", self.model.robot.n)
         dq = ca.SX.sym("dq", self.model.robot.n)
         return compile_function(
-            ca.Function("tip", [q, dq], [self.model.tcp_jacobian(q)[:3, :] @ dq])
+            ca.Function("tcp_velocity", [q, dq], [self.model.tcp_jacobian(q)[:3, :] @ dq])
         )
 
     def pose(self, s: Array, piece: npt.NDArray[np.int64] | None = None) -> tuple[Array, Array]:

@@ -122,7 +122,7 @@ def _turned(
 
 
 def continuous_margins(model: Model, followed: Followed) -> Array:
-    """Smallest relative margins over the path, looked at four times between stations, shape
+    """Smallest relative margins over the path, sampled four times between stations, shape
     (3,)."""
     s = followed.joints.knots
     fine = np.unique(

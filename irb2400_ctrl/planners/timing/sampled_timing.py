@@ -1,7 +1,7 @@
-"""Timing with effects whose torque has no bound: looked at, with room to spare.
+"""Timing with effects whose torque has no bound: sampled, with room to spare.
 
 The torque of a link that swings behind its motor follows the second derivative of the load. The
-timing lets the acceleration jump, so that there is none; what is looked at is the model's slow
+timing lets the acceleration jump, so that there is none; what is sampled is the model's slow
 twist, and the swing is left out.
 """
 
@@ -10,6 +10,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
+from irb2400_ctrl.effects import Effect
 from irb2400_ctrl.errors import InfeasibleError
 from irb2400_ctrl.planners.enclosure.cells import Cells
 from irb2400_ctrl.planners.enclosure.path_dynamics import PathDynamics
@@ -20,8 +21,8 @@ from irb2400_ctrl.planners.timing.time_optimal import Timed, time_path
 Array = npt.NDArray[np.float64]
 
 _ROUNDS = 6
-_LOOKS = 5
-# held back beyond what was seen, as a part of it
+_SAMPLES = 5
+# held back beyond what the samples show, as a part of it
 _ROOM = 0.03
 
 
@@ -33,7 +34,7 @@ def time_with_samples(
     friction: Array,
     feed: Array,
 ) -> Timed:
-    """Time the path, look at the extra torque along the motion, hold that much back, and time it
+    """Time the path, sample the extra torque along the motion, hold that much back, and time it
     again.
 
     Raises:
@@ -43,11 +44,11 @@ def time_with_samples(
     timed: Timed | None = None
     for _ in range(_ROUNDS):
         timed = time_path(cells, limits, friction, feed, held)
-        seen = _seen(dynamics, path, timed)
-        if timed is not None and (seen <= held + 1e-9).all():
+        extra = _largest_extra(dynamics, path, timed)
+        if (extra <= held + 1e-9).all():
             return timed
         # only ever more: the rounds end
-        held = np.maximum(held, seen + _ROOM * np.abs(seen) + 1e-6)
+        held = np.maximum(held, extra + _ROOM * np.abs(extra) + 1e-6)
     law = None if timed is None else timed.law
     raise InfeasibleError(
         "the torque of the effects "
@@ -66,24 +67,30 @@ def guarantee_note(dynamics: PathDynamics, certified: bool, holds: bool) -> str:
             "only looked at"
         )
     if dynamics.irregular:
-        names = ", ".join(f"{e.kind} on axis {e.joint}" for e in dynamics.irregular)
-        return (
-            f"{names}: the link swings behind its motor where the acceleration jumps, and what "
-            "that adds has no bound; "
-            f"its slow part was looked at and held back with {100 * _ROOM:.0f} % to spare"
-        )
+        return "; ".join(_without_bound(effect) for effect in dynamics.irregular)
     return "" if holds else "the check of the bound failed; plan with more cells"
 
 
-def _seen(dynamics: PathDynamics, path: JointPath, timed: Timed) -> Array:
+def _without_bound(effect: Effect) -> str:
+    name = effect.kind if effect.joint is None else f"{effect.kind} on axis {effect.joint}"
+    held = f"was looked at and held back with {100 * _ROOM:.0f} % to spare"
+    if effect.acts == "transmission":
+        return (
+            f"{name}: the link swings behind its motor where the acceleration jumps, and what "
+            f"that adds has no bound; its slow part {held}"
+        )
+    return f"{name}: no bound of its torque between the points is known; it {held}"
+
+
+def _largest_extra(dynamics: PathDynamics, path: JointPath, timed: Timed) -> Array:
     """Largest extra torque upwards and downwards in each cell and its neighbours, shape (m, 2,
     n)."""
     law = timed.law
     m = len(law.u)
-    part = (np.arange(_LOOKS) + 0.5) / _LOOKS
+    part = (np.arange(_SAMPLES) + 0.5) / _SAMPLES
     t = (law.time[:-1, None] + part * np.diff(law.time)[:, None]).ravel()
     _, q, qd, qdd = law.motion(path, t)
-    tau = dynamics.irregular_torque(q, qd, qdd, t).reshape(m, _LOOKS, path.n)
+    tau = dynamics.irregular_torque(q, qd, qdd, t).reshape(m, _SAMPLES, path.n)
     both = np.stack([tau.max(axis=1), -tau.min(axis=1)], axis=1)
     padded = np.pad(both, ((1, 1), (0, 0), (0, 0)), mode="edge")
     return np.asarray(np.maximum(np.maximum(padded[:-2], padded[1:-1]), padded[2:]))

@@ -22,7 +22,7 @@ from irb2400_ctrl.planners.toolpath.toolpath import ToolPath
 Array = npt.NDArray[np.float64]
 
 ROTATION_LENGTH = 0.1
-"""how far the tip travels for one radian of turning, when lengths along the path are compared
+"""how far the TCP travels for one radian of turning, when lengths along the path are compared
 [m/rad]"""
 SMOOTH_BEND = 0.3
 """change of direction up to which a way-point counts as part of a smooth curve, not a corner

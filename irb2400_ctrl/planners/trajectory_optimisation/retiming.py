@@ -20,8 +20,8 @@ from irb2400_ctrl.planners.enclosure.path_dynamics import PathDynamics
 from irb2400_ctrl.planners.joint_path import JointPath
 from irb2400_ctrl.planners.timing.certificate import Certificate
 from irb2400_ctrl.planners.timing.motion_limits import MotionLimits
+from irb2400_ctrl.planners.timing.piecewise_constant_law import PiecewiseConstantLaw
 from irb2400_ctrl.planners.timing.rate_limited.time_rate_limited import time_rate_limited
-from irb2400_ctrl.planners.timing.time_law import TimeLaw
 from irb2400_ctrl.planners.trajectory_optimisation.knots import Knots
 from irb2400_ctrl.planners.trajectory_optimisation.optimised import MotionOutcome, outcome
 from irb2400_ctrl.planners.trajectory_optimisation.warm_start import clamped
@@ -32,8 +32,8 @@ Array = npt.NDArray[np.float64]
 _RAMP = 1.0
 # cells of the smooth timing: half as many cost another half per cent
 _COUNT = 1000
-# looks within each interval, and the step of the difference there [s]
-_LOOKS = 6
+# samples within each interval, and the step of the difference there [s]
+_SAMPLES = 6
 _STEP = 1e-6
 # motions slowed below this part of the solver's speed are given up
 _SLOWEST = 0.7
@@ -68,18 +68,18 @@ def smooth_outcome(
 
 
 def rate_excess(dynamics: PathDynamics, knots: Knots, torque_rate: Array) -> Array:
-    """Largest torque rate seen inside each interval of the knots' spline over its limit, shape (m,
-    n).
+    """Largest torque rate sampled inside each interval of the knots' spline over its limit, shape
+    (m, n).
 
     A program that limits differences of knots limits the mean only.
     """
     model = dynamics.model
     path = clamped(knots.time, knots.q)
     step = np.diff(knots.time)
-    part = (np.arange(_LOOKS) + 0.5) / _LOOKS
+    part = (np.arange(_SAMPLES) + 0.5) / _SAMPLES
     part[[0, -1]] = 0.01, 0.99
     t = (knots.time[:-1, None] + part * step[:, None]).ravel()
-    piece = np.repeat(np.arange(len(step)), _LOOKS)
+    piece = np.repeat(np.arange(len(step)), _SAMPLES)
 
     def moving(time: Array) -> Array:
         """Torque without dry friction."""
@@ -91,7 +91,7 @@ def rate_excess(dynamics: PathDynamics, knots: Knots, torque_rate: Array) -> Arr
         )
 
     change = np.abs(moving(t + _STEP) - moving(t - _STEP)) / (2 * _STEP)
-    return np.asarray((change / torque_rate).reshape(len(step), _LOOKS, -1).max(axis=1))
+    return np.asarray((change / torque_rate).reshape(len(step), _SAMPLES, -1).max(axis=1))
 
 
 def slowed_outcome(
@@ -106,7 +106,8 @@ def slowed_outcome(
     s = grid(path, 1000)
     speed = 1.0
     for _ in range(8):
-        found = outcome(Certificate(path, TimeLaw(s, np.full(len(s), speed**2)), limits), dynamics)
+        law = PiecewiseConstantLaw(s, np.full(len(s), speed**2))
+        found = outcome(Certificate(path, law, limits), dynamics)
         change = 1.0 if torque_rate is None else float((found.torque_rate / torque_rate).max())
         # torque falls with the square of the speed, but for gravity and friction: a little more
         # than the root

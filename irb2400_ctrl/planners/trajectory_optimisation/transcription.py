@@ -8,7 +8,7 @@ length dt_k per segment:
     qd_{i+1} = qd_i + dt (qdd_i + qdd_{i+1}) / 2
 
 Torque, power and singularity factors are demanded at the knots. What they do between knots is not
-looked at here: the certified timing takes the geometry afterwards. Joint box and speed limits hold
+checked here: the certified timing takes the geometry afterwards. Joint box and speed limits hold
 everywhere (Bernstein coefficients). The derivatives of the dynamics are made once for a single knot
 and mapped over all of them, as machine code where there is a compiler; what couples knots is
 bilinear and cheap.
@@ -19,7 +19,6 @@ from __future__ import annotations
 import time
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Literal
 
 import casadi as ca
 import numpy as np
@@ -27,6 +26,7 @@ import numpy.typing as npt
 
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.planners.timing.motion_limits import MotionLimits
+from irb2400_ctrl.planners.trajectory_optimisation.knot_coupling import KnotCoupling, Objective
 from irb2400_ctrl.planners.trajectory_optimisation.knots import Knots, Solved
 from irb2400_ctrl.planners.trajectory_optimisation.sparse_program import (
     machine_code,
@@ -34,7 +34,6 @@ from irb2400_ctrl.planners.trajectory_optimisation.sparse_program import (
 )
 
 Array = npt.NDArray[np.float64]
-Objective = Literal["time", "energy"]
 
 # width of a change of direction in the smoothed friction, as a part of what a joint can gain in
 # speed in one interval of the guess (whose intervals are 1.6 times those of the motion found):
@@ -45,11 +44,6 @@ _WIDEST = 0.5
 # the same for power, as a part of the speed limit: narrow, because friction that is smoothed away
 # costs nothing
 _POWER = 0.04
-# weight of the mean squared acceleration: makes the motion of joints that limit nothing unique
-_SMOOTH = 2e-4
-# of the duration as a part of its guess: the barrier leaves its tolerance times the number of
-# active rows at the end
-_SCALE = 100.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,7 +72,7 @@ class Transcription:
 
     @property
     def paired(self) -> bool:
-        """Whether every second knot only looks, its acceleration the mean of its neighbours'.
+        """Whether every second knot only samples, its acceleration the mean of its neighbours'.
 
         Otherwise energy and torque rate go zigzag between the knots that they are counted at. A
         motion of least duration gains more by the freedom than it loses when it is timed again.
@@ -185,83 +179,18 @@ class Transcription:
     def _coupling(self, step: Array) -> tuple[ca.Function, Array, Array]:
         """x -> (objective, rows that couple knots), and the bounds of these rows; `step` is the
         unit of dt [s]."""
-        knots, width, size = self._sizes
-        n = self.model.robot.n
-        robot = self.model.robot
-        x = ca.SX.sym("x", size)
-        w = ca.reshape(x[: knots * width], width, knots)
-        extra = ca.reshape(x[knots * width : knots * (width + self._extra)], self._extra, knots)
-        dt_k = x[-len(self.intervals) :] * ca.DM(step)
-        belongs = ca.DM(np.eye(len(self.intervals))[self._segment])
-        dt = ca.repmat((belongs @ dt_k).T, n, 1)
-        speed = ca.DM(self.limits.qd_max)
-        acceleration = ca.DM(self._accelerations)
-        q = w[:n, :]
-        qd = w[n : 2 * n, :]
-        qdd = w[2 * n :, :]
-        unit = ca.repmat(ca.DM(step[self._segment]).T, n, 1) * ca.repmat(speed, 1, knots - 1)
-        v = qd * ca.repmat(speed, 1, knots)
-        a = qdd * ca.repmat(acceleration, 1, knots)
-        first = slice(0, knots - 1)
-        last = slice(1, knots)
-        defect_q = (
-            q[:, last] - q[:, first] - dt * (v[:, first] + dt * (2 * a[:, first] + a[:, last]) / 6)
-        ) / unit
-        defect_v = (
-            qd[:, last]
-            - qd[:, first]
-            - dt * (a[:, first] + a[:, last]) / 2 / ca.repmat(speed, 1, knots - 1)
-        )
-        inner = [q[:, first] + dt * v[:, first] / 3, q[:, last] - dt * v[:, last] / 3]
-        rows: list[tuple[ca.SX, float | Array, float | Array]] = [
-            (defect_q, 0.0, 0.0),
-            (defect_v, 0.0, 0.0),
-        ]
-        low = np.tile(robot.q_min, knots - 1)
-        high = np.tile(robot.q_max, knots - 1)
-        rows += [(value, low, high) for value in inner]
-        if self.paired:
-            odd = np.arange(1, knots - 1, 2)
-            bent = (
-                qdd[:, odd.tolist()] - (qdd[:, (odd - 1).tolist()] + qdd[:, (odd + 1).tolist()]) / 2
-            )
-            rows += [(bent, 0.0, 0.0)]
-        # the speed is a parabola: with the knots themselves these coefficients enclose it
-        rows += [((v[:, first] + dt * a[:, first] / 2) / ca.repmat(speed, 1, knots - 1), -1.0, 1.0)]
-        if robot.coupling.difference_deg is not None:
-            bound = np.radians(robot.coupling.difference_deg)
-            rows += [(value[2, :] - value[1, :], bound[0], bound[1]) for value in (*inner, q)]
-        total = ca.dot(dt_k, ca.DM(np.array(self.intervals, dtype=float)))
-        reference = float(step @ self.intervals)
-        if self.torque_rate is not None:
-            tau = extra[-n:, :]
-            change = (
-                ca.DM(np.broadcast_to(self.torque_rate / self.limits.tau_max, (knots - 1, n)).T)
-                * dt
-            )
-            rows += [(tau[:, last] - tau[:, first] - change, -np.inf, 0.0)]
-            rows += [(tau[:, last] - tau[:, first] + change, 0.0, np.inf)]
-        if np.isfinite(self.duration):
-            rows += [(total / self.duration, -np.inf, 1.0)]
-        objective = _SCALE * total / reference
-        if self.objective == "energy":
-            power = ca.DM(self.limits.tau_max * self.limits.qd_max / 1000.0).T @ extra[:n, :]
-            objective = ca.dot(dt[0, :], (power[:, first] + power[:, last]) / 2) / reference
-        objective += (
-            (1.0 if self.objective == "energy" else _SCALE) * _SMOOTH * ca.sumsqr(qdd) / knots
-        )
-        vectors = [(ca.vec(value), lower, upper) for value, lower, upper in rows]
-        lower, upper = (
-            np.concatenate(
-                [
-                    np.broadcast_to(np.asarray(row[k], dtype=float), (row[0].numel(),))
-                    for row in vectors
-                ]
-            )
-            for k in (1, 2)
-        )
-        stacked = ca.vertcat(*(value for value, _, _ in vectors))
-        return ca.Function("coupling", [x], [objective, stacked]), lower, upper
+        return KnotCoupling(
+            robot=self.model.robot,
+            limits=self.limits,
+            accelerations=self._accelerations,
+            intervals=self.intervals,
+            step=step,
+            objective=self.objective,
+            duration=self.duration,
+            torque_rate=self.torque_rate,
+            paired=self.paired,
+            extra=self._extra,
+        ).function()
 
     def _knot_rows(self) -> tuple[ca.DM, Array, Array]:
         """Constant matrix C of the rows at all knots, rows(w) + C x, and their bounds."""

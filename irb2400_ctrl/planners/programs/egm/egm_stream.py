@@ -11,81 +11,43 @@ from __future__ import annotations
 
 import socket
 from collections.abc import Callable
-from dataclasses import dataclass
 from time import monotonic
 from typing import Literal
 
 import numpy as np
 import numpy.typing as npt
+from numpy.typing import ArrayLike
 
-from irb2400_ctrl.errors import InputError, IrbError
+from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.planners.programs.egm import egm_messages as proto
+from irb2400_ctrl.planners.programs.egm.egm_report import EgmError, EgmOptions, EgmReport
 from irb2400_ctrl.robot import Robot
+from irb2400_ctrl.trajectory import Trajectory
 
 Array = npt.NDArray[np.float64]
 PORT = 6510
 _CLOCK = 1 << 32
 
-
-@dataclass(frozen=True)
-class EgmOptions:
-    """When to begin, to end and to give up."""
-
-    send_speed: bool = True
-    """send the plan's speeds as well (EGM adds them to its position loop: less lag)"""
-    start_tolerance_deg: float = 0.5
-    """the arm must stand this close to the plan's start"""
-    following_tolerance_deg: float = 20.0
-    """stop when the arm is further than this from the plan"""
-    end_tolerance_deg: float = 0.05
-    """the arm has arrived"""
-    timeout: float = 0.1
-    """longest silence of the controller, also on its own clock [s]"""
-    connect_timeout: float = 30.0
-    """longest wait until EGM runs [s]"""
-    settle_timeout: float = 2.0
-    """longest wait at the end until the arm has arrived [s]"""
-    stop_time: float = 0.5
-    """a stop slows down along the path within this time [s]"""
-
-
-@dataclass(frozen=True)
-class EgmReport:
-    """What was sent and what the arm did."""
-
-    outcome: Literal["finished", "stopped", "failed"]
-    time: Array
-    """of the controller since the plan began [s], shape (m,)"""
-    q_sent: Array
-    """[rad], shape (m, 6)"""
-    q_measured: Array
-    """[rad], shape (m, 6)"""
-    lost: int
-    """messages of the controller that never came"""
-    late: int
-    """messages that came twice or after a newer one, left unanswered"""
-
-
-class EgmError(IrbError):
-    """The stream ended before the plan did; `report` holds what was sent until then."""
-
-    def __init__(self, message: str, report: EgmReport) -> None:
-        super().__init__(message)
-        self.report = report
+__all__ = ["PORT", "EgmError", "EgmFollower", "EgmOptions", "EgmReport", "stream"]
 
 
 class EgmFollower:
     """The answers to a controller's messages: all of the stream but the socket."""
 
     def __init__(
-        self, robot: Robot, time: Array, q: Array, qd: Array, options: EgmOptions | None = None
+        self,
+        robot: Robot,
+        time: Trajectory | ArrayLike,
+        q: ArrayLike | None = None,
+        qd: ArrayLike | None = None,
+        options: EgmOptions | None = None,
     ) -> None:
         """A plan from rest to rest.
 
         Args:
-            time: [s], shape (n,), increasing.
-            q, qd: actuator angles and speeds [rad, rad/s], shape (n, 6); q3 absolute, as ABB counts
-                axis 3.
+            time: the plan; or only its times [s], shape (n,), increasing, and then
+            q, qd: its actuator angles and speeds [rad, rad/s], shape (n, 6). q3 is absolute, as ABB
+                counts axis 3.
 
         Raises:
             InputError: shapes, order, not finite, outside the joint box or the speed limits, not at
@@ -283,19 +245,7 @@ def stream(
                 wire.settimeout(left)
                 data, sender = wire.recvfrom(4096)
             except TimeoutError as error:
-                if follower.running:
-                    reason = f"no message for {options.timeout:.3f} s"
-                elif peer is None:
-                    reason = (
-                        f"no controller called within {options.connect_timeout:.1f} s (UDPUC "
-                        "address and port?)"
-                    )
-                else:
-                    reason = (
-                        "the controller calls but EGM did not run within "
-                        f"{options.connect_timeout:.1f} s"
-                    )
-                raise follower.failure(reason) from error
+                raise follower.failure(_silence(follower, peer is not None)) from error
             if peer not in (None, sender):
                 continue
             try:
@@ -314,8 +264,27 @@ def stream(
     return follower.report()
 
 
-def _checked(robot: Robot, time: Array, q: Array, qd: Array) -> tuple[Array, Array, Array]:
-    time, q, qd = (np.array(array, dtype=float) for array in (time, q, qd))
+def _silence(follower: EgmFollower, called: bool) -> str:
+    """Why waiting for a message has an end."""
+    options = follower.options
+    if follower.running:
+        return f"no message for {options.timeout:.3f} s"
+    if called:
+        return f"the controller calls but EGM did not run within {options.connect_timeout:.1f} s"
+    return f"no controller called within {options.connect_timeout:.1f} s (UDPUC address and port?)"
+
+
+def _checked(
+    robot: Robot, motion: Trajectory | ArrayLike, *angles: ArrayLike | None
+) -> tuple[Array, Array, Array]:
+    if isinstance(motion, Trajectory):
+        if any(values is not None for values in angles):
+            raise InputError("EGM: found a trajectory and angles besides, expected one of them")
+        time = motion.time
+        q = motion.q
+        qd = motion.qd
+    else:
+        time, q, qd = (np.array(values, dtype=float) for values in (motion, *angles))
     if (
         q.ndim != 2
         or q.shape[1] != robot.n

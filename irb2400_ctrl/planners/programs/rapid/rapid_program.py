@@ -8,71 +8,25 @@ docs/programs_out.md for what was checked.
 
 from __future__ import annotations
 
-import re
+import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Literal
 
 import numpy as np
 import numpy.typing as npt
+from numpy.typing import ArrayLike
 
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.files import write_atomic
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.planners.programs.rapid import rapid_data as data
+from irb2400_ctrl.planners.programs.rapid.rapid_module import Names, module_text, move
+from irb2400_ctrl.planners.programs.rapid.rapid_options import RapidOptions
 from irb2400_ctrl.planners.programs.rapid.rapid_thinning import rows_to_keep, thinned
+from irb2400_ctrl.trajectory import Trajectory
 
 Array = npt.NDArray[np.float64]
-Motion = Literal["linear", "joint"]
-
-LINE_LENGTH = 80
-_OWN_NAMES = re.compile(r"p\d+|part\d+|zpath|vapproach")
-
-
-@dataclass(frozen=True)
-class RapidOptions:
-    """How a plan is written as RAPID. Names are RAPID identifiers of at most 32 characters."""
-
-    module: str = "PlannedPath"
-    entry: str = "main"
-    tool: str = "tPlanned"
-    work_object: str = "wPlanned"
-    motion: Motion = "linear"
-    """`linear`: MoveL to robtargets; `joint`: MoveAbsJ to jointtargets"""
-    tolerance_mm: float = 0.02
-    """straight moves (in space or in joint space) stay this close to the plan at the TCP"""
-    tolerance_deg: float = 0.02
-    """and the tool's orientation this close"""
-    zone_mm: float = 0.3
-    """corner zone of the points passed through; 0 stops at every point"""
-    approach_speed_mm_s: float = 100.0
-    """speed of the MoveAbsJ to the start"""
-    state_time: bool = False
-    """also give each move its planned duration (argument T), which then replaces its speed"""
-    moves_per_procedure: int = 500
-
-    def __post_init__(self) -> None:
-        for key in ("module", "entry", "tool", "work_object"):
-            data.check_name(key, getattr(self, key))
-        names = [name.lower() for name in (self.module, self.entry, self.tool, self.work_object)]
-        if len(set(names)) < len(names) or any(_OWN_NAMES.fullmatch(name) for name in names):
-            raise InputError(
-                f"RAPID: names are {', '.join(names)}; module, entry, tool and work object need "
-                "four different ones, "
-                "and p<number>, part<number>, zPath and vApproach are the module's own"
-            )
-        if self.motion not in ("linear", "joint"):
-            raise InputError(f"RAPID: motion is {self.motion!r}, expected linear or joint")
-        for key in ("tolerance_mm", "tolerance_deg", "approach_speed_mm_s"):
-            if not (np.isfinite(getattr(self, key)) and getattr(self, key) > 0):
-                raise InputError(
-                    f"RAPID: {key} is {getattr(self, key)}, expected a positive number"
-                )
-        if not (np.isfinite(self.zone_mm) and self.zone_mm >= 0):
-            raise InputError(f"RAPID: zone_mm is {self.zone_mm}, expected a number >= 0")
-        if self.moves_per_procedure < 1:
-            raise InputError("RAPID: moves_per_procedure is less than 1")
 
 
 @dataclass(frozen=True)
@@ -93,8 +47,8 @@ class RapidProgram:
 
 def rapid_program(
     model: Model,
-    time: Array,
-    q: Array,
+    motion: Trajectory | ArrayLike,
+    q: ArrayLike | None = None,
     options: RapidOptions | None = None,
     *,
     X_BW: Array | None = None,
@@ -104,9 +58,9 @@ def rapid_program(
     """The module that moves along the plan.
 
     Args:
-        time: [s], shape (n,), increasing.
-        q: actuator angles of the plan [rad], shape (n, 6); q3 is absolute, as ABB counts axis 3 of
-            this arm.
+        motion: the plan; or only its times [s], shape (n,), increasing, and then
+        q: its actuator angles [rad], shape (n, 6). q3 is absolute, as ABB counts axis 3 of this
+            arm.
         X_BW: work object in the robot base, whose targets are written in it; default the base
         (wobj0).
         wrist_crossing: rows where the path passes the wrist singularity, shape (n,): linear moves
@@ -119,7 +73,7 @@ def rapid_program(
         refuses.
     """
     options = options or RapidOptions()
-    time, q = _checked(model, time, q)
+    time, q = _checked(model, motion, q)
     crossing = _crossing(q, wrist_crossing)
     X_BT = model.tcp_pose(q)
     rest = np.append(False, np.abs(np.diff(q, axis=0)).max(axis=1) < 1e-10)
@@ -134,78 +88,104 @@ def rapid_program(
         np.radians(options.tolerance_deg),
     )
     X_WT = X_BT if X_BW is None else np.linalg.inv(data.check_pose("work object", X_BW)) @ X_BT
-    speeds = _speeds(time, X_BT)
-    names = _Names(options, model.robot.tool is not None, X_BW is not None)
+    names = Names(options, model.robot.tool is not None, X_BW is not None)
+    plan = _PlanRows(time, q, X_WT, _speeds(time, X_BT), rest, crossing)
     configuration = data.configuration(model, q[samples])
     extax = data.external_axes(external)
-    width = max(4, len(str(len(samples))))
-    declarations: list[list[str]] = []
-    moves: list[list[str]] = []
-    targets: list[int] = []
-    inside = False
-    for k, row in enumerate(samples):
-        before = samples[k - 1] if k else row
-        # a row that repeats the ones since the target before is a pause: no move, but its time
-        if k and rest[before + 1 : row + 1].all():
-            moves.append([f"WaitTime {time[row] - time[before]:.4f};"])
-            continue
-        name = f"p{k + 1:0{width}d}"
-        targets.append(int(row))
-        as_joints = k == 0 or options.motion == "joint"
-        declarations.append(
-            data.jointtarget(name, q[row], extax)
-            if as_joints
-            else data.robtarget(name, X_WT[row], configuration[k], extax)
-        )
-        if k == 0:
-            moves.append(_call("MoveAbsJ", name, "vApproach", "fine", names))
-            continue
-        wrist = not as_joints and bool(crossing[before + 1 : row + 1].any())
-        if wrist != inside:
-            moves.append(["SingArea\\Wrist;" if wrist else "SingArea\\Off;"])
-            inside = wrist
-        stops = k == len(samples) - 1 or rest[row + 1] or options.zone_mm == 0.0
-        speed = _speeddata(speeds[before:row])
-        if options.state_time:
-            speed += f"\\T:={time[row] - time[before]:.5f}"
-        moves.append(
-            _call(
-                "MoveAbsJ" if as_joints else "MoveL",
-                name,
-                speed,
-                "fine" if stops else "zPath",
-                names,
-            )
-        )
-    if inside:
-        moves.append(["SingArea\\Off;"])
-    return RapidProgram(
-        _module(model, options, names, X_BW, declarations, moves), np.array(targets)
-    )
+    declarations, targets = _declarations(plan, samples, configuration, extax, options)
+    moves = _moves(plan, samples, options, names)
+    text = module_text(model, options, names, X_BW, declarations, moves)
+    return RapidProgram(text, np.array(targets))
 
 
 @dataclass(frozen=True)
-class _Names:
-    """Tool and work object as the moves name them."""
+class _PlanRows:
+    """The plan row by row."""
 
-    options: RapidOptions
-    own_tool: bool
-    own_work_object: bool
+    time: Array
+    q: Array
+    X_WT: Array
+    """targets in the work object, shape (n, 4, 4)"""
+    speeds: Array
+    """between the rows, shape (n - 1, 2)"""
+    rest: npt.NDArray[np.bool_]
+    """rows that repeat the one before"""
+    crossing: npt.NDArray[np.bool_]
+    """rows at the wrist singularity"""
 
-    @property
-    def tool(self) -> str:
-        """the module's own tool, or the bare flange"""
-        return self.options.tool if self.own_tool else "tool0"
-
-    @property
-    def work_object(self) -> str:
-        """the module's own work object, or the base"""
-        return self.options.work_object if self.own_work_object else "wobj0"
+    def pauses(self, before: int, row: int) -> bool:
+        """Whether the arm only waits from one sample to the next."""
+        return bool(self.rest[before + 1 : row + 1].all())
 
 
-def _checked(model: Model, time: Array, q: Array) -> tuple[Array, Array]:
-    time = np.asarray(time, dtype=float)
-    q = np.asarray(q, dtype=float)
+def _declarations(
+    plan: _PlanRows,
+    samples: npt.NDArray[np.int64],
+    configuration: npt.NDArray[np.int64],
+    extax: str,
+    options: RapidOptions,
+) -> tuple[list[list[str]], list[int]]:
+    """The targets of all moves, and the rows they stand for."""
+    declarations = []
+    targets = []
+    for k, row in enumerate(samples):
+        if k and plan.pauses(samples[k - 1], row):
+            continue
+        name = _target(k, samples)
+        targets.append(int(row))
+        if k == 0 or options.motion == "joint":
+            declarations.append(data.jointtarget(name, plan.q[row], extax))
+        else:
+            declarations.append(data.robtarget(name, plan.X_WT[row], configuration[k], extax))
+    return declarations, targets
+
+
+def _moves(
+    plan: _PlanRows, samples: npt.NDArray[np.int64], options: RapidOptions, names: Names
+) -> list[list[str]]:
+    """The instructions in order, the wrist singularity switched on and off where it is passed."""
+    moves = [move("MoveAbsJ", _target(0, samples), "vApproach", "fine", names)]
+    inside = False
+    for k, (before, row) in enumerate(itertools.pairwise(samples), start=1):
+        duration = plan.time[row] - plan.time[before]
+        # a row that repeats the ones since the target before is a pause: no move, but its time
+        if plan.pauses(before, row):
+            moves.append([f"WaitTime {duration:.4f};"])
+            continue
+        as_joints = options.motion == "joint"
+        wrist = not as_joints and bool(plan.crossing[before + 1 : row + 1].any())
+        if wrist != inside:
+            moves.append(["SingArea\\Wrist;" if wrist else "SingArea\\Off;"])
+            inside = wrist
+        stops = k == len(samples) - 1 or plan.rest[row + 1] or options.zone_mm == 0.0
+        speed = _speeddata(plan.speeds[before:row])
+        if options.state_time:
+            speed += f"\\T:={duration:.5f}"
+        instruction = "MoveAbsJ" if as_joints else "MoveL"
+        zone = "fine" if stops else "zPath"
+        moves.append(move(instruction, _target(k, samples), speed, zone, names))
+    if inside:
+        moves.append(["SingArea\\Off;"])
+    return moves
+
+
+def _target(k: int, samples: npt.NDArray[np.int64]) -> str:
+    """Name of the target of sample k."""
+    width = max(4, len(str(len(samples))))
+    return f"p{k + 1:0{width}d}"
+
+
+def _checked(
+    model: Model, motion: Trajectory | ArrayLike, angles: ArrayLike | None
+) -> tuple[Array, Array]:
+    if isinstance(motion, Trajectory):
+        if angles is not None:
+            raise InputError("RAPID: found a trajectory and angles besides, expected one of them")
+        time = motion.time
+        q = motion.q
+    else:
+        time = np.asarray(motion, dtype=float)
+        q = np.asarray(angles, dtype=float)
     n = model.robot.n
     if n != 6:
         raise InputError(f"RAPID: found an arm of {n} axes, expected 6")
@@ -268,65 +248,3 @@ def _speeddata(speeds: Array) -> str:
     the controller."""
     v, w = np.maximum(speeds.max(axis=0), (0.1, 1.0))
     return f"[{v:.3f},{w:.3f},5000,1000]"
-
-
-def _call(instruction: str, target: str, speed: str, zone: str, names: _Names) -> list[str]:
-    """A move as lines of at most 80 characters (a RAPID statement may go on in the next line)."""
-    pieces = [
-        f"{instruction} {target},",
-        f"{speed},",
-        f"{zone},{names.tool}",
-        f"\\WObj:={names.work_object};",
-    ]
-    lines = [pieces[0]]
-    for piece in pieces[1:]:
-        if len(lines[-1]) + len(piece) <= LINE_LENGTH - 4:
-            lines[-1] += piece
-        else:
-            lines.append("  " + piece)
-    return lines
-
-
-def _module(
-    model: Model,
-    options: RapidOptions,
-    names: _Names,
-    X_BW: Array | None,
-    targets: list[list[str]],
-    moves: list[list[str]],
-) -> str:
-    z = options.zone_mm
-    lines = [
-        f"MODULE {options.module}",
-        "  ! Written from a plan. Run it slowly and without the work-piece first.",
-        "  ! Base frame = world frame; axis 3 counts from the vertical (parallel rod).",
-    ]
-    if names.own_tool:
-        lines += _indented(data.tooldata(names.tool, model.robot), 2)
-    if X_BW is not None:
-        lines += _indented(data.wobjdata(names.work_object, X_BW), 2)
-    lines += [
-        f"  LOCAL CONST speeddata vApproach:=[{options.approach_speed_mm_s:.3f},20,5000,1000];"
-    ]
-    if z > 0:
-        lines += [
-            f"  LOCAL CONST zonedata zPath:=[FALSE,{z:g},{z:g},{z:g},{z / 10:g},{z:g},{z / 10:g}];"
-        ]
-    lines += [line for target in targets for line in _indented(target, 2)]
-    size = options.moves_per_procedure
-    parts = [moves[k : k + size] for k in range(0, len(moves), size)]
-    start = ["ConfL\\On;", "ConfJ\\On;", "SingArea\\Off;"]
-    lines += ["", f"  PROC {options.entry}()", *_indented(start, 4)]
-    lines += [f"    Part{k + 1};" for k in range(len(parts))] + ["  ENDPROC"]
-    for k, part in enumerate(parts):
-        lines += [
-            "",
-            f"  PROC Part{k + 1}()",
-            *(line for move in part for line in _indented(move, 4)),
-            "  ENDPROC",
-        ]
-    return "\n".join([*lines, "ENDMODULE", ""])
-
-
-def _indented(lines: list[str], by: int) -> list[str]:
-    return [" " * by + line for line in lines]

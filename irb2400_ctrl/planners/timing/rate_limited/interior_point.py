@@ -3,7 +3,7 @@ inside to the optimum.
 
     minimise  T(z) - mu sum log slack(z),      mu falling to zero
 
-A step stays inside: slacks of rates lie above their linearisation, and every trial is looked at.
+A step stays inside: slacks of rates lie above their linearisation, and every trial is checked.
 What bends against the minimum enters the Hessian as long as that stays positive definite. All
 matrices have five bands: the cost of a step is that of the rows, linear in the number of cells.
 """
@@ -60,32 +60,35 @@ def solve(
     mu = barrier * point.duration / point.slack.size
     multipliers = mu / point.slack
     iterations = 0
-    total = 0.0
+    complementarity = 0.0
     while iterations < _MOST:
-        total = float(multipliers @ point.slack)
-        residual = float(np.abs((point.gradient - point.pulled(multipliers)) * point.z).sum())
-        if max(total, residual) <= gap * point.duration:
+        complementarity = float(multipliers @ point.slack)
+        error = max(complementarity, point.stationarity(multipliers))
+        if error <= gap * point.duration:
             break
         iterations += 1
-        weight = mu * point.slack.size
-        if max(total, residual) <= _SOLVED * weight:
+        if error <= _SOLVED * mu * point.slack.size:
             mu *= _SMALLER
         gradient = point.gradient - point.pulled(mu / point.slack)
         dz = _newton(point, multipliers, gradient)
         if dz is None:
             break
         ds = point.along(dz)
-        step = min(1.0, _TO_BOUNDARY / max(float((-ds / point.slack).max()), 1e-9))
+        step = _to_boundary(point.slack, ds)
         new = _searched(point, dz, step, mu, float(gradient @ dz))
         if new is None:
             break
         change = (mu - multipliers * ds) / point.slack - multipliers
-        multipliers = multipliers + change * min(
-            1.0, _TO_BOUNDARY / max(float((-change / multipliers).max()), 1e-9)
-        )
+        multipliers = multipliers + change * _to_boundary(multipliers, change)
         point = new
-        multipliers = np.clip(multipliers, mu / point.slack / _SPREAD, mu / point.slack * _SPREAD)
-    return Solution(point.z, point.duration, total / point.duration, iterations)
+        central = mu / point.slack
+        multipliers = np.clip(multipliers, central / _SPREAD, central * _SPREAD)
+    return Solution(point.z, point.duration, complementarity / point.duration, iterations)
+
+
+def _to_boundary(values: Array, change: Array) -> float:
+    """The step, at most one, that leaves positive values positive."""
+    return min(1.0, _TO_BOUNDARY / max(float((-change / values).max()), 1e-9))
 
 
 @dataclass(frozen=True, eq=False)
@@ -117,6 +120,11 @@ class _Point:
             end_slopes,
         )
 
+    def stationarity(self, multipliers: Array) -> float:
+        """How far the gradient of the Lagrangian is from zero, in units of the unknowns."""
+        residual = self.gradient - self.pulled(multipliers)
+        return float(np.abs(residual * self.z).sum())
+
     def _split(self, rows: Array) -> tuple[Array, Array]:
         inner = self.slopes.shape[0] * self.slopes.shape[1]
         return rows[:inner].reshape(self.slopes.shape[:2]), rows[inner:].reshape(
@@ -126,19 +134,19 @@ class _Point:
     def pulled(self, rows: Array) -> Array:
         """Derivatives of the slacks, transposed, times numbers of the rows."""
         inner, ends = self._split(rows)
-        found = self.program.gather(np.matmul(inner[:, None], self.slopes)[:, 0])
+        found = self.program.spline.gather(np.matmul(inner[:, None], self.slopes)[:, 0])
         found[[0, -1]] += (ends * self.end_slopes).sum(axis=1)
         return found
 
     def along(self, dz: Array) -> Array:
         """Change of the slacks in a direction, to first order."""
-        inner = np.matmul(self.slopes, dz[self.program.place][..., None])[..., 0]
+        inner = np.matmul(self.slopes, dz[self.program.spline.place][..., None])[..., 0]
         return np.concatenate([inner.ravel(), (self.end_slopes * dz[[0, -1], None]).ravel()])
 
     def squared(self, weights: Array) -> Array:
         """Upper bands of the derivatives, transposed, times weights, times the derivatives."""
         inner, ends = self._split(weights)
-        found = self.program.banded(squared(self.slopes, inner))
+        found = self.program.spline.banded(squared(self.slopes, inner))
         found[2, [0, -1]] += (ends * self.end_slopes**2).sum(axis=1)
         return found
 

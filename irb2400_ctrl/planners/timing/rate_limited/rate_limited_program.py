@@ -1,10 +1,9 @@
 """`RateLimitedProgram`: the shortest duration under limits of torque and torque rate, as a program
 with few neighbours.
 
-Unknown are the control points z of x(s) = sdot^2, a quadratic B-spline on the inner cells: u = x'/2
-is continuous and linear in each cell. In the end cells s = h (t / T)^3 (`SmoothLaw`), so that x_1 =
-3 h u_1 / 2 there. With the channels y = a u + b x + e sqrt(x) + c + dry friction of
-`ConstrainedOutputs`, at both ends and the middle of every cell,
+Unknown are the control points z of x(s) = sdot^2 (`SpeedSpline`): u = x'/2 is continuous and linear
+in each cell. With the outputs y = a u + b x + e sqrt(x) + c + dry friction of `ConstrainedOutputs`,
+at both ends and the middle of every cell,
 
     |y| <= limit,        |(a' + 2 b) u + a u' + b' x + c' + (e u + e' x) / sqrt(x)| <= rate /
     sqrt(x).
@@ -21,10 +20,8 @@ from functools import cached_property
 import numpy as np
 import numpy.typing as npt
 
-from irb2400_ctrl.planners.timing.rate_limited.constrained_outputs import (
-    ConstrainedOutputs,
-    Integers,
-)
+from irb2400_ctrl.planners.timing.rate_limited.constrained_outputs import ConstrainedOutputs
+from irb2400_ctrl.planners.timing.rate_limited.speed_spline import SpeedSpline
 
 Array = npt.NDArray[np.float64]
 
@@ -39,12 +36,30 @@ _GAUSS = np.stack([(1 - _NODES) ** 2, 2 * _NODES * (1 - _NODES), _NODES**2], axi
 _WEIGHTS = np.array([5.0, 8.0, 5.0]) / 18
 
 
+@dataclass(frozen=True)
+class _State:
+    """A motion at three places of every inner cell, shapes (m - 2, 3, 1) or (m - 2, 3, k)."""
+
+    x: Array
+    u: Array
+    bend: Array
+    """du/ds"""
+    root: Array
+    """sqrt(x)"""
+    bernstein: Array
+    """coefficients of x, shape (m - 2, 3)"""
+    viscous: Array
+    """part of the rates that e contributes, over sqrt(x)"""
+    spare: Array
+    """rates that may be used, over sqrt(x), as their constraints are scaled"""
+
+
 @dataclass(frozen=True, eq=False)
 class RateLimitedProgram:
     """Rows and objective on m cells, the first and the last of them at rest at one end; m - 2 > 3
     unknowns."""
 
-    channels: ConstrainedOutputs
+    outputs: ConstrainedOutputs
     """k of them on all m cells"""
     bound: Array
     """of x at the grid points, shape (m + 1,)"""
@@ -56,73 +71,25 @@ class RateLimitedProgram:
     @property
     def size(self) -> int:
         """Number of unknowns."""
-        return len(self.channels.h) - 2
-
-    # ---- from unknowns to Bernstein coefficients of x
+        return len(self.outputs.h) - 2
 
     @cached_property
-    def place(self) -> Integers:
-        """Unknowns that the three control points of each inner cell come from, shape (m - 2, 3)."""
-        point = np.arange(self.size)[:, None] + np.arange(3)
-        return np.asarray(np.clip(point - 1, 0, self.size - 1))
-
-    @cached_property
-    def to_bernstein(self) -> Array:
-        """Bernstein coefficients of x in each inner cell from its three unknowns, shape (m - 2, 3,
-        3)."""
-        all_h = self.channels.h
-        h = all_h[1:-1]
-        before = np.append(0.0, h[:-1])
-        after = np.append(h[1:], 0.0)
-        E = np.zeros((self.size, 3, 3))
-        E[:, 0, 0] = h / (before + h)
-        E[:, 0, 1] = before / (before + h)
-        E[:, 1, 1] = 1.0
-        E[:, 2, 1] = after / (h + after)
-        E[:, 2, 2] = h / (h + after)
-        # the second control point is a multiple of the first, at either end: x_1 = 3 h u_1 / 2
-        first = 1 + 2 * h[0] / (3 * all_h[0])
-        last = 1 + 2 * h[-1] / (3 * all_h[-1])
-        E[0, :, 1] *= first
-        E[1, :, 0] *= first
-        E[-1, :, 1] *= last
-        E[-2, :, 2] *= last
-        return E
-
-    def bernstein(self, z: Array) -> Array:
-        """Bernstein coefficients of x in the inner cells, shape (m - 2, 3)."""
-        return np.asarray(np.matmul(self.to_bernstein, z[self.place][..., None])[..., 0])
-
-    def gather(self, gradient: Array) -> Array:
-        """From derivatives by local unknowns (m - 2, 3) to those by all."""
-        return np.asarray(np.bincount(self.place.ravel(), gradient.ravel(), self.size), dtype=float)
-
-    def banded(self, blocks: Array) -> Array:
-        """From Hessians by local unknowns (m - 2, 3, 3) to the upper bands of all, shape (3, m -
-        2)."""
-        flat, upper = self._bands
-        return np.asarray(np.bincount(flat, blocks[upper], 3 * self.size), dtype=float).reshape(
-            3, self.size
-        )
-
-    @cached_property
-    def _bands(self) -> tuple[Integers, npt.NDArray[np.bool_]]:
-        shape = (self.size, 3, 3)
-        rows = np.broadcast_to(self.place[:, :, None], shape)
-        columns = np.broadcast_to(self.place[:, None, :], shape)
-        upper = columns >= rows
-        return ((2 + rows - columns) * self.size + columns)[upper], upper
+    def spline(self) -> SpeedSpline:
+        """x(s) from the unknowns."""
+        return SpeedSpline(self.outputs.h)
 
     # ---- objective
 
     def duration(self, z: Array) -> tuple[float, Array, Array]:
         """Duration [s], its gradient and its Hessian (upper bands)."""
-        h = self.channels.h
+        h = self.outputs.h
         weight = h[1:-1, None] * _WEIGHTS
-        root = np.sqrt(self.bernstein(z) @ _GAUSS.T)
+        root = np.sqrt(self.spline.bernstein(z) @ _GAUSS.T)
         value = float((weight / root).sum()) + 3 * h[0] / np.sqrt(z[0]) + 3 * h[-1] / np.sqrt(z[-1])
-        gradient = self.gather(np.matmul((-weight / (2 * root**3))[:, None], self._gauss)[:, 0])
-        H = self.banded(squared(self._gauss, 0.75 * weight / root**5))
+        gradient = self.spline.gather(
+            np.matmul((-weight / (2 * root**3))[:, None], self._gauss)[:, 0]
+        )
+        H = self.spline.banded(squared(self._gauss, 0.75 * weight / root**5))
         for end in (0, -1):
             gradient[end] -= 1.5 * h[end] / z[end] ** 1.5
             H[2, end] += 2.25 * h[end] / z[end] ** 2.5
@@ -130,15 +97,15 @@ class RateLimitedProgram:
 
     @cached_property
     def _gauss(self) -> Array:
-        return np.asarray(np.matmul(_GAUSS, self.to_bernstein))
+        return np.asarray(np.matmul(_GAUSS, self.spline.to_bernstein))
 
-    # ---- rows of the inner cells
+    # ---- constraints of the inner cells
 
     @cached_property
     def _coefficients(self) -> tuple[Array, ...]:
         """a, b, e, c_high, c_low and their derivatives at the three places, each (m - 2, 3, k)."""
-        c = self.channels
-        h = self.channels.h[1:-1, None, None]
+        c = self.outputs
+        h = self.outputs.h[1:-1, None, None]
         parabolas = [f[1:-1] for f in (c.a, c.b, c.e, c.c_high, c.c_low)]
         return (
             *(np.matmul(_VALUE, f) for f in parabolas),
@@ -148,8 +115,8 @@ class RateLimitedProgram:
     @cached_property
     def _motion(self) -> tuple[Array, Array, Array]:
         """x, u and u' at the three places from local unknowns, each (m - 2, 3 or 1, 3)."""
-        E = self.to_bernstein
-        h = self.channels.h[1:-1, None, None]
+        E = self.spline.to_bernstein
+        h = self.outputs.h[1:-1, None, None]
         return np.matmul(_VALUE, E), np.matmul(_SLOPE, E) / h, np.matmul(_BEND[None], E) / h**2
 
     @cached_property
@@ -161,8 +128,8 @@ class RateLimitedProgram:
             first = f[1:-2]
             last = f[2:-1]
             ends.append(np.stack([first, (first + last) / 2, last], axis=1))
-        factor = np.sqrt(ends[0])[..., None] / self.channels.rate[1:-1, None]
-        return self.channels.limit[1:-1, None], factor, ends[0], ends[1]
+        factor = np.sqrt(ends[0])[..., None] / self.outputs.rate[1:-1, None]
+        return self.outputs.limit[1:-1, None], factor, ends[0], ends[1]
 
     def slacks(self, z: Array) -> Array:
         """How far the motion is from every limit, in units of the limits; shape (rows,)."""
@@ -171,62 +138,94 @@ class RateLimitedProgram:
     def rows(self, z: Array, slopes: bool = True) -> tuple[Array, Array]:
         """Slacks of the inner cells (m - 2, K), and their derivatives by local unknowns (m - 2, K,
         3)."""
-        a, b, e, c_high, c_low, da, db, de, dc_high, dc_low = self._coefficients
-        limit, factor, reference, bound = self._units
-        N, D, U = self._motion
-        local = z[self.place][..., None]
-        x = np.matmul(N, local)
-        u = np.matmul(D, local)
-        bend = np.matmul(U, local)
-        bez = self.bernstein(z)
-        r = np.sqrt(x)
-        value, rate = (k[1:-1, None] for k in self.keep)
-        top, bottom = self.channels.dry_friction(
-            np.concatenate([[0.0], bez.min(axis=1), [0.0]])[:, None]
-        )
-        y = a * u + b * x + e * r
-        viscous = (e * u + de * x) / r
-        spare = rate * np.sqrt(reference)[..., None] / r
-        change = (da + 2 * b) * u + a * bend + db * x + viscous
-        found = [
-            value - (y + c_high + top[1:-1, None]) / limit,
-            value + (y + c_low + bottom[1:-1, None]) / limit,
-            spare - factor * (change + dc_high),
-            spare + factor * (change + dc_low),
-            1 - bez / bound,
-            # control points are positive
-            bez[:, 1:2] / reference[:, 1:2],
-        ]
         m = self.size
-        slack = np.concatenate([f.reshape(m, -1) for f in found], axis=1)
+        state = self._state(z)
+        slack = np.concatenate([f.reshape(m, -1) for f in self._slacks(state)], axis=1)
         if not slopes:
             return slack, np.empty(0)
-        N = N[:, :, None]
-        D = D[:, :, None]
-        U = U[:, :, None]
-        by_z = (a / limit)[..., None] * D + ((b + e / (2 * r)) / limit)[..., None] * N
-        turning = (factor * (da + 2 * b + e / r))[..., None] * D + (factor * a)[..., None] * U
-        turning += (factor * (db + de / r - viscous / (2 * x)))[..., None] * N
-        falling = (-spare / (2 * x))[..., None] * N
-        found = [-by_z, by_z, falling - turning, falling + turning]
-        E = self.to_bernstein
-        found += [-E / bound[..., None], E[:, 1:2] / reference[:, 1:2, None]]
+        found = self._slack_slopes(state)
         return slack, np.concatenate([f.reshape(m, -1, 3) for f in found], axis=1)
+
+    def _state(self, z: Array) -> _State:
+        """The motion at the three places of every inner cell."""
+        N, D, U = self._motion
+        local = z[self.spline.place][..., None]
+        x = np.matmul(N, local)
+        root = np.sqrt(x)
+        u = np.matmul(D, local)
+        _, _, e, _, _, _, _, de, _, _ = self._coefficients
+        reference = self._units[2]
+        return _State(
+            x=x,
+            u=u,
+            bend=np.matmul(U, local),
+            root=root,
+            bernstein=self.spline.bernstein(z),
+            viscous=(e * u + de * x) / root,
+            spare=self.keep[1][1:-1, None] * np.sqrt(reference)[..., None] / root,
+        )
+
+    def _slacks(self, state: _State) -> list[Array]:
+        """Values from above and below, rates from above and below, speed, positive control
+        points."""
+        a, b, e, c_high, c_low, da, db, _, dc_high, dc_low = self._coefficients
+        limit, factor, reference, bound = self._units
+        kept = self.keep[0][1:-1, None]
+        bez = state.bernstein
+        slowest = np.concatenate([[0.0], bez.min(axis=1), [0.0]])
+        top, bottom = self.outputs.dry_friction(slowest[:, None])
+        y = a * state.u + b * state.x + e * state.root
+        change = (da + 2 * b) * state.u + a * state.bend + db * state.x + state.viscous
+        return [
+            kept - (y + c_high + top[1:-1, None]) / limit,
+            kept + (y + c_low + bottom[1:-1, None]) / limit,
+            state.spare - factor * (change + dc_high),
+            state.spare + factor * (change + dc_low),
+            1 - bez / bound,
+            bez[:, 1:2] / reference[:, 1:2],
+        ]
+
+    def _slack_slopes(self, state: _State) -> list[Array]:
+        """Derivatives of `_slacks` by the three local unknowns; how dry friction falls with the
+        speed is left out."""
+        a, b, e, _, _, da, db, de, _, _ = self._coefficients
+        limit, factor, reference, bound = self._units
+        N, D, U = (f[:, :, None] for f in self._motion)
+        x = state.x
+        root = state.root
+        value_by_u = a / limit
+        value_by_x = (b + e / (2 * root)) / limit
+        value = value_by_u[..., None] * D + value_by_x[..., None] * N
+        rate_by_u = factor * (da + 2 * b + e / root)
+        rate_by_bend = factor * a
+        rate_by_x = factor * (db + de / root - state.viscous / (2 * x))
+        rate = rate_by_u[..., None] * D + rate_by_bend[..., None] * U
+        rate += rate_by_x[..., None] * N
+        spare = (-state.spare / (2 * x))[..., None] * N
+        E = self.spline.to_bernstein
+        return [
+            -value,
+            value,
+            spare - rate,
+            spare + rate,
+            -E / bound[..., None],
+            E[:, 1:2] / reference[:, 1:2, None],
+        ]
 
     def curvature(self, z: Array, multipliers: Array) -> Array:
         """Upper bands of what the bend of rate / sqrt(x) takes from the Hessian, for multipliers of
         the inner rows."""
         m = self.size
-        count = 3 * self.channels.count
+        count = 3 * self.outputs.count
         reference = self._units[2]
-        x = self.bernstein(z) @ _VALUE.T
+        x = self.spline.bernstein(z) @ _VALUE.T
         both = multipliers[:, 2 * count : 3 * count] + multipliers[:, 3 * count : 4 * count]
         spare = self.keep[1][1:-1, None] * np.sqrt(reference / x)[..., None]
-        return self.banded(
+        return self.spline.banded(
             squared(self._motion[0], 0.75 / x**2 * (both.reshape(m, 3, -1) * spare).sum(axis=-1))
         )
 
-    # ---- rows of the end cells
+    # ---- constraints of the end cells
 
     def end_rows(self, z: Array) -> tuple[Array, Array]:
         """Slacks of the two end cells (2, K) and their derivatives by the first and the last
@@ -235,46 +234,60 @@ class RateLimitedProgram:
         In them u lies between 0 and u_1, x between 0 and x_1, du/dt is constant: every term is
         taken at its largest.
         """
-        c = self.channels
-        top, bottom = c.dry_friction(np.zeros((1, 1)))
-        found = []
-        slope = []
+        top, bottom = self.outputs.dry_friction(np.zeros((1, 1)))
+        slacks = []
+        slopes = []
         for cell, sign, x, near in ((0, 1.0, z[0], 1), (-1, -1.0, z[-1], -2)):
-            h = c.h[cell]
-            r = np.sqrt(x)
-            kappa = 2 / (3 * h)
-            a = c.a[cell]
-            b = c.b[cell]
-            e = c.e[cell]
-            rows = []
-            by_x = []
-            for side, dry, hold in (
-                (1.0, top[cell], c.c_high[cell]),
-                (-1.0, bottom[cell], c.c_low[cell]),
-            ):
-                linear = kappa * np.maximum((side * sign * a).max(axis=0), 0) + np.maximum(
-                    (side * b).max(axis=0), 0
-                )
-                root = np.maximum((side * e).max(axis=0), 0)
-                y = (side * hold).max(axis=0) + side * dry + linear * x + root * r
-                rows.append(self.keep[0][cell] - y / c.limit[cell])
-                by_x.append(-(linear + root / (2 * r)) / c.limit[cell])
-            da, db, de, dc = (
-                np.abs(2 / h * np.diff(f[cell], axis=0)).max(axis=0)
-                for f in (c.a, c.b, c.e, c.c_high)
-            )
-            a, b, e = (np.abs(f).max(axis=0) for f in (a, b, e))
-            linear = (da + 2 * b) * kappa + a * 2 / (9 * h**2) + db
-            root = e * kappa + de
-            scale = np.sqrt(self.reference[near])
-            factor = scale / c.rate[cell]
-            rows.append(self.keep[1][cell] * scale / r - factor * (linear * x + root * r + dc))
-            by_x.append(
-                -self.keep[1][cell] * scale / (2 * r * x) - factor * (linear + root / (2 * r))
-            )
-            found.append(np.concatenate(rows))
-            slope.append(np.concatenate(by_x))
-        return np.stack(found), np.stack(slope)
+            above = self._end_value(cell, sign, x, 1.0, top[cell])
+            below = self._end_value(cell, sign, x, -1.0, bottom[cell])
+            rate = self._end_rate(cell, x, near)
+            found = (above, below, rate)
+            slacks.append(np.concatenate([slack for slack, _ in found]))
+            slopes.append(np.concatenate([slope for _, slope in found]))
+        return np.stack(slacks), np.stack(slopes)
+
+    def _end_value(
+        self, cell: int, sign: float, x: float, side: float, dry: Array
+    ) -> tuple[Array, Array]:
+        """Slack of side times the outputs in an end cell, and its derivative by x_1, each (k,).
+
+        Args:
+            cell: 0 or -1.
+            sign: of u there.
+            x: at the inner end of the cell.
+            side: 1 above, -1 below.
+            dry: friction at its worst, shape (k,).
+        """
+        c = self.outputs
+        limit = c.limit[cell]
+        u_over_x = 2 / (3 * c.h[cell])
+        r = np.sqrt(x)
+        hold = c.c_high[cell] if side > 0 else -c.c_low[cell]
+        pushing_a = np.maximum((side * sign * c.a[cell]).max(axis=0), 0)
+        pushing_b = np.maximum((side * c.b[cell]).max(axis=0), 0)
+        linear = u_over_x * pushing_a + pushing_b
+        root = np.maximum((side * c.e[cell]).max(axis=0), 0)
+        y = hold.max(axis=0) + side * dry + linear * x + root * r
+        return self.keep[0][cell] - y / limit, -(linear + root / (2 * r)) / limit
+
+    def _end_rate(self, cell: int, x: float, near: int) -> tuple[Array, Array]:
+        """Slack of the outputs' rates in an end cell, and its derivative by x_1, each (k,)."""
+        c = self.outputs
+        h = c.h[cell]
+        u_over_x = 2 / (3 * h)
+        r = np.sqrt(x)
+        da, db, de, dc = (
+            np.abs(2 / h * np.diff(f[cell], axis=0)).max(axis=0) for f in (c.a, c.b, c.e, c.c_high)
+        )
+        a, b, e = (np.abs(f[cell]).max(axis=0) for f in (c.a, c.b, c.e))
+        linear = (da + 2 * b) * u_over_x + a * 2 / (9 * h**2) + db
+        root = e * u_over_x + de
+        scale = np.sqrt(self.reference[near])
+        factor = scale / c.rate[cell]
+        kept = self.keep[1][cell] * scale
+        slack = kept / r - factor * (linear * x + root * r + dc)
+        slope = -kept / (2 * r * x) - factor * (linear + root / (2 * r))
+        return slack, slope
 
 
 def squared(rows: Array, weights: Array) -> Array:

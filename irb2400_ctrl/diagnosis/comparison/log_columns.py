@@ -1,0 +1,117 @@
+"""What every effect of the library and every non-parametric law would show on one log."""
+
+from __future__ import annotations
+
+from functools import cache, cached_property
+
+import numpy as np
+import numpy.typing as npt
+
+from irb2400_ctrl.diagnosis.comparison.non_parametric import (
+    NonParametricLaw,
+    non_parametric_laws,
+    vibrations,
+)
+from irb2400_ctrl.diagnosis.estimation.candidate import Point
+from irb2400_ctrl.diagnosis.regressors.bases import Bases, RegressorColumns
+from irb2400_ctrl.effects import LIBRARY
+from irb2400_ctrl.measurement.prepared_log import PreparedLog
+
+Array = npt.NDArray[np.float64]
+
+
+class LogColumns:
+    """What every effect and every non-parametric law would show on one log, computed once."""
+
+    def __init__(self, bases: Bases, motion: PreparedLog, load: Array) -> None:
+        self.bases = bases
+        self.motion = motion
+        self.load = load
+        self.remembering: dict[tuple[str, int | None], list[RegressorColumns]] = {}
+        """discrepancy of every grid point of effects with memory: how a record began may be all
+        that shows them"""
+        self._discrepancy: dict[tuple[object, ...], RegressorColumns] = {}
+        self._samples: dict[tuple[object, ...], RegressorColumns] = {}
+        self.vibrations_of = cache(lambda joint: vibrations(motion, joint))
+
+    @cached_property
+    def families(self) -> list[tuple[str, int | None]]:
+        """Effects that can act: joints that hardly move carry only what needs no motion of
+        theirs."""
+        n = self.motion.n
+        return [
+            (kind, joint)
+            for kind, effect in LIBRARY.items()
+            for joint in effect.joints(n)
+            if joint is None or joint <= n
+        ]
+
+    @cached_property
+    def laws(
+        self,
+    ) -> dict[tuple[str, int | None], tuple[list[dict[str, float]], list[RegressorColumns]]]:
+        """Grid and filtered columns of each family."""
+        found = {}
+        inertia = np.median(
+            np.einsum("mjj->mj", self.bases.model.mass_matrix(self.motion.q[::50])), axis=0
+        )
+        for kind, joint in self.families:
+            effect = LIBRARY[kind]
+            felt = float(inertia[(joint or 1) - 1])
+            grid = [g for g in effect.grid(joint) if effect.sensible(g, felt)]
+            if effect.states:
+                columns, self.remembering[kind, joint] = self.bases.with_beginnings(
+                    kind, joint, self.motion, grid
+                )
+            else:
+                columns = self.bases.columns(kind, joint, self.motion, grid)
+            found[kind, joint] = (grid, columns)
+        return found
+
+    @cached_property
+    def non_parametric(self) -> dict[int, list[NonParametricLaw]]:
+        """Filtered columns of the non-parametric laws, by joint."""
+        return non_parametric_laws(self.motion, self.load)
+
+    def discrepancy(
+        self, kind: str, joint: int | None, nonlinear: dict[str, float]
+    ) -> RegressorColumns:
+        """Filtered columns of an effect's discrepancy."""
+        key = (kind, joint, *sorted(nonlinear.items()))
+        if key not in self._discrepancy:
+            self._discrepancy[key] = self._discrepancy_of(kind, joint, nonlinear)
+        return self._discrepancy[key]
+
+    def _discrepancy_of(
+        self, kind: str, joint: int | None, nonlinear: dict[str, float]
+    ) -> RegressorColumns:
+        return self.bases.columns(kind, joint, self.motion, [nonlinear], discrepancy=True)[0]
+
+    def columns(self, point: Point) -> RegressorColumns:
+        """Filtered columns of an effect."""
+        grid, laws = self.laws[point.kind, point.joint]
+        return laws[grid.index(point.nonlinear)]
+
+    def samples(self, point: Point, discrepancy: bool = False) -> RegressorColumns:
+        """RegressorColumns of an effect sample by sample, not filtered."""
+        key = (point.kind, point.joint, discrepancy, *sorted(point.nonlinear.items()))
+        if key not in self._samples:
+            self._samples[key] = self.bases.columns(
+                point.kind,
+                point.joint,
+                self.motion,
+                [point.nonlinear],
+                discrepancy=discrepancy,
+                filtered=False,
+            )[0]
+        return self._samples[key]
+
+    def family_penalty(self, kind: str, joint: int | None) -> float:
+        """What the choice among the members of a family costs [nats]."""
+        return float(np.log(len(self.laws[kind, joint][0])))
+
+    def shows(self, kind: str, joint: int | None) -> bool:
+        """Whether any torque of this arm depends on the effect (none does on the zero of axis
+        1)."""
+        laws = self.laws[kind, joint][1]
+        return bool(laws and laws[0].joints)

@@ -1,0 +1,61 @@
+"""`RapidOptions`: how a plan is written as RAPID."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.planners.programs.rapid import rapid_data as data
+
+Motion = Literal["linear", "joint"]
+
+_OWN_NAMES = re.compile(r"p\d+|part\d+|zpath|vapproach")
+
+
+@dataclass(frozen=True)
+class RapidOptions:
+    """How a plan is written as RAPID. Names are RAPID identifiers of at most 32 characters."""
+
+    module: str = "PlannedPath"
+    entry: str = "main"
+    tool: str = "tPlanned"
+    work_object: str = "wPlanned"
+    motion: Motion = "linear"
+    """`linear`: MoveL to robtargets; `joint`: MoveAbsJ to jointtargets"""
+    tolerance_mm: float = 0.02
+    """straight moves (in space or in joint space) stay this close to the plan at the TCP"""
+    tolerance_deg: float = 0.02
+    """and the tool's orientation this close"""
+    zone_mm: float = 0.3
+    """corner zone of the points passed through; 0 stops at every point"""
+    approach_speed_mm_s: float = 100.0
+    """speed of the MoveAbsJ to the start"""
+    state_time: bool = False
+    """also give each move its planned duration (argument T), which then replaces its speed"""
+    moves_per_procedure: int = 500
+
+    def __post_init__(self) -> None:
+        for key in ("module", "entry", "tool", "work_object"):
+            data.check_name(key, getattr(self, key))
+        names = [name.lower() for name in (self.module, self.entry, self.tool, self.work_object)]
+        if len(set(names)) < len(names) or any(_OWN_NAMES.fullmatch(name) for name in names):
+            raise InputError(
+                f"RAPID: names are {', '.join(names)}; module, entry, tool and work object need "
+                "four different ones, "
+                "and p<number>, part<number>, zPath and vApproach are the module's own"
+            )
+        if self.motion not in ("linear", "joint"):
+            raise InputError(f"RAPID: motion is {self.motion!r}, expected linear or joint")
+        for key in ("tolerance_mm", "tolerance_deg", "approach_speed_mm_s"):
+            if not (np.isfinite(getattr(self, key)) and getattr(self, key) > 0):
+                raise InputError(
+                    f"RAPID: {key} is {getattr(self, key)}, expected a positive number"
+                )
+        if not (np.isfinite(self.zone_mm) and self.zone_mm >= 0):
+            raise InputError(f"RAPID: zone_mm is {self.zone_mm}, expected a number >= 0")
+        if self.moves_per_procedure < 1:
+            raise InputError("RAPID: moves_per_procedure is less than 1")
