@@ -7,7 +7,14 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from irb2400_ctrl.cli.options import OutOption, RobotOption, input_file, load_arm, output_folder
+from irb2400_ctrl.cli.options import (
+    ColumnsOption,
+    OutOption,
+    RobotOption,
+    input_file,
+    load_arm,
+    output_folder,
+)
 from irb2400_ctrl.cli.progress import step
 
 if TYPE_CHECKING:
@@ -15,7 +22,7 @@ if TYPE_CHECKING:
     from irb2400_ctrl.measurement import Log
     from irb2400_ctrl.report.page import Page
 
-LogArgument = Annotated[Path, typer.Argument(metavar="LOG", help="Measured log (.csv or .csv.gz).")]
+LogArgument = Annotated[Path, typer.Argument(metavar="LOG", help="Measured log (docs/logs.md).")]
 ValidateOption = Annotated[
     Path | None,
     typer.Option(metavar="LOG2", help="Another motion of the same arm, for the error after."),
@@ -51,14 +58,18 @@ def diagnose(
     validate: ValidateOption = None,
     reference: ReferenceOption = None,
     robot: RobotOption = "irb2400",
+    columns: ColumnsOption = None,
     close_loop: CloseLoopOption = False,
     controller: ControllerOption = "feedforward_pid",
 ) -> None:
     """Find the residual, name the effect behind it, add it to the robot -> findings.json,
-    robot.toml, report.html."""
+    robot.toml, report.html.
+
+    A log that is not what its columns say gets the verdict log_not_understood and exit code 0: that
+    is an answer (`irb2400 log check` exits 2)."""
     for path in (log, validate, reference):
         if path is not None:
-            input_file(path, "a log (.csv or .csv.gz)")
+            input_file(path, "a log (CSV, MAT, Parquet or ROS 2 bag)")
     output_folder(out)
 
     from irb2400_ctrl.diagnosis import diagnose as run
@@ -71,14 +82,17 @@ def diagnose(
 
         make_controller(controller, arm)  # a wrong name is to be said before the long work
     with step(f"reading {log.name}"):
-        measured = read_log(log)
-        others = [None if path is None else read_log(path) for path in (validate, reference)]
+        measured = read_log(log, columns=columns)
+        others = [
+            None if path is None else read_log(path, columns=columns)
+            for path in (validate, reference)
+        ]
     with step("comparing log and model"):
         result = run(arm, measured, validation=others[0], reference=others[1])
     page = diagnosis_page(result, title=f"Diagnosis of {log.name}")
     text = lines(result)
     written = ["findings.json", "robot.toml", "report.html"]
-    if close_loop:
+    if close_loop and result.log_problem is None:
         with step("closing the loop"):
             text += _close_loop(result, measured, controller, page, out)
         written += ["closed_loop.json", "controller"]

@@ -6,7 +6,18 @@ import sys
 
 import typer
 
-from irb2400_ctrl.cli import codegen, demo, diagnose, excite, path, plan, robot, simulate, sweep
+from irb2400_ctrl.cli import (
+    codegen,
+    demo,
+    diagnose,
+    excite,
+    log,
+    path,
+    plan,
+    robot,
+    simulate,
+    sweep,
+)
 
 app = typer.Typer(
     name="irb2400",
@@ -24,6 +35,7 @@ app.command("diagnose")(diagnose.diagnose)
 app.command("excite")(excite.excite)
 app.add_typer(robot.app, name="robot")
 app.add_typer(path.app, name="path")
+app.add_typer(log.app, name="log")
 
 
 def run() -> None:

@@ -14,6 +14,12 @@ if TYPE_CHECKING:
 RobotOption = Annotated[
     str, typer.Option("--robot", metavar="ROBOT", help="A robot file (TOML) or a name.")
 ]
+ColumnsOption = Annotated[
+    Path | None,
+    typer.Option(
+        "--columns", metavar="MAP", help="What the log's columns are (TOML, docs/logs.md)."
+    ),
+]
 OutOption = Annotated[
     Path, typer.Option("--out", metavar="DIR", help="Folder for the results; all is written there.")
 ]

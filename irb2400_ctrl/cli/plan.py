@@ -43,6 +43,12 @@ WorkFrameOption = Annotated[
     ),
 ]
 UnitsOption = Annotated[str | None, typer.Option("--units", help=UNITS_HELP)]
+SpindleOption = Annotated[
+    float | None,
+    typer.Option(
+        "--spindle-rpm", help="Spindle speed for feeds per revolution where the file states none."
+    ),
+]
 RotaryOption = Annotated[str | None, typer.Option("--rotary", help=ROTARY_HELP)]
 RateOption = Annotated[
     float, typer.Option(help="Samples per second of the trajectory.", min=10, max=10000)
@@ -109,6 +115,7 @@ def plan(
     work_frame: WorkFrameOption = None,
     units: UnitsOption = None,
     rotary: RotaryOption = None,
+    spindle_rpm: SpindleOption = None,
 ) -> None:
     """Plan a toolpath: branch, tool rotation, torque-limited timing -> trajectory.csv, plan.json,
     figures."""
@@ -118,7 +125,7 @@ def plan(
     from irb2400_ctrl.planners.toolpath.work_frame import work_frame as pose_of
 
     pose = None if work_frame is None else pose_of(work_frame)
-    program = read_program(path, units=units, rotary=rotary)
+    program = read_program(path, units=units, rotary=rotary, spindle_rpm=spindle_rpm)
     if operation is not None:
         program = replace(program, operations=(program.operation(operation),))
     output_folder(out)

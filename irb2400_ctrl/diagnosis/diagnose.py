@@ -27,6 +27,7 @@ from irb2400_ctrl.diagnosis.regressors.predict import effect_torque, predicted_t
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.measurement.log import Log
 from irb2400_ctrl.measurement.prepared_log import PreparedLog, prepare
+from irb2400_ctrl.plausibility import LogProblem, log_problem
 from irb2400_ctrl.robot import Robot, Uncertainty
 
 Array = npt.NDArray[np.float64]
@@ -64,15 +65,15 @@ def diagnose(
         progress: told the name of each stage.
 
     Raises:
-        InputError: the log does not fit the robot, or is too short.
+        InputError: the log does not fit the robot, is too short, or is broken; validation or
+            reference are not understood.
     """
-    for one in (log, validation, reference):
-        if one is not None and one.n != robot.n:
-            raise InputError(
-                f"{one.name}: found {one.n} joints, expected {robot.n} as in {robot.name}"
-            )
     # the matrices are small: threads would only wait for each other
     with threadpool_limits(limits=1, user_api="blas"):
+        progress("understand")
+        problem = _problem(robot, log, validation, reference)
+        if problem is not None:
+            return _not_understood(robot, log, problem)
         progress("prepare")
         motion = prepare(log)
         bases = _bases(robot.bare())
@@ -100,6 +101,46 @@ def diagnose(
             fit,
             None if validation is None else prepare(validation),
         )
+
+
+def _problem(
+    robot: Robot, log: Log, validation: Log | None, reference: Log | None
+) -> LogProblem | None:
+    """Why the log is not what its columns say; the logs beside it must be sound."""
+    for one in (log, validation, reference):
+        if one is not None and one.n != robot.n:
+            raise InputError(
+                f"{one.name}: found {one.n} joints, expected {robot.n} as in {robot.name}"
+            )
+    problem = log_problem(robot, log)
+    if problem is not None and problem.unusable:
+        raise InputError(f"{log.name}: {problem.says}")
+    for other in (validation, reference):
+        wrong = None if other is None else log_problem(robot, other)
+        if other is not None and wrong is not None and problem is None:
+            raise InputError(f"{other.name}: {wrong.says}; try `irb2400 log check`")
+    return problem
+
+
+def _not_understood(robot: Robot, log: Log, problem: LogProblem) -> Diagnosis:
+    """No effect is tried on a log that is not what its columns say."""
+    try:
+        motion = prepare(log)
+    except InputError as error:
+        raise InputError(f"{log.name}: {problem.says}") from error
+    compared = _compared(motion, robot, robot, robot)
+    return Diagnosis(
+        given=robot,
+        robot=robot,
+        findings=(),
+        unexplained=(),
+        recalibrated={},
+        identification=compared,
+        validation=None,
+        noise_floor=noise_floor(motion.tau - compared.after, motion.known, motion.step),
+        not_excited=(),
+        log_problem=problem,
+    )
 
 
 def _referred(base_prior: BasePrior, bases: Bases, motion: PreparedLog) -> BasePrior:
@@ -189,12 +230,12 @@ def _findings(
 ) -> tuple[Finding, ...]:
     found = []
     place = 0
-    rms = np.sqrt(np.mean(motion.filtered(motion.tau) ** 2, axis=0))
+    measured = motion.filtered(motion.tau)
     for step in steps:
         for _ in step.candidate.effects:
             effect = fit.effects[place]
             torque = effect_torque(bases, effect, motion, filtered=True)
-            share = np.sqrt(np.mean(torque**2, axis=0)) / np.maximum(rms, 1e-9)
+            share = _share(torque, measured)
             joint = int(np.argmax(share)) if effect.joint is None else effect.index
             found.append(
                 Finding(
@@ -219,6 +260,16 @@ def _findings(
             )
             place += 1
     return tuple(found)
+
+
+def _share(torque: Array, measured: Array) -> Array:
+    """rms of an effect over that of the joint's torque with or without it, whichever is largest:
+    a balancer can take more off a joint than is left to measure."""
+    size, without, whole = (
+        np.sqrt(np.mean(tau**2, axis=0)) for tau in (torque, measured - torque, measured)
+    )
+    whole = np.where(size > whole, np.maximum(size, without), whole)
+    return np.asarray(size / np.maximum(whole, 1e-9))
 
 
 def _standard_errors(fit: Fit, place: int, candidate: Candidate) -> dict[str, float | list[float]]:

@@ -15,10 +15,16 @@ import numpy.typing as npt
 from irb2400_ctrl.diagnosis.preparation.metrics import Errors
 from irb2400_ctrl.effects import Effect
 from irb2400_ctrl.files import write_atomic
+from irb2400_ctrl.plausibility import LogProblem
 from irb2400_ctrl.robot import Robot, save_robot
 
 Array = npt.NDArray[np.float64]
-Verdict = Literal["explained", "nothing_missing", "unexplained"]
+Verdict = Literal["explained", "nothing_missing", "unexplained", "log_not_understood"]
+SCHEMA_VERSION = 2
+NEAR_FLOOR = 3.0
+"""times the noise floor that may be left on a joint of an explained log, or"""
+LITTLE = 0.1
+"""of its rms torque"""
 
 
 @dataclass(frozen=True)
@@ -165,6 +171,7 @@ class Diagnosis:
         noise_floor: rms of the torque noise per joint [Nm].
         not_excited: joints (from 1) that hardly moved: nothing can be said about them.
         weak: why the answer is weaker than usual, in words; empty if it is not.
+        log_problem: why the log was not understood; no effect was tried then.
     """
 
     given: Robot
@@ -177,13 +184,25 @@ class Diagnosis:
     noise_floor: Array
     not_excited: tuple[int, ...]
     weak: tuple[str, ...] = field(default=())
+    log_problem: LogProblem | None = None
 
     @property
     def verdict(self) -> Verdict:
         """`unexplained` wins over `explained`: something is left that has no name."""
-        if self.unexplained:
+        if self.log_problem is not None:
+            return "log_not_understood"
+        if self.unexplained or (self.findings and self.left_over):
             return "unexplained"
         return "explained" if self.findings else "nothing_missing"
+
+    @property
+    def left_over(self) -> tuple[int, ...]:
+        """Joints (from 1) on which much more than noise is left after all that was found."""
+        compared = self.identification
+        left = compared.error_after.rmse
+        size = np.sqrt(np.mean(compared.measured**2, axis=0))
+        much = left > np.maximum(NEAR_FLOOR * self.noise_floor, LITTLE * size)
+        return tuple(int(j) + 1 for j in np.flatnonzero(much) if j + 1 not in self.not_excited)
 
     @property
     def error(self) -> dict[str, Any]:
@@ -196,8 +215,11 @@ class Diagnosis:
 
     def to_json(self) -> dict[str, Any]:
         """The content of findings.json."""
+        problem = {} if self.log_problem is None else {"log_problem": self.log_problem.to_json()}
         return {
+            "schema_version": SCHEMA_VERSION,
             "verdict": self.verdict,
+            **problem,
             "effects": [f.to_json() for f in self.findings],
             "recalibrated": _plain(dict(self.recalibrated)),
             "unexplained": [u.to_json() for u in self.unexplained],

@@ -13,7 +13,7 @@ from irb2400_ctrl.errors import InputError
 
 Array = npt.NDArray[np.float64]
 
-MIN_RATE = 50.0
+MIN_RATE = 10.0
 """[Hz] below this the torque of a moving arm is not resolved"""
 
 
@@ -31,7 +31,7 @@ class Log:
         name: what to call the log in messages and reports.
 
     Raises:
-        InputError: shapes differ, a number is not finite, time does not rise, fewer than 50 samples
+        InputError: shapes differ, a number is not finite, time does not rise, fewer than 10 samples
         per second.
     """
 

@@ -11,6 +11,7 @@ import numpy.typing as npt
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.measurement.log import Log
 from irb2400_ctrl.measurement.servo import followed
+from irb2400_ctrl.measurement.time_base import with_time_base
 from irb2400_ctrl.measurement.uniform import (
     LowPass,
     UniformLog,
@@ -86,13 +87,13 @@ class PreparedLog:
 
 
 def prepare(log: Log) -> PreparedLog:
-    """Resample, smooth and differentiate a log.
+    """Rebuild the time base of a log, resample, smooth and differentiate it.
 
     The motion is the commanded one through the fitted servo response where that explains the
     measured angles down to their noise; a joint that also moves otherwise (the true motion under
     disturbances) keeps its measured, smoothed angles.
     """
-    uniform = resample(log)
+    uniform = resample(with_time_base(log))
     q, instrumented = _motion(uniform)
     # a commanded motion has only its last digit to be smoothed away: no torque needs to share that
     parts = derivatives((polished if instrumented else smoothed)(q, uniform.step), uniform.step)

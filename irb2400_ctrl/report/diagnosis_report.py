@@ -17,6 +17,7 @@ VERDICTS = {
     "explained": "The log shows something the model lacks, and it has a name.",
     "nothing_missing": "Nothing is missing: what is left after recalibration is noise.",
     "unexplained": "Something is left that no effect of the library makes.",
+    "log_not_understood": "The log is not what its columns say: no effect was tried.",
 }
 
 
@@ -32,6 +33,8 @@ def add_diagnosis(page: Page, diagnosis: Diagnosis) -> None:
     measure next."""
     page.heading("Verdict")
     page.text(VERDICTS[diagnosis.verdict])
+    for line in _why(diagnosis):
+        page.finding(line)
     for finding in diagnosis.findings:
         page.finding(finding_line(finding))
     for rest in diagnosis.unexplained:
@@ -87,6 +90,19 @@ def add_diagnosis(page: Page, diagnosis: Diagnosis) -> None:
         )
 
 
+def _why(diagnosis: Diagnosis) -> list[str]:
+    """What is wrong with the log, and what is left after all that was found."""
+    problem = diagnosis.log_problem
+    if problem is not None:
+        return [f"{problem.says[0].upper()}{problem.says[1:]} ({problem.kind})."]
+    left = diagnosis.identification.error_after.rmse
+    return [
+        f"Joint {j}: {left[j - 1]:.2f} Nm rms are left, noise is {diagnosis.noise_floor[j - 1]:.2f}"
+        for j in diagnosis.left_over
+        if diagnosis.findings
+    ]
+
+
 def finding_title(finding: Finding) -> str:
     """`gear_ripple on joint 4`."""
     return finding.effect.kind + (
@@ -107,6 +123,7 @@ def finding_line(finding: Finding) -> str:
 def lines(diagnosis: Diagnosis) -> list[str]:
     """The same in a few lines for a terminal."""
     found = [f"verdict: {diagnosis.verdict}. {VERDICTS[diagnosis.verdict]}"]
+    found += [f"  {line}" for line in _why(diagnosis)]
     found += [f"  {finding_line(f)}" for f in diagnosis.findings]
     found += [
         f"  joint {u.joint}: {u.rmse:.2f} Nm rms unexplained, depends on {', '.join(u.depends_on)}"

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
@@ -12,6 +13,7 @@ import pytest
 from independent_plant import Case, Effect
 
 from irb2400_ctrl.diagnosis import Diagnosis, diagnose
+from irb2400_ctrl.diagnosis.diagnose import _share
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.measurement import Log
 from irb2400_ctrl.robot import load_robot
@@ -57,6 +59,28 @@ def test_an_effect_is_named_and_takes_the_validation_error_away(kind: str, joint
     assert after < 0.7 * before
     # the name alone, without new parameters, is not what made it better
     assert after < 0.8 * found.validation.error_recalibrated.rmse[joint - 1]
+
+
+def test_much_more_than_noise_left_on_a_joint_is_not_explained() -> None:
+    found = diagnosed(7, Effect("gear_ripple", 4, 0.1))
+    assert found.left_over == ()
+    after = found.identification.error_after
+    much = after.rmse.copy()
+    much[2] = 0.2 * np.sqrt(np.mean(found.identification.measured[:, 2] ** 2))
+    worse = replace(found.identification, error_after=replace(after, rmse=much))
+    left = replace(found, identification=worse)
+    assert left.left_over == (3,)
+    assert left.verdict == "unexplained"
+
+
+def test_no_share_is_above_one_hundred_per_cent() -> None:
+    rng = np.random.default_rng(0)
+    measured = rng.standard_normal((100, 2))
+    balancer = np.column_stack([10.0 * np.ones(100), 0.1 * measured[:, 1]])
+    share = _share(balancer, measured)
+    assert share[0] <= 1.0
+    assert share[0] > 0.9
+    assert share[1] == pytest.approx(0.1)
 
 
 def test_what_no_effect_explains_is_reported_with_joint_and_signal() -> None:

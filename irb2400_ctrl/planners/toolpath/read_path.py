@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 
 import numpy as np
@@ -32,6 +33,7 @@ def read_path(
     operation: int | str | None = None,
     units: str | None = None,
     rotary: str | None = None,
+    spindle_rpm: float | None = None,
     chord: float = CHORD,
 ) -> ToolPath:
     """The tool path in a file: that of its only operation, or of the chosen one.
@@ -40,13 +42,14 @@ def read_path(
         operation: number or name, for a file with several.
         units: unit of length, against what the file says: "mm", "cm", "m", "inch" or "foot".
         rotary: rotary axes of the machine from part to tool, for 5-axis G-code ("C,A").
+        spindle_rpm: speed of the spindle for feeds per revolution where the file states none.
         chord: how far arcs and splines may lie beside the straight moves that stand for them [m].
 
     Raises:
         InputError: no such file, a line that cannot be read (the message has its number), or
             several operations and no choice.
     """
-    program = read_program(file, units=units, rotary=rotary, chord=chord)
+    program = read_program(file, units=units, rotary=rotary, spindle_rpm=spindle_rpm, chord=chord)
     return program.operation(operation).path
 
 
@@ -55,6 +58,7 @@ def read_program(
     *,
     units: str | None = None,
     rotary: str | None = None,
+    spindle_rpm: float | None = None,
     chord: float = CHORD,
     strict: bool = True,
     most_points: int = MOST_POINTS,
@@ -65,7 +69,7 @@ def read_program(
         strict: refuse the file at a statement that is not understood; else list it in `notes`, to
             look at the file (its motion may then be incomplete).
         most_points: limit of the number of way-points.
-        file, units, rotary, chord: as in `read_path`.
+        file, units, rotary, spindle_rpm, chord: as in `read_path`.
 
     Raises:
         InputError: as in `read_path`.
@@ -73,13 +77,20 @@ def read_program(
     path = Path(file)
     if units is not None and units not in LENGTHS:
         raise InputError(f"units: found {units!r}, expected one of {', '.join(LENGTHS)}")
+    if spindle_rpm is not None and not 0 < spindle_rpm < math.inf:
+        raise InputError(f"spindle_rpm: found {spindle_rpm}, expected a positive speed [1/min]")
     text = read_text(path)
     kind = dialect(text, path)
     if kind == "CSV":
         program = read_csv(text, str(path), 1e-3 if units is None else LENGTHS[units])
     else:
         builder = ProgramBuilder(
-            str(path), chord=chord, most_points=most_points, strict=strict, default_name=path.stem
+            str(path),
+            chord=chord,
+            most_points=most_points,
+            strict=strict,
+            default_name=path.stem,
+            default_spindle=2 * math.pi * (spindle_rpm or 0.0) / 60,
         )
         if kind == "G-code":
             program = read_gcode(text, str(path), builder, units, rotary)
@@ -92,7 +103,7 @@ def read_program(
 
 def _check_size(program: CamProgram) -> None:
     """A path of a few millimetres at the origin, in a unit that the file leaves open."""
-    if program.units_stated:
+    if program.units_stated or not program.operations:
         return
     position = np.concatenate([o.path.position for o in program.operations])
     size = float(np.linalg.norm(np.ptp(position, axis=0)))

@@ -51,6 +51,18 @@ def test_a_feed_per_revolution_needs_the_spindle(tmp_path: Path, word: str) -> N
         feed(tmp_path, f"FEDRAT/0.2,{word}")
 
 
+def test_the_user_may_state_the_spindle_speed(tmp_path: Path) -> None:
+    file = tmp_path / "part.apt"
+    file.write_text("UNITS/MM\nFEDRAT/0.2,MMPR\nGOTO/100,0,0\nGOTO/100,20,0\n")
+    assert read_path(file, spindle_rpm=1500).feed[-1] == pytest.approx(5e-3)
+    with pytest.raises(InputError, match="spindle_rpm: found -5"):
+        read_path(file, spindle_rpm=-5)
+    # a look at the file shows its points and what is missing
+    shown = read_program(file, strict=False)
+    assert len(shown.operation().path) == 2
+    assert "per revolution" in str(shown.of_kind("unknown")[0])
+
+
 @pytest.mark.parametrize("unit", LENGTH)
 def test_a_feed_without_unit_is_per_minute_in_the_unit_of_length(tmp_path: Path, unit: str) -> None:
     for words in ("FEDRAT/30", "FEDRAT/30,PERMIN"):

@@ -83,6 +83,8 @@ def test_creo_arc_turns_right_handed_through_all_its_points(tmp_path: Path) -> N
     angle = np.degrees(np.unwrap(np.arctan2(on_circle[:, 1], on_circle[:, 0])))
     assert angle[-1] - angle[0] == pytest.approx(300)
     assert (np.diff(angle) > 0).all()
+    # chords of 0.05 mm under radius 10, not the straight ways between the three points
+    assert np.diff(angle).max() < 12
 
 
 def test_creo_points_of_an_arc_on_lines_of_their_own(tmp_path: Path) -> None:
@@ -168,6 +170,32 @@ def test_catia_drilling_with_bare_numbers(tmp_path: Path) -> None:
     operation = catia(tmp_path, body).operation()
     assert np.allclose(1e3 * operation.path.position[:, 2], [25, 17, 25])
     assert operation.path.feed[1] == pytest.approx(4e-3)
+
+
+@pytest.mark.parametrize(("words", "z", "feed"), [
+    ("DRILL, 3.0, MMPM, 90.0, 5.0", [25, 17, 25], 1.5),
+    ("DRILL, 3.0, 5.0, MMPM, 90.0", [25, 17, 25], 1.5),
+    ("DRILL, 3.0, 90.0, MMPM", [25, 20, 17, 20], 1.5),
+    ("DRILL, DEPTH, 3.0, CLEAR, 2.0, 90.0, MMPM", [25, 22, 17, 22], 1.5),
+    ("REAM, 3.0, 5.0, DWELL, 2.0", [25, 17, 25], 4.0),
+])  # fmt: skip
+def test_bare_numbers_beside_a_unit(
+    tmp_path: Path, words: str, z: list[float], feed: float
+) -> None:
+    body = f"RAPID\nGOTO/9,8,25,0,0,1\nCYCLE/{words}\nGOTO/9,8,20,0,0,1\nCYCLE/OFF\n"
+    read = catia(tmp_path, body)
+    operation = read.operation()
+    assert np.allclose(1e3 * operation.path.position[:, 2], z)
+    assert np.allclose(1e3 * operation.path.feed[~operation.rapid], feed)
+    without = ["without a clearance" in note.text for note in read.of_kind("assumed")]
+    assert any(without) == (len(z) == 4 and z[1] == 20)
+
+
+@pytest.mark.parametrize("words", ["DRILL, 3.0, 5.0, 7.0", "DEEPHL, 9.0, 2.0, 5.0", "WOBBLE, 3"])
+def test_bare_numbers_without_a_known_meaning_are_refused(tmp_path: Path, words: str) -> None:
+    body = f"GOTO/9,8,25,0,0,1\nCYCLE/{words}\nGOTO/9,8,20,0,0,1\n"
+    with pytest.raises(InputError, match=r"line 20: CYCLE/"):
+        catia(tmp_path, body)
 
 
 ARC = "AUTOPS\nINDIRV/ {}\nTLON,GOFWD/ (CIRCLE/ 0.0, 0.0, 5.0,$\n 10.0),ON,{}(LINE/ 0.0, 0.0, 5.0,$\n {})\n"  # noqa: E501

@@ -155,6 +155,7 @@ def test_canned_cycles_point_by_point(tmp_path: Path, cycle: str) -> None:
     ("G92 X0", "G92 is a shift of coordinates"),
     ("G5 X1 Y1 I1 J1", "G5 is a spline"),
     ("G17.5", "unknown code G17.5"),
+    ("G1 X5 (to the left Y7 F60", "a comment ( without its )"),
     ("#1=5", "variables and expressions are not read"),
     ("G1 X[1+2] F60", "variables and expressions"),
     ("O100 SUB", "sub-programs are not read"),
@@ -174,6 +175,9 @@ def test_what_is_not_read_is_refused_with_its_line(tmp_path: Path, text: str, sa
     with pytest.raises(InputError, match=r"part\.nc, line [34]: ") as caught:
         program(tmp_path, f"{head}{text}\nG0 X1\n")
     assert says in str(caught.value)
+    line = int(str(caught.value).split("line ")[1].split(":")[0])
+    shown = read_program(tmp_path / "part.nc", strict=False)
+    assert shown.of_kind("unknown")[0].line == line
 
 
 def test_machine_functions_tools_and_operations(tmp_path: Path) -> None:
@@ -197,6 +201,16 @@ def test_machine_functions_tools_and_operations(tmp_path: Path) -> None:
     assert np.allclose(1e3 * read.operations[1].path.position[:, 0], [5, 9])
     assert np.allclose(1e3 * read.operations[2].path.position[:, 2], [9, -2])
     assert "M123" in str(read.of_kind("assumed"))
+
+
+def test_a_spindle_that_stops_does_not_hold_the_tool_up(tmp_path: Path) -> None:
+    text = "G21 G90\nM3 S900\nG0 X0 Y0 Z9\nG1 Z-1 F60\nM5\nG0 Z50\nM2\n"
+    found = operation(tmp_path, text)
+    assert np.allclose(1e3 * found.path.position[:, 2], [9, -1, 50])
+    assert [(e.kind, e.text, e.point) for e in found.events] == [("spindle", "off", 1)]
+    assert found.spindle.rpm == pytest.approx(900)
+    again = program(tmp_path, text.replace("G0 Z50", "G0 Z50\nM3\nG1 Z40"))
+    assert [len(o.path) for o in again.operations] == [3, 2]
 
 
 def test_places_of_the_machine(tmp_path: Path) -> None:

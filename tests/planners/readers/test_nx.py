@@ -151,6 +151,16 @@ def test_deep_holes_and_a_return_to_where_the_tool_came_from(tmp_path: Path) -> 
     assert np.allclose(z, [50, 22, 18, 22, 18.254, 15, 50])
 
 
+def test_a_higher_hole_is_reached_from_above(tmp_path: Path) -> None:
+    body = (
+        "GOTO/0,0,5,0,0,1\nCYCLE/DRILL,RAPTO,3,FEDTO,-2,MMPM,60\nGOTO/0,0,0\nGOTO/30,0,20\n"
+        "CYCLE/OFF\n"
+    )
+    p = 1e3 * program(tmp_path, body).operation().path.position[:, [0, 2]]
+    expected = [[0, 5], [0, 3], [0, -2], [0, 3], [0, 23], [30, 23], [30, 18], [30, 23]]
+    assert np.allclose(p, expected)
+
+
 def test_holes_along_a_tilted_axis(tmp_path: Path) -> None:
     body = "GOTO/0,0,50,0,0.6,0.8\nCYCLE/DRILL,RAPTO,5,FEDTO,-10,MMPM,60\nGOTO/10,0,0\nCYCLE/OFF\n"
     p = 1e3 * program(tmp_path, body).operation().path.position
@@ -199,6 +209,7 @@ def test_home_and_stops(tmp_path: Path) -> None:
 @pytest.mark.parametrize(("statement", "says"), [
     ("GOCLER/", "GOCLER/ moves the tool or the part and is not read"),
     ("ROTATE/TABLE,AAXIS,ATANGL,90", "ROTATE/ moves the tool or the part"),
+    ("@17", "found '@17', expected an APT statement"),
     ("WOBBLE/3", "unknown statement 'WOBBLE'"),
     ("CYCLE/MILL,DEPTH,3", "CYCLE/MILL is not read"),
     ("CYCLE/DRILL,RAPTO,3", "states no depth"),
@@ -213,3 +224,4 @@ def test_what_may_move_is_refused_and_shown(tmp_path: Path, statement: str, says
     shown = read_program(tmp_path / "part.cls", strict=False)
     assert [note.line for note in shown.of_kind("unknown")] == [9]
     assert says in shown.of_kind("unknown")[0].text
+    assert "part.cls" not in shown.of_kind("unknown")[0].text

@@ -7,6 +7,9 @@ from pathlib import Path
 
 from irb2400_ctrl.errors import InputError
 
+NX = "NX CLSF"
+CREO = "Creo NCL"
+CATIA = "CATIA aptsource"
 APT_SUFFIXES = (".apt", ".aptsource", ".cls", ".clsf", ".cl", ".cldata", ".cld", ".ncl")
 GCODE_SUFFIXES = (".nc", ".ngc", ".gcode", ".gc", ".tap", ".cnc", ".mpf", ".iso", ".eia", ".din")
 APT_LINE = re.compile(
@@ -59,11 +62,11 @@ def dialect(text: str, path: Path) -> str:
 
 def _apt_dialect(text: str) -> str:
     if re.search(r"^\s*(TOOL PATH|END-OF-PATH|TLDATA\s*/|MSYS\s*/)", text, re.MULTILINE | re.I):
-        return "NX CLSF"
+        return NX
     if re.search(r"^\s*\$\$\s*(->|\*\s*Pro/CLfile)", text, re.MULTILINE | re.IGNORECASE):
-        return "Creo NCL"
+        return CREO
     if re.search(r"^\s*\$\$.*CATIA", text, re.MULTILINE | re.IGNORECASE):
-        return "CATIA aptsource"
+        return CATIA
     return "APT"
 
 

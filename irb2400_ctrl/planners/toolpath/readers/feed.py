@@ -32,7 +32,8 @@ class Feed:
             if spindle_speed <= 0:
                 raise InputError(
                     f"{place}: the feed is per revolution, but no spindle speed is stated; "
-                    "expected SPINDL/…,RPM (or S and M3) before the move, or a feed per minute"
+                    "expected SPINDL/…,RPM (or S and M3) before the move, a feed per minute, or "
+                    "the speed from you (spindle_rpm=…, --spindle-rpm …)"
                 )
             return self.value * spindle_speed / (2 * math.pi)
         if self.kind == "inverse":

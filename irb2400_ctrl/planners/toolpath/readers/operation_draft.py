@@ -55,3 +55,17 @@ class Draft:
             self.frame if self.stated_frame else None,
             tuple(self.events),
         )
+
+
+def finished(drafts: list[Draft], default_name: str) -> tuple[Operation, ...]:
+    """Operations numbered and named, all in the frame of the first of them."""
+    seen: dict[str, int] = {}
+    operations = []
+    for number, draft in enumerate(drafts, 1):
+        draft.name = draft.name or (default_name if len(drafts) == 1 else "")
+        seen[draft.name] = seen.get(draft.name, 0) + 1
+        again = f" ({seen[draft.name]})" if draft.name and seen[draft.name] > 1 else ""
+        same = np.array_equal(draft.frame, drafts[0].frame)
+        X = np.eye(4) if same else np.linalg.inv(drafts[0].frame) @ draft.frame
+        operations.append(draft.finished(number, again, X))
+    return tuple(operations)

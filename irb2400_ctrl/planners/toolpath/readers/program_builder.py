@@ -12,7 +12,6 @@ from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.planners.toolpath.cam_program import (
     CamProgram,
     Event,
-    Note,
     Spindle,
     Tool,
 )
@@ -20,7 +19,8 @@ from irb2400_ctrl.planners.toolpath.readers.expansion import arcs, drilling
 from irb2400_ctrl.planners.toolpath.readers.expansion.arcs import Arc
 from irb2400_ctrl.planners.toolpath.readers.expansion.drilling import HoleCycle
 from irb2400_ctrl.planners.toolpath.readers.feed import Feed
-from irb2400_ctrl.planners.toolpath.readers.operation_draft import Draft
+from irb2400_ctrl.planners.toolpath.readers.notes import Notes
+from irb2400_ctrl.planners.toolpath.readers.operation_draft import Draft, finished
 
 Array = npt.NDArray[np.float64]
 CHORD = 5e-5
@@ -47,11 +47,13 @@ class ProgramBuilder:
         most_points: int = MOST_POINTS,
         strict: bool = True,
         default_name: str = "",
+        default_spindle: float = 0.0,
     ) -> None:
         if not chord > 0:
             raise InputError(f"chord: found {chord} m, expected a positive length")
         self.name = name
         self.default_name = default_name
+        self.default_spindle = default_spindle
         self.chord = chord
         self.most_points = most_points
         self.strict = strict
@@ -71,7 +73,7 @@ class ProgramBuilder:
         """something was said about the tool since the last motion"""
         self._points = 0
         self._done: list[Draft] = []
-        self._notes: dict[tuple[str, str], Note] = {}
+        self._notes = Notes()
         self._feedless = False
         self._draft = self._new_draft()
 
@@ -113,10 +115,17 @@ class ProgramBuilder:
         self._draft.tool = tool
 
     def set_spindle(self, spindle: Spindle) -> None:
-        """Start, stop or turn the spindle; the tool waits for it."""
-        if spindle != self.spindle:
-            self.spindle = spindle
+        """Start, stop or turn the spindle; the tool waits until it has its speed, and does not wait
+        for it to stop."""
+        if spindle == self.spindle:
+            return
+        self.spindle = spindle
+        if spindle.speed > 0:
             self._split(keep_place=True)
+        elif self._draft.position:
+            self.event("spindle", "off")
+        else:
+            self._draft.spindle = spindle
 
     def set_coolant(self, state: str) -> None:
         """Coolant on or off: the tool does not wait."""
@@ -156,10 +165,7 @@ class ProgramBuilder:
 
     def note(self, kind: str, text: str) -> None:
         """A statement that makes no motion; equal ones are counted."""
-        known = self._notes.get((kind, text))
-        self._notes[kind, text] = (
-            Note(kind, self.line, text) if known is None else replace(known, count=known.count + 1)
-        )
+        self._notes.add(kind, self.line, text)
 
     def failed(self, error: InputError) -> None:
         """A statement could not be read: refuse, or note it where the caller only looks at the
@@ -230,33 +236,21 @@ class ProgramBuilder:
         """The operations that move the tool, all in the frame of the first of them.
 
         Raises:
-            InputError: there is none.
+            InputError: there is none, and the caller does not only look at the file.
         """
         self._split(keep_place=False)
-        if not self._done:
+        if not self._done and self.strict:
             raise InputError(
                 f"{self.name}: found {min(self._points, 1)} point(s) of motion, expected at least "
                 "2 (GOTO/… in APT, G0 or G1 in G-code)"
             )
-        first = self._done[0].frame
-        if any(not np.array_equal(draft.frame, first) for draft in self._done):
-            self.note(
-                "assumed", "operations are stated in several frames: all in that of the first"
-            )
-        seen: dict[str, int] = {}
-        operations = []
-        for number, draft in enumerate(self._done, 1):
-            draft.name = draft.name or (self.default_name if len(self._done) == 1 else "")
-            seen[draft.name] = seen.get(draft.name, 0) + 1
-            again = f" ({seen[draft.name]})" if draft.name and seen[draft.name] > 1 else ""
-            same = np.array_equal(draft.frame, first)
-            X = np.eye(4) if same else np.linalg.inv(first) @ draft.frame
-            operations.append(draft.finished(number, again, X))
+        if any(not np.array_equal(d.frame, self._done[0].frame) for d in self._done):
+            self.note("assumed", "points in several frames: all brought into the first one")
         return CamProgram(
             PurePath(self.name).name,
             dialect,
-            tuple(operations),
-            tuple(self._notes.values()),
+            finished(self._done, self.default_name),
+            self._notes.all(),
             units,
             units_stated,
         )
@@ -298,7 +292,12 @@ class ProgramBuilder:
     def _speed(self, length: float, rapid: bool) -> float:
         if rapid:
             return np.inf
-        speed = self.feed.speed(length, self.spindle.speed, self.place)
+        try:
+            speed = self.feed.speed(length, self.spindle.speed or self.default_spindle, self.place)
+        except InputError as error:
+            # whoever only looks at the file shall see the point all the same
+            self.failed(error)
+            return np.inf
         if not np.isfinite(speed) and not self._feedless and self.here is not None:
             self._feedless = True
             self.note("assumed", "a cut without a stated feed is not limited in speed")

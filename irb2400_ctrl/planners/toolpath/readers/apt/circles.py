@@ -12,13 +12,12 @@ from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.planners.toolpath.readers.apt import contour
 from irb2400_ctrl.planners.toolpath.readers.apt.placement import Placement
 from irb2400_ctrl.planners.toolpath.readers.apt.statements import Statement, is_number, number
+from irb2400_ctrl.planners.toolpath.readers.dialect import CREO, NX
 from irb2400_ctrl.planners.toolpath.readers.expansion import arcs
 from irb2400_ctrl.planners.toolpath.readers.expansion.arcs import Arc
 from irb2400_ctrl.planners.toolpath.readers.program_builder import ProgramBuilder
 
 Array = npt.NDArray[np.float64]
-NX = "NX CLSF"
-CREO = "Creo NCL"
 WORDS = frozenset({"TIMES", "ANGLE", "CENTER", "AXIS", "RADIUS", "CANON"})
 # Creo writes ten digits: a further point of an arc lies this close to its circle
 ON_CIRCLE = 2e-6

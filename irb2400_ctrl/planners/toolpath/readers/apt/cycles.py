@@ -14,6 +14,7 @@ from collections import defaultdict
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.planners.toolpath.readers.apt.statements import Statement, is_number, number
 from irb2400_ctrl.planners.toolpath.readers.apt.units import FEED_WORDS, feed_of
+from irb2400_ctrl.planners.toolpath.readers.dialect import CREO, NX
 from irb2400_ctrl.planners.toolpath.readers.expansion.drilling import HoleCycle
 
 # DWELL,REV,n counts revolutions
@@ -66,26 +67,26 @@ OTHER_WORDS = frozenset(_OTHERS.split())
 UP_WORDS = frozenset({"AUTO", "MANUAL"})
 
 
-def hole_cycle(statement: Statement, unit: float, upwards: bool, place: str) -> HoleCycle:
+def hole_cycle(statement: Statement, unit: float, dialect: str, place: str) -> HoleCycle:
     """The hole of a `CYCLE/` statement.
 
     Args:
         unit: length unit of the file [m].
-        upwards: RAPTO and FEDTO are heights over the point (NX); else RAPTO is a way down from
-            CLEAR (Creo).
+        dialect: in NX CLSF, RAPTO is a height over the point, in Creo NCL a way down from CLEAR;
+            among bare numbers Creo writes the feed before its unit, others behind it.
 
     Raises:
         InputError: no drilling cycle, no depth, or numbers whose meaning is not known.
     """
     words = statement.words
     kind, name = _kind(words, place)
-    values, bare, feed = _values(statement, place)
+    values, bare, feed = _values(statement, dialect == CREO, place)
     feed_words = {word for word in words if word in CYCLE_FEED_WORDS}
     depth, clear, steps = _bare(bare, values, place)
     if "feed to" in values:
         depth = abs(values["feed to"][0])
     rapid_to = values.get("rapid to", [None])[0]
-    clearance, start = _heights(clear, rapid_to, upwards)
+    clearance, start = _heights(clear, rapid_to, dialect == NX)
     if depth is None:
         raise InputError(
             f"{place}: CYCLE/{name} states no depth; expected DEPTH,… (Creo), FEDTO,… (NX) or the "
@@ -123,14 +124,16 @@ def _kind(words: list[str], place: str) -> tuple[str, str]:
 
 
 def _values(
-    statement: Statement, place: str
+    statement: Statement, feed_first: bool, place: str
 ) -> tuple[dict[str, list[float]], list[float], float | None]:
     """Numbers by their word, bare numbers, and the feed beside its unit."""
     values: dict[str, list[float]] = defaultdict(list)
     bare: list[float] = []
     feed: float | None = None
     last = ""
-    for argument in statement.arguments:
+    for argument, following in zip(
+        statement.arguments, (*statement.arguments[1:], ""), strict=True
+    ):
         if is_number(argument):
             value = number(argument, f"{place}, CYCLE")
             if last in LENGTH_WORDS:
@@ -145,7 +148,11 @@ def _values(
             else:
                 bare.append(value)
                 continue
-        elif _feed_before(argument, last, bare, values) and feed is None:
+        elif (
+            feed is None
+            and (feed_first or not is_number(following))
+            and _feed_before(argument, last, bare, values)
+        ):
             feed = bare.pop()
             last = ""
             continue

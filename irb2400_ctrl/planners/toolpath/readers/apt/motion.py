@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.planners.toolpath.readers.apt import units
-from irb2400_ctrl.planners.toolpath.readers.apt.circles import NX, Circles
+from irb2400_ctrl.planners.toolpath.readers.apt.circles import Circles
 from irb2400_ctrl.planners.toolpath.readers.apt.cycles import hole_cycle
 from irb2400_ctrl.planners.toolpath.readers.apt.nurbs import Nurbs
 from irb2400_ctrl.planners.toolpath.readers.apt.placement import Placement
@@ -58,7 +58,7 @@ class Motion:
         if word == "" and self._last_word == "GOTO":
             # Creo: further points of an arc on lines of their own
             word = "GOTO"
-        if self._nurbs.open and word not in {"KNOT", "CNTRL"}:
+        if self._nurbs.open and word not in {"KNOT", "CNTRL", "PAINT"}:
             self._nurbs.end(self._take_rapid())
         if word != "GOTO":
             self._circles.interrupted()
@@ -142,9 +142,11 @@ class Motion:
         if word == "ON":
             self._cycle = self._last_cycle
             return
-        cycle = hole_cycle(statement, self._placement.unit, self._dialect == NX, builder.place)
+        cycle = hole_cycle(statement, self._placement.unit, self._dialect, builder.place)
         self._cycle = cycle
         self._last_cycle = cycle
+        if cycle.clearance == 0:
+            builder.note("assumed", "CYCLE/ without a clearance: rapid down to the stated point")
         if cycle.name in {"DEEP", "DEEPHL", "PECK", "BRKCHP"} and not cycle.steps:
             builder.note("assumed", f"CYCLE/{cycle.name} without a step: one stroke")
 

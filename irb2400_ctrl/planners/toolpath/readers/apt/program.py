@@ -16,6 +16,7 @@ from irb2400_ctrl.planners.toolpath.readers.apt.vocabulary import (
     TURNING,
 )
 from irb2400_ctrl.planners.toolpath.readers.program_builder import ProgramBuilder
+from irb2400_ctrl.planners.toolpath.readers.unread_line import UnreadLineError
 
 
 def read_apt(
@@ -32,12 +33,15 @@ def read_apt(
             message has its line.
     """
     program = list(statements(text, name))
-    unit_of = _Units(program, name, units, builder)
+    unit_of = _Units([s for s in program if isinstance(s, Statement)], name, units, builder)
     motion = Motion(builder, dialect)
     machine = Machine(builder)
     comments = Comments(builder)
     for statement in program:
         builder.line = statement.line
+        if isinstance(statement, UnreadLineError):
+            builder.failed(statement)
+            continue
         unit = unit_of.at(statement.line)
         try:
             if statement.word == COMMENT:

@@ -8,6 +8,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.planners.toolpath.readers.unread_line import UnreadLineError
 
 COMMENT = "$$"
 NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([EeDd][-+]?\d+)?$")
@@ -53,11 +54,10 @@ def is_number(text: str) -> bool:
     return NUMBER.match(text) is not None
 
 
-def statements(text: str, name: str) -> Iterator[Statement]:
-    """All statements and comments; `$` at the end of a line continues it, in comments too.
+def statements(text: str, name: str) -> Iterator[Statement | UnreadLineError]:
+    """All statements and comments; `$` at the end of a line continues it, in Creo's comments too.
 
-    Raises:
-        InputError: the file ends within a statement, or a line has no word.
+    A line without a word and a statement that the file cuts off come as their errors.
     """
     pending = ""
     start = 0
@@ -77,9 +77,13 @@ def statements(text: str, name: str) -> Iterator[Statement]:
         joined = (pending + part).strip()
         pending = ""
         if joined:
-            yield _statement(start, joined, name)
+            try:
+                yield _statement(start, joined, name)
+            except InputError as error:
+                yield UnreadLineError(start, str(error))
     if pending:
-        raise InputError(f"{name}, line {start}: the statement is continued by $ but the file ends")
+        text = f"{name}, line {start}: the statement is continued by $ but the file ends"
+        yield UnreadLineError(start, text)
 
 
 def _statement(line: int, text: str, name: str) -> Statement:

@@ -13,6 +13,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.planners.toolpath.readers.unread_line import UnreadLineError
 
 WORD = re.compile(r"\s*([A-Z])\s*([-+]?(?:\d+\.?\d*|\.\d+))")
 # orders of Siemens' controls written as words
@@ -46,10 +47,10 @@ class Block:
         return {key: value for key, value in self.words if key not in "GMN"}
 
 
-def blocks(text: str, name: str) -> Iterator[Block | InputError]:
+def blocks(text: str, name: str) -> Iterator[Block | UnreadLineError]:
     """All lines that hold anything; a line that cannot be read comes as its error."""
     for line, raw in enumerate(text.split("\n"), 1):
-        code, comments = _split(raw)
+        code, comments, closed = _split(raw)
         code = code.strip().upper()
         optional = code.startswith("/")
         code = code.lstrip("/").strip() if optional else code
@@ -58,16 +59,19 @@ def blocks(text: str, name: str) -> Iterator[Block | InputError]:
         # program number: O1234 or :1234
         code = re.sub(r"^[O:]\s*\d+\s*$", "", code)
         try:
+            if not closed:
+                raise InputError(f"{name}, line {line}: found a comment ( without its )")
             words, orders = _words(code, f"{name}, line {line}")
         except InputError as error:
-            yield error
+            yield UnreadLineError(line, str(error))
             continue
         if words or comments or orders:
             yield Block(line, tuple(words), tuple(comments), tuple(orders), optional)
 
 
-def _split(raw: str) -> tuple[str, list[str]]:
-    """Code without comments, and the comments; `;` reaches to the end of the line."""
+def _split(raw: str) -> tuple[str, list[str], bool]:
+    """Code without comments, the comments, and whether all are closed; `;` reaches to the end of
+    the line."""
     comments: list[str] = []
     code = ""
     rest = raw
@@ -88,8 +92,8 @@ def _split(raw: str) -> tuple[str, list[str]]:
         body, closed, rest = rest[start.start() + 1 :].partition(")")
         comments.append(body.strip())
         if not closed:
-            break
-    return code, comments
+            return code, comments, False
+    return code, comments, True
 
 
 def _words(code: str, place: str) -> tuple[list[tuple[str, float]], list[str]]:

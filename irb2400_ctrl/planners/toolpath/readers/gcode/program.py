@@ -15,6 +15,7 @@ from irb2400_ctrl.planners.toolpath.readers.gcode.motion import CYCLES, GcodeMot
 from irb2400_ctrl.planners.toolpath.readers.gcode.rotary import Rotary, tilted_plane
 from irb2400_ctrl.planners.toolpath.readers.gcode.state import AXES, GcodeState
 from irb2400_ctrl.planners.toolpath.readers.program_builder import ProgramBuilder
+from irb2400_ctrl.planners.toolpath.readers.unread_line import UnreadLineError
 
 MOTION = {0, 1, 2, 3, 80, *CYCLES}
 LETTERS = frozenset("ABCDFGHIJKLMNPQRSTXYZ")
@@ -72,10 +73,10 @@ def read_gcode(
     """
     reader = _Reader(builder, units, None if rotary is None else Rotary.of(rotary))
     for block in blocks(text, name):
-        if isinstance(block, InputError):
+        builder.line = block.line
+        if isinstance(block, UnreadLineError):
             builder.failed(block)
             continue
-        builder.line = block.line
         try:
             reader.block(block)
         except InputError as error:

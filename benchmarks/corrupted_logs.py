@@ -1,0 +1,110 @@
+"""Is a log understood? Sound logs refused, and corrupted logs named as what they are.
+
+    python benchmarks/corrupted_logs.py sound --count 300 [--seed S]
+    python benchmarks/corrupted_logs.py corrupted --count 10 [--seed S] [--diagnose]
+
+Seeds are drawn anew unless given, and printed.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import time
+from collections import Counter
+from pathlib import Path
+
+import numpy as np
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
+
+
+def sound(count: int, seed: int) -> None:
+    """Sound logs of arms, payloads, motions, rates, digits, jitter: how many are refused."""
+    from corrupted_logs import sound_log
+
+    from irb2400_ctrl.plausibility import log_problem
+    from irb2400_ctrl.plausibility.search import LOST_PRICE, understand
+
+    refused = []
+    prices = []
+    start = time.perf_counter()
+    for k in range(count):
+        drawn = sound_log(seed + k)
+        problem = log_problem(drawn.robot, drawn.log)
+        understood = understand(drawn.robot, drawn.log)
+        prices.append(np.nan if understood is None else understood.labelled.price)
+        if problem is not None:
+            refused.append(problem.kind)
+            print(f"REFUSED {seed + k}: {problem.kind}, {problem.says} [{drawn.text}]", flush=True)
+        if (k + 1) % 25 == 0:
+            print(f"{k + 1} drawn, {len(refused)} refused", flush=True)
+    quantiles = ", ".join(f"{v:.0f}" for v in np.nanquantile(prices, [0.5, 0.9, 0.99, 1.0]))
+    print(f"price as labelled, median, 90 %, 99 %, most: {quantiles} (refused above {LOST_PRICE})")
+    upper = 100 * (1 - 0.05 ** (1 / count)) if not refused else float("nan")
+    print(
+        f"seed {seed}: {len(refused)} of {count} sound logs refused {dict(Counter(refused))}"
+        + (f"; 95 % upper bound {upper:.1f} %" if not refused else "")
+        + f"; {(time.perf_counter() - start) / count:.1f} s each, with its simulation"
+    )
+
+
+def corrupted(count: int, seed: int, diagnosed: bool) -> None:
+    """Every corruption on `count` fresh arms: what it is taken for."""
+    from corrupted_logs import corruptions, sound_log
+
+    from irb2400_ctrl.diagnosis import diagnose
+    from irb2400_ctrl.errors import InputError
+    from irb2400_ctrl.plausibility import log_problem
+
+    said: dict[str, list[str]] = {}
+    right = 0
+    sure = 0
+    for k in range(count):
+        drawn = sound_log(seed + k, plain=True)
+        for place, one in enumerate(corruptions(drawn.robot)):
+            rng = np.random.default_rng([seed, k, place])
+            try:
+                log = one.change(drawn.log, rng)
+                problem = log_problem(drawn.robot, log)
+                word = "nothing" if problem is None else problem.kind
+                if diagnosed and problem is None:
+                    found = diagnose(drawn.robot, log).findings
+                    sure += any(f.confidence >= 0.5 for f in found)
+            except InputError as error:
+                word = next((w for w in one.kinds if w in str(error)), f"refused: {error}")
+            right += word in one.kinds
+            said.setdefault(one.name, []).append(word)
+            if word not in one.kinds:
+                print(f"  seed {seed + k}, {one.name}: {word}", flush=True)
+    print(f"{'corruption':<28}{'named':>8}   taken for")
+    for name, words in said.items():
+        counts = Counter(words).most_common()
+        kinds = next(c.kinds for c in corruptions(drawn.robot) if c.name == name)
+        good = sum(n for word, n in counts if word in kinds)
+        listed = ", ".join(f"{word} {n}" for word, n in counts)
+        print(f"{name:<28}{good:>4} of {len(words):<3} {listed}")
+    total = sum(map(len, said.values()))
+    print(f"seed {seed}: {right} of {total} named as what they are ({100 * right / total:.1f} %)")
+    if diagnosed:
+        print(f"effects named with 0.5 or more on corrupted logs: {sure}")
+
+
+def main() -> None:
+    """Command line."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("what", choices=["sound", "corrupted"])
+    parser.add_argument("--count", type=int, required=True)
+    parser.add_argument("--seed", type=int, default=None)
+    parser.add_argument("--diagnose", action="store_true", help="diagnose what is not refused")
+    args = parser.parse_args()
+    fresh = int(np.random.SeedSequence().generate_state(1)[0] % 10**6)
+    seed = fresh if args.seed is None else args.seed
+    if args.what == "sound":
+        sound(args.count, seed)
+    else:
+        corrupted(args.count, seed, args.diagnose)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,90 @@
+"""`irb2400 log check`: what a log holds, and whether it can be this robot's."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from irb2400_ctrl.cli.options import ColumnsOption, RobotOption, input_file
+from irb2400_ctrl.cli.progress import step
+
+if TYPE_CHECKING:
+    from irb2400_ctrl.plausibility import LogCheck
+
+app = typer.Typer(help="Look at a log before anything is made of it.", no_args_is_help=True)
+
+
+@app.callback()
+def log() -> None:
+    """Look at a log before anything is made of it."""
+
+
+@app.command()
+def check(
+    log: Annotated[Path, typer.Argument(metavar="LOG", help="Measured log.")],
+    robot: RobotOption = "irb2400",
+    columns: ColumnsOption = None,
+    no_robot: Annotated[
+        bool, typer.Option("--no-robot", help="Only what the columns show of themselves.")
+    ] = False,
+    as_json: Annotated[
+        bool, typer.Option("--json", help="Print one JSON object instead of the text.")
+    ] = False,
+) -> None:
+    """Say what a log holds and whether it can be this robot's; exit 2 with the reason when it
+    cannot."""
+    input_file(log, "a log")
+
+    import json
+
+    from irb2400_ctrl.errors import InputError
+    from irb2400_ctrl.measurement import read_log
+    from irb2400_ctrl.plausibility import check_log
+    from irb2400_ctrl.robot import load_robot
+
+    arm = None if no_robot else load_robot(robot)
+    with step(f"reading {log.name}"):
+        found = check_log(arm, read_log(log, columns=columns))
+    print(json.dumps(found.to_json(), indent=1) if as_json else "\n".join(lines(found)))
+    if found.problem is not None:
+        raise InputError(f"{log}: {found.problem.says}")
+
+
+def lines(check: LogCheck) -> list[str]:
+    """A log check for a terminal."""
+    f = check.facts
+    base = f.base
+    found = [
+        f"{check.name}: {f.joints} joints, {f.samples} samples, {f.duration:.2f} s at "
+        f"{f.rate:.5g} Hz; columns {', '.join(f.channels)}",
+        f"jitter {1e3 * base.scatter:.3g} ms rms, {100 * base.lost:.3g} % lost, {f.gaps} gaps, "
+        f"the longest {f.longest_gap:.3g} s"
+        + ("; the time base is rebuilt (even sampling)" if base.rebuilt else ""),
+        f"{'joint':<34}" + " ".join(f"{j + 1:>8}" for j in range(f.joints)),
+    ]
+    table = f.to_json() | check.to_json()
+    for title, key in (
+        ("travel [deg]", "travel_deg"),
+        ("torque rms [Nm]", "torque_rms_Nm"),
+        ("digit of the angle [deg]", "angle_digit_deg"),
+        ("digit of the torque [Nm]", "torque_digit_Nm"),
+        ("noise of the torque [Nm]", "torque_noise_Nm"),
+        ("made of it by noise of angles [Nm]", "torque_from_angle_noise_Nm"),
+        ("lag behind the command [ms]", "lag_ms"),
+        ("left by the nominal model [%]", "left_of_torque_percent"),
+    ):
+        values = table[key]
+        if values is not None:
+            found.append(
+                f"{title:<34}" + " ".join(f"{'-' if v is None else f'{v:.3g}':>8}" for v in values)
+            )
+    found += [f"note: {remark}" for remark in check.remarks]
+    if check.sound:
+        against = "" if check.robot is None else f" and fits {check.robot}"
+        found.append(f"sound: the log is what its columns say{against}")
+    else:
+        assert check.problem is not None
+        found.append(f"not understood ({check.problem.kind}): {check.problem.says}")
+    return found

@@ -1,0 +1,172 @@
+"""`read_log`: a recorded motion from any file the field writes.
+
+Names carry the unit: `time_s`, `q1_deg`… or `q1_rad`…, optionally `qd1_deg_s`… or `qd1_rad_s`…,
+`tau1_Nm`…, optionally `q1_ref_deg`… or `q1_ref_rad`…; any order; other columns are kept aside. A
+column map says what columns of other names are.
+"""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
+
+from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.measurement.binary_table import read_mat_table, read_parquet_table
+from irb2400_ctrl.measurement.column_map import TIME, ColumnMap, load_column_map
+from irb2400_ctrl.measurement.csv_table import read_csv_table
+from irb2400_ctrl.measurement.log import Log
+from irb2400_ctrl.measurement.ros_table import read_ros_table
+from irb2400_ctrl.measurement.table import Table
+
+Array = npt.NDArray[np.float64]
+Found = dict[str, dict[int, str]]
+"""signal -> joint -> name of the column in the file"""
+
+_COLUMN = re.compile(r"(?P<signal>qd|q|tau)(?P<joint>[1-9]\d*)(?P<ref>_ref)?_(?P<unit>\w+)")
+_SCALES = {
+    "q": {"deg": np.pi / 180, "rad": 1.0},
+    "qd": {"deg_s": np.pi / 180, "rad_s": 1.0},
+    "tau": {"Nm": 1.0, "kNm": 1e3},
+    "q_ref": {"deg": np.pi / 180, "rad": 1.0},
+}
+_BARE = re.compile(r"(time|t|(?:qd|q|tau)[1-9]\d*(?:_ref)?)")
+READERS = {
+    ".mat": read_mat_table,
+    ".parquet": read_parquet_table,
+    ".db3": read_ros_table,
+    ".mcap": read_ros_table,
+}
+"""by suffix; anything else is CSV"""
+
+
+def read_log(
+    path: Path | str, joints: int | None = None, columns: Path | str | ColumnMap | None = None
+) -> Log:
+    """The log of a file.
+
+    Args:
+        path: `.csv`, `.csv.gz` (comma, semicolon or tab; decimal comma), `.mat`, `.parquet`, ROS 2
+            bag `.db3` or `.mcap`.
+        joints: number of joints to expect; default as many as the names tell.
+        columns: what the file's columns are, where their names do not say it.
+
+    Raises:
+        InputError: no such file, columns or units missing or contradictory, cells that are not
+            numbers, time that does not rise, a rate below 10 Hz; says where and what was expected.
+    """
+    path = Path(path)
+    if not path.is_file():
+        raise InputError(
+            f"no log file {path}: expected a .csv or .csv.gz with time_s, q1_deg…, tau1_Nm…"
+        )
+    table = READERS.get(path.suffix.lower(), read_csv_table)(path)
+    if columns is None:
+        time, found, scales = _by_name(table)
+    else:
+        given = columns if isinstance(columns, ColumnMap) else load_column_map(columns)
+        time, found, scales = _by_map(table, given)
+    used = {time[0], *(name for names in found.values() for name in names.values())}
+    _finite(table, used)
+    n = joints or max([max(found[s], default=0) for s in ("q", "tau")], default=0) or 6
+    signals = {
+        signal: _stacked(table, signal, names, scales, n)
+        for signal, names in found.items()
+        if names or signal in {"q", "tau"}
+    }
+    extra = {name: values for name, values in table.columns.items() if name not in used}
+    stamps = table.columns[time[0]] * time[1]
+    return Log(stamps, signals.pop("q"), signals.pop("tau"), extra=extra, name=str(path), **signals)
+
+
+def _by_name(table: Table) -> tuple[tuple[str, float], Found, dict[str, float]]:
+    """Time, signals and scales as the names say."""
+    found: Found = {signal: {} for signal in _SCALES}
+    scales: dict[str, float] = {}
+    times = [name for name in table.columns if name in {"time_s", "time_ms"}]
+    for name in table.columns:
+        match = _COLUMN.fullmatch(name)
+        signal = "" if match is None else match["signal"] + (match["ref"] or "")
+        if match is not None and match["unit"] in _SCALES.get(signal, {}):
+            joint = int(match["joint"])
+            if joint in found[signal]:
+                _contradict(table, found[signal][joint], name)
+            found[signal][joint] = name
+            scales[name] = _SCALES[signal][match["unit"]]
+        elif _BARE.fullmatch(name):
+            raise InputError(
+                f"{table.path}: column {name!r} has no unit, expected for example {_example(name)}"
+            )
+    if len(times) > 1:
+        _contradict(table, *times)
+    if not times:
+        raise InputError(f"{table.path}: no column time_s; found {table.some}")
+    return (times[0], 1e-3 if times[0] == "time_ms" else 1.0), found, scales
+
+
+def _by_map(table: Table, given: ColumnMap) -> tuple[tuple[str, float], Found, dict[str, float]]:
+    """Time, signals and scales as a column map says."""
+    found: Found = {signal: {} for signal in _SCALES}
+    scales = {}
+    for column in given.columns:
+        found[column.quantity][column.joint] = column.file
+        scales[column.file] = column.scale
+    time = ("time_s", 1.0) if given.time is None else (given.time.column, TIME[given.time.unit])
+    missing = [name for name in (time[0], *scales) if name not in table.columns]
+    if missing:
+        raise InputError(
+            f"{table.path}: no column {missing[0]!r} that the column map names; found {table.some}"
+        )
+    return time, found, scales
+
+
+def _contradict(table: Table, one: str, other: str) -> None:
+    raise InputError(
+        f"{table.path}: columns {one!r} and {other!r} say the same thing in two units, expected "
+        "one of them: rename the other"
+    )
+
+
+def _finite(table: Table, used: set[str]) -> None:
+    """Refuse cells that are not finite numbers in the columns that matter, and say where they
+    are."""
+    names = [name for name in table.columns if name in used]
+    bad = np.column_stack([~np.isfinite(table.columns[name]) for name in names])
+    if bad.any():
+        row, column = np.argwhere(bad)[0]
+        raise InputError(
+            f"{table.path}: {int(bad.sum())} cells are not finite numbers, the first is "
+            f"{names[column]} in {table.place(row)}; expected numbers everywhere: delete the rows "
+            "of lost samples"
+        )
+
+
+def _stacked(
+    table: Table, signal: str, names: dict[int, str], scales: dict[str, float], n: int
+) -> Array:
+    forms = [f"{{}}_{unit}" for unit in _SCALES[signal] if unit != "kNm"]
+    missing = [j for j in range(1, n + 1) if j not in names]
+    if missing:
+        wanted = ", ".join(
+            " or ".join(form.format(_numbered(signal, j)) for form in forms) for j in missing
+        )
+        raise InputError(f"{table.path}: no column {wanted}; found {table.some}")
+    if max(names) > n:
+        raise InputError(
+            f"{table.path}: found column {signal} for joint {max(names)}, expected {n} joints"
+        )
+    return np.column_stack([table.columns[names[j]] * scales[names[j]] for j in range(1, n + 1)])
+
+
+def _numbered(signal: str, joint: int) -> str:
+    return f"q{joint}_ref" if signal == "q_ref" else f"{signal}{joint}"
+
+
+def _example(name: str) -> str:
+    if name in {"t", "time"}:
+        return "time_s"
+    if name.startswith("tau"):
+        return f"{name}_Nm"
+    return f"{name}_deg_s or {name}_rad_s" if name.startswith("qd") else f"{name}_deg or {name}_rad"

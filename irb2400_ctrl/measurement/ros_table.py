@@ -1,0 +1,121 @@
+"""`sensor_msgs/JointState` of a ROS 2 bag: SQLite (`.db3`) or MCAP (`.mcap`)."""
+
+from __future__ import annotations
+
+import sqlite3
+import struct
+from collections.abc import Iterator
+from contextlib import closing
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from irb2400_ctrl.errors import InputError, ToolMissingError
+from irb2400_ctrl.measurement.table import Table, one_length
+
+JOINT_STATE = "sensor_msgs/msg/JointState"
+Message = tuple[float, tuple[str, ...], tuple[list[float], ...]]
+
+
+def read_ros_table(path: Path) -> Table:
+    """Joint states of a bag, joints in the order of the messages, time from their headers.
+
+    Positions are `q1_rad`…, speeds `qd1_rad_s`…, efforts `tau1_Nm`…, as the message defines them.
+    A driver that sends currents as effort needs a column map.
+
+    Raises:
+        InputError: not a bag, no joint states, or joints that change on the way.
+        ToolMissingError: an MCAP file and no mcap package.
+    """
+    raw = _mcap(path) if path.suffix == ".mcap" else _sqlite(path)
+    try:
+        messages = [joint_state(data) for data in raw]
+    except (struct.error, UnicodeDecodeError) as error:
+        raise InputError(f"{path}: a joint state cannot be decoded: {error}") from error
+    if not messages:
+        raise InputError(f"{path}: found no {JOINT_STATE}, expected a bag of joint states")
+    names = messages[0][1]
+    others = {m[1] for m in messages} - {names}
+    if others:
+        raise InputError(
+            f"{path}: joint states of {', '.join(names)} and of {', '.join(others.pop())}; "
+            "expected one publisher: filter the bag (ros2 bag convert)"
+        )
+    columns = {"time_s": np.array([m[0] for m in messages]) - messages[0][0]}
+    for place, column in enumerate(("q{}_rad", "qd{}_rad_s", "tau{}_Nm")):
+        if all(len(m[2][place]) == len(names) for m in messages):
+            values = np.array([m[2][place] for m in messages])
+            for j in range(len(names)):
+                columns[column.format(j + 1)] = values[:, j]
+    return one_length(path, columns)
+
+
+def joint_state(data: bytes) -> Message:
+    """Time of the header [s], names, and (position, velocity, effort) of one message in CDR."""
+    order = "<" if data[1] & 1 else ">"
+    place = 4
+
+    def take(form: str, size: int) -> Any:
+        nonlocal place
+        # CDR aligns every number to its own size, counted after the four bytes of the head
+        place += -(place - 4) % size
+        (value,) = struct.unpack_from(order + form, data, place)
+        place += size
+        return value
+
+    def text() -> str:
+        nonlocal place
+        length = take("I", 4)
+        value = data[place : place + max(length - 1, 0)].decode()
+        place += length
+        return value
+
+    def numbers() -> list[float]:
+        nonlocal place
+        count = take("I", 4)
+        if count == 0:
+            return []
+        place += -(place - 4) % 8
+        found = struct.unpack_from(f"{order}{count}d", data, place)
+        place += 8 * count
+        return list(found)
+
+    seconds = take("i", 4) + 1e-9 * take("I", 4)
+    text()
+    names = tuple(text() for _ in range(take("I", 4)))
+    return seconds, names, (numbers(), numbers(), numbers())
+
+
+def _sqlite(path: Path) -> Iterator[bytes]:
+    try:
+        with closing(sqlite3.connect(f"{path.absolute().as_uri()}?mode=ro", uri=True)) as bag:
+            rows = bag.execute(
+                "select data from messages join topics on topics.id = messages.topic_id "
+                "where topics.type = ? order by messages.timestamp, messages.id",
+                (JOINT_STATE,),
+            ).fetchall()
+    except sqlite3.Error as error:
+        raise InputError(f"{path} is not a readable ROS 2 bag: {error}") from error
+    return (row[0] for row in rows)
+
+
+def _mcap(path: Path) -> Iterator[bytes]:
+    try:
+        from mcap.exceptions import McapError
+        from mcap.reader import make_reader
+    except ImportError as error:
+        raise ToolMissingError(
+            f"{path} is an MCAP file and the package mcap is not installed: "
+            "pip install 'irb2400_ctrl[ros]'"
+        ) from error
+    try:
+        with path.open("rb") as file:
+            found = [
+                message.data
+                for schema, _, message in make_reader(file).iter_messages()
+                if schema is not None and schema.name == JOINT_STATE
+            ]
+    except (McapError, OSError, struct.error) as error:
+        raise InputError(f"{path} is not a readable MCAP file: {error}") from error
+    return iter(found)

@@ -1,0 +1,56 @@
+"""Columns of numbers by name: what any log file comes down to before its units are known."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
+
+from irb2400_ctrl.errors import InputError
+
+Array = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Table:
+    """Columns of one file, each (m,); a cell that is no number is NaN.
+
+    Args:
+        first_line: number of the line in the file that holds the first sample, where it has lines.
+    """
+
+    path: Path
+    columns: dict[str, Array]
+    first_line: int | None = None
+
+    def place(self, row: int) -> str:
+        """Where a sample stands in the file."""
+        return f"sample {row + 1}" if self.first_line is None else f"line {row + self.first_line}"
+
+    @property
+    def some(self) -> str:
+        """The first names, for messages."""
+        names = list(self.columns)
+        more = f", … ({len(names)} columns)" if len(names) > 8 else ""
+        return ", ".join(names[:8]) + more
+
+
+def one_length(path: Path, columns: dict[str, Array]) -> Table:
+    """A table of columns that a file holds one by one.
+
+    Raises:
+        InputError: no columns, or columns of different lengths.
+    """
+    lengths = {name: len(values) for name, values in columns.items()}
+    if not lengths:
+        raise InputError(f"{path}: found no columns of numbers, expected time, angles and torques")
+    if len(set(lengths.values())) > 1:
+        short = min(lengths, key=lengths.__getitem__)
+        long = max(lengths, key=lengths.__getitem__)
+        raise InputError(
+            f"{path}: column {short!r} has {lengths[short]} samples, {long!r} has {lengths[long]}; "
+            "expected one time base for all: resample them in the tool that wrote the file"
+        )
+    return Table(path, columns)

@@ -1,0 +1,185 @@
+"""The instants at which a log was sampled, from stamps that a host wrote when it came to it.
+
+A controller samples evenly; the stamps of a host scatter by a millisecond, and samples get lost.
+A stamp off by dt is an angle off by qd dt, and its second difference, times the mass matrix, is a
+torque. The even instants t0 + k h are found from the stamps, and the angles are asked which of the
+two they were sampled at.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+import numpy.typing as npt
+from scipy.fft import next_fast_len, rfft
+from scipy.optimize import isotonic_regression
+
+from irb2400_ctrl.measurement.log import Log
+
+Array = npt.NDArray[np.float64]
+Index = npt.NDArray[np.int64]
+
+EVEN = 2e-6
+"""[s] scatter of the stamps below which they need no help"""
+LONGEST = 60.0
+"""[s] of the record that the search for the period looks at"""
+MOST_PERIODS = 100_000
+"""that the search looks at: bounds its memory whatever the stamps are"""
+BINS = 8
+"""per period, in that search"""
+WIDTH = 0.1
+"""relative half width of the search about the median step"""
+FINER = 6
+"""lattices up to so many times finer than the median step are tried"""
+SMOOTHER = 0.98
+"""an even time base must leave less roughness than this share of what the stamps leave"""
+DECIDED = 0.05
+"""how near to 0 the slope must be, besides two standard errors: the sampling was even"""
+SURE = 0.1
+"""standard error of the slope at most"""
+
+
+@dataclass(frozen=True)
+class TimeBase:
+    """What the stamps and the angles say about the instants of the samples.
+
+    Args:
+        time: the instants to use [s], shape (m,).
+        period: of the even sampling [s].
+        scatter: rms of the stamps about the even instants [s].
+        lost: share of the even instants without a sample.
+        slope: 0 when the sampling was even and the stamps scatter, 1 when the stamps are right.
+        slope_error: its standard error; infinite when the motion does not tell.
+        rebuilt: whether `time` are the even instants instead of the stamps.
+    """
+
+    time: Array
+    period: float
+    scatter: float
+    lost: float
+    slope: float = 0.0
+    slope_error: float = np.inf
+    rebuilt: bool = False
+
+
+def time_base(log: Log) -> TimeBase:
+    """The instants of a log's samples: even ones where the angles agree, else the stamps."""
+    stamps = log.time
+    best: tuple[float, Array, float] | None = None
+    rough_stamps = _roughness(log.q, stamps)
+    for finer in range(1, FINER + 1):
+        instants, step = _lattice(stamps, _period(stamps, finer))
+        if np.std(stamps - instants) < EVEN:
+            return TimeBase(stamps, step, float(np.std(stamps - instants)), _lost(instants, step))
+        rough = _ratio(_roughness(log.q, instants), rough_stamps)
+        # a finer lattice follows any stamps a little better: it must be worth it
+        if best is None or rough < 0.8 * best[0]:
+            best = rough, instants, step
+    assert best is not None
+    rough, even, step = best
+    scatter = float(np.std(stamps - even))
+    slope, error = _slope(log, even)
+    told = error < SURE and abs(slope) < DECIDED + 2.0 * error
+    rebuilt = scatter > EVEN and told and rough < SMOOTHER
+    time = even if rebuilt else stamps
+    return TimeBase(time, step, scatter, _lost(even, step), slope, error, rebuilt)
+
+
+def _lost(even: Array, step: float) -> float:
+    """Share of the even instants without a sample."""
+    return 1.0 - len(even) / (round(float(even[-1] - even[0]) / step) + 1)
+
+
+def with_time_base(log: Log) -> Log:
+    """The log on its rebuilt time base; the log itself where its stamps are as good."""
+    base = time_base(log)
+    return replace(log, time=base.time) if base.rebuilt else log
+
+
+def _period(stamps: Array, finer: int) -> float:
+    """Period near the median step over `finer` that the stamps keep in phase best:
+    max |sum exp(2 pi i f t)|, the sum by one Fourier transform."""
+    near = float(np.median(np.diff(stamps))) / finer
+    span = min(LONGEST, MOST_PERIODS * near)
+    t = stamps[stamps < stamps[0] + span] - stamps[0]
+    bin_width = near / BINS
+    length = int(next_fast_len(4 * int(np.ceil(t[-1] / bin_width) + 1), real=True))
+    counts = np.bincount(np.round(t / bin_width).astype(np.int64), minlength=length)
+    frequencies = np.fft.rfftfreq(length, bin_width)
+    inside = np.flatnonzero(np.abs(frequencies * near - 1.0) < WIDTH)
+    if not len(inside):
+        return near
+    size = np.abs(rfft(counts.astype(float)))[inside]
+    place = inside[int(np.argmax(size))]
+    return 1.0 / float(frequencies[place])
+
+
+def _lattice(stamps: Array, period: float) -> tuple[Array, float]:
+    """Even instants of the samples and their period, by least squares on rising whole numbers."""
+    origin = float(stamps[0])
+    for _ in range(5):
+        index = _rising((stamps - origin) / period)
+        slope, start = np.polyfit(index - index.mean(), stamps, 1)
+        origin = float(start - slope * index.mean())
+        if abs(slope / period - 1.0) < 1e-12:
+            break
+        period = float(slope)
+    return np.asarray(origin + period * index, dtype=float), period
+
+
+def _rising(places: Array) -> Index:
+    """Whole numbers next to the places, each above the one before."""
+    count = np.arange(len(places))
+    return np.asarray(np.round(isotonic_regression(places - count).x), dtype=np.int64) + count
+
+
+def _missed(q: Array, time: Array) -> Array:
+    """What cubic interpolation from two neighbours on each side misses, shape (m - 4, n)."""
+    t = [time[k : len(time) - 4 + k] for k in (0, 1, 3, 4)]
+    here = time[2:-2]
+    missed = q[2:-2].copy()
+    for place, k in enumerate((0, 1, 3, 4)):
+        weight = np.ones(len(here))
+        for other in range(4):
+            if other != place:
+                weight *= (here - t[other]) / (t[place] - t[other])
+        missed -= weight[:, None] * q[k : len(q) - 4 + k]
+    return missed
+
+
+def _dense(time: Array) -> npt.NDArray[np.bool_]:
+    """Where the neighbours are near enough to interpolate from."""
+    return np.asarray((time[4:] - time[:-4]) < 8.0 * np.median(np.diff(time)))
+
+
+def _roughness(q: Array, time: Array) -> Array:
+    """Robust size of what interpolation misses, per joint [rad]."""
+    missed = np.abs(_missed(q, time)[_dense(time)])
+    if not len(missed):
+        return np.ones(q.shape[1])
+    # the median alone would not see a few wrong steps
+    return np.asarray(np.quantile(missed, 0.5, axis=0) + np.quantile(missed, 0.9, axis=0) + 1e-12)
+
+
+def _ratio(one: Array, other: Array) -> float:
+    logarithms: Array = np.log(one / other)
+    return float(np.exp(logarithms.mean()))
+
+
+def _slope(log: Log, even: Array) -> tuple[float, float]:
+    """Regression of what interpolation on the even instants misses on speed times scatter."""
+    scatter = (log.time - even)[:, None]
+    speed = np.gradient(log.q, even, axis=0)[2:-2]
+    inside = _dense(even)
+    x = (speed * _missed(scatter, even))[inside]
+    y = _missed(log.q, even)[inside]
+    size = np.std(y, axis=0) + 1e-12
+    x = (x / size).ravel()
+    y = (y / size).ravel()
+    power = float(x @ x)
+    if len(x) < 20 or power < 1.0:
+        return 0.0, np.inf
+    slope = float(x @ y) / power
+    error = float(np.sqrt(np.mean((y - slope * x) ** 2) / power))
+    return slope, error

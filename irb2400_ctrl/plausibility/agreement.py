@@ -1,0 +1,122 @@
+"""Columns that say the same thing twice: recorded speed and dq/dt, commanded and measured angle."""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+from scipy.optimize import linear_sum_assignment
+
+from irb2400_ctrl.measurement.log import Log
+from irb2400_ctrl.plausibility.problem import LogProblem
+
+Array = npt.NDArray[np.float64]
+
+DEGREES = 180.0 / np.pi
+CLEAR = 0.9
+"""correlation from which two columns are said to move together"""
+FACTOR = 2.5
+"""ratio from which they are said to have different units"""
+LEAST_SPEED = 0.05
+"""[rad/s] rms, and"""
+LEAST_RANGE = 0.05
+"""[rad] of a joint that takes part"""
+
+
+def speed_problem(log: Log) -> LogProblem | None:
+    """Recorded speed against the derivative of the angle."""
+    if log.qd is None:
+        return None
+    # averages over a few samples: quantised angles make noisy differences
+    width = max(1, round(0.04 * log.rate))
+    derived = (log.q[width:] - log.q[:-width]) / (log.time[width:] - log.time[:-width])[:, None]
+    mean = np.cumsum(np.vstack([np.zeros(log.n), 0.5 * (log.qd[1:] + log.qd[:-1])]), axis=0)
+    recorded = (mean[width:] - mean[:-width]) / width
+    moving = np.sqrt(np.mean(derived**2, axis=0)) > LEAST_SPEED
+    return _compared(derived, recorded, moving, "speed", "recorded speed", "dq/dt")
+
+
+def command_problem(log: Log) -> LogProblem | None:
+    """Commanded angle against the measured one."""
+    if log.q_ref is None:
+        return None
+    q = log.q - log.q.mean(axis=0)
+    ref = log.q_ref - log.q_ref.mean(axis=0)
+    moving = np.ptp(log.q, axis=0) > LEAST_RANGE
+    return _compared(q, ref, moving, "command", "commanded angle", "measured angle")
+
+
+def _compared(
+    here: Array, there: Array, moving: npt.NDArray[np.bool_], kind: str, name: str, other: str
+) -> LogProblem | None:
+    """Order, sign and unit of `there` against `here`, joint by joint."""
+    joints = np.flatnonzero(moving & (np.sqrt(np.mean(there**2, axis=0)) > 1e-9))
+    if not len(joints):
+        return None
+    a = here[:, joints] / np.linalg.norm(here[:, joints], axis=0)
+    size = np.linalg.norm(there[:, joints], axis=0)
+    correlation = a.T @ (there[:, joints] / size)
+    straight = np.diag(correlation)
+    rows, columns = linear_sum_assignment(-np.abs(correlation))
+    crossed = [k for k in rows if columns[k] != k]
+    clear = bool(crossed) and np.abs(correlation[crossed, columns[crossed]]).min() > CLEAR
+    if clear and np.abs(straight[crossed]).max() < CLEAR:
+        said = [int(joints[columns[k]]) + 1 for k in crossed]
+        which = [int(joints[k]) + 1 for k in crossed]
+        return LogProblem(
+            f"{kind}_order",
+            f"the {name} of joints {_text(which)} stands in the columns of {_text(said)}",
+            {"joints": which, "columns": said},
+            tuple(which),
+        )
+    turned = [int(joints[k]) + 1 for k in range(len(joints)) if straight[k] < -CLEAR]
+    if turned:
+        return LogProblem(
+            f"{kind}_sign",
+            f"the {name} of joint {_text(turned)} goes against the {other}",
+            {"factor": -1.0},
+            tuple(turned),
+        )
+    ratio = np.linalg.norm(here[:, joints], axis=0) / size * straight
+    wrong = [k for k in range(len(joints)) if straight[k] > CLEAR and _far(ratio[k])]
+    if not wrong:
+        return None
+    factor = float(np.median(ratio[wrong]))
+    if kind == "speed" and len(wrong) == len(joints) > 1 and _clock(ratio, factor):
+        fast = f"{factor:.3g} times too fast" if factor > 1 else f"{1 / factor:.3g} times too slow"
+        return LogProblem(
+            "time_scale",
+            f"dq/dt is {factor:.3g} times the recorded speed on every joint: the clock looks "
+            f"{fast}",
+            {"factor": float(f"{factor:.4g}")},
+        )
+    which = [int(joints[k]) + 1 for k in wrong]
+    return LogProblem(
+        f"{kind}_unit",
+        f"the {other} is {factor:.3g} times the {name} on joint {_text(which)}{_unit(factor)}",
+        {"factor": float(f"{factor:.4g}")},
+        tuple(which),
+    )
+
+
+def _clock(ratio: Array, factor: float) -> bool:
+    """Whether one factor on all joints is that of a clock, not of a unit of angles."""
+    degrees = abs(abs(np.log(factor)) - np.log(DEGREES)) < 0.1
+    return bool(np.abs(np.log(ratio / factor)).max() < 0.1) and not degrees
+
+
+def _far(ratio: float) -> bool:
+    return bool(abs(np.log(max(ratio, 1e-12))) > np.log(FACTOR))
+
+
+def _unit(factor: float) -> str:
+    for degrees in (DEGREES, 1.0 / DEGREES):
+        if abs(factor / degrees - 1.0) < 0.1:
+            return ": degrees and radians"
+    for thousand in (1e3, 1e-3):
+        if abs(factor / thousand - 1.0) < 0.1:
+            return ": seconds and milliseconds"
+    return ""
+
+
+def _text(joints: list[int]) -> str:
+    return ", ".join(str(j) for j in joints)

@@ -1,0 +1,285 @@
+"""What a log's columns show of themselves, without any robot: stuck, clipped, repeated, broken."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+
+import numpy as np
+import numpy.typing as npt
+
+from irb2400_ctrl.measurement.log import Log
+from irb2400_ctrl.measurement.log_facts import digit, neighbour_noise
+from irb2400_ctrl.plausibility.problem import LogProblem, named
+
+Array = npt.NDArray[np.float64]
+Run = tuple[int, int]
+
+NO_MOTION = 2e-3
+"""[rad] a log in which no joint moves so far holds no motion"""
+MOVES = 0.02
+"""[rad] a joint that goes so far is not at rest"""
+STUCK_TIME = 0.3
+"""[s] of one and the same value"""
+ABRUPT = 6.0
+"""second difference of an angle over the largest of the rest of the record"""
+SPIKE = 30.0
+"""a torque over the largest of all others"""
+JUMP = 20.0
+"""a single step of an angle over the largest of all others"""
+FINE = 0.5
+"""digit over noise of a column in which a value does not stay by chance"""
+CLIPPED = 0.005
+"""share of samples exactly at one end of the range"""
+FASTEST = 20e3
+"""[Hz] no arm's log is sampled faster"""
+SPARSE = 20.0
+"""times a log may be longer than its samples"""
+TURN = 2.0 * np.pi
+
+
+def channel_problem(log: Log) -> LogProblem | None:
+    """The first thing that is wrong with the columns themselves."""
+    for check in CHECKS:
+        found = check(log)
+        if found is not None:
+            return found
+    return None
+
+
+def _clock(log: Log) -> LogProblem | None:
+    if log.rate > FASTEST:
+        return LogProblem(
+            "time_scale",
+            f"{log.rate:.3g} samples per second: time looks like seconds under the name of "
+            "milliseconds",
+            {"factor": 1e3},
+        )
+    if log.duration * log.rate > SPARSE * len(log.time):
+        k = int(np.argmax(np.diff(log.time)))
+        return LogProblem(
+            "clock_jump",
+            f"the clock jumps by {np.diff(log.time)[k]:.3g} s after sample {k + 1}: cut the log "
+            "there or correct the times",
+            {"sample": k + 1},
+            unusable=True,
+        )
+    return None
+
+
+def _spikes(log: Log) -> LogProblem | None:
+    """One huge cell."""
+    for j in range(log.n):
+        for name, size, bar in (
+            ("tau", np.abs(log.tau[:, j]), SPIKE),
+            ("q", _peak(log.q[:, j]), JUMP),
+        ):
+            place = int(np.argmax(size))
+            others = np.delete(size, slice(max(0, place - 2), place + 3))
+            least = 0.5 if name == "q" else 1.0
+            if len(others) and size[place] > max(bar * others.max(), least):
+                value = log.tau[place, j] if name == "tau" else log.q[place, j]
+                return LogProblem(
+                    "spike",
+                    f"{name}{j + 1} is {value:.3g} at {log.time[place]:.3f} s (sample "
+                    f"{place + 1}), nothing else in the column comes near: delete that row",
+                    {"sample": place + 1},
+                    (j + 1,),
+                    unusable=True,
+                )
+    return None
+
+
+def _rest(log: Log) -> LogProblem | None:
+    if np.ptp(log.q, axis=0).max() > NO_MOTION:
+        return None
+    return LogProblem(
+        "no_motion",
+        "no joint moves: record a motion of all joints",
+        unusable=True,
+    )
+
+
+def _torques(log: Log) -> LogProblem | None:
+    """Torques that are constant while others, or the joint, move."""
+    flat = np.ptp(log.tau, axis=0) == 0.0
+    if not log.tau.any():
+        return LogProblem("zero_torque", "all torques are zero: nothing was recorded")
+    moving = np.ptp(log.q, axis=0) > MOVES
+    dead = [j + 1 for j in range(log.n) if flat[j] and moving[j]]
+    if dead:
+        return LogProblem(
+            "constant_torque",
+            f"the torque of {named(dead)} has one value all the time while it moves",
+            joints=tuple(dead),
+        )
+    least = max(20, round(0.5 * log.rate))
+    fine = _fine(log.tau)
+    for j in np.flatnonzero(moving & fine):
+        for start, stop in _runs(log.tau[:, j], least):
+            # a value at the end of the range is a limit that was met (`_clipped`)
+            end = log.tau[start, j] in (log.tau[:, j].max(), log.tau[:, j].min())
+            if not end and np.ptp(log.q[start:stop, j]) > 0.05:
+                return _held("constant_torque", "torque", log, start, stop, int(j))
+    return None
+
+
+def _clipped(log: Log) -> LogProblem | None:
+    """Torques cut off at one value."""
+    found = []
+    levels = []
+    for j in np.flatnonzero(_fine(log.tau)):
+        tau = log.tau[:, j]
+        for end in (tau.max(), tau.min()):
+            level, counts = np.unique(tau, return_counts=True)
+            place = 0 if end == tau.min() else len(level) - 1
+            near = counts[1:6] if place == 0 else counts[-6:-1]
+            here = counts[place]
+            if len(near) and end and here > max(CLIPPED * len(tau), 10, 8 * near.max()):
+                found.append(int(j) + 1)
+                levels.append(float(f"{abs(end):.4g}"))
+                break
+    if not found:
+        return None
+    return LogProblem(
+        "saturation",
+        f"the torque of {named(found)} is cut off at "
+        f"{', '.join(f'{v:g}' for v in levels)} Nm: what the arm needed above that is not recorded",
+        {"level_Nm": levels},
+        tuple(found),
+    )
+
+
+def _stuck(log: Log) -> LogProblem | None:
+    """Angles that stop dead in full motion, alone or all columns at once."""
+    least = max(5, round(STUCK_TIME * log.rate))
+    same = np.concatenate([log.q, log.tau], axis=1)
+    equal = np.all(np.diff(same, axis=0) == 0.0, axis=1)
+    for start, stop in _stretches(equal, least):
+        if any(_abrupt(log, j, start, stop) for j in range(log.n)):
+            return LogProblem(
+                "frozen",
+                f"all columns stand still from {log.time[start]:.2f} to {log.time[stop - 1]:.2f} s "
+                "in the middle of the motion: cut the log there",
+                {"from_s": float(log.time[start]), "to_s": float(log.time[stop - 1])},
+            )
+    for j in range(log.n):
+        if np.ptp(log.q[:, j]) == 0.0:
+            told = [s for s in (log.q_ref, log.qd) if s is not None]
+            if any(np.ptp(signal[:, j]) > 2 * MOVES for signal in told):
+                return LogProblem(
+                    "stuck_encoder",
+                    f"the angle of joint {j + 1} never changes though the log says it moves",
+                    joints=(j + 1,),
+                )
+        for start, stop in _runs(log.q[:, j], least):
+            if _abrupt(log, j, start, stop):
+                return _held("stuck_encoder", "angle", log, start, stop, j)
+    return None
+
+
+def _wrapped(log: Log) -> LogProblem | None:
+    found = []
+    for j in range(log.n):
+        steps = np.abs(np.diff(log.q[:, j]))
+        turns = np.abs(steps - TURN) < 0.05 * TURN
+        if turns.any() and steps[~turns].max(initial=0.0) < 1.0:
+            found.append(j + 1)
+    if not found:
+        return None
+    return LogProblem(
+        "angle_wrapped",
+        f"the angle of {named(found)} jumps by a whole turn: unwrap it",
+        {"period_deg": 360.0},
+        tuple(found),
+    )
+
+
+def _repeated(log: Log) -> LogProblem | None:
+    """A block of samples that is there twice, and does not fit where it stands."""
+    rows = np.ascontiguousarray(np.concatenate([log.q, log.tau], axis=1))
+    first: dict[bytes, int] = {}
+    lag = np.zeros(len(rows), dtype=int)
+    for k, row in enumerate(rows):
+        lag[k] = k - first.setdefault(row.tobytes(), k)
+    least = max(10, round(0.1 * log.rate))
+    for start, stop in _stretches((np.diff(lag) == 0) & (lag[1:] > 1), least):
+        begin, end = (start, stop) if lag[start] else (start + 1, stop)
+        if any(_bent(log.q[:, j], edge) for j in range(log.n) for edge in (begin, end)):
+            return LogProblem(
+                "repeated_block",
+                f"samples {begin + 1} to {end} are those of {lag[begin]} samples before: cut them "
+                "out",
+                {"first": begin + 1, "last": int(end), "before": int(lag[begin])},
+            )
+    return None
+
+
+CHECKS: tuple[Callable[[Log], LogProblem | None], ...] = (
+    _clock,
+    _spikes,
+    _rest,
+    _torques,
+    _wrapped,
+    _stuck,
+    _repeated,
+    _clipped,
+)
+
+
+def _held(kind: str, what: str, log: Log, start: int, stop: int, j: int) -> LogProblem:
+    return LogProblem(
+        kind,
+        f"the {what} of joint {j + 1} stands at one value from {log.time[start]:.2f} to "
+        f"{log.time[stop - 1]:.2f} s while the joint moves",
+        {"from_s": float(log.time[start]), "to_s": float(log.time[stop - 1])},
+        (j + 1,),
+    )
+
+
+def _fine(tau: Array) -> npt.NDArray[np.bool_]:
+    """Columns whose digit is so much finer than their noise that equal neighbours are rare."""
+    return np.asarray(digit(tau) < FINE * neighbour_noise(tau))
+
+
+def _bend(values: Array) -> Array:
+    """Distance from the middle of the neighbours, zero at the ends, shape (m,)."""
+    bend = np.zeros_like(values)
+    bend[1:-1] = np.abs(values[1:-1] - 0.5 * (values[:-2] + values[2:]))
+    return bend
+
+
+def _peak(values: Array) -> Array:
+    """The same where the neighbours agree with each other: one sample alone, not a step."""
+    peak = _bend(values)
+    peak[1:-1] = np.maximum(peak[1:-1] - np.abs(values[2:] - values[:-2]), 0.0)
+    return peak
+
+
+def _runs(values: Array, least: int) -> Iterator[Run]:
+    """Stretches of at least so many samples of one value, as [start, stop)."""
+    return _stretches(np.diff(values) == 0.0, least)
+
+
+def _stretches(equal: npt.NDArray[np.bool_], least: int) -> Iterator[Run]:
+    """Stretches of neighbours that are `equal`, as [start, stop) of their samples."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[0], equal.astype(np.int8), [0]])))
+    for start, stop in zip(edges[::2], edges[1::2], strict=True):
+        if stop - start + 1 >= least:
+            yield int(start), int(stop) + 1
+
+
+def _abrupt(log: Log, j: int, start: int, stop: int) -> bool:
+    """Whether the joint is in full motion just before or after a stretch without any."""
+    return _bent(log.q[:, j], start) or _bent(log.q[:, j], stop - 1)
+
+
+def _bent(values: Array, place: int) -> bool:
+    """Whether the motion breaks at a sample as it does nowhere else."""
+    bend = _bend(values)
+    near = slice(max(0, place - 2), place + 3)
+    others = np.delete(bend, near)
+    digit = np.min(np.abs(np.diff(values))[np.diff(values) != 0.0], initial=np.inf)
+    if not np.isfinite(digit):
+        return False
+    usual = np.quantile(others, 0.998) if len(others) else 0.0
+    return bool(bend[near].max(initial=0.0) > max(ABRUPT * usual, 6.0 * digit))

@@ -1,0 +1,171 @@
+"""How well a robot's nominal model explains rows of a log, once all that may differ is let differ.
+
+    tau_j = tau_nominal_j + Y_j delta + Fc_j turn_j + Fv_j qd_j + o_j + e_j
+
+delta are inertial numbers off by what files are off by, and a payload that the arm may carry;
+friction is never negative. e_j has a fifth of the torque's own size: effects, drives and crude
+models are not to look like a wrong column. A reading of the log is judged by its evidence.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+import numpy.typing as npt
+from scipy.optimize import lsq_linear
+
+from irb2400_ctrl.model import Model
+from irb2400_ctrl.plausibility.rows import Rows
+from irb2400_ctrl.robot import Robot
+
+Array = npt.NDArray[np.float64]
+
+MASS = 0.15
+"""relative standard deviation of a link's mass, and of its first moment over the lever"""
+INERTIA = 0.3
+"""relative standard deviation of a link's inertia"""
+LEVER = 0.15
+"""lever of first moments over the arm's reach"""
+PAYLOAD = 0.12
+"""standard deviation of the payload over the mass that the arm moves"""
+FRICTION = 0.7
+"""relative standard deviation of a file's friction"""
+UNKNOWN_FRICTION = 0.3
+"""standard deviation over the torque's size where the file gives no friction"""
+OFFSET = 0.05
+"""standard deviation of a constant offset over the torque's size"""
+MISFIT = 0.2
+"""standard deviation of what the model does not know over the torque's size"""
+PER_SECOND = 1.0
+"""independent rows per second of motion"""
+MOST_ROWS = 30.0
+"""independent rows at most: more of the same motion tells nothing new"""
+ABSURD = 1e4
+"""a model's torque over the recorded one above which a reading is not worth a solution"""
+STILL = 0.1
+"""weight of an instant at which the direction of a joint's dry friction is not known"""
+
+
+@dataclass(frozen=True)
+class Fit:
+    """How well one reading of a log is explained.
+
+    Args:
+        cost: minus twice the logarithm of the evidence, up to a constant.
+        price: what is left and what had to be changed for it, in the same units, without the
+            price of what could have been changed.
+        left: rms of what is left over rms of the torque, per joint, shape (n,).
+    """
+
+    cost: float
+    price: float
+    left: Array
+
+
+class Nominal:
+    """A robot's model as a yardstick for logs."""
+
+    def __init__(self, robot: Robot) -> None:
+        self.robot = robot
+        self.model = Model(robot)
+
+    @cached_property
+    def reach(self) -> float:
+        """Sum of the distances between neighbouring axes [m]."""
+        frames = [link.frame.matrix() for link in self.robot.links]
+        frames.append(self.robot.flange.matrix())
+        return float(sum(np.linalg.norm(frame[:3, 3]) for frame in frames[1:]))
+
+    @cached_property
+    def spreads(self) -> Array:
+        """Standard deviations of phi of all links, payload in the last, shape (10 n,)."""
+        masses = [link.body.mass_kg for link in self.robot.links]
+        tool = 0.0 if self.robot.tool is None else self.robot.tool.body.mass_kg
+        lever = LEVER * self.reach
+        found = np.zeros((len(masses), 10))
+        for row, (mass, link) in enumerate(zip(masses, self.robot.links, strict=True)):
+            com = np.array(link.body.com_m)
+            about = np.trace(link.body.tensor()) / 3.0 + mass * (com @ com)
+            found[row] = _spread(MASS * mass, lever, INERTIA * about)
+        load = PAYLOAD * (sum(masses[1:]) + tool)
+        found[-1] = np.hypot(found[-1], _spread(load, lever, load * lever**2))
+        return found.ravel()
+
+    @cached_property
+    def least(self) -> Array:
+        """Lower bounds of delta in its spreads: no mass below zero, shape (10 n,)."""
+        bounds = np.full((self.robot.n, 10), -np.inf)
+        bounds[:, 0] = -np.maximum(self.robot.inertial_parameters[:, 0], 1e-3)
+        return bounds.ravel() / self.spreads
+
+    def columns(self, rows: Rows) -> tuple[Array, Array]:
+        """Nominal torque without friction (m, n) and its slopes per standard deviation of delta
+        (m, n, 10 n)."""
+        tau = self.model.inverse_dynamics(rows.q, rows.qd, rows.qdd, friction=False)
+        Y = self.model.regressor(rows.q, rows.qd, rows.qdd)
+        return np.asarray(tau), np.asarray(Y) * self.spreads
+
+    def explained(self, rows: Rows, columns: tuple[Array, Array], misfit: float = MISFIT) -> Fit:
+        """The best account of the rows, and its evidence.
+
+        Args:
+            columns: of the rows' motion (`columns`).
+            misfit: standard deviation of what the model does not know over the torque's size.
+        """
+        nominal, Y = columns
+        m, n = rows.tau.shape
+        size = np.sqrt(np.mean(rows.tau**2, axis=0)) + 1e-9
+        if not np.abs(nominal).max() < ABSURD * size.max():
+            return Fit(np.inf, np.inf, np.ones(n))
+        weight = np.sqrt(min(PER_SECOND * rows.seconds, MOST_ROWS) / m) / (misfit * size)
+        weight = weight * np.where(rows.still, STILL, 1.0)
+        k = Y.shape[2]
+        dry = self.robot.friction[:, 1]
+        viscous = self.robot.friction[:, 2]
+        spread = self._friction_spreads(rows, size)
+        y = (rows.tau - nominal - dry * rows.turn - viscous * rows.qd) * weight
+        X = np.zeros((m, n, k + 3 * n))
+        X[:, :, :k] = Y * weight[:, :, None]
+        joints = np.arange(n)
+        for part, signal in enumerate((rows.turn, rows.qd, np.ones_like(rows.qd))):
+            X[:, joints, k + part * n + joints] = signal * spread[part] * weight
+        X = X.reshape(m * n, -1)
+        A = X.T @ X + np.eye(X.shape[1])
+        none_negative = np.concatenate([-dry / spread[0], -viscous / spread[1]])
+        least = np.concatenate([self.least, none_negative, np.full(n, -np.inf)])
+        z = _bounded(A, X.T @ y.ravel(), least)
+        rest = (y.ravel() - X @ z).reshape(m, n)
+        price = float(np.sum(rest**2) + z @ z)
+        left = np.sqrt(np.sum(rest**2, axis=0) / np.sum((rows.tau * weight) ** 2, axis=0))
+        return Fit(price + float(np.linalg.slogdet(A)[1]), price, left)
+
+    def _friction_spreads(self, rows: Rows, size: Array) -> Array:
+        """Standard deviations of Coulomb, viscous friction and offset, shape (3, n)."""
+        dry = self.robot.friction[:, 1]
+        viscous = self.robot.friction[:, 2]
+        speed = np.sqrt(np.mean(rows.qd**2, axis=0)) + 1e-6
+        unknown = UNKNOWN_FRICTION * size
+        return np.vstack(
+            [
+                np.where(dry > 0, FRICTION * dry, unknown),
+                np.where(viscous > 0, FRICTION * viscous, unknown / speed),
+                OFFSET * size,
+            ]
+        )
+
+
+def _bounded(A: Array, b: Array, least: Array) -> Array:
+    """Minimum of z A z / 2 - b z with z >= least."""
+    z = np.linalg.solve(A, b)
+    if (z >= least).all():
+        return np.asarray(z)
+    L = np.linalg.cholesky(A + 1e-9 * np.trace(A) / len(A) * np.eye(len(A)))
+    found = lsq_linear(L.T, np.linalg.solve(L, b), bounds=(least, np.inf), method="bvls")
+    return np.asarray(found.x)
+
+
+def _spread(mass: float, lever: float, inertia: float) -> Array:
+    """Standard deviations of (m, mc, I) of a body."""
+    return np.array([mass, *[mass * lever] * 3, *[inertia + 1e-6] * 6])

@@ -1,0 +1,139 @@
+"""`check_log`: what a log holds, and whether it can be this robot's."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.measurement.log import Log
+from irb2400_ctrl.measurement.log_facts import LogFacts, log_facts
+from irb2400_ctrl.plausibility.agreement import command_problem, speed_problem
+from irb2400_ctrl.plausibility.channels import channel_problem
+from irb2400_ctrl.plausibility.cost_of_noise import torque_from_angle_noise
+from irb2400_ctrl.plausibility.problem import LogProblem, named
+from irb2400_ctrl.plausibility.rows import SHORTEST
+from irb2400_ctrl.plausibility.search import Understanding, understand
+from irb2400_ctrl.robot import Robot
+
+Array = npt.NDArray[np.float64]
+
+OUTSIDE = np.radians(2.0)
+"""[rad] outside of the joint box that is remarked on"""
+
+
+@dataclass(frozen=True)
+class LogCheck:
+    """What is known of a log before anything is made of it.
+
+    Args:
+        name: of the log; robot: name of the robot it was held against, None without one.
+        problem: why the log cannot be taken as labelled; None when it is sound.
+        made_by_angles: torque noise that the angles' own noise makes, shape (n,) [Nm]; None
+            without a robot.
+        left: share of each joint's torque that the nominal model leaves, as labelled; None
+            without a robot or where the log is too short.
+        remarks: what the reader should know besides.
+    """
+
+    name: str
+    robot: str | None
+    facts: LogFacts
+    problem: LogProblem | None
+    made_by_angles: Array | None
+    left: Array | None
+    remarks: tuple[str, ...]
+
+    @property
+    def sound(self) -> bool:
+        """Whether the log can be what its columns say."""
+        return self.problem is None
+
+    def to_json(self) -> dict[str, Any]:
+        """As `irb2400 log check --json` prints it."""
+        return {
+            "log": self.name,
+            "robot": self.robot,
+            "sound": self.sound,
+            "log_problem": None if self.problem is None else self.problem.to_json(),
+            **self.facts.to_json(),
+            "torque_from_angle_noise_Nm": _rounded(self.made_by_angles),
+            "left_of_torque_percent": None if self.left is None else _rounded(100.0 * self.left),
+            "remarks": list(self.remarks),
+        }
+
+
+def log_problem(robot: Robot | None, log: Log) -> LogProblem | None:
+    """Why a log cannot be taken as labelled; None when it can.
+
+    Args:
+        robot: to hold it against; None for what the columns show of themselves.
+
+    Raises:
+        InputError: another number of joints than the robot's.
+    """
+    return _examined(robot, log)[0]
+
+
+def _examined(robot: Robot | None, log: Log) -> tuple[LogProblem | None, Understanding | None]:
+    """The problem, and how the model explains the log where it was asked."""
+    if robot is not None and robot.n != log.n:
+        raise InputError(f"{log.name}: found {log.n} joints, expected {robot.n} as in {robot.name}")
+    broken = channel_problem(log)
+    if broken is not None:
+        return broken, None
+    understood = None if robot is None else understand(robot, log)
+    if understood is not None and understood.problem is not None:
+        return understood.problem, understood
+    return speed_problem(log) or command_problem(log), understood
+
+
+def check_log(robot: Robot | None, log: Log) -> LogCheck:
+    """Measure a log and hold it against a robot.
+
+    Raises:
+        InputError: another number of joints than the robot's.
+    """
+    problem, understood = _examined(robot, log)
+    usable = problem is None or not problem.unusable
+    noise = None if robot is None or not usable else torque_from_angle_noise(robot, log)
+    return LogCheck(
+        name=log.name,
+        robot=None if robot is None else robot.name,
+        facts=log_facts(log),
+        problem=problem,
+        made_by_angles=noise,
+        left=None if understood is None else understood.labelled.left,
+        remarks=tuple(_remarks(robot, log)),
+    )
+
+
+def _remarks(robot: Robot | None, log: Log) -> list[str]:
+    found = []
+    if robot is not None and log.duration < SHORTEST:
+        found.append(
+            f"{log.duration:.2g} s are too short to be held against the robot's model "
+            f"({SHORTEST:.2g} s)"
+        )
+    idle = [j + 1 for j in range(log.n) if np.ptp(log.q[:, j]) < 0.02]
+    if idle:
+        found.append(f"{named(idle)} hardly moves: nothing can be said about it")
+    if robot is not None:
+        excess = np.maximum(robot.q_min - log.q.min(axis=0), log.q.max(axis=0) - robot.q_max)
+        found += [
+            f"joint {j + 1} goes {np.degrees(excess[j]):.0f} deg beyond the range of the robot file"
+            for j in np.flatnonzero(excess > OUTSIDE)
+        ]
+        most = np.abs(log.tau).max(axis=0) / robot.tau_max
+        found += [
+            f"joint {j + 1} has {most[j]:.1f} times the torque limit of the robot file"
+            for j in np.flatnonzero(most > 1.2)
+        ]
+    return found
+
+
+def _rounded(values: Array | None) -> list[float] | None:
+    return None if values is None else [float(f"{v:.4g}") for v in values]

@@ -1,0 +1,113 @@
+"""The slow part of a log, a few rows per second: enough to tell what its columns are."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+import numpy.typing as npt
+from scipy.ndimage import convolve1d
+from scipy.signal import firwin
+
+from irb2400_ctrl.measurement.log import Log
+from irb2400_ctrl.measurement.uniform import resample
+from irb2400_ctrl.plausibility.reading import Reading
+
+Array = npt.NDArray[np.float64]
+Mask = npt.NDArray[np.bool_]
+
+CUTOFF = 4.0
+"""[Hz] of the filter on motion and torque"""
+MOST = 200
+"""rows at most"""
+LEAST = 20
+"""rows at least"""
+SHORTEST = 2.5
+"""[s] of motion that a comparison with a model needs"""
+CREEP = 0.01
+"""[rad/s] below this the direction of dry friction is not known, and"""
+SLOW = 0.05
+"""of the joint's rms speed"""
+
+
+@dataclass(frozen=True)
+class Rows:
+    """Motion and torque of a log through one low-pass, decimated; shapes (m, n), SI.
+
+    `turn` is the filtered direction of motion: what dry friction follows; `still` says where it is
+    not known.
+    """
+
+    q: Array
+    qd: Array
+    qdd: Array
+    turn: Array
+    still: Mask
+    tau: Array
+    seconds: float
+
+    def thinned(self, keep: int) -> Rows:
+        """Every `keep`-th row of as many seconds."""
+        if keep == 1 or len(self.q) < LEAST * keep:
+            return self
+        q, qd, qdd, turn, tau = (
+            part[::keep] for part in (self.q, self.qd, self.qdd, self.turn, self.tau)
+        )
+        return Rows(q, qd, qdd, turn, self.still[::keep], tau, self.seconds)
+
+    def with_torque(self, tau: Array) -> Rows:
+        """The same motion with other torques."""
+        return replace(self, tau=tau)
+
+    def read_as(self, reading: Reading) -> Rows:
+        """The rows another reading of the columns gives (its delay apart)."""
+        B = reading.angles
+        clock = reading.clock
+        # the direction of motion does not depend on the clock
+        way = self.qd @ B.T
+        return Rows(
+            self.q @ B.T + reading.offset,
+            self.qd @ B.T / clock,
+            self.qdd @ B.T / clock**2,
+            self.turn if reading.keeps_motion else np.tanh(way / CREEP),
+            # what is still stays still, or slow motion would be cheap to explain
+            self.still[:, np.argmax(np.abs(B), axis=1)],
+            self.tau @ reading.torques.T,
+            self.seconds,
+        )
+
+
+def rows_of(log: Log, delay: float = 0.0) -> Rows | None:
+    """Rows of a log; None where too little of it is left to compare.
+
+    Args:
+        delay: torques are recorded so much later than the motion they belong to [s].
+    """
+    if len(log.time) < LEAST or log.duration < SHORTEST:
+        return None
+    even = resample(log)
+    step = even.step
+    cutoff = min(CUTOFF, 0.3 * log.rate)
+    half = int(np.ceil(0.8 / (cutoff * step)))
+    weights = firwin(2 * half + 1, cutoff, fs=1.0 / step)
+
+    def slow(signal: Array) -> Array:
+        return np.asarray(convolve1d(signal, weights, axis=0, mode="nearest"))
+
+    angles = slow(even.q)
+    qd = np.gradient(angles, step, axis=0)
+    qdd = np.gradient(qd, step, axis=0)
+    turn = slow(np.tanh(qd / CREEP))
+    late = round(delay / step)
+    place = np.arange(half + 2, len(angles) - half - 2)
+    place = place[(place + late >= half) & (place + late < len(angles) - half)]
+    gap = np.convolve(~even.valid, np.ones(2 * half + 1), mode="same") > 0.5
+    place = place[~gap[place]]
+    seconds = len(place) * step
+    place = place[:: max(1, int(0.1 / (cutoff * step)), int(np.ceil(len(place) / MOST)))]
+    if len(place) < LEAST:
+        return None
+    tau = slow(even.tau)[place + late]
+    slowest = np.maximum(CREEP, SLOW * np.sqrt(np.mean(qd**2, axis=0)))
+    still = (np.abs(qd) < slowest) | (np.abs(turn) < 0.5)
+    return Rows(angles[place], qd[place], qdd[place], turn[place], still[place], tau, seconds)

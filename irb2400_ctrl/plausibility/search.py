@@ -1,0 +1,190 @@
+"""Which reading of a log's columns a robot's model explains, before any effect is tried."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+import numpy.typing as npt
+
+from irb2400_ctrl.measurement.log import Log
+from irb2400_ctrl.plausibility.evidence import Fit, Nominal
+from irb2400_ctrl.plausibility.problem import LogProblem
+from irb2400_ctrl.plausibility.reading import (
+    Reading,
+    as_labelled,
+    motion_readings,
+    torque_readings,
+)
+from irb2400_ctrl.plausibility.rows import Rows, rows_of
+from irb2400_ctrl.plausibility.scales import scale_readings
+from irb2400_ctrl.robot import Robot
+
+Array = npt.NDArray[np.float64]
+
+SOUND_PRICE = 35.0
+"""of six joints: below this, with no joint badly explained, nothing else is tried"""
+SOUND_LEFT = 0.4
+"""share of a joint's torque left that is still well explained"""
+MARGIN = 30.0
+"""twice the log evidence by which another reading must be better"""
+SHARE = 0.2
+"""and over the cost of the reading before it"""
+HALF = 0.5
+"""of what is left, joint by joint in its own size, is the most that it may leave"""
+THIN = 3
+"""every third row is enough to sort the readings"""
+FINALISTS = 4
+"""readings that are then compared on all rows"""
+STEPS = 3
+"""readings on top of each other at most"""
+BEYOND = 200.0
+"""a price that only numbers far from the robot's reach: then a good fit proves nothing"""
+FITS_PRICE = 150.0
+"""of six joints: a reading that leaves more than this does not fit either"""
+LOST_PRICE = 300.0
+"""of six joints: above this, and no reading that fits, the log is not this robot's"""
+DELAYS = (-1.0, -0.5, -0.3, -0.2, -0.1, 0.1, 0.2, 0.3, 0.5, 1.0)
+"""[s] shifts of the torques against the motion that are tried"""
+
+
+@dataclass(frozen=True)
+class Understanding:
+    """The best reading of a log.
+
+    Args:
+        labelled: how well the columns are explained as labelled; best: as `reading` takes them.
+        reading: what the columns look like; as labelled where nothing is clearly better.
+    """
+
+    labelled: Fit
+    best: Fit
+    reading: Reading
+    problem: LogProblem | None
+
+
+def understand(robot: Robot, log: Log) -> Understanding | None:
+    """Compare all readings of a log with the robot's nominal model; None where it is too short."""
+    rows = rows_of(log)
+    if rows is None:
+        return None
+    nominal = Nominal(robot)
+    search = _Search(nominal, log, rows)
+    plain = as_labelled(robot.n)
+    labelled = search.fit(plain)
+    reading = plain
+    best = labelled
+    scale = robot.n / 6.0
+    for _ in range(STEPS):
+        if sound(best, robot.n):
+            break
+        found = search.better(reading, best)
+        if found is None:
+            break
+        reading, best = found
+    problem: LogProblem | None = None
+    if reading is not plain and best.price < FITS_PRICE * scale:
+        problem = LogProblem(reading.kind, reading.says, dict(reading.fits), reading.joints)
+    elif labelled.price > LOST_PRICE * scale:
+        problem = _lost(labelled)
+    return Understanding(labelled, best, reading, problem)
+
+
+def sound(fit: Fit, n: int) -> bool:
+    """Whether a reading of n joints is explained so well that no other needs to be tried."""
+    return fit.price < SOUND_PRICE * n / 6.0 and bool(fit.left.max() < SOUND_LEFT)
+
+
+def clearly_better(one: Fit, other: Fit) -> bool:
+    """Whether a reading is so much better than another that the log is not what the other says."""
+    gain = other.cost - one.cost
+    return gain > max(MARGIN, SHARE * other.cost) and bool(
+        np.sum(one.left**2) < HALF * np.sum(other.left**2) or other.price > BEYOND
+    )
+
+
+def _lost(fit: Fit) -> LogProblem:
+    """No reading of the log fits the robot."""
+    listed = ", ".join(f"{100 * v:.0f}" for v in fit.left)
+    return LogProblem(
+        "not_this_robot",
+        "neither these columns nor any other reading of them fit the robot, with any payload and "
+        f"friction ({listed} % of the joints' torques are left, the numbers far from the file's): "
+        "another robot, or columns of different records",
+        {"left_percent": [round(100 * float(v), 1) for v in fit.left]},
+    )
+
+
+class _Search:
+    """Readings of one log, tried on top of each other."""
+
+    def __init__(self, nominal: Nominal, log: Log, rows: Rows, keep: int = 1) -> None:
+        self._nominal = nominal
+        self._log = log
+        self._keep = keep
+        self._rows = {0.0: rows.thinned(keep)}
+        self._columns: dict[bytes, tuple[Array, Array]] = {}
+
+    def rows(self, reading: Reading) -> Rows | None:
+        """The log as a reading takes it."""
+        delay = reading.delay
+        if delay not in self._rows:
+            found = rows_of(self._log, delay)
+            if found is None:
+                return None
+            self._rows[delay] = found.thinned(self._keep)
+        return self._rows[delay].read_as(reading)
+
+    def fit(self, reading: Reading) -> Fit:
+        """How well a reading is explained; infinitely badly where nothing is left of it."""
+        rows = self.rows(reading)
+        if rows is None or not np.isfinite(rows.qdd).all():
+            return Fit(np.inf, np.inf, np.ones(self._nominal.robot.n))
+        found = self._nominal.explained(rows, self._columns_of(reading, rows))
+        return replace(found, cost=found.cost + reading.price)
+
+    def better(self, first: Reading, fit: Fit) -> tuple[Reading, Fit] | None:
+        """The best reading on top of `first`, if it is better by far."""
+        quick = _Search(self._nominal, self._log, self._rows[0.0], THIN)
+        tried: list[tuple[float, int, Reading]] = []
+        for several in (quick._torques(first), quick._motions()):
+            for one in several:
+                reading = one.after(first) if first.kind else one
+                tried.append((quick.fit(reading).cost, len(tried), reading))
+            best = min(tried)[2]
+            # a factor that explains all is not found by chance; a sign or an order may be another's
+            if best.kind == "torque_scale" and sound(self.fit(best), self._nominal.robot.n):
+                break
+        fits = [(reading, self.fit(reading)) for _, _, reading in sorted(tried)[:FINALISTS]]
+        reading, found = min(fits, key=lambda pair: pair[1].cost)
+        return (reading, found) if clearly_better(found, fit) else None
+
+    def _torques(self, first: Reading) -> Iterator[Reading]:
+        yield from torque_readings(self._nominal.robot)
+        rows = self.rows(first)
+        if rows is not None:
+            yield from scale_readings(self._nominal, rows, self._columns_of(first, rows))
+
+    def _motions(self) -> Iterator[Reading]:
+        robot = self._nominal.robot
+        yield from motion_readings(robot)
+        plain = as_labelled(robot.n)
+        for delay in DELAYS:
+            says = f"torques look {abs(delay):.1f} s {'behind' if delay > 0 else 'ahead of'} the "
+            yield replace(
+                plain,
+                kind="delay",
+                says=says + "motion they belong to",
+                delay=delay,
+                fits={"delay_s": delay},
+            )
+
+    def _columns_of(self, reading: Reading, rows: Rows) -> tuple[Array, Array]:
+        key = reading.angles.tobytes() + reading.offset.tobytes()
+        key += np.array([reading.clock, reading.delay]).tobytes()
+        if key not in self._columns:
+            if len(self._columns) > 8:
+                self._columns.clear()
+            self._columns[key] = self._nominal.columns(rows)
+        return self._columns[key]

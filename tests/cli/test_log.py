@@ -1,0 +1,109 @@
+"""`irb2400 log check` and `irb2400 diagnose` on logs that are sound, misread, or broken."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from dataclasses import replace
+from importlib import resources
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from irb2400_ctrl.diagnosis import diagnose
+from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.measurement import Log, read_log, write_log
+from irb2400_ctrl.report.diagnosis_report import lines
+from irb2400_ctrl.robot import load_robot
+
+LOG = Path(str(resources.files("irb2400_ctrl") / "data" / "arm" / "validation.csv.gz"))
+
+
+def run(*args: str | Path) -> subprocess.CompletedProcess[str]:
+    command = [sys.executable, "-m", "irb2400_ctrl.cli.main", *map(str, args)]
+    return subprocess.run(command, capture_output=True, text=True, check=False)
+
+
+def part(seconds: float) -> Log:
+    log = read_log(LOG)
+    keep = log.time < log.time[0] + seconds
+    return Log(log.time[keep], log.q[keep], log.tau[keep])
+
+
+def test_a_sound_log_exits_0(tmp_path: Path) -> None:
+    done = run("log", "check", LOG)
+    assert done.returncode == 0, done.stderr
+    assert "sound: the log is what its columns say and fits ABB IRB 2400" in done.stdout
+    assert "lag behind the command [ms]" in done.stdout
+
+
+def test_a_misread_log_exits_2_with_what_would_fit(tmp_path: Path) -> None:
+    log = part(10.0)
+    path = write_log(replace(log, tau=log.tau / 100.0), tmp_path / "log.csv")
+    done = run("log", "check", path, "--json")
+    assert done.returncode == 2
+    assert "torque looks like motor side: x" in done.stderr
+    assert "Traceback" not in done.stderr
+    found = json.loads(done.stdout)
+    assert found["sound"] is False
+    assert found["log_problem"]["kind"] == "torque_scale"
+    assert found["log_problem"]["fits"]["factor"] == pytest.approx(100.0, rel=0.3)
+    assert run("log", "check", path, "--no-robot").returncode == 0
+
+
+def test_diagnose_tries_no_effect_on_a_misread_log(tmp_path: Path) -> None:
+    log = part(10.0)
+    path = write_log(replace(log, tau=-log.tau), tmp_path / "log.csv")
+    done = run("diagnose", path, "--out", tmp_path / "out")
+    assert done.returncode == 0, done.stderr
+    assert "verdict: log_not_understood" in done.stdout
+    found = json.loads((tmp_path / "out" / "findings.json").read_text())
+    assert found["schema_version"] == 2
+    assert found["verdict"] == "log_not_understood"
+    assert found["effects"] == []
+    assert found["log_problem"]["kind"] == "torque_sign"
+    assert "All torques look turned over" in (tmp_path / "out" / "report.html").read_text()
+
+
+def rest(log: Log) -> Log:
+    return replace(log, q=np.ones_like(log.q))
+
+
+def spike(log: Log) -> Log:
+    q = log.q.copy()
+    q[100, 3] = 1e12
+    return replace(log, q=q)
+
+
+def jump(log: Log) -> Log:
+    return replace(log, time=np.where(log.time > 5.0, log.time + 1e9, log.time))
+
+
+BROKEN = {
+    "a constant log": (rest, "no joint moves"),
+    "one huge cell": (spike, "delete that row"),
+    "a gap of 1e9 s": (jump, "the clock jumps"),
+    "2.4 s": (lambda log: part(2.4), "s of data, expected at least"),
+}
+
+
+@pytest.mark.parametrize("name", BROKEN)
+def test_a_broken_log_is_an_error_of_the_input(name: str) -> None:
+    change, expected = BROKEN[name]
+    with pytest.raises(InputError, match=expected):
+        diagnose(load_robot("irb2400"), change(part(10.0)))
+
+
+def test_a_misread_validation_log_is_an_error_of_the_input() -> None:
+    log = part(10.0)
+    with pytest.raises(InputError, match="turned over"):
+        diagnose(load_robot("irb2400"), log, replace(log, tau=-log.tau, name="other"))
+
+
+def test_the_verdict_is_told_on_a_terminal() -> None:
+    log = part(10.0)
+    found = diagnose(load_robot("irb2400"), replace(log, tau=0.0 * log.tau))
+    assert found.verdict == "log_not_understood"
+    assert "All torques are zero" in lines(found)[1]

@@ -1,0 +1,91 @@
+"""The time base is rebuilt where the sampling was even, and kept where the stamps are right."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from irb2400_ctrl.measurement import Log
+from irb2400_ctrl.measurement.log_facts import log_facts
+from irb2400_ctrl.measurement.time_base import time_base, with_time_base
+
+DIGIT = 5e-6
+
+
+def motion(time: np.ndarray) -> np.ndarray:
+    angles = np.sin(1.7 * time[:, None] + np.arange(6)) + 0.2 * np.sin(5.0 * time[:, None])
+    return np.round(angles / DIGIT) * DIGIT
+
+
+def log_at(true: np.ndarray, stamps: np.ndarray) -> Log:
+    return Log(stamps, motion(true), np.cos(true[:, None] * np.arange(1, 7)))
+
+
+def sampled(rate: float, lost: float, seed: int = 0) -> np.ndarray:
+    """Even instants over 20 s, a share of them lost in bursts of eight."""
+    time = np.arange(0.0, 20.0, 1.0 / rate)
+    keep = np.repeat(np.random.default_rng(seed).uniform(size=len(time)) >= lost, 8)[: len(time)]
+    keep[[0, -1]] = True
+    return time[keep]
+
+
+@pytest.mark.parametrize(
+    ("rate", "scatter", "lost"), [(250.0, 0.5e-3, 0.0), (250.0, 1.0e-3, 0.2), (50.0, 3e-3, 0.1)]
+)
+def test_stamps_of_a_host_give_way_to_the_even_sampling(
+    rate: float, scatter: float, lost: float
+) -> None:
+    true = sampled(rate, lost)
+    noise = np.random.default_rng(1).uniform(-1.0, 1.0, len(true)) * scatter * np.sqrt(3.0)
+    stamps = np.maximum.accumulate(true + noise) + 1e-10 * np.arange(len(true))
+    base = time_base(log_at(true, stamps))
+    assert base.rebuilt
+    assert abs(base.slope) < 0.02
+    assert base.period == pytest.approx(1.0 / rate, rel=1e-4)
+    # uniform, and a few stamps that would cross are held back
+    assert base.scatter == pytest.approx(scatter, rel=0.1)
+    error = base.time - true
+    assert np.std(error) < 0.1 * scatter
+
+
+def test_stamps_that_are_right_are_kept() -> None:
+    even = np.arange(0.0, 20.0, 0.004)
+    true = even + np.random.default_rng(2).uniform(-0.8e-3, 0.8e-3, len(even))
+    base = time_base(log_at(true, true))
+    assert not base.rebuilt
+    assert base.slope > 0.9
+    np.testing.assert_array_equal(base.time, true)
+
+
+def test_samples_lost_before_a_decimation_are_not_smoothed_over() -> None:
+    # steps of 20 and 24 ms: the lattice is that of 4 ms
+    steps = np.where(np.random.default_rng(3).uniform(size=900) < 0.2, 0.024, 0.020)
+    true = np.cumsum(steps)
+    log = log_at(true, true)
+    base = time_base(log)
+    assert base.period == pytest.approx(0.004, rel=1e-6)
+    np.testing.assert_allclose(with_time_base(log).time, true, atol=1e-9)
+
+
+def test_an_even_log_is_left_as_it_is() -> None:
+    time = np.arange(0.0, 10.0, 0.004)
+    log = log_at(time, time)
+    assert with_time_base(log) is log
+
+
+def test_facts_of_a_log() -> None:
+    true = sampled(250.0, 0.1, seed=4)
+    command = np.sin(1.7 * (true[:, None] + 0.015) + np.arange(6))
+    command += 0.2 * np.sin(5.0 * (true[:, None] + 0.015))
+    rng = np.random.default_rng(5)
+    tau = np.cos(true[:, None] * np.arange(1, 7)) + 0.2 * rng.standard_normal((len(true), 6))
+    facts = log_facts(Log(true, motion(true), np.round(tau, 3), q_ref=command))
+    assert facts.rate == pytest.approx(250.0)
+    assert facts.base.lost == pytest.approx(0.1, abs=0.05)
+    assert facts.gaps > 10
+    assert facts.longest_gap >= 8 * 0.004
+    np.testing.assert_allclose(facts.angle_digit, DIGIT, rtol=1e-6)
+    np.testing.assert_allclose(facts.torque_digit, 1e-3, rtol=1e-6)
+    np.testing.assert_allclose(facts.torque_noise, 0.2, rtol=0.15)
+    assert facts.lag is not None
+    np.testing.assert_allclose(facts.lag, 0.015, atol=1e-4)

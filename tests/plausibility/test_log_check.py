@@ -1,0 +1,112 @@
+"""A log is understood before any effect is tried: what is wrong is named, what is sound is not
+refused."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+from corrupted_logs import Change, Drawn, corruptions, sound_log
+
+from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.measurement import Log
+from irb2400_ctrl.plausibility import check_log, log_problem
+from irb2400_ctrl.robot import load_robot
+
+ROBOT = load_robot("irb2400")
+CORRUPTIONS = {one.name: one for one in corruptions(ROBOT)}
+PLAIN = 601
+
+
+@cache
+def plain() -> Drawn:
+    return sound_log(PLAIN, plain=True)
+
+
+@pytest.mark.parametrize("name", CORRUPTIONS)
+def test_a_corrupted_log_is_named_as_what_it_is(name: str) -> None:
+    one = CORRUPTIONS[name]
+    assert said(one.change, one.kinds) in one.kinds
+
+
+def said(change: Change, kinds: tuple[str, ...]) -> str:
+    """Kind of the problem, or the word of the refusal that was expected, or the refusal."""
+    try:
+        problem = log_problem(ROBOT, change(plain().log, np.random.default_rng(5)))
+    except InputError as error:
+        return next((word for word in kinds if word in str(error)), str(error))
+    return "nothing" if problem is None else problem.kind
+
+
+def test_there_are_forty_kinds_and_more() -> None:
+    assert len(CORRUPTIONS) >= 40
+
+
+@pytest.mark.parametrize("seed", [11, 12, 13, 14, 15, 16])
+def test_a_sound_log_is_not_refused(seed: int) -> None:
+    drawn = sound_log(seed)
+    assert log_problem(drawn.robot, drawn.log) is None, drawn.text
+
+
+def test_what_would_fit_is_said_with_its_uncertainty() -> None:
+    log = plain().log
+    problem = log_problem(ROBOT, replace(log, tau=log.tau / 101.0))
+    assert problem is not None
+    assert problem.fits["factor"] == pytest.approx(101.0, abs=3 * problem.fits["standard_error"])
+    assert problem.fits["standard_error"] < 15.0
+    assert "motor side: x" in problem.says
+
+
+def test_the_exchanged_columns_are_told() -> None:
+    log = plain().log
+    problem = log_problem(ROBOT, replace(log, tau=log.tau[:, [0, 2, 1, 3, 4, 5]]))
+    assert problem is not None
+    assert problem.fits["columns"] == [1, 3, 2, 4, 5, 6]
+    assert problem.joints == (2, 3)
+
+
+def test_two_things_at_once_are_not_called_sound() -> None:
+    log = plain().log
+    both = replace(log, tau=-log.tau / 1e3, q=np.degrees(log.q), qd=None, q_ref=None)
+    assert log_problem(ROBOT, both) is not None
+
+
+def test_what_a_log_holds() -> None:
+    log = plain().log
+    check = check_log(ROBOT, log)
+    assert check.sound
+    assert check.left is not None
+    assert (check.left < 0.3).all()
+    content = check.to_json()
+    assert content["rate_Hz"] == pytest.approx(log.rate, rel=1e-4)
+    assert len(content["torque_from_angle_noise_Nm"]) == 6
+    assert content["log_problem"] is None
+
+
+def test_jitter_costs_torque_and_a_rebuilt_time_base_gives_it_back() -> None:
+    log = sound_log(3, plain=True).log
+    rng = np.random.default_rng(0)
+    rough = log.q + 1e-4 * rng.standard_normal(log.q.shape)
+    quiet, noisy = (check_log(ROBOT, replace(log, q=q)).made_by_angles for q in (log.q, rough))
+    assert quiet is not None
+    assert noisy is not None
+    assert (noisy > 5.0 * quiet).all()
+
+
+def test_a_log_of_another_number_of_joints_is_refused() -> None:
+    time = np.arange(0, 5, 0.004)
+    log = Log(time, np.sin(time[:, None] * np.ones(3)), np.ones((len(time), 3)))
+    with pytest.raises(InputError, match="found 3 joints, expected 6"):
+        log_problem(ROBOT, log)
+
+
+def test_a_short_log_is_looked_at_and_called_short() -> None:
+    log = plain().log
+    keep = log.time < log.time[0] + 1.0
+    qd = None if log.qd is None else log.qd[keep]
+    short = Log(log.time[keep], log.q[keep], log.tau[keep], qd=qd)
+    check = check_log(ROBOT, short)
+    assert check.sound
+    assert any("too short" in remark for remark in check.remarks)
