@@ -113,7 +113,8 @@ def searched(robot: irb.Robot, poses: int) -> str:
 def peers() -> list[str]:
     """The same poses of the Puma through EAIK and py-opw-kinematics, where they are installed."""
     model = irb.Model(irb.load_robot("puma560"))
-    low, high = model.robot.q_min, model.robot.q_max
+    low = model.robot.q_min
+    high = model.robot.q_max
     X = model.tcp_pose(np.random.default_rng(2).uniform(low, high, (2000, 6)))
     model.inverse_kinematics(X[0])
     solvers = {"ours, method": lambda: [model.inverse_kinematics(pose) for pose in X]}

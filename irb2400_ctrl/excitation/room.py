@@ -62,7 +62,8 @@ def with_room(robot: Robot, narrow: bool = False) -> Robot:
         InfeasibleError: there is no such place.
     """
     model = Model(robot)
-    low, high = robot.q_min, robot.q_max
+    low = robot.q_min
+    high = robot.q_max
     if not narrow and _clear(model, (low + high)[None] / 2)[0]:
         return robot
     rng = np.random.default_rng(0)

@@ -41,8 +41,10 @@ class _Lines:
 
     def meeting(self, i: int, j: int) -> Array | None:
         """Where axes at right angles meet; None if they pass each other."""
-        a, b = self.p[i - 1], self.p[j - 1]
-        u, v = self.z[i - 1], self.z[j - 1]
+        a = self.p[i - 1]
+        b = self.p[j - 1]
+        u = self.z[i - 1]
+        v = self.z[j - 1]
         if abs((b - a) @ np.cross(u, v)) > TOLERANCE * self.size:
             return None
         return np.asarray(a + ((b - a) @ u) * u)
@@ -87,7 +89,8 @@ def _other(robot: Robot, reason: str) -> InputError:
 
 def _lines(robot: Robot) -> _Lines:
     X = np.eye(4)
-    p, z = [], []
+    p = []
+    z = []
     for link in robot.links:
         X = X @ link.frame.matrix()
         p.append(X[:3, 3])

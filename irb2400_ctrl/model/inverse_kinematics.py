@@ -85,7 +85,9 @@ class _Facing:
 
 
 def _facing(g: ArmGeometry, X: ca.SX, phi1_seed: ca.SX, rear: int) -> _Facing:
-    x, y, z = X[0, 3], X[1, 3], X[2, 3]
+    x = X[0, 3]
+    y = X[1, 3]
+    z = X[2, 3]
     square = x * x + y * y
     radius = ca.sqrt(square)
     heading = ca.if_else(radius > 1e-12, ca.atan2(y, x), phi1_seed)
@@ -97,7 +99,8 @@ def _facing(g: ArmGeometry, X: ca.SX, phi1_seed: ca.SX, rear: int) -> _Facing:
     if rear:
         out = -out
     phi1 = heading - (np.pi * rear if g.b == 0.0 else ca.atan2(g.b, out))
-    c, s = ca.cos(phi1), ca.sin(phi1)
+    c = ca.cos(phi1)
+    s = ca.sin(phi1)
     R = X[:3, :3]
     turned = ca.vertcat(c * R[0, :] + s * R[1, :], c * R[1, :] - s * R[0, :], R[2, :])
     return _Facing(phi1, out - g.a1, z - g.d1, turned, gap)
@@ -125,18 +128,22 @@ def _spherical(g: ArmGeometry, at: _Facing, phi4_seed: ca.SX) -> list[tuple[ca.S
     found = []
     for phi2, bend in elbows:
         phi3 = phi2 + bend - gamma
-        c3, s3 = ca.cos(phi3), ca.sin(phi3)
+        c3 = ca.cos(phi3)
+        s3 = ca.sin(phi3)
         # the frame of W in the forearm's: x3 = (s3, 0, c3), y3 = (c3, 0, -s3), z3 = y of the plane
         R = ca.vertcat(
             s3 * at.R[0, :] + c3 * at.R[2, :], c3 * at.R[0, :] - s3 * at.R[2, :], at.R[1, :]
         )
-        w_x, w_y, c5 = -R[0, 2], R[2, 2], R[1, 2]
+        w_x = -R[0, 2]
+        w_y = R[2, 2]
+        c5 = R[1, 2]
         s5 = ca.sqrt(w_x * w_x + w_y * w_y)
         for sign in (1, -1):
             free = ca.atan2(sign * w_y, sign * w_x)
             phi4 = ca.if_else(s5 > WRIST_EPSILON, free, phi4_seed)
             phi5 = ca.atan2(sign * s5, c5)
-            c4, s4 = ca.cos(phi4), ca.sin(phi4)
+            c4 = ca.cos(phi4)
+            s4 = ca.sin(phi4)
             along = c4 * R[0, 0] - s4 * R[2, 0]
             across = -s4 * R[0, 0] - c4 * R[2, 0]
             phi6 = ca.atan2(-across, -ca.cos(phi5) * along - ca.sin(phi5) * R[1, 0])
@@ -147,14 +154,17 @@ def _spherical(g: ArmGeometry, at: _Facing, phi4_seed: ca.SX) -> list[tuple[ca.S
 def _parallel(g: ArmGeometry, at: _Facing, phi4_seed: ca.SX) -> list[tuple[ca.SX, ca.SX]]:
     """(phi, gap) of elbow and flip. Axis 6 is cos phi5 y - sin phi5 (cos phi4, -sin phi4) in the
     plane."""
-    z_x, z_y, z_z = at.R[0, 2], at.R[1, 2], at.R[2, 2]
+    z_x = at.R[0, 2]
+    z_y = at.R[1, 2]
+    z_z = at.R[2, 2]
     s5 = ca.sqrt(z_x * z_x + z_z * z_z)
     flips = []
     for sign in (1, -1):
         free = ca.atan2(sign * z_z, -sign * z_x)
         phi4 = ca.if_else(s5 > WRIST_EPSILON, free, phi4_seed)
         phi5 = ca.atan2(sign * s5, z_y)
-        c4, s4 = ca.cos(phi4), ca.sin(phi4)
+        c4 = ca.cos(phi4)
+        s4 = ca.sin(phi4)
         # x of W's frame against axis 5 and against axis 6 x axis 5
         x5 = s4 * at.R[0, 0] + c4 * at.R[2, 0]
         y_W = s4 * at.R[0, 1] + c4 * at.R[2, 1]

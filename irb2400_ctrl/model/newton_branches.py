@@ -103,11 +103,9 @@ class NewtonBranches:
             tried = q + step
             error_tried, J_tried = self._error(tried, X_BF)
             better = (error_tried**2).sum(axis=1) < size
-            q[better], error[better], J[better] = (
-                tried[better],
-                error_tried[better],
-                J_tried[better],
-            )
+            q[better] = tried[better]
+            error[better] = error_tried[better]
+            J[better] = J_tried[better]
             damping = np.clip(np.where(better, damping / 8, damping * 4), 1e-16, 1e3)
         return np.asarray(q[(error**2).sum(axis=1) < EXACT**2])
 

@@ -149,8 +149,12 @@ def quaternion(X: Array) -> Array:
             R[2, 2] - R[0, 0] - R[1, 1],
         ]
     )
-    x, y, z = R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1]
-    xy, xz, yz = R[0, 1] + R[1, 0], R[0, 2] + R[2, 0], R[1, 2] + R[2, 1]
+    x = R[2, 1] - R[1, 2]
+    y = R[0, 2] - R[2, 0]
+    z = R[1, 0] - R[0, 1]
+    xy = R[0, 1] + R[1, 0]
+    xz = R[0, 2] + R[2, 0]
+    yz = R[1, 2] + R[2, 1]
     k = int(np.argmax(sizes))
     row = [[sizes[0], x, y, z], [x, sizes[1], xy, xz], [y, xy, sizes[2], yz], [z, xz, yz, sizes[3]]]
     q = np.array(row[k])

@@ -49,7 +49,9 @@ class Arm:
 
 def tensor(axis: Axis, number: int) -> Array:
     """A full, physically consistent tensor about the centre of mass."""
-    a, b, c = 0.3 * number, 0.2 + 0.5 * number, -0.4 * number
+    a = 0.3 * number
+    b = 0.2 + 0.5 * number
+    c = -0.4 * number
     R = _turn(2, a) @ _turn(1, b) @ _turn(0, c)
     return R @ np.diag(axis.mass * axis.size**2 * np.array([0.10, 0.08, 0.05])) @ R.T
 
@@ -86,11 +88,14 @@ def _words(values: Vector) -> str:
 
 
 def _turn(axis: int, angle: float) -> Array:
-    c, s = np.cos(angle), np.sin(angle)
+    c = np.cos(angle)
+    s = np.sin(angle)
     R = np.eye(3)
-    j, k = (axis + 1) % 3, (axis + 2) % 3
+    j = (axis + 1) % 3
+    k = (axis + 2) % 3
     R[j, j] = R[k, k] = c
-    R[j, k], R[k, j] = -s, s
+    R[j, k] = -s
+    R[k, j] = s
     return R
 
 

@@ -37,7 +37,9 @@ def states(robot: irb.Robot, count: int = 12) -> tuple[Array, Array, Array]:
 
 def inverse(mujoco: Any, model: Any, q: Array, qd: Array, qdd: Array) -> Array:
     data = mujoco.MjData(model)
-    data.qpos[:], data.qvel[:], data.qacc[:] = q, qd, qdd
+    data.qpos[:] = q
+    data.qvel[:] = qd
+    data.qacc[:] = qdd
     mujoco.mj_inverse(model, data)
     return np.array(data.qfrc_inverse)
 

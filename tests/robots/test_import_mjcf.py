@@ -51,7 +51,9 @@ def test_a_file_with_defaults_offsets_and_two_hinges_in_a_body(tmp_path: Path) -
     rng = np.random.default_rng(0)
     for _ in range(10):
         q, qd, qdd = rng.normal(0.0, 1.0, (3, 3))
-        data.qpos[:], data.qvel[:], data.qacc[:] = q, qd, qdd
+        data.qpos[:] = q
+        data.qvel[:] = qd
+        data.qacc[:] = qdd
         mujoco.mj_inverse(engine, data)
         tau = model.inverse_dynamics(q, qd, qdd, friction=False) + own.friction[:, 2] * qd
         np.testing.assert_allclose(tau, data.qfrc_inverse, rtol=0, atol=1e-9)

@@ -157,11 +157,14 @@ def _energy(convention: str, q: np.ndarray) -> float:
 
 
 def _about(axis: int, angle: float) -> np.ndarray:
-    c, s = np.cos(angle), np.sin(angle)
-    j, k = (axis + 1) % 3, (axis + 2) % 3
+    c = np.cos(angle)
+    s = np.sin(angle)
+    j = (axis + 1) % 3
+    k = (axis + 2) % 3
     X = np.eye(4)
     X[j, j] = X[k, k] = c
-    X[j, k], X[k, j] = -s, s
+    X[j, k] = -s
+    X[k, j] = s
     return X
 
 

@@ -112,7 +112,8 @@ def _rounded_angles(root: ET.Element) -> int:
 
 def rotation_rpy(rpy: Array) -> Array:
     """Rz(yaw) Ry(pitch) Rx(roll), shape (3, 3)."""
-    (cr, cp, cy), (sr, sp, sy) = np.cos(rpy), np.sin(rpy)
+    (cr, cp, cy) = np.cos(rpy)
+    (sr, sp, sy) = np.sin(rpy)
     return np.array(
         [
             [cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],
