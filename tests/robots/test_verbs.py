@@ -18,6 +18,7 @@ from irb2400_ctrl.measurement.prepared_log import prepare
 from irb2400_ctrl.planners import plan_path
 from irb2400_ctrl.planners.toolpath.builders import curve, raster
 from irb2400_ctrl.planners.toolpath.toolpath import ToolPath
+from irb2400_ctrl.plausibility import check_log
 from irb2400_ctrl.robot import Friction
 from irb2400_ctrl.simulation import simulate
 
@@ -134,3 +135,19 @@ def test_unknown_friction_is_found_in_a_motion() -> None:
     assert found.friction_known.all()
     np.testing.assert_allclose(found.friction[:, 1], known.friction[:, 1], rtol=0.15)
     np.testing.assert_allclose(found.friction[:, 2], known.friction[:, 2], rtol=0.15)
+
+
+def test_a_log_of_an_arm_without_friction_is_understood_and_its_friction_found() -> None:
+    arm = without_limit(robot("irb1200"), 3)
+    time = np.arange(0.0, 10.0, 0.004)
+    q = 0.4 * np.sin(np.outer(time, 1.0 + 0.3 * np.arange(6)))
+    qd = np.gradient(q, time, axis=0)
+    qdd = np.gradient(qd, time, axis=0)
+    dry = np.array([5.0, 4.0, 3.0, 1.0, 1.0, 0.5])
+    noise = np.random.default_rng(0).normal(0.0, 0.3, q.shape)
+    tau = irb.Model(arm).inverse_dynamics(q, qd, qdd) + dry * np.sign(qd) + noise
+    log = Log(time=time, q=q, tau=tau, name="made")
+    assert check_log(arm, log).problem is None
+    found = irb.diagnose(arm, log)
+    assert found.verdict == "nothing_missing"
+    np.testing.assert_allclose(found.robot.friction[:, 1], dry, rtol=0.1)
