@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from irb2400_ctrl.cli.options import ColumnsOption, RobotOption, input_file
+from irb2400_ctrl.cli.options import ColumnsOption, RobotOption, input_file, load_arm
 from irb2400_ctrl.cli.progress import step
 
 if TYPE_CHECKING:
@@ -42,9 +42,8 @@ def check(
     from irb2400_ctrl.errors import InputError
     from irb2400_ctrl.measurement import read_log
     from irb2400_ctrl.plausibility import check_log
-    from irb2400_ctrl.robot import load_robot
 
-    arm = None if no_robot else load_robot(robot)
+    arm = None if no_robot else load_arm(robot)
     with step(f"reading {log.name}"):
         found = check_log(arm, read_log(log, columns=columns))
     print(json.dumps(found.to_json(), indent=1) if as_json else "\n".join(lines(found)))

@@ -127,7 +127,7 @@ def _remarks(robot: Robot | None, log: Log) -> list[str]:
             f"joint {j + 1} goes {np.degrees(excess[j]):.0f} deg beyond the range of the robot file"
             for j in np.flatnonzero(excess > OUTSIDE)
         ]
-        most = np.abs(log.tau).max(axis=0) / robot.tau_max
+        most = np.abs(log.tau).max(axis=0) / robot.tau_bound
         found += [
             f"joint {j + 1} has {most[j]:.1f} times the torque limit of the robot file"
             for j in np.flatnonzero(most > 1.2)

@@ -81,8 +81,10 @@ def _reading(nominal: Nominal, factors: Array, joints: list[int], cost: Cost) ->
     common = np.ptp(np.log(factors[here])) < 1e-9
     plain = replace(as_labelled(n), kind="torque_scale", torques=np.diag(factors))
     if not common:
-        limits = factors / nominal.robot.tau_max * 100.0
-        percent = bool(np.abs(np.log(limits)).max() < 0.35)
+        bound = nominal.robot.tau_bound
+        stated = np.isfinite(bound)
+        limits = factors[stated] / bound[stated] * 100.0
+        percent = bool(stated.any() and np.abs(np.log(limits)).max() < 0.35)
         what = "per cent of the limits" if percent else "motor side, or currents"
         listed = ", ".join(f"{f:.3g}" for f in factors)
         return replace(

@@ -173,3 +173,18 @@ def test_what_is_unknown_survives_the_file(tmp_path: Path) -> None:
     torque = irb.Model(found).friction(np.ones(6))
     np.testing.assert_array_equal(torque, np.zeros(6))
     assert any("viscous friction of every joint is unknown" in s for s in found.assumptions())
+
+
+def test_quarter_turns_of_few_digits_are_exact(tmp_path: Path) -> None:
+    text = urdf(ARMS["ur5"])
+    exact = imported(tmp_path, text)
+    rough = text.replace("1.5707963267948966", "1.5708").replace("3.141592653589793", "3.1416")
+    assert rough != text
+    found = imported(tmp_path, rough)
+    for a, b in zip(found.robot.links, exact.robot.links, strict=True):
+        np.testing.assert_array_equal(a.frame.matrix(), b.frame.matrix())
+    assert irb.Model(found.robot).arm_geometry.family == "parallel axes"
+    assert any("few digits" in note for note in found.notes)
+    assert not any("few digits" in note for note in exact.notes)
+    skew = imported(tmp_path, text.replace("1.5707963267948966", "1.57")).robot
+    assert skew.links[1].frame != exact.robot.links[1].frame

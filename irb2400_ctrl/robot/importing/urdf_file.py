@@ -13,6 +13,9 @@ from irb2400_ctrl.robot.importing.tree import Mass, Tree, TreeJoint, pose
 
 Array = npt.NDArray[np.float64]
 
+ROUNDED = 1e-5
+"""a quarter turn with four decimals is off by less [rad]"""
+
 
 def read_urdf(path: Path, root: ET.Element) -> Tree:
     """The tree of a URDF.
@@ -32,7 +35,10 @@ def read_urdf(path: Path, root: ET.Element) -> Tree:
             if link not in links:
                 raise InputError(f"{path}: joint {joint.name} names the link {link}, which is none")
     name = root.get("name") or path.stem
-    return Tree(name, f"imported from {path.name} (URDF)", links, joints)
+    rounded = _rounded_angles(root)
+    notes = [f"{rounded} rpy with quarter turns of few digits (1.5708) are read as exact ones"]
+    source = f"imported from {path.name} (URDF)"
+    return Tree(name, source, links, joints, notes=tuple(notes[: min(rounded, 1)]))
 
 
 def _is_xacro(root: ET.Element) -> bool:
@@ -86,7 +92,22 @@ def _origin(where: str, element: ET.Element | None) -> Array:
     if element is None:
         return np.eye(4)
     xyz = _vector(where, element.get("xyz", "0 0 0"), 3)
-    return pose(xyz, rotation_rpy(_vector(where, element.get("rpy", "0 0 0"), 3)))
+    return pose(xyz, rotation_rpy(_quarters(_vector(where, element.get("rpy", "0 0 0"), 3))))
+
+
+def _quarters(rpy: Array) -> Array:
+    """Angles with those that are a rounded quarter turn (1.5708, 3.1416) exact."""
+    exact = np.round(rpy / (np.pi / 2)) * (np.pi / 2)
+    return np.where(np.abs(rpy - exact) < ROUNDED, exact, rpy)
+
+
+def _rounded_angles(root: ET.Element) -> int:
+    """How many `rpy` hold a quarter turn that was written with few digits."""
+    count = 0
+    for origin in root.iter("origin"):
+        rpy = _vector("origin", origin.get("rpy", "0 0 0"), 3)
+        count += bool((np.abs(_quarters(rpy) - rpy) > 1e-9).any())
+    return count
 
 
 def rotation_rpy(rpy: Array) -> Array:
