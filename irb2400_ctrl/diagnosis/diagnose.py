@@ -37,6 +37,8 @@ INFLATION = 1.5
 them"""
 LEAST_SPREAD = 0.25
 """what a reference log leaves uncertain at least, in data-sheet standard deviations"""
+LEAST_SECONDS = 3.0
+"""a shorter log is not diagnosed"""
 LEAST_SPEED = 0.05
 """[rad/s] rms speed of a joint below which nothing can be said about it"""
 
@@ -70,6 +72,11 @@ def diagnose(
     """
     # the matrices are small: threads would only wait for each other
     with threadpool_limits(limits=1, user_api="blas"):
+        if log.duration < LEAST_SECONDS:
+            raise InputError(
+                f"{log.name}: found {log.duration:.2f} s of data, expected at least "
+                f"{LEAST_SECONDS:.0f} s to tell one effect from another; record a longer motion"
+            )
         progress("understand")
         problem = _problem(robot, log, validation, reference)
         if problem is not None:
