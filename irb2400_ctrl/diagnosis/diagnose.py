@@ -72,11 +72,6 @@ def diagnose(
     """
     # the matrices are small: threads would only wait for each other
     with threadpool_limits(limits=1, user_api="blas"):
-        if log.duration < LEAST_SECONDS:
-            raise InputError(
-                f"{log.name}: found {log.duration:.2f} s of data, expected at least "
-                f"{LEAST_SECONDS:.0f} s to tell one effect from another; record a longer motion"
-            )
         progress("understand")
         problem = _problem(robot, log, validation, reference)
         if problem is not None:
@@ -119,6 +114,11 @@ def _problem(
             raise InputError(
                 f"{one.name}: found {one.n} joints, expected {robot.n} as in {robot.name}"
             )
+    if log.duration < LEAST_SECONDS:
+        raise InputError(
+            f"{log.name}: found {log.duration:.2f} s of data, expected at least "
+            f"{LEAST_SECONDS:.0f} s to tell one effect from another; record a longer motion"
+        )
     problem = log_problem(robot, log)
     if problem is not None and problem.unusable:
         raise InputError(f"{log.name}: {problem.says}")
