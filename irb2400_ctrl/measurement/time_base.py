@@ -20,6 +20,8 @@ from irb2400_ctrl.measurement.log import Log
 Array = npt.NDArray[np.float64]
 Index = npt.NDArray[np.int64]
 
+LEAST = 20
+"""samples below which nothing is rebuilt"""
 EVEN = 2e-6
 """[s] scatter of the stamps below which they need no help"""
 LONGEST = 60.0
@@ -66,6 +68,8 @@ class TimeBase:
 def time_base(log: Log) -> TimeBase:
     """The instants of a log's samples: even ones where the angles agree, else the stamps."""
     stamps = log.time
+    if len(stamps) < LEAST:
+        return TimeBase(stamps, float(np.median(np.diff(stamps))), 0.0, 0.0)
     best: tuple[float, Array, float] | None = None
     rough_stamps = _roughness(log.q, stamps)
     for finer in range(1, FINER + 1):

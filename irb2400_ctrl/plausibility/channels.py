@@ -14,6 +14,8 @@ from irb2400_ctrl.plausibility.problem import LogProblem, named
 Array = npt.NDArray[np.float64]
 Run = tuple[int, int]
 
+LEAST = 20
+"""samples of a log that can be looked at"""
 NO_MOTION = 2e-3
 """[rad] a log in which no joint moves so far holds no motion"""
 MOVES = 0.02
@@ -39,6 +41,12 @@ TURN = 2.0 * np.pi
 
 def channel_problem(log: Log) -> LogProblem | None:
     """The first thing that is wrong with the columns themselves."""
+    if len(log.time) < LEAST:
+        return LogProblem(
+            "too_short",
+            f"{len(log.time)} samples are no recorded motion, expected at least {LEAST}",
+            unusable=True,
+        )
     for check in CHECKS:
         found = check(log)
         if found is not None:

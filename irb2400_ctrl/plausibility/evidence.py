@@ -138,7 +138,9 @@ class Nominal:
         z = _bounded(A, X.T @ y.ravel(), least)
         rest = (y.ravel() - X @ z).reshape(m, n)
         price = float(np.sum(rest**2) + z @ z)
-        left = np.sqrt(np.sum(rest**2, axis=0) / np.sum((rows.tau * weight) ** 2, axis=0))
+        whole = np.sum((rows.tau * weight) ** 2, axis=0)
+        # of a joint without torque nothing can be left
+        left = np.sqrt(np.sum(rest**2, axis=0) / np.where(whole > 0, whole, np.inf))
         return Fit(price + float(np.linalg.slogdet(A)[1]), price, left)
 
     def _friction_spreads(self, rows: Rows, size: Array) -> Array:

@@ -3,6 +3,7 @@ refused."""
 
 from __future__ import annotations
 
+import json
 from dataclasses import replace
 from functools import cache
 
@@ -110,3 +111,16 @@ def test_a_short_log_is_looked_at_and_called_short() -> None:
     check = check_log(ROBOT, short)
     assert check.sound
     assert any("too short" in remark for remark in check.remarks)
+
+
+@pytest.mark.parametrize("samples", [2, 3, 5, 19, 25, 700])
+@pytest.mark.parametrize("torque", ["zero", "huge", "noise"])
+def test_strange_logs_get_an_answer(samples: int, torque: str) -> None:
+    time = 0.004 * np.arange(samples)
+    noise = np.random.default_rng(0).standard_normal((samples, 6))
+    tau = {"zero": 0.0 * noise, "huge": 1e30 + 0.0 * noise, "noise": noise}[torque]
+    for q in (noise, np.ones_like(noise), time[:, None] * np.ones(6)):
+        content = check_log(ROBOT, Log(time, q, tau, qd=q, q_ref=q)).to_json()
+        assert json.dumps(content, allow_nan=False)
+        if samples < 20:
+            assert content["log_problem"]["kind"] == "too_short"
