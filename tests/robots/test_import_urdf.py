@@ -83,8 +83,11 @@ def test_fixed_links_are_folded_in_and_fingers_left_out(tmp_path: Path) -> None:
     # the finger is there for Pinocchio; without its weight the rest must be equal
     engine.inertias[7] = pin.Inertia.Zero()
     q = np.array([0.3, -0.4, 0.5, 0.6, -0.7, 0.8])
-    weight = pin.computeGeneralizedGravity(engine, engine.createData(), np.append(q, 0.0))[:6]
-    np.testing.assert_allclose(irb.Model(found.robot).gravity(q), weight, rtol=0, atol=1e-11)
+    qd = np.array([1.0, -2.0, 1.5, 0.5, -1.0, 2.0])
+    full = (np.append(value, 0.0) for value in (q, qd, 3.0 * qd))
+    expected = pin.rnea(engine, engine.createData(), *full)[:6]
+    tau = irb.Model(found.robot).inverse_dynamics(q, qd, 3.0 * qd, friction=False)
+    np.testing.assert_allclose(tau, expected, rtol=0, atol=1e-11)
     assert any("finger_slide" in note and "0.2 kg" in note for note in found.notes)
 
 
