@@ -24,6 +24,7 @@ from irb2400_ctrl.planners.enclosure.cells import enclose, grid
 from irb2400_ctrl.planners.enclosure.path_dynamics import PathDynamics, path_dynamics
 from irb2400_ctrl.planners.joint_path import JointPath
 from irb2400_ctrl.planners.timing.motion_limits import speed_bounds
+from irb2400_ctrl.planners.timing.piecewise_constant_law import PiecewiseConstantLaw
 from irb2400_ctrl.planners.timing.time_joint_path import time_joint_path
 from irb2400_ctrl.planners.timing.time_law import TimeLaw
 from irb2400_ctrl.planners.timing.two_pass import two_pass
@@ -61,16 +62,16 @@ def sampled_optimum(dynamics: PathDynamics, path: JointPath, count: int = 4000) 
     bound = np.minimum(speed_bounds(enclose(dynamics, path, s), LIMITS.qd_max), 1e9)
     bound[[0, -1]] = 0.0
     start = time_joint_path(path_dynamics(ROBOT), path, LIMITS, count=count)[0].law
-    law = TimeLaw(s, 0.9 * np.interp(s, start.s, start.x))
+    law = PiecewiseConstantLaw(s, 0.9 * np.interp(s, start.s, start.x))
     for number in range(ROUNDS):
         rows = [row for end in (0.02, 0.98) for row in _rows(torque, path, law, piece, end)]
         room = 1.25 if number < ROUNDS // 2 else 1.05
         near = np.maximum.reduce([law.x, np.roll(law.x, 1), np.roll(law.x, -1)])
         high = np.minimum(bound, room * near + 1e-9)
         passed = two_pass(np.concatenate(rows, axis=1), h, np.zeros_like(high), high)
-        if passed.stuck is not None:
-            raise RuntimeError(f"the reference is stuck at cell {passed.stuck}")
-        law = TimeLaw(s, passed.x)
+        if passed.infeasible_cell is not None:
+            raise RuntimeError(f"the reference has no motion at cell {passed.infeasible_cell}")
+        law = PiecewiseConstantLaw(s, passed.x)
     return law
 
 

@@ -51,35 +51,9 @@ def outcome(case: Any, robot: Any, reference: bool = False) -> dict[str, Any]:
     return {
         "case": case.name,
         "seed": case.seed,
-        "truth": [
-            {
-                "kind": t.kind,
-                "joint": t.joint,
-                "main_joint": t.main_joint,
-                "signals": list(t.signals),
-                "in_library": t.in_library,
-                "fraction": t.fraction,
-                "on_at": None if np.isinf(t.on_at) else t.on_at,
-                "idle": t.main_joint in case.idle,
-                "visible": float(v[0].max()),
-                "strength": v[1],
-            }
-            for t, v in zip(case.truth, visible, strict=True)
-        ],
+        "truth": [had(case, t, v) for t, v in zip(case.truth, visible, strict=True)],
         "verdict": found.verdict,
-        "found": [
-            {
-                "kind": f.effect.kind,
-                "joint": f.effect.joint,
-                "confidence": f.confidence,
-                "alternatives": list(f.alternatives),
-                "gain": f.gain,
-                "margin": f.margin,
-                "share": float(f.share.max()),
-                "main_joint": int(np.argmax(f.share)) + 1,
-            }
-            for f in found.findings
-        ],
+        "found": [named(f) for f in found.findings],
         "unexplained": [u.to_json() for u in found.unexplained],
         "validation": {
             "before": found.validation.error_before.rmse.tolist(),
@@ -87,6 +61,36 @@ def outcome(case: Any, robot: Any, reference: bool = False) -> dict[str, Any]:
         },
         "floor": found.noise_floor.tolist(),
         "seconds": seconds,
+    }
+
+
+def had(case: Any, effect: Any, visible: Any) -> dict[str, Any]:
+    """What the arm really had."""
+    return {
+        "kind": effect.kind,
+        "joint": effect.joint,
+        "main_joint": effect.main_joint,
+        "signals": list(effect.signals),
+        "in_library": effect.in_library,
+        "fraction": effect.fraction,
+        "on_at": None if np.isinf(effect.on_at) else effect.on_at,
+        "idle": effect.main_joint in case.idle,
+        "visible": float(visible[0].max()),
+        "strength": visible[1],
+    }
+
+
+def named(finding: Any) -> dict[str, Any]:
+    """What the diagnosis said."""
+    return {
+        "kind": finding.effect.kind,
+        "joint": finding.effect.joint,
+        "confidence": finding.confidence,
+        "alternatives": list(finding.alternatives),
+        "gain": finding.gain,
+        "margin": finding.margin,
+        "share": float(finding.share.max()),
+        "main_joint": int(np.argmax(finding.share)) + 1,
     }
 
 

@@ -149,6 +149,47 @@ def settings(robot: Robot, cases: list[Array]) -> None:
     print(f"   longest over shortest of three warm starts {listed(spread)}\n", flush=True)
 
 
+def against_spline(robot: Robot, cases: list[Array]) -> None:
+    """One row a problem, then the distribution of the set."""
+    print(
+        "   fixed s  toppra s   free s   ratio  to toppra   solver s   all s  iterations  "
+        "torque   speed"
+    )
+    table = np.array([row(robot, W) for W in cases], dtype=float)
+    for name, column in (("ratio", 3), ("to toppra", 4), ("solver s", 5), ("all s", 6)):
+        v = table[:, column]
+        quartiles = " ".join(f"{x:.3f}" for x in np.quantile(v, [0, 0.25, 0.5, 0.75, 1]))
+        print(f"   {name:10} mean {v.mean():.3f}; smallest, quartiles, largest {quartiles}")
+    print(f"   violated {int((table[:, 7] == 0).sum())}, fell back {int(table[:, 8].sum())}\n")
+
+
+def row(robot: Robot, W: Array) -> tuple[float, ...]:
+    """Durations on the fixed spline, by toppra and with free geometry, their ratios, seconds,
+    whether the bounds hold, whether it fell back."""
+    dynamics = path_dynamics(robot)
+    started = time.perf_counter()
+    found = optimise_motion(robot, W)
+    seconds = time.perf_counter() - started
+    assert found.reference is not None
+    certificate = found.reference.certificate
+    _, cells = time_joint_path(dynamics, certificate.path, certificate.limits)
+    toppra = time_with_toppra(cells, MotionLimits.of(robot), robot.friction).law.duration
+    # again, from the certificate alone
+    checked = check(found.motion.certificate, dynamics.model, dynamics)
+    fixed = found.reference.duration
+    free = found.duration
+    solver = found.wall_time["solver"]
+    print(
+        f"{fixed:10.3f}{toppra:10.3f}{free:9.3f}{found.ratio:8.3f}{free / toppra:11.3f}"
+        f"{solver:11.2f}{seconds:8.2f}{found.iterations:12d}"
+        f"{checked.torque_ratio:8.5f}{checked.velocity_ratio:8.5f}"
+        f"{'  fell back' if found.fell_back else ''}",
+        flush=True,
+    )
+    durations = (fixed, toppra, free, found.ratio, free / toppra)
+    return (*durations, solver, seconds, checked.holds(), found.fell_back)
+
+
 def main() -> None:
     """Print one row a problem and the distribution of each set."""
     parser = argparse.ArgumentParser(
@@ -159,61 +200,20 @@ def main() -> None:
     parser.add_argument("--more", action="store_true", help="other objectives and settings instead")
     options = parser.parse_args()
     robot = irb.load_robot("irb2400")
-    dynamics = path_dynamics(robot)
     for kind in (near, far):
-        cases, outside, stuck = problems(
-            robot, kind, 6 if options.more else options.count, options.seed
-        )
+        count = 6 if options.more else options.count
+        cases, outside, stuck = problems(robot, kind, count, options.seed)
         if options.more:
             print(f"{kind.__name__}: {len(cases)} problems")
             rates(robot, cases)
             energies(robot, cases)
             settings(robot, cases)
             continue
-        rows = []
         print(
             f"{kind.__name__}: {len(cases)} problems; left out {outside} outside the box, {stuck} "
             "without a timing"
         )
-        print(
-            "   fixed s  toppra s   free s   ratio  to toppra   solver s   all s  iterations  "
-            "torque   speed"
-        )
-        for W in cases:
-            started = time.perf_counter()
-            found = optimise_motion(robot, W)
-            seconds = time.perf_counter() - started
-            assert found.reference is not None
-            _, cells = time_joint_path(
-                dynamics, found.reference.certificate.path, found.reference.certificate.limits
-            )
-            limits = MotionLimits.of(robot)
-            friction = robot.friction
-            toppra = time_with_toppra(cells, limits, friction).law.duration
-            # again, from the certificate alone
-            checked = check(found.motion.certificate, dynamics.model, dynamics)
-            row = (
-                found.reference.duration,
-                toppra,
-                found.duration,
-                found.ratio,
-                found.duration / toppra,
-            )
-            rows.append(
-                (*row, found.wall_time["solver"], seconds, checked.holds(), found.fell_back)
-            )
-            print(
-                f"{row[0]:10.3f}{row[1]:10.3f}{row[2]:9.3f}{row[3]:8.3f}{row[4]:11.3f}{found.wall_time['solver']:11.2f}"
-                f"{seconds:8.2f}{found.iterations:12d}{checked.torque_ratio:8.5f}{checked.velocity_ratio:8.5f}"
-                f"{'  fell back' if found.fell_back else ''}",
-                flush=True,
-            )
-        table = np.array(rows, dtype=float)
-        for name, column in (("ratio", 3), ("to toppra", 4), ("solver s", 5), ("all s", 6)):
-            v = table[:, column]
-            quartiles = " ".join(f"{x:.3f}" for x in np.quantile(v, [0, 0.25, 0.5, 0.75, 1]))
-            print(f"   {name:10} mean {v.mean():.3f}; smallest, quartiles, largest {quartiles}")
-        print(f"   violated {int((table[:, 7] == 0).sum())}, fell back {int(table[:, 8].sum())}\n")
+        against_spline(robot, cases)
 
 
 if __name__ == "__main__":

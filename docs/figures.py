@@ -8,11 +8,10 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from irb2400_ctrl.diagnosis import diagnose
-from irb2400_ctrl.measurement import read_log
+from irb2400_ctrl.measurement import read_log, recorded_motion
 from irb2400_ctrl.report.main_job import ARM
 from irb2400_ctrl.robot import load_robot
 from irb2400_ctrl.simulation.close_the_loop import close_loop
-from irb2400_ctrl.simulation.recorded import recorded_motion
 
 IMAGES = Path(__file__).parent / "images"
 

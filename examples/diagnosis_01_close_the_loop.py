@@ -11,9 +11,8 @@ import irb2400_ctrl as irb
 from irb2400_ctrl.codegen import export_package
 from irb2400_ctrl.controllers import controller
 from irb2400_ctrl.diagnosis import diagnose
-from irb2400_ctrl.measurement import read_log
+from irb2400_ctrl.measurement import read_log, recorded_motion
 from irb2400_ctrl.simulation.close_the_loop import close_loop
-from irb2400_ctrl.simulation.recorded import recorded_motion
 
 # 1. two logs of one arm: a lively motion to learn from, another one to judge by
 folder = Path(str(resources.files("irb2400_ctrl") / "data" / "arm"))

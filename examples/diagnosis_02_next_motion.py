@@ -11,9 +11,8 @@ import irb2400_ctrl as irb
 from irb2400_ctrl.diagnosis import diagnose
 from irb2400_ctrl.effects import LIBRARY
 from irb2400_ctrl.excitation import Budget, excite
-from irb2400_ctrl.measurement import read_log
-from irb2400_ctrl.simulation import Sensors, load_trajectory, perturbed_robot, simulate
-from irb2400_ctrl.simulation.recorded import recorded_motion
+from irb2400_ctrl.measurement import read_log, recorded_motion
+from irb2400_ctrl.simulation import Sensors, perturbed_robot, simulate
 
 robot = irb.load_robot("irb2400")
 # an arm a few per cent off its data sheet, whose axis 3 has 0.02 Nm more friction per Nm of load
@@ -30,14 +29,14 @@ plan.write("next_motion")  # trajectory.csv, and a RAPID program
 usual = recorded_motion(
     read_log(Path(str(resources.files("irb2400_ctrl") / "data" / "arm" / "identification.csv.gz")))
 )
-motions = {"usual motion": usual, "planned motion": load_trajectory("next_motion/trajectory.csv")}
+motions = {"usual motion": usual, "planned motion": plan.trajectory()}
 model = irb.Model(robot)
 figure, (left, right) = plt.subplots(1, 2, figsize=(11, 4))
 for (name, motion), color in zip(motions.items(), ("tab:red", "tab:blue"), strict=True):
     run = simulate(
         robot, motion, "feedforward_pid", plant=arm, sensors=Sensors(torque_noise_Nm=1.0), seed=4
     )
-    found = diagnose(robot, read_log(run.write(name.replace(" ", "_"))[0])).findings[0]
+    found = diagnose(robot, run.log()).findings[0]
     lead = f"{found.effect.kind} leads by {found.margin:.0f} nats"
     print(f"{name:14} {lead} before the next best explanation, confidence {found.confidence:.2f}")
     load = model.inverse_dynamics(motion.q, motion.qd, motion.qdd, friction=False)[:, 2]

@@ -90,7 +90,10 @@ RENAMED = {
     "planners.wrist_passage": "planners.redundancy.wrist_passage",
     "simulation.close_loop": "simulation.close_the_loop",
     "simulation.elasticity": "simulation.spring_step",
+    "simulation.recorded": "measurement.recorded",
     "simulation.result": "simulation.simulation",
+    "simulation.trajectory": "trajectory",
+    "urdf": "robot.urdf_export",
 }
 """old name -> new name, both below `irb2400_ctrl`"""
 

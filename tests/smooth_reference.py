@@ -25,6 +25,14 @@ from irb2400_ctrl.planners.joint_path import JointPath
 from irb2400_ctrl.planners.timing.rate_limited.rate_limited_law import RateLimitedLaw
 
 Array = npt.NDArray[np.float64]
+OPTIONS = {
+    "ipopt.print_level": 0,
+    "ipopt.sb": "yes",
+    "print_time": False,
+    "ipopt.tol": 1e-5,
+    "ipopt.max_iter": 250,
+    "ipopt.mu_strategy": "adaptive",
+}
 
 
 def reference_duration(
@@ -42,7 +50,6 @@ def reference_duration(
         RuntimeError: IPOPT does not converge.
     """
     v_guess, u_guess, s = _grid(path, guess, cells)
-    h = np.diff(s)
     m = len(s) - 1
     scale_v = v_guess.max()
     scale_u = np.abs(u_guess).max()
@@ -53,19 +60,53 @@ def reference_duration(
     v = V * scale_v
     u = U * scale_u
     dt = T * dt_guess
-    first = slice(0, m)
-    last = slice(1, m + 1)
-    way = dt * (v[first] + dt * (2 * u[first] + u[last]) / 6)
-    g = [(way / h - 1), (v[last] - v[first] - dt * (u[first] + u[last]) / 2) / scale_v]
-    low = [np.zeros(2 * m)]
-    high = [np.zeros(2 * m)]
-    jerk = (u[last] - u[first]) / dt
-    for at, vs, us in ((0, v[first], u[first]), (1, v[last], u[last])):
+    motion = _constant_jerk(v, u, dt, np.diff(s), scale_v)
+    torque = _torque_and_rate(dynamics, path, limits, s, (v, u, dt))
+    g = ca.vertcat(motion, torque)
+    low = np.concatenate([np.zeros(motion.numel()), -np.ones(torque.numel())])
+    high = np.concatenate([np.zeros(motion.numel()), np.ones(torque.numel())])
+    lower, upper = _box(path, limits, s, scale_v)
+    cost = ca.sum1(dt) / guess.duration
+    program = {"x": ca.vertcat(V, U, T), "f": cost, "g": g}
+    solver = ca.nlpsol("reference", "ipopt", program, OPTIONS)
+    start = np.concatenate(
+        [v_guess / slower / scale_v, u_guess / slower**2 / scale_u, np.full(m, slower)]
+    )
+    found = solver(x0=start, lbx=lower, ubx=upper, lbg=low, ubg=high)
+    if not solver.stats()["success"]:
+        raise RuntimeError(f"IPOPT: {solver.stats()['return_status']}")
+    return float(found["f"]) * guess.duration
+
+
+def _constant_jerk(v: ca.SX, u: ca.SX, dt: ca.SX, h: Array, scale_v: float) -> ca.SX:
+    """Way and speed over every cell, zero where they fit."""
+    m = len(h)
+    u_start = u[:m]
+    u_end = u[1:]
+    way = dt * (v[:m] + dt * (2 * u_start + u_end) / 6)
+    gained = v[1:] - v[:m] - dt * (u_start + u_end) / 2
+    return ca.vertcat(way / h - 1, gained / scale_v)
+
+
+def _torque_and_rate(
+    dynamics: PathDynamics,
+    path: JointPath,
+    limits: MotionLimits,
+    s: Array,
+    motion: tuple[ca.SX, ca.SX, ca.SX],
+) -> ca.SX:
+    """Torque and torque rate of every joint over their limits, at both ends of every cell."""
+    v, u, dt = motion
+    m = len(s) - 1
+    jerk = (u[1:] - u[:m]) / dt
+    F_s, F_c, _, stribeck = dynamics.model.robot.friction.T
+    sign = np.sign(_middle(path, s))
+    assert limits.torque_rate is not None
+    g = []
+    for at, vs, us in ((0, v[:m], u[:m]), (1, v[1:], u[1:])):
         value, slope, dq = _coefficients(dynamics, path, s, at)
         a, b, e, c = value
         da, db, de, dc = slope
-        sign = np.sign(_middle(path, s))
-        F_s, F_c, _, stribeck = dynamics.model.robot.friction.T
         for j in range(path.n):
             level = F_c[j] + max(F_s[j] - F_c[j], 0) * ca.exp(-((dq[:, j] * vs / stribeck[j]) ** 2))
             smooth = a[:, j] * us + b[:, j] * vs**2 + e[:, j] * vs + c[:, j]
@@ -77,10 +118,13 @@ def reference_duration(
                 + dc[:, j] * vs
             )
             rate += e[:, j] * us + de[:, j] * vs**2
-            assert limits.torque_rate is not None
             g.append(rate / limits.torque_rate[j])
-            low.append(-np.ones(2 * m))
-            high.append(np.ones(2 * m))
+    return ca.vertcat(*g)
+
+
+def _box(path: JointPath, limits: MotionLimits, s: Array, scale_v: float) -> tuple[Array, Array]:
+    """Bounds of the unknowns: joint speeds, rest at both ends, time runs forwards."""
+    m = len(s) - 1
     q_rate = np.abs(path(s, 1)) / limits.qd_max
     top = np.minimum(1 / np.maximum(q_rate.max(axis=1), 1e-9) / scale_v, 1e3)
     lower = np.concatenate([np.zeros(m + 1), np.full(m + 1, -np.inf), np.full(m, 1e-6)])
@@ -88,30 +132,7 @@ def reference_duration(
     rest = [0, m, m + 1, 2 * m + 1]
     lower[rest] = 0.0
     upper[rest] = 0.0
-    unknowns = ca.vertcat(V, U, T)
-    options = {
-        "ipopt.print_level": 0,
-        "ipopt.sb": "yes",
-        "print_time": False,
-        "ipopt.tol": 1e-5,
-        "ipopt.max_iter": 250,
-        "ipopt.mu_strategy": "adaptive",
-    }
-    solver = ca.nlpsol(
-        "reference",
-        "ipopt",
-        {"x": unknowns, "f": ca.sum1(dt) / guess.duration, "g": ca.vertcat(*g)},
-        options,
-    )
-    start = np.concatenate(
-        [v_guess / slower / scale_v, u_guess / slower**2 / scale_u, np.full(m, slower)]
-    )
-    found = solver(
-        x0=start, lbx=lower, ubx=upper, lbg=np.concatenate(low), ubg=np.concatenate(high)
-    )
-    if not solver.stats()["success"]:
-        raise RuntimeError(f"IPOPT: {solver.stats()['return_status']}")
-    return float(found["f"]) * guess.duration
+    return lower, upper
 
 
 def _grid(path: JointPath, guess: RateLimitedLaw, cells: int) -> tuple[Array, Array, Array]:

@@ -20,6 +20,7 @@ def test_script(code: str, tmp_path: Path) -> None:
     )
     assert done.returncode == 0, done.stderr
     assert "reaches the pose" in done.stdout
+    assert "what the model lacks: nothing_missing" in done.stdout
 
 
 def test_links() -> None:

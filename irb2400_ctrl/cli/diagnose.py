@@ -3,43 +3,56 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from irb2400_ctrl.cli.options import OutOption, RobotOption, input_file, output_folder
 from irb2400_ctrl.cli.progress import step
 
+if TYPE_CHECKING:
+    from irb2400_ctrl.diagnosis import Diagnosis
+    from irb2400_ctrl.measurement import Log
+    from irb2400_ctrl.report.page import Page
+
+LogArgument = Annotated[Path, typer.Argument(metavar="LOG", help="Measured log (.csv or .csv.gz).")]
+ValidateOption = Annotated[
+    Path | None,
+    typer.Option(metavar="LOG2", help="Another motion of the same arm, for the error after."),
+]
+ReferenceOption = Annotated[
+    Path | None,
+    typer.Option(
+        metavar="LOG3",
+        help="Log of the same arm when it was sound: LOG is judged against the mass data and "
+        "friction that it shows, instead of the data sheet's.",
+    ),
+]
+CloseLoopOption = Annotated[
+    bool,
+    typer.Option(
+        "--close-loop",
+        help="Also generate the controller again (C code in DIR/controller) and track the "
+        "log's motion, before and "
+        "after, on a simulated arm that has what was found.",
+    ),
+]
+ControllerOption = Annotated[
+    str,
+    typer.Option(
+        metavar="NAME", help="Which controller --close-loop makes; an unknown name lists all."
+    ),
+]
+
 
 def diagnose(
-    log: Annotated[Path, typer.Argument(metavar="LOG", help="Measured log (.csv or .csv.gz).")],
+    log: LogArgument,
     out: OutOption,
-    validate: Annotated[
-        Path | None,
-        typer.Option(metavar="LOG2", help="Another motion of the same arm, for the error after."),
-    ] = None,
-    reference: Annotated[
-        Path | None,
-        typer.Option(
-            metavar="LOG3", help="Log of the arm known to be sound: gives the noise model."
-        ),
-    ] = None,
+    validate: ValidateOption = None,
+    reference: ReferenceOption = None,
     robot: RobotOption = "irb2400",
-    close_loop: Annotated[
-        bool,
-        typer.Option(
-            "--close-loop",
-            help="Also generate the controller again (C code in DIR/controller) and track the "
-            "log's motion, before and "
-            "after, on a simulated arm that has what was found.",
-        ),
-    ] = False,
-    controller: Annotated[
-        str,
-        typer.Option(
-            metavar="NAME", help="Which controller --close-loop makes; an unknown name lists all."
-        ),
-    ] = "feedforward_pid",
+    close_loop: CloseLoopOption = False,
+    controller: ControllerOption = "feedforward_pid",
 ) -> None:
     """Find the residual, name the effect behind it, add it to the robot -> findings.json,
     robot.toml, report.html."""
@@ -48,10 +61,7 @@ def diagnose(
             input_file(path, "a log (.csv or .csv.gz)")
     output_folder(out)
 
-    import json
-
     from irb2400_ctrl.diagnosis import diagnose as run
-    from irb2400_ctrl.files import write_atomic
     from irb2400_ctrl.measurement import read_log
     from irb2400_ctrl.report.diagnosis_report import diagnosis_page, lines
     from irb2400_ctrl.robot import load_robot
@@ -62,32 +72,37 @@ def diagnose(
 
         make_controller(controller, arm)  # a wrong name is to be said before the long work
     with step(f"reading {log.name}"):
-        logs = [None if path is None else read_log(path) for path in (log, validate, reference)]
-    assert logs[0] is not None
+        measured = read_log(log)
+        others = [None if path is None else read_log(path) for path in (validate, reference)]
     with step("comparing log and model"):
-        result = run(arm, logs[0], validation=logs[1], reference=logs[2])
+        result = run(arm, measured, validation=others[0], reference=others[1])
     page = diagnosis_page(result, title=f"Diagnosis of {log.name}")
     text = lines(result)
+    written = ["findings.json", "robot.toml", "report.html"]
     if close_loop:
         with step("closing the loop"):
-            from irb2400_ctrl.codegen import export_package
-            from irb2400_ctrl.report.closed_loop_section import add_closed_loop, closed_loop_lines
-            from irb2400_ctrl.simulation.close_the_loop import close_loop as track
-            from irb2400_ctrl.simulation.recorded import recorded_motion
-
-            export_package(make_controller(controller, result.robot), out / "controller")
-            loop = track(arm, result.robot, recorded_motion(logs[0]), controller=controller)
-            write_atomic(out / "closed_loop.json", json.dumps(loop.summary(), indent=2) + "\n")
-            add_closed_loop(page, result, loop)
-            text += closed_loop_lines(loop)
+            text += _close_loop(result, measured, controller, page, out)
+        written += ["closed_loop.json", "controller"]
     with step("writing the report"):
         result.write(out)
         page.write(out / "report.html")
     print("\n".join(text))
-    written = [
-        "findings.json",
-        "robot.toml",
-        "report.html",
-        *(("closed_loop.json", "controller") if close_loop else ()),
-    ]
     print(f"written: {', '.join(str(out / name) for name in written)}")
+
+
+def _close_loop(result: Diagnosis, log: Log, controller: str, page: Page, out: Path) -> list[str]:
+    """Make the controller again from the diagnosed robot, move as the log did; lines to print."""
+    import json
+
+    from irb2400_ctrl.codegen import export_package
+    from irb2400_ctrl.controllers import controller as make_controller
+    from irb2400_ctrl.files import write_atomic
+    from irb2400_ctrl.measurement import recorded_motion
+    from irb2400_ctrl.report.closed_loop_section import add_closed_loop, closed_loop_lines
+    from irb2400_ctrl.simulation.close_the_loop import close_loop
+
+    export_package(make_controller(controller, result.robot), out / "controller")
+    loop = close_loop(result.given, result.robot, recorded_motion(log), controller=controller)
+    write_atomic(out / "closed_loop.json", json.dumps(loop.summary(), indent=2) + "\n")
+    add_closed_loop(page, result, loop)
+    return closed_loop_lines(loop)

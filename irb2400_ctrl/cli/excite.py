@@ -29,14 +29,14 @@ def excite(
     """Plan the motion that separates look-alike effects -> trajectory.csv, excitation.mod (RAPID),
     .json, .png."""
     from irb2400_ctrl.excitation.groups import group_called
+    from irb2400_ctrl.robot import load_robot
 
+    arm = load_robot(robot)  # brings the user's own effects along
     group_called(group)  # a wrong name is said before anything is written
     output_folder(out)
 
     from irb2400_ctrl.excitation import excite as run
-    from irb2400_ctrl.robot import load_robot
 
-    arm = load_robot(robot)
     with step("preparing") as progress:
         found = run(arm, group, seconds=seconds, joint=joint, progress=progress)
         progress("writing")

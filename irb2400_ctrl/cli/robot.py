@@ -68,11 +68,39 @@ def check(
     ] = None,
 ) -> None:
     """Say in plain words what in the description cannot be so."""
-    from irb2400_ctrl.model import consistency
-    from irb2400_ctrl.model.positive_definite import certify
-    from irb2400_ctrl.robot import load_robot, save_robot
+    from irb2400_ctrl.robot import load_robot
 
     arm = load_robot(robot)
+    _print_bodies(arm)
+    _print_assumed_limits(arm)
+    if project is not None:
+        _write_nearest_consistent(arm, project)
+    if symmetry_plane is not None:
+        _write_symmetric(arm, symmetry_plane)
+
+
+@app.command()
+def export(
+    out: OutOption,
+    robot: RobotArgument = "irb2400",
+) -> None:
+    """Write the robot as URDF; its head says what the parallelogram means for a reader of the
+    file."""
+    import re
+
+    from irb2400_ctrl.robot import load_robot
+    from irb2400_ctrl.robot.urdf_export import save_urdf
+
+    arm = load_robot(robot)
+    name = re.sub(r"\W+", "_", arm.name).strip("_").lower()
+    print(f"written: {save_urdf(arm, output_folder(out) / f'{name}.urdf')}")
+
+
+def _print_bodies(arm: Robot) -> None:
+    """Which bodies could exist, and whether that matters to the torques."""
+    from irb2400_ctrl.model import consistency
+    from irb2400_ctrl.model.positive_definite import certify
+
     print(
         "body               principal moments kg m2          triangle slack  smallest of "
         "pseudo-inertia"
@@ -90,55 +118,49 @@ def check(
     certificate = certify(arm)
     word = "is positive definite" if certificate.shown else "is not shown to be positive definite"
     print(f"the mass matrix {word} over the whole joint box: {certificate.reason}")
-    if issues:
-        from irb2400_ctrl.model.realisable import realise
+    print(_realisable(arm) if issues else "every body could exist")
 
-        found = realise(arm)
-        print(
-            "other bodies, which could exist, make the same torques"
-            if found.exists
-            else "no set of bodies that could exist makes exactly these torques "
-            f"(the best leaves an eigenvalue of {found.margin:.3g} in a pseudo-inertia)"
-        )
-    else:
-        print("every body could exist")
+
+def _realisable(arm: Robot) -> str:
+    """Whether other bodies make the torques of bodies that could not exist."""
+    from irb2400_ctrl.model.realisable import realise
+
+    found = realise(arm)
+    if found.exists:
+        return "other bodies, which could exist, make the same torques"
+    return (
+        "no set of bodies that could exist makes exactly these torques "
+        f"(the best leaves an eigenvalue of {found.margin:.3g} in a pseudo-inertia)"
+    )
+
+
+def _print_assumed_limits(arm: Robot) -> None:
     for joint in arm.joints:
         if "assumption" in joint.limits.torque_source:
             print(
                 f"{joint.name}: torque limit {joint.limits.torque_Nm:.0f} Nm is an "
                 f"{joint.limits.torque_source}"
             )
-    if project is not None:
-        nearest, distance = consistency.project(arm)
-        save_robot(nearest, project)
-        print(
-            f"written: {project}, second moments of the bodies moved by {distance:.4g} kg m2 in all"
-        )
-        _print_torque_differences(arm, nearest)
-    if symmetry_plane is not None:
-        from irb2400_ctrl.model.symmetry import com_in_symmetry_plane
-
-        symmetric = com_in_symmetry_plane(arm)
-        save_robot(symmetric, symmetry_plane)
-        print(f"written: {symmetry_plane}, centres of mass in the planes of symmetry")
-        _print_torque_differences(arm, symmetric)
 
 
-@app.command()
-def export(
-    out: OutOption,
-    robot: RobotArgument = "irb2400",
-) -> None:
-    """Write the robot as URDF; its head says what the parallelogram means for a reader of the
-    file."""
-    import re
+def _write_nearest_consistent(arm: Robot, path: Path) -> None:
+    from irb2400_ctrl.model import consistency
+    from irb2400_ctrl.robot import save_robot
 
-    from irb2400_ctrl.robot import load_robot
-    from irb2400_ctrl.urdf import save_urdf
+    nearest, distance = consistency.project(arm)
+    save_robot(nearest, path)
+    print(f"written: {path}, second moments of the bodies moved by {distance:.4g} kg m2 in all")
+    _print_torque_differences(arm, nearest)
 
-    arm = load_robot(robot)
-    name = re.sub(r"\W+", "_", arm.name).strip("_").lower()
-    print(f"written: {save_urdf(arm, output_folder(out) / f'{name}.urdf')}")
+
+def _write_symmetric(arm: Robot, path: Path) -> None:
+    from irb2400_ctrl.model.symmetry import com_in_symmetry_plane
+    from irb2400_ctrl.robot import save_robot
+
+    symmetric = com_in_symmetry_plane(arm)
+    save_robot(symmetric, path)
+    print(f"written: {path}, centres of mass in the planes of symmetry")
+    _print_torque_differences(arm, symmetric)
 
 
 def _print_torque_differences(arm: Robot, other: Robot) -> None:

@@ -3,6 +3,8 @@ checks on an emulator."""
 
 from irb2400_ctrl.codegen.block import Block, CompiledBlock, Field, compile_block
 from irb2400_ctrl.codegen.build import CompiledFunction, FunctionBuffers, compile_function
+from irb2400_ctrl.codegen.controller import HostController
+from irb2400_ctrl.codegen.package import Package
 from irb2400_ctrl.codegen.verification import Verification, export_package
 
 __all__ = [
@@ -11,6 +13,8 @@ __all__ = [
     "CompiledFunction",
     "Field",
     "FunctionBuffers",
+    "HostController",
+    "Package",
     "Verification",
     "compile_block",
     "compile_function",

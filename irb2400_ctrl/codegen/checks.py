@@ -18,23 +18,27 @@ def random_points(package: Package, count: int) -> tuple[Array, Array]:
     """States (count, nx) and inputs (count, nu) inside the bounds; half of them small, where
     friction is steep."""
     rng = np.random.default_rng(20240)
-
-    def draw(fields: tuple[Field, ...]) -> Array:
-        columns = [np.zeros((count, 0))]
-        for f in fields:
-            low = np.array(f.lower) if f.lower else f.start - np.maximum(1.0, np.abs(f.start))
-            high = np.array(f.upper) if f.upper else f.start + np.maximum(1.0, np.abs(f.start))
-            values = low + (high - low) * rng.uniform(0, 1, (count, f.size))
-            near = np.clip(f.start, low, high)
-            shrink = np.where(np.arange(count) % 2, 1.0, 10.0 ** rng.uniform(-4, 0, count))
-            columns.append(near + shrink[:, None] * (values - near))
-        return np.hstack(columns)
-
     held = sum(f.size for f in package.block.outputs)
-    states = np.hstack([draw(package.block.states), np.zeros((count, held))])
+    states = np.hstack([_drawn(rng, package.block.states, count), np.zeros((count, held))])
+    inputs = _drawn(rng, package.block.inputs, count)
     dtype = np.float32 if package.real == "float" else np.float64
     # rounded first: both sides get the very same numbers; towards zero, so that bounds are kept
-    return states.astype(dtype), _inwards(draw(package.block.inputs), dtype)
+    return states.astype(dtype), _inwards(inputs, dtype)
+
+
+def _drawn(rng: np.random.Generator, fields: tuple[Field, ...], count: int) -> Array:
+    """Values of all fields side by side, every other row drawn towards the start values."""
+    columns = [np.zeros((count, 0))]
+    for f in fields:
+        room = np.maximum(1.0, np.abs(f.start))
+        low = np.array(f.lower) if f.lower else f.start - room
+        high = np.array(f.upper) if f.upper else f.start + room
+        values = low + (high - low) * rng.uniform(0, 1, (count, f.size))
+        near = np.clip(f.start, low, high)
+        small = 10.0 ** rng.uniform(-4, 0, count)
+        shrink = np.where(np.arange(count) % 2, 1.0, small)
+        columns.append(near + shrink[:, None] * (values - near))
+    return np.hstack(columns)
 
 
 def _inwards(values: Array, dtype: type[np.floating[Any]]) -> Array:

@@ -166,11 +166,7 @@ def build_firmware(package: Package, target: Target) -> Firmware:
             symbols=_symbols(run("arm-none-eabi-nm", "firmware.elf")),
             code_bytes=code,
             table_bytes=tables,
-            undefined=tuple(
-                sorted(
-                    run("arm-none-eabi-nm", "-u", f"{package.name}.o").replace(" U ", " ").split()
-                )
-            ),
+            undefined=_undefined(run("arm-none-eabi-nm", "-u", f"{package.name}.o")),
             compiler=run("arm-none-eabi-gcc", "--version").splitlines()[0],
             flags=flags,
         )
@@ -179,6 +175,10 @@ def build_firmware(package: Package, target: Target) -> Firmware:
 def _symbols(listing: str) -> dict[str, int]:
     rows = (line.split() for line in listing.splitlines())
     return {row[2]: int(row[0], 16) for row in rows if len(row) == 3}
+
+
+def _undefined(listing: str) -> tuple[str, ...]:
+    return tuple(sorted(listing.replace(" U ", " ").split()))
 
 
 def _sizes(run: Callable[..., str], file: str) -> tuple[int, int]:
@@ -193,8 +193,12 @@ def _sizes(run: Callable[..., str], file: str) -> tuple[int, int]:
 
 def firmware_files(package: Package) -> dict[str, str]:
     """Start-up code and linker script around a package: file name -> text."""
-    name = package.name
-    program = f"""\
+    return {"firmware.c": _start_up(package.name), "firmware.ld": _linker_script()}
+
+
+def _start_up(name: str) -> str:
+    """Vector table, reset handler, and the tick that runs the step."""
+    return f"""\
 /* Start-up and control loop around {name}; the tick's handler runs the step. */
 #include "{name}.h"
 
@@ -248,7 +252,10 @@ __attribute__((section(".vectors"), used)) static const vector_t vectors[16] = {
     [3] = {{ .handler = idle }}, [15] = {{ .handler = tick }}
 }};
 """
-    script = f"""\
+
+
+def _linker_script() -> str:
+    return f"""\
 MEMORY {{
     FLASH (rx) : ORIGIN = {FLASH:#x}, LENGTH = {MEMORY_SIZE:#x}
     RAM (rw) : ORIGIN = {RAM:#x}, LENGTH = {MEMORY_SIZE:#x}
@@ -263,4 +270,3 @@ SECTIONS {{
     /DISCARD/ : {{ *(.ARM.exidx*) *(.ARM.attributes) *(.comment) }}
 }}
 """
-    return {"firmware.c": program, "firmware.ld": script}

@@ -3,7 +3,6 @@ them."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -12,18 +11,18 @@ import numpy as np
 from irb2400_ctrl.codegen import package_pages
 from irb2400_ctrl.codegen.block import Block, Field
 from irb2400_ctrl.codegen.build import Real
-from irb2400_ctrl.codegen.c_text import (
-    clip,
-    described,
-    indented,
-    is_symmetric,
-    joined,
-    plain,
-)
+from irb2400_ctrl.codegen.c_text import indented, is_symmetric, plain
 from irb2400_ctrl.codegen.emit import emit_body
 from irb2400_ctrl.codegen.graph import Bounds, Graph, read_graph, without_saturation
 from irb2400_ctrl.codegen.input_guard import input_guard, table_owners
 from irb2400_ctrl.codegen.own_math import prelude
+from irb2400_ctrl.codegen.package_parts import (
+    default_table,
+    finished,
+    held,
+    init_function,
+    struct,
+)
 from irb2400_ctrl.errors import InputError
 
 _KEYWORDS = frozenset(
@@ -160,10 +159,10 @@ typedef double {name}_real_t;
 #define {upper}_FAULT_INPUT {FAULT_INPUT}u /* an input is not a number or outside its range */
 #define {upper}_FAULT_RESULT {FAULT_RESULT}u /* the result is not finite, for example after wrong parameters */
 
-{self._struct("state", self.state_fields)}
-{self._struct("input", self.block.inputs)}
-{self._struct("output", self.block.outputs)}
-{self._struct("parameters", self.parameter_fields)}
+{struct(name, "state", self.state_fields)}
+{struct(name, "input", self.block.inputs)}
+{struct(name, "output", self.block.outputs)}
+{struct(name, "parameters", self.parameter_fields)}
 /* Gains and limits as designed; pass a table of your own to replace them. */
 extern const {name}_parameters_t {name}_default_parameters;
 
@@ -201,19 +200,19 @@ typedef {name}_real_t real_t;
 #define R(x) ((real_t)(x))
 
 {own}
-{self._defaults()}
+{default_table(name, self.parameter_fields)}
 {input_guard(self.block, self.graph)}
-{self._init()}
+{init_function(self.block)}
 uint32_t {name}_step({name}_state_t *state, const {name}_input_t *input,
     const {name}_parameters_t *parameters, {name}_output_t *output)
 {{
     uint32_t status = inputs_are_valid(input, parameters) ? 0u : {upper}_FAULT_INPUT;
     if (status == 0u) {{
 {indented(body.statements, 8)}
-{self._finish(body.results)}
+{finished(self.block, body.results)}
     }}
     if (status != 0u) {{
-{self._hold()}
+{held(self.block)}
     }}
     return status;
 }}
@@ -233,78 +232,6 @@ uint32_t {name}_step({name}_state_t *state, const {name}_input_t *input,
             ("parameters", self.block.parameters),
         )
         return [f"{struct}->{field.name}" for struct, fields in groups for field in fields]
-
-    def _struct(self, kind: str, fields: Sequence[Field]) -> str:
-        real = f"{self.name}_real_t"
-        # C has no empty struct
-        members = [f"    {real} {f.name}[{f.size}]; /* {described(f)} */" for f in fields]
-        body = "\n".join(members or [f"    {real} unused[1];"])
-        return f"typedef struct {{\n{body}\n}} {self.name}_{kind}_t;\n"
-
-    def _defaults(self) -> str:
-        rows = [
-            f"    {{ {', '.join(f'R({v!r})' for v in map(float, f.start))} }}, /* {f.name} "
-            f"{described(f)} */"
-            for f in self.parameter_fields
-        ] or ["    { R(0.0) }"]
-        return (
-            f"const {self.name}_parameters_t {self.name}_default_parameters = {{\n"
-            + "\n".join(rows)
-            + "\n};\n"
-        )
-
-    def _init(self) -> str:
-        lines = []
-        for field in self.block.states:
-            lines += [
-                f"state->{field.name}[{i}] = R({float(v)!r});" for i, v in enumerate(field.start)
-            ]
-        for field in self.block.outputs:
-            lines += [
-                f"state->held_{field.name}[{i}] = {clip(field, i, 'R(0.0)')};"
-                for i in range(field.size)
-            ]
-        if not any(f.lower or f.upper for f in self.block.outputs):
-            lines.append("(void)parameters;")
-        return (
-            f"void {self.name}_init({self.name}_state_t *state, const {self.name}_parameters_t "
-            "*parameters)\n"
-            f"{{\n{indented(lines, 4)}\n}}\n"
-        )
-
-    def _finish(self, results: Sequence[Sequence[str]]) -> str:
-        """Test the result as a whole, then store it."""
-        upper = self.name.upper()
-        flat = [text for column in results for text in column]
-        n = len(self.block.states)
-        stores = [
-            f"state->{f.name}[{i}] = {r};"
-            for f, c in zip(self.block.states, results, strict=False)
-            for i, r in enumerate(c)
-        ]
-        for field, column in zip(self.block.outputs, results[n:], strict=True):
-            for i, text in enumerate(column):
-                stores.append(f"output->{field.name}[{i}] = {clip(field, i, text)};")
-                stores.append(f"state->held_{field.name}[{i}] = output->{field.name}[{i}];")
-        return (
-            f"        const real_t total = {joined(flat, ' + ', 12)};\n"
-            "        if ((total - total) == R(0.0)) {\n"
-            f"{indented(stores, 12)}\n"
-            "        } else {\n"
-            f"            status = inputs_are_finite(input) ? {upper}_FAULT_RESULT : "
-            f"{upper}_FAULT_INPUT;\n"
-            "        }"
-        )
-
-    def _hold(self) -> str:
-        return indented(
-            (
-                f"output->{f.name}[{i}] = state->held_{f.name}[{i}];"
-                for f in self.block.outputs
-                for i in range(f.size)
-            ),
-            8,
-        )
 
     def initial_input(self) -> np.ndarray:
         """An input inside its bounds, zero where possible; flat."""

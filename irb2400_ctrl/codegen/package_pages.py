@@ -68,14 +68,13 @@ endif()
 
 def readme(block: Block, real: str) -> str:
     """How to call the package."""
+    return f"{_use(block)}{_fields(block)}{_promises(block.name, real)}"
+
+
+def _use(block: Block) -> str:
+    """What it is and a call of it."""
     name = block.name
-    upper = block.name.upper()
-    states = _table(block.states) if block.states else "The block has no state of its own.\n"
-    parameters = (
-        _table(block.parameters)
-        if block.parameters
-        else "The block has no parameters beside the limits.\n"
-    )
+    upper = name.upper()
     return f"""\
 # {name}
 
@@ -107,6 +106,18 @@ void every_sample(const {name}_input_t *measured, {name}_output_t *command)
 `main.c` is a whole program: `cc -std=c99 {name}.c main.c -o example && ./example`,
 or `cmake -B build && cmake --build build`.
 
+"""
+
+
+def _fields(block: Block) -> str:
+    """Every input, output, state and parameter."""
+    states = _table(block.states) if block.states else "The block has no state of its own.\n"
+    parameters = (
+        _table(block.parameters)
+        if block.parameters
+        else "The block has no parameters beside the limits.\n"
+    )
+    return f"""\
 ## Inputs
 
 {_table(block.inputs)}
@@ -119,6 +130,13 @@ or `cmake -B build && cmake --build build`.
 ## Parameters
 
 {parameters}
+"""
+
+
+def _promises(name: str, real: str) -> str:
+    """How to change a limit, and what holds at every call."""
+    upper = name.upper()
+    return f"""\
 Bounds from the tables above stand beside the parameters: `<field>_limit` where they are symmetric, else `<field>_min`
 and `<field>_max`; inputs with the same unit and bounds share those of the first. To change a gain or a limit, copy
 `{name}_default_parameters` into a table of your own and pass that.

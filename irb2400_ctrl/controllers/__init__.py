@@ -8,9 +8,11 @@ from irb2400_ctrl.controllers.gravity_pd import gravity_pd
 from irb2400_ctrl.controllers.guard import guarded
 from irb2400_ctrl.controllers.momentum import momentum_observer
 from irb2400_ctrl.controllers.registry import CONTROLLERS, controller
+from irb2400_ctrl.controllers.timing import Timing
 
 __all__ = [
     "CONTROLLERS",
+    "Timing",
     "adaptive",
     "computed_torque",
     "computed_torque_integral",

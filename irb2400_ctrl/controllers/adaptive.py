@@ -1,4 +1,21 @@
-"""Adaptive computed torque: learns the payload and the dry friction while the arm moves."""
+"""Adaptive computed torque: learns the payload and the dry friction while the arm moves.
+
+With the true values theta* the tracking error e = q_ref - q obeys
+
+    e'' + Kd e' + Kp e = M(q)^-1 Y (theta* - theta).
+
+Where M is constant and diagonal and Kd > slope (damping above 1/2), (p + slope) / (p^2 + Kd p + Kp)
+is strictly positive real, and the gradient law drives e to zero. For an arm, whose M couples its
+joints and changes, that is no proof: the law relies on learning slowly beside the error's own
+motion (`adaptation_time` times `bandwidth` well above 1). theta goes to theta* only where the
+motion excites it, and nothing bounds it.
+
+Source: adaptive computed torque with a gradient law, the class of Craig, Hsu and Sastry, Int. J.
+Robotics Research 6(2), 1987, but with the regressor at the commanded acceleration instead of the
+measured one, and without the inverse of the estimated M in front of s. It is not the law of Slotine
+and Li (1987), whose regressor takes a reference speed and which is stable for any M(q) by
+passivity.
+"""
 
 from __future__ import annotations
 
@@ -31,14 +48,13 @@ def adaptive(
     damping: ArrayLike = 1.0,
     adaptation_time: float = 0.3,
 ) -> Block:
-    """tau = tau_ct + Y theta,  d theta/dt = Gamma Y^T s,  s = ed + bandwidth e (gradient law,
-    Slotine and Li 1987).
+    """tau = tau_ct(q, qd, a) + Y(q, qd, a) theta,  d theta/dt = Gamma Y^T s,  s = ed + slope e,
+    a = qdd_ref + Kd ed + Kp e the commanded acceleration, e = q_ref - q.
 
     theta holds what a robot in use changes: the load at the flange (m, m c) and each joint's
     Coulomb friction. Unlike an integrator it keeps what it has learned when pose and direction
-    change. Y is the model's regressor at (q, qd, commanded acceleration), friction in the direction
-    of the reference. Learning stops while a joint is at its torque limit, and at rest, where static
-    friction would teach it anything.
+    change; friction acts in the direction of the reference. Learning stops while a joint is at its
+    torque limit, and at rest, where static friction would teach it anything.
 
     Args:
         bandwidth, damping: of the error, as in `computed_torque`.
@@ -47,29 +63,7 @@ def adaptive(
     if not adaptation_time > 0:
         raise InputError(f"adaptation_time is {adaptation_time} s; expected a positive time")
     model = Compensation(robot, sample_time)
-    kp, kd = pd_gains(robot, bandwidth, damping)
-    size = PAYLOAD + robot.n
     regressor = _regressor(robot)
-    rate = _rates(robot, regressor, typical_inertia(robot) * kd.start, adaptation_time)
-    parameters = (
-        kp,
-        kd,
-        Field(
-            "rate",
-            size,
-            "theta^2/(Nm rad)",
-            "learning rates, the diagonal of Gamma",
-            tuple(rate.tolist()),
-        ),
-        gain(robot, "slope", "1/s", "weight of the angle error in s", np.sqrt(kp.start)),
-        *model.parameters,
-    )
-    theta = Field(
-        "theta",
-        size,
-        "kg, kg m, Nm",
-        "learned load (m, m c) and Coulomb friction, added to the model's",
-    )
 
     def law(v: Values) -> Values:
         error = v["q_ref"] - v["q"]
@@ -83,15 +77,44 @@ def adaptive(
         heard = going * (tau == asked) * (speed_error + v["slope"] * error)
         return {"tau": tau, "theta": v["theta"] + sample_time * v["rate"] * (Y.T @ heard), **after}
 
+    gains = _gains(robot, regressor, bandwidth, damping, adaptation_time)
     return assemble(
         "adaptive",
         "computed torque that learns load and dry friction",
         sample_time,
         law,
-        states=(theta, *model.states),
+        states=(_theta(robot), *model.states),
         inputs=signals_in(robot),
         outputs=torque_out(robot),
-        parameters=parameters,
+        parameters=(*gains, *model.parameters),
+    )
+
+
+def _theta(robot: Robot) -> Field:
+    doc = "learned load (m, m c) and Coulomb friction, added to the model's"
+    return Field("theta", PAYLOAD + robot.n, "kg, kg m, Nm", doc)
+
+
+def _gains(
+    robot: Robot,
+    regressor: ca.Function,
+    bandwidth: ArrayLike,
+    damping: ArrayLike,
+    adaptation_time: float,
+) -> tuple[Field, ...]:
+    kp, kd = pd_gains(robot, bandwidth, damping)
+    rate = _rates(robot, regressor, typical_inertia(robot) * kd.start, adaptation_time)
+    return (
+        kp,
+        kd,
+        Field(
+            "rate",
+            PAYLOAD + robot.n,
+            "theta^2/(Nm rad)",
+            "learning rates, the diagonal of Gamma",
+            tuple(rate.tolist()),
+        ),
+        gain(robot, "slope", "1/s", "weight of the angle error in s", np.sqrt(kp.start)),
     )
 
 

@@ -27,7 +27,6 @@ from irb2400_ctrl.controllers.stribeck import bell, fade
 from irb2400_ctrl.effects import Effect
 from irb2400_ctrl.effects.memory import next_memory
 from irb2400_ctrl.model import Model
-from irb2400_ctrl.model.elasticity import TRANSMISSIONS
 from irb2400_ctrl.robot import Robot
 
 BREAKAWAY = 0.0045
@@ -59,7 +58,7 @@ class Compensation:
         An elastic joint counts as rigid: its spring would need the derivatives of the acceleration.
         """
         return tuple(
-            e for e in self.robot.effects if e.role == "force" and e.kind not in TRANSMISSIONS
+            e for e in self.robot.effects if e.role == "force" and e.acts != "transmission"
         )
 
     @cached_property

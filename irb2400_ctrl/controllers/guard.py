@@ -11,6 +11,11 @@ from irb2400_ctrl.controllers.parts import Values, assemble, gain
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.robot import Robot
 
+FRESH = Field(
+    "fresh", 1, "-", "1: measured anew, 0: the sample was lost", lower=(0.0,), upper=(1.0,)
+)
+BRAKE = Field("brake", 1, "-", "1: close the brakes", lower=(0.0,), upper=(1.0,))
+
 
 def guarded(
     block: Block,
@@ -37,6 +42,43 @@ def guarded(
         start_time: [s].
         most_lost: samples that may be missing in a row.
     """
+    _check(block, start_time, most_lost)
+    T = block.sample_time
+    share = 1.0 if start_time < T else T / start_time
+
+    def law(v: Values) -> Values:
+        seen = _carried_on(v, T)
+        braked = ca.fmax(v["braked"], seen["lost"] > most_lost)
+        inner = {**v, "q": seen["q"], "qd": seen["qd"]}
+        taken = (*block.states, *block.inputs, *block.parameters)
+        results = block.step.call([inner[f.name] for f in taken], True, False)
+        after = dict(zip((f.name for f in block.states), results, strict=False))
+        tau = _guarded_torque(v, results[-1], braked, T)
+        return {
+            **after,
+            "tau": tau,
+            "brake": braked,
+            "tau_last": tau,
+            "q_last": seen["q"],
+            "qd_last": seen["qd"],
+            "lost": seen["lost"],
+            "braked": braked,
+            "blend": ca.fmin(v["blend"] + share, 1.0),
+        }
+
+    return assemble(
+        f"guarded_{block.name}",
+        f"{block.doc}, with guards",
+        T,
+        law,
+        states=(*block.states, *_states(robot.n)),
+        inputs=(*block.inputs, FRESH),
+        outputs=(*block.outputs, BRAKE),
+        parameters=(*block.parameters, *_parameters(robot, torque_rate)),
+    )
+
+
+def _check(block: Block, start_time: float, most_lost: int) -> None:
     names = [f.name for f in block.inputs]
     if "q" not in names or "qd" not in names or [f.name for f in block.outputs] != ["tau"]:
         raise InputError(
@@ -48,10 +90,10 @@ def guarded(
             f"start_time {start_time} s, most_lost {most_lost}; expected values that are not "
             "negative"
         )
-    n = robot.n
-    T = block.sample_time
-    states = (
-        *block.states,
+
+
+def _states(n: int) -> tuple[Field, ...]:
+    return (
         Field("tau_last", n, "Nm", "last command"),
         Field("q_last", n, "rad", "last angle, measured or carried on"),
         Field("qd_last", n, "rad/s", "last measured speed"),
@@ -59,60 +101,30 @@ def guarded(
         Field("braked", 1, "-", "1 from the first time that too many were lost"),
         Field("blend", 1, "-", "share of the controller in the torque"),
     )
-    parameters = (
-        *block.parameters,
-        Field("hold", n, "Nm", "torque at which the brake is released"),
+
+
+def _parameters(robot: Robot, torque_rate: ArrayLike) -> tuple[Field, ...]:
+    return (
+        Field("hold", robot.n, "Nm", "torque at which the brake is released"),
         gain(robot, "torque_rate", "Nm/s", "largest change of the command", torque_rate),
     )
-    share = 1.0 if start_time < T else T / start_time
 
-    def law(v: Values) -> Values:
-        fresh = v["fresh"] > 0.5
-        q = ca.if_else(fresh, v["q"], v["q_last"] + T * v["qd_last"])
-        qd = ca.if_else(fresh, v["qd"], v["qd_last"])
-        lost = ca.if_else(fresh, 0, v["lost"] + 1)
-        braked = ca.fmax(v["braked"], lost > most_lost)
-        inner = {**v, "q": q, "qd": qd}
-        taken = (*block.states, *block.inputs, *block.parameters)
-        results = block.step.call([inner[f.name] for f in taken], True, False)
-        wanted = v["hold"] + v["blend"] * (results[-1] - v["hold"])
-        # before the first step the brake holds the arm: the rate counts from there
-        last = ca.if_else(v["blend"] > 0, v["tau_last"], v["hold"])
-        step = T * v["torque_rate"]
-        tau = ca.if_else(braked, last, last + ca.fmin(ca.fmax(wanted - last, -step), step))
-        after = dict(zip((f.name for f in block.states), results, strict=False))
-        return {
-            **after,
-            "tau": tau,
-            "brake": braked,
-            "tau_last": tau,
-            "q_last": q,
-            "qd_last": qd,
-            "lost": lost,
-            "braked": braked,
-            "blend": ca.fmin(v["blend"] + share, 1.0),
-        }
 
-    return assemble(
-        f"guarded_{block.name}",
-        f"{block.doc}, with guards",
-        T,
-        law,
-        states=states,
-        inputs=(
-            *block.inputs,
-            Field(
-                "fresh",
-                1,
-                "-",
-                "1: measured anew, 0: the sample was lost",
-                lower=(0.0,),
-                upper=(1.0,),
-            ),
-        ),
-        outputs=(
-            *block.outputs,
-            Field("brake", 1, "-", "1: close the brakes", lower=(0.0,), upper=(1.0,)),
-        ),
-        parameters=parameters,
-    )
+def _carried_on(v: Values, T: float) -> Values:
+    """The measurement, or the last one carried on with its speed; samples lost in a row."""
+    fresh = v["fresh"] > 0.5
+    return {
+        "q": ca.if_else(fresh, v["q"], v["q_last"] + T * v["qd_last"]),
+        "qd": ca.if_else(fresh, v["qd"], v["qd_last"]),
+        "lost": ca.if_else(fresh, 0, v["lost"] + 1),
+    }
+
+
+def _guarded_torque(v: Values, own: ca.SX, braked: ca.SX, T: float) -> ca.SX:
+    """The controller's own torque, blended in, limited in its rate, held once braked."""
+    wanted = v["hold"] + v["blend"] * (own - v["hold"])
+    # before the first step the brake holds the arm: the rate counts from there
+    last = ca.if_else(v["blend"] > 0, v["tau_last"], v["hold"])
+    step = T * v["torque_rate"]
+    limited = last + ca.fmin(ca.fmax(wanted - last, -step), step)
+    return ca.if_else(braked, last, limited)

@@ -47,10 +47,12 @@ def linearize(robot: Robot, q: Array, qd: Array | None = None, tau: Array | None
         tau = load + robot.friction[:, 2] * qd
     x = ca.SX.sym("x", 2 * (n + k))
     u = ca.SX.sym("u", n)
-    slopes = ca.Function("slopes", [x, u], [ca.jacobian(arm_rate(robot, x, u), s) for s in (x, u)])
+    rate = arm_rate(robot, x, u)
+    slopes = ca.Function("slopes", [x, u], [ca.jacobian(rate, x), ca.jacobian(rate, u)])
     at = np.concatenate([q, link[soft], qd, qd[soft]])
     A, B = (np.asarray(ca.densify(m)) for m in slopes.call([at, tau]))
-    C = np.eye(2 * (n + k))[[*range(n), *range(n + k, 2 * n + k)]]
+    actuators = [*range(n), *range(n + k, 2 * n + k)]
+    C = np.eye(2 * (n + k))[actuators]
     return control.ss(A, B, C, np.zeros((2 * n, n)))
 
 

@@ -16,10 +16,11 @@ from irb2400_ctrl.diagnosis.comparison.criteria import Criteria
 from irb2400_ctrl.diagnosis.comparison.scan import Scan
 from irb2400_ctrl.diagnosis.comparison.selection import Selection, reversal_rows
 from irb2400_ctrl.diagnosis.comparison.step import Step
-from irb2400_ctrl.diagnosis.diagnosis import Comparison, Curve, Diagnosis, Finding, Unexplained
+from irb2400_ctrl.diagnosis.curves import UNITS, binned_curve
+from irb2400_ctrl.diagnosis.diagnosis import Comparison, Diagnosis, Finding, Unexplained
 from irb2400_ctrl.diagnosis.estimation.candidate import Candidate
 from irb2400_ctrl.diagnosis.estimation.fit import Fit, Fitter, noisy_reversals_masked
-from irb2400_ctrl.diagnosis.preparation.base_prior import Nuisance, Uncertainty
+from irb2400_ctrl.diagnosis.preparation.base_prior import BasePrior, Uncertainty
 from irb2400_ctrl.diagnosis.preparation.metrics import errors, noise_floor
 from irb2400_ctrl.diagnosis.regressors.bases import Bases
 from irb2400_ctrl.diagnosis.regressors.predict import effect_torque, predicted_torque
@@ -75,14 +76,16 @@ def diagnose(
         progress("prepare")
         motion = prepare(log)
         bases = _bases(robot.bare())
-        nuisance = Nuisance.of(robot, Uncertainty() if uncertainty is None else uncertainty, motion)
+        base_prior = BasePrior.of(
+            robot, Uncertainty() if uncertainty is None else uncertainty, motion
+        )
         if reference is not None:
-            nuisance = _referred(nuisance, bases, prepare(reference))
-        Z = motion.filtered(nuisance.columns(bases.model, motion))
+            base_prior = _referred(base_prior, bases, prepare(reference))
+        Z = motion.filtered(base_prior.columns(bases.model, motion))
         load = bases.model.inverse_dynamics(motion.q, motion.qd, motion.qdd, friction=False)
         progress("scan")
         reversal = reversal_rows(motion)
-        offset = nuisance.offset(bases.model, motion)
+        offset = base_prior.offset(bases.model, motion)
         first = Fitter(robot, bases, motion, Z, reversal, offset).fit([])
         motion = noisy_reversals_masked(motion, first, reversal)
         scan = Scan(bases, motion, load)
@@ -91,7 +94,7 @@ def diagnose(
         progress("conclude")
         return _concluded(
             robot,
-            nuisance,
+            base_prior,
             motion,
             load,
             bases,
@@ -101,13 +104,15 @@ def diagnose(
         )
 
 
-def _referred(nuisance: Nuisance, bases: Bases, motion: PreparedLog) -> Nuisance:
+def _referred(base_prior: BasePrior, bases: Bases, motion: PreparedLog) -> BasePrior:
     """The arm's numbers as a log without anything wrong settles them, with what uncertainty it
     leaves."""
-    Z = motion.filtered(nuisance.columns(bases.model, motion))
-    fit = Fitter(nuisance.robot, bases, motion, Z, reversal_rows(motion)).fit([])
+    Z = motion.filtered(base_prior.columns(bases.model, motion))
+    fit = Fitter(base_prior.robot, bases, motion, Z, reversal_rows(motion)).fit([])
     # the arm of another day is never quite the same: friction moves with temperature
-    return replace(nuisance, centre=fit.z, spread=np.maximum(INFLATION * fit.z_sigma, LEAST_SPREAD))
+    return replace(
+        base_prior, centre=fit.z, spread=np.maximum(INFLATION * fit.z_sigma, LEAST_SPREAD)
+    )
 
 
 @lru_cache(maxsize=4)
@@ -122,7 +127,7 @@ def _bases(robot: Robot) -> Bases:
 
 def _concluded(
     robot: Robot,
-    nuisance: Nuisance,
+    base_prior: BasePrior,
     motion: PreparedLog,
     load: Array,
     bases: Bases,
@@ -130,7 +135,7 @@ def _concluded(
     fit: Fit,
     validation: PreparedLog | None,
 ) -> Diagnosis:
-    fresh = nuisance.updated(nuisance.deviations(fit.z))
+    fresh = base_prior.updated(base_prior.deviations(fit.z))
     recalibrated = fresh.model_copy(update={"effects": robot.effects})
     augmented = Robot.model_validate({**dict(fresh), "effects": (*robot.effects, *fit.effects)})
     # what began in the middle of one record is there all through the next
@@ -153,7 +158,7 @@ def _concluded(
         robot=later,
         findings=_findings(steps, fit, motion, load, bases),
         unexplained=_unexplained(steps, fit, motion, load),
-        recalibrated=_recalibrated(nuisance, fit, later),
+        recalibrated=_recalibrated(base_prior, fit, later),
         identification=compared[0],
         validation=None if validation is None else compared[1],
         noise_floor=floor,
@@ -202,15 +207,15 @@ def _findings(
                     gain=step.gain,
                     margin=step.margin,
                     share=share,
-                    curve=_curve(
+                    curve=binned_curve(
                         motion,
                         load,
                         joint,
-                        effect.abscissa,
+                        effect.drawing.abscissa,
                         torque[:, joint],
                         fit.residual[:, joint],
                         period=effect.period,
-                        turned=effect.against_motion,
+                        turned=effect.drawing.against_motion,
                     ),
                 )
             )
@@ -233,22 +238,19 @@ def _standard_errors(fit: Fit, place: int, candidate: Candidate) -> dict[str, fl
 def _unexplained(
     steps: Sequence[Step], fit: Fit, motion: PreparedLog, load: Array
 ) -> tuple[Unexplained, ...]:
-    """Generic laws, one entry per joint."""
+    """Non-parametric laws, one entry per joint."""
     by_joint: dict[int, list[tuple[Step, Array]]] = {}
-    generic = iter(fit.generic)
+    non_parametric = iter(fit.non_parametric)
     for step in steps:
         if not step.candidate.known:
-            by_joint.setdefault(step.candidate.joint or 1, []).append((step, next(generic)))
+            by_joint.setdefault(step.candidate.joint or 1, []).append((step, next(non_parametric)))
     found = []
     for joint, parts in by_joint.items():
         torque = np.sum([tau for _, tau in parts], axis=0)[:, joint - 1]
+        residual = fit.residual[:, joint - 1]
         first = max(parts, key=lambda part: part[0].gain)[0]
         candidate: Candidate = first.candidate
-        signal = (
-            candidate.depends_on[0]
-            if candidate.depends_on[0] in {"q", "qd", "qdd", "load", "time"}
-            else "time"
-        )
+        signal = candidate.depends_on[0] if candidate.depends_on[0] in UNITS else "time"
         found.append(
             Unexplained(
                 joint=joint,
@@ -256,62 +258,19 @@ def _unexplained(
                 rmse=float(np.sqrt(np.mean(torque**2))),
                 confidence=confidence(first),
                 description=candidate.name,
-                curve=_curve(motion, load, joint - 1, signal, torque, fit.residual[:, joint - 1]),
+                curve=binned_curve(motion, load, joint - 1, signal, torque, residual),
             )
         )
     return tuple(found)
 
 
-_UNITS = {"q": "rad", "qd": "rad/s", "qdd": "rad/s2", "load": "Nm", "time": "s"}
-
-
-def _curve(
-    motion: PreparedLog,
-    load: Array,
-    joint: int,
-    signal: str,
-    law: Array,
-    residual: Array,
-    *,
-    period: float | None = None,
-    turned: bool = False,
-    bins: int = 40,
-) -> Curve:
-    """Binned torque over a signal of the joint (zero-based), folded to one period if it has one;
-    with a 95 % band.
-
-    `turned`: the torque of backward motion is turned over, so that friction of both directions lies
-    on one curve.
-    """
-    if turned:
-        sign = np.sign(motion.at_rows(motion.qd[:, joint]))
-        law = sign * law
-        residual = sign * residual
-    sources = {"q": motion.q, "qd": motion.qd, "qdd": motion.qdd, "load": load}
-    x = motion.row_time if signal == "time" else motion.at_rows(sources[signal][:, joint])
-    x = x if period is None else np.mod(x, period)
-    unit = _UNITS[signal] + ("" if period is None else ", within one period")
-    rows = motion.row_known[:, joint]
-    x, law, seen = x[rows], law[rows], (law + residual)[rows]
-    edges = np.linspace(x.min(), x.max() + 1e-12, bins + 1) if len(x) else np.zeros(1)
-    place = np.clip(np.digitize(x, edges) - 1, 0, bins - 1)
-    used = [k for k in range(bins) if (place == k).sum() >= 3]
-    middle = np.array([x[place == k].mean() for k in used])
-    mean = np.array([seen[place == k].mean() for k in used])
-    error = np.array([2.0 * seen[place == k].std() / np.sqrt((place == k).sum()) for k in used])
-    line = np.array([law[place == k].mean() for k in used])
-    for array in (middle, mean, line):
-        array.setflags(write=False)
-    return Curve(joint + 1, signal, unit, middle, mean, mean - error, mean + error, line, turned)
-
-
-def _recalibrated(nuisance: Nuisance, fit: Fit, robot: Robot) -> dict[str, Any]:
+def _recalibrated(base_prior: BasePrior, fit: Fit, robot: Robot) -> dict[str, Any]:
     """New values, all joints, of the terms where some value moved further than its own
     uncertainty."""
     n = robot.n
     found: dict[str, Any] = {}
-    z = nuisance.deviations(fit.z)
-    spread = 1.0 if nuisance.spread is None else nuisance.spread
+    z = base_prior.deviations(fit.z)
+    spread = 1.0 if base_prior.spread is None else base_prior.spread
     moved = (np.abs(z) > 1.0) & (np.abs(z) > 2.0 * spread * fit.z_sigma)
     coulomb, viscous, _ = moved[-3 * n :].reshape(3, n)
     if coulomb.any():

@@ -75,14 +75,14 @@ class Finding:
     @property
     def splits(self) -> str:
         """What to measure to exclude the alternatives."""
-        return self.effect.splits if self.alternatives else ""
+        return self.effect.ambiguity.splits if self.alternatives else ""
 
     def to_json(self) -> dict[str, Any]:
         """As in findings.json."""
         return {
             "kind": self.effect.kind,
             "joint": self.effect.joint,
-            "parameters": _plain(self.effect.parameters()),
+            "parameters": _plain(_as_in_files(self.effect.parameters())),
             "standard_errors": _plain(dict(self.standard_errors)),
             "confidence": round(self.confidence, 3),
             "alternatives": list(self.alternatives),
@@ -92,6 +92,11 @@ class Finding:
             "margin": round(self.margin, 1),
             "share_of_torque": [round(float(v), 5) for v in self.share],
         }
+
+
+def _as_in_files(parameters: Mapping[str, Any]) -> dict[str, Any]:
+    """findings.json keeps the name `shape` of the discrepancy."""
+    return {("shape" if k == "discrepancy" else k): v for k, v in parameters.items()}
 
 
 @dataclass(frozen=True)

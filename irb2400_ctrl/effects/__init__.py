@@ -1,90 +1,64 @@
-"""Physical effects that the base model may lack, one file each."""
+"""Physical effects that the base model may lack, one file each; users' own beside them."""
 
 from __future__ import annotations
 
-from typing import Annotated
+import importlib
+import pkgutil
+from typing import Annotated, Any
 
-from pydantic import Field
+from pydantic import BeforeValidator, SerializeAsAny
 
-from irb2400_ctrl.effects.added_body import LinkInertia, Payload
-from irb2400_ctrl.effects.balancer import Balancer
-from irb2400_ctrl.effects.base import Effect, Signals
-from irb2400_ctrl.effects.base_tilt import BaseTilt
-from irb2400_ctrl.effects.cable_spring import CableSpring
-from irb2400_ctrl.effects.coulomb_asymmetry import CoulombAsymmetry
-from irb2400_ctrl.effects.coulomb_change import CoulombChange
-from irb2400_ctrl.effects.elastic_joint import ElasticJoint
-from irb2400_ctrl.effects.encoder_zero import EncoderZero
-from irb2400_ctrl.effects.gear_ripple import GearRipple
-from irb2400_ctrl.effects.hysteresis import Hysteresis
-from irb2400_ctrl.effects.linkage_inertia import LinkageInertia
-from irb2400_ctrl.effects.load_friction import LoadFriction
-from irb2400_ctrl.effects.process_force import ProcessForce
-from irb2400_ctrl.effects.rotor_inertia import RotorInertia
-from irb2400_ctrl.effects.time_delay import TimeDelay
-from irb2400_ctrl.effects.torque_gain import TorqueGain
-from irb2400_ctrl.effects.torque_offset import TorqueOffset
-from irb2400_ctrl.effects.transmission_backlash import TransmissionBacklash
-from irb2400_ctrl.effects.viscous_change import ViscousChange
-from irb2400_ctrl.effects.viscous_power import ViscousPower
-from irb2400_ctrl.effects.viscous_warmup import ViscousWarmup
-from irb2400_ctrl.effects.wrist_coupling import WristCoupling
+from irb2400_ctrl.effects import registry
+from irb2400_ctrl.effects.ambiguity import Ambiguity
+from irb2400_ctrl.effects.base import Effect, Signals, Transmission
+from irb2400_ctrl.effects.drawing import Drawing
+from irb2400_ctrl.effects.prior import Prior
+from irb2400_ctrl.effects.registry import load_effects, users_files
+from irb2400_ctrl.effects.search import Search
+from irb2400_ctrl.errors import InputError
 
-LIBRARY: dict[str, type[Effect]] = {
-    effect.model_fields["kind"].default: effect
-    for effect in (
-        Balancer,
-        BaseTilt,
-        CableSpring,
-        CoulombAsymmetry,
-        CoulombChange,
-        ElasticJoint,
-        EncoderZero,
-        GearRipple,
-        Hysteresis,
-        LinkInertia,
-        LinkageInertia,
-        LoadFriction,
-        Payload,
-        ProcessForce,
-        RotorInertia,
-        TimeDelay,
-        TorqueGain,
-        TorqueOffset,
-        TransmissionBacklash,
-        ViscousChange,
-        ViscousPower,
-        ViscousWarmup,
-        WristCoupling,
-    )
-}
+# a file in this folder is enough: its classes register themselves
+for _module in pkgutil.iter_modules(__path__):
+    importlib.import_module(f"{__name__}.{_module.name}")
 
-AnyEffect = Annotated[
-    Balancer
-    | BaseTilt
-    | CableSpring
-    | CoulombAsymmetry
-    | CoulombChange
-    | ElasticJoint
-    | EncoderZero
-    | GearRipple
-    | Hysteresis
-    | LinkInertia
-    | LinkageInertia
-    | LoadFriction
-    | Payload
-    | ProcessForce
-    | RotorInertia
-    | TimeDelay
-    | TorqueGain
-    | TorqueOffset
-    | TransmissionBacklash
-    | ViscousChange
-    | ViscousPower
-    | ViscousWarmup
-    | WristCoupling,
-    Field(discriminator="kind"),
+LIBRARY: dict[str, type[Effect]] = registry.LIBRARY
+"""kind -> class, the library's own and the user's, in the order of the kinds"""
+
+
+def effect_class(kind: object) -> type[Effect]:
+    """The class of a kind.
+
+    Raises:
+        InputError: not defined; lists what is.
+    """
+    found: type[Effect] = registry.effect_class(kind)
+    return found
+
+
+def _of_its_kind(value: Any) -> Any:
+    """A table of a file as the effect that its `kind` names."""
+    if not isinstance(value, dict):
+        return value
+    try:
+        return effect_class(value.get("kind")).model_validate(value)
+    except InputError as error:
+        raise ValueError(str(error)) from error
+
+
+AnyEffect = Annotated[SerializeAsAny[Effect], BeforeValidator(_of_its_kind)]
+"""what a robot file may hold under [[effects]]: any kind of `LIBRARY`"""
+
+__all__ = [
+    "LIBRARY",
+    "Ambiguity",
+    "AnyEffect",
+    "Drawing",
+    "Effect",
+    "Prior",
+    "Search",
+    "Signals",
+    "Transmission",
+    "effect_class",
+    "load_effects",
+    "users_files",
 ]
-"""what a robot file may hold under [[effects]]"""
-
-__all__ = ["LIBRARY", "AnyEffect", "Effect", "Signals"]

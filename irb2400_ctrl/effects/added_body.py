@@ -4,14 +4,17 @@ from __future__ import annotations
 
 import math
 from abc import abstractmethod
-from collections.abc import Sequence
-from typing import Annotated, ClassVar, Literal, Self
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import Annotated, Any, ClassVar, Literal, Self
 
 import casadi as ca
 import numpy as np
 from pydantic import Field
 
-from irb2400_ctrl.effects.base import Acts, Effect, Signals
+from irb2400_ctrl.effects.ambiguity import MASS, Ambiguity
+from irb2400_ctrl.effects.base import Acts, Array, Effect, Signals
+from irb2400_ctrl.effects.prior import Prior
 
 Vector3 = Annotated[
     tuple[float, float, float], Field(description="in the frame of the body that carries it")
@@ -29,14 +32,9 @@ class AddedBody(Effect):
     qd, qdd) phi."""
 
     acts: ClassVar[Acts] = "parameters"
-    group: ClassVar[str] = "mass"
-    splits: ClassVar[str] = "wide ranges of the axes behind it, high accelerations"
-
-    usual: ClassVar[dict[str, tuple[float, float]]] = {"com_m": (0.0, 0.25), "mass_kg": (0.0, 10.0)}
-    expected: ClassVar[tuple[tuple[float, float], ...]] = (
-        (0.0, 10.0),
-        *[(0.0, 3.0)] * 3,
-        *[(0.0, 1.0)] * 6,
+    prior: ClassVar[Prior] = Prior(
+        coefficients=((0.0, 10.0), *[(0.0, 3.0)] * 3, *[(0.0, 1.0)] * 6),
+        fields={"com_m": (0.0, 0.25), "mass_kg": (0.0, 10.0)},
     )
 
     mass_kg: float = Field(description="mass m, negative for one that is missing [kg]")
@@ -45,6 +43,9 @@ class AddedBody(Effect):
     @abstractmethod
     def carrier(self, n: int) -> int:
         """Number of the carrying link, n + 1 for the flange frame."""
+
+    def body(self, n: int) -> tuple[int, Array]:
+        return self.carrier(n), np.array(self.coefficients())
 
     def basis(self, s: Signals) -> ca.SX:
         return s.regressor(self.carrier(s.q.numel()))
@@ -69,12 +70,15 @@ class AddedBody(Effect):
 
 
 class Payload(AddedBody):
-    """A mass at the flange that the tool data do not contain (frame: flange, eq. 9)."""
+    """tau = Y phi(m, c) of a mass at the flange that the tool data do not contain (frame: flange,
+    eq. 9)."""
 
     sentence: ClassVar[str] = (
         "the robot carries more (or less) at its flange than its tool data say"
     )
     whole_arm: ClassVar[bool] = True
+    example: ClassVar[Mapping[str, Any]] = {"mass_kg": 5.0, "com_m": (0.03, 0.02, 0.1)}
+    ambiguity: ClassVar[Ambiguity] = replace(MASS, change_of=("tool",))
 
     kind: Literal["payload"] = "payload"
 
@@ -83,9 +87,12 @@ class Payload(AddedBody):
 
 
 class LinkInertia(AddedBody):
-    """A mass on a link that the link data do not contain (frame: that link)."""
+    """tau = Y phi(m, c) of a mass on a link that the link data do not contain (frame: that
+    link)."""
 
     sentence: ClassVar[str] = "a link of the robot is heavier or lighter than its data say"
+    example: ClassVar[Mapping[str, Any]] = {"mass_kg": 5.0, "com_m": (0.15, 0.05, 0.1)}
+    ambiguity: ClassVar[Ambiguity] = replace(MASS, change_of=("link",))
 
     kind: Literal["link_inertia"] = "link_inertia"
 

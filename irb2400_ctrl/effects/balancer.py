@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from typing import ClassVar, Literal, Self
+from collections.abc import Mapping, Sequence
+from typing import Any, ClassVar, Literal, Self
 
 import casadi as ca
 from pydantic import Field
 
+from irb2400_ctrl.effects.ambiguity import GAIN, Ambiguity
 from irb2400_ctrl.effects.base import Effect, Signals
+from irb2400_ctrl.effects.prior import Prior
 
 
 class Balancer(Effect):
@@ -20,16 +22,12 @@ class Balancer(Effect):
     distance; T > 0 pulls towards q_0.
     """
 
-    group: ClassVar[str] = "gain"
-    splits: ClassVar[str] = "a second payload, higher accelerations"
     sentence: ClassVar[str] = (
         "a balancing spring or gas cylinder helps the axis to carry its weight"
     )
-
-    usual: ClassVar[dict[str, tuple[float, float]]] = {
-        "lever_ratio": (0.3, 0.15),
-        "free_ratio": (0.5, 0.3),
-    }
+    example: ClassVar[Mapping[str, Any]] = {"torque_Nm": 100.0, "free_ratio": 0.45}
+    ambiguity: ClassVar[Ambiguity] = GAIN
+    prior: ClassVar[Prior] = Prior(fields={"lever_ratio": (0.3, 0.15), "free_ratio": (0.5, 0.3)})
 
     kind: Literal["balancer"] = "balancer"
     torque_Nm: float = Field(gt=0, description="stiffness times both lever arms T [Nm]")
@@ -47,7 +45,7 @@ class Balancer(Effect):
         length = ca.sqrt(1 + rho**2 - 2 * rho * ca.cos(d))
         return self.on((1 - self.free_ratio * (1 - rho) / length) * ca.sin(d), s.q.numel())
 
-    def departures(self, s: Signals) -> ca.SX:
+    def discrepancy_basis(self, s: Signals) -> ca.SX:
         d = s.q[self.index] - self.neutral_rad
         n = s.q.numel()
         return ca.horzcat(

@@ -7,21 +7,39 @@ Every effect is written once, in *regressor form*
 so that one definition serves the plant and the controller (`torque`), the diagnosis (`basis`,
 `from_coefficients`) and the robot file (the fields of the class). tau_effect is torque that the
 actuators must supply *in addition*, the same sign as the friction of eq. 56.
+
+The class is the physics; what else is said about a kind stands beside it as frozen values: `prior`
+(what is known of its numbers), `search` (how a diagnosis looks for it), `ambiguity` (what it is
+taken for), `drawing`. Nothing about a kind stands anywhere else: a new effect is one file, here or
+the user's own (`registry`).
 """
 
 from __future__ import annotations
 
+import inspect
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import Any, ClassVar, Literal, Protocol, Self
 
 import casadi as ca
 import numpy as np
 import numpy.typing as npt
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import AliasChoices, BaseModel, ConfigDict, Field
+
+from irb2400_ctrl.effects.ambiguity import Ambiguity
+from irb2400_ctrl.effects.drawing import Drawing
+from irb2400_ctrl.effects.prior import Prior
+from irb2400_ctrl.effects.registry import LIBRARY, load_effects, register, source_file
+from irb2400_ctrl.effects.search import Search
 
 Array = npt.NDArray[np.float64]
-Acts = Literal["force", "parameters", "measurement"]
+Acts = Literal["force", "parameters", "measurement", "transmission"]
+Role = Literal["force", "parameters", "measurement"]
+Link = Literal["torque", "angle", "reading", "clock"]
+COMMON = frozenset({"kind", "joint", "source", "discrepancy", "windows_s"})
+"""fields of every effect; all others are its own"""
 
 OPEN_END_S = 1e9
 """end [s] of a window that the record does not show: the effect still acted when it ended"""
@@ -102,48 +120,54 @@ class Effect(BaseModel, ABC):
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
     acts: ClassVar[Acts] = "force"
-    """on the arm as a force, on the arm's own parameters, or in the measuring chain"""
-    group: ClassVar[str] = ""
-    """effects of one group are hard to tell apart on an ordinary motion"""
-    splits: ClassVar[str] = ""
-    """the experiment that tells the members of the group apart"""
+    """on the arm as a force, on the arm's own parameters, in the measuring chain, or in the
+    transmission: between a motor and its link, which a simulated plant then has apart"""
+    chain: ClassVar[Link] = "torque"
+    """which link of the measuring chain it changes: what is added to the torque, the encoder's
+    angle, the drive's reading of the whole torque, the clock that stamps the reading"""
+    seen_by_rigid_model: ClassVar[bool] = True
+    """whether a transmission's flaw is in the torque of the model without an angle of the link
+    (at rest a spring is twisted; play moves nothing)"""
     sentence: ClassVar[str] = ""
     """one line in plain language"""
-    abscissa: ClassVar[Literal["q", "qd", "qdd", "load", "time"]] = "q"
-    """signal over which the effect's torque is best drawn"""
-    against_motion: ClassVar[bool] = False
-    """its curve is drawn for motion in the positive direction; the other one is turned over"""
     whole_arm: ClassVar[bool] = False
     """concerns the whole arm: `joint` is absent"""
-    expected: ClassVar[tuple[tuple[float, float], ...]] = ()
-    """usual value and spread of each coefficient, where the data alone may not settle them; empty:
-    no such knowledge"""
-    fixed: ClassVar[tuple[str, ...]] = ()
-    """fields that a fit does not move continuously (times of switching)"""
-    device: ClassVar[str] = ""
-    """part of a joint of which a log tells one flaw only: beside one effect on it no other is
-    looked for"""
-    lookalikes: ClassVar[tuple[str, ...]] = ()
-    """kinds of other groups that ordinary logs do not tell from this one"""
-    keeps_shape: ClassVar[bool] = True
-    """whether `departures` found on one log say something about another motion or load"""
-    shows_moving: ClassVar[bool] = False
-    """whether a log must show it away from reversals too, where dry friction is hard to predict"""
-    leftover: ClassVar[float] = 0.22
-    """share of its torque that its law, being simpler than the real thing, may leave for others to
-    explain"""
-    usual: ClassVar[dict[str, tuple[float, float]]] = {}
-    """fields that the data may not settle: usual value and its spread"""
+    example: ClassVar[Mapping[str, Any]] = {}
+    """fields of one of usual size"""
+    ambiguity: ClassVar[Ambiguity] = Ambiguity("")
+    """what it is taken for; without a name of a group: a group of its own"""
+    prior: ClassVar[Prior] = Prior()
+    """what is known of its numbers"""
+    search: ClassVar[Search] = Search()
+    """how a diagnosis looks for it"""
+    drawing: ClassVar[Drawing] = Drawing()
+    """how its torque is drawn"""
     states: ClassVar[tuple[str, ...]] = ()
     """names of the internal states x, for an effect with memory"""
 
     kind: str
     joint: int | None = Field(default=None, ge=1)
-    shape: tuple[float, ...] = ()
-    """coefficients of `departures`; empty: exactly the law"""
+    # robot files of earlier versions say `shape`
+    discrepancy: tuple[float, ...] = Field(
+        default=(), validation_alias=AliasChoices("discrepancy", "shape")
+    )
+    """coefficients of `discrepancy_basis`; empty: exactly the law"""
     windows_s: tuple[tuple[float, float], ...] = ()
     """times from, to between which it acts [s]; empty: always"""
     source: str = ""
+
+    @classmethod
+    def __pydantic_init_subclass__(cls, **kwargs: Any) -> None:
+        super().__pydantic_init_subclass__(**kwargs)
+        if not inspect.isabstract(cls):
+            if not cls.ambiguity.group:
+                kind = str(cls.model_fields["kind"].default)
+                cls.ambiguity = replace(cls.ambiguity, group=kind.replace("_", " "))
+            register(cls)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """By kind and file, so that another process can read an effect of a user's own file."""
+        return _revived, (self.kind, source_file(type(self)), dict(self.__dict__))
 
     @abstractmethod
     def basis(self, s: Signals) -> ca.SX:
@@ -161,7 +185,7 @@ class Effect(BaseModel, ABC):
     ) -> Self:
         """The effect whose `coefficients()` are the given ones (inverse of `coefficients`)."""
 
-    def departures(self, s: Signals) -> ca.SX:
+    def discrepancy_basis(self, s: Signals) -> ca.SX:
         """Further columns that a real device of this kind may show beside the law, shape (n, k).
 
         A second harmonic, a slightly cubic spring, another exponent of speed: diagnosis allows each
@@ -175,10 +199,6 @@ class Effect(BaseModel, ABC):
         """Values of the nonlinear parameters that diagnosis scans; one empty entry when there are
         none."""
         return [{}]
-
-    searched: ClassVar[bool] = False
-    """whether its (even) grid is too coarse to compare with others: the best point is then moved
-    between neighbours"""
 
     @classmethod
     def sensible(cls, nonlinear: dict[str, float], inertia: float) -> bool:
@@ -206,6 +226,16 @@ class Effect(BaseModel, ABC):
     def of(cls, joint: int | None, **fields: Any) -> Self:
         """The validated effect with the given fields."""
         return cls.model_validate({"joint": joint, **fields})
+
+    @classmethod
+    def representative(cls, joint: int | None, inertia: float, duration: float) -> Self:
+        """The `example` on a joint, fitted to what it sits on where its numbers depend on that.
+
+        Args:
+            joint: from 1; None: the whole arm.
+            inertia: that the joint feels [kg m2]; duration: of the motion [s].
+        """
+        return cls.of(joint, **cls.example)
 
     @classmethod
     def joints(cls, n: int) -> Sequence[int | None]:
@@ -236,24 +266,53 @@ class Effect(BaseModel, ABC):
         return None
 
     def torque(self, s: Signals) -> ca.SX:
-        """tau_effect = basis @ coefficients + departures @ shape, shape (n,) [Nm]."""
-        tau = self.basis(s) @ ca.DM(list(self.coefficients()))
-        if self.shape:
-            tau += self.departures(s) @ ca.DM(list(self.shape))
-        return self.switched(tau, s)
+        """tau_effect = basis @ coefficients + discrepancy_basis @ discrepancy, shape (n,) [Nm]."""
+        return self.torque_of(
+            s, ca.DM(list(self.coefficients())), ca.DM(list(self.discrepancy)).reshape((-1, 1))
+        )
 
-    def switched(self, tau: ca.SX, s: Signals) -> ca.SX:
-        """`tau` inside the windows, zero outside; `tau` itself for an effect that always acts."""
+    def torque_of(
+        self, s: Signals, coefficients: ca.SX | ca.DM, discrepancy: ca.SX | ca.DM
+    ) -> ca.SX:
+        """`torque` with other coefficients, numbers or symbols; zero outside the windows."""
+        tau = self.basis(s) @ coefficients
+        if discrepancy.numel():
+            tau += self.discrepancy_basis(s) @ discrepancy
         if not self.windows_s:
             return tau
         active = [ca.logic_and(s.time >= start, s.time < stop) for start, stop in self.windows_s]
         return sum(active[1:], active[0]) * tau
 
     @property
-    def role(self) -> Acts:
-        """What it is for the model: `acts`, but a body that comes or goes loads an arm whose
-        parameters are fixed."""
+    def role(self) -> Role:
+        """What it is for a model of rigid joints.
+
+        That is `acts`, but a body that comes or goes loads an arm whose parameters are fixed, and a
+        transmission's flaw is a force if the model sees it; if not, a matter of measuring.
+        """
+        if self.acts == "transmission":
+            return "force" if self.seen_by_rigid_model else "measurement"
         return "force" if self.acts == "parameters" and self.windows_s else self.acts
+
+    def body(self, n: int) -> tuple[int, Array]:
+        """Of an effect on the parameters: the link that carries it (n + 1: the flange), and what it
+        adds to that link's phi (`Signals.regressor`), shape (10,)."""
+        raise TypeError(f"{self.kind} acts on the arm's parameters but says no body")
+
+    def transmission(self) -> Transmission:
+        """Of an effect in the transmission: what it says about the spring between motor and
+        link."""
+        raise TypeError(f"{self.kind} acts in the transmission but says nothing about it")
+
+    @property
+    def motor_inertia(self) -> float | None:
+        """Inertia on the motor's side of its joint's transmission [kg m2]; None: not there."""
+        return None
+
+    @property
+    def angle_offset(self) -> float:
+        """True minus reported angle of its joint [rad], of an effect on the encoder's angle."""
+        return 0.0
 
     def active(self, time: Array) -> npt.NDArray[np.bool_]:
         """Whether it acts at these times [s]."""
@@ -274,11 +333,9 @@ class Effect(BaseModel, ABC):
 
     def parameters(self) -> dict[str, Any]:
         """The effect's own fields: name with unit -> value."""
-        own = self.model_dump(
-            exclude={"kind", "joint", "source", "shape", "windows_s"}, exclude_none=True
-        )
-        if self.shape:
-            own["shape"] = list(self.shape)
+        own = self.model_dump(exclude=set(COMMON), exclude_none=True)
+        if self.discrepancy:
+            own["discrepancy"] = list(self.discrepancy)
         if self.windows_s:
             own["windows_s"] = [list(window) for window in self.windows_s]
         return own
@@ -310,6 +367,27 @@ class Effect(BaseModel, ABC):
         if self.joint is None:
             raise ValueError(f"{self.kind} needs a joint")
         return self.joint - 1
+
+
+@dataclass(frozen=True)
+class Transmission:
+    """What one effect says about a joint's transmission; what it leaves open another may say.
+
+    Args:
+        stiffness: of the spring [Nm/rad]; damping: its ratio for the link, motor held.
+        gap: full lost motion [rad].
+    """
+
+    stiffness: float | None = None
+    damping: float | None = None
+    gap: float | None = None
+
+
+def _revived(kind: str, file: Path | None, fields: dict[str, Any]) -> Effect:
+    if kind not in LIBRARY and file is not None:
+        load_effects(file)
+    revived: Effect = LIBRARY[kind].model_construct(**fields)
+    return revived
 
 
 def within(windows: Sequence[tuple[float, float]], time: Array) -> npt.NDArray[np.bool_]:

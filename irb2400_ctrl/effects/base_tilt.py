@@ -2,23 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import ClassVar, Literal, Self
+from collections.abc import Mapping, Sequence
+from typing import Any, ClassVar, Literal, Self
 
 import casadi as ca
 from pydantic import Field
 
+from irb2400_ctrl.effects.ambiguity import BASE, Ambiguity
 from irb2400_ctrl.effects.base import STANDARD_GRAVITY, Acts, Effect, Signals
 
 
 class BaseTilt(Effect):
-    """Gravity (g_x, g_y) = 9.81 (-tilt_y, tilt_x) in the base frame, small angles: tau = (d tau / d
+    """Gravity (g_x, g_y) = 9.81 (tilt_y, -tilt_x) in the base frame, small angles: tau = (d tau / d
     g) g."""
 
     acts: ClassVar[Acts] = "force"
-    group: ClassVar[str] = "base"
-    splits: ClassVar[str] = "a turn of axis 1 with the arm stretched"
     sentence: ClassVar[str] = "the base of the robot is not level"
+    example: ClassVar[Mapping[str, Any]] = {"tilt_x_rad": 0.01, "tilt_y_rad": 0.01}
+    ambiguity: ClassVar[Ambiguity] = BASE
     whole_arm: ClassVar[bool] = True
 
     kind: Literal["base_tilt"] = "base_tilt"

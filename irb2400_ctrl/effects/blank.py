@@ -51,7 +51,7 @@ class Blank:
 
 
 @cache
-def shape_size(effect: type[Effect], joint: int | None, n: int) -> int:
-    """How many numbers a `shape` of this kind of effect has on an arm of n joints."""
+def discrepancy_size(effect: type[Effect], joint: int | None, n: int) -> int:
+    """How many numbers the `discrepancy` of this kind of effect has on an arm of n joints."""
     prototype = effect.prototype(joint, effect.grid(joint)[0])
-    return int(prototype.departures(Blank.of(n, len(effect.states))).shape[1])
+    return int(prototype.discrepancy_basis(Blank.of(n, len(effect.states))).shape[1])

@@ -2,23 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import ClassVar, Literal, Self
+from collections.abc import Mapping, Sequence
+from typing import Any, ClassVar, Literal, Self
 
 import casadi as ca
 from pydantic import Field
 
+from irb2400_ctrl.effects.ambiguity import POSITION_LAW, Ambiguity
 from irb2400_ctrl.effects.base import Effect, Signals
 
 
 class CableSpring(Effect):
     """tau_j = k (q_j - q_0), k >= 0."""
 
-    group: ClassVar[str] = "position law"
-    splits: ClassVar[str] = "the whole range of the joint at low speed"
     sentence: ClassVar[str] = (
         "a cable or hose package pulls the joint towards one angle like a spring"
     )
+    example: ClassVar[Mapping[str, Any]] = {"stiffness_Nm_rad": 10.0, "neutral_rad": 0.1}
+    ambiguity: ClassVar[Ambiguity] = POSITION_LAW
 
     kind: Literal["cable_spring"] = "cable_spring"
     stiffness_Nm_rad: float = Field(ge=0, description="stiffness k [Nm/rad]")
@@ -30,7 +31,7 @@ class CableSpring(Effect):
         n = s.q.numel()
         return ca.horzcat(self.on(s.q[self.index], n), self.on(ca.SX(1.0), n))
 
-    def departures(self, s: Signals) -> ca.SX:
+    def discrepancy_basis(self, s: Signals) -> ca.SX:
         q = s.q[self.index]
         n = s.q.numel()
         return ca.horzcat(self.on(q**2, n), self.on(q**3, n))

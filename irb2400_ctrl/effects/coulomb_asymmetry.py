@@ -2,25 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import ClassVar, Literal, Self
+from collections.abc import Mapping, Sequence
+from typing import Any, ClassVar, Literal, Self
 
 import casadi as ca
 from pydantic import Field
 
+from irb2400_ctrl.effects.ambiguity import OFFSET, Ambiguity
 from irb2400_ctrl.effects.base import Effect, Signals
+from irb2400_ctrl.effects.drawing import Drawing
 
 
 class CoulombAsymmetry(Effect):
     """tau_j = delta |sgn(qd_j)|: Coulomb level F_c + delta forwards and F_c - delta backwards;
     nothing at rest."""
 
-    abscissa = "qd"
-    group: ClassVar[str] = "offset"
-    splits: ClassVar[str] = "brake-released standstill, several speeds"
     sentence: ClassVar[str] = (
         "dry friction of the joint is larger in one direction than in the other"
     )
+    example: ClassVar[Mapping[str, Any]] = {"delta_Nm": 1.0}
+    ambiguity: ClassVar[Ambiguity] = OFFSET
+    drawing: ClassVar[Drawing] = Drawing("qd")
 
     kind: Literal["coulomb_asymmetry"] = "coulomb_asymmetry"
     delta_Nm: float = Field(description="half the difference of the two Coulomb levels [Nm]")
@@ -28,7 +30,7 @@ class CoulombAsymmetry(Effect):
     def basis(self, s: Signals) -> ca.SX:
         return self.on(s.sign[self.index] ** 2, s.q.numel())
 
-    def departures(self, s: Signals) -> ca.SX:
+    def discrepancy_basis(self, s: Signals) -> ca.SX:
         speed = ca.fabs(s.qd[self.index])
         n = s.q.numel()
         return ca.horzcat(self.on(ca.exp(-speed / 0.1), n), self.on(s.sign[self.index], n))

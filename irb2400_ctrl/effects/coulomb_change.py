@@ -2,22 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import ClassVar, Literal, Self
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import Any, ClassVar, Literal, Self
 
 import casadi as ca
 from pydantic import Field
 
+from irb2400_ctrl.effects.ambiguity import FRICTION_LEVEL, Ambiguity
 from irb2400_ctrl.effects.base import Effect, Signals
+from irb2400_ctrl.effects.drawing import Drawing
 
 
 class CoulombChange(Effect):
     """tau_j = dF_c sgn(qd_j)."""
 
-    abscissa = "qd"
-    group: ClassVar[str] = "friction level"
-    splits: ClassVar[str] = "a second payload, poses with a small load torque"
     sentence: ClassVar[str] = "dry friction of the joint is not what the robot file says"
+    example: ClassVar[Mapping[str, Any]] = {"coulomb_Nm": 1.0}
+    ambiguity: ClassVar[Ambiguity] = replace(
+        FRICTION_LEVEL, change_of=("coulomb", "static"), limit_of=("hysteresis",)
+    )
+    drawing: ClassVar[Drawing] = Drawing("qd")
 
     kind: Literal["coulomb_change"] = "coulomb_change"
     coulomb_Nm: float = Field(description="change of the Coulomb level [Nm]")
@@ -25,7 +30,7 @@ class CoulombChange(Effect):
     def basis(self, s: Signals) -> ca.SX:
         return self.on(s.sign[self.index], s.q.numel())
 
-    def departures(self, s: Signals) -> ca.SX:
+    def discrepancy_basis(self, s: Signals) -> ca.SX:
         speed = ca.fabs(s.qd[self.index])
         n = s.q.numel()
         return ca.horzcat(

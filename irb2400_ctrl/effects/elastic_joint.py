@@ -3,17 +3,23 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from typing import ClassVar, Literal, Self
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import Any, ClassVar, Literal, Self
 
 import casadi as ca
 from pydantic import Field
 
-from irb2400_ctrl.effects.base import Effect, Signals
+from irb2400_ctrl.effects.ambiguity import DYNAMIC, Ambiguity
+from irb2400_ctrl.effects.base import Acts, Effect, Signals, Transmission
+from irb2400_ctrl.effects.drawing import Drawing
 from irb2400_ctrl.effects.link_lag import lag_torque
+from irb2400_ctrl.effects.prior import Prior
+from irb2400_ctrl.effects.search import Search
 
 DAMPED = 0.9
 """damping ratio without a resonance"""
+USUAL_RESONANCE_Hz = 7.0
 
 
 class ElasticJoint(Effect):
@@ -28,20 +34,23 @@ class ElasticJoint(Effect):
     swing. The other joints' springs are stiff against this one.
     """
 
-    abscissa = "load"
-    group: ClassVar[str] = "dynamic"
-    splits: ClassVar[str] = "excitation near the resonance"
+    acts: ClassVar[Acts] = "transmission"
     sentence: ClassVar[str] = (
         "the transmission of the joint twists under load: the link lags and swings behind the motor"
     )
-    lookalikes: ClassVar[tuple[str, ...]] = ("transmission_backlash",)
-    device: ClassVar[str] = "transmission"
+    example: ClassVar[Mapping[str, Any]] = {"stiffness_Nm_rad": 1e5, "damping_ratio": 0.04}
+    ambiguity: ClassVar[Ambiguity] = replace(DYNAMIC, lookalikes=("transmission_backlash",))
+    prior: ClassVar[Prior] = Prior(
+        coefficients=((1.0, 0.12), (0.5, 0.5)),
+        fields={"damping_ratio": (0.05, 0.05)},
+        fixed=("swing",),
+        loose=("damping_ratio",),
+        # the swing of a real transmission, with play and a motor of its own, is followed roughly
+        discrepancy_share=0.5,
+    )
+    search: ClassVar[Search] = Search(device="transmission")
+    drawing: ClassVar[Drawing] = Drawing("load")
     states: ClassVar[tuple[str, ...]] = ("torque", "rate", "slow_torque", "slow_rate")
-    # the swing of a real transmission, with play and a motor of its own, is followed roughly
-    leftover: ClassVar[float] = 0.5
-    expected: ClassVar[tuple[tuple[float, float], ...]] = ((1.0, 0.12), (0.5, 0.5))
-    fixed: ClassVar[tuple[str, ...]] = ("swing",)
-    usual: ClassVar[dict[str, tuple[float, float]]] = {"damping_ratio": (0.05, 0.05)}
 
     kind: Literal["elastic_joint"] = "elastic_joint"
     stiffness_Nm_rad: float = Field(gt=0, description="torsional stiffness k [Nm/rad]")
@@ -90,6 +99,15 @@ class ElasticJoint(Effect):
     @classmethod
     def beginnings(cls) -> int:
         return 2  # the slow twist has no beginning of its own
+
+    def transmission(self) -> Transmission:
+        return Transmission(stiffness=self.stiffness_Nm_rad, damping=self.damping_ratio)
+
+    @classmethod
+    def representative(cls, joint: int | None, inertia: float, duration: float) -> Self:
+        # a resonance that a lively motion excites
+        stiffness = float(inertia * (2 * math.pi * USUAL_RESONANCE_Hz) ** 2)
+        return cls.of(joint, **{**cls.example, "stiffness_Nm_rad": stiffness})
 
     def coefficients(self) -> tuple[float, ...]:
         return (self.swing, self.visible)

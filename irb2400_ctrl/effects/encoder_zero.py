@@ -2,30 +2,36 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import ClassVar, Literal, Self
+from collections.abc import Mapping, Sequence
+from typing import Any, ClassVar, Literal, Self
 
 import casadi as ca
 from pydantic import Field
 
-from irb2400_ctrl.effects.base import Acts, Effect, Signals
+from irb2400_ctrl.effects.ambiguity import POSITION_ERROR, Ambiguity
+from irb2400_ctrl.effects.base import Acts, Effect, Link, Signals
 
 
 class EncoderZero(Effect):
-    """tau(q + zero e_j), to first order tau + (dtau/dq_j) zero."""
+    """measured tau = tau(q + zero e_j), to first order tau + (dtau/dq_j) zero."""
 
     acts: ClassVar[Acts] = "measurement"
-    group: ClassVar[str] = "position error"
-    splits: ClassVar[str] = "poses or payloads where the load torque changes sign"
+    chain: ClassVar[Link] = "angle"
     sentence: ClassVar[str] = (
         "the encoder of the joint is mounted or calibrated with an angle error"
     )
+    example: ClassVar[Mapping[str, Any]] = {"zero_rad": 0.01}
+    ambiguity: ClassVar[Ambiguity] = POSITION_ERROR
 
     kind: Literal["encoder_zero"] = "encoder_zero"
     zero_rad: float = Field(description="true minus reported angle [rad]")
 
     def basis(self, s: Signals) -> ca.SX:
         return s.tau_jacobian[:, self.index]
+
+    @property
+    def angle_offset(self) -> float:
+        return self.zero_rad
 
     def coefficients(self) -> tuple[float, ...]:
         return (self.zero_rad,)

@@ -3,25 +3,26 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from typing import ClassVar, Literal, Self
+from collections.abc import Mapping, Sequence
+from typing import Any, ClassVar, Literal, Self
 
 import casadi as ca
 from pydantic import Field
 
+from irb2400_ctrl.effects.ambiguity import RIPPLE, Ambiguity
 from irb2400_ctrl.effects.base import Effect, Signals
+from irb2400_ctrl.effects.search import Search
 
 
 class GearRipple(Effect):
     """tau_j = A sin(order q_j + phase): periodic in the joint angle, `order` periods per turn."""
 
-    group: ClassVar[str] = "ripple"
-    splits: ClassVar[str] = "slow motion over a wide range of the joint"
     sentence: ClassVar[str] = (
         "torque of the joint ripples with its angle, as a worn or eccentric gear makes it"
     )
-
-    searched: ClassVar[bool] = True
+    example: ClassVar[Mapping[str, Any]] = {"amplitude_Nm": 1.0, "order": 20.0, "phase_rad": 0.5}
+    ambiguity: ClassVar[Ambiguity] = RIPPLE
+    search: ClassVar[Search] = Search(between_grid=True, repeats=True)
 
     kind: Literal["gear_ripple"] = "gear_ripple"
     amplitude_Nm: float = Field(ge=0, description="amplitude A [Nm]")
@@ -33,10 +34,16 @@ class GearRipple(Effect):
         n = s.q.numel()
         return ca.horzcat(self.on(ca.sin(angle), n), self.on(ca.cos(angle), n))
 
-    def departures(self, s: Signals) -> ca.SX:
+    def discrepancy_basis(self, s: Signals) -> ca.SX:
         angle = self.order * s.q[self.index]
         n = s.q.numel()
         return ca.horzcat(*[self.on(f(k * angle), n) for k in (2, 3) for f in (ca.sin, ca.cos)])
+
+    @classmethod
+    def representative(cls, joint: int | None, inertia: float, duration: float) -> Self:
+        # the gears of a wrist have fewer teeth
+        wrist = {"order": 12.0} if (joint or 1) > 3 else {}
+        return cls.of(joint, **{**cls.example, **wrist})
 
     def coefficients(self) -> tuple[float, ...]:
         return (

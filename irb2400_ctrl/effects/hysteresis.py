@@ -3,25 +3,27 @@ reversal."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import ClassVar, Literal, Self
+from collections.abc import Mapping, Sequence
+from typing import Any, ClassVar, Literal, Self
 
 import casadi as ca
 from pydantic import Field
 
+from irb2400_ctrl.effects.ambiguity import REVERSAL, Ambiguity
 from irb2400_ctrl.effects.base import Effect, Signals
+from irb2400_ctrl.effects.drawing import Drawing
 
 
 class Hysteresis(Effect):
     """tau_j = A z,  dz/dt = (qd_j - |qd_j| z) / width  (Dahl model; z -> sgn(qd_j) after a few
     widths)."""
 
-    abscissa = "qd"
-    group: ClassVar[str] = "reversal"
-    splits: ClassVar[str] = "slow reversals at several amplitudes"
     sentence: ClassVar[str] = (
         "after each reversal the friction of the joint builds up over a small angle"
     )
+    example: ClassVar[Mapping[str, Any]] = {"amplitude_Nm": 1.0, "width_rad": 0.02}
+    ambiguity: ClassVar[Ambiguity] = REVERSAL
+    drawing: ClassVar[Drawing] = Drawing("qd")
     states: ClassVar[tuple[str, ...]] = ("z",)
 
     kind: Literal["hysteresis"] = "hysteresis"
@@ -42,7 +44,7 @@ class Hysteresis(Effect):
         # 1 - z falls to its e-th part over each width; z stays between -1 and 1
         return 1 - 2 * ca.exp(-turned / self.width_rad), ca.SX(1.0)
 
-    def departures(self, s: Signals) -> ca.SX:
+    def discrepancy_basis(self, s: Signals) -> ca.SX:
         n = s.q.numel()
         return ca.horzcat(
             self.on(s.state[0] ** 2 * ca.sign(s.state[0]), n), self.on(s.sign[self.index], n)

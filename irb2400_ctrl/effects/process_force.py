@@ -2,26 +2,31 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import ClassVar, Literal, Self
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import Any, ClassVar, Literal, Self
 
 import casadi as ca
 from pydantic import Field
 
+from irb2400_ctrl.effects.ambiguity import TOOL, Ambiguity
 from irb2400_ctrl.effects.base import Effect, Signals
+from irb2400_ctrl.effects.drawing import Drawing
+from irb2400_ctrl.effects.prior import Prior
+from irb2400_ctrl.effects.search import Search
 
 
 class ProcessForce(Effect):
     """tau = -J_v(q)^T F while start_s <= t < stop_s; F acts on the tool, constant in the base
     frame."""
 
-    abscissa = "time"
-    group: ClassVar[str] = "tool"
-    splits: ClassVar[str] = "the same motion without contact"
     sentence: ClassVar[str] = "something pushes or pulls at the tool"
+    example: ClassVar[Mapping[str, Any]] = {"force_x_N": 30.0, "force_y_N": 20.0, "force_z_N": 40.0}
+    ambiguity: ClassVar[Ambiguity] = replace(TOOL, time_matters=True)
+    prior: ClassVar[Prior] = Prior(fixed=("start_s", "stop_s"))
+    search: ClassVar[Search] = Search(comes_and_goes=True)
+    drawing: ClassVar[Drawing] = Drawing("time")
     whole_arm: ClassVar[bool] = True
-
-    fixed: ClassVar[tuple[str, ...]] = ("start_s", "stop_s")
 
     kind: Literal["process_force"] = "process_force"
     force_x_N: float = Field(default=0.0, description="force on the tool along base x [N]")
@@ -33,6 +38,11 @@ class ProcessForce(Effect):
     def basis(self, s: Signals) -> ca.SX:
         active = ca.logic_and(s.time >= self.start_s, s.time < self.stop_s)
         return -active * s.tcp_jacobian[:3, :].T
+
+    @classmethod
+    def representative(cls, joint: int | None, inertia: float, duration: float) -> Self:
+        # it comes and goes within the motion
+        return cls.of(joint, **cls.example, start_s=0.3 * duration, stop_s=0.7 * duration)
 
     def coefficients(self) -> tuple[float, ...]:
         return (self.force_x_N, self.force_y_N, self.force_z_N)

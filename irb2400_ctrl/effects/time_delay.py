@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import ClassVar, Literal, Self
+from collections.abc import Mapping, Sequence
+from typing import Any, ClassVar, Literal, Self
 
 import casadi as ca
 import numpy as np
 from pydantic import Field
 
-from irb2400_ctrl.effects.base import Acts, Array, Effect, Signals
+from irb2400_ctrl.effects.ambiguity import DELAY, Ambiguity
+from irb2400_ctrl.effects.base import Acts, Array, Effect, Link, Signals
+from irb2400_ctrl.effects.drawing import Drawing
+from irb2400_ctrl.effects.search import Search
 
 
 class TimeDelay(Effect):
@@ -17,11 +20,12 @@ class TimeDelay(Effect):
     joint, all alike."""
 
     acts: ClassVar[Acts] = "measurement"
-    abscissa = "time"
-    group: ClassVar[str] = "delay"
-    shows_moving: ClassVar[bool] = True
-    splits: ClassVar[str] = "excitation above 1/(2 pi tau)"
+    chain: ClassVar[Link] = "clock"
     sentence: ClassVar[str] = "the torque of the joint is recorded later than its position"
+    example: ClassVar[Mapping[str, Any]] = {"delay_s": 0.004}
+    ambiguity: ClassVar[Ambiguity] = DELAY
+    search: ClassVar[Search] = Search(shows_moving=True)
+    drawing: ClassVar[Drawing] = Drawing("time")
 
     kind: Literal["time_delay"] = "time_delay"
     delay_s: float = Field(description="delay [s]")

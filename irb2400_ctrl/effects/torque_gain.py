@@ -2,28 +2,32 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import ClassVar, Literal, Self
+from collections.abc import Mapping, Sequence
+from typing import Any, ClassVar, Literal, Self
 
 import casadi as ca
 import numpy as np
 from pydantic import Field
 
-from irb2400_ctrl.effects.base import Acts, Array, Effect, Signals
+from irb2400_ctrl.effects.ambiguity import GAIN, Ambiguity
+from irb2400_ctrl.effects.base import Acts, Array, Effect, Link, Signals
+from irb2400_ctrl.effects.drawing import Drawing
+from irb2400_ctrl.effects.prior import Prior
 
 
 class TorqueGain(Effect):
     """measured tau_j = gain * tau_j."""
 
     acts: ClassVar[Acts] = "measurement"
-    abscissa = "load"
-    # quadratic in a load that a payload found beside it changes
-    keeps_shape: ClassVar[bool] = False
-    group: ClassVar[str] = "gain"
-    splits: ClassVar[str] = "a second payload, higher accelerations"
+    chain: ClassVar[Link] = "reading"
     sentence: ClassVar[str] = (
         "the reported torque of the joint is a constant multiple of the true one"
     )
+    example: ClassVar[Mapping[str, Any]] = {"gain": 1.1}
+    ambiguity: ClassVar[Ambiguity] = GAIN
+    # quadratic in a load that a payload found beside it changes
+    prior: ClassVar[Prior] = Prior(discrepancy_lasts=False)
+    drawing: ClassVar[Drawing] = Drawing("load")
 
     kind: Literal["torque_gain"] = "torque_gain"
     gain: float = Field(gt=0, description="measured over true torque [-]")
@@ -31,14 +35,14 @@ class TorqueGain(Effect):
     def basis(self, s: Signals) -> ca.SX:
         return self.on(s.tau[self.index], s.q.numel())
 
-    def departures(self, s: Signals) -> ca.SX:
+    def discrepancy_basis(self, s: Signals) -> ca.SX:
         tau = s.tau[self.index]
         return self.on(tau * ca.fabs(tau), s.q.numel())
 
     def _shown(self, time: Array, tau: Array) -> Array:
         shown = np.array(tau)
         true = tau[:, self.index]
-        shown[:, self.index] = self.gain * true + sum(self.shape) * true * np.abs(true)
+        shown[:, self.index] = self.gain * true + sum(self.discrepancy) * true * np.abs(true)
         return shown
 
     @property

@@ -2,24 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import ClassVar, Literal, Self
+from collections.abc import Mapping, Sequence
+from typing import Any, ClassVar, Literal, Self
 
 import casadi as ca
 import numpy as np
 from pydantic import Field
 
+from irb2400_ctrl.effects.ambiguity import OFFSET, Ambiguity
 from irb2400_ctrl.effects.base import Acts, Array, Effect, Signals
+from irb2400_ctrl.effects.drawing import Drawing
 
 
 class TorqueOffset(Effect):
     """measured tau_j = tau_j + offset."""
 
     acts: ClassVar[Acts] = "measurement"
-    abscissa = "time"
-    group: ClassVar[str] = "offset"
-    splits: ClassVar[str] = "brake-released standstill, several speeds"
     sentence: ClassVar[str] = "the reported torque of the joint is shifted by a constant"
+    example: ClassVar[Mapping[str, Any]] = {"offset_Nm": 1.0}
+    ambiguity: ClassVar[Ambiguity] = OFFSET
+    drawing: ClassVar[Drawing] = Drawing("time")
 
     kind: Literal["torque_offset"] = "torque_offset"
     offset_Nm: float = Field(description="offset [Nm]")

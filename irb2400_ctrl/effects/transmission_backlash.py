@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from typing import ClassVar, Literal, Self
+from collections.abc import Mapping, Sequence
+from typing import Any, ClassVar, Literal, Self
 
 import casadi as ca
 from pydantic import Field
 
-from irb2400_ctrl.effects.base import Acts, Effect, Signals
+from irb2400_ctrl.effects.ambiguity import POSITION_ERROR, Ambiguity
+from irb2400_ctrl.effects.base import Acts, Effect, Signals, Transmission
+from irb2400_ctrl.effects.drawing import Drawing
 from irb2400_ctrl.effects.link_lag import lag_torque
+from irb2400_ctrl.effects.prior import Prior
+from irb2400_ctrl.effects.search import Search
 
 
 class TransmissionBacklash(Effect):
@@ -23,18 +27,18 @@ class TransmissionBacklash(Effect):
     w = pi / crossing_s: the link crosses the gap in about that time, with a push at either side.
     """
 
-    # angles are the motors': controllers and planners leave the play alone, a simulated plant has
-    # the link's angle too
-    acts: ClassVar[Acts] = "measurement"
-    abscissa = "load"
-    group: ClassVar[str] = "position error"
-    splits: ClassVar[str] = "poses or payloads where the load torque changes sign"
+    acts: ClassVar[Acts] = "transmission"
+    # angles are the motors': controllers and planners leave the play alone
+    seen_by_rigid_model: ClassVar[bool] = False
     sentence: ClassVar[str] = (
         "the gear of the joint has play: the link stands half the gap away from where the motor "
         "says"
     )
-    leftover: ClassVar[float] = 0.5
-    device: ClassVar[str] = "transmission"
+    example: ClassVar[Mapping[str, Any]] = {"gap_rad": 0.004, "crossing_s": 0.06}
+    ambiguity: ClassVar[Ambiguity] = POSITION_ERROR
+    prior: ClassVar[Prior] = Prior(discrepancy_share=0.5)
+    search: ClassVar[Search] = Search(device="transmission")
+    drawing: ClassVar[Drawing] = Drawing("load")
     states: ClassVar[tuple[str, ...]] = ("side", "rate")
 
     kind: Literal["transmission_backlash"] = "transmission_backlash"
@@ -46,7 +50,7 @@ class TransmissionBacklash(Effect):
     def basis(self, s: Signals) -> ca.SX:
         return 0.5 * lag_torque(s, self.index, s.state[0], self._acceleration(s))
 
-    def departures(self, s: Signals) -> ca.SX:
+    def discrepancy_basis(self, s: Signals) -> ca.SX:
         # where the load never changes sign, play is a shifted angle
         return -0.5 * s.tau_jacobian[:, self.index] * s.state[0]
 
@@ -60,6 +64,9 @@ class TransmissionBacklash(Effect):
 
     def steady_state(self, s: Signals) -> ca.SX:
         return ca.vertcat(ca.sign(s.load[self.index]), 0)
+
+    def transmission(self) -> Transmission:
+        return Transmission(gap=self.gap_rad)
 
     def coefficients(self) -> tuple[float, ...]:
         return (self.gap_rad,)

@@ -2,24 +2,29 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import ClassVar, Literal, Self
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import Any, ClassVar, Literal, Self
 
 import casadi as ca
 from pydantic import Field
 
+from irb2400_ctrl.effects.ambiguity import VISCOUS, Ambiguity
 from irb2400_ctrl.effects.base import Effect, Signals
+from irb2400_ctrl.effects.drawing import Drawing
 
 
 class ViscousChange(Effect):
     """tau_j = dF_v qd_j."""
 
-    abscissa = "qd"
-    group: ClassVar[str] = "viscous"
-    splits: ClassVar[str] = "speeds over more than a decade, recordings spread over the warm-up"
     sentence: ClassVar[str] = (
         "speed-proportional friction of the joint is not what the robot file says"
     )
+    example: ClassVar[Mapping[str, Any]] = {"viscous_Nms_rad": 1.0}
+    ambiguity: ClassVar[Ambiguity] = replace(
+        VISCOUS, change_of=("viscous",), limit_of=("viscous_warmup",)
+    )
+    drawing: ClassVar[Drawing] = Drawing("qd")
 
     kind: Literal["viscous_change"] = "viscous_change"
     viscous_Nms_rad: float = Field(description="change of the viscous coefficient [Nm s/rad]")
@@ -27,7 +32,7 @@ class ViscousChange(Effect):
     def basis(self, s: Signals) -> ca.SX:
         return self.on(s.qd[self.index], s.q.numel())
 
-    def departures(self, s: Signals) -> ca.SX:
+    def discrepancy_basis(self, s: Signals) -> ca.SX:
         speed = s.qd[self.index]
         n = s.q.numel()
         return ca.horzcat(

@@ -2,22 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import ClassVar, Literal, Self
+from collections.abc import Mapping, Sequence
+from typing import Any, ClassVar, Literal, Self
 
 import casadi as ca
 from pydantic import Field
 
+from irb2400_ctrl.effects.ambiguity import VISCOUS, Ambiguity
 from irb2400_ctrl.effects.base import Effect, Signals
+from irb2400_ctrl.effects.drawing import Drawing
 
 
 class ViscousPower(Effect):
     """tau_j = c |qd_j|^p sgn(qd_j), p != 1."""
 
-    abscissa = "qd"
-    group: ClassVar[str] = "viscous"
-    splits: ClassVar[str] = "speeds over more than a decade, recordings spread over the warm-up"
     sentence: ClassVar[str] = "friction of the joint does not grow in proportion to its speed"
+    example: ClassVar[Mapping[str, Any]] = {"coefficient": 1.0, "exponent": 0.5}
+    ambiguity: ClassVar[Ambiguity] = VISCOUS
+    drawing: ClassVar[Drawing] = Drawing("qd")
 
     kind: Literal["viscous_power"] = "viscous_power"
     coefficient: float = Field(description="torque at 1 rad/s [Nm]")

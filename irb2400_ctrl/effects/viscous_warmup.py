@@ -2,22 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import ClassVar, Literal, Self
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import Any, ClassVar, Literal, Self
 
 import casadi as ca
 from pydantic import Field
 
+from irb2400_ctrl.effects.ambiguity import VISCOUS, Ambiguity
 from irb2400_ctrl.effects.base import Effect, Signals
+from irb2400_ctrl.effects.drawing import Drawing
 
 
 class ViscousWarmup(Effect):
     """tau_j = D exp(-t / T) qd_j: extra viscous friction of a cold gear, gone after a few T."""
 
-    abscissa = "time"
-    group: ClassVar[str] = "viscous"
-    splits: ClassVar[str] = "speeds over more than a decade, recordings spread over the warm-up"
     sentence: ClassVar[str] = "the joint runs stiffer while its grease is cold"
+    example: ClassVar[Mapping[str, Any]] = {"viscous_Nms_rad": 1.0, "time_constant_s": 20.0}
+    ambiguity: ClassVar[Ambiguity] = replace(VISCOUS, time_matters=True)
+    drawing: ClassVar[Drawing] = Drawing("time")
 
     kind: Literal["viscous_warmup"] = "viscous_warmup"
     viscous_Nms_rad: float = Field(
@@ -28,7 +31,7 @@ class ViscousWarmup(Effect):
     def basis(self, s: Signals) -> ca.SX:
         return self.on(ca.exp(-s.time / self.time_constant_s) * s.qd[self.index], s.q.numel())
 
-    def departures(self, s: Signals) -> ca.SX:
+    def discrepancy_basis(self, s: Signals) -> ca.SX:
         speed = s.qd[self.index]
         n = s.q.numel()
         level = ca.exp(-s.time / self.time_constant_s)

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import ClassVar, Literal, Self
+from collections.abc import Mapping, Sequence
+from typing import Any, ClassVar, Literal, Self
 
 import casadi as ca
 from pydantic import Field
 
+from irb2400_ctrl.effects.ambiguity import COUPLING, Ambiguity
 from irb2400_ctrl.effects.base import Effect, Signals
+from irb2400_ctrl.effects.drawing import Drawing
+from irb2400_ctrl.effects.prior import Prior
 
 
 class WristCoupling(Effect):
@@ -18,12 +21,12 @@ class WristCoupling(Effect):
     friction are felt on both axes.
     """
 
-    abscissa = "qd"
-    group: ClassVar[str] = "coupling"
-    # the motor's friction is no straight line over the sum of two speeds
-    leftover: ClassVar[float] = 0.35
-    splits: ClassVar[str] = "each wrist axis moved alone"
     sentence: ClassVar[str] = "moving this wrist axis drags its neighbour's motor along"
+    example: ClassVar[Mapping[str, Any]] = {"inertia_kgm2": 0.05, "viscous_Nms_rad": 0.5}
+    ambiguity: ClassVar[Ambiguity] = COUPLING
+    # the motor's friction is no straight line over the sum of two speeds
+    prior: ClassVar[Prior] = Prior(discrepancy_share=0.35)
+    drawing: ClassVar[Drawing] = Drawing("qd")
 
     kind: Literal["wrist_coupling"] = "wrist_coupling"
     inertia_kgm2: float = Field(default=0.0, description="coupled inertia I [kg m2]")
@@ -38,7 +41,7 @@ class WristCoupling(Effect):
             columns[j + 1, column] = signal[j]
         return columns
 
-    def departures(self, s: Signals) -> ca.SX:
+    def discrepancy_basis(self, s: Signals) -> ca.SX:
         # action and reaction through different ratios, the motor turned along as a load of its own
         j = self.index
         n = s.q.numel()

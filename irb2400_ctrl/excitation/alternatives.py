@@ -20,10 +20,11 @@ import numpy as np
 import numpy.typing as npt
 from scipy.linalg import cho_factor, cho_solve
 
-from irb2400_ctrl.diagnosis.preparation.base_prior import Nuisance, Uncertainty
+from irb2400_ctrl.diagnosis.estimation.evidence import DISCREPANCY
+from irb2400_ctrl.diagnosis.preparation.base_prior import BasePrior, Uncertainty
 from irb2400_ctrl.diagnosis.regressors.bases import Bases
 from irb2400_ctrl.effects import LIBRARY, Effect
-from irb2400_ctrl.excitation.groups import SIZES, AmbiguityGroup, Place
+from irb2400_ctrl.excitation.groups import AmbiguityGroup, Place
 from irb2400_ctrl.measurement.prepared_log import PreparedLog
 from irb2400_ctrl.robot import Robot
 
@@ -33,18 +34,14 @@ SIZE = 0.05
 """rms torque of a member over that of its joint, on the standard motion"""
 NOISE = 0.001
 """assumed noise of the filtered torque, model imperfection included, over the torque limit"""
-DEPARTURE = 0.25
-"""by how much a rival may depart from its textbook law, over the member's own size"""
 GRID_POINTS = 5
 """nonlinear parameters of a rival that are tried"""
 FREE = 1e-11
 """prior precision of a free coefficient over its information"""
 
 
-OWN_TERMS: dict[str, tuple[int, ...]] = {"coulomb_change": (0, 2), "viscous_change": (1,)}
-"""members that are a change of the base itself, and which of its friction terms (Coulomb, viscous,
-static) they are: that the base may change is what they say, so it is no other explanation (likewise
-the link or tool of an added mass)"""
+FRICTION_TERMS = {"coulomb": 0, "viscous": 1, "static": 2}
+"""order of the base's friction"""
 
 
 @dataclass(frozen=True)
@@ -88,7 +85,7 @@ class Alternatives:
         self.robot = robot
         self.group = group
         self.bases = Bases(robot.bare())
-        self.nuisance = Nuisance.of(robot, Uncertainty(), standard)
+        self.base_prior = BasePrior.of(robot, Uncertainty(), standard)
         self.noise: Array = NOISE * robot.tau_max
         self._standard = standard
         rms = np.maximum(np.sqrt(np.mean(standard.filtered(standard.tau) ** 2, axis=0)), 1e-9)
@@ -110,17 +107,11 @@ class Alternatives:
 
     def _representative(self, place: Place, duration: float) -> Effect:
         kind, joint = place
-        fields = dict(SIZES[kind])
-        if kind == "elastic_joint":
-            inertia = np.median(
-                np.einsum("mjj->mj", self.bases.model.mass_matrix(self._standard.q[::50])), axis=0
-            )
-            fields["stiffness_Nm_rad"] = float(inertia[(joint or 1) - 1] * (2 * np.pi * 7.0) ** 2)
-        if kind == "gear_ripple" and (joint or 1) > 3:
-            fields["order"] = 12.0
-        if kind == "process_force":
-            fields |= {"start_s": 0.3 * duration, "stop_s": 0.7 * duration}
-        return LIBRARY[kind].of(joint, **fields)
+        inertia = np.median(
+            np.einsum("mjj->mj", self.bases.model.mass_matrix(self._standard.q[::50])), axis=0
+        )
+        felt = float(inertia[(joint or 1) - 1])
+        return LIBRARY[kind].representative(joint, felt, duration)
 
     def _torque(self, effect: Effect, motion: PreparedLog) -> Array:
         """Filtered torque of an effect, shape (rows, n)."""
@@ -150,16 +141,17 @@ class Alternatives:
         )
 
     def _layout(self) -> None:
-        """Places of all columns: base, members, then each rival's law and departures for each grid
+        """Places of all columns: base, members, then each rival's law and discrepancy for each grid
         point."""
-        start = self.nuisance.sigmas().size + len(self.members)
+        start = self.base_prior.sigmas().size + len(self.members)
         self.rivals: dict[Place, list[LookalikeColumns]] = {}
         self._units: dict[Place, Array] = {}
         for place in dict.fromkeys(p.rival for p in self.pairs if p.rival is not None):
             effect = LIBRARY[place[0]]
+            expected = effect.prior.coefficients
             grid = self._grid(place)
             laws = self.bases.columns(*place, self._standard, grid)
-            extra = self.bases.columns(*place, self._standard, grid, departures=True)
+            extra = self.bases.columns(*place, self._standard, grid, discrepancy=True)
             found = []
             units = []
             for law, other in zip(laws, extra, strict=True):
@@ -171,10 +163,8 @@ class Alternatives:
                 )
                 # a departure of one standard deviation is a part of what an effect of the common
                 # size makes
-                units.append(DEPARTURE * SIZE / np.maximum(share.max(axis=0), 1e-9))
-                law_precision = (
-                    1.0 / np.array(effect.expected)[:, 1] ** 2 if effect.expected else np.zeros(k)
-                )
+                units.append(DISCREPANCY * SIZE / np.maximum(share.max(axis=0), 1e-9))
+                law_precision = 1.0 / np.array(expected)[:, 1] ** 2 if expected else np.zeros(k)
                 found.append(
                     LookalikeColumns(
                         place,
@@ -191,14 +181,14 @@ class Alternatives:
         """All columns along a motion, filtered and in units of the noise, shape (rows, n,
         width)."""
         out = np.zeros((motion.rows, motion.n, self.width))
-        k = self.nuisance.sigmas().size
-        out[:, :, :k] = motion.filtered(self.nuisance.columns(self.bases.model, motion))
+        k = self.base_prior.sigmas().size
+        out[:, :, :k] = motion.filtered(self.base_prior.columns(self.bases.model, motion))
         for i, (effect, factor) in enumerate(self._effects):
             out[:, :, k + i] = factor * self._torque(effect, motion)
         for place, columns in self.rivals.items():
             grid = self._grid(place)
             laws = self.bases.columns(*place, motion, grid)
-            extra = self.bases.columns(*place, motion, grid, departures=True)
+            extra = self.bases.columns(*place, motion, grid, discrepancy=True)
             for c, law, other, unit in zip(columns, laws, extra, self._units[place], strict=True):
                 both = np.concatenate([law.values, other.values[:, :, : len(unit)] * unit], axis=2)
                 out[:, list(law.joints), c.part] = both
@@ -212,7 +202,7 @@ class Alternatives:
     def distances(self, gram: Array) -> tuple[Array, Array]:
         """D of each pair, and D over the size of the member: sine of the angle to its imitation;
         (pairs,) each."""
-        k = self.nuisance.sigmas().size
+        k = self.base_prior.sigmas().size
         projected: dict[tuple[int, ...], Array] = {}
         left = np.zeros(len(self.pairs))
         whole = np.zeros(len(self.pairs))
@@ -233,15 +223,20 @@ class Alternatives:
         return D, D / np.sqrt(np.maximum(whole, 1e-12))
 
     def _own(self, member: Place) -> tuple[int, ...]:
-        """LookalikeColumns of the base that a member is a change of."""
+        """Columns of the base that a member is a change of."""
         kind, joint = member
-        first = self.nuisance.sigmas().size - 3 * self.robot.n
         n = self.robot.n
-        if kind == "payload":
-            return tuple(range(10 * n - 10, first))
-        if kind == "link_inertia" and joint is not None:
-            return tuple(range(10 * joint - 10, 10 * joint))
-        return tuple(first + term * n + (joint or 1) - 1 for term in OWN_TERMS.get(kind, ()))
+        place = joint or 1
+        first = self.base_prior.sigmas().size - 3 * n
+        found: list[int] = []
+        for term in LIBRARY[kind].ambiguity.change_of:
+            if term == "tool":
+                found += range(10 * n - 10, first)
+            elif term == "link":
+                found += range(10 * place - 10, 10 * place)
+            else:
+                found.append(first + FRICTION_TERMS[term] * n + place - 1)
+        return tuple(found)
 
     def _beyond(self, S: Array, m: int, c: LookalikeColumns, k: int) -> float:
         """What of member m a rival can not imitate."""
@@ -270,7 +265,7 @@ class Alternatives:
             Share of the member's torque that is left, and few columns of the base that imitate it
             (best match first).
         """
-        k = self.nuisance.sigmas().size
+        k = self.base_prior.sigmas().size
         flat = columns.reshape(-1, self.width)
         x = flat[:, k + self.members.index(pair.member)]
         base = flat[:, :k].copy()
@@ -278,7 +273,9 @@ class Alternatives:
         law = np.zeros((len(flat), 0))
         if pair.rival is not None:
             first = self.rivals[pair.rival][0]
-            count = int((first.precision == 0).sum()) or len(LIBRARY[pair.rival[0]].expected)
+            count = int((first.precision == 0).sum()) or len(
+                LIBRARY[pair.rival[0]].prior.coefficients
+            )
             law = flat[:, first.part.start : first.part.start + count]
         left = _left(np.hstack([base, law]), x)
         used: list[int] = []

@@ -4,7 +4,6 @@ wanted time."""
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
@@ -24,6 +23,7 @@ from irb2400_ctrl.measurement.prepared_log import PreparedLog, prepare
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.planners.joint_move import joint_move
 from irb2400_ctrl.robot import Robot
+from irb2400_ctrl.trajectory import Trajectory
 
 Array = npt.NDArray[np.float64]
 
@@ -32,40 +32,22 @@ LOOK = 100.0
 """[Hz] at which candidates are looked at; the whole motion is looked at densely in the end"""
 
 
-@dataclass(frozen=True)
-class Course:
-    """A motion from rest to rest, rows at `RATE`; arrays (m, n), read-only."""
-
-    time: Array
-    q: Array
-    qd: Array
-    qdd: Array
-
-    def __post_init__(self) -> None:
-        for array in (self.time, self.q, self.qd, self.qdd):
-            array.setflags(write=False)
-
-    @property
-    def duration(self) -> float:
-        """[s]"""
-        return float(self.time[-1])
-
-    def stretched(self, duration: float) -> Course:
-        """The same course in another time [s], rounded to whole rows."""
-        rows = round(duration * RATE)
-        time = np.arange(rows + 1) / RATE
-        factor = self.duration / time[-1]
-        q, qd, qdd = between(1 / RATE, self.q, self.qd, self.qdd, time * factor)
-        return _resting(time, q, qd * factor, qdd * factor**2)
+def stretched(course: Trajectory, duration: float) -> Trajectory:
+    """The same course in another time [s], rounded to whole rows."""
+    rows = round(duration * RATE)
+    time = np.arange(rows + 1) / RATE
+    factor = course.duration / time[-1]
+    q, qd, qdd = between(1 / RATE, course.q, course.qd, course.qdd, time * factor)
+    return _resting(time, q, qd * factor, qdd * factor**2)
 
 
-def _resting(time: Array, q: Array, qd: Array, qdd: Array) -> Course:
+def _resting(time: Array, q: Array, qd: Array, qdd: Array) -> Trajectory:
     """A course whose ends are exactly at rest, whatever rounding left there."""
     qd = qd.copy()
     qdd = qdd.copy()
     qd[[0, -1]] = 0.0
     qdd[[0, -1]] = 0.0
-    return Course(time, q, qd, qdd)
+    return Trajectory(time, q, qd, qdd)
 
 
 class Workshop:
@@ -94,12 +76,12 @@ class Workshop:
         zero = np.zeros((1, self.robot.n))
         return extent(self.model, piece.centre[None], zero, zero).inside
 
-    def course(self, piece: Piece, duration: float) -> Course:
+    def course(self, piece: Piece, duration: float) -> Trajectory:
         """A piece alone."""
         time = np.arange(round(duration * RATE) + 1) / RATE
-        return Course(time, *piece.states(float(time[-1]), time))
+        return Trajectory(time, *piece.states(float(time[-1]), time))
 
-    def joined(self, pieces: Sequence[Piece], duration: float) -> Course:
+    def joined(self, pieces: Sequence[Piece], duration: float) -> Trajectory:
         """Pieces of the same duration one after another, with the fastest moves between them.
 
         Raises:
@@ -118,7 +100,7 @@ class Workshop:
 
     def filling(
         self, pieces: Sequence[Piece], duration: float, seconds: float
-    ) -> tuple[Course, float]:
+    ) -> tuple[Trajectory, float]:
         """Pieces joined to a motion of `seconds`, and the duration of a piece that this came to.
 
         Raises:
@@ -136,10 +118,10 @@ class Workshop:
                     f"the moves between {len(pieces)} pieces leave no room in {seconds:g} s"
                 )
             pieces = [piece for piece in fitted if piece is not None]
-        course = self.within(course.stretched(max(seconds, course.duration)))
+        course = self.within(stretched(course, max(seconds, course.duration)))
         return course, duration
 
-    def within(self, course: Course) -> Course:
+    def within(self, course: Trajectory) -> Trajectory:
         """The course slowed down until it is inside the limits at every instant looked at.
 
         Raises:
@@ -149,7 +131,7 @@ class Workshop:
             found = self.extent(course)
             if found.inside:
                 return course
-            course = course.stretched(1.04 * course.duration)
+            course = stretched(course, 1.04 * course.duration)
         raise InfeasibleError(
             f"no slower motion is inside the limits: torque {100 * found.torque:.0f} % of its "
             "limit, "
@@ -157,11 +139,11 @@ class Workshop:
             f"{found.radius:.2f} m"
         )
 
-    def extent(self, course: Course) -> Extent:
+    def extent(self, course: Trajectory) -> Extent:
         """How far a course goes, looked at densely."""
         return dense_extent(self.model, 1 / RATE, course.q, course.qd, course.qdd)
 
-    def recorded(self, course: Course, name: str = "motion") -> PreparedLog:
+    def recorded(self, course: Trajectory, name: str = "motion") -> PreparedLog:
         """The course as diagnosis sees it in a log of a real arm (that sticks when it turns), free
         of noise and lag.
 

@@ -11,83 +11,22 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from irb2400_ctrl.excitation.alternatives import NOISE, SIZE, named
-from irb2400_ctrl.excitation.assemble import RATE, Course
+from irb2400_ctrl.excitation.alternatives import NOISE, SIZE
+from irb2400_ctrl.excitation.assemble import RATE
 from irb2400_ctrl.excitation.feasible import SHARE, Extent
-from irb2400_ctrl.excitation.groups import AmbiguityGroup, Place
+from irb2400_ctrl.excitation.groups import AmbiguityGroup
+from irb2400_ctrl.excitation.pair_separability import CLEAR, Separability
 from irb2400_ctrl.files import write_atomic
 from irb2400_ctrl.model import Model
-from irb2400_ctrl.planners.plan import Trajectory
 from irb2400_ctrl.planners.programs.rapid.rapid_program import (
     RapidOptions,
     RapidProgram,
     rapid_program,
 )
 from irb2400_ctrl.robot import Robot
+from irb2400_ctrl.trajectory import Trajectory
 
 Array = npt.NDArray[np.float64]
-
-CLEAR = 5.0
-"""standard deviations from which on members are called separated"""
-
-
-@dataclass(frozen=True)
-class Separability:
-    """How far a member is from what a rival and the uncertain base can imitate: standard motion,
-    then planned one.
-
-    Args:
-        pair: in words; member, rival: kind and joint, rival None for the base alone.
-        distance: [standard deviations of the assumed noise]; sine: of the angle between the member
-            and its imitation.
-        ceiling: largest distance that any record could show where no motion separates them, else
-            infinite.
-        reason: why no motion separates them; empty where one may.
-    """
-
-    pair: str
-    member: Place
-    rival: Place | None
-    distance: tuple[float, float]
-    sine: tuple[float, float]
-    ceiling: float
-    reason: str
-
-    @property
-    def separated(self) -> bool:
-        """Whether the planned motion tells them apart, the data sheet's word included."""
-        return self.distance[1] >= CLEAR
-
-    @property
-    def hopeless(self) -> bool:
-        """Whether no motion tells them apart, at the common size."""
-        return self.ceiling < CLEAR
-
-    @property
-    def verdict(self) -> str:
-        """In words, for tables."""
-        if self.hopeless:
-            return "no motion separates them"
-        if not self.separated:
-            return "still close"
-        return "only by the data sheet" if self.reason else "separated"
-
-    def row(self) -> dict[str, Any]:
-        """For `excitation.json`."""
-        return {
-            "member": named(self.member),
-            "rival": "uncertain base" if self.rival is None else named(self.rival),
-            "distance_before": round(self.distance[0], 3),
-            "distance_after": round(self.distance[1], 3),
-            "sine_before": round(self.sine[0], 5),
-            "sine_after": round(self.sine[1], 5),
-            "separable_by_motion": not self.reason,
-            "verdict": self.verdict,
-            "largest_distance_of_any_record": round(self.ceiling, 3)
-            if math.isfinite(self.ceiling)
-            else None,
-            "why_not": self.reason,
-        }
 
 
 @dataclass(frozen=True)
@@ -105,9 +44,9 @@ class Excitation:
     robot: Robot
     group: AmbiguityGroup
     joint: int | None
-    course: Course
+    course: Trajectory
     tau: Array
-    standard: Course
+    standard: Trajectory
     extent: Extent
     flavours: tuple[str, ...]
     noise: Array
@@ -177,7 +116,7 @@ class Excitation:
             zone_mm=1.0,
             state_time=True,
         )
-        return rapid_program(Model(self.robot), self.course.time, self.course.q, options)
+        return rapid_program(Model(self.robot), self.course, options=options)
 
     def lines(self) -> list[str]:
         """For the terminal."""
@@ -213,8 +152,9 @@ class Excitation:
             write_atomic(folder / "excitation.json", json.dumps(self.summary(), indent=2) + "\n"),
             folder / "excitation.png",
         ]
-        motion_figure(self).savefig(paths[-1], dpi=120, metadata={"Software": None})
+        figure = motion_figure(self.robot, self.course, self.tau, self.table, self.group.name)
+        figure.savefig(paths[-1], dpi=120, metadata={"Software": None})
         return paths
 
 
-__all__ = ["RATE", "Excitation", "Separability"]
+__all__ = ["RATE", "Excitation"]

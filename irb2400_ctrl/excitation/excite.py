@@ -3,7 +3,7 @@ robot."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -13,13 +13,15 @@ from threadpoolctl import threadpool_limits
 
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.excitation.alternatives import Alternatives, Pair, named
-from irb2400_ctrl.excitation.assemble import Course, Workshop
-from irb2400_ctrl.excitation.excitation import CLEAR, Excitation, Separability
+from irb2400_ctrl.excitation.assemble import Workshop
+from irb2400_ctrl.excitation.excitation import Excitation
 from irb2400_ctrl.excitation.groups import group_called
 from irb2400_ctrl.excitation.motion_design import ENOUGH, Budget, Design, merit, standard_course
+from irb2400_ctrl.excitation.pair_separability import CLEAR, Separability
 from irb2400_ctrl.measurement.prepared_log import PreparedLog
 from irb2400_ctrl.measurement.uniform import LowPass
 from irb2400_ctrl.robot import Robot
+from irb2400_ctrl.trajectory import Trajectory
 
 Array = npt.NDArray[np.float64]
 
@@ -61,10 +63,7 @@ def excite(
         InfeasibleError: the limits of the robot leave no motion.
     """
     asked = group_called(group)
-    if not (np.isfinite(seconds) and SHORTEST <= seconds <= LONGEST):
-        raise InputError(f"found {seconds:g} seconds, expected {SHORTEST:g} to {LONGEST:g}")
-    if joint is not None and not 1 <= joint <= robot.n:
-        raise InputError(f"found joint {joint}, expected 1 to {robot.n}")
+    _check(robot, seconds, joint)
     with threadpool_limits(limits=1, user_api="blas"):
         progress("preparing")
         workshop = Workshop(robot)
@@ -76,29 +75,14 @@ def excite(
                 f"no effect of the group {asked.name} acts on joint {joint} of {robot.name}"
             )
         reasons, ceilings = _limits_of_motion(alternatives, standard)
-        wanted = np.where(ceilings >= CLEAR, np.minimum(ENOUGH, 0.9 * ceilings), 0.0)
-        if not wanted.any():
-            # where no motion separates anything, the motion that shows the members best is still
-            # worth having
-            wanted = np.full(len(wanted), ENOUGH)
+        wanted = _wanted_distances(ceilings)
         design = Design(workshop, alternatives, wanted, seconds, np.random.default_rng(seed), joint)
         pieces = design.run(budget or Budget(), progress)
         progress("joining the pieces")
         course, _ = workshop.filling(pieces, design.duration, seconds)
         planned = workshop.recorded(course, "excited")
-        before, after = (alternatives.distances(alternatives.gram(m)) for m in (standard, planned))
-    table = tuple(
-        Separability(
-            pair.text,
-            pair.member,
-            pair.rival,
-            (float(before[0][i]), float(after[0][i])),
-            (float(before[1][i]), float(after[1][i])),
-            float(ceilings[i]),
-            reasons[i],
-        )
-        for i, pair in enumerate(alternatives.pairs)
-    )
+        before = alternatives.distances(alternatives.gram(standard))
+        after = alternatives.distances(alternatives.gram(planned))
     return Excitation(
         robot=robot,
         group=asked,
@@ -109,13 +93,49 @@ def excite(
         extent=workshop.extent(course),
         flavours=tuple(piece.flavour for piece in pieces),
         noise=alternatives.noise,
-        table=table,
+        table=_table(alternatives.pairs, before, after, ceilings, reasons),
         gain=merit(after[0], wanted) - merit(before[0], wanted),
     )
 
 
+def _check(robot: Robot, seconds: float, joint: int | None) -> None:
+    if not (np.isfinite(seconds) and SHORTEST <= seconds <= LONGEST):
+        raise InputError(f"found {seconds:g} seconds, expected {SHORTEST:g} to {LONGEST:g}")
+    if joint is not None and not 1 <= joint <= robot.n:
+        raise InputError(f"found joint {joint}, expected 1 to {robot.n}")
+
+
+def _wanted_distances(ceilings: Array) -> Array:
+    """How far apart each pair is to be brought, as far as any motion can."""
+    wanted = np.where(ceilings >= CLEAR, np.minimum(ENOUGH, 0.9 * ceilings), 0.0)
+    if not wanted.any():
+        # where no motion separates anything, the motion that shows the members best is still
+        # worth having
+        wanted = np.full(len(wanted), ENOUGH)
+    return wanted
+
+
+def _table(
+    pairs: Sequence[Pair],
+    before: tuple[Array, Array],
+    after: tuple[Array, Array],
+    ceilings: Array,
+    reasons: Sequence[str],
+) -> tuple[Separability, ...]:
+    """Distance and sine of every pair on the standard motion and on the planned one."""
+    rows = []
+    for i, pair in enumerate(pairs):
+        distance = (float(before[0][i]), float(after[0][i]))
+        sine = (float(before[1][i]), float(after[1][i]))
+        ceiling = float(ceilings[i])
+        rows.append(
+            Separability(pair.text, pair.member, pair.rival, distance, sine, ceiling, reasons[i])
+        )
+    return tuple(rows)
+
+
 def separability(
-    robot: Robot, group: str, course: Course, *, joint: int | None = None
+    robot: Robot, group: str, course: Trajectory, *, joint: int | None = None
 ) -> dict[Pair, float]:
     """Distances of the pairs of a group on any motion, sizes set on the standard motion of the same
     duration."""

@@ -3,28 +3,43 @@ after."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
+import numpy.typing as npt
 from matplotlib.figure import Figure
 
-from irb2400_ctrl.excitation.excitation import CLEAR, Excitation
+from irb2400_ctrl.excitation.pair_separability import CLEAR, Separability
+from irb2400_ctrl.robot import Robot
+from irb2400_ctrl.trajectory import Trajectory
+
+Array = npt.NDArray[np.float64]
 
 MOST = 24
 """pairs that are drawn; the least separated ones"""
 
 
-def motion_figure(found: Excitation) -> Figure:
-    """Angles and torques as shares of their limits, and one pair of bars for each two effects."""
-    rows = sorted((r for r in found.table if not r.hopeless), key=lambda r: r.distance[1])[:MOST]
+def motion_figure(
+    robot: Robot, course: Trajectory, tau: Array, table: Sequence[Separability], name: str
+) -> Figure:
+    """Angles and torques as shares of their limits, and one pair of bars for each two effects.
+
+    Args:
+        robot: whose limits.
+        course: the motion.
+        tau: torque of the model along it [Nm], shape (m, n).
+        table: the pairs; those that no motion separates are left out.
+        name: of the group, for the title.
+    """
+    rows = sorted((r for r in table if not r.hopeless), key=lambda r: r.distance[1])[:MOST]
     figure = Figure(figsize=(9.0, 6.5 + 0.22 * len(rows)), layout="constrained")
     ratios = [1.0, 1.0, max(0.6, 0.09 * len(rows))]
     angle, torque, bars = figure.subplots(3, 1, gridspec_kw={"height_ratios": ratios})
-    robot = found.robot
-    course = found.course
     middle = (robot.q_max + robot.q_min) / 2
     half = (robot.q_max - robot.q_min) / 2
     for axis, values, label in (
         (angle, (course.q - middle) / half, "angle over half range [-]"),
-        (torque, found.tau / robot.tau_max, "torque over limit [-]"),
+        (torque, tau / robot.tau_max, "torque over limit [-]"),
     ):
         for j in range(robot.n):
             axis.plot(course.time, values[:, j], lw=0.9, label=f"axis {j + 1}")
@@ -55,5 +70,5 @@ def motion_figure(found: Excitation) -> Figure:
     bars.set_xlabel("separation [standard deviations of the assumed noise]")
     if rows:
         bars.legend(fontsize="small")
-    figure.suptitle(f"Motion that separates: {found.group.name}")
+    figure.suptitle(f"Motion that separates: {name}")
     return figure

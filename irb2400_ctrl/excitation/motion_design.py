@@ -9,11 +9,12 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from irb2400_ctrl.effects import LIBRARY
 from irb2400_ctrl.errors import InfeasibleError
 from irb2400_ctrl.excitation.alternatives import Alternatives
-from irb2400_ctrl.excitation.assemble import Course, Workshop
-from irb2400_ctrl.excitation.groups import TIME_DEPENDENT
-from irb2400_ctrl.excitation.segments import FLAVOURS, FOR_GROUP, Piece, drawn, mutated
+from irb2400_ctrl.excitation.assemble import Workshop
+from irb2400_ctrl.excitation.segments import FLAVOURS, Piece, drawn, mutated
+from irb2400_ctrl.trajectory import Trajectory
 
 Array = npt.NDArray[np.float64]
 
@@ -85,8 +86,8 @@ class Design:
         kinds = {p.member[0] for p in alternatives.pairs} | {
             p.rival[0] for p in alternatives.pairs if p.rival
         }
-        self.timed = bool(kinds & set(TIME_DEPENDENT))
-        names = FOR_GROUP.get(alternatives.group.name, tuple(FLAVOURS))
+        self.timed = any(LIBRARY[kind].ambiguity.time_matters for kind in kinds)
+        names = alternatives.group.motions or tuple(FLAVOURS)
         self.flavours = [FLAVOURS[name] for name in names]
 
     def run(self, budget: Budget, progress: Callable[[str], None]) -> list[Piece]:
@@ -174,7 +175,7 @@ class Design:
         return best
 
 
-def standard_course(workshop: Workshop, seconds: float, seed: int = 0) -> Course:
+def standard_course(workshop: Workshop, seconds: float, seed: int = 0) -> Trajectory:
     """The usual identification motion, for comparison: a multi-sine of all axes up to 0.42 Hz about
     the box's middle.
 

@@ -66,21 +66,6 @@ FLAVOURS: dict[str, Flavour] = {
     )
 }
 
-FOR_GROUP: dict[str, tuple[str, ...]] = {
-    "base": ("swing", "slow", "alone"),
-    "coupling": ("alone", "lively", "fast", "swing"),
-    "delay": ("fast", "chirp", "lively"),
-    "dynamic": ("chirp", "fast", "lively"),
-    "friction level": ("swing", "slow", "alone", "reversals", "lively"),
-    "offset": ("swing", "slow", "alone", "reversals"),
-    "position error": ("swing", "slow", "alone", "reversals", "lively"),
-    "position law": ("slow", "swing", "alone"),
-    "reversal": ("reversals", "slow", "swing", "alone"),
-    "ripple": ("slow", "swing", "alone"),
-    "viscous": ("slow", "swing", "lively", "fast", "alone"),
-}
-"""what a group's motion is drawn from; all flavours where nothing is said"""
-
 
 @dataclass(frozen=True)
 class Piece:
@@ -103,12 +88,18 @@ class Piece:
         t = time[:, None, None]
         angle = 2 * np.pi * (self.frequency * t + 0.5 * self.chirp * t**2) + self.phase
         rate = 2 * np.pi * (self.frequency + self.chirp * t)
+        sine = np.sin(angle)
+        cosine = np.cos(angle)
+        bend = 2 * np.pi * self.chirp * cosine - rate**2 * sine
         a = self.amplitude
-        s = (a * np.sin(angle)).sum(axis=1)
-        sd = (a * rate * np.cos(angle)).sum(axis=1)
-        sdd = (a * (2 * np.pi * self.chirp * np.cos(angle) - rate**2 * np.sin(angle))).sum(axis=1)
+        s = (a * sine).sum(axis=1)
+        sd = (a * rate * cosine).sum(axis=1)
+        sdd = (a * bend).sum(axis=1)
         w, wd, wdd = (v[:, None] for v in _window(time, duration))
-        return self.centre + w * s, wd * s + w * sd, wdd * s + 2 * wd * sd + w * sdd
+        q = self.centre + w * s
+        qd = wd * s + w * sd
+        qdd = wdd * s + 2 * wd * sd + w * sdd
+        return q, qd, qdd
 
 
 def _window(time: Array, duration: float) -> tuple[Array, Array, Array]:

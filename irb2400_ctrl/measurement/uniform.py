@@ -75,23 +75,29 @@ def resample(log: Log, rate: float | None = None) -> UniformLog:
     at = log.time
     if log.rate > 1.5 / step:
         at, stacked = _decimated(log, stacked, 1.0 / step)
-    even = len(time) == len(at) and np.abs(time - at).max() < 0.05 * step
     n = log.n
-    if even:
-        on_grid = stacked
-    else:
-        # angles are smooth enough for a spline with a second derivative; torques may jump
-        inside = np.clip(time, at[0], at[-1])
-        smooth = CubicSpline(at, stacked[:, :-n], axis=0)(inside)
-        on_grid = np.hstack([smooth, PchipInterpolator(at, stacked[:, -n:], axis=0)(inside)])
-    after = np.clip(np.searchsorted(log.time, time), 1, len(log.time) - 1)
-    gap = log.time[after] - log.time[after - 1]
-    on_sample = (
-        np.minimum(np.abs(log.time[after] - time), np.abs(time - log.time[after - 1])) < 0.25 * step
-    )
-    valid = (gap <= max(MAX_GAP, 2.5 / log.rate)) | on_sample
+    even = len(time) == len(at) and np.abs(time - at).max() < 0.05 * step
+    on_grid = stacked if even else _interpolated(at, stacked, n, time)
     q_ref = None if log.q_ref is None else on_grid[:, n : 2 * n]
+    valid = _covered(log, time, step)
     return UniformLog(time, on_grid[:, :n], on_grid[:, -n:], q_ref, valid, step)
+
+
+def _interpolated(at: Array, stacked: Array, n: int, time: Array) -> Array:
+    """Angles are smooth enough for a spline with a second derivative; the n torques may jump."""
+    inside = np.clip(time, at[0], at[-1])
+    angles = CubicSpline(at, stacked[:, :-n], axis=0)(inside)
+    torques = PchipInterpolator(at, stacked[:, -n:], axis=0)(inside)
+    return np.hstack([angles, torques])
+
+
+def _covered(log: Log, time: Array, step: float) -> Mask:
+    """Whether a time lies on a sample of the log, or in a gap short enough to be bridged."""
+    following = np.clip(np.searchsorted(log.time, time), 1, len(log.time) - 1)
+    after = log.time[following]
+    before = log.time[following - 1]
+    on_sample = np.minimum(np.abs(after - time), np.abs(time - before)) < 0.25 * step
+    return np.asarray((after - before <= max(MAX_GAP, 2.5 / log.rate)) | on_sample)
 
 
 def _decimated(log: Log, stacked: Array, rate: float) -> tuple[Array, Array]:

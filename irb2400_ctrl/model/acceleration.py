@@ -4,7 +4,6 @@ for qdd)."""
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import casadi as ca
 
@@ -12,9 +11,7 @@ from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.model import linear_solve, newton_euler
 from irb2400_ctrl.model.friction import friction
 from irb2400_ctrl.model.signals import ArmSignals
-
-if TYPE_CHECKING:
-    from irb2400_ctrl.model.model import Model
+from irb2400_ctrl.model.symbolic_arm import SymbolicArm
 
 NEWTON_STEPS = 4
 """for effects that bend the law in the acceleration (load friction); from a start of zero four
@@ -35,7 +32,7 @@ class Acceleration:
     qdd: ca.SX
 
     @classmethod
-    def of(cls, model: Model, s: ArmSignals, tau: ca.SX, with_friction: bool) -> Acceleration:
+    def of(cls, arm: SymbolicArm, s: ArmSignals, tau: ca.SX, with_friction: bool) -> Acceleration:
         """M qdd = tau - rest: the mass matrix by composite bodies, the rest by one recursion at qdd
         = 0.
 
@@ -43,12 +40,12 @@ class Acceleration:
             InputError: an axis without any inertia about itself; its acceleration is not
             determined.
         """
-        zero = ca.SX.zeros(model.robot.n)
-        effects = model.effect_torque(s)
-        rest = newton_euler.inverse_dynamics(model.robot, s.q, s.qd, zero, model.phi)
-        dry = friction(model.robot, s.qd) if with_friction else zero
+        zero = ca.SX.zeros(arm.robot.n)
+        effects = arm.effect_torque(s)
+        rest = newton_euler.inverse_dynamics(arm.robot, s.q, s.qd, zero, arm.phi)
+        dry = friction(arm.robot, s.qd) if with_friction else zero
         slope = s.mass_matrix + ca.jacobian(effects, s.qdd)
-        for i in range(model.robot.n):
+        for i in range(arm.robot.n):
             if slope[i, i].is_zero():
                 raise InputError(
                     f"forward dynamics: axis {i + 1} has no inertia about itself, so no torque "

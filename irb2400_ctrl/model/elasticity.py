@@ -1,7 +1,7 @@
 """Elastic transmissions with motor and link apart: which joints, and their numbers.
 
-A joint with an `elastic_joint` or a `transmission_backlash` effect has two angles, that of its
-motor q and that of its link l:
+A joint with effects in its transmission (`elastic_joint`, `transmission_backlash`) has two angles,
+that of its motor q and that of its link l:
 
     J qdd_motor + friction = tau - s,    s = k dead(q - l) + d (qd - ld) in contact, drives the
     link,
@@ -13,16 +13,18 @@ link's.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
+from irb2400_ctrl.effects import Effect
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.model.model import Model
 from irb2400_ctrl.robot import Robot
 
 Array = NDArray[np.float64]
 
-TRANSMISSIONS = ("elastic_joint", "transmission_backlash")
 ROTOR_SHARE = 0.1
 """assumption where a robot names an elastic joint but no rotor inertia: this share of the axis'
 inertia in the home pose; not published for this robot"""
@@ -35,8 +37,9 @@ teeth, motor held"""
 def elastic_joints(robot: Robot) -> tuple[int, ...]:
     """Zero-based numbers of the joints with a transmission of their own, in order."""
     joints = set[int]()
-    for kind in TRANSMISSIONS:
-        found = [effect.index for effect in robot.effects if effect.kind == kind]
+    effects = _in_transmissions(robot)
+    for kind in dict.fromkeys(effect.kind for effect in effects):
+        found = [effect.index for effect in effects if effect.kind == kind]
         if len(set(found)) != len(found):
             raise InputError(
                 f"joint {1 + max(found, key=found.count)} has two {kind} effects; expected one"
@@ -50,23 +53,15 @@ def elastic_data(robot: Robot) -> Array:
     joint, shape (k, 4)."""
     rows = []
     for j in elastic_joints(robot):
-        found = {
-            e.kind: e.parameters()
-            for e in robot.effects
-            if e.kind in TRANSMISSIONS and e.index == j
-        }
-        rotors = [e for e in robot.effects if e.kind == "rotor_inertia" and e.index == j]
+        found = [e.transmission() for e in _in_transmissions(robot) if e.index == j]
+        rotors = [e.motor_inertia for e in robot.effects if e.joint == j + 1]
+        own = [inertia for inertia in rotors if inertia is not None]
         # the damping ratio is that of the link on its spring, the motor held
         link = float(Model(robot.bare()).mass_matrix(np.zeros(robot.n))[j, j])
-        inertia = sum(float(e.coefficients()[0]) for e in rotors) if rotors else ROTOR_SHARE * link
-        teeth = {
-            "stiffness_Nm_rad": link * (2 * np.pi * TEETH_Hz) ** 2,
-            "damping_ratio": TEETH_DAMPING,
-        }
-        spring = found.get("elastic_joint", teeth)
-        stiffness = spring["stiffness_Nm_rad"]
-        ratio = spring["damping_ratio"]
-        gap = found.get("transmission_backlash", {"gap_rad": 0.0})["gap_rad"]
+        inertia = sum(float(i) for i in own) if own else ROTOR_SHARE * link
+        stiffness = _said([t.stiffness for t in found], link * (2 * np.pi * TEETH_Hz) ** 2)
+        ratio = _said([t.damping for t in found], TEETH_DAMPING)
+        gap = _said([t.gap for t in found], 0.0)
         rows.append([stiffness, 2 * ratio * np.sqrt(stiffness * link), inertia, gap])
     return np.array(rows, dtype=float).reshape(-1, 4)
 
@@ -82,6 +77,15 @@ def links_only(robot: Robot) -> Robot:
     kept = tuple(
         e
         for e in robot.effects
-        if e.kind not in TRANSMISSIONS and not (e.kind == "rotor_inertia" and e.index in soft)
+        if e.acts != "transmission" and not (e.motor_inertia is not None and e.index in soft)
     )
     return robot.model_copy(update={"effects": kept})
+
+
+def _in_transmissions(robot: Robot) -> list[Effect]:
+    return [effect for effect in robot.effects if effect.acts == "transmission"]
+
+
+def _said(values: Sequence[float | None], otherwise: float) -> float:
+    """The first value that an effect says, or what is assumed where none does."""
+    return next((value for value in values if value is not None), otherwise)

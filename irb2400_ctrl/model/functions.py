@@ -4,7 +4,6 @@ optimisation."""
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING
 
 import casadi as ca
 
@@ -12,9 +11,7 @@ from irb2400_ctrl.model import euler_lagrange, geometry, kinematics, newton_eule
 from irb2400_ctrl.model.acceleration import Acceleration
 from irb2400_ctrl.model.friction import friction
 from irb2400_ctrl.model.regressor import regressor
-
-if TYPE_CHECKING:
-    from irb2400_ctrl.model.model import Model
+from irb2400_ctrl.model.symbolic_arm import SymbolicArm
 
 
 def function(name: str, inputs: dict[str, ca.SX], outputs: dict[str, ca.SX]) -> ca.Function:
@@ -24,15 +21,15 @@ def function(name: str, inputs: dict[str, ca.SX], outputs: dict[str, ca.SX]) -> 
 
 
 def inverse_dynamics(
-    model: Model, name: str, with_friction: bool = True, with_wrench: bool = False
+    arm: SymbolicArm, name: str, with_friction: bool = True, with_wrench: bool = False
 ) -> ca.Function:
     """(q, qd, qdd, [wrench], time) -> tau."""
-    s = model.signals()
+    s = arm.signals()
     wrench = ca.SX.sym("wrench", 6)
     inputs = {"q": s.q, "qd": s.qd, "qdd": s.qdd}
-    tau = s.load + model.effect_torque(s)
+    tau = s.load + arm.effect_torque(s)
     if with_friction:
-        tau += friction(model.robot, s.qd)
+        tau += friction(arm.robot, s.qd)
     if with_wrench:
         tau -= s.tcp_jacobian.T @ wrench
         inputs["wrench"] = wrench
@@ -40,91 +37,93 @@ def inverse_dynamics(
 
 
 def forward_dynamics(
-    model: Model, name: str, with_friction: bool = True, with_wrench: bool = False
+    arm: SymbolicArm, name: str, with_friction: bool = True, with_wrench: bool = False
 ) -> ca.Function:
     """(q, qd, tau, [wrench], time) -> qdd."""
-    s = model.signals()
-    tau = ca.SX.sym("tau", model.robot.n)
+    s = arm.signals()
+    tau = ca.SX.sym("tau", arm.robot.n)
     wrench = ca.SX.sym("wrench", 6)
     inputs = {"q": s.q, "qd": s.qd, "tau": tau}
     driving = tau
     if with_wrench:
         driving = tau + s.tcp_jacobian.T @ wrench
         inputs["wrench"] = wrench
-    qdd = Acceleration.of(model, s, driving, with_friction).qdd
+    qdd = Acceleration.of(arm, s, driving, with_friction).qdd
     return function(name, {**inputs, "time": s.time}, {"qdd": qdd})
 
 
 def forward_dynamics_derivatives(
-    model: Model, name: str, with_friction: bool = True
+    arm: SymbolicArm, name: str, with_friction: bool = True
 ) -> ca.Function:
     """(q, qd, tau, time) -> (qdd, dqdd_dq, dqdd_dqd, dqdd_dtau)."""
-    s = model.signals()
-    tau = ca.SX.sym("tau", model.robot.n)
-    solution = Acceleration.of(model, s, tau, with_friction)
+    s = arm.signals()
+    tau = ca.SX.sym("tau", arm.robot.n)
+    solution = Acceleration.of(arm, s, tau, with_friction)
     return function(
         name, {"q": s.q, "qd": s.qd, "tau": tau, "time": s.time}, solution.derivatives()
     )
 
 
-def mass_matrix(model: Model, name: str) -> ca.Function:
+def mass_matrix(arm: SymbolicArm, name: str) -> ca.Function:
     """q -> M, with the inertia of the effects at rest."""
-    s = model.signals()
-    zero = ca.SX.zeros(model.robot.n)
+    s = arm.signals()
+    zero = ca.SX.zeros(arm.robot.n)
     slope = ca.substitute(
-        ca.jacobian(model.effect_torque(s), s.qdd), ca.vertcat(s.qd, s.qdd), ca.vertcat(zero, zero)
+        ca.jacobian(arm.effect_torque(s), s.qdd), ca.vertcat(s.qd, s.qdd), ca.vertcat(zero, zero)
     )
     return function(name, {"q": s.q}, {"M": s.mass_matrix + ca.substitute(slope, s.time, 0)})
 
 
-def gravity(model: Model, name: str) -> ca.Function:
+def gravity(arm: SymbolicArm, name: str) -> ca.Function:
     """q -> G, effects at rest included."""
-    s = model.signals()
-    zero = ca.SX.zeros(model.robot.n)
+    s = arm.signals()
+    zero = ca.SX.zeros(arm.robot.n)
     tau = ca.substitute(
-        model.effect_torque(s), ca.vertcat(s.qd, s.qdd, s.time), ca.vertcat(zero, zero, 0)
+        arm.effect_torque(s), ca.vertcat(s.qd, s.qdd, s.time), ca.vertcat(zero, zero, 0)
     )
-    tau += newton_euler.inverse_dynamics(model.robot, s.q, zero, zero, model.phi)
+    tau += newton_euler.inverse_dynamics(arm.robot, s.q, zero, zero, arm.phi)
     return function(name, {"q": s.q}, {"G": tau})
 
 
-def external_torque(model: Model, name: str) -> ca.Function:
+def external_torque(arm: SymbolicArm, name: str) -> ca.Function:
     """(q, wrench) -> J^T wrench."""
-    s = model.signals()
+    s = arm.signals()
     wrench = ca.SX.sym("wrench", 6)
     return function(name, {"q": s.q, "wrench": wrench}, {"tau_ext": s.tcp_jacobian.T @ wrench})
 
 
-def coriolis(model: Model, name: str) -> ca.Function:
+def coriolis(arm: SymbolicArm, name: str) -> ca.Function:
     """(q, qd) -> C."""
-    s = model.signals()
+    s = arm.signals()
     return function(
-        name, {"q": s.q, "qd": s.qd}, {"C": euler_lagrange.coriolis(model.robot, s.q, s.qd)}
+        name, {"q": s.q, "qd": s.qd}, {"C": euler_lagrange.coriolis(arm.robot, s.q, s.qd)}
     )
 
 
-def torque_regressor(model: Model, name: str, base: bool = False) -> ca.Function:
+def torque_regressor(arm: SymbolicArm, name: str, base: bool = False) -> ca.Function:
     """(q, qd, qdd) -> Y, in all inertial parameters or in the base parameters."""
-    s = model.signals()
-    Y = regressor(model.robot, s.q, s.qd, s.qdd)
+    s = arm.signals()
+    Y = regressor(arm.robot, s.q, s.qd, s.qdd)
     if base:
-        Y = Y[:, list(model.base_parameters.kept)]
+        Y = Y[:, list(arm.base_parameters.kept)]
     return function(name, {"q": s.q, "qd": s.qd, "qdd": s.qdd}, {"Y": Y})
 
 
-def friction_torque(model: Model, name: str) -> ca.Function:
+def friction_torque(arm: SymbolicArm, name: str) -> ca.Function:
     """qd -> F."""
-    qd = ca.SX.sym("qd", model.robot.n)
-    return function(name, {"qd": qd}, {"F": friction(model.robot, qd)})
+    qd = ca.SX.sym("qd", arm.robot.n)
+    return function(name, {"qd": qd}, {"F": friction(arm.robot, qd)})
 
 
-def of_q(name: str, model: Model, output: str, expression: Callable[[ca.SX], ca.SX]) -> ca.Function:
+def of_q(
+    name: str, arm: SymbolicArm, output: str, expression: Callable[[ca.SX], ca.SX]
+) -> ca.Function:
     """q -> a kinematic quantity."""
-    q = ca.SX.sym("q", model.robot.n)
+    q = ca.SX.sym("q", arm.robot.n)
     return function(name, {"q": q}, {output: expression(q)})
 
 
-FUNCTIONS: dict[str, Callable[[Model], ca.Function]] = {
+FUNCTIONS: dict[str, Callable[[SymbolicArm], ca.Function]] = {
     "inverse_dynamics": lambda m: inverse_dynamics(m, "inverse_dynamics"),
     "inverse_dynamics_without_friction": lambda m: inverse_dynamics(
         m, "inverse_dynamics", with_friction=False

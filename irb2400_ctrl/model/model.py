@@ -2,27 +2,21 @@
 
 from __future__ import annotations
 
-from functools import cached_property
-
 import casadi as ca
 import numpy as np
 import numpy.typing as npt
 
-from irb2400_ctrl.effects.added_body import AddedBody
 from irb2400_ctrl.errors import InputError, UnreachableError
-from irb2400_ctrl.model import geometry
 from irb2400_ctrl.model import inverse_kinematics as closed_form
-from irb2400_ctrl.model.base_parameters import BaseParameters, base_parameters
 from irb2400_ctrl.model.functions import FUNCTIONS
 from irb2400_ctrl.model.numeric import Value, evaluate
-from irb2400_ctrl.model.regressor import transport
-from irb2400_ctrl.model.signals import ArmSignals
+from irb2400_ctrl.model.symbolic_arm import SymbolicArm
 from irb2400_ctrl.robot import Robot
 
 Array = npt.NDArray[np.float64]
 
 
-class Model:
+class Model(SymbolicArm):
     """Kinematics and dynamics of one robot.
 
     Every method takes numpy arrays of shape (n,), or (m, n) for m states at once, and returns the
@@ -31,7 +25,7 @@ class Model:
     """
 
     def __init__(self, robot: Robot) -> None:
-        self.robot: Robot = robot
+        super().__init__(robot)
         self._built: dict[str, ca.Function] = {}
 
     # ---- dynamics
@@ -170,11 +164,6 @@ class Model:
         X_TF = np.linalg.inv(self.robot.X_FT)
         return closed_form.solve(self.arm_geometry, np.asarray(X_BT, dtype=float) @ X_TF, seed)
 
-    @cached_property
-    def arm_geometry(self) -> geometry.ArmGeometry:
-        """Constants of Tab. 2; raises InputError for an arm of another family."""
-        return geometry.arm_geometry(self.robot)
-
     @staticmethod
     def _within_coupled_bound(q: Array, difference_deg: tuple[float, float]) -> Array:
         """Solutions whose q3 - q2 the controller's coupled bound allows."""
@@ -210,7 +199,7 @@ class Model:
             f"{limits[1, axis]:.0f} deg"
         )
 
-    # ---- symbolic core
+    # ---- CasADi functions
 
     def function(self, name: str) -> ca.Function:
         """The CasADi function (SX) behind a method, built once; for code generation and
@@ -222,42 +211,3 @@ class Model:
                 )
             self._built[name] = FUNCTIONS[name](self)
         return self._built[name]
-
-    @cached_property
-    def phi(self) -> ca.DM:
-        """Inertial parameters of the links with tool and parameter effects folded in, shape (n,
-        10)."""
-        phi = self.robot.inertial_parameters.copy()
-        n = self.robot.n
-        for effect in self.robot.effects:
-            if isinstance(effect, AddedBody) and effect.role == "parameters":
-                carrier = effect.carrier(n)
-                added = np.array(effect.coefficients())
-                if carrier == n + 1:
-                    carrier = n
-                    added = np.asarray(transport(ca.DM(self.robot.flange.matrix()))) @ added
-                phi[carrier - 1] += added
-        return ca.DM(phi)
-
-    @cached_property
-    def base_parameters(self) -> BaseParameters:
-        """The inertial parameters that the torque depends on, and the map from the standard
-        ones."""
-        return base_parameters(self.robot, np.asarray(self.phi))
-
-    def signals(self) -> ArmSignals:
-        """Fresh symbols of the arm's state and what follows from them: the language effects are
-        written in."""
-        return ArmSignals.symbols(self.robot, self.phi)
-
-    def effect_torque(self, s: ArmSignals) -> ca.SX:
-        """Sum of the force effects, memory in its steady state, shape (n,) [Nm]."""
-        tau = ca.SX.zeros(self.robot.n)
-        for effect in self.robot.effects:
-            # parameter effects are folded into phi; the measuring chain does not load the actuators
-            if effect.role == "force":
-                tau += effect.torque(s.with_state(effect.steady_state(s)))
-        # derivatives of the acceleration are not inputs of the dynamics: elasticity is a state of
-        # the simulated plant
-        zero = ca.SX.zeros(self.robot.n)
-        return ca.substitute(tau, ca.vertcat(s.qddd, s.qdddd), ca.vertcat(zero, zero))

@@ -17,9 +17,12 @@ from dataclasses import dataclass
 
 import casadi as ca
 
-from irb2400_ctrl.model.arm import arm_of
+from irb2400_ctrl.model.arm import Arm, arm_of
 from irb2400_ctrl.model.chain import CosSin, turned, turned_back
 from irb2400_ctrl.robot import Robot
+
+Wrench = tuple[ca.SX, ca.SX]
+"""force and moment"""
 
 
 def inverse_dynamics(
@@ -45,21 +48,24 @@ def inverse_dynamics(
         gravity: gravity in the base frame [m/s2], shape (3,); default the robot's.
     """
     arm = arm_of(robot, phi)
-    chain = arm.chain
-    bodies = arm.bodies
-    turns = chain.cos_sin(q)
-    B = ca.DM(chain.B)
-    rate = B @ qd
-    rate2 = B @ qdd
+    B = ca.DM(arm.chain.B)
     gravity = ca.DM(robot.gravity) if gravity is None else gravity
+    turns = arm.chain.cos_sin(q)
+    wrenches = _outwards(arm, turns, B @ qd, B @ qdd, ca.SX(-gravity / arm.length))
+    return B.T @ _inwards(arm, turns, wrenches)
 
-    forces = [ca.SX(3, 1)] * robot.n
-    moments = [ca.SX(3, 1)] * robot.n
+
+def _outwards(arm: Arm, turns: list[CosSin], rate: ca.SX, rate2: ca.SX, a: ca.SX) -> list[Wrench]:
+    """Force and moment that each body needs, from the base to the tip.
+
+    Args:
+        a: acceleration of the base.
+    """
+    wrenches = []
     w = ca.SX(3, 1)
     eps = ca.SX(3, 1)
     U = ca.SX(3, 3)
-    a = ca.SX(-gravity / arm.length)
-    for group in chain.groups:
+    for group in arm.chain.groups:
         R = ca.SX(ca.DM(group.R))
         a_G = R.T @ (a + U @ ca.DM(group.p))
         w_G = R.T @ w
@@ -69,35 +75,40 @@ def inverse_dynamics(
             motion = _Motion.of(w, eps)
             U = motion.U
             a = turned_back(turns[i], a_G)
-            forces[i], moments[i] = _wrench(bodies[i], motion, a)
+            wrenches.append(_wrench(arm.bodies[i], motion, a))
             if i + 1 in group.links:
                 a_G = a_G + turned(turns[i], U @ ca.DM(group.steps[i - group.links.start]))
+    return wrenches
 
-    tau = ca.SX(robot.n, 1)
+
+def _inwards(arm: Arm, turns: list[CosSin], wrenches: list[Wrench]) -> ca.SX:
+    """Torque about each joint's axis, from the tip to the base; each group carries what the later
+    ones need."""
+    tau = ca.SX(len(wrenches), 1)
     f = ca.SX(3, 1)
     n = ca.SX(3, 1)
-    for group in reversed(chain.groups):
+    for group in reversed(arm.chain.groups):
         last = group.links[-1]
-        forces[last] = forces[last] + f
-        moments[last] = moments[last] + n
         f_G = ca.SX(3, 1)
         n_G = ca.SX(3, 1)
         for i in reversed(group.links):
-            tau[i] = moments[i][2]
+            force, moment = wrenches[i]
+            if i == last:
+                force = force + f
+                moment = moment + n
+            tau[i] = moment[2]
             if i != last:
                 step = ca.DM(group.steps[i - group.links.start])
-                tau[i] += (
-                    step[0] * turned_back(turns[i], f_G)[1]
-                    - step[1] * turned_back(turns[i], f_G)[0]
-                )
+                f_i = turned_back(turns[i], f_G)
+                tau[i] += step[0] * f_i[1] - step[1] * f_i[0]
                 n_G += ca.cross(turned(turns[i], ca.SX(step)), f_G)
-            f_G = f_G + turned(turns[i], forces[i])
-            n_G = n_G + turned(turns[i], moments[i])
+            f_G = f_G + turned(turns[i], force)
+            n_G = n_G + turned(turns[i], moment)
         R = ca.SX(ca.DM(group.R))
         f = R @ f_G
         n = R @ n_G
         n += ca.cross(ca.SX(ca.DM(group.p)), f)
-    return B.T @ tau
+    return tau
 
 
 def _turning(
@@ -139,7 +150,7 @@ class _Motion:
         return cls(U, (zz - yy, xx - zz, yy - xx))
 
 
-def _wrench(J: ca.SX, motion: _Motion, a: ca.SX) -> tuple[ca.SX, ca.SX]:
+def _wrench(J: ca.SX, motion: _Motion, a: ca.SX) -> Wrench:
     """Force and moment about the link's origin that the body needs, in the link's frame (eqs. 58,
     59, 68).
 

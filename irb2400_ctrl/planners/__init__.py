@@ -9,7 +9,7 @@ plan.write("out")
 from irb2400_ctrl.planners.enclosure.path_dynamics import path_dynamics
 from irb2400_ctrl.planners.joint_move import JointMove, joint_move
 from irb2400_ctrl.planners.joint_path import JointPath
-from irb2400_ctrl.planners.plan import Plan, Trajectory
+from irb2400_ctrl.planners.plan import Plan
 from irb2400_ctrl.planners.plan_path import plan_path
 from irb2400_ctrl.planners.programs.rapid.rapid_program import (
     RapidOptions,
@@ -17,7 +17,8 @@ from irb2400_ctrl.planners.programs.rapid.rapid_program import (
     rapid_program,
 )
 from irb2400_ctrl.planners.programs.rapid.rapid_reader import read_rapid
-from irb2400_ctrl.planners.timing.certificate import Certificate, Checked, check
+from irb2400_ctrl.planners.timing.certificate import Certificate, check
+from irb2400_ctrl.planners.timing.motion_bounds import Checked
 from irb2400_ctrl.planners.timing.motion_limits import MotionLimits
 from irb2400_ctrl.planners.timing.time_joint_path import time_joint_path
 from irb2400_ctrl.planners.toolpath import builders
@@ -26,6 +27,7 @@ from irb2400_ctrl.planners.toolpath.read_path import read_path
 from irb2400_ctrl.planners.toolpath.toolpath import ToolPath
 from irb2400_ctrl.planners.trajectory_optimisation.optimise_motion import optimise_motion
 from irb2400_ctrl.planners.trajectory_optimisation.optimised import Optimised
+from irb2400_ctrl.trajectory import Trajectory
 
 __all__ = [
     "Certificate",

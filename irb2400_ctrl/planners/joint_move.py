@@ -13,6 +13,8 @@ from numpy.typing import ArrayLike
 from irb2400_ctrl.errors import InfeasibleError, InputError
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.planners.joint_box import can_hold, inside_box, outside_box
+from irb2400_ctrl.robot import Robot
+from irb2400_ctrl.trajectory import Trajectory
 
 Array = npt.NDArray[np.float64]
 
@@ -28,17 +30,10 @@ _SPEED_SHARES = (1.0, 0.7, 0.5, 0.3, 0.15)
 
 @dataclass(frozen=True)
 class JointMove:
-    """A move of all joints that starts and ends together; the rows are equidistant and the last one
-    is at rest."""
+    """A move of all joints that starts and ends together."""
 
-    time: Array
-    """[s], shape (m,)"""
-    q: Array
-    """[rad], shape (m, n)"""
-    qd: Array
-    """[rad/s], shape (m, n)"""
-    qdd: Array
-    """[rad/s2], shape (m, n)"""
+    trajectory: Trajectory
+    """equidistant rows, the last one at rest; a single one where there is nothing to do"""
     qdd_max: Array
     """acceleration limits that the move was made with, after scaling to the torque [rad/s2], shape
     (n,)"""
@@ -48,13 +43,33 @@ class JointMove:
     """largest |tau| / tau_max over the move, friction and effects included [-]"""
 
     def __post_init__(self) -> None:
-        for array in (self.time, self.q, self.qd, self.qdd, self.qdd_max, self.qddd_max):
+        for array in (self.qdd_max, self.qddd_max):
             array.setflags(write=False)
+
+    @property
+    def time(self) -> Array:
+        """[s], shape (m,)"""
+        return self.trajectory.time
+
+    @property
+    def q(self) -> Array:
+        """[rad], shape (m, n)"""
+        return self.trajectory.q
+
+    @property
+    def qd(self) -> Array:
+        """[rad/s], shape (m, n)"""
+        return self.trajectory.qd
+
+    @property
+    def qdd(self) -> Array:
+        """[rad/s2], shape (m, n)"""
+        return self.trajectory.qdd
 
     @property
     def duration(self) -> float:
         """[s]"""
-        return float(self.time[-1])
+        return self.trajectory.duration
 
 
 def joint_move(
@@ -101,23 +116,16 @@ def joint_move(
     for name, q in (("q_start", start), ("q_target", target)):
         inside_box(model, name, q)
         can_hold(model, name, q)
-    if (np.abs(speed) > robot.qd_max * (1 + 1e-9)).any():
-        axis = int(np.argmax(np.abs(speed) / robot.qd_max))
-        raise InputError(
-            f"qd_start: axis {axis + 1} moves at {np.degrees(speed[axis]):.1f} deg/s, "
-            f"expected at most {np.degrees(robot.qd_max[axis]):.1f}"
-        )
+    _within_speed(robot, speed)
     given = qdd_max if qdd_max is not None else _limits_of_file(model)
-    box = (
-        _accelerations(model, start, target)
-        if given is None
-        else _vector("qdd_max", given, robot.n, positive=True)
-    )
-    jerk = (
-        box / RAMP_TIME
-        if qddd_max is None
-        else _vector("qddd_max", qddd_max, robot.n, positive=True)
-    )
+    if given is None:
+        box = _accelerations(model, start, target)
+    else:
+        box = _vector("qdd_max", given, robot.n, positive=True)
+    if qddd_max is None:
+        jerk = box / RAMP_TIME
+    else:
+        jerk = _vector("qddd_max", qddd_max, robot.n, positive=True)
     # what somebody stated is never exceeded; what was only estimated may be scaled up
     top = 1.0 if given is not None or qddd_max is not None else _SCALES[0]
     return _Search(model, start, target, speed, acceleration, box, jerk, rate).best(top)
@@ -139,6 +147,16 @@ def _vector(name: str, value: ArrayLike, n: int, positive: bool = False) -> Arra
             f"{name}: the limit of axis {axis + 1} is {array[axis]}, expected a positive number"
         )
     return array
+
+
+def _within_speed(robot: Robot, speed: Array) -> None:
+    """Refuse a start that is faster than the speed limits."""
+    if (np.abs(speed) > robot.qd_max * (1 + 1e-9)).any():
+        axis = int(np.argmax(np.abs(speed) / robot.qd_max))
+        raise InputError(
+            f"qd_start: axis {axis + 1} moves at {np.degrees(speed[axis]):.1f} deg/s, "
+            f"expected at most {np.degrees(robot.qd_max[axis]):.1f}"
+        )
 
 
 def _limits_of_file(model: Model) -> Array | None:
@@ -272,8 +290,8 @@ class _Search:
     def _sampled(self, scale: float, trajectory: Any, ratio: float) -> JointMove:
         count = round(trajectory.duration * self.rate)
         time = np.arange(count + 1) / self.rate
-        q, qd, qdd = _states(trajectory, time)
-        return JointMove(time, q, qd, qdd, scale * self.qdd_max, scale * self.qddd_max, ratio)
+        rows = Trajectory(time, *_states(trajectory, time), check_speeds=False)
+        return JointMove(rows, scale * self.qdd_max, scale * self.qddd_max, ratio)
 
 
 def _states(trajectory: Any, time: Array) -> tuple[Array, Array, Array]:

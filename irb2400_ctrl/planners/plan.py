@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 import json
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -15,54 +14,9 @@ from irb2400_ctrl.files import write_atomic
 from irb2400_ctrl.planners.timing.certificate import Certificate
 from irb2400_ctrl.planners.toolpath.toolpath import ToolPath
 from irb2400_ctrl.robot import Robot
+from irb2400_ctrl.trajectory import Trajectory
 
 Array = npt.NDArray[np.float64]
-
-
-@dataclass(frozen=True)
-class Trajectory:
-    """A motion at even times; the first and the last row are at rest. All arrays are read-only."""
-
-    time: Array
-    """[s], shape (k,)"""
-    q: Array
-    qd: Array
-    qdd: Array
-    """[rad], [rad/s], [rad/s2], shape (k, n)"""
-    tau: Array
-    """torque of the model, friction and effects included, at their times from the start [Nm], shape
-    (k, n)"""
-    s: Array
-    """length of the TCP's way [m] (with free geometry: the parameter of the path), shape (k,)"""
-
-    def __post_init__(self) -> None:
-        for name in ("time", "q", "qd", "qdd", "tau", "s"):
-            getattr(self, name).setflags(write=False)
-
-    def csv(self) -> str:
-        """The text of `trajectory.csv`: degrees, and s in metres."""
-        n = self.q.shape[1]
-        units = (("q", "_deg"), ("qd", "_deg_s"), ("qdd", "_deg_s2"), ("tau", "_Nm"))
-        header = [
-            "time_s",
-            *(f"{name}{j + 1}{unit}" for name, unit in units for j in range(n)),
-            "s",
-        ]
-        # adding zero takes the sign from a negative zero
-        table = 0.0 + np.column_stack(
-            [
-                self.time,
-                np.degrees(self.q),
-                np.degrees(self.qd),
-                np.degrees(self.qdd),
-                self.tau,
-                self.s,
-            ]
-        )
-        text = io.StringIO()
-        text.write(",".join(header) + "\n")
-        np.savetxt(text, table, delimiter=",", fmt=["%.6f", *["%.9g"] * (4 * n + 1)])
-        return text.getvalue()
 
 
 @dataclass(frozen=True)
@@ -72,6 +26,7 @@ class Plan:
     robot: Robot
     path: ToolPath
     trajectory: Trajectory
+    """at even times, at rest in the first and the last row; with torque and the TCP's way"""
     length: float
     """length of the TCP's way [m]"""
     certificate: Certificate
@@ -115,6 +70,13 @@ class Plan:
     wall_time: dict[str, float] = field(default_factory=dict)
     """[s] per stage"""
 
+    @property
+    def tau(self) -> Array:
+        """Torque of the model along the trajectory, friction and effects included [Nm], shape
+        (k, n)."""
+        assert self.trajectory.tau is not None
+        return self.trajectory.tau
+
     def summary(self) -> dict[str, Any]:
         """The content of `plan.json`."""
         return {
@@ -139,7 +101,7 @@ class Plan:
             ],
             "branch": self.branch,
             "compared": list(self.alternatives),
-            "peak_torque_Nm": [float(v) for v in np.abs(self.trajectory.tau).max(axis=0)],
+            "peak_torque_Nm": [float(v) for v in np.abs(self.tau).max(axis=0)],
             "wrist_passages": list(self.passages),
             "wrist_remedies": list(self.remedies),
             **self.rates,

@@ -11,12 +11,11 @@ from pathlib import Path
 from irb2400_ctrl.codegen import Verification, export_package
 from irb2400_ctrl.controllers import controller
 from irb2400_ctrl.diagnosis import Diagnosis, diagnose
-from irb2400_ctrl.measurement import Log, read_log
+from irb2400_ctrl.measurement import Log, read_log, recorded_motion
 from irb2400_ctrl.planners import MotionLimits, Plan, plan_path, read_path
 from irb2400_ctrl.robot import Robot, load_robot
-from irb2400_ctrl.simulation import Simulation, Trajectory, perturbed_robot, simulate
+from irb2400_ctrl.simulation import Simulation, perturbed_robot, simulate
 from irb2400_ctrl.simulation.close_the_loop import ClosedLoop, close_loop
-from irb2400_ctrl.simulation.recorded import recorded_motion
 
 DATA = Path(str(resources.files("irb2400_ctrl") / "data"))
 TOOLPATH = DATA / "freeform.apt"
@@ -53,8 +52,6 @@ def run_main_job(out: Path, say: Callable[[str], None] = lambda text: None) -> M
     limits = replace(limits, tau_max=TORQUE_SHARE * limits.tau_max)
     plan = plan_path(robot, read_path(TOOLPATH), limits=limits)
     plan.write(out / "plan")
-    t = plan.trajectory
-    motion = Trajectory(t.time, t.q, t.qd, t.qdd)
 
     packages = {}
     for name in GENERATED:
@@ -65,7 +62,7 @@ def run_main_job(out: Path, say: Callable[[str], None] = lambda text: None) -> M
     tracking = {}
     for name in TRACKED_WITH:
         say(f"closed loop: {name}")
-        tracking[name] = simulate(robot, motion, name, plant=plant)
+        tracking[name] = simulate(robot, plan.trajectory, name, plant=plant)
         tracking[name].write(out / "tracking" / name)
 
     say("comparing log and model")

@@ -42,7 +42,7 @@ def save_figures(plan: Plan, out: Path) -> list[Path]:
 def torque_figure(plan: Plan) -> Figure:
     """Torque over time, one plot a joint."""
     limits = plan.certificate.limits.tau_max
-    return _joint_plots(plan, plan.trajectory.tau, -limits, limits, "torque", "Nm")
+    return _joint_plots(plan, plan.tau, -limits, limits, "torque", "Nm")
 
 
 def joint_figure(plan: Plan) -> Figure:

@@ -1,4 +1,4 @@
-"""The robot: its description, and the file it is read from."""
+"""The robot: its description, the file it is read from, and the formats it is written in."""
 
 from irb2400_ctrl.robot.description import (
     Body,

@@ -8,15 +8,16 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from functools import cached_property
+from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
 import numpy as np
 import numpy.typing as npt
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_validator
 
-from irb2400_ctrl.effects import LIBRARY, AnyEffect
+from irb2400_ctrl.effects import LIBRARY, AnyEffect, load_effects
 from irb2400_ctrl.effects.base import OPEN_END_S
-from irb2400_ctrl.effects.blank import shape_size
+from irb2400_ctrl.effects.blank import discrepancy_size
 
 Array = npt.NDArray[np.float64]
 Positive = Annotated[float, Field(gt=0)]
@@ -202,6 +203,9 @@ class Robot(_Table):
     flange: ModifiedDH | Transform
     tool: Tool | None = None
     effects: tuple[AnyEffect, ...] = ()
+    effect_files: tuple[Path, ...] = Field(default=(), exclude=True)
+    """Python files that define effects of the user's own; a robot file names them relative to
+    itself. No part of the description: `effects` is the same wherever the file lies"""
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
@@ -219,13 +223,13 @@ class Robot(_Table):
             if effect.joint not in allowed:
                 names = "absent" if allowed == [None] else ", ".join(str(j) for j in allowed)
                 problems.append(f"effects: {effect.kind} on joint {effect.joint}, expected {names}")
-            elif effect.shape and len(effect.shape) != (
-                size := shape_size(type(effect), effect.joint, n)
+            elif effect.discrepancy and len(effect.discrepancy) != (
+                size := discrepancy_size(type(effect), effect.joint, n)
             ):
                 wanted = f"{size} or none" if size else "none"
                 problems.append(
-                    f"effects: {effect.kind} has a shape of {len(effect.shape)} numbers, expected "
-                    f"{wanted}"
+                    f"effects: {effect.kind} has a discrepancy of {len(effect.discrepancy)} "
+                    f"numbers, expected {wanted}"
                 )
         if problems:
             raise ValueError("; ".join(problems))
@@ -320,6 +324,12 @@ class Robot(_Table):
     def __eq__(self, other: object) -> bool:
         """Equal descriptions; arrays that were computed on the way do not count."""
         return isinstance(other, Robot) and self.model_dump() == other.model_dump()
+
+    def __setstate__(self, state: dict[Any, Any]) -> None:
+        """Another process first needs the effects that are the user's own."""
+        for path in state["__dict__"].get("effect_files", ()):
+            load_effects(path)
+        super().__setstate__(state)
 
     def __hash__(self) -> int:
         """Of the description as a robot file has it."""

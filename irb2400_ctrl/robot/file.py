@@ -4,6 +4,7 @@ equal."""
 from __future__ import annotations
 
 import difflib
+import os
 import tomllib
 from importlib import resources
 from pathlib import Path
@@ -12,7 +13,7 @@ from typing import Any
 import tomli_w
 from pydantic import BaseModel, ValidationError
 
-from irb2400_ctrl.effects import LIBRARY
+from irb2400_ctrl.effects import LIBRARY, load_effects, users_files
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.files import write_atomic
 from irb2400_ctrl.robot.description import (
@@ -40,9 +41,13 @@ def robot_names() -> list[str]:
 def load_robot(source: str | Path) -> Robot:
     """The robot of a TOML file, or one of the library's own by name (`irb2400`).
 
+    The Python files under its `effect_files` are run, with all rights of the user: read a
+    stranger's robot file before loading it.
+
     Raises:
         InputError: no such file or name, or the file is not valid; all problems are listed at once.
     """
+    folder = Path()
     if isinstance(source, str) and source in robot_names():
         text = (resources.files("irb2400_ctrl") / "robots" / f"{source}.toml").read_text()
     else:
@@ -53,8 +58,11 @@ def load_robot(source: str | Path) -> Robot:
                 f"no robot file {path}: expected a TOML file or one of the robots {known}"
             )
         text = path.read_text()
+        folder = path.parent
     try:
-        return Robot.model_validate(tomllib.loads(text))
+        data = tomllib.loads(text)
+        data["effect_files"] = _loaded(data.get("effect_files", []), folder, str(source))
+        return Robot.model_validate(data)
     except tomllib.TOMLDecodeError as error:
         raise InputError(f"{source} is not TOML: {error}") from error
     except ValidationError as error:
@@ -62,17 +70,45 @@ def load_robot(source: str | Path) -> Robot:
 
 
 def save_robot(robot: Robot, path: Path | str) -> Path:
-    """Write the robot as TOML (loads again to an equal one)."""
-    return write_atomic(path, tomli_w.dumps(robot.model_dump(mode="json", exclude_none=True)))
+    """Write the robot as TOML (loads again to an equal one).
+
+    It names the files of effects that are the user's own, as seen from its folder.
+    """
+    path = Path(path)
+    data = robot.model_dump(mode="json", exclude_none=True)
+    files = [*robot.effect_files, *users_files(type(effect) for effect in robot.effects)]
+    if files:
+        # ahead of the tables
+        data = {"effect_files": [_seen_from(path.parent, f) for f in dict.fromkeys(files)], **data}
+    return write_atomic(path, tomli_w.dumps(data))
+
+
+def _loaded(files: object, folder: Path, source: str) -> tuple[Path, ...]:
+    """The files of effects of a robot file, loaded."""
+    if not isinstance(files, list) or not all(isinstance(name, str) for name in files):
+        raise InputError(
+            f"{source}: effect_files is {files!r}; expected a list of Python files, as in "
+            "effect_files = ['my_effect.py']"
+        )
+    try:
+        return tuple(load_effects(folder / name) for name in files)
+    except InputError as error:
+        raise InputError(f"{source}, effect_files: {error}") from error
+
+
+def _seen_from(folder: Path, file: Path) -> str:
+    try:
+        return Path(os.path.relpath(file, folder.resolve())).as_posix()
+    except ValueError:
+        return file.as_posix()  # on another drive
 
 
 def _explain(source: str, error: ValidationError) -> str:
     """One line per problem: where, what was found, what was expected."""
     lines = []
     for item in error.errors():
-        # pydantic puts the tag of a union (ModifiedDH, the effect's kind) into the path; the file
-        # has no such key
-        parts = [part for part in item["loc"] if part not in {"ModifiedDH", "Transform", *LIBRARY}]
+        # pydantic puts the tag of a union (ModifiedDH) into the path; the file has no such key
+        parts = [part for part in item["loc"] if part not in {"ModifiedDH", "Transform"}]
         place = "".join(
             f"[{part + 1}]" if isinstance(part, int) else f".{part}" for part in parts
         ).lstrip(".")

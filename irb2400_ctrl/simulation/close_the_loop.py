@@ -12,7 +12,7 @@ from irb2400_ctrl.robot import Robot
 from irb2400_ctrl.simulation.perturb import perturbed_robot
 from irb2400_ctrl.simulation.simulate import simulate
 from irb2400_ctrl.simulation.simulation import Simulation
-from irb2400_ctrl.simulation.trajectory import Trajectory
+from irb2400_ctrl.trajectory import Trajectory
 
 PLANT_SEED = 7
 """only makes the result repeatable"""

@@ -1,9 +1,9 @@
 """The numbers of a plant's effects as inputs of its compiled code: other numbers, the same machine
 code.
 
-An effect is `basis(nonlinear fields) @ coefficients + departures @ shape`. Its data are, one after
-the other, the coefficients, the fields, the shape; all three become symbols, so nothing of the
-effect but its form is compiled in.
+An effect is `basis(nonlinear fields) @ coefficients + discrepancy_basis @ discrepancy`. Its data
+are, one after the other, the coefficients, the fields, the discrepancy; all three become symbols,
+so nothing of the effect but its form is compiled in.
 """
 
 from __future__ import annotations
@@ -15,6 +15,7 @@ from typing import Any
 import casadi as ca
 
 from irb2400_ctrl.effects import Effect
+from irb2400_ctrl.effects.base import COMMON
 from irb2400_ctrl.model.signals import ArmSignals
 
 
@@ -24,7 +25,7 @@ class EffectForm:
 
     effect: Effect
     coefficients: ca.SX
-    shape: ca.SX
+    discrepancy: ca.SX
 
     @classmethod
     def of(cls, effect: Effect, data: ca.SX) -> EffectForm:
@@ -45,15 +46,12 @@ class EffectForm:
 
     def torque(self, s: ArmSignals) -> ca.SX:
         """As `Effect.torque`, shape (n,) [Nm]."""
-        tau = self.effect.basis(s) @ self.coefficients
-        if self.shape.numel():
-            tau += self.effect.departures(s) @ self.shape
-        return self.effect.switched(tau, s)
+        return self.effect.torque_of(s, self.coefficients, self.discrepancy)
 
 
 def effect_data(effect: Effect) -> tuple[float, ...]:
-    """The numbers of one effect: coefficients, fields, shape."""
-    return (*effect.coefficients(), *_fields(effect).values(), *effect.shape)
+    """The numbers of one effect: coefficients, fields, discrepancy."""
+    return (*effect.coefficients(), *_fields(effect).values(), *effect.discrepancy)
 
 
 def data_of(effects: Sequence[Effect]) -> tuple[float, ...]:
@@ -62,14 +60,10 @@ def data_of(effects: Sequence[Effect]) -> tuple[float, ...]:
 
 
 def structure(effects: Sequence[Effect]) -> tuple[tuple[object, ...], ...]:
-    """What of the effects is compiled in: their kinds, joints, number of shape coefficients and
-    windows of time."""
-    return tuple((e.kind, e.joint, len(e.shape), e.windows_s) for e in effects)
+    """What of the effects is compiled in: their kinds, joints, number of discrepancy coefficients
+    and windows of time."""
+    return tuple((e.kind, e.joint, len(e.discrepancy), e.windows_s) for e in effects)
 
 
 def _fields(effect: Effect) -> dict[str, float]:
-    return {
-        name: value
-        for name, value in effect.parameters().items()
-        if name not in {"shape", "windows_s"}
-    }
+    return {name: value for name, value in effect.parameters().items() if name not in COMMON}

@@ -35,10 +35,67 @@ def closed_loop(
     of the step before, `q_link` (differs from `q` where a joint is elastic).
     States and parameters of the controller bear the prefix `c_`, those of the plant `p_`.
     """
-    n = plant.n
+    _check_ports(controller)
     period = controller.sample_time
     arm = plant_block(plant, period, substeps=substeps, wrench=wrench)
-    states = [
+    states = _states(arm, controller)
+    inputs = _inputs(plant.n, controller, sensors, wrench)
+    outputs = _outputs(plant.n, controller)
+    parameters = _parameters(plant, arm, controller)
+    v = {f.name: ca.SX.sym(f.name, f.size) for f in (*states, *inputs, *parameters)}
+
+    q_seen, qd_seen = _measured(v, sensors, period)
+    heard = {f"c_{f.name}": v[f.name] for f in inputs}
+    control = run(controller, "c_", {**v, "c_q": q_seen, "c_qd": qd_seen, **heard})
+    command = control["tau"]
+    tau, behind_lag = _acting(v, command, plant, actuators, period)
+    pushed = {"p_wrench": v["wrench"]} if wrench else {}
+    moved = run(arm, "p_", {**v, "p_tau": tau, **pushed})
+
+    after = {
+        **{f"p_{f.name}": moved[f"{f.name}_next"] for f in arm.states},
+        **{f"c_{f.name}": control[f"{f.name}_next"] for f in controller.states},
+        "q_before": q_seen,
+        "qd_filter": qd_seen,
+        "tau_before": command,
+        "tau_lag": behind_lag,
+    }
+    shown: Values = {
+        "q_seen": q_seen,
+        "qd_seen": qd_seen,
+        "tau": tau,
+        "command": command,
+        **_true(v, plant),
+        **{f"c_{f.name}": control[f.name] for f in _extra(controller)},
+    }
+    results = [*(after[f.name] for f in states), *(shown[f.name] for f in outputs)]
+    names_out = [*(f"{f.name}_next" for f in states), *(f"{f.name}_now" for f in outputs)]
+    dense = [ca.densify(x) for x in results]
+    step = ca.Function(f"{controller.name}_loop", list(v.values()), dense, list(v), names_out)
+    doc = f"{controller.name} on {plant.name}"
+    ports = (tuple(states), tuple(inputs), tuple(outputs), tuple(parameters))
+    return Block(step.name(), doc, period, *ports, step)
+
+
+def _check_ports(controller: Block) -> None:
+    """InputError where the loop has nothing to give to an input, or the controller no torque."""
+    inputs = [f.name for f in controller.inputs]
+    known = {"q", "qd", "fresh", *REFERENCE}
+    if not set(inputs) <= known or "tau" not in {f.name for f in controller.outputs}:
+        raise InputError(
+            f"controller {controller.name!r} has inputs {inputs}; "
+            "expected some of q, qd, q_ref, qd_ref, qdd_ref, fresh, and an output tau"
+        )
+
+
+def _extra(controller: Block) -> list[Field]:
+    """What the controller says beside its torque."""
+    return [f for f in controller.outputs if f.name != "tau"]
+
+
+def _states(arm: Block, controller: Block) -> list[Field]:
+    n = arm.inputs[0].size
+    return [
         *prefixed("p_", arm.states),
         *prefixed("c_", controller.states),
         Field("q_before", n, "rad", "angles measured one sample before"),
@@ -46,27 +103,23 @@ def closed_loop(
         Field("tau_before", n, "Nm", "command of the sample before"),
         Field("tau_lag", n, "Nm", "torque behind the lag"),
     ]
-    known = {"q", "qd", "fresh", *REFERENCE}
-    if not {f.name for f in controller.inputs} <= known or "tau" not in {
-        f.name for f in controller.outputs
-    }:
-        raise InputError(
-            f"controller {controller.name!r} has inputs {[f.name for f in controller.inputs]}; "
-            "expected some of q, qd, q_ref, qd_ref, qdd_ref, fresh, and an output tau"
-        )
+
+
+def _inputs(n: int, controller: Block, sensors: Sensors, wrench: bool) -> list[Field]:
     inputs = [Field(name, n, unit, "reference") for name, unit in REFERENCE.items()]
     if wrench:
-        inputs.append(
-            Field("wrench", 6, "N, Nm", "force and moment on the tool at the TCP, base frame")
-        )
+        doc = "force and moment on the tool at the TCP, base frame"
+        inputs.append(Field("wrench", 6, "N, Nm", doc))
     if any(f.name == "fresh" for f in controller.inputs):
-        inputs.append(
-            Field("fresh", 1, "-", "0 where the sample was lost on its way to the controller")
-        )
+        doc = "0 where the sample was lost on its way to the controller"
+        inputs.append(Field("fresh", 1, "-", doc))
     if sensors.encoder_noise_rad > 0:
         inputs.append(Field("encoder_noise", n, "rad", "added to the angles before quantisation"))
-    extra = [f for f in controller.outputs if f.name != "tau"]
-    outputs = [
+    return inputs
+
+
+def _outputs(n: int, controller: Block) -> list[Field]:
+    return [
         Field("q", n, "rad", "true angles"),
         Field("qd", n, "rad/s", "true speeds"),
         Field("q_seen", n, "rad", "measured angles"),
@@ -75,74 +128,55 @@ def closed_loop(
         Field("command", n, "Nm", "torque command"),
         Field("dry", n, "Nm", "dry friction, mean of the step before"),
         Field("q_link", n, "rad", "true angles on the side of the links"),
-        *prefixed("c_", extra),
+        *prefixed("c_", _extra(controller)),
     ]
-    parameters = [
+
+
+def _parameters(plant: Robot, arm: Block, controller: Block) -> list[Field]:
+    zero = tuple(encoder_zero(plant))
+    return [
         *prefixed("p_", arm.parameters),
         *prefixed("c_", controller.parameters),
-        Field("encoder_zero", n, "rad", "true minus reported angle", tuple(encoder_zero(plant))),
+        Field("encoder_zero", plant.n, "rad", "true minus reported angle", zero),
     ]
-    v = {f.name: ca.SX.sym(f.name, f.size) for f in (*states, *inputs, *parameters)}
 
+
+def _true(v: Values, plant: Robot) -> Values:
+    """Motion and friction of the arm at the sample."""
+    return {
+        "q": v["p_q"],
+        "qd": v["p_qd"],
+        "dry": v["p_dry"],
+        "q_link": link_angles(plant, v["p_q"], v.get("p_link", ca.SX(0, 1))),
+    }
+
+
+def _measured(v: Values, sensors: Sensors, period: float) -> tuple[ca.SX, ca.SX]:
+    """Angles and speeds as the controller gets them: quantised; differenced and filtered."""
     q = v["p_q"]
-    qd = v["p_qd"]
-    shown = q - v["encoder_zero"] + v.get("encoder_noise", ca.SX.zeros(n))
-    q_seen = quantised(shown, sensors.encoder_step_rad)
-    if sensors.speed_filter_Hz > 0:
-        share = 1 - math.exp(-2 * math.pi * sensors.speed_filter_Hz * period)
-        qd_seen = v["qd_filter"] + share * ((q_seen - v["q_before"]) / period - v["qd_filter"])
-    else:
-        qd_seen = qd
-    measured = {**v, **{f"c_{k}": x for k, x in (("q", q_seen), ("qd", qd_seen))}}
-    control = run(controller, "c_", {**measured, **{f"c_{f.name}": v[f.name] for f in inputs}})
-    command = control["tau"]
+    reported = q - v["encoder_zero"] + v.get("encoder_noise", ca.SX.zeros(q.numel()))
+    q_seen = quantised(reported, sensors.encoder_step_rad)
+    if sensors.speed_filter_Hz <= 0:
+        return q_seen, v["p_qd"]
+    share = 1 - math.exp(-2 * math.pi * sensors.speed_filter_Hz * period)
+    difference = (q_seen - v["q_before"]) / period
+    return q_seen, v["qd_filter"] + share * (difference - v["qd_filter"])
+
+
+def _acting(
+    v: Values, command: ca.SX, plant: Robot, actuators: Actuators, period: float
+) -> tuple[ca.SX, ca.SX]:
+    """Mean torque of the drives over the period, and the torque behind their lag at its end."""
     wanted = v["tau_before"] if actuators.delay_samples else command
     if actuators.saturate:
         limit = ca.DM(plant.tau_max)
         wanted = ca.fmin(ca.fmax(wanted, -limit), limit)
-    lag = 0.0 if actuators.lag_s == 0 else math.exp(-period / actuators.lag_s)
-    # the torque behind a first-order lag, its mean over the period
-    behind = wanted + lag * (v["tau_lag"] - wanted)
-    tau = (
-        wanted
-        if lag == 0
-        else wanted + (v["tau_lag"] - wanted) * (1 - lag) * actuators.lag_s / period
-    )
-    moved = run(arm, "p_", {**v, "p_tau": tau, **({"p_wrench": v["wrench"]} if wrench else {})})
-    after = {
-        **{f"p_{f.name}": moved[f"{f.name}_next"] for f in arm.states},
-        **{f"c_{f.name}": control[f"{f.name}_next"] for f in controller.states},
-        "q_before": q_seen,
-        "qd_filter": qd_seen,
-        "tau_before": command,
-        "tau_lag": behind,
-    }
-    given: Values = {
-        "q": q,
-        "qd": qd,
-        "q_seen": q_seen,
-        "qd_seen": qd_seen,
-        "tau": tau,
-        "command": command,
-        "dry": v["p_dry"],
-        "q_link": link_angles(plant, q, v.get("p_link", ca.SX(0, 1))),
-        **{f"c_{f.name}": control[f.name] for f in extra},
-    }
-    results = [
-        ca.densify(x) for x in (*(after[f.name] for f in states), *(given[f.name] for f in outputs))
-    ]
-    names_out = [*(f"{f.name}_next" for f in states), *(f"{f.name}_now" for f in outputs)]
-    step = ca.Function(f"{controller.name}_loop", list(v.values()), results, list(v), names_out)
-    return Block(
-        step.name(),
-        f"{controller.name} on {plant.name}",
-        period,
-        tuple(states),
-        tuple(inputs),
-        tuple(outputs),
-        tuple(parameters),
-        step,
-    )
+    if actuators.lag_s == 0:
+        return wanted, wanted
+    lag = math.exp(-period / actuators.lag_s)
+    missing = v["tau_lag"] - wanted
+    mean = wanted + missing * (1 - lag) * actuators.lag_s / period
+    return mean, wanted + lag * missing
 
 
 def quantised(angle: ca.SX, step: float) -> ca.SX:
@@ -154,8 +188,8 @@ def encoder_zero(robot: Robot) -> list[float]:
     """True minus reported angle of each joint [rad], from the effects of the measuring chain."""
     zero = [0.0] * robot.n
     for effect in robot.effects:
-        if effect.kind == "encoder_zero":
-            zero[effect.index] += effect.coefficients()[0]
+        if effect.chain == "angle":
+            zero[effect.index] += effect.angle_offset
     return zero
 
 

@@ -48,10 +48,42 @@ def plant_block(
     if min(substeps, friction_steps, sweeps) < 1:
         found = f"{substeps} substeps, {friction_steps} friction steps, {sweeps} sweeps"
         raise InputError(f"plant: found {found}; expected at least one of each")
-    n = robot.n
-    check_step(robot, sample_time / substeps / friction_steps)
-    step = time_step(robot, sample_time / substeps, friction_steps, sweeps, wrench)
-    memory_size = step.numel_in("memory")
+    h = sample_time / substeps
+    check_step(robot, h / friction_steps)
+    step = time_step(robot, h, friction_steps, sweeps, wrench)
+    elastic = elastic_data(robot)
+    states = _states(robot.n, step.numel_in("memory"), len(elastic))
+    inputs = _inputs(robot.n, wrench)
+    outputs = _outputs(robot.n)
+    parameters = _parameters(robot, elastic)
+    given = {f.name: ca.SX.sym(f.name, f.size) for f in (*states, *inputs, *parameters)}
+
+    nothing = ca.SX(0, 1)
+    x = [given.get(name, nothing) for name in STATES]
+    held = [given["tau"], given.get("wrench", nothing)]
+    data = _tables(given, robot.n, len(elastic))
+    for _ in range(substeps):
+        x = step.call([*x, *held, *data], True, False)
+
+    end = dict(zip(STATES, x, strict=True))
+    after = [value for name, value in end.items() if name in given]
+    seen = [end["q"], end["qd"], link_angles(robot, end["q"], end["link"])]
+    names_out = [*(f"{f.name}_next" for f in states), *(f.name for f in outputs)]
+    function = ca.Function("plant", list(given.values()), [*after, *seen], list(given), names_out)
+    return Block(
+        "plant",
+        f"arm, {substeps} steps of {1e3 * sample_time / substeps:g} ms per period",
+        sample_time,
+        tuple(states),
+        tuple(inputs),
+        tuple(outputs),
+        tuple(parameters),
+        function,
+    )
+
+
+def _states(n: int, memory_size: int, soft: int) -> list[Field]:
+    """Of the actuators; where there are any, of effects with memory and of the elastic joints."""
     states = [
         Field("q", n, "rad", "actuator angles"),
         Field("qd", n, "rad/s", "actuator speeds"),
@@ -61,77 +93,62 @@ def plant_block(
     ]
     if memory_size:
         states.append(Field("memory", memory_size, "-", "internal states of the effects"))
-    elastic = elastic_data(robot)
-    soft = len(elastic)
     if soft:
         states += [
             Field("link", soft, "rad", "link angles of the elastic joints"),
             Field("link_rate", soft, "rad/s", "their speeds"),
             Field("link_acc", soft, "rad/s2", "their mean accelerations of the last step"),
         ]
+    return states
+
+
+def _inputs(n: int, wrench: bool) -> list[Field]:
     inputs = [Field("tau", n, "Nm", "torque of the actuators")]
     if wrench:
-        inputs.append(
-            Field("wrench", 6, "N, Nm", "force and moment on the tool at the TCP, base frame")
-        )
-    outputs = [
+        doc = "force and moment on the tool at the TCP, base frame"
+        inputs.append(Field("wrench", 6, "N, Nm", doc))
+    return inputs
+
+
+def _outputs(n: int) -> list[Field]:
+    return [
         Field("q_end", n, "rad", "actuator angles"),
         Field("qd_end", n, "rad/s", "actuator speeds"),
         Field("link_end", n, "rad", "angles on the side of the links"),
     ]
+
+
+def _parameters(robot: Robot, elastic: NDArray[np.float64]) -> list[Field]:
+    """The robot's numbers, every table column by column."""
+    n = robot.n
     mass = _column(mass_data(robot))
+    mass_doc = "(m, m c, I_O) of the links, column by column"
     friction = _column(ca.DM(robot.friction))
+    friction_doc = "F_s, F_c, F_v, omega_st, column by column"
     parameters = [
-        Field(
-            "phi", 10 * n, "kg, kg m, kg m2", "(m, m c, I_O) of the links, column by column", mass
-        ),
-        Field(
-            "friction",
-            4 * n,
-            "Nm, Nm, Nm s/rad, rad/s",
-            "F_s, F_c, F_v, omega_st, column by column",
-            friction,
-        ),
+        Field("phi", 10 * n, "kg, kg m, kg m2", mass_doc, mass),
+        Field("friction", 4 * n, "Nm, Nm, Nm s/rad, rad/s", friction_doc, friction),
     ]
     numbers = data_of(force_effects(robot))
     if numbers:
         doc = "coefficients, fields and shape of each effect"
         parameters.append(Field("effects", len(numbers), "units of the effects", doc, numbers))
-    if soft:
+    if len(elastic):
+        unit = "Nm/rad, Nm s/rad, kg m2, rad"
         doc = "stiffness, damping, rotor inertia, gap, column by column"
-        parameters.append(
-            Field("elastic", 4 * soft, "Nm/rad, Nm s/rad, kg m2, rad", doc, _column(ca.DM(elastic)))
-        )
-    given = {
-        field.name: ca.SX.sym(field.name, field.size) for field in (*states, *inputs, *parameters)
-    }
-    x = [given.get(name, ca.SX(0, 1)) for name in STATES]
-    held = [given["tau"], given.get("wrench", ca.SX(0, 1))]
-    data = [
+        springs = _column(ca.DM(elastic))
+        parameters.append(Field("elastic", 4 * len(elastic), unit, doc, springs))
+    return parameters
+
+
+def _tables(given: dict[str, ca.SX], n: int, soft: int) -> list[ca.SX]:
+    """phi, friction, effects, elastic in the shapes that `time_step` takes."""
+    return [
         ca.reshape(given["phi"], n, 10),
         ca.reshape(given["friction"], n, 4),
         given.get("effects", ca.SX(0, 1)),
+        ca.reshape(given["elastic"], soft, 4) if soft else ca.SX(0, 4),
     ]
-    data.append(ca.reshape(given["elastic"], soft, 4) if soft else ca.SX(0, 4))
-    for _ in range(substeps):
-        x = step.call([*x, *held, *data], True, False)
-    link = link_angles(robot, x[0], x[6])
-    after = [value for name, value in zip(STATES, x, strict=True) if name in given]
-    names_out = [*(f"{f.name}_next" for f in states), *(f.name for f in outputs)]
-    function = ca.Function(
-        "plant", list(given.values()), [*after, x[0], x[1], link], list(given), names_out
-    )
-    doc = f"arm, {substeps} steps of {1e3 * sample_time / substeps:g} ms per period"
-    return Block(
-        "plant",
-        doc,
-        sample_time,
-        tuple(states),
-        tuple(inputs),
-        tuple(outputs),
-        tuple(parameters),
-        function,
-    )
 
 
 def link_angles(robot: Robot, q: ca.SX, link: ca.SX) -> ca.SX:

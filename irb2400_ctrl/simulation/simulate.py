@@ -1,5 +1,4 @@
-"""Closed-loop simulation in generated C: `simulate` runs it, `Simulation` holds and writes what
-came out."""
+"""Closed-loop simulation in generated C: `simulate` runs it once, a `Loop` runs it many times."""
 
 from __future__ import annotations
 
@@ -7,9 +6,7 @@ import time as clock
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
 
-import casadi as ca
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -17,17 +14,18 @@ from irb2400_ctrl.codegen import Block, CompiledBlock, compile_block
 from irb2400_ctrl.errors import InputError, IrbError
 from irb2400_ctrl.robot import Robot
 from irb2400_ctrl.simulation.effect_data import data_of, structure
+from irb2400_ctrl.simulation.initial_state import InitialState
 from irb2400_ctrl.simulation.instruments import Actuators, Sensors
 from irb2400_ctrl.simulation.loop import closed_loop, encoder_zero
-from irb2400_ctrl.simulation.mechanics import force_effects, mass_data, symbolic_mechanics
+from irb2400_ctrl.simulation.mechanics import force_effects, mass_data
 from irb2400_ctrl.simulation.plant import SUBSTEPS
 from irb2400_ctrl.simulation.simulation import Simulation
-from irb2400_ctrl.simulation.spring_step import elastic_data, elastic_joints, twist
-from irb2400_ctrl.simulation.trajectory import Trajectory
+from irb2400_ctrl.simulation.spring_step import elastic_data, elastic_joints
+from irb2400_ctrl.trajectory import Trajectory
 
 Array = NDArray[np.float64]
-STANDSTILL = 1e-3
-"""[rad/s] slower than this a joint counts as held at the start"""
+FAR = 1e3
+"""[rad] farther than this an arm has diverged"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,55 +74,18 @@ class Loop:
             unstable).
         """
         arm = self.plant if plant is None else plant
-        # numbers of the effects are parameters of the compiled code, their equations are not
-        same = structure(force_effects(arm)) == structure(force_effects(self.plant))
-        if not same or elastic_joints(arm) != elastic_joints(self.plant):
-            raise InputError(
-                "this loop was compiled for a plant with other effects; make a new one with "
-                "`make_loop`"
-            )
-        period = self.controller.sample_time
-        motion = trajectory.at_rate(1.0 / period, hold=hold)
-        if motion.q.shape[1] != arm.n:
-            raise InputError(f"trajectory: found {motion.q.shape[1]} axes; the robot has {arm.n}")
-        block = self.compiled.block
-        m = len(motion.time)
-        columns = [motion.q, motion.qd, motion.qdd]
-        columns += self._input(
-            "wrench", np.zeros((m, 6)) if wrench is None else wrench, wrench is not None, m
-        )
-        fresh = np.ones(m) if lost is None else 1.0 - np.asarray(lost, dtype=float)
-        columns += self._input("fresh", fresh, lost is not None, m)
-        # a stream of its own: the noise of the logged torque is drawn from the seed itself
-        noise = np.random.default_rng([seed, 1]).standard_normal((m, arm.n))
-        columns += self._input("encoder_noise", self.sensors.encoder_noise_rad * noise, False, m)
+        self._check_structure(arm)
+        motion = self._reference(trajectory, hold)
+        inputs = self._inputs(motion, wrench, lost, seed)
         own = self._gains(gains or {})
-        data = {"p_phi": _column(np.asarray(mass_data(arm))), "p_friction": _column(arm.friction)}
-        data["encoder_zero"] = np.array(encoder_zero(arm))
-        if effects := data_of(force_effects(arm)):
-            data["p_effects"] = np.array(effects)
-        if elastic_joints(arm):
-            data["p_elastic"] = _column(elastic_data(arm))
-        x0, hold_torque = self._start(arm, motion, own)
-        if any(f.name == "c_hold" for f in block.parameters):
+        x0, hold_torque = self._initial.of(arm, motion, own)
+        if any(f.name == "c_hold" for f in self.compiled.block.parameters):
             own = {"c_hold": hold_torque, **own}
-        p = self.compiled.parameters(**own, **data)
+        p = self.compiled.parameters(**own, **_numbers(arm))
         begun = clock.perf_counter()
-        _, outputs = self.compiled.rollout(np.hstack(columns), x0=x0, p=p)
+        _, outputs = self.compiled.rollout(inputs, x0=x0, p=p)
         wall = clock.perf_counter() - begun
-        signals = self.compiled.split(block.outputs, outputs)
-        if not np.isfinite(outputs).all() or np.abs(signals["q"]).max() > 1e3:
-            bad = int(
-                np.argmax(
-                    ~np.isfinite(outputs).all(axis=1)
-                    | (np.abs(outputs[:, : arm.n]).max(axis=1) > 1e3)
-                )
-            )
-            raise IrbError(
-                f"the simulated arm diverged at {motion.time[bad]:.3f} s under "
-                f"{self.controller.name!r}: "
-                "lower the gains, or check the plant's mass data"
-            )
+        self._check_finite(motion, outputs)
         return Simulation(
             self.robot,
             arm,
@@ -132,10 +93,62 @@ class Loop:
             self.sensors,
             self.actuators,
             motion,
-            signals,
+            self.compiled.split(self.compiled.block.outputs, outputs),
             wall,
             seed,
         )
+
+    @cached_property
+    def _initial(self) -> InitialState:
+        return InitialState(self.plant, self.controller, self.sensors, self.compiled.block)
+
+    def _reference(self, trajectory: Trajectory, hold: float) -> Trajectory:
+        """The motion at the control rate."""
+        if not isinstance(trajectory, Trajectory):
+            raise InputError(
+                f"trajectory: found a {type(trajectory).__name__}; expected a Trajectory, such as "
+                "`plan.trajectory`"
+            )
+        motion = trajectory.at_rate(1.0 / self.controller.sample_time, hold=hold)
+        axes = motion.q.shape[1]
+        if axes != self.plant.n:
+            raise InputError(f"trajectory: found {axes} axes; the robot has {self.plant.n}")
+        return motion
+
+    def _check_structure(self, arm: Robot) -> None:
+        """Numbers of the effects are parameters of the compiled code, their equations are not."""
+        same = structure(force_effects(arm)) == structure(force_effects(self.plant))
+        if not same or elastic_joints(arm) != elastic_joints(self.plant):
+            raise InputError(
+                "this loop was compiled for a plant with other effects; make a new one with "
+                "`make_loop`"
+            )
+
+    def _check_finite(self, motion: Trajectory, outputs: Array) -> None:
+        """The true angles are the first outputs of the loop."""
+        angles = np.abs(outputs[:, : motion.q.shape[1]])
+        lost = ~np.isfinite(outputs).all(axis=1) | (angles.max(axis=1) > FAR)
+        if lost.any():
+            raise IrbError(
+                f"the simulated arm diverged at {motion.time[np.argmax(lost)]:.3f} s under "
+                f"{self.controller.name!r}: "
+                "lower the gains, or check the plant's mass data"
+            )
+
+    def _inputs(
+        self, motion: Trajectory, wrench: ArrayLike | None, lost: ArrayLike | None, seed: int
+    ) -> Array:
+        """All inputs of the loop side by side, one row per control period."""
+        m, n = motion.q.shape
+        push = np.zeros((m, 6)) if wrench is None else wrench
+        fresh = np.ones(m) if lost is None else 1.0 - np.asarray(lost, dtype=float)
+        # a stream of its own: the noise of the logged torque is drawn from the seed itself
+        noise = np.random.default_rng([seed, 1]).standard_normal((m, n))
+        columns = [motion.q, motion.qd, motion.qdd]
+        columns += self._input("wrench", push, wrench is not None, m)
+        columns += self._input("fresh", fresh, lost is not None, m)
+        columns += self._input("encoder_noise", self.sensors.encoder_noise_rad * noise, False, m)
+        return np.hstack(columns)
 
     def _input(self, name: str, values: ArrayLike, given: bool, count: int) -> list[Array]:
         """The columns of an input that not every loop has."""
@@ -170,76 +183,6 @@ class Loop:
             f"c_{name}": np.broadcast_to(np.asarray(g, dtype=float), sizes[name])
             for name, g in gains.items()
         }
-
-    def _start(
-        self, arm: Robot, motion: Trajectory, gains: Mapping[str, ArrayLike]
-    ) -> tuple[Array, Array]:
-        """State at the first sample: on the reference, torque in balance, an integrator filled; and
-        that torque."""
-        block = self.compiled.block
-        n = arm.n
-        zero = np.array(encoder_zero(arm))
-        q = motion.q[0]
-        qd = motion.qd[0]
-        qdd = motion.qdd[0]
-        soft = list(elastic_joints(arm))
-        elastic = elastic_data(arm)
-        link = q + zero
-        balance = self._balance_torque(arm, link, qd, qdd)
-        # the links hang in their springs; stiff ones, so that a few rounds find the equilibrium
-        for _ in range(8 if soft else 0):
-            link[soft] = (q + zero)[soft] - twist(balance[soft], elastic)
-            balance = self._balance_torque(arm, link, qd, qdd)
-        values: dict[str, Array] = {f.name: f.start for f in block.states}
-        step = self.sensors.encoder_step_rad
-        before = q - qd * self.controller.sample_time
-        values |= {"p_q": q + zero, "p_qd": qd, "p_qdd": qdd}
-        values |= {"p_link": link[soft], "p_link_rate": qd[soft], "p_link_acc": qdd[soft]}
-        values["q_before"] = before if step == 0 else step * np.floor(before / step + 0.5)
-        values |= {"qd_filter": qd, "tau_before": balance, "tau_lag": balance}
-        if "c_integral" in values and values["c_integral"].size == n:
-            # bumpless: the drive takes over the torque that the brake has held
-            values["c_integral"] = (
-                values["c_integral"] + balance - self._first_command(motion, gains)
-            )
-        return np.concatenate(
-            [np.asarray(values[f.name], dtype=float).ravel() for f in block.states]
-        ), balance
-
-    @cached_property
-    def _balance(self) -> ca.Function:
-        return symbolic_mechanics(self.plant).balance()
-
-    def _balance_torque(self, arm: Robot, q: Array, qd: Array, qdd: Array) -> Array:
-        numbers = [mass_data(arm), ca.DM(arm.friction), ca.DM(list(data_of(force_effects(arm))))]
-        # at a standstill dry friction holds by itself: a speed of rounding size must not claim its
-        # full level
-        moving = np.where(np.abs(qd) < STANDSTILL, 0.0, qd)
-        torque: Any = self._balance(q, moving, qdd, *numbers)
-        return np.asarray(torque, dtype=float).ravel()
-
-    def _first_command(self, motion: Trajectory, gains: Mapping[str, ArrayLike]) -> Array:
-        q = motion.q[0]
-        qd = motion.qd[0]
-        given: dict[str, ArrayLike] = {
-            "q": q,
-            "qd": qd,
-            "q_ref": q,
-            "qd_ref": qd,
-            "qdd_ref": motion.qdd[0],
-        }
-        # a guarded controller is asked what it would say after its soft start
-        given |= {"fresh": 1.0, "blend": 1.0}
-        gains = {"c_torque_rate": np.full(len(q), 1e12), **gains}
-        control = self.controller
-        arguments: list[Any] = [given.get(f.name, f.start) for f in control.states]
-        arguments += [given[f.name] for f in control.inputs]
-        arguments += [
-            np.broadcast_to(gains.get(f"c_{f.name}", f.start), f.size) for f in control.parameters
-        ]
-        results = control.step.call(arguments)
-        place = len(control.states) + [f.name for f in control.outputs].index("tau")
-        return np.asarray(results[place]).ravel()
 
 
 def make_loop(
@@ -315,6 +258,20 @@ def simulate(
         wrench=wrench is not None,
     )
     return loop.run(trajectory, gains=gains, wrench=wrench, hold=hold, seed=seed)
+
+
+def _numbers(arm: Robot) -> dict[str, Array]:
+    """Parameters of the loop that say which arm it is."""
+    data = {
+        "p_phi": _column(np.asarray(mass_data(arm))),
+        "p_friction": _column(arm.friction),
+        "encoder_zero": np.array(encoder_zero(arm)),
+    }
+    if effects := data_of(force_effects(arm)):
+        data["p_effects"] = np.array(effects)
+    if elastic_joints(arm):
+        data["p_elastic"] = _column(elastic_data(arm))
+    return data
 
 
 def _column(matrix: Array) -> Array:

@@ -16,10 +16,11 @@ from numpy.typing import NDArray
 
 from irb2400_ctrl.codegen import Block
 from irb2400_ctrl.files import write_atomic
+from irb2400_ctrl.measurement import Log
 from irb2400_ctrl.robot import Robot
 from irb2400_ctrl.simulation.instruments import Actuators, Sensors
 from irb2400_ctrl.simulation.tracking import contour_errors, tcp_positions
-from irb2400_ctrl.simulation.trajectory import Trajectory
+from irb2400_ctrl.trajectory import Trajectory
 
 Array = NDArray[np.float64]
 CONTOUR_WINDOW_S = 0.15
@@ -130,8 +131,7 @@ class Simulation:
 
     def log_columns(self) -> dict[str, Array]:
         """The log as the robot's data stream would give it: header name -> column."""
-        every = max(1, round(1.0 / (self.sensors.rate_Hz * self.controller.sample_time)))
-        rows = slice(None, None, every)
+        rows = self._logged
         n = self.plant.n
         columns = {"time_s": self.time[rows]}
         for name, unit, values in (
@@ -141,6 +141,25 @@ class Simulation:
         ):
             columns |= {f"{name}{j + 1}_{unit}": values[rows, j] for j in range(n)}
         return columns | {f"q{j + 1}_ref_deg": np.degrees(self.q_ref[rows, j]) for j in range(n)}
+
+    def log(self) -> Log:
+        """The same record in memory, at full precision: what `diagnose` and `recorded_motion`
+        take."""
+        rows = self._logged
+        return Log(
+            self.time[rows],
+            self.signals["q_seen"][rows],
+            self.reported_torque()[rows],
+            qd=self.signals["qd_seen"][rows],
+            q_ref=self.q_ref[rows],
+            name=f"{self.controller.name} on {self.plant.name}",
+        )
+
+    @property
+    def _logged(self) -> slice:
+        """Rows that the data stream gives out."""
+        every = max(1, round(1.0 / (self.sensors.rate_Hz * self.controller.sample_time)))
+        return slice(None, None, every)
 
     def reported_torque(self) -> Array:
         """Torque as the measuring chain reports it: with the plant's gain, offset and delay, and

@@ -47,7 +47,8 @@ def contour_errors(path: Array, points: Array, window: int) -> Array:
     segments = len(start)
     for block in range(-window, window, BLOCK):
         shifts = range(block, min(block + BLOCK, window))
-        first, last = (np.clip(rows + shift, 0, segments - 1) for shift in (shifts[0], shifts[-1]))
+        first = np.clip(rows + shifts[0], 0, segments - 1)
+        last = np.clip(rows + shifts[-1], 0, segments - 1)
         # a stretch that begins farther away than its length and the best so far cannot be nearer
         away = points - start[first]
         reach = best + arc[last + 1] - arc[first]

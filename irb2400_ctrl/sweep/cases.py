@@ -108,7 +108,7 @@ def drawn_plant(study: Study, number: int) -> DrawnPlant:
     noise = draw(study.noise.torque_Nm, rng)
     values["torque_noise_Nm"] = noise
     try:
-        arm = perturbed_robot(study.robot, seed, **spread.model_dump()).with_effects(*effects)  # type: ignore[arg-type]
+        arm = perturbed_robot(study.robot, seed, **spread.model_dump()).with_effects(*effects)
     except ValidationError as error:
         raise IrbError(f"plant {number} is no valid robot: {error.errors()[0]['msg']}") from error
     return DrawnPlant(arm, values, noise)

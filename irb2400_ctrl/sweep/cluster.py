@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import traceback
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from itertools import islice
 from typing import Any
 
@@ -28,27 +29,8 @@ def run_on_cluster(study: Study, cases: Iterable[int], address: str, work: Work)
         InputError: nobody answers at that address, or there are no workers.
         IrbError: a case met an error of ours.
     """
-    try:
-        import distributed
-    except ImportError as error:
-        raise ToolMissingError(
-            "--scheduler needs dask.distributed, which is not installed; pip install "
-            "'irb2400_ctrl[cluster]'"
-        ) from error
-    dask: Any = distributed  # its functions carry no types
-    try:
-        client = dask.Client(address, timeout=5, set_as_default=False)
-    except (OSError, TimeoutError, ValueError) as error:
-        raise InputError(
-            f"no Dask scheduler answers at {address} ({error}); expected host:port of one"
-        ) from error
-    with client:
-        try:
-            client.wait_for_workers(1, timeout=60)
-        except TimeoutError as error:
-            raise InputError(
-                f"the scheduler at {address} has no workers; start some with `dask worker`"
-            ) from error
+    dask = _distributed()
+    with _client(dask, address) as client:
         # a task of its own, not scattered data: it can be made again when its worker dies
         shared = client.submit(_same, study, key=f"study-{study.fingerprint[:16]}")
         waiting = iter(cases)
@@ -66,22 +48,55 @@ def run_on_cluster(study: Study, cases: Iterable[int], address: str, work: Work)
         hand_out()
         least = len(numbers) // 2
         for future, answer in done:
-            case = numbers.pop(future.key)
-            if future.status != "finished":
-                failure = answer[1] if isinstance(answer, tuple) else future.exception()
-                if not isinstance(failure, dask.KilledWorker):
-                    raise IrbError(
-                        f"case {case} could not be run on the cluster: {failure}"
-                    ) from failure
-                yield Lost(case, f"its worker died {failure.allowed_failures + 1} times")
-            elif isinstance(answer, str):
-                raise IrbError(f"case {case} met an error that is not the study's:\n{answer}")
-            else:
-                yield answer
+            yield _result(dask, numbers.pop(future.key), future, answer)
             future.release()
             if len(numbers) <= least:
                 hand_out()
                 least = len(numbers) // 2
+
+
+def _distributed() -> Any:
+    """The module, whose functions carry no types."""
+    try:
+        import distributed
+    except ImportError as error:
+        raise ToolMissingError(
+            "--scheduler needs dask.distributed, which is not installed; pip install "
+            "'irb2400_ctrl[cluster]'"
+        ) from error
+    return distributed
+
+
+@contextmanager
+def _client(dask: Any, address: str) -> Iterator[Any]:
+    """A client of the scheduler, once it has a worker."""
+    try:
+        client = dask.Client(address, timeout=5, set_as_default=False)
+    except (OSError, TimeoutError, ValueError) as error:
+        raise InputError(
+            f"no Dask scheduler answers at {address} ({error}); expected host:port of one"
+        ) from error
+    with client:
+        try:
+            client.wait_for_workers(1, timeout=60)
+        except TimeoutError as error:
+            raise InputError(
+                f"the scheduler at {address} has no workers; start some with `dask worker`"
+            ) from error
+        yield client
+
+
+def _result(dask: Any, case: int, future: Any, answer: Any) -> CaseOutcome | Lost:
+    """What became of a case; `IrbError` where an error of ours did."""
+    if future.status == "finished":
+        if isinstance(answer, str):
+            raise IrbError(f"case {case} met an error that is not the study's:\n{answer}")
+        outcome: CaseOutcome = answer
+        return outcome
+    failure = answer[1] if isinstance(answer, tuple) else future.exception()
+    if not isinstance(failure, dask.KilledWorker):
+        raise IrbError(f"case {case} could not be run on the cluster: {failure}") from failure
+    return Lost(case, f"its worker died {failure.allowed_failures + 1} times")
 
 
 def _same(study: Study) -> Study:

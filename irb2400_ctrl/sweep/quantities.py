@@ -18,10 +18,9 @@ from pydantic import (
     model_validator,
 )
 
-from irb2400_ctrl.effects import LIBRARY, Effect
-
-# in the plant a transmission with a state of its own, whatever its coefficient in the regressor
-ALWAYS_THERE = {"elastic_joint", "transmission_backlash"}
+from irb2400_ctrl.effects import LIBRARY, Effect, effect_class
+from irb2400_ctrl.effects.base import COMMON
+from irb2400_ctrl.errors import InputError
 
 
 class Table(BaseModel):
@@ -96,10 +95,10 @@ class EffectDraw(BaseModel):
 
     @model_validator(mode="after")
     def _is_an_effect(self) -> Self:
-        if self.kind not in LIBRARY:
-            raise ValueError(
-                f"no effect {self.kind!r}; expected one of {', '.join(sorted(LIBRARY))}"
-            )
+        try:
+            effect_class(self.kind)
+        except InputError as error:
+            raise ValueError(str(error)) from error
         problems = []
         for joint in self.joints:
             # every corner that a draw may come near has to be a valid effect
@@ -157,7 +156,8 @@ class EffectDraw(BaseModel):
 
 def without_size(effect: Effect) -> Effect | None:
     """The effect with coefficients of zero, None if its kind has no such member."""
-    if effect.kind in ALWAYS_THERE:
+    if effect.acts == "transmission":
+        # in the plant a link with a state of its own, whatever the coefficient in the regressor
         return None
     bent = effect.nonlinear_names(effect.joint)
     values = {name: value if name in bent else 0.0 for name, value in effect.parameters().items()}
@@ -171,11 +171,7 @@ def without_size(effect: Effect) -> Effect | None:
 def _problem(kind: str, item: Any) -> str:
     name = ".".join(str(part) for part in item["loc"])
     if item["type"] == "extra_forbidden":
-        known = [
-            f
-            for f in LIBRARY[kind].model_fields
-            if f not in {"kind", "joint", "shape", "source", "windows_s"}
-        ]
+        known = [f for f in LIBRARY[kind].model_fields if f not in COMMON]
         return f"{kind} has no {name}; expected some of {', '.join(known)}"
     return f"{name}: {item['msg']}"
 

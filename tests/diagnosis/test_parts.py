@@ -12,7 +12,7 @@ from independent_plant import Case
 from scipy.integrate import solve_ivp
 
 from irb2400_ctrl.diagnosis.estimation.evidence import Problem
-from irb2400_ctrl.diagnosis.preparation.base_prior import Nuisance, Uncertainty
+from irb2400_ctrl.diagnosis.preparation.base_prior import BasePrior, Uncertainty
 from irb2400_ctrl.diagnosis.preparation.metrics import errors, noise_floor
 from irb2400_ctrl.diagnosis.preparation.noise import MOST_COLOUR, ORDER, Noise, _not_too_coloured
 from irb2400_ctrl.diagnosis.regressors.bases import Bases, RegressorColumns
@@ -109,11 +109,11 @@ def test_evidence_equals_the_direct_integral() -> None:
 
 
 def test_nuisance_columns_are_the_slope_of_the_updated_robot() -> None:
-    nuisance = Nuisance.of(ROBOT, Uncertainty(), motion())
-    columns = nuisance.columns(BASES.model, motion())
+    base_prior = BasePrior.of(ROBOT, Uncertainty(), motion())
+    columns = base_prior.columns(BASES.model, motion())
     z = np.random.default_rng(2).normal(size=columns.shape[2])
     base = predicted_torque(ROBOT, motion())
-    change = predicted_torque(nuisance.updated(1e-4 * z), motion()) - base
+    change = predicted_torque(base_prior.updated(1e-4 * z), motion()) - base
     np.testing.assert_allclose(change, 1e-4 * columns @ z, atol=2e-6 * np.abs(columns @ z).max())
 
 
@@ -140,12 +140,12 @@ def test_prediction_knows_payload_delay_and_encoder_zero() -> None:
 
 
 @pytest.mark.parametrize("kind", sorted(LIBRARY))
-def test_every_effect_has_finite_columns_and_departures(kind: str) -> None:
+def test_every_effect_has_finite_columns_and_discrepancy(kind: str) -> None:
     effect = LIBRARY[kind]
     for joint in effect.joints(6):
         grid = effect.grid(joint)[:2]
-        for departures in (False, True):
-            for columns in BASES.columns(kind, joint, motion(), grid, departures=departures):
+        for discrepancy in (False, True):
+            for columns in BASES.columns(kind, joint, motion(), grid, discrepancy=discrepancy):
                 assert columns.values.shape[:2] == (motion().rows, len(columns.joints))
                 assert np.isfinite(columns.values).all()
 

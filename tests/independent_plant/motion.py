@@ -10,7 +10,9 @@ import numpy as np
 from .native import RECORD_RATE
 from .parameters import RANGES, SPEEDS
 
-IDENTIFICATION_SHARE, VALIDATION_SHARE = 0.55, 0.5  # of the speed limits, as recorded
+# of the speed limits, as recorded
+IDENTIFICATION_SHARE = 0.55
+VALIDATION_SHARE = 0.5
 # what the recorded arms use of their ranges: about 0.6 of axes 1, 2, 3, 4, 0.8 of axis 5, 0.4 of
 # axis 6
 WORK = RANGES * np.array([0.6, 0.62, 0.68, 0.63, 0.8, 0.405])[:, None]

@@ -98,7 +98,8 @@ def joint_torques(
     tau = np.zeros(3)
     result = np.zeros(6)
     for i in reversed(range(7)):
-        w, eps = R[i].T @ omega[i], R[i].T @ epsilon[i]  # eqs. 65, 66
+        w = R[i].T @ omega[i]  # eq. 65
+        eps = R[i].T @ epsilon[i]  # eq. 66
         r = bodies.com[i]
         a_S = R[i].T @ acceleration[i] + np.cross(eps, r) + np.cross(w, np.cross(w, r))  # eq. 68
         g = -(R[i] if form.gravity_without_transpose else R[i].T) @ (G * UP)  # eq. 64

@@ -3,8 +3,9 @@ dynamics."""
 
 from __future__ import annotations
 
+import re
 from types import SimpleNamespace
-from typing import Any
+from typing import Any, get_args
 
 import casadi as ca
 import numpy as np
@@ -13,6 +14,8 @@ from model.states import States
 
 import irb2400_ctrl as irb
 from irb2400_ctrl.effects import LIBRARY, Effect
+from irb2400_ctrl.effects.drawing import Signal
+from irb2400_ctrl.excitation.segments import FLAVOURS
 
 FIELDS: dict[str, dict[str, Any]] = {
     "transmission_backlash": {"joint": 2, "gap_rad": 0.002},
@@ -97,7 +100,7 @@ def test_forward_undoes_inverse_dynamics(kind: str, robot: irb.Robot, states: St
     tau = arm.inverse_dynamics(q, qd, qdd, time=2.0)
     np.testing.assert_allclose(arm.forward_dynamics(q, qd, tau, time=2.0), qdd, rtol=0, atol=1e-7)
     plain = irb.Model(robot).inverse_dynamics(q, qd, qdd)
-    if effect.acts == "measurement":
+    if effect.role == "measurement":
         np.testing.assert_array_equal(tau, plain)
     elif kind != "elastic_joint":
         assert np.abs(tau - plain).max() > 1e-3
@@ -155,7 +158,7 @@ def test_base_tilt_is_a_turned_gravity(robot: irb.Robot, states: States) -> None
 @pytest.mark.parametrize(
     "effect",
     [
-        LIBRARY["torque_gain"].of(2, gain=1.07, shape=(1e-4,)),
+        LIBRARY["torque_gain"].of(2, gain=1.07, discrepancy=(1e-4,)),
         LIBRARY["torque_offset"].of(3, offset_Nm=-4.0),
         LIBRARY["time_delay"].of(1, delay_s=0.002),
         LIBRARY["time_delay"].of(None, delay_s=0.002),
@@ -202,3 +205,50 @@ def test_a_gain_shows_only_while_it_acts() -> None:
     time = np.array([0.5, 1.5, 2.5])
     tau = np.ones((3, 6))
     np.testing.assert_allclose(gain.reported(time, tau)[:, 1], [1.0, 0.9, 1.0])
+
+
+def test_a_tilted_base_sees_gravity_turned_back() -> None:
+    """(g_x, g_y) = 9.81 (tilt_y, -tilt_x): the docstring against the turned vector itself."""
+    h = 1e-6
+    level = np.array([0.0, 0.0, -9.81])
+    about_x = np.array([[1, 0, 0], [0, np.cos(h), -np.sin(h)], [0, np.sin(h), np.cos(h)]])
+    about_y = np.array([[np.cos(h), 0, np.sin(h)], [0, 1, 0], [-np.sin(h), 0, np.cos(h)]])
+    np.testing.assert_allclose((about_x.T @ level - level) / h, [0, -9.81, 0], atol=1e-5)
+    np.testing.assert_allclose((about_y.T @ level - level) / h, [9.81, 0, 0], atol=1e-5)
+    arm = irb.load_robot("irb2400")
+    q = np.array([0.3, 0.4, -0.2, 0.5, 0.6, 0.7])
+    for axis, turn in (("x", about_x), ("y", about_y)):
+        tilted = LIBRARY["base_tilt"].of(None, **{f"tilt_{axis}_rad": h})
+        seen = arm.model_copy(
+            update={"gravity_m_s2": tuple(turn.T @ np.array(arm.gravity_m_s2))},
+        )
+        flat = irb.Model(arm).gravity(q)
+        np.testing.assert_allclose(
+            (irb.Model(arm.with_effects(tilted)).gravity(q) - flat) / h,
+            (irb.Model(seen).gravity(q) - flat) / h,
+            atol=1e-3,
+        )
+
+
+@pytest.mark.parametrize("kind", LIBRARY)
+def test_every_effect_says_all_that_is_asked_of_it(kind: str, robot: irb.Robot) -> None:
+    effect = LIBRARY[kind]
+    assert effect.sentence
+    assert not effect.sentence.endswith(".")
+    assert re.search(r"tau[^=]*=", effect.__doc__ or ""), "an equation"
+    joint = effect.joints(6)[0]
+    one = effect.of(joint, **effect.example)
+    assert effect.representative(joint, 2.0, 40.0).kind == kind
+    own = effect.ambiguity
+    assert own.group
+    assert own.splits
+    assert own.measure_else
+    assert {*own.passing, *own.lookalikes, *own.limit_of} <= set(LIBRARY) - {kind}
+    assert set(own.motions) <= set(FLAVOURS)
+    assert effect.drawing.abscissa in get_args(Signal)
+    prior = effect.prior
+    assert len(prior.coefficients) in (0, len(one.coefficients()))
+    assert {*prior.fields, *prior.fixed, *prior.loose} <= set(effect.model_fields)
+    assert (effect.acts == "transmission") == (type(one).transmission is not Effect.transmission)
+    assert (effect.acts == "parameters") == (type(one).body is not Effect.body)
+    assert robot.with_effects(one).effects == (one,)

@@ -167,9 +167,9 @@ def test_equality_is_of_the_description_not_of_what_was_computed() -> None:
     assert used != fresh.model_copy(update={"name": "another"})
 
 
-def test_a_shape_of_another_length_is_refused() -> None:
-    spring = LIBRARY["cable_spring"].of(4, stiffness_Nm_rad=3.0, shape=(1.0,))
+def test_a_discrepancy_of_another_length_is_refused() -> None:
+    spring = LIBRARY["cable_spring"].of(4, stiffness_Nm_rad=3.0, discrepancy=(1.0,))
     with pytest.raises(
-        ValueError, match="cable_spring has a shape of 1 numbers, expected 2 or none"
+        ValueError, match="cable_spring has a discrepancy of 1 numbers, expected 2 or none"
     ):
         irb.load_robot("irb2400").with_effects(spring)

@@ -13,7 +13,7 @@ from model.states import random_states
 
 import irb2400_ctrl as irb
 from irb2400_ctrl.effects import LIBRARY
-from irb2400_ctrl.urdf import save_urdf, to_urdf
+from irb2400_ctrl.robot.urdf_export import save_urdf, to_urdf
 
 pin: Any = pytest.importorskip("pinocchio")
 

@@ -20,6 +20,7 @@ from irb2400_ctrl.planners.enclosure.complex_disc import disc_function
 from irb2400_ctrl.planners.enclosure.path_dynamics import PathDynamics, path_dynamics
 from irb2400_ctrl.planners.joint_path import JointPath
 from irb2400_ctrl.planners.timing.motion_limits import speed_bounds
+from irb2400_ctrl.planners.timing.piecewise_constant_law import PiecewiseConstantLaw
 from irb2400_ctrl.planners.timing.time_joint_path import time_joint_path
 from irb2400_ctrl.planners.timing.time_law import TimeLaw
 
@@ -57,7 +58,7 @@ def test_certificate_is_checked_without_the_solver(seed: int) -> None:
     assert worst_ratio(path, timed.law) <= checked.torque_ratio
     # the bound is sharp, and a faster motion is caught
     assert checked.torque_ratio > 0.999
-    faster = TimeLaw(timed.law.s.copy(), 1.001 * timed.law.x)
+    faster = PiecewiseConstantLaw(timed.law.s.copy(), 1.001 * timed.law.x)
     assert not check(Certificate(path, faster, LIMITS), DYNAMICS.model).holds()
 
 
@@ -126,7 +127,7 @@ def test_speed_bounds_hold_between_grid_points() -> None:
     assert (np.abs(qd) / LIMITS.qd_max).max() <= 1 + 1e-9
 
 
-def test_ball_radii_hold_for_complex_arguments() -> None:
+def test_disc_radii_hold_for_complex_arguments() -> None:
     x = ca.SX.sym("x", 2)
     f = ca.sin(x[0]) * ca.cos(x[1]) ** 2 + x[0] / (2 + x[1]) - ca.sqrt(3 + x[0] * x[1])
     radius = disc_function(ca.Function("f", [x], [f]))

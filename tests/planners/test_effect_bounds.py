@@ -21,6 +21,7 @@ from irb2400_ctrl.planners.enclosure.effect_forms import Forms
 from irb2400_ctrl.planners.enclosure.interval import interval_function
 from irb2400_ctrl.planners.enclosure.path_dynamics import PathDynamics, path_dynamics
 from irb2400_ctrl.planners.joint_path import JointPath
+from irb2400_ctrl.planners.timing.piecewise_constant_law import PiecewiseConstantLaw
 from irb2400_ctrl.planners.timing.time_joint_path import time_joint_path
 from irb2400_ctrl.planners.timing.time_law import TimeLaw
 from irb2400_ctrl.planners.toolpath import builders
@@ -41,7 +42,7 @@ def effect(kind: str, joint: int | None, **fields: Any) -> Effect:
 CASES: dict[str, list[Effect]] = {
     "load friction": [effect("load_friction", j, coefficient=0.08) for j in (2, 3)],
     "load friction, another exponent": [
-        effect("load_friction", 2, coefficient=0.08, shape=(0.02,))
+        effect("load_friction", 2, coefficient=0.08, discrepancy=(0.02,))
     ],
     "load friction in a window": [
         effect("load_friction", 2, coefficient=0.08, windows_s=((0, 0.5),))
@@ -60,7 +61,9 @@ CASES: dict[str, list[Effect]] = {
         effect("viscous_warmup", j, viscous_Nms_rad=60, time_constant_s=5) for j in (1, 2, 3)
     ],
     "warm-up, another law": [
-        effect("viscous_warmup", 2, viscous_Nms_rad=60, time_constant_s=5, shape=(20, 10, 10, 5))
+        effect(
+            "viscous_warmup", 2, viscous_Nms_rad=60, time_constant_s=5, discrepancy=(20, 10, 10, 5)
+        )
     ],
     "process force": [
         effect("process_force", None, force_x_N=60, force_z_N=-80, start_s=0.2, stop_s=0.8)
@@ -69,12 +72,12 @@ CASES: dict[str, list[Effect]] = {
     "ripple in windows": [
         effect("gear_ripple", 3, amplitude_Nm=8, order=37, windows_s=((0.1, 0.6), (0.7, 0.9)))
     ],
-    "fast ripple": [effect("gear_ripple", 2, amplitude_Nm=8, order=120, shape=(2, 2, 1, 1))],
+    "fast ripple": [effect("gear_ripple", 2, amplitude_Nm=8, order=120, discrepancy=(2, 2, 1, 1))],
     "rotor in a window": [effect("rotor_inertia", 2, inertia_kgm2=8, windows_s=((0.1, 0.6),))],
     "other dry friction": [
-        effect("coulomb_change", 3, coulomb_Nm=10, shape=(5, 5)),
-        effect("coulomb_asymmetry", 2, delta_Nm=10, shape=(5, 5)),
-        effect("viscous_change", 1, viscous_Nms_rad=10, shape=(5, 5)),
+        effect("coulomb_change", 3, coulomb_Nm=10, discrepancy=(5, 5)),
+        effect("coulomb_asymmetry", 2, delta_Nm=10, discrepancy=(5, 5)),
+        effect("viscous_change", 1, viscous_Nms_rad=10, discrepancy=(5, 5)),
     ],
     "several": [
         effect("load_friction", 2, coefficient=0.08),
@@ -103,7 +106,7 @@ def test_no_violation_whenever_the_motion_starts(name: str) -> None:
     checked = check(Certificate(path, timed.law, LIMITS), dynamics.model)
     assert worst_ratio(dynamics, path, timed.law) <= checked.torque_ratio
     assert 0.999 < checked.torque_ratio <= 1 + 1e-9
-    faster = TimeLaw(timed.law.s.copy(), 1.002 * timed.law.x)
+    faster = PiecewiseConstantLaw(timed.law.s.copy(), 1.002 * timed.law.x)
     assert not check(Certificate(path, faster, LIMITS), dynamics.model).holds()
     bare, _ = time_joint_path(path_dynamics(ROBOT), path, LIMITS)
     # a motion timed without the effects is refused by the check with them
@@ -134,21 +137,31 @@ def test_the_bound_costs_little_against_a_fine_grid(name: str, most: float) -> N
 def test_every_effect_but_a_swinging_one_has_a_bound() -> None:
     rng = np.random.default_rng(1)
     for kind, cls in LIBRARY.items():
-        if cls.acts != "force":
+        if cls.acts == "transmission" and not cls.seen_by_rigid_model:
+            continue
+        if cls.acts not in ("force", "transmission"):
             continue
         joint = next(iter(cls.joints(6)))
         bare = cls.prototype(joint, cls.grid(joint)[0])
         width = (
-            bare.departures(path_dynamics(ROBOT).model.signals()).shape[1] if not cls.states else 0
+            bare.discrepancy_basis(path_dynamics(ROBOT).model.signals()).shape[1]
+            if not cls.states
+            else 0
         )
         for shape in ((), tuple(rng.uniform(0.1, 1.0, width))):
             for windows in ((), ((0.1, 0.4),)):
                 fields = {
-                    **bare.model_dump(exclude={"kind", "joint", "shape", "windows_s"}),
+                    **bare.model_dump(exclude={"kind", "joint", "discrepancy", "windows_s"}),
                     **_SIZES.get(kind, {}),
                 }
                 made = cls.model_construct(
-                    **{**fields, "kind": kind, "joint": joint, "shape": shape, "windows_s": windows}
+                    **{
+                        **fields,
+                        "kind": kind,
+                        "joint": joint,
+                        "discrepancy": shape,
+                        "windows_s": windows,
+                    }
                 )
                 forms = Forms.of(Model(ROBOT.with_effects(made)))
                 assert (len(forms.open) == 0) == (kind not in SWINGING), (kind, shape, windows)

@@ -139,7 +139,7 @@ def test_deviation_sees_what_happens_between_the_stations() -> None:
     path = builders.line((0.9, 0, 0.5), (0.9, 0.2, 0.5))
     orientation = Orientation.of(smooth_curve(path), SPINDLE)
     followed = follow(MODEL, JointTarget.of(orientation, lambda s: np.zeros(len(s)), 0), None)
-    true = deviation(MODEL, orientation, followed)
+    true = deviation(TcpPath(MODEL, followed.joints, SPINDLE), orientation, followed)
     assert true.position < 1e-6
     # swing the tool's end out in one piece, by a cubic that vanishes at its ends and its middle
     coefficients = followed.joints.coefficients.copy()
@@ -152,7 +152,7 @@ def test_deviation_sees_what_happens_between_the_stations() -> None:
     seen = np.linalg.norm(
         (TcpPath(MODEL, bent.joints, SPINDLE).pose(s)[0] - path.position[0])[:, [0, 2]], axis=1
     ).max()
-    found = deviation(MODEL, orientation, bent).position
+    found = deviation(TcpPath(MODEL, bent.joints, SPINDLE), orientation, bent).position
     assert seen <= found < 1.01 * seen
     assert found > 2e-4
 

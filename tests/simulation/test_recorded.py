@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from irb2400_ctrl.measurement import Log
-from irb2400_ctrl.simulation.recorded import recorded_motion
+from irb2400_ctrl.measurement import Log, recorded_motion
 
 TIME = np.arange(2001) / 250.0
 WAVE = np.sin(1.3 * TIME[:, None] + np.arange(6))

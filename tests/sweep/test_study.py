@@ -193,7 +193,9 @@ def test_one_loop_serves_all_plants_and_gives_what_each_ones_own_would(tmp_path:
         )
 
 
-@pytest.mark.parametrize("kind", sorted(k for k, e in LIBRARY.items() if e.acts == "force"))
+@pytest.mark.parametrize(
+    "kind", sorted({k for k, e in LIBRARY.items() if e.acts == "force"} | {"elastic_joint"})
+)
 def test_an_absent_effect_has_no_size(kind: str) -> None:
     joint = next(iter(LIBRARY[kind].joints(6)))
     effect = _example(kind, joint)

@@ -1,5 +1,5 @@
-"""Judges candidates on one log: each under the noise that it leaves itself, against a base that may
-bend to hide it."""
+"""Compares candidates on one log: each under the noise that it leaves itself, against a base that
+may bend to hide it."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from irb2400_ctrl.diagnosis.comparison.scan import Scan
 from irb2400_ctrl.diagnosis.estimation.candidate import Candidate
-from irb2400_ctrl.diagnosis.estimation.evidence import Problem, departure_shares
+from irb2400_ctrl.diagnosis.estimation.evidence import Problem, discrepancy_shares
 from irb2400_ctrl.diagnosis.preparation.noise import Noise, autoregressive, white, without
 
 Array = npt.NDArray[np.float64]
@@ -19,12 +19,12 @@ Mask = npt.NDArray[np.bool_]
 
 
 @dataclass(frozen=True)
-class Rival:
+class Alternative:
     """A candidate with its own noise model.
 
     Args:
         evidence: log evidence under the noise that the candidate leaves [nats].
-        by_law: what it gains without departures from its law [nats].
+        by_law: what it gains without discrepancy from its law [nats].
     """
 
     candidate: Candidate
@@ -32,7 +32,7 @@ class Rival:
     by_law: float
 
 
-class Judge:
+class Comparison:
     """The ground of one step: filtered torques y (rows, n) that are left, and the base Z (rows, n,
     k) that may move."""
 
@@ -71,27 +71,27 @@ class Judge:
         """Mean square that the base leaves away from reversals, shape (n,) [Nm2]."""
         return self._energy(self.y - self.Z @ self.base.z)
 
-    def judged(self, candidate: Candidate) -> Rival:
+    def compared(self, candidate: Candidate) -> Alternative:
         """The candidate under its own noise."""
         problem = self.start
         for _ in range(2):
             problem = self._under(self.y - self._explained(problem, candidate))
             candidate = self._rescored(candidate, problem)
-        return Rival(
+        return Alternative(
             candidate, problem.log_evidence + candidate.score.gain, self._by_law(candidate, problem)
         )
 
-    def gain(self, rival: Rival) -> float:
+    def gain(self, alternative: Alternative) -> float:
         """Log evidence over the base alone [nats]."""
-        return rival.evidence - self.base.log_evidence
+        return alternative.evidence - self.base.log_evidence
 
-    def polished(self, rival: Rival) -> Rival:
-        """The rival with its nonlinear parameters searched, where the fit can not do it."""
-        candidate = rival.candidate
+    def polished(self, alternative: Alternative) -> Alternative:
+        """The alternative with its nonlinear parameters searched, where the fit can not do it."""
+        candidate = alternative.candidate
         if not any(e.states for e in candidate.effects):
-            return rival
+            return alternative
         problem = self._under(self.y - self.explained(candidate))
-        return replace(rival, candidate=self.scan.polished(problem, candidate))
+        return replace(alternative, candidate=self.scan.polished(problem, candidate))
 
     def added(self, candidate: Candidate) -> Array:
         """Rms that a candidate takes off what is left, beside a base that moves with it, shape (n,)
@@ -103,9 +103,9 @@ class Judge:
         """Torque of a candidate and a base that moves with it, shape (rows, n) [Nm]."""
         return self._explained(self.start, candidate)
 
-    def own_share(self, candidate: Candidate) -> float:
+    def share_beyond_base(self, candidate: Candidate) -> float:
         """Share of its torque that no other numbers of the base would give."""
-        return self.start.own_share(candidate.torque(self.n))
+        return self.start.share_beyond_base(candidate.torque(self.n))
 
     def gain_moving(self, candidate: Candidate) -> float:
         """What its law gains on the rows away from reversals [nats]."""
@@ -146,14 +146,14 @@ class Judge:
 
     def _rescored(self, candidate: Candidate, problem: Problem) -> Candidate:
         shares = None
-        if candidate.known and candidate.departures is not None:
-            shares = departure_shares(candidate.kind, candidate.departures.values.shape[2])
-        score = problem.score(candidate.law, candidate.departures, candidate.expected, shares)
+        if candidate.known and candidate.discrepancy is not None:
+            shares = discrepancy_shares(candidate.kind, candidate.discrepancy.values.shape[2])
+        score = problem.score(candidate.law, candidate.discrepancy, candidate.expected, shares)
         return replace(candidate, score=replace(score, gain=score.gain - candidate.penalty))
 
     def _by_law(self, candidate: Candidate, problem: Problem) -> float:
-        """Gain of a candidate by its law alone, without the departures from it."""
-        if candidate.departures is None or any(e.states for e in candidate.effects):
+        """Gain of a candidate by its law alone, without the discrepancy from it."""
+        if candidate.discrepancy is None or any(e.states for e in candidate.effects):
             return candidate.score.gain
         return problem.score(candidate.law, expected=candidate.expected).gain - candidate.penalty
 

@@ -30,7 +30,7 @@ LOOKALIKE_CAP = 0.75
 in 12 of 17"""
 
 LIKELY = 12.0
-"""[nats] rivals nearer than this are alternatives"""
+"""[nats] others nearer than this are alternatives"""
 LIKELY_SHARE = 0.06
 """and so are those nearer than this share of the finding's own gain"""
 
@@ -44,26 +44,31 @@ def confidence(step: Step) -> float:
 
 def alternatives(step: Step) -> tuple[str, ...]:
     """Kinds of the library that this log can not exclude, likeliest first."""
-    best = next(r.evidence for r in step.rivals if r.candidate is step.candidate)
+    best = next(r.evidence for r in step.alternatives if r.candidate is step.candidate)
     found: list[str] = []
     own = step.candidate.kind
-    for rival in step.rivals:
-        kind = rival.candidate.kind
+    for alternative in step.alternatives:
+        kind = alternative.candidate.kind
         if (
-            rival.candidate.known
+            alternative.candidate.known
             and kind != own
-            and best - rival.evidence < LIKELY + LIKELY_SHARE * step.gain
+            and best - alternative.evidence < LIKELY + LIKELY_SHARE * step.gain
         ):
             found.append(kind)
     if step.candidate.known:
-        group = LIBRARY[own].group
-        for rival in step.rivals:
-            kind = rival.candidate.kind
-            near = best - rival.evidence < 0.4 * step.gain
-            if rival.candidate.known and kind != own and near and LIBRARY[kind].group == group:
+        group = LIBRARY[own].ambiguity.group
+        for alternative in step.alternatives:
+            kind = alternative.candidate.kind
+            near = best - alternative.evidence < 0.4 * step.gain
+            if (
+                alternative.candidate.known
+                and kind != own
+                and near
+                and LIBRARY[kind].ambiguity.group == group
+            ):
                 found.append(kind)
     return tuple(dict.fromkeys((*found, *_lookalikes(step))))
 
 
 def _lookalikes(step: Step) -> tuple[str, ...]:
-    return LIBRARY[step.candidate.kind].lookalikes if step.candidate.known else ()
+    return LIBRARY[step.candidate.kind].ambiguity.lookalikes if step.candidate.known else ()

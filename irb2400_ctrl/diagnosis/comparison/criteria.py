@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from irb2400_ctrl.diagnosis.comparison.comparison import Judge, Rival
+from irb2400_ctrl.diagnosis.comparison.comparison import Alternative, Comparison
 from irb2400_ctrl.diagnosis.estimation.candidate import Candidate
 from irb2400_ctrl.effects.base import OPEN_END_S
 from irb2400_ctrl.measurement.prepared_log import PreparedLog
@@ -25,30 +25,31 @@ class Criteria:
     """When an explanation counts.
 
     Args:
-        gain: log evidence of an effect over the model without it [nats], family-wise; generic_gain:
-            of a generic law; gain_in_base: of a first effect of which other numbers of the robot
-            would give all but the share `in_base`, where no misfit of shape or noise can pass for
-            it; beside_in_base: the same beside another effect.
+        gain: log evidence of an effect over the model without it [nats], family-wise;
+            non_parametric_gain: of a non-parametric law; gain_in_base: of a first effect of which
+            other numbers of the robot would give all but the share `in_base`, where no misfit of
+            shape or noise can pass for it; beside_in_base: the same beside another effect.
         energy: its energy over what the base alone leaves on that joint.
         torque: its rms torque over the joint's; torque_beside_law: the same where its law alone
-            gains less than `by_law` of what it gains with departures; torque_begun: of an effect
+            gains less than `by_law` of what it gains with discrepancy; torque_begun: of an effect
             that acts part of the time.
-        leftover: times what the law of an effect found before may leave (`Effect.leftover`), which
-            counts no more.
+        discrepancy_factor: times what the law of an effect found before may leave
+            (`Prior.discrepancy_share`), which counts no more.
         largest: its rms torque over the joint's, above which it only cancels another one.
-        moving: share of its gain that an effect of `Effect.shows_moving` has away from reversals.
+        moving: share of its gain that an effect of `Search.shows_moving` has away from reversals.
         elsewhere: share of what it explains that lies outside the second in which it explains most.
-        two_at_once: how much more a generic law may gain than the best effect, for two effects to
-            be tried instead.
-        unknown: how much a generic law must beat the best effect by [nats], and as share of that
-            effect's gain.
+        two_at_once: how much more a non-parametric law may gain than the best effect, for two
+            effects to be tried instead.
+        unknown: how much a non-parametric law must beat the best effect by [nats], and as share of
+            that effect's gain.
         mostly_base: share of an effect's torque that no other numbers of the robot would give,
-            below which a generic law must also say `little` more: rms torque over the effect's.
+            below which a non-parametric law must also say `little` more: rms torque over the
+            effect's.
         shortlist: candidates judged in a step; most: explanations of one log.
     """
 
     gain: float = 22.0
-    generic_gain: float = 25.0
+    non_parametric_gain: float = 25.0
     gain_in_base: float = 12.5
     beside_in_base: float = 44.0
     in_base: float = 0.01
@@ -57,7 +58,7 @@ class Criteria:
     torque_beside_law: float = 0.02
     torque_begun: float = 0.01
     by_law: float = 0.25
-    leftover: float = 1.0
+    discrepancy_factor: float = 1.0
     largest: float = 1.5
     moving: float = 0.2
     elsewhere: float = 0.4
@@ -70,7 +71,7 @@ class Criteria:
     most: int = 8
 
 
-class Bar:
+class Threshold:
     """The criteria applied to one log."""
 
     def __init__(self, criteria: Criteria, motion: PreparedLog, predicted: Array) -> None:
@@ -82,29 +83,35 @@ class Bar:
             self.rms, np.sqrt(np.mean(motion.filtered(predicted) ** 2, axis=0))
         )
 
-    def counts(self, judge: Judge, rival: Rival, chosen: Sequence[Candidate]) -> bool:
+    def accepts(
+        self, comparison: Comparison, alternative: Alternative, chosen: Sequence[Candidate]
+    ) -> bool:
         """Large enough to matter on at least one joint that it acts on, and no leftover of an
         earlier one there."""
         c = self.criteria
-        candidate = rival.candidate
+        candidate = alternative.candidate
         if of_one_moment(candidate, chosen):
             return False
         size = np.sqrt(np.mean(candidate.torque(self.n) ** 2, axis=0))
         if (size > self.largest).any():
             return False  # a torque that something else must cancel again
-        moving = any(e.shows_moving for e in candidate.effects)
-        if moving and judge.gain_moving(candidate) < c.moving * judge.gain(rival):
+        moving = any(e.search.shows_moving for e in candidate.effects)
+        if moving and comparison.gain_moving(candidate) < c.moving * comparison.gain(alternative):
             return False
-        # by departures from its law alone: the base takes the law in, and only a good size still
+        # by discrepancy from its law alone: the base takes the law in, and only a good size still
         # speaks for the name
-        least = c.torque if rival.by_law > c.by_law * candidate.score.gain else c.torque_beside_law
+        least = (
+            c.torque
+            if alternative.by_law > c.by_law * candidate.score.gain
+            else c.torque_beside_law
+        )
         least = max(least, c.torque_begun) if candidate.begins else least
-        matters = (size > np.sqrt(c.energy * judge.energy)) & (size > least * self.rms)
+        matters = (size > np.sqrt(c.energy * comparison.energy)) & (size > least * self.rms)
         if chosen and matters.any():
-            matters &= self._new(judge, rival, chosen)
-        return bool(matters.any()) and not self._once(judge, candidate)
+            matters &= self._new(comparison, alternative, chosen)
+        return bool(matters.any()) and not self._once(comparison, candidate)
 
-    def _once(self, judge: Judge, candidate: Candidate) -> bool:
+    def _once(self, comparison: Comparison, candidate: Candidate) -> bool:
         """Whether one second of the record says it nearly alone: something happened there, which is
         no law.
 
@@ -112,12 +119,16 @@ class Bar:
         the base could take as well moves all of it.
         """
         short = any(stop < OPEN_END_S for e in candidate.effects for _, stop in e.windows_s)
-        if short or candidate.devices or judge.own_share(candidate) < self.criteria.in_base:
+        if (
+            short
+            or candidate.devices
+            or comparison.share_beyond_base(candidate) < self.criteria.in_base
+        ):
             return False
-        return judge.elsewhere(candidate) < self.criteria.elsewhere
+        return comparison.elsewhere(candidate) < self.criteria.elsewhere
 
     def _new(
-        self, judge: Judge, rival: Rival, chosen: Sequence[Candidate]
+        self, comparison: Comparison, alternative: Alternative, chosen: Sequence[Candidate]
     ) -> npt.NDArray[np.bool_]:
         """Joints where it is more than earlier laws of slightly another shape leave, shape (n,).
 
@@ -125,17 +136,17 @@ class Bar:
         it, gain a good part of the evidence.
         """
         c = self.criteria
-        candidate = rival.candidate
-        gain = judge.gain(rival)
-        added = judge.added(candidate)
+        candidate = alternative.candidate
+        gain = comparison.gain(alternative)
+        added = comparison.added(candidate)
         new = (
             np.ones(self.n, dtype=bool)
             if candidate.known
-            else added > np.sqrt(c.energy * judge.energy)
+            else added > np.sqrt(c.energy * comparison.energy)
         )
         for earlier in chosen:
             torque = earlier.torque(self.n)
-            share = c.leftover * earlier.leftover
+            share = c.discrepancy_factor * earlier.discrepancy_share
             # the swing of one transmission moves its neighbours' links too: there only the evidence
             # speaks
             same = bool(candidate.devices & earlier.devices)
@@ -143,7 +154,7 @@ class Bar:
             # a flexible law has taken in whatever the base could hide there
             if candidate.known and earlier.known:
                 known = (
-                    judge.by_joint(earlier.score.gain, torque)
+                    comparison.by_joint(earlier.score.gain, torque)
                     if earlier.joint is None
                     else earlier.score.gain
                 )
@@ -151,46 +162,60 @@ class Bar:
             new &= more
         return new
 
-    def least_gain(self, judge: Judge, candidate: Candidate, chosen: Sequence[Candidate]) -> float:
+    def least_gain(
+        self, comparison: Comparison, candidate: Candidate, chosen: Sequence[Candidate]
+    ) -> float:
         """Log evidence that a candidate needs [nats]."""
         c = self.criteria
         if not candidate.known:
-            return c.generic_gain
-        if judge.own_share(candidate) > c.in_base:
+            return c.non_parametric_gain
+        if comparison.share_beyond_base(candidate) > c.in_base:
             return c.gain
         # what an earlier law leaves bends the base
         return c.beside_in_base if chosen else c.gain_in_base
 
-    def best(self, judge: Judge, rivals: Sequence[Rival], chosen: Sequence[Candidate]) -> Rival:
-        """The best rival; a generic law only where it beats the library by more than earlier laws
-        may have left."""
-        best = rivals[0]
-        known = next((r for r in rivals if r.candidate.known), None)
+    def best(
+        self,
+        comparison: Comparison,
+        alternatives: Sequence[Alternative],
+        chosen: Sequence[Candidate],
+    ) -> Alternative:
+        """The best alternative; a non-parametric law only where it beats the library by more than
+        earlier laws may have left."""
+        best = alternatives[0]
+        known = next((r for r in alternatives if r.candidate.known), None)
         if best.candidate.known or known is None:
             return best
         c = self.criteria
         joint = (best.candidate.joint or 1) - 1
-        if judge.own_share(known.candidate) < c.mostly_base and self._leaves_little(
-            judge, known, best
+        if comparison.share_beyond_base(known.candidate) < c.mostly_base and self._leaves_little(
+            comparison, known, best
         ):
             return known
         earlier = [
-            (c.leftover * e.leftover) ** 2 * judge.by_joint(e.score.gain, e.torque(self.n))[joint]
+            (c.discrepancy_factor * e.discrepancy_share) ** 2
+            * comparison.by_joint(e.score.gain, e.torque(self.n))[joint]
             for e in chosen
         ]
         needed = (
-            c.unknown + c.unknown_share * max(judge.gain(known), 0.0) + max(earlier, default=0.0)
+            c.unknown
+            + c.unknown_share * max(comparison.gain(known), 0.0)
+            + max(earlier, default=0.0)
         )
         return best if best.evidence - known.evidence > needed else known
 
-    def _leaves_little(self, judge: Judge, known: Rival, generic: Rival) -> bool:
-        """Whether a generic law says hardly more than an effect.
+    def _leaves_little(
+        self, comparison: Comparison, known: Alternative, non_parametric: Alternative
+    ) -> bool:
+        """Whether a non-parametric law says hardly more than an effect.
 
         The evidence for an effect that the base takes in for the most part understates it.
         """
         law = np.sqrt(np.mean(known.candidate.torque(self.n) ** 2, axis=0))
-        more = judge.explained(generic.candidate) - judge.explained(known.candidate)
-        place = (generic.candidate.joint or 1) - 1
+        more = comparison.explained(non_parametric.candidate) - comparison.explained(
+            known.candidate
+        )
+        place = (non_parametric.candidate.joint or 1) - 1
         return bool(np.sqrt(np.mean(more[:, place] ** 2)) < self.criteria.little * law[place])
 
 

@@ -1,4 +1,5 @@
-"""Generic tests beside the library: flexible functions of one or two signals, which name no cause.
+"""Non-parametric tests beside the library: flexible functions of one or two signals, which name no
+cause.
 
 Where one of them clearly beats every effect of the library, the honest verdict is `unexplained`,
 with the joint and the signals it depends on.
@@ -18,7 +19,7 @@ Array = npt.NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class Generic:
+class NonParametricLaw:
     """A flexible law: torque of `joint` (zero-based) as a function of `depends_on`; filtered
     columns (rows, k)."""
 
@@ -44,8 +45,8 @@ def splines(x: Array, count: int) -> Array:
     return np.asarray(basis.toarray())
 
 
-def generic_laws(motion: PreparedLog, load: Array) -> dict[int, list[Generic]]:
-    """All generic laws of one log, by joint (zero-based).
+def non_parametric_laws(motion: PreparedLog, load: Array) -> dict[int, list[NonParametricLaw]]:
+    """All non-parametric laws of one log, by joint (zero-based).
 
     Args:
         load: rigid-body torque along the motion, shape (m, n) [Nm].
@@ -79,7 +80,7 @@ def generic_laws(motion: PreparedLog, load: Array) -> dict[int, list[Generic]]:
         common[f"angles {k + 1} and {m + 1}", (f"q{k + 1}", f"q{m + 1}")] = motion.filtered(surface)
     return {
         j: [
-            Generic(name, j, _own(signals, j), columns)
+            NonParametricLaw(name, j, _own(signals, j), columns)
             for (name, signals), columns in (common | _of_joint(motion, load, j)).items()
         ]
         for j in range(n)

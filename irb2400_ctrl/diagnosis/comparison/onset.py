@@ -82,7 +82,7 @@ class Windowing:
             # no transmission becomes soft within a record; a livelier motion would pass for it
             return None
         windows, gain, always = self._begun(law)
-        if law.kind == "process_force":
+        if LIBRARY[law.kind].search.comes_and_goes:
             comes_and_goes = self._on_and_off(law)
             if comes_and_goes and (there := self._gain(law, comes_and_goes)) > gain:
                 windows = comes_and_goes
@@ -94,8 +94,8 @@ class Windowing:
         for."""
         columns = self._columns(law, windows)
         # how an effect with memory began is told by its window
-        extra = None if LIBRARY[law.kind].states else self._columns(law, windows, departures=True)
-        score = self.problem.score(columns, extra, LIBRARY[law.kind].expected)
+        extra = None if LIBRARY[law.kind].states else self._columns(law, windows, discrepancy=True)
+        score = self.problem.score(columns, extra, LIBRARY[law.kind].prior.coefficients)
         effect = plausible(law.kind, law.joint, score.coefficients, law.nonlinear)
         if effect is None:
             return None
@@ -106,14 +106,14 @@ class Windowing:
         name = f"{law.kind}, part of the time"
         return Candidate(law.kind, law.joint, name, (), (part,), columns, extra, score, penalty)
 
-    def _columns(self, law: Point, windows: Windows, departures: bool = False) -> RegressorColumns:
-        whole = self.scan.samples(law, departures)
+    def _columns(self, law: Point, windows: Windows, discrepancy: bool = False) -> RegressorColumns:
+        whole = self.scan.samples(law, discrepancy)
         acting = within(windows, self.motion.time)[:, None, None]
         return RegressorColumns(whole.joints, self.motion.filtered(whole.values * acting))
 
     def _gain(self, law: Point, windows: Windows) -> float:
         return self.problem.score(
-            self._columns(law, windows), expected=LIBRARY[law.kind].expected
+            self._columns(law, windows), expected=LIBRARY[law.kind].prior.coefficients
         ).gain
 
     def _begun(self, law: Point) -> tuple[Windows, float, float]:
@@ -130,7 +130,7 @@ class Windowing:
             count = STARTS + 1 - start
             later = gram[start * k :, start * k :].reshape(count, k, count, k).sum(axis=(0, 2))
             ahead = right[start * k :].reshape(-1, k).sum(axis=0)
-            gains.append(law_gain(later, ahead, LIBRARY[law.kind].expected)[0])
+            gains.append(law_gain(later, ahead, LIBRARY[law.kind].prior.coefficients)[0])
         best = int(np.argmax(gains[1:]))
         return ((float(edges[best]), OPEN_END_S),), gains[1 + best], gains[0]
 

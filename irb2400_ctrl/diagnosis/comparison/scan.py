@@ -1,4 +1,5 @@
-"""Every effect of the library and every generic law, scored against what is left of one log."""
+"""Every effect of the library and every non-parametric law, scored against what is left of one
+log."""
 
 from __future__ import annotations
 
@@ -9,12 +10,16 @@ from functools import cache, cached_property
 import numpy as np
 import numpy.typing as npt
 
-from irb2400_ctrl.diagnosis.comparison.non_parametric import Generic, generic_laws, vibrations
+from irb2400_ctrl.diagnosis.comparison.non_parametric import (
+    NonParametricLaw,
+    non_parametric_laws,
+    vibrations,
+)
 from irb2400_ctrl.diagnosis.estimation.candidate import Candidate, Point, plausible
 from irb2400_ctrl.diagnosis.estimation.evidence import (
     Problem,
     Score,
-    departure_shares,
+    discrepancy_shares,
     g_prior_gain,
 )
 from irb2400_ctrl.diagnosis.regressors.bases import Bases, RegressorColumns
@@ -24,14 +29,12 @@ from irb2400_ctrl.measurement.prepared_log import PreparedLog
 
 Array = npt.NDArray[np.float64]
 
-EVERYWHERE = ("rotor_inertia",)
-"""effects that a maker leaves out of all joints alike"""
 EVERYWHERE_PENALTY = 15.0
 """[nats]"""
-KEPT_GENERIC = 4
-"""how many generic laws of each joint are judged"""
+KEPT_NON_PARAMETRIC = 4
+"""how many non-parametric laws of each joint are judged"""
 KEPT_GRID_POINTS = 2
-"""how many of the best nonlinear parameters of a family are scored with departures"""
+"""how many of the best nonlinear parameters of a family are scored with discrepancy"""
 
 
 class Scan:
@@ -42,9 +45,9 @@ class Scan:
         self.motion = motion
         self.load = load
         self.remembering: dict[tuple[str, int | None], list[RegressorColumns]] = {}
-        """departures of every grid point of effects with memory: how a record began may be all that
-        shows them"""
-        self._departures: dict[tuple[object, ...], RegressorColumns] = {}
+        """discrepancy of every grid point of effects with memory: how a record began may be all
+        that shows them"""
+        self._discrepancy: dict[tuple[object, ...], RegressorColumns] = {}
         self._samples: dict[tuple[object, ...], RegressorColumns] = {}
         self._vibrations = cache(lambda joint: vibrations(motion, joint))
 
@@ -83,40 +86,43 @@ class Scan:
         return found
 
     @cached_property
-    def generics(self) -> dict[int, list[Generic]]:
-        """Filtered columns of the generic laws, by joint."""
-        return generic_laws(self.motion, self.load)
+    def non_parametric(self) -> dict[int, list[NonParametricLaw]]:
+        """Filtered columns of the non-parametric laws, by joint."""
+        return non_parametric_laws(self.motion, self.load)
 
-    def departures(
+    def discrepancy(
         self, kind: str, joint: int | None, nonlinear: dict[str, float]
     ) -> RegressorColumns:
-        """Filtered columns of an effect's departures."""
+        """Filtered columns of an effect's discrepancy."""
         key = (kind, joint, *sorted(nonlinear.items()))
-        if key not in self._departures:
-            self._departures[key] = self._departures_of(kind, joint, nonlinear)
-        return self._departures[key]
+        if key not in self._discrepancy:
+            self._discrepancy[key] = self._discrepancy_of(kind, joint, nonlinear)
+        return self._discrepancy[key]
 
-    def _departures_of(
+    def _discrepancy_of(
         self, kind: str, joint: int | None, nonlinear: dict[str, float]
     ) -> RegressorColumns:
-        return self.bases.columns(kind, joint, self.motion, [nonlinear], departures=True)[0]
+        return self.bases.columns(kind, joint, self.motion, [nonlinear], discrepancy=True)[0]
 
     def rank(self, problem: Problem, chosen: Sequence[Candidate] = ()) -> list[Candidate]:
-        """All plausible candidates, best first; what is chosen already does not come twice (but for
-        ripples)."""
-        taken = {(e.kind, e.joint) for c in chosen for e in c.effects if e.kind != "gear_ripple"}
-        devices = {(e.device, e.joint) for c in chosen for e in c.effects if e.device}
+        """All plausible candidates, best first; what is chosen already does not come twice
+        (but for `Search.repeats`)."""
+        there = [e for c in chosen for e in c.effects]
+        taken = {(e.kind, e.joint) for e in there if not e.search.repeats}
+        devices = {(e.search.device, e.joint) for e in there if e.search.device}
         families = [
             f
             for f in self.families
-            if f not in taken and (LIBRARY[f[0]].device, f[1]) not in devices
+            if f not in taken and (LIBRARY[f[0]].search.device, f[1]) not in devices
         ]
         found = [c for kind, joint in families for c in self._library(problem, kind, joint)]
         rest = [
-            kind for kind in EVERYWHERE if kind not in {e.kind for c in chosen for e in c.effects}
+            kind
+            for kind, effect in LIBRARY.items()
+            if effect.search.on_every_joint and kind not in {e.kind for e in there}
         ]
         found += [c for kind in rest if (c := self._everywhere(problem, kind)) is not None]
-        found += [c for joint in range(self.motion.n) for c in self._generic(problem, joint)]
+        found += [c for joint in range(self.motion.n) for c in self._non_parametric(problem, joint)]
         found += [self._vibration(problem, joint) for joint in range(self.motion.n)]
         return sorted((c for c in found if c.score.gain > 0), key=lambda c: -c.score.gain)
 
@@ -125,16 +131,16 @@ class Scan:
         grid, laws = self.laws[point.kind, point.joint]
         return laws[grid.index(point.nonlinear)]
 
-    def samples(self, point: Point, departures: bool = False) -> RegressorColumns:
+    def samples(self, point: Point, discrepancy: bool = False) -> RegressorColumns:
         """RegressorColumns of an effect sample by sample, not filtered."""
-        key = (point.kind, point.joint, departures, *sorted(point.nonlinear.items()))
+        key = (point.kind, point.joint, discrepancy, *sorted(point.nonlinear.items()))
         if key not in self._samples:
             self._samples[key] = self.bases.columns(
                 point.kind,
                 point.joint,
                 self.motion,
                 [point.nonlinear],
-                departures=departures,
+                discrepancy=discrepancy,
                 filtered=False,
             )[0]
         return self._samples[key]
@@ -182,7 +188,7 @@ class Scan:
             extra = (
                 self.remembering[kind, joint][place]
                 if LIBRARY[kind].states
-                else self.departures(kind, joint, nonlinear)
+                else self.discrepancy(kind, joint, nonlinear)
             )
             score = self._score(problem, kind, law, extra)
             # a family with many members must win by more
@@ -196,7 +202,7 @@ class Scan:
     def between(self, problem: Problem, candidate: Candidate) -> Candidate:
         """The candidate with its one nonlinear parameter searched between the neighbours in the
         grid."""
-        if not candidate.known or not LIBRARY[candidate.kind].searched:
+        if not candidate.known or not LIBRARY[candidate.kind].search.between_grid:
             return candidate
         grid, _ = self.laws[candidate.kind, candidate.joint]
         (key,) = grid[0]
@@ -224,8 +230,7 @@ class Scan:
         nonlinear = effect.nonlinear
         for width in (0.1, 0.04, 0.015):
             for key in nonlinear:
-                # a damping is known far less sharply than a frequency
-                spread = (1 + width) ** (8 if "damping" in key else 1)
+                spread = (1 + width) ** (8 if key in effect.prior.loose else 1)
                 trials = [{**nonlinear, key: nonlinear[key] * spread**k} for k in (-2, -1, 1, 2)]
                 for trial in trials:
                     moved = self._at(problem, best, trial)
@@ -260,21 +265,24 @@ class Scan:
         kind = candidate.kind
         joint = candidate.joint
         law = self.bases.columns(kind, joint, self.motion, [nonlinear])[0]
-        extra = self.departures(kind, joint, nonlinear)
+        extra = self.discrepancy(kind, joint, nonlinear)
         score = self._score(problem, kind, law, extra)
         score = replace(score, gain=score.gain - candidate.penalty)
         effect = plausible(kind, joint, score.coefficients, nonlinear)
         return (
             None
             if effect is None
-            else replace(candidate, effects=(effect,), law=law, departures=extra, score=score)
+            else replace(candidate, effects=(effect,), law=law, discrepancy=extra, score=score)
         )
 
     def _score(
         self, problem: Problem, kind: str, law: RegressorColumns, extra: RegressorColumns
     ) -> Score:
         return problem.score(
-            law, extra, LIBRARY[kind].expected, departure_shares(kind, extra.values.shape[2])
+            law,
+            extra,
+            LIBRARY[kind].prior.coefficients,
+            discrepancy_shares(kind, extra.values.shape[2]),
         )
 
     def _promising(
@@ -323,12 +331,12 @@ class Scan:
             kind, None, f"{kind} of every joint", (), present, law, None, score, EVERYWHERE_PENALTY
         )
 
-    def _generic(self, problem: Problem, joint: int) -> list[Candidate]:
-        """The best generic laws of one joint (zero-based)."""
-        laws = self.generics[joint]
+    def _non_parametric(self, problem: Problem, joint: int) -> list[Candidate]:
+        """The best non-parametric laws of one joint (zero-based)."""
+        laws = self.non_parametric[joint]
         gains = problem.gains(joint, [law.columns for law in laws])
         found = []
-        for place in np.argsort(-gains)[:KEPT_GENERIC]:
+        for place in np.argsort(-gains)[:KEPT_NON_PARAMETRIC]:
             law = laws[place]
             columns = RegressorColumns((joint,), law.columns[:, None, :])
             score = problem.score(columns)

@@ -7,8 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 import numpy.typing as npt
 
-from irb2400_ctrl.diagnosis.comparison.comparison import Judge, Rival
-from irb2400_ctrl.diagnosis.comparison.criteria import Bar, Criteria, of_one_moment
+from irb2400_ctrl.diagnosis.comparison.comparison import Alternative, Comparison
+from irb2400_ctrl.diagnosis.comparison.criteria import Criteria, Threshold, of_one_moment
 from irb2400_ctrl.diagnosis.comparison.onset import Windowing
 from irb2400_ctrl.diagnosis.comparison.scan import Scan
 from irb2400_ctrl.diagnosis.comparison.step import Step
@@ -33,7 +33,9 @@ class Selection:
         self.scan = scan
         self.fitter = fitter
         self.criteria = Criteria() if criteria is None else criteria
-        self.bar = Bar(self.criteria, scan.motion, predicted_torque(fitter.robot, scan.motion))
+        self.threshold = Threshold(
+            self.criteria, scan.motion, predicted_torque(fitter.robot, scan.motion)
+        )
 
     def run(self) -> tuple[list[Step], Fit]:
         """The accepted explanations, in the order they were found, and their common fit."""
@@ -58,33 +60,41 @@ class Selection:
 
     def next_step(self, chosen: Sequence[Candidate], fit: Fit, alone: bool = False) -> Step | None:
         """The best further explanation if it counts; `alone`: no two effects in the place of a
-        generic law."""
-        judge = Judge(self.scan, self.fitter.reversal, fit.y, fit.Z)
-        every = self.rivals(judge, chosen)
-        rivals = [rival for rival in every if self.bar.counts(judge, rival, chosen)]
-        if not rivals:
+        non-parametric law."""
+        comparison = Comparison(self.scan, self.fitter.reversal, fit.y, fit.Z)
+        every = self.alternatives(comparison, chosen)
+        alternatives = [
+            alternative
+            for alternative in every
+            if self.threshold.accepts(comparison, alternative, chosen)
+        ]
+        if not alternatives:
             return None
-        best = self.bar.best(judge, rivals, chosen)
+        best = self.threshold.best(comparison, alternatives, chosen)
         if not best.candidate.known and not alone:
-            best = self._first_of_two(judge, best, every, chosen)
-            rivals += [] if best in rivals else [best]
-        if judge.gain(best) < self.bar.least_gain(judge, best.candidate, chosen):
+            best = self._first_of_two(comparison, best, every, chosen)
+            alternatives += [] if best in alternatives else [best]
+        if comparison.gain(best) < self.threshold.least_gain(comparison, best.candidate, chosen):
             return None
-        polished = judge.polished(best)
-        rivals[rivals.index(best)] = polished
-        return Step(polished.candidate, judge.gain(best), tuple(rivals))
+        polished = comparison.polished(best)
+        alternatives[alternatives.index(best)] = polished
+        return Step(polished.candidate, comparison.gain(best), tuple(alternatives))
 
     def _first_of_two(
-        self, judge: Judge, generic: Rival, rivals: Sequence[Rival], chosen: Sequence[Candidate]
-    ) -> Rival:
-        """The better of two effects that together explain a joint at least as well as the generic
-        law, else that law.
+        self,
+        comparison: Comparison,
+        non_parametric: Alternative,
+        alternatives: Sequence[Alternative],
+        chosen: Sequence[Candidate],
+    ) -> Alternative:
+        """The better of two effects that together explain a joint at least as well as the
+        non-parametric law, else that law.
 
         A flexible function takes in both at once, so that either of them alone is beaten by it.
         Large families (a ripple of any order) are flexible functions themselves.
         """
-        joint = generic.candidate.joint
-        gained = judge.gain(generic)
+        joint = non_parametric.candidate.joint
+        gained = comparison.gain(non_parametric)
 
         def simple(candidate: Candidate) -> bool:
             return (
@@ -93,23 +103,28 @@ class Selection:
                 and candidate.penalty < np.log(SMALL_FAMILY)
             )
 
-        first = next((r for r in rivals if simple(r.candidate)), None)
-        if first is None or gained > (1.0 + self.criteria.two_at_once) * judge.gain(first):
-            return generic
+        first = next((r for r in alternatives if simple(r.candidate)), None)
+        if first is None or gained > (1.0 + self.criteria.two_at_once) * comparison.gain(first):
+            return non_parametric
         both = [*chosen, first.candidate]
         second = self.next_step(both, self.fitter.fit(both), alone=True)
         if second is None or not simple(second.candidate):
-            return generic
-        return first if judge.gain(first) + second.gain > gained else generic
+            return non_parametric
+        return first if comparison.gain(first) + second.gain > gained else non_parametric
 
-    def rivals(self, judge: Judge, chosen: Sequence[Candidate] = ()) -> list[Rival]:
+    def alternatives(
+        self, comparison: Comparison, chosen: Sequence[Candidate] = ()
+    ) -> list[Alternative]:
         """The most promising candidates, each judged under its own noise, best first."""
-        ranked = self.scan.rank(judge.start, chosen)
+        ranked = self.scan.rank(comparison.start, chosen)
         short = [
-            self.scan.between(judge.start, c) for c in shortlist(ranked, self.criteria.shortlist)
+            self.scan.between(comparison.start, c)
+            for c in shortlist(ranked, self.criteria.shortlist)
         ]
-        short += Windowing(self.scan, judge.start).candidates([c for c in ranked if c.known])
-        return sorted((judge.judged(candidate) for candidate in short), key=lambda r: -r.evidence)
+        short += Windowing(self.scan, comparison.start).candidates([c for c in ranked if c.known])
+        return sorted(
+            (comparison.compared(candidate) for candidate in short), key=lambda r: -r.evidence
+        )
 
     def _exchanged(self, steps: list[Step]) -> list[Step]:
         """Each explanation judged again given the others; one that no longer counts falls out."""
@@ -130,11 +145,11 @@ class Selection:
 
 
 def shortlist(ranked: Sequence[Candidate], count: int) -> list[Candidate]:
-    """The best `count` candidates, among them at least a third of the library and a few generic
-    ones."""
+    """The best `count` candidates, among them at least a third of the library and a few
+    non-parametric ones."""
     known = [c for c in ranked if c.known][: max(count * 2 // 3, 1)]
-    generic = [c for c in ranked if not c.known][: max(count - len(known), count // 3)]
-    return known + generic
+    non_parametric = [c for c in ranked if not c.known][: max(count - len(known), count // 3)]
+    return known + non_parametric
 
 
 def reversal_rows(motion: PreparedLog) -> Mask:

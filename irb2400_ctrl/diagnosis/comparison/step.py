@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from irb2400_ctrl.diagnosis.comparison.comparison import Rival
+from irb2400_ctrl.diagnosis.comparison.comparison import Alternative
 from irb2400_ctrl.diagnosis.estimation.candidate import Candidate
 
 
@@ -15,26 +15,26 @@ class Step:
     """One accepted explanation.
 
     Args:
-        candidate: accepted; gain: log evidence over the model without it; rivals: others, best
-            first.
+        candidate: accepted; gain: log evidence over the model without it; alternatives: others,
+            best first.
     """
 
     candidate: Candidate
     gain: float
-    rivals: tuple[Rival, ...]
+    alternatives: tuple[Alternative, ...]
 
     @property
     def margin(self) -> float:
         """Evidence over the best other effect of the library [nats]; the gain itself where there is
         none.
 
-        For a generic law: over the best effect. A flexible function of the same signals is no rival
-        of a law.
+        For a non-parametric law: over the best effect. A flexible function of the same signals is
+        no rival of a law.
         """
-        best = next(r.evidence for r in self.rivals if r.candidate is self.candidate)
+        best = next(r.evidence for r in self.alternatives if r.candidate is self.candidate)
         others = [
             r.evidence
-            for r in self.rivals
+            for r in self.alternatives
             if r.candidate.known and not _same(r.candidate, self.candidate)
         ]
         return float(min(best - max(others, default=-np.inf), self.gain))

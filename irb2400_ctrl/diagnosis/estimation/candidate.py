@@ -15,7 +15,7 @@ from irb2400_ctrl.effects import LIBRARY, Effect
 
 Array = npt.NDArray[np.float64]
 
-GENERIC_LEFTOVER = 0.5
+NON_PARAMETRIC_SHARE = 0.5
 """share of its torque that a flexible law may leave: what is left is more of the same unknown"""
 
 
@@ -26,10 +26,10 @@ class Candidate:
     Args:
         kind, joint: of the effect (joint from 1, None for the whole arm), or `unexplained` with the
             joint.
-        depends_on: signals of a generic law, empty for an effect.
+        depends_on: signals of a non-parametric law, empty for an effect.
         effects: as the scan estimates it (one per joint if it sits on every joint); empty for a
-            generic law.
-        law, departures: filtered columns.
+            non-parametric law.
+        law, discrepancy: filtered columns.
     """
 
     kind: str
@@ -38,7 +38,7 @@ class Candidate:
     depends_on: tuple[str, ...]
     effects: tuple[Effect, ...]
     law: RegressorColumns
-    departures: RegressorColumns | None
+    discrepancy: RegressorColumns | None
     score: Score
     penalty: float = 0.0
     """log number of members of its family [nats]"""
@@ -46,26 +46,26 @@ class Candidate:
     """standard errors of nonlinear parameters that a search has found, from the noise alone"""
 
     def torque(self, n: int) -> Array:
-        """Filtered torque as scored, departures included, shape (rows, n)."""
+        """Filtered torque as scored, discrepancy included, shape (rows, n)."""
         tau = self.law.torque(self.score.coefficients, n)
-        if self.departures is not None and len(self.score.departures):
-            tau += self.departures.torque(self.score.departures, n)
+        if self.discrepancy is not None and len(self.score.discrepancy):
+            tau += self.discrepancy.torque(self.score.discrepancy, n)
         return tau
 
     @property
-    def leftover(self) -> float:
+    def discrepancy_share(self) -> float:
         """Share of its torque that it may leave for others to explain."""
-        return max((e.leftover for e in self.effects), default=GENERIC_LEFTOVER)
+        return max((e.prior.discrepancy_share for e in self.effects), default=NON_PARAMETRIC_SHARE)
 
     @property
     def expected(self) -> tuple[tuple[float, float], ...]:
-        """`Effect.expected`; empty for a generic law."""
-        return LIBRARY[self.kind].expected if self.known else ()
+        """`Prior.coefficients`; empty for a non-parametric law."""
+        return LIBRARY[self.kind].prior.coefficients if self.known else ()
 
     @property
     def devices(self) -> frozenset[str]:
         """Parts of joints that its effects are flaws of."""
-        return frozenset(e.device for e in self.effects if e.device)
+        return frozenset(e.search.device for e in self.effects if e.search.device)
 
     @property
     def begins(self) -> tuple[float, ...]:
@@ -88,8 +88,8 @@ class Point:
 
     @property
     def device(self) -> str:
-        """`Effect.device`."""
-        return LIBRARY[self.kind].device
+        """`Search.device`."""
+        return LIBRARY[self.kind].search.device
 
 
 def plausible(

@@ -10,6 +10,7 @@ import numpy.typing as npt
 from pydantic import ValidationError
 
 from irb2400_ctrl.effects import Effect
+from irb2400_ctrl.effects.base import COMMON
 
 Array = npt.NDArray[np.float64]
 
@@ -33,11 +34,11 @@ def parameters_of(effect: Effect, place: int) -> list[Parameter]:
     for name, value in effect.parameters().items():
         if name in held:
             continue
-        prior = type(effect).usual.get(name)
+        prior = effect.prior.fields.get(name)
         if isinstance(value, tuple | list):
-            if name not in {"shape", "windows_s"}:
+            if name not in COMMON:
                 found += [Parameter(place, name, k, prior) for k in range(len(value))]
-        elif isinstance(value, float) and name not in type(effect).fixed:
+        elif isinstance(value, float) and name not in effect.prior.fixed:
             found.append(Parameter(place, name, None, prior))
     return found
 

@@ -22,7 +22,7 @@ Array = npt.NDArray[np.float64]
 Expected = Sequence[tuple[float, float]]
 """usual value and spread of each coefficient"""
 
-DEPARTURE = 0.25
+DISCREPANCY = 0.25
 """how far a real device departs from the textbook's law: rms over rms, one standard deviation"""
 BEGINNING = 3.0
 """the same for the response to an unknown state at the beginning of the record"""
@@ -36,14 +36,14 @@ class Score:
         gain: log evidence over the base alone [nats].
         explained: reduction of the whitened sum of squares by the law itself.
         coefficients, covariance: of the law.
-        departures: coefficients of the departures, in units of their own standard deviation.
+        discrepancy: coefficients of the discrepancy, in units of their own standard deviation.
     """
 
     gain: float
     explained: float
     coefficients: Array
     covariance: Array
-    departures: Array
+    discrepancy: Array
 
 
 class Problem:
@@ -55,12 +55,11 @@ class Problem:
         self.y = [one.whiten(y[:, j]) for j, one in enumerate(noise)]
         self.Z = [one.whiten(Z[:, j, :]) for j, one in enumerate(noise)]
         k = Z.shape[2]
-        A = np.eye(k) + sum((block.T @ block for block in self.Z), np.zeros((k, k)))
-        self._lower = np.linalg.cholesky(A)
+        gram = sum((block.T @ block for block in self.Z), np.zeros((k, k)))
+        self._lower = np.linalg.cholesky(np.eye(k) + gram)
         self._factor = (self._lower, True)
-        self._Zy: Array = sum(
-            (block.T @ v for block, v in zip(self.Z, self.y, strict=True)), np.zeros(k)
-        )
+        products = (block.T @ v for block, v in zip(self.Z, self.y, strict=True))
+        self._Zy: Array = sum(products, np.zeros(k))
         self.z: Array = cho_solve(self._factor, self._Zy)
         self.quadratic = float(sum(v @ v for v in self.y) - self._Zy @ self.z)
         """y^T P y"""
@@ -87,7 +86,7 @@ class Problem:
         )
         return np.asarray(self.z - cho_solve(self._factor, part))
 
-    def own_share(self, torque: Array) -> float:
+    def share_beyond_base(self, torque: Array) -> float:
         """Share of a torque (rows, n) that the base with free numbers would not give: X^T P X over
         X^T X."""
         gram, _ = self.projected(
@@ -169,42 +168,44 @@ class Problem:
     def score(
         self,
         law: RegressorColumns,
-        departures: RegressorColumns | None = None,
+        discrepancy: RegressorColumns | None = None,
         expected: Expected = (),
         shares: Array | None = None,
     ) -> Score:
-        """Evidence of a law, with departures of at most about DEPARTURE of its own size.
+        """Evidence of a law, with discrepancy of at most about DISCREPANCY of its own size.
 
         Args:
-            law, departures: filtered columns on the same joints.
+            law, discrepancy: filtered columns on the same joints.
             expected: usual value and spread of the law's coefficients; empty: as flat as the data
                 allow (g-prior at its best g).
-            shares: allowed size of each departure over the law's; default DEPARTURE.
+            shares: allowed size of each departure over the law's; default DISCREPANCY.
         """
         k = law.values.shape[2]
-        if departures is None or departures.values.shape[2] == 0:
+        if discrepancy is None or discrepancy.values.shape[2] == 0:
             gram, right = self.projected(law)
             gain, explained, b, covariance = law_gain(gram, right, expected)
             return Score(gain, explained, b, covariance, np.zeros(0))
-        if departures.joints != law.joints:
-            raise ValueError("a law and its departures act on the same joints")
-        both = RegressorColumns(law.joints, np.concatenate([law.values, departures.values], axis=2))
+        if discrepancy.joints != law.joints:
+            raise ValueError("a law and its discrepancy act on the same joints")
+        both = RegressorColumns(
+            law.joints, np.concatenate([law.values, discrepancy.values], axis=2)
+        )
         gram, right = self.projected(both)
         _, _, b, _ = law_gain(gram[:k, :k], right[:k], expected)
-        unit = departure_unit(law, b, departures, shares)
+        unit = discrepancy_unit(law, b, discrepancy, shares)
         d = len(unit)
         scale = np.concatenate([np.ones(k), unit])
         gram = gram * np.outer(scale, scale)
         right = right * scale
-        # departures first, with their unit normal prior
+        # discrepancy first, with their unit normal prior
         S = np.eye(d) + gram[k:, k:]
         solved = np.linalg.solve(S, np.column_stack([right[k:], gram[k:, :k]]))
-        gain_departures = 0.5 * (right[k:] @ solved[:, 0] - np.linalg.slogdet(S)[1])
+        gain_discrepancy = 0.5 * (right[k:] @ solved[:, 0] - np.linalg.slogdet(S)[1])
         left_gram = gram[:k, :k] - gram[:k, k:] @ solved[:, 1:]
         left_right = right[:k] - gram[:k, k:] @ solved[:, 0]
         gain, explained, b, covariance = law_gain(left_gram, left_right, expected)
         w = np.asarray(np.linalg.solve(S, right[k:] - gram[k:, :k] @ b))
-        return Score(gain + gain_departures, explained, b, covariance, w * unit)
+        return Score(gain + gain_discrepancy, explained, b, covariance, w * unit)
 
 
 def _grams(x: Array, g: int, k: int) -> Array:
@@ -216,19 +217,19 @@ def _grams(x: Array, g: int, k: int) -> Array:
     return found
 
 
-def departure_shares(kind: str, count: int) -> Array:
+def discrepancy_shares(kind: str, count: int) -> Array:
     """Allowed size of each departure over the law's own: small for another shape, free for the
     record's beginning."""
-    shares = np.full(count, DEPARTURE)
+    shares = np.full(count, DISCREPANCY)
     if beginnings := LIBRARY[kind].beginnings():
         shares[count - beginnings :] = BEGINNING
     return shares
 
 
-def departure_unit(
+def discrepancy_unit(
     law: RegressorColumns,
     coefficients: Array,
-    departures: RegressorColumns,
+    discrepancy: RegressorColumns,
     shares: Array | None = None,
 ) -> Array:
     """Standard deviation of each departure's coefficient: its share of the rms torque of the
@@ -238,8 +239,10 @@ def departure_unit(
         # a beginning can show where the law itself hardly does
         least = np.sqrt(np.mean((law.values @ np.ones(len(coefficients))) ** 2))
         size = np.where(shares == BEGINNING, max(size, least), size)
-    widths = np.sqrt(np.mean(departures.values**2, axis=(0, 1)))
-    return np.asarray((DEPARTURE if shares is None else shares) * size / np.maximum(widths, 1e-12))
+    widths = np.sqrt(np.mean(discrepancy.values**2, axis=(0, 1)))
+    return np.asarray(
+        (DISCREPANCY if shares is None else shares) * size / np.maximum(widths, 1e-12)
+    )
 
 
 def law_gain(gram: Array, right: Array, expected: Expected) -> tuple[float, float, Array, Array]:

@@ -17,7 +17,7 @@ from irb2400_ctrl.diagnosis.estimation.effect_parameters import (
     value_of,
     with_value,
 )
-from irb2400_ctrl.diagnosis.estimation.evidence import departure_shares, departure_unit
+from irb2400_ctrl.diagnosis.estimation.evidence import discrepancy_shares, discrepancy_unit
 from irb2400_ctrl.diagnosis.preparation.noise import Noise, autoregressive
 from irb2400_ctrl.diagnosis.regressors.bases import Bases
 from irb2400_ctrl.diagnosis.regressors.predict import predicted_torque
@@ -36,13 +36,13 @@ class Fit:
     """The chosen explanations fitted together with the uncertain base.
 
     Args:
-        effects: fitted, with their shape; parameters, sigma: their natural parameters and standard
-            errors.
+        effects: fitted, with their discrepancy; parameters, sigma: their natural parameters and
+            standard errors.
         z: deviations of the base in prior standard deviations, z_sigma their standard errors.
-        y: what the effects (without shape) leave of the filtered torque, shape (rows, n).
+        y: what the effects (without discrepancy) leave of the filtered torque, shape (rows, n).
         Z: base and everything else that may still move, unit priors, shape (rows, n, k).
         residual: what everything together leaves; noise: of it, per joint.
-        generic: filtered torque of the generic laws, one (rows, n) per law.
+        non_parametric: filtered torque of the non-parametric laws, one (rows, n) per law.
     """
 
     effects: tuple[Effect, ...]
@@ -54,7 +54,7 @@ class Fit:
     Z: Array
     residual: Array
     noise: tuple[Noise, ...]
-    generic: tuple[Array, ...] = field(default=())
+    non_parametric: tuple[Array, ...] = field(default=())
 
 
 NOISY_REVERSAL = 2.5
@@ -102,8 +102,8 @@ class Fitter:
     def fit(self, chosen: Sequence[Candidate], iterations: int = ITERATIONS) -> Fit:
         """Gauss-Newton from the candidates' own estimates."""
         effects = [e for c in chosen for e in c.effects]
-        generics = [c for c in chosen if not c.known]
-        G = [self._generic_columns(c) for c in generics]
+        non_parametric = [c for c in chosen if not c.known]
+        G = [self._non_parametric_columns(c) for c in non_parametric]
         noise: tuple[Noise, ...] | None = None
         state = self._linearised(effects, G)
         for _ in range(iterations if effects else 0):
@@ -121,7 +121,7 @@ class Fitter:
             scale = np.sqrt(np.diag(covariance))[start : start + len(parameters)] * sizes
             if (np.abs(shrink * step) < 0.05 * scale).all():
                 break
-        return self._finished(effects, state, noise, len(generics))
+        return self._finished(effects, state, noise, len(non_parametric))
 
     def _descended(
         self,
@@ -156,7 +156,11 @@ class Fitter:
         )
 
     def _finished(
-        self, effects: list[Effect], state: _State, noise: tuple[Noise, ...] | None, generics: int
+        self,
+        effects: list[Effect],
+        state: _State,
+        noise: tuple[Noise, ...] | None,
+        laws: int,
     ) -> Fit:
         y, columns, parameters, sizes, shapes = state
         _, explained, _ = self._solved(y, columns, noise)
@@ -169,18 +173,18 @@ class Fitter:
         place = k + p
         for effect, unit in zip(effects, shapes, strict=True):
             # how the record began is no property of the robot: its columns are not kept
-            kept = len(unit) - effect.beginnings() if effect.keeps_shape else 0
+            kept = len(unit) - effect.beginnings() if effect.prior.discrepancy_lasts else 0
             values = (b[place : place + len(unit)] * unit)[:kept]
             place += len(unit)
             shaped.append(
-                effect.model_copy(update={"shape": tuple(float(v) for v in values)})
+                effect.model_copy(update={"discrepancy": tuple(float(v) for v in values)})
                 if kept
                 else effect
             )
-        generic = []
+        non_parametric = []
         width = columns.shape[2] - place
-        for part in np.array_split(np.arange(place, place + width), generics) if generics else []:
-            generic.append(columns[:, :, part] @ b[part])
+        for part in np.array_split(np.arange(place, place + width), laws) if laws else []:
+            non_parametric.append(columns[:, :, part] @ b[part])
         return Fit(
             effects=tuple(shaped),
             parameters=tuple(parameters),
@@ -191,13 +195,13 @@ class Fitter:
             Z=columns,
             residual=y - explained,
             noise=noise,
-            generic=tuple(generic),
+            non_parametric=tuple(non_parametric),
         )
 
     def _linearised(self, effects: list[Effect], G: list[Array]) -> _State:
         """Residual of the exact prediction, all columns with unit priors, the parameters and their
         scales."""
-        bare = [e.model_copy(update={"shape": ()}) for e in effects]
+        bare = [e.model_copy(update={"discrepancy": ()}) for e in effects]
         robot = self.robot.model_copy(update={"effects": (*self.robot.effects, *bare)})
         motion = self.motion
         y = motion.filtered(
@@ -219,14 +223,14 @@ class Fitter:
                 parameters.append(parameter)
                 sizes.append(scale)
         for effect in bare:
-            columns, unit = self._departures(effect)
+            columns, unit = self._discrepancy(effect)
             blocks.append(columns * unit)
             shapes.append(unit)
         return y, np.concatenate([*blocks, *G], axis=2), parameters, np.array(sizes), shapes
 
     def _torque(self, effect: Effect) -> Array:
         key = (effect.kind, effect.joint, effect.windows_s, *sorted(effect.nonlinear.items()))
-        if effect.shape or key not in self._cache:
+        if effect.discrepancy or key not in self._cache:
             law = self.bases.columns(
                 effect.kind, effect.joint, self.motion, [effect.nonlinear], windows=effect.windows_s
             )[0]
@@ -243,13 +247,13 @@ class Fitter:
         down = with_value(effect, parameter, value - step)
         return np.asarray((self._torque(up) - self._torque(down)) / (2 * step))
 
-    def _departures(self, effect: Effect) -> tuple[Array, Array]:
+    def _discrepancy(self, effect: Effect) -> tuple[Array, Array]:
         columns = self.bases.columns(
             effect.kind,
             effect.joint,
             self.motion,
             [effect.nonlinear],
-            departures=True,
+            discrepancy=True,
             windows=effect.windows_s,
         )[0]
         placed = np.zeros((self.motion.rows, self.motion.n, columns.values.shape[2]))
@@ -257,13 +261,13 @@ class Fitter:
         law = self.bases.columns(
             effect.kind, effect.joint, self.motion, [effect.nonlinear], windows=effect.windows_s
         )[0]
-        shares = departure_shares(effect.kind, placed.shape[2])
+        shares = discrepancy_shares(effect.kind, placed.shape[2])
         if not placed.shape[2]:
             return placed, np.zeros(0)
         # wider than in the competition, so that they do not come out too small
-        return placed, 1.5 * departure_unit(law, np.array(effect.coefficients()), columns, shares)
+        return placed, 1.5 * discrepancy_unit(law, np.array(effect.coefficients()), columns, shares)
 
-    def _generic_columns(self, candidate: Candidate) -> Array:
+    def _non_parametric_columns(self, candidate: Candidate) -> Array:
         b = candidate.score.coefficients
         values = candidate.law.values * (3.0 * np.sqrt(np.mean(b**2)))
         placed = np.zeros((self.motion.rows, self.motion.n, values.shape[2]))

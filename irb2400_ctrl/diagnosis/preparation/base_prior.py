@@ -40,7 +40,7 @@ class Uncertainty:
 
 
 @dataclass(frozen=True)
-class Nuisance:
+class BasePrior:
     """Uncertain numbers of a robot file and how to write new ones back.
 
     Columns: 10 per link (mass, CoM, inertia), 10 for the tool, then n Coulomb, n viscous, n static.
@@ -60,7 +60,7 @@ class Nuisance:
     """and how uncertain it leaves them, in the same unit; default one"""
 
     @classmethod
-    def of(cls, robot: Robot, uncertainty: Uncertainty, motion: PreparedLog) -> Nuisance:
+    def of(cls, robot: Robot, uncertainty: Uncertainty, motion: PreparedLog) -> BasePrior:
         """For the log of a motion."""
         torque = np.sqrt(np.mean(motion.tau**2, axis=0))
         speed = np.sqrt(np.mean(motion.qd**2, axis=0))

@@ -106,7 +106,7 @@ def _not_too_coloured(coefficients: Array) -> Array:
 
 
 def autoregressive(residual: Array, known: Mask, reversal: Mask, floor: float = 0.0) -> Noise:
-    """AR(4) by least squares on the gap-free rows.
+    """AR(ORDER) by least squares on the gap-free rows.
 
     Args:
         residual: what the model leaves, shape (rows,) [Nm].

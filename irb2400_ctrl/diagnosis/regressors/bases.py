@@ -3,7 +3,7 @@ at once."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -40,6 +40,10 @@ class RegressorColumns:
         tau[:, list(self.joints)] = self.values @ coefficients
         return tau
 
+    def part(self, columns: slice) -> RegressorColumns:
+        """Some of the columns."""
+        return RegressorColumns(self.joints, np.ascontiguousarray(self.values[:, :, columns]))
+
 
 def inputs_of(motion: PreparedLog) -> list[Array]:
     """The 5 n + 1 scalars effects may depend on, each (m,): q, qd, qdd, qddd, qdddd, time."""
@@ -55,7 +59,7 @@ class Bases:
     def __init__(self, robot: Robot) -> None:
         self.robot = robot
         self.model = Model(robot)
-        self._laws: dict[tuple[str, int | None, bool, tuple[str, ...]], _Law] = {}
+        self._laws: dict[tuple[type[Effect], int | None, bool, tuple[str, ...]], _Law] = {}
 
     @cached_property
     def signals(self) -> ArmSignals:
@@ -68,20 +72,20 @@ class Bases:
         motion: PreparedLog,
         grid: Sequence[dict[str, float]] = ({},),
         *,
-        departures: bool = False,
+        discrepancy: bool = False,
         filtered: bool = True,
         windows: Sequence[tuple[float, float]] = (),
     ) -> list[RegressorColumns]:
         """The basis of one effect along the motion, one entry per set of nonlinear parameters.
 
         Args:
-            departures: the columns of `Effect.departures` instead of the basis.
+            discrepancy: the columns of `Effect.discrepancy_basis` instead of the basis.
             windows: times between which the effect acts [s]; empty: always.
             filtered: through the motion's common filter (rows), or sample by sample.
         """
         if not grid:
             return []
-        law = self._law(kind, joint, departures, tuple(grid[0]))
+        law = self._law(kind, joint, discrepancy, tuple(grid[0]))
         return law(
             motion,
             [tuple(entry[key] for key in grid[0]) for entry in grid],
@@ -92,8 +96,8 @@ class Bases:
     def with_beginnings(
         self, kind: str, joint: int | None, motion: PreparedLog, grid: Sequence[dict[str, float]]
     ) -> tuple[list[RegressorColumns], list[RegressorColumns]]:
-        """Filtered columns of basis and departures of an effect with memory, from one pass over its
-        states."""
+        """Filtered columns of basis and discrepancy of an effect with memory, from one pass over
+        its states."""
         if not grid:
             return [], []
         law = self._law(kind, joint, True, tuple(grid[0]))
@@ -101,22 +105,16 @@ class Bases:
         always = within((), motion.time)
         both = law(motion, points, True, always, law_too=True)
         split = law.k + law.free
-        return (
-            [
-                RegressorColumns(c.joints, np.ascontiguousarray(c.values[:, :, split:]))
-                for c in both
-            ],
-            [
-                RegressorColumns(c.joints, np.ascontiguousarray(c.values[:, :, :split]))
-                for c in both
-            ],
-        )
+        basis = [c.part(slice(split, None)) for c in both]
+        departures = [c.part(slice(split)) for c in both]
+        return basis, departures
 
-    def _law(self, kind: str, joint: int | None, departures: bool, keys: tuple[str, ...]) -> _Law:
+    def _law(self, kind: str, joint: int | None, discrepancy: bool, keys: tuple[str, ...]) -> _Law:
         """The effect's expression, built once."""
-        name = (kind, joint, departures, keys)
+        effect = LIBRARY[kind]
+        name = (effect, joint, discrepancy, keys)
         if name not in self._laws:
-            self._laws[name] = _Law(self.signals, LIBRARY[kind], joint, departures, keys)
+            self._laws[name] = _Law(self.signals, effect, joint, discrepancy, keys)
         return self._laws[name]
 
 
@@ -128,7 +126,7 @@ class _Law:
         s: ArmSignals,
         effect: type[Effect],
         joint: int | None,
-        departures: bool,
+        discrepancy: bool,
         keys: tuple[str, ...],
     ) -> None:
         theta = [ca.SX.sym(key) for key in keys]
@@ -136,8 +134,8 @@ class _Law:
         state = ca.SX.sym("x", len(effect.states))
         s = s.with_state(state) if effect.states else s
         law = prototype.basis(s)
-        basis = prototype.departures(s) if departures else law
-        # departures live on the joints of the law, so that both can stand side by side
+        basis = prototype.discrepancy_basis(s) if discrepancy else law
+        # it lives on the joints of the law, so that both can stand side by side
         rows = sorted(set(law.sparsity().row()))
         self.joints = tuple(rows)
         self.k = basis.shape[1]
@@ -145,7 +143,7 @@ class _Law:
         inputs = [*scalars, *ca.vertsplit(state), *theta]
         self.law = Vectorised(inputs, _flat(basis, rows))
         # the record may begin in any state: what a different beginning adds is a departure too
-        self.free = effect.beginnings() if departures else 0
+        self.free = effect.beginnings() if discrepancy else 0
         self.k_law = law.shape[1]
         if self.free:
             self.response = Vectorised(inputs, _flat(law, rows))
@@ -163,52 +161,62 @@ class _Law:
         active: npt.NDArray[np.bool_],
         law_too: bool = False,
     ) -> list[RegressorColumns]:
-        """`law_too`: the basis after the departures."""
+        """`law_too`: the basis after the discrepancy."""
         m = len(motion.time)
-        inputs = inputs_of(motion)
-        count = motion.rows if filtered else m
-        values = np.empty(
-            (
-                len(grid),
-                count,
-                len(self.joints),
-                self.k + self.free + (self.k_law if law_too else 0),
-            )
-        )
+        rows = motion.rows if filtered else m
+        columns = self.k + self.free + (self.k_law if law_too else 0)
+        values = np.empty((len(grid), rows, len(self.joints), columns))
         if values.size == 0:
             return [RegressorColumns(self.joints, v) for v in values]
-        chunk = max(1, (CHUNK if self.memory is None else CHUNK // 16) // m)
+        inputs = inputs_of(motion)
+        numbers = CHUNK if self.memory is None else CHUNK // 16
+        chunk = max(1, numbers // m)
         for start in range(0, len(grid), chunk):
-            piece = grid[start : start + chunk]
-            part = np.array(piece, dtype=float).reshape(len(piece), len(grid[0]))
-            theta = [part[:, i : i + 1] for i in range(part.shape[1])]
-            trajectories = (
-                []
-                if self.memory is None
-                else self.memory.states(inputs, motion.step, theta, (len(part), m))
-            )
-            states = trajectories[0] if trajectories else []
+            points = grid[start : start + chunk]
+            part = np.array(points, dtype=float).reshape(len(points), len(grid[0]))
             place = slice(start, start + len(part))
-
-            def put(
-                flat: Array, joint: int, column: int, part: Array = part, place: slice = place
-            ) -> None:
+            for joint, column, flat in self._flat_columns(motion, inputs, part, law_too):
                 whole = (np.broadcast_to(flat, (len(part), m)) * active).T
-                values[place, :, joint, column] = (motion.filtered(whole) if filtered else whole).T
-
-            for index, flat in enumerate(self.law(*inputs, *states, *theta) if self.k else []):
-                put(flat, *divmod(index, self.k))
-            if self.free:
-                rest = self.response(*inputs, *states, *theta)
-                for index, flat in enumerate(rest if law_too else []):
-                    joint, column = divmod(index, self.k_law)
-                    put(flat, joint, self.k + self.free + column)
-                for column, other in enumerate(trajectories[1 : 1 + self.free]):
-                    moved = self.response(*inputs, *other, *theta)
-                    for i in range(len(self.joints)):
-                        # of a law of several columns the first stands for the beginning
-                        put(moved[i * self.k_law] - rest[i * self.k_law], i, self.k + column)
+                shown = motion.filtered(whole) if filtered else whole
+                values[place, :, joint, column] = shown.T
         return [RegressorColumns(self.joints, v) for v in values]
+
+    def _flat_columns(
+        self, motion: PreparedLog, inputs: list[Array], part: Array, law_too: bool
+    ) -> Iterator[tuple[int, int, Array]]:
+        """(joint, column, numbers over grid points and samples) of every column.
+
+        Args:
+            part: nonlinear parameters, one row per grid point.
+        """
+        theta = [part[:, i : i + 1] for i in range(part.shape[1])]
+        trajectories = self._state_trajectories(motion, inputs, theta, len(part))
+        states = trajectories[0] if trajectories else []
+        if self.k:
+            for index, flat in enumerate(self.law(*inputs, *states, *theta)):
+                joint, column = divmod(index, self.k)
+                yield joint, column, flat
+        if not self.free:
+            return
+        rest = self.response(*inputs, *states, *theta)
+        if law_too:
+            for index, flat in enumerate(rest):
+                joint, column = divmod(index, self.k_law)
+                yield joint, self.k + self.free + column, flat
+        for column, other in enumerate(trajectories[1 : 1 + self.free]):
+            moved = self.response(*inputs, *other, *theta)
+            for joint in range(len(self.joints)):
+                # of a law of several columns the first stands for the beginning
+                first = joint * self.k_law
+                yield joint, self.k + column, moved[first] - rest[first]
+
+    def _state_trajectories(
+        self, motion: PreparedLog, inputs: list[Array], theta: list[Array], points: int
+    ) -> list[list[Array]]:
+        """The states along the motion, then those of other beginnings; none without memory."""
+        if self.memory is None:
+            return []
+        return self.memory.states(inputs, motion.step, theta, (points, len(motion.time)))
 
 
 def _flat(basis: ca.SX, rows: list[int]) -> ca.SX:

@@ -10,9 +10,6 @@ import numpy.typing as npt
 
 from irb2400_ctrl.diagnosis.regressors.bases import Bases, RegressorColumns
 from irb2400_ctrl.effects import Effect
-from irb2400_ctrl.effects.encoder_zero import EncoderZero
-from irb2400_ctrl.effects.time_delay import TimeDelay
-from irb2400_ctrl.effects.torque_gain import TorqueGain
 from irb2400_ctrl.measurement.prepared_log import PreparedLog
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.robot import Robot
@@ -34,18 +31,18 @@ def predicted_torque(robot: Robot, motion: PreparedLog, bases: Bases | None = No
     others = [e for e in robot.effects if e.role != "parameters"]
     q = motion.q.copy()
     for effect in others:
-        if isinstance(effect, EncoderZero):
-            q[effect.active(motion.time), effect.index] += effect.zero_rad
+        if effect.chain == "angle":
+            q[effect.active(motion.time), effect.index] += effect.angle_offset
     model = Model(arm)
     tau = np.array(model.inverse_dynamics(q, motion.qd, motion.qdd))
     moved = replace(motion, q=q)
     bases = Bases(arm) if bases is None else bases
     for effect in others:
-        if not isinstance(effect, EncoderZero | TorqueGain | TimeDelay):
+        if effect.chain == "torque":
             tau += effect_torque(bases, effect, moved)
-    for kind in (TorqueGain, TimeDelay):  # the drive's reading is what arrives late
+    for link in ("reading", "clock"):  # the drive's reading is what arrives late
         for effect in others:
-            if isinstance(effect, kind):
+            if effect.chain == link:
                 tau = effect.reported(motion.time, tau)
     return tau
 
@@ -64,17 +61,17 @@ def effect_torque(
         windows=effect.windows_s,
     )[0]
     tau = law.torque(np.array(effect.coefficients()), motion.n)
-    if not effect.shape:
+    if not effect.discrepancy:
         return tau
     columns = bases.columns(
         effect.kind,
         effect.joint,
         motion,
         [effect.nonlinear],
-        departures=True,
+        discrepancy=True,
         filtered=filtered,
         windows=effect.windows_s,
     )[0]
     # further columns tell how a record began: no property of the robot
-    kept = RegressorColumns(columns.joints, columns.values[:, :, : len(effect.shape)])
-    return tau + kept.torque(np.array(effect.shape), motion.n)
+    kept = RegressorColumns(columns.joints, columns.values[:, :, : len(effect.discrepancy)])
+    return tau + kept.torque(np.array(effect.discrepancy), motion.n)

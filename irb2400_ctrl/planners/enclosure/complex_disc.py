@@ -1,4 +1,4 @@
-"""Bounds of an analytic function over complex balls around its arguments.
+"""Bounds of an analytic function over complex discs around its arguments.
 
 For every argument z_k with |z_k - m_k| <= r_k (z complex) the function's value lies within R of its
 value at m. The rules below turn the operations of an SX function into such bounds; the result is
@@ -92,12 +92,12 @@ def _apply(op: int, arguments: list[tuple[ca.SX, ca.SX]], name: str) -> tuple[ca
         # needs |z - x| < x
         return ca.sqrt(x), ca.if_else(rx < x, rx / ca.sqrt(x), 1e300)
     raise InputError(
-        f"{name}: operation {op} has no bound over complex balls; the effect must be analytic"
+        f"{name}: operation {op} has no bound over complex discs; the effect must be analytic"
     )
 
 
 def _inverse(y: ca.SX, ry: ca.SX) -> tuple[ca.SX, ca.SX]:
-    """1 / y: the radius is |1/z - 1/y| <= r / (|y| (|y| - r)), without bound when the ball holds
+    """1 / y: the radius is |1/z - 1/y| <= r / (|y| (|y| - r)), without bound when the disc holds
     zero."""
     size = ca.fabs(y)
     return 1 / y, ca.if_else(ry < size, ry / (size * (size - ry)), 1e300)

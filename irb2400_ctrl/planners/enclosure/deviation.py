@@ -1,9 +1,9 @@
 """How far a motion is from the stated way-points, and from the singularities, over the whole path:
 upper bounds.
 
-The TCP stays within the hull of three points per cell (`tip`), and the distance from a straight
-side is convex: it is largest at one of them. Cells whose bound lies above what is reached somewhere
-are cut further.
+The TCP stays within the hull of three points per cell (`tcp_path`), and the distance from a
+straight side is convex: it is largest at one of them. Cells whose bound lies above what is reached
+somewhere are cut further.
 """
 
 from __future__ import annotations
@@ -15,8 +15,8 @@ import numpy.typing as npt
 
 from irb2400_ctrl.codegen import compile_function
 from irb2400_ctrl.model import Model
-from irb2400_ctrl.planners.enclosure.cells import parabolas
 from irb2400_ctrl.planners.enclosure.complex_disc import disc_function
+from irb2400_ctrl.planners.enclosure.parabolas import parabolas
 from irb2400_ctrl.planners.enclosure.tcp_path import TcpPath
 from irb2400_ctrl.planners.redundancy.follow import Followed
 from irb2400_ctrl.planners.toolpath.orientation import Orientation
@@ -54,12 +54,11 @@ class Deviation:
         return max(self.position, self.corner)
 
 
-def deviation(model: Model, orientation: Orientation, followed: Followed) -> Deviation:
+def deviation(tcp: TcpPath, orientation: Orientation, followed: Followed) -> Deviation:
     """Bound the distances over the continuous path."""
-    tip = TcpPath(model, followed.joints, orientation.spindle)
     knots = followed.joints.knots
     ends = np.stack([knots[:-1], knots[1:]])
-    missed = [enclosed.miss for enclosed in tip.enclosed(ends)]
+    missed = [enclosed.miss for enclosed in tcp.enclosed(ends)]
     parts = (
         np.ceil(np.cbrt(np.maximum(missed[0] / _POSITION, missed[1] / _AXIS)))
         .clip(1, 10_000)
@@ -69,7 +68,7 @@ def deviation(model: Model, orientation: Orientation, followed: Followed) -> Dev
     largest = np.zeros(2)
     seen = np.zeros(2)
     for last in range(_ROUNDS):
-        above, reached = _bounds(tip, orientation, followed, cells)
+        above, reached = _bounds(tcp, orientation, followed, cells)
         seen = np.maximum(seen, reached.max(axis=1))
         wide = (above > (1 + _ABOVE) * seen[:, None] + np.array([[_SLACK], [_AXIS_SLACK]])).any(
             axis=0
@@ -80,7 +79,7 @@ def deviation(model: Model, orientation: Orientation, followed: Followed) -> Dev
         if not wide.any():
             break
         cells = _cut(cells[:, wide], np.full(int(wide.sum()), 4))
-    return Deviation(float(largest[0]), float(largest[1]), _corners(tip, orientation, followed))
+    return Deviation(float(largest[0]), float(largest[1]), _corners(tcp, orientation, followed))
 
 
 def _cut(cells: Array, parts: Integers) -> Array:
@@ -95,14 +94,14 @@ def _cut(cells: Array, parts: Integers) -> Array:
 
 
 def _bounds(
-    tip: TcpPath, orientation: Orientation, followed: Followed, cells: Array
+    tcp: TcpPath, orientation: Orientation, followed: Followed, cells: Array
 ) -> tuple[Array, Array]:
     """Upper bounds of distance and angle in the cells, and values that are reached there, each (2,
     m)."""
     curve = orientation.curve
     kept = _kept(curve)
     corners = curve.path.position[kept]
-    position, axis = tip.enclosed(cells)
+    position, axis = tcp.enclosed(cells)
     P = position.points
     A = axis.points
     both = np.concatenate([P, ROTATION_LENGTH * A], axis=2)
@@ -165,7 +164,7 @@ def _angle_to_line(A: Array, miss: Array, first: Array, last: Array) -> tuple[Ar
     return bound, np.arcsin(np.minimum(ends, 1.0))
 
 
-def _corners(tip: TcpPath, orientation: Orientation, followed: Followed) -> float:
+def _corners(tcp: TcpPath, orientation: Orientation, followed: Followed) -> float:
     """Largest distance of a way-point from the motion: Newton's method from its place on the curve,
     all at once."""
     curve = orientation.curve
@@ -183,10 +182,10 @@ def _corners(tip: TcpPath, orientation: Orientation, followed: Followed) -> floa
     ]
     reach = np.maximum(near, curve.tolerance)
     for _ in range(5):
-        away = goal - tip.pose(s)[0]
+        away = goal - tcp.pose(s)[0]
         # any place on the motion bounds the distance from above
         best = np.minimum(best, np.linalg.norm(away, axis=1))
-        rate = tip.velocity(s, joints.piece(s))
+        rate = tcp.velocity(s, joints.piece(s))
         step = (away * rate).sum(axis=1) / np.maximum((rate**2).sum(axis=1), 1e-12)
         s = np.clip(s + np.clip(step, -reach, reach), joints.knots[0], joints.knots[-1])
     return float(best.max())

@@ -3,7 +3,7 @@ boxes at once.
 
 Every operation has a rule that turns bounds of its arguments into bounds of its result, so that the
 outputs' bounds hold for every point of a box (Moore, Kearfott, Cloud, Introduction to Interval
-Analysis, 2009, chapter 2). Unlike the complex balls of `ball` the rules know kinks, jumps and
+Analysis, 2009, chapter 2). Unlike the discs of `complex_disc` the rules know kinks, jumps and
 powers of a speed; infinite ends stand for "no bound".
 """
 

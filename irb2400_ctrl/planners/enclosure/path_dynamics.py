@@ -69,7 +69,7 @@ class PathDynamics:
         return compile_function(self.symbolic, fused=True)
 
     @cached_property
-    def _ball(self) -> CompiledFunction:
+    def _discs(self) -> CompiledFunction:
         return compile_function(disc_function(self.symbolic), fused=True)
 
     def coefficients(self, q: Array, dq: Array, ddq: Array) -> tuple[Array, ...]:
@@ -80,8 +80,8 @@ class PathDynamics:
         self, q: Array, dq: Array, ddq: Array, r: Array, dr: Array, ddr: Array
     ) -> tuple[Array, ...]:
         """By how much the coefficients differ at most from those at (q, q', q'') within complex
-        balls, each (m, n)."""
-        return self._ball.map(q, dq, ddq, r, dr, ddr)
+        discs, each (m, n)."""
+        return self._discs.map(q, dq, ddq, r, dr, ddr)
 
     @cached_property
     def _irregular_torque(self) -> ca.Function:

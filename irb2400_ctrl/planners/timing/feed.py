@@ -5,10 +5,8 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from irb2400_ctrl.model import Model
 from irb2400_ctrl.planners.enclosure.tcp_path import TcpPath
 from irb2400_ctrl.planners.redundancy.follow import Followed
-from irb2400_ctrl.planners.timing.rate_limited.rate_limited_law import RateLimitedLaw
 from irb2400_ctrl.planners.timing.time_joint_path import FeedBound
 from irb2400_ctrl.planners.timing.time_law import TimeLaw
 from irb2400_ctrl.planners.toolpath.orientation import Orientation
@@ -16,9 +14,9 @@ from irb2400_ctrl.planners.toolpath.orientation import Orientation
 Array = npt.NDArray[np.float64]
 
 
-def feed_bound(model: Model, followed: Followed, orientation: Orientation) -> FeedBound:
-    """(feed / |dp/ds|)^2 within cells, with the largest |dp/ds| of each cell bounded, not looked
-    at."""
+def feed_bound(tcp: TcpPath, orientation: Orientation, followed: Followed) -> FeedBound:
+    """(feed / |dp/ds|)^2 within cells, with the largest |dp/ds| of each cell bounded, not
+    sampled."""
     curve = orientation.curve
     joints = followed.joints
     by_segment = curve.path.feed[curve.origin]
@@ -30,18 +28,17 @@ def feed_bound(model: Model, followed: Followed, orientation: Orientation) -> Fe
         by_piece = np.minimum(
             by_piece, by_segment[np.minimum(first + shift, np.minimum(last, curve.segments - 1))]
         )
-    tip = TcpPath(model, joints, orientation.spindle)
 
     def bound(s: Array) -> Array:
         feed = by_piece[joints.piece((s[:-1] + s[1:]) / 2)]
         if not np.isfinite(feed).any():
             return np.full(len(feed), np.inf)
-        return np.asarray((feed / np.maximum(tip.enclosed_velocity(s).size, 1e-9)) ** 2)
+        return np.asarray((feed / np.maximum(tcp.enclosed_velocity(s).size, 1e-9)) ** 2)
 
     return bound
 
 
-def feed_ratio(bound: FeedBound, law: TimeLaw | RateLimitedLaw) -> float | None:
+def feed_ratio(bound: FeedBound, law: TimeLaw) -> float | None:
     """Upper bound of the TCP's speed over the feed, at all times; None where no feed is
     programmed."""
     most = bound(law.s)

@@ -10,6 +10,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
+from irb2400_ctrl.effects import Effect
 from irb2400_ctrl.errors import InfeasibleError
 from irb2400_ctrl.planners.enclosure.cells import Cells
 from irb2400_ctrl.planners.enclosure.path_dynamics import PathDynamics
@@ -66,13 +67,19 @@ def guarantee_note(dynamics: PathDynamics, certified: bool, holds: bool) -> str:
             "only looked at"
         )
     if dynamics.irregular:
-        names = ", ".join(f"{e.kind} on axis {e.joint}" for e in dynamics.irregular)
-        return (
-            f"{names}: the link swings behind its motor where the acceleration jumps, and what "
-            "that adds has no bound; "
-            f"its slow part was looked at and held back with {100 * _ROOM:.0f} % to spare"
-        )
+        return "; ".join(_without_bound(effect) for effect in dynamics.irregular)
     return "" if holds else "the check of the bound failed; plan with more cells"
+
+
+def _without_bound(effect: Effect) -> str:
+    name = effect.kind if effect.joint is None else f"{effect.kind} on axis {effect.joint}"
+    held = f"was looked at and held back with {100 * _ROOM:.0f} % to spare"
+    if effect.acts == "transmission":
+        return (
+            f"{name}: the link swings behind its motor where the acceleration jumps, and what "
+            f"that adds has no bound; its slow part {held}"
+        )
+    return f"{name}: no bound of its torque between the points is known; it {held}"
 
 
 def _seen(dynamics: PathDynamics, path: JointPath, timed: Timed) -> Array:

@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from irb2400_ctrl.errors import InfeasibleError
-from irb2400_ctrl.planners.enclosure.cells import Cells, enclose, grid
+from irb2400_ctrl.planners.enclosure.cells import Cells, divided, enclose, grid
 from irb2400_ctrl.planners.enclosure.path_dynamics import PathDynamics
 from irb2400_ctrl.planners.joint_path import JointPath
 from irb2400_ctrl.planners.timing.motion_limits import MotionLimits
@@ -56,9 +56,7 @@ def time_joint_path(
             break
         # Cauchy's bound falls with the third power of the width
         parts = np.where(wide, np.clip(np.ceil(np.cbrt(2 * share / _SHARE)), 2, 8), 1).astype(int)
-        first = np.repeat(s[:-1], parts)
-        number = np.arange(parts.sum()) - np.repeat(np.cumsum(parts) - parts, parts)
-        s = np.append(first + number * np.repeat(np.diff(s) / parts, parts), s[-1])
+        s = divided(s, parts)
     if timed is None:
         raise problem or InfeasibleError("no motion within the limits")
     return timed, cells

@@ -1,21 +1,24 @@
-"""`TimeLaw`: when the path is where; sddot is constant between grid points."""
+"""`TimeLaw`: when a path is where, and what is sure of the motion it makes."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from functools import cached_property
+from abc import ABC, abstractmethod
+from dataclasses import dataclass, fields
 
 import numpy as np
 import numpy.typing as npt
 
+from irb2400_ctrl.planners.enclosure.path_dynamics import PathDynamics
 from irb2400_ctrl.planners.joint_path import JointPath
+from irb2400_ctrl.planners.timing.motion_bounds import Checked, Peaks
+from irb2400_ctrl.planners.timing.motion_limits import MotionLimits
 
 Array = npt.NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class TimeLaw:
-    """s(t) with sdot^2 = x linear in s between the grid points."""
+class TimeLaw(ABC):
+    """s(t) from rest to rest on a grid; x = sdot^2 and u = sddot stand for the motion."""
 
     s: Array
     """grid [m], shape (m + 1,)"""
@@ -23,44 +26,32 @@ class TimeLaw:
     """sdot^2 at the grid points [m2/s2], shape (m + 1,)"""
 
     def __post_init__(self) -> None:
-        self.s.setflags(write=False)
-        self.x.setflags(write=False)
-
-    @cached_property
-    def u(self) -> Array:
-        """sddot in each cell [m/s2], shape (m,)."""
-        return np.asarray(np.diff(self.x) / (2 * np.diff(self.s)))
+        for part in fields(self):
+            getattr(self, part.name).setflags(write=False)
 
     @property
-    def largest(self) -> Array:
-        """Largest sdot^2 in each cell, shape (m,)."""
-        return np.maximum(self.x[:-1], self.x[1:])
-
-    @cached_property
+    @abstractmethod
     def time(self) -> Array:
         """When the grid points are passed [s], shape (m + 1,)."""
-        v = np.sqrt(self.x)
-        with np.errstate(divide="ignore"):
-            step = 2 * np.diff(self.s) / (v[:-1] + v[1:])
-        return np.concatenate([[0.0], np.cumsum(step)])
 
     @property
     def duration(self) -> float:
-        """[s]; not finite when the path gets stuck."""
+        """[s]; not finite where the path comes to rest on its way."""
         return float(self.time[-1])
 
+    @property
+    @abstractmethod
+    def largest(self) -> Array:
+        """Upper bound of sdot^2 in each cell, shape (m,)."""
+
+    @abstractmethod
+    def on(self, s: Array) -> tuple[Array, Array]:
+        """x and u at lengths s, shapes of s."""
+
+    @abstractmethod
     def at(self, time: Array) -> tuple[Array, Array, Array]:
         """(s, sdot, sddot) at the given times; before the start and after the end the path stands
         still."""
-        inside = np.clip(time, 0.0, self.duration)
-        cell = np.clip(np.searchsorted(self.time, inside, side="right") - 1, 0, len(self.u) - 1)
-        dt = inside - self.time[cell]
-        v = np.sqrt(self.x[cell])
-        u = self.u[cell]
-        s = np.minimum(self.s[cell] + dt * (v + dt * u / 2), self.s[cell + 1])
-        speed = np.maximum(v + dt * u, 0.0)
-        over = (time >= self.duration) | (time < 0)
-        return s, np.where(over, 0.0, speed), np.where(over, 0.0, u)
 
     def motion(self, path: JointPath, time: Array) -> tuple[Array, Array, Array, Array]:
         """(s, q, qd, qdd) at the given times; shapes (k,) and (k, n)."""
@@ -68,3 +59,15 @@ class TimeLaw:
         first = path(s, 1)
         second = path(s, 2)
         return s, path(s), first * v[:, None], second * v[:, None] ** 2 + first * u[:, None]
+
+    @abstractmethod
+    def slowed(self, factor: float) -> TimeLaw:
+        """The same motion that takes `factor` times as long."""
+
+    @abstractmethod
+    def bounds(self, path: JointPath, limits: MotionLimits, dynamics: PathDynamics) -> Checked:
+        """Bounds over all times from the law's own numbers; nothing of a solver is used."""
+
+    @abstractmethod
+    def peaks(self, path: JointPath, limits: MotionLimits, dynamics: PathDynamics) -> Peaks:
+        """Largest torque of each axis, and the largest torque rate, cell by cell."""

@@ -7,11 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from irb2400_ctrl.errors import InfeasibleError
 from irb2400_ctrl.planners.enclosure.cells import Cells
 from irb2400_ctrl.planners.timing.infeasible_point import InfeasiblePointError
 from irb2400_ctrl.planners.timing.motion_limits import MotionLimits, speed_bounds
-from irb2400_ctrl.planners.timing.time_law import TimeLaw
+from irb2400_ctrl.planners.timing.piecewise_constant_law import PiecewiseConstantLaw
 from irb2400_ctrl.planners.timing.torque_constraints import Linearisation, torque_constraints
 from irb2400_ctrl.planners.timing.two_pass import Passed, two_pass
 
@@ -23,13 +22,15 @@ _GAIN = 2e-4
 # friction well
 _ROOM = (1.6, 1.4, 1.1, 1.03, 1.02, 1.02, 1.02)
 _TIGHT = 1.2
+# x that no joint limits [m2/s2]
+_FAST = 1e9
 
 
 @dataclass(frozen=True)
 class Timed:
     """A time law and how it was reached."""
 
-    law: TimeLaw
+    law: PiecewiseConstantLaw
     passes: int
     speed_bound: Array
     """bound of x at the grid points by speed and feed, shape (m + 1,)"""
@@ -42,7 +43,7 @@ def time_path(
     feed_bound: Array | None = None,
     extra: Array | None = None,
 ) -> Timed:
-    """The fastest rest-to-rest time law whose rows hold on every cell.
+    """The fastest rest-to-rest time law whose constraints hold on every cell.
 
     Two rough passes guess speeds; each later one is safe by itself and takes its tangents and
     chords at the speeds of the one before. The fastest of the safe ones is returned.
@@ -57,80 +58,138 @@ def time_path(
     Raises:
         InfeasibleError: no motion within the limits; says where, and which axis lacks what.
     """
-    h = cells.h
-    m = len(cells.h)
-    bound = speed_bounds(cells, limits.qd_max, feed_bound)
+    bound = np.minimum(speed_bounds(cells, limits.qd_max, feed_bound), _FAST)
     bound[[0, -1]] = 0.0
-    bound = np.minimum(bound, 1e9)
-    still = np.zeros(m + 1)
-    guess = _guess(cells, limits, friction, bound, extra)
+    passes = _Passes(cells, limits, friction, bound, extra)
+    near = passes.guess()
+    floor = True
     best: Passed | None = None
     duration = np.inf
-    start = guess
-    bold = True
-    passes = 1
-    for factor in _ROOM:
-        low = still
-        high = bound
-        if start is not None:
-            # room to grow above, a floor below that tells how slow a joint can be at most
-            # (Stribeck's peak)
-            high = np.minimum(bound, factor * _widened(start) + 1e-30)
-            low = start / factor**2 if bold else still
-        x = start if start is not None else 0.25 * bound
+    count = 1
+    for room in _ROOM:
+        passed = passes.safe(near, room, floor)
+        count += 1
+        if passed.infeasible_cell is not None:
+            # too bold: without the floor, then without the guess
+            if floor and near is not None:
+                floor = False
+            elif best is None and near is not None:
+                near = None
+            elif best is None:
+                raise passes.explained(passed.infeasible_cell)
+            else:
+                break
+            continue
+        new = PiecewiseConstantLaw(cells.s, passed.x).duration
+        gained = duration - new
+        if new <= duration:
+            best = passed
+            duration = new
+        if room < _TIGHT and not gained > _GAIN * new:
+            break
+        near = passed.x
+        floor = True
+    if best is None:
+        raise passes.explained(passed.infeasible_cell or 0)
+    if not np.isfinite(duration):
+        raise passes.explained(int(np.argmin(best.x[1:-1])))
+    return Timed(PiecewiseConstantLaw(cells.s, best.x), count, bound)
+
+
+@dataclass(frozen=True)
+class _Passes:
+    """The passes over one path: each maximises x under constraints that are linear in (u, x)."""
+
+    cells: Cells
+    limits: MotionLimits
+    friction: Array
+    bound: Array
+    """of x at the grid points by speed and feed, shape (m + 1,)"""
+    extra: Array | None = None
+
+    def guess(self) -> Array | None:
+        """Speeds to start from: two rough passes that leave the safe sides out; None where they
+        find no motion."""
+        h = self.cells.h
+        still = np.zeros_like(self.bound)
+        unbounded = np.full(len(h), np.inf)
+        x = 0.25 * self.bound
+        x = np.minimum(x, 4 * np.median(x) + 1e-9)
+        for _ in range(2):
+            mean = _mean(x)
+            at = Linearisation(
+                x_bar=mean,
+                x_low=mean,
+                x_high=1.2 * mean,
+                u_max=unbounded,
+                u_bar=np.diff(x) / (2 * h),
+            )
+            passed = self._passed(at, still, self.bound)
+            if passed.infeasible_cell is not None:
+                return None
+            x = passed.x
+        return x
+
+    def safe(self, near: Array | None, room: float, floor: bool) -> Passed:
+        """A pass whose motion keeps all limits on whole cells, linearised near known speeds.
+
+        Args:
+            near: x at the grid points; None where nothing is known.
+            room: factor above them within which the motion is looked for.
+            floor: whether it may not be slower than that factor below them, either: how slow a
+                joint can be at most bounds Stribeck's peak.
+        """
+        h = self.cells.h
+        low = np.zeros_like(self.bound)
+        high = self.bound
+        x = 0.25 * self.bound
+        if near is not None:
+            x = near
+            high = np.minimum(self.bound, room * _widened(near) + 1e-30)
+            if floor:
+                low = near / room**2
         at = Linearisation(
-            x_bar=np.maximum((x[:-1] + x[1:]) / 2, 1e-30),
+            x_bar=_mean(x),
             x_low=np.minimum(low[:-1], low[1:]),
             x_high=np.maximum(high[:-1], high[1:]),
             u_max=_acceleration_bound(x, h),
             u_bar=np.diff(x) / (2 * h),
         )
-        passed = two_pass(torque_constraints(cells, limits, friction, at, extra), h, low, high)
-        passes += 1
-        if passed.stuck is not None:
-            # too bold: without the floor, then without the guess
-            if bold and start is not None:
-                bold = False
-            elif best is None and start is not None:
-                start = None
-            elif best is None:
-                raise _explain(cells, limits, friction, passed.stuck)
-            else:
-                break
-            continue
-        new = TimeLaw(cells.s, passed.x).duration
-        gained = duration - new
-        if new <= duration:
-            best = passed
-            duration = new
-        if factor < _TIGHT and not gained > _GAIN * new:
-            break
-        start = passed.x
-        bold = True
-    if best is None:
-        raise _explain(cells, limits, friction, 0 if passed.stuck is None else passed.stuck)
-    if not np.isfinite(duration):
-        raise _explain(cells, limits, friction, int(np.argmin(best.x[1:-1])))
-    return Timed(TimeLaw(cells.s, best.x), passes, bound)
+        return self._passed(at, low, high)
 
+    def _passed(self, at: Linearisation, low: Array, high: Array) -> Passed:
+        constraints = torque_constraints(self.cells, self.limits, self.friction, at, self.extra)
+        return two_pass(constraints, self.cells.h, low, high)
 
-def _guess(
-    cells: Cells, limits: MotionLimits, friction: Array, bound: Array, extra: Array | None
-) -> Array | None:
-    """Speeds to start from: two rough passes that leave the safe sides out."""
-    x = 0.25 * bound
-    m = len(cells.h)
-    x = np.minimum(x, 4 * np.median(x) + 1e-9)
-    for _ in range(2):
-        mean = np.maximum((x[:-1] + x[1:]) / 2, 1e-30)
-        at = Linearisation(mean, mean, 1.2 * mean, np.full(m, np.inf), np.diff(x) / (2 * cells.h))
-        passed = two_pass(
-            torque_constraints(cells, limits, friction, at, extra), cells.h, np.zeros(m + 1), bound
+    def explained(self, cell: int) -> InfeasiblePointError:
+        """Which axis cannot even hold the arm, at an infeasible cell or nearest to it."""
+        cells = self.cells
+        limits = self.limits
+        coulomb = self.friction[:, 1]
+        forwards = np.where(cells.forwards, coulomb, 0.0)
+        backwards = np.where(cells.backwards, coulomb, 0.0)
+        above = cells.c_high.max(axis=1) + forwards
+        below = cells.c_low.min(axis=1) - backwards
+        needed = np.maximum(above, -below)
+        ratio = needed / limits.tau_max
+        heavy = np.flatnonzero(ratio.max(axis=1) > 1)
+        if len(heavy):
+            cell = int(heavy[np.argmin(np.abs(heavy - cell))])
+            axis = int(np.argmax(ratio[cell]))
+            return InfeasiblePointError(
+                float(cells.s[cell]),
+                f", axis {axis + 1} cannot hold the arm: needs {needed[cell, axis]:,.0f} of "
+                f"{limits.tau_max[axis]:,.0f} Nm; lighten the load, move the work frame, or raise "
+                "torque_Nm",
+            )
+        axis = int(np.argmax(ratio[cell]))
+        return InfeasiblePointError(
+            float(cells.s[cell]),
+            f" no acceleration keeps all axes within their torque limits; axis {axis + 1} "
+            f"is closest, with {needed[cell, axis]:,.0f} of {limits.tau_max[axis]:,.0f} Nm to move "
+            "slowly; round the "
+            "corner there, or move the work frame",
         )
-        if passed.stuck is not None:
-            return None
-        x = passed.x
-    return x
 
 
 def remainder_share(
@@ -143,9 +202,9 @@ def remainder_share(
     """Largest part of a torque limit that the enclosure of each cell takes, at speeds x or at a
     guess, shape (m,)."""
     if x is None:
-        bound = np.minimum(speed_bounds(cells, limits.qd_max, feed_bound), 1e9)
+        bound = np.minimum(speed_bounds(cells, limits.qd_max, feed_bound), _FAST)
         bound[[0, -1]] = 0.0
-        guess = _guess(cells, limits, friction, bound, None)
+        guess = _Passes(cells, limits, friction, bound).guess()
         x = 0.25 * bound if guess is None else guess
     high = np.maximum(x[:-1], x[1:])[:, None]
     r_a, r_b, r_e, r_c = cells.remainder
@@ -168,29 +227,6 @@ def _acceleration_bound(x: Array, h: Array) -> Array:
     return np.asarray(3 * nearby + 1e-3 * (x[:-1] + x[1:]) / h)
 
 
-def _explain(cells: Cells, limits: MotionLimits, friction: Array, cell: int) -> InfeasibleError:
-    """Which axis cannot even hold the arm, at the stuck cell or nearest to it."""
-    forwards = np.where(cells.forwards, friction[:, 1], 0.0)
-    backwards = np.where(cells.backwards, friction[:, 1], 0.0)
-    above = cells.c_high.max(axis=1) + forwards
-    below = cells.c_low.min(axis=1) - backwards
-    needed = np.maximum(above, -below)
-    ratio = needed / limits.tau_max
-    heavy = np.flatnonzero(ratio.max(axis=1) > 1)
-    if len(heavy):
-        cell = int(heavy[np.argmin(np.abs(heavy - cell))])
-        axis = int(np.argmax(ratio[cell]))
-        return InfeasiblePointError(
-            float(cells.s[cell]),
-            f", axis {axis + 1} cannot hold the arm: needs {needed[cell, axis]:,.0f} of "
-            f"{limits.tau_max[axis]:,.0f} Nm; lighten the load, move the work frame, or raise "
-            "torque_Nm",
-        )
-    axis = int(np.argmax(ratio[cell]))
-    return InfeasiblePointError(
-        float(cells.s[cell]),
-        f" no acceleration keeps all axes within their torque limits; axis {axis + 1} "
-        f"is closest, with {needed[cell, axis]:,.0f} of {limits.tau_max[axis]:,.0f} Nm to move "
-        "slowly; round the "
-        "corner there, or move the work frame",
-    )
+def _mean(x: Array) -> Array:
+    """x in the middle of each cell, never zero, shape (m,)."""
+    return np.maximum((x[:-1] + x[1:]) / 2, 1e-30)

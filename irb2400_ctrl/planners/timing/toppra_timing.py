@@ -17,7 +17,7 @@ import numpy.typing as npt
 from irb2400_ctrl.errors import InfeasibleError
 from irb2400_ctrl.planners.enclosure.cells import Cells
 from irb2400_ctrl.planners.timing.motion_limits import MotionLimits, speed_bounds
-from irb2400_ctrl.planners.timing.time_law import TimeLaw
+from irb2400_ctrl.planners.timing.piecewise_constant_law import PiecewiseConstantLaw
 from irb2400_ctrl.planners.timing.time_optimal import Timed
 from irb2400_ctrl.planners.timing.torque_constraints import Linearisation, torque_constraints
 
@@ -64,7 +64,7 @@ def time_with_toppra(
                 "says where"
             )
         x = np.asarray(speed, dtype=float) ** 2
-    return Timed(TimeLaw(cells.s, x), passes, bound)
+    return Timed(PiecewiseConstantLaw(cells.s, x), passes, bound)
 
 
 def end_rows(rows: Array, limits: MotionLimits) -> Array:
@@ -76,10 +76,10 @@ def end_rows(rows: Array, limits: MotionLimits) -> Array:
     bounded = int(np.isfinite(limits.qdd_max).sum())
     # torque first, one block for every combination of the effects, then acceleration
     blocks = (rows.shape[1] // 4 - 2 * bounded) // n
-    for channels in [n] * blocks + [bounded] * 2:
-        block = rows[:, start : start + 4 * channels].reshape(m, 4, channels, 3)
+    for axes in [n] * blocks + [bounded] * 2:
+        block = rows[:, start : start + 4 * axes].reshape(m, 4, axes, 3)
         kept.append(block[:, [0, 3]].reshape(m, -1, 3))
-        start += 4 * channels
+        start += 4 * axes
     return np.concatenate(kept, axis=1)
 
 

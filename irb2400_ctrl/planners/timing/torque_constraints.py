@@ -1,5 +1,5 @@
-"""Rows  p u + q x_i <= r  that keep a motion within its torque and acceleration limits all over
-every cell.
+"""Constraints  p u + q x_i <= r  that keep a motion within its torque and acceleration limits all
+over every cell.
 
 In a cell u is constant and x(t) = x_i + 2 h u t, 0 <= t <= 1. With parabolas for the coefficients
 the torque is a cubic in t whose Bernstein coefficients are linear in (u, x_i); four coefficients
@@ -9,7 +9,7 @@ on the safe side:
     e sqrt(x), e > 0:   the tangent at x_bar lies above the root everywhere
     e sqrt(x), e < 0:   the chord x / sqrt(x_high) lies below the root up to x_high
     dry friction:       the Stribeck curve is highest at the slowest speed of the cell
-    parabolas:          their remainder, times bounds of |u| and x that are rows themselves
+    parabolas:          their remainder, times bounds of |u| and x that are constraints themselves
     other effects:      `added_torque`
 """
 
@@ -32,7 +32,7 @@ ROUNDING = 1e-7
 
 @dataclass(frozen=True)
 class Linearisation:
-    """Where the rows touch what is not linear, per cell; shapes (m,)."""
+    """Where the constraints touch what is not linear, per cell; shapes (m,)."""
 
     x_bar: Array
     """point of the tangent"""
@@ -43,6 +43,11 @@ class Linearisation:
     """bound of |u|; inf leaves the remainder of a out (a first guess, not safe)"""
     u_bar: Array
     """u expected: decides which sign a load has where its friction helps"""
+
+    @property
+    def bounds_u(self) -> bool:
+        """Whether |u| has a bound in every cell."""
+        return bool(np.isfinite(self.u_max).all())
 
 
 def dry_friction(cells: Cells, friction: Array, x_low: Array) -> tuple[Array, Array]:
@@ -69,7 +74,7 @@ def torque_constraints(
     at: Linearisation,
     extra: Array | None = None,
 ) -> Array:
-    """All rows, shape (m, k, 3), each divided by its limit.
+    """All constraints, shape (m, k, 3), each divided by its limit.
 
     Args:
         cells: the enclosed path.
@@ -78,69 +83,117 @@ def torque_constraints(
         at: where to linearise.
         extra: part of each torque limit to hold back, shape (m, 2, n): above, below [Nm].
     """
-    h = cells.h
-    forwards, backwards = dry_friction(cells, friction, at.x_low)
+    m = len(cells.h)
+    blocks = _torque_blocks(cells, limits, friction, at, extra)
+    blocks += _load_blocks(cells, limits.tau_max)
+    blocks += _acceleration_blocks(cells, limits.qdd_max)
+    table = [block.reshape(m, -1, 3) for block in blocks]
+    if at.bounds_u:
+        table.append(_bounds_of_u(at.u_max))
+    return np.concatenate(table, axis=1)
+
+
+def _torque_blocks(
+    cells: Cells,
+    limits: MotionLimits,
+    friction: Array,
+    at: Linearisation,
+    extra: Array | None,
+) -> list[Array]:
+    """Torque of every joint below its limit and above its negative, one block for every combination
+    of the effects."""
+    bottom, top = _friction_range(cells, friction, at.x_low)
+    remainder = _remainder(cells, at)
+    nothing = np.zeros_like(top)
+    held_above, held_below = (nothing, nothing) if extra is None else (extra[:, 0], extra[:, 1])
+    box = (at.x_low, at.x_high, at.u_max)
+    blocks = []
+    for side, c, dry, held in (
+        (1.0, cells.c_high, top, held_above),
+        (-1.0, -cells.c_low, -bottom, held_below),
+    ):
+        plain = Variant(side * cells.a, side * cells.b, side * cells.e, c, nothing)
+        parts = [plain]
+        if cells.added is not None:
+            bar = (at.u_bar, at.x_bar)
+            parts = list(variants(cells.added, plain, side, bar, box, limits.tau_max))
+        for part in parts:
+            b, constant = _without_root(part, at)
+            reserve = dry + remainder + part.rest + held
+            blocks.append(_block(part.a, b, constant, cells.h, limits.tau_max, reserve))
+    return blocks
+
+
+def _without_root(part: Variant, at: Linearisation) -> tuple[Array, Array]:
+    """b and c with e sqrt(x) taken in: by the tangent where it pushes, by the chord where it
+    helps."""
+    pushing = np.maximum(part.e, 0.0)
+    helping = np.where((part.e <= 0).all(axis=1, keepdims=True), part.e, 0.0)
+    root = np.sqrt(at.x_bar)[:, None, None]
+    chord = 1 / np.sqrt(np.maximum(at.x_high, 1e-30))[:, None, None]
+    b = part.b + pushing / (2 * root) + helping * chord
+    return b, part.c + pushing * root / 2
+
+
+def _friction_range(cells: Cells, friction: Array, x_low: Array) -> tuple[Array, Array]:
+    """Least and largest dry friction in each cell: a single direction always gives at least F_c."""
+    forwards, backwards = dry_friction(cells, friction, x_low)
     F_c = np.minimum(friction[:, 0], friction[:, 1])
-    # friction lies between -backwards and forwards; a single direction always gives at least F_c
     top = np.where(cells.forwards, forwards, np.where(cells.backwards, -F_c, 0.0))
     bottom = np.where(cells.backwards, -backwards, np.where(cells.forwards, F_c, 0.0))
-    rest = np.zeros_like(top)
-    if np.isfinite(at.u_max).all():
-        X = at.x_high[:, None]
-        r_a, r_b, r_e, r_c = cells.remainder
-        rest = r_a * at.u_max[:, None] + r_b * X + r_e * np.sqrt(X) + r_c
-    held = np.zeros((len(h), 2, top.shape[1])) if extra is None else extra
-    rows = []
-    nothing = np.zeros_like(top)
-    for side, c, dry in ((1.0, cells.c_high, top), (-1.0, -cells.c_low, -bottom)):
-        plain = Variant(side * cells.a, side * cells.b, side * cells.e, c, nothing)
-        box = at.x_low, at.x_high, at.u_max
-        for part in (
-            [plain]
-            if cells.added is None
-            else variants(cells.added, plain, side, (at.u_bar, at.x_bar), box, limits.tau_max)
-        ):
-            pushing = np.maximum(part.e, 0.0)
-            helping = np.where((part.e <= 0).all(axis=1, keepdims=True), part.e, 0.0)
-            root = np.sqrt(at.x_bar)[:, None, None]
-            chord = 1 / np.sqrt(np.maximum(at.x_high, 1e-30))[:, None, None]
-            b = part.b + pushing / (2 * root) + helping * chord
-            constant = part.c + pushing * root / 2
-            p, q, r = _bernstein_rows(part.a, b, constant, h)
-            limit = limits.tau_max
-            reserve = (dry + rest + part.rest + held[:, 0 if side > 0 else 1])[:, None]
-            rows.append(
-                np.stack([p, q, limit * (1 - ROUNDING) - r - reserve], axis=-1) / limit[:, None]
-            )
-    if cells.added is not None and cells.added.has_load:
-        a, b, c = cells.added.load
-        # a bound of the load that is none for most axes: divided by itself all the same
-        cap = np.minimum(load_cap(cells.added, limits.tau_max), 1e6 * limits.tau_max)
-        for side in (1.0, -1.0):
-            p, q, r = _bernstein_rows(side * a, side * b, side * c, h)
-            rows.append(np.stack([p, q, cap * (1 - ROUNDING) - r], axis=-1) / cap[:, None])
-    bounded = np.flatnonzero(np.isfinite(limits.qdd_max))
-    if len(bounded):
-        first = cells.curvature[:, 0][:, bounded]
-        last = cells.curvature[:, 1][:, bounded]
-        b = np.stack([first, (first + last) / 2, last], axis=1)
-        limit = limits.qdd_max[bounded]
-        for side in (1.0, -1.0):
-            p, q, r = _bernstein_rows(
-                side * cells.speed[:, :, bounded], side * b, np.zeros_like(b), h
-            )
-            rows.append(np.stack([p, q, limit * (1 - ROUNDING) - r], axis=-1) / limit[:, None])
-    m = len(h)
-    table = [row.reshape(m, -1, 3) for row in rows]
-    if np.isfinite(at.u_max).all():
-        one = np.ones(m)
-        zero = np.zeros(m)
-        table.append(
-            np.stack(
-                [np.stack([one, zero, at.u_max], 1), np.stack([-one, zero, at.u_max], 1)], axis=1
-            )
-        )
-    return np.concatenate(table, axis=1)
+    return bottom, top
+
+
+def _remainder(cells: Cells, at: Linearisation) -> Array:
+    """What the parabolas may miss of the torque, nothing where |u| has no bound, shape (m, n)."""
+    if not at.bounds_u:
+        return np.zeros_like(cells.speed[:, 0])
+    x = at.x_high[:, None]
+    r_a, r_b, r_e, r_c = cells.remainder
+    return np.asarray(r_a * at.u_max[:, None] + r_b * x + r_e * np.sqrt(x) + r_c)
+
+
+def _load_blocks(cells: Cells, tau_max: Array) -> list[Array]:
+    """Load of the transmissions below the cap that bounds its friction."""
+    if cells.added is None or not cells.added.has_load:
+        return []
+    a, b, c = cells.added.load
+    # a bound of the load that is none for most axes: divided by itself all the same
+    cap = np.minimum(load_cap(cells.added, tau_max), 1e6 * tau_max)
+    return [_block(side * a, side * b, side * c, cells.h, cap) for side in (1.0, -1.0)]
+
+
+def _acceleration_blocks(cells: Cells, qdd_max: Array) -> list[Array]:
+    """Acceleration q'' x + q' u of the joints that have a limit of it."""
+    bounded = np.flatnonzero(np.isfinite(qdd_max))
+    if not len(bounded):
+        return []
+    first = cells.curvature[:, 0][:, bounded]
+    last = cells.curvature[:, 1][:, bounded]
+    b = np.stack([first, (first + last) / 2, last], axis=1)
+    a = cells.speed[:, :, bounded]
+    zero = np.zeros_like(b)
+    return [_block(side * a, side * b, zero, cells.h, qdd_max[bounded]) for side in (1.0, -1.0)]
+
+
+def _bounds_of_u(u_max: Array) -> Array:
+    """|u| <= u_max, shape (m, 2, 3)."""
+    one = np.ones_like(u_max)
+    zero = np.zeros_like(u_max)
+    above = np.stack([one, zero, u_max], axis=1)
+    below = np.stack([-one, zero, u_max], axis=1)
+    return np.stack([above, below], axis=1)
+
+
+def _block(
+    a: Array, b: Array, c: Array, h: Array, limit: Array, reserve: Array | float = 0.0
+) -> Array:
+    """a u + b x + c + reserve <= limit all over the cells, divided by the limit, shape (m, 4, n,
+    3)."""
+    p, q, r = _bernstein_rows(a, b, c, h)
+    held = reserve[:, None] if isinstance(reserve, np.ndarray) else reserve
+    left = limit * (1 - ROUNDING) - r - held
+    return np.asarray(np.stack([p, q, left], axis=-1) / limit[:, None])
 
 
 def _bernstein_rows(a: Array, b: Array, c: Array, h: Array) -> tuple[Array, Array, Array]:

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from irb2400_ctrl.planners.toolpath.task_curve import TaskCurve
+from irb2400_ctrl.planners.toolpath.task_curve import TaskCurve, smooth_curve
+from irb2400_ctrl.planners.toolpath.toolpath import ToolPath
 
 Array = npt.NDArray[np.float64]
 
@@ -89,6 +90,21 @@ def frame_of(z: Array) -> Array:
     x = helper - (helper @ z) * z
     x /= np.linalg.norm(x)
     return np.stack([x, np.cross(z, x), z], axis=1)
+
+
+def shape_path(
+    path: ToolPath, spindle: Array, tolerance: float, work_frame: Array | None = None
+) -> Orientation:
+    """The smooth curve of a tool path in the base, and its orientations.
+
+    Args:
+        path: way-points in the base, or in the work frame.
+        spindle: direction of the tool in the TCP frame, out of the spindle, shape (3,).
+        tolerance: how far corners of the polygon may be cut [m].
+        work_frame: pose X_BW of the frame the path is stated in, shape (4, 4).
+    """
+    placed = path if work_frame is None else path.moved(work_frame)
+    return Orientation.of(smooth_curve(placed, tolerance), spindle)
 
 
 def _sphere(count: int) -> Array:

@@ -13,21 +13,20 @@ from __future__ import annotations
 import time
 from collections.abc import Mapping
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import replace
 
 import numpy as np
 import numpy.typing as npt
 from numpy.typing import ArrayLike
 
 from irb2400_ctrl.errors import InfeasibleError, InputError
-from irb2400_ctrl.planners.enclosure.cells import reversals
-from irb2400_ctrl.planners.enclosure.path_dynamics import PathDynamics, path_dynamics
+from irb2400_ctrl.planners.enclosure.path_dynamics import PathDynamics
 from irb2400_ctrl.planners.redundancy.singularity_margins import NAMES
 from irb2400_ctrl.planners.timing.certificate import Certificate
 from irb2400_ctrl.planners.timing.infeasible_point import InfeasiblePointError
 from irb2400_ctrl.planners.timing.motion_limits import MotionLimits
-from irb2400_ctrl.planners.timing.time_law import TimeLaw
 from irb2400_ctrl.planners.trajectory_optimisation.knots import Knots, Solved
+from irb2400_ctrl.planners.trajectory_optimisation.motion_request import MotionRequest
 from irb2400_ctrl.planners.trajectory_optimisation.optimised import (
     MotionOutcome,
     Optimised,
@@ -35,22 +34,14 @@ from irb2400_ctrl.planners.trajectory_optimisation.optimised import (
 )
 from irb2400_ctrl.planners.trajectory_optimisation.retiming import (
     rate_excess,
-    slowed_outcome,
     smooth_outcome,
-    smooth_path,
 )
 from irb2400_ctrl.planners.trajectory_optimisation.transcription import Objective, Transcription
 from irb2400_ctrl.planners.trajectory_optimisation.warm_start import (
     Start,
-    clamped,
     knots_of,
     shares,
-    time_again,
     warm_start,
-)
-from irb2400_ctrl.planners.trajectory_optimisation.waypoints import (
-    checked_waypoints,
-    signed_margins,
 )
 from irb2400_ctrl.robot import Robot
 
@@ -95,8 +86,8 @@ def optimise_motion(
             torque then starts and ends at what holds the arm. Bounded at every instant; for energy
             seen at 5 kHz.
         limits: default those of the robot.
-        start: warm start: a joint path (of the path planner), its certificate, or a joint move;
-            default the cubic spline through the way-points at even parameters.
+        start: warm start: a joint path (of the path planner), its certificate, a joint move or a
+            trajectory; default the cubic spline through the way-points at even parameters.
         intervals: of the transcription, over all segments; default 300, and 200 where there are
             more variables, for energy or with a limited torque rate.
         wall_time: for the solver [s].
@@ -106,154 +97,74 @@ def optimise_motion(
         a singularity. InfeasibleError: neither the optimiser nor the warm start gives a motion
         within the limits.
     """
-    dynamics = path_dynamics(robot)
-    limits = MotionLimits.of(robot) if limits is None else limits
-    W = checked_waypoints(dynamics.model, waypoints)
-    bounds = signed_margins(dynamics.model, W, margins or {})
-    rate = (
-        None
-        if torque_rate is None
-        else np.broadcast_to(np.asarray(torque_rate, dtype=float), (robot.n,))
-    )
-    if rate is not None and not (np.isfinite(rate) & (rate > 0)).all():
-        raise InputError(
-            f"torque_rate is {rate.tolist()}, expected one positive number of Nm/s per axis"
-        )
-    if duration is not None and not duration > 0:
-        raise InputError(f"duration is {duration}, expected a positive number of seconds")
     if intervals is None:
-        intervals = 300 if objective == "time" and rate is None else 200
+        intervals = 300 if objective == "time" and torque_rate is None else 200
+    request = MotionRequest.of(robot, waypoints, objective, duration, margins, torque_rate, limits)
     if objective not in ("time", "energy") or intervals < 1:
         raise InputError(
             f"objective {objective!r} with {intervals} intervals, expected time or energy, and at "
             "least 1"
         )
     clock = [time.perf_counter()]
-    guess, at, reference = warm_start(dynamics, limits, W, start)
+    guess, at, reference = warm_start(request.dynamics, request.limits, request.waypoints, start)
     clock.append(time.perf_counter())
-    longest = np.inf if duration is None else duration
-    if objective == "energy" and reference is not None:
+    request, reference = _comparable(request, reference, duration)
+    counts = shares(at, intervals)
+    knots = knots_of(guess, at, counts, request.longest)
+    solved, best, problem = _search(request, knots, counts, wall_time)
+    clock.append(time.perf_counter())
+    return _compared(request, solved, best, problem, reference, at, counts, np.diff(clock))
+
+
+def _comparable(
+    request: MotionRequest, reference: MotionOutcome | None, duration: float | None
+) -> tuple[MotionRequest, MotionOutcome | None]:
+    """The warm start made to keep what is asked for, where it can, and the longest duration that
+    follows from it."""
+    if reference is None:
+        return request, None
+    if request.objective == "energy":
         longest = _LONGER * reference.duration if duration is None else duration
-        reference = _slowed(reference, dynamics, longest)
-    elif rate is not None and reference is not None:
+        return replace(request, longest=longest), _slowed(reference, request.dynamics, longest)
+    if request.torque_rate is not None:
         # where it cannot keep the rate, the one with jumps stays: to be told about, not to be
         # returned
+        path = reference.certificate.path
         with suppress(InfeasibleError):
-            reference = smooth_outcome(dynamics, reference.certificate.path, limits, rate)
-    wish = _Wish(dynamics, limits, W, objective, longest, bounds, rate)
-    counts = shares(at, intervals)
-    solved, best, problem = _search(wish, knots_of(guess, at, counts, longest), counts, wall_time)
-    clock.append(time.perf_counter())
-    return _compared(wish, solved, best, problem, reference, at, counts, np.diff(clock))
+            reference = smooth_outcome(request.dynamics, path, request.limits, request.torque_rate)
+    return request, reference
 
 
 def _slowed(found: MotionOutcome, dynamics: PathDynamics, duration: float) -> MotionOutcome:
     """The same motion evenly slowed to a longer duration: what its energy is to be compared
     with."""
-    factor = found.duration / duration
-    if factor >= 1:
+    if duration <= found.duration:
         return found
     c = found.certificate
-    return outcome(Certificate(c.path, TimeLaw(c.law.s, factor**2 * c.law.x), c.limits), dynamics)
-
-
-@dataclass(frozen=True)
-class _Wish:
-    """What is asked for."""
-
-    dynamics: PathDynamics
-    limits: MotionLimits
-    waypoints: Array
-    objective: Objective
-    longest: float
-    margins: tuple[tuple[int, float], ...]
-    torque_rate: Array | None
-
-    @property
-    def smooth(self) -> bool:
-        """Whether the geometry is timed again with a limited torque rate."""
-        return self.objective == "time" and self.torque_rate is not None
-
-    def timed(self, knots: Knots) -> MotionOutcome:
-        """The optimised geometry timed again: the fastest way, or with the solver's own law where
-        energy counts.
-
-        Raises:
-            InfeasibleError: there is no timing within the limits.
-        """
-        if self.smooth and self.torque_rate is not None:
-            return smooth_outcome(self.dynamics, smooth_path(knots), self.limits, self.torque_rate)
-        path = clamped(knots.time, knots.q)
-        if self.objective == "energy":
-            return slowed_outcome(self.dynamics, path, self.limits, self.torque_rate)
-        law = time_again(self.dynamics, path, self.limits)
-        return outcome(Certificate(path, law, self.limits), self.dynamics)
-
-    def missed(self, found: MotionOutcome) -> str | None:
-        """What a motion lacks, in words; None where it has everything."""
-        robot = self.dynamics.model.robot
-        path = found.certificate.path
-        if not found.checked.holds():
-            torque = found.checked.torque_ratio
-            speed = found.checked.velocity_ratio
-            return f"torque at {torque:.4f}, speed at {speed:.4f} of their limits"
-        if found.duration > self.longest * (1 + 1e-9):
-            return f"{found.duration:.3f} s are longer than {self.longest:.3f} s"
-        # the extremes of a cubic spline are at its knots and reversals
-        q = path(np.concatenate([path.knots, reversals(path)]))
-        excess = np.maximum(robot.q_min - q, q - robot.q_max).max(axis=0)
-        if excess.max() > 1e-9:
-            return (
-                f"axis {int(np.argmax(excess)) + 1} leaves its range by "
-                f"{np.degrees(excess.max()):.2f} deg"
-            )
-        if robot.coupling.difference_deg is not None:
-            low, high = np.radians(robot.coupling.difference_deg)
-            # both differences of knots and Bernstein coefficients: they enclose each cubic
-            c = path.coefficients[:, :, 2] - path.coefficients[:, :, 1]
-            h = np.diff(path.knots)
-            hull = np.stack([c[0], c[0] + h * c[1] / 3, c[0] + h * (2 * c[1] + h * c[2]) / 3])
-            if hull.min() < low - 1e-7 or hull.max() > high + 1e-7:
-                return "q3 - q2 leaves its range"
-        for k, bound in self.margins:
-            if found.margins[NAMES[k]] < abs(bound) * (1 - 1e-9):
-                return (
-                    f"the {NAMES[k]} margin is {found.margins[NAMES[k]]:.4g}, expected "
-                    f"{abs(bound):.4g}"
-                )
-        if (
-            self.torque_rate is not None
-            and (found.torque_rate > self.torque_rate * (1 + 1e-6)).any()
-        ):
-            axis = int(np.argmax(found.torque_rate / self.torque_rate))
-            return f"the torque of axis {axis + 1} changes by {found.torque_rate[axis]:,.0f} Nm/s"
-        return None
-
-    def cost(self, found: MotionOutcome) -> float:
-        """The objective."""
-        return found.duration if self.objective == "time" else float(found.energy.sum())
+    law = c.law.slowed(duration / found.duration)
+    return outcome(Certificate(c.path, law, c.limits), dynamics)
 
 
 def _search(
-    wish: _Wish, guess: Knots, counts: tuple[int, ...], wall_time: float
+    request: MotionRequest, guess: Knots, counts: tuple[int, ...], wall_time: float
 ) -> tuple[Solved, MotionOutcome | None, str | None]:
     """Solve, time again, and tighten what the path between knots falls short of; the best motion of
     all turns."""
-    dynamics = wish.dynamics
-    reserve = _RESERVE_KEPT if wish.objective == "energy" else _RESERVE
-    margins = wish.margins
-    longest = wish.longest * (1 - _RESERVE)
-    rate = wish.torque_rate
+    dynamics = request.dynamics
+    reserve = _RESERVE_KEPT if request.objective == "energy" else _RESERVE
+    margins = request.margins
+    longest = request.longest * (1 - _RESERVE)
+    rate = request.torque_rate
     left = wall_time
     best = None
     first = None
     for turn in range(_TURNS):
         program = Transcription(
             dynamics.model,
-            wish.limits,
-            wish.waypoints,
+            request.limits,
+            request.waypoints,
             counts,
-            wish.objective,
+            request.objective,
             longest,
             margins,
             rate,
@@ -262,17 +173,17 @@ def _search(
         solved = program.solve(guess, max(left, 1e-6))
         left -= solved.wall_time
         try:
-            found = wish.timed(solved.knots)
+            found = request.timed(solved.knots)
         except InfeasibleError as error:
             return solved, best, _placed(error, solved.knots, counts)
-        problem = wish.missed(found)
+        problem = request.missed(found)
         first = first or problem
-        if problem is None and (best is None or wish.cost(found) < wish.cost(best)):
+        if problem is None and (best is None or request.cost(found) < request.cost(best)):
             best = found
-        lacking = [max(abs(b) - found.margins[NAMES[k]], 0.0) for k, b in wish.margins]
-        late = found.duration > wish.longest
+        lacking = [max(abs(b) - found.margins[NAMES[k]], 0.0) for k, b in request.margins]
+        late = found.duration > request.longest
         lost = (
-            wish.smooth
+            request.smooth
             and found.duration > _LOST * solved.knots.time[-1]
             and turn == 0
             and left > solved.wall_time
@@ -280,7 +191,7 @@ def _search(
         if not (late or lost or any(lacking)):
             break
         if late:
-            longest *= (1 - _RESERVE) * wish.longest / found.duration
+            longest *= (1 - _RESERVE) * request.longest / found.duration
         if lost and rate is not None:
             rate = rate / np.maximum(rate_excess(dynamics, solved.knots, rate), 1.0)
         margins = tuple(
@@ -302,7 +213,7 @@ def _placed(error: InfeasibleError, knots: Knots, counts: tuple[int, ...]) -> st
 
 
 def _compared(
-    wish: _Wish,
+    request: MotionRequest,
     solved: Solved,
     best: MotionOutcome | None,
     problem: str | None,
@@ -313,15 +224,15 @@ def _compared(
 ) -> Optimised:
     """The better of optimised motion and warm start, and why."""
     said = f"IPOPT: {solved.status} after {solved.iterations} iterations"
-    fit = reference if reference is not None and wish.missed(reference) is None else None
+    fit = reference if reference is not None and request.missed(reference) is None else None
     if best is None and fit is None:
-        why = "no timing within the limits" if reference is None else wish.missed(reference)
+        why = "no timing within the limits" if reference is None else request.missed(reference)
         raise InfeasibleError(
             f"no motion found. {said}; its motion: {problem}. The warm start: {why}; allow more "
             "time, lower the "
             "margins, or move the way-points"
         )
-    fell_back = best is None or (fit is not None and wish.cost(fit) <= wish.cost(best))
+    fell_back = best is None or (fit is not None and request.cost(fit) <= request.cost(best))
     motion = fit if fell_back else best
     assert motion is not None
     if best is None:
@@ -344,9 +255,9 @@ def _compared(
     stages = ("warm_start", "optimise_and_time")
     wall = {**dict(zip(stages, map(float, clock), strict=True)), "solver": solved.wall_time}
     return Optimised(
-        wish.waypoints,
+        request.waypoints,
         passed,
-        wish.objective,
+        request.objective,
         motion,
         reference,
         fell_back,

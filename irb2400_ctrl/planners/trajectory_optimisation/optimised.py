@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -9,15 +10,13 @@ import numpy as np
 import numpy.typing as npt
 
 from irb2400_ctrl.model import Model
-from irb2400_ctrl.planners.enclosure.cells import enclose
 from irb2400_ctrl.planners.enclosure.deviation import singularity_margins
 from irb2400_ctrl.planners.enclosure.path_dynamics import PathDynamics
 from irb2400_ctrl.planners.joint_path import JointPath
-from irb2400_ctrl.planners.plan import Trajectory
 from irb2400_ctrl.planners.redundancy.follow import Followed
-from irb2400_ctrl.planners.timing.certificate import Certificate, Checked, check, torque_bounds
-from irb2400_ctrl.planners.timing.rate_limited.rate_limited_law import RateLimitedLaw
-from irb2400_ctrl.planners.timing.rate_limited.sampled_check import sampled_ratios
+from irb2400_ctrl.planners.timing.certificate import Certificate, check
+from irb2400_ctrl.planners.timing.motion_bounds import Checked
+from irb2400_ctrl.trajectory import Trajectory
 
 Array = npt.NDArray[np.float64]
 
@@ -94,9 +93,11 @@ class Optimised:
     def trajectory(self, model: Model, rate: float = 1000.0) -> Trajectory:
         """The motion at `rate` rows a second, and one at its end; `s` is the parameter of its joint
         path."""
-        time = np.append(np.arange(0.0, self.duration, 1 / rate), self.duration)
+        rows = np.arange(math.ceil(self.duration * rate - 1e-9)) / rate
+        time = np.append(rows, self.duration)
         s, q, qd, qdd = self.motion.certificate.law.motion(self.motion.certificate.path, time)
-        return Trajectory(time, q, qd, qdd, model.inverse_dynamics(q, qd, qdd), s)
+        tau = model.inverse_dynamics(q, qd, qdd)
+        return Trajectory(time, q, qd, qdd, tau, s, check_speeds=False)
 
     def summary(self) -> dict[str, Any]:
         """Numbers for a report; units in the names."""
@@ -149,21 +150,12 @@ def outcome(certificate: Certificate, dynamics: PathDynamics) -> MotionOutcome:
         )
     else:
         checked = check(certificate, model, dynamics)
-        if isinstance(law, RateLimitedLaw):
-            ratios, _ = sampled_ratios(certificate, dynamics, 1)
-            bound = ratios[0][:, : model.robot.n].max(axis=0) * certificate.limits.tau_max
-            if not np.isfinite(checked.torque_rate_ratio):
-                guaranteed = False
-                checked = replace(
-                    checked, torque_rate_ratio=float(ratios[1][:, : model.robot.n].max())
-                )
-        else:
-            above, below = torque_bounds(
-                enclose(dynamics, path, law.s), law.u, law.x, model.robot.friction
-            )
-            bound = np.maximum(above, -below).max(axis=0)
+        peaks = law.peaks(path, certificate.limits, dynamics)
+        if not np.isfinite(checked.torque_rate_ratio):
+            guaranteed = False
+            checked = replace(checked, torque_rate_ratio=peaks.torque_rate_ratio)
         # both bounds hold, and the check's comes from smaller cells
-        peak = np.minimum(bound, checked.torque_ratio * certificate.limits.tau_max)
+        peak = np.minimum(peaks.torque, checked.torque_ratio * certificate.limits.tau_max)
     return MotionOutcome(
         certificate, checked, energy, peak, rate, path_margins(model, path), guaranteed
     )

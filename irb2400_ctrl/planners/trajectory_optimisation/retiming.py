@@ -20,8 +20,8 @@ from irb2400_ctrl.planners.enclosure.path_dynamics import PathDynamics
 from irb2400_ctrl.planners.joint_path import JointPath
 from irb2400_ctrl.planners.timing.certificate import Certificate
 from irb2400_ctrl.planners.timing.motion_limits import MotionLimits
+from irb2400_ctrl.planners.timing.piecewise_constant_law import PiecewiseConstantLaw
 from irb2400_ctrl.planners.timing.rate_limited.time_rate_limited import time_rate_limited
-from irb2400_ctrl.planners.timing.time_law import TimeLaw
 from irb2400_ctrl.planners.trajectory_optimisation.knots import Knots
 from irb2400_ctrl.planners.trajectory_optimisation.optimised import MotionOutcome, outcome
 from irb2400_ctrl.planners.trajectory_optimisation.warm_start import clamped
@@ -106,7 +106,8 @@ def slowed_outcome(
     s = grid(path, 1000)
     speed = 1.0
     for _ in range(8):
-        found = outcome(Certificate(path, TimeLaw(s, np.full(len(s), speed**2)), limits), dynamics)
+        law = PiecewiseConstantLaw(s, np.full(len(s), speed**2))
+        found = outcome(Certificate(path, law, limits), dynamics)
         change = 1.0 if torque_rate is None else float((found.torque_rate / torque_rate).max())
         # torque falls with the square of the speed, but for gravity and friction: a little more
         # than the root

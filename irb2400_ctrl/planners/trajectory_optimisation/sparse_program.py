@@ -66,14 +66,7 @@ def sparse_program(
     zero = ca.DM.zeros(count, knots)
     rest = ca.Sparsity(size - knots * width, size - knots * width)
 
-    z = ca.SX.sym("z", size)
-    f_z, g_z = coupling(z)
-    weights = ca.SX.sym("l", g_z.numel())
-    sigma_z = ca.SX.sym("sigma")
-    hessian, _ = ca.hessian(sigma_z * f_z + ca.dot(weights, g_z), z)
-    first = ca.Function("first", [z], [f_z, ca.gradient(f_z, z), g_z, ca.jacobian(g_z, z)])
-    second = ca.Function("second", [z, sigma_z, weights], [ca.triu(hessian)])
-
+    first, second = _derivatives(coupling, size)
     f, gradient, g_c, J_c = first(x)
     rows, jacobian, _ = mapped(w, columns, zero)
     g = ca.vertcat(g_c, ca.vec(rows) + C @ x)
@@ -101,6 +94,19 @@ def sparse_program(
     }
     program: dict[str, Any] = {"x": x, "p": p, "f": f_only, "g": g}
     return ca.nlpsol("solver", "ipopt", program, options)
+
+
+def _derivatives(coupling: ca.Function, size: int) -> tuple[ca.Function, ca.Function]:
+    """x -> (objective, its gradient, rows, their Jacobian), and (x, sigma, multipliers) -> upper
+    triangle of the Hessian of the Lagrangian."""
+    x = ca.SX.sym("x", size)
+    f, g = coupling(x)
+    multipliers = ca.SX.sym("l", g.numel())
+    sigma = ca.SX.sym("sigma")
+    hessian, _ = ca.hessian(sigma * f + ca.dot(multipliers, g), x)
+    first = ca.Function("first", [x], [f, ca.gradient(f, x), g, ca.jacobian(g, x)])
+    second = ca.Function("second", [x, sigma, multipliers], [ca.triu(hessian)])
+    return first, second
 
 
 def machine_code(function: ca.Function) -> ca.Function:

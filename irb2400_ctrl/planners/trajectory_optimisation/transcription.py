@@ -53,6 +53,19 @@ _SCALE = 100.0
 
 
 @dataclass(frozen=True, eq=False)
+class _Row:
+    """low <= value <= high, entry by entry."""
+
+    value: ca.SX
+    low: float | Array
+    high: float | Array
+
+    def spread(self, bound: float | Array) -> Array:
+        """A bound of every entry, shape (entries,)."""
+        return np.broadcast_to(np.asarray(bound, dtype=float), (self.value.numel(),))
+
+
+@dataclass(frozen=True, eq=False)
 class Transcription:
     """One problem: build once, solve from any guess."""
 
@@ -187,81 +200,89 @@ class Transcription:
         unit of dt [s]."""
         knots, width, size = self._sizes
         n = self.model.robot.n
-        robot = self.model.robot
         x = ca.SX.sym("x", size)
         w = ca.reshape(x[: knots * width], width, knots)
         extra = ca.reshape(x[knots * width : knots * (width + self._extra)], self._extra, knots)
         dt_k = x[-len(self.intervals) :] * ca.DM(step)
         belongs = ca.DM(np.eye(len(self.intervals))[self._segment])
         dt = ca.repmat((belongs @ dt_k).T, n, 1)
-        speed = ca.DM(self.limits.qd_max)
-        acceleration = ca.DM(self._accelerations)
+        total = ca.dot(dt_k, ca.DM(np.array(self.intervals, dtype=float)))
+        rows = self._motion_rows(w, dt, step)
+        if self.torque_rate is not None:
+            rows += self._rate_rows(extra[-n:, :], dt)
+        if np.isfinite(self.duration):
+            rows.append(_Row(total / self.duration, -np.inf, 1.0))
+        objective = self._objective(w, extra, dt, total, float(step @ self.intervals))
+        stacked = ca.vertcat(*(ca.vec(row.value) for row in rows))
+        lower = np.concatenate([row.spread(row.low) for row in rows])
+        upper = np.concatenate([row.spread(row.high) for row in rows])
+        return ca.Function("coupling", [x], [objective, stacked]), lower, upper
+
+    def _motion_rows(self, w: ca.SX, dt: ca.SX, step: Array) -> list[_Row]:
+        """What makes a cubic spline of the knots: continuity, joint box and speeds in between."""
+        knots, _, _ = self._sizes
+        robot = self.model.robot
+        n = robot.n
+        speed = ca.repmat(ca.DM(self.limits.qd_max), 1, knots - 1)
         q = w[:n, :]
         qd = w[n : 2 * n, :]
         qdd = w[2 * n :, :]
-        unit = ca.repmat(ca.DM(step[self._segment]).T, n, 1) * ca.repmat(speed, 1, knots - 1)
-        v = qd * ca.repmat(speed, 1, knots)
-        a = qdd * ca.repmat(acceleration, 1, knots)
+        v = qd * ca.repmat(ca.DM(self.limits.qd_max), 1, knots)
+        a = qdd * ca.repmat(ca.DM(self._accelerations), 1, knots)
         first = slice(0, knots - 1)
         last = slice(1, knots)
-        defect_q = (
-            q[:, last] - q[:, first] - dt * (v[:, first] + dt * (2 * a[:, first] + a[:, last]) / 6)
-        ) / unit
-        defect_v = (
-            qd[:, last]
-            - qd[:, first]
-            - dt * (a[:, first] + a[:, last]) / 2 / ca.repmat(speed, 1, knots - 1)
-        )
-        inner = [q[:, first] + dt * v[:, first] / 3, q[:, last] - dt * v[:, last] / 3]
-        rows: list[tuple[ca.SX, float | Array, float | Array]] = [
-            (defect_q, 0.0, 0.0),
-            (defect_v, 0.0, 0.0),
+        unit = ca.repmat(ca.DM(step[self._segment]).T, n, 1) * speed
+        reached = dt * (v[:, first] + dt * (2 * a[:, first] + a[:, last]) / 6)
+        gained = dt * (a[:, first] + a[:, last]) / 2 / speed
+        rows = [
+            _Row((q[:, last] - q[:, first] - reached) / unit, 0.0, 0.0),
+            _Row(qd[:, last] - qd[:, first] - gained, 0.0, 0.0),
         ]
+        # inner Bernstein coefficients of q: with the knots they enclose each cubic
+        inner = [q[:, first] + dt * v[:, first] / 3, q[:, last] - dt * v[:, last] / 3]
         low = np.tile(robot.q_min, knots - 1)
         high = np.tile(robot.q_max, knots - 1)
-        rows += [(value, low, high) for value in inner]
+        rows += [_Row(value, low, high) for value in inner]
         if self.paired:
             odd = np.arange(1, knots - 1, 2)
-            bent = (
-                qdd[:, odd.tolist()] - (qdd[:, (odd - 1).tolist()] + qdd[:, (odd + 1).tolist()]) / 2
-            )
-            rows += [(bent, 0.0, 0.0)]
+            around = qdd[:, (odd - 1).tolist()] + qdd[:, (odd + 1).tolist()]
+            rows.append(_Row(qdd[:, odd.tolist()] - around / 2, 0.0, 0.0))
         # the speed is a parabola: with the knots themselves these coefficients enclose it
-        rows += [((v[:, first] + dt * a[:, first] / 2) / ca.repmat(speed, 1, knots - 1), -1.0, 1.0)]
+        rows.append(_Row((v[:, first] + dt * a[:, first] / 2) / speed, -1.0, 1.0))
         if robot.coupling.difference_deg is not None:
             bound = np.radians(robot.coupling.difference_deg)
-            rows += [(value[2, :] - value[1, :], bound[0], bound[1]) for value in (*inner, q)]
-        total = ca.dot(dt_k, ca.DM(np.array(self.intervals, dtype=float)))
-        reference = float(step @ self.intervals)
-        if self.torque_rate is not None:
-            tau = extra[-n:, :]
-            change = (
-                ca.DM(np.broadcast_to(self.torque_rate / self.limits.tau_max, (knots - 1, n)).T)
-                * dt
-            )
-            rows += [(tau[:, last] - tau[:, first] - change, -np.inf, 0.0)]
-            rows += [(tau[:, last] - tau[:, first] + change, 0.0, np.inf)]
-        if np.isfinite(self.duration):
-            rows += [(total / self.duration, -np.inf, 1.0)]
-        objective = _SCALE * total / reference
-        if self.objective == "energy":
-            power = ca.DM(self.limits.tau_max * self.limits.qd_max / 1000.0).T @ extra[:n, :]
-            objective = ca.dot(dt[0, :], (power[:, first] + power[:, last]) / 2) / reference
-        objective += (
-            (1.0 if self.objective == "energy" else _SCALE) * _SMOOTH * ca.sumsqr(qdd) / knots
-        )
-        vectors = [(ca.vec(value), lower, upper) for value, lower, upper in rows]
-        lower, upper = (
-            np.concatenate(
-                [
-                    np.broadcast_to(np.asarray(row[k], dtype=float), (row[0].numel(),))
-                    for row in vectors
-                ]
-            )
-            for k in (1, 2)
-        )
-        stacked = ca.vertcat(*(value for value, _, _ in vectors))
-        return ca.Function("coupling", [x], [objective, stacked]), lower, upper
+            for value in (*inner, q):
+                rows.append(_Row(value[2, :] - value[1, :], bound[0], bound[1]))
+        return rows
+
+    def _rate_rows(self, tau: ca.SX, dt: ca.SX) -> list[_Row]:
+        """Change of the torque from knot to knot within its rate, in units of the torque limits."""
+        assert self.torque_rate is not None
+        knots, _, _ = self._sizes
+        shape = (knots - 1, self.model.robot.n)
+        rate = np.broadcast_to(self.torque_rate / self.limits.tau_max, shape)
+        change = ca.DM(rate.T) * dt
+        first = slice(0, knots - 1)
+        last = slice(1, knots)
+        return [
+            _Row(tau[:, last] - tau[:, first] - change, -np.inf, 0.0),
+            _Row(tau[:, last] - tau[:, first] + change, 0.0, np.inf),
+        ]
+
+    def _objective(
+        self, w: ca.SX, extra: ca.SX, dt: ca.SX, total: ca.SX, reference: float
+    ) -> ca.SX:
+        """Duration, or energy over the duration of the guess, and a little of the accelerations."""
+        knots, _, _ = self._sizes
+        n = self.model.robot.n
+        scale = _SCALE if self.objective == "time" else 1.0
+        smooth = scale * _SMOOTH * ca.sumsqr(w[2 * n :, :]) / knots
+        if self.objective == "time":
+            return scale * total / reference + smooth
+        unit = ca.DM(self.limits.tau_max * self.limits.qd_max / 1000.0)
+        power = unit.T @ extra[:n, :]
+        mean = (power[:, : knots - 1] + power[:, 1:]) / 2
+        return ca.dot(dt[0, :], mean) / reference + smooth
 
     def _knot_rows(self) -> tuple[ca.DM, Array, Array]:
         """Constant matrix C of the rows at all knots, rows(w) + C x, and their bounds."""

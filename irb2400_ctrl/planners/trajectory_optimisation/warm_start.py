@@ -17,9 +17,10 @@ from irb2400_ctrl.planners.timing.time_joint_path import time_joint_path
 from irb2400_ctrl.planners.timing.time_law import TimeLaw
 from irb2400_ctrl.planners.trajectory_optimisation.knots import Knots
 from irb2400_ctrl.planners.trajectory_optimisation.optimised import MotionOutcome, outcome
+from irb2400_ctrl.trajectory import Trajectory
 
 Array = npt.NDArray[np.float64]
-Start = JointPath | JointMove | Certificate
+Start = JointPath | JointMove | Trajectory | Certificate
 
 # the warm start is slowed by this before the solver sees it: a point well inside the limits
 _SLOWED = 1.3
@@ -33,6 +34,8 @@ def warm_start(
     """A motion to begin with, when it passes the way-points, and its certified version if it has
     one."""
     if isinstance(start, JointMove):
+        start = start.trajectory
+    if isinstance(start, Trajectory):
         start = clamped(start.time, start.q)
     path = start.path if isinstance(start, Certificate) else start
     if path is None:

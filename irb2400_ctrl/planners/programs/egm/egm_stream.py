@@ -17,10 +17,12 @@ from typing import Literal
 
 import numpy as np
 import numpy.typing as npt
+from numpy.typing import ArrayLike
 
 from irb2400_ctrl.errors import InputError, IrbError
 from irb2400_ctrl.planners.programs.egm import egm_messages as proto
 from irb2400_ctrl.robot import Robot
+from irb2400_ctrl.trajectory import Trajectory
 
 Array = npt.NDArray[np.float64]
 PORT = 6510
@@ -78,14 +80,19 @@ class EgmFollower:
     """The answers to a controller's messages: all of the stream but the socket."""
 
     def __init__(
-        self, robot: Robot, time: Array, q: Array, qd: Array, options: EgmOptions | None = None
+        self,
+        robot: Robot,
+        time: Trajectory | ArrayLike,
+        q: ArrayLike | None = None,
+        qd: ArrayLike | None = None,
+        options: EgmOptions | None = None,
     ) -> None:
         """A plan from rest to rest.
 
         Args:
-            time: [s], shape (n,), increasing.
-            q, qd: actuator angles and speeds [rad, rad/s], shape (n, 6); q3 absolute, as ABB counts
-                axis 3.
+            time: the plan; or only its times [s], shape (n,), increasing, and then
+            q, qd: its actuator angles and speeds [rad, rad/s], shape (n, 6). q3 is absolute, as ABB
+                counts axis 3.
 
         Raises:
             InputError: shapes, order, not finite, outside the joint box or the speed limits, not at
@@ -283,19 +290,7 @@ def stream(
                 wire.settimeout(left)
                 data, sender = wire.recvfrom(4096)
             except TimeoutError as error:
-                if follower.running:
-                    reason = f"no message for {options.timeout:.3f} s"
-                elif peer is None:
-                    reason = (
-                        f"no controller called within {options.connect_timeout:.1f} s (UDPUC "
-                        "address and port?)"
-                    )
-                else:
-                    reason = (
-                        "the controller calls but EGM did not run within "
-                        f"{options.connect_timeout:.1f} s"
-                    )
-                raise follower.failure(reason) from error
+                raise follower.failure(_silence(follower, peer is not None)) from error
             if peer not in (None, sender):
                 continue
             try:
@@ -314,8 +309,27 @@ def stream(
     return follower.report()
 
 
-def _checked(robot: Robot, time: Array, q: Array, qd: Array) -> tuple[Array, Array, Array]:
-    time, q, qd = (np.array(array, dtype=float) for array in (time, q, qd))
+def _silence(follower: EgmFollower, called: bool) -> str:
+    """Why waiting for a message has an end."""
+    options = follower.options
+    if follower.running:
+        return f"no message for {options.timeout:.3f} s"
+    if called:
+        return f"the controller calls but EGM did not run within {options.connect_timeout:.1f} s"
+    return f"no controller called within {options.connect_timeout:.1f} s (UDPUC address and port?)"
+
+
+def _checked(
+    robot: Robot, motion: Trajectory | ArrayLike, *angles: ArrayLike | None
+) -> tuple[Array, Array, Array]:
+    if isinstance(motion, Trajectory):
+        if any(values is not None for values in angles):
+            raise InputError("EGM: found a trajectory and angles besides, expected one of them")
+        time = motion.time
+        q = motion.q
+        qd = motion.qd
+    else:
+        time, q, qd = (np.array(values, dtype=float) for values in (motion, *angles))
     if (
         q.ndim != 2
         or q.shape[1] != robot.n

@@ -8,6 +8,7 @@ docs/programs_out.md for what was checked.
 
 from __future__ import annotations
 
+import itertools
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -16,12 +17,14 @@ from typing import Literal
 
 import numpy as np
 import numpy.typing as npt
+from numpy.typing import ArrayLike
 
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.files import write_atomic
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.planners.programs.rapid import rapid_data as data
 from irb2400_ctrl.planners.programs.rapid.rapid_thinning import rows_to_keep, thinned
+from irb2400_ctrl.trajectory import Trajectory
 
 Array = npt.NDArray[np.float64]
 Motion = Literal["linear", "joint"]
@@ -93,8 +96,8 @@ class RapidProgram:
 
 def rapid_program(
     model: Model,
-    time: Array,
-    q: Array,
+    motion: Trajectory | ArrayLike,
+    q: ArrayLike | None = None,
     options: RapidOptions | None = None,
     *,
     X_BW: Array | None = None,
@@ -104,9 +107,9 @@ def rapid_program(
     """The module that moves along the plan.
 
     Args:
-        time: [s], shape (n,), increasing.
-        q: actuator angles of the plan [rad], shape (n, 6); q3 is absolute, as ABB counts axis 3 of
-            this arm.
+        motion: the plan; or only its times [s], shape (n,), increasing, and then
+        q: its actuator angles [rad], shape (n, 6). q3 is absolute, as ABB counts axis 3 of this
+            arm.
         X_BW: work object in the robot base, whose targets are written in it; default the base
         (wobj0).
         wrist_crossing: rows where the path passes the wrist singularity, shape (n,): linear moves
@@ -119,7 +122,7 @@ def rapid_program(
         refuses.
     """
     options = options or RapidOptions()
-    time, q = _checked(model, time, q)
+    time, q = _checked(model, motion, q)
     crossing = _crossing(q, wrist_crossing)
     X_BT = model.tcp_pose(q)
     rest = np.append(False, np.abs(np.diff(q, axis=0)).max(axis=1) < 1e-10)
@@ -134,54 +137,91 @@ def rapid_program(
         np.radians(options.tolerance_deg),
     )
     X_WT = X_BT if X_BW is None else np.linalg.inv(data.check_pose("work object", X_BW)) @ X_BT
-    speeds = _speeds(time, X_BT)
     names = _Names(options, model.robot.tool is not None, X_BW is not None)
+    plan = _PlanRows(time, q, X_WT, _speeds(time, X_BT), rest, crossing)
     configuration = data.configuration(model, q[samples])
     extax = data.external_axes(external)
-    width = max(4, len(str(len(samples))))
-    declarations: list[list[str]] = []
-    moves: list[list[str]] = []
-    targets: list[int] = []
-    inside = False
+    declarations, targets = _declarations(plan, samples, configuration, extax, options)
+    moves = _moves(plan, samples, options, names)
+    text = _module(model, options, names, X_BW, declarations, moves)
+    return RapidProgram(text, np.array(targets))
+
+
+@dataclass(frozen=True)
+class _PlanRows:
+    """The plan row by row."""
+
+    time: Array
+    q: Array
+    X_WT: Array
+    """targets in the work object, shape (n, 4, 4)"""
+    speeds: Array
+    """between the rows, shape (n - 1, 2)"""
+    rest: npt.NDArray[np.bool_]
+    """rows that repeat the one before"""
+    crossing: npt.NDArray[np.bool_]
+    """rows at the wrist singularity"""
+
+    def pauses(self, before: int, row: int) -> bool:
+        """Whether the arm only waits from one sample to the next."""
+        return bool(self.rest[before + 1 : row + 1].all())
+
+
+def _declarations(
+    plan: _PlanRows,
+    samples: npt.NDArray[np.int64],
+    configuration: npt.NDArray[np.int64],
+    extax: str,
+    options: RapidOptions,
+) -> tuple[list[list[str]], list[int]]:
+    """The targets of all moves, and the rows they stand for."""
+    declarations = []
+    targets = []
     for k, row in enumerate(samples):
-        before = samples[k - 1] if k else row
-        # a row that repeats the ones since the target before is a pause: no move, but its time
-        if k and rest[before + 1 : row + 1].all():
-            moves.append([f"WaitTime {time[row] - time[before]:.4f};"])
+        if k and plan.pauses(samples[k - 1], row):
             continue
-        name = f"p{k + 1:0{width}d}"
+        name = _target(k, samples)
         targets.append(int(row))
-        as_joints = k == 0 or options.motion == "joint"
-        declarations.append(
-            data.jointtarget(name, q[row], extax)
-            if as_joints
-            else data.robtarget(name, X_WT[row], configuration[k], extax)
-        )
-        if k == 0:
-            moves.append(_call("MoveAbsJ", name, "vApproach", "fine", names))
+        if k == 0 or options.motion == "joint":
+            declarations.append(data.jointtarget(name, plan.q[row], extax))
+        else:
+            declarations.append(data.robtarget(name, plan.X_WT[row], configuration[k], extax))
+    return declarations, targets
+
+
+def _moves(
+    plan: _PlanRows, samples: npt.NDArray[np.int64], options: RapidOptions, names: _Names
+) -> list[list[str]]:
+    """The instructions in order, the wrist singularity switched on and off where it is passed."""
+    moves = [_call("MoveAbsJ", _target(0, samples), "vApproach", "fine", names)]
+    inside = False
+    for k, (before, row) in enumerate(itertools.pairwise(samples), start=1):
+        duration = plan.time[row] - plan.time[before]
+        # a row that repeats the ones since the target before is a pause: no move, but its time
+        if plan.pauses(before, row):
+            moves.append([f"WaitTime {duration:.4f};"])
             continue
-        wrist = not as_joints and bool(crossing[before + 1 : row + 1].any())
+        as_joints = options.motion == "joint"
+        wrist = not as_joints and bool(plan.crossing[before + 1 : row + 1].any())
         if wrist != inside:
             moves.append(["SingArea\\Wrist;" if wrist else "SingArea\\Off;"])
             inside = wrist
-        stops = k == len(samples) - 1 or rest[row + 1] or options.zone_mm == 0.0
-        speed = _speeddata(speeds[before:row])
+        stops = k == len(samples) - 1 or plan.rest[row + 1] or options.zone_mm == 0.0
+        speed = _speeddata(plan.speeds[before:row])
         if options.state_time:
-            speed += f"\\T:={time[row] - time[before]:.5f}"
-        moves.append(
-            _call(
-                "MoveAbsJ" if as_joints else "MoveL",
-                name,
-                speed,
-                "fine" if stops else "zPath",
-                names,
-            )
-        )
+            speed += f"\\T:={duration:.5f}"
+        instruction = "MoveAbsJ" if as_joints else "MoveL"
+        zone = "fine" if stops else "zPath"
+        moves.append(_call(instruction, _target(k, samples), speed, zone, names))
     if inside:
         moves.append(["SingArea\\Off;"])
-    return RapidProgram(
-        _module(model, options, names, X_BW, declarations, moves), np.array(targets)
-    )
+    return moves
+
+
+def _target(k: int, samples: npt.NDArray[np.int64]) -> str:
+    """Name of the target of sample k."""
+    width = max(4, len(str(len(samples))))
+    return f"p{k + 1:0{width}d}"
 
 
 @dataclass(frozen=True)
@@ -203,9 +243,17 @@ class _Names:
         return self.options.work_object if self.own_work_object else "wobj0"
 
 
-def _checked(model: Model, time: Array, q: Array) -> tuple[Array, Array]:
-    time = np.asarray(time, dtype=float)
-    q = np.asarray(q, dtype=float)
+def _checked(
+    model: Model, motion: Trajectory | ArrayLike, angles: ArrayLike | None
+) -> tuple[Array, Array]:
+    if isinstance(motion, Trajectory):
+        if angles is not None:
+            raise InputError("RAPID: found a trajectory and angles besides, expected one of them")
+        time = motion.time
+        q = motion.q
+    else:
+        time = np.asarray(motion, dtype=float)
+        q = np.asarray(angles, dtype=float)
     n = model.robot.n
     if n != 6:
         raise InputError(f"RAPID: found an arm of {n} axes, expected 6")

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import json
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -17,6 +17,7 @@ import numpy.typing as npt
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.planners.programs.rapid.rapid_data import check_name
+from irb2400_ctrl.trajectory import Trajectory, from_angles
 
 Array = npt.NDArray[np.float64]
 
@@ -47,6 +48,8 @@ class RapidMove:
     """ends in a stop point"""
     wrist: bool
     """runs under SingArea Wrist"""
+    pause: float = 0.0
+    """waiting time after it [s]"""
 
 
 @dataclass(frozen=True)
@@ -91,6 +94,33 @@ class RapidModule:
                 )
             found.append(fits[0])
         return np.array(found)
+
+    def trajectory(self, model: Model) -> Trajectory:
+        """The motion through the targets at their stated times (argument T), from rest to rest.
+
+        Between the targets it is a cubic spline (C2); where a controller goes there, its own
+        planner decides, within the corner zones.
+
+        Raises:
+            InputError: a move states no time, or `joint_angles` fails.
+        """
+        untimed = next((move for move in self.moves[1:] if move.duration is None), None)
+        if untimed is not None:
+            raise InputError(
+                f"{self.name}, {untimed.target}: found a move without its time, expected the "
+                "argument T; write the module with RapidOptions(state_time=True)"
+            )
+        q = self.joint_angles(model)
+        time = 0.0
+        rows: list[tuple[float, Array]] = []
+        for number, (move, angles) in enumerate(zip(self.moves, q, strict=True)):
+            # the approach to the first target is no part of the motion
+            time += move.duration or 0.0 if number else 0.0
+            rows.append((time, angles))
+            if move.pause:
+                time += move.pause
+                rows.append((time, angles))
+        return from_angles([at for at, _ in rows], [angles for _, angles in rows])
 
 
 def read_rapid(text: str) -> RapidModule:
@@ -153,6 +183,9 @@ class _Reader:
                 self.moves.append(self.move(statement))
             elif statement.startswith("WaitTime"):
                 self.pauses.append(float(statement.removeprefix("WaitTime")))
+                if self.moves:
+                    last = self.moves[-1]
+                    self.moves[-1] = replace(last, pause=last.pause + self.pauses[-1])
             elif statement in {"SingArea\\Wrist", "SingArea\\Off"}:
                 self.wrist = statement.endswith("Wrist")
             elif statement in self.procedures:

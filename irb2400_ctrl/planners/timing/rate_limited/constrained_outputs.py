@@ -1,7 +1,7 @@
 """`ConstrainedOutputs`: everything along a path whose value and rate of change have limits,
 enclosed cell by cell.
 
-A channel is  y = a(s) u + b(s) x + e(s) sqrt(x) + c(s) + dry friction: the torque of each axis,
+An output is  y = a(s) u + b(s) x + e(s) sqrt(x) + c(s) + dry friction: the torque of each axis,
 and, with a = q', b = q'', its acceleration. Its rate of change, dry friction apart, is with u' =
 du/ds
 
@@ -26,7 +26,7 @@ Booleans = npt.NDArray[np.bool_]
 
 @dataclass(frozen=True)
 class ConstrainedOutputs:
-    """k channels on m cells; parabolas as Bernstein coefficients of degree 2 (second axis)."""
+    """k outputs on m cells; parabolas as Bernstein coefficients of degree 2 (second axis)."""
 
     h: Array
     """lengths of the cells [m], shape (m,)"""
@@ -93,11 +93,11 @@ class ConstrainedOutputs:
 
     @property
     def count(self) -> int:
-        """Number of channels."""
+        """Number of outputs."""
         return int(self.limit.shape[1])
 
     def selected(self, columns: Integers) -> ConstrainedOutputs:
-        """Other channels in each cell: those with the given numbers, shape (m, k')."""
+        """Other outputs in each cell: those with the given numbers, shape (m, k')."""
         found = {}
         for part in fields(self)[1:]:
             values = getattr(self, part.name)

@@ -1,8 +1,8 @@
-"""Bounds of torque, speed and their rates over all times of a motion along a `RateLimitedLaw`.
+"""`OutputRatios`: torque, speed and their rates over all times of a motion without jumps, bounded.
 
 Nothing of the program that found the motion is used, only its numbers. In a part of a cell u is
 linear and x quadratic in s, the coefficients are parabolas up to a remainder r, so that every
-channel, and its rate over sqrt(x), are polynomials of s with known Bernstein coefficients. What the
+output, and its rate over sqrt(x), are polynomials of s with known Bernstein coefficients. What the
 derivative of a parabola misses is bounded by Cauchy's integral again: with the remainder of
 `cells`, at most 6.2 r / w on a part of half width w. sqrt(x) lies between secant and tangent,
 1/sqrt(x) above its tangent.
@@ -10,127 +10,76 @@ derivative of a parabola misses is bounded by Cauchy's integral again: with the 
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from math import comb
 
 import numpy as np
 import numpy.typing as npt
 
-from irb2400_ctrl.planners.enclosure.cells import enclose, reversals
+from irb2400_ctrl.planners.enclosure.cells import enclose
 from irb2400_ctrl.planners.enclosure.effect_bounds import Added, Variant, variants
 from irb2400_ctrl.planners.enclosure.path_dynamics import PathDynamics
 from irb2400_ctrl.planners.joint_path import JointPath
-from irb2400_ctrl.planners.timing.certificate import Certificate, Checked
+from irb2400_ctrl.planners.timing.motion_bounds import Checked
+from irb2400_ctrl.planners.timing.motion_limits import MotionLimits
+from irb2400_ctrl.planners.timing.rate_limited.cell_motion import CellMotion
 from irb2400_ctrl.planners.timing.rate_limited.constrained_outputs import ConstrainedOutputs
-from irb2400_ctrl.planners.timing.rate_limited.rate_limited_law import RateLimitedLaw
 
 Array = npt.NDArray[np.float64]
 
-# parts that each cell is cut into; more, while a bound is above the limit
-_PARTS = (2, 4, 8)
 # Cauchy: |f' - p'| <= 3 sqrt(3)/2 (2 + 2/(3 sqrt 3)/(kappa - 1)) |f - p| bound / w, kappa >= 2
 _DERIVATIVE = 1.5 * np.sqrt(3) * (2 + 2 / (3 * np.sqrt(3)))
-# the law's numbers may disagree by rounding, and so may the pieces of the path
-_ROUNDING = 1e-11
-_JOINED = 1e-7
 
 
-def check_rate_limited(certificate: Certificate, dynamics: PathDynamics) -> Checked:
-    """Bounds over all times; inf where nothing can be said."""
-    law = certificate.law
-    assert isinstance(law, RateLimitedLaw)
-    if not (_consistent(law) and _joined(certificate.path)):
-        return Checked(np.inf, np.inf, (float(law.s[0]), 1), np.inf, np.inf, np.inf)
-    for parts in _PARTS:
-        ratios, s = cell_ratios(certificate, dynamics, parts)
-        if max(np.nanmax(r) for r in ratios) <= 1:
-            break
-    value, rate, speed = ratios
-    torques = dynamics.model.robot.n
-    cell, axis = np.unravel_index(int(np.argmax(value[:, :torques])), (len(value), torques))
-    worst = [
-        float(f.max(initial=0.0))
-        for f in (value[:, torques:], rate[:, :torques], rate[:, torques:])
-    ]
-    return Checked(
-        float(value[cell, axis]), float(speed.max()), (float(s[cell]), int(axis) + 1), *worst
-    )
+@dataclass(frozen=True)
+class OutputRatios:
+    """Upper bounds on m parts of cells, as parts of the limits; the torques come first."""
+
+    s: Array
+    """ends of the parts [m], shape (m + 1,)"""
+    value: Array
+    """|y| / limit, shape (m, k)"""
+    rate: Array
+    """|dy/dt| / rate, zero where there is no limit, shape (m, k)"""
+    speed: Array
+    """|qd| / qd_max, shape (m, n)"""
+
+    @property
+    def worst(self) -> float:
+        """The largest of all, leaving out what could not be computed."""
+        return max(float(np.nanmax(ratio)) for ratio in (self.value, self.rate, self.speed))
+
+    def checked(self, n: int) -> Checked:
+        """The largest of each kind; the first n outputs are torques, the others accelerations."""
+        torque = self.value[:, :n]
+        cell, axis = np.unravel_index(int(np.argmax(torque)), torque.shape)
+        return Checked(
+            torque_ratio=float(torque[cell, axis]),
+            velocity_ratio=float(self.speed.max()),
+            torque_at=(float(self.s[cell]), int(axis) + 1),
+            acceleration_ratio=float(self.value[:, n:].max(initial=0.0)),
+            torque_rate_ratio=float(self.rate[:, :n].max(initial=0.0)),
+            jerk_ratio=float(self.rate[:, n:].max(initial=0.0)),
+        )
 
 
-def cell_ratios(
-    certificate: Certificate, dynamics: PathDynamics, parts: int
-) -> tuple[tuple[Array, Array, Array], Array]:
-    """Upper bounds of |y| / limit, |dy/dt| / rate (m, k) and of speed (m, n) on parts of cells, and
-    their ends s."""
-    law = certificate.law
-    limits = certificate.limits
-    assert isinstance(law, RateLimitedLaw)
-    inner = law.s[1:-1]
-    split = (inner[:-1, None] + np.arange(parts) / parts * np.diff(inner)[:, None]).ravel()
-    # nothing is taken for granted: knots and reversals that are not on the law's grid cut its cells
-    more = np.concatenate([certificate.path.knots, reversals(certificate.path)])
-    more = more[(more > inner[0]) & (more < inner[-1])]
-    s = np.unique(np.concatenate([law.s, split, more]))
-    cells = enclose(dynamics, certificate.path, s)
-    channels = ConstrainedOutputs.of(cells, limits, dynamics.model.robot.friction)
-    x, u, beta = _polynomials(law, s)
-    G = _product(cells.speed, cells.speed) / limits.qd_max**2
-    speed = np.sqrt(np.maximum(_product(G, x[..., None]).max(axis=1), 0.0))
-    value = _values(channels, cells.added, x, u)
-    rate = _rates(channels, x, u, beta)
+def output_ratios(
+    motion: CellMotion, path: JointPath, limits: MotionLimits, dynamics: PathDynamics
+) -> OutputRatios:
+    """Upper bounds of the constrained outputs and the speeds; inf where nothing can be said."""
     n = dynamics.model.robot.n
+    cells = enclose(dynamics, path, motion.s)
+    outputs = ConstrainedOutputs.of(cells, limits, dynamics.model.robot.friction)
+    squared_speed = _product(cells.speed, cells.speed) / limits.qd_max**2
+    most = _product(squared_speed, motion.x[..., None]).max(axis=1)
+    value = _values(outputs, cells.added, motion.x, motion.u)
+    rate = _rates(outputs, motion.x, motion.u, motion.slope)
     if dynamics.irregular:
         value[:, :n] = np.inf
     if dynamics.irregular or cells.added is not None:
         # effects of time, load or memory: the slopes of their torques have no bound here
-        rate[:, :n] = np.where(np.isfinite(channels.rate[:, :n]), np.inf, 0.0)
-    return (value, rate, speed), s
-
-
-def _consistent(law: RateLimitedLaw) -> bool:
-    """Whether the numbers are those of one motion: x from u, rest at both ends."""
-    h = np.diff(law.s)
-    x = law.x
-    u = law.u
-    if not (len(h) > 2 and (h > 0).all() and np.isfinite(u).all() and (x[1:-1] > 0).all()):
-        return False
-    inner = np.abs(np.diff(x) - h * (u[:-1] + u[1:]))[1:-1] <= _ROUNDING * (x[1:-2] + x[2:-1])
-    ends = np.abs([x[1] - 1.5 * h[0] * u[1], x[-2] + 1.5 * h[-1] * u[-2]]) <= _ROUNDING * x[[1, -2]]
-    return bool(
-        inner.all() and ends.all() and not (x[[0, -1]] != 0).any() and not (u[[0, -1]] != 0).any()
-    )
-
-
-def _joined(path: JointPath) -> bool:
-    """Whether q, q' and q'' are continuous at the knots: a jump of q'' would be one of the
-    torque."""
-    piece = np.arange(len(path.knots) - 2)
-    for order in (0, 1, 2):
-        before, after = (path.on_piece(path.knots[1:-1], piece + k, order) for k in (0, 1))
-        if (np.abs(after - before) > _JOINED * (1 + np.abs(before).max(axis=0, initial=0.0))).any():
-            return False
-    return True
-
-
-def _polynomials(law: RateLimitedLaw, s: Array) -> tuple[Array, Array, Array]:
-    """Bernstein coefficients of x (degree 2) and u (degree 1), and u', on parts of the law's cells.
-
-    In the end parts: the largest x; u at both ends; and for u' the (constant) jerk over the largest
-    speed.
-    """
-    cell = np.clip(np.searchsorted(law.s, (s[:-1] + s[1:]) / 2) - 1, 0, len(law.s) - 2)
-    beta = law.slope[cell]
-    first = s[:-1] - law.s[cell]
-    last = s[1:] - law.s[cell]
-    u = law.u[cell, None] + beta[:, None] * np.stack([first, last], axis=1)
-    x0 = law.x[cell] + first * (2 * law.u[cell] + beta * first)
-    width = last - first
-    x = np.stack([x0, x0 + width * u[:, 0], x0 + width * (u[:, 0] + u[:, 1])], axis=1)
-    h = np.diff(law.s)
-    for end, near in ((0, 1), (-1, -2)):
-        x[end] = law.x[near]
-        u[end] = law.u[[end, near]][:: 1 if end == 0 else -1]
-        beta[end] = 2 / 9 * law.x[near] / h[end] ** 2
-    return x, u, beta
+        rate[:, :n] = np.where(np.isfinite(outputs.rate[:, :n]), np.inf, 0.0)
+    return OutputRatios(motion.s, value, rate, np.sqrt(np.maximum(most, 0.0)))
 
 
 def _values(c: ConstrainedOutputs, added: Added | None, x: Array, u: Array) -> Array:

@@ -5,12 +5,9 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from irb2400_ctrl.planners.enclosure.cells import grid
+from irb2400_ctrl.planners.enclosure.cells import divided, grid
 from irb2400_ctrl.planners.joint_path import JointPath
-from irb2400_ctrl.planners.timing.rate_limited.constrained_outputs import (
-    ConstrainedOutputs,
-    Integers,
-)
+from irb2400_ctrl.planners.timing.rate_limited.constrained_outputs import ConstrainedOutputs
 from irb2400_ctrl.planners.timing.rate_limited.rate_limited_law import RateLimitedLaw
 from irb2400_ctrl.planners.timing.time_law import TimeLaw
 
@@ -31,20 +28,18 @@ _STEADY = 0.02
 _SLIVER = 0.05
 
 
-def first_grid(
-    path: JointPath, fastest: TimeLaw, channels: ConstrainedOutputs, count: int
-) -> Array:
+def first_grid(path: JointPath, fastest: TimeLaw, outputs: ConstrainedOutputs, count: int) -> Array:
     """Knots, reversals, even steps; small steps at both ends, growing, and wherever the fastest
     motion changes by much.
 
     Args:
         path: the joint path.
         fastest: its time law with jumps.
-        channels: on the cells of that law.
+        outputs: on the cells of that law.
         count: about how many even steps.
     """
     s = grid(path, count)
-    jerk, ramp = channels.building_up(np.full(len(channels.h), fastest.x.max()))
+    jerk, ramp = outputs.building_up(np.full(len(outputs.h), fastest.x.max()))
     steps = [s]
     for end, side in ((0, 1.0), (-1, -1.0)):
         first = min(jerk[end] * (_FIRST * ramp[end]) ** 3 / 6, 1e-2 * np.diff(s)[end])
@@ -55,15 +50,15 @@ def first_grid(
     s = _without_slivers(np.unique(np.concatenate(steps)), path.knots)
     x = np.interp(s, fastest.s, fastest.x)
     change = np.abs(np.diff(np.log(np.maximum(x[1:-1], 1e-300))))
-    return _cut(
+    return divided(
         s, np.concatenate([[1], np.clip(np.ceil(change / _CHANGE), 1, 20), [1]]).astype(int)
     )
 
 
-def refined(law: RateLimitedLaw, channels: ConstrainedOutputs) -> Array:
+def refined(law: RateLimitedLaw, outputs: ConstrainedOutputs) -> Array:
     """The grid of a law, cut so that no cell in which the speed changes takes long, for a closer
     solution."""
-    _, ramp = channels.building_up(np.maximum(law.x[:-1], law.x[1:]))
+    _, ramp = outputs.building_up(np.maximum(law.x[:-1], law.x[1:]))
     change = np.zeros(len(ramp))
     change[1:-1] = np.abs(np.diff(np.log(law.x[1:-1])))
     busy = change > _STEADY
@@ -74,7 +69,7 @@ def refined(law: RateLimitedLaw, channels: ConstrainedOutputs) -> Array:
     )
     parts = np.where(busy, parts, 1).astype(int)
     parts[[0, -1]] = 1
-    return _cut(law.s, parts)
+    return divided(law.s, parts)
 
 
 def _without_slivers(s: Array, knots: Array) -> Array:
@@ -85,10 +80,3 @@ def _without_slivers(s: Array, knots: Array) -> Array:
     drop = np.flatnonzero(near & ~fixed[1:-1]) + 1
     # of neighbours only the first goes
     return np.delete(s, drop[np.diff(drop, prepend=-1) > 1])
-
-
-def _cut(s: Array, parts: Integers) -> Array:
-    """Every cell cut into so many equal parts."""
-    first = np.repeat(s[:-1], parts)
-    number = np.arange(parts.sum()) - np.repeat(np.cumsum(parts) - parts, parts)
-    return np.append(first + number * np.repeat(np.diff(s) / parts, parts), s[-1])

@@ -9,35 +9,42 @@ from functools import cached_property
 import numpy as np
 import numpy.typing as npt
 
+from irb2400_ctrl.planners.enclosure.path_dynamics import PathDynamics
 from irb2400_ctrl.planners.joint_path import JointPath
+from irb2400_ctrl.planners.timing.motion_bounds import Checked, Peaks
+from irb2400_ctrl.planners.timing.motion_limits import MotionLimits
+from irb2400_ctrl.planners.timing.rate_limited.cell_motion import (
+    CellMotion,
+    is_joined,
+    refined_grid,
+)
+from irb2400_ctrl.planners.timing.rate_limited.hyperbolic_motion import arc, hyperbolic
+from irb2400_ctrl.planners.timing.rate_limited.output_bounds import OutputRatios, output_ratios
+from irb2400_ctrl.planners.timing.rate_limited.sampled_check import filled_by_samples
+from irb2400_ctrl.planners.timing.time_law import TimeLaw
 
 Array = npt.NDArray[np.float64]
 
-# below this |beta| t^2 the series is exact to rounding
-_SERIES = 1e-2
+# parts that each cell is cut into for the check; more, while a bound is above the limit
+_PARTS = (2, 4, 8)
+# the law's numbers may disagree by rounding
+_ROUNDING = 1e-11
 
 
 @dataclass(frozen=True)
-class RateLimitedLaw:
+class RateLimitedLaw(TimeLaw):
     """s(t) with sddot = u continuous, linear in s between the grid points, and of constant jerk in
     the end cells.
 
     Inside a cell u = u_i + beta (s - s_i): a hyperbolic, or harmonic, motion in closed form. At an
     end u grows as the cube root of s, which no straight line follows: there s = h (t / T)^3 within
-    the first cell, which asks for x_1 = 3 h u_1 / 2, and likewise backwards in the last one.
+    the first cell, which asks for x_1 = 3 h u_1 / 2, and likewise backwards in the last one. There
+    are three cells at least; x is zero at both ends.
     """
 
-    s: Array
-    """grid [m], shape (m + 1,), m > 2"""
-    x: Array
-    """sdot^2 at the grid points [m2/s2], zero at both ends, shape (m + 1,)"""
     u: Array
     """sddot at the grid points [m/s2], zero at both ends, shape (m + 1,); x_{i+1} - x_i = h (u_i +
     u_{i+1}) inside"""
-
-    def __post_init__(self) -> None:
-        for array in (self.s, self.x, self.u):
-            array.setflags(write=False)
 
     @cached_property
     def slope(self) -> Array:
@@ -60,15 +67,10 @@ class RateLimitedLaw:
         # h / (v_i + v_{i+1}) = tanh(omega dt / 2) / omega with omega^2 = beta, or tan for a
         # negative one
         half = h / (v[:-1] + v[1:])
-        step = 2 * half * _arc(self.slope * half**2)
+        step = 2 * half * arc(self.slope * half**2)
         step[0] = 3 * h[0] / v[1]
         step[-1] = 3 * h[-1] / v[-2]
         return np.concatenate([[0.0], np.cumsum(step)])
-
-    @property
-    def duration(self) -> float:
-        """[s]"""
-        return float(self.time[-1])
 
     def on(self, s: Array) -> tuple[Array, Array]:
         """x and u at lengths between the end cells, or at the ends, shapes of s."""
@@ -92,7 +94,7 @@ class RateLimitedLaw:
         v = np.sqrt(self.x[cell])
         u = self.u[cell]
         beta = np.where((cell == 0) | (cell == last), 0.0, self.slope[cell])
-        C, S1, S2 = _motions(beta, t)
+        C, S1, S2 = hyperbolic(beta, t)
         s = self.s[cell] + v * S1 + u * S2
         speed = v * C + u * S1
         acceleration = u * C + beta * v * S1
@@ -109,52 +111,69 @@ class RateLimitedLaw:
         s = np.clip(s, self.s[cell], self.s[cell + 1])
         return s, np.where(over, 0.0, np.maximum(speed, 0.0)), np.where(over, 0.0, acceleration)
 
-    def motion(self, path: JointPath, time: Array) -> tuple[Array, Array, Array, Array]:
-        """(s, q, qd, qdd) at the given times; shapes (k,) and (k, n)."""
-        s, v, u = self.at(time)
-        first = path(s, 1)
-        second = path(s, 2)
-        return s, path(s), first * v[:, None], second * v[:, None] ** 2 + first * u[:, None]
-
-
-def _arc(z: Array) -> Array:
-    """artanh(sqrt z) / sqrt z, and arctan(sqrt -z) / sqrt -z for negative z."""
-    root = np.sqrt(np.abs(z))
-    safe = np.where(np.abs(z) < _SERIES, 1.0, root)
-    far = (
-        np.where(
-            z > 0, np.arctanh(np.minimum(safe, 1 - 1e-16) * (np.abs(z) >= _SERIES)), np.arctan(safe)
+    def sampled_ratios(
+        self, path: JointPath, limits: MotionLimits, dynamics: PathDynamics, parts: int
+    ) -> OutputRatios:
+        """`ratios`, with infinite bounds of torques and their rates replaced by samples."""
+        return filled_by_samples(
+            self.ratios(path, limits, dynamics, parts), self, path, limits, dynamics
         )
-        / safe
-    )
-    series = np.zeros_like(z)
-    for k in range(8, -1, -1):
-        series = series * z + 1 / (2 * k + 1)
-    return np.asarray(np.where(np.abs(z) < _SERIES, series, far))
 
+    def ratios(
+        self, path: JointPath, limits: MotionLimits, dynamics: PathDynamics, parts: int
+    ) -> OutputRatios:
+        """Every constrained output over its limit, on so many parts of each cell."""
+        motion = self.on_cells(refined_grid(self.s, path, parts))
+        return output_ratios(motion, path, limits, dynamics)
 
-def _motions(beta: Array, t: Array) -> tuple[Array, Array, Array]:
-    """cosh(w t), sinh(w t) / w and (cosh(w t) - 1) / w^2 with w^2 = beta of either sign."""
-    z = beta * t**2
-    root = np.sqrt(np.abs(z))
-    near = np.abs(z) < _SERIES
-    safe = np.where(near, 1.0, root)
-    square = np.where(near, 1.0, z)
-    C = np.where(z > 0, np.cosh(root), np.cos(root))
-    S1 = np.where(z > 0, np.sinh(safe), np.sin(safe)) / safe
-    S2 = 2 * np.where(z > 0, np.sinh(safe / 2), np.sin(safe / 2)) ** 2 / np.abs(square)
-    first = 1.0
-    second = 0.5
-    series1 = np.zeros_like(z)
-    series2 = np.zeros_like(z)
-    terms1 = [first]
-    terms2 = [second]
-    for k in range(1, 8):
-        first /= 2 * k * (2 * k + 1)
-        second /= (2 * k + 1) * (2 * k + 2)
-        terms1.append(first)
-        terms2.append(second)
-    for p, r in zip(reversed(terms1), reversed(terms2), strict=True):
-        series1 = series1 * z + p
-        series2 = series2 * z + r
-    return C, t * np.where(near, series1, S1), t**2 * np.where(near, series2, S2)
+    def bounds(self, path: JointPath, limits: MotionLimits, dynamics: PathDynamics) -> Checked:
+        """Bounds over all times; inf where nothing can be said."""
+        if not (self.is_consistent() and is_joined(path)):
+            return Checked(np.inf, np.inf, (float(self.s[0]), 1), np.inf, np.inf, np.inf)
+        for parts in _PARTS:
+            ratios = self.ratios(path, limits, dynamics, parts)
+            if ratios.worst <= 1:
+                break
+        return ratios.checked(dynamics.model.robot.n)
+
+    def peaks(self, path: JointPath, limits: MotionLimits, dynamics: PathDynamics) -> Peaks:
+        """Largest torque of each axis, and the largest torque rate, of samples where it has no
+        bound."""
+        n = dynamics.model.robot.n
+        ratios = self.sampled_ratios(path, limits, dynamics, 1)
+        return Peaks(
+            torque=ratios.value[:, :n].max(axis=0) * limits.tau_max,
+            torque_rate_ratio=float(ratios.rate[:, :n].max()),
+        )
+
+    def is_consistent(self) -> bool:
+        """Whether the numbers are those of one motion: x from u, rest at both ends."""
+        h = np.diff(self.s)
+        x = self.x
+        u = self.u
+        if not (len(h) > 2 and (h > 0).all() and np.isfinite(u).all() and (x[1:-1] > 0).all()):
+            return False
+        if x[[0, -1]].any() or u[[0, -1]].any():
+            return False
+        gained = h * (u[:-1] + u[1:])
+        inner = np.abs(np.diff(x) - gained)[1:-1] <= _ROUNDING * (x[1:-2] + x[2:-1])
+        at_ends = np.abs([x[1] - 1.5 * h[0] * u[1], x[-2] + 1.5 * h[-1] * u[-2]])
+        return bool(inner.all() and (at_ends <= _ROUNDING * x[[1, -2]]).all())
+
+    def on_cells(self, s: Array) -> CellMotion:
+        """The motion on the parts of cells between the lengths s, the law's own grid included."""
+        cell = np.clip(np.searchsorted(self.s, (s[:-1] + s[1:]) / 2) - 1, 0, len(self.s) - 2)
+        slope = self.slope[cell]
+        first = s[:-1] - self.s[cell]
+        last = s[1:] - self.s[cell]
+        width = last - first
+        u = self.u[cell, None] + slope[:, None] * np.stack([first, last], axis=1)
+        x0 = self.x[cell] + first * (2 * self.u[cell] + slope * first)
+        x = np.stack([x0, x0 + width * u[:, 0], x0 + width * (u[:, 0] + u[:, 1])], axis=1)
+        h = np.diff(self.s)
+        for end, near in ((0, 1), (-1, -2)):
+            at_rest_first = self.u[[end, near]]
+            x[end] = self.x[near]
+            u[end] = at_rest_first if end == 0 else at_rest_first[::-1]
+            slope[end] = 2 / 9 * self.x[near] / h[end] ** 2
+        return CellMotion(s, x, u, slope)

@@ -2,8 +2,8 @@
 with few neighbours.
 
 Unknown are the control points z of x(s) = sdot^2, a quadratic B-spline on the inner cells: u = x'/2
-is continuous and linear in each cell. In the end cells s = h (t / T)^3 (`SmoothLaw`), so that x_1 =
-3 h u_1 / 2 there. With the channels y = a u + b x + e sqrt(x) + c + dry friction of
+is continuous and linear in each cell. In the end cells s = h (t / T)^3 (`RateLimitedLaw`), so that
+x_1 = 3 h u_1 / 2 there. With the outputs y = a u + b x + e sqrt(x) + c + dry friction of
 `ConstrainedOutputs`, at both ends and the middle of every cell,
 
     |y| <= limit,        |(a' + 2 b) u + a u' + b' x + c' + (e u + e' x) / sqrt(x)| <= rate /
@@ -44,7 +44,7 @@ class RateLimitedProgram:
     """Rows and objective on m cells, the first and the last of them at rest at one end; m - 2 > 3
     unknowns."""
 
-    channels: ConstrainedOutputs
+    outputs: ConstrainedOutputs
     """k of them on all m cells"""
     bound: Array
     """of x at the grid points, shape (m + 1,)"""
@@ -56,7 +56,7 @@ class RateLimitedProgram:
     @property
     def size(self) -> int:
         """Number of unknowns."""
-        return len(self.channels.h) - 2
+        return len(self.outputs.h) - 2
 
     # ---- from unknowns to Bernstein coefficients of x
 
@@ -70,7 +70,7 @@ class RateLimitedProgram:
     def to_bernstein(self) -> Array:
         """Bernstein coefficients of x in each inner cell from its three unknowns, shape (m - 2, 3,
         3)."""
-        all_h = self.channels.h
+        all_h = self.outputs.h
         h = all_h[1:-1]
         before = np.append(0.0, h[:-1])
         after = np.append(h[1:], 0.0)
@@ -117,7 +117,7 @@ class RateLimitedProgram:
 
     def duration(self, z: Array) -> tuple[float, Array, Array]:
         """Duration [s], its gradient and its Hessian (upper bands)."""
-        h = self.channels.h
+        h = self.outputs.h
         weight = h[1:-1, None] * _WEIGHTS
         root = np.sqrt(self.bernstein(z) @ _GAUSS.T)
         value = float((weight / root).sum()) + 3 * h[0] / np.sqrt(z[0]) + 3 * h[-1] / np.sqrt(z[-1])
@@ -137,8 +137,8 @@ class RateLimitedProgram:
     @cached_property
     def _coefficients(self) -> tuple[Array, ...]:
         """a, b, e, c_high, c_low and their derivatives at the three places, each (m - 2, 3, k)."""
-        c = self.channels
-        h = self.channels.h[1:-1, None, None]
+        c = self.outputs
+        h = self.outputs.h[1:-1, None, None]
         parabolas = [f[1:-1] for f in (c.a, c.b, c.e, c.c_high, c.c_low)]
         return (
             *(np.matmul(_VALUE, f) for f in parabolas),
@@ -149,7 +149,7 @@ class RateLimitedProgram:
     def _motion(self) -> tuple[Array, Array, Array]:
         """x, u and u' at the three places from local unknowns, each (m - 2, 3 or 1, 3)."""
         E = self.to_bernstein
-        h = self.channels.h[1:-1, None, None]
+        h = self.outputs.h[1:-1, None, None]
         return np.matmul(_VALUE, E), np.matmul(_SLOPE, E) / h, np.matmul(_BEND[None], E) / h**2
 
     @cached_property
@@ -161,8 +161,8 @@ class RateLimitedProgram:
             first = f[1:-2]
             last = f[2:-1]
             ends.append(np.stack([first, (first + last) / 2, last], axis=1))
-        factor = np.sqrt(ends[0])[..., None] / self.channels.rate[1:-1, None]
-        return self.channels.limit[1:-1, None], factor, ends[0], ends[1]
+        factor = np.sqrt(ends[0])[..., None] / self.outputs.rate[1:-1, None]
+        return self.outputs.limit[1:-1, None], factor, ends[0], ends[1]
 
     def slacks(self, z: Array) -> Array:
         """How far the motion is from every limit, in units of the limits; shape (rows,)."""
@@ -181,7 +181,7 @@ class RateLimitedProgram:
         bez = self.bernstein(z)
         r = np.sqrt(x)
         value, rate = (k[1:-1, None] for k in self.keep)
-        top, bottom = self.channels.dry_friction(
+        top, bottom = self.outputs.dry_friction(
             np.concatenate([[0.0], bez.min(axis=1), [0.0]])[:, None]
         )
         y = a * u + b * x + e * r
@@ -217,7 +217,7 @@ class RateLimitedProgram:
         """Upper bands of what the bend of rate / sqrt(x) takes from the Hessian, for multipliers of
         the inner rows."""
         m = self.size
-        count = 3 * self.channels.count
+        count = 3 * self.outputs.count
         reference = self._units[2]
         x = self.bernstein(z) @ _VALUE.T
         both = multipliers[:, 2 * count : 3 * count] + multipliers[:, 3 * count : 4 * count]
@@ -235,7 +235,7 @@ class RateLimitedProgram:
         In them u lies between 0 and u_1, x between 0 and x_1, du/dt is constant: every term is
         taken at its largest.
         """
-        c = self.channels
+        c = self.outputs
         top, bottom = c.dry_friction(np.zeros((1, 1)))
         found = []
         slope = []

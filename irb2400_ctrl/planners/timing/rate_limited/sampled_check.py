@@ -1,20 +1,24 @@
-"""Ratios of a motion to its limits where they have no bound: looked at, with room to spare."""
+"""Ratios of a motion to its limits where they have no bound: sampled, with room to spare."""
 
 from __future__ import annotations
+
+from dataclasses import replace
 
 import numpy as np
 import numpy.typing as npt
 
 from irb2400_ctrl.planners.enclosure.path_dynamics import PathDynamics
-from irb2400_ctrl.planners.timing.certificate import Certificate
-from irb2400_ctrl.planners.timing.rate_limited.output_bounds import cell_ratios
+from irb2400_ctrl.planners.joint_path import JointPath
+from irb2400_ctrl.planners.timing.motion_limits import MotionLimits
+from irb2400_ctrl.planners.timing.rate_limited.output_bounds import OutputRatios
+from irb2400_ctrl.planners.timing.time_law import TimeLaw
 
 Array = npt.NDArray[np.float64]
 
-# looks per second
+# samples per second
 _RATE = 10_000.0
 _CHUNK = 50_000
-# added to what was seen, as a part of it
+# added to what the samples show, as a part of it
 _ROOM = 0.01
 SAMPLED_NOTE = (
     "the torque bound holds at every instant; the rate of a torque that depends on time, load or "
@@ -23,37 +27,43 @@ SAMPLED_NOTE = (
 )
 
 
-def sampled_ratios(
-    certificate: Certificate, dynamics: PathDynamics, parts: int
-) -> tuple[tuple[Array, Array, Array], Array]:
-    """`cell_ratios`, with infinite bounds of torques and their rates replaced by what 10,000 looks
-    per second show."""
-    (value, rate, speed), s = cell_ratios(certificate, dynamics, parts)
+def filled_by_samples(
+    bounds: OutputRatios,
+    law: TimeLaw,
+    path: JointPath,
+    limits: MotionLimits,
+    dynamics: PathDynamics,
+) -> OutputRatios:
+    """The same with infinite bounds of torques and their rates replaced by what 10,000 samples per
+    second show."""
     n = dynamics.model.robot.n
+    value = bounds.value.copy()
+    rate = bounds.rate.copy()
     open_value = ~np.isfinite(value[:, :n])
     open_rate = ~np.isfinite(rate[:, :n])
-    if open_value.any() or open_rate.any():
-        torque, change = _seen(certificate, dynamics, s)
-        limits = certificate.limits
-        value[:, :n] = np.where(open_value, (1 + _ROOM) * torque / limits.tau_max, value[:, :n])
-        if limits.torque_rate is not None:
-            rate[:, :n] = np.where(
-                open_rate, (1 + _ROOM) * change / limits.torque_rate, rate[:, :n]
-            )
-    return (value, rate, speed), s
+    if not (open_value.any() or open_rate.any()):
+        return bounds
+    torque, change = _sampled(law, path, dynamics, bounds.s)
+    sampled_value = (1 + _ROOM) * torque / limits.tau_max
+    value[:, :n] = np.where(open_value, sampled_value, value[:, :n])
+    if limits.torque_rate is not None:
+        sampled_rate = (1 + _ROOM) * change / limits.torque_rate
+        rate[:, :n] = np.where(open_rate, sampled_rate, rate[:, :n])
+    return replace(bounds, value=value, rate=rate)
 
 
-def _seen(certificate: Certificate, dynamics: PathDynamics, s: Array) -> tuple[Array, Array]:
+def _sampled(
+    law: TimeLaw, path: JointPath, dynamics: PathDynamics, s: Array
+) -> tuple[Array, Array]:
     """Largest |tau| and |dtau/dt|, dry friction apart from the second, in cells and their
     neighbours, each (m, n)."""
-    law = certificate.law
     model = dynamics.model
     count = int(np.ceil(law.duration * _RATE)) + 1
     dt = float(law.duration) / (count - 1)
     found = np.zeros((2, len(s) - 1, model.robot.n))
     for first in range(0, count - 1, _CHUNK):
         time = dt * np.arange(first, min(first + _CHUNK + 1, count), dtype=float)
-        at, q, qd, qdd = law.motion(certificate.path, time)
+        at, q, qd, qdd = law.motion(path, time)
         tau = dynamics.torque(q, qd, qdd, time)
         smooth = tau - model.friction(qd) + model.robot.friction[:, 2] * qd
         # where a joint turns back, what depends on its direction jumps

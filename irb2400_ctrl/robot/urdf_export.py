@@ -15,7 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from irb2400_ctrl.files import write_atomic
-from irb2400_ctrl.robot import Body, Robot
+from irb2400_ctrl.robot.description import Body, Robot
 
 Array = npt.NDArray[np.float64]
 

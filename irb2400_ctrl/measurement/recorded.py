@@ -1,13 +1,13 @@
-"""The motion of a log as a reference for the simulated arm."""
+"""The motion of a log, to be followed again."""
 
 from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
 
-from irb2400_ctrl.measurement import Log
+from irb2400_ctrl.measurement.log import Log
 from irb2400_ctrl.measurement.uniform import resample
-from irb2400_ctrl.simulation.trajectory import Trajectory
+from irb2400_ctrl.trajectory import Trajectory
 
 Array = NDArray[np.float64]
 CUTOFF_HZ = 8.0

@@ -1,0 +1,33 @@
+"""What is known of an effect's numbers before a log is seen."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+Normal = tuple[float, float]
+"""usual value and spread (one standard deviation)"""
+
+
+@dataclass(frozen=True)
+class Prior:
+    """Usual values and spreads, and how far a real device is from its law.
+
+    Args:
+        coefficients: of each coefficient, where the data alone may not settle them; empty: no such
+            knowledge.
+        fields: of fields that the data may not settle, by name.
+        fixed: fields that a fit does not move continuously (times of switching).
+        loose: fields of an effect with memory that are known far less sharply than the others.
+        discrepancy_share: share of its torque that its law, being simpler than the real thing, may
+            leave for others to explain.
+        discrepancy_lasts: whether the discrepancy found on one log says something about another
+            motion or load.
+    """
+
+    coefficients: tuple[Normal, ...] = ()
+    fields: Mapping[str, Normal] = field(default_factory=dict)
+    fixed: tuple[str, ...] = ()
+    loose: tuple[str, ...] = ()
+    discrepancy_share: float = 0.22
+    discrepancy_lasts: bool = True

@@ -1,0 +1,29 @@
+"""How a diagnosis looks for an effect."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Search:
+    """What is special about looking for one kind; nothing, by default.
+
+    Args:
+        device: part of a joint of which a log tells one flaw only: beside one effect on it no other
+            is looked for.
+        between_grid: its (even) grid is too coarse to compare with others: the best point is then
+            moved between neighbours.
+        repeats: one joint may have several (a gear has more than one tooth frequency).
+        on_every_joint: a maker leaves it out of all joints alike, so all at once is tried too.
+        comes_and_goes: tried as acting on and off too, not only from some moment on.
+        shows_moving: a log must show it away from reversals too, where dry friction is hard to
+            predict.
+    """
+
+    device: str = ""
+    between_grid: bool = False
+    repeats: bool = False
+    on_every_joint: bool = False
+    comes_and_goes: bool = False
+    shows_moving: bool = False

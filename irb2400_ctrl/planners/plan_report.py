@@ -1,0 +1,111 @@
+"""`report`: a certified motion as the `Plan` that is handed out."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.planners.certify import PlanBounds
+from irb2400_ctrl.planners.enclosure.path_dynamics import PathDynamics
+from irb2400_ctrl.planners.plan import Plan
+from irb2400_ctrl.planners.redundancy.wrist_remedies import Remedy, taken
+from irb2400_ctrl.planners.timing.time_choices import TimedChoice
+from irb2400_ctrl.planners.timing.timing_options import TimingOptions
+from irb2400_ctrl.planners.toolpath.orientation import Orientation
+from irb2400_ctrl.trajectory import Trajectory
+
+Array = npt.NDArray[np.float64]
+
+_MOST_ROWS = 20_000_000
+
+
+def report(
+    dynamics: PathDynamics,
+    orientation: Orientation,
+    timed: Sequence[TimedChoice],
+    chosen: TimedChoice,
+    bounds: PlanBounds,
+    remedies: Sequence[Remedy],
+    options: TimingOptions,
+    rate: float,
+    wall_time: dict[str, float],
+) -> Plan:
+    """The plan of the chosen motion, with what it was compared with.
+
+    Args:
+        dynamics: the arm.
+        orientation: the tool path, placed and smoothed.
+        timed: all choices that were compared.
+        chosen: the one that is driven.
+        bounds: what is sure of it.
+        remedies: of its wrist passages.
+        options: how it was timed.
+        rate: rows of the trajectory per second [1/s].
+        wall_time: of the stages [s]; the caller goes on writing to it.
+    """
+    tcp = chosen.path.tcp
+    choice = chosen.choice
+    trajectory, s = _rows(dynamics, chosen, rate)
+    return Plan(
+        robot=dynamics.model.robot,
+        path=orientation.curve.path,
+        trajectory=trajectory,
+        length=float(tcp.lengths[-1]),
+        certificate=bounds.certificate,
+        duration=chosen.law.duration,
+        guaranteed=bounds.guaranteed,
+        guarantee_note=bounds.note,
+        rates=chosen.rates,
+        timing=options.backend,
+        max_tcp_deviation=bounds.deviation.largest,
+        max_tool_axis_deviation=bounds.deviation.axis,
+        singularity_margin=bounds.singularity_margin,
+        max_torque_ratio=bounds.torque_ratio,
+        max_velocity_ratio=bounds.velocity_ratio,
+        max_feed_ratio=bounds.feed_ratio,
+        chosen=choice.kind,
+        branch=choice.branch,
+        rotation=choice.rotation(s),
+        alternatives=tuple(_compared(option) for option in timed),
+        passages=tuple(_passages(chosen)),
+        remedies=tuple(remedy.summary() for remedy in remedies),
+        wall_time=wall_time,
+    )
+
+
+def _rows(dynamics: PathDynamics, chosen: TimedChoice, rate: float) -> tuple[Trajectory, Array]:
+    """Rows at k / rate up to the first one at or after the end, and where on the joint path they
+    are."""
+    rows = int(np.ceil(chosen.law.duration * rate - 1e-9)) + 1
+    if rows > _MOST_ROWS:
+        raise InputError(f"rate: {rate} rows per second make {rows} rows; expected a lower rate")
+    t = np.arange(rows) / rate
+    s, q, qd, qdd = chosen.law.motion(chosen.path.joints, t)
+    tau = dynamics.torque(q, qd, qdd, t)
+    way = chosen.path.tcp.way(s)
+    return Trajectory(t, q, qd, qdd, tau, way, check_speeds=False), s
+
+
+def _compared(option: TimedChoice) -> dict[str, Any]:
+    """One of the choices, for `plan.json`."""
+    choice = option.choice
+    return {
+        "kind": choice.kind,
+        "branch": choice.branch,
+        "relative_margin": float(choice.margins.min()),
+        "turn_deg": float(np.degrees(choice.turn)),
+        "duration_s": option.fastest.duration,
+    }
+
+
+def _passages(chosen: TimedChoice) -> list[dict[str, Any]]:
+    """What is done at each passage of the wrist, placed along the TCP's way."""
+    passages = []
+    for passage in taken(chosen.choice):
+        way = float(chosen.path.tcp.way(passage["at_mm"] / 1e3))
+        passages.append({**passage, "at_mm": 1e3 * way})
+    return passages

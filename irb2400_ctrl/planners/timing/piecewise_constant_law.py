@@ -1,0 +1,108 @@
+"""`PiecewiseConstantLaw`: the time-optimal kind; sddot is constant between grid points and jumps
+there."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+import numpy.typing as npt
+
+from irb2400_ctrl.planners.enclosure.cells import enclose
+from irb2400_ctrl.planners.enclosure.path_dynamics import PathDynamics
+from irb2400_ctrl.planners.joint_path import JointPath
+from irb2400_ctrl.planners.timing.motion_bounds import Checked, Peaks
+from irb2400_ctrl.planners.timing.motion_limits import MotionLimits
+from irb2400_ctrl.planners.timing.time_law import TimeLaw
+from irb2400_ctrl.planners.timing.torque_bounds import squared_speed_ratio, torque_bounds
+
+Array = npt.NDArray[np.float64]
+
+# parts that each cell is cut into for the check; more, while a bound is above the limit
+_PARTS = (2, 4, 8)
+
+
+@dataclass(frozen=True)
+class PiecewiseConstantLaw(TimeLaw):
+    """s(t) with sdot^2 = x linear in s between the grid points."""
+
+    @cached_property
+    def u(self) -> Array:
+        """sddot in each cell [m/s2], shape (m,)."""
+        return np.asarray(np.diff(self.x) / (2 * np.diff(self.s)))
+
+    @property
+    def largest(self) -> Array:
+        """Largest sdot^2 in each cell, shape (m,)."""
+        return np.maximum(self.x[:-1], self.x[1:])
+
+    @cached_property
+    def time(self) -> Array:
+        """When the grid points are passed [s], shape (m + 1,)."""
+        v = np.sqrt(self.x)
+        with np.errstate(divide="ignore"):
+            step = 2 * np.diff(self.s) / (v[:-1] + v[1:])
+        return np.concatenate([[0.0], np.cumsum(step)])
+
+    def on(self, s: Array) -> tuple[Array, Array]:
+        """x and u at lengths s, shapes of s; u of the cell that begins at a grid point."""
+        last = len(self.u) - 1
+        cell = np.clip(np.searchsorted(self.s, s, side="right") - 1, 0, last)
+        return np.interp(s, self.s, self.x), self.u[cell]
+
+    def at(self, time: Array) -> tuple[Array, Array, Array]:
+        """(s, sdot, sddot) at the given times; before the start and after the end the path stands
+        still."""
+        inside = np.clip(time, 0.0, self.duration)
+        cell = np.clip(np.searchsorted(self.time, inside, side="right") - 1, 0, len(self.u) - 1)
+        dt = inside - self.time[cell]
+        v = np.sqrt(self.x[cell])
+        u = self.u[cell]
+        s = np.minimum(self.s[cell] + dt * (v + dt * u / 2), self.s[cell + 1])
+        speed = np.maximum(v + dt * u, 0.0)
+        over = (time >= self.duration) | (time < 0)
+        return s, np.where(over, 0.0, speed), np.where(over, 0.0, u)
+
+    def slowed(self, factor: float) -> PiecewiseConstantLaw:
+        """The same motion that takes `factor` times as long."""
+        return PiecewiseConstantLaw(self.s, self.x / factor**2)
+
+    def bounds(self, path: JointPath, limits: MotionLimits, dynamics: PathDynamics) -> Checked:
+        """Torque and speed cell by cell, from u and x alone.
+
+        In a cell u is a number, x(t) is linear, and tau is a cubic with known Bernstein
+        coefficients plus friction at known speeds plus a bounded remainder. The cells are parts of
+        the law's own: sharper, and no linearisation of a solver is used again.
+        """
+        friction = dynamics.model.robot.friction
+        for parts in _PARTS:
+            s = _divided(self.s, parts)
+            x = _divided(self.x, parts)
+            cells = enclose(dynamics, path, s)
+            above, below = torque_bounds(cells, np.repeat(self.u, parts), x, friction)
+            ratio = np.maximum(above, -below) / limits.tau_max
+            if ratio.max() <= 1:
+                break
+        if dynamics.irregular or not np.isfinite(ratio).all():
+            ratio = np.full_like(ratio, np.inf)
+        cell, axis = np.unravel_index(int(np.argmax(ratio)), ratio.shape)
+        speed = np.sqrt(squared_speed_ratio(cells, x, limits.qd_max).max())
+        return Checked(
+            torque_ratio=float(ratio[cell, axis]),
+            velocity_ratio=float(speed),
+            torque_at=(float(s[cell]), int(axis) + 1),
+        )
+
+    def peaks(self, path: JointPath, limits: MotionLimits, dynamics: PathDynamics) -> Peaks:
+        """Largest torque of each axis; the acceleration jumps, so no torque rate is claimed."""
+        cells = enclose(dynamics, path, self.s)
+        above, below = torque_bounds(cells, self.u, self.x, dynamics.model.robot.friction)
+        return Peaks(torque=np.maximum(above, -below).max(axis=0), torque_rate_ratio=0.0)
+
+
+def _divided(values: Array, parts: int) -> Array:
+    """Linear interpolation of grid values (m + 1,) on cells cut into equal parts."""
+    split = np.arange(parts) / parts
+    inner = values[:-1, None] + split * np.diff(values)[:, None]
+    return np.append(inner.ravel(), values[-1])

@@ -1,0 +1,66 @@
+"""What each remedy of a wrist singularity would cost, in seconds as well."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from contextlib import suppress
+
+from irb2400_ctrl.errors import InfeasibleError
+from irb2400_ctrl.planners.enclosure.path_dynamics import PathDynamics
+from irb2400_ctrl.planners.redundancy.follow import Followed
+from irb2400_ctrl.planners.redundancy.wrist_remedies import (
+    Remedy,
+    damped,
+    of_choice,
+    turned_about_axis,
+)
+from irb2400_ctrl.planners.timing.task_path import TaskPath
+from irb2400_ctrl.planners.timing.time_choices import TimedChoice
+from irb2400_ctrl.planners.timing.time_joint_path import time_joint_path
+from irb2400_ctrl.planners.timing.timing_options import TimingOptions
+from irb2400_ctrl.planners.toolpath.orientation import Orientation
+
+
+def price_remedies(
+    dynamics: PathDynamics,
+    orientation: Orientation,
+    timed: Sequence[TimedChoice],
+    chosen: TimedChoice,
+    axis_tolerance: float,
+    options: TimingOptions,
+) -> list[Remedy]:
+    """The cheapest of each kind of remedy, for a path that comes close to the wrist singularity."""
+    passing = chosen.choice.passing
+    if passing is None or not passing.passages:
+        return []
+    best: dict[str, Remedy] = {}
+    for option in timed:
+        remedy = of_choice(option.choice, option.fastest.duration, axis_tolerance)
+        if remedy is None:
+            continue
+        if remedy.name not in best or remedy.duration < best[remedy.name].duration:
+            best[remedy.name] = remedy
+    model = dynamics.model
+    for choice, angle in turned_about_axis(model, orientation):
+        followed = choice.followed
+        with suppress(InfeasibleError):
+            duration = _duration(dynamics, orientation, followed, options)
+            name = f"turn the tool about its axis ({choice.kind})"
+            best[name] = Remedy(name, duration, followed.error, angle, False)
+    with suppress(InfeasibleError):
+        followed = damped(model, orientation, chosen.path.followed)
+        duration = _duration(dynamics, orientation, followed, options)
+        name = "damped least squares"
+        best[name] = Remedy(name, duration, followed.error, followed.axis_error, False)
+    return sorted(best.values(), key=lambda remedy: remedy.duration)
+
+
+def _duration(
+    dynamics: PathDynamics, orientation: Orientation, followed: Followed, options: TimingOptions
+) -> float:
+    """Of the fastest motion along joints that are not among the choices [s]."""
+    path = TaskPath.of(dynamics.model, orientation, followed)
+    timed, _ = time_joint_path(
+        dynamics, path.joints, options.limits, count=options.cells, feed=path.feed
+    )
+    return timed.law.duration

@@ -1,0 +1,182 @@
+"""`GriddedProgram`: a `RateLimitedProgram` on a grid of one path, and how a motion changes it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+import numpy.typing as npt
+
+from irb2400_ctrl.planners.enclosure.cells import enclose
+from irb2400_ctrl.planners.enclosure.path_dynamics import PathDynamics
+from irb2400_ctrl.planners.joint_path import JointPath
+from irb2400_ctrl.planners.timing.infeasible_point import InfeasiblePointError
+from irb2400_ctrl.planners.timing.motion_limits import MotionLimits, speed_bounds
+from irb2400_ctrl.planners.timing.rate_limited.constrained_outputs import (
+    ConstrainedOutputs,
+    Integers,
+)
+from irb2400_ctrl.planners.timing.rate_limited.output_bounds import OutputRatios
+from irb2400_ctrl.planners.timing.rate_limited.rate_limited_law import RateLimitedLaw
+from irb2400_ctrl.planners.timing.rate_limited.rate_limited_program import RateLimitedProgram
+from irb2400_ctrl.planners.timing.time_joint_path import FeedBound
+from irb2400_ctrl.planners.timing.time_law import TimeLaw
+from irb2400_ctrl.planners.timing.torque_constraints import ROUNDING
+
+Array = npt.NDArray[np.float64]
+
+# held back beyond what is above a limit, as a part of it
+_HELD = 2e-5
+# speed, as a part of the fastest, below which nothing is looked for
+_SLOWEST = 1e-4
+# outputs kept in each cell once it is known which ones are close to their limits, as a part of all
+_SELECTED = 0.5
+
+
+@dataclass(frozen=True)
+class GriddedProgram:
+    """A grid and the program on it."""
+
+    s: Array
+    program: RateLimitedProgram
+    columns: Integers
+    """which output each of the program's is, shape (m, k)"""
+
+    @classmethod
+    def on(
+        cls,
+        dynamics: PathDynamics,
+        path: JointPath,
+        limits: MotionLimits,
+        s: Array,
+        near: TimeLaw,
+        feed: FeedBound | None,
+    ) -> GriddedProgram:
+        """The program on a grid, near a motion that is known."""
+        cells = enclose(dynamics, path, s)
+        outputs = ConstrainedOutputs.of(cells, limits, dynamics.model.robot.friction)
+        feed_bound = None if feed is None else feed(s)
+        bound = np.minimum(speed_bounds(cells, limits.qd_max, feed_bound), 1e9)
+        guess = np.minimum(near.on(s)[0], bound)
+        keep = np.ones_like(outputs.limit)
+        columns = np.broadcast_to(np.arange(outputs.count), keep.shape)
+        return cls(s, RateLimitedProgram(outputs, bound, guess, (keep, keep)), columns)
+
+    def start(self, near: RateLimitedLaw | None = None) -> Array:
+        """Unknowns of a smooth motion, or of about the one the program was made near to, slowed
+        until it is inside."""
+        x = self.program.reference
+        if near is None:
+            z = (x[1:-2] + x[2:-1]) / 2
+        else:
+            # the same spline on more cells: its middle Bernstein coefficients are the control
+            # points
+            x, u = near.on(self.s)
+            z = (x + np.append(np.diff(self.s), 0.0) * u)[1:-2]
+        z[0] = x[1]
+        z[-1] = x[-2]
+        return self.inside(z, 0.8 if near is None else 0.98)
+
+    def inside(self, z: Array, slower: float = 0.98) -> Array:
+        """The same motion slowed until it is within all limits, with some room.
+
+        Raises:
+            InfeasiblePointError: it is not within them however slow.
+        """
+        least = _SLOWEST**2 * z.max()
+        while z.max() > least:
+            z = slower * z
+            if self.program.slacks(z).min() > 0:
+                return slower * z
+        raise self._out_of_reach(z)
+
+    def _out_of_reach(self, z: Array) -> InfeasiblePointError:
+        """Which limit stays out of reach, and where."""
+        outputs = self.program.outputs
+        slack, _ = self.program.rows(z, slopes=False)
+        cell, row = np.unravel_index(int(np.argmin(slack)), slack.shape)
+        place = int(cell) + 1
+        output = int(row) % outputs.count
+        axis = outputs.axis[place, output]
+        rate = outputs.rate[place, output]
+        if row < 6 * outputs.count:
+            limit = outputs.limit[place, output]
+            return InfeasiblePointError(
+                float(self.s[place]),
+                f", axis {axis} is over its limit even in slow motion: the arm and static friction "
+                "need "
+                f"{(1 - slack[cell, row]) * limit:,.0f} of {limit:,.0f} Nm; lighten the load, or "
+                "raise torque_Nm",
+            )
+        torque = np.isfinite(outputs.friction[3, place, output])
+        limited = (
+            f"torque rate of {rate:,.3g} Nm/s"
+            if torque
+            else f"jerk of {np.degrees(rate):,.3g} deg/s3"
+        )
+        return InfeasiblePointError(
+            float(self.s[place]),
+            f", axis {axis} would have to be slower than {_SLOWEST:g} of the fastest motion to "
+            f"keep its {limited}; "
+            "raise it",
+        )
+
+    def holding_back(self, ratios: OutputRatios) -> GriddedProgram:
+        """The same with a little more than what is above the limits held back, in the cells where
+        it is."""
+        keep = []
+        for kept, ratio in zip(self.program.keep, self._by_cell(ratios), strict=True):
+            too_much = np.where(ratio > 1 - ROUNDING, ratio * (1 + _HELD), 1.0)
+            keep.append(kept / too_much)
+        return replace(self, program=replace(self.program, keep=(keep[0], keep[1])))
+
+    def _by_cell(self, ratios: OutputRatios) -> list[Array]:
+        """The largest ratios of values and rates among the parts of each cell, shapes (m, k) of
+        all outputs."""
+        middle = (ratios.s[:-1] + ratios.s[1:]) / 2
+        cell = np.clip(np.searchsorted(self.s, middle) - 1, 0, len(self.s) - 2)
+        found = []
+        for ratio in (ratios.value, ratios.rate):
+            most = np.zeros((len(self.s) - 1, ratio.shape[1]))
+            np.maximum.at(most, cell, ratio)
+            found.append(most)
+        return found
+
+    def selected(self, ratios: OutputRatios) -> GriddedProgram:
+        """The same with only those outputs in each cell that are the closest to their limits in a
+        motion nearby."""
+        few = int(np.ceil(_SELECTED * self.program.outputs.count))
+        close = np.maximum(ratios.value, ratios.rate)
+        # and in the cells around
+        padded = np.pad(close, ((3, 3), (0, 0)), mode="edge")
+        close = np.lib.stride_tricks.sliding_window_view(padded, 7, axis=0).max(axis=-1)
+        middle = (self.s[:-1] + self.s[1:]) / 2
+        part = np.clip(np.searchsorted(ratios.s, middle) - 1, 0, len(close) - 1)
+        closest = np.argsort(-close[part], axis=1)[:, :few]
+        return self._with(np.sort(closest, axis=1))
+
+    def like(self, other: GriddedProgram) -> GriddedProgram:
+        """The same with another problem's selection."""
+        return self._with(other.columns)
+
+    def _with(self, columns: Integers) -> GriddedProgram:
+        keep = tuple(np.take_along_axis(k, columns, 1) for k in self.program.keep)
+        outputs = self.program.outputs.selected(columns)
+        return GriddedProgram(
+            self.s, replace(self.program, outputs=outputs, keep=(keep[0], keep[1])), columns
+        )
+
+    def overlooks(self, ratios: OutputRatios) -> bool:
+        """Whether an output that is not selected is above its limit."""
+        chosen = np.zeros((len(self.s) - 1, ratios.value.shape[1]), dtype=bool)
+        np.put_along_axis(chosen, self.columns, True, 1)
+        return any(bool(((most > 1) & ~chosen).any()) for most in self._by_cell(ratios))
+
+    def law(self, z: Array) -> RateLimitedLaw:
+        """The time law of the unknowns."""
+        b = self.program.bernstein(z)
+        h = np.diff(self.s)[1:-1]
+        last = (b[-1, 2] - b[-1, 1]) / h[-1]
+        x = np.concatenate([[0.0], b[:, 0], b[-1:, 2], [0.0]])
+        u = np.concatenate([[0.0], (b[:, 1] - b[:, 0]) / h, [last], [0.0]])
+        return RateLimitedLaw(self.s.copy(), x, u)

@@ -1,0 +1,33 @@
+"""`TaskPath`: a joint path together with what its TCP does and the feed asked of it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from irb2400_ctrl.model import Model
+from irb2400_ctrl.planners.enclosure.tcp_path import TcpPath
+from irb2400_ctrl.planners.joint_path import JointPath
+from irb2400_ctrl.planners.redundancy.follow import Followed
+from irb2400_ctrl.planners.timing.feed import feed_bound
+from irb2400_ctrl.planners.timing.time_joint_path import FeedBound
+from irb2400_ctrl.planners.toolpath.orientation import Orientation
+
+
+@dataclass(frozen=True, eq=False)
+class TaskPath:
+    """One way to follow a tool path: made once, and carried along to timing, check and report."""
+
+    followed: Followed
+    tcp: TcpPath
+    feed: FeedBound
+
+    @classmethod
+    def of(cls, model: Model, orientation: Orientation, followed: Followed) -> TaskPath:
+        """The TCP and the feed along followed joints."""
+        tcp = TcpPath(model, followed.joints, orientation.spindle)
+        return cls(followed, tcp, feed_bound(tcp, orientation, followed))
+
+    @property
+    def joints(self) -> JointPath:
+        """The joint path."""
+        return self.followed.joints

@@ -1,0 +1,122 @@
+"""Time every way to follow a tool path, and say which is best."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+from irb2400_ctrl.errors import InfeasibleError
+from irb2400_ctrl.planners.enclosure.cells import enclose, grid
+from irb2400_ctrl.planners.enclosure.path_dynamics import PathDynamics
+from irb2400_ctrl.planners.redundancy.choices import Choice
+from irb2400_ctrl.planners.redundancy.singularity_margins import COMFORTABLE
+from irb2400_ctrl.planners.timing.infeasible_point import InfeasiblePointError
+from irb2400_ctrl.planners.timing.rate_limited.rate_summary import rate_summary
+from irb2400_ctrl.planners.timing.rate_limited.time_rate_limited import time_rate_limited
+from irb2400_ctrl.planners.timing.sampled_timing import time_with_samples
+from irb2400_ctrl.planners.timing.task_path import TaskPath
+from irb2400_ctrl.planners.timing.time_joint_path import time_joint_path
+from irb2400_ctrl.planners.timing.time_law import TimeLaw
+from irb2400_ctrl.planners.timing.time_optimal import Timed
+from irb2400_ctrl.planners.timing.timing_options import TimingOptions
+from irb2400_ctrl.planners.toolpath.orientation import Orientation
+
+
+@dataclass(frozen=True, eq=False)
+class TimedChoice:
+    """A way to follow a tool path, and when it is where."""
+
+    choice: Choice
+    path: TaskPath
+    law: TimeLaw
+    fastest: TimeLaw
+    """the law without limits of torque rate and jerk"""
+    rates: dict[str, Any] = field(default_factory=dict)
+    """of `rate_summary`; empty where rates are not limited"""
+
+    @property
+    def rank(self) -> tuple[float, float]:
+        """Larger margin first as long as it is not comfortable, then the shorter duration."""
+        margin = min(self.choice.margin, COMFORTABLE)
+        return -round(margin, 2), self.fastest.duration
+
+
+def time_choices(
+    dynamics: PathDynamics,
+    orientation: Orientation,
+    found: Sequence[Choice],
+    options: TimingOptions,
+    progress: Callable[[str], None],
+) -> list[TimedChoice]:
+    """The choices that have a motion within the limits of torque and speed, each with its fastest.
+
+    Raises:
+        InfeasibleError: none has one; says where.
+    """
+    timed: list[TimedChoice] = []
+    problem: InfeasibleError | None = None
+    for number, choice in enumerate(found):
+        progress(f"{100 * number / len(found):.0f} %")
+        path = TaskPath.of(dynamics.model, orientation, choice.followed)
+        try:
+            law = _fastest(dynamics, path, options).law
+            timed.append(TimedChoice(choice, path, law, law))
+        except InfeasibleError as error:
+            problem = _placed(error, path)
+    if not timed:
+        raise problem or InfeasibleError("no motion within the limits")
+    return timed
+
+
+def best_first(timed: Sequence[TimedChoice], axis_tolerance: float) -> list[TimedChoice]:
+    """Those that stay near enough to the stated orientation (all, where none does), best first."""
+    allowed = [option for option in timed if option.choice.turn <= axis_tolerance]
+    return sorted(allowed or timed, key=lambda option: option.rank)
+
+
+def limit_rates(
+    dynamics: PathDynamics, ranked: Sequence[TimedChoice], options: TimingOptions
+) -> TimedChoice:
+    """The best choice that has a motion with limits of torque rate and jerk, too, with its law.
+
+    Raises:
+        InfeasibleError: none has one; says where.
+    """
+    limits = options.limits
+    count = max(options.cells // 2, 50)
+    problem: InfeasibleError | None = None
+    for option in ranked:
+        path = option.path
+        try:
+            law = time_rate_limited(dynamics, path.joints, limits, count=count, feed=path.feed).law
+        except InfeasiblePointError as error:
+            problem = _placed(error, path)
+            continue
+        rates = rate_summary(law, path.joints, limits, dynamics, option.fastest)
+        return replace(option, law=law, rates=rates)
+    raise problem or InfeasibleError("no motion within the limits")
+
+
+def _fastest(dynamics: PathDynamics, path: TaskPath, options: TimingOptions) -> Timed:
+    """The fastest law of the back-end, or of the timing for effects that have no bound."""
+    joints = path.joints
+    limits = options.limits
+    if options.certified and not dynamics.irregular:
+        return time_joint_path(dynamics, joints, limits, count=options.cells, feed=path.feed)[0]
+    s = grid(joints, options.cells)
+    cells = enclose(dynamics, joints, s)
+    friction = dynamics.model.robot.friction
+    if options.certified:
+        return time_with_samples(dynamics, joints, cells, limits, friction, path.feed(s))
+    # toppra takes seconds to import
+    from irb2400_ctrl.planners.timing.toppra_timing import time_with_toppra
+
+    return time_with_toppra(cells, limits, friction, path.feed(s))
+
+
+def _placed(error: InfeasibleError, path: TaskPath) -> InfeasibleError:
+    """The same error with its place as a length of the TCP's way."""
+    if not isinstance(error, InfeasiblePointError):
+        return error
+    return InfeasiblePointError(float(path.tcp.way(error.s)), error.reason)

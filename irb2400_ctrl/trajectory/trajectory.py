@@ -1,0 +1,209 @@
+"""`Trajectory`: a motion sampled in time, at any rate with continuous acceleration."""
+
+from __future__ import annotations
+
+import io
+import math
+from dataclasses import InitVar, dataclass, field
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from irb2400_ctrl.errors import InputError
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Trajectory:
+    """A motion sampled in time; all arrays are read-only.
+
+    Args:
+        check_speeds: refuse speeds that do not lead from row to row. Off for rows of a known law,
+            which may be as far apart as one likes; `at_rate` refuses those that are too far.
+
+    Raises:
+        InputError: shapes differ, a number is not finite, time does not increase, speeds and angles
+            are of different motions or units.
+    """
+
+    time: Array
+    """[s], shape (n,), increasing"""
+    q: Array
+    qd: Array
+    qdd: Array
+    """[rad], [rad/s], [rad/s2], shape (n, axes)"""
+    tau: Array | None = None
+    """torque of the model along it, friction and effects included [Nm], shape (n, axes)"""
+    s: Array | None = None
+    """how far along its path: length of the TCP's way [m], or the path's parameter; shape (n,)"""
+    check_speeds: InitVar[bool] = field(default=True, kw_only=True)
+
+    def __post_init__(self, check_speeds: bool) -> None:
+        for name in ("time", "q", "qd", "qdd", "tau", "s"):
+            if getattr(self, name) is not None:
+                array = np.array(getattr(self, name), dtype=float)
+                array.setflags(write=False)
+                object.__setattr__(self, name, array)
+        self._check_shapes()
+        given = [self.time, self.q, self.qd, self.qdd, self.tau, self.s]
+        if not all(np.isfinite(a).all() for a in given if a is not None):
+            raise InputError("trajectory: found NaN or infinite values; expected finite numbers")
+        steps = np.diff(self.time)
+        if (steps <= 0).any():
+            row = int(np.argmax(steps <= 0))
+            raise InputError(
+                f"trajectory: time does not increase at row {row + 2} ({self.time[row + 1]} s)"
+            )
+        if check_speeds:
+            self._check_speeds()
+
+    def _check_shapes(self) -> None:
+        n = len(self.time) if self.time.ndim == 1 else 0
+        if n < 1 or self.q.ndim != 2 or not self.q.shape == self.qd.shape == self.qdd.shape:
+            raise InputError(
+                f"trajectory: found time {self.time.shape}, q {self.q.shape}, qd {self.qd.shape}, "
+                f"qdd {self.qdd.shape}; expected (n,) and three times (n, axes), n >= 2"
+            )
+        if len(self.q) != n:
+            raise InputError(
+                f"trajectory: found {n} times and {len(self.q)} rows of angles; expected as many"
+            )
+        if self.tau is not None and self.tau.shape != self.q.shape:
+            raise InputError(
+                f"trajectory: found torques {self.tau.shape}; expected {self.q.shape} as the angles"
+            )
+        if self.s is not None and self.s.shape != (n,):
+            raise InputError(f"trajectory: found s {self.s.shape}; expected ({n},) as the times")
+
+    def _check_speeds(self) -> None:
+        steps = np.diff(self.time)
+        moved = np.diff(self.q, axis=0)
+        mean = 0.5 * (self.qd[1:] + self.qd[:-1]) * steps[:, None]
+        # the trapezoid misses h^2/8 of the acceleration's change; more than that is another unit or
+        # another motion
+        allowed = (
+            1e-3
+            + 0.5 * np.abs(moved)
+            + (np.abs(self.qdd[1:]) + np.abs(self.qdd[:-1])) * steps[:, None] ** 2
+        )
+        if (np.abs(moved - mean) > allowed).any():
+            row, axis = np.argwhere(np.abs(moved - mean) > allowed)[0]
+            raise InputError(
+                f"trajectory: axis {axis + 1} moves by {math.degrees(moved[row, axis]):.3f} deg in "
+                f"row {row + 2}, its "
+                f"speeds say {math.degrees(mean[row, axis]):.3f} deg; check units and columns, or "
+                "sample it more often"
+            )
+
+    @property
+    def duration(self) -> float:
+        """Time from first to last sample [s]."""
+        return float(self.time[-1] - self.time[0])
+
+    def at_rate(self, rate: float, *, hold: float = 0.0) -> Trajectory:
+        """The motion at `rate` [Hz] from time 0, by quintic Hermite interpolation (angle C2
+        everywhere).
+
+        Args:
+            hold: time [s] for which the last pose is held at the end.
+
+        Torque and way belong to the rows they were computed at and are left out.
+
+        Raises:
+            InputError: fewer than two rows, or rows so far apart that nothing says what is between.
+        """
+        self.check_moves()
+        self._check_speeds()
+        count = math.floor((self.duration + hold) * rate + 1e-6) + 1
+        time = np.arange(count) / rate
+        inside = np.minimum(time, self.duration)
+        q, qd, qdd = _quintic(self.time - self.time[0], self.q, self.qd, self.qdd, inside)
+        over = time > self.duration + 1e-9
+        qd[over] = 0.0
+        qdd[over] = 0.0
+        return Trajectory(time, q, qd, qdd)
+
+    def check_moves(self) -> None:
+        """Refuse a single row, which is a pose and no motion.
+
+        Raises:
+            InputError: fewer than two rows.
+        """
+        if len(self.time) < 2:
+            raise InputError(
+                f"trajectory: found time {self.time.shape}, q {self.q.shape}, qd {self.qd.shape}, "
+                f"qdd {self.qdd.shape}; expected (n,) and three times (n, axes), n >= 2"
+            )
+
+    def csv(self) -> str:
+        """The text of `trajectory.csv`: degrees, Nm, and s as it is; tau and s only where known."""
+        n = self.q.shape[1]
+        blocks = [
+            ("q", "_deg", np.degrees(self.q)),
+            ("qd", "_deg_s", np.degrees(self.qd)),
+            ("qdd", "_deg_s2", np.degrees(self.qdd)),
+        ]
+        if self.tau is not None:
+            blocks.append(("tau", "_Nm", self.tau))
+        header = ["time_s", *(f"{name}{j + 1}{unit}" for name, unit, _ in blocks for j in range(n))]
+        columns = [self.time[:, None], *(values for _, _, values in blocks)]
+        if self.s is not None:
+            header.append("s")
+            columns.append(self.s[:, None])
+        # adding zero takes the sign from a negative zero
+        table = 0.0 + np.hstack(columns)
+        text = io.StringIO()
+        text.write(",".join(header) + "\n")
+        np.savetxt(text, table, delimiter=",", fmt=["%.6f", *["%.9g"] * (len(header) - 1)])
+        return text.getvalue()
+
+
+def from_angles(time: ArrayLike, q: ArrayLike) -> Trajectory:
+    """A trajectory from angles alone: cubic spline (C2) that starts and ends at rest.
+
+    Args:
+        time: [s], shape (n,).
+        q: angles [rad], shape (n, axes).
+    """
+    from scipy.interpolate import CubicSpline
+
+    t = np.asarray(time, dtype=float)
+    angles = np.asarray(q, dtype=float)
+    if (
+        t.ndim != 1
+        or angles.ndim != 2
+        or len(t) != len(angles)
+        or len(t) < 3
+        or not np.isfinite(angles).all()
+    ):
+        raise InputError(
+            f"trajectory: found time {t.shape}, q {angles.shape}; expected finite (n,), (n, axes), "
+            "n >= 3"
+        )
+    if (np.diff(t) <= 0).any():
+        raise InputError("trajectory: time does not increase")
+    spline = CubicSpline(t, angles, bc_type="clamped")
+    return Trajectory(t, angles, spline(t, 1), spline(t, 2))
+
+
+def _quintic(t: Array, q: Array, qd: Array, qdd: Array, at: Array) -> tuple[Array, Array, Array]:
+    """Value and two derivatives at the times `at` of the piecewise quintic through q, qd, qdd at
+    the times t."""
+    k = np.clip(np.searchsorted(t, at, side="right") - 1, 0, len(t) - 2)
+    h = (t[k + 1] - t[k])[:, None]
+    s = (at - t[k])[:, None] / h
+    p0 = q[k]
+    v0 = h * qd[k]
+    a0 = h**2 * qdd[k]
+    p1 = q[k + 1]
+    v1 = h * qd[k + 1]
+    a1 = h**2 * qdd[k + 1]
+    d = p1 - p0
+    c3 = 10 * d - 6 * v0 - 4 * v1 - 1.5 * a0 + 0.5 * a1
+    c4 = -15 * d + 8 * v0 + 7 * v1 + 1.5 * a0 - a1
+    c5 = 6 * d - 3 * (v0 + v1) - 0.5 * (a0 - a1)
+    value = p0 + s * (v0 + s * (0.5 * a0 + s * (c3 + s * (c4 + s * c5))))
+    first = v0 + s * (a0 + s * (3 * c3 + s * (4 * c4 + s * 5 * c5)))
+    second = a0 + s * (6 * c3 + s * (12 * c4 + s * 20 * c5))
+    return value, first / h, second / h**2
