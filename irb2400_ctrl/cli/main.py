@@ -6,7 +6,17 @@ import sys
 
 import typer
 
-from irb2400_ctrl.cli import codegen, demo, diagnose, excite, plan, robot, simulate, sweep
+from irb2400_ctrl.cli import (
+    codegen,
+    demo,
+    diagnose,
+    excite,
+    identify,
+    plan,
+    robot,
+    simulate,
+    sweep,
+)
 
 app = typer.Typer(
     name="irb2400",
@@ -21,6 +31,7 @@ app.command("simulate")(simulate.simulate)
 app.command("sweep")(sweep.sweep)
 app.command("codegen")(codegen.codegen)
 app.command("diagnose")(diagnose.diagnose)
+app.command("identify")(identify.identify)
 app.command("excite")(excite.excite)
 app.add_typer(robot.app, name="robot")
 

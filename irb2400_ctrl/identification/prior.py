@@ -11,10 +11,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from irb2400_ctrl.arrays import Array
-from irb2400_ctrl.diagnosis.preparation.base_prior import Nuisance, Uncertainty, _parameter_slope
-from irb2400_ctrl.identification.columns import ColumnLayout
-from irb2400_ctrl.robot import Robot
+from irb2400_ctrl.arrays import Array, Integers
+from irb2400_ctrl.diagnosis.preparation.base_prior import BasePrior, Uncertainty, _parameter_slope
+from irb2400_ctrl.identification.columns import DRIVE_TERMS, ColumnLayout, Extra
+from irb2400_ctrl.robot import Body, Robot
 
 DEGREES_OF_FREEDOM = 4.0
 """of the Student-t on each body"""
@@ -46,6 +46,12 @@ class Prior:
         found[rest, rest] = 1.0 / self.drives
         return found
 
+    def part(self, columns: Integers) -> Prior:
+        """Of a layout that lacks some of the drives' columns."""
+        inertial = 10 * len(self.bodies)
+        drives = self.drives[columns[columns >= inertial] - inertial]
+        return Prior(self.mean[columns], self.bodies, drives)
+
     def distance(self, theta: Array, covariance: Array | None = None) -> Array:
         """Squared distance of each body from the file's in its own spreads, shape (n,).
 
@@ -76,11 +82,11 @@ def prior_of(
     n = robot.n
     torque, speed, acceleration = scale
     u = Uncertainty() if uncertainty is None else uncertainty
-    file = Nuisance(robot, u, torque, speed)
     covariances = np.zeros((n, 10, 10))
-    for i, body in enumerate(file.bodies):
+    tool = [] if robot.tool is None else [robot.tool.body]
+    for i, body in enumerate([link.body for link in robot.links] + tool):
         link, X = (i, None) if i < n else (n - 1, robot.flange.matrix())
-        half = _parameter_slope(body, X) * file._body_sigma(body)
+        half = _parameter_slope(body, X) * body_spreads(robot, body, u)
         covariances[link] += half @ half.T
     # a body without mass has no spread of its own: a gram and a gram at 10 cm are nothing
     covariances += np.diag([1e-3, *[1e-4] * 3, *[1e-5] * 6]) ** 2
@@ -90,25 +96,40 @@ def prior_of(
     friction = robot.friction
     wide = WIDE * torque
     known = {"coulomb": friction[:, 1], "viscous": friction[:, 2]}
-    known["stribeck"] = friction[:, 0] - friction[:, 1]
     size = {
         "coulomb": wide,
         "viscous": wide / speed,
         "offset": wide,
         "rotor": wide / acceleration,
-        "stribeck": 0.3 * wide,
     }
-    for term in layout.terms:
+    for term in DRIVE_TERMS:
         place = layout.drive(term)
         value = known.get(term, np.zeros(n))
         mean[place] = value
-        # friction of a file is that of another day: a quarter of it, at least a few per cent wide
+        # friction of a file is that of another day: half of it, at least a few per cent wide
         spread = np.where(value > 0, np.hypot(0.5 * value, 0.1 * size[term]), size[term])
         drives[place] = spread**2
-    for number, pair in enumerate(layout.couplings):
-        by = pair.by - 1
-        on = wide[pair.on - 1]
-        drives[layout.coupling(number)] = (
-            np.array([on, on / speed[by], on / acceleration[by]]) ** 2
-        )
-    return Prior(mean, np.linalg.inv(covariances), drives[layout.inertial :])
+    for extra in layout.extras:
+        drives[layout.extra(extra)] = _extra_widths(extra, wide, speed, acceleration) ** 2
+    bodies = np.asarray(np.linalg.inv(covariances), dtype=float)
+    return Prior(mean, bodies, drives[layout.inertial :])
+
+
+def body_spreads(robot: Robot, body: Body, uncertainty: Uncertainty | None = None) -> Array:
+    """Standard deviations of mass [kg], centre [m] and inertia [kg m2] of a body, shape (10,)."""
+    u = Uncertainty() if uncertainty is None else uncertainty
+    nothing = np.ones(robot.n)
+    return np.asarray(BasePrior(robot, u, nothing, nothing)._body_sigma(body))
+
+
+def _extra_widths(extra: Extra, wide: Array, speed: Array, acceleration: Array) -> Array:
+    """Spread of each number of an extra: what makes the joint's rms torque."""
+    j = extra.joint - 1
+    if extra.kind == "coupling":
+        k = j + 1
+        pairs = ((j, k), (k, j))
+        sizes = (acceleration, speed, np.ones_like(speed))
+        return np.array([wide[on] / size[by] for size in sizes for on, by in pairs])
+    if extra.kind == "reading":
+        return np.array([wide[j] / acceleration[j]])
+    return np.full(extra.size, wide[j])
