@@ -25,6 +25,7 @@ if TYPE_CHECKING:
         effects,
         errors,
         excitation,
+        identification,
         measurement,
         model,
         planners,
@@ -37,6 +38,7 @@ if TYPE_CHECKING:
     from irb2400_ctrl.codegen import export_package
     from irb2400_ctrl.controllers import controller
     from irb2400_ctrl.diagnosis import diagnose
+    from irb2400_ctrl.identification import identify
     from irb2400_ctrl.measurement import Log, read_log
     from irb2400_ctrl.model import Model
     from irb2400_ctrl.planners import plan_path, read_path
@@ -60,6 +62,8 @@ __all__ = [
     "errors",
     "excitation",
     "export_package",
+    "identification",
+    "identify",
     "load_robot",
     "measurement",
     "model",
@@ -84,6 +88,7 @@ _HOUSES = {
     "controller": "controllers",
     "diagnose": "diagnosis",
     "export_package": "codegen",
+    "identify": "identification",
     "load_robot": "robot",
     "plan_path": "planners",
     "read_log": "measurement",

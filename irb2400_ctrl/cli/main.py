@@ -11,6 +11,7 @@ from irb2400_ctrl.cli import (
     demo,
     diagnose,
     excite,
+    identify,
     log,
     path,
     plan,
@@ -32,6 +33,7 @@ app.command("simulate")(simulate.simulate)
 app.command("sweep")(sweep.sweep)
 app.command("codegen")(codegen.codegen)
 app.command("diagnose")(diagnose.diagnose)
+app.command("identify")(identify.identify)
 app.command("excite")(excite.excite)
 app.add_typer(robot.app, name="robot")
 app.add_typer(path.app, name="path")

@@ -17,6 +17,7 @@ class Search:
         repeats: one joint may have several (a gear has more than one tooth frequency).
         on_every_joint: a maker leaves it out of all joints alike, so all at once is tried too.
         comes_and_goes: tried as acting on and off too, not only from some moment on.
+        in_diagnosis: a diagnosis tries it; what `identify` fits with the base is left out there.
         shows_moving: a log must show it away from reversals too, where dry friction is hard to
             predict.
     """
@@ -26,4 +27,5 @@ class Search:
     repeats: bool = False
     on_every_joint: bool = False
     comes_and_goes: bool = False
+    in_diagnosis: bool = True
     shows_moving: bool = False

@@ -43,7 +43,7 @@ class LogColumns:
             (kind, joint)
             for kind, effect in LIBRARY.items()
             for joint in effect.joints(n)
-            if joint is None or joint <= n
+            if effect.search.in_diagnosis and (joint is None or joint <= n)
         ]
 
     @cached_property

@@ -1,0 +1,57 @@
+"""`irb2400 identify`: a robot file that is true, from sound logs of the arm."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from irb2400_ctrl.cli.options import OutOption, RobotOption, input_file, output_folder
+from irb2400_ctrl.cli.progress import step
+
+LogsArgument = Annotated[
+    list[Path], typer.Argument(metavar="LOG...", help="Logs of the sound arm (.csv, .csv.gz).")
+]
+ValidateOption = Annotated[
+    list[Path] | None,
+    typer.Option(metavar="LOG", help="Another motion, for the error only; may be given again."),
+]
+JsonOption = Annotated[bool, typer.Option("--json", help="Print the summary as one JSON object.")]
+
+
+def identify(
+    logs: LogsArgument,
+    out: OutOption,
+    robot: RobotOption = "irb2400",
+    validate: ValidateOption = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Fit bodies, friction, offsets and rotors to logs -> robot.toml, identification.json,
+    report.html."""
+    others = validate or []
+    for path in (*logs, *others):
+        input_file(path, "a log (.csv or .csv.gz)")
+    output_folder(out)
+
+    from irb2400_ctrl.identification import identify as run
+    from irb2400_ctrl.measurement import read_log
+    from irb2400_ctrl.report.identification_report import identification_page, lines
+    from irb2400_ctrl.robot import load_robot
+
+    arm = load_robot(robot)
+    with step("reading the logs"):
+        seen = [read_log(path) for path in logs]
+        unseen = [read_log(path) for path in others]
+    with step("fitting the arm to the logs"):
+        result = run(arm, seen, validation=unseen)
+    with step("writing the report"):
+        result.write(out)
+        identification_page(result).write(out / "report.html")
+    if as_json:
+        print(json.dumps(result.to_json()))
+        return
+    print("\n".join(lines(result)))
+    names = ("robot.toml", "identification.json", "covariance.json", "report.html")
+    print(f"written: {', '.join(str(out / name) for name in names)}")

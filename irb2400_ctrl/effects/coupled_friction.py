@@ -1,0 +1,55 @@
+"""Dry friction of a neighbour's motor, felt on both axes of a wrist."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any, ClassVar, Literal, Self
+
+import casadi as ca
+from pydantic import Field
+
+from irb2400_ctrl.effects.ambiguity import COUPLING, Ambiguity
+from irb2400_ctrl.effects.base import Effect
+from irb2400_ctrl.effects.drawing import Drawing
+from irb2400_ctrl.effects.search import Search
+from irb2400_ctrl.effects.signals import Signals
+
+
+class CoupledFriction(Effect):
+    """tau_j = F_j sgn qd_k,  tau_k = F_k sgn qd_j,  k = j + 1.
+
+    The dry part of what `wrist_coupling` says of inertia and viscous friction. `identify` fits it;
+    a diagnosis names the coupling by its other parts.
+    """
+
+    sentence: ClassVar[str] = "moving this wrist axis rubs in its neighbour's gears"
+    example: ClassVar[Mapping[str, Any]] = {"here_Nm": 0.5, "neighbour_Nm": 0.5}
+    ambiguity: ClassVar[Ambiguity] = COUPLING
+    drawing: ClassVar[Drawing] = Drawing("qd")
+    search: ClassVar[Search] = Search(in_diagnosis=False)
+
+    kind: Literal["coupled_friction"] = "coupled_friction"
+    here_Nm: float = Field(default=0.0, description="on this joint, by the next one's motion [Nm]")
+    neighbour_Nm: float = Field(
+        default=0.0, description="on the next joint, by this one's motion [Nm]"
+    )
+
+    def basis(self, s: Signals) -> ca.SX:
+        j = self.index
+        columns = ca.SX(s.q.numel(), 2)
+        columns[j, 0] = ca.sign(s.qd[j + 1])
+        columns[j + 1, 1] = ca.sign(s.qd[j])
+        return columns
+
+    def coefficients(self) -> tuple[float, ...]:
+        return (self.here_Nm, self.neighbour_Nm)
+
+    @classmethod
+    def from_coefficients(
+        cls, joint: int | None, coefficients: Sequence[float], nonlinear: dict[str, float]
+    ) -> Self:
+        return cls.of(joint, here_Nm=coefficients[0], neighbour_Nm=coefficients[1])
+
+    @classmethod
+    def joints(cls, n: int) -> Sequence[int | None]:
+        return range(4, n)

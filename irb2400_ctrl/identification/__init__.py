@@ -1,0 +1,6 @@
+"""A robot that is true, from sound logs of it: bodies, friction, offsets, rotors, couplings."""
+
+from irb2400_ctrl.identification.identification import Identification, LogResult
+from irb2400_ctrl.identification.identify import identify
+
+__all__ = ["Identification", "LogResult", "identify"]

@@ -1,0 +1,145 @@
+"""Which numbers of an arm a log speaks of: bodies, friction, offsets, rotors, and more on some.
+
+    tau = Y(q, qd, qdd) phi + D beta,    D = [sgn qd | qd | 1 | qdd | extras]
+
+phi are the ten inertial numbers of every link (m, m c, I_O), the tool folded into the last one.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from irb2400_ctrl.arrays import Array, Integers, Mask
+from irb2400_ctrl.model import Model
+from irb2400_ctrl.model.base_parameters import NAMES
+
+DRIVE_TERMS = ("coulomb", "viscous", "offset", "rotor")
+POSITIVE_TERMS = ("coulomb", "viscous", "rotor", "reading")
+"""terms whose numbers cannot be negative"""
+EXTRA_COLUMNS = {
+    "coupling": ("qdd here", "qdd next", "qd here", "qd next", "sign here", "sign next"),
+    "balancer": ("sin q", "cos q"),
+    "stribeck": ("bell",),
+    "reading": ("-qdd",),
+}
+"""kinds of extras and their columns; those of a coupling act on this joint and on the next"""
+
+
+@dataclass(frozen=True)
+class Extra:
+    """Something that only some arms have.
+
+    Args:
+        kind: of `EXTRA_COLUMNS`; joint: from 1; a coupling joins it and the next.
+    """
+
+    kind: str
+    joint: int
+
+    @property
+    def size(self) -> int:
+        """Number of columns."""
+        return len(EXTRA_COLUMNS[self.kind])
+
+    @property
+    def touches(self) -> tuple[int, ...]:
+        """Zero-based joints whose torque it changes."""
+        here = self.joint - 1
+        return (here, here + 1) if self.kind == "coupling" else (here,)
+
+
+@dataclass(frozen=True)
+class ColumnLayout:
+    """Names and places of the columns.
+
+    Args:
+        n: joints; extras: beside the drive terms of every joint.
+    """
+
+    n: int
+    extras: tuple[Extra, ...] = ()
+
+    @property
+    def inertial(self) -> int:
+        """Number of inertial columns."""
+        return 10 * self.n
+
+    @property
+    def count(self) -> int:
+        """Number of all columns."""
+        return self.inertial + 4 * self.n + sum(extra.size for extra in self.extras)
+
+    def drive(self, term: str) -> slice:
+        """Columns of one term of `DRIVE_TERMS`, joint by joint."""
+        start = self.inertial + self.n * DRIVE_TERMS.index(term)
+        return slice(start, start + self.n)
+
+    def extra(self, extra: Extra) -> slice:
+        """Columns of one extra."""
+        place = self.extras.index(extra)
+        start = self.inertial + 4 * self.n + sum(e.size for e in self.extras[:place])
+        return slice(start, start + extra.size)
+
+    def names(self) -> list[str]:
+        """Name of every column, joints and links from 1."""
+        names = [f"{what}_{link + 1}" for link in range(self.n) for what in NAMES]
+        names += [f"{term}_{j + 1}" for term in DRIVE_TERMS for j in range(self.n)]
+        for extra in self.extras:
+            names += [f"{extra.kind}_{extra.joint} {what}" for what in EXTRA_COLUMNS[extra.kind]]
+        return names
+
+    def positive(self) -> Mask:
+        """Columns whose numbers cannot be negative, shape (count,)."""
+        found = np.zeros(self.count, dtype=bool)
+        for term in set(DRIVE_TERMS) & set(POSITIVE_TERMS):
+            found[self.drive(term)] = True
+        for extra in self.extras:
+            found[self.extra(extra)] = extra.kind in POSITIVE_TERMS
+        return found
+
+    def within(self, larger: ColumnLayout) -> Integers:
+        """Where the columns of this layout stand in one that has more extras, shape (count,)."""
+        places = [np.arange(self.inertial + 4 * self.n)]
+        for extra in self.extras:
+            found = larger.extra(extra)
+            places.append(np.arange(found.start, found.stop))
+        return np.concatenate(places)
+
+
+def columns(model: Model, layout: ColumnLayout, q: Array, qd: Array, qdd: Array) -> Array:
+    """d tau / d (phi, beta) along a motion, shape (m, n, columns).
+
+    Args:
+        q, qd, qdd: [rad], [rad/s], [rad/s2], shape (m, n).
+    """
+    m, n = q.shape
+    found = np.zeros((m, n, layout.count))
+    found[:, :, : layout.inertial] = model.regressor(q, qd, qdd)
+    signals = (np.sign(qd), qd, np.ones_like(qd), qdd)
+    joints = np.arange(n)
+    for place, signal in enumerate(signals):
+        found[:, joints, layout.inertial + n * place + joints] = signal
+    for extra in layout.extras:
+        first = layout.extra(extra).start
+        for place, (joint, signal) in enumerate(_extra_signals(model, extra, q, qd, qdd)):
+            found[:, joint, first + place] = signal
+    return found
+
+
+def _extra_signals(
+    model: Model, extra: Extra, q: Array, qd: Array, qdd: Array
+) -> list[tuple[int, Array]]:
+    """(zero-based joint, signal) of each column of an extra, in the order of `EXTRA_COLUMNS`."""
+    j = extra.joint - 1
+    if extra.kind == "coupling":
+        k = j + 1
+        pairs = ((j, k), (k, j))
+        return [(on, signal[:, by]) for signal in (qdd, qd, np.sign(qd)) for on, by in pairs]
+    if extra.kind == "balancer":
+        return [(j, np.sin(q[:, j])), (j, np.cos(q[:, j]))]
+    if extra.kind == "stribeck":
+        speed = model.robot.friction[j, 3]
+        return [(j, np.sign(qd[:, j]) * np.exp(-((qd[:, j] / speed) ** 2)))]
+    return [(j, -qdd[:, j])]

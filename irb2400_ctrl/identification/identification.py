@@ -1,0 +1,133 @@
+"""What an identification says: the robot, how surely, what moved, and what is left."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from irb2400_ctrl.arrays import Array, Mask
+from irb2400_ctrl.diagnosis.preparation.metrics import Errors, errors
+from irb2400_ctrl.files import write_atomic
+from irb2400_ctrl.identification.columns import ColumnLayout
+from irb2400_ctrl.identification.gate import Verdict
+from irb2400_ctrl.identification.moved import Moved
+from irb2400_ctrl.robot import Robot, save_robot
+
+
+@dataclass(frozen=True)
+class LogResult:
+    """One log against three models; arrays (m, n).
+
+    Args:
+        role: "identification" (the fit that is judged had not seen the stretch it predicts) or
+            "validation" (the final fit);
+        known: samples that count.
+        before: the robot as given; fitted: the robot identified from all logs; unseen: the fit
+            judged; plain: plain least squares on the same stretches as `unseen`.
+    """
+
+    name: str
+    role: str
+    time: Array
+    measured: Array
+    known: Mask
+    before: Array
+    fitted: Array
+    unseen: Array
+    plain: Array
+
+    def error(self, which: str) -> Errors:
+        """Eqs. 75-77 of `before`, `fitted`, `unseen` or `plain`."""
+        return errors(self.measured, getattr(self, which), self.known)
+
+    def to_json(self) -> dict[str, Any]:
+        """As in identification.json."""
+        models = ("before", "fitted", "unseen", "plain")
+        return {
+            "name": self.name,
+            "role": self.role,
+            "error": {which: self.error(which).to_json() for which in models},
+        }
+
+
+@dataclass(frozen=True)
+class Identification:
+    """The result of `identify`.
+
+    Args:
+        given, robot: the file, and what was identified.
+        theta, covariance: numbers of the columns of `layout`, (p,), (p, p).
+        source: where speed and acceleration were taken from, "angle" or "speed".
+        sigma: rms torque that is left per joint [Nm], (n,);
+        correlation: samples that say the same thing.
+        moved: of every link; verdicts: what these motions tell of every number.
+        notes: sentences for the reader.
+    """
+
+    given: Robot
+    robot: Robot
+    layout: ColumnLayout
+    theta: Array
+    covariance: Array
+    source: str
+    sigma: Array
+    correlation: float
+    moved: Sequence[Moved]
+    verdicts: Sequence[Verdict]
+    logs: Sequence[LogResult]
+    notes: Sequence[str]
+
+    @property
+    def standard_errors(self) -> Array:
+        """Of theta, shape (p,)."""
+        return np.asarray(np.sqrt(np.diag(self.covariance)))
+
+    def to_json(self) -> dict[str, Any]:
+        """As in identification.json."""
+        numbers = zip(self.layout.names(), self.theta, self.standard_errors, strict=True)
+        return {
+            "schema_version": 1,
+            "robot": self.robot.name,
+            "motion_from": self.source,
+            "notes": list(self.notes),
+            "extras": [{"kind": e.kind, "joint": e.joint} for e in self.layout.extras],
+            "residual_Nm": [float(v) for v in self.sigma],
+            "samples_per_independent_one": self.correlation,
+            "moved": [moved_json(m) for m in self.moved],
+            "numbers": {
+                name: {"value": float(value), "standard_error": float(error)}
+                for name, value, error in numbers
+            },
+            "identifiability": [v.to_json() for v in self.verdicts],
+            "logs": [log.to_json() for log in self.logs],
+        }
+
+    def write(self, folder: Path | str) -> None:
+        """identification.json, covariance.json and robot.toml; the report is another's."""
+        folder = Path(folder)
+        covariance = {
+            "names": self.layout.names(),
+            "covariance": [[float(v) for v in row] for row in self.covariance],
+        }
+        write_atomic(folder / "identification.json", json.dumps(self.to_json(), indent=2) + "\n")
+        write_atomic(folder / "covariance.json", json.dumps(covariance) + "\n")
+        save_robot(self.robot, folder / "robot.toml")
+
+
+def moved_json(moved: Moved) -> dict[str, Any]:
+    """One body of identification.json."""
+    name, sigmas = moved.most
+    return {
+        "link": moved.link,
+        "furthest": name,
+        "sigmas": sigmas,
+        "mass_kg": {"before": float(moved.before[0]), "after": float(moved.after[0])},
+        "com_m": {"before": moved.before[1:4].tolist(), "after": moved.after[1:4].tolist()},
+        "inertia_kgm2": {"before": moved.before[4:].tolist(), "after": moved.after[4:].tolist()},
+        "not_the_files": moved.alarms,
+    }

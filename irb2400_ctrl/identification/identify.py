@@ -1,0 +1,205 @@
+"""`identify`: a robot that is true, from sound logs of it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.diagnosis.regressors.predict import predicted_torque
+from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.identification.baseline import plain_least_squares
+from irb2400_ctrl.identification.columns import ColumnLayout
+from irb2400_ctrl.identification.covariance import block_covariance
+from irb2400_ctrl.identification.cross_validation import overall, unseen_rms
+from irb2400_ctrl.identification.fit import Fit, fit
+from irb2400_ctrl.identification.gate import verdicts
+from irb2400_ctrl.identification.held_out import held_out
+from irb2400_ctrl.identification.identification import Identification, LogResult
+from irb2400_ctrl.identification.identified_robot import fit_base, identified_robot
+from irb2400_ctrl.identification.moments import Recording, predicted, recordings
+from irb2400_ctrl.identification.motion_source import Source, motion_of
+from irb2400_ctrl.identification.moved import ALARM, Moved, moved_bodies
+from irb2400_ctrl.measurement import Log
+from irb2400_ctrl.model import Model
+from irb2400_ctrl.robot import Robot
+
+CLEARER = 0.03
+"""recorded speed is used when it leaves so much less than differentiated angles [-]"""
+
+SAME = 1e-9
+"""of the largest torque: rounding between the fit and the robot that it becomes"""
+
+
+def identify(
+    robot: Robot, logs: Log | Sequence[Log], *, validation: Log | Sequence[Log] = ()
+) -> Identification:
+    """Bodies, friction, offsets and rotors of an arm from one or several logs of it.
+
+    Bodies are possible ones; the file counts with the widths that it states, wider where the logs
+    say so. Couplings of the wrist, a balancer and readings without the accelerating torque are
+    taken on where the logs show them clearly.
+
+    Args:
+        robot: the file; its effects stay, but offsets, rotors and couplings are fitted anew.
+        logs: motions of the sound arm; validation: others, for the error only.
+
+    Raises:
+        InputError: no log, another number of joints, or an effect of the file whose torque depends
+            on the numbers that are fitted.
+    """
+    seen = [logs] if isinstance(logs, Log) else list(logs)
+    others = [validation] if isinstance(validation, Log) else list(validation)
+    _check(robot, [*seen, *others])
+    base, kept = fit_base(robot)
+    model = Model(base)
+    source, parts = _recorded(model, kept, seen)
+    found = fit(model, parts)
+    covariance = block_covariance(found.sums, found.prior, found.numbers, found.correlation)
+    fitted, said = identified_robot(kept, found.layout, found.theta)
+    _agree(fitted, kept, parts[0], predicted(model, found.layout, parts[0], found.theta))
+    moved = moved_bodies(base, found.theta, found.numbers.kappa)
+    results = _judged(model, robot, found, parts)
+    results += _validated(model, robot, kept, found, _motions(others, source))
+    return Identification(
+        given=robot,
+        robot=fitted,
+        layout=found.layout,
+        theta=found.theta,
+        covariance=covariance,
+        source=source,
+        sigma=found.numbers.sigma,
+        correlation=found.correlation,
+        moved=moved,
+        verdicts=verdicts(model, found.layout, found.sums, found.numbers.sigma, found.correlation),
+        logs=results,
+        notes=_notes(moved, found, said),
+    )
+
+
+def _check(robot: Robot, logs: Sequence[Log]) -> None:
+    if not logs:
+        raise InputError("identify: found no log, expected at least one of the sound arm")
+    for log in logs:
+        if log.n != robot.n:
+            raise InputError(
+                f"{log.name}: found {log.n} joints, expected the {robot.n} of {robot.name}; give "
+                "the robot of this log (--robot)"
+            )
+
+
+def _agree(fitted: Robot, kept: Robot, part: Recording, torque: Array) -> None:
+    """The robot must say what was fitted."""
+    off = np.abs(predicted_torque(fitted, part.motion) - torque).max()
+    if off > SAME * np.abs(torque).max():
+        kinds = ", ".join(sorted({effect.kind for effect in kept.effects}))
+        raise InputError(
+            f"identify: the torque of the file's effects ({kinds}) depends on the bodies that are "
+            "fitted; take these effects out of the robot file, identify, and diagnose them then"
+        )
+
+
+def _motions(logs: Sequence[Log], source: Source) -> list[Recording]:
+    motions = [motion_of(log, source) for log in logs]
+    return recordings(motions, [np.zeros_like(motion.tau) for motion in motions])
+
+
+def _recorded(model: Model, kept: Robot, logs: Sequence[Log]) -> tuple[Source, list[Recording]]:
+    """Where speeds are taken from, and the recordings with what the file knows beside the fit."""
+    sources: list[Source] = ["angle"]
+    if any(log.qd is not None for log in logs):
+        sources.append("speed")
+    tried = {source: _given(kept, _motions(logs, source)) for source in sources}
+    if len(tried) == 1:
+        return "angle", tried["angle"]
+    left = {}
+    for source, parts in tried.items():
+        plain = fit(model, parts, extras=())
+        left[source] = overall(
+            unseen_rms(plain.sums, plain.prior, plain.numbers, plain.correlation)
+        )
+    gain = 1.0 - np.exp(np.mean(np.log(left["speed"] / left["angle"])))
+    best: Source = "speed" if gain > CLEARER else "angle"
+    return best, tried[best]
+
+
+def _given(kept: Robot, parts: Sequence[Recording]) -> list[Recording]:
+    """The recordings with the torque of the file's other effects and its rise at low speed."""
+    bare = kept.model_copy(update={"effects": ()})
+    friction = kept.friction
+    found = []
+    for part in parts:
+        m = part.motion
+        rise = np.maximum(friction[:, 0] - friction[:, 1], 0.0)
+        given = rise * np.sign(m.qd) * np.exp(-((m.qd / friction[:, 3]) ** 2))
+        if kept.effects:
+            given += predicted_torque(kept, m) - predicted_torque(bare, m)
+        found.append(Recording(m, part.block, given))
+    return found
+
+
+def _judged(model: Model, robot: Robot, found: Fit, parts: Sequence[Recording]) -> list[LogResult]:
+    """The logs of the identification, each stretch predicted by a fit that had not seen it."""
+    unseen, plain = held_out(model, found, parts)
+    return [
+        _result(model, robot, found, part, "identification", ours, theirs)
+        for part, ours, theirs in zip(parts, unseen, plain, strict=True)
+    ]
+
+
+def _validated(
+    model: Model, robot: Robot, kept: Robot, found: Fit, parts: Sequence[Recording]
+) -> list[LogResult]:
+    """Other logs, by the fit to all logs of the identification."""
+    bare = ColumnLayout(found.layout.n)
+    shortest = plain_least_squares(found.sums.part(bare.within(found.layout)))
+    results = []
+    for part in _given(kept, parts):
+        ours = predicted(model, found.layout, part, found.theta)
+        theirs = predicted(model, bare, part, shortest)
+        results.append(_result(model, robot, found, part, "validation", ours, theirs))
+    return results
+
+
+def _result(
+    model: Model,
+    robot: Robot,
+    found: Fit,
+    part: Recording,
+    role: str,
+    unseen: Array,
+    plain: Array,
+) -> LogResult:
+    motion = part.motion
+    return LogResult(
+        name=motion.name,
+        role=role,
+        time=motion.time,
+        measured=motion.tau,
+        known=motion.known,
+        before=predicted_torque(robot, motion),
+        fitted=predicted(model, found.layout, part, found.theta),
+        unseen=unseen,
+        plain=plain,
+    )
+
+
+def _notes(moved: Sequence[Moved], found: Fit, said: str) -> list[str]:
+    """What the reader has to know first."""
+    notes = []
+    for one in moved:
+        if one.alarms:
+            name, sigmas = one.most
+            notes.append(
+                f"the bodies of the file are not this arm's: link {one.link}, {name} went by "
+                f"{sigmas:+.1f} of the file's standard deviations (alarm at {ALARM:.0f})"
+            )
+    kinds = {
+        "coupling": "moves with the next joint (gears of a wrist)",
+        "balancer": "has a balancer that the file does not name",
+        "reading": "reads its torque without part of what accelerates it",
+        "stribeck": "has more friction at low speed than the file says",
+    }
+    notes += [f"joint {extra.joint} {kinds[extra.kind]}" for extra in found.layout.extras]
+    return [*notes, said] if said else notes

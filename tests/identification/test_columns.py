@@ -1,0 +1,94 @@
+"""The columns, their sums and what is made of them."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import irb2400_ctrl as irb
+from irb2400_ctrl.identification.columns import ColumnLayout, Extra, columns
+from irb2400_ctrl.identification.consistent_fit import possible, pseudo_inertias
+from irb2400_ctrl.identification.identified_robot import body_of, fit_base, identified_robot
+from irb2400_ctrl.identification.noise import correlation_factor
+
+
+@pytest.fixture(scope="module")
+def model() -> irb.Model:
+    return irb.Model(fit_base(irb.load_robot("irb2400"))[0])
+
+
+EVERYTHING = (
+    Extra("coupling", 5),
+    Extra("balancer", 2),
+    Extra("reading", 4),
+    Extra("stribeck", 3),
+)
+
+
+def test_the_robot_says_what_the_columns_say(model: irb.Model) -> None:
+    """Bodies, tool, friction and every extra: the effects of the robot are the columns."""
+    rng = np.random.default_rng(0)
+    layout = ColumnLayout(6, EVERYTHING)
+    theta = np.abs(rng.normal(size=layout.count)) + 0.1
+    bodies = model.robot.inertial_parameters
+    theta[: layout.inertial] = possible(1.3 * bodies).ravel()
+    q = rng.uniform(-1, 1, (20, 6))
+    qd = rng.normal(size=(20, 6))
+    qdd = rng.normal(size=(20, 6))
+    robot, said = identified_robot(model.robot, layout, theta)
+    assert said == ""
+    # the file's own rise at low speed stays
+    friction = model.robot.friction
+    rise = (friction[:, 0] - friction[:, 1]) * np.sign(qd)
+    expected = columns(model, layout, q, qd, qdd) @ theta
+    expected += rise * np.exp(-((qd / friction[:, 3]) ** 2))
+    # a measuring effect is not in the model's torque
+    offsets = theta[layout.drive("offset")]
+    reading = np.zeros((20, 6))
+    reading[:, 3] = theta[layout.extra(Extra("reading", 4))] * qdd[:, 3]
+    found = irb.Model(robot).inverse_dynamics(q, qd, qdd) + offsets - reading
+    np.testing.assert_allclose(found, expected, rtol=0, atol=1e-9 * np.abs(expected).max())
+
+
+def test_a_tool_heavier_than_the_last_link_is_said(model: irb.Model) -> None:
+    layout = ColumnLayout(6)
+    theta = np.ones(layout.count)
+    phi = possible(model.robot.inertial_parameters)
+    phi[-1] *= 0.01
+    theta[: layout.inertial] = phi.ravel()
+    robot, said = identified_robot(model.robot, layout, theta)
+    assert "weighs less than the file's tool" in said
+    np.testing.assert_allclose(robot.inertial_parameters, phi, atol=1e-9)
+
+
+def test_a_body_and_back() -> None:
+    phi = irb.load_robot("irb2400").inertial_parameters[2]
+    np.testing.assert_allclose(body_of(phi).parameters(), phi, atol=1e-12)
+
+
+def test_possible_bodies_are_strictly_inside() -> None:
+    phi = irb.load_robot("irb2400").inertial_parameters
+    assert np.linalg.eigvalsh(pseudo_inertias(phi)).min() < 0  # as printed
+    inside = possible(phi)
+    assert np.linalg.eigvalsh(pseudo_inertias(inside)).min() > 0
+
+
+def test_names_and_places_agree() -> None:
+    layout = ColumnLayout(6, EVERYTHING)
+    names = layout.names()
+    assert len(names) == layout.count == len(set(names))
+    assert names[layout.drive("rotor").start] == "rotor_1"
+    assert names[layout.extra(Extra("reading", 4)).start] == "reading_4 -qdd"
+    smaller = ColumnLayout(6, EVERYTHING[2:])
+    assert [names[k] for k in smaller.within(layout)] == smaller.names()
+
+
+@pytest.mark.parametrize(("memory", "factor"), [(0.0, 1.0), (0.8, 9.0)])
+def test_correlation_of_a_known_process(memory: float, factor: float) -> None:
+    """x_k = a x_(k-1) + e: (1 + a) / (1 - a) samples say the same thing."""
+    rng = np.random.default_rng(1)
+    x = np.zeros((20000, 1))
+    for k, noise in enumerate(rng.normal(size=20000)):
+        x[k] = memory * x[k - 1] + noise
+    found = correlation_factor(x, np.ones_like(x, dtype=bool))
+    assert found[0] == pytest.approx(factor, rel=0.25)
