@@ -9,9 +9,10 @@ import casadi as ca
 from pydantic import Field
 
 from irb2400_ctrl.effects.ambiguity import INERTIA, Ambiguity
-from irb2400_ctrl.effects.base import Acts, Effect, Signals
+from irb2400_ctrl.effects.base import Acts, Effect
 from irb2400_ctrl.effects.drawing import Drawing
 from irb2400_ctrl.effects.search import Search
+from irb2400_ctrl.effects.signals import Signals
 
 
 class AccelerationReading(Effect):
