@@ -174,7 +174,7 @@ def _plan_all(
 ) -> None:
     """Each operation into its own folder, and program.json."""
     from irb2400_ctrl.errors import InputError
-    from irb2400_ctrl.planners.program_plan import plan_program
+    from irb2400_ctrl.planners import plan_program
 
     task = f"planning {len(program.operations)} operations"
     with step(task) as say:

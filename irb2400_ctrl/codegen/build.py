@@ -13,10 +13,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from irb2400_ctrl.codegen.emit import emit_body
-from irb2400_ctrl.codegen.graph import as_sx, read_graph
+from irb2400_ctrl.codegen.graph import read_graph
 from irb2400_ctrl.codegen.own_math import prelude
 from irb2400_ctrl.codegen.toolchain import build_shared
 from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.symbolic import as_sx
 
 Array = NDArray[Any]
 Real = Literal["double", "float"]

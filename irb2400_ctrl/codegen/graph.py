@@ -3,12 +3,12 @@ merged."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import casadi as ca
 
-from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.symbolic import Algebra, as_sx, walk
 
 SINCOS = -1
 """sine and cosine of one argument, computed together"""
@@ -19,6 +19,7 @@ SELECT = -4
 """(condition, a, b): a where the condition holds, else b"""
 
 _LEAVES = (ca.OP_INPUT, ca.OP_CONST)
+_Results = list[list[int | None]]
 _COMMUTATIVE = frozenset(
     (ca.OP_ADD, ca.OP_MUL, ca.OP_EQ, ca.OP_NE, ca.OP_AND, ca.OP_OR, ca.OP_HYPOT)
 )
@@ -61,63 +62,34 @@ class _Builder:
         return self.known[key]
 
 
-def as_sx(fn: ca.Function) -> ca.Function:
-    """`fn` itself when made of SX, else its expansion.
+class _Nodes(Algebra[int]):
+    """Numbers are nodes of a graph; every operation is known, and becomes a node."""
 
-    Raises:
-        InputError: the function cannot be expanded into scalar operations, or has free variables.
-    """
-    if fn.is_a("SXFunction"):
-        expanded = fn
-    else:
-        try:
-            expanded = fn.expand()
-        except RuntimeError as error:
-            raise InputError(
-                f"function {fn.name()!r} cannot be expanded into scalar operations; expected an SX "
-                "function "
-                "(no solvers, lookups or callbacks inside); build it from ca.SX symbols"
-            ) from error
-    if expanded.has_free():
-        raise InputError(
-            f"function {fn.name()!r} has free variables {expanded.get_free()}; "
-            "every symbol must be an input: add them to the inputs or substitute numbers"
-        )
-    return expanded
+    def __init__(self) -> None:
+        self.built = _Builder()
+
+    def constant(self, value: float) -> int:
+        return self.built.add(ca.OP_CONST, (), value)
+
+    def rule(self, op: int) -> Callable[..., int]:
+        return lambda *operands: self.built.add(op, operands)
 
 
 def read_graph(fn: ca.Function) -> Graph:
     """The operations of `fn`, merged, sine and cosine of one argument paired, `if_else` folded into
     one selection."""
     fn = as_sx(fn)
-    built = _Builder()
-    dense_in = [fn.sparsity_in(i).find() for i in range(fn.n_in())]
-    dense_out = [fn.sparsity_out(i).find() for i in range(fn.n_out())]
-    results: list[list[int | None]] = [[None] * fn.numel_out(i) for i in range(fn.n_out())]
-    work: dict[int, int] = {}
-    for k in range(fn.n_instructions()):
-        op = fn.instruction_id(k)
-        inputs = fn.instruction_input(k)
-        outputs = fn.instruction_output(k)
-        if op == ca.OP_INPUT:
-            work[outputs[0]] = built.add(op, (inputs[0], dense_in[inputs[0]][inputs[1]]))
-        elif op == ca.OP_CONST:
-            work[outputs[0]] = built.add(op, (), float(fn.instruction_constant(k)))
-        elif op == ca.OP_OUTPUT:
-            results[outputs[0]][dense_out[outputs[0]][outputs[1]]] = work[inputs[0]]
-        elif op == ca.OP_CALL:
-            raise InputError(
-                f"function {fn.name()!r} calls another function inside; expected plain operations; "
-                "call the inner function with inlining (the default) or expand it first"
-            )
-        else:
-            work[outputs[0]] = built.add(op, tuple(work[i] for i in inputs))
+    dense_in = [fn.sparsity_in(k).find() for k in range(fn.n_in())]
+    nodes = _Nodes()
+    built = nodes.built
+    found = walk(fn, nodes, lambda k, i: built.add(ca.OP_INPUT, (k, dense_in[k][i])))
+    results: _Results = [[None] * fn.numel_out(k) for k in range(fn.n_out())]
+    for k, column in enumerate(found):
+        for place, node in zip(fn.sparsity_out(k).find(), column, strict=True):
+            results[k][place] = node
     paired = _pair_sincos(built.nodes, results)
     selected = _fold_selections(*paired)
     return depth_first(_without_dead(*selected))
-
-
-_Results = list[list[int | None]]
 
 
 def _pair_sincos(nodes: list[Node], results: _Results) -> tuple[list[Node], _Results]:

@@ -27,6 +27,7 @@ from irb2400_ctrl.controllers.stribeck import bell, fade
 from irb2400_ctrl.effects import Effect
 from irb2400_ctrl.effects.memory import next_memory
 from irb2400_ctrl.model import Model
+from irb2400_ctrl.model.friction import FrictionLaw
 from irb2400_ctrl.robot import Robot
 
 BREAKAWAY = 0.0045
@@ -89,10 +90,10 @@ class Compensation:
         # speeds of effects with memory come from the reference too, for the same reason as the
         # friction's
         along = replace(s, qd=qd_ref)
-        static, coulomb, viscous, width = self.robot.friction.T
-        dry = coulomb + bell(slip, width, static - coulomb) * fade(qd_ref, breakaway)
+        law = FrictionLaw.of(self.robot)
+        dry = law.coulomb + bell(slip, law.stribeck, law.rise) * fade(qd_ref, breakaway)
         # one product with the speed, which a small processor reads once
-        tau = s.load + (viscous + dry / ca.sqrt(qd_ref**2 + SIGN_WIDTH**2)) * qd_ref
+        tau = s.load + (law.viscous + dry / ca.sqrt(qd_ref**2 + SIGN_WIDTH**2)) * qd_ref
         old = [ca.SX.sym(field.name, field.size) for _, field in self.memories]
         states = {id(effect): x for (effect, _), x in zip(self.memories, old, strict=True)}
         new = []

@@ -17,6 +17,7 @@ from irb2400_ctrl.controllers.timing import Timing
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.model.elasticity import elastic_data, elastic_joints, links_only, twist
+from irb2400_ctrl.model.friction import FrictionLaw
 from irb2400_ctrl.robot import Robot
 
 Array = NDArray[np.float64]
@@ -44,7 +45,7 @@ def linearize(robot: Robot, q: Array, qd: Array | None = None, tau: Array | None
     link, load = hanging(robot, q, qd)
     if tau is None:
         # no acceleration, viscous friction in balance
-        tau = load + robot.friction[:, 2] * qd
+        tau = load + FrictionLaw.of(robot).viscous * qd
     x = ca.SX.sym("x", 2 * (n + k))
     u = ca.SX.sym("u", n)
     rate = arm_rate(robot, x, u)
@@ -79,7 +80,7 @@ def arm_rate(robot: Robot, x: ca.SX, tau: ca.SX) -> ca.SX:
     stiffness, damping, inertia, gap = (ca.DM(column) for column in elastic_data(robot).T)
     angles = ca.SX(q)
     speeds = ca.SX(qd)
-    drive = tau - ca.DM(robot.friction[:, 2]) * qd
+    drive = tau - ca.DM(FrictionLaw.of(robot).viscous) * qd
     # in contact: on which side of its gap a joint stands is decided by the pose, and the slope is
     # the same
     side = 0.5 * gap * ca.sign(q[soft] - link)
@@ -99,7 +100,7 @@ def viscous_dynamics(model: Model) -> ca.Function:
     """(q, qd, tau) -> qdd with viscous friction but no dry friction."""
     n = model.robot.n
     q, qd, tau = (ca.SX.sym(name, n) for name in ("q", "qd", "tau"))
-    viscous = ca.DM(model.robot.friction[:, 2]) * qd
+    viscous = ca.DM(FrictionLaw.of(model.robot).viscous) * qd
     free = model.function("forward_dynamics_without_friction")
     return ca.Function(
         "viscous_dynamics",

@@ -19,7 +19,7 @@ import casadi as ca
 from irb2400_ctrl.codegen import Block, Field
 from irb2400_ctrl.controllers.parts import Values, assemble, gain
 from irb2400_ctrl.model import Model
-from irb2400_ctrl.model.friction import friction
+from irb2400_ctrl.model.friction import FrictionLaw
 from irb2400_ctrl.model.linear_solve import factorise
 from irb2400_ctrl.robot import Robot
 
@@ -40,12 +40,13 @@ def momentum(robot: Robot) -> ca.Function:
     s = replace(s, sign=s.qd / ca.sqrt(s.qd**2 + SIGN_WIDTH**2))
     M = model.function("mass_matrix")(s.q)
     zero = ca.SX.zeros(n)
+    law = FrictionLaw.of(robot)
     others = ca.substitute(model.effect_torque(s), ca.vertcat(s.qdd, s.time), ca.vertcat(zero, 0))
     # gravity of the bare arm: effects come with the signals above, so that none is counted twice
     bare = Model(robot.bare())
     weight = bare.function("gravity")
     kinetic = 0.5 * s.qd.T @ M @ s.qd
-    beta = ca.gradient(kinetic, s.q) - weight(s.q) - friction(robot, s.qd, s.sign) - others
+    beta = ca.gradient(kinetic, s.q) - weight(s.q) - law.torque(s.qd, s.sign) - others
     return ca.Function(
         "momentum", [s.q, s.qd], [M @ s.qd, ca.cse(beta)], ["q", "qd"], ["p", "beta"]
     )

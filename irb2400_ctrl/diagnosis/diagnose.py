@@ -37,6 +37,8 @@ INFLATION = 1.5
 them"""
 LEAST_SPREAD = 0.25
 """what a reference log leaves uncertain at least, in data-sheet standard deviations"""
+LEAST_SECONDS = 3.0
+"""a shorter log is not diagnosed"""
 LEAST_SPEED = 0.05
 """[rad/s] rms speed of a joint below which nothing can be said about it"""
 
@@ -112,6 +114,11 @@ def _problem(
             raise InputError(
                 f"{one.name}: found {one.n} joints, expected {robot.n} as in {robot.name}"
             )
+    if log.duration < LEAST_SECONDS:
+        raise InputError(
+            f"{log.name}: found {log.duration:.2f} s of data, expected at least "
+            f"{LEAST_SECONDS:.0f} s to tell one effect from another; record a longer motion"
+        )
     problem = log_problem(robot, log)
     if problem is not None and problem.unusable:
         raise InputError(f"{log.name}: {problem.says}")

@@ -9,7 +9,7 @@ import casadi as ca
 
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.model import linear_solve, newton_euler
-from irb2400_ctrl.model.friction import friction
+from irb2400_ctrl.model.friction import FrictionLaw
 from irb2400_ctrl.model.signals import ArmSignals
 from irb2400_ctrl.model.symbolic_arm import SymbolicArm
 
@@ -43,7 +43,7 @@ class Acceleration:
         zero = ca.SX.zeros(arm.robot.n)
         effects = arm.effect_torque(s)
         rest = newton_euler.inverse_dynamics(arm.robot, s.q, s.qd, zero, arm.phi)
-        dry = friction(arm.robot, s.qd) if with_friction else zero
+        dry = FrictionLaw.of(arm.robot).torque(s.qd) if with_friction else zero
         slope = s.mass_matrix + ca.jacobian(effects, s.qdd)
         for i in range(arm.robot.n):
             if slope[i, i].is_zero():

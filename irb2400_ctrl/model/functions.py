@@ -9,7 +9,7 @@ import casadi as ca
 
 from irb2400_ctrl.model import euler_lagrange, geometry, kinematics, newton_euler
 from irb2400_ctrl.model.acceleration import Acceleration
-from irb2400_ctrl.model.friction import friction
+from irb2400_ctrl.model.friction import FrictionLaw
 from irb2400_ctrl.model.inverse_kinematics import closed_form
 from irb2400_ctrl.model.regressor import regressor
 from irb2400_ctrl.model.symbolic_arm import SymbolicArm
@@ -30,7 +30,7 @@ def inverse_dynamics(
     inputs = {"q": s.q, "qd": s.qd, "qdd": s.qdd}
     tau = s.load + arm.effect_torque(s)
     if with_friction:
-        tau += friction(arm.robot, s.qd)
+        tau += FrictionLaw.of(arm.robot).torque(s.qd)
     if with_wrench:
         tau -= s.tcp_jacobian.T @ wrench
         inputs["wrench"] = wrench
@@ -113,7 +113,7 @@ def torque_regressor(arm: SymbolicArm, name: str, base: bool = False) -> ca.Func
 def friction_torque(arm: SymbolicArm, name: str) -> ca.Function:
     """qd -> F."""
     qd = ca.SX.sym("qd", arm.robot.n)
-    return function(name, {"qd": qd}, {"F": friction(arm.robot, qd)})
+    return function(name, {"qd": qd}, {"F": FrictionLaw.of(arm.robot).torque(qd)})
 
 
 def of_q(

@@ -91,6 +91,9 @@ def singularity_factors(geometry: ArmGeometry, q: ca.SX) -> tuple[ca.SX, ca.SX, 
         k = a3 sin(phi3 - phi2)
 
     Eq. 36 is the product r k: it holds two singularities, not one (docs/paper_errata.md).
+
+    Args:
+        q: actuator angles [rad], a CasADi column or an array of shape (6, …).
     """
     g = geometry
     phi = ca.DM(g.C) @ q + ca.DM(g.offset)

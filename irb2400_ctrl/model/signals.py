@@ -8,7 +8,7 @@ from functools import cached_property
 import casadi as ca
 
 from irb2400_ctrl.model import kinematics, mass_matrix, newton_euler
-from irb2400_ctrl.model.friction import friction
+from irb2400_ctrl.model.friction import FrictionLaw
 from irb2400_ctrl.model.regressor import regressor, transport
 from irb2400_ctrl.robot import Robot
 
@@ -91,16 +91,17 @@ class ArmSignals:
     def tau(self) -> ca.SX:
         """Rigid-body torque and friction [Nm]; the effects' own part is second order here and left
         out."""
-        return self.load + friction(self.robot, self.qd, self.sign)
+        torque: ca.SX = self.load + FrictionLaw.of(self.robot).torque(self.qd, self.sign)
+        return torque
 
     @cached_property
     def tau_rate(self) -> ca.SX:
         """d tau / dt [Nm/s] along the motion; the jump of dry friction at a reversal is spread over
         about 10 ms."""
-        coulomb, viscous = (ca.DM(column) for column in self.robot.friction[:, 1:3].T)
-        width = 0.005 + 0.005 * ca.fabs(self.qdd)
-        jump = coulomb * self.qdd / width / ca.cosh(ca.fmin(ca.fabs(self.qd / width), 30.0)) ** 2
-        return self._rate(self.load + viscous * self.qd) + jump
+        law = FrictionLaw.of(self.robot)
+        smooth = self.load + ca.DM(law.viscous) * self.qd
+        rate: ca.SX = self._rate(smooth) + law.reversal_rate(self.qd, self.qdd)
+        return rate
 
     @cached_property
     def tau_jacobian(self) -> ca.SX:

@@ -11,6 +11,7 @@ from irb2400_ctrl.planners.joint_move import JointMove, joint_move
 from irb2400_ctrl.planners.joint_path import JointPath
 from irb2400_ctrl.planners.plan import Plan
 from irb2400_ctrl.planners.plan_path import plan_path
+from irb2400_ctrl.planners.program_plan import ProgramPlan, plan_program
 from irb2400_ctrl.planners.programs.rapid.rapid_options import RapidOptions
 from irb2400_ctrl.planners.programs.rapid.rapid_program import RapidProgram, rapid_program
 from irb2400_ctrl.planners.programs.rapid.rapid_reader import read_rapid
@@ -39,6 +40,7 @@ __all__ = [
     "Plan",
     "Positioner",
     "PositionerAxis",
+    "ProgramPlan",
     "RapidOptions",
     "RapidProgram",
     "ToolPath",
@@ -50,6 +52,7 @@ __all__ = [
     "optimise_motion",
     "path_dynamics",
     "plan_path",
+    "plan_program",
     "rapid_program",
     "read_path",
     "read_program",

@@ -19,7 +19,7 @@ from irb2400_ctrl.effects import Effect
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.model import Model, mass_matrix, newton_euler
 from irb2400_ctrl.model.elasticity import links_only
-from irb2400_ctrl.model.friction import friction
+from irb2400_ctrl.model.friction import FrictionLaw
 from irb2400_ctrl.model.signals import ArmSignals
 from irb2400_ctrl.robot import Robot
 from irb2400_ctrl.simulation.dry_friction import Bounds
@@ -42,6 +42,11 @@ class Mechanics:
     phi: ca.SX
     table: ca.SX
     data: ca.SX
+
+    @property
+    def law(self) -> FrictionLaw:
+        """Friction of eq. 55 with the numbers of `table`."""
+        return FrictionLaw.of_table(self.table)
 
     @property
     def effects(self) -> tuple[Effect, ...]:
@@ -81,7 +86,7 @@ class Mechanics:
             smooth = ca.substitute(smooth, s.qdd, zero)
         M = mass_matrix.mass_matrix(self.robot, s.q, self.phi) + slope
         bias = newton_euler.inverse_dynamics(self.robot, s.q, s.qd, zero, self.phi) + smooth
-        bias += friction(self.robot, s.qd, zero, self.table)
+        bias += self.law.viscous * s.qd
         share = torque - ca.substitute(torque, sign, zero)
         upper, lower = (ca.substitute(share, sign, d * ca.SX.ones(n)) for d in (1, -1))
         arguments = [s.q, s.qd, s.qdd, s.time, z]
@@ -92,9 +97,8 @@ class Mechanics:
 
     def bounds(self, qd: ca.SX, effects: tuple[ca.SX, ca.SX]) -> Bounds:
         """Bounds of the dry friction at the speeds qd, the effects' share given."""
-        forwards = ca.SX.ones(self.robot.n)
-        moving = friction(self.robot, qd, forwards, self.table) - self.table[:, 2] * qd
-        static = self.table[:, 0]
+        moving = self.law.level(qd)
+        static = self.law.static
         up, low = effects
         limits = (up + moving, low - moving, up + static, low - static)
         return Bounds(
@@ -121,7 +125,7 @@ class Mechanics:
         """(q, qd, qdd, phi, friction, effects) -> torque of that motion [Nm], memory of the effects
         in steady state."""
         s = ArmSignals.symbols(self.robot, self.phi)
-        torque = s.load + friction(self.robot, s.qd, s.sign, self.table)
+        torque = s.load + self.law.torque(s.qd, s.sign)
         for form in self._forms():
             torque += form.torque(s.with_state(form.effect.steady_state(s)))
         torque = self._expand(torque, s, ca.SX.sym("none", self.robot.n))

@@ -5,17 +5,19 @@ from __future__ import annotations
 import numpy as np
 
 from irb2400_ctrl.errors import InputError
-from irb2400_ctrl.robot import Body, Robot
+from irb2400_ctrl.robot import Body, Robot, Uncertainty
+
+_DATA_SHEET = Uncertainty()
 
 
 def perturbed_robot(
     robot: Robot,
     seed: int,
     *,
-    mass: float = 0.02,
-    com_m: float = 0.005,
-    inertia: float = 0.05,
-    friction: float = 0.04,
+    mass: float = _DATA_SHEET.mass_relative,
+    com_m: float = _DATA_SHEET.com_m,
+    inertia: float = _DATA_SHEET.inertia_relative,
+    friction: float = _DATA_SHEET.friction_relative,
     share: float = 1.0,
 ) -> Robot:
     """A copy with mass and friction data drawn around those of the robot.
@@ -23,7 +25,7 @@ def perturbed_robot(
     Args:
         robot: the model.
         seed: the same seed gives the same arm.
-        mass, inertia, friction: relative standard deviations [-].
+        mass, inertia, friction: relative standard deviations [-]; defaults: `Uncertainty`.
         com_m: standard deviation of each coordinate of the centres of mass [m].
         share: factor on all deviations [-].
     """

@@ -52,7 +52,7 @@ def time_step(
         q_m, qd_m, acceleration, x.time + 0.5 * h, x.memory
     )
     # the viscous friction of an elastic joint brakes its motor, not its link
-    viscous = mechanics.table[soft, 2]
+    viscous = mechanics.law.viscous[soft]
     bias[soft] -= viscous * qd_m[soft]
     if wrench:
         bias -= kinematics.tcp_jacobian(robot, q_m).T @ w

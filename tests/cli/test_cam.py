@@ -12,8 +12,7 @@ import pytest
 
 from irb2400_ctrl import load_robot
 from irb2400_ctrl.errors import InputError
-from irb2400_ctrl.planners import read_program
-from irb2400_ctrl.planners.program_plan import plan_program
+from irb2400_ctrl.planners import plan_program, read_program
 from irb2400_ctrl.planners.toolpath.work_frame import work_frame
 
 PROGRAM = """G21 G90

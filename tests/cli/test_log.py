@@ -78,7 +78,7 @@ def spike(log: Log) -> Log:
 
 
 def jump(log: Log) -> Log:
-    return replace(log, time=np.where(log.time > 5.0, log.time + 1e9, log.time))
+    return replace(log, time=np.where(log.time > log.time[0] + 5.0, log.time + 1e9, log.time))
 
 
 BROKEN = {

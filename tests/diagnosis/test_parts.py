@@ -108,7 +108,24 @@ def test_evidence_equals_the_direct_integral() -> None:
     assert blocks[0] == pytest.approx(problem.score(RegressorColumns((0,), X)).gain, rel=1e-9)
 
 
-def test_nuisance_columns_are_the_slope_of_the_updated_robot() -> None:
+def test_data_sheet_spread_is_what_is_documented() -> None:
+    """Masses 2 %, centres of mass 5 mm, inertias 5 %, friction 4 %, static friction 25 %."""
+    base_prior = BasePrior.of(ROBOT, Uncertainty(), motion())
+    sigmas = base_prior.sigmas()
+    body = ROBOT.links[1].body
+    mass, *com = sigmas[10:14]
+    assert mass == pytest.approx(0.02 * body.mass_kg)
+    np.testing.assert_allclose(com, 0.005)
+    # at least a fifth of the share of the mean principal moment, for elements printed as zero
+    inertia = np.array(body.inertia_kgm2)
+    least = 0.2 * np.abs(inertia[:3]).mean()
+    np.testing.assert_allclose(sigmas[14:20], 0.05 * np.hypot(inertia, least))
+    static, coulomb, viscous, _ = ROBOT.friction.T
+    expected = np.concatenate([0.04 * coulomb, 0.04 * viscous, 0.25 * static])
+    np.testing.assert_allclose(sigmas[-3 * ROBOT.n :], expected)
+
+
+def test_base_prior_columns_are_the_slope_of_the_updated_robot() -> None:
     base_prior = BasePrior.of(ROBOT, Uncertainty(), motion())
     columns = base_prior.columns(BASES.model, motion())
     z = np.random.default_rng(2).normal(size=columns.shape[2])

@@ -237,7 +237,7 @@ def test_intervals_hold_for_points_inside(seed: int) -> None:
     )
     rng = np.random.default_rng(seed)
     ends = np.sort(rng.normal(size=(2, 2)), axis=1)
-    found = interval_function(f, [(e[:1], e[1:]) for e in ends])
+    found = interval_function(f)([(e[:1], e[1:]) for e in ends])
     for point in rng.uniform(ends[:, 0], ends[:, 1], (50, 2)):
         for (low, high), value in zip(found, f(*point), strict=True):
             assert low[0] - 1e-12 <= float(value) <= high[0] + 1e-12

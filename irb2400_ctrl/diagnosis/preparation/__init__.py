@@ -3,6 +3,5 @@
 from irb2400_ctrl.diagnosis.preparation.base_prior import BasePrior
 from irb2400_ctrl.diagnosis.preparation.metrics import Errors, errors, noise_floor
 from irb2400_ctrl.diagnosis.preparation.noise import Noise
-from irb2400_ctrl.robot import Uncertainty
 
-__all__ = ["BasePrior", "Errors", "Noise", "Uncertainty", "errors", "noise_floor"]
+__all__ = ["BasePrior", "Errors", "Noise", "errors", "noise_floor"]

@@ -15,6 +15,7 @@ import numpy.typing as npt
 
 from irb2400_ctrl.measurement.prepared_log import PreparedLog
 from irb2400_ctrl.model import Model
+from irb2400_ctrl.model.friction import FrictionLaw
 from irb2400_ctrl.robot import Body, Robot, Uncertainty
 
 Array = npt.NDArray[np.float64]
@@ -114,11 +115,8 @@ class BasePrior:
                 Y[:, :, 10 * link : 10 * link + 10]
                 @ (_parameter_slope(body, X) * self._body_sigma(body, name))
             )
-        friction = self.robot.friction
-        sign = np.sign(motion.qd)
-        stribeck = sign * np.exp(-((motion.qd / friction[:, 3]) ** 2))
         for signal, size in zip(
-            (sign - stribeck, motion.qd, stribeck),
+            FrictionLaw.of(self.robot).regressor(motion.qd),
             self.sigmas()[-3 * n :].reshape(3, n),
             strict=True,
         ):

@@ -13,9 +13,9 @@ from typing import Any
 
 import casadi as ca
 import numpy as np
-import numpy.typing as npt
 
-Array = npt.NDArray[np.float64]
+from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.symbolic import Algebra, Walk
 
 
 def _divide(x: Array, y: Array) -> Array:
@@ -70,6 +70,18 @@ _BINARY: dict[int, Callable[[Any, Any], Any]] = {
 }
 
 
+class _Arrays(Algebra[Any]):
+    """Numbers are arrays of shapes that broadcast."""
+
+    expected = "expected an operation that numpy has"
+
+    def constant(self, value: float) -> float:
+        return value
+
+    def rule(self, op: int) -> Callable[..., Any] | None:
+        return _BINARY.get(op) or _UNARY.get(op)
+
+
 class Vectorised:
     """An SX function of scalars; call it with one array per scalar input, all of shapes that
     broadcast."""
@@ -79,34 +91,9 @@ class Vectorised:
         packed = ca.vertcat(*inputs) if inputs else ca.SX(0, 1)
         function = ca.Function("vectorised", [packed], [ca.densify(outputs)], {"cse": True})
         self.size = outputs.numel()
-        self._program: list[tuple[int, tuple[int, ...], int, float]] = []
-        for k in range(function.n_instructions()):
-            code = function.instruction_id(k)
-            operands = tuple(function.instruction_input(k))
-            target = tuple(function.instruction_output(k))
-            constant = function.instruction_constant(k) if code == ca.OP_CONST else 0.0
-            # inputs and outputs name (argument, element); everything else a place in the work
-            # vector
-            if code == ca.OP_INPUT:
-                operands = (operands[1],)
-            place = target[1] if code == ca.OP_OUTPUT else target[0]
-            self._program.append((code, operands, place, constant))
+        self._walk = Walk(function, _Arrays())
 
     def __call__(self, *values: Array | float) -> list[Array]:
         """The outputs, each of the broadcast shape of what it depends on."""
-        work: dict[int, Any] = {}
-        outputs: list[Any] = [0.0] * self.size
-        for code, operands, place, constant in self._program:
-            if code in _BINARY:
-                work[place] = _BINARY[code](work[operands[0]], work[operands[1]])
-            elif code in _UNARY:
-                work[place] = _UNARY[code](work[operands[0]])
-            elif code == ca.OP_INPUT:
-                work[place] = values[operands[0]]
-            elif code == ca.OP_CONST:
-                work[place] = constant
-            elif code == ca.OP_OUTPUT:
-                outputs[place] = work[operands[0]]
-            else:
-                raise NotImplementedError(f"CasADi operation {code} has no array counterpart here")
+        (outputs,) = self._walk(lambda _, i: values[i])
         return [np.asarray(value, dtype=float) for value in outputs]

@@ -12,8 +12,9 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from irb2400_ctrl.planners.enclosure import bernstein
 from irb2400_ctrl.planners.enclosure.effect_bounds import Added, Range, memories
-from irb2400_ctrl.planners.enclosure.parabolas import bernstein_of, parabolas
+from irb2400_ctrl.planners.enclosure.parabolas import parabolas
 from irb2400_ctrl.planners.enclosure.path_dynamics import OUTPUTS, PathDynamics
 from irb2400_ctrl.planners.joint_path import JointPath
 
@@ -173,19 +174,17 @@ def _derivatives(path: JointPath, s: Array) -> tuple[Array, Array]:
     curved = path.on_piece(s[:-1], piece, 2)
     last = path.on_piece(s[1:], piece, 1)
     curved_last = path.on_piece(s[1:], piece, 2)
-    # q' is a parabola: its middle Bernstein coefficient follows the tangent at the start
-    speed = np.stack([first, first + curved * np.diff(s)[:, None] / 2, last], axis=1)
-    curvature = np.stack([curved, curved_last], axis=1)
-    return speed, curvature
+    # q' is a parabola
+    speed = bernstein.leaving(first, curved * np.diff(s)[:, None], last)
+    return speed, bernstein.linear(curved, curved_last)
 
 
 def _directions(speed: Array) -> tuple[Booleans, Booleans]:
     """Whether each joint moves forwards, and backwards, somewhere in each cell, shapes (m, n)."""
     # at a reversal that ends the cell q' is zero up to rounding: that is no motion the other way
-    noise = 1e-9 * np.abs(speed).max(axis=1)
-    forwards = speed.max(axis=1) > noise
-    backwards = speed.min(axis=1) < -noise
-    return forwards, backwards
+    noise = 1e-9 * bernstein.largest_size(speed)
+    slowest, fastest = bernstein.hull(speed)
+    return fastest > noise, slowest < -noise
 
 
 def _static_band(
@@ -223,7 +222,7 @@ def _square(speed: Array) -> tuple[Array, Array]:
     s0 = speed[:, 0]
     s1 = speed[:, 1]
     s2 = speed[:, 2]
-    parabola = bernstein_of(np.stack([s0, (s0 + 2 * s1 + s2) / 4, s2]) ** 2)
+    parabola = bernstein.through(s0**2, ((s0 + 2 * s1 + s2) / 4) ** 2, s2**2)
     # q'^2 = ... + c3 t^3 + c4 t^4; f - p = (c3 + c4 (t + 3/2)) t (t - 1/2)(t - 1), the product at
     # most sqrt(3)/36
     bend = s0 - 2 * s1 + s2

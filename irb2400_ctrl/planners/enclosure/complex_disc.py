@@ -9,9 +9,14 @@ sample (Rump, Verification methods, 2010, section 10).
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import casadi as ca
 
-from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.symbolic import Algebra, NoRule, walk
+
+Disc = tuple[ca.SX, ca.SX]
+"""centre and radius"""
 
 
 def disc_function(function: ca.Function) -> ca.Function:
@@ -24,20 +29,11 @@ def disc_function(function: ca.Function) -> ca.Function:
     radii = [
         ca.SX.sym(f"r_{name}", *function.size_in(i)) for i, name in enumerate(function.name_in())
     ]
-    outputs = [ca.SX.zeros(*function.size_out(i)) for i in range(function.n_out())]
-    work: dict[int, tuple[ca.SX, ca.SX]] = {}
-    for k in range(function.n_instructions()):
-        op = function.instruction_id(k)
-        i_in = function.instruction_input(k)
-        i_out = function.instruction_output(k)
-        if op == ca.OP_CONST:
-            work[i_out[0]] = (ca.SX(function.instruction_constant(k)), ca.SX(0))
-        elif op == ca.OP_INPUT:
-            work[i_out[0]] = (centres[i_in[0]].nz[i_in[1]], radii[i_in[0]].nz[i_in[1]])
-        elif op == ca.OP_OUTPUT:
-            outputs[i_out[0]].nz[i_out[1]] = work[i_in[0]][1]
-        else:
-            work[i_out[0]] = _apply(op, [work[i] for i in i_in], function.name())
+    found = walk(function, _DISCS, lambda k, i: (centres[k].nz[i], radii[k].nz[i]))
+    outputs = [ca.SX.zeros(*function.size_out(k)) for k in range(function.n_out())]
+    for output, discs in zip(outputs, found, strict=True):
+        for place, (_, radius) in enumerate(discs):
+            output.nz[place] = radius
     names = [*function.name_in(), *(f"r_{name}" for name in function.name_in())]
     return ca.Function(
         f"{function.name()}_radius",
@@ -48,59 +44,69 @@ def disc_function(function: ca.Function) -> ca.Function:
     )
 
 
-def _apply(op: int, arguments: list[tuple[ca.SX, ca.SX]], name: str) -> tuple[ca.SX, ca.SX]:
-    """Centre and radius of one operation's result."""
-    x, rx = arguments[0]
-    if len(arguments) == 2:
-        y, ry = arguments[1]
-        if op == ca.OP_ADD:
-            return x + y, rx + ry
-        if op == ca.OP_SUB:
-            return x - y, rx + ry
-        if op == ca.OP_MUL:
-            return x * y, ca.fabs(x) * ry + rx * (ca.fabs(y) + ry)
-        if op == ca.OP_DIV:
-            inverse, r_inverse = _inverse(y, ry)
-            return x / y, ca.fabs(x) * r_inverse + rx * (ca.fabs(inverse) + r_inverse)
-        if (
-            op in {ca.OP_CONSTPOW, ca.OP_POW}
-            and y.is_constant()
-            and float(y) == int(float(y))
-            and 0 < float(y) <= 4
-        ):
-            result = (x, rx)
-            for _ in range(int(float(y)) - 1):
-                result = _apply(ca.OP_MUL, [result, (x, rx)], name)
-            return result
-    elif op == ca.OP_NEG:
-        return -x, rx
-    elif op == ca.OP_TWICE:
-        return 2 * x, 2 * rx
-    elif op == ca.OP_SQ:
-        return x * x, rx * (2 * ca.fabs(x) + rx)
-    elif op == ca.OP_INV:
-        return _inverse(x, rx)
-    elif op == ca.OP_SIN:
-        # |sin z - sin x| <= |cos x| sinh r + |sin x| (cosh r - 1)
-        return ca.sin(x), ca.fabs(ca.cos(x)) * _sinh(rx) + ca.fabs(ca.sin(x)) * _cosh_less_one(rx)
-    elif op == ca.OP_COS:
-        return ca.cos(x), ca.fabs(ca.sin(x)) * _sinh(rx) + ca.fabs(ca.cos(x)) * _cosh_less_one(rx)
-    elif op == ca.OP_EXP:
-        return ca.exp(x), ca.exp(x) * (ca.exp(rx) - 1)
-    elif op == ca.OP_SQRT:
-        # |sqrt z - sqrt x| = |z - x| / |sqrt z + sqrt x| <= r / sqrt x, as the real parts add up;
-        # needs |z - x| < x
-        return ca.sqrt(x), ca.if_else(rx < x, rx / ca.sqrt(x), 1e300)
-    raise InputError(
-        f"{name}: operation {op} has no bound over complex discs; the effect must be analytic"
-    )
+class _Discs(Algebra[Disc]):
+    """Numbers are discs; the rules bound the radius of the result."""
+
+    expected = "the function must be analytic to have a bound over complex discs"
+
+    def constant(self, value: float) -> Disc:
+        return ca.SX(value), ca.SX(0)
+
+    def rule(self, op: int) -> Callable[..., Disc] | None:
+        return _RULES.get(op)
 
 
-def _inverse(y: ca.SX, ry: ca.SX) -> tuple[ca.SX, ca.SX]:
+_DISCS = _Discs()
+
+
+def _multiply(x: Disc, y: Disc) -> Disc:
+    m, r = x
+    n, s = y
+    return m * n, ca.fabs(m) * s + r * (ca.fabs(n) + s)
+
+
+def _divide(x: Disc, y: Disc) -> Disc:
+    m, r = x
+    n, s = y
+    inverse, r_inverse = _inverse((n, s))
+    return m / n, ca.fabs(m) * r_inverse + r * (ca.fabs(inverse) + r_inverse)
+
+
+def _power(x: Disc, y: Disc) -> Disc:
+    """Whole powers up to the fourth."""
+    exponent = y[0]
+    if not (exponent.is_constant() and float(exponent) in {1.0, 2.0, 3.0, 4.0}):
+        raise NoRule(ca.OP_POW)
+    result = x
+    for _ in range(int(float(exponent)) - 1):
+        result = _multiply(result, x)
+    return result
+
+
+def _sine(x: Disc) -> Disc:
+    # |sin z - sin x| <= |cos x| sinh r + |sin x| (cosh r - 1)
+    m, r = x
+    return ca.sin(m), ca.fabs(ca.cos(m)) * _sinh(r) + ca.fabs(ca.sin(m)) * _cosh_less_one(r)
+
+
+def _cosine(x: Disc) -> Disc:
+    m, r = x
+    return ca.cos(m), ca.fabs(ca.sin(m)) * _sinh(r) + ca.fabs(ca.cos(m)) * _cosh_less_one(r)
+
+
+def _root(x: Disc) -> Disc:
+    # |sqrt z - sqrt x| = |z - x| / |sqrt z + sqrt x| <= r / sqrt x, as the real parts add up;
+    # needs |z - x| < x
+    m, r = x
+    return ca.sqrt(m), ca.if_else(r < m, r / ca.sqrt(m), 1e300)
+
+
+def _inverse(y: Disc) -> Disc:
     """1 / y: the radius is |1/z - 1/y| <= r / (|y| (|y| - r)), without bound when the disc holds
     zero."""
-    size = ca.fabs(y)
-    return 1 / y, ca.if_else(ry < size, ry / (size * (size - ry)), 1e300)
+    m, r = y
+    size = ca.fabs(m)
+    return 1 / m, ca.if_else(r < size, r / (size * (size - r)), 1e300)
 
 
 def _sinh(r: ca.SX) -> ca.SX:
@@ -114,3 +120,21 @@ def _cosh_less_one(r: ca.SX) -> ca.SX:
     """Upper bound of cosh r - 1 for r <= 1: r^2 / 2 + r^4 / 20."""
     square = r * r
     return ca.if_else(r <= 1, square * (0.5 + square / 20), 1e300)
+
+
+_RULES: dict[int, Callable[..., Disc]] = {
+    ca.OP_ADD: lambda x, y: (x[0] + y[0], x[1] + y[1]),
+    ca.OP_SUB: lambda x, y: (x[0] - y[0], x[1] + y[1]),
+    ca.OP_MUL: _multiply,
+    ca.OP_DIV: _divide,
+    ca.OP_POW: _power,
+    ca.OP_CONSTPOW: _power,
+    ca.OP_NEG: lambda x: (-x[0], x[1]),
+    ca.OP_TWICE: lambda x: (2 * x[0], 2 * x[1]),
+    ca.OP_SQ: lambda x: (x[0] * x[0], x[1] * (2 * ca.fabs(x[0]) + x[1])),
+    ca.OP_INV: _inverse,
+    ca.OP_SIN: _sine,
+    ca.OP_COS: _cosine,
+    ca.OP_EXP: lambda x: (ca.exp(x[0]), ca.exp(x[0]) * (ca.exp(x[1]) - 1)),
+    ca.OP_SQRT: _root,
+}

@@ -15,10 +15,12 @@ import numpy.typing as npt
 
 from irb2400_ctrl.codegen import compile_function
 from irb2400_ctrl.model import Model
+from irb2400_ctrl.planners.enclosure import bernstein
 from irb2400_ctrl.planners.enclosure.complex_disc import disc_function
 from irb2400_ctrl.planners.enclosure.parabolas import parabolas
 from irb2400_ctrl.planners.enclosure.tcp_path import TcpPath
 from irb2400_ctrl.planners.redundancy.follow import Followed
+from irb2400_ctrl.planners.redundancy.singularity_margins import NAMES
 from irb2400_ctrl.planners.toolpath.orientation import Orientation
 from irb2400_ctrl.planners.toolpath.task_curve import ROTATION_LENGTH, TaskCurve
 
@@ -139,25 +141,18 @@ def _angle_to_line(A: Array, miss: Array, first: Array, last: Array) -> tuple[Ar
     |a x l| is the norm of a cubic, at most that of its largest Bernstein coefficient. Also the
     angle at the ends.
     """
-    cubic = np.stack(
-        [
-            np.cross(A[:, 0], first),
-            (np.cross(A[:, 0], last) + 2 * np.cross(A[:, 1], first)) / 3,
-            (2 * np.cross(A[:, 1], last) + np.cross(A[:, 2], first)) / 3,
-            np.cross(A[:, 2], last),
-        ]
-    )
+    cubic = bernstein.product(A, bernstein.linear(first, last), np.cross)
     origin = np.zeros_like(first)
     shortest = np.maximum(_to_segment(origin, first, last)[0], 1e-12)
     longest = np.maximum(np.linalg.norm(first, axis=1), np.linalg.norm(last, axis=1))
     size = np.linalg.norm(cubic, axis=2)
-    sine = (size.max(axis=0) + miss * longest) / shortest
+    sine = (size.max(axis=1) + miss * longest) / shortest
     along = (
         np.min([(A[:, i] * line).sum(axis=1) for i in range(3) for line in (first, last)], axis=0)
         - miss
     )
     ends = np.maximum(
-        size[0] / np.linalg.norm(first, axis=1), size[3] / np.linalg.norm(last, axis=1)
+        size[:, 0] / np.linalg.norm(first, axis=1), size[:, 3] / np.linalg.norm(last, axis=1)
     )
     # both on the same side: the angle is that of the sine
     bound = np.where((along > 0) & (sine < 1), np.arcsin(np.minimum(sine, 1.0)), np.pi)
@@ -216,9 +211,6 @@ def singularity_margins(model: Model, followed: Followed) -> dict[str, float]:
         lambda q, dq, ddq: value.map(q),
         lambda q, dq, ddq, r, dr, ddr: radius.map(q, r),
     )
-    bernstein = coefficients[0]
-    rest = remainder[0]
-    one_sign = (bernstein > 0).all(axis=1) | (bernstein < 0).all(axis=1)
-    lower = np.where(one_sign, np.abs(bernstein).min(axis=1) - rest, 0.0)
+    lower = bernstein.least_size(coefficients[0]) - remainder[0]
     smallest = np.maximum(lower.min(axis=0), 0.0)
-    return dict(zip(("wrist", "shoulder", "elbow"), map(float, smallest), strict=True))
+    return dict(zip(NAMES, map(float, smallest), strict=True))

@@ -22,6 +22,7 @@ from typing import Literal
 import numpy as np
 import numpy.typing as npt
 
+from irb2400_ctrl.planners.enclosure import bernstein
 from irb2400_ctrl.planners.enclosure.effect_forms import ScalarLaw
 from irb2400_ctrl.planners.enclosure.interval import Interval
 
@@ -109,15 +110,17 @@ class Added:
 
     def squared_speed(self, x_low: Array, x_high: Array) -> tuple[Array, Array]:
         """Bounds of qd^2 in each cell, (m, n) [rad2/s2]."""
-        low = np.maximum(self.square.min(axis=1) - self.square_remainder, 0.0)
-        high = np.maximum(self.square.max(axis=1) + self.square_remainder, 0.0)
+        least, most = bernstein.hull(self.square)
+        low = np.maximum(least - self.square_remainder, 0.0)
+        high = np.maximum(most + self.square_remainder, 0.0)
         return low * x_low[:, None], high * x_high[:, None]
 
     def load_size(self, u: Array, x: Array) -> Array:
         """Upper bound of |load| for accelerations up to |u| and squares of speed up to x (m,),
         shape (m, n) [Nm]."""
         a, b, c = (
-            np.abs(f).max(axis=1) + r for f, r in zip(self.load, self.load_remainder, strict=True)
+            bernstein.largest_size(f) + r
+            for f, r in zip(self.load, self.load_remainder, strict=True)
         )
         return np.asarray(a * np.abs(u)[:, None] + b * x[:, None] + c)
 

@@ -15,40 +15,23 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Literal
 
 import casadi as ca
 import numpy as np
-import numpy.typing as npt
 
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.effects import Effect
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.model.signals import ArmSignals
-from irb2400_ctrl.planners.enclosure import interval
 from irb2400_ctrl.planners.enclosure.complex_disc import disc_function
-from irb2400_ctrl.planners.enclosure.interval import Interval
-
-Array = npt.NDArray[np.float64]
+from irb2400_ctrl.planners.enclosure.interval import Interval, interval_function
+from irb2400_ctrl.planners.enclosure.time_factors import lifted
 
 Memory = Callable[[Array], tuple[Array, Array]]
 """bounds (m,) of the internal state for a joint that has turned forwards by (m,) [rad]"""
-
-# all times from zero to 28 years (a force without an end acts until 1e9 s), in steps small against
-# any time constant
-_TIMES = np.concatenate([[0.0], np.geomspace(1e-3, 9e8, 2000)])
-
-
-@dataclass(frozen=True)
-class Lifted:
-    """An effect's torque with every part that depends on time alone replaced by a symbol."""
-
-    tau: ca.SX
-    factors: ca.SX
-    """the symbols, shape (k, 1)"""
-    low: Array
-    high: Array
-    """bounds of the factors over all times, shape (k,)"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,7 +55,11 @@ class ScalarLaw:
     def bounds(self, w: Interval, direction: Interval, state: Interval) -> list[Interval]:
         """Bounds of f, df/dw and d2f/dw2 over m boxes."""
         ends = [(np.array([a]), np.array([b])) for a, b in zip(self.low, self.high, strict=True)]
-        return interval.interval_function(self.values, [w, direction, state, *ends])
+        return self._bounds([w, direction, state, *ends])
+
+    @cached_property
+    def _bounds(self) -> Callable[[list[Interval]], list[Interval]]:
+        return interval_function(self.values)
 
 
 @dataclass(frozen=True, eq=False)
@@ -241,7 +228,7 @@ def _law(model: Model, effect: Effect) -> ScalarLaw | None:
     bend = ca.jacobian(slope, w)
     values = ca.Function("law", arguments, [ca.densify(x) for x in (f, slope, bend)])
     try:
-        interval.interval_function(values, [(np.ones(1), np.ones(1))] * values.n_in())
+        interval_function(values)([(np.ones(1), np.ones(1))] * values.n_in())
     except InputError:
         return None
     if by_load and not _even(values):
@@ -270,61 +257,3 @@ def _memory(effect: Effect) -> Memory | None:
         return np.asarray(low).ravel(), np.asarray(high).ravel()
 
     return bounds
-
-
-def lifted(tau: ca.SX, s: ArmSignals) -> Lifted:
-    """Separate the time from the rest, operation by operation; no factors where time does not
-    enter."""
-    if not ca.depends_on(tau, s.time):
-        return Lifted(tau, ca.SX(0, 1), np.empty(0), np.empty(0))
-    inputs = list(ca.vertsplit(ca.vertcat(*ca.symvar(tau))))
-    function = ca.Function("torque", inputs, [ca.densify(tau)])
-    clock = next(i for i, v in enumerate(inputs) if v.element_hash() == s.time.element_hash())
-    result = ca.SX.zeros(tau.numel())
-    factors: list[ca.SX] = []
-    low: list[float] = []
-    high: list[float] = []
-    # operand: expression, and its bounds at all times if it depends on time alone
-    work: dict[int, tuple[ca.SX, Interval | None]] = {}
-    known: dict[int, ca.SX] = {}
-
-    def still(x: tuple[ca.SX, Interval | None]) -> ca.SX:
-        expression, range_ = x
-        if range_ is None or expression.is_constant():
-            return expression
-        key = expression.element_hash()
-        if key not in known:
-            known[key] = ca.SX.sym(f"factor{len(known)}")
-            factors.append(known[key])
-            low.append(float(np.min(range_[0])))
-            high.append(float(np.max(range_[1])))
-        return known[key]
-
-    for k in range(function.n_instructions()):
-        op = function.instruction_id(k)
-        i_in = function.instruction_input(k)
-        i_out = function.instruction_output(k)
-        if op == ca.OP_CONST:
-            value = float(function.instruction_constant(k))
-            work[i_out[0]] = (ca.SX(value), (np.array([value]), np.array([value])))
-        elif op == ca.OP_INPUT:
-            timely = i_in[0] == clock
-            work[i_out[0]] = (inputs[i_in[0]], (_TIMES[:-1], _TIMES[1:]) if timely else None)
-        elif op == ca.OP_OUTPUT:
-            result[i_out[1]] = still(work[i_in[0]])
-        else:
-            operands = [work[i] for i in i_in]
-            ranges = [r for _, r in operands if r is not None]
-            if len(ranges) == len(operands):
-                with np.errstate(all="ignore"):
-                    range_ = interval.apply(op, ranges, "effect")
-                work[i_out[0]] = (_operation(op, [e for e, _ in operands]), range_)
-            else:
-                work[i_out[0]] = (_operation(op, [still(o) for o in operands]), None)
-    return Lifted(
-        result, ca.vertcat(*factors) if factors else ca.SX(0, 1), np.array(low), np.array(high)
-    )
-
-
-def _operation(op: int, operands: list[ca.SX]) -> ca.SX:
-    return ca.SX.unary(op, *operands) if len(operands) == 1 else ca.SX.binary(op, *operands)

@@ -13,82 +13,54 @@ from collections.abc import Callable
 
 import casadi as ca
 import numpy as np
-import numpy.typing as npt
 
-from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.symbolic import Algebra, NoRule, Walk
 
-Array = npt.NDArray[np.float64]
 Interval = tuple[Array, Array]
 """lower and upper ends, shapes that broadcast"""
 
 
-def interval_function(function: ca.Function, arguments: list[Interval]) -> list[Interval]:
-    """Bounds of the scalar outputs over boxes.
+def interval_function(function: ca.Function) -> Callable[[list[Interval]], list[Interval]]:
+    """Bounds of the scalar outputs over boxes, from one interval per input.
 
     Args:
         function: an SX function of scalars.
-        arguments: one interval per input.
 
     Raises:
-        InputError: an operation without a rule.
+        InputError: an operation without a rule, when the function is read or for some boxes.
     """
-    outputs: list[Interval] = [(np.zeros(1), np.zeros(1))] * function.n_out()
-    work: dict[int, Interval] = {}
-    with np.errstate(all="ignore"):
-        for k in range(function.n_instructions()):
-            op = function.instruction_id(k)
-            i_in = function.instruction_input(k)
-            i_out = function.instruction_output(k)
-            if op == ca.OP_CONST:
-                value = np.array([float(function.instruction_constant(k))])
-                work[i_out[0]] = (value, value)
-            elif op == ca.OP_INPUT:
-                work[i_out[0]] = arguments[i_in[0]]
-            elif op == ca.OP_OUTPUT:
-                outputs[i_out[0]] = work[i_in[0]]
-            else:
-                work[i_out[0]] = apply(op, [work[i] for i in i_in], function.name())
-    return outputs
+    bound = Walk(function, INTERVALS)
+
+    def bounds(arguments: list[Interval]) -> list[Interval]:
+        with np.errstate(all="ignore"):
+            found = bound(lambda k, _: arguments[k])
+        # an output without a structural nonzero is zero
+        return [column[0] if column else INTERVALS.constant(0.0) for column in found]
+
+    return bounds
 
 
-def apply(op: int, arguments: list[Interval], name: str) -> Interval:
-    """Bounds of one operation's result."""
-    x = arguments[0]
-    y = arguments[1] if len(arguments) == 2 else x
-    if op in _MONOTONE:
-        rule = _MONOTONE[op]
-        return rule(x[0]), rule(x[1])
-    if op == ca.OP_ADD:
-        return x[0] + y[0], x[1] + y[1]
-    if op == ca.OP_SUB:
-        return x[0] - y[1], x[1] - y[0]
-    if op in {ca.OP_MUL, ca.OP_IF_ELSE_ZERO, ca.OP_AND}:
-        return _product(x, y)
-    if op == ca.OP_DIV:
-        return _product(x, _inverse(y))
-    if op == ca.OP_INV:
-        return _inverse(x)
-    if op == ca.OP_NEG:
-        return -x[1], -x[0]
-    if op == ca.OP_NOT:
-        return 1 - x[1], 1 - x[0]
-    if op == ca.OP_FABS:
-        return _size(x)
-    if op == ca.OP_SQ:
-        size = _size(x)
-        return size[0] ** 2, size[1] ** 2
-    if op in {ca.OP_POW, ca.OP_CONSTPOW} and (y[0] == y[1]).all():
-        return _power(x, y[0])
-    if op in {ca.OP_LT, ca.OP_LE}:
-        strict = op == ca.OP_LT
-        surely = x[1] < y[0] if strict else x[1] <= y[0]
-        never = x[0] >= y[1] if strict else x[0] > y[1]
-        return surely.astype(float), (~never).astype(float)
-    if op == ca.OP_FMIN:
-        return np.minimum(x[0], y[0]), np.minimum(x[1], y[1])
-    if op == ca.OP_FMAX:
-        return np.maximum(x[0], y[0]), np.maximum(x[1], y[1])
-    raise InputError(f"{name}: operation {op} has no bound over intervals")
+class _Intervals(Algebra[Interval]):
+    """Numbers are intervals, many at once."""
+
+    expected = "it has no bound over intervals"
+
+    def constant(self, value: float) -> Interval:
+        end = np.array([value])
+        return end, end
+
+    def rule(self, op: int) -> Callable[..., Interval] | None:
+        if op in _MONOTONE:
+            return _growing(_MONOTONE[op])
+        return _RULES.get(op)
+
+
+INTERVALS = _Intervals()
+
+
+def _growing(f: Callable[[Array], Array]) -> Callable[[Interval], Interval]:
+    return lambda x: (f(x[0]), f(x[1]))
 
 
 _MONOTONE: dict[int, Callable[[Array], Array]] = {
@@ -127,6 +99,25 @@ def _size(x: Interval) -> Interval:
     return np.where(across, 0.0, np.minimum(low, high)), np.maximum(low, high)
 
 
+def _square(x: Interval) -> Interval:
+    low, high = _size(x)
+    return low**2, high**2
+
+
+def _raised_to(x: Interval, y: Interval) -> Interval:
+    if not (y[0] == y[1]).all():
+        raise NoRule(ca.OP_POW)
+    return _power(x, y[0])
+
+
+def _below(x: Interval, y: Interval) -> Interval:
+    return (x[1] < y[0]).astype(float), (~(x[0] >= y[1])).astype(float)
+
+
+def _at_most(x: Interval, y: Interval) -> Interval:
+    return (x[1] <= y[0]).astype(float), (~(x[0] > y[1])).astype(float)
+
+
 def _power(x: Interval, exponent: Array) -> Interval:
     """x^p with a fixed p: whole powers of any x, others of x >= 0."""
     p = float(exponent.ravel()[0])
@@ -140,3 +131,24 @@ def _power(x: Interval, exponent: Array) -> Interval:
         return x[0] ** p, x[1] ** p
     size = _size(x)
     return size[0] ** p, size[1] ** p
+
+
+_RULES: dict[int, Callable[..., Interval]] = {
+    ca.OP_ADD: lambda x, y: (x[0] + y[0], x[1] + y[1]),
+    ca.OP_SUB: lambda x, y: (x[0] - y[1], x[1] - y[0]),
+    ca.OP_MUL: _product,
+    ca.OP_IF_ELSE_ZERO: _product,
+    ca.OP_AND: _product,
+    ca.OP_DIV: lambda x, y: _product(x, _inverse(y)),
+    ca.OP_INV: _inverse,
+    ca.OP_NEG: lambda x: (-x[1], -x[0]),
+    ca.OP_NOT: lambda x: (1 - x[1], 1 - x[0]),
+    ca.OP_FABS: _size,
+    ca.OP_SQ: _square,
+    ca.OP_POW: _raised_to,
+    ca.OP_CONSTPOW: _raised_to,
+    ca.OP_LT: _below,
+    ca.OP_LE: _at_most,
+    ca.OP_FMIN: lambda x, y: (np.minimum(x[0], y[0]), np.minimum(x[1], y[1])),
+    ca.OP_FMAX: lambda x, y: (np.maximum(x[0], y[0]), np.maximum(x[1], y[1])),
+}

@@ -16,6 +16,7 @@ from collections.abc import Callable
 import numpy as np
 import numpy.typing as npt
 
+from irb2400_ctrl.planners.enclosure import bernstein
 from irb2400_ctrl.planners.joint_path import JointPath
 
 Array = npt.NDArray[np.float64]
@@ -52,15 +53,8 @@ def parabolas(
     at = np.concatenate([s[:-1], middle, s[1:]])
     pieces = np.concatenate([piece, piece, piece])
     found = values(*(path.on_piece(at, pieces, order) for order in (0, 1, 2)))
-    bernstein = [bernstein_of(f.reshape(3, m, -1)) for f in found]
-    return bernstein, _remainder(radii, path, middle, piece, np.diff(s) / 2)
-
-
-def bernstein_of(values: Array) -> Array:
-    """Bernstein coefficients (m, 3, n) of the parabolas through values at start, middle and end (3,
-    m, n)."""
-    first, middle, last = values
-    return np.stack([first, 2 * middle - (first + last) / 2, last], axis=1)
+    fitted = [bernstein.through(*f.reshape(3, m, -1)) for f in found]
+    return fitted, _remainder(radii, path, middle, piece, np.diff(s) / 2)
 
 
 def _remainder(

@@ -19,6 +19,7 @@ import numpy.typing as npt
 from irb2400_ctrl.codegen import CompiledFunction, compile_function
 from irb2400_ctrl.effects import Effect
 from irb2400_ctrl.model import Model
+from irb2400_ctrl.model.friction import FrictionLaw
 from irb2400_ctrl.planners.enclosure.complex_disc import disc_function
 from irb2400_ctrl.planners.enclosure.effect_forms import Forms, expand, split, with_sign
 from irb2400_ctrl.robot import Robot
@@ -139,7 +140,7 @@ def coefficient_function(
     dq = ca.SX.sym("dq", n)
     ddq = ca.SX.sym("ddq", n)
     arm = expand(tau, s, dq, ddq)
-    arm[2] += ca.DM(model.robot.friction[:, 2]) * dq
+    arm[2] += ca.DM(FrictionLaw.of(model.robot).viscous) * dq
     names = list(OUTPUTS)
     outputs = arm
     for k, part in enumerate(timed):

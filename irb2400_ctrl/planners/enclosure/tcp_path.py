@@ -21,6 +21,7 @@ import numpy.typing as npt
 from irb2400_ctrl.codegen import CompiledFunction, compile_function
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.model import Model
+from irb2400_ctrl.planners.enclosure import bernstein
 from irb2400_ctrl.planners.joint_path import JointPath
 
 Array = npt.NDArray[np.float64]
@@ -95,8 +96,8 @@ class TcpPath:
             for rho in (lever, 0 * lever + 1)
         ]
         scale = _MISS * (ends[1] - ends[0]) ** 3
-        return Enclosed(_bernstein(p), scale * bends[0]), Enclosed(
-            _bernstein(axis), scale * bends[1]
+        return Enclosed(_parabolas(p), scale * bends[0]), Enclosed(
+            _parabolas(axis), scale * bends[1]
         )
 
     def enclosed_velocity(self, s: Array) -> Enclosed:
@@ -112,7 +113,7 @@ class TcpPath:
             + 4 * _bend(rho, (a, c))
             + 3 * _bend(rho, (b, b))
         )
-        return Enclosed(_bernstein(self.velocity(at, pieces)), _MISS * np.diff(s) ** 3 * bend)
+        return Enclosed(_parabolas(self.velocity(at, pieces)), _MISS * np.diff(s) ** 3 * bend)
 
     def way(self, s: Array | float) -> Array:
         """Length of the TCP's way up to the lengths s along the path, which count the tool's
@@ -145,10 +146,9 @@ class TcpPath:
         dd0 = self.joints.on_piece(first, piece, 2)
         d1 = self.joints.on_piece(last, piece, 1)
         dd1 = self.joints.on_piece(last, piece, 2)
-        middle = d0 + dd0 * (last - first)[:, None] / 2
-        a = np.maximum.reduce([np.abs(d0), np.abs(middle), np.abs(d1)])
+        speed = bernstein.leaving(d0, dd0 * (last - first)[:, None], d1)
         return (
-            a,
+            bernstein.largest_size(speed),
             np.maximum(np.abs(dd0), np.abs(dd1)),
             np.abs(self.joints.on_piece(first, piece, 3)),
         )
@@ -195,6 +195,6 @@ def _three(joints: JointPath, ends: Array) -> tuple[Array, npt.NDArray[np.int64]
     return np.concatenate([ends[0], middle, ends[1]]), np.concatenate([piece, piece, piece])
 
 
-def _bernstein(values: Array) -> Array:
-    first, middle, last = values.reshape(3, -1, 3)
-    return np.stack([first, 2 * middle - (first + last) / 2, last], axis=1)
+def _parabolas(values: Array) -> Array:
+    """Through the values of vectors at the places of `_three`, shape (m, 3, 3)."""
+    return bernstein.through(*values.reshape(3, -1, 3))

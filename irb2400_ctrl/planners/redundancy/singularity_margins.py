@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-import numpy.typing as npt
 
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.model import Model
-
-Array = npt.NDArray[np.float64]
 
 NAMES = ("wrist", "shoulder", "elbow")
 COMFORTABLE = 0.3

@@ -9,6 +9,7 @@ import numpy.typing as npt
 from numpy.typing import ArrayLike
 
 from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.planners.enclosure import bernstein
 from irb2400_ctrl.planners.enclosure.cells import Cells
 from irb2400_ctrl.robot import Robot
 
@@ -98,19 +99,13 @@ def speed_bounds(cells: Cells, qd_max: Array, cell_bound: Array | None = None) -
         qd_max: speed limits [rad/s], shape (n,).
         cell_bound: a further bound of x within each cell (feed), shape (m,).
     """
-    s0 = cells.speed[:, 0]
-    s1 = cells.speed[:, 1]
-    s2 = cells.speed[:, 2]
-    G = np.stack([s0**2, s0 * s1, (2 * s1**2 + s0 * s2) / 3, s1 * s2, s2**2], axis=1) / qd_max**2
+    G = bernstein.product(cells.speed, cells.speed) / qd_max**2
     # a joint that stands at one end would allow any speed there
-    floor = np.maximum(1e-2 * np.abs(G).max(axis=1), 1e-12)
+    floor = np.maximum(1e-2 * bernstein.largest_size(G), 1e-12)
     first = 1 / np.maximum(G[:, 0], floor)
     last = 1 / np.maximum(G[:, 4], floor)
-    k = np.arange(6)[None, :, None]
-    padded = np.concatenate([G, np.zeros_like(G[:, :1])], axis=1)
-    shifted = np.concatenate([np.zeros_like(G[:, :1]), G], axis=1)
-    product = (5 - k) / 5 * padded * first[:, None] + k / 5 * shifted * last[:, None]
-    excess = np.maximum(product.max(axis=1), 1.0)
+    found = bernstein.hull(bernstein.product(G, bernstein.linear(first, last)))[1]
+    excess = np.maximum(found, 1.0)
     first = (first / excess).min(axis=1)
     last = (last / excess).min(axis=1)
     if cell_bound is not None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
+from irb2400_ctrl.planners.enclosure import bernstein
 from irb2400_ctrl.planners.enclosure.cells import Cells
 from irb2400_ctrl.planners.timing.torque_constraints import dry_friction
 
@@ -19,10 +20,7 @@ def torque_bounds(cells: Cells, u: Array, x: Array, friction: Array) -> tuple[Ar
     high = np.maximum(first, last)
     r_a, r_b, r_e, r_c = cells.remainder
     rest = r_a * np.abs(u)[:, None] + r_b * high + r_e * np.sqrt(high) + r_c
-    forwards, backwards = dry_friction(cells, friction, low[:, 0])
-    F_c = np.minimum(friction[:, 0], friction[:, 1])
-    top = np.where(cells.forwards, forwards, np.where(cells.backwards, -F_c, 0.0))
-    bottom = np.where(cells.backwards, -backwards, np.where(cells.forwards, F_c, 0.0))
+    bottom, top = dry_friction(cells, friction, low[:, 0])
     above = _largest(cells, u, x, 1.0) + top + rest
     below = -_largest(cells, u, x, -1.0) + bottom - rest
     return above, below
@@ -48,14 +46,15 @@ def _largest(cells: Cells, u: Array, x: Array, side: float) -> Array:
         e = e + added.e.upper(side)
         c = c + line.alpha[:, None]
         rest = np.abs(line.beta) * added.square_remainder * x_high[:, None]
-    base = raised(a * turn + extra + c) + _times_linear(b, x[:-1], x[1:]) + _root_range(e, x)[1]
+    X = bernstein.linear(x[:-1], x[1:])[..., None]
+    base = bernstein.raised(a * turn + extra + c, 3) + bernstein.product(b, X) + _above_root(e, x)
     if added is None or not added.has_load:
         return np.asarray(base.max(axis=1) + rest)
     a_l, b_l, c_l = added.load
-    load = raised(a_l * turn + c_l) + _times_linear(b_l, x[:-1], x[1:])
+    load = bernstein.raised(a_l * turn + c_l, 3) + bernstein.product(b_l, X)
     r_a, r_b, r_c = added.load_remainder
     miss = r_a * np.abs(u)[:, None] + r_b * x_high[:, None] + r_c
-    size = np.abs(load).max(axis=1) + miss
+    size = bernstein.largest_size(load) + miss
     line = added.line("load", side, np.zeros_like(size), size)
     # |load| is the larger of load and -load: above a growing law the larger bound, above a falling
     # one either bound
@@ -64,53 +63,22 @@ def _largest(cells: Cells, u: Array, x: Array, side: float) -> Array:
     return np.asarray(either + line.alpha + np.abs(line.beta) * miss + rest)
 
 
-def _root_range(e: Array, x: Array) -> tuple[Array, Array]:
-    """Cubic Bernstein coefficients below and above e(t) sqrt(x(t)), x linear in t; each (m, 4, n).
+def _above_root(e: Array, x: Array) -> Array:
+    """Cubic above e(t) sqrt(x(t)), x linear in t, shape (m, 4, n).
 
     The root of a linear function is concave: it lies between its secant and the tangent at the
     middle, both linear.
     """
     v = np.sqrt(x)
-    secant = v[:-1], v[1:]
+    secant = bernstein.linear(v[:-1], v[1:])
     middle = np.maximum((x[:-1] + x[1:]) / 2, 1e-300)
-    tangent = (middle + x[:-1]) / (2 * np.sqrt(middle)), (middle + x[1:]) / (2 * np.sqrt(middle))
-    positive = np.maximum(e, 0.0)
-    negative = np.minimum(e, 0.0)
-    low = _times_linear(positive, *secant) + _times_linear(negative, *tangent)
-    high = _times_linear(positive, *tangent) + _times_linear(negative, *secant)
-    return low, high
-
-
-def _times_linear(f: Array, first: Array, last: Array) -> Array:
-    """Product of a parabola f (m, 3, n) with the linear function from `first` to `last` (m,),
-    degree 3."""
-    x0 = first[:, None]
-    x1 = last[:, None]
-    terms = [
-        f[:, 0] * x0,
-        (f[:, 0] * x1 + 2 * f[:, 1] * x0) / 3,
-        (2 * f[:, 1] * x1 + f[:, 2] * x0) / 3,
-        f[:, 2] * x1,
-    ]
-    return np.stack(terms, axis=1)
-
-
-def raised(f: Array) -> Array:
-    """Degree 2 to degree 3, along axis 1."""
-    return np.stack(
-        [f[:, 0], (f[:, 0] + 2 * f[:, 1]) / 3, (2 * f[:, 1] + f[:, 2]) / 3, f[:, 2]], axis=1
-    )
+    tangent = (middle[:, None] + bernstein.linear(x[:-1], x[1:])) / (2 * np.sqrt(middle))[:, None]
+    pushing = bernstein.product(np.maximum(e, 0.0), tangent[..., None])
+    return pushing + bernstein.product(np.minimum(e, 0.0), secant[..., None])
 
 
 def squared_speed_ratio(cells: Cells, x: Array, qd_max: Array) -> Array:
-    """Upper bound of (q'^2 x) / qd_max^2 in each cell, by the Bernstein coefficients of degree 5,
-    shape (m, n)."""
-    s0 = cells.speed[:, 0]
-    s1 = cells.speed[:, 1]
-    s2 = cells.speed[:, 2]
-    G = np.stack([s0**2, s0 * s1, (2 * s1**2 + s0 * s2) / 3, s1 * s2, s2**2], axis=1) / qd_max**2
-    k = np.arange(6)[None, :, None]
-    padded = np.concatenate([G, np.zeros_like(G[:, :1])], axis=1)
-    shifted = np.concatenate([np.zeros_like(G[:, :1]), G], axis=1)
-    coefficients = (5 - k) / 5 * padded * x[:-1, None, None] + k / 5 * shifted * x[1:, None, None]
-    return np.asarray(coefficients.max(axis=1))
+    """Upper bound of (q'^2 x) / qd_max^2 in each cell, shape (m, n)."""
+    square = bernstein.product(cells.speed, cells.speed) / qd_max**2
+    X = bernstein.linear(x[:-1], x[1:])[..., None]
+    return bernstein.hull(bernstein.product(square, X))[1]

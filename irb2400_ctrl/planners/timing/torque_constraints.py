@@ -20,6 +20,8 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from irb2400_ctrl.model.friction import FrictionLaw
+from irb2400_ctrl.planners.enclosure import bernstein
 from irb2400_ctrl.planners.enclosure.cells import Cells
 from irb2400_ctrl.planners.enclosure.effect_bounds import Variant, load_cap, variants
 from irb2400_ctrl.planners.timing.motion_limits import MotionLimits
@@ -51,20 +53,13 @@ class Linearisation:
 
 
 def dry_friction(cells: Cells, friction: Array, x_low: Array) -> tuple[Array, Array]:
-    """Largest dry friction forwards and backwards in each cell (each positive, zero if it does not
-    move that way).
+    """Least and largest dry friction in each cell that is passed with sdot^2 >= x_low (m,).
 
     Friction is (F_s, F_c, F_v, omega_st) per joint (eq. 54). Shapes (m, n) [Nm].
     """
-    F_s, F_c, _, stribeck = friction.T
-    # the slowest speed of the cell: q' does not change its sign unless the cell is used both ways
-    slow = np.minimum(np.abs(cells.speed[:, 0]), np.abs(cells.speed[:, 2]))
-    # a parabola of one sign may dip between its ends, but never below its smallest coefficient
-    slow = np.minimum(slow, np.abs(cells.speed[:, 1]))
-    same = (cells.speed.min(axis=1) >= 0) | (cells.speed.max(axis=1) <= 0)
-    speed2 = np.where(same, slow, 0.0) ** 2 * x_low[:, None]
-    level = F_c + np.maximum(F_s - F_c, 0.0) * np.exp(-speed2 / stribeck**2)
-    return np.where(cells.forwards, level, 0.0), np.where(cells.backwards, level, 0.0)
+    slowest = bernstein.least_size(cells.speed) ** 2 * x_low[:, None]
+    law = FrictionLaw.of_table(friction)
+    return law.dry_range(slowest, cells.forwards, cells.backwards)
 
 
 def torque_constraints(
@@ -102,7 +97,7 @@ def _torque_blocks(
 ) -> list[Array]:
     """Torque of every joint below its limit and above its negative, one block for every combination
     of the effects."""
-    bottom, top = _friction_range(cells, friction, at.x_low)
+    bottom, top = dry_friction(cells, friction, at.x_low)
     remainder = _remainder(cells, at)
     nothing = np.zeros_like(top)
     held_above, held_below = (nothing, nothing) if extra is None else (extra[:, 0], extra[:, 1])
@@ -135,15 +130,6 @@ def _without_root(part: Variant, at: Linearisation) -> tuple[Array, Array]:
     return b, part.c + pushing * root / 2
 
 
-def _friction_range(cells: Cells, friction: Array, x_low: Array) -> tuple[Array, Array]:
-    """Least and largest dry friction in each cell: a single direction always gives at least F_c."""
-    forwards, backwards = dry_friction(cells, friction, x_low)
-    F_c = np.minimum(friction[:, 0], friction[:, 1])
-    top = np.where(cells.forwards, forwards, np.where(cells.backwards, -F_c, 0.0))
-    bottom = np.where(cells.backwards, -backwards, np.where(cells.forwards, F_c, 0.0))
-    return bottom, top
-
-
 def _remainder(cells: Cells, at: Linearisation) -> Array:
     """What the parabolas may miss of the torque, nothing where |u| has no bound, shape (m, n)."""
     if not at.bounds_u:
@@ -168,9 +154,7 @@ def _acceleration_blocks(cells: Cells, qdd_max: Array) -> list[Array]:
     bounded = np.flatnonzero(np.isfinite(qdd_max))
     if not len(bounded):
         return []
-    first = cells.curvature[:, 0][:, bounded]
-    last = cells.curvature[:, 1][:, bounded]
-    b = np.stack([first, (first + last) / 2, last], axis=1)
+    b = bernstein.raised(cells.curvature[:, :, bounded], 2)
     a = cells.speed[:, :, bounded]
     zero = np.zeros_like(b)
     return [_block(side * a, side * b, zero, cells.h, qdd_max[bounded]) for side in (1.0, -1.0)]
@@ -199,16 +183,5 @@ def _block(
 def _bernstein_rows(a: Array, b: Array, c: Array, h: Array) -> tuple[Array, Array, Array]:
     """Coefficients of degree 3 of a u + b (x + 2 h u t) + c, for parabolas a, b, c; each (m, 4,
     n)."""
-    a3 = _raise(a)
-    b3 = _raise(b)
-    c3 = _raise(c)
-    zero = np.zeros_like(b[:, 0])
-    growing = np.stack([zero, b[:, 0] / 3, 2 * b[:, 1] / 3, b[:, 2]], axis=1)
-    return a3 + 2 * h[:, None, None] * growing, b3, c3
-
-
-def _raise(f: Array) -> Array:
-    """Degree 2 to degree 3, along axis 1."""
-    return np.stack(
-        [f[:, 0], (f[:, 0] + 2 * f[:, 1]) / 3, (2 * f[:, 1] + f[:, 2]) / 3, f[:, 2]], axis=1
-    )
+    a3 = bernstein.raised(a, 3) + 2 * h[:, None, None] * bernstein.times_parameter(b)
+    return a3, bernstein.raised(b, 3), bernstein.raised(c, 3)

@@ -11,6 +11,7 @@ import numpy.typing as npt
 from numpy.typing import ArrayLike
 
 from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.planners.enclosure import bernstein
 from irb2400_ctrl.planners.enclosure.cells import reversals
 from irb2400_ctrl.planners.enclosure.path_dynamics import PathDynamics, path_dynamics
 from irb2400_ctrl.planners.redundancy.singularity_margins import NAMES
@@ -118,11 +119,9 @@ class MotionRequest:
             )
         if robot.coupling.difference_deg is not None:
             low, high = np.radians(robot.coupling.difference_deg)
-            # both differences of knots and Bernstein coefficients: they enclose each cubic
-            c = path.coefficients[:, :, 2] - path.coefficients[:, :, 1]
-            h = np.diff(path.knots)
-            hull = np.stack([c[0], c[0] + h * c[1] / 3, c[0] + h * (2 * c[1] + h * c[2]) / 3])
-            if hull.min() < low - 1e-7 or hull.max() > high + 1e-7:
+            cubics = path.coefficients[:, :, 2] - path.coefficients[:, :, 1]
+            enclosed = bernstein.from_powers(cubics, np.diff(path.knots))
+            if enclosed.min() < low - 1e-7 or enclosed.max() > high + 1e-7:
                 return "q3 - q2 leaves its range"
         for k, bound in self.margins:
             if found.margins[NAMES[k]] < abs(bound) * (1 - 1e-9):

@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from irb2400_ctrl.model import Model
+from irb2400_ctrl.model.friction import FrictionLaw
 from irb2400_ctrl.planners.enclosure.deviation import singularity_margins
 from irb2400_ctrl.planners.enclosure.path_dynamics import PathDynamics
 from irb2400_ctrl.planners.joint_path import JointPath
@@ -137,7 +138,7 @@ def outcome(certificate: Certificate, dynamics: PathDynamics) -> MotionOutcome:
     power = np.maximum(tau * qd, 0.0)
     dt = law.duration / (steps - 1)
     energy = dt * (power.sum(axis=0) - (power[0] + power[-1]) / 2)
-    moving = tau - model.friction(qd) + model.robot.friction[:, 2] * qd
+    moving = tau - FrictionLaw.of(model.robot).dry(qd)
     rate = np.abs(np.diff(moving, axis=0)).max(axis=0) / dt
     guaranteed = not dynamics.irregular
     if dynamics.irregular:

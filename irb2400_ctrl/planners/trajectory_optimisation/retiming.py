@@ -15,6 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from irb2400_ctrl.errors import InfeasibleError
+from irb2400_ctrl.model.friction import FrictionLaw
 from irb2400_ctrl.planners.enclosure.cells import grid
 from irb2400_ctrl.planners.enclosure.path_dynamics import PathDynamics
 from irb2400_ctrl.planners.joint_path import JointPath
@@ -84,11 +85,7 @@ def rate_excess(dynamics: PathDynamics, knots: Knots, torque_rate: Array) -> Arr
     def moving(time: Array) -> Array:
         """Torque without dry friction."""
         q, qd, qdd = (path.on_piece(time, piece, order) for order in (0, 1, 2))
-        return np.asarray(
-            model.inverse_dynamics(q, qd, qdd)
-            - model.friction(qd)
-            + model.robot.friction[:, 2] * qd
-        )
+        return np.asarray(model.inverse_dynamics(q, qd, qdd) - FrictionLaw.of(model.robot).dry(qd))
 
     change = np.abs(moving(t + _STEP) - moving(t - _STEP)) / (2 * _STEP)
     return np.asarray((change / torque_rate).reshape(len(step), _SAMPLES, -1).max(axis=1))

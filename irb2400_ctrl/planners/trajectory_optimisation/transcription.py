@@ -25,6 +25,7 @@ import numpy as np
 import numpy.typing as npt
 
 from irb2400_ctrl.model import Model
+from irb2400_ctrl.model.friction import FrictionLaw
 from irb2400_ctrl.planners.timing.motion_limits import MotionLimits
 from irb2400_ctrl.planners.trajectory_optimisation.knot_coupling import KnotCoupling, Objective
 from irb2400_ctrl.planners.trajectory_optimisation.knots import Knots, Solved
@@ -93,7 +94,7 @@ class Transcription:
         shape (2 n,)."""
         gained = np.minimum(_REVERSAL * self._accelerations * dt, _WIDEST * self.limits.qd_max)
         return np.concatenate(
-            [np.maximum(gained, self.model.robot.friction[:, 3]), self._accelerations]
+            [np.maximum(gained, FrictionLaw.of(self.model.robot).stribeck), self._accelerations]
         )
 
     @cached_property
@@ -117,21 +118,16 @@ class Transcription:
         qd = y[n : 2 * n] * ca.DM(self.limits.qd_max)
         qdd = y[2 * n :] * unit
         bare = self.model.function("inverse_dynamics_without_friction")(q, qd, qdd, 0)
-        F_s, F_c, F_v, _ = (ca.DM(column) for column in robot.friction.T)
-        smooth = bare + F_v * qd
+        law = FrictionLaw.of(robot)
+        smooth = bare + ca.DM(law.viscous) * qd
         tau_max = ca.DM(self.limits.tau_max)
-
-        def dry(speed: ca.SX) -> ca.SX:
-            return F_c * ca.tanh(2 * speed / width + 2) + ca.fmax(F_s - F_c, 0) * ca.exp(
-                -((speed / width) ** 2)
-            )
-
-        rows = [(smooth + dry(qd)) / tau_max, (smooth - dry(-qd)) / tau_max]
+        rows = [
+            (smooth + law.worst(qd, width)) / tau_max,
+            (smooth - law.worst(-qd, width)) / tau_max,
+        ]
         if self.objective == "energy":
             speed = ca.DM(self.limits.qd_max)
-            rows.append(
-                (smooth + F_c * ca.tanh(2 * qd / (_POWER * speed))) * qd / (tau_max * speed)
-            )
+            rows.append((smooth + law.smoothed(qd, _POWER * speed)) * qd / (tau_max * speed))
         if self.torque_rate is not None:
             rows.append(smooth / tau_max)
         if self.margins:

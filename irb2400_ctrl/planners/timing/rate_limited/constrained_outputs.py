@@ -16,6 +16,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from irb2400_ctrl.model.friction import FrictionLaw
+from irb2400_ctrl.planners.enclosure import bernstein
 from irb2400_ctrl.planners.enclosure.cells import Cells
 from irb2400_ctrl.planners.timing.motion_limits import MotionLimits
 
@@ -43,7 +45,8 @@ class ConstrainedOutputs:
     forwards: Booleans
     backwards: Booleans
     friction: Array
-    """of eq. 54: largest, Coulomb, least, and the Stribeck speed squared, shape (4, m, k)"""
+    """F_s, F_c, F_v, omega_st of eq. 54, shape (4, m, k); no friction, and omega_st = inf, where
+    the output is an acceleration"""
     limit: Array
     """of |y|, shape (m, k)"""
     rate: Array
@@ -56,29 +59,24 @@ class ConstrainedOutputs:
         """The torques of an enclosed path, then the accelerations of joints where they or their
         rates are limited."""
         m, _, n = cells.a.shape
-        F_s, F_c, _, stribeck = friction.T
-        slow = np.abs(cells.speed).min(axis=1)
-        one_way = (cells.speed.min(axis=1) >= 0) | (cells.speed.max(axis=1) <= 0)
         none = np.full(n, np.inf)
         rate = none if limits.torque_rate is None else limits.torque_rate
         jerk = none if limits.jerk is None else limits.jerk
         # all joints first as torques, then as accelerations without anything but a and b
         zero = np.zeros((m, n))
         zeros = np.zeros((m, 3, n))
-        first = cells.curvature[:, 0]
-        last = cells.curvature[:, 1]
         pairs: tuple[tuple[Any, Any], ...] = (
             (cells.a, cells.speed),
-            (cells.b, np.stack([first, (first + last) / 2, last], axis=1)),
+            (cells.b, bernstein.raised(cells.curvature, 2)),
             (cells.e, zeros),
             (cells.c_high, zeros),
             (cells.c_low, zeros),
             (cells.remainder, np.zeros((4, m, n))),
-            (np.where(one_way, slow, 0.0), zero),
+            (bernstein.least_size(cells.speed), zero),
             (cells.forwards, zero.astype(bool)),
             (cells.backwards, zero.astype(bool)),
             (
-                _rows([np.maximum(F_s, F_c), F_c, np.minimum(F_s, F_c), stribeck**2], m),
+                _rows(list(friction.T), m),
                 _rows([0, 0, 0, none], m, n),
             ),
             (_rows([limits.tau_max], m)[0], _rows([limits.qdd_max], m)[0]),
@@ -111,19 +109,15 @@ class ConstrainedOutputs:
         return replace(self, **found)
 
     def dry_friction(self, x: Array) -> tuple[Array, Array]:
-        """Largest and smallest dry friction in each cell that is passed with sdot^2 >= x (m, 1),
+        """Least and largest dry friction in each cell that is passed with sdot^2 >= x (m, 1),
         shapes (m, k)."""
-        largest, coulomb, least, stribeck2 = self.friction
-        level = coulomb + (largest - coulomb) * np.exp(-(self.slow**2) * x / stribeck2)
-        # moving one way alone, friction always helps the other side by a little
-        top = np.where(self.forwards, level, np.where(self.backwards, -least, 0.0))
-        bottom = np.where(self.backwards, -level, np.where(self.forwards, least, 0.0))
-        return top, bottom
+        law = FrictionLaw(*self.friction)
+        return law.dry_range(self.slow**2 * x, self.forwards, self.backwards)
 
     def building_up(self, x: Array) -> tuple[Array, Array]:
         """Path jerk within the rates [m/s3], and how long it acts until a limit, or x, is reached
         [s]; each (m,)."""
-        a = np.maximum(np.abs(self.a).max(axis=1), 1e-12)
+        a = np.maximum(bernstein.largest_size(self.a), 1e-12)
         jerk = (self.rate / a).min(axis=1)
         return jerk, np.minimum((self.limit / a).min(axis=1) / jerk, np.sqrt(np.sqrt(x) / jerk))
 

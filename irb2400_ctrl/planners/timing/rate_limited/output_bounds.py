@@ -11,11 +11,11 @@ derivative of a parabola misses is bounded by Cauchy's integral again: with the 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import comb
 
 import numpy as np
 import numpy.typing as npt
 
+from irb2400_ctrl.planners.enclosure.bernstein import hull, product, raised
 from irb2400_ctrl.planners.enclosure.cells import enclose
 from irb2400_ctrl.planners.enclosure.effect_bounds import Added, Variant, variants
 from irb2400_ctrl.planners.enclosure.path_dynamics import PathDynamics
@@ -70,8 +70,8 @@ def output_ratios(
     n = dynamics.model.robot.n
     cells = enclose(dynamics, path, motion.s)
     outputs = ConstrainedOutputs.of(cells, limits, dynamics.model.robot.friction)
-    squared_speed = _product(cells.speed, cells.speed) / limits.qd_max**2
-    most = _product(squared_speed, motion.x[..., None]).max(axis=1)
+    squared_speed = product(cells.speed, cells.speed) / limits.qd_max**2
+    most = hull(product(squared_speed, motion.x[..., None]))[1]
     value = _values(outputs, cells.added, motion.x, motion.u)
     rate = _rates(outputs, motion.x, motion.u, motion.slope)
     if dynamics.irregular:
@@ -90,7 +90,7 @@ def _values(c: ConstrainedOutputs, added: Added | None, x: Array, u: Array) -> A
     u_max = np.abs(u).max(axis=1)
     r_a, r_b, r_e, r_c = c.remainder
     rest = r_a * u_max[:, None] + r_b * high[:, None] + r_e * np.sqrt(high)[:, None] + r_c
-    top, bottom = c.dry_friction(low[:, None])
+    bottom, top = c.dry_friction(low[:, None])
     found = []
     for side, dry, held in ((1.0, top, c.c_high), (-1.0, -bottom, -c.c_low)):
         plain = Variant(side * c.a, side * c.b, side * c.e, held, rest)
@@ -119,8 +119,8 @@ def _above(v: Variant, x: Array, u: Array, low: Array, high: Array) -> Array:
     last = np.sqrt(high)[:, None, None]
     tangent = (r + X / r) / 2
     secant = (X + first * last) / (first + last)
-    found = _raised(_product(v.a, U), 4) + _product(v.b, X) + _raised(v.c, 4)
-    found += _product(np.maximum(v.e, 0.0), tangent) + _product(np.minimum(v.e, 0.0), secant)
+    found = raised(product(v.a, U), 4) + product(v.b, X) + raised(v.c, 4)
+    found += product(np.maximum(v.e, 0.0), tangent) + product(np.minimum(v.e, 0.0), secant)
     bound = found.max(axis=1) + v.rest
     for end in (0, -1):
         # x between 0 and x_1, u between 0 and u_1: every term at its largest
@@ -146,15 +146,13 @@ def _rates(c: ConstrainedOutputs, x: Array, u: Array, beta: Array) -> Array:
     # over sqrt(x); the tangent of 1/sqrt(x) is positive as long as x < 3 r^2
     r = np.sqrt((low + high) / 2)
     d_a, d_b, d_e, d_c = (np.diff(f, axis=1) / half[:, None] for f in (c.a, c.b, c.e, c.c_high))
-    viscous = _product(c.e, U) + _product(d_e, X)
-    g = _raised(_product(d_a, U) + c.a * bend, 4) + _raised(
-        _product(2 * c.b, U) + _product(d_b, X), 4
-    )
-    g += _raised(d_c, 4) + _raised(viscous, 4) / r[:, None]
+    viscous = product(c.e, U) + product(d_e, X)
+    g = raised(product(d_a, U) + c.a * bend, 4) + raised(product(2 * c.b, U) + product(d_b, X), 4)
+    g += raised(d_c, 4) + raised(viscous, 4) / r[:, None]
     spread = np.maximum(1 / np.sqrt(low) - 1 / r, 1 / r - 1 / np.sqrt(high))
     rest = (s_a + 2 * r_b) * u_max + r_a * np.abs(beta)[:, None] + s_b * high + s_c
     rest += (r_e * u_max + s_e * high) / np.sqrt(low) + np.abs(viscous).max(axis=1) * spread
-    line = _raised(1.5 / r[:, None] - X / (2 * r[:, None] ** 3), 4)
+    line = raised(1.5 / r[:, None] - X / (2 * r[:, None] ** 3), 4)
     with np.errstate(divide="ignore", invalid="ignore"):
         found = np.where(line > 0, (np.abs(g) + rest[:, None]) / line, np.inf).max(axis=1)
     for end in (0, -1):
@@ -171,21 +169,3 @@ def _rates(c: ConstrainedOutputs, x: Array, u: Array, beta: Array) -> Array:
     # where a coefficient lies in a band its slope is not known
     found = np.where((c.c_high == c.c_low).all(axis=1), found, np.inf)
     return np.where(np.isfinite(c.rate), found / c.rate, 0.0)
-
-
-def _product(f: Array, g: Array) -> Array:
-    """Bernstein coefficients (axis 1) of the product of two polynomials."""
-    p = f.shape[1] - 1
-    q = g.shape[1] - 1
-    shape = np.broadcast_shapes(f.shape[2:], g.shape[2:])
-    found = np.zeros((len(f), p + q + 1, *shape))
-    for i in range(p + 1):
-        for j in range(q + 1):
-            found[:, i + j] += comb(p, i) * comb(q, j) / comb(p + q, i + j) * f[:, i] * g[:, j]
-    return found
-
-
-def _raised(f: Array, degree: int) -> Array:
-    """The same polynomial with the Bernstein coefficients of a higher degree."""
-    more = degree + 1 - f.shape[1]
-    return _product(f, np.ones((len(f), more + 1, *[1] * (f.ndim - 2))))

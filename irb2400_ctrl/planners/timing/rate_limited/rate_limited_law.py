@@ -9,6 +9,7 @@ from functools import cached_property
 import numpy as np
 import numpy.typing as npt
 
+from irb2400_ctrl.planners.enclosure.bernstein import linear
 from irb2400_ctrl.planners.enclosure.path_dynamics import PathDynamics
 from irb2400_ctrl.planners.joint_path import JointPath
 from irb2400_ctrl.planners.timing.motion_bounds import Checked, Peaks
@@ -167,7 +168,7 @@ class RateLimitedLaw(TimeLaw):
         first = s[:-1] - self.s[cell]
         last = s[1:] - self.s[cell]
         width = last - first
-        u = self.u[cell, None] + slope[:, None] * np.stack([first, last], axis=1)
+        u = self.u[cell, None] + slope[:, None] * linear(first, last)
         x0 = self.x[cell] + first * (2 * self.u[cell] + slope * first)
         x = np.stack([x0, x0 + width * u[:, 0], x0 + width * (u[:, 0] + u[:, 1])], axis=1)
         h = np.diff(self.s)

@@ -20,19 +20,20 @@ from functools import cached_property
 import numpy as np
 import numpy.typing as npt
 
+from irb2400_ctrl.planners.enclosure import bernstein
 from irb2400_ctrl.planners.timing.rate_limited.constrained_outputs import ConstrainedOutputs
 from irb2400_ctrl.planners.timing.rate_limited.speed_spline import SpeedSpline
 
 Array = npt.NDArray[np.float64]
 
-# where the rows stand in a cell: Bernstein polynomials there, their slopes, and their bend
+# where the rows stand in a cell: Bernstein polynomials there, half their slopes, and their bend
 _AT = np.array([0.0, 0.5, 1.0])
-_VALUE = np.stack([(1 - _AT) ** 2, 2 * _AT * (1 - _AT), _AT**2], axis=1)
-_SLOPE = np.stack([-(1 - _AT), 1 - 2 * _AT, _AT], axis=1)
-_BEND = np.array([1.0, -2.0, 1.0])
+_VALUE = bernstein.basis(2, _AT)
+_SLOPE = bernstein.basis(1, _AT) @ np.diff(np.eye(3), axis=0)
+_BEND = np.diff(np.eye(3), 2, axis=0)[0]
 # Gauss's rule with three points on [0, 1]
 _NODES = 0.5 + np.sqrt(0.15) * np.array([-1.0, 0.0, 1.0])
-_GAUSS = np.stack([(1 - _NODES) ** 2, 2 * _NODES * (1 - _NODES), _NODES**2], axis=1)
+_GAUSS = bernstein.basis(2, _NODES)
 _WEIGHTS = np.array([5.0, 8.0, 5.0]) / 18
 
 
@@ -123,11 +124,10 @@ class RateLimitedProgram:
     def _units(self) -> tuple[Array, Array, Array, Array]:
         """Limits, scale of the rates' rows over the rates (m - 2, 1, k), x to scale rows with, its
         bound (m - 2, 3)."""
-        ends = []
-        for f in (self.reference, self.bound):
-            first = f[1:-2]
-            last = f[2:-1]
-            ends.append(np.stack([first, (first + last) / 2, last], axis=1))
+        ends = [
+            bernstein.raised(bernstein.linear(f[1:-2], f[2:-1]), 2)
+            for f in (self.reference, self.bound)
+        ]
         factor = np.sqrt(ends[0])[..., None] / self.outputs.rate[1:-1, None]
         return self.outputs.limit[1:-1, None], factor, ends[0], ends[1]
 
@@ -173,7 +173,7 @@ class RateLimitedProgram:
         kept = self.keep[0][1:-1, None]
         bez = state.bernstein
         slowest = np.concatenate([[0.0], bez.min(axis=1), [0.0]])
-        top, bottom = self.outputs.dry_friction(slowest[:, None])
+        bottom, top = self.outputs.dry_friction(slowest[:, None])
         y = a * state.u + b * state.x + e * state.root
         change = (da + 2 * b) * state.u + a * state.bend + db * state.x + state.viscous
         return [
@@ -234,7 +234,7 @@ class RateLimitedProgram:
         In them u lies between 0 and u_1, x between 0 and x_1, du/dt is constant: every term is
         taken at its largest.
         """
-        top, bottom = self.outputs.dry_friction(np.zeros((1, 1)))
+        bottom, top = self.outputs.dry_friction(np.zeros((1, 1)))
         slacks = []
         slopes = []
         for cell, sign, x, near in ((0, 1.0, z[0], 1), (-1, -1.0, z[-1], -2)):

@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import numpy.typing as npt
 
+from irb2400_ctrl.model.friction import FrictionLaw
 from irb2400_ctrl.planners.enclosure.path_dynamics import PathDynamics
 from irb2400_ctrl.planners.joint_path import JointPath
 from irb2400_ctrl.planners.timing.motion_limits import MotionLimits
@@ -65,7 +66,7 @@ def _sampled(
         time = dt * np.arange(first, min(first + _CHUNK + 1, count), dtype=float)
         at, q, qd, qdd = law.motion(path, time)
         tau = dynamics.torque(q, qd, qdd, time)
-        smooth = tau - model.friction(qd) + model.robot.friction[:, 2] * qd
+        smooth = tau - FrictionLaw.of(model.robot).dry(qd)
         # where a joint turns back, what depends on its direction jumps
         turned = np.sign(qd[1:]) != np.sign(qd[:-1])
         change = np.where(turned, 0.0, np.abs(np.diff(smooth, axis=0)) / dt)
