@@ -16,16 +16,9 @@ from pydantic import BaseModel, ValidationError
 from irb2400_ctrl.effects import LIBRARY, load_effects, users_files
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.files import write_atomic
-from irb2400_ctrl.robot.description import (
-    Body,
-    Coupling,
-    Link,
-    ModifiedDH,
-    Robot,
-    Tool,
-    Transform,
-)
+from irb2400_ctrl.robot.description import Robot
 from irb2400_ctrl.robot.joint import Friction, Joint, Limits, MotorCoupling, Transmission
+from irb2400_ctrl.robot.link import Body, Coupling, Link, ModifiedDH, Tool, Transform
 from irb2400_ctrl.robot.uncertainty import BodyUncertainty, Uncertainty
 
 

@@ -15,7 +15,8 @@ import numpy as np
 import numpy.typing as npt
 
 from irb2400_ctrl.files import write_atomic
-from irb2400_ctrl.robot.description import Body, Robot
+from irb2400_ctrl.robot.description import Robot
+from irb2400_ctrl.robot.link import Body
 
 Array = npt.NDArray[np.float64]
 
