@@ -21,7 +21,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
 
 def sound(count: int, seed: int) -> None:
     """Sound logs of arms, payloads, motions, rates, digits, jitter: how many are refused."""
-    from corrupted_logs import sound_log
+    from sound_logs import sound_log
 
     from irb2400_ctrl.plausibility import log_problem
     from irb2400_ctrl.plausibility.search import LOST_PRICE, understand
@@ -51,7 +51,8 @@ def sound(count: int, seed: int) -> None:
 
 def corrupted(count: int, seed: int, diagnosed: bool) -> None:
     """Every corruption on `count` fresh arms: what it is taken for."""
-    from corrupted_logs import corruptions, sound_log
+    from corrupted_logs import corruptions
+    from sound_logs import sound_log
 
     from irb2400_ctrl.diagnosis import diagnose
     from irb2400_ctrl.errors import InputError

@@ -1,4 +1,4 @@
-"""Sound logs of many kinds, and what people do to logs: for the tests and the benchmark.
+"""What people do to logs: for the tests and the benchmark.
 
 Each corruption takes a sound log and gives one that is not what its columns say; `kinds` are the
 names that are right for it. What the reader refuses already counts by a word of its message.
@@ -10,13 +10,15 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
-from independent_plant import LIBRARY, Case, Effect, Sensors
+from sound_logs import rows_of
 
 from irb2400_ctrl.measurement import Log
-from irb2400_ctrl.robot import Robot, load_robot
+from irb2400_ctrl.robot import Robot
 
 Change = Callable[[Log, np.random.Generator], Log]
 Column = Callable[[np.ndarray, np.random.Generator], np.ndarray]
+Named = tuple[str, Change, str]
+"""name, change, and the kind of `LogProblem` (or a word of the refusal)"""
 
 
 @dataclass(frozen=True)
@@ -26,109 +28,6 @@ class Corruption:
     name: str
     change: Change
     kinds: tuple[str, ...]
-
-
-@dataclass(frozen=True)
-class Drawn:
-    """A log, the robot it is held against, and what was drawn."""
-
-    log: Log
-    robot: Robot
-    text: str
-
-
-# ---- sound logs
-
-
-def sound_log(seed: int, plain: bool = False) -> Drawn:
-    """A sound log: arm, effects, payload, motion, rate, digits, jitter, loss, channels drawn.
-
-    Args:
-        plain: only the arm, its motion and moderate rates vary (to be corrupted afterwards).
-    """
-    rng = np.random.default_rng([seed, 77])
-    effects: tuple[Effect, ...] = ()
-    slow = ("elastic_joint", "transmission_backlash", "time_delay")
-    kinds = [k for k in LIBRARY if k not in slow]
-    if not plain:
-        if rng.uniform() < 0.4:
-            effects += (Effect(str(rng.choice(kinds)), None, float(rng.uniform(0.02, 0.15))),)
-        if rng.uniform() < 0.4 and not any(e.kind == "payload" for e in effects):
-            effects += (Effect("payload", None, float(rng.uniform(0.05, 0.4))),)
-    sensors = (
-        Sensors()
-        if plain
-        else Sensors(
-            angle_step=float(10.0 ** rng.uniform(-6, -3.3)),
-            angle_noise=float(10.0 ** rng.uniform(-6, -4.5)),
-            torque_noise=tuple(rng.uniform(0.5, 4.0) * np.array([1.2, 2.0, 1.2, 0.35, 0.3, 0.3])),
-            lost=float(rng.choice([0.0, 0.002, 0.05])),
-        )
-    )
-    idle = (int(rng.integers(1, 7)),) if not plain and rng.uniform() < 0.2 else ()
-    case = Case(
-        seed,
-        effects,
-        duration=float(rng.uniform(8.0, 40.0)),
-        validation_duration=float(rng.uniform(8.0, 30.0)),
-        spread=1.0 if plain else float(rng.uniform(0.5, 2.5)),
-        idle=idle,
-        chirp=bool(rng.uniform() < 0.2),
-        sensors=sensors,
-    )
-    which = int(rng.uniform() < 0.4)
-    recorded = case.simulate()[which]
-    log = Log(recorded.time, recorded.q, recorded.tau, qd=recorded.qd, q_ref=recorded.q_ref)
-    every = int(rng.choice([1, 1, 2, 5] if plain else [1, 1, 2, 5, 10, 20]))
-    log = _rows(log, slice(None, None, every))
-    robot = load_robot("irb2400")
-    text = f"effects {[e.kind for e in effects]} motion {which} every {every} idle {idle}"
-    if not plain:
-        log, robot, more = _varied(log, robot, rng)
-        text += more
-    return Drawn(replace(log, name=f"sound {seed}"), robot, text)
-
-
-def _varied(log: Log, robot: Robot, rng: np.random.Generator) -> tuple[Log, Robot, str]:
-    """Jitter, bursts of loss, torque digits, channels, and a file whose friction is off."""
-    jitter = float(rng.choice([0.0, 0.0, 2e-4, 1e-3]))
-    shaken = log.time + rng.uniform(-jitter, jitter, len(log.time))
-    digit = float(rng.choice([0.0, 0.0, 0.001, 0.01])) * robot.tau_max
-    tau = np.where(digit > 0, np.round(log.tau / np.where(digit > 0, digit, 1.0)) * digit, log.tau)
-    log = replace(log, time=np.maximum.accumulate(shaken) + 1e-9 * np.arange(len(shaken)), tau=tau)
-    if rng.uniform() < 0.3:
-        bursts = np.repeat(rng.uniform(size=len(log.time) // 8 + 1) < 0.85, 8)[: len(log.time)]
-        bursts[[0, -1]] = True
-        log = _rows(log, bursts)
-    if rng.uniform() < 0.5:
-        log = replace(log, qd=None)
-    if rng.uniform() < 0.5:
-        log = replace(log, q_ref=None)
-    factor = float(np.exp(rng.uniform(np.log(0.6), np.log(1.6))))
-    joints = []
-    for joint in robot.joints:
-        f = joint.friction
-        scaled = {
-            "static_Nm": factor * f.static_Nm,
-            "coulomb_Nm": factor * f.coulomb_Nm,
-            "viscous_Nms_rad": factor * f.viscous_Nms_rad,
-        }
-        joints.append(joint.model_copy(update={"friction": f.model_copy(update=scaled)}))
-    text = f" jitter {1e3 * jitter:.1f} ms digits {digit[1]:.1f} Nm friction x {factor:.2f}"
-    return log, robot.model_copy(update={"joints": tuple(joints)}), text
-
-
-def _rows(log: Log, keep: slice | np.ndarray) -> Log:
-    """Some samples of a log."""
-    picked = {k: getattr(log, k) for k in ("q", "tau", "qd", "q_ref")}
-    return Log(
-        log.time[keep],
-        **{k: None if v is None else v[keep] for k, v in picked.items()},
-        name=log.name,
-    )
-
-
-# ---- corruptions
 
 
 def _torque(change: Column) -> Change:
@@ -173,7 +72,7 @@ def _swap(values: np.ndarray, rng: np.random.Generator) -> np.ndarray:
 
 def _late(log: Log, rng: np.random.Generator) -> Log:
     k = max(1, round(rng.uniform(0.25, 0.6) * log.rate))
-    late = _rows(log, slice(k, None))
+    late = rows_of(log, slice(k, None))
     return replace(late, tau=log.tau[:-k])
 
 
@@ -308,14 +207,12 @@ def _other_arm(log: Log, rng: np.random.Generator) -> Log:
     return replace(log, tau=load + rest + rng.standard_normal(load.shape))
 
 
-def corruptions(robot: Robot) -> tuple[Corruption, ...]:
-    """Everything that is tried."""
-    A = robot.A
-    back = np.linalg.inv(A)
+def _of_torques(robot: Robot) -> list[Named]:
+    """What happens to the torques."""
     n = robot.n
     reverse = tuple(range(n))[::-1]
     turn = (*range(1, n), 0)
-    list_ = [
+    return [
         ("motor side, one ratio", _torque(lambda t, r: t / r.uniform(60, 200)), "torque_scale"),
         ("motor side, own ratios", _torque(lambda t, r: t / r.uniform(60, 200, n)), "torque_scale"),
         ("kNm under Nm", _torque(lambda t, r: t / 1e3), "torque_scale"),
@@ -337,6 +234,15 @@ def corruptions(robot: Robot) -> tuple[Corruption, ...]:
         ("one torque stuck", _stuck_torque, "constant_torque"),
         ("torque saturated", _torque(_clipped), "saturation"),
         ("one huge torque", _spike("tau"), "spike"),
+    ]
+
+
+def _of_angles_and_clock(robot: Robot) -> list[Named]:
+    """What happens to the angles, the clock, or the whole record."""
+    A = robot.A
+    back = np.linalg.inv(A)
+    reverse = tuple(range(robot.n))[::-1]
+    return [
         ("radians under deg", _angle(lambda q, r: np.radians(q)), "angle_unit"),
         ("degrees under rad", _angle(lambda q, r: np.degrees(q)), "angle_unit"),
         ("one angle radians", _angle(_one(lambda q, r: np.radians(q))), "angle_unit"),
@@ -377,4 +283,9 @@ def corruptions(robot: Robot) -> tuple[Corruption, ...]:
         ("torques of another record", _other_record, "not_this_robot"),
         ("another arm", _other_arm, "not_this_robot"),
     ]
-    return tuple(Corruption(name, change, (kind,)) for name, change, kind in list_)
+
+
+def corruptions(robot: Robot) -> tuple[Corruption, ...]:
+    """Everything that is tried."""
+    named = [*_of_torques(robot), *_of_angles_and_clock(robot)]
+    return tuple(Corruption(name, change, (kind,)) for name, change, kind in named)

@@ -9,7 +9,8 @@ from functools import cache
 
 import numpy as np
 import pytest
-from corrupted_logs import Change, Drawn, corruptions, sound_log
+from corrupted_logs import Change, corruptions
+from sound_logs import Drawn, sound_log
 
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.measurement import Log
