@@ -25,10 +25,12 @@ ASIDE = 100.0
 """width of the bodies at which the file hardly counts"""
 CLEAR = 10.0
 """log evidence that an extra must bring [nats], the first of its kind: drives are alike"""
-HARM = 0.03
+HARM = 0.05
 """and no joint may leave so much more on unseen stretches [-]"""
 LEAST_GAIN = 0.05
 """and one that it touches must leave so much less"""
+NOTHING = 1e-9
+"""[Nm] what a joint that rests leaves"""
 PINNED = 1e-8
 """variance, over its own, of a number that is held at zero"""
 
@@ -195,7 +197,7 @@ def _chosen(base: Fit, sums: Moments, prior: Prior, whole: ColumnLayout) -> tupl
 
 def _gains(extra: Extra, trial: _Trial, now: _Trial) -> bool:
     """Whether no joint leaves more on unseen stretches, and one that it touches clearly less."""
-    gain = 1.0 - trial.left / now.left
+    gain = 1.0 - trial.left / np.maximum(now.left, NOTHING)
     if extra.kind == "balancer":  # bodies that cannot be take its place: the evidence knows
         return bool(gain.min() > -HARM)
     return bool(gain.min() > -HARM and gain[list(extra.touches)].max() > LEAST_GAIN)
