@@ -23,6 +23,8 @@ from irb2400_ctrl.model import Model
 
 ASIDE = 100.0
 """width of the bodies at which the file hardly counts"""
+USUAL = 10.0
+"""samples that say the same thing, before it is known"""
 CLEAR = 10.0
 """log evidence that an extra must bring [nats], the first of its kind: drives are alike"""
 HARM = 0.05
@@ -84,6 +86,16 @@ def fit(model: Model, parts: Sequence[Recording], extras: Sequence[Extra] | None
         return found
     layout = ColumnLayout(model.robot.n, chosen)
     return _fitted(model, parts, layout, *_part(sums, prior, layout, whole))
+
+
+def left_unseen(model: Model, parts: Sequence[Recording]) -> Array:
+    """Rms torque that a fit without extras leaves on unseen stretches, per joint, (n,) [Nm]."""
+    layout = ColumnLayout(model.robot.n)
+    sums = moments(model, layout, parts)
+    prior = prior_of(model.robot, layout, scale_of(parts))
+    positive = layout.positive()
+    like = estimate(sums, prior, correlation=USUAL, positive=positive, consistent=False)
+    return overall(unseen_rms(sums, prior, like, USUAL))
 
 
 def scale_of(parts: Sequence[Recording]) -> tuple[Array, Array, Array]:

@@ -117,7 +117,9 @@ def _extra_effects(extra: Extra, numbers: Sequence[float] | Array) -> list[Effec
     values = [float(v) for v in numbers]
     joint = extra.joint
     if extra.kind == "coupling":
-        inertia, viscous, dry = values[0:2], values[2:4], values[4:6]
+        inertia = values[0:2]
+        viscous = values[2:4]
+        dry = values[4:6]
         coupling = LIBRARY["wrist_coupling"].of(
             joint,
             inertia_kgm2=0.5 * sum(inertia),

@@ -12,6 +12,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from identification.possible_arms import possible_robot
 
 import irb2400_ctrl as irb
 from irb2400_ctrl.diagnosis.regressors.predict import predicted_torque
@@ -77,7 +78,7 @@ def test_every_number_has_a_verdict_and_an_error(found: Identification) -> None:
 
 
 def test_a_wrong_body_is_said_and_set_right(logs: list[irb.Log]) -> None:
-    robot = irb.load_robot("irb2400")
+    robot = possible_robot()
     link = robot.links[3]
     heavy = link.body.model_copy(update={"mass_kg": 1.6 * link.body.mass_kg})
     links = [*robot.links]
@@ -87,6 +88,11 @@ def test_a_wrong_body_is_said_and_set_right(logs: list[irb.Log]) -> None:
     before = found.logs[0].error("before").rmse_over_mean_percent
     unseen = found.logs[0].error("unseen").rmse_over_mean_percent
     assert unseen.mean() < 0.5 * before.mean()
+
+
+def test_bodies_that_cannot_exist_are_said(found: Identification) -> None:
+    assert any("link 2, 3, 4 cannot exist" in note for note in found.notes)
+    assert not any("not this arm's" in note for note in found.notes)
 
 
 def test_a_joint_that_rests_is_unknown(logs: list[irb.Log]) -> None:
