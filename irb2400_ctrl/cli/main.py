@@ -18,6 +18,7 @@ from irb2400_ctrl.cli import (
     robot,
     simulate,
     sweep,
+    validate,
 )
 
 app = typer.Typer(
@@ -34,6 +35,7 @@ app.command("sweep")(sweep.sweep)
 app.command("codegen")(codegen.codegen)
 app.command("diagnose")(diagnose.diagnose)
 app.command("identify")(identify.identify)
+app.command("validate")(validate.validate)
 app.command("excite")(excite.excite)
 app.add_typer(robot.app, name="robot")
 app.add_typer(path.app, name="path")

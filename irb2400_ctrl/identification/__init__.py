@@ -2,5 +2,6 @@
 
 from irb2400_ctrl.identification.identification import Identification, LogResult
 from irb2400_ctrl.identification.identify import identify
+from irb2400_ctrl.identification.validation import Validation, validate
 
-__all__ = ["Identification", "LogResult", "identify"]
+__all__ = ["Identification", "LogResult", "Validation", "identify", "validate"]

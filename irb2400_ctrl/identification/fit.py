@@ -23,12 +23,16 @@ from irb2400_ctrl.model import Model
 
 ASIDE = 100.0
 """width of the bodies at which the file hardly counts"""
+USUAL = 10.0
+"""samples that say the same thing, before it is known"""
 CLEAR = 10.0
 """log evidence that an extra must bring [nats], the first of its kind: drives are alike"""
-HARM = 0.03
+HARM = 0.05
 """and no joint may leave so much more on unseen stretches [-]"""
 LEAST_GAIN = 0.05
 """and one that it touches must leave so much less"""
+NOTHING = 1e-9
+"""[Nm] what a joint that rests leaves"""
 PINNED = 1e-8
 """variance, over its own, of a number that is held at zero"""
 
@@ -82,6 +86,16 @@ def fit(model: Model, parts: Sequence[Recording], extras: Sequence[Extra] | None
         return found
     layout = ColumnLayout(model.robot.n, chosen)
     return _fitted(model, parts, layout, *_part(sums, prior, layout, whole))
+
+
+def left_unseen(model: Model, parts: Sequence[Recording]) -> Array:
+    """Rms torque that a fit without extras leaves on unseen stretches, per joint, (n,) [Nm]."""
+    layout = ColumnLayout(model.robot.n)
+    sums = moments(model, layout, parts)
+    prior = prior_of(model.robot, layout, scale_of(parts))
+    positive = layout.positive()
+    like = estimate(sums, prior, correlation=USUAL, positive=positive, consistent=False)
+    return overall(unseen_rms(sums, prior, like, USUAL))
 
 
 def scale_of(parts: Sequence[Recording]) -> tuple[Array, Array, Array]:
@@ -195,7 +209,7 @@ def _chosen(base: Fit, sums: Moments, prior: Prior, whole: ColumnLayout) -> tupl
 
 def _gains(extra: Extra, trial: _Trial, now: _Trial) -> bool:
     """Whether no joint leaves more on unseen stretches, and one that it touches clearly less."""
-    gain = 1.0 - trial.left / now.left
+    gain = 1.0 - trial.left / np.maximum(now.left, NOTHING)
     if extra.kind == "balancer":  # bodies that cannot be take its place: the evidence knows
         return bool(gain.min() > -HARM)
     return bool(gain.min() > -HARM and gain[list(extra.touches)].max() > LEAST_GAIN)

@@ -12,8 +12,7 @@ from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.identification.baseline import plain_least_squares
 from irb2400_ctrl.identification.columns import ColumnLayout
 from irb2400_ctrl.identification.covariance import block_covariance
-from irb2400_ctrl.identification.cross_validation import overall, unseen_rms
-from irb2400_ctrl.identification.fit import Fit, fit
+from irb2400_ctrl.identification.fit import Fit, fit, left_unseen
 from irb2400_ctrl.identification.gate import verdicts
 from irb2400_ctrl.identification.held_out import held_out
 from irb2400_ctrl.identification.identification import Identification, LogResult
@@ -59,7 +58,7 @@ def identify(
     covariance = block_covariance(found.sums, found.prior, found.numbers, found.correlation)
     fitted, said = identified_robot(kept, found.layout, found.theta)
     _agree(fitted, kept, parts[0], predicted(model, found.layout, parts[0], found.theta))
-    moved = moved_bodies(base, found.theta, found.numbers.kappa)
+    moved = moved_bodies(base, found.prior, found.theta, found.numbers.kappa)
     results = _judged(model, robot, found, parts)
     results += _validated(model, robot, kept, found, _motions(others, source))
     return Identification(
@@ -115,10 +114,7 @@ def _recorded(model: Model, kept: Robot, logs: Sequence[Log]) -> tuple[Source, l
         return "angle", tried["angle"]
     left = {}
     for source, parts in tried.items():
-        plain = fit(model, parts, extras=())
-        left[source] = overall(
-            unseen_rms(plain.sums, plain.prior, plain.numbers, plain.correlation)
-        )
+        left[source] = left_unseen(model, parts)
     gain = 1.0 - np.exp(np.mean(np.log(left["speed"] / left["angle"])))
     best: Source = "speed" if gain > CLEARER else "angle"
     return best, tried[best]
@@ -195,6 +191,12 @@ def _notes(moved: Sequence[Moved], found: Fit, said: str) -> list[str]:
                 f"the bodies of the file are not this arm's: link {one.link}, {name} went by "
                 f"{sigmas:+.1f} of the file's standard deviations (alarm at {ALARM:.0f})"
             )
+    never = ", ".join(str(one.link) for one in moved if not one.could_be)
+    if never:
+        notes.append(
+            f"the file's bodies of link {never} cannot exist (irb2400 robot check); they were "
+            "moved to ones that can"
+        )
     kinds = {
         "coupling": "moves with the next joint (gears of a wrist)",
         "balancer": "has a balancer that the file does not name",

@@ -1,0 +1,43 @@
+"""`irb2400 validate`: how true a robot file is on a log."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from irb2400_ctrl.cli.options import OutOption, input_file, output_folder
+from irb2400_ctrl.cli.progress import step
+
+RobotArgument = Annotated[
+    str, typer.Argument(metavar="ROBOT", help="A robot file (TOML) or a name.")
+]
+LogArgument = Annotated[Path, typer.Argument(metavar="LOG", help="Measured log (.csv, .csv.gz).")]
+JsonOption = Annotated[bool, typer.Option("--json", help="Print the summary as one JSON object.")]
+
+
+def validate(
+    robot: RobotArgument, log: LogArgument, out: OutOption, as_json: JsonOption = False
+) -> None:
+    """Compare modelled and measured torque (Tab. 6, eqs. 75-77; figures 10-12) ->
+    validation.json, report.html."""
+    input_file(log, "a log (.csv or .csv.gz)")
+    output_folder(out)
+
+    from irb2400_ctrl.identification import validate as run
+    from irb2400_ctrl.measurement import read_log
+    from irb2400_ctrl.report.validation_report import lines, validation_page
+    from irb2400_ctrl.robot import load_robot
+
+    arm = load_robot(robot)
+    with step("comparing model and log"):
+        result = run(arm, read_log(log))
+        result.write(out)
+        validation_page(result).write(out / "report.html")
+    if as_json:
+        print(json.dumps(result.to_json()))
+        return
+    print("\n".join(lines(result)))
+    print(f"written: {out / 'validation.json'}, {out / 'report.html'}")
