@@ -45,7 +45,7 @@ def followed(motion: Trajectory, within: float = 1e-3) -> Simulation:
 
 @pytest.fixture(scope="module")
 def plan() -> Plan:
-    path = builders.circle((0.95, 0.0, 0.6), 0.05, feed=0.1)
+    path = builders.circle((0.95, 0.0, 0.6), 0.15, feed=0.1)
     return plan_path(ROBOT, path, free_tool_rotation=False)
 
 
