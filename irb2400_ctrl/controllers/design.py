@@ -26,8 +26,6 @@ from irb2400_ctrl.controllers.timing import Timing
 from irb2400_ctrl.errors import InfeasibleError, InputError
 from irb2400_ctrl.robot import Robot
 
-Array = NDArray[np.float64]
-
 
 @dataclass(frozen=True)
 class JointDesign:

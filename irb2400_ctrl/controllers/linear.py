@@ -11,6 +11,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.codegen import Block, Field, compile_block, compile_function
 from irb2400_ctrl.controllers.margins import Margins, frequencies, margins
 from irb2400_ctrl.controllers.timing import Timing
@@ -19,8 +20,6 @@ from irb2400_ctrl.model import Model
 from irb2400_ctrl.model.elasticity import elastic_data, elastic_joints, links_only, twist
 from irb2400_ctrl.model.friction import FrictionLaw
 from irb2400_ctrl.robot import Robot
-
-Array = NDArray[np.float64]
 
 
 def linearize(robot: Robot, q: Array, qd: Array | None = None, tau: Array | None = None) -> Any:

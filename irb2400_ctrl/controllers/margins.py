@@ -7,7 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from irb2400_ctrl.arrays import Array
+
 Response = NDArray[np.complex128]
 
 

@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-import numpy.typing as npt
 
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.diagnosis.diagnosis import Curve
 from irb2400_ctrl.measurement.prepared_log import PreparedLog
-
-Array = npt.NDArray[np.float64]
 
 UNITS = {"q": "rad", "qd": "rad/s", "qdd": "rad/s2", "load": "Nm", "time": "s"}
 FEWEST = 3

@@ -8,9 +8,9 @@ from functools import lru_cache
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 from threadpoolctl import threadpool_limits
 
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.diagnosis.comparison.confidence import alternatives, confidence
 from irb2400_ctrl.diagnosis.comparison.criteria import Criteria
 from irb2400_ctrl.diagnosis.comparison.scan import Scan
@@ -29,8 +29,6 @@ from irb2400_ctrl.measurement.log import Log
 from irb2400_ctrl.measurement.prepared_log import PreparedLog, prepare
 from irb2400_ctrl.plausibility import LogProblem, log_problem
 from irb2400_ctrl.robot import Robot, Uncertainty
-
-Array = npt.NDArray[np.float64]
 
 INFLATION = 1.5
 """standard errors from the noise alone cover too little: the model's own imperfection adds to

@@ -12,13 +12,13 @@ from typing import Any, Literal
 import numpy as np
 import numpy.typing as npt
 
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.diagnosis.preparation.metrics import Errors
 from irb2400_ctrl.effects import Effect
 from irb2400_ctrl.files import write_atomic
 from irb2400_ctrl.plausibility import LogProblem
 from irb2400_ctrl.robot import Robot, save_robot
 
-Array = npt.NDArray[np.float64]
 Verdict = Literal["explained", "nothing_missing", "unexplained", "log_not_understood"]
 SCHEMA_VERSION = 2
 NEAR_FLOOR = 3.0

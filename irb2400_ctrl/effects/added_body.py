@@ -12,8 +12,9 @@ import casadi as ca
 import numpy as np
 from pydantic import Field
 
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.effects.ambiguity import MASS, Ambiguity
-from irb2400_ctrl.effects.base import Acts, Array, Effect
+from irb2400_ctrl.effects.base import Acts, Effect
 from irb2400_ctrl.effects.prior import Prior
 from irb2400_ctrl.effects.signals import Signals
 

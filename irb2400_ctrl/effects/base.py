@@ -28,6 +28,7 @@ import numpy as np
 import numpy.typing as npt
 from pydantic import AliasChoices, BaseModel, ConfigDict, Field
 
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.effects.ambiguity import Ambiguity
 from irb2400_ctrl.effects.drawing import Drawing
 from irb2400_ctrl.effects.prior import Prior
@@ -36,7 +37,6 @@ from irb2400_ctrl.effects.search import Search
 from irb2400_ctrl.effects.signals import Signals
 from irb2400_ctrl.effects.transmission import Transmission
 
-Array = npt.NDArray[np.float64]
 Acts = Literal["force", "parameters", "measurement", "transmission"]
 Role = Literal["force", "parameters", "measurement"]
 Link = Literal["torque", "angle", "reading", "clock"]

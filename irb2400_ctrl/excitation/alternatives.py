@@ -17,9 +17,9 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-import numpy.typing as npt
 from scipy.linalg import cho_factor, cho_solve
 
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.diagnosis.estimation.evidence import DISCREPANCY
 from irb2400_ctrl.diagnosis.preparation.base_prior import BasePrior
 from irb2400_ctrl.diagnosis.regressors.bases import Bases
@@ -27,8 +27,6 @@ from irb2400_ctrl.effects import LIBRARY, Effect
 from irb2400_ctrl.excitation.groups import AmbiguityGroup, Place
 from irb2400_ctrl.measurement.prepared_log import PreparedLog
 from irb2400_ctrl.robot import Robot
-
-Array = npt.NDArray[np.float64]
 
 SIZE = 0.05
 """rms torque of a member over that of its joint, on the standard motion"""

@@ -6,8 +6,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-import numpy.typing as npt
 
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.errors import InfeasibleError
 from irb2400_ctrl.excitation.feasible import (
     SHARE,
@@ -24,8 +24,6 @@ from irb2400_ctrl.model import Model
 from irb2400_ctrl.planners.joint_move import joint_move
 from irb2400_ctrl.robot import Robot
 from irb2400_ctrl.trajectory import Trajectory
-
-Array = npt.NDArray[np.float64]
 
 RATE = 250.0
 LOOK = 100.0

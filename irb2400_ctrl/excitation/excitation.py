@@ -9,8 +9,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.excitation.alternatives import NOISE, SIZE
 from irb2400_ctrl.excitation.assemble import RATE
 from irb2400_ctrl.excitation.feasible import SHARE, Extent
@@ -22,8 +22,6 @@ from irb2400_ctrl.planners.programs.rapid.rapid_options import RapidOptions
 from irb2400_ctrl.planners.programs.rapid.rapid_program import RapidProgram, rapid_program
 from irb2400_ctrl.robot import Robot
 from irb2400_ctrl.trajectory import Trajectory
-
-Array = npt.NDArray[np.float64]
 
 
 @dataclass(frozen=True)

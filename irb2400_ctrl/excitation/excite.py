@@ -11,6 +11,7 @@ import numpy as np
 import numpy.typing as npt
 from threadpoolctl import threadpool_limits
 
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.errors import InfeasibleError, InputError
 from irb2400_ctrl.excitation.alternatives import Alternatives, Pair, named
 from irb2400_ctrl.excitation.assemble import Workshop
@@ -23,8 +24,6 @@ from irb2400_ctrl.measurement.prepared_log import PreparedLog
 from irb2400_ctrl.measurement.uniform import LowPass
 from irb2400_ctrl.robot import Robot
 from irb2400_ctrl.trajectory import Trajectory
-
-Array = npt.NDArray[np.float64]
 
 SHORTEST = 10.0
 LONGEST = 600.0

@@ -6,13 +6,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.excitation.room import floor_and_column, height_and_radius
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.robot import Robot
-
-Array = npt.NDArray[np.float64]
 
 SHARE = 0.9
 """of torque and speed limits that an excitation uses; the rest is the controller's"""

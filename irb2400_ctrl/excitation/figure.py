@@ -6,14 +6,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-import numpy.typing as npt
 from matplotlib.figure import Figure
 
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.excitation.pair_separability import CLEAR, Separability
 from irb2400_ctrl.robot import Robot
 from irb2400_ctrl.trajectory import Trajectory
-
-Array = npt.NDArray[np.float64]
 
 MOST = 24
 """pairs that are drawn; the least separated ones"""

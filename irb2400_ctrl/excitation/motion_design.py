@@ -7,16 +7,14 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.effects import LIBRARY
 from irb2400_ctrl.errors import InfeasibleError
 from irb2400_ctrl.excitation.alternatives import Alternatives
 from irb2400_ctrl.excitation.assemble import Workshop
 from irb2400_ctrl.excitation.segments import FLAVOURS, Piece, drawn, mutated
 from irb2400_ctrl.trajectory import Trajectory
-
-Array = npt.NDArray[np.float64]
 
 PIECE = 8.0
 """[s] wanted for a piece with the move to the next one"""

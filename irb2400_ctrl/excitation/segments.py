@@ -12,11 +12,9 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-import numpy.typing as npt
 
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.robot import Robot
-
-Array = npt.NDArray[np.float64]
 
 RISE = 0.8
 """[s] from rest to the full series"""

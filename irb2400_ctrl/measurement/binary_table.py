@@ -9,8 +9,9 @@ from typing import Any
 
 import numpy as np
 
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.errors import InputError, ToolMissingError
-from irb2400_ctrl.measurement.table import Array, Table, one_length
+from irb2400_ctrl.measurement.table import Table, one_length
 
 _MATRIX = re.compile(r"(qd|q|tau)(_ref)?_(\w+)")
 

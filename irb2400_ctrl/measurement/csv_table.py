@@ -11,12 +11,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-import numpy.typing as npt
 
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.measurement.table import Table
-
-Array = npt.NDArray[np.float64]
 
 COMMENTS = ("#", "%", "//")
 LONGEST_LINE = 100_000

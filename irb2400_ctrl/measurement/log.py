@@ -7,11 +7,9 @@ from dataclasses import dataclass, field
 from types import MappingProxyType
 
 import numpy as np
-import numpy.typing as npt
 
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.errors import InputError
-
-Array = npt.NDArray[np.float64]
 
 MIN_RATE = 10.0
 """[Hz] below this the torque of a moving arm is not resolved"""

@@ -6,12 +6,10 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.measurement.log import Log
 from irb2400_ctrl.measurement.time_base import TimeBase, time_base
-
-Array = npt.NDArray[np.float64]
 
 GAP = 2.5
 """periods from which a pause between samples is a gap"""

@@ -6,8 +6,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
+from irb2400_ctrl.arrays import Array, Mask
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.measurement.log import Log
 from irb2400_ctrl.measurement.servo import followed
@@ -22,9 +22,6 @@ from irb2400_ctrl.measurement.uniform import (
     smoothed,
     widened,
 )
-
-Array = npt.NDArray[np.float64]
-Mask = npt.NDArray[np.bool_]
 
 CUTOFF = 10.0
 """[Hz] of the common zero-phase filter"""

@@ -11,8 +11,8 @@ import re
 from pathlib import Path
 
 import numpy as np
-import numpy.typing as npt
 
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.measurement.binary_table import read_mat_table, read_parquet_table
 from irb2400_ctrl.measurement.column_map import TIME, ColumnMap, load_column_map
@@ -21,7 +21,6 @@ from irb2400_ctrl.measurement.log import Log
 from irb2400_ctrl.measurement.ros_table import read_ros_table
 from irb2400_ctrl.measurement.table import Table
 
-Array = npt.NDArray[np.float64]
 Found = dict[str, dict[int, str]]
 """signal -> joint -> name of the column in the file"""
 

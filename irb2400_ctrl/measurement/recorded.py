@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.measurement.log import Log
 from irb2400_ctrl.measurement.uniform import resample
 from irb2400_ctrl.trajectory import Trajectory
 
-Array = NDArray[np.float64]
 CUTOFF_HZ = 8.0
 """commanded motions of an arm lie below it; printed digits and encoder steps above"""
 SETTLED_S = 1.0

@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-import numpy.typing as npt
 
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.measurement.uniform import UniformLog, widened
-
-Array = npt.NDArray[np.float64]
 
 LAG = 0.120
 """[s] longest lag of the response"""

@@ -15,9 +15,9 @@ import numpy.typing as npt
 from scipy.fft import next_fast_len, rfft
 from scipy.optimize import isotonic_regression
 
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.measurement.log import Log
 
-Array = npt.NDArray[np.float64]
 Index = npt.NDArray[np.int64]
 
 LEAST = 20

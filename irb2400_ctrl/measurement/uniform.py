@@ -13,11 +13,10 @@ from scipy.ndimage import binary_dilation, convolve1d, correlate1d
 from scipy.signal import firwin, savgol_coeffs
 from scipy.sparse import csr_matrix
 
+from irb2400_ctrl.arrays import Array, Mask
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.measurement.log import Log
 
-Array = npt.NDArray[np.float64]
-Mask = npt.NDArray[np.bool_]
 Kept = TypeVar("Kept", bound=np.generic)
 
 MAX_RATE = 250.0

@@ -16,13 +16,11 @@ from dataclasses import dataclass, replace
 
 import casadi as ca
 import numpy as np
-import numpy.typing as npt
 
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.model.bodies import pseudo_inertia, regrouped
 from irb2400_ctrl.model.chain import Chain, chain_of
 from irb2400_ctrl.robot import Robot
-
-Array = npt.NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -9,13 +9,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.model.geometry import ArmGeometry
 from irb2400_ctrl.robot import Robot
-
-Array = npt.NDArray[np.float64]
 
 TOLERANCE = 1e-9
 """of angles [rad] and of distances over the arm's size [-]: exact or refused"""

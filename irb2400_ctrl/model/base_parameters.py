@@ -7,12 +7,10 @@ from dataclasses import dataclass
 
 import casadi as ca
 import numpy as np
-import numpy.typing as npt
 
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.model.regressor import regressor
 from irb2400_ctrl.robot import Robot
-
-Array = npt.NDArray[np.float64]
 
 NAMES = ("m", "mx", "my", "mz", "Ixx", "Ixy", "Ixz", "Iyy", "Iyz", "Izz")
 # kept first in every link; m, mz and Iyy follow: they look the same at every joint angle, so the

@@ -16,11 +16,9 @@ from __future__ import annotations
 
 import casadi as ca
 import numpy as np
-import numpy.typing as npt
 
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.robot import Robot
-
-Array = npt.NDArray[np.float64]
 
 
 def pseudo_inertia(phi: ca.SX | ca.DM) -> ca.SX:

@@ -7,16 +7,14 @@ from typing import Protocol
 
 import casadi as ca
 import numpy as np
-import numpy.typing as npt
 
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.codegen.build import CompiledFunction, FunctionBuffers, compile_function
 from irb2400_ctrl.errors import InputError, ToolMissingError
 from irb2400_ctrl.model.arm_family import arm_geometry
 from irb2400_ctrl.model.inverse_kinematics import Branches, boxed, closed_form, solve, windings
 from irb2400_ctrl.model.newton_branches import NewtonBranches
 from irb2400_ctrl.robot import Robot
-
-Array = npt.NDArray[np.float64]
 
 
 class BranchSolver(Protocol):

@@ -17,11 +17,10 @@ from dataclasses import dataclass
 
 import casadi as ca
 import numpy as np
-import numpy.typing as npt
 
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.robot import Robot
 
-Array = npt.NDArray[np.float64]
 CosSin = tuple[ca.SX, ca.SX]
 
 PARALLEL = 1e-12

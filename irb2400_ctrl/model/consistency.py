@@ -14,11 +14,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.robot import Body, Robot
-
-Array = npt.NDArray[np.float64]
 
 THINNEST_M = 0.01
 """size of a body whose file gives no inertia at all, where a margin asks for one [m]"""

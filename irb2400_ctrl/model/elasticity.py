@@ -16,14 +16,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.effects import Effect
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.model.model import Model
 from irb2400_ctrl.robot import Robot
-
-Array = NDArray[np.float64]
 
 ROTOR_SHARE = 0.1
 """assumption where a robot names an elastic joint but no rotor inertia: this share of the axis'

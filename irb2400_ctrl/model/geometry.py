@@ -17,9 +17,9 @@ from typing import Literal
 
 import casadi as ca
 import numpy as np
-import numpy.typing as npt
 
-Array = npt.NDArray[np.float64]
+from irb2400_ctrl.arrays import Array
+
 Family = Literal["spherical wrist", "parallel axes"]
 
 

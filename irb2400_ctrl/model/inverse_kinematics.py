@@ -12,11 +12,9 @@ from functools import cache
 
 import casadi as ca
 import numpy as np
-import numpy.typing as npt
 
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.model.geometry import ArmGeometry
-
-Array = npt.NDArray[np.float64]
 
 BRANCHES = 8
 # below this the projection of the flange axis has no direction: the angle is free and taken from

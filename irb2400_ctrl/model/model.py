@@ -7,8 +7,8 @@ from functools import cached_property
 
 import casadi as ca
 import numpy as np
-import numpy.typing as npt
 
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.errors import InputError, UnreachableError
 from irb2400_ctrl.model.branch_solver import BranchSolver, branch_solver
 from irb2400_ctrl.model.functions import FUNCTIONS
@@ -16,8 +16,6 @@ from irb2400_ctrl.model.inverse_kinematics import Branches
 from irb2400_ctrl.model.numeric import Value, evaluate
 from irb2400_ctrl.model.symbolic_arm import SymbolicArm
 from irb2400_ctrl.robot import Robot
-
-Array = npt.NDArray[np.float64]
 
 
 class Model(SymbolicArm):

@@ -9,13 +9,11 @@ from __future__ import annotations
 
 import casadi as ca
 import numpy as np
-import numpy.typing as npt
 
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.model import kinematics
 from irb2400_ctrl.model.inverse_kinematics import Branches, windings
 from irb2400_ctrl.robot import Robot
-
-Array = npt.NDArray[np.float64]
 
 STARTS = 96
 """of one round"""

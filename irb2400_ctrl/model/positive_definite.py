@@ -13,13 +13,11 @@ from dataclasses import dataclass
 
 import casadi as ca
 import numpy as np
-import numpy.typing as npt
 
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.model.consistency import report
 from irb2400_ctrl.model.mass_matrix import mass_matrix
 from irb2400_ctrl.robot import Robot
-
-Array = npt.NDArray[np.float64]
 
 DEGREE = 2
 """of M as a trigonometric polynomial in each actuator angle"""

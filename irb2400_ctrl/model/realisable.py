@@ -16,13 +16,11 @@ from dataclasses import dataclass
 
 import casadi as ca
 import numpy as np
-import numpy.typing as npt
 
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.model.base_parameters import base_parameters
 from irb2400_ctrl.model.bodies import pseudo_inertia
 from irb2400_ctrl.robot import Robot
-
-Array = npt.NDArray[np.float64]
 
 GAP = 1e-6
 """how near to the best s the search stops"""

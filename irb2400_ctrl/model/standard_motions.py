@@ -5,12 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.model.model import Model
 from irb2400_ctrl.robot import Robot
-
-Array = npt.NDArray[np.float64]
 
 RATE = 250.0
 """samples per second, that of the robot's own log [1/s]"""

@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-import numpy.typing as npt
 
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.errors import InfeasibleError, InputError
 from irb2400_ctrl.model import Model
-
-Array = npt.NDArray[np.float64]
 
 
 def outside_box(model: Model, q: Array) -> str | None:

@@ -7,16 +7,14 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 from numpy.typing import ArrayLike
 
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.errors import InfeasibleError, InputError
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.planners.joint_box import can_hold, inside_box, outside_box
 from irb2400_ctrl.robot import Robot
 from irb2400_ctrl.trajectory import Trajectory
-
-Array = npt.NDArray[np.float64]
 
 # time from zero to full acceleration where no jerk limit is given [s]: an assumption, nothing is
 # published

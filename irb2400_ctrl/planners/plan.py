@@ -8,15 +8,13 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.files import write_atomic
 from irb2400_ctrl.planners.timing.certificate import Certificate
 from irb2400_ctrl.planners.toolpath.toolpath import ToolPath
 from irb2400_ctrl.robot import Robot
 from irb2400_ctrl.trajectory import Trajectory
-
-Array = npt.NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 
 import numpy as np
-import numpy.typing as npt
 from numpy.typing import ArrayLike
 
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.planners.certify import certify
 from irb2400_ctrl.planners.enclosure.path_dynamics import path_dynamics
 from irb2400_ctrl.planners.plan import Plan
@@ -22,8 +22,6 @@ from irb2400_ctrl.planners.timing.timing_options import Backend, TimingOptions
 from irb2400_ctrl.planners.toolpath.orientation import shape_path
 from irb2400_ctrl.planners.toolpath.toolpath import ToolPath
 from irb2400_ctrl.robot import Robot
-
-Array = npt.NDArray[np.float64]
 
 
 def plan_path(

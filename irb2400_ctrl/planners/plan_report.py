@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.planners.certify import PlanBounds
 from irb2400_ctrl.planners.enclosure.path_dynamics import PathDynamics
@@ -17,8 +17,6 @@ from irb2400_ctrl.planners.timing.time_choices import TimedChoice
 from irb2400_ctrl.planners.timing.timing_options import TimingOptions
 from irb2400_ctrl.planners.toolpath.orientation import Orientation
 from irb2400_ctrl.trajectory import Trajectory
-
-Array = npt.NDArray[np.float64]
 
 _MOST_ROWS = 20_000_000
 

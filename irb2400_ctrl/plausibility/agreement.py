@@ -6,10 +6,9 @@ import numpy as np
 import numpy.typing as npt
 from scipy.optimize import linear_sum_assignment
 
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.measurement.log import Log
 from irb2400_ctrl.plausibility.problem import LogProblem
-
-Array = npt.NDArray[np.float64]
 
 DEGREES = 180.0 / np.pi
 CLEAR = 0.9

@@ -7,11 +7,11 @@ from collections.abc import Callable, Iterator
 import numpy as np
 import numpy.typing as npt
 
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.measurement.log import Log
 from irb2400_ctrl.measurement.log_facts import digit, neighbour_noise
 from irb2400_ctrl.plausibility.problem import LogProblem, named
 
-Array = npt.NDArray[np.float64]
 Run = tuple[int, int]
 
 LEAST = 20

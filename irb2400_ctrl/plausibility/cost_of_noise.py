@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-import numpy.typing as npt
 
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.measurement.log import Log
 from irb2400_ctrl.measurement.log_facts import neighbour_noise
 from irb2400_ctrl.measurement.time_base import with_time_base
@@ -17,8 +17,6 @@ from irb2400_ctrl.measurement.uniform import (
 )
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.robot import Robot
-
-Array = npt.NDArray[np.float64]
 
 CUTOFF = 10.0
 """[Hz] below which torques are compared"""

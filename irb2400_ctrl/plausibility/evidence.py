@@ -13,14 +13,12 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-import numpy.typing as npt
 from scipy.optimize import lsq_linear
 
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.plausibility.rows import Rows
 from irb2400_ctrl.robot import Robot
-
-Array = npt.NDArray[np.float64]
 
 MASS = 0.15
 """relative standard deviation of a link's mass, and of its first moment over the lever"""

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.measurement.log import Log
 from irb2400_ctrl.measurement.log_facts import LogFacts, log_facts
@@ -18,8 +18,6 @@ from irb2400_ctrl.plausibility.problem import LogProblem, named
 from irb2400_ctrl.plausibility.rows import SHORTEST
 from irb2400_ctrl.plausibility.search import Understanding, understand
 from irb2400_ctrl.robot import Robot
-
-Array = npt.NDArray[np.float64]
 
 OUTSIDE = np.radians(2.0)
 """[rad] outside of the joint box that is remarked on"""

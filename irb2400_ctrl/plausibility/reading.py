@@ -11,12 +11,10 @@ from itertools import combinations
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.plausibility.problem import named
 from irb2400_ctrl.robot import Robot
-
-Array = npt.NDArray[np.float64]
 
 DEGREE = np.pi / 180.0
 CLOCKS = {

@@ -5,16 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-import numpy.typing as npt
 from scipy.ndimage import convolve1d
 from scipy.signal import firwin
 
+from irb2400_ctrl.arrays import Array, Mask
 from irb2400_ctrl.measurement.log import Log
 from irb2400_ctrl.measurement.uniform import resample
 from irb2400_ctrl.plausibility.reading import Reading
-
-Array = npt.NDArray[np.float64]
-Mask = npt.NDArray[np.bool_]
 
 CUTOFF = 4.0
 """[Hz] of the filter on motion and torque"""

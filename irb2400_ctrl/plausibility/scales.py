@@ -6,15 +6,14 @@ from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
-import numpy.typing as npt
 from scipy.optimize import minimize_scalar
 
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.plausibility.evidence import Nominal
 from irb2400_ctrl.plausibility.problem import named
 from irb2400_ctrl.plausibility.reading import Reading, as_labelled
 from irb2400_ctrl.plausibility.rows import Rows
 
-Array = npt.NDArray[np.float64]
 Cost = Callable[[Array], float]
 
 LEAST = 2.5

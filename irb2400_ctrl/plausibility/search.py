@@ -6,8 +6,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
-import numpy.typing as npt
 
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.measurement.log import Log
 from irb2400_ctrl.plausibility.evidence import Fit, Nominal
 from irb2400_ctrl.plausibility.problem import LogProblem
@@ -20,8 +20,6 @@ from irb2400_ctrl.plausibility.reading import (
 from irb2400_ctrl.plausibility.rows import Rows, rows_of
 from irb2400_ctrl.plausibility.scales import scale_readings
 from irb2400_ctrl.robot import Robot
-
-Array = npt.NDArray[np.float64]
 
 SOUND_PRICE = 35.0
 """of six joints: below this, with no joint badly explained, nothing else is tried"""

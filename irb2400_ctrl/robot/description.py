@@ -15,6 +15,7 @@ import numpy as np
 import numpy.typing as npt
 from pydantic import Field, model_validator
 
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.effects import LIBRARY, AnyEffect, load_effects
 from irb2400_ctrl.effects.base import OPEN_END_S
 from irb2400_ctrl.effects.blank import discrepancy_size
@@ -23,8 +24,6 @@ from irb2400_ctrl.robot.joint import Joint, MotorCoupling
 from irb2400_ctrl.robot.link import Coupling, Link, ModifiedDH, Tool, Transform
 from irb2400_ctrl.robot.table import Table, Vector3
 from irb2400_ctrl.robot.uncertainty import Uncertainty
-
-Array = npt.NDArray[np.float64]
 
 STRIBECK_RAD_S = 0.01
 """speed at which static friction would fade where the file states none; typical of such gears"""

@@ -5,12 +5,11 @@ from __future__ import annotations
 from typing import Annotated, Self
 
 import numpy as np
-import numpy.typing as npt
 from pydantic import BeforeValidator, Field, model_validator
 
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.robot.table import NotNegative, Range, Table, Vector3
 
-Array = npt.NDArray[np.float64]
 Row4 = tuple[float, float, float, float]
 
 

@@ -12,13 +12,11 @@ from pathlib import Path
 from xml.sax.saxutils import escape, quoteattr
 
 import numpy as np
-import numpy.typing as npt
 
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.files import write_atomic
 from irb2400_ctrl.robot.description import Robot
 from irb2400_ctrl.robot.link import Body
-
-Array = npt.NDArray[np.float64]
 
 
 def save_mjcf(robot: Robot, path: Path | str) -> Path:

@@ -10,8 +10,9 @@ from typing import Any
 
 import casadi as ca
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.codegen import Block
 from irb2400_ctrl.robot import Robot
 from irb2400_ctrl.simulation.effect_data import data_of
@@ -21,7 +22,6 @@ from irb2400_ctrl.simulation.mechanics import force_effects, mass_data, symbolic
 from irb2400_ctrl.simulation.spring_step import elastic_data, elastic_joints, twist
 from irb2400_ctrl.trajectory import Trajectory
 
-Array = NDArray[np.float64]
 STANDSTILL = 1e-3
 """[rad/s] slower than this a joint counts as held at the start"""
 ROUNDS = 8

@@ -8,8 +8,9 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.codegen import Block, CompiledBlock, compile_block
 from irb2400_ctrl.errors import InputError, IrbError
 from irb2400_ctrl.robot import Robot
@@ -23,7 +24,6 @@ from irb2400_ctrl.simulation.simulation import Simulation
 from irb2400_ctrl.simulation.spring_step import elastic_data, elastic_joints
 from irb2400_ctrl.trajectory import Trajectory
 
-Array = NDArray[np.float64]
 FAR = 1e3
 """[rad] farther than this an arm has diverged"""
 

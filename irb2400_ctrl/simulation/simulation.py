@@ -12,8 +12,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.codegen import Block
 from irb2400_ctrl.files import write_atomic
 from irb2400_ctrl.measurement import Log
@@ -22,7 +22,6 @@ from irb2400_ctrl.simulation.instruments import Actuators, Sensors
 from irb2400_ctrl.simulation.tracking import contour_errors, tcp_positions
 from irb2400_ctrl.trajectory import Trajectory
 
-Array = NDArray[np.float64]
 CONTOUR_WINDOW_S = 0.15
 
 

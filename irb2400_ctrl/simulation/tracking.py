@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.codegen import CompiledFunction, compile_function
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.robot import Robot
 
-Array = NDArray[np.float64]
 BLOCK = 16
 """segments that are ruled out together"""
 

@@ -10,16 +10,15 @@ from pathlib import Path
 from typing import Annotated, Self
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field, PrivateAttr, ValidationInfo, field_validator, model_validator
 
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.robot import Robot
 from irb2400_ctrl.simulation import Trajectory, load_trajectory
 from irb2400_ctrl.sweep.quantities import Table
 
-Array = NDArray[np.float64]
 Speed = Annotated[float, Field(gt=0, le=10)]
 QUINTIC_PEAK = 1.875
 """largest speed of a fifth-order move from rest to rest over its mean speed"""

@@ -8,13 +8,11 @@ import math
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.files import write_atomic
 from irb2400_ctrl.trajectory.trajectory import Trajectory, from_angles
-
-Array = NDArray[np.float64]
 
 
 def save_trajectory(trajectory: Trajectory, path: Path | str) -> Path:

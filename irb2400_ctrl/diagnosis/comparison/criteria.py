@@ -9,12 +9,11 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.diagnosis.comparison.comparison import Alternative, Comparison
 from irb2400_ctrl.diagnosis.estimation.candidate import Candidate
 from irb2400_ctrl.effects.base import OPEN_END_S
 from irb2400_ctrl.measurement.prepared_log import PreparedLog
-
-Array = npt.NDArray[np.float64]
 
 ONE_MOMENT = 1.0
 """[s] what begins nearer in time than this began for one reason"""

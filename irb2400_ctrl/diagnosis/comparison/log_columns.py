@@ -5,8 +5,8 @@ from __future__ import annotations
 from functools import cache, cached_property
 
 import numpy as np
-import numpy.typing as npt
 
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.diagnosis.comparison.non_parametric import (
     NonParametricLaw,
     non_parametric_laws,
@@ -16,8 +16,6 @@ from irb2400_ctrl.diagnosis.estimation.candidate import Point
 from irb2400_ctrl.diagnosis.regressors.bases import Bases, RegressorColumns
 from irb2400_ctrl.effects import LIBRARY
 from irb2400_ctrl.measurement.prepared_log import PreparedLog
-
-Array = npt.NDArray[np.float64]
 
 
 class LogColumns:

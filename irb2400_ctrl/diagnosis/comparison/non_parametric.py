@@ -11,11 +11,9 @@ from dataclasses import dataclass
 from itertools import combinations
 
 import numpy as np
-import numpy.typing as npt
 
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.measurement.prepared_log import PreparedLog
-
-Array = npt.NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,6 @@ from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
-import numpy.typing as npt
 
 from irb2400_ctrl.diagnosis.comparison.scan import Scan
 from irb2400_ctrl.diagnosis.estimation.candidate import Candidate, Point, plausible
@@ -17,7 +16,6 @@ from irb2400_ctrl.diagnosis.regressors.bases import RegressorColumns
 from irb2400_ctrl.effects import LIBRARY
 from irb2400_ctrl.effects.base import OPEN_END_S, within
 
-Array = npt.NDArray[np.float64]
 Windows = tuple[tuple[float, float], ...]
 
 CLEARLY = 15.0

@@ -7,7 +7,6 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-import numpy.typing as npt
 
 from irb2400_ctrl.diagnosis.comparison.log_columns import LogColumns
 from irb2400_ctrl.diagnosis.estimation.candidate import Candidate, Point, plausible
@@ -20,8 +19,6 @@ from irb2400_ctrl.diagnosis.estimation.evidence import (
 from irb2400_ctrl.diagnosis.regressors.bases import RegressorColumns
 from irb2400_ctrl.effects import LIBRARY
 from irb2400_ctrl.effects.base import within
-
-Array = npt.NDArray[np.float64]
 
 EVERYWHERE_PENALTY = 15.0
 """[nats]"""

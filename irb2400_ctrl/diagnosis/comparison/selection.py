@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-import numpy.typing as npt
 
+from irb2400_ctrl.arrays import Mask
 from irb2400_ctrl.diagnosis.comparison.comparison import Alternative, Comparison
 from irb2400_ctrl.diagnosis.comparison.criteria import Criteria, Threshold, of_one_moment
 from irb2400_ctrl.diagnosis.comparison.onset import Windowing
@@ -17,8 +17,6 @@ from irb2400_ctrl.diagnosis.estimation.fit import Fit, Fitter
 from irb2400_ctrl.diagnosis.regressors.predict import predicted_torque
 from irb2400_ctrl.measurement.prepared_log import STICKING_SPEED, PreparedLog
 from irb2400_ctrl.measurement.uniform import widened
-
-Mask = npt.NDArray[np.bool_]
 
 SMALL_FAMILY = 20
 """members of a family that still is one law"""

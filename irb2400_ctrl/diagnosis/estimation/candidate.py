@@ -5,15 +5,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-import numpy as np
-import numpy.typing as npt
 from pydantic import ValidationError
 
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.diagnosis.estimation.evidence import Score
 from irb2400_ctrl.diagnosis.regressors.bases import RegressorColumns
 from irb2400_ctrl.effects import LIBRARY, Effect
-
-Array = npt.NDArray[np.float64]
 
 NON_PARAMETRIC_SHARE = 0.5
 """share of its torque that a flexible law may leave: what is left is more of the same unknown"""

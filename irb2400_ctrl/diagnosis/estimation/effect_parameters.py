@@ -5,14 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-import numpy as np
-import numpy.typing as npt
 from pydantic import ValidationError
 
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.effects import Effect
 from irb2400_ctrl.effects.base import COMMON
-
-Array = npt.NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -14,11 +14,11 @@ import numpy as np
 import numpy.typing as npt
 from scipy.linalg import cho_solve, solve_triangular
 
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.diagnosis.preparation.noise import Noise
 from irb2400_ctrl.diagnosis.regressors.bases import RegressorColumns
 from irb2400_ctrl.effects import LIBRARY
 
-Array = npt.NDArray[np.float64]
 Expected = Sequence[tuple[float, float]]
 """usual value and spread of each coefficient"""
 

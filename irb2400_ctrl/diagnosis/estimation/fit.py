@@ -7,8 +7,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-import numpy.typing as npt
 
+from irb2400_ctrl.arrays import Array, Mask
 from irb2400_ctrl.diagnosis.estimation.candidate import Candidate
 from irb2400_ctrl.diagnosis.estimation.effect_parameters import (
     Parameter,
@@ -24,9 +24,6 @@ from irb2400_ctrl.diagnosis.regressors.predict import predicted_torque
 from irb2400_ctrl.effects import Effect
 from irb2400_ctrl.measurement.prepared_log import PreparedLog
 from irb2400_ctrl.robot import Robot
-
-Array = npt.NDArray[np.float64]
-Mask = npt.NDArray[np.bool_]
 
 ITERATIONS = 5
 

@@ -11,15 +11,12 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.measurement.prepared_log import PreparedLog
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.model.friction import FrictionLaw
 from irb2400_ctrl.robot import Body, Robot, Uncertainty
-
-Array = npt.NDArray[np.float64]
-
 
 UNKNOWN_FRICTION = 0.5
 

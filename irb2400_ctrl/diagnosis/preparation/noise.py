@@ -8,8 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-Array = npt.NDArray[np.float64]
-Mask = npt.NDArray[np.bool_]
+from irb2400_ctrl.arrays import Array, Mask
 
 ORDER = 2
 MOST_COLOUR = 4.0

@@ -11,6 +11,7 @@ import casadi as ca
 import numpy as np
 import numpy.typing as npt
 
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.diagnosis.regressors.effect_states import Memory
 from irb2400_ctrl.diagnosis.regressors.vectorised import Vectorised
 from irb2400_ctrl.effects import LIBRARY, Effect
@@ -19,8 +20,6 @@ from irb2400_ctrl.measurement.prepared_log import PreparedLog
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.model.signals import ArmSignals
 from irb2400_ctrl.robot import Robot
-
-Array = npt.NDArray[np.float64]
 
 CHUNK = 4_000_000
 """numbers per array while a grid is evaluated: bounds the memory"""

@@ -9,11 +9,9 @@ from __future__ import annotations
 
 import casadi as ca
 import numpy as np
-import numpy.typing as npt
 
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.diagnosis.regressors.vectorised import Vectorised
-
-Array = npt.NDArray[np.float64]
 
 
 class Memory:

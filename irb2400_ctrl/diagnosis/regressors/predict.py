@@ -6,15 +6,13 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-import numpy.typing as npt
 
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.diagnosis.regressors.bases import Bases, RegressorColumns
 from irb2400_ctrl.effects import Effect
 from irb2400_ctrl.measurement.prepared_log import PreparedLog
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.robot import Robot
-
-Array = npt.NDArray[np.float64]
 
 
 def predicted_torque(robot: Robot, motion: PreparedLog, bases: Bases | None = None) -> Array:

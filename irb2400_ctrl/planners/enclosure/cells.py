@@ -12,14 +12,12 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from irb2400_ctrl.arrays import Array, Mask
 from irb2400_ctrl.planners.enclosure import bernstein
 from irb2400_ctrl.planners.enclosure.effect_bounds import Added, Range, memories
 from irb2400_ctrl.planners.enclosure.parabolas import parabolas
 from irb2400_ctrl.planners.enclosure.path_dynamics import OUTPUTS, PathDynamics
 from irb2400_ctrl.planners.joint_path import JointPath
-
-Array = npt.NDArray[np.float64]
-Booleans = npt.NDArray[np.bool_]
 
 # largest turn of a joint within a cell [rad]
 _TURN = 0.03
@@ -45,8 +43,8 @@ class Cells:
     """bounds of the distance of a, b, e, c from their parabolas, shape (4, m, n)"""
     speed: Array
     """q' (exact), Bernstein coefficients, shape (m, 3, n) [rad/m]"""
-    forwards: Booleans
-    backwards: Booleans
+    forwards: Mask
+    backwards: Mask
     """whether the joint moves in that direction somewhere in the cell, shape (m, n)"""
     curvature: Array
     """q'' at both ends (linear between), shape (m, 2, n) [rad/m2]"""
@@ -179,7 +177,7 @@ def _derivatives(path: JointPath, s: Array) -> tuple[Array, Array]:
     return speed, bernstein.linear(curved, curved_last)
 
 
-def _directions(speed: Array) -> tuple[Booleans, Booleans]:
+def _directions(speed: Array) -> tuple[Mask, Mask]:
     """Whether each joint moves forwards, and backwards, somewhere in each cell, shapes (m, n)."""
     # at a reversal that ends the cell q' is zero up to rounding: that is no motion the other way
     noise = 1e-9 * bernstein.largest_size(speed)
@@ -188,7 +186,7 @@ def _directions(speed: Array) -> tuple[Booleans, Booleans]:
 
 
 def _static_band(
-    c: list[Array], ranges: list[Range], forwards: Booleans, backwards: Booleans
+    c: list[Array], ranges: list[Range], forwards: Mask, backwards: Mask
 ) -> tuple[Array, Array]:
     """c between the directions of motion that occur in each cell, from those for motion backwards,
     at rest and forwards; shapes (m, 3, n)."""

@@ -11,8 +11,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
+from irb2400_ctrl.arrays import Array, Integers
 from irb2400_ctrl.codegen import compile_function
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.planners.enclosure import bernstein
@@ -23,9 +23,6 @@ from irb2400_ctrl.planners.redundancy.follow import Followed
 from irb2400_ctrl.planners.redundancy.singularity_margins import NAMES
 from irb2400_ctrl.planners.toolpath.orientation import Orientation
 from irb2400_ctrl.planners.toolpath.task_curve import ROTATION_LENGTH, TaskCurve
-
-Array = npt.NDArray[np.float64]
-Integers = npt.NDArray[np.int64]
 
 # cells are cut until what a parabola may miss is below this [m, rad]
 _POSITION = 1e-8

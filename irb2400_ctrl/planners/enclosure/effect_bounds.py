@@ -20,13 +20,11 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-import numpy.typing as npt
 
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.planners.enclosure import bernstein
 from irb2400_ctrl.planners.enclosure.effect_forms import ScalarLaw
 from irb2400_ctrl.planners.enclosure.interval import Interval
-
-Array = npt.NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -16,10 +16,9 @@ from collections.abc import Callable
 import numpy as np
 import numpy.typing as npt
 
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.planners.enclosure import bernstein
 from irb2400_ctrl.planners.joint_path import JointPath
-
-Array = npt.NDArray[np.float64]
 
 # how far joints may turn on the circle of Cauchy's integral [rad]; larger: smaller factor, larger
 # variation

@@ -14,8 +14,8 @@ from functools import cached_property, lru_cache
 
 import casadi as ca
 import numpy as np
-import numpy.typing as npt
 
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.codegen import CompiledFunction, compile_function
 from irb2400_ctrl.effects import Effect
 from irb2400_ctrl.model import Model
@@ -23,8 +23,6 @@ from irb2400_ctrl.model.friction import FrictionLaw
 from irb2400_ctrl.planners.enclosure.complex_disc import disc_function
 from irb2400_ctrl.planners.enclosure.effect_forms import Forms, expand, split, with_sign
 from irb2400_ctrl.robot import Robot
-
-Array = npt.NDArray[np.float64]
 
 OUTPUTS = ("a", "b", "e", "c_minus", "c_zero", "c_plus")
 

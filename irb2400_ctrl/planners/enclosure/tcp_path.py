@@ -18,13 +18,12 @@ import casadi as ca
 import numpy as np
 import numpy.typing as npt
 
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.codegen import CompiledFunction, compile_function
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.planners.enclosure import bernstein
 from irb2400_ctrl.planners.joint_path import JointPath
-
-Array = npt.NDArray[np.float64]
 
 _MISS = np.sqrt(3) / 216
 _GAUSS, _WEIGHT = np.polynomial.legendre.leggauss(8)

@@ -6,8 +6,8 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.errors import UnreachableError
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.planners.redundancy.follow import (
@@ -22,7 +22,6 @@ from irb2400_ctrl.planners.redundancy.singularity_margins import relative_margin
 from irb2400_ctrl.planners.redundancy.wrist_passage import Passing, passings
 from irb2400_ctrl.planners.toolpath.orientation import Orientation
 
-Array = npt.NDArray[np.float64]
 RotationLaw = Callable[[Array], Array]
 """free rotation [rad] over the length along the path [m]"""
 

@@ -9,14 +9,12 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from irb2400_ctrl.arrays import Array, Integers
 from irb2400_ctrl.errors import UnreachableError
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.planners.joint_path import JointPath
 from irb2400_ctrl.planners.toolpath.orientation import Orientation
 from irb2400_ctrl.planners.toolpath.task_curve import TaskCurve
-
-Array = npt.NDArray[np.float64]
-Integers = npt.NDArray[np.int64]
 
 # distance between stations to start with [m]
 COARSE = 0.02

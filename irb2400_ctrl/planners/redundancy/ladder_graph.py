@@ -15,13 +15,11 @@ from functools import cached_property
 import numpy as np
 import numpy.typing as npt
 
+from irb2400_ctrl.arrays import Array, Integers
 from irb2400_ctrl.errors import UnreachableError
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.planners.redundancy.singularity_margins import COMFORTABLE, relative_margins
 from irb2400_ctrl.planners.toolpath.orientation import Orientation
-
-Array = npt.NDArray[np.float64]
-Integers = npt.NDArray[np.int64]
 
 BRANCHES = 8
 # a joint that moves further between neighbouring stations than this has jumped to another solution

@@ -13,14 +13,11 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
+from irb2400_ctrl.arrays import Array, Integers
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.planners.redundancy.follow import JointTarget, arc_length, station_parameters
 from irb2400_ctrl.planners.toolpath.orientation import Orientation
-
-Array = npt.NDArray[np.float64]
-Integers = npt.NDArray[np.int64]
 
 NEAR = np.radians(10.0)
 """passages farther from the singularity than this are none [rad]"""

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.errors import InfeasibleError, UnreachableError
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.planners.joint_path import JointPath
@@ -16,8 +16,6 @@ from irb2400_ctrl.planners.redundancy.choices import Choice, choices
 from irb2400_ctrl.planners.redundancy.follow import Followed, arc_length, station_parameters
 from irb2400_ctrl.planners.redundancy.wrist_passage import EXACT
 from irb2400_ctrl.planners.toolpath.orientation import Orientation
-
-Array = npt.NDArray[np.float64]
 
 # damping grows from nothing to this as sin q5 falls from the second number to zero
 _DAMPING = 0.05

@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
-import numpy.typing as npt
 
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.planners.enclosure.tcp_path import TcpPath
 from irb2400_ctrl.planners.redundancy.follow import Followed
 from irb2400_ctrl.planners.timing.time_joint_path import FeedBound
 from irb2400_ctrl.planners.timing.time_law import TimeLaw
 from irb2400_ctrl.planners.toolpath.orientation import Orientation
-
-Array = npt.NDArray[np.float64]
 
 
 def feed_bound(tcp: TcpPath, orientation: Orientation, followed: Followed) -> FeedBound:

@@ -5,15 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-import numpy.typing as npt
 from numpy.typing import ArrayLike
 
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.planners.enclosure import bernstein
 from irb2400_ctrl.planners.enclosure.cells import Cells
 from irb2400_ctrl.robot import Robot
-
-Array = npt.NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-import numpy.typing as npt
 
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.planners.enclosure.cells import enclose
 from irb2400_ctrl.planners.enclosure.path_dynamics import PathDynamics
 from irb2400_ctrl.planners.joint_path import JointPath
@@ -16,8 +16,6 @@ from irb2400_ctrl.planners.timing.motion_bounds import Checked, Peaks
 from irb2400_ctrl.planners.timing.motion_limits import MotionLimits
 from irb2400_ctrl.planners.timing.time_law import TimeLaw
 from irb2400_ctrl.planners.timing.torque_bounds import squared_speed_ratio, torque_bounds
-
-Array = npt.NDArray[np.float64]
 
 # parts that each cell is cut into for the check; more, while a bound is above the limit
 _PARTS = (2, 4, 8)

@@ -8,8 +8,8 @@ twist, and the swing is left out.
 from __future__ import annotations
 
 import numpy as np
-import numpy.typing as npt
 
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.effects import Effect
 from irb2400_ctrl.errors import InfeasibleError
 from irb2400_ctrl.planners.enclosure.cells import Cells
@@ -17,8 +17,6 @@ from irb2400_ctrl.planners.enclosure.path_dynamics import PathDynamics
 from irb2400_ctrl.planners.joint_path import JointPath
 from irb2400_ctrl.planners.timing.motion_limits import MotionLimits
 from irb2400_ctrl.planners.timing.time_optimal import Timed, time_path
-
-Array = npt.NDArray[np.float64]
 
 _ROUNDS = 6
 _SAMPLES = 5

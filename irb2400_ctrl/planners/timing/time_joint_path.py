@@ -6,8 +6,8 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-import numpy.typing as npt
 
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.errors import InfeasibleError
 from irb2400_ctrl.planners.enclosure.cells import Cells, divided, enclose, grid
 from irb2400_ctrl.planners.enclosure.path_dynamics import PathDynamics
@@ -15,7 +15,6 @@ from irb2400_ctrl.planners.joint_path import JointPath
 from irb2400_ctrl.planners.timing.motion_limits import MotionLimits
 from irb2400_ctrl.planners.timing.time_optimal import Timed, remainder_share, time_path
 
-Array = npt.NDArray[np.float64]
 FeedBound = Callable[[Array], Array]
 """bound of x = sdot^2 within each cell between lengths s (m + 1,), shape (m,)"""
 

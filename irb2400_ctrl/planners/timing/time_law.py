@@ -5,15 +5,11 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, fields
 
-import numpy as np
-import numpy.typing as npt
-
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.planners.enclosure.path_dynamics import PathDynamics
 from irb2400_ctrl.planners.joint_path import JointPath
 from irb2400_ctrl.planners.timing.motion_bounds import Checked, Peaks
 from irb2400_ctrl.planners.timing.motion_limits import MotionLimits
-
-Array = npt.NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -5,16 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.planners.enclosure.cells import Cells
 from irb2400_ctrl.planners.timing.infeasible_point import InfeasiblePointError
 from irb2400_ctrl.planners.timing.motion_limits import MotionLimits, speed_bounds
 from irb2400_ctrl.planners.timing.piecewise_constant_law import PiecewiseConstantLaw
 from irb2400_ctrl.planners.timing.torque_constraints import Linearisation, torque_constraints
 from irb2400_ctrl.planners.timing.two_pass import Passed, two_pass
-
-Array = npt.NDArray[np.float64]
 
 # further passes stop when they gain less than this part of the duration
 _GAIN = 2e-4

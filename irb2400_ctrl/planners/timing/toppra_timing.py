@@ -12,16 +12,14 @@ import logging
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.errors import InfeasibleError
 from irb2400_ctrl.planners.enclosure.cells import Cells
 from irb2400_ctrl.planners.timing.motion_limits import MotionLimits, speed_bounds
 from irb2400_ctrl.planners.timing.piecewise_constant_law import PiecewiseConstantLaw
 from irb2400_ctrl.planners.timing.time_optimal import Timed
 from irb2400_ctrl.planners.timing.torque_constraints import Linearisation, torque_constraints
-
-Array = npt.NDArray[np.float64]
 
 
 def time_with_toppra(

@@ -18,15 +18,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.model.friction import FrictionLaw
 from irb2400_ctrl.planners.enclosure import bernstein
 from irb2400_ctrl.planners.enclosure.cells import Cells
 from irb2400_ctrl.planners.enclosure.effect_bounds import Variant, load_cap, variants
 from irb2400_ctrl.planners.timing.motion_limits import MotionLimits
-
-Array = npt.NDArray[np.float64]
 
 # room for rounding in the passes, as a part of the limit
 ROUNDING = 1e-7

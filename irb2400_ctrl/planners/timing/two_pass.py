@@ -8,11 +8,9 @@ from functools import cache
 from importlib import resources
 
 import numpy as np
-import numpy.typing as npt
 
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.codegen.toolchain import build_shared
-
-Array = npt.NDArray[np.float64]
 
 
 @dataclass(frozen=True)

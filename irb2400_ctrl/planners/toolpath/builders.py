@@ -11,11 +11,11 @@ from collections.abc import Callable, Sequence
 import numpy as np
 import numpy.typing as npt
 
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.planners.toolpath.orientation import frame_of
 from irb2400_ctrl.planners.toolpath.toolpath import ToolPath
 
-Array = npt.NDArray[np.float64]
 UP = (0.0, 0.0, 1.0)
 CHORD = 1e-5
 

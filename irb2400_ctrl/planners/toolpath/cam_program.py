@@ -9,10 +9,9 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.planners.toolpath.toolpath import ToolPath
-
-Array = npt.NDArray[np.float64]
 
 
 @dataclass(frozen=True)

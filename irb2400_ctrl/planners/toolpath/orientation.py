@@ -5,12 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.planners.toolpath.task_curve import TaskCurve, smooth_curve
 from irb2400_ctrl.planners.toolpath.toolpath import ToolPath
-
-Array = npt.NDArray[np.float64]
 
 
 def rotations_about(axis: Array, angle: Array) -> Array:

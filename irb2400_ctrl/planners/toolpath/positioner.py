@@ -11,14 +11,13 @@ from dataclasses import dataclass
 from typing import Annotated, Self
 
 import numpy as np
-import numpy.typing as npt
 from numpy.typing import ArrayLike
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.errors import InfeasibleError, InputError
 from irb2400_ctrl.planners.toolpath.toolpath import ToolPath
 
-Array = npt.NDArray[np.float64]
 Vector3 = tuple[float, float, float]
 Row4 = tuple[float, float, float, float]
 Pose = tuple[Row4, Row4, Row4, Row4]

@@ -16,10 +16,9 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.planners.toolpath.toolpath import ToolPath
-
-Array = npt.NDArray[np.float64]
 
 ROTATION_LENGTH = 0.1
 """how far the TCP travels for one radian of turning, when lengths along the path are compared

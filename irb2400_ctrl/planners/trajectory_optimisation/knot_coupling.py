@@ -10,10 +10,10 @@ import casadi as ca
 import numpy as np
 import numpy.typing as npt
 
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.planners.timing.motion_limits import MotionLimits
 from irb2400_ctrl.robot import Robot
 
-Array = npt.NDArray[np.float64]
 Objective = Literal["time", "energy"]
 
 # weight of the mean squared acceleration: makes the motion of joints that limit nothing unique

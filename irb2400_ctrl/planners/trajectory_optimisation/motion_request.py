@@ -7,9 +7,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 from numpy.typing import ArrayLike
 
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.planners.enclosure import bernstein
 from irb2400_ctrl.planners.enclosure.cells import reversals
@@ -31,8 +31,6 @@ from irb2400_ctrl.planners.trajectory_optimisation.waypoints import (
     signed_margins,
 )
 from irb2400_ctrl.robot import Robot
-
-Array = npt.NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -19,6 +19,7 @@ import numpy as np
 import numpy.typing as npt
 from numpy.typing import ArrayLike
 
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.errors import InfeasibleError, InputError
 from irb2400_ctrl.planners.enclosure.path_dynamics import PathDynamics
 from irb2400_ctrl.planners.redundancy.singularity_margins import NAMES
@@ -45,8 +46,6 @@ from irb2400_ctrl.planners.trajectory_optimisation.warm_start import (
     warm_start,
 )
 from irb2400_ctrl.robot import Robot
-
-Array = npt.NDArray[np.float64]
 
 # part of the torque limits left to what happens between knots; for energy, what the motion would be
 # slowed by instead

@@ -7,8 +7,8 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.model.friction import FrictionLaw
 from irb2400_ctrl.planners.enclosure.deviation import singularity_margins
@@ -18,8 +18,6 @@ from irb2400_ctrl.planners.redundancy.follow import Followed
 from irb2400_ctrl.planners.timing.certificate import Certificate, check
 from irb2400_ctrl.planners.timing.motion_bounds import Checked
 from irb2400_ctrl.trajectory import Trajectory
-
-Array = npt.NDArray[np.float64]
 
 # instants per second at which energy is summed up, and torque sampled where it has no enclosure
 _RATE = 5000.0

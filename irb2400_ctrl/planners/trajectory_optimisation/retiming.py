@@ -12,8 +12,8 @@ For energy the time law is the solver's own, slowed by one factor.
 from __future__ import annotations
 
 import numpy as np
-import numpy.typing as npt
 
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.errors import InfeasibleError
 from irb2400_ctrl.model.friction import FrictionLaw
 from irb2400_ctrl.planners.enclosure.cells import grid
@@ -26,8 +26,6 @@ from irb2400_ctrl.planners.timing.rate_limited.time_rate_limited import time_rat
 from irb2400_ctrl.planners.trajectory_optimisation.knots import Knots
 from irb2400_ctrl.planners.trajectory_optimisation.optimised import MotionOutcome, outcome
 from irb2400_ctrl.planners.trajectory_optimisation.warm_start import clamped
-
-Array = npt.NDArray[np.float64]
 
 # where the parameter of a smooth path grows with t^3, in intervals
 _RAMP = 1.0

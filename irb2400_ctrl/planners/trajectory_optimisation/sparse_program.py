@@ -10,13 +10,10 @@ from __future__ import annotations
 from typing import Any
 
 import casadi as ca
-import numpy as np
-import numpy.typing as npt
 
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.codegen.toolchain import build_shared
 from irb2400_ctrl.errors import ToolMissingError
-
-Array = npt.NDArray[np.float64]
 
 _OPTIONS = {
     "ipopt.print_level": 0,

@@ -24,6 +24,7 @@ import casadi as ca
 import numpy as np
 import numpy.typing as npt
 
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.model.friction import FrictionLaw
 from irb2400_ctrl.planners.timing.motion_limits import MotionLimits
@@ -33,8 +34,6 @@ from irb2400_ctrl.planners.trajectory_optimisation.sparse_program import (
     machine_code,
     sparse_program,
 )
-
-Array = npt.NDArray[np.float64]
 
 # width of a change of direction in the smoothed friction, as a part of what a joint can gain in
 # speed in one interval of the guess (whose intervals are 1.6 times those of the motion found):

@@ -4,8 +4,8 @@ knots."""
 from __future__ import annotations
 
 import numpy as np
-import numpy.typing as npt
 
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.errors import InfeasibleError, InputError
 from irb2400_ctrl.planners.enclosure.path_dynamics import PathDynamics
 from irb2400_ctrl.planners.joint_move import JointMove
@@ -19,7 +19,6 @@ from irb2400_ctrl.planners.trajectory_optimisation.knots import Knots
 from irb2400_ctrl.planners.trajectory_optimisation.optimised import MotionOutcome, outcome
 from irb2400_ctrl.trajectory import Trajectory
 
-Array = npt.NDArray[np.float64]
 Start = JointPath | JointMove | Trajectory | Certificate
 
 # the warm start is slowed by this before the solver sees it: a point well inside the limits

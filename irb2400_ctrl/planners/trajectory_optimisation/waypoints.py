@@ -6,15 +6,13 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 import numpy as np
-import numpy.typing as npt
 from numpy.typing import ArrayLike
 
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.planners.joint_box import can_hold, inside_box
 from irb2400_ctrl.planners.redundancy.singularity_margins import NAMES
-
-Array = npt.NDArray[np.float64]
 
 
 def checked_waypoints(model: Model, waypoints: ArrayLike) -> Array:

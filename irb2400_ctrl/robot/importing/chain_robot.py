@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.robot.description import Robot
 from irb2400_ctrl.robot.importing.joint_tables import joint_table
@@ -20,8 +20,6 @@ from irb2400_ctrl.robot.importing.tree import (
     pose,
     rotation_to,
 )
-
-Array = npt.NDArray[np.float64]
 
 TIPS = ("tcp", "tool0", "tool_0", "ee_link", "flange", "link_ee", "ee")
 """names that tools give to the end of an arm, most telling first"""

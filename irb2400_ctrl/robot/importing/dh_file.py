@@ -14,12 +14,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-import numpy.typing as npt
 
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.robot.importing.tree import Mass, Tree, TreeJoint, pose
-
-Array = npt.NDArray[np.float64]
 
 CONVENTIONS = ("standard", "modified")
 _UNITS = {

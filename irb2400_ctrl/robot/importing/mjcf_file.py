@@ -11,13 +11,12 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
-import numpy.typing as npt
 
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.robot.importing.tree import Mass, Tree, TreeJoint, inverse, pose
 from irb2400_ctrl.robot.importing.urdf_file import rotation_rpy
 
-Array = npt.NDArray[np.float64]
 Settings = dict[str, str]
 
 NOT_READ = ("tendon", "equality")

@@ -6,12 +6,10 @@ import xml.etree.ElementTree as ET
 from pathlib import Path
 
 import numpy as np
-import numpy.typing as npt
 
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.robot.importing.tree import Mass, Tree, TreeJoint, pose
-
-Array = npt.NDArray[np.float64]
 
 ROUNDED = 1e-5
 """a quarter turn with four decimals is off by less [rad]"""

@@ -15,16 +15,15 @@ from time import monotonic
 from typing import Literal
 
 import numpy as np
-import numpy.typing as npt
 from numpy.typing import ArrayLike
 
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.planners.programs.egm import egm_messages as proto
 from irb2400_ctrl.planners.programs.egm.egm_report import EgmError, EgmOptions, EgmReport
 from irb2400_ctrl.robot import Robot
 from irb2400_ctrl.trajectory import Trajectory
 
-Array = npt.NDArray[np.float64]
 PORT = 6510
 _CLOCK = 1 << 32
 

@@ -9,11 +9,10 @@ from collections.abc import Sequence
 import numpy as np
 import numpy.typing as npt
 
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.robot import Robot
-
-Array = npt.NDArray[np.float64]
 
 UNUSED_AXIS = "9E9"
 # angles this close to a quadrant's edge count as on it, so that rounding noise has no say [deg]

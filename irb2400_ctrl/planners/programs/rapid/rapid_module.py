@@ -4,14 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
-import numpy.typing as npt
-
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.planners.programs.rapid import rapid_data as data
 from irb2400_ctrl.planners.programs.rapid.rapid_options import RapidOptions
-
-Array = npt.NDArray[np.float64]
 
 LINE_LENGTH = 80
 

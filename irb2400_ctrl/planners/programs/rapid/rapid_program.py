@@ -17,6 +17,7 @@ import numpy as np
 import numpy.typing as npt
 from numpy.typing import ArrayLike
 
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.files import write_atomic
 from irb2400_ctrl.model import Model
@@ -25,8 +26,6 @@ from irb2400_ctrl.planners.programs.rapid.rapid_module import Names, module_text
 from irb2400_ctrl.planners.programs.rapid.rapid_options import RapidOptions
 from irb2400_ctrl.planners.programs.rapid.rapid_thinning import rows_to_keep, thinned
 from irb2400_ctrl.trajectory import Trajectory
-
-Array = npt.NDArray[np.float64]
 
 
 @dataclass(frozen=True)

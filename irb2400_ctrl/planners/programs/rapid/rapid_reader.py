@@ -12,14 +12,12 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.planners.programs.rapid.rapid_data import check_name
 from irb2400_ctrl.trajectory import Trajectory, from_angles
-
-Array = npt.NDArray[np.float64]
 
 _DECLARATION = re.compile(r"(?:LOCAL\s+)?(?:CONST|PERS|VAR)\s+(\w+)\s+(\w+)\s*:=\s*(.*)", re.DOTALL)
 # configuration data on the edge of a quadrant may be read either way [deg]

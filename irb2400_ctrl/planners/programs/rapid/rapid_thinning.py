@@ -6,10 +6,9 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.planners.programs.rapid.rapid_data import angle_between, turned
-
-Array = npt.NDArray[np.float64]
 
 # turning 1 rad counts like this length on the way through a segment [m]
 _ARM_OF_ROTATION = 0.1

@@ -5,12 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.planners.enclosure.cells import reversals
 from irb2400_ctrl.planners.joint_path import JointPath
-
-Array = npt.NDArray[np.float64]
 
 # the pieces of a path may disagree by rounding
 _JOINED = 1e-7

@@ -14,16 +14,12 @@ from dataclasses import dataclass, fields, replace
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
+from irb2400_ctrl.arrays import Array, Integers, Mask
 from irb2400_ctrl.model.friction import FrictionLaw
 from irb2400_ctrl.planners.enclosure import bernstein
 from irb2400_ctrl.planners.enclosure.cells import Cells
 from irb2400_ctrl.planners.timing.motion_limits import MotionLimits
-
-Array = npt.NDArray[np.float64]
-Integers = npt.NDArray[np.int64]
-Booleans = npt.NDArray[np.bool_]
 
 
 @dataclass(frozen=True)
@@ -42,8 +38,8 @@ class ConstrainedOutputs:
     """bounds of the distance of a, b, e, c from their parabolas, shape (4, m, k)"""
     slow: Array
     """smallest |q'| in the cell, where friction is highest, shape (m, k)"""
-    forwards: Booleans
-    backwards: Booleans
+    forwards: Mask
+    backwards: Mask
     friction: Array
     """F_s, F_c, F_v, omega_st of eq. 54, shape (4, m, k); no friction, and omega_st = inf, where
     the output is an acceleration"""

@@ -5,25 +5,20 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-import numpy.typing as npt
 
+from irb2400_ctrl.arrays import Array, Integers
 from irb2400_ctrl.planners.enclosure.cells import enclose
 from irb2400_ctrl.planners.enclosure.path_dynamics import PathDynamics
 from irb2400_ctrl.planners.joint_path import JointPath
 from irb2400_ctrl.planners.timing.infeasible_point import InfeasiblePointError
 from irb2400_ctrl.planners.timing.motion_limits import MotionLimits, speed_bounds
-from irb2400_ctrl.planners.timing.rate_limited.constrained_outputs import (
-    ConstrainedOutputs,
-    Integers,
-)
+from irb2400_ctrl.planners.timing.rate_limited.constrained_outputs import ConstrainedOutputs
 from irb2400_ctrl.planners.timing.rate_limited.output_bounds import OutputRatios
 from irb2400_ctrl.planners.timing.rate_limited.rate_limited_law import RateLimitedLaw
 from irb2400_ctrl.planners.timing.rate_limited.rate_limited_program import RateLimitedProgram
 from irb2400_ctrl.planners.timing.time_joint_path import FeedBound
 from irb2400_ctrl.planners.timing.time_law import TimeLaw
 from irb2400_ctrl.planners.timing.torque_constraints import ROUNDING
-
-Array = npt.NDArray[np.float64]
 
 # held back beyond what is above a limit, as a part of it
 _HELD = 2e-5

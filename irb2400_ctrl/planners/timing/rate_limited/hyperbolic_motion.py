@@ -7,9 +7,8 @@ It is hyperbolic for positive beta and harmonic for negative; near zero both are
 from __future__ import annotations
 
 import numpy as np
-import numpy.typing as npt
 
-Array = npt.NDArray[np.float64]
+from irb2400_ctrl.arrays import Array
 
 # below this |beta| t^2 the series is exact to rounding
 _SERIES = 1e-2

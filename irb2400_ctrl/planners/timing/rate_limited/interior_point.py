@@ -14,14 +14,12 @@ from contextlib import suppress
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.planners.timing.rate_limited.rate_limited_program import (
     RateLimitedProgram,
     squared,
 )
-
-Array = npt.NDArray[np.float64]
 
 _MOST = 150
 # part of the way to the boundary that a step may go

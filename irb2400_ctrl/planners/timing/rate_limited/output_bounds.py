@@ -13,8 +13,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.planners.enclosure.bernstein import hull, product, raised
 from irb2400_ctrl.planners.enclosure.cells import enclose
 from irb2400_ctrl.planners.enclosure.effect_bounds import Added, Variant, variants
@@ -24,8 +24,6 @@ from irb2400_ctrl.planners.timing.motion_bounds import Checked
 from irb2400_ctrl.planners.timing.motion_limits import MotionLimits
 from irb2400_ctrl.planners.timing.rate_limited.cell_motion import CellMotion
 from irb2400_ctrl.planners.timing.rate_limited.constrained_outputs import ConstrainedOutputs
-
-Array = npt.NDArray[np.float64]
 
 # Cauchy: |f' - p'| <= 3 sqrt(3)/2 (2 + 2/(3 sqrt 3)/(kappa - 1)) |f - p| bound / w, kappa >= 2
 _DERIVATIVE = 1.5 * np.sqrt(3) * (2 + 2 / (3 * np.sqrt(3)))

@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
-import numpy.typing as npt
 
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.planners.enclosure.cells import divided, grid
 from irb2400_ctrl.planners.joint_path import JointPath
 from irb2400_ctrl.planners.timing.rate_limited.constrained_outputs import ConstrainedOutputs
 from irb2400_ctrl.planners.timing.rate_limited.rate_limited_law import RateLimitedLaw
 from irb2400_ctrl.planners.timing.time_law import TimeLaw
-
-Array = npt.NDArray[np.float64]
 
 # time in the first cell, as a part of the time in which the acceleration builds up; the next ones
 # grow by a factor

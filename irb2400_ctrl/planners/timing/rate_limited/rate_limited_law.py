@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-import numpy.typing as npt
 
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.planners.enclosure.bernstein import linear
 from irb2400_ctrl.planners.enclosure.path_dynamics import PathDynamics
 from irb2400_ctrl.planners.joint_path import JointPath
@@ -23,8 +23,6 @@ from irb2400_ctrl.planners.timing.rate_limited.hyperbolic_motion import arc, hyp
 from irb2400_ctrl.planners.timing.rate_limited.output_bounds import OutputRatios, output_ratios
 from irb2400_ctrl.planners.timing.rate_limited.sampled_check import filled_by_samples
 from irb2400_ctrl.planners.timing.time_law import TimeLaw
-
-Array = npt.NDArray[np.float64]
 
 # parts that each cell is cut into for the check; more, while a bound is above the limit
 _PARTS = (2, 4, 8)

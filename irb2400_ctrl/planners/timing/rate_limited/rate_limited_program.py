@@ -18,13 +18,11 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-import numpy.typing as npt
 
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.planners.enclosure import bernstein
 from irb2400_ctrl.planners.timing.rate_limited.constrained_outputs import ConstrainedOutputs
 from irb2400_ctrl.planners.timing.rate_limited.speed_spline import SpeedSpline
-
-Array = npt.NDArray[np.float64]
 
 # where the rows stand in a cell: Bernstein polynomials there, half their slopes, and their bend
 _AT = np.array([0.0, 0.5, 1.0])

@@ -5,16 +5,14 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.planners.enclosure.path_dynamics import PathDynamics
 from irb2400_ctrl.planners.joint_path import JointPath
 from irb2400_ctrl.planners.timing.motion_limits import MotionLimits
 from irb2400_ctrl.planners.timing.rate_limited.rate_limited_law import RateLimitedLaw
 from irb2400_ctrl.planners.timing.rate_limited.time_rate_limited import PARTS
 from irb2400_ctrl.planners.timing.time_law import TimeLaw
-
-Array = npt.NDArray[np.float64]
 
 
 def rate_summary(

@@ -5,16 +5,14 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-import numpy.typing as npt
 
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.model.friction import FrictionLaw
 from irb2400_ctrl.planners.enclosure.path_dynamics import PathDynamics
 from irb2400_ctrl.planners.joint_path import JointPath
 from irb2400_ctrl.planners.timing.motion_limits import MotionLimits
 from irb2400_ctrl.planners.timing.rate_limited.output_bounds import OutputRatios
 from irb2400_ctrl.planners.timing.time_law import TimeLaw
-
-Array = npt.NDArray[np.float64]
 
 # samples per second
 _RATE = 10_000.0

@@ -11,8 +11,7 @@ from functools import cached_property
 import numpy as np
 import numpy.typing as npt
 
-Array = npt.NDArray[np.float64]
-Integers = npt.NDArray[np.int64]
+from irb2400_ctrl.arrays import Array, Integers
 
 
 @dataclass(frozen=True, eq=False)

@@ -6,8 +6,8 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-import numpy.typing as npt
 
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.planners.enclosure.cells import Cells
 from irb2400_ctrl.planners.enclosure.path_dynamics import PathDynamics
@@ -23,8 +23,6 @@ from irb2400_ctrl.planners.timing.rate_limited.rate_limited_law import RateLimit
 from irb2400_ctrl.planners.timing.time_joint_path import FeedBound, time_joint_path
 from irb2400_ctrl.planners.timing.time_law import TimeLaw
 from irb2400_ctrl.planners.timing.torque_constraints import ROUNDING
-
-Array = npt.NDArray[np.float64]
 
 PARTS = 4
 """parts of each cell on which a motion is held against its limits"""

@@ -10,12 +10,12 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.planners.toolpath.cam_program import CamProgram, Note, Operation
 from irb2400_ctrl.planners.toolpath.readers.apt.statements import number
 from irb2400_ctrl.planners.toolpath.toolpath import ToolPath
 
-Array = npt.NDArray[np.float64]
 POINT = ["x_mm", "y_mm", "z_mm"]
 AXIS = ["i", "j", "k"]
 QUATERNION = ["qw", "qx", "qy", "qz"]

@@ -5,12 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 import numpy as np
-import numpy.typing as npt
 
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.planners.toolpath.cam_program import Event, Operation, Spindle, Tool
 from irb2400_ctrl.planners.toolpath.toolpath import ToolPath
-
-Array = npt.NDArray[np.float64]
 
 
 @dataclass

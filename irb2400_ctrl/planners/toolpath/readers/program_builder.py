@@ -6,8 +6,8 @@ from dataclasses import replace
 from pathlib import PurePath
 
 import numpy as np
-import numpy.typing as npt
 
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.planners.toolpath.cam_program import (
     CamProgram,
@@ -22,7 +22,6 @@ from irb2400_ctrl.planners.toolpath.readers.feed import Feed
 from irb2400_ctrl.planners.toolpath.readers.notes import Notes
 from irb2400_ctrl.planners.toolpath.readers.operation_draft import Draft, finished
 
-Array = npt.NDArray[np.float64]
 CHORD = 5e-5
 MOST_POINTS = 2_000_000
 UP = np.array([0.0, 0.0, 1.0])

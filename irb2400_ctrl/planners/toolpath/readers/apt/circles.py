@@ -6,8 +6,8 @@ import math
 from dataclasses import replace
 
 import numpy as np
-import numpy.typing as npt
 
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.planners.toolpath.readers.apt import contour
 from irb2400_ctrl.planners.toolpath.readers.apt.placement import Placement
@@ -17,7 +17,6 @@ from irb2400_ctrl.planners.toolpath.readers.expansion import arcs
 from irb2400_ctrl.planners.toolpath.readers.expansion.arcs import Arc
 from irb2400_ctrl.planners.toolpath.readers.program_builder import ProgramBuilder
 
-Array = npt.NDArray[np.float64]
 WORDS = frozenset({"TIMES", "ANGLE", "CENTER", "AXIS", "RADIUS", "CANON"})
 # Creo writes ten digits: a further point of an arc lies this close to its circle
 ON_CIRCLE = 2e-6

@@ -12,14 +12,13 @@ import math
 import re
 
 import numpy as np
-import numpy.typing as npt
 
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.planners.toolpath.readers.apt.statements import Statement, number, split_arguments
 from irb2400_ctrl.planners.toolpath.readers.expansion import arcs
 from irb2400_ctrl.planners.toolpath.readers.expansion.arcs import Arc
 
-Array = npt.NDArray[np.float64]
 GEOMETRY = re.compile(r"(CIRCLE|CYLNDR|LINE|POINT)\s*/\s*([^()]*)", re.IGNORECASE)
 
 

@@ -8,11 +8,10 @@ from __future__ import annotations
 import re
 
 import numpy as np
-import numpy.typing as npt
 
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.errors import InputError
 
-Array = npt.NDArray[np.float64]
 ORTHOGONAL = 1e-3
 
 

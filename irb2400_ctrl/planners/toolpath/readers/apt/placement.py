@@ -5,14 +5,13 @@ from __future__ import annotations
 import math
 
 import numpy as np
-import numpy.typing as npt
 
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.planners.toolpath.readers.apt import frames
 from irb2400_ctrl.planners.toolpath.readers.apt.statements import Statement, number
 from irb2400_ctrl.planners.toolpath.readers.program_builder import ProgramBuilder
 
-Array = npt.NDArray[np.float64]
 AXIS_ERROR = 0.02
 
 

@@ -6,11 +6,10 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.errors import InputError
 
-Array = npt.NDArray[np.float64]
 # CAM writes three or four digits; both ends lie that far from the circle
 SAME_PLACE = 1e-6
 EXPECTED_MISS = 1e-5

@@ -6,12 +6,11 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
-import numpy.typing as npt
 
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.planners.toolpath.readers.feed import Feed
 
-Array = npt.NDArray[np.float64]
 # LinuxCNC: "rapid down to … 0.010 inch (0.254 mm) above", and the back-off of G73
 BACK_OFF = 0.254e-3
 MOST_STEPS = 10_000

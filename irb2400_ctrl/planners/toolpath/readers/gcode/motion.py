@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 
 import numpy as np
-import numpy.typing as npt
 
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.planners.toolpath.readers.expansion.arcs import Arc
 from irb2400_ctrl.planners.toolpath.readers.expansion.drilling import HoleCycle
@@ -14,7 +14,6 @@ from irb2400_ctrl.planners.toolpath.readers.gcode.rotary import REFUSAL, Rotary
 from irb2400_ctrl.planners.toolpath.readers.gcode.state import AXES, PLANES, ROTARY, GcodeState
 from irb2400_ctrl.planners.toolpath.readers.program_builder import ProgramBuilder
 
-Array = npt.NDArray[np.float64]
 CENTRE = "IJK"
 CYCLES = {
     73: "chip",

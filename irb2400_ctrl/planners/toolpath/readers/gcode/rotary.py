@@ -7,11 +7,10 @@ import re
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.errors import InputError
 
-Array = npt.NDArray[np.float64]
 REFUSAL = (
     "A, B and C turn a table or a head, and where the tool then is depends on the machine: state "
     "its rotations from part to tool (rotary='C,A' or --rotary C,A) for a program with tool centre "

@@ -5,12 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 import numpy as np
-import numpy.typing as npt
 
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.planners.toolpath.readers.feed import INCH, MM, Feed
 
-Array = npt.NDArray[np.float64]
 AXES = "XYZ"
 ROTARY = "ABC"
 # first and second axis of the plane, and its normal, so that G3 turns right-handed about the normal
