@@ -67,9 +67,12 @@ def places(kind: str, n: int) -> list[Place]:
 
 
 def groups() -> dict[str, AmbiguityGroup]:
-    """All ambiguity groups of the library by name."""
+    """All ambiguity groups by name, of the effects that a diagnosis tries."""
     members: dict[str, dict[str, Ambiguity]] = {}
     for kind, effect in LIBRARY.items():
+        # what no diagnosis names needs no motion that tells it apart
+        if not effect.search.in_diagnosis:
+            continue
         members.setdefault(effect.ambiguity.group, {})[kind] = effect.ambiguity
     return {
         name: AmbiguityGroup(
@@ -100,7 +103,7 @@ def group_called(name: str) -> AmbiguityGroup:
     if plain in known:
         return known[plain]
     kind = plain.replace(" ", "_")
-    if kind in LIBRARY:
+    if kind in LIBRARY and LIBRARY[kind].search.in_diagnosis:
         return known[LIBRARY[kind].ambiguity.group]
     listed = "; ".join(f"{g.name} ({', '.join(g.kinds)})" for g in known.values())
     raise InputError(f"found no ambiguity group {name!r}; expected one of: {listed}")
