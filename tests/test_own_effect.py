@@ -236,7 +236,7 @@ def test_an_unknown_kind_lists_the_known_ones_and_how_to_load_ones_own(tmp_path:
     (tmp_path / "arm.toml").write_text(text + HOSE)
     done = command(tmp_path, "robot", "show", "arm.toml")
     assert done.returncode == 2
-    assert "no effect 'taut_hose'; expected one of balancer, base_tilt, " in done.stderr
+    assert "no effect 'taut_hose'; expected one of acceleration_reading, balancer, " in done.stderr
     assert "effect_files = ['my_effect.py']" in done.stderr
 
 

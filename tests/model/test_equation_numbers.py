@@ -17,7 +17,10 @@ CITATION = re.compile(r"eqs?\.\s+([0-9]+(?:\s*(?:-|–|…|to|,|and)\s*[0-9]+)*)
 def cited() -> dict[int, set[str]]:
     """Equation -> places whose own docstring (of a function or class, not a module) cites it."""
     found: dict[int, set[str]] = {}
-    for path in [PACKAGE / "robot" / "description.py", *sorted((PACKAGE / "model").glob("*.py"))]:
+    for path in [
+        *sorted((PACKAGE / "robot").glob("*.py")),
+        *sorted((PACKAGE / "model").glob("*.py")),
+    ]:
         for node in ast.walk(ast.parse(path.read_text())):
             if isinstance(node, ast.FunctionDef | ast.ClassDef):
                 text = re.sub(r"\s+", " ", ast.get_docstring(node) or "")
