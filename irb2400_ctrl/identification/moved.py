@@ -7,13 +7,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.diagnosis.preparation.base_prior import body_spread
 from irb2400_ctrl.identification.consistent_fit import (
     consistent_minimum,
     possible,
     pseudo_inertias,
 )
 from irb2400_ctrl.identification.identified_robot import body_of
-from irb2400_ctrl.identification.prior import Prior, body_spreads
+from irb2400_ctrl.identification.prior import Prior
 from irb2400_ctrl.robot import Body, Robot
 
 ALARM = 4.0
@@ -66,7 +67,7 @@ def moved_bodies(robot: Robot, prior: Prior, theta: Array, kappa: Array) -> list
         before = nearest[link]
         after = _numbers(body_of(theta[10 * link : 10 * link + 10]))
         body = body_of(np.array([max(before[0], 1e-9), *before[1:]]))
-        spread = np.maximum(body_spreads(robot, body, robot.links[link].name), LEAST)
+        spread = np.maximum(body_spread(robot.uncertainty, body, robot.links[link].name), LEAST)
         change = after - _numbers(body)
         file = pseudo_inertias(robot.inertial_parameters[link : link + 1])[0]
         could_be = bool(np.linalg.eigvalsh(file)[0] > -ROUNDING * abs(np.trace(file)))

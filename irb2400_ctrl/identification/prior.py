@@ -12,9 +12,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from irb2400_ctrl.arrays import Array, Integers
-from irb2400_ctrl.diagnosis.preparation.base_prior import BasePrior, _parameter_slope
+from irb2400_ctrl.diagnosis.preparation.base_prior import (
+    _parameter_slope,
+    body_spread,
+    named_bodies,
+)
 from irb2400_ctrl.identification.columns import DRIVE_TERMS, ColumnLayout, Extra
-from irb2400_ctrl.robot import Body, Robot, Uncertainty
+from irb2400_ctrl.robot import Robot, Uncertainty
 
 DEGREES_OF_FREEDOM = 4.0
 """of the Student-t on each body"""
@@ -81,10 +85,11 @@ def prior_of(
     """
     n = robot.n
     torque, speed, acceleration = scale
+    u = robot.uncertainty if uncertainty is None else uncertainty
     covariances = np.zeros((n, 10, 10))
     for i, (body, name) in enumerate(named_bodies(robot)):
         link, X = (i, None) if i < n else (n - 1, robot.flange.matrix())
-        half = _parameter_slope(body, X) * body_spreads(robot, body, name, uncertainty)
+        half = _parameter_slope(body, X) * body_spread(u, body, name)
         covariances[link] += half @ half.T
     # a body without mass has no spread of its own: a gram and a gram at 10 cm are nothing
     covariances += np.diag([1e-3, *[1e-4] * 3, *[1e-5] * 6]) ** 2
@@ -111,21 +116,6 @@ def prior_of(
         drives[layout.extra(extra)] = _extra_widths(extra, wide, speed, acceleration) ** 2
     bodies = np.asarray(np.linalg.inv(covariances), dtype=float)
     return Prior(mean, bodies, drives[layout.inertial :])
-
-
-def named_bodies(robot: Robot) -> list[tuple[Body, str]]:
-    """Bodies of the links, then the tool's, with the names that `[uncertainty]` gives them."""
-    found = [(link.body, link.name) for link in robot.links]
-    return found if robot.tool is None else [*found, (robot.tool.body, "tool")]
-
-
-def body_spreads(
-    robot: Robot, body: Body, name: str, uncertainty: Uncertainty | None = None
-) -> Array:
-    """Standard deviations of mass [kg], centre [m] and inertia [kg m2] of a body, shape (10,)."""
-    u = robot.uncertainty if uncertainty is None else uncertainty
-    nothing = np.ones(robot.n)
-    return np.asarray(BasePrior(robot, u, nothing, nothing)._body_sigma(body, name))
 
 
 def _extra_widths(extra: Extra, wide: Array, speed: Array, acceleration: Array) -> Array:

@@ -21,6 +21,25 @@ from irb2400_ctrl.robot import Body, Robot, Uncertainty
 UNKNOWN_FRICTION = 0.5
 
 
+def named_bodies(robot: Robot) -> list[tuple[Body, str]]:
+    """Bodies of the links, then the tool's, with the names that `[uncertainty]` gives them."""
+    found = [(link.body, link.name) for link in robot.links]
+    return found if robot.tool is None else [*found, (robot.tool.body, "tool")]
+
+
+def body_spread(uncertainty: Uncertainty, body: Body, name: str) -> Array:
+    """Standard deviations of mass [kg], centre [m] and inertia [kg m2] of a body, shape (10,)."""
+    mass, shift, relative = uncertainty.of_body(name)
+    inertia = np.array(body.inertia_kgm2)
+    # an element printed as zero is not known to be zero: one per cent of the mean principal
+    # moment at least
+    least = 0.2 * relative * np.abs(inertia[:3]).mean()
+    com = shift if body.mass_kg else 0.0
+    return np.concatenate(
+        [[mass * body.mass_kg], np.full(3, com), np.hypot(relative * inertia, least)]
+    )
+
+
 @dataclass(frozen=True)
 class BasePrior:
     """Uncertain numbers of a robot file and how to write new ones back.
@@ -57,7 +76,9 @@ class BasePrior:
         """Standard deviations in file units, shape (k,)."""
         u = self.uncertainty
         friction = np.where(self.robot.friction_known, self.robot.friction, 0.0)
-        inertial = [self._body_sigma(body, name) for body, name in self._named()]
+        inertial = [
+            body_spread(self.uncertainty, body, name) for body, name in named_bodies(self.robot)
+        ]
         unknown = UNKNOWN_FRICTION * self.torque_scale
         dry = [
             np.where(friction[:, 1] > 0, u.friction_relative * friction[:, 1], unknown),
@@ -81,21 +102,6 @@ class BasePrior:
             return z
         return np.asarray(self.centre + self.spread * z)
 
-    def _named(self) -> list[tuple[Body, str]]:
-        names = [*(link.name for link in self.robot.links), "tool"]
-        return list(zip(self.bodies, names, strict=False))
-
-    def _body_sigma(self, body: Body, name: str) -> Array:
-        mass, shift, relative = self.uncertainty.of_body(name)
-        inertia = np.array(body.inertia_kgm2)
-        # an element printed as zero is not known to be zero: one per cent of the mean principal
-        # moment at least
-        least = 0.2 * relative * np.abs(inertia[:3]).mean()
-        com = shift if body.mass_kg else 0.0
-        return np.concatenate(
-            [[mass * body.mass_kg], np.full(3, com), np.hypot(relative * inertia, least)]
-        )
-
     def columns(self, model: Model, motion: PreparedLog) -> Array:
         """d tau / d z along the motion, shape (m, n, k) [Nm]."""
         columns = self.file_columns(model, motion)
@@ -106,11 +112,11 @@ class BasePrior:
         n = self.robot.n
         Y: Any = model.regressor(motion.q, motion.qd, motion.qdd)
         parts = []
-        for i, (body, name) in enumerate(self._named()):
+        for i, (body, name) in enumerate(named_bodies(self.robot)):
             link, X = (i, None) if i < n else (n - 1, self.robot.flange.matrix())
             parts.append(
                 Y[:, :, 10 * link : 10 * link + 10]
-                @ (_parameter_slope(body, X) * self._body_sigma(body, name))
+                @ (_parameter_slope(body, X) * body_spread(self.uncertainty, body, name))
             )
         for signal, size in zip(
             FrictionLaw.of(self.robot).regressor(motion.qd),
