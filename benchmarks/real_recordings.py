@@ -132,7 +132,7 @@ def main() -> None:
     parser.add_argument("--most", type=int, default=30)
     args = parser.parse_args()
     # so much is missing that a flexible law would take the place of several effects: names first
-    criteria = Criteria(most=args.most, discrepancy_factor=0.25, unknown_share=1e6)
+    criteria = Criteria(most=args.most, unknown_share=1e6)
     kr300 = args.folder / "kr300"
     first = diagnose(
         robot_of(kr300 / "robot.json"),

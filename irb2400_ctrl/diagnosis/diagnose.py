@@ -11,6 +11,7 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.diagnosis.comparison.acceptance import INFLATION
 from irb2400_ctrl.diagnosis.comparison.confidence import alternatives, confidence
 from irb2400_ctrl.diagnosis.comparison.criteria import Criteria
 from irb2400_ctrl.diagnosis.comparison.scan import Scan
@@ -19,9 +20,13 @@ from irb2400_ctrl.diagnosis.comparison.step import Step
 from irb2400_ctrl.diagnosis.curves import UNITS, binned_curve
 from irb2400_ctrl.diagnosis.diagnosis import Comparison, Diagnosis, Finding, Unexplained
 from irb2400_ctrl.diagnosis.estimation.candidate import Candidate
-from irb2400_ctrl.diagnosis.estimation.fit import Fit, Fitter, noisy_reversals_masked
+from irb2400_ctrl.diagnosis.estimation.fit import Fit, Fitter
+from irb2400_ctrl.diagnosis.estimation.reversals import noisy_reversals_masked
 from irb2400_ctrl.diagnosis.preparation.base_prior import BasePrior
 from irb2400_ctrl.diagnosis.preparation.metrics import errors, noise_floor
+from irb2400_ctrl.diagnosis.preparation.moved_numbers import moved_numbers
+from irb2400_ctrl.diagnosis.preparation.noise_test import noise_test
+from irb2400_ctrl.diagnosis.recalibrated import recalibrated_terms
 from irb2400_ctrl.diagnosis.regressors.bases import Bases
 from irb2400_ctrl.diagnosis.regressors.predict import effect_torque, predicted_torque
 from irb2400_ctrl.errors import InputError
@@ -30,11 +35,10 @@ from irb2400_ctrl.measurement.prepared_log import PreparedLog, prepare
 from irb2400_ctrl.plausibility import LogProblem, log_problem
 from irb2400_ctrl.robot import Robot, Uncertainty
 
-INFLATION = 1.5
-"""standard errors from the noise alone cover too little: the model's own imperfection adds to
-them"""
 LEAST_SPREAD = 0.25
 """what a reference log leaves uncertain at least, in data-sheet standard deviations"""
+COMMON_FRICTION = 0.3
+"""standard deviation of the friction of all joints together, over the file's: temperature"""
 LEAST_SECONDS = 3.0
 """a shorter log is not diagnosed"""
 LEAST_SPEED = 0.05
@@ -77,7 +81,10 @@ def diagnose(
         progress("prepare")
         motion = prepare(log)
         bases = _bases(robot.bare())
-        base_prior = BasePrior.of(robot, uncertainty or robot.uncertainty, motion)
+        base_prior = replace(
+            BasePrior.of(robot, uncertainty or robot.uncertainty, motion),
+            common_friction=COMMON_FRICTION,
+        )
         if reference is not None:
             base_prior = _referred(base_prior, bases, prepare(reference))
         Z = motion.filtered(base_prior.columns(bases.model, motion))
@@ -86,7 +93,7 @@ def diagnose(
         reversal = reversal_rows(motion)
         offset = base_prior.offset(bases.model, motion)
         first = Fitter(robot, bases, motion, Z, reversal, offset).fit([])
-        motion = noisy_reversals_masked(motion, first, reversal)
+        motion = noisy_reversals_masked(motion, bases, first, reversal)
         scan = Scan(bases, motion, load)
         fitter = Fitter(robot, bases, motion, Z, reversal, offset)
         steps, fit = Selection(scan, fitter, criteria).run()
@@ -100,6 +107,7 @@ def diagnose(
             steps,
             fit,
             None if validation is None else prepare(validation),
+            log,
         )
 
 
@@ -155,7 +163,9 @@ def _referred(base_prior: BasePrior, bases: Bases, motion: PreparedLog) -> BaseP
     fit = Fitter(base_prior.robot, bases, motion, Z, reversal_rows(motion)).fit([])
     # the arm of another day is never quite the same: friction moves with temperature
     return replace(
-        base_prior, centre=fit.z, spread=np.maximum(INFLATION * fit.z_sigma, LEAST_SPREAD)
+        base_prior,
+        centre=base_prior.deviations(fit.z),
+        spread=np.maximum(INFLATION * base_prior.deviation_errors(fit.z_covariance), LEAST_SPREAD),
     )
 
 
@@ -178,6 +188,7 @@ def _concluded(
     steps: Sequence[Step],
     fit: Fit,
     validation: PreparedLog | None,
+    log: Log,
 ) -> Diagnosis:
     fresh = base_prior.updated(base_prior.deviations(fit.z))
     recalibrated = fresh.model_copy(update={"effects": robot.effects})
@@ -202,12 +213,14 @@ def _concluded(
         robot=later,
         findings=_findings(steps, fit, motion, load, bases),
         unexplained=_unexplained(steps, fit, motion, load),
-        recalibrated=_recalibrated(base_prior, fit, later),
+        recalibrated=recalibrated_terms(base_prior, fit, later),
         identification=compared[0],
         validation=None if validation is None else compared[1],
         noise_floor=floor,
         not_excited=idle,
         weak=tuple(weak),
+        noise=noise_test(robot, log, motion, compared[0].after),
+        moved=moved_numbers(robot, fit.z),
     )
 
 
@@ -261,10 +274,16 @@ def _findings(
                         period=effect.period,
                         turned=effect.drawing.against_motion,
                     ),
+                    validation_gain=float(_gain(step)[joint]),
                 )
             )
             place += 1
     return tuple(found)
+
+
+def _gain(step: Step) -> Array:
+    assert step.validation_gain is not None
+    return step.validation_gain
 
 
 def _share(torque: Array, measured: Array) -> Array:
@@ -316,27 +335,3 @@ def _unexplained(
             )
         )
     return tuple(found)
-
-
-def _recalibrated(base_prior: BasePrior, fit: Fit, robot: Robot) -> dict[str, Any]:
-    """New values, all joints, of the terms where some value moved further than its own
-    uncertainty."""
-    n = robot.n
-    found: dict[str, Any] = {}
-    z = base_prior.deviations(fit.z)
-    spread = 1.0 if base_prior.spread is None else base_prior.spread
-    moved = (np.abs(z) > 1.0) & (np.abs(z) > 2.0 * spread * fit.z_sigma)
-    coulomb, viscous, _ = moved[-3 * n :].reshape(3, n)
-    if coulomb.any():
-        found["coulomb"] = [float(v) for v in robot.friction[:, 1]]
-    if viscous.any():
-        found["viscous"] = [float(v) for v in robot.friction[:, 2]]
-    bodies = moved[: -3 * n].reshape(-1, 10)
-    for name, part in (("mass", slice(0, 1)), ("com", slice(1, 4)), ("inertia", slice(4, 10))):
-        if bodies[:n, part].any():
-            values = {"mass": "mass_kg", "com": "com_m", "inertia": "inertia_kgm2"}[name]
-            found[f"link_{name}"] = [getattr(link.body, values) for link in robot.links]
-        if robot.tool is not None and bodies[n:, part].any():
-            values = {"mass": "mass_kg", "com": "com_m", "inertia": "inertia_kgm2"}[name]
-            found[f"tool_{name}"] = getattr(robot.tool.body, values)
-    return found

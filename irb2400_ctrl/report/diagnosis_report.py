@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from irb2400_ctrl.diagnosis import Comparison, Diagnosis, Finding
+from irb2400_ctrl.diagnosis.preparation.moved_numbers import sentence as moved_sentence
 from irb2400_ctrl.effects.base import OPEN_END_S
 from irb2400_ctrl.report.diagnosis_figures import curve_figure, torque_figure
 from irb2400_ctrl.report.page import Page, show
@@ -96,7 +97,16 @@ def _why(diagnosis: Diagnosis) -> list[str]:
     if problem is not None:
         return [f"{problem.says[0].upper()}{problem.says[1:]} ({problem.kind})."]
     left = diagnosis.identification.error_after.rmse
-    return [
+    noise = diagnosis.noise
+    found = [
+        f"Joint {j}: {noise.left[j - 1]:.2f} Nm rms are left where neighbouring samples disagree "
+        f"by {noise.floor[j - 1]:.2f}: more than noise."
+        for j in diagnosis.beyond_noise
+        if noise is not None and not diagnosis.findings and not diagnosis.unexplained
+    ]
+    moved = moved_sentence(diagnosis.moved, diagnosis.given.n)
+    found += [moved] if moved else []
+    return found + [
         f"Joint {j}: {left[j - 1]:.2f} Nm rms are left, noise is {diagnosis.noise_floor[j - 1]:.2f}"
         for j in diagnosis.left_over
         if diagnosis.findings
@@ -114,7 +124,8 @@ def finding_line(finding: Finding) -> str:
     """One sentence with the name, the size and how surely."""
     share = 100 * float(np.max(finding.share))
     text = f"{finding.sentence} ({finding_title(finding)}, {share:.1f} % of the joint's torque, "
-    text += f"confidence {100 * finding.confidence:.0f} %"
+    text += f"confidence {100 * finding.confidence:.0f} %, "
+    text += f"{finding.validation_gain:.0f} % less error on unseen stretches"
     if finding.alternatives:
         text += f"; not excluded: {', '.join(finding.alternatives)}"
     return text + ")"

@@ -59,6 +59,9 @@ class BasePrior:
     values"""
     spread: Array | None = None
     """and how uncertain it leaves them, in the same unit; default one"""
+    common_friction: float = 0.0
+    """standard deviation of a factor on the dry friction of all joints, and of one on their viscous
+    friction: a cold arm is stiffer everywhere"""
 
     @classmethod
     def of(cls, robot: Robot, uncertainty: Uncertainty, motion: PreparedLog) -> BasePrior:
@@ -96,16 +99,40 @@ class BasePrior:
             return np.zeros_like(motion.tau)
         return np.asarray(self.file_columns(model, motion) @ self.centre)
 
+    def factor(self) -> Array:
+        """F with F z the deviation from the centre in data-sheet standard deviations, shape (k, k):
+        F F^T is the prior covariance."""
+        sigmas = self.sigmas()
+        spread = np.ones(len(sigmas)) if self.spread is None else self.spread
+        F = np.diag(spread)
+        if not self.common_friction:
+            return F
+        n = self.robot.n
+        known = np.where(self.robot.friction_known, self.robot.friction, 0.0)
+        values = np.concatenate([known[:, 1], known[:, 2], known[:, 0]])
+        together = self.common_friction * values / sigmas[-3 * n :]
+        start = len(sigmas) - 3 * n
+        for kinds in ((0, 2), (1,)):
+            block = np.concatenate([np.arange(n) + n * kind for kind in kinds])
+            place = np.ix_(start + block, start + block)
+            covariance = np.diag(spread[start + block] ** 2)
+            covariance += np.outer(together[block], together[block])
+            F[place] = np.linalg.cholesky(covariance)
+        return np.asarray(F)
+
     def deviations(self, z: Array) -> Array:
         """Fitted z in data-sheet standard deviations from the file's values, shape (k,)."""
-        if self.centre is None or self.spread is None:
-            return z
-        return np.asarray(self.centre + self.spread * z)
+        centre = 0.0 if self.centre is None else self.centre
+        return np.asarray(centre + self.factor() @ z)
+
+    def deviation_errors(self, covariance: Array) -> Array:
+        """Standard errors of `deviations` where z has this covariance (k, k), shape (k,)."""
+        F = self.factor()
+        return np.asarray(np.sqrt(np.einsum("ij,jk,ik->i", F, covariance, F)))
 
     def columns(self, model: Model, motion: PreparedLog) -> Array:
         """d tau / d z along the motion, shape (m, n, k) [Nm]."""
-        columns = self.file_columns(model, motion)
-        return columns if self.spread is None else columns * self.spread
+        return np.asarray(self.file_columns(model, motion) @ self.factor())
 
     def file_columns(self, model: Model, motion: PreparedLog) -> Array:
         """d tau per data-sheet standard deviation, shape (m, n, k) [Nm]."""
