@@ -40,6 +40,8 @@ PER_SECOND = 1.0
 """independent rows per second of motion"""
 MOST_ROWS = 30.0
 """independent rows at most: more of the same motion tells nothing new"""
+MISFITS = (MISFIT, 0.1, 0.05, 0.025)
+"""misfits among which `sharp_cost` takes the one that a log supports"""
 ABSURD = 1e4
 """a model's torque over the recorded one above which a reading is not worth a solution"""
 STILL = 0.1
@@ -140,6 +142,22 @@ class Nominal:
         # of a joint without torque nothing can be left
         left = np.sqrt(np.sum(rest**2, axis=0) / np.where(whole > 0, whole, np.inf))
         return Fit(price + float(np.linalg.slogdet(A)[1]), price, left)
+
+    def sharp_cost(
+        self, rows: Rows, columns: tuple[Array, Array], misfits: tuple[float, ...] = MISFITS
+    ) -> float:
+        """The cost with the misfit that the rows support best: minus twice the log evidence.
+
+        min over s of  cost(s) + 2 N n ln(s / MISFIT),  N independent rows of n joints. What is left
+        may be far below a fifth of the torque; then a reading that leaves several times more is
+        not this log's, though a crude model would allow it.
+        """
+        count = rows.tau.shape[1] * min(PER_SECOND * rows.seconds, MOST_ROWS)
+        costs = [
+            self.explained(rows, columns, s).cost + 2.0 * count * np.log(s / MISFIT)
+            for s in misfits
+        ]
+        return float(min(costs))
 
     def _friction_spreads(self, rows: Rows, size: Array) -> Array:
         """Standard deviations of Coulomb, viscous friction and offset, shape (3, n)."""

@@ -23,8 +23,8 @@ PLAIN = 601
 
 
 @cache
-def plain() -> Drawn:
-    return sound_log(PLAIN, plain=True)
+def plain(seed: int = PLAIN) -> Drawn:
+    return sound_log(seed, plain=True)
 
 
 @pytest.mark.parametrize("name", CORRUPTIONS)
@@ -67,6 +67,18 @@ def test_the_exchanged_columns_are_told() -> None:
     assert problem is not None
     assert problem.fits["columns"] == [1, 3, 2, 4, 5, 6]
     assert problem.joints == (2, 3)
+
+
+@pytest.mark.parametrize("joint", [1, 2, 3, 4, 5, 6])
+def test_a_wrong_unit_is_seen_on_a_joint_that_hardly_loads_the_others(joint: int) -> None:
+    """Axis 3 goes 50 degrees here: read as radians under degrees it leaves 11 % of the torques."""
+    log = plain(602).log
+    q = log.q.copy()
+    q[:, joint - 1] = np.radians(q[:, joint - 1])
+    problem = log_problem(ROBOT, replace(log, q=q, qd=None, q_ref=None))
+    assert problem is not None
+    assert (problem.kind, problem.joints) == ("angle_unit", (joint,))
+    assert problem.fits["factor"] == pytest.approx(180.0 / np.pi)
 
 
 def test_two_things_at_once_are_not_called_sound() -> None:
