@@ -52,6 +52,7 @@ def show(robot: RobotArgument = "irb2400") -> None:
     if arm.tool is not None:
         x, y, z = 1e3 * np.array(arm.X_FT[:3, 3])
         print(f"TCP in the flange frame: {x:.0f}, {y:.0f}, {z:.0f} mm")
+    print(f"prior, one standard deviation: {arm.uncertainty.says()}")
     for line in arm.assumptions():
         print(line)
     for effect in arm.effects:

@@ -15,7 +15,7 @@ from sound_logs import Drawn, sound_log
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.measurement import Log
 from irb2400_ctrl.plausibility import check_log, log_problem
-from irb2400_ctrl.robot import load_robot
+from irb2400_ctrl.robot import Transmission, load_robot
 
 ROBOT = load_robot("irb2400")
 CORRUPTIONS = {one.name: one for one in corruptions(ROBOT)}
@@ -79,6 +79,21 @@ def test_a_wrong_unit_is_seen_on_a_joint_that_hardly_loads_the_others(joint: int
     assert problem is not None
     assert (problem.kind, problem.joints) == ("angle_unit", (joint,))
     assert problem.fits["factor"] == pytest.approx(180.0 / np.pi)
+
+
+def test_the_gear_ratio_of_the_robot_file_is_said_for_angles_of_motors() -> None:
+    gears = [
+        joint.model_copy(update={"transmission": Transmission(gear_ratio=-100.0 - k, source="s")})
+        for k, joint in enumerate(ROBOT.joints)
+    ]
+    robot = ROBOT.model_copy(update={"joints": tuple(gears)})
+    log = plain().log
+    far = replace(log, q=log.q * [joint.transmission.gear_ratio for joint in gears], qd=None)
+    problem = log_problem(robot, replace(far, q_ref=None))
+    assert problem is not None
+    assert problem.kind == "angle_scale"
+    assert problem.fits["gear_ratios"]["2"] == -101.0
+    assert "the robot file states -100, -101" in problem.says
 
 
 def test_two_things_at_once_are_not_called_sound() -> None:
