@@ -45,7 +45,7 @@ MISFITS = (MISFIT, 0.1, 0.05, 0.025)
 ABSURD = 1e4
 """a model's torque over the recorded one above which a reading is not worth a solution"""
 STILL = 0.1
-"""weight of an instant at which the direction of a joint's dry friction is not known"""
+"""largest weight of an instant at which the direction of a joint's dry friction is not known"""
 
 
 @dataclass(frozen=True)
@@ -56,7 +56,8 @@ class Fit:
         cost: minus twice the logarithm of the evidence, up to a constant.
         price: what is left and what had to be changed for it, in the same units, without the
             price of what could have been changed.
-        left: rms of what is left over rms of the torque, per joint, shape (n,).
+        left: rms of what is left over rms of the torque (and of what dry friction may hold at
+            rest), per joint, shape (n,).
     """
 
     cost: float
@@ -120,9 +121,11 @@ class Nominal:
         if not np.abs(nominal).max() < ABSURD * size.max():
             return Fit(np.inf, np.inf, np.ones(n))
         weight = np.sqrt(min(PER_SECOND * rows.seconds, MOST_ROWS) / m) / (misfit * size)
-        weight = weight * np.where(rows.still, STILL, 1.0)
-        k = Y.shape[2]
         dry = self.robot.friction[:, 1]
+        # a joint at rest is held by its dry friction: its torque may be off by so much
+        held = np.minimum(STILL, misfit * size / np.hypot(misfit * size, dry))
+        weight = weight * np.where(rows.still, held, 1.0)
+        k = Y.shape[2]
         viscous = self.robot.friction[:, 2]
         spread = self._friction_spreads(rows, size)
         y = (rows.tau - nominal - dry * rows.turn - viscous * rows.qd) * weight
@@ -138,7 +141,8 @@ class Nominal:
         z = _bounded(A, X.T @ y.ravel(), least)
         rest = (y.ravel() - X @ z).reshape(m, n)
         price = float(np.sum(rest**2) + z @ z)
-        whole = np.sum((rows.tau * weight) ** 2, axis=0)
+        carried = rows.tau**2 + np.where(rows.still, dry**2, 0.0)
+        whole = np.sum(carried * weight**2, axis=0)
         # of a joint without torque nothing can be left
         left = np.sqrt(np.sum(rest**2, axis=0) / np.where(whole > 0, whole, np.inf))
         return Fit(price + float(np.linalg.slogdet(A)[1]), price, left)

@@ -86,7 +86,8 @@ def chain_robot(
     if not chain.joints:
         raise InputError(f"{tree.name}: no joint between {base} and {tip} turns")
     tables = [joint_table(joint, notes) for joint in chain.joints]
-    if len({t["limits"].get("torque_Nm") for t in tables}) == 1 and len(tables) > 1:
+    torques = {t["limits"].get("torque_Nm") for t in tables}
+    if len(torques) == 1 and None not in torques and len(tables) > 1:
         notes.append("all torque limits are the same number: often a placeholder, check them")
     n = len(chain.joints)
     if coupling:
