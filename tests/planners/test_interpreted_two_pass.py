@@ -12,7 +12,8 @@ from irb2400_ctrl.planners.timing.two_pass import two_pass
 def drawn(seed: int, margin: float) -> tuple[np.ndarray, ...]:
     """Rows like torque limits: both signs of p, some without u, r below zero where margin is."""
     draw = np.random.default_rng(seed)
-    m, k = 40, 10
+    m = 40
+    k = 10
     rows = draw.normal(size=(m, k, 3))
     rows[:, 0, 0] = 0.0
     rows[:, 1, 0] = 1e-16
