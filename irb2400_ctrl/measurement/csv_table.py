@@ -146,9 +146,11 @@ def _slow(path: Path, body: list[str], header: list[str], dialect: Dialect) -> d
         while len(cells) > width and not cells[-1].strip():
             cells.pop()
         if len(cells) != width:
+            commas = len(cells) == 2 * width and dialect.separator == ","
+            hint = "; with decimal commas the cells need semicolons between them" * commas
             raise InputError(
                 f"{path}, line {k + first}: found {len(cells)} cells, expected {width} as in the "
-                "header"
+                f"header{hint}"
             )
         table[row] = [_number(cell, dialect.decimal) for cell in cells]
     return {name: np.ascontiguousarray(table[:, k]) for k, name in enumerate(header)}

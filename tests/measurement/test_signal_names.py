@@ -135,6 +135,13 @@ def test_what_a_name_says(name: str, says: tuple[str, int, float] | None) -> Non
     assert joint_signal(name) == says
 
 
+def test_decimal_commas_between_commas_are_told(tmp_path: Path) -> None:
+    path = tmp_path / "a.csv"
+    path.write_text("time_s,q1_deg,tau1_Nm\n0,1,2,0,3,5\n0,2,2,1,3,6\n")
+    with pytest.raises(InputError, match=r"found 6 cells, expected 3 .* need semicolons"):
+        read_log(path)
+
+
 def test_what_a_time_is() -> None:
     assert time_scale("Time [s]") == 1.0
     assert time_scale("Timestamp (ms)") == 1e-3
