@@ -6,6 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 from irb2400_ctrl.diagnosis import Diagnosis, Number, diagnose
+from irb2400_ctrl.diagnosis.sound_logs import sound_logs
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.identification.identification import Identification
 from irb2400_ctrl.identification.identify import identify
@@ -49,18 +50,19 @@ def diagnose_change(
         return diagnose(robot, log, validation, reference, progress=progress)
     progress("identify the reference")
     logs = [reference] if isinstance(reference, Log) else list(reference)
-    known = identify(robot, logs)
-    progress("diagnose the reference")
-    before = diagnose(known.robot, logs)
-    if before.log_problem is not None:
+    sound = sound_logs(robot, logs)
+    if sound.problem is not None:
         raise InputError(
-            f"{before.identification.name}: {before.log_problem.says}; a reference has to be "
-            "understood, try `irb2400 log check`"
+            f"{sound.used[0].name}: {sound.problem.says}; a reference has to be understood, try "
+            "`irb2400 log check`"
         )
+    known = identify(robot, sound.used)
+    progress("diagnose the reference")
+    before = diagnose(known.robot, sound.used)
     progress("diagnose")
     found = diagnose(robot, log, validation, before.robot, progress=progress)
     numbers = (*lacking(robot, known), *before.numbers)
-    return replace(found, before=replace(before, numbers=numbers))
+    return replace(found, before=replace(before, numbers=numbers, left_out=sound.left_out))
 
 
 def lacking(robot: Robot, known: Identification) -> tuple[Number, ...]:

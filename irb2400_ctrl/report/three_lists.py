@@ -79,7 +79,7 @@ class Entry:
     @property
     def gain(self) -> str:
         """How much worse the other motion is predicted without the name; empty if not known."""
-        gains = [getattr(f, "validation_gain_percent", None) for f in self.findings]
+        gains = [getattr(f, "validation_gain", None) for f in self.findings]
         told = [gain for gain in gains if gain is not None]
         return f"{max(told):.0f} %" if told else ""
 
