@@ -197,7 +197,7 @@ def _concluded(
         noise_floor=floor,
         not_excited=idle,
         weak=tuple(weak),
-        numbers=numbers(prior, fit, later, change=change),
+        numbers=numbers(prior, fit, later, change=change, inflation=INFLATION),
         change=change,
     )
 

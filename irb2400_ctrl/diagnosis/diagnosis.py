@@ -30,6 +30,8 @@ NEAR_FLOOR = 3.0
 """times the noise floor that may be left on a joint of an explained log, or"""
 LITTLE = 0.1
 """of its rms torque"""
+USUAL = 1.3
+"""times what a reference leaves on stretches that its model had not seen"""
 
 
 @dataclass(frozen=True)
@@ -188,6 +190,7 @@ class Diagnosis:
         change: whether `given` is a reference of this very arm.
         logs: errors on each log; left_out: logs that could not be used.
         before: what the reference logs showed; None without them.
+        usual_error: RMSE of its model on stretches it had not seen [Nm], (n,).
     """
 
     given: Robot
@@ -206,6 +209,7 @@ class Diagnosis:
     logs: tuple[LogErrors, ...] = ()
     left_out: tuple[LeftOut, ...] = ()
     before: Diagnosis | None = None
+    usual_error: Array | None = None
 
     @property
     def verdict(self) -> Verdict:
@@ -223,6 +227,8 @@ class Diagnosis:
         left = compared.error_after.rmse
         size = np.sqrt(np.mean(compared.measured**2, axis=0))
         much = left > np.maximum(NEAR_FLOOR * self.noise_floor, LITTLE * size)
+        if self.usual_error is not None:
+            much &= left > USUAL * self.usual_error
         return tuple(int(j) + 1 for j in np.flatnonzero(much) if j + 1 not in self.not_excited)
 
     @property

@@ -58,20 +58,26 @@ class Number:
 
 
 def numbers(
-    prior: BasePrior | IdentifiedPrior, fit: Fit, after: Robot, *, change: bool
+    prior: BasePrior | IdentifiedPrior,
+    fit: Fit,
+    after: Robot,
+    *,
+    change: bool,
+    inflation: float,
 ) -> tuple[Number, ...]:
     """What the file lacks, and what is otherwise here than it says.
 
     Args:
         prior: of the base that was fitted; after: the robot with the fitted numbers.
         change: whether the robot given is a reference of this very arm.
+        inflation: of standard errors that follow from the noise alone.
     """
     robot = prior.robot
     base = prior.base if isinstance(prior, IdentifiedPrior) else prior
     sigmas = base.sigmas()
     k = len(sigmas)
     z = prior.deviations(fit.z)[:k]
-    error = _posterior(prior, fit)[:k]
+    error = inflation * _posterior(prior, fit)[:k]
     believed = np.ones(k)
     if isinstance(prior, IdentifiedPrior):
         # from the reference's own number, whatever friction may do from day to day

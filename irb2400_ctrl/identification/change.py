@@ -6,10 +6,17 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 from irb2400_ctrl.diagnosis import Diagnosis, Number, diagnose
+from irb2400_ctrl.diagnosis.comparison.criteria import Criteria
 from irb2400_ctrl.diagnosis.sound_logs import sound_logs
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.identification.identification import Identification
 from irb2400_ctrl.identification.identify import identify
+from irb2400_ctrl.identification.reference_error import (
+    changes,
+    has_changed,
+    unseen_error,
+    worse_joints,
+)
 from irb2400_ctrl.measurement import Log
 from irb2400_ctrl.robot import Robot
 
@@ -61,8 +68,24 @@ def diagnose_change(
     before = diagnose(known.robot, sound.used)
     progress("diagnose")
     found = diagnose(robot, log, validation, before.robot, progress=progress)
-    numbers = (*lacking(robot, known), *before.numbers)
-    return replace(found, before=replace(before, numbers=numbers, left_out=sound.left_out))
+    unseen = unseen_error(known)
+    worse = worse_joints(found, before, unseen)
+    said = len(found.findings) + len(found.unexplained)
+    real = changes(found, worse)
+    if real < said:
+        # the rest is no larger than what the reference leaves itself: once more without
+        progress("leave out what the reference leaves too")
+        few = Criteria(most=real)
+        found = diagnose(robot, log, validation, before.robot, criteria=few, progress=progress)
+        left = "smaller explanations are within what the reference leaves unexplained itself"
+        found = replace(found, weak=(*found.weak, f"{said - real} {left}"))
+    there = (*lacking(robot, known), *before.numbers)
+    return replace(
+        found,
+        numbers=tuple(n for n in found.numbers if has_changed(n, worse)),
+        usual_error=unseen,
+        before=replace(before, numbers=there, left_out=sound.left_out),
+    )
 
 
 def lacking(robot: Robot, known: Identification) -> tuple[Number, ...]:

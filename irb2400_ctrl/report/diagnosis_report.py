@@ -18,6 +18,7 @@ from irb2400_ctrl.report.three_lists import (
     entry_rows,
     findings_of,
     list_lines,
+    number_lines,
     number_rows,
     numbers_of,
 )
@@ -96,6 +97,11 @@ def add_diagnosis(page: Page, diagnosis: Diagnosis) -> None:
             torque_figure(compared, joint),
             f"Joint {joint} on {Path(compared.name).name}: measured torque, model, residual.",
         )
+    for which, (heading, _) in LISTS.items():
+        numbers = numbers_of(diagnosis, which)
+        if numbers:
+            page.heading(f"{heading}: every number")
+            page.table("Numbers of the model, SI", *number_rows(numbers))
     rows = recalibration_rows(diagnosis.recalibrated)
     if rows:
         page.heading("Recalibrated")
@@ -116,7 +122,7 @@ def _add_remarks(page: Page, diagnosis: Diagnosis) -> None:
     for joint in diagnosis.not_excited:
         page.text(f"Joint {joint} hardly moves in this log: nothing can be said about it.")
     for sentence in diagnosis.weak:
-        page.text(sentence)
+        page.text(f"{sentence[0].upper()}{sentence[1:]}.")
     for one in diagnosis.left_out:
         page.text(f"Left out: {Path(one.name).name}: {one.why}.")
 
@@ -131,15 +137,18 @@ def _add_lists(page: Page, diagnosis: Diagnosis) -> None:
         page.heading(heading)
         page.text(advice)
         for entry in entries:
-            page.finding(f"{entry.where[0].upper()}{entry.where[1:]}: {entry.sentence}")
+            where = f"{entry.where[0].upper()}{entry.where[1:]}"
+            page.finding(
+                f"{where}: {entry.sentence} {entry.share} of the torque, {entry.confidence} sure."
+            )
             for line in body_lines(entry):
-                page.text(f"Seen with the {line}.")
+                page.text(f"With the {line}.")
             if entry.lookalikes and entry.splits:
                 page.text(f"It could be {entry.lookalikes}. To tell them apart: {entry.splits}.")
+        for line in number_lines(numbers):
+            page.finding(f"{line[0].upper()}{line[1:]}.")
         if entries:
             page.table("Findings", *entry_rows(entries))
-        if numbers:
-            page.table("Numbers of the model", *number_rows(numbers))
 
 
 def log_rows(diagnosis: Diagnosis) -> tuple[Sequence[str], list[list[object]]]:

@@ -28,8 +28,8 @@ LISTS = {
     ),
 }
 """heading of each list and what to do about it, in the order of their weight"""
-MOST_NUMBERS = 6
-"""of one list that a terminal shows"""
+MOST_LINES = 8
+"""of numbers of one list that a terminal shows"""
 
 
 @dataclass(frozen=True)
@@ -126,17 +126,53 @@ def numbers_of(diagnosis: Diagnosis, which: str) -> list[Number]:
     found = list(diagnosis.numbers)
     if diagnosis.before is not None:
         found += diagnosis.before.numbers
-    return sorted((n for n in found if n.list == which), key=lambda n: -abs(n.sigmas))
+    return sorted((n for n in found if n.list == which), key=_furthest_first)
 
 
-def number_text(number: Number) -> str:
-    """`coulomb_Nm of joint 2: 60 -> 78 +- 1`."""
-    before = "not stated" if number.before is None else show(number.before)
-    text = f"{number.name} of {number.place}: {before} -> {show(number.after)}"
-    text += f" +- {show(number.standard_error)}"
-    if number.before:
-        text += f" ({100.0 * (number.after / number.before - 1.0):+.0f} %)"
-    return text
+def _furthest_first(number: Number) -> float:
+    return -abs(number.sigmas)
+
+
+def number_lines(numbers: Sequence[Number]) -> list[str]:
+    """A line for each name of number, its joints together, the furthest moved first."""
+    by_name: dict[str, list[Number]] = {}
+    for number in numbers:
+        by_name.setdefault(number.name, []).append(number)
+    return [_number_line(name, group) for name, group in by_name.items()]
+
+
+def _number_line(name: str, numbers: Sequence[Number]) -> str:
+    """`coulomb_Nm of joint 2: 60 -> 78 ± 1 (+30 %)`, or of several the range of the change."""
+    if len(numbers) == 1:
+        number = numbers[0]
+        before = "not stated" if number.before is None else show(number.before)
+        text = f"{name} of {number.place}: {before} -> {show(number.after)}"
+        text += f" ± {show(number.standard_error)}"
+        change = _change(number)
+        return text if change is None else f"{text} ({change:+.0f} %)"
+    changes = [_change(number) for number in numbers]
+    told = [change for change in changes if change is not None]
+    where = _places([number.place for number in numbers])
+    if len(told) < len(changes):
+        values = ", ".join(show(number.after) for number in sorted(numbers, key=_place))
+        return f"{name} of {where}: {values}"
+    return f"{name} of {where}: {min(told):+.0f} to {max(told):+.0f} %"
+
+
+def _change(number: Number) -> float | None:
+    """[%] of what it was; None where that is nothing or not stated."""
+    return 100.0 * (number.after / number.before - 1.0) if number.before else None
+
+
+def _place(number: Number) -> str:
+    return number.place
+
+
+def _places(places: Sequence[str]) -> str:
+    """`joints 1, 2 and 4`, `link 3 and tool`."""
+    joints = sorted(int(p.split()[1]) for p in places if p.startswith("joint"))
+    others = sorted(p for p in places if not p.startswith("joint"))
+    return " and ".join([*([_joints(joints)] if joints else []), *others])
 
 
 def list_lines(diagnosis: Diagnosis) -> list[str]:
@@ -153,9 +189,10 @@ def list_lines(diagnosis: Diagnosis) -> list[str]:
             found += [f"    {text}" for text in body_lines(entry)]
             if entry.lookalikes and entry.splits:
                 found.append(f"    to tell them apart: {entry.splits}")
-        found += [f"  {number_text(n)}" for n in numbers[:MOST_NUMBERS]]
-        if len(numbers) > MOST_NUMBERS:
-            found.append(f"  and {len(numbers) - MOST_NUMBERS} further numbers (findings.json)")
+        told = number_lines(numbers)
+        found += [f"  {line}" for line in told[:MOST_LINES]]
+        if len(told) > MOST_LINES:
+            found.append(f"  and {len(told) - MOST_LINES} further numbers (findings.json)")
     return found
 
 
@@ -172,7 +209,7 @@ def body_lines(entry: Entry) -> list[str]:
             com = ", ".join(f"{1e3 * v:.0f}" for v in body.com)
             error = ", ".join(f"{1e3 * v:.0f}" for v in body.errors[1:])
             found.append(
-                f"{name}: {body.mass:.2f} +- {body.errors[0]:.2f} kg at ({com}) +- ({error}) mm"
+                f"{name}: {body.mass:.2f} ± {body.errors[0]:.2f} kg at ({com}) ± ({error}) mm"
             )
     return found
 
@@ -189,7 +226,7 @@ def entry_rows(entries: Iterable[Entry]) -> tuple[Sequence[str], list[list[objec
 
 def number_rows(numbers: Iterable[Number]) -> tuple[Sequence[str], list[list[object]]]:
     """Head and rows of numbers."""
-    head = ("number", "of", "in the file", "here", "standard error", "sigmas")
+    head = ("number", "of", "before", "now", "standard error", "sigmas")
     rows: list[list[object]] = [
         [
             n.name,
@@ -210,7 +247,7 @@ def _size(finding: Finding) -> str:
         if isinstance(value, float):
             error = finding.standard_errors.get(name)
             text = f"{name} {show(value)}"
-            return f"{text} +- {show(error)}" if isinstance(error, float) else text
+            return f"{text} ± {show(error)}" if isinstance(error, float) else text
     return ""
 
 
