@@ -138,7 +138,8 @@ def _solved(fit: Fit, y: Array, columns: Array) -> tuple[Array, Array]:
 
 def _point(numbers: Array) -> Array:
     """phi of a point mass, (10,)."""
-    m, c = numbers[0], numbers[1:]
+    m = numbers[0]
+    c = numbers[1:]
     inertia = m * (c @ c * np.eye(3) - np.outer(c, c))
     return np.array([m, *(m * c), *inertia[np.triu_indices(3)]])
 

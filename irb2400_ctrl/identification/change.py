@@ -101,6 +101,7 @@ def lacking(robot: Robot, known: Identification) -> tuple[Number, ...]:
             if there or abs(values[j]) < SEEN * errors[j]:
                 continue
             sigmas = float(values[j] / errors[j])
-            value, error = float(values[j]), float(errors[j])
+            value = float(values[j])
+            error = float(errors[j])
             found.append(Number("lacks", f"joint {j + 1}", name, None, value, error, sigmas))
     return tuple(found)

@@ -68,7 +68,8 @@ class Entry:
     def share(self) -> str:
         """Of the joints' torque."""
         shares = [100.0 * float(np.max(f.share)) for f in self.findings]
-        low, high = min(shares), max(shares)
+        low = min(shares)
+        high = max(shares)
         return f"{high:.1f} %" if high - low < 0.1 else f"{low:.1f} to {high:.1f} %"
 
     @property

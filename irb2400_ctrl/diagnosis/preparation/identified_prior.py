@@ -58,7 +58,8 @@ class IdentifiedPrior:
         n = robot.n
         daily = np.zeros(len(L))
         k = len(sigmas)
-        coulomb, viscous = robot.friction[:, 1], robot.friction[:, 2]
+        coulomb = robot.friction[:, 1]
+        viscous = robot.friction[:, 2]
         daily[k - 3 * n : k - 2 * n] = DAILY_FRICTION * coulomb / sigmas[k - 3 * n : k - 2 * n]
         daily[k - 2 * n : k - n] = DAILY_FRICTION * viscous / sigmas[k - 2 * n : k - n]
         daily[k : k + n] = DAILY_OFFSET * base.torque_scale
