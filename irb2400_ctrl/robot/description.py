@@ -20,6 +20,7 @@ from irb2400_ctrl.effects import LIBRARY, AnyEffect, load_effects
 from irb2400_ctrl.effects.base import OPEN_END_S
 from irb2400_ctrl.effects.blank import discrepancy_size
 from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.robot.identified import Identified
 from irb2400_ctrl.robot.joint import Joint, MotorCoupling
 from irb2400_ctrl.robot.link import Coupling, Link, ModifiedDH, Tool, Transform
 from irb2400_ctrl.robot.table import Table, Vector3
@@ -45,6 +46,7 @@ class Robot(Table):
     tool: Tool | None = None
     motor_coupling: MotorCoupling | None = None
     uncertainty: Uncertainty = Uncertainty()
+    identified: Identified | None = None
     effects: tuple[AnyEffect, ...] = ()
     effect_files: tuple[Path, ...] = Field(default=(), exclude=True)
     """Python files that define effects of the user's own; a robot file names them relative to
