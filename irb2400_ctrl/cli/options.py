@@ -20,6 +20,12 @@ ColumnsOption = Annotated[
         "--columns", metavar="MAP", help="What the log's columns are (TOML, docs/logs.md)."
     ),
 ]
+CellOption = Annotated[
+    Path | None,
+    typer.Option(
+        "--cell", metavar="CELL", help="What stands around the arm (TOML, docs/cells.md)."
+    ),
+]
 OutOption = Annotated[
     Path, typer.Option("--out", metavar="DIR", help="Folder for the results; all is written there.")
 ]
