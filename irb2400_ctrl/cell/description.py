@@ -118,6 +118,15 @@ class Cell(Table):
         """X_BW of the work object, shape (4, 4); None where the file has none."""
         return None if self.work_object is None else self.work_object.pose
 
+    def tool_of(self, number: int | None, name: str) -> str | None:
+        """Name of the tool that an operation of a CAM file asks for by number or else by name; None
+        where the cell has no such tool."""
+        if number is not None:
+            for tool in self.tools:
+                if tool.number == number:
+                    return tool.name
+        return next((tool.name for tool in self.tools if tool.name == name), None)
+
     def tool(self, name: str) -> CellTool:
         """The tool of this name.
 

@@ -176,8 +176,11 @@ def _plan_one(
 ) -> None:
     """The only operation, into the folder itself."""
     from irb2400_ctrl.planners import plan_path
+    from irb2400_ctrl.planners.program_plan import with_its_tool
 
-    toolpath = program.operation().path
+    operation = program.operation()
+    toolpath = operation.path
+    options = with_its_tool(operation, options)
     task = f"planning {len(toolpath):,} points"
     with step(task) as say:
         planned = plan_path(

@@ -11,7 +11,7 @@ from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.cell import Scene
 from irb2400_ctrl.errors import CollisionError
 
-COMFORTABLE_CLEARANCE = 0.04
+COMFORTABLE_CLEARANCE = 0.02
 """distance beyond which more of it is worth nothing [m]"""
 PRICE = 0.05
 """cost of a configuration that nearly touches something, beside the time of the motion [s]"""
