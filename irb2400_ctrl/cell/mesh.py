@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 
 import numpy as np
@@ -30,10 +31,25 @@ class Surface:
     closed: bool
     """it has an inside"""
 
-    @property
+    @cached_property
     def half_size(self) -> Array:
         """Half the edges of the box around it [m], shape (3,)."""
         return np.asarray(np.abs(self.points).max(axis=0))
+
+    @cached_property
+    def seeds(self) -> Array:
+        """A point of each of its separate pieces [m], shape (k, 3)."""
+        from scipy.sparse import coo_matrix
+        from scipy.sparse.csgraph import connected_components
+
+        first, other, third = self.triangles.T
+        rows = np.concatenate([first, other])
+        columns = np.concatenate([other, third])
+        size = len(self.points)
+        links = coo_matrix((np.ones(len(rows)), (rows, columns)), shape=(size, size))
+        _, piece = connected_components(links, directed=False)
+        used = np.unique(self.triangles)
+        return np.asarray(self.points[used[np.unique(piece[used], return_index=True)[1]]])
 
     def place(self) -> Array:
         """Pose of its own frame in the stated one, shape (4, 4)."""

@@ -15,6 +15,7 @@ import numpy as np
 
 from irb2400_ctrl.arrays import Array, Integers
 from irb2400_ctrl.cell.mesh import Surface
+from irb2400_ctrl.cell.nested import Nested
 from irb2400_ctrl.cell.piece import Piece
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.robot.shape import Box, Capsule, Cylinder, Solid, Sphere
@@ -36,22 +37,28 @@ class Narrow:
     request: Any
     result: Any
     radii: float
-    solid: Surface | None
-    """the other one, where it is a mesh: the first could lie wholly inside it"""
-    place: Array
-    """pose of the other one, shape (4, 4)"""
+    nested: Nested | None
+    """of a mesh: whether one of the two lies wholly inside the other"""
 
     @classmethod
-    def of(cls, piece: Piece, other: Piece) -> Narrow:
+    def of(cls, piece: Piece, other: Piece, made: dict[Piece, Any]) -> Narrow:
         """For a piece that moves and one that stands still.
+
+        Args:
+            piece: the one that moves.
+            other: the one that stands still.
+            made: triangles of coal by piece, filled here: a large mesh is built once.
 
         Raises:
             InputError: coal is not installed.
         """
         coal = load_coal()
         if isinstance(piece.shape, Surface) or isinstance(other.shape, Surface):
-            one, radius = _triangles(coal, piece)
-            two, other_radius = _triangles(coal, other)
+            for each in (piece, other):
+                if each not in made:
+                    made[each] = _triangles(coal, each)
+            one, radius = made[piece]
+            two, other_radius = made[other]
         else:
             one, radius = _primitive(coal, piece.shape)
             two, other_radius = _primitive(coal, other.shape)
@@ -64,8 +71,7 @@ class Narrow:
             coal.DistanceRequest(),
             coal.DistanceResult(),
             radius + other_radius,
-            other.shape if isinstance(other.shape, Surface) else None,
-            X,
+            Nested(piece.shape, other.shape, X) if isinstance(other.shape, Surface) else None,
         )
 
     def distance(self, R: Array, p: Array) -> float:
@@ -75,10 +81,8 @@ class Narrow:
         self.first.setTranslation(p)
         self.result.clear()
         found = float(self.query(self.first, self.other, self.request, self.result))
-        if self.solid is not None and found > 0:
-            X = self.place
-            if self.solid.holds(X[:3, :3].T @ (p - X[:3, 3])):
-                return -found - self.radii
+        if self.nested is not None and found > 0 and self.nested(R, p, found):
+            return -found - self.radii
         return found - self.radii
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import casadi as ca
 import numpy as np
@@ -123,7 +124,8 @@ class Scene:
 
     @cached_property
     def _narrow(self) -> list[Narrow]:
-        return [Narrow.of(self.arm[i], self.things[k]) for i, k in self.outer]
+        made: dict[Piece, Any] = {}
+        return [Narrow.of(self.arm[i], self.things[k], made) for i, k in self.outer]
 
     @cached_property
     def _local(self) -> list[Array]:

@@ -173,3 +173,16 @@ def relative(poses: Array, link: int, j: int, around: Scene, ends: Array) -> Arr
     X = poses[around.arm[j].link]
     placed = ends @ X[:, :3].T + X[:, 3]
     return np.asarray((placed - poses[link][:, 3]) @ poses[link][:, :3])
+
+
+def test_a_mesh_inside_a_body_is_a_collision(tmp_path: Path) -> None:
+    trimesh = pytest.importorskip("trimesh")
+    trimesh.creation.box(extents=[2, 2, 2]).export(tmp_path / "grain.stl")
+    q = np.zeros((1, 6))
+    tip = MODEL.tcp_pose(q[0])
+    # in the cutter, which is a cylinder: no triangle of it is crossed
+    place = (1e3 * (tip[:3, 3] - 0.02 * tip[:3, 2])).tolist()
+    shape = {"kind": "mesh", "file": "grain.stl", "place_mm": place}
+    grain = {"name": "grain", "role": "obstacle", "shapes": [shape]}
+    around = scene(Cell.model_validate({"name": "a", "folder": tmp_path, "things": [grain]}))
+    assert around.clearance(q, np.zeros(1, dtype=bool), 1.0)[0] < 0
