@@ -4,21 +4,21 @@ from __future__ import annotations
 
 from typing import Any
 
-import numpy as np
-
 from irb2400_ctrl.diagnosis.estimation.fit import Fit
+from irb2400_ctrl.diagnosis.numbers import moved_numbers
 from irb2400_ctrl.diagnosis.preparation.base_prior import BasePrior
+from irb2400_ctrl.diagnosis.preparation.identified_prior import IdentifiedPrior
 from irb2400_ctrl.robot import Robot
 
 
-def recalibrated_terms(base_prior: BasePrior, fit: Fit, robot: Robot) -> dict[str, Any]:
+def recalibrated_terms(
+    prior: BasePrior | IdentifiedPrior, fit: Fit, robot: Robot
+) -> dict[str, Any]:
     """New values, all joints, of the terms where some value moved further than its own
     uncertainty."""
     n = robot.n
     found: dict[str, Any] = {}
-    z = base_prior.deviations(fit.z)
-    sigma = base_prior.deviation_errors(fit.z_covariance)
-    moved = (np.abs(z) > 1.0) & (np.abs(z) > 2.0 * sigma)
+    moved = moved_numbers(prior, fit)
     coulomb, viscous, _ = moved[-3 * n :].reshape(3, n)
     if coulomb.any():
         found["coulomb"] = [float(v) for v in robot.friction[:, 1]]

@@ -27,7 +27,7 @@ class TorqueOffset(Effect):
     ambiguity: ClassVar[Ambiguity] = OFFSET
     prior: ClassVar[Prior] = Prior(discrepancy_share=EXACT)
     # a drive's amplifiers drift alike
-    search: ClassVar[Search] = Search(on_every_joint=True)
+    search: ClassVar[Search] = Search(on_every_joint=True, usual=True)
     drawing: ClassVar[Drawing] = Drawing("time")
 
     kind: Literal["torque_offset"] = "torque_offset"

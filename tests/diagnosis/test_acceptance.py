@@ -11,10 +11,9 @@ import pytest
 from irb2400_ctrl.diagnosis.comparison.acceptance import stands_clear
 from irb2400_ctrl.diagnosis.estimation.effect_parameters import parameters_of
 from irb2400_ctrl.diagnosis.estimation.held_out import FOLDS, folds
-from irb2400_ctrl.diagnosis.preparation.moved_numbers import moved_numbers, sentence
+from irb2400_ctrl.diagnosis.numbers import Number, off_bodies
 from irb2400_ctrl.diagnosis.preparation.noise_test import trimmed_rms
 from irb2400_ctrl.effects import LIBRARY, Effect
-from irb2400_ctrl.robot import load_robot
 
 
 def fitted(effect: Effect, *sigma: float) -> Any:
@@ -66,15 +65,12 @@ def test_trimmed_rms_is_that_of_the_noise_whatever_a_few_samples_do() -> None:
 
 
 def test_numbers_that_moved_far_are_said_by_body() -> None:
-    robot = load_robot("irb2400")
-    z = np.zeros(10 * (robot.n + (robot.tool is not None)) + 3 * robot.n)
-    assert moved_numbers(robot, z) == ()
-    z[41] = 4.0
-    z[51] = -3.0
-    (moved,) = moved_numbers(robot, z)
-    assert (moved.place, moved.number, moved.by) == (5, "com_x_m", 4.0)
-    z[51] = -5.0
-    text = sentence(moved_numbers(robot, z), robot.n)
-    assert text.startswith("The inertial numbers of links 5-6 are off.")
-    assert "com_x_m of " in text
-    assert "5.0 of its own standard deviations" in text
+    def moved(place: str, name: str, sigmas: float) -> Number:
+        return Number("special", place, name, 1.0, 2.0, 0.1, sigmas)
+
+    assert off_bodies([]) == ""
+    assert off_bodies([moved("joint 2", "coulomb_Nm", 9.0)]) == ""
+    far = [moved("link 5", "com_x_m", 4.0), moved("link 6", "mass_kg", -5.0)]
+    text = off_bodies([*far, moved("link 2", "Ixx", 3.6)])
+    assert text.startswith("The inertial numbers of links 2, 5-6 are off, mass_kg of link 6 by 5.0")
+    assert "is the load declared?" in off_bodies([moved("tool", "mass_kg", 4.0)])

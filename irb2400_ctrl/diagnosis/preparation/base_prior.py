@@ -54,11 +54,6 @@ class BasePrior:
     unknown, up to half of this"""
     speed_scale: Array
     """rms speed of each joint [rad/s]"""
-    centre: Array | None = None
-    """where a reference log puts the numbers, in data-sheet standard deviations; default the file's
-    values"""
-    spread: Array | None = None
-    """and how uncertain it leaves them, in the same unit; default one"""
     common_friction: float = 0.0
     """standard deviation of a factor on the dry friction of all joints, and of one on their viscous
     friction: a cold arm is stiffer everywhere"""
@@ -92,50 +87,35 @@ class BasePrior:
         ]
         return np.concatenate([*inertial, *dry])
 
-    def offset(self, model: Model, motion: PreparedLog) -> Array:
-        """Torque of the reference's own numbers over the file's, shape (m, n) [Nm]; zero without a
-        reference."""
-        if self.centre is None:
-            return np.zeros_like(motion.tau)
-        return np.asarray(self.file_columns(model, motion) @ self.centre)
-
-    def factor(self) -> Array:
-        """F with F z the deviation from the centre in data-sheet standard deviations, shape (k, k):
-        F F^T is the prior covariance."""
+    def root(self) -> Array:
+        """F with F z the numbers in data-sheet standard deviations, shape (k, k): F F^T is their
+        prior covariance."""
         sigmas = self.sigmas()
-        spread = np.ones(len(sigmas)) if self.spread is None else self.spread
-        F = np.diag(spread)
+        F = np.eye(len(sigmas))
         if not self.common_friction:
             return F
         n = self.robot.n
         known = np.where(self.robot.friction_known, self.robot.friction, 0.0)
         values = np.concatenate([known[:, 1], known[:, 2], known[:, 0]])
         together = self.common_friction * values / sigmas[-3 * n :]
-        start = len(sigmas) - 3 * n
+        # dry and static friction change together, viscous friction by a factor of its own
         for kinds in ((0, 2), (1,)):
             block = np.concatenate([np.arange(n) + n * kind for kind in kinds])
-            place = np.ix_(start + block, start + block)
-            covariance = np.diag(spread[start + block] ** 2)
-            covariance += np.outer(together[block], together[block])
-            F[place] = np.linalg.cholesky(covariance)
-        return np.asarray(F)
+            covariance = np.eye(len(block)) + np.outer(together[block], together[block])
+            place = len(sigmas) - 3 * n + block
+            F[np.ix_(place, place)] = np.linalg.cholesky(covariance)
+        return F
 
     def deviations(self, z: Array) -> Array:
         """Fitted z in data-sheet standard deviations from the file's values, shape (k,)."""
-        centre = 0.0 if self.centre is None else self.centre
-        return np.asarray(centre + self.factor() @ z)
-
-    def deviation_errors(self, covariance: Array) -> Array:
-        """Standard errors of `deviations` where z has this covariance (k, k), shape (k,)."""
-        F = self.factor()
-        return np.asarray(np.sqrt(np.einsum("ij,jk,ik->i", F, covariance, F)))
+        return np.asarray(self.root() @ z)
 
     def columns(self, model: Model, motion: PreparedLog) -> Array:
         """d tau / d z along the motion, shape (m, n, k) [Nm]."""
-        return np.asarray(self.file_columns(model, motion) @ self.factor())
+        return np.asarray(self.number_columns(model, motion) @ self.root())
 
-    def file_columns(self, model: Model, motion: PreparedLog) -> Array:
-        """d tau per data-sheet standard deviation, shape (m, n, k) [Nm]."""
+    def number_columns(self, model: Model, motion: PreparedLog) -> Array:
+        """d tau per data-sheet standard deviation of each number, shape (m, n, k) [Nm]."""
         n = self.robot.n
         Y: Any = model.regressor(motion.q, motion.qd, motion.qdd)
         parts = []

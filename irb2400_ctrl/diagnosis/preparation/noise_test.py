@@ -3,6 +3,7 @@ about."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,6 +13,7 @@ from irb2400_ctrl.arrays import Array, Mask
 from irb2400_ctrl.measurement.log import Log
 from irb2400_ctrl.measurement.prepared_log import PreparedLog
 from irb2400_ctrl.measurement.time_base import with_time_base
+from irb2400_ctrl.measurement.uniform import derivative_margin
 from irb2400_ctrl.plausibility.cost_of_noise import torque_from_angle_noise
 from irb2400_ctrl.robot import Robot
 
@@ -52,14 +54,38 @@ class NoiseTest:
         return tuple(int(j) + 1 for j in np.flatnonzero(much))
 
 
-def noise_test(robot: Robot, log: Log, motion: PreparedLog, predicted: Array) -> NoiseTest:
-    """Of a prediction along the motion (m, n) [Nm], on the samples as they were recorded."""
+def noise_test(
+    robot: Robot, logs: Sequence[Log], motion: PreparedLog, predicted: Array
+) -> NoiseTest:
+    """Of a prediction along the motion of these logs (m, n) [Nm], on the samples as they were
+    recorded; per joint on the log that fits worst."""
+    tests = [
+        _on_log(robot, log, motion, part, predicted[part])
+        for log, part in zip(logs, motion.parts, strict=True)
+    ]
+    ratio = np.array([test.left / np.maximum(test.floor, 1e-12) for test in tests])
+    worst = np.argmax(ratio, axis=0)
+    joint = np.arange(motion.n)
+    return NoiseTest(
+        np.array([test.floor for test in tests])[worst, joint],
+        np.array([test.left for test in tests])[worst, joint],
+        np.max([test.means for test in tests], axis=0),
+    )
+
+
+def _on_log(
+    robot: Robot, log: Log, motion: PreparedLog, part: slice, predicted: Array
+) -> NoiseTest:
+    """On one log; `part`: its samples of the motion."""
     even = with_time_base(log)
-    inside = (even.time >= motion.time[0]) & (even.time <= motion.time[-1])
+    # its ends were left out
+    start = even.time[0] + derivative_margin(motion.step) * motion.step
+    grid = start + motion.step * np.arange(len(predicted))
+    inside = (even.time >= grid[0]) & (even.time <= grid[-1])
     time = even.time[inside]
     period = float(np.median(np.diff(time)))
-    nearest = np.clip(np.round((time - motion.time[0]) / motion.step), 0, len(motion.time) - 1)
-    known = motion.known[nearest.astype(np.intp)]
+    nearest = np.clip(np.round((time - grid[0]) / motion.step), 0, len(grid) - 1)
+    known = motion.known[part][nearest.astype(np.intp)]
     by_angles = np.zeros(log.n)
     if not motion.instrumented:
         found = torque_from_angle_noise(robot, log)
@@ -68,7 +94,7 @@ def noise_test(robot: Robot, log: Log, motion: PreparedLog, predicted: Array) ->
     left = np.zeros(log.n)
     means = np.zeros(log.n)
     for j in range(log.n):
-        residual = even.tau[inside, j] - np.interp(time, motion.time, predicted[:, j])
+        residual = even.tau[inside, j] - np.interp(time, grid, predicted[:, j])
         follows = known[1:, j] & known[:-1, j] & (np.diff(time) < 1.5 * period)
         steps = trimmed_rms(np.diff(residual)[follows]) / np.sqrt(2.0)
         floor[j] = np.hypot(steps, by_angles[j])
