@@ -166,7 +166,8 @@ def coupling(rng: Rng, j: int) -> Make:
 def push(rng: Rng, j: int) -> Make:
     """Somewhere in the first 20 s, for 2 to 5 s, any direction."""
     way = rng.standard_normal(3)
-    begins, lasts = rng.uniform(4.0, 14.0), rng.uniform(2.0, 5.0)
+    begins = rng.uniform(4.0, 14.0)
+    lasts = rng.uniform(2.0, 5.0)
     flank = rng.uniform(0.1, 0.6)
     hump = bool(rng.uniform() < 0.5)
     way /= np.linalg.norm(way)
@@ -210,7 +211,8 @@ def _speed_product(rng: Rng, j: int) -> Callable[[State], float]:
 
 def _angle_product(rng: Rng, j: int) -> Callable[[State], float]:
     k = int(rng.choice([i for i in range(6) if i != j]))
-    one, other = _middle(rng, j, 0.2), _middle(rng, k, 0.2)
+    one = _middle(rng, j, 0.2)
+    other = _middle(rng, k, 0.2)
     return lambda s: float(np.sin(2 * (s.q[j] - one)) * np.sin(2 * (s.q[k] - other)))
 
 

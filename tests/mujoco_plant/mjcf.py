@@ -61,9 +61,9 @@ def _numbers(values: object) -> str:
 
 def _quaternion(alpha: float, offset: float) -> np.ndarray:
     """Rot(x, alpha) Rot(z, offset) as w, x, y, z."""
-    ca, sa = np.cos(alpha / 2), np.sin(alpha / 2)
-    co, so = np.cos(offset / 2), np.sin(offset / 2)
-    return np.array([ca * co, sa * co, -sa * so, ca * so])
+    c = np.cos([alpha / 2, offset / 2])
+    s = np.sin([alpha / 2, offset / 2])
+    return np.array([c[0] * c[1], s[0] * c[1], -s[0] * s[1], c[0] * s[1]])
 
 
 def _bodies() -> str:
