@@ -1,4 +1,4 @@
-"""The baseline of one afternoon: names by forward selection over about 850 columns.
+"""The baseline of one afternoon: names by forward selection over about 640 columns.
 
 Friction is refitted freely, bodies by a ridge with data-sheet widths. Each kind of effect on each
 joint, on a grid of its nonlinear parameter, is one or a few columns. The best by likelihood enters
@@ -127,7 +127,7 @@ def _slope(body: Body, X: np.ndarray | None, k: int) -> np.ndarray:
 
 
 def _candidates(model: Model, motion: PreparedLog, rigid: np.ndarray) -> Iterator[Column]:
-    """About 850 columns."""
+    """About 640 columns."""
     for j in range(model.robot.n):
         yield from _of_joint(j, motion, rigid)
     yield from _of_angles(model, motion)

@@ -87,7 +87,8 @@ def test_counts_are_of_what_was_said() -> None:
     assert calibration_error(lines) == pytest.approx(abs(3 * 0.95 - 1) / 3)
     said = _line(recalibrated=["tool_mass"])
     assert moved(said)
-    assert MEASURES["payload named, or inertial numbers said to be off"]([said, silent]) == "1 / 2"
+    assert MEASURES["inertial numbers under `recalibrated`"]([said, silent]) == "1 / 2"
+    assert MEASURES["payload named, whatever its size"]([right, silent]) == "1 / 2"
 
 
 def test_what_is_left_over_twice_the_floor_is_not_noise() -> None:

@@ -69,14 +69,20 @@ def _refused(lines: Sequence[Line]) -> str:
 
 
 def moved(line: Line) -> bool:
-    """Whether inertial numbers are said to be off."""
+    """Whether inertial numbers are among those that are said to have moved."""
     return any(k.startswith(("tool", "link")) for k in line.get("recalibrated", []))
 
 
-def _payload_said(lines: Sequence[Line]) -> str:
+def _payload_named(lines: Sequence[Line]) -> str:
     loaded = [x for x in lines if x["case"].startswith("payload/")]
-    said = [x for x in loaded if moved(x) or any(in_group(n, x["truth"][0]) for n in _names(x))]
-    return _count(len(said), len(loaded))
+    named = [x for x in loaded if any(in_group(n, x["truth"][0]) for n in _names(x))]
+    return _count(len(named), len(loaded))
+
+
+def _moved(lines: Sequence[Line]) -> str:
+    """On payloads it is wanted, on clean arms it is the price."""
+    judged = [x for x in lines if not x["truth"] or x["case"].startswith("payload/")]
+    return _count(sum(moved(x) for x in judged), len(judged))
 
 
 def _silent(lines: Sequence[Line]) -> str:
@@ -132,7 +138,8 @@ MEASURES: dict[str, Callable[[Sequence[Line]], str]] = {
     "exact kind and joint": _per_effect(lambda x, t: any(exact(n, t) for n in _names(x))),
     "in the group": _per_effect(lambda x, t: any(in_group(n, t) for n in _names(x))),
     "all effects, each in its group": _all_in_group,
-    "payload named, or inertial numbers said to be off": _payload_said,
+    "payload named, whatever its size": _payload_named,
+    "inertial numbers under `recalibrated`": _moved,
     "nothing said": _silent,
     "outside: reported unexplained": _outside,
     "arms with a false name": _extra,

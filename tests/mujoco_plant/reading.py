@@ -77,8 +77,7 @@ class Reading:
         digits = np.where(step > 0.0, step, 1.0)
         tau = np.where(step > 0.0, digits * np.round(tau / digits), tau)
         width = np.sqrt(3.0) * self.jitter
-        stamps = time[:: self.every] + rng.uniform(-width, width, n)
-        stamps = np.maximum.accumulate(stamps) + 1e-9 * np.arange(n)
+        stamps = np.sort(time[:: self.every] + rng.uniform(-width, width, n))
         kept = self.arrived(rng, n)
         q_ref = reference[:: self.every]
         return Log(stamps[kept], q[kept], qd[kept], tau[kept], q_ref[kept])
