@@ -57,7 +57,7 @@ def names(robot: Robot, log: Log) -> list[Name]:
     rigid = model.inverse_dynamics(motion.q, motion.qd, motion.qdd, friction=False)
     base, prior = _base(robot, model, motion)
     slow = _rows(motion, (np.abs(motion.qd) < SLOW).astype(float))
-    rows = (_blocks(motion, motion.row_known.astype(float)) > 0.99) & (slow < 0.01)
+    rows = (_blocks(motion, motion.row_known.astype(float)) > 0.99) & (slow < 1e-3)
     predicted = model.inverse_dynamics(motion.q, motion.qd, motion.qdd)
     # the torque went through the smoothing of the angles, so the prediction is comparable
     left = _rows(motion, motion.tau_smooth - predicted)
