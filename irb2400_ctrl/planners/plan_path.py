@@ -8,6 +8,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.cell import Cell, Scene, with_tool
+from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.planners.certify import certify
 from irb2400_ctrl.planners.enclosure.path_dynamics import path_dynamics
 from irb2400_ctrl.planners.plan import Plan
@@ -38,6 +40,8 @@ def plan_path(
     limits: MotionLimits | None = None,
     torque_rate: ArrayLike | None = None,
     jerk: ArrayLike | None = None,
+    cell: Cell | None = None,
+    tool: str | None = None,
     progress: Progress | None = None,
 ) -> Plan:
     """The fastest motion along a tool path, rest to rest, clear of singularities and within the
@@ -49,7 +53,8 @@ def plan_path(
         rate: rows of the trajectory per second [1/s].
         free_tool_rotation: choose the rotation about the spindle along the path; otherwise a stated
             orientation is held, and for a path of tool axes the best constant rotation is taken.
-        work_frame: pose X_BW of the frame the path is stated in, shape (4, 4).
+        work_frame: pose X_BW of the frame the path is stated in, shape (4, 4); default that of
+            the cell's work object.
         tolerance: how far corners of the polygon may be cut [m].
         axis_tolerance: how far a stated orientation may be left to pass exactly through the wrist
             singularity [rad].
@@ -59,15 +64,26 @@ def plan_path(
         torque_rate: limit of the change of the torque, dry friction apart, for all axes or for each
             [Nm/s]. The torque then starts and ends at what holds the arm.
         jerk: limit of the change of the joints' acceleration, for all axes or for each [rad/s3].
+        cell: what stands around the arm and must not be touched. The arm itself is looked at
+            always, if its file says what space it takes up.
+        tool: name of a tool of the cell; default what the robot file describes.
         progress: called with the name of each stage as it begins, and within long ones with how far
             they are.
 
     Raises:
         InputError: an argument or the path itself is wrong.
         UnreachableError: no configuration or no continuous motion; says at which point.
+        CollisionError: no motion can be shown free of collisions; says what touches what, where.
         InfeasibleError: the torque limits leave no motion; says where.
     """
-    options = PlanOptions(rate, free_tool_rotation, work_frame, tolerance, axis_tolerance)
+    if tool is not None and cell is None:
+        raise InputError(f"tool {tool!r} is one of a cell: expected a cell, too (cell=, --cell)")
+    chosen = None if tool is None or cell is None else cell.tool(tool)
+    if work_frame is None and cell is not None:
+        work_frame = cell.work_frame
+    options = PlanOptions(
+        rate, free_tool_rotation, work_frame, tolerance, axis_tolerance, cell, chosen
+    )
     timed = TimingOptions.of(robot, timing, cells, limits, torque_rate, jerk)
     return _planned(robot, path, options, timed, StageClock(progress))
 
@@ -77,13 +93,17 @@ def _planned(
 ) -> Plan:
     """Shape the curve, choose ways to follow it, time them, certify the best, report it."""
     with clock.stage("model"):
-        dynamics = path_dynamics(robot)
+        tool = options.tool
+        dynamics = path_dynamics(robot if tool is None else with_tool(robot, tool))
         model = dynamics.model
+        scene = Scene.of(model, robot, options.cell, tool)
         spindle = np.array((0.0, 0.0, 1.0) if robot.tool is None else robot.tool.spindle_axis)
     with clock.stage("curve"):
         orientation = shape_path(path, spindle, options.tolerance, options.work_frame)
     with clock.stage("branch and rotation") as told:
-        found = list(_counted(choices(model, orientation, options.free_tool_rotation), told))
+        found = list(
+            _counted(choices(model, orientation, options.free_tool_rotation, scene=scene), told)
+        )
     with clock.stage("timing") as told:
         timed = time_choices(dynamics, orientation, found, timing, told)
         ranked = best_first(timed, options.axis_tolerance)
