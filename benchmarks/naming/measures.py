@@ -80,8 +80,9 @@ def _payload_named(lines: Sequence[Line]) -> str:
 
 
 def _moved(lines: Sequence[Line]) -> str:
-    """On payloads it is wanted, on clean arms it is the price."""
-    judged = [x for x in lines if not x["truth"] or x["case"].startswith("payload/")]
+    """On payloads it is wanted, on clean arms it is the price; the baseline says nothing of it."""
+    judged = [x for x in lines if "left" in x]
+    judged = [x for x in judged if not x["truth"] or x["case"].startswith("payload/")]
     return _count(sum(moved(x) for x in judged), len(judged))
 
 
