@@ -8,6 +8,8 @@ import numpy as np
 
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.planners.timing.sampled_reference.interpolation import Interpolation
+from irb2400_ctrl.planners.timing.sampled_reference.sampling import Sampling
 
 
 @dataclass(frozen=True)
@@ -27,6 +29,8 @@ class PlanOptions:
     """how far corners of the polygon may be cut [m]"""
     axis_tolerance: float
     """how far a stated orientation may be left at the wrist singularity [rad]"""
+    interpolation: Interpolation
+    """how the rows of the trajectory are read"""
 
     def __post_init__(self) -> None:
         if not np.isfinite(self.rate) or self.rate <= 0:
@@ -35,3 +39,8 @@ class PlanOptions:
             )
         if not np.isfinite(self.tolerance) or self.tolerance <= 0:
             raise InputError(f"tolerance: found {self.tolerance} m, expected a positive length")
+
+    @property
+    def sampling(self) -> Sampling:
+        """How the motion is written and read."""
+        return Sampling(self.rate, self.interpolation)

@@ -17,7 +17,18 @@ from irb2400_ctrl.planners.redundancy.choices import Choice, choices
 from irb2400_ctrl.planners.stage_clock import Progress, StageClock
 from irb2400_ctrl.planners.timing.motion_limits import MotionLimits
 from irb2400_ctrl.planners.timing.price_remedies import price_remedies
-from irb2400_ctrl.planners.timing.time_choices import best_first, limit_rates, time_choices
+from irb2400_ctrl.planners.timing.sampled_reference.interpolation import (
+    DEFAULT,
+)
+from irb2400_ctrl.planners.timing.sampled_reference.interpolation import (
+    interpolation as checked,
+)
+from irb2400_ctrl.planners.timing.time_choices import (
+    best_first,
+    limit_rates,
+    settle,
+    time_choices,
+)
 from irb2400_ctrl.planners.timing.timing_options import Backend, TimingOptions
 from irb2400_ctrl.planners.toolpath.orientation import shape_path
 from irb2400_ctrl.planners.toolpath.toolpath import ToolPath
@@ -38,6 +49,8 @@ def plan_path(
     limits: MotionLimits | None = None,
     torque_rate: ArrayLike | None = None,
     jerk: ArrayLike | None = None,
+    torque_share: float = 1.0,
+    interpolation: str = DEFAULT,
     progress: Progress | None = None,
 ) -> Plan:
     """The fastest motion along a tool path, rest to rest, clear of singularities and within the
@@ -57,8 +70,12 @@ def plan_path(
         cells: smallest number of grid cells of the timing.
         limits: other limits than the robot's.
         torque_rate: limit of the change of the torque, dry friction apart, for all axes or for each
-            [Nm/s]. The torque then starts and ends at what holds the arm.
+            [Nm/s]. The torque then starts and ends at what holds the arm. None takes what rows at
+            the rate can follow; inf lets it jump.
         jerk: limit of the change of the joints' acceleration, for all axes or for each [rad/s3].
+        torque_share: part of the torque limits that is used, 0.9 for 90 %.
+        interpolation: how the controller reads the rows, "cubic" or "linear" (see `Interpolation`):
+            what is guaranteed is guaranteed of that.
         progress: called with the name of each stage as it begins, and within long ones with how far
             they are.
 
@@ -67,8 +84,12 @@ def plan_path(
         UnreachableError: no configuration or no continuous motion; says at which point.
         InfeasibleError: the torque limits leave no motion; says where.
     """
-    options = PlanOptions(rate, free_tool_rotation, work_frame, tolerance, axis_tolerance)
-    timed = TimingOptions.of(robot, timing, cells, limits, torque_rate, jerk)
+    options = PlanOptions(
+        rate, free_tool_rotation, work_frame, tolerance, axis_tolerance, checked(interpolation)
+    )
+    timed = TimingOptions.of(
+        robot, timing, cells, limits, torque_rate, jerk, options.sampling, torque_share
+    )
     return _planned(robot, path, options, timed, StageClock(progress))
 
 
@@ -91,8 +112,10 @@ def _planned(
     if timing.limits.smooth:
         with clock.stage("smooth timing"):
             best = limit_rates(dynamics, ranked, timing)
+    with clock.stage("rows"):
+        best, settled = settle(dynamics, best, timing)
     with clock.stage("check"):
-        bounds = certify(dynamics, orientation, best, timing)
+        bounds = certify(dynamics, orientation, best, settled, timing)
     with clock.stage("remedies"):
         remedies = price_remedies(
             dynamics, orientation, timed, best, options.axis_tolerance, timing
@@ -106,7 +129,7 @@ def _planned(
             bounds,
             remedies,
             timing,
-            options.rate,
+            settled.reference,
             clock.seconds,
         )
 
