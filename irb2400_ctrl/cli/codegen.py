@@ -35,6 +35,10 @@ def codegen(
     sample_time: Annotated[
         float, typer.Option(help="Seconds between two steps.", min=1e-5, max=0.1)
     ] = 0.001,
+    optimise: Annotated[
+        Literal["cycles", "size"],
+        typer.Option(help="What the compiler is asked for on a processor."),
+    ] = "cycles",
 ) -> None:
     """Write a controller as one C99 file and one header, build it for the target and verify it
     there."""
@@ -45,6 +49,8 @@ def codegen(
 
     block = make_controller(controller, load_arm(robot), sample_time=sample_time)
     with step(f"generating {controller} for {target.value}"):
-        verification = export_package(block, out, target=target.value, real=precision)
+        verification = export_package(
+            block, out, target=target.value, real=precision, optimise=optimise
+        )
     print(verification.table())
     print(f"written: {out}")

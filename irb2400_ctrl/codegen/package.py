@@ -12,6 +12,7 @@ from irb2400_ctrl.codegen import package_pages
 from irb2400_ctrl.codegen.block import Block, Field
 from irb2400_ctrl.codegen.build import Real
 from irb2400_ctrl.codegen.c_text import indented, is_symmetric, plain
+from irb2400_ctrl.codegen.cmake_pages import build_files
 from irb2400_ctrl.codegen.emit import emit_body
 from irb2400_ctrl.codegen.graph import Bounds, Graph, read_graph, without_saturation
 from irb2400_ctrl.codegen.input_guard import input_guard, table_owners
@@ -125,8 +126,8 @@ class Package:
             f"{self.name}.h": self.header(),
             f"{self.name}.c": self.source(),
             "main.c": package_pages.main_c(self.block),
-            "CMakeLists.txt": package_pages.cmake(self.name),
             "README.md": package_pages.readme(self.block, self.real),
+            **build_files(self.name, None),
         }
 
     def header(self) -> str:

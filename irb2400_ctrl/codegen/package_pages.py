@@ -40,32 +40,6 @@ int main(void)
 """
 
 
-def cmake(name: str) -> str:
-    """Library and example; `-D<NAME>_SINGLE=0` chooses double."""
-    upper = name.upper()
-    return f"""\
-cmake_minimum_required(VERSION 3.13)
-project({name} C)
-
-add_library({name} STATIC {name}.c)
-target_include_directories({name} PUBLIC ${{CMAKE_CURRENT_SOURCE_DIR}})
-set_target_properties({name} PROPERTIES C_STANDARD 99 C_STANDARD_REQUIRED ON)
-if(DEFINED {upper}_SINGLE)
-  target_compile_definitions({name} PUBLIC {upper}_SINGLE=${{{upper}_SINGLE}})
-endif()
-# the same bits on every machine: no fused multiply-add; roots in hardware: no errno
-if(CMAKE_C_COMPILER_ID MATCHES "GNU|Clang")
-  target_compile_options({name} PRIVATE -ffp-contract=off -fno-math-errno)
-  target_compile_options({name} PRIVATE -Wall -Wextra -Wpedantic -Wconversion -Wdouble-promotion)
-endif()
-
-if(NOT CMAKE_CROSSCOMPILING)
-  add_executable({name}_example main.c)
-  target_link_libraries({name}_example {name})
-endif()
-"""
-
-
 def readme(block: Block, real: str) -> str:
     """How to call the package."""
     return f"{_use(block)}{_fields(block)}{_promises(block.name, real)}"
