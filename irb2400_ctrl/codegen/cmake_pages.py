@@ -47,6 +47,10 @@ set({upper}_FLAGS {host})
   target_compile_options({name} PRIVATE ${{{upper}_FLAGS}})
   target_compile_options({name} PRIVATE -Wall -Wextra -Wpedantic -Wconversion -Wdouble-promotion)
 endif()
+if(CMAKE_CROSSCOMPILING AND CMAKE_C_COMPILER_ID STREQUAL "GNU")
+  # the constant that says where the code comes from stays in flash
+  target_link_libraries({name} INTERFACE -Wl,-u,{name}_provenance)
+endif()
 
 if(NOT CMAKE_CROSSCOMPILING)
   add_executable({name}_example main.c)

@@ -10,6 +10,7 @@ from pathlib import Path
 
 from irb2400_ctrl.codegen.cycles import Instruction, read_listing
 from irb2400_ctrl.codegen.package import Package
+from irb2400_ctrl.codegen.provenance import stamped
 from irb2400_ctrl.codegen.targets import FLAGS, LINK_FLAGS, START_UP_FLAGS, Target
 from irb2400_ctrl.codegen.toolchain import run_tool
 from irb2400_ctrl.errors import ToolMissingError
@@ -140,7 +141,8 @@ def _sizes(listing: str) -> tuple[int, int]:
 
 def firmware_files(package: Package) -> dict[str, str]:
     """Start-up code and linker script around a package: file name -> text."""
-    return {"firmware.c": _start_up(package.name), "firmware.ld": _linker_script()}
+    texts = {"firmware.c": _start_up(package.name), "firmware.ld": _linker_script()}
+    return stamped(texts, package.name, package.provenance)
 
 
 def _start_up(name: str) -> str:
@@ -185,7 +187,7 @@ void reset(void)
     for (uint32_t *to = bss_start; to < bss_end; to++) {{
         *to = 0u;
     }}
-    {name}_init(&state, &{name}_default_parameters);
+    status = {name}_init(&state, &{name}_default_parameters);
     idle();
 }}
 
@@ -209,7 +211,11 @@ MEMORY {{
 }}
 ENTRY(reset)
 SECTIONS {{
-    .text : {{ KEEP(*(.vectors)) *(.text*) *(.rodata*) . = ALIGN(8); }} > FLASH
+    .text : {{
+        KEEP(*(.vectors))
+        KEEP(*(.rodata.*_provenance))
+        *(.text*) *(.rodata*) . = ALIGN(8);
+    }} > FLASH
     data_load = LOADADDR(.data);
     .data : {{ data_start = .; *(.data*) . = ALIGN(8); data_end = .; }} > RAM AT > FLASH
     .bss (NOLOAD) : {{ bss_start = .; *(.bss*) *(COMMON) . = ALIGN(8); bss_end = .; }} > RAM

@@ -32,8 +32,8 @@ int main(void)
     {name}_state_t state;
     const {name}_input_t input = {{ {rows} }};
     {name}_output_t output;
-    {name}_init(&state, &{name}_default_parameters);
-    const uint32_t status = {name}_step(&state, &input, &{name}_default_parameters, &output);
+    uint32_t status = {name}_init(&state, &{name}_default_parameters);
+    status |= {name}_step(&state, &input, &{name}_default_parameters, &output);
     (void)printf("status %u, {first.name}[0] = %g {first.unit}\\n", (unsigned)status, (double)output.{first.name}[0]);
     return (int)status;
 }}
@@ -137,5 +137,6 @@ def _table(fields: tuple[Field, ...]) -> str:
             if values
         )
         default = ", ".join(f"{v:g}" for v in f.default)
+        bounds = "judged by the block itself" if f.judged else bounds
         rows.append(f"| `{f.name}[{f.size}]` | {f.unit or '–'} | {f.doc} | {default} | {bounds} |")
     return "\n".join(rows) + "\n"

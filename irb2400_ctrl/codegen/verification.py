@@ -24,6 +24,7 @@ from irb2400_ctrl.codegen.controller import HostController
 from irb2400_ctrl.codegen.emulator import TargetController
 from irb2400_ctrl.codegen.firmware import Firmware, build_firmware, firmware_files
 from irb2400_ctrl.codegen.package import Package
+from irb2400_ctrl.codegen.provenance import stamped
 from irb2400_ctrl.codegen.targets import Goal, Target, find_target
 from irb2400_ctrl.codegen.toolchain import EXACT_FLAGS, find_compiler, run_tool
 from irb2400_ctrl.errors import ToolMissingError
@@ -67,6 +68,8 @@ class Verification:
     """Result of `export_package`; `verification.json` holds the same."""
 
     package: str
+    provenance: dict[str, str]
+    """what the package was made from, as in every file of it"""
     target: str
     real: Real
     sample_time_s: float
@@ -157,6 +160,7 @@ def export_package(
     real: Real | None = None,
     *,
     optimise: Goal = "size",
+    name: str | None = None,
     states: int = STATES,
 ) -> Verification:
     """Write a block as a self-contained C package and verify it.
@@ -168,15 +172,19 @@ def export_package(
             emulator.
         real: precision; default float on cortex-m4f, else double.
         optimise: "size" (few instructions, little code) or "cycles" (fast); for a processor.
+        name: prefix of everything in the package, so that one image can hold several; default the
+            block's.
         states: number of random states to compare.
 
     Raises:
         InputError: unknown target, or a block that has no C form.
     """
     processor = None if target == "host" else find_target(target, optimise)
+    block = block if name is None else dataclasses.replace(block, name=name)
     package = Package(block, real or (processor.real if processor else "double"))
     out = Path(out_dir)
-    files = package.files() | build_files(package.name, processor)
+    builds = stamped(build_files(package.name, processor), package.name, package.provenance)
+    files = package.files() | builds
     if processor:
         files |= {f"firmware/{name}": text for name, text in firmware_files(package).items()}
     for name, text in files.items():
@@ -212,6 +220,7 @@ def verify(package: Package, processor: Target | None, states: int = STATES) -> 
                 missing.append(str(error))
     return Verification(
         package=package.name,
+        provenance=dict(package.provenance),
         target=processor.name if processor else "host",
         real=package.real,
         sample_time_s=package.block.sample_time,
