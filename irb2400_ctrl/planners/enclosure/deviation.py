@@ -219,7 +219,7 @@ def _angle_at(sides: Sides, point: Array, k: Integers) -> Array:
     t = to_segment(point, start, end)[1]
     line = (start + t[:, None] * (end - start))[:, 3:]
     sine = np.linalg.norm(np.cross(point[:, 3:], line), axis=1)
-    return np.arctan2(sine, (point[:, 3:] * line).sum(axis=1))
+    return np.asarray(np.arctan2(sine, (point[:, 3:] * line).sum(axis=1)))
 
 
 def _both(position: Enclosed, axis: Enclosed) -> Array:
