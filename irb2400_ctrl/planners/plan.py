@@ -11,6 +11,7 @@ import numpy as np
 
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.files import write_atomic
+from irb2400_ctrl.planners.clearance.clearance import unknown
 from irb2400_ctrl.planners.timing.certificate import Certificate
 from irb2400_ctrl.planners.timing.sampled_reference import SampledReference
 from irb2400_ctrl.planners.timing.sampled_reference.interpolation import DEFAULT, Interpolation
@@ -60,6 +61,9 @@ class Plan:
     branch: int
     rotation: Array
     """free tool rotation at the rows of the trajectory [rad]"""
+    clearance: dict[str, Any] = field(default_factory=lambda: unknown("not asked for"))
+    """smallest distance over the continuous path [mm], between which bodies, where; or why it is
+    not known"""
     interpolation: Interpolation = DEFAULT
     """how the controller reads the rows"""
     torque_share: float = 1.0
@@ -103,6 +107,7 @@ class Plan:
             "max_tcp_deviation_mm": 1e3 * self.max_tcp_deviation,
             "max_tool_axis_deviation_deg": float(np.degrees(self.max_tool_axis_deviation)),
             "singularity_margin": self.singularity_margin,
+            "clearance_mm": self.clearance,
             "max_torque_ratio": self.max_torque_ratio,
             "max_velocity_ratio": self.max_velocity_ratio,
             "max_feed_ratio": self.max_feed_ratio,
