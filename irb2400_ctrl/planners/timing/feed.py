@@ -43,27 +43,6 @@ def feed_bound(tcp: TcpPath, by_piece: Array) -> FeedBound:
     return bound
 
 
-def reached_early(bound: FeedBound, tcp: TcpPath, by_piece: Array, rate: float) -> FeedBound:
-    """The same where a lower feed holds two rows before its place, and two rows longer: a cubic
-    between rows swings about a speed that changes its slope within them."""
-    knots = tcp.joints.knots
-    change = np.flatnonzero(by_piece[1:] != by_piece[:-1])
-    low = np.minimum(by_piece[change], by_piece[change + 1])
-
-    def earlier(s: Array) -> Array:
-        found = np.array(bound(s))
-        if not len(change):
-            return found
-        fastest = np.maximum(tcp.enclosed_velocity(s).size, 1e-9)
-        for place, feed in zip(knots[change + 1], low, strict=True):
-            begin, end = np.searchsorted(s, [place - 2 * feed / rate, place + 2 * feed / rate])
-            cells = slice(max(begin - 1, 0), end)
-            found[cells] = np.minimum(found[cells], (feed / fastest[cells]) ** 2)
-        return found
-
-    return earlier
-
-
 def feed_ratio(tcp: TcpPath, by_piece: Array, law: TimeLaw, places: JointPath) -> float | None:
     """Upper bound of the TCP's speed over the feed, at all times; None where no feed is
     programmed.

@@ -106,7 +106,7 @@ def limit_rates(
                 path.joints,
                 limits,
                 count=count,
-                feed=path.feed_for_rows(options.sampling.rate),
+                feed=path.feed,
                 sampling=options.sampling,
             ).law
         except InfeasiblePointError as error:
