@@ -14,6 +14,7 @@ from irb2400_ctrl.cli.options import (
     ColumnsOption,
     OutOption,
     RobotOption,
+    UncertaintyOption,
     input_file,
     load_arm,
     output_folder,
@@ -71,6 +72,7 @@ def diagnose(
     reference: ReferenceOption = None,
     robot: RobotOption = "irb2400",
     columns: ColumnsOption = None,
+    uncertainty: UncertaintyOption = None,
     close_loop: CloseLoopOption = False,
     controller: ControllerOption = "feedforward_pid",
     as_json: JsonOption = False,
@@ -91,20 +93,26 @@ def diagnose(
     from irb2400_ctrl.measurement import read_log
     from irb2400_ctrl.report.diagnosis_report import diagnosis_page, lines
 
-    arm = load_arm(robot)
+    arm = load_arm(robot, uncertainty)
     if close_loop:
         from irb2400_ctrl.controllers import controller as make_controller
 
         make_controller(controller, arm)  # a wrong name is to be said before the long work
     with step(f"reading {logs[0].name if len(logs) == 1 else f'{len(logs)} logs'}"):
-        read = read_logs(logs, columns)
-        other = None if validate is None else read_log(validate, columns=columns)
+        read = read_logs(logs, columns, arm.joint_names)
+        other = (
+            None if validate is None else read_log(validate, columns=columns, names=arm.joint_names)
+        )
     with step("comparing log and model"):
         result = _diagnosed(arm, read.logs, other, reference or [], columns)
         result = replace(result, left_out=(*read.left_out, *result.left_out))
     say_left_out(result.left_out)
     page = diagnosis_page(result, title=f"Diagnosis of {_name(logs)}")
     text = lines(result)
+    if arm.identified is None:
+        text.append(f"prior of the robot file: {arm.uncertainty.says()}")
+    else:
+        text.append("prior of the robot file: the covariance of its identification")
     written = ["findings.json", "robot.toml", "report.html"]
     if close_loop and result.log_problem is None:
         with step("closing the loop"):
@@ -143,7 +151,7 @@ def _diagnosed(
         )
     if robots:
         return diagnose_change(arm, logs, load_robot(str(robots[0])), validation)
-    before = read_logs(reference, columns)
+    before = read_logs(reference, columns, arm.joint_names)
     say_left_out(before.left_out)
     return diagnose_change(arm, logs, before.logs, validation)
 

@@ -25,7 +25,9 @@ class ReadLogs:
     left_out: list[LeftOut]
 
 
-def read_logs(paths: Sequence[Path], columns: Path | None) -> ReadLogs:
+def read_logs(
+    paths: Sequence[Path], columns: Path | None, names: Sequence[str] | None = None
+) -> ReadLogs:
     """Read logs; of several one that cannot be read is left out.
 
     Raises:
@@ -39,7 +41,7 @@ def read_logs(paths: Sequence[Path], columns: Path | None) -> ReadLogs:
     left_out = []
     for path in paths:
         try:
-            logs.append(read_log(input_file(path, WHAT), columns=columns))
+            logs.append(read_log(input_file(path, WHAT), columns=columns, names=names))
         except InputError as error:
             if len(paths) == 1:
                 raise
