@@ -69,11 +69,11 @@ def test_numbers_of_one_name_are_one_line() -> None:
     numbers = [number(f"joint {j}", "coulomb_Nm", 10.0, 10.0 + j) for j in (2, 3)]
     numbers.append(number("tool", "mass_kg", 20.0, 23.0))
     assert number_lines(numbers) == [
-        "coulomb_Nm of joints 2 and 3: +20 to +30 %",
-        "mass_kg of tool: 20 -> 23 ± 0.1 (+15 %)",
+        "Coulomb friction [Nm] of joints 2 and 3: +20 to +30 %",
+        "mass [kg] of tool: 20 -> 23 ± 0.1 (+15 %)",
     ]
     lacking = [number(f"joint {j}", "rotor_kgm2", None, 0.5 * j) for j in (2, 1)]
-    assert number_lines(lacking) == ["rotor_kgm2 of joints 1 and 2: 0.5, 1"]
+    assert number_lines(lacking) == ["rotor inertia [kg m2] of joints 1 and 2: 0.5, 1"]
 
 
 def test_what_the_reference_leaves_itself_has_not_changed() -> None:
