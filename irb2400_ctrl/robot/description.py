@@ -23,6 +23,7 @@ from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.robot.identified import Identified
 from irb2400_ctrl.robot.joint import Joint, MotorCoupling
 from irb2400_ctrl.robot.link import Coupling, Link, ModifiedDH, Tool, Transform
+from irb2400_ctrl.robot.outline import Outline
 from irb2400_ctrl.robot.table import Table, Vector3
 from irb2400_ctrl.robot.uncertainty import Uncertainty
 
@@ -45,6 +46,7 @@ class Robot(Table):
     flange: ModifiedDH | Transform
     tool: Tool | None = None
     motor_coupling: MotorCoupling | None = None
+    outline: Outline | None = None
     uncertainty: Uncertainty = Uncertainty()
     identified: Identified | None = None
     effects: tuple[AnyEffect, ...] = ()
@@ -69,6 +71,9 @@ class Robot(Table):
         bodies = {"tool", *(link.name for link in self.links)}
         for name in sorted(set(self.uncertainty.links) - bodies):
             problems.append(f"uncertainty.links.{name}: no such link")
+        if self.outline is not None:
+            unknown = self.outline.unknown_bodies([link.name for link in self.links])
+            problems += [f"outline: no link is called {name!r}" for name in unknown]
         for effect in self.effects:
             allowed = list(LIBRARY[effect.kind].joints(n))
             if effect.joint not in allowed:
@@ -150,6 +155,13 @@ class Robot(Table):
         """Torque limits [Nm], infinite where the file states none, shape (n,)."""
         limits = [joint.limits.torque_Nm for joint in self.joints]
         return _read_only(np.array([np.inf if value is None else value for value in limits]))
+
+    @cached_property
+    def qd_bound(self) -> Array:
+        """Speed limits [rad/s], infinite where the file states none, shape (n,)."""
+        limits = [joint.limits.speed_deg_s for joint in self.joints]
+        known = [np.inf if value is None else value for value in limits]
+        return _read_only(np.radians(known))
 
     def _stated(self, key: str, what: str, unit: str) -> Array:
         """A limit of all joints; says which joints lack it and how to state it."""

@@ -98,8 +98,8 @@ def test_deviation_is_an_upper_bound_and_sharp(name: str) -> None:
     assert position <= plan.max_tcp_deviation + 1e-12
     assert axis <= plan.max_tool_axis_deviation + 1e-12
     # the way-points' distance from the motion counts, too: look at the motion finely
-    tip = TcpPath(MODEL, plan.certificate.path, SPINDLE)
-    fine = tip.pose(np.linspace(0, plan.certificate.path.length, 40_001))[0]
+    places = plan.reference.places
+    fine = TcpPath(MODEL, places, SPINDLE).pose(np.linspace(0, places.length, 40_001))[0]
     corner = max(np.linalg.norm(fine - p, axis=1).min() for p in plan.path.position)
     assert plan.max_tcp_deviation <= 1.01 * max(position, corner) + 2e-7
     assert plan.max_tool_axis_deviation <= 1.02 * axis + 2e-5
@@ -107,7 +107,7 @@ def test_deviation_is_an_upper_bound_and_sharp(name: str) -> None:
 
 def looked_at(plan: Plan) -> tuple[float, float]:
     """Distance from the polygon and angle at its nearest place, 20,000 looks over all its sides."""
-    path = plan.certificate.path
+    path = plan.reference.places
     tip = TcpPath(MODEL, path, SPINDLE)
     s = np.linspace(path.knots[0], path.knots[-1], 20_001)
     p, axis = tip.pose(s)
