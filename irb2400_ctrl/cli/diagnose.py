@@ -82,7 +82,7 @@ def diagnose(
 
     A log that is not what its columns say gets the verdict log_not_understood and exit code 0: that
     is an answer (`irb2400 log check` exits 2). With several logs the exit code is 0 as soon as one
-    can be used, and 2 when none can."""
+    can be used, and 2 when none can be read."""
     if len(logs) == 1:
         input_file(logs[0], WHAT)
     for path in (validate, *(reference or [])):
@@ -109,10 +109,7 @@ def diagnose(
     say_left_out(result.left_out)
     page = diagnosis_page(result, title=f"Diagnosis of {_name(logs)}")
     text = lines(result)
-    if arm.identified is None:
-        text.append(f"prior of the robot file: {arm.uncertainty.says()}")
-    else:
-        text.append("prior of the robot file: the covariance of its identification")
+    text.append(f"prior of the robot file: {_prior(arm)}")
     written = ["findings.json", "robot.toml", "report.html"]
     if close_loop and result.log_problem is None:
         with step("closing the loop"):
@@ -154,6 +151,11 @@ def _diagnosed(
     before = read_logs(reference, columns, arm.joint_names)
     say_left_out(before.left_out)
     return diagnose_change(arm, logs, before.logs, validation)
+
+
+def _prior(arm: Robot) -> str:
+    identified = arm.identified is not None
+    return "the covariance of its identification" if identified else arm.uncertainty.says()
 
 
 def _name(logs: list[Path]) -> str:

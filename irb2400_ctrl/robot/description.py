@@ -156,6 +156,13 @@ class Robot(Table):
         limits = [joint.limits.torque_Nm for joint in self.joints]
         return _read_only(np.array([np.inf if value is None else value for value in limits]))
 
+    @cached_property
+    def qd_bound(self) -> Array:
+        """Speed limits [rad/s], infinite where the file states none, shape (n,)."""
+        limits = [joint.limits.speed_deg_s for joint in self.joints]
+        known = [np.inf if value is None else value for value in limits]
+        return _read_only(np.radians(known))
+
     def _stated(self, key: str, what: str, unit: str) -> Array:
         """A limit of all joints; says which joints lack it and how to state it."""
         values = [getattr(joint.limits, key) for joint in self.joints]
