@@ -70,7 +70,8 @@ class Finding:
         share: rms torque of the effect over the rms torque of each joint, shape (n,).
         list: what every robot has and the file lacks, what is special here, or what changed.
         validation_gain: per cent by which the rms error on unseen stretches of the log falls
-            because this name is in, on the joint where it shows most.
+            because this name is in, on the joint where it shows most; None where none were held
+            out.
         body: of a body, beside an uncertain base and given the file's; None for other effects.
     """
 
@@ -83,8 +84,8 @@ class Finding:
     share: Array
     curve: Curve
     list: FindingList
-    validation_gain: float
     body: BodyEstimates | None = None
+    validation_gain: float | None = None
 
     @property
     def sentence(self) -> str:
@@ -101,6 +102,9 @@ class Finding:
     def to_json(self) -> dict[str, Any]:
         """As in findings.json."""
         body = {} if self.body is None else {"body": self.body.to_json()}
+        gain = {}
+        if self.validation_gain is not None:
+            gain["validation_gain_percent"] = round(self.validation_gain, 2)
         return {
             "kind": self.effect.kind,
             "joint": self.effect.joint,
@@ -113,7 +117,7 @@ class Finding:
             "measure_next": self.splits,
             "log_evidence": round(self.gain, 1),
             "margin": round(self.margin, 1),
-            "validation_gain_percent": round(self.validation_gain, 2),
+            **gain,
             "share_of_torque": [round(float(v), 5) for v in self.share],
             **body,
         }

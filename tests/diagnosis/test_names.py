@@ -107,5 +107,6 @@ def test_a_name_says_what_it_is_worth_on_unseen_stretches() -> None:
     found = diagnose(ROBOT, with_torque(4, 6.0 * np.sin(12.0 * sound().q[:, 3])))
     (finding,) = found.findings
     assert finding.effect.kind == "gear_ripple"
+    assert finding.validation_gain is not None
     assert finding.validation_gain > 30.0
     assert finding.to_json()["validation_gain_percent"] == round(finding.validation_gain, 2)

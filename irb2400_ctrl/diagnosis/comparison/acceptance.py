@@ -14,6 +14,7 @@ from irb2400_ctrl.diagnosis.estimation.effect_parameters import value_of, with_v
 from irb2400_ctrl.diagnosis.estimation.evidence import Problem
 from irb2400_ctrl.diagnosis.estimation.fit import Fit, Fitter
 from irb2400_ctrl.diagnosis.estimation.held_out import HeldOut
+from irb2400_ctrl.diagnosis.regressors.predict import effect_torque
 
 STANDARD_ERRORS = 3.0
 """that some size of an effect stands away from nothing"""
@@ -75,11 +76,25 @@ class Acceptance:
         return bool(gain[self._shown(candidate)] > 0.0)
 
     def gains(self, steps: Sequence[Step], fit: Fit) -> list[Array]:
-        """`HeldOut.gain` of each [%]."""
+        """`HeldOut.gain` of each [%]; `gain_of` where other numbers of the robot could say the
+        same."""
         if not steps:
             return []
-        held_out = HeldOut(self.fitter, [s.candidate for s in steps], fit)
-        return [held_out.gain(place) for place in range(len(steps))]
+        chosen = [s.candidate for s in steps]
+        held_out = HeldOut(self.fitter, chosen, fit)
+        found = []
+        for place, candidate in enumerate(chosen):
+            if not candidate.known or self._beyond_base(candidate, fit):
+                found.append(held_out.gain(place))
+                continue
+            torque = np.zeros_like(fit.y)
+            for k in effects_of(chosen, place):
+                effect = fit.effects[k]
+                torque += effect_torque(
+                    self.fitter.bases, effect, self.fitter.motion, filtered=True
+                )
+            found.append(held_out.gain_of(torque))
+        return found
 
     def _shown(self, candidate: Candidate) -> int:
         """The joint (zero-based) on which a candidate shows most."""

@@ -33,19 +33,30 @@ class HeldOut:
         self.chosen = chosen
         self.fit = fit
         self.fold = folds(fitter.motion.row_time)
-        self.squares = self._squares(fit)
-        """held-out sum of squares of each joint with everything in, shape (n,) [Nm2]"""
+        self.left = self._left(fit)
+        """held-out residual with everything in, shape (rows, n) [Nm]"""
 
     def gain(self, place: int) -> Array:
         """Per cent by which the held-out rms of each joint falls because one of `chosen` is in,
         shape (n,); negative where the name only makes it worse."""
         others = [c for k, c in enumerate(self.chosen) if k != place]
         without = self.fitter.fit(others)
-        ratio = self.squares / np.maximum(self._squares(without), 1e-12)
-        return np.asarray(100.0 * (1.0 - np.sqrt(ratio)))
+        return self._gain(self._left(without))
 
-    def _squares(self, fit: Fit) -> Array:
-        """Sum of squares of what ridge regression on the other folds leaves, shape (n,)."""
+    def gain_of(self, torque: Array) -> Array:
+        """The same for a torque (rows, n) [Nm] that other numbers of the robot could take in, were
+        they not held where they are."""
+        return self._gain(self.left + torque)
+
+    def _gain(self, without: Array) -> Array:
+        known = self.fitter.motion.row_known
+        before, after = (
+            np.sum(np.where(known, left, 0.0) ** 2, axis=0) for left in (without, self.left)
+        )
+        return np.asarray(100.0 * (1.0 - np.sqrt(after / np.maximum(before, 1e-12))))
+
+    def _left(self, fit: Fit) -> Array:
+        """What ridge regression on the other folds leaves, shape (rows, n)."""
         y = fit.y
         columns = fit.Z
         precision = np.ones(columns.shape[2])
@@ -71,8 +82,7 @@ class HeldOut:
             b = np.linalg.solve(gram + np.diag(precision), right)
             rows = self.fold == k
             left[rows] = y[rows] - columns[rows] @ b
-        known = self.fitter.motion.row_known
-        return np.asarray(np.sum(np.where(known, left, 0.0) ** 2, axis=0))
+        return left
 
 
 def folds(time: Array) -> npt.NDArray[np.intp]:
