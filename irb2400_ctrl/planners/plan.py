@@ -54,6 +54,8 @@ class Plan:
     branch: int
     rotation: Array
     """free tool rotation at the rows of the trajectory [rad]"""
+    point_times: Array
+    """when each way-point is passed [s], shape (len(path),)"""
     guarantee_note: str = ""
     """why the bound is not guaranteed; empty where it is"""
     alternatives: tuple[dict[str, Any], ...] = ()

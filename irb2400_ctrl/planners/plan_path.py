@@ -2,26 +2,32 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.model import Model
 from irb2400_ctrl.planners.certify import certify
 from irb2400_ctrl.planners.enclosure.path_dynamics import path_dynamics
 from irb2400_ctrl.planners.plan import Plan
 from irb2400_ctrl.planners.plan_options import PlanOptions
 from irb2400_ctrl.planners.plan_report import report
-from irb2400_ctrl.planners.redundancy.choices import Choice, choices
+from irb2400_ctrl.planners.redundancy.choice import Choice
+from irb2400_ctrl.planners.redundancy.choices import choices
+from irb2400_ctrl.planners.redundancy.way_out import WayOut
 from irb2400_ctrl.planners.stage_clock import Progress, StageClock
 from irb2400_ctrl.planners.timing.motion_limits import MotionLimits
 from irb2400_ctrl.planners.timing.price_remedies import price_remedies
 from irb2400_ctrl.planners.timing.time_choices import best_first, limit_rates, time_choices
 from irb2400_ctrl.planners.timing.timing_options import Backend, TimingOptions
-from irb2400_ctrl.planners.toolpath.orientation import shape_path
+from irb2400_ctrl.planners.toolpath.orientation import Orientation, shape_path
 from irb2400_ctrl.planners.toolpath.toolpath import ToolPath
 from irb2400_ctrl.robot import Robot
+
+Ways = Callable[[Model, Orientation], Iterable[Choice]]
+"""the joint paths that are compared for a tool path"""
 
 
 def plan_path(
@@ -38,6 +44,7 @@ def plan_path(
     limits: MotionLimits | None = None,
     torque_rate: ArrayLike | None = None,
     jerk: ArrayLike | None = None,
+    way_out: WayOut | None = None,
     progress: Progress | None = None,
 ) -> Plan:
     """The fastest motion along a tool path, rest to rest, clear of singularities and within the
@@ -59,6 +66,7 @@ def plan_path(
         torque_rate: limit of the change of the torque, dry friction apart, for all axes or for each
             [Nm/s]. The torque then starts and ends at what holds the arm.
         jerk: limit of the change of the joints' acceleration, for all axes or for each [rad/s3].
+        way_out: lines from the ends of the path that the arm has to reach along as well.
         progress: called with the name of each stage as it begins, and within long ones with how far
             they are.
 
@@ -69,13 +77,29 @@ def plan_path(
     """
     options = PlanOptions(rate, free_tool_rotation, work_frame, tolerance, axis_tolerance)
     timed = TimingOptions.of(robot, timing, cells, limits, torque_rate, jerk)
-    return _planned(robot, path, options, timed, StageClock(progress))
+    return plan_ways(
+        robot,
+        path,
+        lambda model, orientation: choices(model, orientation, free_tool_rotation, way_out=way_out),
+        options,
+        timed,
+        StageClock(progress),
+    )
 
 
-def _planned(
-    robot: Robot, path: ToolPath, options: PlanOptions, timing: TimingOptions, clock: StageClock
+def plan_ways(
+    robot: Robot,
+    path: ToolPath,
+    ways: Ways,
+    options: PlanOptions,
+    timing: TimingOptions,
+    clock: StageClock,
 ) -> Plan:
-    """Shape the curve, choose ways to follow it, time them, certify the best, report it."""
+    """Shape the curve, time the ways to follow it, certify the best, report it.
+
+    Raises:
+        UnreachableError, InfeasibleError: as `plan_path`.
+    """
     with clock.stage("model"):
         dynamics = path_dynamics(robot)
         model = dynamics.model
@@ -83,7 +107,7 @@ def _planned(
     with clock.stage("curve"):
         orientation = shape_path(path, spindle, options.tolerance, options.work_frame)
     with clock.stage("branch and rotation") as told:
-        found = list(_counted(choices(model, orientation, options.free_tool_rotation), told))
+        found = list(_counted(ways(model, orientation), told))
     with clock.stage("timing") as told:
         timed = time_choices(dynamics, orientation, found, timing, told)
         ranked = best_first(timed, options.axis_tolerance)

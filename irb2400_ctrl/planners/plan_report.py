@@ -11,9 +11,12 @@ from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.planners.certify import PlanBounds
 from irb2400_ctrl.planners.enclosure.path_dynamics import PathDynamics
+from irb2400_ctrl.planners.enclosure.tcp_path import TcpPath
 from irb2400_ctrl.planners.plan import Plan
 from irb2400_ctrl.planners.redundancy.wrist_remedies import Remedy, taken
+from irb2400_ctrl.planners.timing.passing_times import passing_times, point_lengths
 from irb2400_ctrl.planners.timing.time_choices import TimedChoice
+from irb2400_ctrl.planners.timing.time_law import TimeLaw
 from irb2400_ctrl.planners.timing.timing_options import TimingOptions
 from irb2400_ctrl.planners.toolpath.orientation import Orientation
 from irb2400_ctrl.trajectory import Trajectory
@@ -47,7 +50,7 @@ def report(
     """
     tcp = chosen.path.tcp
     choice = chosen.choice
-    trajectory, s = _rows(dynamics, chosen, rate)
+    trajectory, s = law_rows(dynamics, chosen.law, tcp, rate)
     return Plan(
         robot=dynamics.model.robot,
         path=orientation.curve.path,
@@ -68,6 +71,9 @@ def report(
         chosen=choice.kind,
         branch=choice.branch,
         rotation=choice.rotation(s),
+        point_times=passing_times(
+            chosen.law, point_lengths(orientation.curve, chosen.path.followed)
+        ),
         alternatives=tuple(_compared(option) for option in timed),
         passages=tuple(_passages(chosen)),
         remedies=tuple(remedy.summary() for remedy in remedies),
@@ -75,16 +81,18 @@ def report(
     )
 
 
-def _rows(dynamics: PathDynamics, chosen: TimedChoice, rate: float) -> tuple[Trajectory, Array]:
+def law_rows(
+    dynamics: PathDynamics, law: TimeLaw, tcp: TcpPath, rate: float
+) -> tuple[Trajectory, Array]:
     """Rows at k / rate up to the first one at or after the end, and where on the joint path they
     are."""
-    rows = int(np.ceil(chosen.law.duration * rate - 1e-9)) + 1
+    rows = int(np.ceil(law.duration * rate - 1e-9)) + 1
     if rows > _MOST_ROWS:
         raise InputError(f"rate: {rate} rows per second make {rows} rows; expected a lower rate")
     t = np.arange(rows) / rate
-    s, q, qd, qdd = chosen.law.motion(chosen.path.joints, t)
+    s, q, qd, qdd = law.motion(tcp.joints, t)
     tau = dynamics.torque(q, qd, qdd, t)
-    way = chosen.path.tcp.way(s)
+    way = tcp.way(s)
     return Trajectory(t, q, qd, qdd, tau, way, check_speeds=False), s
 
 

@@ -3,62 +3,48 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
 
 import numpy as np
 
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.errors import UnreachableError
 from irb2400_ctrl.model import Model
+from irb2400_ctrl.planners.redundancy.choice import (
+    Choice,
+    RotationLaw,
+    continuous_margins,
+    stay_inside,
+)
 from irb2400_ctrl.planners.redundancy.follow import (
-    Followed,
     JointTarget,
     arc_length,
     follow,
     station_parameters,
 )
 from irb2400_ctrl.planners.redundancy.ladder_graph import BOX_INSET, FREE_SHIFTS, Ladder, LadderWay
-from irb2400_ctrl.planners.redundancy.singularity_margins import relative_margins
+from irb2400_ctrl.planners.redundancy.way_out import WayOut
 from irb2400_ctrl.planners.redundancy.wrist_passage import Passing, passings
 from irb2400_ctrl.planners.toolpath.orientation import Orientation
-
-RotationLaw = Callable[[Array], Array]
-"""free rotation [rad] over the length along the path [m]"""
 
 GRID = np.radians(np.arange(0.0, 360.0, 5.0))
 MAX_STATIONS = 600
 
 
-@dataclass(frozen=True)
-class Choice:
-    """A joint path and how it was found."""
-
-    kind: str
-    """"given orientation", "constant rotation" or "free rotation" """
-    branch: int
-    """closed-form branch at the start"""
-    rotation: RotationLaw
-    followed: Followed
-    margins: Array
-    """smallest relative margins (wrist, shoulder, elbow) over the joint path, shape (3,) [-]"""
-    passing: Passing | None = None
-    """how a path of given orientations takes the wrist singularity"""
-
-    @property
-    def margin(self) -> float:
-        """Smallest of the three, leaving out a wrist singularity that the path passes on
-        purpose."""
-        passed = self.passing is not None and len(self.passing.passages) > 0
-        return float(self.margins[1:].min() if passed else self.margins.min())
-
-    @property
-    def turn(self) -> float:
-        """Angle by which the stated orientation is left at most [rad]."""
-        return 0.0 if self.passing is None else self.passing.turn
-
-
-def choices(model: Model, orientation: Orientation, free: bool, keep: int = 3) -> Iterator[Choice]:
+def choices(
+    model: Model,
+    orientation: Orientation,
+    free: bool,
+    keep: int = 3,
+    way_out: WayOut | None = None,
+) -> Iterator[Choice]:
     """Joint paths inside the joint box, the most promising of each kind first.
+
+    Args:
+        model: the arm.
+        orientation: the tool path, placed and smoothed.
+        free: whether the tool may turn about its axis.
+        keep: how many of each kind.
+        way_out: lines from its ends that the arm must reach along, too.
 
     Raises:
         UnreachableError: no way leads through; says at which point, which axis, by how much.
@@ -67,7 +53,10 @@ def choices(model: Model, orientation: Orientation, free: bool, keep: int = 3) -
     held = curve.full and not free
     u = _stations(orientation)
     s = arc_length(curve, u)
-    ladder = Ladder.of(model, orientation, u, np.zeros(1) if held else GRID)
+    rotation = np.zeros(1) if held else GRID
+    ladder = Ladder.of(model, orientation, u, rotation)
+    if way_out is not None:
+        ladder = way_out.kept(ladder, orientation)
     problem: UnreachableError | None = None
     found = False
     options = (
@@ -76,7 +65,9 @@ def choices(model: Model, orientation: Orientation, free: bool, keep: int = 3) -
     for kind, branch, law, target, q_start, passing in options:
         try:
             followed = follow(model, target, q_start)
-            _inside_box(model, followed, target)
+            stay_inside(model, followed, target)
+            if way_out is not None:
+                way_out.check(model, orientation, followed)
         except UnreachableError as error:
             problem = problem or error
             continue
@@ -119,16 +110,6 @@ def _turned(
             yield kind, branch, law, JointTarget.of(orientation, law, branch), way.q_start, None
 
 
-def continuous_margins(model: Model, followed: Followed) -> Array:
-    """Smallest relative margins over the path, sampled four times between stations, shape
-    (3,)."""
-    s = followed.joints.knots
-    fine = np.unique(
-        np.concatenate([s[:-1] + f * np.diff(s) for f in (0, 0.25, 0.5, 0.75)] + [s[-1:]])
-    )
-    return np.asarray(relative_margins(model, followed.joints(fine)).min(axis=0))
-
-
 def _stations(orientation: Orientation) -> Array:
     """Evenly spread stations, at most MAX_STATIONS, ends included."""
     curve = orientation.curve
@@ -158,21 +139,3 @@ def _constant(value: float) -> RotationLaw:
 
 def _spline(spline: Callable[[Array], Array]) -> RotationLaw:
     return lambda s: np.asarray(spline(s))
-
-
-def _inside_box(model: Model, followed: Followed, target: JointTarget) -> None:
-    s = followed.joints.knots
-    fine = np.concatenate([s, (s[:-1] + s[1:]) / 2])
-    u = np.concatenate([followed.u, (followed.u[:-1] + followed.u[1:]) / 2])
-    q = followed.joints(fine)
-    excess = np.maximum(model.robot.q_min - q, q - model.robot.q_max)
-    worst = int(np.argmax(excess.max(axis=1)))
-    axis = int(np.argmax(excess[worst]))
-    if excess[worst, axis] > 0:
-        low, high = np.degrees([model.robot.q_min[axis], model.robot.q_max[axis]])
-        raise UnreachableError(
-            f"near point {target.point(u[worst])} axis {axis + 1} would need "
-            f"{np.degrees(q[worst, axis]):.1f} deg, "
-            f"{np.degrees(excess[worst, axis]):.1f} deg beyond its range {low:.0f} to {high:.0f} "
-            "deg"
-        )

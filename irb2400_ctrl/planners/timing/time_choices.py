@@ -6,17 +6,20 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
+import numpy as np
+
 from irb2400_ctrl.errors import InfeasibleError
 from irb2400_ctrl.planners.enclosure.cells import enclose, grid
 from irb2400_ctrl.planners.enclosure.path_dynamics import PathDynamics
-from irb2400_ctrl.planners.redundancy.choices import Choice
+from irb2400_ctrl.planners.joint_path import JointPath
+from irb2400_ctrl.planners.redundancy.choice import Choice
 from irb2400_ctrl.planners.redundancy.singularity_margins import COMFORTABLE
 from irb2400_ctrl.planners.timing.infeasible_point import InfeasiblePointError
 from irb2400_ctrl.planners.timing.rate_limited.rate_summary import rate_summary
 from irb2400_ctrl.planners.timing.rate_limited.time_rate_limited import time_rate_limited
 from irb2400_ctrl.planners.timing.sampled_timing import time_with_samples
 from irb2400_ctrl.planners.timing.task_path import TaskPath
-from irb2400_ctrl.planners.timing.time_joint_path import time_joint_path
+from irb2400_ctrl.planners.timing.time_joint_path import FeedBound, time_joint_path
 from irb2400_ctrl.planners.timing.time_law import TimeLaw
 from irb2400_ctrl.planners.timing.time_optimal import Timed
 from irb2400_ctrl.planners.timing.timing_options import TimingOptions
@@ -60,7 +63,7 @@ def time_choices(
         progress(f"{100 * number / len(found):.0f} %")
         path = TaskPath.of(dynamics.model, orientation, choice.followed)
         try:
-            law = _fastest(dynamics, path, options).law
+            law = fastest(dynamics, path.joints, options, path.feed).law
             timed.append(TimedChoice(choice, path, law, law))
         except InfeasibleError as error:
             problem = _placed(error, path)
@@ -98,21 +101,30 @@ def limit_rates(
     raise problem or InfeasibleError("no motion within the limits")
 
 
-def _fastest(dynamics: PathDynamics, path: TaskPath, options: TimingOptions) -> Timed:
-    """The fastest law of the back-end, or of the timing for effects that have no bound."""
-    joints = path.joints
+def fastest(
+    dynamics: PathDynamics,
+    joints: JointPath,
+    options: TimingOptions,
+    feed: FeedBound | None = None,
+) -> Timed:
+    """The fastest law of the back-end, or of the timing for effects that have no bound.
+
+    Raises:
+        InfeasibleError: no motion within the limits; says where.
+    """
     limits = options.limits
     if options.certified and not dynamics.irregular:
-        return time_joint_path(dynamics, joints, limits, count=options.cells, feed=path.feed)[0]
+        return time_joint_path(dynamics, joints, limits, count=options.cells, feed=feed)[0]
     s = grid(joints, options.cells)
     cells = enclose(dynamics, joints, s)
     friction = dynamics.model.robot.friction
+    bound = np.full(len(cells.h), np.inf) if feed is None else feed(s)
     if options.certified:
-        return time_with_samples(dynamics, joints, cells, limits, friction, path.feed(s))
+        return time_with_samples(dynamics, joints, cells, limits, friction, bound)
     # toppra takes seconds to import
     from irb2400_ctrl.planners.timing.toppra_timing import time_with_toppra
 
-    return time_with_toppra(cells, limits, friction, path.feed(s))
+    return time_with_toppra(cells, limits, friction, bound)
 
 
 def _placed(error: InfeasibleError, path: TaskPath) -> InfeasibleError:
