@@ -11,8 +11,15 @@ import typer
 
 from irb2400_ctrl.cli.options import OutOption, RobotOption, input_file, load_arm, output_folder
 from irb2400_ctrl.cli.path import ROTARY_HELP, UNITS_HELP
-from irb2400_ctrl.cli.plan_program import figures, link_options, plan_all
+from irb2400_ctrl.cli.plan_program import (
+    figures,
+    link_options,
+    plan_all,
+    plan_parts,
+    print_feed,
+)
 from irb2400_ctrl.cli.progress import step
+from irb2400_ctrl.errors import UnreachableError
 
 if TYPE_CHECKING:
     from irb2400_ctrl.planners import CamProgram, LinkOptions, Plan
@@ -204,9 +211,14 @@ def _plan_one(
     toolpath = program.operation().path
     task = f"planning {len(toolpath):,} points"
     with step(task) as say:
-        planned = plan_path(
-            arm, toolpath, progress=lambda stage: say(f"{task}: {stage}"), **options
-        )
+        try:
+            planned = plan_path(
+                arm, toolpath, progress=lambda stage: say(f"{task}: {stage}"), **options
+            )
+        except UnreachableError as error:
+            say(f"{task}: unwinding")
+            plan_parts(arm, program, links, options, out, rapid, error)
+            return
         say(f"{task}: writing")
         planned.write(out)
         written = ["trajectory.csv", "plan.json", *figures(planned, arm, out, rapid)]
@@ -227,6 +239,7 @@ def _print_summary(planned: Plan) -> None:
         f"torque at most {100 * s['max_torque_ratio']:.1f} % of its limit, speed "
         f"{100 * s['max_velocity_ratio']:.1f} %{held}"
     )
+    print_feed(s["feed"])
     if "duration_without_rates_s" in s:
         longer = planned.duration - s["duration_without_rates_s"]
         print(f"{longer:.2f} s longer than without limits of the rates")

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from irb2400_ctrl.cli.progress import step
-from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.errors import InputError, UnreachableError
 
 if TYPE_CHECKING:
     from irb2400_ctrl.planners import CamProgram, LinkOptions, Plan, ProgramMotion, ProgramPlan
@@ -80,10 +80,45 @@ def plan_all(
             **options,
         )
         say(f"{task}: writing")
-        found.write(out)
-        for done in found.operations:
-            for folder, run in done.folders():
-                figures(run.plan, arm, out / folder, rapid)
+        _write(found, arm, out, rapid)
+    _tell(found, program, out)
+
+
+def plan_parts(
+    arm: Robot,
+    program: CamProgram,
+    links: LinkOptions,
+    options: dict[str, Any],
+    out: Path,
+    rapid: bool,
+    because: UnreachableError,
+) -> None:
+    """The only operation in parts, between which axes are unwound.
+
+    Raises:
+        UnreachableError: `because`, where unwinding does not help.
+    """
+    from irb2400_ctrl.planners.program_plan import plan_unwound
+
+    found = plan_unwound(arm, program, links, because, **options)
+    _write(found, arm, out, rapid)
+    _tell(found, program, out)
+
+
+def _write(found: ProgramPlan, arm: Robot, out: Path, rapid: bool) -> None:
+    """All files."""
+    found.write(out)
+    for done in found.operations:
+        for folder, run in done.folders():
+            figures(run.plan, arm, out / folder, rapid)
+
+
+def _tell(found: ProgramPlan, program: CamProgram, out: Path) -> None:
+    """What was planned, and then what was not.
+
+    Raises:
+        InputError: an operation, or a way between two, has no plan.
+    """
     for done in found.operations:
         if done.planned:
             points = len(done.operation.path)
@@ -105,11 +140,24 @@ def print_motion(motion: ProgramMotion, name: str) -> None:
         told = ", ".join(f"{event.kind} at {event.time:.2f} s" for event in rests[:6])
         more = f" and {len(rests) - 6} more" if len(rests) > 6 else ""
         print(f"the arm stands for: {told}{more}")
+    print_feed(s["feed"])
     held = "; the torque bound holds at every instant by construction" if s["guaranteed"] else ""
     print(
         f"torque at most {100 * s['max_torque_ratio']:.1f} % of its limit, speed "
         f"{100 * s['max_velocity_ratio']:.1f} %{held}"
     )
+
+
+def print_feed(feed: dict[str, Any] | None) -> None:
+    """On how much of the path the programmed feed is held, and what limits the rest."""
+    if feed is None:
+        return
+    text = f"programmed feed held on {100 * feed['share_at_feed']:.1f} % of its path"
+    below = [
+        f"{name} ({length:.1f} mm)"
+        for name, length in list(feed.get("below_by_limit_mm", {}).items())[:3]
+    ]
+    print(f"{text}; below it: {', '.join(below)}" if below else text)
 
 
 def figures(planned: Plan, arm: Robot, out: Path, rapid: bool) -> list[str]:

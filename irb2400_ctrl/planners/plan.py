@@ -12,6 +12,7 @@ import numpy as np
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.files import write_atomic
 from irb2400_ctrl.planners.timing.certificate import Certificate
+from irb2400_ctrl.planners.timing.feed_use import FeedUse
 from irb2400_ctrl.planners.toolpath.toolpath import ToolPath
 from irb2400_ctrl.robot import Robot
 from irb2400_ctrl.trajectory import Trajectory
@@ -56,6 +57,8 @@ class Plan:
     """free tool rotation at the rows of the trajectory [rad]"""
     point_times: Array
     """when each way-point is passed [s], shape (len(path),)"""
+    feed_use: FeedUse | None = None
+    """where the programmed feed is held, and what keeps it below elsewhere; None without a feed"""
     guarantee_note: str = ""
     """why the bound is not guaranteed; empty where it is"""
     alternatives: tuple[dict[str, Any], ...] = ()
@@ -92,6 +95,7 @@ class Plan:
             "max_torque_ratio": self.max_torque_ratio,
             "max_velocity_ratio": self.max_velocity_ratio,
             "max_feed_ratio": self.max_feed_ratio,
+            "feed": None if self.feed_use is None else self.feed_use.summary(),
             "guaranteed": self.guaranteed,
             "guarantee_note": self.guarantee_note,
             "timing": self.timing,

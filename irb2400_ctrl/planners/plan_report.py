@@ -14,6 +14,7 @@ from irb2400_ctrl.planners.enclosure.path_dynamics import PathDynamics
 from irb2400_ctrl.planners.enclosure.tcp_path import TcpPath
 from irb2400_ctrl.planners.plan import Plan
 from irb2400_ctrl.planners.redundancy.wrist_remedies import Remedy, taken
+from irb2400_ctrl.planners.timing.feed_use import feed_use
 from irb2400_ctrl.planners.timing.passing_times import passing_times, point_lengths
 from irb2400_ctrl.planners.timing.time_choices import TimedChoice
 from irb2400_ctrl.planners.timing.time_law import TimeLaw
@@ -71,6 +72,7 @@ def report(
         chosen=choice.kind,
         branch=choice.branch,
         rotation=choice.rotation(s),
+        feed_use=feed_use(dynamics, orientation.curve, chosen.path, chosen.law, options.limits),
         point_times=passing_times(
             chosen.law, point_lengths(orientation.curve, chosen.path.followed)
         ),

@@ -12,14 +12,15 @@ from typing import Any
 import numpy as np
 
 from irb2400_ctrl.arrays import Array
-from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.errors import InputError, UnreachableError
 from irb2400_ctrl.files import write_atomic
 from irb2400_ctrl.planners.linking.clearance_plane import ClearancePlane, spindle_axis
-from irb2400_ctrl.planners.linking.link_operations import Run, link_operations
+from irb2400_ctrl.planners.linking.link_operations import link_operations
 from irb2400_ctrl.planners.linking.link_options import LinkOptions
+from irb2400_ctrl.planners.linking.operation_runs import operation_runs, unwound_runs
 from irb2400_ctrl.planners.linking.program_motion import ProgramMotion
+from irb2400_ctrl.planners.linking.run import Run
 from irb2400_ctrl.planners.plan import Plan
-from irb2400_ctrl.planners.plan_path import plan_path
 from irb2400_ctrl.planners.toolpath.cam_program import CamProgram, Operation
 from irb2400_ctrl.robot import Robot
 
@@ -162,7 +163,7 @@ def plan_program(
             started(operation)
         arm = robot if arm_of is None else arm_of(operation)
         try:
-            runs = _runs(arm, operation, plane, links, options)
+            runs = operation_runs(arm, operation, plane, links, options)
             done.append(PlannedOperation(operation, runs))
         except InputError as error:
             done.append(PlannedOperation(operation, (), str(error)))
@@ -178,6 +179,31 @@ def plan_program(
     return ProgramPlan(program, tuple(done), motion, refused)
 
 
+def plan_unwound(
+    robot: Robot,
+    program: CamProgram,
+    links: LinkOptions,
+    because: UnreachableError,
+    **options: Any,
+) -> ProgramPlan:
+    """The only operation of a program in parts, between which axes are unwound.
+
+    Args:
+        because: why `plan_path` does not follow it in one go.
+        robot, program, links, options: as in `plan_program`.
+
+    Raises:
+        UnreachableError: `because`, where unwinding does not help; or there is no way between the
+            parts above the clearance plane.
+    """
+    operation = program.operation()
+    plane = clearance_plane(robot, program, links, options.get("work_frame"))
+    runs = unwound_runs(robot, operation, plane, links, options, because)
+    rate = float(options.get("rate", 250.0))
+    motion = link_operations(program.name, runs, plane, links, rate)
+    return ProgramPlan(program, (PlannedOperation(operation, runs),), motion)
+
+
 def clearance_plane(
     robot: Robot, program: CamProgram, links: LinkOptions, work_frame: Array | None
 ) -> ClearancePlane:
@@ -187,17 +213,3 @@ def clearance_plane(
         for o in program.operations
     ]
     return ClearancePlane.over(paths, spindle_axis(robot), links.clearance)
-
-
-def _runs(
-    robot: Robot,
-    operation: Operation,
-    plane: ClearancePlane,
-    links: LinkOptions,
-    options: dict[str, Any],
-) -> tuple[Run, ...]:
-    """The operation in one go."""
-    frame = options.get("work_frame")
-    placed = operation.path if frame is None else operation.path.moved(frame)
-    way_out = plane.way_outs(placed, spindle_axis(robot), links.approach)
-    return (Run(operation, plan_path(robot, operation.path, way_out=way_out, **options)),)

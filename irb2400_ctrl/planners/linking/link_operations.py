@@ -5,7 +5,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import cast
 
 import numpy as np
 
@@ -19,39 +18,13 @@ from irb2400_ctrl.planners.linking.line_plan import lead_in, retract
 from irb2400_ctrl.planners.linking.link_options import LinkOptions
 from irb2400_ctrl.planners.linking.program_events import at_rest, on_the_way
 from irb2400_ctrl.planners.linking.program_motion import ProgramMotion
+from irb2400_ctrl.planners.linking.run import Run
 from irb2400_ctrl.planners.linking.segment import Kind, Segment, TimedEvent
 from irb2400_ctrl.planners.plan import Plan
-from irb2400_ctrl.planners.timing.timing_options import Backend, TimingOptions
-from irb2400_ctrl.planners.toolpath.cam_program import Operation
 from irb2400_ctrl.robot import Robot
 
 # joints that differ less than this are at the same place [rad]
 _SAME = 1e-9
-# of the timing of lines and moves of the joints
-_CELLS = 200
-
-
-@dataclass(frozen=True)
-class Run:
-    """A part of an operation that is followed without a stop; all of it, where nothing unwinds."""
-
-    operation: Operation
-    plan: Plan
-    first: int = 0
-    """index of its first way-point in the operation"""
-    why: str = ""
-    """what ends the run before it, where it is not the operation's first"""
-
-    @property
-    def feed(self) -> float:
-        """Of its first move [m/s]; inf where that is a rapid one."""
-        rapid = self.operation.rapid[min(self.first + 1, len(self.operation.rapid) - 1)]
-        return float(np.inf if rapid else self.plan.path.feed[1])
-
-    @property
-    def timing(self) -> TimingOptions:
-        """Limits and back-end of the moves beside it: its own."""
-        return TimingOptions(cast(Backend, self.plan.timing), _CELLS, self.plan.certificate.limits)
 
 
 def link_operations(
@@ -147,13 +120,13 @@ class _Chain:
                 run.plan.robot, q, out, self.links.approach, run.feed, self.rate, run.timing
             )
         kind: Kind = "approach" if before is None else "link" if new else "unwind"
-        self.joints(kind, run, q if line is None else line.trajectory.q[0], run.why)
+        self.joints(kind, run, q if line is None else line.trajectory.q[0])
         if line is not None:
             self._add("lead-in", run, line)
 
     def follow(self, run: Run) -> None:
         """The run itself, and what happens on its way."""
-        self.events += on_the_way(run.operation, run.plan, run.first, self.time)
+        self.events += on_the_way(run, self.time)
         self._add("operation", run, run.plan)
 
     def leave(self, run: Run) -> None:
@@ -164,11 +137,12 @@ class _Chain:
             line = retract(run.plan.robot, q, out, self.rate, run.timing)
             self._add("retract", run, line)
 
-    def joints(self, kind: Kind, run: Run, target: Array, note: str = "") -> None:
+    def joints(self, kind: Kind, run: Run, target: Array) -> None:
         """A move of the joints above the plane; none where they are there already."""
         if self.here is not None and np.abs(target - self.here).max() > _SAME:
             robot = run.plan.robot
             move = plan_joints(robot, self.here, target, self.plane, self.rate, run.timing)
+            note = _turned(run, self.here, target) if kind == "unwind" else ""
             self._add(kind, run, move, note)
 
     def _way_out(self, run: Run, q: Array) -> Array:
@@ -180,3 +154,13 @@ class _Chain:
         self.segments.append(Segment(kind, run.operation.number, piece, self.time, note))
         self.here = piece.trajectory.q[-1]
         self.rows += len(piece.trajectory.time) - 1
+
+
+def _turned(run: Run, before: Array, after: Array) -> str:
+    """Where the tool was lifted, and which axes were turned by more than a quarter."""
+    change = np.degrees(after - before)
+    told = [
+        f"axis {j + 1} from {np.degrees(before[j]):.0f} to {np.degrees(after[j]):.0f} deg"
+        for j in np.flatnonzero(np.abs(change) > 90.0)
+    ]
+    return f"lifted at point {run.start + 1} to turn {', '.join(told) or 'the joints'}"

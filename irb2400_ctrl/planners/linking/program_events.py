@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from irb2400_ctrl.planners.linking.run import Run
 from irb2400_ctrl.planners.linking.segment import TimedEvent
-from irb2400_ctrl.planners.plan import Plan
 from irb2400_ctrl.planners.toolpath.cam_program import Event, Operation
 
 _WAITS = {"stop", "optional stop", "pallet change"}
@@ -30,17 +30,19 @@ def at_rest(before: Operation | None, after: Operation | None, time: float) -> l
     return found
 
 
-def on_the_way(operation: Operation, plan: Plan, first: int, start: float) -> list[TimedEvent]:
-    """What happens at the way-points of a part of an operation, which begins at way-point `first`;
-    stops at its very end wait for the retract."""
+def on_the_way(run: Run, start: float) -> list[TimedEvent]:
+    """What happens at the way-points of a part of an operation; stops at the operation's end wait
+    for the retract."""
+    operation = run.operation
     last = len(operation.path) - 1
+    place = {int(number): k for k, number in enumerate(run.points) if number >= 0}
     found = []
     for event in operation.events:
-        inside = first <= event.point < first + len(plan.path)
+        k = place.get(event.point)
         # where two parts meet the event belongs to the first of them
-        repeated = first > 0 and event.point == first
-        if inside and not repeated and not _waits(event, last):
-            time = start + float(plan.point_times[event.point - first])
+        repeated = k == 0 and event.point > 0
+        if k is not None and not repeated and not _waits(event, last):
+            time = start + float(run.plan.point_times[k])
             found.append(_timed(event, operation, time, False))
     return found
 

@@ -82,6 +82,7 @@ class ProgramMotion:
             "length_mm": 1e3 * sum(s.piece.length for s in self.segments),
             "duration_s": self.duration,
             **worst(self.plans, [s.piece for s in self.segments]),
+            "feed": self._feed(),
             "clearance_plane": {
                 "clearance_mm": 1e3 * self.options.clearance,
                 "approach_mm": 1e3 * self.options.approach,
@@ -100,6 +101,17 @@ class ProgramMotion:
         trajectory = write_atomic(folder / "trajectory.csv", self.trajectory.csv())
         text = json.dumps(self.summary(), indent=2) + "\n"
         return trajectory, write_atomic(folder / "plan.json", text)
+
+    def _feed(self) -> dict[str, Any] | None:
+        """Of all operations together; each segment has its own in detail."""
+        uses = [s.piece.feed_use for s in self._cuts() if s.piece.feed_use is not None]
+        if not uses:
+            return None
+        programmed = sum(use.programmed for use in uses)
+        return {
+            "programmed_mm": 1e3 * programmed,
+            "share_at_feed": sum(use.held for use in uses) / programmed,
+        }
 
     def _cuts(self) -> list[Any]:
         return [s for s in self.segments if s.kind == "operation"]

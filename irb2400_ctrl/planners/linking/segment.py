@@ -82,6 +82,8 @@ class Segment:
             stated = piece.path.feed[np.isfinite(piece.path.feed)]
             if len(stated):
                 found["feed_mm_s"] = [1e3 * float(stated.min()), 1e3 * float(stated.max())]
+            if piece.feed_use is not None:
+                found["feed"] = piece.feed_use.summary()
         if self.note:
             found["note"] = self.note
         return found

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 
 import numpy as np
 
@@ -22,12 +24,19 @@ from irb2400_ctrl.planners.redundancy.follow import (
     station_parameters,
 )
 from irb2400_ctrl.planners.redundancy.ladder_graph import BOX_INSET, FREE_SHIFTS, Ladder, LadderWay
+from irb2400_ctrl.planners.redundancy.ladder_refusal import refusal
 from irb2400_ctrl.planners.redundancy.way_out import WayOut
 from irb2400_ctrl.planners.redundancy.wrist_passage import Passing, passings
 from irb2400_ctrl.planners.toolpath.orientation import Orientation
 
 GRID = np.radians(np.arange(0.0, 360.0, 5.0))
 MAX_STATIONS = 600
+SMOOTH = (10.0, 40.0)
+"""lengths over which a varying rotation is smoothed, as the whole path over them"""
+ROUGH = (160.0, 640.0)
+"""the same where the others leave the joint box"""
+ROOM = np.radians(3.0)
+"""distance kept from the ends of the joint box there [rad]"""
 
 
 def choices(
@@ -51,7 +60,7 @@ def choices(
     """
     curve = orientation.curve
     held = curve.full and not free
-    u = _stations(orientation)
+    u = stations(orientation)
     s = arc_length(curve, u)
     rotation = np.zeros(1) if held else GRID
     ladder = Ladder.of(model, orientation, u, rotation)
@@ -59,9 +68,15 @@ def choices(
         ladder = way_out.kept(ladder, orientation)
     problem: UnreachableError | None = None
     found = False
-    options = (
-        _held(model, orientation, ladder) if held else _turned(ladder, orientation, s, free, keep)
-    )
+    options: Iterator[_Option]
+    if held:
+        options = _held(model, orientation, ladder)
+    else:
+        options = _turned(_ways(ladder, free, keep), orientation, s, SMOOTH)
+        if free:
+            # a rotation that has to change often may leave the box when it is smoothed
+            roomy = _roomy(ladder, orientation, s, keep)
+            options = itertools.chain(options, _unless(lambda: found, roomy))
     for kind, branch, law, target, q_start, passing in options:
         try:
             followed = follow(model, target, q_start)
@@ -76,7 +91,7 @@ def choices(
     if not found:
         names = curve.origin[np.minimum(u.astype(int), curve.segments - 1)].copy()
         names[0] = 0
-        raise problem or ladder.explain(names)
+        raise problem or refusal(ladder, names)
 
 
 _Option = tuple[str, int, RotationLaw, JointTarget, Array | None, Passing | None]
@@ -96,21 +111,48 @@ def _held(model: Model, orientation: Orientation, ladder: Ladder) -> Iterator[_O
             yield "given orientation", branch, _constant(0.0), passing.target, None, passing
 
 
-def _turned(
-    ladder: Ladder, orientation: Orientation, s: Array, free: bool, keep: int
-) -> Iterator[_Option]:
-    """The best constant rotations and, if the rotation is free, the best varying ones, smoothed."""
+def _unless(found: Callable[[], bool], options: Iterator[_Option]) -> Iterator[_Option]:
+    """Further options, looked for as long as nothing is found."""
+    while not found():
+        option = next(options, None)
+        if option is None:
+            return
+        yield option
+
+
+def _roomy(ladder: Ladder, orientation: Orientation, s: Array, keep: int) -> Iterator[_Option]:
+    """Varying rotations that keep away from the ends of the joint box, so that smoothing has room;
+    less and less smoothed."""
+    for inset in (ROOM, ladder.inset):
+        found = replace(ladder, inset=inset).best(FREE_SHIFTS, keep=keep)
+        ways = [("free rotation", way) for way in found]
+        for part in (*SMOOTH, *ROUGH):
+            yield from _turned(ways, orientation, s, (part,))
+
+
+def _ways(ladder: Ladder, free: bool, keep: int) -> list[tuple[str, LadderWay]]:
+    """The best constant rotations and, if the rotation is free, the best varying ones."""
     ways: list[tuple[str, LadderWay]] = []
     ways += [("constant rotation", c) for c in ladder.best((0,), per_rotation=True, keep=keep)]
     if free:
         ways += [("free rotation", c) for c in ladder.best(FREE_SHIFTS, keep=keep)]
+    return ways
+
+
+def _turned(
+    ways: list[tuple[str, LadderWay]],
+    orientation: Orientation,
+    s: Array,
+    parts: tuple[float, ...],
+) -> Iterator[_Option]:
+    """Ways through the ladder, smoothed over these parts of the path."""
     for kind, way in ways:
-        for law in _laws(s, way, kind):
+        for law in _laws(s, way, kind, parts):
             branch = int(way.branch[0])
             yield kind, branch, law, JointTarget.of(orientation, law, branch), way.q_start, None
 
 
-def _stations(orientation: Orientation) -> Array:
+def stations(orientation: Orientation) -> Array:
     """Evenly spread stations, at most MAX_STATIONS, ends included."""
     curve = orientation.curve
     u = station_parameters(curve, 0.02)
@@ -122,14 +164,14 @@ def _stations(orientation: Orientation) -> Array:
     return even
 
 
-def _laws(s: Array, way: LadderWay, kind: str) -> list[RotationLaw]:
-    """The rotation as a smooth function of the length: strongly, then lightly smoothed."""
+def _laws(s: Array, way: LadderWay, kind: str, parts: tuple[float, ...]) -> list[RotationLaw]:
+    """The rotation as a smooth function of the length: strongly, then more lightly smoothed."""
     if kind != "free rotation" or np.ptp(way.rotation) < 1e-9:
         return [_constant(float(way.rotation[0]))]
     from scipy.interpolate import make_smoothing_spline
 
-    # penalty on the curvature of the rotation; a length scale of 1/10 and 1/40 of the path
-    spread = [(s[-1] / f) ** 3 for f in (10, 40)]
+    # penalty on the curvature of the rotation, by its length scale
+    spread = [(s[-1] / f) ** 3 for f in parts]
     return [_spline(make_smoothing_spline(s, way.rotation, lam=lam)) for lam in spread]
 
 

@@ -1,0 +1,43 @@
+"""`Run`: a part of an operation that is followed without a stop."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import cast
+
+from irb2400_ctrl.arrays import Integers
+from irb2400_ctrl.planners.plan import Plan
+from irb2400_ctrl.planners.timing.timing_options import Backend, TimingOptions
+from irb2400_ctrl.planners.toolpath.cam_program import Operation
+
+# of the timing of lines and moves of the joints
+_CELLS = 200
+
+
+@dataclass(frozen=True)
+class Run:
+    """All of an operation, or what is between two places where axes are unwound."""
+
+    operation: Operation
+    plan: Plan
+    points: Integers
+    """index of the operation's way-point that each of its points is, -1 for one that was put in
+    between, shape (len(plan.path),)"""
+    because: str = ""
+    """why the operation is not followed in one go; empty where it is"""
+
+    @property
+    def start(self) -> int:
+        """Index of the way-point at or before its beginning."""
+        inserted = int(self.points[0] < 0)
+        return int(self.points[inserted]) - inserted
+
+    @property
+    def feed(self) -> float:
+        """Of its first move [m/s]; inf where that is a rapid one."""
+        return float(self.plan.path.feed[1])
+
+    @property
+    def timing(self) -> TimingOptions:
+        """Limits and back-end of the moves beside it: its own."""
+        return TimingOptions(cast(Backend, self.plan.timing), _CELLS, self.plan.certificate.limits)
