@@ -151,7 +151,9 @@ class _Chain:
         return self.plane.way_out(X[:3, 3], axis, self.links.approach)
 
     def _add(self, kind: Kind, run: Run, piece: Plan | JointPlan, note: str = "") -> None:
-        self.segments.append(Segment(kind, run.operation.number, piece, self.time, note))
+        because = run.because if kind == "unwind" else ""
+        number = run.operation.number
+        self.segments.append(Segment(kind, number, piece, self.time, note, because))
         self.here = piece.trajectory.q[-1]
         self.rows += len(piece.trajectory.time) - 1
 

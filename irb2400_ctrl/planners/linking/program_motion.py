@@ -124,6 +124,7 @@ class ProgramMotion:
             "at_s": segment.start,
             "turned_deg": [float(v) for v in turned],
             "says": segment.note,
+            "because": segment.because,
         }
 
     def _wall_time(self) -> dict[str, float]:

@@ -52,7 +52,9 @@ class Segment:
     start: float
     """[s] from the start of the whole motion"""
     note: str = ""
-    """why it is there, where that is not plain"""
+    """what it does, where that is not plain"""
+    because: str = ""
+    """why axes have to be unwound here; empty elsewhere"""
 
     @property
     def end(self) -> float:
