@@ -11,6 +11,7 @@ from irb2400_ctrl.cli.options import (
     ColumnsOption,
     OutOption,
     RobotOption,
+    UncertaintyOption,
     input_file,
     load_arm,
     output_folder,
@@ -59,6 +60,7 @@ def diagnose(
     reference: ReferenceOption = None,
     robot: RobotOption = "irb2400",
     columns: ColumnsOption = None,
+    uncertainty: UncertaintyOption = None,
     close_loop: CloseLoopOption = False,
     controller: ControllerOption = "feedforward_pid",
 ) -> None:
@@ -76,21 +78,21 @@ def diagnose(
     from irb2400_ctrl.measurement import read_log
     from irb2400_ctrl.report.diagnosis_report import diagnosis_page, lines
 
-    arm = load_arm(robot)
+    arm = load_arm(robot, uncertainty)
     if close_loop:
         from irb2400_ctrl.controllers import controller as make_controller
 
         make_controller(controller, arm)  # a wrong name is to be said before the long work
     with step(f"reading {log.name}"):
-        measured = read_log(log, columns=columns)
+        measured = read_log(log, columns=columns, names=arm.joint_names)
         others = [
-            None if path is None else read_log(path, columns=columns)
+            None if path is None else read_log(path, columns=columns, names=arm.joint_names)
             for path in (validate, reference)
         ]
     with step("comparing log and model"):
         result = run(arm, measured, validation=others[0], reference=others[1])
     page = diagnosis_page(result, title=f"Diagnosis of {log.name}")
-    text = lines(result)
+    text = [*lines(result), f"prior of the robot file: {arm.uncertainty.says()}"]
     written = ["findings.json", "robot.toml", "report.html"]
     if close_loop and result.log_problem is None:
         with step("closing the loop"):

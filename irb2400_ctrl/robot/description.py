@@ -89,6 +89,11 @@ class Robot(Table):
         """Number of joints."""
         return len(self.links)
 
+    @property
+    def joint_names(self) -> list[str]:
+        """In the order of q."""
+        return [joint.name for joint in self.joints]
+
     @cached_property
     def A(self) -> Array:
         """Coupling matrix, theta = A q + offset, shape (n, n)."""
