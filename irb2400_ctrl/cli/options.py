@@ -29,6 +29,12 @@ UncertaintyOption = Annotated[
         "mass_relative=0.05, com_m=0.01, link_2.mass_relative=0.2; may be given again.",
     ),
 ]
+CellOption = Annotated[
+    Path | None,
+    typer.Option(
+        "--cell", metavar="CELL", help="What stands around the arm (TOML, docs/cells.md)."
+    ),
+]
 OutOption = Annotated[
     Path, typer.Option("--out", metavar="DIR", help="Folder for the results; all is written there.")
 ]

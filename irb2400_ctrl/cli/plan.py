@@ -9,7 +9,14 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from irb2400_ctrl.cli.options import OutOption, RobotOption, input_file, load_arm, output_folder
+from irb2400_ctrl.cli.options import (
+    CellOption,
+    OutOption,
+    RobotOption,
+    input_file,
+    load_arm,
+    output_folder,
+)
 from irb2400_ctrl.cli.path import ROTARY_HELP, UNITS_HELP
 from irb2400_ctrl.cli.plan_program import (
     figures,
@@ -47,7 +54,16 @@ WorkFrameOption = Annotated[
         metavar="X,Y,Z,RX,RY,RZ",
         help="Pose of the file's frame in the robot base [mm, deg]; turned about the base's fixed "
         "x, then y, then z.",
-        show_default="the base",
+        show_default="the cell's work object, or the base",
+    ),
+]
+ToolOption = Annotated[
+    str | None,
+    typer.Option(
+        "--tool",
+        metavar="NAME",
+        help="A tool of the cell; else the one with the CAM file's number or name.",
+        show_default="the robot file's",
     ),
 ]
 UnitsOption = Annotated[str | None, typer.Option("--units", help=UNITS_HELP)]
@@ -156,6 +172,8 @@ def plan(
     rapid: RapidOption = False,
     operation: OperationOption = None,
     work_frame: WorkFrameOption = None,
+    cell: CellOption = None,
+    tool: ToolOption = None,
     units: UnitsOption = None,
     rotary: RotaryOption = None,
     spindle_rpm: SpindleOption = None,
@@ -168,10 +186,12 @@ def plan(
     figures."""
     input_file(path, "a toolpath (CSV, APT/CLDATA or G-code)")
 
+    from irb2400_ctrl.cell import load_cell
     from irb2400_ctrl.planners import MotionLimits, read_program
     from irb2400_ctrl.planners.toolpath.work_frame import work_frame as pose_of
 
     pose = None if work_frame is None else pose_of(work_frame)
+    around = None if cell is None else load_cell(cell)
     program = read_program(path, units=units, rotary=rotary, spindle_rpm=spindle_rpm)
     if operation is not None:
         program = replace(program, operations=(program.operation(operation),))
@@ -182,6 +202,8 @@ def plan(
         "rate": rate,
         "free_tool_rotation": free_tool_rotation,
         "work_frame": pose,
+        "cell": around,
+        "tool": tool,
         "tolerance": 1e-3 * tolerance_mm,
         "axis_tolerance": math.radians(axis_tolerance_deg),
         "limits": replace(limits, tau_max=torque_share * limits.tau_max),
@@ -207,8 +229,11 @@ def _plan_one(
 ) -> None:
     """The only operation, into the folder itself; in parts where axes have to be unwound."""
     from irb2400_ctrl.planners import plan_path
+    from irb2400_ctrl.planners.program_plan import with_its_tool
 
-    toolpath = program.operation().path
+    operation = program.operation()
+    toolpath = operation.path
+    options = with_its_tool(operation, options)
     task = f"planning {len(toolpath):,} points"
     with step(task) as say:
         try:
@@ -234,6 +259,7 @@ def _print_summary(planned: Plan) -> None:
         f"smallest margins: wrist {margin['wrist']:.3f}, shoulder {margin['shoulder']:.3f} m, "
         f"elbow {margin['elbow']:.3f} m"
     )
+    print(f"clearance: {_clearance(s['clearance_mm'])}")
     held = "; the torque bound holds at every instant by construction" if s["guaranteed"] else ""
     print(
         f"torque at most {100 * s['max_torque_ratio']:.1f} % of its limit, speed "
@@ -243,3 +269,14 @@ def _print_summary(planned: Plan) -> None:
     if "duration_without_rates_s" in s:
         longer = planned.duration - s["duration_without_rates_s"]
         print(f"{longer:.2f} s longer than without limits of the rates")
+
+
+def _clearance(found: dict[str, Any]) -> str:
+    """The smallest distance in words, or why it is not known."""
+    if found["value"] is None:
+        return f"not known, {found['reason']}"
+    first, other = found["pair"]
+    return (
+        f"at least {found['value']:.1f} mm everywhere, least between {first} and {other} at "
+        f"{found['at_mm']:.0f} mm of the way"
+    )

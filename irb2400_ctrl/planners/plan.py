@@ -11,6 +11,7 @@ import numpy as np
 
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.files import write_atomic
+from irb2400_ctrl.planners.clearance.clearance import unknown
 from irb2400_ctrl.planners.timing.certificate import Certificate
 from irb2400_ctrl.planners.timing.feed_use import FeedUse
 from irb2400_ctrl.planners.toolpath.toolpath import ToolPath
@@ -59,6 +60,9 @@ class Plan:
     """when each way-point is passed [s], shape (len(path),)"""
     feed_use: FeedUse | None = None
     """where the programmed feed is held, and what keeps it below elsewhere; None without a feed"""
+    clearance: dict[str, Any] = field(default_factory=lambda: unknown("not asked for"))
+    """smallest distance over the continuous path [mm], between which bodies, where; or why it is
+    not known"""
     guarantee_note: str = ""
     """why the bound is not guaranteed; empty where it is"""
     alternatives: tuple[dict[str, Any], ...] = ()
@@ -92,6 +96,7 @@ class Plan:
             "max_tcp_deviation_mm": 1e3 * self.max_tcp_deviation,
             "max_tool_axis_deviation_deg": float(np.degrees(self.max_tool_axis_deviation)),
             "singularity_margin": self.singularity_margin,
+            "clearance_mm": self.clearance,
             "max_torque_ratio": self.max_torque_ratio,
             "max_velocity_ratio": self.max_velocity_ratio,
             "max_feed_ratio": self.max_feed_ratio,

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.cell import Cell, CellTool
 from irb2400_ctrl.errors import InputError
 
 
@@ -27,6 +28,10 @@ class PlanOptions:
     """how far corners of the polygon may be cut [m]"""
     axis_tolerance: float
     """how far a stated orientation may be left at the wrist singularity [rad]"""
+    cell: Cell | None = None
+    """what stands around the arm"""
+    tool: CellTool | None = None
+    """of the cell, in the spindle"""
 
     def __post_init__(self) -> None:
         if not np.isfinite(self.rate) or self.rate <= 0:

@@ -8,6 +8,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.cell import Cell, Scene, with_tool
+from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.planners.certify import certify
 from irb2400_ctrl.planners.enclosure.path_dynamics import path_dynamics
@@ -26,7 +28,7 @@ from irb2400_ctrl.planners.toolpath.orientation import Orientation, shape_path
 from irb2400_ctrl.planners.toolpath.toolpath import ToolPath
 from irb2400_ctrl.robot import Robot
 
-Ways = Callable[[Model, Orientation], Iterable[Choice]]
+Ways = Callable[[Model, Orientation, Scene | None], Iterable[Choice]]
 """the joint paths that are compared for a tool path"""
 
 
@@ -45,6 +47,8 @@ def plan_path(
     torque_rate: ArrayLike | None = None,
     jerk: ArrayLike | None = None,
     way_out: WayOut | None = None,
+    cell: Cell | None = None,
+    tool: str | None = None,
     progress: Progress | None = None,
 ) -> Plan:
     """The fastest motion along a tool path, rest to rest, clear of singularities and within the
@@ -56,7 +60,8 @@ def plan_path(
         rate: rows of the trajectory per second [1/s].
         free_tool_rotation: choose the rotation about the spindle along the path; otherwise a stated
             orientation is held, and for a path of tool axes the best constant rotation is taken.
-        work_frame: pose X_BW of the frame the path is stated in, shape (4, 4).
+        work_frame: pose X_BW of the frame the path is stated in, shape (4, 4); default that of
+            the cell's work object.
         tolerance: how far corners of the polygon may be cut [m].
         axis_tolerance: how far a stated orientation may be left to pass exactly through the wrist
             singularity [rad].
@@ -67,20 +72,33 @@ def plan_path(
             [Nm/s]. The torque then starts and ends at what holds the arm.
         jerk: limit of the change of the joints' acceleration, for all axes or for each [rad/s3].
         way_out: lines from the ends of the path that the arm has to reach along as well.
+        cell: what stands around the arm and must not be touched. The arm itself is looked at
+            always, if its file says what space it takes up.
+        tool: name of a tool of the cell; default what the robot file describes.
         progress: called with the name of each stage as it begins, and within long ones with how far
             they are.
 
     Raises:
         InputError: an argument or the path itself is wrong.
         UnreachableError: no configuration or no continuous motion; says at which point.
+        CollisionError: no motion can be shown free of collisions; says what touches what, where.
         InfeasibleError: the torque limits leave no motion; says where.
     """
-    options = PlanOptions(rate, free_tool_rotation, work_frame, tolerance, axis_tolerance)
+    if tool is not None and cell is None:
+        raise InputError(f"tool {tool!r} is one of a cell: expected a cell, too (cell=, --cell)")
+    chosen = None if tool is None or cell is None else cell.tool(tool)
+    if work_frame is None and cell is not None:
+        work_frame = cell.work_frame
+    options = PlanOptions(
+        rate, free_tool_rotation, work_frame, tolerance, axis_tolerance, cell, chosen
+    )
     timed = TimingOptions.of(robot, timing, cells, limits, torque_rate, jerk)
     return plan_ways(
         robot,
         path,
-        lambda model, orientation: choices(model, orientation, free_tool_rotation, way_out=way_out),
+        lambda model, orientation, scene: choices(
+            model, orientation, free_tool_rotation, scene=scene, way_out=way_out
+        ),
         options,
         timed,
         StageClock(progress),
@@ -101,13 +119,15 @@ def plan_ways(
         UnreachableError, InfeasibleError: as `plan_path`.
     """
     with clock.stage("model"):
-        dynamics = path_dynamics(robot)
+        tool = options.tool
+        dynamics = path_dynamics(robot if tool is None else with_tool(robot, tool))
         model = dynamics.model
+        scene = Scene.of(model, robot, options.cell, tool)
         spindle = np.array((0.0, 0.0, 1.0) if robot.tool is None else robot.tool.spindle_axis)
     with clock.stage("curve"):
         orientation = shape_path(path, spindle, options.tolerance, options.work_frame)
     with clock.stage("branch and rotation") as told:
-        found = list(_counted(ways(model, orientation), told))
+        found = list(_counted(ways(model, orientation, scene), told))
     with clock.stage("timing") as told:
         timed = time_choices(dynamics, orientation, found, timing, told)
         ranked = best_first(timed, options.axis_tolerance)

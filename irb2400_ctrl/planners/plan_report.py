@@ -10,6 +10,7 @@ import numpy as np
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.planners.certify import PlanBounds
+from irb2400_ctrl.planners.clearance.clearance import unknown
 from irb2400_ctrl.planners.enclosure.path_dynamics import PathDynamics
 from irb2400_ctrl.planners.enclosure.tcp_path import TcpPath
 from irb2400_ctrl.planners.plan import Plan
@@ -65,6 +66,7 @@ def report(
         timing=options.backend,
         max_tcp_deviation=bounds.deviation.largest,
         max_tool_axis_deviation=bounds.deviation.axis,
+        clearance=_clearance(chosen),
         singularity_margin=bounds.singularity_margin,
         max_torque_ratio=bounds.torque_ratio,
         max_velocity_ratio=bounds.velocity_ratio,
@@ -108,6 +110,14 @@ def _compared(option: TimedChoice) -> dict[str, Any]:
         "turn_deg": float(np.degrees(choice.turn)),
         "duration_s": option.fastest.duration,
     }
+
+
+def _clearance(chosen: TimedChoice) -> dict[str, Any]:
+    """The entry `clearance_mm` of `plan.json`."""
+    found = chosen.choice.clearance
+    if found is None:
+        return unknown("the robot file has no [outline], the space that the arm takes up")
+    return found.summary(float(chosen.path.tcp.way(found.s)))
 
 
 def _passages(chosen: TimedChoice) -> list[dict[str, Any]]:

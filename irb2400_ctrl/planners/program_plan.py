@@ -17,7 +17,11 @@ from irb2400_ctrl.files import write_atomic
 from irb2400_ctrl.planners.linking.clearance_plane import ClearancePlane, spindle_axis
 from irb2400_ctrl.planners.linking.link_operations import link_operations
 from irb2400_ctrl.planners.linking.link_options import LinkOptions
-from irb2400_ctrl.planners.linking.operation_runs import operation_runs, unwound_runs
+from irb2400_ctrl.planners.linking.operation_runs import (
+    frame_of,
+    operation_runs,
+    unwound_runs,
+)
 from irb2400_ctrl.planners.linking.program_motion import ProgramMotion
 from irb2400_ctrl.planners.linking.run import Run
 from irb2400_ctrl.planners.plan import Plan
@@ -156,14 +160,14 @@ def plan_program(
         InputError: an option is wrong for all of them.
     """
     links = LinkOptions() if links is None else links
-    plane = clearance_plane(robot, program, links, options.get("work_frame"))
+    plane = clearance_plane(robot, program, links, frame_of(options))
     done = []
     for operation in program.operations:
         if started is not None:
             started(operation)
         arm = robot if arm_of is None else arm_of(operation)
         try:
-            runs = operation_runs(arm, operation, plane, links, options)
+            runs = operation_runs(arm, operation, plane, links, with_its_tool(operation, options))
             done.append(PlannedOperation(operation, runs))
         except InputError as error:
             done.append(PlannedOperation(operation, (), str(error)))
@@ -197,8 +201,8 @@ def plan_unwound(
             parts above the clearance plane.
     """
     operation = program.operation()
-    plane = clearance_plane(robot, program, links, options.get("work_frame"))
-    runs = unwound_runs(robot, operation, plane, links, options, because)
+    plane = clearance_plane(robot, program, links, frame_of(options))
+    runs = unwound_runs(robot, operation, plane, links, with_its_tool(operation, options), because)
     rate = float(options.get("rate", 250.0))
     motion = link_operations(program.name, runs, plane, links, rate)
     return ProgramPlan(program, (PlannedOperation(operation, runs),), motion)
@@ -213,3 +217,12 @@ def clearance_plane(
         for o in program.operations
     ]
     return ClearancePlane.over(paths, spindle_axis(robot), links.clearance)
+
+
+def with_its_tool(operation: Operation, options: dict[str, Any]) -> dict[str, Any]:
+    """Options of `plan_path` with the cell's tool that the operation asks for, unless one is
+    named."""
+    cell = options.get("cell")
+    if cell is None or options.get("tool") is not None:
+        return options
+    return {**options, "tool": cell.tool_of(operation.tool.number, operation.tool.name)}

@@ -22,6 +22,7 @@ from irb2400_ctrl.effects.blank import discrepancy_size
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.robot.joint import Joint, MotorCoupling
 from irb2400_ctrl.robot.link import Coupling, Link, ModifiedDH, Tool, Transform
+from irb2400_ctrl.robot.outline import Outline
 from irb2400_ctrl.robot.table import Table, Vector3
 from irb2400_ctrl.robot.uncertainty import Uncertainty
 
@@ -44,6 +45,7 @@ class Robot(Table):
     flange: ModifiedDH | Transform
     tool: Tool | None = None
     motor_coupling: MotorCoupling | None = None
+    outline: Outline | None = None
     uncertainty: Uncertainty = Uncertainty()
     effects: tuple[AnyEffect, ...] = ()
     effect_files: tuple[Path, ...] = Field(default=(), exclude=True)
@@ -67,6 +69,9 @@ class Robot(Table):
         bodies = {"tool", *(link.name for link in self.links)}
         for name in sorted(set(self.uncertainty.links) - bodies):
             problems.append(f"uncertainty.links.{name}: no such link")
+        if self.outline is not None:
+            unknown = self.outline.unknown_bodies([link.name for link in self.links])
+            problems += [f"outline: no link is called {name!r}" for name in unknown]
         for effect in self.effects:
             allowed = list(LIBRARY[effect.kind].joints(n))
             if effect.joint not in allowed:

@@ -6,11 +6,13 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.cell import Scene
 from irb2400_ctrl.planners.certify import certify_joints
+from irb2400_ctrl.planners.clearance.clearance import unknown
 from irb2400_ctrl.planners.enclosure.path_dynamics import path_dynamics
 from irb2400_ctrl.planners.enclosure.tcp_path import TcpPath
 from irb2400_ctrl.planners.linking.clearance_plane import ClearancePlane, spindle_axis
-from irb2400_ctrl.planners.linking.raised_path import lowest, raised_path
+from irb2400_ctrl.planners.linking.raised_path import clearance_of, lowest, raised_path
 from irb2400_ctrl.planners.plan_report import law_rows
 from irb2400_ctrl.planners.timing.certificate import Certificate
 from irb2400_ctrl.planners.timing.rate_limited.rate_summary import rate_summary
@@ -43,8 +45,9 @@ class JointPlan:
     """over all times"""
     lowest: float
     """height of the TCP over the clearance plane, a lower bound over all times [m]"""
+    clearance: dict[str, Any] = field(default_factory=lambda: unknown("not asked for"))
     rates: dict[str, Any] = field(default_factory=dict)
-    """as of a `Plan`"""
+    """both as of a `Plan`"""
 
 
 def plan_joints(
@@ -54,6 +57,7 @@ def plan_joints(
     plane: ClearancePlane,
     rate: float,
     timing: TimingOptions,
+    scene: Scene | None = None,
 ) -> JointPlan:
     """The fastest motion along a line in joint space, or along a parabola where the line would
     bring the TCP below the clearance plane (or below its lower end, where that lies below).
@@ -63,13 +67,15 @@ def plan_joints(
         plane: what the TCP stays above.
         rate: rows of the trajectory per second [1/s].
         timing: limits and back-end.
+        scene: the arm in its cell.
 
     Raises:
-        UnreachableError: no such parabola within the joint box.
+        UnreachableError: no such parabola within the joint box, or (CollisionError) none that
+            touches nothing.
         InfeasibleError: the torque limits leave no motion; says where.
     """
     dynamics = path_dynamics(robot)
-    joints = raised_path(dynamics.model, q_from, q_to, plane)
+    joints = raised_path(dynamics.model, q_from, q_to, plane, scene)
     tcp = TcpPath(dynamics.model, joints, spindle_axis(robot))
     first: TimeLaw = fastest(dynamics, joints, timing).law
     law = first
@@ -91,5 +97,14 @@ def plan_joints(
         max_torque_ratio=bounds.torque_ratio,
         max_velocity_ratio=bounds.velocity_ratio,
         lowest=lowest(tcp, plane),
+        clearance=_clearance(scene, tcp),
         rates=rates,
     )
+
+
+def _clearance(scene: Scene | None, tcp: TcpPath) -> dict[str, Any]:
+    """The entry `clearance_mm`."""
+    found = clearance_of(scene, tcp.joints)
+    if found is None:
+        return unknown("the robot file has no [outline], the space that the arm takes up")
+    return found.summary(float(tcp.way(found.s)))

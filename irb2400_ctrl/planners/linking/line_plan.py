@@ -6,77 +6,67 @@ import numpy as np
 
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.model import Model
+from irb2400_ctrl.planners.linking.run import Run
 from irb2400_ctrl.planners.plan import Plan
 from irb2400_ctrl.planners.plan_options import PlanOptions
 from irb2400_ctrl.planners.plan_path import plan_ways
 from irb2400_ctrl.planners.redundancy.known_way import End, known_way
 from irb2400_ctrl.planners.stage_clock import StageClock
-from irb2400_ctrl.planners.timing.timing_options import TimingOptions
 from irb2400_ctrl.planners.toolpath.toolpath import ToolPath
-from irb2400_ctrl.robot import Robot
 
 # how far the corner is cut where a way out turns upwards [m]
 TOLERANCE = 5e-5
 
 
-def lead_in(
-    robot: Robot,
-    q: Array,
-    out: Array,
-    approach: float,
-    feed: float,
-    rate: float,
-    timing: TimingOptions,
-) -> Plan:
-    """From the clearance plane down to the configuration q (n,) [rad] of a first way-point.
+def lead_in(run: Run, q: Array, out: Array, approach: float, rate: float) -> Plan:
+    """From the clearance plane down to the configuration q (n,) [rad] of a run's first way-point.
 
     Args:
+        run: with the limits and the cell of its plan.
         out: places from the way-point up to the plane, shape (k, 3), see `way_out`.
-        approach: last part of the way that is driven at `feed` [m].
-        feed: [m/s]; inf where the operation itself begins with a rapid move.
+        approach: last part of the way that is driven at the run's feed [m]; none, where the run
+            itself begins with a rapid move.
         rate: rows of the trajectory per second [1/s].
-        timing: limits and back-end.
 
     Raises:
         UnreachableError: the arm does not reach along the line.
     """
     places = list(out[::-1])
     feeds = [np.inf] * len(places)
-    if np.isfinite(feed):
+    if np.isfinite(run.feed):
         side = out[1] - out[0]
         length = float(np.linalg.norm(side))
         if approach < 0.99 * length:
             places.insert(-1, out[0] + approach / length * side)
             feeds.append(np.inf)
-        feeds[-1] = feed
-    path = _path(robot, q, np.array(places), np.array(feeds), "lead-in")
-    return _planned(robot, path, q, "last", rate, timing)
+        feeds[-1] = run.feed
+    path = _path(run, q, np.array(places), np.array(feeds), "lead-in")
+    return _planned(run, path, q, "last", rate)
 
 
-def retract(robot: Robot, q: Array, out: Array, rate: float, timing: TimingOptions) -> Plan:
-    """From the configuration q (n,) [rad] of a last way-point up to the clearance plane, rapidly.
+def retract(run: Run, q: Array, out: Array, rate: float) -> Plan:
+    """From the configuration q (n,) [rad] of a run's last way-point up to the clearance plane,
+    rapidly.
 
     Raises:
         UnreachableError: the arm does not reach along the line.
     """
-    path = _path(robot, q, out, np.full(len(out), np.inf), "retract")
-    return _planned(robot, path, q, "first", rate, timing)
+    path = _path(run, q, out, np.full(len(out), np.inf), "retract")
+    return _planned(run, path, q, "first", rate)
 
 
-def _path(robot: Robot, q: Array, places: Array, feeds: Array, name: str) -> ToolPath:
+def _path(run: Run, q: Array, places: Array, feeds: Array, name: str) -> ToolPath:
     """The tool does not turn on the way."""
-    R = Model(robot).tcp_pose(q)[:3, :3]
+    R = Model(run.plan.robot).tcp_pose(q)[:3, :3]
     return ToolPath(places, rotation=np.tile(R, (len(places), 1, 1)), feed=feeds, name=name)
 
 
-def _planned(
-    robot: Robot, path: ToolPath, q: Array, end: End, rate: float, timing: TimingOptions
-) -> Plan:
+def _planned(run: Run, path: ToolPath, q: Array, end: End, rate: float) -> Plan:
     return plan_ways(
-        robot,
+        run.arm,
         path,
-        lambda model, orientation: [known_way(model, orientation, q, end)],
-        PlanOptions(rate, False, None, TOLERANCE, 0.0),
-        timing,
+        lambda model, orientation, scene: [known_way(model, orientation, q, end, scene)],
+        PlanOptions(rate, False, None, TOLERANCE, 0.0, run.cell, run.tool),
+        run.timing,
         StageClock(None),
     )

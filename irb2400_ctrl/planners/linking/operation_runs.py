@@ -8,13 +8,16 @@ from typing import Any
 import numpy as np
 
 from irb2400_ctrl.arrays import Array, Integers
+from irb2400_ctrl.cell import CellTool, Scene, with_tool
 from irb2400_ctrl.errors import UnreachableError
 from irb2400_ctrl.model import Model
+from irb2400_ctrl.planners.clearance import cutting_moves
 from irb2400_ctrl.planners.linking.clearance_plane import ClearancePlane, spindle_axis
 from irb2400_ctrl.planners.linking.link_options import LinkOptions
 from irb2400_ctrl.planners.linking.run import Run
+from irb2400_ctrl.planners.plan import Plan
 from irb2400_ctrl.planners.plan_path import plan_path
-from irb2400_ctrl.planners.redundancy.choices import GRID, stations
+from irb2400_ctrl.planners.redundancy.choices import GRID, cutting_at, stations
 from irb2400_ctrl.planners.redundancy.follow import arc_length
 from irb2400_ctrl.planners.redundancy.ladder_graph import FREE_SHIFTS, Ladder
 from irb2400_ctrl.planners.redundancy.reentry import cheapest_reentries
@@ -57,7 +60,7 @@ def operation_runs(
         plan = plan_path(robot, split.path, way_out=split.way_out(whole), **split.options)
     except UnreachableError as error:
         return split.runs(whole, error, _DEPTH)
-    return (Run(operation, plan, whole.points),)
+    return (split.run(plan, whole, ""),)
 
 
 def unwound_runs(
@@ -85,10 +88,17 @@ def _split(
     options: dict[str, Any],
 ) -> Split:
     """The operation in the base, ready to be cut in parts."""
-    frame = options.get("work_frame")
+    frame = frame_of(options)
     path = operation.path if frame is None else operation.path.moved(frame)
-    rest = {key: value for key, value in options.items() if key != "work_frame"}
-    return Split(robot, operation, path, plane, links, rest)
+    return Split(robot, operation, path, plane, links, {**options, "work_frame": np.eye(4)})
+
+
+def frame_of(options: dict[str, Any]) -> Array | None:
+    """The work frame that options of `plan_path` ask for: their own, or that of the cell's work
+    object."""
+    cell = options.get("cell")
+    frame: Array | None = options.get("work_frame")
+    return cell.work_frame if frame is None and cell is not None else frame
 
 
 @dataclass(frozen=True)
@@ -111,7 +121,7 @@ class Split:
     plane: ClearancePlane
     links: LinkOptions
     options: dict[str, Any]
-    """of `plan_path`, the work frame apart"""
+    """of `plan_path`"""
 
     @property
     def whole(self) -> Part:
@@ -133,10 +143,22 @@ class Split:
                 plan = plan_path(
                     self.robot, piece.path, way_out=self.way_out(piece), **self.options
                 )
-                found.append(Run(self.operation, plan, piece.points, str(because)))
+                found.append(self.run(plan, piece, str(because)))
             except UnreachableError:
                 found += self.runs(piece, because, depth - 1)
         return tuple(found)
+
+    def run(self, plan: Plan, part: Part, because: str) -> Run:
+        """A part with its plan."""
+        cell = self.options.get("cell")
+        return Run(self.operation, plan, part.points, self.robot, cell, self._tool, because)
+
+    @property
+    def _tool(self) -> CellTool | None:
+        """Of the cell, in the spindle."""
+        cell = self.options.get("cell")
+        name = self.options.get("tool")
+        return None if cell is None or name is None else cell.tool(name)
 
     def way_out(self, part: Part) -> WayOut:
         """From the ends of a part up to the plane; none from those of the motion itself."""
@@ -158,9 +180,14 @@ class Split:
         orientation = shape_path(part.path, self._spindle, tolerance)
         held = orientation.curve.full and not self.options.get("free_tool_rotation", True)
         u = stations(orientation)
-        model = Model(self.robot)
+        tool = self._tool
+        model = Model(self.robot if tool is None else with_tool(self.robot, tool))
         ladder = Ladder.of(model, orientation, u, np.zeros(1) if held else GRID)
         ladder = self.way_out(part).kept(ladder, orientation)
+        scene = Scene.of(model, self.robot, self.options.get("cell"), tool)
+        if scene is not None:
+            moves = cutting_moves(part.path, orientation.spindle)
+            ladder = ladder.free_of(scene, cutting_at(orientation.curve, moves, u))
         exits = _Exits(self, part, orientation, ladder)
         shifts = (0,) if held else FREE_SHIFTS
         found = cheapest_reentries(ladder, shifts, exits.cost, exits.free)

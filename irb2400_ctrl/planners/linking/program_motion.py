@@ -82,6 +82,7 @@ class ProgramMotion:
             "length_mm": 1e3 * sum(s.piece.length for s in self.segments),
             "duration_s": self.duration,
             **worst(self.plans, [s.piece for s in self.segments]),
+            "clearance_mm": self._clearance(),
             "feed": self._feed(),
             "clearance_plane": {
                 "clearance_mm": 1e3 * self.options.clearance,
@@ -101,6 +102,19 @@ class ProgramMotion:
         trajectory = write_atomic(folder / "trajectory.csv", self.trajectory.csv())
         text = json.dumps(self.summary(), indent=2) + "\n"
         return trajectory, write_atomic(folder / "plan.json", text)
+
+    def _clearance(self) -> dict[str, Any]:
+        """The smallest of all segments, placed along the whole way; unknown where one is."""
+        gone = 0.0
+        least: dict[str, Any] = {}
+        for segment in self.segments:
+            found = segment.piece.clearance
+            if found["value"] is None:
+                return found
+            if not least or found["value"] < least["value"]:
+                least = {**found, "at_mm": 1e3 * gone + found["at_mm"]}
+            gone += segment.piece.length
+        return least
 
     def _feed(self) -> dict[str, Any] | None:
         """Of all operations together; each segment has its own in detail."""

@@ -5,8 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from irb2400_ctrl.arrays import Array
-from irb2400_ctrl.errors import UnreachableError
+from irb2400_ctrl.cell import Scene
+from irb2400_ctrl.errors import CollisionError, UnreachableError
 from irb2400_ctrl.model import Model
+from irb2400_ctrl.planners.clearance import Clearance, continuous_clearance
 from irb2400_ctrl.planners.enclosure.tcp_path import TcpPath
 from irb2400_ctrl.planners.joint_box import outside_box
 from irb2400_ctrl.planners.joint_path import JointPath
@@ -18,11 +20,19 @@ _SAMPLES = 65
 # bends of the path: how often they are tried, and by how much they grow
 _TRIES = 14
 _GROWTH = 1.35
+# first lift of a line that is high enough, but not free [m]
+_LIFT = 0.02
 # cells in which the height is enclosed
 _CELLS = 64
 
 
-def raised_path(model: Model, q_from: Array, q_to: Array, plane: ClearancePlane) -> JointPath:
+def raised_path(
+    model: Model,
+    q_from: Array,
+    q_to: Array,
+    plane: ClearancePlane,
+    scene: Scene | None = None,
+) -> JointPath:
     """The straight line in joint space, or the least bent parabola over it that stays above.
 
         q(t) = q_from + t (q_to - q_from) + 4 t (1 - t) bend,   0 <= t <= 1
@@ -30,13 +40,20 @@ def raised_path(model: Model, q_from: Array, q_to: Array, plane: ClearancePlane)
     The bend is along what raises the TCP most at the line's lowest place, with the first three axes
     (the arm), or with all.
 
+    Args:
+        scene: the arm in its cell, which the path may not touch, either.
+
     Raises:
         UnreachableError: every such parabola leaves the joint box or stays too low.
+        CollisionError: those that do not touch something.
     """
     floor = _floor(model, q_from, q_to, plane)
     line = _parabola(q_from, q_to, np.zeros_like(q_from))
+    touched: Clearance | None = None
     if _lowest_sample(model, line, plane) >= floor:
-        return line
+        touched = touching(scene, line)
+        if touched is None:
+            return line
     for moved in (3, len(q_from)):
         bend = _raising(model, line, plane, floor, moved)
         for _ in range(_TRIES):
@@ -44,14 +61,37 @@ def raised_path(model: Model, q_from: Array, q_to: Array, plane: ClearancePlane)
             if outside_box(model, path(path.length * _places())) is not None:
                 break
             if _lowest_sample(model, path, plane) >= floor:
-                return path
+                touched = touching(scene, path)
+                if touched is None:
+                    return path
             bend = _GROWTH * bend
+    if touched is not None:
+        first, other = touched.pair
+        raise CollisionError(
+            f"the move of the joints between two operations brings {first} and {other} together, "
+            "and so does every bent one; move the work frame, or give another --clearance or "
+            "--start"
+        )
     depth = 1e3 * (floor - _lowest_sample(model, line, plane))
     raise UnreachableError(
         f"the move of the joints between two operations would bring the tool {depth:.0f} mm below "
         "the clearance plane, and no bent one inside the joint box stays above it; move the work "
         "frame, or give another --clearance or --start"
     )
+
+
+def touching(scene: Scene | None, path: JointPath) -> Clearance | None:
+    """What a joint path cannot be shown free of; None where it is free, or nothing is known."""
+    found = clearance_of(scene, path)
+    return None if scene is None or found is None or found.value > scene.keep else found
+
+
+def clearance_of(scene: Scene | None, path: JointPath) -> Clearance | None:
+    """How far a joint path stays from everything, the tool's cutting part included; None where that
+    is not known."""
+    if scene is None:
+        return None
+    return continuous_clearance(scene, path, np.zeros(len(path.knots) - 1, dtype=bool))
 
 
 def lowest(tcp: TcpPath, plane: ClearancePlane) -> float:
@@ -99,5 +139,6 @@ def _raising(
     q = line(line.length * _places()[at : at + 1])[0]
     slope = plane.up @ model.tcp_jacobian(q)[:3]
     slope[moved:] = 0.0
-    depth = floor - heights[at]
+    # a line that is high enough is bent because it touches something
+    depth = max(floor - heights[at], _LIFT)
     return np.asarray(1.1 * depth * slope / max(float(slope @ slope), 1e-9))

@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import cast
 
 from irb2400_ctrl.arrays import Integers
+from irb2400_ctrl.cell import Cell, CellTool, Scene
+from irb2400_ctrl.model import Model
 from irb2400_ctrl.planners.plan import Plan
 from irb2400_ctrl.planners.timing.timing_options import Backend, TimingOptions
 from irb2400_ctrl.planners.toolpath.cam_program import Operation
+from irb2400_ctrl.robot import Robot
 
 # of the timing of lines and moves of the joints
 _CELLS = 200
@@ -23,6 +27,11 @@ class Run:
     points: Integers
     """index of the operation's way-point that each of its points is, -1 for one that was put in
     between, shape (len(plan.path),)"""
+    arm: Robot
+    """as its file describes it, without a tool of the cell"""
+    cell: Cell | None = None
+    tool: CellTool | None = None
+    """of the cell, in the spindle"""
     because: str = ""
     """why the operation is not followed in one go; empty where it is"""
 
@@ -31,6 +40,11 @@ class Run:
         """Index of the way-point at or before its beginning."""
         inserted = int(self.points[0] < 0)
         return int(self.points[inserted]) - inserted
+
+    @cached_property
+    def scene(self) -> Scene | None:
+        """The arm in its cell; None where nothing is known of the space that it takes up."""
+        return Scene.of(Model(self.plan.robot), self.arm, self.cell, self.tool)
 
     @property
     def feed(self) -> float:

@@ -74,6 +74,7 @@ class Segment:
             "from_deg": _degrees(piece.trajectory.q[0]),
             "to_deg": _degrees(piece.trajectory.q[-1]),
             "feed_mm_s": None,
+            "clearance_mm": piece.clearance,
             "guaranteed": piece.guaranteed,
             "max_torque_ratio": piece.max_torque_ratio,
             "max_velocity_ratio": piece.max_velocity_ratio,

@@ -6,13 +6,17 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+import numpy.typing as npt
 
 from irb2400_ctrl.arrays import Array
-from irb2400_ctrl.errors import UnreachableError
+from irb2400_ctrl.cell import Scene
+from irb2400_ctrl.errors import CollisionError, UnreachableError
 from irb2400_ctrl.model import Model
+from irb2400_ctrl.planners.clearance import Clearance, continuous_clearance
 from irb2400_ctrl.planners.redundancy.follow import Followed, JointTarget
 from irb2400_ctrl.planners.redundancy.singularity_margins import relative_margins
 from irb2400_ctrl.planners.redundancy.wrist_passage import Passing
+from irb2400_ctrl.planners.toolpath.task_curve import TaskCurve
 
 RotationLaw = Callable[[Array], Array]
 """free rotation [rad] over the length along the path [m]"""
@@ -30,6 +34,8 @@ class Choice:
     followed: Followed
     margins: Array
     """smallest relative margins (wrist, shoulder, elbow) over the joint path, shape (3,) [-]"""
+    clearance: Clearance | None = None
+    """how far the motion stays from everything; None where it is not known"""
     passing: Passing | None = None
     """how a path of given orientations takes the wrist singularity"""
 
@@ -77,3 +83,44 @@ def stay_inside(model: Model, followed: Followed, target: JointTarget) -> None:
             f"{np.degrees(excess[worst, axis]):.1f} deg beyond its range {low:.0f} to {high:.0f} "
             "deg"
         )
+
+
+def _cutting_between(
+    curve: TaskCurve, moves: npt.NDArray[np.bool_], u: Array
+) -> npt.NDArray[np.bool_]:
+    """Whether the tool may cut all the way between neighbouring parameters u, shape (n - 1,)."""
+    allowed = moves[curve.origin]
+    refused = np.concatenate([[0], np.cumsum(~allowed)])
+    first = np.clip(np.floor(u[:-1] + 1e-9).astype(int), 0, curve.segments)
+    last = np.clip(np.ceil(u[1:] - 1e-9).astype(int), 0, curve.segments)
+    return np.asarray(refused[last] == refused[first])
+
+
+def clear(
+    scene: Scene | None, followed: Followed, target: JointTarget, moves: npt.NDArray[np.bool_]
+) -> Clearance | None:
+    """How far a joint path stays from everything; None where that is not known.
+
+    Args:
+        scene: the arm in its cell.
+        followed: the joint path.
+        target: what it follows.
+        moves: whether the tool may cut on the way to each way-point, shape (n,).
+
+    Raises:
+        CollisionError: it cannot be shown free; says what touches what, where.
+    """
+    if scene is None:
+        return None
+    cutting = _cutting_between(target.curve, moves, followed.u)
+    found = continuous_clearance(scene, followed.joints, cutting)
+    if found.value > scene.keep:
+        return found
+    u = float(np.interp(found.s, followed.joints.knots, followed.u))
+    first, other = found.pair
+    wanted = f", {1e3 * scene.keep:.1f} mm are to be kept" if scene.keep else ""
+    raise CollisionError(
+        f"near point {target.point(u)} {first} and {other} touch, or nearly so "
+        f"({1e3 * found.value:.2f} mm{wanted}); move the work frame, free the tool rotation, or "
+        "change the cell"
+    )

@@ -7,13 +7,17 @@ from collections.abc import Callable, Iterator
 from dataclasses import replace
 
 import numpy as np
+import numpy.typing as npt
 
 from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.cell import Scene
 from irb2400_ctrl.errors import UnreachableError
 from irb2400_ctrl.model import Model
+from irb2400_ctrl.planners.clearance import cutting_moves
 from irb2400_ctrl.planners.redundancy.choice import (
     Choice,
     RotationLaw,
+    clear,
     continuous_margins,
     stay_inside,
 )
@@ -28,6 +32,7 @@ from irb2400_ctrl.planners.redundancy.ladder_refusal import refusal
 from irb2400_ctrl.planners.redundancy.way_out import WayOut
 from irb2400_ctrl.planners.redundancy.wrist_passage import Passing, passings
 from irb2400_ctrl.planners.toolpath.orientation import Orientation
+from irb2400_ctrl.planners.toolpath.task_curve import TaskCurve
 
 GRID = np.radians(np.arange(0.0, 360.0, 5.0))
 MAX_STATIONS = 600
@@ -44,19 +49,22 @@ def choices(
     orientation: Orientation,
     free: bool,
     keep: int = 3,
+    scene: Scene | None = None,
     way_out: WayOut | None = None,
 ) -> Iterator[Choice]:
-    """Joint paths inside the joint box, the most promising of each kind first.
+    """Joint paths inside the joint box that touch nothing, the most promising of each kind first.
 
     Args:
         model: the arm.
         orientation: the tool path, placed and smoothed.
         free: whether the tool may turn about its axis.
         keep: how many of each kind.
+        scene: the arm in its cell; None where nothing is known of the space that it takes up.
         way_out: lines from its ends that the arm must reach along, too.
 
     Raises:
-        UnreachableError: no way leads through; says at which point, which axis, by how much.
+        UnreachableError: no way leads through; says at which point, which axis, by how much, or
+            (CollisionError) what touches what.
     """
     curve = orientation.curve
     held = curve.full and not free
@@ -66,6 +74,9 @@ def choices(
     ladder = Ladder.of(model, orientation, u, rotation)
     if way_out is not None:
         ladder = way_out.kept(ladder, orientation)
+    moves = cutting_moves(curve.path, orientation.spindle)
+    if scene is not None:
+        ladder = ladder.free_of(scene, cutting_at(curve, moves, u))
     problem: UnreachableError | None = None
     found = False
     options: Iterator[_Option]
@@ -81,13 +92,15 @@ def choices(
         try:
             followed = follow(model, target, q_start)
             stay_inside(model, followed, target)
+            clearance = clear(scene, followed, target, moves)
             if way_out is not None:
-                way_out.check(model, orientation, followed)
+                way_out.check(model, orientation, followed, scene)
         except UnreachableError as error:
             problem = problem or error
             continue
         found = True
-        yield Choice(kind, branch, law, followed, continuous_margins(model, followed), passing)
+        margins = continuous_margins(model, followed)
+        yield Choice(kind, branch, law, followed, margins, clearance, passing)
     if not found:
         names = curve.origin[np.minimum(u.astype(int), curve.segments - 1)].copy()
         names[0] = 0
@@ -181,3 +194,11 @@ def _constant(value: float) -> RotationLaw:
 
 def _spline(spline: Callable[[Array], Array]) -> RotationLaw:
     return lambda s: np.asarray(spline(s))
+
+
+def cutting_at(curve: TaskCurve, moves: npt.NDArray[np.bool_], u: Array) -> npt.NDArray[np.bool_]:
+    """Whether the tool may cut at curve parameters u, and right before and after, shape (n,)."""
+    last = curve.segments - 1
+    before = curve.origin[np.clip(np.ceil(u).astype(int) - 1, 0, last)]
+    after = curve.origin[np.clip(np.floor(u).astype(int), 0, last)]
+    return np.asarray(moves[before] | moves[after])

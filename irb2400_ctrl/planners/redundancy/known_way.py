@@ -7,9 +7,16 @@ from typing import Literal
 import numpy as np
 
 from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.cell import Scene
 from irb2400_ctrl.errors import UnreachableError
 from irb2400_ctrl.model import Model
-from irb2400_ctrl.planners.redundancy.choice import Choice, continuous_margins, stay_inside
+from irb2400_ctrl.planners.clearance import cutting_moves
+from irb2400_ctrl.planners.redundancy.choice import (
+    Choice,
+    clear,
+    continuous_margins,
+    stay_inside,
+)
 from irb2400_ctrl.planners.redundancy.follow import JointTarget, follow
 from irb2400_ctrl.planners.toolpath.orientation import Orientation
 
@@ -18,14 +25,18 @@ End = Literal["first", "last"]
 _SAME = 1e-5
 
 
-def known_way(model: Model, orientation: Orientation, q: Array, end: End) -> Choice:
+def known_way(
+    model: Model, orientation: Orientation, q: Array, end: End, scene: Scene | None = None
+) -> Choice:
     """The joint path that has the configuration q (n,) [rad] at an end, whole turns included.
 
     Args:
         orientation: a path of full orientations, whose pose at that end q reaches.
+        scene: the arm in its cell.
 
     Raises:
-        UnreachableError: the branch of q ends on the way, or leaves the joint box.
+        UnreachableError: the branch of q ends on the way, or leaves the joint box, or
+            (CollisionError) something is touched.
     """
     branch = _branch(model, orientation, q, end)
     target = JointTarget.of(orientation, lambda s: np.zeros(np.shape(s)), branch)
@@ -45,7 +56,16 @@ def known_way(model: Model, orientation: Orientation, q: Array, end: End) -> Cho
         )
     stay_inside(model, followed, target)
     margins = continuous_margins(model, followed)
-    return Choice("given orientation", branch, lambda s: np.zeros(np.shape(s)), followed, margins)
+    moves = cutting_moves(orientation.curve.path, orientation.spindle)
+    clearance = clear(scene, followed, target, moves)
+    return Choice(
+        "given orientation",
+        branch,
+        lambda s: np.zeros(np.shape(s)),
+        followed,
+        margins,
+        clearance,
+    )
 
 
 def _branch(model: Model, orientation: Orientation, q: Array, end: End) -> int:

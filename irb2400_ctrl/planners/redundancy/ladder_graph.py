@@ -9,14 +9,16 @@ smallest margin first, then, among the nodes that keep it, the shortest motion.
 from __future__ import annotations
 
 import itertools
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 import numpy.typing as npt
 
 from irb2400_ctrl.arrays import Array, Integers
+from irb2400_ctrl.cell import Scene
 from irb2400_ctrl.model import Model
+from irb2400_ctrl.planners.clearance.crowd import Crowd
 from irb2400_ctrl.planners.redundancy.singularity_margins import COMFORTABLE, relative_margins
 from irb2400_ctrl.planners.toolpath.orientation import Orientation
 
@@ -84,6 +86,8 @@ class Ladder:
     """whole turns of the wound axes that nodes may carry, shape (k, number of wound axes)"""
     inset: float = BOX_INSET
     """distance kept from the ends of the joint box [rad]"""
+    crowd: Crowd | None = None
+    """what the nodes are near to; None where it is not known"""
 
     @classmethod
     def of(cls, model: Model, orientation: Orientation, u: Array, rotation: Array) -> Ladder:
@@ -113,6 +117,23 @@ class Ladder:
     def wound(self) -> list[int]:
         """Zero-based axes whose whole turns the nodes carry."""
         return wound_axes(self.model)
+
+    def free_of(self, scene: Scene, cutting: npt.NDArray[np.bool_]) -> Ladder:
+        """The same without the nodes that touch something.
+
+        Args:
+            scene: the arm in its cell.
+            cutting: stations at which the tool may cut, shape (n,).
+        """
+        boxed = np.array([self.inside(i).any(axis=2) for i in range(len(self.u))])
+        return replace(self, crowd=Crowd.of(scene, self.q, boxed & (self.margin > 0), cutting))
+
+    def allowed(self, station: int) -> npt.NDArray[np.bool_]:
+        """Nodes of a station within the joint box that touch nothing, shape (r, 8, k)."""
+        inside = self.inside(station)
+        if self.crowd is None:
+            return inside
+        return np.asarray(inside & self.crowd.free(station)[..., None])
 
     def inside(self, station: int) -> npt.NDArray[np.bool_]:
         """Nodes of a station within the joint box, shape (r, 8, k)."""
@@ -237,11 +258,12 @@ class Ladder:
 
     def node_value(self, i: int, level: float | None) -> Array:
         """What the nodes of a station are worth by themselves, shape (r, 8, k)."""
-        inside = self.inside(i)
+        allowed = self.allowed(i)
         margin = self.margin[i][..., None]
         if level is None:
-            return np.where(inside, margin, -1.0)
-        return np.where(inside & (margin >= level), 0.0, np.inf)
+            return np.where(allowed, margin, -1.0)
+        cost = 0.0 if self.crowd is None else self.crowd.cost(i)[..., None]
+        return np.where(allowed & (margin >= level), cost, np.inf)
 
     def _source(self, whole: Array) -> Integers:
         """Index into `turns` a node comes from, -1 where that lies outside, shape (r, 8, k)."""

@@ -16,17 +16,19 @@ def refusal(ladder: Ladder, names: Integers) -> UnreachableError:
         names: index of the way-point that each station leads to, shape (n,).
     """
     for i in range(len(ladder.u)):
-        if not ladder.inside(i).any():
+        if not ladder.allowed(i).any():
             return _no_configuration(ladder, i, int(names[i]) + 1)
     shifts = FREE_SHIFTS if len(ladder.rotation) > 1 else (0,)
     _, back = ladder.sweep(shifts, level=None)
     at = min(len(back), len(ladder.u) - 1)
     point = int(names[at]) + 1
     blocked = _blocking_axis(ladder, shifts, at)
+    obstacle = "" if ladder.crowd is None else "a collision or "
     if blocked is None:
         return UnreachableError(
             f"no continuous motion reaches point {point}: every configuration that reaches the "
-            "points before it meets a singularity there; split the path, or move the work frame"
+            f"points before it meets {obstacle}a singularity there; split the path, or move the "
+            "work frame"
         )
     axis, needed = blocked
     low, high = np.degrees([ladder.model.robot.q_min[axis], ladder.model.robot.q_max[axis]])
@@ -40,6 +42,9 @@ def refusal(ladder: Ladder, names: Integers) -> UnreachableError:
 
 def _no_configuration(ladder: Ladder, i: int, point: int) -> UnreachableError:
     """A station that the arm does not reach at all."""
+    boxed = ladder.inside(i).any(axis=2)
+    if ladder.crowd is not None and boxed.any():
+        return ladder.crowd.refusal(ladder.q[i][boxed], i, point)
     robot = ladder.model.robot
     q = ladder.q[i].reshape(-1, robot.n)
     if not np.isfinite(q).any():

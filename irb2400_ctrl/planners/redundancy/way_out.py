@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.cell import Scene
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.planners.redundancy.follow import Followed
 from irb2400_ctrl.planners.redundancy.known_way import End, known_way
@@ -53,11 +54,13 @@ class WayOut:
                 margin[row][~left] = -1.0
         return replace(ladder, q=q, margin=margin)
 
-    def check(self, model: Model, orientation: Orientation, followed: Followed) -> None:
+    def check(
+        self, model: Model, orientation: Orientation, followed: Followed, scene: Scene | None = None
+    ) -> None:
         """Refuse a joint path whose ends have no continuous way along their line.
 
         Raises:
-            UnreachableError: says which line, which axis.
+            UnreachableError: says which line, which axis, or (CollisionError) what is touched.
         """
         for end, places in self.ends:
             knots = followed.joints.knots
@@ -66,7 +69,7 @@ class WayOut:
             name = "line from the clearance plane" if end == "first" else "line to it"
             moved = places - places[0] + X[:3, 3]
             line = ToolPath(moved, rotation=np.tile(X[:3, :3], (len(moved), 1, 1)), name=name)
-            known_way(model, shape_path(line, orientation.spindle, 5e-5), q, "first")
+            known_way(model, shape_path(line, orientation.spindle, 5e-5), q, "first", scene)
 
 
 def way_is_free(model: Model, X: Array, q: Array, places: Array) -> Array:

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from irb2400_ctrl.errors import InfeasibleError
+from irb2400_ctrl.planners.clearance.crowd import COMFORTABLE_CLEARANCE
 from irb2400_ctrl.planners.enclosure.cells import enclose, grid
 from irb2400_ctrl.planners.enclosure.path_dynamics import PathDynamics
 from irb2400_ctrl.planners.joint_path import JointPath
@@ -25,6 +26,9 @@ from irb2400_ctrl.planners.timing.time_optimal import Timed
 from irb2400_ctrl.planners.timing.timing_options import TimingOptions
 from irb2400_ctrl.planners.toolpath.orientation import Orientation
 
+CLEARANCE_WORTH = 0.1
+"""what a comfortable clearance is worth, as a relative margin to singularities [-]"""
+
 
 @dataclass(frozen=True, eq=False)
 class TimedChoice:
@@ -40,9 +44,13 @@ class TimedChoice:
 
     @property
     def rank(self) -> tuple[float, float]:
-        """Larger margin first as long as it is not comfortable, then the shorter duration."""
-        margin = min(self.choice.margin, COMFORTABLE)
-        return -round(margin, 2), self.fastest.duration
+        """Larger margin and clearance first as long as they are not comfortable, then the shorter
+        duration."""
+        worth = min(self.choice.margin, COMFORTABLE)
+        near = self.choice.clearance
+        if near is not None:
+            worth += CLEARANCE_WORTH * min(near.value / COMFORTABLE_CLEARANCE, 1.0)
+        return -round(worth, 2), self.fastest.duration
 
 
 def time_choices(
