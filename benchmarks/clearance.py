@@ -80,7 +80,7 @@ def wavy_part(triangles: int, file: Path) -> int:
     top = np.stack([x, y, height(x, y)], axis=1)
     low = np.stack([x, y, np.full_like(x, -0.06)], axis=1)
     at = np.arange(n * n).reshape(n, n)
-    a, b, c, d = at[:-1, :-1].ravel(), at[1:, :-1].ravel(), at[1:, 1:].ravel(), at[:-1, 1:].ravel()
+    a, b, c, d = (m.ravel() for m in (at[:-1, :-1], at[1:, :-1], at[1:, 1:], at[:-1, 1:]))
     sheet = np.concatenate([np.stack([a, b, c], 1), np.stack([a, c, d], 1)])
     rim = np.concatenate([at[:-1, 0], at[-1, :-1], at[:0:-1, -1], at[0, :0:-1]])
     following = np.roll(rim, -1)

@@ -48,7 +48,9 @@ def load_arm(robot: str, uncertainty: list[str] | None = None) -> Robot:
     arm = load_robot(robot)
     if uncertainty:
         bodies = [link.name for link in arm.links] + (["tool"] if arm.tool else [])
-        arm = arm.model_copy(update={"uncertainty": arm.uncertainty.changed(uncertainty, bodies)})
+        changed = arm.uncertainty.changed(uncertainty, bodies)
+        # what was identified would take the place of what was just asked for
+        arm = arm.model_copy(update={"uncertainty": changed, "identified": None})
     for line in arm.assumptions():
         print(f"{arm.name}: {line}", file=sys.stderr)
     return arm

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from irb2400_ctrl.arrays import Array
-from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.planners.certify import PlanBounds
 from irb2400_ctrl.planners.clearance.clearance import unknown
 from irb2400_ctrl.planners.enclosure.path_dynamics import PathDynamics
@@ -17,13 +17,12 @@ from irb2400_ctrl.planners.plan import Plan
 from irb2400_ctrl.planners.redundancy.wrist_remedies import Remedy, taken
 from irb2400_ctrl.planners.timing.feed_use import feed_use
 from irb2400_ctrl.planners.timing.passing_times import passing_times, point_lengths
+from irb2400_ctrl.planners.timing.sampled_reference import SampledReference
 from irb2400_ctrl.planners.timing.time_choices import TimedChoice
 from irb2400_ctrl.planners.timing.time_law import TimeLaw
 from irb2400_ctrl.planners.timing.timing_options import TimingOptions
 from irb2400_ctrl.planners.toolpath.orientation import Orientation
 from irb2400_ctrl.trajectory import Trajectory
-
-_MOST_ROWS = 20_000_000
 
 
 def report(
@@ -34,7 +33,7 @@ def report(
     bounds: PlanBounds,
     remedies: Sequence[Remedy],
     options: TimingOptions,
-    rate: float,
+    reference: SampledReference,
     wall_time: dict[str, float],
 ) -> Plan:
     """The plan of the chosen motion, with what it was compared with.
@@ -47,12 +46,12 @@ def report(
         bounds: what is sure of it.
         remedies: of its wrist passages.
         options: how it was timed.
-        rate: rows of the trajectory per second [1/s].
+        reference: the rows of the trajectory.
         wall_time: of the stages [s]; the caller goes on writing to it.
     """
     tcp = chosen.path.tcp
     choice = chosen.choice
-    trajectory, s = law_rows(dynamics, chosen.law, tcp, rate)
+    trajectory, s = law_rows(dynamics, chosen.law, tcp, reference)
     return Plan(
         robot=dynamics.model.robot,
         path=orientation.curve.path,
@@ -62,6 +61,8 @@ def report(
         duration=chosen.law.duration,
         guaranteed=bounds.guaranteed,
         guarantee_note=bounds.note,
+        interpolation=reference.interpolation,
+        torque_share=options.torque_share,
         rates=chosen.rates,
         timing=options.backend,
         max_tcp_deviation=bounds.deviation.largest,
@@ -86,18 +87,15 @@ def report(
 
 
 def law_rows(
-    dynamics: PathDynamics, law: TimeLaw, tcp: TcpPath, rate: float
+    dynamics: PathDynamics, law: TimeLaw, tcp: TcpPath, reference: SampledReference
 ) -> tuple[Trajectory, Array]:
-    """Rows at k / rate up to the first one at or after the end, and where on the joint path they
-    are."""
-    rows = int(np.ceil(law.duration * rate - 1e-9)) + 1
-    if rows > _MOST_ROWS:
-        raise InputError(f"rate: {rate} rows per second make {rows} rows; expected a lower rate")
-    t = np.arange(rows) / rate
-    s, q, qd, qdd = law.motion(tcp.joints, t)
-    tau = dynamics.torque(q, qd, qdd, t)
+    """The rows with torque and the TCP's way, with the digits of the file, and where on the joint
+    path they are."""
+    rows = reference.rows
+    s = law.at(rows.time)[0]
+    tau = dynamics.torque(rows.q, rows.qd, rows.qdd, rows.time)
     way = tcp.way(s)
-    return Trajectory(t, q, qd, qdd, tau, way, check_speeds=False), s
+    return replace(rows, tau=tau, s=way, check_speeds=False).as_written(), s
 
 
 def _compared(option: TimedChoice) -> dict[str, Any]:

@@ -14,11 +14,12 @@ from irb2400_ctrl.planners.linking.clearance_plane import ClearancePlane
 from irb2400_ctrl.planners.linking.joint_plan import plan_joints
 from irb2400_ctrl.planners.linking.link_operations import start_of
 from irb2400_ctrl.planners.linking.raised_path import raised_path
+from irb2400_ctrl.planners.timing.sampled_reference.sampling import Sampling
 from irb2400_ctrl.planners.timing.timing_options import TimingOptions
 
 ROBOT = load_robot("irb2400")
 MODEL = Model(ROBOT)
-TIMING = TimingOptions.of(ROBOT, "certified", 200, None, None, None)
+TIMING = TimingOptions.of(ROBOT, "certified", 200, None, None, None, Sampling(250.0, "cubic"))
 UP = np.array([0.0, 0.0, 1.0])
 # two configurations between which the straight line in joint space sags by 0.28 m
 SAGGING = (
@@ -60,7 +61,7 @@ def test_a_move_that_would_sag_is_bent_over_the_plane() -> None:
     q = path(np.linspace(0, path.length, 500))
     assert MODEL.tcp_pose(q)[:, 2, 3].min() >= above.height - 1e-3 - 1e-6
     assert np.allclose(q[[0, -1]], [low, high])
-    move = plan_joints(ROBOT, low, high, above, 250.0, TIMING)
+    move = plan_joints(ROBOT, low, high, above, TIMING)
     assert move.guaranteed
     assert move.lowest >= -2e-3
     # where the plane asks for nothing it is the straight line

@@ -8,17 +8,13 @@ from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.planners.linking.run import Run
 from irb2400_ctrl.planners.plan import Plan
-from irb2400_ctrl.planners.plan_options import PlanOptions
 from irb2400_ctrl.planners.plan_path import plan_ways
 from irb2400_ctrl.planners.redundancy.known_way import End, known_way
 from irb2400_ctrl.planners.stage_clock import StageClock
 from irb2400_ctrl.planners.toolpath.toolpath import ToolPath
 
-# how far the corner is cut where a way out turns upwards [m]
-TOLERANCE = 5e-5
 
-
-def lead_in(run: Run, q: Array, out: Array, approach: float, rate: float) -> Plan:
+def lead_in(run: Run, q: Array, out: Array, approach: float) -> Plan:
     """From the clearance plane down to the configuration q (n,) [rad] of a run's first way-point.
 
     Args:
@@ -26,7 +22,6 @@ def lead_in(run: Run, q: Array, out: Array, approach: float, rate: float) -> Pla
         out: places from the way-point up to the plane, shape (k, 3), see `way_out`.
         approach: last part of the way that is driven at the run's feed [m]; none, where the run
             itself begins with a rapid move.
-        rate: rows of the trajectory per second [1/s].
 
     Raises:
         UnreachableError: the arm does not reach along the line.
@@ -41,10 +36,10 @@ def lead_in(run: Run, q: Array, out: Array, approach: float, rate: float) -> Pla
             feeds.append(np.inf)
         feeds[-1] = run.feed
     path = _path(run, q, np.array(places), np.array(feeds), "lead-in")
-    return _planned(run, path, q, "last", rate)
+    return _planned(run, path, q, "last")
 
 
-def retract(run: Run, q: Array, out: Array, rate: float) -> Plan:
+def retract(run: Run, q: Array, out: Array) -> Plan:
     """From the configuration q (n,) [rad] of a run's last way-point up to the clearance plane,
     rapidly.
 
@@ -52,7 +47,7 @@ def retract(run: Run, q: Array, out: Array, rate: float) -> Plan:
         UnreachableError: the arm does not reach along the line.
     """
     path = _path(run, q, out, np.full(len(out), np.inf), "retract")
-    return _planned(run, path, q, "first", rate)
+    return _planned(run, path, q, "first")
 
 
 def _path(run: Run, q: Array, places: Array, feeds: Array, name: str) -> ToolPath:
@@ -61,12 +56,12 @@ def _path(run: Run, q: Array, places: Array, feeds: Array, name: str) -> ToolPat
     return ToolPath(places, rotation=np.tile(R, (len(places), 1, 1)), feed=feeds, name=name)
 
 
-def _planned(run: Run, path: ToolPath, q: Array, end: End, rate: float) -> Plan:
+def _planned(run: Run, path: ToolPath, q: Array, end: End) -> Plan:
     return plan_ways(
         run.arm,
         path,
         lambda model, orientation, scene: [known_way(model, orientation, q, end, scene)],
-        PlanOptions(rate, False, None, TOLERANCE, 0.0, run.cell, run.tool),
+        run.options,
         run.timing,
         StageClock(None),
     )

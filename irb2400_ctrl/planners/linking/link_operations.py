@@ -116,7 +116,7 @@ class _Chain:
         out = self._way_out(run, q)
         line = None
         if len(out) > 1:
-            line = lead_in(run, q, out, self.links.approach, self.rate)
+            line = lead_in(run, q, out, self.links.approach)
         kind: Kind = "approach" if before is None else "link" if new else "unwind"
         self.joints(kind, run, q if line is None else line.trajectory.q[0])
         if line is not None:
@@ -132,15 +132,13 @@ class _Chain:
         q = run.plan.trajectory.q[-1]
         out = self._way_out(run, q)
         if len(out) > 1:
-            line = retract(run, q, out, self.rate)
+            line = retract(run, q, out)
             self._add("retract", run, line)
 
     def joints(self, kind: Kind, run: Run, target: Array) -> None:
         """A move of the joints above the plane; none where they are there already."""
         if self.here is not None and np.abs(target - self.here).max() > _SAME:
-            move = plan_joints(
-                run.plan.robot, self.here, target, self.plane, self.rate, run.timing, run.scene
-            )
+            move = plan_joints(run.plan.robot, self.here, target, self.plane, run.timing, run.scene)
             note = _turned(run, self.here, target) if kind == "unwind" else ""
             self._add(kind, run, move, note)
 

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from irb2400_ctrl.arrays import Array, Integers
-from irb2400_ctrl.cell import CellTool, Scene, with_tool
+from irb2400_ctrl.cell import Scene, with_tool
 from irb2400_ctrl.errors import UnreachableError
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.planners.clearance import cutting_moves
@@ -16,12 +16,14 @@ from irb2400_ctrl.planners.linking.clearance_plane import ClearancePlane, spindl
 from irb2400_ctrl.planners.linking.link_options import LinkOptions
 from irb2400_ctrl.planners.linking.run import Run
 from irb2400_ctrl.planners.plan import Plan
+from irb2400_ctrl.planners.plan_options import PlanOptions
 from irb2400_ctrl.planners.plan_path import plan_path
 from irb2400_ctrl.planners.redundancy.choices import GRID, cutting_at, stations
 from irb2400_ctrl.planners.redundancy.follow import arc_length
 from irb2400_ctrl.planners.redundancy.ladder_graph import FREE_SHIFTS, Ladder
 from irb2400_ctrl.planners.redundancy.reentry import cheapest_reentries
 from irb2400_ctrl.planners.redundancy.way_out import WayOut, way_is_free
+from irb2400_ctrl.planners.timing.sampled_reference.interpolation import DEFAULT, interpolation
 from irb2400_ctrl.planners.toolpath.cam_program import Operation
 from irb2400_ctrl.planners.toolpath.orientation import Orientation, shape_path
 from irb2400_ctrl.planners.toolpath.toolpath import ToolPath
@@ -31,6 +33,8 @@ from irb2400_ctrl.robot import Robot
 _MARK = 2.0
 # rapid speed that the way out is counted with [m/s]
 _RAPID = 0.5
+# how far the corner of a way out is cut [m]
+_TOLERANCE = 5e-5
 # parts of parts: how deep
 _DEPTH = 3
 
@@ -150,15 +154,22 @@ class Split:
 
     def run(self, plan: Plan, part: Part, because: str) -> Run:
         """A part with its plan."""
-        cell = self.options.get("cell")
-        return Run(self.operation, plan, part.points, self.robot, cell, self._tool, because)
+        stated = any(self.options.get(name) is not None for name in ("torque_rate", "jerk"))
+        return Run(self.operation, plan, part.points, self.robot, self._beside, stated, because)
 
     @property
-    def _tool(self) -> CellTool | None:
-        """Of the cell, in the spindle."""
-        cell = self.options.get("cell")
-        name = self.options.get("tool")
-        return None if cell is None or name is None else cell.tool(name)
+    def _beside(self) -> PlanOptions:
+        """Of the moves beside the parts: the tool does not turn."""
+        return PlanOptions(
+            float(self.options.get("rate", 250.0)),
+            False,
+            np.eye(4),
+            _TOLERANCE,
+            0.0,
+            interpolation(self.options.get("interpolation", DEFAULT)),
+            self.options.get("cell"),
+            self.options.get("tool"),
+        )
 
     def way_out(self, part: Part) -> WayOut:
         """From the ends of a part up to the plane; none from those of the motion itself."""
@@ -180,7 +191,7 @@ class Split:
         orientation = shape_path(part.path, self._spindle, tolerance)
         held = orientation.curve.full and not self.options.get("free_tool_rotation", True)
         u = stations(orientation)
-        tool = self._tool
+        tool = self._beside.tool
         model = Model(self.robot if tool is None else with_tool(self.robot, tool))
         ladder = Ladder.of(model, orientation, u, np.zeros(1) if held else GRID)
         ladder = self.way_out(part).kept(ladder, orientation)

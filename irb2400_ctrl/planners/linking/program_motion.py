@@ -16,7 +16,7 @@ from irb2400_ctrl.planners.linking.clearance_plane import ClearancePlane
 from irb2400_ctrl.planners.linking.joint_plan import JointPlan
 from irb2400_ctrl.planners.linking.link_options import LinkOptions
 from irb2400_ctrl.planners.linking.segment import Segment, TimedEvent
-from irb2400_ctrl.planners.plan import Plan
+from irb2400_ctrl.planners.plan import SCHEMA_VERSION, Plan
 from irb2400_ctrl.trajectory import Trajectory
 
 
@@ -76,6 +76,7 @@ class ProgramMotion:
     def summary(self) -> dict[str, Any]:
         """The content of `plan.json` of a whole program."""
         return {
+            "schema_version": SCHEMA_VERSION,
             "path": self.name,
             "robot": self.plans[0].robot.name,
             "points": sum(len(s.piece.path) for s in self._cuts()),
@@ -169,4 +170,6 @@ def worst(plans: Sequence[Plan], pieces: Sequence[Plan | JointPlan]) -> dict[str
         "guaranteed": all(piece.guaranteed for piece in pieces),
         "guarantee_note": "; ".join(dict.fromkeys(notes)),
         "timing": plans[0].timing,
+        "torque_share": plans[0].torque_share,
+        "interpolation": plans[0].interpolation,
     }

@@ -83,7 +83,7 @@ def raised_path(
 def touching(scene: Scene | None, path: JointPath) -> Clearance | None:
     """What a joint path cannot be shown free of; None where it is free, or nothing is known."""
     found = clearance_of(scene, path)
-    return None if scene is None or found is None or found.value > scene.keep else found
+    return None if found is None or found.free else found
 
 
 def clearance_of(scene: Scene | None, path: JointPath) -> Clearance | None:

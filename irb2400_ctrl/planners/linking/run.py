@@ -7,9 +7,10 @@ from functools import cached_property
 from typing import cast
 
 from irb2400_ctrl.arrays import Integers
-from irb2400_ctrl.cell import Cell, CellTool, Scene
+from irb2400_ctrl.cell import Scene
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.planners.plan import Plan
+from irb2400_ctrl.planners.plan_options import PlanOptions
 from irb2400_ctrl.planners.timing.timing_options import Backend, TimingOptions
 from irb2400_ctrl.planners.toolpath.cam_program import Operation
 from irb2400_ctrl.robot import Robot
@@ -29,9 +30,10 @@ class Run:
     between, shape (len(plan.path),)"""
     arm: Robot
     """as its file describes it, without a tool of the cell"""
-    cell: Cell | None = None
-    tool: CellTool | None = None
-    """of the cell, in the spindle"""
+    options: PlanOptions
+    """rows, cell and tool of the moves beside it: its own"""
+    rates_stated: bool = False
+    """whether somebody asked for limits of torque rate or jerk"""
     because: str = ""
     """why the operation is not followed in one go; empty where it is"""
 
@@ -44,7 +46,7 @@ class Run:
     @cached_property
     def scene(self) -> Scene | None:
         """The arm in its cell; None where nothing is known of the space that it takes up."""
-        return Scene.of(Model(self.plan.robot), self.arm, self.cell, self.tool)
+        return Scene.of(Model(self.plan.robot), self.arm, self.options.cell, self.options.tool)
 
     @property
     def feed(self) -> float:
@@ -54,4 +56,11 @@ class Run:
     @property
     def timing(self) -> TimingOptions:
         """Limits and back-end of the moves beside it: its own."""
-        return TimingOptions(cast(Backend, self.plan.timing), _CELLS, self.plan.certificate.limits)
+        return TimingOptions(
+            cast(Backend, self.plan.timing),
+            _CELLS,
+            self.plan.certificate.limits,
+            self.options.sampling,
+            self.plan.torque_share,
+            self.rates_stated,
+        )

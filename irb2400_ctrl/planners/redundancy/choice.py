@@ -114,13 +114,13 @@ def clear(
         return None
     cutting = _cutting_between(target.curve, moves, followed.u)
     found = continuous_clearance(scene, followed.joints, cutting)
-    if found.value > scene.keep:
+    if found.free:
         return found
     u = float(np.interp(found.s, followed.joints.knots, followed.u))
     first, other = found.pair
-    wanted = f", {1e3 * scene.keep:.1f} mm are to be kept" if scene.keep else ""
+    near = "touch" if found.value <= 0 else f"come within {1e3 * found.value:.2f} mm"
+    wanted = f", {1e3 * scene.keep:g} mm are to be kept" if scene.keep else ""
     raise CollisionError(
-        f"near point {target.point(u)} {first} and {other} touch, or nearly so "
-        f"({1e3 * found.value:.2f} mm{wanted}); move the work frame, free the tool rotation, or "
-        "change the cell"
+        f"near point {target.point(u)} {first} and {other} {near}{wanted}; move the work "
+        "frame, free the tool rotation, or change the cell"
     )

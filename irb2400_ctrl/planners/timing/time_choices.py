@@ -6,21 +6,22 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
-import numpy as np
-
 from irb2400_ctrl.errors import InfeasibleError
 from irb2400_ctrl.planners.clearance.crowd import COMFORTABLE_CLEARANCE
 from irb2400_ctrl.planners.enclosure.cells import enclose, grid
 from irb2400_ctrl.planners.enclosure.path_dynamics import PathDynamics
-from irb2400_ctrl.planners.joint_path import JointPath
 from irb2400_ctrl.planners.redundancy.choice import Choice
 from irb2400_ctrl.planners.redundancy.singularity_margins import COMFORTABLE
 from irb2400_ctrl.planners.timing.infeasible_point import InfeasiblePointError
 from irb2400_ctrl.planners.timing.rate_limited.rate_summary import rate_summary
 from irb2400_ctrl.planners.timing.rate_limited.time_rate_limited import time_rate_limited
+from irb2400_ctrl.planners.timing.sampled_reference.settled_reference import (
+    Settled,
+    settled_reference,
+)
 from irb2400_ctrl.planners.timing.sampled_timing import time_with_samples
 from irb2400_ctrl.planners.timing.task_path import TaskPath
-from irb2400_ctrl.planners.timing.time_joint_path import FeedBound, time_joint_path
+from irb2400_ctrl.planners.timing.time_joint_path import time_joint_path
 from irb2400_ctrl.planners.timing.time_law import TimeLaw
 from irb2400_ctrl.planners.timing.time_optimal import Timed
 from irb2400_ctrl.planners.timing.timing_options import TimingOptions
@@ -71,7 +72,7 @@ def time_choices(
         progress(f"{100 * number / len(found):.0f} %")
         path = TaskPath.of(dynamics.model, orientation, choice.followed)
         try:
-            law = fastest(dynamics, path.joints, options, path.feed).law
+            law = fastest(dynamics, path, options).law
             timed.append(TimedChoice(choice, path, law, law))
         except InfeasibleError as error:
             problem = _placed(error, path)
@@ -100,39 +101,55 @@ def limit_rates(
     for option in ranked:
         path = option.path
         try:
-            law = time_rate_limited(dynamics, path.joints, limits, count=count, feed=path.feed).law
+            law = time_rate_limited(
+                dynamics,
+                path.joints,
+                limits,
+                count=count,
+                feed=path.feed,
+                sampling=options.sampling,
+            ).law
         except InfeasiblePointError as error:
             problem = _placed(error, path)
             continue
         rates = rate_summary(law, path.joints, limits, dynamics, option.fastest)
         return replace(option, law=law, rates=rates)
+    if not options.rates_stated:
+        # a torque that jumps by itself: the rows are slowed instead, until they keep the limits
+        return ranked[0]
     raise problem or InfeasibleError("no motion within the limits")
 
 
-def fastest(
-    dynamics: PathDynamics,
-    joints: JointPath,
-    options: TimingOptions,
-    feed: FeedBound | None = None,
-) -> Timed:
+def settle(
+    dynamics: PathDynamics, timed: TimedChoice, options: TimingOptions
+) -> tuple[TimedChoice, Settled]:
+    """The choice as its rows say it, slowed by what they swing above the limits; with toppra's
+    timing as it is."""
+    found = settled_reference(
+        dynamics, timed.path, timed.law, options.limits, options.sampling, options.certified
+    )
+    return replace(timed, law=found.law), found
+
+
+def fastest(dynamics: PathDynamics, path: TaskPath, options: TimingOptions) -> Timed:
     """The fastest law of the back-end, or of the timing for effects that have no bound.
 
     Raises:
         InfeasibleError: no motion within the limits; says where.
     """
+    joints = path.joints
     limits = options.limits
     if options.certified and not dynamics.irregular:
-        return time_joint_path(dynamics, joints, limits, count=options.cells, feed=feed)[0]
+        return time_joint_path(dynamics, joints, limits, count=options.cells, feed=path.feed)[0]
     s = grid(joints, options.cells)
     cells = enclose(dynamics, joints, s)
     friction = dynamics.model.robot.friction
-    bound = np.full(len(cells.h), np.inf) if feed is None else feed(s)
     if options.certified:
-        return time_with_samples(dynamics, joints, cells, limits, friction, bound)
+        return time_with_samples(dynamics, joints, cells, limits, friction, path.feed(s))
     # toppra takes seconds to import
     from irb2400_ctrl.planners.timing.toppra_timing import time_with_toppra
 
-    return time_with_toppra(cells, limits, friction, bound)
+    return time_with_toppra(cells, limits, friction, path.feed(s))
 
 
 def _placed(error: InfeasibleError, path: TaskPath) -> InfeasibleError:
