@@ -154,7 +154,7 @@ def lines(count: int, seed: int) -> None:
     planned = touching = refused = other = 0
     for _ in range(count):
         angle = rng.uniform(-np.pi, np.pi)
-        radius = rng.uniform(0.2, 1.0)
+        radius = rng.uniform(0.1, 0.6)
         start = np.array([radius * np.cos(angle), radius * np.sin(angle), rng.uniform(0.2, 1.5)])
         axis = rng.normal(size=3)
         path = builders.line(start, start + rng.uniform(-0.5, 0.5, 3), axis)
