@@ -22,9 +22,10 @@ import irb2400_ctrl as irb
 from irb2400_ctrl.codegen import compile_block, export_package
 from irb2400_ctrl.codegen.controller import HostController
 from irb2400_ctrl.codegen.emulator import TargetController
-from irb2400_ctrl.codegen.firmware import build_firmware, find_target
+from irb2400_ctrl.codegen.firmware import build_firmware
 from irb2400_ctrl.codegen.in_the_loop import run_in_the_loop
 from irb2400_ctrl.codegen.package import Package
+from irb2400_ctrl.codegen.targets import find_target
 from irb2400_ctrl.controllers import controller
 from irb2400_ctrl.simulation.plant import plant_block
 

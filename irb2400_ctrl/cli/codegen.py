@@ -3,12 +3,18 @@
 from __future__ import annotations
 
 from enum import StrEnum
-from typing import Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
 from irb2400_ctrl.cli.options import OutOption, RobotOption, load_arm, output_folder
 from irb2400_ctrl.cli.progress import step
+
+if TYPE_CHECKING:
+    from irb2400_ctrl.codegen import Block
+    from irb2400_ctrl.robot import Robot
+
+OBSERVER = "momentum_observer"
 
 
 class TargetName(StrEnum):
@@ -22,7 +28,8 @@ class TargetName(StrEnum):
 def codegen(
     out: OutOption,
     controller: Annotated[
-        str, typer.Option(metavar="NAME", help="Controller; an unknown name lists all.")
+        str,
+        typer.Option(metavar="NAME", help=f"Controller, or {OBSERVER}; an unknown name lists all."),
     ],
     target: Annotated[
         TargetName, typer.Option(help="Processor to build and verify for.")
@@ -35,16 +42,77 @@ def codegen(
     sample_time: Annotated[
         float, typer.Option(help="Seconds between two steps.", min=1e-5, max=0.1)
     ] = 0.001,
+    optimise: Annotated[
+        Literal["cycles", "size"],
+        typer.Option(help="What the compiler is asked for on a processor."),
+    ] = "cycles",
+    name: Annotated[
+        str | None,
+        typer.Option(help="Prefix of everything in the package, for several in one image."),
+    ] = None,
+    bandwidth: Annotated[
+        float | None, typer.Option(help="Bandwidth [rad/s] of a controller that has one.")
+    ] = None,
+    damping: Annotated[
+        float | None, typer.Option(help="Damping ratio of a controller that has one.")
+    ] = None,
+    design: Annotated[
+        list[str] | None,
+        typer.Option(metavar="WISH=VALUE[,VALUE...]", help="Another wish; may be repeated."),
+    ] = None,
+    guarded: Annotated[
+        bool, typer.Option("--guarded", help="With guards against faults of its inputs.")
+    ] = False,
 ) -> None:
     """Write a controller as one C99 file and one header, build it for the target and verify it
-    there."""
+    there; exit 1 where it is not verified."""
     output_folder(out)
 
     from irb2400_ctrl.codegen import export_package
-    from irb2400_ctrl.controllers import controller as make_controller
 
-    block = make_controller(controller, load_arm(robot), sample_time=sample_time)
+    wishes = _wishes(design or [])
+    wishes |= {} if bandwidth is None else {"bandwidth": bandwidth}
+    wishes |= {} if damping is None else {"damping": damping}
+    block = _block(controller, load_arm(robot), sample_time, wishes, guarded)
     with step(f"generating {controller} for {target.value}"):
-        verification = export_package(block, out, target=target.value, real=precision)
+        verification = export_package(
+            block, out, target=target.value, real=precision, optimise=optimise, name=name
+        )
     print(verification.table())
     print(f"written: {out}")
+    if not verification.passed:
+        raise typer.Exit(1)
+
+
+def _wishes(given: list[str]) -> dict[str, Any]:
+    """`bandwidth=60` or `bandwidth=60,60,60,80,80,80` as numbers."""
+    from irb2400_ctrl.errors import InputError
+
+    wishes: dict[str, Any] = {}
+    for text in given:
+        wish, _, values = text.partition("=")
+        try:
+            numbers = [float(value) for value in values.split(",")]
+        except ValueError:
+            raise InputError(
+                f"--design {text}: expected WISH=NUMBER or one number per joint, for example "
+                "bandwidth=60 or bandwidth=60,60,60,80,80,80"
+            ) from None
+        wishes[wish] = numbers[0] if len(numbers) == 1 else numbers
+    return wishes
+
+
+def _block(
+    name: str, robot: Robot, sample_time: float, wishes: dict[str, Any], with_guards: bool
+) -> Block:
+    from irb2400_ctrl.controllers import controller, guarded, momentum_observer
+    from irb2400_ctrl.errors import InputError
+
+    if name != OBSERVER:
+        block = controller(name, robot, sample_time=sample_time, **wishes)
+        return guarded(block, robot) if with_guards else block
+    unknown = sorted(set(wishes) - {"bandwidth"})
+    if unknown or with_guards:
+        found = "--guarded" if with_guards else ", ".join(unknown)
+        raise InputError(f"{OBSERVER}: found {found}; it has bandwidth only")
+    return momentum_observer(robot, sample_time, **wishes)

@@ -97,7 +97,7 @@ TorqueRateOption = Annotated[
     typer.Option(
         help="Limit of the change of the torque, in torque limits per second [1/s].",
         min=1e-3,
-        show_default="no limit",
+        show_default="what the rows can follow",
     ),
 ]
 JerkOption = Annotated[
@@ -108,6 +108,13 @@ JerkOption = Annotated[
         help="Limit of the joints' jerk [deg/s3].",
         min=1e-3,
         show_default="no limit",
+    ),
+]
+InterpolationOption = Annotated[
+    str,
+    typer.Option(
+        help="How the controller reads the rows: cubic (through angles and speeds) or linear.",
+        metavar="cubic|linear",
     ),
 ]
 RapidOption = Annotated[
@@ -126,6 +133,7 @@ def plan(
     axis_tolerance_deg: AxisToleranceOption = 0.1,
     torque_rate: TorqueRateOption = None,
     jerk_deg_s3: JerkOption = None,
+    interpolation: InterpolationOption = "cubic",
     rapid: RapidOption = False,
     operation: OperationOption = None,
     work_frame: WorkFrameOption = None,
@@ -140,7 +148,7 @@ def plan(
     input_file(path, "a toolpath (CSV, APT/CLDATA or G-code)")
 
     from irb2400_ctrl.cell import load_cell
-    from irb2400_ctrl.planners import MotionLimits, read_program
+    from irb2400_ctrl.planners import read_program
     from irb2400_ctrl.planners.toolpath.work_frame import work_frame as pose_of
 
     pose = None if work_frame is None else pose_of(work_frame)
@@ -150,7 +158,6 @@ def plan(
         program = replace(program, operations=(program.operation(operation),))
     output_folder(out)
     arm = load_arm(robot)
-    limits = MotionLimits.of(arm)
     options = {
         "rate": rate,
         "free_tool_rotation": free_tool_rotation,
@@ -159,7 +166,8 @@ def plan(
         "tool": tool,
         "tolerance": 1e-3 * tolerance_mm,
         "axis_tolerance": math.radians(axis_tolerance_deg),
-        "limits": replace(limits, tau_max=torque_share * limits.tau_max),
+        "torque_share": torque_share,
+        "interpolation": interpolation,
         "torque_rate": None if torque_rate is None else torque_rate * arm.tau_max,
         "jerk": None if jerk_deg_s3 is None else math.radians(jerk_deg_s3),
     }
@@ -247,7 +255,7 @@ def _print_summary(planned: Plan) -> None:
         f"elbow {margin['elbow']:.3f} m"
     )
     print(f"clearance: {_clearance(s['clearance_mm'])}")
-    held = "; the torque bound holds at every instant by construction" if s["guaranteed"] else ""
+    held = f"; guaranteed for the rows read as {s['interpolation']}" if s["guaranteed"] else ""
     print(
         f"torque at most {100 * s['max_torque_ratio']:.1f} % of its limit, speed "
         f"{100 * s['max_velocity_ratio']:.1f} %{held}"

@@ -15,6 +15,8 @@ from irb2400_ctrl.codegen.build import CompiledFunction, Real, compile_function
 from irb2400_ctrl.errors import InputError
 
 Array = NDArray[Any]
+Origin = tuple[tuple[str, str], ...]
+"""(what, which) pairs in the order in which they are told"""
 
 
 @dataclass(frozen=True)
@@ -35,6 +37,8 @@ class Field:
     default: tuple[float, ...] = ()
     lower: tuple[float, ...] = ()
     upper: tuple[float, ...] = ()
+    judged: bool = False
+    """of an input: the block itself decides whether to believe it, whatever number or none it is"""
 
     def __post_init__(self) -> None:
         if not self.name.isidentifier() or self.size < 1:
@@ -76,6 +80,8 @@ class Block:
     outputs: tuple[Field, ...]
     parameters: tuple[Field, ...]
     step: ca.Function
+    origin: Origin = ()
+    """what it was made from, (what, which); generated code carries it along"""
 
     def __post_init__(self) -> None:
         taken = (*self.states, *self.inputs, *self.parameters)

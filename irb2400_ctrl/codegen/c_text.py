@@ -12,6 +12,15 @@ def is_symmetric(field: Field) -> bool:
     return bool(field.upper) and field.lower == tuple(-v for v in field.upper)
 
 
+def spans_zero(field: Field) -> bool:
+    """Whether every element has a bound below zero and one above."""
+    return (
+        bool(field.lower and field.upper)
+        and all(v < 0 for v in field.lower)
+        and all(v > 0 for v in field.upper)
+    )
+
+
 def clip(field: Field, i: int, text: str) -> str:
     """C expression: element i of a field cut at its bounds from the parameter table."""
     if is_symmetric(field):

@@ -119,7 +119,7 @@ def wrong_inputs(package: Package, ordinary: Array) -> list[Array]:
     wrong = []
     at = 0
     for field in package.block.inputs:
-        for i in range(field.size):
+        for i in range(0 if field.judged else field.size):
             bad = [np.nan, np.inf, -np.inf]
             bad += [field.lower[i] - max(1e-3, 1e-3 * abs(field.lower[i]))] if field.lower else []
             bad += [field.upper[i] + max(1e-3, 1e-3 * abs(field.upper[i]))] if field.upper else []

@@ -70,6 +70,7 @@ class HostController(Controller):
         library = ctypes.CDLL(str(build_shared(source)))
         self._init = library[f"{package.name}_init"]
         self._step = library[f"{package.name}_step"]
+        self._init.restype = ctypes.c_uint32
         self._step.restype = ctypes.c_uint32
         # an empty struct holds one unused real
         self._memory = {
@@ -82,7 +83,7 @@ class HostController(Controller):
 
     def reset(self) -> None:
         """Run NAME_init."""
-        self._init(self._pointers["state"], self._pointers["parameters"])
+        self.init_status = int(self._init(self._pointers["state"], self._pointers["parameters"]))
 
     def step(self, inputs: ArrayLike) -> tuple[Array, int]:
         """Run NAME_step: (output, status)."""

@@ -1,7 +1,7 @@
 """A firmware image on an emulated Cortex-M (the `unicorn` package), instruction by instruction.
 
 It executes Arm code exactly, but knows no pipeline and no flash wait states: what it counts are
-instructions, not cycles.
+instructions; cycles are estimated from a published table (`cycles.py`).
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from irb2400_ctrl.codegen.controller import Controller
+from irb2400_ctrl.codegen.cycles import block_cycles, last_address
 from irb2400_ctrl.codegen.firmware import FLASH, MEMORY_SIZE, RAM, Firmware
 from irb2400_ctrl.errors import IrbError, ToolMissingError
 
@@ -63,7 +64,10 @@ class TargetController(Controller):
         # set once: code translated before a hook exists would never call it
         machine.hook_add(unicorn.UC_HOOK_BLOCK, self._count_block)
         self._lengths: dict[tuple[int, int], int] = {}
+        self._times: dict[tuple[int, int, int | None], int] = {}
         self._count = 0
+        self._cycles = 0
+        self._last: int | None = None
         self.reset()
 
     def reset(self) -> None:
@@ -97,6 +101,8 @@ class TargetController(Controller):
         for i, place in enumerate(places):
             self._machine.reg_write(self._registers.UC_ARM_REG_R0 + i, place)
         self._count = 0
+        self._cycles = 0
+        self._last = None
         self._run(symbols[f"{name}_step"], top)
         count = self._count
         status = int(self._machine.reg_read(self._registers.UC_ARM_REG_R0))
@@ -104,6 +110,12 @@ class TargetController(Controller):
         touched = np.flatnonzero(painted != _PAINT)
         depth = top - bottom - int(touched[0]) if touched.size else 0
         return self._read("output"), status, count, depth
+
+    @property
+    def estimated_cycles(self) -> int | None:
+        """Of the last measured step, by the published table (`cycles.py`); None where there is
+        none."""
+        return self._cycles if self.firmware.target.timing_table else None
 
     @property
     def state(self) -> Array:
@@ -131,6 +143,12 @@ class TargetController(Controller):
         if key not in self._lengths:
             self._lengths[key] = thumb_instructions(bytes(self._machine.mem_read(address, size)))
         self._count += self._lengths[key]
+        listing = self.firmware.listing
+        moment = (address, size, self._last)
+        if moment not in self._times:
+            self._times[moment] = block_cycles(listing, *moment)
+        self._cycles += self._times[moment]
+        self._last = last_address(listing, address, size)
 
     def _write(self, symbol: str, values: Array) -> None:
         self._machine.mem_write(

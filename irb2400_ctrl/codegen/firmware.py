@@ -5,40 +5,20 @@ from __future__ import annotations
 
 import shutil
 import tempfile
-from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-from irb2400_ctrl.codegen.build import Real
+from irb2400_ctrl.codegen.cycles import Instruction, read_listing
 from irb2400_ctrl.codegen.package import Package
+from irb2400_ctrl.codegen.provenance import stamped
+from irb2400_ctrl.codegen.targets import FLAGS, LINK_FLAGS, START_UP_FLAGS, Target
 from irb2400_ctrl.codegen.toolchain import run_tool
-from irb2400_ctrl.errors import InputError, ToolMissingError
+from irb2400_ctrl.errors import ToolMissingError
 
 FLASH = 0x0000_0000
 RAM = 0x2000_0000
 MEMORY_SIZE = 0x0040_0000
 STACK_SIZE = 0x4000
-# From -fno-tree-ter on: these keep the compiler close to the order of the text, which was chosen
-# for few live values: 5 to 10 % fewer instructions than -O2 alone, measured on the controllers of
-# this project.
-FLAGS = (
-    "-std=c99",
-    "-O2",
-    "-mthumb",
-    "-mfloat-abi=hard",
-    "-ffp-contract=off",
-    "-fno-math-errno",
-    "-ffunction-sections",
-    "-fdata-sections",
-    "-fno-tree-ter",
-    "-fno-guess-branch-probability",
-    "-fno-sched-critical-path-heuristic",
-    "-fno-sched-rank-heuristic",
-    "-fno-sched-last-insn-heuristic",
-    "-fno-sched-dep-count-heuristic",
-    "-fweb",
-    "-frename-registers",
-)
 WARNINGS = (
     "-Wall",
     "-Wextra",
@@ -48,33 +28,13 @@ WARNINGS = (
     "-Wshadow",
     "-Werror",
 )
-TOOLS = ("arm-none-eabi-gcc", "arm-none-eabi-nm", "arm-none-eabi-objcopy")
-
-
-@dataclass(frozen=True)
-class Target:
-    """A processor: what the compiler calls it and which precision its floating-point unit has."""
-
-    name: str
-    flags: tuple[str, ...]
-    real: Real
-    hardware_double: bool
-
-
-TARGETS = {
-    t.name: t
-    for t in (
-        # with its own tuning the compiler avoids multiply-accumulate: more instructions and code,
-        # fewer cycles each
-        Target(
-            "cortex-m4f",
-            ("-mcpu=cortex-m4", "-mtune=cortex-r4f", "-mfpu=fpv4-sp-d16"),
-            "float",
-            False,
-        ),
-        Target("cortex-m7", ("-mcpu=cortex-m7", "-mfpu=fpv5-d16"), "double", True),
-    )
-}
+TOOLS = (
+    "arm-none-eabi-gcc",
+    "arm-none-eabi-nm",
+    "arm-none-eabi-objcopy",
+    "arm-none-eabi-objdump",
+    "arm-none-eabi-size",
+)
 
 
 @dataclass(frozen=True)
@@ -93,17 +53,8 @@ class Firmware:
     """symbols that the package wants from elsewhere"""
     compiler: str
     flags: tuple[str, ...]
-
-
-def find_target(name: str) -> Target:
-    """The target of that name.
-
-    Raises:
-        InputError: no such target.
-    """
-    if name not in TARGETS:
-        raise InputError(f"found target {name!r}; expected one of host, {', '.join(TARGETS)}")
-    return TARGETS[name]
+    listing: dict[int, Instruction]
+    """address -> instruction"""
 
 
 def require_tools() -> None:
@@ -133,43 +84,40 @@ def build_firmware(package: Package, target: Target) -> Firmware:
         work = Path(folder)
         for file, text in {**package.files(), **firmware_files(package)}.items():
             (work / file).write_text(text, encoding="utf-8")
-
-        def run(*command: str) -> str:
-            return run_tool(list(command), cwd=work)
-
         for name in (package.name, "firmware"):
-            # start-up runs before there is a memset to call
-            plain = ("-fno-tree-loop-distribute-patterns",) if name == "firmware" else ()
-            run(
-                "arm-none-eabi-gcc", *flags, *plain, *WARNINGS, "-c", f"{name}.c", "-o", f"{name}.o"
-            )
+            plain = START_UP_FLAGS if name == "firmware" else ()
+            compile_one = ("arm-none-eabi-gcc", *flags, *plain, *WARNINGS, "-c")
+            run_tool([*compile_one, f"{name}.c", "-o", f"{name}.o"], cwd=work)
         # memcpy of a few bytes is a move; were it not, linking without a C library fails here
-        run(
-            "arm-none-eabi-gcc",
-            *flags,
-            "-nostdlib",
-            "-Wl,--gc-sections",
-            "-T",
-            "firmware.ld",
-            f"{package.name}.o",
-            "firmware.o",
-            "-lgcc",
-            "-o",
-            "firmware.elf",
-        )
-        run("arm-none-eabi-objcopy", "-O", "binary", "firmware.elf", "firmware.bin")
-        code, tables = _sizes(run, f"{package.name}.o")
-        return Firmware(
-            package=package,
-            target=target,
-            image=(work / "firmware.bin").read_bytes(),
-            symbols=_symbols(run("arm-none-eabi-nm", "firmware.elf")),
-            code_bytes=code,
-            table_bytes=tables,
-            undefined=_undefined(run("arm-none-eabi-nm", "-u", f"{package.name}.o")),
-            compiler=run("arm-none-eabi-gcc", "--version").splitlines()[0],
-            flags=flags,
-        )
+        link = ("arm-none-eabi-gcc", *flags, *LINK_FLAGS, "-T", "firmware.ld")
+        objects = (f"{package.name}.o", "firmware.o", "-lgcc", "-o", "firmware.elf")
+        run_tool([*link, *objects], cwd=work)
+        return read_firmware(package, target, work / "firmware.elf", work / f"{package.name}.o")
+
+
+def read_firmware(package: Package, target: Target, elf: Path, module: Path) -> Firmware:
+    """What was built, from the linked image and the package's own object file."""
+
+    def run(tool: str, *arguments: str) -> str:
+        return run_tool([f"arm-none-eabi-{tool}", *arguments])
+
+    code, tables = _sizes(run("size", "-A", str(module)))
+    with tempfile.TemporaryDirectory(prefix="irb2400_ctrl-") as folder:
+        raw = Path(folder) / "firmware.bin"
+        run("objcopy", "-O", "binary", str(elf), str(raw))
+        image = raw.read_bytes()
+    return Firmware(
+        package=package,
+        target=target,
+        image=image,
+        symbols=_symbols(run("nm", str(elf))),
+        code_bytes=code,
+        table_bytes=tables,
+        undefined=_undefined(run("nm", "-u", str(module))),
+        compiler=run("gcc", "--version").splitlines()[0],
+        flags=(*target.flags, *FLAGS),
+        listing=read_listing(run("objdump", "-d", "--show-raw-insn", str(elf))),
+    )
 
 
 def _symbols(listing: str) -> dict[str, int]:
@@ -181,9 +129,9 @@ def _undefined(listing: str) -> tuple[str, ...]:
     return tuple(sorted(listing.replace(" U ", " ").split()))
 
 
-def _sizes(run: Callable[..., str], file: str) -> tuple[int, int]:
+def _sizes(listing: str) -> tuple[int, int]:
     """(code, tables) in bytes, from the section sizes of an object file."""
-    rows = [line.split() for line in run("arm-none-eabi-size", "-A", file).splitlines()]
+    rows = [line.split() for line in listing.splitlines()]
     sizes = {row[0]: int(row[1]) for row in rows if len(row) == 3 and row[0].startswith(".")}
     code = sum(size for name, size in sizes.items() if name.startswith(".text"))
     return code, sum(
@@ -193,7 +141,8 @@ def _sizes(run: Callable[..., str], file: str) -> tuple[int, int]:
 
 def firmware_files(package: Package) -> dict[str, str]:
     """Start-up code and linker script around a package: file name -> text."""
-    return {"firmware.c": _start_up(package.name), "firmware.ld": _linker_script()}
+    texts = {"firmware.c": _start_up(package.name), "firmware.ld": _linker_script()}
+    return stamped(texts, package.name, package.provenance)
 
 
 def _start_up(name: str) -> str:
@@ -238,7 +187,7 @@ void reset(void)
     for (uint32_t *to = bss_start; to < bss_end; to++) {{
         *to = 0u;
     }}
-    {name}_init(&state, &{name}_default_parameters);
+    status = {name}_init(&state, &{name}_default_parameters);
     idle();
 }}
 
@@ -262,7 +211,11 @@ MEMORY {{
 }}
 ENTRY(reset)
 SECTIONS {{
-    .text : {{ KEEP(*(.vectors)) *(.text*) *(.rodata*) . = ALIGN(8); }} > FLASH
+    .text : {{
+        KEEP(*(.vectors))
+        KEEP(*(.rodata.*_provenance))
+        *(.text*) *(.rodata*) . = ALIGN(8);
+    }} > FLASH
     data_load = LOADADDR(.data);
     .data : {{ data_start = .; *(.data*) . = ALIGN(8); data_end = .; }} > RAM AT > FLASH
     .bss (NOLOAD) : {{ bss_start = .; *(.bss*) *(COMMON) . = ALIGN(8); bss_end = .; }} > RAM

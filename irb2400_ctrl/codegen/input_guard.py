@@ -6,8 +6,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from irb2400_ctrl.codegen.block import Block, Field
-from irb2400_ctrl.codegen.c_text import is_symmetric, joined
+from irb2400_ctrl.codegen.c_text import is_symmetric, joined, spans_zero
 from irb2400_ctrl.codegen.graph import Graph, carried_inputs
+
+
+def believed(block: Block) -> list[Field]:
+    """The inputs that the package tests: all but those that the block judges itself."""
+    return [f for f in block.inputs if not f.judged]
 
 
 def table_owners(inputs: Sequence[Field]) -> dict[str, str]:
@@ -24,43 +29,85 @@ def input_guard(block: Block, graph: Graph) -> str:
     validity. Where a wrong input is sure to spoil the result, the test of the result finds it for
     nothing; only the question whose fault it was is asked here.
     """
-    tests = []
-    early = []
-    carried = carried_inputs(graph)
-    owners = table_owners(block.inputs)
-    order = list(owners)
-    for k, field in enumerate(block.inputs, start=len(block.states)):
-        owner = owners[field.name]
-        for i in range(field.size):
-            at = f"input->{field.name}[{i}]"
-            place = (order.index(owner), i)
-            if is_symmetric(field):
-                tests.append((place, f"(own_abs({at}) <= parameters->{owner}_limit[{i}])"))
-                continue
-            if field.lower:
-                tests.append((place, f"({at} >= parameters->{owner}_min[{i}])"))
-            if field.upper:
-                tests.append((place, f"({at} <= parameters->{owner}_max[{i}])"))
-            if not (field.lower and field.upper):
-                early += [] if (k, i) in carried else [at]
-    # what is held against the same bound stands together
-    terms = [term for _, term in sorted(tests, key=lambda test: test[0])]
     types = f"const {block.name}_input_t *input", f"const {block.name}_parameters_t *parameters"
-    free = [f for f in block.inputs if not (f.lower and f.upper)]
+    free = [f for f in block.inputs if not (f.judged or (f.lower and f.upper))]
     finite = finite_fields_function(
         "inputs_are_finite", types[0].replace("const", "const volatile"), free
     )
+    early = _early(block, graph)
+    last = []
     if early:
         finite += "\n" + finite_function("inputs_are_sound", types[0], early)
-        terms.append("inputs_are_sound(input)")
-    valid = joined(terms, " && ", 8) or "true"
+        last = ["inputs_are_sound(input)"]
+    plain, patterns = (
+        joined([*_tests(believed(block), by_pattern), *last], " && ", 8) or "true"
+        for by_pattern in (False, True)
+    )
     unused = "".join(
-        f"    (void){name};\n" for name in ("input", "parameters") if name not in valid
+        f"    (void){name};\n" for name in ("input", "parameters") if name not in plain
     )
+    body = f"    return {plain};\n"
+    if plain != patterns:
+        single = f"#if {block.name.upper()}_SINGLE"
+        body = f"{single}\n    return {patterns};\n#else\n{body}#endif\n"
     return (
-        f"{finite}\nstatic inline bool inputs_are_valid({', '.join(types)})\n{{\n{unused}    "
-        f"return {valid};\n}}\n"
+        f"{finite}\nstatic inline bool inputs_are_valid({', '.join(types)})\n{{\n{unused}{body}}}\n"
     )
+
+
+def barrier(upper: str) -> str:
+    """Between the test of the inputs and their use: values that the compiler carried across would
+    wait in registers that it lacks."""
+    return (
+        f'#if defined(__GNUC__) && {upper}_SINGLE\n    __asm__ volatile("" ::: "memory");\n#endif'
+    )
+
+
+def _early(block: Block, graph: Graph) -> list[str]:
+    """Inputs without two bounds whose NaN might not reach a result."""
+    carried = carried_inputs(graph)
+    return [
+        f"input->{field.name}[{i}]"
+        for k, field in enumerate(block.inputs, start=len(block.states))
+        if not (field.judged or (field.lower and field.upper))
+        for i in range(field.size)
+        if (k, i) not in carried
+    ]
+
+
+def _tests(inputs: Sequence[Field], by_pattern: bool) -> list[str]:
+    """C conditions; what is held against the same bound stands together."""
+    owners = table_owners(inputs)
+    order = list(owners)
+    tests = []
+    for field in inputs:
+        owner = owners[field.name]
+        for i in range(field.size):
+            place = (order.index(owner), i)
+            tests += [(place, term) for term in _conditions(field, owner, i, by_pattern)]
+    return [term for _, term in sorted(tests, key=lambda test: test[0])]
+
+
+def _conditions(field: Field, owner: str, i: int, by_pattern: bool) -> list[str]:
+    """That element i of a field is inside its bounds."""
+    at = f"input->{field.name}[{i}]"
+    limit, low, high = (f"parameters->{owner}_{end}[{i}]" for end in ("limit", "min", "max"))
+    if is_symmetric(field):
+        if by_pattern:
+            return [f"own_within_magnitude(&{at}, &{limit})"]
+        return [f"(own_abs({at}) <= {limit})"]
+    if spans_zero(field) and by_pattern:
+        return [f"own_within(&{at}, &{low}, &{high})"]
+    above = [f"({at} >= {low})"] if field.lower else []
+    return above + ([f"({at} <= {high})"] if field.upper else [])
+
+
+def guard_functions(inputs: Sequence[Field]) -> set[str]:
+    """Names in `own_math` that the tests of the inputs use."""
+    symmetric = [f for f in inputs if is_symmetric(f)]
+    spanning = [f for f in inputs if spans_zero(f) and not is_symmetric(f)]
+    names = {"within_magnitude", "abs"} if symmetric else set()
+    return names | ({"within"} if spanning else set())
 
 
 def finite_function(name: str, argument: str, terms: Sequence[str]) -> str:

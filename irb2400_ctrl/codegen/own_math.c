@@ -2,10 +2,12 @@
 /* The bit pattern of a real and back; a copy of equal size, which every compiler turns into a register move. */
 #if REAL_IS_FLOAT
 typedef uint32_t bits_t;
+typedef int32_t signed_bits_t;
 #define ONE_BITS 0x3F800000u
 #define SIGN_SHIFT 31
 #else
 typedef uint64_t bits_t;
+typedef int64_t signed_bits_t;
 #define ONE_BITS 0x3FF0000000000000uLL
 #define SIGN_SHIFT 63
 #endif
@@ -85,7 +87,8 @@ static inline sincos_t own_sincos(real_t x)
         + (z * (R(2.0876592347926815e-09) + (z * (R(-1.1463628406873261e-11)
         + (z * R(4.6160547596040914e-14))))))))))))));
 #endif
-    const sincos_t result = { sign * (r + ((r * z) * p)), sign * (R(1.0) + (z * q)) };
+    const real_t t = sign * r;
+    const sincos_t result = { t + ((t * z) * p), sign + ((sign * z) * q) };
     return result;
 }
 
@@ -385,7 +388,41 @@ static inline real_t own_clip(real_t x, real_t low, real_t high)
 }
 
 /*@ limit : abs */
+/* x cut at a magnitude >= 0; x / |x| is exactly 1 or -1. */
 static inline real_t own_limit(real_t x, real_t magnitude)
 {
-    return (own_abs(x) <= magnitude) ? x : ((x < R(0.0)) ? -magnitude : magnitude);
+    const real_t size = own_abs(x);
+    return (size <= magnitude) ? x : (magnitude * (x / size));
+}
+
+/*@ pattern : bits */
+/* The bit pattern of a real in memory, and the same as a number with a sign: reals that are read as integers need no
+   register of the floating-point unit. */
+static inline bits_t pattern_at(const real_t *x)
+{
+    bits_t bits;
+    (void)memcpy((unsigned char *)&bits, (const unsigned char *)x, sizeof(bits));
+    return bits;
+}
+
+static inline signed_bits_t signed_pattern_at(const real_t *x)
+{
+    signed_bits_t bits;
+    (void)memcpy((unsigned char *)&bits, (const unsigned char *)x, sizeof(bits));
+    return bits;
+}
+
+/*@ within_magnitude : pattern */
+/* |x| <= magnitude, false for what is no number; magnitude >= 0. */
+static inline bool own_within_magnitude(const real_t *x, const real_t *magnitude)
+{
+    return (pattern_at(x) << 1) <= (pattern_at(magnitude) << 1);
+}
+
+/*@ within : pattern */
+/* low <= x <= high, false for what is no number; low < 0 < high. The patterns of positive numbers, read as integers
+   with a sign, and of negative ones, read without, are ordered like the numbers. */
+static inline bool own_within(const real_t *x, const real_t *low, const real_t *high)
+{
+    return (pattern_at(x) <= pattern_at(low)) && (signed_pattern_at(x) <= signed_pattern_at(high));
 }

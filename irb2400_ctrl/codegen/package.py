@@ -9,12 +9,19 @@ from functools import cached_property
 import numpy as np
 
 from irb2400_ctrl.codegen import package_pages
-from irb2400_ctrl.codegen.block import Block, Field
+from irb2400_ctrl.codegen.block import Block, Field, Origin
 from irb2400_ctrl.codegen.build import Real
-from irb2400_ctrl.codegen.c_text import indented, is_symmetric, plain
+from irb2400_ctrl.codegen.c_text import indented, is_symmetric, plain, spans_zero
+from irb2400_ctrl.codegen.cmake_pages import build_files
 from irb2400_ctrl.codegen.emit import emit_body
 from irb2400_ctrl.codegen.graph import Bounds, Graph, read_graph, without_saturation
-from irb2400_ctrl.codegen.input_guard import input_guard, table_owners
+from irb2400_ctrl.codegen.input_guard import (
+    barrier,
+    believed,
+    guard_functions,
+    input_guard,
+    table_owners,
+)
 from irb2400_ctrl.codegen.own_math import prelude
 from irb2400_ctrl.codegen.package_parts import (
     default_table,
@@ -23,6 +30,7 @@ from irb2400_ctrl.codegen.package_parts import (
     init_function,
     struct,
 )
+from irb2400_ctrl.codegen.provenance import constant, flash_text, provenance, stamped
 from irb2400_ctrl.errors import InputError
 
 _KEYWORDS = frozenset(
@@ -35,6 +43,8 @@ FAULT_INPUT = 1
 """status bit: an input is not a number or outside its range"""
 FAULT_RESULT = 2
 """status bit: the computed step is not finite"""
+FAULT_PARAMETERS = 4
+"""status bit of NAME_init: a parameter is not a number or outside its range"""
 
 
 @dataclass(frozen=True)
@@ -88,13 +98,14 @@ class Package:
     def parameter_fields(self) -> tuple[Field, ...]:
         """The block's parameters, then the bounds of inputs and outputs."""
         bounds = []
-        owners = table_owners(self.block.inputs)
-        for field in (*self.block.inputs, *self.block.outputs):
+        tested = believed(self.block)
+        owners = table_owners(tested)
+        for field in (*tested, *self.block.outputs):
             word = "sent"
             sharing = [field.name]
-            if field in self.block.inputs:
+            if field in tested:
                 word = "believed"
-                sharing = [f.name for f in self.block.inputs if owners[f.name] == field.name]
+                sharing = [f.name for f in tested if owners[f.name] == field.name]
             ends = (("min", "smallest", field.lower), ("max", "largest", field.upper))
             if is_symmetric(field):
                 ends = (
@@ -104,9 +115,7 @@ class Package:
             for end, adjective, values in ends:
                 if values and sharing:
                     text = f"{adjective} {' and '.join(sharing)} that is {word}"
-                    bounds.append(
-                        Field(f"{field.name}_{end}", field.size, field.unit, text, values)
-                    )
+                    bounds.append(_bound(field, end, text, values))
         return (*self.block.parameters, *bounds)
 
     @cached_property
@@ -121,13 +130,14 @@ class Package:
 
     def files(self) -> dict[str, str]:
         """File name -> text of the whole package."""
-        return {
+        texts = {
             f"{self.name}.h": self.header(),
             f"{self.name}.c": self.source(),
             "main.c": package_pages.main_c(self.block),
-            "CMakeLists.txt": package_pages.cmake(self.name),
             "README.md": package_pages.readme(self.block, self.real),
+            **build_files(self.name, None),
         }
+        return stamped(texts, self.name, self.provenance)
 
     def header(self) -> str:
         """Types and functions."""
@@ -142,6 +152,10 @@ class Package:
 #define {upper}_H
 
 #include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {{
+#endif
 
 /* Precision of the whole file: 1 float, 0 double. */
 #ifndef {upper}_SINGLE
@@ -158,6 +172,8 @@ typedef double {name}_real_t;
    good output is repeated. */
 #define {upper}_FAULT_INPUT {FAULT_INPUT}u /* an input is not a number or outside its range */
 #define {upper}_FAULT_RESULT {FAULT_RESULT}u /* the result is not finite, for example after wrong parameters */
+/* What {name}_init returns when a parameter is not a number or outside its range (a negative limit). */
+#define {upper}_FAULT_PARAMETERS {FAULT_PARAMETERS}u
 
 {struct(name, "state", self.state_fields)}
 {struct(name, "input", self.block.inputs)}
@@ -166,18 +182,34 @@ typedef double {name}_real_t;
 /* Gains and limits as designed; pass a table of your own to replace them. */
 extern const {name}_parameters_t {name}_default_parameters;
 
-/* Initial state; the held output is zero, or the bound next to zero. */
-void {name}_init({name}_state_t *state, const {name}_parameters_t *parameters);
+/* Initial state; the held output is zero, or the bound next to zero. Returns 0, or {upper}_FAULT_PARAMETERS: then
+   do not call {name}_step with this table. */
+uint32_t {name}_init({name}_state_t *state, const {name}_parameters_t *parameters);
 
 /* One sample: reads input and parameters, moves the state on, writes output. */
 uint32_t {name}_step({name}_state_t *state, const {name}_input_t *input,
     const {name}_parameters_t *parameters, {name}_output_t *output);
 
+/* What this was made from: one line of text, kept in flash. */
+extern const char {name}_provenance[{len(flash_text(name, self.provenance)) + 1}];
+
+#ifdef __cplusplus
+}}
+#endif
 #endif
 """
 
+    @cached_property
+    def provenance(self) -> Origin:
+        """(what, which): what the block was made from, versions, and the hash of its C text."""
+        return provenance(self.block.origin, self._code())
+
     def source(self) -> str:
         """The one C file."""
+        return f"{self._code()}\n{constant(self.name, self.provenance)}"
+
+    def _code(self) -> str:
+        """The C file without the constant that tells its hash."""
         name = self.name
         upper = self.name.upper()
         places = self._places()
@@ -202,11 +234,12 @@ typedef {name}_real_t real_t;
 {own}
 {default_table(name, self.parameter_fields)}
 {input_guard(self.block, self.graph)}
-{init_function(self.block)}
+{init_function(self.block, self.parameter_fields)}
 uint32_t {name}_step({name}_state_t *state, const {name}_input_t *input,
     const {name}_parameters_t *parameters, {name}_output_t *output)
 {{
     uint32_t status = inputs_are_valid(input, parameters) ? 0u : {upper}_FAULT_INPUT;
+{barrier(upper)}
     if (status == 0u) {{
 {indented(body.statements, 8)}
 {finished(self.block, body.results)}
@@ -223,7 +256,7 @@ uint32_t {name}_step({name}_state_t *state, const {name}_input_t *input,
         names = {"clip" for f in outputs if not is_symmetric(f)} | {
             "limit" for f in outputs if is_symmetric(f)
         }
-        return names | {"abs" for f in self.block.inputs if is_symmetric(f)}
+        return names | guard_functions(believed(self.block))
 
     def _places(self) -> list[str]:
         groups = (
@@ -236,3 +269,13 @@ uint32_t {name}_step({name}_state_t *state, const {name}_input_t *input,
     def initial_input(self) -> np.ndarray:
         """An input inside its bounds, zero where possible; flat."""
         return np.concatenate([np.zeros(0), *(package_pages.inside(f) for f in self.block.inputs)])
+
+
+def _bound(field: Field, end: str, text: str, values: tuple[float, ...]) -> Field:
+    """A row of the parameter table; the side of zero that a test of the inputs relies on is a bound
+    of the bound."""
+    zero = (0.0,) * field.size
+    low = zero if end == "limit" or (end == "max" and spans_zero(field)) else ()
+    high = zero if end == "min" and spans_zero(field) else ()
+    name = f"{field.name}_{end}"
+    return Field(name, field.size, field.unit, text, values, lower=low, upper=high)

@@ -32,37 +32,11 @@ int main(void)
     {name}_state_t state;
     const {name}_input_t input = {{ {rows} }};
     {name}_output_t output;
-    {name}_init(&state, &{name}_default_parameters);
-    const uint32_t status = {name}_step(&state, &input, &{name}_default_parameters, &output);
+    uint32_t status = {name}_init(&state, &{name}_default_parameters);
+    status |= {name}_step(&state, &input, &{name}_default_parameters, &output);
     (void)printf("status %u, {first.name}[0] = %g {first.unit}\\n", (unsigned)status, (double)output.{first.name}[0]);
     return (int)status;
 }}
-"""
-
-
-def cmake(name: str) -> str:
-    """Library and example; `-D<NAME>_SINGLE=0` chooses double."""
-    upper = name.upper()
-    return f"""\
-cmake_minimum_required(VERSION 3.13)
-project({name} C)
-
-add_library({name} STATIC {name}.c)
-target_include_directories({name} PUBLIC ${{CMAKE_CURRENT_SOURCE_DIR}})
-set_target_properties({name} PROPERTIES C_STANDARD 99 C_STANDARD_REQUIRED ON)
-if(DEFINED {upper}_SINGLE)
-  target_compile_definitions({name} PUBLIC {upper}_SINGLE=${{{upper}_SINGLE}})
-endif()
-# the same bits on every machine: no fused multiply-add; roots in hardware: no errno
-if(CMAKE_C_COMPILER_ID MATCHES "GNU|Clang")
-  target_compile_options({name} PRIVATE -ffp-contract=off -fno-math-errno)
-  target_compile_options({name} PRIVATE -Wall -Wextra -Wpedantic -Wconversion -Wdouble-promotion)
-endif()
-
-if(NOT CMAKE_CROSSCOMPILING)
-  add_executable({name}_example main.c)
-  target_link_libraries({name}_example {name})
-endif()
 """
 
 
@@ -163,5 +137,6 @@ def _table(fields: tuple[Field, ...]) -> str:
             if values
         )
         default = ", ".join(f"{v:g}" for v in f.default)
+        bounds = "judged by the block itself" if f.judged else bounds
         rows.append(f"| `{f.name}[{f.size}]` | {f.unit or '–'} | {f.doc} | {default} | {bounds} |")
     return "\n".join(rows) + "\n"

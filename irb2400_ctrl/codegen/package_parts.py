@@ -5,7 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from irb2400_ctrl.codegen.block import Block, Field
-from irb2400_ctrl.codegen.c_text import clip, described, indented, joined
+from irb2400_ctrl.codegen.c_text import clip, described, indented, is_symmetric, joined
+from irb2400_ctrl.codegen.parameter_guard import parameter_guard
+
+COLD = "#if defined(__GNUC__)\n__attribute__((cold))\n#endif"
+"""for what runs once: size counts, time does not"""
 
 
 def struct(name: str, kind: str, fields: Sequence[Field]) -> str:
@@ -27,28 +31,39 @@ def default_table(name: str, fields: Sequence[Field]) -> str:
     return f"const {name}_parameters_t {name}_default_parameters = {{\n{body}\n}};\n"
 
 
-def init_function(block: Block) -> str:
-    """The function that writes the initial state."""
+def init_function(block: Block, table: Sequence[Field]) -> str:
+    """The function that tests the parameters and writes the initial state."""
     lines = []
     for field in block.states:
         for i, v in enumerate(field.start):
             lines.append(f"state->{field.name}[{i}] = R({float(v)!r});")
     for field in block.outputs:
         for i in range(field.size):
-            lines.append(f"state->held_{field.name}[{i}] = {clip(field, i, 'R(0.0)')};")
-    if not any(f.lower or f.upper for f in block.outputs):
-        lines.append("(void)parameters;")
+            inside = is_symmetric(field) or not (field.lower or field.upper)
+            safe = "R(0.0)" if inside else f"valid ? {clip(field, i, 'R(0.0)')} : R(0.0)"
+            lines.append(f"state->held_{field.name}[{i}] = {safe};")
     name = block.name
+    call = "parameters_are_valid(parameters)"
     return (
-        f"void {name}_init({name}_state_t *state, const {name}_parameters_t *parameters)\n"
-        f"{{\n{indented(lines, 4)}\n}}\n"
+        f"{parameter_guard(name, table)}\n"
+        f"{COLD}\n"
+        f"uint32_t {name}_init({name}_state_t *state, const {name}_parameters_t *parameters)\n"
+        f"{{\n    const bool valid = {call};\n{indented(lines, 4)}\n"
+        f"    return valid ? 0u : {name.upper()}_FAULT_PARAMETERS;\n}}\n"
     )
 
 
 def finished(block: Block, results: Sequence[Sequence[str]]) -> str:
     """Test the result as a whole, then store it."""
     upper = block.name.upper()
-    flat = [text for column in results for text in column]
+    # a limit that is no number would not cut
+    limits = [
+        f"parameters->{f.name}_limit[{i}]"
+        for f in block.outputs
+        if is_symmetric(f)
+        for i in range(f.size)
+    ]
+    flat = [*(text for column in results for text in column), *limits]
     n = len(block.states)
     stores = []
     for field, column in zip(block.states, results[:n], strict=True):

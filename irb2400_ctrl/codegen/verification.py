@@ -19,10 +19,13 @@ from irb2400_ctrl.codegen.checks import (
     random_points,
     run_points,
 )
+from irb2400_ctrl.codegen.cmake_pages import build_files
 from irb2400_ctrl.codegen.controller import HostController
 from irb2400_ctrl.codegen.emulator import TargetController
-from irb2400_ctrl.codegen.firmware import Firmware, build_firmware, find_target, firmware_files
+from irb2400_ctrl.codegen.firmware import Firmware, build_firmware, firmware_files
 from irb2400_ctrl.codegen.package import Package
+from irb2400_ctrl.codegen.provenance import stamped
+from irb2400_ctrl.codegen.targets import Goal, Target, find_target
 from irb2400_ctrl.codegen.toolchain import EXACT_FLAGS, find_compiler, run_tool
 from irb2400_ctrl.errors import ToolMissingError
 from irb2400_ctrl.files import write_atomic
@@ -39,6 +42,10 @@ class TargetFigures:
     flags: str
     instructions_min: int
     instructions_max: int
+    estimated_cycles_min: int | None
+    estimated_cycles_max: int | None
+    """by the timing table that Arm has published for the processor (`cycles.py`); None where there
+    is none"""
     repeatable: bool
     """whether a second run over all states took the same number of instructions at each"""
     stack_bytes: int
@@ -61,6 +68,8 @@ class Verification:
     """Result of `export_package`; `verification.json` holds the same."""
 
     package: str
+    provenance: dict[str, str]
+    """what the package was made from, as in every file of it"""
     target: str
     real: Real
     sample_time_s: float
@@ -129,6 +138,7 @@ class Verification:
             same = f"{t.values_different} of {t.values_compared} values differ from this computer's"
             rows += [
                 ("instructions per step", f"{t.instructions_min} to {t.instructions_max}"),
+                ("estimated cycles", _range(t.estimated_cycles_min, t.estimated_cycles_max)),
                 ("stack", f"{t.stack_bytes} B"),
                 ("code, tables", f"{t.code_bytes} B, {t.table_bytes} B"),
                 ("forbidden symbols", ", ".join(t.forbidden_symbols) or "none"),
@@ -139,12 +149,18 @@ class Verification:
         return "\n".join(f"{name:<22} {value}" for name, value in rows)
 
 
+def _range(low: int | None, high: int | None) -> str:
+    return "no published table" if low is None or high is None else f"{low} to {high}"
+
+
 def export_package(
     block: Block,
     out_dir: Path | str,
     target: str = "host",
     real: Real | None = None,
     *,
+    optimise: Goal = "size",
+    name: str | None = None,
     states: int = STATES,
 ) -> Verification:
     """Write a block as a self-contained C package and verify it.
@@ -155,25 +171,30 @@ def export_package(
         target: "host", "cortex-m4f" or "cortex-m7"; for a processor the image is run on an
             emulator.
         real: precision; default float on cortex-m4f, else double.
+        optimise: "size" (few instructions, little code) or "cycles" (fast); for a processor.
+        name: prefix of everything in the package, so that one image can hold several; default the
+            block's.
         states: number of random states to compare.
 
     Raises:
         InputError: unknown target, or a block that has no C form.
     """
-    processor = None if target == "host" else find_target(target)
+    processor = None if target == "host" else find_target(target, optimise)
+    block = block if name is None else dataclasses.replace(block, name=name)
     package = Package(block, real or (processor.real if processor else "double"))
     out = Path(out_dir)
-    files = package.files()
+    builds = stamped(build_files(package.name, processor), package.name, package.provenance)
+    files = package.files() | builds
     if processor:
         files |= {f"firmware/{name}": text for name, text in firmware_files(package).items()}
     for name, text in files.items():
         write_atomic(out / name, text)
-    verification = verify(package, target, states)
+    verification = verify(package, processor, states)
     write_atomic(out / "verification.json", verification.to_json())
     return verification
 
 
-def verify(package: Package, target: str, states: int = STATES) -> Verification:
+def verify(package: Package, processor: Target | None, states: int = STATES) -> Verification:
     """Check a package on this computer and, for a processor, on its emulator."""
     missing: list[str] = []
     points = random_points(package, states)
@@ -191,15 +212,16 @@ def verify(package: Package, target: str, states: int = STATES) -> Verification:
         results = run_points(host, *points)
         differences, relative = compare_with_block(package, *points, *results)
         held = faults_are_held(host, points[1][0])
-        if target != "host":
+        if processor is not None:
             try:
-                firmware = build_firmware(package, find_target(target))
+                firmware = build_firmware(package, processor)
                 figures = measure(TargetController(firmware), firmware, points, results)
             except ToolMissingError as error:
                 missing.append(str(error))
     return Verification(
         package=package.name,
-        target=target,
+        provenance=dict(package.provenance),
+        target=processor.name if processor else "host",
         real=package.real,
         sample_time_s=package.block.sample_time,
         states=states,
@@ -221,12 +243,14 @@ def measure(
 ) -> TargetFigures:
     """Run all points twice, the step alone and inside the tick's handler."""
     counts: list[tuple[int, int]] = []
+    times: list[int] = []
     after = []
     outputs = []
     for x, u in zip(*points, strict=True):
         target.state = x
         y, _, instructions, stack = target.measured_step(u)
         counts.append((instructions, stack))
+        times += [] if target.estimated_cycles is None else [target.estimated_cycles]
         after.append(target.state)
         outputs.append(y)
     again = []
@@ -248,6 +272,8 @@ def measure(
         flags=" ".join(firmware.flags),
         instructions_min=min(lengths),
         instructions_max=max(lengths),
+        estimated_cycles_min=min(times, default=None),
+        estimated_cycles_max=max(times, default=None),
         repeatable=again == counts,
         stack_bytes=max(c[1] for c in counts),
         code_bytes=firmware.code_bytes,

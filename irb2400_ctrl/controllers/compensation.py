@@ -23,7 +23,7 @@ from itertools import pairwise
 import casadi as ca
 
 from irb2400_ctrl.codegen import Field
-from irb2400_ctrl.controllers.stribeck import bell, fade
+from irb2400_ctrl.controllers.stribeck import faded_bell
 from irb2400_ctrl.effects import Effect
 from irb2400_ctrl.effects.memory import next_memory
 from irb2400_ctrl.model import Model
@@ -91,7 +91,7 @@ class Compensation:
         # friction's
         along = replace(s, qd=qd_ref)
         law = FrictionLaw.of(self.robot)
-        dry = law.coulomb + bell(slip, law.stribeck, law.rise) * fade(qd_ref, breakaway)
+        dry = law.coulomb + faded_bell(slip, law.stribeck, law.rise, qd_ref, breakaway)
         # one product with the speed, which a small processor reads once
         tau = s.load + (law.viscous + dry / ca.sqrt(qd_ref**2 + SIGN_WIDTH**2)) * qd_ref
         old = [ca.SX.sym(field.name, field.size) for _, field in self.memories]

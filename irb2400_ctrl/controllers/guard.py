@@ -1,13 +1,18 @@
-"""What any torque controller needs around it on a machine: bumpless start, torque-rate limit, lost
-samples."""
+"""What any torque controller needs around it on a machine: a defined answer to every fault of its
+inputs, a bumpless start, a torque-rate limit."""
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import casadi as ca
+import numpy as np
 from numpy.typing import ArrayLike
 
 from irb2400_ctrl.codegen import Block, Field
+from irb2400_ctrl.controllers.momentum import momentum, observer_states, residual
 from irb2400_ctrl.controllers.parts import Values, assemble, gain
+from irb2400_ctrl.controllers.sample_check import SampleCheck, all_of
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.robot import Robot
 
@@ -15,6 +20,14 @@ FRESH = Field(
     "fresh", 1, "-", "1: measured anew, 0: the sample was lost", lower=(0.0,), upper=(1.0,)
 )
 BRAKE = Field("brake", 1, "-", "1: close the brakes", lower=(0.0,), upper=(1.0,))
+OBSERVER_BANDWIDTH = 100.0
+"""[rad/s] of the momentum observer: a lie shows within some 10 ms"""
+UNBOUNDED = 1e6
+"""[Nm] in place of a torque limit that the robot file does not state"""
+UNEXPLAINED = 0.15
+"""torque that the model need not explain, as a share of the torque limit, beside `FRICTION`"""
+FRICTION = 1.2
+"""and as a multiple of static friction, which a joint that stands can hide"""
 
 
 def guarded(
@@ -24,6 +37,7 @@ def guarded(
     torque_rate: ArrayLike = 50_000.0,
     start_time: float = 0.05,
     most_lost: int = 20,
+    consistency: bool = True,
 ) -> Block:
     """The controller with guards; it keeps its inputs, outputs, states and parameters and gains a
     few.
@@ -31,59 +45,91 @@ def guarded(
     - **Bumpless start.** tau = hold + s (wanted - hold): the torque `hold` with which the brake was
       released (parameter `hold`, [Nm]) is blended over into the controller's within `start_time`.
     - **Torque rate.** The command moves by at most `torque_rate` per second.
-    - **Lost samples.** Input `fresh` is 1 with a new measurement and 0 without. Without, the angle
-      is carried on with the last speed, and the controller goes on. After `most_lost` in a row the
-      output `brake` becomes 1 and stays 1: the torque holds its last value, within its limits,
-      until the brake has closed.
+    - **Samples that cannot be true** (`fresh` 0, no numbers, outside the joint box or twice the
+      speed limits, a jump) are not used: the controller goes on as if the arm were on the
+      reference. After `most_lost` in a row the brake closes.
+    - **An arm out of control**: an angle farther than `error_limit` from its reference closes the
+      brake at once. So a sensor that stands still is found.
+    - **Consistency.** A momentum observer compares motion and torque; more than
+      `unexplained_limit` [Nm] closes the brake at once. So a sensor that lies is found.
+
+    The output `brake` then is 1 and stays 1 until the next NAME_init; the torque holds the value
+    that moves the model along the reference, within its limits, until the brake has closed.
 
     Args:
-        block: a controller with inputs q, qd and output tau.
+        block: a controller with inputs q, qd, the reference, and output tau.
         torque_rate: [Nm/s], one or one per joint.
         start_time: [s].
         most_lost: samples that may be missing in a row.
+        consistency: with the momentum observer.
     """
     _check(block, start_time, most_lost)
     T = block.sample_time
+    check = SampleCheck(robot, T)
     share = 1.0 if start_time < T else T / start_time
+    core = momentum(robot) if consistency else None
 
     def law(v: Values) -> Values:
-        seen = _carried_on(v, T)
-        braked = ca.fmax(v["braked"], seen["lost"] > most_lost)
-        inner = {**v, "q": seen["q"], "qd": seen["qd"]}
+        true = check.can_be_true(v)
+        sound = check.under_control(v)
+        observed: Values = {}
+        if core is not None:
+            unexplained, observed = _unexplained(core, v, true, T)
+            limit = v["unexplained_limit"]
+            sound = all_of([sound, *ca.vertsplit(ca.fabs(unexplained) <= limit)])
+        lost = ca.if_else(true, 0, v["lost"] + 1)
+        out = ca.logic_and(true, ca.logic_not(sound))
+        braked = ca.fmax(v["braked"], ca.logic_or(lost > most_lost, out))
+        used = ca.logic_and(true, ca.logic_not(braked))
+        inner = {
+            **v,
+            "q": ca.if_else(used, v["q"], v["q_ref"]),
+            "qd": ca.if_else(used, v["qd"], v["qd_ref"]),
+        }
         taken = (*block.states, *block.inputs, *block.parameters)
         results = block.step.call([inner[f.name] for f in taken], True, False)
         after = dict(zip((f.name for f in block.states), results, strict=False))
-        tau = _guarded_torque(v, results[-1], braked, T)
+        tau = _guarded_torque(v, results[-1], T)
+        tau = ca.if_else(v["braked"], v["tau_last"], tau)
         return {
             **after,
+            **observed,
             "tau": tau,
             "brake": braked,
             "tau_last": tau,
-            "q_last": seen["q"],
-            "qd_last": seen["qd"],
-            "lost": seen["lost"],
+            "q_last": ca.if_else(true, v["q"], v["q_last"] + T * v["qd_last"]),
+            "qd_last": ca.if_else(true, v["qd"], v["qd_ref"]),
+            "lost": lost,
             "braked": braked,
             "blend": ca.fmin(v["blend"] + share, 1.0),
         }
 
-    return assemble(
+    guards = assemble(
         f"guarded_{block.name}",
         f"{block.doc}, with guards",
         T,
         law,
-        states=(*block.states, *_states(robot.n)),
-        inputs=(*block.inputs, FRESH),
+        states=(*block.states, *_states(robot.n), *(observer_states(robot.n) if core else ())),
+        inputs=(*(_judged(f) for f in block.inputs), FRESH),
         outputs=(*block.outputs, BRAKE),
-        parameters=(*block.parameters, *_parameters(robot, torque_rate)),
+        parameters=(
+            *block.parameters,
+            *_parameters(robot, torque_rate),
+            *check.parameters,
+            *(_observer_parameters(robot) if core else ()),
+        ),
     )
+    return replace(guards, origin=(*block.origin, ("guards", "consistency" if core else "plain")))
 
 
 def _check(block: Block, start_time: float, most_lost: int) -> None:
     names = [f.name for f in block.inputs]
-    if "q" not in names or "qd" not in names or [f.name for f in block.outputs] != ["tau"]:
+    if not {"q", "qd", "q_ref", "qd_ref"} <= set(names) or [f.name for f in block.outputs] != [
+        "tau"
+    ]:
         raise InputError(
-            f"block {block.name!r} has inputs {names}; a guard expects q, qd and the single output "
-            "tau"
+            f"block {block.name!r} has inputs {names}; a guard expects q, qd, their reference and "
+            "the single output tau"
         )
     if start_time < 0 or most_lost < 0:
         raise InputError(
@@ -92,13 +138,18 @@ def _check(block: Block, start_time: float, most_lost: int) -> None:
         )
 
 
+def _judged(field: Field) -> Field:
+    """What is measured may be anything: the guard decides."""
+    return replace(field, judged=True) if field.name in ("q", "qd") else field
+
+
 def _states(n: int) -> tuple[Field, ...]:
     return (
         Field("tau_last", n, "Nm", "last command"),
         Field("q_last", n, "rad", "last angle, measured or carried on"),
-        Field("qd_last", n, "rad/s", "last measured speed"),
-        Field("lost", 1, "-", "samples lost in a row"),
-        Field("braked", 1, "-", "1 from the first time that too many were lost"),
+        Field("qd_last", n, "rad/s", "last speed, measured or of the reference"),
+        Field("lost", 1, "-", "samples in a row that were not believed"),
+        Field("braked", 1, "-", "1 from the first fault on that closes the brake"),
         Field("blend", 1, "-", "share of the controller in the torque"),
     )
 
@@ -110,21 +161,29 @@ def _parameters(robot: Robot, torque_rate: ArrayLike) -> tuple[Field, ...]:
     )
 
 
-def _carried_on(v: Values, T: float) -> Values:
-    """The measurement, or the last one carried on with its speed; samples lost in a row."""
-    fresh = v["fresh"] > 0.5
-    return {
-        "q": ca.if_else(fresh, v["q"], v["q_last"] + T * v["qd_last"]),
-        "qd": ca.if_else(fresh, v["qd"], v["qd_last"]),
-        "lost": ca.if_else(fresh, 0, v["lost"] + 1),
-    }
+def _observer_parameters(robot: Robot) -> tuple[Field, ...]:
+    strongest = np.where(np.isfinite(robot.tau_bound), robot.tau_bound, UNBOUNDED)
+    limit = UNEXPLAINED * strongest + FRICTION * robot.friction[:, 0]
+    return (
+        gain(robot, "observer", "rad/s", "bandwidth of the observer", OBSERVER_BANDWIDTH),
+        gain(robot, "unexplained_limit", "Nm", "largest torque that is not explained", limit),
+    )
 
 
-def _guarded_torque(v: Values, own: ca.SX, braked: ca.SX, T: float) -> ca.SX:
-    """The controller's own torque, blended in, limited in its rate, held once braked."""
+def _unexplained(core: ca.Function, v: Values, true: ca.SX, T: float) -> tuple[ca.SX, Values]:
+    """Torque that motion and command do not explain; a sample that is not believed starts the
+    observer anew."""
+    q = ca.if_else(true, v["q"], v["q_last"])
+    qd = ca.if_else(true, v["qd"], v["qd_last"])
+    tau_ext, after = residual(core, v, q, qd, v["tau_last"], T)
+    ready = ca.logic_and(true, v["blend"] >= 1)
+    return tau_ext, {**after, "running": ca.if_else(ready, after["running"], 0)}
+
+
+def _guarded_torque(v: Values, own: ca.SX, T: float) -> ca.SX:
+    """The controller's own torque, blended in, limited in its rate."""
     wanted = v["hold"] + v["blend"] * (own - v["hold"])
     # before the first step the brake holds the arm: the rate counts from there
     last = ca.if_else(v["blend"] > 0, v["tau_last"], v["hold"])
     step = T * v["torque_rate"]
-    limited = last + ca.fmin(ca.fmax(wanted - last, -step), step)
-    return ca.if_else(braked, last, limited)
+    return last + ca.fmin(ca.fmax(wanted - last, -step), step)

@@ -17,6 +17,9 @@ from irb2400_ctrl.robot import Robot
 BEYOND = 0.05
 """how far beyond the joint box an angle is still believed [rad]: an arm at its limit overshoots a
 little"""
+FASTEST = 2.0
+"""largest speed that is believed, as a multiple of the robot's limit: a filtered difference of
+angles overshoots; ten times the limit is a wrong unit or a broken encoder"""
 
 Values = dict[str, ca.SX]
 Law = Callable[[Values], Values]
@@ -27,9 +30,11 @@ def signals_in(robot: Robot) -> tuple[Field, ...]:
     n = robot.n
     low = tuple((robot.q_min - BEYOND).tolist())
     high = tuple((robot.q_max + BEYOND).tolist())
+    fast = tuple((FASTEST * robot.qd_bound).tolist()) if np.isfinite(robot.qd_bound).all() else ()
+    slow = tuple(-v for v in fast)
     return (
         Field("q", n, "rad", "measured actuator angles", lower=low, upper=high),
-        Field("qd", n, "rad/s", "measured actuator speeds"),
+        Field("qd", n, "rad/s", "measured actuator speeds", lower=slow, upper=fast),
         Field("q_ref", n, "rad", "reference angles", lower=low, upper=high),
         Field("qd_ref", n, "rad/s", "reference speeds"),
         Field("qdd_ref", n, "rad/s2", "reference accelerations"),
@@ -56,7 +61,8 @@ def gain(robot: Robot, name: str, unit: str, doc: str, value: ArrayLike) -> Fiel
             f"{name} is {array.tolist()}; expected one number [{unit}] >= 0, or {robot.n} of them, "
             "one per joint"
         )
-    return Field(name, robot.n, unit, doc, default=tuple(np.broadcast_to(array, robot.n).tolist()))
+    default = tuple(np.broadcast_to(array, robot.n).tolist())
+    return Field(name, robot.n, unit, doc, default, lower=(0.0,) * robot.n)
 
 
 def saturate(robot: Robot, tau: ca.SX) -> ca.SX:

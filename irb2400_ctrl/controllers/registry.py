@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 from irb2400_ctrl.codegen import Block
@@ -12,6 +13,7 @@ from irb2400_ctrl.controllers.cascade import feedforward_pid, pid
 from irb2400_ctrl.controllers.computed_torque import computed_torque
 from irb2400_ctrl.controllers.computed_torque_integral import computed_torque_integral
 from irb2400_ctrl.controllers.gravity_pd import gravity_pd
+from irb2400_ctrl.controllers.origin import origin_of
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.robot import Robot
 
@@ -49,4 +51,5 @@ def controller(name: str, robot: Robot, sample_time: float = 0.001, **design: An
             f"{name} has no design parameter {', '.join(unknown)}; expected some of "
             f"{', '.join(known)}"
         )
-    return build(robot, sample_time, **design)
+    block = build(robot, sample_time, **design)
+    return replace(block, origin=origin_of(robot, name, design))

@@ -19,16 +19,41 @@ _WIDEN = 0.33632957
 
 
 def bell(speed: ca.SX, width: NDArray[np.float64], height: NDArray[np.float64]) -> ca.SX:
-    """height exp(-x^2), x = speed / width, as height ((b + 1) / (b + (1 + a x^2)^2))^4: one
-    division, no branch.
+    """height exp(-x^2), x = speed / width, as height ((b + 1) / (b + (1 + a x^2)^2))^4: no
+    exponential, no branch.
 
     Within `BELL_ERROR` everywhere. Like the exponential it is `height` at rest, falls, and never
     changes its sign; not a number in, not a number out.
     """
-    # the height goes under the power, where it costs nothing
-    root = ca.DM((_RAISE + 1) * np.abs(height) ** 0.25)
-    share = root / (_RAISE + (1 + (speed * ca.DM(np.sqrt(_WIDEN) / width)) ** 2) ** 2)
-    return ca.DM(np.sign(height)) * (share**2) ** 2
+    return ca.DM(np.sign(height)) / _fall(speed, width, height)
+
+
+def faded_bell(
+    speed: ca.SX,
+    width: NDArray[np.float64],
+    height: NDArray[np.float64],
+    reference: ca.SX,
+    fade_width: ca.SX,
+) -> ca.SX:
+    """bell(speed) fade(reference) with one division for both."""
+    square = reference**2
+    below = (square + fade_width**2) * _fall(speed, width, height)
+    return ca.DM(np.sign(height)) * square / below
+
+
+def _fall(speed: ca.SX, width: NDArray[np.float64], height: NDArray[np.float64]) -> ca.SX:
+    """((b + (1 + a x^2)^2) / (b + 1))^4 / |height|, as the fourth power of a polynomial in
+    speed^2."""
+    # the height goes under the power, where it costs nothing; where there is none, it is multiplied
+    # by zero later
+    size = np.where(height == 0, 1.0, np.abs(height))
+    scale = 1 / ((_RAISE + 1) * size**0.25)
+    bend = _WIDEN / width**2
+    square = speed**2
+    root = ca.DM(scale * (_RAISE + 1)) + square * (
+        ca.DM(scale * 2 * bend) + square * ca.DM(scale * bend**2)
+    )
+    return (root**2) ** 2
 
 
 def fade(speed: ca.SX, width: ca.SX) -> ca.SX:

@@ -14,6 +14,7 @@ from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.model.arm_family import arm_geometry
 from irb2400_ctrl.model.inverse_kinematics import Branches, boxed, closed_form, windings
 from irb2400_ctrl.model.newton_branches import NewtonBranches
+from irb2400_ctrl.model.polished_branches import PolishedBranches
 from irb2400_ctrl.robot import Robot
 
 
@@ -45,7 +46,8 @@ def branch_solver(robot: Robot) -> BranchSolver:
         geometry = arm_geometry(robot)
     except InputError:
         return NewtonBranches(robot)
-    return ClosedForm(closed_form(geometry), robot.q_min, robot.q_max)
+    form = ClosedForm(closed_form(geometry), robot.q_min, robot.q_max)
+    return form if geometry.exact else PolishedBranches(form, NewtonBranches(robot))
 
 
 class ClosedForm:
@@ -85,11 +87,15 @@ class ClosedForm:
 
     def many(self, X_BF: Array, seed: Array | None) -> Branches:
         """Poses (n, 4, 4); about a microsecond each."""
+        found = self.nearest(X_BF, seed)
+        found.q[found.overreach > 0] = np.nan
+        return found
+
+    def nearest(self, X_BF: Array, seed: Array | None) -> Branches:
+        """The same with the angles of the nearest reach where a branch does not exist."""
         seeds = np.zeros(6) if seed is None else np.asarray(seed, dtype=float)
         q, overreach = self._compiled.map(X_BF, seeds)
-        angles = np.ascontiguousarray(q.transpose(0, 2, 1))
-        angles[overreach > 0] = np.nan
-        return Branches(angles, overreach)
+        return Branches(np.ascontiguousarray(q.transpose(0, 2, 1)), overreach)
 
     def one(self, X_BF: Array, seed: Array | None) -> tuple[Array, Array]:
         """One pose (4, 4), without the arrays that many need."""

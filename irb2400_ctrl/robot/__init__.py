@@ -2,6 +2,7 @@
 
 from irb2400_ctrl.robot.description import Robot
 from irb2400_ctrl.robot.file import load_robot, robot_names, save_robot
+from irb2400_ctrl.robot.identified import Identified
 from irb2400_ctrl.robot.joint import Friction, Joint, Limits, MotorCoupling, Transmission
 from irb2400_ctrl.robot.link import Body, Coupling, Link, ModifiedDH, Tool, Transform
 from irb2400_ctrl.robot.outline import Outline, Part
@@ -16,6 +17,7 @@ __all__ = [
     "Coupling",
     "Cylinder",
     "Friction",
+    "Identified",
     "Joint",
     "Limits",
     "Link",

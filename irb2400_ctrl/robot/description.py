@@ -20,6 +20,7 @@ from irb2400_ctrl.effects import LIBRARY, AnyEffect, load_effects
 from irb2400_ctrl.effects.base import OPEN_END_S
 from irb2400_ctrl.effects.blank import discrepancy_size
 from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.robot.identified import Identified
 from irb2400_ctrl.robot.joint import Joint, MotorCoupling
 from irb2400_ctrl.robot.link import Coupling, Link, ModifiedDH, Tool, Transform
 from irb2400_ctrl.robot.outline import Outline
@@ -47,6 +48,7 @@ class Robot(Table):
     motor_coupling: MotorCoupling | None = None
     outline: Outline | None = None
     uncertainty: Uncertainty = Uncertainty()
+    identified: Identified | None = None
     effects: tuple[AnyEffect, ...] = ()
     effect_files: tuple[Path, ...] = Field(default=(), exclude=True)
     """Python files that define effects of the user's own; a robot file names them relative to
@@ -93,6 +95,11 @@ class Robot(Table):
     def n(self) -> int:
         """Number of joints."""
         return len(self.links)
+
+    @property
+    def joint_names(self) -> list[str]:
+        """In the order of q."""
+        return [joint.name for joint in self.joints]
 
     @cached_property
     def A(self) -> Array:
@@ -148,6 +155,13 @@ class Robot(Table):
         """Torque limits [Nm], infinite where the file states none, shape (n,)."""
         limits = [joint.limits.torque_Nm for joint in self.joints]
         return _read_only(np.array([np.inf if value is None else value for value in limits]))
+
+    @cached_property
+    def qd_bound(self) -> Array:
+        """Speed limits [rad/s], infinite where the file states none, shape (n,)."""
+        limits = [joint.limits.speed_deg_s for joint in self.joints]
+        known = [np.inf if value is None else value for value in limits]
+        return _read_only(np.radians(known))
 
     def _stated(self, key: str, what: str, unit: str) -> Array:
         """A limit of all joints; says which joints lack it and how to state it."""

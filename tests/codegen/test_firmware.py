@@ -11,8 +11,9 @@ import pytest
 
 from irb2400_ctrl.codegen import Block, export_package
 from irb2400_ctrl.codegen.emulator import TargetController, thumb_instructions
-from irb2400_ctrl.codegen.firmware import TOOLS, build_firmware, find_target
+from irb2400_ctrl.codegen.firmware import TOOLS, build_firmware
 from irb2400_ctrl.codegen.package import Package
+from irb2400_ctrl.codegen.targets import find_target
 from irb2400_ctrl.errors import ToolMissingError
 
 from .blocks import every_operation_block, pd_block, stateless_block

@@ -10,9 +10,10 @@ import pytest
 
 from irb2400_ctrl.codegen.controller import HostController
 from irb2400_ctrl.codegen.emulator import TargetController
-from irb2400_ctrl.codegen.firmware import TOOLS, build_firmware, find_target
+from irb2400_ctrl.codegen.firmware import TOOLS, build_firmware
 from irb2400_ctrl.codegen.in_the_loop import LoopRecord, run_in_the_loop
 from irb2400_ctrl.codegen.package import FAULT_INPUT, Package
+from irb2400_ctrl.codegen.targets import find_target
 from irb2400_ctrl.errors import InputError
 
 from .blocks import pd_block

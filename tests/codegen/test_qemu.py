@@ -10,8 +10,9 @@ import irb2400_ctrl as irb
 from irb2400_ctrl.codegen.checks import random_points, run_points
 from irb2400_ctrl.codegen.controller import HostController
 from irb2400_ctrl.codegen.emulator import TargetController
-from irb2400_ctrl.codegen.firmware import TOOLS, build_firmware, find_target
+from irb2400_ctrl.codegen.firmware import TOOLS, build_firmware
 from irb2400_ctrl.codegen.package import Package
+from irb2400_ctrl.codegen.targets import find_target
 from irb2400_ctrl.controllers import controller
 
 from .qemu import run_on_qemu

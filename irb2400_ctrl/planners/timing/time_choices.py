@@ -15,6 +15,10 @@ from irb2400_ctrl.planners.redundancy.singularity_margins import COMFORTABLE
 from irb2400_ctrl.planners.timing.infeasible_point import InfeasiblePointError
 from irb2400_ctrl.planners.timing.rate_limited.rate_summary import rate_summary
 from irb2400_ctrl.planners.timing.rate_limited.time_rate_limited import time_rate_limited
+from irb2400_ctrl.planners.timing.sampled_reference.settled_reference import (
+    Settled,
+    settled_reference,
+)
 from irb2400_ctrl.planners.timing.sampled_timing import time_with_samples
 from irb2400_ctrl.planners.timing.task_path import TaskPath
 from irb2400_ctrl.planners.timing.time_joint_path import time_joint_path
@@ -97,13 +101,34 @@ def limit_rates(
     for option in ranked:
         path = option.path
         try:
-            law = time_rate_limited(dynamics, path.joints, limits, count=count, feed=path.feed).law
+            law = time_rate_limited(
+                dynamics,
+                path.joints,
+                limits,
+                count=count,
+                feed=path.feed,
+                sampling=options.sampling,
+            ).law
         except InfeasiblePointError as error:
             problem = _placed(error, path)
             continue
         rates = rate_summary(law, path.joints, limits, dynamics, option.fastest)
         return replace(option, law=law, rates=rates)
+    if not options.rates_stated:
+        # a torque that jumps by itself: the rows are slowed instead, until they keep the limits
+        return ranked[0]
     raise problem or InfeasibleError("no motion within the limits")
+
+
+def settle(
+    dynamics: PathDynamics, timed: TimedChoice, options: TimingOptions
+) -> tuple[TimedChoice, Settled]:
+    """The choice as its rows say it, slowed by what they swing above the limits; with toppra's
+    timing as it is."""
+    found = settled_reference(
+        dynamics, timed.path, timed.law, options.limits, options.sampling, options.certified
+    )
+    return replace(timed, law=found.law), found
 
 
 def _fastest(dynamics: PathDynamics, path: TaskPath, options: TimingOptions) -> Timed:

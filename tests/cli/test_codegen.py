@@ -1,0 +1,63 @@
+"""`irb2400 codegen`: what can be wished for, and what the exit code says."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner
+
+from irb2400_ctrl.cli.main import app
+from irb2400_ctrl.codegen.package import Package
+from irb2400_ctrl.errors import InputError
+
+RUN = CliRunner()
+
+
+def said(folder: Path) -> dict[str, object]:
+    verification: dict[str, object] = json.loads((folder / "verification.json").read_text())
+    return verification
+
+
+def codegen(folder: Path, *arguments: str) -> int:
+    found = RUN.invoke(app, ["codegen", *arguments, "--out", str(folder)])
+    if isinstance(found.exception, InputError):
+        raise found.exception
+    return found.exit_code
+
+
+def test_wishes_reach_the_package(tmp_path: Path) -> None:
+    wishes = ["--bandwidth", "50", "--damping", "0.8", "--name", "my_arm"]
+    assert codegen(tmp_path, "--controller", "gravity_pd", *wishes) == 0
+    assert said(tmp_path)["package"] == "my_arm"
+    assert said(tmp_path)["provenance"]["design"] == "bandwidth 50.0, damping 0.8"  # type: ignore[index]
+    assert "my_arm_step" in (tmp_path / "my_arm.h").read_text()
+
+
+def test_other_wishes_and_wrong_ones(tmp_path: Path) -> None:
+    wish = ("--design", "speed_bandwidth=70,70,70,90,90,90")
+    assert codegen(tmp_path, "--controller", "pid", *wish) == 0
+    assert "90.0, 90.0]" in said(tmp_path)["provenance"]["design"]  # type: ignore[index]
+    with pytest.raises(InputError, match="WISH=NUMBER"):
+        codegen(tmp_path, "--controller", "pid", "--design", "speed")
+    with pytest.raises(InputError, match="no design parameter colour"):
+        codegen(tmp_path, "--controller", "pid", "--design", "colour=3")
+
+
+def test_guards_and_the_observer_can_be_had(tmp_path: Path) -> None:
+    assert codegen(tmp_path / "g", "--controller", "gravity_pd", "--guarded") == 0
+    assert said(tmp_path / "g")["package"] == "guarded_gravity_pd"
+    assert codegen(tmp_path / "o", "--controller", "momentum_observer", "--bandwidth", "40") == 0
+    with pytest.raises(InputError, match="has bandwidth only"):
+        codegen(tmp_path / "o", "--controller", "momentum_observer", "--guarded")
+
+
+def test_what_is_not_verified_ends_with_1(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    correct = Package.source
+    wrong = "(x * magnitude)"
+    monkeypatch.setattr(
+        Package, "source", lambda self: correct(self).replace("(magnitude * (x / size))", wrong)
+    )
+    assert codegen(tmp_path, "--controller", "gravity_pd") == 1
+    assert said(tmp_path)["passed"] is False

@@ -1,0 +1,54 @@
+"""The guarded controller's C package under every fault of its inputs, on the independent plant."""
+
+from __future__ import annotations
+
+from functools import cache
+
+import pytest
+from independent_plant.case import Case
+
+import irb2400_ctrl as irb
+from irb2400_ctrl.codegen import Block
+from irb2400_ctrl.controllers import controller, guarded
+
+from .faults import LASTING, PASSING, run_with_fault
+
+BEGIN = 3500
+# the first moves axis 2 fast, the second the wrist
+CASES = {seed: Case(seed, duration=1.0, validation_duration=4.0) for seed in (3, 6)}
+NEAR_DEG = 10.0
+
+
+@cache
+def block() -> Block:
+    robot = irb.load_robot("irb2400")
+    return guarded(controller("computed_torque", robot), robot)
+
+
+@pytest.mark.parametrize("seed", CASES)
+@pytest.mark.parametrize("name", PASSING)
+def test_what_passes_is_worked_through(name: str, seed: int) -> None:
+    outcome = run_with_fault(CASES[seed], block(), BEGIN, PASSING[name])
+    assert outcome.brake_ms is None
+    assert outcome.largest_error_deg < 0.5
+    assert outcome.faults == 0
+
+
+@pytest.mark.parametrize("seed", CASES)
+@pytest.mark.parametrize("name", LASTING)
+def test_what_lasts_closes_the_brake_in_time(name: str, seed: int) -> None:
+    outcome = run_with_fault(CASES[seed], block(), BEGIN, LASTING[name])
+    assert outcome.brake_ms is not None
+    assert 0 <= outcome.brake_ms <= 20
+    assert outcome.largest_error_deg < NEAR_DEG
+    # the command goes on at its rate: 50 kNm/s
+    assert outcome.largest_step_Nm < 50.01
+    assert outcome.faults == 0
+
+
+def test_without_a_guard_a_fault_is_what_it_was() -> None:
+    """The plant would show it: the bare controller goes far away."""
+    bare = controller("computed_torque", irb.load_robot("irb2400"))
+    outcome = run_with_fault(CASES[6], bare, BEGIN, LASTING["the same sample for ever"])
+    assert outcome.brake_ms is None
+    assert outcome.largest_error_deg > 3 * NEAR_DEG
