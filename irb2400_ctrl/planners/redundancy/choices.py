@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
@@ -31,6 +32,10 @@ RotationLaw = Callable[[Array], Array]
 
 GRID = np.radians(np.arange(0.0, 360.0, 5.0))
 MAX_STATIONS = 600
+SMOOTH = (10, 40)
+"""a free rotation is smoothed over these parts of the path"""
+SHARP = (160, 640)
+"""and over these, where a smoother one touches something"""
 
 
 @dataclass(frozen=True)
@@ -96,6 +101,8 @@ def choices(
     options = (
         _held(model, orientation, ladder) if held else _turned(ladder, orientation, s, free, keep)
     )
+    if free and scene is not None and not held:
+        options = itertools.chain(options, _sharper(ladder, orientation, s, keep, lambda: found))
     for kind, branch, law, target, q_start, passing in options:
         try:
             followed = follow(model, target, q_start)
@@ -139,9 +146,23 @@ def _turned(
     if free:
         ways += [("free rotation", c) for c in ladder.best(FREE_SHIFTS, keep=keep)]
     for kind, way in ways:
-        for law in _laws(s, way, kind):
+        for law in _laws(s, way, kind, SMOOTH):
             branch = int(way.branch[0])
             yield kind, branch, law, JointTarget.of(orientation, law, branch), way.q_start, None
+
+
+def _sharper(
+    ladder: Ladder, orientation: Orientation, s: Array, keep: int, enough: Callable[[], bool]
+) -> Iterator[_Option]:
+    """The best varying rotations again, hardly smoothed, unless there is a way already: smoothing
+    leads away from what the ladder knows to be free."""
+    if enough():
+        return
+    for way in ladder.best(FREE_SHIFTS, keep=keep):
+        for law in _laws(s, way, "free rotation", SHARP):
+            branch = int(way.branch[0])
+            target = JointTarget.of(orientation, law, branch)
+            yield "free rotation", branch, law, target, way.q_start, None
 
 
 def continuous_margins(model: Model, followed: Followed) -> Array:
@@ -166,14 +187,14 @@ def _stations(orientation: Orientation) -> Array:
     return even
 
 
-def _laws(s: Array, way: LadderWay, kind: str) -> list[RotationLaw]:
+def _laws(s: Array, way: LadderWay, kind: str, parts: tuple[int, ...]) -> list[RotationLaw]:
     """The rotation as a smooth function of the length: strongly, then lightly smoothed."""
     if kind != "free rotation" or np.ptp(way.rotation) < 1e-9:
         return [_constant(float(way.rotation[0]))]
     from scipy.interpolate import make_smoothing_spline
 
     # penalty on the curvature of the rotation; a length scale of 1/10 and 1/40 of the path
-    spread = [(s[-1] / f) ** 3 for f in (10, 40)]
+    spread = [(s[-1] / f) ** 3 for f in parts]
     return [_spline(make_smoothing_spline(s, way.rotation, lam=lam)) for lam in spread]
 
 
