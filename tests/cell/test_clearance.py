@@ -22,6 +22,7 @@ from irb2400_ctrl.planners import JointPath, ToolPath, builders, plan_path, read
 from irb2400_ctrl.planners.clearance import continuous_clearance, cutting_moves
 
 Array = npt.NDArray[np.float64]
+pytest.importorskip("coal")
 ROOT = Path(__file__).parents[2]
 EXAMPLE = ROOT / "examples" / "cell"
 ROBOT_FILE = ROOT / "irb2400_ctrl" / "robots" / "irb2400.toml"
@@ -207,6 +208,7 @@ def test_a_rapid_move_into_the_part_is_refused_and_the_cut_is_not(tmp_path: Path
     done = irb2400("plan", good, "--out", "out", "--cell", cell, cwd=tmp_path)
     assert done.returncode == 0, done.stderr
     assert "clearance: at least" in done.stdout
+    assert "assumed, operation 1: no tool stated in the cell: the robot file's tool" in done.stdout
     plan = json.loads((tmp_path / "out" / "plan.json").read_text())
     assert set(plan["clearance_mm"]) == {"value", "pair", "at_mm"}
     bad = tmp_path / "bad.nc"
