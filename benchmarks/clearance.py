@@ -30,7 +30,7 @@ from mujoco_cell import mujoco_cell  # noqa: E402
 
 from irb2400_ctrl import Model, load_robot  # noqa: E402
 from irb2400_ctrl.cell import Cell, Scene, load_cell  # noqa: E402
-from irb2400_ctrl.errors import CollisionError, InputError  # noqa: E402
+from irb2400_ctrl.errors import InputError, UnreachableError  # noqa: E402
 from irb2400_ctrl.planners import ToolPath, builders, plan_path  # noqa: E402
 
 Array = npt.NDArray[np.float64]
@@ -169,7 +169,7 @@ def lines(count: int, seed: int) -> None:
         try:
             plan_path(ROBOT, path, cells=100)
             other += 1
-        except CollisionError:
+        except UnreachableError:
             refused += 1
     print("| lines | planned unseen | of these through the arm | now refused | another way |")
     print("| --- | --- | --- | --- | --- |")

@@ -242,3 +242,13 @@ def test_a_longer_tool_moves_the_flange_away() -> None:
         spindle = Model(ROBOT).tcp_pose(q[-1])
         flange.append(spindle[2, 3])
     assert flange[1] - flange[0] == pytest.approx(0.05, abs=1e-4)
+
+
+def test_a_way_that_is_cut_off_names_what_is_in_the_way() -> None:
+    # the line runs through a wall: both ends are free, no posture leads across
+    path = builders.line((0.9, -0.15, 0.5), (0.9, 0.15, 0.5))
+    shape = {"kind": "box", "centre_mm": [900, 0, 600], "size_mm": [900, 10, 400]}
+    wall = {"name": "wall", "role": "obstacle", "shapes": [shape]}
+    cell = Cell.model_validate({"name": "room", "things": [wall]})
+    with pytest.raises(CollisionError, match=r"without a collision: .* and wall"):
+        plan_path(ROBOT, path, cell=cell, cells=100)

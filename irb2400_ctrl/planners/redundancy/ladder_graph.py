@@ -307,11 +307,16 @@ class Ladder:
                 "beyond its range "
                 f"{ends[0]:.0f} to {ends[1]:.0f} deg; move the work frame or free the tool rotation"
             )
-        _, back = self._sweep(FREE_SHIFTS if len(self.rotation) > 1 else (0,), level=None)
+        shifts = FREE_SHIFTS if len(self.rotation) > 1 else (0,)
+        _, back = self._sweep(shifts, level=None)
         at = min(len(back), len(self.u) - 1)
-        obstacle = "" if self.crowd is None else ", a collision"
+        if self.crowd is not None:
+            touching = self.inside(at).any(axis=2) & ~self.crowd.free(at)
+            value, _ = replace(self, crowd=None)._sweep(shifts, level=None)
+            if touching.any() and (value > 0).any():
+                return self.crowd.blocked(self.q[at][touching], at, int(names[at]) + 1)
         return UnreachableError(
             f"no continuous motion reaches point {names[at] + 1}: every configuration that reaches "
-            f"the points before it meets the joint box{obstacle} "
+            "the points before it meets the joint box "
             "or a singularity there; split the path, or move the work frame"
         )
