@@ -4,14 +4,14 @@ them."""
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 
 import numpy as np
 
 from irb2400_ctrl.codegen import package_pages
 from irb2400_ctrl.codegen.block import Block, Field, Origin
 from irb2400_ctrl.codegen.build import Real
-from irb2400_ctrl.codegen.c_text import indented, is_symmetric, plain, spans_zero
+from irb2400_ctrl.codegen.c_text import described, indented, is_symmetric, plain, spans_zero
 from irb2400_ctrl.codegen.cmake_pages import build_files
 from irb2400_ctrl.codegen.emit import emit_body
 from irb2400_ctrl.codegen.graph import Bounds, Graph, read_graph, without_saturation
@@ -213,7 +213,8 @@ extern const char {name}_provenance[{len(flash_text(name, self.provenance)) + 1}
         name = self.name
         upper = self.name.upper()
         places = self._places()
-        body = emit_body(self.graph, name, lambda k, i: f"{places[k]}[{i}]")
+        element = partial(_element, places)
+        body = emit_body(self.graph, name, element, heading=self._heading)
         functions = body.functions | self._guard_functions()
         macro = f"{upper}_SINGLE"
         own = prelude(functions).replace("REAL_IS_FLOAT", macro)
@@ -241,6 +242,7 @@ uint32_t {name}_step({name}_state_t *state, const {name}_input_t *input,
     uint32_t status = inputs_are_valid(input, parameters) ? 0u : {upper}_FAULT_INPUT;
 {barrier(upper)}
     if (status == 0u) {{
+        /* Section by section: the operations that a result needs and none above has needed. */
 {indented(body.statements, 8)}
 {finished(self.block, body.results)}
     }}
@@ -250,6 +252,11 @@ uint32_t {name}_step({name}_state_t *state, const {name}_input_t *input,
     return status;
 }}
 """
+
+    def _heading(self, output: int, i: int) -> str:
+        """What the next operations are for."""
+        field = (*self.block.states, *self.block.outputs)[output]
+        return f"{field.name}[{i}] {described(field)}"
 
     def _guard_functions(self) -> set[str]:
         outputs = [f for f in self.block.outputs if f.lower or f.upper]
@@ -269,6 +276,11 @@ uint32_t {name}_step({name}_state_t *state, const {name}_input_t *input,
     def initial_input(self) -> np.ndarray:
         """An input inside its bounds, zero where possible; flat."""
         return np.concatenate([np.zeros(0), *(package_pages.inside(f) for f in self.block.inputs)])
+
+
+def _element(places: list[str], argument: int, i: int) -> str:
+    """C expression of element i of an input of the step."""
+    return f"{places[argument]}[{i}]"
 
 
 def _bound(field: Field, end: str, text: str, values: tuple[float, ...]) -> Field:
