@@ -34,6 +34,7 @@ def outcome(case: Any, robot: Any, reference: bool = False) -> dict[str, Any]:
     from independent_plant import beyond_priors
 
     from irb2400_ctrl.diagnosis import diagnose
+    from irb2400_ctrl.identification import diagnose_change
     from irb2400_ctrl.measurement import Log
 
     logs = [
@@ -42,9 +43,12 @@ def outcome(case: Any, robot: Any, reference: bool = False) -> dict[str, Any]:
     ]
     if reference:
         _, log = replace(case, effects=()).simulate()
-        logs.append(Log(log.time, log.q, log.tau, qd=log.qd, q_ref=log.q_ref, name="reference"))
-    start = time.perf_counter()
-    found = diagnose(robot, *logs)
+        sound = Log(log.time, log.q, log.tau, qd=log.qd, q_ref=log.q_ref, name="reference")
+        start = time.perf_counter()
+        found = diagnose_change(robot, logs[0], sound, logs[1])
+    else:
+        start = time.perf_counter()
+        found = diagnose(robot, *logs)
     seconds = time.perf_counter() - start
     assert found.validation is not None
     visible = beyond_priors(case) if case.effects else []

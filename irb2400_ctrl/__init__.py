@@ -46,6 +46,8 @@ if TYPE_CHECKING:
     from irb2400_ctrl.simulation import simulate
     from irb2400_ctrl.trajectory import Trajectory
 
+__version__ = "0.2.0"
+
 _renamed.install()
 
 __all__ = [

@@ -15,6 +15,10 @@ class UnreachableError(InputError):
     """A pose or path lies outside the workspace or the joint box."""
 
 
+class CollisionError(UnreachableError):
+    """A motion that touches something, or cannot be shown not to."""
+
+
 class InfeasibleError(InputError):
     """The limits leave no solution (for example: a torque limit below the weight of the arm)."""
 

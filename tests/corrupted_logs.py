@@ -247,6 +247,7 @@ def _of_angles_and_clock(robot: Robot) -> list[Named]:
         ("degrees under rad", _angle(lambda q, r: np.degrees(q)), "angle_unit"),
         ("one angle radians", _angle(_one(lambda q, r: np.radians(q))), "angle_unit"),
         ("one angle degrees", _angle(_one(lambda q, r: np.degrees(q))), "angle_unit"),
+        ("angles motor side", _angle(lambda q, r: q * r.uniform(80, 200, 6)), "angle_scale"),
         ("two angles exchanged", _angle(_swap), "angle_order"),
         ("angles reversed", _angle(_order(reverse)), "angle_order"),
         ("axes numbered from tool", _both, "axis_order"),

@@ -19,7 +19,6 @@ import numpy as np
 import numpy.typing as npt
 
 from irb2400_ctrl.planners import MotionLimits
-from irb2400_ctrl.planners.enclosure.cells import reversals
 from irb2400_ctrl.planners.enclosure.path_dynamics import PathDynamics
 from irb2400_ctrl.planners.joint_path import JointPath
 from irb2400_ctrl.planners.timing.rate_limited.rate_limited_law import RateLimitedLaw
@@ -141,7 +140,7 @@ def _grid(path: JointPath, guess: RateLimitedLaw, cells: int) -> tuple[Array, Ar
     even = np.linspace(0.0, guess.duration, cells + 1)
     s = guess.at(even)[0]
     s[[0, -1]] = guess.s[[0, -1]]
-    fixed = np.concatenate([path.knots[1:-1], reversals(path)])
+    fixed = np.concatenate([path.knots[1:-1], path.reversals()])
     # a point next to a fixed one gives way to it
     near = np.unique(np.clip(np.searchsorted(s, fixed), 1, cells - 1))
     s = np.unique(np.concatenate([np.delete(s, near), fixed]))

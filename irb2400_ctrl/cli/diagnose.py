@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+import json
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from irb2400_ctrl.cli.logs_in import WHAT, is_robot, read_logs, say_left_out
 from irb2400_ctrl.cli.options import (
     ColumnsOption,
     OutOption,
     RobotOption,
+    UncertaintyOption,
     input_file,
     load_arm,
     output_folder,
@@ -21,20 +25,29 @@ if TYPE_CHECKING:
     from irb2400_ctrl.diagnosis import Diagnosis
     from irb2400_ctrl.measurement import Log
     from irb2400_ctrl.report.page import Page
+    from irb2400_ctrl.robot import Robot
 
-LogArgument = Annotated[Path, typer.Argument(metavar="LOG", help="Measured log (docs/logs.md).")]
+LogsArgument = Annotated[
+    list[Path],
+    typer.Argument(
+        metavar="LOG...",
+        help="Measured logs of one arm (docs/logs.md). Of several, one that cannot be used is "
+        "named on stderr and in findings.json and left out.",
+    ),
+]
 ValidateOption = Annotated[
     Path | None,
     typer.Option(metavar="LOG2", help="Another motion of the same arm, for the error after."),
 ]
 ReferenceOption = Annotated[
-    Path | None,
+    list[Path] | None,
     typer.Option(
-        metavar="LOG3",
-        help="Log of the same arm when it was sound: LOG is judged against the mass data and "
-        "friction that it shows, instead of the data sheet's.",
+        metavar="LOG|ROBOT",
+        help="The same arm on another day: logs (may be given again), from which it is identified "
+        "first, or its robot file. What is found then has changed since.",
     ),
 ]
+JsonOption = Annotated[bool, typer.Option("--json", help="Print findings.json on stdout.")]
 CloseLoopOption = Annotated[
     bool,
     typer.Option(
@@ -53,60 +66,104 @@ ControllerOption = Annotated[
 
 
 def diagnose(
-    log: LogArgument,
+    logs: LogsArgument,
     out: OutOption,
     validate: ValidateOption = None,
     reference: ReferenceOption = None,
     robot: RobotOption = "irb2400",
     columns: ColumnsOption = None,
+    uncertainty: UncertaintyOption = None,
     close_loop: CloseLoopOption = False,
     controller: ControllerOption = "feedforward_pid",
+    as_json: JsonOption = False,
 ) -> None:
     """Find the residual, name the effect behind it, add it to the robot -> findings.json,
     robot.toml, report.html.
 
     A log that is not what its columns say gets the verdict log_not_understood and exit code 0: that
-    is an answer (`irb2400 log check` exits 2)."""
-    for path in (log, validate, reference):
-        if path is not None:
-            input_file(path, "a log (CSV, MAT, Parquet or ROS 2 bag)")
+    is an answer (`irb2400 log check` exits 2). With several logs the exit code is 0 as soon as one
+    can be used, and 2 when none can be read."""
+    if len(logs) == 1:
+        input_file(logs[0], WHAT)
+    for path in (validate, *(reference or [])):
+        if path is not None and not is_robot(path):
+            input_file(path, WHAT)
     output_folder(out)
 
-    from irb2400_ctrl.diagnosis import diagnose as run
     from irb2400_ctrl.measurement import read_log
     from irb2400_ctrl.report.diagnosis_report import diagnosis_page, lines
 
-    arm = load_arm(robot)
+    arm = load_arm(robot, uncertainty)
     if close_loop:
         from irb2400_ctrl.controllers import controller as make_controller
 
         make_controller(controller, arm)  # a wrong name is to be said before the long work
-    with step(f"reading {log.name}"):
-        measured = read_log(log, columns=columns)
-        others = [
-            None if path is None else read_log(path, columns=columns)
-            for path in (validate, reference)
-        ]
+    with step(f"reading {logs[0].name if len(logs) == 1 else f'{len(logs)} logs'}"):
+        read = read_logs(logs, columns, arm.joint_names)
+        other = (
+            None if validate is None else read_log(validate, columns=columns, names=arm.joint_names)
+        )
     with step("comparing log and model"):
-        result = run(arm, measured, validation=others[0], reference=others[1])
-    page = diagnosis_page(result, title=f"Diagnosis of {log.name}")
+        result = _diagnosed(arm, read.logs, other, reference or [], columns)
+        result = replace(result, left_out=(*read.left_out, *result.left_out))
+    say_left_out(result.left_out)
+    page = diagnosis_page(result, title=f"Diagnosis of {_name(logs)}")
     text = lines(result)
+    text.append(f"prior of the robot file: {_prior(arm)}")
     written = ["findings.json", "robot.toml", "report.html"]
     if close_loop and result.log_problem is None:
         with step("closing the loop"):
-            text += _close_loop(result, measured, controller, page, out)
+            text += _close_loop(result, read.logs[0], controller, page, out)
         written += ["closed_loop.json", "controller"]
     with step("writing the report"):
         result.write(out)
         page.write(out / "report.html")
+    if as_json:
+        print(json.dumps(result.to_json()))
+        return
     print("\n".join(text))
     print(f"written: {', '.join(str(out / name) for name in written)}")
 
 
+def _diagnosed(
+    arm: Robot,
+    logs: list[Log],
+    validation: Log | None,
+    reference: list[Path],
+    columns: Path | None,
+) -> Diagnosis:
+    """Against the robot file, another robot file of this arm, or logs of it."""
+    from irb2400_ctrl.diagnosis import diagnose as run
+    from irb2400_ctrl.errors import InputError
+    from irb2400_ctrl.identification import diagnose_change
+    from irb2400_ctrl.robot import load_robot
+
+    if not reference:
+        return run(arm, logs, validation)
+    robots = [path for path in reference if is_robot(path)]
+    if robots and len(reference) > 1:
+        raise InputError(
+            f"--reference: found {len(reference)} with the robot file {robots[0]} among them; "
+            "expected one robot file, or logs"
+        )
+    if robots:
+        return diagnose_change(arm, logs, load_robot(str(robots[0])), validation)
+    before = read_logs(reference, columns, arm.joint_names)
+    say_left_out(before.left_out)
+    return diagnose_change(arm, logs, before.logs, validation)
+
+
+def _prior(arm: Robot) -> str:
+    identified = arm.identified is not None
+    return "the covariance of its identification" if identified else arm.uncertainty.says()
+
+
+def _name(logs: list[Path]) -> str:
+    return logs[0].name if len(logs) == 1 else f"{len(logs)} logs"
+
+
 def _close_loop(result: Diagnosis, log: Log, controller: str, page: Page, out: Path) -> list[str]:
     """Make the controller again from the diagnosed robot, move as the log did; lines to print."""
-    import json
-
     from irb2400_ctrl.codegen import export_package
     from irb2400_ctrl.controllers import controller as make_controller
     from irb2400_ctrl.files import write_atomic

@@ -8,7 +8,15 @@ from typing import Annotated
 
 import typer
 
-from irb2400_ctrl.cli.options import OutOption, RobotOption, input_file, output_folder
+from irb2400_ctrl.cli.options import (
+    ColumnsOption,
+    OutOption,
+    RobotOption,
+    UncertaintyOption,
+    input_file,
+    load_arm,
+    output_folder,
+)
 from irb2400_ctrl.cli.progress import step
 
 LogsArgument = Annotated[
@@ -26,6 +34,8 @@ def identify(
     out: OutOption,
     robot: RobotOption = "irb2400",
     validate: ValidateOption = None,
+    columns: ColumnsOption = None,
+    uncertainty: UncertaintyOption = None,
     as_json: JsonOption = False,
 ) -> None:
     """Fit bodies, friction, offsets and rotors to logs -> robot.toml, identification.json,
@@ -38,12 +48,11 @@ def identify(
     from irb2400_ctrl.identification import identify as run
     from irb2400_ctrl.measurement import read_log
     from irb2400_ctrl.report.identification_report import identification_page, lines
-    from irb2400_ctrl.robot import load_robot
 
-    arm = load_robot(robot)
+    arm = load_arm(robot, uncertainty)
     with step("reading the logs"):
-        seen = [read_log(path) for path in logs]
-        unseen = [read_log(path) for path in others]
+        seen = [read_log(path, columns=columns, names=arm.joint_names) for path in logs]
+        unseen = [read_log(path, columns=columns, names=arm.joint_names) for path in others]
     with step("fitting the arm to the logs"):
         result = run(arm, seen, validation=unseen)
     with step("writing the report"):
@@ -53,5 +62,6 @@ def identify(
         print(json.dumps(result.to_json()))
         return
     print("\n".join(lines(result)))
+    print(f"prior of the robot file: {arm.uncertainty.says()}")
     names = ("robot.toml", "identification.json", "covariance.json", "report.html")
     print(f"written: {', '.join(str(out / name) for name in names)}")

@@ -45,7 +45,8 @@ def check(
 
     arm = None if no_robot else load_arm(robot)
     with step(f"reading {log.name}"):
-        found = check_log(arm, read_log(log, columns=columns))
+        names = None if arm is None else arm.joint_names
+        found = check_log(arm, read_log(log, columns=columns, names=names))
     print(json.dumps(found.to_json(), indent=1) if as_json else "\n".join(lines(found)))
     if found.problem is not None:
         raise InputError(f"{log}: {found.problem.says}")

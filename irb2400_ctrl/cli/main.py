@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+import os
 import sys
+import traceback
+from pathlib import Path
+from typing import Annotated
 
 import typer
 
@@ -21,6 +25,8 @@ from irb2400_ctrl.cli import (
     validate,
 )
 
+TRACEBACK_VARIABLE = "IRB2400_TRACEBACK"
+
 app = typer.Typer(
     name="irb2400",
     help="Plan, control, simulate, generate C and diagnose an ABB IRB 2400 from one model.",
@@ -28,6 +34,26 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     add_completion=False,
 )
+
+
+def _print_version(wanted: bool) -> None:
+    if wanted:
+        from irb2400_ctrl import __version__
+
+        print(f"irb2400 {__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def _options(
+    version: Annotated[
+        bool,
+        typer.Option("--version", callback=_print_version, is_eager=True, help="Say it and stop."),
+    ] = False,
+) -> None:
+    """Plan, control, simulate, generate C and diagnose an ABB IRB 2400 from one model."""
+
+
 app.command("demo")(demo.demo)
 app.command("plan")(plan.plan)
 app.command("simulate")(simulate.simulate)
@@ -43,17 +69,55 @@ app.add_typer(log.app, name="log")
 
 
 def run() -> None:
-    """Entry point: turns errors of the input into one message and exit code 2."""
-    from irb2400_ctrl.errors import InputError
+    """Entry point: every error ends in plain words and an exit code, none in a traceback.
+
+    2: the user's input was wrong. 1: our own fault, with how to report it. What a verb
+    writes is moved to its name when it is whole, so nothing is half there.
+    """
+    from irb2400_ctrl.errors import InputError, IrbError
 
     try:
         app()
     except InputError as error:
-        print(f"irb2400: {error}", file=sys.stderr)
-        sys.exit(2)
+        _stop(2, str(error))
+    except IrbError as error:
+        _stop(1, str(error))
     except BrokenPipeError:
         # the reader of our output (head, less) has gone: not an error of ours
         sys.exit(0)
+    except MemoryError:
+        _stop(1, "the memory of this machine was not enough; nothing half-written is left")
+    except OSError as error:
+        _stop(1, f"{_told(error)}; nothing half-written is left; check room and permissions")
+    except Exception as error:
+        _last_resort(error)
+
+
+def _told(error: OSError) -> str:
+    place = f"{error.filename}: " if error.filename else ""
+    return f"{place}{error.strerror or error}"
+
+
+def _stop(code: int, text: str) -> None:
+    print(f"irb2400: {text}", file=sys.stderr)
+    sys.exit(code)
+
+
+def _last_resort(error: Exception) -> None:
+    """An error nobody thought of: where it happened, what is lost, what to send."""
+    from irb2400_ctrl import __version__
+
+    if os.environ.get(TRACEBACK_VARIABLE):
+        raise error
+    where = traceback.extract_tb(error.__traceback__)[-1]
+    place = f"{Path(where.filename).name}:{where.lineno}"
+    kind = type(error).__name__
+    _stop(
+        1,
+        f"a fault of irb2400 {__version__} itself ({kind} in {place}: {error}). Nothing "
+        "half-written is left, earlier results are untouched. Please report it with the command "
+        f"line, its input and what {TRACEBACK_VARIABLE}=1 prints before the same command",
+    )
 
 
 if __name__ == "__main__":

@@ -20,16 +20,37 @@ ColumnsOption = Annotated[
         "--columns", metavar="MAP", help="What the log's columns are (TOML, docs/logs.md)."
     ),
 ]
+UncertaintyOption = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--uncertainty",
+        metavar="KEY=NUMBER",
+        help="One standard deviation of the robot file's numbers, as in its [uncertainty]: "
+        "mass_relative=0.05, com_m=0.01, link_2.mass_relative=0.2; may be given again.",
+    ),
+]
+CellOption = Annotated[
+    Path | None,
+    typer.Option(
+        "--cell", metavar="CELL", help="What stands around the arm (TOML, docs/cells.md)."
+    ),
+]
 OutOption = Annotated[
     Path, typer.Option("--out", metavar="DIR", help="Folder for the results; all is written there.")
 ]
 
 
-def load_arm(robot: str) -> Robot:
-    """The robot; says on stderr what its file does not state and what is done without it."""
+def load_arm(robot: str, uncertainty: list[str] | None = None) -> Robot:
+    """The robot, its prior changed as the user says; says on stderr what its file does not state
+    and what is done without it."""
     from irb2400_ctrl.robot import load_robot
 
     arm = load_robot(robot)
+    if uncertainty:
+        bodies = [link.name for link in arm.links] + (["tool"] if arm.tool else [])
+        changed = arm.uncertainty.changed(uncertainty, bodies)
+        # what was identified would take the place of what was just asked for
+        arm = arm.model_copy(update={"uncertainty": changed, "identified": None})
     for line in arm.assumptions():
         print(f"{arm.name}: {line}", file=sys.stderr)
     return arm

@@ -9,7 +9,14 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from irb2400_ctrl.cli.options import OutOption, RobotOption, input_file, load_arm, output_folder
+from irb2400_ctrl.cli.options import (
+    CellOption,
+    OutOption,
+    RobotOption,
+    input_file,
+    load_arm,
+    output_folder,
+)
 from irb2400_ctrl.cli.path import ROTARY_HELP, UNITS_HELP
 from irb2400_ctrl.cli.progress import step
 
@@ -39,7 +46,16 @@ WorkFrameOption = Annotated[
         metavar="X,Y,Z,RX,RY,RZ",
         help="Pose of the file's frame in the robot base [mm, deg]; turned about the base's fixed "
         "x, then y, then z.",
-        show_default="the base",
+        show_default="the cell's work object, or the base",
+    ),
+]
+ToolOption = Annotated[
+    str | None,
+    typer.Option(
+        "--tool",
+        metavar="NAME",
+        help="A tool of the cell; else the one with the CAM file's number or name.",
+        show_default="the robot file's",
     ),
 ]
 UnitsOption = Annotated[str | None, typer.Option("--units", help=UNITS_HELP)]
@@ -81,7 +97,7 @@ TorqueRateOption = Annotated[
     typer.Option(
         help="Limit of the change of the torque, in torque limits per second [1/s].",
         min=1e-3,
-        show_default="no limit",
+        show_default="what the rows can follow",
     ),
 ]
 JerkOption = Annotated[
@@ -92,6 +108,13 @@ JerkOption = Annotated[
         help="Limit of the joints' jerk [deg/s3].",
         min=1e-3,
         show_default="no limit",
+    ),
+]
+InterpolationOption = Annotated[
+    str,
+    typer.Option(
+        help="How the controller reads the rows: cubic (through angles and speeds) or linear.",
+        metavar="cubic|linear",
     ),
 ]
 RapidOption = Annotated[
@@ -110,9 +133,12 @@ def plan(
     axis_tolerance_deg: AxisToleranceOption = 0.1,
     torque_rate: TorqueRateOption = None,
     jerk_deg_s3: JerkOption = None,
+    interpolation: InterpolationOption = "cubic",
     rapid: RapidOption = False,
     operation: OperationOption = None,
     work_frame: WorkFrameOption = None,
+    cell: CellOption = None,
+    tool: ToolOption = None,
     units: UnitsOption = None,
     rotary: RotaryOption = None,
     spindle_rpm: SpindleOption = None,
@@ -121,23 +147,27 @@ def plan(
     figures."""
     input_file(path, "a toolpath (CSV, APT/CLDATA or G-code)")
 
-    from irb2400_ctrl.planners import MotionLimits, read_program
+    from irb2400_ctrl.cell import load_cell
+    from irb2400_ctrl.planners import read_program
     from irb2400_ctrl.planners.toolpath.work_frame import work_frame as pose_of
 
     pose = None if work_frame is None else pose_of(work_frame)
+    around = None if cell is None else load_cell(cell)
     program = read_program(path, units=units, rotary=rotary, spindle_rpm=spindle_rpm)
     if operation is not None:
         program = replace(program, operations=(program.operation(operation),))
     output_folder(out)
     arm = load_arm(robot)
-    limits = MotionLimits.of(arm)
     options = {
         "rate": rate,
         "free_tool_rotation": free_tool_rotation,
         "work_frame": pose,
+        "cell": around,
+        "tool": tool,
         "tolerance": 1e-3 * tolerance_mm,
         "axis_tolerance": math.radians(axis_tolerance_deg),
-        "limits": replace(limits, tau_max=torque_share * limits.tau_max),
+        "torque_share": torque_share,
+        "interpolation": interpolation,
         "torque_rate": None if torque_rate is None else torque_rate * arm.tau_max,
         "jerk": None if jerk_deg_s3 is None else math.radians(jerk_deg_s3),
     }
@@ -154,8 +184,11 @@ def _plan_one(
 ) -> None:
     """The only operation, into the folder itself."""
     from irb2400_ctrl.planners import plan_path
+    from irb2400_ctrl.planners.program_plan import with_its_tool
 
-    toolpath = program.operation().path
+    operation = program.operation()
+    toolpath = operation.path
+    options = with_its_tool(operation, options)
     task = f"planning {len(toolpath):,} points"
     with step(task) as say:
         planned = plan_path(
@@ -221,7 +254,8 @@ def _print_summary(planned: Plan) -> None:
         f"smallest margins: wrist {margin['wrist']:.3f}, shoulder {margin['shoulder']:.3f} m, "
         f"elbow {margin['elbow']:.3f} m"
     )
-    held = "; the torque bound holds at every instant by construction" if s["guaranteed"] else ""
+    print(f"clearance: {_clearance(s['clearance_mm'])}")
+    held = f"; guaranteed for the rows read as {s['interpolation']}" if s["guaranteed"] else ""
     print(
         f"torque at most {100 * s['max_torque_ratio']:.1f} % of its limit, speed "
         f"{100 * s['max_velocity_ratio']:.1f} %{held}"
@@ -229,3 +263,14 @@ def _print_summary(planned: Plan) -> None:
     if "duration_without_rates_s" in s:
         longer = planned.duration - s["duration_without_rates_s"]
         print(f"{longer:.2f} s longer than without limits of the rates")
+
+
+def _clearance(found: dict[str, Any]) -> str:
+    """The smallest distance in words, or why it is not known."""
+    if found["value"] is None:
+        return f"not known, {found['reason']}"
+    first, other = found["pair"]
+    return (
+        f"at least {found['value']:.1f} mm everywhere, least between {first} and {other} at "
+        f"{found['at_mm']:.0f} mm of the way"
+    )

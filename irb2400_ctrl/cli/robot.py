@@ -52,6 +52,7 @@ def show(robot: RobotArgument = "irb2400") -> None:
     if arm.tool is not None:
         x, y, z = 1e3 * np.array(arm.X_FT[:3, 3])
         print(f"TCP in the flange frame: {x:.0f}, {y:.0f}, {z:.0f} mm")
+    print(f"prior, one standard deviation: {arm.uncertainty.says()}")
     for line in arm.assumptions():
         print(line)
     for effect in arm.effects:
@@ -102,13 +103,14 @@ def export(
     what is left out."""
     import re
 
-    from irb2400_ctrl.model.consistency import project
+    from irb2400_ctrl.model.consistency import LEAST_MASS_KG, project, with_masses
     from irb2400_ctrl.robot import load_robot
     from irb2400_ctrl.robot.mjcf_export import save_mjcf
     from irb2400_ctrl.robot.urdf_export import save_urdf
 
     arm = load_robot(robot)
-    written = arm if as_is else project(arm, EXPORT_MARGIN)[0]
+    weighed, bare = (arm, []) if as_is else with_masses(arm)
+    written = weighed if as_is else project(weighed, EXPORT_MARGIN)[0]
     for line in arm.assumptions():
         print(line)
     left_out = sorted({effect.kind for effect in arm.effects})
@@ -117,14 +119,17 @@ def export(
     print("left out, the format has no place for it: static friction and its transition speed")
     if format == "urdf" and arm.coupled:
         print("left out: the coupling; the joints are link angles A q, the head says how to use it")
-    for link in written.links:
-        if link.body.mass_kg == 0.0:
-            print(f"{link.name} has no mass: simulators refuse a moving body without one")
-    if written != arm:
+    if bare:
+        print(
+            f"{', '.join(bare)} has no mass in the robot file: {1e3 * LEAST_MASS_KG:g} g is "
+            "assumed, simulators refuse a moving body without one (--as-is leaves it out)"
+        )
+    if written != weighed:
         print(
             "mass data moved strictly inside what real bodies can have, as simulators ask for "
             "(--as-is keeps them)"
         )
+    if written != arm:
         _print_torque_differences(arm, written)
     name = re.sub(r"\W+", "_", arm.name).strip("_").lower()
     save = {"urdf": (save_urdf, "urdf"), "mjcf": (save_mjcf, "xml")}[format]

@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from irb2400_ctrl.cli.options import OutOption, input_file, output_folder
+from irb2400_ctrl.cli.options import ColumnsOption, OutOption, input_file, output_folder
 from irb2400_ctrl.cli.progress import step
 
 RobotArgument = Annotated[
@@ -19,7 +19,11 @@ JsonOption = Annotated[bool, typer.Option("--json", help="Print the summary as o
 
 
 def validate(
-    robot: RobotArgument, log: LogArgument, out: OutOption, as_json: JsonOption = False
+    robot: RobotArgument,
+    log: LogArgument,
+    out: OutOption,
+    columns: ColumnsOption = None,
+    as_json: JsonOption = False,
 ) -> None:
     """Compare modelled and measured torque (Tab. 6, eqs. 75-77; figures 10-12) ->
     validation.json, report.html."""
@@ -33,7 +37,7 @@ def validate(
 
     arm = load_robot(robot)
     with step("comparing model and log"):
-        result = run(arm, read_log(log))
+        result = run(arm, read_log(log, columns=columns, names=arm.joint_names))
         result.write(out)
         validation_page(result).write(out / "report.html")
     if as_json:

@@ -14,9 +14,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from irb2400_ctrl.codegen.emit import emit_body
 from irb2400_ctrl.codegen.graph import read_graph
+from irb2400_ctrl.codegen.interpreted import Interpreter, say_slow
 from irb2400_ctrl.codegen.own_math import prelude
 from irb2400_ctrl.codegen.toolchain import build_shared
-from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.errors import InputError, ToolMissingError
 from irb2400_ctrl.symbolic import as_sx
 
 Array = NDArray[Any]
@@ -30,6 +31,9 @@ def compile_function(
 ) -> CompiledFunction:
     """Machine code of `fn`, made by this machine's C compiler or taken from the cache.
 
+    Without a compiler the same calls go through CasADi's virtual machine, about thirty times
+    slower; stderr says so once.
+
     Args:
         fn: any function that expands into scalar operations.
         real: precision of the computation.
@@ -39,10 +43,15 @@ def compile_function(
 
     Raises:
         InputError: `fn` holds an operation that has no C form.
-        ToolMissingError: no C compiler.
     """
     fn = as_sx(fn)
-    library = ctypes.CDLL(str(build_shared(host_source(fn, real=real, math=math), fused=fused)))
+    source = host_source(fn, real=real, math=math)
+    library: ctypes.CDLL | Interpreter
+    try:
+        library = ctypes.CDLL(str(build_shared(source, fused=fused)))
+    except ToolMissingError as error:
+        say_slow(str(error))
+        library = Interpreter(fn, np.dtype(np.float64 if real == "double" else np.float32))
     return CompiledFunction(
         name=fn.name(),
         real=real,
@@ -134,7 +143,7 @@ class CompiledFunction:
     output_names: tuple[str, ...]
     input_shapes: tuple[Shape, ...]
     output_shapes: tuple[Shape, ...]
-    _library: ctypes.CDLL
+    _library: ctypes.CDLL | Interpreter
 
     @property
     def dtype(self) -> np.dtype[Any]:

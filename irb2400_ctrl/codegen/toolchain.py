@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import importlib.util
 import os
 import platform
 import shlex
@@ -31,13 +32,13 @@ class Compiler:
 
 
 def find_compiler() -> Compiler:
-    """`$CC`, else cc, gcc or clang on the path.
+    """`$CC`, else cc, gcc or clang on the path, else the one in the Python package ziglang.
 
     Raises:
         ToolMissingError: none of them is there.
     """
     chosen = shlex.split(os.environ.get("CC", ""))
-    candidates = [chosen] if chosen else [["cc"], ["gcc"], ["clang"]]
+    candidates = [chosen] if chosen else [["cc"], ["gcc"], ["clang"], *_from_python()]
     for command in candidates:
         path = shutil.which(command[0])
         if path:
@@ -48,11 +49,17 @@ def find_compiler() -> Compiler:
             )
     raise ToolMissingError(
         f"found no C compiler (looked for {', '.join(c[0] for c in candidates)}); expected one on "
-        "the path; "
-        "install it (Debian: apt-get install gcc; Fedora: dnf install gcc; macOS: xcode-select "
-        "--install) "
-        "or name it in the environment variable CC"
+        "the path; install it (any system: pip install ziglang; Debian: apt-get install gcc; "
+        "Fedora: dnf install gcc; macOS: xcode-select --install) or name it in the environment "
+        "variable CC"
     )
+
+
+def _from_python() -> list[list[str]]:
+    """The compiler that a wheel brings along, on systems that have none of their own."""
+    if importlib.util.find_spec("ziglang") is None:
+        return []
+    return [[sys.executable, "-m", "ziglang", "cc"]]
 
 
 @cache

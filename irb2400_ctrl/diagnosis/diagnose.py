@@ -11,41 +11,49 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.diagnosis.body_estimates import body_estimates
 from irb2400_ctrl.diagnosis.comparison.confidence import alternatives, confidence
 from irb2400_ctrl.diagnosis.comparison.criteria import Criteria
 from irb2400_ctrl.diagnosis.comparison.scan import Scan
 from irb2400_ctrl.diagnosis.comparison.selection import Selection, reversal_rows
 from irb2400_ctrl.diagnosis.comparison.step import Step
 from irb2400_ctrl.diagnosis.curves import UNITS, binned_curve
-from irb2400_ctrl.diagnosis.diagnosis import Comparison, Diagnosis, Finding, Unexplained
+from irb2400_ctrl.diagnosis.diagnosis import (
+    Comparison,
+    Diagnosis,
+    Finding,
+    Unexplained,
+)
 from irb2400_ctrl.diagnosis.estimation.candidate import Candidate
 from irb2400_ctrl.diagnosis.estimation.fit import Fit, Fitter, noisy_reversals_masked
+from irb2400_ctrl.diagnosis.lists import list_of
+from irb2400_ctrl.diagnosis.log_errors import log_errors
+from irb2400_ctrl.diagnosis.numbers import moved_numbers, numbers
 from irb2400_ctrl.diagnosis.preparation.base_prior import BasePrior
+from irb2400_ctrl.diagnosis.preparation.identified_prior import IdentifiedPrior
 from irb2400_ctrl.diagnosis.preparation.metrics import errors, noise_floor
 from irb2400_ctrl.diagnosis.regressors.bases import Bases
 from irb2400_ctrl.diagnosis.regressors.predict import effect_torque, predicted_torque
+from irb2400_ctrl.diagnosis.sound_logs import SoundLogs, check_beside, sound_logs
 from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.measurement.joined_log import prepare_together
 from irb2400_ctrl.measurement.log import Log
 from irb2400_ctrl.measurement.prepared_log import PreparedLog, prepare
-from irb2400_ctrl.plausibility import LogProblem, log_problem
+from irb2400_ctrl.plausibility import LogProblem
 from irb2400_ctrl.robot import Robot, Uncertainty
 
 INFLATION = 1.5
 """standard errors from the noise alone cover too little: the model's own imperfection adds to
 them"""
-LEAST_SPREAD = 0.25
-"""what a reference log leaves uncertain at least, in data-sheet standard deviations"""
-LEAST_SECONDS = 3.0
-"""a shorter log is not diagnosed"""
 LEAST_SPEED = 0.05
 """[rad/s] rms speed of a joint below which nothing can be said about it"""
 
 
 def diagnose(
     robot: Robot,
-    log: Log,
+    log: Log | Sequence[Log],
     validation: Log | None = None,
-    reference: Log | None = None,
+    reference: Robot | None = None,
     *,
     uncertainty: Uncertainty | None = None,
     criteria: Criteria | None = None,
@@ -55,80 +63,70 @@ def diagnose(
 
     Args:
         robot: the model as it is believed to be.
-        log: of the motion to explain; a wide, lively motion of all joints tells most.
+        log: of the motion to explain; a wide, lively motion of all joints tells most. Several logs
+            of one arm are explained together; one that is not sound is then named and left out.
         validation: another motion of the same arm; only the errors before and after are computed on
             it.
-        reference: of the same arm when nothing was wrong: what the log shows is then judged against
-            it, with the arm's own parameters instead of the data sheet's.
+        reference: this very arm as it was on another day, taken in place of `robot`: what is found
+            then has changed. Identified from logs of that day (`identification.diagnose_change`)
+            its numbers count with their own covariance.
         uncertainty: of the robot's numbers; default data-sheet values.
         criteria: when an explanation counts.
         progress: told the name of each stage.
 
     Raises:
-        InputError: the log does not fit the robot, is too short, or is broken; validation or
-            reference are not understood.
+        InputError: the log does not fit the robot, is too short, or is broken; the validation is
+            not understood.
     """
+    change = reference is not None
+    robot = robot if reference is None else reference
     # the matrices are small: threads would only wait for each other
     with threadpool_limits(limits=1, user_api="blas"):
         progress("understand")
-        problem = _problem(robot, log, validation, reference)
-        if problem is not None:
-            return _not_understood(robot, log, problem)
-        progress("prepare")
-        motion = prepare(log)
-        bases = _bases(robot.bare())
-        base_prior = BasePrior.of(robot, uncertainty or robot.uncertainty, motion)
-        if reference is not None:
-            base_prior = _referred(base_prior, bases, prepare(reference))
-        Z = motion.filtered(base_prior.columns(bases.model, motion))
-        load = bases.model.inverse_dynamics(motion.q, motion.qd, motion.qdd, friction=False)
-        progress("scan")
-        reversal = reversal_rows(motion)
-        offset = base_prior.offset(bases.model, motion)
-        first = Fitter(robot, bases, motion, Z, reversal, offset).fit([])
-        motion = noisy_reversals_masked(motion, first, reversal)
-        scan = Scan(bases, motion, load)
-        fitter = Fitter(robot, bases, motion, Z, reversal, offset)
-        steps, fit = Selection(scan, fitter, criteria).run()
-        progress("conclude")
-        return _concluded(
-            robot,
-            base_prior,
-            motion,
-            load,
-            bases,
-            steps,
-            fit,
-            None if validation is None else prepare(validation),
-        )
+        logs = sound_logs(robot, [log] if isinstance(log, Log) else list(log))
+        if logs.problem is not None:
+            return _not_understood(robot, logs, logs.problem)
+        if validation is not None:
+            check_beside(robot, validation)
+        return _searched(robot, logs, validation, uncertainty, criteria, progress, change)
 
 
-def _problem(
-    robot: Robot, log: Log, validation: Log | None, reference: Log | None
-) -> LogProblem | None:
-    """Why the log is not what its columns say; the logs beside it must be sound."""
-    for one in (log, validation, reference):
-        if one is not None and one.n != robot.n:
-            raise InputError(
-                f"{one.name}: found {one.n} joints, expected {robot.n} as in {robot.name}"
-            )
-    if log.duration < LEAST_SECONDS:
-        raise InputError(
-            f"{log.name}: found {log.duration:.2f} s of data, expected at least "
-            f"{LEAST_SECONDS:.0f} s to tell one effect from another; record a longer motion"
-        )
-    problem = log_problem(robot, log)
-    if problem is not None and problem.unusable:
-        raise InputError(f"{log.name}: {problem.says}")
-    for other in (validation, reference):
-        wrong = None if other is None else log_problem(robot, other)
-        if other is not None and wrong is not None and problem is None:
-            raise InputError(f"{other.name}: {wrong.says}; try `irb2400 log check`")
-    return problem
+def _searched(
+    robot: Robot,
+    logs: SoundLogs,
+    validation: Log | None,
+    uncertainty: Uncertainty | None,
+    criteria: Criteria | None,
+    progress: Callable[[str], None],
+    change: bool,
+) -> Diagnosis:
+    """The diagnosis of logs that are understood."""
+    progress("prepare")
+    motion = prepare_together(logs.used)
+    bases = _bases(robot.bare())
+    kind = BasePrior if robot.identified is None else IdentifiedPrior
+    prior = kind.of(robot, uncertainty or robot.uncertainty, motion)
+    Z = motion.filtered(prior.columns(bases.model, motion))
+    load = bases.model.inverse_dynamics(motion.q, motion.qd, motion.qdd, friction=False)
+    progress("scan")
+    reversal = reversal_rows(motion)
+    first = Fitter(robot, bases, motion, Z, reversal).fit([])
+    motion = noisy_reversals_masked(motion, first, reversal)
+    scan = Scan(bases, motion, load)
+    fitter = Fitter(robot, bases, motion, Z, reversal)
+    steps, fit = Selection(scan, fitter, criteria).run()
+    progress("conclude")
+    beside = None if validation is None else prepare(validation)
+    found = _concluded(prior, fitter, load, steps, fit, beside, change)
+    compared = found.identification
+    torques = (compared.before, compared.after)
+    each = log_errors(motion, *torques, logs, (found.given, found.robot))
+    return replace(found, logs=each, left_out=logs.left_out)
 
 
-def _not_understood(robot: Robot, log: Log, problem: LogProblem) -> Diagnosis:
+def _not_understood(robot: Robot, logs: SoundLogs, problem: LogProblem) -> Diagnosis:
     """No effect is tried on a log that is not what its columns say."""
+    log = logs.used[0]
     try:
         motion = prepare(log)
     except InputError as error:
@@ -145,17 +143,7 @@ def _not_understood(robot: Robot, log: Log, problem: LogProblem) -> Diagnosis:
         noise_floor=noise_floor(motion.tau - compared.after, motion.known, motion.step),
         not_excited=(),
         log_problem=problem,
-    )
-
-
-def _referred(base_prior: BasePrior, bases: Bases, motion: PreparedLog) -> BasePrior:
-    """The arm's numbers as a log without anything wrong settles them, with what uncertainty it
-    leaves."""
-    Z = motion.filtered(base_prior.columns(bases.model, motion))
-    fit = Fitter(base_prior.robot, bases, motion, Z, reversal_rows(motion)).fit([])
-    # the arm of another day is never quite the same: friction moves with temperature
-    return replace(
-        base_prior, centre=fit.z, spread=np.maximum(INFLATION * fit.z_sigma, LEAST_SPREAD)
+        left_out=logs.left_out,
     )
 
 
@@ -170,18 +158,19 @@ def _bases(robot: Robot) -> Bases:
 
 
 def _concluded(
-    robot: Robot,
-    base_prior: BasePrior,
-    motion: PreparedLog,
+    prior: BasePrior | IdentifiedPrior,
+    fitter: Fitter,
     load: Array,
-    bases: Bases,
     steps: Sequence[Step],
     fit: Fit,
     validation: PreparedLog | None,
+    change: bool,
 ) -> Diagnosis:
-    fresh = base_prior.updated(base_prior.deviations(fit.z))
-    recalibrated = fresh.model_copy(update={"effects": robot.effects})
-    augmented = Robot.model_validate({**dict(fresh), "effects": (*robot.effects, *fit.effects)})
+    robot = prior.robot
+    motion = fitter.motion
+    recalibrated = prior.updated(prior.deviations(fit.z))
+    effects = (*recalibrated.effects, *fit.effects)
+    augmented = Robot.model_validate({**dict(recalibrated), "effects": effects})
     # what began in the middle of one record is there all through the next
     later = augmented.lasting()
     compared = [_compared(motion, robot, recalibrated, augmented)]
@@ -200,14 +189,16 @@ def _concluded(
     return Diagnosis(
         given=robot,
         robot=later,
-        findings=_findings(steps, fit, motion, load, bases),
+        findings=_findings(prior, steps, fit, fitter, load, change),
         unexplained=_unexplained(steps, fit, motion, load),
-        recalibrated=_recalibrated(base_prior, fit, later),
+        recalibrated=_recalibrated(prior, fit, later),
         identification=compared[0],
         validation=None if validation is None else compared[1],
         noise_floor=floor,
         not_excited=idle,
         weak=tuple(weak),
+        numbers=numbers(prior, fit, later, change=change, inflation=INFLATION),
+        change=change,
     )
 
 
@@ -231,15 +222,21 @@ def _compared(motion: PreparedLog, before: Robot, recalibrated: Robot, after: Ro
 
 
 def _findings(
-    steps: Sequence[Step], fit: Fit, motion: PreparedLog, load: Array, bases: Bases
+    prior: BasePrior | IdentifiedPrior,
+    steps: Sequence[Step],
+    fit: Fit,
+    fitter: Fitter,
+    load: Array,
+    change: bool,
 ) -> tuple[Finding, ...]:
+    motion = fitter.motion
     found = []
     place = 0
     measured = motion.filtered(motion.tau)
     for step in steps:
         for _ in step.candidate.effects:
             effect = fit.effects[place]
-            torque = effect_torque(bases, effect, motion, filtered=True)
+            torque = effect_torque(fitter.bases, effect, motion, filtered=True)
             share = _share(torque, measured)
             joint = int(np.argmax(share)) if effect.joint is None else effect.index
             found.append(
@@ -248,8 +245,10 @@ def _findings(
                     standard_errors=_standard_errors(fit, place, step.candidate),
                     confidence=confidence(step),
                     alternatives=alternatives(step),
+                    list=list_of(effect, change),
                     gain=step.gain,
                     margin=step.margin,
+                    body=body_estimates(prior, fitter, fit, place, INFLATION),
                     share=share,
                     curve=binned_curve(
                         motion,
@@ -318,14 +317,12 @@ def _unexplained(
     return tuple(found)
 
 
-def _recalibrated(base_prior: BasePrior, fit: Fit, robot: Robot) -> dict[str, Any]:
+def _recalibrated(prior: BasePrior | IdentifiedPrior, fit: Fit, robot: Robot) -> dict[str, Any]:
     """New values, all joints, of the terms where some value moved further than its own
     uncertainty."""
     n = robot.n
     found: dict[str, Any] = {}
-    z = base_prior.deviations(fit.z)
-    spread = 1.0 if base_prior.spread is None else base_prior.spread
-    moved = (np.abs(z) > 1.0) & (np.abs(z) > 2.0 * spread * fit.z_sigma)
+    moved = moved_numbers(prior, fit)
     coulomb, viscous, _ = moved[-3 * n :].reshape(3, n)
     if coulomb.any():
         found["coulomb"] = [float(v) for v in robot.friction[:, 1]]

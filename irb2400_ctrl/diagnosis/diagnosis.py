@@ -13,7 +13,12 @@ import numpy as np
 import numpy.typing as npt
 
 from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.diagnosis.body_estimates import BodyEstimates
+from irb2400_ctrl.diagnosis.lists import FindingList
+from irb2400_ctrl.diagnosis.log_errors import LogErrors
+from irb2400_ctrl.diagnosis.numbers import Number
 from irb2400_ctrl.diagnosis.preparation.metrics import Errors
+from irb2400_ctrl.diagnosis.sound_logs import LeftOut
 from irb2400_ctrl.effects import Effect
 from irb2400_ctrl.files import write_atomic
 from irb2400_ctrl.plausibility import LogProblem
@@ -25,6 +30,8 @@ NEAR_FLOOR = 3.0
 """times the noise floor that may be left on a joint of an explained log, or"""
 LITTLE = 0.1
 """of its rms torque"""
+USUAL = 1.3
+"""times what a reference leaves on stretches that its model had not seen"""
 
 
 @dataclass(frozen=True)
@@ -60,6 +67,8 @@ class Finding:
         alternatives: kinds that this log can not exclude; splits: the motion that would.
         gain: log evidence [nats]; margin: over the best other explanation [nats].
         share: rms torque of the effect over the rms torque of each joint, shape (n,).
+        list: what every robot has and the file lacks, what is special here, or what changed.
+        body: of a body, beside an uncertain base and given the file's; None for other effects.
     """
 
     effect: Effect
@@ -70,6 +79,8 @@ class Finding:
     margin: float
     share: Array
     curve: Curve
+    list: FindingList
+    body: BodyEstimates | None = None
 
     @property
     def sentence(self) -> str:
@@ -85,9 +96,11 @@ class Finding:
 
     def to_json(self) -> dict[str, Any]:
         """As in findings.json."""
+        body = {} if self.body is None else {"body": self.body.to_json()}
         return {
             "kind": self.effect.kind,
             "joint": self.effect.joint,
+            "list": self.list,
             "parameters": _plain(_as_in_files(self.effect.parameters())),
             "standard_errors": _plain(dict(self.standard_errors)),
             "confidence": round(self.confidence, 3),
@@ -97,6 +110,7 @@ class Finding:
             "log_evidence": round(self.gain, 1),
             "margin": round(self.margin, 1),
             "share_of_torque": [round(float(v), 5) for v in self.share],
+            **body,
         }
 
 
@@ -172,6 +186,11 @@ class Diagnosis:
         not_excited: joints (from 1) that hardly moved: nothing can be said about them.
         weak: why the answer is weaker than usual, in words; empty if it is not.
         log_problem: why the log was not understood; no effect was tried then.
+        numbers: of the model that this arm has otherwise, or that its file lacks.
+        change: whether `given` is a reference of this very arm.
+        logs: errors on each log; left_out: logs that could not be used.
+        before: what the reference logs showed; None without them.
+        usual_error: RMSE of its model on stretches it had not seen [Nm], (n,).
     """
 
     given: Robot
@@ -185,6 +204,12 @@ class Diagnosis:
     not_excited: tuple[int, ...]
     weak: tuple[str, ...] = field(default=())
     log_problem: LogProblem | None = None
+    numbers: tuple[Number, ...] = ()
+    change: bool = False
+    logs: tuple[LogErrors, ...] = ()
+    left_out: tuple[LeftOut, ...] = ()
+    before: Diagnosis | None = None
+    usual_error: Array | None = None
 
     @property
     def verdict(self) -> Verdict:
@@ -202,6 +227,8 @@ class Diagnosis:
         left = compared.error_after.rmse
         size = np.sqrt(np.mean(compared.measured**2, axis=0))
         much = left > np.maximum(NEAR_FLOOR * self.noise_floor, LITTLE * size)
+        if self.usual_error is not None:
+            much &= left > USUAL * self.usual_error
         return tuple(int(j) + 1 for j in np.flatnonzero(much) if j + 1 not in self.not_excited)
 
     @property
@@ -221,13 +248,28 @@ class Diagnosis:
             "verdict": self.verdict,
             **problem,
             "effects": [f.to_json() for f in self.findings],
+            "numbers": [n.to_json() for n in self.numbers],
             "recalibrated": _plain(dict(self.recalibrated)),
             "unexplained": [u.to_json() for u in self.unexplained],
             "error": self.error,
             "not_excited": list(self.not_excited),
             "weak": list(self.weak),
+            "against": "reference" if self.change else "file",
+            **({} if self.before is None else {"reference": self.before.what_was_there()}),
             "log": self.identification.name,
+            "logs": [log.to_json() for log in self.logs],
+            "left_out": [log.to_json() for log in self.left_out],
             "validation_log": None if self.validation is None else self.validation.name,
+        }
+
+    def what_was_there(self) -> dict[str, Any]:
+        """Of a reference: what its logs showed already, as in findings.json."""
+        return {
+            "logs": [log.to_json() for log in self.logs],
+            "left_out": [log.to_json() for log in self.left_out],
+            "effects": [f.to_json() for f in self.findings],
+            "unexplained": [u.to_json() for u in self.unexplained],
+            "numbers": [n.to_json() for n in self.numbers],
         }
 
     def write(self, out: Path | str) -> tuple[Path, Path]:

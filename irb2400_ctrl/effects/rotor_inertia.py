@@ -24,7 +24,7 @@ class RotorInertia(Effect):
     )
     example: ClassVar[Mapping[str, Any]] = {"inertia_kgm2": 1.0}
     ambiguity: ClassVar[Ambiguity] = INERTIA
-    search: ClassVar[Search] = Search(on_every_joint=True)
+    search: ClassVar[Search] = Search(on_every_joint=True, usual=True)
     drawing: ClassVar[Drawing] = Drawing("qdd")
 
     kind: Literal["rotor_inertia"] = "rotor_inertia"

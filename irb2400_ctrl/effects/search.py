@@ -18,6 +18,8 @@ class Search:
         on_every_joint: a maker leaves it out of all joints alike, so all at once is tried too.
         comes_and_goes: tried as acting on and off too, not only from some moment on.
         in_diagnosis: a diagnosis tries it; what `identify` fits with the base is left out there.
+        usual: every robot has it, and most files leave it out: a number that the file lacks, no
+            peculiarity of this arm.
         shows_moving: a log must show it away from reversals too, where dry friction is hard to
             predict.
     """
@@ -28,4 +30,5 @@ class Search:
     on_every_joint: bool = False
     comes_and_goes: bool = False
     in_diagnosis: bool = True
+    usual: bool = False
     shows_moving: bool = False

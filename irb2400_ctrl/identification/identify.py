@@ -22,7 +22,7 @@ from irb2400_ctrl.identification.motion_source import Source, motion_of
 from irb2400_ctrl.identification.moved import ALARM, Moved, moved_bodies
 from irb2400_ctrl.measurement import Log
 from irb2400_ctrl.model import Model
-from irb2400_ctrl.robot import Robot
+from irb2400_ctrl.robot import Identified, Robot
 
 CLEARER = 0.03
 """recorded speed is used when it leaves so much less than differentiated angles [-]"""
@@ -58,12 +58,13 @@ def identify(
     covariance = block_covariance(found.sums, found.prior, found.numbers, found.correlation)
     fitted, said = identified_robot(kept, found.layout, found.theta)
     _agree(fitted, kept, parts[0], predicted(model, found.layout, parts[0], found.theta))
+    known = Identified.of(found.layout.names(), covariance, [log.name for log in seen])
     moved = moved_bodies(base, found.prior, found.theta, found.numbers.kappa)
     results = _judged(model, robot, found, parts)
     results += _validated(model, robot, kept, found, _motions(others, source))
     return Identification(
         given=robot,
-        robot=fitted,
+        robot=fitted.model_copy(update={"identified": known}),
         layout=found.layout,
         theta=found.theta,
         covariance=covariance,

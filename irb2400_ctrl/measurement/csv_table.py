@@ -19,8 +19,11 @@ from irb2400_ctrl.measurement.table import Table
 COMMENTS = ("#", "%", "//")
 LONGEST_LINE = 100_000
 """characters; a line that is longer is not one of a log"""
+MOST_TITLES = 20
+"""lines of one cell that may stand above the header"""
 MOST_BYTES = 2_000_000_000
 """of the unpacked file"""
+_SEPARATOR = re.compile(r"[,;\t]")
 _DECIMAL_COMMA = re.compile(r"(^|[;\t])\s*-?\d+,\d+")
 
 
@@ -92,6 +95,12 @@ def _dialect(path: Path, lines: list[str]) -> Dialect:
         not lines[skip].strip() or lines[skip].lstrip().startswith(COMMENTS)
     ):
         skip += 1
+    # a title above the header has one cell; a file without any second cell is refused later
+    title = skip
+    while title < min(len(lines), skip + MOST_TITLES) and not _SEPARATOR.search(lines[title]):
+        title += 1
+    if title < min(len(lines), skip + MOST_TITLES):
+        skip = title
     if skip == len(lines):
         raise InputError(f"{path}: found no header, expected names such as time_s,q1_deg")
     if max(map(len, lines)) > LONGEST_LINE:
@@ -137,9 +146,11 @@ def _slow(path: Path, body: list[str], header: list[str], dialect: Dialect) -> d
         while len(cells) > width and not cells[-1].strip():
             cells.pop()
         if len(cells) != width:
+            commas = len(cells) == 2 * width and dialect.separator == ","
+            hint = "; with decimal commas the cells need semicolons between them" * commas
             raise InputError(
                 f"{path}, line {k + first}: found {len(cells)} cells, expected {width} as in the "
-                "header"
+                f"header{hint}"
             )
         table[row] = [_number(cell, dialect.decimal) for cell in cells]
     return {name: np.ascontiguousarray(table[:, k]) for k, name in enumerate(header)}

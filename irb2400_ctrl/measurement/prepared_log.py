@@ -63,6 +63,16 @@ class PreparedLog:
     low_pass: LowPass
     row_time: Array
     row_known: Mask
+    starts: tuple[int, ...] = (0,)
+    """first sample of each log, where several stand one after another (`joined_log`)"""
+    names: tuple[str, ...] = ()
+    """of each of several logs"""
+
+    @property
+    def parts(self) -> list[slice]:
+        """Samples of each log."""
+        ends = (*self.starts[1:], len(self.time))
+        return [slice(*both) for both in zip(self.starts, ends, strict=True)]
 
     @property
     def n(self) -> int:
@@ -83,14 +93,17 @@ class PreparedLog:
         return self.low_pass.instants(signal)
 
 
-def prepare(log: Log) -> PreparedLog:
+def prepare(log: Log, rate: float | None = None) -> PreparedLog:
     """Rebuild the time base of a log, resample, smooth and differentiate it.
 
     The motion is the commanded one through the fitted servo response where that explains the
     measured angles down to their noise; a joint that also moves otherwise (the true motion under
     disturbances) keeps its measured, smoothed angles.
+
+    Args:
+        rate: of the grid [Hz]; default the log's own, but 200 to 250 Hz.
     """
-    uniform = resample(with_time_base(log))
+    uniform = resample(with_time_base(log), rate)
     q, instrumented = _motion(uniform)
     # a commanded motion has only its last digit to be smoothed away: no torque needs to share that
     parts = derivatives((polished if instrumented else smoothed)(q, uniform.step), uniform.step)

@@ -2,12 +2,14 @@
 
 Names carry the unit: `time_s`, `q1_deg`… or `q1_rad`…, optionally `qd1_deg_s`… or `qd1_rad_s`…,
 `tau1_Nm`…, optionally `q1_ref_deg`… or `q1_ref_rad`…; any order; other columns are kept aside. A
-column map says what columns of other names are.
+column map says what columns of other names are. Where no column is called so, names of signal
+recorders with the unit in brackets are understood too (`signal_names`).
 """
 
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -19,6 +21,7 @@ from irb2400_ctrl.measurement.column_map import TIME, ColumnMap, load_column_map
 from irb2400_ctrl.measurement.csv_table import read_csv_table
 from irb2400_ctrl.measurement.log import Log
 from irb2400_ctrl.measurement.ros_table import read_ros_table
+from irb2400_ctrl.measurement.signal_names import joint_signal, time_scale, without_unit
 from irb2400_ctrl.measurement.table import Table
 
 Found = dict[str, dict[int, str]]
@@ -32,17 +35,18 @@ _SCALES = {
     "q_ref": {"deg": np.pi / 180, "rad": 1.0},
 }
 _BARE = re.compile(r"(time|t|(?:qd|q|tau)[1-9]\d*(?:_ref)?)")
-READERS = {
-    ".mat": read_mat_table,
-    ".parquet": read_parquet_table,
-    ".db3": read_ros_table,
-    ".mcap": read_ros_table,
-}
-"""by suffix; anything else is CSV"""
+READERS = {".mat": read_mat_table, ".parquet": read_parquet_table}
+"""by suffix; anything else is CSV, but for"""
+BAGS = (".db3", ".mcap")
+"""whose joints have names"""
 
 
 def read_log(
-    path: Path | str, joints: int | None = None, columns: Path | str | ColumnMap | None = None
+    path: Path | str,
+    joints: int | None = None,
+    columns: Path | str | ColumnMap | None = None,
+    *,
+    names: Sequence[str] | None = None,
 ) -> Log:
     """The log of a file.
 
@@ -51,6 +55,8 @@ def read_log(
             bag `.db3` or `.mcap`.
         joints: number of joints to expect; default as many as the names tell.
         columns: what the file's columns are, where their names do not say it.
+        names: of the robot's joints in their order (`robot.joint_names`): a ROS bag names its
+            joints and orders them as it likes.
 
     Raises:
         InputError: no such file, columns or units missing or contradictory, cells that are not
@@ -61,19 +67,22 @@ def read_log(
         raise InputError(
             f"no log file {path}: expected a .csv or .csv.gz with time_s, q1_deg…, tau1_Nm…"
         )
-    table = READERS.get(path.suffix.lower(), read_csv_table)(path)
+    if path.suffix.lower() in BAGS:
+        table = read_ros_table(path, names, ordered=columns is None)
+    else:
+        table = READERS.get(path.suffix.lower(), read_csv_table)(path)
     if columns is None:
         time, found, scales = _by_name(table)
     else:
         given = columns if isinstance(columns, ColumnMap) else load_column_map(columns)
         time, found, scales = _by_map(table, given)
-    used = {time[0], *(name for names in found.values() for name in names.values())}
+    used = {time[0], *(name for places in found.values() for name in places.values())}
     _finite(table, used)
     n = joints or max([max(found[s], default=0) for s in ("q", "tau")], default=0) or 6
     signals = {
-        signal: _stacked(table, signal, names, scales, n)
-        for signal, names in found.items()
-        if names or signal in {"q", "tau"}
+        signal: _stacked(table, signal, places, scales, n)
+        for signal, places in found.items()
+        if places or signal in {"q", "tau"}
     }
     extra = {name: values for name, values in table.columns.items() if name not in used}
     stamps = table.columns[time[0]] * time[1]
@@ -100,9 +109,35 @@ def _by_name(table: Table) -> tuple[tuple[str, float], Found, dict[str, float]]:
             )
     if len(times) > 1:
         _contradict(table, *times)
+    if not times and not any(found.values()):
+        recorded = _by_brackets(table)
+        if recorded is not None:
+            return recorded
     if not times:
-        raise InputError(f"{table.path}: no column time_s; found {table.some}")
+        raise InputError(
+            f"{table.path}: no column time_s, time_ms or 'Time [s]'; found {table.some}: rename "
+            "them, or say what they are in a column map (--columns, docs/logs.md)"
+        )
     return (times[0], 1e-3 if times[0] == "time_ms" else 1.0), found, scales
+
+
+def _by_brackets(table: Table) -> tuple[tuple[str, float], Found, dict[str, float]] | None:
+    """The same from names such as `Time [s]`, `J1 [deg]`; None where there is no such time."""
+    found: Found = {signal: {} for signal in _SCALES}
+    scales: dict[str, float] = {}
+    times = {name: scale for name in table.columns if (scale := time_scale(name)) is not None}
+    for name in table.columns:
+        signal = joint_signal(name)
+        if signal is None:
+            continue
+        kind, joint, scale = signal
+        if joint in found[kind]:
+            _contradict(table, found[kind][joint], name)
+        found[kind][joint] = name
+        scales[name] = scale
+    if len(times) > 1:
+        _contradict(table, *list(times)[:2])
+    return (next(iter(times.items())), found, scales) if times else None
 
 
 def _by_map(table: Table, given: ColumnMap) -> tuple[tuple[str, float], Found, dict[str, float]]:
@@ -151,7 +186,11 @@ def _stacked(
         wanted = ", ".join(
             " or ".join(form.format(_numbered(signal, j)) for form in forms) for j in missing
         )
-        raise InputError(f"{table.path}: no column {wanted}; found {table.some}")
+        bare = [name for name in table.columns if without_unit(name)]
+        hint = "".join(
+            f"; {name!r} has no unit, expected '{name} [deg]' or a column map" for name in bare[:1]
+        )
+        raise InputError(f"{table.path}: no column {wanted}; found {table.some}{hint}")
     if max(names) > n:
         raise InputError(
             f"{table.path}: found column {signal} for joint {max(names)}, expected {n} joints"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sqlite3
 import struct
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import closing
 from pathlib import Path
 from typing import Any
@@ -12,20 +12,33 @@ from typing import Any
 import numpy as np
 
 from irb2400_ctrl.errors import InputError, ToolMissingError
+from irb2400_ctrl.measurement.joint_order import joint_order, numbered_order
 from irb2400_ctrl.measurement.table import Table, one_length
 
 JOINT_STATE = "sensor_msgs/msg/JointState"
+FIELDS = (("q{}_rad", "position"), ("qd{}_rad_s", "velocity"), ("tau{}_Nm", "effort"))
 Message = tuple[float, tuple[str, ...], tuple[list[float], ...]]
 
 
-def read_ros_table(path: Path) -> Table:
-    """Joint states of a bag, joints in the order of the messages, time from their headers.
+def read_ros_table(
+    path: Path, joints: Sequence[str] | None = None, *, ordered: bool = True
+) -> Table:
+    """Joint states of a bag, time from their headers.
 
-    Positions are `q1_rad`…, speeds `qd1_rad_s`…, efforts `tau1_Nm`…, as the message defines them.
-    A driver that sends currents as effort needs a column map.
+    Positions are `q1_rad`…, speeds `qd1_rad_s`…, efforts `tau1_Nm`…, as the message defines them,
+    and again by name: `elbow_joint.position`, `.velocity`, `.effort` (for column maps: a driver
+    may send currents as effort). Joint 1 is the first of `joints`; messages order them as they
+    like, many by the alphabet.
+
+    Args:
+        joints: the robot's names of its joints. Joints that are not the robot's, and messages
+            without the robot's, are left aside. Without them the order is that of the numbers
+            that the names end with, else of the messages.
+        ordered: whether names that are not the robot's are an error.
 
     Raises:
-        InputError: not a bag, no joint states, or joints that change on the way.
+        InputError: not a bag, no joint states, joints that change on the way, or none of the
+            robot's names.
         ToolMissingError: an MCAP file and no mcap package.
     """
     raw = _mcap(path) if path.suffix == ".mcap" else _sqlite(path)
@@ -35,6 +48,9 @@ def read_ros_table(path: Path) -> Table:
         raise InputError(f"{path}: a joint state cannot be decoded: {error}") from error
     if not messages:
         raise InputError(f"{path}: found no {JOINT_STATE}, expected a bag of joint states")
+    if joints is not None:
+        theirs = [m for m in messages if joint_order(m[1], joints) is not None]
+        messages = theirs or messages
     names = messages[0][1]
     others = {m[1] for m in messages} - {names}
     if others:
@@ -42,13 +58,32 @@ def read_ros_table(path: Path) -> Table:
             f"{path}: joint states of {', '.join(names)} and of {', '.join(others.pop())}; "
             "expected one publisher: filter the bag (ros2 bag convert)"
         )
+    order = _order(path, names, joints, ordered)
     columns = {"time_s": np.array([m[0] for m in messages]) - messages[0][0]}
-    for place, column in enumerate(("q{}_rad", "qd{}_rad_s", "tau{}_Nm")):
+    for place, (column, word) in enumerate(FIELDS):
         if all(len(m[2][place]) == len(names) for m in messages):
             values = np.array([m[2][place] for m in messages])
-            for j in range(len(names)):
-                columns[column.format(j + 1)] = values[:, j]
+            columns |= {column.format(j + 1): values[:, k] for j, k in enumerate(order)}
+            columns |= {f"{name}.{word}": values[:, k] for k, name in enumerate(names)}
     return one_length(path, columns)
+
+
+def _order(
+    path: Path, names: tuple[str, ...], joints: Sequence[str] | None, ordered: bool
+) -> list[int]:
+    """Places of joints 1, 2, … among the names of the messages."""
+    known = None if joints is None else joint_order(names, joints)
+    if known is None and (joints is None or len(joints) == len(names)):
+        known = numbered_order(names)
+    if known is not None:
+        return known
+    if joints is not None and ordered:
+        raise InputError(
+            f"{path}: found joint states of {', '.join(names)}, expected the robot's joints "
+            f"{', '.join(joints)}: give the joints of the robot file these names, or say in a "
+            f"column map which is which (file = '{names[0]}.position', joint = 1)"
+        )
+    return list(range(len(names)))
 
 
 def joint_state(data: bytes) -> Message:

@@ -6,7 +6,7 @@ in which frames, with which signs or offsets a robot file describes the arm.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -16,7 +16,9 @@ from irb2400_ctrl.model.geometry import ArmGeometry
 from irb2400_ctrl.robot import Robot
 
 TOLERANCE = 1e-9
-"""of angles [rad] and of distances over the arm's size [-]: exact or refused"""
+"""of angles [rad] and of distances over the arm's size [-]: exact, or only near"""
+NEAR = 5e-3
+"""the same of an arm that is near a family: what calibration changes, and more"""
 
 
 @dataclass(frozen=True)
@@ -29,13 +31,14 @@ class _Lines:
     """direction of each axis, shape (6, 3)"""
     X_BF: Array
     size: float
+    tolerance: float
 
     def square(self, i: int, j: int) -> bool:
         """Axes i and j (1…) at right angles."""
-        return abs(float(self.z[i - 1] @ self.z[j - 1])) < TOLERANCE
+        return abs(float(self.z[i - 1] @ self.z[j - 1])) < self.tolerance
 
     def parallel(self, i: int, j: int) -> bool:
-        return float(np.linalg.norm(np.cross(self.z[i - 1], self.z[j - 1]))) < TOLERANCE
+        return float(np.linalg.norm(np.cross(self.z[i - 1], self.z[j - 1]))) < self.tolerance
 
     def meeting(self, i: int, j: int) -> Array | None:
         """Where axes at right angles meet; None if they pass each other."""
@@ -43,24 +46,34 @@ class _Lines:
         b = self.p[j - 1]
         u = self.z[i - 1]
         v = self.z[j - 1]
-        if abs((b - a) @ np.cross(u, v)) > TOLERANCE * self.size:
+        if abs((b - a) @ np.cross(u, v)) > self.tolerance * self.size:
             return None
         return np.asarray(a + ((b - a) @ u) * u)
 
     def on_axis(self, point: Array, i: int) -> bool:
         miss = np.linalg.norm(np.cross(point - self.p[i - 1], self.z[i - 1]))
-        return bool(miss < TOLERANCE * self.size)
+        return bool(miss < self.tolerance * self.size)
 
 
 def arm_geometry(robot: Robot) -> ArmGeometry:
-    """The constants of an arm of one of the two families.
+    """The constants of an arm of one of the two families, or of the one of them that it is near.
+
+    A calibrated arm's axes miss each other by fractions of a millimetre; `exact` is False then, and
+    the constants only lead close to its configurations.
 
     Raises:
-        InputError: the arm is of neither; says what is missing.
+        InputError: the arm is near neither; says what is missing.
     """
     if robot.n != 6:
         raise _other(robot, f"{robot.n} axes, not six")
-    lines = _lines(robot)
+    try:
+        return _of_family(robot, TOLERANCE)
+    except InputError:
+        return replace(_of_family(robot, NEAR), exact=False)
+
+
+def _of_family(robot: Robot, tolerance: float) -> ArmGeometry:
+    lines = _lines(robot, tolerance)
     if not (lines.square(1, 2) and lines.parallel(2, 3)):
         raise _other(robot, "axis 1 is not at right angles to parallel axes 2 and 3")
     if lines.parallel(3, 4):
@@ -85,7 +98,7 @@ def _other(robot: Robot, reason: str) -> InputError:
     )
 
 
-def _lines(robot: Robot) -> _Lines:
+def _lines(robot: Robot, tolerance: float) -> _Lines:
     X = np.eye(4)
     p = []
     z = []
@@ -95,7 +108,7 @@ def _lines(robot: Robot) -> _Lines:
         z.append(X[:3, 2])
     X = X @ robot.flange.matrix()
     size = float(np.abs(np.array([*p, X[:3, 3]])).max()) + 1e-3
-    return _Lines(np.array(p), np.array(z), X, size)
+    return _Lines(np.array(p), np.array(z), X, size, tolerance)
 
 
 @dataclass(frozen=True)
@@ -112,7 +125,8 @@ class _Arm:
     @classmethod
     def of(cls, lines: _Lines) -> _Arm:
         z = lines.z[0]
-        y = lines.z[1]
+        y = lines.z[1] - (lines.z[1] @ z) * z
+        y = y / np.linalg.norm(y)
         x = np.cross(y, z)
         foot = lines.p[0] + ((lines.p[1] - lines.p[0]) @ z) * z
         d1 = float(foot @ z)

@@ -10,10 +10,11 @@ import numpy as np
 
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.codegen.build import CompiledFunction, FunctionBuffers, compile_function
-from irb2400_ctrl.errors import InputError, ToolMissingError
+from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.model.arm_family import arm_geometry
-from irb2400_ctrl.model.inverse_kinematics import Branches, boxed, closed_form, solve, windings
+from irb2400_ctrl.model.inverse_kinematics import Branches, boxed, closed_form, windings
 from irb2400_ctrl.model.newton_branches import NewtonBranches
+from irb2400_ctrl.model.polished_branches import PolishedBranches
 from irb2400_ctrl.robot import Robot
 
 
@@ -45,11 +46,12 @@ def branch_solver(robot: Robot) -> BranchSolver:
         geometry = arm_geometry(robot)
     except InputError:
         return NewtonBranches(robot)
-    return ClosedForm(closed_form(geometry), robot.q_min, robot.q_max)
+    form = ClosedForm(closed_form(geometry), robot.q_min, robot.q_max)
+    return form if geometry.exact else PolishedBranches(form, NewtonBranches(robot))
 
 
 class ClosedForm:
-    """The closed form as machine code, or through CasADi where there is no C compiler."""
+    """The closed form as machine code."""
 
     def __init__(self, function: ca.Function, q_min: Array, q_max: Array) -> None:
         self.function: ca.Function = function
@@ -57,20 +59,17 @@ class ClosedForm:
         self.q_max: Array = q_max
 
     @cached_property
-    def _compiled(self) -> CompiledFunction | None:
-        try:
-            return compile_function(self.function)
-        except ToolMissingError:
-            return None
+    def _compiled(self) -> CompiledFunction:
+        return compile_function(self.function)
 
     @cached_property
-    def _buffers(self) -> FunctionBuffers | None:
-        return None if self._compiled is None else self._compiled.buffers()
+    def _buffers(self) -> FunctionBuffers:
+        return self._compiled.buffers()
 
     @cached_property
     def _boxed(self) -> FunctionBuffers | None:
         function = boxed(self.function, self.q_min, self.q_max)
-        if function is None or self._compiled is None:
+        if function is None:
             return None
         return compile_function(function).buffers()
 
@@ -88,20 +87,19 @@ class ClosedForm:
 
     def many(self, X_BF: Array, seed: Array | None) -> Branches:
         """Poses (n, 4, 4); about a microsecond each."""
-        if self._compiled is None:
-            return solve(self.function, X_BF, seed)
+        found = self.nearest(X_BF, seed)
+        found.q[found.overreach > 0] = np.nan
+        return found
+
+    def nearest(self, X_BF: Array, seed: Array | None) -> Branches:
+        """The same with the angles of the nearest reach where a branch does not exist."""
         seeds = np.zeros(6) if seed is None else np.asarray(seed, dtype=float)
         q, overreach = self._compiled.map(X_BF, seeds)
-        angles = np.ascontiguousarray(q.transpose(0, 2, 1))
-        angles[overreach > 0] = np.nan
-        return Branches(angles, overreach)
+        return Branches(np.ascontiguousarray(q.transpose(0, 2, 1)), overreach)
 
     def one(self, X_BF: Array, seed: Array | None) -> tuple[Array, Array]:
         """One pose (4, 4), without the arrays that many need."""
         buffers = self._buffers
-        if buffers is None:
-            found = self.many(X_BF[None], seed)
-            return found.q[0], found.overreach[0]
         pose, start = buffers.inputs
         pose[...] = X_BF
         start[...] = 0.0 if seed is None else seed

@@ -20,6 +20,8 @@ from irb2400_ctrl.robot import Body, Robot
 
 THINNEST_M = 0.01
 """size of a body whose file gives no inertia at all, where a margin asks for one [m]"""
+LEAST_MASS_KG = 1e-3
+"""of a body without mass in an exported file: simulators refuse a moving body without any"""
 ROUNDING = 1e-9
 """what counts as zero, as a fraction of the body's largest principal moment [-]"""
 
@@ -119,6 +121,30 @@ def project(robot: Robot, margin: float = 0.0) -> tuple[Robot, float]:
     tool = robot.tool and robot.tool.model_copy(update={"body": nearest(robot.tool.body, margin)})
     projected = robot.model_copy(update={"links": _sourced(robot, links), "tool": tool})
     return projected, float(np.hypot.reduce(list(distances(robot, projected).values())))
+
+
+def with_masses(robot: Robot) -> tuple[Robot, list[str]]:
+    """The robot with a gram in every link that has no mass, and the names of those links.
+
+    Tables of identified parameters leave out masses that no torque shows (link 1 of the Puma); a
+    simulator wants one. The gram lies in the link's centre of mass.
+    """
+    bare = [link.name for link in robot.links if link.body.mass_kg == 0.0]
+    if not bare:
+        return robot, []
+    note = f"; mass of {1e3 * LEAST_MASS_KG:g} g assumed"
+    links = tuple(
+        link
+        if link.body.mass_kg > 0.0
+        else link.model_copy(
+            update={
+                "body": link.body.model_copy(update={"mass_kg": LEAST_MASS_KG}),
+                "source": link.source + note,
+            }
+        )
+        for link in robot.links
+    )
+    return robot.model_copy(update={"links": links}), bare
 
 
 def distances(robot: Robot, other: Robot) -> dict[str, float]:

@@ -7,6 +7,7 @@ from collections.abc import Callable
 
 import casadi as ca
 
+from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.model import euler_lagrange, geometry, kinematics, newton_euler
 from irb2400_ctrl.model.acceleration import Acceleration
 from irb2400_ctrl.model.friction import FrictionLaw
@@ -124,6 +125,17 @@ def of_q(
     return function(name, {"q": q}, {output: expression(q)})
 
 
+def _exact_geometry(arm: SymbolicArm) -> geometry.ArmGeometry:
+    found = arm.arm_geometry
+    if not found.exact:
+        raise InputError(
+            f"{arm.robot.name}: its axes only come near those of a {found.family} arm "
+            "(calibrated?), so a closed form would miss the pose; use Model.inverse_kinematics, "
+            "which ends with Newton's method on the arm itself"
+        )
+    return found
+
+
 FUNCTIONS: dict[str, Callable[[SymbolicArm], ca.Function]] = {
     "inverse_dynamics": lambda m: inverse_dynamics(m, "inverse_dynamics"),
     "inverse_dynamics_without_friction": lambda m: inverse_dynamics(
@@ -159,7 +171,7 @@ FUNCTIONS: dict[str, Callable[[SymbolicArm], ca.Function]] = {
     "tcp_jacobian": lambda m: of_q(
         "tcp_jacobian", m, "J", lambda q: kinematics.tcp_jacobian(m.robot, q)
     ),
-    "inverse_kinematics": lambda m: closed_form(m.arm_geometry),
+    "inverse_kinematics": lambda m: closed_form(_exact_geometry(m)),
     "singularity_factors": lambda m: of_q(
         "singularity_factors",
         m,

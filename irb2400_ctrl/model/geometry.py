@@ -50,6 +50,8 @@ class ArmGeometry:
     """foot of axis 1: z along it, phi1 = 0 along x, shape (4, 4)"""
     X_6F: Array
     """flange in the frame of W that turns with axis 6, shape (4, 4)"""
+    exact: bool = True
+    """whether the arm is of the family, or only near it (a calibrated one)"""
 
     @property
     def d7(self) -> float:

@@ -184,18 +184,6 @@ def _wrap(angle: ca.SX) -> ca.SX:
     return angle - 2 * np.pi * ca.ceil((angle - np.pi) / (2 * np.pi))
 
 
-def solve(function: ca.Function, X_BF: Array, seed: Array | None) -> Branches:
-    """All branches for flange poses X_BF (n, 4, 4), with one seed (6,) or one for each (n, 6)."""
-    n = len(X_BF)
-    seeds = np.zeros((n, 6)) if seed is None else np.broadcast_to(seed, (n, 6))
-    poses = np.ascontiguousarray(X_BF.transpose(1, 0, 2).reshape(4, 4 * n))
-    q, overreach = function(ca.DM(poses), ca.DM(np.ascontiguousarray(seeds.T)))
-    angles = np.ascontiguousarray(np.asarray(q).T).reshape(n, BRANCHES, 6)
-    beyond = np.ascontiguousarray(np.asarray(overreach).T).reshape(n, BRANCHES)
-    angles[beyond > 0] = np.nan
-    return Branches(angles, beyond)
-
-
 def boxed(function: ca.Function, q_min: Array, q_max: Array) -> ca.Function | None:
     """(X_BF, seed) -> (q (6, 8 k), fits (8 k,), overreach (8,)): the branches with every whole turn
     that can lie in the joint box, and which of them do; None where there are too many."""

@@ -88,7 +88,7 @@ class NewtonBranches:
         """Damped Newton from every start at once; the configurations that arrived, shape (k, n)."""
         q = q.copy()
         damping = np.full(len(q), 1e-2)
-        error, J = self._error(q, X_BF)
+        error, J = self.error(q, X_BF)
         for _ in range(STEPS):
             size = (error**2).sum(axis=1)
             if ((size < EXACT**2) | ~np.isfinite(size)).all():
@@ -99,7 +99,7 @@ class NewtonBranches:
             largest = np.abs(step).max(axis=1, keepdims=True)
             step *= np.minimum(1.0, LARGEST_STEP / np.maximum(largest, 1e-12))
             tried = q + step
-            error_tried, J_tried = self._error(tried, X_BF)
+            error_tried, J_tried = self.error(tried, X_BF)
             better = (error_tried**2).sum(axis=1) < size
             q[better] = tried[better]
             error[better] = error_tried[better]
@@ -107,15 +107,19 @@ class NewtonBranches:
             damping = np.clip(np.where(better, damping / 8, damping * 4), 1e-16, 1e3)
         return np.asarray(q[(error**2).sum(axis=1) < EXACT**2])
 
-    def _error(self, q: Array, X_BF: Array) -> tuple[Array, Array]:
-        """(position over size, rotation) still to go, shape (m, 6), and its slope, (m, 6, n)."""
+    def error(self, q: Array, X_BF: Array) -> tuple[Array, Array]:
+        """(position over size, rotation) still to go, shape (m, 6), and its slope, (m, 6, n).
+
+        Args:
+            q: configurations (m, n); X_BF: one pose (4, 4) for all, or one for each (m, 4, 4).
+        """
         m = len(q)
         flat_X, flat_J = self.function(ca.DM(np.ascontiguousarray(q.T)))
         X = np.asarray(flat_X).reshape(4, m, 4).transpose(1, 0, 2)
         J = np.asarray(flat_J).reshape(6, m, self.n).transpose(1, 0, 2).copy()
         J[:, :3] /= self.size
-        go = (X_BF[:3, 3] - X[:, :3, 3]) / self.size
-        R = X_BF[:3, :3] @ X[:, :3, :3].transpose(0, 2, 1)
+        go = (X_BF[..., :3, 3] - X[:, :3, 3]) / self.size
+        R = X_BF[..., :3, :3] @ X[:, :3, :3].transpose(0, 2, 1)
         sine = np.stack(
             [R[:, 2, 1] - R[:, 1, 2], R[:, 0, 2] - R[:, 2, 0], R[:, 1, 0] - R[:, 0, 1]], axis=1
         )

@@ -12,6 +12,10 @@ FAR_M = 2.0
 EARTH_M_S2 = (9.0, 10.5)
 DENSEST_KG_M2 = 5.0
 """largest radius of gyration squared that a link may have [m2]"""
+LONGEST_M = 10.0
+"""a link longer than this is more likely a slip of unit [m]"""
+HEAVIEST_KG = 5000.0
+"""so is a heavier one"""
 FAST_DEG_S = 2000.0
 WIDE_DEG = 1000.0
 NARROW_DEG = 7.0
@@ -21,6 +25,9 @@ def plausibility(robot: Robot) -> list[str]:
     """What looks wrong, in the order of the file; empty when nothing does."""
     notes = _gravity(robot)
     for link in robot.links:
+        length = float(np.linalg.norm(link.frame.matrix()[:3, 3]))
+        if length > LONGEST_M:
+            notes.append(f"{link.name}: its joint is {length:.4g} m further on; it looks like mm")
         notes += _body(link.name, link.body, link is not robot.links[0])
     if robot.tool is not None:
         notes += _body(robot.tool.name, robot.tool.body, False)
@@ -59,6 +66,8 @@ def _body(name: str, body: Body, needed: bool) -> list[str]:
     distance = float(np.linalg.norm(body.com_m))
     if distance > FAR_M:
         notes.append(f"{name}: the centre of mass is {distance:.3g} m away; it looks like mm")
+    if body.mass_kg > HEAVIEST_KG:
+        notes.append(f"{name}: a mass of {body.mass_kg:.4g} kg; it looks like grams")
     if body.mass_kg > 0.0 and inertia > DENSEST_KG_M2 * body.mass_kg:
         notes.append(
             f"{name}: inertia {inertia:.4g} kg m2 is too much for {body.mass_kg:.4g} kg; it looks "

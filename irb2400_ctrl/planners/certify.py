@@ -8,31 +8,31 @@ import numpy as np
 
 from irb2400_ctrl.planners.enclosure.deviation import Deviation, deviation, singularity_margins
 from irb2400_ctrl.planners.enclosure.path_dynamics import PathDynamics
+from irb2400_ctrl.planners.enclosure.tcp_path import TcpPath
+from irb2400_ctrl.planners.redundancy.follow import Followed
 from irb2400_ctrl.planners.timing.certificate import Certificate, check
-from irb2400_ctrl.planners.timing.feed import feed_ratio
 from irb2400_ctrl.planners.timing.motion_bounds import Checked
 from irb2400_ctrl.planners.timing.rate_limited.sampled_check import SAMPLED_NOTE
+from irb2400_ctrl.planners.timing.sampled_reference.settled_reference import Settled
 from irb2400_ctrl.planners.timing.sampled_timing import guarantee_note
 from irb2400_ctrl.planners.timing.time_choices import TimedChoice
 from irb2400_ctrl.planners.timing.timing_options import TimingOptions
 from irb2400_ctrl.planners.toolpath.orientation import Orientation
 
-# samples per second of a torque that has no bound, and seconds that are sampled at once
-_RATE = 1e4
-_SPAN = 10.0
-
 
 @dataclass(frozen=True)
 class PlanBounds:
-    """Upper bounds over the continuous motion, and whether they are guaranteed."""
+    """Upper bounds over all times of the rows as they are read, and whether they are
+    guaranteed."""
 
     certificate: Certificate
     guaranteed: bool
     note: str
     """why the torque bound is not guaranteed; empty where it is"""
     torque_ratio: float
-    """largest |tau| / tau_max; of samples where there is no bound"""
+    """largest |tau| over the robot's own limit; of samples where there is no bound"""
     velocity_ratio: float
+    """largest |qd| over the robot's own limit"""
     feed_ratio: float | None
     """speed of the TCP over the feed; None without a feed"""
     deviation: Deviation
@@ -44,41 +44,55 @@ def certify(
     dynamics: PathDynamics,
     orientation: Orientation,
     timed: TimedChoice,
+    settled: Settled,
     options: TimingOptions,
 ) -> PlanBounds:
     """Bound everything that a plan promises, without the solver that found the motion."""
     path = timed.path
-    certificate = Certificate(path.joints, timed.law, options.limits)
+    robot = dynamics.model.robot
+    limits = options.limits
+    certificate = Certificate(path.joints, timed.law, limits)
     checked = check(certificate, dynamics.model, dynamics)
+    kept = settled.bounded and settled.worst(limits) <= 1 and _rates_kept(checked, options)
     return PlanBounds(
         certificate=certificate,
-        guaranteed=options.certified and checked.holds(),
-        note=_note(dynamics, checked, options.certified),
-        torque_ratio=_torque_ratio(dynamics, certificate, checked),
-        velocity_ratio=checked.velocity_ratio,
-        feed_ratio=feed_ratio(path.feed, timed.law),
-        deviation=deviation(path.tcp, orientation, path.followed),
+        guaranteed=options.certified and kept,
+        note=_note(dynamics, checked, kept, options),
+        torque_ratio=float((settled.torque / robot.tau_max).max()),
+        velocity_ratio=settled.bounds.velocity_ratio(robot.qd_max),
+        feed_ratio=settled.feed_ratio,
+        deviation=_deviation(dynamics, orientation, timed, settled),
         singularity_margin=singularity_margins(dynamics.model, path.followed),
     )
 
 
-def _note(dynamics: PathDynamics, checked: Checked, certified: bool) -> str:
+def _deviation(
+    dynamics: PathDynamics, orientation: Orientation, timed: TimedChoice, settled: Settled
+) -> Deviation:
+    """How far the joints are off where the rows say they are."""
+    followed = timed.path.followed
+    places = settled.reference.places
+
+    law = timed.law
+    # the law's grid is finer than the rows where the path turns
+    time = np.unique(np.concatenate([places.knots, law.time]))
+    u = np.interp(law.at(time)[0], followed.joints.knots, followed.u)
+    read = Followed(places, np.interp(places.knots, time, u), 0.0, 0.0)
+    tcp = TcpPath(dynamics.model, places, orientation.spindle)
+    return deviation(tcp, orientation, read, (time, u))
+
+
+def _rates_kept(checked: Checked, options: TimingOptions) -> bool:
+    """Whether the limits of torque rate and jerk that somebody stated are kept by the time law."""
+    if not options.rates_stated:
+        return True
+    rates = (checked.acceleration_ratio, checked.torque_rate_ratio, checked.jerk_ratio)
+    return max(rates) <= 1 + 1e-9
+
+
+def _note(dynamics: PathDynamics, checked: Checked, kept: bool, options: TimingOptions) -> str:
     """Why the torque bound is not guaranteed; empty where it is."""
-    if np.isfinite(checked.torque_ratio) and not np.isfinite(checked.torque_rate_ratio):
+    unbounded = np.isfinite(checked.torque_ratio) and not np.isfinite(checked.torque_rate_ratio)
+    if unbounded and options.rates_stated:
         return SAMPLED_NOTE
-    return guarantee_note(dynamics, certified, checked.holds())
-
-
-def _torque_ratio(dynamics: PathDynamics, certificate: Certificate, checked: Checked) -> float:
-    """Largest |tau| / tau_max: the bound over all times, or, where there is none, the largest of
-    10,000 samples per second."""
-    if np.isfinite(checked.torque_ratio):
-        return checked.torque_ratio
-    law = certificate.law
-    worst = 0.0
-    for first in np.arange(0.0, law.duration, _SPAN):
-        t = np.arange(first, min(first + _SPAN, law.duration), 1 / _RATE)
-        _, q, qd, qdd = law.motion(certificate.path, t)
-        tau = dynamics.torque(q, qd, qdd, t)
-        worst = max(worst, float((np.abs(tau) / certificate.limits.tau_max).max()))
-    return worst
+    return guarantee_note(dynamics, options.certified, kept)

@@ -1,8 +1,9 @@
-"""`JointPath`: joint angles as a cubic spline over the length of the path."""
+"""`JointPath`: joint angles as cubics over the length of the path, or over the time."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 import numpy.typing as npt
@@ -11,9 +12,34 @@ from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.errors import InputError
 
 
+class JointMotion(Protocol):
+    """Angles and two derivatives by a parameter, in pieces: what can be enclosed."""
+
+    @property
+    def knots(self) -> Array:
+        """Ends of the pieces, increasing, shape (m + 1,)."""
+
+    def piece(self, s: Array) -> npt.NDArray[np.int64]:
+        """Number of the piece that each s lies in."""
+
+    def __call__(self, s: Array, order: int = 0) -> Array:
+        """Angles, or the derivative of the given order, shape (k, n)."""
+
+    def on_piece(self, s: Array, piece: npt.NDArray[np.int64], order: int = 0) -> Array:
+        """The same with the piece chosen by the caller."""
+
+    def spread(self, s: Array, R: Array) -> tuple[Array, Array, Array]:
+        """By how much angles, first and second derivatives differ at most from those at s on
+        complex circles of radius R, each (k, n)."""
+
+    def reversals(self) -> Array:
+        """Zeros of first derivatives inside the pieces, sorted."""
+
+
 @dataclass(frozen=True)
 class JointPath:
-    """q(s), twice continuously differentiable, a cubic in s - s_k between the knots s_k."""
+    """q(s), a cubic in s - s_k between the knots s_k; a path to be timed is twice continuously
+    differentiable."""
 
     knots: Array
     """lengths along the path [m], increasing, shape (m + 1,)"""
@@ -39,6 +65,23 @@ class JointPath:
         # too few points for not-a-knot: straight in joint space for two, natural for three
         spline = CubicSpline(s, q, bc_type="natural" if len(s) < 4 else "not-a-knot")
         return cls(np.array(s, dtype=float), np.ascontiguousarray(spline.c[::-1]))
+
+    @classmethod
+    def hermite(cls, time: Array, q: Array, qd: Array) -> JointPath:
+        """q(t) with the time as its parameter: between rows at the times (m,) [s] the cubic that
+        has their angles [rad] and speeds [rad/s], each (m, n)."""
+        h = np.diff(time)[:, None]
+        mean = np.diff(q, axis=0) / h
+        bend = (3 * mean - 2 * qd[:-1] - qd[1:]) / h
+        third = (qd[:-1] + qd[1:] - 2 * mean) / h**2
+        return cls(time.copy(), np.stack([q[:-1], qd[:-1], bend, third]))
+
+    @classmethod
+    def straight(cls, time: Array, q: Array) -> JointPath:
+        """q(t), linear between rows at the times (m,) [s]; q in any unit, shape (m, n)."""
+        slope = np.diff(q, axis=0) / np.diff(time)[:, None]
+        nothing = np.zeros_like(slope)
+        return cls(time.copy(), np.stack([q[:-1], slope, nothing, nothing]))
 
     @property
     def n(self) -> int:
@@ -73,3 +116,23 @@ class JointPath:
         else:
             value = 6 * c3
         return np.asarray(value)
+
+    def spread(self, s: Array, R: Array) -> tuple[Array, Array, Array]:
+        """By how much q, q' and q'' differ at most from those at s (k,) on circles of radius R
+        (k,) in the complex plane, each (k, n)."""
+        _, dq, ddq, dddq = (np.abs(self(s, order)) for order in (0, 1, 2, 3))
+        r = R[:, None]
+        return dq * r + ddq * r**2 / 2 + dddq * r**3 / 6, ddq * r + dddq * r**2 / 2, dddq * r
+
+    def reversals(self) -> Array:
+        """Zeros of q_j'(s) inside the pieces, all joints together, sorted [m]."""
+        _, c1, c2, c3 = self.coefficients
+        width = np.diff(self.knots)[:, None]
+        # roots of c1 + 2 c2 d + 3 c3 d^2 without cancellation
+        with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
+            root = np.sqrt(c2**2 - 3 * c3 * c1)
+            t = -(c2 + np.where(c2 >= 0, root, -root))
+            found = np.concatenate([t / (3 * c3), c1 / t])
+        inside = (found > 0) & (found < np.concatenate([width, width]))
+        begin = np.concatenate([self.knots[:-1], self.knots[:-1]])[:, None]
+        return np.unique((np.broadcast_to(begin, found.shape) + found)[inside])

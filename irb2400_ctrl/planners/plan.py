@@ -11,10 +11,16 @@ import numpy as np
 
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.files import write_atomic
+from irb2400_ctrl.planners.clearance.clearance import unknown
 from irb2400_ctrl.planners.timing.certificate import Certificate
+from irb2400_ctrl.planners.timing.sampled_reference import SampledReference
+from irb2400_ctrl.planners.timing.sampled_reference.interpolation import DEFAULT, Interpolation
 from irb2400_ctrl.planners.toolpath.toolpath import ToolPath
 from irb2400_ctrl.robot import Robot
 from irb2400_ctrl.trajectory import Trajectory
+
+SCHEMA_VERSION = 2
+"""of `plan.json`: 2 says everything of the rows as they are read, 1 said it of the time law"""
 
 
 @dataclass(frozen=True)
@@ -32,20 +38,21 @@ class Plan:
     duration: float
     """[s]"""
     guaranteed: bool
-    """the torque bound holds at every instant by construction, and was re-checked"""
+    """the torque bound holds at every instant by construction for the rows of the trajectory under
+    the interpolation, and was re-checked"""
     timing: str
     """"certified" or "toppra" """
     max_tcp_deviation: float
-    """upper bound over the continuous path: motion from the polygon of way-points, and way-points
-    from the motion, rounding of corners included [m]"""
+    """upper bound over all times of the rows as they are read: motion from the polygon of
+    way-points, and way-points from the motion, rounding of corners included [m]"""
     max_tool_axis_deviation: float
-    """upper bound over the continuous path of the angle to the tool axis stated at the nearest
-    place [rad]"""
+    """upper bound over all times, in the same way, of the angle to the tool axis stated at the
+    nearest place [rad]"""
     singularity_margin: dict[str, float]
     """lower bounds of |sin q5| [-], |r| [m], |k| [m] over the continuous path"""
     max_torque_ratio: float
     max_velocity_ratio: float
-    """over all times"""
+    """over all times of the rows as they are read, as parts of the robot's own limits"""
     max_feed_ratio: float | None
     """speed of the TCP over the feed, upper bound over all times; None without a feed"""
     chosen: str
@@ -54,6 +61,13 @@ class Plan:
     branch: int
     rotation: Array
     """free tool rotation at the rows of the trajectory [rad]"""
+    clearance: dict[str, Any] = field(default_factory=lambda: unknown("not asked for"))
+    """smallest distance over the continuous path [mm], between which bodies, where; or why it is
+    not known"""
+    interpolation: Interpolation = DEFAULT
+    """how the controller reads the rows"""
+    torque_share: float = 1.0
+    """part of the torque limits that was allowed"""
     guarantee_note: str = ""
     """why the bound is not guaranteed; empty where it is"""
     alternatives: tuple[dict[str, Any], ...] = ()
@@ -75,9 +89,15 @@ class Plan:
         assert self.trajectory.tau is not None
         return self.trajectory.tau
 
+    @property
+    def reference(self) -> SampledReference:
+        """The rows as the controller reads them."""
+        return SampledReference(self.trajectory, self.interpolation)
+
     def summary(self) -> dict[str, Any]:
         """The content of `plan.json`."""
         return {
+            "schema_version": SCHEMA_VERSION,
             "path": self.path.name,
             "robot": self.robot.name,
             "points": len(self.path),
@@ -87,9 +107,12 @@ class Plan:
             "max_tcp_deviation_mm": 1e3 * self.max_tcp_deviation,
             "max_tool_axis_deviation_deg": float(np.degrees(self.max_tool_axis_deviation)),
             "singularity_margin": self.singularity_margin,
+            "clearance_mm": self.clearance,
             "max_torque_ratio": self.max_torque_ratio,
             "max_velocity_ratio": self.max_velocity_ratio,
             "max_feed_ratio": self.max_feed_ratio,
+            "torque_share": self.torque_share,
+            "interpolation": self.interpolation,
             "guaranteed": self.guaranteed,
             "guarantee_note": self.guarantee_note,
             "timing": self.timing,

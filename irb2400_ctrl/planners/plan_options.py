@@ -7,7 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.cell import Cell, CellTool
 from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.planners.timing.sampled_reference.interpolation import Interpolation
+from irb2400_ctrl.planners.timing.sampled_reference.sampling import Sampling
 
 
 @dataclass(frozen=True)
@@ -27,6 +30,12 @@ class PlanOptions:
     """how far corners of the polygon may be cut [m]"""
     axis_tolerance: float
     """how far a stated orientation may be left at the wrist singularity [rad]"""
+    interpolation: Interpolation
+    """how the rows of the trajectory are read"""
+    cell: Cell | None = None
+    """what stands around the arm"""
+    tool_name: str | None = None
+    """of a tool of the cell; None for what the robot file describes"""
 
     def __post_init__(self) -> None:
         if not np.isfinite(self.rate) or self.rate <= 0:
@@ -35,3 +44,26 @@ class PlanOptions:
             )
         if not np.isfinite(self.tolerance) or self.tolerance <= 0:
             raise InputError(f"tolerance: found {self.tolerance} m, expected a positive length")
+        if self.tool_name is not None and self.cell is None:
+            raise InputError(
+                f"tool {self.tool_name!r} is one of a cell: expected a cell, too (cell=, --cell)"
+            )
+
+    @property
+    def tool(self) -> CellTool | None:
+        """The tool of the cell in the spindle."""
+        if self.tool_name is None or self.cell is None:
+            return None
+        return self.cell.tool(self.tool_name)
+
+    @property
+    def frame(self) -> Array | None:
+        """Pose X_BW that the path is placed at: the work frame, else the cell's work object."""
+        if self.work_frame is None and self.cell is not None:
+            return self.cell.work_frame
+        return self.work_frame
+
+    @property
+    def sampling(self) -> Sampling:
+        """How the motion is written and read."""
+        return Sampling(self.rate, self.interpolation)

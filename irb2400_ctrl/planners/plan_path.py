@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.cell import Cell, Scene, with_tool
 from irb2400_ctrl.planners.certify import certify
 from irb2400_ctrl.planners.enclosure.path_dynamics import path_dynamics
 from irb2400_ctrl.planners.plan import Plan
@@ -17,7 +18,18 @@ from irb2400_ctrl.planners.redundancy.choices import Choice, choices
 from irb2400_ctrl.planners.stage_clock import Progress, StageClock
 from irb2400_ctrl.planners.timing.motion_limits import MotionLimits
 from irb2400_ctrl.planners.timing.price_remedies import price_remedies
-from irb2400_ctrl.planners.timing.time_choices import best_first, limit_rates, time_choices
+from irb2400_ctrl.planners.timing.sampled_reference.interpolation import (
+    DEFAULT,
+)
+from irb2400_ctrl.planners.timing.sampled_reference.interpolation import (
+    interpolation as checked,
+)
+from irb2400_ctrl.planners.timing.time_choices import (
+    best_first,
+    limit_rates,
+    settle,
+    time_choices,
+)
 from irb2400_ctrl.planners.timing.timing_options import Backend, TimingOptions
 from irb2400_ctrl.planners.toolpath.orientation import shape_path
 from irb2400_ctrl.planners.toolpath.toolpath import ToolPath
@@ -38,6 +50,10 @@ def plan_path(
     limits: MotionLimits | None = None,
     torque_rate: ArrayLike | None = None,
     jerk: ArrayLike | None = None,
+    cell: Cell | None = None,
+    tool: str | None = None,
+    torque_share: float = 1.0,
+    interpolation: str = DEFAULT,
     progress: Progress | None = None,
 ) -> Plan:
     """The fastest motion along a tool path, rest to rest, clear of singularities and within the
@@ -48,27 +64,38 @@ def plan_path(
         path: way-points of the TCP in the robot base, or in `work_frame`.
         rate: rows of the trajectory per second [1/s].
         free_tool_rotation: choose the rotation about the spindle along the path; otherwise a stated
-            orientation is held, and for a path of tool axes the best constant rotation is taken.
-        work_frame: pose X_BW of the frame the path is stated in, shape (4, 4).
+            orientation is held, and for tool axes the best constant rotation is taken.
+        work_frame: pose X_BW of the frame the path is stated in, shape (4, 4); default that of
+            the cell's work object.
         tolerance: how far corners of the polygon may be cut [m].
         axis_tolerance: how far a stated orientation may be left to pass exactly through the wrist
             singularity [rad].
         timing: "certified" (torque bound at every instant) or "toppra".
         cells: smallest number of grid cells of the timing.
         limits: other limits than the robot's.
-        torque_rate: limit of the change of the torque, dry friction apart, for all axes or for each
-            [Nm/s]. The torque then starts and ends at what holds the arm.
-        jerk: limit of the change of the joints' acceleration, for all axes or for each [rad/s3].
-        progress: called with the name of each stage as it begins, and within long ones with how far
-            they are.
+        torque_rate: limit of the torque's change, dry friction apart [Nm/s]; None takes what rows
+            at the rate can follow; inf lets it jump.
+        jerk: limit of the change of the joints' acceleration [rad/s3].
+        cell: what must not be touched; the arm itself is looked at always, if it has an outline.
+        tool: name of a tool of the cell; default what the robot file describes.
+        torque_share: part of the torque limits that is used, 0.9 for 90 %.
+        interpolation: how the controller reads the rows, "cubic" or "linear" (`Interpolation`);
+            what is guaranteed is guaranteed of that.
+        progress: called with each stage as it begins, and within long ones with how far they are.
 
     Raises:
         InputError: an argument or the path itself is wrong.
         UnreachableError: no configuration or no continuous motion; says at which point.
+        CollisionError: no motion can be shown free of collisions; says what touches what, where.
         InfeasibleError: the torque limits leave no motion; says where.
     """
-    options = PlanOptions(rate, free_tool_rotation, work_frame, tolerance, axis_tolerance)
-    timed = TimingOptions.of(robot, timing, cells, limits, torque_rate, jerk)
+    read_as = checked(interpolation)
+    options = PlanOptions(
+        rate, free_tool_rotation, work_frame, tolerance, axis_tolerance, read_as, cell, tool
+    )
+    timed = TimingOptions.of(
+        robot, timing, cells, limits, torque_rate, jerk, options.sampling, torque_share
+    )
     return _planned(robot, path, options, timed, StageClock(progress))
 
 
@@ -77,13 +104,17 @@ def _planned(
 ) -> Plan:
     """Shape the curve, choose ways to follow it, time them, certify the best, report it."""
     with clock.stage("model"):
-        dynamics = path_dynamics(robot)
+        tool = options.tool
+        dynamics = path_dynamics(robot if tool is None else with_tool(robot, tool))
         model = dynamics.model
+        scene = Scene.of(model, robot, options.cell, tool)
         spindle = np.array((0.0, 0.0, 1.0) if robot.tool is None else robot.tool.spindle_axis)
     with clock.stage("curve"):
-        orientation = shape_path(path, spindle, options.tolerance, options.work_frame)
+        orientation = shape_path(path, spindle, options.tolerance, options.frame)
     with clock.stage("branch and rotation") as told:
-        found = list(_counted(choices(model, orientation, options.free_tool_rotation), told))
+        found = list(
+            _counted(choices(model, orientation, options.free_tool_rotation, scene=scene), told)
+        )
     with clock.stage("timing") as told:
         timed = time_choices(dynamics, orientation, found, timing, told)
         ranked = best_first(timed, options.axis_tolerance)
@@ -91,8 +122,10 @@ def _planned(
     if timing.limits.smooth:
         with clock.stage("smooth timing"):
             best = limit_rates(dynamics, ranked, timing)
+    with clock.stage("rows"):
+        best, settled = settle(dynamics, best, timing)
     with clock.stage("check"):
-        bounds = certify(dynamics, orientation, best, timing)
+        bounds = certify(dynamics, orientation, best, settled, timing)
     with clock.stage("remedies"):
         remedies = price_remedies(
             dynamics, orientation, timed, best, options.axis_tolerance, timing
@@ -106,7 +139,7 @@ def _planned(
             bounds,
             remedies,
             timing,
-            options.rate,
+            settled.reference,
             clock.seconds,
         )
 

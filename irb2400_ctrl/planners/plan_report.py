@@ -3,22 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from irb2400_ctrl.arrays import Array
-from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.planners.certify import PlanBounds
+from irb2400_ctrl.planners.clearance.clearance import unknown
 from irb2400_ctrl.planners.enclosure.path_dynamics import PathDynamics
 from irb2400_ctrl.planners.plan import Plan
 from irb2400_ctrl.planners.redundancy.wrist_remedies import Remedy, taken
+from irb2400_ctrl.planners.timing.sampled_reference import SampledReference
 from irb2400_ctrl.planners.timing.time_choices import TimedChoice
 from irb2400_ctrl.planners.timing.timing_options import TimingOptions
 from irb2400_ctrl.planners.toolpath.orientation import Orientation
 from irb2400_ctrl.trajectory import Trajectory
-
-_MOST_ROWS = 20_000_000
 
 
 def report(
@@ -29,7 +29,7 @@ def report(
     bounds: PlanBounds,
     remedies: Sequence[Remedy],
     options: TimingOptions,
-    rate: float,
+    reference: SampledReference,
     wall_time: dict[str, float],
 ) -> Plan:
     """The plan of the chosen motion, with what it was compared with.
@@ -42,12 +42,12 @@ def report(
         bounds: what is sure of it.
         remedies: of its wrist passages.
         options: how it was timed.
-        rate: rows of the trajectory per second [1/s].
+        reference: the rows of the trajectory.
         wall_time: of the stages [s]; the caller goes on writing to it.
     """
     tcp = chosen.path.tcp
     choice = chosen.choice
-    trajectory, s = _rows(dynamics, chosen, rate)
+    trajectory, s = _rows(dynamics, chosen, reference)
     return Plan(
         robot=dynamics.model.robot,
         path=orientation.curve.path,
@@ -57,10 +57,13 @@ def report(
         duration=chosen.law.duration,
         guaranteed=bounds.guaranteed,
         guarantee_note=bounds.note,
+        interpolation=reference.interpolation,
+        torque_share=options.torque_share,
         rates=chosen.rates,
         timing=options.backend,
         max_tcp_deviation=bounds.deviation.largest,
         max_tool_axis_deviation=bounds.deviation.axis,
+        clearance=_clearance(chosen),
         singularity_margin=bounds.singularity_margin,
         max_torque_ratio=bounds.torque_ratio,
         max_velocity_ratio=bounds.velocity_ratio,
@@ -75,17 +78,16 @@ def report(
     )
 
 
-def _rows(dynamics: PathDynamics, chosen: TimedChoice, rate: float) -> tuple[Trajectory, Array]:
-    """Rows at k / rate up to the first one at or after the end, and where on the joint path they
-    are."""
-    rows = int(np.ceil(chosen.law.duration * rate - 1e-9)) + 1
-    if rows > _MOST_ROWS:
-        raise InputError(f"rate: {rate} rows per second make {rows} rows; expected a lower rate")
-    t = np.arange(rows) / rate
-    s, q, qd, qdd = chosen.law.motion(chosen.path.joints, t)
-    tau = dynamics.torque(q, qd, qdd, t)
+def _rows(
+    dynamics: PathDynamics, chosen: TimedChoice, reference: SampledReference
+) -> tuple[Trajectory, Array]:
+    """The rows with torque and the TCP's way, with the digits of the file, and where on the joint
+    path they are."""
+    rows = reference.rows
+    s = chosen.law.at(rows.time)[0]
+    tau = dynamics.torque(rows.q, rows.qd, rows.qdd, rows.time)
     way = chosen.path.tcp.way(s)
-    return Trajectory(t, q, qd, qdd, tau, way, check_speeds=False), s
+    return replace(rows, tau=tau, s=way, check_speeds=False).as_written(), s
 
 
 def _compared(option: TimedChoice) -> dict[str, Any]:
@@ -98,6 +100,14 @@ def _compared(option: TimedChoice) -> dict[str, Any]:
         "turn_deg": float(np.degrees(choice.turn)),
         "duration_s": option.fastest.duration,
     }
+
+
+def _clearance(chosen: TimedChoice) -> dict[str, Any]:
+    """The entry `clearance_mm` of `plan.json`."""
+    found = chosen.choice.clearance
+    if found is None:
+        return unknown("the robot file has no [outline], the space that the arm takes up")
+    return found.summary(float(chosen.path.tcp.way(found.s)))
 
 
 def _passages(chosen: TimedChoice) -> list[dict[str, Any]]:

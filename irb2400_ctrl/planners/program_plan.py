@@ -111,8 +111,17 @@ def plan_program(
         if started is not None:
             started(operation)
         try:
-            plan = plan_path(robot, operation.path, **options)
+            plan = plan_path(robot, operation.path, **with_its_tool(operation, options))
             done.append(PlannedOperation(operation, plan))
         except InputError as error:
             done.append(PlannedOperation(operation, None, str(error)))
     return ProgramPlan(program, tuple(done))
+
+
+def with_its_tool(operation: Operation, options: dict[str, Any]) -> dict[str, Any]:
+    """Options of `plan_path` with the cell's tool that the operation asks for, unless one is
+    named."""
+    cell = options.get("cell")
+    if cell is None or options.get("tool") is not None:
+        return options
+    return {**options, "tool": cell.tool_of(operation.tool.number, operation.tool.name)}

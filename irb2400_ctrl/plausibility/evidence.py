@@ -40,10 +40,12 @@ PER_SECOND = 1.0
 """independent rows per second of motion"""
 MOST_ROWS = 30.0
 """independent rows at most: more of the same motion tells nothing new"""
+MISFITS = (MISFIT, 0.1, 0.05, 0.025)
+"""misfits among which `sharp_cost` takes the one that a log supports"""
 ABSURD = 1e4
 """a model's torque over the recorded one above which a reading is not worth a solution"""
 STILL = 0.1
-"""weight of an instant at which the direction of a joint's dry friction is not known"""
+"""largest weight of an instant at which the direction of a joint's dry friction is not known"""
 
 
 @dataclass(frozen=True)
@@ -54,7 +56,8 @@ class Fit:
         cost: minus twice the logarithm of the evidence, up to a constant.
         price: what is left and what had to be changed for it, in the same units, without the
             price of what could have been changed.
-        left: rms of what is left over rms of the torque, per joint, shape (n,).
+        left: rms of what is left over rms of the torque (and of what dry friction may hold at
+            rest), per joint, shape (n,).
     """
 
     cost: float
@@ -118,9 +121,11 @@ class Nominal:
         if not np.abs(nominal).max() < ABSURD * size.max():
             return Fit(np.inf, np.inf, np.ones(n))
         weight = np.sqrt(min(PER_SECOND * rows.seconds, MOST_ROWS) / m) / (misfit * size)
-        weight = weight * np.where(rows.still, STILL, 1.0)
-        k = Y.shape[2]
         dry = self.robot.friction[:, 1]
+        # a joint at rest is held by its dry friction: its torque may be off by so much
+        held = np.minimum(STILL, misfit * size / np.hypot(misfit * size, dry))
+        weight = weight * np.where(rows.still, held, 1.0)
+        k = Y.shape[2]
         viscous = self.robot.friction[:, 2]
         spread = self._friction_spreads(rows, size)
         y = (rows.tau - nominal - dry * rows.turn - viscous * rows.qd) * weight
@@ -136,10 +141,27 @@ class Nominal:
         z = _bounded(A, X.T @ y.ravel(), least)
         rest = (y.ravel() - X @ z).reshape(m, n)
         price = float(np.sum(rest**2) + z @ z)
-        whole = np.sum((rows.tau * weight) ** 2, axis=0)
+        carried = rows.tau**2 + np.where(rows.still, dry**2, 0.0)
+        whole = np.sum(carried * weight**2, axis=0)
         # of a joint without torque nothing can be left
         left = np.sqrt(np.sum(rest**2, axis=0) / np.where(whole > 0, whole, np.inf))
         return Fit(price + float(np.linalg.slogdet(A)[1]), price, left)
+
+    def sharp_cost(
+        self, rows: Rows, columns: tuple[Array, Array], misfits: tuple[float, ...] = MISFITS
+    ) -> float:
+        """The cost with the misfit that the rows support best: minus twice the log evidence.
+
+        min over s of  cost(s) + 2 N n ln(s / MISFIT),  N independent rows of n joints. What is left
+        may be far below a fifth of the torque; then a reading that leaves several times more is
+        not this log's, though a crude model would allow it.
+        """
+        count = rows.tau.shape[1] * min(PER_SECOND * rows.seconds, MOST_ROWS)
+        costs = [
+            self.explained(rows, columns, s).cost + 2.0 * count * np.log(s / MISFIT)
+            for s in misfits
+        ]
+        return float(min(costs))
 
     def _friction_spreads(self, rows: Rows, size: Array) -> Array:
         """Standard deviations of Coulomb, viscous friction and offset, shape (3, n)."""

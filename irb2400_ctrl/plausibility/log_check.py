@@ -17,6 +17,7 @@ from irb2400_ctrl.plausibility.cost_of_noise import torque_from_angle_noise
 from irb2400_ctrl.plausibility.problem import LogProblem, named
 from irb2400_ctrl.plausibility.rows import SHORTEST
 from irb2400_ctrl.plausibility.search import Understanding, understand
+from irb2400_ctrl.plausibility.travel import travel_problem
 from irb2400_ctrl.robot import Robot
 
 OUTSIDE = np.radians(2.0)
@@ -84,8 +85,11 @@ def _examined(robot: Robot | None, log: Log) -> tuple[LogProblem | None, Underst
     if broken is not None:
         return broken, None
     understood = None if robot is None else understand(robot, log)
-    if understood is not None and understood.problem is not None:
-        return understood.problem, understood
+    problem = None if understood is None else understood.problem
+    if robot is not None and (problem is None or problem.kind == "not_this_robot"):
+        problem = travel_problem(robot, log) or problem
+    if problem is not None:
+        return problem, understood
     return speed_problem(log) or command_problem(log), understood
 
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.measurement.log import Log
-from irb2400_ctrl.plausibility.evidence import Fit, Nominal
+from irb2400_ctrl.plausibility.evidence import MISFITS, Fit, Nominal
 from irb2400_ctrl.plausibility.problem import LogProblem
 from irb2400_ctrl.plausibility.reading import (
     Reading,
@@ -31,6 +31,9 @@ SHARE = 0.2
 """and over the cost of the reading before it"""
 HALF = 0.5
 """of what is left, joint by joint in its own size, is the most that it may leave"""
+SHARP_GAIN = 60.0
+"""of six joints: twice the log evidence, each reading with the misfit it supports, by which another
+reading of one joint must be better where the labelled one is not bad"""
 THIN = 3
 """every third row is enough to sort the readings"""
 FINALISTS = 4
@@ -43,6 +46,8 @@ FITS_PRICE = 150.0
 """of six joints: a reading that leaves more than this does not fit either"""
 LOST_PRICE = 300.0
 """of six joints: above this, and no reading that fits, the log is not this robot's"""
+SINGLE = ("angle_unit", "angle_sign", "torque_sign")
+"""what is asked of each joint alone with a sharper misfit"""
 DELAYS = (-1.0, -0.5, -0.3, -0.2, -0.1, 0.1, 0.2, 0.3, 0.5, 1.0)
 """[s] shifts of the torques against the motion that are tried"""
 
@@ -81,6 +86,8 @@ def understand(robot: Robot, log: Log) -> Understanding | None:
         if found is None:
             break
         reading, best = found
+    if reading is plain:
+        reading, best = search.misread(plain, best) or (plain, best)
     problem: LogProblem | None = None
     if reading is not plain and best.price < FITS_PRICE * scale:
         problem = LogProblem(reading.kind, reading.says, dict(reading.fits), reading.joints)
@@ -157,6 +164,31 @@ class _Search:
         fits = [(reading, self.fit(reading)) for _, _, reading in sorted(tried)[:FINALISTS]]
         reading, found = min(fits, key=lambda pair: pair[1].cost)
         return (reading, found) if clearly_better(found, fit) else None
+
+    def misread(self, plain: Reading, labelled: Fit) -> tuple[Reading, Fit] | None:
+        """A unit or sign of one joint that explains a log far better than its label does.
+
+        On a joint that hardly loads the others even a wrong unit fits within the misfit of a crude
+        model; the same model leaves far less with the right one (`Nominal.sharp_cost`).
+        """
+        robot = self._nominal.robot
+        if not np.isfinite(labelled.cost):
+            return None
+        quick = _Search(self._nominal, self._log, self._rows[0.0], THIN)
+        every = [*motion_readings(robot), *torque_readings(robot)]
+        single = [r for r in every if len(r.joints) == 1 and r.kind in SINGLE]
+        costs = [quick.sharp_cost(reading, (MISFITS[-2],)) for reading in single]
+        best = single[int(np.argmin(costs))]
+        gain = self.sharp_cost(plain) - self.sharp_cost(best)
+        return (best, self.fit(best)) if gain > SHARP_GAIN * robot.n / 6.0 else None
+
+    def sharp_cost(self, reading: Reading, misfits: tuple[float, ...] = MISFITS) -> float:
+        """Cost of a reading with the misfit that it supports; infinite where nothing is left."""
+        rows = self.rows(reading)
+        if rows is None or not np.isfinite(rows.qdd).all():
+            return np.inf
+        columns = self._columns_of(reading, rows)
+        return self._nominal.sharp_cost(rows, columns, misfits) + reading.price
 
     def _torques(self, first: Reading) -> Iterator[Reading]:
         yield from torque_readings(self._nominal.robot)

@@ -12,6 +12,16 @@ from irb2400_ctrl.diagnosis import Comparison, Diagnosis, Finding
 from irb2400_ctrl.effects.base import OPEN_END_S
 from irb2400_ctrl.report.diagnosis_figures import curve_figure, torque_figure
 from irb2400_ctrl.report.page import Page, show
+from irb2400_ctrl.report.three_lists import (
+    LISTS,
+    body_lines,
+    entry_rows,
+    findings_of,
+    list_lines,
+    number_lines,
+    number_rows,
+    numbers_of,
+)
 
 VERDICTS = {
     "explained": "The log shows something the model lacks, and it has a name.",
@@ -19,6 +29,22 @@ VERDICTS = {
     "unexplained": "Something is left that no effect of the library makes.",
     "log_not_understood": "The log is not what its columns say: no effect was tried.",
 }
+CHANGES = {
+    "explained": "Something has changed since the reference, and it has a name.",
+    "nothing_missing": "Nothing has changed since the reference: what is left is noise.",
+    "unexplained": "Something has changed since the reference that no effect of the library makes.",
+}
+"""the same, where the arm itself on another day is the reference"""
+
+
+def verdict_sentence(diagnosis: Diagnosis) -> str:
+    """The verdict in one sentence."""
+    if not diagnosis.change or diagnosis.log_problem is not None:
+        return VERDICTS[diagnosis.verdict]
+    changed = [n for n in diagnosis.numbers if n.list == "changed"]
+    if diagnosis.verdict == "nothing_missing" and changed:
+        return f"No new effect since the reference, but {len(changed)} numbers of the arm changed."
+    return CHANGES[diagnosis.verdict]
 
 
 def diagnosis_page(diagnosis: Diagnosis, title: str) -> Page:
@@ -29,31 +55,21 @@ def diagnosis_page(diagnosis: Diagnosis, title: str) -> Page:
 
 
 def add_diagnosis(page: Page, diagnosis: Diagnosis) -> None:
-    """Verdict, findings with their figures, errors before and after, what is left and what to
-    measure next."""
+    """Verdict and the three lists first, then errors, figures, and what to measure next."""
     page.heading("Verdict")
-    page.text(VERDICTS[diagnosis.verdict])
+    page.text(verdict_sentence(diagnosis))
     for line in _why(diagnosis):
         page.finding(line)
-    for finding in diagnosis.findings:
-        page.finding(finding_line(finding))
-    for rest in diagnosis.unexplained:
-        page.finding(
-            f"Joint {rest.joint}: {rest.rmse:.2f} Nm rms are unexplained; they depend on "
-            f"{', '.join(rest.depends_on)}. "
-            f"{rest.description}"
-        )
-    for joint in diagnosis.not_excited:
-        page.text(f"Joint {joint} hardly moves in this log: nothing can be said about it.")
-    for sentence in diagnosis.weak:
-        page.text(sentence)
-
+    _add_lists(page, diagnosis)
+    _add_remarks(page, diagnosis)
     page.heading("Error before and after")
     for comparison in (diagnosis.identification, diagnosis.validation):
         if comparison is not None:
             page.table(
                 _caption(comparison, diagnosis), *error_table(comparison, diagnosis.noise_floor)
             )
+    if len(diagnosis.logs) > 1:
+        page.table("RMSE of each log before and after [Nm]", *log_rows(diagnosis))
 
     compared = diagnosis.validation or diagnosis.identification
     for finding in diagnosis.findings:
@@ -81,6 +97,11 @@ def add_diagnosis(page: Page, diagnosis: Diagnosis) -> None:
             torque_figure(compared, joint),
             f"Joint {joint} on {Path(compared.name).name}: measured torque, model, residual.",
         )
+    for which, (heading, _) in LISTS.items():
+        numbers = numbers_of(diagnosis, which)
+        if numbers:
+            page.heading(f"{heading}: every number")
+            page.table("Numbers of the model, SI", *number_rows(numbers))
     rows = recalibration_rows(diagnosis.recalibrated)
     if rows:
         page.heading("Recalibrated")
@@ -88,6 +109,57 @@ def add_diagnosis(page: Page, diagnosis: Diagnosis) -> None:
         page.table(
             "New values", ("term", *(f"joint {j + 1}" for j in range(diagnosis.given.n))), rows
         )
+
+
+def _add_remarks(page: Page, diagnosis: Diagnosis) -> None:
+    """What is left, what cannot be said, and what was left out."""
+    for rest in diagnosis.unexplained:
+        page.finding(
+            f"Joint {rest.joint}: {rest.rmse:.2f} Nm rms are unexplained; they depend on "
+            f"{', '.join(rest.depends_on)}. "
+            f"{rest.description}"
+        )
+    for joint in diagnosis.not_excited:
+        page.text(f"Joint {joint} hardly moves in this log: nothing can be said about it.")
+    for sentence in diagnosis.weak:
+        page.text(f"{sentence[0].upper()}{sentence[1:]}.")
+    for one in diagnosis.left_out:
+        page.text(f"Left out: {Path(one.name).name}: {one.why}.")
+
+
+def _add_lists(page: Page, diagnosis: Diagnosis) -> None:
+    """What changed, what is special, what the file lacks; each with what to do about it."""
+    for which, (heading, advice) in LISTS.items():
+        entries = findings_of(diagnosis, which)
+        numbers = numbers_of(diagnosis, which)
+        if not entries and not numbers:
+            continue
+        page.heading(heading)
+        page.text(advice)
+        for entry in entries:
+            where = f"{entry.where[0].upper()}{entry.where[1:]}"
+            page.finding(
+                f"{where}: {entry.sentence} {entry.share} of the torque, {entry.confidence} sure."
+            )
+            for line in body_lines(entry):
+                page.text(f"With the {line}.")
+            if entry.lookalikes and entry.splits:
+                page.text(f"It could be {entry.lookalikes}. To tell them apart: {entry.splits}.")
+        for line in number_lines(numbers):
+            page.finding(f"{line[0].upper()}{line[1:]}.")
+        if entries:
+            page.table("Findings", *entry_rows(entries))
+
+
+def log_rows(diagnosis: Diagnosis) -> tuple[Sequence[str], list[list[object]]]:
+    """Head and rows: two rows a log, a joint a column."""
+    head = ("log", "", *(f"joint {j + 1}" for j in range(diagnosis.given.n)))
+    rows: list[list[object]] = []
+    for log in diagnosis.logs:
+        name = Path(log.name).name + ("" if log.used else " (judged only)")
+        rows.append([name, "before", *(float(v) for v in log.before.rmse)])
+        rows.append(["", "after", *(float(v) for v in log.after.rmse)])
+    return head, rows
 
 
 def _why(diagnosis: Diagnosis) -> list[str]:
@@ -110,25 +182,18 @@ def finding_title(finding: Finding) -> str:
     )
 
 
-def finding_line(finding: Finding) -> str:
-    """One sentence with the name, the size and how surely."""
-    share = 100 * float(np.max(finding.share))
-    text = f"{finding.sentence} ({finding_title(finding)}, {share:.1f} % of the joint's torque, "
-    text += f"confidence {100 * finding.confidence:.0f} %"
-    if finding.alternatives:
-        text += f"; not excluded: {', '.join(finding.alternatives)}"
-    return text + ")"
-
-
 def lines(diagnosis: Diagnosis) -> list[str]:
     """The same in a few lines for a terminal."""
-    found = [f"verdict: {diagnosis.verdict}. {VERDICTS[diagnosis.verdict]}"]
+    found = [f"verdict: {diagnosis.verdict}. {verdict_sentence(diagnosis)}"]
     found += [f"  {line}" for line in _why(diagnosis)]
-    found += [f"  {finding_line(f)}" for f in diagnosis.findings]
+    found += list_lines(diagnosis)
     found += [
         f"  joint {u.joint}: {u.rmse:.2f} Nm rms unexplained, depends on {', '.join(u.depends_on)}"
         for u in diagnosis.unexplained
     ]
+    if len(diagnosis.logs) > 1:
+        used = sum(log.used for log in diagnosis.logs)
+        found.append(f"{used} logs together; {len(diagnosis.logs) - used} only judged")
     compared = diagnosis.validation or diagnosis.identification
     found.append(f"RMSE on {Path(compared.name).name} [Nm], joints 1 to {diagnosis.given.n}:")
     for name, values in (

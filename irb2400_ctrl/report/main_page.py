@@ -54,6 +54,7 @@ def _add_plan(page: Page, job: MainJob) -> None:
             ["margin to the wrist singularity, |sin q5|", float(margin["wrist"])],
             ["margin to the shoulder singularity [m]", float(margin["shoulder"])],
             ["margin to the elbow singularity [m]", float(margin["elbow"])],
+            ["clearance, at least [mm]", s["clearance_mm"]["value"] or "not known"],
             [
                 f"torque over {100 * TORQUE_SHARE:.0f} % of its limit, at most",
                 float(s["max_torque_ratio"]),

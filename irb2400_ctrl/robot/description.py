@@ -20,8 +20,10 @@ from irb2400_ctrl.effects import LIBRARY, AnyEffect, load_effects
 from irb2400_ctrl.effects.base import OPEN_END_S
 from irb2400_ctrl.effects.blank import discrepancy_size
 from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.robot.identified import Identified
 from irb2400_ctrl.robot.joint import Joint, MotorCoupling
 from irb2400_ctrl.robot.link import Coupling, Link, ModifiedDH, Tool, Transform
+from irb2400_ctrl.robot.outline import Outline
 from irb2400_ctrl.robot.table import Table, Vector3
 from irb2400_ctrl.robot.uncertainty import Uncertainty
 
@@ -44,7 +46,9 @@ class Robot(Table):
     flange: ModifiedDH | Transform
     tool: Tool | None = None
     motor_coupling: MotorCoupling | None = None
+    outline: Outline | None = None
     uncertainty: Uncertainty = Uncertainty()
+    identified: Identified | None = None
     effects: tuple[AnyEffect, ...] = ()
     effect_files: tuple[Path, ...] = Field(default=(), exclude=True)
     """Python files that define effects of the user's own; a robot file names them relative to
@@ -67,6 +71,9 @@ class Robot(Table):
         bodies = {"tool", *(link.name for link in self.links)}
         for name in sorted(set(self.uncertainty.links) - bodies):
             problems.append(f"uncertainty.links.{name}: no such link")
+        if self.outline is not None:
+            unknown = self.outline.unknown_bodies([link.name for link in self.links])
+            problems += [f"outline: no link is called {name!r}" for name in unknown]
         for effect in self.effects:
             allowed = list(LIBRARY[effect.kind].joints(n))
             if effect.joint not in allowed:
@@ -88,6 +95,11 @@ class Robot(Table):
     def n(self) -> int:
         """Number of joints."""
         return len(self.links)
+
+    @property
+    def joint_names(self) -> list[str]:
+        """In the order of q."""
+        return [joint.name for joint in self.joints]
 
     @cached_property
     def A(self) -> Array:

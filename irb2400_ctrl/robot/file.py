@@ -3,7 +3,6 @@ equal."""
 
 from __future__ import annotations
 
-import difflib
 import os
 import tomllib
 from importlib import resources
@@ -17,8 +16,11 @@ from irb2400_ctrl.effects import LIBRARY, load_effects, users_files
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.files import write_atomic
 from irb2400_ctrl.robot.description import Robot
+from irb2400_ctrl.robot.file_problems import explain
 from irb2400_ctrl.robot.joint import Friction, Joint, Limits, MotorCoupling, Transmission
 from irb2400_ctrl.robot.link import Body, Coupling, Link, ModifiedDH, Tool, Transform
+from irb2400_ctrl.robot.outline import KeptApart, Outline, Part
+from irb2400_ctrl.robot.shape import Box, Capsule, Cylinder, Sphere
 from irb2400_ctrl.robot.uncertainty import BodyUncertainty, Uncertainty
 
 
@@ -58,7 +60,7 @@ def load_robot(source: str | Path) -> Robot:
     except tomllib.TOMLDecodeError as error:
         raise InputError(f"{source} is not TOML: {error}") from error
     except ValidationError as error:
-        raise InputError(_explain(str(source), error)) from error
+        raise InputError(explain(str(source), "robot", error, _tables())) from error
 
 
 def save_robot(robot: Robot, path: Path | str) -> Path:
@@ -106,32 +108,11 @@ def _seen_from(folder: Path, file: Path) -> str:
         return file.as_posix()  # on another drive
 
 
-def _explain(source: str, error: ValidationError) -> str:
-    """One line per problem: where, what was found, what was expected."""
-    lines = []
-    for item in error.errors():
-        # pydantic puts the tag of a union (ModifiedDH) into the path; the file has no such key
-        parts = [part for part in item["loc"] if part not in {"ModifiedDH", "Transform"}]
-        place = "".join(
-            f"[{part + 1}]" if isinstance(part, int) else f".{part}" for part in parts
-        ).lstrip(".")
-        if item["type"] == "extra_forbidden":
-            near = difflib.get_close_matches(str(item["loc"][-1]), _keys(), n=1)
-            hint = f"; did you mean {near[0]}?" if near else ""
-            lines.append(f"{place}: unknown key{hint}")
-        else:
-            value: Any = item["input"]
-            found = (
-                "" if isinstance(value, dict | list | tuple | BaseModel) else f", found {value!r}"
-            )
-            lines.append(f"{place or 'robot'}: {item['msg'].removeprefix('Value error, ')}{found}")
-    return f"{source} is not a valid robot file:\n  " + "\n  ".join(dict.fromkeys(lines))
-
-
-def _keys() -> list[str]:
-    tables: list[type[BaseModel]] = [
+def _tables() -> list[type[BaseModel]]:
+    """All tables that a robot file may hold, effects of the user's own included."""
+    return [
         *(ModifiedDH, Transform, Body, Link, Friction, Limits, Joint, Coupling, Tool, Robot),
         *(Transmission, MotorCoupling, Uncertainty, BodyUncertainty),
+        *(Outline, Part, KeptApart, Box, Capsule, Cylinder, Sphere),
         *LIBRARY.values(),
     ]
-    return sorted({key for table in tables for key in table.model_fields})

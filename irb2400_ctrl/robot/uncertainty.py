@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
-from pydantic import Field
+from collections.abc import Iterable
 
+from pydantic import Field, ValidationError
+
+from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.robot.table import Positive, Table
 
 
@@ -38,3 +41,50 @@ class Uncertainty(Table):
             self.com_m if own.com_m is None else own.com_m,
             self.inertia_relative if own.inertia_relative is None else own.inertia_relative,
         )
+
+    def changed(self, entries: Iterable[str], bodies: Iterable[str]) -> Uncertainty:
+        """With some numbers replaced, each written as `KEY=NUMBER` or `BODY.KEY=NUMBER`.
+
+        Args:
+            entries: as on the command line: `mass_relative=0.05`, `link_2.com_m=0.02`.
+            bodies: names of the links, and `tool` where there is one.
+
+        Raises:
+            InputError: another key, body or number; says which there are.
+        """
+        known = list(bodies)
+        tables = self.model_dump(exclude_none=True)
+        for entry in entries:
+            path, _, number = entry.partition("=")
+            body, _, key = path.strip().rpartition(".")
+            table = tables["links"].setdefault(body, {}) if body else tables
+            fields = (BodyUncertainty if body else Uncertainty).model_fields
+            keys = [name for name in fields if name != "links"]
+            if key not in keys or (body and body not in known):
+                raise InputError(
+                    f"uncertainty {entry!r}: found {path.strip()!r}, expected one of "
+                    f"{', '.join(keys)} = NUMBER"
+                    + (f", of one of the bodies {', '.join(known)}" if body else ", or BODY.KEY")
+                )
+            table[key] = number.strip()
+        try:
+            return Uncertainty.model_validate(tables)
+        except ValidationError as error:
+            place = ".".join(str(part) for part in error.errors()[0]["loc"])
+            raise InputError(
+                f"uncertainty {place}: found {error.errors()[0]['input']!r}, expected a number "
+                "above zero (0.05 is 5 %; com_m in metres)"
+            ) from error
+
+    def says(self) -> str:
+        """The prior in one line, for people."""
+        found = (
+            f"masses {100 * self.mass_relative:.3g} %, centres of mass {1e3 * self.com_m:.3g} mm, "
+            f"inertias {100 * self.inertia_relative:.3g} %, friction "
+            f"{100 * self.friction_relative:.3g} %, static friction "
+            f"{100 * self.static_relative:.3g} %"
+        )
+        for name in self.links:
+            mass, shift, inertia = self.of_body(name)
+            found += f"; {name} {100 * mass:.3g} %, {1e3 * shift:.3g} mm, {100 * inertia:.3g} %"
+        return found

@@ -135,8 +135,24 @@ class Trajectory:
                 f"qdd {self.qdd.shape}; expected (n,) and three times (n, axes), n >= 2"
             )
 
+    def as_written(self) -> Trajectory:
+        """The same rows with the digits that `csv` keeps: what is read from the file."""
+        table = np.loadtxt(io.StringIO(self.csv()), delimiter=",", skiprows=1, ndmin=2)
+        n = self.q.shape[1]
+        time = table[:, 0]
+        q, qd, qdd, tau_ = (table[:, 1 + k * n : 1 + (k + 1) * n] for k in range(4))
+        tau = None if self.tau is None else tau_
+        s = None if self.s is None else table[:, -1]
+        return Trajectory(
+            time, np.radians(q), np.radians(qd), np.radians(qdd), tau, s, check_speeds=False
+        )
+
     def csv(self) -> str:
-        """The text of `trajectory.csv`: degrees, Nm, and s as it is; tau and s only where known."""
+        """The text of `trajectory.csv`: degrees, Nm, and s as it is; tau and s only where known.
+
+        Angles and speeds keep more digits than anybody measures: between rows h apart a cubic
+        through them has the rounding of an angle times 6 / h^2 in its acceleration.
+        """
         n = self.q.shape[1]
         blocks = [
             ("q", "_deg", np.degrees(self.q)),
@@ -152,9 +168,12 @@ class Trajectory:
             columns.append(self.s[:, None])
         # adding zero takes the sign from a negative zero
         table = 0.0 + np.hstack(columns)
+        formats = ["%.12g", *["%.14g"] * n, *["%.12g"] * n, *["%.9g"] * (len(header) - 1 - 2 * n)]
+        if self.s is not None:
+            formats[-1] = "%.12g"
         text = io.StringIO()
         text.write(",".join(header) + "\n")
-        np.savetxt(text, table, delimiter=",", fmt=["%.6f", *["%.9g"] * (len(header) - 1)])
+        np.savetxt(text, table, delimiter=",", fmt=formats)
         return text.getvalue()
 
 

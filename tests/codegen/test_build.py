@@ -9,8 +9,9 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from irb2400_ctrl.codegen import compile_function
-from irb2400_ctrl.codegen.toolchain import cache_dir
+from irb2400_ctrl.codegen import compile_function, toolchain
+from irb2400_ctrl.codegen.interpreted import say_slow
+from irb2400_ctrl.codegen.toolchain import cache_dir, find_compiler
 from irb2400_ctrl.errors import InputError, ToolMissingError
 
 
@@ -113,10 +114,59 @@ def test_a_second_start_compiles_nothing(tmp_path: Path, monkeypatch: pytest.Mon
 
 
 def test_a_missing_compiler_is_said(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    without_compiler(monkeypatch, tmp_path)
+    with pytest.raises(ToolMissingError, match="pip install ziglang"):
+        find_compiler()
+
+
+def without_compiler(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.setenv("PATH", str(tmp_path))
     monkeypatch.delenv("CC", raising=False)
-    with pytest.raises(ToolMissingError, match="apt-get install gcc"):
-        compile_function(pendulum())
+    monkeypatch.setattr(toolchain, "_from_python", list)
+    say_slow.cache_clear()
+
+
+@pytest.mark.parametrize("real", ["double", "float"])
+def test_without_a_compiler_every_call_still_answers(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys: pytest.CaptureFixture[str], real: str
+) -> None:
+    """Single calls, loops, matrices and iterations equal the machine code's."""
+    x = ca.SX.sym("x", 2)
+    u = ca.SX.sym("u", 2, 3)
+    sparse = ca.vertcat(ca.SX(1, 1), ca.sin(x[0]) * u[0, 1])
+    matrix = ca.Function("f", [x, u], [u * x[1], sparse])
+    chain = pendulum()
+    fast = [compile_function(f, real=real) for f in (matrix, chain)]  # type: ignore[arg-type]
+    without_compiler(monkeypatch, tmp_path)
+    slow = [compile_function(f, real=real) for f in (matrix, chain)]  # type: ignore[arg-type]
+    assert capsys.readouterr().err.count("about thirty times slower") == 1
+    draw = np.random.default_rng(3)
+    tolerance = 1e-12 if real == "double" else 1e-5
+    points = (draw.normal(size=(5, 2)), draw.normal(size=(5, 2, 3)))
+    for given, method in (
+        ((points[0][0], points[1][0]), "call"),
+        (points, "map"),
+        ((points[0], points[1][0]), "map"),
+    ):
+        for a, b in zip(
+            getattr(fast[0], method)(*given), getattr(slow[0], method)(*given), strict=True
+        ):
+            assert a.shape == b.shape
+            assert a.dtype == b.dtype
+            assert np.allclose(a, b, rtol=tolerance, atol=tolerance)
+            assert np.any(a)
+    sizes = [int(np.prod(shape)) for shape in fast[1].input_shapes]
+    rolled = [
+        f.rollout(np.full(sizes[0], 0.3), draw_rows(9, sizes[1]), np.full(sum(sizes[2:]), 0.5))
+        for f in (fast[1], slow[1])
+    ]
+    for a, b in zip(*rolled, strict=True):
+        assert np.allclose(a, b, rtol=tolerance, atol=tolerance)
+        assert np.ptp(a) > 0
+
+
+def draw_rows(n: int, width: int) -> np.ndarray:
+    return np.random.default_rng(5).normal(size=(n, width))
 
 
 @pytest.mark.skipif(

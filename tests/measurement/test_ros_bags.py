@@ -86,3 +86,77 @@ def test_ros_bag_in_mcap(tmp_path: Path) -> None:
     path.write_bytes(b"no mcap")
     with pytest.raises(InputError, match="not a readable MCAP"):
         read_log(path)
+
+
+UR = ("shoulder_pan", "shoulder_lift", "elbow", "wrist_1", "wrist_2", "wrist_3")
+
+
+def bag(path: Path, log: Log, names: list[str], other: list[str] | None = None) -> Path:
+    """Joint states under the names given, in their order; `other`: of a second publisher."""
+    import sqlite3
+
+    none = np.empty(0)
+    rows = []
+    for k, (stamp, q, tau) in enumerate(zip(log.time, log.q, log.tau, strict=True)):
+        rows.append((2 * k, 1, 2 * k, joint_state(stamp, names, q, none, tau)))
+        if other:
+            rows.append((2 * k + 1, 1, 2 * k + 1, joint_state(stamp, other, q[:2], none, none)))
+    with sqlite3.connect(path) as file:
+        file.execute("create table topics(id integer, name text, type text)")
+        file.execute("create table messages(id integer, topic_id integer, timestamp integer, data)")
+        file.execute("insert into topics values(1, '/joint_states', 'sensor_msgs/msg/JointState')")
+        file.executemany("insert into messages values(?, ?, ?, ?)", rows)
+    file.close()
+    return path
+
+
+@pytest.mark.parametrize("form", ["{}_joint", "{}", "left/{}_joint"])
+def test_joints_stand_in_the_robots_order_not_in_that_of_the_message(
+    tmp_path: Path, form: str
+) -> None:
+    log = made()
+    order = np.argsort(UR)
+    told = Log(log.time, log.q[:, order], log.tau[:, order])
+    path = bag(tmp_path / "a.db3", told, [form.format(UR[k]) for k in order])
+    same(read_log(path, names=UR), log)
+    # without names the order of the message is all there is
+    same(read_log(path), told)
+
+
+def test_joints_and_messages_of_others_are_left_aside(tmp_path: Path) -> None:
+    log = made()
+    wide = Log(log.time, np.c_[log.q, log.q[:, :1]], np.c_[log.tau, log.tau[:, :1]])
+    names = [*(f"{name}_joint" for name in UR), "finger_joint"]
+    path = bag(tmp_path / "a.db3", wide, names, other=["rail_joint", "table_joint"])
+    found = read_log(path, names=UR)
+    same(found, log)
+    assert "finger_joint.effort" in found.extra
+    with pytest.raises(InputError, match="expected one publisher"):
+        read_log(path)
+
+
+def test_numbered_joints_need_no_names(tmp_path: Path) -> None:
+    log = made()
+    order = [3, 0, 5, 1, 4, 2]
+    told = Log(log.time, log.q[:, order], log.tau[:, order])
+    path = bag(tmp_path / "a.db3", told, [f"arm_joint_{k + 1}" for k in order])
+    same(read_log(path), log)
+    same(read_log(path, names=UR), log)
+
+
+def test_unknown_names_are_refused_with_both_lists_and_read_by_a_map(tmp_path: Path) -> None:
+    log = made()
+    names = ["a", "b", "c", "d", "e", "f"]
+    path = bag(tmp_path / "a.db3", log, names)
+    with pytest.raises(InputError, match=r"a, b, c, d, e, f, expected .* shoulder_pan.*map"):
+        read_log(path, names=UR)
+    lines = []
+    for j, name in enumerate(reversed(names), 1):
+        for word, quantity, unit in (("position", "q", "rad"), ("effort", "tau", "Nm")):
+            lines.append(
+                f'[[columns]]\nfile = "{name}.{word}"\nquantity = "{quantity}"\njoint = {j}\n'
+                f'unit = "{unit}"'
+            )
+    map_ = tmp_path / "map.toml"
+    map_.write_text("\n".join(lines))
+    same(read_log(path, names=UR, columns=map_), Log(log.time, log.q[:, ::-1], log.tau[:, ::-1]))

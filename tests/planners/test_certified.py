@@ -15,7 +15,7 @@ from irb2400_ctrl.codegen import compile_function
 from irb2400_ctrl.effects import LIBRARY
 from irb2400_ctrl.errors import InfeasibleError
 from irb2400_ctrl.planners import Certificate, MotionLimits, check
-from irb2400_ctrl.planners.enclosure.cells import enclose, grid, reversals
+from irb2400_ctrl.planners.enclosure.cells import enclose, grid
 from irb2400_ctrl.planners.enclosure.complex_disc import disc_function
 from irb2400_ctrl.planners.enclosure.path_dynamics import PathDynamics, path_dynamics
 from irb2400_ctrl.planners.joint_path import JointPath
@@ -113,7 +113,7 @@ def test_remainder_falls_with_the_third_power_of_the_cells() -> None:
 def test_no_joint_turns_back_inside_a_cell() -> None:
     path = random_path(8)
     cells = enclose(DYNAMICS, path, grid(path, 500))
-    assert len(reversals(path)) > 3
+    assert len(path.reversals()) > 3
     assert not (cells.forwards & cells.backwards).any()
 
 

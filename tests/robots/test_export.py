@@ -13,19 +13,20 @@ from typer.testing import CliRunner
 
 import irb2400_ctrl as irb
 from irb2400_ctrl.cli.main import app
-from irb2400_ctrl.model.consistency import project, second_moments
+from irb2400_ctrl.model.consistency import project, second_moments, with_masses
 from irb2400_ctrl.robot.importing import import_robot
 from irb2400_ctrl.robot.mjcf_export import to_mjcf
 from irb2400_ctrl.robot.urdf_export import to_urdf
 
 Array = npt.NDArray[np.float64]
 MARGIN = 1e-3
-NAMES = ("irb2400", "ur10e", "irb1200", "kr16", "panda")
+NAMES = ("irb2400", "ur10e", "puma560", "irb1200", "kr16", "panda")
+OWN = ("irb2400", "ur10e", "puma560")
 
 
 def arm(name: str) -> irb.Robot:
-    known = irb.load_robot(name) if name in ("irb2400", "ur10e") else public(name)
-    return project(known, MARGIN)[0]
+    known = irb.load_robot(name) if name in OWN else public(name)
+    return project(with_masses(known)[0], MARGIN)[0]
 
 
 def states(robot: irb.Robot, count: int = 12) -> tuple[Array, Array, Array]:
@@ -104,6 +105,37 @@ def test_mujoco_and_pinocchio_make_the_torques_of_the_urdf(name: str) -> None:
             )
 
 
+@pytest.mark.parametrize("name", NAMES)
+def test_drake_makes_the_torques_of_both(name: str) -> None:
+    """Where Drake is installed: its wheel brings a proprietary solver, so no extra asks for it."""
+    pytest.importorskip("pydrake")
+    from pydrake.multibody.parsing import Parser
+    from pydrake.multibody.plant import MultibodyPlant
+    from pydrake.multibody.tree import MultibodyForces
+
+    robot = arm(name)
+    for form, text in (("urdf", to_urdf(robot)), ("xml", to_mjcf(robot))):
+        plant = MultibodyPlant(0.0)
+        Parser(plant).AddModelsFromString(text, form)
+        if form == "urdf":
+            plant.WeldFrames(plant.world_frame(), plant.GetFrameByName("base"))
+        plant.mutable_gravity_field().set_gravity_vector(robot.gravity)
+        plant.Finalize()
+        context = plant.CreateDefaultContext()
+        for q, qd, qdd in zip(*states(robot, 5), strict=True):
+            plant.SetPositions(context, robot.A @ q)
+            plant.SetVelocities(context, robot.A @ qd)
+            # gravity and damping; Drake takes neither dry friction nor tendons
+            forces = MultibodyForces(plant)
+            plant.CalcForceElementsContribution(context, forces)
+            tau = irb.Model(robot).inverse_dynamics(q, qd, qdd, friction=False)
+            joints = [plant.GetJointByName(f"joint_{k + 1}") for k in range(robot.n)]
+            damping = np.array([joint.default_damping() for joint in joints])
+            found = plant.CalcInverseDynamics(context, robot.A @ qdd, forces)
+            found = robot.A.T @ (found - damping * (robot.A @ qd))
+            np.testing.assert_allclose(found, tau, rtol=0, atol=1e-6 * max(1.0, np.abs(tau).max()))
+
+
 def test_the_margin_puts_every_body_strictly_inside() -> None:
     printed = irb.load_robot("irb2400")
     inside, distance = project(printed, MARGIN)
@@ -144,3 +176,19 @@ def test_a_urdf_comes_back_as_it_went_out(tmp_path: Path) -> None:
         atol=1e-10,
     )
     np.testing.assert_allclose(back.q_max, robot.q_max, rtol=1e-14)
+
+
+@pytest.mark.parametrize("form", ["urdf", "mjcf"])
+def test_a_link_without_mass_gets_a_gram_and_the_export_says_so(form: str, tmp_path: Path) -> None:
+    mujoco = pytest.importorskip("mujoco")
+    arguments = ["robot", "export", "puma560", "--format", form, "--out", str(tmp_path)]
+    run = CliRunner().invoke(app, arguments)
+    assert run.exit_code == 0
+    assert "link_1 has no mass in the robot file: 1 g is assumed" in run.output
+    engine = mujoco.MjModel.from_xml_path(str(next(tmp_path.iterdir())))
+    assert engine.nv == 6
+    assert engine.body("link_1").mass[0] == pytest.approx(1e-3)
+    assert "assumed" not in CliRunner().invoke(app, [*arguments, "--as-is"]).output
+    kept, names = with_masses(irb.load_robot("irb2400"))
+    assert names == []
+    assert kept == irb.load_robot("irb2400")

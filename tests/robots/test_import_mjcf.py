@@ -64,6 +64,51 @@ def test_a_file_with_defaults_offsets_and_two_hinges_in_a_body(tmp_path: Path) -
         np.testing.assert_allclose(X[:3, :3], tcp.xmat.reshape(3, 3), atol=1e-12)
 
 
+@pytest.mark.parametrize(
+    ("compiler", "turned"),
+    [
+        ('angle="degree" eulerseq="zyx"', 'euler="10 20 30"'),
+        ('angle="degree" eulerseq="XYZ"', 'euler="10 20 30"'),
+        ('angle="radian" eulerseq="ZXZ"', 'euler="0.3 -1.2 2"'),
+        ('angle="degree"', 'axisangle="1 2 -1 50"'),
+        ('angle="radian"', 'axisangle="0 0 3 -0.7"'),
+        ("", 'xyaxes="1 0.2 0 -0.3 1 0.4"'),
+        ("", 'zaxis="0.2 -0.3 0.5"'),
+        ("", 'zaxis="0 0 -2"'),
+        ("", 'euler="90 0 45"'),
+    ],
+)
+def test_orientations_are_those_of_mujoco(compiler: str, turned: str, tmp_path: Path) -> None:
+    mujoco = pytest.importorskip("mujoco")
+    text = (
+        f"<mujoco><compiler {compiler}/><worldbody><body {turned}><joint/>"
+        '<inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/>'
+        f'<site name="tcp" {turned}/></body></worldbody></mujoco>'
+    )
+    path = tmp_path / "arm.xml"
+    path.write_text(text)
+    engine = mujoco.MjModel.from_xml_string(text)
+    data = mujoco.MjData(engine)
+    mujoco.mj_forward(engine, data)
+    X = irb.Model(import_robot(path).robot).tcp_pose(np.zeros(1))
+    np.testing.assert_allclose(X[:3, :3], data.site("tcp").xmat.reshape(3, 3), atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "says"),
+    [
+        ('angle="degree"', 'angle="degree" eulerseq="xYz"', "eulerseq 'xYz', expected three of"),
+        ('euler="10 20 30"', 'zaxis="0 0 0"', "foot: found an axis of"),
+        ('euler="10 20 30"', 'axisangle="0 0 1"', "expected 4 finite numbers"),
+    ],
+)
+def test_an_orientation_that_is_none_is_said(old: str, new: str, says: str, tmp_path: Path) -> None:
+    path = tmp_path / "own.xml"
+    path.write_text(OWN.replace(old, new))
+    with pytest.raises(InputError, match=says):
+        import_robot(path)
+
+
 def test_an_exported_arm_comes_back(tmp_path: Path) -> None:
     arm = robot("kr16")
     path = tmp_path / "kr16.xml"
@@ -85,7 +130,6 @@ def test_an_exported_arm_comes_back(tmp_path: Path) -> None:
         ("<worldbody>", "<include file='x.xml'/><worldbody>", "includes other files"),
         ('<joint name="j2" axis="0 0 1"/>', "<freejoint/>", "flies freely"),
         ('name="j2"', 'name="j2" type="ball"', "ball"),
-        ('euler="0 45 0"', 'zaxis="0 1 0"', "quat or euler"),
         ('mass="4"', 'mass="four"', "finite numbers"),
         ("mujoco", "robots", "expected <robot>"),
     ],

@@ -24,8 +24,12 @@ from irb2400_ctrl.simulation import simulate
 
 
 def paths(name: str) -> tuple[ToolPath, ToolPath]:
+    """`paths_of` an arm of the tests."""
+    return paths_of(irb.Model(robot(name)))
+
+
+def paths_of(model: irb.Model) -> tuple[ToolPath, ToolPath]:
     """A raster and a spiral in front of the arm, of its size."""
-    model = irb.Model(robot(name))
     x, y, z = model.tcp_pose(bent(model))[:3, 3]
     size = 0.1 * model.arm_geometry.a2
 

@@ -44,6 +44,13 @@ def _steps(model: Model, start: Any, step: Any, count: int) -> ToolPath:
     return builders.way_points((np.array(start) + np.arange(count)[:, None] * np.array(step)) / 1e3)
 
 
+def _passes(model: Model, start: Any, length: float, pitch: float, count: int) -> ToolPath:
+    """To and fro, each pass slanting to the start of the next."""
+    way = np.arange(count + 1)
+    offset = np.stack([length * (way % 2), pitch * way, 0 * way], axis=1)
+    return builders.way_points((np.array(start) + offset) / 1e3)
+
+
 def _spline(model: Model, points: Any) -> ToolPath:
     return builders.spline(np.array(points) / 1e3)
 
@@ -128,6 +135,7 @@ _BUILDERS: dict[str, Callable[..., ToolPath]] = {
     "circle": _circle,
     "steps": _steps,
     "spline": _spline,
+    "passes": _passes,
     "raster": _raster,
     "wrist": _wrist,
     "wind_up": _wind_up,

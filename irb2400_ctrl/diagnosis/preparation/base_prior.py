@@ -54,11 +54,6 @@ class BasePrior:
     unknown, up to half of this"""
     speed_scale: Array
     """rms speed of each joint [rad/s]"""
-    centre: Array | None = None
-    """where a reference log puts the numbers, in data-sheet standard deviations; default the file's
-    values"""
-    spread: Array | None = None
-    """and how uncertain it leaves them, in the same unit; default one"""
 
     @classmethod
     def of(cls, robot: Robot, uncertainty: Uncertainty, motion: PreparedLog) -> BasePrior:
@@ -89,26 +84,12 @@ class BasePrior:
         ]
         return np.concatenate([*inertial, *dry])
 
-    def offset(self, model: Model, motion: PreparedLog) -> Array:
-        """Torque of the reference's own numbers over the file's, shape (m, n) [Nm]; zero without a
-        reference."""
-        if self.centre is None:
-            return np.zeros_like(motion.tau)
-        return np.asarray(self.file_columns(model, motion) @ self.centre)
-
     def deviations(self, z: Array) -> Array:
         """Fitted z in data-sheet standard deviations from the file's values, shape (k,)."""
-        if self.centre is None or self.spread is None:
-            return z
-        return np.asarray(self.centre + self.spread * z)
+        return z
 
     def columns(self, model: Model, motion: PreparedLog) -> Array:
         """d tau / d z along the motion, shape (m, n, k) [Nm]."""
-        columns = self.file_columns(model, motion)
-        return columns if self.spread is None else columns * self.spread
-
-    def file_columns(self, model: Model, motion: PreparedLog) -> Array:
-        """d tau per data-sheet standard deviation, shape (m, n, k) [Nm]."""
         n = self.robot.n
         Y: Any = model.regressor(motion.q, motion.qd, motion.qdd)
         parts = []

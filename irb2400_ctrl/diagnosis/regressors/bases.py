@@ -215,7 +215,15 @@ class _Law:
         """The states along the motion, then those of other beginnings; none without memory."""
         if self.memory is None:
             return []
-        return self.memory.states(inputs, motion.step, theta, (points, len(motion.time)))
+        found = []
+        for part in motion.parts:  # every log begins anew
+            own = [signal[part] for signal in inputs]
+            shape = (points, part.stop - part.start)
+            found.append(self.memory.states(own, motion.step, theta, shape))
+        return [
+            [np.concatenate([log[k][i] for log in found], axis=1) for i in range(len(found[0][k]))]
+            for k in range(len(found[0]))
+        ]
 
 
 def _flat(basis: ca.SX, rows: list[int]) -> ca.SX:

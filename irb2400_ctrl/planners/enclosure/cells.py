@@ -17,12 +17,14 @@ from irb2400_ctrl.planners.enclosure import bernstein
 from irb2400_ctrl.planners.enclosure.effect_bounds import Added, Range, memories
 from irb2400_ctrl.planners.enclosure.parabolas import parabolas
 from irb2400_ctrl.planners.enclosure.path_dynamics import OUTPUTS, PathDynamics
-from irb2400_ctrl.planners.joint_path import JointPath
+from irb2400_ctrl.planners.joint_path import JointMotion, JointPath
 
 # largest turn of a joint within a cell [rad]
 _TURN = 0.03
 # cells shorter than this part of their neighbours' spacing are not cut off at a reversal
 _SLIVER = 1e-6
+# rounding of a length and of a speed, as parts of them
+_ROUNDING = 32 * np.finfo(float).eps
 
 
 @dataclass(frozen=True)
@@ -74,9 +76,9 @@ def divided(s: Array, parts: npt.NDArray[np.int64]) -> Array:
     return np.append(first + number * width, s[-1])
 
 
-def with_reversals(path: JointPath, s: Array) -> Array:
+def with_reversals(path: JointMotion, s: Array) -> Array:
     """The grid with the zeros of every q_j'(s) added, unless they are next to a grid point."""
-    roots = reversals(path)
+    roots = path.reversals()
     s = np.unique(np.concatenate([s, roots]))
     knots = set(path.knots.tolist())
     gap = np.diff(s)
@@ -87,28 +89,12 @@ def with_reversals(path: JointPath, s: Array) -> Array:
     return np.delete(s, drop)
 
 
-def reversals(path: JointPath) -> Array:
-    """Zeros of q_j'(s) inside the pieces of the path, all joints together, sorted [m]."""
-    _, c1, c2, c3 = path.coefficients
-    width = np.diff(path.knots)[:, None]
-    # roots of c1 + 2 c2 d + 3 c3 d^2 without cancellation
-    with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
-        root = np.sqrt(c2**2 - 3 * c3 * c1)
-        t = -(c2 + np.where(c2 >= 0, root, -root))
-        found = np.concatenate([t / (3 * c3), c1 / t])
-    inside = (found > 0) & (found < np.concatenate([width, width]))
-    first = np.broadcast_to(
-        np.concatenate([path.knots[:-1], path.knots[:-1]])[:, None], found.shape
-    )
-    return np.unique((first + found)[inside])
-
-
-def enclose(dynamics: PathDynamics, path: JointPath, s: Array) -> Cells:
+def enclose(dynamics: PathDynamics, path: JointMotion, s: Array) -> Cells:
     """The enclosure on the cells between the lengths s (knots of the path included)."""
     fitted, remainder = parabolas(path, s, dynamics.coefficients, dynamics.radii)
     ranges, rest = _time_ranges(fitted, remainder, dynamics.factors)
     speed, curvature = _derivatives(path, s)
-    forwards, backwards = _directions(speed)
+    forwards, backwards = _directions(s, speed, curvature)
     c_low, c_high = _static_band(fitted[3:6], ranges[3:], forwards, backwards)
     a, b, e = fitted[:3]
     added = None
@@ -165,22 +151,24 @@ def _time_ranges(
     return [Range.of(parts, low, high) for parts in timed], rest
 
 
-def _derivatives(path: JointPath, s: Array) -> tuple[Array, Array]:
+def _derivatives(path: JointMotion, s: Array) -> tuple[Array, Array]:
     """q' as Bernstein coefficients (m, 3, n), and q'' at both ends (m, 2, n)."""
-    piece = path.piece(s[:-1] + np.diff(s) / 2)
-    first = path.on_piece(s[:-1], piece, 1)
-    curved = path.on_piece(s[:-1], piece, 2)
-    last = path.on_piece(s[1:], piece, 1)
-    curved_last = path.on_piece(s[1:], piece, 2)
-    # q' is a parabola
-    speed = bernstein.leaving(first, curved * np.diff(s)[:, None], last)
-    return speed, bernstein.linear(curved, curved_last)
+    middle = s[:-1] + np.diff(s) / 2
+    piece = path.piece(middle)
+    # q' is a parabola, or linear
+    speed = bernstein.through(*(path.on_piece(at, piece, 1) for at in (s[:-1], middle, s[1:])))
+    curved = bernstein.linear(*(path.on_piece(at, piece, 2) for at in (s[:-1], s[1:])))
+    return speed, curved
 
 
-def _directions(speed: Array) -> tuple[Mask, Mask]:
-    """Whether each joint moves forwards, and backwards, somewhere in each cell, shapes (m, n)."""
-    # at a reversal that ends the cell q' is zero up to rounding: that is no motion the other way
-    noise = 1e-9 * bernstein.largest_size(speed)
+def _directions(s: Array, speed: Array, curvature: Array) -> tuple[Mask, Mask]:
+    """Whether each joint moves forwards, and backwards, somewhere in each cell, shapes (m, n).
+
+    A cell that ends at a reversal ends there up to the rounding of s, and q' is zero up to what q''
+    makes of it, however small the cell: that is no motion the other way.
+    """
+    place = np.abs(s).max() * bernstein.largest_size(curvature)
+    noise = _ROUNDING * (place + bernstein.largest_size(speed))
     slowest, fastest = bernstein.hull(speed)
     return fastest > noise, slowest < -noise
 

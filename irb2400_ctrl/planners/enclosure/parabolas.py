@@ -18,7 +18,7 @@ import numpy.typing as npt
 
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.planners.enclosure import bernstein
-from irb2400_ctrl.planners.joint_path import JointPath
+from irb2400_ctrl.planners.joint_path import JointMotion
 
 # how far joints may turn on the circle of Cauchy's integral [rad]; larger: smaller factor, larger
 # variation
@@ -31,7 +31,7 @@ _NO_BOUND = 1e100
 
 
 def parabolas(
-    path: JointPath,
+    path: JointMotion,
     s: Array,
     values: Callable[..., tuple[Array, ...]],
     radii: Callable[..., tuple[Array, ...]],
@@ -58,7 +58,7 @@ def parabolas(
 
 def _remainder(
     radii: Callable[..., tuple[Array, ...]],
-    path: JointPath,
+    path: JointMotion,
     middle: Array,
     piece: npt.NDArray[np.int64],
     w: Array,
@@ -70,7 +70,9 @@ def _remainder(
     left = np.arange(len(w))
     for shrink in _SHRINK:
         kappa = np.clip(shrink * R[left] / w[left], 2.0, _KAPPA)
-        bound = _cauchy(radii, tuple(part[left] for part in motion), kappa, w[left])
+        at = tuple(part[left] for part in motion[:3])
+        discs = path.spread(middle[left], kappa * w[left])
+        bound = _cauchy(radii, at, discs, kappa)
         if not found.size:
             found = bound
         else:
@@ -96,14 +98,12 @@ def _reach(motion: tuple[Array, ...]) -> Array:
 
 
 def _cauchy(
-    radii: Callable[..., tuple[Array, ...]], path: tuple[Array, ...], kappa: Array, w: Array
+    radii: Callable[..., tuple[Array, ...]],
+    motion: tuple[Array, ...],
+    discs: tuple[Array, Array, Array],
+    kappa: Array,
 ) -> Array:
-    """The bound on circles of radius kappa w about the middles of the cells, where q and its
-    derivatives are given."""
-    q, dq, ddq, dddq = path
-    R = (kappa * w)[:, None]
-    r = np.abs(dq) * R + np.abs(ddq) * R**2 / 2 + np.abs(dddq) * R**3 / 6
-    dr = np.abs(ddq) * R + np.abs(dddq) * R**2 / 2
-    ddr = np.abs(dddq) * R
+    """The bound on circles of kappa half widths about the middles of the cells, where q, q' and
+    q'' are given, with the discs that these stay in."""
     factor = 2 / (3 * np.sqrt(3)) / ((kappa**2 - 1) * (kappa - 1))
-    return np.asarray(factor[:, None] * np.stack(radii(q, dq, ddq, r, dr, ddr)))
+    return np.asarray(factor[:, None] * np.stack(radii(*motion, *discs)))

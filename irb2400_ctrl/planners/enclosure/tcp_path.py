@@ -161,24 +161,46 @@ def levers(model: Model) -> Array:
         InputError: a coupling other than that of the parallelogram.
     """
     g = model.arm_geometry
+    if not g.exact:
+        return _levers_of_chain(model)
     flange = float(np.linalg.norm(g.X_6F[:3, 3]))
     tool = flange + float(np.linalg.norm(model.robot.X_FT[:3, 3]))
     last = tool + (0.0 if g.spherical else float(np.hypot(g.d4, g.e4)))
     fore = g.forearm + last
+    # q3 is absolute in a parallelogram: axis 2 alone turns the upper arm only
+    upper = g.a2 if _parallelogram(model) else g.a2 + fore
+    whole = abs(g.a1) + g.a2 + abs(g.b) + fore
+    return np.array([whole, upper, fore, last, tool, tool])
+
+
+def _parallelogram(model: Model) -> bool:
+    """Whether theta3 = q3 - q2; InputError for a coupling that is neither this nor none."""
     parallelogram = np.eye(6)
     parallelogram[2, 1] = -1.0
     if np.array_equal(model.robot.A, parallelogram):
-        # q3 is absolute: axis 2 alone turns the upper arm only
-        upper = g.a2
-    elif np.array_equal(model.robot.A, np.eye(6)):
-        upper = g.a2 + fore
-    else:
-        raise InputError(
-            f"{model.robot.name}: planning knows serial arms and the parallelogram theta3 = q3 - "
-            "q2, not this coupling"
-        )
-    whole = abs(g.a1) + g.a2 + abs(g.b) + fore
-    return np.array([whole, upper, fore, last, tool, tool])
+        return True
+    if np.array_equal(model.robot.A, np.eye(6)):
+        return False
+    raise InputError(
+        f"{model.robot.name}: planning knows serial arms and the parallelogram theta3 = q3 - q2, "
+        "not this coupling"
+    )
+
+
+def _levers_of_chain(model: Model) -> Array:
+    """`levers` of an arm that is only near its family: every length that lies beyond the joint.
+
+    Axis 2 of a parallelogram whose axes 2 and 3 are not quite parallel also turns the forearm, at
+    |z2 - z3| = epsilon; all further derivatives of that turn are below 2 epsilon (it is small).
+    """
+    robot = model.robot
+    frames = [*(link.frame.matrix() for link in robot.links), robot.flange.matrix(), robot.X_FT]
+    lengths = np.array([np.linalg.norm(X[:3, 3]) for X in frames])
+    beyond = np.array([lengths[i + 1 :].sum() for i in range(robot.n)])
+    if _parallelogram(model):
+        epsilon = float(np.linalg.norm(frames[2][:3, 2] - np.eye(3)[2]))
+        beyond[1] = lengths[2] + 2.0 * epsilon * beyond[2]
+    return beyond
 
 
 def _bend(lever: Array, rates: tuple[Array, ...]) -> Array:

@@ -6,10 +6,13 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
+import numpy.typing as npt
 
 from irb2400_ctrl.arrays import Array
-from irb2400_ctrl.errors import UnreachableError
+from irb2400_ctrl.cell import Scene
+from irb2400_ctrl.errors import CollisionError, UnreachableError
 from irb2400_ctrl.model import Model
+from irb2400_ctrl.planners.clearance import Clearance, continuous_clearance, cutting_moves
 from irb2400_ctrl.planners.redundancy.follow import (
     Followed,
     JointTarget,
@@ -21,6 +24,7 @@ from irb2400_ctrl.planners.redundancy.ladder_graph import BOX_INSET, FREE_SHIFTS
 from irb2400_ctrl.planners.redundancy.singularity_margins import relative_margins
 from irb2400_ctrl.planners.redundancy.wrist_passage import Passing, passings
 from irb2400_ctrl.planners.toolpath.orientation import Orientation
+from irb2400_ctrl.planners.toolpath.task_curve import TaskCurve
 
 RotationLaw = Callable[[Array], Array]
 """free rotation [rad] over the length along the path [m]"""
@@ -41,6 +45,8 @@ class Choice:
     followed: Followed
     margins: Array
     """smallest relative margins (wrist, shoulder, elbow) over the joint path, shape (3,) [-]"""
+    clearance: Clearance | None = None
+    """how far the motion stays from everything; None where it is not known"""
     passing: Passing | None = None
     """how a path of given orientations takes the wrist singularity"""
 
@@ -57,17 +63,34 @@ class Choice:
         return 0.0 if self.passing is None else self.passing.turn
 
 
-def choices(model: Model, orientation: Orientation, free: bool, keep: int = 3) -> Iterator[Choice]:
-    """Joint paths inside the joint box, the most promising of each kind first.
+def choices(
+    model: Model,
+    orientation: Orientation,
+    free: bool,
+    keep: int = 3,
+    scene: Scene | None = None,
+) -> Iterator[Choice]:
+    """Joint paths inside the joint box that touch nothing, the most promising of each kind first.
+
+    Args:
+        model: the arm.
+        orientation: the tool path, placed and smoothed.
+        free: choose the rotation about the spindle along the path.
+        keep: ways of each kind that are looked at.
+        scene: the arm in its cell; None where nothing is known of the space that it takes up.
 
     Raises:
-        UnreachableError: no way leads through; says at which point, which axis, by how much.
+        UnreachableError: no way leads through; says at which point, which axis, by how much, or
+            (CollisionError) what touches what.
     """
     curve = orientation.curve
     held = curve.full and not free
     u = _stations(orientation)
     s = arc_length(curve, u)
     ladder = Ladder.of(model, orientation, u, np.zeros(1) if held else GRID)
+    moves = cutting_moves(curve.path, orientation.spindle)
+    if scene is not None:
+        ladder = ladder.free_of(scene, _cutting_at(curve, moves, u))
     problem: UnreachableError | None = None
     found = False
     options = (
@@ -77,11 +100,13 @@ def choices(model: Model, orientation: Orientation, free: bool, keep: int = 3) -
         try:
             followed = follow(model, target, q_start)
             _inside_box(model, followed, target)
+            clearance = _clear(scene, followed, target, moves)
         except UnreachableError as error:
             problem = problem or error
             continue
         found = True
-        yield Choice(kind, branch, law, followed, continuous_margins(model, followed), passing)
+        margins = continuous_margins(model, followed)
+        yield Choice(kind, branch, law, followed, margins, clearance, passing)
     if not found:
         names = curve.origin[np.minimum(u.astype(int), curve.segments - 1)].copy()
         names[0] = 0
@@ -176,3 +201,42 @@ def _inside_box(model: Model, followed: Followed, target: JointTarget) -> None:
             f"{np.degrees(excess[worst, axis]):.1f} deg beyond its range {low:.0f} to {high:.0f} "
             "deg"
         )
+
+
+def _cutting_at(curve: TaskCurve, moves: npt.NDArray[np.bool_], u: Array) -> npt.NDArray[np.bool_]:
+    """Whether the tool may cut at curve parameters u, and right before and after, shape (n,)."""
+    last = curve.segments - 1
+    before = curve.origin[np.clip(np.ceil(u).astype(int) - 1, 0, last)]
+    after = curve.origin[np.clip(np.floor(u).astype(int), 0, last)]
+    return np.asarray(moves[before] | moves[after])
+
+
+def _cutting_between(
+    curve: TaskCurve, moves: npt.NDArray[np.bool_], u: Array
+) -> npt.NDArray[np.bool_]:
+    """Whether the tool may cut all the way between neighbouring parameters u, shape (n - 1,)."""
+    allowed = moves[curve.origin]
+    refused = np.concatenate([[0], np.cumsum(~allowed)])
+    first = np.clip(np.floor(u[:-1] + 1e-9).astype(int), 0, curve.segments)
+    last = np.clip(np.ceil(u[1:] - 1e-9).astype(int), 0, curve.segments)
+    return np.asarray(refused[last] == refused[first])
+
+
+def _clear(
+    scene: Scene | None, followed: Followed, target: JointTarget, moves: npt.NDArray[np.bool_]
+) -> Clearance | None:
+    """How far a joint path stays from everything; refuses one that cannot be shown free."""
+    if scene is None:
+        return None
+    cutting = _cutting_between(target.curve, moves, followed.u)
+    found = continuous_clearance(scene, followed.joints, cutting)
+    if found.free:
+        return found
+    u = float(np.interp(found.s, followed.joints.knots, followed.u))
+    first, other = found.pair
+    near = "touch" if found.value <= 0 else f"come within {1e3 * found.value:.2f} mm"
+    wanted = f", {1e3 * scene.keep:g} mm are to be kept" if scene.keep else ""
+    raise CollisionError(
+        f"near point {target.point(u)} {first} and {other} {near}{wanted}; move the work "
+        "frame, free the tool rotation, or change the cell"
+    )

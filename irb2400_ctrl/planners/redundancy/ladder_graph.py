@@ -9,15 +9,17 @@ smallest margin first, then, among the nodes that keep it, the shortest motion.
 from __future__ import annotations
 
 import itertools
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 import numpy.typing as npt
 
 from irb2400_ctrl.arrays import Array, Integers
+from irb2400_ctrl.cell import Scene
 from irb2400_ctrl.errors import UnreachableError
 from irb2400_ctrl.model import Model
+from irb2400_ctrl.planners.clearance.crowd import Crowd
 from irb2400_ctrl.planners.redundancy.singularity_margins import COMFORTABLE, relative_margins
 from irb2400_ctrl.planners.toolpath.orientation import Orientation
 
@@ -82,6 +84,8 @@ class Ladder:
     """relative margin, smallest of three, shape (n, r, 8)"""
     turns: Array
     """whole turns of the wound axes that nodes may carry, shape (k, number of wound axes)"""
+    crowd: Crowd | None = None
+    """what the nodes are near to; None where it is not known"""
 
     @classmethod
     def of(cls, model: Model, orientation: Orientation, u: Array, rotation: Array) -> Ladder:
@@ -109,6 +113,23 @@ class Ladder:
     def wound(self) -> list[int]:
         """Zero-based axes whose whole turns the nodes carry."""
         return wound_axes(self.model)
+
+    def free_of(self, scene: Scene, cutting: npt.NDArray[np.bool_]) -> Ladder:
+        """The same without the nodes that touch something.
+
+        Args:
+            scene: the arm in its cell.
+            cutting: stations at which the tool may cut, shape (n,).
+        """
+        boxed = np.array([self.inside(i).any(axis=2) for i in range(len(self.u))])
+        return replace(self, crowd=Crowd.of(scene, self.q, boxed & (self.margin > 0), cutting))
+
+    def allowed(self, station: int) -> npt.NDArray[np.bool_]:
+        """Nodes of a station within the joint box that touch nothing, shape (r, 8, k)."""
+        inside = self.inside(station)
+        if self.crowd is None:
+            return inside
+        return np.asarray(inside & self.crowd.free(station)[..., None])
 
     def inside(self, station: int) -> npt.NDArray[np.bool_]:
         """Nodes of a station within the joint box, shape (r, 8, k)."""
@@ -217,11 +238,12 @@ class Ladder:
         return value, back
 
     def _node_value(self, i: int, level: float | None) -> Array:
-        inside = self.inside(i)
+        allowed = self.allowed(i)
         margin = self.margin[i][..., None]
         if level is None:
-            return np.where(inside, margin, -1.0)
-        return np.where(inside & (margin >= level), 0.0, np.inf)
+            return np.where(allowed, margin, -1.0)
+        cost = 0.0 if self.crowd is None else self.crowd.cost(i)[..., None]
+        return np.where(allowed & (margin >= level), cost, np.inf)
 
     def _source(self, whole: Array) -> Integers:
         """Index into `turns` a node comes from, -1 where that lies outside, shape (r, 8, k)."""
@@ -260,8 +282,11 @@ class Ladder:
         low = self.model.robot.q_min + BOX_INSET
         high = self.model.robot.q_max - BOX_INSET
         for i in range(len(self.u)):
-            if self.inside(i).any():
+            if self.allowed(i).any():
                 continue
+            boxed = self.inside(i).any(axis=2)
+            if self.crowd is not None and boxed.any():
+                return self.crowd.refusal(self.q[i][boxed], i, int(names[i]) + 1)
             q = self.q[i].reshape(-1, 6)
             if not np.isfinite(q).any():
                 gap = 1e3 * float(self.overreach[i].min())
@@ -284,8 +309,9 @@ class Ladder:
             )
         _, back = self._sweep(FREE_SHIFTS if len(self.rotation) > 1 else (0,), level=None)
         at = min(len(back), len(self.u) - 1)
+        obstacle = "" if self.crowd is None else ", a collision"
         return UnreachableError(
             f"no continuous motion reaches point {names[at] + 1}: every configuration that reaches "
-            "the points before "
-            "it meets the joint box or a singularity there; split the path, or move the work frame"
+            f"the points before it meets the joint box{obstacle} "
+            "or a singularity there; split the path, or move the work frame"
         )

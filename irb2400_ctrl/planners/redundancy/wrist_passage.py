@@ -91,7 +91,7 @@ def passages(model: Model, orientation: Orientation, posture: int) -> list[Passa
     w = wrist_direction(model, orientation.poses(u, np.zeros(1)), posture)
     if not np.isfinite(w).all():
         return None
-    if not model.arm_geometry.spherical:
+    if not (model.arm_geometry.spherical and model.arm_geometry.exact):
         # w is that of a spherical wrist; other wrists are led past their singularity
         return []
     size = np.linalg.norm(w, axis=1)

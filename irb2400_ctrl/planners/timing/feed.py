@@ -5,18 +5,18 @@ from __future__ import annotations
 import numpy as np
 
 from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.planners.enclosure.cells import divided
 from irb2400_ctrl.planners.enclosure.tcp_path import TcpPath
+from irb2400_ctrl.planners.joint_path import JointPath
 from irb2400_ctrl.planners.redundancy.follow import Followed
 from irb2400_ctrl.planners.timing.time_joint_path import FeedBound
 from irb2400_ctrl.planners.timing.time_law import TimeLaw
 from irb2400_ctrl.planners.toolpath.orientation import Orientation
 
 
-def feed_bound(tcp: TcpPath, orientation: Orientation, followed: Followed) -> FeedBound:
-    """(feed / |dp/ds|)^2 within cells, with the largest |dp/ds| of each cell bounded, not
-    sampled."""
+def programmed_feed(orientation: Orientation, followed: Followed) -> Array:
+    """The feed on every piece of a joint path, inf where there is none [m/s], shape (m,)."""
     curve = orientation.curve
-    joints = followed.joints
     by_segment = curve.path.feed[curve.origin]
     first = np.floor(followed.u[:-1] + 1e-9).astype(int)
     last = np.maximum(np.ceil(followed.u[1:] - 1e-9).astype(int) - 1, first)
@@ -26,6 +26,13 @@ def feed_bound(tcp: TcpPath, orientation: Orientation, followed: Followed) -> Fe
         by_piece = np.minimum(
             by_piece, by_segment[np.minimum(first + shift, np.minimum(last, curve.segments - 1))]
         )
+    return by_piece
+
+
+def feed_bound(tcp: TcpPath, by_piece: Array) -> FeedBound:
+    """(feed / |dp/ds|)^2 within cells, with the largest |dp/ds| of each cell bounded, not
+    sampled."""
+    joints = tcp.joints
 
     def bound(s: Array) -> Array:
         feed = by_piece[joints.piece((s[:-1] + s[1:]) / 2)]
@@ -36,10 +43,24 @@ def feed_bound(tcp: TcpPath, orientation: Orientation, followed: Followed) -> Fe
     return bound
 
 
-def feed_ratio(bound: FeedBound, law: TimeLaw) -> float | None:
+def feed_ratio(tcp: TcpPath, by_piece: Array, law: TimeLaw, places: JointPath) -> float | None:
     """Upper bound of the TCP's speed over the feed, at all times; None where no feed is
-    programmed."""
-    most = bound(law.s)
-    if not np.isfinite(most).any():
+    programmed.
+
+    Args:
+        tcp: along the joint path that was timed.
+        by_piece: the feed on its pieces [m/s].
+        law: when it is where: says which feed counts.
+        places: the joints over the time, as the controller has them.
+    """
+    if not np.isfinite(by_piece).any():
         return None
-    return float(np.sqrt((law.largest / most).max()))
+    joints = tcp.joints
+    changes = joints.knots[1:-1][by_piece[1:] != by_piece[:-1]]
+    # knots are grid points of the law, up to slivers
+    passed = law.time[np.minimum(np.searchsorted(law.s, changes), len(law.s) - 1)]
+    rows = np.unique(np.concatenate([places.knots, passed[passed < places.knots[-1]]]))
+    cells = divided(rows, np.full(len(rows) - 1, 2))
+    s = law.at((cells[:-1] + cells[1:]) / 2)[0]
+    speed = TcpPath(tcp.model, places, tcp.spindle).enclosed_velocity(cells).size
+    return float((speed / by_piece[joints.piece(s)]).max())

@@ -72,7 +72,8 @@ class MotionLimits:
     @property
     def smooth(self) -> bool:
         """Whether the motion has to be one without jumps of the acceleration."""
-        return self.torque_rate is not None or self.jerk is not None
+        rates = [rate for rate in (self.torque_rate, self.jerk) if rate is not None]
+        return any(bool(np.isfinite(rate).any()) for rate in rates)
 
     @classmethod
     def of(cls, robot: Robot) -> MotionLimits:

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.planners.enclosure.tcp_path import TcpPath
 from irb2400_ctrl.planners.joint_path import JointPath
 from irb2400_ctrl.planners.redundancy.follow import Followed
-from irb2400_ctrl.planners.timing.feed import feed_bound
+from irb2400_ctrl.planners.timing.feed import feed_bound, feed_ratio, programmed_feed
 from irb2400_ctrl.planners.timing.time_joint_path import FeedBound
+from irb2400_ctrl.planners.timing.time_law import TimeLaw
 from irb2400_ctrl.planners.toolpath.orientation import Orientation
 
 
@@ -19,13 +21,23 @@ class TaskPath:
 
     followed: Followed
     tcp: TcpPath
-    feed: FeedBound
+    programmed_feed: Array
+    """on every piece of the joint path [m/s], shape (m,); inf where there is none"""
 
     @classmethod
     def of(cls, model: Model, orientation: Orientation, followed: Followed) -> TaskPath:
         """The TCP and the feed along followed joints."""
         tcp = TcpPath(model, followed.joints, orientation.spindle)
-        return cls(followed, tcp, feed_bound(tcp, orientation, followed))
+        return cls(followed, tcp, programmed_feed(orientation, followed))
+
+    @property
+    def feed(self) -> FeedBound:
+        """Bound of x = sdot^2 in cells of the joint path."""
+        return feed_bound(self.tcp, self.programmed_feed)
+
+    def feed_ratio(self, law: TimeLaw, places: JointPath) -> float | None:
+        """Speed of the TCP over the feed, see `feed.feed_ratio`."""
+        return feed_ratio(self.tcp, self.programmed_feed, law, places)
 
     @property
     def joints(self) -> JointPath:

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 from irb2400_ctrl.errors import InfeasibleError
+from irb2400_ctrl.planners.clearance.crowd import COMFORTABLE_CLEARANCE
 from irb2400_ctrl.planners.enclosure.cells import enclose, grid
 from irb2400_ctrl.planners.enclosure.path_dynamics import PathDynamics
 from irb2400_ctrl.planners.redundancy.choices import Choice
@@ -14,6 +15,10 @@ from irb2400_ctrl.planners.redundancy.singularity_margins import COMFORTABLE
 from irb2400_ctrl.planners.timing.infeasible_point import InfeasiblePointError
 from irb2400_ctrl.planners.timing.rate_limited.rate_summary import rate_summary
 from irb2400_ctrl.planners.timing.rate_limited.time_rate_limited import time_rate_limited
+from irb2400_ctrl.planners.timing.sampled_reference.settled_reference import (
+    Settled,
+    settled_reference,
+)
 from irb2400_ctrl.planners.timing.sampled_timing import time_with_samples
 from irb2400_ctrl.planners.timing.task_path import TaskPath
 from irb2400_ctrl.planners.timing.time_joint_path import time_joint_path
@@ -21,6 +26,9 @@ from irb2400_ctrl.planners.timing.time_law import TimeLaw
 from irb2400_ctrl.planners.timing.time_optimal import Timed
 from irb2400_ctrl.planners.timing.timing_options import TimingOptions
 from irb2400_ctrl.planners.toolpath.orientation import Orientation
+
+CLEARANCE_WORTH = 0.1
+"""what a comfortable clearance is worth, as a relative margin to singularities [-]"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,9 +45,13 @@ class TimedChoice:
 
     @property
     def rank(self) -> tuple[float, float]:
-        """Larger margin first as long as it is not comfortable, then the shorter duration."""
-        margin = min(self.choice.margin, COMFORTABLE)
-        return -round(margin, 2), self.fastest.duration
+        """Larger margin and clearance first as long as they are not comfortable, then the shorter
+        duration."""
+        worth = min(self.choice.margin, COMFORTABLE)
+        near = self.choice.clearance
+        if near is not None:
+            worth += CLEARANCE_WORTH * min(near.value / COMFORTABLE_CLEARANCE, 1.0)
+        return -round(worth, 2), self.fastest.duration
 
 
 def time_choices(
@@ -89,13 +101,34 @@ def limit_rates(
     for option in ranked:
         path = option.path
         try:
-            law = time_rate_limited(dynamics, path.joints, limits, count=count, feed=path.feed).law
+            law = time_rate_limited(
+                dynamics,
+                path.joints,
+                limits,
+                count=count,
+                feed=path.feed,
+                sampling=options.sampling,
+            ).law
         except InfeasiblePointError as error:
             problem = _placed(error, path)
             continue
         rates = rate_summary(law, path.joints, limits, dynamics, option.fastest)
         return replace(option, law=law, rates=rates)
+    if not options.rates_stated:
+        # a torque that jumps by itself: the rows are slowed instead, until they keep the limits
+        return ranked[0]
     raise problem or InfeasibleError("no motion within the limits")
+
+
+def settle(
+    dynamics: PathDynamics, timed: TimedChoice, options: TimingOptions
+) -> tuple[TimedChoice, Settled]:
+    """The choice as its rows say it, slowed by what they swing above the limits; with toppra's
+    timing as it is."""
+    found = settled_reference(
+        dynamics, timed.path, timed.law, options.limits, options.sampling, options.certified
+    )
+    return replace(timed, law=found.law), found
 
 
 def _fastest(dynamics: PathDynamics, path: TaskPath, options: TimingOptions) -> Timed:

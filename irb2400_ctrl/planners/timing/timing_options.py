@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 from numpy.typing import ArrayLike
 
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.planners.timing.motion_limits import MotionLimits
+from irb2400_ctrl.planners.timing.sampled_reference.sampling import Sampling
 from irb2400_ctrl.robot import Robot
 
 Backend = Literal["certified", "toppra"]
@@ -23,6 +24,12 @@ class TimingOptions:
     cells: int
     """smallest number of grid cells"""
     limits: MotionLimits
+    sampling: Sampling
+    torque_share: float = 1.0
+    """part of the torque limits that is used"""
+    rates_stated: bool = False
+    """whether somebody asked for limits of torque rate or jerk; otherwise they are those that rows
+    can follow"""
 
     @classmethod
     def of(
@@ -33,24 +40,38 @@ class TimingOptions:
         limits: MotionLimits | None,
         torque_rate: ArrayLike | None,
         jerk: ArrayLike | None,
+        sampling: Sampling,
+        torque_share: float = 1.0,
     ) -> TimingOptions:
         """The options of a request; limits default to those of the robot.
+
+        The torque changes at most as fast as rows of the trajectory can follow
+        (`Sampling.torque_rate`), unless a torque rate is stated; inf lets it jump.
 
         Raises:
             InputError: an unknown back-end, a limit that is not positive or wider than the robot's,
             or one of torque rate or jerk that the back-end does not know.
         """
+        if not 0 < torque_share <= 1:
+            raise InputError(
+                f"torque share: found {torque_share}, expected more than 0 and at most 1 (0.9 is "
+                "90 %)"
+            )
         if backend not in {"certified", "toppra"}:
             raise InputError(f"timing: found {backend!r}, expected 'certified' or 'toppra'")
         own = MotionLimits.of(robot)
         stated = own if limits is None else limits.within(own)
+        stated = replace(stated, tau_max=torque_share * stated.tau_max)
         limited = stated.with_rates(torque_rate, jerk)
-        if limited.smooth and backend != "certified":
+        rates_stated = limited.smooth
+        if rates_stated and backend != "certified":
             raise InputError(
                 f"timing: found {backend!r} with a limit of torque rate or jerk, expected "
                 "'certified'"
             )
-        return cls(backend, cells, limited)
+        if torque_rate is None and backend == "certified":
+            limited = limited.with_rates(sampling.torque_rate * own.tau_max, None)
+        return cls(backend, cells, limited, sampling, torque_share, rates_stated)
 
     @property
     def certified(self) -> bool:

@@ -12,7 +12,6 @@ from numpy.typing import ArrayLike
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.planners.enclosure import bernstein
-from irb2400_ctrl.planners.enclosure.cells import reversals
 from irb2400_ctrl.planners.enclosure.path_dynamics import PathDynamics, path_dynamics
 from irb2400_ctrl.planners.redundancy.singularity_margins import NAMES
 from irb2400_ctrl.planners.timing.certificate import Certificate
@@ -108,7 +107,7 @@ class MotionRequest:
         if found.duration > self.longest * (1 + 1e-9):
             return f"{found.duration:.3f} s are longer than {self.longest:.3f} s"
         # the extremes of a cubic spline are at its knots and reversals
-        q = path(np.concatenate([path.knots, reversals(path)]))
+        q = path(np.concatenate([path.knots, path.reversals()]))
         excess = np.maximum(robot.q_min - q, q - robot.q_max).max(axis=0)
         if excess.max() > 1e-9:
             return (

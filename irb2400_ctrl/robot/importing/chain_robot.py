@@ -86,8 +86,7 @@ def chain_robot(
     if not chain.joints:
         raise InputError(f"{tree.name}: no joint between {base} and {tip} turns")
     tables = [joint_table(joint, notes) for joint in chain.joints]
-    if len({t["limits"].get("torque_Nm") for t in tables}) == 1 and len(tables) > 1:
-        notes.append("all torque limits are the same number: often a placeholder, check them")
+    notes += _one_limit([t["limits"].get("torque_Nm") for t in tables])
     n = len(chain.joints)
     if coupling:
         notes.append("ranges and torque limits are taken as those of the actuators, not of links")
@@ -234,3 +233,10 @@ def _payload(payload: Payload) -> dict[str, Any]:
 
 def _transform(X: Array) -> dict[str, Any]:
     return {"transform": X.tolist()}
+
+
+def _one_limit(torques: list[float | None]) -> list[str]:
+    """A note where one number stands for the torque limit of every joint."""
+    if len(torques) < 2 or torques[0] is None or len(set(torques)) > 1:
+        return []
+    return ["all torque limits are the same number: often a placeholder, check them"]

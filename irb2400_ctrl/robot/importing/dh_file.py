@@ -10,6 +10,7 @@ row; optionally `name`, `low_deg|rad`, `high_deg|rad`, `speed_deg_s|rad_s`, `tor
 from __future__ import annotations
 
 import csv
+import re
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -21,7 +22,6 @@ from irb2400_ctrl.robot.importing.tree import Mass, Tree, TreeJoint, pose
 
 CONVENTIONS = ("standard", "modified")
 _UNITS = {
-    "": 1.0,
     "_m": 1.0,
     "_mm": 1e-3,
     "_rad": 1.0,
@@ -33,6 +33,16 @@ _UNITS = {
     "_Nm": 1.0,
     "_Nms_rad": 1.0,
 }
+_ANGLES = ("_rad", "_deg")
+_LENGTHS = ("_m", "_mm")
+_COLUMNS = {
+    **dict.fromkeys(("alpha", "theta_offset", "low", "high"), _ANGLES),
+    **dict.fromkeys(("a", "d", "com_x", "com_y", "com_z"), _LENGTHS),
+    **dict.fromkeys(("ixx", "iyy", "izz", "ixy", "ixz", "iyz"), ("_kgm2",)),
+    **{"mass": ("_kg",), "torque": ("_Nm",), "coulomb": ("_Nm",), "viscous": ("_Nms_rad",)},
+    **{"speed": ("_rad_s", "_deg_s"), "name": ("",)},
+}
+"""name -> its units"""
 
 
 @dataclass(frozen=True)
@@ -66,7 +76,8 @@ def read_dh(path: Path, convention: str | None) -> Tree:
     Raises:
         InputError: no convention, a column that is missing, a cell that is no number.
     """
-    lines = path.read_text().splitlines()
+    text, separator = _text(path)
+    lines = text.splitlines()
     comments = [line.lstrip("# ").strip() for line in lines if line.startswith("#")]
     named = [c.split(":")[1].strip() for c in comments if c.lower().startswith("convention")]
     convention = convention or (named[0] if named else None)
@@ -75,10 +86,11 @@ def read_dh(path: Path, convention: str | None) -> Tree:
             f"{path}: the convention is {convention or 'not stated'}, expected standard or "
             "modified; write a line `# convention: standard` above the header or give --convention"
         )
-    rows = [
-        _Row(f"{path}, row {k}", cells)
-        for k, cells in enumerate(csv.DictReader(x for x in lines if not x.startswith("#")), 1)
-    ]
+    table = csv.DictReader(
+        (line for line in lines if line.strip() and not line.startswith("#")), delimiter=separator
+    )
+    _known(path, [name for name in table.fieldnames or [] if name])
+    rows = [_Row(f"{path}, row {k}", cells) for k, cells in enumerate(table, 1)]
     links: dict[str, Mass | None] = {"base": None}
     joints = []
     parent = "base"
@@ -102,6 +114,32 @@ def read_dh(path: Path, convention: str | None) -> Tree:
     return Tree(path.stem, source, links, tuple(joints))
 
 
+def _text(path: Path) -> tuple[str, str]:
+    """The table with decimal points, and its separator: comma, or semicolon with decimal commas."""
+    try:
+        text = path.read_text(encoding="utf-8-sig")
+    except UnicodeDecodeError as error:
+        raise InputError(f"{path} is not a readable CSV file: {error}") from error
+    header = next((x for x in text.splitlines() if x.strip() and not x.startswith("#")), "")
+    separator = max((",", ";", "\t"), key=header.count)
+    if separator == ",":
+        return text, separator
+    return re.sub(r"(?<=\d),(?=\d)", ".", text), separator
+
+
+def _known(path: Path, names: list[str]) -> None:
+    """Refuse columns that would be left out in silence."""
+    for name in names:
+        if any(name.strip() == key + unit for key, units in _COLUMNS.items() for unit in units):
+            continue
+        units = _COLUMNS.get(name.strip())
+        if units is not None:
+            forms = " or ".join(name.strip() + unit for unit in units)
+            raise InputError(f"{path}: column {name!r} has no unit, expected {forms}")
+        listed = ", ".join(key + units[-1] for key, units in _COLUMNS.items())
+        raise InputError(f"{path}: column {name!r} is not known, expected some of {listed}")
+
+
 def _joint(row: _Row, name: str, kind: str, parent: str, child: str, X: Array) -> TreeJoint:
     low = row.get("low")
     high = row.get("high")
@@ -123,7 +161,13 @@ def _joint(row: _Row, name: str, kind: str, parent: str, child: str, X: Array) -
 def _step(row: _Row, convention: str) -> Array:
     """Trans_z(d) Trans_x(a) Rot_x(alpha), after the turn; or Rot_x(alpha) Trans_x(a) Trans_z(d)
     before it, shape (4, 4)."""
-    X = _turn(0, row.need("alpha", "deg"))
+    alpha = row.need("alpha", "deg")
+    if abs(abs(np.degrees(alpha)) - np.pi / 2) < 1e-3 or abs(abs(np.degrees(alpha)) - np.pi) < 1e-3:
+        raise InputError(
+            f"{row.where}: alpha is {np.degrees(alpha):.5g} degrees, which looks like radians; "
+            "expected degrees under alpha_deg, or the name alpha_rad"
+        )
+    X = _turn(0, alpha)
     a = row.need("a", "mm")
     d = row.need("d", "mm")
     X[:3, 3] = (a, 0.0, d) if convention == "standard" else a * np.eye(3)[0] + d * X[:3, 2]

@@ -33,8 +33,9 @@ def _limits(joint: TreeJoint, notes: list[str]) -> dict[str, Any]:
     source = "the imported file"
     ends = joint.range
     if ends is None or ends[0] >= ends[1]:
-        if joint.kind != "continuous":
-            notes.append(f"joint {joint.name}: no range in the file; one turn either way is kept")
+        endless = joint.kind == "continuous"
+        why = "it turns endlessly (continuous)" if endless else "no range in the file"
+        notes.append(f"joint {joint.name}: {why}; one turn either way is kept")
         ends = (-2 * np.pi, 2 * np.pi)
         source = "assumption: the file states no range, one turn either way is kept"
     elif max(abs(end) for end in ends) > DEGREES:

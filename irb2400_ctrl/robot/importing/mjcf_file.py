@@ -8,14 +8,15 @@ from __future__ import annotations
 
 import xml.etree.ElementTree as ET
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.robot.importing.mjcf_orientation import orientation
 from irb2400_ctrl.robot.importing.tree import Mass, Tree, TreeJoint, inverse, pose
-from irb2400_ctrl.robot.importing.urdf_file import rotation_rpy
 
 Settings = dict[str, str]
 
@@ -177,28 +178,11 @@ class _Reader:
         return Mass(mass, np.zeros(3), tensor).seen_from(here @ self._pose(inertial, name))
 
     def _pose(self, element: ET.Element, name: str) -> Array:
-        R = np.eye(3)
-        if (text := element.get("quat")) is not None:
-            R = _from_quaternion(_numbers(name, text, 4))
-        elif (text := element.get("euler")) is not None:
-            if self.eulers != "xyz":
-                raise InputError(f"{self.path}: eulerseq {self.eulers}, expected xyz")
-            x, y, z = self.unit * _numbers(name, text, 3)
-            R = (
-                rotation_rpy(np.array([x, 0, 0]))
-                @ rotation_rpy(np.array([0, y, 0]))
-                @ rotation_rpy(np.array([0, 0, z]))
-            )
-        elif any(key in element.attrib for key in ("axisangle", "xyaxes", "zaxis")):
-            raise InputError(f"{self.path}: {name}: expected its orientation as quat or euler")
+        try:
+            R = orientation(element.attrib, partial(_numbers, name), self.unit, self.eulers)
+        except InputError as error:
+            raise InputError(f"{self.path}: {name}: {error}") from error
         return pose(_numbers(name, element.get("pos", "0 0 0"), 3), R)
-
-
-def _from_quaternion(q: Array) -> Array:
-    w, *v = q / np.linalg.norm(q)
-    x, y, z = v
-    K = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
-    return np.asarray(np.eye(3) + 2 * w * K + 2 * K @ K)
 
 
 def _first(text: str | None) -> float | None:

@@ -140,7 +140,7 @@ def rotation_to(axis: Array) -> Array:
     """
     length = float(np.linalg.norm(axis))
     if not np.isfinite(length) or length < 1e-9:
-        raise InputError(f"joint axis {axis.tolist()}: expected a direction, not zero")
+        raise InputError(f"found a joint axis of {axis.tolist()}, expected a direction")
     z = axis / length
     helper = np.roll(np.eye(3)[int(np.argmax(np.abs(z)))], 1)
     x = np.cross(helper, z)

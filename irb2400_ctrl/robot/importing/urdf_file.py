@@ -31,7 +31,9 @@ def read_urdf(path: Path, root: ET.Element) -> Tree:
     for joint in joints:
         for link in (joint.parent, joint.child):
             if link not in links:
-                raise InputError(f"{path}: joint {joint.name} names the link {link}, which is none")
+                raise InputError(
+                    f"{path}: joint {joint.name} names the link {link}, which is not in the file"
+                )
     name = root.get("name") or path.stem
     rounded = _rounded_angles(root)
     notes = [f"{rounded} rpy with quarter turns of few digits (1.5708) are read as exact ones"]

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from irb2400_ctrl.arrays import Array
-from irb2400_ctrl.planners.enclosure.cells import reversals
 from irb2400_ctrl.planners.joint_path import JointPath
 
 # the pieces of a path may disagree by rounding
@@ -37,7 +36,7 @@ def refined_grid(s: Array, path: JointPath, parts: int) -> Array:
     path: that they are on the law's grid is not taken for granted."""
     inner = s[1:-1]
     split = (inner[:-1, None] + np.arange(parts) / parts * np.diff(inner)[:, None]).ravel()
-    more = np.concatenate([path.knots, reversals(path)])
+    more = np.concatenate([path.knots, path.reversals()])
     more = more[(more > inner[0]) & (more < inner[-1])]
     return np.unique(np.concatenate([s, split, more]))
 

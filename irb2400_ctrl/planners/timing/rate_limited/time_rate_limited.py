@@ -20,6 +20,7 @@ from irb2400_ctrl.planners.timing.rate_limited.interior_point import solve
 from irb2400_ctrl.planners.timing.rate_limited.output_bounds import OutputRatios
 from irb2400_ctrl.planners.timing.rate_limited.rate_limited_grid import first_grid, refined
 from irb2400_ctrl.planners.timing.rate_limited.rate_limited_law import RateLimitedLaw
+from irb2400_ctrl.planners.timing.sampled_reference.sampling import Sampling
 from irb2400_ctrl.planners.timing.time_joint_path import FeedBound, time_joint_path
 from irb2400_ctrl.planners.timing.time_law import TimeLaw
 from irb2400_ctrl.planners.timing.torque_constraints import ROUNDING
@@ -29,7 +30,7 @@ PARTS = 4
 
 # how often what the bounds show above a limit is held back; then the motion is slowed by what is
 # left of it
-_ROUNDS = 4
+_ROUNDS = 5
 # what may be left of it: the check of the plan will say so
 _UNSETTLED = 1e-3
 # a ratio to a limit, at the speed that keeps all others, that slowing down does not cure
@@ -61,6 +62,7 @@ def time_rate_limited(
     *,
     count: int = 500,
     feed: FeedBound | None = None,
+    sampling: Sampling | None = None,
 ) -> RateLimitedTiming:
     """The time law from rest to rest, without a jump of the acceleration, whose bounds over all
     times keep the limits.
@@ -75,6 +77,8 @@ def time_rate_limited(
         limits: with `torque_rate`, `jerk` or both.
         count: about how many cells to begin with.
         feed: bound of x = sdot^2 in cells, see `retime`.
+        sampling: how the motion will be read; what swings above a torque limit between rows is
+            held back, too.
 
     Raises:
         InputError: no limit of a rate among the limits.
@@ -85,7 +89,7 @@ def time_rate_limited(
             "limits: found neither torque_rate nor jerk, expected at least one of them"
         )
     jumping = replace(limits, torque_rate=None, jerk=None)
-    search = _Search(dynamics, path, limits, feed)
+    search = _Search(dynamics, path, limits, feed, sampling)
     fastest, cells = time_joint_path(dynamics, path, jumping, count=count, feed=feed)
     s, rough, first = search.rough(fastest.law, cells, count)
     law, ratios, more = search.settled(s, rough)
@@ -107,6 +111,7 @@ class _Search:
     path: JointPath
     limits: MotionLimits
     feed: FeedBound | None
+    sampling: Sampling | None
 
     def outputs(self, cells: Cells) -> ConstrainedOutputs:
         """What has limits, on cells of the path."""
@@ -115,6 +120,16 @@ class _Search:
     def ratios(self, law: RateLimitedLaw, parts: int = PARTS) -> OutputRatios:
         """A motion held against its limits."""
         return law.sampled_ratios(self.path, self.limits, self.dynamics, parts)
+
+    def as_read(self, law: RateLimitedLaw, ratios: OutputRatios) -> OutputRatios:
+        """The same with the torques of the rows, and of what is read between them."""
+        if self.sampling is None or self.dynamics.irregular:
+            return ratios
+        n = self.path.n
+        seen = self.sampling.torque_ratios(law, self.path, self.limits, self.dynamics, ratios.s)
+        value = ratios.value.copy()
+        value[:, :n] = np.maximum(value[:, :n], seen)
+        return replace(ratios, value=value)
 
     def program(self, s: Array, near: TimeLaw) -> GriddedProgram:
         """The program on a grid, near a motion that is known."""
@@ -143,7 +158,7 @@ class _Search:
             found = solve(selected.program, z, barrier=barrier, gap=_GAP)
             iterations += found.iterations
             law = problem.law(found.z)
-            ratios = self.ratios(law)
+            ratios = self.as_read(law, self.ratios(law))
             if _largest(ratios) <= 1 - ROUNDING or turn == _ROUNDS - 1:
                 break
             _refuse(
@@ -169,7 +184,7 @@ class _Search:
                 break
             # torque falls with the square of the speed, but for gravity and friction
             law = law.slowed(1 + 0.7 * (worst - 1) + ROUNDING)
-            ratios = self.ratios(law)
+            ratios = self.as_read(law, self.ratios(law))
         return law, ratios
 
 

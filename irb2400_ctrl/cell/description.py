@@ -1,0 +1,143 @@
+"""`Cell`: what stands around an arm, as a cell file (TOML) states it; its fields are the file's
+keys.
+
+Places are in the robot base or, where a thing says so, in the frame of the work object. Lengths are
+in mm, angles in degrees, turned about the fixed x, then y, then z.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Literal, Self
+
+from pydantic import Field, model_validator
+
+from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.robot.shape import Box, Capsule, Cylinder, Shape, Sphere, pose
+from irb2400_ctrl.robot.table import NotNegative, Table, Vector3
+
+Role = Literal["part", "stock", "fixture", "table", "obstacle"]
+CUT = ("part", "stock")
+"""what the cutting part of a tool may touch at feed"""
+
+
+class Mesh(Table):
+    """Triangles of an STL file (or another that trimesh reads), moved and turned."""
+
+    kind: Literal["mesh"]
+    file: Path
+    """relative to the cell file"""
+    unit: Literal["mm", "cm", "m", "inch"] = "mm"
+    """of the file: STL states none"""
+    place_mm: Vector3 = (0.0, 0.0, 0.0)
+    turn_deg: Vector3 = (0.0, 0.0, 0.0)
+
+
+CellShape = Annotated[Capsule | Cylinder | Sphere | Box | Mesh, Field(discriminator="kind")]
+
+
+class Placed(Table):
+    """Where a frame stands in the robot base."""
+
+    place_mm: Vector3
+    turn_deg: Vector3 = (0.0, 0.0, 0.0)
+
+    @property
+    def pose(self) -> Array:
+        """X_BW [m], shape (4, 4)."""
+        return pose(self.place_mm, self.turn_deg)
+
+
+class Thing(Table):
+    """A body of the cell that stands still."""
+
+    name: str = Field(min_length=1)
+    role: Role
+    frame: Literal["base", "work_object"] = "base"
+    shapes: tuple[CellShape, ...] = Field(min_length=1)
+
+    @property
+    def may_be_cut(self) -> bool:
+        """Whether the cutting part of a tool may touch it at feed."""
+        return self.role in CUT
+
+
+class CellTool(Table):
+    """A tool by name: its TCP, and the space that it takes up in the frame of that TCP.
+
+    It takes the place of what the robot file's spindle holds; the spindle stays, and so do the mass
+    data of the robot file.
+    """
+
+    name: str = Field(min_length=1)
+    number: int | None = None
+    """of the CAM file: chosen for the operations with this tool where no tool is named"""
+    offset_mm: Vector3 = (0.0, 0.0, 0.0)
+    """its tip in the TCP frame of the robot file; the third is out of the spindle"""
+    shapes: tuple[Shape, ...] = Field(min_length=1)
+    """in the TCP frame at its own tip"""
+
+
+class Cell(Table):
+    """The surroundings of an arm."""
+
+    schema_version: Literal[1] = 1
+    name: str = Field(min_length=1)
+    clearance_mm: NotNegative = 0.0
+    """a motion keeps at least this distance, or is refused"""
+    floor_mm: float | None = None
+    """height of the floor in the robot base; absent: no floor"""
+    work_object: Placed | None = None
+    things: tuple[Thing, ...] = ()
+    tools: tuple[CellTool, ...] = ()
+    folder: Path = Field(default=Path(), exclude=True)
+    """where the files of meshes are looked for"""
+
+    @model_validator(mode="after")
+    def _consistent(self) -> Self:
+        problems = []
+        for what, names in (
+            ("things", [thing.name for thing in self.things]),
+            ("tools", [tool.name for tool in self.tools]),
+        ):
+            twice = sorted({name for name in names if names.count(name) > 1})
+            problems += [f"two {what} are called {name!r}" for name in twice]
+        placed = [thing.name for thing in self.things if thing.frame == "work_object"]
+        if placed and self.work_object is None:
+            problems.append(
+                f"{placed[0]} stands in the frame of the work object, but there is no "
+                "[work_object] with its place_mm"
+            )
+        if problems:
+            raise ValueError("; ".join(problems))
+        return self
+
+    @property
+    def work_frame(self) -> Array | None:
+        """X_BW of the work object, shape (4, 4); None where the file has none."""
+        return None if self.work_object is None else self.work_object.pose
+
+    def tool_of(self, number: int | None, name: str) -> str | None:
+        """Name of the tool that an operation of a CAM file asks for by number or else by name; None
+        where the cell has no such tool."""
+        if number is not None:
+            for tool in self.tools:
+                if tool.number == number:
+                    return tool.name
+        return next((tool.name for tool in self.tools if tool.name == name), None)
+
+    def tool(self, name: str) -> CellTool:
+        """The tool of this name.
+
+        Raises:
+            InputError: there is none; lists those that there are.
+        """
+        for tool in self.tools:
+            if tool.name == name:
+                return tool
+        known = ", ".join(tool.name for tool in self.tools) or "none"
+        raise InputError(
+            f"cell {self.name}: found no tool called {name!r}; it has {known}; add a [[tools]] "
+            "table or choose one of these"
+        )

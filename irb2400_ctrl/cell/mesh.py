@@ -1,0 +1,126 @@
+"""Triangles of a file as a `Surface`; trimesh reads the file."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+
+import numpy as np
+
+from irb2400_ctrl.arrays import Array, Integers
+from irb2400_ctrl.cell.description import Mesh
+from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.robot.shape import pose
+
+UNITS = {"mm": 1e-3, "cm": 1e-2, "m": 1.0, "inch": 0.0254}
+"""[m]"""
+MOST_TRIANGLES = 5_000_000
+
+
+@dataclass(frozen=True, eq=False)
+class Surface:
+    """A closed or open surface of triangles, about its own centre."""
+
+    points: Array
+    """[m], shape (k, 3)"""
+    triangles: Integers
+    """numbers of points, shape (m, 3)"""
+    X: Array
+    """pose of the centre in the stated frame, shape (4, 4)"""
+    closed: bool
+    """it has an inside"""
+
+    @cached_property
+    def half_size(self) -> Array:
+        """Half the edges of the box around it [m], shape (3,)."""
+        return np.asarray(np.abs(self.points).max(axis=0))
+
+    @cached_property
+    def seeds(self) -> Array:
+        """A point of each of its separate pieces [m], shape (k, 3)."""
+        from scipy.sparse import coo_matrix
+        from scipy.sparse.csgraph import connected_components
+
+        first, other, third = self.triangles.T
+        rows = np.concatenate([first, other])
+        columns = np.concatenate([other, third])
+        size = len(self.points)
+        links = coo_matrix((np.ones(len(rows)), (rows, columns)), shape=(size, size))
+        _, piece = connected_components(links, directed=False)
+        used = np.unique(self.triangles)
+        return np.asarray(self.points[used[np.unique(piece[used], return_index=True)[1]]])
+
+    def place(self) -> Array:
+        """Pose of its own frame in the stated one, shape (4, 4)."""
+        return self.X
+
+    def capsule(self) -> tuple[Array, float]:
+        """Both ends (2, 3) and the radius of a capsule around it, in the stated frame [m]."""
+        axis = int(np.argmax(self.half_size))
+        reach = self.X[:3, axis] * self.half_size[axis]
+        across = np.delete(self.half_size, axis)
+        return np.array([self.X[:3, 3] - reach, self.X[:3, 3] + reach]), float(
+            np.linalg.norm(across)
+        )
+
+    def holds(self, point: Array) -> bool:
+        """Whether a point (3,) in its own frame lies inside; never inside an open surface.
+
+        The triangles' solid angles seen from the point add up to 4 pi inside and to zero outside
+        (van Oosterom and Strackee, IEEE Trans. Biomed. Eng. 30, 1983).
+        """
+        if not self.closed or (np.abs(point) > self.half_size).any():
+            return False
+        a, b, c = ((self.points - point)[self.triangles[:, k]] for k in range(3))
+        la, lb, lc = (np.linalg.norm(v, axis=1) for v in (a, b, c))
+        volume = (a * np.cross(b, c)).sum(axis=1)
+        flat = la * lb * lc + (a * b).sum(1) * lc + (b * c).sum(1) * la + (c * a).sum(1) * lb
+        return bool(abs(2 * np.arctan2(volume, flat).sum()) > 2 * np.pi)
+
+
+def read_mesh(mesh: Mesh, folder: Path) -> Surface:
+    """The surface of a mesh of a cell.
+
+    Raises:
+        InputError: trimesh is not installed, no such file, or nothing in it but air.
+    """
+    path = folder / mesh.file
+    if not path.is_file():
+        raise InputError(
+            f"mesh {path}: found nothing, expected an STL file; its place is relative to the cell "
+            "file"
+        )
+    points, triangles, closed = _read(path)
+    if not len(triangles):
+        raise InputError(f"mesh {path}: found no triangles, expected an STL file of a solid")
+    if len(triangles) > MOST_TRIANGLES or not np.isfinite(points).all():
+        raise InputError(
+            f"mesh {path}: found {len(triangles):,} triangles, expected finite ones and at most "
+            f"{MOST_TRIANGLES:,}; export it coarser"
+        )
+    points = UNITS[mesh.unit] * points
+    centre = (points.min(axis=0) + points.max(axis=0)) / 2
+    X = pose(mesh.place_mm, mesh.turn_deg)
+    X[:3, 3] += X[:3, :3] @ centre
+    return Surface(points - centre, triangles, X, closed)
+
+
+def _read(path: Path) -> tuple[Array, Integers, bool]:
+    """Points in the file's unit, triangles, and whether they close."""
+    try:
+        import trimesh
+    except ImportError as error:
+        raise InputError(
+            f"mesh {path}: reading it needs trimesh; pip install 'irb2400_ctrl[cell]'"
+        ) from error
+    try:
+        found = trimesh.load_mesh(path)
+    except Exception as error:  # a reader of many formats fails in as many ways
+        raise InputError(f"mesh {path} cannot be read ({error}); expected an STL file") from error
+    if not isinstance(found, trimesh.Trimesh):
+        raise InputError(f"mesh {path}: found no single mesh, expected an STL file of a solid")
+    found.merge_vertices()
+    points = np.asarray(found.vertices, dtype=float).reshape(-1, 3)
+    triangles = np.asarray(found.faces, dtype=np.int64).reshape(-1, 3)
+    return points, triangles, bool(found.is_watertight)

@@ -1,0 +1,131 @@
+"""`Piece`: one convex shape or mesh on a link of the arm, or on something that stands still."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.cell.description import Cell, CellTool, Thing
+from irb2400_ctrl.cell.mesh import Surface, read_mesh
+from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.robot import Robot, Transform
+from irb2400_ctrl.robot.outline import BASE, SPINDLE, TOOL
+from irb2400_ctrl.robot.shape import Box, Solid
+
+FLOOR = "floor"
+# the floor is a slab of this size [mm]: wide enough for any arm, thick enough to be told from below
+_FLOOR_MM = (40_000.0, 40_000.0, 1000.0)
+
+
+@dataclass(frozen=True, eq=False)
+class Piece:
+    """A shape with its place and its rights."""
+
+    name: str
+    """for messages: of a link, of the tool, of a thing of the cell"""
+    link: int
+    """0 for what stands still, 1…n for what moves with a link"""
+    X: Array
+    """pose of the frame that the shape is stated in, in the frame of the link, shape (4, 4)"""
+    shape: Solid | Surface
+    body: str = ""
+    """its name in the outline of the robot file; empty for things of the cell"""
+    cuts: bool = False
+    """of a tool: it may touch what may be cut, at feed"""
+    may_be_cut: bool = False
+
+    def capsule(self) -> tuple[Array, float]:
+        """Both ends (2, 3) in the frame of the link and the radius of a capsule around it [m]."""
+        ends, radius = self.shape.capsule()
+        return ends @ self.X[:3, :3].T + self.X[:3, 3], radius
+
+    def pose(self) -> Array:
+        """Pose of the shape's own frame in the frame of the link, shape (4, 4)."""
+        return np.asarray(self.X @ self.shape.place())
+
+    def half_size(self) -> Array:
+        """Half the edges of a box around it, along the axes of its own frame [m], shape (3,)."""
+        if isinstance(self.shape, Surface):
+            return self.shape.half_size
+        if isinstance(self.shape, Box):
+            return np.asarray(self.shape.size / 2)
+        ends, radius = self.shape.capsule()
+        half = np.full(3, radius)
+        half[2] += np.linalg.norm(ends[1] - ends[0]) / 2
+        return half
+
+
+def arm_pieces(robot: Robot, tool: CellTool | None = None) -> list[Piece]:
+    """The shapes of the robot file, with another tool in the spindle if one is given.
+
+    Args:
+        robot: the arm as its file describes it, with its own TCP.
+        tool: what the spindle holds instead.
+    """
+    if robot.outline is None:
+        return []
+    number = {link.name: i + 1 for i, link in enumerate(robot.links)}
+    X_6T = robot.flange.matrix() @ robot.X_FT
+    held = "tool" if robot.tool is None else robot.tool.name
+    found = []
+    for part in robot.outline.parts:
+        if part.on in {SPINDLE, TOOL}:
+            if part.on == TOOL and tool is not None:
+                continue
+            name = held if part.on == SPINDLE else f"tool of the {held}"
+            found.append(Piece(name, robot.n, X_6T, part.shape, part.on, part.shape.cuts))
+        else:
+            link = 0 if part.on == BASE else number[part.on]
+            found.append(Piece(part.on, link, np.eye(4), part.shape, part.on))
+    if tool is not None:
+        X = X_6T @ tool_offset(tool)
+        found += [Piece(tool.name, robot.n, X, shape, TOOL, shape.cuts) for shape in tool.shapes]
+    return found
+
+
+def with_tool(robot: Robot, tool: CellTool) -> Robot:
+    """The arm with the TCP at the tip of a tool of the cell.
+
+    Raises:
+        InputError: the robot file has no tool whose TCP the offset could start from.
+    """
+    if robot.tool is None:
+        raise InputError(
+            f"tool {tool.name}: {robot.name} has no [tool] table, expected one whose TCP the "
+            "offset starts from"
+        )
+    X = robot.X_FT @ tool_offset(tool)
+    tcp = Transform.model_validate({"transform": X.tolist()})
+    return robot.model_copy(update={"tool": robot.tool.model_copy(update={"tcp": tcp})})
+
+
+def tool_offset(tool: CellTool) -> Array:
+    """Pose of its TCP in that of the robot file, shape (4, 4)."""
+    X = np.eye(4)
+    X[:3, 3] = np.array(tool.offset_mm) / 1e3
+    return X
+
+
+def cell_pieces(cell: Cell) -> list[Piece]:
+    """The shapes of a cell; reads the files of its meshes.
+
+    Raises:
+        InputError: a mesh cannot be read.
+    """
+    found = []
+    for thing in cell.things:
+        X = cell.work_frame if thing.frame == "work_object" else np.eye(4)
+        assert X is not None
+        for shape in _shapes(cell, thing):
+            found.append(Piece(thing.name, 0, X, shape, may_be_cut=thing.may_be_cut))
+    if cell.floor_mm is not None:
+        centre = (0.0, 0.0, cell.floor_mm - _FLOOR_MM[2] / 2)
+        slab = Box(kind="box", centre_mm=centre, size_mm=_FLOOR_MM)
+        found.append(Piece(FLOOR, 0, np.eye(4), slab))
+    return found
+
+
+def _shapes(cell: Cell, thing: Thing) -> list[Solid | Surface]:
+    return [s if isinstance(s, Solid) else read_mesh(s, cell.folder) for s in thing.shapes]

@@ -1,0 +1,210 @@
+"""`Scene`: an arm in its cell, and how near its bodies are to each other and to the cell."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from irb2400_ctrl.arrays import Array, Integers
+from irb2400_ctrl.cell.arm_space import arm_space
+from irb2400_ctrl.cell.description import Cell, CellTool
+from irb2400_ctrl.cell.narrow import Narrow, load_coal
+from irb2400_ctrl.cell.piece import Piece, cell_pieces
+from irb2400_ctrl.cell.reach import rates, reach
+from irb2400_ctrl.cell.rough import Rough
+from irb2400_ctrl.model import Model
+from irb2400_ctrl.model.chain import chain_of
+from irb2400_ctrl.robot import Robot
+
+# taken off every distance: what rounding may hide [m]
+ROUNDING = 1e-9
+# configurations that are looked at in one go
+_CHUNK = 8192
+
+
+@dataclass(frozen=True, eq=False)
+class Scene:
+    """Pairs of pieces that must not touch: first those of the arm itself, then those with the cell.
+
+    A box or cylinder of the arm counts as the capsule around it where it is compared with the arm;
+    with the cell it counts as it is.
+    """
+
+    model: Model
+    robot: Robot
+    """the arm with the TCP of its file"""
+    tool: CellTool | None
+    """of the cell, in the spindle"""
+    arm: tuple[Piece, ...]
+    things: tuple[Piece, ...]
+    own: tuple[tuple[int, int], ...]
+    """numbers in `arm`, the link nearer to the base first"""
+    outer: tuple[tuple[int, int], ...]
+    """numbers in `arm` and in `things`"""
+    keep: float = 0.0
+    """a motion stays at least so far from everything [m]"""
+
+    @classmethod
+    def of(
+        cls, model: Model, robot: Robot, cell: Cell | None = None, tool: CellTool | None = None
+    ) -> Scene | None:
+        """The scene of an arm; None where its file says nothing of the space it takes up.
+
+        Args:
+            model: the arm as it is planned for, with the TCP of the tool.
+            robot: the arm with the TCP of its file, in which the shapes of the spindle are stated.
+            cell: what stands around it.
+            tool: of the cell, in the spindle.
+
+        Raises:
+            InputError: a mesh cannot be read, or coal is not installed.
+        """
+        if robot.outline is None:
+            return None
+        arm, own, _ = arm_space(robot, tool)
+        things = [] if cell is None else cell_pieces(cell)
+        if things:
+            load_coal()
+        outer = [(i, k) for i, p in enumerate(arm) if p.link > 0 for k in range(len(things))]
+        if not own and not outer:
+            return None
+        keep = 0.0 if cell is None else cell.clearance_mm / 1e3
+        return cls(model, robot, tool, arm, tuple(things), own, tuple(outer), keep)
+
+    @property
+    def pairs(self) -> int:
+        """Number of pairs."""
+        return len(self.own) + len(self.outer)
+
+    def names(self, pair: int) -> tuple[str, str]:
+        """What the two bodies of a pair are called."""
+        if pair < len(self.own):
+            i, j = self.own[pair]
+            return self.arm[i].name, self.arm[j].name
+        i, k = self.outer[pair - len(self.own)]
+        return self.arm[i].name, self.things[k].name
+
+    @cached_property
+    def cutting(self) -> npt.NDArray[np.bool_]:
+        """Pairs that may touch at feed: what cuts and what may be cut, shape (pairs,)."""
+        outer = [self.arm[i].cuts and self.things[k].may_be_cut for i, k in self.outer]
+        return np.array([False] * len(self.own) + outer, dtype=np.bool_)
+
+    def near(self, q: Array) -> tuple[Array, Array]:
+        """Distances of the arm's own pairs (m, own) [m] and the poses of base and links (m, n + 1,
+        3, 4) at q (m, n)."""
+        own, rows = arm_space(self.robot, self.tool)[2].map(q)
+        return own - ROUNDING, rows.reshape(len(q), -1, 3, 4)
+
+    @cached_property
+    def _rough(self) -> Rough:
+        return Rough(self.arm, self.things, self.outer)
+
+    def rough(self, poses: Array) -> Array:
+        """Lower bounds of the distances to the cell, shape (m, outer) [m]; cheap, not tight."""
+        return self._rough(poses) - ROUNDING
+
+    @cached_property
+    def _narrow(self) -> list[Narrow]:
+        made: dict[Piece, Any] = {}
+        return [Narrow.of(self.arm[i], self.things[k], made) for i, k in self.outer]
+
+    @cached_property
+    def _local(self) -> list[Array]:
+        return [piece.pose() for piece in self.arm]
+
+    def exact(self, number: int, poses: Array) -> Array:
+        """Distance of one pair with the cell at poses (m, n + 1, 3, 4), shape (m,) [m]."""
+        i, _ = self.outer[number]
+        narrow = self._narrow[number]
+        local = self._local[i]
+        link = poses[:, self.arm[i].link]
+        R = link[:, :, :3] @ local[:3, :3]
+        p = link[:, :, :3] @ local[:3, 3] + link[:, :, 3]
+        found = [narrow.distance(R[m], p[m]) for m in range(len(poses))]
+        return np.array(found) - ROUNDING
+
+    @cached_property
+    def carried(self) -> npt.NDArray[np.bool_]:
+        """Pairs of what the last link carries and the cell, shape (pairs,)."""
+        outer = [self.arm[i].link == self.model.robot.n for i, _ in self.outer]
+        return np.array([False] * len(self.own) + outer, dtype=bool)
+
+    def clearance(
+        self,
+        q: Array,
+        cutting: npt.NDArray[np.bool_],
+        most: float,
+        pairs: npt.NDArray[np.bool_] | None = None,
+    ) -> Array:
+        """Smallest distance at q (m, n), or `most` where all is further away, shape (m,) [m].
+
+        Args:
+            cutting: where what cuts may touch what may be cut, shape (m,).
+            most: what lies further away is not looked at closely.
+            pairs: those to look at, shape (pairs,); default all.
+        """
+        asked = np.ones(self.pairs, dtype=bool) if pairs is None else pairs
+        found = np.empty(len(q))
+        for first in range(0, len(q), _CHUNK):
+            part = slice(first, first + _CHUNK)
+            found[part] = self._clearance(q[part], cutting[part], most, asked)
+        return found
+
+    def _clearance(
+        self, q: Array, cutting: npt.NDArray[np.bool_], most: float, asked: npt.NDArray[np.bool_]
+    ) -> Array:
+        count = len(self.own)
+        own, poses = self.near(q)
+        best: Array = np.minimum(own[:, asked[:count]].min(axis=1, initial=np.inf), most)
+        if not asked[count:].any():
+            return best
+        skipped = (cutting[:, None] & self.cutting[count:]) | ~asked[count:]
+        rough = np.where(skipped, np.inf, self.rough(poses))
+        # the nearest looking pairs first: they spare the others a closer look
+        for number in np.argsort(rough.min(axis=0)):
+            close = np.flatnonzero((rough[:, number] < best) & (best > 0))
+            if len(close):
+                best[close] = np.minimum(best[close], self.exact(number, poses[close]))
+        return best
+
+    def nearest(self, q: Array, cutting: bool) -> tuple[str, str]:
+        """The two bodies that come nearest at q (n,); `cutting` as in `clearance`."""
+        own, poses = self.near(q[None])
+        outer = [self.exact(number, poses)[0] for number in range(len(self.outer))]
+        distance = np.concatenate([own[0], outer])
+        distance[self.cutting & cutting] = np.inf
+        return self.names(int(np.argmin(distance)))
+
+    @cached_property
+    def _chain(self) -> tuple[Array, Array]:
+        chain = chain_of(self.model.robot)
+        n = self.model.robot.n
+        seen = np.array([rates(chain, i) for i in range(n + 1)])
+        rho = [reach(chain, self.arm[i].link, self.arm[j]) for i, j in self.own]
+        rho += [reach(chain, 0, self.arm[i]) for i, _ in self.outer]
+        return seen, np.array(rho).reshape(-1, n)
+
+    @cached_property
+    def _reference(self) -> Integers:
+        links = [self.arm[i].link for i, _ in self.own] + [0] * len(self.outer)
+        return np.array(links, dtype=np.int64)
+
+    def speed(self, rate: Array) -> Array:
+        """Upper bound of the speed of one body of each pair in the eyes of the other, shape (m,
+        pairs) [m per unit of s].
+
+        Args:
+            rate: Bernstein coefficients of dq/ds on m cells, shape (m, d, n) [rad per unit of s].
+        """
+        seen, rho = self._chain
+        found = np.empty((len(rate), self.pairs))
+        for i in np.unique(self._reference):
+            at = self._reference == i
+            turning = np.abs(rate @ seen[i].T).max(axis=1)
+            found[:, at] = turning @ rho[at].T
+        return found

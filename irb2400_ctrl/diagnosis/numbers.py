@@ -1,0 +1,154 @@
+"""Numbers that the model already has, and that this arm has otherwise: what moved, how surely."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from irb2400_ctrl.arrays import Array, Mask
+from irb2400_ctrl.diagnosis.estimation.fit import Fit
+from irb2400_ctrl.diagnosis.lists import FindingList
+from irb2400_ctrl.diagnosis.preparation.base_prior import BasePrior, named_bodies
+from irb2400_ctrl.diagnosis.preparation.identified_prior import IdentifiedPrior
+from irb2400_ctrl.robot import Robot
+
+MOVED = 3.5
+"""standard deviations of what was believed, beyond which a number is said to be another one"""
+SEEN = 3.0
+"""standard errors of its change that it must stand out"""
+LEAST_FRICTION = 0.1
+"""a change of friction that is worth a word, over what it was [-]"""
+BODY = ("mass_kg", "com_x_m", "com_y_m", "com_z_m", "Ixx", "Iyy", "Izz", "Ixy", "Ixz", "Iyz")
+FRICTION = ("coulomb_Nm", "viscous_Nms_rad", "static_Nm")
+
+
+@dataclass(frozen=True)
+class Number:
+    """One number of the robot file.
+
+    Args:
+        place: `joint 2`, `link 3` or `tool`; name: with its unit, as BODY and FRICTION.
+        before: None where the file does not state it; after; standard_error: of after.
+        sigmas: the change over what the file (or the reference) leaves open.
+        list: "lacks": the file did not state it; "special": this arm has it otherwise; "changed":
+            the reference had it otherwise.
+    """
+
+    list: FindingList
+    place: str
+    name: str
+    before: float | None
+    after: float
+    standard_error: float
+    sigmas: float
+
+    def to_json(self) -> dict[str, Any]:
+        """As in findings.json."""
+        return {
+            "list": self.list,
+            "place": self.place,
+            "name": self.name,
+            "before": self.before,
+            "after": self.after,
+            "standard_error": self.standard_error,
+            "sigmas": round(self.sigmas, 2),
+        }
+
+
+def numbers(
+    prior: BasePrior | IdentifiedPrior,
+    fit: Fit,
+    after: Robot,
+    *,
+    change: bool,
+    inflation: float,
+) -> tuple[Number, ...]:
+    """What the file lacks, and what is otherwise here than it says.
+
+    Args:
+        prior: of the base that was fitted; after: the robot with the fitted numbers.
+        change: whether the robot given is a reference of this very arm.
+        inflation: of standard errors that follow from the noise alone.
+    """
+    robot = prior.robot
+    base = prior.base if isinstance(prior, IdentifiedPrior) else prior
+    sigmas = base.sigmas()
+    k = len(sigmas)
+    z = prior.deviations(fit.z)[:k]
+    error = inflation * _posterior(prior, fit)[:k]
+    believed = np.ones(k)
+    if isinstance(prior, IdentifiedPrior):
+        # from the reference's own number, whatever friction may do from day to day
+        believed = np.maximum(np.linalg.norm(prior.known[:k], axis=1), 1e-9)
+        believed = np.hypot(believed, error)
+    names = _names(robot)
+    known = np.array([_stated(robot, place, name) for place, name in names])
+    values = _values(robot), _values(after)
+    moved = np.abs(z) / believed
+    found = []
+    for i, (place, name) in enumerate(names):
+        if name == "static_Nm" or sigmas[i] == 0.0:
+            continue
+        size = float(error[i] * sigmas[i])
+        before, now = (float(v[i]) for v in values)
+        if not known[i]:
+            if now > 2.0 * size:
+                found.append(Number("lacks", place, name, None, now, size, float(moved[i])))
+            continue
+        little = name in FRICTION and abs(now - before) < LEAST_FRICTION * abs(before)
+        if moved[i] > MOVED and abs(z[i]) > SEEN * error[i] and not little:
+            which: FindingList = "changed" if change else "special"
+            signed = float(np.sign(z[i]) * moved[i])
+            found.append(Number(which, place, name, before, now, size, signed))
+    return tuple(found)
+
+
+def moved_numbers(prior: BasePrior | IdentifiedPrior, fit: Fit) -> Mask:
+    """Numbers of the base that moved further than was believed, and than their own error, (k,)."""
+    base = prior.base if isinstance(prior, IdentifiedPrior) else prior
+    k = len(base.sigmas())
+    z = prior.deviations(fit.z)[:k]
+    believed = np.ones(k)
+    if isinstance(prior, IdentifiedPrior):
+        believed = np.linalg.norm(prior.root[:k], axis=1)
+    return np.asarray((np.abs(z) > believed) & (np.abs(z) > 2.0 * _posterior(prior, fit)[:k]))
+
+
+def _posterior(prior: BasePrior | IdentifiedPrior, fit: Fit) -> Array:
+    """Standard errors of the numbers after the fit, in the units of the prior."""
+    if not isinstance(prior, IdentifiedPrior):
+        return fit.z_sigma
+    A = np.eye(fit.Z.shape[2])
+    for j, one in enumerate(fit.noise):
+        X = one.whiten(fit.Z[:, j, :])
+        A += X.T @ X
+    r = len(fit.z)
+    covariance = np.linalg.inv(A)[:r, :r]
+    return np.asarray(np.sqrt(np.einsum("ka,ab,kb->k", prior.root, covariance, prior.root)))
+
+
+def _names(robot: Robot) -> list[tuple[str, str]]:
+    """(place, name) of every number of the base, in its order."""
+    n = robot.n
+    places = [f"link {i + 1}" if i < n else "tool" for i in range(len(named_bodies(robot)))]
+    found = [(place, name) for place in places for name in BODY]
+    return found + [(f"joint {j + 1}", name) for name in FRICTION for j in range(n)]
+
+
+def _values(robot: Robot) -> Array:
+    bodies = [
+        np.array([body.mass_kg, *body.com_m, *body.inertia_kgm2]) for body, _ in named_bodies(robot)
+    ]
+    friction = robot.friction[:, [1, 2, 0]].T.ravel()
+    return np.concatenate([*bodies, friction])
+
+
+def _stated(robot: Robot, place: str, name: str) -> bool:
+    """Whether the file says something about a number; friction given as zero counts as unknown."""
+    if name not in FRICTION:
+        return True
+    column = {"coulomb_Nm": 1, "viscous_Nms_rad": 2, "static_Nm": 0}[name]
+    joint = int(place.split()[1]) - 1
+    return bool(robot.friction_known[joint, column] and robot.friction[joint, column] > 0)

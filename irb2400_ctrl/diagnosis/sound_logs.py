@@ -1,0 +1,126 @@
+"""Which of the logs given can be used: what is not understood is named and left out."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.measurement.log import Log
+from irb2400_ctrl.plausibility import LogProblem, log_problem
+from irb2400_ctrl.robot import Robot
+
+LEAST_SECONDS = 3.0
+"""less motion than this is not diagnosed"""
+SHORTEST_SECONDS = 2.0
+"""a shorter log is left out of several"""
+MOST_SECONDS = 600.0
+"""of motion that effects are looked for on; further logs are only judged with what was found"""
+
+
+@dataclass(frozen=True)
+class LeftOut:
+    """A log that was left out, and why."""
+
+    name: str
+    why: str
+
+    def to_json(self) -> dict[str, str]:
+        """As in findings.json."""
+        return {"log": self.name, "why": self.why}
+
+
+@dataclass(frozen=True)
+class SoundLogs:
+    """The logs of a request.
+
+    Args:
+        used: effects are looked for on these; judged: sound ones beyond `MOST_SECONDS`;
+        left_out: the rest; problem: of the only log, or of the first one where none is sound.
+    """
+
+    used: tuple[Log, ...]
+    judged: tuple[Log, ...] = ()
+    left_out: tuple[LeftOut, ...] = ()
+    problem: LogProblem | None = None
+
+
+def sound_logs(robot: Robot, logs: Sequence[Log]) -> SoundLogs:
+    """Sort logs into those that are what their columns say, and the others.
+
+    Raises:
+        InputError: no log; the only one is broken or too short, or all of several are.
+    """
+    if not logs:
+        raise InputError("found no log, expected at least one")
+    if len(logs) == 1:
+        return SoundLogs(tuple(logs), problem=_problem(robot, logs[0], LEAST_SECONDS))
+    sound = []
+    left_out = []
+    problems = []
+    for log in logs:
+        try:
+            problem = _problem(robot, log, SHORTEST_SECONDS)
+        except InputError as error:
+            left_out.append(LeftOut(log.name, str(error).removeprefix(f"{log.name}: ")))
+            continue
+        if problem is None:
+            sound.append(log)
+        else:
+            problems.append((log, problem))
+            left_out.append(LeftOut(log.name, problem.says))
+    if not sound and not problems:
+        raise InputError(
+            f"found {len(logs)} logs and none that can be used; the first, {logs[0].name}: "
+            f"{left_out[0].why}"
+        )
+    if not sound:
+        return SoundLogs((problems[0][0],), left_out=tuple(left_out), problem=problems[0][1])
+    used = _chosen(sound)
+    total = sum(log.duration for log in used)
+    if total < LEAST_SECONDS:
+        raise InputError(_short("the logs together", total))
+    judged = tuple(log for log in sound if not any(log is one for one in used))
+    return SoundLogs(used, judged, tuple(left_out))
+
+
+def check_beside(robot: Robot, log: Log) -> None:
+    """A log that only judges must be sound.
+
+    Raises:
+        InputError: it is not.
+    """
+    problem = _problem(robot, log, 0.0)
+    if problem is not None:
+        raise InputError(f"{log.name}: {problem.says}; try `irb2400 log check`")
+
+
+def _problem(robot: Robot, log: Log, least: float) -> LogProblem | None:
+    """Why the log is not what its columns say; InputError where nothing can be said at all."""
+    if log.n != robot.n:
+        raise InputError(f"{log.name}: found {log.n} joints, expected {robot.n} as in {robot.name}")
+    if log.duration < least:
+        raise InputError(_short(log.name, log.duration, least))
+    problem = log_problem(robot, log)
+    if problem is not None and problem.unusable:
+        raise InputError(f"{log.name}: {problem.says}")
+    return problem
+
+
+def _short(name: str, seconds: float, least: float = LEAST_SECONDS) -> str:
+    return (
+        f"{name}: found {seconds:.2f} s of data, expected at least {least:.0f} s to tell one "
+        "effect from another; record a longer motion"
+    )
+
+
+def _chosen(logs: Sequence[Log]) -> tuple[Log, ...]:
+    """As many logs as `MOST_SECONDS` hold, evenly over all of them."""
+    total = sum(log.duration for log in logs)
+    if total <= MOST_SECONDS:
+        return tuple(logs)
+    count = max(1, int(len(logs) * MOST_SECONDS / total))
+    places = np.unique(np.linspace(0, len(logs) - 1, count).round().astype(int))
+    return tuple(logs[place] for place in places)

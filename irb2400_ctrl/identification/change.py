@@ -1,0 +1,105 @@
+"""`diagnose_change`: what is otherwise than on a day when the arm was known."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+from irb2400_ctrl.diagnosis import Diagnosis, Number, diagnose
+from irb2400_ctrl.diagnosis.comparison.criteria import Criteria
+from irb2400_ctrl.diagnosis.sound_logs import sound_logs
+from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.identification.identification import Identification
+from irb2400_ctrl.identification.identify import identify
+from irb2400_ctrl.identification.reference_error import (
+    has_changed,
+    simplest,
+    unseen_error,
+    worse_joints,
+)
+from irb2400_ctrl.measurement import Log
+from irb2400_ctrl.robot import Robot
+
+TERMS = {
+    "coulomb": ("", "coulomb_Nm", 1),
+    "viscous": ("", "viscous_Nms_rad", 2),
+    "offset": ("torque_offset", "offset_Nm", 0),
+    "rotor": ("rotor_inertia", "rotor_kgm2", 0),
+}
+"""drive terms: the effect that states one, its name, or its column of the file's friction"""
+SEEN = 3.0
+"""standard errors that a number must stand out"""
+
+
+def diagnose_change(
+    robot: Robot,
+    log: Log | Sequence[Log],
+    reference: Robot | Log | Sequence[Log],
+    validation: Log | None = None,
+    *,
+    progress: Callable[[str], None] = lambda stage: None,
+) -> Diagnosis:
+    """What changed on an arm since its reference.
+
+    From reference logs the base is identified first; its covariance is the prior afterwards. What
+    those logs show beside the base (a ripple, a cable) was there before: it is special here, but no
+    change. A reference robot counts as it is, with the covariance that its file carries.
+
+    Args:
+        robot: the file, where the identification begins.
+        log: of today; reference: of the same arm on another day, or its robot file.
+        validation: another motion of today, for the errors only.
+
+    Raises:
+        InputError: a log does not fit the robot, or is not understood.
+    """
+    if isinstance(reference, Robot):
+        return diagnose(robot, log, validation, reference, progress=progress)
+    progress("identify the reference")
+    logs = [reference] if isinstance(reference, Log) else list(reference)
+    sound = sound_logs(robot, logs)
+    if sound.problem is not None:
+        raise InputError(
+            f"{sound.used[0].name}: {sound.problem.says}; a reference has to be understood, try "
+            "`irb2400 log check`"
+        )
+    known = identify(robot, sound.used)
+    progress("diagnose the reference")
+    before = diagnose(known.robot, sound.used)
+    progress("diagnose")
+    found = diagnose(robot, log, validation, before.robot, progress=progress)
+    unseen = unseen_error(known)
+    progress("leave out what the reference leaves too")
+
+    def few(most: int) -> Diagnosis:
+        return diagnose(robot, log, validation, before.robot, criteria=Criteria(most=most))
+
+    found = simplest(found, few, before, unseen)
+    error = found.identification.error_before.rmse
+    worse = worse_joints(error, found.noise_floor, before, unseen)
+    there = (*lacking(robot, known), *before.numbers)
+    return replace(
+        found,
+        numbers=tuple(n for n in found.numbers if has_changed(n, worse)),
+        usual_error=unseen,
+        before=replace(before, numbers=there, left_out=sound.left_out),
+    )
+
+
+def lacking(robot: Robot, known: Identification) -> tuple[Number, ...]:
+    """Drive numbers that the file does not state, as the reference shows them."""
+    stated = {(effect.kind, effect.joint) for effect in robot.effects}
+    found = []
+    for term, (kind, name, column) in TERMS.items():
+        place = known.layout.drive(term)
+        values = known.theta[place]
+        errors = known.standard_errors[place]
+        for j in range(robot.n):
+            there = (kind, j + 1) in stated if kind else bool(robot.friction[j, column] > 0)
+            if there or abs(values[j]) < SEEN * errors[j]:
+                continue
+            sigmas = float(values[j] / errors[j])
+            value = float(values[j])
+            error = float(errors[j])
+            found.append(Number("lacks", f"joint {j + 1}", name, None, value, error, sigmas))
+    return tuple(found)

@@ -1,0 +1,41 @@
+"""Which joint of a robot a named joint of a recording is."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+
+
+def joint_order(recorded: Sequence[str], robot: Sequence[str]) -> list[int] | None:
+    """Places of the robot's joints among the recorded names; None unless every joint is found once.
+
+    Names are the same when they are equal, or equal without case, a word `joint` and what stands
+    before them: `left_shoulder_pan_joint` is `shoulder_pan`.
+    """
+    if all(name in recorded for name in robot):
+        return [recorded.index(name) for name in robot]
+    plain = [_plain(name) for name in recorded]
+    found = []
+    for name in robot:
+        wanted = _plain(name)
+        same = [k for k, other in enumerate(plain) if other == wanted]
+        ends = [k for k, other in enumerate(plain) if other.endswith(f"_{wanted}")]
+        places = same or ends
+        if len(places) != 1:
+            return None
+        found.append(places[0])
+    return found if len(set(found)) == len(found) else None
+
+
+def numbered_order(recorded: Sequence[str]) -> list[int] | None:
+    """Places by the numbers 1 to n that the names end with; None where they do not."""
+    ends = [re.search(r"(\d+)$", _plain(name)) for name in recorded]
+    numbers = [0 if end is None else int(end[1]) for end in ends]
+    if sorted(numbers) != list(range(1, len(numbers) + 1)):
+        return None
+    return [numbers.index(k + 1) for k in range(len(numbers))]
+
+
+def _plain(name: str) -> str:
+    words = re.sub(r"joint", "_", name.strip().lower())
+    return re.sub(r"[_\W]+", "_", words).strip("_")

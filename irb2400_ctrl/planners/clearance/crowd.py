@@ -1,0 +1,81 @@
+"""`Crowd`: what the configurations of a path's stations are near to."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.cell import Scene
+from irb2400_ctrl.errors import CollisionError
+
+COMFORTABLE_CLEARANCE = 0.02
+"""distance beyond which more of it is worth nothing [m]"""
+PRICE = 0.05
+"""cost of a configuration that nearly touches something, beside the time of the motion [s]"""
+
+
+@dataclass(frozen=True, eq=False)
+class Crowd:
+    """Distances of all configurations of n stations, r tool rotations and b branches."""
+
+    scene: Scene
+    cutting: npt.NDArray[np.bool_]
+    """stations at which the tool may cut, shape (n,)"""
+    clearance: Array
+    """smallest distance to anything, at most the comfortable one; zero where a configuration was
+    not looked at [m], shape (n, r, b)"""
+
+    @classmethod
+    def of(
+        cls,
+        scene: Scene,
+        q: Array,
+        usable: npt.NDArray[np.bool_],
+        cutting: npt.NDArray[np.bool_],
+    ) -> Crowd:
+        """Look at every usable configuration.
+
+        What the last link carries has the same distance to the cell in every branch: it is looked
+        at once per station and rotation.
+
+        Args:
+            q: configurations, shape (n, r, b, joints).
+            usable: those that are worth a look, shape (n, r, b).
+            cutting: stations at which the tool may cut, shape (n,).
+        """
+        shape = usable.shape
+        at_feed = np.broadcast_to(cutting[:, None, None], shape)
+        some = usable.any(axis=2)
+        one = np.take_along_axis(q, usable.argmax(axis=2)[:, :, None, None], axis=2)[:, :, 0]
+        most = COMFORTABLE_CLEARANCE + scene.keep
+        held = np.zeros(shape[:2])
+        held[some] = scene.clearance(one[some], at_feed[some, 0], most, scene.carried)
+        left = usable & (held > scene.keep)[:, :, None]
+        found = np.zeros(shape)
+        others = scene.clearance(q[left], at_feed[left], most, ~scene.carried)
+        found[left] = np.minimum(np.broadcast_to(held[:, :, None], shape)[left], others)
+        return cls(scene, cutting, found)
+
+    def free(self, station: int) -> npt.NDArray[np.bool_]:
+        """Configurations of a station that stay far enough from everything, shape (r, b)."""
+        return np.asarray(self.clearance[station] > self.scene.keep)
+
+    def cost(self, station: int) -> Array:
+        """Of being near to something [s], shape (r, b)."""
+        room = (self.clearance[station] - self.scene.keep) / COMFORTABLE_CLEARANCE
+        return np.asarray(PRICE * (1 - np.clip(room, 0, 1)) ** 2)
+
+    def refusal(self, q: Array, station: int, point: int) -> CollisionError:
+        """Why a station has no configuration (m, joints) that touches nothing."""
+        at_feed = np.full(len(q), self.cutting[station])
+        room = self.scene.clearance(q, at_feed, np.inf)
+        best = int(np.argmax(room))
+        first, other = self.scene.nearest(q[best], bool(self.cutting[station]))
+        return CollisionError(
+            f"point {point} cannot be reached without a collision: every configuration touches "
+            f"something, the best one {first} and {other} ({1e3 * room[best]:.1f} mm); move the "
+            "work frame, free the tool rotation, or change the cell"
+        )

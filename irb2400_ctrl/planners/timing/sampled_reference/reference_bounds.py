@@ -1,0 +1,79 @@
+"""`ReferenceBounds`: torque and speed of a sampled reference over all times, bounded.
+
+The reference is a motion with the time as its parameter, sdot = 1 and sddot = 0: it is enclosed as
+any path (`enclosure.cells`), cut at the rows and wherever a joint turns back. No law and no solver
+enters, only the numbers of the rows.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.planners.enclosure import bernstein
+from irb2400_ctrl.planners.enclosure.cells import divided, enclose, with_reversals
+from irb2400_ctrl.planners.enclosure.path_dynamics import PathDynamics
+from irb2400_ctrl.planners.joint_path import JointMotion
+from irb2400_ctrl.planners.timing.motion_limits import MotionLimits
+from irb2400_ctrl.planners.timing.torque_bounds import torque_bounds
+
+# cells whose bound is above a limit are cut into so many parts, so often
+_PARTS = 4
+_ROUNDS = 3
+
+
+@dataclass(frozen=True)
+class ReferenceBounds:
+    """Upper bounds in m cells of time, each within one interval between rows."""
+
+    time: Array
+    """ends of the cells [s], shape (m + 1,)"""
+    torque: Array
+    """|tau|, friction and effects included [Nm], shape (m, n); inf where there is no bound"""
+    speed: Array
+    """|qd| [rad/s], shape (m, n)"""
+
+    def torque_ratio(self, tau_max: Array) -> float:
+        """Largest |tau| / tau_max; inf where nothing can be said."""
+        return _largest(self.torque / tau_max)
+
+    def velocity_ratio(self, qd_max: Array) -> float:
+        """Largest |qd| / qd_max."""
+        return _largest(self.speed / qd_max)
+
+
+def reference_bounds(
+    dynamics: PathDynamics, motion: JointMotion, limits: MotionLimits
+) -> ReferenceBounds:
+    """Bound what the arm needs for a motion over the time; cells are cut where a bound is above a
+    limit."""
+    friction = dynamics.model.robot.friction
+    s = with_reversals(motion, motion.knots)
+    for last in range(_ROUNDS):
+        cells = enclose(dynamics, motion, s)
+        above, below = torque_bounds(cells, np.zeros(len(s) - 1), np.ones(len(s)), friction)
+        torque = np.maximum(above, -below)
+        speed = bernstein.largest_size(cells.speed)
+        wide = ~((torque <= limits.tau_max) & (speed <= limits.qd_max)).all(axis=1)
+        if last == _ROUNDS - 1 or not wide.any():
+            break
+        s = divided(s, np.where(wide, _PARTS, 1))
+    for end in (0, -1):
+        torque[end] = np.maximum(torque[end], _at_rest(dynamics, motion, s[end]))
+    if dynamics.irregular:
+        torque = np.full_like(torque, np.inf)
+    return ReferenceBounds(s, torque, speed)
+
+
+def _at_rest(dynamics: PathDynamics, motion: JointMotion, time: float) -> Array:
+    """|tau| at an end, where friction has no direction yet [Nm], shape (n,)."""
+    at = np.array([time])
+    _, b, e, _, c, *_ = dynamics.coefficients(*(motion(at, order) for order in (0, 1, 2)))
+    return np.asarray(np.abs(b + e + c)[0])
+
+
+def _largest(ratio: Array) -> float:
+    """A bound that could not be computed holds nothing."""
+    return float(np.where(np.isnan(ratio), np.inf, ratio).max())

@@ -1,0 +1,77 @@
+"""`Sampling`: how a motion will be written and read, for solvers that have to keep limits so."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.planners.enclosure.path_dynamics import PathDynamics
+from irb2400_ctrl.planners.joint_path import JointPath
+from irb2400_ctrl.planners.timing.motion_limits import MotionLimits
+from irb2400_ctrl.planners.timing.sampled_reference.interpolation import Interpolation
+from irb2400_ctrl.planners.timing.sampled_reference.sampled_reference import SampledReference
+from irb2400_ctrl.planners.timing.time_law import TimeLaw
+
+# change of a torque from row to row, and per second at most, as parts of its limit: what a cubic
+# between rows swings above it is about a seventh of the first
+_PER_ROW = 0.2
+_PER_SECOND = 50.0
+# beginnings of the rows that are looked at
+_PHASES = 4
+
+
+@dataclass(frozen=True)
+class Sampling:
+    """Rows per second, and what is read between them."""
+
+    rate: float
+    """[1/s]"""
+    interpolation: Interpolation
+
+    @property
+    def torque_rate(self) -> float:
+        """Change of a torque, as a part of its limit [1/s], that rows so far apart can follow."""
+        return min(_PER_ROW * self.rate, _PER_SECOND)
+
+    def reference(self, law: TimeLaw, path: JointPath, before: float = 0.0) -> SampledReference:
+        """The rows of a timed path, the first one `before` its start [s]."""
+        return SampledReference.of(law, path, self.rate, self.interpolation, before)
+
+    def torque_ratios(
+        self,
+        law: TimeLaw,
+        path: JointPath,
+        limits: MotionLimits,
+        dynamics: PathDynamics,
+        s: Array,
+    ) -> Array:
+        """Largest |tau| / tau_max of the reference while it passes each cell between the lengths s,
+        shape (m, n).
+
+        A motion that is changed a little has its rows elsewhere: the largest over rows that begin
+        at several times is what does not depend on that.
+        """
+        found = np.zeros((len(s) - 1, path.n))
+        for part in range(_PHASES):
+            reference = self.reference(law, path, part / _PHASES / self.rate)
+            bounds = reference.bounds(dynamics, limits)
+            rows = reference.rows.time
+            ratio = np.zeros((len(rows) - 1, path.n))
+            interval = np.searchsorted(rows, (bounds.time[:-1] + bounds.time[1:]) / 2) - 1
+            np.maximum.at(ratio, interval, bounds.torque / limits.tau_max)
+            found = np.maximum(found, _on_cells(s, law.at(rows)[0], ratio))
+        return found
+
+
+def _on_cells(s: Array, ends: Array, values: Array) -> Array:
+    """The largest of the values between `ends` (k + 1,) that overlap each cell of s, shape
+    (m, n)."""
+    both = np.unique(np.concatenate([s, ends]))
+    middle = (both[:-1] + both[1:]) / 2
+    cell = np.clip(np.searchsorted(s, middle) - 1, 0, len(s) - 2)
+    origin = np.clip(np.searchsorted(ends, middle) - 1, 0, len(values) - 1)
+    found = np.zeros((len(s) - 1, values.shape[1]))
+    np.maximum.at(found, cell, values[origin])
+    return found

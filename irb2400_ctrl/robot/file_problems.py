@@ -1,0 +1,43 @@
+"""What is wrong with a file of tables, one line per problem."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Sequence
+from typing import Any
+
+from pydantic import BaseModel, ValidationError
+
+# pydantic puts the tag of a union into the path; a file has no such key
+_TAGS = {"ModifiedDH", "Transform", "capsule", "cylinder", "sphere", "box", "mesh"}
+
+
+def explain(
+    source: str, what: str, error: ValidationError, tables: Sequence[type[BaseModel]]
+) -> str:
+    """One line per problem: where, what was found, what was expected.
+
+    Args:
+        source: the file.
+        what: the kind of file, "robot" or "cell".
+        error: of pydantic.
+        tables: all tables of such a file, for the key that may have been meant.
+    """
+    lines = []
+    for item in error.errors():
+        parts = [part for part in item["loc"] if part not in _TAGS]
+        place = "".join(
+            f"[{part + 1}]" if isinstance(part, int) else f".{part}" for part in parts
+        ).lstrip(".")
+        if item["type"] == "extra_forbidden":
+            keys = sorted({key for table in tables for key in table.model_fields})
+            near = difflib.get_close_matches(str(item["loc"][-1]), keys, n=1)
+            hint = f"; did you mean {near[0]}?" if near else ""
+            lines.append(f"{place}: unknown key{hint}")
+        else:
+            value: Any = item["input"]
+            found = (
+                "" if isinstance(value, dict | list | tuple | BaseModel) else f", found {value!r}"
+            )
+            lines.append(f"{place or what}: {item['msg'].removeprefix('Value error, ')}{found}")
+    return f"{source} is not a valid {what} file:\n  " + "\n  ".join(dict.fromkeys(lines))

@@ -1,0 +1,76 @@
+"""Orientations of MJCF: quat, euler (any `eulerseq`), axisangle, xyaxes, zaxis."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+
+import numpy as np
+
+from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.errors import InputError
+
+Numbers = Callable[[str, int], Array]
+"""(text, how many) -> numbers"""
+
+
+def orientation(keys: Mapping[str, str], numbers: Numbers, unit: float, eulerseq: str) -> Array:
+    """R of an element, shape (3, 3); the unit matrix where it states none.
+
+    Args:
+        keys: the element's attributes.
+        unit: radians per unit of its angles.
+        eulerseq: order of the Euler angles; lower case about the turned axes, upper about fixed.
+
+    Raises:
+        InputError: numbers of another count, an axis of no length, an unknown order.
+    """
+    if "quat" in keys:
+        return _about(*_quaternion(numbers(keys["quat"], 4)))
+    if "euler" in keys:
+        return _euler(numbers(keys["euler"], 3) * unit, eulerseq)
+    if "axisangle" in keys:
+        x, y, z, angle = numbers(keys["axisangle"], 4)
+        return _about(np.array([x, y, z]), angle * unit)
+    if "xyaxes" in keys:
+        both = numbers(keys["xyaxes"], 6)
+        x_axis = _unit(both[:3])
+        y_axis = _unit(both[3:] - (both[3:] @ x_axis) * x_axis)
+        return np.stack([x_axis, y_axis, np.cross(x_axis, y_axis)], axis=1)
+    if "zaxis" in keys:
+        z_axis = _unit(numbers(keys["zaxis"], 3))
+        across = np.cross([0.0, 0.0, 1.0], z_axis)
+        size = float(np.linalg.norm(across))
+        # the shortest turn; about x where z points down
+        return _about(across if size > 1e-12 else np.eye(3)[0], np.arctan2(size, z_axis[2]))
+    return np.eye(3)
+
+
+def _euler(angles: Array, sequence: str) -> Array:
+    axes = sequence.lower()
+    same = sequence in (axes, sequence.upper())
+    if len(axes) != 3 or not set(axes) <= set("xyz") or not same:
+        raise InputError(f"found eulerseq {sequence!r}, expected three of xyz or of XYZ")
+    turns = [_about(np.eye(3)["xyz".index(k)], a) for k, a in zip(axes, angles, strict=True)]
+    first, second, third = turns if sequence == axes else reversed(turns)
+    return np.asarray(first @ second @ third)
+
+
+def _quaternion(q: Array) -> tuple[Array, float]:
+    """Axis and angle of (w, x, y, z)."""
+    size = float(np.linalg.norm(q[1:]))
+    return (q[1:] if size > 0.0 else np.eye(3)[2]), 2.0 * float(np.arctan2(size, q[0]))
+
+
+def _about(axis: Array, angle: float) -> Array:
+    """Turn about an axis, quarter turns exact, shape (3, 3)."""
+    x, y, z = _unit(axis)
+    c, s = (round(v) if abs(v - round(v)) < 1e-12 else v for v in (np.cos(angle), np.sin(angle)))
+    K = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
+    return np.asarray(np.eye(3) + s * K + (1 - c) * K @ K)
+
+
+def _unit(axis: Array) -> Array:
+    length = float(np.linalg.norm(axis))
+    if length < 1e-9:
+        raise InputError(f"found an axis of {axis.tolist()}, expected a direction")
+    return np.asarray(axis / length)

@@ -1,0 +1,165 @@
+"""Solid shapes in millimetres: what links, tools and the things of a cell take up of space."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from collections.abc import Sequence
+from typing import Annotated, Literal, Self
+
+import numpy as np
+from pydantic import Field, model_validator
+
+from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.robot.table import Positive, Table, Vector3
+
+
+class Solid(Table):
+    """One convex body; in its own frame the axis of symmetry, if any, is z and the centre zero."""
+
+    cuts: bool = False
+    """of a tool: this part of it may touch part and stock while it cuts"""
+
+    @abstractmethod
+    def place(self) -> Array:
+        """Pose of the shape's own frame in the frame that it is stated in [m], shape (4, 4)."""
+
+    @abstractmethod
+    def capsule(self) -> tuple[Array, float]:
+        """Both ends (2, 3) and the radius of a capsule around it, in the stated frame [m]."""
+
+    @property
+    def is_capsule(self) -> bool:
+        """Whether `capsule` is the shape itself."""
+        return False
+
+
+class _Round(Solid):
+    """Along a straight line, with a radius."""
+
+    from_mm: Vector3
+    to_mm: Vector3
+    radius_mm: Positive
+
+    @model_validator(mode="after")
+    def _has_length(self) -> Self:
+        if self.length < 1e-6:
+            raise ValueError("from_mm and to_mm are the same point; expected a sphere, or a length")
+        return self
+
+    @property
+    def ends(self) -> Array:
+        """Both ends of the axis [m], shape (2, 3)."""
+        return np.array([self.from_mm, self.to_mm]) / 1e3
+
+    @property
+    def length(self) -> float:
+        """Of the axis [m]."""
+        return float(np.linalg.norm(self.ends[1] - self.ends[0]))
+
+    @property
+    def radius(self) -> float:
+        """[m]"""
+        return self.radius_mm / 1e3
+
+    def place(self) -> Array:
+        X = np.eye(4)
+        X[:3, :3] = frame_along(self.ends[1] - self.ends[0])
+        X[:3, 3] = self.ends.mean(axis=0)
+        return X
+
+    def capsule(self) -> tuple[Array, float]:
+        return self.ends, self.radius
+
+
+class Capsule(_Round):
+    """All that is within a radius of the line from one point to the other."""
+
+    kind: Literal["capsule"]
+
+    @property
+    def is_capsule(self) -> bool:
+        return True
+
+
+class Cylinder(_Round):
+    """With flat ends at both points."""
+
+    kind: Literal["cylinder"]
+
+
+class Sphere(Solid):
+    """All that is within a radius of a point."""
+
+    kind: Literal["sphere"]
+    centre_mm: Vector3 = (0.0, 0.0, 0.0)
+    radius_mm: Positive
+
+    @property
+    def radius(self) -> float:
+        """[m]"""
+        return self.radius_mm / 1e3
+
+    def place(self) -> Array:
+        X = np.eye(4)
+        X[:3, 3] = np.array(self.centre_mm) / 1e3
+        return X
+
+    def capsule(self) -> tuple[Array, float]:
+        centre = np.array(self.centre_mm) / 1e3
+        return np.array([centre, centre]), self.radius
+
+    @property
+    def is_capsule(self) -> bool:
+        return True
+
+
+class Box(Solid):
+    """With its edges along x, y and z, turned about the fixed x, then y, then z."""
+
+    kind: Literal["box"]
+    centre_mm: Vector3
+    size_mm: tuple[Positive, Positive, Positive]
+    turn_deg: Vector3 = (0.0, 0.0, 0.0)
+
+    @property
+    def size(self) -> Array:
+        """Lengths of the edges [m], shape (3,)."""
+        return np.array(self.size_mm) / 1e3
+
+    def place(self) -> Array:
+        return pose(self.centre_mm, self.turn_deg)
+
+    def capsule(self) -> tuple[Array, float]:
+        size = self.size
+        axis = int(np.argmax(size))
+        X = self.place()
+        half = X[:3, axis] * size[axis] / 2
+        across = np.delete(size, axis) / 2
+        return np.array([X[:3, 3] - half, X[:3, 3] + half]), float(np.linalg.norm(across))
+
+
+Shape = Annotated[Capsule | Cylinder | Sphere | Box, Field(discriminator="kind")]
+
+
+def frame_along(direction: Array) -> Array:
+    """A rotation whose third column points along a vector, shape (3, 3)."""
+    z = direction / np.linalg.norm(direction)
+    helper = np.eye(3)[int(np.argmin(np.abs(z)))]
+    x = np.cross(helper, z)
+    x /= np.linalg.norm(x)
+    return np.stack([x, np.cross(z, x), z], axis=1)
+
+
+def pose(place_mm: Sequence[float], turn_deg: Sequence[float] = (0.0, 0.0, 0.0)) -> Array:
+    """(4, 4) [m]: moved by `place_mm`, turned about the fixed x, then y, then z."""
+    X = np.eye(4)
+    for axis, angle in enumerate(np.radians(turn_deg)):
+        R = np.eye(3)
+        first = (axis + 1) % 3
+        second = (axis + 2) % 3
+        R[first, first] = R[second, second] = np.cos(angle)
+        R[second, first] = np.sin(angle)
+        R[first, second] = -np.sin(angle)
+        X[:3, :3] = R @ X[:3, :3]
+    X[:3, 3] = np.array(place_mm) / 1e3
+    return X

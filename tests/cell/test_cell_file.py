@@ -1,0 +1,129 @@
+"""What a cell file may say, and what is said of one that is wrong."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from irb2400_ctrl import load_robot, save_robot
+from irb2400_ctrl.cell import Cell, Scene, load_cell, with_tool
+from irb2400_ctrl.cell.piece import cell_pieces
+from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.model import Model
+
+EXAMPLE = Path(__file__).parents[2] / "examples" / "cell" / "cell.toml"
+THING = '[[things]]\nname = "box"\nrole = "table"\nshapes = [{shape}]\n'
+BOX = '{ kind = "box", centre_mm = [0, 0, 0], size_mm = [1, 1, 1] }'
+
+
+def cell(tmp_path: Path, text: str) -> Cell:
+    file = tmp_path / "cell.toml"
+    file.write_text(text)
+    return load_cell(file)
+
+
+def test_the_example_says_what_it_says() -> None:
+    found = load_cell(EXAMPLE)
+    assert found.work_frame is not None
+    assert found.work_frame[:3, 3] == pytest.approx([0.85, 0.0, 0.5])
+    pieces = {piece.name: piece for piece in cell_pieces(found)}
+    assert set(pieces) == {"part", "vise", "table", "post", "floor"}
+    assert pieces["part"].may_be_cut
+    assert not pieces["vise"].may_be_cut
+    # the step is 80 x 60 x 40 mm, its top at the zero of the work object
+    X = pieces["part"].pose()
+    assert pieces["part"].half_size() == pytest.approx([0.04, 0.03, 0.02])
+    assert X[:3, 3] == pytest.approx([0.89, 0.03, 0.48])
+    floor = pieces["floor"]
+    assert floor.pose()[2, 3] + floor.half_size()[2] == pytest.approx(0.0)
+    assert found.tool_of(1, "") == "MILL_10"
+    assert found.tool_of(None, "MILL_10") == "MILL_10"
+    assert found.tool_of(7, "SAW") is None
+
+
+def test_frames_turn_about_fixed_axes(tmp_path: Path) -> None:
+    text = 'name = "a"\nwork_object = { place_mm = [100, 0, 0], turn_deg = [90, 0, 90] }\n'
+    found = cell(tmp_path, text).work_frame
+    assert found is not None
+    # first about x: z goes to -y; then about z: -y goes to x
+    assert found[:3, :3] @ [0, 0, 1] == pytest.approx([1, 0, 0])
+    assert found[:3, 3] == pytest.approx([0.1, 0, 0])
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        ("x = ", "is not TOML"),
+        ("", "name: Field required"),
+        ('name = "a"\nflor_mm = 0', "flor_mm: unknown key; did you mean floor_mm?"),
+        ('name = "a"\nclearance_mm = -1', "clearance_mm: .* greater than or equal to 0, found -1"),
+        ('name = "a"\n' + THING.format(shape='{ kind = "cone" }'), "does not match"),
+        (
+            'name = "a"\n' + THING.format(shape='{ kind = "sphere", radius_mm = 0 }'),
+            r"things\[1\].shapes\[1\].radius_mm: .* greater than 0, found 0",
+        ),
+        (
+            'name = "a"\n'
+            + THING.format(
+                shape='{ kind = "capsule", from_mm = [1, 2, 3], to_mm = [1, 2, 3], radius_mm = 1 }'
+            ),
+            "the same point; expected a sphere",
+        ),
+        ('name = "a"\n' + 2 * THING.format(shape=BOX), "two things are called 'box'"),
+        (
+            'name = "a"\n' + THING.format(shape=BOX).replace("role", 'frame="work_object"\nrole'),
+            r"box stands in the frame of the work object, but there is no \[work_object\]",
+        ),
+        ('name = "a"\n' + THING.format(shape=BOX).replace("table", "sky"), "role: .* found 'sky'"),
+    ],
+)
+def test_what_is_wrong_is_said(tmp_path: Path, text: str, says: str) -> None:
+    with pytest.raises(InputError) as error:
+        cell(tmp_path, text)
+    assert re.search(says, str(error.value)), error.value
+    assert "cell.toml" in str(error.value)
+
+
+def test_missing_files_are_said(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="found nothing, expected a cell file"):
+        load_cell(tmp_path / "none.toml")
+    shape = '{ kind = "mesh", file = "part.stl" }'
+    found = cell(tmp_path, 'name = "a"\n' + THING.format(shape=shape))
+    with pytest.raises(InputError, match=r"part\.stl: found nothing, expected an STL file"):
+        cell_pieces(found)
+    (tmp_path / "part.stl").write_bytes(b"solid nothing\nendsolid nothing\n")
+    with pytest.raises(InputError, match=r"part\.stl"):
+        cell_pieces(found)
+
+
+def test_an_outline_names_links_that_there_are(tmp_path: Path) -> None:
+    robot = load_robot("irb2400")
+    assert load_robot(save_robot(robot, tmp_path / "arm.toml")) == robot
+    text = (tmp_path / "arm.toml").read_text().replace('on = "link_4"', 'on = "link_9"')
+    (tmp_path / "arm.toml").write_text(text)
+    with pytest.raises(InputError, match="outline: no link is called 'link_9'"):
+        load_robot(tmp_path / "arm.toml")
+
+
+def test_a_tool_of_the_cell_takes_the_place_of_what_the_spindle_holds() -> None:
+    robot = load_robot("irb2400")
+    found = load_cell(EXAMPLE)
+    longer = found.tools[0].model_copy(update={"offset_mm": (0.0, 0.0, 30.0)})
+    arm = with_tool(robot, longer)
+    assert np.linalg.norm(arm.X_FT[:3, 3] - robot.X_FT[:3, 3]) == pytest.approx(0.03)
+    scene = Scene.of(Model(arm), robot, found, longer)
+    assert scene is not None
+    names = [piece.name for piece in scene.arm]
+    assert names.count("MILL_10") == 3
+    assert "tool of the electric spindle" not in names
+    assert "electric spindle" in names
+    # its tip is where the TCP is
+    q = np.radians([10.0, 20, 5, 30, 40, 50])
+    tip = next(p for p in scene.arm if p.cuts)
+    _, poses = scene.near(q[None])
+    ends, _ = tip.capsule()
+    X = poses[0, tip.link]
+    assert X[:, :3] @ ends[1] + X[:, 3] == pytest.approx(Model(arm).tcp_pose(q)[:3, 3])

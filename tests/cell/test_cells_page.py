@@ -1,0 +1,62 @@
+"""docs/cells.md: its files, its commands and its script do what it says."""
+
+from __future__ import annotations
+
+import json
+import re
+import shlex
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from irb2400_ctrl import load_robot
+
+PAGE = (Path(__file__).parents[2] / "docs" / "cells.md").read_text()
+
+
+def block(language: str) -> str:
+    found = re.search(rf"```{language}\n(.*?)```", PAGE, re.DOTALL)
+    assert found is not None
+    return found.group(1)
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    (tmp_path / "cell.toml").write_text(block("toml"))
+    (tmp_path / "part.cls").write_text(block("text"))
+    return tmp_path
+
+
+def run(command: list[str], folder: Path) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
+
+
+def test_commands(folder: Path) -> None:
+    for line in block("sh").strip().split("\n"):
+        done = run([sys.executable, "-m", "irb2400_ctrl.cli.main", *shlex.split(line)[1:]], folder)
+        assert done.returncode == 0, (line, done.stderr)
+        assert "clearance: at least" in done.stdout
+    for name in ("plan", "deeper"):
+        plan = json.loads((folder / name / "plan.json").read_text())
+        assert plan["clearance_mm"]["value"] >= 5.0
+        assert len(plan["clearance_mm"]["pair"]) == 2
+        assert plan["guaranteed"] is True
+
+
+def test_script(folder: Path) -> None:
+    done = run([sys.executable, "-c", block("python")], folder)
+    assert done.returncode == 0, done.stderr
+    assert "'value'" in done.stdout
+
+
+def test_the_table_of_the_arm_is_that_of_the_file() -> None:
+    outline = load_robot("irb2400").outline
+    assert outline is not None
+    rows = re.findall(r"^\| (?:\w|\|).*radius [\d; ]+.*\|$", PAGE, re.MULTILINE)
+    table = "\n".join(rows)
+    stated = sorted({int(n) for text in re.findall(r"radius ([\d; ]+)", table)
+                     for n in text.replace(";", " ").split()})  # fmt: skip
+    used = {round(part.shape.radius_mm) for part in outline.parts if part.on != "base"}
+    assert stated == sorted(used)

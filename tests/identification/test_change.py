@@ -1,0 +1,128 @@
+"""What changed on an arm since its reference: nothing, a load, friction."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+from identification.possible_arms import PossibleCase, possible_robot
+from independent_plant.arm_changes import _lump
+from independent_plant.machine import Machine
+from independent_plant.parameters import FLANGE_OFFSET
+
+import irb2400_ctrl as irb
+from irb2400_ctrl.diagnosis import Diagnosis
+from irb2400_ctrl.diagnosis.preparation.identified_prior import IdentifiedPrior
+from irb2400_ctrl.effects import LIBRARY
+from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.identification import Identification, diagnose_change
+from irb2400_ctrl.measurement.prepared_log import prepare
+from irb2400_ctrl.model import Model
+from irb2400_ctrl.report.diagnosis_report import lines
+from irb2400_ctrl.report.three_lists import numbers_of
+
+ROBOT = possible_robot()
+CENTRE = np.array([0.03, -0.02, FLANGE_OFFSET + 0.12])
+MASS = 3.0
+
+
+@cache
+def log(seed: int, load: float = 0.0, friction: float = 1.0) -> irb.Log:
+    """A motion of one and the same arm, with a load [kg] or all friction changed."""
+    case = PossibleCase(ROBOT, 104, 20.0)
+    machine = case.machine
+    arm = replace(machine.arm, payload=_lump(load, CENTRE, 0.06)) if load else machine.arm
+    rubbing = machine.friction.copy()
+    rubbing[:, :3] *= friction
+    case.__dict__["machine"] = Machine(arm, rubbing, machine.servo)
+    raw = case.simulate(PossibleCase(ROBOT, seed, 20.0).motions[0])[0]
+    return irb.Log(raw.time, raw.q, raw.tau, q_ref=raw.q_ref, name=f"motion {seed}")
+
+
+@cache
+def known() -> Identification:
+    return irb.identify(ROBOT, log(1))
+
+
+@cache
+def today(load: float = 0.0, friction: float = 1.0) -> Diagnosis:
+    return diagnose_change(ROBOT, log(2, load, friction), known().robot)
+
+
+def test_an_arm_against_its_own_other_day_has_nothing_missing() -> None:
+    found = today()
+    assert (found.verdict, found.findings) == ("nothing_missing", ())
+    assert "Nothing has changed since the reference" in lines(found)[0]
+
+
+def test_a_load_is_a_load_and_nothing_else_and_weighs_what_it_weighs() -> None:
+    found = today(load=MASS)
+    assert [f.effect.kind for f in found.findings] == ["payload"]
+    finding = found.findings[0]
+    assert finding.list == "changed"
+    assert finding.body is not None
+    at_link = ROBOT.flange.matrix()
+    for body in (finding.body.robust, finding.body.given_bodies):
+        assert body.mass == pytest.approx(MASS, rel=0.03)
+        centre = (at_link @ [*body.com, 1.0])[:3]
+        assert np.linalg.norm(centre - CENTRE) < 8e-3
+    assert "what changed since the reference:" in lines(found)
+
+
+def test_friction_of_another_day_is_a_number_that_changed() -> None:
+    found = today(friction=1.3)
+    assert found.findings == ()
+    changed = {(n.place, n.name): n for n in numbers_of(found, "changed")}
+    coulomb = [n for (_, name), n in changed.items() if name == "coulomb_Nm"]
+    assert len(coulomb) >= 3
+    for number in coulomb:
+        assert number.before is not None
+        assert number.after / number.before == pytest.approx(1.3, abs=0.15)
+
+
+def test_the_prior_of_an_identified_arm_is_its_covariance() -> None:
+    robot = known().robot
+    motion = prepare(log(1))
+    prior = IdentifiedPrior.of(robot, robot.uncertainty, motion)
+    columns = prior.columns(Model(robot.bare()), motion)
+    k = len(prior.root) - 12
+    spread = np.linalg.norm(prior.known[k:], axis=1)
+    names = [f"{term}_{j}" for term in ("offset", "rotor") for j in range(1, 7)]
+    errors = known().robot.identified
+    assert errors is not None
+    for name, value in zip(names, spread, strict=True):
+        assert value == pytest.approx(errors.standard_errors[name], rel=1e-4)
+    # columns are those numbers: a step along them is the step of the robot's own prediction
+    z = 1e-3 * np.random.default_rng(0).standard_normal(len(prior.root))
+    moved = prior.updated(prior.deviations(z))
+    step = Model(moved).inverse_dynamics(motion.q, motion.qd, motion.qdd)
+    step = step - Model(robot).inverse_dynamics(motion.q, motion.qd, motion.qdd)
+    offsets = prior.deviations(z)[k : k + 6]
+    moving = np.abs(motion.qd) > 0.1
+    np.testing.assert_allclose((step + offsets)[moving], (columns @ z)[moving], atol=2e-3)
+
+
+def test_a_reference_that_is_not_understood_is_refused() -> None:
+    sound = log(1)
+    wrong = irb.Log(sound.time, sound.q, sound.tau / 100.0, q_ref=sound.q_ref, name="wrong")
+    with pytest.raises(InputError, match="a reference has to be understood"):
+        diagnose_change(ROBOT, sound, wrong)
+
+
+def test_reference_logs_are_identified_first_and_told_beside() -> None:
+    found = diagnose_change(ROBOT, log(2, MASS), log(1))
+    assert (found.verdict, [f.effect.kind for f in found.findings]) == ("explained", ["payload"])
+    assert found.usual_error is not None
+    content = found.to_json()
+    assert content["against"] == "reference"
+    assert [one["log"] for one in content["reference"]["logs"]] == ["motion 1"]
+    assert content["reference"]["effects"] == []
+    assert content["effects"][0]["list"] == "changed"
+    assert content["effects"][0]["body"]["robust"]["mass_kg"] == pytest.approx(MASS, rel=0.03)
+
+
+def test_usual_effects_are_what_a_file_lacks() -> None:
+    usual = [kind for kind, effect in LIBRARY.items() if effect.search.usual]
+    assert sorted(usual) == ["rotor_inertia", "torque_offset"]

@@ -1,0 +1,86 @@
+"""What people bring at first: tables in other dialects and units, files that are not what they
+seem."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from robots.public_arms import arms, urdf
+
+import irb2400_ctrl as irb
+from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.model.plausibility import plausibility
+from irb2400_ctrl.robot.importing import import_robot
+
+MASSES = "mass_kg,com_x_mm,com_y_mm,com_z_mm,ixx_kgm2,iyy_kgm2,izz_kgm2"
+DH = f"""# convention: standard
+alpha_deg,a_mm,d_mm,theta_offset_deg,{MASSES}
+-90,100.5,400,10,5,1,2,3,0.1,0.1,0.1
+90,300,0,-20,4,10,2,3,0.1,0.1,0.1
+"""
+
+
+def imported(tmp_path: Path, name: str, text: str, encoding: str = "utf-8") -> irb.Robot:
+    path = tmp_path / name
+    path.write_text(text, encoding)
+    return import_robot(path).robot
+
+
+@pytest.mark.parametrize("separator", [";", "\t"])
+def test_a_table_of_a_spreadsheet_is_the_same_arm(tmp_path: Path, separator: str) -> None:
+    plain = imported(tmp_path, "a.csv", DH)
+    head, *rows = DH.splitlines()
+    table = [row.replace(",", separator).replace(".", ",") for row in rows]
+    found = imported(tmp_path, "a.csv", "\n".join([head, "", *table]) + "\n", "utf-8-sig")
+    q = np.array([0.3, -0.4])
+    np.testing.assert_array_equal(irb.Model(found).tcp_pose(q), irb.Model(plain).tcp_pose(q))
+    assert found.links[0].body == plain.links[0].body
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "says"),
+    [
+        ("alpha_deg", "alpha", "column 'alpha' has no unit, expected alpha_rad or alpha_deg"),
+        ("a_mm", "a_cm", "column 'a_cm' is not known, expected some of alpha_deg"),
+        ("theta_offset_deg", "theta_deg", "column 'theta_deg' is not known"),
+        ("\n-90,", "\n-1.5708,", "alpha is -1.5708 degrees, which looks like radians"),
+        ("# convention: standard\n", "", "the convention is not stated"),
+        ("300", "three", "a is 'three', no number"),
+        (MASSES, MASSES.replace("mass_kg", "name"), "no mass_kg"),
+    ],
+)
+def test_what_a_table_lacks_is_said(old: str, new: str, says: str, tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=says):
+        imported(tmp_path, "a.csv", DH.replace(old, new))
+
+
+def test_a_table_that_is_no_text_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "a.csv"
+    path.write_bytes(b"\xff\xfe\xd8\x00")
+    with pytest.raises(InputError, match="not a readable CSV"):
+        import_robot(path)
+
+
+def test_millimetres_and_grams_are_noticed() -> None:
+    arm = irb.load_robot("ur10e")
+    links = [link.model_dump() for link in arm.links]
+    frame = np.array(arm.links[2].frame.matrix())
+    frame[:3, 3] *= 1e3
+    links[2]["frame"] = {"transform": frame.tolist()}
+    links[1]["body"]["mass_kg"] *= 1e3
+    notes = plausibility(arm.model_copy(update={"links": tuple(links)}))
+    assert any("612.7 m further on; it looks like mm" in note for note in notes)
+    assert any("upper_arm: a mass of 1.305e+04 kg; it looks like grams" in note for note in notes)
+    assert not any("looks like" in note for note in plausibility(arm))
+
+
+def test_an_endless_joint_and_no_torque_limits_are_told(tmp_path: Path) -> None:
+    text = urdf(arms()["irb1200"])
+    path = tmp_path / "arm.urdf"
+    path.write_text(text.replace('type="revolute"', 'type="continuous"', 1))
+    assert any("turns endlessly" in note for note in import_robot(path).notes)
+    dh = tmp_path / "a.csv"
+    dh.write_text(DH)
+    assert not any("same number" in note for note in import_robot(dh).notes)
