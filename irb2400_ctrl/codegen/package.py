@@ -11,8 +11,18 @@ import numpy as np
 from irb2400_ctrl.codegen import package_pages
 from irb2400_ctrl.codegen.block import Block, Field, Origin
 from irb2400_ctrl.codegen.build import Real
-from irb2400_ctrl.codegen.c_text import described, indented, is_symmetric, plain, spans_zero
-from irb2400_ctrl.codegen.cmake_pages import build_files
+from irb2400_ctrl.codegen.c_text import (
+    default_table,
+    described,
+    finished,
+    held,
+    indented,
+    init_function,
+    is_symmetric,
+    plain,
+    spans_zero,
+    struct,
+)
 from irb2400_ctrl.codegen.emit import emit_body
 from irb2400_ctrl.codegen.graph import Bounds, Graph, read_graph, without_saturation
 from irb2400_ctrl.codegen.input_guard import (
@@ -20,16 +30,10 @@ from irb2400_ctrl.codegen.input_guard import (
     believed,
     guard_functions,
     input_guard,
+    parameter_guard,
     table_owners,
 )
 from irb2400_ctrl.codegen.own_math import prelude
-from irb2400_ctrl.codegen.package_parts import (
-    default_table,
-    finished,
-    held,
-    init_function,
-    struct,
-)
 from irb2400_ctrl.codegen.provenance import constant, flash_text, provenance, stamped
 from irb2400_ctrl.errors import InputError
 
@@ -135,7 +139,7 @@ class Package:
             f"{self.name}.c": self.source(),
             "main.c": package_pages.main_c(self.block),
             "README.md": package_pages.readme(self.block, self.real),
-            **build_files(self.name, None),
+            **package_pages.build_files(self.name, None),
         }
         return stamped(texts, self.name, self.provenance)
 
@@ -235,7 +239,8 @@ typedef {name}_real_t real_t;
 {own}
 {default_table(name, self.parameter_fields)}
 {input_guard(self.block, self.graph)}
-{init_function(self.block, self.parameter_fields)}
+{parameter_guard(name, self.parameter_fields)}
+{init_function(self.block)}
 uint32_t {name}_step({name}_state_t *state, const {name}_input_t *input,
     const {name}_parameters_t *parameters, {name}_output_t *output)
 {{

@@ -56,20 +56,10 @@ def closed_loop(
     q_seen, qd_seen = _measured(v, sensors, period)
     heard = {f"c_{f.name}": v[f.name] for f in inputs}
     control = as_packaged(controller, "c_", {**v, "c_q": q_seen, "c_qd": qd_seen, **heard}, run)
-    command = control["tau"]
-    drive, behind_lag = _acting(v, command, plant, actuators, period)
+    drive, behind_lag = _acting(v, control["tau"], plant, actuators, period)
     stop = end_stop_torque(plant, v["p_q"], v["p_qd"])
-    pushed = {"p_wrench": v["wrench"]} if wrench else {}
-    tau = drive
-    braking = dict[str, ca.SX]()
-    if has_brake(controller):
-        closed = v["brake_time"] >= BRAKE_TIME - 0.5 * period
-        # the drive is switched off once the brake holds
-        tau = drive * ca.logic_not(closed)
-        pushed["p_friction"] = v["p_friction"] + brake_friction(plant, closed)
-        signalled = control["brake"] > 0
-        braking["brake_time"] = ca.if_else(signalled, v["brake_time"] + period, 0)
-    moved = run(arm, "p_", {**v, "p_tau": tau + stop, **pushed})
+    tau, friction, braking = _braked(v, control, plant, drive, period)
+    moved = run(arm, "p_", {**v, **_wrench(v), **friction, "p_tau": tau + stop})
 
     after = {
         **{f"p_{f.name}": moved[f"{f.name}_next"] for f in arm.states},
@@ -78,26 +68,43 @@ def closed_loop(
         **braking,
         "q_before": q_seen,
         "qd_filter": qd_seen,
-        "tau_before": command,
+        "tau_before": control["tau"],
         "tau_lag": behind_lag,
     }
     shown: Values = {
         "q_seen": q_seen,
         "qd_seen": qd_seen,
         "tau": tau,
-        "command": command,
+        "command": control["tau"],
         "fault": control["fault"],
         "end_stop": stop,
         **_true(v, plant),
         **{f"c_{f.name}": control[f.name] for f in _extra(controller)},
     }
-    results = [*(after[f.name] for f in states), *(shown[f.name] for f in outputs)]
     names_out = [*(f"{f.name}_next" for f in states), *(f"{f.name}_now" for f in outputs)]
+    results = (*(after[f.name] for f in states), *(shown[f.name] for f in outputs))
     dense = [ca.densify(x) for x in results]
     step = ca.Function(f"{controller.name}_loop", list(v.values()), dense, list(v), names_out)
-    doc = f"{controller.name} on {plant.name}"
     ports = (tuple(states), tuple(inputs), tuple(outputs), tuple(parameters))
-    return Block(step.name(), doc, period, *ports, step)
+    return Block(step.name(), f"{controller.name} on {plant.name}", period, *ports, step)
+
+
+def _wrench(v: Values) -> Values:
+    return {"p_wrench": v["wrench"]} if "wrench" in v else {}
+
+
+def _braked(
+    v: Values, control: Values, plant: Robot, drive: ca.SX, period: float
+) -> tuple[ca.SX, Values, Values]:
+    """Torque of the drives, friction of the plant with its brakes, next value of the brakes'
+    clock."""
+    if "brake" not in control:
+        return drive, {}, {}
+    closed = v["brake_time"] >= BRAKE_TIME - 0.5 * period
+    friction = v["p_friction"] + brake_friction(plant, closed)
+    clock = ca.if_else(control["brake"] > 0, v["brake_time"] + period, 0)
+    # the drive is switched off once the brake holds
+    return drive * ca.logic_not(closed), {"p_friction": friction}, {"brake_time": clock}
 
 
 def _check_ports(controller: Block) -> None:
