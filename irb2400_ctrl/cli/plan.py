@@ -219,9 +219,7 @@ def plan(
         "torque_rate": None if torque_rate is None else torque_rate * arm.tau_max,
         "jerk": None if jerk_deg_s3 is None else math.radians(jerk_deg_s3),
     }
-    for note in program.of_kind("assumed"):
-        print(f"assumed, {note}")
-    _say_tools(program, around, tool)
+    _say_assumed(program, around, tool)
     chosen = link_options(len(program.operations), links, clearance, approach, start)
     if len(program.operations) > 1 or chosen.ends:
         plan_all(arm, program, chosen, options, out, rapid)
@@ -229,8 +227,11 @@ def plan(
         _plan_one(arm, program, chosen, options, out, rapid)
 
 
-def _say_tools(program: CamProgram, cell: Cell | None, tool: str | None) -> None:
-    """Which operations take a tool that the cell does not have: the robot file's."""
+def _say_assumed(program: CamProgram, cell: Cell | None, tool: str | None) -> None:
+    """What the file leaves open, and which operations take the robot file's tool because the cell
+    does not have theirs."""
+    for note in program.of_kind("assumed"):
+        print(f"assumed, {note}")
     if cell is None or tool is not None:
         return
     for operation in program.operations:

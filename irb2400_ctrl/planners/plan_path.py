@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
+from functools import partial
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -70,10 +71,9 @@ def plan_path(
         robot: the arm, tool and effects included.
         path: way-points of the TCP in the robot base, or in `work_frame`.
         rate: rows of the trajectory per second [1/s].
-        free_tool_rotation: choose the rotation about the spindle along the path; otherwise a stated
-            orientation is held, and for tool axes the best constant rotation is taken.
-        work_frame: pose X_BW of the frame the path is stated in, shape (4, 4); default that of
-            the cell's work object.
+        free_tool_rotation: choose the rotation about the spindle along the path; otherwise hold
+            the stated orientation, or the best constant rotation.
+        work_frame: pose X_BW that the path is stated in, (4, 4); default the cell's work object.
         tolerance: how far corners of the polygon may be cut [m].
         axis_tolerance: how far a stated orientation may be left to pass exactly through the wrist
             singularity [rad].
@@ -91,8 +91,7 @@ def plan_path(
 
     Raises:
         InputError: an argument or the path itself is wrong.
-        UnreachableError: no configuration or no continuous motion; says at which point.
-        CollisionError: no motion can be shown free of collisions; says what touches what, where.
+        UnreachableError: no continuous motion, or (CollisionError) none that touches nothing.
         InfeasibleError: the torque limits leave no motion; says where.
     """
     read_as = checked(interpolation)
@@ -102,16 +101,14 @@ def plan_path(
     timed = TimingOptions.of(
         robot, timing, cells, limits, torque_rate, jerk, options.sampling, torque_share
     )
-    return plan_ways(
-        robot,
-        path,
-        lambda model, orientation, scene: choices(
-            model, orientation, free_tool_rotation, scene=scene, way_out=way_out
-        ),
-        options,
-        timed,
-        StageClock(progress),
-    )
+    ways = partial(_choices, free_tool_rotation, way_out)
+    return plan_ways(robot, path, ways, options, timed, StageClock(progress))
+
+
+def _choices(
+    free: bool, way_out: WayOut | None, model: Model, orientation: Orientation, scene: Scene | None
+) -> Iterator[Choice]:
+    return choices(model, orientation, free, scene=scene, way_out=way_out)
 
 
 def plan_ways(
