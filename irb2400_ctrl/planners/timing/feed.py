@@ -5,10 +5,12 @@ from __future__ import annotations
 import numpy as np
 
 from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.planners.enclosure import bernstein
 from irb2400_ctrl.planners.enclosure.cells import divided
-from irb2400_ctrl.planners.enclosure.tcp_path import TcpPath
+from irb2400_ctrl.planners.enclosure.tcp_path import Enclosed, TcpPath
 from irb2400_ctrl.planners.joint_path import JointPath
 from irb2400_ctrl.planners.redundancy.follow import Followed
+from irb2400_ctrl.planners.timing.motion_limits import linear_bounds
 from irb2400_ctrl.planners.timing.time_joint_path import FeedBound
 from irb2400_ctrl.planners.timing.time_law import TimeLaw
 from irb2400_ctrl.planners.toolpath.orientation import Orientation
@@ -30,15 +32,15 @@ def programmed_feed(orientation: Orientation, followed: Followed) -> Array:
 
 
 def feed_bound(tcp: TcpPath, by_piece: Array) -> FeedBound:
-    """(feed / |dp/ds|)^2 within cells, with the largest |dp/ds| of each cell bounded, not
-    sampled."""
+    """Bounds of x at both ends of cells, (2, m), such that x between them, linear in s, keeps the
+    feed: x |dp/ds|^2 <= feed^2 all over the cell, bounded, not sampled."""
     joints = tcp.joints
 
     def bound(s: Array) -> Array:
         feed = by_piece[joints.piece((s[:-1] + s[1:]) / 2)]
         if not np.isfinite(feed).any():
-            return np.full(len(feed), np.inf)
-        return np.asarray((feed / np.maximum(tcp.enclosed_velocity(s).size, 1e-9)) ** 2)
+            return np.full((2, len(feed)), np.inf)
+        return np.asarray(linear_bounds(_squared(tcp.enclosed_velocity(s))[:, :, None]) * feed**2)
 
     return bound
 
@@ -64,3 +66,9 @@ def feed_ratio(tcp: TcpPath, by_piece: Array, law: TimeLaw, places: JointPath) -
     s = law.at((cells[:-1] + cells[1:]) / 2)[0]
     speed = TcpPath(tcp.model, places, tcp.spindle).enclosed_velocity(cells).size
     return float((speed / by_piece[joints.piece(s)]).max())
+
+
+def _squared(velocity: Enclosed) -> Array:
+    """Bernstein coefficients of an upper bound of |dp/ds|^2 in each cell, (m, 5)."""
+    squared = bernstein.product(velocity.points, velocity.points).sum(axis=2)
+    return np.asarray(squared + (velocity.miss * (2 * velocity.size + velocity.miss))[:, None])
