@@ -30,7 +30,7 @@ from mujoco_cell import mujoco_cell  # noqa: E402
 
 from irb2400_ctrl import Model, load_robot  # noqa: E402
 from irb2400_ctrl.cell import Cell, Scene, load_cell  # noqa: E402
-from irb2400_ctrl.errors import CollisionError, InputError  # noqa: E402
+from irb2400_ctrl.errors import InputError, UnreachableError  # noqa: E402
 from irb2400_ctrl.planners import ToolPath, builders, plan_path  # noqa: E402
 
 Array = npt.NDArray[np.float64]
@@ -154,7 +154,7 @@ def lines(count: int, seed: int) -> None:
     planned = touching = refused = other = 0
     for _ in range(count):
         angle = rng.uniform(-np.pi, np.pi)
-        radius = rng.uniform(0.2, 1.0)
+        radius = rng.uniform(0.1, 0.6)
         start = np.array([radius * np.cos(angle), radius * np.sin(angle), rng.uniform(0.2, 1.5)])
         axis = rng.normal(size=3)
         path = builders.line(start, start + rng.uniform(-0.5, 0.5, 3), axis)
@@ -169,7 +169,7 @@ def lines(count: int, seed: int) -> None:
         try:
             plan_path(ROBOT, path, cells=100)
             other += 1
-        except CollisionError:
+        except UnreachableError:
             refused += 1
     print("| lines | planned unseen | of these through the arm | now refused | another way |")
     print("| --- | --- | --- | --- | --- |")

@@ -46,8 +46,11 @@ def main(count: int = 1000, first: int | None = None) -> None:
                 price.append(plan.duration / plan.rates["duration_without_rates_s"] - 1)
             if found or not plan.guaranteed:
                 below += bool(found)
-                print(f"seed {seed} {way}: guaranteed {plan.guaranteed}, above {found}, {seen}")
-            if planned % 50 == 0:
+                print(
+                    f"seed {seed} {way}: guaranteed {plan.guaranteed}, above {found}, {seen}",
+                    flush=True,
+                )
+            if planned % 10 == 0:
                 print(f"{planned} planned, {below} below", flush=True)
     price.sort()
     print(

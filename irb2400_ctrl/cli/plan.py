@@ -29,6 +29,7 @@ from irb2400_ctrl.cli.progress import step
 from irb2400_ctrl.errors import UnreachableError
 
 if TYPE_CHECKING:
+    from irb2400_ctrl.cell import Cell
     from irb2400_ctrl.planners import CamProgram, LinkOptions, Plan
     from irb2400_ctrl.robot import Robot
 
@@ -220,11 +221,26 @@ def plan(
     }
     for note in program.of_kind("assumed"):
         print(f"assumed, {note}")
+    _say_tools(program, around, tool)
     chosen = link_options(len(program.operations), links, clearance, approach, start)
     if len(program.operations) > 1 or chosen.ends:
         plan_all(arm, program, chosen, options, out, rapid)
     else:
         _plan_one(arm, program, chosen, options, out, rapid)
+
+
+def _say_tools(program: CamProgram, cell: Cell | None, tool: str | None) -> None:
+    """Which operations take a tool that the cell does not have: the robot file's."""
+    if cell is None or tool is not None:
+        return
+    for operation in program.operations:
+        asked = operation.tool
+        if cell.tool_of(asked.number, asked.name) is None:
+            named = " ".join(str(word) for word in (asked.number, asked.name) if word) or "stated"
+            print(
+                f"assumed, operation {operation.number}: no tool {named} in the cell: the robot "
+                "file's tool"
+            )
 
 
 def _plan_one(

@@ -80,15 +80,13 @@ def plan_path(
         timing: "certified" (torque bound at every instant) or "toppra".
         cells: smallest number of grid cells of the timing.
         limits: other limits than the robot's.
-        torque_rate: limit of the torque's change, dry friction apart [Nm/s]; None takes what rows
-            at the rate can follow; inf lets it jump.
+        torque_rate: of the change of torque [Nm/s]; None is what rows can follow, inf is no limit.
         jerk: limit of the change of the joints' acceleration [rad/s3].
         cell: what must not be touched; the arm itself is looked at always, if it has an outline.
         way_out: lines from the ends of the path that the arm has to reach along as well.
         tool: name of a tool of the cell; default what the robot file describes.
         torque_share: part of the torque limits that is used, 0.9 for 90 %.
-        interpolation: how the controller reads the rows, "cubic" or "linear" (`Interpolation`);
-            what is guaranteed is guaranteed of that.
+        interpolation: how the controller reads the rows, "cubic" or "linear": `Interpolation`.
         progress: called with each stage as it begins, and within long ones with how far they are.
 
     Raises:

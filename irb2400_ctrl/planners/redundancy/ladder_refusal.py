@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from irb2400_ctrl.arrays import Array, Integers
@@ -22,6 +24,9 @@ def refusal(ladder: Ladder, names: Integers) -> UnreachableError:
     _, back = ladder.sweep(shifts, level=None)
     at = min(len(back), len(ladder.u) - 1)
     point = int(names[at]) + 1
+    touching = _blocking_collision(ladder, shifts, at, point)
+    if touching is not None:
+        return touching
     blocked = _blocking_axis(ladder, shifts, at)
     obstacle = "" if ladder.crowd is None else "a collision or "
     if blocked is None:
@@ -66,6 +71,19 @@ def _no_configuration(ladder: Ladder, i: int, point: int) -> UnreachableError:
         "beyond its range "
         f"{ends[0]:.0f} to {ends[1]:.0f} deg; move the work frame or free the tool rotation"
     )
+
+
+def _blocking_collision(
+    ladder: Ladder, shifts: tuple[int, ...], at: int, point: int
+) -> UnreachableError | None:
+    """What is in the way at a station, if a motion would lead past it without the collisions."""
+    if ladder.crowd is None:
+        return None
+    touching = ladder.inside(at).any(axis=2) & ~ladder.crowd.free(at)
+    value, _ = replace(ladder, crowd=None).sweep(shifts, level=None)
+    if not (touching.any() and (value > 0).any()):
+        return None
+    return ladder.crowd.blocked(ladder.q[at][touching], at, point)
 
 
 def _blocking_axis(ladder: Ladder, shifts: tuple[int, ...], at: int) -> tuple[int, float] | None:
