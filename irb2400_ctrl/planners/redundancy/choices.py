@@ -70,8 +70,7 @@ def choices(
     held = curve.full and not free
     u = stations(orientation)
     s = arc_length(curve, u)
-    rotation = np.zeros(1) if held else GRID
-    ladder = Ladder.of(model, orientation, u, rotation)
+    ladder = Ladder.of(model, orientation, u, np.zeros(1) if held else GRID)
     if way_out is not None:
         ladder = way_out.kept(ladder, orientation)
     moves = cutting_moves(curve.path, orientation.spindle)

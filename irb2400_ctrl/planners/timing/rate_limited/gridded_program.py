@@ -69,6 +69,8 @@ class GriddedProgram:
             # points
             x, u = near.on(self.s)
             z = (x + np.append(np.diff(self.s), 0.0) * u)[1:-2]
+            # where the speed falls steeply these may lie below zero: on the chord they do not
+            z = np.where(z > 0, z, (x[1:-2] + x[2:-1]) / 2)
         z[0] = x[1]
         z[-1] = x[-2]
         return self.inside(z, 0.8 if near is None else 0.98)
