@@ -221,10 +221,8 @@ def plan(
     }
     _say_assumed(program, around, tool)
     chosen = link_options(len(program.operations), links, clearance, approach, start)
-    if len(program.operations) > 1 or chosen.ends:
-        plan_all(arm, program, chosen, options, out, rapid)
-    else:
-        _plan_one(arm, program, chosen, options, out, rapid)
+    follow = plan_all if len(program.operations) > 1 or chosen.ends else _plan_one
+    follow(arm, program, chosen, options, out, rapid)
 
 
 def _say_assumed(program: CamProgram, cell: Cell | None, tool: str | None) -> None:

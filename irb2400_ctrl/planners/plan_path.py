@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
-from functools import partial
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -64,8 +63,7 @@ def plan_path(
     interpolation: str = DEFAULT,
     progress: Progress | None = None,
 ) -> Plan:
-    """The fastest motion along a tool path, rest to rest, clear of singularities and within the
-    limits.
+    """The fastest motion along a tool path, rest to rest, clear of singularities.
 
     Args:
         robot: the arm, tool and effects included.
@@ -83,7 +81,7 @@ def plan_path(
         torque_rate: of the change of torque [Nm/s]; None is what rows can follow, inf is no limit.
         jerk: limit of the change of the joints' acceleration [rad/s3].
         cell: what must not be touched; the arm itself is looked at always, if it has an outline.
-        way_out: lines from the ends of the path that the arm has to reach along as well.
+        way_out: lines from the ends of the path to reach along as well.
         tool: name of a tool of the cell; default what the robot file describes.
         torque_share: part of the torque limits that is used, 0.9 for 90 %.
         interpolation: how the controller reads the rows, "cubic" or "linear": `Interpolation`.
@@ -101,14 +99,15 @@ def plan_path(
     timed = TimingOptions.of(
         robot, timing, cells, limits, torque_rate, jerk, options.sampling, torque_share
     )
-    ways = partial(_choices, free_tool_rotation, way_out)
+    ways = _chosen(free_tool_rotation, way_out)
     return plan_ways(robot, path, ways, options, timed, StageClock(progress))
 
 
-def _choices(
-    free: bool, way_out: WayOut | None, model: Model, orientation: Orientation, scene: Scene | None
-) -> Iterator[Choice]:
-    return choices(model, orientation, free, scene=scene, way_out=way_out)
+def _chosen(free: bool, way_out: WayOut | None) -> Ways:
+    """The most promising joint paths of every kind."""
+    return lambda model, orientation, scene: choices(
+        model, orientation, free, scene=scene, way_out=way_out
+    )
 
 
 def plan_ways(
