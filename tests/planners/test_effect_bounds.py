@@ -212,7 +212,10 @@ def test_elastic_joint_is_not_guaranteed_and_says_why() -> None:
 
 def test_plan_with_effects_is_guaranteed() -> None:
     plan = plan_path(
-        ROBOT.with_effects(*CASES["several"]), builders.line((0.9, 0, 0.5), (0.9, 0.2, 0.5))
+        ROBOT.with_effects(*CASES["several"]),
+        builders.line((0.9, 0, 0.5), (0.9, 0.2, 0.5)),
+        # the process force begins with a jump
+        torque_rate=np.inf,
     )
     assert plan.guaranteed
     assert plan.guarantee_note == ""
