@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import argparse
 import time
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -18,7 +19,7 @@ import numpy.typing as npt
 
 from irb2400_ctrl import load_robot
 from irb2400_ctrl.errors import InputError
-from irb2400_ctrl.planners import Operation, plan_path, read_program
+from irb2400_ctrl.planners import CamProgram, Operation, ProgramPlan, plan_program, read_program
 
 Array = npt.NDArray[np.float64]
 PLACE = np.array([1.0, 0.0, 0.6])
@@ -43,7 +44,7 @@ def upright(operation: Operation) -> Array:
     return X
 
 
-def row(operation: Operation, plan: bool) -> list[str]:
+def row(program: CamProgram, operation: Operation, plan: bool) -> list[str]:
     """Points, cut and rapid length, feed, extent, and what planning says."""
     s = operation.summary()
     feed = s["feed_mm_s"]
@@ -60,14 +61,22 @@ def row(operation: Operation, plan: bool) -> list[str]:
     if not plan:
         return cells
     start = time.perf_counter()
-    try:
-        found = plan_path(
-            load_robot("irb2400"), operation.path, work_frame=upright(operation), rate=50.0
-        )
-        result = f"{found.duration:.1f} s, {'held' if found.guaranteed else 'not held'}"
-    except InputError as error:
-        result = f"refused: {error}"
-    return [*cells, result, f"{time.perf_counter() - start:.0f}"]
+    alone = replace(program, operations=(operation,))
+    found = plan_program(load_robot("irb2400"), alone, work_frame=upright(operation), rate=50.0)
+    return [*cells, *told(found), f"{time.perf_counter() - start:.0f}"]
+
+
+def told(found: ProgramPlan) -> list[str]:
+    """Duration of the operation and of the whole motion, and whether its bounds hold."""
+    done = found.operations[0]
+    if not done.planned:
+        return [f"refused: {done.refused}", "–"]
+    motion = found.motion
+    if motion is None:
+        return [f"{done.duration:.1f} s", f"not linked: {found.refused_links}"]
+    held = "held" if motion.guaranteed else "not held"
+    turned = f", unwound {len(motion.unwindings)} times" if motion.unwindings else ""
+    return [f"{done.duration:.1f} s", f"{motion.duration:.1f} s, {held}{turned}"]
 
 
 def main() -> None:
@@ -77,7 +86,7 @@ def main() -> None:
     parser.add_argument("--read", action="store_true", help="do not plan")
     arguments = parser.parse_args()
     head = ["file", "language", "operation", "points", "cut mm", "rapid mm", "feed mm/s", "size mm"]
-    head += [] if arguments.read else ["planned", "s"]
+    head += [] if arguments.read else ["cut in", "whole motion", "s"]
     print("| " + " | ".join(head) + " |\n|" + " --- |" * len(head))
     for file in sorted(arguments.folder.iterdir()):
         if not SUFFIXES & set(file.suffixes):
@@ -88,7 +97,7 @@ def main() -> None:
             print(f"| {file.name} | – | not read: {error} |", flush=True)
             continue
         for operation in program.operations:
-            cells = row(operation, not arguments.read)
+            cells = row(program, operation, not arguments.read)
             print(f"| {file.name} | {program.dialect} | " + " | ".join(cells) + " |", flush=True)
 
 

@@ -30,7 +30,7 @@ from mujoco_cell import mujoco_cell  # noqa: E402
 
 from irb2400_ctrl import Model, load_robot  # noqa: E402
 from irb2400_ctrl.cell import Cell, Scene, load_cell  # noqa: E402
-from irb2400_ctrl.errors import CollisionError, InputError  # noqa: E402
+from irb2400_ctrl.errors import InputError, UnreachableError  # noqa: E402
 from irb2400_ctrl.planners import ToolPath, builders, plan_path  # noqa: E402
 
 Array = npt.NDArray[np.float64]
@@ -80,7 +80,7 @@ def wavy_part(triangles: int, file: Path) -> int:
     top = np.stack([x, y, height(x, y)], axis=1)
     low = np.stack([x, y, np.full_like(x, -0.06)], axis=1)
     at = np.arange(n * n).reshape(n, n)
-    a, b, c, d = at[:-1, :-1].ravel(), at[1:, :-1].ravel(), at[1:, 1:].ravel(), at[:-1, 1:].ravel()
+    a, b, c, d = (m.ravel() for m in (at[:-1, :-1], at[1:, :-1], at[1:, 1:], at[:-1, 1:]))
     sheet = np.concatenate([np.stack([a, b, c], 1), np.stack([a, c, d], 1)])
     rim = np.concatenate([at[:-1, 0], at[-1, :-1], at[:0:-1, -1], at[0, :0:-1]])
     following = np.roll(rim, -1)
@@ -154,7 +154,7 @@ def lines(count: int, seed: int) -> None:
     planned = touching = refused = other = 0
     for _ in range(count):
         angle = rng.uniform(-np.pi, np.pi)
-        radius = rng.uniform(0.2, 1.0)
+        radius = rng.uniform(0.1, 0.6)
         start = np.array([radius * np.cos(angle), radius * np.sin(angle), rng.uniform(0.2, 1.5)])
         axis = rng.normal(size=3)
         path = builders.line(start, start + rng.uniform(-0.5, 0.5, 3), axis)
@@ -169,7 +169,7 @@ def lines(count: int, seed: int) -> None:
         try:
             plan_path(ROBOT, path, cells=100)
             other += 1
-        except CollisionError:
+        except UnreachableError:
             refused += 1
     print("| lines | planned unseen | of these through the arm | now refused | another way |")
     print("| --- | --- | --- | --- | --- |")

@@ -1,7 +1,7 @@
 """What two real robots have and their rigid-body data lack: KUKA KR300 (B validates A), Staubli
 TX40 (blocks).
 
-    python benchmarks/real_recordings.py FOLDER OUT
+    python -m benchmarks.real_recordings FOLDER OUT
 
 FOLDER holds kr300/ and tx40/ with robot.json and the recordings (public data, not part of this
 project).
@@ -10,85 +10,14 @@ project).
 from __future__ import annotations
 
 import argparse
-import json
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from benchmarks.real_robots import kr300, tx40
 from irb2400_ctrl.diagnosis import Diagnosis, diagnose
 from irb2400_ctrl.diagnosis.comparison.criteria import Criteria
-from irb2400_ctrl.measurement import Log, read_log
-from irb2400_ctrl.robot import Robot
-
-
-def robot_of(path: Path) -> Robot:
-    """A robot from rigid-body data alone: no friction, no limits known (wide ones are entered and
-    labelled so)."""
-    data = json.loads(path.read_text())
-    n = len(data["joints"])
-    unknown = "assumption: not in the source; wide"
-    links = []
-    joints = []
-    for joint in data["joints"]:
-        inertia = np.array(joint["inertia_about_com_kgm2"])
-        xx, xy, xz, yy, yz, zz = inertia[np.triu_indices(3)]
-        body = {
-            "mass_kg": joint["mass_kg"],
-            "com_m": joint["com_m"],
-            "inertia_kgm2": (xx, yy, zz, xy, xz, yz),
-        }
-        frame = {"transform": joint["parent_to_joint"]}
-        links.append({"name": joint["name"], "frame": frame, "body": body, "source": data["about"]})
-        limits = {
-            "range_deg": (-400.0, 400.0),
-            "speed_deg_s": 1000.0,
-            "range_source": unknown,
-            "torque_Nm": 1e5,
-            "torque_source": unknown,
-        }
-        friction = {
-            "static_Nm": 0,
-            "coulomb_Nm": 0,
-            "viscous_Nms_rad": 0,
-            "stribeck_rad_s": 0.01,
-            "source": "not known",
-        }
-        joints.append({"name": joint["name"], "friction": friction, "limits": limits})
-    return Robot.model_validate(
-        {
-            "name": data["name"],
-            "source": data["about"],
-            "gravity_m_s2": data["gravity_m_s2"],
-            "gravity_source": data["about"],
-            "links": links,
-            "joints": joints,
-            "coupling": {
-                "matrix": np.eye(n).tolist(),
-                "offset_rad": [0.0] * n,
-                "source": "serial arm",
-            },
-            "flange": {"transform": data.get("last_joint_to_flange", np.eye(4).tolist())},
-        }
-    )
-
-
-def blocks(log: Log, seconds: float = 2.25, gap: float = 0.05) -> tuple[Log, Log]:
-    """Even and odd blocks of a record, with a pause between them that no filter bridges."""
-    place = np.floor((log.time - log.time[0]) / seconds).astype(int)
-    inside = (log.time - log.time[0]) % seconds < seconds - gap
-    parts = []
-    for side in (0, 1):
-        rows = inside & (place % 2 == side)
-        parts.append(
-            Log(
-                log.time[rows],
-                log.q[rows],
-                log.tau[rows],
-                name=f"{log.name}, {('even', 'odd')[side]} blocks",
-            )
-        )
-    return parts[0], parts[1]
 
 
 def told(found: Diagnosis) -> str:
@@ -132,22 +61,11 @@ def main() -> None:
     parser.add_argument("--most", type=int, default=30)
     args = parser.parse_args()
     # so much is missing that a flexible law would take the place of several effects: names first
-    criteria = Criteria(most=args.most, discrepancy_factor=0.25, unknown_share=1e6)
-    kr300 = args.folder / "kr300"
-    first = diagnose(
-        robot_of(kr300 / "robot.json"),
-        read_log(kr300 / "A.csv.gz"),
-        read_log(kr300 / "B.csv.gz"),
-        criteria=criteria,
-    )
-    first.write(args.out / "kr300")
-    print(told(first), flush=True)
-    tx40 = args.folder / "tx40"
-    second = diagnose(
-        robot_of(tx40 / "robot.json"), *blocks(read_log(tx40 / "log.csv.gz")), criteria=criteria
-    )
-    second.write(args.out / "tx40")
-    print(told(second))
+    criteria = Criteria(most=args.most, unknown_share=1e6)
+    for case in (kr300(args.folder), tx40(args.folder)):
+        found = diagnose(case.robot, case.logs[0], case.others[0], criteria=criteria)
+        found.write(args.out / case.name)
+        print(told(found), flush=True)
 
 
 if __name__ == "__main__":

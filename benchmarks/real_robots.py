@@ -5,6 +5,7 @@ Public data, not part of this project: a folder with kr300/, tx40/, ur10/, panda
 
 from __future__ import annotations
 
+import json
 import sqlite3
 import struct
 from collections.abc import Callable, Sequence
@@ -13,7 +14,6 @@ from pathlib import Path
 
 import numpy as np
 
-from benchmarks.real_recordings import blocks, robot_of
 from irb2400_ctrl.measurement import Log, read_log
 from irb2400_ctrl.robot import Robot
 
@@ -44,6 +44,7 @@ def arm(
     frames: Sequence[np.ndarray],
     bodies: Sequence[dict[str, object]],
     flange: np.ndarray | None = None,
+    gravity: Sequence[float] = (0.0, 0.0, -9.81),
 ) -> Robot:
     """A serial arm of which frames and bodies are known."""
     n = len(frames)
@@ -65,8 +66,8 @@ def arm(
         {
             "name": name,
             "source": "public data",
-            "gravity_m_s2": (0.0, 0.0, -9.81),
-            "gravity_source": "nominal",
+            "gravity_m_s2": tuple(gravity),
+            "gravity_source": "public data",
             "links": [
                 {"name": f"l{i}", "frame": {"transform": X.tolist()}, "body": body, "source": "-"}
                 for i, (X, body) in enumerate(zip(frames, bodies, strict=True))
@@ -80,6 +81,32 @@ def arm(
             "flange": {"transform": (np.eye(4) if flange is None else flange).tolist()},
         }
     )
+
+
+def robot_of(path: Path) -> Robot:
+    """An arm from a file of rigid-body data alone."""
+    data = json.loads(path.read_text())
+    frames = []
+    bodies: list[dict[str, object]] = []
+    for joint in data["joints"]:
+        xx, xy, xz, yy, yz, zz = np.array(joint["inertia_about_com_kgm2"])[np.triu_indices(3)]
+        six = (xx, yy, zz, xy, xz, yz)
+        frames.append(np.array(joint["parent_to_joint"]))
+        bodies.append({"mass_kg": joint["mass_kg"], "com_m": joint["com_m"], "inertia_kgm2": six})
+    flange = np.array(data.get("last_joint_to_flange", np.eye(4)))
+    return arm(data["name"], frames, bodies, flange, data["gravity_m_s2"])
+
+
+def blocks(log: Log, seconds: float = 2.25, gap: float = 0.05) -> tuple[Log, Log]:
+    """Even and odd blocks of a record, with a pause between them that no filter bridges."""
+    place = np.floor((log.time - log.time[0]) / seconds).astype(int)
+    inside = (log.time - log.time[0]) % seconds < seconds - gap
+    parts = []
+    for side in (0, 1):
+        rows = inside & (place % 2 == side)
+        name = f"{log.name}, {('even', 'odd')[side]} blocks"
+        parts.append(Log(log.time[rows], log.q[rows], log.tau[rows], name=name))
+    return parts[0], parts[1]
 
 
 def guessed(masses: Sequence[float]) -> list[dict[str, object]]:

@@ -21,7 +21,8 @@ def capsule_distance(
         ends, others: both ends of the axes, each (3,) [m]; a sphere has the same point twice.
         radius, other_radius: [m].
     """
-    p, r = ends[0], others[0]
+    p = ends[0]
+    r = others[0]
     u = ends[1] - p
     v = others[1] - r
     w = p - r

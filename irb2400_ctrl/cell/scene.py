@@ -6,21 +6,18 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
-import casadi as ca
 import numpy as np
 import numpy.typing as npt
 
 from irb2400_ctrl.arrays import Array, Integers
-from irb2400_ctrl.cell.capsule_distance import capsule_distance
+from irb2400_ctrl.cell.arm_space import arm_space
 from irb2400_ctrl.cell.description import Cell, CellTool
 from irb2400_ctrl.cell.narrow import Narrow, load_coal
-from irb2400_ctrl.cell.piece import Piece, arm_pieces, cell_pieces
+from irb2400_ctrl.cell.piece import Piece, cell_pieces
 from irb2400_ctrl.cell.reach import rates, reach
 from irb2400_ctrl.cell.rough import Rough
-from irb2400_ctrl.codegen import CompiledFunction, compile_function
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.model.chain import chain_of
-from irb2400_ctrl.model.kinematics import link_poses
 from irb2400_ctrl.robot import Robot
 
 # taken off every distance: what rounding may hide [m]
@@ -38,6 +35,10 @@ class Scene:
     """
 
     model: Model
+    robot: Robot
+    """the arm with the TCP of its file"""
+    tool: CellTool | None
+    """of the cell, in the spindle"""
     arm: tuple[Piece, ...]
     things: tuple[Piece, ...]
     own: tuple[tuple[int, int], ...]
@@ -62,16 +63,17 @@ class Scene:
         Raises:
             InputError: a mesh cannot be read, or coal is not installed.
         """
-        arm = arm_pieces(robot, tool)
-        if not arm:
+        if robot.outline is None:
             return None
+        arm, own, _ = arm_space(robot, tool)
         things = [] if cell is None else cell_pieces(cell)
         if things:
             load_coal()
         outer = [(i, k) for i, p in enumerate(arm) if p.link > 0 for k in range(len(things))]
+        if not own and not outer:
+            return None
         keep = 0.0 if cell is None else cell.clearance_mm / 1e3
-        own = tuple(_own_pairs(robot, arm))
-        return cls(model, tuple(arm), tuple(things), own, tuple(outer), keep)
+        return cls(model, robot, tool, arm, tuple(things), own, tuple(outer), keep)
 
     @property
     def pairs(self) -> int:
@@ -92,26 +94,10 @@ class Scene:
         outer = [self.arm[i].cuts and self.things[k].may_be_cut for i, k in self.outer]
         return np.array([False] * len(self.own) + outer, dtype=np.bool_)
 
-    @cached_property
-    def _function(self) -> CompiledFunction:
-        """q -> distances of the arm's own pairs, and the poses of all links."""
-        q = ca.SX.sym("q", self.model.robot.n)
-        poses = [ca.SX.eye(4), *link_poses(self.model.robot, q)]
-        ends = []
-        for piece in self.arm:
-            local, radius = piece.capsule()
-            X = poses[piece.link]
-            placed = [X[:3, :3] @ ca.DM(point) + X[:3, 3] for point in local]
-            ends.append(((placed[0], placed[1]), radius))
-        distances = [capsule_distance(*ends[i], *ends[j]) for i, j in self.own]
-        rows = [ca.vec(X[:3, :].T) for X in poses]
-        outputs = [ca.vertcat(*distances), ca.vertcat(*rows)]
-        return compile_function(ca.Function("scene", [q], outputs))
-
     def near(self, q: Array) -> tuple[Array, Array]:
         """Distances of the arm's own pairs (m, own) [m] and the poses of base and links (m, n + 1,
         3, 4) at q (m, n)."""
-        own, rows = self._function.map(q)
+        own, rows = arm_space(self.robot, self.tool)[2].map(q)
         return own - ROUNDING, rows.reshape(len(q), -1, 3, 4)
 
     @cached_property
@@ -222,15 +208,3 @@ class Scene:
             turning = np.abs(rate @ seen[i].T).max(axis=1)
             found[:, at] = turning @ rho[at].T
         return found
-
-
-def _own_pairs(robot: Robot, arm: list[Piece]) -> list[tuple[int, int]]:
-    """Pieces of the arm that could touch: not of one body, nor of neighbours in the chain."""
-    assert robot.outline is not None
-    apart = {frozenset(pair.bodies) for pair in robot.outline.kept_apart}
-    found = []
-    for i, a in enumerate(arm):
-        for j, b in enumerate(arm):
-            if b.link - a.link > 1 and frozenset((a.body, b.body)) not in apart:
-                found.append((i, j))
-    return found

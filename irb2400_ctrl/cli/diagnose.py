@@ -82,7 +82,7 @@ def diagnose(
 
     A log that is not what its columns say gets the verdict log_not_understood and exit code 0: that
     is an answer (`irb2400 log check` exits 2). With several logs the exit code is 0 as soon as one
-    can be used, and 2 when none can."""
+    can be used, and 2 when none can be read."""
     if len(logs) == 1:
         input_file(logs[0], WHAT)
     for path in (validate, *(reference or [])):

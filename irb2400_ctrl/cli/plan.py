@@ -18,10 +18,19 @@ from irb2400_ctrl.cli.options import (
     output_folder,
 )
 from irb2400_ctrl.cli.path import ROTARY_HELP, UNITS_HELP
+from irb2400_ctrl.cli.plan_program import (
+    figures,
+    link_options,
+    plan_all,
+    plan_parts,
+    print_feed,
+)
 from irb2400_ctrl.cli.progress import step
+from irb2400_ctrl.errors import UnreachableError
 
 if TYPE_CHECKING:
-    from irb2400_ctrl.planners import CamProgram, Plan
+    from irb2400_ctrl.cell import Cell
+    from irb2400_ctrl.planners import CamProgram, LinkOptions, Plan
     from irb2400_ctrl.robot import Robot
 
 PathArgument = Annotated[
@@ -35,7 +44,7 @@ OperationOption = Annotated[
     typer.Option(
         "--operation",
         metavar="NAME|NUMBER",
-        help="Plan this operation only; else each into its own folder.",
+        help="Plan this operation only; else all of them, as one motion.",
         show_default="all",
     ),
 ]
@@ -110,6 +119,41 @@ JerkOption = Annotated[
         show_default="no limit",
     ),
 ]
+LinksOption = Annotated[
+    bool | None,
+    typer.Option(
+        "--links/--no-links",
+        help="Plan the way from --start to the part, between operations, and back.",
+        show_default="with several operations",
+    ),
+]
+ClearanceOption = Annotated[
+    float | None,
+    typer.Option(
+        "--clearance",
+        metavar="MM",
+        help="Height of the moves between operations above the highest cut.",
+        show_default="50",
+    ),
+]
+ApproachOption = Annotated[
+    float | None,
+    typer.Option(
+        "--approach",
+        metavar="MM",
+        help="Last part of the way down along the tool axis, driven at the feed of the first cut.",
+        show_default="10",
+    ),
+]
+StartOption = Annotated[
+    str | None,
+    typer.Option(
+        "--start",
+        metavar="Q1,…,Q6",
+        help="Joint angles to come from and to return to [deg].",
+        show_default="all zero",
+    ),
+]
 InterpolationOption = Annotated[
     str,
     typer.Option(
@@ -142,6 +186,10 @@ def plan(
     units: UnitsOption = None,
     rotary: RotaryOption = None,
     spindle_rpm: SpindleOption = None,
+    links: LinksOption = None,
+    clearance: ClearanceOption = None,
+    approach: ApproachOption = None,
+    start: StartOption = None,
 ) -> None:
     """Plan a toolpath: branch, tool rotation, torque-limited timing -> trajectory.csv, plan.json,
     figures."""
@@ -173,16 +221,37 @@ def plan(
     }
     for note in program.of_kind("assumed"):
         print(f"assumed, {note}")
-    if len(program.operations) > 1:
-        _plan_all(arm, program, options, out, rapid)
+    _say_tools(program, around, tool)
+    chosen = link_options(len(program.operations), links, clearance, approach, start)
+    if len(program.operations) > 1 or chosen.ends:
+        plan_all(arm, program, chosen, options, out, rapid)
     else:
-        _plan_one(arm, program, options, out, rapid)
+        _plan_one(arm, program, chosen, options, out, rapid)
+
+
+def _say_tools(program: CamProgram, cell: Cell | None, tool: str | None) -> None:
+    """Which operations take a tool that the cell does not have: the robot file's."""
+    if cell is None or tool is not None:
+        return
+    for operation in program.operations:
+        asked = operation.tool
+        if cell.tool_of(asked.number, asked.name) is None:
+            named = " ".join(str(word) for word in (asked.number, asked.name) if word) or "stated"
+            print(
+                f"assumed, operation {operation.number}: no tool {named} in the cell: the robot "
+                "file's tool"
+            )
 
 
 def _plan_one(
-    arm: Robot, program: CamProgram, options: dict[str, Any], out: Path, rapid: bool
+    arm: Robot,
+    program: CamProgram,
+    links: LinkOptions,
+    options: dict[str, Any],
+    out: Path,
+    rapid: bool,
 ) -> None:
-    """The only operation, into the folder itself."""
+    """The only operation, into the folder itself; in parts where axes have to be unwound."""
     from irb2400_ctrl.planners import plan_path
     from irb2400_ctrl.planners.program_plan import with_its_tool
 
@@ -191,60 +260,20 @@ def _plan_one(
     options = with_its_tool(operation, options)
     task = f"planning {len(toolpath):,} points"
     with step(task) as say:
-        planned = plan_path(
-            arm, toolpath, progress=lambda stage: say(f"{task}: {stage}"), **options
-        )
+        try:
+            planned = plan_path(
+                arm, toolpath, progress=lambda stage: say(f"{task}: {stage}"), **options
+            )
+        except UnreachableError as error:
+            say(f"{task}: unwinding")
+            plan_parts(arm, program, links, options, out, rapid, error)
+            return
         say(f"{task}: writing")
         planned.write(out)
-        written = ["trajectory.csv", "plan.json", *_figures(planned, arm, out, rapid)]
+        written = ["trajectory.csv", "plan.json", *figures(planned, arm, out, rapid)]
     print(f"{program.name}: {len(toolpath)} points, {planned.summary()['duration_s']:.2f} s")
     _print_summary(planned)
     print(f"written to {out}: {', '.join(written)}")
-
-
-def _plan_all(
-    arm: Robot, program: CamProgram, options: dict[str, Any], out: Path, rapid: bool
-) -> None:
-    """Each operation into its own folder, and program.json."""
-    from irb2400_ctrl.errors import InputError
-    from irb2400_ctrl.planners import plan_program
-
-    task = f"planning {len(program.operations)} operations"
-    with step(task) as say:
-        found = plan_program(
-            arm, program, started=lambda o: say(f"{task}: {o.number} {o.name}"), **options
-        )
-        found.write(out)
-        for done in found.operations:
-            if done.plan is not None:
-                _figures(done.plan, arm, out / done.folder, rapid)
-    for done in found.operations:
-        if done.plan is not None:
-            points = len(done.operation.path)
-            print(f"{done.folder}: {points} points, {done.plan.duration:.2f} s")
-    if found.transfers():
-        print(f"{len(found.transfers())} ways between operations are not planned (program.json)")
-    print(f"written to {out}: program.json and a folder per operation")
-    if found.refused:
-        reasons = "; ".join(
-            f"{o.operation.number} ({o.operation.name}): {o.refused}" for o in found.refused
-        )
-        raise InputError(f"{len(found.refused)} of {len(found.operations)} operations: {reasons}")
-
-
-def _figures(planned: Plan, arm: Robot, out: Path, rapid: bool) -> list[str]:
-    """The figures, and the RAPID module if wanted; their names."""
-    from irb2400_ctrl.report.plan_figures import save_figures
-
-    save_figures(planned, out)
-    written = ["torque.png", "margins.png", "joints.png"]
-    if rapid:
-        from irb2400_ctrl.model import Model
-        from irb2400_ctrl.planners.programs.rapid.rapid_program import rapid_program
-
-        rapid_program(Model(arm), planned.trajectory).save(out / "program.mod")
-        written.append("program.mod")
-    return written
 
 
 def _print_summary(planned: Plan) -> None:
@@ -260,6 +289,7 @@ def _print_summary(planned: Plan) -> None:
         f"torque at most {100 * s['max_torque_ratio']:.1f} % of its limit, speed "
         f"{100 * s['max_velocity_ratio']:.1f} %{held}"
     )
+    print_feed(s["feed"])
     if "duration_without_rates_s" in s:
         longer = planned.duration - s["duration_without_rates_s"]
         print(f"{longer:.2f} s longer than without limits of the rates")

@@ -33,6 +33,7 @@ def simulate(
     from irb2400_ctrl.report.simulation_figures import tracking_figure
     from irb2400_ctrl.simulation import load_trajectory
     from irb2400_ctrl.simulation import simulate as run
+    from irb2400_ctrl.simulation.bounds_reached import in_words
 
     arm = load_arm(robot)
     motion = load_trajectory(trajectory)
@@ -46,4 +47,6 @@ def simulate(
         f"TCP error {s['tcp_error_mm']['rms']:.3f} mm rms, {s['tcp_error_mm']['max']:.3f} mm at "
         "most"
     )
+    for line in in_words(s["bounds_reached"]):
+        print(line)
     print(f"written: {out / 'log.csv'}, {out / 'simulation.json'}, {out / 'tracking.png'}")

@@ -79,7 +79,12 @@ def literal(value: float) -> str:
 
 
 def emit_body(
-    graph: Graph, name: str, element: Callable[[int, int], str], *, libm: bool = False
+    graph: Graph,
+    name: str,
+    element: Callable[[int, int], str],
+    *,
+    libm: bool = False,
+    heading: Callable[[int, int], str] | None = None,
 ) -> CBody:
     """C statements that compute a graph.
 
@@ -88,11 +93,26 @@ def emit_body(
         name: of the function, for messages.
         element: C expression of an input, `element(argument, dense column-major index)`.
         libm: whether functions beyond `own_math` may be used.
+        heading: comment above the operations that a result is the first to need, `heading(output,
+            element)`.
 
     Raises:
         InputError: an operation that the emitter does not know, or that needs the C library.
     """
-    return _Writer(graph, element, name, libm).body()
+    return _Writer(graph, element, name, libm).body(heading)
+
+
+def _sections(graph: Graph) -> dict[int, tuple[int, int]]:
+    """Index of a node -> the result (output, element) whose operations begin there: what no result
+    before has needed."""
+    first: dict[int, tuple[int, int]] = {}
+    done = 0
+    for k, column in enumerate(graph.results):
+        for i, root in enumerate(column):
+            if root is not None and root >= done:
+                first[done] = (k, i)
+                done = root + 1
+    return first
 
 
 class _Writer:
@@ -110,8 +130,11 @@ class _Writer:
         self.statements: list[str] = []
         self.functions: set[str] = set()
 
-    def body(self) -> CBody:
+    def body(self, heading: Callable[[int, int], str] | None) -> CBody:
+        first = {} if heading is None else _sections(self.graph)
         for index in range(len(self.graph.nodes)):
+            if heading is not None and index in first:
+                self.statements.append(f"/* {heading(*first[index])} */")
             self._node(index)
         results = tuple(
             tuple("R(0.0)" if i is None else self._real(i) for i in column)

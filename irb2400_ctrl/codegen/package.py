@@ -4,15 +4,25 @@ them."""
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 
 import numpy as np
 
 from irb2400_ctrl.codegen import package_pages
 from irb2400_ctrl.codegen.block import Block, Field, Origin
 from irb2400_ctrl.codegen.build import Real
-from irb2400_ctrl.codegen.c_text import indented, is_symmetric, plain, spans_zero
-from irb2400_ctrl.codegen.cmake_pages import build_files
+from irb2400_ctrl.codegen.c_text import (
+    default_table,
+    described,
+    finished,
+    held,
+    indented,
+    init_function,
+    is_symmetric,
+    plain,
+    spans_zero,
+    struct,
+)
 from irb2400_ctrl.codegen.emit import emit_body
 from irb2400_ctrl.codegen.graph import Bounds, Graph, read_graph, without_saturation
 from irb2400_ctrl.codegen.input_guard import (
@@ -20,16 +30,10 @@ from irb2400_ctrl.codegen.input_guard import (
     believed,
     guard_functions,
     input_guard,
+    parameter_guard,
     table_owners,
 )
 from irb2400_ctrl.codegen.own_math import prelude
-from irb2400_ctrl.codegen.package_parts import (
-    default_table,
-    finished,
-    held,
-    init_function,
-    struct,
-)
 from irb2400_ctrl.codegen.provenance import constant, flash_text, provenance, stamped
 from irb2400_ctrl.errors import InputError
 
@@ -135,7 +139,7 @@ class Package:
             f"{self.name}.c": self.source(),
             "main.c": package_pages.main_c(self.block),
             "README.md": package_pages.readme(self.block, self.real),
-            **build_files(self.name, None),
+            **package_pages.build_files(self.name, None),
         }
         return stamped(texts, self.name, self.provenance)
 
@@ -213,7 +217,8 @@ extern const char {name}_provenance[{len(flash_text(name, self.provenance)) + 1}
         name = self.name
         upper = self.name.upper()
         places = self._places()
-        body = emit_body(self.graph, name, lambda k, i: f"{places[k]}[{i}]")
+        element = partial(_element, places)
+        body = emit_body(self.graph, name, element, heading=self._heading)
         functions = body.functions | self._guard_functions()
         macro = f"{upper}_SINGLE"
         own = prelude(functions).replace("REAL_IS_FLOAT", macro)
@@ -234,13 +239,15 @@ typedef {name}_real_t real_t;
 {own}
 {default_table(name, self.parameter_fields)}
 {input_guard(self.block, self.graph)}
-{init_function(self.block, self.parameter_fields)}
+{parameter_guard(name, self.parameter_fields)}
+{init_function(self.block)}
 uint32_t {name}_step({name}_state_t *state, const {name}_input_t *input,
     const {name}_parameters_t *parameters, {name}_output_t *output)
 {{
     uint32_t status = inputs_are_valid(input, parameters) ? 0u : {upper}_FAULT_INPUT;
 {barrier(upper)}
     if (status == 0u) {{
+        /* Section by section: the operations that a result needs and none above has needed. */
 {indented(body.statements, 8)}
 {finished(self.block, body.results)}
     }}
@@ -250,6 +257,11 @@ uint32_t {name}_step({name}_state_t *state, const {name}_input_t *input,
     return status;
 }}
 """
+
+    def _heading(self, output: int, i: int) -> str:
+        """What the next operations are for."""
+        field = (*self.block.states, *self.block.outputs)[output]
+        return f"{field.name}[{i}] {described(field)}"
 
     def _guard_functions(self) -> set[str]:
         outputs = [f for f in self.block.outputs if f.lower or f.upper]
@@ -269,6 +281,11 @@ uint32_t {name}_step({name}_state_t *state, const {name}_input_t *input,
     def initial_input(self) -> np.ndarray:
         """An input inside its bounds, zero where possible; flat."""
         return np.concatenate([np.zeros(0), *(package_pages.inside(f) for f in self.block.inputs)])
+
+
+def _element(places: list[str], argument: int, i: int) -> str:
+    """C expression of element i of an input of the step."""
+    return f"{places[argument]}[{i}]"
 
 
 def _bound(field: Field, end: str, text: str, values: tuple[float, ...]) -> Field:

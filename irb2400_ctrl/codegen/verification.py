@@ -19,11 +19,11 @@ from irb2400_ctrl.codegen.checks import (
     random_points,
     run_points,
 )
-from irb2400_ctrl.codegen.cmake_pages import build_files
 from irb2400_ctrl.codegen.controller import HostController
 from irb2400_ctrl.codegen.emulator import TargetController
 from irb2400_ctrl.codegen.firmware import Firmware, build_firmware, firmware_files
 from irb2400_ctrl.codegen.package import Package
+from irb2400_ctrl.codegen.package_pages import build_files
 from irb2400_ctrl.codegen.provenance import stamped
 from irb2400_ctrl.codegen.targets import Goal, Target, find_target
 from irb2400_ctrl.codegen.toolchain import EXACT_FLAGS, find_compiler, run_tool

@@ -3,7 +3,7 @@ inputs, a bumpless start, a torque-rate limit."""
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import casadi as ca
 import numpy as np
@@ -65,51 +65,16 @@ def guarded(
     """
     _check(block, start_time, most_lost)
     T = block.sample_time
+    n = robot.n
     check = SampleCheck(robot, T)
     share = 1.0 if start_time < T else T / start_time
     core = momentum(robot) if consistency else None
-
-    def law(v: Values) -> Values:
-        true = check.can_be_true(v)
-        sound = check.under_control(v)
-        observed: Values = {}
-        if core is not None:
-            unexplained, observed = _unexplained(core, v, true, T)
-            limit = v["unexplained_limit"]
-            sound = all_of([sound, *ca.vertsplit(ca.fabs(unexplained) <= limit)])
-        lost = ca.if_else(true, 0, v["lost"] + 1)
-        out = ca.logic_and(true, ca.logic_not(sound))
-        braked = ca.fmax(v["braked"], ca.logic_or(lost > most_lost, out))
-        used = ca.logic_and(true, ca.logic_not(braked))
-        inner = {
-            **v,
-            "q": ca.if_else(used, v["q"], v["q_ref"]),
-            "qd": ca.if_else(used, v["qd"], v["qd_ref"]),
-        }
-        taken = (*block.states, *block.inputs, *block.parameters)
-        results = block.step.call([inner[f.name] for f in taken], True, False)
-        after = dict(zip((f.name for f in block.states), results, strict=False))
-        tau = _guarded_torque(v, results[-1], T)
-        tau = ca.if_else(v["braked"], v["tau_last"], tau)
-        return {
-            **after,
-            **observed,
-            "tau": tau,
-            "brake": braked,
-            "tau_last": tau,
-            "q_last": ca.if_else(true, v["q"], v["q_last"] + T * v["qd_last"]),
-            "qd_last": ca.if_else(true, v["qd"], v["qd_ref"]),
-            "lost": lost,
-            "braked": braked,
-            "blend": ca.fmin(v["blend"] + share, 1.0),
-        }
-
     guards = assemble(
         f"guarded_{block.name}",
         f"{block.doc}, with guards",
         T,
-        law,
-        states=(*block.states, *_states(robot.n), *(observer_states(robot.n) if core else ())),
+        _Guard(block, check, core, share, most_lost).law,
+        states=(*block.states, *_states(n), *(observer_states(n) if core else ())),
         inputs=(*(_judged(f) for f in block.inputs), FRESH),
         outputs=(*block.outputs, BRAKE),
         parameters=(
@@ -120,6 +85,67 @@ def guarded(
         ),
     )
     return replace(guards, origin=(*block.origin, ("guards", "consistency" if core else "plain")))
+
+
+@dataclass(frozen=True)
+class _Guard:
+    """The law around a controller.
+
+    Args:
+        core: (q, qd) -> momentum and its rate, or None without the observer.
+        share: of the controller that comes in with each sample at the start.
+    """
+
+    block: Block
+    check: SampleCheck
+    core: ca.Function | None
+    share: float
+    most_lost: int
+
+    def law(self, v: Values) -> Values:
+        """Next states and outputs by name."""
+        T = self.block.sample_time
+        true = self.check.can_be_true(v)
+        sound, observed = self._sound(v, true)
+        lost = ca.if_else(true, 0, v["lost"] + 1)
+        out = ca.logic_and(true, ca.logic_not(sound))
+        braked = ca.fmax(v["braked"], ca.logic_or(lost > self.most_lost, out))
+        after, own = self._controlled(v, ca.logic_and(true, ca.logic_not(braked)))
+        tau = ca.if_else(v["braked"], v["tau_last"], _guarded_torque(v, own, T))
+        return {
+            **after,
+            **observed,
+            "tau": tau,
+            "brake": braked,
+            "tau_last": tau,
+            "q_last": ca.if_else(true, v["q"], v["q_last"] + T * v["qd_last"]),
+            "qd_last": ca.if_else(true, v["qd"], v["qd_ref"]),
+            "lost": lost,
+            "braked": braked,
+            "blend": ca.fmin(v["blend"] + self.share, 1.0),
+        }
+
+    def _sound(self, v: Values, true: ca.SX) -> tuple[ca.SX, Values]:
+        """Whether the arm is under control and its motion explained; next states of the
+        observer."""
+        sound = self.check.under_control(v)
+        if self.core is None:
+            return sound, {}
+        unexplained, observed = _unexplained(self.core, v, true, self.block.sample_time)
+        explained = ca.fabs(unexplained) <= v["unexplained_limit"]
+        return all_of([sound, *ca.vertsplit(explained)]), observed
+
+    def _controlled(self, v: Values, used: ca.SX) -> tuple[Values, ca.SX]:
+        """Next states and torque of the controller, on the measurement or on the reference."""
+        inner = {
+            **v,
+            "q": ca.if_else(used, v["q"], v["q_ref"]),
+            "qd": ca.if_else(used, v["qd"], v["qd_ref"]),
+        }
+        taken = (*self.block.states, *self.block.inputs, *self.block.parameters)
+        results = self.block.step.call([inner[f.name] for f in taken], True, False)
+        names = (f.name for f in self.block.states)
+        return dict(zip(names, results, strict=False)), results[-1]
 
 
 def _check(block: Block, start_time: float, most_lost: int) -> None:

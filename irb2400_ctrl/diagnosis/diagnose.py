@@ -12,6 +12,7 @@ from threadpoolctl import threadpool_limits
 
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.diagnosis.body_estimates import body_estimates
+from irb2400_ctrl.diagnosis.comparison.acceptance import INFLATION
 from irb2400_ctrl.diagnosis.comparison.confidence import alternatives, confidence
 from irb2400_ctrl.diagnosis.comparison.criteria import Criteria
 from irb2400_ctrl.diagnosis.comparison.scan import Scan
@@ -25,13 +26,16 @@ from irb2400_ctrl.diagnosis.diagnosis import (
     Unexplained,
 )
 from irb2400_ctrl.diagnosis.estimation.candidate import Candidate
-from irb2400_ctrl.diagnosis.estimation.fit import Fit, Fitter, noisy_reversals_masked
+from irb2400_ctrl.diagnosis.estimation.fit import Fit, Fitter
+from irb2400_ctrl.diagnosis.estimation.reversals import noisy_reversals_masked
 from irb2400_ctrl.diagnosis.lists import list_of
 from irb2400_ctrl.diagnosis.log_errors import log_errors
-from irb2400_ctrl.diagnosis.numbers import moved_numbers, numbers
+from irb2400_ctrl.diagnosis.numbers import numbers
 from irb2400_ctrl.diagnosis.preparation.base_prior import BasePrior
 from irb2400_ctrl.diagnosis.preparation.identified_prior import IdentifiedPrior
 from irb2400_ctrl.diagnosis.preparation.metrics import errors, noise_floor
+from irb2400_ctrl.diagnosis.preparation.noise_test import noise_test
+from irb2400_ctrl.diagnosis.recalibrated import recalibrated_terms
 from irb2400_ctrl.diagnosis.regressors.bases import Bases
 from irb2400_ctrl.diagnosis.regressors.predict import effect_torque, predicted_torque
 from irb2400_ctrl.diagnosis.sound_logs import SoundLogs, check_beside, sound_logs
@@ -42,9 +46,8 @@ from irb2400_ctrl.measurement.prepared_log import PreparedLog, prepare
 from irb2400_ctrl.plausibility import LogProblem
 from irb2400_ctrl.robot import Robot, Uncertainty
 
-INFLATION = 1.5
-"""standard errors from the noise alone cover too little: the model's own imperfection adds to
-them"""
+COMMON_FRICTION = 0.3
+"""standard deviation of the friction of all joints together, over the file's: temperature"""
 LEAST_SPEED = 0.05
 """[rad/s] rms speed of a joint below which nothing can be said about it"""
 
@@ -104,14 +107,13 @@ def _searched(
     progress("prepare")
     motion = prepare_together(logs.used)
     bases = _bases(robot.bare())
-    kind = BasePrior if robot.identified is None else IdentifiedPrior
-    prior = kind.of(robot, uncertainty or robot.uncertainty, motion)
+    prior = _prior(robot, uncertainty or robot.uncertainty, motion)
     Z = motion.filtered(prior.columns(bases.model, motion))
     load = bases.model.inverse_dynamics(motion.q, motion.qd, motion.qdd, friction=False)
     progress("scan")
     reversal = reversal_rows(motion)
     first = Fitter(robot, bases, motion, Z, reversal).fit([])
-    motion = noisy_reversals_masked(motion, first, reversal)
+    motion = noisy_reversals_masked(motion, bases, first, reversal)
     scan = Scan(bases, motion, load)
     fitter = Fitter(robot, bases, motion, Z, reversal)
     steps, fit = Selection(scan, fitter, criteria).run()
@@ -121,7 +123,16 @@ def _searched(
     compared = found.identification
     torques = (compared.before, compared.after)
     each = log_errors(motion, *torques, logs, (found.given, found.robot))
-    return replace(found, logs=each, left_out=logs.left_out)
+    noise = noise_test(robot, logs.used, motion, compared.after)
+    return replace(found, logs=each, left_out=logs.left_out, noise=noise)
+
+
+def _prior(
+    robot: Robot, uncertainty: Uncertainty, motion: PreparedLog
+) -> BasePrior | IdentifiedPrior:
+    if robot.identified is not None:
+        return IdentifiedPrior.of(robot, uncertainty, motion)
+    return replace(BasePrior.of(robot, uncertainty, motion), common_friction=COMMON_FRICTION)
 
 
 def _not_understood(robot: Robot, logs: SoundLogs, problem: LogProblem) -> Diagnosis:
@@ -191,7 +202,7 @@ def _concluded(
         robot=later,
         findings=_findings(prior, steps, fit, fitter, load, change),
         unexplained=_unexplained(steps, fit, motion, load),
-        recalibrated=_recalibrated(prior, fit, later),
+        recalibrated=recalibrated_terms(prior, fit, later),
         identification=compared[0],
         validation=None if validation is None else compared[1],
         noise_floor=floor,
@@ -260,10 +271,16 @@ def _findings(
                         period=effect.period,
                         turned=effect.drawing.against_motion,
                     ),
+                    validation_gain=float(_gain(step)[joint]),
                 )
             )
             place += 1
     return tuple(found)
+
+
+def _gain(step: Step) -> Array:
+    assert step.validation_gain is not None
+    return step.validation_gain
 
 
 def _share(torque: Array, measured: Array) -> Array:
@@ -315,25 +332,3 @@ def _unexplained(
             )
         )
     return tuple(found)
-
-
-def _recalibrated(prior: BasePrior | IdentifiedPrior, fit: Fit, robot: Robot) -> dict[str, Any]:
-    """New values, all joints, of the terms where some value moved further than its own
-    uncertainty."""
-    n = robot.n
-    found: dict[str, Any] = {}
-    moved = moved_numbers(prior, fit)
-    coulomb, viscous, _ = moved[-3 * n :].reshape(3, n)
-    if coulomb.any():
-        found["coulomb"] = [float(v) for v in robot.friction[:, 1]]
-    if viscous.any():
-        found["viscous"] = [float(v) for v in robot.friction[:, 2]]
-    bodies = moved[: -3 * n].reshape(-1, 10)
-    for name, part in (("mass", slice(0, 1)), ("com", slice(1, 4)), ("inertia", slice(4, 10))):
-        if bodies[:n, part].any():
-            values = {"mass": "mass_kg", "com": "com_m", "inertia": "inertia_kgm2"}[name]
-            found[f"link_{name}"] = [getattr(link.body, values) for link in robot.links]
-        if robot.tool is not None and bodies[n:, part].any():
-            values = {"mass": "mass_kg", "com": "com_m", "inertia": "inertia_kgm2"}[name]
-            found[f"tool_{name}"] = getattr(robot.tool.body, values)
-    return found

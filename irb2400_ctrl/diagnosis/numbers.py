@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import groupby
 from typing import Any
 
 import numpy as np
@@ -105,6 +107,30 @@ def numbers(
     return tuple(found)
 
 
+def off_bodies(numbers: Sequence[Number]) -> str:
+    """One sentence for the bodies whose inertial numbers are otherwise than the file's; empty for
+    none."""
+    moved = [number for number in numbers if number.name in BODY and number.list != "lacks"]
+    if not moved:
+        return ""
+    far = max(moved, key=lambda number: abs(number.sigmas))
+    size = f"{far.name} of {far.place} by {abs(far.sigmas):.1f} of its own standard deviations"
+    links = sorted({int(m.place.split()[1]) for m in moved if m.place != "tool"})
+    if not links:
+        return f"The inertial numbers of the tool are off, {size}: is the load declared?"
+    tool = " and of the tool" if any(m.place == "tool" for m in moved) else ""
+    return f"The inertial numbers of {_ranges(links)}{tool} are off, {size}."
+
+
+def _ranges(places: Sequence[int]) -> str:
+    """`link 3`, `links 4-6`, `links 2, 4-6`."""
+    runs = []
+    for _, group in groupby(enumerate(places), key=lambda pair: pair[1] - pair[0]):
+        run = [place for _, place in group]
+        runs.append(str(run[0]) if len(run) == 1 else f"{run[0]}-{run[-1]}")
+    return f"link{'s' if len(places) > 1 else ''} {', '.join(runs)}"
+
+
 def moved_numbers(prior: BasePrior | IdentifiedPrior, fit: Fit) -> Mask:
     """Numbers of the base that moved further than was believed, and than their own error, (k,)."""
     base = prior.base if isinstance(prior, IdentifiedPrior) else prior
@@ -118,15 +144,8 @@ def moved_numbers(prior: BasePrior | IdentifiedPrior, fit: Fit) -> Mask:
 
 def _posterior(prior: BasePrior | IdentifiedPrior, fit: Fit) -> Array:
     """Standard errors of the numbers after the fit, in the units of the prior."""
-    if not isinstance(prior, IdentifiedPrior):
-        return fit.z_sigma
-    A = np.eye(fit.Z.shape[2])
-    for j, one in enumerate(fit.noise):
-        X = one.whiten(fit.Z[:, j, :])
-        A += X.T @ X
-    r = len(fit.z)
-    covariance = np.linalg.inv(A)[:r, :r]
-    return np.asarray(np.sqrt(np.einsum("ka,ab,kb->k", prior.root, covariance, prior.root)))
+    root = prior.root if isinstance(prior, IdentifiedPrior) else prior.root()
+    return np.asarray(np.sqrt(np.einsum("ka,ab,kb->k", root, fit.z_covariance, root)))
 
 
 def _names(robot: Robot) -> list[tuple[str, str]]:

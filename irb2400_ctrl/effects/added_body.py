@@ -15,7 +15,7 @@ from pydantic import Field
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.effects.ambiguity import MASS, Ambiguity
 from irb2400_ctrl.effects.base import Acts, Effect
-from irb2400_ctrl.effects.prior import Prior
+from irb2400_ctrl.effects.prior import EXACT, Nested, Prior
 from irb2400_ctrl.effects.signals import Signals
 
 Vector3 = Annotated[
@@ -25,6 +25,10 @@ Vector3 = Annotated[
 
 REACH = 0.8
 """[m] no body of an arm sits further from its link frame"""
+SHARE_OF_MASS = 0.1
+"""spread of an added mass over the mass that the arm moves"""
+SHARE_OF_REACH = 0.1
+"""spread of its place over the arm's reach"""
 USUAL_REACH = 0.35
 """[m] where it is taken to sit when the data do not tell"""
 
@@ -37,10 +41,24 @@ class AddedBody(Effect):
     prior: ClassVar[Prior] = Prior(
         coefficients=((0.0, 10.0), *[(0.0, 3.0)] * 3, *[(0.0, 1.0)] * 6),
         fields={"com_m": (0.0, 0.25), "mass_kg": (0.0, 10.0)},
+        discrepancy_share=EXACT,
     )
 
     mass_kg: float = Field(description="mass m, negative for one that is missing [kg]")
     com_m: Vector3 = Field(default=(0.0, 0.0, 0.0), description="its place c [m]")
+
+    @classmethod
+    def nested(cls, mass: float, reach: float) -> Sequence[Nested]:
+        m = SHARE_OF_MASS * mass
+        place = SHARE_OF_REACH * reach
+        spreads = [m, *[m * place] * 3, *[m * place**2] * 6]
+        whole = tuple((0.0, float(s)) for s in spreads)
+        forms = [Nested(np.eye(10)[:, :k], whole[:k]) for k in (4, 10)]
+        if not cls.whole_arm:
+            return forms
+        # on the flange's axis, where a tool usually sits
+        on_axis = np.array([1.0, 0.0, 0.0, place, place**2, 0.0, 0.0, place**2, 0.0, 0.0])
+        return [Nested(on_axis[:, None], whole[:1]), *forms]
 
     @abstractmethod
     def carrier(self, n: int) -> int:
@@ -58,6 +76,9 @@ class AddedBody(Effect):
         inertia = m * (c @ c * np.eye(3) - np.outer(c, c))
         i, j = np.triu_indices(3)
         return (m, *(m * c), *inertia[i, j])
+
+    def sizes(self) -> tuple[float, ...]:
+        return self.mass_kg, math.hypot(*(self.mass_kg * c for c in self.com_m))
 
     @classmethod
     def from_coefficients(

@@ -31,7 +31,7 @@ from pydantic import AliasChoices, BaseModel, ConfigDict, Field
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.effects.ambiguity import Ambiguity
 from irb2400_ctrl.effects.drawing import Drawing
-from irb2400_ctrl.effects.prior import Prior
+from irb2400_ctrl.effects.prior import Nested, Prior
 from irb2400_ctrl.effects.registry import LIBRARY, load_effects, register, source_file
 from irb2400_ctrl.effects.search import Search
 from irb2400_ctrl.effects.signals import Signals
@@ -114,6 +114,10 @@ class Effect(BaseModel, ABC):
     def coefficients(self) -> tuple[float, ...]:
         """The k coefficients that the fields stand for."""
 
+    def sizes(self) -> tuple[float, ...]:
+        """What is zero where the effect is not there; one of them must stand clear of its error."""
+        return self.coefficients()
+
     @classmethod
     @abstractmethod
     def from_coefficients(
@@ -141,6 +145,16 @@ class Effect(BaseModel, ABC):
         """Whether a point of the grid is worth a trial on a joint that feels this inertia [kg
         m2]."""
         return True
+
+    @classmethod
+    def nested(cls, mass: float, reach: float) -> Sequence[Nested]:
+        """Forms of the law to be tried instead of it on an arm, from the simplest on; empty: only
+        the law.
+
+        Args:
+            mass: that the arm moves [kg]; reach: of its flange from its first axis [m].
+        """
+        return ()
 
     @property
     def unlikely(self) -> bool:

@@ -10,6 +10,7 @@ from pydantic import Field
 
 from irb2400_ctrl.effects.ambiguity import POSITION_ERROR, Ambiguity
 from irb2400_ctrl.effects.base import Acts, Effect, Link
+from irb2400_ctrl.effects.prior import EXACT, Prior
 from irb2400_ctrl.effects.signals import Signals
 
 
@@ -23,6 +24,7 @@ class EncoderZero(Effect):
     )
     example: ClassVar[Mapping[str, Any]] = {"zero_rad": 0.01}
     ambiguity: ClassVar[Ambiguity] = POSITION_ERROR
+    prior: ClassVar[Prior] = Prior(discrepancy_share=EXACT)
 
     kind: Literal["encoder_zero"] = "encoder_zero"
     zero_rad: float = Field(description="true minus reported angle [rad]")

@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any, ClassVar, Literal, Self
 
 import casadi as ca
+import numpy as np
 from pydantic import Field
 
 from irb2400_ctrl.effects.ambiguity import REVERSAL, Ambiguity
@@ -16,8 +17,12 @@ from irb2400_ctrl.effects.signals import Signals
 
 
 class Hysteresis(Effect):
-    """tau_j = A z,  dz/dt = (qd_j - |qd_j| z) / width  (Dahl model; z -> sgn(qd_j) after a few
-    widths)."""
+    """tau_j = A z - R sgn qd_j,  dz/dt = (qd_j - |qd_j| z) / width  (Dahl model; z -> sgn(qd_j)
+    after a few widths).
+
+    R = 0 is a loop on top of the joint's dry friction; R = A the joint's own dry friction that
+    builds up over an angle instead of jumping.
+    """
 
     sentence: ClassVar[str] = (
         "after each reversal the friction of the joint builds up over a small angle"
@@ -30,9 +35,18 @@ class Hysteresis(Effect):
     kind: Literal["hysteresis"] = "hysteresis"
     amplitude_Nm: float = Field(ge=0, description="half height of the loop A [Nm]")
     width_rad: float = Field(gt=0, description="angle over which the loop builds up [rad]")
+    replaced_Nm: float = Field(
+        default=0.0, description="dry friction of the joint that the loop takes the place of R [Nm]"
+    )
 
     def basis(self, s: Signals) -> ca.SX:
-        return self.on(s.state[0], s.q.numel())
+        n = s.q.numel()
+        return ca.horzcat(self.on(s.state[0], n), self.on(-s.sign[self.index], n))
+
+    @property
+    def unlikely(self) -> bool:
+        # beyond that it is a change of the dry friction
+        return not -0.5 < self.replaced_Nm / max(self.amplitude_Nm, 1e-9) < 1.5
 
     def state_rate(self, s: Signals) -> ca.SX:
         speed = s.qd[self.index]
@@ -46,20 +60,21 @@ class Hysteresis(Effect):
         return 1 - 2 * ca.exp(-turned / self.width_rad), ca.SX(1.0)
 
     def discrepancy_basis(self, s: Signals) -> ca.SX:
-        n = s.q.numel()
-        return ca.horzcat(
-            self.on(s.state[0] ** 2 * ca.sign(s.state[0]), n), self.on(s.sign[self.index], n)
-        )
+        return self.on(s.state[0] ** 2 * ca.sign(s.state[0]), s.q.numel())
 
     def coefficients(self) -> tuple[float, ...]:
+        return self.amplitude_Nm, self.replaced_Nm
+
+    def sizes(self) -> tuple[float, ...]:
         return (self.amplitude_Nm,)
 
     @classmethod
     def from_coefficients(
         cls, joint: int | None, coefficients: Sequence[float], nonlinear: dict[str, float]
     ) -> Self:
-        return cls.of(joint, amplitude_Nm=coefficients[0], **nonlinear)
+        amplitude, replaced = coefficients
+        return cls.of(joint, amplitude_Nm=amplitude, replaced_Nm=replaced, **nonlinear)
 
     @classmethod
     def grid(cls, joint: int | None) -> list[dict[str, float]]:
-        return [{"width_rad": w} for w in (0.005, 0.01, 0.02, 0.04, 0.08, 0.16)]
+        return [{"width_rad": float(w)} for w in np.geomspace(0.005, 0.16, 11)]

@@ -5,8 +5,27 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
+from irb2400_ctrl.arrays import Array
+
 Normal = tuple[float, float]
 """usual value and spread (one standard deviation)"""
+
+
+EXACT = 0.02
+"""`Prior.discrepancy_share` of a law that the real thing follows"""
+
+
+@dataclass(frozen=True)
+class Nested:
+    """A simpler form of a law: its k coefficients as a linear map of fewer numbers.
+
+    Args:
+        columns: of the map, shape (k, fewer); coefficients: usual values and spreads of the
+            numbers.
+    """
+
+    columns: Array
+    coefficients: tuple[Normal, ...]
 
 
 @dataclass(frozen=True)
@@ -18,6 +37,7 @@ class Prior:
             knowledge.
         fields: of fields that the data may not settle, by name.
         fixed: fields that a fit does not move continuously (times of switching).
+        time_constants: fields [s] that only a longer record can tell.
         loose: fields of an effect with memory that are known far less sharply than the others.
         discrepancy_share: share of its torque that its law, being simpler than the real thing, may
             leave for others to explain.
@@ -28,6 +48,7 @@ class Prior:
     coefficients: tuple[Normal, ...] = ()
     fields: Mapping[str, Normal] = field(default_factory=dict)
     fixed: tuple[str, ...] = ()
+    time_constants: tuple[str, ...] = ()
     loose: tuple[str, ...] = ()
     discrepancy_share: float = 0.22
     discrepancy_lasts: bool = True

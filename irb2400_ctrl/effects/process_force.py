@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any, ClassVar, Literal, Self
@@ -47,6 +48,9 @@ class ProcessForce(Effect):
 
     def coefficients(self) -> tuple[float, ...]:
         return (self.force_x_N, self.force_y_N, self.force_z_N)
+
+    def sizes(self) -> tuple[float, ...]:
+        return (math.hypot(self.force_x_N, self.force_y_N, self.force_z_N),)
 
     @classmethod
     def from_coefficients(

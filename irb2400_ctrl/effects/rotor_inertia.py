@@ -11,6 +11,7 @@ from pydantic import Field
 from irb2400_ctrl.effects.ambiguity import INERTIA, Ambiguity
 from irb2400_ctrl.effects.base import Effect
 from irb2400_ctrl.effects.drawing import Drawing
+from irb2400_ctrl.effects.prior import EXACT, Prior
 from irb2400_ctrl.effects.search import Search
 from irb2400_ctrl.effects.signals import Signals
 
@@ -24,6 +25,7 @@ class RotorInertia(Effect):
     )
     example: ClassVar[Mapping[str, Any]] = {"inertia_kgm2": 1.0}
     ambiguity: ClassVar[Ambiguity] = INERTIA
+    prior: ClassVar[Prior] = Prior(discrepancy_share=EXACT)
     search: ClassVar[Search] = Search(on_every_joint=True, usual=True)
     drawing: ClassVar[Drawing] = Drawing("qdd")
 

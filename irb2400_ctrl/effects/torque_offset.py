@@ -13,6 +13,7 @@ from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.effects.ambiguity import OFFSET, Ambiguity
 from irb2400_ctrl.effects.base import Acts, Effect
 from irb2400_ctrl.effects.drawing import Drawing
+from irb2400_ctrl.effects.prior import EXACT, Prior
 from irb2400_ctrl.effects.search import Search
 from irb2400_ctrl.effects.signals import Signals
 
@@ -24,7 +25,9 @@ class TorqueOffset(Effect):
     sentence: ClassVar[str] = "the reported torque of the joint is shifted by a constant"
     example: ClassVar[Mapping[str, Any]] = {"offset_Nm": 1.0}
     ambiguity: ClassVar[Ambiguity] = OFFSET
-    search: ClassVar[Search] = Search(usual=True)
+    prior: ClassVar[Prior] = Prior(discrepancy_share=EXACT)
+    # a drive's amplifiers drift alike
+    search: ClassVar[Search] = Search(on_every_joint=True, usual=True)
     drawing: ClassVar[Drawing] = Drawing("time")
 
     kind: Literal["torque_offset"] = "torque_offset"

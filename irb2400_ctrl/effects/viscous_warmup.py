@@ -12,6 +12,7 @@ from pydantic import Field
 from irb2400_ctrl.effects.ambiguity import VISCOUS, Ambiguity
 from irb2400_ctrl.effects.base import Effect
 from irb2400_ctrl.effects.drawing import Drawing
+from irb2400_ctrl.effects.prior import Prior
 from irb2400_ctrl.effects.signals import Signals
 
 
@@ -21,6 +22,7 @@ class ViscousWarmup(Effect):
     sentence: ClassVar[str] = "the joint runs stiffer while its grease is cold"
     example: ClassVar[Mapping[str, Any]] = {"viscous_Nms_rad": 1.0, "time_constant_s": 20.0}
     ambiguity: ClassVar[Ambiguity] = replace(VISCOUS, time_matters=True)
+    prior: ClassVar[Prior] = Prior(time_constants=("time_constant_s",))
     drawing: ClassVar[Drawing] = Drawing("time")
 
     kind: Literal["viscous_warmup"] = "viscous_warmup"

@@ -16,10 +16,11 @@ from irb2400_ctrl.effects.signals import Signals
 
 
 class WristCoupling(Effect):
-    """tau_j = I qdd_k + D qd_k,  tau_k = I qdd_j + D qd_j,  k = j + 1.
+    """tau_j = I qdd_k + D qd_k + F sgn qd_k,  tau_k = I qdd_j + D' qd_j + F' sgn qd_j,  k = j + 1.
 
-    The bevel gears of a wrist turn motor k when joint j moves, so its rotor inertia and its viscous
-    friction are felt on both axes.
+    The bevel gears of a wrist turn motor k when joint j moves, so its rotor inertia is felt on both
+    axes, and its friction on the one whose motion it resists. One that is symmetric in its viscous
+    part does not state D'.
     """
 
     sentence: ClassVar[str] = "moving this wrist axis drags its neighbour's motor along"
@@ -31,15 +32,29 @@ class WristCoupling(Effect):
 
     kind: Literal["wrist_coupling"] = "wrist_coupling"
     inertia_kgm2: float = Field(default=0.0, description="coupled inertia I [kg m2]")
-    viscous_Nms_rad: float = Field(default=0.0, description="coupled viscous friction D [Nm s/rad]")
+    viscous_Nms_rad: float = Field(
+        default=0.0, description="viscous friction here by the next one's motion D [Nm s/rad]"
+    )
+    neighbour_viscous_Nms_rad: float | None = Field(
+        default=None,
+        description="viscous friction there by this one's motion D', absent: the same [Nm s/rad]",
+    )
+    dry_Nm: float = Field(
+        default=0.0, description="dry friction here by the next one's motion F [Nm]"
+    )
+    neighbour_dry_Nm: float = Field(
+        default=0.0, description="dry friction there by this one's motion F' [Nm]"
+    )
 
     def basis(self, s: Signals) -> ca.SX:
         j = self.index
-        n = s.q.numel()
-        columns = ca.SX(n, 2)
-        for column, signal in enumerate((s.qdd, s.qd)):
-            columns[j, column] = signal[j + 1]
-            columns[j + 1, column] = signal[j]
+        columns = ca.SX(s.q.numel(), 5)
+        columns[j, 0] = s.qdd[j + 1]
+        columns[j + 1, 0] = s.qdd[j]
+        columns[j, 1] = s.qd[j + 1]
+        columns[j + 1, 2] = s.qd[j]
+        columns[j, 3] = s.sign[j + 1]
+        columns[j + 1, 4] = s.sign[j]
         return columns
 
     def discrepancy_basis(self, s: Signals) -> ca.SX:
@@ -54,13 +69,29 @@ class WristCoupling(Effect):
         return columns
 
     def coefficients(self) -> tuple[float, ...]:
-        return (self.inertia_kgm2, self.viscous_Nms_rad)
+        there = self.neighbour_viscous_Nms_rad
+        viscous = self.viscous_Nms_rad
+        return (
+            self.inertia_kgm2,
+            viscous,
+            viscous if there is None else there,
+            self.dry_Nm,
+            self.neighbour_dry_Nm,
+        )
 
     @classmethod
     def from_coefficients(
         cls, joint: int | None, coefficients: Sequence[float], nonlinear: dict[str, float]
     ) -> Self:
-        return cls.of(joint, inertia_kgm2=coefficients[0], viscous_Nms_rad=coefficients[1])
+        inertia, here, there, dry, neighbour_dry = coefficients
+        return cls.of(
+            joint,
+            inertia_kgm2=inertia,
+            viscous_Nms_rad=here,
+            neighbour_viscous_Nms_rad=None if there == here else there,
+            dry_Nm=dry,
+            neighbour_dry_Nm=neighbour_dry,
+        )
 
     @classmethod
     def joints(cls, n: int) -> Sequence[int | None]:

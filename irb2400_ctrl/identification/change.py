@@ -12,8 +12,8 @@ from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.identification.identification import Identification
 from irb2400_ctrl.identification.identify import identify
 from irb2400_ctrl.identification.reference_error import (
-    changes,
     has_changed,
+    simplest,
     unseen_error,
     worse_joints,
 )
@@ -69,16 +69,14 @@ def diagnose_change(
     progress("diagnose")
     found = diagnose(robot, log, validation, before.robot, progress=progress)
     unseen = unseen_error(known)
-    worse = worse_joints(found, before, unseen)
-    said = len(found.findings) + len(found.unexplained)
-    real = changes(found, worse)
-    if real < said:
-        # the rest is no larger than what the reference leaves itself: once more without
-        progress("leave out what the reference leaves too")
-        few = Criteria(most=real)
-        found = diagnose(robot, log, validation, before.robot, criteria=few, progress=progress)
-        left = "smaller explanations are within what the reference leaves unexplained itself"
-        found = replace(found, weak=(*found.weak, f"{said - real} {left}"))
+    progress("leave out what the reference leaves too")
+
+    def few(most: int) -> Diagnosis:
+        return diagnose(robot, log, validation, before.robot, criteria=Criteria(most=most))
+
+    found = simplest(found, few, before, unseen)
+    error = found.identification.error_before.rmse
+    worse = worse_joints(error, found.noise_floor, before, unseen)
     there = (*lacking(robot, known), *before.numbers)
     return replace(
         found,

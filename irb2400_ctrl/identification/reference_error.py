@@ -7,18 +7,19 @@ and today's log has to show more than that before anything has changed.
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import replace
+
 import numpy as np
 
 from irb2400_ctrl.arrays import Array, Mask
-from irb2400_ctrl.diagnosis import Diagnosis, Finding, Number
+from irb2400_ctrl.diagnosis import Diagnosis, Number
 from irb2400_ctrl.identification.identification import Identification
 
 WORSE = 1.3
 """today's S over the reference's, from which on a joint says that something changed"""
 LEAST = 0.1
 """of the noise floor: an S below that is not told from none"""
-FELT = 0.5
-"""of an effect's largest share, which makes a joint one of its own"""
 
 
 def unseen_error(known: Identification) -> Array:
@@ -27,28 +28,40 @@ def unseen_error(known: Identification) -> Array:
     return np.asarray(np.sqrt(np.mean(squares, axis=0)))
 
 
-def worse_joints(found: Diagnosis, before: Diagnosis, unseen: Array) -> Mask:
-    """Joints on which today's log shows more than the reference leaves, (n,)."""
+def worse_joints(error: Array, floor: Array, before: Diagnosis, unseen: Array) -> Mask:
+    """Joints on which an error of today's log is more than what the reference leaves, (n,).
+
+    Args:
+        error, floor: RMSE and noise floor of today [Nm]; before: of the reference; unseen: its
+            error on unseen stretches.
+    """
     least = LEAST * before.noise_floor
     usual = np.maximum(_beyond(unseen, before.noise_floor), least)
-    today = _beyond(found.identification.error_before.rmse, found.noise_floor)
-    return np.asarray(today > WORSE * usual)
+    return np.asarray(_beyond(error, floor) > WORSE * usual)
 
 
-def changes(found: Diagnosis, worse: Mask) -> int:
-    """How many of the explanations act on such a joint."""
-    named = sum(bool(worse[_own_joints(finding)].any()) for finding in found.findings)
-    return named + sum(bool(worse[rest.joint - 1]) for rest in found.unexplained)
+def simplest(
+    found: Diagnosis, few: Callable[[int], Diagnosis], before: Diagnosis, unseen: Array
+) -> Diagnosis:
+    """The fewest changes with which today's log is explained as well as the reference was.
+
+    Args:
+        few: the diagnosis with at most so many explanations.
+    """
+    said = len(found.findings) + len(found.unexplained)
+    for count in range(said):
+        tried = few(count)
+        after = tried.identification.error_after.rmse
+        if not worse_joints(after, tried.noise_floor, before, unseen).any():
+            left = "smaller explanations are within what the reference leaves unexplained itself"
+            return replace(tried, weak=(*tried.weak, f"{said - count} {left}"))
+    return found
 
 
 def has_changed(number: Number, worse: Mask) -> bool:
     """Whether a number is that of a joint, or a body, which today's log shows otherwise."""
     where, _, place = number.place.partition(" ")
     return bool(worse[int(place) - 1]) if where == "joint" else bool(worse.any())
-
-
-def _own_joints(finding: Finding) -> Mask:
-    return np.asarray(finding.share >= FELT * finding.share.max())
 
 
 def _beyond(error: Array, floor: Array) -> Array:

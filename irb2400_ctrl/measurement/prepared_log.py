@@ -23,6 +23,10 @@ from irb2400_ctrl.measurement.uniform import (
     widened,
 )
 
+LEFT_OF_NOISE = 1.0
+"""smoothed over unsmoothed rms below which a difference is noise, at 250 Hz (white noise: 0.4)"""
+NOISE_RESERVE = 1.5
+"""the same over what white noise has, at lower rates"""
 CUTOFF = 10.0
 """[Hz] of the common zero-phase filter"""
 STILL_SPEED = 0.02
@@ -103,8 +107,9 @@ def prepare(log: Log, rate: float | None = None) -> PreparedLog:
     Args:
         rate: of the grid [Hz]; default the log's own, but 200 to 250 Hz.
     """
-    uniform = resample(with_time_base(log), rate)
-    q, instrumented = _motion(uniform)
+    even = with_time_base(log)
+    uniform = resample(even, rate)
+    q, instrumented = _motion(uniform, even)
     # a commanded motion has only its last digit to be smoothed away: no torque needs to share that
     parts = derivatives((polished if instrumented else smoothed)(q, uniform.step), uniform.step)
     margin = derivative_margin(uniform.step)
@@ -148,7 +153,7 @@ def prepare(log: Log, rate: float | None = None) -> PreparedLog:
     )
 
 
-def _motion(log: UniformLog) -> tuple[Array, bool]:
+def _motion(log: UniformLog, recorded: Log) -> tuple[Array, bool]:
     """Angles to build the regressors on, and whether all come from the commanded motion."""
     if log.q_ref is None:
         return log.q, False
@@ -158,14 +163,23 @@ def _motion(log: UniformLog) -> tuple[Array, bool]:
     good = ~widened(~log.valid, derivative_margin(log.step))
     good[: round(0.2 / log.step)] = False
     noise = np.std((difference - smooth)[good], axis=0)
-    # white noise of size s leaves less than 0.5 s after the smoothing; more than that is real
-    # motion
-    real = np.std(smooth[good], axis=0) > 1.0 * noise + 1e-7
+    # more than what white noise leaves after the smoothing is real motion
+    real = np.std(smooth[good], axis=0) > _left_of_noise(log, recorded) * noise + 1e-7
     start = round(0.2 / log.step)
     # the first samples have no history to be predicted from: blend from the measured angles
     ramp = np.clip(np.arange(len(ideal)) / start, 0.0, 1.0)[:, None]
     q = np.where(real, log.q, ideal + (1.0 - ramp) * difference)
     return q, not real.any()
+
+
+def _left_of_noise(log: UniformLog, recorded: Log) -> float:
+    """Smoothed over unsmoothed rms, with a reserve, that white noise on a log's own samples has
+    after resampling: on a finer grid it is no longer white."""
+    white = np.random.default_rng(0).standard_normal((len(recorded.time), 1))
+    drawn = resample(Log(recorded.time, white, white)).q
+    smooth = smoothed(drawn, log.step)
+    ratio = np.std(smooth[log.valid]) / np.std((drawn - smooth)[log.valid])
+    return max(LEFT_OF_NOISE, NOISE_RESERVE * float(ratio))
 
 
 def _standstill(qd: Array, step: float) -> Mask:

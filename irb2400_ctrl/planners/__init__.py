@@ -9,6 +9,8 @@ plan.write("out")
 from irb2400_ctrl.planners.enclosure.path_dynamics import path_dynamics
 from irb2400_ctrl.planners.joint_move import JointMove, joint_move
 from irb2400_ctrl.planners.joint_path import JointPath
+from irb2400_ctrl.planners.linking.link_options import LinkOptions
+from irb2400_ctrl.planners.linking.program_motion import ProgramMotion
 from irb2400_ctrl.planners.plan import Plan
 from irb2400_ctrl.planners.plan_path import plan_path
 from irb2400_ctrl.planners.program_plan import ProgramPlan, plan_program
@@ -34,12 +36,14 @@ __all__ = [
     "Checked",
     "JointMove",
     "JointPath",
+    "LinkOptions",
     "MotionLimits",
     "Operation",
     "Optimised",
     "Plan",
     "Positioner",
     "PositionerAxis",
+    "ProgramMotion",
     "ProgramPlan",
     "RapidOptions",
     "RapidProgram",

@@ -9,6 +9,7 @@ import numpy as np
 from irb2400_ctrl.planners.enclosure.deviation import Deviation, deviation, singularity_margins
 from irb2400_ctrl.planners.enclosure.path_dynamics import PathDynamics
 from irb2400_ctrl.planners.enclosure.tcp_path import TcpPath
+from irb2400_ctrl.planners.joint_path import JointPath
 from irb2400_ctrl.planners.redundancy.follow import Followed
 from irb2400_ctrl.planners.timing.certificate import Certificate, check
 from irb2400_ctrl.planners.timing.motion_bounds import Checked
@@ -18,6 +19,21 @@ from irb2400_ctrl.planners.timing.sampled_timing import guarantee_note
 from irb2400_ctrl.planners.timing.time_choices import TimedChoice
 from irb2400_ctrl.planners.timing.timing_options import TimingOptions
 from irb2400_ctrl.planners.toolpath.orientation import Orientation
+
+
+@dataclass(frozen=True)
+class JointBounds:
+    """Upper bounds over all times of the rows of a motion of the joints, as they are read, and
+    whether they are guaranteed."""
+
+    certificate: Certificate
+    guaranteed: bool
+    note: str
+    """why the torque bound is not guaranteed; empty where it is"""
+    torque_ratio: float
+    """largest |tau| over the robot's own limit; of samples where there is no bound"""
+    velocity_ratio: float
+    """largest |qd| over the robot's own limit"""
 
 
 @dataclass(frozen=True)
@@ -49,20 +65,34 @@ def certify(
 ) -> PlanBounds:
     """Bound everything that a plan promises, without the solver that found the motion."""
     path = timed.path
+    joints = certify_joints(dynamics, path.joints, settled, options)
+    return PlanBounds(
+        certificate=joints.certificate,
+        guaranteed=joints.guaranteed,
+        note=joints.note,
+        torque_ratio=joints.torque_ratio,
+        velocity_ratio=joints.velocity_ratio,
+        feed_ratio=settled.feed_ratio,
+        deviation=_deviation(dynamics, orientation, timed, settled),
+        singularity_margin=singularity_margins(dynamics.model, path.followed),
+    )
+
+
+def certify_joints(
+    dynamics: PathDynamics, joints: JointPath, settled: Settled, options: TimingOptions
+) -> JointBounds:
+    """Bound torque and speed of a timed joint path, whatever its TCP does."""
     robot = dynamics.model.robot
     limits = options.limits
-    certificate = Certificate(path.joints, timed.law, limits)
+    certificate = Certificate(joints, settled.law, limits)
     checked = check(certificate, dynamics.model, dynamics)
     kept = settled.bounded and settled.worst(limits) <= 1 and _rates_kept(checked, options)
-    return PlanBounds(
+    return JointBounds(
         certificate=certificate,
         guaranteed=options.certified and kept,
         note=_note(dynamics, checked, kept, options),
         torque_ratio=float((settled.torque / robot.tau_max).max()),
         velocity_ratio=settled.bounds.velocity_ratio(robot.qd_max),
-        feed_ratio=settled.feed_ratio,
-        deviation=_deviation(dynamics, orientation, timed, settled),
-        singularity_margin=singularity_margins(dynamics.model, path.followed),
     )
 
 

@@ -13,6 +13,7 @@ from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.files import write_atomic
 from irb2400_ctrl.planners.clearance.clearance import unknown
 from irb2400_ctrl.planners.timing.certificate import Certificate
+from irb2400_ctrl.planners.timing.feed_use import FeedUse
 from irb2400_ctrl.planners.timing.sampled_reference import SampledReference
 from irb2400_ctrl.planners.timing.sampled_reference.interpolation import DEFAULT, Interpolation
 from irb2400_ctrl.planners.toolpath.toolpath import ToolPath
@@ -61,6 +62,10 @@ class Plan:
     branch: int
     rotation: Array
     """free tool rotation at the rows of the trajectory [rad]"""
+    point_times: Array
+    """when each way-point is passed [s], shape (len(path),)"""
+    feed_use: FeedUse | None = None
+    """where the programmed feed is held, and what keeps it below elsewhere; None without a feed"""
     clearance: dict[str, Any] = field(default_factory=lambda: unknown("not asked for"))
     """smallest distance over the continuous path [mm], between which bodies, where; or why it is
     not known"""
@@ -111,6 +116,7 @@ class Plan:
             "max_torque_ratio": self.max_torque_ratio,
             "max_velocity_ratio": self.max_velocity_ratio,
             "max_feed_ratio": self.max_feed_ratio,
+            "feed": None if self.feed_use is None else self.feed_use.summary(),
             "torque_share": self.torque_share,
             "interpolation": self.interpolation,
             "guaranteed": self.guaranteed,

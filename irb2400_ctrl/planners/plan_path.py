@@ -2,19 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.cell import Cell, Scene, with_tool
+from irb2400_ctrl.model import Model
 from irb2400_ctrl.planners.certify import certify
 from irb2400_ctrl.planners.enclosure.path_dynamics import path_dynamics
 from irb2400_ctrl.planners.plan import Plan
 from irb2400_ctrl.planners.plan_options import PlanOptions
 from irb2400_ctrl.planners.plan_report import report
-from irb2400_ctrl.planners.redundancy.choices import Choice, choices
+from irb2400_ctrl.planners.redundancy.choice import Choice
+from irb2400_ctrl.planners.redundancy.choices import choices
+from irb2400_ctrl.planners.redundancy.way_out import WayOut
 from irb2400_ctrl.planners.stage_clock import Progress, StageClock
 from irb2400_ctrl.planners.timing.motion_limits import MotionLimits
 from irb2400_ctrl.planners.timing.price_remedies import price_remedies
@@ -31,9 +34,12 @@ from irb2400_ctrl.planners.timing.time_choices import (
     time_choices,
 )
 from irb2400_ctrl.planners.timing.timing_options import Backend, TimingOptions
-from irb2400_ctrl.planners.toolpath.orientation import shape_path
+from irb2400_ctrl.planners.toolpath.orientation import Orientation, shape_path
 from irb2400_ctrl.planners.toolpath.toolpath import ToolPath
 from irb2400_ctrl.robot import Robot
+
+Ways = Callable[[Model, Orientation, Scene | None], Iterable[Choice]]
+"""the joint paths that are compared for a tool path"""
 
 
 def plan_path(
@@ -50,6 +56,7 @@ def plan_path(
     limits: MotionLimits | None = None,
     torque_rate: ArrayLike | None = None,
     jerk: ArrayLike | None = None,
+    way_out: WayOut | None = None,
     cell: Cell | None = None,
     tool: str | None = None,
     torque_share: float = 1.0,
@@ -73,14 +80,13 @@ def plan_path(
         timing: "certified" (torque bound at every instant) or "toppra".
         cells: smallest number of grid cells of the timing.
         limits: other limits than the robot's.
-        torque_rate: limit of the torque's change, dry friction apart [Nm/s]; None takes what rows
-            at the rate can follow; inf lets it jump.
+        torque_rate: of the change of torque [Nm/s]; None is what rows can follow, inf is no limit.
         jerk: limit of the change of the joints' acceleration [rad/s3].
         cell: what must not be touched; the arm itself is looked at always, if it has an outline.
+        way_out: lines from the ends of the path that the arm has to reach along as well.
         tool: name of a tool of the cell; default what the robot file describes.
         torque_share: part of the torque limits that is used, 0.9 for 90 %.
-        interpolation: how the controller reads the rows, "cubic" or "linear" (`Interpolation`);
-            what is guaranteed is guaranteed of that.
+        interpolation: how the controller reads the rows, "cubic" or "linear": `Interpolation`.
         progress: called with each stage as it begins, and within long ones with how far they are.
 
     Raises:
@@ -96,13 +102,31 @@ def plan_path(
     timed = TimingOptions.of(
         robot, timing, cells, limits, torque_rate, jerk, options.sampling, torque_share
     )
-    return _planned(robot, path, options, timed, StageClock(progress))
+    return plan_ways(
+        robot,
+        path,
+        lambda model, orientation, scene: choices(
+            model, orientation, free_tool_rotation, scene=scene, way_out=way_out
+        ),
+        options,
+        timed,
+        StageClock(progress),
+    )
 
 
-def _planned(
-    robot: Robot, path: ToolPath, options: PlanOptions, timing: TimingOptions, clock: StageClock
+def plan_ways(
+    robot: Robot,
+    path: ToolPath,
+    ways: Ways,
+    options: PlanOptions,
+    timing: TimingOptions,
+    clock: StageClock,
 ) -> Plan:
-    """Shape the curve, choose ways to follow it, time them, certify the best, report it."""
+    """Shape the curve, time the ways to follow it, certify the best, report it.
+
+    Raises:
+        UnreachableError, InfeasibleError: as `plan_path`.
+    """
     with clock.stage("model"):
         tool = options.tool
         dynamics = path_dynamics(robot if tool is None else with_tool(robot, tool))
@@ -112,9 +136,7 @@ def _planned(
     with clock.stage("curve"):
         orientation = shape_path(path, spindle, options.tolerance, options.frame)
     with clock.stage("branch and rotation") as told:
-        found = list(
-            _counted(choices(model, orientation, options.free_tool_rotation, scene=scene), told)
-        )
+        found = list(_counted(ways(model, orientation, scene), told))
     with clock.stage("timing") as told:
         timed = time_choices(dynamics, orientation, found, timing, told)
         ranked = best_first(timed, options.axis_tolerance)

@@ -12,10 +12,14 @@ from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.planners.certify import PlanBounds
 from irb2400_ctrl.planners.clearance.clearance import unknown
 from irb2400_ctrl.planners.enclosure.path_dynamics import PathDynamics
+from irb2400_ctrl.planners.enclosure.tcp_path import TcpPath
 from irb2400_ctrl.planners.plan import Plan
 from irb2400_ctrl.planners.redundancy.wrist_remedies import Remedy, taken
+from irb2400_ctrl.planners.timing.feed_use import feed_use
+from irb2400_ctrl.planners.timing.passing_times import passing_times, point_lengths
 from irb2400_ctrl.planners.timing.sampled_reference import SampledReference
 from irb2400_ctrl.planners.timing.time_choices import TimedChoice
+from irb2400_ctrl.planners.timing.time_law import TimeLaw
 from irb2400_ctrl.planners.timing.timing_options import TimingOptions
 from irb2400_ctrl.planners.toolpath.orientation import Orientation
 from irb2400_ctrl.trajectory import Trajectory
@@ -47,7 +51,7 @@ def report(
     """
     tcp = chosen.path.tcp
     choice = chosen.choice
-    trajectory, s = _rows(dynamics, chosen, reference)
+    trajectory, s = law_rows(dynamics, chosen.law, tcp, reference)
     return Plan(
         robot=dynamics.model.robot,
         path=orientation.curve.path,
@@ -71,6 +75,10 @@ def report(
         chosen=choice.kind,
         branch=choice.branch,
         rotation=choice.rotation(s),
+        feed_use=feed_use(dynamics, orientation.curve, chosen.path, chosen.law, options.limits),
+        point_times=passing_times(
+            chosen.law, point_lengths(orientation.curve, chosen.path.followed)
+        ),
         alternatives=tuple(_compared(option) for option in timed),
         passages=tuple(_passages(chosen)),
         remedies=tuple(remedy.summary() for remedy in remedies),
@@ -78,15 +86,15 @@ def report(
     )
 
 
-def _rows(
-    dynamics: PathDynamics, chosen: TimedChoice, reference: SampledReference
+def law_rows(
+    dynamics: PathDynamics, law: TimeLaw, tcp: TcpPath, reference: SampledReference
 ) -> tuple[Trajectory, Array]:
     """The rows with torque and the TCP's way, with the digits of the file, and where on the joint
     path they are."""
     rows = reference.rows
-    s = chosen.law.at(rows.time)[0]
+    s = law.at(rows.time)[0]
     tau = dynamics.torque(rows.q, rows.qd, rows.qdd, rows.time)
-    way = chosen.path.tcp.way(s)
+    way = tcp.way(s)
     return replace(rows, tau=tau, s=way, check_speeds=False).as_written(), s
 
 

@@ -1,4 +1,4 @@
-"""`plan_program`: every operation of a CAM program planned for itself, rest to rest."""
+"""`plan_program`: a CAM program as one motion; its operations planned one by one, and linked."""
 
 from __future__ import annotations
 
@@ -11,21 +11,50 @@ from typing import Any
 
 import numpy as np
 
-from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.errors import InputError, UnreachableError
 from irb2400_ctrl.files import write_atomic
+from irb2400_ctrl.planners.linking.clearance_plane import ClearancePlane, spindle_axis
+from irb2400_ctrl.planners.linking.link_operations import link_operations
+from irb2400_ctrl.planners.linking.link_options import LinkOptions
+from irb2400_ctrl.planners.linking.operation_runs import (
+    frame_of,
+    operation_runs,
+    unwound_runs,
+)
+from irb2400_ctrl.planners.linking.program_motion import ProgramMotion
+from irb2400_ctrl.planners.linking.run import Run
 from irb2400_ctrl.planners.plan import Plan
-from irb2400_ctrl.planners.plan_path import plan_path
 from irb2400_ctrl.planners.toolpath.cam_program import CamProgram, Operation
 from irb2400_ctrl.robot import Robot
+
+ArmOf = Callable[[Operation], Robot]
+"""the arm with the tool of an operation"""
 
 
 @dataclass(frozen=True)
 class PlannedOperation:
-    """An operation and its plan, or why there is none."""
+    """An operation and its plans, or why there are none."""
 
     operation: Operation
-    plan: Plan | None
+    runs: tuple[Run, ...] = ()
+    """parts that are followed without a stop, one unless axes have to be unwound"""
     refused: str = ""
+
+    @property
+    def plan(self) -> Plan | None:
+        """The plan of an operation that is followed in one go."""
+        return self.runs[0].plan if len(self.runs) == 1 else None
+
+    @property
+    def planned(self) -> bool:
+        """Whether there is a motion."""
+        return bool(self.runs)
+
+    @property
+    def duration(self) -> float | None:
+        """Of its parts, without what is between them [s]."""
+        return sum(run.plan.duration for run in self.runs) if self.runs else None
 
     @property
     def folder(self) -> str:
@@ -33,31 +62,42 @@ class PlannedOperation:
         name = re.sub(r"[^\w.-]+", "_", self.operation.name).strip("._")
         return f"{self.operation.number:02d}_{name}"[:60]
 
+    def folders(self) -> list[tuple[str, Run]]:
+        """The folder of each of its parts."""
+        if len(self.runs) < 2:
+            return [(self.folder, run) for run in self.runs]
+        return [(f"{self.folder}/part_{k}", run) for k, run in enumerate(self.runs, 1)]
+
     def summary(self) -> dict[str, Any]:
         """Its entry in `program.json`."""
         return {
             **self.operation.summary(),
-            "planned": self.plan is not None,
+            "planned": self.planned,
             "refused": self.refused,
-            "folder": self.folder if self.plan is not None else None,
-            "duration_s": None if self.plan is None else self.plan.duration,
+            "folder": self.folder if self.planned else None,
+            "parts": len(self.runs),
+            "duration_s": self.duration,
         }
 
 
 @dataclass(frozen=True)
 class ProgramPlan:
-    """What `plan_program` found; the ways from one operation to the next are not planned."""
+    """What `plan_program` found."""
 
     program: CamProgram
     operations: tuple[PlannedOperation, ...]
+    motion: ProgramMotion | None = None
+    """the whole program as one motion; None where an operation, or a way between them, has none"""
+    refused_links: str = ""
+    """why the planned operations are not linked; empty where they are"""
 
     @property
     def refused(self) -> list[PlannedOperation]:
         """Operations without a plan."""
-        return [o for o in self.operations if o.plan is None]
+        return [o for o in self.operations if not o.planned]
 
     def transfers(self) -> list[dict[str, Any]]:
-        """From the end of each operation to the start of the next: tool change, stop or way."""
+        """From the end of each operation to the start of the next, where they are apart."""
         found = []
         for before, after in zip(
             self.program.operations[:-1], self.program.operations[1:], strict=True
@@ -73,19 +113,26 @@ class ProgramPlan:
 
     def summary(self) -> dict[str, Any]:
         """The content of `program.json`."""
+        linked = self.motion is not None
         return {
             **self.program.summary(),
             "operations": [o.summary() for o in self.operations],
-            "transfers_not_planned": self.transfers(),
+            "transfers": self.transfers(),
+            "linked": linked,
+            "links_refused": self.refused_links,
+            "transfers_not_planned": [] if linked else self.transfers(),
         }
 
     def write(self, out_dir: Path | str) -> list[Path]:
-        """`program.json`, and a folder with `trajectory.csv` and `plan.json` per operation."""
+        """`program.json`; `trajectory.csv` and `plan.json` of the whole, and a folder with the
+        same per operation."""
         folder = Path(out_dir)
         written: list[Path] = []
+        if self.motion is not None:
+            written += self.motion.write(folder)
         for done in self.operations:
-            if done.plan is not None:
-                written += done.plan.write(folder / done.folder)
+            for name, run in done.folders():
+                written += run.plan.write(folder / name)
         text = json.dumps(self.summary(), indent=2) + "\n"
         return [write_atomic(folder / "program.json", text), *written]
 
@@ -94,28 +141,82 @@ def plan_program(
     robot: Robot,
     program: CamProgram,
     *,
+    links: LinkOptions | None = None,
+    arm_of: ArmOf | None = None,
     started: Callable[[Operation], None] | None = None,
     **options: Any,
 ) -> ProgramPlan:
-    """Plan every operation; one that cannot be planned does not hold the others up.
+    """Plan every operation and link them; one that cannot be planned does not hold the others up.
 
     Args:
+        robot: the arm.
+        program: operations in one frame.
+        links: heights and ends of the moves beside the operations.
+        arm_of: the arm with the tool of each operation; `robot` for all of them if absent.
         started: called with each operation as it begins.
         options: those of `plan_path`.
 
     Raises:
         InputError: an option is wrong for all of them.
     """
+    links = LinkOptions() if links is None else links
+    plane = clearance_plane(robot, program, links, frame_of(options))
     done = []
     for operation in program.operations:
         if started is not None:
             started(operation)
+        arm = robot if arm_of is None else arm_of(operation)
         try:
-            plan = plan_path(robot, operation.path, **with_its_tool(operation, options))
-            done.append(PlannedOperation(operation, plan))
+            runs = operation_runs(arm, operation, plane, links, with_its_tool(operation, options))
+            done.append(PlannedOperation(operation, runs))
         except InputError as error:
-            done.append(PlannedOperation(operation, None, str(error)))
-    return ProgramPlan(program, tuple(done))
+            done.append(PlannedOperation(operation, (), str(error)))
+    motion = None
+    refused = ""
+    if all(o.planned for o in done):
+        runs = tuple(run for o in done for run in o.runs)
+        try:
+            rate = float(options.get("rate", 250.0))
+            motion = link_operations(program.name, runs, plane, links, rate)
+        except InputError as error:
+            refused = str(error)
+    return ProgramPlan(program, tuple(done), motion, refused)
+
+
+def plan_unwound(
+    robot: Robot,
+    program: CamProgram,
+    links: LinkOptions,
+    because: UnreachableError,
+    **options: Any,
+) -> ProgramPlan:
+    """The only operation of a program in parts, between which axes are unwound.
+
+    Args:
+        because: why `plan_path` does not follow it in one go.
+        robot, program, links, options: as in `plan_program`.
+
+    Raises:
+        UnreachableError: `because`, where unwinding does not help; or there is no way between the
+            parts above the clearance plane.
+    """
+    operation = program.operation()
+    plane = clearance_plane(robot, program, links, frame_of(options))
+    runs = unwound_runs(robot, operation, plane, links, with_its_tool(operation, options), because)
+    rate = float(options.get("rate", 250.0))
+    motion = link_operations(program.name, runs, plane, links, rate)
+    return ProgramPlan(program, (PlannedOperation(operation, runs),), motion)
+
+
+def clearance_plane(
+    robot: Robot, program: CamProgram, links: LinkOptions, work_frame: Array | None
+) -> ClearancePlane:
+    """The plane above everything that the operations cut."""
+    paths = [
+        (o.path if work_frame is None else o.path.moved(work_frame), o.rapid)
+        for o in program.operations
+    ]
+    return ClearancePlane.over(paths, spindle_axis(robot), links.clearance)
 
 
 def with_its_tool(operation: Operation, options: dict[str, Any]) -> dict[str, Any]:

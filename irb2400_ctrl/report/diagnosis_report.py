@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from irb2400_ctrl.diagnosis import Comparison, Diagnosis, Finding
+from irb2400_ctrl.diagnosis.numbers import off_bodies
 from irb2400_ctrl.effects.base import OPEN_END_S
 from irb2400_ctrl.report.diagnosis_figures import curve_figure, torque_figure
 from irb2400_ctrl.report.page import Page, show
@@ -168,7 +169,16 @@ def _why(diagnosis: Diagnosis) -> list[str]:
     if problem is not None:
         return [f"{problem.says[0].upper()}{problem.says[1:]} ({problem.kind})."]
     left = diagnosis.identification.error_after.rmse
-    return [
+    noise = diagnosis.noise
+    found = [
+        f"Joint {j}: {noise.left[j - 1]:.2f} Nm rms are left where neighbouring samples disagree "
+        f"by {noise.floor[j - 1]:.2f}: more than noise."
+        for j in diagnosis.beyond_noise
+        if noise is not None and not diagnosis.findings and not diagnosis.unexplained
+    ]
+    bodies = off_bodies(diagnosis.numbers)
+    found += [bodies] if bodies else []
+    return found + [
         f"Joint {j}: {left[j - 1]:.2f} Nm rms are left, noise is {diagnosis.noise_floor[j - 1]:.2f}"
         for j in diagnosis.left_over
         if diagnosis.findings

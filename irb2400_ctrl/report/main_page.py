@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from irb2400_ctrl.report.closed_loop_section import add_closed_loop, closed_loop_lines
 from irb2400_ctrl.report.diagnosis_report import add_diagnosis, finding_title
 from irb2400_ctrl.report.main_job import TORQUE_SHARE, MainJob
@@ -54,15 +56,29 @@ def _add_plan(page: Page, job: MainJob) -> None:
             ["margin to the wrist singularity, |sin q5|", float(margin["wrist"])],
             ["margin to the shoulder singularity [m]", float(margin["shoulder"])],
             ["margin to the elbow singularity [m]", float(margin["elbow"])],
+            ["clearance, at least [mm]", s["clearance_mm"]["value"] or "not known"],
             [
                 f"torque over {100 * TORQUE_SHARE:.0f} % of its limit, at most",
                 float(s["max_torque_ratio"]),
             ],
             ["speed over limit, at most", float(s["max_velocity_ratio"])],
+            *_feed_rows(s["feed"]),
         ],
     )
     for caption, figure in plan_figures(job.plan).items():
         page.figure(figure, caption)
+
+
+def _feed_rows(feed: dict[str, Any] | None) -> list[list[object]]:
+    """On how much of the path the programmed feed is held, and what limits most of the rest."""
+    if feed is None:
+        return []
+    rows: list[list[object]] = [
+        ["programmed feed held, share of its path", float(feed["share_at_feed"])]
+    ]
+    for limit, length in list(feed["below_by_limit_mm"].items())[:3]:
+        rows.append([f"below the feed for the {limit} [mm]", float(length)])
+    return rows
 
 
 def _add_code(page: Page, job: MainJob) -> None:

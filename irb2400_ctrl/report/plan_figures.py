@@ -17,6 +17,9 @@ MARGINS = (
     ("elbow", "elbow |k| [m]"),
 )
 
+# a figure is 1080 pixels wide
+_MOST_ROWS = 2000
+
 
 def plan_figures(plan: Plan) -> dict[str, Figure]:
     """Caption -> figure."""
@@ -55,12 +58,13 @@ def joint_figure(plan: Plan) -> Figure:
 def margin_figure(plan: Plan) -> Figure:
     """The three singularity factors over time, with their smallest values over the continuous
     path."""
-    figure = Figure(figsize=(9.0, 6.0), layout="constrained")
+    figure = _figure(6.0)
     factors = np.abs(Model(plan.robot).singularity_factors(plan.trajectory.q))
+    time, shown = _thin(plan.trajectory.time, factors)
     for axis, (name, label), values in zip(
-        figure.subplots(3, 1, sharex=True), MARGINS, factors.T, strict=True
+        figure.subplots(3, 1, sharex=True), MARGINS, shown.T, strict=True
     ):
-        axis.plot(plan.trajectory.time, values, lw=1.0)
+        axis.plot(time, values, lw=1.0)
         axis.axhline(plan.singularity_margin[name], color="tab:red", ls="--", lw=0.9)
         axis.set_ylabel(label)
         axis.set_ylim(bottom=0)
@@ -69,14 +73,35 @@ def margin_figure(plan: Plan) -> Figure:
     return figure
 
 
+def _figure(height: float) -> Figure:
+    """Margins stated: working them out from the labels takes longer than drawing."""
+    figure = Figure(figsize=(9.0, height))
+    figure.subplots_adjust(left=0.09, right=0.985, top=0.98, bottom=0.08, wspace=0.24, hspace=0.14)
+    return figure
+
+
+def _thin(time: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Smallest and largest of groups of rows, where there are more rows than a figure shows; values
+    (m, k)."""
+    group = len(time) // _MOST_ROWS
+    if group < 2:
+        return time, values
+    count = len(time) // group * group
+    parts = values[:count].reshape(-1, group, values.shape[1])
+    both = np.stack([parts.min(axis=1), parts.max(axis=1)], axis=1)
+    times = np.repeat(time[:count:group], 2)
+    return np.append(times, time[-1]), np.vstack([both.reshape(-1, values.shape[1]), values[-1]])
+
+
 def _joint_plots(
     plan: Plan, values: np.ndarray, low: np.ndarray, high: np.ndarray, what: str, unit: str
 ) -> Figure:
     n = values.shape[1]
-    figure = Figure(figsize=(9.0, 7.0), layout="constrained")
+    time, values = _thin(plan.trajectory.time, values)
+    figure = _figure(7.0)
     axes = figure.subplots((n + 1) // 2, 2, sharex=True).ravel()
     for j in range(n):
-        axes[j].plot(plan.trajectory.time, values[:, j], lw=0.9)
+        axes[j].plot(time, values[:, j], lw=0.9)
         for limit in (low[j], high[j]):
             axes[j].axhline(limit, color="tab:red", ls="--", lw=0.9)
         axes[j].set_ylabel(f"{what} {j + 1} [{unit}]")

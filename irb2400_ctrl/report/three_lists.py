@@ -28,6 +28,16 @@ LISTS = {
     ),
 }
 """heading of each list and what to do about it, in the order of their weight"""
+WORDS = {
+    "coulomb_Nm": "Coulomb friction [Nm]",
+    "viscous_Nms_rad": "viscous friction [Nm s/rad]",
+    "offset_Nm": "torque offset [Nm]",
+    "rotor_kgm2": "rotor inertia [kg m2]",
+    "mass_kg": "mass [kg]",
+    **{f"com_{axis}_m": f"centre of mass {axis} [m]" for axis in "xyz"},
+    **{f"I{k}": f"inertia I{k} [kg m2]" for k in ("xx", "yy", "zz", "xy", "xz", "yz")},
+}
+"""names of numbers for a reader"""
 MOST_LINES = 8
 """of numbers of one list that a terminal shows"""
 
@@ -143,11 +153,12 @@ def number_lines(numbers: Sequence[Number]) -> list[str]:
 
 
 def _number_line(name: str, numbers: Sequence[Number]) -> str:
-    """`coulomb_Nm of joint 2: 60 -> 78 ± 1 (+30 %)`, or of several the range of the change."""
+    """`mass [kg] of tool: 20 -> 23 ± 0.1 (+15 %)`, or of several the range of the change."""
+    words = WORDS.get(name, name)
     if len(numbers) == 1:
         number = numbers[0]
         before = "not stated" if number.before is None else show(number.before)
-        text = f"{name} of {number.place}: {before} -> {show(number.after)}"
+        text = f"{words} of {number.place}: {before} -> {show(number.after)}"
         text += f" ± {show(number.standard_error)}"
         change = _change(number)
         return text if change is None else f"{text} ({change:+.0f} %)"
@@ -156,8 +167,8 @@ def _number_line(name: str, numbers: Sequence[Number]) -> str:
     where = _places([number.place for number in numbers])
     if len(told) < len(changes):
         values = ", ".join(show(number.after) for number in sorted(numbers, key=_place))
-        return f"{name} of {where}: {values}"
-    return f"{name} of {where}: {min(told):+.0f} to {max(told):+.0f} %"
+        return f"{words} of {where}: {values}"
+    return f"{words} of {where}: {min(told):+.0f} to {max(told):+.0f} %"
 
 
 def _change(number: Number) -> float | None:

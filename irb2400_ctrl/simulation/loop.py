@@ -12,6 +12,15 @@ from irb2400_ctrl.codegen import Block, Field
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.robot import Robot
 from irb2400_ctrl.simulation.instruments import Actuators, Sensors
+from irb2400_ctrl.simulation.machine_limits import (
+    BRAKE_CLOCK,
+    BRAKE_TIME,
+    as_packaged,
+    brake_friction,
+    end_stop_torque,
+    has_brake,
+    held_outputs,
+)
 from irb2400_ctrl.simulation.plant import link_angles, plant_block
 
 Values = dict[str, ca.SX]
@@ -46,35 +55,56 @@ def closed_loop(
 
     q_seen, qd_seen = _measured(v, sensors, period)
     heard = {f"c_{f.name}": v[f.name] for f in inputs}
-    control = run(controller, "c_", {**v, "c_q": q_seen, "c_qd": qd_seen, **heard})
-    command = control["tau"]
-    tau, behind_lag = _acting(v, command, plant, actuators, period)
-    pushed = {"p_wrench": v["wrench"]} if wrench else {}
-    moved = run(arm, "p_", {**v, "p_tau": tau, **pushed})
+    control = as_packaged(controller, "c_", {**v, "c_q": q_seen, "c_qd": qd_seen, **heard}, run)
+    drive, behind_lag = _acting(v, control["tau"], plant, actuators, period)
+    stop = end_stop_torque(plant, v["p_q"], v["p_qd"])
+    tau, friction, braking = _braked(v, control, plant, drive, period)
+    moved = run(arm, "p_", {**v, **_wrench(v), **friction, "p_tau": tau + stop})
 
     after = {
         **{f"p_{f.name}": moved[f"{f.name}_next"] for f in arm.states},
         **{f"c_{f.name}": control[f"{f.name}_next"] for f in controller.states},
+        **{f"held_{f.name}": control[f.name] for f in controller.outputs},
+        **braking,
         "q_before": q_seen,
         "qd_filter": qd_seen,
-        "tau_before": command,
+        "tau_before": control["tau"],
         "tau_lag": behind_lag,
     }
     shown: Values = {
         "q_seen": q_seen,
         "qd_seen": qd_seen,
         "tau": tau,
-        "command": command,
+        "command": control["tau"],
+        "fault": control["fault"],
+        "end_stop": stop,
         **_true(v, plant),
         **{f"c_{f.name}": control[f.name] for f in _extra(controller)},
     }
-    results = [*(after[f.name] for f in states), *(shown[f.name] for f in outputs)]
     names_out = [*(f"{f.name}_next" for f in states), *(f"{f.name}_now" for f in outputs)]
+    results = (*(after[f.name] for f in states), *(shown[f.name] for f in outputs))
     dense = [ca.densify(x) for x in results]
     step = ca.Function(f"{controller.name}_loop", list(v.values()), dense, list(v), names_out)
-    doc = f"{controller.name} on {plant.name}"
     ports = (tuple(states), tuple(inputs), tuple(outputs), tuple(parameters))
-    return Block(step.name(), doc, period, *ports, step)
+    return Block(step.name(), f"{controller.name} on {plant.name}", period, *ports, step)
+
+
+def _wrench(v: Values) -> Values:
+    return {"p_wrench": v["wrench"]} if "wrench" in v else {}
+
+
+def _braked(
+    v: Values, control: Values, plant: Robot, drive: ca.SX, period: float
+) -> tuple[ca.SX, Values, Values]:
+    """Torque of the drives, friction of the plant with its brakes, next value of the brakes'
+    clock."""
+    if "brake" not in control:
+        return drive, {}, {}
+    closed = v["brake_time"] >= BRAKE_TIME - 0.5 * period
+    friction = v["p_friction"] + brake_friction(plant, closed)
+    clock = ca.if_else(control["brake"] > 0, v["brake_time"] + period, 0)
+    # the drive is switched off once the brake holds
+    return drive * ca.logic_not(closed), {"p_friction": friction}, {"brake_time": clock}
 
 
 def _check_ports(controller: Block) -> None:
@@ -98,6 +128,8 @@ def _states(arm: Block, controller: Block) -> list[Field]:
     return [
         *prefixed("p_", arm.states),
         *prefixed("c_", controller.states),
+        *held_outputs(controller),
+        *([BRAKE_CLOCK] if has_brake(controller) else []),
         Field("q_before", n, "rad", "angles measured one sample before"),
         Field("qd_filter", n, "rad/s", "filtered speeds"),
         Field("tau_before", n, "Nm", "command of the sample before"),
@@ -126,6 +158,8 @@ def _outputs(n: int, controller: Block) -> list[Field]:
         Field("qd_seen", n, "rad/s", "measured speeds"),
         Field("tau", n, "Nm", "torque that acts on the arm"),
         Field("command", n, "Nm", "torque command"),
+        Field("fault", 1, "-", "1 where the package refuses an input"),
+        Field("end_stop", n, "Nm", "torque of the end stops"),
         Field("dry", n, "Nm", "dry friction, mean of the step before"),
         Field("q_link", n, "rad", "true angles on the side of the links"),
         *prefixed("c_", _extra(controller)),

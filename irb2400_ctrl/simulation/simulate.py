@@ -20,6 +20,7 @@ from irb2400_ctrl.simulation.instruments import Actuators, Sensors
 from irb2400_ctrl.simulation.loop import closed_loop, encoder_zero
 from irb2400_ctrl.simulation.mechanics import force_effects, mass_data
 from irb2400_ctrl.simulation.plant import SUBSTEPS
+from irb2400_ctrl.simulation.reference_check import check_reference
 from irb2400_ctrl.simulation.simulation import Simulation
 from irb2400_ctrl.simulation.spring_step import elastic_data, elastic_joints
 from irb2400_ctrl.trajectory import Trajectory
@@ -113,6 +114,7 @@ class Loop:
         axes = motion.q.shape[1]
         if axes != self.plant.n:
             raise InputError(f"trajectory: found {axes} axes; the robot has {self.plant.n}")
+        check_reference(self.robot, motion)
         return motion
 
     def _check_structure(self, arm: Robot) -> None:

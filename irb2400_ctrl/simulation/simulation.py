@@ -18,6 +18,7 @@ from irb2400_ctrl.codegen import Block
 from irb2400_ctrl.files import write_atomic
 from irb2400_ctrl.measurement import Log
 from irb2400_ctrl.robot import Robot
+from irb2400_ctrl.simulation.bounds_reached import bounds_reached
 from irb2400_ctrl.simulation.instruments import Actuators, Sensors
 from irb2400_ctrl.simulation.tracking import contour_errors, tcp_positions
 from irb2400_ctrl.trajectory import Trajectory
@@ -30,7 +31,8 @@ class Simulation:
     """One run. Arrays (m, n) at the control rate, in rad, rad/s, Nm; errors of the TCP in metres.
 
     `signals` holds by name: q, qd (true), q_seen, qd_seen (measured), tau (acting), command, dry,
-    q_link (true angles on the side of the links; they differ from q where a joint is elastic).
+    q_link (true angles on the side of the links; they differ from q where a joint is elastic),
+    fault (1 where the C package refuses an input), end_stop (torque of the end stops).
     """
 
     robot: Robot
@@ -122,6 +124,7 @@ class Simulation:
             },
             "max_torque_ratio": (np.abs(self.tau).max(axis=0) / limit).tolist(),
             "saturated_share": (np.abs(self.tau) >= limit * (1 - 1e-9)).mean(axis=0).tolist(),
+            "bounds_reached": bounds_reached(self.robot, self.plant, self.reference, self.signals),
             "sensors": self.sensors.model_dump(),
             "actuators": self.actuators.model_dump(),
             "seed": self.seed,

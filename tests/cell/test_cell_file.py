@@ -14,6 +14,7 @@ from irb2400_ctrl.cell.piece import cell_pieces
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.model import Model
 
+pytest.importorskip("coal")
 EXAMPLE = Path(__file__).parents[2] / "examples" / "cell" / "cell.toml"
 THING = '[[things]]\nname = "box"\nrole = "table"\nshapes = [{shape}]\n'
 BOX = '{ kind = "box", centre_mm = [0, 0, 0], size_mm = [1, 1, 1] }'

@@ -13,6 +13,7 @@ import pytest
 
 from irb2400_ctrl import load_robot
 
+pytest.importorskip("coal")
 PAGE = (Path(__file__).parents[2] / "docs" / "cells.md").read_text()
 
 

@@ -7,10 +7,10 @@ from pathlib import Path
 from typing import Any
 
 import casadi as ca
-import coal
 import numpy as np
 import numpy.typing as npt
 import pytest
+import trimesh
 from mujoco_cell import mujoco_cell
 
 from irb2400_ctrl import Model, load_robot
@@ -20,6 +20,7 @@ from irb2400_ctrl.cell.mesh import read_mesh
 from irb2400_ctrl.robot.shape import frame_along
 
 Array = npt.NDArray[np.float64]
+coal = pytest.importorskip("coal")
 ROOT = Path(__file__).parents[2]
 ROBOT_FILE = ROOT / "irb2400_ctrl" / "robots" / "irb2400.toml"
 CELL_FILE = ROOT / "examples" / "cell" / "cell.toml"
@@ -90,7 +91,6 @@ def test_no_collision_of_random_postures_is_missed(in_a_cell: bool) -> None:
 
 
 def test_a_body_inside_a_mesh_is_a_collision(tmp_path: Path) -> None:
-    trimesh = pytest.importorskip("trimesh")
     trimesh.creation.box(extents=[3000, 3000, 3000]).export(tmp_path / "big.stl")
     cell = Cell.model_validate(
         {
@@ -176,7 +176,6 @@ def relative(poses: Array, link: int, j: int, around: Scene, ends: Array) -> Arr
 
 
 def test_a_mesh_inside_a_body_is_a_collision(tmp_path: Path) -> None:
-    trimesh = pytest.importorskip("trimesh")
     trimesh.creation.box(extents=[2, 2, 2]).export(tmp_path / "grain.stl")
     q = np.zeros((1, 6))
     tip = MODEL.tcp_pose(q[0])

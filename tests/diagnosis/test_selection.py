@@ -10,18 +10,24 @@ import pytest
 
 from irb2400_ctrl.diagnosis.comparison.criteria import Criteria, of_one_moment
 from irb2400_ctrl.diagnosis.comparison.selection import Selection
+from irb2400_ctrl.diagnosis.comparison.step import Step
 
 
 def test_explanations_that_push_each_other_out_are_not_tried_for_ever(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
+    rest: Any = {"gain": 1.0, "alternatives": ()}
     offered: Any = cycle(
-        SimpleNamespace(candidate=SimpleNamespace(kind=kind, joint=1, name=kind))
+        Step(candidate=SimpleNamespace(kind=kind, joint=1, name=kind, known=True), **rest)
         for kind in ("one", "other", "third")
     )
     selection: Any = Selection.__new__(Selection)
     selection.criteria = Criteria(most=3)
     selection.fitter = SimpleNamespace(fit=lambda chosen: len(chosen))
+    selection.refused = set()
+    selection.acceptance = SimpleNamespace(
+        bears_out=lambda steps, fit, place: True, gains=lambda steps, fit: [0.0] * len(steps)
+    )
     monkeypatch.setattr(
         Selection, "next_step", lambda self, chosen, fit, alone=False: next(offered)
     )

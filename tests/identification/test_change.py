@@ -111,6 +111,18 @@ def test_a_reference_that_is_not_understood_is_refused() -> None:
         diagnose_change(ROBOT, sound, wrong)
 
 
+def test_reference_logs_are_identified_first_and_told_beside() -> None:
+    found = diagnose_change(ROBOT, log(2, MASS), log(1))
+    assert (found.verdict, [f.effect.kind for f in found.findings]) == ("explained", ["payload"])
+    assert found.usual_error is not None
+    content = found.to_json()
+    assert content["against"] == "reference"
+    assert [one["log"] for one in content["reference"]["logs"]] == ["motion 1"]
+    assert content["reference"]["effects"] == []
+    assert content["effects"][0]["list"] == "changed"
+    assert content["effects"][0]["body"]["robust"]["mass_kg"] == pytest.approx(MASS, rel=0.03)
+
+
 def test_usual_effects_are_what_a_file_lacks() -> None:
     usual = [kind for kind, effect in LIBRARY.items() if effect.search.usual]
     assert sorted(usual) == ["rotor_inertia", "torque_offset"]

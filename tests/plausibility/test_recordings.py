@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib.util
 import os
+import sys
 from pathlib import Path
 
 import pytest
@@ -21,11 +22,12 @@ needs_files = pytest.mark.skipif(not FILES, reason="no recordings beside the pro
 
 def robot_of(path: Path) -> Robot:
     """The robot of a recording, as the benchmark reads it."""
-    place = Path(__file__).parents[2] / "benchmarks" / "real_recordings.py"
-    spec = importlib.util.spec_from_file_location("real_recordings", place)
+    place = Path(__file__).parents[2] / "benchmarks" / "real_robots.py"
+    spec = importlib.util.spec_from_file_location("real_robots", place)
     assert spec is not None
     assert spec.loader is not None
     module = importlib.util.module_from_spec(spec)
+    sys.modules[spec.name] = module  # where its dataclasses look for themselves
     spec.loader.exec_module(module)
     found: Robot = module.robot_of(path)
     return found

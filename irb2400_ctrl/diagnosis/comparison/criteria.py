@@ -27,13 +27,11 @@ class Criteria:
         gain: log evidence of an effect over the model without it [nats], family-wise;
             non_parametric_gain: of a non-parametric law; gain_in_base: of a first effect of which
             other numbers of the robot would give all but the share `in_base`, where no misfit of
-            shape or noise can pass for it; beside_in_base: the same beside another effect.
+            shape or noise can pass for it; gain_stated: the same where the spread of its own
+            numbers is known.
         energy: its energy over what the base alone leaves on that joint.
         torque: its rms torque over the joint's; torque_beside_law: the same where its law alone
-            gains less than `by_law` of what it gains with discrepancy; torque_begun: of an effect
-            that acts part of the time.
-        discrepancy_factor: times what the law of an effect found before may leave
-            (`Prior.discrepancy_share`), which counts no more.
+            gains less than `by_law` of what it gains with discrepancy.
         largest: its rms torque over the joint's, above which it only cancels another one.
         moving: share of its gain that an effect of `Search.shows_moving` has away from reversals.
         elsewhere: share of what it explains that lies outside the second in which it explains most.
@@ -44,20 +42,19 @@ class Criteria:
         mostly_base: share of an effect's torque that no other numbers of the robot would give,
             below which a non-parametric law must also say `little` more: rms torque over the
             effect's.
-        shortlist: candidates judged in a step; most: explanations of one log.
+        shortlist: candidates judged in a step; most: explanations of one log; most_refused:
+            explanations that a polished fit does not bear out, before the search ends.
     """
 
     gain: float = 22.0
     non_parametric_gain: float = 25.0
     gain_in_base: float = 12.5
-    beside_in_base: float = 44.0
+    gain_stated: float = 8.0
     in_base: float = 0.01
     energy: float = 0.05
-    torque: float = 0.003
+    torque: float = 0.01
     torque_beside_law: float = 0.02
-    torque_begun: float = 0.01
     by_law: float = 0.25
-    discrepancy_factor: float = 1.0
     largest: float = 1.5
     moving: float = 0.2
     elsewhere: float = 0.4
@@ -68,6 +65,7 @@ class Criteria:
     little: float = 0.1
     shortlist: int = 10
     most: int = 8
+    most_refused: int = 4
 
 
 class Threshold:
@@ -104,7 +102,6 @@ class Threshold:
             if alternative.by_law > c.by_law * candidate.score.gain
             else c.torque_beside_law
         )
-        least = max(least, c.torque_begun) if candidate.begins else least
         matters = (size > np.sqrt(c.energy * comparison.energy)) & (size > least * self.rms)
         if chosen and matters.any():
             matters &= self._new(comparison, alternative, chosen)
@@ -145,7 +142,7 @@ class Threshold:
         )
         for earlier in chosen:
             torque = earlier.torque(self.n)
-            share = c.discrepancy_factor * earlier.discrepancy_share
+            share = earlier.discrepancy_share
             # the swing of one transmission moves its neighbours' links too: there only the evidence
             # speaks
             same = bool(candidate.devices & earlier.devices)
@@ -168,10 +165,10 @@ class Threshold:
         c = self.criteria
         if not candidate.known:
             return c.non_parametric_gain
-        if comparison.share_beyond_base(candidate) > c.in_base:
-            return c.gain
         # what an earlier law leaves bends the base
-        return c.beside_in_base if chosen else c.gain_in_base
+        if chosen or comparison.share_beyond_base(candidate) > c.in_base:
+            return c.gain
+        return c.gain_stated if candidate.expected else c.gain_in_base
 
     def best(
         self,
@@ -192,8 +189,7 @@ class Threshold:
         ):
             return known
         earlier = [
-            (c.discrepancy_factor * e.discrepancy_share) ** 2
-            * comparison.by_joint(e.score.gain, e.torque(self.n))[joint]
+            e.discrepancy_share**2 * comparison.by_joint(e.score.gain, e.torque(self.n))[joint]
             for e in chosen
         ]
         needed = (

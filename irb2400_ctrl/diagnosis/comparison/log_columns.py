@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import cache, cached_property
 
 import numpy as np
@@ -15,6 +16,7 @@ from irb2400_ctrl.diagnosis.comparison.non_parametric import (
 from irb2400_ctrl.diagnosis.estimation.candidate import Point
 from irb2400_ctrl.diagnosis.regressors.bases import Bases, RegressorColumns
 from irb2400_ctrl.effects import LIBRARY
+from irb2400_ctrl.effects.prior import Nested
 from irb2400_ctrl.measurement.prepared_log import PreparedLog
 
 
@@ -53,10 +55,16 @@ class LogColumns:
         inertia = np.median(
             np.einsum("mjj->mj", self.bases.model.mass_matrix(self.motion.q[::50])), axis=0
         )
+        span = self.motion.time[-1] - self.motion.time[0]
         for kind, joint in self.families:
             effect = LIBRARY[kind]
             felt = float(inertia[(joint or 1) - 1])
-            grid = [g for g in effect.grid(joint) if effect.sensible(g, felt)]
+            grid = [
+                g
+                for g in effect.grid(joint)
+                if effect.sensible(g, felt)
+                and all(g[name] < span for name in effect.prior.time_constants)
+            ]
             if effect.states:
                 columns, self.remembering[kind, joint] = self.bases.with_beginnings(
                     kind, joint, self.motion, grid
@@ -103,6 +111,20 @@ class LogColumns:
                 filtered=False,
             )[0]
         return self._samples[key]
+
+    def forms(self, kind: str, law: RegressorColumns) -> Sequence[Nested]:
+        """Forms in which a law is tried on this arm."""
+        effect = LIBRARY[kind]
+        forms: Sequence[Nested] = effect.nested(*self._scales)
+        return forms or [Nested(np.eye(law.values.shape[2]), effect.prior.coefficients)]
+
+    @cached_property
+    def _scales(self) -> tuple[float, float]:
+        """Mass that the arm moves [kg] and reach of its flange from its first axis [m]."""
+        robot = self.bases.robot
+        flange = self.bases.model.flange_pose(self.motion.q[::50])[:, :3, 3]
+        mass = sum(link.body.mass_kg for link in robot.links[1:])
+        return max(mass, 1.0), max(float(np.hypot(flange[:, 0], flange[:, 1]).max()), 0.1)
 
     def family_penalty(self, kind: str, joint: int | None) -> float:
         """What the choice among the members of a family costs [nats]."""

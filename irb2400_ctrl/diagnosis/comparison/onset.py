@@ -102,7 +102,10 @@ class Windowing:
         part = type(effect).model_validate({**effect.model_dump(), "windows_s": windows})
         score = replace(score, gain=score.gain - penalty)
         name = f"{law.kind}, part of the time"
-        return Candidate(law.kind, law.joint, name, (), (part,), columns, extra, score, penalty)
+        expected = LIBRARY[law.kind].prior.coefficients
+        return Candidate(
+            law.kind, law.joint, name, (), (part,), columns, extra, score, penalty, expected
+        )
 
     def _columns(self, law: Point, windows: Windows, discrepancy: bool = False) -> RegressorColumns:
         whole = self.scan.samples(law, discrepancy)

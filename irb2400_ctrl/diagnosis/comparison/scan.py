@@ -11,6 +11,7 @@ import numpy as np
 from irb2400_ctrl.diagnosis.comparison.log_columns import LogColumns
 from irb2400_ctrl.diagnosis.estimation.candidate import Candidate, Point, plausible
 from irb2400_ctrl.diagnosis.estimation.evidence import (
+    Expected,
     Problem,
     Score,
     discrepancy_shares,
@@ -88,13 +89,28 @@ class Scan(LogColumns):
                 if LIBRARY[kind].states
                 else self.discrepancy(kind, joint, nonlinear)
             )
-            score = self._score(problem, kind, law, extra)
+            forms = self.forms(kind, law)
             # a family with many members must win by more
-            penalty = self.family_penalty(kind, joint)
-            score = replace(score, gain=score.gain - penalty)
-            effect = plausible(kind, joint, score.coefficients, nonlinear)
-            if effect is not None and (best is None or score.gain > best.score.gain):
-                best = Candidate(kind, joint, kind, (), (effect,), law, extra, score, penalty)
+            penalty = self.family_penalty(kind, joint) + float(np.log(len(forms)))
+            for form in forms:
+                columns = RegressorColumns(law.joints, law.values @ form.columns)
+                score = self._score(problem, kind, columns, extra, form.coefficients)
+                score = replace(score, gain=score.gain - penalty)
+                whole = form.columns @ score.coefficients
+                effect = plausible(kind, joint, whole, nonlinear)
+                if effect is not None and (best is None or score.gain > best.score.gain):
+                    best = Candidate(
+                        kind,
+                        joint,
+                        kind,
+                        (),
+                        (effect,),
+                        columns,
+                        extra,
+                        score,
+                        penalty,
+                        form.coefficients,
+                    )
         return [] if best is None else [best]
 
     def between(self, problem: Problem, candidate: Candidate) -> Candidate:
@@ -164,7 +180,7 @@ class Scan(LogColumns):
         joint = candidate.joint
         law = self.bases.columns(kind, joint, self.motion, [nonlinear])[0]
         extra = self.discrepancy(kind, joint, nonlinear)
-        score = self._score(problem, kind, law, extra)
+        score = self._score(problem, kind, law, extra, candidate.expected)
         score = replace(score, gain=score.gain - candidate.penalty)
         effect = plausible(kind, joint, score.coefficients, nonlinear)
         return (
@@ -174,12 +190,17 @@ class Scan(LogColumns):
         )
 
     def _score(
-        self, problem: Problem, kind: str, law: RegressorColumns, extra: RegressorColumns
+        self,
+        problem: Problem,
+        kind: str,
+        law: RegressorColumns,
+        extra: RegressorColumns,
+        expected: Expected,
     ) -> Score:
         return problem.score(
             law,
             extra,
-            LIBRARY[kind].prior.coefficients,
+            expected,
             discrepancy_shares(kind, extra.values.shape[2]),
         )
 

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from irb2400_ctrl.arrays import Mask
+from irb2400_ctrl.diagnosis.comparison.acceptance import Acceptance
 from irb2400_ctrl.diagnosis.comparison.comparison import Alternative, Comparison
 from irb2400_ctrl.diagnosis.comparison.criteria import Criteria, Threshold, of_one_moment
 from irb2400_ctrl.diagnosis.comparison.onset import Windowing
@@ -17,6 +19,8 @@ from irb2400_ctrl.diagnosis.estimation.fit import Fit, Fitter
 from irb2400_ctrl.diagnosis.regressors.predict import predicted_torque
 from irb2400_ctrl.measurement.prepared_log import STICKING_SPEED, PreparedLog
 from irb2400_ctrl.measurement.uniform import widened
+
+Name = tuple[str, int | None, str]
 
 SMALL_FAMILY = 20
 """members of a family that still is one law"""
@@ -31,6 +35,8 @@ class Selection:
         self.scan = scan
         self.fitter = fitter
         self.criteria = Criteria() if criteria is None else criteria
+        self.refused: set[Name] = set()
+        self.acceptance = Acceptance(fitter)
         self.threshold = Threshold(
             self.criteria, scan.motion, predicted_torque(fitter.robot, scan.motion)
         )
@@ -39,22 +45,36 @@ class Selection:
         """The accepted explanations, in the order they were found, and their common fit."""
         steps: list[Step] = []
         fit = self.fitter.fit([])
-        tried: set[frozenset[tuple[str, int | None, str]]] = set()
-        while len(steps) < self.criteria.most:
+        tried: set[frozenset[Name]] = set()
+        while len(steps) < self.criteria.most and len(self.refused) < self.criteria.most_refused:
             step = self.next_step([s.candidate for s in steps], fit)
             if step is None:
                 break
-            steps.append(step)
-            if len(steps) > 1:
-                steps = self._exchanged(steps)
-            fit = self.fitter.fit([s.candidate for s in steps])
-            names = frozenset(
-                (s.candidate.kind, s.candidate.joint, s.candidate.name) for s in steps
-            )
+            further = [*steps, step]
+            there = self.fitter.fit([s.candidate for s in further])
+            if not self.acceptance.bears_out(further, there, len(steps)):
+                # the next best is tried instead
+                self.refused.add(named(step.candidate))
+                continue
+            steps = further if len(further) == 1 else self._exchanged(further)
+            fit = there if steps == further else self.fitter.fit([s.candidate for s in steps])
+            names = frozenset(named(s.candidate) for s in steps)
             if names in tried:
                 break  # one explanation pushes another out and is pushed out by it again
             tried.add(names)
-        return steps, fit
+        return self._borne_out(steps, fit)
+
+    def _borne_out(self, steps: list[Step], fit: Fit) -> tuple[list[Step], Fit]:
+        """What the common fit of all still bears out, with what each is worth on unseen rows."""
+        place = len(steps) - 1
+        while place >= 0:
+            if not self.acceptance.bears_out(steps, fit, place):
+                steps = steps[:place] + steps[place + 1 :]
+                fit = self.fitter.fit([s.candidate for s in steps])
+            place -= 1
+        gained = self.acceptance.gains(steps, fit)
+        told = zip(steps, gained, strict=True)
+        return [replace(step, validation_gain=gain) for step, gain in told], fit
 
     def next_step(self, chosen: Sequence[Candidate], fit: Fit, alone: bool = False) -> Step | None:
         """The best further explanation if it counts; `alone`: no two effects in the place of a
@@ -114,12 +134,15 @@ class Selection:
         self, comparison: Comparison, chosen: Sequence[Candidate] = ()
     ) -> list[Alternative]:
         """The most promising candidates, each judged under its own noise, best first."""
-        ranked = self.scan.rank(comparison.start, chosen)
+        ranked = [
+            c for c in self.scan.rank(comparison.start, chosen) if named(c) not in self.refused
+        ]
         short = [
             self.scan.between(comparison.start, c)
             for c in shortlist(ranked, self.criteria.shortlist)
         ]
-        short += Windowing(self.scan, comparison.start).candidates([c for c in ranked if c.known])
+        windowed = Windowing(self.scan, comparison.start).candidates([c for c in ranked if c.known])
+        short += [c for c in windowed if named(c) not in self.refused]
         return sorted(
             (comparison.compared(candidate) for candidate in short), key=lambda r: -r.evidence
         )
@@ -140,6 +163,11 @@ class Selection:
             for s in kept
             if not of_one_moment(s.candidate, [k.candidate for k in kept if k is not s])
         ]
+
+
+def named(candidate: Candidate) -> Name:
+    """What a candidate is called; flexible laws of one joint are one."""
+    return candidate.kind, candidate.joint, candidate.name if candidate.known else ""
 
 
 def shortlist(ranked: Sequence[Candidate], count: int) -> list[Candidate]:

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.diagnosis.comparison.comparison import Alternative
 from irb2400_ctrl.diagnosis.estimation.candidate import Candidate
 
@@ -17,11 +18,14 @@ class Step:
     Args:
         candidate: accepted; gain: log evidence over the model without it; alternatives: others,
             best first.
+        validation_gain: per cent that it takes off the rms error of each joint on unseen rows,
+            shape (n,).
     """
 
     candidate: Candidate
     gain: float
     alternatives: tuple[Alternative, ...]
+    validation_gain: Array | None = None
 
     @property
     def margin(self) -> float:

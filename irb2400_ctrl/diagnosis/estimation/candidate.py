@@ -39,6 +39,8 @@ class Candidate:
     score: Score
     penalty: float = 0.0
     """log number of members of its family [nats]"""
+    expected: tuple[tuple[float, float], ...] = ()
+    """usual value and spread of each coefficient; empty: no such knowledge"""
     spread: dict[str, float] = field(default_factory=dict)
     """standard errors of nonlinear parameters that a search has found, from the noise alone"""
 
@@ -53,11 +55,6 @@ class Candidate:
     def discrepancy_share(self) -> float:
         """Share of its torque that it may leave for others to explain."""
         return max((e.prior.discrepancy_share for e in self.effects), default=NON_PARAMETRIC_SHARE)
-
-    @property
-    def expected(self) -> tuple[tuple[float, float], ...]:
-        """`Prior.coefficients`; empty for a non-parametric law."""
-        return LIBRARY[self.kind].prior.coefficients if self.known else ()
 
     @property
     def devices(self) -> frozenset[str]:

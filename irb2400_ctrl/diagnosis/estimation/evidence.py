@@ -22,7 +22,7 @@ from irb2400_ctrl.effects import LIBRARY
 Expected = Sequence[tuple[float, float]]
 """usual value and spread of each coefficient"""
 
-DISCREPANCY = 0.25
+DISCREPANCY = 0.10
 """how far a real device departs from the textbook's law: rms over rms, one standard deviation"""
 BEGINNING = 3.0
 """the same for the response to an unknown state at the beginning of the record"""

@@ -4,9 +4,11 @@ prediction."""
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
+from itertools import pairwise
 
 import numpy as np
+import numpy.typing as npt
 
 from irb2400_ctrl.arrays import Array, Mask
 from irb2400_ctrl.diagnosis.estimation.candidate import Candidate
@@ -35,44 +37,25 @@ class Fit:
     Args:
         effects: fitted, with their discrepancy; parameters, sigma: their natural parameters and
             standard errors.
-        z: deviations of the base in prior standard deviations, z_sigma their standard errors.
+        z: deviations of the base in prior standard deviations; z_covariance: of them.
         y: what the effects (without discrepancy) leave of the filtered torque, shape (rows, n).
         Z: base and everything else that may still move, unit priors, shape (rows, n, k).
         residual: what everything together leaves; noise: of it, per joint.
         non_parametric: filtered torque of the non-parametric laws, one (rows, n) per law.
+        owner: whose column of Z each is: -1 the base, then the effects from 0, then the laws.
     """
 
     effects: tuple[Effect, ...]
     parameters: tuple[Parameter, ...]
     sigma: Array
     z: Array
-    z_sigma: Array
+    z_covariance: Array
     y: Array
     Z: Array
     residual: Array
     noise: tuple[Noise, ...]
     non_parametric: tuple[Array, ...] = field(default=())
-
-
-NOISY_REVERSAL = 2.5
-"""residual near reversals over that elsewhere, above which a joint sticks in a way that the log
-does not resolve"""
-
-
-def noisy_reversals_masked(motion: PreparedLog, fit: Fit, reversal: Mask) -> PreparedLog:
-    """The motion without the rows near reversals of joints whose sticking no model of this kind
-    follows."""
-    known = motion.row_known.copy()
-    for j in range(motion.n):
-        near = known[:, j] & reversal[:, j]
-        calm = known[:, j] & ~reversal[:, j]
-        if near.sum() > 10 and calm.sum() > 50:
-            level = np.median(np.abs(np.diff(fit.residual[:, j])[calm[1:]])) / 0.9539
-            if np.sqrt(np.mean(fit.residual[near, j] ** 2)) > NOISY_REVERSAL * max(
-                level, float(np.sqrt(np.mean(fit.residual[calm, j] ** 2)))
-            ):
-                known[:, j] = calm
-    return replace(motion, row_known=known)
+    owner: npt.NDArray[np.intp] = field(default_factory=lambda: np.zeros(0, dtype=np.intp))
 
 
 class Fitter:
@@ -118,7 +101,7 @@ class Fitter:
             scale = np.sqrt(np.diag(covariance))[start : start + len(parameters)] * sizes
             if (np.abs(shrink * step) < 0.05 * scale).all():
                 break
-        return self._finished(effects, state, noise, len(non_parametric))
+        return self._finished(effects, state, noise, [g.shape[2] for g in G])
 
     def _descended(
         self,
@@ -157,8 +140,9 @@ class Fitter:
         effects: list[Effect],
         state: _State,
         noise: tuple[Noise, ...] | None,
-        laws: int,
+        widths: Sequence[int],
     ) -> Fit:
+        """`widths`: number of columns of each non-parametric law, the last ones."""
         y, columns, parameters, sizes, shapes = state
         _, explained, _ = self._solved(y, columns, noise)
         noise = self._noise(y - explained)
@@ -178,21 +162,25 @@ class Fitter:
                 if kept
                 else effect
             )
+        owner = np.full(columns.shape[2], -1, dtype=np.intp)
+        owner[k : k + p] = [parameter.effect for parameter in parameters]
+        owner[k + p : place] = np.repeat(np.arange(len(effects)), [len(unit) for unit in shapes])
         non_parametric = []
-        width = columns.shape[2] - place
-        for part in np.array_split(np.arange(place, place + width), laws) if laws else []:
+        for law, part in enumerate(_parts(place, widths)):
+            owner[part] = len(effects) + law
             non_parametric.append(columns[:, :, part] @ b[part])
         return Fit(
             effects=tuple(shaped),
             parameters=tuple(parameters),
             sigma=sigma[k : k + p] * sizes,
             z=b[:k],
-            z_sigma=sigma[:k],
+            z_covariance=covariance[:k, :k],
             y=y,
             Z=columns,
             residual=y - explained,
             noise=noise,
             non_parametric=tuple(non_parametric),
+            owner=owner,
         )
 
     def _linearised(self, effects: list[Effect], G: list[Array]) -> _State:
@@ -300,6 +288,12 @@ class Fitter:
             autoregressive(residual[:, j], known[:, j], self.reversal[:, j])
             for j in range(self.motion.n)
         )
+
+
+def _parts(start: int, widths: Sequence[int]) -> list[slice]:
+    """Ranges of these widths one after another."""
+    edges = start + np.concatenate([[0], np.cumsum(widths, dtype=np.intp)])
+    return [slice(int(a), int(b)) for a, b in pairwise(edges)]
 
 
 _State = tuple[Array, Array, list[Parameter], Array, list[Array]]

@@ -54,6 +54,9 @@ class BasePrior:
     unknown, up to half of this"""
     speed_scale: Array
     """rms speed of each joint [rad/s]"""
+    common_friction: float = 0.0
+    """standard deviation of a factor on the dry friction of all joints, and of one on their viscous
+    friction: a cold arm is stiffer everywhere"""
 
     @classmethod
     def of(cls, robot: Robot, uncertainty: Uncertainty, motion: PreparedLog) -> BasePrior:
@@ -84,12 +87,35 @@ class BasePrior:
         ]
         return np.concatenate([*inertial, *dry])
 
+    def root(self) -> Array:
+        """F with F z the numbers in data-sheet standard deviations, shape (k, k): F F^T is their
+        prior covariance."""
+        sigmas = self.sigmas()
+        F = np.eye(len(sigmas))
+        if not self.common_friction:
+            return F
+        n = self.robot.n
+        known = np.where(self.robot.friction_known, self.robot.friction, 0.0)
+        values = np.concatenate([known[:, 1], known[:, 2], known[:, 0]])
+        together = self.common_friction * values / sigmas[-3 * n :]
+        # dry and static friction change together, viscous friction by a factor of its own
+        for kinds in ((0, 2), (1,)):
+            block = np.concatenate([np.arange(n) + n * kind for kind in kinds])
+            covariance = np.eye(len(block)) + np.outer(together[block], together[block])
+            place = len(sigmas) - 3 * n + block
+            F[np.ix_(place, place)] = np.linalg.cholesky(covariance)
+        return F
+
     def deviations(self, z: Array) -> Array:
         """Fitted z in data-sheet standard deviations from the file's values, shape (k,)."""
-        return z
+        return np.asarray(self.root() @ z)
 
     def columns(self, model: Model, motion: PreparedLog) -> Array:
         """d tau / d z along the motion, shape (m, n, k) [Nm]."""
+        return np.asarray(self.number_columns(model, motion) @ self.root())
+
+    def number_columns(self, model: Model, motion: PreparedLog) -> Array:
+        """d tau per data-sheet standard deviation of each number, shape (m, n, k) [Nm]."""
         n = self.robot.n
         Y: Any = model.regressor(motion.q, motion.qd, motion.qdd)
         parts = []

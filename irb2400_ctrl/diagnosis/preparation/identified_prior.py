@@ -73,7 +73,7 @@ class IdentifiedPrior:
     def columns(self, model: Model, motion: PreparedLog) -> Array:
         """d tau / d z along the motion, shape (m, n, k + 2 n) [Nm]."""
         n = self.robot.n
-        parts = [self.base.columns(model, motion)]
+        parts = [self.base.number_columns(model, motion)]
         for signal in (np.ones_like(motion.qd), motion.qdd):
             placed = np.zeros((*signal.shape, n))
             placed[:, np.arange(n), np.arange(n)] = signal

@@ -11,11 +11,14 @@ class Clearance:
     """Over the continuous path."""
 
     value: float
-    """lower bound of the distance, at every place of the path and for every pair [m]"""
+    """lower bound of the distance, at every place of the path and for every pair [m]; where the
+    path is not free, the distance at the place named"""
     pair: tuple[str, str]
     """the two bodies that come nearest"""
     s: float
     """where, as a length along the joint path [m]"""
+    free: bool
+    """whether it is shown that what is to be kept is kept everywhere"""
 
     def summary(self, at: float) -> dict[str, Any]:
         """Its entry in `plan.json`.

@@ -25,7 +25,7 @@ from irb2400_ctrl.planners.joint_path import JointPath
 _BELOW = 1e-4
 _PART = 0.03
 # a distance that cannot be told from contact [m]
-_CONTACT = 1e-5
+_CONTACT = 5e-5
 _MOST_PARTS = 16
 _CHUNK = 4096
 
@@ -53,6 +53,8 @@ class _Search:
     def goal(self) -> float:
         """Bounds above this need no closer look [m]."""
         distance = self.seen.distance
+        if not np.isfinite(distance):
+            return np.inf
         slack = _BELOW + _PART * max(distance, 0.0)
         if distance > self.scene.keep:
             slack = min(slack, (distance - self.scene.keep) / 2)
@@ -69,8 +71,8 @@ def continuous_clearance(
 ) -> Clearance:
     """A lower bound of the smallest distance over the whole path.
 
-    A value of `scene.keep` or less says that the path cannot be shown free: the distance at the
-    place that is named is that small.
+    Where it cannot be shown that `scene.keep` is kept, the search ends with the place and the pair
+    that say so.
 
     Args:
         scene: the arm in its cell.
@@ -94,7 +96,7 @@ def continuous_clearance(
         open_ = np.concatenate([pairs for _, pairs in following])
     at = search.seen
     value = at.distance if search.touching else min(search.bound.distance, at.distance)
-    return Clearance(value, scene.names(at.pair), at.s)
+    return Clearance(value, scene.names(at.pair), at.s, free=not search.touching)
 
 
 def _first_look(search: _Search, ends: Array, open_: npt.NDArray[np.bool_]) -> None:

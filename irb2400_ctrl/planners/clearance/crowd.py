@@ -70,12 +70,25 @@ class Crowd:
 
     def refusal(self, q: Array, station: int, point: int) -> CollisionError:
         """Why a station has no configuration (m, joints) that touches nothing."""
-        at_feed = np.full(len(q), self.cutting[station])
-        room = self.scene.clearance(q, at_feed, np.inf)
-        best = int(np.argmax(room))
-        first, other = self.scene.nearest(q[best], bool(self.cutting[station]))
         return CollisionError(
             f"point {point} cannot be reached without a collision: every configuration touches "
-            f"something, the best one {first} and {other} ({1e3 * room[best]:.1f} mm); move the "
-            "work frame, free the tool rotation, or change the cell"
+            f"something, {self._best(q, station)}; move the work frame, free the tool rotation, or "
+            "change the cell"
         )
+
+    def blocked(self, q: Array, station: int, point: int) -> CollisionError:
+        """Why a motion ends before a station some of whose configurations (m, joints) touch
+        something."""
+        return CollisionError(
+            f"no continuous motion reaches point {point} without a collision: of the "
+            f"configurations there that touch something, {self._best(q, station)}; split the path, "
+            "move the work frame, or change the cell"
+        )
+
+    def _best(self, q: Array, station: int) -> str:
+        """The configuration with most room, in words."""
+        cutting = bool(self.cutting[station])
+        room = self.scene.clearance(q, np.full(len(q), cutting), np.inf)
+        best = int(np.argmax(room))
+        first, other = self.scene.nearest(q[best], cutting)
+        return f"the best one {first} and {other} ({1e3 * room[best]:.1f} mm)"

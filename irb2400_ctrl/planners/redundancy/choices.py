@@ -2,65 +2,46 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import replace
 
 import numpy as np
 import numpy.typing as npt
 
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.cell import Scene
-from irb2400_ctrl.errors import CollisionError, UnreachableError
+from irb2400_ctrl.errors import UnreachableError
 from irb2400_ctrl.model import Model
-from irb2400_ctrl.planners.clearance import Clearance, continuous_clearance, cutting_moves
+from irb2400_ctrl.planners.clearance import cutting_moves
+from irb2400_ctrl.planners.redundancy.choice import (
+    Choice,
+    RotationLaw,
+    clear,
+    continuous_margins,
+    stay_inside,
+)
 from irb2400_ctrl.planners.redundancy.follow import (
-    Followed,
     JointTarget,
     arc_length,
     follow,
     station_parameters,
 )
 from irb2400_ctrl.planners.redundancy.ladder_graph import BOX_INSET, FREE_SHIFTS, Ladder, LadderWay
-from irb2400_ctrl.planners.redundancy.singularity_margins import relative_margins
+from irb2400_ctrl.planners.redundancy.ladder_refusal import refusal
+from irb2400_ctrl.planners.redundancy.way_out import WayOut
 from irb2400_ctrl.planners.redundancy.wrist_passage import Passing, passings
 from irb2400_ctrl.planners.toolpath.orientation import Orientation
 from irb2400_ctrl.planners.toolpath.task_curve import TaskCurve
 
-RotationLaw = Callable[[Array], Array]
-"""free rotation [rad] over the length along the path [m]"""
-
 GRID = np.radians(np.arange(0.0, 360.0, 5.0))
 MAX_STATIONS = 600
-
-
-@dataclass(frozen=True)
-class Choice:
-    """A joint path and how it was found."""
-
-    kind: str
-    """"given orientation", "constant rotation" or "free rotation" """
-    branch: int
-    """closed-form branch at the start"""
-    rotation: RotationLaw
-    followed: Followed
-    margins: Array
-    """smallest relative margins (wrist, shoulder, elbow) over the joint path, shape (3,) [-]"""
-    clearance: Clearance | None = None
-    """how far the motion stays from everything; None where it is not known"""
-    passing: Passing | None = None
-    """how a path of given orientations takes the wrist singularity"""
-
-    @property
-    def margin(self) -> float:
-        """Smallest of the three, leaving out a wrist singularity that the path passes on
-        purpose."""
-        passed = self.passing is not None and len(self.passing.passages) > 0
-        return float(self.margins[1:].min() if passed else self.margins.min())
-
-    @property
-    def turn(self) -> float:
-        """Angle by which the stated orientation is left at most [rad]."""
-        return 0.0 if self.passing is None else self.passing.turn
+SMOOTH = (10.0, 40.0)
+"""lengths over which a varying rotation is smoothed, as the whole path over them"""
+ROUGH = (160.0, 640.0)
+"""the same where the others leave the joint box"""
+ROOM = np.radians(3.0)
+"""distance kept from the ends of the joint box there [rad]"""
 
 
 def choices(
@@ -69,15 +50,17 @@ def choices(
     free: bool,
     keep: int = 3,
     scene: Scene | None = None,
+    way_out: WayOut | None = None,
 ) -> Iterator[Choice]:
     """Joint paths inside the joint box that touch nothing, the most promising of each kind first.
 
     Args:
         model: the arm.
         orientation: the tool path, placed and smoothed.
-        free: choose the rotation about the spindle along the path.
-        keep: ways of each kind that are looked at.
+        free: whether the tool may turn about its axis.
+        keep: how many of each kind.
         scene: the arm in its cell; None where nothing is known of the space that it takes up.
+        way_out: lines from its ends that the arm must reach along, too.
 
     Raises:
         UnreachableError: no way leads through; says at which point, which axis, by how much, or
@@ -85,22 +68,33 @@ def choices(
     """
     curve = orientation.curve
     held = curve.full and not free
-    u = _stations(orientation)
+    u = stations(orientation)
     s = arc_length(curve, u)
-    ladder = Ladder.of(model, orientation, u, np.zeros(1) if held else GRID)
+    rotation = np.zeros(1) if held else GRID
+    ladder = Ladder.of(model, orientation, u, rotation)
+    if way_out is not None:
+        ladder = way_out.kept(ladder, orientation)
     moves = cutting_moves(curve.path, orientation.spindle)
     if scene is not None:
-        ladder = ladder.free_of(scene, _cutting_at(curve, moves, u))
+        ladder = ladder.free_of(scene, cutting_at(curve, moves, u))
     problem: UnreachableError | None = None
     found = False
-    options = (
-        _held(model, orientation, ladder) if held else _turned(ladder, orientation, s, free, keep)
-    )
+    options: Iterator[_Option]
+    if held:
+        options = _held(model, orientation, ladder)
+    else:
+        options = _turned(_ways(ladder, free, keep), orientation, s, SMOOTH)
+        if free:
+            # a rotation that has to change often may leave the box when it is smoothed
+            roomy = _roomy(ladder, orientation, s, keep)
+            options = itertools.chain(options, _unless(lambda: found, roomy))
     for kind, branch, law, target, q_start, passing in options:
         try:
             followed = follow(model, target, q_start)
-            _inside_box(model, followed, target)
-            clearance = _clear(scene, followed, target, moves)
+            stay_inside(model, followed, target)
+            clearance = clear(scene, followed, target, moves)
+            if way_out is not None:
+                way_out.check(model, orientation, followed, scene)
         except UnreachableError as error:
             problem = problem or error
             continue
@@ -110,7 +104,7 @@ def choices(
     if not found:
         names = curve.origin[np.minimum(u.astype(int), curve.segments - 1)].copy()
         names[0] = 0
-        raise problem or ladder.explain(names)
+        raise problem or refusal(ladder, names)
 
 
 _Option = tuple[str, int, RotationLaw, JointTarget, Array | None, Passing | None]
@@ -130,31 +124,48 @@ def _held(model: Model, orientation: Orientation, ladder: Ladder) -> Iterator[_O
             yield "given orientation", branch, _constant(0.0), passing.target, None, passing
 
 
-def _turned(
-    ladder: Ladder, orientation: Orientation, s: Array, free: bool, keep: int
-) -> Iterator[_Option]:
-    """The best constant rotations and, if the rotation is free, the best varying ones, smoothed."""
+def _unless(found: Callable[[], bool], options: Iterator[_Option]) -> Iterator[_Option]:
+    """Further options, looked for as long as nothing is found."""
+    while not found():
+        option = next(options, None)
+        if option is None:
+            return
+        yield option
+
+
+def _roomy(ladder: Ladder, orientation: Orientation, s: Array, keep: int) -> Iterator[_Option]:
+    """Varying rotations that keep away from the ends of the joint box, so that smoothing has room;
+    less and less smoothed."""
+    for inset in (ROOM, ladder.inset):
+        found = replace(ladder, inset=inset).best(FREE_SHIFTS, keep=keep)
+        ways = [("free rotation", way) for way in found]
+        for part in (*SMOOTH, *ROUGH):
+            yield from _turned(ways, orientation, s, (part,))
+
+
+def _ways(ladder: Ladder, free: bool, keep: int) -> list[tuple[str, LadderWay]]:
+    """The best constant rotations and, if the rotation is free, the best varying ones."""
     ways: list[tuple[str, LadderWay]] = []
     ways += [("constant rotation", c) for c in ladder.best((0,), per_rotation=True, keep=keep)]
     if free:
         ways += [("free rotation", c) for c in ladder.best(FREE_SHIFTS, keep=keep)]
+    return ways
+
+
+def _turned(
+    ways: list[tuple[str, LadderWay]],
+    orientation: Orientation,
+    s: Array,
+    parts: tuple[float, ...],
+) -> Iterator[_Option]:
+    """Ways through the ladder, smoothed over these parts of the path."""
     for kind, way in ways:
-        for law in _laws(s, way, kind):
+        for law in _laws(s, way, kind, parts):
             branch = int(way.branch[0])
             yield kind, branch, law, JointTarget.of(orientation, law, branch), way.q_start, None
 
 
-def continuous_margins(model: Model, followed: Followed) -> Array:
-    """Smallest relative margins over the path, sampled four times between stations, shape
-    (3,)."""
-    s = followed.joints.knots
-    fine = np.unique(
-        np.concatenate([s[:-1] + f * np.diff(s) for f in (0, 0.25, 0.5, 0.75)] + [s[-1:]])
-    )
-    return np.asarray(relative_margins(model, followed.joints(fine)).min(axis=0))
-
-
-def _stations(orientation: Orientation) -> Array:
+def stations(orientation: Orientation) -> Array:
     """Evenly spread stations, at most MAX_STATIONS, ends included."""
     curve = orientation.curve
     u = station_parameters(curve, 0.02)
@@ -166,14 +177,14 @@ def _stations(orientation: Orientation) -> Array:
     return even
 
 
-def _laws(s: Array, way: LadderWay, kind: str) -> list[RotationLaw]:
-    """The rotation as a smooth function of the length: strongly, then lightly smoothed."""
+def _laws(s: Array, way: LadderWay, kind: str, parts: tuple[float, ...]) -> list[RotationLaw]:
+    """The rotation as a smooth function of the length: strongly, then more lightly smoothed."""
     if kind != "free rotation" or np.ptp(way.rotation) < 1e-9:
         return [_constant(float(way.rotation[0]))]
     from scipy.interpolate import make_smoothing_spline
 
-    # penalty on the curvature of the rotation; a length scale of 1/10 and 1/40 of the path
-    spread = [(s[-1] / f) ** 3 for f in (10, 40)]
+    # penalty on the curvature of the rotation, by its length scale
+    spread = [(s[-1] / f) ** 3 for f in parts]
     return [_spline(make_smoothing_spline(s, way.rotation, lam=lam)) for lam in spread]
 
 
@@ -185,58 +196,9 @@ def _spline(spline: Callable[[Array], Array]) -> RotationLaw:
     return lambda s: np.asarray(spline(s))
 
 
-def _inside_box(model: Model, followed: Followed, target: JointTarget) -> None:
-    s = followed.joints.knots
-    fine = np.concatenate([s, (s[:-1] + s[1:]) / 2])
-    u = np.concatenate([followed.u, (followed.u[:-1] + followed.u[1:]) / 2])
-    q = followed.joints(fine)
-    excess = np.maximum(model.robot.q_min - q, q - model.robot.q_max)
-    worst = int(np.argmax(excess.max(axis=1)))
-    axis = int(np.argmax(excess[worst]))
-    if excess[worst, axis] > 0:
-        low, high = np.degrees([model.robot.q_min[axis], model.robot.q_max[axis]])
-        raise UnreachableError(
-            f"near point {target.point(u[worst])} axis {axis + 1} would need "
-            f"{np.degrees(q[worst, axis]):.1f} deg, "
-            f"{np.degrees(excess[worst, axis]):.1f} deg beyond its range {low:.0f} to {high:.0f} "
-            "deg"
-        )
-
-
-def _cutting_at(curve: TaskCurve, moves: npt.NDArray[np.bool_], u: Array) -> npt.NDArray[np.bool_]:
+def cutting_at(curve: TaskCurve, moves: npt.NDArray[np.bool_], u: Array) -> npt.NDArray[np.bool_]:
     """Whether the tool may cut at curve parameters u, and right before and after, shape (n,)."""
     last = curve.segments - 1
     before = curve.origin[np.clip(np.ceil(u).astype(int) - 1, 0, last)]
     after = curve.origin[np.clip(np.floor(u).astype(int), 0, last)]
     return np.asarray(moves[before] | moves[after])
-
-
-def _cutting_between(
-    curve: TaskCurve, moves: npt.NDArray[np.bool_], u: Array
-) -> npt.NDArray[np.bool_]:
-    """Whether the tool may cut all the way between neighbouring parameters u, shape (n - 1,)."""
-    allowed = moves[curve.origin]
-    refused = np.concatenate([[0], np.cumsum(~allowed)])
-    first = np.clip(np.floor(u[:-1] + 1e-9).astype(int), 0, curve.segments)
-    last = np.clip(np.ceil(u[1:] - 1e-9).astype(int), 0, curve.segments)
-    return np.asarray(refused[last] == refused[first])
-
-
-def _clear(
-    scene: Scene | None, followed: Followed, target: JointTarget, moves: npt.NDArray[np.bool_]
-) -> Clearance | None:
-    """How far a joint path stays from everything; refuses one that cannot be shown free."""
-    if scene is None:
-        return None
-    cutting = _cutting_between(target.curve, moves, followed.u)
-    found = continuous_clearance(scene, followed.joints, cutting)
-    if found.value > scene.keep:
-        return found
-    u = float(np.interp(found.s, followed.joints.knots, followed.u))
-    first, other = found.pair
-    wanted = f", {1e3 * scene.keep:.1f} mm are to be kept" if scene.keep else ""
-    raise CollisionError(
-        f"near point {target.point(u)} {first} and {other} touch, or nearly so "
-        f"({1e3 * found.value:.2f} mm{wanted}); move the work frame, free the tool rotation, or "
-        "change the cell"
-    )

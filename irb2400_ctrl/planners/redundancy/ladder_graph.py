@@ -17,7 +17,6 @@ import numpy.typing as npt
 
 from irb2400_ctrl.arrays import Array, Integers
 from irb2400_ctrl.cell import Scene
-from irb2400_ctrl.errors import UnreachableError
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.planners.clearance.crowd import Crowd
 from irb2400_ctrl.planners.redundancy.singularity_margins import COMFORTABLE, relative_margins
@@ -32,7 +31,8 @@ BOX_INSET = np.radians(0.2)
 # turns of the tool between neighbouring stations, in steps of the rotation grid
 FREE_SHIFTS = (0, -1, 1, -2, 2)
 
-
+Turns = npt.NDArray[np.int8]
+"""index of whole turns, or of a shift of the rotation: few, and there are millions"""
 MOST_TURNS = 27
 """combinations of whole turns that a node may carry; what is beyond is not looked for"""
 
@@ -84,6 +84,8 @@ class Ladder:
     """relative margin, smallest of three, shape (n, r, 8)"""
     turns: Array
     """whole turns of the wound axes that nodes may carry, shape (k, number of wound axes)"""
+    inset: float = BOX_INSET
+    """distance kept from the ends of the joint box [rad]"""
     crowd: Crowd | None = None
     """what the nodes are near to; None where it is not known"""
 
@@ -95,7 +97,9 @@ class Ladder:
         X = orientation.fan(u, rotation)
         found = model.inverse_kinematics_branches(X.reshape(-1, 4, 4))
         q = found.q.reshape(n, r, BRANCHES, 6)
-        margin = np.nan_to_num(relative_margins(model, q).min(axis=-1), nan=-1.0)
+        # station by station: all at once the arrays in between would be the largest of a plan
+        least = [relative_margins(model, of_station).min(axis=-1) for of_station in q]
+        margin = np.nan_to_num(np.array(least), nan=-1.0)
         low = model.robot.q_min
         high = model.robot.q_max
         # base angles lie in (-pi, pi]
@@ -133,8 +137,8 @@ class Ladder:
 
     def inside(self, station: int) -> npt.NDArray[np.bool_]:
         """Nodes of a station within the joint box, shape (r, 8, k)."""
-        low = self.model.robot.q_min + BOX_INSET
-        high = self.model.robot.q_max - BOX_INSET
+        low = self.model.robot.q_min + self.inset
+        high = self.model.robot.q_max - self.inset
         q = self.q[station]
         with np.errstate(invalid="ignore"):
             others = [j for j in range(q.shape[-1]) if j not in self.wound]
@@ -156,7 +160,7 @@ class Ladder:
             per_rotation: one candidate for every end rotation instead of the best one per branch.
             keep: how many to return.
         """
-        margin, _ = self._sweep(shifts, level=None)
+        margin, _ = self.sweep(shifts, level=None)
         ends = margin.max(axis=2)
         # more than comfortable is worth nothing: let the length of the motion decide there
         capped = np.minimum(ends, COMFORTABLE)
@@ -172,15 +176,15 @@ class Ladder:
             return []
         # ways of clearly smaller margin than the best are not followed further
         level = max(m for m, _, _ in candidates)
-        found: list[tuple[float, float, tuple[int, int, int], list[Integers]]] = []
-        sweeps: dict[float, tuple[Array, list[Integers]]] = {}
+        found: list[tuple[float, float, tuple[int, int, int], list[Turns]]] = []
+        sweeps: dict[float, tuple[Array, list[Turns]]] = {}
         for m, branch, row in candidates:
             if m < 0.9 * level:
                 continue
             # a few levels, so that ways of nearly equal margin share a sweep
             floor = 0.99 * level * 0.97 ** np.ceil(np.log(level / m) / -np.log(0.97))
             if floor not in sweeps:
-                cost, back = self._sweep(shifts, level=floor)
+                cost, back = self.sweep(shifts, level=floor)
                 sweeps[floor] = (cost, back)
             cost, back = sweeps[floor]
             slice_ = cost[row, branch] if per_rotation else cost[:, branch].min(axis=0)
@@ -192,52 +196,68 @@ class Ladder:
         found.sort(key=lambda way: way[:2])
         return [self._trace(end, back, shifts, cost) for _, cost, end, back in found[:keep]]
 
-    def _sweep(self, shifts: tuple[int, ...], level: float | None) -> tuple[Array, list[Integers]]:
-        """One pass over the stations: bottleneck margin (level None), or cost among nodes of margin
-        >= level.
+    def sweep(
+        self, shifts: tuple[int, ...], level: float | None, stations: int | None = None
+    ) -> tuple[Array, list[Turns]]:
+        """One pass over the (first) stations: bottleneck margin (level None), or cost among nodes
+        of margin >= level.
 
         Returns the value of the nodes of the last station, shape (r, 8, k), and the shift taken
         into each station.
         """
-        n, r = self.q.shape[:2]
+        r = self.q.shape[1]
         k = len(self.turns)
         worst = -1.0 if level is None else np.inf
-        node = self._node_value(0, level)
+        node = self.node_value(0, level)
         value = node
-        back: list[Integers] = []
-        speed = self.model.robot.qd_max
-        for i in range(1, n):
-            node = self._node_value(i, level)
+        back: list[Turns] = []
+        for i in range(1, len(self.u) if stations is None else stations):
+            node = self.node_value(i, level)
             best = np.full((r, BRANCHES, k), worst)
-            taken = np.full((r, BRANCHES, k), -1, dtype=np.int64)
+            taken = np.full((r, BRANCHES, k), -1, dtype=np.int8)
             for number, shift in enumerate(shifts):
-                previous = np.roll(self.q[i - 1], shift, axis=0)
-                step = self.q[i] - previous
-                with np.errstate(invalid="ignore"):
-                    whole = np.round(step[..., self.wound] / (2 * np.pi))
-                    step[..., self.wound] -= 2 * np.pi * whole
-                    joined = (np.abs(step) < LARGEST_STEP).all(axis=-1)
-                source = self._source(whole)
+                time, source = self.moves(i, shift)
                 came = np.take_along_axis(
                     np.roll(value, shift, axis=0), np.maximum(source, 0), axis=2
                 )
-                came = np.where((source >= 0) & joined[..., None], came, worst)
+                came = np.where(source >= 0, came, worst)
                 if level is None:
                     reached = np.minimum(came, node)
                     better = reached > best
                 else:
-                    time = np.nan_to_num(np.abs(step) / speed, nan=np.inf).max(axis=-1)
                     reached = came + node + (time + 1e-3 * shift**2)[..., None]
                     better = reached < best
                 best = np.where(better, reached, best)
-                taken = np.where(better, number, taken)
+                taken[better] = number
             value = best
             back.append(taken)
             if not (value > 0).any() if level is None else not np.isfinite(value).any():
                 break
         return value, back
 
-    def _node_value(self, i: int, level: float | None) -> Array:
+    def moves(self, i: int, shift: int) -> tuple[Array, Turns]:
+        """Time that the joints take at full speed into station i from the rotations `shift` below
+        [s], (r, 8), and the index of the whole turns they come from, -1 where there is none, (r, 8,
+        k)."""
+        if (i, shift) not in self._moves:
+            self._moves[i, shift] = self._found_moves(i, shift)
+        return self._moves[i, shift]
+
+    @cached_property
+    def _moves(self) -> dict[tuple[int, int], tuple[Array, Turns]]:
+        return {}
+
+    def _found_moves(self, i: int, shift: int) -> tuple[Array, Turns]:
+        step = self.q[i] - np.roll(self.q[i - 1], shift, axis=0)
+        with np.errstate(invalid="ignore"):
+            whole = np.round(step[..., self.wound] / (2 * np.pi))
+            step[..., self.wound] -= 2 * np.pi * whole
+            joined = (np.abs(step) < LARGEST_STEP).all(axis=-1)
+        time = np.nan_to_num(np.abs(step) / self.model.robot.qd_max, nan=np.inf).max(axis=-1)
+        return time, np.where(joined[..., None], self._source(whole), -1).astype(np.int8)
+
+    def node_value(self, i: int, level: float | None) -> Array:
+        """What the nodes of a station are worth by themselves, shape (r, 8, k)."""
         allowed = self.allowed(i)
         margin = self.margin[i][..., None]
         if level is None:
@@ -257,7 +277,7 @@ class Ladder:
         return np.where(valid, place, -1)
 
     def _trace(
-        self, end: tuple[int, int, int], back: list[Integers], shifts: tuple[int, ...], cost: float
+        self, end: tuple[int, int, int], back: list[Turns], shifts: tuple[int, ...], cost: float
     ) -> LadderWay:
         row, branch, turn = end
         rows = [row]
@@ -275,43 +295,3 @@ class Ladder:
         q_start = self.q[0, row, branch].copy()
         q_start[self.wound] += 2 * np.pi * self.turns[turn]
         return LadderWay(rotation, np.full(len(rows), branch), q_start, margin, cost)
-
-    def explain(self, names: Integers) -> UnreachableError:
-        """Why nothing leads through: the first station without any configuration, or where the
-        motion breaks."""
-        low = self.model.robot.q_min + BOX_INSET
-        high = self.model.robot.q_max - BOX_INSET
-        for i in range(len(self.u)):
-            if self.allowed(i).any():
-                continue
-            boxed = self.inside(i).any(axis=2)
-            if self.crowd is not None and boxed.any():
-                return self.crowd.refusal(self.q[i][boxed], i, int(names[i]) + 1)
-            q = self.q[i].reshape(-1, 6)
-            if not np.isfinite(q).any():
-                gap = 1e3 * float(self.overreach[i].min())
-                return UnreachableError(
-                    f"point {names[i] + 1} is out of reach: the wrist centre lies {gap:.1f} mm "
-                    "beyond the arm; "
-                    "move the work frame closer, or choose another tool axis"
-                )
-            excess = np.maximum(np.maximum(low - q, q - high), 0.0)
-            # axes 4 and 6 fit somewhere within whole turns; the others decide unless only they are
-            # outside
-            best = int(np.nanargmin(excess.max(axis=1)))
-            axis = int(np.argmax(excess[best]))
-            ends = np.degrees([self.model.robot.q_min[axis], self.model.robot.q_max[axis]])
-            return UnreachableError(
-                f"point {names[i] + 1} is out of the joint box: axis {axis + 1} would need "
-                f"{np.degrees(q[best, axis]):.1f} deg, {np.degrees(excess[best, axis]):.1f} deg "
-                "beyond its range "
-                f"{ends[0]:.0f} to {ends[1]:.0f} deg; move the work frame or free the tool rotation"
-            )
-        _, back = self._sweep(FREE_SHIFTS if len(self.rotation) > 1 else (0,), level=None)
-        at = min(len(back), len(self.u) - 1)
-        obstacle = "" if self.crowd is None else ", a collision"
-        return UnreachableError(
-            f"no continuous motion reaches point {names[at] + 1}: every configuration that reaches "
-            f"the points before it meets the joint box{obstacle} "
-            "or a singularity there; split the path, or move the work frame"
-        )

@@ -12,7 +12,8 @@ from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.errors import InfeasibleError, UnreachableError
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.planners.joint_path import JointPath
-from irb2400_ctrl.planners.redundancy.choices import Choice, choices
+from irb2400_ctrl.planners.redundancy.choice import Choice
+from irb2400_ctrl.planners.redundancy.choices import choices
 from irb2400_ctrl.planners.redundancy.follow import Followed, arc_length, station_parameters
 from irb2400_ctrl.planners.redundancy.wrist_passage import EXACT
 from irb2400_ctrl.planners.toolpath.orientation import Orientation

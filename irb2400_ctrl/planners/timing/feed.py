@@ -5,10 +5,12 @@ from __future__ import annotations
 import numpy as np
 
 from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.planners.enclosure import bernstein
 from irb2400_ctrl.planners.enclosure.cells import divided
-from irb2400_ctrl.planners.enclosure.tcp_path import TcpPath
+from irb2400_ctrl.planners.enclosure.tcp_path import Enclosed, TcpPath
 from irb2400_ctrl.planners.joint_path import JointPath
 from irb2400_ctrl.planners.redundancy.follow import Followed
+from irb2400_ctrl.planners.timing.motion_limits import linear_bounds
 from irb2400_ctrl.planners.timing.time_joint_path import FeedBound
 from irb2400_ctrl.planners.timing.time_law import TimeLaw
 from irb2400_ctrl.planners.toolpath.orientation import Orientation
@@ -30,38 +32,17 @@ def programmed_feed(orientation: Orientation, followed: Followed) -> Array:
 
 
 def feed_bound(tcp: TcpPath, by_piece: Array) -> FeedBound:
-    """(feed / |dp/ds|)^2 within cells, with the largest |dp/ds| of each cell bounded, not
-    sampled."""
+    """Bounds of x at both ends of cells, (2, m), such that x between them, linear in s, keeps the
+    feed: x |dp/ds|^2 <= feed^2 all over the cell, bounded, not sampled."""
     joints = tcp.joints
 
     def bound(s: Array) -> Array:
         feed = by_piece[joints.piece((s[:-1] + s[1:]) / 2)]
         if not np.isfinite(feed).any():
-            return np.full(len(feed), np.inf)
-        return np.asarray((feed / np.maximum(tcp.enclosed_velocity(s).size, 1e-9)) ** 2)
+            return np.full((2, len(feed)), np.inf)
+        return np.asarray(linear_bounds(_squared(tcp.enclosed_velocity(s))[:, :, None]) * feed**2)
 
     return bound
-
-
-def reached_early(bound: FeedBound, tcp: TcpPath, by_piece: Array, rate: float) -> FeedBound:
-    """The same where a lower feed holds two rows before its place, and two rows longer: a cubic
-    between rows swings about a speed that changes its slope within them."""
-    knots = tcp.joints.knots
-    change = np.flatnonzero(by_piece[1:] != by_piece[:-1])
-    low = np.minimum(by_piece[change], by_piece[change + 1])
-
-    def earlier(s: Array) -> Array:
-        found = np.array(bound(s))
-        if not len(change):
-            return found
-        fastest = np.maximum(tcp.enclosed_velocity(s).size, 1e-9)
-        for place, feed in zip(knots[change + 1], low, strict=True):
-            begin, end = np.searchsorted(s, [place - 2 * feed / rate, place + 2 * feed / rate])
-            cells = slice(max(begin - 1, 0), end)
-            found[cells] = np.minimum(found[cells], (feed / fastest[cells]) ** 2)
-        return found
-
-    return earlier
 
 
 def feed_ratio(tcp: TcpPath, by_piece: Array, law: TimeLaw, places: JointPath) -> float | None:
@@ -85,3 +66,9 @@ def feed_ratio(tcp: TcpPath, by_piece: Array, law: TimeLaw, places: JointPath) -
     s = law.at((cells[:-1] + cells[1:]) / 2)[0]
     speed = TcpPath(tcp.model, places, tcp.spindle).enclosed_velocity(cells).size
     return float((speed / by_piece[joints.piece(s)]).max())
+
+
+def _squared(velocity: Enclosed) -> Array:
+    """Bernstein coefficients of an upper bound of |dp/ds|^2 in each cell, (m, 5)."""
+    squared = bernstein.product(velocity.points, velocity.points).sum(axis=2)
+    return np.asarray(squared + (velocity.miss * (2 * velocity.size + velocity.miss))[:, None])

@@ -96,18 +96,29 @@ def speed_bounds(cells: Cells, qd_max: Array, cell_bound: Array | None = None) -
     Args:
         cells: the path, cell by cell.
         qd_max: speed limits [rad/s], shape (n,).
-        cell_bound: a further bound of x within each cell (feed), shape (m,).
+        cell_bound: a further bound of x within each cell (feed), shape (m,), or at both ends of
+            each, shape (2, m).
     """
-    G = bernstein.product(cells.speed, cells.speed) / qd_max**2
+    first, last = linear_bounds(bernstein.product(cells.speed, cells.speed) / qd_max**2)
+    if cell_bound is not None:
+        further = np.broadcast_to(cell_bound, (2, len(first)))
+        first = np.minimum(first, further[0])
+        last = np.minimum(last, further[1])
+    return np.asarray(np.minimum(np.append(first, np.inf), np.insert(last, 0, np.inf)))
+
+
+def linear_bounds(G: Array) -> Array:
+    """Bounds of x at both ends of the cells, (2, m), such that x, linear between them, keeps
+    G x <= 1.
+
+    Args:
+        G: Bernstein coefficients of degree four of k quantities that are not negative, shape
+            (m, 5, k).
+    """
     # a joint that stands at one end would allow any speed there
     floor = np.maximum(1e-2 * bernstein.largest_size(G), 1e-12)
     first = 1 / np.maximum(G[:, 0], floor)
     last = 1 / np.maximum(G[:, 4], floor)
     found = bernstein.hull(bernstein.product(G, bernstein.linear(first, last)))[1]
     excess = np.maximum(found, 1.0)
-    first = (first / excess).min(axis=1)
-    last = (last / excess).min(axis=1)
-    if cell_bound is not None:
-        first = np.minimum(first, cell_bound)
-        last = np.minimum(last, cell_bound)
-    return np.asarray(np.minimum(np.append(first, np.inf), np.insert(last, 0, np.inf)))
+    return np.stack([(first / excess).min(axis=1), (last / excess).min(axis=1)])

@@ -9,7 +9,7 @@ from irb2400_ctrl.model import Model
 from irb2400_ctrl.planners.enclosure.tcp_path import TcpPath
 from irb2400_ctrl.planners.joint_path import JointPath
 from irb2400_ctrl.planners.redundancy.follow import Followed
-from irb2400_ctrl.planners.timing.feed import feed_bound, feed_ratio, programmed_feed, reached_early
+from irb2400_ctrl.planners.timing.feed import feed_bound, feed_ratio, programmed_feed
 from irb2400_ctrl.planners.timing.time_joint_path import FeedBound
 from irb2400_ctrl.planners.timing.time_law import TimeLaw
 from irb2400_ctrl.planners.toolpath.orientation import Orientation
@@ -34,10 +34,6 @@ class TaskPath:
     def feed(self) -> FeedBound:
         """Bound of x = sdot^2 in cells of the joint path."""
         return feed_bound(self.tcp, self.programmed_feed)
-
-    def feed_for_rows(self, rate: float) -> FeedBound:
-        """The same, kept by what is read between rows, too, see `feed.reached_early`."""
-        return reached_early(self.feed, self.tcp, self.programmed_feed, rate)
 
     def feed_ratio(self, law: TimeLaw, places: JointPath) -> float | None:
         """Speed of the TCP over the feed, see `feed.feed_ratio`."""

@@ -10,7 +10,7 @@ from irb2400_ctrl.errors import InfeasibleError
 from irb2400_ctrl.planners.clearance.crowd import COMFORTABLE_CLEARANCE
 from irb2400_ctrl.planners.enclosure.cells import enclose, grid
 from irb2400_ctrl.planners.enclosure.path_dynamics import PathDynamics
-from irb2400_ctrl.planners.redundancy.choices import Choice
+from irb2400_ctrl.planners.redundancy.choice import Choice
 from irb2400_ctrl.planners.redundancy.singularity_margins import COMFORTABLE
 from irb2400_ctrl.planners.timing.infeasible_point import InfeasiblePointError
 from irb2400_ctrl.planners.timing.rate_limited.rate_summary import rate_summary
@@ -72,7 +72,7 @@ def time_choices(
         progress(f"{100 * number / len(found):.0f} %")
         path = TaskPath.of(dynamics.model, orientation, choice.followed)
         try:
-            law = _fastest(dynamics, path, options).law
+            law = fastest(dynamics, path, options).law
             timed.append(TimedChoice(choice, path, law, law))
         except InfeasibleError as error:
             problem = _placed(error, path)
@@ -106,7 +106,7 @@ def limit_rates(
                 path.joints,
                 limits,
                 count=count,
-                feed=path.feed_for_rows(options.sampling.rate),
+                feed=path.feed,
                 sampling=options.sampling,
             ).law
         except InfeasiblePointError as error:
@@ -131,8 +131,12 @@ def settle(
     return replace(timed, law=found.law), found
 
 
-def _fastest(dynamics: PathDynamics, path: TaskPath, options: TimingOptions) -> Timed:
-    """The fastest law of the back-end, or of the timing for effects that have no bound."""
+def fastest(dynamics: PathDynamics, path: TaskPath, options: TimingOptions) -> Timed:
+    """The fastest law of the back-end, or of the timing for effects that have no bound.
+
+    Raises:
+        InfeasibleError: no motion within the limits; says where.
+    """
     joints = path.joints
     limits = options.limits
     if options.certified and not dynamics.irregular:

@@ -16,7 +16,8 @@ from irb2400_ctrl.planners.timing.motion_limits import MotionLimits
 from irb2400_ctrl.planners.timing.time_optimal import Timed, remainder_share, time_path
 
 FeedBound = Callable[[Array], Array]
-"""bound of x = sdot^2 within each cell between lengths s (m + 1,), shape (m,)"""
+"""bound of x = sdot^2 within each cell between lengths s (m + 1,), shape (m,), or at both ends of
+each, shape (2, m)"""
 
 _ROUNDS = 6
 # cells whose enclosure costs more than this part of a torque limit are split

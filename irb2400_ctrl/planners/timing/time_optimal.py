@@ -51,7 +51,7 @@ def time_path(
         cells: the enclosed path.
         limits: speed, torque and acceleration limits.
         friction: table of eq. 54, shape (n, 4).
-        feed_bound: bound of x = sdot^2 within each cell, shape (m,).
+        feed_bound: bound of x = sdot^2 within each cell, shape (m,), or at both ends, (2, m).
         extra: torque to hold back, see `torque_constraints`.
 
     Raises:

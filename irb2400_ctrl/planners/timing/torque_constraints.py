@@ -80,10 +80,16 @@ def torque_constraints(
     blocks = _torque_blocks(cells, limits, friction, at, extra)
     blocks += _load_blocks(cells, limits.tau_max)
     blocks += _acceleration_blocks(cells, limits.qdd_max)
-    table = [block.reshape(m, -1, 3) for block in blocks]
     if at.bounds_u:
-        table.append(_bounds_of_u(at.u_max))
-    return np.concatenate(table, axis=1)
+        blocks.append(_bounds_of_u(at.u_max))
+    table = np.empty((m, sum(block[0].size for block in blocks) // 3, 3))
+    # the largest array of a plan: each block goes as soon as it is copied
+    first = 0
+    while blocks:
+        rows = blocks.pop(0).reshape(m, -1, 3)
+        table[:, first : first + rows.shape[1]] = rows
+        first += rows.shape[1]
+    return table
 
 
 def _torque_blocks(
@@ -175,7 +181,9 @@ def _block(
     p, q, r = _bernstein_rows(a, b, c, h)
     held = reserve[:, None] if isinstance(reserve, np.ndarray) else reserve
     left = limit * (1 - ROUNDING) - r - held
-    return np.asarray(np.stack([p, q, left], axis=-1) / limit[:, None])
+    rows = np.stack([p, q, left], axis=-1)
+    rows /= limit[:, None]
+    return rows
 
 
 def _bernstein_rows(a: Array, b: Array, c: Array, h: Array) -> tuple[Array, Array, Array]:

@@ -38,7 +38,7 @@ from irb2400_ctrl.planners.trajectory_optimisation.retiming import (
     rate_excess,
     smooth_outcome,
 )
-from irb2400_ctrl.planners.trajectory_optimisation.transcription import Transcription
+from irb2400_ctrl.planners.trajectory_optimisation.transcription import ITERATIONS, Transcription
 from irb2400_ctrl.planners.trajectory_optimisation.warm_start import (
     Start,
     knots_of,
@@ -70,7 +70,7 @@ def optimise_motion(
     limits: MotionLimits | None = None,
     start: Start | None = None,
     intervals: int | None = None,
-    wall_time: float = 8.0,
+    iterations: int = ITERATIONS,
 ) -> Optimised:
     """A rest-to-rest motion through the way-points, in order, free in between.
 
@@ -90,7 +90,8 @@ def optimise_motion(
             trajectory; default the cubic spline through the way-points at even parameters.
         intervals: of the transcription, over all segments; default 300, and 200 where there are
             more variables, for energy or with a limited torque rate.
-        wall_time: for the solver [s].
+        iterations: of the solver at most, over all its turns. No clock stops it: the same request
+            has the same answer on a busy machine.
 
     Raises:
         InputError: way-points that are not k > 1 vectors inside the joint box, or on both sides of
@@ -100,10 +101,10 @@ def optimise_motion(
     if intervals is None:
         intervals = 300 if objective == "time" and torque_rate is None else 200
     request = MotionRequest.of(robot, waypoints, objective, duration, margins, torque_rate, limits)
-    if objective not in ("time", "energy") or intervals < 1:
+    if objective not in ("time", "energy") or intervals < 1 or iterations < 0:
         raise InputError(
-            f"objective {objective!r} with {intervals} intervals, expected time or energy, and at "
-            "least 1"
+            f"objective {objective!r} with {intervals} intervals and {iterations} iterations, "
+            "expected time or energy, at least 1, and none or more"
         )
     clock = [time.perf_counter()]
     guess, at, reference = warm_start(request.dynamics, request.limits, request.waypoints, start)
@@ -111,7 +112,7 @@ def optimise_motion(
     request, reference = _comparable(request, reference, duration)
     counts = shares(at, intervals)
     knots = knots_of(guess, at, counts, request.longest)
-    solved, best, problem = _search(request, knots, counts, wall_time)
+    solved, best, problem = _search(request, knots, counts, iterations)
     clock.append(time.perf_counter())
     return _compared(request, solved, best, problem, reference, at, counts, np.diff(clock))
 
@@ -146,7 +147,7 @@ def _slowed(found: MotionOutcome, dynamics: PathDynamics, duration: float) -> Mo
 
 
 def _search(
-    request: MotionRequest, guess: Knots, counts: tuple[int, ...], wall_time: float
+    request: MotionRequest, guess: Knots, counts: tuple[int, ...], iterations: int
 ) -> tuple[Solved, MotionOutcome | None, str | None]:
     """Solve, time again, and tighten what the path between knots falls short of; the best motion of
     all turns."""
@@ -155,7 +156,7 @@ def _search(
     margins = request.margins
     longest = request.longest * (1 - _RESERVE)
     rate = request.torque_rate
-    left = wall_time
+    left = iterations
     best = None
     first = None
     for turn in range(_TURNS):
@@ -170,8 +171,8 @@ def _search(
             rate,
             reserve,
         )
-        solved = program.solve(guess, max(left, 1e-6))
-        left -= solved.wall_time
+        solved = program.solve(guess, max(left, 0))
+        left -= solved.iterations
         try:
             found = request.timed(solved.knots)
         except InfeasibleError as error:
@@ -186,7 +187,7 @@ def _search(
             request.smooth
             and found.duration > _LOST * solved.knots.time[-1]
             and turn == 0
-            and left > solved.wall_time
+            and left > solved.iterations
         )
         if not (late or lost or any(lacking)):
             break

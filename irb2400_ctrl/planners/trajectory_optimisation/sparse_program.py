@@ -39,7 +39,7 @@ def sparse_program(
     coupling: ca.Function,
     C: ca.DM,
     size: int,
-    wall_time: float,
+    iterations: int,
 ) -> ca.Function:
     """IPOPT with derivatives put together from one knot's, mapped, and those of the coupling.
 
@@ -49,7 +49,7 @@ def sparse_program(
         coupling: all variables -> objective, rows that couple knots.
         C: matrix of all variables that is added to the rows of the knots.
         size: number of all variables, those of the knots first.
-        wall_time: [s].
+        iterations: of IPOPT at most; no clock stops it: the same problem has the same answer.
     """
     knots = parameters.shape[1]
     columns = ca.DM(parameters)
@@ -76,7 +76,7 @@ def sparse_program(
     f_only, _ = coupling(x)
     options: dict[str, Any] = {
         **_OPTIONS,
-        "ipopt.max_wall_time": wall_time,
+        "ipopt.max_iter": iterations,
         "grad_f": ca.Function("grad_f", [x, p], [f, gradient], ["x", "p"], ["f", "grad_f_x"]),
         "jac_g": ca.Function(
             "jac_g", [x, p], [g, ca.vertcat(J_c, J_k)], ["x", "p"], ["g", "jac_g_x"]

@@ -46,6 +46,10 @@ _WIDEST = 0.5
 _POWER = 0.04
 
 
+ITERATIONS = 400
+"""of the solver, over all programs of one request"""
+
+
 @dataclass(frozen=True, eq=False)
 class Transcription:
     """One problem: build once, solve from any guess."""
@@ -219,7 +223,7 @@ class Transcription:
             low[np.concatenate([[0], np.cumsum(self.intervals)]), row + k] = -np.inf
         return C, low.ravel(), high.ravel()
 
-    def solve(self, guess: Knots, wall_time: float = 8.0) -> Solved:
+    def solve(self, guess: Knots, iterations: int = ITERATIONS) -> Solved:
         """Minimise from a guess whose knots belong to `intervals`; the geometry found goes through
         all way-points."""
         knots, width, size = self._sizes
@@ -229,7 +233,7 @@ class Transcription:
         coupling, low_c, high_c = self._coupling(step)
         C, low_k, high_k = self._knot_rows()
         parameters = np.tile(self._parameters(guess.time[-1] / (knots - 1)), (knots, 1)).T
-        solver = sparse_program(self._knot_derivatives, parameters, coupling, C, size, wall_time)
+        solver = sparse_program(self._knot_derivatives, parameters, coupling, C, size, iterations)
         low, high = self._bounds(at)
         scale = np.concatenate([np.ones(n), self.limits.qd_max, self._accelerations])
         w = np.hstack([guess.q, guess.qd, guess.qdd]) / scale

@@ -50,6 +50,7 @@ class GriddedProgram:
         """The program on a grid, near a motion that is known."""
         cells = enclose(dynamics, path, s)
         outputs = ConstrainedOutputs.of(cells, limits, dynamics.model.robot.friction)
+        # x is nearly a straight line in a cell: what it is above one, the rows are slowed by
         feed_bound = None if feed is None else feed(s)
         bound = np.minimum(speed_bounds(cells, limits.qd_max, feed_bound), 1e9)
         guess = np.minimum(near.on(s)[0], bound)

@@ -55,7 +55,8 @@ def reference_bounds(
         cells = enclose(dynamics, motion, s)
         above, below = torque_bounds(cells, np.zeros(len(s) - 1), np.ones(len(s)), friction)
         torque = np.maximum(above, -below)
-        wide = ~(torque <= limits.tau_max).all(axis=1)
+        speed = bernstein.largest_size(cells.speed)
+        wide = ~((torque <= limits.tau_max) & (speed <= limits.qd_max)).all(axis=1)
         if last == _ROUNDS - 1 or not wide.any():
             break
         s = divided(s, np.where(wide, _PARTS, 1))
@@ -63,7 +64,7 @@ def reference_bounds(
         torque[end] = np.maximum(torque[end], _at_rest(dynamics, motion, s[end]))
     if dynamics.irregular:
         torque = np.full_like(torque, np.inf)
-    return ReferenceBounds(s, torque, bernstein.largest_size(cells.speed))
+    return ReferenceBounds(s, torque, speed)
 
 
 def _at_rest(dynamics: PathDynamics, motion: JointMotion, time: float) -> Array:

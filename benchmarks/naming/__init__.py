@@ -1,0 +1,1 @@
+"""How well names are given on arms that nobody tuned to: suites of the second plant, two givers."""

@@ -1,0 +1,110 @@
+"""Names on suites of the second plant: one JSON line per arm, a table at the end.
+
+    python -m benchmarks.naming run OUT.jsonl --count 6 [--suites clean,single] [--seed S]
+    python -m benchmarks.naming table OUT.jsonl
+
+A run goes on where it stopped: arms that are in OUT.jsonl are not run again. Without a seed a fresh
+one is drawn and printed.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from threadpoolctl import threadpool_limits
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "tests"))
+
+from benchmarks.naming.givers import GIVERS, difference_floor
+from benchmarks.naming.measures import table
+from irb2400_ctrl.measurement import Log
+from irb2400_ctrl.robot import Robot, load_robot
+
+
+def outcome(case: Any, robot: Robot, givers: list[str]) -> list[dict[str, Any]]:
+    """One line per giver: truth beside what was said."""
+    read = case.simulate()
+    q_ref = read.q_ref if case.reading.with_reference else None
+    log = Log(read.time, read.q, read.tau, qd=read.qd, q_ref=q_ref, name=case.name)
+    truth = [
+        {
+            "kind": t.kind,
+            "joint": t.joint,
+            "main_joint": t.main_joint,
+            "size": t.size,
+            "fraction": float(t.fractions.max()),
+            "strength": t.strength,
+            "in_library": t.in_library,
+        }
+        for t in case.truth
+    ]
+    about = {"case": case.name, "seed": case.seed, "truth": truth}
+    about["floor"] = difference_floor(log).tolist()
+    return [{**about, "by": giver, **GIVERS[giver](robot, log)} for giver in givers]
+
+
+def run(args: argparse.Namespace) -> None:
+    """Arms of all suites in turn, so that a run cut short has some of each."""
+    from mujoco_plant.suites import SUITES, suite
+
+    seed = args.seed
+    if seed is None:
+        seed = int(np.random.SeedSequence().generate_state(1)[0] % 10**6)
+    print(f"seed {seed}", flush=True)
+    robot = load_robot("irb2400")
+    out = Path(args.out)
+    out.parent.mkdir(parents=True, exist_ok=True)
+    lines = [json.loads(x) for x in out.read_text().splitlines()] if out.exists() else []
+    done = {(x["case"], x["by"]) for x in lines if x["suite_seed"] == seed}
+    suites = args.suites.split(",") if args.suites else list(SUITES)
+    givers = args.by.split(",")
+    for k in range(args.start, args.start + args.count):
+        for name in suites:
+            (case,) = suite(name, k, 1, seed)
+            wanted = [g for g in givers if (case.name, g) not in done]
+            for line in outcome(case, robot, wanted) if wanted else []:
+                with out.open("a") as file:
+                    file.write(json.dumps({"suite_seed": seed, **line}) + "\n")
+                print(_short(line), flush=True)
+
+
+def _short(line: dict[str, Any]) -> str:
+    truth = [(t["kind"], t["joint"], round(t["strength"], 1)) for t in line["truth"]]
+    said = [(n["kind"], n["joint"], n["confidence"]) for n in line.get("names", [])]
+    verdict = line.get("verdict", "refused")
+    return f"{line['case']} {line['by']}: {truth} -> {verdict} {said} {line['cpu']:.1f} s"
+
+
+def main() -> None:
+    """Command line."""
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    commands = parser.add_subparsers(required=True)
+    runner = commands.add_parser("run", help="give names to arms of the suites")
+    runner.add_argument("out")
+    runner.add_argument("--suites", help="comma between; default all")
+    runner.add_argument("--by", default=",".join(GIVERS), help="comma between; default all")
+    runner.add_argument("--count", type=int, default=6, help="arms per suite")
+    runner.add_argument("--start", type=int, default=0)
+    runner.add_argument("--seed", type=int)
+    runner.set_defaults(do=run)
+    shower = commands.add_parser("table", help="counts as Markdown")
+    shower.add_argument("files", nargs="+")
+    shower.set_defaults(do=lambda args: print(table(_read(args.files))))
+    args = parser.parse_args()
+    with threadpool_limits(limits=1, user_api="blas"):
+        args.do(args)
+
+
+def _read(files: list[str]) -> list[dict[str, Any]]:
+    return [json.loads(x) for name in files for x in Path(name).read_text().splitlines()]
+
+
+if __name__ == "__main__":
+    main()

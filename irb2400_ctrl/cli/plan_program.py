@@ -1,0 +1,191 @@
+"""`irb2400 plan` of a program: its operations as one motion, linked above the part."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from irb2400_ctrl.cli.progress import step
+from irb2400_ctrl.errors import InputError, UnreachableError
+
+if TYPE_CHECKING:
+    from irb2400_ctrl.planners import CamProgram, LinkOptions, Plan, ProgramMotion, ProgramPlan
+    from irb2400_ctrl.robot import Robot
+
+
+def link_options(
+    operations: int,
+    links: bool | None,
+    clearance_mm: float | None,
+    approach_mm: float | None,
+    start_deg: str | None,
+) -> LinkOptions:
+    """What the options say; whoever states a height or a start wants the links.
+
+    Raises:
+        InputError: a number that cannot be, or one of them together with --no-links.
+    """
+    from irb2400_ctrl.planners import LinkOptions
+    from irb2400_ctrl.planners.linking.link_options import APPROACH, CLEARANCE
+
+    stated = [v for v in (clearance_mm, approach_mm, start_deg) if v is not None]
+    if links is False and stated:
+        raise InputError(
+            "found --no-links together with --clearance, --approach or --start, which shape the "
+            "links; expected one or the other"
+        )
+    if links is None:
+        links = operations > 1 or bool(stated)
+    return LinkOptions(
+        CLEARANCE if clearance_mm is None else 1e-3 * clearance_mm,
+        APPROACH if approach_mm is None else 1e-3 * approach_mm,
+        None if start_deg is None else _angles(start_deg),
+        ends=links,
+    )
+
+
+def _angles(text: str) -> Any:
+    import numpy as np
+
+    try:
+        values = [float(part) for part in text.split(",")]
+    except ValueError:
+        values = []
+    if not values or not all(math.isfinite(value) for value in values):
+        raise InputError(
+            f"--start: found {text!r}, expected joint angles in degrees, such as 0,0,0,0,30,0"
+        )
+    return np.radians(values)
+
+
+def plan_all(
+    arm: Robot,
+    program: CamProgram,
+    links: LinkOptions,
+    options: dict[str, Any],
+    out: Path,
+    rapid: bool,
+) -> None:
+    """The whole into the folder itself, each operation into its own, and program.json."""
+    from irb2400_ctrl.planners import plan_program
+
+    task = f"planning {len(program.operations)} operations"
+    with step(task) as say:
+        found = plan_program(
+            arm,
+            program,
+            links=links,
+            started=lambda o: say(f"{task}: {o.number} {o.name}"),
+            **options,
+        )
+        say(f"{task}: writing")
+        _write(found, arm, out, rapid)
+    _tell(found, program, out)
+
+
+def plan_parts(
+    arm: Robot,
+    program: CamProgram,
+    links: LinkOptions,
+    options: dict[str, Any],
+    out: Path,
+    rapid: bool,
+    because: UnreachableError,
+) -> None:
+    """The only operation in parts, between which axes are unwound.
+
+    Raises:
+        UnreachableError: `because`, where unwinding does not help.
+    """
+    from irb2400_ctrl.planners.program_plan import plan_unwound
+
+    found = plan_unwound(arm, program, links, because, **options)
+    _write(found, arm, out, rapid)
+    _tell(found, program, out)
+
+
+def _write(found: ProgramPlan, arm: Robot, out: Path, rapid: bool) -> None:
+    """All files."""
+    found.write(out)
+    for done in found.operations:
+        for folder, run in done.folders():
+            figures(run.plan, arm, out / folder, rapid)
+
+
+def _tell(found: ProgramPlan, program: CamProgram, out: Path) -> None:
+    """What was planned, and then what was not.
+
+    Raises:
+        InputError: an operation, or a way between two, has no plan.
+    """
+    for done in found.operations:
+        if done.planned:
+            points = len(done.operation.path)
+            print(f"{done.folder}: {points} points, {done.duration:.2f} s")
+    if found.motion is not None:
+        print_motion(found.motion, program.name)
+    print(f"written to {out}: {_files(found)}")
+    _refuse(found)
+
+
+def print_motion(motion: ProgramMotion, name: str) -> None:
+    """Duration, unwindings and what is sure of the whole."""
+    s = motion.summary()
+    print(f"{name}: one motion of {len(motion.segments)} segments, {motion.duration:.2f} s")
+    for unwound in motion.unwindings:
+        print(f"operation {unwound.operation}, {unwound.start:.2f} s: {unwound.note}")
+    rests = [event for event in motion.events if event.at_rest]
+    if rests:
+        told = ", ".join(f"{event.kind} at {event.time:.2f} s" for event in rests[:6])
+        more = f" and {len(rests) - 6} more" if len(rests) > 6 else ""
+        print(f"the arm stands for: {told}{more}")
+    print_feed(s["feed"])
+    held = "; the torque bound holds at every instant by construction" if s["guaranteed"] else ""
+    print(
+        f"torque at most {100 * s['max_torque_ratio']:.1f} % of its limit, speed "
+        f"{100 * s['max_velocity_ratio']:.1f} %{held}"
+    )
+
+
+def print_feed(feed: dict[str, Any] | None) -> None:
+    """On how much of the path the programmed feed is held, and what limits the rest."""
+    if feed is None:
+        return
+    text = f"programmed feed held on {100 * feed['share_at_feed']:.1f} % of its path"
+    below = [
+        f"{name} ({length:.1f} mm)"
+        for name, length in list(feed.get("below_by_limit_mm", {}).items())[:3]
+    ]
+    print(f"{text}; below it: {', '.join(below)}" if below else text)
+
+
+def figures(planned: Plan, arm: Robot, out: Path, rapid: bool) -> list[str]:
+    """The figures, and the RAPID module if wanted; their names."""
+    from irb2400_ctrl.report.plan_figures import save_figures
+
+    save_figures(planned, out)
+    written = ["torque.png", "margins.png", "joints.png"]
+    if rapid:
+        from irb2400_ctrl.model import Model
+        from irb2400_ctrl.planners.programs.rapid.rapid_program import rapid_program
+
+        rapid_program(Model(arm), planned.trajectory).save(out / "program.mod")
+        written.append("program.mod")
+    return written
+
+
+def _files(found: ProgramPlan) -> str:
+    whole = "trajectory.csv, plan.json, " if found.motion is not None else ""
+    return f"{whole}program.json and a folder per operation"
+
+
+def _refuse(found: ProgramPlan) -> None:
+    """Say what has no plan, as the user's to change."""
+    if found.refused:
+        reasons = "; ".join(
+            f"{o.operation.number} ({o.operation.name}): {o.refused}" for o in found.refused
+        )
+        raise InputError(f"{len(found.refused)} of {len(found.operations)} operations: {reasons}")
+    if found.motion is None:
+        raise InputError(f"the operations are planned, but not linked: {found.refused_links}")

@@ -1,0 +1,67 @@
+"""Rows near reversals: left out where a joint sticks in a way that the log does not resolve."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from irb2400_ctrl.arrays import Array, Mask
+from irb2400_ctrl.diagnosis.estimation.fit import Fit
+from irb2400_ctrl.diagnosis.regressors.bases import Bases
+from irb2400_ctrl.effects.hysteresis import Hysteresis
+from irb2400_ctrl.measurement.prepared_log import PreparedLog
+
+NOISY_REVERSAL = 2.5
+"""residual near reversals over that elsewhere, above which a joint sticks in a way that the log
+does not resolve"""
+BUILT_UP = 0.3
+"""share of the squared residual near reversals below which a hysteresis explains them (joints that
+really stick leave 0.6 to 1.0, a hysteresis on the independent plant 0.02 to 0.07)"""
+
+
+def noisy_reversals_masked(
+    motion: PreparedLog, bases: Bases, fit: Fit, reversal: Mask
+) -> PreparedLog:
+    """The motion without the rows near reversals of joints whose sticking no model of this kind
+    follows.
+
+    Friction that builds up over an angle shows nowhere else, so it is tried before: where it takes
+    most of what is left at the reversals, they stay.
+
+    Args:
+        fit: of the base alone; reversal: rows near a change of direction, shape (rows, n).
+    """
+    known = motion.row_known.copy()
+    for j in range(motion.n):
+        near = known[:, j] & reversal[:, j]
+        calm = known[:, j] & ~reversal[:, j]
+        if near.sum() <= 10 or calm.sum() <= 50:
+            continue
+        residual = fit.residual[:, j]
+        if _noisy(residual, near, calm):
+            left = _without_hysteresis(motion, bases, j, residual, near)
+            if np.sum(left[near] ** 2) > BUILT_UP * np.sum(residual[near] ** 2):
+                known[:, j] = calm
+    return replace(motion, row_known=known)
+
+
+def _noisy(residual: Array, near: Mask, calm: Mask) -> bool:
+    level = np.median(np.abs(np.diff(residual)[calm[1:]])) / 0.9539
+    usual = max(level, float(np.sqrt(np.mean(residual[calm] ** 2))))
+    return bool(np.sqrt(np.mean(residual[near] ** 2)) > NOISY_REVERSAL * usual)
+
+
+def _without_hysteresis(
+    motion: PreparedLog, bases: Bases, joint: int, residual: Array, near: Mask
+) -> Array:
+    """What the best hysteresis of one joint (zero-based) leaves of a residual, shape (rows,)."""
+    known = motion.row_known[:, joint]
+    best = residual
+    for law in bases.columns("hysteresis", joint + 1, motion, Hysteresis.grid(joint + 1)):
+        X = law.values[:, 0, :]
+        b = np.linalg.lstsq(X[known], residual[known], rcond=None)[0]
+        left = residual - X @ b
+        if np.sum(left[near] ** 2) < np.sum(best[near] ** 2):
+            best = left
+    return best

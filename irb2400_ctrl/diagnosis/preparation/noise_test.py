@@ -1,0 +1,123 @@
+"""Whether what a model leaves of a log is noise: held against what neighbouring samples disagree
+about."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.stats import norm
+
+from irb2400_ctrl.arrays import Array, Mask
+from irb2400_ctrl.measurement.log import Log
+from irb2400_ctrl.measurement.prepared_log import PreparedLog
+from irb2400_ctrl.measurement.time_base import with_time_base
+from irb2400_ctrl.measurement.uniform import derivative_margin
+from irb2400_ctrl.plausibility.cost_of_noise import torque_from_angle_noise
+from irb2400_ctrl.robot import Robot
+
+TRIMMED = 0.02
+"""share of the largest values that is left out: a joint that sticks at a reversal is no noise"""
+MEAN_OVER = 0.2
+"""[s]"""
+MOST = 2.0
+"""times the floor that noise may be"""
+MOST_MEANS = 3.5
+"""times what white noise of that floor gives that its means over `MEAN_OVER` may be: the noise of
+a sound drive has some colour"""
+FEWEST = 30
+"""values below which nothing is said"""
+
+
+@dataclass(frozen=True)
+class NoiseTest:
+    """What is left of a log on its own samples; arrays per joint, shape (n,).
+
+    Args:
+        floor: rms of the noise by sample-to-sample differences, and by the noise of the angles
+            where the motion is the measured one [Nm].
+        left: rms of what is left [Nm]; means: of its means, over what white noise would give.
+        bar, means_bar: above which it is no noise.
+    """
+
+    floor: Array
+    left: Array
+    means: Array
+    bar: float = MOST
+    means_bar: float = MOST_MEANS
+
+    @property
+    def beyond(self) -> tuple[int, ...]:
+        """Joints (from 1) on which more than noise is left."""
+        much = (self.left > self.bar * self.floor) | (self.means > self.means_bar)
+        return tuple(int(j) + 1 for j in np.flatnonzero(much))
+
+
+def noise_test(
+    robot: Robot, logs: Sequence[Log], motion: PreparedLog, predicted: Array
+) -> NoiseTest:
+    """Of a prediction along the motion of these logs (m, n) [Nm], on the samples as they were
+    recorded; per joint on the log that fits worst."""
+    tests = [
+        _on_log(robot, log, motion, part, predicted[part])
+        for log, part in zip(logs, motion.parts, strict=True)
+    ]
+    ratio = np.array([test.left / np.maximum(test.floor, 1e-12) for test in tests])
+    worst = np.argmax(ratio, axis=0)
+    joint = np.arange(motion.n)
+    return NoiseTest(
+        np.array([test.floor for test in tests])[worst, joint],
+        np.array([test.left for test in tests])[worst, joint],
+        np.max([test.means for test in tests], axis=0),
+    )
+
+
+def _on_log(
+    robot: Robot, log: Log, motion: PreparedLog, part: slice, predicted: Array
+) -> NoiseTest:
+    """On one log; `part`: its samples of the motion."""
+    even = with_time_base(log)
+    # its ends were left out
+    start = even.time[0] + derivative_margin(motion.step) * motion.step
+    grid = start + motion.step * np.arange(len(predicted))
+    inside = (even.time >= grid[0]) & (even.time <= grid[-1])
+    time = even.time[inside]
+    period = float(np.median(np.diff(time)))
+    nearest = np.clip(np.round((time - grid[0]) / motion.step), 0, len(grid) - 1)
+    known = motion.known[part][nearest.astype(np.intp)]
+    by_angles = np.zeros(log.n)
+    if not motion.instrumented:
+        found = torque_from_angle_noise(robot, log)
+        by_angles = by_angles if found is None else found
+    floor = np.zeros(log.n)
+    left = np.zeros(log.n)
+    means = np.zeros(log.n)
+    for j in range(log.n):
+        residual = even.tau[inside, j] - np.interp(time, grid, predicted[:, j])
+        follows = known[1:, j] & known[:-1, j] & (np.diff(time) < 1.5 * period)
+        steps = trimmed_rms(np.diff(residual)[follows]) / np.sqrt(2.0)
+        floor[j] = np.hypot(steps, by_angles[j])
+        left[j] = trimmed_rms(residual[known[:, j]])
+        means[j] = _means(residual, known[:, j], period) / max(floor[j], 1e-12)
+    return NoiseTest(floor, left, means)
+
+
+def trimmed_rms(values: Array) -> float:
+    """Standard deviation about zero without the largest values, unbiased for a normal variable;
+    zero for too few values."""
+    if len(values) < FEWEST:
+        return 0.0
+    kept = np.sort(np.abs(values))[: int(np.ceil((1.0 - TRIMMED) * len(values)))]
+    edge = norm.ppf(1.0 - TRIMMED / 2.0)
+    shrunk = 1.0 - 2.0 * edge * norm.pdf(edge) / (1.0 - TRIMMED)
+    return float(np.sqrt(np.mean(kept**2) / shrunk))
+
+
+def _means(residual: Array, known: Mask, period: float) -> float:
+    """Size of the means over short stretches, times the root of the samples in one [Nm]."""
+    count = max(1, round(MEAN_OVER / period))
+    whole = len(residual) // count * count
+    blocks = residual[:whole].reshape(-1, count)
+    full = known[:whole].reshape(-1, count).all(axis=1)
+    return trimmed_rms(blocks[full].mean(axis=1)) * float(np.sqrt(count))

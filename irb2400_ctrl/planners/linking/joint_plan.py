@@ -1,0 +1,147 @@
+"""`JointPlan`: a certified motion of all joints from rest to rest, its TCP above a plane."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.cell import Scene
+from irb2400_ctrl.planners.certify import certify_joints
+from irb2400_ctrl.planners.clearance.clearance import unknown
+from irb2400_ctrl.planners.enclosure.path_dynamics import PathDynamics, path_dynamics
+from irb2400_ctrl.planners.enclosure.tcp_path import TcpPath
+from irb2400_ctrl.planners.linking.clearance_plane import ClearancePlane, spindle_axis
+from irb2400_ctrl.planners.linking.raised_path import clearance_of, lowest, raised_path
+from irb2400_ctrl.planners.plan_report import law_rows
+from irb2400_ctrl.planners.redundancy.follow import Followed
+from irb2400_ctrl.planners.timing.certificate import Certificate
+from irb2400_ctrl.planners.timing.infeasible_point import InfeasiblePointError
+from irb2400_ctrl.planners.timing.rate_limited.rate_summary import rate_summary
+from irb2400_ctrl.planners.timing.rate_limited.time_rate_limited import time_rate_limited
+from irb2400_ctrl.planners.timing.sampled_reference import SampledReference
+from irb2400_ctrl.planners.timing.sampled_reference.interpolation import Interpolation
+from irb2400_ctrl.planners.timing.sampled_reference.settled_reference import settled_reference
+from irb2400_ctrl.planners.timing.task_path import TaskPath
+from irb2400_ctrl.planners.timing.time_choices import fastest
+from irb2400_ctrl.planners.timing.time_law import TimeLaw
+from irb2400_ctrl.planners.timing.timing_options import TimingOptions
+from irb2400_ctrl.robot import Robot
+from irb2400_ctrl.trajectory import Trajectory
+
+
+@dataclass(frozen=True)
+class JointPlan:
+    """What `plan_joints` found."""
+
+    robot: Robot
+    trajectory: Trajectory
+    """at even times, at rest in the first and the last row"""
+    certificate: Certificate
+    """the joint path, its time law and the limits: checked again with `certificate.check`"""
+    interpolation: Interpolation
+    """how the controller reads the rows"""
+    duration: float
+    """[s]"""
+    length: float
+    """of the TCP's way [m]"""
+    guaranteed: bool
+    """the torque bound holds at every instant by construction, and was re-checked"""
+    guarantee_note: str
+    max_torque_ratio: float
+    max_velocity_ratio: float
+    """over all times"""
+    lowest: float
+    """height of the TCP over the clearance plane, a lower bound over all times [m]"""
+    clearance: dict[str, Any] = field(default_factory=lambda: unknown("not asked for"))
+    rates: dict[str, Any] = field(default_factory=dict)
+    """both as of a `Plan`"""
+
+    @property
+    def reference(self) -> SampledReference:
+        """The rows as the controller reads them."""
+        return SampledReference(self.trajectory, self.interpolation)
+
+
+def plan_joints(
+    robot: Robot,
+    q_from: Array,
+    q_to: Array,
+    plane: ClearancePlane,
+    timing: TimingOptions,
+    scene: Scene | None = None,
+) -> JointPlan:
+    """The fastest motion along a line in joint space, or along a parabola where the line would
+    bring the TCP below the clearance plane (or below its lower end, where that lies below).
+
+    Args:
+        q_from, q_to: configurations in the joint box [rad], shape (n,).
+        plane: what the TCP stays above.
+        timing: limits, back-end and rows.
+        scene: the arm in its cell.
+
+    Raises:
+        UnreachableError: no such parabola within the joint box, or (CollisionError) none that
+            touches nothing.
+        InfeasibleError: the torque limits leave no motion; says where.
+    """
+    dynamics = path_dynamics(robot)
+    joints = raised_path(dynamics.model, q_from, q_to, plane, scene)
+    tcp = TcpPath(dynamics.model, joints, spindle_axis(robot))
+    knots = joints.knots
+    followed = Followed(joints, np.arange(len(knots), dtype=float), 0.0, 0.0)
+    task = TaskPath(followed, tcp, np.full(len(knots) - 1, np.inf))
+    law, rates = _timed(dynamics, task, timing)
+    settled = settled_reference(
+        dynamics, task, law, timing.limits, timing.sampling, timing.certified
+    )
+    bounds = certify_joints(dynamics, joints, settled, timing)
+    trajectory, _ = law_rows(dynamics, settled.law, tcp, settled.reference)
+    return JointPlan(
+        robot=robot,
+        trajectory=trajectory,
+        certificate=bounds.certificate,
+        interpolation=timing.sampling.interpolation,
+        duration=settled.law.duration,
+        length=float(tcp.lengths[-1]),
+        guaranteed=bounds.guaranteed,
+        guarantee_note=bounds.note,
+        max_torque_ratio=bounds.torque_ratio,
+        max_velocity_ratio=bounds.velocity_ratio,
+        lowest=lowest(tcp, plane),
+        clearance=_clearance(scene, tcp),
+        rates=rates,
+    )
+
+
+def _clearance(scene: Scene | None, tcp: TcpPath) -> dict[str, Any]:
+    """The entry `clearance_mm`."""
+    found = clearance_of(scene, tcp.joints)
+    if found is None:
+        return unknown("the robot file has no [outline], the space that the arm takes up")
+    return found.summary(float(tcp.way(found.s)))
+
+
+def _timed(
+    dynamics: PathDynamics, task: TaskPath, timing: TimingOptions
+) -> tuple[TimeLaw, dict[str, Any]]:
+    """The fastest law, with the limits of torque rate and jerk where there are any."""
+    first = fastest(dynamics, task, timing).law
+    if not timing.limits.smooth:
+        return first, {}
+    try:
+        law = time_rate_limited(
+            dynamics,
+            task.joints,
+            timing.limits,
+            count=max(timing.cells // 2, 50),
+            sampling=timing.sampling,
+        ).law
+    except InfeasiblePointError:
+        if timing.rates_stated:
+            raise
+        # a torque that jumps by itself: the rows are slowed instead
+        return first, {}
+    return law, rate_summary(law, task.joints, timing.limits, dynamics, first)

@@ -1,0 +1,165 @@
+"""`link_operations`: planned operations become one motion, with everything that leads to, between
+and away from them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.model import Model
+from irb2400_ctrl.planners.joint_box import can_hold, inside_box
+from irb2400_ctrl.planners.linking.clearance_plane import ClearancePlane, spindle_axis
+from irb2400_ctrl.planners.linking.joint_plan import JointPlan, plan_joints
+from irb2400_ctrl.planners.linking.line_plan import lead_in, retract
+from irb2400_ctrl.planners.linking.link_options import LinkOptions
+from irb2400_ctrl.planners.linking.program_events import at_rest, on_the_way
+from irb2400_ctrl.planners.linking.program_motion import ProgramMotion
+from irb2400_ctrl.planners.linking.run import Run
+from irb2400_ctrl.planners.linking.segment import Kind, Segment, TimedEvent
+from irb2400_ctrl.planners.plan import Plan
+from irb2400_ctrl.robot import Robot
+
+# joints that differ less than this are at the same place [rad]
+_SAME = 1e-9
+
+
+def link_operations(
+    name: str,
+    runs: Sequence[Run],
+    plane: ClearancePlane,
+    links: LinkOptions,
+    rate: float,
+) -> ProgramMotion:
+    """One motion through all runs, in their order.
+
+    Args:
+        name: of the program.
+        runs: with their plans; limits and back-end of the moves between are those of the plans.
+        plane: above all that is cut.
+        links: heights and ends.
+        rate: rows of the trajectory per second [1/s], that of the plans.
+
+    Raises:
+        UnreachableError: a line to the clearance plane, or a move above it, is out of reach.
+        InputError: `links.start` is no configuration of the arm.
+    """
+    chain = _Chain(plane, links, rate)
+    if links.ends:
+        chain.here = start_of(runs[0].plan.robot, links.start)
+    start = chain.here
+    before: Run | None = None
+    for k, run in enumerate(runs):
+        last = k == len(runs) - 1
+        chain.reach(run, before, lead=links.ends or before is not None)
+        chain.follow(run)
+        if not last or links.ends:
+            chain.leave(run)
+        before = run
+    chain.events += at_rest(runs[-1].operation, None, chain.time)
+    if start is not None:
+        chain.joints("return", runs[-1], start)
+    return ProgramMotion(name, tuple(chain.segments), tuple(chain.events), plane, links, rate)
+
+
+def start_of(robot: Robot, start: Array | None) -> Array:
+    """The configuration to come from [rad], shape (n,).
+
+    Raises:
+        InputError: of another length, outside the joint box, or too heavy to hold.
+    """
+    if start is None:
+        zero = np.zeros(robot.n)
+        middle = (robot.q_min + robot.q_max) / 2
+        outside = (zero < robot.q_min) | (zero > robot.q_max)
+        return np.where(outside, middle, zero)
+    q = np.asarray(start, dtype=float)
+    if q.shape != (robot.n,) or not np.isfinite(q).all():
+        raise InputError(f"start: found {q.shape}, expected {robot.n} finite angles")
+    model = Model(robot)
+    inside_box(model, "start", q)
+    can_hold(model, "start", q)
+    return q
+
+
+@dataclass
+class _Chain:
+    """Segments and events so far."""
+
+    plane: ClearancePlane
+    links: LinkOptions
+    rate: float
+    here: Array | None = None
+    """configuration at the end [rad]; None before the first segment"""
+    segments: list[Segment] = field(default_factory=list)
+    events: list[TimedEvent] = field(default_factory=list)
+    rows: int = 0
+    """of the trajectory so far, its first one apart"""
+
+    @property
+    def time(self) -> float:
+        """[s]"""
+        return self.rows / self.rate
+
+    def reach(self, run: Run, before: Run | None, *, lead: bool) -> None:
+        """To the first way-point of a run; what happens at rest before it happens here."""
+        q = run.plan.trajectory.q[0]
+        new = before is None or before.operation is not run.operation
+        if new:
+            ended = None if before is None else before.operation
+            self.events += at_rest(ended, run.operation, self.time)
+        if not lead:
+            return
+        out = self._way_out(run, q)
+        line = None
+        if len(out) > 1:
+            line = lead_in(run, q, out, self.links.approach)
+        kind: Kind = "approach" if before is None else "link" if new else "unwind"
+        self.joints(kind, run, q if line is None else line.trajectory.q[0])
+        if line is not None:
+            self._add("lead-in", run, line)
+
+    def follow(self, run: Run) -> None:
+        """The run itself, and what happens on its way."""
+        self.events += on_the_way(run, self.time)
+        self._add("operation", run, run.plan)
+
+    def leave(self, run: Run) -> None:
+        """From the last way-point of a run up to the plane."""
+        q = run.plan.trajectory.q[-1]
+        out = self._way_out(run, q)
+        if len(out) > 1:
+            line = retract(run, q, out)
+            self._add("retract", run, line)
+
+    def joints(self, kind: Kind, run: Run, target: Array) -> None:
+        """A move of the joints above the plane; none where they are there already."""
+        if self.here is not None and np.abs(target - self.here).max() > _SAME:
+            move = plan_joints(run.plan.robot, self.here, target, self.plane, run.timing, run.scene)
+            note = _turned(run, self.here, target) if kind == "unwind" else ""
+            self._add(kind, run, move, note)
+
+    def _way_out(self, run: Run, q: Array) -> Array:
+        X = Model(run.plan.robot).tcp_pose(q)
+        axis = -X[:3, :3] @ spindle_axis(run.plan.robot)
+        return self.plane.way_out(X[:3, 3], axis, self.links.approach)
+
+    def _add(self, kind: Kind, run: Run, piece: Plan | JointPlan, note: str = "") -> None:
+        because = run.because if kind == "unwind" else ""
+        number = run.operation.number
+        self.segments.append(Segment(kind, number, piece, self.time, note, because))
+        self.here = piece.trajectory.q[-1]
+        self.rows += len(piece.trajectory.time) - 1
+
+
+def _turned(run: Run, before: Array, after: Array) -> str:
+    """Where the tool was lifted, and which axes were turned by more than a quarter."""
+    change = np.degrees(after - before)
+    told = [
+        f"axis {j + 1} from {np.degrees(before[j]):.0f} to {np.degrees(after[j]):.0f} deg"
+        for j in np.flatnonzero(np.abs(change) > 90.0)
+    ]
+    return f"lifted at point {run.start + 1} to turn {', '.join(told) or 'the joints'}"

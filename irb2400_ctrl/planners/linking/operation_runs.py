@@ -1,0 +1,304 @@
+"""`operation_runs`: an operation planned in one go, or in parts between which axes are unwound."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from irb2400_ctrl.arrays import Array, Integers
+from irb2400_ctrl.cell import Scene, with_tool
+from irb2400_ctrl.errors import UnreachableError
+from irb2400_ctrl.model import Model
+from irb2400_ctrl.planners.clearance import cutting_moves
+from irb2400_ctrl.planners.linking.clearance_plane import ClearancePlane, spindle_axis
+from irb2400_ctrl.planners.linking.link_options import LinkOptions
+from irb2400_ctrl.planners.linking.run import Run
+from irb2400_ctrl.planners.plan import Plan
+from irb2400_ctrl.planners.plan_options import PlanOptions
+from irb2400_ctrl.planners.plan_path import plan_path
+from irb2400_ctrl.planners.redundancy.choices import GRID, cutting_at, stations
+from irb2400_ctrl.planners.redundancy.follow import arc_length
+from irb2400_ctrl.planners.redundancy.ladder_graph import FREE_SHIFTS, Ladder
+from irb2400_ctrl.planners.redundancy.reentry import cheapest_reentries
+from irb2400_ctrl.planners.redundancy.way_out import WayOut, way_is_free
+from irb2400_ctrl.planners.timing.sampled_reference.interpolation import DEFAULT, interpolation
+from irb2400_ctrl.planners.toolpath.cam_program import Operation
+from irb2400_ctrl.planners.toolpath.orientation import Orientation, shape_path
+from irb2400_ctrl.planners.toolpath.toolpath import ToolPath
+from irb2400_ctrl.robot import Robot
+
+# what a mark on the part is worth [s]
+_MARK = 2.0
+# rapid speed that the way out is counted with [m/s]
+_RAPID = 0.5
+# how far the corner of a way out is cut [m]
+_TOLERANCE = 5e-5
+# parts of parts: how deep
+_DEPTH = 3
+
+
+def operation_runs(
+    robot: Robot,
+    operation: Operation,
+    plane: ClearancePlane,
+    links: LinkOptions,
+    options: dict[str, Any],
+) -> tuple[Run, ...]:
+    """The plan of an operation, in one go where that is possible.
+
+    Args:
+        robot: the arm with the operation's tool.
+        operation: in the work frame.
+        plane: what is above the part, in the base.
+        links: heights.
+        options: those of `plan_path`.
+
+    Raises:
+        UnreachableError: neither in one go nor with unwinding; says where, and which axis.
+    """
+    split = _split(robot, operation, plane, links, options)
+    whole = split.whole
+    try:
+        plan = plan_path(robot, split.path, way_out=split.way_out(whole), **split.options)
+    except UnreachableError as error:
+        return split.runs(whole, error, _DEPTH)
+    return (split.run(plan, whole, ""),)
+
+
+def unwound_runs(
+    robot: Robot,
+    operation: Operation,
+    plane: ClearancePlane,
+    links: LinkOptions,
+    options: dict[str, Any],
+    because: UnreachableError,
+) -> tuple[Run, ...]:
+    """The parts of an operation that cannot be followed in one go.
+
+    Raises:
+        UnreachableError: `because`, where unwinding does not help.
+    """
+    split = _split(robot, operation, plane, links, options)
+    return split.runs(split.whole, because, _DEPTH)
+
+
+def _split(
+    robot: Robot,
+    operation: Operation,
+    plane: ClearancePlane,
+    links: LinkOptions,
+    options: dict[str, Any],
+) -> Split:
+    """The operation in the base, ready to be cut in parts."""
+    frame = frame_of(options)
+    path = operation.path if frame is None else operation.path.moved(frame)
+    return Split(robot, operation, path, plane, links, {**options, "work_frame": np.eye(4)})
+
+
+def frame_of(options: dict[str, Any]) -> Array | None:
+    """The work frame that options of `plan_path` ask for: their own, or that of the cell's work
+    object."""
+    cell = options.get("cell")
+    frame: Array | None = options.get("work_frame")
+    return cell.work_frame if frame is None and cell is not None else frame
+
+
+@dataclass(frozen=True)
+class Part:
+    """A part of an operation's path."""
+
+    path: ToolPath
+    points: Integers
+    """index of the operation's way-point that each of its points is, -1 for one put in between"""
+
+
+@dataclass(frozen=True)
+class Split:
+    """An operation that is cut where that is cheapest."""
+
+    robot: Robot
+    operation: Operation
+    path: ToolPath
+    """in the base"""
+    plane: ClearancePlane
+    links: LinkOptions
+    options: dict[str, Any]
+    """of `plan_path`"""
+
+    @property
+    def whole(self) -> Part:
+        """The operation in one part."""
+        return Part(self.path, np.arange(len(self.path)))
+
+    def runs(self, part: Part, because: UnreachableError, depth: int) -> tuple[Run, ...]:
+        """The plans of a part that cannot be followed in one go.
+
+        Raises:
+            UnreachableError: `because`, where no re-entry helps.
+        """
+        pieces = self._pieces(part) if depth else []
+        if len(pieces) < 2:
+            raise because
+        found: list[Run] = []
+        for piece in pieces:
+            try:
+                plan = plan_path(
+                    self.robot, piece.path, way_out=self.way_out(piece), **self.options
+                )
+                found.append(self.run(plan, piece, str(because)))
+            except UnreachableError:
+                found += self.runs(piece, because, depth - 1)
+        return tuple(found)
+
+    def run(self, plan: Plan, part: Part, because: str) -> Run:
+        """A part with its plan."""
+        stated = any(self.options.get(name) is not None for name in ("torque_rate", "jerk"))
+        return Run(self.operation, plan, part.points, self.robot, self._beside, stated, because)
+
+    @property
+    def _beside(self) -> PlanOptions:
+        """Of the moves beside the parts: the tool does not turn."""
+        return PlanOptions(
+            float(self.options.get("rate", 250.0)),
+            False,
+            np.eye(4),
+            _TOLERANCE,
+            0.0,
+            interpolation(self.options.get("interpolation", DEFAULT)),
+            self.options.get("cell"),
+            self.options.get("tool"),
+        )
+
+    def way_out(self, part: Part) -> WayOut:
+        """From the ends of a part up to the plane; none from those of the motion itself."""
+        whole = self.plane.way_outs(part.path, self._spindle, self.links.approach)
+        begins = part.points[0] == 0
+        ends = part.points[-1] == len(self.path) - 1
+        return WayOut(
+            None if begins and not self.links.ends else whole.first,
+            None if ends and not self.links.ends else whole.last,
+        )
+
+    @property
+    def _spindle(self) -> Array:
+        return spindle_axis(self.robot)
+
+    def _pieces(self, part: Part) -> list[Part]:
+        """The part cut at the cheapest re-entries; in two halves, where the ladder needs none."""
+        tolerance = float(self.options.get("tolerance", 5e-5))
+        orientation = shape_path(part.path, self._spindle, tolerance)
+        held = orientation.curve.full and not self.options.get("free_tool_rotation", True)
+        u = stations(orientation)
+        tool = self._beside.tool
+        model = Model(self.robot if tool is None else with_tool(self.robot, tool))
+        ladder = Ladder.of(model, orientation, u, np.zeros(1) if held else GRID)
+        ladder = self.way_out(part).kept(ladder, orientation)
+        scene = Scene.of(model, self.robot, self.options.get("cell"), tool)
+        if scene is not None:
+            moves = cutting_moves(part.path, orientation.spindle)
+            ladder = ladder.free_of(scene, cutting_at(orientation.curve, moves, u))
+        exits = _Exits(self, part, orientation, ladder)
+        shifts = (0,) if held else FREE_SHIFTS
+        found = cheapest_reentries(ladder, shifts, exits.cost, exits.free)
+        if found is None:
+            return []
+        places = found.stations or (len(u) // 2,)
+        return _cut(part, orientation, u, places)
+
+
+@dataclass(frozen=True)
+class _Exits:
+    """What leaving a part at one of its stations takes."""
+
+    split: Split
+    part: Part
+    orientation: Orientation
+    ladder: Ladder
+
+    def way(self, station: int) -> Array:
+        """Places from the station up to the plane, shape (k, 3)."""
+        X = self.orientation.poses(self.ladder.u[station : station + 1], np.zeros(1))[0]
+        axis = -X[:3, :3] @ self.orientation.spindle
+        return self.split.plane.way_out(X[:3, 3], axis, self.split.links.approach)
+
+    def cost(self, station: int) -> float:
+        """Up and down again, and the mark that is left on the part [s]."""
+        curve = self.orientation.curve
+        segment = min(int(self.ladder.u[station]), curve.segments - 1)
+        feed = float(self.part.path.feed[curve.origin[segment]])
+        length = float(np.linalg.norm(np.diff(self.way(station), axis=0), axis=1).sum())
+        rapid = 2 * length / _RAPID
+        if length == 0.0:
+            return rapid
+        number = int(self.part.points[curve.origin[segment]])
+        if number >= 0 and self.split.operation.rapid[number]:
+            return rapid
+        return rapid + self.split.links.approach / feed + _MARK
+
+    def free(self, station: int) -> Array:
+        """Nodes that can be left along the way, shape (r, 8)."""
+        ladder = self.ladder
+        X = self.orientation.fan(ladder.u[station : station + 1], ladder.rotation)[0]
+        return way_is_free(ladder.model, X, ladder.q[station], self.way(station))
+
+
+def _cut(part: Part, orientation: Orientation, u: Array, places: tuple[int, ...]) -> list[Part]:
+    """The part cut at stations: at the nearest way-point, or at a point put in between where
+    way-points are far apart."""
+    curve = orientation.curve
+    length = arc_length(curve, u)
+    near = float(length[-1]) / (len(u) - 1)
+    found: list[Part] = []
+    rest = part
+    gone = 0
+    for station in places:
+        segment = min(int(u[station]), curve.segments - 1)
+        number = int(curve.origin[segment]) - gone
+        at = curve.pose(u[station : station + 1])
+        away = np.linalg.norm(rest.path.position[max(number - 1, 0) : number + 1] - at[0], axis=1)
+        k = max(number - 1, 0) + int(np.argmin(away))
+        if away.min() <= near and 0 < k < len(rest.path) - 1:
+            found.append(_slice(rest, 0, k + 1))
+            rest = _slice(rest, k, len(rest.path))
+            gone += k
+        elif 0 < number < len(rest.path):
+            longer = _inserted(rest, number, at)
+            found.append(_slice(longer, 0, number + 1))
+            rest = _slice(longer, number, len(longer.path))
+            gone += number - 1
+    return [*found, rest]
+
+
+def _slice(part: Part, first: int, last: int) -> Part:
+    path = part.path
+    kept = slice(first, last)
+    return Part(
+        ToolPath(
+            path.position[kept],
+            None if path.axis is None else path.axis[kept],
+            None if path.rotation is None else path.rotation[kept],
+            path.feed[kept],
+            path.name,
+        ),
+        part.points[kept],
+    )
+
+
+def _inserted(part: Part, number: int, at: tuple[Array, Array, Array | None]) -> Part:
+    """One more point on the way to a way-point."""
+    path = part.path
+    position, axis, rotation = at
+    return Part(
+        ToolPath(
+            np.insert(path.position, number, position[0], axis=0),
+            None if path.axis is None else np.insert(path.axis, number, axis[0], axis=0),
+            None
+            if path.rotation is None or rotation is None
+            else np.insert(path.rotation, number, rotation[0], axis=0),
+            np.insert(path.feed, number, path.feed[number]),
+            path.name,
+        ),
+        np.insert(part.points, number, -1),
+    )

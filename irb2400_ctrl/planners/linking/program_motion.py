@@ -1,0 +1,175 @@
+"""`ProgramMotion`: a whole program as one motion, piece by piece, and its files."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from irb2400_ctrl.files import write_atomic
+from irb2400_ctrl.planners.linking.clearance_plane import ClearancePlane
+from irb2400_ctrl.planners.linking.joint_plan import JointPlan
+from irb2400_ctrl.planners.linking.link_options import LinkOptions
+from irb2400_ctrl.planners.linking.segment import Segment, TimedEvent
+from irb2400_ctrl.planners.plan import SCHEMA_VERSION, Plan
+from irb2400_ctrl.trajectory import Trajectory
+
+
+@dataclass(frozen=True)
+class ProgramMotion:
+    """Segments that follow one another at rest; each is certified for itself."""
+
+    name: str
+    segments: tuple[Segment, ...]
+    events: tuple[TimedEvent, ...]
+    plane: ClearancePlane
+    options: LinkOptions
+    rate: float
+    """rows of the trajectory per second [1/s]"""
+
+    @property
+    def plans(self) -> list[Plan]:
+        """Of the segments that follow a tool path."""
+        return [s.piece for s in self.segments if isinstance(s.piece, Plan)]
+
+    @property
+    def duration(self) -> float:
+        """[s], each segment rounded up to a row of the trajectory."""
+        return self.segments[-1].end
+
+    @property
+    def guaranteed(self) -> bool:
+        """The torque bound holds at every instant of every segment."""
+        return all(s.piece.guaranteed for s in self.segments)
+
+    @property
+    def unwindings(self) -> list[Segment]:
+        """The moves in the middle of an operation that turn axes back."""
+        return [s for s in self.segments if s.kind == "unwind"]
+
+    @cached_property
+    def trajectory(self) -> Trajectory:
+        """All segments one after another; where two meet there is one row."""
+        pieces = [s.piece.trajectory for s in self.segments]
+        ways = np.cumsum([0.0, *(s.piece.length for s in self.segments)])
+
+        def joined(of: Callable[[Trajectory, int], Any]) -> Any:
+            parts = [of(piece, k)[1 if k else 0 :] for k, piece in enumerate(pieces)]
+            return np.concatenate(parts)
+
+        q = joined(lambda piece, k: piece.q)
+        return Trajectory(
+            np.arange(len(q)) / self.rate,
+            q,
+            joined(lambda piece, k: piece.qd),
+            joined(lambda piece, k: piece.qdd),
+            joined(lambda piece, k: piece.tau),
+            joined(lambda piece, k: ways[k] + piece.s),
+            check_speeds=False,
+        )
+
+    def summary(self) -> dict[str, Any]:
+        """The content of `plan.json` of a whole program."""
+        return {
+            "schema_version": SCHEMA_VERSION,
+            "path": self.name,
+            "robot": self.plans[0].robot.name,
+            "points": sum(len(s.piece.path) for s in self._cuts()),
+            "length_mm": 1e3 * sum(s.piece.length for s in self.segments),
+            "duration_s": self.duration,
+            **worst(self.plans, [s.piece for s in self.segments]),
+            "clearance_mm": self._clearance(),
+            "feed": self._feed(),
+            "clearance_plane": {
+                "clearance_mm": 1e3 * self.options.clearance,
+                "approach_mm": 1e3 * self.options.approach,
+                "up": [float(v) for v in self.plane.up],
+                "height_mm": 1e3 * self.plane.height,
+            },
+            "segments": [s.summary() for s in self.segments],
+            "events": [event.summary() for event in self.events],
+            "unwindings": [self._unwinding(s) for s in self.unwindings],
+            "wall_time_s": self._wall_time(),
+        }
+
+    def write(self, out_dir: Path | str) -> tuple[Path, Path]:
+        """Write `trajectory.csv` and `plan.json` into a folder; returns their paths."""
+        folder = Path(out_dir)
+        trajectory = write_atomic(folder / "trajectory.csv", self.trajectory.csv())
+        text = json.dumps(self.summary(), indent=2) + "\n"
+        return trajectory, write_atomic(folder / "plan.json", text)
+
+    def _clearance(self) -> dict[str, Any]:
+        """The smallest of all segments, placed along the whole way; unknown where one is."""
+        gone = 0.0
+        least: dict[str, Any] = {}
+        for segment in self.segments:
+            found = segment.piece.clearance
+            if found["value"] is None:
+                return found
+            if not least or found["value"] < least["value"]:
+                least = {**found, "at_mm": 1e3 * gone + found["at_mm"]}
+            gone += segment.piece.length
+        return least
+
+    def _feed(self) -> dict[str, Any] | None:
+        """Of all operations together; each segment has its own in detail."""
+        uses = [s.piece.feed_use for s in self._cuts() if s.piece.feed_use is not None]
+        if not uses:
+            return None
+        programmed = sum(use.programmed for use in uses)
+        return {
+            "programmed_mm": 1e3 * programmed,
+            "share_at_feed": sum(use.held for use in uses) / programmed,
+        }
+
+    def _cuts(self) -> list[Any]:
+        return [s for s in self.segments if s.kind == "operation"]
+
+    @staticmethod
+    def _unwinding(segment: Segment) -> dict[str, Any]:
+        turned = np.degrees(segment.piece.trajectory.q[-1] - segment.piece.trajectory.q[0])
+        return {
+            "operation": segment.operation,
+            "at_s": segment.start,
+            "turned_deg": [float(v) for v in turned],
+            "says": segment.note,
+            "because": segment.because,
+        }
+
+    def _wall_time(self) -> dict[str, float]:
+        total: dict[str, float] = {}
+        for plan in self.plans:
+            for stage, seconds in plan.wall_time.items():
+                total[stage] = total.get(stage, 0.0) + seconds
+        return total
+
+
+def worst(plans: Sequence[Plan], pieces: Sequence[Plan | JointPlan]) -> dict[str, Any]:
+    """What `plan.json` promises of a motion, as the worst of its pieces."""
+    notes = [piece.guarantee_note for piece in pieces if piece.guarantee_note]
+    feeds = [plan.max_feed_ratio for plan in plans if plan.max_feed_ratio is not None]
+    margins = [plan.singularity_margin for plan in plans]
+    return {
+        "reachable": True,
+        "max_tcp_deviation_mm": 1e3 * max(plan.max_tcp_deviation for plan in plans),
+        "max_tool_axis_deviation_deg": float(
+            np.degrees(max(plan.max_tool_axis_deviation for plan in plans))
+        ),
+        "singularity_margin": {
+            name: min(margin[name] for margin in margins) for name in margins[0]
+        },
+        "max_torque_ratio": max(piece.max_torque_ratio for piece in pieces),
+        "max_velocity_ratio": max(piece.max_velocity_ratio for piece in pieces),
+        "max_feed_ratio": max(feeds, default=None),
+        "guaranteed": all(piece.guaranteed for piece in pieces),
+        "guarantee_note": "; ".join(dict.fromkeys(notes)),
+        "timing": plans[0].timing,
+        "torque_share": plans[0].torque_share,
+        "interpolation": plans[0].interpolation,
+    }

@@ -1,0 +1,66 @@
+"""`Run`: a part of an operation that is followed without a stop."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import cast
+
+from irb2400_ctrl.arrays import Integers
+from irb2400_ctrl.cell import Scene
+from irb2400_ctrl.model import Model
+from irb2400_ctrl.planners.plan import Plan
+from irb2400_ctrl.planners.plan_options import PlanOptions
+from irb2400_ctrl.planners.timing.timing_options import Backend, TimingOptions
+from irb2400_ctrl.planners.toolpath.cam_program import Operation
+from irb2400_ctrl.robot import Robot
+
+# of the timing of lines and moves of the joints
+_CELLS = 200
+
+
+@dataclass(frozen=True)
+class Run:
+    """All of an operation, or what is between two places where axes are unwound."""
+
+    operation: Operation
+    plan: Plan
+    points: Integers
+    """index of the operation's way-point that each of its points is, -1 for one that was put in
+    between, shape (len(plan.path),)"""
+    arm: Robot
+    """as its file describes it, without a tool of the cell"""
+    options: PlanOptions
+    """rows, cell and tool of the moves beside it: its own"""
+    rates_stated: bool = False
+    """whether somebody asked for limits of torque rate or jerk"""
+    because: str = ""
+    """why the operation is not followed in one go; empty where it is"""
+
+    @property
+    def start(self) -> int:
+        """Index of the way-point at or before its beginning."""
+        inserted = int(self.points[0] < 0)
+        return int(self.points[inserted]) - inserted
+
+    @cached_property
+    def scene(self) -> Scene | None:
+        """The arm in its cell; None where nothing is known of the space that it takes up."""
+        return Scene.of(Model(self.plan.robot), self.arm, self.options.cell, self.options.tool)
+
+    @property
+    def feed(self) -> float:
+        """Of its first move [m/s]; inf where that is a rapid one."""
+        return float(self.plan.path.feed[1])
+
+    @property
+    def timing(self) -> TimingOptions:
+        """Limits and back-end of the moves beside it: its own."""
+        return TimingOptions(
+            cast(Backend, self.plan.timing),
+            _CELLS,
+            self.plan.certificate.limits,
+            self.options.sampling,
+            self.plan.torque_share,
+            self.rates_stated,
+        )

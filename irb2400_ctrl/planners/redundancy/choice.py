@@ -1,0 +1,126 @@
+"""`Choice`: a joint path along a tool path, and how it was found."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.cell import Scene
+from irb2400_ctrl.errors import CollisionError, UnreachableError
+from irb2400_ctrl.model import Model
+from irb2400_ctrl.planners.clearance import Clearance, continuous_clearance
+from irb2400_ctrl.planners.redundancy.follow import Followed, JointTarget
+from irb2400_ctrl.planners.redundancy.singularity_margins import relative_margins
+from irb2400_ctrl.planners.redundancy.wrist_passage import Passing
+from irb2400_ctrl.planners.toolpath.task_curve import TaskCurve
+
+RotationLaw = Callable[[Array], Array]
+"""free rotation [rad] over the length along the path [m]"""
+
+
+@dataclass(frozen=True)
+class Choice:
+    """A joint path and how it was found."""
+
+    kind: str
+    """"given orientation", "constant rotation" or "free rotation" """
+    branch: int
+    """closed-form branch at the start"""
+    rotation: RotationLaw
+    followed: Followed
+    margins: Array
+    """smallest relative margins (wrist, shoulder, elbow) over the joint path, shape (3,) [-]"""
+    clearance: Clearance | None = None
+    """how far the motion stays from everything; None where it is not known"""
+    passing: Passing | None = None
+    """how a path of given orientations takes the wrist singularity"""
+
+    @property
+    def margin(self) -> float:
+        """Smallest of the three, leaving out a wrist singularity that the path passes on
+        purpose."""
+        passed = self.passing is not None and len(self.passing.passages) > 0
+        return float(self.margins[1:].min() if passed else self.margins.min())
+
+    @property
+    def turn(self) -> float:
+        """Angle by which the stated orientation is left at most [rad]."""
+        return 0.0 if self.passing is None else self.passing.turn
+
+
+def continuous_margins(model: Model, followed: Followed) -> Array:
+    """Smallest relative margins over the path, sampled four times between stations, shape
+    (3,)."""
+    s = followed.joints.knots
+    fine = np.unique(
+        np.concatenate([s[:-1] + f * np.diff(s) for f in (0, 0.25, 0.5, 0.75)] + [s[-1:]])
+    )
+    return np.asarray(relative_margins(model, followed.joints(fine)).min(axis=0))
+
+
+def stay_inside(model: Model, followed: Followed, target: JointTarget) -> None:
+    """Refuse a joint path that leaves the joint box.
+
+    Raises:
+        UnreachableError: says near which point, which axis, by how much.
+    """
+    s = followed.joints.knots
+    fine = np.concatenate([s, (s[:-1] + s[1:]) / 2])
+    u = np.concatenate([followed.u, (followed.u[:-1] + followed.u[1:]) / 2])
+    q = followed.joints(fine)
+    excess = np.maximum(model.robot.q_min - q, q - model.robot.q_max)
+    worst = int(np.argmax(excess.max(axis=1)))
+    axis = int(np.argmax(excess[worst]))
+    if excess[worst, axis] > 0:
+        low, high = np.degrees([model.robot.q_min[axis], model.robot.q_max[axis]])
+        raise UnreachableError(
+            f"near point {target.point(u[worst])} axis {axis + 1} would need "
+            f"{np.degrees(q[worst, axis]):.1f} deg, "
+            f"{np.degrees(excess[worst, axis]):.1f} deg beyond its range {low:.0f} to {high:.0f} "
+            "deg"
+        )
+
+
+def _cutting_between(
+    curve: TaskCurve, moves: npt.NDArray[np.bool_], u: Array
+) -> npt.NDArray[np.bool_]:
+    """Whether the tool may cut all the way between neighbouring parameters u, shape (n - 1,)."""
+    allowed = moves[curve.origin]
+    refused = np.concatenate([[0], np.cumsum(~allowed)])
+    first = np.clip(np.floor(u[:-1] + 1e-9).astype(int), 0, curve.segments)
+    last = np.clip(np.ceil(u[1:] - 1e-9).astype(int), 0, curve.segments)
+    return np.asarray(refused[last] == refused[first])
+
+
+def clear(
+    scene: Scene | None, followed: Followed, target: JointTarget, moves: npt.NDArray[np.bool_]
+) -> Clearance | None:
+    """How far a joint path stays from everything; None where that is not known.
+
+    Args:
+        scene: the arm in its cell.
+        followed: the joint path.
+        target: what it follows.
+        moves: whether the tool may cut on the way to each way-point, shape (n,).
+
+    Raises:
+        CollisionError: it cannot be shown free; says what touches what, where.
+    """
+    if scene is None:
+        return None
+    cutting = _cutting_between(target.curve, moves, followed.u)
+    found = continuous_clearance(scene, followed.joints, cutting)
+    if found.free:
+        return found
+    u = float(np.interp(found.s, followed.joints.knots, followed.u))
+    first, other = found.pair
+    near = "touch" if found.value <= 0 else f"come within {1e3 * found.value:.2f} mm"
+    wanted = f", {1e3 * scene.keep:g} mm are to be kept" if scene.keep else ""
+    raise CollisionError(
+        f"near point {target.point(u)} {first} and {other} {near}{wanted}; move the work "
+        "frame, free the tool rotation, or change the cell"
+    )

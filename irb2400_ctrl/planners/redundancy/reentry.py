@@ -1,0 +1,160 @@
+"""Where to leave a path and come back in another configuration, at least cost.
+
+The ladder gets a second kind of edge: at a station the tool may be retracted, all joints move to
+any other configuration of the same place (another branch, rotation or whole turn), and the tool
+comes back. Such an edge costs its time, and a mark where the tool is cutting. What is looked for
+is the cheapest way through, so that it is left as seldom as possible.
+"""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from irb2400_ctrl.arrays import Array, Integers
+from irb2400_ctrl.planners.redundancy.ladder_graph import BRANCHES, Ladder
+from irb2400_ctrl.planners.redundancy.singularity_margins import COMFORTABLE
+
+# margins at the stations that are tried, the largest with the fewest re-entries wins [-]
+_LEVELS = (COMFORTABLE, 0.15, 0.05)
+# kept from the ends of the joint box, so that a smoothed rotation has room [rad]
+_ROOM = np.radians(3.0)
+# a re-entry is looked for at every so many stations
+_STRIDE = 3
+
+CostOf = Callable[[int], float]
+"""what leaving the path at a station and coming back costs, the move of the joints apart [s]; inf
+where it cannot be"""
+FreeOf = Callable[[int], Array]
+"""which nodes of a station can be left along the way out, shape (r, 8)"""
+
+
+@dataclass(frozen=True)
+class Reentries:
+    """The cheapest way through a ladder with re-entries."""
+
+    stations: tuple[int, ...]
+    """where the path is left and entered again"""
+    cost: float
+    """of the whole way [s]"""
+
+
+def cheapest_reentries(
+    ladder: Ladder, shifts: tuple[int, ...], cost_of: CostOf, free_of: FreeOf
+) -> Reentries | None:
+    """The way with the fewest re-entries among a few levels of the margin; among equals that of
+    the largest margin. None where even re-entries lead nowhere."""
+    cost = functools.cache(lambda i: np.inf if i % _STRIDE else cost_of(i))
+    free = functools.cache(free_of)
+    for inset in (max(ladder.inset, _ROOM), ladder.inset):
+        roomy = replace(ladder, inset=inset)
+        fewest = _Sweep(roomy, shifts, 0.0, cost, free).run()
+        if fewest is None:
+            continue
+        for level in _LEVELS:
+            found = _Sweep(roomy, shifts, level, cost, free).run()
+            if found is not None and len(found.stations) <= len(fewest.stations):
+                return found
+        return fewest
+    return None
+
+
+@dataclass(frozen=True)
+class _Sweep:
+    """One pass over the stations, among nodes of at least some margin."""
+
+    ladder: Ladder
+    shifts: tuple[int, ...]
+    level: float
+    cost_of: CostOf
+    free_of: FreeOf
+
+    def run(self) -> Reentries | None:
+        """Cost of the nodes from station to station; how they were reached is kept to trace it."""
+        ladder = self.ladder
+        value = ladder.node_value(0, self.level)
+        moved: list[Integers] = []
+        entered: list[Integers | None] = [None]
+        for i in range(1, len(ladder.u)):
+            value, taken = self._moved(i, value)
+            moved.append(taken)
+            value, came = self._entered(i, value)
+            entered.append(came)
+            if not np.isfinite(value).any():
+                return None
+        return Reentries(self._traced(value, moved, entered), float(value.min()))
+
+    def _moved(self, i: int, value: Array) -> tuple[Array, Integers]:
+        """The edges of a continuous motion into station i."""
+        node = self.ladder.node_value(i, self.level)
+        best = np.full_like(value, np.inf)
+        taken = np.full(value.shape, -1, dtype=np.int64)
+        for number, shift in enumerate(self.shifts):
+            time, source = self.ladder.moves(i, shift)
+            came = np.take_along_axis(np.roll(value, shift, axis=0), np.maximum(source, 0), axis=2)
+            reached = np.where(source >= 0, came, np.inf) + node
+            reached = reached + (time + 1e-3 * shift**2)[..., None]
+            taken = np.where(reached < best, number, taken)
+            best = np.minimum(best, reached)
+        return best, taken
+
+    def _entered(self, i: int, value: Array) -> tuple[Array, Integers | None]:
+        """The edges of a re-entry at station i, from the cheapest node of each branch to all."""
+        fixed = self.cost_of(i)
+        if not np.isfinite(fixed) or not np.isfinite(value).any():
+            return value, None
+        free = self.free_of(i)[..., None]
+        node = np.where(free, self.ladder.node_value(i, self.level), np.inf)
+        leaving = np.where(free, value, np.inf)
+        q = self._configurations(i)
+        speed = self.ladder.model.robot.qd_max
+        best = value
+        source = np.full(value.shape, -1, dtype=np.int64)
+        for branch in range(BRANCHES):
+            cheapest = int(np.argmin(leaving[:, branch]))
+            row, turn = np.unravel_index(cheapest, leaving[:, branch].shape)
+            cost = leaving[row, branch, turn]
+            if not np.isfinite(cost):
+                continue
+            away = np.nan_to_num(np.abs(q - q[row, branch, turn]) / speed, nan=np.inf)
+            reached = cost + fixed + away.max(axis=-1) + node
+            better = reached < best
+            number = np.ravel_multi_index((int(row), branch, int(turn)), value.shape)
+            source = np.where(better, number, source)
+            best = np.where(better, reached, best)
+        return best, source
+
+    def _configurations(self, i: int) -> Array:
+        """Of all nodes of a station, whole turns included [rad], shape (r, 8, k, 6)."""
+        ladder = self.ladder
+        q = np.repeat(ladder.q[i][:, :, None], len(ladder.turns), axis=2)
+        q[..., ladder.wound] += 2 * np.pi * ladder.turns
+        return q
+
+    def _traced(
+        self,
+        value: Array,
+        moved: list[Integers],
+        entered: list[Integers | None],
+    ) -> tuple[int, ...]:
+        """The stations of the re-entries on the cheapest way."""
+        ladder = self.ladder
+        node = np.unravel_index(int(np.argmin(value)), value.shape)
+        found = []
+        for i in range(len(ladder.u) - 1, 0, -1):
+            came = entered[i]
+            if came is not None and came[node] >= 0:
+                found.append(i)
+                node = np.unravel_index(int(came[node]), value.shape)
+            row, branch, turn = (int(part) for part in node)
+            shift = self.shifts[int(moved[i - 1][row, branch, turn])]
+            _, source = ladder.moves(i, shift)
+            node = (
+                np.intp((row - shift) % len(ladder.rotation)),
+                np.intp(branch),
+                np.intp(source[row, branch, turn]),
+            )
+        return tuple(sorted(found))

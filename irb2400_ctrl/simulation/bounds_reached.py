@@ -1,0 +1,59 @@
+"""Every bound that a simulated motion reached, so that none is reached in silence."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.robot import Robot
+from irb2400_ctrl.simulation.reference_check import outside_box, too_fast
+from irb2400_ctrl.trajectory import Trajectory
+
+
+def bounds_reached(
+    robot: Robot, plant: Robot, reference: Trajectory, signals: Mapping[str, Array]
+) -> dict[str, Any]:
+    """Axes count from 1; empty lists, 0 and None where nothing was reached."""
+    at_limit = np.greater_equal(np.abs(signals["tau"]), plant.tau_bound * (1 - 1e-9))
+    brake = signals.get("c_brake")
+    closed = None
+    if brake is not None and brake.any():
+        closed = float(reference.time[np.argmax(brake > 0)])
+    return {
+        "reference_outside_joint_box": outside_box(robot, reference.q),
+        "reference_above_speed_limit": too_fast(robot, reference.qd),
+        "joint_box": outside_box(plant, signals["q"]),
+        "speed_limit": too_fast(plant, signals["qd"]),
+        "torque_limit": _axes(at_limit),
+        "end_stop": _axes(np.not_equal(signals["end_stop"], 0)),
+        "samples_refused_by_package": int(signals["fault"].sum()),
+        "brake_closed_s": closed,
+    }
+
+
+def in_words(reached: dict[str, Any]) -> list[str]:
+    """One line for each bound that was reached."""
+    says = {
+        "reference_outside_joint_box": "the reference leaves the joint box on axis",
+        "reference_above_speed_limit": "the reference is faster than the limit of axis",
+        "joint_box": "the arm leaves the joint box on axis",
+        "speed_limit": "the arm is faster than the limit of axis",
+        "torque_limit": "the torque limit is reached on axis",
+        "end_stop": "the end stop is hit on axis",
+        "samples_refused_by_package": "samples that the C package refuses (FAULT_INPUT):",
+        "brake_closed_s": "the brake is closed from [s]",
+    }
+    lines = []
+    for name, value in reached.items():
+        if value or (name == "brake_closed_s" and value is not None):
+            shown = ", ".join(str(v) for v in value) if isinstance(value, list) else str(value)
+            lines.append(f"{says[name]} {shown}")
+    return lines
+
+
+def _axes(reached: npt.NDArray[np.bool_]) -> list[int]:
+    return [int(j) + 1 for j in np.flatnonzero(np.asarray(reached).any(axis=0))]

@@ -1,0 +1,112 @@
+"""What is said of an arm whose file is a little wrong, and what is not said of a sound one."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import pytest
+from independent_plant import Case
+
+import irb2400_ctrl as irb
+from irb2400_ctrl.diagnosis import Diagnosis, diagnose
+from irb2400_ctrl.measurement import Log
+from irb2400_ctrl.planners import plan_path
+from irb2400_ctrl.planners.toolpath import builders
+from irb2400_ctrl.robot import Robot
+from irb2400_ctrl.simulation import simulate
+
+ROBOT = irb.load_robot("irb2400")
+Array = npt.NDArray[np.float64]
+
+
+@cache
+def sound() -> Log:
+    """A log of an arm without any effect."""
+    log = Case(31, duration=25.0, validation_duration=3.0).simulate()[0]
+    return Log(log.time, log.q, log.tau, q_ref=log.q_ref)
+
+
+def with_torque(joint: int, torque: Array) -> Log:
+    """The sound log with more torque on one joint (from 1)."""
+    tau = sound().tau.copy()
+    tau[:, joint - 1] += torque
+    return replace(sound(), tau=tau)
+
+
+def speed(joint: int) -> Array:
+    log = sound()
+    assert log.q_ref is not None
+    return np.gradient(log.q_ref[:, joint - 1], log.time)
+
+
+def names(found: Diagnosis) -> list[tuple[str, int | None]]:
+    return [(f.effect.kind, f.effect.joint) for f in found.findings]
+
+
+def frictions(factor: float) -> Robot:
+    joints = []
+    for joint in ROBOT.joints:
+        f = joint.friction
+        scaled: dict[str, Any] = {
+            name: factor * getattr(f, name)
+            for name in ("static_Nm", "coulomb_Nm", "viscous_Nms_rad")
+        }
+        joints.append(joint.model_copy(update={"friction": f.model_copy(update=scaled)}))
+    return ROBOT.model_copy(update={"joints": tuple(joints)})
+
+
+@pytest.mark.parametrize("radius", [0.05, 0.12])
+def test_a_circle_of_the_model_itself_gets_no_name(radius: float) -> None:
+    path = builders.circle((0.95, 0.0, 0.6), radius, feed=0.1)
+    plan = plan_path(ROBOT, path, free_tool_rotation=False)
+    found = diagnose(ROBOT, simulate(ROBOT, plan.trajectory, "computed_torque").log())
+    assert found.verdict == "nothing_missing"
+
+
+def test_a_vibration_above_the_filter_is_not_called_noise() -> None:
+    time = sound().time
+    found = diagnose(ROBOT, with_torque(4, 6.0 * np.sin(2 * np.pi * 10.0 * time)))
+    assert 4 in found.beyond_noise
+    assert found.verdict == "unexplained"
+
+
+def test_friction_of_a_cold_arm_is_recalibrated_and_is_no_effect() -> None:
+    found = diagnose(frictions(1.0 / 1.3), sound())
+    assert names(found) == []
+    assert found.verdict == "nothing_missing"
+    ratio = found.robot.friction[:3, 1] / found.given.friction[:3, 1]
+    np.testing.assert_allclose(ratio, 1.3, atol=0.15)
+
+
+def test_dry_friction_that_builds_up_over_an_angle_is_a_hysteresis() -> None:
+    rate = speed(2)
+    state = np.sign(rate)
+    for k in range(1, len(rate)):
+        sign = np.sign(rate[k])
+        state[k] = sign + (state[k - 1] - sign) * np.exp(-abs(rate[k]) * 0.004 / 0.02)
+    found = diagnose(ROBOT, with_torque(2, 25.0 * (state - np.sign(rate))))
+    assert names(found) == [("hysteresis", 2)]
+    effect: Any = found.findings[0].effect
+    assert effect.amplitude_Nm == pytest.approx(25.0, rel=0.25)
+    assert effect.replaced_Nm == pytest.approx(effect.amplitude_Nm, rel=0.4)
+
+
+def test_a_wrist_coupling_of_one_direction_with_dry_friction_is_named() -> None:
+    found = diagnose(ROBOT, with_torque(5, 1.2 * np.sign(speed(6)) + 0.3 * speed(6)))
+    assert names(found) == [("wrist_coupling", 5)]
+    effect: Any = found.findings[0].effect
+    assert effect.dry_Nm == pytest.approx(1.2, rel=0.25)
+    assert abs(effect.neighbour_dry_Nm) < 0.3
+
+
+def test_a_name_says_what_it_is_worth_on_unseen_stretches() -> None:
+    found = diagnose(ROBOT, with_torque(4, 6.0 * np.sin(12.0 * sound().q[:, 3])))
+    (finding,) = found.findings
+    assert finding.effect.kind == "gear_ripple"
+    assert finding.validation_gain is not None
+    assert finding.validation_gain > 30.0
+    assert finding.to_json()["validation_gain_percent"] == round(finding.validation_gain, 2)
