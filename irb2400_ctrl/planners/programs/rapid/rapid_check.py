@@ -128,10 +128,10 @@ class _Check:
             yield RapidFault(declaration.line, f"{declaration.name}: {fault}")
 
     def statement_faults(self, statement: Statement) -> Iterator[RapidFault]:
-        fault = statement_fault(statement)
-        if not fault and statement.name not in FORMS:
-            known = statement.name.lower() in self.procedures
-            fault = "" if known else f"no procedure {statement.name!r} and no known instruction"
+        fault = ""
+        if statement.name not in FORMS and statement.name.lower() not in self.procedures:
+            fault = f"no procedure {statement.name!r} and no known instruction"
+        fault = fault or statement_fault(statement)
         if not fault:
             fault = self.reference_fault(statement) or self.amount_fault(statement)
         if fault:

@@ -22,7 +22,8 @@ from irb2400_ctrl.files import write_atomic
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.planners.programs.rapid import rapid_data as data
 from irb2400_ctrl.planners.programs.rapid.rapid_ends import with_ends
-from irb2400_ctrl.planners.programs.rapid.rapid_module import Names, module_texts
+from irb2400_ctrl.planners.programs.rapid.rapid_module import module_texts
+from irb2400_ctrl.planners.programs.rapid.rapid_module_names import Names
 from irb2400_ctrl.planners.programs.rapid.rapid_options import RapidOptions
 from irb2400_ctrl.planners.programs.rapid.rapid_rows import (
     PlanRows,
