@@ -206,7 +206,6 @@ def plan(
     from irb2400_ctrl.planners import read_program
     from irb2400_ctrl.planners.toolpath.work_frame import work_frame as pose_of
 
-    module = rapid_options(rapid, rapid_set, rapid_io)
     pose = None if work_frame is None else pose_of(work_frame)
     around = None if cell is None else load_cell(cell)
     program = read_program(path, units=units, rotary=rotary, spindle_rpm=spindle_rpm)
@@ -227,18 +226,17 @@ def plan(
         "torque_rate": None if torque_rate is None else torque_rate * arm.tau_max,
         "jerk": None if jerk_deg_s3 is None else math.radians(jerk_deg_s3),
     }
+    _say_assumed(program, around, tool)
+    chosen = link_options(len(program.operations), links, clearance, approach, start)
+    follow = plan_all if len(program.operations) > 1 or chosen.ends else _plan_one
+    follow(arm, program, chosen, options, out, rapid_options(rapid, rapid_set, rapid_io))
+
+
+def _say_assumed(program: CamProgram, cell: Cell | None, tool: str | None) -> None:
+    """What the file leaves open, and which operations take the robot file's tool because the cell
+    does not have theirs."""
     for note in program.of_kind("assumed"):
         print(f"assumed, {note}")
-    _say_tools(program, around, tool)
-    chosen = link_options(len(program.operations), links, clearance, approach, start)
-    if len(program.operations) > 1 or chosen.ends:
-        plan_all(arm, program, chosen, options, out, module)
-    else:
-        _plan_one(arm, program, chosen, options, out, module)
-
-
-def _say_tools(program: CamProgram, cell: Cell | None, tool: str | None) -> None:
-    """Which operations take a tool that the cell does not have: the robot file's."""
     if cell is None or tool is not None:
         return
     for operation in program.operations:

@@ -53,8 +53,8 @@ class WristCoupling(Effect):
         columns[j + 1, 0] = s.qdd[j]
         columns[j, 1] = s.qd[j + 1]
         columns[j + 1, 2] = s.qd[j]
-        columns[j, 3] = s.sign[j + 1]
-        columns[j + 1, 4] = s.sign[j]
+        columns[j, 3] = ca.sign(s.qd[j + 1])
+        columns[j + 1, 4] = ca.sign(s.qd[j])
         return columns
 
     def discrepancy_basis(self, s: Signals) -> ca.SX:

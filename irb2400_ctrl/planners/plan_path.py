@@ -63,17 +63,15 @@ def plan_path(
     interpolation: str = DEFAULT,
     progress: Progress | None = None,
 ) -> Plan:
-    """The fastest motion along a tool path, rest to rest, clear of singularities and within the
-    limits.
+    """The fastest motion along a tool path, rest to rest, clear of singularities.
 
     Args:
         robot: the arm, tool and effects included.
         path: way-points of the TCP in the robot base, or in `work_frame`.
         rate: rows of the trajectory per second [1/s].
-        free_tool_rotation: choose the rotation about the spindle along the path; otherwise a stated
-            orientation is held, and for tool axes the best constant rotation is taken.
-        work_frame: pose X_BW of the frame the path is stated in, shape (4, 4); default that of
-            the cell's work object.
+        free_tool_rotation: choose the rotation about the spindle along the path; otherwise hold
+            the stated orientation, or the best constant rotation.
+        work_frame: pose X_BW that the path is stated in, (4, 4); default the cell's work object.
         tolerance: how far corners of the polygon may be cut [m].
         axis_tolerance: how far a stated orientation may be left to pass exactly through the wrist
             singularity [rad].
@@ -83,7 +81,7 @@ def plan_path(
         torque_rate: of the change of torque [Nm/s]; None is what rows can follow, inf is no limit.
         jerk: limit of the change of the joints' acceleration [rad/s3].
         cell: what must not be touched; the arm itself is looked at always, if it has an outline.
-        way_out: lines from the ends of the path that the arm has to reach along as well.
+        way_out: lines from the ends of the path to reach along as well.
         tool: name of a tool of the cell; default what the robot file describes.
         torque_share: part of the torque limits that is used, 0.9 for 90 %.
         interpolation: how the controller reads the rows, "cubic" or "linear": `Interpolation`.
@@ -91,8 +89,7 @@ def plan_path(
 
     Raises:
         InputError: an argument or the path itself is wrong.
-        UnreachableError: no configuration or no continuous motion; says at which point.
-        CollisionError: no motion can be shown free of collisions; says what touches what, where.
+        UnreachableError: no continuous motion, or (CollisionError) none that touches nothing.
         InfeasibleError: the torque limits leave no motion; says where.
     """
     read_as = checked(interpolation)
@@ -102,15 +99,14 @@ def plan_path(
     timed = TimingOptions.of(
         robot, timing, cells, limits, torque_rate, jerk, options.sampling, torque_share
     )
-    return plan_ways(
-        robot,
-        path,
-        lambda model, orientation, scene: choices(
-            model, orientation, free_tool_rotation, scene=scene, way_out=way_out
-        ),
-        options,
-        timed,
-        StageClock(progress),
+    ways = _chosen(free_tool_rotation, way_out)
+    return plan_ways(robot, path, ways, options, timed, StageClock(progress))
+
+
+def _chosen(free: bool, way_out: WayOut | None) -> Ways:
+    """The most promising joint paths of every kind."""
+    return lambda model, orientation, scene: choices(
+        model, orientation, free, scene=scene, way_out=way_out
     )
 
 

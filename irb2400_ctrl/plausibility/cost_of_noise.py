@@ -42,9 +42,13 @@ def torque_from_angle_noise(robot: Robot, log: Log) -> Array | None:
     margin = derivative_margin(noise.step)
     if len(second) < 2 * (margin + low_pass.half) + 1:
         return None
-    acceleration = low_pass(second[margin:-margin])
-    place = np.linspace(0, len(log.q) - 1, 60).astype(int)
-    M = np.asarray(Model(robot).mass_matrix(log.q[place]))
+    return torque_of(robot, log.q, low_pass(second[margin:-margin]))
+
+
+def torque_of(robot: Robot, q: Array, acceleration: Array) -> Array:
+    """rms of M(q) times an acceleration that is independent of the angles q, shape (n,) [Nm]."""
+    place = np.linspace(0, len(q) - 1, 60).astype(int)
+    M = np.asarray(Model(robot).mass_matrix(q[place]))
     covariance = np.cov(acceleration.T)
     power = np.einsum("mij,jk,mik->i", M, np.atleast_2d(covariance), M) / len(place)
     return np.asarray(np.sqrt(power))

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from irb2400_ctrl.planners.timing.interpreted_two_pass import interpreted_two_pass
 from irb2400_ctrl.planners.timing.two_pass import two_pass
+from irb2400_ctrl.planners.timing.two_pass.interpreted import interpreted_two_pass
 
 
 def drawn(seed: int, margin: float) -> tuple[np.ndarray, ...]:

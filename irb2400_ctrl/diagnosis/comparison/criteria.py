@@ -48,7 +48,7 @@ class Criteria:
 
     gain: float = 22.0
     non_parametric_gain: float = 25.0
-    gain_in_base: float = 12.5
+    gain_in_base: float = 11.0
     gain_stated: float = 8.0
     in_base: float = 0.01
     energy: float = 0.05

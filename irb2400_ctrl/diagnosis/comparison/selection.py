@@ -57,7 +57,8 @@ class Selection:
                 self.refused.add(named(step.candidate))
                 continue
             steps = further if len(further) == 1 else self._exchanged(further)
-            fit = there if steps == further else self.fitter.fit([s.candidate for s in steps])
+            unchanged = [id(s) for s in steps] == [id(s) for s in further]
+            fit = there if unchanged else self.fitter.fit([s.candidate for s in steps])
             names = frozenset(named(s.candidate) for s in steps)
             if names in tried:
                 break  # one explanation pushes another out and is pushed out by it again

@@ -7,14 +7,15 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.interpolate import CubicSpline
 from scipy.stats import norm
 
 from irb2400_ctrl.arrays import Array, Mask
 from irb2400_ctrl.measurement.log import Log
 from irb2400_ctrl.measurement.prepared_log import PreparedLog
 from irb2400_ctrl.measurement.time_base import with_time_base
-from irb2400_ctrl.measurement.uniform import derivative_margin
-from irb2400_ctrl.plausibility.cost_of_noise import torque_from_angle_noise
+from irb2400_ctrl.measurement.uniform import derivative_margin, derivatives, smoothed
+from irb2400_ctrl.plausibility.cost_of_noise import torque_from_angle_noise, torque_of
 from irb2400_ctrl.robot import Robot
 
 TRIMMED = 0.02
@@ -35,8 +36,8 @@ class NoiseTest:
     """What is left of a log on its own samples; arrays per joint, shape (n,).
 
     Args:
-        floor: rms of the noise by sample-to-sample differences, and by the noise of the angles
-            where the motion is the measured one [Nm].
+        floor: rms of the noise by sample-to-sample differences, and by what is not known of the
+            motion: the noise of the angles, their departure from the motion that was used [Nm].
         left: rms of what is left [Nm]; means: of its means, over what white noise would give.
         bar, means_bar: above which it is no noise.
     """
@@ -86,10 +87,9 @@ def _on_log(
     period = float(np.median(np.diff(time)))
     nearest = np.clip(np.round((time - grid[0]) / motion.step), 0, len(grid) - 1)
     known = motion.known[part][nearest.astype(np.intp)]
-    by_angles = np.zeros(log.n)
-    if not motion.instrumented:
-        found = torque_from_angle_noise(robot, log)
-        by_angles = by_angles if found is None else found
+    by_angles = _by_departure(robot, even, motion, part, grid)
+    noise = None if motion.instrumented else torque_from_angle_noise(robot, log)
+    by_angles = by_angles if noise is None else np.hypot(by_angles, noise)
     floor = np.zeros(log.n)
     left = np.zeros(log.n)
     means = np.zeros(log.n)
@@ -101,6 +101,15 @@ def _on_log(
         left[j] = trimmed_rms(residual[known[:, j]])
         means[j] = _means(residual, known[:, j], period) / max(floor[j], 1e-12)
     return NoiseTest(floor, left, means)
+
+
+def _by_departure(robot: Robot, even: Log, motion: PreparedLog, part: slice, grid: Array) -> Array:
+    """Torque of what the motion that was used lacks of the measured one, be it commanded or
+    smoothed, shape (n,) [Nm]."""
+    apart = CubicSpline(even.time, even.q)(grid) - motion.q[part]
+    return torque_of(
+        robot, motion.q[part], derivatives(smoothed(apart, motion.step), motion.step, 2)[2]
+    )
 
 
 def trimmed_rms(values: Array) -> float:

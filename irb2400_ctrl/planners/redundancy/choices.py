@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 import numpy.typing as npt
 
-from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.arrays import Array, Integers
 from irb2400_ctrl.cell import Scene
 from irb2400_ctrl.errors import UnreachableError
 from irb2400_ctrl.model import Model
@@ -70,8 +70,7 @@ def choices(
     held = curve.full and not free
     u = stations(orientation)
     s = arc_length(curve, u)
-    rotation = np.zeros(1) if held else GRID
-    ladder = Ladder.of(model, orientation, u, rotation)
+    ladder = Ladder.of(model, orientation, u, np.zeros(1) if held else GRID)
     if way_out is not None:
         ladder = way_out.kept(ladder, orientation)
     moves = cutting_moves(curve.path, orientation.spindle)
@@ -102,9 +101,14 @@ def choices(
         margins = continuous_margins(model, followed)
         yield Choice(kind, branch, law, followed, margins, clearance, passing)
     if not found:
-        names = curve.origin[np.minimum(u.astype(int), curve.segments - 1)].copy()
-        names[0] = 0
-        raise problem or refusal(ladder, names)
+        raise problem or refusal(ladder, _names(curve, u))
+
+
+def _names(curve: TaskCurve, u: Array) -> Integers:
+    """Way-point that each station leads to, the first to itself."""
+    names = curve.origin[np.minimum(u.astype(int), curve.segments - 1)].copy()
+    names[0] = 0
+    return np.asarray(names)
 
 
 _Option = tuple[str, int, RotationLaw, JointTarget, Array | None, Passing | None]

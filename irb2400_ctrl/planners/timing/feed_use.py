@@ -46,7 +46,7 @@ class FeedStretch:
     """programmed there [m/s]"""
     limit: str
     """what is reached: "torque of axis 3", "speed of axis 4", "acceleration of axis 1", or
-    "torque rate or jerk" """
+    "torque rate, jerk or the rows" """
     place: str
     """"start", "end", "corner" or "path" """
 
@@ -236,7 +236,7 @@ def _limits(
 def _named(used: Array, smooth: bool) -> str:
     """The largest of the shares (torque, speed, acceleration) x axes."""
     if smooth and used.max() < _REACHED:
-        return "torque rate or jerk"
+        return "torque rate, jerk or the rows"
     kind, axis = np.unravel_index(int(np.argmax(used)), used.shape)
     return f"{('torque', 'speed', 'acceleration')[int(kind)]} of axis {int(axis) + 1}"
 

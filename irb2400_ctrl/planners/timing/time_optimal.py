@@ -9,11 +9,10 @@ import numpy as np
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.planners.enclosure.cells import Cells
 from irb2400_ctrl.planners.timing.infeasible_point import InfeasiblePointError
-from irb2400_ctrl.planners.timing.interpreted_two_pass import Passed
 from irb2400_ctrl.planners.timing.motion_limits import MotionLimits, speed_bounds
 from irb2400_ctrl.planners.timing.piecewise_constant_law import PiecewiseConstantLaw
 from irb2400_ctrl.planners.timing.torque_constraints import Linearisation, torque_constraints
-from irb2400_ctrl.planners.timing.two_pass import two_pass
+from irb2400_ctrl.planners.timing.two_pass import Passed, two_pass
 
 # further passes stop when they gain less than this part of the duration
 _GAIN = 2e-4

@@ -27,6 +27,7 @@ from irb2400_ctrl.planners.programs.rapid.rapid_module_names import Names
 from irb2400_ctrl.planners.programs.rapid.rapid_options import RapidOptions
 from irb2400_ctrl.planners.programs.rapid.rapid_rows import (
     PlanRows,
+    Rows,
     checked,
     row_flags,
     speeds_between,
@@ -104,41 +105,61 @@ def rapid_program(
     """
     options = options or RapidOptions()
     time, q = checked(model, motion, q)
-    count = len(q)
     at_events = _rows_of(events, time)
-    crossing = wrist_rows(q, wrist_crossing)
-    joints = row_flags("joint_rows", joint_rows, count, 0) | (options.motion == "joint")
-    standing = row_flags("stops", stops, count, 0)
+    standing = row_flags("stops", stops, len(q))
     standing[list(at_events)] = True
-    time, q, first = with_ends(model, time, q, options)
-    X_BT = model.tcp_pose(q)
-    behind = len(q) - first - count
-    standing[[0, -1]] |= (first > 0, behind > 0)
-    rest = np.append(False, np.abs(np.diff(q, axis=0)).max(axis=1) < 1e-10)
-    crossing, joints, standing = (np.pad(f, (first, behind)) for f in (crossing, joints, standing))
-    kept = rows_to_keep(rest, crossing, joints) | standing
-    tolerances = 1e-3 * options.tolerance_mm, np.radians(options.tolerance_deg)
-    samples = thinned(model, q, X_BT, kept, joints, *tolerances)
-    X_WT = X_BT if X_BW is None else np.linalg.inv(data.check_pose("work object", X_BW)) @ X_BT
-    rows = PlanRows(time, q, X_WT, speeds_between(time, X_BT), rest, crossing, joints, standing)
-    names = Names(options, model.robot.tool is not None, X_BW is not None)
+    joints = row_flags("joint_rows", joint_rows, len(q)) | (options.motion == "joint")
+    flags = _Flags(wrist_rows(q, wrist_crossing), joints, standing)
+    rows, first, samples = _rows(model, (time, q), flags, options, X_BW)
     writer = EventWriter(options.signals)
     said = {
         row + first: [line for event in found for line in writer.lines(event)]
         for row, found in at_events.items()
     }
-    steps = program_steps(
-        rows,
-        samples,
-        data.configuration(model, q[samples]),
-        data.external_axes(external),
-        names,
-        said,
-        writer.at_end(),
-    )
+    names = Names(options, model.robot.tool is not None, X_BW is not None)
+    configuration = data.configuration(model, rows.q[samples])
+    extax = data.external_axes(external)
+    steps = program_steps(rows, samples, configuration, extax, names, said, writer.at_end())
     text, parts = module_texts(model, names, X_BW, steps)
     targets = np.array([step.row for step in steps if step.row is not None])
-    return RapidProgram(text, targets, q[targets], parts, first, tuple(writer.not_written))
+    return RapidProgram(text, targets, rows.q[targets], parts, first, tuple(writer.not_written))
+
+
+@dataclass(frozen=True)
+class _Flags:
+    """Of the rows of the plan, each of shape (n,)."""
+
+    crossing: Rows
+    joints: Rows
+    standing: Rows
+
+
+def _rows(
+    model: Model,
+    plan: tuple[Array, Array],
+    flags: _Flags,
+    options: RapidOptions,
+    X_BW: Array | None,
+) -> tuple[PlanRows, int, npt.NDArray[np.int64]]:
+    """The plan with its approach and retract, the row at which it begins, and the rows that become
+    targets."""
+    time, q, first = with_ends(model, *plan, options)
+    ends = (first, len(q) - first - len(plan[1]))
+    crossing = np.pad(flags.crossing, ends)
+    joints = np.pad(flags.joints, ends, constant_values=options.motion == "joint")
+    standing = np.pad(flags.standing, ends)
+    # the arm stands where the approach meets the plan, and the plan the retract
+    standing[first] |= ends[0] > 0
+    standing[len(q) - 1 - ends[1]] |= ends[1] > 0
+    X_BT = model.tcp_pose(q)
+    rest = np.append(False, np.abs(np.diff(q, axis=0)).max(axis=1) < 1e-10)
+    kept = rows_to_keep(rest, crossing, joints) | standing
+    tolerance = 1e-3 * options.tolerance_mm
+    angle = np.radians(options.tolerance_deg)
+    samples = thinned(model, q, X_BT, kept, joints, tolerance, angle)
+    X_WT = X_BT if X_BW is None else np.linalg.inv(data.check_pose("work object", X_BW)) @ X_BT
+    speeds = speeds_between(time, X_BT)
+    return PlanRows(time, q, X_WT, speeds, rest, crossing, joints, standing), first, samples
 
 
 def _rows_of(events: Sequence[ProgramEvent], time: Array) -> dict[int, list[ProgramEvent]]:

@@ -41,20 +41,20 @@ class PlanRows:
         return bool(self.rest[before + 1 : row + 1].all())
 
 
-def row_flags(what: str, given: npt.NDArray[np.bool_] | None, count: int, before: int) -> Rows:
-    """Flags of the plan's rows, with `before` rows in front; none are set where none are given.
+def row_flags(what: str, given: npt.NDArray[np.bool_] | None, count: int) -> Rows:
+    """A copy of the flags of the plan's rows; none are set where none are given.
 
     Raises:
         InputError: not bool of shape (count,).
     """
-    flags = np.zeros(count + before, dtype=bool)
+    flags = np.zeros(count, dtype=bool)
     if given is not None:
         found = np.asarray(given)
         if found.shape != (count,) or found.dtype != np.bool_:
             raise InputError(
                 f"RAPID: {what} is {found.dtype} {found.shape}, expected bool ({count},)"
             )
-        flags[before:] = found
+        flags |= found
     return flags
 
 

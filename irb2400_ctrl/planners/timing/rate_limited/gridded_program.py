@@ -50,8 +50,8 @@ class GriddedProgram:
         """The program on a grid, near a motion that is known."""
         cells = enclose(dynamics, path, s)
         outputs = ConstrainedOutputs.of(cells, limits, dynamics.model.robot.friction)
-        # x is nearly a straight line in a cell: what it is above one, the rows are slowed by
-        feed_bound = None if feed is None else feed(s)
+        # x is no straight line here: the smaller end holds all over a cell
+        feed_bound = None if feed is None else np.atleast_2d(feed(s)).min(axis=0)
         bound = np.minimum(speed_bounds(cells, limits.qd_max, feed_bound), 1e9)
         guess = np.minimum(near.on(s)[0], bound)
         keep = np.ones_like(outputs.limit)
@@ -69,6 +69,8 @@ class GriddedProgram:
             # points
             x, u = near.on(self.s)
             z = (x + np.append(np.diff(self.s), 0.0) * u)[1:-2]
+            # where the speed falls steeply these may lie below zero: on the chord they do not
+            z = np.where(z > 0, z, (x[1:-2] + x[2:-1]) / 2)
         z[0] = x[1]
         z[-1] = x[-2]
         return self.inside(z, 0.8 if near is None else 0.98)

@@ -149,7 +149,9 @@ class RateLimitedProgram:
         N, D, U = self._motion
         local = z[self.spline.place][..., None]
         x = np.matmul(N, local)
-        root = np.sqrt(x)
+        # a start may lie outside: what is not a number counts as no slack
+        with np.errstate(invalid="ignore"):
+            root = np.sqrt(x)
         u = np.matmul(D, local)
         _, _, e, _, _, _, _, de, _, _ = self._coefficients
         reference = self._units[2]

@@ -12,7 +12,7 @@ from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.codegen.interpreted import say_slow
 from irb2400_ctrl.codegen.toolchain import build_shared
 from irb2400_ctrl.errors import ToolMissingError
-from irb2400_ctrl.planners.timing.interpreted_two_pass import Passed, interpreted_two_pass
+from irb2400_ctrl.planners.timing.two_pass.interpreted import Passed, interpreted_two_pass
 
 
 @cache
