@@ -10,8 +10,10 @@ import pytest
 from rapid_events import EVENTS, SIGNALS, Said
 from rapid_motions import WORK, circle
 from toolpath_cases.programs import PROGRAMS
+from typer.testing import CliRunner
 
 import irb2400_ctrl as irb
+from irb2400_ctrl.cli.main import app
 from irb2400_ctrl.cli.rapid_out import rapid_options
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.planners import plan_program, read_program
@@ -259,3 +261,21 @@ def test_options_of_the_command_line() -> None:
 def test_wrong_options_are_named(settings: list[str], signals: list[str], says: str) -> None:
     with pytest.raises(InputError, match=re.escape(says)):
         rapid_options(True, settings, signals)
+
+
+def test_the_command_line_writes_a_module_with_its_events(
+    tmp_path: Path,
+) -> None:
+    file = tmp_path / "slot.nc"
+    file.write_text("G21 G90\nT1 M6\nS6000 M3\nG1 X0 Y0 Z0 F1200\nX30\nM8\nX60\nM2\n")
+    asked = ["--rapid-set", "approach_mm=20", "--rapid-io", "spindle=SetDO:doSpindle"]
+    place = ["--work-frame", "950,0,500,0,0,0", "--out", str(tmp_path / "plan")]
+    done = CliRunner().invoke(app, ["plan", str(file), *place, *asked])
+    assert done.exit_code == 0, done.output
+    assert "because --rapid-io names no signal: coolant: flood" in done.output
+    text = (tmp_path / "plan" / "program.mod").read_text()
+    assert check_rapid(text) == ()
+    module = load_rapid(tmp_path / "plan" / "program.mod")
+    assert "[[950,0,500],[1,0,0,0]]" in text
+    said = [(at, words) for at, words in module.actions if "SetDO" in words]
+    assert said == [(2, "SetDO doSpindle,1"), (len(module.moves), "SetDO doSpindle,0")]
