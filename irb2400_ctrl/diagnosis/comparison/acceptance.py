@@ -66,11 +66,13 @@ class Acceptance:
         chosen = [s.candidate for s in steps]
         candidate = chosen[place]
         time = self.fitter.motion.time
-        if candidate.known and not any(
+        known = candidate.known and not candidate.devices
+        if known and not any(
             stands_clear(fit, k, float(time[-1] - time[0])) for k in effects_of(chosen, place)
         ):
             return False
-        if candidate.known and not self._beyond_base(candidate, fit):
+        # how a swing began is free, and its linear columns do not bear out its frequency
+        if candidate.devices or (candidate.known and not self._beyond_base(candidate, fit)):
             return True
         gain = HeldOut(self.fitter, chosen, fit).gain(place)
         return bool(gain[self._shown(candidate)] > 0.0)
