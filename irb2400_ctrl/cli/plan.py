@@ -26,11 +26,19 @@ from irb2400_ctrl.cli.plan_program import (
     print_feed,
 )
 from irb2400_ctrl.cli.progress import step
+from irb2400_ctrl.cli.rapid_out import (
+    RapidIoOption,
+    RapidOption,
+    RapidSetOption,
+    rapid_options,
+    write_plan_module,
+)
 from irb2400_ctrl.errors import UnreachableError
 
 if TYPE_CHECKING:
     from irb2400_ctrl.cell import Cell
     from irb2400_ctrl.planners import CamProgram, LinkOptions, Plan
+    from irb2400_ctrl.planners.programs.rapid import RapidOptions
     from irb2400_ctrl.robot import Robot
 
 PathArgument = Annotated[
@@ -161,9 +169,6 @@ InterpolationOption = Annotated[
         metavar="cubic|linear",
     ),
 ]
-RapidOption = Annotated[
-    bool, typer.Option("--rapid", help="Also write the motion as a RAPID module, program.mod.")
-]
 
 
 def plan(
@@ -179,6 +184,8 @@ def plan(
     jerk_deg_s3: JerkOption = None,
     interpolation: InterpolationOption = "cubic",
     rapid: RapidOption = False,
+    rapid_set: RapidSetOption = None,
+    rapid_io: RapidIoOption = None,
     operation: OperationOption = None,
     work_frame: WorkFrameOption = None,
     cell: CellOption = None,
@@ -222,7 +229,7 @@ def plan(
     _say_assumed(program, around, tool)
     chosen = link_options(len(program.operations), links, clearance, approach, start)
     follow = plan_all if len(program.operations) > 1 or chosen.ends else _plan_one
-    follow(arm, program, chosen, options, out, rapid)
+    follow(arm, program, chosen, options, out, rapid_options(rapid, rapid_set, rapid_io))
 
 
 def _say_assumed(program: CamProgram, cell: Cell | None, tool: str | None) -> None:
@@ -248,10 +255,11 @@ def _plan_one(
     links: LinkOptions,
     options: dict[str, Any],
     out: Path,
-    rapid: bool,
+    rapid: RapidOptions | None,
 ) -> None:
     """The only operation, into the folder itself; in parts where axes have to be unwound."""
     from irb2400_ctrl.planners import plan_path
+    from irb2400_ctrl.planners.linking.operation_runs import frame_of
     from irb2400_ctrl.planners.program_plan import with_its_tool
 
     operation = program.operation()
@@ -269,7 +277,9 @@ def _plan_one(
             return
         say(f"{task}: writing")
         planned.write(out)
-        written = ["trajectory.csv", "plan.json", *figures(planned, arm, out, rapid)]
+        written = ["trajectory.csv", "plan.json", *figures(planned, out)]
+        if rapid is not None:
+            written += write_plan_module(planned, operation, rapid, frame_of(options), out)
     print(f"{program.name}: {len(toolpath)} points, {planned.summary()['duration_s']:.2f} s")
     _print_summary(planned)
     print(f"written to {out}: {', '.join(written)}")

@@ -7,10 +7,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from irb2400_ctrl.cli.progress import step
+from irb2400_ctrl.cli.rapid_out import write_motion_module, write_plan_module
 from irb2400_ctrl.errors import InputError, UnreachableError
 
 if TYPE_CHECKING:
     from irb2400_ctrl.planners import CamProgram, LinkOptions, Plan, ProgramMotion, ProgramPlan
+    from irb2400_ctrl.planners.programs.rapid import RapidOptions
     from irb2400_ctrl.robot import Robot
 
 
@@ -65,7 +67,7 @@ def plan_all(
     links: LinkOptions,
     options: dict[str, Any],
     out: Path,
-    rapid: bool,
+    rapid: RapidOptions | None,
 ) -> None:
     """The whole into the folder itself, each operation into its own, and program.json."""
     from irb2400_ctrl.planners import plan_program
@@ -80,7 +82,7 @@ def plan_all(
             **options,
         )
         say(f"{task}: writing")
-        _write(found, arm, out, rapid)
+        _write(found, out, rapid, options)
     _tell(found, program, out)
 
 
@@ -90,7 +92,7 @@ def plan_parts(
     links: LinkOptions,
     options: dict[str, Any],
     out: Path,
-    rapid: bool,
+    rapid: RapidOptions | None,
     because: UnreachableError,
 ) -> None:
     """The only operation in parts, between which axes are unwound.
@@ -101,16 +103,25 @@ def plan_parts(
     from irb2400_ctrl.planners.program_plan import plan_unwound
 
     found = plan_unwound(arm, program, links, because, **options)
-    _write(found, arm, out, rapid)
+    _write(found, out, rapid, options)
     _tell(found, program, out)
 
 
-def _write(found: ProgramPlan, arm: Robot, out: Path, rapid: bool) -> None:
-    """All files."""
+def _write(
+    found: ProgramPlan, out: Path, rapid: RapidOptions | None, options: dict[str, Any]
+) -> None:
+    """All files; one RAPID module of the whole, or one of each plan where nothing links them."""
+    from irb2400_ctrl.planners.linking.operation_runs import frame_of
+
     found.write(out)
     for done in found.operations:
         for folder, run in done.folders():
-            figures(run.plan, arm, out / folder, rapid)
+            figures(run.plan, out / folder)
+            if rapid is not None and found.motion is None:
+                whole = done.operation if len(done.runs) == 1 else None
+                write_plan_module(run.plan, whole, rapid, frame_of(options), out / folder)
+    if rapid is not None and found.motion is not None:
+        write_motion_module(found.motion, rapid, frame_of(options), out)
 
 
 def _tell(found: ProgramPlan, program: CamProgram, out: Path) -> None:
@@ -160,19 +171,12 @@ def print_feed(feed: dict[str, Any] | None) -> None:
     print(f"{text}; below it: {', '.join(below)}" if below else text)
 
 
-def figures(planned: Plan, arm: Robot, out: Path, rapid: bool) -> list[str]:
-    """The figures, and the RAPID module if wanted; their names."""
+def figures(planned: Plan, out: Path) -> list[str]:
+    """The figures; their names."""
     from irb2400_ctrl.report.plan_figures import save_figures
 
     save_figures(planned, out)
-    written = ["torque.png", "margins.png", "joints.png"]
-    if rapid:
-        from irb2400_ctrl.model import Model
-        from irb2400_ctrl.planners.programs.rapid.rapid_program import rapid_program
-
-        rapid_program(Model(arm), planned.trajectory).save(out / "program.mod")
-        written.append("program.mod")
-    return written
+    return ["torque.png", "margins.png", "joints.png"]
 
 
 def _files(found: ProgramPlan) -> str:

@@ -24,6 +24,7 @@ from irb2400_ctrl.excitation.motion_design import standard_course
 from irb2400_ctrl.measurement import Log
 from irb2400_ctrl.measurement.prepared_log import prepare
 from irb2400_ctrl.model import Model
+from irb2400_ctrl.planners.programs.rapid.rapid_check import check_rapid
 from irb2400_ctrl.planners.programs.rapid.rapid_reader import read_rapid
 from irb2400_ctrl.robot import load_robot
 from irb2400_ctrl.trajectory import Trajectory
@@ -107,6 +108,7 @@ def test_files(tmp_path: Path) -> None:
     assert (tmp_path / "excitation.png").stat().st_size > 10_000
     module = (tmp_path / "excitation.mod").read_text()
     assert read_rapid(module) is not None
+    assert check_rapid(module) == ()
 
 
 def test_offset_is_said_to_need_another_measurement() -> None:

@@ -79,6 +79,12 @@ def test_late_and_double_messages_are_not_answered() -> None:
             r"49 messages of the controller got lost in a row",
         ),
         ([(0, START[:5], 3, 0)], "sends 5 axes, expected 6"),
+        ([(0, START * [1, np.nan, 1, 1, 1, 1], 2, 0)], "angle of axis 2 is nan, expected a number"),
+        (
+            [(0, START, 3, 0), (1, START * [1, 1, 1, np.inf, 1, 1], 3, 4)],
+            r"at 0\.000 s of 1\.000 s: the measured angle of axis 4 is inf",
+        ),
+        ([(0, START, 3, 100), (1, START, 3, 96)], "the controller's clock runs backwards"),
     ],
 )
 def test_what_is_not_as_planned_ends_the_stream(
@@ -149,3 +155,23 @@ def test_wrong_plans_are_refused(change: dict[str, Array], text: str) -> None:
     q, qd = planned(time)
     with pytest.raises(InputError, match=text):
         EgmFollower(ROBOT, **({"time": time, "q": q, "qd": qd} | change))  # type: ignore[arg-type]
+
+
+def test_a_clock_that_stands_still_times_out() -> None:
+    f = follower(EgmOptions(timeout=0.1))
+    for sequence in range(11):
+        f.answer(message(sequence, f.reference(f.plan_time)[0]))
+    # 25 cycles of 4 ms are 0.1 s: so long it may stand
+    for sequence in range(11, 36):
+        assert f.answer(message(sequence, f.reference(f.plan_time)[0], time_ms=40)) is not None
+    with pytest.raises(
+        EgmError, match=r"at 0\.040 s of 1\.000 s: the controller's clock has stood still for 26"
+    ):
+        f.answer(message(36, f.reference(f.plan_time)[0], time_ms=40))
+
+
+def test_a_clock_that_goes_on_in_time_is_no_fault() -> None:
+    f = follower(EgmOptions(timeout=0.1))
+    for sequence in range(100):
+        f.answer(message(sequence, f.reference(f.plan_time)[0], time_ms=80 * (sequence // 20)))
+    assert f.plan_time == pytest.approx(0.32)

@@ -136,6 +136,44 @@ def test_googles_library_reads_and_writes_the_same() -> None:
     assert theirs_again.mciState.state == 3
 
 
+def test_five_thousand_messages_are_googles_byte_by_byte() -> None:
+    messages = abb_messages()
+    draw = np.random.default_rng(15)
+    for _ in range(2500):
+        q = tuple(float(v) for v in draw.normal(scale=90.0, size=6))
+        qd = tuple(float(v) for v in draw.normal(scale=90.0, size=6)) if draw.integers(2) else ()
+        sequence = int(draw.integers(1 << 32))
+        clock = int(draw.integers(1 << 32))
+        sensor = messages["EgmSensor"]()
+        sensor.header.seqno = sequence
+        sensor.header.tm = clock
+        sensor.header.mtype = proto.MSGTYPE_CORRECTION
+        sensor.planned.joints.joints.extend(q)
+        if qd:
+            sensor.speedRef.joints.joints.extend(qd)
+        ours = proto.SensorMessage(sequence, clock, q, qd)
+        assert proto.encode_sensor(ours) == sensor.SerializeToString()
+        assert proto.decode_sensor(sensor.SerializeToString()) == ours
+        states = [int(v) for v in draw.integers(0, 4, 3)]
+        robot = messages["EgmRobot"]()
+        robot.header.seqno = sequence
+        robot.header.tm = clock
+        robot.header.mtype = proto.MSGTYPE_DATA
+        robot.feedBack.joints.joints.extend(q)
+        if qd:
+            robot.planned.joints.joints.extend(qd)
+        robot.motorState.state = states[0]
+        robot.mciState.state = states[1]
+        robot.mciConvergenceMet = bool(draw.integers(2))
+        robot.rapidExecState.state = states[2]
+        theirs = robot.SerializeToString()
+        told = proto.RobotMessage(
+            sequence, clock, q, qd, states[0], states[1], robot.mciConvergenceMet, states[2]
+        )
+        assert proto.encode_robot(told) == theirs
+        assert proto.decode_robot(theirs) == told
+
+
 def test_packed_joints_are_read_too() -> None:
     packed = b"\x0a" + bytes([48]) + struct.pack("<6d", 1, 2, 3, 4, 5, 6)
     data = (

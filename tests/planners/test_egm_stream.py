@@ -6,6 +6,7 @@ import socket
 from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor
 from queue import Queue
+from time import sleep
 from typing import Any
 
 import numpy as np
@@ -13,6 +14,7 @@ import numpy.typing as npt
 import pytest
 from egm_motion import CYCLE, START, SWEEP, follower, message, planned
 
+from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.planners.programs.egm import egm_messages as proto
 from irb2400_ctrl.planners.programs.egm.egm_stream import (
     EgmError,
@@ -221,3 +223,73 @@ def test_strangers_and_junk_are_ignored() -> None:
         report = future.result(timeout=5.0)
     assert report.outcome == "finished"
     assert (report.lost, report.late) == (0, 0)
+
+
+def test_only_the_named_controller_is_heard() -> None:
+    """A stranger on another address calls first, with a message that would do."""
+    f = follower(PATIENT)
+    port, future, pool = on_loopback(f)
+    with pool, socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as stranger:
+        stranger.bind(("127.0.0.2", 0))
+        stranger.settimeout(0.2)
+        for sequence in range(3):
+            stranger.sendto(proto.encode_robot(message(sequence, START)), ("127.0.0.1", port))
+        with pytest.raises(TimeoutError):
+            stranger.recv(4096)
+        assert not f.running
+        Controller(port, gain=20.0).run(600)
+        report = future.result(timeout=5.0)
+    assert report.outcome == "finished"
+    assert (report.lost, report.late) == (0, 0)
+
+
+def test_a_controller_elsewhere_can_be_named() -> None:
+    f = follower(PATIENT)
+    port, future, pool = on_loopback(f, controller="127.0.0.2")
+    with pool, socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as wire:
+        wire.bind(("127.0.0.2", 0))
+        wire.settimeout(5.0)
+        wire.sendto(proto.encode_robot(message(0, START)), ("127.0.0.1", port))
+        assert proto.decode_sensor(wire.recv(4096)).sequence == 1
+        wire.sendto(proto.encode_robot(message(1, START, state=2)), ("127.0.0.1", port))
+        with pytest.raises(EgmError, match="left the running state"):
+            future.result(timeout=5.0)
+
+
+def test_by_default_only_localhost_is_listened_on(monkeypatch: pytest.MonkeyPatch) -> None:
+    bound: list[str] = []
+
+    class Noted(socket.socket):
+        def bind(self, address: Any) -> None:
+            bound.append(address[0])
+            super().bind(address)
+
+    monkeypatch.setattr(socket, "socket", Noted)
+    with pytest.raises(EgmError, match="no controller called"):
+        stream(follower(EgmOptions(connect_timeout=0.05)), port=0)
+    assert bound == ["127.0.0.1"]
+
+
+def test_one_message_again_and_again_is_silence() -> None:
+    f = follower(EgmOptions(timeout=0.05))
+    port, future, pool = on_loopback(f)
+    with pool, socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as wire:
+        while not future.done():
+            wire.sendto(proto.encode_robot(message(7, START)), ("127.0.0.1", port))
+            sleep(0.002)
+        with pytest.raises(EgmError, match=r"no message for 0\.050 s"):
+            future.result(timeout=5.0)
+    assert f.report().late > 0
+
+
+@pytest.mark.parametrize(
+    ("options", "text"),
+    [
+        ({"controller": "no such host"}, "found no address of the controller 'no such host'"),
+        ({"host": "192.0.2.1"}, r"cannot listen on 192\.0\.2\.1, port 0"),
+        ({"port": 70000}, r"cannot listen on 127\.0\.0\.1, port 70000"),
+    ],
+)
+def test_wrong_addresses_are_named(options: dict[str, Any], text: str) -> None:
+    with pytest.raises(InputError, match=text):
+        stream(follower(), **({"port": 0} | options))

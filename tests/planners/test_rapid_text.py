@@ -121,7 +121,7 @@ def test_wrong_plans_are_refused(model: irb.Model) -> None:
     [
         ("ENDMODULE", "", "no MODULE"),
         ("MoveL", "MoveC", "cannot read the move"),
-        ("ConfL\\On;", "SetDO do1,1;", "cannot read the statement"),
+        ("ConfL\\On;", "AccSet 50,50;", "cannot read the statement"),
         ("ConfL\\On;", "ConfL\\On", "cannot read the statement|does not end"),
         ("MoveL p0002", "MoveL p9999", "p9999' is not declared as robtarget"),
         ("zonedata zPath", "zonedata zOther", "zPath' is not declared as zonedata"),

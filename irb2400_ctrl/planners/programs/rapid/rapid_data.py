@@ -12,23 +12,18 @@ import numpy.typing as npt
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.model import Model
+from irb2400_ctrl.planners.programs.rapid.rapid_forms import name_fault
 from irb2400_ctrl.robot import Robot
 
 UNUSED_AXIS = "9E9"
 # angles this close to a quadrant's edge count as on it, so that rounding noise has no say [deg]
 _EDGE = 6
-_RESERVED = re.compile(
-    r"alias|and|backward|case|connect|const|default|div|do|else|elseif|endfor|endfunc|endif|endmodule|endp"
-    r"roc|endrecord|endtest|endtrap|endwhile|error|exit|false|for|from|func|goto|if|inout|local|mod|module"
-    r"|nostepin|not|noview|or|pers|proc|raise|readonly|record|retry|return|step|sysmodule|test|then|to|tra"
-    r"p|true|trynext|undo|var|viewonly|while|with|xor"
-)
 
 
 def check_name(what: str, name: str) -> None:
     """InputError unless `name` is a RAPID identifier: a letter, then letters, digits, _, at most
     32, not reserved."""
-    if not re.fullmatch(r"[A-Za-z][A-Za-z0-9_]{0,31}", name) or _RESERVED.fullmatch(name.lower()):
+    if not re.fullmatch(r"[A-Za-z][A-Za-z0-9_]{0,31}", name) or name_fault(name):
         raise InputError(
             f"RAPID: {what} is {name!r}, expected a letter followed by up to 31 letters, digits or "
             "_ (no RAPID word)"
@@ -164,3 +159,10 @@ def _number(value: float, decimals: int) -> str:
     """Fixed point without trailing zeros and without minus zero."""
     text = f"{value:.{decimals}f}".rstrip("0").rstrip(".") if decimals else f"{value:.0f}"
     return "0" if text in {"-0", ""} else text
+
+
+def zonedata(name: str, radius: float) -> list[str]:
+    """Declaration of a corner zone of this radius [mm]; the tool turns within it as well."""
+    r = f"{radius:g}"
+    tenth = f"{radius / 10:g}"
+    return [f"LOCAL CONST zonedata {name}:=[FALSE,{r},{r},{r},{tenth},{r},{tenth}];"]

@@ -1,93 +1,105 @@
-"""The text of a RAPID module: its lines, procedures and declarations."""
+"""The text of a RAPID module: its lines, procedures and declarations; and of its parts."""
 
 from __future__ import annotations
-
-from dataclasses import dataclass
 
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.planners.programs.rapid import rapid_data as data
-from irb2400_ctrl.planners.programs.rapid.rapid_options import RapidOptions
+from irb2400_ctrl.planners.programs.rapid.rapid_module_names import Names
+from irb2400_ctrl.planners.programs.rapid.rapid_steps import Step
 
-LINE_LENGTH = 80
-
-
-@dataclass(frozen=True)
-class Names:
-    """Tool and work object as the moves name them."""
-
-    options: RapidOptions
-    own_tool: bool
-    own_work_object: bool
-
-    @property
-    def tool(self) -> str:
-        """the module's own tool, or the bare flange"""
-        return self.options.tool if self.own_tool else "tool0"
-
-    @property
-    def work_object(self) -> str:
-        """the module's own work object, or the base"""
-        return self.options.work_object if self.own_work_object else "wobj0"
+_START = ["ConfL\\On;", "ConfJ\\On;", "SingArea\\Off;"]
 
 
-def move(instruction: str, target: str, speed: str, zone: str, names: Names) -> list[str]:
-    """A move as lines of at most 80 characters (a RAPID statement may go on in the next line)."""
-    pieces = [
-        f"{instruction} {target},",
-        f"{speed},",
-        f"{zone},{names.tool}",
-        f"\\WObj:={names.work_object};",
-    ]
-    lines = [pieces[0]]
-    for piece in pieces[1:]:
-        if len(lines[-1]) + len(piece) <= LINE_LENGTH - 4:
-            lines[-1] += piece
-        else:
-            lines.append("  " + piece)
-    return lines
+def module_texts(
+    model: Model, names: Names, X_BW: Array | None, steps: list[Step]
+) -> tuple[str, dict[str, str]]:
+    """The module, and the modules that it loads in turn by the names of their files."""
+    options = names.options
+    shared = []
+    if names.own_tool:
+        shared += data.tooldata(names.tool, model.robot)
+    if X_BW is not None:
+        shared += data.wobjdata(names.work_object, X_BW)
+    if options.targets_per_module == 0:
+        calls, parts = _procedures(steps, options.moves_per_procedure, 0)
+        body = ["", *_procedure(options.entry, [*_START, *calls]), *parts]
+        return _module(options.module, shared + _local_data(names, steps), body), {}
+    loads = list(_START)
+    files = {}
+    count = 0
+    for k, portion in enumerate(_portions(steps, names), start=1):
+        name = f"{options.module[:27]}_{k}"
+        calls, parts = _procedures(portion, options.moves_per_procedure, count)
+        count += len(calls)
+        body = ["", *_procedure(f"Stretch{k}", calls), *parts]
+        files[f"{name}.mod"] = _module(name, _local_data(names, portion), body)
+        place = [f'"{options.folder}"', f'  \\File:="{name}.mod";']
+        loads += [f"Load\\Dynamic,{place[0]}", place[1], f'%"Stretch{k}"%;']
+        loads += [f"UnLoad {place[0]}", place[1]]
+    return _module(options.module, shared, ["", *_procedure(options.entry, loads)]), files
 
 
-def module_text(
-    model: Model,
-    options: RapidOptions,
-    names: Names,
-    X_BW: Array | None,
-    targets: list[list[str]],
-    moves: list[list[str]],
-) -> str:
-    z = options.zone_mm
-    lines = [
-        f"MODULE {options.module}",
+def _portions(steps: list[Step], names: Names) -> list[list[Step]]:
+    """Steps with at most so many targets each, parted where the arm stands anyway if that is in the
+    second half of a portion; else it has to stand there."""
+    most = names.options.targets_per_module
+    found = []
+    rest = steps
+    while rest:
+        targets = [k for k, step in enumerate(rest) if step.row is not None]
+        if len(targets) <= most:
+            found.append(rest)
+            break
+        last = targets[most]
+        standing = [k for k in range(targets[most // 2], last) if rest[k].stops]
+        cut = standing[-1] + 1 if standing else last
+        found.append(_ending_in_a_stop(rest[:cut], names))
+        rest = rest[cut:]
+    return found
+
+
+def _ending_in_a_stop(portion: list[Step], names: Names) -> list[Step]:
+    """While a module is loaded nothing moves: the last move of a portion ends in a stop point."""
+    last = max(k for k, step in enumerate(portion) if step.row is not None)
+    step = portion[last]
+    if step.stops:
+        return portion
+    lines = [line.replace(f"{names.zone(step.zone)},", "fine,") for line in step.lines]
+    return [*portion[:last], Step(lines, step.target, step.row), *portion[last + 1 :]]
+
+
+def _local_data(names: Names, steps: list[Step]) -> list[str]:
+    """Speed, zones and targets that the steps use."""
+    options = names.options
+    used = sorted({step.zone for step in steps if step.zone > 0})
+    lines = []
+    if any("vApproach" in line for step in steps for line in step.lines):
+        speed = f"[{options.approach_speed_mm_s:.3f},20,5000,1000]"
+        lines.append(f"LOCAL CONST speeddata vApproach:={speed};")
+    for radius in used:
+        lines += data.zonedata(names.zone(radius), radius)
+    return lines + [line for step in steps for line in step.target]
+
+
+def _procedures(steps: list[Step], size: int, before: int) -> tuple[list[str], list[str]]:
+    """Calls of the procedures that hold the steps, and their lines."""
+    portions = [steps[k : k + size] for k in range(0, len(steps), size)]
+    calls = [f"Part{before + k}" for k in range(1, len(portions) + 1)]
+    lines: list[str] = []
+    for call, portion in zip(calls, portions, strict=True):
+        lines += ["", *_procedure(call, [line for step in portion for line in step.lines])]
+    return [f"{call};" for call in calls], lines
+
+
+def _procedure(name: str, lines: list[str]) -> list[str]:
+    return [f"  PROC {name}()", *("    " + line for line in lines), "  ENDPROC"]
+
+
+def _module(name: str, declarations: list[str], body: list[str]) -> str:
+    head = [
+        f"MODULE {name}",
         "  ! Written from a plan. Run it slowly and without the work-piece first.",
         "  ! Base frame = world frame; axis 3 counts from the vertical (parallel rod).",
     ]
-    if names.own_tool:
-        lines += _indented(data.tooldata(names.tool, model.robot), 2)
-    if X_BW is not None:
-        lines += _indented(data.wobjdata(names.work_object, X_BW), 2)
-    lines += [
-        f"  LOCAL CONST speeddata vApproach:=[{options.approach_speed_mm_s:.3f},20,5000,1000];"
-    ]
-    if z > 0:
-        lines += [
-            f"  LOCAL CONST zonedata zPath:=[FALSE,{z:g},{z:g},{z:g},{z / 10:g},{z:g},{z / 10:g}];"
-        ]
-    lines += [line for target in targets for line in _indented(target, 2)]
-    size = options.moves_per_procedure
-    parts = [moves[k : k + size] for k in range(0, len(moves), size)]
-    start = ["ConfL\\On;", "ConfJ\\On;", "SingArea\\Off;"]
-    lines += ["", f"  PROC {options.entry}()", *_indented(start, 4)]
-    lines += [f"    Part{k + 1};" for k in range(len(parts))] + ["  ENDPROC"]
-    for k, part in enumerate(parts):
-        lines += [
-            "",
-            f"  PROC Part{k + 1}()",
-            *(line for move in part for line in _indented(move, 4)),
-            "  ENDPROC",
-        ]
-    return "\n".join([*lines, "ENDMODULE", ""])
-
-
-def _indented(lines: list[str], by: int) -> list[str]:
-    return [" " * by + line for line in lines]
+    return "\n".join([*head, *("  " + line for line in declarations), *body, "ENDMODULE", ""])

@@ -10,10 +10,11 @@ import numpy as np
 
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.planners.programs.rapid import rapid_data as data
+from irb2400_ctrl.planners.programs.rapid.rapid_signals import RapidSignal
 
 Motion = Literal["linear", "joint"]
 
-_OWN_NAMES = re.compile(r"p\d+|part\d+|zpath|vapproach")
+_OWN_NAMES = re.compile(r"p\d+|part\d+|stretch\d+|zpath|zc\d+|vapproach")
 
 
 @dataclass(frozen=True)
@@ -37,6 +38,19 @@ class RapidOptions:
     state_time: bool = False
     """also give each move its planned duration (argument T), which then replaces its speed"""
     moves_per_procedure: int = 500
+    corner_mm: float | None = None
+    """instead of `zone_mm`: each zone as large as leaves the corner by at most this much"""
+    approach_mm: float = 0.0
+    """straight way along the tool axis to the start of the plan"""
+    retract_mm: float = 0.0
+    """and from its end"""
+    targets_per_module: int = 0
+    """most targets that the controller holds at a time: the rest waits in modules that are loaded
+    in turn; 0: all in one module"""
+    folder: str = "HOME:"
+    """where the controller finds those modules"""
+    signals: tuple[RapidSignal, ...] = ()
+    """what events of the CAM file do; see `RapidSignal`"""
 
     def __post_init__(self) -> None:
         for key in ("module", "entry", "tool", "work_object"):
@@ -46,7 +60,8 @@ class RapidOptions:
             raise InputError(
                 f"RAPID: names are {', '.join(names)}; module, entry, tool and work object need "
                 "four different ones, "
-                "and p<number>, part<number>, zPath and vApproach are the module's own"
+                "and p<number>, part<number>, stretch<number>, zPath, zC<number> and vApproach are "
+                "the module's own"
             )
         if self.motion not in ("linear", "joint"):
             raise InputError(f"RAPID: motion is {self.motion!r}, expected linear or joint")
@@ -57,5 +72,22 @@ class RapidOptions:
                 )
         if not (np.isfinite(self.zone_mm) and self.zone_mm >= 0):
             raise InputError(f"RAPID: zone_mm is {self.zone_mm}, expected a number >= 0")
+        for key in ("approach_mm", "retract_mm"):
+            if not 0 <= getattr(self, key) <= 1000:
+                raise InputError(f"RAPID: {key} is {getattr(self, key)}, expected 0 to 1000")
+        if self.corner_mm is not None and not 0 < self.corner_mm <= 100:
+            raise InputError(
+                f"RAPID: corner_mm is {self.corner_mm}, expected more than 0, at most 100"
+            )
         if self.moves_per_procedure < 1:
             raise InputError("RAPID: moves_per_procedure is less than 1")
+        if self.targets_per_module != 0 and self.targets_per_module < 10:
+            raise InputError(
+                f"RAPID: targets_per_module is {self.targets_per_module}, expected 0 (one module) "
+                "or at least 10"
+            )
+        if not re.fullmatch(r"[A-Za-z0-9_:/.-]{1,40}", self.folder):
+            raise InputError(
+                f"RAPID: folder is {self.folder!r}, expected one of the controller such as HOME: "
+                "or HOME:/part"
+            )

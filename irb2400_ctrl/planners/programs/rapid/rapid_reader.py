@@ -1,291 +1,285 @@
-"""Read a RAPID module back: its tool, work object and moves, as the controller would see them.
-
-Knows the subset of RAPID that `rapid_program` writes, and refuses anything else with the statement
-it stumbled on.
-"""
+"""Read a RAPID module back: the subset that this library writes, run in the order of execution."""
 
 from __future__ import annotations
 
-import json
-import re
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.errors import InputError
-from irb2400_ctrl.model import Model
-from irb2400_ctrl.planners.programs.rapid.rapid_data import check_name
-from irb2400_ctrl.trajectory import Trajectory, from_angles
+from irb2400_ctrl.planners.programs.rapid.rapid_check import calls, loaded_file, recursion
+from irb2400_ctrl.planners.programs.rapid.rapid_forms import (
+    FORMS,
+    name_fault,
+    predefined,
+    statement_fault,
+    value_fault,
+)
+from irb2400_ctrl.planners.programs.rapid.rapid_moves import RapidModule, RapidMove
+from irb2400_ctrl.planners.programs.rapid.rapid_syntax import (
+    Module,
+    Operand,
+    Procedure,
+    Statement,
+    parse_rapid,
+)
+from irb2400_ctrl.planners.programs.rapid.rapid_tokens import LARGEST_TEXT
 
-_DECLARATION = re.compile(r"(?:LOCAL\s+)?(?:CONST|PERS|VAR)\s+(\w+)\s+(\w+)\s*:=\s*(.*)", re.DOTALL)
-# configuration data on the edge of a quadrant may be read either way [deg]
-_EDGE = 1e-3
+__all__ = ["RapidModule", "RapidMove", "load_rapid", "read_rapid"]
 
-
-@dataclass(frozen=True)
-class RapidMove:
-    """One move of a module, in the order of execution."""
-
-    instruction: str
-    target: str
-    q: Array | None
-    """actuator angles of a jointtarget [rad], shape (6,)"""
-    X_BT: Array | None
-    """pose of a robtarget in the robot base, work object applied, shape (4, 4)"""
-    configuration: tuple[int, int, int, int] | None
-    """cf1, cf4, cf6, cfx of a robtarget"""
-    external: tuple[float, ...]
-    """external axes that are present [deg or mm]"""
-    speed_mm_s: float
-    turning_speed_deg_s: float
-    duration: float | None
-    """argument T [s]"""
-    stops: bool
-    """ends in a stop point"""
-    wrist: bool
-    """runs under SingArea Wrist"""
-    pause: float = 0.0
-    """waiting time after it [s]"""
+MOST_STATEMENTS = 300_000
+"""that a program may execute; what calls the same procedures again and again soon has more"""
+_DEEPEST = 50
+_ACTIONS = {"SetDO", "SetAO", "SetGO", "PulseDO", "WaitDI", "Stop", "TPWrite"}
+_NO_POSE: list[Any] = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0, 0.0]]
+_OWN: dict[str, Any] = {
+    "tool0": [True, _NO_POSE, [0.0, [0.0, 0.0, 0.0]]],
+    "wobj0": [False, True, "", _NO_POSE, _NO_POSE],
+}
 
 
-@dataclass(frozen=True)
-class RapidModule:
-    """What a module says."""
-
-    name: str
-    X_FT: Array
-    """TCP in the flange, shape (4, 4)"""
-    mass_kg: float
-    com_m: tuple[float, float, float]
-    moves: tuple[RapidMove, ...]
-    pauses: tuple[float, ...]
-    """waiting times in the order of execution [s]"""
-
-    def joint_angles(self, model: Model) -> Array:
-        """Actuator angles of every move [rad], shape (m, 6): jointtargets as they are, robtargets
-        by closed-form inverse kinematics and their configuration data (the previous move decides
-        what a singularity leaves open).
-
-        Raises:
-            InputError: the configuration of a target does not exist at its pose.
-        """
-        found: list[Array] = []
-        for move in self.moves:
-            if move.q is not None:
-                found.append(move.q)
-                continue
-            assert move.X_BT is not None
-            assert move.configuration is not None
-            X_BT = move.X_BT @ np.linalg.inv(self.X_FT) @ model.robot.X_FT
-            seed = found[-1] if found else None
-            fits = [
-                q
-                for q in model.inverse_kinematics(X_BT, seed)
-                if _fits(model, q, move.configuration)
-            ]
-            if not fits:
-                raise InputError(
-                    f"{self.name}, {move.target}: no joint angles with configuration "
-                    f"{move.configuration}"
-                )
-            found.append(fits[0])
-        return np.array(found)
-
-    def trajectory(self, model: Model) -> Trajectory:
-        """The motion through the targets at their stated times (argument T), from rest to rest.
-
-        Between the targets it is a cubic spline (C2); where a controller goes there, its own
-        planner decides, within the corner zones.
-
-        Raises:
-            InputError: a move states no time, or `joint_angles` fails.
-        """
-        untimed = next((move for move in self.moves[1:] if move.duration is None), None)
-        if untimed is not None:
-            raise InputError(
-                f"{self.name}, {untimed.target}: found a move without its time, expected the "
-                "argument T; write the module with RapidOptions(state_time=True)"
-            )
-        q = self.joint_angles(model)
-        time = 0.0
-        rows: list[tuple[float, Array]] = []
-        for number, (move, angles) in enumerate(zip(self.moves, q, strict=True)):
-            # the approach to the first target is no part of the motion
-            time += move.duration or 0.0 if number else 0.0
-            rows.append((time, angles))
-            if move.pause:
-                time += move.pause
-                rows.append((time, angles))
-        return from_angles([at for at, _ in rows], [angles for _, angles in rows])
-
-
-def read_rapid(text: str) -> RapidModule:
-    """The module in `text`.
+def load_rapid(path: Path | str) -> RapidModule:
+    """The program in a file; the modules that it loads stand beside it.
 
     Raises:
-        InputError: not the subset of RAPID that this library writes; names the statement.
+        InputError: no such file, too large, not text, or as `read_rapid`.
     """
-    bare = re.sub(r"!.*", "", text).strip()
-    module = re.fullmatch(r"MODULE\s+(\w+)\s(.*)ENDMODULE", bare, re.DOTALL)
-    if module is None:
-        raise InputError("RAPID: found no MODULE ... ENDMODULE")
-    check_name("module", module[1])
-    first = re.search(r"\bPROC\b", module[2])
-    if first is None:
-        raise InputError(f"RAPID module {module[1]}: found no PROC")
-    declared = _declarations(module[2][: first.start()])
-    procedures = re.findall(r"PROC\s+(\w+)\(\)(.*?)ENDPROC", module[2][first.start() :], re.DOTALL)
-    rest = re.sub(
-        r"PROC\s+\w+\(\).*?ENDPROC", "", module[2][first.start() :], flags=re.DOTALL
-    ).strip()
-    if rest:
-        raise InputError(f"RAPID module {module[1]}: cannot read {rest[:60]!r}")
-    reader = _Reader(declared, {name: _statements(body) for name, body in procedures})
-    reader.run(procedures[0][0])
-    tools = {reader.tool} - {""}
-    if len(tools) != 1:
-        raise InputError(f"RAPID module {module[1]}: found no moves")
-    kind, tool = reader.named(
-        tools.pop(), "tooldata", [True, [[0, 0, 0], [1, 0, 0, 0]], [0, [0, 0, 0]]]
-    )
-    assert kind == "tooldata"
-    com = tuple(1e-3 * value for value in tool[2][1])
+    path = Path(path)
+    text = _content(path)
+    parts = {}
+    for procedure in parse_rapid(text).procedures:
+        for statement in procedure.statements:
+            if statement.name == "Load" and not statement_fault(statement):
+                name = loaded_file(statement)
+                parts[name] = _content(path.parent / name)
+    return read_rapid(text, parts)
+
+
+def read_rapid(text: str, parts: Mapping[str, str] | None = None) -> RapidModule:
+    """The module in `text`.
+
+    Args:
+        parts: the modules that it loads, by the names of their files.
+
+    Raises:
+        InputError: not the subset of RAPID that this library writes, procedures that call
+        themselves, or more statements than a program has; names the statement.
+    """
+    module = parse_rapid(text)
+    others = {name: parse_rapid(part) for name, part in (parts or {}).items()}
+    procedures = _procedures(module, others)
+    entry = module.procedures[0]
+    _refuse_endless(module.name, entry, procedures)
+    reader = _Reader(module, others, procedures)
+    reader.run(entry)
+    if not reader.moves:
+        raise InputError(f"RAPID module {module.name}: found no moves")
+    tool = reader.named(reader.tool, "tooldata")
+    com = [1e-3 * float(value) for value in tool[2][1]]
     return RapidModule(
-        module[1],
+        module.name,
         _pose(tool[1]),
         float(tool[2][0]),
         (com[0], com[1], com[2]),
         tuple(reader.moves),
         tuple(reader.pauses),
+        tuple(reader.actions),
     )
+
+
+def _content(path: Path) -> str:
+    try:
+        if path.stat().st_size > LARGEST_TEXT:
+            raise InputError(
+                f"RAPID module {path.name}: found {path.stat().st_size:,} bytes, expected at most "
+                f"{LARGEST_TEXT:,}"
+            )
+        return path.read_text(encoding="ascii")
+    except UnicodeDecodeError as error:
+        raise InputError(
+            f"RAPID module {path.name}: byte {error.start} is not ASCII, expected a module as this "
+            "library writes it"
+        ) from error
+    except (OSError, ValueError) as error:
+        raise InputError(f"RAPID module {path.name}: cannot be read ({error})") from error
+
+
+def _procedures(module: Module, others: Mapping[str, Module]) -> dict[str, Procedure]:
+    """All procedures by name in small letters."""
+    found: dict[str, Procedure] = {}
+    for one in (module, *others.values()):
+        for procedure in one.procedures:
+            if procedure.name.lower() in found:
+                raise InputError(f"RAPID: the procedure {procedure.name} is declared twice")
+            found[procedure.name.lower()] = procedure
+    return found
+
+
+def _refuse_endless(module: str, entry: Procedure, procedures: dict[str, Procedure]) -> None:
+    """Procedures that call themselves, or one another so often that nobody can wait for it."""
+    circle = recursion(procedures)
+    if circle:
+        raise InputError(
+            f"RAPID module {module}: procedures call themselves ({' -> '.join(circle[:8])}), "
+            "expected calls that come to an end"
+        )
+    sizes: dict[str, int] = {}
+    depths: dict[str, int] = {}
+    for name in _called_first(entry.name.lower(), procedures):
+        called = [c for c in calls(procedures[name]) if c in procedures]
+        sizes[name] = len(procedures[name].statements) + sum(sizes[c] for c in called)
+        depths[name] = 1 + max((depths[c] for c in called), default=0)
+        if sizes[name] > MOST_STATEMENTS or depths[name] > _DEEPEST:
+            raise InputError(
+                f"RAPID module {module}: the procedure {name} executes {sizes[name]:,} statements "
+                f"in {depths[name]} levels of calls, expected at most {MOST_STATEMENTS:,} in "
+                f"{_DEEPEST}"
+            )
+
+
+def _called_first(entry: str, procedures: dict[str, Procedure]) -> list[str]:
+    """The entry and all that it calls, each after what it calls itself."""
+    order: list[str] = []
+    done: set[str] = set()
+    way = [(entry, iter(calls(procedures[entry])))]
+    while way:
+        name, rest = way[-1]
+        called = next((c for c in rest if c in procedures and c not in done), None)
+        if called is None:
+            way.pop()
+            done.add(name)
+            order.append(name)
+        else:
+            way.append((called, iter(calls(procedures[called]))))
+    return order
 
 
 class _Reader:
     """Runs the procedures in order and notes what moves."""
 
     def __init__(
-        self, declared: dict[str, tuple[str, Any]], procedures: dict[str, list[str]]
+        self, module: Module, others: Mapping[str, Module], procedures: dict[str, Procedure]
     ) -> None:
-        self.declared = declared
         self.procedures = procedures
+        self.others = others
+        self.shared = _declared(module)
+        # data of the part that is loaded now
+        self.loaded: dict[str, dict[str, tuple[str, Operand]]] = {}
         self.moves: list[RapidMove] = []
         self.pauses: list[float] = []
+        self.actions: list[tuple[int, str]] = []
         self.tool = ""
         self.wrist = False
 
-    def run(self, procedure: str) -> None:
-        for statement in self.procedures[procedure]:
-            if statement.startswith("Move"):
-                self.moves.append(self.move(statement))
-            elif statement.startswith("WaitTime"):
-                self.pauses.append(float(statement.removeprefix("WaitTime")))
-                if self.moves:
-                    last = self.moves[-1]
-                    self.moves[-1] = replace(last, pause=last.pause + self.pauses[-1])
-            elif statement in {"SingArea\\Wrist", "SingArea\\Off"}:
-                self.wrist = statement.endswith("Wrist")
-            elif statement in self.procedures:
-                self.run(statement)
-            elif not re.fullmatch(r"Conf[JL]\\On", statement):
-                raise InputError(f"RAPID: cannot read the statement {statement!r}")
+    def run(self, procedure: Procedure) -> None:
+        for statement in procedure.statements:
+            self.execute(statement)
 
-    def move(self, statement: str) -> RapidMove:
-        instruction, _, rest = statement.partition(" ")
-        arguments = _split(rest)
-        if instruction not in {"MoveAbsJ", "MoveL"} or len(arguments) != 4:
-            raise InputError(f"RAPID: cannot read the move {statement!r}")
-        target, speed, zone, ends = arguments
-        tool, _, work_object = (part.strip() for part in ends.partition("\\WObj:="))
+    def execute(self, statement: Statement) -> None:
+        name = statement.name
+        fault = statement_fault(statement)
+        if name.startswith("Move") and (fault or name not in FORMS):
+            raise _unread("move", statement, fault)
+        if fault or (name not in FORMS and name.lower() not in self.procedures):
+            raise _unread("statement", statement, fault)
+        if name.startswith("Move"):
+            self.moves.append(self.move(statement))
+        elif name == "WaitTime":
+            self.wait(float(_value(statement, 0)))
+        elif name == "SingArea":
+            self.wrist = statement.arguments[0].switches[0][0] == "Wrist"
+        elif name in _ACTIONS:
+            self.actions.append((len(self.moves), statement.text))
+        elif name in {"Load", "UnLoad"}:
+            self.load(statement)
+        elif name not in {"ConfL", "ConfJ"}:
+            called = str(_value(statement, 0)) if name == "%" else name
+            if called.lower() not in self.procedures:
+                raise _unread("statement", statement, f"no module has a procedure {called!r}")
+            self.run(self.procedures[called.lower()])
+
+    def wait(self, seconds: float) -> None:
+        self.pauses.append(seconds)
+        if self.moves:
+            last = self.moves[-1]
+            self.moves[-1] = replace(last, pause=last.pause + seconds)
+
+    def load(self, statement: Statement) -> None:
+        file = loaded_file(statement)
+        if statement.name == "UnLoad":
+            self.loaded.pop(file, None)
+        elif file not in self.others:
+            raise _unread("statement", statement, f"the module {file!r} is not there")
+        else:
+            self.loaded[file] = _declared(self.others[file])
+
+    def move(self, statement: Statement) -> RapidMove:
+        target, speed, zone, ends = (argument.operand for argument in statement.arguments)
+        tool = str(ends)
         if self.tool not in {"", tool}:
             raise InputError(
-                f"RAPID: {statement!r} changes the tool from {self.tool}, expected one tool for "
-                "all moves"
+                f"RAPID: {statement.text!r} changes the tool from {self.tool}, expected one tool "
+                "for all moves"
             )
         self.tool = tool
-        value, _, duration = (part.strip() for part in speed.partition("\\T:="))
-        speeds = _value(value) if value.startswith("[") else self.named(value, "speeddata")[1]
-        stops = zone == "fine" or bool(self.named(zone, "zonedata")[1][0])
-        wanted = "jointtarget" if instruction == "MoveAbsJ" else "robtarget"
-        data = self.named(target, wanted)[1]
-        common: dict[str, Any] = {
-            "external": tuple(float(v) for v in data[-1] if v < 8e9),
-            "speed_mm_s": float(speeds[0]),
-            "turning_speed_deg_s": float(speeds[1]),
-            "duration": float(duration) if duration else None,
-            "stops": stops,
-            "wrist": self.wrist,
-        }
-        if wanted == "jointtarget":
-            return RapidMove(
-                instruction,
-                target,
-                np.radians(np.array(data[0], dtype=float)),
-                None,
-                None,
-                **common,
-            )
-        frame = self.named(
-            work_object,
-            "wobjdata",
-            [False, True, "", [[0, 0, 0], [1, 0, 0, 0]], [[0, 0, 0], [1, 0, 0, 0]]],
+        speeds: Any = speed if isinstance(speed, list) else self.named(str(speed), "speeddata")
+        duration = dict(statement.arguments[1].switches).get("T")
+        stops = str(zone) == "fine" or bool(self.named(str(zone), "zonedata")[0])
+        joints = statement.name == "MoveAbsJ"
+        data: Any = self.named(str(target), "jointtarget" if joints else "robtarget")
+        work_object = dict(statement.arguments[3].switches).get("WObj", "wobj0")
+        frame: Any = self.named(str(work_object), "wobjdata")
+        return RapidMove(
+            statement.name,
+            str(target),
+            np.radians(np.array(data[0], dtype=float)) if joints else None,
+            None if joints else _pose(frame[3]) @ _pose(frame[4]) @ _pose(data[:2]),
+            None if joints else tuple(int(value) for value in data[2]),  # type: ignore[arg-type]
+            external=tuple(float(v) for v in data[-1] if v < 8e9),
+            speed_mm_s=float(speeds[0]),
+            turning_speed_deg_s=float(speeds[1]),
+            duration=None if duration is None else float(duration),  # type: ignore[arg-type]
+            stops=stops,
+            wrist=self.wrist,
         )
-        X_BT = _pose(frame[1][3]) @ _pose(frame[1][4]) @ _pose(data[:2])
-        cf1, cf4, cf6, cfx = (int(value) for value in data[2])
-        return RapidMove(instruction, target, None, X_BT, (cf1, cf4, cf6, cfx), **common)
 
-    def named(self, name: str, kind: str, own: Any = None) -> tuple[str, Any]:
+    def named(self, name: str, kind: str) -> Any:
         """The declared data of this name; tool0 and wobj0 are the controller's own."""
-        if own is not None and name in {"tool0", "wobj0"}:
-            return kind, own
-        if self.declared.get(name, ("", None))[0] != kind:
-            raise InputError(f"RAPID: {name!r} is not declared as {kind}")
-        return self.declared[name]
+        if name in _OWN and predefined(name) == kind:
+            return _OWN[name]
+        for declared in (*self.loaded.values(), self.shared):
+            found, value = declared.get(name, ("", None))
+            if found == kind:
+                return value
+        raise InputError(f"RAPID: {name!r} is not declared as {kind}")
 
 
-def _fits(model: Model, q: Array, configuration: tuple[int, int, int, int]) -> bool:
-    degrees = np.degrees(q)
-    for angle, quadrant in zip(degrees[[0, 3, 5]], configuration[:3], strict=True):
-        if not np.floor((angle - _EDGE) / 90) <= quadrant <= np.floor((angle + _EDGE) / 90):
-            return False
-    _, r, k = model.singularity_factors(q)
-    behind_axis, behind_arm, negative = (bool(configuration[3] & bit) for bit in (4, 2, 1))
-    signs = ((r, behind_axis, 1e-9), (k, behind_arm, 1e-9), (degrees[4], negative, _EDGE))
-    return all((value < 0) == wanted or abs(value) < edge for value, wanted, edge in signs)
-
-
-def _declarations(text: str) -> dict[str, tuple[str, Any]]:
-    declared: dict[str, tuple[str, Any]] = {}
-    for statement in _statements(text):
-        match = _DECLARATION.fullmatch(statement)
-        if match is None:
-            raise InputError(f"RAPID: cannot read the declaration {statement[:60]!r}")
-        check_name("data", match[2])
-        if match[2] in declared:
-            raise InputError(f"RAPID: {match[2]} is declared twice")
-        declared[match[2]] = (match[1], _value(match[3]))
+def _declared(module: Module) -> dict[str, tuple[str, Operand]]:
+    """Type and value of all data of a module, each of its type's shape."""
+    declared: dict[str, tuple[str, Operand]] = {}
+    for one in module.declarations:
+        fault = name_fault(one.name) or value_fault(one.kind, one.value)
+        if fault:
+            raise InputError(f"RAPID line {one.line}: cannot read the value of {one.name}: {fault}")
+        if one.name in declared:
+            raise InputError(f"RAPID line {one.line}: {one.name} is declared twice")
+        declared[one.name] = (one.kind, one.value)
     return declared
 
 
-def _statements(text: str) -> list[str]:
-    parts = [" ".join(part.split()) for part in text.split(";")]
-    if parts[-1]:
-        raise InputError(f"RAPID: a statement does not end in ';': {parts[-1][:60]!r}")
-    return parts[:-1]
+def _unread(what: str, statement: Statement, why: str) -> InputError:
+    because = f": {why}" if why else ""
+    return InputError(
+        f"RAPID line {statement.line}: cannot read the {what} {statement.text[:60]!r}{because}"
+    )
 
 
-def _value(text: str) -> Any:
-    """A RAPID aggregate as nested lists."""
-    try:
-        return json.loads(text.replace("TRUE", "true").replace("FALSE", "false"))
-    except json.JSONDecodeError as error:
-        raise InputError(f"RAPID: cannot read the value {text[:60]!r}") from error
-
-
-def _split(text: str) -> list[str]:
-    """Arguments between the commas outside brackets."""
-    return [part.strip() for part in re.split(r",(?![^\[]*\])", text)]
+def _value(statement: Statement, k: int) -> Any:
+    return statement.arguments[k].operand
 
 
 def _pose(value: Any) -> Array:

@@ -14,15 +14,13 @@ from irb2400_ctrl.planners.programs.rapid.rapid_data import angle_between, turne
 _ARM_OF_ROTATION = 0.1
 
 
-def rows_to_keep(
-    rest: npt.NDArray[np.bool_], crossing: npt.NDArray[np.bool_]
-) -> npt.NDArray[np.bool_]:
-    """Rows that stay targets whatever the tolerance: ends, ends of pauses, where `SingArea`
-    changes."""
-    keep = np.zeros(len(rest), dtype=bool)
+def rows_to_keep(*changes: npt.NDArray[np.bool_]) -> npt.NDArray[np.bool_]:
+    """Rows that stay targets whatever the tolerance: ends, and the last one before what is stated
+    of the way to a row changes (pauses, `SingArea`, moves of the joints); each shape (n,)."""
+    keep = np.zeros(len(changes[0]), dtype=bool)
     keep[[0, -1]] = True
-    for edge in (rest[1:] != rest[:-1], crossing[1:] != crossing[:-1]):
-        keep[:-1] |= edge
+    for of_rows in changes:
+        keep[:-1] |= of_rows[1:] != of_rows[:-1]
     return keep
 
 
@@ -31,7 +29,7 @@ def thinned(
     q: Array,
     X_BT: Array,
     keep: npt.NDArray[np.bool_],
-    in_joint_space: bool,
+    as_joints: npt.NDArray[np.bool_],
     tolerance: float,
     angle_tolerance: float,
 ) -> npt.NDArray[np.int64]:
@@ -43,13 +41,14 @@ def thinned(
     Args:
         q, X_BT: the plan, shapes (n, 6) [rad] and (n, 4, 4).
         keep: rows that stay in any case, shape (n,), ends included.
-        in_joint_space: moves are straight in joint space, else in space with the shortest turn.
+        as_joints: whether the way to a row is straight in joint space, else it is so in space with
+            the shortest turn, shape (n,); where it changes, a row is kept.
         tolerance, angle_tolerance: of the TCP and its orientation [m, rad].
     """
 
     def close(first: int, last: int) -> bool:
         distance, angle = deviation(
-            model, q[first : last + 1], X_BT[first : last + 1], in_joint_space
+            model, q[first : last + 1], X_BT[first : last + 1], bool(as_joints[last])
         )
         return distance <= tolerance and angle <= angle_tolerance
 

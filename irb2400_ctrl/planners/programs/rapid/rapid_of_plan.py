@@ -1,0 +1,98 @@
+"""RAPID modules of what the planner makes: a plan of one operation, or a whole program's motion."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.model import Model
+from irb2400_ctrl.planners.linking.program_events import at_rest
+from irb2400_ctrl.planners.linking.program_motion import ProgramMotion
+from irb2400_ctrl.planners.linking.segment import TimedEvent
+from irb2400_ctrl.planners.plan import Plan
+from irb2400_ctrl.planners.programs.rapid.rapid_options import RapidOptions
+from irb2400_ctrl.planners.programs.rapid.rapid_program import RapidProgram, rapid_program
+from irb2400_ctrl.planners.toolpath.cam_program import Operation
+
+JOINT_MOVES = frozenset({"approach", "link", "unwind", "return"})
+"""segments in which the joints move, not the tool on a line"""
+
+
+def rapid_of_plan(
+    plan: Plan,
+    operation: Operation | None = None,
+    options: RapidOptions | None = None,
+    *,
+    X_BW: Array | None = None,
+) -> RapidProgram:
+    """The module of one plan, with its operation's events where that is given.
+
+    Raises:
+        InputError: as `rapid_program`.
+    """
+    events = [] if operation is None else _events(plan, operation)
+    model = Model(plan.robot)
+    return rapid_program(model, plan.trajectory, options=options, X_BW=X_BW, events=events)
+
+
+def rapid_of_motion(
+    motion: ProgramMotion, options: RapidOptions | None = None, *, X_BW: Array | None = None
+) -> RapidProgram:
+    """The module of a whole program: MoveL where the tool follows a path, MoveAbsJ where the joints
+    move, a stop point between segments, and the events in their places.
+
+    Raises:
+        InputError: segments have different tools, an approach is asked for that the motion has
+        itself, or as `rapid_program`.
+    """
+    options = options or RapidOptions()
+    kinds = [segment.kind for segment in motion.segments]
+    if (options.approach_mm or options.retract_mm) and kinds[0] != "operation":
+        raise InputError(
+            "RAPID: found approach_mm or retract_mm for a motion that comes and goes by itself, "
+            "expected one or the other; shape its links instead (--clearance, --approach)"
+        )
+    robots = [segment.piece.robot for segment in motion.segments]
+    if any(robot.tool != robots[0].tool for robot in robots):
+        names = sorted({"no tool" if r.tool is None else r.tool.name for r in robots})
+        raise InputError(
+            f"RAPID: the motion changes between {', '.join(names)}, expected one tool in a module; "
+            "plan the operations of each tool by themselves (--operation)"
+        )
+    time = motion.trajectory.time
+    joints = np.zeros(len(time), dtype=bool)
+    stops = np.zeros(len(time), dtype=bool)
+    for segment in motion.segments:
+        first, last = np.searchsorted(time, np.array([segment.start, segment.end]) - 1e-6)
+        joints[first + 1 : last + 1] = segment.kind in JOINT_MOVES
+        stops[last] = True
+    return rapid_program(
+        Model(robots[0]),
+        motion.trajectory,
+        options=options,
+        X_BW=X_BW,
+        joint_rows=joints,
+        stops=stops,
+        events=motion.events,
+    )
+
+
+def _events(plan: Plan, operation: Operation) -> list[TimedEvent]:
+    """Of an operation that is planned in one go, without links."""
+    end = float(plan.trajectory.time[-1])
+    waiting = at_rest(operation, None, end)
+    told = {(event.kind, event.line) for event in waiting}
+    on_the_way = [
+        TimedEvent(
+            event.kind,
+            event.text,
+            event.line,
+            operation.number,
+            min(float(plan.point_times[event.point]), end),
+            at_rest=False,
+        )
+        for event in operation.events
+        if event.point >= 0 and (event.kind, event.line) not in told
+    ]
+    return [*at_rest(None, operation, 0.0), *on_the_way, *waiting]
