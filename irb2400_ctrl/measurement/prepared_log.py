@@ -6,6 +6,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.ndimage import uniform_filter1d
 
 from irb2400_ctrl.arrays import Array, Mask
 from irb2400_ctrl.errors import InputError
@@ -37,6 +38,11 @@ STICKING_SPEED = 0.03
 """[rad/s] below this a joint may stick, whether or not it turns"""
 STICKING_TIME = 0.12
 """[s] how long before and after that its torque is not predictable"""
+SLIPPING_SPEED = 0.1
+"""[rad/s] below this a joint may stick and slip in turns"""
+SLIPPING = 4.0
+"""scatter of the torque from sample to sample, over that of the calm quarter of the log, above
+which it does"""
 
 
 @dataclass(frozen=True)
@@ -119,7 +125,7 @@ def prepare(log: Log, rate: float | None = None) -> PreparedLog:
         raise InputError(f"{log.name}: found {log.duration:.2f} s of data, expected at least 2 s")
     positions, qd, qdd, qddd, qdddd = (part[inside] for part in parts)
     gap = widened(~uniform.valid, margin)[inside]
-    still = _standstill(qd, uniform.step)
+    still = _standstill(qd, uniform.step) | _stick_slip(uniform.tau[inside], qd, uniform.step)
     determined = ~(still | gap[:, None])
     if not instrumented:
         # a joint that really sticks does so while it should creep, and smoothing reaches that far
@@ -193,3 +199,15 @@ def _standstill(qd: Array, step: float) -> Mask:
             if stop - start >= least:
                 still[start:stop, j] = True
     return still
+
+
+def _stick_slip(tau: Array, qd: Array, step: float) -> Mask:
+    """Samples of slow joints whose torque jumps from sample to sample far more than elsewhere: they
+    stick and slip in turns, faster than the log resolves, shape (m, n)."""
+    bend = np.zeros_like(tau)
+    bend[1:-1] = np.diff(tau, 2, axis=0)
+    width = max(3, round(STICKING_TIME / step))
+    scatter = np.sqrt(uniform_filter1d(bend**2, width, axis=0, mode="nearest"))
+    calm = np.quantile(scatter, 0.25, axis=0)
+    found = (scatter > SLIPPING * calm) & (np.abs(qd) < SLIPPING_SPEED)
+    return np.column_stack([widened(found[:, j], width) for j in range(tau.shape[1])])

@@ -103,6 +103,13 @@ class FeedUse:
         }
 
 
+def _squared(law: TimeLaw, s: Array) -> tuple[Array, Array]:
+    """Squared rate and acceleration of the parameter; near rest a spline may dip below zero by its
+    rounding."""
+    x, u = law.on(s)
+    return np.maximum(x, 0.0), u
+
+
 def feed_use(
     dynamics: PathDynamics, curve: TaskCurve, path: TaskPath, law: TimeLaw, limits: MotionLimits
 ) -> FeedUse | None:
@@ -118,7 +125,7 @@ def feed_use(
         return None
     middle = (law.s[:-1] + law.s[1:]) / 2
     ratio = np.zeros(len(middle))
-    ratio[stated] = np.sqrt(law.on(middle[stated])[0] / most[stated])
+    ratio[stated] = np.sqrt(_squared(law, middle[stated])[0] / most[stated])
     length = np.diff(path.tcp.way(law.s))
     held = stated & (ratio >= HELD)
     parts = _joined(_parts(stated & ~held), np.concatenate([[0.0], np.cumsum(length)]))
@@ -163,7 +170,9 @@ class _Finder:
     def _speeds(self) -> Array:
         """Of the TCP in the middle of each cell [m/s]."""
         rate = self.path.tcp.velocity(self.middle, self.path.joints.piece(self.middle))
-        return np.asarray(np.linalg.norm(rate, axis=1) * np.sqrt(self.law.on(self.middle)[0]))
+        return np.asarray(
+            np.linalg.norm(rate, axis=1) * np.sqrt(_squared(self.law, self.middle)[0])
+        )
 
     @cached_property
     def _feeds(self) -> Array:
@@ -216,7 +225,7 @@ def _limits(
     cells = [np.unique(np.linspace(a, b - 1, min(b - a, _LOOKED_AT)).astype(int)) for a, b in parts]
     first = np.concatenate([[0], np.cumsum([len(c) for c in cells])[:-1]])
     at = middle[np.concatenate(cells)]
-    x, u = law.on(at)
+    x, u = _squared(law, at)
     rate = path.joints(at, 1)
     qd = rate * np.sqrt(x)[:, None]
     qdd = path.joints(at, 2) * x[:, None] + rate * u[:, None]

@@ -1,0 +1,47 @@
+"""Stretches in which a joint sticks and slips are left out; others are not."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from irb2400_ctrl.measurement import Log
+from irb2400_ctrl.measurement.prepared_log import prepare
+
+TIME = np.arange(0.0, 12.0, 0.004)
+CHATTER = (TIME > 4.0) & (TIME < 6.0)
+
+
+def known(speed: float, jump: float) -> np.ndarray:
+    """Share of known samples within the stretch, of a joint at a steady speed whose torque there
+    jumps from sample to sample; and elsewhere."""
+    draw = np.random.default_rng(4)
+    q = np.outer(speed * TIME, np.ones(6)) + 0.2 * np.sin(0.5 * TIME)[:, None] * [0, 1, 1, 1, 1, 1]
+    tau = 20.0 + draw.normal(0.0, 0.3, (len(TIME), 6))
+    tau[CHATTER, 0] += jump * draw.choice([-1.0, 1.0], CHATTER.sum())
+    motion = prepare(Log(TIME, q, tau, name="drawn"))
+    inside = (motion.time > 4.3) & (motion.time < 5.7)
+    outside = (motion.time < 3.0) | (motion.time > 7.0)
+    return np.array([motion.known[inside, 0].mean(), motion.known[outside, 0].mean()])
+
+
+@pytest.mark.parametrize(
+    ("speed", "jump", "expected"),
+    [
+        (0.05, 8.0, (0.0, 1.0)),  # sticks and slips
+        (0.05, 0.0, (1.0, 1.0)),  # creeps without a jump
+        (0.30, 8.0, (1.0, 1.0)),  # too fast to stick: a fault that is to be found
+    ],
+)
+def test_only_jumping_torque_of_a_slow_joint_is_left_out(speed, jump, expected) -> None:
+    assert known(speed, jump) == pytest.approx(expected)
+
+
+def test_the_rows_of_the_fit_leave_it_out_too() -> None:
+    draw = np.random.default_rng(4)
+    tau = np.full((len(TIME), 6), 20.0) + draw.normal(0.0, 0.3, (len(TIME), 6))
+    tau[CHATTER, 0] += 8.0 * draw.choice([-1.0, 1.0], CHATTER.sum())
+    motion = prepare(Log(TIME, np.outer(0.05 * TIME, np.ones(6)), tau, name="drawn"))
+    inside = (motion.row_time > 4.3) & (motion.row_time < 5.7)
+    assert not motion.row_known[inside, 0].any()
+    assert motion.row_known[inside, 1].all()
