@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from enum import StrEnum
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
@@ -9,6 +10,7 @@ import typer
 
 from irb2400_ctrl.cli.options import OutOption, RobotOption, load_arm, output_folder
 from irb2400_ctrl.cli.progress import step
+from irb2400_ctrl.cli.summary import Summary, answers
 
 if TYPE_CHECKING:
     from irb2400_ctrl.codegen import Block
@@ -25,6 +27,7 @@ class TargetName(StrEnum):
     cortex_m7 = "cortex-m7"
 
 
+@answers
 def codegen(
     out: OutOption,
     controller: Annotated[
@@ -63,7 +66,7 @@ def codegen(
     guarded: Annotated[
         bool, typer.Option("--guarded", help="With guards against faults of its inputs.")
     ] = False,
-) -> None:
+) -> Summary:
     """Write a controller as one C99 file and one header, build it for the target and verify it
     there; exit 1 where it is not verified."""
     output_folder(out)
@@ -80,8 +83,8 @@ def codegen(
         )
     print(verification.table())
     print(f"written: {out}")
-    if not verification.passed:
-        raise typer.Exit(1)
+    stop = None if verification.passed else typer.Exit(1)
+    return Summary(json.loads(verification.to_json()), [out], stop)
 
 
 def _wishes(given: list[str]) -> dict[str, Any]:

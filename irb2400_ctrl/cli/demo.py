@@ -5,18 +5,21 @@ from __future__ import annotations
 
 from irb2400_ctrl.cli.options import OutOption, output_folder
 from irb2400_ctrl.cli.progress import step
+from irb2400_ctrl.cli.summary import Summary, answers
 
 
-def demo(out: OutOption) -> None:
+@answers
+def demo(out: OutOption) -> Summary:
     """Plan a part, track it with generated controllers, find what the model lacks in a log, close
     the loop."""
     output_folder(out)
     with step("loading") as say:
         from irb2400_ctrl.report.main_job import run_main_job
-        from irb2400_ctrl.report.main_page import main_page, table
+        from irb2400_ctrl.report.main_page import main_page, summary, table
 
         job = run_main_job(out, say)
         say("writing the report")
         report = main_page(job).write(out / "report.html")
     print(table(job))
     print(f"report: {report}")
+    return Summary(summary(job), written=[report])

@@ -20,6 +20,7 @@ from irb2400_ctrl.cli.options import (
     output_folder,
 )
 from irb2400_ctrl.cli.progress import step
+from irb2400_ctrl.cli.summary import Summary, answers
 
 if TYPE_CHECKING:
     from irb2400_ctrl.diagnosis import Diagnosis
@@ -47,7 +48,6 @@ ReferenceOption = Annotated[
         "first, or its robot file. What is found then has changed since.",
     ),
 ]
-JsonOption = Annotated[bool, typer.Option("--json", help="Print findings.json on stdout.")]
 CloseLoopOption = Annotated[
     bool,
     typer.Option(
@@ -65,6 +65,7 @@ ControllerOption = Annotated[
 ]
 
 
+@answers
 def diagnose(
     logs: LogsArgument,
     out: OutOption,
@@ -75,8 +76,7 @@ def diagnose(
     uncertainty: UncertaintyOption = None,
     close_loop: CloseLoopOption = False,
     controller: ControllerOption = "feedforward_pid",
-    as_json: JsonOption = False,
-) -> None:
+) -> Summary:
     """Find the residual, name the effect behind it, add it to the robot -> findings.json,
     robot.toml, report.html.
 
@@ -118,11 +118,9 @@ def diagnose(
     with step("writing the report"):
         result.write(out)
         page.write(out / "report.html")
-    if as_json:
-        print(json.dumps(result.to_json()))
-        return
     print("\n".join(text))
     print(f"written: {', '.join(str(out / name) for name in written)}")
+    return Summary(result.to_json())
 
 
 def _diagnosed(

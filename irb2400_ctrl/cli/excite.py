@@ -8,8 +8,10 @@ import typer
 
 from irb2400_ctrl.cli.options import OutOption, RobotOption, load_arm, output_folder
 from irb2400_ctrl.cli.progress import step
+from irb2400_ctrl.cli.summary import Summary, answers
 
 
+@answers
 def excite(
     group: Annotated[
         str,
@@ -25,7 +27,7 @@ def excite(
     joint: Annotated[
         int | None, typer.Option(help="Only for effects on this joint; default all at once.")
     ] = None,
-) -> None:
+) -> Summary:
     """Plan the motion that separates look-alike effects -> trajectory.csv, excitation.mod (RAPID),
     .json, .png."""
     from irb2400_ctrl.excitation.groups import group_called
@@ -42,3 +44,4 @@ def excite(
         paths = found.write(out)
     print("\n".join(found.lines()))
     print("written: " + ", ".join(str(path) for path in paths))
+    return Summary(found.summary(), paths)

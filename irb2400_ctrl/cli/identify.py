@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import Annotated
 
@@ -18,6 +17,7 @@ from irb2400_ctrl.cli.options import (
     output_folder,
 )
 from irb2400_ctrl.cli.progress import step
+from irb2400_ctrl.cli.summary import Summary, answers
 
 LogsArgument = Annotated[
     list[Path], typer.Argument(metavar="LOG...", help="Logs of the sound arm (.csv, .csv.gz).")
@@ -26,9 +26,9 @@ ValidateOption = Annotated[
     list[Path] | None,
     typer.Option(metavar="LOG", help="Another motion, for the error only; may be given again."),
 ]
-JsonOption = Annotated[bool, typer.Option("--json", help="Print the summary as one JSON object.")]
 
 
+@answers
 def identify(
     logs: LogsArgument,
     out: OutOption,
@@ -36,8 +36,7 @@ def identify(
     validate: ValidateOption = None,
     columns: ColumnsOption = None,
     uncertainty: UncertaintyOption = None,
-    as_json: JsonOption = False,
-) -> None:
+) -> Summary:
     """Fit bodies, friction, offsets and rotors to logs -> robot.toml, identification.json,
     report.html."""
     others = validate or []
@@ -58,10 +57,8 @@ def identify(
     with step("writing the report"):
         result.write(out)
         identification_page(result).write(out / "report.html")
-    if as_json:
-        print(json.dumps(result.to_json()))
-        return
     print("\n".join(lines(result)))
     print(f"prior of the robot file: {arm.uncertainty.says()}")
     names = ("robot.toml", "identification.json", "covariance.json", "report.html")
     print(f"written: {', '.join(str(out / name) for name in names)}")
+    return Summary(result.to_json())

@@ -9,6 +9,7 @@ import typer
 
 from irb2400_ctrl.cli.options import ColumnsOption, RobotOption, input_file, load_arm
 from irb2400_ctrl.cli.progress import step
+from irb2400_ctrl.cli.summary import Summary, answers
 
 if TYPE_CHECKING:
     from irb2400_ctrl.plausibility import LogCheck
@@ -22,6 +23,7 @@ def log() -> None:
 
 
 @app.command()
+@answers
 def check(
     log: Annotated[Path, typer.Argument(metavar="LOG", help="Measured log.")],
     robot: RobotOption = "irb2400",
@@ -29,15 +31,10 @@ def check(
     no_robot: Annotated[
         bool, typer.Option("--no-robot", help="Only what the columns show of themselves.")
     ] = False,
-    as_json: Annotated[
-        bool, typer.Option("--json", help="Print one JSON object instead of the text.")
-    ] = False,
-) -> None:
+) -> Summary:
     """Say what a log holds and whether it can be this robot's; exit 2 with the reason when it
     cannot."""
     input_file(log, "a log")
-
-    import json
 
     from irb2400_ctrl.errors import InputError
     from irb2400_ctrl.measurement import read_log
@@ -47,9 +44,10 @@ def check(
     with step(f"reading {log.name}"):
         names = None if arm is None else arm.joint_names
         found = check_log(arm, read_log(log, columns=columns, names=names))
-    print(json.dumps(found.to_json(), indent=1) if as_json else "\n".join(lines(found)))
-    if found.problem is not None:
-        raise InputError(f"{log}: {found.problem.says}")
+    print("\n".join(lines(found)))
+    problem = found.problem
+    stop = None if problem is None else InputError(f"{log}: {problem.says}")
+    return Summary(found.to_json(), stop=stop)
 
 
 def lines(check: LogCheck) -> list[str]:

@@ -15,6 +15,7 @@ from irb2400_ctrl.cli import (
     demo,
     diagnose,
     excite,
+    explain,
     identify,
     log,
     path,
@@ -63,6 +64,7 @@ app.command("diagnose")(diagnose.diagnose)
 app.command("identify")(identify.identify)
 app.command("validate")(validate.validate)
 app.command("excite")(excite.excite)
+app.command("explain")(explain.explain)
 app.add_typer(robot.app, name="robot")
 app.add_typer(path.app, name="path")
 app.add_typer(log.app, name="log")

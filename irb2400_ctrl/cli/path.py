@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from irb2400_ctrl.cli.options import input_file
+from irb2400_ctrl.cli.summary import Summary, answers
 
 if TYPE_CHECKING:
     from irb2400_ctrl.planners import CamProgram, Operation
@@ -29,29 +29,25 @@ def main() -> None:
 
 
 @app.command()
+@answers
 def show(
     file: Annotated[
         Path, typer.Argument(metavar="FILE", help="CSV, APT/CLDATA (NX, Creo, CATIA) or G-code.")
     ],
     units: Annotated[str | None, typer.Option("--units", help=UNITS_HELP)] = None,
     rotary: Annotated[str | None, typer.Option("--rotary", help=ROTARY_HELP)] = None,
-    as_json: Annotated[
-        bool, typer.Option("--json", help="Print the summary as one JSON object.")
-    ] = False,
-) -> None:
+) -> Summary:
     """Print the operations: tool, points, length, feed, extent; what was not understood."""
     input_file(file, "a CAM file (CSV, APT/CLDATA or G-code)")
 
     from irb2400_ctrl.planners import read_program
 
     program = read_program(file, units=units, rotary=rotary, strict=False)
-    if as_json:
-        print(json.dumps(program.summary(), indent=2))
-        return
     print(f"{program.name}: {program.dialect}, {len(program.operations)} operation(s)")
     for operation in program.operations:
         _print_operation(operation)
     _print_notes(program)
+    return Summary(program.summary())
 
 
 def _print_operation(operation: Operation) -> None:

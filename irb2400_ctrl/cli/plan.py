@@ -18,21 +18,22 @@ from irb2400_ctrl.cli.options import (
     output_folder,
 )
 from irb2400_ctrl.cli.path import ROTARY_HELP, UNITS_HELP
-from irb2400_ctrl.cli.plan_program import (
+from irb2400_ctrl.cli.planning.plan_program import (
     figures,
     link_options,
     plan_all,
     plan_parts,
     print_feed,
 )
-from irb2400_ctrl.cli.progress import step
-from irb2400_ctrl.cli.rapid_out import (
+from irb2400_ctrl.cli.planning.rapid_out import (
     RapidIoOption,
     RapidOption,
     RapidSetOption,
     rapid_options,
     write_plan_module,
 )
+from irb2400_ctrl.cli.progress import step
+from irb2400_ctrl.cli.summary import Summary, answers
 from irb2400_ctrl.errors import UnreachableError
 
 if TYPE_CHECKING:
@@ -171,6 +172,7 @@ InterpolationOption = Annotated[
 ]
 
 
+@answers
 def plan(
     path: PathArgument,
     out: OutOption,
@@ -197,7 +199,7 @@ def plan(
     clearance: ClearanceOption = None,
     approach: ApproachOption = None,
     start: StartOption = None,
-) -> None:
+) -> Summary:
     """Plan a toolpath: branch, tool rotation, torque-limited timing -> trajectory.csv, plan.json,
     figures."""
     input_file(path, "a toolpath (CSV, APT/CLDATA or G-code)")
@@ -229,7 +231,7 @@ def plan(
     _say_assumed(program, around, tool)
     chosen = link_options(len(program.operations), links, clearance, approach, start)
     follow = plan_all if len(program.operations) > 1 or chosen.ends else _plan_one
-    follow(arm, program, chosen, options, out, rapid_options(rapid, rapid_set, rapid_io))
+    return follow(arm, program, chosen, options, out, rapid_options(rapid, rapid_set, rapid_io))
 
 
 def _say_assumed(program: CamProgram, cell: Cell | None, tool: str | None) -> None:
@@ -256,7 +258,7 @@ def _plan_one(
     options: dict[str, Any],
     out: Path,
     rapid: RapidOptions | None,
-) -> None:
+) -> Summary:
     """The only operation, into the folder itself; in parts where axes have to be unwound."""
     from irb2400_ctrl.planners import plan_path
     from irb2400_ctrl.planners.linking.operation_runs import frame_of
@@ -273,8 +275,7 @@ def _plan_one(
             )
         except UnreachableError as error:
             say(f"{task}: unwinding")
-            plan_parts(arm, program, links, options, out, rapid, error)
-            return
+            return plan_parts(arm, program, links, options, out, rapid, error)
         say(f"{task}: writing")
         planned.write(out)
         written = ["trajectory.csv", "plan.json", *figures(planned, out)]
@@ -283,6 +284,7 @@ def _plan_one(
     print(f"{program.name}: {len(toolpath)} points, {planned.summary()['duration_s']:.2f} s")
     _print_summary(planned)
     print(f"written to {out}: {', '.join(written)}")
+    return Summary(planned.summary(), [out / name for name in written])
 
 
 def _print_summary(planned: Plan) -> None:

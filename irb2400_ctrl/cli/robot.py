@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import asdict
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
 from irb2400_ctrl.cli import robot_in
 from irb2400_ctrl.cli.options import OutOption, output_folder
+from irb2400_ctrl.cli.summary import Summary, answers
 
 if TYPE_CHECKING:
     from irb2400_ctrl.robot import Robot
@@ -24,7 +26,8 @@ RobotArgument = Annotated[
 
 
 @app.command()
-def show(robot: RobotArgument = "irb2400") -> None:
+@answers
+def show(robot: RobotArgument = "irb2400") -> Summary:
     """Print the robot: joints, limits, friction, links, tool, effects."""
     import numpy as np
 
@@ -58,9 +61,12 @@ def show(robot: RobotArgument = "irb2400") -> None:
     for effect in arm.effects:
         place = f" on joint {effect.joint}" if effect.joint else ""
         print(f"effect {effect.kind}{place}: {effect.parameters()}")
+    facts = arm.model_dump(mode="json", exclude_none=True)
+    return Summary(facts | {"assumptions": arm.assumptions()})
 
 
 @app.command()
+@answers
 def check(
     robot: RobotArgument = "irb2400",
     project: Annotated[
@@ -75,20 +81,22 @@ def check(
             metavar="OUT.toml", help="Write the robot with the centres of mass of eqs. 37-42 there."
         ),
     ] = None,
-) -> None:
+) -> Summary:
     """Say in plain words what in the description cannot be so."""
     from irb2400_ctrl.robot import load_robot
 
     arm = load_robot(robot)
-    _print_bodies(arm)
+    facts = _print_bodies(arm)
     _print_assumed_limits(arm)
     if project is not None:
         _write_nearest_consistent(arm, project)
     if symmetry_plane is not None:
         _write_symmetric(arm, symmetry_plane)
+    return Summary(facts, [path for path in (project, symmetry_plane) if path is not None])
 
 
 @app.command()
+@answers
 def export(
     out: OutOption,
     robot: RobotArgument = "irb2400",
@@ -98,7 +106,7 @@ def export(
     as_is: Annotated[
         bool, typer.Option("--as-is", help="Keep mass data that no real body can have.")
     ] = False,
-) -> None:
+) -> Summary:
     """Write the robot as URDF or MJCF, its bodies such that a simulator accepts them; its head says
     what is left out."""
     import re
@@ -133,11 +141,21 @@ def export(
         _print_torque_differences(arm, written)
     name = re.sub(r"\W+", "_", arm.name).strip("_").lower()
     save = {"urdf": (save_urdf, "urdf"), "mjcf": (save_mjcf, "xml")}[format]
-    print(f"written: {save[0](written, output_folder(out) / f'{name}.{save[1]}')}")
+    path = save[0](written, output_folder(out) / f"{name}.{save[1]}")
+    print(f"written: {path}")
+    facts = {
+        "name": arm.name,
+        "format": format,
+        "assumptions": arm.assumptions(),
+        "effects_left_out": left_out,
+        "mass_data_moved": written != weighed,
+        "massless_bodies": bare,
+    }
+    return Summary(facts, [path])
 
 
-def _print_bodies(arm: Robot) -> None:
-    """Which bodies could exist, and whether that matters to the torques."""
+def _print_bodies(arm: Robot) -> dict[str, Any]:
+    """Which bodies could exist, and whether that matters to the torques; the same as facts."""
     from irb2400_ctrl.model import consistency
     from irb2400_ctrl.model.plausibility import plausibility
     from irb2400_ctrl.model.positive_definite import certify
@@ -146,7 +164,8 @@ def _print_bodies(arm: Robot) -> None:
         "body               principal moments kg m2          triangle slack  smallest of "
         "pseudo-inertia"
     )
-    for body in consistency.report(arm):
+    bodies = consistency.report(arm)
+    for body in bodies:
         moments = " ".join(f"{value:9.5f}" for value in body.principal_moments)
         verdict = "" if body.consistent else "  impossible"
         print(
@@ -154,12 +173,23 @@ def _print_bodies(arm: Robot) -> None:
             f"{body.pseudo_inertia:13.5f}{verdict}"
         )
     issues = consistency.check(arm)
-    for note in [*plausibility(arm), *arm.assumptions()]:
+    notes = [*plausibility(arm), *arm.assumptions()]
+    for note in notes:
         print(note)
     certificate = certify(arm)
     word = "is positive definite" if certificate.shown else "is not shown to be positive definite"
     print(f"the mass matrix {word} over the whole joint box: {certificate.reason}")
-    print(_realisable(arm) if issues else "every body could exist")
+    same_torques = _realisable(arm) if issues else "every body could exist"
+    print(same_torques)
+    return {
+        "name": arm.name,
+        "bodies": [asdict(body) | {"consistent": body.consistent} for body in bodies],
+        "issues": [asdict(issue) for issue in issues],
+        "notes": notes,
+        "positive_definite": certificate.shown,
+        "positive_definite_reason": certificate.reason,
+        "realisable": same_torques,
+    }
 
 
 def _realisable(arm: Robot) -> str:

@@ -7,11 +7,14 @@ from typing import Annotated
 
 import typer
 
+from irb2400_ctrl.cli.summary import Summary, answers
+
 RobotFile = Annotated[
     Path, typer.Option("--out", metavar="ARM.toml", help="The robot file to write.")
 ]
 
 
+@answers
 def import_(
     path: Annotated[Path, typer.Argument(metavar="FILE", help="URDF, MJCF, or DH table (CSV).")],
     out: RobotFile,
@@ -33,7 +36,7 @@ def import_(
     convention: Annotated[
         str | None, typer.Option(help="Of a DH table: standard or modified.")
     ] = None,
-) -> None:
+) -> Summary:
     """Make a robot file from another format; says what was unknown and what looks wrong."""
     from irb2400_ctrl.model.plausibility import plausibility
     from irb2400_ctrl.robot import save_robot
@@ -53,14 +56,19 @@ def import_(
     )
     save_robot(found.robot, out)
     print(f"{found.robot.name}: {found.robot.n} joints")
-    for note in (*found.notes, *found.robot.assumptions()):
+    notes = [*found.notes, *found.robot.assumptions()]
+    checks = plausibility(found.robot)
+    for note in notes:
         print(f"note: {note}")
-    for note in plausibility(found.robot):
+    for note in checks:
         print(f"check: {note}")
     print(f"written: {out}")
+    facts = {"name": found.robot.name, "joints": found.robot.n, "notes": notes, "checks": checks}
+    return Summary(facts, [out])
 
 
-def new(out: RobotFile) -> None:
+@answers
+def new(out: RobotFile) -> Summary:
     """Write a commented template of a robot file; it loads as it is."""
     from importlib import resources
 
@@ -68,6 +76,7 @@ def new(out: RobotFile) -> None:
 
     text = (resources.files("irb2400_ctrl") / "robot" / "template.toml").read_text()
     print(f"written: {write_atomic(out, text)}")
+    return Summary({}, [out])
 
 
 def _numbers(option: str, text: str) -> tuple[float, float, float]:

@@ -9,8 +9,10 @@ import typer
 
 from irb2400_ctrl.cli.options import OutOption, RobotOption, input_file, load_arm, output_folder
 from irb2400_ctrl.cli.progress import step
+from irb2400_ctrl.cli.summary import Summary, answers
 
 
+@answers
 def simulate(
     trajectory: Annotated[
         Path, typer.Argument(metavar="TRAJECTORY", help="trajectory.csv of `irb2400 plan`.")
@@ -24,7 +26,7 @@ def simulate(
         str | None,
         typer.Option(metavar="ROBOT", help="Robot of the plant; the controller's own if absent."),
     ] = None,
-) -> None:
+) -> Summary:
     """Track a trajectory with a controller (1 kHz, generated C) -> log.csv, simulation.json,
     tracking.png."""
     input_file(trajectory, "a trajectory (CSV)")
@@ -49,4 +51,6 @@ def simulate(
     )
     for line in in_words(s["bounds_reached"]):
         print(line)
-    print(f"written: {out / 'log.csv'}, {out / 'simulation.json'}, {out / 'tracking.png'}")
+    written = [out / name for name in ("log.csv", "simulation.json", "tracking.png")]
+    print(f"written: {', '.join(map(str, written))}")
+    return Summary(s, written)

@@ -10,10 +10,12 @@ import typer
 
 from irb2400_ctrl.cli.options import OutOption, input_file, output_folder
 from irb2400_ctrl.cli.progress import step
+from irb2400_ctrl.cli.summary import Summary, answers
 
 INTERRUPTED = 130
 
 
+@answers
 def sweep(
     study: Annotated[
         Path, typer.Argument(metavar="STUDY", help="What to vary: a TOML file (docs/sweep.md).")
@@ -28,7 +30,7 @@ def sweep(
     workers: Annotated[
         int | None, typer.Option(metavar="N", help="Processes here; one per core if absent.")
     ] = None,
-) -> None:
+) -> Summary:
     """Run every case of a study that is not done yet -> cases.parquet, study.toml, sweep.png."""
     input_file(study, "a study (TOML)")
 
@@ -65,4 +67,6 @@ def sweep(
             f"case {row['case']} ({row['controller']}, {row['motion']}): {row['status']}, "
             f"{row['message']}"
         )
-    print(f"written: {result.table}, {out / 'study.toml'}, {picture}")
+    written = [result.table, out / "study.toml", picture]
+    print(f"written: {', '.join(map(str, written))}")
+    return Summary(result.summary(), written)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import Annotated
 
@@ -10,21 +9,21 @@ import typer
 
 from irb2400_ctrl.cli.options import ColumnsOption, OutOption, input_file, output_folder
 from irb2400_ctrl.cli.progress import step
+from irb2400_ctrl.cli.summary import Summary, answers
 
 RobotArgument = Annotated[
     str, typer.Argument(metavar="ROBOT", help="A robot file (TOML) or a name.")
 ]
 LogArgument = Annotated[Path, typer.Argument(metavar="LOG", help="Measured log (.csv, .csv.gz).")]
-JsonOption = Annotated[bool, typer.Option("--json", help="Print the summary as one JSON object.")]
 
 
+@answers
 def validate(
     robot: RobotArgument,
     log: LogArgument,
     out: OutOption,
     columns: ColumnsOption = None,
-    as_json: JsonOption = False,
-) -> None:
+) -> Summary:
     """Compare modelled and measured torque (Tab. 6, eqs. 75-77; figures 10-12) ->
     validation.json, report.html."""
     input_file(log, "a log (.csv or .csv.gz)")
@@ -40,8 +39,6 @@ def validate(
         result = run(arm, read_log(log, columns=columns, names=arm.joint_names))
         result.write(out)
         validation_page(result).write(out / "report.html")
-    if as_json:
-        print(json.dumps(result.to_json()))
-        return
     print("\n".join(lines(result)))
     print(f"written: {out / 'validation.json'}, {out / 'report.html'}")
+    return Summary(result.to_json())

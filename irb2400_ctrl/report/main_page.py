@@ -119,6 +119,20 @@ def _add_tracking(page: Page, job: MainJob) -> None:
     page.figure(torque_figure(job.tracking[best], best), "Torque of each joint against its limits.")
 
 
+def summary(job: MainJob) -> dict[str, Any]:
+    """What every step of the main job says of itself, under JSON names."""
+    return {
+        "plan": job.plan.summary(),
+        "codegen": {
+            name: {"passed": v.passed, "max_relative_difference": v.max_relative_difference}
+            for name, v in job.packages.items()
+        },
+        "simulate": {name: run.summary() for name, run in job.tracking.items()},
+        "diagnose": job.diagnosis.to_json(),
+        "closed_loop": job.closed_loop.summary(),
+    }
+
+
 def table(job: MainJob) -> str:
     """At most 20 lines for the terminal."""
     s = job.plan.summary()

@@ -8,6 +8,7 @@ from collections.abc import Callable
 from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.sweep.cases import Row, identity, run_case
@@ -36,6 +37,19 @@ class Sweep:
     def lines(self) -> list[SummaryLine]:
         """Errors by controller, motion and speed."""
         return summarise(self.rows)
+
+    def summary(self) -> dict[str, Any]:
+        """Counts and the lines, in JSON's types and with units."""
+        return {
+            "name": self.study.name,
+            "cases": self.study.cases,
+            "ran": self.ran,
+            "lines": [line.summary() for line in self.lines],
+            "problems": [
+                {key: row[key] for key in ("case", "controller", "motion", "status", "message")}
+                for row in self.problems
+            ],
+        }
 
 
 def run_sweep(

@@ -75,6 +75,18 @@ class SummaryLine:
         """Error that this share of the runs stays below [mm]; NaN when none succeeded."""
         return float(np.quantile(self.errors_mm, share)) if self.errors_mm else float("nan")
 
+    def summary(self) -> dict[str, Any]:
+        """The line of the short table under JSON names; without a run that succeeded no error."""
+        shares = {"median": 0.5, "p95": 0.95, "worst": 1.0} if self.errors_mm else {}
+        return {
+            "motion": self.motion,
+            "speed": self.speed,
+            "controller": self.controller,
+            "tcp_error_rms_mm": {name: self.quantile(share) for name, share in shares.items()},
+            "saturated": self.saturated,
+            "failed": self.failed,
+        }
+
 
 def summarise(rows: Iterable[Row]) -> list[SummaryLine]:
     """One line per controller, motion and speed, in the order of the cases."""

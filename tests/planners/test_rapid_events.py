@@ -14,7 +14,7 @@ from typer.testing import CliRunner
 
 import irb2400_ctrl as irb
 from irb2400_ctrl.cli.main import app
-from irb2400_ctrl.cli.rapid_out import rapid_options
+from irb2400_ctrl.cli.planning.rapid_out import rapid_options
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.planners import plan_program, read_program
 from irb2400_ctrl.planners.programs.rapid import (

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from irb2400_ctrl.cli.planning.rapid_out import write_motion_module, write_plan_module
 from irb2400_ctrl.cli.progress import step
-from irb2400_ctrl.cli.rapid_out import write_motion_module, write_plan_module
+from irb2400_ctrl.cli.summary import Summary
 from irb2400_ctrl.errors import InputError, UnreachableError
 
 if TYPE_CHECKING:
@@ -68,7 +70,7 @@ def plan_all(
     options: dict[str, Any],
     out: Path,
     rapid: RapidOptions | None,
-) -> None:
+) -> Summary:
     """The whole into the folder itself, each operation into its own, and program.json."""
     from irb2400_ctrl.planners import plan_program
 
@@ -82,8 +84,8 @@ def plan_all(
             **options,
         )
         say(f"{task}: writing")
-        _write(found, out, rapid, options)
-    _tell(found, program, out)
+        written = _write(found, out, rapid, options)
+    return _told(found, program, out, written)
 
 
 def plan_parts(
@@ -94,7 +96,7 @@ def plan_parts(
     out: Path,
     rapid: RapidOptions | None,
     because: UnreachableError,
-) -> None:
+) -> Summary:
     """The only operation in parts, between which axes are unwound.
 
     Raises:
@@ -103,33 +105,33 @@ def plan_parts(
     from irb2400_ctrl.planners.program_plan import plan_unwound
 
     found = plan_unwound(arm, program, links, because, **options)
-    _write(found, out, rapid, options)
-    _tell(found, program, out)
+    written = _write(found, out, rapid, options)
+    return _told(found, program, out, written)
 
 
 def _write(
     found: ProgramPlan, out: Path, rapid: RapidOptions | None, options: dict[str, Any]
-) -> None:
+) -> list[Path]:
     """All files; one RAPID module of the whole, or one of each plan where nothing links them."""
     from irb2400_ctrl.planners.linking.operation_runs import frame_of
 
-    found.write(out)
+    written = found.write(out)
     for done in found.operations:
         for folder, run in done.folders():
-            figures(run.plan, out / folder)
+            names = figures(run.plan, out / folder)
             if rapid is not None and found.motion is None:
                 whole = done.operation if len(done.runs) == 1 else None
-                write_plan_module(run.plan, whole, rapid, frame_of(options), out / folder)
+                names += write_plan_module(run.plan, whole, rapid, frame_of(options), out / folder)
+            written += [out / folder / name for name in names]
     if rapid is not None and found.motion is not None:
-        write_motion_module(found.motion, rapid, frame_of(options), out)
+        names = write_motion_module(found.motion, rapid, frame_of(options), out)
+        written += [out / name for name in names]
+    return written
 
 
-def _tell(found: ProgramPlan, program: CamProgram, out: Path) -> None:
-    """What was planned, and then what was not.
-
-    Raises:
-        InputError: an operation, or a way between two, has no plan.
-    """
+def _told(found: ProgramPlan, program: CamProgram, out: Path, written: Sequence[Path]) -> Summary:
+    """What was planned: plan.json of the whole, and program.json under `program`; stops where an
+    operation, or a way between two, has no plan."""
     for done in found.operations:
         if done.planned:
             points = len(done.operation.path)
@@ -137,7 +139,8 @@ def _tell(found: ProgramPlan, program: CamProgram, out: Path) -> None:
     if found.motion is not None:
         print_motion(found.motion, program.name)
     print(f"written to {out}: {_files(found)}")
-    _refuse(found)
+    whole = {} if found.motion is None else found.motion.summary()
+    return Summary({**whole, "program": found.summary()}, written, _refusal(found))
 
 
 def print_motion(motion: ProgramMotion, name: str) -> None:
@@ -184,12 +187,13 @@ def _files(found: ProgramPlan) -> str:
     return f"{whole}program.json and a folder per operation"
 
 
-def _refuse(found: ProgramPlan) -> None:
-    """Say what has no plan, as the user's to change."""
+def _refusal(found: ProgramPlan) -> InputError | None:
+    """What has no plan, as the user's to change."""
     if found.refused:
         reasons = "; ".join(
             f"{o.operation.number} ({o.operation.name}): {o.refused}" for o in found.refused
         )
-        raise InputError(f"{len(found.refused)} of {len(found.operations)} operations: {reasons}")
+        return InputError(f"{len(found.refused)} of {len(found.operations)} operations: {reasons}")
     if found.motion is None:
-        raise InputError(f"the operations are planned, but not linked: {found.refused_links}")
+        return InputError(f"the operations are planned, but not linked: {found.refused_links}")
+    return None

@@ -1,0 +1,37 @@
+"""`irb2400 explain`: what an effect is, and what it is taken for."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+from irb2400_ctrl.cli.summary import Summary, answers
+
+
+@answers
+def explain(
+    kind: Annotated[
+        str | None,
+        typer.Argument(metavar="KIND", help="An effect, as a report names it; absent: the list."),
+    ] = None,
+    robot: Annotated[
+        str | None,
+        typer.Option(metavar="ROBOT", help="A robot file whose own effects are to be known too."),
+    ] = None,
+) -> Summary:
+    """Say what an effect is: law, parameters, look-alikes and how to tell them apart."""
+    from irb2400_ctrl.report.effect_words import explain as words_of
+    from irb2400_ctrl.report.effect_words import lines, overview, overview_lines
+
+    if robot is not None:
+        from irb2400_ctrl.robot import load_robot
+
+        load_robot(robot)  # brings the user's own effects along
+    if kind is None:
+        kinds = overview()
+        print("\n".join(overview_lines(kinds)))
+        return Summary({"effects": kinds})
+    found = words_of(kind)
+    print("\n".join(lines(found)))
+    return Summary(found)

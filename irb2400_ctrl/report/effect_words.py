@@ -1,0 +1,198 @@
+"""An effect in words: all that its class says of itself, for whoever meets its name in a report.
+
+Everything comes from the effect's own frozen values, so a user's own effect explains itself too.
+"""
+
+from __future__ import annotations
+
+import inspect
+import re
+import textwrap
+from typing import Any
+
+from irb2400_ctrl.effects import LIBRARY, Ambiguity, Effect, effect_class
+from irb2400_ctrl.effects.base import COMMON
+
+PLACES = {
+    "force": "on the arm, as a force",
+    "parameters": "on the arm's own parameters (mass, centre of mass, inertia)",
+    "measurement": "in the measuring chain; the arm itself is not changed",
+    "transmission": "in the transmission, between a motor and its link",
+}
+CHAIN = {
+    "torque": "what is added to the torque",
+    "angle": "the encoder's angle",
+    "reading": "the drive's reading of the torque",
+    "clock": "the clock of the reading",
+}
+SEARCH = {
+    "between_grid": "its grid is refined between neighbouring points",
+    "repeats": "one joint may have several",
+    "on_every_joint": "all joints at once are tried too",
+    "comes_and_goes": "it may come and go within a record",
+    "usual": "every robot has it and most files leave it out",
+    "shows_moving": "it must show away from reversals too",
+}
+"""words for what an effect may say in its `search`"""
+UNIT = re.compile(r"\s*\[([^\[\]]*)\]\s*$")
+WIDTH = 92
+
+
+def explain(kind: str) -> dict[str, Any]:
+    """All that is said of an effect, under JSON names.
+
+    Raises:
+        InputError: no such kind; lists those that there are.
+    """
+    effect = effect_class(kind.strip().lower().replace("-", "_").replace(" ", "_"))
+    return {
+        "kind": _kind(effect),
+        "sentence": effect.sentence,
+        "law": inspect.cleandoc(effect.__doc__ or ""),
+        "acts": effect.acts,
+        "acts_where": _where(effect),
+        "on": "the whole arm" if effect.whole_arm else "one joint",
+        "parameters": _parameters(effect),
+        "states": list(effect.states),
+        "group": effect.ambiguity.group,
+        "look_alikes": _look_alikes(effect),
+        "in_diagnosis": effect.search.in_diagnosis,
+        "remarks": _remarks(effect),
+    }
+
+
+def overview() -> list[dict[str, str]]:
+    """Every kind with its sentence, in the order of the kinds."""
+    return [
+        {"kind": kind, "sentence": effect.sentence, "acts": effect.acts}
+        for kind, effect in LIBRARY.items()
+    ]
+
+
+def _kind(effect: type[Effect]) -> str:
+    return str(effect.model_fields["kind"].default)
+
+
+def _where(effect: type[Effect]) -> str:
+    place = PLACES[effect.acts]
+    return f"{place}: {CHAIN[effect.chain]}" if effect.acts == "measurement" else place
+
+
+def _parameters(effect: type[Effect]) -> list[dict[str, Any]]:
+    """Its own fields; the unit is what ends the description in brackets."""
+    found = []
+    for name, field in effect.model_fields.items():
+        if name in COMMON:
+            continue
+        description = field.description or ""
+        unit = UNIT.search(description)
+        default = None if field.is_required() else field.get_default(call_default_factory=True)
+        found.append(
+            {
+                "name": name,
+                "unit": unit[1] if unit else None,
+                "meaning": UNIT.sub("", description),
+                "required": field.is_required(),
+                "default": default,
+                "usual": effect.example.get(name, default),
+            }
+        )
+    return found
+
+
+def _names(own: Ambiguity, other: type[Effect]) -> bool:
+    """Whether one of these words says of an effect that it is taken for it."""
+    return (
+        own.group == other.ambiguity.group
+        or _kind(other) in own.passing
+        or _kind(other) in own.lookalikes
+    )
+
+
+def _look_alikes(effect: type[Effect]) -> list[dict[str, Any]]:
+    """Who is taken for it, whoever of the two says so, and how they are told apart."""
+    own = effect.ambiguity
+    found = []
+    for kind, other in LIBRARY.items():
+        # whoever names the other says what separates them
+        says = [
+            words
+            for words, named in ((own, other), (other.ambiguity, effect))
+            if _names(words, named)
+        ]
+        if other is effect or not says:
+            continue
+        found.append(
+            {
+                "kind": kind,
+                "sentence": other.sentence,
+                "told_apart_by": _joined(words.splits for words in says),
+                "measure_else": _joined(words.measure_else for words in says),
+                "this_is_its_limit": kind in own.limit_of,
+            }
+        )
+    return found
+
+
+def _joined(texts: Any) -> str:
+    return "; ".join(text for text in dict.fromkeys(texts) if text)
+
+
+def _remarks(effect: type[Effect]) -> list[str]:
+    """What else is special about it, and about looking for it."""
+    search = effect.search
+    words = []
+    if effect.ambiguity.change_of:
+        words.append(f"it is a change of the base's {', '.join(effect.ambiguity.change_of)}")
+    if effect.ambiguity.on_another_link:
+        words.append("the same kind on another link looks alike")
+    if not search.in_diagnosis:
+        return [*words, "a diagnosis does not try it"]
+    words += [text for name, text in SEARCH.items() if getattr(search, name)]
+    if search.device:
+        words.append(f"of the flaws of one {search.device} a log tells one only")
+    return words
+
+
+def overview_lines(found: list[dict[str, str]]) -> list[str]:
+    """The list for a terminal."""
+    width = max(len(one["kind"]) for one in found)
+    return [f"{one['kind']:<{width}}  {one['sentence']}" for one in found]
+
+
+def lines(found: dict[str, Any]) -> list[str]:
+    """An explanation for a terminal."""
+    text = [
+        f"{found['kind']}: {found['sentence']}",
+        "",
+        *found["law"].splitlines(),
+        "",
+        f"acts {found['acts_where']}; on {found['on']}",
+    ]
+    if found["states"]:
+        text.append(f"internal states: {', '.join(found['states'])}")
+    text.append("parameters:")
+    for one in found["parameters"]:
+        unit = f" [{one['unit']}]" if one["unit"] else ""
+        usual = "" if one["usual"] is None else f"; for example {one['usual']}"
+        text += _wrapped(f"{one['name']}{unit}: {one['meaning']}{usual}", "  ")
+    text.append(f"look-alikes (ambiguity group {found['group']}):")
+    for one in found["look_alikes"]:
+        text += _wrapped(f"{one['kind']}: {one['sentence']}", "  ")
+        if one["this_is_its_limit"]:
+            text += _wrapped("this effect is a limit of it: only simplicity speaks for it", "    ")
+        if one["told_apart_by"]:
+            text += _wrapped(f"told apart by: {one['told_apart_by']}", "    ")
+        if one["measure_else"]:
+            text += _wrapped(f"where no motion helps: {one['measure_else']}", "    ")
+    if not found["look_alikes"]:
+        text.append("  none known")
+    if found["in_diagnosis"]:
+        text += _wrapped(
+            f'a motion that separates them: irb2400 excite --for "{found["kind"]}"', ""
+        )
+    return [*text, *(f"note: {words}" for words in found["remarks"])]
+
+
+def _wrapped(text: str, indent: str) -> list[str]:
+    return textwrap.wrap(text, WIDTH, initial_indent=indent, subsequent_indent=indent + "    ")

@@ -1,0 +1,127 @@
+"""`irb2400 explain`: every effect says what it is, from its own values."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import fields
+from pathlib import Path
+from typing import get_args
+
+import pytest
+from typer.testing import CliRunner
+
+from irb2400_ctrl.cli.main import app
+from irb2400_ctrl.effects import LIBRARY, Search, registry
+from irb2400_ctrl.effects.base import COMMON, Acts, Link
+from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.report import effect_words
+from irb2400_ctrl.report.effect_words import explain, lines, overview
+
+OWN = '''
+"""A hose."""
+from typing import ClassVar, Literal
+
+from pydantic import Field
+
+from irb2400_ctrl.effects import Ambiguity, Effect
+
+
+class LooseHose(Effect):
+    """tau_j = k q_j."""
+
+    sentence: ClassVar = "a loose hose swings along"
+    example: ClassVar = {"stiffness_Nm_rad": 7.5}
+    ambiguity: ClassVar = Ambiguity("hose", splits="take it off", passing=("cable_spring",))
+
+    kind: Literal["loose_hose"] = "loose_hose"
+    stiffness_Nm_rad: float = Field(description="stiffness k [Nm/rad]")
+
+    def basis(self, s):
+        return self.on(s.q[self.index], s.q.numel())
+
+    def coefficients(self):
+        return (self.stiffness_Nm_rad,)
+
+    @classmethod
+    def from_coefficients(cls, joint, coefficients, nonlinear):
+        return cls.of(joint, stiffness_Nm_rad=coefficients[0])
+'''
+KINDS = [kind for kind, effect in LIBRARY.items() if registry.users_files([effect]) == []]
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_every_kind_explains_itself(kind: str) -> None:
+    effect = LIBRARY[kind]
+    found = explain(kind)
+    assert found["sentence"] == effect.sentence
+    assert found["law"].splitlines()[0] in " ".join((effect.__doc__ or "").split("\n"))
+    own = {name for name in effect.model_fields if name not in COMMON}
+    assert {one["name"] for one in found["parameters"]} == own
+    text = " ".join(" ".join(lines(found)).split())
+    for one in found["parameters"]:
+        # a number without its unit says nothing
+        assert one["unit"], one
+        assert one["meaning"], one
+        assert f"{one['name']} [{one['unit']}]" in text
+    alike = {one["kind"] for one in found["look_alikes"]}
+    group = {k for k, e in LIBRARY.items() if e.ambiguity.group == effect.ambiguity.group}
+    named = {*effect.ambiguity.passing, *effect.ambiguity.lookalikes}
+    assert alike >= (group | named) & set(LIBRARY) - {kind}
+    assert kind not in alike
+    for one in found["look_alikes"]:
+        assert one["told_apart_by"] or one["measure_else"], one
+        assert f"{one['kind']}: {LIBRARY[one['kind']].sentence}" in text
+    json.dumps(found, allow_nan=False)
+
+
+def test_looking_alike_is_mutual() -> None:
+    alike = {kind: {one["kind"] for one in explain(kind)["look_alikes"]} for kind in KINDS}
+    for kind, others in alike.items():
+        assert all(kind in alike[other] for other in others if other in alike)
+
+
+def test_every_place_and_every_way_of_searching_has_words() -> None:
+    assert set(effect_words.PLACES) == set(get_args(Acts))
+    assert set(effect_words.CHAIN) == set(get_args(Link))
+    others = {"device", "in_diagnosis"}
+    assert {*effect_words.SEARCH, *others} == {field.name for field in fields(Search)}
+
+
+def test_the_list_holds_every_kind() -> None:
+    assert [one["kind"] for one in overview()] == list(LIBRARY)
+    done = CliRunner().invoke(app, ["explain"])
+    assert done.exit_code == 0, done.output
+    for kind, effect in LIBRARY.items():
+        assert any(
+            line.startswith(kind) and line.endswith(effect.sentence)
+            for line in done.stdout.splitlines()
+        )
+
+
+@pytest.mark.parametrize("name", ["gear_ripple", "Gear-Ripple", " gear ripple "])
+def test_a_kind_as_people_write_it(name: str) -> None:
+    assert explain(name)["kind"] == "gear_ripple"
+
+
+def test_an_unknown_kind_lists_the_others() -> None:
+    with pytest.raises(InputError, match=r"no effect 'rust'; expected one of .*payload"):
+        explain("rust")
+
+
+def test_a_users_own_effect_explains_itself(tmp_path: Path) -> None:
+    before = dict(LIBRARY)
+    (tmp_path / "hose.py").write_text(OWN)
+    arm = tmp_path / "arm.toml"
+    CliRunner().invoke(app, ["robot", "new", "--out", str(arm)])
+    arm.write_text('effect_files = ["hose.py"]\n' + arm.read_text())
+    try:
+        done = CliRunner().invoke(app, ["explain", "loose_hose", "--robot", str(arm)])
+        assert done.exit_code == 0, done.exception
+        assert "loose_hose: a loose hose swings along" in done.stdout
+        assert "stiffness_Nm_rad [Nm/rad]: stiffness k; for example 7.5" in done.stdout
+        assert "told apart by: take it off" in done.stdout
+        # whoever it is taken for names it in turn
+        assert "loose_hose" in [one["kind"] for one in explain("cable_spring")["look_alikes"]]
+    finally:
+        LIBRARY.clear()
+        LIBRARY.update(before)
