@@ -190,11 +190,14 @@ def test_a_motion_separates_it(folder: Path, monkeypatch: pytest.MonkeyPatch) ->
     monkeypatch.setattr(excitation, "excite", small)
     asked = ["excite", "--for", "taut_hose", "--joint", "3", "--seconds", "10"]
     done = CliRunner().invoke(
-        app, [*asked, "--robot", str(folder / "plain.toml"), "--out", str(folder / "e")]
+        app, [*asked, "--robot", str(folder / "plain.toml"), "--out", str(folder / "e"), "--json"]
     )
     assert done.exit_code == 0, done.exception
     assert "taut_hose 3 against cable_spring 3" in done.output
     assert (folder / "e" / "trajectory.csv").is_file()
+    told = json.loads(done.stdout)
+    assert str(folder / "e" / "trajectory.csv") in told.pop("written")
+    assert told == json.loads((folder / "e" / "excitation.json").read_text())
 
 
 def test_importing_the_file_is_enough(folder: Path, tmp_path: Path) -> None:

@@ -72,7 +72,7 @@ def test_show_as_json(file: Path) -> None:
 
 def test_each_operation_into_its_folder(file: Path) -> None:
     done = irb2400(
-        "plan", file, "--out", "out", "--work-frame", "900,0,600,0,0,90", "--rate", "50",
+        "plan", file, "--out", "out", "--work-frame", "900,0,600,0,0,90", "--rate", "50", "--json",
         cwd=file.parent,
     )  # fmt: skip
     # the second operation is out of reach: said, while the first is there
@@ -81,6 +81,9 @@ def test_each_operation_into_its_folder(file: Path) -> None:
     assert "Traceback" not in done.stderr
     out = file.parent / "out"
     summary = json.loads((out / "program.json").read_text())
+    told = json.loads(done.stdout)
+    assert told["program"] == summary
+    assert "out/01_Face_it/torque.png" in told["written"]
     assert [o["planned"] for o in summary["operations"]] == [True, False]
     assert summary["operations"][0]["folder"] == "01_Face_it"
     assert summary["transfers_not_planned"][0]["from"] == 1

@@ -79,12 +79,17 @@ def test_robot_export_import_and_new(tmp_path: Path) -> None:
     assert answer("robot", "new", "--out", tmp_path / "new.toml")["written"]
 
 
-def test_log_check_tells_before_it_refuses(tmp_path: Path) -> None:
-    assert answer("log", "check", LOG)["sound"] is True
+def wrong_sign(folder: Path) -> Path:
+    """A log that is not understood: all torques turned over."""
     log = read_log(LOG)
     keep = log.time < log.time[0] + 10.0
     wrong = Log(log.time[keep], log.q[keep], -log.tau[keep])
-    found = answer("log", "check", write_log(wrong, tmp_path / "log.csv"), code=2)
+    return write_log(wrong, folder / "log.csv")
+
+
+def test_log_check_tells_before_it_refuses(tmp_path: Path) -> None:
+    assert answer("log", "check", LOG)["sound"] is True
+    found = answer("log", "check", wrong_sign(tmp_path), code=2)
     assert found["log_problem"]["kind"] == "torque_sign"
 
 
@@ -117,6 +122,12 @@ def test_simulate_and_codegen(planned: tuple[Path, dict[str, Any]]) -> None:
 def test_validate_says_validation_json(tmp_path: Path) -> None:
     told = answer("validate", "irb2400", LOG, "--out", tmp_path)
     assert told == json.loads((tmp_path / "validation.json").read_text())
+
+
+def test_diagnose_says_findings_json(tmp_path: Path) -> None:
+    told = answer("diagnose", wrong_sign(tmp_path), "--out", tmp_path / "d")
+    assert told["verdict"] == "log_not_understood"
+    assert told == json.loads((tmp_path / "d" / "findings.json").read_text())
 
 
 def test_explain() -> None:

@@ -172,6 +172,11 @@ def test_runs_that_fail_say_so_in_the_table(tmp_path: Path) -> None:
     assert all(row["message"] and row["payload_kg"] == -100.0 for row in sweep.problems)
     assert [line.failed for line in sweep.lines].count(1) == len(sweep.problems)
     assert "nan" in summary_text(sweep.lines)
+    told = sweep.summary()
+    assert (told["cases"], told["ran"]) == (len(sweep.rows), sweep.ran)
+    assert [row["case"] for row in told["problems"]] == [row["case"] for row in sweep.problems]
+    assert all(row["message"] for row in told["problems"])
+    assert [line["failed"] for line in told["lines"]] == [line.failed for line in sweep.lines]
     sweep_figure("nothing to see", sweep.lines).savefig(tmp_path / "empty.png")
 
 
@@ -188,6 +193,9 @@ def test_quantiles_of_the_summary() -> None:
     (line,) = summarise(rows)
     assert (line.quantile(0.5), line.quantile(0.95), line.quantile(1.0)) == (50.0, 95.0, 100.0)
     assert (line.saturated, line.failed) == (1, 0)
+    told = line.summary()
+    assert told["tcp_error_rms_mm"] == {"median": 50.0, "p95": 95.0, "worst": 100.0}
+    assert (told["motion"], told["controller"], told["saturated"]) == ("m", "c", 1)
 
 
 # many cases, so that a busy machine, too, stops the command in the middle
