@@ -287,6 +287,6 @@ def test_files_of_earlier_versions_say_shape(tmp_path: Path) -> None:
     arm = irb.load_robot("irb2400").with_effects(spring)
     irb.save_robot(arm, tmp_path / "new.toml")
     text = (tmp_path / "new.toml").read_text()
-    assert "shape" not in text
+    assert "\nshape = " not in text
     (tmp_path / "old.toml").write_text(text.replace("discrepancy = [", "shape = ["))
     assert irb.load_robot(tmp_path / "old.toml") == arm

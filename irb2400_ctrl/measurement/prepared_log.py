@@ -182,7 +182,7 @@ def _left_of_noise(log: UniformLog, recorded: Log) -> float:
     """Smoothed over unsmoothed rms, with a reserve, that white noise on a log's own samples has
     after resampling: on a finer grid it is no longer white."""
     white = np.random.default_rng(0).standard_normal((len(recorded.time), 1))
-    drawn = resample(Log(recorded.time, white, white)).q
+    drawn = resample(Log(recorded.time, white, white), 1.0 / log.step).q
     smooth = smoothed(drawn, log.step)
     ratio = np.std(smooth[log.valid]) / np.std((drawn - smooth)[log.valid])
     return max(LEFT_OF_NOISE, NOISE_RESERVE * float(ratio))
