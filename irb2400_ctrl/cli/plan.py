@@ -301,6 +301,8 @@ def _print_summary(planned: Plan) -> None:
         f"{100 * s['max_velocity_ratio']:.1f} %{held}"
     )
     print_feed(s["feed"])
+    if "rates_note" in s:
+        print(s["rates_note"])
     if "duration_without_rates_s" in s:
         longer = planned.duration - s["duration_without_rates_s"]
         print(f"{longer:.2f} s longer than without limits of the rates")
