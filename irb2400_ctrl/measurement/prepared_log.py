@@ -43,6 +43,8 @@ SLIPPING_SPEED = 0.1
 SLIPPING = 4.0
 """scatter of the torque from sample to sample, over that of the calm quarter of the log, above
 which it does"""
+SLIPPING_TIME = 0.5
+"""[s] for at least so long: a reversal is shorter"""
 
 
 @dataclass(frozen=True)
@@ -190,15 +192,18 @@ def _left_of_noise(log: UniformLog, recorded: Log) -> float:
 
 def _standstill(qd: Array, step: float) -> Mask:
     """Samples in stretches of at least STILL_TIME with a speed below STILL_SPEED, per joint."""
-    slow = np.abs(qd) < STILL_SPEED
-    least = max(1, round(STILL_TIME / step))
-    still = np.zeros_like(slow)
-    for j in range(qd.shape[1]):
-        edges = np.flatnonzero(np.diff(np.concatenate([[0], slow[:, j].astype(np.int8), [0]])))
+    return _lasting(np.abs(qd) < STILL_SPEED, round(STILL_TIME / step))
+
+
+def _lasting(found: Mask, least: int) -> Mask:
+    """Only stretches of at least so many samples, per joint."""
+    kept = np.zeros_like(found)
+    for j in range(found.shape[1]):
+        edges = np.flatnonzero(np.diff(np.concatenate([[0], found[:, j].astype(np.int8), [0]])))
         for start, stop in zip(edges[::2], edges[1::2], strict=True):
-            if stop - start >= least:
-                still[start:stop, j] = True
-    return still
+            if stop - start >= max(1, least):
+                kept[start:stop, j] = True
+    return kept
 
 
 def _stick_slip(tau: Array, qd: Array, step: float) -> Mask:
@@ -207,7 +212,10 @@ def _stick_slip(tau: Array, qd: Array, step: float) -> Mask:
     bend = np.zeros_like(tau)
     bend[1:-1] = np.diff(tau, 2, axis=0)
     width = max(3, round(STICKING_TIME / step))
-    scatter = np.sqrt(uniform_filter1d(bend**2, width, axis=0, mode="nearest"))
+    power = uniform_filter1d(bend**2, width, axis=0, mode="nearest")
+    # a running sum of squares may end below zero by its rounding
+    scatter = np.sqrt(np.maximum(power, 0.0))
     calm = np.quantile(scatter, 0.25, axis=0)
     found = (scatter > SLIPPING * calm) & (np.abs(qd) < SLIPPING_SPEED)
+    found = _lasting(found, round(SLIPPING_TIME / step))
     return np.column_stack([widened(found[:, j], width) for j in range(tau.shape[1])])
