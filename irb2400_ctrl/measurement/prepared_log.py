@@ -40,7 +40,7 @@ STICKING_TIME = 0.12
 """[s] how long before and after that its torque is not predictable"""
 SLIPPING_SPEED = 0.1
 """[rad/s] below this a joint may stick and slip in turns"""
-SLIPPING = 4.0
+SLIPPING = 7.0
 """scatter of the torque from sample to sample, over that of the calm quarter of the log, above
 which it does"""
 SLIPPING_TIME = 0.5
