@@ -8,7 +8,8 @@ from pathlib import Path
 
 
 def write_atomic(path: Path | str, content: str | bytes) -> Path:
-    """Write `content` under a temporary name in the same folder, then move it to `path`.
+    """Write `content` under a temporary name in the same folder, bring it to the disk, then move
+    it to `path`.
 
     Missing parent folders are made. Returns the path.
     """
@@ -19,6 +20,8 @@ def write_atomic(path: Path | str, content: str | bytes) -> Path:
     try:
         with os.fdopen(handle, "wb") as file:
             file.write(data)
+            file.flush()
+            os.fsync(file.fileno())
         # mkstemp makes private files; results are meant to be read by others too
         os.chmod(temporary, 0o644)
         os.replace(temporary, path)
@@ -26,3 +29,9 @@ def write_atomic(path: Path | str, content: str | bytes) -> Path:
         Path(temporary).unlink(missing_ok=True)
         raise
     return path
+
+
+def flush_to_disk(path: Path) -> None:
+    """Wait until the content of a file is on the disk, so that it survives a loss of power."""
+    with path.open("rb+") as file:
+        os.fsync(file.fileno())

@@ -12,11 +12,11 @@ import casadi as ca
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from irb2400_ctrl.codegen.build_cache import load_shared
 from irb2400_ctrl.codegen.emit import emit_body
 from irb2400_ctrl.codegen.graph import read_graph
 from irb2400_ctrl.codegen.interpreted import Interpreter, say_slow
 from irb2400_ctrl.codegen.own_math import prelude
-from irb2400_ctrl.codegen.toolchain import build_shared
 from irb2400_ctrl.errors import InputError, ToolMissingError
 from irb2400_ctrl.symbolic import as_sx
 
@@ -48,7 +48,7 @@ def compile_function(
     source = host_source(fn, real=real, math=math)
     library: ctypes.CDLL | Interpreter
     try:
-        library = ctypes.CDLL(str(build_shared(source, fused=fused)))
+        library = load_shared(source, fused=fused)
     except ToolMissingError as error:
         say_slow(str(error))
         library = Interpreter(fn, np.dtype(np.float64 if real == "double" else np.float32))

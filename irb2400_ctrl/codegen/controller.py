@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from irb2400_ctrl.codegen.build_cache import load_shared
 from irb2400_ctrl.codegen.package import Package
-from irb2400_ctrl.codegen.toolchain import build_shared
 from irb2400_ctrl.errors import InputError
 
 Array = NDArray[Any]
@@ -67,7 +67,7 @@ class HostController(Controller):
     def __init__(self, package: Package) -> None:
         super().__init__(package)
         source = package.source().replace(f'#include "{package.name}.h"\n', package.header())
-        library = ctypes.CDLL(str(build_shared(source)))
+        library = load_shared(source)
         self._init = library[f"{package.name}_init"]
         self._step = library[f"{package.name}_step"]
         self._init.restype = ctypes.c_uint32

@@ -1,8 +1,7 @@
-"""The C compiler of this machine, and the cache that keeps what it made."""
+"""The C compiler of this machine."""
 
 from __future__ import annotations
 
-import hashlib
 import importlib.util
 import os
 import platform
@@ -10,7 +9,6 @@ import shlex
 import shutil
 import subprocess
 import sys
-import tempfile
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -81,64 +79,6 @@ def processor() -> str:
         line for line in lines if line.startswith(("model name", "flags", "Features", "CPU part"))
     }
     return platform.machine() + "".join(sorted(marks))
-
-
-def cache_dir() -> Path:
-    """`$XDG_CACHE_HOME/irb2400_ctrl`, else `~/.cache/irb2400_ctrl`, else a private folder for
-    temporary files."""
-    base = os.environ.get("XDG_CACHE_HOME")
-    candidates = [Path(base)] if base else []
-    home = os.path.expanduser("~")
-    if home != "~":
-        candidates.append(Path(home) / ".cache")
-    for candidate in candidates:
-        folder = candidate / "irb2400_ctrl"
-        try:
-            folder.mkdir(mode=0o700, parents=True, exist_ok=True)
-        except OSError:
-            continue
-        if os.access(folder, os.W_OK | os.X_OK):
-            return folder
-    return _temporary_cache()
-
-
-def _temporary_cache() -> Path:
-    user = os.getuid() if hasattr(os, "getuid") else 0
-    folder = Path(tempfile.gettempdir()) / f"irb2400_ctrl-{user}"
-    folder.mkdir(mode=0o700, exist_ok=True)
-    status = folder.lstat()
-    # code from this folder is executed: nobody else may have made it or write to it
-    if hasattr(os, "getuid") and (
-        status.st_uid != user or status.st_mode & 0o022 or folder.is_symlink()
-    ):
-        return Path(tempfile.mkdtemp(prefix="irb2400_ctrl-"))
-    return folder
-
-
-def build_shared(source: str, *, fused: bool = False) -> Path:
-    """Compile C text to a shared library, or find it in the cache.
-
-    The key is the content: text, flags, compiler, processor. The library is made under a temporary
-    name and moved, so that two processes may build the same thing at once.
-
-    Raises:
-        ToolMissingError: no compiler.
-        IrbError: the compiler rejects the text.
-    """
-    compiler = find_compiler()
-    flags = (*(FUSED_FLAGS if fused else EXACT_FLAGS), *native_flags(), "-fPIC", "-shared")
-    key = hashlib.sha256(
-        "\0".join((source, *flags, compiler.identity, processor())).encode()
-    ).hexdigest()[:32]
-    library = cache_dir() / f"{key}.so"
-    if not library.exists():
-        with tempfile.TemporaryDirectory(dir=library.parent, prefix=".build-") as work:
-            text = Path(work) / "code.c"
-            made = Path(work) / "code.so"
-            text.write_text(source, encoding="utf-8")
-            run_tool([*compiler.command, *flags, str(text), "-o", str(made), "-lm"])
-            os.replace(made, library)
-    return library
 
 
 def run_tool(command: list[str], *, cwd: Path | None = None, timeout: float = 600.0) -> str:

@@ -10,8 +10,9 @@ import numpy as np
 import pytest
 
 from irb2400_ctrl.codegen import compile_function, toolchain
+from irb2400_ctrl.codegen.build_cache import cache_dir
 from irb2400_ctrl.codegen.interpreted import say_slow
-from irb2400_ctrl.codegen.toolchain import cache_dir, find_compiler
+from irb2400_ctrl.codegen.toolchain import find_compiler
 from irb2400_ctrl.errors import InputError, ToolMissingError
 
 

@@ -9,8 +9,8 @@ from importlib import resources
 import numpy as np
 
 from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.codegen.build_cache import load_shared
 from irb2400_ctrl.codegen.interpreted import say_slow
-from irb2400_ctrl.codegen.toolchain import build_shared
 from irb2400_ctrl.errors import ToolMissingError
 from irb2400_ctrl.planners.timing.two_pass.interpreted import Passed, interpreted_two_pass
 
@@ -19,7 +19,7 @@ from irb2400_ctrl.planners.timing.two_pass.interpreted import Passed, interprete
 def _library() -> ctypes.CDLL | None:
     source = (resources.files(__package__) / "two_pass.c").read_text(encoding="utf-8")
     try:
-        library = ctypes.CDLL(str(build_shared(source)))
+        library = load_shared(source)
     except ToolMissingError as error:
         say_slow(str(error))
         return None
