@@ -11,6 +11,7 @@ from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.measurement.log import Log
 from irb2400_ctrl.measurement.log_facts import LogFacts, log_facts
+from irb2400_ctrl.measurement.time_base import with_time_base
 from irb2400_ctrl.plausibility.agreement import command_problem, speed_problem
 from irb2400_ctrl.plausibility.channels import channel_problem
 from irb2400_ctrl.plausibility.cost_of_noise import torque_from_angle_noise
@@ -84,6 +85,8 @@ def _examined(robot: Robot | None, log: Log) -> tuple[LogProblem | None, Underst
     broken = channel_problem(log)
     if broken is not None:
         return broken, None
+    # stamps that scatter by a good part of a period would make accelerations of nothing
+    log = with_time_base(log)
     understood = None if robot is None else understand(robot, log)
     problem = None if understood is None else understood.problem
     if robot is not None and (problem is None or problem.kind == "not_this_robot"):

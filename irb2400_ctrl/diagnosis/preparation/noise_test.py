@@ -12,6 +12,7 @@ from scipy.stats import norm
 
 from irb2400_ctrl.arrays import Array, Mask
 from irb2400_ctrl.measurement.log import Log
+from irb2400_ctrl.measurement.log_facts import digit
 from irb2400_ctrl.measurement.prepared_log import PreparedLog
 from irb2400_ctrl.measurement.time_base import with_time_base
 from irb2400_ctrl.measurement.uniform import derivative_margin, derivatives, smoothed
@@ -36,9 +37,11 @@ class NoiseTest:
     """What is left of a log on its own samples; arrays per joint, shape (n,).
 
     Args:
-        floor: rms of the noise by sample-to-sample differences, and by what is not known of the
-            motion: the noise of the angles, their departure from the motion that was used [Nm].
-        left: rms of what is left [Nm]; means: of its means, over what white noise would give.
+        floor: rms of the noise by sample-to-sample differences, by the digits of the torque, and by
+            what is not known of the motion: the noise of the angles, their departure from the
+            motion that was used [Nm].
+        left: rms of what is left [Nm]; means: of its means, over what white noise would give beside
+            the digits, whose error lasts as long as the torque keeps between two of them.
         bar, means_bar: above which it is no noise.
     """
 
@@ -90,6 +93,7 @@ def _on_log(
     by_angles = _by_departure(robot, even, motion, part, grid)
     noise = None if motion.instrumented else torque_from_angle_noise(robot, log)
     by_angles = by_angles if noise is None else np.hypot(by_angles, noise)
+    by_digits = digit(log.tau) / np.sqrt(12.0)
     floor = np.zeros(log.n)
     left = np.zeros(log.n)
     means = np.zeros(log.n)
@@ -97,9 +101,12 @@ def _on_log(
         residual = even.tau[inside, j] - np.interp(time, grid, predicted[:, j])
         follows = known[1:, j] & known[:-1, j] & (np.diff(time) < 1.5 * period)
         steps = trimmed_rms(np.diff(residual)[follows]) / np.sqrt(2.0)
-        floor[j] = np.hypot(steps, by_angles[j])
+        white = np.hypot(steps, by_angles[j])
+        floor[j] = np.hypot(white, by_digits[j])
         left[j] = trimmed_rms(residual[known[:, j]])
-        means[j] = _means(residual, known[:, j], period) / max(floor[j], 1e-12)
+        count = max(1, round(MEAN_OVER / period))
+        usual = np.hypot(white / np.sqrt(count), by_digits[j])
+        means[j] = _means(residual, known[:, j], count) / max(float(usual), 1e-12)
     return NoiseTest(floor, left, means)
 
 
@@ -123,10 +130,9 @@ def trimmed_rms(values: Array) -> float:
     return float(np.sqrt(np.mean(kept**2) / shrunk))
 
 
-def _means(residual: Array, known: Mask, period: float) -> float:
-    """Size of the means over short stretches, times the root of the samples in one [Nm]."""
-    count = max(1, round(MEAN_OVER / period))
+def _means(residual: Array, known: Mask, count: int) -> float:
+    """Size of the means over stretches of `count` samples [Nm]."""
     whole = len(residual) // count * count
     blocks = residual[:whole].reshape(-1, count)
     full = known[:whole].reshape(-1, count).all(axis=1)
-    return trimmed_rms(blocks[full].mean(axis=1)) * float(np.sqrt(count))
+    return trimmed_rms(blocks[full].mean(axis=1))

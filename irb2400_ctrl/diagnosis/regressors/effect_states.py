@@ -7,6 +7,8 @@ exact: no resonance is shifted and no stiff friction blows up.
 
 from __future__ import annotations
 
+import math
+
 import casadi as ca
 import numpy as np
 
@@ -92,40 +94,48 @@ def _between(v: Array) -> Array:
 
 
 def _composed(E: list[list[Array]], c: list[Array]) -> tuple[list[list[Array]], list[Array]]:
-    """Affine maps from the first sample to every later one, by doubling: log2(m) passes over the
-    whole record."""
-    n = len(E)
-    m = c[0].shape[1]
-    E = [[np.array(e) for e in row] for row in E]
-    c = [np.array(v) for v in c]
-    reach = 1
-    while reach < m:
-        late = slice(reach, None)
-        early = slice(None, m - reach)
-        new_c = [
-            sum((E[i][k][:, late] * c[k][:, early] for k in range(n)), c[i][:, late])
-            for i in range(n)
+    """Affine maps from the first sample to every later one: within blocks of about sqrt(m) samples
+    for all blocks at once, then from block to block."""
+    n = len(c)
+    points, m = c[0].shape
+    length = math.isqrt(m) + 1
+    count = -(-m // length)
+    # maps and what they add side by side, the samples of a block first: (length, n, n + 1, g, count)
+    steps = np.zeros((n, n + 1, points, count * length))
+    for i in range(n):
+        steps[i, i] = 1.0  # beyond the end nothing moves
+        for k in range(n):
+            steps[i, k, :, :m] = E[i][k]
+        steps[i, n, :, :m] = c[i]
+    steps = steps.reshape(n, n + 1, points, count, length)
+    maps = np.ascontiguousarray(steps.transpose(4, 0, 1, 2, 3))
+    for place in range(1, length):
+        maps[place] = _after(maps[place], maps[place - 1])
+    whole = np.ascontiguousarray(maps[-1].transpose(3, 0, 1, 2))
+    begin = np.zeros_like(whole)
+    begin[0, range(n), range(n)] = 1.0
+    for block in range(1, count):
+        begin[block] = _after(whole[block - 1], begin[block - 1])
+    before = begin.transpose(1, 2, 3, 0)
+    found = [
+        [
+            sum(maps[:, i, k] * before[k, j] for k in range(n)) + (maps[:, i, n] if j == n else 0.0)
+            for j in range(n + 1)
         ]
-        new_E = [
-            [_sum([E[i][k][:, late] * E[k][j][:, early] for k in range(n)]) for j in range(n)]
-            for i in range(n)
-        ]
-        for i in range(n):
-            c[i][:, late] = new_c[i]
-            for j in range(n):
-                E[i][j][:, late] = new_E[i][j]
-        reach *= 2
-    return E, c
+        for i in range(n)
+    ]
+    flat = [
+        [part.transpose(1, 2, 0).reshape(points, -1)[:, :m] for part in row] for row in found
+    ]
+    return [row[:n] for row in flat], [row[n] for row in flat]
 
 
-def _sum(terms: list[Array]) -> Array:
-    return (
-        np.sum(terms, axis=0)
-        if len(terms) > 2
-        else terms[0] + terms[1]
-        if len(terms) == 2
-        else terms[0]
-    )
+def _after(later: Array, earlier: Array) -> Array:
+    """An affine map after another one, both (n, n + 1, ...)."""
+    n = len(later)
+    found = np.asarray(np.sum(later[:, :n, None] * earlier[None], axis=1))
+    found[:, n] += later[:, n]
+    return found
 
 
 def _scalar(a: Array, b: Array, h: float) -> tuple[list[list[Array]], list[Array]]:

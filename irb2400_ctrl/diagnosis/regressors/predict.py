@@ -31,10 +31,10 @@ def predicted_torque(robot: Robot, motion: PreparedLog, bases: Bases | None = No
     for effect in others:
         if effect.chain == "angle":
             q[effect.active(motion.time), effect.index] += effect.angle_offset
-    model = Model(arm)
+    bases = Bases(arm) if bases is None else bases
+    model = bases.model if bases.robot == arm else Model(arm)
     tau = np.array(model.inverse_dynamics(q, motion.qd, motion.qdd))
     moved = replace(motion, q=q)
-    bases = Bases(arm) if bases is None else bases
     for effect in others:
         if effect.chain == "torque":
             tau += effect_torque(bases, effect, moved)
