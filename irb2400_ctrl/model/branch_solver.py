@@ -12,7 +12,8 @@ from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.codegen.build import CompiledFunction, FunctionBuffers, compile_function
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.model.arm_family import arm_geometry
-from irb2400_ctrl.model.inverse_kinematics import Branches, boxed, closed_form, windings
+from irb2400_ctrl.model.inverse_kinematics import Branches, closed_form
+from irb2400_ctrl.model.joint_box import JointBox, boxed, require_rotation, unwound, wound
 from irb2400_ctrl.model.newton_branches import NewtonBranches
 from irb2400_ctrl.model.polished_branches import PolishedBranches
 from irb2400_ctrl.robot import Robot
@@ -28,7 +29,11 @@ class BranchSolver(Protocol):
         """(q (b, n), overreach (b,)) for one pose (4, 4)."""
 
     def inside(self, X_BF: Array, seed: Array | None) -> Array:
-        """Every configuration in the joint box for one pose, whole turns included, shape (m, n)."""
+        """Every configuration in the joint box for one pose, whole turns included, shape (m, n).
+
+        Raises:
+            InputError: the pose has no rotation.
+        """
 
 
 def branch_solver(robot: Robot) -> BranchSolver:
@@ -46,17 +51,16 @@ def branch_solver(robot: Robot) -> BranchSolver:
         geometry = arm_geometry(robot)
     except InputError:
         return NewtonBranches(robot)
-    form = ClosedForm(closed_form(geometry), robot.q_min, robot.q_max)
+    form = ClosedForm(closed_form(geometry), JointBox.of(robot))
     return form if geometry.exact else PolishedBranches(form, NewtonBranches(robot))
 
 
 class ClosedForm:
     """The closed form as machine code."""
 
-    def __init__(self, function: ca.Function, q_min: Array, q_max: Array) -> None:
+    def __init__(self, function: ca.Function, box: JointBox) -> None:
         self.function: ca.Function = function
-        self.q_min: Array = q_min
-        self.q_max: Array = q_max
+        self.box: JointBox = box
 
     @cached_property
     def _compiled(self) -> CompiledFunction:
@@ -68,22 +72,26 @@ class ClosedForm:
 
     @cached_property
     def _boxed(self) -> FunctionBuffers | None:
-        function = boxed(self.function, self.q_min, self.q_max)
-        if function is None:
-            return None
-        return compile_function(function).buffers()
+        function = boxed(self.function, self.box)
+        return None if function is None else compile_function(function).buffers()
+
+    @cached_property
+    def _wound(self) -> FunctionBuffers:
+        return compile_function(wound(self.function, self.box)).buffers()
 
     def inside(self, X_BF: Array, seed: Array | None) -> Array:
         """One pose, every configuration in the joint box."""
-        buffers = self._boxed
-        if buffers is None:
-            return windings(self.one(X_BF, seed)[0], self.q_min, self.q_max)
+        few = self._boxed
+        buffers = self._wound if few is None else few
         pose, start = buffers.inputs
         pose[...] = X_BF
         start[...] = 0.0 if seed is None else seed
         buffers.run()
-        q, fits, _ = buffers.outputs
-        return np.asarray(q.T[fits > 0])
+        q, fits, skewness = buffers.outputs
+        require_rotation(skewness[0])
+        if few is None:
+            return self.box.allowed(unwound(q.T, fits.T))
+        return np.asarray(q.T.compress(fits, axis=0))
 
     def many(self, X_BF: Array, seed: Array | None) -> Branches:
         """Poses (n, 4, 4); about a microsecond each."""

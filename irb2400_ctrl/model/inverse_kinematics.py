@@ -8,7 +8,6 @@ in all, numbered 4 * rear + 2 * elbow + flip; flip is the sign of sin phi5.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cache
 
 import casadi as ca
 import numpy as np
@@ -22,9 +21,7 @@ BRANCHES = 8
 WRIST_EPSILON = 1e-9
 # rounding may put a stretched arm a hair outside: up to a nanometre counts as reached [m]
 REACHED = 1e-9
-_BOX_TOLERANCE = 1e-9
 _TURN = 2 * np.pi
-_MOST_TURNS = 16
 
 
 @dataclass(frozen=True)
@@ -97,8 +94,8 @@ def _facing(g: ArmGeometry, X: ca.SX, phi1_seed: ca.SX, rear: int) -> _Facing:
     if rear:
         out = -out
     phi1 = heading - (np.pi * rear if g.b == 0.0 else ca.atan2(g.b, out))
-    c = ca.cos(phi1)
-    s = ca.sin(phi1)
+    c = ca.cos(phi1) if g.b else (1 - 2 * rear) * ca.cos(heading)
+    s = ca.sin(phi1) if g.b else (1 - 2 * rear) * ca.sin(heading)
     R = X[:3, :3]
     turned = ca.vertcat(c * R[0, :] + s * R[1, :], c * R[1, :] - s * R[0, :], R[2, :])
     return _Facing(phi1, out - g.a1, z - g.d1, turned, gap)
@@ -109,13 +106,44 @@ def _two_links(
 ) -> tuple[list[tuple[ca.SX, ca.SX]], ca.SX]:
     """(upper arm, bend) for both elbows of a planar arm that reaches (u, v), angles from the
     upright; and by how much it does not."""
-    distance = ca.sqrt(u * u + v * v)
+    square = u * u + v * v
+    distance = ca.sqrt(square)
     gap = ca.fmax(distance - (a2 + length), abs(a2 - length) - distance)
-    cosine = (distance**2 - a2**2 - length**2) / (2 * a2 * length)
-    bend = ca.acos(ca.fmax(ca.fmin(cosine, 1), -1))
+    cosine = ca.fmax(ca.fmin((square - (a2**2 + length**2)) * (0.5 / (a2 * length)), 1), -1)
+    sine = ca.sqrt((1 - cosine) * (1 + cosine))
+    bend = ca.atan2(sine, cosine)
     aim = ca.atan2(u, v)
-    inner = ca.atan2(length * ca.sin(bend), a2 + length * ca.cos(bend))
+    inner = ca.atan2(length * sine, a2 + length * cosine)
     return [(aim - inner, bend), (aim + inner, -bend)], gap
+
+
+@dataclass(frozen=True)
+class _Wrist:
+    """Axis 4 for one sign of phi5; the other flip has phi4 + half, -phi5 and phi6 + half."""
+
+    phi4: ca.SX
+    c4: ca.SX
+    """times length, as s4"""
+    s4: ca.SX
+    length: ca.SX
+    """sin phi5; 1 in a straight wrist"""
+    s5: ca.SX
+    half: ca.SX
+    """pi; 0 in a straight wrist, where phi4 is the seed's for both"""
+
+
+def _wrist(w_x: ca.SX, w_y: ca.SX, phi4_seed: ca.SX) -> _Wrist:
+    """From w = s5 (c4, s4), s5 > 0."""
+    s5 = ca.sqrt(w_x * w_x + w_y * w_y)
+    bent = s5 > WRIST_EPSILON
+    return _Wrist(
+        ca.if_else(bent, ca.atan2(w_y, w_x), phi4_seed),
+        ca.if_else(bent, w_x, ca.cos(phi4_seed)),
+        ca.if_else(bent, w_y, ca.sin(phi4_seed)),
+        ca.if_else(bent, s5, 1),
+        s5,
+        np.pi * bent,
+    )
 
 
 def _spherical(g: ArmGeometry, at: _Facing, phi4_seed: ca.SX) -> list[tuple[ca.SX, ca.SX]]:
@@ -132,104 +160,39 @@ def _spherical(g: ArmGeometry, at: _Facing, phi4_seed: ca.SX) -> list[tuple[ca.S
         R = ca.vertcat(
             s3 * at.R[0, :] + c3 * at.R[2, :], c3 * at.R[0, :] - s3 * at.R[2, :], at.R[1, :]
         )
-        w_x = -R[0, 2]
-        w_y = R[2, 2]
+        wrist = _wrist(-R[0, 2], R[2, 2], phi4_seed)
         c5 = R[1, 2]
-        s5 = ca.sqrt(w_x * w_x + w_y * w_y)
-        for sign in (1, -1):
-            free = ca.atan2(sign * w_y, sign * w_x)
-            phi4 = ca.if_else(s5 > WRIST_EPSILON, free, phi4_seed)
-            phi5 = ca.atan2(sign * s5, c5)
-            c4 = ca.cos(phi4)
-            s4 = ca.sin(phi4)
-            along = c4 * R[0, 0] - s4 * R[2, 0]
-            across = -s4 * R[0, 0] - c4 * R[2, 0]
-            phi6 = ca.atan2(-across, -ca.cos(phi5) * along - ca.sin(phi5) * R[1, 0])
-            found.append((ca.vertcat(at.phi1, phi2, phi3, phi4, phi5, phi6), gap))
+        phi5 = ca.atan2(wrist.s5, c5)
+        # both times the wrist's length, which the angle does not see
+        along = wrist.c4 * R[0, 0] - wrist.s4 * R[2, 0]
+        across = wrist.s4 * R[0, 0] + wrist.c4 * R[2, 0]
+        phi6 = ca.atan2(across, -c5 * along - wrist.s5 * wrist.length * R[1, 0])
+        arm = ca.vertcat(at.phi1, phi2, phi3)
+        found.append((ca.vertcat(arm, wrist.phi4, phi5, phi6), gap))
+        found.append((ca.vertcat(arm, wrist.phi4 + wrist.half, -phi5, phi6 + wrist.half), gap))
     return found
 
 
 def _parallel(g: ArmGeometry, at: _Facing, phi4_seed: ca.SX) -> list[tuple[ca.SX, ca.SX]]:
     """(phi, gap) of elbow and flip. Axis 6 is cos phi5 y - sin phi5 (cos phi4, -sin phi4) in the
     plane."""
-    z_x = at.R[0, 2]
-    z_y = at.R[1, 2]
-    z_z = at.R[2, 2]
-    s5 = ca.sqrt(z_x * z_x + z_z * z_z)
-    flips = []
-    for sign in (1, -1):
-        free = ca.atan2(sign * z_z, -sign * z_x)
-        phi4 = ca.if_else(s5 > WRIST_EPSILON, free, phi4_seed)
-        phi5 = ca.atan2(sign * s5, z_y)
-        c4 = ca.cos(phi4)
-        s4 = ca.sin(phi4)
-        # x of W's frame against axis 5 and against axis 6 x axis 5
-        x5 = s4 * at.R[0, 0] + c4 * at.R[2, 0]
-        y_W = s4 * at.R[0, 1] + c4 * at.R[2, 1]
-        phi6 = ca.atan2(-y_W, x5)
-        u = at.u - g.d4 * s4 - g.e4 * c4
-        v = at.v - g.d4 * c4 + g.e4 * s4
-        elbows, gap = _two_links(g.a2, g.a3, u, v)
-        flips.append(
-            [
-                (ca.vertcat(at.phi1, phi2, phi2 + bend, phi4, phi5, phi6), gap)
-                for phi2, bend in elbows
-            ]
-        )
+    wrist = _wrist(-at.R[0, 2], at.R[2, 2], phi4_seed)
+    phi5 = ca.atan2(wrist.s5, at.R[1, 2])
+    # x of W's frame against axis 5 and against axis 6 x axis 5, times the wrist's length
+    x5 = wrist.s4 * at.R[0, 0] + wrist.c4 * at.R[2, 0]
+    y_W = wrist.s4 * at.R[0, 1] + wrist.c4 * at.R[2, 1]
+    phi6 = ca.atan2(-y_W, x5)
+    u = (g.d4 * wrist.s4 + g.e4 * wrist.c4) / wrist.length
+    v = (g.d4 * wrist.c4 - g.e4 * wrist.s4) / wrist.length
+    opposite = 1 - wrist.half * (2 / np.pi)
+    flips: list[list[tuple[ca.SX, ca.SX]]] = []
+    for sign, half in ((1, 0), (opposite, wrist.half)):
+        elbows, gap = _two_links(g.a2, g.a3, at.u - sign * u, at.v - sign * v)
+        last = ca.vertcat(wrist.phi4 + half, -phi5 if flips else phi5, phi6 + half)
+        flips.append([(ca.vertcat(at.phi1, p2, p2 + bend, last), gap) for p2, bend in elbows])
     return [flips[flip][elbow] for elbow in (0, 1) for flip in (0, 1)]
 
 
 def _wrap(angle: ca.SX) -> ca.SX:
     """Into (-pi, pi]."""
-    return angle - 2 * np.pi * ca.ceil((angle - np.pi) / (2 * np.pi))
-
-
-def boxed(function: ca.Function, q_min: Array, q_max: Array) -> ca.Function | None:
-    """(X_BF, seed) -> (q (6, 8 k), fits (8 k,), overreach (8,)): the branches with every whole turn
-    that can lie in the joint box, and which of them do; None where there are too many."""
-    most = np.floor((q_max - q_min + 2 * _BOX_TOLERANCE) / _TURN).astype(int) + 1
-    turns = _all_turns(tuple(most.tolist()))
-    if len(turns) > _MOST_TURNS:
-        return None
-    X_BF = ca.SX.sym("X_BF", 4, 4)
-    seed = ca.SX.sym("seed", 6)
-    q, overreach = function(X_BF, seed)
-    low = ca.repmat(ca.DM(q_min - _BOX_TOLERANCE), 1, BRANCHES)
-    lowest = q + _TURN * ca.ceil((low - q) / _TURN)
-    columns = []
-    fits = []
-    for k in range(BRANCHES):
-        for turn in turns:
-            angles = lowest[:, k] + ca.DM(_TURN * turn)
-            inside = overreach[k] <= 0
-            for j in range(len(q_max)):
-                inside = ca.logic_and(inside, angles[j] <= q_max[j] + _BOX_TOLERANCE)
-            columns.append(angles)
-            fits.append(inside)
-    outputs = ca.cse([ca.horzcat(*columns), ca.vertcat(*fits), overreach])
-    return ca.Function("boxed_inverse_kinematics", [X_BF, seed], outputs,
-                       ["X_BF", "seed"], ["q", "fits", "overreach"])  # fmt: skip
-
-
-def windings(q: Array, q_min: Array, q_max: Array) -> Array:
-    """Every q + 2 pi k inside the joint box, shape (m, n), for branches q (b, n) [rad]."""
-    first = np.ceil((q_min - _BOX_TOLERANCE - q) / _TURN)
-    count = np.floor((q_max + _BOX_TOLERANCE - q) / _TURN) - first + 1.0
-    # a branch that does not exist is nan, which compares false
-    lowest = q + _TURN * first
-    exists = (count >= 1.0).all(axis=1)
-    if not exists.any():
-        return np.empty((0, q.shape[1]))
-    turns = _all_turns(tuple(count[exists].max(axis=0).astype(int).tolist()))
-    if len(turns) == 1:
-        return np.asarray(lowest[exists])
-    fits = (turns < count[:, None, :]).all(axis=2)
-    return np.asarray((lowest[:, None, :] + _TURN * turns)[fits])
-
-
-@cache
-def _all_turns(most: tuple[int, ...]) -> Array:
-    """Every combination of whole turns below `most`, shape (k, n)."""
-    turns = np.indices(most).reshape(len(most), -1).T.astype(float)
-    turns.setflags(write=False)
-    return np.asarray(turns)
+    return angle - _TURN * ca.ceil((angle - np.pi) * (1 / _TURN))

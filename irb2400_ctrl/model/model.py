@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from functools import cached_property
 
 import casadi as ca
@@ -13,6 +12,7 @@ from irb2400_ctrl.errors import InputError, UnreachableError
 from irb2400_ctrl.model.branch_solver import BranchSolver, branch_solver
 from irb2400_ctrl.model.functions import FUNCTIONS
 from irb2400_ctrl.model.inverse_kinematics import Branches
+from irb2400_ctrl.model.joint_box import JointBox
 from irb2400_ctrl.model.numeric import Value, evaluate
 from irb2400_ctrl.model.symbolic_arm import SymbolicArm
 from irb2400_ctrl.robot import Robot
@@ -153,22 +153,14 @@ class Model(SymbolicArm):
             UnreachableError: no branch reaches the pose inside the joint box; says by how much.
         """
         X = np.asarray(X_BT, dtype=float)
-        # a number that is not finite makes the sum so
-        if X.shape != (4, 4) or not math.isfinite(X.sum()):
-            raise InputError(
-                f"inverse kinematics: found an array of shape {X.shape}, expected a finite (4, 4) "
-                "pose"
-            )
-        if not _is_rotation(X):
-            raise InputError(
-                "inverse kinematics: the upper left (3, 3) block of the pose is not a rotation"
-            )
-        X_BF = X @ self._X_TF
+        if X.shape != (4, 4):
+            raise _no_pose(X)
+        X_BF = X.dot(self._X_TF)
         q = self._branch_solver.inside(X_BF, seed)
         if len(q) == 0:
-            raise UnreachableError(self._why_unreachable(*self._branch_solver.one(X_BF, seed)))
-        if self.robot.coupling.difference_deg is not None:
-            q = self._within_coupled_bound(q, self.robot.coupling.difference_deg)
+            if not np.isfinite(X).all():
+                raise _no_pose(X)
+            raise UnreachableError(self._why_unreachable(X_BF, seed))
         if seed is not None:
             q = q[np.argsort(np.abs(q - np.asarray(seed, dtype=float)).max(axis=1), kind="stable")]
         return q
@@ -186,22 +178,8 @@ class Model(SymbolicArm):
     def _X_TF(self) -> Array:
         return np.asarray(np.linalg.inv(self.robot.X_FT))
 
-    @staticmethod
-    def _within_coupled_bound(q: Array, difference_deg: tuple[float, float]) -> Array:
-        """Solutions whose q3 - q2 the controller's coupled bound allows."""
-        low, high = difference_deg
-        difference = np.degrees(q[:, 2] - q[:, 1])
-        allowed = (difference >= low - 1e-7) & (difference <= high + 1e-7)
-        if not allowed.any():
-            found = ", ".join(sorted({f"{value:.1f}" for value in difference}))
-            raise UnreachableError(
-                f"every branch inside the joint box breaks the coupled bound: q3 - q2 is {found} "
-                "deg, "
-                f"range {low:.0f} to {high:.0f} deg"
-            )
-        return q[allowed]
-
-    def _why_unreachable(self, q: Array, overreach: Array) -> str:
+    def _why_unreachable(self, X_BF: Array, seed: Array | None) -> str:
+        q, overreach = self._branch_solver.one(X_BF, seed)
         if not np.isfinite(q).any():
             return f"the wrist centre is {1e3 * overreach.min():.1f} mm out of reach of the arm"
         low = self.robot.q_min
@@ -209,12 +187,24 @@ class Model(SymbolicArm):
         excess = np.maximum(np.maximum(low - q, q - high), 0.0)
         worst = excess.max(axis=1)
         best = int(np.nanargmin(worst))
+        turned = JointBox(low, high).windings(q)
+        if len(turned):
+            return self._beyond_coupled_bound(turned)
         limits = np.degrees([low, high])
         axis = int(np.argmax(excess[best]))
         return (
             f"no branch inside the joint box: the nearest needs axis {axis + 1} at "
             f"{np.degrees(q[best, axis]):.1f} deg, range {limits[0, axis]:.0f} to "
             f"{limits[1, axis]:.0f} deg"
+        )
+
+    def _beyond_coupled_bound(self, q: Array) -> str:
+        difference = np.degrees(q[:, 2] - q[:, 1])
+        found = ", ".join(sorted({f"{value:.1f}" for value in difference}))
+        low, high = self.robot.coupling.difference_deg or (0.0, 0.0)
+        return (
+            f"every branch inside the joint box breaks the coupled bound: q3 - q2 is {found} deg, "
+            f"range {low:.0f} to {high:.0f} deg"
         )
 
     # ---- CasADi functions
@@ -231,16 +221,7 @@ class Model(SymbolicArm):
         return self._built[name]
 
 
-def _is_rotation(X: Array) -> bool:
-    """The upper left block of a pose has unit columns at right angles, right-handed."""
-    (a, b, c), (d, e, f), (g, h, i) = X[:3, :3].tolist()
-    products = (
-        a * a + d * d + g * g - 1.0,
-        b * b + e * e + h * h - 1.0,
-        c * c + f * f + i * i - 1.0,
-        a * b + d * e + g * h,
-        a * c + d * f + g * i,
-        b * c + e * f + h * i,
+def _no_pose(X: Array) -> InputError:
+    return InputError(
+        f"inverse kinematics: found an array of shape {X.shape}, expected a finite (4, 4) pose"
     )
-    right = a * (e * i - f * h) - b * (d * i - f * g) + c * (d * h - e * g) > 0.0
-    return bool(right and max(abs(value) for value in products) <= 1e-6)

@@ -12,7 +12,8 @@ import numpy as np
 
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.model import kinematics
-from irb2400_ctrl.model.inverse_kinematics import Branches, windings
+from irb2400_ctrl.model.inverse_kinematics import Branches
+from irb2400_ctrl.model.joint_box import JointBox, require_pose
 from irb2400_ctrl.robot import Robot
 
 STARTS = 96
@@ -37,8 +38,7 @@ class NewtonBranches:
         X = kinematics.flange_pose(robot, q)
         J = kinematics.point_jacobian(robot, q, X[:3, 3], robot.n)
         self.n: int = robot.n
-        self.q_min: Array = robot.q_min
-        self.q_max: Array = robot.q_max
+        self.box: JointBox = JointBox.of(robot)
         outputs = ca.cse([ca.densify(X), ca.densify(J)])
         self.function: ca.Function = ca.Function("pose", [q], outputs)
         lengths = [np.linalg.norm(link.frame.matrix()[:3, 3]) for link in robot.links]
@@ -82,7 +82,8 @@ class NewtonBranches:
 
     def inside(self, X_BF: Array, seed: Array | None) -> Array:
         """One pose, every configuration found with the whole turns that the joint box allows."""
-        return windings(self.one(X_BF, seed)[0], self.q_min, self.q_max)
+        require_pose(X_BF)
+        return self.box.windings(self.one(X_BF, seed)[0])
 
     def _descend(self, q: Array, X_BF: Array) -> Array:
         """Damped Newton from every start at once; the configurations that arrived, shape (k, n)."""

@@ -13,7 +13,8 @@ from typing import Protocol
 import numpy as np
 
 from irb2400_ctrl.arrays import Array
-from irb2400_ctrl.model.inverse_kinematics import Branches, windings
+from irb2400_ctrl.model.inverse_kinematics import Branches
+from irb2400_ctrl.model.joint_box import require_pose
 from irb2400_ctrl.model.newton_branches import EXACT, SAME, NewtonBranches
 
 STEPS = 25
@@ -25,9 +26,6 @@ LARGEST_STEP = 0.3
 
 class Seeds(Protocol):
     """Configurations to start from: those of the closed form."""
-
-    q_min: Array
-    q_max: Array
 
     def nearest(self, X_BF: Array, seed: Array | None) -> Branches:
         """Eight for each pose, those of the nearest reach where one is beyond it."""
@@ -65,12 +63,13 @@ class PolishedBranches:
         Where a branch got lost (near a singularity they meet, and others come), all are searched
         from many starts.
         """
+        require_pose(X_BF)
         q = self.one(X_BF, seed)[0]
         near = self.seeds.nearest(X_BF[None], seed).overreach[0] < BEYOND * self.newton.size
         if not np.isfinite(q[near]).all():
             searched = self.newton.one(X_BF, seed)[0]
             q = _once(np.vstack([q, searched])[None], np.vstack([q, searched])[None])[0]
-        return windings(q, self.seeds.q_min, self.seeds.q_max)
+        return self.newton.box.windings(q)
 
     def _polished(self, q: Array, X_BF: Array) -> Array:
         """Damped Newton from a start for each pose; nan where it does not arrive, shape (k, n)."""

@@ -12,7 +12,7 @@ import irb2400_ctrl as irb
 from irb2400_ctrl.codegen import compile_function
 from irb2400_ctrl.errors import InputError, UnreachableError
 from irb2400_ctrl.model.branch_solver import branch_solver
-from irb2400_ctrl.model.inverse_kinematics import windings
+from irb2400_ctrl.model.joint_box import JointBox
 from irb2400_ctrl.model.newton_branches import NewtonBranches
 
 Array = npt.NDArray[np.float64]
@@ -170,13 +170,13 @@ def test_whole_turns_fill_the_box_and_nothing_else() -> None:
     low = np.array([-1.0, -7.0])
     high = np.array([1.0, 7.0])
     branches = np.array([[0.5, 1.0], [2.0, 0.0], [np.nan, np.nan], [-0.5, -3.0]])
-    found = windings(branches, low, high)
+    found = JointBox(low, high).windings(branches)
     turn = 2 * np.pi
     expected = [[0.5, 1 - turn], [0.5, 1.0], [-0.5, -3.0], [-0.5, -3 + turn]]
     np.testing.assert_allclose(found, expected)
 
 
-@pytest.mark.parametrize("name", ["irb2400", "puma560", "kr16 URDF"])
+@pytest.mark.parametrize("name", ["irb2400", "puma560", "kr16 URDF", "ur10e"])
 def test_the_joint_box_in_machine_code_is_that_of_windings(name: str) -> None:
     robot_ = arm(name)
     model = irb.Model(robot_)
@@ -184,7 +184,7 @@ def test_the_joint_box_in_machine_code_is_that_of_windings(name: str) -> None:
     counts = set()
     for q in np.random.default_rng(8).uniform(robot_.q_min, robot_.q_max, (200, 6)):
         X = model.flange_pose(q)
-        expected = windings(solver.one(X, q)[0], robot_.q_min, robot_.q_max)
+        expected = JointBox.of(robot_).windings(solver.one(X, q)[0])
         found = solver.inside(X, q)
         np.testing.assert_allclose(found, expected, rtol=0, atol=1e-12)
         counts.add(len(found))

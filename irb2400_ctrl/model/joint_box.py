@@ -1,0 +1,158 @@
+"""From branches to what the joint box allows: whole turns, and the controller's coupled bound.
+
+One pose at a time costs as much as its arrays, so the closed form does all of this in machine code:
+every combination of turns where the box allows few (`boxed`), how often each angle fits where it
+allows many (`wound`).
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cache
+
+import casadi as ca
+import numpy as np
+
+from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.model.inverse_kinematics import BRANCHES
+from irb2400_ctrl.robot import Robot
+
+ROTATION = 2e-6
+"""by which the columns of a pose may miss unit length and right angles, root of all squares [-]"""
+_TOLERANCE = 1e-9
+_TURN = 2 * np.pi
+_MOST_TURNS = 40
+
+
+@dataclass(frozen=True)
+class JointBox:
+    """Where the actuator angles may be [rad]."""
+
+    low: Array
+    high: Array
+    difference: tuple[float, float] | None = None
+    """of q3 - q2"""
+
+    @classmethod
+    def of(cls, robot: Robot) -> JointBox:
+        """The robot's own."""
+        bound = robot.coupling.difference_deg
+        if bound is None:
+            return cls(robot.q_min, robot.q_max)
+        return cls(robot.q_min, robot.q_max, (math.radians(bound[0]), math.radians(bound[1])))
+
+    def most_turns(self) -> Array:
+        """How many angles a whole turn apart the box can hold, for each joint, shape (n,)."""
+        return np.floor((self.high - self.low + 2 * _TOLERANCE) / _TURN).astype(int) + 1
+
+    def windings(self, q: Array) -> Array:
+        """Every q + 2 pi k inside, shape (m, n), for branches q (b, n), nan where there is none."""
+        lowest = q + _TURN * np.ceil((self.low - _TOLERANCE - q) / _TURN)
+        count = np.floor((self.high + _TOLERANCE - lowest) / _TURN) + 1.0
+        return self.allowed(unwound(lowest, np.where(np.isfinite(count), count, 0.0)))
+
+    def allowed(self, q: Array) -> Array:
+        """Of configurations (m, n) those within the coupled bound, shape (k, n)."""
+        if self.difference is None:
+            return q
+        between = q[:, 2] - q[:, 1]
+        low, high = self.difference
+        return np.asarray(q[(between >= low - _TOLERANCE) & (between <= high + _TOLERANCE)])
+
+
+def skewness(X: ca.SX) -> ca.SX:
+    """By how much columns miss unit length and right angles; more than 1 where they are
+    left-handed, no number where an entry is none."""
+    R = X[:3, :3]
+    off = ca.norm_fro(R.T @ R - ca.DM.eye(3))
+    return off + 2 * (ca.dot(ca.cross(R[:, 0], R[:, 1]), R[:, 2]) <= 0)
+
+
+def require_rotation(skew: float) -> None:
+    """Refuse a pose of this skewness.
+
+    Raises:
+        InputError: its upper left block is no rotation.
+    """
+    if not skew <= ROTATION:
+        raise InputError(
+            "inverse kinematics: the upper left (3, 3) block of the pose is not a rotation"
+        )
+
+
+def require_pose(X: Array) -> None:
+    """The same of a pose (4, 4)."""
+    require_rotation(float(skewness(ca.SX(ca.DM(X)))))
+
+
+def boxed(function: ca.Function, box: JointBox) -> ca.Function | None:
+    """(X_BF, seed) -> (q (6, 8 k), fits (8 k,), skewness): the branches with every whole turn that
+    can lie in the joint box, and which of them do; None where there are too many."""
+    turns = _all_turns(tuple(box.most_turns().tolist()))
+    if len(turns) > _MOST_TURNS:
+        return None
+    X_BF = ca.SX.sym("X_BF", 4, 4)
+    seed = ca.SX.sym("seed", 6)
+    q, overreach = function(X_BF, seed)
+    lowest = _lowest(q, box)
+    columns = []
+    fits = []
+    for k in range(BRANCHES):
+        for turn in turns:
+            angles = lowest[:, k] + ca.DM(turn)
+            inside = overreach[k] <= 0
+            for j in range(len(box.high)):
+                inside = ca.logic_and(inside, angles[j] <= box.high[j] + _TOLERANCE)
+            if box.difference is not None:
+                low, high = box.difference
+                between = angles[2] - angles[1]
+                inside = ca.logic_and(inside, between >= low - _TOLERANCE)
+                inside = ca.logic_and(inside, between <= high + _TOLERANCE)
+            columns.append(angles)
+            fits.append(inside)
+    outputs = ca.cse([ca.horzcat(*columns), ca.vertcat(*fits), skewness(X_BF)])
+    return ca.Function("boxed_inverse_kinematics", [X_BF, seed], outputs,
+                       ["X_BF", "seed"], ["q", "fits", "skewness"])  # fmt: skip
+
+
+def wound(function: ca.Function, box: JointBox) -> ca.Function:
+    """(X_BF, seed) -> (q (6, 8), count (6, 8), skewness): the lowest angle in the joint box and how
+    many whole turns apart fit; no count is positive where the branch does not exist."""
+    X_BF = ca.SX.sym("X_BF", 4, 4)
+    seed = ca.SX.sym("seed", 6)
+    q, overreach = function(X_BF, seed)
+    lowest = _lowest(q, box)
+    high = ca.repmat(ca.DM(box.high + _TOLERANCE), 1, BRANCHES)
+    count = ca.floor((high - lowest) * (1 / _TURN)) + 1
+    exists = ca.repmat(overreach.T <= 0, len(box.high), 1)
+    outputs = ca.cse([lowest, ca.if_else(exists, count, 0), skewness(X_BF)])
+    return ca.Function("wound_inverse_kinematics", [X_BF, seed], outputs,
+                       ["X_BF", "seed"], ["q", "count", "skewness"])  # fmt: skip
+
+
+def _lowest(q: ca.SX, box: JointBox) -> ca.SX:
+    low = ca.repmat(ca.DM(box.low - _TOLERANCE), 1, BRANCHES)
+    return q + _TURN * ca.ceil((low - q) * (1 / _TURN))
+
+
+def unwound(lowest: Array, count: Array) -> Array:
+    """Every angle from the lowest, `count` of them a whole turn apart, shape (m, n); both
+    (b, n)."""
+    exists = count.min(axis=1) >= 1.0
+    lowest = lowest[exists]
+    keys = [tuple(row) for row in count[exists].tolist()]
+    if len(set(keys)) == 1:
+        return np.asarray((lowest[:, None] + _all_turns(keys[0])).reshape(-1, lowest.shape[1]))
+    rows = [angles + _all_turns(key) for angles, key in zip(lowest, keys, strict=True)]
+    return np.concatenate(rows) if rows else lowest
+
+
+@cache
+def _all_turns(most: tuple[float, ...]) -> Array:
+    """Every combination of fewer whole turns than `most` [rad], shape (k, n)."""
+    counts = tuple(int(number) for number in most)
+    turns = _TURN * np.indices(counts).reshape(len(counts), -1).T
+    turns.setflags(write=False)
+    return np.asarray(turns)
