@@ -36,10 +36,10 @@ def stretched(course: Trajectory, duration: float) -> Trajectory:
     time = np.arange(rows + 1) / RATE
     factor = course.duration / time[-1]
     q, qd, qdd = between(1 / RATE, course.q, course.qd, course.qdd, time * factor)
-    return _resting(time, q, qd * factor, qdd * factor**2)
+    return resting(time, q, qd * factor, qdd * factor**2)
 
 
-def _resting(time: Array, q: Array, qd: Array, qdd: Array) -> Trajectory:
+def resting(time: Array, q: Array, qd: Array, qdd: Array) -> Trajectory:
     """A course whose ends are exactly at rest, whatever rounding left there."""
     qd = qd.copy()
     qdd = qdd.copy()
@@ -54,7 +54,7 @@ class Workshop:
     def __init__(self, robot: Robot) -> None:
         self.robot = robot
         self.model = Model(robot)
-        self._transfers = Model(with_share(robot))
+        self.transfers = Model(with_share(robot))
 
     def fitted(self, piece: Piece, duration: float) -> Piece | None:
         """The piece with amplitudes made smaller until it is inside all limits; None if even a
@@ -88,13 +88,13 @@ class Workshop:
         parts: list[tuple[Array, Array, Array]] = []
         for k, piece in enumerate(pieces):
             if k:
-                move = joint_move(self._transfers, pieces[k - 1].centre, piece.centre, rate=RATE)
+                move = joint_move(self.transfers, pieces[k - 1].centre, piece.centre, rate=RATE)
                 parts.append((move.q[1:], move.qd[1:], move.qdd[1:]))
             course = self.course(piece, duration)
             first = 1 if k else 0
             parts.append((course.q[first:], course.qd[first:], course.qdd[first:]))
         q, qd, qdd = (np.concatenate([part[i] for part in parts]) for i in range(3))
-        return _resting(np.arange(len(q)) / RATE, q, qd, qdd)
+        return resting(np.arange(len(q)) / RATE, q, qd, qdd)
 
     def filling(
         self, pieces: Sequence[Piece], duration: float, seconds: float

@@ -18,26 +18,35 @@ from irb2400_ctrl.model import Model
 MOST_FOLDS = 5
 
 
-def groups(parts: Sequence[Recording]) -> list[Integers]:
+def groups(parts: Sequence[Recording], slow: Sequence[bool]) -> list[Integers]:
     """Blocks that are held out together: logs, at most `MOST_FOLDS` groups of them, or the halves
-    of a single log."""
-    if len(parts) == 1:
-        return list(np.array_split(np.unique(parts[0].block), 2))
-    shares = np.array_split(np.arange(len(parts)), min(MOST_FOLDS, len(parts)))
-    return [np.concatenate([np.unique(parts[place].block) for place in share]) for share in shares]
+    of a single log. Logs of slow runs, which tell nothing of bodies, are a group of their own."""
+    own = [np.unique(part.block) for part in parts]
+    moving = [blocks for blocks, runs in zip(own, slow, strict=True) if not runs]
+    still = [blocks for blocks, runs in zip(own, slow, strict=True) if runs]
+    found = [np.concatenate(still)] if still and moving else []
+    moving = moving or still
+    if len(moving) == 1:
+        return [*np.array_split(moving[0], 2), *found]
+    shares = np.array_split(np.arange(len(moving)), min(MOST_FOLDS, len(moving)))
+    return [*(np.concatenate([moving[k] for k in share]) for share in shares), *found]
 
 
 def held_out(
-    model: Model, found: Fit, parts: Sequence[Recording]
+    model: Model, found: Fit, parts: Sequence[Recording], slow: Sequence[bool]
 ) -> tuple[list[Array], list[Array]]:
     """(predictions of fits that had not seen the sample, the same by plain least squares), (m, n)
-    for each recording [Nm]."""
+    for each recording [Nm].
+
+    Args:
+        slow: which recordings are of slow runs at constant speed.
+    """
     ours = [np.zeros_like(part.motion.tau) for part in parts]
     plain = [np.zeros_like(part.motion.tau) for part in parts]
     bare = ColumnLayout(found.layout.n)
     bare_sums = found.sums.part(bare.within(found.layout))
     every = np.arange(len(found.sums.H))
-    for held in groups(parts):
+    for held in groups(parts, slow):
         seen = np.setdiff1d(every, held)
         again = estimate(
             found.sums.taken(seen),

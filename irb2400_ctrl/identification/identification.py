@@ -14,6 +14,7 @@ from irb2400_ctrl.arrays import Array, Mask
 from irb2400_ctrl.diagnosis.preparation.metrics import Errors, errors
 from irb2400_ctrl.files import write_atomic
 from irb2400_ctrl.identification.columns import ColumnLayout
+from irb2400_ctrl.identification.friction_curve import FrictionCurve
 from irb2400_ctrl.identification.gate import Verdict
 from irb2400_ctrl.identification.moved import Moved
 from irb2400_ctrl.robot import Robot, save_robot
@@ -67,6 +68,7 @@ class Identification:
         correlation: samples that say the same thing.
         moved: of every link; verdicts: what these motions tell of every number.
         notes: sentences for the reader.
+        friction: of joints that ran at constant speed, forth and back (eqs. 70-74).
     """
 
     given: Robot
@@ -81,6 +83,7 @@ class Identification:
     verdicts: Sequence[Verdict]
     logs: Sequence[LogResult]
     notes: Sequence[str]
+    friction: Sequence[FrictionCurve] = ()
 
     @property
     def standard_errors(self) -> Array:
@@ -104,6 +107,7 @@ class Identification:
                 for name, value, error in numbers
             },
             "identifiability": [v.to_json() for v in self.verdicts],
+            "friction_runs": [curve.to_json() for curve in self.friction],
             "logs": [log.to_json() for log in self.logs],
         }
 

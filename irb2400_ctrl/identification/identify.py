@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -11,8 +12,15 @@ from irb2400_ctrl.diagnosis.regressors.predict import predicted_torque
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.identification.baseline import plain_least_squares
 from irb2400_ctrl.identification.columns import ColumnLayout
+from irb2400_ctrl.identification.constant_runs import runs_of
 from irb2400_ctrl.identification.covariance import block_covariance
 from irb2400_ctrl.identification.fit import Fit, fit, left_unseen
+from irb2400_ctrl.identification.friction_curve import (
+    friction_curves,
+    log_of_runs,
+    with_curves,
+    with_run_samples,
+)
 from irb2400_ctrl.identification.gate import verdicts
 from irb2400_ctrl.identification.held_out import held_out
 from irb2400_ctrl.identification.identification import Identification, LogResult
@@ -38,7 +46,8 @@ def identify(
 
     Bodies are possible ones; the file counts with the widths that it states, wider where the logs
     say so. Couplings of the wrist, a balancer and readings without the accelerating torque are
-    taken on where the logs show them clearly.
+    taken on where the logs show them clearly. Friction at low speed comes from stretches in which
+    one joint moves at constant speed, forth and back (eqs. 70-74), where the logs hold such.
 
     Args:
         robot: the file; its effects stay, but offsets, rotors and couplings are fitted anew.
@@ -51,16 +60,23 @@ def identify(
     seen = [logs] if isinstance(logs, Log) else list(logs)
     others = [validation] if isinstance(validation, Log) else list(validation)
     _check(robot, [*seen, *others])
-    base, kept = fit_base(robot)
+    runs = [runs_of(log) for log in seen]
+    curves = friction_curves([run for some in runs for run in some])
+    base, kept = fit_base(with_curves(robot, curves))
     model = Model(base)
     source, parts = _recorded(model, kept, seen)
+    parts = [
+        replace(part, motion=with_run_samples(part.motion, some, curves))
+        for part, some in zip(parts, runs, strict=True)
+    ]
     found = fit(model, parts)
     covariance = block_covariance(found.sums, found.prior, found.numbers, found.correlation)
     fitted, said = identified_robot(kept, found.layout, found.theta)
     _agree(fitted, kept, parts[0], predicted(model, found.layout, parts[0], found.theta))
     known = Identified.of(found.layout.names(), covariance, [log.name for log in seen])
     moved = moved_bodies(base, found.prior, found.theta, found.numbers.kappa)
-    results = _judged(model, robot, found, parts)
+    slow = [log_of_runs(log, curves) for log in seen]
+    results = _judged(model, robot, found, parts, slow)
     results += _validated(model, robot, kept, found, _motions(others, source))
     return Identification(
         given=robot,
@@ -74,7 +90,8 @@ def identify(
         moved=moved,
         verdicts=verdicts(model, found.layout, found.sums, found.numbers.sigma, found.correlation),
         logs=results,
-        notes=_notes(moved, found, said),
+        notes=[*_notes(moved, found, said), *(curve.says() for curve in curves)],
+        friction=curves,
     )
 
 
@@ -136,9 +153,11 @@ def _given(kept: Robot, parts: Sequence[Recording]) -> list[Recording]:
     return found
 
 
-def _judged(model: Model, robot: Robot, found: Fit, parts: Sequence[Recording]) -> list[LogResult]:
+def _judged(
+    model: Model, robot: Robot, found: Fit, parts: Sequence[Recording], slow: Sequence[bool]
+) -> list[LogResult]:
     """The logs of the identification, each stretch predicted by a fit that had not seen it."""
-    unseen, plain = held_out(model, found, parts)
+    unseen, plain = held_out(model, found, parts, slow)
     return [
         _result(model, robot, found, part, "identification", ours, theirs)
         for part, ours, theirs in zip(parts, unseen, plain, strict=True)

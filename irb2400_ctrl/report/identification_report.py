@@ -6,6 +6,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from irb2400_ctrl.identification import Identification, LogResult
+from irb2400_ctrl.report.friction_figures import friction_figure, law_rows, run_figure
 from irb2400_ctrl.report.page import Page
 
 MODELS = {
@@ -35,6 +36,12 @@ def identification_page(result: Identification) -> Page:
     page.table("Bodies, and how far they went from the file", *moved_rows(result))
     page.heading("Drives")
     page.table("Friction, offset and rotor, with standard errors", *drive_rows(result))
+    if result.friction:
+        page.heading("Friction at constant speed (eqs. 70-74)")
+        page.table("As Tab. 5, with 95 % intervals", *law_rows(result.friction))
+        page.figure(friction_figure(result.friction), "Friction of eq. 73 and its law (Fig. 9).")
+        for curve in result.friction:
+            page.figure(run_figure(curve), f"Joint {curve.joint}, forth and back (Fig. 8).")
     for log in result.logs[-FEW:]:
         page.heading(log.name)
         page.figure(parity_figure(log), "Predicted over measured torque, samples that count.")
