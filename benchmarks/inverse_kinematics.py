@@ -1,11 +1,14 @@
 """Inverse kinematics on many random poses: no false branch, none missed, and what a pose costs.
 
     python benchmarks/inverse_kinematics.py [POSES] [--search N]
+    python benchmarks/inverse_kinematics.py POSES --newton
 
 Each arm is posed at random configurations, away from singularities by 1e-4 in every factor. *False*
 is a branch whose forward kinematics is not the pose (1e-8); *missed* a pose whose branches do not
 hold the configuration it came from (1e-6). With --search the number of branches is compared, on N
-poses an arm, with Newton's method from many starts, which knows no family.
+poses an arm, with Newton's method from many starts, which knows no family. With --newton that
+method itself is counted and timed, on arms that have no closed form; and on a tenth of the poses
+its branches are compared with what eight times as many starts find.
 EAIK and py-opw-kinematics are timed beside it when they are installed.
 """
 
@@ -28,6 +31,8 @@ from irb2400_ctrl.robot.importing import import_robot
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
 
+from model.second_robots import ur_like
+from robots.imported import mixed, offset_wrist
 from robots.public_arms import arms, urdf
 
 
@@ -127,6 +132,37 @@ def searched(robot: irb.Robot, poses: int) -> str:
     return f"{robot.name:<24} {compared:>7} poses searched, {different} with another count"
 
 
+def of_no_family() -> list[irb.Robot]:
+    """Arms without a closed form: offset wrists, a UR whose axes 5 and 6 pass, skew axes."""
+    offset = [offset_wrist(kind) for kind in ("along", "across")]
+    return [*offset, ur_like(), *(mixed(seed) for seed in range(3))]
+
+
+def numerical(robot: irb.Robot, poses: int) -> str:
+    """One row of the table of Newton's method."""
+    model = irb.Model(robot)
+    solver = NewtonBranches(robot)
+    q = np.random.default_rng(5).uniform(-np.pi, np.pi, (poses, 6))
+    regular = model.smallest_singular_value(q) > 1e-3
+    X = model.flange_pose(q)
+    solver.one(X[0], None)
+    start = time.process_time()
+    found = solver.many(X, None).q
+    spent = time.process_time() - start
+    exists = np.isfinite(found).all(axis=2)
+    error = np.abs(model.flange_pose(found[exists]) - _spread(X, exists)).max(axis=(1, 2))
+    away = np.abs(np.exp(1j * found) - np.exp(1j * q)[:, None]).max(axis=2)
+    missed = np.where(exists, away, np.inf).min(axis=1) > 1e-6
+    few = max(1, poses // 10)
+    more = NewtonBranches(robot, seen=32, rounds=96).many(X[:few], None).q
+    other = np.isfinite(more).all(axis=2).sum(axis=1) != exists[:few].sum(axis=1)
+    return (
+        f"{robot.name:<24} {poses:>7} {exists.sum():>8} {int((error > 1e-8).sum()):>6} "
+        f"{int((missed & regular).sum()):>7} {int((missed & ~regular).sum()):>9} of "
+        f"{int((~regular).sum()):<5} {1e3 * spent / poses:>6.1f}  {other.sum()} of {few}"
+    )
+
+
 def peers() -> list[str]:
     """The same poses of the Puma through EAIK and py-opw-kinematics, where they are installed."""
     model = irb.Model(irb.load_robot("puma560"))
@@ -164,6 +200,14 @@ def main() -> None:
     """Print the table."""
     numbers = [int(word) for word in sys.argv[1:] if word.isdigit()]
     poses = numbers[0] if numbers else 100_000
+    if "--newton" in sys.argv:
+        print(
+            "arm                        poses branches  false  missed  in singular.  ms/pose  "
+            "other count with 8 times the starts"
+        )
+        for robot in of_no_family():
+            print(numerical(robot, poses), flush=True)
+        return
     print("arm                        poses branches  false  missed  buffer    batch  method [us]")
     for robot in robots():
         print(checked(robot, poses), flush=True)

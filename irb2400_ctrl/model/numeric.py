@@ -46,6 +46,9 @@ def evaluate(
     columns += [np.full((1, count), value) for value in constants]
     rows = function.size1_out(0)
     width = function.size2_out(0)
+    if count == 0:
+        none: Any = np.empty((0, rows, width) if matrix else (0, rows))
+        return cast(Value, none)
     # a function called with m columns is mapped over them by CasADi, without a Python loop
     flat = np.asarray(function(*[ca.DM(column) for column in columns]))
     result: Any = flat.reshape(rows, count, width).transpose(1, 0, 2) if matrix else flat.T

@@ -17,11 +17,10 @@ from irb2400_ctrl.model.inverse_kinematics import Branches
 from irb2400_ctrl.model.joint_box import require_pose
 from irb2400_ctrl.model.newton_branches import EXACT, SAME, NewtonBranches
 
-STEPS = 25
 BEYOND = 0.02
 """overreach of the closed form over the arm's size up to which a branch may still exist [-]"""
-LARGEST_STEP = 0.3
-"""of a joint in one step [rad]"""
+NEAR = 1e-8
+"""damping of the first step: the start is near"""
 
 
 class Seeds(Protocol):
@@ -45,7 +44,7 @@ class PolishedBranches:
         poses = np.broadcast_to(X_BF[:, None], (m, branches, 4, 4)).reshape(-1, 4, 4)
         tried = np.flatnonzero(start.overreach.ravel() < BEYOND * self.newton.size)
         q = np.full((m * branches, n), np.nan)
-        q[tried] = self._polished(start.q.reshape(-1, n)[tried], poses[tried])
+        q[tried] = self.newton.descend(start.q.reshape(-1, n)[tried], poses[tried], NEAR)
         q = np.pi - np.mod(np.pi - q, 2 * np.pi)
         q = _once(q.reshape(m, branches, n), start.q)
         exists = np.isfinite(q).all(axis=2)
@@ -70,30 +69,6 @@ class PolishedBranches:
             searched = self.newton.one(X_BF, seed)[0]
             q = _once(np.vstack([q, searched])[None], np.vstack([q, searched])[None])[0]
         return self.newton.box.windings(q)
-
-    def _polished(self, q: Array, X_BF: Array) -> Array:
-        """Damped Newton from a start for each pose; nan where it does not arrive, shape (k, n)."""
-        q = q.copy()
-        n = q.shape[1]
-        going = np.arange(len(q))
-        arrived = np.zeros(len(q), dtype=bool)
-        for _ in range(STEPS):
-            error, J = self.newton.error(q[going], X_BF[going])
-            size = np.sum(error**2, axis=1)
-            arrived[going[size < EXACT**2]] = True
-            on = ~(size < EXACT**2)
-            going = going[on]
-            if not len(going):
-                break
-            J = J[on]
-            JT = J.transpose(0, 2, 1)
-            # far less than any singular value away from a singularity, and none near the solution
-            normal = JT @ J + np.minimum(size[on], 1e-4)[:, None, None] * np.eye(n)
-            step = np.linalg.solve(normal + 1e-16 * np.eye(n), JT @ error[on][..., None])[..., 0]
-            largest = np.abs(step).max(axis=1, keepdims=True)
-            q[going] += step * np.minimum(1.0, LARGEST_STEP / np.maximum(largest, 1e-12))
-        q[~arrived] = np.nan
-        return q
 
 
 def _once(q: Array, start: Array) -> Array:

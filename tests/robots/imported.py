@@ -54,3 +54,26 @@ def mixed(seed: int = 0) -> irb.Robot:
         for link in base.links
     )
     return base.model_copy(update={"links": links, "name": "no family"})
+
+
+def offset_wrist(kind: str) -> irb.Robot:
+    """An arm whose axes 4, 5, 6 do not meet, lengths as of a cobot of 10 kg.
+
+    Args:
+        kind: "along" parts axes 4 and 6 along axis 5 (up to 16 branches), "across" axis 5 from axis
+            4 at right angles to both.
+    """
+    from irb2400_ctrl.robot import ModifiedDH
+
+    half = np.pi / 2
+    d5, a4 = {"along": (0.15, 0.0), "across": (0.0, 0.08)}[kind]
+    rows = (
+        (0.0, 0.0, 0.25), (0.0, -half, 0.0), (0.71, 0.0, 0.0), (0.0, -half, 0.54),
+        (a4, half, d5), (0.0, -half, 0.16),
+    )  # fmt: skip
+    base = robot("irb1200")
+    links = tuple(
+        link.model_copy(update={"frame": ModifiedDH(a_m=a, alpha_rad=alpha, d_m=d)})
+        for link, (a, alpha, d) in zip(base.links, rows, strict=True)
+    )
+    return base.model_copy(update={"links": links, "name": f"wrist offset {kind}"})

@@ -6,7 +6,7 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 from model.second_robots import ur_like
-from robots.imported import SIX_AXES, bent, mixed, robot
+from robots.imported import SIX_AXES, bent, mixed, offset_wrist, robot
 
 import irb2400_ctrl as irb
 from irb2400_ctrl.codegen import compile_function
@@ -103,6 +103,27 @@ def test_an_arm_of_no_family_is_solved_numerically(robot_: irb.Robot) -> None:
         model.inverse_kinematics(
             np.array([[1, 0, 0, 9], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1.0]])
         )
+
+
+@pytest.mark.parametrize("kind", ["along", "across"])
+def test_an_offset_wrist_has_every_branch_found(kind: str) -> None:
+    """From both sides, as the closed forms; in a batch and one by one the same."""
+    robot_ = offset_wrist(kind)
+    model = irb.Model(robot_)
+    q = np.random.default_rng(9).uniform(-np.pi, np.pi, (300, 6))
+    q = q[model.smallest_singular_value(q) > 1e-3]
+    X = model.tcp_pose(q)
+    found = model.inverse_kinematics_branches(X).q
+    exists = np.isfinite(found).all(axis=2)
+    wanted = np.broadcast_to(X[:, None], (*exists.shape, 4, 4))[exists]
+    np.testing.assert_allclose(model.tcp_pose(found[exists]), wanted, rtol=0, atol=1e-9)
+    away = np.abs(np.exp(1j * found) - np.exp(1j * q)[:, None]).max(axis=2)
+    assert np.where(exists, away, np.inf).min(axis=1).max() < 1e-6
+    counts = exists.sum(axis=1)
+    assert (counts % 2 == 0).all()
+    assert counts.max() > 8
+    alone = NewtonBranches(robot_).one(model.flange_pose(q[0]), None)[0]
+    np.testing.assert_array_equal(alone, found[0][exists[0]])
 
 
 def test_seven_axes_are_refused_with_a_way_out() -> None:
