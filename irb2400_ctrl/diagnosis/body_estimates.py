@@ -88,12 +88,13 @@ def body_estimates(
     )[0]
     Y = np.zeros((motion.rows, motion.n, 10))
     Y[:, list(law.joints)] = law.values
-    k = len(fit.z)
+    own = len(fit.z)
+    k = int(np.sum(fit.owner < 0))
     others = [k + i for i, p in enumerate(fit.parameters) if p.effect != place]
-    others += range(k + len(fit.parameters), fit.Z.shape[2])
+    others += [*range(own, k), *range(k + len(fit.parameters), fit.Z.shape[2])]
     beside = fit.Z[:, :, others]
     start = np.array([effect.mass_kg, *effect.com_m])
-    bases = (fit.Z[:, :, :k], motion.filtered(_without_bodies(prior, fitter)))
+    bases = (fit.Z[:, :, :own], motion.filtered(_without_bodies(prior, fitter)))
     robust, given = (
         _estimate(fit, Y, np.concatenate([base, beside], axis=2), start, inflation)
         for base in bases

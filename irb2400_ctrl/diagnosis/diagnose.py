@@ -32,6 +32,7 @@ from irb2400_ctrl.diagnosis.lists import list_of
 from irb2400_ctrl.diagnosis.log_errors import log_errors
 from irb2400_ctrl.diagnosis.numbers import numbers
 from irb2400_ctrl.diagnosis.preparation.base_prior import BasePrior
+from irb2400_ctrl.diagnosis.preparation.doubtful_accelerations import doubtful_accelerations
 from irb2400_ctrl.diagnosis.preparation.identified_prior import IdentifiedPrior
 from irb2400_ctrl.diagnosis.preparation.metrics import errors, noise_floor
 from irb2400_ctrl.diagnosis.preparation.noise_test import noise_test
@@ -108,14 +109,17 @@ def _searched(
     motion = prepare_together(logs.used)
     bases = _bases(robot.bare())
     prior = _prior(robot, uncertainty or robot.uncertainty, motion)
-    Z = motion.filtered(prior.columns(bases.model, motion))
+    numbers_of_robot = prior.columns(bases.model, motion)
+    doubtful = doubtful_accelerations(bases.model, logs.used, motion)
+    Z = motion.filtered(np.concatenate([numbers_of_robot, doubtful], axis=2))
     load = bases.model.inverse_dynamics(motion.q, motion.qd, motion.qdd, friction=False)
     progress("scan")
     reversal = reversal_rows(motion)
-    first = Fitter(robot, bases, motion, Z, reversal).fit([])
+    own = numbers_of_robot.shape[2]
+    first = Fitter(robot, bases, motion, Z, reversal, own).fit([])
     motion = noisy_reversals_masked(motion, bases, first, reversal)
     scan = Scan(bases, motion, load)
-    fitter = Fitter(robot, bases, motion, Z, reversal)
+    fitter = Fitter(robot, bases, motion, Z, reversal, own)
     steps, fit = Selection(scan, fitter, criteria).run()
     progress("conclude")
     beside = None if validation is None else prepare(validation)

@@ -6,7 +6,7 @@ import numpy as np
 
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.measurement.log import Log
-from irb2400_ctrl.measurement.log_facts import neighbour_noise
+from irb2400_ctrl.measurement.log_facts import digit, neighbour_noise
 from irb2400_ctrl.measurement.time_base import with_time_base
 from irb2400_ctrl.measurement.uniform import (
     LowPass,
@@ -25,24 +25,34 @@ CUTOFF = 10.0
 def torque_from_angle_noise(robot: Robot, log: Log) -> Array | None:
     """rms below 10 Hz of M(q) times the acceleration that the angles' own noise makes, shape (n,).
 
-    The noise is white on the samples, of the size that neighbours disagree by (`neighbour_noise`);
-    it goes through the spline, the smoothing and the differences that the angles go through.
-
     Returns:
         [Nm]; None for a log too short to be resampled.
     """
     if log.duration < 2.0:
         return None
-    even = with_time_base(log)
-    rng = np.random.default_rng(0)
-    white = rng.standard_normal(log.q.shape) * neighbour_noise(even.q)
-    noise = resample(Log(even.time, white, np.zeros_like(white)))
-    second = derivatives(smoothed(noise.q, noise.step), noise.step)[2]
-    low_pass = LowPass(CUTOFF, noise.step)
-    margin = derivative_margin(noise.step)
-    if len(second) < 2 * (margin + low_pass.half) + 1:
+    noise, step = acceleration_noise(with_time_base(log))
+    low_pass = LowPass(CUTOFF, step)
+    margin = derivative_margin(step)
+    if len(noise) < 2 * (margin + low_pass.half) + 1:
         return None
-    return torque_of(robot, log.q, low_pass(second[margin:-margin]))
+    return torque_of(robot, log.q, low_pass(noise[margin:-margin]))
+
+
+def acceleration_noise(even: Log, rate: float | None = None) -> tuple[Array, float]:
+    """A draw of what the noise of the angles makes of the accelerations (m, n) [rad/s2], and its
+    step [s].
+
+    White on the samples of a log with its time base rebuilt, of the size that neighbours disagree
+    by (`neighbour_noise`) or that the last digit leaves open; through the spline, the smoothing and
+    the differences that the angles go through.
+
+    Args:
+        rate: of the grid [Hz]; default as `resample`.
+    """
+    size = np.maximum(neighbour_noise(even.q), digit(even.q) / np.sqrt(12.0))
+    white = np.random.default_rng(0).standard_normal(even.q.shape) * size
+    noise = resample(Log(even.time, white, np.zeros_like(white)), rate)
+    return derivatives(smoothed(noise.q, noise.step), noise.step, 2)[2], noise.step
 
 
 def torque_of(robot: Robot, q: Array, acceleration: Array) -> Array:

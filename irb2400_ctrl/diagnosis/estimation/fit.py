@@ -37,7 +37,7 @@ class Fit:
     Args:
         effects: fitted, with their discrepancy; parameters, sigma: their natural parameters and
             standard errors.
-        z: deviations of the base in prior standard deviations; z_covariance: of them.
+        z: deviations of the robot's numbers in prior standard deviations; z_covariance: of them.
         y: what the effects (without discrepancy) leave of the filtered torque, shape (rows, n).
         Z: base and everything else that may still move, unit priors, shape (rows, n, k).
         residual: what everything together leaves; noise: of it, per joint.
@@ -68,15 +68,20 @@ class Fitter:
         motion: PreparedLog,
         Z: Array,
         reversal: Mask,
-        offset: Array | None = None,
+        own: int | None = None,
     ) -> None:
-        """`offset` (m, n): torque known beside the robot's own [Nm]."""
+        """Fits with base columns Z (rows, n, k).
+
+        Args:
+            own: how many of them, the first, are numbers of the robot; the others may move but say
+                nothing about it; default all.
+        """
         self.robot = robot
         self.bases = bases
         self.motion = motion
         self.Z = Z
         self.reversal = reversal
-        self.offset = np.zeros_like(motion.tau) if offset is None else offset
+        self.own = Z.shape[2] if own is None else own
         self._cache: dict[tuple[object, ...], Array] = {}
 
     def fit(self, chosen: Sequence[Candidate], iterations: int = ITERATIONS) -> Fit:
@@ -173,8 +178,8 @@ class Fitter:
             effects=tuple(shaped),
             parameters=tuple(parameters),
             sigma=sigma[k : k + p] * sizes,
-            z=b[:k],
-            z_covariance=covariance[:k, :k],
+            z=b[: self.own],
+            z_covariance=covariance[: self.own, : self.own],
             y=y,
             Z=columns,
             residual=y - explained,
@@ -189,9 +194,7 @@ class Fitter:
         bare = [e.model_copy(update={"discrepancy": ()}) for e in effects]
         robot = self.robot.model_copy(update={"effects": (*self.robot.effects, *bare)})
         motion = self.motion
-        y = motion.filtered(
-            motion.tau_smooth - self.offset - predicted_torque(robot, motion, self.bases)
-        )
+        y = motion.filtered(motion.tau_smooth - predicted_torque(robot, motion, self.bases))
         blocks = [self.Z]
         parameters = []
         sizes = []

@@ -100,7 +100,7 @@ def _composed(E: list[list[Array]], c: list[Array]) -> tuple[list[list[Array]], 
     points, m = c[0].shape
     length = math.isqrt(m) + 1
     count = -(-m // length)
-    # maps and what they add side by side, the samples of a block first: (length, n, n + 1, g, count)
+    # maps and what they add side by side, the samples of a block first
     steps = np.zeros((n, n + 1, points, count * length))
     for i in range(n):
         steps[i, i] = 1.0  # beyond the end nothing moves
@@ -124,9 +124,7 @@ def _composed(E: list[list[Array]], c: list[Array]) -> tuple[list[list[Array]], 
         ]
         for i in range(n)
     ]
-    flat = [
-        [part.transpose(1, 2, 0).reshape(points, -1)[:, :m] for part in row] for row in found
-    ]
+    flat = [[part.transpose(1, 2, 0).reshape(points, -1)[:, :m] for part in row] for row in found]
     return [row[:n] for row in flat], [row[n] for row in flat]
 
 
