@@ -14,7 +14,15 @@ from pydantic import Field, model_validator
 
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.errors import InputError
-from irb2400_ctrl.robot.shape import Box, Capsule, Cylinder, Shape, Sphere, pose
+from irb2400_ctrl.robot.shape import (
+    Box,
+    Capsule,
+    Cylinder,
+    Shape,
+    Sphere,
+    place_and_turn,
+    pose,
+)
 from irb2400_ctrl.robot.table import NotNegative, Table, Vector3
 
 Role = Literal["part", "stock", "fixture", "table", "obstacle"]
@@ -47,6 +55,12 @@ class Placed(Table):
     def pose(self) -> Array:
         """X_BW [m], shape (4, 4)."""
         return pose(self.place_mm, self.turn_deg)
+
+    @classmethod
+    def at(cls, X: Array) -> Self:
+        """A frame at the pose X (4, 4) [m]."""
+        place, turn = place_and_turn(X)
+        return cls(place_mm=place, turn_deg=turn)
 
 
 class Thing(Table):
@@ -117,6 +131,11 @@ class Cell(Table):
     def work_frame(self) -> Array | None:
         """X_BW of the work object, shape (4, 4); None where the file has none."""
         return None if self.work_object is None else self.work_object.pose
+
+    def placed(self, X: Array | None) -> Cell:
+        """The same with the work object, and all that stands in its frame, at X_BW (4, 4) [m]; as
+        it is where X is None."""
+        return self if X is None else self.model_copy(update={"work_object": Placed.at(X)})
 
     def tool_of(self, number: int | None, name: str) -> str | None:
         """Name of the tool that an operation of a CAM file asks for by number or else by name; None

@@ -41,13 +41,13 @@ class Narrow:
     """of a mesh: whether one of the two lies wholly inside the other"""
 
     @classmethod
-    def of(cls, piece: Piece, other: Piece, made: dict[Piece, Any]) -> Narrow:
+    def of(cls, piece: Piece, other: Piece, made: dict[Any, Any]) -> Narrow:
         """For a piece that moves and one that stands still.
 
         Args:
             piece: the one that moves.
             other: the one that stands still.
-            made: triangles of coal by piece, filled here: a large mesh is built once.
+            made: triangles of coal by shape, filled here: a large mesh is built once.
 
         Raises:
             InputError: coal is not installed.
@@ -55,10 +55,10 @@ class Narrow:
         coal = load_coal()
         if isinstance(piece.shape, Surface) or isinstance(other.shape, Surface):
             for each in (piece, other):
-                if each not in made:
-                    made[each] = _triangles(coal, each)
-            one, radius = made[piece]
-            two, other_radius = made[other]
+                if each.shape not in made:
+                    made[each.shape] = _triangles(coal, each)
+            one, radius = made[piece.shape]
+            two, other_radius = made[other.shape]
         else:
             one, radius = _primitive(coal, piece.shape)
             two, other_radius = _primitive(coal, other.shape)

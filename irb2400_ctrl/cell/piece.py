@@ -35,6 +35,8 @@ class Piece:
     cuts: bool = False
     """of a tool: it may touch what may be cut, at feed"""
     may_be_cut: bool = False
+    on_work_object: bool = False
+    """whether X is the pose of the work object"""
 
     def capsule(self) -> tuple[Array, float]:
         """Both ends (2, 3) in the frame of the link and the radius of a capsule around it [m]."""
@@ -119,7 +121,17 @@ def cell_pieces(cell: Cell) -> list[Piece]:
         X = cell.work_frame if thing.frame == "work_object" else np.eye(4)
         assert X is not None
         for shape in _shapes(cell, thing):
-            found.append(Piece(thing.name, 0, X, shape, may_be_cut=thing.may_be_cut))
+            moves = thing.frame == "work_object"
+            found.append(
+                Piece(
+                    thing.name,
+                    0,
+                    X,
+                    shape,
+                    may_be_cut=thing.may_be_cut,
+                    on_work_object=moves,
+                )
+            )
     if cell.floor_mm is not None:
         centre = (0.0, 0.0, cell.floor_mm - _FLOOR_MM[2] / 2)
         slab = Box(kind="box", centre_mm=centre, size_mm=_FLOOR_MM)

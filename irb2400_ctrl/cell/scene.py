@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
@@ -47,6 +47,8 @@ class Scene:
     """numbers in `arm` and in `things`"""
     keep: float = 0.0
     """a motion stays at least so far from everything [m]"""
+    triangles: dict[Any, Any] = field(default_factory=dict)
+    """of coal by shape, filled as they are needed: a large mesh is built once"""
 
     @classmethod
     def of(
@@ -74,6 +76,13 @@ class Scene:
             return None
         keep = 0.0 if cell is None else cell.clearance_mm / 1e3
         return cls(model, robot, tool, arm, tuple(things), own, tuple(outer), keep)
+
+    def placed(self, X: Array) -> Scene:
+        """The same with the work object, and all that stands in its frame, at X_BW (4, 4) [m]."""
+        things = tuple(
+            replace(piece, X=X) if piece.on_work_object else piece for piece in self.things
+        )
+        return replace(self, things=things)
 
     @property
     def pairs(self) -> int:
@@ -110,8 +119,7 @@ class Scene:
 
     @cached_property
     def _narrow(self) -> list[Narrow]:
-        made: dict[Piece, Any] = {}
-        return [Narrow.of(self.arm[i], self.things[k], made) for i, k in self.outer]
+        return [Narrow.of(self.arm[i], self.things[k], self.triangles) for i, k in self.outer]
 
     @cached_property
     def _local(self) -> list[Array]:

@@ -19,6 +19,7 @@ from irb2400_ctrl.cli import (
     identify,
     log,
     path,
+    place,
     plan,
     robot,
     simulate,
@@ -57,6 +58,7 @@ def _options(
 
 app.command("demo")(demo.demo)
 app.command("plan")(plan.plan)
+app.command("place")(place.place)
 app.command("simulate")(simulate.simulate)
 app.command("sweep")(sweep.sweep)
 app.command("codegen")(codegen.codegen)

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from irb2400_ctrl.cli.cutting import CuttingForceOption, StiffnessOption, cutting_load
 from irb2400_ctrl.cli.options import (
     CellOption,
     OutOption,
@@ -199,6 +200,8 @@ def plan(
     clearance: ClearanceOption = None,
     approach: ApproachOption = None,
     start: StartOption = None,
+    cutting_force: CuttingForceOption = None,
+    joint_stiffness: StiffnessOption = None,
 ) -> Summary:
     """Plan a toolpath: branch, tool rotation, torque-limited timing -> trajectory.csv, plan.json,
     figures."""
@@ -209,12 +212,13 @@ def plan(
     from irb2400_ctrl.planners.toolpath.work_frame import work_frame as pose_of
 
     pose = None if work_frame is None else pose_of(work_frame)
-    around = None if cell is None else load_cell(cell)
+    around = None if cell is None else load_cell(cell).placed(pose)
     program = read_program(path, units=units, rotary=rotary, spindle_rpm=spindle_rpm)
     if operation is not None:
         program = replace(program, operations=(program.operation(operation),))
     output_folder(out)
     arm = load_arm(robot)
+    frame = pose if around is None else around.work_frame
     options = {
         "rate": rate,
         "free_tool_rotation": free_tool_rotation,
@@ -224,6 +228,7 @@ def plan(
         "tolerance": 1e-3 * tolerance_mm,
         "axis_tolerance": math.radians(axis_tolerance_deg),
         "torque_share": torque_share,
+        "load": cutting_load(arm, cutting_force, joint_stiffness, frame),
         "interpolation": interpolation,
         "torque_rate": None if torque_rate is None else torque_rate * arm.tau_max,
         "jerk": None if jerk_deg_s3 is None else math.radians(jerk_deg_s3),
@@ -295,6 +300,12 @@ def _print_summary(planned: Plan) -> None:
         f"elbow {margin['elbow']:.3f} m"
     )
     print(f"clearance: {_clearance(s['clearance_mm'])}")
+    if planned.deflection is not None:
+        given = planned.deflection
+        print(
+            f"the tip gives way by {given['largest_mm']:.3f} mm at most, at "
+            f"{given['at_mm']:.0f} mm of the way (joint stiffness: {given['stiffness_from']})"
+        )
     held = f"; guaranteed for the rows read as {s['interpolation']}" if s["guaranteed"] else ""
     print(
         f"torque at most {100 * s['max_torque_ratio']:.1f} % of its limit, speed "

@@ -69,6 +69,8 @@ class Plan:
     clearance: dict[str, Any] = field(default_factory=lambda: unknown("not asked for"))
     """smallest distance over the continuous path [mm], between which bodies, where; or why it is
     not known"""
+    deflection: dict[str, Any] | None = None
+    """how far the tip gives way to the cutting force, at samples of the path; None without one"""
     interpolation: Interpolation = DEFAULT
     """how the controller reads the rows"""
     torque_share: float = 1.0
@@ -113,6 +115,7 @@ class Plan:
             "max_tool_axis_deviation_deg": float(np.degrees(self.max_tool_axis_deviation)),
             "singularity_margin": self.singularity_margin,
             "clearance_mm": self.clearance,
+            "deflection": self.deflection,
             "max_torque_ratio": self.max_torque_ratio,
             "max_velocity_ratio": self.max_velocity_ratio,
             "max_feed_ratio": self.max_feed_ratio,

@@ -9,6 +9,7 @@ import numpy as np
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.cell import Cell, CellTool
 from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.planners.redundancy.cutting_load import CuttingLoad
 from irb2400_ctrl.planners.timing.sampled_reference.interpolation import Interpolation
 from irb2400_ctrl.planners.timing.sampled_reference.sampling import Sampling
 
@@ -36,6 +37,8 @@ class PlanOptions:
     """what stands around the arm"""
     tool_name: str | None = None
     """of a tool of the cell; None for what the robot file describes"""
+    load: CuttingLoad | None = None
+    """a force on the tip that the posture is chosen for"""
 
     def __post_init__(self) -> None:
         if not np.isfinite(self.rate) or self.rate <= 0:

@@ -17,6 +17,7 @@ from irb2400_ctrl.planners.plan_options import PlanOptions
 from irb2400_ctrl.planners.plan_report import report
 from irb2400_ctrl.planners.redundancy.choice import Choice
 from irb2400_ctrl.planners.redundancy.choices import choices
+from irb2400_ctrl.planners.redundancy.cutting_load import CuttingLoad
 from irb2400_ctrl.planners.redundancy.way_out import WayOut
 from irb2400_ctrl.planners.stage_clock import Progress, StageClock
 from irb2400_ctrl.planners.timing.motion_limits import MotionLimits
@@ -61,6 +62,7 @@ def plan_path(
     tool: str | None = None,
     torque_share: float = 1.0,
     interpolation: str = DEFAULT,
+    load: CuttingLoad | None = None,
     progress: Progress | None = None,
 ) -> Plan:
     """The fastest motion along a tool path, rest to rest, clear of singularities.
@@ -85,6 +87,7 @@ def plan_path(
         tool: name of a tool of the cell; default what the robot file describes.
         torque_share: part of the torque limits that is used, 0.9 for 90 %.
         interpolation: how the controller reads the rows, "cubic" or "linear": `Interpolation`.
+        load: a force on the tip: of the comfortable ways the one that gives way least is taken.
         progress: called with each stage as it begins, and within long ones with how far they are.
 
     Raises:
@@ -94,19 +97,19 @@ def plan_path(
     """
     read_as = checked(interpolation)
     options = PlanOptions(
-        rate, free_tool_rotation, work_frame, tolerance, axis_tolerance, read_as, cell, tool
+        rate, free_tool_rotation, work_frame, tolerance, axis_tolerance, read_as, cell, tool, load
     )
     timed = TimingOptions.of(
         robot, timing, cells, limits, torque_rate, jerk, options.sampling, torque_share
     )
-    ways = _chosen(free_tool_rotation, way_out)
+    ways = _chosen(free_tool_rotation, way_out, load)
     return plan_ways(robot, path, ways, options, timed, StageClock(progress))
 
 
-def _chosen(free: bool, way_out: WayOut | None) -> Ways:
+def _chosen(free: bool, way_out: WayOut | None, load: CuttingLoad | None) -> Ways:
     """The most promising joint paths of every kind."""
     return lambda model, orientation, scene: choices(
-        model, orientation, free, scene=scene, way_out=way_out
+        model, orientation, free, scene=scene, way_out=way_out, load=load
     )
 
 
@@ -159,6 +162,7 @@ def plan_ways(
             timing,
             settled.reference,
             clock.seconds,
+            options.load,
         )
 
 

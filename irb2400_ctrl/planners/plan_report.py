@@ -14,6 +14,7 @@ from irb2400_ctrl.planners.clearance.clearance import unknown
 from irb2400_ctrl.planners.enclosure.path_dynamics import PathDynamics
 from irb2400_ctrl.planners.enclosure.tcp_path import TcpPath
 from irb2400_ctrl.planners.plan import Plan
+from irb2400_ctrl.planners.redundancy.cutting_load import CuttingLoad
 from irb2400_ctrl.planners.redundancy.wrist_remedies import Remedy, taken
 from irb2400_ctrl.planners.timing.feed_use import feed_use
 from irb2400_ctrl.planners.timing.passing_times import passing_times, point_lengths
@@ -35,6 +36,7 @@ def report(
     options: TimingOptions,
     reference: SampledReference,
     wall_time: dict[str, float],
+    load: CuttingLoad | None = None,
 ) -> Plan:
     """The plan of the chosen motion, with what it was compared with.
 
@@ -48,6 +50,7 @@ def report(
         options: how it was timed.
         reference: the rows of the trajectory.
         wall_time: of the stages [s]; the caller goes on writing to it.
+        load: the cutting force that it was chosen for.
     """
     tcp = chosen.path.tcp
     choice = chosen.choice
@@ -68,6 +71,7 @@ def report(
         max_tcp_deviation=bounds.deviation.largest,
         max_tool_axis_deviation=bounds.deviation.axis,
         clearance=_clearance(chosen),
+        deflection=_deflection(chosen, load),
         singularity_margin=bounds.singularity_margin,
         max_torque_ratio=bounds.torque_ratio,
         max_velocity_ratio=bounds.velocity_ratio,
@@ -101,12 +105,29 @@ def law_rows(
 def _compared(option: TimedChoice) -> dict[str, Any]:
     """One of the choices, for `plan.json`."""
     choice = option.choice
-    return {
+    told = {
         "kind": choice.kind,
         "branch": choice.branch,
         "relative_margin": float(choice.margins.min()),
         "turn_deg": float(np.degrees(choice.turn)),
         "duration_s": option.fastest.duration,
+    }
+    if choice.given_way is not None:
+        told["deflection_mm"] = 1e3 * choice.given_way.largest
+    return told
+
+
+def _deflection(chosen: TimedChoice, load: CuttingLoad | None) -> dict[str, Any] | None:
+    """The entry `deflection` of `plan.json`; None without a cutting force."""
+    found = chosen.choice.given_way
+    if found is None or load is None:
+        return None
+    way = float(chosen.path.tcp.way(found.s))
+    return {
+        "largest_mm": 1e3 * found.largest,
+        "at_mm": 1e3 * way,
+        "mean_mm": 1e3 * found.mean,
+        **load.summary(),
     }
 
 

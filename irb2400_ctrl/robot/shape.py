@@ -163,3 +163,17 @@ def pose(place_mm: Sequence[float], turn_deg: Sequence[float] = (0.0, 0.0, 0.0))
         X[:3, :3] = R @ X[:3, :3]
     X[:3, 3] = np.array(place_mm) / 1e3
     return X
+
+
+def place_and_turn(X: Array) -> tuple[Vector3, Vector3]:
+    """The (place [mm], turn [deg]) with `pose(place, turn)` = X, shape (4, 4)."""
+    R = X[:3, :3]
+    lift = np.hypot(R[0, 0], R[1, 0])
+    if lift > 1e-9:
+        turn = (np.arctan2(R[2, 1], R[2, 2]), np.arctan2(-R[2, 0], lift),
+                np.arctan2(R[1, 0], R[0, 0]))  # fmt: skip
+    else:  # x and z turn about the same axis: all of it to x
+        turn = (np.arctan2(-R[1, 2], R[1, 1]), np.arctan2(-R[2, 0], lift), np.float64(0.0))
+    x, y, z = (1e3 * X[:3, 3]).tolist()
+    a, b, c = np.degrees(turn).tolist()
+    return (x, y, z), (a, b, c)

@@ -7,15 +7,19 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from typer.testing import CliRunner
 
 from irb2400_ctrl import load_robot, save_robot
 from irb2400_ctrl.cell import Cell, Scene, load_cell, with_tool
 from irb2400_ctrl.cell.piece import cell_pieces
+from irb2400_ctrl.cli.main import app
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.model import Model
+from irb2400_ctrl.robot.shape import place_and_turn, pose
 
 pytest.importorskip("coal")
-EXAMPLE = Path(__file__).parents[2] / "examples" / "cell" / "cell.toml"
+EXAMPLE = Path(__file__).parents[2] / "examples" / "cell"
+CELL_FILE = EXAMPLE / "cell.toml"
 THING = '[[things]]\nname = "box"\nrole = "table"\nshapes = [{shape}]\n'
 BOX = '{ kind = "box", centre_mm = [0, 0, 0], size_mm = [1, 1, 1] }'
 
@@ -27,7 +31,7 @@ def cell(tmp_path: Path, text: str) -> Cell:
 
 
 def test_the_example_says_what_it_says() -> None:
-    found = load_cell(EXAMPLE)
+    found = load_cell(CELL_FILE)
     assert found.work_frame is not None
     assert found.work_frame[:3, 3] == pytest.approx([0.85, 0.0, 0.5])
     pieces = {piece.name: piece for piece in cell_pieces(found)}
@@ -111,7 +115,7 @@ def test_an_outline_names_links_that_there_are(tmp_path: Path) -> None:
 
 def test_a_tool_of_the_cell_takes_the_place_of_what_the_spindle_holds() -> None:
     robot = load_robot("irb2400")
-    found = load_cell(EXAMPLE)
+    found = load_cell(CELL_FILE)
     longer = found.tools[0].model_copy(update={"offset_mm": (0.0, 0.0, 30.0)})
     arm = with_tool(robot, longer)
     assert np.linalg.norm(arm.X_FT[:3, 3] - robot.X_FT[:3, 3]) == pytest.approx(0.03)
@@ -128,3 +132,50 @@ def test_a_tool_of_the_cell_takes_the_place_of_what_the_spindle_holds() -> None:
     ends, _ = tip.capsule()
     X = poses[0, tip.link]
     assert X[:, :3] @ ends[1] + X[:, 3] == pytest.approx(Model(arm).tcp_pose(q)[:3, 3])
+
+
+def test_a_pose_leads_back_to_its_six_numbers() -> None:
+    draw = np.random.default_rng(3)
+    for turn in [*draw.uniform(-180, 180, (50, 3)), (30.0, 90.0, 0.0), (10.0, -90.0, 0.0)]:
+        X = pose(draw.normal(size=3) * 1e3, turn)
+        assert pose(*place_and_turn(X)) == pytest.approx(X, abs=1e-9)
+
+
+def test_what_stands_on_the_work_object_moves_with_it() -> None:
+    pytest.importorskip("coal")
+    cell = load_cell(CELL_FILE)
+    X = pose((700, -300, 400), (0, 0, 40))
+    robot = load_robot("irb2400")
+    model = Model(robot)
+    whole = Scene.of(model, robot, cell)
+    again = Scene.of(model, robot, cell.placed(X))
+    assert whole is not None
+    assert again is not None
+    moved = whole.placed(X)
+    q = np.radians(np.random.default_rng(1).uniform(-50, 50, (40, 6)))
+    none = np.zeros(40, dtype=bool)
+    outer = [whole.things[k].on_work_object for _, k in whole.outer]
+    pairs = np.array([False] * len(whole.own) + outer)
+    before, after, anew = (each.clearance(q, none, 2.0, pairs) for each in (whole, moved, again))
+    assert after == pytest.approx(anew, abs=1e-9)
+    assert np.abs(after - before).max() > 1e-3
+    stays = {piece.name for piece in moved.things if not piece.on_work_object}
+    assert stays == {"table", "post", "floor"}
+
+
+def test_plan_moves_the_cell_with_the_work_frame(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    asked = {}
+
+    def planned(*args: object, **options: object) -> None:
+        asked.update(options)
+        raise InputError("seen")
+
+    monkeypatch.setattr("irb2400_ctrl.planners.plan_path", planned)
+    command = ["plan", str(EXAMPLE / "part.cls"), "--out", str(tmp_path / "out")]
+    command += ["--cell", str(CELL_FILE), "--work-frame", "700,-300,400,0,0,40"]
+    assert isinstance(CliRunner().invoke(app, command).exception, InputError)
+    found = asked["cell"]
+    assert isinstance(found, Cell)
+    assert found.work_frame == pytest.approx(pose((700, -300, 400), (0, 0, 40)))

@@ -17,10 +17,8 @@ pytest.importorskip("coal")
 PAGE = (Path(__file__).parents[2] / "docs" / "cells.md").read_text()
 
 
-def block(language: str) -> str:
-    found = re.search(rf"```{language}\n(.*?)```", PAGE, re.DOTALL)
-    assert found is not None
-    return found.group(1)
+def block(language: str, number: int = 0) -> str:
+    return re.findall(rf"```{language}\n(.*?)```", PAGE, re.DOTALL)[number]
 
 
 @pytest.fixture
@@ -44,6 +42,18 @@ def test_commands(folder: Path) -> None:
         assert plan["clearance_mm"]["value"] >= 5.0
         assert len(plan["clearance_mm"]["pair"]) == 2
         assert plan["guaranteed"] is True
+
+
+def test_the_part_is_placed(folder: Path) -> None:
+    command = shlex.split(block("sh", 1))[1:]
+    done = run([sys.executable, "-m", "irb2400_ctrl.cli.main", *command], folder)
+    assert done.returncode == 0, done.stderr
+    told = json.loads((folder / "place" / "placement.json").read_text())
+    assert told["found"]["worth"] > told["start"]["worth"]
+    assert not told["found"]["continuous"]["refused"]
+    # the page's table is that of the program
+    for name in told["found"]["margins"]:
+        assert f"| `{name}` |" in PAGE
 
 
 def test_script(folder: Path) -> None:

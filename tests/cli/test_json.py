@@ -36,7 +36,7 @@ VERBS = dict(verbs(typer.main.get_command(app)))
 
 
 def test_the_verbs_are_found() -> None:
-    known = "demo plan simulate sweep codegen diagnose identify validate excite explain"
+    known = "demo plan place simulate sweep codegen diagnose identify validate excite explain"
     nested = {"robot show", "robot check", "robot import", "robot new", "robot export"}
     assert {*known.split(), *nested, "path show", "log check"} <= set(VERBS)
 

@@ -13,6 +13,7 @@ from irb2400_ctrl.cell import Scene
 from irb2400_ctrl.errors import CollisionError, UnreachableError
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.planners.clearance import Clearance, continuous_clearance
+from irb2400_ctrl.planners.redundancy.cutting_load import CuttingLoad
 from irb2400_ctrl.planners.redundancy.follow import Followed, JointTarget
 from irb2400_ctrl.planners.redundancy.singularity_margins import relative_margins
 from irb2400_ctrl.planners.redundancy.wrist_passage import Passing
@@ -20,6 +21,18 @@ from irb2400_ctrl.planners.toolpath.task_curve import TaskCurve
 
 RotationLaw = Callable[[Array], Array]
 """free rotation [rad] over the length along the path [m]"""
+
+
+@dataclass(frozen=True)
+class GivenWay:
+    """How far the tip gives way to a cutting force, at samples of a joint path."""
+
+    largest: float
+    """[m]"""
+    mean: float
+    """over the length of the path [m]"""
+    s: float
+    """where it is largest, as a length along the joint path [m]"""
 
 
 @dataclass(frozen=True)
@@ -38,6 +51,8 @@ class Choice:
     """how far the motion stays from everything; None where it is not known"""
     passing: Passing | None = None
     """how a path of given orientations takes the wrist singularity"""
+    given_way: GivenWay | None = None
+    """how far the tip gives way to a cutting force; None where none is stated"""
 
     @property
     def margin(self) -> float:
@@ -55,11 +70,26 @@ class Choice:
 def continuous_margins(model: Model, followed: Followed) -> Array:
     """Smallest relative margins over the path, sampled four times between stations, shape
     (3,)."""
-    s = followed.joints.knots
-    fine = np.unique(
-        np.concatenate([s[:-1] + f * np.diff(s) for f in (0, 0.25, 0.5, 0.75)] + [s[-1:]])
-    )
+    fine = _finer(followed)
     return np.asarray(relative_margins(model, followed.joints(fine)).min(axis=0))
+
+
+def _finer(followed: Followed) -> Array:
+    """Places four times as dense as the stations, shape (n,) [m]."""
+    s = followed.joints.knots
+    parts = [s[:-1] + f * np.diff(s) for f in (0, 0.25, 0.5, 0.75)]
+    return np.unique(np.concatenate([*parts, s[-1:]]))
+
+
+def given_way(model: Model, followed: Followed, load: CuttingLoad | None) -> GivenWay | None:
+    """How far the tip gives way, sampled four times between stations; None without a load."""
+    if load is None:
+        return None
+    s = _finer(followed)
+    found = load.deflection(model, followed.joints(s))
+    at = int(np.argmax(found))
+    mean = float(np.trapezoid(found, s) / (s[-1] - s[0]))
+    return GivenWay(float(found[at]), mean, float(s[at]))
 
 
 def stay_inside(model: Model, followed: Followed, target: JointTarget) -> None:

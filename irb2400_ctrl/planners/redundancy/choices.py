@@ -19,8 +19,10 @@ from irb2400_ctrl.planners.redundancy.choice import (
     RotationLaw,
     clear,
     continuous_margins,
+    given_way,
     stay_inside,
 )
+from irb2400_ctrl.planners.redundancy.cutting_load import CuttingLoad
 from irb2400_ctrl.planners.redundancy.follow import (
     JointTarget,
     arc_length,
@@ -51,6 +53,7 @@ def choices(
     keep: int = 3,
     scene: Scene | None = None,
     way_out: WayOut | None = None,
+    load: CuttingLoad | None = None,
 ) -> Iterator[Choice]:
     """Joint paths inside the joint box that touch nothing, the most promising of each kind first.
 
@@ -61,6 +64,7 @@ def choices(
         keep: how many of each kind.
         scene: the arm in its cell; None where nothing is known of the space that it takes up.
         way_out: lines from its ends that the arm must reach along, too.
+        load: a force on the tip that the choice should give way to little.
 
     Raises:
         UnreachableError: no way leads through; says at which point, which axis, by how much, or
@@ -76,6 +80,8 @@ def choices(
     moves = cutting_moves(curve.path, orientation.spindle)
     if scene is not None:
         ladder = ladder.free_of(scene, cutting_at(curve, moves, u))
+    if load is not None:
+        ladder = ladder.giving_way(load)
     problem: UnreachableError | None = None
     found = False
     options: Iterator[_Option]
@@ -99,7 +105,8 @@ def choices(
             continue
         found = True
         margins = continuous_margins(model, followed)
-        yield Choice(kind, branch, law, followed, margins, clearance, passing)
+        given = given_way(model, followed, load)
+        yield Choice(kind, branch, law, followed, margins, clearance, passing, given)
     if not found:
         raise problem or refusal(ladder, _names(curve, u))
 

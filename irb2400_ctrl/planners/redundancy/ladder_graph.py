@@ -19,6 +19,7 @@ from irb2400_ctrl.arrays import Array, Integers
 from irb2400_ctrl.cell import Scene
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.planners.clearance.crowd import Crowd
+from irb2400_ctrl.planners.redundancy.cutting_load import CuttingLoad
 from irb2400_ctrl.planners.redundancy.singularity_margins import COMFORTABLE, relative_margins
 from irb2400_ctrl.planners.toolpath.orientation import Orientation
 
@@ -33,6 +34,8 @@ FREE_SHIFTS = (0, -1, 1, -2, 2)
 
 Turns = npt.NDArray[np.int8]
 """index of whole turns, or of a shift of the rotation: few, and there are millions"""
+PRICE_OF_GIVING_WAY = 1.0
+"""cost of a configuration that gives way as far as most do: more than any motion between two [s]"""
 MOST_TURNS = 27
 """combinations of whole turns that a node may carry; what is beyond is not looked for"""
 
@@ -88,13 +91,19 @@ class Ladder:
     """distance kept from the ends of the joint box [rad]"""
     crowd: Crowd | None = None
     """what the nodes are near to; None where it is not known"""
+    price: Array | None = None
+    """further cost of the nodes, beside the time of the motion [s], shape (n, r, 8)"""
 
     @classmethod
     def of(cls, model: Model, orientation: Orientation, u: Array, rotation: Array) -> Ladder:
         """Closed-form inverse kinematics of all stations and rotations."""
+        return cls.at(model, u, rotation, orientation.fan(u, rotation))
+
+    @classmethod
+    def at(cls, model: Model, u: Array, rotation: Array, X: Array) -> Ladder:
+        """The same at poses X_BT (n, r, 4, 4)."""
         n = len(u)
         r = len(rotation)
-        X = orientation.fan(u, rotation)
         found = model.inverse_kinematics_branches(X.reshape(-1, 4, 4))
         q = found.q.reshape(n, r, BRANCHES, 6)
         # station by station: all at once the arrays in between would be the largest of a plan
@@ -127,6 +136,12 @@ class Ladder:
         """
         boxed = np.array([self.inside(i).any(axis=2) for i in range(len(self.u))])
         return replace(self, crowd=Crowd.of(scene, self.q, boxed & (self.margin > 0), cutting))
+
+    def giving_way(self, load: CuttingLoad) -> Ladder:
+        """The same with a price on how far the tip gives way to a force."""
+        given = load.deflection(self.model, self.q)
+        usual = float(np.nanmedian(given)) if np.isfinite(given).any() else 1.0
+        return replace(self, price=PRICE_OF_GIVING_WAY * given / usual)
 
     def allowed(self, station: int) -> npt.NDArray[np.bool_]:
         """Nodes of a station within the joint box that touch nothing, shape (r, 8, k)."""
@@ -262,7 +277,9 @@ class Ladder:
         margin = self.margin[i][..., None]
         if level is None:
             return np.where(allowed, margin, -1.0)
-        cost = 0.0 if self.crowd is None else self.crowd.cost(i)[..., None]
+        cost = np.zeros(margin.shape) if self.crowd is None else self.crowd.cost(i)[..., None]
+        if self.price is not None:
+            cost = cost + self.price[i][..., None]
         return np.where(allowed & (margin >= level), cost, np.inf)
 
     def _source(self, whole: Array) -> Integers:

@@ -24,3 +24,17 @@ def relative_margins(model: Model, q: Array) -> Array:
     flat = model.singularity_factors(q.reshape(-1, q.shape[-1]))
     relative: Array = np.abs(flat).reshape(*q.shape[:-1], 3) / scales(model)
     return relative
+
+
+def reach_left(model: Model, q: Array) -> Array:
+    """How far the end of upper arm and forearm is from where they are stretched, or folded, shape
+    (...) [m] for q (..., n)."""
+    g = model.arm_geometry
+    phi = g.canonical(q)
+    out = g.a2 * np.sin(phi[..., 1]) + g.a3 * np.sin(phi[..., 2])
+    up = g.a2 * np.cos(phi[..., 1]) + g.a3 * np.cos(phi[..., 2])
+    if g.spherical:
+        out = out + g.d4 * np.cos(phi[..., 2])
+        up = up - g.d4 * np.sin(phi[..., 2])
+    distance = np.hypot(out, up)
+    return np.asarray(np.minimum(g.a2 + g.forearm - distance, distance - abs(g.a2 - g.forearm)))

@@ -44,14 +44,16 @@ class TimedChoice:
     """of `rate_summary`; empty where rates are not limited"""
 
     @property
-    def rank(self) -> tuple[float, float]:
-        """Larger margin and clearance first as long as they are not comfortable, then the shorter
-        duration."""
+    def rank(self) -> tuple[float, float, float]:
+        """Larger margin and clearance first as long as they are not comfortable, then what gives
+        way less to a cutting force, then the shorter duration."""
         worth = min(self.choice.margin, COMFORTABLE)
         near = self.choice.clearance
         if near is not None:
             worth += CLEARANCE_WORTH * min(near.value / COMFORTABLE_CLEARANCE, 1.0)
-        return -round(worth, 2), self.fastest.duration
+        given = self.choice.given_way
+        soft = 0.0 if given is None else given.largest
+        return -round(worth, 2), soft, self.fastest.duration
 
 
 def time_choices(

@@ -1,0 +1,212 @@
+"""`irb2400 place`: where to put a part."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from irb2400_ctrl.cli.cutting import CuttingForceOption, StiffnessOption, cutting_load
+from irb2400_ctrl.cli.options import (
+    CellOption,
+    OutOption,
+    RobotOption,
+    input_file,
+    load_arm,
+    output_folder,
+)
+from irb2400_ctrl.cli.path import UNITS_HELP
+from irb2400_ctrl.cli.plan import FreeOption, ToolOption
+from irb2400_ctrl.cli.progress import step
+from irb2400_ctrl.cli.summary import Summary, answers
+from irb2400_ctrl.errors import InputError
+
+if TYPE_CHECKING:
+    from irb2400_ctrl.arrays import Array
+    from irb2400_ctrl.cell import Cell
+    from irb2400_ctrl.model import Model
+    from irb2400_ctrl.planners import CamProgram
+    from irb2400_ctrl.planners.placement import Area, Placement
+
+PartsArgument = Annotated[
+    list[Path],
+    typer.Argument(metavar="PART…", help="Toolpaths of one part, all in its work object's frame."),
+]
+StartOption = Annotated[
+    str | None,
+    typer.Option(
+        "--work-frame",
+        metavar="X,Y,Z,RX,RY,RZ",
+        help="Where the part stands now [mm, deg]: the found place is compared with it, and the "
+        "part stays tilted as it is there.",
+        show_default="the cell's work object, or the base",
+    ),
+]
+AreaOption = Annotated[
+    str | None,
+    typer.Option(
+        "--area",
+        metavar="XMIN,YMIN,ZMIN,XMAX,YMAX,ZMAX",
+        help="Box that the middle of the part stays in [mm].",
+        show_default="all that the arm reaches above its foot",
+    ),
+]
+TurnOption = Annotated[
+    bool,
+    typer.Option("--turn/--no-turn", help="Whether the part may be turned about the vertical."),
+]
+UnitsOption = Annotated[str | None, typer.Option("--units", help=UNITS_HELP)]
+PlanOption = Annotated[
+    bool, typer.Option("--plan", help="Plan both places, into the folders start and found.")
+]
+
+
+@answers
+def place(
+    parts: PartsArgument,
+    out: OutOption,
+    robot: RobotOption = "irb2400",
+    work_frame: StartOption = None,
+    area: AreaOption = None,
+    turn: TurnOption = True,
+    free_tool_rotation: FreeOption = True,
+    cell: CellOption = None,
+    tool: ToolOption = None,
+    units: UnitsOption = None,
+    cutting_force: CuttingForceOption = None,
+    joint_stiffness: StiffnessOption = None,
+    plan: PlanOption = False,
+) -> Summary:
+    """Find the pose of a part that leaves the largest margins -> placement.json, placement.png."""
+    for part in parts:
+        input_file(part, "a toolpath (CSV, APT/CLDATA or G-code)")
+
+    from irb2400_ctrl.cell import load_cell
+    from irb2400_ctrl.files import write_atomic
+    from irb2400_ctrl.model import Model
+    from irb2400_ctrl.planners import read_program
+    from irb2400_ctrl.planners.placement import place as find_place
+    from irb2400_ctrl.planners.toolpath.work_frame import work_frame as pose_of
+    from irb2400_ctrl.report.placement_figure import save_placement
+
+    around = None if cell is None else load_cell(cell)
+    programs = [read_program(part, units=units) for part in parts]
+    arm = load_arm(robot)
+    load = cutting_load(arm, cutting_force, joint_stiffness, None)
+    box = _area(Model(arm), area, turn)
+    output_folder(out)
+    with step("looking for a place") as say:
+        found = find_place(
+            arm,
+            programs,
+            start=None if work_frame is None else pose_of(work_frame),
+            area=box,
+            free_tool_rotation=free_tool_rotation,
+            cell=around,
+            tool=tool,
+            load=load,
+            progress=lambda stage: say(f"looking for a place: {stage}"),
+        )
+    facts = found.summary()
+    if plan:
+        options = {"free_tool_rotation": free_tool_rotation, "tool": tool}
+        facts["planned"] = {
+            name: _planned(found, programs, around, X, options, out / name)
+            for name, X in (("start", found.start.X_BW), ("found", found.found.X_BW))
+        }
+    written = [write_atomic(out / "placement.json", json.dumps(facts, indent=2) + "\n")]
+    written.append(save_placement(found, out))
+    _print(facts)
+    print(f"written to {out}: placement.json, placement.png")
+    return Summary(facts, written)
+
+
+def _area(model: Model, text: str | None, turn: bool) -> Area:
+    import numpy as np
+
+    from irb2400_ctrl.planners.placement import Area
+
+    turns = np.radians([0.0, 90.0, 180.0, 270.0]) if turn else np.zeros(1)
+    if text is None:
+        found = Area.around(model, turns)
+        return Area(found.low, found.high, turns, turn)
+    try:
+        values = np.array([float(part) for part in text.split(",")]) / 1e3
+    except ValueError:
+        values = np.empty(0)
+    if values.shape != (6,):
+        raise InputError(
+            f"--area: found {text!r}, expected XMIN,YMIN,ZMIN,XMAX,YMAX,ZMAX in mm, such as "
+            "500,-800,200,1200,800,600"
+        )
+    return Area(values[:3], values[3:], turns, turn)
+
+
+def _planned(
+    found: Placement,
+    programs: list[CamProgram],
+    cell: Cell | None,
+    X_BW: Array,
+    options: dict[str, Any],
+    out: Path,
+) -> dict[str, Any]:
+    """What planning the operations one by one gives at a place."""
+    from irb2400_ctrl.planners import plan_path
+    from irb2400_ctrl.planners.program_plan import with_its_tool
+
+    load = None if found.load is None else found.load.turned(X_BW)
+    around = None if cell is None else cell.placed(X_BW)
+    told: list[dict[str, Any]] = []
+    for number, operation in enumerate((o for p in programs for o in p.operations), 1):
+        asked = {**options, "cell": around, "work_frame": X_BW, "load": load}
+        try:
+            plan = plan_path(found.robot, operation.path, **with_its_tool(operation, asked))
+        except InputError as error:
+            return {"refused": f"operation {number}: {error}"}
+        plan.write(out / f"{number:02d}")
+        told.append(plan.summary())
+    margins = [s["singularity_margin"] for s in told]
+    clearance = [s["clearance_mm"]["value"] for s in told]
+    known = [value for value in clearance if value is not None]
+    given = [s["deflection"]["largest_mm"] for s in told if s["deflection"]]
+    return {
+        "refused": "",
+        "duration_s": sum(s["duration_s"] for s in told),
+        "singularity_margin": {name: min(m[name] for m in margins) for name in margins[0]},
+        "clearance_mm": min(known, default=None),
+        "max_torque_ratio": max(s["max_torque_ratio"] for s in told),
+        "max_velocity_ratio": max(s["max_velocity_ratio"] for s in told),
+        "guaranteed": all(s["guaranteed"] for s in told),
+        "deflection_mm": max(given, default=None),
+    }
+
+
+def _print(facts: dict[str, Any]) -> None:
+    for name in ("start", "found"):
+        seen = facts[name]
+        frame = ",".join(f"{v:g}" for v in seen["work_frame"])
+        if seen["refused"]:
+            print(f"{name}: --work-frame {frame}: {seen['refused']}")
+            continue
+        margins = ", ".join(f"{key} {value:.3g}" for key, value in seen["margins"].items())
+        given = seen["deflection_mm"]
+        soft = "" if given is None else f"; gives way by {given:.3f} mm"
+        print(f"{name}: --work-frame {frame}: {margins}{soft}")
+        proof = seen["continuous"]
+        if proof["refused"]:
+            print(f"   on the continuous path: {proof['refused']}")
+        else:
+            margins = ", ".join(f"{key} {value:.3g}" for key, value in proof["margins"].items())
+            print(f"   on the continuous path: {margins}")
+    print(f"{facts['looked_at']} places looked at")
+    for name, told in facts.get("planned", {}).items():
+        if told["refused"]:
+            print(f"planned at {name}: {told['refused']}")
+        else:
+            print(
+                f"planned at {name}: {told['duration_s']:.2f} s, torque at most "
+                f"{100 * told['max_torque_ratio']:.1f} %, speed "
+                f"{100 * told['max_velocity_ratio']:.1f} %"
+            )

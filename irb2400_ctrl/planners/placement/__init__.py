@@ -1,0 +1,7 @@
+"""Where to put a part: the pose of its work object that leaves the largest margins."""
+
+from irb2400_ctrl.planners.placement.area import Area
+from irb2400_ctrl.planners.placement.outlook import Outlook
+from irb2400_ctrl.planners.placement.place import Placement, place
+
+__all__ = ["Area", "Outlook", "Placement", "place"]

@@ -1,0 +1,76 @@
+"""`Proof`: what holds of a task at a place over the continuous path, before it is timed."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.errors import UnreachableError
+from irb2400_ctrl.planners.placement.task import Task
+from irb2400_ctrl.planners.redundancy.choice import Choice
+from irb2400_ctrl.planners.redundancy.choices import choices
+from irb2400_ctrl.planners.redundancy.cutting_load import CuttingLoad
+from irb2400_ctrl.planners.redundancy.singularity_margins import NAMES
+from irb2400_ctrl.planners.toolpath.orientation import shape_path
+
+
+@dataclass(frozen=True)
+class Proof:
+    """The joint paths that `plan` would begin with, of all tasks the least."""
+
+    margins: dict[str, float]
+    """relative singularity margins [-], joint_limits_deg, clearance_mm where it is known"""
+    deflection: float | None = None
+    """[m]"""
+    refused: str = ""
+
+    def summary(self) -> dict[str, Any]:
+        """For `placement.json`."""
+        return {
+            "margins": self.margins,
+            "deflection_mm": None if self.deflection is None else 1e3 * self.deflection,
+            "refused": self.refused,
+        }
+
+
+def prove(tasks: Sequence[Task], X_BW: Array, load: CuttingLoad | None = None) -> Proof:
+    """Follow each task with the joints, with the work object at X_BW (4, 4)."""
+    least: dict[str, float] = {}
+    given: list[float] = []
+    turned = None if load is None else load.turned(X_BW)
+    for task in tasks:
+        try:
+            choice = _choice(task, X_BW, turned)
+        except UnreachableError as error:
+            return Proof({}, refused=str(error))
+        for name, value in _margins(task, choice).items():
+            least[name] = min(value, least.get(name, value))
+        if choice.given_way is not None:
+            given.append(choice.given_way.largest)
+    return Proof(least, max(given, default=None))
+
+
+def _choice(task: Task, X_BW: Array, load: CuttingLoad | None) -> Choice:
+    """The first of the joint paths that `plan` would compare."""
+    curve = task.orientation.curve
+    orientation = shape_path(task.path, task.orientation.spindle, curve.tolerance, X_BW)
+    scene = None if task.scene is None else task.scene.placed(X_BW)
+    found = choices(task.model, orientation, task.free, keep=1, scene=scene, load=load)
+    return next(iter(found))
+
+
+def _margins(task: Task, choice: Choice) -> dict[str, float]:
+    robot = task.model.robot
+    joints = choice.followed.joints
+    s = joints.knots
+    q = joints(np.unique(np.concatenate([s, (s[1:] + s[:-1]) / 2])))
+    box = np.minimum(q - robot.q_min, robot.q_max - q)
+    found = dict(zip(NAMES, choice.margins.tolist(), strict=True))
+    found["joint_limits_deg"] = float(np.degrees(box.min()))
+    if choice.clearance is not None:
+        found["clearance_mm"] = 1e3 * choice.clearance.value
+    return found

@@ -1,0 +1,122 @@
+"""Where to put a part: what a place is worth, the search, and what is said of the result."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from irb2400_ctrl import Model, load_robot
+from irb2400_ctrl.cell import load_cell
+from irb2400_ctrl.cli.main import app
+from irb2400_ctrl.errors import UnreachableError
+from irb2400_ctrl.planners import read_program
+from irb2400_ctrl.planners.placement import Area, place
+from irb2400_ctrl.planners.placement.constant_ways import constant_ways
+from irb2400_ctrl.planners.placement.outlook import ALIKE, outlook
+from irb2400_ctrl.planners.placement.task import task_of
+from irb2400_ctrl.planners.redundancy.cutting_load import CuttingLoad
+from irb2400_ctrl.planners.redundancy.singularity_margins import reach_left
+from irb2400_ctrl.robot.shape import pose
+
+ROBOT = load_robot("irb2400")
+MODEL = Model(ROBOT)
+ROWS = ["0,0,0,40,0,0,1", "120,0,0,40,0,0,1", "120,80,0,40,0,0,1", "0,80,10,40,0,0,1"]
+STIFF = np.array([1e6, 1e6, 8e5, 2e5, 2e5, 1e5])
+
+
+@pytest.fixture
+def part(tmp_path: Path) -> Path:
+    path = tmp_path / "part.csv"
+    path.write_text("\n".join(["x_mm,y_mm,z_mm,feed_mm_s,i,j,k", *ROWS]) + "\n", encoding="utf-8")
+    return path
+
+
+def small(turning: bool = False) -> Area:
+    turns = np.zeros(1)
+    return Area(np.array([0.9, 0.0, 0.4]), np.array([1.3, 0.3, 0.5]), turns, turning)
+
+
+def test_reach_left_is_the_way_to_the_stretched_arm() -> None:
+    g = MODEL.arm_geometry
+    q = np.radians([[0.0, 20.0, 10.0, 0.0, 40.0, 0.0]])
+    wrist = np.asarray(MODEL.flange_pose(q[0])) @ np.array([0, 0, -g.d7, 1])
+    # axis 2 of the upright arm: beside axis 1, at its height
+    axis = np.array([g.a1, 0.0, g.d1])
+    distance = np.linalg.norm(wrist[:3] - axis)
+    assert reach_left(MODEL, q)[0] == pytest.approx(g.a2 + g.forearm - distance, abs=1e-9)
+
+
+def test_every_constant_way_reaches_its_poses_inside_the_box(part: Path) -> None:
+    task = task_of(ROBOT, read_program(part).operation(), True, None, None).thinned(9, 12)
+    X_BW = pose((900, 0, 500))
+    X = (X_BW @ task.poses).reshape(-1, 4, 4)
+    base = MODEL.inverse_kinematics_branches(X).q.reshape(9, 12, 8, 6)
+    ways = constant_ways(MODEL, base)
+    assert len(ways.q) > 10
+    assert (ways.q > ROBOT.q_min).all()
+    assert (ways.q < ROBOT.q_max).all()
+    assert np.abs(np.diff(ways.q, axis=1)).max() < np.radians(60)
+    at = np.asarray(MODEL.tcp_pose(ways.q.reshape(-1, 6)))[:, :3, 3].reshape(-1, 9, 3)
+    assert at == pytest.approx(np.broadcast_to(X[::12, :3, 3], at.shape), abs=1e-9)
+
+
+def test_a_place_out_of_reach_says_so_and_one_nearer_is_worth_more(part: Path) -> None:
+    task = task_of(ROBOT, read_program(part).operation(), True, None, None).thinned(9, 12)
+    far = outlook([task], pose((3000, 0, 500)))
+    edge = outlook([task], pose((1700, 0, 900)))
+    good = outlook([task], pose((950, 0, 500)))
+    assert far.refused == "out of reach"
+    assert far.rank < edge.rank < good.rank
+    assert good.worth > 0.5
+    assert set(good.margins) >= {"joint_limits_deg", "torque_left", "clearance_mm", "reach_mm"}
+
+
+def test_the_found_place_is_better_and_shown_on_the_continuous_path(part: Path) -> None:
+    start = pose((1250, 250, 400))
+    found = place(ROBOT, [read_program(part)], start=start, area=small())
+    assert found.found.rank > found.start.rank
+    assert not found.proof.refused
+    assert found.proof.margins["clearance_mm"] > 0
+    assert found.area.holds((found.found.X_BW @ np.append(found.middle, 1.0))[:3])
+    load = CuttingLoad.of(ROBOT, [300.0], STIFF)
+    stiff = place(ROBOT, [read_program(part)], start=start, area=small(), load=load)
+    assert stiff.proof.deflection is not None
+    assert stiff.start_proof.deflection is not None
+    assert stiff.proof.deflection < stiff.start_proof.deflection
+
+
+def test_a_cell_is_kept_clear_and_its_work_object_moves(tmp_path: Path) -> None:
+    pytest.importorskip("coal")
+    folder = Path(__file__).parents[2] / "examples" / "cell"
+    cell = load_cell(folder / "cell.toml")
+    program = read_program(folder / "part.cls")
+    # the post at (900, 500) is in the way of a part there, the table below one at 400 mm
+    task = task_of(ROBOT, program.operation(), True, cell, None).thinned(12, 12)
+    assert outlook([task], pose((860, 470, 700))).refused == "collision"
+    assert outlook([task], pose((860, 0, 380))).refused == "collision"
+    assert not outlook([task], pose((860, 0, 700))).refused
+
+
+def test_no_place_in_the_area_is_said(part: Path) -> None:
+    nowhere = Area(np.array([2.0, 2.0, 0.0]), np.array([2.1, 2.1, 0.1]), np.zeros(1), False)
+    with pytest.raises(UnreachableError, match="no place in the area"):
+        place(ROBOT, [read_program(part)], area=nowhere)
+
+
+def test_command(part: Path, tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    command = ["place", str(part), "--out", str(out), "--work-frame", "1250,180,400", "--no-turn"]
+    command += ["--area", "900,-100,400,1350,250,500", "--cutting-force", "0,0,-200"]
+    command += ["--joint-stiffness", "1e6,1e6,8e5,2e5,2e5,1e5"]
+    done = CliRunner().invoke(app, command)
+    assert done.exit_code == 0, done.output
+    told = json.loads((out / "placement.json").read_text())
+    assert (out / "placement.png").stat().st_size > 20_000
+    assert told["found"]["worth"] >= told["start"]["worth"] - ALIKE
+    assert told["found"]["deflection_mm"] < told["start"]["deflection_mm"]
+    assert told["looked_at"] == len(told["map"]) > 10
+    assert "found: --work-frame" in done.output
