@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Annotated
 
 import typer
@@ -18,7 +19,7 @@ def excite(
         typer.Option(
             "--for",
             metavar="GROUP",
-            help="Ambiguity group, or an effect of it, as a report names it.",
+            help="Ambiguity group, or an effect of it, as a report names it; or identify.",
         ),
     ],
     out: OutOption,
@@ -28,8 +29,10 @@ def excite(
         int | None, typer.Option(help="Only for effects on this joint; default all at once.")
     ] = None,
 ) -> Summary:
-    """Plan the motion that separates look-alike effects -> trajectory.csv, excitation.mod (RAPID),
-    .json, .png."""
+    """Plan the motion that separates look-alike effects, or the motions to identify an arm by ->
+    trajectory.csv, excitation.mod (RAPID), .json, .png; for identify also friction_runs.csv."""
+    if group.strip().lower() == "identify":
+        return _for_identify(robot, seconds, joint, out)
     from irb2400_ctrl.excitation.groups import group_called
 
     arm = load_arm(robot)  # brings the user's own effects along
@@ -40,6 +43,25 @@ def excite(
 
     with step("preparing") as progress:
         found = run(arm, group, seconds=seconds, joint=joint, progress=progress)
+        progress("writing")
+        paths = found.write(out)
+    print("\n".join(found.lines()))
+    print("written: " + ", ".join(str(path) for path in paths))
+    return Summary(found.summary(), paths)
+
+
+def _for_identify(robot: str, seconds: float, joint: int | None, out: Path) -> Summary:
+    from irb2400_ctrl.errors import InputError
+
+    if joint is not None:
+        raise InputError("--for identify: found --joint, expected none: an arm is identified whole")
+    arm = load_arm(robot)
+    output_folder(out)
+
+    from irb2400_ctrl.excitation import excite_identification
+
+    with step("preparing") as progress:
+        found = excite_identification(arm, seconds=seconds, progress=progress)
         progress("writing")
         paths = found.write(out)
     print("\n".join(found.lines()))

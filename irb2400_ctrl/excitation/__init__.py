@@ -3,6 +3,10 @@
 from irb2400_ctrl.excitation.excitation import Excitation
 from irb2400_ctrl.excitation.excite import excite, separability
 from irb2400_ctrl.excitation.groups import AmbiguityGroup, groups
+from irb2400_ctrl.excitation.identification_motion import (
+    IdentificationMotion,
+    excite_identification,
+)
 from irb2400_ctrl.excitation.motion_design import Budget
 from irb2400_ctrl.excitation.pair_separability import Separability
 
@@ -10,8 +14,10 @@ __all__ = [
     "AmbiguityGroup",
     "Budget",
     "Excitation",
+    "IdentificationMotion",
     "Separability",
     "excite",
+    "excite_identification",
     "groups",
     "separability",
 ]

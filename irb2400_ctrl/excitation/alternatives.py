@@ -25,6 +25,7 @@ from irb2400_ctrl.diagnosis.preparation.base_prior import BasePrior
 from irb2400_ctrl.diagnosis.regressors.bases import Bases
 from irb2400_ctrl.effects import LIBRARY, Effect
 from irb2400_ctrl.excitation.groups import AmbiguityGroup, Place
+from irb2400_ctrl.excitation.segments import FLAVOURS
 from irb2400_ctrl.measurement.prepared_log import PreparedLog
 from irb2400_ctrl.robot import Robot
 
@@ -102,6 +103,17 @@ class Alternatives:
             rivals = [r for r in group.rivals(place, robot.n) if self._acts(r, standard)]
             self.pairs += [Pair(place, r) for r in rivals] or [Pair(place, None)]
         self._layout()
+
+    @property
+    def timed(self) -> bool:
+        """Whether it matters when a piece is made."""
+        kinds = {p.member[0] for p in self.pairs} | {p.rival[0] for p in self.pairs if p.rival}
+        return any(LIBRARY[kind].ambiguity.time_matters for kind in kinds)
+
+    @property
+    def motions(self) -> tuple[str, ...]:
+        """Names of the flavours that pieces are drawn from."""
+        return self.group.motions or tuple(FLAVOURS)
 
     def _representative(self, place: Place, duration: float) -> Effect:
         kind, joint = place

@@ -117,9 +117,18 @@ def _excited(
     )
 
 
-def _check(robot: Robot, seconds: float, joint: int | None) -> None:
+def check_duration(seconds: float) -> None:
+    """Refuse what is too short or too long for a motion.
+
+    Raises:
+        InputError: it is.
+    """
     if not (np.isfinite(seconds) and SHORTEST <= seconds <= LONGEST):
         raise InputError(f"found {seconds:g} seconds, expected {SHORTEST:g} to {LONGEST:g}")
+
+
+def _check(robot: Robot, seconds: float, joint: int | None) -> None:
+    check_duration(seconds)
     if joint is not None and not 1 <= joint <= robot.n:
         raise InputError(f"found joint {joint}, expected 1 to {robot.n}")
 

@@ -5,15 +5,15 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 
 from irb2400_ctrl.arrays import Array
-from irb2400_ctrl.effects import LIBRARY
 from irb2400_ctrl.errors import InfeasibleError
-from irb2400_ctrl.excitation.alternatives import Alternatives
 from irb2400_ctrl.excitation.assemble import Workshop
 from irb2400_ctrl.excitation.segments import FLAVOURS, Piece, drawn, mutated
+from irb2400_ctrl.measurement.prepared_log import PreparedLog
 from irb2400_ctrl.trajectory import Trajectory
 
 PIECE = 8.0
@@ -60,13 +60,40 @@ def merit(D: Array, enough: Array) -> float:
     return float(logs.min() + logs.mean())
 
 
+class Criterion(Protocol):
+    """What a motion is chosen for: distances that its information comes to, the larger the
+    better."""
+
+    @property
+    def timed(self) -> bool:
+        """Whether it matters when a piece is made."""
+        ...
+
+    @property
+    def motions(self) -> tuple[str, ...]:
+        """Names of the flavours that pieces are drawn from."""
+        ...
+
+    def gram(self, motion: PreparedLog) -> Array:
+        """Information of a motion; those of several add up."""
+        ...
+
+    def at(self, motion: PreparedLog, start: float) -> PreparedLog:
+        """The motion begun at another time of the record [s]."""
+        ...
+
+    def distances(self, gram: Array) -> tuple[Array, Array]:
+        """In standard deviations, and a second measure for tables; (k,) each."""
+        ...
+
+
 class Design:
-    """The search for one group on one robot."""
+    """The search for one criterion on one robot."""
 
     def __init__(
         self,
         workshop: Workshop,
-        alternatives: Alternatives,
+        alternatives: Criterion,
         enough: Array,
         seconds: float,
         rng: np.random.Generator,
@@ -81,12 +108,8 @@ class Design:
         self.joint = joint
         self.slots = max(1, round(seconds / PIECE))
         self.duration = (seconds - MOVE * (self.slots - 1)) / self.slots
-        kinds = {p.member[0] for p in alternatives.pairs} | {
-            p.rival[0] for p in alternatives.pairs if p.rival
-        }
-        self.timed = any(LIBRARY[kind].ambiguity.time_matters for kind in kinds)
-        names = alternatives.group.motions or tuple(FLAVOURS)
-        self.flavours = [FLAVOURS[name] for name in names]
+        self.timed = alternatives.timed
+        self.flavours = [FLAVOURS[name] for name in alternatives.motions]
 
     def run(self, budget: Budget, progress: Callable[[str], None]) -> list[Piece]:
         """The chosen pieces, in order.

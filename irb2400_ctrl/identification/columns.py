@@ -7,6 +7,7 @@ phi are the ten inertial numbers of every link (m, m c, I_O), the tool folded in
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -117,15 +118,34 @@ def columns(model: Model, layout: ColumnLayout, q: Array, qd: Array, qdd: Array)
     m, n = q.shape
     found = np.zeros((m, n, layout.count))
     found[:, :, : layout.inertial] = model.regressor(q, qd, qdd)
+    for column, joint, signal in _drive_signals(model, layout, q, qd, qdd):
+        found[:, joint, column] = signal
+    return found
+
+
+def torque_of(
+    model: Model, layout: ColumnLayout, theta: Array, q: Array, qd: Array, qdd: Array
+) -> Array:
+    """`columns` @ theta, shape (m, n) [Nm], without the columns."""
+    bodies = np.array(theta[: layout.inertial])
+    found = np.array(model.body_torque(q, qd, qdd, bodies))
+    for column, joint, signal in _drive_signals(model, layout, q, qd, qdd):
+        found[:, joint] += theta[column] * signal
+    return found
+
+
+def _drive_signals(
+    model: Model, layout: ColumnLayout, q: Array, qd: Array, qdd: Array
+) -> Iterator[tuple[int, int, Array]]:
+    """(column, zero-based joint, signal (m,)) of everything that is not a body."""
     signals = (np.sign(qd), qd, np.ones_like(qd), qdd)
-    joints = np.arange(n)
     for place, signal in enumerate(signals):
-        found[:, joints, layout.inertial + n * place + joints] = signal
+        for joint in range(layout.n):
+            yield layout.inertial + layout.n * place + joint, joint, signal[:, joint]
     for extra in layout.extras:
         first = layout.extra(extra).start
-        for place, (joint, signal) in enumerate(_extra_signals(model, extra, q, qd, qdd)):
-            found[:, joint, first + place] = signal
-    return found
+        for place, (joint, one) in enumerate(_extra_signals(model, extra, q, qd, qdd)):
+            yield first + place, joint, one
 
 
 def _extra_signals(

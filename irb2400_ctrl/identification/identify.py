@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
+from threadpoolctl import threadpool_limits
 
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.diagnosis.regressors.predict import predicted_torque
@@ -57,8 +58,16 @@ def identify(
         InputError: no log, another number of joints, or an effect of the file whose torque depends
             on the numbers that are fitted.
     """
-    seen = [logs] if isinstance(logs, Log) else list(logs)
-    others = [validation] if isinstance(validation, Log) else list(validation)
+    # matrices of a hundred numbers: threads cost more than they bring
+    with threadpool_limits(limits=1, user_api="blas"):
+        return _identified(
+            robot,
+            [logs] if isinstance(logs, Log) else list(logs),
+            [validation] if isinstance(validation, Log) else list(validation),
+        )
+
+
+def _identified(robot: Robot, seen: Sequence[Log], others: Sequence[Log]) -> Identification:
     _check(robot, [*seen, *others])
     runs = [runs_of(log) for log in seen]
     curves = friction_curves([run for some in runs for run in some])

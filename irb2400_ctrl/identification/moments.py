@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from irb2400_ctrl.arrays import Array, Integers, Mask
-from irb2400_ctrl.identification.columns import ColumnLayout, columns
+from irb2400_ctrl.identification.columns import ColumnLayout, columns, torque_of
 from irb2400_ctrl.measurement.prepared_log import PreparedLog
 from irb2400_ctrl.model import Model
 
@@ -126,6 +126,6 @@ def predicted(model: Model, layout: ColumnLayout, part: Recording, theta: Array)
     found = np.array(part.given)
     for first in range(0, len(motion.time), CHUNK):
         chunk = slice(first, first + CHUNK)
-        rows = columns(model, layout, motion.q[chunk], motion.qd[chunk], motion.qdd[chunk])
-        found[chunk] += rows @ theta
+        states = (motion.q[chunk], motion.qd[chunk], motion.qdd[chunk])
+        found[chunk] += torque_of(model, layout, theta, *states)
     return found

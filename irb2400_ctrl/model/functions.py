@@ -111,6 +111,14 @@ def torque_regressor(arm: SymbolicArm, name: str, base: bool = False) -> ca.Func
     return function(name, {"q": s.q, "qd": s.qd, "qdd": s.qdd}, {"Y": Y})
 
 
+def body_torque(arm: SymbolicArm, name: str) -> ca.Function:
+    """(q, qd, qdd, phi) -> Y phi, for any bodies."""
+    s = arm.signals()
+    phi = ca.SX.sym("phi", 10 * arm.robot.n)
+    tau = ca.mtimes(regressor(arm.robot, s.q, s.qd, s.qdd), phi)
+    return function(name, {"q": s.q, "qd": s.qd, "qdd": s.qdd, "phi": phi}, {"tau": tau})
+
+
 def friction_torque(arm: SymbolicArm, name: str) -> ca.Function:
     """qd -> F."""
     qd = ca.SX.sym("qd", arm.robot.n)
@@ -163,6 +171,7 @@ FUNCTIONS: dict[str, Callable[[SymbolicArm], ca.Function]] = {
     "coriolis": lambda m: coriolis(m, "coriolis"),
     "regressor": lambda m: torque_regressor(m, "regressor"),
     "base_regressor": lambda m: torque_regressor(m, "base_regressor", base=True),
+    "body_torque": lambda m: body_torque(m, "body_torque"),
     "friction": lambda m: friction_torque(m, "friction"),
     "tcp_pose": lambda m: of_q("tcp_pose", m, "X_BT", lambda q: kinematics.tcp_pose(m.robot, q)),
     "flange_pose": lambda m: of_q(

@@ -42,18 +42,28 @@ def evaluate(
             )
     if not many:
         return cast(Value, _one(function, [*arrays, *(np.array([c]) for c in constants)], matrix))
-    columns = [np.broadcast_to(array, (count, array.shape[-1])).T for array in arrays]
-    columns += [np.full((1, count), value) for value in constants]
-    rows = function.size1_out(0)
-    width = function.size2_out(0)
-    if count == 0:
-        none: Any = np.empty((0, rows, width) if matrix else (0, rows))
-        return cast(Value, none)
-    # a function called with m columns is mapped over them by CasADi, without a Python loop
-    flat = np.asarray(function(*[ca.DM(column) for column in columns]))
-    result: Any = flat.reshape(rows, count, width).transpose(1, 0, 2) if matrix else flat.T
-    numbers: Any = np.ascontiguousarray(result)
-    return cast(Value, numbers)
+    columns = [np.broadcast_to(array, (count, array.shape[-1])) for array in arrays]
+    columns += [np.full((count, 1), value) for value in constants]
+    numbers: Any = _many(function, columns, count)
+    return cast(Value, numbers if matrix else numbers[:, :, 0])
+
+
+def _many(function: ca.Function, inputs: list[Any], count: int) -> Any:
+    """m evaluations, shape (m, rows, columns): CasADi maps the function over buffers, without a
+    Python loop and without matrices of its own, whose conversion takes longer than the model."""
+    shape = function.sparsity_out(0)
+    values = np.zeros((count, shape.nnz()))
+    if count and shape.nnz():
+        opened: Any = function.map(count).buffer()
+        buffer, trigger = opened
+        held = [np.ascontiguousarray(value, dtype=float) for value in inputs]
+        for position, array in enumerate(held):
+            buffer.set_arg(position, array.reshape(-1).data)
+        buffer.set_res(0, values.reshape(-1).data)
+        trigger()
+    result = np.zeros((count, function.size1_out(0), function.size2_out(0)))
+    result[:, np.array(shape.row(), dtype=int), np.array(shape.get_col(), dtype=int)] = values
+    return result
 
 
 def _one(function: ca.Function, inputs: list[Any], matrix: bool) -> Any:

@@ -11,12 +11,17 @@ from dataclasses import replace
 import numpy as np
 from independent_plant.case import Case
 from independent_plant.machine import Machine
+from independent_plant.motion import Motion
+from independent_plant.native import RECORD_RATE
 from independent_plant.parameters import FRICTION, Arm, Servo, paper_arm
 
 import irb2400_ctrl as irb
+from irb2400_ctrl.excitation.feasible import between
+from irb2400_ctrl.identification import Identification
 from irb2400_ctrl.identification.consistent_fit import possible, pseudo_inertias
 from irb2400_ctrl.identification.identified_robot import body_of
 from irb2400_ctrl.robot import Body
+from irb2400_ctrl.trajectory import Trajectory
 
 
 def numbers(body: Body) -> np.ndarray:
@@ -91,12 +96,28 @@ def truth(case: Case, layout_names: list[str]) -> dict[str, float]:
     return {name: found.get(name, 0.0) for name in layout_names}
 
 
+def log_of(case: Case, course: Trajectory | None = None, name: str = "motion") -> irb.Log:
+    """The log of a case: of its own motion, or of a planned one after a second of rest."""
+    commanded = None
+    if course is not None:
+        step = float(course.time[1] - course.time[0])
+        time = np.arange(round(course.duration * RECORD_RATE) + 1) / RECORD_RATE
+        q = between(step, course.q, course.qd, course.qdd, time)[0]
+        rest = np.tile(q[0], (round(RECORD_RATE), 1))
+        commanded = Motion(0.0, 1.0, np.vstack([rest, q]))
+    raw = case.simulate(commanded)[0]
+    return irb.Log(raw.time, raw.q, raw.tau, qd=raw.qd, q_ref=raw.q_ref, name=name)
+
+
 def scores(robot: irb.Robot, seed: int, duration: float = 40.0) -> tuple[list[str], np.ndarray]:
     """(names, error over stated standard error) of every base parameter and friction number."""
     case = PossibleCase(robot, seed, duration)
-    raw = case.simulate()[0]
-    log = irb.Log(raw.time, raw.q, raw.tau, qd=raw.qd, q_ref=raw.q_ref, name=f"arm {seed}")
-    found = irb.identify(robot, log)
+    return scores_of(robot, case, irb.identify(robot, log_of(case, name=f"arm {seed}")))
+
+
+def scores_of(robot: irb.Robot, case: Case, found: Identification) -> tuple[list[str], np.ndarray]:
+    """The same of an identification of the case; with slow runs static friction and Stribeck speed
+    too, nan where the runs did not show them."""
     names = found.layout.names()
     true = truth(case, names)
     base = irb.Model(robot).base_parameters
@@ -111,4 +132,12 @@ def scores(robot: irb.Robot, seed: int, duration: float = 40.0) -> tuple[list[st
     # a rotor that no motion parts from the inertia of its joint is part of it
     spread = np.sqrt(np.diag(selection @ found.covariance @ selection.T))
     told = [*base.names, *(names[place] for place in places)]
-    return told, error / spread
+    z = error / spread
+    if not found.friction:
+        return told, z
+    slow = np.full((6, 2), np.nan)
+    for curve in found.friction:
+        off = curve.law - case.machine.friction[curve.joint - 1]
+        slow[curve.joint - 1] = (off / curve.errors)[[0, 3]]
+    told += [f"{what}_{j + 1}" for what in ("static", "stribeck") for j in range(6)]
+    return told, np.concatenate([z, slow[:, 0], slow[:, 1]])

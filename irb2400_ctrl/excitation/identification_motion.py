@@ -1,0 +1,187 @@
+"""`excite_identification`: the motions from which `identify` learns an arm."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from threadpoolctl import threadpool_limits
+
+from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.errors import InfeasibleError
+from irb2400_ctrl.excitation.assemble import Workshop
+from irb2400_ctrl.excitation.base_information import BaseInformation
+from irb2400_ctrl.excitation.excite import check_duration
+from irb2400_ctrl.excitation.feasible import Extent
+from irb2400_ctrl.excitation.friction_runs import FrictionRuns, friction_runs
+from irb2400_ctrl.excitation.motion_design import Budget, Design, standard_course
+from irb2400_ctrl.excitation.room import with_room
+from irb2400_ctrl.files import write_atomic
+from irb2400_ctrl.model import Model
+from irb2400_ctrl.planners.programs.rapid.rapid_options import RapidOptions
+from irb2400_ctrl.planners.programs.rapid.rapid_program import rapid_program
+from irb2400_ctrl.robot import Robot
+from irb2400_ctrl.trajectory import Trajectory
+
+IDENTIFY = "identify"
+"""what `irb2400 excite --for` calls it"""
+FINE_DEG = 0.01
+"""tolerance of a RAPID module of slow runs, whose way is half a degree"""
+
+
+@dataclass(frozen=True)
+class IdentificationMotion:
+    """Two motions: one that shows bodies and fast friction, and slow runs that show friction.
+
+    Args:
+        course: rows at 250 Hz; tau: torque of the model along it [Nm], (m, n); runs: the slow runs.
+        extent: how near to the limits the first goes.
+        distances: of every direction of the arm's numbers, in standard errors: what a change of the
+            size that matters is worth on the standard motion, and on this one (see
+            `base_information`); condition: number of the regressor, columns over their lengths, of
+            both; flavours: of its pieces.
+    """
+
+    robot: Robot
+    course: Trajectory
+    tau: Array
+    extent: Extent
+    runs: FrictionRuns
+    distances: tuple[Array, Array]
+    condition: tuple[float, float]
+    flavours: tuple[str, ...]
+
+    def summary(self) -> dict[str, Any]:
+        """The content of `excitation.json`."""
+        return {
+            "for": IDENTIFY,
+            "robot": self.robot.name,
+            "duration_s": self.course.duration,
+            "friction_runs_s": self.runs.course.duration,
+            "pieces": list(self.flavours),
+            "condition_number": {"standard": self.condition[0], "planned": self.condition[1]},
+            "smallest_distance": {
+                "standard": float(self.distances[0][0]),
+                "planned": float(self.distances[1][0]),
+            },
+            "max_torque_ratio": max(self.extent.torque, self.runs.extent.torque),
+            "max_velocity_ratio": max(self.extent.speed, self.runs.extent.speed),
+            "smallest_distance_from_joint_box_deg": float(np.degrees(self.extent.box)),
+            "smallest_height_m": min(self.extent.height, self.runs.extent.height),
+            "smallest_radius_m": min(self.extent.radius, self.runs.extent.radius),
+            "friction_speeds_rad_s": [speeds.tolist() for speeds in self.runs.speeds],
+        }
+
+    def lines(self) -> list[str]:
+        """For the terminal."""
+        before, after = self.condition
+        return [
+            f"motion of {self.course.duration:.1f} s: condition number {after:.0f} (standard "
+            f"motion {before:.0f}); the number it shows least stands out {self.distances[1][0]:.0f}"
+            f" standard errors ({self.distances[0][0]:.0f})",
+            f"torque at most {100 * self.extent.torque:.0f} % of its limit, speed "
+            f"{100 * self.extent.speed:.0f} %",
+            f"slow runs of {self.runs.course.duration:.0f} s: {len(self.runs.speeds[0])} speeds of "
+            f"every joint from {self.runs.speeds[0][0]:.3g} rad/s, both ways (eq. 74, thinned)",
+            "record both, then: irb2400 identify MOTION_LOG RUNS_LOG --out arm",
+        ]
+
+    def write(self, out: Path | str) -> list[Path]:
+        """Write `trajectory.csv` and `friction_runs.csv`, their RAPID modules (six axes only) and
+        `excitation.json`; returns their paths."""
+        folder = Path(out)
+        folder.mkdir(parents=True, exist_ok=True)
+        model = Model(self.robot)
+        paths = []
+        for name, course, tau, tolerance in (
+            ("trajectory", self.course, self.tau, 0.2),
+            ("friction_runs", self.runs.course, self.runs.tau, FINE_DEG),
+        ):
+            paths.append(write_atomic(folder / f"{name}.csv", _with_way(model, course, tau).csv()))
+            if self.robot.n != 6:
+                continue
+            options = RapidOptions(
+                module="Excitation" if name == "trajectory" else "FrictionRuns",
+                motion="joint",
+                tolerance_mm=0.5,
+                tolerance_deg=tolerance,
+                zone_mm=1.0,
+                state_time=True,
+            )
+            program = rapid_program(model, course, options=options)
+            stem = "excitation" if name == "trajectory" else name
+            paths.append(program.save(folder / f"{stem}.mod"))
+        text = json.dumps(self.summary(), indent=2) + "\n"
+        return [*paths, write_atomic(folder / "excitation.json", text)]
+
+
+def _with_way(model: Model, course: Trajectory, tau: Array) -> Trajectory:
+    """With torque and the way of the TCP."""
+    points = model.tcp_pose(course.q)[:, :3, 3]
+    way = np.append(0.0, np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1)))
+    return Trajectory(course.time, course.q, course.qd, course.qdd, tau, way)
+
+
+def excite_identification(
+    robot: Robot,
+    *,
+    seconds: float = 40.0,
+    seed: int = 0,
+    budget: Budget | None = None,
+    progress: Callable[[str], None] = lambda stage: None,
+) -> IdentificationMotion:
+    """Plan the motions.
+
+    Args:
+        seconds: duration of the first; the slow runs take what they take, about 80 s a joint.
+        seed: of the random search; budget: how long is searched.
+        progress: told the name of each stage.
+
+    Raises:
+        InputError: another duration than 10 to 600 s.
+        InfeasibleError: the limits of the robot leave no motion.
+    """
+    check_duration(seconds)
+    options = (seconds, seed, budget or Budget(), progress)
+    try:
+        return _planned(with_room(robot), *options)
+    except InfeasibleError:
+        # moves between pieces may lead through floor or column: keep to a place with room
+        narrow = with_room(robot, narrow=True)
+    return _planned(narrow, *options)
+
+
+def _planned(
+    robot: Robot, seconds: float, seed: int, budget: Budget, progress: Callable[[str], None]
+) -> IdentificationMotion:
+    with threadpool_limits(limits=1, user_api="blas"):
+        progress("preparing")
+        workshop = Workshop(robot)
+        standard = workshop.recorded(standard_course(workshop, seconds), "standard")
+        information = BaseInformation(robot, standard)
+        wanted = np.full(information.count, np.inf)
+        rng = np.random.default_rng(seed)
+        design = Design(workshop, information, wanted, seconds, rng)
+        pieces = design.run(budget, progress)
+        progress("joining the pieces")
+        course, _ = workshop.filling(pieces, design.duration, seconds)
+        planned = workshop.recorded(course, "excited")
+        progress("slow runs")
+        runs = friction_runs(workshop, seed=seed)
+        grams = [information.gram(motion) for motion in (standard, planned)]
+        before, after = (information.distances(gram)[0] for gram in grams)
+        conditions = (information.condition(grams[0]), information.condition(grams[1]))
+    return IdentificationMotion(
+        robot=robot,
+        course=course,
+        tau=workshop.model.inverse_dynamics(course.q, course.qd, course.qdd),
+        extent=workshop.extent(course),
+        runs=runs,
+        distances=(before, after),
+        condition=conditions,
+        flavours=tuple(piece.flavour for piece in pieces),
+    )
