@@ -22,8 +22,8 @@ import numpy.typing as npt
 
 import irb2400_ctrl as irb
 from irb2400_ctrl.codegen.build import host_source
-from irb2400_ctrl.codegen.build_cache import build_shared, cache_dir
-from irb2400_ctrl.codegen.toolchain import find_compiler, native_flags, processor
+from irb2400_ctrl.codegen.machine_code.build_cache import build_shared, cache_dir
+from irb2400_ctrl.codegen.machine_code.toolchain import find_compiler, native_flags, processor
 
 Array = npt.NDArray[np.float64]
 HERE = Path(__file__).parent

@@ -12,6 +12,7 @@ from types import ModuleType
 
 PACKAGE = "irb2400_ctrl."
 RENAMED = {
+    "codegen.toolchain": "codegen.machine_code.toolchain",
     "diagnosis.bases": "diagnosis.regressors.bases",
     "diagnosis.candidate": "diagnosis.estimation.candidate",
     "diagnosis.confidence": "diagnosis.comparison.confidence",

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import tomllib
 from pathlib import Path
 
 from pydantic import BaseModel, ValidationError
 
 from irb2400_ctrl.cell.description import Cell, CellTool, Mesh, Placed, Thing
 from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.reading import bounded_text, toml_tables
 from irb2400_ctrl.robot.file_problems import explain
 from irb2400_ctrl.robot.shape import Box, Capsule, Cylinder, Sphere
 
@@ -29,11 +29,7 @@ def load_cell(source: str | Path) -> Cell:
             f"cell {path}: found {found}, expected a cell file (TOML); docs/cells.md shows one"
         )
     try:
-        data = tomllib.loads(path.read_text(encoding="utf-8"))
+        data = toml_tables(bounded_text(path, "a cell file (TOML)"), str(path))
         return Cell.model_validate({**data, "folder": path.parent})
-    except UnicodeDecodeError as error:
-        raise InputError(f"{path} is not text in UTF-8, expected a cell file (TOML)") from error
-    except tomllib.TOMLDecodeError as error:
-        raise InputError(f"{path} is not TOML: {error}") from error
     except ValidationError as error:
         raise InputError(explain(str(path), "cell", error, TABLES)) from error

@@ -12,10 +12,10 @@ import casadi as ca
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from irb2400_ctrl.codegen.build_cache import load_shared
 from irb2400_ctrl.codegen.emit import emit_body
 from irb2400_ctrl.codegen.graph import read_graph
-from irb2400_ctrl.codegen.interpreted import Interpreter, say_slow
+from irb2400_ctrl.codegen.machine_code.build_cache import load_shared
+from irb2400_ctrl.codegen.machine_code.interpreted import Interpreter, say_slow
 from irb2400_ctrl.codegen.own_math import prelude
 from irb2400_ctrl.errors import InputError, ToolMissingError
 from irb2400_ctrl.symbolic import as_sx

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from irb2400_ctrl.codegen.build_cache import load_shared
+from irb2400_ctrl.codegen.machine_code.build_cache import load_shared
 from irb2400_ctrl.codegen.package import Package
 from irb2400_ctrl.errors import InputError
 

@@ -9,10 +9,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from irb2400_ctrl.codegen.cycles import Instruction, read_listing
+from irb2400_ctrl.codegen.machine_code.toolchain import run_tool
 from irb2400_ctrl.codegen.package import Package
 from irb2400_ctrl.codegen.provenance import stamped
 from irb2400_ctrl.codegen.targets import FLAGS, LINK_FLAGS, START_UP_FLAGS, Target
-from irb2400_ctrl.codegen.toolchain import run_tool
 from irb2400_ctrl.errors import ToolMissingError
 
 FLASH = 0x0000_0000

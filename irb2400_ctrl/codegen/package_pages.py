@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from irb2400_ctrl.codegen.block import Block, Field
+from irb2400_ctrl.codegen.machine_code.toolchain import EXACT_FLAGS
 from irb2400_ctrl.codegen.targets import FLAGS, LINK_FLAGS, START_UP_FLAGS, Target
-from irb2400_ctrl.codegen.toolchain import EXACT_FLAGS
 
 
 def inside(field: Field) -> NDArray[np.float64]:

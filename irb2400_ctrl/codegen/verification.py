@@ -22,11 +22,11 @@ from irb2400_ctrl.codegen.checks import (
 from irb2400_ctrl.codegen.controller import HostController
 from irb2400_ctrl.codegen.emulator import TargetController
 from irb2400_ctrl.codegen.firmware import Firmware, build_firmware, firmware_files
+from irb2400_ctrl.codegen.machine_code.toolchain import EXACT_FLAGS, find_compiler, run_tool
 from irb2400_ctrl.codegen.package import Package
 from irb2400_ctrl.codegen.package_pages import build_files
 from irb2400_ctrl.codegen.provenance import stamped
 from irb2400_ctrl.codegen.targets import Goal, Target, find_target
-from irb2400_ctrl.codegen.toolchain import EXACT_FLAGS, find_compiler, run_tool
 from irb2400_ctrl.errors import ToolMissingError
 from irb2400_ctrl.files import write_atomic
 

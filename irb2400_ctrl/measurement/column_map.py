@@ -15,7 +15,6 @@ gear_ratio = -101.0
 
 from __future__ import annotations
 
-import tomllib
 from pathlib import Path
 from typing import Literal, Self
 
@@ -23,6 +22,7 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
 from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.reading import bounded_text, toml_tables
 
 TIME = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
 TURN = 2.0 * np.pi
@@ -113,9 +113,8 @@ def load_column_map(path: Path | str) -> ColumnMap:
     """
     path = Path(path)
     try:
-        return ColumnMap.model_validate(tomllib.loads(path.read_text(encoding="utf-8")))
-    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
-        raise InputError(f"{path}: not a readable column map (TOML): {error}") from error
+        text = bounded_text(path, "a column map (TOML)")
+        return ColumnMap.model_validate(toml_tables(text, str(path)))
     except ValidationError as error:
         wrong = "; ".join(
             f"{'.'.join(str(part) for part in item['loc'])}: {item['msg']}"

@@ -3,10 +3,9 @@ comment lines before the header, gzip."""
 
 from __future__ import annotations
 
-import gzip
-import io
 import re
-import zlib
+from array import array
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -15,14 +14,16 @@ import numpy as np
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.measurement.table import Table
+from irb2400_ctrl.reading import text_blocks
 
 COMMENTS = ("#", "%", "//")
-LONGEST_LINE = 100_000
-"""characters; a line that is longer is not one of a log"""
+MOST_CELLS = 19_500_000
+"""of one log: 1,500,000 rows of time, six angles and six torques, 100 minutes at 250 Hz; what is
+computed from as much fits into 1 GB"""
+SLOW_ROWS = 10_000
+"""between two reports of progress where cells are read one by one"""
 MOST_TITLES = 20
 """lines of one cell that may stand above the header"""
-MOST_BYTES = 2_000_000_000
-"""of the unpacked file"""
 _SEPARATOR = re.compile(r"[,;\t]")
 _DECIMAL_COMMA = re.compile(r"(^|[;\t])\s*-?\d+,\d+")
 
@@ -37,23 +38,29 @@ class Dialect:
     skip: int
 
 
-def read_csv_table(path: Path) -> Table:
-    """Columns of a `.csv`, `.csv.gz`, `.txt` or `.tsv`.
+def read_csv_table(path: Path, progress: Callable[[int], None] = lambda rows: None) -> Table:
+    """Columns of a `.csv`, `.csv.gz`, `.txt` or `.tsv`, read piece by piece.
+
+    Args:
+        progress: called now and then with the number of samples read so far.
 
     Raises:
-        InputError: not readable as text, no header, rows of another width.
+        InputError: not readable as text, no header, rows of another width, too many rows.
     """
-    text = _text(path)
-    lines = text.splitlines()
-    dialect = _dialect(path, lines)
+    if not path.is_file():
+        raise InputError(
+            f"no log file {path}: expected a .csv or .csv.gz with time_s, q1_deg…, tau1_Nm…"
+        )
+    head = next(text_blocks(path), b"").decode().split("\n")
+    dialect = _dialect(path, head)
     header = [
-        name.strip().strip('"').strip() for name in lines[dialect.skip].split(dialect.separator)
+        name.strip().strip('"').strip() for name in head[dialect.skip].split(dialect.separator)
     ]
     while header and not header[-1]:
         header.pop()  # a separator at the end of every line
     if len(header) < 2:
         raise InputError(
-            f"{path}: the first line is {lines[dialect.skip][:60]!r}, expected comma-separated "
+            f"{path}: the first line is {head[dialect.skip][:60]!r}, expected comma-separated "
             "names such as time_s,q1_deg"
         )
     doubled = sorted({name for name in header if header.count(name) > 1 and name})
@@ -61,32 +68,21 @@ def read_csv_table(path: Path) -> Table:
         raise InputError(
             f"{path}: column {doubled[0]!r} appears {header.count(doubled[0])} times, expected once"
         )
-    body = lines[dialect.skip + 1 :]
-    if not any(line.strip(" ,;\t") for line in body):
+    columns = _fast(path, header, dialect, progress)
+    if columns is None:
+        columns = _slow(path, header, dialect, progress)
+    if not len(columns[header[0]]):
         raise InputError(f"{path}: a header but no samples")
-    fast = _fast(text, header, dialect, sum(1 for line in body if line.strip()))
-    columns = _slow(path, body, header, dialect) if fast is None else fast
     return Table(path, columns, dialect.skip + 2)
 
 
-def _text(path: Path) -> str:
-    if not path.is_file():
+def _within(path: Path, rows: int, columns: int) -> None:
+    most = MOST_CELLS // columns
+    if rows > most:
         raise InputError(
-            f"no log file {path}: expected a .csv or .csv.gz with time_s, q1_deg…, tau1_Nm…"
+            f"{path}: more than {most:,} rows of {columns} columns, expected at most so many; cut "
+            "the log into parts, leave columns out, or record at 250 Hz, which is enough"
         )
-    try:
-        data = path.read_bytes()
-        if data[:2] == b"\x1f\x8b":
-            with gzip.GzipFile(fileobj=io.BytesIO(data)) as packed:
-                data = packed.read(MOST_BYTES + 1)
-        if len(data) > MOST_BYTES:
-            raise InputError(
-                f"{path}: more than {MOST_BYTES / 1e9:.0f} GB when unpacked, expected a log; cut it"
-            )
-        wide = data[:2] in (b"\xff\xfe", b"\xfe\xff")
-        return data.decode("utf-16" if wide else "utf-8-sig")
-    except (OSError, EOFError, zlib.error, UnicodeDecodeError) as error:
-        raise InputError(f"{path} is not a readable CSV or gzip file: {error}") from error
 
 
 def _dialect(path: Path, lines: list[str]) -> Dialect:
@@ -103,8 +99,6 @@ def _dialect(path: Path, lines: list[str]) -> Dialect:
         skip = title
     if skip == len(lines):
         raise InputError(f"{path}: found no header, expected names such as time_s,q1_deg")
-    if max(map(len, lines)) > LONGEST_LINE:
-        raise InputError(f"{path}: a line of {max(map(len, lines))} characters, expected a CSV")
     head = lines[skip]
     separator = max((",", ";", "\t"), key=head.count)
     first = next((line for line in lines[skip + 1 :] if line.strip()), "")
@@ -112,36 +106,62 @@ def _dialect(path: Path, lines: list[str]) -> Dialect:
     return Dialect(separator, "," if comma else ".", skip)
 
 
-def _fast(text: str, header: list[str], dialect: Dialect, rows: int) -> dict[str, Array] | None:
+def _fast(
+    path: Path, header: list[str], dialect: Dialect, progress: Callable[[int], None]
+) -> dict[str, Array] | None:
     """All columns by pyarrow; None where some cell needs a closer look."""
     import pyarrow as pa
     from pyarrow import csv
 
-    try:
-        table = csv.read_csv(
-            io.BytesIO(text.encode()),
-            read_options=csv.ReadOptions(skip_rows=dialect.skip + 1, column_names=header),
-            parse_options=csv.ParseOptions(delimiter=dialect.separator),
-            convert_options=csv.ConvertOptions(
-                column_types={name: pa.float64() for name in header},
-                decimal_point=dialect.decimal,
-                null_values=[],
-            ),
-        )
-    except (pa.ArrowInvalid, pa.ArrowKeyError):
-        return None
-    if len(table) != rows:
-        return None
-    return {name: np.asarray(table[name].to_numpy()) for name in header}
+    columns = [np.empty(0) for _ in header]
+    rows = 0
+    options = {
+        "read_options": csv.ReadOptions(column_names=header, use_threads=False),
+        # a quote may hide the end of a row
+        "parse_options": csv.ParseOptions(delimiter=dialect.separator, quote_char=False),
+        "convert_options": csv.ConvertOptions(
+            column_types={name: pa.float64() for name in header},
+            decimal_point=dialect.decimal,
+            null_values=[],
+        ),
+    }
+    for block in _body(path, dialect):
+        try:
+            table = csv.read_csv(pa.py_buffer(block), **options)
+        except (pa.ArrowInvalid, pa.ArrowKeyError):
+            return None
+        before = rows
+        rows += len(table)
+        _within(path, rows, len(header))
+        for column, numbers in zip(columns, table.columns, strict=True):
+            if len(column) < rows:
+                # in place: a long log stands in memory once
+                column.resize(rows + rows // 8, refcheck=False)
+            column[before:rows] = numbers.to_numpy()
+        progress(rows)
+    for column in columns:
+        column.resize(rows, refcheck=False)
+    return dict(zip(header, columns, strict=True))
 
 
-def _slow(path: Path, body: list[str], header: list[str], dialect: Dialect) -> dict[str, Array]:
+def _body(path: Path, dialect: Dialect) -> Iterator[bytes]:
+    """The blocks of a file from the line after the header."""
+    blocks = text_blocks(path)
+    first = next(blocks)
+    yield b"\n".join(first.split(b"\n", dialect.skip + 1)[dialect.skip + 1 :])
+    yield from blocks
+
+
+def _slow(
+    path: Path, header: list[str], dialect: Dialect, progress: Callable[[int], None]
+) -> dict[str, Array]:
     """Cell by cell, to say where a line is not like the others; a word is NaN."""
     width = len(header)
-    first = dialect.skip + 2
-    kept = [(k, line) for k, line in enumerate(body) if line.strip(" ,;\t\r")]
-    table = np.empty((len(kept), width))
-    for row, (k, line) in enumerate(kept):
+    columns = [array("d") for _ in header]
+    lines = (line for block in _body(path, dialect) for line in block.decode().split("\n")[:-1])
+    for number, line in enumerate(lines, dialect.skip + 2):
+        if not line.strip(" ,;\t"):
+            continue
         cells = line.split(dialect.separator)
         while len(cells) > width and not cells[-1].strip():
             cells.pop()
@@ -149,11 +169,16 @@ def _slow(path: Path, body: list[str], header: list[str], dialect: Dialect) -> d
             commas = len(cells) == 2 * width and dialect.separator == ","
             hint = "; with decimal commas the cells need semicolons between them" * commas
             raise InputError(
-                f"{path}, line {k + first}: found {len(cells)} cells, expected {width} as in the "
+                f"{path}, line {number}: found {len(cells)} cells, expected {width} as in the "
                 f"header{hint}"
             )
-        table[row] = [_number(cell, dialect.decimal) for cell in cells]
-    return {name: np.ascontiguousarray(table[:, k]) for k, name in enumerate(header)}
+        for column, cell in zip(columns, cells, strict=True):
+            column.append(_number(cell, dialect.decimal))
+        if number % SLOW_ROWS == 0:
+            _within(path, len(columns[0]), width)
+            progress(len(columns[0]))
+    _within(path, len(columns[0]), width)
+    return {name: np.array(values) for name, values in zip(header, columns, strict=True)}
 
 
 def _number(cell: str, decimal: str) -> float:

@@ -45,9 +45,7 @@ class Log:
         for key in ("time", "q", "tau", "qd", "q_ref"):
             value = getattr(self, key)
             if value is not None:
-                array = np.array(value, dtype=float)
-                array.setflags(write=False)
-                object.__setattr__(self, key, array)
+                object.__setattr__(self, key, _own(value))
         object.__setattr__(self, "extra", MappingProxyType(dict(self.extra)))
         self._check()
 
@@ -108,3 +106,12 @@ class Log:
     def duration(self) -> float:
         """From the first to the last sample [s]."""
         return float(self.time[-1] - self.time[0])
+
+
+def _own(value: Array) -> Array:
+    """The array itself where nobody can write to it, else a copy of it."""
+    array = np.asarray(value, dtype=float)
+    if array.flags.writeable or not array.flags.owndata:
+        array = np.array(array)
+        array.setflags(write=False)
+    return array

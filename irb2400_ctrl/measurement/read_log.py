@@ -79,13 +79,12 @@ def read_log(
     used = {time[0], *(name for places in found.values() for name in places.values())}
     _finite(table, used)
     n = joints or max([max(found[s], default=0) for s in ("q", "tau")], default=0) or 6
-    signals = {
-        signal: _stacked(table, signal, places, scales, n)
-        for signal, places in found.items()
-        if places or signal in {"q", "tau"}
-    }
-    extra = {name: values for name, values in table.columns.items() if name not in used}
-    stamps = table.columns[time[0]] * time[1]
+    found = {signal: found[signal] for signal in found if found[signal] or signal in {"q", "tau"}}
+    for signal, places in found.items():
+        _expect_all(table, signal, places, n)
+    signals = {signal: _stacked(table, places, scales, n) for signal, places in found.items()}
+    stamps = _frozen(table.columns.pop(time[0]) * time[1])
+    extra = dict(table.columns)
     return Log(stamps, signals.pop("q"), signals.pop("tau"), extra=extra, name=str(path), **signals)
 
 
@@ -148,6 +147,10 @@ def _by_map(table: Table, given: ColumnMap) -> tuple[tuple[str, float], Found, d
         found[column.quantity][column.joint] = column.file
         scales[column.file] = column.scale
     time = ("time_s", 1.0) if given.time is None else (given.time.column, TIME[given.time.unit])
+    if time[0] in scales:
+        raise InputError(
+            f"the column map names {time[0]!r} as the time and as a signal; expected two columns"
+        )
     missing = [name for name in (time[0], *scales) if name not in table.columns]
     if missing:
         raise InputError(
@@ -167,19 +170,20 @@ def _finite(table: Table, used: set[str]) -> None:
     """Refuse cells that are not finite numbers in the columns that matter, and say where they
     are."""
     names = [name for name in table.columns if name in used]
-    bad = np.column_stack([~np.isfinite(table.columns[name]) for name in names])
-    if bad.any():
-        row, column = np.argwhere(bad)[0]
+    bad = {name: np.flatnonzero(~np.isfinite(table.columns[name])) for name in names}
+    count = sum(map(len, bad.values()))
+    if count:
+        row, _, name = min(
+            (int(bad[name][0]), k, name) for k, name in enumerate(names) if len(bad[name])
+        )
         raise InputError(
-            f"{table.path}: {int(bad.sum())} cells are not finite numbers, the first is "
-            f"{names[column]} in {table.place(row)}; expected numbers everywhere: delete the rows "
-            "of lost samples"
+            f"{table.path}: {count} cells are not finite numbers, the first is {name} in "
+            f"{table.place(row)}; expected numbers everywhere: delete the rows of lost samples"
         )
 
 
-def _stacked(
-    table: Table, signal: str, names: dict[int, str], scales: dict[str, float], n: int
-) -> Array:
+def _expect_all(table: Table, signal: str, names: dict[int, str], n: int) -> None:
+    """Refuse a signal that has not one column for every joint."""
     forms = [f"{{}}_{unit}" for unit in _SCALES[signal] if unit != "kNm"]
     missing = [j for j in range(1, n + 1) if j not in names]
     if missing:
@@ -195,7 +199,19 @@ def _stacked(
         raise InputError(
             f"{table.path}: found column {signal} for joint {max(names)}, expected {n} joints"
         )
-    return np.column_stack([table.columns[names[j]] * scales[names[j]] for j in range(1, n + 1)])
+
+
+def _stacked(table: Table, names: dict[int, str], scales: dict[str, float], n: int) -> Array:
+    # each column is given up once it is in the array: a long log stands in memory once
+    stacked = np.empty((len(table.columns[names[1]]), n))
+    for j in range(1, n + 1):
+        np.multiply(table.columns.pop(names[j]), scales[names[j]], out=stacked[:, j - 1])
+    return _frozen(stacked)
+
+
+def _frozen(values: Array) -> Array:
+    values.setflags(write=False)
+    return values
 
 
 def _numbered(signal: str, joint: int) -> str:

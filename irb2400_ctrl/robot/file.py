@@ -4,7 +4,6 @@ equal."""
 from __future__ import annotations
 
 import os
-import tomllib
 from importlib import resources
 from pathlib import Path
 from typing import Any
@@ -15,6 +14,7 @@ from pydantic import BaseModel, ValidationError
 from irb2400_ctrl.effects import LIBRARY, load_effects, users_files
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.files import write_atomic
+from irb2400_ctrl.reading import bounded_text, toml_tables
 from irb2400_ctrl.robot.description import Robot
 from irb2400_ctrl.robot.file_problems import explain
 from irb2400_ctrl.robot.joint import Friction, Joint, Limits, MotorCoupling, Transmission
@@ -51,14 +51,12 @@ def load_robot(source: str | Path) -> Robot:
             raise InputError(
                 f"no robot file {path}: expected a TOML file or one of the robots {known}"
             )
-        text = path.read_text()
+        text = bounded_text(path, "a robot file (TOML)")
         folder = path.parent
     try:
-        data = tomllib.loads(text)
+        data = toml_tables(text, str(source))
         data["effect_files"] = _loaded(data.get("effect_files", []), folder, str(source))
         return Robot.model_validate(data)
-    except tomllib.TOMLDecodeError as error:
-        raise InputError(f"{source} is not TOML: {error}") from error
     except ValidationError as error:
         raise InputError(explain(str(source), "robot", error, _tables())) from error
 

@@ -6,7 +6,6 @@ from __future__ import annotations
 import difflib
 import hashlib
 import json
-import tomllib
 from functools import cached_property
 from pathlib import Path
 from typing import Annotated, Literal, Self
@@ -26,6 +25,7 @@ from pydantic import (
 from irb2400_ctrl.codegen import Block
 from irb2400_ctrl.controllers import CONTROLLERS, controller
 from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.reading import bounded_text, toml_tables
 from irb2400_ctrl.robot import Robot, load_robot, robot_names
 from irb2400_ctrl.simulation import Actuators, Sensors
 from irb2400_ctrl.simulation.plant import SUBSTEPS
@@ -184,11 +184,10 @@ def load_study(path: Path | str) -> Study:
     path = Path(path)
     if not path.is_file():
         raise InputError(f"no study file {path}; expected a TOML file (see docs/sweep.md)")
-    text = path.read_text()
+    text = bounded_text(path, "a study (TOML)")
     try:
-        study = Study.model_validate(tomllib.loads(text), context={"folder": path.parent})
-    except tomllib.TOMLDecodeError as error:
-        raise InputError(f"{path} is not TOML: {error}") from error
+        tables = toml_tables(text, str(path))
+        study = Study.model_validate(tables, context={"folder": path.parent})
     except ValidationError as error:
         raise InputError(
             f"{path} is not a valid study:\n  " + "\n  ".join(_explain(error))
@@ -199,8 +198,8 @@ def load_study(path: Path | str) -> Study:
 
 def changed_keys(before: str, after: str) -> list[str]:
     """Top-level keys in which two study texts differ."""
-    old = tomllib.loads(before)
-    new = tomllib.loads(after)
+    old = toml_tables(before, "the study before")
+    new = toml_tables(after, "the study")
     missing = object()
     return [
         key

@@ -7,9 +7,9 @@ from pathlib import Path
 import numpy as np
 
 from irb2400_ctrl.codegen.firmware import firmware_files
+from irb2400_ctrl.codegen.machine_code.toolchain import run_tool
 from irb2400_ctrl.codegen.package import Package
 from irb2400_ctrl.codegen.targets import FLAGS, Target
-from irb2400_ctrl.codegen.toolchain import run_tool
 
 MACHINES = {"cortex-m4f": "mps2-an386", "cortex-m7": "mps2-an500"}
 REPEATS = 4000

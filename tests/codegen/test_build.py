@@ -9,10 +9,11 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from irb2400_ctrl.codegen import compile_function, toolchain
-from irb2400_ctrl.codegen.build_cache import cache_dir
-from irb2400_ctrl.codegen.interpreted import say_slow
-from irb2400_ctrl.codegen.toolchain import find_compiler
+from irb2400_ctrl.codegen import compile_function
+from irb2400_ctrl.codegen.machine_code import toolchain
+from irb2400_ctrl.codegen.machine_code.build_cache import cache_dir
+from irb2400_ctrl.codegen.machine_code.interpreted import say_slow
+from irb2400_ctrl.codegen.machine_code.toolchain import find_compiler
 from irb2400_ctrl.errors import InputError, ToolMissingError
 
 

@@ -12,8 +12,9 @@ from pathlib import Path
 import casadi as ca
 import pytest
 
-from irb2400_ctrl.codegen import build_cache, compile_function
-from irb2400_ctrl.codegen.build_cache import build_shared, cache_dir, load_shared
+from irb2400_ctrl.codegen import compile_function
+from irb2400_ctrl.codegen.machine_code import build_cache
+from irb2400_ctrl.codegen.machine_code.build_cache import build_shared, cache_dir, load_shared
 from irb2400_ctrl.errors import IrbError, ToolMissingError
 
 SOURCE = "int answer(void) { return 42; }\n"
@@ -132,7 +133,8 @@ def test_a_foreign_temporary_folder_is_passed_over(
 
 def test_leftovers_of_killed_builds_go(folder: Path) -> None:
     folder.mkdir(parents=True)
-    old, young = folder / ".build-old", folder / ".build-young"
+    old = folder / ".build-old"
+    young = folder / ".build-young"
     for place in (old, young):
         place.mkdir()
         (place / "code.c").write_text("half")
@@ -146,7 +148,8 @@ def test_leftovers_of_killed_builds_go(folder: Path) -> None:
 def test_a_killed_build_leaves_no_library(folder: Path, tmp_path: Path) -> None:
     """kill -9 while the compiler writes: the next start compiles, and loads what is whole."""
     compiler = script(tmp_path / "slow-cc", "sleep 60")
-    program = f"from irb2400_ctrl.codegen.build_cache import build_shared; build_shared({SOURCE!r})"
+    module = "irb2400_ctrl.codegen.machine_code.build_cache"
+    program = f"from {module} import build_shared; build_shared({SOURCE!r})"
     process = subprocess.Popen(
         [sys.executable, "-c", program],
         env={**os.environ, "CC": str(compiler)},
@@ -215,7 +218,8 @@ def test_the_library_is_on_the_disk_before_it_has_its_name(
 ) -> None:
     """After a loss of power there is a whole library or none."""
     order: list[str] = []
-    sync, replace = os.fsync, os.replace
+    sync = os.fsync
+    replace = os.replace
     monkeypatch.setattr(os, "fsync", lambda n: (order.append("sync"), sync(n))[1])
     monkeypatch.setattr(os, "replace", lambda a, b: (order.append("move"), replace(a, b))[1])
     assert isinstance(load_shared(SOURCE), ctypes.CDLL)

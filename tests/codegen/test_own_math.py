@@ -8,7 +8,7 @@ import pytest
 
 from irb2400_ctrl.codegen import compile_function
 from irb2400_ctrl.codegen.build import host_source
-from irb2400_ctrl.codegen.build_cache import build_shared
+from irb2400_ctrl.codegen.machine_code.build_cache import build_shared
 
 # function, CasADi form, domain per precision, scale that the error is counted in, bound in units of
 # eps

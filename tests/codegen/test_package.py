@@ -14,8 +14,8 @@ import pytest
 
 from irb2400_ctrl.codegen import Block, Field, export_package
 from irb2400_ctrl.codegen.controller import HostController
+from irb2400_ctrl.codegen.machine_code.toolchain import find_compiler
 from irb2400_ctrl.codegen.package import FAULT_INPUT, FAULT_RESULT, Package
-from irb2400_ctrl.codegen.toolchain import find_compiler
 from irb2400_ctrl.errors import InputError
 
 from .blocks import every_operation_block, pd_block, stateless_block

@@ -15,9 +15,9 @@ import irb2400_ctrl as irb
 from irb2400_ctrl.codegen import Block, export_package
 from irb2400_ctrl.codegen.controller import HostController
 from irb2400_ctrl.codegen.firmware import TOOLS, build_firmware
+from irb2400_ctrl.codegen.machine_code.toolchain import find_compiler
 from irb2400_ctrl.codegen.package import FAULT_INPUT, FAULT_PARAMETERS, FAULT_RESULT, Package
 from irb2400_ctrl.codegen.targets import find_target
-from irb2400_ctrl.codegen.toolchain import find_compiler
 from irb2400_ctrl.controllers import controller
 from irb2400_ctrl.errors import InputError
 

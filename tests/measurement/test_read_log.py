@@ -255,7 +255,7 @@ WRONG_MAPS = {
     "one joint twice": (ENTRY + ENTRY.replace('"a"', '"b"'), "'tau 1' appears more"),
     "an unknown entry": (ENTRY + "colour = 1\n", "colour"),
     "no column": ("[time]\ncolumn = 't'\n", "columns"),
-    "no toml": ("[time", "not a readable column map"),
+    "no toml": ("[time", "is not TOML"),
     "a column that is not there": (ENTRY + '[time]\ncolumn = "time_s"\n', "no column 'a'"),
 }
 

@@ -59,7 +59,7 @@ def test_what_a_table_lacks_is_said(old: str, new: str, says: str, tmp_path: Pat
 def test_a_table_that_is_no_text_is_refused(tmp_path: Path) -> None:
     path = tmp_path / "a.csv"
     path.write_bytes(b"\xff\xfe\xd8\x00")
-    with pytest.raises(InputError, match="not a readable CSV"):
+    with pytest.raises(InputError, match=r"UTF-16, expected a DH table \(CSV\)"):
         import_robot(path)
 
 

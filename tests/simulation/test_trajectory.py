@@ -81,18 +81,30 @@ def test_arrays_are_read_only() -> None:
         MOVE.q[0, 0] = 1.0
 
 
+def both_units(text: str) -> str:
+    """The angles a second time, under _rad."""
+    header, *rows = text.strip().split("\n")
+    more = ",".join(f"q{j + 1}_rad" for j in range(6))
+    return "\n".join(
+        [f"{header},{more}", *(f"{row},{','.join(row.split(',')[1:7])}" for row in rows)]
+    )
+
+
 @pytest.mark.parametrize(
     ("change", "message"),
     [
         (lambda t: t.replace("q3_deg,", "q3,"), "lacks the columns q3_deg"),
         (lambda t: t.replace("time_s", "t"), "lacks time_s"),
-        (lambda t: t[: t.rindex("\n", 0, -2)] + "\nx" + ",0" * 18 + "\n", "could not convert"),
+        (lambda t: t[: t.rindex("\n", 0, -2)] + "\nx" + ",0" * 18 + "\n", "a cell is not a number"),
         (lambda t: t.replace("\n0.004,", "\n0.4,"), "time does not increase"),
         (lambda t: t.replace("\n0.004,", "\nnan,"), "NaN"),
         (
             lambda t: t.replace("qd1_deg_s,", "qd1_rad_s,").replace("qd2_deg_s,", "qd2_rad_s,"),
             "lacks the columns qd1",
         ),
+        (lambda t: t[: t.rindex("\n", 0, -2)] + "\n1,2,3\n", "found 3 cells, expected"),
+        (lambda t: t.replace("q2_deg,", "q1_deg,"), "q1_deg more than once"),
+        (lambda t: both_units(t), "expected angles in one unit"),
         (lambda t: "", "is empty"),
     ],
 )

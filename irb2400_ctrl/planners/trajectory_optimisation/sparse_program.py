@@ -12,7 +12,7 @@ from typing import Any
 import casadi as ca
 
 from irb2400_ctrl.arrays import Array
-from irb2400_ctrl.codegen.build_cache import build_shared
+from irb2400_ctrl.codegen.machine_code.build_cache import build_shared
 from irb2400_ctrl.errors import ToolMissingError
 
 _OPTIONS = {

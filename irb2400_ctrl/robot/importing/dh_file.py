@@ -18,6 +18,7 @@ import numpy as np
 
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.reading import bounded_text
 from irb2400_ctrl.robot.importing.tree import Mass, Tree, TreeJoint, pose
 
 CONVENTIONS = ("standard", "modified")
@@ -116,10 +117,7 @@ def read_dh(path: Path, convention: str | None) -> Tree:
 
 def _text(path: Path) -> tuple[str, str]:
     """The table with decimal points, and its separator: comma, or semicolon with decimal commas."""
-    try:
-        text = path.read_text(encoding="utf-8-sig")
-    except UnicodeDecodeError as error:
-        raise InputError(f"{path} is not a readable CSV file: {error}") from error
+    text = bounded_text(path, "a DH table (CSV)")
     header = next((x for x in text.splitlines() if x.strip() and not x.startswith("#")), "")
     separator = max((",", ";", "\t"), key=header.count)
     if separator == ",":

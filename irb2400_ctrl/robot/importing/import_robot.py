@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import xml.etree.ElementTree as ET
 from pathlib import Path
 
 from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.reading import xml_root
 from irb2400_ctrl.robot.importing.chain_robot import Imported, Payload, chain_robot
 from irb2400_ctrl.robot.importing.dh_file import read_dh
 from irb2400_ctrl.robot.importing.mjcf_file import read_mjcf
@@ -44,10 +44,7 @@ def read_tree(path: Path, convention: str | None = None) -> Tree:
         raise InputError(f"{path}: found nothing, expected a URDF, an MJCF, or a DH table (CSV)")
     if path.suffix.lower() == ".csv":
         return read_dh(path, convention)
-    try:
-        root = ET.parse(path).getroot()
-    except ET.ParseError as error:
-        raise InputError(f"{path} is not XML: {error}") from error
+    root = xml_root(path, "a URDF or an MJCF")
     if root.tag == "robot":
         return read_urdf(path, root)
     if root.tag == "mujoco":

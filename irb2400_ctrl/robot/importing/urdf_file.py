@@ -21,7 +21,7 @@ def read_urdf(path: Path, root: ET.Element) -> Tree:
     Raises:
         InputError: xacro that is not expanded, a missing attribute, a number that is none.
     """
-    if "xacro" in path.read_text(errors="replace").lower() and _is_xacro(root):
+    if _is_xacro(root):
         raise InputError(
             f"{path} is xacro, not URDF: macros are not expanded yet; run "
             f"`xacro {path.name} > arm.urdf` and import that"

@@ -9,8 +9,8 @@ from importlib import resources
 import numpy as np
 
 from irb2400_ctrl.arrays import Array
-from irb2400_ctrl.codegen.build_cache import load_shared
-from irb2400_ctrl.codegen.interpreted import say_slow
+from irb2400_ctrl.codegen.machine_code.build_cache import load_shared
+from irb2400_ctrl.codegen.machine_code.interpreted import say_slow
 from irb2400_ctrl.errors import ToolMissingError
 from irb2400_ctrl.planners.timing.two_pass.interpreted import Passed, interpreted_two_pass
 

@@ -90,7 +90,8 @@ def _columns(header: list[str], name: str, line: int) -> tuple[bool, list[str]]:
 def _table(lines: list[tuple[int, str]], header: list[str], wanted: list[str], name: str) -> Array:
     columns = [header.index(key) for key in wanted]
     rows = []
-    for (line, _), cells in zip(lines, csv.reader(text for _, text in lines), strict=True):
+    for line, text in lines:
+        cells = _cells(text, f"{name}, line {line}")
         if len(cells) != len(header):
             raise InputError(
                 f"{name}, line {line}: found {len(cells)} values, expected {len(header)}"
@@ -105,6 +106,18 @@ def _table(lines: list[tuple[int, str]], header: list[str], wanted: list[str], n
     if len(rows) < 2:
         raise InputError(f"{name}: found {len(rows)} point(s), expected at least 2")
     return np.array(rows)
+
+
+def _cells(text: str, place: str) -> list[str]:
+    """The cells of one line: a quoted one may hold commas, but no end of line."""
+    try:
+        (cells,) = csv.reader([text], strict=True)
+    except csv.Error as error:
+        raise InputError(
+            f"{place}: the quotes do not fit or a cell is too long ({error}), expected numbers "
+            "with commas between them"
+        ) from error
+    return cells
 
 
 def _number(cell: str, place: str) -> float:

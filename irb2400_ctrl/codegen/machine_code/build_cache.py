@@ -18,7 +18,7 @@ import time
 from functools import cache
 from pathlib import Path
 
-from irb2400_ctrl.codegen.toolchain import (
+from irb2400_ctrl.codegen.machine_code.toolchain import (
     EXACT_FLAGS,
     FUSED_FLAGS,
     find_compiler,

@@ -1,0 +1,74 @@
+"""Small files from strangers: read up to a stated size, as text, with a limit of their nesting.
+
+A message says where something is wrong, never what stands there: a study or a robot file may name
+any file of this machine, and what it holds is nobody else's business.
+"""
+
+from __future__ import annotations
+
+import codecs
+import re
+import tomllib
+from pathlib import Path
+from typing import Any
+
+from irb2400_ctrl.errors import InputError
+
+MOST_BYTES = 10_000_000
+"""of a file that people write by hand"""
+DEEPEST = 50
+"""names in one dotted key"""
+_WIDE = (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)
+_NAME = r"[\w\-\"']+"
+_DEEP_KEY = re.compile(rf"[\s\[]*{_NAME}(?:[ \t]*\.[ \t]*{_NAME}){{{DEEPEST},}}")
+
+
+def bounded_text(path: Path, what: str, most: int = MOST_BYTES) -> str:
+    """The text of a file in UTF-8, its mark left out.
+
+    Args:
+        what: the kind of file that is expected, for messages ("a robot file (TOML)").
+        most: bytes.
+
+    Raises:
+        InputError: cannot be read, larger, or not UTF-8.
+    """
+    try:
+        with path.open("rb") as file:
+            data = file.read(most + 1)
+    except OSError as error:
+        raise InputError(
+            f"{path} cannot be read ({error.strerror or error}), expected {what}"
+        ) from error
+    if len(data) > most:
+        raise InputError(f"{path} has more than {most / 1e6:g} MB, expected {what}")
+    try:
+        return data.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        found = "UTF-16" if data.startswith(_WIDE) else f"no UTF-8 at byte {error.start}"
+        raise InputError(f"{path}: found {found}, expected {what} in UTF-8; save it so") from error
+
+
+def toml_tables(text: str, source: str) -> dict[str, Any]:
+    """The tables of a TOML text.
+
+    Args:
+        source: what to call it in messages.
+
+    Raises:
+        InputError: not TOML, nested without end, or numbers of thousands of digits.
+    """
+    for number, line in enumerate(text.splitlines(), 1):
+        if _DEEP_KEY.match(line):
+            raise InputError(
+                f"{source} is not a file of this kind: line {number} has a key of more than "
+                f"{DEEPEST} names"
+            )
+    try:
+        return tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        raise InputError(f"{source} is not TOML: {error}") from error
+    except RecursionError as error:
+        raise InputError(f"{source} is not a file of this kind: nested without end") from error
+    except ValueError as error:
+        raise InputError(f"{source} is not a file of this kind: {error}") from error
