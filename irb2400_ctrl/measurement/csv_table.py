@@ -1,5 +1,6 @@
-"""CSV in the dialects that loggers write: comma, semicolon or tab, decimal comma, byte order mark,
-comment lines before the header, gzip."""
+"""CSV in the dialects that loggers write: comma, semicolon, tab or blanks, decimal comma, byte
+order mark or a code page of Windows, comment lines before the header or the header itself as one, a
+line of units below it, gzip."""
 
 from __future__ import annotations
 
@@ -7,13 +8,14 @@ import gzip
 import io
 import re
 import zlib
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.measurement.signal_names import is_unit
 from irb2400_ctrl.measurement.table import Table
 
 COMMENTS = ("#", "%", "//")
@@ -24,7 +26,8 @@ MOST_TITLES = 20
 MOST_BYTES = 2_000_000_000
 """of the unpacked file"""
 _SEPARATOR = re.compile(r"[,;\t]")
-_DECIMAL_COMMA = re.compile(r"(^|[;\t])\s*-?\d+,\d+")
+_BINARY = re.compile(rb"[\x00-\x08\x0e-\x1a\x1c-\x1f]")
+_DECIMAL_COMMA = re.compile(r"(^|[;\t ])\s*-?\d+,\d+")
 
 
 @dataclass(frozen=True)
@@ -36,6 +39,11 @@ class Dialect:
     decimal: str
     skip: int
 
+    def cells(self, line: str) -> list[str]:
+        """Of one line, without quotes and blanks around them."""
+        parts = line.split() if self.separator == " " else line.split(self.separator)
+        return [part.strip().strip('"').strip() for part in parts]
+
 
 def read_csv_table(path: Path) -> Table:
     """Columns of a `.csv`, `.csv.gz`, `.txt` or `.tsv`.
@@ -43,12 +51,40 @@ def read_csv_table(path: Path) -> Table:
     Raises:
         InputError: not readable as text, no header, rows of another width.
     """
-    text = _text(path)
-    lines = text.splitlines()
+    lines = _text(path).splitlines()
     dialect = _dialect(path, lines)
-    header = [
-        name.strip().strip('"').strip() for name in lines[dialect.skip].split(dialect.separator)
-    ]
+    header = _header(path, lines, dialect)
+    body = lines[dialect.skip + 1 :]
+    first = dialect.skip + 2
+    below = next((k for k, line in enumerate(body) if line.strip(" ,;\t")), None)
+    if below is None:
+        raise InputError(f"{path}: a header but no samples")
+    row = dialect.cells(body[below])
+    if is_unit(row[0]) and not any(_is_number(cell, dialect) for cell in row):
+        units = [f" [{cell.strip('[]()')}]" if cell else "" for cell in row]
+        units += [""] * (len(header) - len(row))
+        header = [name + unit for name, unit in zip(header, units, strict=False)]
+        body = body[below + 1 :]
+        first += below + 1
+        row = []
+    if dialect.separator == " ":
+        body = [" ".join(line.split()) for line in body]
+    kept = sum(1 for line in body if line.strip())
+    fast = _fast("\n".join(body), header, dialect, kept)
+    columns = _slow(path, body, header, dialect, first) if fast is None else fast
+    words = {
+        name: cell
+        for name, cell in zip(header, row, strict=False)
+        if cell and not _is_number(cell, dialect)
+    }
+    return Table(path, columns, first, words)
+
+
+def _header(path: Path, lines: list[str], dialect: Dialect) -> list[str]:
+    line = lines[dialect.skip].strip()
+    for mark in COMMENTS:
+        line = line.removeprefix(mark)
+    header = dialect.cells(line)
     while header and not header[-1]:
         header.pop()  # a separator at the end of every line
     if len(header) < 2:
@@ -56,17 +92,17 @@ def read_csv_table(path: Path) -> Table:
             f"{path}: the first line is {lines[dialect.skip][:60]!r}, expected comma-separated "
             "names such as time_s,q1_deg"
         )
+    if _is_number(header[0], dialect) and _is_number(header[1], dialect):
+        raise InputError(
+            f"{path}, line {dialect.skip + 1}: found numbers ({line[:40]}…), expected a line of "
+            "names such as time_s,q1_deg above them: write it into the file"
+        )
     doubled = sorted({name for name in header if header.count(name) > 1 and name})
     if doubled:
         raise InputError(
             f"{path}: column {doubled[0]!r} appears {header.count(doubled[0])} times, expected once"
         )
-    body = lines[dialect.skip + 1 :]
-    if not any(line.strip(" ,;\t") for line in body):
-        raise InputError(f"{path}: a header but no samples")
-    fast = _fast(text, header, dialect, sum(1 for line in body if line.strip()))
-    columns = _slow(path, body, header, dialect) if fast is None else fast
-    return Table(path, columns, dialect.skip + 2)
+    return header
 
 
 def _text(path: Path) -> str:
@@ -83,10 +119,23 @@ def _text(path: Path) -> str:
             raise InputError(
                 f"{path}: more than {MOST_BYTES / 1e9:.0f} GB when unpacked, expected a log; cut it"
             )
-        wide = data[:2] in (b"\xff\xfe", b"\xfe\xff")
-        return data.decode("utf-16" if wide else "utf-8-sig")
+        if data[:2] in (b"\xff\xfe", b"\xfe\xff"):
+            return data.decode("utf-16")
+        if _BINARY.search(data[:100_000]):
+            raise InputError(
+                f"{path} is not a readable CSV or gzip file: it holds bytes that no text has"
+            )
+        return _decoded(data)
     except (OSError, EOFError, zlib.error, UnicodeDecodeError) as error:
         raise InputError(f"{path} is not a readable CSV or gzip file: {error}") from error
+
+
+def _decoded(data: bytes) -> str:
+    try:
+        return data.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        # German and French loggers write the degree sign in the code page of Windows
+        return data.decode("cp1252", errors="replace")
 
 
 def _dialect(path: Path, lines: list[str]) -> Dialect:
@@ -97,7 +146,7 @@ def _dialect(path: Path, lines: list[str]) -> Dialect:
         skip += 1
     # a title above the header has one cell; a file without any second cell is refused later
     title = skip
-    while title < min(len(lines), skip + MOST_TITLES) and not _SEPARATOR.search(lines[title]):
+    while title < min(len(lines), skip + MOST_TITLES) and _cells(lines[title]) < 2:
         title += 1
     if title < min(len(lines), skip + MOST_TITLES):
         skip = title
@@ -106,10 +155,29 @@ def _dialect(path: Path, lines: list[str]) -> Dialect:
     if max(map(len, lines)) > LONGEST_LINE:
         raise InputError(f"{path}: a line of {max(map(len, lines))} characters, expected a CSV")
     head = lines[skip]
-    separator = max((",", ";", "\t"), key=head.count)
+    separator = max((",", ";", "\t"), key=head.count) if _SEPARATOR.search(head) else " "
     first = next((line for line in lines[skip + 1 :] if line.strip()), "")
     comma = separator != "," and _DECIMAL_COMMA.search(first) is not None
-    return Dialect(separator, "," if comma else ".", skip)
+    dialect = Dialect(separator, "," if comma else ".", skip)
+    cells = dialect.cells(head)
+    if skip and _is_number(cells[0], dialect) and lines[skip - 1].lstrip().startswith(COMMENTS):
+        above = lines[skip - 1].lstrip().lstrip("#%/")
+        if len(dialect.cells(above)) == len(cells):
+            return replace(dialect, skip=skip - 1)
+    return dialect
+
+
+def _cells(line: str) -> int:
+    """How many cells of a line hold something."""
+    return sum(1 for cell in _SEPARATOR.split(line) if cell.strip())
+
+
+def _is_number(cell: str, dialect: Dialect) -> bool:
+    try:
+        float(cell.replace(dialect.decimal, "."))
+    except ValueError:
+        return False
+    return True
 
 
 def _fast(text: str, header: list[str], dialect: Dialect, rows: int) -> dict[str, Array] | None:
@@ -120,7 +188,7 @@ def _fast(text: str, header: list[str], dialect: Dialect, rows: int) -> dict[str
     try:
         table = csv.read_csv(
             io.BytesIO(text.encode()),
-            read_options=csv.ReadOptions(skip_rows=dialect.skip + 1, column_names=header),
+            read_options=csv.ReadOptions(column_names=header),
             parse_options=csv.ParseOptions(delimiter=dialect.separator),
             convert_options=csv.ConvertOptions(
                 column_types={name: pa.float64() for name in header},
@@ -135,10 +203,11 @@ def _fast(text: str, header: list[str], dialect: Dialect, rows: int) -> dict[str
     return {name: np.asarray(table[name].to_numpy()) for name in header}
 
 
-def _slow(path: Path, body: list[str], header: list[str], dialect: Dialect) -> dict[str, Array]:
+def _slow(
+    path: Path, body: list[str], header: list[str], dialect: Dialect, first: int
+) -> dict[str, Array]:
     """Cell by cell, to say where a line is not like the others; a word is NaN."""
     width = len(header)
-    first = dialect.skip + 2
     kept = [(k, line) for k, line in enumerate(body) if line.strip(" ,;\t\r")]
     table = np.empty((len(kept), width))
     for row, (k, line) in enumerate(kept):
