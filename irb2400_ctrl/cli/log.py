@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from irb2400_ctrl.cli.logs_in import WHAT
 from irb2400_ctrl.cli.options import ColumnsOption, RobotOption, input_file, load_arm
 from irb2400_ctrl.cli.progress import step
 from irb2400_ctrl.cli.summary import Summary, answers
 
 if TYPE_CHECKING:
+    from irb2400_ctrl.errors import InputError
     from irb2400_ctrl.plausibility import LogCheck
+    from irb2400_ctrl.robot import Robot
 
 app = typer.Typer(help="Look at a log before anything is made of it.", no_args_is_help=True)
 
@@ -25,29 +28,45 @@ def log() -> None:
 @app.command()
 @answers
 def check(
-    log: Annotated[Path, typer.Argument(metavar="LOG", help="Measured log.")],
+    logs: Annotated[list[Path], typer.Argument(metavar="LOG...", help="Measured logs.")],
     robot: RobotOption = "irb2400",
     columns: ColumnsOption = None,
     no_robot: Annotated[
         bool, typer.Option("--no-robot", help="Only what the columns show of themselves.")
     ] = False,
 ) -> Summary:
-    """Say what a log holds and whether it can be this robot's; exit 2 with the reason when it
+    """Say what logs hold and whether they can be this robot's; exit 2 with the reason when one
     cannot."""
-    input_file(log, "a log")
+    for path in logs:
+        input_file(path, WHAT)
+    arm = None if no_robot else load_arm(robot)
+    found = [_checked(path, arm, columns) for path in logs]
+    reasons = [stop for _, stop in found if stop is not None]
+    if len(found) == 1:
+        return Summary(found[0][0], stop=found[0][1])
+    print(f"{len(logs)} logs, {len(logs) - len(reasons)} sound")
+    return Summary({"logs": [answer for answer, _ in found]}, stop=reasons[0] if reasons else None)
 
+
+def _checked(
+    path: Path, arm: Robot | None, columns: Path | None
+) -> tuple[dict[str, Any], InputError | None]:
+    """What is said of one log, and why it cannot be used."""
     from irb2400_ctrl.errors import InputError
     from irb2400_ctrl.measurement import read_log
     from irb2400_ctrl.plausibility import check_log
 
-    arm = None if no_robot else load_arm(robot)
-    with step(f"reading {log.name}"):
-        names = None if arm is None else arm.joint_names
-        found = check_log(arm, read_log(log, columns=columns, names=names))
+    try:
+        with step(f"reading {path.name}"):
+            names = None if arm is None else arm.joint_names
+            found = check_log(arm, read_log(path, columns=columns, names=names))
+    except InputError as error:
+        return {"name": str(path), "sound": False, "error": str(error)}, error
     print("\n".join(lines(found)))
-    problem = found.problem
-    stop = None if problem is None else InputError(f"{log}: {problem.says}")
-    return Summary(found.to_json(), stop=stop)
+    stop = None
+    if found.problem is not None:
+        stop = InputError(f"{path}: {found.problem.says}")
+    return found.to_json(), stop
 
 
 def lines(check: LogCheck) -> list[str]:

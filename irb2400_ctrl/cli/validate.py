@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
+from irb2400_ctrl.cli.logs_in import WHAT
 from irb2400_ctrl.cli.options import ColumnsOption, OutOption, input_file, output_folder
 from irb2400_ctrl.cli.progress import step
 from irb2400_ctrl.cli.summary import Summary, answers
@@ -14,31 +16,40 @@ from irb2400_ctrl.cli.summary import Summary, answers
 RobotArgument = Annotated[
     str, typer.Argument(metavar="ROBOT", help="A robot file (TOML) or a name.")
 ]
-LogArgument = Annotated[Path, typer.Argument(metavar="LOG", help="Measured log (.csv, .csv.gz).")]
+LogsArgument = Annotated[
+    list[Path], typer.Argument(metavar="LOG...", help="Measured logs of one arm.")
+]
 
 
 @answers
 def validate(
     robot: RobotArgument,
-    log: LogArgument,
+    logs: LogsArgument,
     out: OutOption,
     columns: ColumnsOption = None,
 ) -> Summary:
     """Compare modelled and measured torque (Tab. 6, eqs. 75-77; figures 10-12) ->
     validation.json, report.html."""
-    input_file(log, "a log (.csv or .csv.gz)")
+    for path in logs:
+        input_file(path, WHAT)
     output_folder(out)
 
     from irb2400_ctrl.identification import validate as run
     from irb2400_ctrl.measurement import read_log
+    from irb2400_ctrl.plausibility import log_problem
     from irb2400_ctrl.report.validation_report import lines, validation_page
     from irb2400_ctrl.robot import load_robot
 
     arm = load_robot(robot)
     with step("comparing model and log"):
-        result = run(arm, read_log(log, columns=columns, names=arm.joint_names))
+        seen = [read_log(path, columns=columns, names=arm.joint_names) for path in logs]
+        result = run(arm, *seen)
         result.write(out)
         validation_page(result).write(out / "report.html")
+    for log in seen:
+        problem = log_problem(arm, log)
+        if problem is not None:
+            print(f"warning: {log.name} is not understood: {problem.says}", file=sys.stderr)
     print("\n".join(lines(result)))
     print(f"written: {out / 'validation.json'}, {out / 'report.html'}")
     return Summary(result.to_json())

@@ -13,7 +13,7 @@ from irb2400_ctrl.diagnosis.regressors.predict import predicted_torque
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.files import write_atomic
 from irb2400_ctrl.measurement import Log
-from irb2400_ctrl.measurement.prepared_log import prepare
+from irb2400_ctrl.measurement.joined_log import prepare_together
 from irb2400_ctrl.robot import Robot
 
 
@@ -52,17 +52,19 @@ class Validation:
         write_atomic(Path(folder) / "validation.json", json.dumps(self.to_json(), indent=2) + "\n")
 
 
-def validate(robot: Robot, log: Log) -> Validation:
-    """What a robot file says along a log, against what was measured.
+def validate(robot: Robot, *logs: Log) -> Validation:
+    """What a robot file says along one log or several, against what was measured.
 
     Raises:
-        InputError: another number of joints.
+        InputError: no log, another number of joints.
     """
-    if log.n != robot.n:
-        raise InputError(
-            f"{log.name}: found {log.n} joints, expected the {robot.n} of {robot.name}; give the "
-            "robot of this log"
-        )
-    motion = prepare(log)
+    for log in logs:
+        if log.n != robot.n:
+            raise InputError(
+                f"{log.name}: found {log.n} joints, expected the {robot.n} of {robot.name}; give "
+                "the robot of this log"
+            )
+    motion = prepare_together(logs)
     modelled = predicted_torque(robot, motion)
-    return Validation(robot.name, log.name, motion.time, motion.tau, modelled, motion.known)
+    name = ", ".join(log.name for log in logs)
+    return Validation(robot.name, name, motion.time, motion.tau, modelled, motion.known)

@@ -11,12 +11,24 @@ joint = 2
 unit = "A"
 Nm_per_A = 0.62
 gear_ratio = -101.0
+
+One entry may stand for the columns of all joints: `{j}` in its name counts them from 1, `{j0}` from
+0, and what differs among them is a list.
+
+[[columns]]
+file = "actual_current_{j0}"
+quantity = "tau"
+unit = "A"
+Nm_per_A = [0.11, 0.11, 0.09, 0.09, 0.09, 0.09]
+gear_ratio = 101.0
 """
 
 from __future__ import annotations
 
+from collections.abc import Collection
+from itertools import count
 from pathlib import Path
-from typing import Literal, Self
+from typing import Annotated, Literal, Self
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
@@ -45,11 +57,17 @@ class TimeColumn(_Strict):
     unit: Literal["s", "ms", "us", "ns"] = "s"
 
 
+Number = Annotated[float, Field(allow_inf_nan=False)]
+Numbers = Number | tuple[Number, ...]
+PER_JOINT = ("gear_ratio", "Nm_per_A", "full_scale_Nm", "factor", "sign")
+
+
 class Column(_Strict):
     """One column of the file.
 
     Args:
-        file: its name there; quantity: q, qd, tau or q_ref; joint: from 1.
+        file: its name there; quantity: q, qd, tau or q_ref; joint: from 1, left out where the name
+            holds `{j}` or `{j0}`.
         unit: of `UNITS`.
         gear_ratio: of a column on the motor's side (motor turns per joint turn, signed).
         Nm_per_A: of a current at the motor; full_scale_Nm: of a torque in per cent.
@@ -58,13 +76,13 @@ class Column(_Strict):
 
     file: str
     quantity: Literal["q", "qd", "tau", "q_ref"]
-    joint: int = Field(ge=1)
+    joint: int = Field(default=0, ge=1)
     unit: str
-    gear_ratio: float = Field(default=1.0, allow_inf_nan=False)
-    Nm_per_A: float | None = Field(default=None, allow_inf_nan=False)
-    full_scale_Nm: float | None = Field(default=None, allow_inf_nan=False)
-    factor: float = Field(default=1.0, allow_inf_nan=False)
-    sign: Literal[1, -1] = 1
+    gear_ratio: Numbers = 1.0
+    Nm_per_A: Numbers | None = None
+    full_scale_Nm: Numbers | None = None
+    factor: Numbers = 1.0
+    sign: Literal[1, -1] | tuple[Literal[1, -1], ...] = 1
 
     @model_validator(mode="after")
     def _complete(self) -> Self:
@@ -75,16 +93,60 @@ class Column(_Strict):
             raise ValueError("a current needs Nm_per_A, the torque constant of the motor")
         if self.unit == "percent" and self.full_scale_Nm is None:
             raise ValueError("a torque in per cent needs full_scale_Nm")
-        if self.gear_ratio == 0.0 or self.factor == 0.0:
+        if 0.0 in _each(self.gear_ratio) + _each(self.factor):
             raise ValueError("gear_ratio and factor must not be zero")
+        if self.joint and self.every_joint:
+            raise ValueError(f"joint = {self.joint} and {{j}} in file: expected one of them")
+        if not self.joint and not self.every_joint:
+            raise ValueError("which joint? expected joint = 1…, or {j} or {j0} in file")
+        if self.joint and any(isinstance(getattr(self, name), tuple) for name in PER_JOINT):
+            raise ValueError("a list of numbers needs {j} or {j0} in file")
         return self
+
+    @property
+    def every_joint(self) -> bool:
+        """Whether the entry stands for the columns of all joints."""
+        return "{j}" in self.file or "{j0}" in self.file
+
+    def name_of(self, joint: int) -> str:
+        """The column of a joint."""
+        return self.file.replace("{j}", str(joint)).replace("{j0}", str(joint - 1))
+
+    def of_joint(self, joint: int) -> Self:
+        """The entry of one joint.
+
+        Raises:
+            InputError: a list that is too short.
+        """
+        change: dict[str, object] = {"file": self.name_of(joint), "joint": joint}
+        for name in PER_JOINT:
+            values = getattr(self, name)
+            if isinstance(values, tuple):
+                if len(values) < joint:
+                    raise InputError(
+                        f"column map: {name} of {self.file!r} holds {len(values)} numbers, the log "
+                        f"has a column {self.name_of(joint)!r}"
+                    )
+                change[name] = values[joint - 1]
+        return self.model_copy(update=change)
 
     @property
     def scale(self) -> float:
         """SI at the joint per number in the file."""
-        gear = self.gear_ratio if self.quantity == "tau" else 1.0 / self.gear_ratio
-        constant = {"A": self.Nm_per_A, "percent": self.full_scale_Nm}.get(self.unit) or 1.0
-        return self.sign * self.factor * UNITS[self.quantity][self.unit] * constant * gear
+        ratio = _one(self.gear_ratio)
+        gear = ratio if self.quantity == "tau" else 1.0 / ratio
+        constant = {"A": self.Nm_per_A, "percent": self.full_scale_Nm}.get(self.unit)
+        unit = UNITS[self.quantity][self.unit] * (1.0 if constant is None else _one(constant))
+        return _one(self.sign) * _one(self.factor) * unit * gear
+
+
+def _each(values: Numbers) -> tuple[float, ...]:
+    return values if isinstance(values, tuple) else (values,)
+
+
+def _one(value: Numbers) -> float:
+    (number,) = _each(value)
+    return number
 
 
 class ColumnMap(_Strict):
@@ -92,6 +154,19 @@ class ColumnMap(_Strict):
 
     time: TimeColumn | None = None
     columns: tuple[Column, ...] = Field(min_length=1)
+
+    def of(self, names: Collection[str]) -> list[Column]:
+        """The entries of a file with these columns, one for each column."""
+        found = []
+        for column in self.columns:
+            joints = range(1, 2)
+            if column.every_joint:
+                joints = range(
+                    1, 1 + next(j for j in count() if column.name_of(j + 1) not in names)
+                )
+                joints = joints or range(1, 2)
+            found += [column.of_joint(j) if column.every_joint else column for j in joints]
+        return found
 
     @model_validator(mode="after")
     def _once(self) -> Self:

@@ -1,18 +1,20 @@
-"""CSV in the dialects that loggers write: comma, semicolon or tab, decimal comma, byte order mark,
-comment lines before the header, gzip."""
+"""CSV in the dialects that loggers write: comma, semicolon, tab or blanks, decimal comma, byte
+order mark or a code page of Windows, comment lines before the header or the header itself as one, a
+line of units below it, gzip."""
 
 from __future__ import annotations
 
 import re
 from array import array
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.measurement.signal_names import is_unit
 from irb2400_ctrl.measurement.table import Table
 from irb2400_ctrl.reading import text_blocks
 
@@ -24,8 +26,9 @@ SLOW_ROWS = 10_000
 """between two reports of progress where cells are read one by one"""
 MOST_TITLES = 20
 """lines of one cell that may stand above the header"""
+_EMPTY = " ,;\t"
 _SEPARATOR = re.compile(r"[,;\t]")
-_DECIMAL_COMMA = re.compile(r"(^|[;\t])\s*-?\d+,\d+")
+_DECIMAL_COMMA = re.compile(r"(^|[;\t ])\s*-?\d+,\d+")
 
 
 @dataclass(frozen=True)
@@ -36,6 +39,33 @@ class Dialect:
     separator: str
     decimal: str
     skip: int
+
+    def cells(self, line: str) -> list[str]:
+        """Of one line, without quotes and blanks around them."""
+        parts = line.split() if self.separator == " " else line.split(self.separator)
+        return [part.strip().strip('"').strip() for part in parts]
+
+
+@dataclass(frozen=True)
+class Body:
+    """The samples of a file: what stands from line `start` on, lines counted from 0."""
+
+    path: Path
+    dialect: Dialect
+    start: int
+
+    def blocks(self) -> Iterator[bytes]:
+        """Whole lines in each, one blank between cells where blanks separate them."""
+        blocks = text_blocks(self.path)
+        first = next(blocks)
+        yield self._lines(b"\n".join(first.split(b"\n", self.start)[self.start :]))
+        for block in blocks:
+            yield self._lines(block)
+
+    def _lines(self, block: bytes) -> bytes:
+        if self.dialect.separator != " ":
+            return block
+        return b"\n".join(b" ".join(line.split()) for line in block.split(b"\n"))
 
 
 def read_csv_table(path: Path, progress: Callable[[int], None] = lambda rows: None) -> Table:
@@ -53,27 +83,57 @@ def read_csv_table(path: Path, progress: Callable[[int], None] = lambda rows: No
         )
     head = next(text_blocks(path), b"").decode().split("\n")
     dialect = _dialect(path, head)
-    header = [
-        name.strip().strip('"').strip() for name in head[dialect.skip].split(dialect.separator)
-    ]
+    header = _header(path, head, dialect)
+    start = dialect.skip + 1
+    row = _first_row(path, head, dialect, start)
+    if is_unit(row[0]) and not any(_is_number(cell, dialect) for cell in row):
+        units = [f" [{cell.strip('[]()')}]" if cell else "" for cell in row]
+        units += [""] * (len(header) - len(row))
+        header = [name + unit for name, unit in zip(header, units, strict=False)]
+        start += 1 + next(k for k, line in enumerate(head[start:]) if line.strip(_EMPTY))
+        row = _first_row(path, head, dialect, start)
+    body = Body(path, dialect, start)
+    columns = _fast(body, header, progress)
+    if columns is None:
+        columns = _slow(body, header, progress)
+    words = {
+        name: cell
+        for name, cell in zip(header, row, strict=False)
+        if cell and not _is_number(cell, dialect)
+    }
+    return Table(path, columns, start + 1, words)
+
+
+def _first_row(path: Path, lines: list[str], dialect: Dialect, start: int) -> list[str]:
+    line = next((line for line in lines[start:] if line.strip(_EMPTY)), None)
+    if line is None:
+        raise InputError(f"{path}: a header but no samples")
+    return dialect.cells(line)
+
+
+def _header(path: Path, lines: list[str], dialect: Dialect) -> list[str]:
+    line = lines[dialect.skip].strip()
+    for mark in COMMENTS:
+        line = line.removeprefix(mark)
+    header = dialect.cells(line)
     while header and not header[-1]:
         header.pop()  # a separator at the end of every line
     if len(header) < 2:
         raise InputError(
-            f"{path}: the first line is {head[dialect.skip][:60]!r}, expected comma-separated "
+            f"{path}: the first line is {lines[dialect.skip][:60]!r}, expected comma-separated "
             "names such as time_s,q1_deg"
+        )
+    if _is_number(header[0], dialect) and _is_number(header[1], dialect):
+        raise InputError(
+            f"{path}, line {dialect.skip + 1}: found numbers ({line[:40]}…), expected a line of "
+            "names such as time_s,q1_deg above them: write it into the file"
         )
     doubled = sorted({name for name in header if header.count(name) > 1 and name})
     if doubled:
         raise InputError(
             f"{path}: column {doubled[0]!r} appears {header.count(doubled[0])} times, expected once"
         )
-    columns = _fast(path, header, dialect, progress)
-    if columns is None:
-        columns = _slow(path, header, dialect, progress)
-    if not len(columns[header[0]]):
-        raise InputError(f"{path}: a header but no samples")
-    return Table(path, columns, dialect.skip + 2)
+    return header
 
 
 def _within(path: Path, rows: int, columns: int) -> None:
@@ -93,21 +153,40 @@ def _dialect(path: Path, lines: list[str]) -> Dialect:
         skip += 1
     # a title above the header has one cell; a file without any second cell is refused later
     title = skip
-    while title < min(len(lines), skip + MOST_TITLES) and not _SEPARATOR.search(lines[title]):
+    while title < min(len(lines), skip + MOST_TITLES) and _cells(lines[title]) < 2:
         title += 1
     if title < min(len(lines), skip + MOST_TITLES):
         skip = title
     if skip == len(lines):
         raise InputError(f"{path}: found no header, expected names such as time_s,q1_deg")
     head = lines[skip]
-    separator = max((",", ";", "\t"), key=head.count)
+    separator = max((",", ";", "\t"), key=head.count) if _SEPARATOR.search(head) else " "
     first = next((line for line in lines[skip + 1 :] if line.strip()), "")
     comma = separator != "," and _DECIMAL_COMMA.search(first) is not None
-    return Dialect(separator, "," if comma else ".", skip)
+    dialect = Dialect(separator, "," if comma else ".", skip)
+    cells = dialect.cells(head)
+    if skip and _is_number(cells[0], dialect) and lines[skip - 1].lstrip().startswith(COMMENTS):
+        above = lines[skip - 1].lstrip().lstrip("#%/")
+        if len(dialect.cells(above)) == len(cells):
+            return replace(dialect, skip=skip - 1)
+    return dialect
+
+
+def _cells(line: str) -> int:
+    """How many cells of a line hold something."""
+    return sum(1 for cell in _SEPARATOR.split(line) if cell.strip())
+
+
+def _is_number(cell: str, dialect: Dialect) -> bool:
+    try:
+        float(cell.replace(dialect.decimal, "."))
+    except ValueError:
+        return False
+    return True
 
 
 def _fast(
-    path: Path, header: list[str], dialect: Dialect, progress: Callable[[int], None]
+    body: Body, header: list[str], progress: Callable[[int], None]
 ) -> dict[str, Array] | None:
     """All columns by pyarrow; None where some cell needs a closer look."""
     import pyarrow as pa
@@ -118,21 +197,21 @@ def _fast(
     options = {
         "read_options": csv.ReadOptions(column_names=header, use_threads=False),
         # a quote may hide the end of a row
-        "parse_options": csv.ParseOptions(delimiter=dialect.separator, quote_char=False),
+        "parse_options": csv.ParseOptions(delimiter=body.dialect.separator, quote_char=False),
         "convert_options": csv.ConvertOptions(
             column_types={name: pa.float64() for name in header},
-            decimal_point=dialect.decimal,
+            decimal_point=body.dialect.decimal,
             null_values=[],
         ),
     }
-    for block in _body(path, dialect):
+    for block in body.blocks():
         try:
             table = csv.read_csv(pa.py_buffer(block), **options)
         except (pa.ArrowInvalid, pa.ArrowKeyError):
             return None
         before = rows
         rows += len(table)
-        _within(path, rows, len(header))
+        _within(body.path, rows, len(header))
         for column, numbers in zip(columns, table.columns, strict=True):
             if len(column) < rows:
                 # in place: a long log stands in memory once
@@ -144,40 +223,30 @@ def _fast(
     return dict(zip(header, columns, strict=True))
 
 
-def _body(path: Path, dialect: Dialect) -> Iterator[bytes]:
-    """The blocks of a file from the line after the header."""
-    blocks = text_blocks(path)
-    first = next(blocks)
-    yield b"\n".join(first.split(b"\n", dialect.skip + 1)[dialect.skip + 1 :])
-    yield from blocks
-
-
-def _slow(
-    path: Path, header: list[str], dialect: Dialect, progress: Callable[[int], None]
-) -> dict[str, Array]:
+def _slow(body: Body, header: list[str], progress: Callable[[int], None]) -> dict[str, Array]:
     """Cell by cell, to say where a line is not like the others; a word is NaN."""
     width = len(header)
     columns = [array("d") for _ in header]
-    lines = (line for block in _body(path, dialect) for line in block.decode().split("\n")[:-1])
-    for number, line in enumerate(lines, dialect.skip + 2):
-        if not line.strip(" ,;\t"):
+    lines = (line for block in body.blocks() for line in block.decode().split("\n")[:-1])
+    for number, line in enumerate(lines, body.start + 1):
+        if not line.strip(_EMPTY):
             continue
-        cells = line.split(dialect.separator)
+        cells = line.split(body.dialect.separator)
         while len(cells) > width and not cells[-1].strip():
             cells.pop()
         if len(cells) != width:
-            commas = len(cells) == 2 * width and dialect.separator == ","
+            commas = len(cells) == 2 * width and body.dialect.separator == ","
             hint = "; with decimal commas the cells need semicolons between them" * commas
             raise InputError(
-                f"{path}, line {number}: found {len(cells)} cells, expected {width} as in the "
-                f"header{hint}"
+                f"{body.path}, line {number}: found {len(cells)} cells, expected {width} as in "
+                f"the header{hint}"
             )
         for column, cell in zip(columns, cells, strict=True):
-            column.append(_number(cell, dialect.decimal))
+            column.append(_number(cell, body.dialect.decimal))
         if number % SLOW_ROWS == 0:
-            _within(path, len(columns[0]), width)
+            _within(body.path, len(columns[0]), width)
             progress(len(columns[0]))
-    _within(path, len(columns[0]), width)
+    _within(body.path, len(columns[0]), width)
     return {name: np.array(values) for name, values in zip(header, columns, strict=True)}
 
 

@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
+from pathlib import Path
+
+from irb2400_ctrl.errors import InputError
 
 
 def joint_order(recorded: Sequence[str], robot: Sequence[str]) -> list[int] | None:
@@ -34,6 +37,29 @@ def numbered_order(recorded: Sequence[str]) -> list[int] | None:
     if sorted(numbers) != list(range(1, len(numbers) + 1)):
         return None
     return [numbers.index(k + 1) for k in range(len(numbers))]
+
+
+def places(
+    path: Path, names: tuple[str, ...], joints: Sequence[str] | None, *, ordered: bool
+) -> list[int]:
+    """Places of joints 1, 2, … among recorded names: by the robot's, else by number, else as they
+    stand.
+
+    Raises:
+        InputError: `ordered`, and the names are neither the robot's nor numbered.
+    """
+    known = None if joints is None else joint_order(names, joints)
+    if known is None and (joints is None or len(joints) == len(names)):
+        known = numbered_order(names)
+    if known is not None:
+        return known
+    if joints is not None and ordered:
+        raise InputError(
+            f"{path}: found joints {', '.join(names)}, expected the robot's joints "
+            f"{', '.join(joints)}: give the joints of the robot file these names, or say in a "
+            f"column map which is which (file = '{names[0]}.position', joint = 1)"
+        )
+    return list(range(len(names)))
 
 
 def _plain(name: str) -> str:

@@ -20,6 +20,7 @@ from irb2400_ctrl.measurement.binary_table import read_mat_table, read_parquet_t
 from irb2400_ctrl.measurement.column_map import TIME, ColumnMap, load_column_map
 from irb2400_ctrl.measurement.csv_table import read_csv_table
 from irb2400_ctrl.measurement.log import Log
+from irb2400_ctrl.measurement.recorder_names import recorder_columns
 from irb2400_ctrl.measurement.ros_table import read_ros_table
 from irb2400_ctrl.measurement.signal_names import joint_signal, time_scale, without_unit
 from irb2400_ctrl.measurement.table import Table
@@ -72,7 +73,7 @@ def read_log(
     else:
         table = READERS.get(path.suffix.lower(), read_csv_table)(path)
     if columns is None:
-        time, found, scales = _by_name(table)
+        time, found, scales = _by_name(table, names)
     else:
         given = columns if isinstance(columns, ColumnMap) else load_column_map(columns)
         time, found, scales = _by_map(table, given)
@@ -88,11 +89,17 @@ def read_log(
     return Log(stamps, signals.pop("q"), signals.pop("tau"), extra=extra, name=str(path), **signals)
 
 
-def _by_name(table: Table) -> tuple[tuple[str, float], Found, dict[str, float]]:
+def _by_name(
+    table: Table, names: Sequence[str] | None
+) -> tuple[tuple[str, float], Found, dict[str, float]]:
     """Time, signals and scales as the names say."""
     found: Found = {signal: {} for signal in _SCALES}
     scales: dict[str, float] = {}
     times = [name for name in table.columns if name in {"time_s", "time_ms"}]
+    recorded = recorder_columns(table, names)
+    if recorded is not None:
+        found |= recorded[1]
+        return recorded[0], found, {c: 1.0 for of in found.values() for c in of.values()}
     for name in table.columns:
         match = _COLUMN.fullmatch(name)
         signal = "" if match is None else match["signal"] + (match["ref"] or "")
@@ -109,9 +116,9 @@ def _by_name(table: Table) -> tuple[tuple[str, float], Found, dict[str, float]]:
     if len(times) > 1:
         _contradict(table, *times)
     if not times and not any(found.values()):
-        recorded = _by_brackets(table)
-        if recorded is not None:
-            return recorded
+        in_brackets = _by_brackets(table)
+        if in_brackets is not None:
+            return in_brackets
     if not times:
         raise InputError(
             f"{table.path}: no column time_s, time_ms or 'Time [s]'; found {table.some}: rename "
@@ -143,7 +150,9 @@ def _by_map(table: Table, given: ColumnMap) -> tuple[tuple[str, float], Found, d
     """Time, signals and scales as a column map says."""
     found: Found = {signal: {} for signal in _SCALES}
     scales = {}
-    for column in given.columns:
+    for column in given.of(table.columns):
+        if column.joint in found[column.quantity]:
+            _contradict(table, found[column.quantity][column.joint], column.file)
         found[column.quantity][column.joint] = column.file
         scales[column.file] = column.scale
     time = ("time_s", 1.0) if given.time is None else (given.time.column, TIME[given.time.unit])
@@ -194,6 +203,11 @@ def _expect_all(table: Table, signal: str, names: dict[int, str], n: int) -> Non
         hint = "".join(
             f"; {name!r} has no unit, expected '{name} [deg]' or a column map" for name in bare[:1]
         )
+        if signal == "tau" and any("current" in name.lower() for name in table.columns):
+            hint += (
+                "; currents become torques through a column map with Nm_per_A and gear_ratio "
+                "(--columns, docs/logs.md)"
+            )
         raise InputError(f"{table.path}: no column {wanted}; found {table.some}{hint}")
     if max(names) > n:
         raise InputError(

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from irb2400_ctrl.errors import InputError, ToolMissingError
-from irb2400_ctrl.measurement.joint_order import joint_order, numbered_order
+from irb2400_ctrl.measurement.joint_order import joint_order, places
 from irb2400_ctrl.measurement.table import Table, one_length
 
 JOINT_STATE = "sensor_msgs/msg/JointState"
@@ -58,7 +58,7 @@ def read_ros_table(
             f"{path}: joint states of {', '.join(names)} and of {', '.join(others.pop())}; "
             "expected one publisher: filter the bag (ros2 bag convert)"
         )
-    order = _order(path, names, joints, ordered)
+    order = places(path, names, joints, ordered=ordered)
     columns = {"time_s": np.array([m[0] for m in messages]) - messages[0][0]}
     for place, (column, word) in enumerate(FIELDS):
         if all(len(m[2][place]) == len(names) for m in messages):
@@ -66,24 +66,6 @@ def read_ros_table(
             columns |= {column.format(j + 1): values[:, k] for j, k in enumerate(order)}
             columns |= {f"{name}.{word}": values[:, k] for k, name in enumerate(names)}
     return one_length(path, columns)
-
-
-def _order(
-    path: Path, names: tuple[str, ...], joints: Sequence[str] | None, ordered: bool
-) -> list[int]:
-    """Places of joints 1, 2, … among the names of the messages."""
-    known = None if joints is None else joint_order(names, joints)
-    if known is None and (joints is None or len(joints) == len(names)):
-        known = numbered_order(names)
-    if known is not None:
-        return known
-    if joints is not None and ordered:
-        raise InputError(
-            f"{path}: found joint states of {', '.join(names)}, expected the robot's joints "
-            f"{', '.join(joints)}: give the joints of the robot file these names, or say in a "
-            f"column map which is which (file = '{names[0]}.position', joint = 1)"
-        )
-    return list(range(len(names)))
 
 
 def joint_state(data: bytes) -> Message:

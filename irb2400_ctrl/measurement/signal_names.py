@@ -56,6 +56,12 @@ def without_unit(name: str) -> bool:
     return _NAME.fullmatch(lower) is None and _JOINT.search(lower) is not None
 
 
+def is_unit(cell: str) -> bool:
+    """Whether a cell is one of the units known here, in brackets or not."""
+    bare = cell.strip("[]() ").lower()
+    return bare in TIMES or _unit(bare) in UNITS
+
+
 def _unit(text: str) -> str:
     found = re.sub(r"[\s·*]", "", text)
     for spelled, short in _SPELLED.items():

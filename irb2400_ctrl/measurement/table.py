@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from irb2400_ctrl.arrays import Array
@@ -15,11 +16,13 @@ class Table:
 
     Args:
         first_line: number of the line in the file that holds the first sample, where it has lines.
+        words: first cells of the columns that hold words.
     """
 
     path: Path
     columns: dict[str, Array]
     first_line: int | None = None
+    words: Mapping[str, str] = field(default_factory=dict)
 
     def place(self, row: int) -> str:
         """Where a sample stands in the file."""

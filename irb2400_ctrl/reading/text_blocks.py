@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import codecs
 import gzip
+import re
 import zlib
 from collections.abc import Iterator
 from pathlib import Path
@@ -16,15 +17,17 @@ MOST_BYTES = 4_000_000_000
 """of the unpacked text"""
 LONGEST_LINE = 100_000
 """bytes; a line that is longer is not one of a log"""
+_BINARY = re.compile(rb"[\x00-\x08\x0e-\x1a\x1c-\x1f]")
 
 
 def text_blocks(path: Path) -> Iterator[bytes]:
-    """The file as UTF-8 without its mark, "\\n" at the ends of lines; whole lines in every block.
+    """The file, in UTF-8, UTF-16 or Windows' code page 1252, as UTF-8 without its mark; "\\n" at the
+    ends of lines, whole lines in every block.
 
     Never holds more than a few blocks, so that a packed file cannot fill the memory.
 
     Raises:
-        InputError: not readable, neither UTF-8 nor UTF-16, a torn packing, a line or a text that no
+        InputError: not readable, bytes that no text has, a torn packing, a line or a text that no
             log has.
     """
     total = 0
@@ -55,17 +58,35 @@ def _decoded(path: Path) -> Iterator[bytes]:
             packed = raw.peek(2)[:2] == b"\x1f\x8b"
             with gzip.GzipFile(fileobj=raw) if packed else raw as file:
                 piece = file.read(BLOCK)
-                wide = piece[:2] in (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)
-                decoder = codecs.getincrementaldecoder("utf-16" if wide else "utf-8-sig")()
+                decoder = _decoder(path, piece)
                 held = ""
                 while piece:
-                    text = held + decoder.decode(piece)
+                    pending, _ = decoder.getstate()
+                    try:
+                        text = held + decoder.decode(piece)
+                    except UnicodeDecodeError as error:
+                        if error.encoding.startswith("utf-16"):
+                            raise
+                        # German and French loggers write the degree sign in Windows' code page
+                        decoder = codecs.getincrementaldecoder("cp1252")("replace")
+                        text = held + decoder.decode(pending + piece)
                     # the last "\r" may be the first half of "\r\n"
                     held = "\r" if text.endswith("\r") else ""
                     text = text.removesuffix("\r")
                     yield text.replace("\r\n", "\n").replace("\r", "\n").encode()
                     piece = file.read(BLOCK)
-                decoder.decode(b"", final=True)
+                pending, _ = decoder.getstate()
+                if pending:
+                    yield pending.decode("cp1252", "replace").encode()
     except (OSError, EOFError, zlib.error, UnicodeDecodeError) as error:
-        why = "not UTF-8" if isinstance(error, UnicodeDecodeError) else str(error)
-        raise InputError(f"{path} is not a readable CSV or gzip file: {why}") from error
+        raise InputError(f"{path} is not a readable CSV or gzip file: {error}") from error
+
+
+def _decoder(path: Path, begin: bytes) -> codecs.IncrementalDecoder:
+    if begin[:2] in (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE):
+        return codecs.getincrementaldecoder("utf-16")()
+    if _BINARY.search(begin[:100_000]):
+        raise InputError(
+            f"{path} is not a readable CSV or gzip file: it holds bytes that no text has"
+        )
+    return codecs.getincrementaldecoder("utf-8-sig")()

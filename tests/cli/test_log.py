@@ -107,3 +107,23 @@ def test_the_verdict_is_told_on_a_terminal() -> None:
     found = diagnose(load_robot("irb2400"), replace(log, tau=0.0 * log.tau))
     assert found.verdict == "log_not_understood"
     assert "All torques are zero" in lines(found)[1]
+
+
+def test_several_logs_are_checked_each_and_validated_together(tmp_path: Path) -> None:
+    log = part(10.0)
+    good = write_log(log, tmp_path / "good.csv")
+    wrong = write_log(replace(log, tau=log.tau / 100.0), tmp_path / "wrong.csv")
+    torn = tmp_path / "torn.csv"
+    torn.write_text("time_s,q1_deg\n")
+    done = run("log", "check", good, wrong, torn, "--json")
+    assert done.returncode == 2
+    assert "torque looks like motor side" in done.stderr
+    found = json.loads(done.stdout)["logs"]
+    assert [one["sound"] for one in found] == [True, False, False]
+    assert "a header but no samples" in found[2]["error"]
+    done = run("validate", "irb2400", good, wrong, "--out", tmp_path / "out", "--json")
+    assert done.returncode == 0, done.stderr
+    assert f"warning: {wrong} is not understood: torque looks like motor side" in done.stderr
+    both = json.loads(done.stdout)
+    alone = json.loads(run("validate", "irb2400", good, "--out", tmp_path / "one", "--json").stdout)
+    assert both["samples"][0] > 1.8 * alone["samples"][0]
