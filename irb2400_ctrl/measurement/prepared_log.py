@@ -41,8 +41,10 @@ STICKING_TIME = 0.12
 SLIPPING_SPEED = 0.1
 """[rad/s] below this a joint may stick and slip in turns"""
 SLIPPING = 7.0
-"""scatter of the torque from sample to sample, over that of the calm quarter of the log, above
-which it does"""
+"""scatter of the torque from sample to sample, over that of the calm part of the log, above which
+it does"""
+CALM = 0.1
+"""share of a log that is taken as calm: a slow joint may slip nearly all the time"""
 SLIPPING_TIME = 0.5
 """[s] for at least so long: a reversal is shorter"""
 
@@ -215,7 +217,7 @@ def _stick_slip(tau: Array, qd: Array, step: float) -> Mask:
     power = uniform_filter1d(bend**2, width, axis=0, mode="nearest")
     # a running sum of squares may end below zero by its rounding
     scatter = np.sqrt(np.maximum(power, 0.0))
-    calm = np.quantile(scatter, 0.25, axis=0)
+    calm = np.quantile(scatter, CALM, axis=0)
     found = (scatter > SLIPPING * calm) & (np.abs(qd) < SLIPPING_SPEED)
     found = _lasting(found, round(SLIPPING_TIME / step))
     return np.column_stack([widened(found[:, j], width) for j in range(tau.shape[1])])

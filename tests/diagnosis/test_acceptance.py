@@ -18,7 +18,7 @@ from irb2400_ctrl.effects import LIBRARY, Effect
 
 def fitted(effect: Effect, *sigma: float) -> Any:
     return SimpleNamespace(
-        effects=(effect,), parameters=tuple(parameters_of(effect, 0)), sigma=np.array(sigma)
+        effects=(effect,), parameters=tuple(parameters_of(effect, 0)), alone=np.array(sigma)
     )
 
 

@@ -9,7 +9,32 @@ from irb2400_ctrl.measurement import Log
 from irb2400_ctrl.measurement.prepared_log import prepare
 
 TIME = np.arange(0.0, 12.0, 0.004)
-CHATTER = (TIME > 4.0) & (TIME < 6.0)
+
+
+def between(start: float, stop: float) -> np.ndarray:
+    return (start < TIME) & (stop > TIME)
+
+
+CHATTER = between(4.0, 6.0)
+
+
+def slowly(chatter: np.ndarray) -> np.ndarray:
+    """Which samples of a slow joint are known whose torque jumps where it chatters; and when."""
+    draw = np.random.default_rng(4)
+    tau = np.full((len(TIME), 6), 20.0) + draw.normal(0.0, 0.3, (len(TIME), 6))
+    tau[chatter, 0] += 8.0 * draw.choice([-1.0, 1.0], chatter.sum())
+    motion = prepare(Log(TIME, np.outer(0.05 * TIME, np.ones(6)), tau, name="drawn"))
+    return np.column_stack([motion.time, motion.known[:, 0]])
+
+
+def test_a_short_burst_stays_known() -> None:
+    assert slowly(between(5.0, 5.2))[:, 1].all()
+
+
+def test_a_joint_that_slips_nearly_all_the_time_is_left_out() -> None:
+    time, there = slowly(between(0.0, 10.2)).T
+    assert not there[time < 9.8].any()
+    assert there[time > 10.5].all()
 
 
 def known(speed: float, jump: float) -> np.ndarray:

@@ -40,7 +40,7 @@ def stands_clear(fit: Fit, place: int, duration: float) -> bool:
     variance = np.zeros(len(size))
     moved = [
         (parameter, sigma)
-        for parameter, sigma in zip(fit.parameters, fit.sigma, strict=True)
+        for parameter, sigma in zip(fit.parameters, fit.alone, strict=True)
         if parameter.effect == place
     ]
     for parameter, sigma in moved:

@@ -36,7 +36,8 @@ class Fit:
 
     Args:
         effects: fitted, with their discrepancy; parameters, sigma: their natural parameters and
-            standard errors.
+            standard errors; alone: those with the other parameters of the same effect held, for
+            what two of them can share is there all the same.
         z: deviations of the robot's numbers in prior standard deviations; z_covariance: of them.
         y: what the effects (without discrepancy) leave of the filtered torque, shape (rows, n).
         Z: base and everything else that may still move, unit priors, shape (rows, n, k).
@@ -48,6 +49,7 @@ class Fit:
     effects: tuple[Effect, ...]
     parameters: tuple[Parameter, ...]
     sigma: Array
+    alone: Array
     z: Array
     z_covariance: Array
     y: Array
@@ -178,6 +180,7 @@ class Fitter:
             effects=tuple(shaped),
             parameters=tuple(parameters),
             sigma=sigma[k : k + p] * sizes,
+            alone=_alone(covariance[k : k + p, k : k + p], parameters) * sizes,
             z=b[: self.own],
             z_covariance=covariance[: self.own, : self.own],
             y=y,
@@ -291,6 +294,16 @@ class Fitter:
             autoregressive(residual[:, j], known[:, j], self.reversal[:, j])
             for j in range(self.motion.n)
         )
+
+
+def _alone(covariance: Array, parameters: Sequence[Parameter]) -> Array:
+    """Standard errors with the other parameters of the same effect held."""
+    found = np.zeros(len(parameters))
+    owner = np.array([parameter.effect for parameter in parameters])
+    for effect in set(owner):
+        own = np.flatnonzero(owner == effect)
+        found[own] = 1.0 / np.sqrt(np.diag(np.linalg.inv(covariance[np.ix_(own, own)])))
+    return found
 
 
 def _parts(start: int, widths: Sequence[int]) -> list[slice]:
