@@ -19,13 +19,13 @@ from irb2400_ctrl.cli import (
     identify,
     log,
     path,
-    place,
     plan,
     robot,
     simulate,
     sweep,
     validate,
 )
+from irb2400_ctrl.cli.planning import place
 
 TRACEBACK_VARIABLE = "IRB2400_TRACEBACK"
 

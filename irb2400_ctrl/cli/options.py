@@ -35,6 +35,22 @@ CellOption = Annotated[
         "--cell", metavar="CELL", help="What stands around the arm (TOML, docs/cells.md)."
     ),
 ]
+ToolOption = Annotated[
+    str | None,
+    typer.Option(
+        "--tool",
+        metavar="NAME",
+        help="A tool of the cell; else the one with the CAM file's number or name.",
+        show_default="the robot file's",
+    ),
+]
+FreeOption = Annotated[
+    bool,
+    typer.Option(
+        "--free-tool-rotation/--fixed",
+        help="Turn the tool freely about its own axis, or hold it.",
+    ),
+]
 OutOption = Annotated[
     Path, typer.Option("--out", metavar="DIR", help="Folder for the results; all is written there.")
 ]

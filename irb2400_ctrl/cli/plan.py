@@ -9,16 +9,18 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from irb2400_ctrl.cli.cutting import CuttingForceOption, StiffnessOption, cutting_load
 from irb2400_ctrl.cli.options import (
     CellOption,
+    FreeOption,
     OutOption,
     RobotOption,
+    ToolOption,
     input_file,
     load_arm,
     output_folder,
 )
 from irb2400_ctrl.cli.path import ROTARY_HELP, UNITS_HELP
+from irb2400_ctrl.cli.planning.cutting import CuttingForceOption, StiffnessOption, cutting_load
 from irb2400_ctrl.cli.planning.plan_program import (
     figures,
     link_options,
@@ -38,6 +40,7 @@ from irb2400_ctrl.cli.summary import Summary, answers
 from irb2400_ctrl.errors import UnreachableError
 
 if TYPE_CHECKING:
+    from irb2400_ctrl.arrays import Array
     from irb2400_ctrl.cell import Cell
     from irb2400_ctrl.planners import CamProgram, LinkOptions, Plan
     from irb2400_ctrl.planners.programs.rapid import RapidOptions
@@ -68,15 +71,6 @@ WorkFrameOption = Annotated[
         show_default="the cell's work object, or the base",
     ),
 ]
-ToolOption = Annotated[
-    str | None,
-    typer.Option(
-        "--tool",
-        metavar="NAME",
-        help="A tool of the cell; else the one with the CAM file's number or name.",
-        show_default="the robot file's",
-    ),
-]
 UnitsOption = Annotated[str | None, typer.Option("--units", help=UNITS_HELP)]
 SpindleOption = Annotated[
     float | None,
@@ -87,13 +81,6 @@ SpindleOption = Annotated[
 RotaryOption = Annotated[str | None, typer.Option("--rotary", help=ROTARY_HELP)]
 RateOption = Annotated[
     float, typer.Option(help="Samples per second of the trajectory.", min=10, max=10000)
-]
-FreeOption = Annotated[
-    bool,
-    typer.Option(
-        "--free-tool-rotation/--fixed",
-        help="Turn the tool freely about its own axis, or hold it.",
-    ),
 ]
 ShareOption = Annotated[
     float,
@@ -172,6 +159,13 @@ InterpolationOption = Annotated[
     ),
 ]
 
+MapOption = Annotated[
+    bool,
+    typer.Option(
+        "--map", help="What other tool rotations would bring: rotation_map.png, rotation_map.json."
+    ),
+]
+
 
 @answers
 def plan(
@@ -202,23 +196,19 @@ def plan(
     start: StartOption = None,
     cutting_force: CuttingForceOption = None,
     joint_stiffness: StiffnessOption = None,
+    rotation_map: MapOption = False,
 ) -> Summary:
-    """Plan a toolpath: branch, tool rotation, torque-limited timing -> trajectory.csv, plan.json,
-    figures."""
+    """Plan a toolpath: branch, rotation, torque-limited timing -> trajectory.csv, figures."""
     input_file(path, "a toolpath (CSV, APT/CLDATA or G-code)")
 
-    from irb2400_ctrl.cell import load_cell
     from irb2400_ctrl.planners import read_program
-    from irb2400_ctrl.planners.toolpath.work_frame import work_frame as pose_of
 
-    pose = None if work_frame is None else pose_of(work_frame)
-    around = None if cell is None else load_cell(cell).placed(pose)
     program = read_program(path, units=units, rotary=rotary, spindle_rpm=spindle_rpm)
     if operation is not None:
         program = replace(program, operations=(program.operation(operation),))
     output_folder(out)
     arm = load_arm(robot)
-    frame = pose if around is None else around.work_frame
+    pose, around, frame = _placed(work_frame, cell)
     options = {
         "rate": rate,
         "free_tool_rotation": free_tool_rotation,
@@ -230,13 +220,28 @@ def plan(
         "torque_share": torque_share,
         "load": cutting_load(arm, cutting_force, joint_stiffness, frame),
         "interpolation": interpolation,
+        "rotation_map": rotation_map,
         "torque_rate": None if torque_rate is None else torque_rate * arm.tau_max,
         "jerk": None if jerk_deg_s3 is None else math.radians(jerk_deg_s3),
     }
     _say_assumed(program, around, tool)
     chosen = link_options(len(program.operations), links, clearance, approach, start)
-    follow = plan_all if len(program.operations) > 1 or chosen.ends else _plan_one
+    follow = plan_all if chosen.ends or len(program.operations) > 1 else _plan_one
     return follow(arm, program, chosen, options, out, rapid_options(rapid, rapid_set, rapid_io))
+
+
+def _placed(
+    work_frame: str | None, cell: Path | None
+) -> tuple[Array | None, Cell | None, Array | None]:
+    """The stated work frame, the cell with its work object there, and where the path stands."""
+    from irb2400_ctrl.cell import load_cell
+    from irb2400_ctrl.planners.toolpath.work_frame import work_frame as pose_of
+
+    pose = None if work_frame is None else pose_of(work_frame)
+    if cell is None:
+        return pose, None, pose
+    around = load_cell(cell).placed(pose)
+    return pose, around, around.work_frame
 
 
 def _say_assumed(program: CamProgram, cell: Cell | None, tool: str | None) -> None:

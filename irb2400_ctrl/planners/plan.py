@@ -12,6 +12,7 @@ import numpy as np
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.files import write_atomic
 from irb2400_ctrl.planners.clearance.clearance import unknown
+from irb2400_ctrl.planners.redundancy.rotation_map import RotationMap
 from irb2400_ctrl.planners.timing.certificate import Certificate
 from irb2400_ctrl.planners.timing.feed_use import FeedUse
 from irb2400_ctrl.planners.timing.sampled_reference import SampledReference
@@ -71,6 +72,8 @@ class Plan:
     not known"""
     deflection: dict[str, Any] | None = None
     """how far the tip gives way to the cutting force, at samples of the path; None without one"""
+    rotation_map: RotationMap | None = None
+    """what other tool rotations would bring; None where it was not asked for"""
     interpolation: Interpolation = DEFAULT
     """how the controller reads the rows"""
     torque_share: float = 1.0
@@ -139,8 +142,12 @@ class Plan:
         }
 
     def write(self, out_dir: Path | str) -> tuple[Path, Path]:
-        """Write `trajectory.csv` and `plan.json` into a folder; returns their paths."""
+        """Write `trajectory.csv` and `plan.json` into a folder, beside them `rotation_map.json` if
+        there is a map; returns the paths of the first two."""
         folder = Path(out_dir)
+        if self.rotation_map is not None:
+            text = json.dumps(self.rotation_map.summary())
+            write_atomic(folder / "rotation_map.json", text + "\n")
         trajectory = write_atomic(folder / "trajectory.csv", self.trajectory.csv())
         return trajectory, write_atomic(
             folder / "plan.json", json.dumps(self.summary(), indent=2) + "\n"

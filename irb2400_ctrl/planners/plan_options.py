@@ -39,6 +39,8 @@ class PlanOptions:
     """of a tool of the cell; None for what the robot file describes"""
     load: CuttingLoad | None = None
     """a force on the tip that the posture is chosen for"""
+    mapped: bool = False
+    """whether other tool rotations are looked at all along the path"""
 
     def __post_init__(self) -> None:
         if not np.isfinite(self.rate) or self.rate <= 0:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -14,10 +15,11 @@ from irb2400_ctrl.planners.certify import certify
 from irb2400_ctrl.planners.enclosure.path_dynamics import path_dynamics
 from irb2400_ctrl.planners.plan import Plan
 from irb2400_ctrl.planners.plan_options import PlanOptions
-from irb2400_ctrl.planners.plan_report import report
+from irb2400_ctrl.planners.plan_report import deflection, report
 from irb2400_ctrl.planners.redundancy.choice import Choice
 from irb2400_ctrl.planners.redundancy.choices import choices
 from irb2400_ctrl.planners.redundancy.cutting_load import CuttingLoad
+from irb2400_ctrl.planners.redundancy.rotation_map import rotation_map as mapped
 from irb2400_ctrl.planners.redundancy.way_out import WayOut
 from irb2400_ctrl.planners.stage_clock import Progress, StageClock
 from irb2400_ctrl.planners.timing.motion_limits import MotionLimits
@@ -63,6 +65,7 @@ def plan_path(
     torque_share: float = 1.0,
     interpolation: str = DEFAULT,
     load: CuttingLoad | None = None,
+    rotation_map: bool = False,
     progress: Progress | None = None,
 ) -> Plan:
     """The fastest motion along a tool path, rest to rest, clear of singularities.
@@ -71,23 +74,22 @@ def plan_path(
         robot: the arm, tool and effects included.
         path: way-points of the TCP in the robot base, or in `work_frame`.
         rate: rows of the trajectory per second [1/s].
-        free_tool_rotation: choose the rotation about the spindle along the path; otherwise hold
-            the stated orientation, or the best constant rotation.
+        free_tool_rotation: choose the rotation about the spindle; else hold what is stated.
         work_frame: pose X_BW that the path is stated in, (4, 4); default the cell's work object.
         tolerance: how far corners of the polygon may be cut [m].
-        axis_tolerance: how far a stated orientation may be left to pass exactly through the wrist
-            singularity [rad].
+        axis_tolerance: how far a stated orientation may be left at the wrist singularity [rad].
         timing: "certified" (torque bound at every instant) or "toppra".
         cells: smallest number of grid cells of the timing.
         limits: other limits than the robot's.
         torque_rate: of the change of torque [Nm/s]; None is what rows can follow, inf is no limit.
         jerk: limit of the change of the joints' acceleration [rad/s3].
-        cell: what must not be touched; the arm itself is looked at always, if it has an outline.
+        cell: what must not be touched; the arm itself is looked at if it has an outline.
         way_out: lines from the ends of the path to reach along as well.
-        tool: name of a tool of the cell; default what the robot file describes.
+        tool: of the cell, by name; default what the robot file describes.
         torque_share: part of the torque limits that is used, 0.9 for 90 %.
         interpolation: how the controller reads the rows, "cubic" or "linear": `Interpolation`.
         load: a force on the tip: of the comfortable ways the one that gives way least is taken.
+        rotation_map: whether to say what other tool rotations would bring.
         progress: called with each stage as it begins, and within long ones with how far they are.
 
     Raises:
@@ -95,13 +97,10 @@ def plan_path(
         UnreachableError: no continuous motion, or (CollisionError) none that touches nothing.
         InfeasibleError: the torque limits leave no motion; says where.
     """
-    read_as = checked(interpolation)
-    options = PlanOptions(
-        rate, free_tool_rotation, work_frame, tolerance, axis_tolerance, read_as, cell, tool, load
-    )
-    timed = TimingOptions.of(
-        robot, timing, cells, limits, torque_rate, jerk, options.sampling, torque_share
-    )
+    turning = (free_tool_rotation, work_frame, tolerance, axis_tolerance)
+    options = PlanOptions(rate, *turning, checked(interpolation), cell, tool, load, rotation_map)
+    bounds = (limits, torque_rate, jerk)
+    timed = TimingOptions.of(robot, timing, cells, *bounds, options.sampling, torque_share)
     ways = _chosen(free_tool_rotation, way_out, load)
     return plan_ways(robot, path, ways, options, timed, StageClock(progress))
 
@@ -152,7 +151,7 @@ def plan_ways(
             dynamics, orientation, timed, best, options.axis_tolerance, timing
         )
     with clock.stage("trajectory"):
-        return report(
+        planned = report(
             dynamics,
             orientation,
             timed,
@@ -162,8 +161,10 @@ def plan_ways(
             timing,
             settled.reference,
             clock.seconds,
-            options.load,
         )
+    with clock.stage("map"):
+        seen = mapped(model, orientation, scene, best.choice) if options.mapped else None
+    return replace(planned, deflection=deflection(best, options.load), rotation_map=seen)
 
 
 def _counted(found: Iterable[Choice], told: Progress) -> Iterator[Choice]:

@@ -36,7 +36,6 @@ def report(
     options: TimingOptions,
     reference: SampledReference,
     wall_time: dict[str, float],
-    load: CuttingLoad | None = None,
 ) -> Plan:
     """The plan of the chosen motion, with what it was compared with.
 
@@ -50,7 +49,6 @@ def report(
         options: how it was timed.
         reference: the rows of the trajectory.
         wall_time: of the stages [s]; the caller goes on writing to it.
-        load: the cutting force that it was chosen for.
     """
     tcp = chosen.path.tcp
     choice = chosen.choice
@@ -71,7 +69,6 @@ def report(
         max_tcp_deviation=bounds.deviation.largest,
         max_tool_axis_deviation=bounds.deviation.axis,
         clearance=_clearance(chosen),
-        deflection=_deflection(chosen, load),
         singularity_margin=bounds.singularity_margin,
         max_torque_ratio=bounds.torque_ratio,
         max_velocity_ratio=bounds.velocity_ratio,
@@ -117,7 +114,7 @@ def _compared(option: TimedChoice) -> dict[str, Any]:
     return told
 
 
-def _deflection(chosen: TimedChoice, load: CuttingLoad | None) -> dict[str, Any] | None:
+def deflection(chosen: TimedChoice, load: CuttingLoad | None) -> dict[str, Any] | None:
     """The entry `deflection` of `plan.json`; None without a cutting force."""
     found = chosen.choice.given_way
     if found is None or load is None:

@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from irb2400_ctrl.planners.placement import Outlook, Placement
-from irb2400_ctrl.planners.placement.outlook import COMFORTABLE_MARGINS
+from irb2400_ctrl.planners.redundancy.comfort import COMFORTABLE_MARGINS
 
 # squares of the map are this wide [mm]
 _SQUARE = 100.0

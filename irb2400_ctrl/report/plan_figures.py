@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.planners import Plan
+from irb2400_ctrl.report.rotation_figure import rotation_figure
 
 MARGINS = (
     ("wrist", "wrist |sin q5| [-]"),
@@ -32,11 +33,13 @@ def plan_figures(plan: Plan) -> dict[str, Figure]:
 
 
 def save_figures(plan: Plan, out: Path) -> list[Path]:
-    """Write torque.png, margins.png and joints.png into a folder; returns their paths."""
+    """Write torque.png, margins.png, joints.png and, if there is one, the rotation_map.png into a
+    folder; returns their paths."""
+    figures = dict(zip(("torque", "margins", "joints"), plan_figures(plan).values(), strict=True))
+    if plan.rotation_map is not None:
+        figures["rotation_map"] = rotation_figure(plan.rotation_map)
     paths = []
-    for name, figure in zip(
-        ("torque", "margins", "joints"), plan_figures(plan).values(), strict=True
-    ):
+    for name, figure in figures.items():
         paths.append(out / f"{name}.png")
         figure.savefig(paths[-1], dpi=120, metadata={"Software": None})
     return paths

@@ -178,8 +178,7 @@ def figures(planned: Plan, out: Path) -> list[str]:
     """The figures; their names."""
     from irb2400_ctrl.report.plan_figures import save_figures
 
-    save_figures(planned, out)
-    return ["torque.png", "margins.png", "joints.png"]
+    return [path.name for path in save_figures(planned, out)]
 
 
 def _files(found: ProgramPlan) -> str:

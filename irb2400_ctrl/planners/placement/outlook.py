@@ -19,21 +19,17 @@ from irb2400_ctrl.model import Model
 from irb2400_ctrl.planners.clearance.crowd import COMFORTABLE_CLEARANCE
 from irb2400_ctrl.planners.placement.constant_ways import Ways, constant_ways
 from irb2400_ctrl.planners.placement.task import Task
+from irb2400_ctrl.planners.redundancy.comfort import (
+    COMFORTABLE_MARGINS,
+    feed_and_torque,
+    part_of_comfort,
+)
 from irb2400_ctrl.planners.redundancy.cutting_load import CuttingLoad
 from irb2400_ctrl.planners.redundancy.ladder_graph import FREE_SHIFTS, Ladder, LadderWay
 from irb2400_ctrl.planners.redundancy.singularity_margins import COMFORTABLE
 from irb2400_ctrl.planners.timing.time_choices import CLEARANCE_WORTH
 from irb2400_ctrl.robot.shape import place_and_turn
 
-COMFORTABLE_MARGINS = {
-    "singularity": COMFORTABLE,
-    "joint_limits_deg": 20.0,
-    "reach_mm": 100.0,
-    "torque_left": 0.3,
-    "feed_kept": 1.0,
-    "clearance_mm": 1e3 * COMFORTABLE_CLEARANCE,
-}
-"""beyond these more of a margin is worth nothing"""
 ALIKE = 0.05
 """places whose worst margins differ by less, as a part of what is comfortable, count as alike"""
 # ways whose forces are looked at
@@ -60,7 +56,7 @@ class Outlook:
     def parts(self) -> dict[str, float]:
         """Each margin as a part of what is comfortable, at most 1."""
         return {
-            name: min(value / COMFORTABLE_MARGINS[name], 1.0)
+            name: float(part_of_comfort(name, np.asarray(value)))
             for name, value in self.margins.items()
         }
 
@@ -190,10 +186,7 @@ def _varied(
 ) -> Outlook | None:
     """The best way whose tool rotation varies, through the ladder graph; None without one."""
     ladder = Ladder.at(task.model, task.u, task.rotation, X_BW @ task.poses)
-    if scene is not None:
-        ladder = ladder.free_of(scene, task.cutting)
-    if load is not None:
-        ladder = ladder.giving_way(load)
+    ladder = ladder.priced(scene, task.cutting, load)
     found = ladder.best(FREE_SHIFTS, keep=1)
     if not found:
         return None
@@ -220,17 +213,14 @@ def _joints(ladder: Ladder, way: LadderWay) -> Array:
 def _forced(task: Task, q: Array, load: CuttingLoad | None) -> dict[str, float]:
     """What is left of torque and feed on a way q (n, joints), as if it were followed on straight
     lines between the stations."""
-    model = task.model
-    robot = model.robot
     length = np.maximum(np.diff(task.s), 1e-9)[:, None]
     feed = np.where(np.isfinite(task.feed), task.feed, 0.0)
     rate = np.diff(q, axis=0) / length * feed[1:, None]
-    fastest = float((np.abs(rate) / robot.qd_max).max())
-    kept = 1.0 if fastest == 0 else min(1.0, 1.0 / fastest)
     middle = (q[1:] + q[:-1]) / 2
-    tau = np.abs(model.inverse_dynamics(middle, kept * rate, np.zeros_like(rate)))
-    tau = tau + _cutting_torque(model, middle, load)
-    return {"torque_left": 1.0 - float((tau / robot.tau_max).max()), "feed_kept": kept}
+    kept, left = feed_and_torque(task.model, middle, rate)
+    # the cutting force takes its part of every joint, whichever way it pushes
+    share = (_cutting_torque(task.model, middle, load) / task.model.robot.tau_max).max(axis=1)
+    return {"torque_left": float((left - share).min()), "feed_kept": float(kept.min())}
 
 
 def _cutting_torque(model: Model, q: Array, load: CuttingLoad | None) -> Array:

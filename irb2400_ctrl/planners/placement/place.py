@@ -14,7 +14,7 @@ from irb2400_ctrl.errors import InputError, UnreachableError
 from irb2400_ctrl.planners.placement.area import Area, Standing, middle_of
 from irb2400_ctrl.planners.placement.outlook import Outlook, outlook
 from irb2400_ctrl.planners.placement.proof import Proof, prove
-from irb2400_ctrl.planners.placement.search import Search
+from irb2400_ctrl.planners.placement.search import Look, Search
 from irb2400_ctrl.planners.placement.task import Task, task_of
 from irb2400_ctrl.planners.redundancy.cutting_load import CuttingLoad
 from irb2400_ctrl.planners.toolpath.cam_program import CamProgram, Operation
@@ -122,12 +122,7 @@ def place(
     coarse = _thinned(tasks, operations, COARSE)
     search.coarse(_promising(tasks, pose), _look(coarse, pose, load, False, told))
     fine = _thinned(tasks, operations, FINE)
-    look = _look(fine, pose, load, True, told)
-    begins = [at for at, _ in search.best()]
-    # what stands well already is not made worse
-    begins += [at for at in (_standing(first, centre),) if where.holds(at.middle)]
-    closer = [search.closer(at, look) for at in begins]
-    closer.sort(key=lambda pair: pair[1].rank, reverse=True)
+    closer = _closer(search, _standing(first, centre), _look(fine, pose, load, True, told))
     told("showing the best")
     found, proof = _shown(tasks, closer, load)
     here = outlook(fine, first, load, patient=True)
@@ -135,6 +130,15 @@ def place(
         robot, tuple(program.name for program in programs), here, found, proof,
         prove(tasks, first, load), centre, where, tuple(search.seen), load,
     )  # fmt: skip
+
+
+def _closer(search: Search, start: Standing, look: Look) -> list[tuple[Standing, Outlook]]:
+    """What closer looks lead to, from the best places and from the start, best first."""
+    begins = [at for at, _ in search.best()]
+    # what stands well already is not made worse
+    begins += [start] if search.area.holds(start.middle) else []
+    found = [search.closer(at, look) for at in begins]
+    return sorted(found, key=lambda pair: pair[1].rank, reverse=True)
 
 
 def _standing(X_BW: Array, centre: Array) -> Standing:
@@ -172,7 +176,7 @@ def _look(
     load: CuttingLoad | None,
     patient: bool,
     told: Progress,
-) -> Callable[[Standing], Outlook]:
+) -> Look:
     count = 0
 
     def look(at: Standing) -> Outlook:

@@ -74,14 +74,11 @@ def choices(
     held = curve.full and not free
     u = stations(orientation)
     s = arc_length(curve, u)
+    moves = cutting_moves(curve.path, orientation.spindle)
     ladder = Ladder.of(model, orientation, u, np.zeros(1) if held else GRID)
     if way_out is not None:
         ladder = way_out.kept(ladder, orientation)
-    moves = cutting_moves(curve.path, orientation.spindle)
-    if scene is not None:
-        ladder = ladder.free_of(scene, cutting_at(curve, moves, u))
-    if load is not None:
-        ladder = ladder.giving_way(load)
+    ladder = ladder.priced(scene, cutting_at(curve, moves, u), load)
     problem: UnreachableError | None = None
     found = False
     options: Iterator[_Option]

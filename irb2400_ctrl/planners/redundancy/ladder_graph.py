@@ -137,6 +137,13 @@ class Ladder:
         boxed = np.array([self.inside(i).any(axis=2) for i in range(len(self.u))])
         return replace(self, crowd=Crowd.of(scene, self.q, boxed & (self.margin > 0), cutting))
 
+    def priced(
+        self, scene: Scene | None, cutting: npt.NDArray[np.bool_], load: CuttingLoad | None
+    ) -> Ladder:
+        """`free_of` a scene and `giving_way` to a load, where there are such."""
+        ladder = self if scene is None else self.free_of(scene, cutting)
+        return ladder if load is None else ladder.giving_way(load)
+
     def giving_way(self, load: CuttingLoad) -> Ladder:
         """The same with a price on how far the tip gives way to a force."""
         given = load.deflection(self.model, self.q)

@@ -8,17 +8,18 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from irb2400_ctrl.cli.cutting import CuttingForceOption, StiffnessOption, cutting_load
 from irb2400_ctrl.cli.options import (
     CellOption,
+    FreeOption,
     OutOption,
     RobotOption,
+    ToolOption,
     input_file,
     load_arm,
     output_folder,
 )
 from irb2400_ctrl.cli.path import UNITS_HELP
-from irb2400_ctrl.cli.plan import FreeOption, ToolOption
+from irb2400_ctrl.cli.planning.cutting import CuttingForceOption, StiffnessOption, cutting_load
 from irb2400_ctrl.cli.progress import step
 from irb2400_ctrl.cli.summary import Summary, answers
 from irb2400_ctrl.errors import InputError

@@ -1,0 +1,143 @@
+"""`RotationMap`: what every tool rotation would leave of each margin, all along a tool path.
+
+For the posture that was chosen; path length against tool rotation, the picture that shows why the
+chosen line runs where it does, and where else it could.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from irb2400_ctrl.arrays import Array, Integers
+from irb2400_ctrl.cell import Scene
+from irb2400_ctrl.model import Model
+from irb2400_ctrl.planners.clearance import cutting_moves
+from irb2400_ctrl.planners.clearance.crowd import COMFORTABLE_CLEARANCE
+from irb2400_ctrl.planners.redundancy.choice import Choice
+from irb2400_ctrl.planners.redundancy.choices import GRID, cutting_at, stations
+from irb2400_ctrl.planners.redundancy.comfort import feed_and_torque, middled, part_of_comfort
+from irb2400_ctrl.planners.redundancy.follow import arc_length
+from irb2400_ctrl.planners.redundancy.singularity_margins import relative_margins
+from irb2400_ctrl.planners.toolpath.orientation import Orientation
+
+LIMITS = ("", "out of reach", "joint limits", "collision", "singularity", "torque", "feed")
+"""what a place of the map meets; nothing first"""
+SINGULAR = 0.02
+"""relative margin below which a place is called a singularity [-]"""
+_MOST_STATIONS = 240
+
+
+@dataclass(frozen=True, eq=False)
+class RotationMap:
+    """n stations along a path and r tool rotations."""
+
+    way: Array
+    """length along the TCP's curve [m], shape (n,)"""
+    rotation: Array
+    """[rad], shape (r,)"""
+    chosen: Array
+    """rotation of the motion that is driven, continuous [rad], shape (n,)"""
+    worth: Array
+    """smallest margin as a part of what is comfortable; nan out of reach, shape (n, r)"""
+    limit: Integers
+    """index in `LIMITS` of what is met, shape (n, r)"""
+
+    def summary(self) -> dict[str, Any]:
+        """The content of `rotation_map.json`."""
+        rows = [[None if np.isnan(v) else round(float(v), 3) for v in row] for row in self.worth]
+        return {
+            "schema_version": 1,
+            "way_mm": [round(1e3 * float(v), 3) for v in self.way],
+            "rotation_deg": [round(float(v), 3) for v in np.degrees(self.rotation)],
+            "chosen_deg": [round(float(v), 3) for v in np.degrees(self.chosen)],
+            "limits": list(LIMITS),
+            "worst_margin": rows,
+            "limit": self.limit.tolist(),
+        }
+
+
+def rotation_map(
+    model: Model, orientation: Orientation, scene: Scene | None, choice: Choice
+) -> RotationMap:
+    """The map around a chosen motion, in its posture.
+
+    Args:
+        model: the arm with its tool.
+        orientation: the tool path, placed and smoothed.
+        scene: the arm in its cell; None where nothing is known of the space that it takes up.
+        choice: the motion.
+    """
+    curve = orientation.curve
+    u = stations(orientation)
+    u = u[np.unique(np.linspace(0, len(u) - 1, min(len(u), _MOST_STATIONS)).astype(int))]
+    s = arc_length(curve, u)
+    chosen = np.asarray(choice.rotation(s), dtype=float)
+    q = _of_posture(model, orientation, u, choice)
+    known = np.isfinite(q).all(axis=2)
+    parts = np.full((4, *known.shape), np.nan)
+    limit = np.where(known, 0, LIMITS.index("out of reach"))
+    room = np.minimum(q - model.robot.q_min, model.robot.q_max - q).min(axis=2)
+    parts[0] = part_of_comfort("joint_limits_deg", np.degrees(room))
+    singular = relative_margins(model, q[known]).min(axis=1)
+    parts[1][known] = part_of_comfort("singularity", singular)
+    kept, left = feed_and_torque(model, q[known], _rate(orientation, u, s, q)[known])
+    parts[2][known] = np.minimum(part_of_comfort("torque_left", left), kept)
+    met = (("feed", kept < 1.0), ("torque", left <= 0), ("singularity", singular < SINGULAR))
+    for name, where in met:
+        limit[known] = np.where(where, LIMITS.index(name), limit[known])
+    boxed = known & (np.nan_to_num(room, nan=-1.0) >= 0)
+    parts[3] = _clearance(orientation, scene, u, q, boxed)
+    limit[boxed & (parts[3] <= 0)] = LIMITS.index("collision")
+    limit[known & ~boxed] = LIMITS.index("joint limits")
+    worth = np.where(known, np.fmin.reduce(parts), np.nan)
+    return RotationMap(s, GRID, chosen, worth, limit.astype(np.int64))
+
+
+def _of_posture(model: Model, orientation: Orientation, u: Array, choice: Choice) -> Array:
+    """Configurations in the branch that the motion is in, at every station and rotation of the
+    grid, shape (n, r, joints)."""
+    n = len(u)
+    found = model.inverse_kinematics_branches(orientation.fan(u, GRID).reshape(-1, 4, 4)).q
+    every = found.reshape(n, len(GRID), *found.shape[1:])
+    own = orientation.poses(u, np.asarray(choice.rotation(arc_length(orientation.curve, u))))
+    branches = model.inverse_kinematics_branches(own).q
+    driven = choice.followed.joints(np.interp(u, choice.followed.u, choice.followed.joints.knots))
+    off = branches - driven[:, None]
+    off -= 2 * np.pi * np.round(off / (2 * np.pi))
+    branch = np.nan_to_num(np.abs(off), nan=np.inf).max(axis=2).argmin(axis=1)
+    return middled(model, every[np.arange(n), :, branch])
+
+
+def _rate(orientation: Orientation, u: Array, s: Array, q: Array) -> Array:
+    """Joint speeds at the feed with a constant rotation, zero where no feed is stated, [rad/s],
+    shape (n, r, joints)."""
+    curve = orientation.curve
+    step = np.diff(q, axis=0)
+    step -= 2 * np.pi * np.round(step / (2 * np.pi))
+    slope = step / np.maximum(np.diff(s), 1e-9)[:, None, None]
+    # of the two neighbours the steeper one; at an end, or beside a gap, the only one
+    before = np.concatenate([np.zeros_like(slope[:1]), slope])
+    after = np.concatenate([slope, np.zeros_like(slope[:1])])
+    before = np.nan_to_num(before)
+    after = np.nan_to_num(after)
+    steeper = np.where(np.abs(before) > np.abs(after), before, after)
+    feed = curve.path.feed[curve.origin[np.minimum(u.astype(int), curve.segments - 1)]]
+    return np.asarray(steeper * np.where(np.isfinite(feed), feed, 0.0)[:, None, None])
+
+
+def _clearance(
+    orientation: Orientation, scene: Scene | None, u: Array, q: Array, asked: Array
+) -> Array:
+    """Room beside what is to be kept, as a part of what is comfortable, shape (n, r)."""
+    found = np.full(asked.shape, np.nan)
+    if scene is None or not asked.any():
+        return found
+    moves = cutting_moves(orientation.curve.path, orientation.spindle)
+    at_feed = np.broadcast_to(cutting_at(orientation.curve, moves, u)[:, None], asked.shape)
+    most = COMFORTABLE_CLEARANCE + scene.keep
+    room = scene.clearance(q[asked], at_feed[asked], most) - scene.keep
+    found[asked] = part_of_comfort("clearance_mm", 1e3 * room)
+    return found
