@@ -19,11 +19,11 @@ from irb2400_ctrl.cli.options import (
 )
 from irb2400_ctrl.cli.path import ROTARY_HELP, UNITS_HELP
 from irb2400_ctrl.cli.planning.plan_program import (
-    figures,
     link_options,
     plan_all,
     plan_parts,
     print_feed,
+    report,
 )
 from irb2400_ctrl.cli.planning.rapid_out import (
     RapidIoOption,
@@ -201,7 +201,7 @@ def plan(
     start: StartOption = None,
 ) -> Summary:
     """Plan a toolpath: branch, tool rotation, torque-limited timing -> trajectory.csv, plan.json,
-    figures."""
+    report.html."""
     input_file(path, "a toolpath (CSV, APT/CLDATA or G-code)")
 
     from irb2400_ctrl.cell import load_cell
@@ -278,7 +278,8 @@ def _plan_one(
             return plan_parts(arm, program, links, options, out, rapid, error)
         say(f"{task}: writing")
         planned.write(out)
-        written = ["trajectory.csv", "plan.json", *figures(planned, out)]
+        page = report(planned, out, arm, f"Plan of {program.name}", options)
+        written = ["trajectory.csv", "plan.json", page]
         if rapid is not None:
             written += write_plan_module(planned, operation, rapid, frame_of(options), out)
     print(f"{program.name}: {len(toolpath)} points, {planned.summary()['duration_s']:.2f} s")

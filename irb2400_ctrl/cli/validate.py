@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from irb2400_ctrl.cli.command_line import provenance
 from irb2400_ctrl.cli.options import ColumnsOption, OutOption, input_file, output_folder
 from irb2400_ctrl.cli.progress import step
 from irb2400_ctrl.cli.summary import Summary, answers
@@ -36,9 +37,12 @@ def validate(
 
     arm = load_robot(robot)
     with step("comparing model and log"):
-        result = run(arm, read_log(log, columns=columns, names=arm.joint_names))
+        read = read_log(log, columns=columns, names=arm.joint_names)
+        result = run(arm, read)
         result.write(out)
-        validation_page(result).write(out / "report.html")
+        page = validation_page(result, arm, read)
+        page.provenance(provenance(arm))
+        page.write(out / "report.html")
     print("\n".join(lines(result)))
     print(f"written: {out / 'validation.json'}, {out / 'report.html'}")
     return Summary(result.to_json())
