@@ -3,6 +3,7 @@ log."""
 
 from __future__ import annotations
 
+from irb2400_ctrl.cli.command_line import provenance
 from irb2400_ctrl.cli.options import OutOption, output_folder
 from irb2400_ctrl.cli.progress import step
 from irb2400_ctrl.cli.summary import Summary, answers
@@ -14,12 +15,14 @@ def demo(out: OutOption) -> Summary:
     the loop."""
     output_folder(out)
     with step("loading") as say:
-        from irb2400_ctrl.report.main_job import run_main_job
+        from irb2400_ctrl.report.main_job import PLANT_SEED, run_main_job
         from irb2400_ctrl.report.main_page import main_page, summary, table
 
         job = run_main_job(out, say)
         say("writing the report")
-        report = main_page(job).write(out / "report.html")
+        page = main_page(job)
+        page.provenance(provenance(job.robot, plant_seed=PLANT_SEED))
+        report = page.write(out / "report.html")
     print(table(job))
     print(f"report: {report}")
     return Summary(summary(job), written=[report])

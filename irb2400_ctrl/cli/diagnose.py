@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from irb2400_ctrl.cli.command_line import provenance
 from irb2400_ctrl.cli.logs_in import WHAT, is_robot, read_logs, say_left_out
 from irb2400_ctrl.cli.options import (
     ColumnsOption,
@@ -107,7 +108,8 @@ def diagnose(
         result = _diagnosed(arm, read.logs, other, reference or [], columns)
         result = replace(result, left_out=(*read.left_out, *result.left_out))
     say_left_out(result.left_out)
-    page = diagnosis_page(result, title=f"Diagnosis of {_name(logs)}")
+    page = diagnosis_page(result, f"Diagnosis of {_name(logs)}", read.logs[0])
+    page.provenance(provenance(arm))
     text = lines(result)
     text.append(f"prior of the robot file: {_prior(arm)}")
     written = ["findings.json", "robot.toml", "report.html"]

@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from irb2400_ctrl.cli.command_line import provenance
 from irb2400_ctrl.cli.options import OutOption, RobotOption, load_arm, output_folder
 from irb2400_ctrl.cli.progress import step
 from irb2400_ctrl.cli.summary import Summary, answers
@@ -30,7 +31,7 @@ def excite(
     ] = None,
 ) -> Summary:
     """Plan the motion that separates look-alike effects, or the motions to identify an arm by ->
-    trajectory.csv, excitation.mod (RAPID), .json, .png; for identify also friction_runs.csv."""
+    trajectory.csv, excitation.mod (RAPID), .json, report.html; for identify friction_runs.csv."""
     if group.strip().lower() == "identify":
         return _for_identify(robot, seconds, joint, out)
     from irb2400_ctrl.excitation.groups import group_called
@@ -40,11 +41,14 @@ def excite(
     output_folder(out)
 
     from irb2400_ctrl.excitation import excite as run
+    from irb2400_ctrl.report.excitation_page import excitation_page
 
     with step("preparing") as progress:
         found = run(arm, group, seconds=seconds, joint=joint, progress=progress)
         progress("writing")
-        paths = found.write(out)
+        page = excitation_page(found)
+        page.provenance(provenance(arm))
+        paths = [*found.write(out), page.write(out / "report.html")]
     print("\n".join(found.lines()))
     print("written: " + ", ".join(str(path) for path in paths))
     return Summary(found.summary(), paths)

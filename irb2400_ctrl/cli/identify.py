@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from irb2400_ctrl.cli.command_line import provenance
 from irb2400_ctrl.cli.options import (
     ColumnsOption,
     OutOption,
@@ -56,7 +57,9 @@ def identify(
         result = run(arm, seen, validation=unseen)
     with step("writing the report"):
         result.write(out)
-        identification_page(result).write(out / "report.html")
+        page = identification_page(result, seen)
+        page.provenance(provenance(arm))
+        page.write(out / "report.html")
     print("\n".join(lines(result)))
     print(f"prior of the robot file: {arm.uncertainty.says()}")
     names = ("robot.toml", "identification.json", "covariance.json", "report.html")

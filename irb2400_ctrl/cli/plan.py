@@ -22,11 +22,11 @@ from irb2400_ctrl.cli.options import (
 from irb2400_ctrl.cli.path import ROTARY_HELP, UNITS_HELP
 from irb2400_ctrl.cli.planning.cutting import CuttingForceOption, StiffnessOption, cutting_load
 from irb2400_ctrl.cli.planning.plan_program import (
-    figures,
     link_options,
     plan_all,
     plan_parts,
     print_feed,
+    report,
 )
 from irb2400_ctrl.cli.planning.rapid_out import (
     RapidIoOption,
@@ -162,7 +162,7 @@ InterpolationOption = Annotated[
 MapOption = Annotated[
     bool,
     typer.Option(
-        "--map", help="What other tool rotations would bring: rotation_map.png, rotation_map.json."
+        "--map", help="What other tool rotations would bring: rotation_map.json, and in the report."
     ),
 ]
 
@@ -198,7 +198,8 @@ def plan(
     joint_stiffness: StiffnessOption = None,
     rotation_map: MapOption = False,
 ) -> Summary:
-    """Plan a toolpath: branch, rotation, torque-limited timing -> trajectory.csv, figures."""
+    """Plan a toolpath: branch, tool rotation, torque-limited timing -> trajectory.csv, plan.json,
+    report.html."""
     input_file(path, "a toolpath (CSV, APT/CLDATA or G-code)")
 
     from irb2400_ctrl.planners import read_program
@@ -288,7 +289,8 @@ def _plan_one(
             return plan_parts(arm, program, links, options, out, rapid, error)
         say(f"{task}: writing")
         planned.write(out)
-        written = ["trajectory.csv", "plan.json", *figures(planned, out)]
+        page = report(planned, out, arm, f"Plan of {program.name}", options)
+        written = ["trajectory.csv", "plan.json", page]
         if rapid is not None:
             written += write_plan_module(planned, operation, rapid, frame_of(options), out)
     print(f"{program.name}: {len(toolpath)} points, {planned.summary()['duration_s']:.2f} s")

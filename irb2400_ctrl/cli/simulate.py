@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from irb2400_ctrl.cli.command_line import provenance
 from irb2400_ctrl.cli.options import OutOption, RobotOption, input_file, load_arm, output_folder
 from irb2400_ctrl.cli.progress import step
 from irb2400_ctrl.cli.summary import Summary, answers
@@ -28,11 +29,11 @@ def simulate(
     ] = None,
 ) -> Summary:
     """Track a trajectory with a controller (1 kHz, generated C) -> log.csv, simulation.json,
-    tracking.png."""
+    report.html."""
     input_file(trajectory, "a trajectory (CSV)")
     output_folder(out)
 
-    from irb2400_ctrl.report.simulation_figures import tracking_figure
+    from irb2400_ctrl.report.simulation_page import simulation_page
     from irb2400_ctrl.simulation import load_trajectory
     from irb2400_ctrl.simulation import simulate as run
     from irb2400_ctrl.simulation.bounds_reached import in_words
@@ -42,7 +43,9 @@ def simulate(
     with step(f"simulating {controller}"):
         simulation = run(arm, motion, controller, plant=None if plant is None else load_arm(plant))
         simulation.write(out)
-        tracking_figure({controller: simulation}).savefig(out / "tracking.png", dpi=120)
+        page = simulation_page(simulation, controller)
+        page.provenance(provenance(arm, seed=simulation.seed))
+        page.write(out / "report.html")
     s = simulation.summary()
     print(f"{controller}: {s['duration_s']:.2f} s simulated")
     print(
@@ -51,6 +54,6 @@ def simulate(
     )
     for line in in_words(s["bounds_reached"]):
         print(line)
-    written = [out / name for name in ("log.csv", "simulation.json", "tracking.png")]
+    written = [out / name for name in ("log.csv", "simulation.json", "report.html")]
     print(f"written: {', '.join(map(str, written))}")
     return Summary(s, written)

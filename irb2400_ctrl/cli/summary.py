@@ -15,6 +15,8 @@ from typing import Annotated, Any
 
 import typer
 
+from irb2400_ctrl.cli.command_line import answered
+
 JsonOption = Annotated[
     bool, typer.Option("--json", help="Print the summary as one JSON object on stdout.")
 ]
@@ -46,7 +48,8 @@ def answers(verb: Callable[..., Summary]) -> Callable[..., None]:
     """A command with the option `--json`; with it the lines that the verb prints go to stderr."""
 
     @functools.wraps(verb)
-    def answered(*args: Any, as_json: bool = False, **kwargs: Any) -> None:
+    def run(context: typer.Context, *args: Any, as_json: bool = False, **kwargs: Any) -> None:
+        answered.set(context)
         with redirect_stdout(sys.stderr) if as_json else nullcontext():
             found = verb(*args, **kwargs)
         if as_json:
@@ -59,12 +62,15 @@ def answers(verb: Callable[..., Summary]) -> Callable[..., None]:
     )
     # typer reads the options from here; names of annotations mean those of the verb's own module
     signature = inspect.signature(verb, eval_str=True)
-    parameters = [*signature.parameters.values(), option]
-    answered.__signature__ = signature.replace(  # type: ignore[attr-defined]
+    first = inspect.Parameter(
+        "context", inspect.Parameter.POSITIONAL_OR_KEYWORD, annotation=typer.Context
+    )
+    parameters = [first, *signature.parameters.values(), option]
+    run.__signature__ = signature.replace(  # type: ignore[attr-defined]
         parameters=parameters, return_annotation=None
     )
-    answered.__annotations__ = {p.name: p.annotation for p in parameters} | {"return": None}
-    return answered
+    run.__annotations__ = {p.name: p.annotation for p in parameters} | {"return": None}
+    return run
 
 
 def _plain(value: Any) -> Any:

@@ -8,6 +8,7 @@ from typing import Annotated
 
 import typer
 
+from irb2400_ctrl.cli.command_line import provenance
 from irb2400_ctrl.cli.options import OutOption, input_file, output_folder
 from irb2400_ctrl.cli.progress import step
 from irb2400_ctrl.cli.summary import Summary, answers
@@ -31,7 +32,7 @@ def sweep(
         int | None, typer.Option(metavar="N", help="Processes here; one per core if absent.")
     ] = None,
 ) -> Summary:
-    """Run every case of a study that is not done yet -> cases.parquet, study.toml, sweep.png."""
+    """Run every case of a study that is not done yet -> cases.parquet, study.toml, report.html."""
     input_file(study, "a study (TOML)")
 
     from irb2400_ctrl.sweep import load_study, run_sweep, summary_text
@@ -56,10 +57,11 @@ def sweep(
             )
             raise typer.Exit(INTERRUPTED) from None
 
-        from irb2400_ctrl.report.sweep_figures import sweep_figure
+        from irb2400_ctrl.report.sweep_page import sweep_page
 
-        picture = out / "sweep.png"
-        sweep_figure(wanted.name, result.lines).savefig(picture, dpi=120)
+        page = sweep_page(result)
+        page.provenance(provenance(seed=wanted.seed))
+        report = page.write(out / "report.html")
     print(f"{wanted.name}: {wanted.cases} cases, {result.ran} run now")
     print(summary_text(result.lines))
     for row in result.problems[:3]:
@@ -67,6 +69,6 @@ def sweep(
             f"case {row['case']} ({row['controller']}, {row['motion']}): {row['status']}, "
             f"{row['message']}"
         )
-    written = [result.table, out / "study.toml", picture]
+    written = [result.table, out / "study.toml", report]
     print(f"written: {', '.join(map(str, written))}")
     return Summary(result.summary(), written)

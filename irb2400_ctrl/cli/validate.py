@@ -8,6 +8,7 @@ from typing import Annotated
 
 import typer
 
+from irb2400_ctrl.cli.command_line import provenance
 from irb2400_ctrl.cli.logs_in import WHAT
 from irb2400_ctrl.cli.options import ColumnsOption, OutOption, input_file, output_folder
 from irb2400_ctrl.cli.progress import step
@@ -45,7 +46,9 @@ def validate(
         seen = [read_log(path, columns=columns, names=arm.joint_names) for path in logs]
         result = run(arm, *seen)
         result.write(out)
-        validation_page(result).write(out / "report.html")
+        page = validation_page(result, arm, seen[0] if len(seen) == 1 else None)
+        page.provenance(provenance(arm))
+        page.write(out / "report.html")
     for log in seen:
         problem = log_problem(arm, log)
         if problem is not None:

@@ -135,21 +135,15 @@ class Excitation:
         return text
 
     def write(self, out: Path | str) -> list[Path]:
-        """Write `trajectory.csv`, `excitation.mod`, `excitation.json` and `excitation.png`; returns
-        their paths. RAPID knows six axes: other arms get no module."""
-        from irb2400_ctrl.excitation.figure import motion_figure
-
+        """Write `trajectory.csv`, `excitation.mod` and `excitation.json`; returns their paths.
+        RAPID knows six axes: other arms get no module."""
         folder = Path(out)
         folder.mkdir(parents=True, exist_ok=True)
-        paths = [
+        return [
             write_atomic(folder / "trajectory.csv", self.trajectory().csv()),
             *([self.program().save(folder / "excitation.mod")] if self.robot.n == 6 else []),
             write_atomic(folder / "excitation.json", json.dumps(self.summary(), indent=2) + "\n"),
-            folder / "excitation.png",
         ]
-        figure = motion_figure(self.robot, self.course, self.tau, self.table, self.group.name)
-        figure.savefig(paths[-1], dpi=120, metadata={"Software": None})
-        return paths
 
 
 __all__ = ["RATE", "Excitation"]

@@ -21,8 +21,8 @@ _BINARY = re.compile(rb"[\x00-\x08\x0e-\x1a\x1c-\x1f]")
 
 
 def text_blocks(path: Path) -> Iterator[bytes]:
-    """The file, in UTF-8, UTF-16 or Windows' code page 1252, as UTF-8 without its mark; "\\n" at the
-    ends of lines, whole lines in every block.
+    """The file, in UTF-8, UTF-16 or Windows' code page 1252, as UTF-8 without its mark; whole lines
+    in every block, "\\n" at their ends.
 
     Never holds more than a few blocks, so that a packed file cannot fill the memory.
 

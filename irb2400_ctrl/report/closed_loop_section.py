@@ -5,7 +5,7 @@ from __future__ import annotations
 from irb2400_ctrl.diagnosis import Diagnosis
 from irb2400_ctrl.report.diagnosis_report import finding_title
 from irb2400_ctrl.report.page import Page
-from irb2400_ctrl.report.simulation_figures import tracking_figure
+from irb2400_ctrl.report.simulation_figures import joint_figure, tracking_figure
 from irb2400_ctrl.simulation.close_the_loop import ClosedLoop
 
 
@@ -61,7 +61,9 @@ def add_closed_loop(page: Page, diagnosis: Diagnosis, loop: ClosedLoop) -> None:
     page.figure(
         tracking_figure(ends),
         "The same motion and structure; only the description behind it differs.",
+        zoomable=True,
     )
+    page.figure(joint_figure(ends), "Largest error of each joint.")
 
 
 def closed_loop_lines(loop: ClosedLoop) -> list[str]:

@@ -11,8 +11,16 @@ import numpy as np
 from irb2400_ctrl.diagnosis import Comparison, Diagnosis, Finding
 from irb2400_ctrl.diagnosis.numbers import off_bodies
 from irb2400_ctrl.effects.base import OPEN_END_S
-from irb2400_ctrl.report.diagnosis_figures import curve_figure, torque_figure
-from irb2400_ctrl.report.page import Page, show
+from irb2400_ctrl.measurement import Log
+from irb2400_ctrl.report.diagnosis_figures import (
+    closer_figures,
+    curve_figure,
+    residual_figure,
+    residuals,
+    torque_figure,
+)
+from irb2400_ctrl.report.page import Grade, Page, show
+from irb2400_ctrl.report.residual_view import residual_view
 from irb2400_ctrl.report.three_lists import (
     LISTS,
     body_lines,
@@ -30,6 +38,14 @@ VERDICTS = {
     "unexplained": "Something is left that no effect of the library makes.",
     "log_not_understood": "The log is not what its columns say: no effect was tried.",
 }
+GRADES: dict[str, Grade] = {
+    "explained": "note",
+    "nothing_missing": "good",
+    "unexplained": "bad",
+    "log_not_understood": "bad",
+}
+UNITS = {"coulomb": "Nm", "viscous": "Nm s/rad", "offset": "Nm", "rotor": "kg m2"}
+"""of recalibrated terms"""
 CHANGES = {
     "explained": "Something has changed since the reference, and it has a name.",
     "nothing_missing": "Nothing has changed since the reference: what is left is noise.",
@@ -48,17 +64,39 @@ def verdict_sentence(diagnosis: Diagnosis) -> str:
     return CHANGES[diagnosis.verdict]
 
 
-def diagnosis_page(diagnosis: Diagnosis, title: str) -> Page:
-    """The whole report."""
+def diagnosis_page(diagnosis: Diagnosis, title: str, log: Log | None = None) -> Page:
+    """The whole report; with the log its motion is replayed too."""
     page = Page(title)
-    add_diagnosis(page, diagnosis)
+    grade: Grade = GRADES[diagnosis.verdict]
+    page.answer(_answer(diagnosis), grade, facts(diagnosis))
+    add_diagnosis(page, diagnosis, log)
     return page
 
 
-def add_diagnosis(page: Page, diagnosis: Diagnosis) -> None:
-    """Verdict and the three lists first, then errors, figures, and what to measure next."""
-    page.heading("Verdict")
-    page.text(verdict_sentence(diagnosis))
+def _answer(diagnosis: Diagnosis) -> str:
+    """The verdict and the names."""
+    named = [
+        f"{entry.kind} on {entry.where} ({entry.confidence} sure)"
+        for which in LISTS
+        for entry in findings_of(diagnosis, which)
+    ]
+    more = f" and {len(named) - 3} more" if len(named) > 3 else ""
+    told = f" {', '.join(named[:3])}{more}." if named else ""
+    return verdict_sentence(diagnosis) + told
+
+
+def facts(diagnosis: Diagnosis) -> list[tuple[str, str]]:
+    """RMSE of each joint before and after."""
+    compared = diagnosis.validation or diagnosis.identification
+    pairs = zip(compared.error_before.rmse, compared.error_after.rmse, strict=True)
+    return [
+        (f"joint {j}, RMSE [Nm]", f"{was:.2f} → {now:.2f}")
+        for j, (was, now) in enumerate(pairs, start=1)
+    ]
+
+
+def add_diagnosis(page: Page, diagnosis: Diagnosis, log: Log | None = None) -> None:
+    """The three lists first, then errors, figures, and what to measure next."""
     for line in _why(diagnosis):
         page.finding(line)
     _add_lists(page, diagnosis)
@@ -71,8 +109,24 @@ def add_diagnosis(page: Page, diagnosis: Diagnosis) -> None:
             )
     if len(diagnosis.logs) > 1:
         page.table("RMSE of each log before and after [Nm]", *log_rows(diagnosis))
+    _add_findings(page, diagnosis)
+    _add_joints(page, diagnosis, log)
+    for which, (heading, _) in LISTS.items():
+        numbers = numbers_of(diagnosis, which)
+        if numbers:
+            page.heading(f"{heading}: every number")
+            page.table("Numbers of the model, SI", *number_rows(numbers))
+    rows = recalibration_rows(diagnosis.recalibrated)
+    if rows:
+        page.heading("Recalibrated")
+        page.text("Terms the model already has, with the values this arm needs.")
+        page.table(
+            "New values", ("term", *(f"joint {j + 1}" for j in range(diagnosis.given.n))), rows
+        )
 
-    compared = diagnosis.validation or diagnosis.identification
+
+def _add_findings(page: Page, diagnosis: Diagnosis) -> None:
+    """Each effect on its own: its law on the log, its numbers, what it may be instead."""
     for finding in diagnosis.findings:
         page.heading(finding_title(finding))
         page.figure(
@@ -93,23 +147,39 @@ def add_diagnosis(page: Page, diagnosis: Diagnosis) -> None:
             curve_figure(rest.curve, "generic form"),
             "What is left, over the signal that orders it best.",
         )
-    for joint in _joints_to_show(diagnosis):
+
+
+def _add_joints(page: Page, diagnosis: Diagnosis, log: Log | None) -> None:
+    """Torque, residual, parity and spectrum of the joints that matter; the motion replayed."""
+    compared = diagnosis.validation or diagnosis.identification
+    joints = _joints_to_show(diagnosis)
+    for joint in joints:
+        page.heading(f"Torque of joint {joint}")
         page.figure(
             torque_figure(compared, joint),
-            f"Joint {joint} on {Path(compared.name).name}: measured torque, model, residual.",
+            f"Joint {joint} on {Path(compared.name).name}, where the model as given is furthest "
+            "off.",
         )
-    for which, (heading, _) in LISTS.items():
-        numbers = numbers_of(diagnosis, which)
-        if numbers:
-            page.heading(f"{heading}: every number")
-            page.table("Numbers of the model, SI", *number_rows(numbers))
-    rows = recalibration_rows(diagnosis.recalibrated)
-    if rows:
-        page.heading("Recalibrated")
-        page.text("Terms the model already has, with the values this arm needs.")
-        page.table(
-            "New values", ("term", *(f"joint {j + 1}" for j in range(diagnosis.given.n))), rows
+        page.figures(
+            [residual_figure(compared, joint)],
+            "What is left, over the whole record.",
+            zoomable=True,
         )
+        page.figures(
+            closer_figures(compared, joint),
+            "Parity with the model as given and with what was found, and the root of the power "
+            "spectrum of what is left.",
+        )
+    # several logs are joined into one record, whose time is not that of the first
+    if log is None or len(diagnosis.logs) > 1 or diagnosis.log_problem is not None:
+        return
+    seen = diagnosis.identification
+    before, after = residuals(seen, joints[0])
+    page.heading("The motion")
+    view = residual_view(
+        diagnosis.robot, log, seen.time, {"before": before, "after": after}, joints[0]
+    )
+    page.arm(view, f"The recorded motion, coloured by what is left on joint {joints[0]}.")
 
 
 def _add_remarks(page: Page, diagnosis: Diagnosis) -> None:
@@ -264,7 +334,8 @@ def parameter_rows(finding: Finding) -> list[list[object]]:
 
 
 def recalibration_rows(recalibrated: Mapping[str, Any]) -> list[list[object]]:
-    """One row per term with a value for each joint (mass data of the links stand in robot.toml)."""
+    """One row per term with a value for each joint (mass data of the links stand in
+    robot.toml)."""
     rows: list[list[object]] = []
     for term, values in recalibrated.items():
         flat = (
@@ -273,7 +344,9 @@ def recalibration_rows(recalibrated: Mapping[str, Any]) -> list[list[object]]:
             else np.empty((0, 0))
         )
         if flat.ndim == 1 and flat.size:
-            rows.append([term, *(float(v) for v in flat)])
+            unit = UNITS.get(term)
+            name = f"{term} [{unit}]" if unit else term
+            rows.append([name, *(float(v) for v in flat)])
     return rows
 
 

@@ -4,12 +4,16 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
+
 from irb2400_ctrl.report.closed_loop_section import add_closed_loop, closed_loop_lines
-from irb2400_ctrl.report.diagnosis_report import add_diagnosis, finding_title
+from irb2400_ctrl.report.diagnosis_report import add_diagnosis, finding_title, verdict_sentence
 from irb2400_ctrl.report.main_job import TORQUE_SHARE, MainJob
 from irb2400_ctrl.report.page import Page
-from irb2400_ctrl.report.plan_figures import plan_figures
-from irb2400_ctrl.report.simulation_figures import torque_figure, tracking_figure
+from irb2400_ctrl.report.plan_page import add_plan
+from irb2400_ctrl.report.plan_page import sentence as plan_sentence
+from irb2400_ctrl.report.simulation_figures import joint_figure, torque_figures, tracking_figure
+from irb2400_ctrl.report.simulation_page import arm_view
 
 STEPS = (
     "One symbolic model of the arm does everything on this page: it times a CAM toolpath under "
@@ -20,10 +24,13 @@ STEPS = (
 
 
 def main_page(job: MainJob) -> Page:
-    """report.html of `irb2400 demo`."""
+    """report.html of `irb2400 demo`: what was found and what it is worth, then step by step."""
     page = Page(f"{job.robot.name}: from toolpath and log to a better controller")
+    page.answer(_sentence(job), "good", _facts(job))
     page.text(STEPS)
-    _add_plan(page, job)
+    page.heading("The toolpath")
+    page.text(plan_sentence(job.plan.summary()))
+    add_plan(page, job.plan)
     _add_code(page, job)
     _add_tracking(page, job)
     page.heading("What does the model lack?")
@@ -32,53 +39,36 @@ def main_page(job: MainJob) -> Page:
         "compared with the "
         "model as given. The error after is reported on the other motion of the same arm."
     )
-    add_diagnosis(page, job.diagnosis)
+    page.finding(verdict_sentence(job.diagnosis))
+    add_diagnosis(page, job.diagnosis, job.log)
     add_closed_loop(page, job.diagnosis, job.closed_loop)
     return page
 
 
-def _add_plan(page: Page, job: MainJob) -> None:
-    s = job.plan.summary()
-    page.heading("The toolpath")
-    page.text(
-        f"{s['points']} points of {s['path']}, {s['length_mm']:,.0f} mm, in {s['duration_s']:.2f} "
-        "s. "
-        f"Tool rotation: {s['tool_rotation']}. "
-        + ("The torque bound holds at every instant by construction." if s["guaranteed"] else "")
-    )
-    margin = s["singularity_margin"]
-    page.table(
-        "The plan in numbers",
-        ("quantity", "value"),
-        [
-            ["TCP deviation, at most [mm]", float(s["max_tcp_deviation_mm"])],
-            ["tool axis deviation, at most [deg]", float(s["max_tool_axis_deviation_deg"])],
-            ["margin to the wrist singularity, |sin q5|", float(margin["wrist"])],
-            ["margin to the shoulder singularity [m]", float(margin["shoulder"])],
-            ["margin to the elbow singularity [m]", float(margin["elbow"])],
-            ["clearance, at least [mm]", s["clearance_mm"]["value"] or "not known"],
-            [
-                f"torque over {100 * TORQUE_SHARE:.0f} % of its limit, at most",
-                float(s["max_torque_ratio"]),
-            ],
-            ["speed over limit, at most", float(s["max_velocity_ratio"])],
-            *_feed_rows(s["feed"]),
-        ],
-    )
-    for caption, figure in plan_figures(job.plan).items():
-        page.figure(figure, caption)
+def _sentence(job: MainJob) -> str:
+    """What the log showed, and what it is worth."""
+    found = ", ".join(finding_title(finding) for finding in job.diagnosis.findings)
+    runs = {name: run.summary()["tcp_error_mm"] for name, run in job.closed_loop.runs.items()}
+    before = runs["given"]["rms"]
+    after = runs["diagnosed"]["rms"]
+    lacked = f"The log shows what the model lacked: {found}" if found else "The model lacks nothing"
+    return f"{lacked}. The controller made again tracks to {after:.3f} mm rms, before {before:.3f}."
 
 
-def _feed_rows(feed: dict[str, Any] | None) -> list[list[object]]:
-    """On how much of the path the programmed feed is held, and what limits most of the rest."""
-    if feed is None:
-        return []
-    rows: list[list[object]] = [
-        ["programmed feed held, share of its path", float(feed["share_at_feed"])]
+def _facts(job: MainJob) -> list[tuple[str, str]]:
+    plan = job.plan.summary()
+    compared = job.diagnosis.validation or job.diagnosis.identification
+    joint = int(np.argmax(compared.error_before.rmse / compared.error_after.rmse))
+    was = compared.error_before.rmse[joint]
+    now = compared.error_after.rmse[joint]
+    equal = sum(v.passed for v in job.packages.values())
+    return [
+        (f"joint {joint + 1}, RMSE", f"{was:.2f} → {now:.2f} Nm"),
+        ("its noise floor", f"{job.diagnosis.noise_floor[joint]:.2f} Nm"),
+        ("toolpath", f"{plan['duration_s']:.1f} s"),
+        ("torque, at most", f"{100 * TORQUE_SHARE * plan['max_torque_ratio']:.0f} % of limit"),
+        ("C packages equal to the model", f"{equal} of {len(job.packages)}"),
     ]
-    for limit, length in list(feed["below_by_limit_mm"].items())[:3]:
-        rows.append([f"below the feed for the {limit} [mm]", float(length)])
-    return rows
 
 
 def _add_code(page: Page, job: MainJob) -> None:
@@ -111,12 +101,13 @@ def _add_tracking(page: Page, job: MainJob) -> None:
         rows.append([name, *(float(v) for v in errors)])
     head = ("controller", "TCP rms [mm]", "TCP max [mm]", "contour rms [mm]", "contour max [mm]")
     page.table("Tracking of the toolpath", head, rows)
-    page.figure(
-        tracking_figure(job.tracking),
-        "Distance of the TCP from its reference, and the worst of each joint.",
+    page.figure(tracking_figure(job.tracking), "Distance of the TCP from its reference.", True)
+    page.figure(joint_figure(job.tracking), "Largest error of each joint.")
+    best = job.tracking["computed_torque"]
+    page.arm(arm_view(best), "The arm under computed_torque.")
+    page.figures(
+        torque_figures(best), "Torque under computed_torque; limits are dashed.", zoomable=True
     )
-    best = "computed_torque"
-    page.figure(torque_figure(job.tracking[best], best), "Torque of each joint against its limits.")
 
 
 def summary(job: MainJob) -> dict[str, Any]:

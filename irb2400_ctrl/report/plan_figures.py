@@ -1,16 +1,17 @@
-"""Figures of a plan: joint angles, singularity margins and torque along the path, against their
-limits."""
+"""Figures of a planned motion: torque, speed and angles against their limits, margins, feed."""
 
 from __future__ import annotations
-
-from pathlib import Path
 
 import numpy as np
 from matplotlib.figure import Figure
 
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.planners import Plan
-from irb2400_ctrl.report.rotation_figure import rotation_figure
+from irb2400_ctrl.report.arm_view import Colouring
+from irb2400_ctrl.report.plots import Line, joint_plots, over_time
+from irb2400_ctrl.robot import Robot
+from irb2400_ctrl.trajectory import Trajectory
 
 MARGINS = (
     ("wrist", "wrist |sin q5| [-]"),
@@ -18,97 +19,66 @@ MARGINS = (
     ("elbow", "elbow |k| [m]"),
 )
 
-# a figure is 1080 pixels wide
-_MOST_ROWS = 2000
+
+def tip_speed(motion: Trajectory) -> Array:
+    """Speed of the TCP [mm/s], shape (m,)."""
+    assert motion.s is not None  # the way of the TCP: every plan has it
+    return np.abs(np.gradient(1e3 * motion.s, motion.time))
 
 
-def plan_figures(plan: Plan) -> dict[str, Figure]:
-    """Caption -> figure."""
-    return {
-        "Torque of each joint along the motion; the limits are dashed.": torque_figure(plan),
-        "Distance from the three singularities; the dashed line is the smallest value over the "
-        "whole path.": (margin_figure(plan)),
-        "Joint angles along the motion; the ends of the joint box are dashed.": joint_figure(plan),
-    }
+def torque_figures(motion: Trajectory, limits: Array) -> list[Figure]:
+    """Torque of each joint; limits (n,) [Nm]."""
+    assert motion.tau is not None
+    return joint_plots(
+        motion.time, [Line(motion.tau)], "torque {joint} [Nm]", limits=(-limits, limits)
+    )
 
 
-def save_figures(plan: Plan, out: Path) -> list[Path]:
-    """Write torque.png, margins.png, joints.png and, if there is one, the rotation_map.png into a
-    folder; returns their paths."""
-    figures = dict(zip(("torque", "margins", "joints"), plan_figures(plan).values(), strict=True))
-    if plan.rotation_map is not None:
-        figures["rotation_map"] = rotation_figure(plan.rotation_map)
-    paths = []
-    for name, figure in figures.items():
-        paths.append(out / f"{name}.png")
-        figure.savefig(paths[-1], dpi=120, metadata={"Software": None})
-    return paths
+def speed_figures(motion: Trajectory, robot: Robot) -> list[Figure]:
+    """Speed of each joint."""
+    limit = np.degrees(robot.qd_max)
+    lines = [Line(np.degrees(motion.qd))]
+    return joint_plots(motion.time, lines, "speed {joint} [deg/s]", limits=(-limit, limit))
 
 
-def torque_figure(plan: Plan) -> Figure:
-    """Torque over time, one plot a joint."""
-    limits = plan.certificate.limits.tau_max
-    return _joint_plots(plan, plan.tau, -limits, limits, "torque", "Nm")
+def angle_figures(motion: Trajectory, robot: Robot) -> list[Figure]:
+    """Angle of each joint and the ends of its range."""
+    ends = (np.degrees(robot.q_min), np.degrees(robot.q_max))
+    return joint_plots(
+        motion.time, [Line(np.degrees(motion.q))], "angle {joint} [deg]", limits=ends
+    )
 
 
-def joint_figure(plan: Plan) -> Figure:
-    """Joint angles over time, one plot a joint."""
-    low = np.degrees(plan.robot.q_min)
-    high = np.degrees(plan.robot.q_max)
-    return _joint_plots(plan, np.degrees(plan.trajectory.q), low, high, "angle", "deg")
+def margin_figures(motion: Trajectory, robot: Robot, least: dict[str, float]) -> list[Figure]:
+    """The three singularity factors, with their smallest values over the continuous path."""
+    factors = np.abs(Model(robot).singularity_factors(motion.q))
+    return [
+        over_time(motion.time, [Line(values)], label, [least[name]], floor=0.0)
+        for (name, label), values in zip(MARGINS, factors.T, strict=True)
+    ]
 
 
-def margin_figure(plan: Plan) -> Figure:
-    """The three singularity factors over time, with their smallest values over the continuous
-    path."""
-    figure = _figure(6.0)
-    factors = np.abs(Model(plan.robot).singularity_factors(plan.trajectory.q))
-    time, shown = _thin(plan.trajectory.time, factors)
-    for axis, (name, label), values in zip(
-        figure.subplots(3, 1, sharex=True), MARGINS, shown.T, strict=True
-    ):
-        axis.plot(time, values, lw=1.0)
-        axis.axhline(plan.singularity_margin[name], color="tab:red", ls="--", lw=0.9)
-        axis.set_ylabel(label)
-        axis.set_ylim(bottom=0)
-        axis.grid(alpha=0.3)
-    axis.set_xlabel("time [s]")
-    return figure
+def feed_figure(motion: Trajectory, plan: Plan | None) -> Figure:
+    """Speed of the TCP, and what the file programs."""
+    lines = [Line(tip_speed(motion), label="driven")]
+    if plan is not None and np.isfinite(plan.path.feed).any():
+        # the feed of a point holds on the way to it
+        later = np.searchsorted(plan.point_times, motion.time)
+        feed = 1e3 * plan.path.feed[np.minimum(later, len(plan.path.feed) - 1)]
+        programmed = Line(np.where(np.isfinite(feed), feed, np.nan), "0.6", "programmed", 2.0)
+        lines.insert(0, programmed)
+    return over_time(motion.time, lines, "TCP [mm/s]", floor=0.0)
 
 
-def _figure(height: float) -> Figure:
-    """Margins stated: working them out from the labels takes longer than drawing."""
-    figure = Figure(figsize=(9.0, height))
-    figure.subplots_adjust(left=0.09, right=0.985, top=0.98, bottom=0.08, wspace=0.24, hspace=0.14)
-    return figure
-
-
-def _thin(time: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Smallest and largest of groups of rows, where there are more rows than a figure shows; values
-    (m, k)."""
-    group = len(time) // _MOST_ROWS
-    if group < 2:
-        return time, values
-    count = len(time) // group * group
-    parts = values[:count].reshape(-1, group, values.shape[1])
-    both = np.stack([parts.min(axis=1), parts.max(axis=1)], axis=1)
-    times = np.repeat(time[:count:group], 2)
-    return np.append(times, time[-1]), np.vstack([both.reshape(-1, values.shape[1]), values[-1]])
-
-
-def _joint_plots(
-    plan: Plan, values: np.ndarray, low: np.ndarray, high: np.ndarray, what: str, unit: str
-) -> Figure:
-    n = values.shape[1]
-    time, values = _thin(plan.trajectory.time, values)
-    figure = _figure(7.0)
-    axes = figure.subplots((n + 1) // 2, 2, sharex=True).ravel()
-    for j in range(n):
-        axes[j].plot(time, values[:, j], lw=0.9)
-        for limit in (low[j], high[j]):
-            axes[j].axhline(limit, color="tab:red", ls="--", lw=0.9)
-        axes[j].set_ylabel(f"{what} {j + 1} [{unit}]")
-        axes[j].grid(alpha=0.3)
-    for axis in axes[-2:]:
-        axis.set_xlabel("time [s]")
-    return figure
+def colourings(motion: Trajectory, robot: Robot, limits: Array) -> tuple[Colouring, ...]:
+    """What the tool's way may be coloured by."""
+    assert motion.tau is not None
+    factors = np.abs(Model(robot).singularity_factors(motion.q))
+    return (
+        Colouring("feed", "mm/s", tip_speed(motion)),
+        Colouring("torque share", "%", 100 * np.abs(motion.tau / limits).max(axis=1)),
+        Colouring("speed share", "%", 100 * np.abs(motion.qd / robot.qd_max).max(axis=1)),
+        Colouring("wrist margin |sin q5|", "", factors[:, 0], 2),
+        Colouring("shoulder margin", "m", factors[:, 1], 2),
+        Colouring("elbow margin", "m", factors[:, 2], 2),
+    )

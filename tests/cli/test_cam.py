@@ -83,7 +83,7 @@ def test_each_operation_into_its_folder(file: Path) -> None:
     summary = json.loads((out / "program.json").read_text())
     told = json.loads(done.stdout)
     assert told["program"] == summary
-    assert "out/01_Face_it/torque.png" in told["written"]
+    assert "out/01_Face_it/report.html" in told["written"]
     assert [o["planned"] for o in summary["operations"]] == [True, False]
     assert summary["operations"][0]["folder"] == "01_Face_it"
     assert summary["transfers_not_planned"][0]["from"] == 1
@@ -91,7 +91,7 @@ def test_each_operation_into_its_folder(file: Path) -> None:
     assert plan["guaranteed"] is True
     # 93 mm at 20 mm/s, 30 of them
     assert plan["duration_s"] > (30 + 20 * np.pi) / 20
-    assert (out / "01_Face_it" / "torque.png").is_file()
+    assert (out / "01_Face_it" / "report.html").is_file()
 
 
 def test_one_operation_into_the_folder_itself(file: Path) -> None:

@@ -138,7 +138,7 @@ def test_the_page(
             assert not end.code, capsys.readouterr().err  # noqa: PT017
     for name in ("robot.toml", "identification.json", "covariance.json", "report.html"):
         assert (tmp_path / "arm" / name).stat().st_size > 1000, name
-    assert "<img" in (tmp_path / "checked" / "report.html").read_text()
+    assert "<svg" in (tmp_path / "checked" / "report.html").read_text()
     told = json.loads((tmp_path / "arm" / "identification.json").read_text())
     checked = json.loads((tmp_path / "checked" / "validation.json").read_text())
     assert told["logs"][0]["role"] == "identification"

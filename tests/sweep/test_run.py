@@ -17,7 +17,7 @@ from sweep import studies
 from sweep.studies import CASES, SMALL, TRACE, attempts, small
 
 from irb2400_ctrl.errors import InputError, IrbError
-from irb2400_ctrl.report.sweep_figures import sweep_figure
+from irb2400_ctrl.report.sweep_page import sweep_page
 from irb2400_ctrl.sweep import run_sweep, summary_text
 from irb2400_ctrl.sweep.journal import log_path
 from irb2400_ctrl.sweep.table import summarise
@@ -177,7 +177,7 @@ def test_runs_that_fail_say_so_in_the_table(tmp_path: Path) -> None:
     assert [row["case"] for row in told["problems"]] == [row["case"] for row in sweep.problems]
     assert all(row["message"] for row in told["problems"])
     assert [line["failed"] for line in told["lines"]] == [line.failed for line in sweep.lines]
-    sweep_figure("nothing to see", sweep.lines).savefig(tmp_path / "empty.png")
+    assert f"{len(sweep.problems)} of {len(sweep.rows)} runs failed" in sweep_page(sweep).html()
 
 
 def test_quantiles_of_the_summary() -> None:
@@ -252,4 +252,4 @@ def test_command_stopped_and_started_again(
     assert f"{LONG_CASES} cases, {LONG_CASES - saved} run now" in done.stdout
     assert done.stderr == ""
     assert read(out).equals(read(long_alone))
-    assert (out / "sweep.png").stat().st_size > 10_000
+    assert "95 % of the runs of" in (out / "report.html").read_text()

@@ -84,7 +84,7 @@ def plan_all(
             **options,
         )
         say(f"{task}: writing")
-        written = _write(found, out, rapid, options)
+        written = _write(found, arm, out, rapid, options)
     return _told(found, program, out, written)
 
 
@@ -105,26 +105,32 @@ def plan_parts(
     from irb2400_ctrl.planners.program_plan import plan_unwound
 
     found = plan_unwound(arm, program, links, because, **options)
-    written = _write(found, out, rapid, options)
+    written = _write(found, arm, out, rapid, options)
     return _told(found, program, out, written)
 
 
 def _write(
-    found: ProgramPlan, out: Path, rapid: RapidOptions | None, options: dict[str, Any]
+    found: ProgramPlan, arm: Robot, out: Path, rapid: RapidOptions | None, options: dict[str, Any]
 ) -> list[Path]:
     """All files; one RAPID module of the whole, or one of each plan where nothing links them."""
     from irb2400_ctrl.planners.linking.operation_runs import frame_of
+    from irb2400_ctrl.planners.program_plan import with_its_tool
 
     written = found.write(out)
     for done in found.operations:
         for folder, run in done.folders():
-            names = figures(run.plan, out / folder)
+            chosen = with_its_tool(done.operation, options)
+            title = f"Plan of operation {done.operation.number}, {done.operation.name}"
+            names = [report(run.plan, out / folder, arm, title, chosen)]
             if rapid is not None and found.motion is None:
                 whole = done.operation if len(done.runs) == 1 else None
                 names += write_plan_module(run.plan, whole, rapid, frame_of(options), out / folder)
             written += [out / folder / name for name in names]
-    if rapid is not None and found.motion is not None:
-        names = write_motion_module(found.motion, rapid, frame_of(options), out)
+    if found.motion is not None:
+        title = f"Plan of {found.program.name}"
+        names = [report(found.motion, out, arm, title, options)]
+        if rapid is not None:
+            names += write_motion_module(found.motion, rapid, frame_of(options), out)
         written += [out / name for name in names]
     return written
 
@@ -174,11 +180,20 @@ def print_feed(feed: dict[str, Any] | None) -> None:
     print(f"{text}; below it: {', '.join(below)}" if below else text)
 
 
-def figures(planned: Plan, out: Path) -> list[str]:
-    """The figures; their names."""
-    from irb2400_ctrl.report.plan_figures import save_figures
+def report(
+    planned: Plan | ProgramMotion, out: Path, arm: Robot, title: str, options: dict[str, Any]
+) -> str:
+    """The report; its name."""
+    from irb2400_ctrl.cli.command_line import provenance
+    from irb2400_ctrl.report.plan_page import plan_page
 
-    return [path.name for path in save_figures(planned, out)]
+    cell = options.get("cell")
+    # a program may change its tool; the picture of the whole has the one that was asked for
+    tool = None if cell is None or options.get("tool") is None else cell.tool(options["tool"])
+    page = plan_page(planned, title, arm, cell, tool)
+    page.provenance(provenance(arm))
+    page.write(out / "report.html")
+    return "report.html"
 
 
 def _files(found: ProgramPlan) -> str:

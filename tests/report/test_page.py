@@ -1,0 +1,165 @@
+"""A page is whole: it answers first, loads nothing, lets no stranger's text through, is the same
+each time."""
+
+from __future__ import annotations
+
+import html
+import re
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+from matplotlib.figure import Figure
+
+import irb2400_ctrl as irb
+from irb2400_ctrl.report import ArmView, Colouring, Page, Provenance
+from irb2400_ctrl.report.glossary import WORDS
+from irb2400_ctrl.report.inline_svg import COLOURS
+from irb2400_ctrl.report.page import TEMPLATES
+from irb2400_ctrl.report.plots import Line, joint_plots, parity, spectrum, thin
+
+STRANGER = "<script>alert('x')</script>&\"'"
+
+
+def figures(name: str = "torque {joint} [Nm]") -> list[Figure]:
+    time = np.linspace(0.0, 2.0, 200)
+    return joint_plots(time, [Line(np.sin(time[:, None] * [1.0, 2.0]))], name)
+
+
+@cache
+def page(text: str = "plain") -> Page:
+    return fresh(text)
+
+
+def fresh(text: str = "plain") -> Page:
+    made = Page(f"Plan of {text}")
+    made.answer(f"It can be driven: {text}.", "good", [("duration", "3.2 s"), (text, text)])
+    for k in range(3):
+        made.heading(f"Part {k} of {text}")
+        made.text(f"The noise floor and the TCP of {text}.")
+        made.finding(text)
+        made.table(text, (text, "mass [kg]"), [[text, 1.23456], ["b", 12345.6]])
+        made.figures(figures(text + " {joint}"), text, zoomable=True)
+    robot = irb.load_robot("irb2400")
+    time = np.linspace(0.0, 1.0, 30)
+    q = np.outer(np.sin(time), np.ones(6))
+    made.arm(ArmView(robot, time, q, (Colouring(text, "mm/s", time),)), text)
+    made.provenance(Provenance.of(robot, [Path(__file__)], f"irb2400 plan {text}", seed=3))
+    return made
+
+
+def test_answer_is_the_first_thing_said() -> None:
+    text = page().html()
+    body = text[text.index("<main") :]
+    assert body.index("It can be driven") < body.index("<nav") < body.index("<section")
+    assert "3.2 s" in body[: body.index("<nav")]
+
+
+def test_nothing_is_loaded_from_elsewhere() -> None:
+    text = page().html()
+    assert re.findall(r'(?:src|href)="(?!#|data:)[^"]*"', text) == []
+    assert "http" not in re.sub(r'xmlns(:\w+)?="[^"]*"|"http://www.w3.org/2000/svg"', "", text)
+    assert "@import" not in text
+
+
+def test_a_strangers_text_stays_text() -> None:
+    made = page(STRANGER).html()
+    assert "<script>alert" not in made
+    assert html.escape(STRANGER, quote=False)[:20] in made
+
+
+def test_the_same_page_is_the_same_bytes() -> None:
+    assert page().html() == fresh().html()
+    assert not re.search(r"\b20\d\d-\d\d-\d\d", page().html())
+
+
+def test_ids_are_unique_and_links_lead_somewhere() -> None:
+    text = page().html()
+    ids = re.findall(r'\bid="([^"]+)"', text[text.index("<main") :])
+    assert len(ids) == len(set(ids))
+    links = re.findall(r'href="#([^"]+)"', text) + re.findall(r"url\(#([^)]+)\)", text)
+    assert set(links) <= set(ids)
+
+
+def test_figures_take_the_colours_of_the_page() -> None:
+    """Black letters on a black page is what a figure with colours of its own gives."""
+    text = page().html()
+    svgs = re.findall(r"<svg.*?</svg>", text, re.DOTALL)
+    assert len(svgs) == 6
+    assert not any(re.search(r"#[0-9a-fA-F]{6}\b", svg) for svg in svgs)
+    css = (TEMPLATES / "page.css").read_text()
+    light, dark, _ = re.findall(r":root \{(.*?)\}", css, re.DOTALL)
+    for variable in set(COLOURS.values()) | {"quiet", "line", "soft"}:
+        assert f"--{variable}:" in light
+        assert f"--{variable}:" in dark
+
+
+def test_numbers_of_a_figure_are_not_rounded_away() -> None:
+    """Places are rounded, what a reader reads is not."""
+    figure = Figure(figsize=(4.0, 2.0))
+    axis = figure.subplots()
+    axis.plot([0.0, 0.025], [0.0, 1.23456])
+    axis.set_title("rms 0.11438 mm")
+    axis.set_xticks([0.0, 0.0125, 0.025])
+    made = Page("x")
+    made.figure(figure, "c")
+    for text in ("0.0125", "rms 0.11438 mm"):
+        assert text in made.html()
+
+
+def test_nothing_is_wider_than_a_phone() -> None:
+    """What may be wide scrolls in itself: tables, wide figures; grids fall back to one column."""
+    css = (TEMPLATES / "page.css").read_text()
+    text = page().html()
+    body = text[text.index("<main") :]
+    assert body.count("<table") == body.count('<div class="scroll"><table') == 3
+    assert body.count('<svg class="plot"') == body.count('<div class="plotbox"><svg')
+    for rule in (".scroll { overflow-x: auto", ".plotbox { overflow-x: auto", "minmax(min(100%,"):
+        assert rule in css
+    assert not re.search(r"(?<![-\w])width: \d{3,}px", css)
+    assert 'name="viewport" content="width=device-width' in text
+
+
+def test_words_are_explained_where_they_are_used_first() -> None:
+    text = page().html()
+    assert text.count('href="#word-noise-floor"') == 1
+    assert html.escape(WORDS["noise floor"]) in text
+    assert "word-elbow-singularity" not in text
+
+
+def test_provenance_names_command_robot_effects_hashes_and_seed() -> None:
+    text = page().html()
+    end = text[text.index('id="provenance"') :]
+    for part in ("irb2400 plan plain", irb.__version__, "ABB IRB 2400", "none", "sha256", "seed"):
+        assert part in end
+    assert len(re.findall(r"\b[0-9a-f]{64}\b", end)) == 2
+
+
+def test_gaps_and_peaks_survive_thinning() -> None:
+    time = np.linspace(0.0, 100.0, 100_000)
+    values = np.sin(time)
+    values[5000] = 40.0
+    values[20_000:40_000] = np.nan
+    x, y = thin(time, values)
+    assert len(x) < 4000
+    assert np.nanmax(y) == 40.0
+    assert np.isnan(y[(x > 20.5) & (x < 39.5)]).all()
+    assert x[0] == 0.0
+    assert x[-1] == 100.0
+
+
+def test_spectrum_and_parity_take_gaps() -> None:
+    residual = np.random.default_rng(1).normal(size=1000)
+    residual[100:300] = np.nan
+    made = Page("x")
+    lines = [("before", residual, "tab:red"), ("after", residual, "tab:blue")]
+    made.figures([spectrum(lines, 250.0, 1), parity(np.arange(9.0), np.arange(9.0), 2)], "c")
+    assert made.html().count("<svg") == 2
+
+
+@pytest.mark.parametrize("name", ["arm.js", "zoom.js"])
+def test_scripts_keep_to_themselves(name: str) -> None:
+    script = (TEMPLATES / name).read_text()
+    for word in ("fetch(", "XMLHttpRequest", "localStorage", "cookie", "innerHTML", "eval("):
+        assert word not in script
