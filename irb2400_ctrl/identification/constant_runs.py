@@ -8,7 +8,7 @@ friction at that speed (eq. 73), half the sum is gravity with the offset of the 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -23,8 +23,11 @@ SHORTEST = 0.4
 """[s] of a run"""
 BEND = 0.1
 """change of the speed within a window, over the speed, up to which it is constant"""
-UNSTEADY = 0.25
+UNSTEADY = 0.12
 """scatter of the speed over 40 ms, over the speed, from which a joint sticks and slips"""
+JUMPY = 1.6
+"""scatter of the torque from sample to sample, over that of the fast runs, up to which a run is
+steady"""
 GLIMPSE = 0.040
 """[s] over which that scatter is taken"""
 REST = 0.02
@@ -84,7 +87,8 @@ def runs_of(log: Log) -> list[Run]:
     width = max(3, round(WINDOW / motion.step))
     if len(motion.time) < 4 * width:
         return []
-    noise = np.std(np.diff(motion.q, 2, axis=0), axis=0) / np.sqrt(6.0)
+    # the middle of it: a drive that hunts for a while is no noise
+    noise = np.median(np.abs(np.diff(motion.q, 2, axis=0)), axis=0) / (0.6745 * np.sqrt(6.0))
     speed = _speed(motion.q, width, motion.step)
     least = 5.0 * noise / WINDOW + 1e-6
     ahead = np.roll(speed, -(width // 2), axis=0)
@@ -95,9 +99,27 @@ def runs_of(log: Log) -> list[Run]:
         others = np.delete(np.abs(speed), j, axis=1)
         even = np.abs(ahead[:, j] - behind[:, j]) < BEND * own
         runs = even & (own > least[j]) & (others < REST).all(axis=1) & motion.valid
-        found += _stretches(log.name, motion, j, runs & (speed[:, j] > 0), float(noise[j]))
-        found += _stretches(log.name, motion, j, runs & (speed[:, j] < 0), float(noise[j]))
+        own_runs = _stretches(log.name, motion, j, runs & (speed[:, j] > 0), float(noise[j]))
+        own_runs += _stretches(log.name, motion, j, runs & (speed[:, j] < 0), float(noise[j]))
+        found += _judged(sorted(own_runs, key=lambda run: float(run.time[0])))
     return found
+
+
+def _judged(runs: Sequence[Run]) -> list[Run]:
+    """Runs of one joint in the order of time; those are not steady whose torque jumps from sample
+    to sample more than on fast runs, or that a slip has cut in two."""
+    if not runs:
+        return []
+    jumps = np.array([np.std(np.diff(run.torque, 2)) for run in runs])
+    speed = np.array([run.speed for run in runs])
+    calm = np.median(jumps[np.abs(speed) >= np.median(np.abs(speed))])
+    same = np.abs(np.diff(speed)) < SAME_SPEED * np.abs(speed[:-1])
+    cut = np.concatenate([[False], same]) | np.concatenate([same, [False]])
+    steady = (jumps <= JUMPY * calm) & ~cut
+    return [
+        replace(run, steady=run.steady and bool(calmly))
+        for run, calmly in zip(runs, steady, strict=True)
+    ]
 
 
 def _speed(q: Array, width: int, step: float) -> Array:

@@ -23,7 +23,7 @@ from irb2400_ctrl.identification.prior import DEGREES_OF_FREEDOM, Prior
 MOST_WIDTH = 30.0
 """masses off by 60 %, centres by 15 cm: beyond it something else moves the arm"""
 SETTLED = 0.02
-"""relative change of the widths at which they are done"""
+"""relative change of noise and widths at which they are done"""
 LEAST_WIDTH = 0.5
 """of a body, as a share of what the file states: it is not taken for surer than that"""
 
@@ -84,15 +84,16 @@ def estimate(
         else:
             theta = covariance @ b
         left = data.squared_error(theta)[0] / count
+        before = np.concatenate([noise, widths])
         if sigma is None:
             noise = np.sqrt(np.maximum(left, 1e-12 * mean_square + 1e-18))
         if kappa is None:
             nu = DEGREES_OF_FREEDOM
             moved = prior.distance(theta, covariance)
-            before = widths
             widths = np.clip(np.sqrt((nu + moved) / (nu + 10.0)), LEAST_WIDTH, MOST_WIDTH)
-            if np.abs(np.log(widths / before)).max() < SETTLED:
-                break
+        # a noise that still falls has not yet let the logs speak
+        if np.abs(np.log(np.concatenate([noise, widths]) / before)).max() < SETTLED:
+            break
     return Estimate(theta, covariance, noise, widths)
 
 

@@ -25,8 +25,9 @@ ASIDE = 100.0
 """width of the bodies at which the file hardly counts"""
 USUAL = 10.0
 """samples that say the same thing, before it is known"""
-CLEAR = 10.0
-"""log evidence that an extra must bring [nats], the first of its kind: drives are alike"""
+CLEAR = {"coupling": 10.0, "balancer": 10.0, "stribeck": 10.0, "reading": 0.0}
+"""log evidence that an extra must bring [nats], the first of its kind: drives are alike. A reading
+is no device of its own but the sign that plain least squares leaves a rotor"""
 HARM = 0.05
 """and no joint may leave so much more on unseen stretches [-]"""
 LEAST_GAIN = 0.05
@@ -193,7 +194,8 @@ def _chosen(base: Fit, sums: Moments, prior: Prior, whole: ColumnLayout) -> tupl
         good = [
             extra
             for extra in good
-            if trials[extra].evidence > now.evidence + (0.0 if extra.kind in like else CLEAR)
+            if trials[extra].evidence
+            > now.evidence + (0.0 if extra.kind in like else CLEAR[extra.kind])
         ]
         if not good:
             return chosen

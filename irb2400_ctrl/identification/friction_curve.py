@@ -22,11 +22,11 @@ FOR_STRIBECK = 6
 """speeds through which the rise at low speed is drawn as well"""
 CLEAR = 20.0
 """fall of the scaled squares that the rise must bring, two numbers being free"""
-RIGHT = 0.005
+RIGHT = 0.01
 """of friction: what the law itself is worth, so that no point is taken for exact [-]"""
 BENT = 3.0
 """Stribeck speeds up to which friction still bends"""
-CAUGHT = 2.0
+CAUGHT = 1.0
 """Stribeck speeds below which the slowest run must lie for the rise to be seen, not guessed"""
 MOSTLY = 0.3
 """share of a log of slow runs that is runs; the rest are moves between them"""
@@ -66,7 +66,8 @@ class FrictionCurve:
             worst = max(abs(run.speed) for run in self.left_out)
             said += f"; {len(self.left_out)} runs up to {worst:.2g} rad/s stick and slip, left out"
         if not self.shows_rise:
-            said += "; more friction at low speed is not shown: slower runs would help"
+            said += "; more friction at low speed is not shown and stays as in the file"
+            said += "" if self.left_out else ": slower runs would help"
         return said
 
     def to_json(self) -> dict[str, Any]:

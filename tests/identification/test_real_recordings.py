@@ -17,8 +17,8 @@ GOAL = 1.05
 ABOVE = {
     # above the goal today: a little more than what they reach, so that they do not get worse
     "kr300": {6: 1.15},
-    "tx40": {2: 1.22},
-    "ur10": {3: 1.10, 4: 1.15, 5: 1.28, 6: 1.08},
+    "tx40": {2: 1.25},
+    "ur10": {3: 1.09, 4: 1.13, 5: 1.19, 6: 1.14},
 }
 
 
