@@ -14,7 +14,9 @@ from irb2400_ctrl.cli.summary import Summary, answers
 if TYPE_CHECKING:
     from irb2400_ctrl.plausibility import LogCheck
 
-app = typer.Typer(help="Look at a log before anything is made of it.", no_args_is_help=True)
+app = typer.Typer(
+    help="Look at a log before anything is made of it.", no_args_is_help=True, rich_markup_mode=None
+)
 
 
 @app.callback()
