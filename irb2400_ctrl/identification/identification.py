@@ -16,6 +16,7 @@ from irb2400_ctrl.files import write_atomic
 from irb2400_ctrl.identification.columns import ColumnLayout
 from irb2400_ctrl.identification.gate import Verdict
 from irb2400_ctrl.identification.moved import Moved
+from irb2400_ctrl.notebook import Displayed
 from irb2400_ctrl.robot import Robot, save_robot
 
 
@@ -56,7 +57,7 @@ class LogResult:
 
 
 @dataclass(frozen=True)
-class Identification:
+class Identification(Displayed):
     """The result of `identify`.
 
     Args:

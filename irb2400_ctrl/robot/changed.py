@@ -26,7 +26,9 @@ def changed(robot: Robot, settings: Sequence[str]) -> Robot:
         place, found, value = text.partition("=")
         keys = [key.strip() for key in place.split(".")]
         if not found or not all(keys):
-            raise InputError(f"--set: found {text!r}, expected PLACE=VALUE, as tool.body.mass_kg=25")
+            raise InputError(
+                f"--set: found {text!r}, expected PLACE=VALUE, as tool.body.mass_kg=25"
+            )
         table = data
         for key in keys[:-1]:
             table = _inside(table, key, text)
