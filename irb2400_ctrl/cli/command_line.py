@@ -39,7 +39,9 @@ def command_line() -> str:
         if parameter.param_type_name == "argument":
             arguments += _texts(value)
         else:
-            options += _option(parameter, value)
+            # how it was shown says nothing of the result; a config file's options stand here
+            if name not in {"config", "progress_as", "as_json"}:
+                options += _option(parameter, value)
     return shlex.join(["irb2400", *words, *arguments, *options])
 
 

@@ -34,7 +34,8 @@ app = typer.Typer(
     help="Plan, control, simulate, generate C and diagnose an ABB IRB 2400 from one model.",
     no_args_is_help=True,
     pretty_exceptions_enable=False,
-    add_completion=False,
+    # plain help: no name is cut, no [unit] is taken for markup
+    rich_markup_mode=None,
 )
 
 
@@ -56,17 +57,17 @@ def _options(
     """Plan, control, simulate, generate C and diagnose an ABB IRB 2400 from one model."""
 
 
-app.command("demo")(demo.demo)
-app.command("plan")(plan.plan)
-app.command("place")(place.place)
-app.command("simulate")(simulate.simulate)
-app.command("sweep")(sweep.sweep)
-app.command("codegen")(codegen.codegen)
-app.command("diagnose")(diagnose.diagnose)
-app.command("identify")(identify.identify)
-app.command("validate")(validate.validate)
-app.command("excite")(excite.excite)
-app.command("explain")(explain.explain)
+app.command("demo", short_help="the main job, end to end, on the data that comes along")(demo.demo)
+app.command("plan", short_help="a toolpath becomes a timed motion")(plan.plan)
+app.command("place", short_help="where a part should stand")(place.place)
+app.command("simulate", short_help="a motion is followed by a controller")(simulate.simulate)
+app.command("sweep", short_help="a study over many drawn plants")(sweep.sweep)
+app.command("codegen", short_help="a controller becomes verified C")(codegen.codegen)
+app.command("diagnose", short_help="what does the model lack that a log shows?")(diagnose.diagnose)
+app.command("identify", short_help="a true robot file from logs of a sound arm")(identify.identify)
+app.command("validate", short_help="how true a robot file is on a log")(validate.validate)
+app.command("excite", short_help="the motion that tells effects apart")(excite.excite)
+app.command("explain", short_help="what an effect is")(explain.explain)
 app.add_typer(robot.app, name="robot")
 app.add_typer(path.app, name="path")
 app.add_typer(log.app, name="log")

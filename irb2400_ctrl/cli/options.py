@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from contextvars import ContextVar
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -56,12 +57,20 @@ OutOption = Annotated[
 ]
 
 
+settings: ContextVar[list[str]] = ContextVar("settings", default=[])  # noqa: B039
+"""what `--set` changes in the robot of this command"""
+
+
 def load_arm(robot: str, uncertainty: list[str] | None = None) -> Robot:
     """The robot, its prior changed as the user says; says on stderr what its file does not state
     and what is done without it."""
     from irb2400_ctrl.robot import load_robot
 
     arm = load_robot(robot)
+    if settings.get():
+        from irb2400_ctrl.robot.changed import changed as with_settings
+
+        arm = with_settings(arm, settings.get())
     if uncertainty:
         bodies = [link.name for link in arm.links] + (["tool"] if arm.tool else [])
         changed = arm.uncertainty.changed(uncertainty, bodies)

@@ -13,7 +13,9 @@ from irb2400_ctrl.cli.summary import Summary, answers
 if TYPE_CHECKING:
     from irb2400_ctrl.planners import CamProgram, Operation
 
-app = typer.Typer(help="Look at a CAM file or a tool path.", no_args_is_help=True)
+app = typer.Typer(
+    help="Look at a CAM file or a tool path.", no_args_is_help=True, rich_markup_mode=None
+)
 UNITS_HELP = "Unit of length, against what the file says: mm, cm, m, inch or foot."
 ROTARY_HELP = "Rotary axes of the machine from part to tool, for 5-axis G-code: C,A."
 KINDS = {

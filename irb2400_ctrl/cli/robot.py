@@ -15,7 +15,11 @@ from irb2400_ctrl.cli.summary import Summary, answers
 if TYPE_CHECKING:
     from irb2400_ctrl.robot import Robot
 
-app = typer.Typer(help="Show, check, import, begin or export a robot.", no_args_is_help=True)
+app = typer.Typer(
+    help="Show, check, import, begin or export a robot.",
+    no_args_is_help=True,
+    rich_markup_mode=None,
+)
 app.command("import")(robot_in.import_)
 app.command("new")(robot_in.new)
 EXPORT_MARGIN = 1e-3

@@ -16,9 +16,25 @@ from typing import Annotated, Any
 import typer
 
 from irb2400_ctrl.cli.command_line import answered
+from irb2400_ctrl.cli.config import ConfigOption
+from irb2400_ctrl.cli.options import RobotOption, settings
+from irb2400_ctrl.cli.progress import Progress, shown_as
 
 JsonOption = Annotated[
     bool, typer.Option("--json", help="Print the summary as one JSON object on stdout.")
+]
+SetOption = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--set",
+        metavar="PLACE=VALUE",
+        help="Change a value of the robot's description for this call: tool.body.mass_kg=25, "
+        "joints.2.limits.torque_Nm=900 (counted from 1); may be given again.",
+    ),
+]
+ProgressOption = Annotated[
+    Progress,
+    typer.Option("--progress", help="A bar on a terminal, lines of text, or nothing."),
 ]
 
 
@@ -45,11 +61,15 @@ class Summary:
 
 
 def answers(verb: Callable[..., Summary]) -> Callable[..., None]:
-    """A command with the option `--json`; with it the lines that the verb prints go to stderr."""
+    """A command with the options that all have: `--json` (with it the lines that the verb prints
+    go to stderr), `--config`, `--progress`; and `--set` where it takes a robot."""
 
     @functools.wraps(verb)
     def run(context: typer.Context, *args: Any, as_json: bool = False, **kwargs: Any) -> None:
         answered.set(context)
+        shown_as.set(kwargs.pop("progress_as"))
+        settings.set(kwargs.pop("robot_settings", None) or [])
+        del kwargs["config"]
         with redirect_stdout(sys.stderr) if as_json else nullcontext():
             found = verb(*args, **kwargs)
         if as_json:
@@ -57,20 +77,36 @@ def answers(verb: Callable[..., Summary]) -> Callable[..., None]:
         if found.stop is not None:
             raise found.stop
 
-    option = inspect.Parameter(
-        "as_json", inspect.Parameter.KEYWORD_ONLY, default=False, annotation=JsonOption
-    )
     # typer reads the options from here; names of annotations mean those of the verb's own module
     signature = inspect.signature(verb, eval_str=True)
     first = inspect.Parameter(
         "context", inspect.Parameter.POSITIONAL_OR_KEYWORD, annotation=typer.Context
     )
-    parameters = [first, *signature.parameters.values(), option]
+    own = signature.parameters.values()
+    options = [_option("robot_settings", None, SetOption)] if _takes_robot(signature) else []
+    options += [
+        _option("config", None, ConfigOption),
+        _option("progress_as", Progress.AUTO, ProgressOption),
+        _option("as_json", False, JsonOption),
+    ]
+    parameters = [first, *own, *options]
     run.__signature__ = signature.replace(  # type: ignore[attr-defined]
         parameters=parameters, return_annotation=None
     )
     run.__annotations__ = {p.name: p.annotation for p in parameters} | {"return": None}
     return run
+
+
+def _option(name: str, default: object, annotation: object) -> inspect.Parameter:
+    return inspect.Parameter(
+        name, inspect.Parameter.KEYWORD_ONLY, default=default, annotation=annotation
+    )
+
+
+def _takes_robot(signature: inspect.Signature) -> bool:
+    """Whether the verb reads a robot that `load_arm` may change."""
+    found = signature.parameters.get("robot")
+    return found is not None and found.annotation == RobotOption
 
 
 def _plain(value: Any) -> Any:

@@ -22,6 +22,7 @@ from irb2400_ctrl.diagnosis.preparation.noise_test import NoiseTest
 from irb2400_ctrl.diagnosis.sound_logs import LeftOut
 from irb2400_ctrl.effects import Effect
 from irb2400_ctrl.files import write_atomic
+from irb2400_ctrl.notebook import Displayed
 from irb2400_ctrl.plausibility import LogProblem
 from irb2400_ctrl.robot import Robot, save_robot
 
@@ -186,7 +187,7 @@ class Comparison:
 
 
 @dataclass(frozen=True)
-class Diagnosis:
+class Diagnosis(Displayed):
     """The answer to: what does this log show that the robot's model lacks?
 
     Args:

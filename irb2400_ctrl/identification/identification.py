@@ -17,6 +17,7 @@ from irb2400_ctrl.identification.columns import ColumnLayout
 from irb2400_ctrl.identification.friction_curve import FrictionCurve
 from irb2400_ctrl.identification.gate import Verdict
 from irb2400_ctrl.identification.moved import Moved
+from irb2400_ctrl.notebook import Displayed
 from irb2400_ctrl.robot import Robot, save_robot
 
 
@@ -57,7 +58,7 @@ class LogResult:
 
 
 @dataclass(frozen=True)
-class Identification:
+class Identification(Displayed):
     """The result of `identify`.
 
     Args:

@@ -11,6 +11,7 @@ import numpy as np
 
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.files import write_atomic
+from irb2400_ctrl.notebook import Displayed
 from irb2400_ctrl.planners.clearance.clearance import unknown
 from irb2400_ctrl.planners.redundancy.rotation_map import RotationMap
 from irb2400_ctrl.planners.timing.certificate import Certificate
@@ -26,7 +27,7 @@ SCHEMA_VERSION = 2
 
 
 @dataclass(frozen=True)
-class Plan:
+class Plan(Displayed):
     """What `plan_path` found."""
 
     robot: Robot

@@ -185,6 +185,14 @@ class Page:
             "words": Words(),
         }
 
+    def _repr_html_(self) -> str:
+        """In a notebook: the page in a frame of its own."""
+        from markupsafe import escape
+
+        style = "width: 100%; height: 40rem; border: 0"
+        inside = escape(self.html())
+        return f'<iframe sandbox="allow-scripts" style="{style}" srcdoc="{inside}"></iframe>'
+
     def write(self, path: Path | str) -> Path:
         """Write the page as one file."""
         return write_atomic(path, self.html())

@@ -17,6 +17,7 @@ from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.codegen import Block
 from irb2400_ctrl.files import write_atomic
 from irb2400_ctrl.measurement import Log
+from irb2400_ctrl.notebook import Displayed
 from irb2400_ctrl.robot import Robot
 from irb2400_ctrl.simulation.bounds_reached import bounds_reached
 from irb2400_ctrl.simulation.instruments import Actuators, Sensors
@@ -27,7 +28,7 @@ CONTOUR_WINDOW_S = 0.15
 
 
 @dataclass(frozen=True, eq=False)
-class Simulation:
+class Simulation(Displayed):
     """One run. Arrays (m, n) at the control rate, in rad, rad/s, Nm; errors of the TCP in metres.
 
     `signals` holds by name: q, qd (true), q_seen, qd_seen (measured), tau (acting), command, dry,

@@ -136,6 +136,24 @@ def test_provenance_names_command_robot_effects_hashes_and_seed() -> None:
     assert len(re.findall(r"\b[0-9a-f]{64}\b", end)) == 2
 
 
+def test_a_notebook_shows_plans_runs_and_diagnoses() -> None:
+    from irb2400_ctrl.diagnosis import Diagnosis
+    from irb2400_ctrl.identification import Identification
+    from irb2400_ctrl.planners import Plan, ProgramMotion
+    from irb2400_ctrl.report.notebook import page_of
+    from irb2400_ctrl.simulation import Simulation
+
+    for kind in (Plan, ProgramMotion, Simulation, Diagnosis, Identification):
+        assert hasattr(kind, "_repr_html_")
+        assert page_of.dispatch(kind) is not page_of.dispatch(object)
+    robot = irb.load_robot("irb2400")
+    box = irb.planners.builders.circle((0.95, 0.0, 0.6), 0.02, feed=0.1)
+    shown = irb.plan_path(robot, box)._repr_html_()
+    assert shown.startswith("<iframe sandbox")
+    assert "The way can be driven" in shown
+    assert "<main" not in shown
+
+
 def test_gaps_and_peaks_survive_thinning() -> None:
     time = np.linspace(0.0, 100.0, 100_000)
     values = np.sin(time)

@@ -26,7 +26,7 @@ StiffnessOption = Annotated[
     str | None,
     typer.Option(
         "--joint-stiffness",
-        metavar="K1,…,Kn",
+        metavar="K1,K2,..",
         help="Of each joint [Nm/rad].",
         show_default="the robot file's elastic_joint effects",
     ),

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from irb2400_ctrl.files import write_atomic
+from irb2400_ctrl.notebook import Displayed
 from irb2400_ctrl.planners.linking.clearance_plane import ClearancePlane
 from irb2400_ctrl.planners.linking.joint_plan import JointPlan
 from irb2400_ctrl.planners.linking.link_options import LinkOptions
@@ -21,7 +22,7 @@ from irb2400_ctrl.trajectory import Trajectory
 
 
 @dataclass(frozen=True)
-class ProgramMotion:
+class ProgramMotion(Displayed):
     """Segments that follow one another at rest; each is certified for itself."""
 
     name: str

@@ -1,0 +1,145 @@
+"""Options from a file, single values of the robot, progress in a pipe, help at 80 columns."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner
+
+import irb2400_ctrl as irb
+from irb2400_ctrl.cli import main
+from irb2400_ctrl.cli.main import app
+from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.robot.changed import changed
+
+LINE = "x_mm,y_mm,z_mm,i,j,k,feed_mm_s\n" + "\n".join(
+    f"{900 + k},{-50 + 2 * k},700,0,0,1,200" for k in range(11)
+)
+VERBS = [
+    ["demo"],
+    ["plan"],
+    ["simulate"],
+    ["sweep"],
+    ["codegen"],
+    ["diagnose"],
+    ["identify"],
+    ["validate"],
+    ["excite"],
+    ["explain"],
+    ["robot", "show"],
+    ["robot", "check"],
+    ["robot", "import"],
+    ["robot", "export"],
+    ["robot", "new"],
+    ["path", "show"],
+    ["log", "check"],
+]
+
+
+def run(*arguments: object) -> tuple[str, str]:
+    done = CliRunner().invoke(app, [str(a) for a in arguments], catch_exceptions=False)
+    assert done.exit_code == 0, done.output
+    return done.stdout, done.stderr
+
+
+@pytest.fixture
+def line(tmp_path: Path) -> Path:
+    path = tmp_path / "line.csv"
+    path.write_text(LINE + "\n")
+    return path
+
+
+def test_options_come_from_a_file_and_what_is_typed_counts_more(line: Path) -> None:
+    config = line.with_name("mine.toml")
+    out = line.with_name("out")
+    config.write_text(
+        f'rate = 500\nout = "{out.as_posix()}"\n[plan]\nfixed = true\n[simulate]\nx=1\n'
+    )
+    run("plan", line, "--config", config)
+    rows = (out / "trajectory.csv").read_text().splitlines()
+    assert rows[2].startswith("0.002,")
+    page = (out / "report.html").read_text()
+    # the line that repeats it needs no file of options
+    assert f"irb2400 plan {line} --out {out} --rate 500.0 --fixed</pre>" in page
+    run("plan", line, "--config", config, "--rate", 100)
+    assert (out / "trajectory.csv").read_text().splitlines()[2].startswith("0.01,")
+
+
+@pytest.mark.parametrize("text", ["rat = 500", "rate = ", "[plan]\nrat = 1"])
+def test_a_wrong_file_of_options_is_refused(line: Path, text: str) -> None:
+    config = line.with_name("mine.toml")
+    config.write_text(text + "\n")
+    with pytest.raises(InputError, match=r"mine\.toml"):
+        run("plan", line, "--config", config, "--out", line.parent)
+
+
+def test_one_value_of_the_robot_is_changed(line: Path) -> None:
+    out = line.with_name("out")
+    told = [
+        json.loads(run("plan", line, "--out", out, "--json", "--fixed", *more)[0])
+        for more in ([], ["--set", "joints.2.limits.torque_Nm=700", "--set", "name='weak'"])
+    ]
+    assert [one["robot"] for one in told] == ["ABB IRB 2400", "weak"]
+    assert told[1]["max_torque_ratio"] > told[0]["max_torque_ratio"]
+
+
+def test_places_are_found_by_number_and_name() -> None:
+    robot = irb.load_robot("irb2400")
+    for place in ("joints.2", "joints.axis_2"):
+        assert changed(robot, [f"{place}.limits.torque_Nm=700"]).tau_max[1] == 700.0
+    heavy = changed(robot, ["tool.body.mass_kg=25"])
+    assert heavy.tool is not None
+    assert heavy.tool.body.mass_kg == 25.0
+    assert changed(robot, []) == robot
+
+
+@pytest.mark.parametrize(
+    ("setting", "says"),
+    [
+        ("tool.mass=3", "expected one of name"),
+        ("joints.7.limits.torque_Nm=3", "expected a number 1 to 6"),
+        ("joints.2.limits.torque_Nm=-3", "torque_Nm"),
+        ("name.x=3", "is a value"),
+        ("tool", "expected PLACE=VALUE"),
+    ],
+)
+def test_a_setting_that_cannot_be_is_refused(setting: str, says: str) -> None:
+    with pytest.raises(InputError, match=says):
+        changed(irb.load_robot("irb2400"), [setting])
+
+
+def test_progress_in_a_pipe(line: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("irb2400_ctrl.cli.progress.EVERY_S", 0.05)
+    out, said = run("plan", line, "--fixed", "--out", line.parent, "--progress", "plain")
+    assert " s  planning 11 points" in said
+    assert len(said.splitlines()) > 3
+    assert "planning 11 points" not in out
+    assert run("plan", line, "--fixed", "--out", line.parent)[1] == ""
+
+
+@pytest.mark.parametrize("verb", VERBS, ids=" ".join)
+def test_help_is_whole_at_80_columns(verb: list[str]) -> None:
+    text = (
+        CliRunner().invoke(app, [*verb, "--help"], env={"COLUMNS": "80"}, terminal_width=80).output
+    )
+    assert max(map(len, text.splitlines())) <= 80
+    assert "…" not in text.replace("Q1,…,Q6", "")
+    assert "--config" in text
+    assert "--json" in text
+
+
+def test_help_keeps_units() -> None:
+    text = " ".join(CliRunner().invoke(app, ["plan", "--help"]).output.split())
+    for unit in ("[mm, deg]", "[deg/s3]", "[1/s]"):
+        assert unit in text
+
+
+def test_overview_cuts_no_sentence() -> None:
+    text = CliRunner().invoke(app, ["--help"], env={"COLUMNS": "80"}, terminal_width=80).output
+    commands = text[text.index("Commands:") :]
+    assert "..." not in commands
+    assert "--install-completion" in text
+    for verb in main.app.registered_commands:
+        assert f"  {verb.name} " in commands
