@@ -127,8 +127,16 @@ def test_an_exported_arm_comes_back(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("old", "new", "says"),
     [
-        ("<worldbody>", "<include file='x.xml'/><worldbody>", "includes other files"),
-        ('<joint name="j2" axis="0 0 1"/>', "<freejoint/>", "flies freely"),
+        ("<worldbody>", "<include file='x.xml'/><worldbody>", "which is not beside it"),
+        ('<inertial pos="0 0 0.1"', '<freejoint/><inertial pos="0 0 0.1"', "foot flies freely"),
+        ('childclass="wrist"', 'childclass="hand"', "of class 'hand', which the file does not"),
+        ('<body name="foot"', '<frame><body/></frame><body name="foot"', "inside <frame>"),
+        ('<joint name="j1"', '<attach/><joint name="j1"', "inside <attach>"),
+        (
+            '<inertial pos="0.1 0.02 0" mass="2" fullinertia="0.03 0.04 0.05 0.001 0.002 0.003"/>',
+            '<geom size="0.1"/>',
+            "body arm has geometry but no <inertial>",
+        ),
         ('name="j2"', 'name="j2" type="ball"', "ball"),
         ('mass="4"', 'mass="four"', "finite numbers"),
         ("mujoco", "robots", "expected <robot>"),
@@ -139,3 +147,73 @@ def test_what_cannot_be_read_is_said(old: str, new: str, says: str, tmp_path: Pa
     path.write_text(OWN.replace(old, new))
     with pytest.raises(InputError, match=says):
         import_robot(path)
+
+
+SCENE = """<mujoco model="scene">
+  <include file="parts/arm.xml"/>
+  <worldbody>
+    <light pos="0 0 1"/><geom name="floor" type="plane" size="0 0 0.05"/>
+    <body name="table" pos="1 0 0"><geom type="box" size="0.3 0.3 0.2"/></body>
+    <body name="cube" pos="1 0 0.5"><freejoint/><geom type="box" size="0.02 0.02 0.02"/></body>
+  </worldbody>
+</mujoco>"""
+
+ARM = """<mujoco model="arm">
+  <compiler angle="radian" autolimits="true"/>
+  <default>
+    <default class="arm">
+      <joint damping="0.2" axis="0 0 1" range="-2.5 2.5"/>
+      <general gaintype="fixed" biastype="affine" gainprm="2000" forcerange="-80 80"/>
+      <default class="wrist"><position forcerange="-12 12"/></default>
+    </default>
+  </default>
+  <worldbody>
+    <body name="base" childclass="arm" pos="0 0 0.1">
+      <geom type="cylinder" size="0.1 0.05"/>
+      <body name="upper" pos="0 0 0.2" quat="0.707107 0.707107 0 0">
+        <inertial pos="0.1 0 0" mass="3" diaginertia="0.03 0.04 0.05"/>
+        <joint name="shoulder" ref="0.4" pos="0.01 0.02 0"/>
+        <geom type="capsule" size="0.05 0.2"/>
+        <body name="fore" pos="0.4 0 0">
+          <inertial pos="0.15 0.01 0" mass="1.5" diaginertia="0.01 0.02 0.02"/>
+          <joint name="elbow" axis="0 1 0" ref="-0.3"/>
+          <body name="moving_jaw" pos="0.3 0 0">
+            <inertial pos="0.02 0 0" mass="0.1" diaginertia="1e-5 2e-5 2e-5"/>
+            <joint name="jaw" range="0 1"/>
+          </body></body></body></body>
+  </worldbody>
+  <actuator>
+    <general class="arm" joint="shoulder"/>
+    <position class="wrist" joint="elbow" kp="10"/>
+  </actuator>
+</mujoco>"""
+
+
+def test_a_scene_with_an_arm_a_table_and_a_cube_is_the_arm(tmp_path: Path) -> None:
+    """Included file, base without mass, joints drawn at `ref`, limits of actuators by class."""
+    mujoco = pytest.importorskip("mujoco")
+    path = tmp_path / "scene.xml"
+    path.write_text(SCENE)
+    (tmp_path / "parts").mkdir()
+    (tmp_path / "parts" / "arm.xml").write_text(ARM)
+    found = import_robot(path)
+    own = found.robot
+    assert [joint.name for joint in own.joints] == ["shoulder", "elbow"]
+    np.testing.assert_allclose(own.tau_bound, [80.0, 12.0])
+    notes = "\n".join(found.notes)
+    assert "body cube flies freely: it is left out" in notes
+    assert "joint jaw (revolute) on fore_frame is not on the chain" in notes
+    assert "--tool-link moving_jaw" in notes
+    whole = import_robot(path, tip="moving_jaw").robot
+    engine = mujoco.MjModel.from_xml_string(ARM)
+    engine.opt.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_CONSTRAINT)
+    engine.opt.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_ACTUATION)
+    data = mujoco.MjData(engine)
+    model = irb.Model(whole)
+    for q, qd, qdd in np.random.default_rng(3).normal(0.0, 1.0, (8, 3, 3)):
+        data.qpos[:] = q
+        data.qvel[:] = qd
+        data.qacc[:] = qdd
+        mujoco.mj_inverse(engine, data)
+        tau = model.inverse_dynamics(q, qd, qdd, friction=False) + whole.friction[:, 2] * qd
+        np.testing.assert_allclose(tau, data.qfrc_inverse, rtol=0, atol=1e-9)

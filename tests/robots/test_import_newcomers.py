@@ -3,6 +3,7 @@ seem."""
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -84,3 +85,58 @@ def test_an_endless_joint_and_no_torque_limits_are_told(tmp_path: Path) -> None:
     dh = tmp_path / "a.csv"
     dh.write_text(DH)
     assert not any("same number" in note for note in import_robot(dh).notes)
+
+
+RAIL = (
+    '<link name="ground"/><joint name="rail" type="prismatic"><parent link="ground"/>'
+    '<child link="base_link"/><origin xyz="0 0 0.4"/><axis xyz="1 0 0"/>'
+    '<limit lower="0" upper="2" effort="100" velocity="1"/></joint>'
+)
+HAND = (
+    '<link name="palm"/><joint name="palm_mount" type="fixed"><parent link="tool0"/>'
+    '<child link="palm"/></joint><link name="pad"/><joint name="left_knuckle_joint" '
+    'type="revolute"><parent link="palm"/><child link="pad"/><axis xyz="0 1 0"/></joint>'
+)
+
+
+def ur5(old: str = "", new: str = "") -> str:
+    text = urdf(arms()["ur5"])
+    return re.sub(old, new, text, flags=re.DOTALL) if old else text
+
+
+def test_a_rail_below_is_held_and_a_gripper_behind_is_none_of_the_arm(tmp_path: Path) -> None:
+    path = tmp_path / "arm.urdf"
+    path.write_text(ur5("</robot>", f"{RAIL}{HAND}</robot>").replace("tool0", "end"))
+    found = import_robot(path)
+    assert found.robot.n == 6
+    notes = "\n".join(found.notes)
+    assert "prismatic joint rail carries the arm: it is held at zero" in notes
+    assert "joint left_knuckle_joint (revolute) on palm is not on the chain" in notes
+    plain = imported(tmp_path, "plain.urdf", ur5())
+    q = np.random.default_rng(0).uniform(-2, 2, (5, 6))
+    raised = irb.Model(found.robot).flange_pose(q)
+    raised[:, 2, 3] -= 0.4
+    np.testing.assert_allclose(raised, irb.Model(plain).flange_pose(q), atol=1e-12)
+    assert import_robot(path, tip="pad").robot.n == 7
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "says"),
+    [
+        ('<mass value="', '<mass value="-', r"link_1 body mass_kg: found -3.7"),
+        ("</robot>", '<link name="link_1"/></robot>', "link link_1 is there 2 times"),
+        ("</robot>", '<link name="other"/></robot>', "choose one of them with --base-link"),
+    ],
+)
+def test_what_is_wrong_in_a_urdf_is_said(old: str, new: str, says: str, tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=says):
+        imported(tmp_path, "arm.urdf", ur5(old, new))
+
+
+def test_notes_of_several_joints_are_one_line(tmp_path: Path) -> None:
+    path = tmp_path / "arm.urdf"
+    path.write_text(ur5("<inertial>.*?</inertial>").replace('type="revolute"', 'type="continuous"'))
+    notes = import_robot(path).notes
+    assert sum("it turns endlessly" in note for note in notes) == 1
+    assert any(note.startswith("links link_1, link_2, link_3,") for note in notes)
+    assert any("no link has mass" in note for note in notes)

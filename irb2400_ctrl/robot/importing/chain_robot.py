@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import re
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
+from pydantic import ValidationError
 
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.errors import InputError
@@ -23,6 +25,9 @@ from irb2400_ctrl.robot.importing.tree import (
 
 TIPS = ("tcp", "tool0", "tool_0", "ee_link", "flange", "link_ee", "ee")
 """names that tools give to the end of an arm, most telling first"""
+_OF_ONE = re.compile(r"(?P<what>joint|link) (?P<name>[^ :]+)(?P<says>: .*)")
+GRIPPER = re.compile(r"finger|gripper|knuckle|jaw|thumb|robotiq", re.IGNORECASE)
+"""a joint of this name opens a gripper: it is none of the arm unless asked for"""
 
 
 @dataclass(frozen=True)
@@ -75,7 +80,7 @@ def chain_robot(
     notes = list(tree.notes)
     base = base or tree.root()
     tip = tip or _tip(tree, base)
-    path = tree.path(base, tip)
+    path = _stood_still(tree.path(base, tip), notes)
     _turning_only(tree, path)
     notes.append(f"chain from {base} to {tip}")
     chain = _Collected([], [], [], np.eye(4))
@@ -110,7 +115,48 @@ def chain_robot(
     ]
     if payload is not None:
         fields["tool"] = _payload(payload)
-    return Imported(Robot.model_validate(fields), tuple(notes))
+    if not any(mass.mass for mass in chain.masses):
+        notes.append("no link has mass: what needs dynamics (plan, diagnose, control) needs it too")
+    return Imported(_valid(tree, fields), tuple(grouped(notes)))
+
+
+def _valid(tree: Tree, fields: dict[str, Any]) -> Robot:
+    """The robot, or what is wrong with its numbers."""
+    try:
+        return Robot.model_validate(fields)
+    except ValidationError as error:
+        wrong = []
+        for item in error.errors()[:5]:
+            place = [str(part) for part in item["loc"]]
+            if len(place) > 1 and place[0] in {"links", "joints"}:
+                place[:2] = [str(fields[place[0]][int(place[1])]["name"])]
+            wrong.append(f"{' '.join(place)}: found {item['input']}, {item['msg']}")
+        raise InputError(f"{tree.name}: {'; '.join(wrong)}") from error
+
+
+def grouped(notes: list[str]) -> list[str]:
+    """Notes on several joints or links that say the same, as one."""
+    found: dict[tuple[str, str], list[str]] = {}
+    for note in notes:
+        match = _OF_ONE.fullmatch(note)
+        key = (note, "") if match is None else (match["what"], match["says"])
+        found.setdefault(key, []).append("" if match is None else match["name"])
+    return [
+        (f"{what} {names[0]}{says}" if len(names) == 1 else f"{what}s {', '.join(names)}{says}")
+        if says
+        else what
+        for (what, says), names in found.items()
+    ]
+
+
+def _stood_still(path: list[TreeJoint], notes: list[str]) -> list[TreeJoint]:
+    """The path with what carries the arm (a rail, a floating base) held where the file shows it."""
+    first = next((k for k, joint in enumerate(path) if joint.kind in TURNING), len(path))
+    for joint in path[:first]:
+        if joint.kind != "fixed":
+            notes.append(f"{joint.kind} joint {joint.name} carries the arm: it is held at zero")
+    held = [replace(joint, kind="fixed", mimics=None) for joint in path[:first]]
+    return held + path[first:]
 
 
 def _step(
@@ -147,6 +193,7 @@ def _gather(
             notes.append(
                 f"joint {joint.name} ({joint.kind}) on {link} is not on the chain: it and what "
                 f"hangs on it are left out ({weight:.3g} kg); give it as a payload if it is carried"
+                + (f", or take it as a joint (--tool-link {joint.child})" * (joint.kind in TURNING))
             )
     return body
 
@@ -169,7 +216,10 @@ def _tip(tree: Tree, base: str) -> str:
             continue
         turns = sum(j.kind in TURNING for j in path)
         rank = next((len(TIPS) - k for k, t in enumerate(TIPS) if link.lower().endswith(t)), 0)
+        path = _stood_still(path, [])
         if not rank and any(j.kind not in TURNING | {"fixed"} or j.mimics for j in path):
+            continue
+        if any(j.kind in TURNING and GRIPPER.search(j.name) for j in path):
             continue
         last = bool(path) and path[-1].kind in TURNING
         best.append((rank > 0, turns, rank if rank else int(last) - 1, -order, link))
@@ -205,7 +255,7 @@ def _coupling(n: int, terms: tuple[tuple[int, int, float], ...]) -> dict[str, An
 
 def _link(joint: TreeJoint, X: Array, mass: Mass, source: str, notes: list[str]) -> dict[str, Any]:
     if mass.mass == 0.0:
-        notes.append(f"link {joint.child} has no mass data in the file: it counts as massless")
+        notes.append(f"link {joint.child}: no mass data in the file, it counts as massless")
     return {
         "name": joint.child,
         "frame": _transform(X),

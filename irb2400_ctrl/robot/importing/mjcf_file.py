@@ -1,7 +1,8 @@
-"""MJCF in: bodies, hinges and inertials of a MuJoCo file, defaults applied; no other elements.
+"""MJCF in: bodies, hinges and inertials of a MuJoCo file, included files and defaults applied.
 
-A body with several hinges becomes as many links, the first ones without mass. Geometry, tendons,
-equalities and actuators other than `motor` limits are not read: a coupling is stated at the import.
+A body with several hinges becomes as many links, the first ones without mass. Of actuators the
+limits are read; geometry, tendons and equalities are not: a coupling is stated at the import.
+Bodies that fly freely (what an arm shall grasp) are left out.
 """
 
 from __future__ import annotations
@@ -15,10 +16,15 @@ import numpy as np
 
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.errors import InputError
-from irb2400_ctrl.robot.importing.mjcf_orientation import orientation
+from irb2400_ctrl.robot.importing.mjcf_orientation import orientation, turn
+from irb2400_ctrl.robot.importing.mjcf_parts import (
+    Defaults,
+    Settings,
+    defaults,
+    spliced,
+    torque_limits,
+)
 from irb2400_ctrl.robot.importing.tree import Mass, Tree, TreeJoint, inverse, pose
-
-Settings = dict[str, str]
 
 NOT_READ = ("tendon", "equality")
 
@@ -29,22 +35,35 @@ def read_mjcf(path: Path, root: ET.Element) -> Tree:
     Raises:
         InputError: an included file, a body without inertial, a joint that this library lacks.
     """
-    if root.find(".//include") is not None:
-        raise InputError(
-            f"{path} includes other files; save it as one (mujoco: mj_saveLastXML) and import that"
-        )
-    world = root.find("worldbody")
-    if world is None:
+    spliced(path, root)
+    worlds = root.findall("worldbody")
+    if not worlds:
         raise InputError(f"{path}: found no <worldbody>, expected one with the arm's bodies")
-    compiler = root.find("compiler")
-    radians = compiler is not None and compiler.get("angle") == "radian"
-    eulers = "xyz" if compiler is None else compiler.get("eulerseq", "xyz")
-    reader = _Reader(path, 1.0 if radians else np.pi / 180, eulers, _defaults(root))
-    reader.motors(root)
-    for body in world.findall("body"):
-        reader.body(body, "world", "main")
+    settings: Settings = {}
+    for compiler in root.findall("compiler"):
+        settings |= compiler.attrib
+    unit = 1.0 if settings.get("angle") == "radian" else np.pi / 180
+    classes = defaults(root)
+    reader = _Reader(path, unit, settings.get("eulerseq", "xyz"), classes)
+    reader.limits = torque_limits(root, classes)
+    for world in worlds:
+        for body in world.findall("body"):
+            reader.body(body, "world", "main", moving=False)
+        for tag in ("frame", "replicate", "attach"):
+            if any(part.find(".//body") is not None or tag == "attach" for part in world.iter(tag)):
+                raise InputError(
+                    f"{path}: bodies inside <{tag}> are not read; save the file as MuJoCo "
+                    "understands it (mj_saveLastXML) and import that"
+                )
+    if not reader.joints:
+        raise InputError(
+            f"{path}: found no body on a base"
+            + "".join(f"; {name} flies freely" for name in reader.free[:1])
+            + ", expected an arm"
+        )
     notes = [f"<{tag}> is not read; state a coupling with --coupling" for tag in NOT_READ
              if root.find(tag) is not None]  # fmt: skip
+    notes += [f"body {name} flies freely: it is left out" for name in reader.free]
     option = root.find("option")
     gravity = (0.0, 0.0, -9.81)
     if option is not None and option.get("gravity"):
@@ -55,22 +74,6 @@ def read_mjcf(path: Path, root: ET.Element) -> Tree:
                 gravity, tuple(notes))  # fmt: skip
 
 
-def _defaults(root: ET.Element) -> dict[str, Settings]:
-    """Attributes of <joint> of every default class, those of the classes around it included."""
-    found: dict[str, Settings] = {"main": {}}
-
-    def walk(element: ET.Element, name: str, inherited: Settings) -> None:
-        joint = element.find("joint")
-        settings = {**inherited, **({} if joint is None else joint.attrib)}
-        found[name] = settings
-        for inner in element.findall("default"):
-            walk(inner, inner.get("class", ""), settings)
-
-    for top in root.findall("default"):
-        walk(top, top.get("class", "main"), found["main"])
-    return found
-
-
 @dataclass
 class _Reader:
     """Goes through the bodies, from the world outwards."""
@@ -79,33 +82,27 @@ class _Reader:
     unit: float
     """radians per unit of an angle"""
     eulers: str
-    defaults: dict[str, Settings]
+    defaults: Defaults
     links: dict[str, Mass | None] = field(default_factory=lambda: {"world": None})
     joints: list[TreeJoint] = field(default_factory=list)
     limits: dict[str, float] = field(default_factory=dict)
+    free: list[str] = field(default_factory=list)
 
-    def motors(self, root: ET.Element) -> None:
-        """Torque limits of motors on joints."""
-        for motor in root.findall("actuator/motor"):
-            ends = motor.get("forcerange") or motor.get("ctrlrange")
-            joint = motor.get("joint")
-            if joint and ends:
-                gear = float((motor.get("gear") or "1").split()[0])
-                self.limits[joint] = float(np.abs(_numbers(joint, ends, 2)).min()) * abs(gear)
-
-    def body(self, element: ET.Element, parent: str, around: str) -> None:
-        """One body, its joints and what hangs on it."""
+    def body(self, element: ET.Element, parent: str, around: str, *, moving: bool) -> None:
+        """One body, its joints and what hangs on it; `moving`: with the joints before it."""
         name = element.get("name") or f"body_{len(self.links)}"
         kind = element.get("childclass", around)
         X = self._pose(element, name)
         hinges = element.findall("joint")
-        if element.find("freejoint") is not None:
-            raise InputError(f"{self.path}: body {name} flies freely; expected an arm on a base")
+        moving = moving or bool(hinges)
+        if element.find("freejoint") is not None or "free" in {h.get("type") for h in hinges}:
+            self.free.append(name)
+            return
         here = np.eye(4)
         for k, hinge in enumerate(hinges):
             last = k == len(hinges) - 1
             child = name if last else f"{name}_{k + 1}"
-            settings = {**self.defaults.get(hinge.get("class", kind), {}), **hinge.attrib}
+            settings = self._settings(hinge, kind)
             # the child's frame stands in the point of the joint, and turns about it
             at = pose(_numbers(name, settings.get("pos", "0 0 0"), 3), np.eye(3))
             joint = self._joint(settings, parent, child, X @ at)
@@ -113,11 +110,14 @@ class _Reader:
             if not last:
                 self.links[child] = None
             parent = child
-            X = inverse(at)
+            # the file shows the arm with the joint at `ref`
+            axis = _numbers(name, settings.get("axis", "0 0 1"), 3)
+            ref = _numbers(name, settings.get("ref", "0"), 1)[0]
+            X = pose(np.zeros(3), turn(axis, -self.unit * ref)) @ inverse(at)
             here = X
         if not hinges:
             self.joints.append(TreeJoint(f"{name}_mount", "fixed", parent, name, X, np.zeros(3)))
-        self.links[name] = self._mass(element, name, here)
+        self.links[name] = self._mass(element, name, here, moving)
         self._sites(element, name, here)
         for inner in element.findall("body"):
             # the frame of the body, seen from the frame in its joint's point
@@ -125,7 +125,21 @@ class _Reader:
             if moved not in self.links:
                 self.links[moved] = None
                 self.joints.append(TreeJoint(moved, "fixed", name, moved, here, np.zeros(3)))
-            self.body(inner, moved, kind)
+            self.body(inner, moved, kind, moving=moving)
+
+    def _settings(self, joint: ET.Element, kind: str) -> Settings:
+        """Attributes of a joint, those of its class included.
+
+        Raises:
+            InputError: a class that is not in the file.
+        """
+        name = joint.get("class", kind)
+        if name not in self.defaults:
+            raise InputError(
+                f"{self.path}: joint {joint.get('name')} is of class {name!r}, which the file does "
+                "not define; import the file that includes this one"
+            )
+        return {**self.defaults[name].get("joint", {}), **joint.attrib}
 
     def _sites(self, element: ET.Element, name: str, here: Array) -> None:
         for site in element.findall("site"):
@@ -159,10 +173,11 @@ class _Reader:
             armature=_first(settings.get("armature")),
         )
 
-    def _mass(self, element: ET.Element, name: str, here: Array) -> Mass | None:
+    def _mass(self, element: ET.Element, name: str, here: Array, moving: bool) -> Mass | None:
         inertial = element.find("inertial")
         if inertial is None:
-            if element.find("geom") is not None:
+            # what stands still needs no mass
+            if moving and element.find("geom") is not None:
                 raise InputError(
                     f"{self.path}: body {name} has geometry but no <inertial>; mass data from "
                     "shapes are not read, write them out (mujoco: mj_saveLastXML)"

@@ -25,12 +25,12 @@ def orientation(keys: Mapping[str, str], numbers: Numbers, unit: float, eulerseq
         InputError: numbers of another count, an axis of no length, an unknown order.
     """
     if "quat" in keys:
-        return _about(*_quaternion(numbers(keys["quat"], 4)))
+        return turn(*_quaternion(numbers(keys["quat"], 4)))
     if "euler" in keys:
         return _euler(numbers(keys["euler"], 3) * unit, eulerseq)
     if "axisangle" in keys:
         x, y, z, angle = numbers(keys["axisangle"], 4)
-        return _about(np.array([x, y, z]), angle * unit)
+        return turn(np.array([x, y, z]), angle * unit)
     if "xyaxes" in keys:
         both = numbers(keys["xyaxes"], 6)
         x_axis = _unit(both[:3])
@@ -41,7 +41,7 @@ def orientation(keys: Mapping[str, str], numbers: Numbers, unit: float, eulerseq
         across = np.cross([0.0, 0.0, 1.0], z_axis)
         size = float(np.linalg.norm(across))
         # the shortest turn; about x where z points down
-        return _about(across if size > 1e-12 else np.eye(3)[0], np.arctan2(size, z_axis[2]))
+        return turn(across if size > 1e-12 else np.eye(3)[0], np.arctan2(size, z_axis[2]))
     return np.eye(3)
 
 
@@ -50,7 +50,7 @@ def _euler(angles: Array, sequence: str) -> Array:
     same = sequence in (axes, sequence.upper())
     if len(axes) != 3 or not set(axes) <= set("xyz") or not same:
         raise InputError(f"found eulerseq {sequence!r}, expected three of xyz or of XYZ")
-    turns = [_about(np.eye(3)["xyz".index(k)], a) for k, a in zip(axes, angles, strict=True)]
+    turns = [turn(np.eye(3)["xyz".index(k)], a) for k, a in zip(axes, angles, strict=True)]
     first, second, third = turns if sequence == axes else reversed(turns)
     return np.asarray(first @ second @ third)
 
@@ -61,8 +61,8 @@ def _quaternion(q: Array) -> tuple[Array, float]:
     return (q[1:] if size > 0.0 else np.eye(3)[2]), 2.0 * float(np.arctan2(size, q[0]))
 
 
-def _about(axis: Array, angle: float) -> Array:
-    """Turn about an axis, quarter turns exact, shape (3, 3)."""
+def turn(axis: Array, angle: float) -> Array:
+    """R about an axis by an angle [rad], quarter turns exact, shape (3, 3)."""
     x, y, z = _unit(axis)
     c, s = (round(v) if abs(v - round(v)) < 1e-12 else v for v in (np.cos(angle), np.sin(angle)))
     K = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])

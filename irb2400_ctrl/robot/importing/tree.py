@@ -89,7 +89,7 @@ class Tree:
             found = ", ".join(roots) or "none"
             raise InputError(
                 f"{self.name}: found the root links {found}, expected one link that hangs on no "
-                "joint"
+                "joint; with several robots in one file choose one of them with --base-link"
             )
         return roots[0]
 

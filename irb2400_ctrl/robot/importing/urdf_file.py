@@ -26,6 +26,11 @@ def read_urdf(path: Path, root: ET.Element) -> Tree:
             f"{path} is xacro, not URDF: macros are not expanded yet; run "
             f"`xacro {path.name} > arm.urdf` and import that"
         )
+    for tag in ("link", "joint"):
+        names = [_name(path, element, tag) for element in root.findall(tag)]
+        doubled = sorted({name for name in names if names.count(name) > 1})
+        if doubled:
+            raise InputError(f"{path}: {tag} {doubled[0]} is there {names.count(doubled[0])} times")
     links = {_name(path, link, "link"): _mass(path, link) for link in root.findall("link")}
     joints = tuple(_joint(path, joint) for joint in root.findall("joint"))
     for joint in joints:

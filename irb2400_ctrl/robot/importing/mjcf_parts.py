@@ -1,0 +1,91 @@
+"""Parts of an MJCF that stand elsewhere: included files, default classes, limits of actuators."""
+
+from __future__ import annotations
+
+import xml.etree.ElementTree as ET
+from pathlib import Path
+
+import numpy as np
+
+from irb2400_ctrl.errors import InputError
+
+Settings = dict[str, str]
+Defaults = dict[str, dict[str, Settings]]
+"""class -> tag -> attributes"""
+
+ACTUATORS = ("motor", "position", "velocity", "intvelocity", "general")
+TAGS = ("joint", *ACTUATORS)
+_DEEPEST = 10
+
+
+def spliced(path: Path, root: ET.Element, depth: int = 0) -> None:
+    """Put the contents of included files where they are included.
+
+    Raises:
+        InputError: a file that is not there or no MJCF, or files that include each other.
+    """
+    if depth > _DEEPEST:
+        raise InputError(f"{path}: files include each other without an end")
+    for parent in list(root.iter()):
+        for include in parent.findall("include"):
+            inner_path = path.parent / include.get("file", "")
+            if not inner_path.is_file():
+                raise InputError(
+                    f"{path} includes {include.get('file')!r}, which is not beside it: put it there"
+                )
+            try:
+                inner = ET.parse(inner_path).getroot()
+            except ET.ParseError as error:
+                raise InputError(f"{inner_path} is not XML: {error}") from error
+            spliced(inner_path, inner, depth + 1)
+            place = list(parent).index(include)
+            parent.remove(include)
+            for k, element in enumerate(inner):
+                parent.insert(place + k, element)
+
+
+def defaults(root: ET.Element) -> Defaults:
+    """What every default class says of joints and actuators, the classes around it included."""
+    found: Defaults = {"main": {}}
+
+    def walk(element: ET.Element, name: str, inherited: dict[str, Settings]) -> None:
+        settings = {tag: dict(values) for tag, values in inherited.items()}
+        for tag in TAGS:
+            for own in element.findall(tag):
+                settings.setdefault(tag, {}).update(own.attrib)
+        # MuJoCo keeps one set for all actuators: what one shortcut says holds for the others
+        for own in element:
+            if own.tag in ACTUATORS:
+                for tag in ACTUATORS:
+                    settings.setdefault(tag, {}).update(
+                        {k: v for k, v in own.attrib.items() if k in {"forcerange", "gear"}}
+                    )
+        found[name] = settings
+        for inner in element.findall("default"):
+            walk(inner, inner.get("class", ""), settings)
+
+    for top in root.findall("default"):
+        walk(top, top.get("class", "main"), found["main"])
+    return found
+
+
+def torque_limits(root: ET.Element, classes: Defaults) -> dict[str, float]:
+    """Torque limits that actuators put on joints [Nm]: `forcerange`, or the range of a motor, times
+    the gear."""
+    limits: dict[str, float] = {}
+    for actuator in root.findall("actuator/*"):
+        tag = str(actuator.tag)
+        joint = actuator.get("joint")
+        if tag not in ACTUATORS or joint is None:
+            continue
+        settings = {
+            **classes.get(actuator.get("class", "main"), {}).get(tag, {}),
+            **actuator.attrib,
+        }
+        ends = settings.get("forcerange") or (settings.get("ctrlrange") if tag == "motor" else None)
+        if ends:
+            low, high = (abs(float(word)) for word in ends.split())
+            gear = abs(float(settings.get("gear", "1").split()[0]))
+            if min(low, high) > 0.0 and np.isfinite([low, high, gear]).all():
+                limits[joint] = min(low, high) * gear
+    return limits
