@@ -36,23 +36,21 @@ def sweep(
     input_file(study, "a study (TOML)")
 
     from irb2400_ctrl.sweep import load_study, run_sweep, summary_text
+    from irb2400_ctrl.sweep.journal import saved_cases
 
     wanted = load_study(study)
     output_folder(out)
-    counts = (0, wanted.cases)
     with step(f"{wanted.cases} cases") as show:
 
         def progress(done: int, of: int) -> None:
-            nonlocal counts
-            counts = (done, of)
             show(f"{done} of {of} cases")
 
         try:
             result = run_sweep(wanted, out, workers=workers, scheduler=scheduler, progress=progress)
         except KeyboardInterrupt:
-            done, of = counts
             print(
-                f"\nstopped: {done} of {of} cases are saved; the same command runs the others",
+                f"\nstopped: {saved_cases(out)} of {wanted.cases} cases are saved; the same "
+                "command runs the others",
                 file=sys.stderr,
             )
             raise typer.Exit(INTERRUPTED) from None

@@ -22,6 +22,8 @@ Kept = TypeVar("Kept", bound=np.generic)
 MAX_RATE = 250.0
 """[Hz] faster logs are averaged down to this: nothing of an arm's rigid motion lies above a tenth
 of it"""
+MOST_SAMPLES = 4_000_000
+"""on the grid; more come of a gap without end"""
 MAX_GAP = 0.025
 """[s] longer gaps are not bridged"""
 HALF_WINDOW = 0.040
@@ -61,13 +63,18 @@ def resample(log: Log, rate: float | None = None) -> UniformLog:
             before.
 
     Raises:
-        InputError: less than two seconds of data.
+        InputError: less than two seconds of data, or more than a grid may hold.
     """
     rate = float(np.clip(log.rate, MIN_GRID, MAX_RATE)) if rate is None else rate
     # 249.99 Hz from printed times means 250 Hz
     step = 1.0 / (round(rate, 1) if abs(rate - round(rate)) < 0.05 * rate else rate)
     if log.duration < 2.0:
         raise InputError(f"{log.name}: found {log.duration:.2f} s of data, expected at least 2 s")
+    if log.duration / step > MOST_SAMPLES:
+        raise InputError(
+            f"{log.name}: found {len(log.time)} samples over {log.duration:.3g} s, expected a log "
+            f"of at most {MOST_SAMPLES * step:.3g} s on an even grid; cut it at its longest gap"
+        )
     time = log.time[0] + step * np.arange(int(np.floor(log.duration / step + 1e-6)) + 1)
     angles = [log.q] + ([] if log.q_ref is None else [log.q_ref])
     stacked = np.hstack([*angles, log.tau])

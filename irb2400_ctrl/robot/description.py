@@ -31,6 +31,10 @@ STRIBECK_RAD_S = 0.01
 """speed at which static friction would fade where the file states none; typical of such gears"""
 
 
+WORST_COUPLING = 1e6
+"""condition number; links turn by about as much as their motors do"""
+
+
 class Robot(Table):
     """An arm of n revolute joints. Read it with `load_robot` (`file.py`), change it with
     `model_copy(update=...)`."""
@@ -63,8 +67,8 @@ class Robot(Table):
         A = self.coupling.matrix
         if len(A) != n or any(len(row) != n for row in A) or len(self.coupling.offset_rad) != n:
             problems.append(f"coupling: expected a {n} x {n} matrix and {n} offsets")
-        elif abs(np.linalg.det(np.array(A))) < 1e-9:
-            problems.append("coupling: the matrix is singular")
+        elif not np.linalg.cond(np.array(A)) < WORST_COUPLING:
+            problems.append("coupling: the matrix is nearly singular, expected one to solve for q")
         motors = self.motor_coupling
         if motors is not None and np.shape(motors.matrix) != (n, n):
             problems.append(f"motor_coupling: expected a {n} x {n} matrix")

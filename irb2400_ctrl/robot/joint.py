@@ -28,6 +28,15 @@ class Friction(Table):
         return static, coulomb, viscous, stribeck
 
 
+_PLAUSIBLE = {
+    "speed_deg_s": (1e-2, 1e5),
+    "torque_Nm": (1e-4, 1e7),
+    "acceleration_deg_s2": (1e-2, 1e8),
+    "torque_rate_Nm_s": (1e-3, 1e12),
+}
+"""what an actuator of any arm has; beyond it a number is a slip, and a plan would never end"""
+
+
 class Limits(Table):
     """Limits of one actuator; speed and torque may be unknown."""
 
@@ -44,6 +53,17 @@ class Limits(Table):
         low, high = self.range_deg
         if low >= high:
             raise ValueError(f"range_deg is [{low}, {high}], expected the lower end first")
+        return self
+
+    @model_validator(mode="after")
+    def _of_an_arm(self) -> Self:
+        for key, (least, most) in _PLAUSIBLE.items():
+            value = getattr(self, key)
+            if value is not None and not least <= value <= most:
+                raise ValueError(
+                    f"{key} is {value:g}, expected {least:g} to {most:g}; leave it out where it is "
+                    "not known"
+                )
         return self
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -11,7 +12,7 @@ from typing import Any
 
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.files import write_atomic
-from irb2400_ctrl.sweep.cases import CaseOutcome, Row
+from irb2400_ctrl.sweep.cases import CaseOutcome, Row, identity
 from irb2400_ctrl.sweep.study import Study, changed_keys
 
 STUDY = "study.toml"
@@ -23,8 +24,8 @@ class Journal:
     """`cases.jsonl` in the folder of a sweep: a line that names the study, then a line per finished
     case.
 
-    One process writes. A line counts once its end is there: a crash in the middle of one costs that
-    case only.
+    One process writes. A line counts once its end is there and it holds a case of the study: a
+    crash in the middle of one, or a line that was spoiled later, costs that case only.
     """
 
     def __init__(self, folder: Path, rows: dict[int, Row], file: Any) -> None:
@@ -39,8 +40,14 @@ class Journal:
             # before the row: a case that is in the journal has its log
             write_atomic(log_path(self.folder, index), outcome.log)
         self._file.write(json.dumps(outcome.row, allow_nan=False).encode() + b"\n")
-        self._file.flush()
+        _save(self._file)
         self.rows[index] = outcome.row
+
+
+def saved_cases(folder: Path) -> int:
+    """How many finished cases a folder holds."""
+    path = folder / CASES
+    return max(0, path.read_bytes().count(b"\n") - 1) if path.is_file() else 0
 
 
 def log_path(folder: Path, index: int) -> Path:
@@ -53,7 +60,8 @@ def open_journal(folder: Path, study: Study) -> Iterator[Journal]:
     """The journal of a study in that folder, begun or taken up again.
 
     Raises:
-        InputError: the folder holds another study, or another sweep writes to it.
+        InputError: the folder holds another study or another kind of file, or another sweep writes
+            to it.
     """
     folder.mkdir(parents=True, exist_ok=True)
     path = folder / CASES
@@ -64,20 +72,72 @@ def open_journal(folder: Path, study: Study) -> Iterator[Journal]:
         content = file.read()
         lines = content.split(b"\n")
         kept = len(content) - len(lines.pop())
-        if lines:
-            begun = json.loads(lines[0])
-            if begun["study"] != study.fingerprint:
-                raise InputError(_other_study(folder, study))
+        if lines and _fingerprint(path, lines[0]) != study.fingerprint:
+            raise InputError(_other_study(folder, study))
         file.truncate(kept)
-        rows = {row["case"]: row for row in map(json.loads, lines[1:])}
+        rows = _rows(path, lines[1:], study)
         write_atomic(copy, study.text)
         if not lines:
             file.write(
                 json.dumps({"study": study.fingerprint, "cases": study.cases}).encode() + b"\n"
             )
-            file.flush()
+            _save(file)
         yield Journal(folder, rows, file)
-        os.fsync(file.fileno())
+
+
+def _save(file: Any) -> None:
+    """On the disk: neither a crash nor a loss of power takes a finished case."""
+    file.flush()
+    os.fsync(file.fileno())
+
+
+def _fingerprint(path: Path, line: bytes) -> str:
+    begun = _parsed(line)
+    if begun is None or not isinstance(begun.get("study"), str):
+        raise InputError(
+            f"{path} does not begin with the line of a sweep; expected one that this command "
+            "began: choose another folder, or delete that one"
+        )
+    return str(begun["study"])
+
+
+def _rows(path: Path, lines: list[bytes], study: Study) -> dict[int, Row]:
+    """The finished cases; a line that is not one of this study's cases does not count."""
+    rows = {}
+    left_out = []
+    for number, line in enumerate(lines, 2):
+        row = _parsed(line)
+        if row is not None and _is_of(study, row):
+            rows[row["case"]] = row
+        else:
+            left_out.append(str(number))
+    if left_out:
+        more = ", …" if len(left_out) > 5 else ""
+        print(
+            f"irb2400: {path}: line {', '.join(left_out[:5])}{more} holds no case of this study; "
+            "left out, cases that are missing run again",
+            file=sys.stderr,
+        )
+    return rows
+
+
+def _parsed(line: bytes) -> Row | None:
+    try:
+        value = json.loads(line)
+    except (ValueError, RecursionError):
+        return None
+    return value if isinstance(value, dict) else None
+
+
+def _is_of(study: Study, row: Row) -> bool:
+    """Whether a row is whole and of a case that the study has."""
+    index = row.get("case")
+    if type(index) is not int or not 0 <= index < study.cases:
+        return False
+    known = identity(study, index)
+    fixed = set(known) - {"status", "message"}
+    plain = all(isinstance(value, str | int | float | None) for value in row.values())
+    return plain and "wall_time_s" in row and all(row.get(key) == known[key] for key in fixed)
 
 
 def _lock(file: Any, folder: Path) -> None:

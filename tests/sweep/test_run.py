@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import gzip
+import itertools
 import json
+import os
 import signal
 import subprocess
 import sys
@@ -135,6 +137,79 @@ def test_a_torn_line_costs_its_case_only(tmp_path: Path, trace: Path) -> None:
     again = run_sweep(study, out, workers=1, work=studies.traced)
     assert again.ran == 1
     assert again.rows == whole.rows
+
+
+def spoil(line: str) -> dict[str, str]:
+    """What may become of a line, by name."""
+    row = json.loads(line)
+    return {
+        "cut": line[: len(line) // 2],
+        "empty": "",
+        "nested without end": "[" * 100_000,
+        "nulls": "\x00" * 40,
+        "a list": "[1, 2]",
+        "a case that there is not": json.dumps({**row, "case": 99999}),
+        "a case below none": json.dumps({**row, "case": -1}),
+        "a case that is no number": json.dumps({**row, "case": "3"}),
+        "a case that is true": json.dumps({**row, "case": True}),
+        "another case's number": json.dumps({**row, "case": (row["case"] + 1) % CASES}),
+        "another controller": json.dumps({**row, "controller": "no_such"}),
+        "a value that is a table": json.dumps({**row, "speed": {}}),
+        "no case": json.dumps({k: v for k, v in row.items() if k != "case"}),
+        "not whole": json.dumps({k: v for k, v in row.items() if k != "wall_time_s"}),
+    }
+
+
+KINDS = list(spoil('{"case": 0, "wall_time_s": 0}'))
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_spoiled_line_in_the_middle_costs_its_case_only(
+    kind: str, tmp_path: Path, trace: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    study = small(tmp_path)
+    out = tmp_path / "out"
+    whole = run_sweep(study, out, workers=1, work=studies.traced)
+    journal = out / "cases.jsonl"
+    lines = journal.read_text().splitlines()
+    lines[7] = spoil(lines[7])[kind]
+    journal.write_text("\n".join(lines) + "\n")
+    capsys.readouterr()
+    again = run_sweep(study, out, workers=1, work=studies.traced)
+    assert "line 8 holds no case of this study" in capsys.readouterr().err
+    assert again.ran == 1
+    assert again.rows == whole.rows
+    assert run_sweep(study, out, workers=1, work=studies.traced).ran == 0
+
+
+@pytest.mark.parametrize("first", ["", "no JSON", "[]", '{"cases": 3}', '{"study": 1}'])
+def test_a_file_that_is_no_journal_is_refused(first: str, tmp_path: Path) -> None:
+    study = small(tmp_path)
+    out = tmp_path / "out"
+    out.mkdir()
+    (out / "cases.jsonl").write_text(first + "\n")
+    with pytest.raises(InputError, match="does not begin with the line of a sweep"):
+        run_sweep(study, out, workers=1, work=studies.traced)
+    assert (out / "cases.jsonl").read_text() == first + "\n"
+
+
+def test_a_finished_case_is_on_the_disk(
+    tmp_path: Path, trace: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Before its number is said to be done."""
+    synced: list[int] = []
+    fsync = os.fsync
+    monkeypatch.setattr(os, "fsync", lambda n: (synced.append(n), fsync(n))[1])
+    counts: list[int] = []
+    run_sweep(
+        small(tmp_path),
+        tmp_path / "out",
+        workers=1,
+        work=studies.traced,
+        progress=lambda done, of: counts.append(len(synced)),
+    )
+    assert len(counts) == 1 + CASES
+    assert all(after > before for before, after in itertools.pairwise(counts))
 
 
 def test_a_finished_sweep_runs_nothing(alone: Path, tmp_path: Path) -> None:

@@ -9,6 +9,9 @@ import numpy as np
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.errors import InputError
 
+FARTHEST = 1000.0
+"""[m] from the origin of its frame, in any direction"""
+
 
 @dataclass(frozen=True)
 class ToolPath:
@@ -49,6 +52,13 @@ class ToolPath:
                 row = int(np.argwhere(~np.isfinite(array))[0][0])
                 raise InputError(f"{self.name}: {key} of point {row + 1} is not finite")
             object.__setattr__(self, key, array)
+        far = np.abs(self.position).max(axis=1) > FARTHEST
+        if far.any():
+            row = int(np.argmax(far))
+            raise InputError(
+                f"{self.name}: point {row + 1} is {np.abs(self.position[row]).max():.3g} m away, "
+                f"expected at most {FARTHEST:g} m; check its numbers and their unit"
+            )
         if (self.feed <= 0).any():
             row = int(np.argmax(self.feed <= 0))
             raise InputError(
