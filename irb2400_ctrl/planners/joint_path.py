@@ -70,18 +70,32 @@ class JointPath:
     def hermite(cls, time: Array, q: Array, qd: Array) -> JointPath:
         """q(t) with the time as its parameter: between rows at the times (m,) [s] the cubic that
         has their angles [rad] and speeds [rad/s], each (m, n)."""
+        return cls.joining(time, (q[:-1], qd[:-1]), (q[1:], qd[1:]))
+
+    @classmethod
+    def joining(
+        cls, time: Array, start: tuple[Array, Array], end: tuple[Array, Array]
+    ) -> JointPath:
+        """Pieces one after another, each the cubic that has the angles and the speeds of its start
+        and its end, (m - 1, n); one need not begin where the one before ends."""
         h = np.diff(time)[:, None]
-        mean = np.diff(q, axis=0) / h
-        bend = (3 * mean - 2 * qd[:-1] - qd[1:]) / h
-        third = (qd[:-1] + qd[1:] - 2 * mean) / h**2
-        return cls(time.copy(), np.stack([q[:-1], qd[:-1], bend, third]))
+        q, qd = start
+        mean = (end[0] - q) / h
+        bend = (3 * mean - 2 * qd - end[1]) / h
+        third = (qd + end[1] - 2 * mean) / h**2
+        return cls(time.copy(), np.stack([q, qd, bend, third]))
+
+    @classmethod
+    def lines(cls, time: Array, start: Array, end: Array) -> JointPath:
+        """The same with straight pieces."""
+        slope = (end - start) / np.diff(time)[:, None]
+        nothing = np.zeros_like(slope)
+        return cls(time.copy(), np.stack([start, slope, nothing, nothing]))
 
     @classmethod
     def straight(cls, time: Array, q: Array) -> JointPath:
         """q(t), linear between rows at the times (m,) [s]; q in any unit, shape (m, n)."""
-        slope = np.diff(q, axis=0) / np.diff(time)[:, None]
-        nothing = np.zeros_like(slope)
-        return cls(time.copy(), np.stack([q[:-1], slope, nothing, nothing]))
+        return cls.lines(time, q[:-1], q[1:])
 
     @property
     def n(self) -> int:

@@ -12,6 +12,12 @@ from numpy.typing import ArrayLike
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.errors import InputError
 
+# rows that are written at once
+_ROWS = 1000
+# numbers whose decimals are found by scaling, and how near to the middle between two is doubtful
+_USUAL = (1e-7, 1e7)
+_DOUBTFUL = 0.05
+
 
 @dataclass(frozen=True, eq=False)
 class Trajectory:
@@ -137,7 +143,8 @@ class Trajectory:
 
     def as_written(self) -> Trajectory:
         """The same rows with the digits that `csv` keeps: what is read from the file."""
-        table = np.loadtxt(io.StringIO(self.csv()), delimiter=",", skiprows=1, ndmin=2)
+        table, digits = self._table()
+        table = np.stack([rounded(c, d) for c, d in zip(table.T, digits, strict=True)], axis=1)
         n = self.q.shape[1]
         time = table[:, 0]
         q, qd, qdd, tau_ = (table[:, 1 + k * n : 1 + (k + 1) * n] for k in range(4))
@@ -154,27 +161,55 @@ class Trajectory:
         through them has the rounding of an angle times 6 / h^2 in its acceleration.
         """
         n = self.q.shape[1]
-        blocks = [
-            ("q", "_deg", np.degrees(self.q)),
-            ("qd", "_deg_s", np.degrees(self.qd)),
-            ("qdd", "_deg_s2", np.degrees(self.qdd)),
-        ]
+        names = [("q", "_deg"), ("qd", "_deg_s"), ("qdd", "_deg_s2")]
         if self.tau is not None:
-            blocks.append(("tau", "_Nm", self.tau))
-        header = ["time_s", *(f"{name}{j + 1}{unit}" for name, unit, _ in blocks for j in range(n))]
-        columns = [self.time[:, None], *(values for _, _, values in blocks)]
+            names.append(("tau", "_Nm"))
+        header = ["time_s", *(f"{name}{j + 1}{unit}" for name, unit in names for j in range(n))]
         if self.s is not None:
             header.append("s")
-            columns.append(self.s[:, None])
-        # adding zero takes the sign from a negative zero
-        table = 0.0 + np.hstack(columns)
-        formats = ["%.12g", *["%.14g"] * n, *["%.12g"] * n, *["%.9g"] * (len(header) - 1 - 2 * n)]
-        if self.s is not None:
-            formats[-1] = "%.12g"
+        table, digits = self._table()
+        line = ",".join(f"%.{d}g" for d in digits) + "\n"
         text = io.StringIO()
         text.write(",".join(header) + "\n")
-        np.savetxt(text, table, delimiter=",", fmt=formats)
+        for first in range(0, len(table), _ROWS):
+            rows = table[first : first + _ROWS]
+            text.write(line * len(rows) % tuple(rows.ravel().tolist()))
         return text.getvalue()
+
+    def _table(self) -> tuple[Array, list[int]]:
+        """The numbers of the file, a row each, and the significant digits of every column."""
+        n = self.q.shape[1]
+        columns = [self.time[:, None], np.degrees(self.q), np.degrees(self.qd)]
+        columns.append(np.degrees(self.qdd))
+        digits = [12, *[14] * n, *[12] * n, *[9] * n]
+        if self.tau is not None:
+            columns.append(self.tau)
+            digits += [9] * n
+        if self.s is not None:
+            columns.append(self.s[:, None])
+            digits.append(12)
+        # adding zero takes the sign from a negative zero
+        return 0.0 + np.hstack(columns), digits
+
+
+def rounded(values: Array, digits: int) -> Array:
+    """The values with so many significant digits, to the last bit those that are read back from
+    the text of `%.{digits}g`."""
+    size = np.abs(values)
+    found = values.copy()
+    usual = (size >= _USUAL[0]) & (size < _USUAL[1])
+    x = size[usual]
+    exponent = np.floor(np.log10(x)).astype(int)
+    # whole numbers below 2^53 and powers of ten up to 1e22 are exact, and so is their quotient
+    scale = 10.0 ** (digits - 1 - exponent)
+    whole = np.round(x * scale)
+    found[usual] = np.copysign(whole / scale, values[usual])
+    # near the middle between two decimals the product above may be rounded to the other one
+    doubtful = np.abs(np.abs(x * scale - np.floor(x * scale)) - 0.5) < _DOUBTFUL
+    rest = np.flatnonzero(~usual & (size > 0))
+    for at in [*np.flatnonzero(usual)[doubtful], *rest]:
+        found[at] = float(f"{values[at]:.{digits}g}")
+    return found
 
 
 def from_angles(time: ArrayLike, q: ArrayLike) -> Trajectory:

@@ -8,6 +8,7 @@ those miss is bounded. No sample enters: what is enclosed here holds at every in
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -21,6 +22,8 @@ from irb2400_ctrl.planners.joint_path import JointMotion, JointPath
 
 # largest turn of a joint within a cell [rad]
 _TURN = 0.03
+# cells that are enclosed at once: what they need fits a processor's cache
+_AT_ONCE = 2000
 # cells shorter than this part of their neighbours' spacing are not cut off at a reversal
 _SLIVER = 1e-6
 # rounding of a length and of a speed, as parts of them
@@ -91,6 +94,24 @@ def with_reversals(path: JointMotion, s: Array) -> Array:
 
 def enclose(dynamics: PathDynamics, path: JointMotion, s: Array) -> Cells:
     """The enclosure on the cells between the lengths s (knots of the path included)."""
+    simple = not (dynamics.forms.laws or dynamics.factors[0].size)
+    if not simple or len(s) - 1 <= _AT_ONCE:
+        return _enclose(dynamics, path, s)
+    parts = [
+        _enclose(dynamics, path, s[first : first + _AT_ONCE + 1])
+        for first in range(0, len(s) - 1, _AT_ONCE)
+    ]
+
+    def joined(name: str, axis: int = 0) -> Array:
+        return np.concatenate([getattr(part, name) for part in parts], axis=axis)
+
+    names = ("a", "b", "e", "c_low", "c_high", "speed", "forwards", "backwards", "curvature")
+    columns: dict[str, Any] = {name: joined(name) for name in names}
+    return Cells(s=s, remainder=joined("remainder", 1), **columns)
+
+
+def _enclose(dynamics: PathDynamics, path: JointMotion, s: Array) -> Cells:
+    """All cells at once; with laws that remember their way there is no other order."""
     fitted, remainder = parabolas(path, s, dynamics.coefficients, dynamics.radii)
     ranges, rest = _time_ranges(fitted, remainder, dynamics.factors)
     speed, curvature = _derivatives(path, s)

@@ -12,7 +12,7 @@ parabola through three values misses at most
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import casadi as ca
 import numpy as np
@@ -55,31 +55,15 @@ class TcpPath:
     spindle: Array
     """tool direction in the TCP frame, out of the spindle, shape (3,)"""
 
-    @cached_property
-    def _pose(self) -> CompiledFunction:
-        q = ca.SX.sym("q", self.model.robot.n)
-        X = self.model.tcp_pose(q)
-        return compile_function(
-            ca.Function("tcp_pose", [q], [ca.vertcat(X[:3, 3], ca.vec(X[:3, :3]))])
-        )
-
-    @cached_property
-    def _velocity(self) -> CompiledFunction:
-        q = ca.SX.sym("q", self.model.robot.n)
-        dq = ca.SX.sym("dq", self.model.robot.n)
-        return compile_function(
-            ca.Function("tcp_velocity", [q, dq], [self.model.tcp_jacobian(q)[:3, :] @ dq])
-        )
-
     def pose(self, s: Array, piece: npt.NDArray[np.int64] | None = None) -> tuple[Array, Array]:
         """Position [m] and tool axis (towards the spindle) at the lengths s, each (k, 3)."""
         at = self.joints(s) if piece is None else self.joints.on_piece(s, piece)
-        found = self._pose.map(at)[0]
+        found = _pose(self.model).map(at)[0]
         return found[:, :3], -(found[:, 3:].reshape(-1, 3, 3).transpose(0, 2, 1) @ self.spindle)
 
     def velocity(self, s: Array, piece: npt.NDArray[np.int64]) -> Array:
         """dp/ds, shape (k, 3) [m/m]."""
-        return self._velocity.map(
+        return _velocity(self.model).map(
             self.joints.on_piece(s, piece), self.joints.on_piece(s, piece, 1)
         )[0]
 
@@ -151,6 +135,24 @@ class TcpPath:
             np.maximum(np.abs(dd0), np.abs(dd1)),
             np.abs(self.joints.on_piece(first, piece, 3)),
         )
+
+
+@lru_cache(maxsize=8)
+def _pose(model: Model) -> CompiledFunction:
+    """q -> position and orientation of the TCP."""
+    q = ca.SX.sym("q", model.robot.n)
+    X = model.tcp_pose(q)
+    return compile_function(ca.Function("tcp_pose", [q], [ca.vertcat(X[:3, 3], ca.vec(X[:3, :3]))]))
+
+
+@lru_cache(maxsize=8)
+def _velocity(model: Model) -> CompiledFunction:
+    """q, q' -> velocity of the TCP."""
+    q = ca.SX.sym("q", model.robot.n)
+    dq = ca.SX.sym("dq", model.robot.n)
+    return compile_function(
+        ca.Function("tcp_velocity", [q, dq], [model.tcp_jacobian(q)[:3, :] @ dq])
+    )
 
 
 def levers(model: Model) -> Array:

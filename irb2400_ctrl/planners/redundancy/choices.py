@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+from collections import Counter
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 
@@ -38,6 +39,8 @@ from irb2400_ctrl.planners.toolpath.task_curve import TaskCurve
 
 GRID = np.radians(np.arange(0.0, 360.0, 5.0))
 MAX_STATIONS = 600
+LONG = 1500
+"""segments of a path above which one joint path of each kind is compared: each takes seconds"""
 SMOOTH = (10.0, 40.0)
 """lengths over which a varying rotation is smoothed, as the whole path over them"""
 ROUGH = (160.0, 640.0)
@@ -58,10 +61,9 @@ def choices(
     """Joint paths inside the joint box that touch nothing, the most promising of each kind first.
 
     Args:
-        model: the arm.
         orientation: the tool path, placed and smoothed.
         free: whether the tool may turn about its axis.
-        keep: how many of each kind.
+        keep: how many of each kind; one, the most promising, of a path of more than LONG segments.
         scene: the arm in its cell; None where nothing is known of the space that it takes up.
         way_out: lines from its ends that the arm must reach along, too.
         load: a force on the tip that the choice should give way to little.
@@ -80,7 +82,8 @@ def choices(
         ladder = way_out.kept(ladder, orientation)
     ladder = ladder.priced(scene, cutting_at(curve, moves, u), load)
     problem: UnreachableError | None = None
-    found = False
+    count: Counter[str] = Counter()
+    most = np.inf if held or curve.segments <= LONG else 1
     options: Iterator[_Option]
     if held:
         options = _held(model, orientation, ladder)
@@ -89,8 +92,10 @@ def choices(
         if free:
             # a rotation that has to change often may leave the box when it is smoothed
             roomy = _roomy(ladder, orientation, s, keep)
-            options = itertools.chain(options, _unless(lambda: found, roomy))
+            options = itertools.chain(options, _unless(lambda: bool(count), roomy))
     for kind, branch, law, target, q_start, passing in options:
+        if count[kind] >= most:
+            continue
         try:
             followed = follow(model, target, q_start)
             stay_inside(model, followed, target)
@@ -100,11 +105,11 @@ def choices(
         except UnreachableError as error:
             problem = problem or error
             continue
-        found = True
+        count[kind] += 1
         margins = continuous_margins(model, followed)
         given = given_way(model, followed, load)
         yield Choice(kind, branch, law, followed, margins, clearance, passing, given)
-    if not found:
+    if not count:
         raise problem or refusal(ladder, _names(curve, u))
 
 

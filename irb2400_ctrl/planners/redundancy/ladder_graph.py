@@ -36,6 +36,8 @@ Turns = npt.NDArray[np.int8]
 """index of whole turns, or of a shift of the rotation: few, and there are millions"""
 PRICE_OF_GIVING_WAY = 1.0
 """cost of a configuration that gives way as far as most do: more than any motion between two [s]"""
+# whole turns by which angles of neighbouring stations, in (-pi, pi], are looked up to differ
+_MOST_WHOLE = 2
 MOST_TURNS = 27
 """combinations of whole turns that a node may carry; what is beyond is not looked for"""
 
@@ -106,9 +108,7 @@ class Ladder:
         r = len(rotation)
         found = model.inverse_kinematics_branches(X.reshape(-1, 4, 4))
         q = found.q.reshape(n, r, BRANCHES, 6)
-        # station by station: all at once the arrays in between would be the largest of a plan
-        least = [relative_margins(model, of_station).min(axis=-1) for of_station in q]
-        margin = np.nan_to_num(np.array(least), nan=-1.0)
+        margin = np.nan_to_num(relative_margins(model, q).min(axis=-1), nan=-1.0)
         low = model.robot.q_min
         high = model.robot.q_max
         # base angles lie in (-pi, pi]
@@ -289,16 +289,30 @@ class Ladder:
             cost = cost + self.price[i][..., None]
         return np.where(allowed & (margin >= level), cost, np.inf)
 
-    def _source(self, whole: Array) -> Integers:
+    def _source(self, whole: Array) -> Turns:
         """Index into `turns` a node comes from, -1 where that lies outside, shape (r, 8, k)."""
+        # no number compares false
+        known = np.asarray((np.abs(whole) <= _MOST_WHOLE).all(axis=-1))
+        code = np.zeros(whole.shape[:-1], dtype=np.int64)
+        for k in range(whole.shape[-1]):
+            step = np.where(known, whole[..., k], 0.0).astype(np.int64)
+            code = code * (2 * _MOST_WHOLE + 1) + step + _MOST_WHOLE
+        return np.asarray(np.where(known[..., None], self._sources[code], -1))
+
+    @cached_property
+    def _sources(self) -> Turns:
+        """`_source` for every combination of whole turns between two stations, shape (codes,
+        k)."""
+        steps = range(-_MOST_WHOLE, _MOST_WHOLE + 1)
+        whole = np.array(list(itertools.product(steps, repeat=len(self.wound))))
         first = self.turns.min(axis=0)
         count = (self.turns.max(axis=0) - first + 1).astype(int)
-        wanted = np.nan_to_num(self.turns + whole[..., None, :] - first, nan=-1.0).astype(np.int64)
+        wanted = (self.turns + whole[:, None, :] - first).astype(np.int64)
         valid = ((wanted >= 0) & (wanted < count)).all(axis=-1)
         place = np.zeros(wanted.shape[:-1], dtype=np.int64)
         for k, size in enumerate(count):
             place = place * size + wanted[..., k]
-        return np.where(valid, place, -1)
+        return np.asarray(np.where(valid, place, -1).astype(np.int8))
 
     def _trace(
         self, end: tuple[int, int, int], back: list[Turns], shifts: tuple[int, ...], cost: float

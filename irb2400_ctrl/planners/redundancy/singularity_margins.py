@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
 
 from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.codegen import CompiledFunction, compile_function
 from irb2400_ctrl.model import Model
 
 NAMES = ("wrist", "shoulder", "elbow")
@@ -21,7 +24,9 @@ def scales(model: Model) -> Array:
 
 def relative_margins(model: Model, q: Array) -> Array:
     """|sin phi5|, |r|, |k| of eqs. 34-36, each as a part of its largest value, shape (n, 3) [-]."""
-    flat = model.singularity_factors(q.reshape(-1, q.shape[-1]))
+    flat = _factors(model).map(q.reshape(-1, q.shape[-1]))[0]
+    # where a branch does not exist nothing is near or far
+    flat[~np.isfinite(q).all(axis=-1).ravel()] = np.nan
     relative: Array = np.abs(flat).reshape(*q.shape[:-1], 3) / scales(model)
     return relative
 
@@ -38,3 +43,9 @@ def reach_left(model: Model, q: Array) -> Array:
         up = up - g.d4 * np.sin(phi[..., 2])
     distance = np.hypot(out, up)
     return np.asarray(np.minimum(g.a2 + g.forearm - distance, distance - abs(g.a2 - g.forearm)))
+
+
+@lru_cache(maxsize=8)
+def _factors(model: Model) -> CompiledFunction:
+    """`Model.singularity_factors` as machine code."""
+    return compile_function(model.function("singularity_factors"))

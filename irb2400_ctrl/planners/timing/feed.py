@@ -45,9 +45,11 @@ def feed_bound(tcp: TcpPath, by_piece: Array) -> FeedBound:
     return bound
 
 
-def feed_ratio(tcp: TcpPath, by_piece: Array, law: TimeLaw, places: JointPath) -> float | None:
-    """Upper bound of the TCP's speed over the feed, at all times; None where no feed is
-    programmed.
+def feed_ratios(
+    tcp: TcpPath, by_piece: Array, law: TimeLaw, places: JointPath
+) -> tuple[Array, Array] | None:
+    """Upper bounds of the TCP's speed over the feed in cells of time: their ends (m + 1,) [s] and
+    the ratios (m,); None where no feed is programmed.
 
     Args:
         tcp: along the joint path that was timed.
@@ -65,7 +67,7 @@ def feed_ratio(tcp: TcpPath, by_piece: Array, law: TimeLaw, places: JointPath) -
     cells = divided(rows, np.full(len(rows) - 1, 2))
     s = law.at((cells[:-1] + cells[1:]) / 2)[0]
     speed = TcpPath(tcp.model, places, tcp.spindle).enclosed_velocity(cells).size
-    return float((speed / by_piece[joints.piece(s)]).max())
+    return cells, speed / by_piece[joints.piece(s)]
 
 
 def _squared(velocity: Enclosed) -> Array:

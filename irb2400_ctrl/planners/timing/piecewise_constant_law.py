@@ -71,6 +71,11 @@ class PiecewiseConstantLaw(TimeLaw):
         """The same motion that takes `factor` times as long."""
         return PiecewiseConstantLaw(self.s, self.x / factor**2)
 
+    def slowed_at(self, time: Array, factor: Array) -> PiecewiseConstantLaw:
+        """See `TimeLaw`."""
+        s, slower = self._parted(time, factor)
+        return PiecewiseConstantLaw(s, np.interp(s, self.s, self.x) / slower**2)
+
     def bounds(self, path: JointPath, limits: MotionLimits, dynamics: PathDynamics) -> Checked:
         """Torque and speed cell by cell, from u and x alone.
 

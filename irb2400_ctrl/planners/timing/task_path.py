@@ -9,7 +9,7 @@ from irb2400_ctrl.model import Model
 from irb2400_ctrl.planners.enclosure.tcp_path import TcpPath
 from irb2400_ctrl.planners.joint_path import JointPath
 from irb2400_ctrl.planners.redundancy.follow import Followed
-from irb2400_ctrl.planners.timing.feed import feed_bound, feed_ratio, programmed_feed
+from irb2400_ctrl.planners.timing.feed import feed_bound, feed_ratios, programmed_feed
 from irb2400_ctrl.planners.timing.time_joint_path import FeedBound
 from irb2400_ctrl.planners.timing.time_law import TimeLaw
 from irb2400_ctrl.planners.toolpath.orientation import Orientation
@@ -35,9 +35,9 @@ class TaskPath:
         """Bound of x = sdot^2 in cells of the joint path."""
         return feed_bound(self.tcp, self.programmed_feed)
 
-    def feed_ratio(self, law: TimeLaw, places: JointPath) -> float | None:
-        """Speed of the TCP over the feed, see `feed.feed_ratio`."""
-        return feed_ratio(self.tcp, self.programmed_feed, law, places)
+    def feed_ratios(self, law: TimeLaw, places: JointPath) -> tuple[Array, Array] | None:
+        """Speed of the TCP over the feed, see `feed.feed_ratios`."""
+        return feed_ratios(self.tcp, self.programmed_feed, law, places)
 
     @property
     def joints(self) -> JointPath:

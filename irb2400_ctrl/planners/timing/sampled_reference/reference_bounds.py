@@ -22,6 +22,8 @@ from irb2400_ctrl.planners.timing.torque_bounds import torque_bounds
 # cells whose bound is above a limit are cut into so many parts, so often
 _PARTS = 4
 _ROUNDS = 3
+# cells that are enclosed at once: what they need fits a processor's cache
+_AT_ONCE = 2000
 
 
 @dataclass(frozen=True)
@@ -49,8 +51,28 @@ def reference_bounds(
 ) -> ReferenceBounds:
     """Bound what the arm needs for a motion over the time; cells are cut where a bound is above a
     limit."""
-    friction = dynamics.model.robot.friction
     s = with_reversals(motion, motion.knots)
+    # what a law remembers of the way is not known in the middle of a motion
+    remembers = any(law.memory is not None for law in dynamics.forms.laws)
+    count = len(s) if remembers else _AT_ONCE
+    parts = [
+        _bounds(dynamics, motion, s[first : first + count + 1], limits)
+        for first in range(0, len(s) - 1, count)
+    ]
+    s = np.concatenate([s[:1], *(part.time[1:] for part in parts)])
+    torque, speed = (np.concatenate([getattr(p, k) for p in parts]) for k in ("torque", "speed"))
+    for end in (0, -1):
+        torque[end] = np.maximum(torque[end], _at_rest(dynamics, motion, s[end]))
+    if dynamics.irregular:
+        torque = np.full_like(torque, np.inf)
+    return ReferenceBounds(s, torque, speed)
+
+
+def _bounds(
+    dynamics: PathDynamics, motion: JointMotion, s: Array, limits: MotionLimits
+) -> ReferenceBounds:
+    """Between some of the rows, which do not depend on the others."""
+    friction = dynamics.model.robot.friction
     for last in range(_ROUNDS):
         cells = enclose(dynamics, motion, s)
         above, below = torque_bounds(cells, np.zeros(len(s) - 1), np.ones(len(s)), friction)
@@ -60,10 +82,6 @@ def reference_bounds(
         if last == _ROUNDS - 1 or not wide.any():
             break
         s = divided(s, np.where(wide, _PARTS, 1))
-    for end in (0, -1):
-        torque[end] = np.maximum(torque[end], _at_rest(dynamics, motion, s[end]))
-    if dynamics.irregular:
-        torque = np.full_like(torque, np.inf)
     return ReferenceBounds(s, torque, speed)
 
 

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.planners.enclosure.path_dynamics import PathDynamics
 from irb2400_ctrl.planners.timing.motion_limits import MotionLimits
+from irb2400_ctrl.planners.timing.sampled_reference.excerpt import Excerpt
+from irb2400_ctrl.planners.timing.sampled_reference.local_slowing import slowing
 from irb2400_ctrl.planners.timing.sampled_reference.reference_bounds import ReferenceBounds
 from irb2400_ctrl.planners.timing.sampled_reference.sampled_reference import SampledReference
 from irb2400_ctrl.planners.timing.sampled_reference.sampling import Sampling
@@ -16,11 +20,21 @@ from irb2400_ctrl.planners.timing.task_path import TaskPath
 from irb2400_ctrl.planners.timing.time_law import TimeLaw
 
 _ROUNDS = 20
+# beginnings of the rows that are looked at
+_PHASES = 4
 # a ratio to a limit that slowing down is not tried on
 _HOPELESS = 3.0
 _ROUNDING = 1e-7
-# parts of what was slowed that are tried
-_FINER = 8
+# a factor by which a whole motion is slowed without a thought: its feed still counts as held
+_HARDLY = 1.008
+# around a row it costs nothing to slow a little more than that: later rows swing otherwise
+_MORE = 1.2
+_SPARE = 5e-4
+# change of the speed along a path by a jump of its acceleration between rows that is looked at, as
+# a part of the speed
+_BEND = 5e-3
+# of what a torque is above its limit, how much slower it has to be
+_BY_TORQUE = 0.7
 # samples per second of a torque that has no bound, and seconds that are sampled at once
 _RATE = 1e4
 _SPAN = 10.0
@@ -36,13 +50,22 @@ class Settled:
     bounds: ReferenceBounds
     torque: Array
     """largest |tau| of each axis [Nm], shape (n,); of samples where there is no bound"""
-    feed_ratio: float | None
-    """speed of the TCP over the feed; None without a feed"""
+    feed: tuple[Array, Array] | None
+    """ends of cells of time [s], and the TCP's speed over the feed in each; None without a feed"""
 
     @property
     def bounded(self) -> bool:
         """Whether the torque has a bound."""
         return bool(np.isfinite(self.bounds.torque).all())
+
+    @property
+    def feed_ratio(self) -> float | None:
+        """The largest speed of the TCP over the feed; None without a feed."""
+        return None if self.feed is None else float(self.feed[1].max())
+
+    def wanted(self, limits: MotionLimits) -> Array:
+        """How many times slower each interval between rows has to be, shape (rows - 1,)."""
+        return _wanted(self.bounds, self.feed, self.reference.rows.time, limits)
 
     def worst(self, limits: MotionLimits) -> float:
         """The largest part of a limit, feed included."""
@@ -60,38 +83,118 @@ def settled_reference(
     slow: bool,
 ) -> Settled:
     """The rows of a timed path, bounded; the law slowed first, where allowed, until they keep
-    torque, speed and feed.
+    torque, speed and feed: all over if hardly anything is missing, else where they swing above a
+    limit, and all over if that does not settle.
 
     What is slowed is small where the law was made for the rows (`Sampling.torque_ratios`).
     """
-    found = _looked_at(dynamics, task, law, limits, sampling)
-    factor = 1.0
-    for _ in range(_ROUNDS if slow else 0):
-        worst = found.worst(limits)
-        if not 1 < worst < _HOPELESS:
-            break
-        factor *= 1 + 0.7 * (worst - 1) + _ROUNDING
-        found = _looked_at(dynamics, task, law.slowed(factor), limits, sampling)
-    if factor == 1.0 or found.worst(limits) > 1:
+    look = partial(_looked_at, dynamics, task, limits=limits, sampling=sampling)
+    first = look(law)
+    if not slow:
+        return first
+    found = _slower_all_over(look, first, limits, _HARDLY)
+    if found.worst(limits) <= 1:
         return found
-    # rows at other places of the motion swing differently: the least slowing that is enough
-    for part in np.arange(1, _FINER) / _FINER:
-        slower = law.slowed(1 + part * (factor - 1))
-        other = _looked_at(dynamics, task, slower, limits, sampling)
-        if other.worst(limits) <= 1:
-            return other
+    found = first
+    for _ in range(_ROUNDS if first.bounded else 0):
+        if not 1 < found.worst(limits) < _HOPELESS:
+            break
+        slower = _slower_where(dynamics, task, found, limits, sampling)
+        if slower.duration <= found.law.duration:
+            break
+        found = look(slower)
+    return _slower_all_over(look, found, limits, _HOPELESS)
+
+
+def _slower_all_over(
+    look: Callable[[TimeLaw], Settled], first: Settled, limits: MotionLimits, most: float
+) -> Settled:
+    """The whole motion slowed, at most by that factor, until it keeps its limits."""
+    factor = 1.0
+    found = first
+    for _ in range(_ROUNDS):
+        worst = found.worst(limits)
+        factor *= 1 + _BY_TORQUE * (worst - 1) + _ROUNDING
+        if not 1 < worst < _HOPELESS or factor > most:
+            break
+        found = look(first.law.slowed(factor))
     return found
+
+
+def _slower_where(
+    dynamics: PathDynamics,
+    task: TaskPath,
+    found: Settled,
+    limits: MotionLimits,
+    sampling: Sampling,
+) -> TimeLaw:
+    """The law slowed around the rows that swing above a limit, until they do not, wherever between
+    its own places a row may come to lie."""
+    law = found.law
+    rows = found.reference.rows.time
+    wanted = found.wanted(limits)
+    places = law.at(_spans(rows, np.maximum(wanted, 1.0 + _abrupt(law, rows))))[0]
+    for _ in range(_ROUNDS):
+        law = law.slowed_at(rows, slowing(wanted))
+        spans = np.interp(places, law.s, law.time)
+        rows = np.arange(np.ceil(law.duration * sampling.rate) + 2) / sampling.rate
+        wanted = np.ones(len(rows) - 1)
+        for part in range(_PHASES):
+            read = Excerpt.of(law, task.joints, sampling, spans, part / _PHASES)
+            feed = read.feed(task, law)
+            more = _wanted(read.bounds(dynamics, limits), feed, read.places.knots, limits)
+            row = np.clip((read.start * sampling.rate).astype(int), 0, len(wanted) - 1)
+            np.maximum.at(wanted, row, more)
+        if wanted.max() <= 1:
+            break
+    return law
+
+
+def _spans(rows: Array, wanted: Array) -> Array:
+    """First and last time of each stretch of rows around those that have to be slower, shape (k,
+    2) [s]."""
+    slow = np.flatnonzero(slowing(wanted) > 1)
+    ends = np.flatnonzero(np.diff(slow) > 1)
+    first = slow[np.insert(ends + 1, 0, 0)]
+    last = slow[np.append(ends, len(slow) - 1)]
+    return np.stack([rows[first], rows[last]], axis=1)
+
+
+def _abrupt(law: TimeLaw, rows: Array) -> Array:
+    """Whether the speed along the path bends between two rows so that a cubic may swing, shape
+    (rows - 1,): what these rows happen to meet well, others will not."""
+    _, speed, acceleration = law.at(rows)
+    bend = np.abs(np.diff(acceleration)) * np.diff(rows)
+    return np.asarray(bend > _BEND * np.maximum(speed[:-1], speed[1:]))
+
+
+def _wanted(
+    bounds: ReferenceBounds, feed: tuple[Array, Array] | None, rows: Array, limits: MotionLimits
+) -> Array:
+    """How many times slower each interval between rows has to be, at least 1, shape (rows - 1,)."""
+    # torque falls with the square of the speed, but for gravity and friction
+    torque = (bounds.torque / limits.tau_max).max(axis=1)
+    speed = (bounds.speed / limits.qd_max).max(axis=1)
+    parts = [(bounds.time, np.maximum(1 + _MORE * _BY_TORQUE * (torque - 1), speed))]
+    if feed is not None:
+        parts.append(feed)
+    found = np.ones(len(rows) - 1)
+    for ends, ratio in parts:
+        row = np.searchsorted(rows, (ends[:-1] + ends[1:]) / 2) - 1
+        np.maximum.at(found, np.clip(row, 0, len(found) - 1), ratio)
+    return np.where(found > 1, found + _SPARE, 1.0)
 
 
 def _looked_at(
     dynamics: PathDynamics, task: TaskPath, law: TimeLaw, limits: MotionLimits, sampling: Sampling
 ) -> Settled:
+    """The rows of a law, and their bounds."""
     reference = sampling.reference(law, task.joints).as_written()
     bounds = reference.bounds(dynamics, limits)
     torque = bounds.torque.max(axis=0)
     if not np.isfinite(torque).all():
         torque = _sampled_torque(dynamics, reference)
-    return Settled(law, reference, bounds, torque, task.feed_ratio(law, reference.places))
+    return Settled(law, reference, bounds, torque, task.feed_ratios(law, reference.places))
 
 
 def _sampled_torque(dynamics: PathDynamics, reference: SampledReference) -> Array:

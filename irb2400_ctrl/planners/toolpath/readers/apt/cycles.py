@@ -19,6 +19,7 @@ from irb2400_ctrl.planners.toolpath.readers.expansion.drilling import HoleCycle
 
 # DWELL,REV,n counts revolutions
 CYCLE_FEED_WORDS = FEED_WORDS - {"REV", "LOCK"}
+PER_TURN = frozenset({"MMPR", "IPR", "PERREV"})
 KINDS = {
     "DRILL": "drill",
     "SPOT": "drill",
@@ -82,6 +83,8 @@ def hole_cycle(statement: Statement, unit: float, dialect: str, place: str) -> H
     kind, name = _kind(words, place)
     values, bare, feed = _values(statement, dialect == CREO, place)
     feed_words = {word for word in words if word in CYCLE_FEED_WORDS}
+    if feed is not None and len(bare) == 2 and not values:
+        bare[1], feed = _told_apart(bare[1], feed, bool(feed_words & PER_TURN))
     depth, clear, steps = _bare(bare, values, place)
     if "feed to" in values:
         depth = abs(values["feed to"][0])
@@ -157,11 +160,18 @@ def _values(
             last = ""
             continue
         last = "" if is_number(argument) else argument.upper()
-        if last and last in KINDS:
+        if last in KINDS and not (last in OTHER_WORDS and is_number(following)):
             last = ""
     if feed is not None and feed <= 0:
         raise InputError(f"{place}: CYCLE/ has the feed {feed}, expected a positive one")
     return values, bare, feed
+
+
+def _told_apart(first: float, second: float, per_turn: bool) -> tuple[float, float]:
+    """Clearance and feed of `depth, a, MMPM, b`, which tables of post-processors write either way:
+    a feed per minute is the larger of the two numbers, one per turn the smaller."""
+    low, high = sorted((first, second))
+    return (high, low) if per_turn else (low, high)
 
 
 def _feed_before(

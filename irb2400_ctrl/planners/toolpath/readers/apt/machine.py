@@ -116,12 +116,13 @@ class Machine:
         self._builder.note("ignored", f"{statement.word}/: the magazine only")
 
     def _tool_number(self, statement: Statement, unit: float) -> None:
-        """CATIA: TOOLNO/number,diameter."""
+        """CATIA: TOOLNO/number,diameter or TOOLNO/number,MILL,number,…"""
         values = self._numbers(statement)
         tool = self._described()
         if values:
             tool = replace(tool, number=int(values[0]))
-        if len(values) > 1 and values[1] > 0:
+        beside = len(statement.arguments) > 1 and is_number(statement.arguments[1])
+        if beside and values[1] > 0:
             tool = replace(tool, diameter=unit * values[1])
         self._builder.describe_tool(tool)
 

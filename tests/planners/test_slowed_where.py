@@ -1,0 +1,105 @@
+"""A motion whose rows swing above a limit is slowed there, and keeps its own speed elsewhere."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from irb2400_ctrl import load_robot
+from irb2400_ctrl.planners import builders, plan_path
+from irb2400_ctrl.planners.timing.piecewise_constant_law import PiecewiseConstantLaw
+from irb2400_ctrl.planners.timing.rate_limited.rate_limited_law import RateLimitedLaw
+from irb2400_ctrl.planners.timing.sampled_reference.local_slowing import slowing
+from irb2400_ctrl.planners.toolpath.toolpath import ToolPath
+
+ROBOT = load_robot("irb2400")
+
+
+def raster(lines: int = 3, points: int = 30) -> ToolPath:
+    """Lines over waves, the tool tilting with them, 30 mm/s."""
+    k = np.arange(lines * points)
+    row, column = np.divmod(k, points)
+    x = np.where(row % 2 == 0, column, points - 1 - column) - points / 2
+    slope = 0.5 * np.cos(2 * np.pi * x / 60)
+    size = np.hypot(slope, 1)
+    z = 5 * np.sin(2 * np.pi * x / 60)
+    place = np.stack([950 + x, 2.0 * row, 500 + z], axis=1)
+    axis = np.stack([-slope / size, 0 * x, 1 / size], axis=1)
+    return builders.way_points(1e-3 * place, axis, feed=0.03)
+
+
+def rate_limited(count: int = 400) -> RateLimitedLaw:
+    """From rest over one metre to rest, with a slow place in its middle."""
+    s = np.linspace(0.0, 1.0, count + 1)
+    u = np.zeros(count + 1)
+    u[1:-1] = 0.4 * np.sin(2 * np.pi * s[1:-1]) + 0.3 * np.sin(4 * np.pi * s[1:-1])
+    h = s[1]
+    x = np.zeros(count + 1)
+    x[1] = 1.5 * h * u[1]
+    x[2:-1] = x[1] + np.cumsum(h * (u[1:-2] + u[2:-1]))
+    u[-2] = -x[-2] / (1.5 * h)
+    # what the last but one adds has to come off before it
+    u[-3] = (x[-2] - x[-3]) / h - u[-2]
+    x[-3] = x[-4] + h * (u[-4] + u[-3])
+    x[-2] = x[-3] + h * (u[-3] + u[-2])
+    u[-2] = -x[-2] / (1.5 * h)
+    x[-2] = x[-3] + h * (u[-3] + u[-2])
+    return RateLimitedLaw(s, x, u)
+
+
+def test_the_factor_is_reached_where_it_is_wanted_and_is_one_farther_away() -> None:
+    wanted = np.ones(200)
+    wanted[[60, 120]] = 1.2, 1.05
+    factor = slowing(wanted)
+    assert (factor[[60, 61]] >= 1.2 - 1e-12).all()
+    assert (factor[[120, 121]] >= 1.05 - 1e-12).all()
+    assert (factor[:40] == 1).all()
+    assert (factor[80:100] == 1).all()
+    assert factor.max() <= 1.2 + 1e-12
+    assert np.abs(np.diff(factor)).max() < 0.06
+
+
+def test_the_factor_does_not_change_at_the_ends() -> None:
+    wanted = np.ones(200)
+    wanted[[3, 192]] = 1.3
+    factor = slowing(wanted)
+    assert np.ptp(factor[:5]) == pytest.approx(0.0, abs=1e-12)
+    assert np.ptp(factor[-5:]) == pytest.approx(0.0, abs=1e-12)
+
+
+def test_a_jumping_law_is_as_it_was_elsewhere() -> None:
+    s = np.linspace(0.0, 1.0, 101)
+    law = PiecewiseConstantLaw(s, np.minimum(np.minimum(2 * s, 2 * (1 - s)), 0.25))
+    time = np.arange(0.0, law.duration, 0.004)
+    factor = np.where(np.abs(time - law.duration / 2) < 0.05, 1.1, 1.0)
+    slower = law.slowed_at(time, factor)
+    at = np.interp(law.duration / 2, law.time, law.s)
+    assert slower.on(np.array([at]))[0] == pytest.approx(law.on(np.array([at]))[0] / 1.21)
+    outside = np.abs(s - at) > 0.05
+    assert np.allclose(slower.on(s[outside])[0], law.x[outside])
+    assert slower.duration - law.duration == pytest.approx(0.1 * 0.1, rel=0.2)
+
+
+@pytest.mark.parametrize("middle", [0.15, 0.3, 0.5, 0.85])
+def test_a_rate_limited_law_stays_one_motion(middle: float) -> None:
+    law = rate_limited()
+    assert law.is_consistent()
+    time = np.arange(0.0, law.duration + 0.004, 0.004)
+    wanted = np.where(np.abs(time[:-1] - middle * law.duration) < 0.02, 1.1, 1.0)
+    factor = slowing(wanted)
+    slower = law.slowed_at(time, factor)
+    assert slower.is_consistent()
+    assert slower.duration > law.duration + 1e-3
+    part = np.sqrt(law.on(slower.s)[0][2:-2] / slower.x[2:-2])
+    assert part.max() == pytest.approx(1.1, abs=5e-3)
+    assert part.min() >= 1 - 1e-3
+
+
+def test_a_tilting_raster_is_driven_at_its_feed() -> None:
+    # without a limit of the torque's rate the rows swing at every corner
+    plan = plan_path(ROBOT, raster(), torque_rate=np.inf)
+    assert plan.guaranteed
+    assert plan.max_feed_ratio is not None
+    assert plan.max_feed_ratio <= 1
+    assert plan.feed_use is not None
+    assert plan.feed_use.share > 0.75
