@@ -35,7 +35,7 @@ WIDTH = 0.1
 FINER = 6
 """lattices up to so many times finer than the median step are tried"""
 BLURRED = 0.25
-"""scatter of the stamps over the period above which their phase may be lost: a scatter spread evenly
+"""scatter of the stamps over the period above which their phase may be lost: one spread evenly
 over a whole period has none"""
 NEARBY = ((4.0, 0.04), (LONGEST, 0.002))
 """[s] of the record, relative half width of the search for a period whose lattice the stamps are
