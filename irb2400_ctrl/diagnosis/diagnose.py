@@ -127,8 +127,17 @@ def _searched(
     compared = found.identification
     torques = (compared.before, compared.after)
     each = log_errors(motion, *torques, logs, (found.given, found.robot))
-    noise = noise_test(robot, logs.used, motion, compared.after)
+    noise = noise_test(robot, logs.used, motion, compared.after, _unsure(fit, motion))
     return replace(found, logs=each, left_out=logs.left_out, noise=noise)
+
+
+def _unsure(fit: Fit, motion: PreparedLog) -> Array:
+    """Standard error of the prediction from that of the robot's numbers, where the torque is known,
+    shape (n,) [Nm]."""
+    Z = fit.Z[:, :, : len(fit.z)]
+    variance = np.sum((Z @ fit.z_covariance) * Z, axis=2)
+    known = motion.at_rows(motion.known)
+    return np.asarray(np.sqrt(np.sum(variance * known, axis=0) / np.maximum(known.sum(axis=0), 1)))
 
 
 def _prior(
@@ -218,7 +227,8 @@ def _concluded(
 
 
 def _compared(motion: PreparedLog, before: Robot, recalibrated: Robot, after: Robot) -> Comparison:
-    taus = [predicted_torque(robot, motion) for robot in (before, recalibrated, after)]
+    robots = (before, recalibrated, after)
+    taus = [predicted_torque(robot, motion, _bases(robot.bare())) for robot in robots]
     found = [errors(motion.tau, tau, motion.known) for tau in taus]
     for array in (motion.time, motion.tau, *taus):
         array.setflags(write=False)

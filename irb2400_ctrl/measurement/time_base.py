@@ -34,6 +34,14 @@ WIDTH = 0.1
 """relative half width of the search about the median step"""
 FINER = 6
 """lattices up to so many times finer than the median step are tried"""
+BLURRED = 0.25
+"""scatter of the stamps over the period above which their phase may be lost: one spread evenly
+over a whole period has none"""
+NEARBY = ((4.0, 0.04), (LONGEST, 0.002))
+"""[s] of the record, relative half width of the search for a period whose lattice the stamps are
+nearer to: first coarse, then fine"""
+TRIED = 81
+"""periods in each"""
 SMOOTHER = 0.98
 """an even time base must leave less roughness than this share of what the stamps leave"""
 DECIDED = 0.05
@@ -74,6 +82,8 @@ def time_base(log: Log) -> TimeBase:
     rough_stamps = _roughness(log.q, stamps)
     for finer in range(1, FINER + 1):
         instants, step = _lattice(stamps, _period(stamps, finer))
+        if finer == 1 and np.std(stamps - instants) > BLURRED * step:
+            instants, step = _nearest_lattice(stamps, instants, step)
         if np.std(stamps - instants) < EVEN:
             return TimeBase(stamps, step, float(np.std(stamps - instants)), _lost(instants, step))
         rough = _ratio(_roughness(log.q, instants), rough_stamps)
@@ -130,6 +140,23 @@ def _lattice(stamps: Array, period: float) -> tuple[Array, float]:
             break
         period = float(slope)
     return np.asarray(origin + period * index, dtype=float), period
+
+
+def _nearest_lattice(stamps: Array, instants: Array, step: float) -> tuple[Array, float]:
+    """The lattice near the median step that leaves the least scatter, where it leaves less.
+
+    Samples that are lost look like a longer period; with the right one the stamps step by whole
+    periods instead of drifting.
+    """
+    period = float(np.median(np.diff(stamps)))
+    for span, width in NEARBY:
+        first = stamps[stamps < stamps[0] + span] - stamps[0]
+        tried = period * (1.0 + np.linspace(-width, width, TRIED))
+        scatter = [np.std(first - one * _rising(first / one)) for one in tried]
+        period = float(tried[int(np.argmin(scatter))])
+    even, better = _lattice(stamps, period)
+    nearer = np.std(stamps - even) < np.std(stamps - instants)
+    return (even, better) if nearer else (instants, step)
 
 
 def _rising(places: Array) -> Index:

@@ -42,8 +42,10 @@ class ArmSignals:
     def with_state(self, state: ca.SX) -> ArmSignals:
         """The same signals for an effect with the given internal state."""
         moved = replace(self, state=state)
-        # nothing that follows from the motion depends on the state: what is known already is not
-        # derived again
+        # nothing that follows from the motion depends on the state: what effects with memory ask
+        # for is derived once, for all of them
+        for name in ("load", "mass_matrix", "tau_jacobian"):
+            getattr(self, name)
         known = {
             name: value
             for name, value in self.__dict__.items()

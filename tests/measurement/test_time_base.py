@@ -30,7 +30,13 @@ def sampled(rate: float, lost: float, seed: int = 0) -> np.ndarray:
 
 
 @pytest.mark.parametrize(
-    ("rate", "scatter", "lost"), [(250.0, 0.5e-3, 0.0), (250.0, 1.0e-3, 0.2), (50.0, 3e-3, 0.1)]
+    ("rate", "scatter", "lost"),
+    [
+        (250.0, 0.5e-3, 0.0),
+        (250.0, 1.0e-3, 0.2),
+        (250.0, 2e-3 / np.sqrt(3.0), 0.02),  # over a whole period: the stamps have no phase
+        (50.0, 3e-3, 0.1),
+    ],
 )
 def test_stamps_of_a_host_give_way_to_the_even_sampling(
     rate: float, scatter: float, lost: float

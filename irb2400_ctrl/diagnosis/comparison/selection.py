@@ -38,7 +38,7 @@ class Selection:
         self.refused: set[Name] = set()
         self.acceptance = Acceptance(fitter)
         self.threshold = Threshold(
-            self.criteria, scan.motion, predicted_torque(fitter.robot, scan.motion)
+            self.criteria, scan.motion, predicted_torque(fitter.robot, scan.motion, fitter.bases)
         )
 
     def run(self) -> tuple[list[Step], Fit]:

@@ -37,11 +37,11 @@ class NoiseTest:
     """What is left of a log on its own samples; arrays per joint, shape (n,).
 
     Args:
-        floor: rms of the noise by sample-to-sample differences, by the digits of the torque, and by
-            what is not known of the motion: the noise of the angles, their departure from the
-            motion that was used [Nm].
+        floor: rms of the noise by sample-to-sample differences, by the digits of the torque, by the
+            numbers that the log leaves open, and by what is not known of the motion: the noise of
+            the angles, their departure from the motion that was used [Nm].
         left: rms of what is left [Nm]; means: of its means, over what white noise would give beside
-            the digits, whose error lasts as long as the torque keeps between two of them.
+            digits and open numbers, whose errors last.
         bar, means_bar: above which it is no noise.
     """
 
@@ -59,12 +59,17 @@ class NoiseTest:
 
 
 def noise_test(
-    robot: Robot, logs: Sequence[Log], motion: PreparedLog, predicted: Array
+    robot: Robot, logs: Sequence[Log], motion: PreparedLog, predicted: Array, unsure: Array
 ) -> NoiseTest:
     """Of a prediction along the motion of these logs (m, n) [Nm], on the samples as they were
-    recorded; per joint on the log that fits worst."""
+    recorded; per joint on the log that fits worst.
+
+    Args:
+        unsure: standard error of the prediction, from numbers that the log leaves open, shape (n,)
+            [Nm].
+    """
     tests = [
-        _on_log(robot, log, motion, part, predicted[part])
+        _on_log(robot, log, motion, part, predicted[part], unsure)
         for log, part in zip(logs, motion.parts, strict=True)
     ]
     ratio = np.array([test.left / np.maximum(test.floor, 1e-12) for test in tests])
@@ -78,7 +83,7 @@ def noise_test(
 
 
 def _on_log(
-    robot: Robot, log: Log, motion: PreparedLog, part: slice, predicted: Array
+    robot: Robot, log: Log, motion: PreparedLog, part: slice, predicted: Array, unsure: Array
 ) -> NoiseTest:
     """On one log; `part`: its samples of the motion."""
     even = with_time_base(log)
@@ -93,7 +98,7 @@ def _on_log(
     by_angles = _by_departure(robot, even, motion, part, grid)
     noise = None if motion.instrumented else torque_from_angle_noise(robot, log)
     by_angles = by_angles if noise is None else np.hypot(by_angles, noise)
-    by_digits = digit(log.tau) / np.sqrt(12.0)
+    lasting = np.hypot(digit(log.tau) / np.sqrt(12.0), unsure)
     floor = np.zeros(log.n)
     left = np.zeros(log.n)
     means = np.zeros(log.n)
@@ -102,10 +107,10 @@ def _on_log(
         follows = known[1:, j] & known[:-1, j] & (np.diff(time) < 1.5 * period)
         steps = trimmed_rms(np.diff(residual)[follows]) / np.sqrt(2.0)
         white = np.hypot(steps, by_angles[j])
-        floor[j] = np.hypot(white, by_digits[j])
+        floor[j] = np.hypot(white, lasting[j])
         left[j] = trimmed_rms(residual[known[:, j]])
         count = max(1, round(MEAN_OVER / period))
-        usual = np.hypot(white / np.sqrt(count), by_digits[j])
+        usual = np.hypot(white / np.sqrt(count), lasting[j])
         means[j] = _means(residual, known[:, j], count) / max(float(usual), 1e-12)
     return NoiseTest(floor, left, means)
 

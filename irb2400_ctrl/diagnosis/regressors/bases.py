@@ -146,6 +146,8 @@ class _Law:
         self.k_law = law.shape[1]
         if self.free:
             self.response = Vectorised(inputs, _flat(law, rows))
+            # of a law of several columns the first stands for the beginning
+            self.begun = Vectorised(inputs, _flat(law[:, :1], rows))
         self.memory = (
             Memory(scalars, state, theta, prototype.state_rate(s), prototype.steady_state(s))
             if effect.states
@@ -197,17 +199,18 @@ class _Law:
                 yield joint, column, flat
         if not self.free:
             return
-        rest = self.response(*inputs, *states, *theta)
         if law_too:
+            rest = self.response(*inputs, *states, *theta)
             for index, flat in enumerate(rest):
                 joint, column = divmod(index, self.k_law)
                 yield joint, self.k + self.free + column, flat
+            quiet = rest[:: self.k_law]
+        else:
+            quiet = self.begun(*inputs, *states, *theta)
         for column, other in enumerate(trajectories[1 : 1 + self.free]):
-            moved = self.response(*inputs, *other, *theta)
+            moved = self.begun(*inputs, *other, *theta)
             for joint in range(len(self.joints)):
-                # of a law of several columns the first stands for the beginning
-                first = joint * self.k_law
-                yield joint, self.k + column, moved[first] - rest[first]
+                yield joint, self.k + column, moved[joint] - quiet[joint]
 
     def _state_trajectories(
         self, motion: PreparedLog, inputs: list[Array], theta: list[Array], points: int
