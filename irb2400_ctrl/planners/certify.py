@@ -10,7 +10,7 @@ from irb2400_ctrl.planners.enclosure.deviation import Deviation, deviation, sing
 from irb2400_ctrl.planners.enclosure.path_dynamics import PathDynamics
 from irb2400_ctrl.planners.enclosure.tcp_path import TcpPath
 from irb2400_ctrl.planners.joint_path import JointPath
-from irb2400_ctrl.planners.redundancy.follow import Followed
+from irb2400_ctrl.planners.margins_as_read import followed_as_read
 from irb2400_ctrl.planners.timing.certificate import Certificate, check
 from irb2400_ctrl.planners.timing.motion_bounds import Checked
 from irb2400_ctrl.planners.timing.rate_limited.sampled_check import SAMPLED_NOTE
@@ -101,14 +101,10 @@ def _deviation(
 ) -> Deviation:
     """How far the joints are off where the rows say they are."""
     followed = timed.path.followed
-    places = settled.reference.places
-
-    law = timed.law
-    # the law's grid is finer than the rows where the path turns
-    time = np.unique(np.concatenate([places.knots, law.time]))
-    u = np.interp(law.at(time)[0], followed.joints.knots, followed.u)
-    read = Followed(places, np.interp(places.knots, time, u), 0.0, 0.0)
-    tcp = TcpPath(dynamics.model, places, orientation.spindle)
+    read = followed_as_read(timed, settled)
+    time = np.unique(np.concatenate([read.joints.knots, timed.law.time]))
+    u = np.interp(timed.law.at(time)[0], followed.joints.knots, followed.u)
+    tcp = TcpPath(dynamics.model, read.joints, orientation.spindle)
     return deviation(tcp, orientation, read, (time, u))
 
 

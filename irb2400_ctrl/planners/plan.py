@@ -52,7 +52,7 @@ class Plan(Displayed):
     """upper bound over all times, in the same way, of the angle to the tool axis stated at the
     nearest place [rad]"""
     singularity_margin: dict[str, float]
-    """lower bounds of |sin q5| [-], |r| [m], |k| [m] over the continuous path"""
+    """lower bounds of |sin q5| [-], |r| [m], |k| [m] everywhere; of what, `margins_of` says"""
     max_torque_ratio: float
     max_velocity_ratio: float
     """over all times of the rows as they are read, as parts of the robot's own limits"""
@@ -75,6 +75,9 @@ class Plan(Displayed):
     """how far the tip gives way to the cutting force, at samples of the path; None without one"""
     rotation_map: RotationMap | None = None
     """what other tool rotations would bring; None where it was not asked for"""
+    margins_of: str = "path"
+    """what singularity margins and clearance are bounds of: the "rows" as they are read, or the
+    continuous "path" that they were taken from, where there are very many"""
     interpolation: Interpolation = DEFAULT
     """how the controller reads the rows"""
     torque_share: float = 1.0
@@ -117,6 +120,7 @@ class Plan(Displayed):
             "reachable": True,
             "max_tcp_deviation_mm": 1e3 * self.max_tcp_deviation,
             "max_tool_axis_deviation_deg": float(np.degrees(self.max_tool_axis_deviation)),
+            "margins_of": self.margins_of,
             "singularity_margin": self.singularity_margin,
             "clearance_mm": self.clearance,
             "deflection": self.deflection,

@@ -13,6 +13,7 @@ from irb2400_ctrl.cell import Cell, Scene, with_tool
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.planners.certify import certify
 from irb2400_ctrl.planners.enclosure.path_dynamics import path_dynamics
+from irb2400_ctrl.planners.margins_as_read import margins_as_read
 from irb2400_ctrl.planners.plan import Plan
 from irb2400_ctrl.planners.plan_options import PlanOptions
 from irb2400_ctrl.planners.plan_report import deflection, report
@@ -162,9 +163,11 @@ def plan_ways(
             settled.reference,
             clock.seconds,
         )
-    with clock.stage("map"):
+    with clock.stage("margins"):
+        margins = margins_as_read(model, orientation, scene, best, settled)
         seen = mapped(model, orientation, scene, best.choice) if options.mapped else None
-    return replace(planned, deflection=deflection(best, options.load), rotation_map=seen)
+    given = deflection(best, options.load)
+    return replace(planned, deflection=given, rotation_map=seen, **margins)
 
 
 def _counted(found: Iterable[Choice], told: Progress) -> Iterator[Choice]:

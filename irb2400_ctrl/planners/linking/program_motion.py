@@ -84,6 +84,8 @@ class ProgramMotion(Displayed):
             "length_mm": 1e3 * sum(s.piece.length for s in self.segments),
             "duration_s": self.duration,
             **worst(self.plans, [s.piece for s in self.segments]),
+            # the moves between the operations have none of their rows
+            "margins_of": "path",
             "clearance_mm": self._clearance(),
             "feed": self._feed(),
             "clearance_plane": {

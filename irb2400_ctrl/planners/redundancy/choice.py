@@ -115,7 +115,7 @@ def stay_inside(model: Model, followed: Followed, target: JointTarget) -> None:
         )
 
 
-def _cutting_between(
+def cutting_between(
     curve: TaskCurve, moves: npt.NDArray[np.bool_], u: Array
 ) -> npt.NDArray[np.bool_]:
     """Whether the tool may cut all the way between neighbouring parameters u, shape (n - 1,)."""
@@ -142,7 +142,7 @@ def clear(
     """
     if scene is None:
         return None
-    cutting = _cutting_between(target.curve, moves, followed.u)
+    cutting = cutting_between(target.curve, moves, followed.u)
     found = continuous_clearance(scene, followed.joints, cutting)
     if found.free:
         return found
