@@ -14,19 +14,22 @@ from irb2400_ctrl.cli.summary import Summary, answers
 RobotArgument = Annotated[
     str, typer.Argument(metavar="ROBOT", help="A robot file (TOML) or a name.")
 ]
-LogArgument = Annotated[Path, typer.Argument(metavar="LOG", help="Measured log (.csv, .csv.gz).")]
+LogsArgument = Annotated[
+    list[Path], typer.Argument(metavar="LOG...", help="Measured logs (.csv, .csv.gz).")
+]
 
 
 @answers
 def validate(
     robot: RobotArgument,
-    log: LogArgument,
+    logs: LogsArgument,
     out: OutOption,
     columns: ColumnsOption = None,
 ) -> Summary:
     """Compare modelled and measured torque (Tab. 6, eqs. 75-77; figures 10-12) ->
     validation.json, report.html."""
-    input_file(log, "a log (.csv or .csv.gz)")
+    for path in logs:
+        input_file(path, "a log (.csv or .csv.gz)")
     output_folder(out)
 
     from irb2400_ctrl.identification import validate as run
@@ -36,7 +39,8 @@ def validate(
 
     arm = load_robot(robot)
     with step("comparing model and log"):
-        result = run(arm, read_log(log, columns=columns, names=arm.joint_names))
+        read = [read_log(path, columns=columns, names=arm.joint_names) for path in logs]
+        result = run(arm, read)
         result.write(out)
         validation_page(result).write(out / "report.html")
     print("\n".join(lines(result)))
