@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -20,12 +20,23 @@ from irb2400_ctrl.cli.options import (
 from irb2400_ctrl.cli.progress import step
 from irb2400_ctrl.cli.summary import Summary, answers
 
+if TYPE_CHECKING:
+    from irb2400_ctrl.robot import Body
+
 LogsArgument = Annotated[
     list[Path], typer.Argument(metavar="LOG...", help="Logs of the sound arm (.csv, .csv.gz).")
 ]
 ValidateOption = Annotated[
     list[Path] | None,
     typer.Option(metavar="LOG", help="Another motion, for the error only; may be given again."),
+]
+LoadedOption = Annotated[
+    list[Path] | None,
+    typer.Option(metavar="LOG", help="The arm with a load that was weighed; may be given again."),
+]
+LoadOption = Annotated[
+    str | None,
+    typer.Option(metavar="KG,X,Y,Z", help="That load: mass, centre [mm] in the flange's axes."),
 ]
 
 
@@ -35,13 +46,17 @@ def identify(
     out: OutOption,
     robot: RobotOption = "irb2400",
     validate: ValidateOption = None,
+    loaded: LoadedOption = None,
+    load: LoadOption = None,
     columns: ColumnsOption = None,
     uncertainty: UncertaintyOption = None,
 ) -> Summary:
     """Fit bodies, friction, offsets and rotors to logs -> robot.toml, identification.json,
     report.html."""
     others = validate or []
-    for path in (*logs, *others):
+    heavy = loaded or []
+    body = None if load is None else _load(load)
+    for path in (*logs, *others, *heavy):
         input_file(path, "a log (.csv or .csv.gz)")
     output_folder(out)
 
@@ -53,8 +68,9 @@ def identify(
     with step("reading the logs"):
         seen = [read_log(path, columns=columns, names=arm.joint_names) for path in logs]
         unseen = [read_log(path, columns=columns, names=arm.joint_names) for path in others]
+        weighed = [read_log(path, columns=columns, names=arm.joint_names) for path in heavy]
     with step("fitting the arm to the logs"):
-        result = run(arm, seen, validation=unseen)
+        result = run(arm, seen, validation=unseen, loaded=weighed, load=body)
     with step("writing the report"):
         result.write(out)
         page = identification_page(result, seen)
@@ -65,3 +81,21 @@ def identify(
     names = ("robot.toml", "identification.json", "covariance.json", "report.html")
     print(f"written: {', '.join(str(out / name) for name in names)}")
     return Summary(result.to_json())
+
+
+def _load(text: str) -> Body:
+    """A small body from its mass [kg] and centre [mm]."""
+    from irb2400_ctrl.errors import InputError
+    from irb2400_ctrl.robot import Body
+
+    try:
+        mass, x, y, z = (float(part) for part in text.split(","))
+    except ValueError:
+        mass, x, y, z = 0.0, 0.0, 0.0, 0.0
+    if not mass > 0.0:
+        raise InputError(
+            f"--load: found {text!r}, expected mass [kg] and centre [mm] in the flange's axes, "
+            "like 5.02,0,0,80"
+        )
+    centre = (x / 1000.0, y / 1000.0, z / 1000.0)
+    return Body(mass_kg=mass, com_m=centre, inertia_kgm2=(0.0,) * 6)

@@ -44,9 +44,9 @@ def validate(
     arm = load_robot(robot)
     with step("comparing model and log"):
         seen = [read_log(path, columns=columns, names=arm.joint_names) for path in logs]
-        result = run(arm, *seen)
+        result = run(arm, seen)
         result.write(out)
-        page = validation_page(result, arm, seen[0] if len(seen) == 1 else None)
+        page = validation_page(result, arm, seen[0])
         page.provenance(provenance(arm))
         page.write(out / "report.html")
     for log in seen:

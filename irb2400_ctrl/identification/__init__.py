@@ -4,11 +4,12 @@ from irb2400_ctrl.identification.change import diagnose_change
 from irb2400_ctrl.identification.friction_curve import FrictionCurve
 from irb2400_ctrl.identification.identification import Identification, LogResult
 from irb2400_ctrl.identification.identify import identify
-from irb2400_ctrl.identification.validation import Validation, validate
+from irb2400_ctrl.identification.validation import LogComparison, Validation, validate
 
 __all__ = [
     "FrictionCurve",
     "Identification",
+    "LogComparison",
     "LogResult",
     "Validation",
     "diagnose_change",

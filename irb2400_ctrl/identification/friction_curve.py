@@ -186,7 +186,8 @@ def _stribeck(v: Array, F: Array, e: Array) -> tuple[Array, Array, float]:
     found = least_squares(residual, start, bounds=(low, high), x_scale="jac")
     left = float(2.0 * found.cost)
     scale = max(1.0, left / max(len(v) - 4, 1))
-    covariance = np.linalg.pinv(found.jac.T @ found.jac) * scale
+    jacobian = np.asarray(found.jac, dtype=float)
+    covariance = np.linalg.pinv(jacobian.T @ jacobian) * scale
     rise, coulomb, viscous, logarithm = found.x
     stribeck = float(np.exp(logarithm))
     law = np.array([coulomb + rise, coulomb, viscous, stribeck])

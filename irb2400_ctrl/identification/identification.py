@@ -14,7 +14,9 @@ from irb2400_ctrl.arrays import Array, Mask
 from irb2400_ctrl.diagnosis.preparation.metrics import Errors, errors
 from irb2400_ctrl.files import write_atomic
 from irb2400_ctrl.identification.columns import ColumnLayout
+from irb2400_ctrl.identification.force_sensor import SensedLoad
 from irb2400_ctrl.identification.friction_curve import FrictionCurve
+from irb2400_ctrl.identification.gains import Gains
 from irb2400_ctrl.identification.gate import Verdict
 from irb2400_ctrl.identification.moved import Moved
 from irb2400_ctrl.notebook import Displayed
@@ -70,6 +72,7 @@ class Identification(Displayed):
         moved: of every link; verdicts: what these motions tell of every number.
         notes: sentences for the reader.
         friction: of joints that ran at constant speed, forth and back (eqs. 70-74).
+        gains: of the torque channels, from a known load; sensed: tool on a force sensor.
     """
 
     given: Robot
@@ -85,6 +88,8 @@ class Identification(Displayed):
     logs: Sequence[LogResult]
     notes: Sequence[str]
     friction: Sequence[FrictionCurve] = ()
+    gains: Gains | None = None
+    sensed: SensedLoad | None = None
 
     @property
     def standard_errors(self) -> Array:
@@ -109,6 +114,8 @@ class Identification(Displayed):
             },
             "identifiability": [v.to_json() for v in self.verdicts],
             "friction_runs": [curve.to_json() for curve in self.friction],
+            "force_sensor": None if self.sensed is None else self.sensed.to_json(),
+            "gains": None if self.gains is None else self.gains.to_json(),
             "logs": [log.to_json() for log in self.logs],
         }
 

@@ -16,13 +16,16 @@ from irb2400_ctrl.identification.columns import ColumnLayout
 from irb2400_ctrl.identification.constant_runs import runs_of
 from irb2400_ctrl.identification.covariance import block_covariance
 from irb2400_ctrl.identification.fit import Fit, fit, left_unseen
+from irb2400_ctrl.identification.force_sensor import sensed_load, with_load
 from irb2400_ctrl.identification.friction_curve import (
     friction_curves,
     log_of_runs,
     with_curves,
     with_run_samples,
 )
+from irb2400_ctrl.identification.gains import known_load_gains
 from irb2400_ctrl.identification.gate import verdicts
+from irb2400_ctrl.identification.given import given_torque
 from irb2400_ctrl.identification.held_out import held_out
 from irb2400_ctrl.identification.identification import Identification, LogResult
 from irb2400_ctrl.identification.identified_robot import fit_base, identified_robot
@@ -31,7 +34,7 @@ from irb2400_ctrl.identification.motion_source import Source, motion_of
 from irb2400_ctrl.identification.moved import ALARM, Moved, moved_bodies
 from irb2400_ctrl.measurement import Log
 from irb2400_ctrl.model import Model
-from irb2400_ctrl.robot import Identified, Robot
+from irb2400_ctrl.robot import Body, Identified, Robot
 
 CLEARER = 0.03
 """recorded speed is used when it leaves so much less than differentiated angles [-]"""
@@ -41,37 +44,58 @@ SAME = 1e-9
 
 
 def identify(
-    robot: Robot, logs: Log | Sequence[Log], *, validation: Log | Sequence[Log] = ()
+    robot: Robot,
+    logs: Log | Sequence[Log],
+    *,
+    validation: Log | Sequence[Log] = (),
+    loaded: Log | Sequence[Log] = (),
+    load: Body | None = None,
 ) -> Identification:
     """Bodies, friction, offsets and rotors of an arm from one or several logs of it.
 
     Bodies are possible ones; the file counts with the widths that it states, wider where the logs
     say so. Couplings of the wrist, a balancer and readings without the accelerating torque are
     taken on where the logs show them clearly. Friction at low speed comes from stretches in which
-    one joint moves at constant speed, forth and back (eqs. 70-74), where the logs hold such.
+    one joint moves at constant speed, forth and back (eqs. 70-74), where the logs hold such; the
+    tool from a force sensor at the flange, where they hold its columns.
 
     Args:
         robot: the file; its effects stay, but offsets, rotors and couplings are fitted anew.
         logs: motions of the sound arm; validation: others, for the error only.
+        loaded: the same arm with a load that was weighed; load: its body in the axes of the flange.
+            They give the gains of the torque channels; the arm is then in true Nm.
 
     Raises:
-        InputError: no log, another number of joints, or an effect of the file whose torque depends
-            on the numbers that are fitted.
+        InputError: no log, a load without its logs, another number of joints, or an effect of the
+            file whose torque depends on the numbers that are fitted.
     """
     # matrices of a hundred numbers: threads cost more than they bring
     with threadpool_limits(limits=1, user_api="blas"):
-        return _identified(
-            robot,
-            [logs] if isinstance(logs, Log) else list(logs),
-            [validation] if isinstance(validation, Log) else list(validation),
+        seen, others, heavy = (
+            [some] if isinstance(some, Log) else list(some) for some in (logs, validation, loaded)
         )
+        if load is None and not heavy:
+            return _identified(robot, seen, others)
+        if load is None or not heavy:
+            raise InputError(
+                "identify: found a load without logs of it, or logs without its mass and centre; "
+                "expected both (--loaded LOG --load KG,X,Y,Z)"
+            )
+        _check(robot, [*seen, *heavy])
+        gains = known_load_gains(robot, seen, heavy, load)
+        found = _identified(
+            robot, *([gains.applied(log) for log in some] for some in (seen, others))
+        )
+        known = gains.in_robot(found.robot)
+        return replace(found, robot=known, gains=gains, notes=[*found.notes, *gains.says()])
 
 
 def _identified(robot: Robot, seen: Sequence[Log], others: Sequence[Log]) -> Identification:
     _check(robot, [*seen, *others])
     runs = [runs_of(log) for log in seen]
     curves = friction_curves([run for some in runs for run in some])
-    base, kept = fit_base(with_curves(robot, curves))
+    sensed = sensed_load(robot, seen)
+    base, kept = fit_base(with_load(with_curves(robot, curves), sensed))
     model = Model(base)
     source, parts = _recorded(model, kept, seen)
     parts = [
@@ -99,8 +123,13 @@ def _identified(robot: Robot, seen: Sequence[Log], others: Sequence[Log]) -> Ide
         moved=moved,
         verdicts=verdicts(model, found.layout, found.sums, found.numbers.sigma, found.correlation),
         logs=results,
-        notes=[*_notes(moved, found, said), *(curve.says() for curve in curves)],
+        notes=[
+            *_notes(moved, found, said),
+            *(curve.says() for curve in curves),
+            *([] if sensed is None else sensed.says()),
+        ],
         friction=curves,
+        sensed=sensed,
     )
 
 
@@ -136,7 +165,7 @@ def _recorded(model: Model, kept: Robot, logs: Sequence[Log]) -> tuple[Source, l
     sources: list[Source] = ["angle"]
     if any(log.qd is not None for log in logs):
         sources.append("speed")
-    tried = {source: _given(kept, _motions(logs, source)) for source in sources}
+    tried = {source: given_torque(kept, _motions(logs, source)) for source in sources}
     if len(tried) == 1:
         return "angle", tried["angle"]
     left = {}
@@ -145,21 +174,6 @@ def _recorded(model: Model, kept: Robot, logs: Sequence[Log]) -> tuple[Source, l
     gain = 1.0 - np.exp(np.mean(np.log(left["speed"] / left["angle"])))
     best: Source = "speed" if gain > CLEARER else "angle"
     return best, tried[best]
-
-
-def _given(kept: Robot, parts: Sequence[Recording]) -> list[Recording]:
-    """The recordings with the torque of the file's other effects and its rise at low speed."""
-    bare = kept.model_copy(update={"effects": ()})
-    friction = kept.friction
-    found = []
-    for part in parts:
-        m = part.motion
-        rise = np.maximum(friction[:, 0] - friction[:, 1], 0.0)
-        given = rise * np.sign(m.qd) * np.exp(-((m.qd / friction[:, 3]) ** 2))
-        if kept.effects:
-            given += predicted_torque(kept, m) - predicted_torque(bare, m)
-        found.append(Recording(m, part.block, given))
-    return found
 
 
 def _judged(
@@ -180,7 +194,7 @@ def _validated(
     bare = ColumnLayout(found.layout.n)
     shortest = plain_least_squares(found.sums.part(bare.within(found.layout)))
     results = []
-    for part in _given(kept, parts):
+    for part in given_torque(kept, parts):
         ours = predicted(model, found.layout, part, found.theta)
         theirs = predicted(model, bare, part, shortest)
         results.append(_result(model, robot, found, part, "validation", ours, theirs))

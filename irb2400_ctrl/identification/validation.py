@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
+
+import numpy as np
 
 from irb2400_ctrl.arrays import Array, Mask
 from irb2400_ctrl.diagnosis.preparation.metrics import Errors, errors
@@ -18,16 +21,18 @@ from irb2400_ctrl.robot import Robot
 
 
 @dataclass(frozen=True)
-class Validation:
-    """A robot file against a log.
+class LogComparison:
+    """A robot file against one log.
 
     Args:
-        time: [s], (m,); measured, modelled: [Nm], (m, n); known: samples that count, (m, n).
+        time: [s], (m,); q, qd: [rad], [rad/s], measured, modelled: [Nm], (m, n);
+        known: samples that count, (m, n).
     """
 
-    robot: str
     log: str
     time: Array
+    q: Array
+    qd: Array
     measured: Array
     modelled: Array
     known: Mask
@@ -37,14 +42,32 @@ class Validation:
         """MAE, RMSE, RMSE over mean torque per joint."""
         return errors(self.measured, self.modelled, self.known)
 
+
+@dataclass(frozen=True)
+class Validation:
+    """A robot file against one or several logs."""
+
+    robot: str
+    logs: tuple[LogComparison, ...]
+
+    @property
+    def error(self) -> Errors:
+        """MAE, RMSE, RMSE over mean torque per joint, over the samples of all logs."""
+        parts = [
+            np.concatenate([getattr(log, name) for log in self.logs])
+            for name in ("measured", "modelled", "known")
+        ]
+        return errors(parts[0], parts[1], parts[2].astype(bool))
+
     def to_json(self) -> dict[str, Any]:
         """As in validation.json."""
         return {
             "schema_version": 1,
             "robot": self.robot,
-            "log": self.log,
-            "samples": [int(v) for v in self.known.sum(axis=0)],
+            "log": ", ".join(log.log for log in self.logs),
+            "samples": [int(v) for v in sum(log.known.sum(axis=0) for log in self.logs)],
             "error": self.error.to_json(),
+            "logs": [{"name": log.log, "error": log.error.to_json()} for log in self.logs],
         }
 
     def write(self, folder: Path | str) -> None:
@@ -52,19 +75,25 @@ class Validation:
         write_atomic(Path(folder) / "validation.json", json.dumps(self.to_json(), indent=2) + "\n")
 
 
-def validate(robot: Robot, *logs: Log) -> Validation:
-    """What a robot file says along one log or several, against what was measured.
+def validate(robot: Robot, log: Log | Sequence[Log]) -> Validation:
+    """What a robot file says along one or several logs, against what was measured.
 
     Raises:
-        InputError: no log, another number of joints.
+        InputError: no log, or another number of joints.
     """
-    for log in logs:
-        if log.n != robot.n:
-            raise InputError(
-                f"{log.name}: found {log.n} joints, expected the {robot.n} of {robot.name}; give "
-                "the robot of this log"
-            )
-    motion = prepare_together(logs)
-    modelled = predicted_torque(robot, motion)
-    name = ", ".join(log.name for log in logs)
-    return Validation(robot.name, name, motion.time, motion.tau, modelled, motion.known)
+    logs = [log] if isinstance(log, Log) else list(log)
+    if not logs:
+        raise InputError("validate: found no log, expected at least one")
+    return Validation(robot.name, tuple(_compared(robot, one) for one in logs))
+
+
+def _compared(robot: Robot, log: Log) -> LogComparison:
+    if log.n != robot.n:
+        raise InputError(
+            f"{log.name}: found {log.n} joints, expected the {robot.n} of {robot.name}; give the "
+            "robot of this log"
+        )
+    # with the time base rebuilt
+    m = prepare_together([log])
+    modelled = predicted_torque(robot, m)
+    return LogComparison(log.name, m.time, m.q, m.qd, m.tau, modelled, m.known)

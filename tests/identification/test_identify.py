@@ -21,6 +21,7 @@ from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.identification import Identification, validate
 from irb2400_ctrl.identification.consistent_fit import pseudo_inertias
 from irb2400_ctrl.identification.motion_source import motion_of
+from irb2400_ctrl.report.validation_report import lines, rows
 
 ROOT = Path(__file__).parents[2]
 DATA = Path(str(files("irb2400_ctrl") / "data" / "arm"))
@@ -62,6 +63,23 @@ def test_unseen_it_is_better_than_the_file(found: Identification) -> None:
 def test_what_validate_says_is_the_same(found: Identification, logs: list[irb.Log]) -> None:
     error = validate(found.robot, logs[1]).error
     np.testing.assert_allclose(error.rmse, found.logs[1].error("fitted").rmse, rtol=1e-6)
+
+
+def test_validate_takes_several_logs(found: Identification, logs: list[irb.Log]) -> None:
+    """Tab. 6 of each and over the samples of all."""
+    both = validate(found.robot, logs)
+    assert [log.log for log in both.logs] == [log.name for log in logs]
+    counts = [log.known.sum(axis=0) for log in both.logs]
+    squares = sum(n * log.error.rmse**2 for n, log in zip(counts, both.logs, strict=True))
+    np.testing.assert_allclose(both.error.rmse, np.sqrt(squares / sum(counts)))
+    head, table = rows(both.error)
+    assert head == ["joint", "MAE [Nm]", "RMSE [Nm]", "AVG [Nm]", "RMSE/AVG [%]"]
+    for row in table:
+        assert row[4] == pytest.approx(100.0 * row[2] / row[3])
+    told = "\n".join(lines(both))
+    assert "all logs" in told
+    with pytest.raises(InputError, match="found no log"):
+        validate(found.robot, [])
 
 
 def test_every_number_has_a_verdict_and_an_error(found: Identification) -> None:

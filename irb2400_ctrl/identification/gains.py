@@ -1,0 +1,195 @@
+"""Gains of the torque channels (torque constants) from a known load.
+
+A log alone cannot tell a drive that reads 10 % too much from an arm that is 10 % heavier. A load
+that was weighed can: the same arm is recorded without it and with it, and what the load adds,
+
+    tau_loaded - tau_model(unloaded) = gain_j tau_load,j + b0 + b1 sgn qd + b2 qd,
+
+is known in true Nm. b are what friction and offset of that day changed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from irb2400_ctrl.arrays import Array, Mask
+from irb2400_ctrl.effects import LIBRARY
+from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.identification.columns import columns
+from irb2400_ctrl.identification.estimate import scaled_inverse
+from irb2400_ctrl.identification.fit import ASIDE, Fit, fit
+from irb2400_ctrl.identification.given import given_torque
+from irb2400_ctrl.identification.identified_robot import fit_base
+from irb2400_ctrl.identification.moments import Recording, predicted, recordings
+from irb2400_ctrl.identification.motion_source import motion_of
+from irb2400_ctrl.measurement import Log
+from irb2400_ctrl.model import Model
+from irb2400_ctrl.robot import Body, Robot
+
+SURE = 0.05
+"""standard error up to which a gain is known [-]"""
+POSSIBLE = (0.3, 3.0)
+"""gains of a channel that reads torque at the joint at all [-]"""
+FELT = 0.03
+"""scatter of the load's torque over that of the joint's, below which its inertia counts as much"""
+FEWEST = 100
+"""samples of a joint that moves"""
+ROUNDS = 3
+EVERY = 10
+"""of so many samples one carries the uncertainty of the unloaded arm"""
+
+
+@dataclass(frozen=True)
+class Gains:
+    """Measured over true torque of each joint.
+
+    Args:
+        values, errors: gain and its standard error, (n,) [-]; a joint on which the load asks too
+            little for an error of `SURE` keeps the gain 1.
+    """
+
+    values: Array
+    errors: Array
+
+    @property
+    def known(self) -> Mask:
+        """Joints whose gain the load shows, (n,)."""
+        return np.asarray(self.errors <= SURE)
+
+    def applied(self, log: Log) -> Log:
+        """The log in true torque."""
+        tau = log.tau / np.where(self.known, self.values, 1.0)
+        return Log(log.time, log.q, tau, log.qd, log.q_ref, log.extra, log.name)
+
+    def in_robot(self, robot: Robot) -> Robot:
+        """The robot whose measuring chain has these gains: it predicts the logs as recorded."""
+        joints = np.flatnonzero(self.known)
+        effects = [
+            LIBRARY["torque_gain"].of(int(j) + 1, gain=float(self.values[j]), source="known load")
+            for j in joints
+        ]
+        return robot.with_effects(*effects)
+
+    def says(self) -> list[str]:
+        """A line for each joint."""
+        found = []
+        for j, (value, error) in enumerate(zip(self.values, self.errors, strict=True)):
+            if self.known[j]:
+                said = f"reads {value:.3f} ± {1.96 * error:.3f} times its torque (known load)"
+            else:
+                said = (
+                    f"gain not shown by the known load (standard error {error:.2g}); taken as 1: "
+                    "move it where the load asks more of it"
+                )
+            found.append(f"joint {j + 1} {said}")
+        return found
+
+    def to_json(self) -> dict[str, Any]:
+        """As in identification.json."""
+        return {
+            "gain": [float(v) for v in self.values],
+            "standard_error": [float(v) for v in self.errors],
+            "known": [bool(v) for v in self.known],
+        }
+
+
+def known_load_gains(robot: Robot, logs: Sequence[Log], loaded: Sequence[Log], load: Body) -> Gains:
+    """Gains from logs without and with a load that was weighed.
+
+    Args:
+        load: mass, centre and inertia in the axes of the flange.
+
+    Raises:
+        InputError: a log is missing, or a gain is far from that of any torque channel.
+    """
+    if not logs or not loaded:
+        raise InputError(
+            f"known load: found {len(logs)} logs without and {len(loaded)} with it, expected at "
+            "least one of each"
+        )
+    base, kept = fit_base(robot)
+    model = Model(base)
+    parts = _recordings(kept, logs)
+    found = fit(model, parts)
+    phi = np.zeros((robot.n, 10))
+    phi[-1] = load.parameters(robot.flange.matrix())
+    values = np.ones(robot.n)
+    errors = np.full(robot.n, np.inf)
+    others = _recordings(kept, loaded)
+    torque = [model.body_torque(p.motion.q, p.motion.qd, p.motion.qdd, phi.ravel()) for p in others]
+    for j in range(robot.n):
+        X = np.concatenate([_design(p, t, j) for p, t in zip(others, torque, strict=True)])
+        theta, covariance = _alone(found, j)
+        rest = [p.motion.tau - predicted(model, found.layout, p, theta) for p in others]
+        y = np.concatenate([r[p.motion.known[:, j], j] for p, r in zip(others, rest, strict=True)])
+        measured = np.concatenate([p.motion.tau[p.motion.known[:, j], j] for p in others])
+        if len(y) < FEWEST or np.std(X[:, 0]) < FELT * np.std(measured):
+            continue
+        rows = [
+            columns(model, found.layout, m.q[mask], m.qd[mask], m.qdd[mask])[:, j]
+            for m, mask in ((p.motion, _thinned(p, j)) for p in others)
+        ]
+        some = np.concatenate([_design(p, t, j, True) for p, t in zip(others, torque, strict=True)])
+        carried = np.linalg.pinv(some) @ np.concatenate(rows)
+        coefficients = np.linalg.lstsq(X, y, rcond=None)[0]
+        values[j] = coefficients[0]
+        variance = _blockwise(X, y - X @ coefficients)
+        errors[j] = np.sqrt(variance + carried[0] @ covariance @ carried[0])
+    gains = Gains(values, errors)
+    wrong = gains.known & ((values < POSSIBLE[0]) | (values > POSSIBLE[1]))
+    if wrong.any():
+        j = int(np.argmax(wrong))
+        raise InputError(
+            f"known load: found joint {j + 1} to read {values[j]:.2g} times the load's torque, "
+            f"expected {POSSIBLE[0]:g} to {POSSIBLE[1]:g}: is the load's mass in kg, its centre in "
+            "the axes of the flange, and is it on the arm in these logs?"
+        )
+    return gains
+
+
+def _alone(found: Fit, j: int) -> tuple[Array, Array]:
+    """Numbers of the unloaded arm as one joint alone reads them, and their covariance: channels
+    with gains of their own agree on no bodies, so the file hardly counts."""
+    data = found.sums.summed()
+    H = data.H[0, j]
+    g = data.g[0, j]
+    precision = found.prior.precision(np.full(found.layout.n, ASIDE))
+    variance = found.numbers.sigma[j] ** 2
+    for _ in range(ROUNDS):
+        weight = 1.0 / (variance * found.correlation)
+        covariance = scaled_inverse(weight * H + precision)
+        theta = covariance @ (weight * g + precision @ found.prior.mean)
+        left = float(data.squared_error(theta)[0, j])
+        variance = max(left / max(float(data.count[0, j]), 1.0), 1e-12)
+    return theta, covariance
+
+
+def _recordings(kept: Robot, logs: Sequence[Log]) -> list[Recording]:
+    motions = [motion_of(log, "angle") for log in logs]
+    return given_torque(kept, recordings(motions, [np.zeros_like(m.tau) for m in motions]))
+
+
+def _thinned(part: Recording, j: int) -> Mask:
+    known = part.motion.known[:, j].copy()
+    known[np.arange(len(known)) % EVERY != 0] = False
+    return known
+
+
+def _design(part: Recording, torque: Array, j: int, thinned: bool = False) -> Array:
+    """Load's torque, 1, sgn qd, qd of one joint at known samples, (k, 4)."""
+    mask = _thinned(part, j) if thinned else part.motion.known[:, j]
+    qd = part.motion.qd[mask, j]
+    return np.column_stack([torque[mask, j], np.ones_like(qd), np.sign(qd), qd])
+
+
+def _blockwise(X: Array, left: Array, blocks: int = 30) -> float:
+    """Variance of the first coefficient from how blocks of time disagree."""
+    inverse = np.linalg.pinv(X.T @ X)
+    scores = np.array(
+        [X[part].T @ left[part] for part in np.array_split(np.arange(len(X)), blocks)]
+    )
+    return float((inverse @ (scores.T @ scores) @ inverse)[0, 0] * blocks / (blocks - 1))

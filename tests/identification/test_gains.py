@@ -1,0 +1,71 @@
+"""Gains of the torque channels from a load that was weighed."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+from identification.possible_arms import PossibleCase, log_of, possible_robot
+from independent_plant.arm_changes import _lump
+from independent_plant.machine import Machine
+from independent_plant.parameters import FLANGE_OFFSET
+
+import irb2400_ctrl as irb
+from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.identification import validate
+from irb2400_ctrl.robot import Body
+
+ROBOT = possible_robot()
+GAIN = np.array([1.0, 1.12, 0.91, 1.0, 1.06, 1.0])
+MASS = 8.0
+ABOVE = 0.15
+LOAD = Body(mass_kg=MASS, com_m=(0.0, 0.0, ABOVE), inertia_kgm2=(0.0,) * 6)
+
+
+@cache
+def log(seed: int, load: float) -> irb.Log:
+    """A motion of one arm whose drives read more or less than they make."""
+    case = PossibleCase(ROBOT, 105, 20.0)
+    machine = case.machine
+    centre = np.array([0.0, 0.0, FLANGE_OFFSET + ABOVE])
+    arm = replace(machine.arm, payload=_lump(load, centre, 0.02)) if load else machine.arm
+    moved = PossibleCase(ROBOT, seed, 20.0)
+    moved.__dict__["machine"] = Machine(arm, machine.friction, machine.servo)
+    raw = log_of(moved, name=f"motion {seed}")
+    return irb.Log(raw.time, raw.q, raw.tau * GAIN, q_ref=raw.q_ref, name=raw.name)
+
+
+@cache
+def identified() -> irb.identification.Identification:
+    return irb.identify(ROBOT, log(1, 0.0), loaded=log(1, MASS), load=LOAD)
+
+
+def test_gains_lie_within_their_errors() -> None:
+    gains = identified().gains
+    assert gains is not None
+    assert gains.known[[1, 2, 4]].all()
+    print(gains)
+    off = np.abs(gains.values - GAIN)[gains.known]
+    assert (off < 3.0 * gains.errors[gains.known] + 0.005).all()
+    assert (off < 0.05).all()
+
+
+def test_the_arm_is_in_true_torque_and_the_robot_says_what_the_log_reads() -> None:
+    found = identified()
+    friction = PossibleCase(ROBOT, 105, 20.0).machine.friction
+    assert found.robot.friction[1, 1] == pytest.approx(friction[1, 1], rel=0.06)
+    # friction of joint 2 in the raw reading is 12 % more
+    raw = irb.identify(ROBOT, log(1, 0.0))
+    assert raw.robot.friction[1, 1] > 1.06 * friction[1, 1]
+    told = validate(found.robot, log(1, 0.0)).error.rmse
+    assert (told < 1.02 * validate(raw.robot, log(1, 0.0)).error.rmse).all()
+
+
+def test_a_load_without_its_log_is_refused() -> None:
+    with pytest.raises(InputError, match="expected both"):
+        irb.identify(ROBOT, log(1, 0.0), load=LOAD)
+    heavy = Body(mass_kg=100.0 * MASS, com_m=LOAD.com_m, inertia_kgm2=(0.0,) * 6)
+    with pytest.raises(InputError, match="is the load's mass in kg"):
+        irb.identify(ROBOT, log(1, 0.0), loaded=log(1, MASS), load=heavy)
