@@ -188,6 +188,21 @@ def _both(log: Log, rng: np.random.Generator) -> Log:
     return replace(log, q=log.q[:, ::-1], tau=log.tau[:, ::-1], qd=None, q_ref=None)
 
 
+def _every_sample(log: Log, rows: int, columns: tuple[str, ...]) -> Log:
+    """Columns that keep their value for some rows."""
+    held = (np.arange(len(log.time)) // rows) * rows
+    return replace(log, **{name: getattr(log, name)[held] for name in columns})
+
+
+def _samples_held(log: Log, rng: np.random.Generator) -> Log:
+    rows = int(rng.integers(2, 9))
+    return replace(_every_sample(log, rows, ("q", "tau")), qd=None, q_ref=None)
+
+
+def _torque_held(log: Log, rng: np.random.Generator) -> Log:
+    return _every_sample(log, max(2, round(rng.uniform(0.05, 0.1) * log.rate)), ("tau",))
+
+
 def _other_record(log: Log, rng: np.random.Generator) -> Log:
     return replace(log, tau=np.roll(log.tau[::-1], len(log.tau) // 3, axis=0))
 
@@ -234,6 +249,8 @@ def _of_torques(robot: Robot) -> list[Named]:
         ("one torque stuck", _stuck_torque, "constant_torque"),
         ("torque saturated", _torque(_clipped), "saturation"),
         ("one huge torque", _spike("tau"), "spike"),
+        ("torque held", _torque_held, "held_samples"),
+        ("samples held", _samples_held, "held_samples"),
     ]
 
 

@@ -36,6 +36,10 @@ FASTEST = 20e3
 """[Hz] no arm's log is sampled faster"""
 SPARSE = 20.0
 """times a log may be longer than its samples"""
+STAIRS = 0.03
+"""[s] for which torques may keep their value while the angles go on"""
+REGULAR = 0.9
+"""share of the steps of a staircase that are as long as the others"""
 TURN = 2.0 * np.pi
 
 
@@ -222,6 +226,37 @@ def _repeated(log: Log) -> LogProblem | None:
     return None
 
 
+def _stairs(log: Log) -> LogProblem | None:
+    """Samples that are written several times, or torques that change more slowly than the rows."""
+    everything = _held_for(np.concatenate([log.q, log.tau], axis=1))
+    torque = _held_for(log.tau)
+    if everything:
+        what = f"every sample stands there {everything} times"
+        advice = "keep one row of each"
+    elif torque / log.rate >= STAIRS:
+        what = f"the torques change only every {torque} rows, the angles in every row"
+        advice = "keep the rows in which the torques change"
+    else:
+        return None
+    held = everything or torque
+    return LogProblem(
+        "held_samples",
+        f"{what}: the log is one of {log.rate / held:.4g} Hz, not of {log.rate:.4g} Hz; {advice}",
+        {"rows": held},
+    )
+
+
+def _held_for(values: Array) -> int:
+    """Rows for which all columns keep one value, again and again; 0 where they do not."""
+    moved = np.flatnonzero(np.any(np.diff(values, axis=0) != 0.0, axis=1))
+    lengths = np.diff(moved)
+    if len(lengths) < LEAST:
+        return 0
+    usual = int(np.median(lengths))
+    regular = np.mean((lengths == usual) | (lengths == usual + 1))
+    return usual if usual > 1 and regular > REGULAR else 0
+
+
 CHECKS: tuple[Callable[[Log], LogProblem | None], ...] = (
     _clock,
     _spikes,
@@ -230,6 +265,7 @@ CHECKS: tuple[Callable[[Log], LogProblem | None], ...] = (
     _wrapped,
     _stuck,
     _repeated,
+    _stairs,
     _clipped,
 )
 

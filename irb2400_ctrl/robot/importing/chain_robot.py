@@ -108,16 +108,20 @@ def chain_robot(
         "joints": tables,
         "flange": _transform(chain.X),
     }
-    fields["effects"] = [
-        {"kind": "rotor_inertia", "joint": k, "inertia_kgm2": joint.armature}
-        for k, joint in enumerate(chain.joints, 1)
-        if joint.armature
-    ]
+    fields["effects"] = _rotors(chain.joints)
     if payload is not None:
         fields["tool"] = _payload(payload)
     if not any(mass.mass for mass in chain.masses):
         notes.append("no link has mass: what needs dynamics (plan, diagnose, control) needs it too")
     return Imported(_valid(tree, fields), tuple(grouped(notes)))
+
+
+def _rotors(joints: list[TreeJoint]) -> list[dict[str, Any]]:
+    return [
+        {"kind": "rotor_inertia", "joint": k, "inertia_kgm2": joint.armature}
+        for k, joint in enumerate(joints, 1)
+        if joint.armature
+    ]
 
 
 def _valid(tree: Tree, fields: dict[str, Any]) -> Robot:
