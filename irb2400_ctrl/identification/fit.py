@@ -211,7 +211,8 @@ def _chosen(base: Fit, sums: Moments, prior: Prior, whole: ColumnLayout) -> tupl
 
 def _gains(extra: Extra, trial: _Trial, now: _Trial) -> bool:
     """Whether no joint leaves more on unseen stretches, and one that it touches clearly less."""
-    gain = 1.0 - trial.left / np.maximum(now.left, NOTHING)
+    # a joint that rests leaves nothing, and gains nothing
+    gain = np.where(now.left > NOTHING, 1.0 - trial.left / np.maximum(now.left, NOTHING), 0.0)
     if extra.kind == "balancer":  # bodies that cannot be take its place: the evidence knows
         return bool(gain.min() > -HARM)
     return bool(gain.min() > -HARM and gain[list(extra.touches)].max() > LEAST_GAIN)

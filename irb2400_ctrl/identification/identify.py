@@ -24,7 +24,7 @@ from irb2400_ctrl.identification.friction_curve import (
     with_run_samples,
 )
 from irb2400_ctrl.identification.gains import known_load_gains
-from irb2400_ctrl.identification.gate import verdicts
+from irb2400_ctrl.identification.gate import Verdict, verdicts
 from irb2400_ctrl.identification.given import given_torque
 from irb2400_ctrl.identification.held_out import held_out
 from irb2400_ctrl.identification.identification import Identification, LogResult
@@ -108,6 +108,7 @@ def _identified(robot: Robot, seen: Sequence[Log], others: Sequence[Log]) -> Ide
     _agree(fitted, kept, parts[0], predicted(model, found.layout, parts[0], found.theta))
     known = Identified.of(found.layout.names(), covariance, [log.name for log in seen])
     moved = moved_bodies(base, found.prior, found.theta, found.numbers.kappa)
+    told = verdicts(model, found.layout, found.sums, found.numbers.sigma, found.correlation)
     slow = [log_of_runs(log, curves) for log in seen]
     results = _judged(model, robot, found, parts, slow)
     results += _validated(model, robot, kept, found, _motions(others, source))
@@ -121,10 +122,11 @@ def _identified(robot: Robot, seen: Sequence[Log], others: Sequence[Log]) -> Ide
         sigma=found.numbers.sigma,
         correlation=found.correlation,
         moved=moved,
-        verdicts=verdicts(model, found.layout, found.sums, found.numbers.sigma, found.correlation),
+        verdicts=told,
         logs=results,
         notes=[
             *_notes(moved, found, said),
+            *_resting(told),
             *(curve.says() for curve in curves),
             *([] if sensed is None else sensed.says()),
         ],
@@ -222,6 +224,16 @@ def _result(
         unseen=unseen,
         plain=plain,
     )
+
+
+def _resting(told: Sequence[Verdict]) -> list[str]:
+    """Joints that no log moves."""
+    return [
+        f"joint {v.name.rpartition('_')[2]} did not move: its friction, offset and rotor stay as "
+        f"the file has them; what would help: {v.motion}"
+        for v in told
+        if v.name.startswith("coulomb_") and v.grade == "unknown"
+    ]
 
 
 def _notes(moved: Sequence[Moved], found: Fit, said: str) -> list[str]:

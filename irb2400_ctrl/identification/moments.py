@@ -72,12 +72,13 @@ class Recording:
 
 
 def recordings(motions: Sequence[PreparedLog], given: Sequence[Array]) -> list[Recording]:
-    """The motions cut into blocks of a second, those of long logs into about `BLOCKS` in all."""
-    duration = sum(float(motion.time[-1] - motion.time[0]) for motion in motions)
-    seconds = max(1.0, duration / BLOCKS)
+    """The motions cut into blocks of a second, long ones into longer: about `BLOCKS` in all, as
+    many of each log, since an hour of one kind of motion says little of the scatter of another."""
     found = []
     first = 0
     for motion, torque in zip(motions, given, strict=True):
+        duration = float(motion.time[-1] - motion.time[0])
+        seconds = max(1.0, duration * len(motions) / BLOCKS)
         number = ((motion.time - motion.time[0]) / seconds).astype(np.int64)
         found.append(Recording(motion, first + number, torque))
         first += int(number[-1]) + 1

@@ -121,6 +121,11 @@ def test_a_joint_that_rests_is_unknown(logs: list[irb.Log]) -> None:
     grades = {v.name: v.grade for v in found.verdicts}
     assert grades["viscous_6"] == grades["coulomb_6"] == "unknown"
     assert grades["viscous_1"] == "identifiable"
+    assert any(note.startswith("joint 6 did not move: its friction") for note in found.notes)
+    assert not any("joint 5 did not move" in note for note in found.notes)
+    np.testing.assert_allclose(found.robot.friction[5], found.given.friction[5], rtol=1e-2)
+    # nothing is taken on for a joint of which nothing was seen
+    assert all(extra.joint != 6 for extra in found.layout.extras)
 
 
 def test_wrong_input_is_said(logs: list[irb.Log]) -> None:
