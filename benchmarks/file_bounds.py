@@ -1,6 +1,8 @@
 """A random search for a bound of a plan below what its written file needs: 0 aimed at.
 
-    python benchmarks/file_bounds.py [count] [first seed]
+    python benchmarks/file_bounds.py [count] [first seed] [rates]
+
+With 0 for the rates the torque may jump: a quarter of the time, and harder on what reads the rows.
 
 Tool paths are drawn anew (without a first seed: from the clock, and printed), planned with the
 cubic and the linear interpolation in turn, written, read back as text, and followed 10,000 times a
@@ -15,6 +17,8 @@ import time
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 import irb2400_ctrl as irb
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.planners import plan_path
@@ -23,7 +27,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
 from drawn_plans import drawn_path, looked_at
 
 
-def main(count: int = 1000, first: int | None = None) -> None:
+def main(count: int = 1000, first: int | None = None, rates: int = 1) -> None:
     """Print each bound below the truth with its seed, then how many there are."""
     robot = irb.load_robot("irb2400")
     begin = int(time.time()) if first is None else first
@@ -35,7 +39,13 @@ def main(count: int = 1000, first: int | None = None) -> None:
             way: Any = "linear" if seed % 2 else "cubic"
             path = drawn_path(seed)
             try:
-                plan = plan_path(robot, path, free_tool_rotation=False, interpolation=way)
+                plan = plan_path(
+                    robot,
+                    path,
+                    free_tool_rotation=False,
+                    interpolation=way,
+                    torque_rate=None if rates else np.inf,
+                )
             except InputError:
                 continue
             planned += 1
@@ -57,9 +67,10 @@ def main(count: int = 1000, first: int | None = None) -> None:
         f"{planned} of {count} reachable, {guaranteed} guaranteed, {below} with a bound below the "
         "truth"
     )
-    middle = price[len(price) // 2]
-    print(f"longer than with a torque that jumps: median {100 * middle:.1f} %")
+    if price:
+        middle = price[len(price) // 2]
+        print(f"longer than with a torque that jumps: median {100 * middle:.1f} %")
 
 
 if __name__ == "__main__":
-    main(*(int(value) for value in sys.argv[1:3]))
+    main(*(int(value) for value in sys.argv[1:4]))

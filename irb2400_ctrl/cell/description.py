@@ -10,6 +10,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated, Literal, Self
 
+import numpy as np
 from pydantic import Field, model_validator
 
 from irb2400_ctrl.arrays import Array
@@ -63,6 +64,35 @@ class Placed(Table):
         return cls(place_mm=place, turn_deg=turn)
 
 
+class Rail(Table):
+    """A straight track under the arm. Places in the base are stated with its carriage at zero."""
+
+    direction: Vector3
+    """in the robot base; its length says nothing"""
+    range_mm: tuple[float, float]
+    position_mm: float = 0.0
+    """where the carriage stands while the arm works"""
+
+    @model_validator(mode="after")
+    def _consistent(self) -> Self:
+        low, high = self.range_mm
+        if not any(self.direction):
+            raise ValueError("direction: found no direction, expected one such as [0, 1, 0]")
+        if not low < high:
+            raise ValueError(f"range_mm: found {low:g} to {high:g}, expected the lower end first")
+        if not low <= self.position_mm <= high:
+            raise ValueError(
+                f"position_mm: found {self.position_mm:g}, expected a place on the rail, "
+                f"{low:g} to {high:g}"
+            )
+        return self
+
+    def moved(self, distance_mm: float) -> Array:
+        """What a carriage that goes so far does to everything else, as the arm sees it, (4, 4)."""
+        way = np.array(self.direction) / np.linalg.norm(self.direction)
+        return pose((-distance_mm * way).tolist())
+
+
 class Thing(Table):
     """A body of the cell that stands still."""
 
@@ -103,6 +133,7 @@ class Cell(Table):
     floor_mm: float | None = None
     """height of the floor in the robot base; absent: no floor"""
     work_object: Placed | None = None
+    rail: Rail | None = None
     things: tuple[Thing, ...] = ()
     tools: tuple[CellTool, ...] = ()
     folder: Path = Field(default=Path(), exclude=True)
@@ -129,13 +160,41 @@ class Cell(Table):
 
     @property
     def work_frame(self) -> Array | None:
-        """X_BW of the work object, shape (4, 4); None where the file has none."""
-        return None if self.work_object is None else self.work_object.pose
+        """X_BW of the work object, as the arm sees it from its carriage, shape (4, 4); None where
+        the file has none."""
+        return None if self.work_object is None else self.seen @ self.work_object.pose
+
+    @property
+    def seen(self) -> Array:
+        """Pose of the base with the carriage at zero, from where the carriage stands, (4, 4)."""
+        return np.eye(4) if self.rail is None else self.rail.moved(self.rail.position_mm)
+
+    def on_rail(self, position_mm: float) -> Cell:
+        """The same with the carriage elsewhere.
+
+        Raises:
+            InputError: the cell has no rail, or not one so long.
+        """
+        if self.rail is None:
+            raise InputError(
+                f"cell {self.name}: found no [rail], expected one with direction and range_mm"
+            )
+        low, high = self.rail.range_mm
+        if not low <= position_mm <= high:
+            raise InputError(
+                f"cell {self.name}: found {position_mm:g} mm, expected a place on the rail, "
+                f"{low:g} to {high:g} mm"
+            )
+        moved = self.rail.model_copy(update={"position_mm": position_mm})
+        return self.model_copy(update={"rail": moved})
 
     def placed(self, X: Array | None) -> Cell:
         """The same with the work object, and all that stands in its frame, at X_BW (4, 4) [m]; as
         it is where X is None."""
-        return self if X is None else self.model_copy(update={"work_object": Placed.at(X)})
+        if X is None:
+            return self
+        standing = Placed.at(np.linalg.inv(self.seen) @ X)
+        return self.model_copy(update={"work_object": standing})
 
     def tool_of(self, number: int | None, name: str) -> str | None:
         """Name of the tool that an operation of a CAM file asks for by number or else by name; None

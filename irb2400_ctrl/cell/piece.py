@@ -118,7 +118,7 @@ def cell_pieces(cell: Cell) -> list[Piece]:
     """
     found = []
     for thing in cell.things:
-        X = cell.work_frame if thing.frame == "work_object" else np.eye(4)
+        X = cell.work_frame if thing.frame == "work_object" else cell.seen
         assert X is not None
         for shape in _shapes(cell, thing):
             moves = thing.frame == "work_object"

@@ -84,6 +84,11 @@ class Scene:
         )
         return replace(self, things=things)
 
+    def shifted(self, X: Array) -> Scene:
+        """The same with all of the cell moved by X (4, 4) [m]."""
+        things = tuple(replace(piece, X=X @ piece.X) for piece in self.things)
+        return replace(self, things=things)
+
     @property
     def pairs(self) -> int:
         """Number of pairs."""

@@ -71,6 +71,8 @@ class Plan(Displayed):
     clearance: dict[str, Any] = field(default_factory=lambda: unknown("not asked for"))
     """smallest distance over the continuous path [mm], between which bodies, where; or why it is
     not known"""
+    rail: float | None = None
+    """where on its rail the carriage stands all the time [m]; None without a rail"""
     deflection: dict[str, Any] | None = None
     """how far the tip gives way to the cutting force, at samples of the path; None without one"""
     rotation_map: RotationMap | None = None
@@ -123,6 +125,7 @@ class Plan(Displayed):
             "margins_of": self.margins_of,
             "singularity_margin": self.singularity_margin,
             "clearance_mm": self.clearance,
+            "rail_mm": None if self.rail is None else 1e3 * self.rail,
             "deflection": self.deflection,
             "max_torque_ratio": self.max_torque_ratio,
             "max_velocity_ratio": self.max_velocity_ratio,

@@ -62,6 +62,13 @@ class PlanOptions:
         return self.cell.tool(self.tool_name)
 
     @property
+    def rail(self) -> float | None:
+        """Where on its rail the carriage stands [m]; None without a rail."""
+        if self.cell is None or self.cell.rail is None:
+            return None
+        return self.cell.rail.position_mm / 1e3
+
+    @property
     def frame(self) -> Array | None:
         """Pose X_BW that the path is placed at: the work frame, else the cell's work object."""
         if self.work_frame is None and self.cell is not None:

@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from irb2400_ctrl.planners.placement import Outlook, Placement
+from irb2400_ctrl.planners.placement import Outlook, Placement, RailPosition
 from irb2400_ctrl.planners.redundancy.comfort import COMFORTABLE_MARGINS
 
 # squares of the map are this wide [mm]
@@ -101,3 +101,21 @@ def _bars(axes: Axes, start: Outlook, found: Outlook) -> None:
     axes.set_xlabel("part of what is comfortable")
     axes.invert_yaxis()
     axes.legend(fontsize=8, loc="lower right")
+
+
+def rail_figure(found: RailPosition) -> Figure:
+    """The worst margin over the place of the carriage."""
+    figure = Figure(figsize=(9.0, 4.0))
+    figure.subplots_adjust(left=0.09, right=0.98, top=0.92, bottom=0.14)
+    axes = figure.subplots()
+    at = np.array([position for position, _ in found.seen])
+    worth = np.array([outlook.worth for _, outlook in found.seen])
+    possible = worth >= 0
+    axes.plot(at[possible], worth[possible], ".-", label="worst margin, 1 is comfortable")
+    axes.plot(at[~possible], np.zeros((~possible).sum()), "x", color="0.6", label="cannot be done")
+    axes.axvline(found.position_mm, color="tab:red", label=f"found: {found.position_mm:g} mm")
+    axes.set_xlabel("place on the rail [mm]")
+    axes.set_ylim(-0.05, 1.05)
+    axes.grid(alpha=0.3)
+    axes.legend(fontsize=8)
+    return figure

@@ -11,10 +11,11 @@ from typer.testing import CliRunner
 
 from irb2400_ctrl import Model, load_robot
 from irb2400_ctrl.cell import load_cell
+from irb2400_ctrl.cell.piece import cell_pieces
 from irb2400_ctrl.cli.main import app
-from irb2400_ctrl.errors import UnreachableError
+from irb2400_ctrl.errors import InputError, UnreachableError
 from irb2400_ctrl.planners import read_program
-from irb2400_ctrl.planners.placement import Area, place
+from irb2400_ctrl.planners.placement import Area, place, rail_position
 from irb2400_ctrl.planners.placement.constant_ways import constant_ways
 from irb2400_ctrl.planners.placement.outlook import ALIKE, outlook
 from irb2400_ctrl.planners.placement.task import task_of
@@ -120,3 +121,50 @@ def test_command(part: Path, tmp_path: Path) -> None:
     assert told["found"]["deflection_mm"] < told["start"]["deflection_mm"]
     assert told["looked_at"] == len(told["map"]) > 10
     assert "found: --work-frame" in done.output
+
+
+RAIL = """
+name = "on a rail"
+[work_object]
+place_mm = [900, 2000, 400]
+[rail]
+direction = [0, 2, 0]
+range_mm = [0, 3000]
+position_mm = 1000
+[[things]]
+name = "post"
+role = "obstacle"
+shapes = [{ kind = "box", centre_mm = [900, 2400, 750], size_mm = [90, 90, 1500] }]
+"""
+
+
+def test_a_carriage_moves_everything_else_the_other_way(tmp_path: Path) -> None:
+    pytest.importorskip("coal")
+    (tmp_path / "cell.toml").write_text(RAIL)
+    cell = load_cell(tmp_path / "cell.toml")
+    assert cell.work_frame is not None
+    assert cell.work_frame[:3, 3] == pytest.approx([0.9, 1.0, 0.4])
+    assert cell.on_rail(1500).work_frame == pytest.approx(pose((900, 500, 400)))
+    (post,) = cell_pieces(cell.on_rail(1500))
+    assert post.X[:3, 3] == pytest.approx([0.0, -1.5, 0.0])
+    # a pose that is stated is that in the base, wherever the carriage stands
+    X = pose((800, 100, 300), (0, 0, 30))
+    assert cell.placed(X).work_frame == pytest.approx(X)
+    with pytest.raises(InputError, match="expected a place on the rail"):
+        cell.on_rail(3001)
+
+
+def test_the_carriage_is_brought_to_the_part(part: Path, tmp_path: Path) -> None:
+    pytest.importorskip("coal")
+    (tmp_path / "cell.toml").write_text(RAIL.replace("position_mm = 1000", "position_mm = 0"))
+    cell = load_cell(tmp_path / "cell.toml")
+    found = rail_position(ROBOT, [read_program(part)], cell)
+    assert found.start.refused == "out of reach"
+    assert abs(found.position_mm - 2000) < 1500
+    assert not found.proof.refused
+    # the same place, seen through the cell alone
+    there = cell.on_rail(found.position_mm)
+    assert there.work_frame == pytest.approx(found.found.X_BW)
+    task = task_of(ROBOT, read_program(part).operation(), True, there, None).thinned(48, 24)
+    again = outlook([task], found.found.X_BW, patient=True)
+    assert again.margins == pytest.approx(found.found.margins, rel=1e-6)

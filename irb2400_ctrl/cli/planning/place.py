@@ -20,6 +20,7 @@ from irb2400_ctrl.cli.options import (
 )
 from irb2400_ctrl.cli.path import UNITS_HELP
 from irb2400_ctrl.cli.planning.cutting import CuttingForceOption, StiffnessOption, cutting_load
+from irb2400_ctrl.cli.planning.on_rail import on_rail
 from irb2400_ctrl.cli.progress import step
 from irb2400_ctrl.cli.summary import Summary, answers
 from irb2400_ctrl.errors import InputError
@@ -63,6 +64,11 @@ PlanOption = Annotated[
     bool, typer.Option("--plan", help="Plan both places, into the folders start and found.")
 ]
 
+RailOption = Annotated[
+    bool,
+    typer.Option("--rail", help="Leave the part; find where on the cell's rail the arm stands."),
+]
+
 
 @answers
 def place(
@@ -79,6 +85,7 @@ def place(
     cutting_force: CuttingForceOption = None,
     joint_stiffness: StiffnessOption = None,
     plan: PlanOption = False,
+    rail: RailOption = False,
 ) -> Summary:
     """Find the pose of a part that leaves the largest margins -> placement.json, placement.png."""
     for part in parts:
@@ -96,13 +103,17 @@ def place(
     programs = [read_program(part, units=units) for part in parts]
     arm = load_arm(robot)
     load = cutting_load(arm, cutting_force, joint_stiffness, None)
-    box = _area(Model(arm), area, turn)
+    start = None if work_frame is None else pose_of(work_frame)
     output_folder(out)
+    if rail:
+        standing = None if around is None else around.placed(start)
+        return on_rail(arm, programs, standing, free_tool_rotation, tool, load, out)
+    box = _area(Model(arm), area, turn)
     with step("looking for a place") as say:
         found = find_place(
             arm,
             programs,
-            start=None if work_frame is None else pose_of(work_frame),
+            start=start,
             area=box,
             free_tool_rotation=free_tool_rotation,
             cell=around,
@@ -113,10 +124,7 @@ def place(
     facts = found.summary()
     if plan:
         options = {"free_tool_rotation": free_tool_rotation, "tool": tool}
-        facts["planned"] = {
-            name: _planned(found, programs, around, X, options, out / name)
-            for name, X in (("start", found.start.X_BW), ("found", found.found.X_BW))
-        }
+        facts["planned"] = _both(found, programs, around, options, out)
     written = [write_atomic(out / "placement.json", json.dumps(facts, indent=2) + "\n")]
     written.append(save_placement(found, out))
     _print(facts)
@@ -143,6 +151,20 @@ def _area(model: Model, text: str | None, turn: bool) -> Area:
             "500,-800,200,1200,800,600"
         )
     return Area(values[:3], values[3:], turns, turn)
+
+
+def _both(
+    found: Placement,
+    programs: list[CamProgram],
+    cell: Cell | None,
+    options: dict[str, Any],
+    out: Path,
+) -> dict[str, Any]:
+    """What planning at the start and at the found place gives."""
+    places = {"start": found.start.X_BW, "found": found.found.X_BW}
+    return {
+        name: _planned(found, programs, cell, X, options, out / name) for name, X in places.items()
+    }
 
 
 def _planned(

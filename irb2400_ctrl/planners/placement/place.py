@@ -15,17 +15,12 @@ from irb2400_ctrl.planners.placement.area import Area, Standing, middle_of
 from irb2400_ctrl.planners.placement.outlook import Outlook, outlook
 from irb2400_ctrl.planners.placement.proof import Proof, prove
 from irb2400_ctrl.planners.placement.search import Look, Search
-from irb2400_ctrl.planners.placement.task import Task, task_of
+from irb2400_ctrl.planners.placement.task import COARSE, FINE, Task, tasks_of, thinned
 from irb2400_ctrl.planners.redundancy.cutting_load import CuttingLoad
-from irb2400_ctrl.planners.toolpath.cam_program import CamProgram, Operation
+from irb2400_ctrl.planners.toolpath.cam_program import CamProgram
 from irb2400_ctrl.robot import Robot
 
 Progress = Callable[[str], None]
-COARSE = (14, 12)
-"""stations of all operations together, and tool rotations, of the coarse look"""
-FINE = (48, 24)
-"""of the closer look, and of what is reported"""
-_LEAST = 4
 
 
 @dataclass(frozen=True, eq=False)
@@ -110,7 +105,7 @@ def place(
         first = cell.work_frame
     around = None if cell is None else cell.placed(first)
     operations = [operation for program in programs for operation in program.operations]
-    tasks = [task_of(robot, o, free_tool_rotation, around, tool) for o in operations]
+    tasks = tasks_of(robot, operations, free_tool_rotation, around, tool)
     centre = middle_of(tasks)
     turns = np.radians([0.0, 90.0, 180.0, 270.0])
     where = Area.around(tasks[0].model, turns) if area is None else area
@@ -119,9 +114,9 @@ def place(
         return at.pose(first[:3, :3], centre)
 
     search = Search(where)
-    coarse = _thinned(tasks, operations, COARSE)
+    coarse = thinned(tasks, operations, COARSE)
     search.coarse(_promising(tasks, pose), _look(coarse, pose, load, False, told))
-    fine = _thinned(tasks, operations, FINE)
+    fine = thinned(tasks, operations, FINE)
     closer = _closer(search, _standing(first, centre), _look(fine, pose, load, True, told))
     told("showing the best")
     found, proof = _shown(tasks, closer, load)
@@ -187,15 +182,6 @@ def _look(
         return outlook(tasks, pose(at), load, patient)
 
     return look
-
-
-def _thinned(tasks: list[Task], operations: list[Operation], size: tuple[int, int]) -> list[Task]:
-    """All operations at about so many stations together, long ones at more."""
-    stations, turns = size
-    lengths = np.array([sum(o.lengths()) for o in operations])
-    share = lengths / max(float(lengths.sum()), 1e-9)
-    counts = np.maximum(np.rint(share * stations).astype(int), _LEAST)
-    return [task.thinned(int(k), turns) for task, k in zip(tasks, counts, strict=True)]
 
 
 def _promising(tasks: list[Task], pose: Callable[[Standing], Array]) -> Callable[[Standing], bool]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -19,6 +19,11 @@ from irb2400_ctrl.planners.toolpath.orientation import Orientation, shape_path
 from irb2400_ctrl.planners.toolpath.toolpath import ToolPath
 from irb2400_ctrl.robot import Robot
 
+COARSE = (14, 12)
+"""stations of all operations together, and tool rotations, of the coarse look"""
+FINE = (48, 24)
+"""of the closer look, and of what is reported"""
+_LEAST = 4
 # how far corners are cut: nothing that a choice of place depends on [m]
 _TOLERANCE = 5e-5
 
@@ -95,6 +100,24 @@ def task_of(
         model, scene, operation.path, orientation, free,
         none, none, none, none, none, np.empty(0, dtype=bool),
     )  # fmt: skip
+
+
+def tasks_of(
+    robot: Robot, operations: Sequence[Operation], free: bool, cell: Cell | None, tool: str | None
+) -> list[Task]:
+    """`task_of` each operation."""
+    return [task_of(robot, operation, free, cell, tool) for operation in operations]
+
+
+def thinned(
+    tasks: Sequence[Task], operations: Sequence[Operation], size: tuple[int, int]
+) -> list[Task]:
+    """All operations at about so many stations together, long ones at more."""
+    stations, turns = size
+    lengths = np.array([sum(o.lengths()) for o in operations])
+    share = lengths / max(float(lengths.sum()), 1e-9)
+    counts = np.maximum(np.rint(share * stations).astype(int), _LEAST)
+    return [task.thinned(int(k), turns) for task, k in zip(tasks, counts, strict=True)]
 
 
 def _even(u: Array, lengths: Callable[[Array], Array], count: int) -> Array:

@@ -1,0 +1,49 @@
+"""`irb2400 place --rail`: where on its rail the carriage should stand."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from irb2400_ctrl.cli.progress import step
+from irb2400_ctrl.cli.summary import Summary
+from irb2400_ctrl.errors import InputError
+
+if TYPE_CHECKING:
+    from irb2400_ctrl.cell import Cell
+    from irb2400_ctrl.planners import CamProgram
+    from irb2400_ctrl.planners.redundancy.cutting_load import CuttingLoad
+    from irb2400_ctrl.robot import Robot
+
+
+def on_rail(
+    arm: Robot,
+    programs: Sequence[CamProgram],
+    cell: Cell | None,
+    free: bool,
+    tool: str | None,
+    load: CuttingLoad | None,
+    out: Path,
+) -> Summary:
+    """Find the place of the carriage -> placement.json, placement.png."""
+    from irb2400_ctrl.files import write_atomic
+    from irb2400_ctrl.planners.placement import rail_position
+    from irb2400_ctrl.report.placement_figure import rail_figure
+
+    if cell is None:
+        raise InputError("--rail: found no --cell, expected the cell file that has the [rail]")
+    with step("looking along the rail"):
+        found = rail_position(arm, programs, cell, free_tool_rotation=free, tool=tool, load=load)
+    facts = found.summary()
+    written = [write_atomic(out / "placement.json", json.dumps(facts, indent=2) + "\n")]
+    written.append(out / "placement.png")
+    rail_figure(found).savefig(written[-1], dpi=120, metadata={"Software": None})
+    for name in ("start", "found"):
+        seen = facts[name]
+        margins = ", ".join(f"{key} {value:.3g}" for key, value in seen["margins"].items())
+        print(f"{name}: {seen['refused'] or margins}")
+    print(f"in the cell file: [rail] position_mm = {found.position_mm:g}")
+    print(f"written to {out}: placement.json, placement.png")
+    return Summary(facts, written)
