@@ -35,6 +35,25 @@ CellOption = Annotated[
         "--cell", metavar="CELL", help="What stands around the arm (TOML, docs/cells.md)."
     ),
 ]
+WorkFrameOption = Annotated[
+    str | None,
+    typer.Option(
+        "--work-frame",
+        metavar="X,Y,Z,RX,RY,RZ",
+        help="Pose of the file's frame in the robot base [mm, deg]; turned about the base's fixed "
+        "x, then y, then z.",
+        show_default="the cell's work object, or the base",
+    ),
+]
+ToolOption = Annotated[
+    str | None,
+    typer.Option(
+        "--tool",
+        metavar="NAME",
+        help="A tool of the cell; else the one with the CAM file's number or name.",
+        show_default="the robot file's",
+    ),
+]
 OutOption = Annotated[
     Path, typer.Option("--out", metavar="DIR", help="Folder for the results; all is written there.")
 ]

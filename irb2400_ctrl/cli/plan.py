@@ -13,6 +13,8 @@ from irb2400_ctrl.cli.options import (
     CellOption,
     OutOption,
     RobotOption,
+    ToolOption,
+    WorkFrameOption,
     input_file,
     load_arm,
     output_folder,
@@ -55,25 +57,6 @@ OperationOption = Annotated[
         metavar="NAME|NUMBER",
         help="Plan this operation only; else all of them, as one motion.",
         show_default="all",
-    ),
-]
-WorkFrameOption = Annotated[
-    str | None,
-    typer.Option(
-        "--work-frame",
-        metavar="X,Y,Z,RX,RY,RZ",
-        help="Pose of the file's frame in the robot base [mm, deg]; turned about the base's fixed "
-        "x, then y, then z.",
-        show_default="the cell's work object, or the base",
-    ),
-]
-ToolOption = Annotated[
-    str | None,
-    typer.Option(
-        "--tool",
-        metavar="NAME",
-        help="A tool of the cell; else the one with the CAM file's number or name.",
-        show_default="the robot file's",
     ),
 ]
 UnitsOption = Annotated[str | None, typer.Option("--units", help=UNITS_HELP)]
