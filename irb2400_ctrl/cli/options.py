@@ -36,6 +36,16 @@ CellOption = Annotated[
         "--cell", metavar="CELL", help="What stands around the arm (TOML, docs/cells.md)."
     ),
 ]
+WorkFrameOption = Annotated[
+    str | None,
+    typer.Option(
+        "--work-frame",
+        metavar="X,Y,Z,RX,RY,RZ",
+        help="Pose of the file's frame in the robot base [mm, deg]; turned about the base's fixed "
+        "x, then y, then z.",
+        show_default="the cell's work object, or the base",
+    ),
+]
 ToolOption = Annotated[
     str | None,
     typer.Option(

@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from irb2400_ctrl.cli.options import input_file
+from irb2400_ctrl.cli.options import CellOption, ToolOption, WorkFrameOption, input_file
 from irb2400_ctrl.cli.summary import Summary, answers
+from irb2400_ctrl.errors import InputError
 
 if TYPE_CHECKING:
+    from irb2400_ctrl.arrays import Array
+    from irb2400_ctrl.cell import Cell
     from irb2400_ctrl.planners import CamProgram, Operation
 
 app = typer.Typer(
@@ -38,6 +42,9 @@ def show(
     ],
     units: Annotated[str | None, typer.Option("--units", help=UNITS_HELP)] = None,
     rotary: Annotated[str | None, typer.Option("--rotary", help=ROTARY_HELP)] = None,
+    work_frame: WorkFrameOption = None,
+    cell: CellOption = None,
+    tool: ToolOption = None,
 ) -> Summary:
     """Print the operations: tool, points, length, feed, extent; what was not understood."""
     input_file(file, "a CAM file (CSV, APT/CLDATA or G-code)")
@@ -46,10 +53,58 @@ def show(
 
     program = read_program(file, units=units, rotary=rotary, strict=False)
     print(f"{program.name}: {program.dialect}, {len(program.operations)} operation(s)")
+    placed = _Placed.of(work_frame, cell, tool)
     for operation in program.operations:
         _print_operation(operation)
+        for line in placed.lines(operation):
+            print(f"   {line}")
     _print_notes(program)
     return Summary(program.summary())
+
+
+@dataclass(frozen=True)
+class _Placed:
+    """Where the file's frame stands, and which tools there are."""
+
+    pose: Array | None
+    """X_BW, shape (4, 4); None where nobody says"""
+    cell: Cell | None
+    tool: str | None
+    """for all operations"""
+
+    @classmethod
+    def of(cls, work_frame: str | None, cell: Path | None, tool: str | None) -> _Placed:
+        """From the options.
+
+        Raises:
+            InputError: a tool without a cell, or one that the cell does not have.
+        """
+        from irb2400_ctrl.cell import load_cell
+        from irb2400_ctrl.planners.toolpath.work_frame import work_frame as pose_of
+
+        around = None if cell is None else load_cell(cell)
+        if tool is not None:
+            if around is None:
+                raise InputError(
+                    "found --tool without --cell; expected the cell file that has the tool"
+                )
+            around.tool(tool)
+        pose = None if around is None else around.work_frame
+        return cls(pose if work_frame is None else pose_of(work_frame), around, tool)
+
+    def lines(self, operation: Operation) -> list[str]:
+        """What is known beyond the file."""
+        found = []
+        if self.pose is not None:
+            place = 1e3 * operation.path.moved(self.pose).position
+            ends = zip("xyz", place.min(axis=0), place.max(axis=0), strict=True)
+            extent = ", ".join(f"{axis} {a:.3f} … {b:.3f}" for axis, a, b in ends)
+            found.append(f"in the robot base [mm] {extent}")
+        if self.cell is not None:
+            asked = operation.tool
+            name = self.tool or self.cell.tool_of(asked.number, asked.name)
+            found.append(f"tool of the cell: {name or 'none of this number or name'}")
+        return found
 
 
 def _print_operation(operation: Operation) -> None:

@@ -15,6 +15,7 @@ from irb2400_ctrl.cli.options import (
     OutOption,
     RobotOption,
     ToolOption,
+    WorkFrameOption,
     input_file,
     load_arm,
     output_folder,
@@ -59,16 +60,6 @@ OperationOption = Annotated[
         metavar="NAME|NUMBER",
         help="Plan this operation only; else all of them, as one motion.",
         show_default="all",
-    ),
-]
-WorkFrameOption = Annotated[
-    str | None,
-    typer.Option(
-        "--work-frame",
-        metavar="X,Y,Z,RX,RY,RZ",
-        help="Pose of the file's frame in the robot base [mm, deg]; turned about the base's fixed "
-        "x, then y, then z.",
-        show_default="the cell's work object, or the base",
     ),
 ]
 UnitsOption = Annotated[str | None, typer.Option("--units", help=UNITS_HELP)]

@@ -13,12 +13,20 @@ from irb2400_ctrl.cell import Scene
 from irb2400_ctrl.errors import CollisionError, UnreachableError
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.planners.clearance import Clearance, continuous_clearance
+from irb2400_ctrl.planners.clearance.crowd import COMFORTABLE_CLEARANCE
 from irb2400_ctrl.planners.redundancy.cutting_load import CuttingLoad
 from irb2400_ctrl.planners.redundancy.follow import Followed, JointTarget
-from irb2400_ctrl.planners.redundancy.singularity_margins import relative_margins
+from irb2400_ctrl.planners.redundancy.singularity_margins import (
+    COMFORTABLE,
+    relative_margins,
+)
 from irb2400_ctrl.planners.redundancy.wrist_passage import Passing
 from irb2400_ctrl.planners.toolpath.task_curve import TaskCurve
 
+CLEARANCE_WORTH = 0.1
+"""what a comfortable clearance is worth, as a relative margin to singularities [-]"""
+LONG = 1500
+"""segments of a path above which few choices are followed and one is timed: each takes seconds"""
 RotationLaw = Callable[[Array], Array]
 """free rotation [rad] over the length along the path [m]"""
 
@@ -60,6 +68,27 @@ class Choice:
         purpose."""
         passed = self.passing is not None and len(self.passing.passages) > 0
         return float(self.margins[1:].min() if passed else self.margins.min())
+
+    @property
+    def worth(self) -> float:
+        """Margin and clearance in one number; more than comfortable is worth nothing."""
+        near = self.clearance
+        room = 0.0 if near is None else min(near.value / COMFORTABLE_CLEARANCE, 1.0)
+        return min(self.margin, COMFORTABLE) + CLEARANCE_WORTH * room
+
+    @property
+    def rank(self) -> tuple[float, float]:
+        """Smallest first: what is worth more, then what gives way less to a cutting force."""
+        soft = 0.0 if self.given_way is None else self.given_way.largest
+        return -round(self.worth, 2), soft
+
+    @property
+    def comfortable(self) -> bool:
+        """Whether no other choice can rank before it, as far as that is told apart."""
+        if self.given_way is not None:
+            return False
+        most = COMFORTABLE + (0.0 if self.clearance is None else CLEARANCE_WORTH)
+        return round(self.worth, 2) >= round(most, 2)
 
     @property
     def turn(self) -> float:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 from collections import Counter
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
 
 import numpy as np
@@ -16,6 +16,7 @@ from irb2400_ctrl.errors import UnreachableError
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.planners.clearance import cutting_moves
 from irb2400_ctrl.planners.redundancy.choice import (
+    LONG,
     Choice,
     RotationLaw,
     clear,
@@ -39,8 +40,6 @@ from irb2400_ctrl.planners.toolpath.task_curve import TaskCurve
 
 GRID = np.radians(np.arange(0.0, 360.0, 5.0))
 MAX_STATIONS = 600
-LONG = 1500
-"""segments of a path above which one joint path of each kind is compared: each takes seconds"""
 SMOOTH = (10.0, 40.0)
 """lengths over which a varying rotation is smoothed, as the whole path over them"""
 ROUGH = (160.0, 640.0)
@@ -63,7 +62,8 @@ def choices(
     Args:
         orientation: the tool path, placed and smoothed.
         free: whether the tool may turn about its axis.
-        keep: how many of each kind; one, the most promising, of a path of more than LONG segments.
+        keep: how many of each kind; of a path of more than LONG segments one, and no further kind
+            once one is comfortable.
         scene: the arm in its cell; None where nothing is known of the space that it takes up.
         way_out: lines from its ends that the arm must reach along, too.
         load: a force on the tip that the choice should give way to little.
@@ -108,7 +108,10 @@ def choices(
         count[kind] += 1
         margins = continuous_margins(model, followed)
         given = given_way(model, followed, load)
-        yield Choice(kind, branch, law, followed, margins, clearance, passing, given)
+        choice = Choice(kind, branch, law, followed, margins, clearance, passing, given)
+        yield choice
+        if most == 1 and choice.comfortable:
+            return
     if not count:
         raise problem or refusal(ladder, _names(curve, u))
 
@@ -156,17 +159,16 @@ def _roomy(ladder: Ladder, orientation: Orientation, s: Array, keep: int) -> Ite
             yield from _turned(ways, orientation, s, (part,))
 
 
-def _ways(ladder: Ladder, free: bool, keep: int) -> list[tuple[str, LadderWay]]:
+def _ways(ladder: Ladder, free: bool, keep: int) -> Iterator[tuple[str, LadderWay]]:
     """The best constant rotations and, if the rotation is free, the best varying ones."""
-    ways: list[tuple[str, LadderWay]] = []
-    ways += [("constant rotation", c) for c in ladder.best((0,), per_rotation=True, keep=keep)]
-    if free:
-        ways += [("free rotation", c) for c in ladder.best(FREE_SHIFTS, keep=keep)]
-    return ways
+    for way in ladder.best((0,), per_rotation=True, keep=keep):
+        yield "constant rotation", way
+    for way in ladder.best(FREE_SHIFTS, keep=keep) if free else ():
+        yield "free rotation", way
 
 
 def _turned(
-    ways: list[tuple[str, LadderWay]],
+    ways: Iterable[tuple[str, LadderWay]],
     orientation: Orientation,
     s: Array,
     parts: tuple[float, ...],

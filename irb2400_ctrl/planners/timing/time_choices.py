@@ -7,11 +7,9 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 from irb2400_ctrl.errors import InfeasibleError
-from irb2400_ctrl.planners.clearance.crowd import COMFORTABLE_CLEARANCE
 from irb2400_ctrl.planners.enclosure.cells import enclose, grid
 from irb2400_ctrl.planners.enclosure.path_dynamics import PathDynamics
-from irb2400_ctrl.planners.redundancy.choice import Choice
-from irb2400_ctrl.planners.redundancy.singularity_margins import COMFORTABLE
+from irb2400_ctrl.planners.redundancy.choice import LONG, Choice
 from irb2400_ctrl.planners.timing.infeasible_point import InfeasiblePointError
 from irb2400_ctrl.planners.timing.rate_limited.rate_summary import rate_summary
 from irb2400_ctrl.planners.timing.rate_limited.time_rate_limited import time_rate_limited
@@ -26,9 +24,6 @@ from irb2400_ctrl.planners.timing.time_law import TimeLaw
 from irb2400_ctrl.planners.timing.time_optimal import Timed
 from irb2400_ctrl.planners.timing.timing_options import TimingOptions
 from irb2400_ctrl.planners.toolpath.orientation import Orientation
-
-CLEARANCE_WORTH = 0.1
-"""what a comfortable clearance is worth, as a relative margin to singularities [-]"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,13 +42,7 @@ class TimedChoice:
     def rank(self) -> tuple[float, float, float]:
         """Larger margin and clearance first as long as they are not comfortable, then what gives
         way less to a cutting force, then the shorter duration."""
-        worth = min(self.choice.margin, COMFORTABLE)
-        near = self.choice.clearance
-        if near is not None:
-            worth += CLEARANCE_WORTH * min(near.value / COMFORTABLE_CLEARANCE, 1.0)
-        given = self.choice.given_way
-        soft = 0.0 if given is None else given.largest
-        return -round(worth, 2), soft, self.fastest.duration
+        return *self.choice.rank, self.fastest.duration
 
 
 def time_choices(
@@ -63,14 +52,19 @@ def time_choices(
     options: TimingOptions,
     progress: Callable[[str], None],
 ) -> list[TimedChoice]:
-    """The choices that have a motion within the limits of torque and speed, each with its fastest.
+    """The choices that have a motion within the limits of torque and speed, each with its fastest;
+    of a long path only the one that is worth most, for each takes seconds.
 
     Raises:
         InfeasibleError: none has one; says where.
     """
     timed: list[TimedChoice] = []
     problem: InfeasibleError | None = None
-    for number, choice in enumerate(found):
+    long = bool(found) and len(found[0].followed.joints.knots) > LONG
+    ordered = sorted(found, key=lambda choice: choice.rank) if long else found
+    for number, choice in enumerate(ordered):
+        if long and timed:
+            break
         progress(f"{100 * number / len(found):.0f} %")
         path = TaskPath.of(dynamics.model, orientation, choice.followed)
         try:

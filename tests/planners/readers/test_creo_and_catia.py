@@ -256,3 +256,31 @@ def test_unclear_arcs_are_refused(tmp_path: Path, statement: str, says: str) -> 
     with pytest.raises(InputError) as caught:
         catia(tmp_path, f"GOTO/10,0,5,0,0,1\n{statement}\n")
     assert says in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        "DRILL, 10.0, 2.0, MMPM, 300.0",
+        "DRILL, 10.0, 300.0, MMPM, 2.0",
+    ],
+)
+def test_feed_and_clearance_are_told_apart_by_size(tmp_path: Path, words: str) -> None:
+    body = f"GOTO/0,0,50\nCYCLE/{words}\nGOTO/0,0,0\nCYCLE/OFF\n"
+    operation = catia(tmp_path, body).operation()
+    cut = operation.path.feed[np.isfinite(operation.path.feed)]
+    assert cut.max() == pytest.approx(0.3 / 60)
+    assert np.allclose(operation.path.position[:, 2].min(), -0.01)
+    assert np.isclose(operation.path.position[:, 2], 0.002).any()
+
+
+def test_the_diameter_of_a_countersink_is_no_depth(tmp_path: Path) -> None:
+    body = "GOTO/0,0,50\nCYCLE/CSINK, CSINK, 12.0, DEPTH, 3.0, MMPM, 60, CLEAR, 5.0\nGOTO/0,0,0\n"
+    operation = creo(tmp_path, body + "CYCLE/OFF\nFINI\n").operation()
+    assert operation.path.position[:, 2].min() == pytest.approx(-3e-3)
+
+
+def test_catia_tools_with_their_kind_between(tmp_path: Path) -> None:
+    body = "CUTTER/ 10.0\nTOOLNO/1,MILL,1,3,50.0\nLOADTL/1\nGOTO/0,0,0\nGOTO/9,0,0\n"
+    tool = catia(tmp_path, body).operation().tool
+    assert (tool.number, tool.diameter) == (1, pytest.approx(0.01))

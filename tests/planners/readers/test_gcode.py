@@ -308,3 +308,29 @@ def test_random_blocks_never_raise_anything_else(
     except InputError:
         return
     assert all(np.isfinite(o.path.position).all() for o in read.operations)
+
+
+@pytest.mark.parametrize(
+    "head",
+    [
+        "G0 G17 G40 G49 G80 G90",
+        "G80 G0 X0",
+        "G05 P10000",
+        "G187 P1",
+        "<BRACKET>",
+        "O1001(BRACKET)",
+        "(TOOL (10 MM) FOR THE POCKET)",
+        "(A SMILE :( IN A COMMENT)",
+    ],
+)
+def test_heads_of_controls_move_nothing(tmp_path: Path, head: str) -> None:
+    body = "G0 X0 Y0 Z5\nG1 Z0 F600\nX10\nM30\n"
+    plain = positions(tmp_path, f"G21 G90\n{body}")
+    assert np.array_equal(positions(tmp_path, f"G21 G90\n{head}\n{body}"), plain)
+
+
+def test_a_motion_beside_the_end_of_a_cycle_is_carried_out(tmp_path: Path) -> None:
+    text = "G21 G90 G0 X0 Y0 Z9\nG81 X5 Z-3 R1 F60\nG80 G0 X20\nG81 X30 Z-4 R1\nM30\n"
+    found = positions(tmp_path, text)
+    assert found[:, 2].min() == pytest.approx(-4.0)
+    assert (np.abs(found[:, 0] - 20) < 1e-9).sum() == 1

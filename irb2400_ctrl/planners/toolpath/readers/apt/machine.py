@@ -121,7 +121,7 @@ class Machine:
         tool = self._described()
         if values:
             tool = replace(tool, number=int(values[0]))
-        beside = len(statement.arguments) > 1 and is_number(statement.arguments[1])
+        beside = all(map(is_number, statement.arguments[:2])) and len(values) > 1
         if beside and values[1] > 0:
             tool = replace(tool, diameter=unit * values[1])
         self._builder.describe_tool(tool)

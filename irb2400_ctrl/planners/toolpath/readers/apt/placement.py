@@ -79,8 +79,11 @@ class Placement:
         builder.note("assumed", "TRACUT/: the points after it are moved by its matrix")
 
     def translate(self, statement: Statement) -> None:
-        """TRANS/x,y,z."""
+        """TRANS/x,y,z, TRANS/NOMORE."""
         builder = self._builder
+        if set(statement.words) & {"NOMORE", "OFF"}:
+            self.shift = np.eye(4)
+            return
         values = statement.numbers(builder.place)
         if len(values) != 3:
             raise InputError(f"{builder.place}: TRANS/ has {len(values)} numbers, expected x,y,z")

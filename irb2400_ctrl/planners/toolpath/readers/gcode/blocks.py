@@ -56,8 +56,8 @@ def blocks(text: str, name: str) -> Iterator[Block | UnreadLineError]:
         code = code.lstrip("/").strip() if optional else code
         if code.startswith("%"):
             continue
-        # program number: O1234 or :1234
-        code = re.sub(r"^[O:]\s*\d+\s*$", "", code)
+        # program number or name: O1234, :1234, <NAME>
+        code = re.sub(r"^(?:[O:]\s*\d+|(?:O\s*\d+\s*)?<[^<>]*>)\s*$", "", code)
         try:
             if not closed:
                 raise InputError(f"{name}, line {line}: found a comment ( without its )")
@@ -89,11 +89,25 @@ def _split(raw: str) -> tuple[str, list[str], bool]:
         if rest[start.start()] == ";":
             comments.append(rest[start.start() + 1 :].strip())
             break
-        body, closed, rest = rest[start.start() + 1 :].partition(")")
-        comments.append(body.strip())
-        if not closed:
+        end = _end_of_comment(rest, start.start())
+        comments.append(rest[start.start() + 1 : end].strip())
+        if end == len(rest):
             return code, comments, False
+        rest = rest[end + 1 :]
     return code, comments, True
+
+
+def _end_of_comment(text: str, start: int) -> int:
+    """Where the bracket opened at `start` is closed, brackets inside it counted if they match; the
+    length of the text where it is not."""
+    depth = 0
+    for at in range(start, len(text)):
+        depth += {"(": 1, ")": -1}.get(text[at], 0)
+        if depth == 0:
+            return at
+    # an opening bracket inside a comment that nobody closes: the first closing one ends it
+    first = text.find(")", start)
+    return len(text) if first < 0 else first
 
 
 def _words(code: str, place: str) -> tuple[list[tuple[str, float]], list[str]]:

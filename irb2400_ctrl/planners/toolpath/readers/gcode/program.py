@@ -20,10 +20,8 @@ from irb2400_ctrl.planners.toolpath.readers.unread_line import UnreadLineError
 MOTION = {0, 1, 2, 3, 80, *CYCLES}
 LETTERS = frozenset("ABCDFGHIJKLMNPQRSTXYZ")
 # exact stop, blending, safe zones, look-ahead, compensation off: nothing for the points
-# exact stop, blending, safe zones, look-ahead, compensation off: nothing for the points
-HARMLESS = frozenset(
-    [5.1, 8, 9, 15, 22, 23, 25, 26, 40, 49.1, 50, 50.1, 61, 61.1, 62, 63, 64, 69.1, 80.1, 97]
-)
+_QUIET = "5.1 8 9 15 22 23 25 26 40 49.1 50 50.1 61 61.1 62 63 64 69.1 80.1 97 103 187"
+HARMLESS = frozenset(map(float, _QUIET.split()))
 # take axis words for something else than a place to go to, or end something
 SPECIAL = frozenset([4, 28, 28.1, 30, 53, 53.1, 68.2, 69, 92.1, 92.2])
 RADIUS = (
@@ -128,6 +126,9 @@ class _Reader:
         if unknown:
             raise InputError(f"{builder.place}: found the word {unknown[0]}, which is not read")
         codes = [round(code, 3) for code in block.codes("G")]
+        if 5 in codes and not moves(values, 2):
+            # Fanuc's G5 P10000: look-ahead; with places it is a spline
+            codes = [5.1 if code == 5 else code for code in codes]
         functions = [int(code) for code in block.codes("M")]
         self._modes(codes, values)
         self._machine.before(functions, values, block.orders)
@@ -240,6 +241,10 @@ class _Reader:
 
     def _set_motion(self, codes: list[float]) -> None:
         found = [int(code) for code in codes if code in MOTION]
+        # G80 ends a cycle, and says nothing against a motion beside it: G0 G17 G40 G49 G80 G90
+        found = [code for code in found if code != 80] or found
+        if 80 in codes:
+            self._state.cycle.clear()
         if len(set(found)) > 1:
             raise InputError(
                 f"{self._builder.place}: found G{found[0]} and G{found[1]} in one block, expected "
