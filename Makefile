@@ -4,7 +4,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 OUT ?= demo_out
 
-.PHONY: demo test lint types contracts pytest bench evaluate docs clean
+.PHONY: demo test test-all supply lint types contracts pytest bench evaluate docs clean
 
 demo: $(VENV)/.installed
 	$(BIN)/irb2400 demo --out $(OUT)
@@ -23,6 +23,14 @@ contracts: $(VENV)/.installed-test
 
 pytest: $(VENV)/.installed-test
 	$(BIN)/python -m pytest -n auto $(PYTEST_ARGS)
+
+# everything: also the tests marked slow, the readers on many more drawn files, and the searches for
+# a bound below the truth, on seeds that are drawn anew and printed
+DRAWS ?= 100
+test-all: lint types contracts $(VENV)/.installed-test
+	IRB2400_EXAMPLES=1000 $(BIN)/python -m pytest -n auto -m "slow or not slow" $(PYTEST_ARGS)
+	$(BIN)/python benchmarks/file_bounds.py $(DRAWS)
+	$(BIN)/python benchmarks/corrupted_logs.py sound --count $(DRAWS)
 
 bench: $(VENV)/.installed-test
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt 'mujoco>=3.2,<4'

@@ -1,0 +1,207 @@
+"""Which slips of the pen the tests see: single changes of the source, each run against its tests.
+
+    python benchmarks/mutants.py run build/mutants.jsonl --count 20 --seed 1 [--module guard]
+    python benchmarks/mutants.py table build/mutants.jsonl
+
+A mutant is one comparison, sign, number, `and`/`or`, `not` or `min`/`max` changed in a copy of the
+package. Killed: a test fails or does not end. What survives is printed to be read.
+"""
+
+from __future__ import annotations
+
+import argparse
+import ast
+import json
+import os
+import random
+import shutil
+import subprocess
+import sys
+import tempfile
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+ROOT = Path(__file__).parents[1]
+PACKAGE = "irb2400_ctrl"
+TIMEOUT = 300.0
+"""seconds of one mutant's tests"""
+TARGETS = {
+    "codegen/machine_code/build_cache.py": "tests/codegen/test_build_cache.py",
+    "sweep/journal.py": "tests/sweep/test_run.py -k (spoiled|no_journal|torn)",
+    "reading/text_blocks.py": "tests/hostile/test_listed_files.py",
+    "reading/bounded_text.py": "tests/hostile/test_listed_files.py",
+    "trajectory/file.py": "tests/hostile/test_listed_files.py tests/simulation/test_trajectory.py",
+    "measurement/csv_table.py": (
+        "tests/hostile/test_listed_files.py tests/measurement/test_read_log.py"
+    ),
+    "measurement/read_log.py": (
+        "tests/measurement/test_read_log.py tests/measurement/test_signal_names.py"
+    ),
+    "measurement/column_map.py": "tests/measurement/test_read_log.py",
+    "measurement/signal_names.py": "tests/measurement/test_signal_names.py",
+    "measurement/joint_order.py": "tests/measurement/test_ros_bags.py",
+    "measurement/time_base.py": "tests/measurement/test_time_base.py",
+    "measurement/uniform.py": "tests/measurement/test_uniform.py",
+    "model/friction.py": "tests/model/test_friction.py",
+    "model/kinematics.py": "tests/model/test_reference_states.py tests/model/test_values.py",
+    "model/mass_matrix.py": "tests/model/test_reference_states.py tests/model/test_identities.py",
+    "model/newton_euler.py": "tests/model/test_reference_states.py tests/model/test_identities.py",
+    "controllers/guard.py": "tests/closing_the_loop/test_faults.py tests/controllers",
+    "codegen/input_guard.py": (
+        "tests/codegen/test_parameters_and_names.py tests/codegen/test_package.py"
+    ),
+    "planners/timing/rate_limited/cell_motion.py": "tests/planners/test_smooth_timing.py",
+    "planners/clearance/crowd.py": "tests/cell/test_clearance.py tests/cell/test_distances.py",
+    "planners/timing/sampled_reference/settled_reference.py": (
+        "tests/planners/test_sampled_reference.py"
+    ),
+    "planners/linking/clearance_plane.py": "tests/planners/test_links.py",
+    "diagnosis/preparation/noise_test.py": "tests/diagnosis/test_acceptance.py",
+    "diagnosis/comparison/acceptance.py": "tests/diagnosis/test_acceptance.py",
+    "planners/enclosure/interval.py": (
+        "tests/planners/test_bernstein.py tests/planners/test_effect_bounds.py"
+    ),
+}
+"""module -> its tests"""
+SWAPPED: dict[type, type] = {
+    ast.Lt: ast.LtE, ast.LtE: ast.Lt, ast.Gt: ast.GtE, ast.GtE: ast.Gt, ast.Eq: ast.NotEq,
+    ast.NotEq: ast.Eq, ast.Add: ast.Sub, ast.Sub: ast.Add, ast.Mult: ast.Div, ast.Div: ast.Mult,
+    ast.And: ast.Or, ast.Or: ast.And, ast.In: ast.NotIn, ast.NotIn: ast.In,
+}  # fmt: skip
+NAMES = {"min": "max", "max": "min", "minimum": "maximum", "maximum": "minimum", "any": "all",
+         "all": "any", "argmin": "argmax", "argmax": "argmin", "cos": "sin",
+         "sin": "cos"}  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Mutant:
+    """One change: its line, and the text before and after."""
+
+    module: str
+    line: int
+    before: str
+    after: str
+    source: str
+
+
+def mutants(module: str) -> list[Mutant]:
+    """All changes of a module."""
+    text = (ROOT / PACKAGE / module).read_text()
+    count = sum(1 for _ in _places(ast.parse(text)))
+    found = []
+    for k in range(count):
+        tree = ast.parse(text)
+        node, change = list(_places(tree))[k]
+        before = ast.unparse(node)
+        change()
+        found.append(Mutant(module, node.lineno, before, ast.unparse(node), ast.unparse(tree)))
+    return found
+
+
+def _places(tree: ast.Module) -> Iterator[tuple[ast.expr, object]]:
+    """Every expression that can be changed, with what changes it."""
+    told = {
+        id(node)
+        for raised in ast.walk(tree)
+        if isinstance(raised, ast.Raise | ast.JoinedStr | ast.AnnAssign)
+        for node in ast.walk(raised)
+    }
+    for node in ast.walk(tree):
+        # wording is not what is tested here
+        if id(node) in told:
+            continue
+        if isinstance(node, ast.Compare) and type(node.ops[0]) in SWAPPED:
+            yield node, lambda n=node: n.ops.__setitem__(0, SWAPPED[type(n.ops[0])]())
+        elif isinstance(node, ast.BinOp | ast.BoolOp) and type(node.op) in SWAPPED:
+            if not isinstance(getattr(node, "left", None), ast.Constant | ast.JoinedStr):
+                yield node, lambda n=node: setattr(n, "op", SWAPPED[type(n.op)]())
+        elif isinstance(node, ast.Constant) and type(node.value) in (int, float):
+            yield node, lambda n=node: setattr(n, "value", _other(n.value))
+        elif isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.Not | ast.USub):
+            yield node, lambda n=node: setattr(n, "op", ast.UAdd())
+        elif isinstance(node, ast.Call):
+            called = node.func
+            name = getattr(called, "id", getattr(called, "attr", ""))
+            if name in NAMES:
+                key = "id" if isinstance(called, ast.Name) else "attr"
+                yield node, lambda c=called, k=key, v=NAMES[name]: setattr(c, k, v)
+
+
+def _other(value: float) -> float:
+    return value + 1 if isinstance(value, int) else 1.1 * value + 1e-3 * (value == 0)
+
+
+def killed(mutant: Mutant, tests: str) -> bool:
+    """Whether the tests of its module see it."""
+    with tempfile.TemporaryDirectory() as folder:
+        copy = Path(folder) / PACKAGE
+        shutil.copytree(ROOT / PACKAGE, copy, ignore=shutil.ignore_patterns("__pycache__"))
+        (copy / mutant.module).write_text(mutant.source)
+        words = tests.split(" -k ")
+        chosen = ["-k", words[1].strip("()").replace("|", " or ")] if len(words) > 1 else []
+        command = [
+            sys.executable,
+            "-P",
+            "-m",
+            "pytest",
+            *["-q", "-x", "-n", "0", "-p", "no:cacheprovider"],
+        ]
+        try:
+            done = subprocess.run(
+                [*command, *words[0].split(), *chosen],
+                cwd=ROOT,
+                env={**os.environ, "PYTHONPATH": folder},
+                capture_output=True,
+                timeout=TIMEOUT,
+            )
+        except subprocess.TimeoutExpired:
+            return True
+    return done.returncode != 0
+
+
+def run(out: Path, count: int, seed: int, only: str) -> None:
+    """Draw mutants of every module, run them, append a line each."""
+    out.parent.mkdir(parents=True, exist_ok=True)
+    for module, tests in TARGETS.items():
+        if only not in module:
+            continue
+        every = mutants(module)
+        whole = ast.unparse(ast.parse((ROOT / PACKAGE / module).read_text()))
+        if killed(Mutant(module, 0, "", "", whole), tests):
+            raise SystemExit(f"{module}: its tests fail without any change: {tests}")
+        drawn = random.Random(f"{seed} {module}").sample(every, min(count, len(every)))
+        for mutant in drawn:
+            dead = killed(mutant, tests)
+            row = {"module": module, "line": mutant.line, "before": mutant.before,
+                   "after": mutant.after, "killed": dead, "of": len(every)}  # fmt: skip
+            with out.open("a") as file:
+                file.write(json.dumps(row) + "\n")
+
+
+def table(files: list[Path]) -> None:
+    """Killed of drawn per module, and what survived."""
+    rows = [json.loads(line) for file in files for line in file.read_text().splitlines()]
+    print("| module | changes | drawn | killed |\n| --- | --- | --- | --- |")
+    for module in dict.fromkeys(row["module"] for row in rows):
+        mine = [row for row in rows if row["module"] == module]
+        print(f"| {module} | {mine[0]['of']} | {len(mine)} | {sum(r['killed'] for r in mine)} |")
+    dead = sum(row["killed"] for row in rows)
+    print(f"| all | | {len(rows)} | {dead} ({100 * dead / max(1, len(rows)):.0f} %) |\n")
+    for row in rows:
+        if not row["killed"]:
+            print(f"{row['module']}:{row['line']}: {row['before']} -> {row['after']}")
+
+
+if __name__ == "__main__":
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("verb", choices=["run", "table"])
+    parser.add_argument("files", type=Path, nargs="+")
+    parser.add_argument("--count", type=int, default=12)
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--module", default="")
+    given = parser.parse_args()
+    if given.verb == "run":
+        run(given.files[0], given.count, given.seed, given.module)
+    else:
+        table(given.files)
