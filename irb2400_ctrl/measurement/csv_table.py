@@ -113,9 +113,12 @@ def _dialect(path: Path, lines: list[str]) -> Dialect:
 
 
 def _fast(text: str, header: list[str], dialect: Dialect, rows: int) -> dict[str, Array] | None:
-    """All columns by pyarrow; None where some cell needs a closer look."""
-    import pyarrow as pa
-    from pyarrow import csv
+    """All columns by pyarrow; None where some cell needs a closer look, or pyarrow is missing."""
+    try:
+        import pyarrow as pa
+        from pyarrow import csv
+    except ImportError:
+        return None
 
     try:
         table = csv.read_csv(
