@@ -4,7 +4,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 OUT ?= demo_out
 
-.PHONY: demo test test-all supply lint types contracts pytest bench evaluate docs clean
+.PHONY: demo test test-all lint types contracts pytest bench evaluate docs figures clean
 
 demo: $(VENV)/.installed
 	$(BIN)/irb2400 demo --out $(OUT)
@@ -47,7 +47,12 @@ evaluate: $(VENV)/.installed-test
 	$(BIN)/python benchmarks/evaluate.py table build/evaluation/*.jsonl > build/evaluation/evaluation.md
 	cat build/evaluation/evaluation.md
 
+# the site: build/docs/index.html
 docs: $(VENV)/.installed
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[docs]'
+	$(BIN)/python -m sphinx -W --keep-going -q docs build/docs
+
+figures: $(VENV)/.installed
 	$(BIN)/python docs/figures.py
 
 clean:

@@ -1,4 +1,4 @@
-"""Makes the figure of the README again: `make docs`."""
+"""Makes the figure of the README again: `make figures`."""
 
 from __future__ import annotations
 

@@ -21,6 +21,7 @@ from irb2400_ctrl.cli import (
     path,
     plan,
     robot,
+    schema,
     simulate,
     sweep,
     validate,
@@ -68,6 +69,7 @@ app.command("identify", short_help="a true robot file from logs of a sound arm")
 app.command("validate", short_help="how true a robot file is on a log")(validate.validate)
 app.command("excite", short_help="the motion that tells effects apart")(excite.excite)
 app.command("explain", short_help="what an effect is")(explain.explain)
+app.command("schema", short_help="the JSON Schema of a file, for an editor")(schema.schema)
 app.add_typer(robot.app, name="robot")
 app.add_typer(path.app, name="path")
 app.add_typer(log.app, name="log")

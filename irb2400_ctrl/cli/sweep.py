@@ -35,10 +35,12 @@ def sweep(
     """Run every case of a study that is not done yet -> cases.parquet, study.toml, report.html."""
     input_file(study, "a study (TOML)")
 
+    from irb2400_ctrl.extras import needed
     from irb2400_ctrl.sweep import load_study, run_sweep, summary_text
     from irb2400_ctrl.sweep.journal import saved_cases
 
     wanted = load_study(study)
+    needed("pyarrow", "parquet", "the table of a study")  # said before the long work
     output_folder(out)
     with step(f"{wanted.cases} cases") as show:
 

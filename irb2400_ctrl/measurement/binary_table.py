@@ -11,6 +11,7 @@ import numpy as np
 
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.errors import InputError, ToolMissingError
+from irb2400_ctrl.extras import needed
 from irb2400_ctrl.measurement.table import Table, one_length
 
 _MATRIX = re.compile(r"(qd|q|tau)(_ref)?_(\w+)")
@@ -21,10 +22,10 @@ def read_parquet_table(path: Path) -> Table:
 
     Raises:
         InputError: not a Parquet file, or none of its columns holds numbers.
+        ToolMissingError: no pyarrow.
     """
-    import pyarrow as pa
-    from pyarrow import parquet
-
+    pa = needed("pyarrow", "parquet", "a Parquet file")
+    parquet = needed("pyarrow.parquet", "parquet", "a Parquet file")
     try:
         table = parquet.read_table(path)
     except (OSError, pa.ArrowException) as error:

@@ -188,9 +188,12 @@ def _is_number(cell: str, dialect: Dialect) -> bool:
 def _fast(
     body: Body, header: list[str], progress: Callable[[int], None]
 ) -> dict[str, Array] | None:
-    """All columns by pyarrow; None where some cell needs a closer look."""
-    import pyarrow as pa
-    from pyarrow import csv
+    """All columns by pyarrow; None where some cell needs a closer look, or pyarrow is missing."""
+    try:
+        import pyarrow as pa
+        from pyarrow import csv
+    except ImportError:
+        return None
 
     columns = [np.empty(0) for _ in header]
     rows = 0

@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import json
+import re
+import tomllib
 from pathlib import Path
+from typing import Any
 
 import pytest
 from typer.testing import CliRunner
@@ -11,9 +14,11 @@ from typer.testing import CliRunner
 import irb2400_ctrl as irb
 from irb2400_ctrl.cli import main
 from irb2400_ctrl.cli.main import app
+from irb2400_ctrl.effects import LIBRARY
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.robot.changed import changed
 
+ROOT = Path(__file__).parent.parent.parent
 LINE = "x_mm,y_mm,z_mm,i,j,k,feed_mm_s\n" + "\n".join(
     f"{900 + k},{-50 + 2 * k},700,0,0,1,200" for k in range(11)
 )
@@ -143,3 +148,29 @@ def test_overview_cuts_no_sentence() -> None:
     assert "--install-completion" in text
     for verb in main.app.registered_commands:
         assert f"  {verb.name} " in commands
+
+
+@pytest.mark.parametrize("file", ["robot", "cell", "study"])
+def test_schema_knows_every_key(file: str) -> None:
+    schema = json.loads(run("schema", file)[0])
+    example = {
+        "robot": Path(irb.__file__).parent / "robots" / "irb2400.toml",
+        "cell": next((ROOT / "examples" / "cell").glob("*.toml")),
+        "study": ROOT / "examples" / "studies" / "controllers.toml",
+    }[file]
+    assert set(tomllib.loads(example.read_text())) <= set(schema["properties"])
+    for place in re.findall(r'"\$ref": "#/\$defs/([^"]+)"', json.dumps(schema)):
+        assert place in schema["$defs"]
+
+
+def test_schema_of_a_robot_holds_every_effect() -> None:
+    schema = json.loads(run("schema", "robot")[0])
+    kinds = [schema["$defs"][one["$ref"].split("/")[-1]] for one in effects_of(schema)]
+    assert {one["properties"]["kind"]["const"] for one in kinds} == set(LIBRARY)
+    ripple = next(one for one in kinds if one["properties"]["kind"]["const"] == "gear_ripple")
+    assert "amplitude_Nm" in ripple["properties"]
+
+
+def effects_of(schema: dict[str, Any]) -> list[dict[str, str]]:
+    found: list[dict[str, str]] = schema["properties"]["effects"]["items"]["oneOf"]
+    return found

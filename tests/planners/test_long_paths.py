@@ -21,7 +21,7 @@ def wave(points: int) -> ToolPath:
 def test_the_wait_is_kept_short_and_the_bound_holds(
     monkeypatch: pytest.MonkeyPatch, longest: int, noted: bool
 ) -> None:
-    monkeypatch.setattr(time_choices, "LONG", longest)
+    monkeypatch.setattr(time_choices, "RATES_UP_TO", longest)
     plan = irb.plan_path(irb.load_robot("irb2400"), wave(60), cells=200)
     assert len(plan.certificate.path.knots) > 20
     assert plan.guaranteed

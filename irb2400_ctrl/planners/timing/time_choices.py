@@ -83,10 +83,10 @@ def best_first(timed: Sequence[TimedChoice], axis_tolerance: float) -> list[Time
     return sorted(allowed or timed, key=lambda option: option.rank)
 
 
-LONG = 1000
+RATES_UP_TO = 1000
 """pieces of a path above which rates that nobody stated are not limited: it would take minutes"""
 LONG_NOTE = (
-    f"path of more than {LONG} pieces: the torque may jump, and the whole motion is slowed until "
+    f"path of more than {RATES_UP_TO} pieces: the torque may jump, and the motion is slowed until "
     "its rows keep the limits; --torque-rate limits the jumps instead (faster motion, longer wait)"
 )
 
@@ -100,7 +100,7 @@ def limit_rates(
         InfeasibleError: none has one; says where.
     """
     limits = options.limits
-    if not options.rates_stated and len(ranked[0].path.joints.knots) > LONG:
+    if not options.rates_stated and len(ranked[0].path.joints.knots) > RATES_UP_TO:
         return replace(ranked[0], rates={"rates_note": LONG_NOTE})
     count = max(options.cells // 2, 50)
     problem: InfeasibleError | None = None
