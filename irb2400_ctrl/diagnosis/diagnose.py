@@ -136,7 +136,7 @@ def _unsure(fit: Fit, motion: PreparedLog) -> Array:
     shape (n,) [Nm]."""
     Z = fit.Z[:, :, : len(fit.z)]
     variance = np.sum((Z @ fit.z_covariance) * Z, axis=2)
-    known = motion.at_rows(motion.known)
+    known = motion.at_rows(motion.known.astype(float))
     return np.asarray(np.sqrt(np.sum(variance * known, axis=0) / np.maximum(known.sum(axis=0), 1)))
 
 

@@ -7,6 +7,7 @@ friction at that speed (eq. 73), half the sum is gravity with the offset of the 
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
@@ -161,8 +162,8 @@ def _unsteadiness(angle: Array, step: float, noise: float, speed: float) -> floa
     """Scatter of the speed from moment to moment beyond noise, over the speed [-]."""
     k = max(1, round(GLIMPSE / step))
     seconds = k * step
-    scatter = np.var((angle[k:] - angle[:-k]) / seconds)
-    return float(np.sqrt(max(scatter - 2.0 * (noise / seconds) ** 2, 0.0)) / abs(speed))
+    scatter = float(np.var((angle[k:] - angle[:-k]) / seconds))
+    return math.sqrt(max(scatter - 2.0 * (noise / seconds) ** 2, 0.0)) / abs(speed)
 
 
 def friction_points(runs: Sequence[Run]) -> list[FrictionPoint]:

@@ -155,14 +155,14 @@ def _turning(v: Array) -> Array:
 
 def _fitted(rows: Array, read: Array) -> SensedLoad:
     """Least squares over bodies that can exist, forces and moments over what each leaves."""
-    sigma = np.ones(6)
-    theta = np.zeros(16)
+    sigma: Array = np.ones(6)
+    theta: Array = np.zeros(16)
     for _ in range(4):
         flat = (rows / sigma[:, None]).reshape(-1, 16)
-        theta = np.linalg.lstsq(flat, (read / sigma).ravel(), rcond=None)[0]
+        theta = np.asarray(np.linalg.lstsq(flat, (read / sigma).ravel(), rcond=None)[0], float)
         left = read - rows @ theta
         both = np.sqrt([np.mean(left[:, :3] ** 2), np.mean(left[:, 3:] ** 2)])
-        sigma = np.maximum(np.repeat(both, 3), 1e-6)
+        sigma = np.asarray(np.maximum(np.repeat(both, 3), 1e-6), dtype=float)
     if theta[0] <= 0.0:
         raise InputError(
             f"force sensor: found a mass of {theta[0]:.2f} kg, expected a positive one: columns "

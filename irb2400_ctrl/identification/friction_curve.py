@@ -189,7 +189,7 @@ def _stribeck(v: Array, F: Array, e: Array) -> tuple[Array, Array, float]:
     jacobian = np.asarray(found.jac, dtype=float)
     covariance = np.linalg.pinv(jacobian.T @ jacobian) * scale
     rise, coulomb, viscous, logarithm = found.x
-    stribeck = float(np.exp(logarithm))
+    stribeck = np.exp(logarithm)
     law = np.array([coulomb + rise, coulomb, viscous, stribeck])
     # F_s = F_c + rise, omega_st = exp(log omega_st)
     turn = np.array([[1, 1, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, stribeck]], dtype=float)

@@ -19,6 +19,7 @@ from irb2400_ctrl.model import Model
 from irb2400_ctrl.planners.clearance.crowd import COMFORTABLE_CLEARANCE
 from irb2400_ctrl.planners.placement.constant_ways import Ways, constant_ways
 from irb2400_ctrl.planners.placement.task import Task
+from irb2400_ctrl.planners.redundancy.choice import CLEARANCE_WORTH
 from irb2400_ctrl.planners.redundancy.comfort import (
     COMFORTABLE_MARGINS,
     feed_and_torque,
@@ -27,7 +28,6 @@ from irb2400_ctrl.planners.redundancy.comfort import (
 from irb2400_ctrl.planners.redundancy.cutting_load import CuttingLoad
 from irb2400_ctrl.planners.redundancy.ladder_graph import FREE_SHIFTS, Ladder, LadderWay
 from irb2400_ctrl.planners.redundancy.singularity_margins import COMFORTABLE
-from irb2400_ctrl.planners.timing.time_choices import CLEARANCE_WORTH
 from irb2400_ctrl.robot.shape import place_and_turn
 
 ALIKE = 0.05
