@@ -184,8 +184,8 @@ def _stribeck(v: Array, F: Array, e: Array) -> tuple[Array, Array, float]:
     high = np.array([np.inf, np.inf, np.inf, np.log(v.max())])
     start = np.clip(start, low + 1e-9, high)
     found = least_squares(residual, start, bounds=(low, high), x_scale="jac")
-    left = float(2.0 * found.cost)
-    scale = max(1.0, left / max(len(v) - 4, 1))
+    squares = 2.0 * float(found.cost)
+    scale = max(1.0, squares / max(len(v) - 4, 1))
     jacobian = np.asarray(found.jac, dtype=float)
     covariance = np.linalg.pinv(jacobian.T @ jacobian) * scale
     rise, coulomb, viscous, logarithm = found.x
@@ -194,4 +194,4 @@ def _stribeck(v: Array, F: Array, e: Array) -> tuple[Array, Array, float]:
     # F_s = F_c + rise, omega_st = exp(log omega_st)
     turn = np.array([[1, 1, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, stribeck]], dtype=float)
     errors = np.sqrt(np.diag(turn @ covariance @ turn.T))
-    return law, errors, left
+    return law, errors, squares
