@@ -20,9 +20,9 @@ import numpy as np
 from benchmarks.real_robots import CASES, Case
 from irb2400_ctrl.diagnosis.preparation.metrics import errors
 from irb2400_ctrl.identification import Identification, identify
-from irb2400_ctrl.identification.columns import ColumnLayout, columns
+from irb2400_ctrl.identification.fitting.columns import ColumnLayout, columns
+from irb2400_ctrl.identification.fitting.motion_source import motion_of
 from irb2400_ctrl.identification.identified_robot import fit_base
-from irb2400_ctrl.identification.motion_source import motion_of
 from irb2400_ctrl.measurement import Log
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.robot import Robot

@@ -17,7 +17,7 @@ from irb2400_ctrl.cli.main import app
 from irb2400_ctrl.cli.schema import schema_of
 from irb2400_ctrl.effects import LIBRARY
 from irb2400_ctrl.report.effect_words import explain
-from irb2400_ctrl.report.glossary import WORDS
+from irb2400_ctrl.report.elements.glossary import WORDS
 
 FILES = {
     "robot": "A robot file describes an arm: links, joints, tool, uncertainty, effects.",

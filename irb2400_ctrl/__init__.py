@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING
 
 from irb2400_ctrl import _renamed
 from irb2400_ctrl._lazy import lazily
+from irb2400_ctrl.version import VERSION
 
 if TYPE_CHECKING:
     from irb2400_ctrl import (
@@ -46,7 +47,7 @@ if TYPE_CHECKING:
     from irb2400_ctrl.simulation import simulate
     from irb2400_ctrl.trajectory import Trajectory
 
-__version__ = "0.2.0"
+__version__ = VERSION
 
 _renamed.install()
 

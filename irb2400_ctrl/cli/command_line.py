@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import typer
 
 if TYPE_CHECKING:
-    from irb2400_ctrl.report.provenance import Provenance
+    from irb2400_ctrl.report.elements.provenance import Provenance
     from irb2400_ctrl.robot import Robot
 
 
@@ -55,7 +55,7 @@ def read_files() -> list[Path]:
 
 def provenance(robot: Robot | None = None, **more: Any) -> Provenance:
     """Of this command line: the files that it names, the robot, and what else went in."""
-    from irb2400_ctrl.report.provenance import Provenance
+    from irb2400_ctrl.report.elements.provenance import Provenance
 
     return Provenance.of(robot, read_files(), command_line(), **more)
 

@@ -26,7 +26,7 @@ from irb2400_ctrl.cli.summary import Summary, answers
 if TYPE_CHECKING:
     from irb2400_ctrl.diagnosis import Diagnosis
     from irb2400_ctrl.measurement import Log
-    from irb2400_ctrl.report.page import Page
+    from irb2400_ctrl.report.elements.page import Page
     from irb2400_ctrl.robot import Robot
 
 LogsArgument = Annotated[
@@ -92,7 +92,7 @@ def diagnose(
     output_folder(out)
 
     from irb2400_ctrl.measurement import read_log
-    from irb2400_ctrl.report.diagnosis_report import diagnosis_page, lines
+    from irb2400_ctrl.report.pages.diagnosis_page import diagnosis_page, lines
 
     arm = load_arm(robot, uncertainty)
     if close_loop:
@@ -168,7 +168,7 @@ def _close_loop(result: Diagnosis, log: Log, controller: str, page: Page, out: P
     from irb2400_ctrl.controllers import controller as make_controller
     from irb2400_ctrl.files import write_atomic
     from irb2400_ctrl.measurement import recorded_motion
-    from irb2400_ctrl.report.closed_loop_section import add_closed_loop, closed_loop_lines
+    from irb2400_ctrl.report.pages.closed_loop_section import add_closed_loop, closed_loop_lines
     from irb2400_ctrl.simulation.close_the_loop import close_loop
 
     export_package(make_controller(controller, result.robot), out / "controller")

@@ -41,7 +41,7 @@ def excite(
     output_folder(out)
 
     from irb2400_ctrl.excitation import excite as run
-    from irb2400_ctrl.report.excitation_page import excitation_page
+    from irb2400_ctrl.report.pages.excitation_page import excitation_page
 
     with step("preparing") as progress:
         found = run(arm, group, seconds=seconds, joint=joint, progress=progress)

@@ -62,7 +62,7 @@ def identify(
 
     from irb2400_ctrl.identification import identify as run
     from irb2400_ctrl.measurement import read_log
-    from irb2400_ctrl.report.identification_report import identification_page, lines
+    from irb2400_ctrl.report.pages.identification_page import identification_page, lines
 
     arm = load_arm(robot, uncertainty)
     with step("reading the logs"):
@@ -89,13 +89,14 @@ def _load(text: str) -> Body:
     from irb2400_ctrl.robot import Body
 
     try:
-        mass, x, y, z = (float(part) for part in text.split(","))
+        numbers = [float(part) for part in text.split(",")]
     except ValueError:
-        mass, x, y, z = 0.0, 0.0, 0.0, 0.0
-    if not mass > 0.0:
+        numbers = []
+    if len(numbers) != 4 or not numbers[0] > 0.0:
         raise InputError(
             f"--load: found {text!r}, expected mass [kg] and centre [mm] in the flange's axes, "
             "like 5.02,0,0,80"
         )
+    mass, x, y, z = numbers
     centre = (x / 1000.0, y / 1000.0, z / 1000.0)
     return Body(mass_kg=mass, com_m=centre, inertia_kgm2=(0.0,) * 6)

@@ -18,15 +18,13 @@ from irb2400_ctrl.cli import (
     explain,
     identify,
     log,
-    path,
-    plan,
     robot,
     schema,
     simulate,
     sweep,
     validate,
 )
-from irb2400_ctrl.cli.planning import place
+from irb2400_ctrl.cli.planning import path, place, plan
 
 TRACEBACK_VARIABLE = "IRB2400_TRACEBACK"
 
@@ -42,9 +40,9 @@ app = typer.Typer(
 
 def _print_version(wanted: bool) -> None:
     if wanted:
-        from irb2400_ctrl import __version__
+        from irb2400_ctrl.version import VERSION
 
-        print(f"irb2400 {__version__}")
+        print(f"irb2400 {VERSION}")
         raise typer.Exit
 
 
@@ -112,7 +110,7 @@ def _stop(code: int, text: str) -> None:
 
 def _last_resort(error: Exception) -> None:
     """An error nobody thought of: where it happened, what is lost, what to send."""
-    from irb2400_ctrl import __version__
+    from irb2400_ctrl.version import VERSION
 
     if os.environ.get(TRACEBACK_VARIABLE):
         raise error
@@ -121,7 +119,7 @@ def _last_resort(error: Exception) -> None:
     kind = type(error).__name__
     _stop(
         1,
-        f"a fault of irb2400 {__version__} itself ({kind} in {place}: {error}). Nothing "
+        f"a fault of irb2400 {VERSION} itself ({kind} in {place}: {error}). Nothing "
         "half-written is left, earlier results are untouched. Please report it with the command "
         f"line, its input and what {TRACEBACK_VARIABLE}=1 prints before the same command",
     )

@@ -33,7 +33,7 @@ def simulate(
     input_file(trajectory, "a trajectory (CSV)")
     output_folder(out)
 
-    from irb2400_ctrl.report.simulation_page import simulation_page
+    from irb2400_ctrl.report.pages.simulation_page import simulation_page
     from irb2400_ctrl.simulation import load_trajectory
     from irb2400_ctrl.simulation import simulate as run
     from irb2400_ctrl.simulation.bounds_reached import in_words

@@ -57,7 +57,7 @@ def sweep(
             )
             raise typer.Exit(INTERRUPTED) from None
 
-        from irb2400_ctrl.report.sweep_page import sweep_page
+        from irb2400_ctrl.report.pages.sweep_page import sweep_page
 
         page = sweep_page(result)
         page.provenance(provenance(seed=wanted.seed))

@@ -38,7 +38,7 @@ def validate(
     from irb2400_ctrl.identification import validate as run
     from irb2400_ctrl.measurement import read_log
     from irb2400_ctrl.plausibility import log_problem
-    from irb2400_ctrl.report.validation_report import lines, validation_page
+    from irb2400_ctrl.report.pages.validation_page import lines, validation_page
     from irb2400_ctrl.robot import load_robot
 
     arm = load_robot(robot)

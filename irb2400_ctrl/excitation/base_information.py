@@ -16,7 +16,7 @@ from scipy.linalg import qr
 
 from irb2400_ctrl.arrays import Array, Integers
 from irb2400_ctrl.excitation.alternatives import NOISE
-from irb2400_ctrl.identification.columns import ColumnLayout, columns
+from irb2400_ctrl.identification.fitting.columns import ColumnLayout, columns
 from irb2400_ctrl.identification.gate import MATTERS
 from irb2400_ctrl.identification.identified_robot import fit_base
 from irb2400_ctrl.measurement.prepared_log import PreparedLog

@@ -18,7 +18,7 @@ import numpy as np
 
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.errors import InputError
-from irb2400_ctrl.identification.consistent_fit import consistent_minimum
+from irb2400_ctrl.identification.fitting.consistent_fit import consistent_minimum
 from irb2400_ctrl.identification.identified_robot import body_of
 from irb2400_ctrl.measurement import Log
 from irb2400_ctrl.measurement.prepared_log import prepare

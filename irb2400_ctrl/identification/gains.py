@@ -19,13 +19,13 @@ import numpy as np
 from irb2400_ctrl.arrays import Array, Mask
 from irb2400_ctrl.effects import LIBRARY
 from irb2400_ctrl.errors import InputError
-from irb2400_ctrl.identification.columns import columns
-from irb2400_ctrl.identification.estimate import scaled_inverse
-from irb2400_ctrl.identification.fit import ASIDE, Fit, fit
-from irb2400_ctrl.identification.given import given_torque
+from irb2400_ctrl.identification.fitting.columns import columns
+from irb2400_ctrl.identification.fitting.estimate import scaled_inverse
+from irb2400_ctrl.identification.fitting.fit import ASIDE, Fit, fit
+from irb2400_ctrl.identification.fitting.given import given_torque
+from irb2400_ctrl.identification.fitting.moments import Recording, predicted, recordings
+from irb2400_ctrl.identification.fitting.motion_source import motion_of
 from irb2400_ctrl.identification.identified_robot import fit_base
-from irb2400_ctrl.identification.moments import Recording, predicted, recordings
-from irb2400_ctrl.identification.motion_source import motion_of
 from irb2400_ctrl.measurement import Log
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.robot import Body, Robot

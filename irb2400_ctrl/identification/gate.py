@@ -14,8 +14,8 @@ from typing import Any, Literal
 import numpy as np
 
 from irb2400_ctrl.arrays import Array, Integers
-from irb2400_ctrl.identification.columns import ColumnLayout
-from irb2400_ctrl.identification.moments import Moments
+from irb2400_ctrl.identification.fitting.columns import ColumnLayout
+from irb2400_ctrl.identification.fitting.moments import Moments
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.model.base_parameters import NAMES
 

@@ -8,11 +8,11 @@ import numpy as np
 
 from irb2400_ctrl.arrays import Array, Integers
 from irb2400_ctrl.diagnosis.preparation.metrics import Errors, errors
-from irb2400_ctrl.identification.baseline import plain_least_squares
-from irb2400_ctrl.identification.columns import ColumnLayout
-from irb2400_ctrl.identification.estimate import estimate
-from irb2400_ctrl.identification.fit import Fit
-from irb2400_ctrl.identification.moments import Recording, predicted
+from irb2400_ctrl.identification.fitting.baseline import plain_least_squares
+from irb2400_ctrl.identification.fitting.columns import ColumnLayout
+from irb2400_ctrl.identification.fitting.estimate import estimate
+from irb2400_ctrl.identification.fitting.fit import Fit
+from irb2400_ctrl.identification.fitting.moments import Recording, predicted
 from irb2400_ctrl.model import Model
 
 MOST_FOLDS = 5

@@ -13,7 +13,7 @@ import numpy as np
 from irb2400_ctrl.arrays import Array, Mask
 from irb2400_ctrl.diagnosis.preparation.metrics import Errors, errors
 from irb2400_ctrl.files import write_atomic
-from irb2400_ctrl.identification.columns import ColumnLayout
+from irb2400_ctrl.identification.fitting.columns import ColumnLayout
 from irb2400_ctrl.identification.force_sensor import SensedLoad
 from irb2400_ctrl.identification.friction_curve import FrictionCurve
 from irb2400_ctrl.identification.gains import Gains

@@ -9,8 +9,8 @@ import numpy as np
 
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.effects import LIBRARY, Effect
-from irb2400_ctrl.identification.columns import ColumnLayout, Extra
-from irb2400_ctrl.identification.consistent_fit import pseudo_inertias
+from irb2400_ctrl.identification.fitting.columns import ColumnLayout, Extra
+from irb2400_ctrl.identification.fitting.consistent_fit import pseudo_inertias
 from irb2400_ctrl.robot import Body, Robot
 
 REFITTED = (

@@ -11,11 +11,14 @@ from threadpoolctl import threadpool_limits
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.diagnosis.regressors.predict import predicted_torque
 from irb2400_ctrl.errors import InputError
-from irb2400_ctrl.identification.baseline import plain_least_squares
-from irb2400_ctrl.identification.columns import ColumnLayout
 from irb2400_ctrl.identification.constant_runs import runs_of
-from irb2400_ctrl.identification.covariance import block_covariance
-from irb2400_ctrl.identification.fit import Fit, fit, left_unseen
+from irb2400_ctrl.identification.fitting.baseline import plain_least_squares
+from irb2400_ctrl.identification.fitting.columns import ColumnLayout
+from irb2400_ctrl.identification.fitting.covariance import block_covariance
+from irb2400_ctrl.identification.fitting.fit import Fit, fit, left_unseen
+from irb2400_ctrl.identification.fitting.given import given_torque
+from irb2400_ctrl.identification.fitting.moments import Recording, predicted, recordings
+from irb2400_ctrl.identification.fitting.motion_source import Source, motion_of
 from irb2400_ctrl.identification.force_sensor import sensed_load, with_load
 from irb2400_ctrl.identification.friction_curve import (
     friction_curves,
@@ -25,12 +28,9 @@ from irb2400_ctrl.identification.friction_curve import (
 )
 from irb2400_ctrl.identification.gains import known_load_gains
 from irb2400_ctrl.identification.gate import Verdict, verdicts
-from irb2400_ctrl.identification.given import given_torque
 from irb2400_ctrl.identification.held_out import held_out
 from irb2400_ctrl.identification.identification import Identification, LogResult
 from irb2400_ctrl.identification.identified_robot import fit_base, identified_robot
-from irb2400_ctrl.identification.moments import Recording, predicted, recordings
-from irb2400_ctrl.identification.motion_source import Source, motion_of
 from irb2400_ctrl.identification.moved import ALARM, Moved, moved_bodies
 from irb2400_ctrl.measurement import Log
 from irb2400_ctrl.model import Model

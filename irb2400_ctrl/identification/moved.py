@@ -8,13 +8,13 @@ import numpy as np
 
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.diagnosis.preparation.base_prior import body_spread
-from irb2400_ctrl.identification.consistent_fit import (
+from irb2400_ctrl.identification.fitting.consistent_fit import (
     consistent_minimum,
     possible,
     pseudo_inertias,
 )
+from irb2400_ctrl.identification.fitting.prior import Prior
 from irb2400_ctrl.identification.identified_robot import body_of
-from irb2400_ctrl.identification.prior import Prior
 from irb2400_ctrl.robot import Body, Robot
 
 ALARM = 4.0

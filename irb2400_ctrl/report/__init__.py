@@ -11,17 +11,17 @@ from typing import TYPE_CHECKING
 from irb2400_ctrl._lazy import lazily
 
 if TYPE_CHECKING:
-    from irb2400_ctrl.report.arm_view import ArmView, Colouring
-    from irb2400_ctrl.report.diagnosis_report import diagnosis_page
-    from irb2400_ctrl.report.excitation_page import excitation_page
-    from irb2400_ctrl.report.identification_report import identification_page
+    from irb2400_ctrl.report.elements.arm_view import ArmView, Colouring
+    from irb2400_ctrl.report.elements.page import Page
+    from irb2400_ctrl.report.elements.provenance import Provenance
     from irb2400_ctrl.report.main_job import MainJob, run_main_job
-    from irb2400_ctrl.report.page import Page
-    from irb2400_ctrl.report.plan_page import plan_page
-    from irb2400_ctrl.report.provenance import Provenance
-    from irb2400_ctrl.report.simulation_page import simulation_page
-    from irb2400_ctrl.report.sweep_page import sweep_page
-    from irb2400_ctrl.report.validation_report import validation_page
+    from irb2400_ctrl.report.pages.diagnosis_page import diagnosis_page
+    from irb2400_ctrl.report.pages.excitation_page import excitation_page
+    from irb2400_ctrl.report.pages.identification_page import identification_page
+    from irb2400_ctrl.report.pages.plan_page import plan_page
+    from irb2400_ctrl.report.pages.simulation_page import simulation_page
+    from irb2400_ctrl.report.pages.sweep_page import sweep_page
+    from irb2400_ctrl.report.pages.validation_page import validation_page
 
 __all__ = [
     "ArmView",
@@ -43,18 +43,18 @@ __all__ = [
 __getattr__ = lazily(
     __name__,
     {
-        "ArmView": "arm_view",
-        "Colouring": "arm_view",
+        "ArmView": "elements.arm_view",
+        "Colouring": "elements.arm_view",
         "MainJob": "main_job",
-        "Page": "page",
-        "Provenance": "provenance",
-        "diagnosis_page": "diagnosis_report",
-        "excitation_page": "excitation_page",
-        "identification_page": "identification_report",
-        "plan_page": "plan_page",
+        "Page": "elements.page",
+        "Provenance": "elements.provenance",
+        "diagnosis_page": "pages.diagnosis_page",
+        "excitation_page": "pages.excitation_page",
+        "identification_page": "pages.identification_page",
+        "plan_page": "pages.plan_page",
         "run_main_job": "main_job",
-        "simulation_page": "simulation_page",
-        "sweep_page": "sweep_page",
-        "validation_page": "validation_report",
+        "simulation_page": "pages.simulation_page",
+        "sweep_page": "pages.sweep_page",
+        "validation_page": "pages.validation_page",
     },
 )

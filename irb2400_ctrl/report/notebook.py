@@ -7,12 +7,12 @@ from functools import singledispatch
 from irb2400_ctrl.diagnosis import Diagnosis
 from irb2400_ctrl.identification import Identification
 from irb2400_ctrl.planners import Plan, ProgramMotion
-from irb2400_ctrl.report.diagnosis_report import diagnosis_page
-from irb2400_ctrl.report.identification_report import identification_page
-from irb2400_ctrl.report.page import Page
-from irb2400_ctrl.report.plan_page import plan_page
-from irb2400_ctrl.report.provenance import Provenance
-from irb2400_ctrl.report.simulation_page import simulation_page
+from irb2400_ctrl.report.elements.page import Page
+from irb2400_ctrl.report.elements.provenance import Provenance
+from irb2400_ctrl.report.pages.diagnosis_page import diagnosis_page
+from irb2400_ctrl.report.pages.identification_page import identification_page
+from irb2400_ctrl.report.pages.plan_page import plan_page
+from irb2400_ctrl.report.pages.simulation_page import simulation_page
 from irb2400_ctrl.simulation import Simulation
 
 

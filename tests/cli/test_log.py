@@ -15,7 +15,7 @@ import pytest
 from irb2400_ctrl.diagnosis import diagnose
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.measurement import Log, read_log, write_log
-from irb2400_ctrl.report.diagnosis_report import lines
+from irb2400_ctrl.report.pages.diagnosis_page import lines
 from irb2400_ctrl.robot import load_robot
 
 LOG = Path(str(resources.files("irb2400_ctrl") / "data" / "arm" / "validation.csv.gz"))

@@ -16,7 +16,7 @@ from irb2400_ctrl.diagnosis import Diagnosis, diagnose
 from irb2400_ctrl.diagnosis.sound_logs import MOST_SECONDS, _chosen, sound_logs
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.measurement import Log, write_log
-from irb2400_ctrl.report.diagnosis_report import lines
+from irb2400_ctrl.report.pages.diagnosis_page import lines
 from irb2400_ctrl.robot import load_robot
 
 ROBOT = load_robot("irb2400")

@@ -13,7 +13,7 @@ from irb2400_ctrl.diagnosis import Curve, Finding, Number
 from irb2400_ctrl.diagnosis.lists import FindingList, list_of
 from irb2400_ctrl.effects import LIBRARY
 from irb2400_ctrl.identification.reference_error import has_changed, simplest, worse_joints
-from irb2400_ctrl.report.three_lists import findings_of, list_lines, number_lines, numbers_of
+from irb2400_ctrl.report.pages.three_lists import findings_of, list_lines, number_lines, numbers_of
 
 NOTHING = np.zeros(1)
 

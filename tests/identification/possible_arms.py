@@ -18,7 +18,7 @@ from independent_plant.parameters import FRICTION, Arm, Servo, paper_arm
 import irb2400_ctrl as irb
 from irb2400_ctrl.excitation.feasible import between
 from irb2400_ctrl.identification import Identification
-from irb2400_ctrl.identification.consistent_fit import possible, pseudo_inertias
+from irb2400_ctrl.identification.fitting.consistent_fit import possible, pseudo_inertias
 from irb2400_ctrl.identification.identified_robot import body_of
 from irb2400_ctrl.robot import Body
 from irb2400_ctrl.trajectory import Trajectory

@@ -20,8 +20,8 @@ from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.identification import Identification, diagnose_change
 from irb2400_ctrl.measurement.prepared_log import prepare
 from irb2400_ctrl.model import Model
-from irb2400_ctrl.report.diagnosis_report import lines
-from irb2400_ctrl.report.three_lists import numbers_of
+from irb2400_ctrl.report.pages.diagnosis_page import lines
+from irb2400_ctrl.report.pages.three_lists import numbers_of
 
 ROBOT = possible_robot()
 CENTRE = np.array([0.03, -0.02, FLANGE_OFFSET + 0.12])

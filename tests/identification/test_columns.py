@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 import irb2400_ctrl as irb
-from irb2400_ctrl.identification.columns import ColumnLayout, Extra, columns
-from irb2400_ctrl.identification.consistent_fit import possible, pseudo_inertias
+from irb2400_ctrl.identification.fitting.columns import ColumnLayout, Extra, columns
+from irb2400_ctrl.identification.fitting.consistent_fit import possible, pseudo_inertias
+from irb2400_ctrl.identification.fitting.noise import correlation_factor
 from irb2400_ctrl.identification.identified_robot import body_of, fit_base, identified_robot
-from irb2400_ctrl.identification.noise import correlation_factor
 
 
 @pytest.fixture(scope="module")

@@ -18,7 +18,7 @@ from irb2400_ctrl.identification.friction_curve import (
     with_curves,
 )
 from irb2400_ctrl.model.friction import FrictionLaw
-from irb2400_ctrl.report.friction_figures import friction_figure, law_rows, run_figure
+from irb2400_ctrl.report.figures.friction_figures import friction_figure, law_rows, run_figure
 
 DATA = Path(str(files("irb2400_ctrl") / "data" / "arm"))
 SPEEDS = [0.002, 0.004, 0.006, 0.008, 0.01, 0.014, 0.02, 0.05, 0.1, 0.2, 0.4]

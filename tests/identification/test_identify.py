@@ -19,9 +19,9 @@ from irb2400_ctrl.diagnosis.regressors.predict import predicted_torque
 from irb2400_ctrl.effects import LIBRARY
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.identification import Identification, validate
-from irb2400_ctrl.identification.consistent_fit import pseudo_inertias
-from irb2400_ctrl.identification.motion_source import motion_of
-from irb2400_ctrl.report.validation_report import lines, rows
+from irb2400_ctrl.identification.fitting.consistent_fit import pseudo_inertias
+from irb2400_ctrl.identification.fitting.motion_source import motion_of
+from irb2400_ctrl.report.pages.validation_page import lines, rows
 
 ROOT = Path(__file__).parents[2]
 DATA = Path(str(files("irb2400_ctrl") / "data" / "arm"))

@@ -13,7 +13,7 @@ from PIL import Image
 
 import irb2400_ctrl as irb
 from irb2400_ctrl.report import ArmView, Colouring, Page, Provenance
-from irb2400_ctrl.report.plots import Line, joint_plots, over_time
+from irb2400_ctrl.report.elements.plots import Line, joint_plots, over_time
 
 pytestmark = pytest.mark.skipif(browser.CHROMIUM is None, reason="no Chromium here")
 PHONE = 500  # the narrowest window that Chromium opens; the page is put into 390 by the script

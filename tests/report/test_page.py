@@ -14,10 +14,10 @@ from matplotlib.figure import Figure
 
 import irb2400_ctrl as irb
 from irb2400_ctrl.report import ArmView, Colouring, Page, Provenance
-from irb2400_ctrl.report.glossary import WORDS
-from irb2400_ctrl.report.inline_svg import COLOURS
-from irb2400_ctrl.report.page import TEMPLATES
-from irb2400_ctrl.report.plots import Line, joint_plots, parity, spectrum, thin
+from irb2400_ctrl.report.elements.glossary import WORDS
+from irb2400_ctrl.report.elements.inline_svg import COLOURS
+from irb2400_ctrl.report.elements.page import TEMPLATES
+from irb2400_ctrl.report.elements.plots import Line, joint_plots, parity, spectrum, thin
 
 STRANGER = "<script>alert('x')</script>&\"'"
 

@@ -9,7 +9,7 @@ import numpy as np
 from simulation.arms import START, STOP, arm, quintic_move
 
 from irb2400_ctrl.effects import LIBRARY
-from irb2400_ctrl.report.diagnosis_report import parameter_rows
+from irb2400_ctrl.report.pages.diagnosis_page import parameter_rows
 from irb2400_ctrl.simulation.close_the_loop import close_loop
 
 SINCE = LIBRARY["gear_ripple"].of(4, amplitude_Nm=4.0, order=20.0, windows_s=((14.9, 1e9),))

@@ -19,7 +19,7 @@ from sweep import studies
 from sweep.studies import CASES, SMALL, TRACE, attempts, small
 
 from irb2400_ctrl.errors import InputError, IrbError
-from irb2400_ctrl.report.sweep_page import sweep_page
+from irb2400_ctrl.report.pages.sweep_page import sweep_page
 from irb2400_ctrl.sweep import run_sweep, summary_text
 from irb2400_ctrl.sweep.journal import log_path
 from irb2400_ctrl.sweep.table import summarise

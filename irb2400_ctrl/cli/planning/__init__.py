@@ -1,3 +1,3 @@
-"""Parts of `irb2400 plan`: programs of several operations, RAPID modules."""
+"""`irb2400 path`, `plan` and `place`: verbs that take a tool path, and their parts."""
 
 __all__: list[str] = []

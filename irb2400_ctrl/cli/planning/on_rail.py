@@ -30,7 +30,7 @@ def on_rail(
     """Find the place of the carriage -> placement.json, placement.png."""
     from irb2400_ctrl.files import write_atomic
     from irb2400_ctrl.planners.placement import rail_position
-    from irb2400_ctrl.report.placement_figure import rail_figure
+    from irb2400_ctrl.report.figures.placement_figure import rail_figure
 
     if cell is None:
         raise InputError("--rail: found no --cell, expected the cell file that has the [rail]")

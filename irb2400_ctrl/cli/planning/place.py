@@ -18,9 +18,9 @@ from irb2400_ctrl.cli.options import (
     load_arm,
     output_folder,
 )
-from irb2400_ctrl.cli.path import UNITS_HELP
 from irb2400_ctrl.cli.planning.cutting import CuttingForceOption, StiffnessOption, cutting_load
 from irb2400_ctrl.cli.planning.on_rail import on_rail
+from irb2400_ctrl.cli.planning.path import UNITS_HELP
 from irb2400_ctrl.cli.progress import step
 from irb2400_ctrl.cli.summary import Summary, answers
 from irb2400_ctrl.errors import InputError
@@ -97,7 +97,7 @@ def place(
     from irb2400_ctrl.planners import read_program
     from irb2400_ctrl.planners.placement import place as find_place
     from irb2400_ctrl.planners.toolpath.work_frame import work_frame as pose_of
-    from irb2400_ctrl.report.placement_figure import save_placement
+    from irb2400_ctrl.report.figures.placement_figure import save_placement
 
     around = None if cell is None else load_cell(cell)
     programs = [read_program(part, units=units) for part in parts]

@@ -13,8 +13,8 @@ from irb2400_ctrl.cli.summary import Summary
 from irb2400_ctrl.errors import InputError, UnreachableError
 
 if TYPE_CHECKING:
-    from irb2400_ctrl.planners import CamProgram, LinkOptions, Plan, ProgramMotion, ProgramPlan
-    from irb2400_ctrl.planners.programs.rapid import RapidOptions
+    from irb2400_ctrl.cli.planning.job import Job
+    from irb2400_ctrl.planners import LinkOptions, Plan, ProgramMotion, ProgramPlan
     from irb2400_ctrl.robot import Robot
 
 
@@ -63,40 +63,25 @@ def _angles(text: str) -> Any:
     return np.radians(values)
 
 
-def plan_all(
-    arm: Robot,
-    program: CamProgram,
-    links: LinkOptions,
-    options: dict[str, Any],
-    out: Path,
-    rapid: RapidOptions | None,
-) -> Summary:
+def plan_all(job: Job) -> Summary:
     """The whole into the folder itself, each operation into its own, and program.json."""
     from irb2400_ctrl.planners import plan_program
 
-    task = f"planning {len(program.operations)} operations"
+    task = f"planning {len(job.program.operations)} operations"
     with step(task) as say:
         found = plan_program(
-            arm,
-            program,
-            links=links,
+            job.arm,
+            job.program,
+            links=job.links,
             started=lambda o: say(f"{task}: {o.number} {o.name}"),
-            **options,
+            **job.options,
         )
         say(f"{task}: writing")
-        written = _write(found, arm, out, rapid, options)
-    return _told(found, program, out, written)
+        written = _write(found, job)
+    return _told(found, job.out, written)
 
 
-def plan_parts(
-    arm: Robot,
-    program: CamProgram,
-    links: LinkOptions,
-    options: dict[str, Any],
-    out: Path,
-    rapid: RapidOptions | None,
-    because: UnreachableError,
-) -> Summary:
+def plan_parts(job: Job, because: UnreachableError) -> Summary:
     """The only operation in parts, between which axes are unwound.
 
     Raises:
@@ -104,38 +89,38 @@ def plan_parts(
     """
     from irb2400_ctrl.planners.program_plan import plan_unwound
 
-    found = plan_unwound(arm, program, links, because, **options)
-    written = _write(found, arm, out, rapid, options)
-    return _told(found, program, out, written)
+    found = plan_unwound(job.arm, job.program, job.links, because, **job.options)
+    written = _write(found, job)
+    return _told(found, job.out, written)
 
 
-def _write(
-    found: ProgramPlan, arm: Robot, out: Path, rapid: RapidOptions | None, options: dict[str, Any]
-) -> list[Path]:
+def _write(found: ProgramPlan, job: Job) -> list[Path]:
     """All files; one RAPID module of the whole, or one of each plan where nothing links them."""
     from irb2400_ctrl.planners.linking.operation_runs import frame_of
     from irb2400_ctrl.planners.program_plan import with_its_tool
 
+    out = job.out
     written = found.write(out)
     for done in found.operations:
         for folder, run in done.folders():
-            chosen = with_its_tool(done.operation, options)
+            options = with_its_tool(done.operation, job.options)
             title = f"Plan of operation {done.operation.number}, {done.operation.name}"
-            names = [report(run.plan, out / folder, arm, title, chosen)]
-            if rapid is not None and found.motion is None:
+            names = [report(run.plan, out / folder, job.arm, title, options)]
+            if job.rapid is not None and found.motion is None:
                 whole = done.operation if len(done.runs) == 1 else None
-                names += write_plan_module(run.plan, whole, rapid, frame_of(options), out / folder)
+                frame = frame_of(options)
+                names += write_plan_module(run.plan, whole, job.rapid, frame, out / folder)
             written += [out / folder / name for name in names]
     if found.motion is not None:
         title = f"Plan of {found.program.name}"
-        names = [report(found.motion, out, arm, title, options)]
-        if rapid is not None:
-            names += write_motion_module(found.motion, rapid, frame_of(options), out)
+        names = [report(found.motion, out, job.arm, title, job.options)]
+        if job.rapid is not None:
+            names += write_motion_module(found.motion, job.rapid, frame_of(job.options), out)
         written += [out / name for name in names]
     return written
 
 
-def _told(found: ProgramPlan, program: CamProgram, out: Path, written: Sequence[Path]) -> Summary:
+def _told(found: ProgramPlan, out: Path, written: Sequence[Path]) -> Summary:
     """What was planned: plan.json of the whole, and program.json under `program`; stops where an
     operation, or a way between two, has no plan."""
     for done in found.operations:
@@ -143,7 +128,7 @@ def _told(found: ProgramPlan, program: CamProgram, out: Path, written: Sequence[
             points = len(done.operation.path)
             print(f"{done.folder}: {points} points, {done.duration:.2f} s")
     if found.motion is not None:
-        print_motion(found.motion, program.name)
+        print_motion(found.motion, found.program.name)
     print(f"written to {out}: {_files(found)}")
     whole = {} if found.motion is None else found.motion.summary()
     return Summary({**whole, "program": found.summary()}, written, _refusal(found))
@@ -185,7 +170,7 @@ def report(
 ) -> str:
     """The report; its name."""
     from irb2400_ctrl.cli.command_line import provenance
-    from irb2400_ctrl.report.plan_page import plan_page
+    from irb2400_ctrl.report.pages.plan_page import plan_page
 
     cell = options.get("cell")
     # a program may change its tool; the picture of the whole has the one that was asked for

@@ -10,7 +10,7 @@ from dataclasses import replace
 import numpy as np
 import numpy.typing as npt
 
-from irb2400_ctrl.arrays import Array, Integers
+from irb2400_ctrl.arrays import Array, Integers, Mask
 from irb2400_ctrl.cell import Scene
 from irb2400_ctrl.errors import UnreachableError
 from irb2400_ctrl.model import Model
@@ -84,36 +84,45 @@ def choices(
     problem: UnreachableError | None = None
     count: Counter[str] = Counter()
     most = np.inf if held or curve.segments <= LONG else 1
-    options: Iterator[_Option]
-    if held:
-        options = _held(model, orientation, ladder)
-    else:
-        options = _turned(_ways(ladder, free, keep), orientation, s, SMOOTH)
-        if free:
-            # a rotation that has to change often may leave the box when it is smoothed
-            roomy = _roomy(ladder, orientation, s, keep)
-            options = itertools.chain(options, _unless(lambda: bool(count), roomy))
-    for kind, branch, law, target, q_start, passing in options:
-        if count[kind] >= most:
+    ways = _turned(_ways(ladder, free, keep), orientation, s, SMOOTH)
+    options = _held(model, orientation, ladder) if held else ways
+    if free and not held:
+        # a rotation that has to change often may leave the box when it is smoothed
+        roomy = _roomy(ladder, orientation, s, keep)
+        options = itertools.chain(options, _unless(lambda: bool(count), roomy))
+    for option in options:
+        if count[option[0]] >= most:
             continue
         try:
-            followed = follow(model, target, q_start)
-            stay_inside(model, followed, target)
-            clearance = clear(scene, followed, target, moves)
+            choice = _tried(model, option, scene, moves, load)
             if way_out is not None:
-                way_out.check(model, orientation, followed, scene)
+                way_out.check(model, orientation, choice.followed, scene)
         except UnreachableError as error:
             problem = problem or error
             continue
-        count[kind] += 1
-        margins = continuous_margins(model, followed)
-        given = given_way(model, followed, load)
-        choice = Choice(kind, branch, law, followed, margins, clearance, passing, given)
+        count[choice.kind] += 1
         yield choice
         if most == 1 and choice.comfortable:
             return
     if not count:
         raise problem or refusal(ladder, _names(curve, u))
+
+
+def _tried(
+    model: Model, option: _Option, scene: Scene | None, moves: Mask, load: CuttingLoad | None
+) -> Choice:
+    """The joint path of an option.
+
+    Raises:
+        UnreachableError: it leaves the joint box or, a CollisionError, touches something.
+    """
+    kind, branch, law, target, q_start, passing = option
+    followed = follow(model, target, q_start)
+    stay_inside(model, followed, target)
+    clearance = clear(scene, followed, target, moves)
+    margins = continuous_margins(model, followed)
+    given = given_way(model, followed, load)
+    return Choice(kind, branch, law, followed, margins, clearance, passing, given)
 
 
 def _names(curve: TaskCurve, u: Array) -> Integers:

@@ -1,0 +1,329 @@
+"""`irb2400 plan`: a toolpath becomes a timed joint trajectory."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from irb2400_ctrl.cli.options import (
+    CellOption,
+    FreeOption,
+    OutOption,
+    RobotOption,
+    ToolOption,
+    WorkFrameOption,
+    input_file,
+    load_arm,
+    output_folder,
+)
+from irb2400_ctrl.cli.planning.cutting import CuttingForceOption, StiffnessOption, cutting_load
+from irb2400_ctrl.cli.planning.job import Job
+from irb2400_ctrl.cli.planning.path import ROTARY_HELP, UNITS_HELP
+from irb2400_ctrl.cli.planning.plan_program import (
+    link_options,
+    plan_all,
+    plan_parts,
+    print_feed,
+    report,
+)
+from irb2400_ctrl.cli.planning.rapid_out import (
+    RapidIoOption,
+    RapidOption,
+    RapidSetOption,
+    rapid_options,
+    write_plan_module,
+)
+from irb2400_ctrl.cli.progress import step
+from irb2400_ctrl.cli.summary import Summary, answers
+from irb2400_ctrl.errors import UnreachableError
+
+if TYPE_CHECKING:
+    from irb2400_ctrl.arrays import Array
+    from irb2400_ctrl.cell import Cell
+    from irb2400_ctrl.planners import CamProgram, Plan
+
+PathArgument = Annotated[
+    Path,
+    typer.Argument(
+        metavar="PATH", help="Toolpath: CSV, APT/CLDATA (NX CLSF, Creo NCL, CATIA) or G-code."
+    ),
+]
+OperationOption = Annotated[
+    str | None,
+    typer.Option(
+        "--operation",
+        metavar="NAME|NUMBER",
+        help="Plan this operation only; else all of them, as one motion.",
+        show_default="all",
+    ),
+]
+UnitsOption = Annotated[str | None, typer.Option("--units", help=UNITS_HELP)]
+SpindleOption = Annotated[
+    float | None,
+    typer.Option(
+        "--spindle-rpm", help="Spindle speed for feeds per revolution where the file states none."
+    ),
+]
+RotaryOption = Annotated[str | None, typer.Option("--rotary", help=ROTARY_HELP)]
+RateOption = Annotated[
+    float, typer.Option(help="Samples per second of the trajectory.", min=10, max=10000)
+]
+ShareOption = Annotated[
+    float,
+    typer.Option(
+        help="Share of the torque limits the plan may use, 0.9 for 90 %; the rest is the "
+        "controller's.",
+        min=0.1,
+        max=1.0,
+    ),
+]
+ToleranceOption = Annotated[
+    float, typer.Option(help="How far corners of the path may be cut.", min=1e-4)
+]
+AxisToleranceOption = Annotated[
+    float,
+    typer.Option(help="How far the tool may tilt to pass the wrist singularity.", min=0.0),
+]
+TorqueRateOption = Annotated[
+    float | None,
+    typer.Option(
+        help="Limit of the change of the torque, in torque limits per second [1/s].",
+        min=1e-3,
+        show_default="what the rows can follow",
+    ),
+]
+JerkOption = Annotated[
+    float | None,
+    typer.Option(
+        "--jerk-deg-s3",
+        "--jerk",
+        help="Limit of the joints' jerk [deg/s3].",
+        min=1e-3,
+        show_default="no limit",
+    ),
+]
+LinksOption = Annotated[
+    bool | None,
+    typer.Option(
+        "--links/--no-links",
+        help="Plan the way from --start to the part, between operations, and back.",
+        show_default="with several operations",
+    ),
+]
+ClearanceOption = Annotated[
+    float | None,
+    typer.Option(
+        "--clearance",
+        metavar="MM",
+        help="Height of the moves between operations above the highest cut.",
+        show_default="50",
+    ),
+]
+ApproachOption = Annotated[
+    float | None,
+    typer.Option(
+        "--approach",
+        metavar="MM",
+        help="Last part of the way down along the tool axis, driven at the feed of the first cut.",
+        show_default="10",
+    ),
+]
+StartOption = Annotated[
+    str | None,
+    typer.Option(
+        "--start",
+        metavar="Q1,…,Q6",
+        help="Joint angles to come from and to return to [deg].",
+        show_default="all zero",
+    ),
+]
+InterpolationOption = Annotated[
+    str,
+    typer.Option(
+        help="How the controller reads the rows: cubic (through angles and speeds) or linear.",
+        metavar="cubic|linear",
+    ),
+]
+
+MapOption = Annotated[
+    bool,
+    typer.Option(
+        "--map", help="What other tool rotations would bring: rotation_map.json, and in the report."
+    ),
+]
+
+
+@answers
+def plan(
+    path: PathArgument,
+    out: OutOption,
+    robot: RobotOption = "irb2400",
+    rate: RateOption = 250.0,
+    free_tool_rotation: FreeOption = True,
+    torque_share: ShareOption = 1.0,
+    tolerance_mm: ToleranceOption = 0.05,
+    axis_tolerance_deg: AxisToleranceOption = 0.1,
+    torque_rate: TorqueRateOption = None,
+    jerk_deg_s3: JerkOption = None,
+    interpolation: InterpolationOption = "cubic",
+    rapid: RapidOption = False,
+    rapid_set: RapidSetOption = None,
+    rapid_io: RapidIoOption = None,
+    operation: OperationOption = None,
+    work_frame: WorkFrameOption = None,
+    cell: CellOption = None,
+    tool: ToolOption = None,
+    units: UnitsOption = None,
+    rotary: RotaryOption = None,
+    spindle_rpm: SpindleOption = None,
+    links: LinksOption = None,
+    clearance: ClearanceOption = None,
+    approach: ApproachOption = None,
+    start: StartOption = None,
+    cutting_force: CuttingForceOption = None,
+    joint_stiffness: StiffnessOption = None,
+    rotation_map: MapOption = False,
+) -> Summary:
+    """Plan a toolpath: branch, tool rotation, torque-limited timing -> trajectory.csv, plan.json,
+    report.html."""
+    input_file(path, "a toolpath (CSV, APT/CLDATA or G-code)")
+
+    from irb2400_ctrl.planners import read_program
+
+    program = read_program(path, units=units, rotary=rotary, spindle_rpm=spindle_rpm)
+    program = _only(program, operation)
+    output_folder(out)
+    arm = load_arm(robot)
+    pose, around, frame = _placed(work_frame, cell)
+    options = {
+        "rate": rate,
+        "free_tool_rotation": free_tool_rotation,
+        "work_frame": pose,
+        "cell": around,
+        "tool": tool,
+        "tolerance": 1e-3 * tolerance_mm,
+        "axis_tolerance": math.radians(axis_tolerance_deg),
+        "torque_share": torque_share,
+        "load": cutting_load(arm, cutting_force, joint_stiffness, frame),
+        "interpolation": interpolation,
+        "rotation_map": rotation_map,
+        "torque_rate": None if torque_rate is None else torque_rate * arm.tau_max,
+        "jerk": None if jerk_deg_s3 is None else math.radians(jerk_deg_s3),
+    }
+    _say_assumed(program, around, tool)
+    chosen = link_options(len(program.operations), links, clearance, approach, start)
+    job = Job(arm, program, chosen, options, out, rapid_options(rapid, rapid_set, rapid_io))
+    return plan_all(job) if chosen.ends or len(program.operations) > 1 else _plan_one(job)
+
+
+def _only(program: CamProgram, operation: str | None) -> CamProgram:
+    """The program with this operation alone; all of it with None."""
+    return (
+        program
+        if operation is None
+        else replace(program, operations=(program.operation(operation),))
+    )
+
+
+def _placed(
+    work_frame: str | None, cell: Path | None
+) -> tuple[Array | None, Cell | None, Array | None]:
+    """The stated work frame, the cell with its work object there, and where the path stands."""
+    from irb2400_ctrl.cell import load_cell
+    from irb2400_ctrl.planners.toolpath.work_frame import work_frame as pose_of
+
+    pose = None if work_frame is None else pose_of(work_frame)
+    if cell is None:
+        return pose, None, pose
+    around = load_cell(cell).placed(pose)
+    return pose, around, around.work_frame
+
+
+def _say_assumed(program: CamProgram, cell: Cell | None, tool: str | None) -> None:
+    """What the file leaves open, and which operations take the robot file's tool because the cell
+    does not have theirs."""
+    for note in program.of_kind("assumed"):
+        print(f"assumed, {note}")
+    if cell is None or tool is not None:
+        return
+    for operation in program.operations:
+        asked = operation.tool
+        if cell.tool_of(asked.number, asked.name) is None:
+            named = " ".join(str(word) for word in (asked.number, asked.name) if word) or "stated"
+            print(
+                f"assumed, operation {operation.number}: no tool {named} in the cell: the robot "
+                "file's tool"
+            )
+
+
+def _plan_one(job: Job) -> Summary:
+    """The only operation, into the folder itself; in parts where axes have to be unwound."""
+    from irb2400_ctrl.planners import plan_path
+    from irb2400_ctrl.planners.linking.operation_runs import frame_of
+    from irb2400_ctrl.planners.program_plan import with_its_tool
+
+    operation = job.program.operation()
+    toolpath = operation.path
+    options = with_its_tool(operation, job.options)
+    task = f"planning {len(toolpath):,} points"
+    with step(task) as say:
+        try:
+            planned = plan_path(
+                job.arm, toolpath, progress=lambda stage: say(f"{task}: {stage}"), **options
+            )
+        except UnreachableError as error:
+            say(f"{task}: unwinding")
+            return plan_parts(job, error)
+        say(f"{task}: writing")
+        planned.write(job.out)
+        page = report(planned, job.out, job.arm, f"Plan of {job.program.name}", options)
+        written = ["trajectory.csv", "plan.json", page]
+        if job.rapid is not None:
+            frame = frame_of(options)
+            written += write_plan_module(planned, operation, job.rapid, frame, job.out)
+    print(f"{job.program.name}: {len(toolpath)} points, {planned.summary()['duration_s']:.2f} s")
+    _print_summary(planned)
+    print(f"written to {job.out}: {', '.join(written)}")
+    return Summary(planned.summary(), [job.out / name for name in written])
+
+
+def _print_summary(planned: Plan) -> None:
+    s = planned.summary()
+    margin = s["singularity_margin"]
+    print(
+        f"smallest margins: wrist {margin['wrist']:.3f}, shoulder {margin['shoulder']:.3f} m, "
+        f"elbow {margin['elbow']:.3f} m"
+    )
+    print(f"clearance: {_clearance(s['clearance_mm'])}")
+    if planned.deflection is not None:
+        given = planned.deflection
+        print(
+            f"the tip gives way by {given['largest_mm']:.3f} mm at most, at "
+            f"{given['at_mm']:.0f} mm of the way (joint stiffness: {given['stiffness_from']})"
+        )
+    held = f"; guaranteed for the rows read as {s['interpolation']}" if s["guaranteed"] else ""
+    print(
+        f"torque at most {100 * s['max_torque_ratio']:.1f} % of its limit, speed "
+        f"{100 * s['max_velocity_ratio']:.1f} %{held}"
+    )
+    print_feed(s["feed"])
+    if "rates_note" in s:
+        print(s["rates_note"])
+    if "duration_without_rates_s" in s:
+        longer = planned.duration - s["duration_without_rates_s"]
+        print(f"{longer:.2f} s longer than without limits of the rates")
+
+
+def _clearance(found: dict[str, Any]) -> str:
+    """The smallest distance in words, or why it is not known."""
+    if found["value"] is None:
+        return f"not known, {found['reason']}"
+    first, other = found["pair"]
+    return (
+        f"at least {found['value']:.1f} mm everywhere, least between {first} and {other} at "
+        f"{found['at_mm']:.0f} mm of the way"
+    )

@@ -1,0 +1,39 @@
+"""Which of two descriptions leaves less on stretches of the logs that it has not seen."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.identification.fitting.estimate import Estimate, unbounded_minimum
+from irb2400_ctrl.identification.fitting.moments import Moments
+from irb2400_ctrl.identification.fitting.prior import Prior
+
+FOLDS = 5
+
+
+def unseen_rms(sums: Moments, prior: Prior, like: Estimate, correlation: float) -> Array:
+    """Rms torque that is left on held-out stretches, per stretch and joint, shape (FOLDS, n) [Nm].
+
+    The blocks of time are cut into consecutive stretches; each is predicted from the others, with
+    the weights of the joints and the widths of the bodies of a fit to all.
+
+    Args:
+        like: a fit of the same arm: its noise and widths.
+    """
+    blocks = np.arange(len(sums.H))
+    found = []
+    for held in np.array_split(blocks, FOLDS):
+        if len(held) == 0:
+            continue
+        seen = sums.taken(np.setdiff1d(blocks, held)).summed()
+        theta = unbounded_minimum(seen, prior, like, correlation)
+        part = sums.taken(held)
+        count = np.maximum(part.count.sum(axis=0), 1.0)
+        found.append(np.sqrt(part.squared_error(theta).sum(axis=0) / count))
+    return np.array(found)
+
+
+def overall(rms: Array) -> Array:
+    """Root mean square over the stretches, per joint, shape (n,)."""
+    return np.asarray(np.sqrt(np.mean(rms**2, axis=0)))

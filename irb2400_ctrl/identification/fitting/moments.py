@@ -1,0 +1,132 @@
+"""The logs as sums: what least squares needs of them, block by block, whatever their length.
+
+For joint j and block b of time, with regressor rows a_i and torques y_i where they are known,
+
+    H = sum a_i a_i^T,    g = sum a_i y_i,    c = sum y_i^2,    N = sum 1.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from irb2400_ctrl.arrays import Array, Integers, Mask
+from irb2400_ctrl.identification.fitting.columns import ColumnLayout, columns, torque_of
+from irb2400_ctrl.measurement.prepared_log import PreparedLog
+from irb2400_ctrl.model import Model
+
+BLOCKS = 120
+"""about so many at most: the sums of an hour need no more memory than those of two minutes"""
+CHUNK = 4000
+"""samples whose regressor is held at a time"""
+
+
+@dataclass(frozen=True)
+class Moments:
+    """Sums per block of time and joint; blocks b, joints n, columns p.
+
+    Args:
+        H: shape (b, n, p, p); g: (b, n, p); c: (b, n); count: samples, (b, n).
+    """
+
+    H: Array
+    g: Array
+    c: Array
+    count: Array
+
+    def taken(self, blocks: Integers) -> Moments:
+        """Those of some blocks."""
+        return Moments(self.H[blocks], self.g[blocks], self.c[blocks], self.count[blocks])
+
+    def part(self, columns: Integers) -> Moments:
+        """Those of some columns."""
+        H = self.H[:, :, columns[:, None], columns]
+        return Moments(H, self.g[:, :, columns], self.c, self.count)
+
+    def summed(self) -> Moments:
+        """All blocks as one."""
+        return Moments(
+            *(x.sum(axis=0, keepdims=True) for x in (self.H, self.g, self.c, self.count))
+        )
+
+    def squared_error(self, theta: Array) -> Array:
+        """Sum of squared residuals per block and joint, shape (b, n) [Nm2]."""
+        quadratic = np.einsum("bnpq,p,q->bn", self.H, theta, theta, optimize=True)
+        return np.asarray(np.maximum(quadratic - 2 * self.g @ theta + self.c, 0.0))
+
+
+@dataclass(frozen=True)
+class Recording:
+    """A prepared log, what is known of its torque beforehand, and the block of each sample.
+
+    Args:
+        motion: on a uniform grid; block: number of each sample's block, (m,);
+        given: torque of what the file has and the fit leaves alone, (m, n) [Nm].
+    """
+
+    motion: PreparedLog
+    block: Integers
+    given: Array
+
+
+def recordings(motions: Sequence[PreparedLog], given: Sequence[Array]) -> list[Recording]:
+    """The motions cut into blocks of a second, long ones into longer: about `BLOCKS` in all, as
+    many of each log, since an hour of one kind of motion says little of the scatter of another."""
+    found = []
+    first = 0
+    for motion, torque in zip(motions, given, strict=True):
+        duration = float(motion.time[-1] - motion.time[0])
+        seconds = max(1.0, duration * len(motions) / BLOCKS)
+        number = ((motion.time - motion.time[0]) / seconds).astype(np.int64)
+        found.append(Recording(motion, first + number, torque))
+        first += int(number[-1]) + 1
+    return found
+
+
+def moments(model: Model, layout: ColumnLayout, parts: Sequence[Recording]) -> Moments:
+    """The sums of all recordings."""
+    blocks = 1 + max(int(part.block[-1]) for part in parts)
+    n = model.robot.n
+    p = layout.count
+    H = np.zeros((blocks, n, p, p))
+    g = np.zeros((blocks, n, p))
+    c = np.zeros((blocks, n))
+    count = np.zeros((blocks, n))
+    for block, known, tau, rows in _pieces(model, layout, parts):
+        for j in range(n):
+            held = rows[known[:, j], j]
+            torque = tau[known[:, j], j]
+            H[block, j] += held.T @ held
+            g[block, j] += held.T @ torque
+            c[block, j] += torque @ torque
+            count[block, j] += len(torque)
+    return Moments(H, g, c, count)
+
+
+def _pieces(
+    model: Model, layout: ColumnLayout, parts: Sequence[Recording]
+) -> Iterator[tuple[int, Mask, Array, Array]]:
+    """Block number, what is known, torques and regressors, a block or a part of one at a time."""
+    for part in parts:
+        m = part.motion
+        torque = m.tau - part.given
+        for first in range(0, len(m.time), CHUNK):
+            chunk = slice(first, first + CHUNK)
+            rows = columns(model, layout, m.q[chunk], m.qd[chunk], m.qdd[chunk])
+            number = part.block[chunk]
+            for block in np.unique(number):
+                inside = number == block
+                yield int(block), m.known[chunk][inside], torque[chunk][inside], rows[inside]
+
+
+def predicted(model: Model, layout: ColumnLayout, part: Recording, theta: Array) -> Array:
+    """Torque along a recording, what is given included, shape (m, n) [Nm]."""
+    motion = part.motion
+    found = np.array(part.given)
+    for first in range(0, len(motion.time), CHUNK):
+        chunk = slice(first, first + CHUNK)
+        states = (motion.q[chunk], motion.qd[chunk], motion.qdd[chunk])
+        found[chunk] += torque_of(model, layout, theta, *states)
+    return found

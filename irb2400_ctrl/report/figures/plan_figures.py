@@ -1,0 +1,84 @@
+"""Figures of a planned motion: torque, speed and angles against their limits, margins, feed."""
+
+from __future__ import annotations
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.model import Model
+from irb2400_ctrl.planners import Plan
+from irb2400_ctrl.report.elements.arm_view import Colouring
+from irb2400_ctrl.report.elements.plots import Line, joint_plots, over_time
+from irb2400_ctrl.robot import Robot
+from irb2400_ctrl.trajectory import Trajectory
+
+MARGINS = (
+    ("wrist", "wrist |sin q5| [-]"),
+    ("shoulder", "shoulder |r| [m]"),
+    ("elbow", "elbow |k| [m]"),
+)
+
+
+def tip_speed(motion: Trajectory) -> Array:
+    """Speed of the TCP [mm/s], shape (m,)."""
+    assert motion.s is not None  # the way of the TCP: every plan has it
+    return np.abs(np.gradient(1e3 * motion.s, motion.time))
+
+
+def torque_figures(motion: Trajectory, limits: Array) -> list[Figure]:
+    """Torque of each joint; limits (n,) [Nm]."""
+    assert motion.tau is not None
+    return joint_plots(
+        motion.time, [Line(motion.tau)], "torque {joint} [Nm]", limits=(-limits, limits)
+    )
+
+
+def speed_figures(motion: Trajectory, robot: Robot) -> list[Figure]:
+    """Speed of each joint."""
+    limit = np.degrees(robot.qd_max)
+    lines = [Line(np.degrees(motion.qd))]
+    return joint_plots(motion.time, lines, "speed {joint} [deg/s]", limits=(-limit, limit))
+
+
+def angle_figures(motion: Trajectory, robot: Robot) -> list[Figure]:
+    """Angle of each joint and the ends of its range."""
+    ends = (np.degrees(robot.q_min), np.degrees(robot.q_max))
+    return joint_plots(
+        motion.time, [Line(np.degrees(motion.q))], "angle {joint} [deg]", limits=ends
+    )
+
+
+def margin_figures(motion: Trajectory, robot: Robot, least: dict[str, float]) -> list[Figure]:
+    """The three singularity factors, with their smallest values over the continuous path."""
+    factors = np.abs(Model(robot).singularity_factors(motion.q))
+    return [
+        over_time(motion.time, [Line(values)], label, [least[name]], floor=0.0)
+        for (name, label), values in zip(MARGINS, factors.T, strict=True)
+    ]
+
+
+def feed_figure(motion: Trajectory, plan: Plan | None) -> Figure:
+    """Speed of the TCP, and what the file programs."""
+    lines = [Line(tip_speed(motion), label="driven")]
+    if plan is not None and np.isfinite(plan.path.feed).any():
+        # the feed of a point holds on the way to it
+        later = np.searchsorted(plan.point_times, motion.time)
+        feed = 1e3 * plan.path.feed[np.minimum(later, len(plan.path.feed) - 1)]
+        programmed = Line(np.where(np.isfinite(feed), feed, np.nan), "0.6", "programmed", 2.0)
+        lines.insert(0, programmed)
+    return over_time(motion.time, lines, "TCP [mm/s]", floor=0.0)
+
+
+def colourings(motion: Trajectory, robot: Robot, limits: Array) -> tuple[Colouring, ...]:
+    """What the tool's way may be coloured by."""
+    assert motion.tau is not None
+    factors = np.abs(Model(robot).singularity_factors(motion.q))
+    return (
+        Colouring("feed", "mm/s", tip_speed(motion)),
+        Colouring("torque share", "%", 100 * np.abs(motion.tau / limits).max(axis=1)),
+        Colouring("speed share", "%", 100 * np.abs(motion.qd / robot.qd_max).max(axis=1)),
+        Colouring("wrist margin |sin q5|", "", factors[:, 0], 2),
+        Colouring("shoulder margin", "m", factors[:, 1], 2),
+        Colouring("elbow margin", "m", factors[:, 2], 2),
+    )

@@ -1,0 +1,3 @@
+"""One page per command."""
+
+__all__: list[str] = []

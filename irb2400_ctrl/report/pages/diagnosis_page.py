@@ -1,0 +1,294 @@
+"""The report of a diagnosis, for the engineer who has to do something about it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from irb2400_ctrl.diagnosis import Comparison, Diagnosis, Finding
+from irb2400_ctrl.diagnosis.numbers import off_bodies
+from irb2400_ctrl.measurement import Log
+from irb2400_ctrl.report.elements.page import Grade, Page
+from irb2400_ctrl.report.figures.diagnosis_figures import (
+    closer_figures,
+    curve_figure,
+    residual_figure,
+    residuals,
+    torque_figure,
+)
+from irb2400_ctrl.report.figures.residual_view import residual_view
+from irb2400_ctrl.report.pages.diagnosis_tables import (
+    error_table,
+    log_rows,
+    parameter_rows,
+    recalibration_rows,
+)
+from irb2400_ctrl.report.pages.three_lists import (
+    LISTS,
+    body_lines,
+    entry_rows,
+    findings_of,
+    list_lines,
+    number_lines,
+    number_rows,
+    numbers_of,
+)
+
+VERDICTS = {
+    "explained": "The log shows something the model lacks, and it has a name.",
+    "nothing_missing": "Nothing is missing: what is left after recalibration is noise.",
+    "unexplained": "Something is left that no effect of the library makes.",
+    "log_not_understood": "The log is not what its columns say: no effect was tried.",
+}
+GRADES: dict[str, Grade] = {
+    "explained": "note",
+    "nothing_missing": "good",
+    "unexplained": "bad",
+    "log_not_understood": "bad",
+}
+CHANGES = {
+    "explained": "Something has changed since the reference, and it has a name.",
+    "nothing_missing": "Nothing has changed since the reference: what is left is noise.",
+    "unexplained": "Something has changed since the reference that no effect of the library makes.",
+}
+"""the same, where the arm itself on another day is the reference"""
+
+
+def verdict_sentence(diagnosis: Diagnosis) -> str:
+    """The verdict in one sentence."""
+    if not diagnosis.change or diagnosis.log_problem is not None:
+        return VERDICTS[diagnosis.verdict]
+    changed = [n for n in diagnosis.numbers if n.list == "changed"]
+    if diagnosis.verdict == "nothing_missing" and changed:
+        return f"No new effect since the reference, but {len(changed)} numbers of the arm changed."
+    return CHANGES[diagnosis.verdict]
+
+
+def diagnosis_page(diagnosis: Diagnosis, title: str, log: Log | None = None) -> Page:
+    """The whole report; with the log its motion is replayed too."""
+    page = Page(title)
+    grade: Grade = GRADES[diagnosis.verdict]
+    page.answer(_answer(diagnosis), grade, facts(diagnosis))
+    add_diagnosis(page, diagnosis, log)
+    return page
+
+
+def _answer(diagnosis: Diagnosis) -> str:
+    """The verdict and the names."""
+    named = [
+        f"{entry.kind} on {entry.where} ({entry.confidence} sure)"
+        for which in LISTS
+        for entry in findings_of(diagnosis, which)
+    ]
+    more = f" and {len(named) - 3} more" if len(named) > 3 else ""
+    told = f" {', '.join(named[:3])}{more}." if named else ""
+    return verdict_sentence(diagnosis) + told
+
+
+def facts(diagnosis: Diagnosis) -> list[tuple[str, str]]:
+    """RMSE of each joint before and after."""
+    compared = diagnosis.validation or diagnosis.identification
+    pairs = zip(compared.error_before.rmse, compared.error_after.rmse, strict=True)
+    return [
+        (f"joint {j}, RMSE [Nm]", f"{was:.2f} → {now:.2f}")
+        for j, (was, now) in enumerate(pairs, start=1)
+    ]
+
+
+def add_diagnosis(page: Page, diagnosis: Diagnosis, log: Log | None = None) -> None:
+    """The three lists first, then errors, figures, and what to measure next."""
+    for line in _why(diagnosis):
+        page.finding(line)
+    _add_lists(page, diagnosis)
+    _add_remarks(page, diagnosis)
+    page.heading("Error before and after")
+    for comparison in (diagnosis.identification, diagnosis.validation):
+        if comparison is not None:
+            page.table(
+                _caption(comparison, diagnosis), *error_table(comparison, diagnosis.noise_floor)
+            )
+    if len(diagnosis.logs) > 1:
+        page.table("RMSE of each log before and after [Nm]", *log_rows(diagnosis))
+    _add_findings(page, diagnosis)
+    _add_joints(page, diagnosis, log)
+    for which, (heading, _) in LISTS.items():
+        numbers = numbers_of(diagnosis, which)
+        if numbers:
+            page.heading(f"{heading}: every number")
+            page.table("Numbers of the model, SI", *number_rows(numbers))
+    rows = recalibration_rows(diagnosis.recalibrated)
+    if rows:
+        page.heading("Recalibrated")
+        page.text("Terms the model already has, with the values this arm needs.")
+        page.table(
+            "New values", ("term", *(f"joint {j + 1}" for j in range(diagnosis.given.n))), rows
+        )
+
+
+def _add_findings(page: Page, diagnosis: Diagnosis) -> None:
+    """Each effect on its own: its law on the log, its numbers, what it may be instead."""
+    for finding in diagnosis.findings:
+        page.heading(finding_title(finding))
+        page.figure(
+            curve_figure(finding.curve, f"law of {finding.effect.kind}"),
+            f"The effect's own torque on joint {finding.curve.joint}: the log with all else taken "
+            "off, and the law.",
+        )
+        page.table("Parameters", ("parameter", "value", "standard error"), parameter_rows(finding))
+        if finding.splits:
+            page.text(
+                f"This log cannot exclude {', '.join(finding.alternatives)}. Measure next: "
+                f"{finding.splits}. "
+                f"A motion for it: irb2400 excite --for {finding.effect.kind} --out next"
+            )
+    for rest in diagnosis.unexplained:
+        page.heading(f"Joint {rest.joint}: unexplained")
+        page.figure(
+            curve_figure(rest.curve, "generic form"),
+            "What is left, over the signal that orders it best.",
+        )
+
+
+def _add_joints(page: Page, diagnosis: Diagnosis, log: Log | None) -> None:
+    """Torque, residual, parity and spectrum of the joints that matter; the motion replayed."""
+    compared = diagnosis.validation or diagnosis.identification
+    joints = _joints_to_show(diagnosis)
+    for joint in joints:
+        page.heading(f"Torque of joint {joint}")
+        page.figure(
+            torque_figure(compared, joint),
+            f"Joint {joint} on {Path(compared.name).name}, where the model as given is furthest "
+            "off.",
+        )
+        page.figures(
+            [residual_figure(compared, joint)],
+            "What is left, over the whole record.",
+            zoomable=True,
+        )
+        page.figures(
+            closer_figures(compared, joint),
+            "Parity with the model as given and with what was found, and the root of the power "
+            "spectrum of what is left.",
+        )
+    # several logs are joined into one record, whose time is not that of the first
+    if log is None or len(diagnosis.logs) > 1 or diagnosis.log_problem is not None:
+        return
+    seen = diagnosis.identification
+    before, after = residuals(seen, joints[0])
+    page.heading("The motion")
+    view = residual_view(
+        diagnosis.robot, log, seen.time, {"before": before, "after": after}, joints[0]
+    )
+    page.arm(view, f"The recorded motion, coloured by what is left on joint {joints[0]}.")
+
+
+def _add_remarks(page: Page, diagnosis: Diagnosis) -> None:
+    """What is left, what cannot be said, and what was left out."""
+    for rest in diagnosis.unexplained:
+        page.finding(
+            f"Joint {rest.joint}: {rest.rmse:.2f} Nm rms are unexplained; they depend on "
+            f"{', '.join(rest.depends_on)}. "
+            f"{rest.description}"
+        )
+    for joint in diagnosis.not_excited:
+        page.text(f"Joint {joint} hardly moves in this log: nothing can be said about it.")
+    for sentence in diagnosis.weak:
+        page.text(f"{sentence[0].upper()}{sentence[1:]}.")
+    for one in diagnosis.left_out:
+        page.text(f"Left out: {Path(one.name).name}: {one.why}.")
+
+
+def _add_lists(page: Page, diagnosis: Diagnosis) -> None:
+    """What changed, what is special, what the file lacks; each with what to do about it."""
+    for which, (heading, advice) in LISTS.items():
+        entries = findings_of(diagnosis, which)
+        numbers = numbers_of(diagnosis, which)
+        if not entries and not numbers:
+            continue
+        page.heading(heading)
+        page.text(advice)
+        for entry in entries:
+            where = f"{entry.where[0].upper()}{entry.where[1:]}"
+            page.finding(
+                f"{where}: {entry.sentence} {entry.share} of the torque, {entry.confidence} sure."
+            )
+            for line in body_lines(entry):
+                page.text(f"With the {line}.")
+            if entry.lookalikes and entry.splits:
+                page.text(f"It could be {entry.lookalikes}. To tell them apart: {entry.splits}.")
+        for line in number_lines(numbers):
+            page.finding(f"{line[0].upper()}{line[1:]}.")
+        if entries:
+            page.table("Findings", *entry_rows(entries))
+
+
+def _why(diagnosis: Diagnosis) -> list[str]:
+    """What is wrong with the log, and what is left after all that was found."""
+    problem = diagnosis.log_problem
+    if problem is not None:
+        return [f"{problem.says[0].upper()}{problem.says[1:]} ({problem.kind})."]
+    left = diagnosis.identification.error_after.rmse
+    noise = diagnosis.noise
+    found = [
+        f"Joint {j}: {noise.left[j - 1]:.2f} Nm rms are left where neighbouring samples disagree "
+        f"by {noise.floor[j - 1]:.2f}: more than noise."
+        for j in diagnosis.beyond_noise
+        if noise is not None and not diagnosis.findings and not diagnosis.unexplained
+    ]
+    bodies = off_bodies(diagnosis.numbers)
+    found += [bodies] if bodies else []
+    return found + [
+        f"Joint {j}: {left[j - 1]:.2f} Nm rms are left, noise is {diagnosis.noise_floor[j - 1]:.2f}"
+        for j in diagnosis.left_over
+        if diagnosis.findings
+    ]
+
+
+def finding_title(finding: Finding) -> str:
+    """`gear_ripple on joint 4`."""
+    return finding.effect.kind + (
+        "" if finding.effect.joint is None else f" on joint {finding.effect.joint}"
+    )
+
+
+def lines(diagnosis: Diagnosis) -> list[str]:
+    """The same in a few lines for a terminal."""
+    found = [f"verdict: {diagnosis.verdict}. {verdict_sentence(diagnosis)}"]
+    found += [f"  {line}" for line in _why(diagnosis)]
+    found += list_lines(diagnosis)
+    found += [
+        f"  joint {u.joint}: {u.rmse:.2f} Nm rms unexplained, depends on {', '.join(u.depends_on)}"
+        for u in diagnosis.unexplained
+    ]
+    if len(diagnosis.logs) > 1:
+        used = sum(log.used for log in diagnosis.logs)
+        found.append(f"{used} logs together; {len(diagnosis.logs) - used} only judged")
+    compared = diagnosis.validation or diagnosis.identification
+    found.append(f"RMSE on {Path(compared.name).name} [Nm], joints 1 to {diagnosis.given.n}:")
+    for name, values in (
+        ("before", compared.error_before.rmse),
+        ("recalibrated", compared.error_recalibrated.rmse),
+        ("after", compared.error_after.rmse),
+        ("noise floor", diagnosis.noise_floor),
+    ):
+        found.append(f"  {name:<13}" + " ".join(f"{v:8.2f}" for v in values))
+    return found
+
+
+def _caption(comparison: Comparison, diagnosis: Diagnosis) -> str:
+    which = (
+        "the log it was found on"
+        if comparison is diagnosis.identification
+        else "the other motion of the same arm"
+    )
+    return f"{Path(comparison.name).name}, {which}: eqs. 75-77 in Nm and %"
+
+
+def _joints_to_show(diagnosis: Diagnosis) -> list[int]:
+    """Joints whose torque a finding or a rest concerns most, at most four."""
+    joints = [f.curve.joint for f in diagnosis.findings] + [u.joint for u in diagnosis.unexplained]
+    if not joints:
+        compared = diagnosis.validation or diagnosis.identification
+        joints = [int(np.argmax(compared.error_before.rmse_over_mean_percent)) + 1]
+    return list(dict.fromkeys(joints))[:4]

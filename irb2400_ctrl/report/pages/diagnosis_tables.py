@@ -1,0 +1,91 @@
+"""The tables of a diagnosis: errors before and after, parameters, recalibrated terms."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from irb2400_ctrl.diagnosis import Comparison, Diagnosis, Finding
+from irb2400_ctrl.effects.base import OPEN_END_S
+from irb2400_ctrl.report.elements.page import show
+
+UNITS = {"coulomb": "Nm", "viscous": "Nm s/rad", "offset": "Nm", "rotor": "kg m2"}
+"""of recalibrated terms"""
+
+
+def log_rows(diagnosis: Diagnosis) -> tuple[Sequence[str], list[list[object]]]:
+    """Head and rows: two rows a log, a joint a column."""
+    head = ("log", "", *(f"joint {j + 1}" for j in range(diagnosis.given.n)))
+    rows: list[list[object]] = []
+    for log in diagnosis.logs:
+        name = Path(log.name).name + ("" if log.used else " (judged only)")
+        rows.append([name, "before", *(float(v) for v in log.before.rmse)])
+        rows.append(["", "after", *(float(v) for v in log.after.rmse)])
+    return head, rows
+
+
+def error_table(
+    comparison: Comparison, floor: np.ndarray
+) -> tuple[Sequence[str], list[list[object]]]:
+    """Head and rows of eqs. 75-77, one row per joint; RMSE also after recalibration alone, and the
+    noise floor."""
+    before = comparison.error_before
+    recalibrated = comparison.error_recalibrated
+    after = comparison.error_after
+    columns = {
+        "joint": [str(j + 1) for j in range(len(floor))],
+        "MAE before": before.mae,
+        "MAE after": after.mae,
+        "RMSE before": before.rmse,
+        "recali\xadbrated": recalibrated.rmse,
+        "RMSE after": after.rmse,
+        "noise floor": floor,
+        "RMSE/AVG before %": before.rmse_over_mean_percent,
+        "RMSE/AVG after %": after.rmse_over_mean_percent,
+    }
+    rows: list[list[object]] = [list(row) for row in zip(*columns.values(), strict=True)]
+    return tuple(columns), rows
+
+
+def parameter_rows(finding: Finding) -> list[list[object]]:
+    """Name, value, standard error."""
+
+    def text(value: Any) -> str:
+        if not isinstance(value, list | tuple):
+            return show(float(value))
+        return ", ".join(
+            window(*v) if isinstance(v, list | tuple) else show(float(v)) for v in value
+        )
+
+    def window(start: float, stop: float) -> str:
+        return (
+            f"{show(float(start))} to {show(float(stop))}"
+            if stop < OPEN_END_S
+            else f"{show(float(start))} on"
+        )
+
+    errors = finding.standard_errors
+    return [
+        [name, text(value), text(errors[name]) if name in errors else ""]
+        for name, value in finding.effect.parameters().items()
+    ]
+
+
+def recalibration_rows(recalibrated: Mapping[str, Any]) -> list[list[object]]:
+    """One row per term with a value for each joint (mass data of the links stand in
+    robot.toml)."""
+    rows: list[list[object]] = []
+    for term, values in recalibrated.items():
+        flat = (
+            np.asarray(values, dtype=float)
+            if isinstance(values, list | tuple | np.ndarray)
+            else np.empty((0, 0))
+        )
+        if flat.ndim == 1 and flat.size:
+            unit = UNITS.get(term)
+            name = f"{term} [{unit}]" if unit else term
+            rows.append([name, *(float(v) for v in flat)])
+    return rows

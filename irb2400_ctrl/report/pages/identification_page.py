@@ -1,0 +1,203 @@
+"""The report of an identification."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.identification import Identification, LogResult
+from irb2400_ctrl.measurement import Log
+from irb2400_ctrl.report.elements.page import Page
+from irb2400_ctrl.report.elements.plots import Line, joint_plots, parity, spectrum
+from irb2400_ctrl.report.figures.friction_figures import friction_figure, law_rows, run_figure
+from irb2400_ctrl.report.figures.residual_view import residual_view
+
+MODELS = {
+    "before": "file as given",
+    "plain": "plain least squares",
+    "unseen": "identified, unseen",
+    "fitted": "identified, all logs",
+}
+FEW = 4
+"""logs that are drawn"""
+
+
+def identification_page(result: Identification, logs: Sequence[Log] = ()) -> Page:
+    """The whole report; with the logs the first of them is replayed."""
+    page = Page(f"Identification of {result.given.name}")
+    page.answer(_sentence(result), "good", _facts(result))
+    page.heading("What was found")
+    for sentence in result.notes or ["The bodies of the file are this arm's."]:
+        page.finding(sentence)
+    page.text(
+        "Speed and acceleration are taken from the "
+        + ("recorded speed." if result.source == "speed" else "angles.")
+    )
+    page.heading("Error on each log")
+    for log in result.logs:
+        page.table(
+            f"{Path(log.name).name} ({log.role}): RMSE over mean torque [%]", *error_rows(log)
+        )
+    page.heading("What moved")
+    page.table("Bodies, and how far they went from the file", *moved_rows(result))
+    page.heading("Drives")
+    page.table("Friction, offset and rotor, with standard errors", *drive_rows(result))
+    if result.friction:
+        page.heading("Friction at constant speed (eqs. 70-74)")
+        page.table("As Tab. 5, with 95 % intervals", *law_rows(result.friction))
+        page.figure(friction_figure(result.friction), "Friction of eq. 73 and its law (Fig. 9).")
+        for curve in result.friction:
+            page.figure(run_figure(curve), f"Joint {curve.joint}, forth and back (Fig. 8).")
+    for log in result.logs[-FEW:]:
+        _add_log(page, log)
+    if logs:
+        _add_motion(page, result, logs[0])
+    page.heading("What these motions tell of every number")
+    page.table("Identifiability from these motions alone", *verdict_rows(result))
+    page.figure(correlation_figure(result), "Which numbers these motions tell only together.")
+    return page
+
+
+def _sentence(result: Identification) -> str:
+    """How much of the torque the file left, and what is left now, on what the fit had not seen."""
+    before = max(float(np.median(_shares(log, "before"))) for log in result.logs)
+    after = max(float(np.median(_shares(log, "unseen"))) for log in result.logs)
+    return (
+        f"The identified arm predicts torque it has not seen to {after:.1f} % of its mean (median "
+        f"of the joints); the file as given to {before:.1f} %."
+    )
+
+
+def _shares(log: LogResult, which: str) -> Array:
+    return np.asarray(log.error(which).rmse_over_mean_percent)
+
+
+def _facts(result: Identification) -> list[tuple[str, str]]:
+    worst = result.logs[-1]
+    return [
+        (f"joint {j + 1}, unseen RMSE/AVG", f"{was:.0f} → {now:.1f} %")
+        for j, (was, now) in enumerate(
+            zip(_shares(worst, "before"), _shares(worst, "unseen"), strict=True)
+        )
+    ]
+
+
+def _add_log(page: Page, log: LogResult) -> None:
+    """Parity, residual and its spectrum, before and after."""
+    joints = range(log.measured.shape[1])
+    page.heading(Path(log.name).name)
+    page.figures(
+        [
+            parity(log.measured[log.known[:, j], j], log.unseen[log.known[:, j], j], j + 1)
+            for j in joints
+        ],
+        "Parity: predicted over measured torque, samples that count.",
+    )
+    before = np.where(log.known, log.measured - log.before, np.nan)
+    after = np.where(log.known, log.measured - log.unseen, np.nan)
+    lines = [
+        Line(before, "tab:red", "file as given", 0.7),
+        Line(after, "tab:blue", "identified", 0.7),
+    ]
+    drawn = joint_plots(log.time - log.time[0], lines, "residual {joint} [Nm]")
+    page.figures(drawn, "What is left over time.", zoomable=True)
+    rate = 1.0 / float(np.median(np.diff(log.time)))
+    page.figures(
+        [
+            spectrum(
+                [
+                    ("file as given", before[:, j], "tab:red"),
+                    ("identified", after[:, j], "tab:blue"),
+                ],
+                rate,
+                j + 1,
+            )
+            for j in joints
+        ],
+        "Root of the power spectrum of what is left.",
+    )
+
+
+def _add_motion(page: Page, result: Identification, log: Log) -> None:
+    seen = result.logs[0]
+    worst = int(np.argmax(_shares(seen, "before")))
+    residuals = {
+        name: np.where(seen.known, seen.measured - model, np.nan)[:, worst]
+        for name, model in (("by the file", seen.before), ("by the identified arm", seen.unseen))
+    }
+    page.heading("The motion")
+    view = residual_view(result.robot, log, seen.time, residuals, worst + 1)
+    page.arm(view, f"{Path(log.name).name}, coloured by what is left on joint {worst + 1}.")
+
+
+def lines(result: Identification) -> list[str]:
+    """The same in a few lines for a terminal."""
+    found = list(result.notes or ["the bodies of the file are this arm's"])
+    for log in result.logs:
+        found.append(f"RMSE over mean torque on {log.name} ({log.role}) [%]:")
+        for which, name in MODELS.items():
+            values = log.error(which).rmse_over_mean_percent
+            found.append(f"  {name:<21}" + " ".join(f"{v:7.1f}" for v in values))
+    grades = [verdict.grade for verdict in result.verdicts]
+    told = ", ".join(f"{grades.count(grade)} {grade}" for grade in dict.fromkeys(grades))
+    return [*found, f"numbers that these motions show: {told}"]
+
+
+def error_rows(log: LogResult) -> tuple[list[str], list[list[object]]]:
+    """Head and rows: a model a row, a joint a column."""
+    head = ["model", *(f"joint {j + 1}" for j in range(log.measured.shape[1]))]
+    rows: list[list[object]] = [
+        [name, *(float(v) for v in log.error(which).rmse_over_mean_percent)]
+        for which, name in MODELS.items()
+    ]
+    return head, rows
+
+
+def moved_rows(result: Identification) -> tuple[list[str], list[list[object]]]:
+    """Head and rows: a link a row."""
+    head = ["link", "mass before [kg]", "mass after [kg]", "furthest", "standard deviations"]
+    rows: list[list[object]] = []
+    for moved in result.moved:
+        name, sigmas = moved.most
+        masses = (float(moved.before[0]), float(moved.after[0]))
+        rows.append([str(moved.link), *masses, name, f"{sigmas:+.1f}"])
+    return head, rows
+
+
+def drive_rows(result: Identification) -> tuple[list[str], list[list[object]]]:
+    """Head and rows: a number of a drive a row."""
+    names = result.layout.names()
+    first = result.layout.inertial
+    rows: list[list[object]] = [
+        [names[k], float(result.theta[k]), float(result.standard_errors[k])]
+        for k in range(first, result.layout.count)
+    ]
+    return ["number", "value [SI]", "standard error"], rows
+
+
+def verdict_rows(result: Identification) -> tuple[list[str], list[list[object]]]:
+    """Head and rows: a number a row."""
+    rows: list[list[object]] = [
+        [v.name, v.grade, v.stands_for, v.reason, v.motion] for v in result.verdicts
+    ]
+    return ["number", "verdict", "stands for", "why", "motion that would help"], rows
+
+
+def correlation_figure(result: Identification) -> Figure:
+    """Correlation of all numbers, from their covariance, blue -1 to red +1."""
+    spread = np.sqrt(np.maximum(np.diag(result.covariance), 1e-300))
+    figure = Figure(figsize=(6.0, 5.4), layout="constrained")
+    axis = figure.subplots()
+    image = axis.imshow(
+        result.covariance / np.outer(spread, spread), cmap="RdBu_r", vmin=-1.0, vmax=1.0
+    )
+    names = result.layout.names()
+    step = max(1, len(names) // 24)
+    axis.set_yticks(range(0, len(names), step), names[::step], fontsize=6)
+    axis.set_xticks([])
+    figure.colorbar(image, label="correlation [-]")
+    return figure

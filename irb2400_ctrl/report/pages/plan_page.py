@@ -1,0 +1,188 @@
+"""The report of a planned motion: of one operation, or of a whole program."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from irb2400_ctrl.cell import Cell
+from irb2400_ctrl.cell.description import CellTool
+from irb2400_ctrl.planners import Plan, ProgramMotion
+from irb2400_ctrl.report.elements.arm_view import ArmView
+from irb2400_ctrl.report.elements.page import Page
+from irb2400_ctrl.report.figures import plan_figures as draw
+from irb2400_ctrl.report.figures.rotation_figure import rotation_figure
+from irb2400_ctrl.robot import Robot
+
+
+def plan_page(
+    found: Plan | ProgramMotion,
+    title: str,
+    robot: Robot | None = None,
+    cell: Cell | None = None,
+    tool: CellTool | None = None,
+) -> Page:
+    """The whole report.
+
+    Args:
+        found: the plan.
+        title: of the page.
+        robot: the arm with the TCP of its file, where a cell's tool takes its place.
+        cell: what stands around the arm.
+        tool: of the cell, in the spindle.
+    """
+    page = Page(title)
+    summary = found.summary()
+    page.answer(sentence(summary), "good" if summary["guaranteed"] else "note", facts(summary))
+    add_plan(page, found, robot, cell, tool)
+    return page
+
+
+def add_plan(
+    page: Page,
+    found: Plan | ProgramMotion,
+    robot: Robot | None = None,
+    cell: Cell | None = None,
+    tool: CellTool | None = None,
+) -> None:
+    """Sections of a plan: arm, feed, torque, margins, numbers."""
+    plan = found if isinstance(found, Plan) else None
+    one = found if isinstance(found, Plan) else found.plans[0]
+    summary = found.summary()
+    limits = summary["torque_share"] * one.robot.tau_max
+    motion = found.trajectory
+    page.heading("The motion")
+    view = ArmView(
+        robot or one.robot,
+        motion.time,
+        motion.q,
+        draw.colourings(motion, one.robot, limits),
+        cell,
+        tool,
+    )
+    page.arm(view, "The arm along the way; the body of the arm is the outline of its robot file.")
+    if isinstance(found, ProgramMotion):
+        _add_program(page, summary)
+    _add_feed(page, found, plan, summary["feed"])
+    page.heading("Torque, speed and angles")
+    drawn = draw.torque_figures(motion, limits)
+    page.figures(drawn, "Torque of each joint; limits are dashed.", zoomable=True)
+    drawn = draw.speed_figures(motion, one.robot)
+    page.figures(drawn, "Speed of each joint; limits are dashed.", zoomable=True)
+    drawn = draw.angle_figures(motion, one.robot)
+    page.figures(drawn, "Angle of each joint; ends of its range are dashed.", zoomable=True)
+    page.heading("Distance from the singularities")
+    drawn = draw.margin_figures(motion, one.robot, summary["singularity_margin"])
+    page.figures(
+        drawn,
+        "Margins to wrist singularity, shoulder singularity and elbow singularity; the smallest "
+        "over the continuous path is dashed.",
+        zoomable=True,
+    )
+    if plan is not None and plan.rotation_map is not None:
+        page.heading("Other tool rotations")
+        page.figure(
+            rotation_figure(plan.rotation_map),
+            "What every tool rotation would meet along the way; the line is the one chosen.",
+        )
+    page.heading("The plan in numbers")
+    page.table("Bounds hold over all times, not only at the rows", *numbers(summary))
+    if plan is not None and plan.alternatives:
+        _add_compared(page, summary)
+
+
+def sentence(summary: Mapping[str, Any]) -> str:
+    """The verdict."""
+    feed = summary["feed"]
+    told = f"The way can be driven in {summary['duration_s']:.2f} s"
+    if feed is not None:
+        told += f", at the programmed feed on {100 * feed['share_at_feed']:.0f} % of it"
+    if summary["guaranteed"]:
+        return f"{told}; no torque passes its limit at any instant (guaranteed)."
+    note = summary["guarantee_note"]
+    return f"{told}; the torque bound is not guaranteed" + (f": {note}." if note else ".")
+
+
+def facts(summary: Mapping[str, Any]) -> list[tuple[str, str]]:
+    """What an engineer asks first."""
+    margin = summary["singularity_margin"]
+    clearance = summary["clearance_mm"]["value"]
+    return [
+        ("duration", f"{summary['duration_s']:.2f} s"),
+        ("torque, at most", f"{100 * summary['max_torque_ratio']:.0f} % of limit"),
+        ("speed, at most", f"{100 * summary['max_velocity_ratio']:.0f} % of limit"),
+        ("TCP deviation, at most", f"{summary['max_tcp_deviation_mm']:.3f} mm"),
+        ("clearance, at least", "not known" if clearance is None else f"{clearance:.0f} mm"),
+        ("wrist margin |sin q5|", f"{margin['wrist']:.3f}"),
+    ]
+
+
+def numbers(summary: Mapping[str, Any]) -> tuple[list[str], list[list[object]]]:
+    """Head and rows of what plan.json promises."""
+    margin = summary["singularity_margin"]
+    clearance = summary["clearance_mm"]
+    near = clearance["value"]
+    least = "not known: " + clearance["reason"] if near is None else float(near)
+    where = "" if near is None else " between " + " and ".join(clearance["pair"])
+    rows: list[list[object]] = [
+        ["points of the path", str(summary["points"]), ""],
+        ["length of the TCP's way", float(summary["length_mm"]), "mm"],
+        ["duration", float(summary["duration_s"]), "s"],
+        ["TCP deviation, at most", float(summary["max_tcp_deviation_mm"]), "mm"],
+        ["tool axis deviation, at most", float(summary["max_tool_axis_deviation_deg"]), "deg"],
+        ["margin to the wrist singularity, |sin q5|", float(margin["wrist"]), "-"],
+        ["margin to the shoulder singularity", float(margin["shoulder"]), "m"],
+        ["margin to the elbow singularity", float(margin["elbow"]), "m"],
+        [f"clearance, at least{where}", least, "mm" if near is not None else ""],
+        ["torque over limit, at most", float(summary["max_torque_ratio"]), "-"],
+        ["speed over limit, at most", float(summary["max_velocity_ratio"]), "-"],
+        ["rows are read as", summary["interpolation"], ""],
+    ]
+    return ["quantity", "value", "unit"], rows
+
+
+def _add_feed(
+    page: Page, found: Plan | ProgramMotion, plan: Plan | None, feed: Mapping[str, Any] | None
+) -> None:
+    page.heading("Feed")
+    figure = draw.feed_figure(found.trajectory, plan)
+    page.figures([figure], "Speed of the TCP along the motion.", zoomable=True)
+    if feed is None:
+        page.text("The file programs no feed.")
+        return
+    page.text(f"The programmed feed is held on {100 * feed['share_at_feed']:.1f} % of its path.")
+    below = feed.get("below_by_limit_mm", {})
+    if below:
+        rows: list[list[object]] = [[limit, float(length)] for limit, length in below.items()]
+        page.table("What keeps the rest below the feed", ["limit", "length [mm]"], rows)
+
+
+def _add_program(page: Page, summary: Mapping[str, Any]) -> None:
+    """Segments and events of a whole program."""
+    page.heading("Step by step")
+    rows: list[list[object]] = [
+        [
+            s["kind"],
+            str(s["operation"]),
+            f"{s['start_s']:.2f}",
+            f"{s['end_s'] - s['start_s']:.2f}",
+        ]
+        for s in summary["segments"]
+    ]
+    page.table("Pieces of the motion", ["piece", "operation", "from [s]", "takes [s]"], rows)
+    events = [
+        [e["kind"], e["text"], str(e["line"]), f"{e['time_s']:.2f}", "yes" if e["at_rest"] else ""]
+        for e in summary["events"]
+    ]
+    if events:
+        head = ["event", "text", "line", "at [s]", "arm stands"]
+        page.table("What the program asks for besides motion", head, events)
+
+
+def _add_compared(page: Page, summary: Mapping[str, Any]) -> None:
+    rows: list[list[object]] = [
+        [c["kind"], str(c["branch"]), float(c["relative_margin"]), float(c["duration_s"])]
+        for c in summary["compared"]
+    ]
+    head = ["tool rotation", "branch", "margin over the largest [-]", "fastest [s]"]
+    page.table("Ways that were compared", head, rows, folded=True)

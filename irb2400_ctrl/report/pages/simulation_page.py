@@ -1,0 +1,114 @@
+"""The report of a motion in closed loop."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from irb2400_ctrl.report.elements.arm_view import ArmView, Colouring
+from irb2400_ctrl.report.elements.page import Page
+from irb2400_ctrl.report.figures.simulation_figures import (
+    error_figures,
+    joint_figure,
+    torque_figures,
+    tracking_figure,
+)
+from irb2400_ctrl.simulation import Simulation
+from irb2400_ctrl.simulation.bounds_reached import in_words
+
+
+def simulation_page(run: Simulation, name: str) -> Page:
+    """The whole report.
+
+    Args:
+        run: what was simulated.
+        name: of the controller.
+    """
+    summary = run.summary()
+    page = Page(f"{name} on {run.plant.name}")
+    reached = in_words(summary["bounds_reached"])
+    page.answer(_sentence(summary, reached), "bad" if reached else "good", _facts(summary))
+    page.heading("The motion")
+    page.arm(
+        arm_view(run), "The arm as simulated; the thin line is the way that was asked of the TCP."
+    )
+    for line in reached:
+        page.finding(line)
+    page.heading("Distance from the reference")
+    page.figure(tracking_figure({name: run}), "TCP from where it should be at that time.", True)
+    page.figures(error_figures(run), "Angle less reference, joint by joint.", zoomable=True)
+    page.figure(joint_figure({name: run}), "Largest error of each joint.")
+    page.heading("Torque")
+    page.figures(torque_figures(run), "Torque that acts; limits are dashed.", zoomable=True)
+    page.heading("In numbers")
+    page.table("Tracking and torque of each joint", *joint_rows(summary))
+    page.table("How it was measured and driven", ("setting", "value"), _settings(summary))
+    return page
+
+
+def arm_view(run: Simulation) -> ArmView:
+    """The simulated arm, its way coloured by the errors and the torque."""
+    return ArmView(
+        run.plant,
+        run.time,
+        run.signals["q_link"],
+        (
+            Colouring("TCP error", "mm", 1e3 * run.tcp_error, 3),
+            Colouring("contour error", "mm", 1e3 * run.contour_error, 3),
+            Colouring("torque share", "%", 100 * np.abs(run.tau / run.plant.tau_bound).max(axis=1)),
+        ),
+        reference=run.p_BT_ref,
+    )
+
+
+def joint_rows(summary: Mapping[str, Any]) -> tuple[list[str], list[list[object]]]:
+    """Head and rows: a joint a row."""
+    head = ["joint", "error rms [mdeg]", "error max [mdeg]", "torque over limit, max [%]"]
+    head.append("at the limit [% of the time]")
+    error = summary["joint_error_deg"]
+    columns = zip(
+        error["rms"],
+        error["max"],
+        summary["max_torque_ratio"],
+        summary["saturated_share"],
+        strict=True,
+    )
+    rows: list[list[object]] = [
+        [str(j), 1e3 * float(rms), 1e3 * float(most), 100 * float(torque), 100 * float(share)]
+        for j, (rms, most, torque, share) in enumerate(columns, start=1)
+    ]
+    return head, rows
+
+
+def _sentence(summary: Mapping[str, Any], reached: list[str]) -> str:
+    error = summary["tcp_error_mm"]
+    contour = summary["contour_error_mm"]
+    text = f"{summary['controller']} keeps the TCP within {error['max']:.3f} mm of its reference"
+    text += f" and within {contour['max']:.3f} mm of the path"
+    return f"{text}; but a bound of the machine was reached." if reached else f"{text}."
+
+
+def _facts(summary: Mapping[str, Any]) -> list[tuple[str, str]]:
+    error = summary["tcp_error_mm"]
+    contour = summary["contour_error_mm"]
+    return [
+        ("TCP error, rms", f"{error['rms']:.3f} mm"),
+        ("TCP error, max", f"{error['max']:.3f} mm"),
+        ("contour error, rms", f"{contour['rms']:.3f} mm"),
+        ("contour error, max", f"{contour['max']:.3f} mm"),
+        ("torque, at most", f"{100 * max(summary['max_torque_ratio']):.0f} % of limit"),
+        ("duration", f"{summary['duration_s']:.2f} s"),
+    ]
+
+
+def _settings(summary: Mapping[str, Any]) -> list[list[object]]:
+    rows: list[list[object]] = [
+        ["robot of the controller", summary["robot"]],
+        ["plant", summary["plant"]],
+        ["control rate [Hz]", f"{summary['control_rate_Hz']:.0f}"],
+    ]
+    for group in ("sensors", "actuators"):
+        rows += [[f"{group}: {name}", str(value)] for name, value in summary[group].items()]
+    return [*rows, ["seed", str(summary["seed"])]]

@@ -1,0 +1,269 @@
+"""The three lists of a diagnosis in words: what the file lacks, what is special, what changed.
+
+One kind on several joints is one entry, numbers of one name are one row.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from irb2400_ctrl.diagnosis import Diagnosis, Finding, Number
+from irb2400_ctrl.report.elements.page import show
+
+LISTS = {
+    "changed": (
+        "What changed since the reference",
+        "Look at what happened to the arm since then; the causes below begin with the largest.",
+    ),
+    "special": (
+        "What is special on this arm",
+        "Other arms of this type do not have it: look at the arm before trusting its model.",
+    ),
+    "lacks": (
+        "What the file lacks, as on every robot",
+        "No fault of the arm: the robot.toml beside this report has these numbers.",
+    ),
+}
+"""heading of each list and what to do about it, in the order of their weight"""
+WORDS = {
+    "coulomb_Nm": "Coulomb friction [Nm]",
+    "viscous_Nms_rad": "viscous friction [Nm s/rad]",
+    "offset_Nm": "torque offset [Nm]",
+    "rotor_kgm2": "rotor inertia [kg m2]",
+    "mass_kg": "mass [kg]",
+    **{f"com_{axis}_m": f"centre of mass {axis} [m]" for axis in "xyz"},
+    **{f"I{k}": f"inertia I{k} [kg m2]" for k in ("xx", "yy", "zz", "xy", "xz", "yz")},
+}
+"""names of numbers for a reader"""
+MOST_LINES = 8
+"""of numbers of one list that a terminal shows"""
+
+
+@dataclass(frozen=True)
+class Entry:
+    """Findings of one kind in one list.
+
+    Args:
+        findings: the largest first.
+    """
+
+    findings: tuple[Finding, ...]
+
+    @property
+    def kind(self) -> str:
+        """As in findings.json."""
+        return self.findings[0].effect.kind
+
+    @property
+    def where(self) -> str:
+        """`joint 4`, `joints 1, 3 and 4`, or the whole arm."""
+        joints = sorted({f.effect.joint for f in self.findings if f.effect.joint is not None})
+        return "whole arm" if not joints else _joints(joints)
+
+    @property
+    def sentence(self) -> str:
+        """What it is, in plain words."""
+        text = self.findings[0].effect.sentence
+        return f"{text[0].upper()}{text[1:]}."
+
+    @property
+    def size(self) -> str:
+        """Of each joint: the number with its error."""
+        return "; ".join(_size(f) for f in self.findings)
+
+    @property
+    def share(self) -> str:
+        """Of the joints' torque."""
+        shares = [100.0 * float(np.max(f.share)) for f in self.findings]
+        low = min(shares)
+        high = max(shares)
+        return f"{high:.1f} %" if high - low < 0.1 else f"{low:.1f} to {high:.1f} %"
+
+    @property
+    def confidence(self) -> str:
+        """Of the least sure one."""
+        return f"{100.0 * min(f.confidence for f in self.findings):.0f} %"
+
+    @property
+    def gain(self) -> str:
+        """How much worse the other motion is predicted without the name; empty if not known."""
+        gains = [getattr(f, "validation_gain", None) for f in self.findings]
+        told = [gain for gain in gains if gain is not None]
+        return f"{max(told):.0f} %" if told else ""
+
+    @property
+    def lookalikes(self) -> str:
+        """Kinds that the log cannot exclude."""
+        return ", ".join(dict.fromkeys(a for f in self.findings for a in f.alternatives))
+
+    @property
+    def splits(self) -> str:
+        """What to measure to exclude them."""
+        return next((f.splits for f in self.findings if f.splits), "")
+
+    @property
+    def line(self) -> str:
+        """All of it in one sentence."""
+        text = f"{self.kind} on {self.where}: {self.size} ({self.share} of the torque, "
+        text += f"confidence {self.confidence}"
+        if self.gain:
+            text += f", held-out error {self.gain} smaller"
+        if self.lookalikes:
+            text += f"; not excluded: {self.lookalikes}"
+        return text + ")"
+
+
+def findings_of(diagnosis: Diagnosis, which: str) -> list[Entry]:
+    """Entries of one list, those of the reference included."""
+    found = list(diagnosis.findings)
+    if diagnosis.before is not None:
+        found += diagnosis.before.findings
+    by_kind: dict[str, list[Finding]] = {}
+    for finding in found:
+        if finding.list == which:
+            by_kind.setdefault(finding.effect.kind, []).append(finding)
+    entries = [
+        Entry(tuple(sorted(group, key=lambda f: -float(np.max(f.share)))))
+        for group in by_kind.values()
+    ]
+    return sorted(entries, key=lambda e: -max(float(np.max(f.share)) for f in e.findings))
+
+
+def numbers_of(diagnosis: Diagnosis, which: str) -> list[Number]:
+    """Numbers of one list, those of the reference included; the furthest moved first."""
+    found = list(diagnosis.numbers)
+    if diagnosis.before is not None:
+        found += diagnosis.before.numbers
+    return sorted((n for n in found if n.list == which), key=_furthest_first)
+
+
+def _furthest_first(number: Number) -> float:
+    return -abs(number.sigmas)
+
+
+def number_lines(numbers: Sequence[Number]) -> list[str]:
+    """A line for each name of number, its joints together, the furthest moved first."""
+    by_name: dict[str, list[Number]] = {}
+    for number in numbers:
+        by_name.setdefault(number.name, []).append(number)
+    return [_number_line(name, group) for name, group in by_name.items()]
+
+
+def _number_line(name: str, numbers: Sequence[Number]) -> str:
+    """`mass [kg] of tool: 20 -> 23 ± 0.1 (+15 %)`, or of several the range of the change."""
+    words = WORDS.get(name, name)
+    if len(numbers) == 1:
+        number = numbers[0]
+        before = "not stated" if number.before is None else show(number.before)
+        text = f"{words} of {number.place}: {before} -> {show(number.after)}"
+        text += f" ± {show(number.standard_error)}"
+        change = _change(number)
+        return text if change is None else f"{text} ({change:+.0f} %)"
+    changes = [_change(number) for number in numbers]
+    told = [change for change in changes if change is not None]
+    where = _places([number.place for number in numbers])
+    if len(told) < len(changes):
+        values = ", ".join(show(number.after) for number in sorted(numbers, key=_place))
+        return f"{words} of {where}: {values}"
+    return f"{words} of {where}: {min(told):+.0f} to {max(told):+.0f} %"
+
+
+def _change(number: Number) -> float | None:
+    """[%] of what it was; None where that is nothing or not stated."""
+    return 100.0 * (number.after / number.before - 1.0) if number.before else None
+
+
+def _place(number: Number) -> str:
+    return number.place
+
+
+def _places(places: Sequence[str]) -> str:
+    """`joints 1, 2 and 4`, `link 3 and tool`."""
+    joints = sorted(int(p.split()[1]) for p in places if p.startswith("joint"))
+    others = sorted(p for p in places if not p.startswith("joint"))
+    return " and ".join([*([_joints(joints)] if joints else []), *others])
+
+
+def list_lines(diagnosis: Diagnosis) -> list[str]:
+    """The lists for a terminal."""
+    found = []
+    for which, (heading, _) in LISTS.items():
+        entries = findings_of(diagnosis, which)
+        numbers = numbers_of(diagnosis, which)
+        if not entries and not numbers:
+            continue
+        found.append(f"{heading.lower()}:")
+        for entry in entries:
+            found += [f"  {entry.line}", f"    {entry.sentence}"]
+            found += [f"    {text}" for text in body_lines(entry)]
+            if entry.lookalikes and entry.splits:
+                found.append(f"    to tell them apart: {entry.splits}")
+        told = number_lines(numbers)
+        found += [f"  {line}" for line in told[:MOST_LINES]]
+        if len(told) > MOST_LINES:
+            found.append(f"  and {len(told) - MOST_LINES} further numbers (findings.json)")
+    return found
+
+
+def body_lines(entry: Entry) -> list[str]:
+    """Both estimates of a body."""
+    found = []
+    for finding in entry.findings:
+        if finding.body is None:
+            continue
+        for name, body in (
+            ("arm's bodies uncertain", finding.body.robust),
+            ("arm's bodies taken as true", finding.body.given_bodies),
+        ):
+            com = ", ".join(f"{1e3 * v:.0f}" for v in body.com)
+            error = ", ".join(f"{1e3 * v:.0f}" for v in body.errors[1:])
+            found.append(
+                f"{name}: {body.mass:.2f} ± {body.errors[0]:.2f} kg at ({com}) ± ({error}) mm"
+            )
+    return found
+
+
+def entry_rows(entries: Iterable[Entry]) -> tuple[Sequence[str], list[list[object]]]:
+    """Head and rows of one list."""
+    head = ("what", "where", "size", "of the torque", "confidence", "held-out gain", "looks like")
+    rows: list[list[object]] = [
+        [e.kind, e.where, e.size, e.share, e.confidence, e.gain or "-", e.lookalikes or "-"]
+        for e in entries
+    ]
+    return head, rows
+
+
+def number_rows(numbers: Iterable[Number]) -> tuple[Sequence[str], list[list[object]]]:
+    """Head and rows of numbers."""
+    head = ("number", "of", "before", "now", "standard error", "sigmas")
+    rows: list[list[object]] = [
+        [
+            n.name,
+            n.place,
+            "-" if n.before is None else n.before,
+            n.after,
+            n.standard_error,
+            f"{n.sigmas:+.1f}",
+        ]
+        for n in numbers
+    ]
+    return head, rows
+
+
+def _size(finding: Finding) -> str:
+    """The first number of an effect, with its error."""
+    for name, value in finding.effect.parameters().items():
+        if isinstance(value, float):
+            error = finding.standard_errors.get(name)
+            text = f"{name} {show(value)}"
+            return f"{text} ± {show(error)}" if isinstance(error, float) else text
+    return ""
+
+
+def _joints(joints: Sequence[int]) -> str:
+    if len(joints) == 1:
+        return f"joint {joints[0]}"
+    return f"joints {', '.join(str(j) for j in joints[:-1])} and {joints[-1]}"

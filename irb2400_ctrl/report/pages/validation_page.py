@@ -1,0 +1,97 @@
+"""The report of a validation: Tab. 6 and figures 10 to 12 of the paper."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from irb2400_ctrl.diagnosis.preparation.metrics import Errors
+from irb2400_ctrl.identification import LogComparison, Validation
+from irb2400_ctrl.measurement import Log
+from irb2400_ctrl.report.elements.page import Page
+from irb2400_ctrl.report.elements.plots import Line, joint_plots, parity, spectrum
+from irb2400_ctrl.report.figures.residual_view import residual_view
+from irb2400_ctrl.robot import Robot
+
+
+def validation_page(result: Validation, robot: Robot | None = None, log: Log | None = None) -> Page:
+    """The whole report; with the robot and the first log its motion is replayed too."""
+    several = len(result.logs) > 1
+    page = Page(f"{result.robot} against {', '.join(Path(seen.log).name for seen in result.logs)}")
+    share = result.error.rmse_over_mean_percent
+    worst = int(np.argmax(share))
+    page.answer(
+        f"The model is off by {np.min(share):.0f} to {np.max(share):.0f} % of the mean torque, "
+        f"most on joint {worst + 1}.",
+        "note",
+        [(f"joint {j + 1}, RMSE/AVG", f"{value:.1f} %") for j, value in enumerate(share)],
+    )
+    page.heading("Error (eqs. 75-77)")
+    page.table("As Tab. 6" + ", all logs" * several, *rows(result.error))
+    for seen in result.logs:
+        if several:
+            page.heading(Path(seen.log).name)
+            page.table(f"As Tab. 6, {Path(seen.log).name}", *rows(seen.error))
+        _add_log(page, seen)
+    if robot is not None and log is not None:
+        first = result.logs[0]
+        left = np.where(first.known, first.measured - first.modelled, np.nan)[:, worst]
+        page.heading("The motion")
+        view = residual_view(robot, log, first.time, {"by the model": left}, worst + 1)
+        page.arm(view, f"The recorded motion, coloured by what is left on joint {worst + 1}.")
+    return page
+
+
+def _add_log(page: Page, seen: LogComparison) -> None:
+    """Figures 10 to 12, what is left, and its spectrum."""
+    time = seen.time - seen.time[0]
+    page.heading("Modelled and measured torque")
+    lines = [
+        Line(seen.measured, "0.55", "measured", 1.4),
+        Line(np.where(seen.known, seen.modelled, np.nan), "tab:blue", "modelled", 0.8),
+    ]
+    drawn = joint_plots(time, lines, "torque {joint} [Nm]")
+    page.figures(drawn, "As figure 12.", zoomable=True)
+    left = np.where(seen.known, seen.measured - seen.modelled, np.nan)
+    drawn = joint_plots(time, [Line(left, width=0.7)], "residual {joint} [Nm]")
+    page.figures(drawn, "What the model leaves.", zoomable=True)
+    drawn = joint_plots(time, [Line(np.degrees(seen.q))], "angle {joint} [deg]")
+    page.figures(drawn, "Angles, as figure 10.", zoomable=True)
+    drawn = joint_plots(time, [Line(np.degrees(seen.qd))], "speed {joint} [deg/s]")
+    page.figures(drawn, "Speeds, as figure 11.", zoomable=True)
+    joints = range(seen.measured.shape[1])
+    page.heading("Parity and spectrum")
+    drawn = [
+        parity(seen.measured[seen.known[:, j], j], seen.modelled[seen.known[:, j], j], j + 1)
+        for j in joints
+    ]
+    page.figures(drawn, "Parity: predicted over measured torque, samples that count.")
+    rate = 1.0 / float(np.median(np.diff(seen.time)))
+    drawn = [spectrum([("left", left[:, j], "tab:blue")], rate, j + 1) for j in joints]
+    page.figures(drawn, "Root of the power spectrum of what is left.")
+
+
+def rows(error: Errors) -> tuple[list[str], list[list[object]]]:
+    """Head and rows: a joint a row, the columns of Tab. 6."""
+    head = ["joint", "MAE [Nm]", "RMSE [Nm]", "AVG [Nm]", "RMSE/AVG [%]"]
+    share = error.rmse_over_mean_percent
+    with np.errstate(invalid="ignore", divide="ignore"):
+        mean = 100.0 * error.rmse / share
+    values = zip(error.mae, error.rmse, mean, share, strict=True)
+    return head, [[str(j + 1), *(float(v) for v in row)] for j, row in enumerate(values)]
+
+
+def lines(result: Validation) -> list[str]:
+    """Tab. 6 for a terminal, of each log and of all."""
+    found: list[str] = []
+    tables = [(Path(log.log).name, log.error) for log in result.logs]
+    if len(tables) > 1:
+        tables.append(("all logs", result.error))
+    for name, error in tables:
+        if len(tables) > 1:
+            found.append(name)
+        found.append("joint  MAE [Nm]  RMSE [Nm]  AVG [Nm]  RMSE/AVG [%]")
+        for joint, mae, rmse, mean, share in rows(error)[1]:
+            found.append(f"{joint:>5}{mae:10.3f}{rmse:11.3f}{mean:10.3f}{share:14.2f}")
+    return found
