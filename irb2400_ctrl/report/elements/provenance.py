@@ -41,19 +41,24 @@ class Provenance:
         """
         rows = [("irb2400_ctrl", VERSION)]
         if robot is not None:
-            kinds = [
-                effect.kind + ("" if effect.joint is None else f" on joint {effect.joint}")
-                for effect in robot.effects
-            ]
             # files of effects are places of this machine; their laws are named below
             text = robot.model_dump_json(exclude={"effect_files"})
             rows.append(("robot", f"{robot.name}, sha256 {digest(text.encode())}"))
-            rows.append(("its effects", ", ".join(kinds) or "none"))
+            rows.append(("its effects", effects_in_words(robot)))
         for path in inputs:
             if path.is_file():
                 rows.append((path.name, f"sha256 {digest(path.read_bytes())}"))
         rows += [(name.replace("_", " "), str(v)) for name, v in more.items() if v is not None]
         return cls(tuple(rows), command)
+
+
+def effects_in_words(robot: Robot) -> str:
+    """`gear_ripple on joint 4, payload`; none."""
+    kinds = [
+        effect.kind + ("" if effect.joint is None else f" on joint {effect.joint}")
+        for effect in robot.effects
+    ]
+    return ", ".join(kinds) or "none"
 
 
 def digest(data: bytes) -> str:

@@ -9,6 +9,7 @@ import numpy as np
 
 from irb2400_ctrl.report.elements.arm_view import ArmView, Colouring
 from irb2400_ctrl.report.elements.page import Page
+from irb2400_ctrl.report.elements.provenance import effects_in_words
 from irb2400_ctrl.report.figures.simulation_figures import (
     error_figures,
     joint_figure,
@@ -44,7 +45,7 @@ def simulation_page(run: Simulation, name: str) -> Page:
     page.figures(torque_figures(run), "Torque that acts; limits are dashed.", zoomable=True)
     page.heading("In numbers")
     page.table("Tracking and torque of each joint", *joint_rows(summary))
-    page.table("How it was measured and driven", ("setting", "value"), _settings(summary))
+    page.table("How it was measured and driven", ("setting", "value"), _settings(run, summary))
     return page
 
 
@@ -103,10 +104,11 @@ def _facts(summary: Mapping[str, Any]) -> list[tuple[str, str]]:
     ]
 
 
-def _settings(summary: Mapping[str, Any]) -> list[list[object]]:
+def _settings(run: Simulation, summary: Mapping[str, Any]) -> list[list[object]]:
     rows: list[list[object]] = [
         ["robot of the controller", summary["robot"]],
         ["plant", summary["plant"]],
+        ["effects of the plant", effects_in_words(run.plant)],
         ["control rate [Hz]", f"{summary['control_rate_Hz']:.0f}"],
     ]
     for group in ("sensors", "actuators"):
