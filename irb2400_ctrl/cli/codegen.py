@@ -63,6 +63,10 @@ def codegen(
         list[str] | None,
         typer.Option(metavar="WISH=VALUE[,VALUE...]", help="Another wish; may be repeated."),
     ] = None,
+    tables: Annotated[
+        bool,
+        typer.Option("--tables", help="Payload and friction as parameters: one image, many tools."),
+    ] = False,
     guarded: Annotated[
         bool, typer.Option("--guarded", help="With guards against faults of its inputs.")
     ] = False,
@@ -76,6 +80,7 @@ def codegen(
     wishes = _wishes(design or [])
     wishes |= {} if bandwidth is None else {"bandwidth": bandwidth}
     wishes |= {} if damping is None else {"damping": damping}
+    wishes |= {"tables": True} if tables else {}
     block = _block(controller, load_arm(robot), sample_time, wishes, guarded)
     with step(f"generating {controller} for {target.value}"):
         verification = export_package(

@@ -63,15 +63,17 @@ def feedforward_pid(
     speed_bandwidth: ArrayLike = 80.0,
     integral_time: ArrayLike = 0.12,
     speed_feedforward: ArrayLike = 1.0,
+    tables: bool = False,
 ) -> Block:
     """The cascade of `pid` plus the model's torque along the reference: tau = ID(q_ref, qd_ref,
     qdd_ref) + Kv e_v + I.
 
-    Arguments as for `pid`; the feed-forward torque contains friction and effects.
+    Arguments as for `pid`; the feed-forward torque contains friction and effects. `tables` as in
+    `computed_torque`.
     """
     return _cascade(
         "feedforward_pid", "cascade P-PI with the model's torque fed forward", robot, sample_time,
-        Compensation(robot, sample_time),
+        Compensation(robot, sample_time, tables),
         (position_bandwidth, speed_bandwidth, integral_time, speed_feedforward),
     )  # fmt: skip
 

@@ -24,6 +24,12 @@ import casadi as ca
 
 from irb2400_ctrl.codegen import Field
 from irb2400_ctrl.controllers.stribeck import faded_bell
+from irb2400_ctrl.controllers.tables import (
+    friction_fields,
+    friction_of,
+    payload_fields,
+    payload_of,
+)
 from irb2400_ctrl.effects import Effect
 from irb2400_ctrl.effects.memory import next_memory
 from irb2400_ctrl.model import Model
@@ -46,10 +52,12 @@ class Compensation:
     Args:
         robot: with its effects; those of the measuring chain are left alone.
         sample_time: of the controller [s], for effects with memory.
+        tables: payload and friction are parameters (`tables`), not constants in the code.
     """
 
     robot: Robot
     sample_time: float
+    tables: bool = False
 
     @cached_property
     def effects(self) -> tuple[Effect, ...]:
@@ -81,17 +89,19 @@ class Compensation:
 
     @cached_property
     def _core(self) -> ca.Function:
-        """(q, qd, qdd, qd_ref, slip, breakaway, time, memory) -> (tau, next memory)."""
+        """(q, qd, qdd, qd_ref, slip, time, memory, parameters) -> (tau, next memory)."""
         model = Model(self.robot)
         n = self.robot.n
-        qd_ref, slip, breakaway = (ca.SX.sym(name, n) for name in ("qd_ref", "slip", "breakaway"))
+        qd_ref, slip = (ca.SX.sym(name, n) for name in ("qd_ref", "slip"))
+        given = {field.name: ca.SX.sym(field.name, field.size) for field in self.parameters}
         sign = qd_ref / ca.sqrt(qd_ref**2 + SIGN_WIDTH**2)
-        s = replace(model.signals(), sign=sign)
+        carried = payload_of(self.robot, given) if self.tables else None
+        s = replace(model.signals(), sign=sign, payload=carried)
         # speeds of effects with memory come from the reference too, for the same reason as the
         # friction's
         along = replace(s, qd=qd_ref)
-        law = FrictionLaw.of(self.robot)
-        dry = law.coulomb + faded_bell(slip, law.stribeck, law.rise, qd_ref, breakaway)
+        law = friction_of(given) if self.tables else FrictionLaw.of(self.robot)
+        dry = law.coulomb + faded_bell(slip, law.stribeck, law.rise, qd_ref, given["breakaway"])
         # one product with the speed, which a small processor reads once
         tau = s.load + (law.viscous + dry / ca.sqrt(qd_ref**2 + SIGN_WIDTH**2)) * qd_ref
         old = [ca.SX.sym(field.name, field.size) for _, field in self.memories]
@@ -110,13 +120,15 @@ class Compensation:
         grown = ca.vertcat(ca.SX(0, 1), *new)
         outputs = [ca.cse(ca.densify(tau)), grown]
         return ca.Function(
-            "compensation", [s.q, s.qd, s.qdd, qd_ref, slip, breakaway, s.time, memory], outputs
+            "compensation",
+            [s.q, s.qd, s.qdd, qd_ref, slip, s.time, memory, ca.vertcat(*given.values())],
+            outputs,
         )
 
     @cached_property
     def uses_time(self) -> bool:
         """Whether an effect depends on the time since the start."""
-        return bool(self._core.jac_sparsity(0, 6).nnz())
+        return bool(self._core.jac_sparsity(0, 5).nnz())
 
     @property
     def states(self) -> tuple[Field, ...]:
@@ -132,7 +144,10 @@ class Compensation:
     def parameters(self) -> tuple[Field, ...]:
         """What can be tuned without new code."""
         doc = "reference speed at which half of the static friction is compensated"
-        return (Field("breakaway", self.robot.n, "rad/s", doc, (BREAKAWAY,) * self.robot.n),)
+        breakaway = Field("breakaway", self.robot.n, "rad/s", doc, (BREAKAWAY,) * self.robot.n)
+        if not self.tables:
+            return (breakaway,)
+        return (breakaway, *payload_fields(), *friction_fields(self.robot))
 
     def torque(
         self,
@@ -151,10 +166,9 @@ class Compensation:
         """
         clock = values["clock"] if self.uses_time else ca.SX(0)
         memory = [values[field.name] for _, field in self.memories]
+        given = ca.vertcat(*(values[field.name] for field in self.parameters))
         tau, grown = self._core.call(
-            [*motion, qd_ref, slip, values["breakaway"], clock, ca.vertcat(ca.SX(0, 1), *memory)],
-            True,
-            False,
+            [*motion, qd_ref, slip, clock, ca.vertcat(ca.SX(0, 1), *memory), given], True, False
         )
         ends = [0]
         for _, field in self.memories:

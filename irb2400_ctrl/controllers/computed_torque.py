@@ -17,6 +17,7 @@ def computed_torque(
     *,
     bandwidth: ArrayLike = 60.0,
     damping: ArrayLike = 1.0,
+    tables: bool = False,
 ) -> Block:
     """tau = M(q) (qdd_ref + Kd (qd_ref - qd) + Kp (q_ref - q)) + C(q, qd) qd + G(q) + F(qd_ref) +
     effects.
@@ -27,8 +28,9 @@ def computed_torque(
     Args:
         bandwidth: natural frequency of the error [rad/s], one or one per joint.
         damping: damping ratio [-], one or one per joint.
+        tables: payload and friction are parameters of the block, to be set while it runs.
     """
-    model = Compensation(robot, sample_time)
+    model = Compensation(robot, sample_time, tables)
     parameters = (*pd_gains(robot, bandwidth, damping), *model.parameters)
 
     def law(v: Values) -> Values:

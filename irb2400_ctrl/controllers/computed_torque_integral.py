@@ -30,6 +30,7 @@ def computed_torque_integral(
     damping: ArrayLike = 1.0,
     integral_time: ArrayLike = 0.1,
     deadband: ArrayLike = 1e-4,
+    tables: bool = False,
 ) -> Block:
     """Computed torque plus an integral torque: tau = tau_ct + I,  dI/dt = J Kp e / Ti.
 
@@ -41,8 +42,9 @@ def computed_torque_integral(
         bandwidth, damping: of the error, as in `computed_torque`.
         integral_time: Ti [s].
         deadband: angle error that is left alone at rest [rad].
+        tables: as in `computed_torque`.
     """
-    model = Compensation(robot, sample_time)
+    model = Compensation(robot, sample_time, tables)
     kp, kd = pd_gains(robot, bandwidth, damping)
     ti = gain(robot, "integral_time", "s", "", integral_time).start
     ki = typical_inertia(robot) * kp.start / np.maximum(ti, 1e-6)

@@ -30,13 +30,17 @@ def bell(speed: ca.SX, width: NDArray[np.float64], height: NDArray[np.float64]) 
 
 def faded_bell(
     speed: ca.SX,
-    width: NDArray[np.float64],
-    height: NDArray[np.float64],
+    width: NDArray[np.float64] | ca.SX,
+    height: NDArray[np.float64] | ca.SX,
     reference: ca.SX,
     fade_width: ca.SX,
 ) -> ca.SX:
-    """bell(speed) fade(reference) with one division for both."""
+    """bell(speed) fade(reference) with one division for both; width and height may be symbols."""
     square = reference**2
+    if isinstance(height, ca.SX) or isinstance(width, ca.SX):
+        root = 1 + (1 + _WIDEN * (speed / width) ** 2) ** 2 / _RAISE
+        fall = ((root * (_RAISE / (_RAISE + 1))) ** 2) ** 2
+        return ca.SX(height) * square / ((square + fade_width**2) * fall)
     below = (square + fade_width**2) * _fall(speed, width, height)
     return ca.DM(np.sign(height)) * square / below
 

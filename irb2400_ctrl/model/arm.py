@@ -35,37 +35,43 @@ class Arm:
     square"""
 
 
-def arm_of(robot: Robot, phi: ca.SX | ca.DM | None = None) -> Arm:
-    """Regrouped when phi (n, 10) are numbers; as they are when phi are symbols."""
+def arm_of(robot: Robot, phi: ca.SX | ca.DM | None = None, payload: ca.SX | None = None) -> Arm:
+    """Regrouped when phi (n, 10) are numbers; as they are when phi are symbols.
+
+    Args:
+        payload: symbols (m, m c, I_O) of a body more on the last link, in its frame, shape (10,).
+    """
     chain = chain_of(robot)
     if isinstance(phi, ca.SX) and not phi.is_constant():
-        return Arm(chain, [pseudo_inertia(phi[i, :]) for i in range(robot.n)], 1.0)
+        own = [pseudo_inertia(phi[i, :]) for i in range(robot.n)]
+        if payload is not None:
+            own[-1] += pseudo_inertia(payload)
+        return Arm(chain, own, 1.0)
     numbers = robot.inertial_parameters if phi is None else np.asarray(ca.DM(phi))
     bodies = regrouped(robot, numbers)
-    chain, bodies[-1] = _last_turned(chain, bodies[-1])
+    turn = _last_turn(bodies[-1])
+    bodies[-1] = turn @ bodies[-1] @ turn.T
+    bodies[-1][1, 3] = bodies[-1][3, 1] = 0.0
+    offset = chain.offset.copy()
+    offset[-1] += np.arctan2(turn[0, 1], turn[0, 0])
+    chain = replace(chain, offset=offset)
     length = _unit(chain)
     scale = np.diag([1.0, 1.0, 1.0, length])
-    return Arm(
-        _scaled(chain, length),
-        [ca.SX(ca.sparsify(ca.DM(scale @ J @ scale))) for J in bodies],
-        length,
-    )
+    scaled = [ca.SX(ca.sparsify(ca.DM(scale @ J @ scale))) for J in bodies]
+    if payload is not None:
+        X = ca.sparsify(ca.DM(scale @ turn))
+        scaled[-1] += X @ pseudo_inertia(payload) @ X.T
+    return Arm(_scaled(chain, length), scaled, length)
 
 
-def _last_turned(chain: Chain, J: Array) -> tuple[Chain, Array]:
-    """The last link's frame turned about its axis until the body's m c_y is zero."""
+def _last_turn(J: Array) -> Array:
+    """Turn of the last link's frame about its axis after which the body's m c_y is zero, (4, 4)."""
     x = J[0, 3]
     y = J[1, 3]
-    if y == 0.0:
-        return chain, J
-    r = np.hypot(x, y)
     X = np.eye(4)
-    X[:2, :2] = np.array([[x, y], [-y, x]]) / r
-    turned = X @ J @ X.T
-    turned[:2, 3] = turned[3, :2] = r, 0.0
-    offset = chain.offset.copy()
-    offset[-1] += np.arctan2(y, x)
-    return replace(chain, offset=offset), turned
+    if y != 0.0:
+        X[:2, :2] = np.array([[x, y], [-y, x]]) / np.hypot(x, y)
+    return X
 
 
 def _unit(chain: Chain) -> float:

@@ -30,6 +30,8 @@ class ArmSignals:
     state: ca.SX
     qddd: ca.SX
     qdddd: ca.SX
+    payload: ca.SX | None = None
+    """(m, mc, I_O) of a body more on the last link, in its frame, shape (10,)"""
 
     @classmethod
     def symbols(cls, robot: Robot, phi: ca.DM | ca.SX) -> ArmSignals:
@@ -57,7 +59,9 @@ class ArmSignals:
     @cached_property
     def load(self) -> ca.SX:
         """Rigid-body torque, shape (n,) [Nm]."""
-        return newton_euler.inverse_dynamics(self.robot, self.q, self.qd, self.qdd, self.phi)
+        return newton_euler.inverse_dynamics(
+            self.robot, self.q, self.qd, self.qdd, self.phi, payload=self.payload
+        )
 
     @cached_property
     def gravity_map(self) -> ca.SX:
@@ -65,7 +69,10 @@ class ArmSignals:
         g = ca.SX.sym("g", 3)
         zero = ca.SX.zeros(self.robot.n)
         return ca.jacobian(
-            newton_euler.inverse_dynamics(self.robot, self.q, zero, zero, self.phi, g), g
+            newton_euler.inverse_dynamics(
+                self.robot, self.q, zero, zero, self.phi, g, self.payload
+            ),
+            g,
         )
 
     @cached_property
@@ -87,7 +94,7 @@ class ArmSignals:
     @cached_property
     def mass_matrix(self) -> ca.SX:
         """M(q), shape (n, n) [kg m2]."""
-        return mass_matrix.mass_matrix(self.robot, self.q, self.phi)
+        return mass_matrix.mass_matrix(self.robot, self.q, self.phi, self.payload)
 
     @cached_property
     def tau(self) -> ca.SX:

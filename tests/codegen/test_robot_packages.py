@@ -89,6 +89,7 @@ def test_every_controller_on_the_target(
     assert verification.on_target.stack_bytes <= (budget if real == "float" else 2 * budget)
 
 
+@pytest.mark.slow  # minutes of cppcheck; its statements are those of the blocks of test_package
 @pytest.mark.skipif(shutil.which("cppcheck") is None, reason="cppcheck is not installed")
 def test_misra_of_the_largest_controller(robot: irb.Robot, tmp_path: Path) -> None:
     package = Package(controller("feedforward_pid", robot), "float")
