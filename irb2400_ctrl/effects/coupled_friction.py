@@ -18,8 +18,8 @@ from irb2400_ctrl.effects.signals import Signals
 class CoupledFriction(Effect):
     """tau_j = F_j sgn qd_k,  tau_k = F_k sgn qd_j,  k = j + 1.
 
-    The dry part of what `wrist_coupling` says of inertia and viscous friction. `identify` fits it;
-    a diagnosis names the coupling by its other parts.
+    The dry part of a `wrist_coupling`, which now states it itself; robot files identified before
+    hold it.
     """
 
     sentence: ClassVar[str] = "moving this wrist axis rubs in its neighbour's gears"

@@ -117,25 +117,19 @@ def _extra_effects(extra: Extra, numbers: Sequence[float] | Array) -> list[Effec
     values = [float(v) for v in numbers]
     joint = extra.joint
     if extra.kind == "coupling":
-        inertia = values[0:2]
-        viscous = values[2:4]
-        dry = values[4:6]
+        here, there, viscous, neighbour_viscous, dry, neighbour_dry = values
         coupling = LIBRARY["wrist_coupling"].of(
             joint,
-            inertia_kgm2=0.5 * sum(inertia),
-            viscous_Nms_rad=0.5 * sum(viscous),
-            discrepancy=(
-                0.5 * (inertia[0] - inertia[1]),
-                0.5 * (viscous[0] - viscous[1]),
-                0.0,
-                0.0,
-            ),
+            inertia_kgm2=0.5 * (here + there),
+            viscous_Nms_rad=viscous,
+            neighbour_viscous_Nms_rad=neighbour_viscous,
+            dry_Nm=dry,
+            neighbour_dry_Nm=neighbour_dry,
+            # action and reaction of the inertia may differ, nothing else
+            discrepancy=(0.5 * (here - there), 0.0, 0.0, 0.0, 0.0, 0.0),
             source="identified",
         )
-        rubbing = LIBRARY["coupled_friction"].of(
-            joint, here_Nm=dry[0], neighbour_Nm=dry[1], source="identified"
-        )
-        return [coupling, rubbing]
+        return [coupling]
     if extra.kind == "balancer":
         sine, cosine = values
         return [
