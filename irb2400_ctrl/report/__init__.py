@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from irb2400_ctrl.report.pages.diagnosis_page import diagnosis_page
     from irb2400_ctrl.report.pages.excitation_page import excitation_page
     from irb2400_ctrl.report.pages.identification_page import identification_page
+    from irb2400_ctrl.report.pages.placement_page import placement_page, rail_page
     from irb2400_ctrl.report.pages.plan_page import plan_page
     from irb2400_ctrl.report.pages.simulation_page import simulation_page
     from irb2400_ctrl.report.pages.sweep_page import sweep_page
@@ -32,7 +33,9 @@ __all__ = [
     "diagnosis_page",
     "excitation_page",
     "identification_page",
+    "placement_page",
     "plan_page",
+    "rail_page",
     "run_main_job",
     "simulation_page",
     "sweep_page",
@@ -51,7 +54,9 @@ __getattr__ = lazily(
         "diagnosis_page": "pages.diagnosis_page",
         "excitation_page": "pages.excitation_page",
         "identification_page": "pages.identification_page",
+        "placement_page": "pages.placement_page",
         "plan_page": "pages.plan_page",
+        "rail_page": "pages.placement_page",
         "run_main_job": "main_job",
         "simulation_page": "pages.simulation_page",
         "sweep_page": "pages.sweep_page",

@@ -116,7 +116,10 @@ def test_command(part: Path, tmp_path: Path) -> None:
     done = CliRunner().invoke(app, command)
     assert done.exit_code == 0, done.output
     told = json.loads((out / "placement.json").read_text())
-    assert (out / "placement.png").stat().st_size > 20_000
+    page = (out / "report.html").read_text()
+    assert "irb2400 place" in page
+    assert page.count("<svg") == 3
+    assert 'class="arm"' in page
     assert told["found"]["worth"] >= told["start"]["worth"] - ALIKE
     assert told["found"]["deflection_mm"] < told["start"]["deflection_mm"]
     assert told["looked_at"] == len(told["map"]) > 10

@@ -104,6 +104,24 @@ def test_the_arm_plays_and_the_figures_follow(page: Path) -> None:
     assert found["mark"] == "visible"
 
 
+def test_the_whole_arm_is_in_the_picture(page: Path) -> None:
+    """Orange, the colour of its links, reaches no edge at any time of the motion."""
+    script = (
+        "const a = document.querySelector('figure.arm').arm, found = [];"
+        "const [w, h] = [a.solid.width, a.solid.height], pixels = new Uint8Array(4 * w * h);"
+        "for (const t of [0, 1, 2, 3, 4]) { a.at(t);"
+        " a.gl.readPixels(0, 0, w, h, a.gl.RGBA, a.gl.UNSIGNED_BYTE, pixels);"
+        " let all = 0, edge = 0; for (let y = 0; y < h; y++) for (let x = 0; x < w; x++) {"
+        "  const k = 4 * (y * w + x);"
+        "  if (pixels[k] < 90 || pixels[k] < 2 * pixels[k + 2]) continue; all++;"
+        "  if (x < 3 || y < 3 || x > w - 4 || y > h - 4) edge++; } found.push([all, edge]); }"
+        "return found;"
+    )
+    for whole, edge in browser.answer(page, script):
+        assert whole > 3000
+        assert edge == 0
+
+
 def test_a_drag_zooms_all_joints_and_a_double_click_undoes_it(page: Path) -> None:
     script = (
         "const svg = document.querySelector('.zoomable svg'), box = svg.getBoundingClientRect();"

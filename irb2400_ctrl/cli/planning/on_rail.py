@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from irb2400_ctrl.cli.command_line import provenance
 from irb2400_ctrl.cli.progress import step
 from irb2400_ctrl.cli.summary import Summary
 from irb2400_ctrl.errors import InputError
@@ -27,10 +28,10 @@ def on_rail(
     load: CuttingLoad | None,
     out: Path,
 ) -> Summary:
-    """Find the place of the carriage -> placement.json, placement.png."""
+    """Find the place of the carriage -> placement.json, report.html."""
     from irb2400_ctrl.files import write_atomic
     from irb2400_ctrl.planners.placement import rail_position
-    from irb2400_ctrl.report.figures.placement_figure import rail_figure
+    from irb2400_ctrl.report.pages.placement_page import rail_page
 
     if cell is None:
         raise InputError("--rail: found no --cell, expected the cell file that has the [rail]")
@@ -38,12 +39,13 @@ def on_rail(
         found = rail_position(arm, programs, cell, free_tool_rotation=free, tool=tool, load=load)
     facts = found.summary()
     written = [write_atomic(out / "placement.json", json.dumps(facts, indent=2) + "\n")]
-    written.append(out / "placement.png")
-    rail_figure(found).savefig(written[-1], dpi=120, metadata={"Software": None})
+    page = rail_page(found, arm, cell)
+    page.provenance(provenance(arm))
+    written.append(page.write(out / "report.html"))
     for name in ("start", "found"):
         seen = facts[name]
         margins = ", ".join(f"{key} {value:.3g}" for key, value in seen["margins"].items())
         print(f"{name}: {seen['refused'] or margins}")
     print(f"in the cell file: [rail] position_mm = {found.position_mm:g}")
-    print(f"written to {out}: placement.json, placement.png")
+    print(f"written to {out}: placement.json, report.html")
     return Summary(facts, written)

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from irb2400_ctrl.cli.command_line import provenance
 from irb2400_ctrl.cli.options import (
     CellOption,
     FreeOption,
@@ -87,7 +88,8 @@ def place(
     plan: PlanOption = False,
     rail: RailOption = False,
 ) -> Summary:
-    """Find the pose of a part that leaves the largest margins -> placement.json, placement.png."""
+    """Find the pose of a part that leaves the largest margins -> placement.json,
+    report.html."""
     for part in parts:
         input_file(part, "a toolpath (CSV, APT/CLDATA or G-code)")
 
@@ -97,7 +99,7 @@ def place(
     from irb2400_ctrl.planners import read_program
     from irb2400_ctrl.planners.placement import place as find_place
     from irb2400_ctrl.planners.toolpath.work_frame import work_frame as pose_of
-    from irb2400_ctrl.report.figures.placement_figure import save_placement
+    from irb2400_ctrl.report.pages.placement_page import placement_page
 
     around = None if cell is None else load_cell(cell)
     programs = [read_program(part, units=units) for part in parts]
@@ -126,9 +128,11 @@ def place(
         options = {"free_tool_rotation": free_tool_rotation, "tool": tool}
         facts["planned"] = _both(found, programs, around, options, out)
     written = [write_atomic(out / "placement.json", json.dumps(facts, indent=2) + "\n")]
-    written.append(save_placement(found, out))
+    page = placement_page(found, facts.get("planned"), around)
+    page.provenance(provenance(arm))
+    written.append(page.write(out / "report.html"))
     _print(facts)
-    print(f"written to {out}: placement.json, placement.png")
+    print(f"written to {out}: placement.json, report.html")
     return Summary(facts, written)
 
 

@@ -27,6 +27,8 @@ class Proof:
     deflection: float | None = None
     """[m]"""
     refused: str = ""
+    way: tuple[Array, Array] | None = None
+    """of the first task: lengths [m], shape (m,), and angles there [rad], shape (m, n)"""
 
     def summary(self) -> dict[str, Any]:
         """For `placement.json`."""
@@ -41,17 +43,19 @@ def prove(tasks: Sequence[Task], X_BW: Array, load: CuttingLoad | None = None) -
     """Follow each task with the joints, with the work object at X_BW (4, 4)."""
     least: dict[str, float] = {}
     given: list[float] = []
+    way: tuple[Array, Array] | None = None
     turned = None if load is None else load.turned(X_BW)
     for task in tasks:
         try:
             choice = _choice(task, X_BW, turned)
         except UnreachableError as error:
             return Proof({}, refused=str(error))
+        way = way or _way(choice)
         for name, value in _margins(task, choice).items():
             least[name] = min(value, least.get(name, value))
         if choice.given_way is not None:
             given.append(choice.given_way.largest)
-    return Proof(least, max(given, default=None))
+    return Proof(least, max(given, default=None), way=way)
 
 
 def _choice(task: Task, X_BW: Array, load: CuttingLoad | None) -> Choice:
@@ -65,12 +69,18 @@ def _choice(task: Task, X_BW: Array, load: CuttingLoad | None) -> Choice:
 
 def _margins(task: Task, choice: Choice) -> dict[str, float]:
     robot = task.model.robot
-    joints = choice.followed.joints
-    s = joints.knots
-    q = joints(np.unique(np.concatenate([s, (s[1:] + s[:-1]) / 2])))
+    _, q = _way(choice)
     box = np.minimum(q - robot.q_min, robot.q_max - q)
     found = dict(zip(NAMES, choice.margins.tolist(), strict=True))
     found["joint_limits_deg"] = float(np.degrees(box.min()))
     if choice.clearance is not None:
         found["clearance_mm"] = 1e3 * choice.clearance.value
     return found
+
+
+def _way(choice: Choice) -> tuple[Array, Array]:
+    """Lengths and angles at the knots of a joint path, and between them."""
+    joints = choice.followed.joints
+    knots = joints.knots
+    s = np.unique(np.concatenate([knots, (knots[1:] + knots[:-1]) / 2]))
+    return s, np.asarray(joints(s))

@@ -47,7 +47,7 @@ def motion_figure(lines: Sequence[SummaryLine]) -> Figure:
         axis.plot(middle, place, "o", ms=5, c=f"C{own % 10}")
     ticks = [height * k + (len(controllers) - 1) / 2 for k in range(len(motions))]
     axis.set_yticks(ticks, [f"{motion}\nspeed {speed:g}" for motion, speed in motions])
-    axis.invert_yaxis()
+    axis.set_ylim(height * len(motions) - 1.5, -0.5)  # the first on top, room at both ends
     axis.set_xlabel("rms TCP error of a run [mm]: median, 5 to 95 %")
     if any(line.errors_mm for line in lines):
         logarithmic(axis, "x")

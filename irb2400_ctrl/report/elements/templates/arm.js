@@ -105,14 +105,25 @@
       this.draw();
     }
     fit() {
-      // a sphere around the bodies of the first pose and the tool's way
-      const points = [];
-      for (let k = 0; k < this.data.links; k++) points.push([...this.frames.slice(7 * k, 7 * k + 3)]);
-      for (let k = 0; k < this.way.length; k += 3) points.push([...this.way.slice(k, k + 3)]);
-      const low = [0, 1, 2].map((i) => Math.min(...points.map((p) => p[i])));
-      const high = [0, 1, 2].map((i) => Math.max(...points.map((p) => p[i])));
+      // a sphere around the arm at some poses and the tool's way
+      const points = [], radii = [], step = 7 * this.data.links, some = Math.max(1, Math.floor(this.count / 30));
+      const arm = this.data.bodies.filter((b) => LOOKS[b.look] !== LOOKS.thing && LOOKS[b.look] !== LOOKS.part);
+      for (let frame = 0; frame < this.count; frame += some)
+        for (const body of arm) {
+          const at = frame * step + 7 * body.link, pose = times(posed(this.frames.slice(at, at + 7)), posed(body.place));
+          for (const end of [-0.5, 0.5]) {
+            points.push(turned(pose, [0, 0, end * (body.length || 0)]));
+            radii.push(body.radius || 0.1);
+          }
+        }
+      for (let k = 0; k < this.way.length; k += 3) {
+        points.push([...this.way.slice(k, k + 3)]);
+        radii.push(0);
+      }
+      const low = [0, 1, 2].map((i) => Math.min(...points.map((p, k) => p[i] - radii[k])));
+      const high = [0, 1, 2].map((i) => Math.max(...points.map((p, k) => p[i] + radii[k])));
       this.centre = low.map((v, i) => (v + high[i]) / 2);
-      this.radius = Math.hypot(...low.map((v, i) => high[i] - v)) / 2 + 0.15;
+      this.radius = Math.hypot(...low.map((v, i) => high[i] - v)) / 2;
     }
     prepare() {
       const gl = (this.gl = this.solid.getContext("webgl", { antialias: true, preserveDrawingBuffer: true }));
@@ -144,7 +155,7 @@
       gl.blendFunc(gl.ONE, gl.ONE_MINUS_SRC_ALPHA);
     }
     camera(width, height) {
-      const far = (this.radius / this.zoom) * 2.05 * Math.max(1, (0.9 * height) / width);
+      const far = (this.radius / this.zoom) * 1.9 * Math.max(1, (0.9 * height) / width);
       const [cy, sy, cp, sp] = [Math.cos(this.yaw), Math.sin(this.yaw), Math.cos(this.pitch), Math.sin(this.pitch)];
       this.toward = [cp * cy, cp * sy, sp];
       const right = [-sy, cy, 0], up = [-sp * cy, -sp * sy, cp], eye = this.centre.map((v, i) => v + far * this.toward[i]);

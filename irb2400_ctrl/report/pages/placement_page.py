@@ -1,0 +1,137 @@
+"""The report of a place: of a part before the arm, or of the arm on its rail."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from irb2400_ctrl.cell import Cell
+from irb2400_ctrl.planners.placement import Outlook, Placement, Proof, RailPosition
+from irb2400_ctrl.planners.redundancy.comfort import COMFORTABLE_MARGINS
+from irb2400_ctrl.report.elements.arm_view import ArmView
+from irb2400_ctrl.report.elements.page import Page
+from irb2400_ctrl.report.figures.placement_figure import map_figure, margin_figure, rail_figure
+from irb2400_ctrl.robot import Robot
+from irb2400_ctrl.robot.shape import place_and_turn
+
+SHOWN_SPEED = 0.1
+"""of the tip in the picture, which is not timed yet [m/s]"""
+
+
+def placement_page(
+    found: Placement, planned: Mapping[str, Any] | None = None, cell: Cell | None = None
+) -> Page:
+    """The whole report.
+
+    Args:
+        found: start and found place, and every place that was looked at.
+        planned: what planning at both places gave, under "start" and "found".
+        cell: what stands around the arm.
+    """
+    page = Page(f"Where to put {', '.join(found.parts)}")
+    place, turn = place_and_turn(found.found.X_BW)
+    frame = ",".join(f"{v:.4g}" for v in (*place, *turn))
+    worth = found.found.worth
+    page.answer(
+        f"{_sentence(found.found)} It stands there with --work-frame {frame}.",
+        "good" if worth >= 1.0 else "note",
+        [*_facts(found.start, found.found), ("places looked at", str(len(found.seen)))],
+    )
+    page.heading("The area")
+    page.figures(
+        [map_figure(found, 1), map_figure(found, 2)],
+        "From above and from the side; each square shows the best over what is not drawn.",
+    )
+    around = None if cell is None else cell.placed(found.found.X_BW)
+    _add_place(page, found.robot, around, (found.start, found.found), found.proof)
+    if planned is not None:
+        _add_planned(page, planned)
+    return page
+
+
+def rail_page(found: RailPosition, robot: Robot, cell: Cell) -> Page:
+    """The whole report of a carriage's place on its rail."""
+    page = Page(f"Where {robot.name} stands on its rail")
+    page.answer(
+        f"{_sentence(found.found)} The carriage stands at {found.position_mm:g} mm: "
+        f"[rail] position_mm = {found.position_mm:g} in the cell file.",
+        "good" if found.found.worth >= 1.0 else "note",
+        [*_facts(found.start, found.found), ("places looked at", str(len(found.seen)))],
+    )
+    page.heading("Along the rail")
+    page.figures([rail_figure(found)], "The worst margin over the place of the carriage.")
+    around = cell.on_rail(found.position_mm)
+    _add_place(page, robot, around, (found.start, found.found), found.proof)
+    return page
+
+
+def _sentence(found: Outlook) -> str:
+    """How good the found place is."""
+    if found.worth >= 1.0:
+        return "Every margin is comfortable."
+    part = f"{100 * found.worth:.0f} % of what is comfortable"
+    return f"The worst margin, {_name(found.worst)}, is {part}."
+
+
+def _facts(start: Outlook, found: Outlook) -> list[tuple[str, str]]:
+    before = start.refused or f"{start.worth:.2f} ({_name(start.worst)})"
+    facts = [
+        ("worst margin at the start", before),
+        ("worst margin now", f"{found.worth:.2f} ({_name(found.worst)})"),
+    ]
+    if found.deflection is not None:
+        facts.append(("the tip gives way by", f"{1e3 * found.deflection:.3f} mm"))
+    return facts
+
+
+def _name(margin: str) -> str:
+    return margin.replace("_", " ")
+
+
+def _add_place(
+    page: Page, robot: Robot, cell: Cell | None, pair: tuple[Outlook, Outlook], proof: Proof
+) -> None:
+    """Margins of the start and of the found place, and the arm there."""
+    start, found = pair
+    page.heading("Margins")
+    page.figures(
+        [margin_figure(start, found)], "At stations of the path, as parts of what is comfortable."
+    )
+    names = [name for name in COMFORTABLE_MARGINS if name in found.margins]
+    rows: list[list[object]] = [
+        [_name(k), start.margins.get(k, "-"), found.margins[k], float(COMFORTABLE_MARGINS[k])]
+        for k in names
+    ]
+    page.table("At stations", ["margin", "start", "found", "comfortable"], rows)
+    followed: list[list[object]] = [[_name(k), float(v)] for k, v in proof.margins.items()]
+    page.table("At the found place, over the continuous path", ["margin", "at least"], followed)
+    if proof.way is None:
+        return
+    page.heading("The arm there")
+    s, q = proof.way
+    page.arm(
+        ArmView(robot, (s - s[0]) / SHOWN_SPEED, q, cell=cell),
+        f"The first operation at {1e3 * SHOWN_SPEED:.0f} mm/s of the tip; not timed yet.",
+    )
+
+
+def _add_planned(page: Page, planned: Mapping[str, Any]) -> None:
+    page.heading("Planned at both places")
+    rows: list[list[object]] = []
+    for key, name, unit in (
+        ("duration_s", "duration", "s"),
+        ("max_torque_ratio", "torque over limit, at most", "-"),
+        ("max_velocity_ratio", "speed over limit, at most", "-"),
+        ("clearance_mm", "clearance, at least", "mm"),
+        ("deflection_mm", "the tip gives way by", "mm"),
+    ):
+        values = [planned[at].get(key) for at in ("start", "found")]
+        if any(value is not None for value in values):
+            told = ["-" if value is None else float(np.float64(value)) for value in values]
+            rows.append([name, *told, unit])
+    page.table("Start and found", ["quantity", "start", "found", "unit"], rows)
+    for at in ("start", "found"):
+        if planned[at]["refused"]:
+            page.finding(f"No plan at the {at}: {planned[at]['refused']}")
