@@ -36,6 +36,7 @@ from irb2400_ctrl.diagnosis.preparation.doubtful_accelerations import doubtful_a
 from irb2400_ctrl.diagnosis.preparation.identified_prior import IdentifiedPrior
 from irb2400_ctrl.diagnosis.preparation.metrics import errors, noise_floor
 from irb2400_ctrl.diagnosis.preparation.noise_test import noise_test
+from irb2400_ctrl.diagnosis.preparation.sticking_contacts import sticking_contacts
 from irb2400_ctrl.diagnosis.recalibrated import recalibrated_terms
 from irb2400_ctrl.diagnosis.regressors.bases import Bases
 from irb2400_ctrl.diagnosis.regressors.predict import effect_torque, predicted_torque
@@ -111,12 +112,14 @@ def _searched(
     prior = _prior(robot, uncertainty or robot.uncertainty, motion)
     numbers_of_robot = prior.columns(bases.model, motion)
     doubtful = doubtful_accelerations(bases.model, logs.used, motion)
-    Z = motion.filtered(np.concatenate([numbers_of_robot, doubtful], axis=2))
+    turning = sticking_contacts(bases, motion, prior.dry_friction())
+    Z = motion.filtered(np.concatenate([numbers_of_robot, doubtful, turning], axis=2))
     load = bases.model.inverse_dynamics(motion.q, motion.qd, motion.qdd, friction=False)
     progress("scan")
     reversal = reversal_rows(motion)
     own = numbers_of_robot.shape[2]
-    first = Fitter(robot, bases, motion, Z, reversal, own).fit([])
+    jumping = Z[:, :, : Z.shape[2] - turning.shape[2]]
+    first = Fitter(robot, bases, motion, jumping, reversal, own).fit([])
     motion = noisy_reversals_masked(motion, bases, first, reversal)
     scan = Scan(bases, motion, load)
     fitter = Fitter(robot, bases, motion, Z, reversal, own)

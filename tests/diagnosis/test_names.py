@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 from independent_plant import Case
+from mujoco_plant.suites import suite
 
 import irb2400_ctrl as irb
 from irb2400_ctrl.diagnosis import Diagnosis, diagnose
@@ -110,3 +111,11 @@ def test_a_name_says_what_it_is_worth_on_unseen_stretches() -> None:
     assert finding.validation_gain is not None
     assert finding.validation_gain > 30.0
     assert finding.to_json()["validation_gain_percent"] == round(finding.validation_gain, 2)
+
+
+def test_a_contact_that_sticks_before_it_slides_is_no_effect() -> None:
+    """Friction of bristles on every joint, and two kilograms that nobody declared: nothing else."""
+    (case,) = suite("payload", 1, 1, 922905)
+    read = case.simulate()
+    found = diagnose(ROBOT, Log(read.time, read.q, read.tau, qd=read.qd, q_ref=read.q_ref))
+    assert names(found) == [("payload", None)]

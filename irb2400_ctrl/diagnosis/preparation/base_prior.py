@@ -87,6 +87,12 @@ class BasePrior:
         ]
         return np.concatenate([*inertial, *dry])
 
+    def dry_friction(self) -> Array:
+        """Coulomb friction of each joint, as much as it may have where the file does not say it,
+        shape (n,) [Nm]."""
+        known = self.robot.friction_known[:, 1] & (self.robot.friction[:, 1] > 0)
+        return np.where(known, self.robot.friction[:, 1], UNKNOWN_FRICTION * self.torque_scale)
+
     def root(self) -> Array:
         """F with F z the numbers in data-sheet standard deviations, shape (k, k): F F^T is their
         prior covariance."""

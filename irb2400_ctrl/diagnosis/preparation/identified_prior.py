@@ -70,6 +70,10 @@ class IdentifiedPrior:
         """The robot as given."""
         return self.base.robot
 
+    def dry_friction(self) -> Array:
+        """As `BasePrior.dry_friction`."""
+        return self.base.dry_friction()
+
     def columns(self, model: Model, motion: PreparedLog) -> Array:
         """d tau / d z along the motion, shape (m, n, k + 2 n) [Nm]."""
         n = self.robot.n

@@ -1,0 +1,32 @@
+"""Dry friction that turns over within an angle too small to be a fault: every contact has it.
+
+Contacts stick before they slide, so that the friction of a sound joint follows a reversal a little
+late, where the file's law jumps. It is the same curve as that of a hysteresis, many times narrower;
+left out of the base, a delay, a hysteresis or a law of the speed would take its place.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.diagnosis.regressors.bases import Bases
+from irb2400_ctrl.measurement.prepared_log import PreparedLog
+
+STICKING_ANGLE = 5e-4
+"""[rad] over which it turns over: rolling bearings and gears have 1e-4 to 1e-3"""
+
+
+def sticking_contacts(bases: Bases, motion: PreparedLog, friction: Array) -> Array:
+    """Columns F_j (z_j - sgn qd_j) with z of a Dahl model as narrow as `STICKING_ANGLE`, shape (m,
+    n, n) [Nm].
+
+    Args:
+        friction: dry friction F of each joint, or how much it may have, shape (n,) [Nm].
+    """
+    columns = np.zeros((len(motion.time), motion.n, motion.n))
+    width = [{"width_rad": STICKING_ANGLE}]
+    for j in range(motion.n):
+        (law,) = bases.columns("hysteresis", j + 1, motion, width, filtered=False)
+        columns[:, j, j] = friction[j] * law.values[:, 0].sum(axis=1)
+    return columns
