@@ -384,7 +384,7 @@ def test_a_moved_zero(tmp_path: Path, codes: str, start: tuple[float, ...]) -> N
 
 
 def test_turned_coordinates_about_a_point(tmp_path: Path) -> None:
-    text = "G21 G90\nG0 X0 Y0 Z5\nG68 X10 Y0 R90\nG1 X20 Y0 F60\nG3 X10 Y10 I-10\nG69\nX0 Y0\n"
+    text = "G21 G90\nG0 X0 Y0 Z5\nG68 X10 Y0 R90\nG1 X20 Y0 F60\nG3 X10 Y10 I-10\nG69\nG1 X0 Y0\n"
     found = positions(tmp_path, text)
     # (20, 0) turned by 90 deg about (10, 0) is (10, 10); (10, 10) is (0, 0)
     assert np.allclose(found[1], (10, 10, 5))
