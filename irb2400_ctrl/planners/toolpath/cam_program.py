@@ -52,6 +52,8 @@ class Event:
     """index of the way-point it follows; -1: before the first"""
     line: int
     text: str
+    seconds: float = 0.0
+    """how long the tool waits there (a dwell)"""
 
 
 @dataclass(frozen=True)

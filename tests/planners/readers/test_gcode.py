@@ -152,20 +152,27 @@ def test_canned_cycles_point_by_point(tmp_path: Path, cycle: str) -> None:
     ("G2 X0 Y0 R5 F60", "a full turn by R"),
     ("G2 X5 Y5 I5 K2 F60", "K lies across the plane G17"),
     ("G41 D1 G1 X5 F60", "G41 is the offset by the tool's radius"),
-    ("G92 X0", "G92 is a shift of coordinates"),
-    ("G5 X1 Y1 I1 J1", "G5 is a spline"),
+    ("G28 X1\nG92 X0", "G92 X, but the tool's place is not known"),
+    ("G18 G68 X0 Y0 R30", "G68 is read as G17 G68 X Y R only"),
+    ("G5 X1 Y1 I1 J1", "G5 without P and Q"),
+    ("G6.2 P4 K0 X0 Y0 Z30\nG1 X1 F60", "G6.2 ends after 1 points"),
+    ("G1 X1 A3=0 B3=0 C3=1", "without TRAORI"),
+    ("MCALL CYCLE81(50,0,2,-12)", "cycles written as calls"),
+    ("TRANS X5", "frames written as TRANS"),
+    ("G1 X5 ,R3", "corners written as ,R or ,C"),
+    ("G4", "G4 states no time"),
     ("G17.5", "unknown code G17.5"),
     ("G1 X5 (to the left Y7 F60", "a comment ( without its )"),
-    ("#1=5", "variables and expressions are not read"),
-    ("G1 X[1+2] F60", "variables and expressions"),
+    ("#1=5", "variables, expressions and jumps are not read"),
+    ("G1 X[1+2] F60", "variables, expressions"),
     ("O100 SUB", "sub-programs are not read"),
     ("M98 P1000", "M98 calls or ends a sub-program"),
-    ("G1 X=5 F60", "Siemens"),
+    ("G1 X=R1 F60", "variables"),
+    ("G1 X=IC(5) F60", "of words with = only"),
     ("G1 X5 E3 F60", "the word E, which is not read"),
     ("G1 X5 F-3", "expected a positive feed"),
     ("G0 G1 X5", "G0 and G1 in one block"),
     ("G1 X5 R3 F60", "R in a straight move"),
-    ("G80\nX5", "axis words after G80"),
     ("G1 A30 X5 F60", "A, B and C turn a table or a head"),
     ("G55 G0 X5", "G55 after motion in G54"),
     ("G68.2 P1 X0", "G68.2 P"),
@@ -334,3 +341,118 @@ def test_a_motion_beside_the_end_of_a_cycle_is_carried_out(tmp_path: Path) -> No
     found = positions(tmp_path, text)
     assert found[:, 2].min() == pytest.approx(-4.0)
     assert (np.abs(found[:, 0] - 20) < 1e-9).sum() == 1
+
+
+def test_axis_words_after_a_cycle_go_on_as_before_it(tmp_path: Path) -> None:
+    text = "G21 G90 G0 X0 Y0 Z9\nG81 X5 Z-3 R1 F60\nG80\nZ20\nX7\nM30\n"
+    read = program(tmp_path, text)
+    found = read.operation()
+    assert np.allclose(1e3 * found.path.position[-2:], [[5, 0, 20], [7, 0, 20]])
+    assert found.rapid[-2:].all()
+    assert "after G80" in str(read.of_kind("assumed")[0])
+    with pytest.raises(InputError, match="axis words after G80"):
+        program(tmp_path, "G21 G90\nG80\nX5\n")
+
+
+def test_a_dwell_in_seconds_and_in_milliseconds(tmp_path: Path) -> None:
+    text = (
+        "G21 G90 G0 X0 Y0 Z9\nG4 P0.5\nG1 Z1 F60\nG4 P1500\nG4 X2\nG4 F3\nX9\n"
+        "G82 X5 Z-3 R1 P250\nM30\n"
+    )
+    found = operation(tmp_path, text)
+    assert [e.seconds for e in found.events] == [0.5, 1.5, 2.0, 3.0, 0.25]
+    assert found.feed_range() == (pytest.approx(1e-3), pytest.approx(1e-3))
+
+
+@pytest.mark.parametrize(
+    ("codes", "start"),
+    [
+        ("G52 X100 Y50", (100, 50, 0)),
+        ("G52 X9\nG52 X100 Y50", (100, 50, 0)),
+        ("G92 X-100 Y-50 Z5", (100, 50, 0)),
+        ("G92 X7 Y3\nG92 X-100 Y-50", (100, 50, 0)),
+        ("G52 X9\nG52 X0", (0, 0, 0)),
+        ("G92 X9\nG92.1", (0, 0, 0)),
+        ("G92 X9 Y1\nG68 X0 Y0 R30\nG69\nG92.2", (0, 0, 0)),
+    ],
+)
+def test_a_moved_zero(tmp_path: Path, codes: str, start: tuple[float, ...]) -> None:
+    head = "G21 G90 G54\nG0 X0 Y0 Z5\n"
+    found = positions(tmp_path, f"{head}{codes}\nG0 X0 Y0\nG1 Z0 F60\nX10\n")
+    assert np.allclose(found[-2], start)
+    assert np.allclose(found[-1], np.add(start, (10, 0, 0)))
+
+
+def test_turned_coordinates_about_a_point(tmp_path: Path) -> None:
+    text = "G21 G90\nG0 X0 Y0 Z5\nG68 X10 Y0 R90\nG1 X20 Y0 F60\nG3 X10 Y10 I-10\nG69\nG1 X0 Y0\n"
+    found = positions(tmp_path, text)
+    # (20, 0) turned by 90 deg about (10, 0) is (10, 10); (10, 10) is (0, 0)
+    assert np.allclose(found[1], (10, 10, 5))
+    assert np.allclose(found[-2], (0, 0, 5), atol=1e-9)
+    radius = np.linalg.norm(found[1:-1, :2] - (10, 0), axis=1)
+    assert np.allclose(radius, 10)
+
+
+def test_splines_are_followed_within_the_chord(tmp_path: Path) -> None:
+    t = np.linspace(0, 1, 2001)[:, None]
+    start, one, two, end = (np.array(p) for p in ([0, 0], [5, 0], [10, 5], [10, 10]))
+    cubic = (1 - t) ** 3 * start + 3 * t * (1 - t) ** 2 * one + 3 * t**2 * (1 - t) * two
+    curve = cubic + t**3 * end
+    head = "G21 G90\nG0 X0 Y0 Z0\n"
+    bezier = positions(tmp_path, f"{head}G5 X10 Y10 I5 J0 P0 Q-5 F60\n")
+    knots = "K0 X5 Y0 Z0\nK0 X10 Y5 Z0\nK0 X10 Y10 Z0\nK1\nK1\nK1\nK1\nG1 X20\n"
+    nurbs = positions(tmp_path, f"{head}G6.2 P4 K0 X0 Y0 Z0 F60\n{knots}")
+    assert np.allclose(bezier, nurbs[:-1])
+    assert np.allclose(nurbs[-1], (20, 10, 0))
+    assert len(bezier) > 5
+    for a, b in zip(bezier[:-1, :2], bezier[1:, :2], strict=True):
+        along = (b - a) / np.linalg.norm(b - a)
+        ahead = (curve - a) @ along
+        beside = np.abs((curve - a) @ np.array([-along[1], along[0]]))
+        assert beside[(ahead > 0) & (ahead < np.linalg.norm(b - a))].max() < 0.0501
+
+
+def test_a_rational_spline_is_a_circle(tmp_path: Path) -> None:
+    text = (
+        "G21 G90\nG0 X10 Y0 Z0\nG6.2 P3 K0 X10 Y0 Z0 R1 F60\nK0 X10 Y10 R0.70710678\n"
+        "K0 X0 Y10 R1\nK1\nK1\nK1\n"
+    )
+    found = positions(tmp_path, text)
+    assert np.allclose(np.linalg.norm(found, axis=1), 10, atol=1e-6)
+    assert np.allclose(found[-1], (0, 10, 0))
+
+
+def test_words_of_siemens_controls(tmp_path: Path) -> None:
+    text = (
+        '; 840D\nN10 G17 G710 G90 G54 G601 FNORM\nN20 T="MILL 10" D1\nN30 M6\nN40 MSG("CONTOUR")\n'
+        "N50 G0 X=0 Y=0 Z=5\nN60 G1 Z-2. F=240\nX60\nG3 X80 Y20 CR=20\n"
+        "G2 X100 Y40 I=AC(100) J=AC(20)\nG3 X100 Y40 I-5 J0 TURN=1\nSUPA G0 Z0 D0\nM30\n"
+    )
+    found = operation(tmp_path, text)
+    p = 1e3 * found.path.position
+    assert found.tool.name == "MILL 10"
+    assert ("message", "CONTOUR") in {(e.kind, e.text) for e in found.events}
+    assert found.feed_range() == (pytest.approx(4e-3), pytest.approx(4e-3))
+    on_first = p[(p[:, 0] > 60.001) & (p[:, 0] <= 80.001)]
+    assert np.allclose(np.linalg.norm(on_first[:, :2] - (60, 20), axis=1), 20, atol=1e-6)
+    assert np.allclose(p[-1], (100, 40, -2))
+    ways = np.linalg.norm(np.diff(p, axis=0), axis=1).sum()
+    # 5 down to -2, 60, a quarter of 20 mm, a quarter of 20 mm, two turns of 5 mm
+    assert ways == pytest.approx(7 + 60 + 20 * np.pi + 20 * np.pi, rel=5e-3)
+
+
+def test_tool_vectors_of_siemens_controls(tmp_path: Path) -> None:
+    text = "G710 G90\nTRAORI\nG0 X0 Y0 Z9 A3=0 B3=0 C3=2\nG1 Z0 A3=1 C3=1 F60\nX5\n"
+    axis = operation(tmp_path, text).path.axis
+    assert axis is not None
+    half = np.sqrt(0.5)
+    assert np.allclose(axis, [[0, 0, 1], [half, 0, half], [half, 0, half]])
+
+
+def test_fine_boring_goes_in_at_feed_and_out(tmp_path: Path) -> None:
+    text = "G21 G90 G0 X0 Y0 Z9\nG76 X5 Z-3 R1 Q0.2 P500 F60\nG88 X9 Z-3 R1 P0.5\nG80\nM30\n"
+    read = program(tmp_path, text)
+    assert [e.seconds for e in read.operation().events] == [0.5, 0.5]
+    assert "without its way aside" in str(read.of_kind("assumed")[0])
+    with pytest.raises(InputError, match="cuts a thread"):
+        program(tmp_path, "G21 G0 X0 Y0 Z9\nG76 X1 Z-3 R1 P1 I1 J1 K1 F60\n")

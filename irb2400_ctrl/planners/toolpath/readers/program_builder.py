@@ -162,6 +162,12 @@ class ProgramBuilder:
         """Something happens at the last point."""
         self._draft.events.append(Event(kind, len(self._draft.position) - 1, self.line, text))
 
+    def dwell(self, seconds: float) -> None:
+        """The tool waits at the last point."""
+        self._draft.events.append(
+            Event("dwell", len(self._draft.position) - 1, self.line, f"{seconds:g} s", seconds)
+        )
+
     def note(self, kind: str, text: str) -> None:
         """A statement that makes no motion; equal ones are counted."""
         self._notes.add(kind, self.line, text)
@@ -228,7 +234,7 @@ class ProgramBuilder:
         for step in drilling.hole(cycle, point, self.axis):
             self.move(step.position, rapid=step.rapid)
             if step.dwell > 0:
-                self.event("dwell", f"{step.dwell:g} s")
+                self.dwell(step.dwell)
         self.feed = kept
 
     def finish(self, dialect: str, units: str, units_stated: bool) -> CamProgram:

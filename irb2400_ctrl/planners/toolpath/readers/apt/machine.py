@@ -64,6 +64,11 @@ class Machine:
         """NX: TLDATA/kind,diameter,corner radius,length,…"""
         values = self._numbers(statement)
         tool = self._builder.tool
+        if statement.words[:1] == ["TURN"]:
+            self._builder.note(
+                "assumed", "TLDATA/TURN: a turning tool; here the part does not turn"
+            )
+            return
         diameter = unit * values[0] if values and values[0] > 0 else None
         length = unit * values[2] if len(values) > 2 and values[2] > 0 else None
         self._builder.describe_tool(replace(tool, diameter=diameter, length=length))
@@ -152,7 +157,19 @@ class Machine:
         self._builder.stop(kind, statement.text)
 
     def _delay(self, statement: Statement, unit: float) -> None:
-        self._builder.event("dwell", statement.text)
+        """DELAY/seconds, DELAY/REV,turns of the spindle."""
+        builder = self._builder
+        values = self._numbers(statement)
+        if len(values) != 1 or values[0] < 0:
+            raise InputError(f"{builder.place}: DELAY/{statement.text[:40]}, expected one time [s]")
+        seconds = values[0]
+        if "REV" in statement.words:
+            if builder.spindle.rpm <= 0:
+                raise InputError(
+                    f"{builder.place}: DELAY/REV, but the spindle's speed is not stated"
+                )
+            seconds *= 60 / builder.spindle.rpm
+        builder.dwell(seconds)
 
     def _compensation(self, statement: Statement, unit: float) -> None:
         builder = self._builder

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
 from irb2400_ctrl.arrays import Array
@@ -41,8 +43,26 @@ def points(knots: Array, control: Array, chord: float) -> Array:
     """
     from scipy.interpolate import BSpline
 
-    curve = BSpline(knots, control, CUBIC)
-    t = np.unique(knots)
+    return _halved(BSpline(knots, control, CUBIC), np.unique(knots), chord)[1:]
+
+
+def rational_points(knots: Array, control: Array, degree: int, chord: float) -> Array:
+    """As `points`, the first one too, of a rational B-spline: control points and weights."""
+    from scipy.interpolate import BSpline
+
+    weights = control[:, 3:]
+    curve = BSpline(knots, np.hstack([control[:, :3] * weights, weights]), degree)
+
+    def place(t: Array) -> Array:
+        found = curve(t)
+        return np.asarray(found[:, :3] / found[:, 3:], dtype=float)
+
+    inner = knots[degree : len(knots) - degree]
+    return _halved(place, np.unique(inner), chord)
+
+
+def _halved(curve: Callable[[Array], Array], t: Array, chord: float) -> Array:
+    """Points at t, halved until every chord is near enough."""
     for _ in range(ROUNDS):
         p = curve(t)[:, :3]
         far = np.zeros(len(t) - 1)
@@ -53,7 +73,7 @@ def points(knots: Array, control: Array, chord: float) -> Array:
         if not coarse.any():
             break
         t = np.sort(np.concatenate([t, (t[:-1] + t[1:])[coarse] / 2]))
-    return np.asarray(curve(t)[1:], dtype=float)
+    return np.asarray(curve(t), dtype=float)
 
 
 def _distance(points: Array, start: Array, end: Array) -> Array:

@@ -15,14 +15,42 @@ from dataclasses import dataclass
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.planners.toolpath.readers.unread_line import UnreadLineError
 
-WORD = re.compile(r"\s*([A-Z])\s*([-+]?(?:\d+\.?\d*|\.\d+))")
-# orders of Siemens' controls written as words
-NAMED = re.compile(r"\s*(TRAORI|TRAFOOF|SOFT|BRISK|FFWON|FFWOF|COMPCAD|COMPOF)\b(\(\s*1?\s*\))?")
+_NUMBER = r"([-+]?(?:\d+\.?\d*|\.\d+))"
+WORD = re.compile(rf"\s*([A-Z])\s*=?\s*{_NUMBER}")
+# words of several letters (Siemens)
+EXTENDED = ("CR", "TURN", "A3", "B3", "C3", "IAC", "JAC", "KAC")
+EXTENDED_WORD = re.compile(rf"\s*({'|'.join(EXTENDED)})\s*=\s*{_NUMBER}")
+# orders of Siemens' controls written as words: transformation, acceleration, feed, compression
+_QUIET = """SOFT BRISK DRIVE FFWON FFWOF COMPCAD COMPON COMPCURV COMPOF FNORM FLIN CFC CFTCP CFIN
+ORIWKS ORIAXES ORIVECT ORISON ORISOF DIAMOF STOPRE FGROUP WAITS"""
+NAMED = re.compile(rf"\s*(TRAORI|TRAFOOF|SUPA|{'|'.join(_QUIET.split())})\b(\(\s*[\w, ]*\s*\))?")
 SUBPROGRAM = re.compile(r"^\s*O\s*<|^\s*O\d+\s+(SUB|CALL|IF|WHILE|REPEAT|DO|ENDSUB)")
 UNREADABLE = (
-    (re.compile(r"[#\[\]]|\bR\d+\s*="), "variables and expressions are not read"),
+    (
+        re.compile(r"CYCLE\d+|MCALL|HOLES\d|POCKET\d|SLOT\d"),
+        "cycles written as calls (Siemens) are not read; let the CAM system write the moves",
+    ),
     (SUBPROGRAM, "sub-programs are not read"),
-    (re.compile(r"="), "words such as X=10 or CR=5 (Siemens) are not read"),
+    (
+        re.compile(r"[#\[\]]|\bR\d+\s*=|=\s*R\d|\b(WHILE|IF|GOTO[FB]?|END\d)\b|^\$|DEF\b"),
+        "variables, expressions and jumps are not read",
+    ),
+    (re.compile(r",\s*[RC]"), "corners written as ,R or ,C are not read"),
+    (re.compile(r"="), "of words with = only those such as X=10, CR=5, I=AC(10), A3=0 are read"),
+    (
+        re.compile(r"\b(TRANS|ATRANS|ROT|AROT|ROTS|SCALE|ASCALE|MIRROR|AMIRROR)\b"),
+        "frames written as TRANS or ROT (Siemens) are not read",
+    ),
+)
+# Siemens' messages and names of tools, as comments; absolute centres as one word
+REWRITTEN = (
+    (re.compile(r'\bMSG\s*\(\s*"([^"]*)"\s*\)', re.IGNORECASE), r"(MSG, \1)"),
+    (re.compile(r"\bMSG\s*\(\s*\)", re.IGNORECASE), ""),
+    (re.compile(r'\bT\s*=\s*"([^"]*)"', re.IGNORECASE), r"(TC: \1)"),
+    (re.compile(rf"\b([IJK])\s*=\s*AC\s*\(\s*{_NUMBER}\s*\)", re.IGNORECASE), r"\1AC=\2"),
+    (re.compile(r"\bCYCLE832\s*\([^()]*\)", re.IGNORECASE), ""),
+    (re.compile(r"\bTRAORI\s*\(\s*1?\s*\)", re.IGNORECASE), "TRAORI"),
+    (re.compile(r"\bTRAFOOF\s*\(\s*\)", re.IGNORECASE), "TRAFOOF"),
 )
 
 
@@ -50,6 +78,8 @@ class Block:
 def blocks(text: str, name: str) -> Iterator[Block | UnreadLineError]:
     """All lines that hold anything; a line that cannot be read comes as its error."""
     for line, raw in enumerate(text.split("\n"), 1):
+        for pattern, text_for_it in REWRITTEN:
+            raw = pattern.sub(text_for_it, raw)
         code, comments, closed = _split(raw)
         code = code.strip().upper()
         optional = code.startswith("/")
@@ -77,11 +107,6 @@ def _split(raw: str) -> tuple[str, list[str], bool]:
     rest = raw
     while rest:
         start = re.search(r"[(;]", rest)
-        order = re.search(r"\bTRA(?:ORI|FOOF)\s*\(\s*1?\s*\)", rest, re.IGNORECASE)
-        if order and start and order.start() < start.start() < order.end():
-            code += rest[: order.end()]
-            rest = rest[order.end() :]
-            continue
         if start is None:
             code += rest
             break
@@ -116,7 +141,7 @@ def _words(code: str, place: str) -> tuple[list[tuple[str, float]], list[str]]:
     at = 0
     while at < len(code):
         named = NAMED.match(code, at)
-        word = WORD.match(code, at)
+        word = EXTENDED_WORD.match(code, at) or WORD.match(code, at)
         if named:
             orders.append(named.group(1))
             at = named.end()
@@ -124,7 +149,7 @@ def _words(code: str, place: str) -> tuple[list[tuple[str, float]], list[str]]:
             value = float(word.group(2))
             if not math.isfinite(value):
                 raise InputError(f"{place}: found {word.group(2)[:20]}…, expected a finite number")
-            words.append((word.group(1), value))
+            words.append(("R" if word.group(1) == "CR" else word.group(1), value))
             at = word.end()
         elif code[at:].strip() == "":
             break

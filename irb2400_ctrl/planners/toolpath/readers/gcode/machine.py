@@ -115,5 +115,5 @@ class GcodeMachine:
     def _order(self, order: str) -> None:
         if order in {"TRAORI", "TRAFOOF"}:
             self._state.tool_centre = order == "TRAORI"
-        else:
+        elif order != "SUPA":
             self._builder.note("ignored", order)

@@ -4,33 +4,40 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-import numpy as np
-
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.planners.toolpath.cam_program import CamProgram
 from irb2400_ctrl.planners.toolpath.readers.feed import LENGTHS
-from irb2400_ctrl.planners.toolpath.readers.gcode.blocks import Block, blocks
+from irb2400_ctrl.planners.toolpath.readers.gcode.blocks import EXTENDED, Block, blocks
+from irb2400_ctrl.planners.toolpath.readers.gcode.frames import CODES as FRAMES
+from irb2400_ctrl.planners.toolpath.readers.gcode.frames import GcodeFrames
 from irb2400_ctrl.planners.toolpath.readers.gcode.machine import GcodeMachine
-from irb2400_ctrl.planners.toolpath.readers.gcode.motion import CYCLES, GcodeMotion, moves
-from irb2400_ctrl.planners.toolpath.readers.gcode.rotary import Rotary, tilted_plane
+from irb2400_ctrl.planners.toolpath.readers.gcode.motion import (
+    CYCLES,
+    GcodeMotion,
+    dwell_seconds,
+    moves,
+)
+from irb2400_ctrl.planners.toolpath.readers.gcode.rotary import Rotary
+from irb2400_ctrl.planners.toolpath.readers.gcode.splines import MODES as SPLINES
 from irb2400_ctrl.planners.toolpath.readers.gcode.state import AXES, GcodeState
 from irb2400_ctrl.planners.toolpath.readers.program_builder import ProgramBuilder
 from irb2400_ctrl.planners.toolpath.readers.unread_line import UnreadLineError
 
-MOTION = {0, 1, 2, 3, 80, *CYCLES}
-LETTERS = frozenset("ABCDFGHIJKLMNPQRSTXYZ")
+MOTION = {0, 1, 2, 3, 80, *SPLINES, *CYCLES}
+LETTERS = frozenset([*"ABCDFGHIJKLMNPQRSTXYZ", *EXTENDED])
 # exact stop, blending, safe zones, look-ahead, compensation off: nothing for the points
-_QUIET = "5.1 8 9 15 22 23 25 26 40 49.1 50 50.1 61 61.1 62 63 64 69.1 80.1 97 103 187"
+_QUIET = """8 9 15 22 23 25 26 40 49.1 50 50.1 60 61 61.1 62 63 64 69.1 80.1 97 103 187
+601 602 603 641 642 643 644 645 450 451"""
 HARMLESS = frozenset(map(float, _QUIET.split()))
 # take axis words for something else than a place to go to, or end something
-SPECIAL = frozenset([4, 28, 28.1, 30, 53, 53.1, 68.2, 69, 92.1, 92.2])
+SPECIAL = frozenset([4, 28, 28.1, 30, 53, 53.1, *FRAMES])
 RADIUS = (
     "the offset by the tool's radius, which the control knows; let the CAM system write the path "
     "of the tool's centre"
 )
 REFUSED = {
-    5: "a spline",
     5.2: "a spline",
+    6.3: "a spline",
     7: "programming in diameters",
     10: "a change of the control's offsets",
     16: "polar coordinates",
@@ -41,14 +48,10 @@ REFUSED = {
     42: RADIUS,
     51: "scaling",
     51.1: "mirroring",
-    52: "a local offset",
     65: "a macro",
     66: "a macro",
-    68: "a rotation of coordinates",
-    76: "a cycle",
-    87: "a cycle",
-    88: "a cycle",
-    92: "a shift of coordinates",
+    87: "boring from below",
+    500: "the machine tool's own frame",
     96: "constant surface speed",
 }
 
@@ -81,6 +84,10 @@ def read_gcode(
             builder.failed(error)
         if reader.ended:
             break
+    try:
+        reader.end()
+    except InputError as error:
+        builder.failed(error)
     name_of_unit = reader.unit_name()
     return builder.finish("G-code", name_of_unit, reader.unit_stated)
 
@@ -97,6 +104,7 @@ class _Reader:
         self._units = units
         self._motion = GcodeMotion(builder, self._state, rotary)
         self._machine = GcodeMachine(builder, self._state)
+        self._frames = GcodeFrames(builder, self._state)
         self._used_offset: float | None = None
         self.ended = False
 
@@ -114,6 +122,10 @@ class _Reader:
             self._builder.note("assumed", "neither G20 nor G21 in the file: lengths in mm")
         return "mm" if self._state.unit == LENGTHS["mm"] else "inch"
 
+    def end(self) -> None:
+        """The file ends: nothing may be left open."""
+        self._motion.splines.none_open()
+
     def block(self, block: Block) -> None:
         """One line."""
         builder = self._builder
@@ -126,19 +138,20 @@ class _Reader:
         if unknown:
             raise InputError(f"{builder.place}: found the word {unknown[0]}, which is not read")
         codes = [round(code, 3) for code in block.codes("G")]
-        if 5 in codes and not moves(values, 2):
-            # Fanuc's G5 P10000: look-ahead; with places it is a spline
-            codes = [5.1 if code == 5 else code for code in codes]
+        if {5, 5.1} & set(codes) and not moves(values, 2):
+            # Fanuc's G5 P10000, G5.1 Q1; with places they are splines
+            builder.note("ignored", "G5, G5.1: look-ahead")
+            codes = [code for code in codes if code not in {5, 5.1}]
+        if 4 in codes:
+            values = self._dwell(values)
         functions = [int(code) for code in block.codes("M")]
         self._modes(codes, values)
         self._machine.before(functions, values, block.orders)
-        used = self._special(codes, values)
+        used = self._special([53, *codes] if "SUPA" in block.orders else codes, values)
         self._set_motion(codes)
         leads = not used and moves(values, self._state.motion)
         if leads and self._state.motion == 80:
-            raise InputError(
-                f"{builder.place}: found axis words after G80; expected G0, G1, G2, G3 or a cycle"
-            )
+            self._after_cycle()
         if leads:
             self._move(values)
         self._machine.after(functions)
@@ -164,8 +177,10 @@ class _Reader:
             19: lambda: setattr(state, "plane", 19),
             20: lambda: state.set_units(20),
             21: lambda: state.set_units(21),
-            70: lambda: state.set_units(70),
-            71: lambda: state.set_units(71),
+            70: lambda: state.set_units(20),
+            71: lambda: state.set_units(21),
+            700: lambda: state.set_units(20),
+            710: lambda: state.set_units(21),
             90: lambda: setattr(state, "absolute", True),
             91: lambda: setattr(state, "absolute", False),
             90.1: lambda: setattr(state, "arc_absolute", True),
@@ -187,7 +202,7 @@ class _Reader:
             raise InputError(f"{self._builder.place}: G{code:g} is {REFUSED[code]}; not read")
         elif code in HARMLESS:
             self._builder.note("ignored", f"G{code:g}")
-        elif 54 <= code < 60:
+        elif 54 <= code < 60 or 505 <= code < 600:
             state.work_offset = code
         elif code not in MOTION and code not in SPECIAL:
             raise InputError(f"{self._builder.place}: unknown code G{code:g}")
@@ -203,23 +218,36 @@ class _Reader:
 
     def _special(self, codes: list[float], values: dict[str, float]) -> bool:
         """Codes that take the axis words for something else; whether one did."""
-        state = self._state
-        builder = self._builder
-        if 4 in codes:
-            seconds = values.get("P", values.get("X", 0.0))
-            builder.event("dwell", f"P{seconds:g}")
+        if self._frames.run(codes, values):
             return True
-        if 68.2 in codes:
-            if "P" in values:
-                raise InputError(f"{builder.place}: G68.2 P… is not read; expected X Y Z I J K")
-            state.set_tilt(tilted_plane(values, state.unit))
-            return True
-        if 69 in codes:
-            state.set_tilt(np.eye(4))
         if {28, 30, 53} & set(codes):
             self._machine_place(codes, values)
             return True
-        return bool({28.1, 92.1, 92.2} & set(codes))
+        return bool({4, 28.1} & set(codes))
+
+    def _dwell(self, values: dict[str, float]) -> dict[str, float]:
+        """G4 P, X or F: seconds, or milliseconds where there are very many; what is left of the
+        block."""
+        builder = self._builder
+        stated = next((values[letter] for letter in "PXF" if letter in values), None)
+        if stated is None or stated < 0:
+            raise InputError(f"{builder.place}: G4 states no time, expected G4 P or X")
+        seconds = dwell_seconds(stated)
+        if seconds != stated:
+            builder.note("assumed", "a dwell of 100 or more is in milliseconds")
+        builder.dwell(seconds)
+        return {key: value for key, value in values.items() if key not in "PXFS"}
+
+    def _after_cycle(self) -> None:
+        """Axis words after G80: G0 or G1 from before the cycle goes on (Fanuc)."""
+        before = self._state.before_cycle
+        if before is None:
+            raise InputError(
+                f"{self._builder.place}: found axis words after G80; expected G0, G1, G2, G3 or a "
+                "cycle"
+            )
+        self._builder.note("assumed", f"after G80 the motion before the cycle goes on (G{before})")
+        self._state.motion = before
 
     def _machine_place(self, codes: list[float], values: dict[str, float]) -> None:
         """G28, G30, G53: places of the machine, which the robot has not."""
@@ -240,17 +268,21 @@ class _Reader:
             state.at[i] = None
 
     def _set_motion(self, codes: list[float]) -> None:
-        found = [int(code) for code in codes if code in MOTION]
+        found = [code for code in codes if code in MOTION]
         # G80 ends a cycle, and says nothing against a motion beside it: G0 G17 G40 G49 G80 G90
         found = [code for code in found if code != 80] or found
         if 80 in codes:
             self._state.cycle.clear()
         if len(set(found)) > 1:
             raise InputError(
-                f"{self._builder.place}: found G{found[0]} and G{found[1]} in one block, expected "
-                "one motion"
+                f"{self._builder.place}: found G{found[0]:g} and G{found[1]:g} in one block, "
+                "expected one motion"
             )
         if found:
+            if found[0] in {0, 1}:
+                self._state.before_cycle = int(found[0])
+            if found[0] not in SPLINES:
+                self._motion.splines.none_open()
             self._state.motion = found[0]
             if found[0] not in CYCLES:
                 self._state.cycle.clear()

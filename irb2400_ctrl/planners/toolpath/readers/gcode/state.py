@@ -28,7 +28,7 @@ class GcodeState:
     absolute: bool = True
     arc_absolute: bool = False
     feed_mode: int = 94
-    motion: int | None = None
+    motion: float | None = None
     retract_to_start: bool = True
     spindle_speed: float = 0.0
     """S word [1/min]"""
@@ -36,8 +36,12 @@ class GcodeState:
     work_offset: float | None = None
     at: list[float | None] = field(default_factory=lambda: [None, None, None])
     """place in the (tilted) work frame [m]; None where the file has not stated it yet"""
-    tilt: Array = field(default_factory=lambda: np.eye(4))
-    """pose of the tilted plane (G68.2) in the work frame"""
+    offset: Array = field(default_factory=lambda: np.eye(4))
+    """pose of the shifted zero (G52, G92) in the work frame"""
+    plane_pose: Array = field(default_factory=lambda: np.eye(4))
+    """pose of the tilted plane (G68.2) in that"""
+    turned: Array = field(default_factory=lambda: np.eye(4))
+    """pose of the turned coordinates (G68) in that"""
     rotary: dict[str, float] = field(default_factory=lambda: dict.fromkeys(ROTARY, 0.0))
     """[deg]"""
     tool_centre: bool = False
@@ -46,6 +50,13 @@ class GcodeState:
     """I J K of a straight move are the tool axis (G43.5)"""
     cycle: dict[str, float] = field(default_factory=dict)
     """words of the canned cycle in force; lengths in metres"""
+    before_cycle: int | None = None
+    """G0 or G1, as it was in force before the cycle"""
+
+    @property
+    def tilt(self) -> Array:
+        """Pose in the work frame of the frame that coordinates are stated in, shape (4, 4)."""
+        return self.offset @ self.plane_pose @ self.turned
 
     def set_units(self, code: int) -> None:
         """G20, G21 (G70, G71)."""
@@ -92,11 +103,16 @@ class GcodeState:
         p = np.array(point, dtype=float)
         return np.asarray(self.tilt[:3, :3] @ p + self.tilt[:3, 3])
 
-    def set_tilt(self, tilt: Array) -> None:
-        """Another tilted plane; the tool stays where it is."""
+    def reframe(self, **frames: Array) -> None:
+        """Other poses of `offset`, `plane_pose` or `turned`; the tool stays where it is."""
+        old = self.tilt
+        for name, pose in frames.items():
+            setattr(self, name, pose)
+        new = self.tilt
+        X = np.linalg.inv(new) @ old
         if None not in self.at:
-            X = np.linalg.inv(tilt) @ self.tilt
             self.at = list(X[:3, :3] @ np.array(self.at, dtype=float) + X[:3, 3])
-        elif not np.array_equal(tilt, self.tilt):
+        elif np.array_equal(X[:3, :3], np.eye(3)):
+            self.at = [None if a is None else a + b for a, b in zip(self.at, X[:3, 3], strict=True)]
+        else:
             self.at = [None, None, None]
-        self.tilt = tilt

@@ -1,0 +1,102 @@
+"""Codes that move the frame of the coordinates: G52, G92, G68, G68.2, and what ends them."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.planners.toolpath.readers.gcode.rotary import rotation, tilted_plane
+from irb2400_ctrl.planners.toolpath.readers.gcode.state import AXES, GcodeState
+from irb2400_ctrl.planners.toolpath.readers.program_builder import ProgramBuilder
+
+CODES = frozenset([52, 68, 68.2, 69, 92, 92.1, 92.2])
+
+
+class GcodeFrames:
+    """Carries them out on the state; the tool stays where it is."""
+
+    def __init__(self, builder: ProgramBuilder, state: GcodeState) -> None:
+        self._builder = builder
+        self._state = state
+
+    def run(self, codes: list[float], values: dict[str, float]) -> bool:
+        """Whether one of the codes took the words of the block for itself."""
+        state = self._state
+        if 69 in codes:
+            state.reframe(plane_pose=np.eye(4), turned=np.eye(4))
+        if {92.1, 92.2} & set(codes):
+            state.reframe(offset=np.eye(4))
+            return True
+        orders = {68.2: self._tilt, 68: self._turn, 52: self._local, 92: self._shift}
+        found = [code for code in codes if code in orders]
+        for code in found:
+            orders[code](values)
+        return bool(found)
+
+    def _tilt(self, values: dict[str, float]) -> None:
+        """G68.2 X Y Z I J K."""
+        if "P" in values:
+            raise InputError(
+                f"{self._builder.place}: G68.2 P… is not read; expected X Y Z I J K (Euler angles)"
+            )
+        self._state.reframe(plane_pose=tilted_plane(values, self._state.unit))
+
+    def _turn(self, values: dict[str, float]) -> None:
+        """G68 X Y R: coordinates turned in the plane about a point of it."""
+        state = self._state
+        place = self._builder.place
+        if "R" not in values or state.plane != 17 or set("ZIJK") & set(values):
+            raise InputError(f"{place}: G68 is read as G17 G68 X Y R only")
+        state.reframe(turned=np.eye(4))
+        centre = np.zeros(3)
+        for index, letter in enumerate("XY"):
+            known = state.at[index]
+            if letter in values:
+                centre[index] = values[letter] * state.unit
+            elif known is not None:
+                centre[index] = known
+            else:
+                raise InputError(f"{place}: G68 without {letter}, and the tool's is not stated yet")
+        X = np.eye(4)
+        X[:3, :3] = rotation(2, math.radians(values["R"]))
+        X[:3, 3] = centre - X[:3, :3] @ centre
+        state.reframe(turned=X)
+
+    def _local(self, values: dict[str, float]) -> None:
+        """G52 X Y Z: the zero lies there in the work frame; zeros end it."""
+        state = self._state
+        offset = state.offset.copy()
+        for index, letter in enumerate(AXES):
+            if letter in values:
+                offset[index, 3] = values[letter] * state.unit
+        self._builder.note("assumed", "G52: the zero is moved by what it states")
+        state.reframe(offset=offset)
+
+    def _shift(self, values: dict[str, float]) -> None:
+        """G92 X Y Z: the place of the tool is called so from here on."""
+        state = self._state
+        builder = self._builder
+        named: list[float | None] = [
+            values[letter] * state.unit if letter in values else state.at[index]
+            for index, letter in enumerate(AXES)
+        ]
+        builder.note("assumed", "G92: the zero is moved so that the tool's place has these numbers")
+        if builder.here is None and not builder.moved:
+            state.at = named
+            return
+        lost = [letter for i, letter in enumerate(AXES) if letter in values and state.at[i] is None]
+        if lost:
+            raise InputError(f"{builder.place}: G92 {lost[0]}, but the tool's place is not known")
+        away = self._moved(state.at) - self._moved(named)
+        offset = state.offset.copy()
+        offset[:3, 3] += away
+        state.reframe(offset=offset)
+        state.at = named
+
+    def _moved(self, point: list[float | None]) -> Array:
+        state = self._state
+        X = state.plane_pose @ state.turned
+        return np.asarray(X[:3, :3] @ np.array([p or 0.0 for p in point]) + X[:3, 3])
