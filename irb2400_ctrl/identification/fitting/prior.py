@@ -22,6 +22,8 @@ from irb2400_ctrl.robot import Robot, Uncertainty
 
 DEGREES_OF_FREEDOM = 4.0
 """of the Student-t on each body"""
+RESTING = 0.02
+"""speed and acceleration of a joint that counts as resting, over those of the fastest"""
 WIDE = 1.0
 """torque of a number that nobody knows, as a share of the joint's rms torque"""
 
@@ -84,7 +86,10 @@ def prior_of(
         uncertainty: spreads of the file's numbers; default those that the file states.
     """
     n = robot.n
-    torque, speed, acceleration = scale
+    torque = scale[0]
+    # of a joint that rests only noise is left, which is no scale of anything
+    moves = scale[1] > RESTING * scale[1].max()
+    speed, acceleration = (np.maximum(size, RESTING * size.max()) for size in scale[1:])
     u = robot.uncertainty if uncertainty is None else uncertainty
     covariances = np.zeros((n, 10, 10))
     for i, (body, name) in enumerate(named_bodies(robot)):
@@ -110,7 +115,7 @@ def prior_of(
         value = known.get(term, np.zeros(n))
         mean[place] = value
         # friction of a file is that of another day: half of it, at least a few per cent wide
-        spread = np.where(value > 0, np.hypot(0.5 * value, 0.1 * size[term]), size[term])
+        spread = np.where(value > 0, np.hypot(0.5 * value, 0.1 * size[term] * moves), size[term])
         drives[place] = spread**2
     for extra in layout.extras:
         drives[layout.extra(extra)] = _extra_widths(extra, wide, speed, acceleration) ** 2
