@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.arrays import Array, Integers
 from irb2400_ctrl.identification.fitting.columns import ColumnLayout, Extra
 from irb2400_ctrl.identification.fitting.cross_validation import overall, unseen_rms
 from irb2400_ctrl.identification.fitting.estimate import (
@@ -36,6 +36,8 @@ NOTHING = 1e-9
 """[Nm] what a joint that rests leaves"""
 PINNED = 1e-8
 """variance, over its own, of a number that is held at zero"""
+
+Group = tuple[Extra, ...]
 
 
 @dataclass(frozen=True)
@@ -126,7 +128,8 @@ def _fitted(
     """
     positive = layout.positive()
     aside = np.full(layout.n, ASIDE)
-    first = estimate(sums, prior, correlation=1.0, positive=positive, kappa=aside, rounds=5)
+    held = _without_read_rotors(prior, layout)
+    first = estimate(sums, held, correlation=1.0, positive=positive, kappa=aside, rounds=5)
     factors = [
         correlation_factor(
             part.motion.tau - predicted(model, layout, part, first.theta), part.motion.known
@@ -134,13 +137,22 @@ def _fitted(
         for part in parts
     ]
     correlation = max(1.0, float(np.median(np.mean(factors, axis=0))))
-    wary = estimate(sums, prior, correlation=correlation, positive=positive, sigma=first.sigma)
+    wary = estimate(sums, held, correlation=correlation, positive=positive, sigma=first.sigma)
     tried = [
-        estimate(sums, prior, correlation=correlation, positive=positive, start=start)
+        estimate(sums, held, correlation=correlation, positive=positive, start=start)
         for start in (wary, None)
     ]
-    numbers = max(tried, key=lambda e: log_evidence(sums, prior, e, correlation))
+    numbers = max(tried, key=lambda e: log_evidence(sums, held, e, correlation))
     return Fit(layout, prior, sums, numbers, correlation, first.sigma)
+
+
+def _without_read_rotors(prior: Prior, layout: ColumnLayout) -> Prior:
+    """The prior with the rotors held at zero whose drives do not read the accelerating torque: logs
+    tell the difference of the two alone. Their uncertainty stays that of `prior`."""
+    joints = [extra.joint - 1 for extra in layout.extras if extra.kind == "reading"]
+    drives = prior.drives.copy()
+    drives[layout.drive("rotor").start + np.array(joints, dtype=int) - layout.inertial] *= PINNED
+    return replace(prior, drives=drives)
 
 
 @dataclass(frozen=True)
@@ -169,50 +181,67 @@ def _tried(
     return _Trial(log_evidence(part, own, like, base.correlation), left)
 
 
+def _below(base: Fit) -> Integers:
+    """Columns of the drives whose numbers would go below zero without bounds."""
+    free = unbounded_minimum(base.sums, base.prior, base.numbers, base.correlation)
+    return np.flatnonzero(base.layout.positive() & (free < 0.0))
+
+
 def _pinned(base: Fit, prior: Prior) -> Prior:
     """The prior with those numbers held at zero that would go below without bounds."""
-    free = unbounded_minimum(base.sums, base.prior, base.numbers, base.correlation)
-    below = np.flatnonzero(base.layout.positive() & (free < 0.0)) - base.layout.inertial
     drives = prior.drives.copy()
-    drives[below] *= PINNED
+    drives[_below(base) - base.layout.inertial] *= PINNED
     return replace(prior, drives=drives)
 
 
-def _chosen(base: Fit, sums: Moments, prior: Prior, whole: ColumnLayout) -> tuple[Extra, ...]:
+def _offered(base: Fit, extras: Sequence[Extra]) -> list[Group]:
+    """Each extra alone, and the readings of all rotors that would go below zero as one: drives are
+    alike, and one reading alone is paid by the joints beside it."""
+    rotor = base.layout.drive("rotor")
+    below = {int(k) - rotor.start + 1 for k in _below(base) if rotor.start <= k < rotor.stop}
+    readings = tuple(e for e in extras if e.kind == "reading" and e.joint in below)
+    singles: list[Group] = [(extra,) for extra in extras]
+    return [*singles, readings] if len(readings) > 1 else singles
+
+
+def _chosen(base: Fit, sums: Moments, prior: Prior, whole: ColumnLayout) -> Group:
     """Extras one after another, the best first, while one is clear and gains unseen."""
     n = base.layout.n
-    chosen: tuple[Extra, ...] = ()
-    open_ones = list(whole.extras)
+    chosen: Group = ()
+    open_ones = _offered(base, whole.extras)
     now = _tried(base, sums, prior, whole, base.layout)
     while open_ones:
         trials = {
-            extra: _tried(base, sums, prior, whole, ColumnLayout(n, (*chosen, extra)))
-            for extra in open_ones
+            some: _tried(base, sums, prior, whole, ColumnLayout(n, (*chosen, *some)))
+            for some in open_ones
         }
-        good = [extra for extra in open_ones if _gains(extra, trials[extra], now)]
         like = {extra.kind for extra in chosen}
         good = [
-            extra
-            for extra in good
-            if trials[extra].evidence
-            > now.evidence + (0.0 if extra.kind in like else CLEAR[extra.kind])
+            some
+            for some in open_ones
+            if _gains(some, trials[some], now)
+            and trials[some].evidence
+            > now.evidence + (0.0 if some[0].kind in like else CLEAR[some[0].kind])
         ]
         if not good:
             return chosen
-        best = max(good, key=lambda extra: trials[extra].evidence)
+        best = max(good, key=lambda some: trials[some].evidence)
         # what is less probable now hardly becomes clear later
         open_ones = [
-            extra for extra in open_ones if extra != best and trials[extra].evidence > now.evidence
+            some
+            for some in open_ones
+            if not set(some) & set(best) and trials[some].evidence > now.evidence
         ]
         now = trials[best]
-        chosen = (*chosen, best)
+        chosen = (*chosen, *best)
     return chosen
 
 
-def _gains(extra: Extra, trial: _Trial, now: _Trial) -> bool:
-    """Whether no joint leaves more on unseen stretches, and one that it touches clearly less."""
+def _gains(some: Group, trial: _Trial, now: _Trial) -> bool:
+    """Whether no joint leaves more on unseen stretches, and one that they touch clearly less."""
     # a joint that rests leaves nothing, and gains nothing
     gain = np.where(now.left > NOTHING, 1.0 - trial.left / np.maximum(now.left, NOTHING), 0.0)
-    if extra.kind == "balancer":  # bodies that cannot be take its place: the evidence knows
+    if some[0].kind == "balancer":  # bodies that cannot be take its place: the evidence knows
         return bool(gain.min() > -HARM)
-    return bool(gain.min() > -HARM and gain[list(extra.touches)].max() > LEAST_GAIN)
+    touched = [joint for extra in some for joint in extra.touches]
+    return bool(gain.min() > -HARM and gain[touched].max() > LEAST_GAIN)
