@@ -14,9 +14,6 @@ from irb2400_ctrl.effects.drawing import Drawing
 from irb2400_ctrl.effects.prior import Prior
 from irb2400_ctrl.effects.signals import Signals
 
-TURNING = 0.1
-"""[rad/s] speed over which dry friction of the gears turns round"""
-
 
 class WristCoupling(Effect):
     """tau_j = I qdd_k + D qd_k + F sgn qd_k,  tau_k = I qdd_j + D' qd_j + F' sgn qd_j,  k = j + 1.
@@ -61,13 +58,10 @@ class WristCoupling(Effect):
         return columns
 
     def discrepancy_basis(self, s: Signals) -> ca.SX:
-        # action and reaction through different ratios, the motor turned along as a load of its own,
-        # dry friction that turns round at some speed of its own
+        # action and reaction through different ratios, the motor turned along as a load of its own
         j = self.index
         n = s.q.numel()
-        columns = ca.SX(n, 6)
-        for column, (here, moved) in enumerate(((j, j + 1), (j + 1, j))):
-            columns[here, 4 + column] = ca.sign(s.qd[moved]) - ca.tanh(s.qd[moved] / TURNING)
+        columns = ca.SX(n, 4)
         for column, signal in enumerate((s.qdd, s.qd)):
             columns[j, column] = signal[j + 1]
             columns[j + 1, column] = -signal[j]
