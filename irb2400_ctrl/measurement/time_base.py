@@ -8,6 +8,7 @@ two they were sampled at.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -42,6 +43,8 @@ NEARBY = ((4.0, 0.04), (LONGEST, 0.002))
 nearer to: first coarse, then fine"""
 TRIED = 81
 """periods in each"""
+ALIKE = 1.05
+"""times the least roughness: lattices on which the angles are as smooth"""
 SMOOTHER = 0.98
 """an even time base must leave less roughness than this share of what the stamps leave"""
 DECIDED = 0.05
@@ -81,12 +84,16 @@ def time_base(log: Log) -> TimeBase:
     best: tuple[float, Array, float] | None = None
     rough_stamps = _roughness(log.q, stamps)
     for finer in range(1, FINER + 1):
-        instants, step = _lattice(stamps, _period(stamps, finer))
-        if finer == 1 and np.std(stamps - instants) > BLURRED * step:
-            instants, step = _nearest_lattice(stamps, instants, step)
+        lattices = _lattices(stamps, finer)
+        instants, step = lattices[0]
         if np.std(stamps - instants) < EVEN:
             return TimeBase(stamps, step, float(np.std(stamps - instants)), _lost(instants, step))
-        rough = _ratio(_roughness(log.q, instants), rough_stamps)
+        ratios = [_ratio(_roughness(log.q, one), rough_stamps) for one, _ in lattices]
+        # stamps that scatter by more than a quarter of a period are near to wrong lattices as
+        # well: the angles know
+        rough = min(ratios)
+        smooth = [one for one, ratio in zip(lattices, ratios, strict=True) if ratio < ALIKE * rough]
+        instants, step = min(smooth, key=lambda one: float(np.std(stamps - one[0])))
         # a finer lattice follows any stamps a little better: it must be worth it
         if best is None or rough < 0.8 * best[0]:
             best = rough, instants, step
@@ -142,21 +149,30 @@ def _lattice(stamps: Array, period: float) -> tuple[Array, float]:
     return np.asarray(origin + period * index, dtype=float), period
 
 
-def _nearest_lattice(stamps: Array, instants: Array, step: float) -> tuple[Array, float]:
-    """The lattice near the median step that leaves the least scatter, where it leaves less.
+def _lattices(stamps: Array, finer: int) -> list[tuple[Array, float]]:
+    """Even instants that the stamps may stand for, with their periods."""
+    first = _lattice(stamps, _period(stamps, finer))
+    if finer > 1 or np.std(stamps - first[0]) <= BLURRED * first[1]:
+        return [first]
+    median = float(np.median(np.diff(stamps)))
+    finely = _nearest_lattice(stamps, first[1], NEARBY[1:])
+    return [first, finely, _nearest_lattice(stamps, median, NEARBY)]
+
+
+def _nearest_lattice(
+    stamps: Array, period: float, searches: Sequence[tuple[float, float]]
+) -> tuple[Array, float]:
+    """The lattice near a period that leaves the least scatter; `searches` as NEARBY.
 
     Samples that are lost look like a longer period; with the right one the stamps step by whole
     periods instead of drifting.
     """
-    period = float(np.median(np.diff(stamps)))
-    for span, width in NEARBY:
+    for span, width in searches:
         first = stamps[stamps < stamps[0] + span] - stamps[0]
         tried = period * (1.0 + np.linspace(-width, width, TRIED))
         scatter = [np.std(first - one * _rising(first / one)) for one in tried]
         period = float(tried[int(np.argmin(scatter))])
-    even, better = _lattice(stamps, period)
-    nearer = np.std(stamps - even) < np.std(stamps - instants)
-    return (even, better) if nearer else (instants, step)
+    return _lattice(stamps, period)
 
 
 def _rising(places: Array) -> Index:

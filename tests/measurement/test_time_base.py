@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from mujoco_plant.suites import suite
 
 from irb2400_ctrl.measurement import Log
 from irb2400_ctrl.measurement.log_facts import log_facts
@@ -95,3 +96,12 @@ def test_facts_of_a_log() -> None:
     np.testing.assert_allclose(facts.torque_noise, 0.2, rtol=0.15)
     assert facts.lag is not None
     np.testing.assert_allclose(facts.lag, 0.015, atol=1e-4)
+
+
+def test_stamps_that_scatter_over_more_than_a_period_do_not_shorten_it() -> None:
+    """Where stamps may cross, a lattice of another period is nearer to them; the angles know."""
+    (case,) = suite("jitter", 3, 1, 922905)
+    read = case.simulate()
+    base = time_base(Log(read.time, read.q, read.tau))
+    assert base.rebuilt
+    assert base.period == pytest.approx(4e-3, rel=2e-5)

@@ -1,0 +1,69 @@
+"""Whether both parts of a real recording tell the same story, and what each costs.
+
+    python -m benchmarks.real_halves FOLDER [--robots kr300,ur10,panda,tx40]
+
+FOLDER holds the recordings of `benchmarks/real_robots.py` (public data, not part of this project):
+two runs of the KR300, halves of UR10 and Panda, even and odd blocks of the TX40. What an arm has,
+both parts show: a name that one part alone gives is marked.
+"""
+
+from __future__ import annotations
+
+import argparse
+import time
+from pathlib import Path
+
+from threadpoolctl import threadpool_limits
+
+from benchmarks.real_robots import CASES
+from irb2400_ctrl.diagnosis import Diagnosis, Finding, diagnose
+
+Name = tuple[str, int | None]
+
+
+def story(found: Diagnosis) -> dict[Name, Finding]:
+    """Findings by kind and joint."""
+    return {(f.effect.kind, f.effect.joint): f for f in found.findings}
+
+
+def told(found: Diagnosis, other: Diagnosis) -> str:
+    """One line per name, marked where the other part does not say it."""
+    beside = story(other)
+    lines = []
+    for name, finding in story(found).items():
+        kinds = {name[0], *finding.alternatives}
+        same = any(kind in kinds and joint == name[1] for kind, joint in beside)
+        mark = "" if same else "   this part alone"
+        lines.append(
+            f"    {name[0]} {name[1] or ''} {finding.confidence:.2f}, "
+            f"share {finding.share.max():.3f}{mark}"
+        )
+    places = [u.joint for u in found.unexplained]
+    lines.append(f"    unexplained on {places}, beyond noise on {list(found.beyond_noise)}")
+    return "\n".join(lines)
+
+
+def main() -> None:
+    """Command line."""
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("folder", type=Path)
+    parser.add_argument("--robots", default="kr300,ur10,panda,tx40")
+    args = parser.parse_args()
+    for name in args.robots.split(","):
+        case = CASES[name](args.folder)
+        found = []
+        print(name, flush=True)
+        for log in (case.logs[0], case.others[0]):
+            start = time.process_time()
+            with threadpool_limits(limits=1, user_api="blas"):
+                found.append(diagnose(case.robot, log))
+            cpu = time.process_time() - start
+            print(f"  {log.name}: {log.duration:.0f} s, {found[-1].verdict}, {cpu:.1f} s of CPU")
+        for one, other in (found, found[::-1]):
+            print(f"  {one.identification.name}\n{told(one, other)}", flush=True)
+
+
+if __name__ == "__main__":
+    main()
