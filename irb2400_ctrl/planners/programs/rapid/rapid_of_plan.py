@@ -33,14 +33,18 @@ def rapid_of_plan(
     """
     events = [] if operation is None else _events(plan, operation)
     model = Model(plan.robot)
-    return rapid_program(model, plan.trajectory, options=options, X_BW=X_BW, events=events)
+    external = () if plan.positioner is None else plan.positioner
+    return rapid_program(
+        model, plan.trajectory, options=options, X_BW=X_BW, events=events, external=external
+    )
 
 
 def rapid_of_motion(
     motion: ProgramMotion, options: RapidOptions | None = None, *, X_BW: Array | None = None
 ) -> RapidProgram:
     """The module of a whole program: MoveL where the tool follows a path, MoveAbsJ where the joints
-    move, a stop point between segments, and the events in their places.
+    move, a stop point between segments, and the events in their places. A positioner that turns
+    between operations is two external axes; the targets are then in the base (`X_BW` None).
 
     Raises:
         InputError: segments have different tools, an approach is asked for that the motion has
@@ -63,10 +67,14 @@ def rapid_of_motion(
     time = motion.trajectory.time
     joints = np.zeros(len(time), dtype=bool)
     stops = np.zeros(len(time), dtype=bool)
+    stands = [segment.positioner for segment in motion.segments]
+    external = np.zeros((len(time), 0 if stands[0] is None else 2))
     for segment in motion.segments:
         first, last = np.searchsorted(time, np.array([segment.start, segment.end]) - 1e-6)
         joints[first + 1 : last + 1] = segment.kind in JOINT_MOVES
         stops[last] = True
+        if segment.positioner is not None:
+            external[first + (first > 0) :] = segment.positioner
     return rapid_program(
         Model(robots[0]),
         motion.trajectory,
@@ -74,8 +82,21 @@ def rapid_of_motion(
         X_BW=X_BW,
         joint_rows=joints,
         stops=stops,
-        events=motion.events,
+        events=_besides_waits(motion, options),
+        external=external,
     )
+
+
+def _besides_waits(motion: ProgramMotion, options: RapidOptions) -> list[TimedEvent]:
+    """Events without the dwells during which the rows stand: their pause is written already."""
+    if any(rule.event == "dwell" for rule in options.signals):
+        return list(motion.events)
+    starts = np.array([s.start for s in motion.segments if s.kind == "wait"])
+    return [
+        event
+        for event in motion.events
+        if event.kind != "dwell" or not (np.abs(starts - event.time) < 2 / motion.rate).any()
+    ]
 
 
 def _events(plan: Plan, operation: Operation) -> list[TimedEvent]:

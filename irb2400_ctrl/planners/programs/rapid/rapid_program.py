@@ -78,7 +78,7 @@ def rapid_program(
     *,
     X_BW: Array | None = None,
     wrist_crossing: npt.NDArray[np.bool_] | None = None,
-    external: Sequence[float] = (),
+    external: ArrayLike = (),
     joint_rows: npt.NDArray[np.bool_] | None = None,
     stops: npt.NDArray[np.bool_] | None = None,
     events: Sequence[ProgramEvent] = (),
@@ -93,8 +93,8 @@ def rapid_program(
         (wobj0).
         wrist_crossing: rows where the path passes the wrist singularity, shape (n,): linear moves
             there run with `SingArea \\Wrist`; default where axis 5 changes sign.
-        external: positions of external axes for the whole program, in the controller's unit [deg or
-            mm].
+        external: positions of external axes for the whole program, shape (k,), or at every row,
+            shape (n, k), in the controller's unit [deg or mm].
         joint_rows: rows to which the joints move although the others are linear, shape (n,).
         stops: rows at which the plan is at rest, shape (n,): stop points.
         events: what the program asks for besides motion, at times of the plan; the arm stops there.
@@ -118,11 +118,27 @@ def rapid_program(
     }
     names = Names(options, model.robot.tool is not None, X_BW is not None)
     configuration = data.configuration(model, rows.q[samples])
-    extax = data.external_axes(external)
+    extax = _external_axes(external, len(q), first, len(rows.q))
     steps = program_steps(rows, samples, configuration, extax, names, said, writer.at_end())
     text, parts = module_texts(model, names, X_BW, steps)
     targets = np.array([step.row for step in steps if step.row is not None])
     return RapidProgram(text, targets, rows.q[targets], parts, first, tuple(writer.not_written))
+
+
+def _external_axes(external: ArrayLike, count: int, first: int, rows: int) -> list[str]:
+    """Data of the external axes at every row of the program, its ends as the plan's.
+
+    Raises:
+        InputError: neither for the whole program nor for every row.
+    """
+    values = np.asarray(external, dtype=float)
+    if values.ndim < 2:
+        return [data.external_axes(values.tolist())] * rows
+    if values.shape[0] != count:
+        raise InputError(f"RAPID: external is {values.shape}, expected ({count}, k) or (k,)")
+    padded = np.pad(values, ((first, rows - first - count), (0, 0)), mode="edge")
+    known = {row: data.external_axes(row) for row in set(map(tuple, padded.tolist()))}
+    return [known[tuple(row)] for row in padded.tolist()]
 
 
 @dataclass(frozen=True)

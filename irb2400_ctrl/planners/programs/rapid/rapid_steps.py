@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -37,7 +37,7 @@ def program_steps(
     rows: PlanRows,
     samples: npt.NDArray[np.int64],
     configuration: npt.NDArray[np.int64],
-    extax: str,
+    extax: Sequence[str],
     names: Names,
     said: Mapping[int, list[str]],
     at_end: list[str],
@@ -47,6 +47,7 @@ def program_steps(
     Args:
         samples: rows of the plan that moves go to, shape (m,).
         configuration: data of each, shape (m, 4).
+        extax: external axes at every row; where they change the arm stands while they move.
         said: statements at rows where the arm stands.
         at_end: statements after the last move.
     """
@@ -60,6 +61,10 @@ def program_steps(
         if k and rows.pauses(before, row):
             found.append(Step([f"WaitTime {rows.time[row] - rows.time[before]:.4f};"], []))
         else:
+            if k and extax[row] != extax[before]:
+                found.append(
+                    _external_move(rows, names, f"p{k + 1:0{width}d}e", before, extax[row])
+                )
             as_joints = k == 0 or bool(rows.as_joints[row])
             wrist = not as_joints and bool(rows.crossing[before + 1 : row + 1].any())
             if wrist != inside:
@@ -68,14 +73,20 @@ def program_steps(
                 inside = wrist
             name = f"p{k + 1:0{width}d}"
             if as_joints:
-                target = data.jointtarget(name, rows.q[row], extax)
+                target = data.jointtarget(name, rows.q[row], extax[row])
             else:
-                target = data.robtarget(name, rows.X_WT[row], configuration[k], extax)
+                target = data.robtarget(name, rows.X_WT[row], configuration[k], extax[row])
             lines = _move(rows, names, name, (before, row), zones[k])
             found.append(Step(lines, target, int(row), zones[k], zones[k] == 0))
         found += [Step([line], []) for line in said.get(int(row), [])]
     found += [Step([line], []) for line in (["SingArea\\Off;"] if inside else []) + at_end]
     return found
+
+
+def _external_move(rows: PlanRows, names: Names, name: str, row: int, extax: str) -> Step:
+    """The external axes go where the next moves need them."""
+    lines = move("MoveAbsJ", name, "vApproach", "fine", names)
+    return Step(lines, data.jointtarget(name, rows.q[row], extax), row)
 
 
 def _move(
