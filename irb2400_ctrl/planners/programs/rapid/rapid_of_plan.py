@@ -47,8 +47,7 @@ def rapid_of_motion(
     between operations is two external axes; the targets are then in the base (`X_BW` None).
 
     Raises:
-        InputError: segments have different tools, an approach is asked for that the motion has
-        itself, or as `rapid_program`.
+        InputError: an approach is asked for that the motion has itself, or as `rapid_program`.
     """
     options = options or RapidOptions()
     kinds = [segment.kind for segment in motion.segments]
@@ -56,13 +55,6 @@ def rapid_of_motion(
         raise InputError(
             "RAPID: found approach_mm or retract_mm for a motion that comes and goes by itself, "
             "expected one or the other; shape its links instead (--clearance, --approach)"
-        )
-    robots = [segment.piece.robot for segment in motion.segments]
-    if any(robot.tool != robots[0].tool for robot in robots):
-        names = sorted({"no tool" if r.tool is None else r.tool.name for r in robots})
-        raise InputError(
-            f"RAPID: the motion changes between {', '.join(names)}, expected one tool in a module; "
-            "plan the operations of each tool by themselves (--operation)"
         )
     time = motion.trajectory.time
     joints = np.zeros(len(time), dtype=bool)
@@ -76,7 +68,7 @@ def rapid_of_motion(
         if segment.positioner is not None:
             external[first + (first > 0) :] = segment.positioner
     return rapid_program(
-        Model(robots[0]),
+        Model(motion.segments[0].piece.robot),
         motion.trajectory,
         options=options,
         X_BW=X_BW,
@@ -84,7 +76,20 @@ def rapid_of_motion(
         stops=stops,
         events=_besides_waits(motion, options),
         external=external,
+        tools=_tools(motion, time),
     )
+
+
+def _tools(motion: ProgramMotion, time: Array) -> list[tuple[int, Model]]:
+    """Rows at which the tool changes, and the arm with the next one."""
+    found = []
+    known = motion.segments[0].piece.robot
+    for segment in motion.segments[1:]:
+        robot = segment.piece.robot
+        if robot.tool != known.tool:
+            known = robot
+            found.append((int(np.searchsorted(time, segment.start - 1e-6)), Model(robot)))
+    return found
 
 
 def _besides_waits(motion: ProgramMotion, options: RapidOptions) -> list[TimedEvent]:

@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.planners.programs.rapid import rapid_data as data
 from irb2400_ctrl.planners.programs.rapid.rapid_module_names import Names, move
 from irb2400_ctrl.planners.programs.rapid.rapid_rows import PlanRows
@@ -38,7 +39,7 @@ def program_steps(
     samples: npt.NDArray[np.int64],
     configuration: npt.NDArray[np.int64],
     extax: Sequence[str],
-    names: Names,
+    names: Sequence[Names],
     said: Mapping[int, list[str]],
     at_end: list[str],
 ) -> list[Step]:
@@ -48,11 +49,15 @@ def program_steps(
         samples: rows of the plan that moves go to, shape (m,).
         configuration: data of each, shape (m, 4).
         extax: external axes at every row; where they change the arm stands while they move.
+        names: for each tool.
         said: statements at rows where the arm stands.
         at_end: statements after the last move.
+
+    Raises:
+        InputError: the tool changes before a linear move.
     """
     width = max(4, len(str(len(samples))))
-    zones = _zones(rows, samples, names)
+    zones = _zones(rows, samples, names[0])
     found: list[Step] = []
     inside = False
     for k, row in enumerate(samples):
@@ -61,10 +66,9 @@ def program_steps(
         if k and rows.pauses(before, row):
             found.append(Step([f"WaitTime {rows.time[row] - rows.time[before]:.4f};"], []))
         else:
+            own = names[rows.tool[row]]
             if k and extax[row] != extax[before]:
-                found.append(
-                    _external_move(rows, names, f"p{k + 1:0{width}d}e", before, extax[row])
-                )
+                found.append(_external_move(rows, own, f"p{k + 1:0{width}d}e", before, extax[row]))
             as_joints = k == 0 or bool(rows.as_joints[row])
             wrist = not as_joints and bool(rows.crossing[before + 1 : row + 1].any())
             if wrist != inside:
@@ -76,7 +80,12 @@ def program_steps(
                 target = data.jointtarget(name, rows.q[row], extax[row])
             else:
                 target = data.robtarget(name, rows.X_WT[row], configuration[k], extax[row])
-            lines = _move(rows, names, name, (before, row), zones[k])
+            if not as_joints and rows.tool[row] != rows.tool[before]:
+                raise InputError(
+                    "RAPID: the tool changes where no move of the joints follows; expected links "
+                    "between the operations (--links)"
+                )
+            lines = _move(rows, own, name, (before, row), zones[k])
             found.append(Step(lines, target, int(row), zones[k], zones[k] == 0))
         found += [Step([line], []) for line in said.get(int(row), [])]
     found += [Step([line], []) for line in (["SingArea\\Off;"] if inside else []) + at_end]
