@@ -14,6 +14,7 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.cell.positioner import Angles, Plate
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.robot.shape import (
     Box,
@@ -134,6 +135,8 @@ class Cell(Table):
     """height of the floor in the robot base; absent: no floor"""
     work_object: Placed | None = None
     rail: Rail | None = None
+    positioner: Plate | None = None
+    """turns the work object; its place is stated at zero angles"""
     things: tuple[Thing, ...] = ()
     tools: tuple[CellTool, ...] = ()
     folder: Path = Field(default=Path(), exclude=True)
@@ -154,15 +157,56 @@ class Cell(Table):
                 f"{placed[0]} stands in the frame of the work object, but there is no "
                 "[work_object] with its place_mm"
             )
+        if self.positioner is not None and self.work_object is None:
+            problems.append(
+                "[positioner] turns the work object, but there is no [work_object] with its "
+                "place_mm (at zero angles)"
+            )
         if problems:
             raise ValueError("; ".join(problems))
         return self
 
     @property
     def work_frame(self) -> Array | None:
-        """X_BW of the work object, as the arm sees it from its carriage, shape (4, 4); None where
-        the file has none."""
-        return None if self.work_object is None else self.seen @ self.work_object.pose
+        """X_BW of the work object, as the arm sees it from its carriage and as the positioner has
+        turned it, shape (4, 4); None where the file has none."""
+        if self.work_object is None:
+            return None
+        return self.seen @ self.turned @ self.work_object.pose
+
+    @property
+    def turned(self) -> Array:
+        """What the positioner does to the work object, shape (4, 4)."""
+        angles = self.positioner_deg
+        return (
+            np.eye(4)
+            if self.positioner is None or angles is None
+            else self.positioner.moved(angles)
+        )
+
+    @property
+    def positioner_deg(self) -> Angles | None:
+        """(tilt, turn) of the positioner; None without one, or where they are yet to be found."""
+        stated = None if self.positioner is None else self.positioner.position_deg
+        return None if stated == "find" else stated
+
+    def on_positioner(self, angles_deg: Angles | Literal["find"]) -> Cell:
+        """The same with the positioner at (tilt, turn) [deg], or at angles to be found.
+
+        Raises:
+            InputError: the cell has no positioner, or the angles are outside its ranges.
+        """
+        if self.positioner is None:
+            raise InputError(
+                f"cell {self.name}: found no [positioner], expected one with tilt and turn"
+            )
+        if angles_deg != "find":
+            try:
+                self.positioner.moved(angles_deg)
+            except ValueError as error:
+                raise InputError(f"cell {self.name}: {error}") from error
+        plate = self.positioner.model_copy(update={"position_deg": angles_deg, "operations": {}})
+        return self.model_copy(update={"positioner": plate})
 
     @property
     def seen(self) -> Array:
@@ -189,8 +233,8 @@ class Cell(Table):
         return self.model_copy(update={"rail": moved})
 
     def placed(self, X: Array | None) -> Cell:
-        """The same with the work object, and all that stands in its frame, at X_BW (4, 4) [m]; as
-        it is where X is None."""
+        """The same with the work object, and all that stands in its frame, at X_BW (4, 4) [m] with
+        a positioner at zero; as it is where X is None."""
         if X is None:
             return self
         standing = Placed.at(np.linalg.inv(self.seen) @ X)

@@ -7,13 +7,14 @@ from pathlib import Path
 from pydantic import BaseModel, ValidationError
 
 from irb2400_ctrl.cell.description import Cell, CellTool, Mesh, Placed, Rail, Thing
+from irb2400_ctrl.cell.positioner import Plate, PlateAxis
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.reading import bounded_text, toml_tables
 from irb2400_ctrl.robot.file_problems import explain
 from irb2400_ctrl.robot.shape import Box, Capsule, Cylinder, Sphere
 
 TABLES: list[type[BaseModel]] = [Cell, CellTool, Mesh, Placed, Rail, Thing]
-TABLES += [Box, Capsule, Cylinder, Sphere]
+TABLES += [Plate, PlateAxis, Box, Capsule, Cylinder, Sphere]
 
 
 def load_cell(source: str | Path) -> Cell:

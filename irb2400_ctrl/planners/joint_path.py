@@ -11,6 +11,9 @@ import numpy.typing as npt
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.errors import InputError
 
+# what the powers of d are multiplied with in the derivatives of order 0, 1, 2, 3
+_POWERS = ((1.0, 1.0, 1.0, 1.0), (1.0, 2.0, 3.0), (2.0, 6.0), (6.0,))
+
 
 class JointMotion(Protocol):
     """Angles and two derivatives by a parameter, in pieces: what can be enclosed."""
@@ -120,21 +123,18 @@ class JointPath:
         """The same with the polynomial piece chosen by the caller (for one-sided values at
         knots)."""
         d = (s - self.knots[piece])[:, None]
-        c0, c1, c2, c3 = self.coefficients[:, piece]
-        if order == 0:
-            value = c0 + d * (c1 + d * (c2 + d * c3))
-        elif order == 1:
-            value = c1 + d * (2 * c2 + d * (3 * c3))
-        elif order == 2:
-            value = 2 * c2 + d * (6 * c3)
-        else:
-            value = 6 * c3
+        # Horner's rule; a coefficient is gathered only where it enters
+        value = _POWERS[order][-1] * self.coefficients[3, piece]
+        for power in range(2, order - 1, -1):
+            value *= d
+            value += _POWERS[order][power - order] * self.coefficients[power, piece]
         return np.asarray(value)
 
     def spread(self, s: Array, R: Array) -> tuple[Array, Array, Array]:
         """By how much q, q' and q'' differ at most from those at s (k,) on circles of radius R
         (k,) in the complex plane, each (k, n)."""
-        _, dq, ddq, dddq = (np.abs(self(s, order)) for order in (0, 1, 2, 3))
+        piece = self.piece(s)
+        dq, ddq, dddq = (np.abs(self.on_piece(s, piece, order)) for order in (1, 2, 3))
         r = R[:, None]
         return dq * r + ddq * r**2 / 2 + dddq * r**3 / 6, ddq * r + dddq * r**2 / 2, dddq * r
 

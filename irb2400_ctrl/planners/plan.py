@@ -73,6 +73,8 @@ class Plan(Displayed):
     not known"""
     rail: float | None = None
     """where on its rail the carriage stands all the time [m]; None without a rail"""
+    positioner: tuple[float, float] | None = None
+    """(tilt, turn) at which the positioner stands all the time [deg]; None without one"""
     deflection: dict[str, Any] | None = None
     """how far the tip gives way to the cutting force, at samples of the path; None without one"""
     rotation_map: RotationMap | None = None
@@ -126,6 +128,7 @@ class Plan(Displayed):
             "singularity_margin": self.singularity_margin,
             "clearance_mm": self.clearance,
             "rail_mm": None if self.rail is None else 1e3 * self.rail,
+            "positioner_deg": None if self.positioner is None else list(self.positioner),
             "deflection": self.deflection,
             "max_torque_ratio": self.max_torque_ratio,
             "max_velocity_ratio": self.max_velocity_ratio,

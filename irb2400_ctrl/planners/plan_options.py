@@ -54,6 +54,13 @@ class PlanOptions:
                 f"tool {self.tool_name!r} is one of a cell: expected a cell, too (cell=, --cell)"
             )
 
+        plate = None if self.cell is None else self.cell.positioner
+        if plate is not None and plate.position_deg == "find":
+            raise InputError(
+                'positioner: found position_deg = "find", which is answered for each operation of '
+                "a program (plan_program, irb2400 plan); expected angles: cell.on_positioner(...)"
+            )
+
     @property
     def tool(self) -> CellTool | None:
         """The tool of the cell in the spindle."""
@@ -67,6 +74,11 @@ class PlanOptions:
         if self.cell is None or self.cell.rail is None:
             return None
         return self.cell.rail.position_mm / 1e3
+
+    @property
+    def positioner(self) -> tuple[float, float] | None:
+        """(tilt, turn) at which the positioner stands [deg]; None without one."""
+        return None if self.cell is None else self.cell.positioner_deg
 
     @property
     def frame(self) -> Array | None:

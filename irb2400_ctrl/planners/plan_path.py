@@ -167,7 +167,8 @@ def plan_ways(
         margins = margins_as_read(model, orientation, scene, best, settled)
         seen = mapped(model, orientation, scene, best.choice) if options.mapped else None
     given = deflection(best, options.load)
-    return replace(planned, rail=options.rail, deflection=given, rotation_map=seen, **margins)
+    stands = {"rail": options.rail, "positioner": options.positioner}
+    return replace(planned, deflection=given, rotation_map=seen, **stands, **margins)
 
 
 def _counted(found: Iterable[Choice], told: Progress) -> Iterator[Choice]:

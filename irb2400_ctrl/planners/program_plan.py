@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -26,6 +26,7 @@ from irb2400_ctrl.planners.linking.program_motion import ProgramMotion
 from irb2400_ctrl.planners.linking.run import Run
 from irb2400_ctrl.planners.plan import Plan
 from irb2400_ctrl.planners.toolpath.cam_program import CamProgram, Operation
+from irb2400_ctrl.planners.toolpath.positioner import upright
 from irb2400_ctrl.robot import Robot
 
 ArmOf = Callable[[Operation], Robot]
@@ -160,14 +161,15 @@ def plan_program(
         InputError: an option is wrong for all of them.
     """
     links = LinkOptions() if links is None else links
-    plane = clearance_plane(robot, program, links, frame_of(options))
+    asked = [for_operation(robot, operation, options) for operation in program.operations]
+    plane = clearance_plane(robot, program, links, [frame_of(found) for found in asked])
     done = []
-    for operation in program.operations:
+    for operation, found in zip(program.operations, asked, strict=True):
         if started is not None:
             started(operation)
         arm = robot if arm_of is None else arm_of(operation)
         try:
-            runs = operation_runs(arm, operation, plane, links, with_its_tool(operation, options))
+            runs = operation_runs(arm, operation, plane, links, found)
             done.append(PlannedOperation(operation, runs))
         except InputError as error:
             done.append(PlannedOperation(operation, (), str(error)))
@@ -201,28 +203,43 @@ def plan_unwound(
             parts above the clearance plane.
     """
     operation = program.operation()
-    plane = clearance_plane(robot, program, links, frame_of(options))
-    runs = unwound_runs(robot, operation, plane, links, with_its_tool(operation, options), because)
+    found = for_operation(robot, operation, options)
+    plane = clearance_plane(robot, program, links, [frame_of(found)])
+    runs = unwound_runs(robot, operation, plane, links, found, because)
     rate = float(options.get("rate", 250.0))
     motion = link_operations(program.name, runs, plane, links, rate)
     return ProgramPlan(program, (PlannedOperation(operation, runs),), motion)
 
 
 def clearance_plane(
-    robot: Robot, program: CamProgram, links: LinkOptions, work_frame: Array | None
+    robot: Robot, program: CamProgram, links: LinkOptions, frames: Sequence[Array | None]
 ) -> ClearancePlane:
-    """The plane above everything that the operations cut."""
+    """The plane above everything that the operations cut, each in its work frame."""
     paths = [
-        (o.path if work_frame is None else o.path.moved(work_frame), o.rapid)
-        for o in program.operations
+        (o.path if frame is None else o.path.moved(frame), o.rapid)
+        for o, frame in zip(program.operations, frames, strict=True)
     ]
     return ClearancePlane.over(paths, spindle_axis(robot), links.clearance)
 
 
-def with_its_tool(operation: Operation, options: dict[str, Any]) -> dict[str, Any]:
-    """Options of `plan_path` with the cell's tool that the operation asks for, unless one is
-    named."""
+def for_operation(robot: Robot, operation: Operation, options: dict[str, Any]) -> dict[str, Any]:
+    """Options of `plan_path` with the cell's tool that the operation asks for, unless one is named,
+    and with the positioner at the operation's angles.
+
+    Raises:
+        InputError: the file's angles are outside the positioner's ranges.
+    """
     cell = options.get("cell")
-    if cell is None or options.get("tool") is not None:
+    if cell is None:
         return options
-    return {**options, "tool": cell.tool_of(operation.tool.number, operation.tool.name)}
+    found = dict(options)
+    if options.get("tool") is None:
+        found["tool"] = cell.tool_of(operation.tool.number, operation.tool.name)
+    if cell.positioner is not None:
+        asked = cell.positioner.asked(operation.number, operation.name)
+        if asked == "find":
+            path = operation.path.moved(cell.work_object.pose)
+            setting = upright(cell.positioner.kinematics, path, spindle_axis(robot))
+            asked = tuple(round(float(v), 3) for v in np.degrees(setting.angles))
+        found.update(cell=cell.on_positioner(asked), work_frame=None)
+    return found

@@ -8,17 +8,21 @@ from itertools import pairwise
 import numpy as np
 import numpy.typing as npt
 import pytest
-from rapid_motions import WORK, circle, wrist_passage
+from rapid_motions import HOME, WORK, circle, wrist_passage
 from scipy.spatial.transform import Rotation
 
 import irb2400_ctrl as irb
+from irb2400_ctrl.cell import CellTool, with_tool
+from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.planners.programs.rapid import rapid_data
+from irb2400_ctrl.planners.programs.rapid.rapid_check import check_rapid
 from irb2400_ctrl.planners.programs.rapid.rapid_program import (
     RapidOptions,
     rapid_program,
 )
 from irb2400_ctrl.planners.programs.rapid.rapid_reader import read_rapid
 from irb2400_ctrl.planners.programs.rapid.rapid_thinning import deviation
+from irb2400_ctrl.robot.shape import Sphere
 
 Array = npt.NDArray[np.float64]
 
@@ -239,3 +243,38 @@ def test_external_axes(model: irb.Model) -> None:
     text = rapid_program(model, time, q, external=(30.0, -45.5)).text
     assert {move.external for move in read_rapid(text).moves} == {(30.0, -45.5)}
     assert {move.external for move in read_rapid(rapid_program(model, time, q).text).moves} == {()}
+
+
+def test_several_tools_in_one_module(model: irb.Model) -> None:
+    shape = Sphere(kind="sphere", radius_mm=5)
+    drill = CellTool(name="drill", offset_mm=(3, 0, 40), shapes=(shape,))
+    other = irb.Model(with_tool(model.robot, drill))
+    _, q = circle(model, 201)
+    across = HOME + np.linspace(0, 0.1, 41)[1:, None]
+    back = HOME + 0.1 - np.linspace(0, 0.1, 101)[1:, None]
+    rows = np.concatenate([q, across, back])
+    times = np.arange(len(rows)) * 0.02
+    joints = np.zeros(len(rows), dtype=bool)
+    joints[201:241] = True
+    stops = np.zeros(len(rows), dtype=bool)
+    stops[[200, 240]] = True
+    changed = rapid_program(
+        model, times, rows, joint_rows=joints, stops=stops, tools=[(200, other)]
+    )
+    assert check_rapid(changed.text) == ()
+    assert changed.text.count("PERS tooldata") == 2
+    module = read_rapid(changed.text)
+    assert np.degrees(abs(module.joint_angles(model) - rows[changed.samples])).max() < 1e-4
+    first = [
+        move.X_FT for move, row in zip(module.moves, changed.samples, strict=True) if row <= 200
+    ]
+    assert all(X is not None and np.allclose(X, model.robot.X_FT, atol=1e-6) for X in first)
+    last = module.moves[-1].X_FT
+    assert last is not None
+    assert np.allclose(last, other.robot.X_FT, atol=1e-6)
+    # the tip of the other tool is where its targets are
+    X = module.moves[-1].X_BT
+    assert X is not None
+    assert np.allclose(X, other.tcp_pose(rows[-1]), atol=1e-5)
+    with pytest.raises(InputError, match="no move of the joints follows"):
+        rapid_program(model, times, rows, stops=stops, tools=[(200, other)])

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from typing import Any
+
 import numpy as np
 import pytest
 
 from irb2400_ctrl import load_robot
 from irb2400_ctrl.planners import builders, plan_path
 from irb2400_ctrl.planners.timing.piecewise_constant_law import PiecewiseConstantLaw
+from irb2400_ctrl.planners.timing.rate_limited import time_rate_limited as solver
 from irb2400_ctrl.planners.timing.rate_limited.rate_limited_law import RateLimitedLaw
 from irb2400_ctrl.planners.timing.sampled_reference.local_slowing import slowing
 from irb2400_ctrl.planners.toolpath.toolpath import ToolPath
@@ -103,3 +107,24 @@ def test_a_tilting_raster_is_driven_at_its_feed() -> None:
     assert plan.max_feed_ratio <= 1
     assert plan.feed_use is not None
     assert plan.feed_use.share > 0.75
+
+
+def test_one_place_above_a_rate_that_nobody_stated_does_not_slow_the_whole(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    path = builders.way_points([[0.9, 0.0, 0.5], [0.92, 0.0, 0.5], [0.9, 0.0, 0.5]], feed=0.02)
+    before = plan_path(ROBOT, path)
+    settled = solver._Search.settled
+
+    def one_above(self: Any, *arguments: Any) -> Any:
+        law, ratios, more = settled(self, *arguments)
+        rate = ratios.rate.copy()
+        rate[len(rate) // 2] = 2.3
+        return law, replace(ratios, rate=rate), more
+
+    monkeypatch.setattr(solver._Search, "settled", one_above)
+    after = plan_path(ROBOT, path)
+    assert after.guaranteed
+    assert after.duration == pytest.approx(before.duration, rel=1e-6)
+    stated = plan_path(ROBOT, path, torque_rate=50 * ROBOT.tau_max)
+    assert stated.duration > 1.5 * before.duration

@@ -102,6 +102,11 @@ def place(
     from irb2400_ctrl.report.pages.placement_page import placement_page
 
     around = None if cell is None else load_cell(cell)
+    if around is not None and around.positioner is not None:
+        raise InputError(
+            f"cell {around.name}: found a [positioner], which the search of a place does not turn; "
+            "expected a cell without it (plan --positioner find chooses its angles)"
+        )
     programs = [read_program(part, units=units) for part in parts]
     arm = load_arm(robot)
     load = cutting_load(arm, cutting_force, joint_stiffness, None)
@@ -181,7 +186,7 @@ def _planned(
 ) -> dict[str, Any]:
     """What planning the operations one by one gives at a place."""
     from irb2400_ctrl.planners import plan_path
-    from irb2400_ctrl.planners.program_plan import with_its_tool
+    from irb2400_ctrl.planners.program_plan import for_operation
 
     load = None if found.load is None else found.load.turned(X_BW)
     around = None if cell is None else cell.placed(X_BW)
@@ -189,7 +194,9 @@ def _planned(
     for number, operation in enumerate((o for p in programs for o in p.operations), 1):
         asked = {**options, "cell": around, "work_frame": X_BW, "load": load}
         try:
-            plan = plan_path(found.robot, operation.path, **with_its_tool(operation, asked))
+            plan = plan_path(
+                found.robot, operation.path, **for_operation(found.robot, operation, asked)
+            )
         except InputError as error:
             return {"refused": f"operation {number}: {error}"}
         plan.write(out / f"{number:02d}")

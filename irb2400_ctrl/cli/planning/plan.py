@@ -23,6 +23,7 @@ from irb2400_ctrl.cli.options import (
 from irb2400_ctrl.cli.planning.cutting import CuttingForceOption, StiffnessOption, cutting_load
 from irb2400_ctrl.cli.planning.job import Job
 from irb2400_ctrl.cli.planning.path import ROTARY_HELP, UNITS_HELP
+from irb2400_ctrl.cli.planning.placing import PositionerOption, placed
 from irb2400_ctrl.cli.planning.plan_program import (
     link_options,
     plan_all,
@@ -42,7 +43,6 @@ from irb2400_ctrl.cli.summary import Summary, answers
 from irb2400_ctrl.errors import UnreachableError
 
 if TYPE_CHECKING:
-    from irb2400_ctrl.arrays import Array
     from irb2400_ctrl.cell import Cell
     from irb2400_ctrl.planners import CamProgram, Plan
 
@@ -177,6 +177,7 @@ def plan(
     work_frame: WorkFrameOption = None,
     cell: CellOption = None,
     tool: ToolOption = None,
+    positioner: PositionerOption = None,
     units: UnitsOption = None,
     rotary: RotaryOption = None,
     spindle_rpm: SpindleOption = None,
@@ -193,12 +194,13 @@ def plan(
     input_file(path, "a toolpath (CSV, APT/CLDATA or G-code)")
 
     from irb2400_ctrl.planners import read_program
+    from irb2400_ctrl.planners.linking.waits import waits
 
     program = read_program(path, units=units, rotary=rotary, spindle_rpm=spindle_rpm)
     program = _only(program, operation)
     output_folder(out)
     arm = load_arm(robot)
-    pose, around, frame = _placed(work_frame, cell)
+    pose, around, frame = placed(work_frame, cell, positioner)
     options = {
         "rate": rate,
         "free_tool_rotation": free_tool_rotation,
@@ -217,7 +219,8 @@ def plan(
     _say_assumed(program, around, tool)
     chosen = link_options(len(program.operations), links, clearance, approach, start)
     job = Job(arm, program, chosen, options, out, rapid_options(rapid, rapid_set, rapid_io))
-    return plan_all(job) if chosen.ends or len(program.operations) > 1 else _plan_one(job)
+    whole = chosen.ends or len(program.operations) > 1 or any(map(waits, program.operations))
+    return plan_all(job) if whole else _plan_one(job)
 
 
 def _only(program: CamProgram, operation: str | None) -> CamProgram:
@@ -227,20 +230,6 @@ def _only(program: CamProgram, operation: str | None) -> CamProgram:
         if operation is None
         else replace(program, operations=(program.operation(operation),))
     )
-
-
-def _placed(
-    work_frame: str | None, cell: Path | None
-) -> tuple[Array | None, Cell | None, Array | None]:
-    """The stated work frame, the cell with its work object there, and where the path stands."""
-    from irb2400_ctrl.cell import load_cell
-    from irb2400_ctrl.planners.toolpath.work_frame import work_frame as pose_of
-
-    pose = None if work_frame is None else pose_of(work_frame)
-    if cell is None:
-        return pose, None, pose
-    around = load_cell(cell).placed(pose)
-    return pose, around, around.work_frame
 
 
 def _say_assumed(program: CamProgram, cell: Cell | None, tool: str | None) -> None:
@@ -264,11 +253,11 @@ def _plan_one(job: Job) -> Summary:
     """The only operation, into the folder itself; in parts where axes have to be unwound."""
     from irb2400_ctrl.planners import plan_path
     from irb2400_ctrl.planners.linking.operation_runs import frame_of
-    from irb2400_ctrl.planners.program_plan import with_its_tool
+    from irb2400_ctrl.planners.program_plan import for_operation
 
     operation = job.program.operation()
     toolpath = operation.path
-    options = with_its_tool(operation, job.options)
+    options = for_operation(job.arm, operation, job.options)
     task = f"planning {len(toolpath):,} points"
     with step(task) as say:
         try:

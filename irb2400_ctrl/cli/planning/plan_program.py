@@ -13,6 +13,7 @@ from irb2400_ctrl.cli.summary import Summary
 from irb2400_ctrl.errors import InputError, UnreachableError
 
 if TYPE_CHECKING:
+    from irb2400_ctrl.arrays import Array
     from irb2400_ctrl.cli.planning.job import Job
     from irb2400_ctrl.planners import LinkOptions, Plan, ProgramMotion, ProgramPlan
     from irb2400_ctrl.robot import Robot
@@ -97,13 +98,13 @@ def plan_parts(job: Job, because: UnreachableError) -> Summary:
 def _write(found: ProgramPlan, job: Job) -> list[Path]:
     """All files; one RAPID module of the whole, or one of each plan where nothing links them."""
     from irb2400_ctrl.planners.linking.operation_runs import frame_of
-    from irb2400_ctrl.planners.program_plan import with_its_tool
+    from irb2400_ctrl.planners.program_plan import for_operation
 
     out = job.out
     written = found.write(out)
     for done in found.operations:
         for folder, run in done.folders():
-            options = with_its_tool(done.operation, job.options)
+            options = for_operation(job.arm, done.operation, job.options)
             title = f"Plan of operation {done.operation.number}, {done.operation.name}"
             names = [report(run.plan, out / folder, job.arm, title, options)]
             if job.rapid is not None and found.motion is None:
@@ -115,9 +116,22 @@ def _write(found: ProgramPlan, job: Job) -> list[Path]:
         title = f"Plan of {found.program.name}"
         names = [report(found.motion, out, job.arm, title, job.options)]
         if job.rapid is not None:
-            names += write_motion_module(found.motion, job.rapid, frame_of(job.options), out)
+            frame = _common_frame(found, job)
+            names += write_motion_module(found.motion, job.rapid, frame, out)
         written += [out / name for name in names]
     return written
+
+
+def _common_frame(found: ProgramPlan, job: Job) -> Array | None:
+    """The work frame of all operations; None where a positioner turns the part between them."""
+    from irb2400_ctrl.planners.linking.operation_runs import frame_of
+    from irb2400_ctrl.planners.program_plan import for_operation
+
+    asked = [for_operation(job.arm, done.operation, job.options) for done in found.operations]
+    frames = [frame_of(options) for options in asked]
+    first = frames[0]
+    alike = first is not None and all(f is not None and (f == first).all() for f in frames)
+    return first if alike else None
 
 
 def _told(found: ProgramPlan, out: Path, written: Sequence[Path]) -> Summary:

@@ -138,6 +138,7 @@ def _timed(
             timing.limits,
             count=max(timing.cells // 2, 50),
             sampling=timing.sampling,
+            slow=timing.rates_stated,
         ).law
     except InfeasiblePointError:
         if timing.rates_stated:

@@ -20,6 +20,7 @@ from irb2400_ctrl.planners.linking.program_events import at_rest, on_the_way
 from irb2400_ctrl.planners.linking.program_motion import ProgramMotion
 from irb2400_ctrl.planners.linking.run import Run
 from irb2400_ctrl.planners.linking.segment import Kind, Segment, TimedEvent
+from irb2400_ctrl.planners.linking.waits import Rest
 from irb2400_ctrl.planners.plan import Plan
 from irb2400_ctrl.robot import Robot
 
@@ -47,22 +48,31 @@ def link_operations(
         UnreachableError: a line to the clearance plane, or a move above it, is out of reach.
         InputError: `links.start` is no configuration of the arm.
     """
-    chain = _Chain(plane, links, rate)
+    home = start_of(runs[0].plan.robot, links.start)
+    chain = _Chain(plane, links, rate, home)
     if links.ends:
-        chain.here = start_of(runs[0].plan.robot, links.start)
+        chain.here = home
     start = chain.here
     before: Run | None = None
     for k, run in enumerate(runs):
         last = k == len(runs) - 1
-        chain.reach(run, before, lead=links.ends or before is not None)
+        if not (before is not None and goes_on(before, run)):
+            chain.reach(run, before, lead=links.ends or before is not None)
         chain.follow(run)
-        if not last or links.ends:
+        goes = not last and goes_on(run, runs[k + 1])
+        if not goes and (not last or links.ends):
             chain.leave(run)
         before = run
     chain.events += at_rest(runs[-1].operation, None, chain.time)
     if start is not None:
         chain.joints("return", runs[-1], start)
     return ProgramMotion(name, tuple(chain.segments), tuple(chain.events), plane, links, rate)
+
+
+def goes_on(before: Run, after: Run) -> bool:
+    """Whether a run goes on where the one before it has ended, without lifting the tool."""
+    same = before.operation is after.operation
+    return same and before.wait > 0 and int(before.points[-1]) == int(after.points[0])
 
 
 def start_of(robot: Robot, start: Array | None) -> Array:
@@ -92,6 +102,8 @@ class _Chain:
     plane: ClearancePlane
     links: LinkOptions
     rate: float
+    home: Array
+    """where the arm stands while the positioner turns"""
     here: Array | None = None
     """configuration at the end [rad]; None before the first segment"""
     segments: list[Segment] = field(default_factory=list)
@@ -111,6 +123,7 @@ class _Chain:
         if new:
             ended = None if before is None else before.operation
             self.events += at_rest(ended, run.operation, self.time)
+            self._turn_part(run, before)
         if not lead:
             return
         out = self._way_out(run, q)
@@ -126,6 +139,9 @@ class _Chain:
         """The run itself, and what happens on its way."""
         self.events += on_the_way(run, self.time)
         self._add("operation", run, run.plan)
+        if run.wait > 0:
+            rest = Rest.at(run, self.here, run.wait, self.rate)
+            self._add("wait", run, rest, f"the program waits for {run.wait:g} s")
 
     def leave(self, run: Run) -> None:
         """From the last way-point of a run up to the plane."""
@@ -142,15 +158,28 @@ class _Chain:
             note = _turned(run, self.here, target) if kind == "unwind" else ""
             self._add(kind, run, move, note)
 
+    def _turn_part(self, run: Run, before: Run | None) -> None:
+        """The positioner turns to the angles of a run, the arm away at home."""
+        angles = run.options.positioner
+        if angles is None or (before is not None and angles == before.options.positioner):
+            return
+        if before is not None:
+            self.joints("link", before, self.home)
+        text = f"tilt {angles[0]:g} deg, turn {angles[1]:g} deg"
+        line = int(run.operation.line[0])
+        number = run.operation.number
+        self.events.append(TimedEvent("positioner", text, line, number, self.time, True))
+
     def _way_out(self, run: Run, q: Array) -> Array:
         X = Model(run.plan.robot).tcp_pose(q)
         axis = -X[:3, :3] @ spindle_axis(run.plan.robot)
         return self.plane.way_out(X[:3, 3], axis, self.links.approach)
 
-    def _add(self, kind: Kind, run: Run, piece: Plan | JointPlan, note: str = "") -> None:
+    def _add(self, kind: Kind, run: Run, piece: Plan | JointPlan | Rest, note: str = "") -> None:
         because = run.because if kind == "unwind" else ""
         number = run.operation.number
-        self.segments.append(Segment(kind, number, piece, self.time, note, because))
+        angles = run.options.positioner
+        self.segments.append(Segment(kind, number, piece, self.time, note, angles, because))
         self.here = piece.trajectory.q[-1]
         self.rows += len(piece.trajectory.time) - 1
 

@@ -15,6 +15,7 @@ from irb2400_ctrl.planners.clearance import cutting_moves
 from irb2400_ctrl.planners.linking.clearance_plane import ClearancePlane, spindle_axis
 from irb2400_ctrl.planners.linking.link_options import LinkOptions
 from irb2400_ctrl.planners.linking.run import Run
+from irb2400_ctrl.planners.linking.waits import waiting
 from irb2400_ctrl.planners.plan import Plan
 from irb2400_ctrl.planners.plan_options import PlanOptions
 from irb2400_ctrl.planners.plan_path import plan_path
@@ -63,8 +64,8 @@ def operation_runs(
     try:
         plan = plan_path(robot, split.path, way_out=split.way_out(whole), **split.options)
     except UnreachableError as error:
-        return split.runs(whole, error, _DEPTH)
-    return (split.run(plan, whole, ""),)
+        return split.waiting(split.runs(whole, error, _DEPTH))
+    return split.waiting((split.run(plan, whole, ""),))
 
 
 def unwound_runs(
@@ -81,7 +82,7 @@ def unwound_runs(
         UnreachableError: `because`, where unwinding does not help.
     """
     split = _split(robot, operation, plane, links, options)
-    return split.runs(split.whole, because, _DEPTH)
+    return split.waiting(split.runs(split.whole, because, _DEPTH))
 
 
 def _split(
@@ -155,7 +156,14 @@ class Split:
     def run(self, plan: Plan, part: Part, because: str) -> Run:
         """A part with its plan."""
         stated = any(self.options.get(name) is not None for name in ("torque_rate", "jerk"))
-        return Run(self.operation, plan, part.points, self.robot, self._beside, stated, because)
+        return Run(
+            self.operation, plan, part.points, self.robot, self._beside, stated, because=because
+        )
+
+    def waiting(self, runs: tuple[Run, ...]) -> tuple[Run, ...]:
+        """The runs, cut where the operation waits."""
+        tolerance = float(self.options.get("tolerance", _TOLERANCE))
+        return tuple(part for run in runs for part in waiting(run, tolerance))
 
     @property
     def _beside(self) -> PlanOptions:

@@ -43,7 +43,7 @@ def on_the_way(run: Run, start: float) -> list[TimedEvent]:
         repeated = k == 0 and event.point > 0
         if k is not None and not repeated and not _waits(event, last):
             time = start + float(run.plan.point_times[k])
-            found.append(_timed(event, operation, time, False))
+            found.append(_timed(event, operation, time, event.seconds > 0))
     return found
 
 

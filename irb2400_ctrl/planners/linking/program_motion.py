@@ -17,6 +17,7 @@ from irb2400_ctrl.planners.linking.clearance_plane import ClearancePlane
 from irb2400_ctrl.planners.linking.joint_plan import JointPlan
 from irb2400_ctrl.planners.linking.link_options import LinkOptions
 from irb2400_ctrl.planners.linking.segment import Segment, TimedEvent
+from irb2400_ctrl.planners.linking.waits import Rest
 from irb2400_ctrl.planners.plan import SCHEMA_VERSION, Plan
 from irb2400_ctrl.trajectory import Trajectory
 
@@ -153,7 +154,7 @@ class ProgramMotion(Displayed):
         return total
 
 
-def worst(plans: Sequence[Plan], pieces: Sequence[Plan | JointPlan]) -> dict[str, Any]:
+def worst(plans: Sequence[Plan], pieces: Sequence[Plan | JointPlan | Rest]) -> dict[str, Any]:
     """What `plan.json` promises of a motion, as the worst of its pieces."""
     notes = [piece.guarantee_note for piece in pieces if piece.guarantee_note]
     feeds = [plan.max_feed_ratio for plan in plans if plan.max_feed_ratio is not None]

@@ -34,6 +34,8 @@ class Run:
     """rows, cell and tool of the moves beside it: its own"""
     rates_stated: bool = False
     """whether somebody asked for limits of torque rate or jerk"""
+    wait: float = 0.0
+    """how long the arm stands at its end, where its operation waits [s]"""
     because: str = ""
     """why the operation is not followed in one go; empty where it is"""
 

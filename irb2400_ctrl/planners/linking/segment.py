@@ -8,9 +8,10 @@ from typing import Any, Literal
 import numpy as np
 
 from irb2400_ctrl.planners.linking.joint_plan import JointPlan
+from irb2400_ctrl.planners.linking.waits import Rest
 from irb2400_ctrl.planners.plan import Plan
 
-Kind = Literal["approach", "lead-in", "operation", "retract", "link", "unwind", "return"]
+Kind = Literal["approach", "lead-in", "operation", "retract", "link", "unwind", "return", "wait"]
 
 
 @dataclass(frozen=True)
@@ -48,11 +49,13 @@ class Segment:
     kind: Kind
     operation: int
     """number of the operation that it belongs to, or leads to"""
-    piece: Plan | JointPlan
+    piece: Plan | JointPlan | Rest
     start: float
     """[s] from the start of the whole motion"""
     note: str = ""
     """what it does, where that is not plain"""
+    positioner: tuple[float, float] | None = None
+    """(tilt, turn) at which the positioner stands [deg]; None without one"""
     because: str = ""
     """why axes have to be unwound here; empty elsewhere"""
 
@@ -69,7 +72,7 @@ class Segment:
             "operation": self.operation,
             "start_s": self.start,
             "end_s": self.end,
-            "moves": "joints" if isinstance(piece, JointPlan) else "tool",
+            "moves": _MOVES[type(piece)],
             "length_mm": 1e3 * piece.length,
             "from_deg": _degrees(piece.trajectory.q[0]),
             "to_deg": _degrees(piece.trajectory.q[-1]),
@@ -81,15 +84,20 @@ class Segment:
         }
         if isinstance(piece, JointPlan):
             found["above_clearance_plane_mm"] = 1e3 * piece.lowest
-        else:
+        elif isinstance(piece, Plan):
             stated = piece.path.feed[np.isfinite(piece.path.feed)]
             if len(stated):
                 found["feed_mm_s"] = [1e3 * float(stated.min()), 1e3 * float(stated.max())]
             if piece.feed_use is not None:
                 found["feed"] = piece.feed_use.summary()
+        if self.positioner is not None:
+            found["positioner_deg"] = list(self.positioner)
         if self.note:
             found["note"] = self.note
         return found
+
+
+_MOVES = {JointPlan: "joints", Plan: "tool", Rest: "nothing"}
 
 
 def _degrees(q: Any) -> list[float]:

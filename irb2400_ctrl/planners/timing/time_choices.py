@@ -114,6 +114,7 @@ def limit_rates(
                 count=count,
                 feed=path.feed,
                 sampling=options.sampling,
+                slow=options.rates_stated,
             ).law
         except InfeasiblePointError as error:
             problem = _placed(error, path)

@@ -1,126 +1,26 @@
-"""A two-axis positioner that holds the work-piece, used 3+2: its angles stand still while the robot
-machines.
-
-W is the work-piece on the positioner's plate, P the plate's foot: X_BW = X_BP A_1(q_1) A_2(q_2)
-X_2W, each axis a line in P at zero angles (product of exponentials).
-"""
+"""Angles of a positioner (3+2) for a tool path: `irb2400_ctrl.cell.positioner` holds its
+kinematics."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Annotated, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
-from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.cell.positioner import Positioner, PositionerAxis
 from irb2400_ctrl.errors import InfeasibleError, InputError
 from irb2400_ctrl.planners.toolpath.toolpath import ToolPath
 
-Vector3 = tuple[float, float, float]
-Row4 = tuple[float, float, float, float]
-Pose = tuple[Row4, Row4, Row4, Row4]
-_IDENTITY: Pose = (
-    (1.0, 0.0, 0.0, 0.0),
-    (0.0, 1.0, 0.0, 0.0),
-    (0.0, 0.0, 1.0, 0.0),
-    (0.0, 0.0, 0.0, 1.0),
-)
+__all__ = ["Positioner", "PositionerAxis", "Setting", "choose_settings", "upright"]
 
 
-class PositionerAxis(BaseModel):
-    """One turning axis at zero angles, in the positioner's own frame."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
-
-    direction: Vector3
-    point_m: Vector3
-    range_deg: tuple[float, float]
-
-    @model_validator(mode="after")
-    def _usable(self) -> Self:
-        if np.linalg.norm(self.direction) < 1e-9:
-            raise ValueError("direction has no length")
-        if self.range_deg[0] >= self.range_deg[1]:
-            raise ValueError(f"range_deg is {list(self.range_deg)}, expected the lower end first")
-        return self
-
-    def motion(self, angle: float) -> Array:
-        """Turn by `angle` [rad] about the axis, shape (4, 4)."""
-        k = np.array(self.direction) / np.linalg.norm(self.direction)
-        K = np.array([[0, -k[2], k[1]], [k[2], 0, -k[0]], [-k[1], k[0], 0]])
-        X = np.eye(4)
-        X[:3, :3] += np.sin(angle) * K + (1 - np.cos(angle)) * K @ K
-        X[:3, 3] = (np.eye(3) - X[:3, :3]) @ np.array(self.point_m)
-        return X
-
-
-class Positioner(BaseModel):
-    """Two axes one on the other: `tilt` on the floor, `turn` carried by it, the work-piece on
-    `turn`."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
-
-    name: str = "positioner"
-    source: Annotated[str, Field(min_length=1)]
-    base: Pose
-    """X_BP, the positioner in the robot base"""
-    tilt: PositionerAxis
-    turn: PositionerAxis
-    work_piece: Pose = _IDENTITY
-    """X_PW at zero angles"""
-
-    @model_validator(mode="after")
-    def _poses(self) -> Self:
-        for key in ("base", "work_piece"):
-            X = np.array(getattr(self, key))
-            R = X[:3, :3]
-            if (
-                np.abs(R @ R.T - np.eye(3)).max() > 1e-6
-                or np.linalg.det(R) < 0
-                or (X[3] != (0, 0, 0, 1)).any()
-            ):
-                raise ValueError(f"{key} is not a pose: expected [[R, p], [0, 0, 0, 1]]")
-        return self
-
-    @property
-    def ranges(self) -> Array:
-        """Lower and upper angles of tilt and turn [rad], shape (2, 2)."""
-        return np.radians([self.tilt.range_deg, self.turn.range_deg]).T
-
-    def work_piece_pose(self, angles: ArrayLike) -> Array:
-        """X_BW at (tilt, turn) [rad], shape (4, 4).
-
-        Raises:
-            InputError: not two finite angles inside the ranges.
-        """
-        q = np.asarray(angles, dtype=float)
-        if q.shape != (2,) or not np.isfinite(q).all():
-            raise InputError(
-                f"{self.name}: found angles {angles!r}, expected two finite ones (tilt, turn)"
-            )
-        low, high = self.ranges
-        if (q < low - 1e-9).any() or (q > high + 1e-9).any():
-            axis = int(np.argmax(np.maximum(low - q, q - high)))
-            name = ("tilt", "turn")[axis]
-            limits = np.degrees([low[axis], high[axis]])
-            raise InputError(
-                f"{self.name}: {name} at {np.degrees(q[axis]):.2f} deg, range {limits[0]:.0f} to "
-                f"{limits[1]:.0f} deg"
-            )
-        X: Array = (
-            np.array(self.base)
-            @ self.tilt.motion(q[0])
-            @ self.turn.motion(q[1])
-            @ np.array(self.work_piece)
-        )
-        return X
-
-    def in_robot_base(self, path: ToolPath, angles: ArrayLike) -> ToolPath:
-        """A path stated on the work-piece, in the robot base with the positioner at (tilt, turn)
-        [rad]."""
-        return path.moved(self.work_piece_pose(angles))
+# of the search for upright tool axes [rad]
+_GRID = np.radians(5.0)
+_FINEST = np.radians(1e-3)
+# steps of the grid in a turn
+_TURN = 72
 
 
 @dataclass(frozen=True)
@@ -196,6 +96,38 @@ def choose_settings(
         )
         first = last
     return settings
+
+
+def upright(
+    positioner: Positioner, path: ToolPath, spindle_axis: ArrayLike = (0.0, 0.0, 1.0)
+) -> Setting:
+    """The angles at which the largest angle between the tool axes of a path and the vertical is
+    smallest: the best of a grid of 5 degrees, refined to 0.001 degrees."""
+    axes = path.tool_axis(np.asarray(spindle_axis, dtype=float))
+    low, high = positioner.ranges
+
+    def tilt_at(angles: Array) -> float:
+        up = positioner.work_piece_pose(np.clip(angles, low, high))[2, :3]
+        return float(np.arccos(np.clip(axes @ up, -1.0, 1.0)).max())
+
+    steps = _GRID * np.arange(-_TURN, _TURN + 1)
+    tilts, turns = (np.unique(np.clip(steps, a, b)) for a, b in zip(low, high, strict=True))
+    grid = np.array([(tilt, turn) for tilt in tilts for turn in turns])
+    found = np.array([tilt_at(angles) for angles in grid])
+    # of equally good angles those nearest to zero
+    good = np.flatnonzero(found <= found.min() + 1e-6)
+    best = grid[good[np.argmin(np.abs(grid[good]).sum(axis=1))]]
+    step = _GRID
+    while step > _FINEST:
+        around = best + step * np.array([(a, b) for a in (-1, 0, 1) for b in (-1, 0, 1)])
+        around = np.clip(around, low, high)
+        tilted = np.array([tilt_at(angles) for angles in around])
+        better = int(np.argmin(tilted))
+        if tilted[better] < tilt_at(best) - 1e-9:
+            best = around[better]
+        else:
+            step /= 2
+    return Setting(0, len(path) - 1, (float(best[0]), float(best[1])), tilt_at(best))
 
 
 def _stretch(seen: Array, axes: Array, first: int, bound: float) -> tuple[int, Array]:

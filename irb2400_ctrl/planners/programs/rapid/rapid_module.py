@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.planners.programs.rapid import rapid_data as data
@@ -12,13 +14,16 @@ _START = ["ConfL\\On;", "ConfJ\\On;", "SingArea\\Off;"]
 
 
 def module_texts(
-    model: Model, names: Names, X_BW: Array | None, steps: list[Step]
+    models: Sequence[Model], named: Sequence[Names], X_BW: Array | None, steps: list[Step]
 ) -> tuple[str, dict[str, str]]:
-    """The module, and the modules that it loads in turn by the names of their files."""
+    """The module, and the modules that it loads in turn by the names of their files; models and
+    names are those of each tool."""
+    names = named[0]
     options = names.options
     shared = []
-    if names.own_tool:
-        shared += data.tooldata(names.tool, model.robot)
+    for model, of_tool in zip(models, named, strict=True):
+        if of_tool.own_tool:
+            shared += data.tooldata(of_tool.tool, model.robot)
     if X_BW is not None:
         shared += data.wobjdata(names.work_object, X_BW)
     if options.targets_per_module == 0:

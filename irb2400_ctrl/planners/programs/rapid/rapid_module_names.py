@@ -16,11 +16,14 @@ class Names:
     options: RapidOptions
     own_tool: bool
     own_work_object: bool
+    number: int = 0
+    """of the tool among several, from 1; 0 for the only one"""
 
     @property
     def tool(self) -> str:
         """the module's own tool, or the bare flange"""
-        return self.options.tool if self.own_tool else "tool0"
+        name = self.options.tool if self.own_tool else "tool0"
+        return f"{name[:29]}_{self.number}" if self.own_tool and self.number else name
 
     @property
     def work_object(self) -> str:

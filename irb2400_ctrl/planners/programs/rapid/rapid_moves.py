@@ -39,6 +39,8 @@ class RapidMove:
     """runs under SingArea Wrist"""
     pause: float = 0.0
     """waiting time after it [s]"""
+    X_FT: Array | None = None
+    """TCP of its tool in the flange, shape (4, 4); None: that of the module"""
 
 
 @dataclass(frozen=True)
@@ -47,7 +49,7 @@ class RapidModule:
 
     name: str
     X_FT: Array
-    """TCP in the flange, shape (4, 4)"""
+    """TCP of the last tool in the flange, shape (4, 4)"""
     mass_kg: float
     com_m: tuple[float, float, float]
     moves: tuple[RapidMove, ...]
@@ -72,7 +74,8 @@ class RapidModule:
                 continue
             assert move.X_BT is not None
             assert move.configuration is not None
-            X_BT = move.X_BT @ np.linalg.inv(self.X_FT) @ model.robot.X_FT
+            X_FT = self.X_FT if move.X_FT is None else move.X_FT
+            X_BT = move.X_BT @ np.linalg.inv(X_FT) @ model.robot.X_FT
             seed = found[-1] if found else None
             fits = [
                 q

@@ -33,18 +33,21 @@ def rapid_of_plan(
     """
     events = [] if operation is None else _events(plan, operation)
     model = Model(plan.robot)
-    return rapid_program(model, plan.trajectory, options=options, X_BW=X_BW, events=events)
+    external = () if plan.positioner is None else plan.positioner
+    return rapid_program(
+        model, plan.trajectory, options=options, X_BW=X_BW, events=events, external=external
+    )
 
 
 def rapid_of_motion(
     motion: ProgramMotion, options: RapidOptions | None = None, *, X_BW: Array | None = None
 ) -> RapidProgram:
     """The module of a whole program: MoveL where the tool follows a path, MoveAbsJ where the joints
-    move, a stop point between segments, and the events in their places.
+    move, a stop point between segments, and the events in their places. A positioner that turns
+    between operations is two external axes; the targets are then in the base (`X_BW` None).
 
     Raises:
-        InputError: segments have different tools, an approach is asked for that the motion has
-        itself, or as `rapid_program`.
+        InputError: an approach is asked for that the motion has itself, or as `rapid_program`.
     """
     options = options or RapidOptions()
     kinds = [segment.kind for segment in motion.segments]
@@ -53,29 +56,52 @@ def rapid_of_motion(
             "RAPID: found approach_mm or retract_mm for a motion that comes and goes by itself, "
             "expected one or the other; shape its links instead (--clearance, --approach)"
         )
-    robots = [segment.piece.robot for segment in motion.segments]
-    if any(robot.tool != robots[0].tool for robot in robots):
-        names = sorted({"no tool" if r.tool is None else r.tool.name for r in robots})
-        raise InputError(
-            f"RAPID: the motion changes between {', '.join(names)}, expected one tool in a module; "
-            "plan the operations of each tool by themselves (--operation)"
-        )
     time = motion.trajectory.time
     joints = np.zeros(len(time), dtype=bool)
     stops = np.zeros(len(time), dtype=bool)
+    stands = [segment.positioner for segment in motion.segments]
+    external = np.zeros((len(time), 0 if stands[0] is None else 2))
     for segment in motion.segments:
         first, last = np.searchsorted(time, np.array([segment.start, segment.end]) - 1e-6)
         joints[first + 1 : last + 1] = segment.kind in JOINT_MOVES
         stops[last] = True
+        if segment.positioner is not None:
+            external[first + (first > 0) :] = segment.positioner
     return rapid_program(
-        Model(robots[0]),
+        Model(motion.segments[0].piece.robot),
         motion.trajectory,
         options=options,
         X_BW=X_BW,
         joint_rows=joints,
         stops=stops,
-        events=motion.events,
+        events=_besides_waits(motion, options),
+        external=external,
+        tools=_tools(motion, time),
     )
+
+
+def _tools(motion: ProgramMotion, time: Array) -> list[tuple[int, Model]]:
+    """Rows at which the tool changes, and the arm with the next one."""
+    found = []
+    known = motion.segments[0].piece.robot
+    for segment in motion.segments[1:]:
+        robot = segment.piece.robot
+        if robot.tool != known.tool:
+            known = robot
+            found.append((int(np.searchsorted(time, segment.start - 1e-6)), Model(robot)))
+    return found
+
+
+def _besides_waits(motion: ProgramMotion, options: RapidOptions) -> list[TimedEvent]:
+    """Events without the dwells during which the rows stand: their pause is written already."""
+    if any(rule.event == "dwell" for rule in options.signals):
+        return list(motion.events)
+    starts = np.array([s.start for s in motion.segments if s.kind == "wait"])
+    return [
+        event
+        for event in motion.events
+        if event.kind != "dwell" or not (np.abs(starts - event.time) < 2 / motion.rate).any()
+    ]
 
 
 def _events(plan: Plan, operation: Operation) -> list[TimedEvent]:

@@ -78,10 +78,11 @@ def rapid_program(
     *,
     X_BW: Array | None = None,
     wrist_crossing: npt.NDArray[np.bool_] | None = None,
-    external: Sequence[float] = (),
+    external: ArrayLike = (),
     joint_rows: npt.NDArray[np.bool_] | None = None,
     stops: npt.NDArray[np.bool_] | None = None,
     events: Sequence[ProgramEvent] = (),
+    tools: Sequence[tuple[int, Model]] = (),
 ) -> RapidProgram:
     """The module that moves along the plan.
 
@@ -93,11 +94,12 @@ def rapid_program(
         (wobj0).
         wrist_crossing: rows where the path passes the wrist singularity, shape (n,): linear moves
             there run with `SingArea \\Wrist`; default where axis 5 changes sign.
-        external: positions of external axes for the whole program, in the controller's unit [deg or
-            mm].
+        external: positions of external axes for the whole program, shape (k,), or at every row,
+            shape (n, k), in the controller's unit [deg or mm].
         joint_rows: rows to which the joints move although the others are linear, shape (n,).
         stops: rows at which the plan is at rest, shape (n,): stop points.
         events: what the program asks for besides motion, at times of the plan; the arm stops there.
+        tools: rows at which the tool changes, increasing, and the arm with the next one.
 
     Raises:
         InputError: shapes, order of time, not finite, outside the joint box, a name that RAPID
@@ -110,19 +112,40 @@ def rapid_program(
     standing[list(at_events)] = True
     joints = row_flags("joint_rows", joint_rows, len(q)) | (options.motion == "joint")
     flags = _Flags(wrist_rows(q, wrist_crossing), joints, standing)
-    rows, first, samples = _rows(model, (time, q), flags, options, X_BW)
+    models = [model, *(arm for _, arm in tools)]
+    changes = [row for row, _ in tools]
+    rows, first, samples = _rows(models, changes, (time, q), flags, options, X_BW)
     writer = EventWriter(options.signals)
     said = {
         row + first: [line for event in found for line in writer.lines(event)]
         for row, found in at_events.items()
     }
-    names = Names(options, model.robot.tool is not None, X_BW is not None)
+    names = [
+        Names(options, arm.robot.tool is not None, X_BW is not None, k if tools else 0)
+        for k, arm in enumerate(models, start=1)
+    ]
     configuration = data.configuration(model, rows.q[samples])
-    extax = data.external_axes(external)
+    extax = _external_axes(external, len(q), first, len(rows.q))
     steps = program_steps(rows, samples, configuration, extax, names, said, writer.at_end())
-    text, parts = module_texts(model, names, X_BW, steps)
+    text, parts = module_texts(models, names, X_BW, steps)
     targets = np.array([step.row for step in steps if step.row is not None])
     return RapidProgram(text, targets, rows.q[targets], parts, first, tuple(writer.not_written))
+
+
+def _external_axes(external: ArrayLike, count: int, first: int, rows: int) -> list[str]:
+    """Data of the external axes at every row of the program, its ends as the plan's.
+
+    Raises:
+        InputError: neither for the whole program nor for every row.
+    """
+    values = np.asarray(external, dtype=float)
+    if values.ndim < 2:
+        return [data.external_axes(values.tolist())] * rows
+    if values.shape[0] != count:
+        raise InputError(f"RAPID: external is {values.shape}, expected ({count}, k) or (k,)")
+    padded = np.pad(values, ((first, rows - first - count), (0, 0)), mode="edge")
+    known = {row: data.external_axes(row) for row in set(map(tuple, padded.tolist()))}
+    return [known[tuple(row)] for row in padded.tolist()]
 
 
 @dataclass(frozen=True)
@@ -135,7 +158,8 @@ class _Flags:
 
 
 def _rows(
-    model: Model,
+    models: Sequence[Model],
+    changes: Sequence[int],
     plan: tuple[Array, Array],
     flags: _Flags,
     options: RapidOptions,
@@ -143,6 +167,7 @@ def _rows(
 ) -> tuple[PlanRows, int, npt.NDArray[np.int64]]:
     """The plan with its approach and retract, the row at which it begins, and the rows that become
     targets."""
+    model = models[0]
     time, q, first = with_ends(model, *plan, options)
     ends = (first, len(q) - first - len(plan[1]))
     crossing = np.pad(flags.crossing, ends)
@@ -151,7 +176,11 @@ def _rows(
     # the arm stands where the approach meets the plan, and the plan the retract
     standing[first] |= ends[0] > 0
     standing[len(q) - 1 - ends[1]] |= ends[1] > 0
-    X_BT = model.tcp_pose(q)
+    # the arm goes to the row of a change with the tool before it
+    tool = np.searchsorted(np.array(changes, dtype=int) + first, np.arange(len(q)))
+    X_BT = np.empty((len(q), 4, 4))
+    for number, arm in enumerate(models):
+        X_BT[tool == number] = arm.tcp_pose(q[tool == number])
     rest = np.append(False, np.abs(np.diff(q, axis=0)).max(axis=1) < 1e-10)
     kept = rows_to_keep(rest, crossing, joints) | standing
     tolerance = 1e-3 * options.tolerance_mm
@@ -159,7 +188,8 @@ def _rows(
     samples = thinned(model, q, X_BT, kept, joints, tolerance, angle)
     X_WT = X_BT if X_BW is None else np.linalg.inv(data.check_pose("work object", X_BW)) @ X_BT
     speeds = speeds_between(time, X_BT)
-    return PlanRows(time, q, X_WT, speeds, rest, crossing, joints, standing), first, samples
+    flags_of = (rest, crossing, joints, standing)
+    return PlanRows(time, q, X_WT, speeds, *flags_of, tool), first, samples
 
 
 def _rows_of(events: Sequence[ProgramEvent], time: Array) -> dict[int, list[ProgramEvent]]:

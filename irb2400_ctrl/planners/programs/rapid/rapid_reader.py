@@ -173,6 +173,8 @@ class _Reader:
         self.pauses: list[float] = []
         self.actions: list[tuple[int, str]] = []
         self.tool = ""
+        # TCP of each tool in the flange
+        self.tools: dict[str, Array] = {}
         self.wrist = False
 
     def run(self, procedure: Procedure) -> None:
@@ -219,13 +221,10 @@ class _Reader:
 
     def move(self, statement: Statement) -> RapidMove:
         target, speed, zone, ends = (argument.operand for argument in statement.arguments)
-        tool = str(ends)
-        if self.tool not in {"", tool}:
-            raise InputError(
-                f"RAPID: {statement.text!r} changes the tool from {self.tool}, expected one tool "
-                "for all moves"
-            )
-        self.tool = tool
+        self.tool = str(ends)
+        if self.tool not in self.tools:
+            tooldata: Any = self.named(self.tool, "tooldata")
+            self.tools[self.tool] = _pose(tooldata[1])
         speeds: Any = speed if isinstance(speed, list) else self.named(str(speed), "speeddata")
         duration = dict(statement.arguments[1].switches).get("T")
         stops = str(zone) == "fine" or bool(self.named(str(zone), "zonedata")[0])
@@ -245,6 +244,7 @@ class _Reader:
             duration=None if duration is None else float(duration),  # type: ignore[arg-type]
             stops=stops,
             wrist=self.wrist,
+            X_FT=self.tools[self.tool],
         )
 
     def named(self, name: str, kind: str) -> Any:

@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 from numpy.typing import ArrayLike
 
-from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.arrays import Array, Integers
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.planners.programs.rapid import rapid_data as data
@@ -35,6 +35,8 @@ class PlanRows:
     """rows to which the joints move, the tool not on a line"""
     stops: Rows
     """rows at which the arm stands"""
+    tool: Integers
+    """number of the tool, from 0, that the arm goes to each row with"""
 
     def pauses(self, before: int, row: int) -> bool:
         """Whether the arm only waits from one sample to the next."""

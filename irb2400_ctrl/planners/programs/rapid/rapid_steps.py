@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
 
 from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.planners.programs.rapid import rapid_data as data
 from irb2400_ctrl.planners.programs.rapid.rapid_module_names import Names, move
 from irb2400_ctrl.planners.programs.rapid.rapid_rows import PlanRows
@@ -37,8 +38,8 @@ def program_steps(
     rows: PlanRows,
     samples: npt.NDArray[np.int64],
     configuration: npt.NDArray[np.int64],
-    extax: str,
-    names: Names,
+    extax: Sequence[str],
+    names: Sequence[Names],
     said: Mapping[int, list[str]],
     at_end: list[str],
 ) -> list[Step]:
@@ -47,11 +48,16 @@ def program_steps(
     Args:
         samples: rows of the plan that moves go to, shape (m,).
         configuration: data of each, shape (m, 4).
+        extax: external axes at every row; where they change the arm stands while they move.
+        names: for each tool.
         said: statements at rows where the arm stands.
         at_end: statements after the last move.
+
+    Raises:
+        InputError: the tool changes before a linear move.
     """
     width = max(4, len(str(len(samples))))
-    zones = _zones(rows, samples, names)
+    zones = _zones(rows, samples, names[0])
     found: list[Step] = []
     inside = False
     for k, row in enumerate(samples):
@@ -60,6 +66,9 @@ def program_steps(
         if k and rows.pauses(before, row):
             found.append(Step([f"WaitTime {rows.time[row] - rows.time[before]:.4f};"], []))
         else:
+            own = names[rows.tool[row]]
+            if k and extax[row] != extax[before]:
+                found.append(_external_move(rows, own, f"p{k + 1:0{width}d}e", before, extax[row]))
             as_joints = k == 0 or bool(rows.as_joints[row])
             wrist = not as_joints and bool(rows.crossing[before + 1 : row + 1].any())
             if wrist != inside:
@@ -68,14 +77,25 @@ def program_steps(
                 inside = wrist
             name = f"p{k + 1:0{width}d}"
             if as_joints:
-                target = data.jointtarget(name, rows.q[row], extax)
+                target = data.jointtarget(name, rows.q[row], extax[row])
             else:
-                target = data.robtarget(name, rows.X_WT[row], configuration[k], extax)
-            lines = _move(rows, names, name, (before, row), zones[k])
+                target = data.robtarget(name, rows.X_WT[row], configuration[k], extax[row])
+            if not as_joints and rows.tool[row] != rows.tool[before]:
+                raise InputError(
+                    "RAPID: the tool changes where no move of the joints follows; expected links "
+                    "between the operations (--links)"
+                )
+            lines = _move(rows, own, name, (before, row), zones[k])
             found.append(Step(lines, target, int(row), zones[k], zones[k] == 0))
         found += [Step([line], []) for line in said.get(int(row), [])]
     found += [Step([line], []) for line in (["SingArea\\Off;"] if inside else []) + at_end]
     return found
+
+
+def _external_move(rows: PlanRows, names: Names, name: str, row: int, extax: str) -> Step:
+    """The external axes go where the next moves need them."""
+    lines = move("MoveAbsJ", name, "vApproach", "fine", names)
+    return Step(lines, data.jointtarget(name, rows.q[row], extax), row)
 
 
 def _move(

@@ -33,6 +33,8 @@ PARTS = 4
 _ROUNDS = 5
 # what may be left of it: the check of the plan will say so
 _UNSETTLED = 1e-3
+# a ratio to a limit that is not left to those who look at the rows
+_MUCH = 2.5
 # a ratio to a limit, at the speed that keeps all others, that slowing down does not cure
 _HOPELESS = 20.0
 # of the first solution, which only shows where cells have to be small, and of the others; parts of
@@ -63,6 +65,7 @@ def time_rate_limited(
     count: int = 500,
     feed: FeedBound | None = None,
     sampling: Sampling | None = None,
+    slow: bool = True,
 ) -> RateLimitedTiming:
     """The time law from rest to rest, without a jump of the acceleration, whose bounds over all
     times keep the limits.
@@ -79,6 +82,8 @@ def time_rate_limited(
         feed: bound of x = sdot^2 in cells, see `retime`.
         sampling: how the motion will be read; what swings above a torque limit between rows is
             held back, too.
+        slow: the whole motion by what is above a limit in the end; else the law is as it was found,
+            unless very much is, for who slows it where its rows swing above a limit.
 
     Raises:
         InputError: no limit of a rate among the limits.
@@ -93,13 +98,14 @@ def time_rate_limited(
     fastest, cells = time_joint_path(dynamics, path, jumping, count=count, feed=feed)
     s, rough, first = search.rough(fastest.law, cells, count)
     law, ratios, more = search.settled(s, rough)
-    law, ratios = search.slowed_until_inside(law, ratios)
-    _refuse(
-        ratios,
-        search.outputs(cells),
-        1 + _UNSETTLED,
-        "and slowing down does not settle it; raise the torque rate or the jerk",
-    )
+    if slow or _largest(ratios) > _MUCH:
+        law, ratios = search.slowed_until_inside(law, ratios)
+        _refuse(
+            ratios,
+            search.outputs(cells),
+            1 + _UNSETTLED,
+            "and slowing down does not settle it; raise the torque rate or the jerk",
+        )
     return RateLimitedTiming(law, fastest.law, first + more)
 
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
+import numpy.typing as npt
 
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.planners.enclosure.path_dynamics import PathDynamics
@@ -135,7 +136,11 @@ def _slower_where(
     wanted = found.wanted(limits)
     places = law.at(_spans(rows, np.maximum(wanted, 1.0 + _abrupt(law, rows))))[0]
     for _ in range(_ROUNDS):
-        law = law.slowed_at(rows, slowing(wanted))
+        factors = slowing(wanted)
+        before = law.at(rows)[0]
+        law = law.slowed_at(rows, factors)
+        # what nobody slowed is as it was
+        places = places[_touches(places, before[factors > 1])]
         spans = np.interp(places, law.s, law.time)
         rows = np.arange(np.ceil(law.duration * sampling.rate) + 2) / sampling.rate
         wanted = np.ones(len(rows) - 1)
@@ -148,6 +153,13 @@ def _slower_where(
         if wanted.max() <= 1:
             break
     return law
+
+
+def _touches(places: Array, slowed: Array) -> npt.NDArray[np.bool_]:
+    """Which stretches (k, 2) of a path hold one of the increasing lengths (m,) [m]."""
+    first = np.searchsorted(slowed, places[:, 0] - _ROUNDING)
+    last = np.searchsorted(slowed, places[:, 1] + _ROUNDING, side="right")
+    return np.asarray(last > first)
 
 
 def _spans(rows: Array, wanted: Array) -> Array:

@@ -1,0 +1,55 @@
+"""Where the part of `irb2400 plan` stands: its work frame, its cell, its positioner."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Literal
+
+import typer
+
+from irb2400_ctrl.errors import InputError
+
+if TYPE_CHECKING:
+    from irb2400_ctrl.arrays import Array
+    from irb2400_ctrl.cell import Cell
+
+PositionerOption = Annotated[
+    str | None,
+    typer.Option(
+        "--positioner",
+        metavar="find|TILT,TURN",
+        help="Angles of the cell's positioner [deg] for all operations, or the ones at which each "
+        "operation's tool axes are nearest to upright.",
+        show_default="the cell file's",
+    ),
+]
+
+
+def placed(
+    work_frame: str | None, cell: Path | None, positioner: str | None
+) -> tuple[Array | None, Cell | None, Array | None]:
+    """The stated work frame, the cell with its work object there, and where the path stands."""
+    from irb2400_ctrl.cell import load_cell
+    from irb2400_ctrl.planners.toolpath.work_frame import work_frame as pose_of
+
+    pose = None if work_frame is None else pose_of(work_frame)
+    if cell is None:
+        if positioner is not None:
+            raise InputError("--positioner: found no --cell, expected the one with [positioner]")
+        return pose, None, pose
+    around = load_cell(cell).placed(pose)
+    if positioner is not None:
+        around = around.on_positioner(_tilt_and_turn(positioner))
+    return pose, around, around.work_frame
+
+
+def _tilt_and_turn(text: str) -> tuple[float, float] | Literal["find"]:
+    if text.strip() == "find":
+        return "find"
+    try:
+        tilt, turn = (float(part) for part in text.split(","))
+    except ValueError:
+        raise InputError(
+            f"--positioner: found {text!r}, expected find, or two angles in degrees such as 30,0"
+        ) from None
+    return tilt, turn

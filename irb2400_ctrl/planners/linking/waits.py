@@ -1,0 +1,138 @@
+"""A program that waits in the middle of an operation: the run is cut there, and the arm stands."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+
+from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.model import Model
+from irb2400_ctrl.planners.clearance.clearance import unknown
+from irb2400_ctrl.planners.enclosure.path_dynamics import path_dynamics
+from irb2400_ctrl.planners.linking.clearance_plane import spindle_axis
+from irb2400_ctrl.planners.linking.run import Run
+from irb2400_ctrl.planners.plan_path import plan_ways
+from irb2400_ctrl.planners.redundancy.known_way import known_way
+from irb2400_ctrl.planners.stage_clock import StageClock
+from irb2400_ctrl.planners.toolpath.cam_program import Operation
+from irb2400_ctrl.planners.toolpath.toolpath import ToolPath
+from irb2400_ctrl.robot import Robot
+from irb2400_ctrl.trajectory import Trajectory
+
+# of the timing of each part
+_CELLS = 1000
+
+
+@dataclass(frozen=True)
+class Rest:
+    """The arm stands, and its brakes may hold it: a piece of a motion without motion."""
+
+    robot: Robot
+    trajectory: Trajectory
+    max_torque_ratio: float
+    """what holds the arm against gravity, as a part of the robot's own limit"""
+    clearance: dict[str, Any] = field(default_factory=lambda: unknown("the arm stands"))
+    guaranteed: bool = True
+    guarantee_note: str = ""
+    max_velocity_ratio: float = 0.0
+    length: float = 0.0
+
+    @classmethod
+    def at(cls, run: Run, q: Array, seconds: float, rate: float) -> Rest:
+        """For so long [s], rounded up to whole rows, at a configuration (n,) [rad] where the run
+        has ended."""
+        robot = run.plan.robot
+        count = max(int(np.ceil(seconds * rate - 1e-9)), 1) + 1
+        still = np.zeros((count, robot.n))
+        held = path_dynamics(robot).torque(q[None], 0 * q[None], 0 * q[None], np.zeros(1))[0]
+        trajectory = Trajectory(
+            np.arange(count) / rate,
+            np.tile(q, (count, 1)),
+            still,
+            still.copy(),
+            np.tile(held, (count, 1)),
+            np.zeros(count),
+            check_speeds=False,
+        )
+        ratio = float(np.abs(held / robot.tau_max).max())
+        return cls(robot, trajectory, ratio, run.plan.clearance, ratio <= run.plan.torque_share)
+
+
+def waits(operation: Operation) -> dict[int, float]:
+    """Seconds that an operation waits at its way-points, behind the first one."""
+    found: dict[int, float] = {}
+    for event in operation.events:
+        if event.seconds > 0 and event.point > 0:
+            found[event.point] = found.get(event.point, 0.0) + event.seconds
+    return found
+
+
+def waiting(run: Run, tolerance: float) -> tuple[Run, ...]:
+    """A run cut at the way-points where its operation waits, each part with the tool rotations of
+    the whole; the run itself where it does not wait.
+
+    Args:
+        tolerance: how far corners of the parts may be cut [m].
+
+    Raises:
+        UnreachableError: a part cannot be followed with these rotations.
+    """
+    asked = waits(run.operation)
+    cuts = [k for k, point in enumerate(run.points) if k > 0 and int(point) in asked]
+    ends = sorted({*cuts, len(run.points) - 1})
+    if not cuts:
+        return (run,)
+    if ends == cuts[-1:]:
+        return (replace(run, wait=asked[int(run.points[-1])]),)
+    path = _turned(run)
+    q = run.plan.trajectory.q[0]
+    parts = []
+    for first, last in zip([0, *ends[:-1]], ends, strict=True):
+        part = _part(run, path, first, last, q, tolerance)
+        parts.append(replace(part, wait=asked.get(int(run.points[last]), 0.0)))
+        q = part.plan.trajectory.q[-1]
+    return tuple(parts)
+
+
+def _part(run: Run, path: ToolPath, first: int, last: int, q: Array, tolerance: float) -> Run:
+    """Between two way-points of a run, from the configuration q (n,) [rad]."""
+    rows = slice(first, last + 1)
+    rotation = path.rotation
+    assert rotation is not None
+    piece = ToolPath(path.position[rows], None, rotation[rows], path.feed[rows], path.name)
+    plan = plan_ways(
+        run.arm,
+        piece,
+        lambda model, orientation, scene: [known_way(model, orientation, q, "first", scene)],
+        replace(run.options, tolerance=tolerance),
+        replace(run.timing, cells=_CELLS),
+        StageClock(None),
+    )
+    return replace(run, plan=plan, points=run.points[rows])
+
+
+def _turned(run: Run) -> ToolPath:
+    """The path with full orientations: those that the whole plan has at its way-points, the tool
+    axes exactly the stated ones."""
+    plan = run.plan
+    path = plan.path
+    if path.rotation is not None and plan.chosen == "given orientation":
+        return path
+    law = plan.certificate.law
+    q = law.motion(plan.certificate.path, plan.point_times)[1]
+    q[0] = plan.trajectory.q[0]
+    R = Model(plan.robot).tcp_pose(q)[:, :3, :3]
+    spindle = spindle_axis(plan.robot)
+    stated = path.tool_axis(spindle)
+    exact = np.array([_onto(-r @ spindle, axis) @ r for r, axis in zip(R, stated, strict=True)])
+    exact[0] = R[0]
+    return ToolPath(path.position, None, exact, path.feed, path.name)
+
+
+def _onto(a: Array, b: Array) -> Array:
+    """The smallest rotation of a unit vector a onto b, shape (3, 3)."""
+    v = np.cross(a, b)
+    K = np.array([[0, -v[2], v[1]], [v[2], 0, -v[0]], [-v[1], v[0], 0]])
+    return np.asarray(np.eye(3) + K + K @ K / (1 + float(a @ b)))
