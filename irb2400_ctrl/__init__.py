@@ -35,6 +35,7 @@ if TYPE_CHECKING:
         simulation,
         sweep,
         trajectory,
+        watch,
     )
     from irb2400_ctrl.codegen import export_package
     from irb2400_ctrl.controllers import controller
@@ -81,6 +82,7 @@ __all__ = [
     "simulation",
     "sweep",
     "trajectory",
+    "watch",
 ]
 
 _HOUSES = {

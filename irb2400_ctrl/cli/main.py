@@ -25,6 +25,7 @@ from irb2400_ctrl.cli import (
     validate,
 )
 from irb2400_ctrl.cli.planning import path, place, plan
+from irb2400_ctrl.cli.watching import watch
 
 TRACEBACK_VARIABLE = "IRB2400_TRACEBACK"
 
@@ -65,6 +66,7 @@ app.command("codegen", short_help="a controller becomes verified C")(codegen.cod
 app.command("diagnose", short_help="what does the model lack that a log shows?")(diagnose.diagnose)
 app.command("identify", short_help="a true robot file from logs of a sound arm")(identify.identify)
 app.command("validate", short_help="how true a robot file is on a log")(validate.validate)
+app.command("watch", short_help="an alarm when an arm changes")(watch.watch)
 app.command("excite", short_help="the motion that tells effects apart")(excite.excite)
 app.command("explain", short_help="what an effect is")(explain.explain)
 app.command("schema", short_help="the JSON Schema of a file, for an editor")(schema.schema)

@@ -109,7 +109,7 @@ def _searched(
     progress("prepare")
     motion = prepare_together(logs.used)
     bases = _bases(robot.bare())
-    prior = _prior(robot, uncertainty or robot.uncertainty, motion)
+    prior = prior_of(robot, uncertainty or robot.uncertainty, motion)
     numbers_of_robot = prior.columns(bases.model, motion)
     doubtful = doubtful_accelerations(bases.model, logs.used, motion)
     turning = sticking_contacts(bases, motion, prior.dry_friction())
@@ -143,9 +143,11 @@ def _unsure(fit: Fit, motion: PreparedLog) -> Array:
     return np.asarray(np.sqrt(np.sum(variance * known, axis=0) / np.maximum(known.sum(axis=0), 1)))
 
 
-def _prior(
+def prior_of(
     robot: Robot, uncertainty: Uncertainty, motion: PreparedLog
 ) -> BasePrior | IdentifiedPrior:
+    """What is left open about a robot's numbers: its identification's covariance, or a data
+    sheet's spreads."""
     if robot.identified is not None:
         return IdentifiedPrior.of(robot, uncertainty, motion)
     return replace(BasePrior.of(robot, uncertainty, motion), common_friction=COMMON_FRICTION)

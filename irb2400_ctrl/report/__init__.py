@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from irb2400_ctrl.report.pages.simulation_page import simulation_page
     from irb2400_ctrl.report.pages.sweep_page import sweep_page
     from irb2400_ctrl.report.pages.validation_page import validation_page
+    from irb2400_ctrl.report.pages.watch_page import watch_page
 
 __all__ = [
     "ArmView",
@@ -40,6 +41,7 @@ __all__ = [
     "simulation_page",
     "sweep_page",
     "validation_page",
+    "watch_page",
 ]
 
 # each draws with Matplotlib for one command; nobody needs all of them
@@ -61,5 +63,6 @@ __getattr__ = lazily(
         "simulation_page": "pages.simulation_page",
         "sweep_page": "pages.sweep_page",
         "validation_page": "pages.validation_page",
+        "watch_page": "pages.watch_page",
     },
 )

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from irb2400_ctrl.cli.options import CellOption, ToolOption, WorkFrameOption, input_file
+from irb2400_ctrl.cli.planning import bag
 from irb2400_ctrl.cli.summary import Summary, answers
 from irb2400_ctrl.errors import InputError
 
@@ -18,7 +19,7 @@ if TYPE_CHECKING:
     from irb2400_ctrl.planners import CamProgram, Operation
 
 app = typer.Typer(
-    help="Look at a CAM file or a tool path.", no_args_is_help=True, rich_markup_mode=None
+    help="Look at a CAM file, pass a motion on.", no_args_is_help=True, rich_markup_mode=None
 )
 UNITS_HELP = "Unit of length, against what the file says: mm, cm, m, inch or foot."
 ROTARY_HELP = "Rotary axes of the machine from part to tool, for 5-axis G-code: C,A."
@@ -31,7 +32,10 @@ KINDS = {
 
 @app.callback()
 def main() -> None:
-    """Look at a CAM file or a tool path."""
+    """Look at a CAM file, pass a motion on."""
+
+
+app.command("bag")(bag.bag)
 
 
 @app.command()

@@ -32,6 +32,8 @@ if TYPE_CHECKING:
     from irb2400_ctrl.model import Model
     from irb2400_ctrl.planners import CamProgram
     from irb2400_ctrl.planners.placement import Area, Placement
+    from irb2400_ctrl.report import Page
+    from irb2400_ctrl.robot import Robot
 
 PartsArgument = Annotated[
     list[Path],
@@ -94,7 +96,6 @@ def place(
         input_file(part, "a toolpath (CSV, APT/CLDATA or G-code)")
 
     from irb2400_ctrl.cell import load_cell
-    from irb2400_ctrl.files import write_atomic
     from irb2400_ctrl.model import Model
     from irb2400_ctrl.planners import read_program
     from irb2400_ctrl.planners.placement import place as find_place
@@ -132,11 +133,18 @@ def place(
     if plan:
         options = {"free_tool_rotation": free_tool_rotation, "tool": tool}
         facts["planned"] = _both(found, programs, around, options, out)
-    written = [write_atomic(out / "placement.json", json.dumps(facts, indent=2) + "\n")]
-    page = placement_page(found, facts.get("planned"), around)
-    page.provenance(provenance(arm))
-    written.append(page.write(out / "report.html"))
     _print(facts)
+    return _written(facts, placement_page(found, facts.get("planned"), around), arm, out)
+
+
+def _written(facts: dict[str, Any], page: Page, arm: Robot, out: Path) -> Summary:
+    from irb2400_ctrl.files import write_atomic
+
+    page.provenance(provenance(arm))
+    written = [
+        write_atomic(out / "placement.json", json.dumps(facts, indent=2) + "\n"),
+        page.write(out / "report.html"),
+    ]
     print(f"written to {out}: placement.json, report.html")
     return Summary(facts, written)
 

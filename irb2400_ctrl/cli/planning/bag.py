@@ -1,0 +1,34 @@
+"""`irb2400 path bag`: a motion as a ROS 2 bag."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from irb2400_ctrl.cli.options import OutOption, RobotOption, input_file, load_arm, output_folder
+from irb2400_ctrl.cli.summary import Summary, answers
+
+TrajectoryArgument = Annotated[
+    Path, typer.Argument(metavar="TRAJECTORY", help="The trajectory.csv of a plan, or any other.")
+]
+
+
+@answers
+def bag(trajectory: TrajectoryArgument, out: OutOption, robot: RobotOption = "irb2400") -> Summary:
+    """Write a motion as a ROS 2 bag: /joint_trajectory for a controller, /joint_states for RViz ->
+    trajectory.mcap."""
+    input_file(trajectory, "a trajectory (CSV)")
+    output_folder(out)
+
+    from irb2400_ctrl.trajectory import load_trajectory
+    from irb2400_ctrl.trajectory.ros_bag import save_ros_bag
+
+    arm = load_arm(robot)
+    motion = load_trajectory(trajectory, arm.n)
+    written = save_ros_bag(motion, arm.joint_names, out / "trajectory.mcap")
+    print(f"{len(motion.time)} points of {', '.join(arm.joint_names)}, {motion.time[-1]:.2f} s")
+    print(f"written: {written}")
+    facts = {"points": len(motion.time), "joints": list(arm.joint_names)}
+    return Summary({**facts, "duration_s": float(motion.time[-1])}, [written])

@@ -1,0 +1,1 @@
+"""`irb2400 watch`: an arm followed through its log."""

@@ -1,0 +1,161 @@
+"""`irb2400 watch`: an arm followed through its log, with an alarm when it changes."""
+
+from __future__ import annotations
+
+import json
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from irb2400_ctrl.cli.command_line import provenance
+from irb2400_ctrl.cli.logs_in import WHAT
+from irb2400_ctrl.cli.options import ColumnsOption, RobotOption, input_file, load_arm, output_folder
+from irb2400_ctrl.cli.summary import Summary, answers
+from irb2400_ctrl.cli.watching.lines import learned, status
+
+if TYPE_CHECKING:
+    from irb2400_ctrl.measurement import Log
+    from irb2400_ctrl.watch import Seen, Suspicion, Watch
+
+LogArgument = Annotated[
+    Path, typer.Argument(metavar="LOG", help="A log, or with --follow a CSV that is being written.")
+]
+OutFolder = Annotated[
+    Path | None,
+    typer.Option("--out", metavar="DIR", help="Also write watch.json and report.html there."),
+]
+LearnOption = Annotated[
+    float,
+    typer.Option(help="Beginning of the log that is taken as sound [s].", min=20.0),
+]
+FollowOption = Annotated[
+    bool, typer.Option("--follow", help="Go on with what is appended to the file.")
+]
+QuietOption = Annotated[
+    float, typer.Option(help="--follow ends when nothing came for so long [s].", min=0.5)
+]
+SpeedOption = Annotated[
+    float | None,
+    typer.Option(
+        help="Replay so many times as fast as it was recorded.",
+        min=0.1,
+        show_default="as fast as can be",
+    ),
+]
+DaysOption = Annotated[
+    float,
+    typer.Option(
+        help="Mean time between false alarms of all joints together [days of motion].", min=0.01
+    ),
+]
+EveryOption = Annotated[float, typer.Option(help="Say how things stand so often [s].", min=1.0)]
+NameOption = Annotated[
+    bool,
+    typer.Option("--suspect/--no-suspect", help="Diagnose the seconds after an alarm, or not."),
+]
+AT_ONCE = 60.0
+"""[s] of a finished log that are given on together"""
+
+
+@answers
+def watch(
+    log: LogArgument,
+    out: OutFolder = None,
+    robot: RobotOption = "irb2400",
+    columns: ColumnsOption = None,
+    learn: LearnOption = 60.0,
+    follow: FollowOption = False,
+    quiet: QuietOption = 10.0,
+    speed: SpeedOption = None,
+    days: DaysOption = 30.0,
+    every: EveryOption = 10.0,
+    suspect: NameOption = True,
+) -> Summary:
+    """Follow an arm through its log: residual and external torque of each joint, an alarm when the
+    arm is no longer as it was at the log's beginning, and what may be the cause."""
+    input_file(log, WHAT)
+    if out is not None:
+        output_folder(out)
+
+    from irb2400_ctrl.measurement.growing import growing_log
+    from irb2400_ctrl.watch import Watch
+
+    arm = load_arm(robot)
+    if follow:
+        pieces = growing_log(log, columns, arm.joint_names, quiet=quiet)
+    else:
+        pieces = _replayed(log, columns, arm.joint_names, speed)
+    watched = Watch(arm, learn, 86400.0 * days)
+    suspicions = _told(watched, pieces, suspect, every)
+    return _ended(watched, suspicions, log, out)
+
+
+def _told(watched: Watch, pieces: Iterator[Log], suspect: bool, every: float) -> list[Suspicion]:
+    """Say how things stand until the log ends or Ctrl-C; the suspicions."""
+    from irb2400_ctrl.watch import Suspicion, followed
+
+    suspicions: list[Suspicion] = []
+    lately: list[Seen] = []
+    try:
+        for told in followed(watched, pieces, suspect):
+            if isinstance(told, Suspicion):
+                suspicions.append(told)
+                print(f"suspicion: {told.says}", flush=True)
+                continue
+            if len(watched.seen) == 1:
+                print(learned(watched), flush=True)
+            lately.append(told)
+            if told.alarms or told.time - lately[0].time >= every - 1:
+                print(status(lately), flush=True)
+                lately = []
+    except KeyboardInterrupt:
+        print("stopped")
+    return suspicions
+
+
+def _replayed(log: Path, columns: Path | None, names: Any, speed: float | None) -> Iterator[Log]:
+    """A finished log piece by piece, at a speed or as fast as it is taken."""
+    from irb2400_ctrl.measurement import read_log
+    from irb2400_ctrl.watch.watch import between
+
+    whole = read_log(log, columns=columns, names=names)
+    length = AT_ONCE if speed is None else 1.0
+    begun = time.monotonic()
+    start = whole.time[0]
+    while start <= whole.time[-1]:
+        piece = between(whole, start, start + length)
+        start += length
+        if len(piece.time) < 2:
+            continue
+        if speed is not None:
+            due = (piece.time[-1] - whole.time[0]) / speed
+            time.sleep(max(0.0, due - (time.monotonic() - begun)))
+        yield piece
+
+
+def _ended(watched: Watch, suspicions: list[Suspicion], log: Path, out: Path | None) -> Summary:
+    from irb2400_ctrl.errors import InputError
+    from irb2400_ctrl.files import write_atomic
+    from irb2400_ctrl.report.pages.watch_page import watch_page
+
+    if not watched.seen:
+        raise InputError(
+            f"{log}: found {watched.length:.0f} s, expected more than the {watched.learn:g} s that "
+            "are learned: a longer log, or --learn SECONDS"
+        )
+    facts = {"log": str(log), **watched.summary()}
+    facts["suspicions"] = [one.to_json() for one in suspicions]
+    summary = Summary(facts)
+    count = len(facts["alarms"])
+    print(f"watched {facts['watched_s']:.0f} s: {count or 'no'} alarm{'s' * (count != 1)}")
+    if out is None:
+        return summary
+    page = watch_page(watched, suspicions, log.name)
+    page.provenance(provenance(watched.robot))
+    text = json.dumps(json.loads(summary.text()), indent=2) + "\n"
+    written = [write_atomic(out / "watch.json", text), page.write(out / "report.html")]
+    print(f"written: {', '.join(map(str, written))}")
+    return Summary(facts, written)

@@ -1,0 +1,82 @@
+"""The report of an arm that was watched."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from irb2400_ctrl.report.elements.page import Page
+from irb2400_ctrl.report.elements.plots import Line, joint_plots
+from irb2400_ctrl.watch import Suspicion, Watch
+
+
+def watch_page(watched: Watch, suspicions: Sequence[Suspicion], name: str) -> Page:
+    """The whole report.
+
+    Args:
+        watched: with at least one block seen.
+        suspicions: what may be the cause of the alarms.
+        name: of the log.
+    """
+    page = Page(f"Watch of {name}")
+    alarms = [alarm for seen in watched.seen for alarm in seen.alarms]
+    hours = len(watched.seen) / 3600.0
+    page.answer(
+        _sentence(suspicions) if alarms else "The arm is as it was at the beginning of the log.",
+        "bad" if alarms else "good",
+        [
+            ("learned", f"{watched.learn:.0f} s"),
+            ("watched", f"{hours:.2f} h" if hours > 1 else f"{len(watched.seen)} s"),
+            ("alarms", str(len(alarms))),
+            ("false alarms", f"one in {watched.between / 86400.0:g} days"),
+        ],
+    )
+    if alarms:
+        page.heading("Alarms")
+        for one in suspicions:
+            page.finding(f"Since about {one.alarms[0].since:.1f} s: {one.says}.")
+        rows: list[list[object]] = [
+            [str(a.joint), f"{a.since:.1f}", f"{a.at:.1f}", float(a.torque)] for a in alarms
+        ]
+        head = ["joint", "since about [s]", "alarm at [s]", "mean external torque [Nm]"]
+        page.table("Joints that are not as before", head, rows)
+    _add_course(page, watched)
+    return page
+
+
+def _sentence(suspicions: Sequence[Suspicion]) -> str:
+    first = suspicions[0]
+    return f"The arm changed at about {first.alarms[0].since:.0f} s. Suspicion: {first.says}."
+
+
+def _add_course(page: Page, watched: Watch) -> None:
+    """Residual, external torque and the sums of the alarm over time."""
+    time = np.array([seen.time for seen in watched.seen])
+    energy = np.array([seen.energy for seen in watched.seen])
+    torque = np.array([seen.torque for seen in watched.seen])
+    sums = np.array([seen.sums for seen in watched.seen])
+    one = np.ones(watched.robot.n)
+    page.heading("What is left of the torques")
+    drawn = joint_plots(
+        time, [Line(np.sqrt(energy))], "residual/usual {joint} [-]", [one], floor=0.0
+    )
+    page.figures(
+        drawn, "Root of the mean square of each second, over the usual one (dashed).", zoomable=True
+    )
+    drawn = joint_plots(
+        time, [Line(torque)], "external {joint} [Nm]", [watched.band, -watched.band]
+    )
+    page.figures(
+        drawn,
+        "External torque: the mean of what is left in each second; three standard deviations of "
+        "the learned seconds are dashed.",
+        zoomable=True,
+    )
+    page.heading("The alarm")
+    drawn = joint_plots(time, [Line(sums)], "sum {joint} [-]", [one], floor=0.0)
+    page.figures(drawn, "Sum of log likelihood ratios over its threshold (dashed).", zoomable=True)
+    page.text(
+        "Seconds in which a joint stands, turns round or has lost samples say nothing; they are "
+        "left out, and the alarm counts seconds of motion alone."
+    )

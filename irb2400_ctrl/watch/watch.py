@@ -1,0 +1,202 @@
+"""`Watch`: an arm followed through its log, piece by piece as the samples come."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.diagnosis import Diagnosis, diagnose
+from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.measurement import Log
+from irb2400_ctrl.robot import Robot
+from irb2400_ctrl.watch.alarm import LEAST_BLOCKS, MONTH, Alarm, Cusum, Usual
+from irb2400_ctrl.watch.baseline import BLOCK, Baseline
+
+LEARN = 60.0
+"""[s] of the log that are taken as sound"""
+AROUND = 1.0
+"""[s] before and after a block that its filters see"""
+MOST_AT_ONCE = 60.0
+"""[s] that are worked on together, where so much has come"""
+SUSPECT = 20.0
+"""[s] after a change that are diagnosed"""
+BESIDE = 40.0
+"""[s] before it that are diagnosed with them"""
+
+
+@dataclass(frozen=True)
+class Seen:
+    """A block that was watched.
+
+    Args:
+        time: its middle [s].
+        energy: of what is left, over the usual, shape (n,) [-]; NaN where a joint says nothing.
+        torque: external torque, shape (n,) [Nm].
+        sums: of the alarm, over its threshold, shape (n,) [-].
+        alarms: that the block gives.
+    """
+
+    time: float
+    energy: Array
+    torque: Array
+    sums: Array
+    alarms: tuple[Alarm, ...]
+
+
+@dataclass
+class Watch:
+    """Samples in, blocks and alarms out.
+
+    Args:
+        robot: the model; a file from `identify` knows most.
+        learn: beginning of the log that is taken as sound [s].
+        between: mean time between false alarms, all joints together [s of motion].
+    """
+
+    robot: Robot
+    learn: float = LEARN
+    between: float = MONTH
+    baseline: Baseline | None = None
+    seen: list[Seen] = field(default_factory=list)
+    _samples: list[Log] = field(default_factory=list)
+    _cusum: Cusum | None = None
+    _next: float = 0.0
+    _first: float | None = None
+
+    def feed(self, samples: Log) -> Iterator[Seen]:
+        """Blocks that are complete with these samples.
+
+        Raises:
+            InputError: samples before those that came, or that do not fit the robot.
+        """
+        if samples.n != self.robot.n:
+            raise InputError(
+                f"{samples.name}: found {samples.n} joints, expected the {self.robot.n} of "
+                f"{self.robot.name}"
+            )
+        if self._samples and samples.time[0] <= self._samples[-1].time[-1]:
+            raise InputError(
+                f"{samples.name}: found samples of {samples.time[0]:g} s after those of "
+                f"{self._samples[-1].time[-1]:g} s, expected later ones"
+            )
+        self._first = float(samples.time[0]) if self._first is None else self._first
+        self._samples.append(samples)
+        if self._cusum is None:
+            if self.length < self.learn:
+                return
+            self._learn()
+        yield from self._work()
+
+    def _learn(self) -> None:
+        record = _joined(self._samples)
+        end = record.time[0] + self.learn
+        self.baseline = Baseline.of(self.robot, between(record, -np.inf, end))
+        self._cusum = Cusum(Usual.of(self.baseline.learned), self.between)
+        self._next = float(np.ceil(end / BLOCK) * BLOCK)
+
+    def _work(self) -> Iterator[Seen]:
+        """All blocks whose surroundings are there."""
+        assert self.baseline is not None
+        while True:
+            last = self._samples[-1].time[-1] - AROUND
+            count = min(int((last - self._next) / BLOCK), round(MOST_AT_ONCE / BLOCK))
+            if count < 1:
+                return
+            end = self._next + count * BLOCK
+            record = _joined(self._samples)
+            yield from self._judged(between(record, self._next - AROUND, end + AROUND), end)
+            self._next = end
+            # what a diagnosis may ask for stays
+            oldest = end - SUSPECT - BESIDE - 2 * MOST_AT_ONCE
+            self._samples = [between(record, oldest, np.inf)]
+
+    def _judged(self, record: Log, end: float) -> Iterator[Seen]:
+        assert self.baseline is not None
+        assert self._cusum is not None
+        # a gap as long as this says nothing
+        if record.duration < 2 * AROUND or len(record.time) < 100:
+            return
+        found = self.baseline.blocks(record)
+        for time, energy, torque in zip(found.time, found.energy, found.torque, strict=True):
+            if not self._next < time < end:
+                continue
+            alarms = self._cusum.add(float(time), energy, torque)
+            shown = Seen(
+                float(time),
+                energy / self._cusum.usual.energy,
+                torque,
+                self._cusum.sums / self._cusum.threshold,
+                tuple(alarms),
+            )
+            self.seen.append(shown)
+            yield shown
+
+    @property
+    def length(self) -> float:
+        """From the first sample to the last [s]."""
+        first = self._first
+        return 0.0 if first is None else self.until - first
+
+    @property
+    def until(self) -> float:
+        """Time of the last sample that came [s]."""
+        return float(self._samples[-1].time[-1]) if self._samples else 0.0
+
+    @property
+    def band(self) -> Array:
+        """Three standard deviations of the external torque while nothing was wrong, shape (n,)
+        [Nm]; NaN where the learned stretch does not show a joint."""
+        if self.baseline is None:
+            return np.full(self.robot.n, np.nan)
+        torque = self.baseline.learned.torque
+        shown = np.isfinite(torque).sum(axis=0) >= LEAST_BLOCKS
+        count = np.maximum(np.isfinite(torque).sum(axis=0), 1)
+        return np.where(shown, 3.0 * np.sqrt(np.nansum(torque**2, axis=0) / count), np.nan)
+
+    def diagnosed(self, alarm: Alarm) -> Diagnosis:
+        """The seconds before and after the alarm's beginning as one record: what begins there is
+        what changed."""
+        record = _joined(self._samples)
+        return diagnose(self.robot, between(record, alarm.since - BESIDE, alarm.since + SUSPECT))
+
+    def summary(self) -> dict[str, Any]:
+        """What was watched, for watch.json."""
+        torques = np.array([seen.torque for seen in self.seen]).reshape(-1, self.robot.n)
+        largest = np.abs(np.nan_to_num(torques)).max(axis=0, initial=0.0)
+        return {
+            "schema_version": 1,
+            "robot": self.robot.name,
+            "learned_s": self.learn,
+            "watched_s": BLOCK * len(self.seen),
+            "false_alarm_after_s": self.between,
+            "external_torque_band_Nm": self.band,
+            "largest_external_torque_Nm": largest,
+            "alarms": [alarm.to_json() for seen in self.seen for alarm in seen.alarms],
+        }
+
+
+def between(log: Log, start: float, end: float) -> Log:
+    """The samples from `start` to `end` [s], on a view of the log's arrays where it can be."""
+    rows = slice(*np.searchsorted(log.time, [start, end]))
+    parts: dict[str, Any] = {
+        name: None if (value := getattr(log, name)) is None else value[rows]
+        for name in ("q", "tau", "q_ref")
+    }
+    return Log(log.time[rows], name=log.name, **parts)
+
+
+def _joined(parts: list[Log]) -> Log:
+    """Parts of one log as one."""
+    if len(parts) == 1:
+        return parts[0]
+    stacked: dict[str, Any] = {
+        name: None
+        if any(getattr(part, name) is None for part in parts)
+        else np.concatenate([getattr(part, name) for part in parts])
+        for name in ("q", "tau", "q_ref")
+    }
+    return Log(np.concatenate([part.time for part in parts]), name=parts[0].name, **stacked)
