@@ -166,9 +166,9 @@ def plan_ways(
     with clock.stage("margins"):
         margins = margins_as_read(model, orientation, scene, best, settled)
         seen = mapped(model, orientation, scene, best.choice) if options.mapped else None
+    planned = replace(planned, rail=options.rail, positioner=options.positioner)
     given = deflection(best, options.load)
-    stands = {"rail": options.rail, "positioner": options.positioner}
-    return replace(planned, deflection=given, rotation_map=seen, **stands, **margins)
+    return replace(planned, deflection=given, rotation_map=seen, **margins)
 
 
 def _counted(found: Iterable[Choice], told: Progress) -> Iterator[Choice]:
