@@ -77,10 +77,8 @@ def codegen(
 
     from irb2400_ctrl.codegen import export_package
 
-    wishes = _wishes(design or [])
-    wishes |= {} if bandwidth is None else {"bandwidth": bandwidth}
-    wishes |= {} if damping is None else {"damping": damping}
-    wishes |= {"tables": True} if tables else {}
+    stated = {"bandwidth": bandwidth, "damping": damping, "tables": tables or None}
+    wishes = _wishes(design or []) | {w: v for w, v in stated.items() if v is not None}
     block = _block(controller, load_arm(robot), sample_time, wishes, guarded)
     with step(f"generating {controller} for {target.value}"):
         verification = export_package(
