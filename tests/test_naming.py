@@ -52,7 +52,7 @@ def test_the_difference_floor_is_the_noise() -> None:
 
 
 def _line(**changes: Any) -> dict[str, Any]:
-    truth = {"kind": "payload", "joint": None, "in_library": True, "strength": 50.0}
+    truth = {"kind": "payload", "joint": None, "in_library": True, "strength": 50.0, "size": 2.0}
     line = {
         "case": "payload/0",
         "by": "diagnosis",
@@ -85,10 +85,16 @@ def test_counts_are_of_what_was_said() -> None:
     assert MEASURES["sure and wrong (0.9 or more)"](lines) == "1 / 4"
     assert [len(false_names(x)) for x in lines] == [0, 0, 1, 0]
     assert calibration_error(lines) == pytest.approx(abs(3 * 0.95 - 1) / 3)
-    said = _line(recalibrated=["tool_mass"])
+    off = [{"list": "special", "place": "tool", "name": "mass_kg"}]
+    friction = [{"list": "special", "place": "joint 2", "name": "coulomb_Nm"}]
+    said = _line(said={"numbers": off})
     assert moved(said)
-    assert MEASURES["inertial numbers under `recalibrated`"]([said, silent]) == "1 / 2"
+    assert not moved(_line(said={"numbers": friction}))
+    assert MEASURES["inertial numbers said to be off"]([said, silent]) == "1 / 2"
     assert MEASURES["payload named, whatever its size"]([right, silent]) == "1 / 2"
+    right["said"] = silent["said"] = {}
+    spoken = MEASURES["payload of 2 kg and more named, or inertial numbers said to be off"]
+    assert spoken([right, said, silent]) == "2 / 3"
 
 
 def test_what_is_left_over_twice_the_floor_is_not_noise() -> None:

@@ -12,6 +12,8 @@ from benchmarks.evaluation_table import SURE, VISIBLE, exact, in_group
 Line = dict[str, Any]
 FLOORS = 2.0
 """times the difference floor beyond which what is left is not noise"""
+LEAST_LOAD = 1.9
+"""[kg]"""
 BINS = (0.0, 0.6, 0.75, 0.9, 0.95, 1.01)
 
 
@@ -69,14 +71,24 @@ def _refused(lines: Sequence[Line]) -> str:
 
 
 def moved(line: Line) -> bool:
-    """Whether inertial numbers are among those that are said to have moved."""
-    return any(k.startswith(("tool", "link")) for k in line.get("recalibrated", []))
+    """Whether inertial numbers are said to be off."""
+    numbers = line.get("said", {}).get("numbers", [])
+    special = [n for n in numbers if n["list"] != "lacks"]
+    return any(n["place"].startswith(("tool", "link")) for n in special)
 
 
 def _payload_named(lines: Sequence[Line]) -> str:
     loaded = [x for x in lines if x["case"].startswith("payload/")]
     named = [x for x in loaded if any(in_group(n, x["truth"][0]) for n in _names(x))]
     return _count(len(named), len(loaded))
+
+
+def _payload_said(lines: Sequence[Line]) -> str:
+    """Of loads that one log can show."""
+    loaded = [x for x in lines if x["case"].startswith("payload/")]
+    loaded = [x for x in loaded if x["truth"][0]["size"] > LEAST_LOAD and "said" in x]
+    said = [x for x in loaded if moved(x) or any(in_group(n, x["truth"][0]) for n in _names(x))]
+    return _count(len(said), len(loaded))
 
 
 def _moved(lines: Sequence[Line]) -> str:
@@ -140,7 +152,8 @@ MEASURES: dict[str, Callable[[Sequence[Line]], str]] = {
     "in the group": _per_effect(lambda x, t: any(in_group(n, t) for n in _names(x))),
     "all effects, each in its group": _all_in_group,
     "payload named, whatever its size": _payload_named,
-    "inertial numbers under `recalibrated`": _moved,
+    "payload of 2 kg and more named, or inertial numbers said to be off": _payload_said,
+    "inertial numbers said to be off": _moved,
     "nothing said": _silent,
     "outside: reported unexplained": _outside,
     "arms with a false name": _extra,

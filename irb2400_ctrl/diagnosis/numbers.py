@@ -19,7 +19,7 @@ from irb2400_ctrl.robot import Robot
 MOVED = 3.5
 """standard deviations of what was believed, beyond which a number is said to be another one"""
 SEEN = 3.0
-"""standard errors of its change that it must stand out"""
+"""standard errors of its change that a friction must stand out"""
 LEAST_FRICTION = 0.1
 """a change of friction that is worth a word, over what it was [-]"""
 BODY = ("mass_kg", "com_x_m", "com_y_m", "com_z_m", "Ixx", "Iyy", "Izz", "Ixy", "Ixz", "Iyz")
@@ -100,7 +100,8 @@ def numbers(
                 found.append(Number("lacks", place, name, None, now, size, float(moved[i])))
             continue
         little = name in FRICTION and abs(now - before) < LEAST_FRICTION * abs(before)
-        if moved[i] > MOVED and abs(z[i]) > SEEN * error[i] and not little:
+        seen = name in BODY or abs(z[i]) > SEEN * error[i]
+        if moved[i] > MOVED and seen and not little:
             which: FindingList = "changed" if change else "special"
             signed = float(np.sign(z[i]) * moved[i])
             found.append(Number(which, place, name, before, now, size, signed))
