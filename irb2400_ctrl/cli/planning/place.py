@@ -91,7 +91,6 @@ def place(
     for part in parts:
         input_file(part, "a toolpath (CSV, APT/CLDATA or G-code)")
 
-    from irb2400_ctrl.cell import load_cell
     from irb2400_ctrl.files import write_atomic
     from irb2400_ctrl.model import Model
     from irb2400_ctrl.planners import read_program
@@ -99,12 +98,7 @@ def place(
     from irb2400_ctrl.planners.toolpath.work_frame import work_frame as pose_of
     from irb2400_ctrl.report.figures.placement_figure import save_placement
 
-    around = None if cell is None else load_cell(cell)
-    if around is not None and around.positioner is not None:
-        raise InputError(
-            f"cell {around.name}: found a [positioner], which the search of a place does not turn; "
-            "expected a cell without it (plan --positioner find chooses its angles)"
-        )
+    around = _cell_of(cell)
     programs = [read_program(part, units=units) for part in parts]
     arm = load_arm(robot)
     load = cutting_load(arm, cutting_force, joint_stiffness, None)
@@ -135,6 +129,18 @@ def place(
     _print(facts)
     print(f"written to {out}: placement.json, placement.png")
     return Summary(facts, written)
+
+
+def _cell_of(file: Path | None) -> Cell | None:
+    from irb2400_ctrl.cell import load_cell
+
+    around = None if file is None else load_cell(file)
+    if around is not None and around.positioner is not None:
+        raise InputError(
+            f"cell {around.name}: found a [positioner], which the search of a place does not turn; "
+            "expected a cell without it (plan --positioner find chooses its angles)"
+        )
+    return around
 
 
 def _area(model: Model, text: str | None, turn: bool) -> Area:
