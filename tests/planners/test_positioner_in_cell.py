@@ -75,6 +75,17 @@ def test_the_work_object_turns_about_the_axes_in_their_order(tmp_path: Path) -> 
     assert np.allclose(things.on_positioner((0, 0)).work_frame, cell(tmp_path).work_frame)
 
 
+def test_the_table_of_the_page_is_read(tmp_path: Path) -> None:
+    page = (Path(__file__).parents[2] / "docs" / "cells.md").read_text()
+    table = page[page.index("[positioner]") :].split("```")[0]
+    head = 'schema_version = 1\nname = "page"\n[work_object]\nplace_mm = [900, 0, 500]\n'
+    (tmp_path / "page.toml").write_text(head + table)
+    plate = load_cell(tmp_path / "page.toml").positioner
+    assert plate is not None
+    assert plate.asked(2, "SIDE") == (-90, 0)
+    assert plate.asked(1, "TOP") == "find"
+
+
 @pytest.mark.parametrize(
     ("rows", "says"),
     [

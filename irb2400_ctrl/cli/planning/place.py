@@ -95,19 +95,13 @@ def place(
     for part in parts:
         input_file(part, "a toolpath (CSV, APT/CLDATA or G-code)")
 
-    from irb2400_ctrl.cell import load_cell
     from irb2400_ctrl.model import Model
     from irb2400_ctrl.planners import read_program
     from irb2400_ctrl.planners.placement import place as find_place
     from irb2400_ctrl.planners.toolpath.work_frame import work_frame as pose_of
     from irb2400_ctrl.report.pages.placement_page import placement_page
 
-    around = None if cell is None else load_cell(cell)
-    if around is not None and around.positioner is not None:
-        raise InputError(
-            f"cell {around.name}: found a [positioner], which the search of a place does not turn; "
-            "expected a cell without it (plan --positioner find chooses its angles)"
-        )
+    around = _cell_of(cell)
     programs = [read_program(part, units=units) for part in parts]
     arm = load_arm(robot)
     load = cutting_load(arm, cutting_force, joint_stiffness, None)
@@ -147,6 +141,18 @@ def _written(facts: dict[str, Any], page: Page, arm: Robot, out: Path) -> Summar
     ]
     print(f"written to {out}: placement.json, report.html")
     return Summary(facts, written)
+
+
+def _cell_of(file: Path | None) -> Cell | None:
+    from irb2400_ctrl.cell import load_cell
+
+    around = None if file is None else load_cell(file)
+    if around is not None and around.positioner is not None:
+        raise InputError(
+            f"cell {around.name}: found a [positioner], which the search of a place does not turn; "
+            "expected a cell without it (plan --positioner find chooses its angles)"
+        )
+    return around
 
 
 def _area(model: Model, text: str | None, turn: bool) -> Area:

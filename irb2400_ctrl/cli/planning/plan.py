@@ -192,12 +192,10 @@ def plan(
     """Plan a toolpath: branch, tool rotation, torque-limited timing -> trajectory.csv, plan.json,
     report.html."""
     input_file(path, "a toolpath (CSV, APT/CLDATA or G-code)")
-
     from irb2400_ctrl.planners import read_program
-    from irb2400_ctrl.planners.linking.waits import waits
 
-    program = read_program(path, units=units, rotary=rotary, spindle_rpm=spindle_rpm)
-    program = _only(program, operation)
+    read = read_program(path, units=units, rotary=rotary, spindle_rpm=spindle_rpm)
+    program = _only(read, operation)
     output_folder(out)
     arm = load_arm(robot)
     pose, around, frame = placed(work_frame, cell, positioner)
@@ -219,8 +217,15 @@ def plan(
     _say_assumed(program, around, tool)
     chosen = link_options(len(program.operations), links, clearance, approach, start)
     job = Job(arm, program, chosen, options, out, rapid_options(rapid, rapid_set, rapid_io))
-    whole = chosen.ends or len(program.operations) > 1 or any(map(waits, program.operations))
-    return plan_all(job) if whole else _plan_one(job)
+    return plan_all(job) if _in_parts(job) else _plan_one(job)
+
+
+def _in_parts(job: Job) -> bool:
+    """Whether the program is more than one motion from a first to a last way-point."""
+    from irb2400_ctrl.planners.linking.waits import waits
+
+    operations = job.program.operations
+    return job.links.ends or len(operations) > 1 or any(map(waits, operations))
 
 
 def _only(program: CamProgram, operation: str | None) -> CamProgram:

@@ -140,7 +140,7 @@ class _Chain:
         self.events += on_the_way(run, self.time)
         self._add("operation", run, run.plan)
         if run.wait > 0:
-            rest = Rest.at(run, self.here, run.wait, self.rate)
+            rest = Rest.at(run, run.plan.trajectory.q[-1], run.wait, self.rate)
             self._add("wait", run, rest, f"the program waits for {run.wait:g} s")
 
     def leave(self, run: Run) -> None:

@@ -1,0 +1,144 @@
+"""G-code of controls: moved zeros, splines, dwells, cycles, words of Siemens."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
+import pytest
+
+from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.planners import CamProgram, Operation, read_program
+
+Array = npt.NDArray[np.float64]
+
+
+def program(tmp_path: Path, text: str) -> CamProgram:
+    file = tmp_path / "part.nc"
+    file.write_text(text)
+    return read_program(file)
+
+
+def operation(tmp_path: Path, text: str) -> Operation:
+    return program(tmp_path, text).operation()
+
+
+def positions(tmp_path: Path, text: str) -> Array:
+    """[mm]"""
+    return np.asarray(1e3 * operation(tmp_path, text).path.position)
+
+
+def test_axis_words_after_a_cycle_go_on_as_before_it(tmp_path: Path) -> None:
+    text = "G21 G90 G0 X0 Y0 Z9\nG81 X5 Z-3 R1 F60\nG80\nZ20\nX7\nM30\n"
+    read = program(tmp_path, text)
+    found = read.operation()
+    assert np.allclose(1e3 * found.path.position[-2:], [[5, 0, 20], [7, 0, 20]])
+    assert found.rapid[-2:].all()
+    assert "after G80" in str(read.of_kind("assumed")[0])
+    with pytest.raises(InputError, match="axis words after G80"):
+        program(tmp_path, "G21 G90\nG80\nX5\n")
+
+
+def test_a_dwell_in_seconds_and_in_milliseconds(tmp_path: Path) -> None:
+    text = (
+        "G21 G90 G0 X0 Y0 Z9\nG4 P0.5\nG1 Z1 F60\nG4 P1500\nG4 X2\nG4 F3\nX9\n"
+        "G82 X5 Z-3 R1 P250\nM30\n"
+    )
+    found = operation(tmp_path, text)
+    assert [e.seconds for e in found.events] == [0.5, 1.5, 2.0, 3.0, 0.25]
+    assert found.feed_range() == (pytest.approx(1e-3), pytest.approx(1e-3))
+
+
+@pytest.mark.parametrize(
+    ("codes", "start"),
+    [
+        ("G52 X100 Y50", (100, 50, 0)),
+        ("G52 X9\nG52 X100 Y50", (100, 50, 0)),
+        ("G92 X-100 Y-50 Z5", (100, 50, 0)),
+        ("G92 X7 Y3\nG92 X-100 Y-50", (100, 50, 0)),
+        ("G52 X9\nG52 X0", (0, 0, 0)),
+        ("G92 X9\nG92.1", (0, 0, 0)),
+        ("G92 X9 Y1\nG68 X0 Y0 R30\nG69\nG92.2", (0, 0, 0)),
+    ],
+)
+def test_a_moved_zero(tmp_path: Path, codes: str, start: tuple[float, ...]) -> None:
+    head = "G21 G90 G54\nG0 X0 Y0 Z5\n"
+    found = positions(tmp_path, f"{head}{codes}\nG0 X0 Y0\nG1 Z0 F60\nX10\n")
+    assert np.allclose(found[-2], start)
+    assert np.allclose(found[-1], np.add(start, (10, 0, 0)))
+
+
+def test_turned_coordinates_about_a_point(tmp_path: Path) -> None:
+    text = "G21 G90\nG0 X0 Y0 Z5\nG68 X10 Y0 R90\nG1 X20 Y0 F60\nG3 X10 Y10 I-10\nG69\nG1 X0 Y0\n"
+    found = positions(tmp_path, text)
+    # (20, 0) turned by 90 deg about (10, 0) is (10, 10); (10, 10) is (0, 0)
+    assert np.allclose(found[1], (10, 10, 5))
+    assert np.allclose(found[-2], (0, 0, 5), atol=1e-9)
+    radius = np.linalg.norm(found[1:-1, :2] - (10, 0), axis=1)
+    assert np.allclose(radius, 10)
+
+
+def test_splines_are_followed_within_the_chord(tmp_path: Path) -> None:
+    t = np.linspace(0, 1, 2001)[:, None]
+    start, one, two, end = (np.array(p) for p in ([0, 0], [5, 0], [10, 5], [10, 10]))
+    cubic = (1 - t) ** 3 * start + 3 * t * (1 - t) ** 2 * one + 3 * t**2 * (1 - t) * two
+    curve = cubic + t**3 * end
+    head = "G21 G90\nG0 X0 Y0 Z0\n"
+    bezier = positions(tmp_path, f"{head}G5 X10 Y10 I5 J0 P0 Q-5 F60\n")
+    knots = "K0 X5 Y0 Z0\nK0 X10 Y5 Z0\nK0 X10 Y10 Z0\nK1\nK1\nK1\nK1\nG1 X20\n"
+    nurbs = positions(tmp_path, f"{head}G6.2 P4 K0 X0 Y0 Z0 F60\n{knots}")
+    assert np.allclose(bezier, nurbs[:-1])
+    assert np.allclose(nurbs[-1], (20, 10, 0))
+    assert len(bezier) > 5
+    for a, b in zip(bezier[:-1, :2], bezier[1:, :2], strict=True):
+        along = (b - a) / np.linalg.norm(b - a)
+        ahead = (curve - a) @ along
+        beside = np.abs((curve - a) @ np.array([-along[1], along[0]]))
+        assert beside[(ahead > 0) & (ahead < np.linalg.norm(b - a))].max() < 0.0501
+
+
+def test_a_rational_spline_is_a_circle(tmp_path: Path) -> None:
+    text = (
+        "G21 G90\nG0 X10 Y0 Z0\nG6.2 P3 K0 X10 Y0 Z0 R1 F60\nK0 X10 Y10 R0.70710678\n"
+        "K0 X0 Y10 R1\nK1\nK1\nK1\n"
+    )
+    found = positions(tmp_path, text)
+    assert np.allclose(np.linalg.norm(found, axis=1), 10, atol=1e-6)
+    assert np.allclose(found[-1], (0, 10, 0))
+
+
+def test_words_of_siemens_controls(tmp_path: Path) -> None:
+    text = (
+        '; 840D\nN10 G17 G710 G90 G54 G601 FNORM\nN20 T="MILL 10" D1\nN30 M6\nN40 MSG("CONTOUR")\n'
+        "N50 G0 X=0 Y=0 Z=5\nN60 G1 Z-2. F=240\nX60\nG3 X80 Y20 CR=20\n"
+        "G2 X100 Y40 I=AC(100) J=AC(20)\nG3 X100 Y40 I-5 J0 TURN=1\nSUPA G0 Z0 D0\nM30\n"
+    )
+    found = operation(tmp_path, text)
+    p = 1e3 * found.path.position
+    assert found.tool.name == "MILL 10"
+    assert ("message", "CONTOUR") in {(e.kind, e.text) for e in found.events}
+    assert found.feed_range() == (pytest.approx(4e-3), pytest.approx(4e-3))
+    on_first = p[(p[:, 0] > 60.001) & (p[:, 0] <= 80.001)]
+    assert np.allclose(np.linalg.norm(on_first[:, :2] - (60, 20), axis=1), 20, atol=1e-6)
+    assert np.allclose(p[-1], (100, 40, -2))
+    ways = np.linalg.norm(np.diff(p, axis=0), axis=1).sum()
+    # 5 down to -2, 60, a quarter of 20 mm, a quarter of 20 mm, two turns of 5 mm
+    assert ways == pytest.approx(7 + 60 + 20 * np.pi + 20 * np.pi, rel=5e-3)
+
+
+def test_tool_vectors_of_siemens_controls(tmp_path: Path) -> None:
+    text = "G710 G90\nTRAORI\nG0 X0 Y0 Z9 A3=0 B3=0 C3=2\nG1 Z0 A3=1 C3=1 F60\nX5\n"
+    axis = operation(tmp_path, text).path.axis
+    assert axis is not None
+    half = np.sqrt(0.5)
+    assert np.allclose(axis, [[0, 0, 1], [half, 0, half], [half, 0, half]])
+
+
+def test_fine_boring_goes_in_at_feed_and_out(tmp_path: Path) -> None:
+    text = "G21 G90 G0 X0 Y0 Z9\nG76 X5 Z-3 R1 Q0.2 P500 F60\nG88 X9 Z-3 R1 P0.5\nG80\nM30\n"
+    read = program(tmp_path, text)
+    assert [e.seconds for e in read.operation().events] == [0.5, 0.5]
+    assert "without its way aside" in str(read.of_kind("assumed")[0])
+    with pytest.raises(InputError, match="cuts a thread"):
+        program(tmp_path, "G21 G0 X0 Y0 Z9\nG76 X1 Z-3 R1 P1 I1 J1 K1 F60\n")
