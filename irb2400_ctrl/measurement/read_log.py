@@ -35,6 +35,7 @@ _SCALES = {
     "tau": {"Nm": 1.0, "kNm": 1e3},
     "q_ref": {"deg": np.pi / 180, "rad": 1.0},
 }
+_ZEROTH = re.compile(r"(q|qd|tau)0_.*")
 _BARE = re.compile(r"(time|t|(?:qd|q|tau)[1-9]\d*(?:_ref)?)")
 READERS = {".mat": read_mat_table, ".parquet": read_parquet_table}
 """by suffix; anything else is CSV, but for"""
@@ -109,6 +110,11 @@ def _by_name(
                 _contradict(table, found[signal][joint], name)
             found[signal][joint] = name
             scales[name] = _SCALES[signal][match["unit"]]
+        elif _ZEROTH.fullmatch(name):
+            raise InputError(
+                f"{table.path}: found column {name!r}, expected joints that count from 1; rename "
+                "the columns, or say what they are in a column map (--columns, docs/logs.md)"
+            )
         elif _BARE.fullmatch(name):
             raise InputError(
                 f"{table.path}: column {name!r} has no unit, expected for example {_example(name)}"

@@ -24,6 +24,8 @@ STUCK_TIME = 0.3
 """[s] of one and the same value"""
 ABRUPT = 6.0
 """second difference of an angle over the largest of the rest of the record"""
+LOST = 3.0
+"""times the usual step after which samples are lost"""
 SPIKE = 30.0
 """a torque over the largest of all others"""
 JUMP = 20.0
@@ -216,7 +218,7 @@ def _repeated(log: Log) -> LogProblem | None:
     least = max(10, round(0.1 * log.rate))
     for start, stop in _stretches((np.diff(lag) == 0) & (lag[1:] > 1), least):
         begin, end = (start, stop) if lag[start] else (start + 1, stop)
-        if any(_bent(log.q[:, j], edge) for j in range(log.n) for edge in (begin, end)):
+        if any(_bent(log, j, edge) for j in range(log.n) for edge in (begin, end)):
             return LogProblem(
                 "repeated_block",
                 f"samples {begin + 1} to {end} are those of {lag[begin]} samples before: cut them "
@@ -314,11 +316,12 @@ def _stretches(equal: npt.NDArray[np.bool_], least: int) -> Iterator[Run]:
 
 def _abrupt(log: Log, j: int, start: int, stop: int) -> bool:
     """Whether the joint is in full motion just before or after a stretch without any."""
-    return _bent(log.q[:, j], start) or _bent(log.q[:, j], stop - 1)
+    return _bent(log, j, start) or _bent(log, j, stop - 1)
 
 
-def _bent(values: Array, place: int) -> bool:
+def _bent(log: Log, j: int, place: int) -> bool:
     """Whether the motion breaks at a sample as it does nowhere else."""
+    values = log.q[:, j]
     bend = _bend(values)
     near = slice(max(0, place - 2), place + 3)
     others = np.delete(bend, near)
@@ -326,4 +329,8 @@ def _bent(values: Array, place: int) -> bool:
     if not np.isfinite(digit):
         return False
     usual = np.quantile(others, 0.998) if len(others) else 0.0
+    # what a joint did where samples are lost is no bend of its motion
+    steps = np.diff(log.time)
+    lost = np.flatnonzero(steps > LOST * np.median(steps))
+    bend[np.concatenate([lost, lost + 1])] = 0.0
     return bool(bend[near].max(initial=0.0) > max(ABRUPT * usual, 6.0 * digit))

@@ -65,6 +65,7 @@ def test_arrays_are_read_only() -> None:
 NASTY = {
     "no torque columns": (lambda t: t.replace("_Nm", "_A"), "tau1_Nm"),
     "one joint missing": (lambda t: t.replace("q4_rad", "spare"), "q4_deg or q4_rad"),
+    "joints from zero": (lambda t: t.replace("q1_rad", "q0_rad"), "joints that count from 1"),
     "no unit": (lambda t: t.replace("q2_rad", "q2"), "has no unit"),
     "no time": (lambda t: t.replace("time_s", "stamp"), "time_s"),
     "a word among numbers": (lambda t: t.replace("\n0.004,", "\nlost,", 1), "line 3"),

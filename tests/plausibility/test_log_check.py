@@ -46,9 +46,10 @@ def test_there_are_forty_kinds_and_more() -> None:
     assert len(CORRUPTIONS) >= 40
 
 
-@pytest.mark.parametrize("seed", [11, 12, 13, 14, 15, 16, 93122])
+@pytest.mark.parametrize("seed", [11, 12, 13, 14, 15, 16, 93122, 771006])
 def test_a_sound_log_is_not_refused(seed: int) -> None:
     # 93122: axis 1 stands still, held by friction that is ten times its torque
+    # 771006: samples are lost just after axis 1 paused
     drawn = sound_log(seed)
     assert log_problem(drawn.robot, drawn.log) is None, drawn.text
 

@@ -46,6 +46,7 @@ def test_a_table_of_a_spreadsheet_is_the_same_arm(tmp_path: Path, separator: str
         ("alpha_deg", "alpha", "column 'alpha' has no unit, expected alpha_rad or alpha_deg"),
         ("a_mm", "a_cm", "column 'a_cm' is not known, expected some of alpha_deg"),
         ("theta_offset_deg", "theta_deg", "column 'theta_deg' is not known"),
+        ("alpha_deg", "alpha_rad", "alpha is -90 rad, more than a whole turn"),
         ("\n-90,", "\n-1.5708,", "alpha is -1.5708 degrees, which looks like radians"),
         ("# convention: standard\n", "", "the convention is not stated"),
         ("300", "three", "a is 'three', no number"),
@@ -140,3 +141,19 @@ def test_notes_of_several_joints_are_one_line(tmp_path: Path) -> None:
     assert sum("it turns endlessly" in note for note in notes) == 1
     assert any(note.startswith("links link_1, link_2, link_3,") for note in notes)
     assert any("no link has mass" in note for note in notes)
+
+
+def test_a_range_upside_down_and_a_linkage_are_told(tmp_path: Path) -> None:
+    """Not as if the file said nothing, or the joint were one of its own."""
+    path = tmp_path / "arm.urdf"
+    bar = '<link name="bar"/><joint name="bar_joint" type="revolute">'
+    bar += '<parent link="upper_arm_link"/><child link="bar"/><axis xyz="0 0 1"/>'
+    bar += '<mimic joint="elbow_joint"/></joint></robot>'
+    text = ur5("</robot>", bar)
+    parent = re.search(r'<parent link="([^"]+)"/>', text[text.index("<joint") :])
+    assert parent is not None
+    text = text.replace("upper_arm_link", parent[1])
+    path.write_text(re.sub(r'lower="[^"]+" upper="[^"]+"', 'lower="3" upper="-3"', text, count=1))
+    notes = "\n".join(import_robot(path).notes)
+    assert "range 3 to -3 rad in the file is none" in notes
+    assert "joint bar_joint (follows elbow_joint, mimic)" in notes

@@ -169,7 +169,7 @@ def _step(
     """Go over one joint of the path: a fixed one moves on, a turning one begins a link."""
     X = chain.X @ joint.X
     if joint.kind in TURNING:
-        turned = pose(np.zeros(3), rotation_to(joint.axis))
+        turned = pose(np.zeros(3), rotation_to(joint.axis, f"joint {joint.name}"))
         chain.frames.append(X @ turned)
         chain.masses.append(Mass(0.0, np.zeros(3), np.zeros((3, 3))))
         chain.joints.append(joint)
@@ -194,8 +194,9 @@ def _gather(
             body = _gather(tree, joint.child, X @ joint.X, on_path, body, notes)
         else:
             weight = _weight(tree, joint.child)
+            kind = f"follows {joint.mimics}, mimic" if joint.mimics else joint.kind
             notes.append(
-                f"joint {joint.name} ({joint.kind}) on {link} is not on the chain: it and what "
+                f"joint {joint.name} ({kind}) on {link} is not on the chain: it and what "
                 f"hangs on it are left out ({weight:.3g} kg); give it as a payload if it is carried"
                 + (f", or take it as a joint (--tool-link {joint.child})" * (joint.kind in TURNING))
             )

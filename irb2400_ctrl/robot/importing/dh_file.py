@@ -165,6 +165,11 @@ def _step(row: _Row, convention: str) -> Array:
             f"{row.where}: alpha is {np.degrees(alpha):.5g} degrees, which looks like radians; "
             "expected degrees under alpha_deg, or the name alpha_rad"
         )
+    if abs(alpha) > 2 * np.pi:
+        raise InputError(
+            f"{row.where}: alpha is {alpha:.5g} rad, more than a whole turn; expected radians "
+            "under alpha_rad, or the name alpha_deg"
+        )
     X = _turn(0, alpha)
     a = row.need("a", "mm")
     d = row.need("d", "mm")

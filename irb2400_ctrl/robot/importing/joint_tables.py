@@ -33,9 +33,7 @@ def _limits(joint: TreeJoint, notes: list[str]) -> dict[str, Any]:
     source = "the imported file"
     ends = joint.range
     if ends is None or ends[0] >= ends[1]:
-        endless = joint.kind == "continuous"
-        why = "it turns endlessly (continuous)" if endless else "no range in the file"
-        notes.append(f"joint {joint.name}: {why}; one turn either way is kept")
+        notes.append(f"joint {joint.name}: {_no_range(joint)}; one turn either way is kept")
         ends = (-2 * np.pi, 2 * np.pi)
         source = "assumption: the file states no range, one turn either way is kept"
     elif max(abs(end) for end in ends) > DEGREES:
@@ -54,6 +52,15 @@ def _limits(joint: TreeJoint, notes: list[str]) -> dict[str, Any]:
     else:
         notes.append(f"joint {joint.name}: torque limit {_found(joint.effort)}, taken as unknown")
     return limits
+
+
+def _no_range(joint: TreeJoint) -> str:
+    if joint.kind == "continuous":
+        return "it turns endlessly (continuous)"
+    if joint.range is None:
+        return "no range in the file"
+    low, high = joint.range
+    return f"range {low:g} to {high:g} rad in the file is none (the lower end must be below)"
 
 
 def _found(value: float | None) -> str:

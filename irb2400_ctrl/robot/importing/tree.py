@@ -132,15 +132,18 @@ def inverse(X: Array) -> Array:
     return pose(-R @ X[:3, 3], R)
 
 
-def rotation_to(axis: Array) -> Array:
+def rotation_to(axis: Array, where: str) -> Array:
     """A rotation whose z axis points along `axis`; exact for the axes of the frame, shape (3, 3).
+
+    Args:
+        where: whose axis it is, for the sentence.
 
     Raises:
         InputError: an axis of no length.
     """
     length = float(np.linalg.norm(axis))
     if not np.isfinite(length) or length < 1e-9:
-        raise InputError(f"found a joint axis of {axis.tolist()}, expected a direction")
+        raise InputError(f"{where}: found an axis of {axis.tolist()}, expected a direction")
     z = axis / length
     helper = np.roll(np.eye(3)[int(np.argmax(np.abs(z)))], 1)
     x = np.cross(helper, z)
