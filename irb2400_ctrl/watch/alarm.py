@@ -65,7 +65,7 @@ class Usual:
         """Log likelihood ratio of blocks (b, n) or one (n,); zero where nothing is known."""
         k = GROWN
         x = self.degrees / 2 * ((1 - 1 / k) * energy / self.energy - np.log(k))
-        return np.nan_to_num(x, nan=0.0)
+        return np.asarray(np.nan_to_num(x, nan=0.0))
 
 
 def _usual(seen: Array) -> tuple[float, float]:
