@@ -1,0 +1,131 @@
+"""What was chosen and fitted, as findings and as unexplained rests."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.diagnosis.body_estimates import body_estimates
+from irb2400_ctrl.diagnosis.comparison.acceptance import INFLATION
+from irb2400_ctrl.diagnosis.comparison.confidence import alternatives, confidence
+from irb2400_ctrl.diagnosis.comparison.step import Step
+from irb2400_ctrl.diagnosis.curves import UNITS, binned_curve
+from irb2400_ctrl.diagnosis.diagnosis import Finding, Unexplained
+from irb2400_ctrl.diagnosis.estimation.candidate import Candidate
+from irb2400_ctrl.diagnosis.estimation.fit import Fit, Fitter
+from irb2400_ctrl.diagnosis.lists import list_of
+from irb2400_ctrl.diagnosis.preparation.base_prior import BasePrior
+from irb2400_ctrl.diagnosis.preparation.identified_prior import IdentifiedPrior
+from irb2400_ctrl.diagnosis.regressors.predict import effect_torque
+from irb2400_ctrl.measurement.prepared_log import PreparedLog
+
+
+def findings_of(
+    prior: BasePrior | IdentifiedPrior,
+    steps: Sequence[Step],
+    fit: Fit,
+    fitter: Fitter,
+    load: Array,
+    change: bool,
+) -> tuple[Finding, ...]:
+    """Every named effect with its numbers, their errors, its evidence and its curve.
+
+    Args:
+        load: torque of the rigid arm, shape (rows, n) [Nm]; change: whether the reference is this
+            very arm on another day.
+    """
+    motion = fitter.motion
+    found = []
+    place = 0
+    measured = motion.filtered(motion.tau)
+    for step in steps:
+        for _ in step.candidate.effects:
+            effect = fit.effects[place]
+            torque = effect_torque(fitter.bases, effect, motion, filtered=True)
+            share = _share(torque, measured)
+            joint = int(np.argmax(share)) if effect.joint is None else effect.index
+            found.append(
+                Finding(
+                    effect=effect,
+                    standard_errors=_standard_errors(fit, place, step.candidate),
+                    confidence=confidence(step),
+                    alternatives=alternatives(step),
+                    list=list_of(effect, change),
+                    gain=step.gain,
+                    margin=step.margin,
+                    body=body_estimates(prior, fitter, fit, place, INFLATION),
+                    share=share,
+                    curve=binned_curve(
+                        motion,
+                        load,
+                        joint,
+                        effect.drawing.abscissa,
+                        torque[:, joint],
+                        fit.residual[:, joint],
+                        period=effect.period,
+                        turned=effect.drawing.against_motion,
+                    ),
+                    validation_gain=float(_gain(step)[joint]),
+                )
+            )
+            place += 1
+    return tuple(found)
+
+
+def _gain(step: Step) -> Array:
+    assert step.validation_gain is not None
+    return step.validation_gain
+
+
+def _share(torque: Array, measured: Array) -> Array:
+    """rms of an effect over that of the joint's torque with or without it, whichever is largest:
+    a balancer can take more off a joint than is left to measure."""
+    size, without, whole = (
+        np.sqrt(np.mean(tau**2, axis=0)) for tau in (torque, measured - torque, measured)
+    )
+    whole = np.where(size > whole, np.maximum(size, without), whole)
+    return np.asarray(size / np.maximum(whole, 1e-9))
+
+
+def _standard_errors(fit: Fit, place: int, candidate: Candidate) -> dict[str, float | list[float]]:
+    found: dict[str, Any] = {name: INFLATION * sigma for name, sigma in candidate.spread.items()}
+    for parameter, sigma in zip(fit.parameters, fit.sigma, strict=True):
+        if parameter.effect == place:
+            value = float(INFLATION * sigma)
+            if parameter.element is None:
+                found[parameter.name] = value
+            else:
+                found.setdefault(parameter.name, []).append(value)
+    return found
+
+
+def unexplained_of(
+    steps: Sequence[Step], fit: Fit, motion: PreparedLog, load: Array
+) -> tuple[Unexplained, ...]:
+    """Non-parametric laws, one entry per joint."""
+    by_joint: dict[int, list[tuple[Step, Array]]] = {}
+    non_parametric = iter(fit.non_parametric)
+    for step in steps:
+        if not step.candidate.known:
+            by_joint.setdefault(step.candidate.joint or 1, []).append((step, next(non_parametric)))
+    found = []
+    for joint, parts in by_joint.items():
+        torque = np.sum([tau for _, tau in parts], axis=0)[:, joint - 1]
+        residual = fit.residual[:, joint - 1]
+        first = max(parts, key=lambda part: part[0].gain)[0]
+        candidate: Candidate = first.candidate
+        signal = candidate.depends_on[0] if candidate.depends_on[0] in UNITS else "time"
+        found.append(
+            Unexplained(
+                joint=joint,
+                depends_on=candidate.depends_on,
+                rmse=float(np.sqrt(np.mean(torque**2))),
+                confidence=confidence(first),
+                description=candidate.name,
+                curve=binned_curve(motion, load, joint - 1, signal, torque, residual),
+            )
+        )
+    return tuple(found)
