@@ -167,8 +167,8 @@ def plan_ways(
         margins = margins_as_read(model, orientation, scene, best, settled)
         seen = mapped(model, orientation, scene, best.choice) if options.mapped else None
     given = deflection(best, options.load)
-    stands = {"rail": options.rail, "positioner": options.positioner}
-    return replace(planned, deflection=given, rotation_map=seen, **stands, **margins)
+    margins.update(rail=options.rail, positioner=options.positioner)
+    return replace(planned, deflection=given, rotation_map=seen, **margins)
 
 
 def _counted(found: Iterable[Choice], told: Progress) -> Iterator[Choice]:
