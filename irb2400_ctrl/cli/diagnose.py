@@ -122,7 +122,7 @@ def diagnose(
         page.write(out / "report.html")
     print("\n".join(text))
     print(f"written: {', '.join(str(out / name) for name in written)}")
-    return Summary(result.to_json())
+    return Summary(result.to_json(), [out / name for name in written])
 
 
 def _diagnosed(

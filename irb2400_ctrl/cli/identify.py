@@ -79,8 +79,9 @@ def identify(
     print("\n".join(lines(result)))
     print(f"prior of the robot file: {arm.uncertainty.says()}")
     names = ("robot.toml", "identification.json", "covariance.json", "report.html")
-    print(f"written: {', '.join(str(out / name) for name in names)}")
-    return Summary(result.to_json())
+    written = [out / name for name in names]
+    print(f"written: {', '.join(map(str, written))}")
+    return Summary(result.to_json(), written)
 
 
 def _load(text: str) -> Body:

@@ -54,5 +54,6 @@ def validate(
         if problem is not None:
             print(f"warning: {log.name} is not understood: {problem.says}", file=sys.stderr)
     print("\n".join(lines(result)))
-    print(f"written: {out / 'validation.json'}, {out / 'report.html'}")
-    return Summary(result.to_json())
+    written = [out / "validation.json", out / "report.html"]
+    print(f"written: {', '.join(map(str, written))}")
+    return Summary(result.to_json(), written)

@@ -36,7 +36,7 @@ VERBS = dict(verbs(typer.main.get_command(app)))
 
 
 def test_the_verbs_are_found() -> None:
-    known = "demo plan place simulate sweep codegen diagnose identify validate excite explain"
+    known = "demo plan place simulate sweep codegen diagnose identify validate excite explain watch"
     nested = {"robot show", "robot check", "robot import", "robot new", "robot export"}
     assert {*known.split(), *nested, "path show", "log check"} <= set(VERBS)
 
@@ -121,12 +121,14 @@ def test_simulate_and_codegen(planned: tuple[Path, dict[str, Any]]) -> None:
 
 def test_validate_says_validation_json(tmp_path: Path) -> None:
     told = answer("validate", "irb2400", LOG, "--out", tmp_path)
+    assert str(tmp_path / "report.html") in told.pop("written")
     assert told == json.loads((tmp_path / "validation.json").read_text())
 
 
 def test_diagnose_says_findings_json(tmp_path: Path) -> None:
     told = answer("diagnose", wrong_sign(tmp_path), "--out", tmp_path / "d")
     assert told["verdict"] == "log_not_understood"
+    assert str(tmp_path / "d" / "robot.toml") in told.pop("written")
     assert told == json.loads((tmp_path / "d" / "findings.json").read_text())
 
 
