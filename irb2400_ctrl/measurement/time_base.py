@@ -187,7 +187,7 @@ def _losses_placed(q: Array, even: Array, step: float) -> Array:
     and a few samples a period off are a jump of the angles.
     """
     even = even.copy()
-    for after in np.flatnonzero(np.diff(even) > 1.5 * step) + 1:
+    for after in (np.flatnonzero(np.diff(even) > 1.5 * step) + 1).tolist():
         first = max(after - MISPLACED - 4, 0)
         window = slice(first, after + MISPLACED + 4)
         if after - first < 5 or after + MISPLACED + 4 > len(even):
