@@ -19,12 +19,7 @@ from irb2400_ctrl.diagnosis.comparison.scan import Scan
 from irb2400_ctrl.diagnosis.comparison.selection import Selection, reversal_rows
 from irb2400_ctrl.diagnosis.comparison.step import Step
 from irb2400_ctrl.diagnosis.curves import UNITS, binned_curve
-from irb2400_ctrl.diagnosis.diagnosis import (
-    Comparison,
-    Diagnosis,
-    Finding,
-    Unexplained,
-)
+from irb2400_ctrl.diagnosis.diagnosis import Comparison, Diagnosis, Finding, Unexplained
 from irb2400_ctrl.diagnosis.estimation.candidate import Candidate
 from irb2400_ctrl.diagnosis.estimation.fit import Fit, Fitter
 from irb2400_ctrl.diagnosis.estimation.reversals import noisy_reversals_masked
@@ -118,8 +113,7 @@ def _searched(
     progress("scan")
     reversal = reversal_rows(motion)
     own = numbers_of_robot.shape[2]
-    jumping = Z[:, :, : Z.shape[2] - turning.shape[2]]
-    first = Fitter(robot, bases, motion, jumping, reversal, own).fit([])
+    first = Fitter(robot, bases, motion, Z[:, :, : -motion.n], reversal, own).fit([])
     motion = noisy_reversals_masked(motion, bases, first, reversal)
     scan = Scan(bases, motion, load)
     fitter = Fitter(robot, bases, motion, Z, reversal, own)
