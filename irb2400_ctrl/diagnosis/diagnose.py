@@ -15,10 +15,7 @@ from irb2400_ctrl.diagnosis.comparison.criteria import Criteria
 from irb2400_ctrl.diagnosis.comparison.scan import Scan
 from irb2400_ctrl.diagnosis.comparison.selection import Selection, reversal_rows
 from irb2400_ctrl.diagnosis.comparison.step import Step
-from irb2400_ctrl.diagnosis.diagnosis import (
-    Comparison,
-    Diagnosis,
-)
+from irb2400_ctrl.diagnosis.diagnosis import Comparison, Diagnosis
 from irb2400_ctrl.diagnosis.estimation.fit import Fit, Fitter
 from irb2400_ctrl.diagnosis.estimation.reversals import noisy_reversals_masked
 from irb2400_ctrl.diagnosis.findings import findings_of, unexplained_of
@@ -111,8 +108,7 @@ def _searched(
     progress("scan")
     reversal = reversal_rows(motion)
     own = numbers_of_robot.shape[2]
-    jumping = Z[:, :, : Z.shape[2] - turning.shape[2]]
-    first = Fitter(robot, bases, motion, jumping, reversal, own).fit([])
+    first = Fitter(robot, bases, motion, Z[:, :, : -motion.n], reversal, own).fit([])
     motion = noisy_reversals_masked(motion, bases, first, reversal)
     scan = Scan(bases, motion, load)
     fitter = Fitter(robot, bases, motion, Z, reversal, own)

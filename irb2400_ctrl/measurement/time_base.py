@@ -43,6 +43,8 @@ NEARBY = ((4.0, 0.04), (LONGEST, 0.002))
 nearer to: first coarse, then fine"""
 TRIED = 81
 """periods in each"""
+MISPLACED = 6
+"""samples by which the place of a loss may be off"""
 ALIKE = 1.05
 """times the least roughness: lattices on which the angles are as smooth"""
 SMOOTHER = 0.98
@@ -99,6 +101,9 @@ def time_base(log: Log) -> TimeBase:
             best = rough, instants, step
     assert best is not None
     rough, even, step = best
+    if np.std(stamps - even) > BLURRED * step:
+        even = _losses_placed(log.q, even, step)
+        rough = _ratio(_roughness(log.q, even), rough_stamps)
     scatter = float(np.std(stamps - even))
     slope, error = _slope(log, even)
     told = error < SURE and abs(slope) < DECIDED + 2.0 * error
@@ -173,6 +178,39 @@ def _nearest_lattice(
         scatter = [np.std(first - one * _rising(first / one)) for one in tried]
         period = float(tried[int(np.argmin(scatter))])
     return _lattice(stamps, period)
+
+
+def _losses_placed(q: Array, even: Array, step: float) -> Array:
+    """The instants with every loss moved to where the angles are smooth.
+
+    Stamps that scatter by a good part of a period do not tell between which samples one was lost,
+    and a few samples a period off are a jump of the angles.
+    """
+    even = even.copy()
+    for after in (np.flatnonzero(np.diff(even) > 1.5 * step) + 1).tolist():
+        first = max(after - MISPLACED - 4, 0)
+        window = slice(first, after + MISPLACED + 4)
+        if after - first < 5 or after + MISPLACED + 4 > len(even):
+            continue
+        size = np.median(np.abs(_missed(q[window], even[window])), axis=0) + 1e-12
+        pause = even[after] - even[after - 1] - step
+        best = even[window]
+        least = np.inf
+        for shift in range(-MISPLACED, MISPLACED + 1):
+            tried = even[window].copy()
+            inner = after - first
+            if shift > 0:
+                tried[inner : inner + shift] -= pause
+            else:
+                tried[inner + shift : inner] += pause
+            if (np.diff(tried) < 0.5 * step).any():
+                continue
+            missed = float(np.sum(np.abs(_missed(q[window], tried)) / size))
+            if missed < least:
+                least = missed
+                best = tried
+        even[window] = best
+    return even
 
 
 def _rising(places: Array) -> Index:
