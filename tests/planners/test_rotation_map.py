@@ -11,7 +11,7 @@ import pytest
 from irb2400_ctrl import Model, load_robot
 from irb2400_ctrl.planners import Plan, builders, plan_path
 from irb2400_ctrl.planners.redundancy.rotation_map import LIMITS, RotationMap
-from irb2400_ctrl.report.pages import plan_page
+from irb2400_ctrl.report.pages.plan_page import plan_page
 
 ROBOT = load_robot("irb2400")
 MODEL = Model(ROBOT)

@@ -26,8 +26,6 @@ RESTING = 0.02
 """speed and acceleration of a joint that counts as resting, over those of the fastest"""
 WIDE = 1.0
 """torque of a number that nobody knows, as a share of the joint's rms torque"""
-RESTING = 1e-3
-"""[rad/s] rms speed of a joint that does not move"""
 
 
 @dataclass(frozen=True)
@@ -108,8 +106,7 @@ def prior_of(
     known = {"coulomb": friction[:, 1], "viscous": friction[:, 2]}
     size = {
         "coulomb": wide,
-        # of a joint that rests nothing is seen: its file is left as it is
-        "viscous": np.where(speed > RESTING, wide / speed, friction[:, 2] + RESTING),
+        "viscous": wide / speed,
         "offset": wide,
         "rotor": wide / acceleration,
     }
