@@ -21,14 +21,17 @@ types: $(VENV)/.installed-test
 contracts: $(VENV)/.installed-test
 	$(BIN)/lint-imports
 
+# a file's tests stay on one core, which makes what they share once
+ALL_CORES := -n auto --dist loadfile --no-loadscope-reorder
+
 pytest: $(VENV)/.installed-test
-	$(BIN)/python -m pytest -n auto $(PYTEST_ARGS)
+	$(BIN)/python -m pytest $(ALL_CORES) $(PYTEST_ARGS)
 
 # everything: also the tests marked slow, the readers on many more drawn files, and the searches for
 # a bound below the truth, on seeds that are drawn anew and printed
 DRAWS ?= 100
 test-all: lint types contracts $(VENV)/.installed-test
-	IRB2400_EXAMPLES=1000 $(BIN)/python -m pytest -n auto -m "slow or not slow" $(PYTEST_ARGS)
+	IRB2400_EXAMPLES=1000 $(BIN)/python -m pytest $(ALL_CORES) -m "slow or not slow" $(PYTEST_ARGS)
 	$(BIN)/python benchmarks/file_bounds.py $(DRAWS)
 	$(BIN)/python benchmarks/corrupted_logs.py sound --count $(DRAWS)
 

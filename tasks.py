@@ -20,7 +20,7 @@ TASKS = {
         ["-m", "ruff", "format", "--check", "."],
         ["-m", "mypy"],
         ["-c", "from importlinter.cli import lint_imports_command as run; run()"],
-        ["-m", "pytest", "-n", "auto"],
+        ["-m", "pytest", "-n", "auto", "--dist", "loadfile", "--no-loadscope-reorder"],
     ],
 }
 EXTRAS = {"demo": "", "test": "[test]"}
