@@ -33,7 +33,8 @@ PARTS = 4
 _ROUNDS = 5
 # what may be left of it: the check of the plan will say so
 _UNSETTLED = 1e-3
-# a ratio to a limit that is not left to those who look at the rows
+# ratios to a limit that are not left to those who look at the rows: it hardly costs time; too much
+_LITTLE = 1.02
 _MUCH = 2.5
 # a ratio to a limit, at the speed that keeps all others, that slowing down does not cure
 _HOPELESS = 20.0
@@ -83,7 +84,7 @@ def time_rate_limited(
         sampling: how the motion will be read; what swings above a torque limit between rows is
             held back, too.
         slow: the whole motion by what is above a limit in the end; else the law is as it was found,
-            unless very much is, for who slows it where its rows swing above a limit.
+            unless very little or very much is, for who slows it where its rows swing above a limit.
 
     Raises:
         InputError: no limit of a rate among the limits.
@@ -98,7 +99,7 @@ def time_rate_limited(
     fastest, cells = time_joint_path(dynamics, path, jumping, count=count, feed=feed)
     s, rough, first = search.rough(fastest.law, cells, count)
     law, ratios, more = search.settled(s, rough)
-    if slow or _largest(ratios) > _MUCH:
+    if slow or not _LITTLE < _largest(ratios) <= _MUCH:
         law, ratios = search.slowed_until_inside(law, ratios)
         _refuse(
             ratios,
