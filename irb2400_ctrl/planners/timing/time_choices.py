@@ -6,6 +6,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
+import numpy as np
+
 from irb2400_ctrl.errors import InfeasibleError
 from irb2400_ctrl.planners.enclosure.cells import enclose, grid
 from irb2400_ctrl.planners.enclosure.path_dynamics import PathDynamics
@@ -114,7 +116,8 @@ def limit_rates(
                 count=count,
                 feed=path.feed,
                 sampling=options.sampling,
-                slow=options.rates_stated,
+                # a programmed feed is worth more than a rate that nobody stated
+                slow=options.rates_stated or not np.isfinite(path.programmed_feed).any(),
             ).law
         except InfeasiblePointError as error:
             problem = _placed(error, path)
