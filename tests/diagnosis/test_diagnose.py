@@ -13,7 +13,7 @@ import pytest
 from independent_plant import Case, Effect
 
 from irb2400_ctrl.diagnosis import Diagnosis, diagnose
-from irb2400_ctrl.diagnosis.diagnose import _share
+from irb2400_ctrl.diagnosis.findings import _share
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.measurement import Log
 from irb2400_ctrl.robot import load_robot
