@@ -51,10 +51,7 @@ def test_every_segment_keeps_its_limits_at_every_instant(motion: ProgramMotion) 
     for segment in motion.segments:
         piece = segment.piece
         limits = piece.certificate.limits
-        held = check(piece.certificate, MODEL)
-        assert max(held.torque_ratio, held.velocity_ratio) <= 1
-        # nobody stated a torque rate: along a tool path the speed may change faster between rows
-        assert segment.kind in {"operation", "lead-in"} or held.holds()
+        assert check(piece.certificate, MODEL).holds()
         # what the controller reads, ten thousand times a second, with the model's own dynamics
         end = piece.trajectory.time[-1]
         q, qd, qdd = piece.reference.states(np.linspace(0, end, int(min(1e4 * end, 4e4)) + 2))

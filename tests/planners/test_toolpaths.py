@@ -59,11 +59,7 @@ def _holds_what_every_plan_promises(plan: Plan) -> None:
     trajectory = plan.trajectory
     limits = plan.certificate.limits
     assert plan.guaranteed
-    held = check(plan.certificate, MODEL)
-    # the rows are promised (below); the law behind them may be above by what they do not read
-    assert held.velocity_ratio <= 1
-    assert held.torque_ratio <= 1.01
-    # a torque rate that nobody stated is not kept where rows were slowed
+    assert check(plan.certificate, MODEL).holds()
     assert (trajectory.qd[[0, -1]] == 0).all()
     assert (trajectory.q >= ROBOT.q_min).all()
     assert (trajectory.q <= ROBOT.q_max).all()
@@ -73,11 +69,11 @@ def _holds_what_every_plan_promises(plan: Plan) -> None:
     needed = np.abs(MODEL.inverse_dynamics(*plan.reference.states(read)))
     assert (needed <= limits.tau_max).all()
     assert (needed / ROBOT.tau_max).max() <= plan.max_torque_ratio
-    # the law behind the rows, sampled as often, is above by no more than that
+    # sampled ten thousand times a second the torque never exceeds its limit
     time = np.arange(0.0, plan.duration, 1e-4)
     _, q, qd, qdd = plan.certificate.law.motion(plan.certificate.path, time)
     ratio = np.abs(MODEL.inverse_dynamics(q, qd, qdd)) / limits.tau_max
-    assert ratio.max() <= 1.01
+    assert ratio.max() <= 1.0
     # the margins are bounds over the whole path
     factors = np.abs(MODEL.singularity_factors(q)).min(axis=0)
     assert (factors >= np.array(list(plan.singularity_margin.values())) - 1e-9).all()

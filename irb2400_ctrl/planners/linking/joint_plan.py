@@ -138,7 +138,7 @@ def _timed(
             timing.limits,
             count=max(timing.cells // 2, 50),
             sampling=timing.sampling,
-            slow=timing.rates_stated,
+            feed_ratios=task.feed_ratios,
         ).law
     except InfeasiblePointError:
         if timing.rates_stated:

@@ -28,6 +28,9 @@ JUMP = 0.5
 JUMP_WITHIN = 1e-7
 # below this the wrist is so straight that q4 has no direction of its own [-]
 STRAIGHT = 1e-6
+# a joint that moves by less than this is at rest: its friction would follow the sign of rounding
+# [rad]
+RESTS = 1e-9
 
 
 @dataclass(frozen=True)
@@ -123,7 +126,7 @@ def follow(
         u = u[kept]
         s = s[kept]
         _no_jump(model, target, u, q)
-        path = JointPath.through(s, q)
+        path = JointPath.through(s, _resting(q))
         middle = (u[:-1] + u[1:]) / 2
         s_middle = arc_length(curve, np.sort(np.concatenate([u, middle])))[1::2]
         X = target.pose(middle, s_middle)
@@ -148,6 +151,11 @@ def follow(
         u = np.sort(np.concatenate([u, (middle + beside)[coarse]]))
     at = int(np.argmax(step))
     raise _jump(target, u[at], np.diff(q, axis=0)[at], float(np.diff(s)[at]))
+
+
+def _resting(q: Array) -> Array:
+    """The same with joints that only move by rounding held where they are."""
+    return np.where(np.ptp(q, axis=0) < RESTS, q[:1], q)
 
 
 def _no_jump(model: Model, target: JointTarget, u: Array, q: Array) -> None:

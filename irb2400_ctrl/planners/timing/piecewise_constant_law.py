@@ -19,6 +19,8 @@ from irb2400_ctrl.planners.timing.torque_bounds import squared_speed_ratio, torq
 
 # parts that each cell is cut into for the check; more, while a bound is above the limit
 _PARTS = (2, 4, 8)
+# points that are added to a grid stay this part of its usual cell away from others
+_SLIVER = 1e-3
 
 
 @dataclass(frozen=True)
@@ -72,9 +74,30 @@ class PiecewiseConstantLaw(TimeLaw):
         return PiecewiseConstantLaw(self.s, self.x / factor**2)
 
     def slowed_at(self, time: Array, factor: Array) -> PiecewiseConstantLaw:
-        """See `TimeLaw`."""
+        """The same motion, `factor` (k,) times slower at the times (k,) of this one [s], and in
+        between by straight lines; 1 is as it is.
+
+        The factor changes little from time to time and not near the ends, where there is no speed.
+        """
         s, slower = self._parted(time, factor)
         return PiecewiseConstantLaw(s, np.interp(s, self.s, self.x) / slower**2)
+
+    def _parted(self, time: Array, factor: Array) -> tuple[Array, Array]:
+        """The grid with what is passed at the times added wherever the factor is not 1, and the
+        factor on it, each (k,)."""
+        slow = factor > 1
+        around = slow | np.append(slow[1:], False) | np.insert(slow[:-1], 0, False)
+        inside = time[around & (time > 0) & (time < self.duration)]
+        s = np.concatenate([self.s, self.at(inside)[0]])
+        passed = np.concatenate([self.time, inside])
+        order = np.argsort(s, kind="stable")
+        own = order < len(self.s)
+        s = s[order]
+        gap = np.diff(s, prepend=-np.inf)
+        # a point that is added keeps away from those of the grid
+        far = np.minimum(gap, np.append(gap[1:], np.inf)) > _SLIVER * np.median(np.diff(self.s))
+        kept = order[own | far]
+        return s[own | far], np.interp(passed[kept], time, factor)
 
     def bounds(self, path: JointPath, limits: MotionLimits, dynamics: PathDynamics) -> Checked:
         """Torque and speed cell by cell, from u and x alone.

@@ -6,8 +6,6 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
-import numpy as np
-
 from irb2400_ctrl.errors import InfeasibleError
 from irb2400_ctrl.planners.enclosure.cells import enclose, grid
 from irb2400_ctrl.planners.enclosure.path_dynamics import PathDynamics
@@ -116,8 +114,7 @@ def limit_rates(
                 count=count,
                 feed=path.feed,
                 sampling=options.sampling,
-                # a programmed feed is worth more than a rate that nobody stated
-                slow=options.rates_stated or not np.isfinite(path.programmed_feed).any(),
+                feed_ratios=path.feed_ratios,
             ).law
         except InfeasiblePointError as error:
             problem = _placed(error, path)

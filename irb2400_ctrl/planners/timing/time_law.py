@@ -13,9 +13,6 @@ from irb2400_ctrl.planners.joint_path import JointPath
 from irb2400_ctrl.planners.timing.motion_bounds import Checked, Peaks
 from irb2400_ctrl.planners.timing.motion_limits import MotionLimits
 
-# points that are added to a grid stay this part of its usual cell away from others
-_SLIVER = 1e-3
-
 
 @dataclass(frozen=True)
 class TimeLaw(ABC):
@@ -72,34 +69,9 @@ class TimeLaw(ABC):
         """The same motion that takes `factor` times as long."""
 
     @abstractmethod
-    def slowed_at(self, time: Array, factor: Array) -> TimeLaw:
-        """The same motion, `factor` (k,) times slower at the times (k,) of this one [s], and in
-        between by straight lines; 1 is as it is.
-
-        The factor changes little from time to time and not near the ends, where there is no speed.
-        """
-
-    @abstractmethod
     def bounds(self, path: JointPath, limits: MotionLimits, dynamics: PathDynamics) -> Checked:
         """Bounds over all times from the law's own numbers; nothing of a solver is used."""
 
     @abstractmethod
     def peaks(self, path: JointPath, limits: MotionLimits, dynamics: PathDynamics) -> Peaks:
         """Largest torque of each axis, and the largest torque rate, cell by cell."""
-
-    def _parted(self, time: Array, factor: Array) -> tuple[Array, Array]:
-        """The grid with what is passed at the times added wherever the factor is not 1, and the
-        factor on it, each (k,)."""
-        slow = factor > 1
-        around = slow | np.append(slow[1:], False) | np.insert(slow[:-1], 0, False)
-        inside = time[around & (time > 0) & (time < self.duration)]
-        s = np.concatenate([self.s, self.at(inside)[0]])
-        passed = np.concatenate([self.time, inside])
-        order = np.argsort(s, kind="stable")
-        own = order < len(self.s)
-        s = s[order]
-        gap = np.diff(s, prepend=-np.inf)
-        # a point that is added keeps away from those of the grid
-        far = np.minimum(gap, np.append(gap[1:], np.inf)) > _SLIVER * np.median(np.diff(self.s))
-        kept = order[own | far]
-        return s[own | far], np.interp(passed[kept], time, factor)

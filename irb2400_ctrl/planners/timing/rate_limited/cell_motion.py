@@ -11,6 +11,9 @@ from irb2400_ctrl.planners.joint_path import JointPath
 
 # the pieces of a path may disagree by rounding
 _JOINED = 1e-7
+# points of a grid that are no farther from each other, as a part of its length, are one: what is
+# divided by the width of a part between them is rounding
+_SAME = 1e-12
 
 
 @dataclass(frozen=True)
@@ -33,12 +36,17 @@ class CellMotion:
 
 def refined_grid(s: Array, path: JointPath, parts: int) -> Array:
     """A law's grid with its inner cells cut into equal parts, and at knots and reversals of the
-    path: that they are on the law's grid is not taken for granted."""
+    path: that they are on the law's grid, but for rounding, is not taken for granted."""
     inner = s[1:-1]
     split = (inner[:-1, None] + np.arange(parts) / parts * np.diff(inner)[:, None]).ravel()
     more = np.concatenate([path.knots, path.reversals()])
     more = more[(more > inner[0]) & (more < inner[-1])]
-    return np.unique(np.concatenate([s, split, more]))
+    own = np.unique(np.concatenate([s, split]))
+    after = np.searchsorted(own, more)
+    away = np.minimum(own[after] - more, more - own[after - 1])
+    more = np.unique(more[away > _SAME * own[-1]])
+    apart = np.diff(more, prepend=-np.inf) > _SAME * own[-1]
+    return np.sort(np.concatenate([own, more[apart]]))
 
 
 def is_joined(path: JointPath) -> bool:

@@ -119,22 +119,30 @@ class GriddedProgram:
             "raise it",
         )
 
-    def holding_back(self, ratios: OutputRatios) -> GriddedProgram:
+    def holding_back(self, ratios: OutputRatios, law: RateLimitedLaw) -> GriddedProgram:
         """The same with a little more than what is above the limits held back, in the cells where
-        it is."""
+        it is: of torque, acceleration and rates their limits, of speeds the speed of the motion
+        that has them."""
         keep = []
-        for kept, ratio in zip(self.program.keep, self._by_cell(ratios), strict=True):
+        *held, speed = self._by_cell(ratios)
+        for kept, ratio in zip(self.program.keep, held, strict=True):
             too_much = np.where(ratio > 1 - ROUNDING, ratio * (1 + _HELD), 1.0)
             keep.append(kept / too_much)
-        return replace(self, program=replace(self.program, keep=(keep[0], keep[1])))
+        most = speed.max(axis=1)
+        at_points = np.maximum(np.append(most, 0.0), np.insert(most, 0, 0.0))
+        slower = law.on(self.s)[0] / (at_points * (1 + _HELD)) ** 2
+        fast = at_points > 1 - ROUNDING
+        fast[[0, -1]] = False
+        bound = np.where(fast, np.minimum(self.program.bound, slower), self.program.bound)
+        return replace(self, program=replace(self.program, keep=(keep[0], keep[1]), bound=bound))
 
     def _by_cell(self, ratios: OutputRatios) -> list[Array]:
-        """The largest ratios of values and rates among the parts of each cell, shapes (m, k) of
-        all outputs."""
+        """The largest ratios of values, rates (m, k) and speeds (m, j) among the parts of each
+        cell."""
         middle = (ratios.s[:-1] + ratios.s[1:]) / 2
         cell = np.clip(np.searchsorted(self.s, middle) - 1, 0, len(self.s) - 2)
         found = []
-        for ratio in (ratios.value, ratios.rate):
+        for ratio in (ratios.value, ratios.rate, ratios.speed):
             most = np.zeros((len(self.s) - 1, ratio.shape[1]))
             np.maximum.at(most, cell, ratio)
             found.append(most)
@@ -168,7 +176,7 @@ class GriddedProgram:
         """Whether an output that is not selected is above its limit."""
         chosen = np.zeros((len(self.s) - 1, ratios.value.shape[1]), dtype=bool)
         np.put_along_axis(chosen, self.columns, True, 1)
-        return any(bool(((most > 1) & ~chosen).any()) for most in self._by_cell(ratios))
+        return any(bool(((most > 1) & ~chosen).any()) for most in self._by_cell(ratios)[:2])
 
     def law(self, z: Array) -> RateLimitedLaw:
         """The time law of the unknowns."""

@@ -29,6 +29,8 @@ _SOLVED = 3.0
 _SMALLER = 0.2
 # multipliers stay within this factor of the barrier's own
 _SPREAD = 100.0
+# of its diagonal, added to a matrix that rounding keeps from being positive definite
+_MORE = (0.0, 1e-13, 1e-11, 1e-9, 1e-7)
 
 
 @dataclass(frozen=True)
@@ -150,14 +152,16 @@ class _Point:
 
 
 def _newton(point: _Point, multipliers: Array, gradient: Array) -> Array | None:
-    """The step; None where rounding leaves no positive definite matrix."""
+    """The step; None where no matrix near the Hessian is positive definite."""
     from scipy.linalg import LinAlgError, solveh_banded
 
     N = point.hessian + point.squared(multipliers / point.slack)
     bend = point.program.curvature(point.z, point._split(multipliers)[0])
-    for part in (1.0, 0.5, 0.0):
+    for part, more in ((1.0, 0.0), (0.5, 0.0), *((0.0, more) for more in _MORE)):
+        H = N - part * bend
+        H[2] += more * N[2]
         with suppress(LinAlgError):
-            return np.asarray(solveh_banded(N - part * bend, -gradient))
+            return np.asarray(solveh_banded(H, -gradient))
     return None
 
 

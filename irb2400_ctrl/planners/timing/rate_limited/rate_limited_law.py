@@ -3,13 +3,12 @@ rest."""
 
 from __future__ import annotations
 
-import itertools
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
-from irb2400_ctrl.arrays import Array, Mask
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.planners.enclosure.bernstein import linear
 from irb2400_ctrl.planners.enclosure.path_dynamics import PathDynamics
 from irb2400_ctrl.planners.joint_path import JointPath
@@ -27,8 +26,6 @@ from irb2400_ctrl.planners.timing.time_law import TimeLaw
 
 # parts that each cell is cut into for the check; more, while a bound is above the limit
 _PARTS = (2, 4, 8)
-# cells over which what is slowed is brought back to its speeds
-_TOGETHER = 4
 # the law's numbers may disagree by rounding
 _ROUNDING = 1e-11
 
@@ -85,25 +82,6 @@ class RateLimitedLaw(TimeLaw):
     def slowed(self, factor: float) -> RateLimitedLaw:
         """The same motion that takes `factor` times as long."""
         return RateLimitedLaw(self.s, self.x / factor**2, self.u / factor**2)
-
-    def slowed_at(self, time: Array, factor: Array) -> RateLimitedLaw:
-        """See `TimeLaw`.
-
-        With x / f^2 for x the acceleration is u / f^2 - x f' / f^3. Straight between grid points it
-        leads to other speeds than that, by little: a bump of it brings them back at the end of each
-        slower stretch.
-        """
-        s, f = self._parted(time, factor)
-        # the end cells have a motion of their own, and the grid of before
-        keep = ((s >= self.s[1]) & (s <= self.s[-2])) | np.isin(s, self.s)
-        s = s[keep]
-        f = f[keep]
-        f[[0, -1]] = f[[1, -2]]
-        x, u = self.on(s)
-        u = u / f**2 - x * np.where(f > 1, np.gradient(f, s), 0.0) / f**3
-        u[:2] = self.u[:2] / f[0] ** 2
-        u[-2:] = self.u[-2:] / f[-1] ** 2
-        return RateLimitedLaw(s, *_integrated(s, x / f**2, u, f > 1))
 
     def at(self, time: Array) -> tuple[Array, Array, Array]:
         """(s, sdot, sddot) at the given times; before the start and after the end the path stands
@@ -198,21 +176,3 @@ class RateLimitedLaw(TimeLaw):
             u[end] = at_rest_first if end == 0 else at_rest_first[::-1]
             slope[end] = 2 / 9 * self.x[near] / h[end] ** 2
         return CellMotion(s, x, u, slope)
-
-
-def _integrated(s: Array, x: Array, u: Array, slower: Mask) -> tuple[Array, Array]:
-    """x and u of one motion, near those given, on every stretch of grid points that is slower; as
-    given elsewhere, shapes (m + 1,)."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], slower, [False]]).astype(int)))
-    for first, end in edges.reshape(-1, 2):
-        last = min(end, len(s) - 2)
-        # x is met at the ends of few cells each time: where it is nearly zero, little is much
-        ends = np.arange(max(first - 1, 1), last - _TOGETHER + 2, _TOGETHER)
-        for a, b in itertools.pairwise([*ends[: max(len(ends) - 1, 1)].tolist(), last]):
-            h = np.diff(s[a : b + 1])
-            bump = x[a : b + 1].copy()
-            bump[[0, -1]] = 0.0
-            missing = x[b] - x[a] - h @ (u[a:b] + u[a + 1 : b + 1])
-            u[a : b + 1] += missing / (h @ (bump[:-1] + bump[1:])) * bump
-            x[a + 1 : b] = x[a] + np.cumsum(h * (u[a:b] + u[a + 1 : b + 1]))[:-1]
-    return x, u

@@ -20,7 +20,7 @@ from irb2400_ctrl.planners.timing.rate_limited.interior_point import solve
 from irb2400_ctrl.planners.timing.rate_limited.output_bounds import OutputRatios
 from irb2400_ctrl.planners.timing.rate_limited.rate_limited_grid import first_grid, refined
 from irb2400_ctrl.planners.timing.rate_limited.rate_limited_law import RateLimitedLaw
-from irb2400_ctrl.planners.timing.sampled_reference.sampling import Sampling
+from irb2400_ctrl.planners.timing.sampled_reference.sampling import FeedRatios, Sampling
 from irb2400_ctrl.planners.timing.time_joint_path import FeedBound, time_joint_path
 from irb2400_ctrl.planners.timing.time_law import TimeLaw
 from irb2400_ctrl.planners.timing.torque_constraints import ROUNDING
@@ -30,12 +30,11 @@ PARTS = 4
 
 # how often what the bounds show above a limit is held back; then the motion is slowed by what is
 # left of it
-_ROUNDS = 5
+_ROUNDS = 10
 # what may be left of it: the check of the plan will say so
 _UNSETTLED = 1e-3
-# ratios to a limit that are not left to those who look at the rows: it hardly costs time; too much
-_LITTLE = 1.02
-_MUCH = 2.5
+# above a limit by so little is not worth another solution: the motion is slowed by it
+_ENOUGH = 5e-4
 # a ratio to a limit, at the speed that keeps all others, that slowing down does not cure
 _HOPELESS = 20.0
 # of the first solution, which only shows where cells have to be small, and of the others; parts of
@@ -66,7 +65,7 @@ def time_rate_limited(
     count: int = 500,
     feed: FeedBound | None = None,
     sampling: Sampling | None = None,
-    slow: bool = True,
+    feed_ratios: FeedRatios | None = None,
 ) -> RateLimitedTiming:
     """The time law from rest to rest, without a jump of the acceleration, whose bounds over all
     times keep the limits.
@@ -81,10 +80,9 @@ def time_rate_limited(
         limits: with `torque_rate`, `jerk` or both.
         count: about how many cells to begin with.
         feed: bound of x = sdot^2 in cells, see `retime`.
-        sampling: how the motion will be read; what swings above a torque limit between rows is
-            held back, too.
-        slow: the whole motion by what is above a limit in the end; else the law is as it was found,
-            unless very little or very much is, for who slows it where its rows swing above a limit.
+        sampling: how the motion will be read; what swings above a limit of torque, speed or feed
+            between rows is held back, too.
+        feed_ratios: speed of the TCP over the feed in what is read, see `feed.feed_ratios`.
 
     Raises:
         InputError: no limit of a rate among the limits.
@@ -95,18 +93,17 @@ def time_rate_limited(
             "limits: found neither torque_rate nor jerk, expected at least one of them"
         )
     jumping = replace(limits, torque_rate=None, jerk=None)
-    search = _Search(dynamics, path, limits, feed, sampling)
+    search = _Search(dynamics, path, limits, feed, sampling, feed_ratios)
     fastest, cells = time_joint_path(dynamics, path, jumping, count=count, feed=feed)
     s, rough, first = search.rough(fastest.law, cells, count)
     law, ratios, more = search.settled(s, rough)
-    if slow or not _LITTLE < _largest(ratios) <= _MUCH:
-        law, ratios = search.slowed_until_inside(law, ratios)
-        _refuse(
-            ratios,
-            search.outputs(cells),
-            1 + _UNSETTLED,
-            "and slowing down does not settle it; raise the torque rate or the jerk",
-        )
+    law, ratios = search.slowed_until_inside(law, ratios)
+    _refuse(
+        ratios,
+        search.outputs(cells),
+        1 + _UNSETTLED,
+        "and slowing down does not settle it; raise the torque rate or the jerk",
+    )
     return RateLimitedTiming(law, fastest.law, first + more)
 
 
@@ -119,6 +116,7 @@ class _Search:
     limits: MotionLimits
     feed: FeedBound | None
     sampling: Sampling | None
+    feed_ratios: FeedRatios | None
 
     def outputs(self, cells: Cells) -> ConstrainedOutputs:
         """What has limits, on cells of the path."""
@@ -129,14 +127,16 @@ class _Search:
         return law.sampled_ratios(self.path, self.limits, self.dynamics, parts)
 
     def as_read(self, law: RateLimitedLaw, ratios: OutputRatios) -> OutputRatios:
-        """The same with the torques of the rows, and of what is read between them."""
+        """The same with torques, speeds and feed of the rows, and of what is read between them."""
         if self.sampling is None or self.dynamics.irregular:
             return ratios
         n = self.path.n
-        seen = self.sampling.torque_ratios(law, self.path, self.limits, self.dynamics, ratios.s)
+        torque, speed = self.sampling.ratios(
+            law, self.path, self.limits, self.dynamics, ratios.s, self.feed_ratios
+        )
         value = ratios.value.copy()
-        value[:, :n] = np.maximum(value[:, :n], seen)
-        return replace(ratios, value=value)
+        value[:, :n] = np.maximum(value[:, :n], torque)
+        return replace(ratios, value=value, speed=np.hstack([ratios.speed, speed]))
 
     def program(self, s: Array, near: TimeLaw) -> GriddedProgram:
         """The program on a grid, near a motion that is known."""
@@ -166,7 +166,7 @@ class _Search:
             iterations += found.iterations
             law = problem.law(found.z)
             ratios = self.as_read(law, self.ratios(law))
-            if _largest(ratios) <= 1 - ROUNDING or turn == _ROUNDS - 1:
+            if _largest(ratios) <= 1 + _ENOUGH or turn == _ROUNDS - 1:
                 break
             _refuse(
                 ratios,
@@ -174,7 +174,7 @@ class _Search:
                 _HOPELESS,
                 "which no timing cures: an effect's torque jumps there by itself",
             )
-            problem = problem.holding_back(ratios)
+            problem = problem.holding_back(ratios, law)
             # an output that was left out and is above its limit: all of them from now on
             selected = problem if selected.overlooks(ratios) else problem.like(selected)
             z = selected.inside(found.z)

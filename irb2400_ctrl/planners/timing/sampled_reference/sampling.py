@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,6 +14,9 @@ from irb2400_ctrl.planners.timing.motion_limits import MotionLimits
 from irb2400_ctrl.planners.timing.sampled_reference.interpolation import Interpolation
 from irb2400_ctrl.planners.timing.sampled_reference.sampled_reference import SampledReference
 from irb2400_ctrl.planners.timing.time_law import TimeLaw
+
+FeedRatios = Callable[[TimeLaw, JointPath], "tuple[Array, Array] | None"]
+"""speed of the TCP over the feed, see `feed.feed_ratios`"""
 
 # change of a torque from row to row, and per second at most, as parts of its limit: what a cubic
 # between rows swings above it is about a seventh of the first
@@ -39,30 +43,38 @@ class Sampling:
         """The rows of a timed path, the first one `before` its start [s]."""
         return SampledReference.of(law, path, self.rate, self.interpolation, before)
 
-    def torque_ratios(
+    def ratios(
         self,
         law: TimeLaw,
         path: JointPath,
         limits: MotionLimits,
         dynamics: PathDynamics,
         s: Array,
-    ) -> Array:
-        """Largest |tau| / tau_max of the reference while it passes each cell between the lengths s,
-        shape (m, n).
+        feed_ratios: FeedRatios | None,
+    ) -> tuple[Array, Array]:
+        """Largest |tau| / tau_max, and largest speed of an axis or of the TCP over its limit, while
+        the reference passes each cell between the lengths s, shapes (m, n) and (m, 1).
 
         A motion that is changed a little has its rows elsewhere: the largest over rows that begin
         at several times is what does not depend on that.
         """
-        found = np.zeros((len(s) - 1, path.n))
+        found = np.zeros((len(s) - 1, path.n + 1))
         for part in range(_PHASES):
             reference = self.reference(law, path, part / _PHASES / self.rate)
             bounds = reference.bounds(dynamics, limits)
             rows = reference.rows.time
-            ratio = np.zeros((len(rows) - 1, path.n))
-            interval = np.searchsorted(rows, (bounds.time[:-1] + bounds.time[1:]) / 2) - 1
-            np.maximum.at(ratio, interval, bounds.torque / limits.tau_max)
+            ratio = np.zeros((len(rows) - 1, path.n + 1))
+            speed = (bounds.speed / limits.qd_max).max(axis=1, keepdims=True)
+            parts = [(bounds.time, np.hstack([bounds.torque / limits.tau_max, speed]))]
+            feed = None if feed_ratios is None else feed_ratios(law, reference.places)
+            if feed is not None:
+                nothing = np.zeros((len(feed[1]), path.n))
+                parts.append((feed[0], np.hstack([nothing, feed[1][:, None]])))
+            for time, value in parts:
+                interval = np.searchsorted(rows, (time[:-1] + time[1:]) / 2) - 1
+                np.maximum.at(ratio, np.clip(interval, 0, len(ratio) - 1), value)
             found = np.maximum(found, _on_cells(s, law.at(rows)[0], ratio))
-        return found
+        return found[:, :-1], found[:, -1:]
 
 
 def _on_cells(s: Array, ends: Array, values: Array) -> Array:

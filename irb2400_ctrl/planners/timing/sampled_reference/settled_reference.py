@@ -12,6 +12,7 @@ import numpy.typing as npt
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.planners.enclosure.path_dynamics import PathDynamics
 from irb2400_ctrl.planners.timing.motion_limits import MotionLimits
+from irb2400_ctrl.planners.timing.piecewise_constant_law import PiecewiseConstantLaw
 from irb2400_ctrl.planners.timing.sampled_reference.excerpt import Excerpt
 from irb2400_ctrl.planners.timing.sampled_reference.local_slowing import slowing
 from irb2400_ctrl.planners.timing.sampled_reference.reference_bounds import ReferenceBounds
@@ -84,10 +85,9 @@ def settled_reference(
     slow: bool,
 ) -> Settled:
     """The rows of a timed path, bounded; the law slowed first, where allowed, until they keep
-    torque, speed and feed: all over if hardly anything is missing, else where they swing above a
-    limit, and all over if that does not settle.
-
-    What is slowed is small where the law was made for the rows (`Sampling.torque_ratios`).
+    torque, speed and feed: all over if hardly anything is missing, or if its torque may not jump
+    (such a law was made for its rows, see `Sampling.ratios`); else where they swing above a limit,
+    and all over if that does not settle.
     """
     look = partial(_looked_at, dynamics, task, limits=limits, sampling=sampling)
     first = look(law)
@@ -96,15 +96,21 @@ def settled_reference(
     found = _slower_all_over(look, first, limits, _HARDLY)
     if found.worst(limits) <= 1:
         return found
+    if not (isinstance(law, PiecewiseConstantLaw) and first.bounded):
+        return _slower_all_over(look, first, limits, _HOPELESS)
     found = first
-    for _ in range(_ROUNDS if first.bounded else 0):
+    for _ in range(_ROUNDS):
         if not 1 < found.worst(limits) < _HOPELESS:
             break
-        slower = _slower_where(dynamics, task, found, limits, sampling)
-        if slower.duration <= found.law.duration:
+        slower = _slower_where(dynamics, task, law, found, limits, sampling)
+        if slower.duration <= law.duration:
             break
-        found = look(slower)
-    return _slower_all_over(look, found, limits, _HOPELESS)
+        law = slower
+        found = look(law)
+    # coming back to its speed the law itself may need more than its rows
+    own = law.bounds(task.joints, limits, dynamics)
+    law = law.slowed(1 + _BY_TORQUE * max(own.torque_ratio - 1, 0.0))
+    return _slower_all_over(look, look(law), limits, _HOPELESS)
 
 
 def _slower_all_over(
@@ -125,13 +131,13 @@ def _slower_all_over(
 def _slower_where(
     dynamics: PathDynamics,
     task: TaskPath,
+    law: PiecewiseConstantLaw,
     found: Settled,
     limits: MotionLimits,
     sampling: Sampling,
-) -> TimeLaw:
+) -> PiecewiseConstantLaw:
     """The law slowed around the rows that swing above a limit, until they do not, wherever between
     its own places a row may come to lie."""
-    law = found.law
     rows = found.reference.rows.time
     wanted = found.wanted(limits)
     places = law.at(_spans(rows, np.maximum(wanted, 1.0 + _abrupt(law, rows))))[0]
