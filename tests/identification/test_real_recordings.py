@@ -17,8 +17,8 @@ GOAL = 1.05
 ABOVE = {
     # above the goal today: a little more than what they reach, so that they do not get worse
     "kr300": {6: 1.15},
-    "tx40": {1: 1.08, 2: 1.25},
-    "ur10": {3: 1.09, 4: 1.15, 5: 1.24, 6: 1.13},
+    "tx40": {2: 1.22},
+    "ur10": {4: 1.12, 5: 1.21, 6: 1.10},
 }
 
 
