@@ -16,6 +16,7 @@ from irb2400_ctrl.errors import InfeasibleError, InputError
 from irb2400_ctrl.planners import Certificate, MotionLimits, check
 from irb2400_ctrl.planners.enclosure.path_dynamics import path_dynamics
 from irb2400_ctrl.planners.joint_path import JointPath
+from irb2400_ctrl.planners.timing.rate_limited.cell_motion import refined_grid
 from irb2400_ctrl.planners.timing.rate_limited.rate_limited_law import RateLimitedLaw
 from irb2400_ctrl.planners.timing.rate_limited.time_rate_limited import (
     RateLimitedTiming,
@@ -199,6 +200,19 @@ def test_both_rates_on_a_part_of_the_joints() -> None:
     assert limits.torque_rate is not None
     assert (peaks["torque rate"] <= limits.torque_rate * (1 + 1e-7)).all()
     assert law.duration > time_rate_limited(DYNAMICS, path, rated(30)).law.duration
+
+
+def test_points_of_a_grid_that_rounding_parts_count_once() -> None:
+    path = random_path(0)
+    s = np.unique(np.concatenate([path.knots, np.linspace(0.0, path.length, 101)]))
+    exact = refined_grid(s, path, 4)
+    # the law's numbers went through other sums than the path's
+    moved = s.copy()
+    moved[1:-1] = np.nextafter(s[1:-1], np.inf)
+    found = refined_grid(moved, path, 4)
+    assert len(found) == len(exact)
+    assert np.diff(found).min() > 1e-10 * path.length
+    assert np.abs(found - exact).max() < 1e-12 * path.length
 
 
 def test_feed_is_kept() -> None:

@@ -21,6 +21,14 @@ def test_there_are_at_least_25_with_different_names() -> None:
     assert len({case["name"] for case in CASES}) == len(CASES) >= 25
 
 
+def test_a_joint_that_moves_by_rounding_alone_is_at_rest() -> None:
+    """Its dry friction would follow the sign of rounding, in the digits that are written too."""
+    case = next(case for case in CASES if case["name"] == "exactly through the wrist")
+    plan = plan_path(ROBOT, build(MODEL, **case["build"]), free_tool_rotation=False)
+    assert (np.ptp(plan.trajectory.q[:, :3], axis=0) == 0).all()
+    assert (plan.reference.states(np.linspace(0, plan.duration, 200))[1][:, :3] == 0).all()
+
+
 @pytest.mark.parametrize("case", CASES, ids=lambda case: case["name"])
 def test_named_toolpath(case: dict[str, Any]) -> None:
     options = dict(case.get("plan", {}))
