@@ -34,7 +34,7 @@ def durations(seed: int) -> tuple[float, float, float, float]:
     move = joint_move(Model(robot), *ends)
     dynamics = path_dynamics(robot)
     way = float(np.linalg.norm(ends[1] - ends[0]))
-    line = JointPath.straight(np.linspace(0.0, way, 41), np.linspace(*ends, 41))
+    line = JointPath.straight(np.linspace(0.0, way, 41), np.linspace(ends[0], ends[1], 41))
     limits = MotionLimits.of(robot)
     jumping = time_joint_path(dynamics, line, limits)[0].law
     jerk = time_rate_limited(dynamics, line, replace(limits, jerk=move.qddd_max)).law
