@@ -84,26 +84,24 @@ class GriddedProgram:
         least = _SLOWEST**2 * z.max()
         while z.max() > least:
             z = slower * z
-            if self.program.slacks(z).min() > 0:
+            if self.program.slacks(z)[1] > -np.inf:
                 return slower * z
         raise self._out_of_reach(z)
 
     def _out_of_reach(self, z: Array) -> InfeasiblePointError:
         """Which limit stays out of reach, and where."""
         outputs = self.program.outputs
-        slack, _ = self.program.rows(z, slopes=False)
-        cell, row = np.unravel_index(int(np.argmin(slack)), slack.shape)
-        place = int(cell) + 1
-        output = int(row) % outputs.count
+        place, row, slack = self.program.worst(z)
+        output = min(row // 12, outputs.count - 1)
         axis = outputs.axis[place, output]
         rate = outputs.rate[place, output]
-        if row < 6 * outputs.count:
+        if row % 12 < 6:
             limit = outputs.limit[place, output]
             return InfeasiblePointError(
                 float(self.s[place]),
                 f", axis {axis} is over its limit even in slow motion: the arm and static friction "
                 "need "
-                f"{(1 - slack[cell, row]) * limit:,.0f} of {limit:,.0f} Nm; lighten the load, or "
+                f"{(1 - slack) * limit:,.0f} of {limit:,.0f} Nm; lighten the load, or "
                 "raise torque_Nm",
             )
         torque = np.isfinite(outputs.friction[3, place, output])

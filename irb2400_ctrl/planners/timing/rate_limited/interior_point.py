@@ -16,10 +16,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from irb2400_ctrl.arrays import Array
-from irb2400_ctrl.planners.timing.rate_limited.rate_limited_program import (
-    RateLimitedProgram,
-    squared,
-)
+from irb2400_ctrl.planners.timing.rate_limited import cell_rows
+from irb2400_ctrl.planners.timing.rate_limited.rate_limited_program import RateLimitedProgram
 
 _MOST = 150
 # part of the way to the boundary that a step may go
@@ -63,102 +61,97 @@ def solve(
     complementarity = 0.0
     while iterations < _MOST:
         complementarity = float(multipliers @ point.slack)
-        error = max(complementarity, point.stationarity(multipliers))
+        first = point.linearised(multipliers, mu)
+        error = max(complementarity, first.stationarity(point.z))
         if error <= gap * point.duration:
             break
         iterations += 1
+        gradient = first.gradient(mu)
         if error <= _SOLVED * mu * point.slack.size:
             mu *= _SMALLER
-        gradient = point.gradient - point.pulled(mu / point.slack)
-        dz = _newton(point, multipliers, gradient)
+            gradient = first.gradient(mu)
+        dz = _newton(first, gradient)
         if dz is None:
             break
-        ds = point.along(dz)
-        step = _to_boundary(point.slack, ds)
-        new = _searched(point, dz, step, mu, float(gradient @ dz))
+        relative = program.along(point.z, dz, point.slack)
+        primal, dual = cell_rows.steepest(point.slack, multipliers, relative, mu)
+        new = _searched(point, dz, _to_boundary(primal), mu, float(gradient @ dz))
         if new is None:
             break
-        change = (mu - multipliers * ds) / point.slack - multipliers
-        multipliers = multipliers + change * _to_boundary(multipliers, change)
+        multipliers = cell_rows.updated(
+            multipliers, point.slack, relative, new.slack, mu, _to_boundary(dual), _SPREAD
+        )
         point = new
-        central = mu / point.slack
-        multipliers = np.clip(multipliers, central / _SPREAD, central * _SPREAD)
     return Solution(point.z, point.duration, complementarity / point.duration, iterations)
 
 
-def _to_boundary(values: Array, change: Array) -> float:
-    """The step, at most one, that leaves positive values positive."""
-    return min(1.0, _TO_BOUNDARY / max(float((-change / values).max()), 1e-9))
+def _to_boundary(steepest: float) -> float:
+    """The step, at most one, that leaves positive values positive, of which the whole one takes so
+    large a part."""
+    return min(1.0, _TO_BOUNDARY / max(steepest, 1e-9))
 
 
 @dataclass(frozen=True, eq=False)
 class _Point:
-    """Objective and rows at one place; the rows of the end cells come last."""
+    """A motion inside."""
 
     program: RateLimitedProgram
     z: Array
     duration: float
-    gradient: Array
-    hessian: Array
     slack: Array
     """shape (rows,)"""
-    slopes: Array
-    """of the inner rows by local unknowns, shape (m - 2, K, 3)"""
-    end_slopes: Array
-    """shape (2, K)"""
+    logarithms: float
+    """sum of those of the slacks"""
 
     @classmethod
     def at(cls, program: RateLimitedProgram, z: Array) -> _Point:
-        slack, slopes = program.rows(z)
-        ends, end_slopes = program.end_rows(z)
-        return cls(
-            program,
-            z,
-            *program.duration(z),
-            np.concatenate([slack.ravel(), ends.ravel()]),
-            slopes,
-            end_slopes,
-        )
+        slack, logarithms = program.slacks(z)
+        return cls(program, z, program.duration(z), slack, logarithms)
 
-    def stationarity(self, multipliers: Array) -> float:
+    def merit(self, mu: float) -> float:
+        """The barrier function; inf outside."""
+        return self.duration - mu * self.logarithms
+
+    def linearised(self, multipliers: Array, mu: float) -> _Linearised:
+        """First and second derivatives here."""
+        gradient, hessian = self.program.duration_slopes(self.z)
+        central, *found = self.program.sums(self.z, self.slack, multipliers, mu)
+        return _Linearised(gradient, hessian, central / mu, *found)
+
+
+@dataclass(frozen=True, eq=False)
+class _Linearised:
+    """Derivatives at a point, with its multipliers."""
+
+    duration: Array
+    """gradient of the duration"""
+    hessian: Array
+    """upper bands of its Hessian"""
+    central: Array
+    """slopes of the slacks over the slacks"""
+    pulled: Array
+    """slopes of the slacks times the multipliers"""
+    squares: Array
+    """upper bands of slopes times multipliers / slack times slopes"""
+    bend: Array
+    """upper bands of what the rows' bends take from the Hessian"""
+
+    def gradient(self, mu: float) -> Array:
+        """Of the barrier function."""
+        return self.duration - mu * self.central
+
+    def stationarity(self, z: Array) -> float:
         """How far the gradient of the Lagrangian is from zero, in units of the unknowns."""
-        residual = self.gradient - self.pulled(multipliers)
-        return float(np.abs(residual * self.z).sum())
-
-    def _split(self, rows: Array) -> tuple[Array, Array]:
-        inner = self.slopes.shape[0] * self.slopes.shape[1]
-        return rows[:inner].reshape(self.slopes.shape[:2]), rows[inner:].reshape(
-            self.end_slopes.shape
-        )
-
-    def pulled(self, rows: Array) -> Array:
-        """Derivatives of the slacks, transposed, times numbers of the rows."""
-        inner, ends = self._split(rows)
-        found = self.program.spline.gather(np.matmul(inner[:, None], self.slopes)[:, 0])
-        found[[0, -1]] += (ends * self.end_slopes).sum(axis=1)
-        return found
-
-    def along(self, dz: Array) -> Array:
-        """Change of the slacks in a direction, to first order."""
-        inner = np.matmul(self.slopes, dz[self.program.spline.place][..., None])[..., 0]
-        return np.concatenate([inner.ravel(), (self.end_slopes * dz[[0, -1], None]).ravel()])
-
-    def squared(self, weights: Array) -> Array:
-        """Upper bands of the derivatives, transposed, times weights, times the derivatives."""
-        inner, ends = self._split(weights)
-        found = self.program.spline.banded(squared(self.slopes, inner))
-        found[2, [0, -1]] += (ends * self.end_slopes**2).sum(axis=1)
-        return found
+        return float(np.abs((self.duration - self.pulled) * z).sum())
 
 
-def _newton(point: _Point, multipliers: Array, gradient: Array) -> Array | None:
+def _newton(at: _Linearised, gradient: Array) -> Array | None:
     """The step; None where no matrix near the Hessian is positive definite."""
     from scipy.linalg import LinAlgError, solveh_banded
 
-    N = point.hessian + point.squared(multipliers / point.slack)
-    bend = point.program.curvature(point.z, point._split(multipliers)[0])
+    N = at.hessian + at.squares
     for part, more in ((1.0, 0.0), (0.5, 0.0), *((0.0, more) for more in _MORE)):
-        H = N - part * bend
+        H = N - part * at.bend
         H[2] += more * N[2]
         with suppress(LinAlgError):
             return np.asarray(solveh_banded(H, -gradient))
@@ -168,13 +161,10 @@ def _newton(point: _Point, multipliers: Array, gradient: Array) -> Array | None:
 def _searched(point: _Point, dz: Array, step: float, mu: float, slope: float) -> _Point | None:
     """The point at the largest of the halved steps that stays inside and lowers the barrier
     function enough."""
-    merit = point.duration - mu * np.log(point.slack).sum()
+    merit = point.merit(mu)
     for _ in range(30):
-        z = point.z + step * dz
-        slack = point.program.slacks(z)
-        if slack.min() > 0:
-            value = point.program.duration(z)[0] - mu * np.log(slack).sum()
-            if value <= merit + 1e-4 * step * slope + 1e-9 * abs(merit):
-                return _Point.at(point.program, z)
+        new = _Point.at(point.program, point.z + step * dz)
+        if new.merit(mu) <= merit + 1e-4 * step * slope + 1e-9 * abs(merit):
+            return new
         step /= 2
     return None

@@ -21,6 +21,8 @@ import numpy as np
 
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.planners.enclosure import bernstein
+from irb2400_ctrl.planners.timing.rate_limited import cell_rows
+from irb2400_ctrl.planners.timing.rate_limited.cell_rows import RowsOfCells, Sums
 from irb2400_ctrl.planners.timing.rate_limited.constrained_outputs import ConstrainedOutputs
 from irb2400_ctrl.planners.timing.rate_limited.speed_spline import SpeedSpline
 
@@ -33,24 +35,6 @@ _BEND = np.diff(np.eye(3), 2, axis=0)[0]
 _NODES = 0.5 + np.sqrt(0.15) * np.array([-1.0, 0.0, 1.0])
 _GAUSS = bernstein.basis(2, _NODES)
 _WEIGHTS = np.array([5.0, 8.0, 5.0]) / 18
-
-
-@dataclass(frozen=True)
-class _State:
-    """A motion at three places of every inner cell, shapes (m - 2, 3, 1) or (m - 2, 3, k)."""
-
-    x: Array
-    u: Array
-    bend: Array
-    """du/ds"""
-    root: Array
-    """sqrt(x)"""
-    bernstein: Array
-    """coefficients of x, shape (m - 2, 3)"""
-    viscous: Array
-    """part of the rates that e contributes, over sqrt(x)"""
-    spare: Array
-    """rates that may be used, over sqrt(x), as their constraints are scaled"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,151 +63,122 @@ class RateLimitedProgram:
 
     # ---- objective
 
-    def duration(self, z: Array) -> tuple[float, Array, Array]:
-        """Duration [s], its gradient and its Hessian (upper bands)."""
+    def duration(self, z: Array) -> float:
+        """Duration [s]; not a number where the motion stands still."""
         h = self.outputs.h
-        weight = h[1:-1, None] * _WEIGHTS
-        root = np.sqrt(self.spline.bernstein(z) @ _GAUSS.T)
-        value = float((weight / root).sum()) + 3 * h[0] / np.sqrt(z[0]) + 3 * h[-1] / np.sqrt(z[-1])
-        gradient = self.spline.gather(
-            np.matmul((-weight / (2 * root**3))[:, None], self._gauss)[:, 0]
-        )
-        H = self.spline.banded(squared(self._gauss, 0.75 * weight / root**5))
+        # a trial may lie outside
+        with np.errstate(invalid="ignore", divide="ignore"):
+            inner = float((h[1:-1, None] * _WEIGHTS / self._at_nodes(z)).sum())
+            return inner + float(3 * h[0] / np.sqrt(z[0]) + 3 * h[-1] / np.sqrt(z[-1]))
+
+    def duration_slopes(self, z: Array) -> tuple[Array, Array]:
+        """Gradient and Hessian (upper bands) of the duration."""
+        h = self.outputs.h
+        root = self._at_nodes(z)
+        once = h[1:-1, None] * _WEIGHTS / root**3
+        gradient = self.spline.gather(np.matmul(-once[:, None] / 2, self._gauss)[:, 0])
+        H = self.spline.banded(squared(self._gauss, 0.75 * once / root**2))
         for end in (0, -1):
             gradient[end] -= 1.5 * h[end] / z[end] ** 1.5
             H[2, end] += 2.25 * h[end] / z[end] ** 2.5
-        return value, gradient, H
+        return gradient, H
+
+    def _at_nodes(self, z: Array) -> Array:
+        """sdot at the nodes of Gauss's rule in the inner cells, shape (m - 2, 3)."""
+        return np.asarray(np.sqrt(self.spline.bernstein(z) @ _GAUSS.T))
 
     @cached_property
     def _gauss(self) -> Array:
         return np.asarray(np.matmul(_GAUSS, self.spline.to_bernstein))
 
-    # ---- constraints of the inner cells
+    # ---- constraints: rows of the inner cells, then those of the end cells
 
     @cached_property
-    def _coefficients(self) -> tuple[Array, ...]:
-        """a, b, e, c_high, c_low and their derivatives at the three places, each (m - 2, 3, k)."""
+    def inner(self) -> RowsOfCells:
+        """The rows of the inner cells."""
         c = self.outputs
-        h = self.outputs.h[1:-1, None, None]
-        parabolas = [f[1:-1] for f in (c.a, c.b, c.e, c.c_high, c.c_low)]
-        return (
-            *(np.matmul(_VALUE, f) for f in parabolas),
-            *(2 / h * np.matmul(_SLOPE, f) for f in parabolas),
-        )
-
-    @cached_property
-    def _motion(self) -> tuple[Array, Array, Array]:
-        """x, u and u' at the three places from local unknowns, each (m - 2, 3 or 1, 3)."""
-        E = self.spline.to_bernstein
-        h = self.outputs.h[1:-1, None, None]
-        return np.matmul(_VALUE, E), np.matmul(_SLOPE, E) / h, np.matmul(_BEND[None], E) / h**2
-
-    @cached_property
-    def _units(self) -> tuple[Array, Array, Array, Array]:
-        """Limits, scale of the rates' rows over the rates (m - 2, 1, k), x to scale rows with, its
-        bound (m - 2, 3)."""
-        ends = [
+        reference, bound = (
             bernstein.raised(bernstein.linear(f[1:-2], f[2:-1]), 2)
             for f in (self.reference, self.bound)
-        ]
-        factor = np.sqrt(ends[0])[..., None] / self.outputs.rate[1:-1, None]
-        return self.outputs.limit[1:-1, None], factor, ends[0], ends[1]
-
-    def slacks(self, z: Array) -> Array:
-        """How far the motion is from every limit, in units of the limits; shape (rows,)."""
-        return np.concatenate([self.rows(z, slopes=False)[0].ravel(), self.end_rows(z)[0].ravel()])
-
-    def rows(self, z: Array, slopes: bool = True) -> tuple[Array, Array]:
-        """Slacks of the inner cells (m - 2, K), and their derivatives by local unknowns (m - 2, K,
-        3)."""
-        m = self.size
-        state = self._state(z)
-        slack = np.concatenate([f.reshape(m, -1) for f in self._slacks(state)], axis=1)
-        if not slopes:
-            return slack, np.empty(0)
-        found = self._slack_slopes(state)
-        return slack, np.concatenate([f.reshape(m, -1, 3) for f in found], axis=1)
-
-    def _state(self, z: Array) -> _State:
-        """The motion at the three places of every inner cell."""
-        N, D, U = self._motion
-        local = z[self.spline.place][..., None]
-        x = np.matmul(N, local)
-        # a start may lie outside: what is not a number counts as no slack
-        with np.errstate(invalid="ignore"):
-            root = np.sqrt(x)
-        u = np.matmul(D, local)
-        _, _, e, _, _, _, _, de, _, _ = self._coefficients
-        reference = self._units[2]
-        return _State(
-            x=x,
-            u=u,
-            bend=np.matmul(U, local),
-            root=root,
-            bernstein=self.spline.bernstein(z),
-            viscous=(e * u + de * x) / root,
-            spare=self.keep[1][1:-1, None] * np.sqrt(reference)[..., None] / root,
         )
-
-    def _slacks(self, state: _State) -> list[Array]:
-        """Values from above and below, rates from above and below, speed, positive control
-        points."""
-        a, b, e, c_high, c_low, da, db, _, dc_high, dc_low = self._coefficients
-        limit, factor, reference, bound = self._units
-        kept = self.keep[0][1:-1, None]
-        bez = state.bernstein
-        slowest = np.concatenate([[0.0], bez.min(axis=1), [0.0]])
-        bottom, top = self.outputs.dry_friction(slowest[:, None])
-        y = a * state.u + b * state.x + e * state.root
-        change = (da + 2 * b) * state.u + a * state.bend + db * state.x + state.viscous
-        return [
-            kept - (y + c_high + top[1:-1, None]) / limit,
-            kept + (y + c_low + bottom[1:-1, None]) / limit,
-            state.spare - factor * (change + dc_high),
-            state.spare + factor * (change + dc_low),
-            1 - bez / bound,
-            bez[:, 1:2] / reference[:, 1:2],
-        ]
-
-    def _slack_slopes(self, state: _State) -> list[Array]:
-        """Derivatives of `_slacks` by the three local unknowns; how dry friction falls with the
-        speed is left out."""
-        a, b, e, _, _, da, db, de, _, _ = self._coefficients
-        limit, factor, reference, bound = self._units
-        N, D, U = (f[:, :, None] for f in self._motion)
-        x = state.x
-        root = state.root
-        value_by_u = a / limit
-        value_by_x = (b + e / (2 * root)) / limit
-        value = value_by_u[..., None] * D + value_by_x[..., None] * N
-        rate_by_u = factor * (da + 2 * b + e / root)
-        rate_by_bend = factor * a
-        rate_by_x = factor * (db + de / root - state.viscous / (2 * x))
-        rate = rate_by_u[..., None] * D + rate_by_bend[..., None] * U
-        rate += rate_by_x[..., None] * N
-        spare = (-state.spare / (2 * x))[..., None] * N
         E = self.spline.to_bernstein
-        return [
-            -value,
-            value,
-            spare - rate,
-            spare + rate,
-            -E / bound[..., None],
-            E[:, 1:2] / reference[:, 1:2, None],
-        ]
-
-    def curvature(self, z: Array, multipliers: Array) -> Array:
-        """Upper bands of what the bend of rate / sqrt(x) takes from the Hessian, for multipliers of
-        the inner rows."""
-        m = self.size
-        count = 3 * self.outputs.count
-        reference = self._units[2]
-        x = self.spline.bernstein(z) @ _VALUE.T
-        both = multipliers[:, 2 * count : 3 * count] + multipliers[:, 3 * count : 4 * count]
-        spare = self.keep[1][1:-1, None] * np.sqrt(reference / x)[..., None]
-        return self.spline.banded(
-            squared(self._motion[0], 0.75 / x**2 * (both.reshape(m, 3, -1) * spare).sum(axis=-1))
+        h = c.h[1:-1, None, None]
+        motion = (np.matmul(_VALUE, E), np.matmul(_SLOPE, E) / h, np.matmul(_BEND[None], E) / h**2)
+        # speed, and positive control points
+        linear = (-E / bound[..., None], E[:, 1:2] / reference[:, 1:2, None])
+        return RowsOfCells(
+            h=c.h[1:-1],
+            parabolas=np.stack(
+                [_cells_last(f[1:-1]) for f in (c.a, c.b, c.e, c.c_high, c.c_low)]
+            ),
+            per_limit=_cells_last(1 / c.limit[1:-1]),
+            per_rate=_cells_last(1 / c.rate[1:-1]),
+            kept=np.stack([_cells_last(f[1:-1]) for f in self.keep]),
+            scale=_cells_last(np.sqrt(reference)),
+            motion=np.ascontiguousarray(np.concatenate(motion, axis=1).transpose(1, 2, 0)),
+            linear=np.ascontiguousarray(np.concatenate(linear, axis=1).transpose(1, 2, 0)),
+            offset=np.array([1.0, 1.0, 1.0, 0.0]),
         )
+
+    @property
+    def _inner_shape(self) -> tuple[int, int]:
+        return 12 * self.outputs.count + 4, self.size
+
+    def _split(self, rows: Array) -> tuple[Array, Array]:
+        """Numbers of all rows as those of the inner cells (12 k + 4, m - 2) and of the ends
+        (2, 3 k)."""
+        count, m = self._inner_shape
+        return rows[: count * m].reshape(count, m), rows[count * m :].reshape(2, -1)
+
+    def slacks(self, z: Array) -> tuple[Array, float]:
+        """How far the motion is from every limit, in units of the limits, shape (rows,), and the
+        sum of their logarithms; the second is -inf where a limit is not kept."""
+        count, m = self._inner_shape
+        found = np.full(count * m + 6 * self.outputs.count, -np.inf)
+        inner, ends = self._split(found)
+        coefficients = self.spline.bernstein(z)
+        if not (coefficients[:, [0, 2]].min() > 0 and (coefficients @ _VALUE[1]).min() > 0):
+            return found, -np.inf
+        slowest = np.concatenate([[0.0], coefficients.min(axis=1), [0.0]])
+        bottom, top = self.outputs.dry_friction(slowest[:, None])
+        dry = (_cells_last(f[1:-1]) for f in (bottom, top))
+        product = cell_rows.slacks(self.inner, _padded(z), *dry, inner)
+        ends[...] = self.end_rows(z)[0]
+        if not found.min() > 0:
+            return found, -np.inf
+        return found, float(np.log(product).sum() + np.log(ends).sum())
+
+    def along(self, z: Array, dz: Array, slack: Array) -> Array:
+        """Change of the slacks in a direction, to first order, over the slacks, shape (rows,)."""
+        found = np.empty_like(slack)
+        inner, ends = self._split(found)
+        own, own_ends = self._split(slack)
+        cell_rows.along(self.inner, _padded(z), _padded(dz), own, inner)
+        ends[...] = self.end_rows(z)[1] * dz[[0, -1], None] / own_ends
+        return found
+
+    def sums(
+        self, z: Array, slack: Array, multipliers: Array, mu: float
+    ) -> tuple[Array, Array, Array, Array]:
+        """Slopes of the slacks times mu / slack, and times the multipliers, each (m - 2,); times
+        multipliers / slack times the slopes, and what the bend of rate / sqrt(x) takes from the
+        Hessian, upper bands of each."""
+        own, own_ends = self._split(slack)
+        by, by_ends = self._split(multipliers)
+        found: Sums = cell_rows.sums(self.inner, _padded(z), own, by, mu)
+        slopes = self.end_rows(z)[1]
+        pulled = [self.spline.gather(f) for f in found.pulled]
+        for one, weight in zip(pulled, (mu / own_ends, by_ends), strict=True):
+            one[[0, -1]] += (weight * slopes).sum(axis=1)
+        squares, bend = (self.spline.banded(f) for f in found.squares)
+        squares[2, [0, -1]] += (by_ends / own_ends * slopes**2).sum(axis=1)
+        return pulled[0], pulled[1], squares, bend
+
+    def worst(self, z: Array) -> tuple[int, int, float]:
+        """Cell and row (0 … 12 k + 3) of the smallest slack in the inner cells, and the slack."""
+        slack = self._split(self.slacks(z)[0])[0]
+        row, cell = np.unravel_index(int(np.argmin(slack)), slack.shape)
+        return int(cell) + 1, int(row), float(slack[row, cell])
 
     # ---- constraints of the end cells
 
@@ -293,3 +248,13 @@ class RateLimitedProgram:
 def squared(rows: Array, weights: Array) -> Array:
     """Sum over rows (m, r, 3) of weight (m, r) times the row's square, shape (m, 3, 3)."""
     return np.asarray(np.matmul(np.swapaxes(rows * weights[..., None], 1, 2), rows))
+
+
+def _cells_last(f: Array) -> Array:
+    """The same array with its first axis last, in order."""
+    return np.ascontiguousarray(f.T if f.ndim == 2 else f.transpose(2, 1, 0))
+
+
+def _padded(z: Array) -> Array:
+    """The control points, the first and the last twice: three in a row are those of a cell."""
+    return np.pad(z, 1, mode="edge")
