@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
@@ -195,9 +196,7 @@ class Fitter:
         """Residual of the exact prediction, all columns with unit priors, the parameters and their
         scales."""
         bare = [e.model_copy(update={"discrepancy": ()}) for e in effects]
-        robot = self.robot.model_copy(update={"effects": (*self.robot.effects, *bare)})
-        motion = self.motion
-        y = motion.filtered(motion.tau_smooth - predicted_torque(robot, motion, self.bases))
+        y = self._left_by(bare)
         blocks = [self.Z]
         parameters = []
         sizes = []
@@ -218,6 +217,20 @@ class Fitter:
             blocks.append(columns * unit)
             shapes.append(unit)
         return y, np.concatenate([*blocks, *G], axis=2), parameters, np.array(sizes), shapes
+
+    def _left_by(self, effects: list[Effect]) -> Array:
+        """What the robot with these effects leaves of the filtered torque, shape (rows, n) [Nm]."""
+        if all(e.chain == "torque" for e in (*self.robot.effects, *effects)):
+            return np.asarray(self._left_by_none - sum(self._torque(e) for e in effects))
+        robot = self.robot.model_copy(update={"effects": (*self.robot.effects, *effects)})
+        motion = self.motion
+        return motion.filtered(motion.tau_smooth - predicted_torque(robot, motion, self.bases))
+
+    @cached_property
+    def _left_by_none(self) -> Array:
+        motion = self.motion
+        predicted = predicted_torque(self.robot, motion, self.bases)
+        return motion.filtered(motion.tau_smooth - predicted)
 
     def _torque(self, effect: Effect) -> Array:
         key = (effect.kind, effect.joint, effect.windows_s, *sorted(effect.nonlinear.items()))

@@ -10,7 +10,6 @@ import numpy.typing as npt
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.diagnosis.estimation.candidate import Candidate
 from irb2400_ctrl.diagnosis.estimation.fit import Fit, Fitter
-from irb2400_ctrl.diagnosis.preparation.noise import Noise
 
 FOLDS = 4
 BLOCK = 2.0
@@ -62,23 +61,19 @@ class HeldOut:
         precision = np.ones(columns.shape[2])
         start = int(np.sum(fit.owner < 0))
         precision[start : start + len(fit.parameters)] = FREE
-        grams = []
-        rights = []
-        for k in range(FOLDS):
-            gram = np.zeros((len(precision), len(precision)))
-            right = np.zeros(len(precision))
-            for j, one in enumerate(self.fit.noise):
+        grams = np.zeros((FOLDS, len(precision), len(precision)))
+        rights = np.zeros((FOLDS, len(precision)))
+        for j, one in enumerate(self.fit.noise):
+            X = one.whiten(columns[:, j, :])
+            v = one.whiten(y[:, j])
+            for k in range(FOLDS):
                 rows = self.fold[one.kept] == k
-                part = Noise(one.a, one.weight[rows], one.kept[rows])
-                X = part.whiten(columns[:, j, :])
-                gram += X.T @ X
-                right += X.T @ part.whiten(y[:, j])
-            grams.append(gram)
-            rights.append(right)
+                grams[k] += X[rows].T @ X[rows]
+                rights[k] += X[rows].T @ v[rows]
         left = np.zeros_like(y)
         for k in range(FOLDS):
-            gram = np.sum(grams[:k] + grams[k + 1 :], axis=0)
-            right = np.sum(rights[:k] + rights[k + 1 :], axis=0)
+            gram = np.delete(grams, k, axis=0).sum(axis=0)
+            right = np.delete(rights, k, axis=0).sum(axis=0)
             b = np.linalg.solve(gram + np.diag(precision), right)
             rows = self.fold == k
             left[rows] = y[rows] - columns[rows] @ b

@@ -19,6 +19,11 @@ BUILT_UP = 0.3
 """share of the squared residual near reversals below which a hysteresis explains them (joints that
 really stick leave 0.6 to 1.0, a hysteresis on the independent plant 0.02 to 0.07)"""
 
+ONE_REVERSAL = 10
+"""rows, of one or two reversals: too few to tell what builds up over an angle from what sticks"""
+LEAST_CALM = 50
+"""rows away from reversals, without which nothing is known of the joint's usual misfit"""
+
 
 def noisy_reversals_masked(
     motion: PreparedLog, bases: Bases, fit: Fit, reversal: Mask
@@ -36,12 +41,13 @@ def noisy_reversals_masked(
     for j in range(motion.n):
         near = known[:, j] & reversal[:, j]
         calm = known[:, j] & ~reversal[:, j]
-        if near.sum() <= 10 or calm.sum() <= 50:
+        if not near.any() or calm.sum() <= LEAST_CALM:
             continue
         residual = fit.residual[:, j]
         if _noisy(residual, near, calm):
             left = _without_hysteresis(motion, bases, j, residual, near)
-            if np.sum(left[near] ** 2) > BUILT_UP * np.sum(residual[near] ** 2):
+            few = near.sum() <= ONE_REVERSAL
+            if few or np.sum(left[near] ** 2) > BUILT_UP * np.sum(residual[near] ** 2):
                 known[:, j] = calm
     return replace(motion, row_known=known)
 

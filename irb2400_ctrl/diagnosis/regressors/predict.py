@@ -27,15 +27,16 @@ def predicted_torque(robot: Robot, motion: PreparedLog, bases: Bases | None = No
     """
     arm = robot.bare()
     others = [e for e in robot.effects if e.role != "parameters"]
+    bases = Bases(arm) if bases is None else bases
+    bodies = _further_bodies(arm, bases.robot)
     q = motion.q.copy()
     for effect in others:
         if effect.chain == "angle":
             q[effect.active(motion.time), effect.index] += effect.angle_offset
-    bases = Bases(arm) if bases is None else bases
-    model = bases.model if bases.robot == arm else Model(arm)
+    model = Model(arm) if bodies is None else bases.model
     tau = np.array(model.inverse_dynamics(q, motion.qd, motion.qdd))
     moved = replace(motion, q=q)
-    for effect in others:
+    for effect in (*(bodies or ()), *others):
         if effect.chain == "torque":
             tau += effect_torque(bases, effect, moved)
     for link in ("reading", "clock"):  # the drive's reading is what arrives late
@@ -43,6 +44,17 @@ def predicted_torque(robot: Robot, motion: PreparedLog, bases: Bases | None = No
             if effect.chain == link:
                 tau = effect.reported(motion.time, tau)
     return tau
+
+
+def _further_bodies(arm: Robot, known: Robot) -> tuple[Effect, ...] | None:
+    """Bodies that an arm carries beyond those of a known one, None where it differs otherwise.
+
+    The torque is linear in them: no model of the arm with them has to be built.
+    """
+    count = len(known.effects)
+    if arm.model_copy(update={"effects": arm.effects[:count]}) != known:
+        return None
+    return tuple(arm.effects[count:])
 
 
 def effect_torque(
