@@ -23,6 +23,13 @@ FILES = {
     "robot": "A robot file describes an arm: links, joints, tool, uncertainty, effects.",
     "cell": "A cell file describes what stands around an arm.",
     "study": "A study file describes a sweep over drawn plants.",
+    "plan": "`plan.json`: what `irb2400 plan` promises of a motion, of one operation "
+    "(`OperationPlan`) or of a whole program (`ProgramPlan`).",
+    "trajectory": "`trajectory.csv`: the motion, a row every few milliseconds.",
+    "findings": "`findings.json`: what `irb2400 diagnose` found.",
+    "watch": "`watch.json`: what `irb2400 watch` saw.",
+    "placement": "`placement.json`: where `irb2400 place` puts a part (`PartPlacement`) or an arm "
+    "on its rail (`RailPlacement`).",
 }
 PACKAGES = [name for name in irb.__all__ if isinstance(getattr(irb, name), types.ModuleType)]
 
@@ -75,16 +82,21 @@ def files() -> str:
     text = [
         "# Files",
         "",
-        "Every key of the TOML files. `irb2400 schema robot > robot.schema.json` gives an editor "
-        "the same as JSON Schema; the first line of the file is `#:schema robot.schema.json` then. "
-        "What `plan.json` and `findings.json` hold stands in [planning](../planning.md) and "
-        "[diagnosis](../diagnosis.md), logs in [logs](../logs.md).",
+        "Every key of the files that are written by hand (TOML) and of those that are written for "
+        "other programs (JSON, CSV). `irb2400 schema robot > robot.schema.json` gives the same as "
+        "JSON Schema; an editor uses it where the first line of the file is "
+        "`#:schema robot.schema.json`. What the numbers mean stands in [planning](../planning.md), "
+        "[diagnosis](../diagnosis.md) and [watching](../watching.md); logs in [logs](../logs.md).",
         "",
     ]
     for name, sentence in FILES.items():
         schema = schema_of(name)
-        text += [f"## {name.capitalize()} file", "", sentence, "", *_table(schema)]
-        for table, own in sorted(schema["$defs"].items()):
+        text += [f"## {name.capitalize()} file", "", sentence, ""]
+        if "patternProperties" in schema:
+            text += [_plain(" ".join(schema["description"].split())), ""]
+        if "properties" in schema:
+            text += _table(schema)
+        for table, own in sorted(schema.get("$defs", {}).items()):
             if own.get("properties"):
                 text += [f"### {name}: {table}", "", *_table(own)]
     return "\n".join(text)

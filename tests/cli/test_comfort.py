@@ -163,6 +163,16 @@ def test_schema_knows_every_key(file: str) -> None:
         assert place in schema["$defs"]
 
 
+@pytest.mark.parametrize("file", ["plan", "trajectory", "findings", "watch", "placement"])
+def test_schema_of_a_written_file_takes_no_other_key(file: str) -> None:
+    schema = json.loads(run("schema", file)[0])
+    tables = [one for one in (schema, *schema.get("$defs", {}).values()) if "anyOf" not in one]
+    assert tables
+    for table in tables:
+        assert table["additionalProperties"] is False
+        assert table["required"]
+
+
 def test_schema_of_a_robot_holds_every_effect() -> None:
     schema = json.loads(run("schema", "robot")[0])
     kinds = [schema["$defs"][one["$ref"].split("/")[-1]] for one in effects_of(schema)]

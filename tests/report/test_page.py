@@ -4,6 +4,7 @@ each time."""
 from __future__ import annotations
 
 import html
+import math
 import re
 from functools import cache
 from pathlib import Path
@@ -16,7 +17,7 @@ import irb2400_ctrl as irb
 from irb2400_ctrl.report import ArmView, Colouring, Page, Provenance
 from irb2400_ctrl.report.elements.glossary import WORDS
 from irb2400_ctrl.report.elements.inline_svg import COLOURS
-from irb2400_ctrl.report.elements.page import TEMPLATES
+from irb2400_ctrl.report.elements.page import TEMPLATES, show, with_error
 from irb2400_ctrl.report.elements.plots import Line, joint_plots, parity, spectrum, thin
 
 STRANGER = "<script>alert('x')</script>&\"'"
@@ -108,12 +109,37 @@ def test_numbers_of_a_figure_are_not_rounded_away() -> None:
         assert text in made.html()
 
 
+@pytest.mark.parametrize(
+    ("value", "told"),
+    [
+        (1.2, "1.20"), (0.3, "0.300"), (99.97, "100"), (-12345.6, "-12,346"), (0.0, "0"),
+        (1.21e-5, "1.21·10⁻⁵"), (np.float64(31), "31.0"), (math.nan, "-"), (7, "7"), ("x", "x"),
+    ],
+)  # fmt: skip
+def test_numbers_of_a_table_have_three_digits(value: object, told: str) -> None:
+    assert show(value) == told
+
+
+@pytest.mark.parametrize(
+    ("value", "error", "told"),
+    [
+        (3.0801, 0.0113, "3.080 ± 0.011"),
+        (1234.5, 25.0, "1,234 ± 25"),
+        (0.5, 0.0, "0.500"),
+        (0.5, math.inf, "0.500"),
+        (2e-9, 3e-10, "2.00·10⁻⁹ ± 3.00·10⁻¹⁰"),
+    ],
+)
+def test_a_number_has_the_digits_its_error_leaves(value: float, error: float, told: str) -> None:
+    assert with_error(value, error) == told
+
+
 def test_nothing_is_wider_than_a_phone() -> None:
     """What may be wide scrolls in itself: tables, wide figures; grids fall back to one column."""
     css = (TEMPLATES / "page.css").read_text()
     text = page().html()
     body = text[text.index("<main") :]
-    assert body.count("<table") == body.count('<div class="scroll"><table') == 3
+    assert body.count("<table ") == body.count('<div class="scroll"><table ') == 3
     assert body.count('<svg class="plot"') == body.count('<div class="plotbox"><svg')
     for rule in (".scroll { overflow-x: auto", ".plotbox { overflow-x: auto", "minmax(min(100%,"):
         assert rule in css

@@ -15,6 +15,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from functools import cache
+from math import floor, isfinite, log10
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -33,6 +34,7 @@ if TYPE_CHECKING:
 
 Grade = Literal["good", "note", "bad"]
 TEMPLATES = Path(__file__).parent / "templates"
+_RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
 @dataclass
@@ -244,10 +246,25 @@ def _source(name: str) -> Markup:
 
 
 def show(value: object) -> str:
-    """A number for a reader: three significant digits; anything else as text."""
-    if isinstance(value, float):  # numpy's float64 is one too
-        magnitude = abs(value)
-        if magnitude >= 100:
-            return f"{value:,.0f}"
-        return f"{value:.3g}"
-    return str(value)
+    """A number for a reader: three significant digits, also where they are zeros; anything else as
+    text."""
+    if not isinstance(value, float):  # numpy's float64 is one too
+        return str(value)
+    if not isfinite(value):
+        return "-"
+    if value == 0.0:
+        return "0"
+    if abs(value) >= 99.95:
+        return f"{value:,.0f}"
+    mantissa, _, power = f"{value:#.3g}".partition("e")
+    return f"{mantissa}·10{str(int(power)).translate(_RAISED)}" if power else mantissa
+
+
+def with_error(value: float, error: float) -> str:
+    """`3.080 ± 0.011`: two digits of a standard error, and as many places of its value."""
+    if not (isfinite(error) and error > 0.0):
+        return show(value)
+    places = max(0, 1 - floor(log10(error)))
+    if places > 6:
+        return f"{show(value)} ± {show(error)}"
+    return f"{value:,.{places}f} ± {error:,.{places}f}"

@@ -9,7 +9,7 @@ from typing import Literal
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullFormatter
 
 from irb2400_ctrl.arrays import Array
 
@@ -39,9 +39,10 @@ def small(legend: bool = False) -> tuple[Figure, Axes]:
     """One plot that is read on a phone too. Margins stated: working them out from the labels takes
     longer than drawing."""
     figure = Figure(figsize=(4.6, 2.5 if legend else 2.2))
-    figure.subplots_adjust(left=0.19, right=0.975, top=0.86 if legend else 0.95, bottom=0.2)
+    figure.subplots_adjust(left=0.19, right=0.96, top=0.86 if legend else 0.95, bottom=0.2)
     axis = figure.subplots()
     axis.grid(lw=0.6)
+    axis.xaxis.set_major_locator(MaxNLocator(5, steps=[1, 2, 5, 10]))
     return figure, axis
 
 
@@ -131,14 +132,19 @@ def thin(time: Array, values: Array) -> tuple[Array, Array]:
     return np.append(times, time[-1]), np.append(both.ravel(), values[-1])
 
 
-def parity(measured: Array, predicted: Array, joint: int) -> Figure:
-    """Predicted over measured torque of one joint."""
-    figure, axis = small()
+def parity(
+    measured: Array, predicted: Array, joint: int, model: str = "", colour: str = "tab:blue"
+) -> Figure:
+    """Predicted over measured torque of one joint; the name of the model above, if there are
+    several."""
+    figure, axis = small(bool(model))
     some = np.linspace(0, len(measured) - 1, min(len(measured), _MOST_DOTS)).round().astype(int)
     ends = [float(np.min(measured)), float(np.max(measured))]
     axis.plot(ends, ends, color="0.6", lw=0.9)
-    axis.plot(measured[some], predicted[some], ".", ms=2, color="tab:blue", alpha=0.6)
+    axis.plot(measured[some], predicted[some], ".", ms=2, color=colour, alpha=0.6, label=model)
     axis.set(xlabel=f"measured torque {joint} [Nm]", ylabel="predicted [Nm]")
+    if model:
+        _legend(axis)
     return figure
 
 

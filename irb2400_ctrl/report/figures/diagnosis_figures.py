@@ -55,7 +55,10 @@ def residuals(comparison: Comparison, joint: int) -> tuple[Array, Array]:
 def residual_figure(comparison: Comparison, joint: int) -> Figure:
     """What is left over the whole record, before and after."""
     before, after = residuals(comparison, joint)
-    lines = [Line(before, "tab:red", "as given", 0.6), Line(after, "tab:blue", "with it", 0.6)]
+    lines = [
+        Line(before, "tab:red", "as given", 0.6),
+        Line(after, "tab:blue", "with what was found", 0.6),
+    ]
     time = comparison.time - comparison.time[0]
     return over_time(time, lines, f"residual {joint} [Nm]")
 
@@ -68,9 +71,13 @@ def closer_figures(comparison: Comparison, joint: int) -> list[Figure]:
     rate = 1.0 / float(np.median(np.diff(comparison.time)))
     measured = comparison.measured[known, j]
     return [
-        parity(measured, comparison.before[known, j], joint),
-        parity(measured, comparison.after[known, j], joint),
-        spectrum([("as given", before, "tab:red"), ("with it", after, "tab:blue")], rate, joint),
+        parity(measured, comparison.before[known, j], joint, "as given", "tab:red"),
+        parity(measured, comparison.after[known, j], joint, "with what was found"),
+        spectrum(
+            [("as given", before, "tab:red"), ("with what was found", after, "tab:blue")],
+            rate,
+            joint,
+        ),
     ]
 
 

@@ -10,6 +10,18 @@ from irb2400_ctrl.planners.placement import Outlook, Placement, RailPosition
 from irb2400_ctrl.planners.redundancy.comfort import COMFORTABLE_MARGINS
 from irb2400_ctrl.report.elements.plots import small
 
+NAMES = {
+    "singularity": "distance from singularities [-]",
+    "joint_limits_deg": "room to the joint limits [deg]",
+    "reach_mm": "room to the end of the reach [mm]",
+    "torque_left": "torque that is left [-]",
+    "feed_kept": "part of the feed kept [-]",
+    "clearance_mm": "clearance [mm]",
+    "wrist": "distance from the wrist singularity [-]",
+    "shoulder": "distance from the shoulder singularity [-]",
+    "elbow": "distance from the elbow singularity [-]",
+}
+"""of margins, for a reader"""
 # squares of the map are this wide [mm]
 _SQUARE = 100.0
 
@@ -29,7 +41,8 @@ def map_figure(found: Placement, up: int) -> Figure:
     np.maximum.at(best, number.ravel(), worth)
     x, y = _SQUARE * squares.T
     refused = best < 0
-    figure = Figure(figsize=(4.6, 4.2), layout="constrained")
+    tall = np.ptp(y) / max(np.ptp(x), _SQUARE)
+    figure = Figure(figsize=(4.6, float(np.clip(2.0 + 3.6 * tall, 2.6, 6.0))), layout="constrained")
     axes = figure.subplots()
     axes.grid(lw=0.6)
     axes.scatter(x[refused], y[refused], s=9, color="0.5", marker="x", label="cannot be done")
@@ -37,7 +50,8 @@ def map_figure(found: Placement, up: int) -> Figure:
         x[~refused], y[~refused], c=best[~refused], s=34, marker="s", vmin=0, vmax=1,
         cmap="viridis",
     )  # fmt: skip
-    figure.colorbar(can, ax=axes, label="worst margin, 1 is comfortable", pad=0.02)
+    label = "worst margin, as a part of what is comfortable"
+    figure.colorbar(can, ax=axes, label=label, location="bottom", aspect=40)
     axes.plot(0, 0, "^", color="black", label="foot of the arm")
     for name, outlook, mark in (("start", found.start, "o"), ("found", found.found, "*")):
         at = _middle(found, outlook)[shown]
@@ -60,6 +74,7 @@ def margin_figure(start: Outlook, found: Outlook) -> Figure:
     figure = Figure(figsize=(4.6, 3.2), layout="constrained")
     axes = figure.subplots()
     axes.grid(lw=0.6, axis="x")
+    axes.set_axisbelow(True)
     rows = np.arange(len(names))
     for shift, label, outlook, colour in (
         (-0.2, "start", start, "0.55"),
@@ -68,7 +83,7 @@ def margin_figure(start: Outlook, found: Outlook) -> Figure:
         parts = [max(outlook.parts.get(name, 0.0), 0.0) for name in names]
         told = f"{label}: {outlook.refused}" if outlook.refused else label
         axes.barh(rows + shift, parts, height=0.38, color=colour, label=told)
-    axes.set_yticks(rows, [name.replace("_", " ") for name in names])
+    axes.set_yticks(rows, [NAMES[name].partition(" [")[0] for name in names])
     axes.set_xlim(0, 1.05)
     axes.set_xlabel("part of what is comfortable")
     axes.invert_yaxis()

@@ -87,11 +87,11 @@ def _answer(diagnosis: Diagnosis) -> str:
 
 
 def facts(diagnosis: Diagnosis) -> list[tuple[str, str]]:
-    """RMSE of each joint before and after."""
+    """Rms error of each joint's torque before and after."""
     compared = diagnosis.validation or diagnosis.identification
     pairs = zip(compared.error_before.rmse, compared.error_after.rmse, strict=True)
     return [
-        (f"joint {j}, RMSE [Nm]", f"{was:.2f} → {now:.2f}")
+        (f"rms error of torque {j}", f"{was:.2f} → {now:.2f} Nm")
         for j, (was, now) in enumerate(pairs, start=1)
     ]
 
@@ -159,7 +159,8 @@ def _add_joints(page: Page, diagnosis: Diagnosis, log: Log | None) -> None:
         page.figure(
             torque_figure(compared, joint),
             f"Joint {joint} on {Path(compared.name).name}, where the model as given is furthest "
-            "off.",
+            "off. Where a joint stands or turns round its dry friction is not known: the models "
+            "have gaps there, and such samples do not count.",
         )
         page.figures(
             [residual_figure(compared, joint)],
@@ -168,7 +169,7 @@ def _add_joints(page: Page, diagnosis: Diagnosis, log: Log | None) -> None:
         )
         page.figures(
             closer_figures(compared, joint),
-            "Parity with the model as given and with what was found, and the root of the power "
+            "Predicted over measured torque (on the line they agree), and the root of the power "
             "spectrum of what is left.",
         )
     # several logs are joined into one record, whose time is not that of the first
@@ -282,7 +283,7 @@ def _caption(comparison: Comparison, diagnosis: Diagnosis) -> str:
         if comparison is diagnosis.identification
         else "the other motion of the same arm"
     )
-    return f"{Path(comparison.name).name}, {which}: eqs. 75-77 in Nm and %"
+    return f"{Path(comparison.name).name}, {which}: errors of the torque (eqs. 75-77), in Nm or %"
 
 
 def _joints_to_show(diagnosis: Diagnosis) -> list[int]:

@@ -40,7 +40,7 @@ def error_table(
         "MAE before": before.mae,
         "MAE after": after.mae,
         "RMSE before": before.rmse,
-        "recali\xadbrated": recalibrated.rmse,
+        "RMSE recali\xadbrated": recalibrated.rmse,
         "RMSE after": after.rmse,
         "noise floor": floor,
         "RMSE/AVG before %": before.rmse_over_mean_percent,

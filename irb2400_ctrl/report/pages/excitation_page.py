@@ -9,7 +9,7 @@ from irb2400_ctrl.excitation.excitation import Excitation
 from irb2400_ctrl.excitation.pair_separability import CLEAR
 from irb2400_ctrl.report.elements.arm_view import ArmView
 from irb2400_ctrl.report.elements.page import Page
-from irb2400_ctrl.report.elements.plots import wide
+from irb2400_ctrl.report.elements.plots import logarithmic, wide
 from irb2400_ctrl.report.figures import plan_figures as draw
 
 MOST = 24
@@ -72,7 +72,8 @@ def separation_figure(found: Excitation) -> Figure:
         axis.barh(place + shift, values, 0.4, color=colour, label=label)
     axis.axvline(CLEAR, color="tab:red", ls="--", lw=0.9)
     axis.set_yticks(place, [r.pair for r in shown], fontsize="small")
-    axis.set(xscale="log", xlabel="separation [standard deviations]")
+    logarithmic(axis, "x")
+    axis.set(xlabel="separation [standard deviations]")
     axis.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), frameon=False, ncols=2)
     return figure
 

@@ -12,9 +12,13 @@ from irb2400_ctrl.planners.placement import Outlook, Placement, Proof, RailPosit
 from irb2400_ctrl.planners.redundancy.comfort import COMFORTABLE_MARGINS
 from irb2400_ctrl.report.elements.arm_view import ArmView
 from irb2400_ctrl.report.elements.page import Page
-from irb2400_ctrl.report.figures.placement_figure import map_figure, margin_figure, rail_figure
+from irb2400_ctrl.report.figures.placement_figure import (
+    NAMES,
+    map_figure,
+    margin_figure,
+    rail_figure,
+)
 from irb2400_ctrl.robot import Robot
-from irb2400_ctrl.robot.shape import place_and_turn
 
 SHOWN_SPEED = 0.1
 """of the tip in the picture, which is not timed yet [m/s]"""
@@ -31,14 +35,17 @@ def placement_page(
         cell: what stands around the arm.
     """
     page = Page(f"Where to put {', '.join(found.parts)}")
-    place, turn = place_and_turn(found.found.X_BW)
-    frame = ",".join(f"{v:.4g}" for v in (*place, *turn))
-    worth = found.found.worth
+    x, y, z, rx, ry, rz = (f"{v:g}" for v in found.found.summary()["work_frame"])
     page.answer(
-        f"{_sentence(found.found)} It stands there with --work-frame {frame}.",
-        "good" if worth >= 1.0 else "note",
-        [*_facts(found.start, found.found), ("places looked at", str(len(found.seen)))],
+        f"{_sentence(found.found)} The part's frame stands at x {x}, y {y}, z {z} mm, turned "
+        f"by {rx}, {ry}, {rz} deg.",
+        "good" if found.found.worth >= 1.0 else "note",
+        [
+            *_facts(found.start, found.found),
+            ("places looked at", str(len(found.seen))),
+        ],
     )
+    page.text(f"To plan there: --work-frame={x},{y},{z},{rx},{ry},{rz}")
     page.heading("The area")
     page.figures(
         [map_figure(found, 1), map_figure(found, 2)],
@@ -76,10 +83,11 @@ def _sentence(found: Outlook) -> str:
 
 
 def _facts(start: Outlook, found: Outlook) -> list[tuple[str, str]]:
-    before = start.refused or f"{start.worth:.2f} ({_name(start.worst)})"
+    before = start.refused or f"{100 * start.worth:.0f} % ({_name(start.worst)})"
+    now = f"{100 * found.worth:.0f} % ({_name(found.worst)})"
     facts = [
-        ("worst margin at the start", before),
-        ("worst margin now", f"{found.worth:.2f} ({_name(found.worst)})"),
+        ("worst margin at the start, of what is comfortable", before),
+        ("worst margin now", now),
     ]
     if found.deflection is not None:
         facts.append(("the tip gives way by", f"{1e3 * found.deflection:.3f} mm"))
@@ -87,7 +95,7 @@ def _facts(start: Outlook, found: Outlook) -> list[tuple[str, str]]:
 
 
 def _name(margin: str) -> str:
-    return margin.replace("_", " ")
+    return NAMES[margin].partition(" [")[0]
 
 
 def _add_place(
@@ -97,16 +105,22 @@ def _add_place(
     start, found = pair
     page.heading("Margins")
     page.figures(
-        [margin_figure(start, found)], "At stations of the path, as parts of what is comfortable."
+        [margin_figure(start, found)],
+        "Smallest margins at points along the path, as parts of what is comfortable; more than "
+        "that is drawn as 1.",
     )
     names = [name for name in COMFORTABLE_MARGINS if name in found.margins]
     rows: list[list[object]] = [
-        [_name(k), start.margins.get(k, "-"), found.margins[k], float(COMFORTABLE_MARGINS[k])]
+        [NAMES[k], start.margins.get(k, "-"), found.margins[k], float(COMFORTABLE_MARGINS[k])]
         for k in names
     ]
-    page.table("At stations", ["margin", "start", "found", "comfortable"], rows)
-    followed: list[list[object]] = [[_name(k), float(v)] for k, v in proof.margins.items()]
-    page.table("At the found place, over the continuous path", ["margin", "at least"], followed)
+    page.table(
+        "Smallest margins at points along the path",
+        ["margin", "start", "found", "comfortable"],
+        rows,
+    )
+    followed: list[list[object]] = [[NAMES[k], float(v)] for k, v in proof.margins.items()]
+    page.table("At the found place, also between those points", ["margin", "at least"], followed)
     if proof.way is None:
         return
     page.heading("The arm there")
@@ -122,8 +136,8 @@ def _add_planned(page: Page, planned: Mapping[str, Any]) -> None:
     rows: list[list[object]] = []
     for key, name, unit in (
         ("duration_s", "duration", "s"),
-        ("max_torque_ratio", "torque over limit, at most", "-"),
-        ("max_velocity_ratio", "speed over limit, at most", "-"),
+        ("max_torque_ratio", "torque over its limit, at most", "-"),
+        ("max_velocity_ratio", "speed over its limit, at most", "-"),
         ("clearance_mm", "clearance, at least", "mm"),
         ("deflection_mm", "the tip gives way by", "mm"),
     ):

@@ -129,13 +129,13 @@ def numbers(summary: Mapping[str, Any]) -> tuple[list[str], list[list[object]]]:
         ["length of the TCP's way", float(summary["length_mm"]), "mm"],
         ["duration", float(summary["duration_s"]), "s"],
         ["TCP deviation, at most", float(summary["max_tcp_deviation_mm"]), "mm"],
-        ["tool axis deviation, at most", float(summary["max_tool_axis_deviation_deg"]), "deg"],
+        ["tool axis deviation, at most", f"{summary['max_tool_axis_deviation_deg']:.4f}", "deg"],
         ["margin to the wrist singularity, |sin q5|", float(margin["wrist"]), "-"],
         ["margin to the shoulder singularity", float(margin["shoulder"]), "m"],
         ["margin to the elbow singularity", float(margin["elbow"]), "m"],
         [f"clearance, at least{where}", least, "mm" if near is not None else ""],
-        ["torque over limit, at most", float(summary["max_torque_ratio"]), "-"],
-        ["speed over limit, at most", float(summary["max_velocity_ratio"]), "-"],
+        ["torque, at most", f"{100 * summary['max_torque_ratio']:.1f}", "% of limit"],
+        ["speed, at most", f"{100 * summary['max_velocity_ratio']:.1f}", "% of limit"],
         ["rows are read as", summary["interpolation"], ""],
     ]
     return ["quantity", "value", "unit"], rows

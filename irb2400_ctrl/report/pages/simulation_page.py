@@ -12,7 +12,6 @@ from irb2400_ctrl.report.elements.page import Page
 from irb2400_ctrl.report.elements.provenance import effects_in_words
 from irb2400_ctrl.report.figures.simulation_figures import (
     error_figures,
-    joint_figure,
     torque_figures,
     tracking_figure,
 )
@@ -35,12 +34,9 @@ def simulation_page(run: Simulation, name: str) -> Page:
     page.arm(
         arm_view(run), "The arm as simulated; the thin line is the way that was asked of the TCP."
     )
-    for line in reached:
-        page.finding(line)
     page.heading("Distance from the reference")
     page.figure(tracking_figure({name: run}), "TCP from where it should be at that time.", True)
     page.figures(error_figures(run), "Angle less reference, joint by joint.", zoomable=True)
-    page.figure(joint_figure({name: run}), "Largest error of each joint.")
     page.heading("Torque")
     page.figures(torque_figures(run), "Torque that acts; limits are dashed.", zoomable=True)
     page.heading("In numbers")
@@ -88,7 +84,11 @@ def _sentence(summary: Mapping[str, Any], reached: list[str]) -> str:
     contour = summary["contour_error_mm"]
     text = f"{summary['controller']} keeps the TCP within {error['max']:.3f} mm of its reference"
     text += f" and within {contour['max']:.3f} mm of the path"
-    return f"{text}; but a bound of the machine was reached." if reached else f"{text}."
+    return f"{text}, but {'; '.join(reached)}." if reached else f"{text}."
+
+
+def _plainly(value: object) -> object:
+    return ("yes" if value else "no") if isinstance(value, bool) else value
 
 
 def _facts(summary: Mapping[str, Any]) -> list[tuple[str, str]]:
@@ -112,5 +112,5 @@ def _settings(run: Simulation, summary: Mapping[str, Any]) -> list[list[object]]
         ["control rate [Hz]", f"{summary['control_rate_Hz']:.0f}"],
     ]
     for group in ("sensors", "actuators"):
-        rows += [[f"{group}: {name}", str(value)] for name, value in summary[group].items()]
+        rows += [[f"{group}: {name}", _plainly(value)] for name, value in summary[group].items()]
     return [*rows, ["seed", str(summary["seed"])]]

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from irb2400_ctrl.diagnosis import Diagnosis, Finding, Number
-from irb2400_ctrl.report.elements.page import show
+from irb2400_ctrl.report.elements.page import show, with_error
 
 LISTS = {
     "changed": (
@@ -158,8 +158,8 @@ def _number_line(name: str, numbers: Sequence[Number]) -> str:
     if len(numbers) == 1:
         number = numbers[0]
         before = "not stated" if number.before is None else show(number.before)
-        text = f"{words} of {number.place}: {before} -> {show(number.after)}"
-        text += f" ± {show(number.standard_error)}"
+        text = f"{words} of {number.place}: {before} -> "
+        text += with_error(number.after, number.standard_error)
         change = _change(number)
         return text if change is None else f"{text} ({change:+.0f} %)"
     changes = [_change(number) for number in numbers]
@@ -258,8 +258,8 @@ def _size(finding: Finding) -> str:
     for name, value in finding.effect.parameters().items():
         if isinstance(value, float):
             error = finding.standard_errors.get(name)
-            text = f"{name} {show(value)}"
-            return f"{text} ± {show(error)}" if isinstance(error, float) else text
+            told = with_error(value, error) if isinstance(error, float) else show(value)
+            return f"{name} {told}"
     return ""
 
 

@@ -51,31 +51,38 @@ def _sentence(suspicions: Sequence[Suspicion]) -> str:
 
 
 def _add_course(page: Page, watched: Watch) -> None:
-    """Residual, external torque and the sums of the alarm over time."""
+    """Residual, external torque and the evidence for an alarm over time."""
     time = np.array([seen.time for seen in watched.seen])
     energy = np.array([seen.energy for seen in watched.seen])
     torque = np.array([seen.torque for seen in watched.seen])
     sums = np.array([seen.sums for seen in watched.seen])
     one = np.ones(watched.robot.n)
-    page.heading("What is left of the torques")
+    page.heading("What the model leaves of the torques")
     drawn = joint_plots(
         time, [Line(np.sqrt(energy))], "residual/usual {joint} [-]", [one], floor=0.0
     )
     page.figures(
-        drawn, "Root of the mean square of each second, over the usual one (dashed).", zoomable=True
+        drawn,
+        "Rms of each second of what the model leaves (the residual), over the usual one (dashed).",
+        zoomable=True,
     )
     drawn = joint_plots(
         time, [Line(torque)], "external {joint} [Nm]", [watched.band, -watched.band]
     )
     page.figures(
         drawn,
-        "External torque: the mean of what is left in each second; three standard deviations of "
-        "the learned seconds are dashed.",
+        "External torque: the mean of what is left in each second; usual is what lies between the "
+        "dashed lines (three standard deviations of the learned seconds).",
         zoomable=True,
     )
     page.heading("The alarm")
-    drawn = joint_plots(time, [Line(sums)], "sum {joint} [-]", [one], floor=0.0)
-    page.figures(drawn, "Sum of log likelihood ratios over its threshold (dashed).", zoomable=True)
+    drawn = joint_plots(time, [Line(sums)], "evidence {joint} [-]", [one], floor=-0.05)
+    page.figures(
+        drawn,
+        "Evidence that a joint has changed (CUSUM: a sum of log likelihood ratios, never below "
+        "0), as a part of what raises the alarm: 1, dashed. A line at 0 is a joint as before.",
+        zoomable=True,
+    )
     page.text(
         "Seconds in which a joint stands, turns round or has lost samples say nothing; they are "
         "left out, and the alarm counts seconds of motion alone."

@@ -1,0 +1,39 @@
+"""`trajectory.csv`: its columns."""
+
+from __future__ import annotations
+
+import re
+from typing import Annotated, Self
+
+from pydantic import ConfigDict, Field, RootModel, model_validator
+
+_UNITS = {"q": "deg", "qd": "deg_s", "qdd": "deg_s2", "tau": "Nm"}
+_JOINT = "|".join(f"{name}[1-9][0-9]?_{unit}" for name, unit in _UNITS.items())
+Column = Annotated[str, Field(pattern=f"^(time_s|s|{_JOINT})$")]
+
+
+class TrajectoryRow(RootModel[dict[Column, float]]):
+    """A row of `trajectory.csv` under the names of its header: time_s; of each joint from 1 angle
+    q1_deg, speed qd1_deg_s, acceleration qdd1_deg_s2 and, where it is known, torque tau1_Nm; s, the
+    TCP's way [m], where it is known."""
+
+    model_config = ConfigDict(
+        json_schema_extra={
+            "required": ["time_s", "q1_deg", "qd1_deg_s", "qdd1_deg_s2"],
+            "additionalProperties": False,
+        }
+    )
+
+    @model_validator(mode="after")
+    def _whole(self) -> Self:
+        """Every joint has an angle, a speed and an acceleration, and all or none a torque."""
+        names = set(self.root)
+        joints = [name for name in names if re.fullmatch(r"q\d+_deg", name)]
+        sides = {name for name in _UNITS if f"{name}1_{_UNITS[name]}" in names} | {"q", "qd", "qdd"}
+        wanted = {
+            f"{name}{j}_{_UNITS[name]}" for name in sides for j in range(1, 1 + max(1, len(joints)))
+        }
+        if names - {"s"} != wanted | {"time_s"}:
+            odd = sorted((names - {"s"}) ^ (wanted | {"time_s"}))
+            raise ValueError(f"found columns of some joints only, or too many: {', '.join(odd)}")
+        return self

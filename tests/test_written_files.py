@@ -1,0 +1,58 @@
+"""The check that `conftest.py` runs on every written file finds what is wrong with one."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+from written_files import problem, written_in
+
+import irb2400_ctrl as irb
+
+
+@pytest.fixture(scope="module")
+def plan(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    robot = irb.load_robot("irb2400")
+    path = irb.planners.builders.circle((0.95, 0.0, 0.6), 0.02, feed=0.1)
+    found = irb.plan_path(robot, path, rate=100.0)
+    return found.write(tmp_path_factory.mktemp("plan"))[1]
+
+
+def test_a_plan_and_its_trajectory_are_what_they_are_said_to_be(plan: Path) -> None:
+    found = written_in(plan.parent)
+    assert [path.name for path in found] == ["plan.json", "trajectory.csv"]
+    assert [problem(path) for path in found] == ["", ""]
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "says"),
+    [
+        ('"duration_s"', '"duration_ms"', "duration_ms"),
+        ('"wrist"', '"hand"', "hand"),
+        ('"share_at_feed": ', '"share_at_feed": -', "share_at_feed"),
+        ('"interpolation": "cubic"', '"interpolation": "quintic"', "interpolation"),
+    ],
+)
+def test_a_spoiled_plan_is_found(plan: Path, tmp_path: Path, old: str, new: str, says: str) -> None:
+    text = plan.read_text()
+    assert old in text
+    folder = tmp_path / "spoiled"
+    folder.mkdir()
+    spoiled = folder / "plan.json"
+    spoiled.write_text(text.replace(old, new))
+    assert says in problem(spoiled)
+    spoiled.unlink()  # conftest.py looks at what is left
+
+
+def test_a_joint_without_its_speed_is_found(plan: Path, tmp_path: Path) -> None:
+    header, *rows = plan.with_name("trajectory.csv").read_text().splitlines()
+    spoiled = tmp_path / "trajectory.csv"
+    spoiled.write_text("\n".join([header.replace("qd3_deg_s", "speed_3"), *rows]))
+    assert "speed_3" in problem(spoiled)
+    spoiled.write_text("\n".join([header.replace("qd3_deg_s,", "qd7_deg_s,"), *rows]))
+    assert "qd3_deg_s, qd7_deg_s" in problem(spoiled)
+
+
+def test_what_is_not_finite_is_no_json(plan: Path) -> None:
+    json.loads(plan.read_text(), parse_constant=lambda word: pytest.fail(word))
