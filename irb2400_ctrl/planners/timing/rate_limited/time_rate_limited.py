@@ -25,8 +25,8 @@ from irb2400_ctrl.planners.timing.time_joint_path import FeedBound, time_joint_p
 from irb2400_ctrl.planners.timing.time_law import TimeLaw
 from irb2400_ctrl.planners.timing.torque_constraints import ROUNDING
 
-PARTS = 4
-"""parts of each cell on which a motion is held against its limits"""
+HALVINGS = 2
+"""how often cells are halved where a motion is above a limit on them"""
 
 # how often what the bounds show above a limit is held back; then the motion is slowed by what is
 # left of it
@@ -122,17 +122,25 @@ class _Search:
         """What has limits, on cells of the path."""
         return ConstrainedOutputs.of(cells, self.limits, self.dynamics.model.robot.friction)
 
-    def ratios(self, law: RateLimitedLaw, parts: int = PARTS) -> OutputRatios:
+    def ratios(self, law: RateLimitedLaw, halvings: int = HALVINGS) -> OutputRatios:
         """A motion held against its limits."""
-        return law.sampled_ratios(self.path, self.limits, self.dynamics, parts)
+        return law.sampled_ratios(self.path, self.limits, self.dynamics, halvings)
 
-    def as_read(self, law: RateLimitedLaw, ratios: OutputRatios) -> OutputRatios:
-        """The same with torques, speeds and feed of the rows, and of what is read between them."""
+    def as_read(self, law: RateLimitedLaw, ratios: OutputRatios, first: int = 0) -> OutputRatios:
+        """The same with torques, speeds and feed of the rows, and of what is read between them;
+        `first`: which beginning of the rows is looked at first."""
         if self.sampling is None or self.dynamics.irregular:
             return ratios
         n = self.path.n
         torque, speed = self.sampling.ratios(
-            law, self.path, self.limits, self.dynamics, ratios.s, self.feed_ratios
+            law,
+            self.path,
+            self.limits,
+            self.dynamics,
+            ratios.s,
+            self.feed_ratios,
+            first=first,
+            enough=1 + _ENOUGH,
         )
         value = ratios.value.copy()
         value[:, :n] = np.maximum(value[:, :n], torque)
@@ -157,15 +165,14 @@ class _Search:
         """The motion on a fine grid, solved again as long as something is above a limit; how far it
         got, and the iterations it took."""
         problem = self.program(s, rough)
-        selected = problem.selected(self.ratios(rough, parts=1))
         z = problem.start(rough)
         barrier = _WARM
         iterations = 0
         for turn in range(_ROUNDS):
-            found = solve(selected.program, z, barrier=barrier, gap=_GAP)
+            found = solve(problem.program, z, barrier=barrier, gap=_GAP)
             iterations += found.iterations
             law = problem.law(found.z)
-            ratios = self.as_read(law, self.ratios(law))
+            ratios = self.as_read(law, self.ratios(law), turn)
             if _largest(ratios) <= 1 + _ENOUGH or turn == _ROUNDS - 1:
                 break
             _refuse(
@@ -175,9 +182,7 @@ class _Search:
                 "which no timing cures: an effect's torque jumps there by itself",
             )
             problem = problem.holding_back(ratios, law)
-            # an output that was left out and is above its limit: all of them from now on
-            selected = problem if selected.overlooks(ratios) else problem.like(selected)
-            z = selected.inside(found.z)
+            z = problem.inside(found.z)
             barrier = _NEAR
         return law, ratios, iterations
 
