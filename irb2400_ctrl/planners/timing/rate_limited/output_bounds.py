@@ -164,9 +164,7 @@ def _values(
     return np.asarray(np.maximum(*found) / c.limit)
 
 
-def _above(
-    v: Variant, x: Array, u: Array, low: Array, high: Array, ends: tuple[int, ...]
-) -> Array:
+def _above(v: Variant, x: Array, u: Array, low: Array, high: Array, ends: tuple[int, ...]) -> Array:
     """Upper bound of a u + b x + e sqrt(x) + c + rest in each part, shape (m, k)."""
     U = u[..., None]
     X = x[..., None]
@@ -189,9 +187,7 @@ def _above(
     return np.asarray(bound)
 
 
-def _rates(
-    c: ConstrainedOutputs, x: Array, u: Array, beta: Array, ends: tuple[int, ...]
-) -> Array:
+def _rates(c: ConstrainedOutputs, x: Array, u: Array, beta: Array, ends: tuple[int, ...]) -> Array:
     """Upper bounds of |dy/dt| / rate in each part, zero where there is no limit, shape (m, k)."""
     low = np.maximum(x.min(axis=1), 1e-300)[:, None]
     high = x.max(axis=1)[:, None]

@@ -108,9 +108,7 @@ class RateLimitedProgram:
         linear = (-E / bound[..., None], E[:, 1:2] / reference[:, 1:2, None])
         return RowsOfCells(
             h=c.h[1:-1],
-            parabolas=np.stack(
-                [_cells_last(f[1:-1]) for f in (c.a, c.b, c.e, c.c_high, c.c_low)]
-            ),
+            parabolas=np.stack([_cells_last(f[1:-1]) for f in (c.a, c.b, c.e, c.c_high, c.c_low)]),
             per_limit=_cells_last(1 / c.limit[1:-1]),
             per_rate=_cells_last(1 / c.rate[1:-1]),
             kept=np.stack([_cells_last(f[1:-1]) for f in self.keep]),

@@ -35,6 +35,8 @@ _ROUNDS = 10
 _UNSETTLED = 1e-3
 # above a limit by so little is not worth another solution: the motion is slowed by it
 _ENOUGH = 5e-4
+# by how much it is slowed beyond that: its rows are a little elsewhere then
+_BEYOND = 1e-5
 # a ratio to a limit, at the speed that keeps all others, that slowing down does not cure
 _HOPELESS = 20.0
 # of the first solution, which only shows where cells have to be small, and of the others; parts of
@@ -126,21 +128,13 @@ class _Search:
         """A motion held against its limits."""
         return law.sampled_ratios(self.path, self.limits, self.dynamics, halvings)
 
-    def as_read(self, law: RateLimitedLaw, ratios: OutputRatios, first: int = 0) -> OutputRatios:
-        """The same with torques, speeds and feed of the rows, and of what is read between them;
-        `first`: which beginning of the rows is looked at first."""
+    def as_read(self, law: RateLimitedLaw, ratios: OutputRatios) -> OutputRatios:
+        """The same with torques, speeds and feed of the rows, and of what is read between them."""
         if self.sampling is None or self.dynamics.irregular:
             return ratios
         n = self.path.n
         torque, speed = self.sampling.ratios(
-            law,
-            self.path,
-            self.limits,
-            self.dynamics,
-            ratios.s,
-            self.feed_ratios,
-            first=first,
-            enough=1 + _ENOUGH,
+            law, self.path, self.limits, self.dynamics, ratios.s, self.feed_ratios
         )
         value = ratios.value.copy()
         value[:, :n] = np.maximum(value[:, :n], torque)
@@ -172,7 +166,7 @@ class _Search:
             found = solve(problem.program, z, barrier=barrier, gap=_GAP)
             iterations += found.iterations
             law = problem.law(found.z)
-            ratios = self.as_read(law, self.ratios(law), turn)
+            ratios = self.as_read(law, self.ratios(law))
             if _largest(ratios) <= 1 + _ENOUGH or turn == _ROUNDS - 1:
                 break
             _refuse(
@@ -195,7 +189,7 @@ class _Search:
             if worst <= 1 - ROUNDING or worst > _HOPELESS:
                 break
             # torque falls with the square of the speed, but for gravity and friction
-            law = law.slowed(1 + 0.7 * (worst - 1) + ROUNDING)
+            law = law.slowed(1 + 0.7 * (worst - 1) + _BEYOND)
             ratios = self.as_read(law, self.ratios(law))
         return law, ratios
 

@@ -94,9 +94,7 @@ def _enclosed(dynamics: PathDynamics, motion: JointMotion, s: Array) -> tuple[Ar
     """Bounds of |tau| and |qd| on cells, each (m, n)."""
     cells = enclose(dynamics, motion, s)
     m = len(s) - 1
-    above, below = torque_bounds(
-        cells, np.zeros(m), np.ones(m + 1), dynamics.model.robot.friction
-    )
+    above, below = torque_bounds(cells, np.zeros(m), np.ones(m + 1), dynamics.model.robot.friction)
     return np.maximum(above, -below), bernstein.largest_size(cells.speed)
 
 

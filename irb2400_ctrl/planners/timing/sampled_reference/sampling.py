@@ -51,20 +51,16 @@ class Sampling:
         dynamics: PathDynamics,
         s: Array,
         feed_ratios: FeedRatios | None,
-        *,
-        first: int = 0,
-        enough: float = np.inf,
     ) -> tuple[Array, Array]:
         """Largest |tau| / tau_max, and largest speed of an axis or of the TCP over its limit, while
         the reference passes each cell between the lengths s, shapes (m, n) and (m, 1).
 
         A motion that is changed a little has its rows elsewhere: the largest over rows that begin
-        at several times is what does not depend on that. Where those of one beginning, `first` of
-        them, show more than `enough`, the motion has to change anyway: the others are not read.
+        at several times is what does not depend on that.
         """
         found = np.zeros((len(s) - 1, path.n + 1))
-        for part in range(first, first + _PHASES):
-            reference = self.reference(law, path, part % _PHASES / _PHASES / self.rate)
+        for part in range(_PHASES):
+            reference = self.reference(law, path, part / _PHASES / self.rate)
             bounds = reference.bounds(dynamics, limits)
             rows = reference.rows.time
             ratio = np.zeros((len(rows) - 1, path.n + 1))
@@ -78,8 +74,6 @@ class Sampling:
                 interval = np.searchsorted(rows, (time[:-1] + time[1:]) / 2) - 1
                 np.maximum.at(ratio, np.clip(interval, 0, len(ratio) - 1), value)
             found = np.maximum(found, _on_cells(s, law.at(rows)[0], ratio))
-            if found.max() > enough:
-                break
         return found[:, :-1], found[:, -1:]
 
 
