@@ -31,6 +31,10 @@ class JointMotion(Protocol):
     def on_piece(self, s: Array, piece: npt.NDArray[np.int64], order: int = 0) -> Array:
         """The same with the piece chosen by the caller."""
 
+    def taken(self, first: Array, last: Array) -> JointMotion:
+        """Stretches between parameters first and last (k,), each within a piece, put one after
+        another."""
+
     def spread(self, s: Array, R: Array) -> tuple[Array, Array, Array]:
         """By how much angles, first and second derivatives differ at most from those at s on
         complex circles of radius R, each (k, n)."""
@@ -99,6 +103,14 @@ class JointPath:
     def straight(cls, time: Array, q: Array) -> JointPath:
         """q(t), linear between rows at the times (m,) [s]; q in any unit, shape (m, n)."""
         return cls.lines(time, q[:-1], q[1:])
+
+    def taken(self, first: Array, last: Array) -> JointPath:
+        """The stretches between the lengths first and last (k,), each within a piece, put one after
+        another."""
+        piece = self.piece((first + last) / 2)
+        q, dq, ddq = (self.on_piece(first, piece, order) for order in (0, 1, 2))
+        knots = np.append(0.0, np.cumsum(last - first))
+        return JointPath(knots, np.stack([q, dq, ddq / 2, self.coefficients[3, piece]]))
 
     @property
     def n(self) -> int:

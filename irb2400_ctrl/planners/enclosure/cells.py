@@ -94,8 +94,7 @@ def with_reversals(path: JointMotion, s: Array) -> Array:
 
 def enclose(dynamics: PathDynamics, path: JointMotion, s: Array) -> Cells:
     """The enclosure on the cells between the lengths s (knots of the path included)."""
-    simple = not (dynamics.forms.laws or dynamics.factors[0].size)
-    if not simple or len(s) - 1 <= _AT_ONCE:
+    if not dynamics.local or len(s) - 1 <= _AT_ONCE:
         return _enclose(dynamics, path, s)
     parts = [
         _enclose(dynamics, path, s[first : first + _AT_ONCE + 1])

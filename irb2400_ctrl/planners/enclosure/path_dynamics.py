@@ -63,6 +63,11 @@ class PathDynamics:
         """Bounds of the effects' factors of the time, over all times."""
         return self._built[1:]
 
+    @property
+    def local(self) -> bool:
+        """Whether what is needed at a place does not depend on the way to it, or on the time."""
+        return not (self.forms.laws or self.factors[0].size)
+
     @cached_property
     def _compiled(self) -> CompiledFunction:
         return compile_function(self.symbolic, fused=True)

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.arrays import Array, Mask
 from irb2400_ctrl.planners.joint_path import JointPath
 
 # the pieces of a path may disagree by rounding
@@ -33,20 +33,29 @@ class CellMotion:
     slope: Array
     """du/ds, shape (m,) [1/s2]"""
 
+    def part(self, first: int, last: int) -> CellMotion:
+        """The parts with these numbers, the last one not included."""
+        these = slice(first, last)
+        return CellMotion(self.s[first : last + 1], self.x[these], self.u[these], self.slope[these])
 
-def refined_grid(s: Array, path: JointPath, parts: int) -> Array:
-    """A law's grid with its inner cells cut into equal parts, and at knots and reversals of the
-    path: that they are on the law's grid, but for rounding, is not taken for granted."""
+    def taken(self, wanted: Mask, path: JointPath) -> tuple[CellMotion, JointPath]:
+        """Some of the parts, put one after another, and the stretches of their path."""
+        stretches = path.taken(self.s[:-1][wanted], self.s[1:][wanted])
+        motion = CellMotion(stretches.knots, self.x[wanted], self.u[wanted], self.slope[wanted])
+        return motion, stretches
+
+
+def refined_grid(s: Array, path: JointPath) -> Array:
+    """A law's grid, cut at knots and reversals of the path: that they are on it, but for rounding,
+    is not taken for granted."""
     inner = s[1:-1]
-    split = (inner[:-1, None] + np.arange(parts) / parts * np.diff(inner)[:, None]).ravel()
     more = np.concatenate([path.knots, path.reversals()])
     more = more[(more > inner[0]) & (more < inner[-1])]
-    own = np.unique(np.concatenate([s, split]))
-    after = np.searchsorted(own, more)
-    away = np.minimum(own[after] - more, more - own[after - 1])
-    more = np.unique(more[away > _SAME * own[-1]])
-    apart = np.diff(more, prepend=-np.inf) > _SAME * own[-1]
-    return np.sort(np.concatenate([own, more[apart]]))
+    after = np.searchsorted(s, more)
+    away = np.minimum(s[after] - more, more - s[after - 1])
+    more = np.unique(more[away > _SAME * s[-1]])
+    apart = np.diff(more, prepend=-np.inf) > _SAME * s[-1]
+    return np.sort(np.concatenate([s, more[apart]]))
 
 
 def is_joined(path: JointPath) -> bool:

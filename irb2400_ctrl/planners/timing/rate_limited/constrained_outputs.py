@@ -10,7 +10,7 @@ du/ds
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -89,20 +89,6 @@ class ConstrainedOutputs:
     def count(self) -> int:
         """Number of outputs."""
         return int(self.limit.shape[1])
-
-    def selected(self, columns: Integers) -> ConstrainedOutputs:
-        """Other outputs in each cell: those with the given numbers, shape (m, k')."""
-        found = {}
-        for part in fields(self)[1:]:
-            values = getattr(self, part.name)
-            # cells come first, but in `remainder` and `friction` second
-            places = (
-                {2: columns, 3: columns[:, None]}[values.ndim]
-                if len(values) == len(self.h)
-                else columns[None]
-            )
-            found[part.name] = np.take_along_axis(values, places, -1)
-        return replace(self, **found)
 
     def dry_friction(self, x: Array) -> tuple[Array, Array]:
         """Least and largest dry friction in each cell that is passed with sdot^2 >= x (m, 1),

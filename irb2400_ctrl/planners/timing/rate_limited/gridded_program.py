@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from irb2400_ctrl.arrays import Array, Integers
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.planners.enclosure.cells import enclose
 from irb2400_ctrl.planners.enclosure.path_dynamics import PathDynamics
 from irb2400_ctrl.planners.joint_path import JointPath
@@ -22,10 +22,11 @@ from irb2400_ctrl.planners.timing.torque_constraints import ROUNDING
 
 # held back beyond what is above a limit, as a part of it
 _HELD = 2e-5
+# and of what is above it, up to the second number: its rows are elsewhere in the next motion
+_AHEAD = 0.3
+_LITTLE = 0.05
 # speed, as a part of the fastest, below which nothing is looked for
 _SLOWEST = 1e-4
-# outputs kept in each cell once it is known which ones are close to their limits, as a part of all
-_SELECTED = 0.5
 
 
 @dataclass(frozen=True)
@@ -34,8 +35,6 @@ class GriddedProgram:
 
     s: Array
     program: RateLimitedProgram
-    columns: Integers
-    """which output each of the program's is, shape (m, k)"""
 
     @classmethod
     def on(
@@ -55,8 +54,7 @@ class GriddedProgram:
         bound = np.minimum(speed_bounds(cells, limits.qd_max, feed_bound), 1e9)
         guess = np.minimum(near.on(s)[0], bound)
         keep = np.ones_like(outputs.limit)
-        columns = np.broadcast_to(np.arange(outputs.count), keep.shape)
-        return cls(s, RateLimitedProgram(outputs, bound, guess, (keep, keep)), columns)
+        return cls(s, RateLimitedProgram(outputs, bound, guess, (keep, keep)))
 
     def start(self, near: RateLimitedLaw | None = None) -> Array:
         """Unknowns of a smooth motion, or of about the one the program was made near to, slowed
@@ -124,11 +122,11 @@ class GriddedProgram:
         keep = []
         *held, speed = self._by_cell(ratios)
         for kept, ratio in zip(self.program.keep, held, strict=True):
-            too_much = np.where(ratio > 1 - ROUNDING, ratio * (1 + _HELD), 1.0)
+            too_much = np.where(ratio > 1 - ROUNDING, _held(ratio), 1.0)
             keep.append(kept / too_much)
         most = speed.max(axis=1)
         at_points = np.maximum(np.append(most, 0.0), np.insert(most, 0, 0.0))
-        slower = law.on(self.s)[0] / (at_points * (1 + _HELD)) ** 2
+        slower = law.on(self.s)[0] / _held(at_points) ** 2
         fast = at_points > 1 - ROUNDING
         fast[[0, -1]] = False
         bound = np.where(fast, np.minimum(self.program.bound, slower), self.program.bound)
@@ -146,36 +144,6 @@ class GriddedProgram:
             found.append(most)
         return found
 
-    def selected(self, ratios: OutputRatios) -> GriddedProgram:
-        """The same with only those outputs in each cell that are the closest to their limits in a
-        motion nearby."""
-        few = int(np.ceil(_SELECTED * self.program.outputs.count))
-        close = np.maximum(ratios.value, ratios.rate)
-        # and in the cells around
-        padded = np.pad(close, ((3, 3), (0, 0)), mode="edge")
-        close = np.lib.stride_tricks.sliding_window_view(padded, 7, axis=0).max(axis=-1)
-        middle = (self.s[:-1] + self.s[1:]) / 2
-        part = np.clip(np.searchsorted(ratios.s, middle) - 1, 0, len(close) - 1)
-        closest = np.argsort(-close[part], axis=1)[:, :few]
-        return self._with(np.sort(closest, axis=1))
-
-    def like(self, other: GriddedProgram) -> GriddedProgram:
-        """The same with another problem's selection."""
-        return self._with(other.columns)
-
-    def _with(self, columns: Integers) -> GriddedProgram:
-        keep = tuple(np.take_along_axis(k, columns, 1) for k in self.program.keep)
-        outputs = self.program.outputs.selected(columns)
-        return GriddedProgram(
-            self.s, replace(self.program, outputs=outputs, keep=(keep[0], keep[1])), columns
-        )
-
-    def overlooks(self, ratios: OutputRatios) -> bool:
-        """Whether an output that is not selected is above its limit."""
-        chosen = np.zeros((len(self.s) - 1, ratios.value.shape[1]), dtype=bool)
-        np.put_along_axis(chosen, self.columns, True, 1)
-        return any(bool(((most > 1) & ~chosen).any()) for most in self._by_cell(ratios)[:2])
-
     def law(self, z: Array) -> RateLimitedLaw:
         """The time law of the unknowns."""
         b = self.program.spline.bernstein(z)
@@ -184,3 +152,8 @@ class GriddedProgram:
         x = np.concatenate([[0.0], b[:, 0], b[-1:, 2], [0.0]])
         u = np.concatenate([[0.0], (b[:, 1] - b[:, 0]) / h, [last], [0.0]])
         return RateLimitedLaw(self.s.copy(), x, u)
+
+
+def _held(ratio: Array) -> Array:
+    """By how much to hold back what is above its limit."""
+    return ratio * (1 + _HELD) + _AHEAD * np.clip(ratio - 1, 0.0, _LITTLE)

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.arrays import Array, Mask
 from irb2400_ctrl.planners.enclosure.bernstein import hull, product, raised
 from irb2400_ctrl.planners.enclosure.cells import enclose
 from irb2400_ctrl.planners.enclosure.effect_bounds import Added, Variant, variants
@@ -24,7 +24,13 @@ from irb2400_ctrl.planners.timing.motion_bounds import Checked
 from irb2400_ctrl.planners.timing.motion_limits import MotionLimits
 from irb2400_ctrl.planners.timing.rate_limited.cell_motion import CellMotion
 from irb2400_ctrl.planners.timing.rate_limited.constrained_outputs import ConstrainedOutputs
+from irb2400_ctrl.planners.timing.torque_constraints import ROUNDING
 
+_RATIOS = ("value", "rate", "speed")
+# a bound is close to the largest from this part of it on
+_CLOSE = 0.95
+# parts that are bounded at once: what they need fits a processor's cache
+_AT_ONCE = 1000
 # Cauchy: |f' - p'| <= 3 sqrt(3)/2 (2 + 2/(3 sqrt 3)/(kappa - 1)) |f - p| bound / w, kappa >= 2
 _DERIVATIVE = 1.5 * np.sqrt(3) * (2 + 2 / (3 * np.sqrt(3)))
 
@@ -47,6 +53,24 @@ class OutputRatios:
         """The largest of all, leaving out what could not be computed."""
         return max(float(np.nanmax(ratio)) for ratio in (self.value, self.rate, self.speed))
 
+    def to_cut(self, tight: bool) -> Mask:
+        """Parts on which smaller ones may say more: where something is above a limit, and, to know
+        the largest of each ratio well, where one is close to it; none at the ends of the motion."""
+        every = np.hstack([self.value, self.rate, self.speed])
+        enough = np.minimum(_CLOSE * every.max(axis=0), 1 - ROUNDING) if tight else 1 - ROUNDING
+        found = ~(every <= enough).all(axis=1)
+        found[[0, -1]] = False
+        return np.asarray(found)
+
+    def cut(self, cut: Mask, s: Array, more: OutputRatios) -> OutputRatios:
+        """The same with the parts `cut` halved, which ends them at s, and bounded anew."""
+        found = []
+        for own, other in ((getattr(r, k) for r in (self, more)) for k in _RATIOS):
+            both = np.repeat(own, 1 + cut, axis=0)
+            both[np.repeat(cut, 1 + cut)] = other
+            found.append(both)
+        return OutputRatios(s, *found)
+
     def checked(self, n: int) -> Checked:
         """The largest of each kind; the first n outputs are torques, the others accelerations."""
         torque = self.value[:, :n]
@@ -62,16 +86,47 @@ class OutputRatios:
 
 
 def output_ratios(
-    motion: CellMotion, path: JointPath, limits: MotionLimits, dynamics: PathDynamics
+    motion: CellMotion,
+    path: JointPath,
+    limits: MotionLimits,
+    dynamics: PathDynamics,
+    *,
+    whole: bool = True,
 ) -> OutputRatios:
-    """Upper bounds of the constrained outputs and the speeds; inf where nothing can be said."""
+    """Upper bounds of the constrained outputs and the speeds; inf where nothing can be said.
+
+    Args:
+        motion: on parts of cells.
+        path, limits, dynamics: what moves, and what it has to keep.
+        whole: from rest to rest; else parts within the motion.
+    """
+    m = len(motion.slope)
+    count = _AT_ONCE if dynamics.local else m
+    found = []
+    for first in range(0, m, count):
+        last = min(first + count, m)
+        ends = (*([0] if first == 0 else []), *([-1] if last == m else [])) if whole else ()
+        found.append(_ratios(motion.part(first, last), path, limits, dynamics, ends))
+    return OutputRatios(
+        motion.s, *(np.concatenate([getattr(part, k) for part in found]) for k in _RATIOS)
+    )
+
+
+def _ratios(
+    motion: CellMotion,
+    path: JointPath,
+    limits: MotionLimits,
+    dynamics: PathDynamics,
+    ends: tuple[int, ...],
+) -> OutputRatios:
+    """Some of them; `ends`: which of the first (0) and the last (-1) begin and end at rest."""
     n = dynamics.model.robot.n
     cells = enclose(dynamics, path, motion.s)
     outputs = ConstrainedOutputs.of(cells, limits, dynamics.model.robot.friction)
     squared_speed = product(cells.speed, cells.speed) / limits.qd_max**2
     most = hull(product(squared_speed, motion.x[..., None]))[1]
-    value = _values(outputs, cells.added, motion.x, motion.u)
-    rate = _rates(outputs, motion.x, motion.u, motion.slope)
+    value = _values(outputs, cells.added, motion.x, motion.u, ends)
+    rate = _rates(outputs, motion.x, motion.u, motion.slope, ends)
     if dynamics.irregular:
         value[:, :n] = np.inf
     if dynamics.irregular or cells.added is not None:
@@ -80,11 +135,13 @@ def output_ratios(
     return OutputRatios(motion.s, value, rate, np.sqrt(np.maximum(most, 0.0)))
 
 
-def _values(c: ConstrainedOutputs, added: Added | None, x: Array, u: Array) -> Array:
+def _values(
+    c: ConstrainedOutputs, added: Added | None, x: Array, u: Array, ends: tuple[int, ...]
+) -> Array:
     """Upper bounds of |y| / limit in each part, shape (m, k)."""
     low = np.maximum(x.min(axis=1), 0.0)
     high = x.max(axis=1)
-    low[[0, -1]] = 0.0
+    low[np.array(ends, dtype=int)] = 0.0
     u_max = np.abs(u).max(axis=1)
     r_a, r_b, r_e, r_c = c.remainder
     rest = r_a * u_max[:, None] + r_b * high[:, None] + r_e * np.sqrt(high)[:, None] + r_c
@@ -92,7 +149,7 @@ def _values(c: ConstrainedOutputs, added: Added | None, x: Array, u: Array) -> A
     found = []
     for side, dry, held in ((1.0, top, c.c_high), (-1.0, -bottom, -c.c_low)):
         plain = Variant(side * c.a, side * c.b, side * c.e, held, rest)
-        found.append(_above(plain, x, u, low, high) + dry)
+        found.append(_above(plain, x, u, low, high, ends) + dry)
         if added is not None:
             n = added.square.shape[-1]
             torques = Variant(
@@ -102,12 +159,12 @@ def _values(c: ConstrainedOutputs, added: Added | None, x: Array, u: Array) -> A
             box = (low, high, u_max)
             every = variants(added, torques, side, bar, box, np.full(n, np.inf))
             found[-1][:, :n] = (
-                np.max([_above(v, x, u, low, high) for v in every], axis=0) + dry[:, :n]
+                np.max([_above(v, x, u, low, high, ends) for v in every], axis=0) + dry[:, :n]
             )
     return np.asarray(np.maximum(*found) / c.limit)
 
 
-def _above(v: Variant, x: Array, u: Array, low: Array, high: Array) -> Array:
+def _above(v: Variant, x: Array, u: Array, low: Array, high: Array, ends: tuple[int, ...]) -> Array:
     """Upper bound of a u + b x + e sqrt(x) + c + rest in each part, shape (m, k)."""
     U = u[..., None]
     X = x[..., None]
@@ -120,7 +177,7 @@ def _above(v: Variant, x: Array, u: Array, low: Array, high: Array) -> Array:
     found = raised(product(v.a, U), 4) + product(v.b, X) + raised(v.c, 4)
     found += product(np.maximum(v.e, 0.0), tangent) + product(np.minimum(v.e, 0.0), secant)
     bound = found.max(axis=1) + v.rest
-    for end in (0, -1):
+    for end in ends:
         # x between 0 and x_1, u between 0 and u_1: every term at its largest
         u1 = float(u[end, -1] if end == 0 else u[end, 0])
         x1 = float(high[end])
@@ -130,7 +187,7 @@ def _above(v: Variant, x: Array, u: Array, low: Array, high: Array) -> Array:
     return np.asarray(bound)
 
 
-def _rates(c: ConstrainedOutputs, x: Array, u: Array, beta: Array) -> Array:
+def _rates(c: ConstrainedOutputs, x: Array, u: Array, beta: Array, ends: tuple[int, ...]) -> Array:
     """Upper bounds of |dy/dt| / rate in each part, zero where there is no limit, shape (m, k)."""
     low = np.maximum(x.min(axis=1), 1e-300)[:, None]
     high = x.max(axis=1)[:, None]
@@ -153,7 +210,7 @@ def _rates(c: ConstrainedOutputs, x: Array, u: Array, beta: Array) -> Array:
     line = raised(1.5 / r[:, None] - X / (2 * r[:, None] ** 3), 4)
     with np.errstate(divide="ignore", invalid="ignore"):
         found = np.where(line > 0, (np.abs(g) + rest[:, None]) / line, np.inf).max(axis=1)
-    for end in (0, -1):
+    for end in ends:
         # the jerk is constant, and every other term at its largest
         u1 = float(u_max[end, 0])
         x1 = float(high[end, 0])

@@ -10,6 +10,7 @@ import numpy as np
 
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.planners.enclosure.bernstein import linear
+from irb2400_ctrl.planners.enclosure.cells import divided
 from irb2400_ctrl.planners.enclosure.path_dynamics import PathDynamics
 from irb2400_ctrl.planners.joint_path import JointPath
 from irb2400_ctrl.planners.timing.motion_bounds import Checked, Peaks
@@ -24,8 +25,8 @@ from irb2400_ctrl.planners.timing.rate_limited.output_bounds import OutputRatios
 from irb2400_ctrl.planners.timing.rate_limited.sampled_check import filled_by_samples
 from irb2400_ctrl.planners.timing.time_law import TimeLaw
 
-# parts that each cell is cut into for the check; more, while a bound is above the limit
-_PARTS = (2, 4, 8)
+# how often cells are halved for the check, where a bound is above its limit or the largest
+_HALVINGS = 3
 # the law's numbers may disagree by rounding
 _ROUNDING = 1e-11
 
@@ -111,35 +112,55 @@ class RateLimitedLaw(TimeLaw):
         return s, np.where(over, 0.0, np.maximum(speed, 0.0)), np.where(over, 0.0, acceleration)
 
     def sampled_ratios(
-        self, path: JointPath, limits: MotionLimits, dynamics: PathDynamics, parts: int
+        self,
+        path: JointPath,
+        limits: MotionLimits,
+        dynamics: PathDynamics,
+        halvings: int,
+        *,
+        tight: bool = False,
     ) -> OutputRatios:
         """`ratios`, with infinite bounds of torques and their rates replaced by samples."""
-        return filled_by_samples(
-            self.ratios(path, limits, dynamics, parts), self, path, limits, dynamics
-        )
+        found = self.ratios(path, limits, dynamics, halvings, tight=tight)
+        return filled_by_samples(found, self, path, limits, dynamics)
 
     def ratios(
-        self, path: JointPath, limits: MotionLimits, dynamics: PathDynamics, parts: int
+        self,
+        path: JointPath,
+        limits: MotionLimits,
+        dynamics: PathDynamics,
+        halvings: int,
+        *,
+        tight: bool = False,
     ) -> OutputRatios:
-        """Every constrained output over its limit, on so many parts of each cell."""
-        motion = self.on_cells(refined_grid(self.s, path, parts))
-        return output_ratios(motion, path, limits, dynamics)
+        """Every constrained output over its limit, on cells that are halved, so often at most,
+        where a bound is above a limit; tight: also where it is about the largest."""
+        found = output_ratios(self.on_cells(refined_grid(self.s, path)), path, limits, dynamics)
+        for _ in range(halvings):
+            cut = found.to_cut(tight)
+            if not cut.any():
+                break
+            motion = self.on_cells(divided(found.s, 1 + cut))
+            if dynamics.local:
+                parts, stretches = motion.taken(np.repeat(cut, 1 + cut), path)
+                more = output_ratios(parts, stretches, limits, dynamics, whole=False)
+                found = found.cut(cut, motion.s, more)
+            else:
+                found = output_ratios(motion, path, limits, dynamics)
+        return found
 
     def bounds(self, path: JointPath, limits: MotionLimits, dynamics: PathDynamics) -> Checked:
         """Bounds over all times; inf where nothing can be said."""
         if not (self.is_consistent() and is_joined(path)):
             return Checked(np.inf, np.inf, (float(self.s[0]), 1), np.inf, np.inf, np.inf)
-        for parts in _PARTS:
-            ratios = self.ratios(path, limits, dynamics, parts)
-            if ratios.worst <= 1:
-                break
+        ratios = self.ratios(path, limits, dynamics, _HALVINGS, tight=True)
         return ratios.checked(dynamics.model.robot.n)
 
     def peaks(self, path: JointPath, limits: MotionLimits, dynamics: PathDynamics) -> Peaks:
         """Largest torque of each axis, and the largest torque rate, of samples where it has no
         bound."""
         n = dynamics.model.robot.n
-        ratios = self.sampled_ratios(path, limits, dynamics, 1)
+        ratios = self.sampled_ratios(path, limits, dynamics, 0)
         return Peaks(
             torque=ratios.value[:, :n].max(axis=0) * limits.tau_max,
             torque_rate_ratio=float(ratios.rate[:, :n].max()),

@@ -108,9 +108,7 @@ class RateLimitedProgram:
         linear = (-E / bound[..., None], E[:, 1:2] / reference[:, 1:2, None])
         return RowsOfCells(
             h=c.h[1:-1],
-            parabolas=np.stack(
-                [_cells_last(f[1:-1]) for f in (c.a, c.b, c.e, c.c_high, c.c_low)]
-            ),
+            parabolas=np.stack([_cells_last(f[1:-1]) for f in (c.a, c.b, c.e, c.c_high, c.c_low)]),
             per_limit=_cells_last(1 / c.limit[1:-1]),
             per_rate=_cells_last(1 / c.rate[1:-1]),
             kept=np.stack([_cells_last(f[1:-1]) for f in self.keep]),
@@ -189,7 +187,7 @@ class RateLimitedProgram:
         In them u lies between 0 and u_1, x between 0 and x_1, du/dt is constant: every term is
         taken at its largest.
         """
-        bottom, top = self.outputs.dry_friction(np.zeros((1, 1)))
+        bottom, top = self._end_friction
         slacks = []
         slopes = []
         for cell, sign, x, near in ((0, 1.0, z[0], 1), (-1, -1.0, z[-1], -2)):
@@ -200,6 +198,10 @@ class RateLimitedProgram:
             slacks.append(np.concatenate([slack for slack, _ in found]))
             slopes.append(np.concatenate([slope for _, slope in found]))
         return np.stack(slacks), np.stack(slopes)
+
+    @cached_property
+    def _end_friction(self) -> tuple[Array, Array]:
+        return self.outputs.dry_friction(np.zeros((1, 1)))
 
     def _end_value(
         self, cell: int, sign: float, x: float, side: float, dry: Array

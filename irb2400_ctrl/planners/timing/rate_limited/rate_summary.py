@@ -11,7 +11,7 @@ from irb2400_ctrl.planners.enclosure.path_dynamics import PathDynamics
 from irb2400_ctrl.planners.joint_path import JointPath
 from irb2400_ctrl.planners.timing.motion_limits import MotionLimits
 from irb2400_ctrl.planners.timing.rate_limited.rate_limited_law import RateLimitedLaw
-from irb2400_ctrl.planners.timing.rate_limited.time_rate_limited import PARTS
+from irb2400_ctrl.planners.timing.rate_limited.time_rate_limited import HALVINGS
 from irb2400_ctrl.planners.timing.time_law import TimeLaw
 
 
@@ -24,7 +24,7 @@ def rate_summary(
 ) -> dict[str, Any]:
     """Limits and upper bounds of torque rate and jerk per axis, and the duration without them."""
     n = dynamics.model.robot.n
-    ratios = law.sampled_ratios(path, limits, dynamics, PARTS)
+    ratios = law.sampled_ratios(path, limits, dynamics, HALVINGS, tight=True)
     most = ratios.rate.max(axis=0)
     found: dict[str, Any] = {"duration_without_rates_s": fastest.duration}
     if limits.torque_rate is not None:

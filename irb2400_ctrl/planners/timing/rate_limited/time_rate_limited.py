@@ -25,8 +25,8 @@ from irb2400_ctrl.planners.timing.time_joint_path import FeedBound, time_joint_p
 from irb2400_ctrl.planners.timing.time_law import TimeLaw
 from irb2400_ctrl.planners.timing.torque_constraints import ROUNDING
 
-PARTS = 4
-"""parts of each cell on which a motion is held against its limits"""
+HALVINGS = 2
+"""how often cells are halved where a motion is above a limit on them"""
 
 # how often what the bounds show above a limit is held back; then the motion is slowed by what is
 # left of it
@@ -35,6 +35,8 @@ _ROUNDS = 10
 _UNSETTLED = 1e-3
 # above a limit by so little is not worth another solution: the motion is slowed by it
 _ENOUGH = 5e-4
+# by how much it is slowed beyond that: its rows are a little elsewhere then
+_BEYOND = 1e-5
 # a ratio to a limit, at the speed that keeps all others, that slowing down does not cure
 _HOPELESS = 20.0
 # of the first solution, which only shows where cells have to be small, and of the others; parts of
@@ -122,9 +124,9 @@ class _Search:
         """What has limits, on cells of the path."""
         return ConstrainedOutputs.of(cells, self.limits, self.dynamics.model.robot.friction)
 
-    def ratios(self, law: RateLimitedLaw, parts: int = PARTS) -> OutputRatios:
+    def ratios(self, law: RateLimitedLaw, halvings: int = HALVINGS) -> OutputRatios:
         """A motion held against its limits."""
-        return law.sampled_ratios(self.path, self.limits, self.dynamics, parts)
+        return law.sampled_ratios(self.path, self.limits, self.dynamics, halvings)
 
     def as_read(self, law: RateLimitedLaw, ratios: OutputRatios) -> OutputRatios:
         """The same with torques, speeds and feed of the rows, and of what is read between them."""
@@ -157,12 +159,11 @@ class _Search:
         """The motion on a fine grid, solved again as long as something is above a limit; how far it
         got, and the iterations it took."""
         problem = self.program(s, rough)
-        selected = problem.selected(self.ratios(rough, parts=1))
         z = problem.start(rough)
         barrier = _WARM
         iterations = 0
         for turn in range(_ROUNDS):
-            found = solve(selected.program, z, barrier=barrier, gap=_GAP)
+            found = solve(problem.program, z, barrier=barrier, gap=_GAP)
             iterations += found.iterations
             law = problem.law(found.z)
             ratios = self.as_read(law, self.ratios(law))
@@ -175,9 +176,7 @@ class _Search:
                 "which no timing cures: an effect's torque jumps there by itself",
             )
             problem = problem.holding_back(ratios, law)
-            # an output that was left out and is above its limit: all of them from now on
-            selected = problem if selected.overlooks(ratios) else problem.like(selected)
-            z = selected.inside(found.z)
+            z = problem.inside(found.z)
             barrier = _NEAR
         return law, ratios, iterations
 
@@ -190,7 +189,7 @@ class _Search:
             if worst <= 1 - ROUNDING or worst > _HOPELESS:
                 break
             # torque falls with the square of the speed, but for gravity and friction
-            law = law.slowed(1 + 0.7 * (worst - 1) + ROUNDING)
+            law = law.slowed(1 + 0.7 * (worst - 1) + _BEYOND)
             ratios = self.as_read(law, self.ratios(law))
         return law, ratios
 

@@ -49,6 +49,12 @@ class LinearColumns:
             return self.columns[2].on_piece(s, piece, 1)
         return self.columns[order].on_piece(s, piece)
 
+    def taken(self, first: Array, last: Array) -> LinearColumns:
+        """The stretches between the times first and last (k,), each between two rows, put one after
+        another."""
+        q, qd, qdd = (column.taken(first, last) for column in self.columns)
+        return LinearColumns((q, qd, qdd))
+
     def spread(self, s: Array, R: Array) -> tuple[Array, Array, Array]:
         """By how much each column differs at most from its values at s on circles of radius R."""
         q, qd, qdd = (np.abs(column(s, 1)) * R[:, None] for column in self.columns)

@@ -21,7 +21,7 @@ from irb2400_ctrl.planners.timing.torque_bounds import torque_bounds
 
 # cells whose bound is above a limit are cut into so many parts, so often
 _PARTS = 4
-_ROUNDS = 3
+_ROUNDS = 2
 # cells that are enclosed at once: what they need fits a processor's cache
 _AT_ONCE = 2000
 
@@ -72,17 +72,30 @@ def _bounds(
     dynamics: PathDynamics, motion: JointMotion, s: Array, limits: MotionLimits
 ) -> ReferenceBounds:
     """Between some of the rows, which do not depend on the others."""
-    friction = dynamics.model.robot.friction
-    for last in range(_ROUNDS):
-        cells = enclose(dynamics, motion, s)
-        above, below = torque_bounds(cells, np.zeros(len(s) - 1), np.ones(len(s)), friction)
-        torque = np.maximum(above, -below)
-        speed = bernstein.largest_size(cells.speed)
+    torque, speed = _enclosed(dynamics, motion, s)
+    for _ in range(_ROUNDS):
         wide = ~((torque <= limits.tau_max) & (speed <= limits.qd_max)).all(axis=1)
-        if last == _ROUNDS - 1 or not wide.any():
+        if not wide.any():
             break
-        s = divided(s, np.where(wide, _PARTS, 1))
+        parts = np.where(wide, _PARTS, 1)
+        s = divided(s, parts)
+        new = np.repeat(wide, parts)
+        torque = np.repeat(torque, parts, axis=0)
+        speed = np.repeat(speed, parts, axis=0)
+        if dynamics.local:
+            cut = motion.taken(s[:-1][new], s[1:][new])
+            torque[new], speed[new] = _enclosed(dynamics, cut, cut.knots)
+        else:
+            torque, speed = _enclosed(dynamics, motion, s)
     return ReferenceBounds(s, torque, speed)
+
+
+def _enclosed(dynamics: PathDynamics, motion: JointMotion, s: Array) -> tuple[Array, Array]:
+    """Bounds of |tau| and |qd| on cells, each (m, n)."""
+    cells = enclose(dynamics, motion, s)
+    m = len(s) - 1
+    above, below = torque_bounds(cells, np.zeros(m), np.ones(m + 1), dynamics.model.robot.friction)
+    return np.maximum(above, -below), bernstein.largest_size(cells.speed)
 
 
 def _at_rest(dynamics: PathDynamics, motion: JointMotion, time: float) -> Array:

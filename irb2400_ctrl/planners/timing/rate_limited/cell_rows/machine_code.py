@@ -47,7 +47,9 @@ class _CellRows(ctypes.Structure):
 
 def _at(array: Array) -> ctypes.c_void_p:
     if not array.flags.c_contiguous or array.dtype != np.float64:
-        raise ValueError(f"found an array {array.dtype}, {array.strides}; expected doubles in order")
+        raise ValueError(
+            f"found an array {array.dtype}, {array.strides}; expected doubles in order"
+        )
     return ctypes.c_void_p(array.ctypes.data)
 
 
