@@ -14,7 +14,14 @@ from scipy.integrate import solve_ivp
 from irb2400_ctrl.diagnosis.estimation.evidence import Problem
 from irb2400_ctrl.diagnosis.preparation.base_prior import BasePrior
 from irb2400_ctrl.diagnosis.preparation.metrics import errors, noise_floor
-from irb2400_ctrl.diagnosis.preparation.noise import MOST_COLOUR, ORDER, Noise, _not_too_coloured
+from irb2400_ctrl.diagnosis.preparation.noise import (
+    MOST_COLOUR,
+    ORDER,
+    Noise,
+    _not_too_coloured,
+    autoregressive,
+    complete_rows,
+)
 from irb2400_ctrl.diagnosis.regressors.bases import Bases, RegressorColumns
 from irb2400_ctrl.diagnosis.regressors.effect_states import Memory
 from irb2400_ctrl.diagnosis.regressors.predict import effect_torque, predicted_torque
@@ -174,6 +181,38 @@ def test_noise_is_not_believed_to_be_slower_than_allowed() -> None:
     assert spectrum.max() / np.exp(np.log(spectrum).mean()) < 1.05 * MOST_COLOUR
     mild = np.array([0.3, 0.1])
     np.testing.assert_array_equal(_not_too_coloured(mild), mild)
+
+
+def test_whitening_is_the_filter_on_rows_with_all_it_needs() -> None:
+    rng = np.random.default_rng(7)
+    known = rng.random(60) > 0.2
+    noise = Noise(
+        np.array([1.0, -0.7, 0.2]), rng.random(complete_rows(known).size), complete_rows(known)
+    )
+    columns = rng.standard_normal((60, 3, 2))
+    expected = [
+        w * (columns[row] - 0.7 * columns[row - 1] + 0.2 * columns[row - 2])
+        for w, row in zip(noise.weight, noise.kept, strict=True)
+    ]
+    np.testing.assert_allclose(noise.whiten(columns), expected, rtol=1e-12)
+
+
+def test_a_single_reversal_counts_with_the_misfit_it_has() -> None:
+    """However few its rows are: taken for as good as the others, whatever bends there gains."""
+    residual = np.random.default_rng(8).standard_normal(200)
+    reversal = np.zeros(200, dtype=bool)
+    reversal[90:96] = True
+    residual[reversal] *= 20.0
+    noise = autoregressive(residual, np.ones(200, dtype=bool), reversal)
+    near = reversal[noise.kept]
+    assert noise.weight[near].max() < 0.2 * noise.weight[~near].min()
+
+
+def test_a_body_more_needs_no_model_of_its_own() -> None:
+    m = motion()
+    loaded = ROBOT.with_effects(Payload(mass_kg=4.0, com_m=(0.05, -0.02, 0.1)))
+    direct = np.asarray(Model(loaded).inverse_dynamics(m.q, m.qd, m.qdd))
+    np.testing.assert_allclose(predicted_torque(loaded, m, BASES), direct, atol=1e-8)
 
 
 def test_metrics_are_equations_75_to_77_and_the_floor_is_the_noise() -> None:

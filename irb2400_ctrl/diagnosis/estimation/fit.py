@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import pairwise
+from operator import is_
 
 import numpy as np
 import numpy.typing as npt
@@ -22,13 +23,15 @@ from irb2400_ctrl.diagnosis.estimation.effect_parameters import (
 )
 from irb2400_ctrl.diagnosis.estimation.evidence import discrepancy_shares, discrepancy_unit
 from irb2400_ctrl.diagnosis.preparation.noise import Noise, autoregressive
-from irb2400_ctrl.diagnosis.regressors.bases import Bases
+from irb2400_ctrl.diagnosis.regressors.bases import Bases, RegressorColumns
 from irb2400_ctrl.diagnosis.regressors.predict import predicted_torque
 from irb2400_ctrl.effects import Effect
 from irb2400_ctrl.measurement.prepared_log import PreparedLog
 from irb2400_ctrl.robot import Robot
 
 ITERATIONS = 5
+KEPT_BYTES = 100_000_000
+"""of the columns of the last fits, which are kept"""
 
 
 @dataclass(frozen=True)
@@ -86,15 +89,28 @@ class Fitter:
         self.reversal = reversal
         self.own = Z.shape[2] if own is None else own
         self._cache: dict[tuple[object, ...], Array] = {}
+        self._fits: list[tuple[tuple[Candidate, ...], Fit]] = []
 
-    def fit(self, chosen: Sequence[Candidate], iterations: int = ITERATIONS) -> Fit:
-        """Gauss-Newton from the candidates' own estimates."""
+    def fit(self, chosen: Sequence[Candidate]) -> Fit:
+        """Gauss-Newton from the candidates' own estimates; the last ones are kept, because several
+        questions ask for the same."""
+        for k, (candidates, fit) in enumerate(self._fits):
+            if len(candidates) == len(chosen) and all(map(is_, candidates, chosen)):
+                self._fits.append(self._fits.pop(k))
+                return fit
+        fit = self._fitted(chosen)
+        self._fits.append((tuple(chosen), fit))
+        while sum(one.Z.nbytes for _, one in self._fits) > KEPT_BYTES and len(self._fits) > 1:
+            self._fits.pop(0)
+        return fit
+
+    def _fitted(self, chosen: Sequence[Candidate]) -> Fit:
         effects = [e for c in chosen for e in c.effects]
         non_parametric = [c for c in chosen if not c.known]
         G = [self._non_parametric_columns(c) for c in non_parametric]
         noise: tuple[Noise, ...] | None = None
         state = self._linearised(effects, G)
-        for _ in range(iterations if effects else 0):
+        for _ in range(ITERATIONS if effects else 0):
             y, columns, parameters, sizes, _ = state
             noise = self._noise(y - self._solved(y, columns, noise)[1])
             b, _, covariance = self._solved(y, columns, noise)
@@ -233,15 +249,25 @@ class Fitter:
         return motion.filtered(motion.tau_smooth - predicted)
 
     def _torque(self, effect: Effect) -> Array:
-        key = (effect.kind, effect.joint, effect.windows_s, *sorted(effect.nonlinear.items()))
-        if effect.discrepancy or key not in self._cache:
-            law = self.bases.columns(
-                effect.kind, effect.joint, self.motion, [effect.nonlinear], windows=effect.windows_s
-            )[0]
-            placed = np.zeros((self.motion.rows, self.motion.n, law.values.shape[2]))
-            placed[:, list(law.joints)] = law.values
+        return np.asarray(self._placed(effect) @ np.array(effect.coefficients()))
+
+    def _placed(self, effect: Effect, discrepancy: bool = False) -> Array:
+        """Filtered columns of an effect's basis or discrepancy, shape (rows, n, k)."""
+        nonlinear = tuple(sorted(effect.nonlinear.items()))
+        key = (effect.kind, effect.joint, effect.windows_s, discrepancy, nonlinear)
+        if key not in self._cache:
+            (found,) = self.bases.columns(
+                effect.kind,
+                effect.joint,
+                self.motion,
+                [effect.nonlinear],
+                discrepancy=discrepancy,
+                windows=effect.windows_s,
+            )
+            placed = np.zeros((self.motion.rows, self.motion.n, found.values.shape[2]))
+            placed[:, list(found.joints)] = found.values
             self._cache[key] = placed
-        return np.asarray(self._cache[key] @ np.array(effect.coefficients()))
+        return self._cache[key]
 
     def _slope(self, effect: Effect, parameter: Parameter) -> Array:
         """d torque / d parameter by central differences, shape (rows, n)."""
@@ -252,24 +278,16 @@ class Fitter:
         return np.asarray((self._torque(up) - self._torque(down)) / (2 * step))
 
     def _discrepancy(self, effect: Effect) -> tuple[Array, Array]:
-        columns = self.bases.columns(
-            effect.kind,
-            effect.joint,
-            self.motion,
-            [effect.nonlinear],
-            discrepancy=True,
-            windows=effect.windows_s,
-        )[0]
-        placed = np.zeros((self.motion.rows, self.motion.n, columns.values.shape[2]))
-        placed[:, list(columns.joints)] = columns.values
-        law = self.bases.columns(
-            effect.kind, effect.joint, self.motion, [effect.nonlinear], windows=effect.windows_s
-        )[0]
-        shares = discrepancy_shares(effect.kind, placed.shape[2])
+        placed = self._placed(effect, discrepancy=True)
         if not placed.shape[2]:
             return placed, np.zeros(0)
+        shares = discrepancy_shares(effect.kind, placed.shape[2])
+        everywhere = tuple(range(self.motion.n))
+        law = RegressorColumns(everywhere, self._placed(effect))
+        departures = RegressorColumns(everywhere, placed)
+        size = np.array(effect.coefficients())
         # wider than in the competition, so that they do not come out too small
-        return placed, 1.5 * discrepancy_unit(law, np.array(effect.coefficients()), columns, shares)
+        return placed, 1.5 * discrepancy_unit(law, size, departures, shares)
 
     def _non_parametric_columns(self, candidate: Candidate) -> Array:
         b = candidate.score.coefficients

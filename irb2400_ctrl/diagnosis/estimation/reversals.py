@@ -18,7 +18,6 @@ does not resolve"""
 BUILT_UP = 0.3
 """share of the squared residual near reversals below which a hysteresis explains them (joints that
 really stick leave 0.6 to 1.0, a hysteresis on the independent plant 0.02 to 0.07)"""
-
 ONE_REVERSAL = 10
 """rows, of one or two reversals: too few to tell what builds up over an angle from what sticks"""
 LEAST_CALM = 50
@@ -44,11 +43,13 @@ def noisy_reversals_masked(
         if not near.any() or calm.sum() <= LEAST_CALM:
             continue
         residual = fit.residual[:, j]
-        if _noisy(residual, near, calm):
+        if not _noisy(residual, near, calm):
+            continue
+        if near.sum() > ONE_REVERSAL:
             left = _without_hysteresis(motion, bases, j, residual, near)
-            few = near.sum() <= ONE_REVERSAL
-            if few or np.sum(left[near] ** 2) > BUILT_UP * np.sum(residual[near] ** 2):
-                known[:, j] = calm
+            if np.sum(left[near] ** 2) <= BUILT_UP * np.sum(residual[near] ** 2):
+                continue
+        known[:, j] = calm
     return replace(motion, row_known=known)
 
 

@@ -39,11 +39,11 @@ class Noise:
         order = len(self.a) - 1
         flat = columns.reshape(len(columns), -1)
         # on every row, then the kept ones: slices are cheaper than gathered rows
-        every = self.a[0] * flat[order:]
+        every = self.a[0] * flat
         for lag in range(1, order + 1):
             if self.a[lag] != 0.0:
-                every += self.a[lag] * flat[order - lag : len(flat) - lag]
-        out = every[self.kept - order]
+                every[lag:] += self.a[lag] * flat[:-lag]
+        out = every[self.kept]
         out *= self.weight[:, None]
         return np.asarray(out).reshape(-1, *columns.shape[1:])
 
