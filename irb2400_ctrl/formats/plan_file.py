@@ -65,9 +65,7 @@ class ComparedEntry(Table):
 
     kind: str = Field(description="how the tool rotation is chosen")
     branch: int = Field(description="of the inverse kinematics")
-    relative_margin: float = Field(
-        description="distance from singularities over its largest"
-    )
+    relative_margin: float = Field(description="distance from singularities over its largest")
     turn_deg: float = Field(description="of the tool about its axis, along the path")
     duration_s: Positive = Field(description="fastest, without limits of rates")
     deflection_mm: NotNegative | None = None

@@ -37,7 +37,7 @@ WORDS = {
     "power spectrum": "How much of what is left oscillates at which frequency. Noise is flat; a "
     "peak is a cause that comes back.",
     "separation": "Distance between what two effects do to the torque, in standard deviations of "
-    "the noise: above 3 a log tells them apart.",
+    "the noise: the larger, the surer a log tells them apart.",
     "torque share": "Torque over its limit.",
 }
 _PATTERN = re.compile(

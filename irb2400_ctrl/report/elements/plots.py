@@ -42,7 +42,7 @@ def small(legend: bool = False) -> tuple[Figure, Axes]:
     figure.subplots_adjust(left=0.19, right=0.96, top=0.86 if legend else 0.95, bottom=0.2)
     axis = figure.subplots()
     axis.grid(lw=0.6)
-    axis.xaxis.set_major_locator(MaxNLocator(5, steps=[1, 2, 5, 10]))
+    axis.xaxis.set_major_locator(MaxNLocator(6, steps=[1, 2, 5, 10]))
     return figure, axis
 
 

@@ -91,7 +91,7 @@ def facts(diagnosis: Diagnosis) -> list[tuple[str, str]]:
     compared = diagnosis.validation or diagnosis.identification
     pairs = zip(compared.error_before.rmse, compared.error_after.rmse, strict=True)
     return [
-        (f"rms error of torque {j}", f"{was:.2f} → {now:.2f} Nm")
+        (f"joint {j}, error [Nm]", f"{was:.2f} → {now:.2f}")
         for j, (was, now) in enumerate(pairs, start=1)
     ]
 

@@ -11,10 +11,11 @@ from matplotlib.figure import Figure
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.identification import Identification, LogResult
 from irb2400_ctrl.measurement import Log
-from irb2400_ctrl.report.elements.page import Page
+from irb2400_ctrl.report.elements.page import Page, with_error
 from irb2400_ctrl.report.elements.plots import Line, joint_plots, parity, spectrum
 from irb2400_ctrl.report.figures.friction_figures import friction_figure, law_rows, run_figure
 from irb2400_ctrl.report.figures.residual_view import residual_view
+from irb2400_ctrl.report.pages.diagnosis_tables import UNITS
 
 MODELS = {
     "before": "file as given",
@@ -31,8 +32,8 @@ def identification_page(result: Identification, logs: Sequence[Log] = ()) -> Pag
     page = Page(f"Identification of {result.given.name}")
     page.answer(_sentence(result), "good", _facts(result))
     page.heading("What was found")
-    for sentence in result.notes or ["The bodies of the file are this arm's."]:
-        page.finding(sentence)
+    for note in result.notes or ["the bodies of the file are this arm's"]:
+        page.finding(f"{note[0].upper()}{note[1:]}.")
     page.text(
         "Speed and acceleration are taken from the "
         + ("recorded speed." if result.source == "speed" else "angles.")
@@ -42,6 +43,10 @@ def identification_page(result: Identification, logs: Sequence[Log] = ()) -> Pag
         page.table(
             f"{Path(log.name).name} ({log.role}): RMSE over mean torque [%]", *error_rows(log)
         )
+    page.text(
+        "What the identified arm leaves is noise, or something that these numbers cannot express: "
+        "irb2400 diagnose LOG --robot robot.toml says which."
+    )
     page.heading("What moved")
     page.table("Bodies, and how far they went from the file", *moved_rows(result))
     page.heading("Drives")
@@ -79,7 +84,7 @@ def _shares(log: LogResult, which: str) -> Array:
 def _facts(result: Identification) -> list[tuple[str, str]]:
     worst = result.logs[-1]
     return [
-        (f"joint {j + 1}, unseen RMSE/AVG", f"{was:.0f} → {now:.1f} %")
+        (f"joint {j + 1}, RMSE/AVG", f"{was:.1f} → {now:.1f} %")
         for j, (was, now) in enumerate(
             zip(_shares(worst, "before"), _shares(worst, "unseen"), strict=True)
         )
@@ -159,7 +164,8 @@ def error_rows(log: LogResult) -> tuple[list[str], list[list[object]]]:
 
 def moved_rows(result: Identification) -> tuple[list[str], list[list[object]]]:
     """Head and rows: a link a row."""
-    head = ["link", "mass before [kg]", "mass after [kg]", "furthest", "standard deviations"]
+    head = ["link", "mass before [kg]", "mass after [kg]", "moved most"]
+    head.append("by [standard deviations]")
     rows: list[list[object]] = []
     for moved in result.moved:
         name, sigmas = moved.most
@@ -169,14 +175,19 @@ def moved_rows(result: Identification) -> tuple[list[str], list[list[object]]]:
 
 
 def drive_rows(result: Identification) -> tuple[list[str], list[list[object]]]:
-    """Head and rows: a number of a drive a row."""
-    names = result.layout.names()
-    first = result.layout.inertial
-    rows: list[list[object]] = [
-        [names[k], float(result.theta[k]), float(result.standard_errors[k])]
-        for k in range(first, result.layout.count)
+    """Head and rows: a kind of number a row, a joint a column."""
+    found: dict[str, dict[int, object]] = {}
+    for k in range(result.layout.inertial, result.layout.count):
+        name, _, more = result.layout.names()[k].partition(" ")
+        kind, _, joint = name.rpartition("_")
+        told = with_error(float(result.theta[k]), float(result.standard_errors[k]))
+        found.setdefault(f"{kind} {more}".rstrip(), {})[int(joint)] = told
+    joints = range(1, 1 + result.given.n)
+    rows = [
+        [f"{kind} [{UNITS.get(kind, 'SI')}]", *(values.get(j, "") for j in joints)]
+        for kind, values in found.items()
     ]
-    return ["number", "value [SI]", "standard error"], rows
+    return ["number", *(f"joint {j}" for j in joints)], rows
 
 
 def verdict_rows(result: Identification) -> tuple[list[str], list[list[object]]]:

@@ -28,11 +28,13 @@ def validation_page(result: Validation, robot: Robot | None = None, log: Log | N
         [(f"joint {j + 1}, RMSE/AVG", f"{value:.1f} %") for j, value in enumerate(share)],
     )
     page.heading("Error (eqs. 75-77)")
-    page.table("As Tab. 6" + ", all logs" * several, *rows(result.error))
+    page.table(
+        "Errors of the torque, as the paper's Tab. 6" + ", all logs" * several, *rows(result.error)
+    )
     for seen in result.logs:
         if several:
             page.heading(Path(seen.log).name)
-            page.table(f"As Tab. 6, {Path(seen.log).name}", *rows(seen.error))
+            page.table(f"Errors of the torque on {Path(seen.log).name}", *rows(seen.error))
         _add_log(page, seen)
     if robot is not None and log is not None:
         first = result.logs[0]
@@ -52,14 +54,14 @@ def _add_log(page: Page, seen: LogComparison) -> None:
         Line(np.where(seen.known, seen.modelled, np.nan), "tab:blue", "modelled", 0.8),
     ]
     drawn = joint_plots(time, lines, "torque {joint} [Nm]")
-    page.figures(drawn, "As figure 12.", zoomable=True)
+    page.figures(drawn, "Torque over time, as the paper's figure 12.", zoomable=True)
     left = np.where(seen.known, seen.measured - seen.modelled, np.nan)
     drawn = joint_plots(time, [Line(left, width=0.7)], "residual {joint} [Nm]")
-    page.figures(drawn, "What the model leaves.", zoomable=True)
+    page.figures(drawn, "What the model leaves of it (the residual).", zoomable=True)
     drawn = joint_plots(time, [Line(np.degrees(seen.q))], "angle {joint} [deg]")
-    page.figures(drawn, "Angles, as figure 10.", zoomable=True)
+    page.figures(drawn, "Angles, as the paper's figure 10.", zoomable=True)
     drawn = joint_plots(time, [Line(np.degrees(seen.qd))], "speed {joint} [deg/s]")
-    page.figures(drawn, "Speeds, as figure 11.", zoomable=True)
+    page.figures(drawn, "Speeds, as the paper's figure 11.", zoomable=True)
     joints = range(seen.measured.shape[1])
     page.heading("Parity and spectrum")
     drawn = [
