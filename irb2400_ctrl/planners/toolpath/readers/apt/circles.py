@@ -42,20 +42,21 @@ class Circles:
         return self._arc is not None
 
     def begin(self, statement: Statement) -> None:
-        """CIRCLE/ or MOVARC/ x,y,z,i,j,k,r[,…][,TIMES,n][,ANGLE,a]; the next GOTO/ ends it."""
+        """CIRCLE/ or MOVARC/ x,y,z,i,j,k[,r][,…][,TIMES,n][,ANGLE,a]; the next GOTO/ ends it."""
         self.none_open()
         place = self._builder.place
         values, times, angle = _values(statement, place)
         if len(values) == 4:
             values = [*values[:3], 0.0, 0.0, 1.0, values[3]]
-        if len(values) < 7 or values[6] <= 0 or math.hypot(*values[3:6]) < 1e-6:
+        wrong = len(values) < 6 or (len(values) > 6 and values[6] <= 0)
+        if wrong or math.hypot(*values[3:6]) < 1e-6:
             raise InputError(
                 f"{place}: {statement.word}/ has the numbers {values}, expected x,y,z,i,j,k,radius"
             )
         # NX: "axis vector … (assuming a clockwise direction)"; PTC: the right-hand rule
         sign = -1.0 if self._dialect == NX else 1.0
         normal = sign * self._placement.direction(values[3:6])
-        radius = self._placement.unit * values[6]
+        radius = self._placement.unit * values[6] if len(values) > 6 else None
         self._arc = Arc(self._placement.point(values[:3]), normal, radius, times)
         self._angle = angle
         self._line = statement.line

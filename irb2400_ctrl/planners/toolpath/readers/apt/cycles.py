@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 from collections import defaultdict
+from dataclasses import replace
 
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.planners.toolpath.readers.apt.statements import Statement, is_number, number
@@ -33,6 +34,7 @@ KINDS = {
     "THRU": "drill",
     "DEEP": "peck",
     "DEEPHL": "peck",
+    "DEEP2": "peck",
     "PECK": "peck",
     "BRKCHP": "chip",
     "CHIP": "chip",
@@ -59,6 +61,8 @@ LENGTH_WORDS = {
     "STEP5": "step",
     "STEP6": "step",
     "STEP7": "step",
+    "1STPECK": "step",
+    "SUBPECK": "step",
 }
 # numbers that change no place
 _OTHERS = """DWELL TIMES TPI LEAD PITCH DIAMETR DIAMET DIA REV CAM TOOL ORIENT CSINK BACK TLANGL
@@ -89,7 +93,9 @@ def hole_cycle(statement: Statement, unit: float, dialect: str, place: str) -> H
     if "feed to" in values:
         depth = abs(values["feed to"][0])
     rapid_to = values.get("rapid to", [None])[0]
-    clearance, start = _heights(clear, rapid_to, dialect == NX)
+    # RAPTO beside FEDTO counts from the point, as FEDTO does
+    upwards = dialect == NX or (dialect != CREO and "feed to" in values)
+    clearance, start = _heights(clear, rapid_to, upwards)
     if depth is None:
         raise InputError(
             f"{place}: CYCLE/{name} states no depth; expected DEPTH,… (Creo), FEDTO,… (NX) or the "
@@ -110,6 +116,39 @@ def hole_cycle(statement: Statement, unit: float, dialect: str, place: str) -> H
         None if feed is None else feed_of(feed, feed_words, unit),
         name,
     )
+
+
+def resumed(before: Statement | None, statement: Statement, place: str) -> Statement:
+    """`CYCLE/ON[,FEDTO,…]`: the cycle from before `CYCLE/OFF`, with what is stated anew.
+
+    Raises:
+        InputError: there was none.
+    """
+    if before is None:
+        raise InputError(f"{place}: CYCLE/ON without a CYCLE/ before it; expected CYCLE/DRILL,…")
+    groups = _groups(before.arguments)
+    anew = _groups(statement.arguments[1:])
+    feeds = FEED_WORDS & {group[0].upper() for group in anew}
+    stated = {group[0].upper() for group in anew}
+    kept = [
+        group
+        for group in groups
+        if group[0].upper() not in stated and not (feeds and group[0].upper() in FEED_WORDS)
+    ]
+    arguments = tuple(argument for group in [*kept, *anew] for argument in group)
+    return replace(before, line=statement.line, arguments=arguments)
+
+
+def _groups(arguments: tuple[str, ...]) -> list[list[str]]:
+    """Arguments with the word before them: [[DRILL], [FEDTO, -10], [RTRCTO, AUTO]]."""
+    groups: list[list[str]] = []
+    for argument in arguments:
+        begins = not is_number(argument) and argument.upper() not in UP_WORDS
+        if begins or not groups:
+            groups.append([argument])
+        else:
+            groups[-1].append(argument)
+    return groups
 
 
 def _kind(words: list[str], place: str) -> tuple[str, str]:

@@ -6,6 +6,8 @@ import re
 from collections.abc import Callable
 from dataclasses import replace
 
+import numpy as np
+
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.planners.toolpath.cam_program import Tool
 from irb2400_ctrl.planners.toolpath.readers.apt import frames, units
@@ -31,6 +33,8 @@ class Machine:
             "TOOLNO": self._tool_number,
             "TPRINT": self._tool_name,
             "MSYS": self._frame,
+            "CSYS": self._rows,
+            "TRNTYP": self._transformation,
             "SPINDL": self._spindle,
             "COOLNT": self._coolant,
             "STOP": self._stop,
@@ -138,6 +142,29 @@ class Machine:
         builder = self._builder
         values = statement.numbers(builder.place)
         builder.set_frame(frames.of_axes(values, unit, builder.place))
+
+    def _rows(self, statement: Statement, unit: float) -> None:
+        """CSYS/ with three rows of four numbers; which of two frames it states only the identity
+        leaves open."""
+        builder = self._builder
+        X = frames.of_rows(statement.numbers(builder.place), unit, builder.place)
+        if not np.allclose(X, np.eye(4)):
+            raise InputError(
+                f"{builder.place}: CSYS/ moves or turns the points, and whether from or to the "
+                "part is not known; expected CSYS/1,0,0,0,0,1,0,0,0,0,1,0 (let the CAM system "
+                "write all operations in one frame)"
+            )
+        builder.set_frame(X)
+
+    def _transformation(self, statement: Statement, unit: float) -> None:
+        """TRNTYP/WORLD,0,0,0"""
+        builder = self._builder
+        if any(self._numbers(statement)):
+            raise InputError(
+                f"{builder.place}: TRNTYP/{statement.text[:40]} is not read, expected "
+                "TRNTYP/WORLD,0,0,0"
+            )
+        builder.note("ignored", f"TRNTYP/{statement.text}")
 
     def _spindle(self, statement: Statement, unit: float) -> None:
         builder = self._builder

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.planners.toolpath.readers.apt import units
 from irb2400_ctrl.planners.toolpath.readers.apt.circles import Circles
-from irb2400_ctrl.planners.toolpath.readers.apt.cycles import hole_cycle
+from irb2400_ctrl.planners.toolpath.readers.apt.cycles import hole_cycle, resumed
 from irb2400_ctrl.planners.toolpath.readers.apt.nurbs import Nurbs
 from irb2400_ctrl.planners.toolpath.readers.apt.placement import Placement
 from irb2400_ctrl.planners.toolpath.readers.apt.statements import Statement, is_number, number
@@ -27,7 +27,7 @@ class Motion:
         self._rapid = False
         self._incremental = False
         self._cycle: HoleCycle | None = None
-        self._last_cycle: HoleCycle | None = None
+        self._last_cycle: Statement | None = None
         self._last_word = ""
         self._do: dict[str, Callable[[Statement], None]] = {
             "GOTO": self._goto,
@@ -128,6 +128,11 @@ class Motion:
     def _contour(self, statement: Statement) -> None:
         if any("/" in argument for argument in statement.arguments):
             self._circles.follow(statement, self._take_rapid())
+        elif statement.arguments or statement.word == "GOFWD":
+            raise InputError(
+                f"{self._builder.place}: {statement.word}/{statement.text[:40]} follows a curve by "
+                "its name; expected (CIRCLE/…),ON,(LINE/…), or points"
+            )
         else:
             # TLON alone: the tool will be on the line, not beside it
             self._builder.note("ignored", "TLON")
@@ -136,15 +141,14 @@ class Motion:
         self._circles.none_open()
         builder = self._builder
         word = (statement.words or [""])[0]
-        if word in {"OFF", "NOMORE"}:
+        if word in {"OFF", "NOMORE", "INIT"}:
             self._cycle = None
             return
         if word == "ON":
-            self._cycle = self._last_cycle
-            return
+            statement = resumed(self._last_cycle, statement, builder.place)
         cycle = hole_cycle(statement, self._placement.unit, self._dialect, builder.place)
         self._cycle = cycle
-        self._last_cycle = cycle
+        self._last_cycle = statement
         if cycle.clearance == 0:
             builder.note("assumed", "CYCLE/ without a clearance: rapid down to the stated point")
         if cycle.name in {"DEEP", "DEEPHL", "PECK", "BRKCHP"} and not cycle.steps:
@@ -160,7 +164,9 @@ class Motion:
         return rapid
 
     def _feed(self, statement: Statement) -> None:
+        """A feed; it ends a RAPID before it."""
         builder = self._builder
+        self._rapid = False
         builder.feed = units.feed(statement.arguments, builder.place, self._placement.unit)
 
     def _mode(self, statement: Statement) -> None:

@@ -13,6 +13,7 @@ from irb2400_ctrl.planners.toolpath.readers.apt.vocabulary import (
     IGNORED,
     MACHINE_CODE,
     MOVING,
+    STEERED,
     TURNING,
 )
 from irb2400_ctrl.planners.toolpath.readers.program_builder import ProgramBuilder
@@ -62,7 +63,7 @@ def _rest(builder: ProgramBuilder, statement: Statement) -> None:
     word = statement.word
     if word in TURNING and _turns_nothing(statement):
         builder.note("ignored", f"{word}/ by zero")
-    elif word in MOVING:
+    elif word in MOVING or (word in STEERED and statement.arguments):
         raise InputError(
             f"{builder.place}: {word}/ moves the tool or the part and is not read; expected "
             "GOTO/, GODLTA/, CIRCLE/ or MOVARC/ (let the CAM system write points)"

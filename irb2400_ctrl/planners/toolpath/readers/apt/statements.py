@@ -12,6 +12,8 @@ from irb2400_ctrl.planners.toolpath.readers.unread_line import UnreadLineError
 
 COMMENT = "$$"
 NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([EeDd][-+]?\d+)?$")
+# two commands in one statement: RAPID,GOTO/0,0,30
+RAPID_WITH = re.compile(r"RAPID\s*,\s*(?=[A-Za-z])", re.IGNORECASE)
 # the rest of such a line is text for people, with or without a slash before it
 TEXT_WORDS = ("PARTNO", "PPRINT", "TPRINT", "INSERT", "REMARK", "TITLES", "TITLE", "LETTER", "NOTE")
 
@@ -77,6 +79,10 @@ def statements(text: str, name: str) -> Iterator[Statement | UnreadLineError]:
         joined = (pending + part).strip()
         pending = ""
         if joined:
+            rapid = RAPID_WITH.match(joined)
+            if rapid:
+                yield Statement(start, "RAPID", (), "")
+                joined = joined[rapid.end() :]
             try:
                 yield _statement(start, joined, name)
             except InputError as error:

@@ -42,11 +42,12 @@ def stated_units(program: list[Statement], name: str) -> list[tuple[int, str]]:
     """(line, unit) of all `UNITS/` statements."""
     found = []
     for statement in program:
-        if statement.word == "UNITS":
+        if statement.word in {"UNITS", "UNIT"}:
             word = (statement.words or [""])[0]
             if word not in UNIT_WORDS:
                 raise InputError(
-                    f"{name}, line {statement.line}: UNITS/{word}, expected MM, CM, M or INCHES"
+                    f"{name}, line {statement.line}: {statement.word}/{word}, expected MM, CM, M "
+                    "or INCHES"
                 )
             found.append((statement.line, UNIT_WORDS[word]))
     return found
