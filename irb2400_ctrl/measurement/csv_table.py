@@ -4,6 +4,7 @@ line of units below it, gzip."""
 
 from __future__ import annotations
 
+import csv
 import re
 from array import array
 from collections.abc import Callable, Iterator
@@ -42,8 +43,16 @@ class Dialect:
 
     def cells(self, line: str) -> list[str]:
         """Of one line, without quotes and blanks around them."""
-        parts = line.split() if self.separator == " " else line.split(self.separator)
-        return [part.strip().strip('"').strip() for part in parts]
+        return [part.strip().strip('"').strip() for part in self.split(line)]
+
+    def split(self, line: str) -> list[str]:
+        """The cells as they stand; a separator between two quotes separates nothing."""
+        if self.separator == " ":
+            return line.split()
+        # a single quote is a torn cell, and hides nothing
+        if '"' in line and line.count('"') % 2 == 0:
+            return next(csv.reader([line], delimiter=self.separator, skipinitialspace=True))
+        return line.split(self.separator)
 
 
 @dataclass(frozen=True)
@@ -191,17 +200,17 @@ def _fast(
     """All columns by pyarrow; None where some cell needs a closer look, or pyarrow is missing."""
     try:
         import pyarrow as pa
-        from pyarrow import csv
+        from pyarrow import csv as arrow_csv
     except ImportError:
         return None
 
     columns = [np.empty(0) for _ in header]
     rows = 0
     options = {
-        "read_options": csv.ReadOptions(column_names=header, use_threads=False),
+        "read_options": arrow_csv.ReadOptions(column_names=header, use_threads=False),
         # a quote may hide the end of a row
-        "parse_options": csv.ParseOptions(delimiter=body.dialect.separator, quote_char=False),
-        "convert_options": csv.ConvertOptions(
+        "parse_options": arrow_csv.ParseOptions(delimiter=body.dialect.separator, quote_char=False),
+        "convert_options": arrow_csv.ConvertOptions(
             column_types={name: pa.float64() for name in header},
             decimal_point=body.dialect.decimal,
             null_values=[],
@@ -209,7 +218,7 @@ def _fast(
     }
     for block in body.blocks():
         try:
-            table = csv.read_csv(pa.py_buffer(block), **options)
+            table = arrow_csv.read_csv(pa.py_buffer(block), **options)
         except (pa.ArrowInvalid, pa.ArrowKeyError):
             return None
         before = rows
@@ -234,7 +243,7 @@ def _slow(body: Body, header: list[str], progress: Callable[[int], None]) -> dic
     for number, line in enumerate(lines, body.start + 1):
         if not line.strip(_EMPTY):
             continue
-        cells = line.split(body.dialect.separator)
+        cells = body.dialect.split(line)
         while len(cells) > width and not cells[-1].strip():
             cells.pop()
         if len(cells) != width:

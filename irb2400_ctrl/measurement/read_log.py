@@ -22,7 +22,12 @@ from irb2400_ctrl.measurement.csv_table import read_csv_table
 from irb2400_ctrl.measurement.log import Log
 from irb2400_ctrl.measurement.recorder_names import recorder_columns
 from irb2400_ctrl.measurement.ros_table import read_ros_table
-from irb2400_ctrl.measurement.signal_names import joint_signal, time_scale, without_unit
+from irb2400_ctrl.measurement.signal_names import (
+    joint_signal,
+    strange_word,
+    time_scale,
+    without_unit,
+)
 from irb2400_ctrl.measurement.table import Table
 
 Found = dict[str, dict[int, str]]
@@ -35,6 +40,7 @@ _SCALES = {
     "tau": {"Nm": 1.0, "kNm": 1e3},
     "q_ref": {"deg": np.pi / 180, "rad": 1.0},
 }
+NAMED_TIMES = {f"time_{unit}": scale for unit, scale in TIME.items()}
 _ZEROTH = re.compile(r"(q|qd|tau)0_.*")
 _BARE = re.compile(r"(time|t|(?:qd|q|tau)[1-9]\d*(?:_ref)?)")
 READERS = {".mat": read_mat_table, ".parquet": read_parquet_table}
@@ -96,7 +102,7 @@ def _by_name(
     """Time, signals and scales as the names say."""
     found: Found = {signal: {} for signal in _SCALES}
     scales: dict[str, float] = {}
-    times = [name for name in table.columns if name in {"time_s", "time_ms"}]
+    times = [name for name in table.columns if name in NAMED_TIMES]
     recorded = recorder_columns(table, names)
     if recorded is not None:
         found |= recorded[1]
@@ -130,7 +136,7 @@ def _by_name(
             f"{table.path}: no column time_s, time_ms or 'Time [s]'; found {table.some}: rename "
             "them, or say what they are in a column map (--columns, docs/logs.md)"
         )
-    return (times[0], 1e-3 if times[0] == "time_ms" else 1.0), found, scales
+    return (times[0], NAMED_TIMES[times[0]]), found, scales
 
 
 def _by_brackets(table: Table) -> tuple[tuple[str, float], Found, dict[str, float]] | None:
@@ -176,8 +182,8 @@ def _by_map(table: Table, given: ColumnMap) -> tuple[tuple[str, float], Found, d
 
 def _contradict(table: Table, one: str, other: str) -> None:
     raise InputError(
-        f"{table.path}: columns {one!r} and {other!r} say the same thing in two units, expected "
-        "one of them: rename the other"
+        f"{table.path}: columns {one!r} and {other!r} say the same thing, expected one of them: "
+        "rename the other, or name the right one in a column map (--columns, docs/logs.md)"
     )
 
 
@@ -208,6 +214,12 @@ def _expect_all(table: Table, signal: str, names: dict[int, str], n: int) -> Non
         bare = [name for name in table.columns if without_unit(name)]
         hint = "".join(
             f"; {name!r} has no unit, expected '{name} [deg]' or a column map" for name in bare[:1]
+        )
+        strange = [(name, strange_word(name) or ("", "")) for name in table.columns]
+        hint += "".join(
+            f"; {name!r} is not taken for the measured signal because of the word {word!r}: say "
+            "in a column map what it is (--columns, docs/logs.md)"
+            for name, word in [(name, word) for name, (of, word) in strange if of == signal][:1]
         )
         if signal == "tau" and any("current" in name.lower() for name in table.columns):
             hint += (

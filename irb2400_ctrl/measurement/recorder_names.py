@@ -5,7 +5,11 @@
 - PlotJuggler and the like: a column of seconds and `/joint_states/elbow_joint/position`,
   `/velocity`, `/effort` (a dot does as well as the last stroke).
 - `rostopic echo -p`: `%time` [ns] (a comment line is the header), `field.name0`…,
-  `field.position0`…
+  `field.position0`…; tables of bags (bagpy): `Time`, `name` with the list of joints,
+  `position_0`…, `velocity_0`…, `effort_0`…
+
+A time whose name states no unit is in seconds, or, counted from 1970, in the unit that its size
+tells (`pandas` writes nanoseconds).
 """
 
 from __future__ import annotations
@@ -13,6 +17,8 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 
+from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.measurement.joint_order import places
 from irb2400_ctrl.measurement.table import Table
 
@@ -28,15 +34,12 @@ _RTDE_SIGNALS = {
     "actual_current_as_torque": "tau",
 }
 _NAMED = re.compile(r"(.*[/.])?(?P<joint>[^/.]+)[/.](?P<word>position|velocity|effort)")
-_ECHO = re.compile(r"field\.(?P<word>position|velocity|effort)(?P<place>\d+)")
-_TIMES = {
-    "timestamp": 1.0,
-    "__time": 1.0,
-    "time": 1.0,
-    "time_s": 1.0,
-    "%time": 1e-9,
-    "time_ns": 1e-9,
-}
+_ECHO = re.compile(r"(field\.)?(?P<word>position|velocity|effort)_?(?P<place>\d+)")
+_QUOTED = re.compile(r"'([^']+)'")
+_TIMES = {"%time": 1e-9, "time_ns": 1e-9, "time_us": 1e-6, "time_ms": 1e-3, "time_s": 1.0}
+_BARE_TIMES = ("timestamp", "__time", "time", "Time")
+_SINCE_1970 = ((1e17, 1e-9), (1e14, 1e-6), (1e11, 1e-3))
+"""(a number above it, seconds a count): seconds reach 1e11 in the year 5138"""
 
 
 def recorder_columns(table: Table, joints: Sequence[str] | None) -> Named | None:
@@ -45,14 +48,20 @@ def recorder_columns(table: Table, joints: Sequence[str] | None) -> Named | None
     Raises:
         InputError: joints that are not the robot's, or two columns for one.
     """
-    time = next((name for name in _TIMES if name in table.columns), None)
+    time = next((name for name in (*_TIMES, *_BARE_TIMES) if name in table.columns), None)
     if time is None:
         return None
-    for reader, unit in ((_rtde, 1.0), (_by_joint, 1.0), (_echoed, 1e-9)):
+    for reader in (_rtde, _by_joint, _echoed):
         found = reader(table, joints)
         if found.get("q"):
-            return (time, unit), found
+            return (time, _TIMES.get(time) or _unit(table.columns[time])), found
     return None
+
+
+def _unit(stamps: Array) -> float:
+    """Seconds a count of a time whose name does not say it."""
+    first = float(stamps[0]) if len(stamps) else 0.0
+    return next((unit for above, unit in _SINCE_1970 if first > above), 1.0)
 
 
 def _rtde(table: Table, joints: Sequence[str] | None) -> dict[str, dict[int, str]]:
@@ -69,7 +78,14 @@ def _by_joint(table: Table, joints: Sequence[str] | None) -> dict[str, dict[int,
     for name in table.columns:
         match = _NAMED.fullmatch(name)
         if match is not None:
-            seen.setdefault(match["joint"], {})[match["word"]] = name
+            columns = seen.setdefault(match["joint"], {})
+            other = columns.setdefault(match["word"], name)
+            if other != name:
+                raise InputError(
+                    f"{table.path}: columns {other!r} and {name!r} are both the {match['word']} of "
+                    f"{match['joint']}, expected one: leave the other out, or name the right one "
+                    "in a column map (--columns, docs/logs.md)"
+                )
     return _ordered(table, list(seen), list(seen.values()), joints)
 
 
@@ -79,7 +95,12 @@ def _echoed(table: Table, joints: Sequence[str] | None) -> dict[str, dict[int, s
         match = _ECHO.fullmatch(name)
         if match is not None:
             seen.setdefault(int(match["place"]), {})[match["word"]] = name
-    names = [table.words.get(f"field.name{place}", f"joint {place + 1}") for place in seen]
+    listed = _QUOTED.findall(table.words.get("name", ""))
+    numbered = [f"joint {place + 1}" for place in range(max(seen, default=-1) + 1)]
+    names = [
+        table.words.get(f"field.name{place}", (listed if len(listed) > place else numbered)[place])
+        for place in seen
+    ]
     return _ordered(table, names, list(seen.values()), joints)
 
 

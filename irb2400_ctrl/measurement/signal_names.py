@@ -1,9 +1,11 @@
 """Columns of signal recorders (RobotStudio, scopes, spreadsheets): `J1 [deg]`, `Axis 2 torque
 (Nm)`.
 
-A name tells the joint by `J1`, `Joint 1` or `Axis 1` and the quantity by its unit in brackets.
-Commanded angles hold a word for it (`ref`, `command`, `setpoint`, `programmed`). Commanded speeds
-and torques, and what is on the motor's side, are no measured joint signals: they need a column map.
+A name tells the joint by `J1`, `A1`, `Joint 1` or `Axis 1` (in German and Chinese too) and the
+quantity by its unit in brackets. Commanded angles hold a word for it (`ref`, `command`, `setpoint`,
+`programmed`). Only names whose every word is known are taken: a gravity torque, a position error or
+a torque limit has the unit of the measured signal and is another thing. Commanded speeds and
+torques, and what is on the motor's side, are no measured joint signals: they need a column map.
 """
 
 from __future__ import annotations
@@ -21,17 +23,39 @@ UNITS = {
     "knm": ("tau", 1e3),
 }
 """unit -> (signal, SI per number)"""
-TIMES = {"s": 1.0, "sec": 1.0, "ms": 1e-3}
-_SPELLED = {"°": "deg", "degrees": "deg", "degree": "deg", "radians": "rad"}
-_NAME = re.compile(r"(?P<words>.*?)\s*[\[(](?P<unit>[^\])]*)[\])]\s*")
-_JOINT = re.compile(r"(?<![a-z])(?:j|joint|axis)[ _]?([1-9]\d?)(?!\d)")
-_COMMANDED = re.compile(r"ref|command|setpoint|programmed|desired|target")
+TIMES = {"s": 1.0, "sec": 1.0, "ms": 1e-3, "us": 1e-6, "µs": 1e-6, "ns": 1e-9}
+TIME_WORDS = {"time", "t", "timestamp", "zeit", "zeitstempel", "temps", "tiempo", "时间", "時間"}
+_SPELLED = {
+    "°": "deg",
+    "degrees": "deg",
+    "degree": "deg",
+    "radians": "rad",
+    "grad": "deg",
+    "度": "deg",
+    "弧度": "rad",
+}
+_NAME = re.compile(r"(?P<words>.*?)\s*[\[(\uff08](?P<unit>[^\])\uff09]*)[\])\uff09]\s*")
+_JOINT = re.compile(r"(?<![a-z])(?:j|a|joint|axis|achse|gelenk|关节|軸|轴)[ _]?([1-9]\d?)(?!\d)")
+_COMMANDED = re.compile(r"ref|command|setpoint|programmed|desired|target|soll")
+COMMANDED = {
+    *("ref", "reference", "command", "commanded", "setpoint"),
+    *("programmed", "desired", "target", "soll"),
+}
+MEASURED = {
+    *("angle", "position", "pos", "torque", "moment", "effort", "speed", "velocity", "vel"),
+    *("actual", "act", "real", "measured", "meas", "msr", "feedback", "fb", "encoder"),
+    *("value", "signal", "joint", "axis", "robot", "rob", "rob1", "1"),
+    *("winkel", "gelenkwinkel", "achswinkel", "lage", "drehmoment", "geschwindigkeit"),
+    *("ist", "istwert", "gemessen"),
+    *("角度", "位置", "实际", "实际角度", "实际位置", "实际力矩", "力矩", "扭矩", "速度"),
+}
+"""words of a measured signal; with any other word a name may mean something else"""
 
 
 def time_scale(name: str) -> float | None:
     """Seconds per number of a column called `Time [s]`, `t (ms)`, …; None for any other."""
     match = _NAME.fullmatch(name.strip().lower())
-    if match is None or match["words"] not in {"time", "t", "timestamp"}:
+    if match is None or match["words"] not in TIME_WORDS:
         return None
     return TIMES.get(match["unit"].strip())
 
@@ -43,11 +67,23 @@ def joint_signal(name: str) -> tuple[str, int, float] | None:
         return None
     joint = _JOINT.search(match["words"])
     signal, scale = UNITS.get(_unit(match["unit"]), ("", 0.0))
-    if joint is None or not signal or "motor" in match["words"]:
+    if joint is None or not signal or strange_word(name) is not None:
         return None
     if _COMMANDED.search(match["words"]):
         return ("q_ref", int(joint[1]), scale) if signal == "q" else None
     return signal, int(joint[1]), scale
+
+
+def strange_word(name: str) -> tuple[str, str] | None:
+    """(signal its unit is of, word) where a word keeps a column from being a measured signal."""
+    match = _NAME.fullmatch(name.strip().lower())
+    if match is None or _JOINT.search(match["words"]) is None:
+        return None
+    signal, _ = UNITS.get(_unit(match["unit"]), ("", 0.0))
+    words = re.split(r"[\W_]+", _JOINT.sub(" ", match["words"], count=1))
+    strange = [word for word in words if word and word not in MEASURED | COMMANDED]
+    commanded = [word for word in words if word in COMMANDED and signal in {"qd", "tau"}]
+    return next(((signal, word) for word in strange + commanded if signal), None)
 
 
 def without_unit(name: str) -> bool:

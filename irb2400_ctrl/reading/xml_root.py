@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import xml.etree.ElementTree as ET
 from pathlib import Path
+from xml.parsers import expat
 
 from irb2400_ctrl.errors import InputError
 
@@ -21,23 +22,37 @@ def xml_root(path: Path, what: str) -> ET.Element:
     Raises:
         InputError: cannot be read, not XML, larger or deeper than such a file is.
     """
+    tree = ET.TreeBuilder()
     depth = 0
-    root: ET.Element | None = None
+
+    def start(tag: str, attributes: dict[str, str]) -> None:
+        nonlocal depth
+        depth += 1
+        if depth > DEEPEST:
+            raise InputError(
+                f"{path}: more than {DEEPEST} elements within one another, expected {what}"
+            )
+        tree.start(tag, attributes)
+
+    def end(tag: str) -> None:
+        nonlocal depth
+        depth -= 1
+        tree.end(tag)
+
+    # prefixes are part of the name: many robot files use one (drake:) that they do not declare
+    parser = expat.ParserCreate()
+    parser.buffer_text = True
+    parser.StartElementHandler = start
+    parser.EndElementHandler = end
+    parser.CharacterDataHandler = tree.data
     try:
         if path.stat().st_size > MOST_BYTES:
             raise InputError(f"{path} has more than {MOST_BYTES / 1e6:.0f} MB, expected {what}")
-        for event, element in ET.iterparse(path, ("start", "end")):
-            root = element if root is None else root
-            depth += 1 if event == "start" else -1
-            if depth > DEEPEST:
-                raise InputError(
-                    f"{path}: more than {DEEPEST} elements within one another, expected {what}"
-                )
-    except ET.ParseError as error:
+        with path.open("rb") as file:
+            parser.ParseFile(file)
+        return tree.close()
+    except expat.ExpatError as error:
         raise InputError(f"{path} is not XML: {error}") from error
     # an encoding that nobody knows, or not as it is declared
     except (OSError, LookupError, ValueError) as error:
         raise InputError(f"{path} cannot be read ({error}), expected {what}") from error
-    if root is None:
-        raise InputError(f"{path} is empty, expected {what}")
-    return root

@@ -129,10 +129,38 @@ def test_one_quantity_twice_is_refused(tmp_path: Path) -> None:
         ("J1", None),
         ("J1 [mm]", None),
         ("Temperature [deg]", None),
+        ("AXIS_POS_A3 [deg]", ("q", 3, np.pi / 180)),
+        ("Achse 2 Drehmoment [Nm]", ("tau", 2, 1.0)),
+        ("Soll Achse 2 [Grad]", ("q_ref", 2, np.pi / 180)),
+        ("关节4角度(deg)", ("q", 4, np.pi / 180)),
+        ("关节4力矩\uff08Nm\uff09", ("tau", 4, 1.0)),
+        # the unit of the measured signal, and another thing
+        ("J1 position error [deg]", None),
+        ("J1 gravity torque [Nm]", None),
+        ("J1 external torque [Nm]", None),
+        ("J1 torque limit [Nm]", None),
+        ("J1 feedforward [Nm]", None),
+        ("Calculated Moment Axis 1 [Nm]", None),
+        ("nominal J1 [deg]", None),
+        ("R2 J1 [deg]", None),
     ],
 )
 def test_what_a_name_says(name: str, says: tuple[str, int, float] | None) -> None:
     assert joint_signal(name) == says
+
+
+def test_a_torque_that_is_not_the_measured_one_is_named(tmp_path: Path) -> None:
+    log = made()
+    angles = [f"J{j} angle [deg]" for j in JOINTS]
+    names = ["Time [ms]", *angles, *(f"J{j} gravity torque [Nm]" for j in JOINTS)]
+    path = written(tmp_path / "a.txt", names, degrees(log), separator="\t", comma=False)
+    with pytest.raises(InputError, match=r"'J1 gravity torque \[Nm\]' is not taken .* 'gravity'"):
+        read_log(path)
+    names = [*names, *(f"J{j} torque [Nm]" for j in JOINTS)]
+    values = np.column_stack([degrees(log), log.tau])
+    values[:, 7:13] *= 0.8
+    path = written(tmp_path / "b.txt", names, values, separator="\t", comma=False)
+    same(read_log(path), log, 1e-6)
 
 
 def test_decimal_commas_between_commas_are_told(tmp_path: Path) -> None:
@@ -145,5 +173,7 @@ def test_decimal_commas_between_commas_are_told(tmp_path: Path) -> None:
 def test_what_a_time_is() -> None:
     assert time_scale("Time [s]") == 1.0
     assert time_scale("Timestamp (ms)") == 1e-3
+    assert time_scale("Zeit [µs]") == 1e-6
+    assert time_scale("时间(s)") == 1.0
     assert time_scale("Time") is None
     assert time_scale("Cycle time [s]") is None

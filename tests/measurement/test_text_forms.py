@@ -79,6 +79,28 @@ def echoed() -> bytes:
     return "\n".join([",".join(names), *lines]).encode()
 
 
+def of_a_bag() -> bytes:
+    """A topic of a bag as a table: arrays by place, the names as one list in quotes."""
+    names = ["Time", "header.stamp.secs", "header.frame_id", "name"]
+    names += [f"{word}_{k}" for word in ("position", "velocity", "effort") for k in range(6)]
+    body = rows(",", *(part[:, BY_ALPHABET] for part in (Q, QD, TAU))).splitlines()
+    lines = [
+        f'{1_700_000_000 + t:.6f},1700000000,"base, left","{RECORDED}",{row}'
+        for t, row in zip(TIME, body, strict=True)
+    ]
+    return "\n".join([",".join(names), *lines]).encode()
+
+
+def since_1970(unit: float) -> bytes:
+    """Whole numbers since 1970 under a name without unit."""
+    body = rows(",", Q, QD, TAU).splitlines()
+    words = ("position", "velocity", "effort")
+    names = ["timestamp", *(f"/joint_states/{j}/{word}" for word in words for j in ROBOT)]
+    stamps = [round(1.7e9 / unit) + round(t / unit) for t in TIME]
+    lines = [f"{stamp},{row}" for stamp, row in zip(stamps, body, strict=True)]
+    return "\n".join([",".join(names), *lines]).encode()
+
+
 FORMS: dict[str, Callable[[], bytes]] = {
     "blanks": lambda: table("  ", PLAIN, TIME, Q, TAU).encode(),
     "blanks, Windows": lambda: table(" ", PLAIN, TIME, Q, TAU).replace("\n", "\r\n").encode(),
@@ -88,6 +110,11 @@ FORMS: dict[str, Callable[[], bytes]] = {
     "RTDE": rtde,
     "by joint names": by_joint_names,
     "echoed": echoed,
+    "of a bag": of_a_bag,
+    "ms since 1970": lambda: since_1970(1e-3),
+    "us since 1970": lambda: since_1970(1e-6),
+    "ns since 1970": lambda: since_1970(1e-9),
+    "time_us": lambda: table(",", ["time_us", *PLAIN[1:]], 1e6 * TIME, Q, TAU).encode(),
 }
 
 
@@ -103,7 +130,7 @@ def test_the_same_motion_is_read_from_every_form(name: str, tmp_path: Path) -> N
     np.testing.assert_allclose(log.q, Q, atol=1e-6)
     np.testing.assert_allclose(log.tau, TAU, atol=1e-6)
     np.testing.assert_allclose(log.time - log.time[0], TIME, atol=1e-6)
-    if name in {"RTDE", "by joint names", "echoed"}:
+    if name in {"RTDE", "by joint names", "echoed", "of a bag"} or name.endswith("since 1970"):
         assert log.qd is not None
         np.testing.assert_allclose(log.qd, QD, atol=1e-6)
 
@@ -111,6 +138,15 @@ def test_the_same_motion_is_read_from_every_form(name: str, tmp_path: Path) -> N
 def test_joints_of_another_robot_are_refused_with_both_lists(tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"found joints elbow_joint, .* expected the robot's"):
         read(tmp_path, by_joint_names(), names=("a", "b", "c", "d", "e", "f"))
+
+
+def test_two_topics_with_the_same_joints_are_refused(tmp_path: Path) -> None:
+    names = [f"/{topic}/{j}/position" for topic in ("joint_states", "wanted") for j in ROBOT]
+    names += [f"/joint_states/{j}/effort" for j in ROBOT]
+    data = table(",", ["__time", *names], TIME, Q, 2 * Q, TAU).encode()
+    says = "'/joint_states/shoulder_pan/position' and '/wanted/shoulder_pan/position' are both"
+    with pytest.raises(InputError, match=says):
+        read(tmp_path, data, names=ROBOT)
 
 
 def test_numbers_without_names_and_bytes_that_are_no_text_are_refused(tmp_path: Path) -> None:

@@ -121,9 +121,59 @@ def test_a_rail_below_is_held_and_a_gripper_behind_is_none_of_the_arm(tmp_path: 
     assert import_robot(path, tip="pad").robot.n == 7
 
 
+def test_a_gripper_is_known_by_the_link_that_its_motor_moves(tmp_path: Path) -> None:
+    """Its joint may be called anything; fingers that follow it come behind."""
+    hand = HAND.replace("left_knuckle_joint", "drive_joint").replace('"pad"', '"outer_knuckle"')
+    path = tmp_path / "arm.urdf"
+    path.write_text(ur5("</robot>", f"{hand}</robot>").replace("tool0", "end"))
+    found = import_robot(path)
+    assert found.robot.n == 6
+    assert "joint drive_joint (revolute) on palm is not on the chain" in "\n".join(found.notes)
+
+
+def test_the_last_axis_may_move_the_whole_gripper(tmp_path: Path) -> None:
+    last = list(import_and_names(tmp_path, ur5()))[-1]
+    text = ur5().replace(f'"{last}"', '"gripper_link"')
+    assert list(import_and_names(tmp_path, text))[-1] == "gripper_link"
+
+
+def import_and_names(folder: Path, text: str) -> list[str]:
+    return [link.name for link in imported(folder, "arm.urdf", text).links]
+
+
+def test_two_arms_in_a_file_are_told_and_each_can_be_taken(tmp_path: Path) -> None:
+    path = tmp_path / "two.urdf"
+    one = ur5()
+    name = re.compile(r'(?<=[ "])(?=\w+")(?<=(?:name|link)=")')
+    inner = one[one.index("<link") : one.index("</robot>")]
+    left, right = (name.sub(side, inner) for side in ("left_", "right_"))
+    base = re.search(r'<link name="([^"]+)"', inner)
+    assert base is not None
+    mounts = "".join(
+        f'<joint name="{side}mount" type="fixed"><parent link="stand"/>'
+        f'<child link="{side}{base[1]}"/><origin xyz="0 {y} 0"/></joint>'
+        for side, y in (("left_", 0.4), ("right_", -0.4))
+    )
+    path.write_text(f'<robot name="two"><link name="stand"/>{left}{right}{mounts}</robot>')
+    found = import_robot(path)
+    assert {joint.name.split("_")[0] for joint in found.robot.joints} == {"left"}
+    note = next(note for note in found.notes if "another arm: 6 joints from right_" in note)
+    end = re.search(r"--tool-link (\S+)", note)
+    assert end is not None
+    other = import_robot(path, tip=end[1])
+    assert {joint.name.split("_")[0] for joint in other.robot.joints} == {"right"}
+
+
+def test_a_prefix_that_is_not_declared_is_no_hindrance(tmp_path: Path) -> None:
+    """Collision properties for one simulator, as many files carry them."""
+    text = ur5("</robot>", '<drake:properties a="1"><drake:soft/></drake:properties></robot>')
+    assert imported(tmp_path, "a.urdf", text).links == imported(tmp_path, "a.urdf", ur5()).links
+
+
 @pytest.mark.parametrize(
     ("old", "new", "says"),
     [
+        ("<link.*</robot>", "</robot>", "found no link, expected a robot"),
         ('<mass value="', '<mass value="-', r"link_1 body mass_kg: found -3.7"),
         ("</robot>", '<link name="link_1"/></robot>', "link link_1 is there 2 times"),
         ("</robot>", '<link name="other"/></robot>', "choose one of them with --base-link"),

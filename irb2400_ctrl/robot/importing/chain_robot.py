@@ -28,6 +28,10 @@ TIPS = ("tcp", "tool0", "tool_0", "ee_link", "flange", "link_ee", "ee")
 _OF_ONE = re.compile(r"(?P<what>joint|link) (?P<name>[^ :]+)(?P<says>: .*)")
 GRIPPER = re.compile(r"finger|gripper|knuckle|jaw|thumb|robotiq", re.IGNORECASE)
 """a joint of this name opens a gripper: it is none of the arm unless asked for"""
+FINGER = re.compile(r"finger|knuckle|jaw|thumb", re.IGNORECASE)
+"""so is one that moves a link of this name (the last joint of an arm may well move the gripper)"""
+ARM = 4
+"""a branch on the base with as many turning joints is an arm of its own"""
 
 
 @dataclass(frozen=True)
@@ -193,14 +197,37 @@ def _gather(
         if joint.kind == "fixed":
             body = _gather(tree, joint.child, X @ joint.X, on_path, body, notes)
         else:
-            weight = _weight(tree, joint.child)
-            kind = f"follows {joint.mimics}, mimic" if joint.mimics else joint.kind
-            notes.append(
-                f"joint {joint.name} ({kind}) on {link} is not on the chain: it and what "
-                f"hangs on it are left out ({weight:.3g} kg); give it as a payload if it is carried"
-                + (f", or take it as a joint (--tool-link {joint.child})" * (joint.kind in TURNING))
-            )
+            notes.append(_left_out(tree, joint, body is None))
     return body
+
+
+def _left_out(tree: Tree, joint: TreeJoint, on_base: bool) -> str:
+    """A note on a branch that moves and is none of the arm."""
+    turns, end = _far_end(tree, joint)
+    if on_base and turns >= ARM:
+        return (
+            f"the file holds another arm: {turns} joints from {joint.name} on {joint.parent} on; "
+            f"it is left out, --tool-link {end} takes it instead"
+        )
+    weight = _weight(tree, joint.child)
+    kind = f"follows {joint.mimics}, mimic" if joint.mimics else joint.kind
+    what = "it as a joint" if turns == 1 else f"its {turns} joints"
+    return (
+        f"joint {joint.name} ({kind}) on {joint.parent} is not on the chain: it and what "
+        f"hangs on it are left out ({weight:.3g} kg); give it as a payload if it is carried"
+        + (f", or take {what} (--tool-link {end})" * (_turns(joint) and turns > 0))
+    )
+
+
+def _far_end(tree: Tree, joint: TreeJoint) -> tuple[int, str]:
+    """How many joints turn from this one on along the longest chain, and the link at its end."""
+    beyond = [_far_end(tree, after) for after in tree.hanging_on(joint.child)]
+    turns, end = max(beyond, key=lambda one: one[0], default=(0, joint.child))
+    return turns + _turns(joint), end if turns else joint.child
+
+
+def _turns(joint: TreeJoint) -> bool:
+    return joint.kind in TURNING and not joint.mimics
 
 
 def _weight(tree: Tree, link: str) -> float:
@@ -224,7 +251,9 @@ def _tip(tree: Tree, base: str) -> str:
         path = _stood_still(path, [])
         if not rank and any(j.kind not in TURNING | {"fixed"} or j.mimics for j in path):
             continue
-        if any(j.kind in TURNING and GRIPPER.search(j.name) for j in path):
+        if any(
+            j.kind in TURNING and (GRIPPER.search(j.name) or FINGER.search(j.child)) for j in path
+        ):
             continue
         last = bool(path) and path[-1].kind in TURNING
         best.append((rank > 0, turns, rank if rank else int(last) - 1, -order, link))
@@ -241,7 +270,8 @@ def _turning_only(tree: Tree, path: list[TreeJoint]) -> None:
         if joint.mimics:
             raise InputError(
                 f"{tree.name}: joint {joint.name} follows {joint.mimics} (mimic) and has no "
-                "actuator of its own; state the coupling with --coupling, or choose another end"
+                "actuator of its own; choose another end with --tool-link, or take <mimic> out of "
+                "the file if a motor drives it"
             )
 
 

@@ -83,6 +83,11 @@ class Tree:
         Raises:
             InputError: none, or several.
         """
+        if not self.links:
+            raise InputError(
+                f"{self.name}: found no link, expected a robot; a file that only defines or "
+                "includes macros holds none"
+            )
         children = {joint.child for joint in self.joints}
         roots = [name for name in self.links if name not in children]
         if len(roots) != 1:
