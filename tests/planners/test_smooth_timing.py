@@ -205,11 +205,11 @@ def test_both_rates_on_a_part_of_the_joints() -> None:
 def test_points_of_a_grid_that_rounding_parts_count_once() -> None:
     path = random_path(0)
     s = np.unique(np.concatenate([path.knots, np.linspace(0.0, path.length, 101)]))
-    exact = refined_grid(s, path, 4)
+    exact = refined_grid(s, path)
     # the law's numbers went through other sums than the path's
     moved = s.copy()
     moved[1:-1] = np.nextafter(s[1:-1], np.inf)
-    found = refined_grid(moved, path, 4)
+    found = refined_grid(moved, path)
     assert len(found) == len(exact)
     assert np.diff(found).min() > 1e-10 * path.length
     assert np.abs(found - exact).max() < 1e-12 * path.length
