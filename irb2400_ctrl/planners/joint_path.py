@@ -109,7 +109,9 @@ class JointPath:
         another."""
         piece = self.piece((first + last) / 2)
         q, dq, ddq = (self.on_piece(first, piece, order) for order in (0, 1, 2))
-        knots = np.append(0.0, np.cumsum(last - first))
+        width = np.cumsum(last - first)
+        # they end where the last one does: lengths are rounded as they were
+        knots = last[-1] - width[-1] + np.append(0.0, width)
         return JointPath(knots, np.stack([q, dq, ddq / 2, self.coefficients[3, piece]]))
 
     @property

@@ -17,6 +17,7 @@ from irb2400_ctrl.planners import Certificate, MotionLimits, check
 from irb2400_ctrl.planners.enclosure.path_dynamics import path_dynamics
 from irb2400_ctrl.planners.joint_path import JointPath
 from irb2400_ctrl.planners.timing.rate_limited.cell_motion import refined_grid
+from irb2400_ctrl.planners.timing.rate_limited.output_bounds import output_ratios
 from irb2400_ctrl.planners.timing.rate_limited.rate_limited_law import RateLimitedLaw
 from irb2400_ctrl.planners.timing.rate_limited.time_rate_limited import (
     RateLimitedTiming,
@@ -213,6 +214,16 @@ def test_points_of_a_grid_that_rounding_parts_count_once() -> None:
     assert len(found) == len(exact)
     assert np.diff(found).min() > 1e-10 * path.length
     assert np.abs(found - exact).max() < 1e-12 * path.length
+
+
+def test_cells_that_are_cut_are_bounded_as_they_lie(timed: RateLimitedTiming) -> None:
+    path = random_path(0)
+    # half the rate it was made for: much is above
+    found = timed.law.ratios(path, rated(10), DYNAMICS, 2)
+    assert len(found.s) > 1.2 * len(timed.law.s)
+    whole = output_ratios(timed.law.on_cells(found.s), path, rated(10), DYNAMICS)
+    for part in ("value", "rate", "speed"):
+        np.testing.assert_allclose(getattr(found, part), getattr(whole, part), 1e-6)
 
 
 def test_feed_is_kept() -> None:
