@@ -58,9 +58,9 @@ class OutputRatios:
         the largest of each ratio well, where one is close to it; none at the ends of the motion."""
         every = np.hstack([self.value, self.rate, self.speed])
         enough = np.minimum(_CLOSE * every.max(axis=0), 1 - ROUNDING) if tight else 1 - ROUNDING
-        found = ~(every <= enough).all(axis=1)
+        found = np.asarray(~(every <= enough).all(axis=1))
         found[[0, -1]] = False
-        return np.asarray(found)
+        return found
 
     def cut(self, cut: Mask, s: Array, more: OutputRatios) -> OutputRatios:
         """The same with the parts `cut` halved, which ends them at s, and bounded anew."""

@@ -139,8 +139,9 @@ class RateLimitedProgram:
             return found, -np.inf
         slowest = np.concatenate([[0.0], coefficients.min(axis=1), [0.0]])
         bottom, top = self.outputs.dry_friction(slowest[:, None])
-        dry = (_cells_last(f[1:-1]) for f in (bottom, top))
-        product = cell_rows.slacks(self.inner, _padded(z), *dry, inner)
+        least = _cells_last(bottom[1:-1])
+        most = _cells_last(top[1:-1])
+        product = cell_rows.slacks(self.inner, _padded(z), least, most, inner)
         ends[...] = self.end_rows(z)[0]
         if not found.min() > 0:
             return found, -np.inf

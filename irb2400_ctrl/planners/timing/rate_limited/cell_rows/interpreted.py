@@ -27,7 +27,8 @@ def slacks(rows: RowsOfCells, z: Array, bottom: Array, top: Array, out: Array) -
     change = (da + 2 * b) * u + a * bend + db * x + (e * u + de * x) / root
     kept, spare = rows.kept[:, :, None]
     spare = spare * rows.scale / root
-    k, m = rows.count, rows.size
+    k = rows.count
+    m = rows.size
     found = np.stack(
         [
             kept - (y + high + top[:, None]) * limit,
@@ -57,7 +58,8 @@ def along(rows: RowsOfCells, z: Array, dz: Array, slack: Array, out: Array) -> N
 
 def sums(rows: RowsOfCells, z: Array, slack: Array, multipliers: Array, mu: float) -> Sums:
     """`machine_code.sums`."""
-    k, m = rows.count, rows.size
+    k = rows.count
+    m = rows.size
     s = _Slopes.at(rows, z)
     motion = rows.motion
     pulled = []
@@ -83,7 +85,8 @@ def sums(rows: RowsOfCells, z: Array, slack: Array, multipliers: Array, mu: floa
 
 def _squares(rows: RowsOfCells, s: _Slopes, weights: Array) -> Array:
     """Slopes times weights times slopes, shape (3, 3, m)."""
-    k, m = rows.count, rows.size
+    k = rows.count
+    m = rows.size
     places = rows.motion[:3], rows.motion[3:6], np.broadcast_to(rows.motion[6], (3, 3, m))
     above, below, up, down = np.moveaxis(weights[: 12 * k].reshape(k, 4, 3, m), 1, 0)
     nothing = np.zeros_like(s.rate_bend)

@@ -26,22 +26,21 @@ def _library() -> ctypes.CDLL | None:
         return None
 
 
+_ARRAYS = (
+    "h", "parabolas", "per_limit", "per_rate", "kept", "scale", "motion", "linear", "offset",
+)  # fmt: skip
+
+
 class _CellRows(ctypes.Structure):
     _fields_ = (
         ("m", ctypes.c_int64),
         ("k", ctypes.c_int64),
-        *(
-            (name, ctypes.c_void_p)
-            for name in (
-                "h", "parabolas", "per_limit", "per_rate", "kept", "scale", "motion", "linear",
-                "offset",
-            )
-        ),
-    )  # fmt: skip
+        *((name, ctypes.c_void_p) for name in _ARRAYS),
+    )
 
     @classmethod
     def of(cls, rows: RowsOfCells) -> _CellRows:
-        arrays = (getattr(rows, name) for name, _ in cls._fields_[2:])
+        arrays = (getattr(rows, name) for name in _ARRAYS)
         return cls(rows.size, rows.count, *(_at(array) for array in arrays))
 
 
