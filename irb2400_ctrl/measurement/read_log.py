@@ -24,6 +24,7 @@ from irb2400_ctrl.measurement.recorder_names import recorder_columns
 from irb2400_ctrl.measurement.ros_table import read_ros_table
 from irb2400_ctrl.measurement.signal_names import joint_signal, time_scale, without_unit
 from irb2400_ctrl.measurement.table import Table
+from irb2400_ctrl.reading import looks_like
 
 Found = dict[str, dict[int, str]]
 """signal -> joint -> name of the column in the file"""
@@ -129,6 +130,7 @@ def _by_name(
         raise InputError(
             f"{table.path}: no column time_s, time_ms or 'Time [s]'; found {table.some}: rename "
             "them, or say what they are in a column map (--columns, docs/logs.md)"
+            + looks_like(table.columns)
         )
     return (times[0], 1e-3 if times[0] == "time_ms" else 1.0), found, scales
 

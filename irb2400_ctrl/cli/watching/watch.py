@@ -143,7 +143,7 @@ def _ended(watched: Watch, suspicions: list[Suspicion], log: Path, out: Path | N
 
     if not watched.seen:
         raise InputError(
-            f"{log}: found {watched.length:.0f} s, expected more than the {watched.learn:g} s that "
+            f"{log}: found {watched.length:.3g} s, expected more than the {watched.learn:g} s that "
             "are learned: a longer log, or --learn SECONDS"
         )
     facts = {"log": str(log), **watched.summary()}
