@@ -29,6 +29,7 @@ from irb2400_ctrl.measurement.signal_names import (
     without_unit,
 )
 from irb2400_ctrl.measurement.table import Table
+from irb2400_ctrl.reading import looks_like
 
 Found = dict[str, dict[int, str]]
 """signal -> joint -> name of the column in the file"""
@@ -135,6 +136,7 @@ def _by_name(
         raise InputError(
             f"{table.path}: no column time_s, time_ms or 'Time [s]'; found {table.some}: rename "
             "them, or say what they are in a column map (--columns, docs/logs.md)"
+            + looks_like(table.columns)
         )
     return (times[0], NAMED_TIMES[times[0]]), found, scales
 
