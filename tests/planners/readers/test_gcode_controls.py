@@ -142,3 +142,45 @@ def test_fine_boring_goes_in_at_feed_and_out(tmp_path: Path) -> None:
     assert "without its way aside" in str(read.of_kind("assumed")[0])
     with pytest.raises(InputError, match="cuts a thread"):
         program(tmp_path, "G21 G0 X0 Y0 Z9\nG76 X1 Z-3 R1 P1 I1 J1 K1 F60\n")
+
+
+def test_a_program_that_begins_again_is_carried_out_once(tmp_path: Path) -> None:
+    text = "G21 G90 G0 X0 Y0 Z9\nG1 Z1 F60\nM99\n"
+    read = program(tmp_path, text)
+    assert len(read.operation().path) == 2
+    assert "M99" in str(read.of_kind("assumed")[0])
+    with pytest.raises(InputError, match=r"line 4: a block after M99"):
+        program(tmp_path, f"{text}O1\nG0 X9\nM98 P1\nM30\n".replace("O1\n", ""))
+
+
+def test_axis_words_before_any_motion_are_where_the_tool_is(tmp_path: Path) -> None:
+    read = program(tmp_path, "G21 G90\nG28 G91 Z0\nG90\nT1 M6\nZ10\nG0 X3 Y4\nZ1\nM30\n")
+    assert np.allclose(1e3 * read.operation().path.position, [[3, 4, 10], [3, 4, 1]])
+    assert "taken as the place" in " ".join(map(str, read.notes))
+    with pytest.raises(InputError, match="no motion is in force"):
+        program(tmp_path, "G21 G90\nX1 Y2 Z3\nX5\n")
+
+
+FIVE_AXES = (
+    "G21 G90 G54\nG0 B0 C0\nT2 M6\nG0 B-30 C90\nG68.2 X0 Y0 Z0 I0 J30 K90\nG53.1\nG0 X-18 Y-51\n"
+    "G69\nG43.4 H2\nG0 X51 Y-29 Z14 B-30 C90\nG1 Y-20 Z-2 F1000\nX-55\nG0 Z14\nG49\nG0 B0 C0\nM30\n"
+)
+
+
+def test_the_table_turns_before_tool_centre_control(tmp_path: Path) -> None:
+    file = tmp_path / "part.nc"
+    file.write_text(FIVE_AXES)
+    found = read_program(file, rotary="C,B").operation()
+    assert np.allclose(1e3 * found.path.position[0], [51, -29, 14])
+    assert np.allclose(found.path.axis, np.tile([0, -0.5, np.sqrt(0.75)], (4, 1)))
+    with pytest.raises(InputError, match=r"line 10: .*--rotary C,A"):
+        read_program(file)
+    file.write_text(FIVE_AXES.replace("G43.4 H2\n", ""))
+    with pytest.raises(InputError, match="without tool centre control"):
+        read_program(file, rotary="C,B")
+
+
+def test_a_comment_with_commas_is_no_header_of_columns(tmp_path: Path) -> None:
+    for comment in ("(size x, y, z)", "; x, y, z", "%"):
+        text = f"{comment}\nG21 G90 G0 X0 Y0 Z9\nG1 Z1 F60\nM30\n"
+        assert program(tmp_path, text).dialect == "G-code"

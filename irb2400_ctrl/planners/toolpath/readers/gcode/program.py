@@ -8,15 +8,12 @@ from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.planners.toolpath.cam_program import CamProgram
 from irb2400_ctrl.planners.toolpath.readers.feed import LENGTHS
 from irb2400_ctrl.planners.toolpath.readers.gcode.blocks import EXTENDED, Block, blocks
+from irb2400_ctrl.planners.toolpath.readers.gcode.cycles import CYCLES, dwell_seconds
 from irb2400_ctrl.planners.toolpath.readers.gcode.frames import CODES as FRAMES
 from irb2400_ctrl.planners.toolpath.readers.gcode.frames import GcodeFrames
+from irb2400_ctrl.planners.toolpath.readers.gcode.hole_calls import HoleCall
 from irb2400_ctrl.planners.toolpath.readers.gcode.machine import GcodeMachine
-from irb2400_ctrl.planners.toolpath.readers.gcode.motion import (
-    CYCLES,
-    GcodeMotion,
-    dwell_seconds,
-    moves,
-)
+from irb2400_ctrl.planners.toolpath.readers.gcode.motion import GcodeMotion, moves
 from irb2400_ctrl.planners.toolpath.readers.gcode.rotary import Rotary
 from irb2400_ctrl.planners.toolpath.readers.gcode.splines import MODES as SPLINES
 from irb2400_ctrl.planners.toolpath.readers.gcode.state import AXES, GcodeState
@@ -51,7 +48,6 @@ REFUSED = {
     65: "a macro",
     66: "a macro",
     87: "boring from below",
-    500: "the machine tool's own frame",
     96: "constant surface speed",
 }
 
@@ -75,6 +71,9 @@ def read_gcode(
     reader = _Reader(builder, units, None if rotary is None else Rotary.of(rotary))
     for block in blocks(text, name):
         builder.line = block.line
+        if reader.ended:
+            reader.after_end()
+            break
         if isinstance(block, UnreadLineError):
             builder.failed(block)
             continue
@@ -82,8 +81,6 @@ def read_gcode(
             reader.block(block)
         except InputError as error:
             builder.failed(error)
-        if reader.ended:
-            break
     try:
         reader.end()
     except InputError as error:
@@ -106,6 +103,8 @@ class _Reader:
         self._machine = GcodeMachine(builder, self._state)
         self._frames = GcodeFrames(builder, self._state)
         self._used_offset: float | None = None
+        self._modal: HoleCall | None = None
+        self._again = False
         self.ended = False
 
     @property
@@ -125,6 +124,16 @@ class _Reader:
     def end(self) -> None:
         """The file ends: nothing may be left open."""
         self._motion.splines.none_open()
+
+    def after_end(self) -> None:
+        """More blocks after the end: none of them is read; after M99 they are another program."""
+        if self._again:
+            self._builder.failed(
+                InputError(
+                    f"{self._builder.place}: a block after M99, so that the program before it may "
+                    "be a sub-program; not read, expected all moves in one program"
+                )
+            )
 
     def block(self, block: Block) -> None:
         """One line."""
@@ -154,8 +163,21 @@ class _Reader:
             self._after_cycle()
         if leads:
             self._move(values)
+            if self._modal is not None:
+                self._motion.cycles.hole(self._modal)
+        self._call(block.call)
         self._machine.after(functions)
-        self.ended = bool({2, 30} & set(functions))
+        self.ended = bool({2, 30, 99} & set(functions))
+        self._again = 99 in functions
+
+    def _call(self, call: HoleCall | None) -> None:
+        """CYCLE81(…) here, MCALL CYCLE81(…) after each of the next moves, MCALL ends that."""
+        if call is None:
+            return
+        if call.modal:
+            self._modal = call if call.name else None
+        else:
+            self._motion.cycles.hole(call)
 
     def _modes(self, codes: list[float], values: dict[str, float]) -> None:
         state = self._state
@@ -202,7 +224,7 @@ class _Reader:
             raise InputError(f"{self._builder.place}: G{code:g} is {REFUSED[code]}; not read")
         elif code in HARMLESS:
             self._builder.note("ignored", f"G{code:g}")
-        elif 54 <= code < 60 or 505 <= code < 600:
+        elif 54 <= code < 60 or code == 500 or 505 <= code < 600:
             state.work_offset = code
         elif code not in MOTION and code not in SPECIAL:
             raise InputError(f"{self._builder.place}: unknown code G{code:g}")
