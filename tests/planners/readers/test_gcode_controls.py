@@ -184,3 +184,38 @@ def test_a_comment_with_commas_is_no_header_of_columns(tmp_path: Path) -> None:
     for comment in ("(size x, y, z)", "; x, y, z", "%"):
         text = f"{comment}\nG21 G90 G0 X0 Y0 Z9\nG1 Z1 F60\nM30\n"
         assert program(tmp_path, text).dialect == "G-code"
+
+
+@pytest.mark.parametrize(
+    ("first", "second"), [("G54.1 P1", "G54.1 P2"), ("G154 P1", "G154 P2"), ("G54", "G54.1 P1")]
+)
+def test_further_offsets_are_told_apart(tmp_path: Path, first: str, second: str) -> None:
+    text = f"G21 G90 {first}\nG0 X0 Y0 Z5\n{second}\nG1 X9 F60\nM30\n"
+    with pytest.raises(InputError, match=rf"line 4: {second} after motion in {first}"):
+        program(tmp_path, text)
+    assert len(operation(tmp_path, text.replace(second, first)).path) == 2
+
+
+def test_a_file_without_any_z_is_flat(tmp_path: Path) -> None:
+    read = program(tmp_path, "G21 G90\nG0 X1 Y1\nG1 X5 F600\nG2 X9 I2 J0\nM2\n")
+    assert np.allclose(read.operation().path.position[:, 2], 0)
+    assert "no Z in the whole file" in str(read.of_kind("assumed")[0])
+    with pytest.raises(InputError, match="Z of the tool is not stated yet"):
+        program(tmp_path, "G21 G90\nG0 X1 Y1\nG1 X5 F600\nG0 Z9\nM2\n")
+
+
+def test_seconds_of_a_dwell_are_said(tmp_path: Path) -> None:
+    read = program(tmp_path, "G21 G90 G0 X0 Y0 Z9\nG4 P50\nG1 Z1 F60\nM2\n")
+    assert "less than 100 is in seconds" in str(read.of_kind("assumed")[0])
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        ("N10 G30 G17 X+0 Y+0 Z-20*", "Heidenhain's DIN/ISO"),
+        ("G1 X10,5 F100", "only those with a point"),
+    ],
+)
+def test_why_a_line_is_not_read(tmp_path: Path, text: str, says: str) -> None:
+    with pytest.raises(InputError, match=says):
+        program(tmp_path, f"G21 G90\nG0 X1 Y1 Z1\n{text}\n")

@@ -36,6 +36,8 @@ UNREADABLE = (
         re.compile(r"[#\[\]]|\bR\d+\s*=|=\s*R\d|\b(WHILE|IF|GOTO[FB]?|END\d)\b|^\$|DEF\b"),
         "variables, expressions and jumps are not read",
     ),
+    (re.compile(r"\*"), "blocks that end in * (Heidenhain's DIN/ISO) or a checksum are not read"),
+    (re.compile(r"\d,\d"), "of decimal numbers only those with a point are read"),
     (re.compile(r",\s*[RC]"), "corners written as ,R or ,C are not read"),
     (re.compile(r"="), "of words with = only those such as X=10, CR=5, I=AC(10), A3=0 are read"),
     (

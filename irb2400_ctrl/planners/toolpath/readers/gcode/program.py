@@ -28,6 +28,8 @@ _QUIET = """8 9 15 22 23 25 26 40 49.1 50 50.1 60 61 61.1 62 63 64 69.1 80.1 97 
 HARMLESS = frozenset(map(float, _QUIET.split()))
 # take axis words for something else than a place to go to, or end something
 SPECIAL = frozenset([4, 28, 28.1, 30, 53, 53.1, *FRAMES])
+# with a number behind P: G54.1 P1 … (Fanuc), G154 P1 … (Haas)
+MANY_OFFSETS = frozenset([54.1, 154])
 RADIUS = (
     "the offset by the tool's radius, which the control knows; let the CAM system write the path "
     "of the tool's centre"
@@ -69,7 +71,10 @@ def read_gcode(
         InputError: a word that is not known or not read, with its line.
     """
     reader = _Reader(builder, units, None if rotary is None else Rotary.of(rotary))
-    for block in blocks(text, name):
+    listed = list(blocks(text, name))
+    if not any("Z" in block.values() for block in listed if isinstance(block, Block)):
+        reader.flat()
+    for block in listed:
         builder.line = block.line
         if reader.ended:
             reader.after_end()
@@ -102,7 +107,7 @@ class _Reader:
         self._motion = GcodeMotion(builder, self._state, rotary)
         self._machine = GcodeMachine(builder, self._state)
         self._frames = GcodeFrames(builder, self._state)
-        self._used_offset: float | None = None
+        self._used_offset = ""
         self._modal: HoleCall | None = None
         self._again = False
         self.ended = False
@@ -124,6 +129,12 @@ class _Reader:
     def end(self) -> None:
         """The file ends: nothing may be left open."""
         self._motion.splines.none_open()
+
+    def flat(self) -> None:
+        """No Z in the whole file, as for lasers and plotters."""
+        self._state.at[2] = 0.0
+        self._builder.line = 1
+        self._builder.note("assumed", "no Z in the whole file: Z is 0")
 
     def after_end(self) -> None:
         """More blocks after the end: none of them is read; after M99 they are another program."""
@@ -184,6 +195,8 @@ class _Reader:
         builder = self._builder
         for code in codes:
             self._mode(code)
+        if MANY_OFFSETS & set(codes):
+            state.work_offset += f" P{values.get('P', 1):g}"
         if "F" in values:
             if values["F"] < 0:
                 raise InputError(f"{builder.place}: F{values['F']}, expected a positive feed")
@@ -224,8 +237,8 @@ class _Reader:
             raise InputError(f"{self._builder.place}: G{code:g} is {REFUSED[code]}; not read")
         elif code in HARMLESS:
             self._builder.note("ignored", f"G{code:g}")
-        elif 54 <= code < 60 or code == 500 or 505 <= code < 600:
-            state.work_offset = code
+        elif 54 <= code < 60 or code in {154, 500} or 505 <= code < 600:
+            state.work_offset = f"G{code:g}"
         elif code not in MOTION and code not in SPECIAL:
             raise InputError(f"{self._builder.place}: unknown code G{code:g}")
 
@@ -257,6 +270,8 @@ class _Reader:
         seconds = dwell_seconds(stated)
         if seconds != stated:
             builder.note("assumed", "a dwell of 100 or more is in milliseconds")
+        elif "P" in values and stated >= 1:
+            builder.note("assumed", "G4 P of less than 100 is in seconds")
         builder.dwell(seconds)
         return {key: value for key, value in values.items() if key not in "PXFS"}
 
@@ -315,11 +330,11 @@ class _Reader:
         if state.feed_mode == 93 and state.motion in {1, 2, 3} and "F" not in values:
             raise InputError(f"{builder.place}: G93 (inverse time) needs F in every cutting block")
         offset = state.work_offset
-        if self._used_offset is None:
+        if not self._used_offset:
             self._used_offset = offset
-        elif offset is not None and offset != self._used_offset:
+        elif offset != self._used_offset:
             raise InputError(
-                f"{builder.place}: G{offset:g} after motion in G{self._used_offset:g}: how the two "
-                "lie to each other is stored in the control, not in the file; split the file"
+                f"{builder.place}: {offset} after motion in {self._used_offset}: how the two lie "
+                "to each other is stored in the control, not in the file; split the file"
             )
         self._motion.run(values)
