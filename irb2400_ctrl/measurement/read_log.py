@@ -197,9 +197,15 @@ def _finite(table: Table, used: set[str]) -> None:
         row, _, name = min(
             (int(bad[name][0]), k, name) for k, name in enumerate(names) if len(bad[name])
         )
+        word = table.words.get(name, "") if row == 0 else ""
         raise InputError(
             f"{table.path}: {count} cells are not finite numbers, the first is {name} in "
-            f"{table.place(row)}; expected numbers everywhere: delete the rows of lost samples"
+            f"{table.place(row)}"
+            + (
+                f", where {word[:40]!r} stands; expected numbers (a time in seconds)"
+                if word
+                else "; expected numbers everywhere: delete the rows of lost samples"
+            )
         )
 
 
