@@ -14,6 +14,8 @@ from irb2400_ctrl.errors import InputError, ToolMissingError
 from irb2400_ctrl.extras import needed
 from irb2400_ctrl.measurement.table import Table, one_length
 
+MOST_JOINTS = 16
+"""a matrix with so few rows and more columns than that holds a sample per column"""
 _MATRIX = re.compile(r"(qd|q|tau)(_ref)?_(\w+)")
 
 
@@ -118,6 +120,8 @@ def _flat(name: str, value: Any) -> Iterator[tuple[str, Array]]:
                 yield from _flat(f"{name}.{field}", getattr(item, field))
     elif array.ndim == 2 and np.issubdtype(array.dtype, np.number):
         numbers = array.astype(float)
+        if 1 < len(numbers) <= MOST_JOINTS < numbers.shape[1]:
+            numbers = numbers.T  # a sample per column
         if 1 in numbers.shape:
             yield name, numbers.ravel()
         else:

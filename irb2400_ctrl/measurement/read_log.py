@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -85,6 +86,7 @@ def read_log(
         given = columns if isinstance(columns, ColumnMap) else load_column_map(columns)
         time, found, scales = _by_map(table, given)
     used = {time[0], *(name for places in found.values() for name in places.values())}
+    table = _without_blank_rows(table, used - {time[0]})
     _finite(table, used)
     n = joints or max([max(found[s], default=0) for s in ("q", "tau")], default=0) or 6
     found = {signal: found[signal] for signal in found if found[signal] or signal in {"q", "tau"}}
@@ -185,6 +187,23 @@ def _contradict(table: Table, one: str, other: str) -> None:
         f"{table.path}: columns {one!r} and {other!r} say the same thing, expected one of them: "
         "rename the other, or name the right one in a column map (--columns, docs/logs.md)"
     )
+
+
+def _without_blank_rows(table: Table, signals: set[str]) -> Table:
+    """Without the rows that hold no sample of the arm (of another topic, another recorder)."""
+    there = [name for name in signals if name in table.columns]
+    if not there:
+        return table
+    blank = np.isnan(table.columns[there[0]])
+    for name in there[1:]:
+        if not blank.any():
+            return table
+        blank &= np.isnan(table.columns[name])
+    if not blank.any() or blank.all():
+        return table
+    columns = {name: values[~blank] for name, values in table.columns.items()}
+    lines = np.flatnonzero(~blank)
+    return replace(table, columns=columns, rows=lines)
 
 
 def _finite(table: Table, used: set[str]) -> None:

@@ -217,6 +217,9 @@ def test_mat_vectors_matrices_and_structures(tmp_path: Path) -> None:
     path = tmp_path / "log.mat"
     savemat(path, {"time_s": log.time, "q_deg": np.degrees(log.q), "tau_Nm": log.tau, "rate": 250})
     same(read_log(path), log)
+    turned = {"q_deg": np.degrees(log.q).T, "tau_Nm": log.tau.T}
+    savemat(path, {"time_s": log.time, **turned})
+    same(read_log(path), log)
     savemat(path, {"out": {"t": log.time, "signals": {"q": log.q, "current": log.tau / 2.0}}})
     text = '[time]\ncolumn = "out.t"\n'
     for j in range(1, 7):
