@@ -3,6 +3,7 @@ API."""
 
 from __future__ import annotations
 
+import ast
 import inspect
 import types
 import typing
@@ -31,6 +32,7 @@ FILES = {
     "placement": "`placement.json`: where `irb2400 place` puts a part (`PartPlacement`) or an arm "
     "on its rail (`RailPlacement`).",
 }
+EXAMPLES = Path(__file__).parents[1] / "examples"
 PACKAGES = [name for name in irb.__all__ if isinstance(getattr(irb, name), types.ModuleType)]
 
 
@@ -43,6 +45,7 @@ def write(folder: Path) -> list[Path]:
         "commands": commands,
         "api": api,
         "words": words,
+        "examples": examples,
     }
     return [_written(folder / f"{name}.md", make) for name, make in pages.items()]
 
@@ -200,6 +203,28 @@ def words() -> str:
     text = ["# Words of the reports", ""]
     for word, meaning in sorted(WORDS.items(), key=lambda item: item[0].lower()):
         text += [word, f": {_plain(meaning)}", ""]
+    return "\n".join(text)
+
+
+def examples() -> str:
+    """One section an example: its question, and the script that answers it."""
+    text = [
+        "# Examples",
+        "",
+        "Short scripts, one question each; they print the answer, and most draw a figure into the "
+        "folder they run in: `python examples/control_02_speed.py`. The tests run every one.",
+        "",
+    ]
+    for path in sorted(EXAMPLES.rglob("*.py")):
+        code = path.read_text()
+        said = " ".join((ast.get_docstring(ast.parse(code)) or "").split())
+        question, mark, more = said.partition("?")
+        if not mark:
+            continue
+        text += [f"## {_plain(question)}?", "", _plain(more.strip()), ""]
+        text += [f"`examples/{path.relative_to(EXAMPLES).as_posix()}`", ""]
+        text += ["<details><summary>The script</summary>", "", "```python", code.rstrip(), "```"]
+        text += ["", "</details>", ""]
     return "\n".join(text)
 
 

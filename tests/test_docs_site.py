@@ -49,5 +49,8 @@ def test_site_builds_without_a_warning(tmp_path: Path) -> None:
     assert "amplitude_Nm" in files
     api = (tmp_path / "generated" / "api.html").read_text()
     assert "planners.plan_path" in api
+    examples = (tmp_path / "generated" / "examples.html").read_text()
+    assert "Which controller for which speed?" in examples
+    assert examples.count("The script") == examples.count("<details>") > 8
     for name in listed():
         assert (tmp_path / f"{name}.html").is_file()

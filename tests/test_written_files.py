@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import json
+import math
 from pathlib import Path
 
+import numpy as np
 import pytest
 from written_files import problem, written_in
 
 import irb2400_ctrl as irb
+from irb2400_ctrl.files import write_json
 
 
 @pytest.fixture(scope="module")
@@ -54,5 +57,8 @@ def test_a_joint_without_its_speed_is_found(plan: Path, tmp_path: Path) -> None:
     assert "qd3_deg_s, qd7_deg_s" in problem(spoiled)
 
 
-def test_what_is_not_finite_is_no_json(plan: Path) -> None:
-    json.loads(plan.read_text(), parse_constant=lambda word: pytest.fail(word))
+def test_what_is_not_finite_is_null(tmp_path: Path) -> None:
+    content = {"worth": -math.inf, "band": np.array([1.0, math.nan]), "count": np.int64(3)}
+    written = write_json(tmp_path / "some.json", content)
+    read = json.loads(written.read_text(), parse_constant=pytest.fail)
+    assert read == {"worth": None, "band": [1.0, None], "count": 3}

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -166,13 +165,13 @@ def _close_loop(result: Diagnosis, log: Log, controller: str, page: Page, out: P
     """Make the controller again from the diagnosed robot, move as the log did; lines to print."""
     from irb2400_ctrl.codegen import export_package
     from irb2400_ctrl.controllers import controller as make_controller
-    from irb2400_ctrl.files import write_atomic
+    from irb2400_ctrl.files import write_json
     from irb2400_ctrl.measurement import recorded_motion
     from irb2400_ctrl.report.pages.closed_loop_section import add_closed_loop, closed_loop_lines
     from irb2400_ctrl.simulation.close_the_loop import close_loop
 
     export_package(make_controller(controller, result.robot), out / "controller")
     loop = close_loop(result.given, result.robot, recorded_motion(log), controller=controller)
-    write_atomic(out / "closed_loop.json", json.dumps(loop.summary(), indent=2) + "\n")
+    write_json(out / "closed_loop.json", loop.summary())
     add_closed_loop(page, result, loop)
     return closed_loop_lines(loop)

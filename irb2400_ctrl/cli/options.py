@@ -55,6 +55,18 @@ ToolOption = Annotated[
         show_default="the robot file's",
     ),
 ]
+UnitsOption = Annotated[
+    str | None,
+    typer.Option(
+        "--units", help="Unit of length, against what the file says: mm, cm, m, inch or foot."
+    ),
+]
+RotaryOption = Annotated[
+    str | None,
+    typer.Option(
+        "--rotary", help="Rotary axes of the machine from part to tool, for 5-axis G-code: C,A."
+    ),
+]
 FreeOption = Annotated[
     bool,
     typer.Option(

@@ -5,7 +5,6 @@ from __future__ import annotations
 import functools
 import inspect
 import json
-import math
 import sys
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import nullcontext, redirect_stdout
@@ -19,6 +18,7 @@ from irb2400_ctrl.cli.command_line import answered
 from irb2400_ctrl.cli.config import ConfigOption
 from irb2400_ctrl.cli.options import RobotOption, settings
 from irb2400_ctrl.cli.progress import Progress, shown_as
+from irb2400_ctrl.files import plain
 
 JsonOption = Annotated[
     bool, typer.Option("--json", help="Print the summary as one JSON object on stdout.")
@@ -57,7 +57,7 @@ class Summary:
         told = dict(self.facts)
         if self.written:
             told["written"] = [str(path) for path in self.written]
-        return json.dumps(_plain(told), allow_nan=False)
+        return json.dumps(plain(told), allow_nan=False)
 
 
 def answers(verb: Callable[..., Summary]) -> Callable[..., None]:
@@ -107,18 +107,3 @@ def _takes_robot(signature: inspect.Signature) -> bool:
     """Whether the verb reads a robot that `load_arm` may change."""
     found = signature.parameters.get("robot")
     return found is not None and found.annotation == RobotOption
-
-
-def _plain(value: Any) -> Any:
-    """The value of JSON's own types; arrays and numbers of numpy know themselves how."""
-    if isinstance(value, Mapping):
-        return {str(key): _plain(member) for key, member in value.items()}
-    if isinstance(value, list | tuple):
-        return [_plain(member) for member in value]
-    if isinstance(value, str | bool | int) or value is None:
-        return value
-    if isinstance(value, float):
-        return float(value) if math.isfinite(value) else None
-    if hasattr(value, "tolist"):
-        return _plain(value.tolist())
-    return str(value)

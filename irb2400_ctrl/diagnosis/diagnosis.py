@@ -3,7 +3,6 @@ draws."""
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -21,7 +20,7 @@ from irb2400_ctrl.diagnosis.preparation.metrics import Errors
 from irb2400_ctrl.diagnosis.preparation.noise_test import NoiseTest
 from irb2400_ctrl.diagnosis.sound_logs import LeftOut
 from irb2400_ctrl.effects import Effect
-from irb2400_ctrl.files import write_atomic
+from irb2400_ctrl.files import write_json
 from irb2400_ctrl.notebook import Displayed
 from irb2400_ctrl.plausibility import LogProblem
 from irb2400_ctrl.robot import Robot, save_robot
@@ -307,8 +306,8 @@ class Diagnosis(Displayed):
     def write(self, out: Path | str) -> tuple[Path, Path]:
         """Write findings.json and robot.toml into a folder; returns both paths."""
         out = Path(out)
-        text = json.dumps(self.to_json(), indent=1, allow_nan=False) + "\n"
-        return write_atomic(out / "findings.json", text), save_robot(self.robot, out / "robot.toml")
+        findings = write_json(out / "findings.json", self.to_json())
+        return findings, save_robot(self.robot, out / "robot.toml")
 
 
 def _plain(value: Any) -> Any:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 from dataclasses import dataclass
 from pathlib import Path
@@ -16,7 +15,7 @@ from irb2400_ctrl.excitation.assemble import RATE
 from irb2400_ctrl.excitation.feasible import SHARE, Extent
 from irb2400_ctrl.excitation.groups import AmbiguityGroup
 from irb2400_ctrl.excitation.pair_separability import CLEAR, Separability
-from irb2400_ctrl.files import write_atomic
+from irb2400_ctrl.files import write_atomic, write_json
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.planners.programs.rapid.rapid_options import RapidOptions
 from irb2400_ctrl.planners.programs.rapid.rapid_program import RapidProgram, rapid_program
@@ -142,7 +141,7 @@ class Excitation:
         return [
             write_atomic(folder / "trajectory.csv", self.trajectory().csv()),
             *([self.program().save(folder / "excitation.mod")] if self.robot.n == 6 else []),
-            write_atomic(folder / "excitation.json", json.dumps(self.summary(), indent=2) + "\n"),
+            write_json(folder / "excitation.json", self.summary()),
         ]
 
 

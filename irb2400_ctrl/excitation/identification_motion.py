@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -20,7 +19,7 @@ from irb2400_ctrl.excitation.feasible import Extent
 from irb2400_ctrl.excitation.friction_runs import FrictionRuns, friction_runs
 from irb2400_ctrl.excitation.motion_design import Budget, Design, standard_course
 from irb2400_ctrl.excitation.room import with_room
-from irb2400_ctrl.files import write_atomic
+from irb2400_ctrl.files import write_atomic, write_json
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.planners.programs.rapid.rapid_options import RapidOptions
 from irb2400_ctrl.planners.programs.rapid.rapid_program import rapid_program
@@ -115,8 +114,7 @@ class IdentificationMotion:
             program = rapid_program(model, course, options=options)
             stem = "excitation" if name == "trajectory" else name
             paths.append(program.save(folder / f"{stem}.mod"))
-        text = json.dumps(self.summary(), indent=2) + "\n"
-        return [*paths, write_atomic(folder / "excitation.json", text)]
+        return [*paths, write_json(folder / "excitation.json", self.summary())]
 
 
 def _with_way(model: Model, course: Trajectory, tau: Array) -> Trajectory:

@@ -12,7 +12,7 @@ import numpy as np
 
 from irb2400_ctrl.arrays import Array, Mask
 from irb2400_ctrl.diagnosis.preparation.metrics import Errors, errors
-from irb2400_ctrl.files import write_atomic
+from irb2400_ctrl.files import write_atomic, write_json
 from irb2400_ctrl.identification.fitting.columns import ColumnLayout
 from irb2400_ctrl.identification.force_sensor import SensedLoad
 from irb2400_ctrl.identification.friction_curve import FrictionCurve
@@ -126,7 +126,7 @@ class Identification(Displayed):
             "names": self.layout.names(),
             "covariance": [[float(v) for v in row] for row in self.covariance],
         }
-        write_atomic(folder / "identification.json", json.dumps(self.to_json(), indent=2) + "\n")
+        write_json(folder / "identification.json", self.to_json())
         write_atomic(folder / "covariance.json", json.dumps(covariance) + "\n")
         save_robot(self.robot, folder / "robot.toml")
 

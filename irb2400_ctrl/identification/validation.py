@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,7 +13,7 @@ from irb2400_ctrl.arrays import Array, Mask
 from irb2400_ctrl.diagnosis.preparation.metrics import Errors, errors
 from irb2400_ctrl.diagnosis.regressors.predict import predicted_torque
 from irb2400_ctrl.errors import InputError
-from irb2400_ctrl.files import write_atomic
+from irb2400_ctrl.files import write_json
 from irb2400_ctrl.measurement import Log
 from irb2400_ctrl.measurement.joined_log import prepare_together
 from irb2400_ctrl.robot import Robot
@@ -72,7 +71,7 @@ class Validation:
 
     def write(self, folder: Path | str) -> None:
         """validation.json."""
-        write_atomic(Path(folder) / "validation.json", json.dumps(self.to_json(), indent=2) + "\n")
+        write_json(Path(folder) / "validation.json", self.to_json())
 
 
 def validate(robot: Robot, log: Log | Sequence[Log]) -> Validation:

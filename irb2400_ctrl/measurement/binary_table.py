@@ -14,11 +14,16 @@ from irb2400_ctrl.errors import InputError, ToolMissingError
 from irb2400_ctrl.extras import needed
 from irb2400_ctrl.measurement.table import Table, one_length
 
+MOST_JOINTS = 16
+"""a matrix with so few rows and more columns than that holds a sample per column"""
 _MATRIX = re.compile(r"(qd|q|tau)(_ref)?_(\w+)")
 
 
 def read_parquet_table(path: Path) -> Table:
-    """Columns of numbers of a Parquet file.
+    """Columns of numbers of a Parquet file; instants count in seconds from the first, and the only
+    one is `time_s` where no column is called so.
+
+    A list of numbers in every row is a matrix, and its columns have names as those of a MAT file.
 
     Raises:
         InputError: not a Parquet file, or none of its columns holds numbers.
@@ -30,10 +35,12 @@ def read_parquet_table(path: Path) -> Table:
         table = parquet.read_table(path)
     except (OSError, pa.ArrowException) as error:
         raise InputError(f"{path} is not a readable Parquet file: {error}") from error
-    numeric = [f.name for f in table.schema if pa.types.is_floating(f.type) or _whole(pa, f.type)]
-    columns = {
-        name: np.asarray(table[name].to_numpy(), dtype=float) for name in dict.fromkeys(numeric)
-    }
+    columns: dict[str, Array] = {}
+    for field in table.schema:
+        columns |= _arrow_columns(pa, field.name, table[field.name])
+    instants = [field.name for field in table.schema if pa.types.is_timestamp(field.type)]
+    if len(instants) == 1 and not any(name.startswith("time_") for name in columns):
+        columns = {"time_s": columns[instants[0]], **columns}
     return one_length(path, columns)
 
 
@@ -66,8 +73,22 @@ def read_mat_table(path: Path) -> Table:
     return one_length(path, columns)
 
 
-def _whole(pa: Any, kind: Any) -> bool:
-    return bool(pa.types.is_integer(kind))
+def _arrow_columns(pa: Any, name: str, values: Any) -> dict[str, Array]:
+    """Numbers as they are, instants in seconds since the first, lists as `name[1]`, `name[2]`…"""
+    kind = values.type
+    if pa.types.is_floating(kind) or pa.types.is_integer(kind):
+        return {name: np.asarray(values.to_numpy(), dtype=float)}
+    if pa.types.is_timestamp(kind):
+        stamps = np.asarray(values.to_numpy()).astype("datetime64[ns]")
+        # an instant that is missing (NaT) is NaN
+        return {name: (stamps - stamps[:1]) / np.timedelta64(1, "s")}
+    if pa.types.is_list(kind) or pa.types.is_large_list(kind) or pa.types.is_fixed_size_list(kind):
+        rows = values.to_pylist()
+        width = {-1 if row is None else len(row) for row in rows}
+        if len(width) == 1 and min(width) > 0 and not isinstance(rows[0][0], str | list | dict):
+            matrix = np.array(rows, dtype=float)
+            return {_column(name, j): matrix[:, j] for j in range(matrix.shape[1])}
+    return {}
 
 
 def _hdf5(path: Path) -> dict[str, Any]:
@@ -99,6 +120,8 @@ def _flat(name: str, value: Any) -> Iterator[tuple[str, Array]]:
                 yield from _flat(f"{name}.{field}", getattr(item, field))
     elif array.ndim == 2 and np.issubdtype(array.dtype, np.number):
         numbers = array.astype(float)
+        if 1 < len(numbers) <= MOST_JOINTS < numbers.shape[1]:
+            numbers = numbers.T  # a sample per column
         if 1 in numbers.shape:
             yield name, numbers.ravel()
         else:

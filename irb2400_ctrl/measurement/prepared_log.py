@@ -4,6 +4,7 @@ judged."""
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from scipy.ndimage import uniform_filter1d
@@ -97,6 +98,13 @@ class PreparedLog:
     def rows(self) -> int:
         """Number of filtered instants."""
         return len(self.row_time)
+
+    @cached_property
+    def scalars(self) -> list[Array]:
+        """The 5 n + 1 scalars effects may depend on, each (m,): q, qd, qdd, qddd, qdddd, time."""
+        parts = (self.q, self.qd, self.qdd, self.qddd, self.qdddd)
+        signals = [np.ascontiguousarray(part[:, j]) for part in parts for j in range(self.n)]
+        return [*signals, self.time]
 
     def filtered(self, signal: Array) -> Array:
         """The common filter along the first axis, decimated: (m, ...) -> (rows, ...)."""

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -29,6 +30,7 @@ from irb2400_ctrl.measurement.signal_names import (
     without_unit,
 )
 from irb2400_ctrl.measurement.table import Table
+from irb2400_ctrl.reading import looks_like
 
 Found = dict[str, dict[int, str]]
 """signal -> joint -> name of the column in the file"""
@@ -85,6 +87,7 @@ def read_log(
         given = columns if isinstance(columns, ColumnMap) else load_column_map(columns)
         time, found, scales = _by_map(table, given)
     used = {time[0], *(name for places in found.values() for name in places.values())}
+    table = _without_blank_rows(table, used - {time[0]})
     _finite(table, used)
     n = joints or max([max(found[s], default=0) for s in ("q", "tau")], default=0) or 6
     found = {signal: found[signal] for signal in found if found[signal] or signal in {"q", "tau"}}
@@ -135,6 +138,7 @@ def _by_name(
         raise InputError(
             f"{table.path}: no column time_s, time_ms or 'Time [s]'; found {table.some}: rename "
             "them, or say what they are in a column map (--columns, docs/logs.md)"
+            + looks_like(table.columns)
         )
     return (times[0], NAMED_TIMES[times[0]]), found, scales
 
@@ -187,6 +191,23 @@ def _contradict(table: Table, one: str, other: str) -> None:
     )
 
 
+def _without_blank_rows(table: Table, signals: set[str]) -> Table:
+    """Without the rows that hold no sample of the arm (of another topic, another recorder)."""
+    there = [name for name in signals if name in table.columns]
+    if not there:
+        return table
+    blank = np.isnan(table.columns[there[0]])
+    for name in there[1:]:
+        if not blank.any():
+            return table
+        blank &= np.isnan(table.columns[name])
+    if not blank.any() or blank.all():
+        return table
+    columns = {name: values[~blank] for name, values in table.columns.items()}
+    lines = np.flatnonzero(~blank)
+    return replace(table, columns=columns, rows=lines)
+
+
 def _finite(table: Table, used: set[str]) -> None:
     """Refuse cells that are not finite numbers in the columns that matter, and say where they
     are."""
@@ -197,9 +218,15 @@ def _finite(table: Table, used: set[str]) -> None:
         row, _, name = min(
             (int(bad[name][0]), k, name) for k, name in enumerate(names) if len(bad[name])
         )
+        word = table.words.get(name, "") if row == 0 else ""
         raise InputError(
             f"{table.path}: {count} cells are not finite numbers, the first is {name} in "
-            f"{table.place(row)}; expected numbers everywhere: delete the rows of lost samples"
+            f"{table.place(row)}"
+            + (
+                f", where {word[:40]!r} stands; expected numbers (a time in seconds)"
+                if word
+                else "; expected numbers everywhere: delete the rows of lost samples"
+            )
         )
 
 

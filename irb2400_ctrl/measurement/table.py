@@ -6,6 +6,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
+import numpy as np
+import numpy.typing as npt
+
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.errors import InputError
 
@@ -17,15 +20,18 @@ class Table:
     Args:
         first_line: number of the line in the file that holds the first sample, where it has lines.
         words: first cells of the columns that hold words.
+        rows: of the file that the samples stand in, counted from 0; default every one.
     """
 
     path: Path
     columns: dict[str, Array]
     first_line: int | None = None
     words: Mapping[str, str] = field(default_factory=dict)
+    rows: npt.NDArray[np.intp] | None = None
 
     def place(self, row: int) -> str:
         """Where a sample stands in the file."""
+        row = row if self.rows is None else int(self.rows[row])
         return f"sample {row + 1}" if self.first_line is None else f"line {row + self.first_line}"
 
     @property

@@ -2,13 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Any, TypeVar, cast
+from weakref import WeakKeyDictionary
 
 import casadi as ca
 import numpy as np
 import numpy.typing as npt
 
 from irb2400_ctrl.errors import InputError
+
+_PART = 1024
+"""states that are mapped together"""
+_MAPS: WeakKeyDictionary[ca.Function, dict[int, ca.Function]] = WeakKeyDictionary()
 
 # numpy in, numpy out; SX or MX in, the same out
 Value = TypeVar("Value", npt.NDArray[np.float64], ca.SX, ca.MX)
@@ -49,21 +55,43 @@ def evaluate(
 
 
 def _many(function: ca.Function, inputs: list[Any], count: int) -> Any:
-    """m evaluations, shape (m, rows, columns): CasADi maps the function over buffers, without a
-    Python loop and without matrices of its own, whose conversion takes longer than the model."""
+    """m evaluations, shape (m, rows, columns): CasADi maps the function over buffers, part by part,
+    without matrices of its own, whose conversion takes longer than the model."""
     shape = function.sparsity_out(0)
     values = np.zeros((count, shape.nnz()))
-    if count and shape.nnz():
-        opened: Any = function.map(count).buffer()
+    held = [np.ascontiguousarray(value, dtype=float) for value in inputs]
+    for first, many in _parts(count) if shape.nnz() else ():
+        opened: Any = _map(function, many).buffer()
         buffer, trigger = opened
-        held = [np.ascontiguousarray(value, dtype=float) for value in inputs]
         for position, array in enumerate(held):
-            buffer.set_arg(position, array.reshape(-1).data)
-        buffer.set_res(0, values.reshape(-1).data)
+            buffer.set_arg(position, array[first : first + many].reshape(-1).data)
+        buffer.set_res(0, values[first : first + many].reshape(-1).data)
         trigger()
-    result = np.zeros((count, function.size1_out(0), function.size2_out(0)))
-    result[:, np.array(shape.row(), dtype=int), np.array(shape.get_col(), dtype=int)] = values
-    return result
+    rows, columns = shape.shape
+    result = np.zeros((count, rows * columns))
+    result[:, columns * np.array(shape.row(), dtype=int) + np.array(shape.get_col(), dtype=int)] = (
+        values
+    )
+    return result.reshape(count, rows, columns)
+
+
+def _parts(count: int) -> Iterator[tuple[int, int]]:
+    """First row and number of rows of each part: whole ones, then powers of two, so that few maps
+    serve any count."""
+    first = 0
+    while first < count:
+        many = min(_PART, 1 << ((count - first).bit_length() - 1))
+        yield first, many
+        first += many
+
+
+def _map(function: ca.Function, many: int) -> ca.Function:
+    """The function for many states; kept with it, for making it takes longer than a pass through
+    it: four times as long for a regressor."""
+    maps = _MAPS.setdefault(function, {})
+    if many not in maps:
+        maps[many] = function.map(many)
+    return maps[many]
 
 
 def _one(function: ca.Function, inputs: list[Any], matrix: bool) -> Any:

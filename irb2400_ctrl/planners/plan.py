@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from irb2400_ctrl.arrays import Array
-from irb2400_ctrl.files import write_atomic
+from irb2400_ctrl.files import write_atomic, write_json
 from irb2400_ctrl.notebook import Displayed
 from irb2400_ctrl.planners.clearance.clearance import unknown
 from irb2400_ctrl.planners.redundancy.rotation_map import RotationMap
@@ -160,6 +160,4 @@ class Plan(Displayed):
             text = json.dumps(self.rotation_map.summary())
             write_atomic(folder / "rotation_map.json", text + "\n")
         trajectory = write_atomic(folder / "trajectory.csv", self.trajectory.csv())
-        return trajectory, write_atomic(
-            folder / "plan.json", json.dumps(self.summary(), indent=2) + "\n"
-        )
+        return trajectory, write_json(folder / "plan.json", self.summary())

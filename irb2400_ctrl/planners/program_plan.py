@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -13,7 +12,7 @@ import numpy as np
 
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.errors import InputError, UnreachableError
-from irb2400_ctrl.files import write_atomic
+from irb2400_ctrl.files import write_json
 from irb2400_ctrl.planners.linking.clearance_plane import ClearancePlane, spindle_axis
 from irb2400_ctrl.planners.linking.link_operations import link_operations
 from irb2400_ctrl.planners.linking.link_options import LinkOptions
@@ -134,8 +133,7 @@ class ProgramPlan:
         for done in self.operations:
             for name, run in done.folders():
                 written += run.plan.write(folder / name)
-        text = json.dumps(self.summary(), indent=2) + "\n"
-        return [write_atomic(folder / "program.json", text), *written]
+        return [write_json(folder / "program.json", self.summary()), *written]
 
 
 def plan_program(

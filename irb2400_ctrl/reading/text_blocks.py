@@ -17,12 +17,13 @@ MOST_BYTES = 4_000_000_000
 """of the unpacked text"""
 LONGEST_LINE = 100_000
 """bytes; a line that is longer is not one of a log"""
+_BEYOND_ASCII = re.compile(rb"[\x80-\xff]+")
 _BINARY = re.compile(rb"[\x00-\x08\x0e-\x1a\x1c-\x1f]")
 
 
 def text_blocks(path: Path) -> Iterator[bytes]:
-    """The file, in UTF-8, UTF-16 or Windows' code page 1252, as UTF-8 without its mark; whole lines
-    in every block, "\\n" at their ends.
+    """The file, in UTF-8, UTF-16, or a code page of Windows (1252, GB18030), as UTF-8 without its
+    mark; whole lines in every block, "\\n" at their ends.
 
     Never holds more than a few blocks, so that a packed file cannot fill the memory.
 
@@ -67,8 +68,7 @@ def _decoded(path: Path) -> Iterator[bytes]:
                     except UnicodeDecodeError as error:
                         if error.encoding.startswith("utf-16"):
                             raise
-                        # German and French loggers write the degree sign in Windows' code page
-                        decoder = codecs.getincrementaldecoder("cp1252")("replace")
+                        decoder = codecs.getincrementaldecoder(_code_page(piece))("replace")
                         text = held + decoder.decode(pending + piece)
                     # the last "\r" may be the first half of "\r\n"
                     held = "\r" if text.endswith("\r") else ""
@@ -80,6 +80,14 @@ def _decoded(path: Path) -> Iterator[bytes]:
                     yield pending.decode("cp1252", "replace").encode()
     except (OSError, EOFError, zlib.error, UnicodeDecodeError) as error:
         raise InputError(f"{path} is not a readable CSV or gzip file: {error}") from error
+
+
+def _code_page(piece: bytes) -> str:
+    """Windows' own of German and French loggers, or the Chinese one: two bytes a character, and
+    words of several."""
+    runs = [len(run) for run in _BEYOND_ASCII.findall(piece)]
+    chinese = all(run % 2 == 0 for run in runs) and max(runs, default=0) >= 4
+    return "gb18030" if chinese else "cp1252"
 
 
 def _decoder(path: Path, begin: bytes) -> codecs.IncrementalDecoder:

@@ -64,6 +64,8 @@ def _head(robot: Robot) -> str:
     if robot.effects:
         kinds = ", ".join(sorted({effect.kind for effect in robot.effects}))
         notes.append(f"Effects of the robot file that URDF cannot hold: {kinds}.")
+    if not np.isfinite([*robot.tau_bound, *robot.qd_bound]).all():
+        notes.append("An effort or velocity of 0 is a limit that the robot file does not state.")
     notes.append(
         "Stribeck friction (static, transition speed) is not part of URDF; damping and friction "
         "are."
@@ -103,8 +105,8 @@ def _revolute(robot: Robot, i: int, parent: str, child: str) -> str:
     ends = np.array([A[i] * robot.q_min, A[i] * robot.q_max])
     lower = ends.min(axis=0).sum()
     upper = ends.max(axis=0).sum()
-    effort = np.abs(np.linalg.inv(A).T[i]) @ robot.tau_max
-    velocity = np.abs(A[i]) @ robot.qd_max
+    effort = _bound(np.linalg.inv(A).T[i], robot.tau_bound)
+    velocity = _bound(A[i], robot.qd_bound)
     lines = [
         f'  <joint name="joint_{i + 1}" type="revolute">',
         f'    <parent link="{parent}"/>\n    <child link="{child}"/>\n    {_origin(X)}\n    <axis '
@@ -117,6 +119,13 @@ def _revolute(robot: Robot, i: int, parent: str, child: str) -> str:
         _, coulomb, viscous, _ = robot.friction[i]
         lines.append(f'    <dynamics damping="{_number(viscous)}" friction="{_number(coulomb)}"/>')
     return "\n".join([*lines, "  </joint>"])
+
+
+def _bound(row: Array, limits: Array) -> float:
+    """Largest |row x| within |x| <= limits; 0 where a limit that counts is unknown (infinite)."""
+    counts = row != 0
+    largest = float(np.abs(row[counts]) @ limits[counts])
+    return largest if np.isfinite(largest) else 0.0
 
 
 def _fixed(child: str, parent: str, X: Array) -> str:

@@ -4,7 +4,6 @@ of the contract."""
 from __future__ import annotations
 
 import io
-import json
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
@@ -15,7 +14,7 @@ import numpy as np
 
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.codegen import Block
-from irb2400_ctrl.files import write_atomic
+from irb2400_ctrl.files import write_atomic, write_json
 from irb2400_ctrl.measurement import Log
 from irb2400_ctrl.notebook import Displayed
 from irb2400_ctrl.robot import Robot
@@ -181,9 +180,7 @@ class Simulation(Displayed):
         formats = [_format(name) for name in columns]
         np.savetxt(text, np.column_stack(list(columns.values())), fmt=formats, delimiter=",")
         log = write_atomic(Path(out) / "log.csv", text.getvalue())
-        return log, write_atomic(
-            Path(out) / "simulation.json", json.dumps(self.summary(), indent=2) + "\n"
-        )
+        return log, write_json(Path(out) / "simulation.json", self.summary())
 
 
 def _format(name: str) -> str:

@@ -13,7 +13,7 @@ import numpy as np
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.files import write_atomic
-from irb2400_ctrl.reading import text_blocks
+from irb2400_ctrl.reading import looks_like, text_blocks
 from irb2400_ctrl.trajectory.trajectory import Trajectory, from_angles
 
 MOST_NUMBERS = 26_000_000
@@ -55,6 +55,7 @@ def load_trajectory(path: Path | str, axes: int = 6) -> Trajectory:
         known = ", ".join(name for name in header if _NAME.fullmatch(name)) or "none of a motion"
         raise InputError(
             f"{path} lacks time_s or q1_deg … q{axes}_deg (or _rad); its columns are {known}"
+            + looks_like(header)
         )
     qd = _angles(path, header, table, "qd", "_s", axes)
     qdd = _angles(path, header, table, "qdd", "_s2", axes)

@@ -90,7 +90,7 @@ def test_what_is_to_be_kept_is_kept() -> None:
 def test_a_line_through_the_column_is_refused() -> None:
     line = builders.line((0.3, -0.4, 0.4), (-0.1, 0.4, 0.4))
     unseen = ROBOT.model_copy(update={"outline": None})
-    plan = plan_path(unseen, line, cells=100)
+    plan = plan_path(unseen, line, cells=100, torque_rate=np.inf)
     # nothing is known of this arm's space: said, not claimed
     assert plan.clearance["value"] is None
     assert "no [outline]" in plan.clearance["reason"]
@@ -137,7 +137,7 @@ def walls(gap_mm: float) -> Cell:
 def test_between_walls() -> None:
     # the holder of 40 mm goes 25 mm deep into the pocket
     path = builders.line((-0.05, 0.0, 0.0), (0.05, 0.0, 0.0))
-    plan = plan_path(ROBOT, path, cell=walls(80.0), cells=100)
+    plan = plan_path(ROBOT, path, cell=walls(80.0), cells=100, torque_rate=np.inf)
     assert plan.clearance["pair"][1] == "walls"
     assert 19.0 < plan.clearance["value"] <= 20.0
     with pytest.raises(CollisionError, match="walls"):
@@ -146,7 +146,7 @@ def test_between_walls() -> None:
 
 def test_the_arm_goes_another_way_round_an_obstacle() -> None:
     path = builders.line((0.9, -0.02, 0.5), (0.9, 0.02, 0.5))
-    free = plan_path(ROBOT, path, cells=100)
+    free = plan_path(ROBOT, path, cells=100, torque_rate=np.inf)
     X = Model(ROBOT).flange_pose(free.trajectory.q[len(free.trajectory.q) // 2])
     post: dict[str, Any] = {
         "name": "room",
@@ -160,7 +160,8 @@ def test_the_arm_goes_another_way_round_an_obstacle() -> None:
             }
         ],
     }
-    plan = plan_path(ROBOT, path, cell=Cell.model_validate(post), cells=100)
+    room = Cell.model_validate(post)
+    plan = plan_path(ROBOT, path, cell=room, cells=100, torque_rate=np.inf)
     assert plan.clearance["value"] > 1.0
     assert not np.allclose(plan.rotation.mean(), free.rotation.mean(), atol=0.1)
 
@@ -235,7 +236,7 @@ def test_a_longer_tool_moves_the_flange_away() -> None:
     path = builders.line((0.0, 0.0, 0.05), (0.05, 0.0, 0.05))
     flange = []
     for name in ("MILL_10", "LONG"):
-        plan = plan_path(ROBOT, path, cell=cell, tool=name, cells=100)
+        plan = plan_path(ROBOT, path, cell=cell, tool=name, cells=100, torque_rate=np.inf)
         q = plan.trajectory.q
         tip = Model(plan.robot).tcp_pose(q[-1])
         assert tip[:3, 3] == pytest.approx([0.9, 0.0, 0.55], abs=1e-4)

@@ -83,6 +83,13 @@ def test_friction_of_a_cold_arm_is_recalibrated_and_is_no_effect() -> None:
     np.testing.assert_allclose(ratio, 1.3, atol=0.15)
 
 
+def test_numbers_further_off_than_stated_are_no_effect() -> None:
+    """All of them 2.5 times as far as the data sheet says: no single link is the one that is."""
+    read = Case(609666504, spread=2.5).simulate()[0]
+    found = diagnose(ROBOT, Log(read.time, read.q, read.tau, q_ref=read.q_ref))
+    assert names(found) == []
+
+
 def test_dry_friction_that_builds_up_over_an_angle_is_a_hysteresis() -> None:
     rate = speed(2)
     state = np.sign(rate)

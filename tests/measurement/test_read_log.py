@@ -177,12 +177,48 @@ def test_parquet(tmp_path: Path) -> None:
         read_log(path)
 
 
+def test_parquet_with_instants_and_lists(tmp_path: Path) -> None:
+    """As pandas and recorders of learning data write them."""
+    import pyarrow as pa
+    from pyarrow import parquet
+
+    log = made()
+    ns = 1_700_000_000_000_000_000 + np.round(1e9 * log.time).astype(np.int64)
+    path = tmp_path / "log.parquet"
+    instants = pa.array(ns, pa.timestamp("ns"))
+    named = {f"q{j + 1}_rad": log.q[:, j] for j in range(6)}
+    named |= {f"tau{j + 1}_Nm": log.tau[:, j] for j in range(6)}
+    parquet.write_table(pa.table({"timestamp": instants, **named}), path)
+    found = read_log(path)
+    np.testing.assert_allclose(found.time, log.time - log.time[0], atol=1e-8)
+    np.testing.assert_array_equal(found.q, log.q)
+    lists = {"state": list(log.q), "load": list(log.tau), "t": log.time}
+    parquet.write_table(pa.table(lists), path)
+    columns = tmp_path / "map.toml"
+    columns.write_text(
+        '[time]\ncolumn = "t"\n'
+        '[[columns]]\nfile = "state[{j}]"\nquantity = "q"\nunit = "rad"\n'
+        '[[columns]]\nfile = "load[{j}]"\nquantity = "tau"\nunit = "Nm"\n'
+    )
+    same(read_log(path, columns=columns), log)
+
+
+def test_an_instant_in_words_is_shown(tmp_path: Path) -> None:
+    path = tmp_path / "log.csv"
+    path.write_text("time_s,q1_rad,tau1_Nm\n12:00:01.5,0,1\n12:00:01.6,0,1\n")
+    with pytest.raises(InputError, match=r"where '12:00:01.5' stands; expected .* in seconds"):
+        read_log(path)
+
+
 def test_mat_vectors_matrices_and_structures(tmp_path: Path) -> None:
     from scipy.io import savemat
 
     log = made()
     path = tmp_path / "log.mat"
     savemat(path, {"time_s": log.time, "q_deg": np.degrees(log.q), "tau_Nm": log.tau, "rate": 250})
+    same(read_log(path), log)
+    turned = {"q_deg": np.degrees(log.q).T, "tau_Nm": log.tau.T}
+    savemat(path, {"time_s": log.time, **turned})
     same(read_log(path), log)
     savemat(path, {"out": {"t": log.time, "signals": {"q": log.q, "current": log.tau / 2.0}}})
     text = '[time]\ncolumn = "out.t"\n'

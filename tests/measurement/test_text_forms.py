@@ -41,7 +41,7 @@ def code_page() -> bytes:
     """A spreadsheet in German: title with empty cells, degree sign, decimal comma, cp1252."""
     names = ["Time [s]", *numbered("J{} [°]"), *numbered("Axis {} torque (Nm)")]
     body = table(";", names, TIME, np.degrees(Q), TAU).replace(".", ",")
-    return ("Meßprotokoll;;\n" + body).encode("cp1252")
+    return ("Meßprotokoll der Größe;;\n" + body).encode("cp1252")
 
 
 def unit_line() -> bytes:
@@ -101,6 +101,21 @@ def since_1970(unit: float) -> bytes:
     return "\n".join([",".join(names), *lines]).encode()
 
 
+def with_rows_of_another_topic() -> bytes:
+    """PlotJuggler writes the instants of all topics, with nothing where a topic is silent."""
+    lines = []
+    for line, t in zip(by_joint_names().decode().splitlines()[1:], TIME, strict=True):
+        lines += [f"{t - 0.002:.7f}," + 17 * "," + ",7.5", f"{line},"]
+    head = by_joint_names().decode().splitlines()[0] + ",/force/z"
+    return "\n".join([head, *lines]).encode()
+
+
+def chinese() -> bytes:
+    """A spreadsheet in Chinese, in the code page of its Windows."""
+    names = ["时间(ms)", *numbered("关节{}角度(deg)"), *numbered("关节{}力矩(Nm)")]
+    return ("测试记录\n" + table(",", names, 1e3 * TIME, np.degrees(Q), TAU)).encode("gb18030")
+
+
 FORMS: dict[str, Callable[[], bytes]] = {
     "blanks": lambda: table("  ", PLAIN, TIME, Q, TAU).encode(),
     "blanks, Windows": lambda: table(" ", PLAIN, TIME, Q, TAU).replace("\n", "\r\n").encode(),
@@ -111,6 +126,8 @@ FORMS: dict[str, Callable[[], bytes]] = {
     "by joint names": by_joint_names,
     "echoed": echoed,
     "of a bag": of_a_bag,
+    "rows of another topic": with_rows_of_another_topic,
+    "Chinese": chinese,
     "ms since 1970": lambda: since_1970(1e-3),
     "us since 1970": lambda: since_1970(1e-6),
     "ns since 1970": lambda: since_1970(1e-9),

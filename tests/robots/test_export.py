@@ -178,6 +178,23 @@ def test_a_urdf_comes_back_as_it_went_out(tmp_path: Path) -> None:
     np.testing.assert_allclose(back.q_max, robot.q_max, rtol=1e-14)
 
 
+def test_limits_that_nobody_knows_hinder_no_urdf(tmp_path: Path) -> None:
+    """Most files of makers state no effort, and an MJCF no speed."""
+    robot = arm("irb1200")
+    joints = list(robot.joints)
+    for k, gone in ((1, {"torque_Nm": None}), (2, {"speed_deg_s": None})):
+        limits = joints[k].limits.model_copy(update=gone)
+        joints[k] = joints[k].model_copy(update={"limits": limits})
+    text = to_urdf(robot.model_copy(update={"joints": tuple(joints)}))
+    assert "0 is a limit that the robot file does not state" in text
+    path = tmp_path / "arm.urdf"
+    path.write_text(text)
+    back = import_robot(path).robot
+    assert np.isinf(back.tau_bound).tolist() == [False, True, False, False, False, False]
+    assert np.isinf(back.qd_bound).tolist() == [False, False, True, False, False, False]
+    assert "does not state" not in to_urdf(robot)
+
+
 @pytest.mark.parametrize("form", ["urdf", "mjcf"])
 def test_a_link_without_mass_gets_a_gram_and_the_export_says_so(form: str, tmp_path: Path) -> None:
     mujoco = pytest.importorskip("mujoco")

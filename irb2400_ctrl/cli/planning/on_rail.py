@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -29,7 +28,7 @@ def on_rail(
     out: Path,
 ) -> Summary:
     """Find the place of the carriage -> placement.json, report.html."""
-    from irb2400_ctrl.files import write_atomic
+    from irb2400_ctrl.files import write_json
     from irb2400_ctrl.planners.placement import rail_position
     from irb2400_ctrl.report.pages.placement_page import rail_page
 
@@ -38,7 +37,7 @@ def on_rail(
     with step("looking along the rail"):
         found = rail_position(arm, programs, cell, free_tool_rotation=free, tool=tool, load=load)
     facts = found.summary()
-    written = [write_atomic(out / "placement.json", json.dumps(facts, indent=2) + "\n")]
+    written = [write_json(out / "placement.json", facts)]
     page = rail_page(found, arm, cell)
     page.provenance(provenance(arm))
     written.append(page.write(out / "report.html"))

@@ -8,7 +8,14 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from irb2400_ctrl.cli.options import CellOption, ToolOption, WorkFrameOption, input_file
+from irb2400_ctrl.cli.options import (
+    CellOption,
+    RotaryOption,
+    ToolOption,
+    UnitsOption,
+    WorkFrameOption,
+    input_file,
+)
 from irb2400_ctrl.cli.planning import bag
 from irb2400_ctrl.cli.summary import Summary, answers
 from irb2400_ctrl.errors import InputError
@@ -21,8 +28,6 @@ if TYPE_CHECKING:
 app = typer.Typer(
     help="Look at a CAM file, pass a motion on.", no_args_is_help=True, rich_markup_mode=None
 )
-UNITS_HELP = "Unit of length, against what the file says: mm, cm, m, inch or foot."
-ROTARY_HELP = "Rotary axes of the machine from part to tool, for 5-axis G-code: C,A."
 KINDS = {
     "unknown": "not understood (irb2400 plan refuses the file)",
     "assumed": "assumed",
@@ -44,8 +49,8 @@ def show(
     file: Annotated[
         Path, typer.Argument(metavar="FILE", help="CSV, APT/CLDATA (NX, Creo, CATIA) or G-code.")
     ],
-    units: Annotated[str | None, typer.Option("--units", help=UNITS_HELP)] = None,
-    rotary: Annotated[str | None, typer.Option("--rotary", help=ROTARY_HELP)] = None,
+    units: UnitsOption = None,
+    rotary: RotaryOption = None,
     work_frame: WorkFrameOption = None,
     cell: CellOption = None,
     tool: ToolOption = None,

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -15,13 +14,13 @@ from irb2400_ctrl.cli.options import (
     OutOption,
     RobotOption,
     ToolOption,
+    UnitsOption,
     input_file,
     load_arm,
     output_folder,
 )
 from irb2400_ctrl.cli.planning.cutting import CuttingForceOption, StiffnessOption, cutting_load
 from irb2400_ctrl.cli.planning.on_rail import on_rail
-from irb2400_ctrl.cli.planning.path import UNITS_HELP
 from irb2400_ctrl.cli.progress import step
 from irb2400_ctrl.cli.summary import Summary, answers
 from irb2400_ctrl.errors import InputError
@@ -62,7 +61,6 @@ TurnOption = Annotated[
     bool,
     typer.Option("--turn/--no-turn", help="Whether the part may be turned about the vertical."),
 ]
-UnitsOption = Annotated[str | None, typer.Option("--units", help=UNITS_HELP)]
 PlanOption = Annotated[
     bool, typer.Option("--plan", help="Plan both places, into the folders start and found.")
 ]
@@ -132,11 +130,11 @@ def place(
 
 
 def _written(facts: dict[str, Any], page: Page, arm: Robot, out: Path) -> Summary:
-    from irb2400_ctrl.files import write_atomic
+    from irb2400_ctrl.files import write_json
 
     page.provenance(provenance(arm))
     written = [
-        write_atomic(out / "placement.json", json.dumps(facts, indent=2) + "\n"),
+        write_json(out / "placement.json", facts),
         page.write(out / "report.html"),
     ]
     print(f"written to {out}: placement.json, report.html")

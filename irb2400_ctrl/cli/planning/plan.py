@@ -14,7 +14,9 @@ from irb2400_ctrl.cli.options import (
     FreeOption,
     OutOption,
     RobotOption,
+    RotaryOption,
     ToolOption,
+    UnitsOption,
     WorkFrameOption,
     input_file,
     load_arm,
@@ -22,7 +24,6 @@ from irb2400_ctrl.cli.options import (
 )
 from irb2400_ctrl.cli.planning.cutting import CuttingForceOption, StiffnessOption, cutting_load
 from irb2400_ctrl.cli.planning.job import Job
-from irb2400_ctrl.cli.planning.path import ROTARY_HELP, UNITS_HELP
 from irb2400_ctrl.cli.planning.placing import PositionerOption, placed
 from irb2400_ctrl.cli.planning.plan_program import (
     link_options,
@@ -61,14 +62,12 @@ OperationOption = Annotated[
         show_default="all",
     ),
 ]
-UnitsOption = Annotated[str | None, typer.Option("--units", help=UNITS_HELP)]
 SpindleOption = Annotated[
     float | None,
     typer.Option(
         "--spindle-rpm", help="Spindle speed for feeds per revolution where the file states none."
     ),
 ]
-RotaryOption = Annotated[str | None, typer.Option("--rotary", help=ROTARY_HELP)]
 RateOption = Annotated[
     float, typer.Option(help="Samples per second of the trajectory.", min=10, max=10000)
 ]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import time
 from collections.abc import Iterator
 from pathlib import Path
@@ -138,12 +137,12 @@ def _replayed(log: Path, columns: Path | None, names: Any, speed: float | None) 
 
 def _ended(watched: Watch, suspicions: list[Suspicion], log: Path, out: Path | None) -> Summary:
     from irb2400_ctrl.errors import InputError
-    from irb2400_ctrl.files import write_atomic
+    from irb2400_ctrl.files import write_json
     from irb2400_ctrl.report.pages.watch_page import watch_page
 
     if not watched.seen:
         raise InputError(
-            f"{log}: found {watched.length:.0f} s, expected more than the {watched.learn:g} s that "
+            f"{log}: found {watched.length:.3g} s, expected more than the {watched.learn:g} s that "
             "are learned: a longer log, or --learn SECONDS"
         )
     facts = {"log": str(log), **watched.summary()}
@@ -155,7 +154,6 @@ def _ended(watched: Watch, suspicions: list[Suspicion], log: Path, out: Path | N
         return summary
     page = watch_page(watched, suspicions, log.name)
     page.provenance(provenance(watched.robot))
-    text = json.dumps(json.loads(summary.text()), indent=2) + "\n"
-    written = [write_atomic(out / "watch.json", text), page.write(out / "report.html")]
+    written = [write_json(out / "watch.json", facts), page.write(out / "report.html")]
     print(f"written: {', '.join(map(str, written))}")
     return Summary(facts, written)

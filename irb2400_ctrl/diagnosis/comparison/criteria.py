@@ -29,6 +29,8 @@ class Criteria:
             other numbers of the robot would give all but the share `in_base`, where no misfit of
             shape or noise can pass for it; gain_stated: the same where the spread of its own
             numbers is known.
+        wider: times as uncertain as stated all numbers of the robot may be instead of an effect
+            that other numbers of the robot would give but for that share.
         energy: its energy over what the base alone leaves on that joint.
         torque: its rms torque over the joint's; torque_beside_law: the same where its law alone
             gains less than `by_law` of what it gains with discrepancy.
@@ -51,6 +53,7 @@ class Criteria:
     gain_in_base: float = 11.0
     gain_stated: float = 8.0
     in_base: float = 0.01
+    wider: float = 2.0
     energy: float = 0.05
     torque: float = 0.01
     torque_beside_law: float = 0.02
@@ -166,9 +169,13 @@ class Threshold:
         if not candidate.known:
             return c.non_parametric_gain
         # what an earlier law leaves bends the base
-        if chosen or comparison.share_beyond_base(candidate) > c.in_base:
+        if chosen or not self.in_base(comparison, candidate):
             return c.gain
         return c.gain_stated if candidate.expected else c.gain_in_base
+
+    def in_base(self, comparison: Comparison, candidate: Candidate) -> bool:
+        """Whether other numbers of the robot would give all but a small share of a candidate."""
+        return comparison.share_beyond_base(candidate) <= self.criteria.in_base
 
     def best(
         self,

@@ -93,11 +93,24 @@ class Selection:
         if not best.candidate.known and not alone:
             best = self._first_of_two(comparison, best, every, chosen)
             alternatives += [] if best in alternatives else [best]
-        if comparison.gain(best) < self.threshold.least_gain(comparison, best.candidate, chosen):
+        if self._gain(comparison, best) < self.threshold.least_gain(
+            comparison, best.candidate, chosen
+        ):
             return None
         polished = comparison.polished(best)
         alternatives[alternatives.index(best)] = polished
         return Step(polished.candidate, comparison.gain(best), tuple(alternatives))
+
+    def _gain(self, comparison: Comparison, best: Alternative) -> float:
+        """What an explanation gains over the base [nats]; of one that other numbers of the robot
+        give as well, over a base of which all numbers may be further off than stated."""
+        if not best.candidate.known or not self.threshold.in_base(comparison, best.candidate):
+            return comparison.gain(best)
+        Z = comparison.Z.copy()
+        Z[:, :, : self.fitter.own] *= self.criteria.wider
+        wide = Comparison(self.scan, self.fitter.reversal, comparison.y, Z)
+        without = max(comparison.base.log_evidence, wide.base.log_evidence)
+        return max(best.evidence, wide.compared(best.candidate).evidence) - without
 
     def _first_of_two(
         self,

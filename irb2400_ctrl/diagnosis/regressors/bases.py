@@ -44,14 +44,6 @@ class RegressorColumns:
         return RegressorColumns(self.joints, np.ascontiguousarray(self.values[:, :, columns]))
 
 
-def inputs_of(motion: PreparedLog) -> list[Array]:
-    """The 5 n + 1 scalars effects may depend on, each (m,): q, qd, qdd, qddd, qdddd, time."""
-    parts = (motion.q, motion.qd, motion.qdd, motion.qddd, motion.qdddd)
-    return [np.ascontiguousarray(part[:, j]) for part in parts for j in range(motion.n)] + [
-        motion.time
-    ]
-
-
 class Bases:
     """Evaluates effects of one robot; builds each expression once."""
 
@@ -169,7 +161,7 @@ class _Law:
         values = np.empty((len(grid), rows, len(self.joints), columns))
         if values.size == 0:
             return [RegressorColumns(self.joints, v) for v in values]
-        inputs = inputs_of(motion)
+        inputs = motion.scalars
         numbers = CHUNK if self.memory is None else CHUNK // 16
         chunk = max(1, numbers // m)
         for start in range(0, len(grid), chunk):
@@ -238,4 +230,4 @@ def _flat(basis: ca.SX, rows: list[int]) -> ca.SX:
     )
 
 
-__all__ = ["Bases", "RegressorColumns", "inputs_of"]
+__all__ = ["Bases", "RegressorColumns"]

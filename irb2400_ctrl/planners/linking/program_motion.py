@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -11,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from irb2400_ctrl.files import write_atomic
+from irb2400_ctrl.files import write_atomic, write_json
 from irb2400_ctrl.notebook import Displayed
 from irb2400_ctrl.planners.linking.clearance_plane import ClearancePlane
 from irb2400_ctrl.planners.linking.joint_plan import JointPlan
@@ -105,8 +104,7 @@ class ProgramMotion(Displayed):
         """Write `trajectory.csv` and `plan.json` into a folder; returns their paths."""
         folder = Path(out_dir)
         trajectory = write_atomic(folder / "trajectory.csv", self.trajectory.csv())
-        text = json.dumps(self.summary(), indent=2) + "\n"
-        return trajectory, write_atomic(folder / "plan.json", text)
+        return trajectory, write_json(folder / "plan.json", self.summary())
 
     def _clearance(self) -> dict[str, Any]:
         """The smallest of all segments, placed along the whole way; unknown where one is."""

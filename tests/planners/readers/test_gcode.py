@@ -157,7 +157,7 @@ def test_canned_cycles_point_by_point(tmp_path: Path, cycle: str) -> None:
     ("G5 X1 Y1 I1 J1", "G5 without P and Q"),
     ("G6.2 P4 K0 X0 Y0 Z30\nG1 X1 F60", "G6.2 ends after 1 points"),
     ("G1 X1 A3=0 B3=0 C3=1", "without TRAORI"),
-    ("MCALL CYCLE81(50,0,2,-12)", "cycles written as calls"),
+    ("MCALL POCKET3(50,0,2,-12)", "cycles written as calls"),
     ("TRANS X5", "frames written as TRANS"),
     ("G1 X5 ,R3", "corners written as ,R or ,C"),
     ("G4", "G4 states no time"),

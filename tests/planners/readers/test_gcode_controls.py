@@ -142,3 +142,80 @@ def test_fine_boring_goes_in_at_feed_and_out(tmp_path: Path) -> None:
     assert "without its way aside" in str(read.of_kind("assumed")[0])
     with pytest.raises(InputError, match="cuts a thread"):
         program(tmp_path, "G21 G0 X0 Y0 Z9\nG76 X1 Z-3 R1 P1 I1 J1 K1 F60\n")
+
+
+def test_a_program_that_begins_again_is_carried_out_once(tmp_path: Path) -> None:
+    text = "G21 G90 G0 X0 Y0 Z9\nG1 Z1 F60\nM99\n"
+    read = program(tmp_path, text)
+    assert len(read.operation().path) == 2
+    assert "M99" in str(read.of_kind("assumed")[0])
+    with pytest.raises(InputError, match=r"line 4: a block after M99"):
+        program(tmp_path, f"{text}O1\nG0 X9\nM98 P1\nM30\n".replace("O1\n", ""))
+
+
+def test_axis_words_before_any_motion_are_where_the_tool_is(tmp_path: Path) -> None:
+    read = program(tmp_path, "G21 G90\nG28 G91 Z0\nG90\nT1 M6\nZ10\nG0 X3 Y4\nZ1\nM30\n")
+    assert np.allclose(1e3 * read.operation().path.position, [[3, 4, 10], [3, 4, 1]])
+    assert "taken as the place" in " ".join(map(str, read.notes))
+    with pytest.raises(InputError, match="no motion is in force"):
+        program(tmp_path, "G21 G90\nX1 Y2 Z3\nX5\n")
+
+
+FIVE_AXES = (
+    "G21 G90 G54\nG0 B0 C0\nT2 M6\nG0 B-30 C90\nG68.2 X0 Y0 Z0 I0 J30 K90\nG53.1\nG0 X-18 Y-51\n"
+    "G69\nG43.4 H2\nG0 X51 Y-29 Z14 B-30 C90\nG1 Y-20 Z-2 F1000\nX-55\nG0 Z14\nG49\nG0 B0 C0\nM30\n"
+)
+
+
+def test_the_table_turns_before_tool_centre_control(tmp_path: Path) -> None:
+    file = tmp_path / "part.nc"
+    file.write_text(FIVE_AXES)
+    found = read_program(file, rotary="C,B").operation()
+    assert np.allclose(1e3 * found.path.position[0], [51, -29, 14])
+    assert np.allclose(found.path.axis, np.tile([0, -0.5, np.sqrt(0.75)], (4, 1)))
+    with pytest.raises(InputError, match=r"line 10: .*--rotary C,A"):
+        read_program(file)
+    file.write_text(FIVE_AXES.replace("G43.4 H2\n", ""))
+    with pytest.raises(InputError, match="without tool centre control"):
+        read_program(file, rotary="C,B")
+
+
+def test_a_comment_with_commas_is_no_header_of_columns(tmp_path: Path) -> None:
+    for comment in ("(size x, y, z)", "; x, y, z", "%"):
+        text = f"{comment}\nG21 G90 G0 X0 Y0 Z9\nG1 Z1 F60\nM30\n"
+        assert program(tmp_path, text).dialect == "G-code"
+
+
+@pytest.mark.parametrize(
+    ("first", "second"), [("G54.1 P1", "G54.1 P2"), ("G154 P1", "G154 P2"), ("G54", "G54.1 P1")]
+)
+def test_further_offsets_are_told_apart(tmp_path: Path, first: str, second: str) -> None:
+    text = f"G21 G90 {first}\nG0 X0 Y0 Z5\n{second}\nG1 X9 F60\nM30\n"
+    with pytest.raises(InputError, match=rf"line 4: {second} after motion in {first}"):
+        program(tmp_path, text)
+    assert len(operation(tmp_path, text.replace(second, first)).path) == 2
+
+
+def test_a_file_without_any_z_is_flat(tmp_path: Path) -> None:
+    read = program(tmp_path, "G21 G90\nG0 X1 Y1\nG1 X5 F600\nG2 X9 I2 J0\nM2\n")
+    assert np.allclose(read.operation().path.position[:, 2], 0)
+    assert "no Z in the whole file" in str(read.of_kind("assumed")[0])
+    with pytest.raises(InputError, match="Z of the tool is not stated yet"):
+        program(tmp_path, "G21 G90\nG0 X1 Y1\nG1 X5 F600\nG0 Z9\nM2\n")
+
+
+def test_seconds_of_a_dwell_are_said(tmp_path: Path) -> None:
+    read = program(tmp_path, "G21 G90 G0 X0 Y0 Z9\nG4 P50\nG1 Z1 F60\nM2\n")
+    assert "less than 100 is in seconds" in str(read.of_kind("assumed")[0])
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        ("N10 G30 G17 X+0 Y+0 Z-20*", "Heidenhain's DIN/ISO"),
+        ("G1 X10,5 F100", "only those with a point"),
+    ],
+)
+def test_why_a_line_is_not_read(tmp_path: Path, text: str, says: str) -> None:
+    with pytest.raises(InputError, match=says):
+        program(tmp_path, f"G21 G90\nG0 X1 Y1 Z1\n{text}\n")

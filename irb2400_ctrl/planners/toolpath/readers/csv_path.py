@@ -15,11 +15,14 @@ from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.planners.toolpath.cam_program import CamProgram, Note, Operation
 from irb2400_ctrl.planners.toolpath.readers.apt.statements import number
 from irb2400_ctrl.planners.toolpath.toolpath import ToolPath
+from irb2400_ctrl.reading import looks_like
 
 POINT = ["x_mm", "y_mm", "z_mm"]
 AXIS = ["i", "j", "k"]
 QUATERNION = ["qw", "qx", "qy", "qz"]
 FEED = "feed_mm_s"
+MOST_NAMED = 8
+"""columns that a message repeats"""
 # a column that sounds like motion and is not read would change the motion in silence
 MOTION = re.compile(
     r"(feed|fedrat|speed|vel|rapid|time|t_|f$|f_|[xyzabcuvwijk]$|[xyzabcuvw]_|r[xyz]|q[wxyz]|roll"
@@ -62,8 +65,10 @@ def _columns(header: list[str], name: str, line: int) -> tuple[bool, list[str]]:
     """Whether the orientation is full, and the columns that are left aside."""
     missing = [key for key in POINT if key not in header]
     if missing:
+        told = ",".join(header[:MOST_NAMED]) + ",…" * (len(header) > MOST_NAMED)
         raise InputError(
-            f"{name}, line {line}: no column {', '.join(missing)} in the header {header}"
+            f"{name}, line {line}: no column {', '.join(missing)} in the header "
+            f"{told}{looks_like(header)}"
         )
     twice = sorted({key for key in header if header.count(key) > 1})
     if twice:

@@ -71,10 +71,17 @@ def _apt_dialect(text: str) -> str:
 
 
 def _is_csv(text: str) -> bool:
-    """Whether the first line that is no comment is a header with columns of coordinates."""
+    """Whether the first line that is no comment is a header with columns of coordinates; a comment
+    of another language, such as (size x, y, z), is none."""
     for line in text.split("\n"):
         if line.strip() and not line.startswith("#"):
-            return "," in line and "/" not in line and CSV_COLUMNS.search(line) is not None
+            other = line.lstrip().startswith(("(", ";", "%", "$"))
+            return (
+                not other
+                and "," in line
+                and "/" not in line
+                and CSV_COLUMNS.search(line) is not None
+            )
     return False
 
 

@@ -13,6 +13,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.planners.toolpath.readers.gcode.hole_calls import HoleCall, taken_out
 from irb2400_ctrl.planners.toolpath.readers.unread_line import UnreadLineError
 
 _NUMBER = r"([-+]?(?:\d+\.?\d*|\.\d+))"
@@ -35,6 +36,8 @@ UNREADABLE = (
         re.compile(r"[#\[\]]|\bR\d+\s*=|=\s*R\d|\b(WHILE|IF|GOTO[FB]?|END\d)\b|^\$|DEF\b"),
         "variables, expressions and jumps are not read",
     ),
+    (re.compile(r"\*"), "blocks that end in * (Heidenhain's DIN/ISO) or a checksum are not read"),
+    (re.compile(r"\d,\d"), "of decimal numbers only those with a point are read"),
     (re.compile(r",\s*[RC]"), "corners written as ,R or ,C are not read"),
     (re.compile(r"="), "of words with = only those such as X=10, CR=5, I=AC(10), A3=0 are read"),
     (
@@ -49,6 +52,10 @@ REWRITTEN = (
     (re.compile(r'\bT\s*=\s*"([^"]*)"', re.IGNORECASE), r"(TC: \1)"),
     (re.compile(rf"\b([IJK])\s*=\s*AC\s*\(\s*{_NUMBER}\s*\)", re.IGNORECASE), r"\1AC=\2"),
     (re.compile(r"\bCYCLE832\s*\([^()]*\)", re.IGNORECASE), ""),
+    (re.compile(rf"\b([ABC])\s*=\s*DC\s*\(\s*{_NUMBER}\s*\)", re.IGNORECASE), r"\1=\2"),
+    # the blank for the simulation, the main spindle, the end of a swivelled plane
+    (re.compile(r"\b(WORKPIECE\s*\([^()]*\)|SETMS\b(\s*\(\d*\))?)", re.IGNORECASE), ""),
+    (re.compile(r"\bCYCLE800\s*\(\s*\)", re.IGNORECASE), ""),
     (re.compile(r"\bTRAORI\s*\(\s*1?\s*\)", re.IGNORECASE), "TRAORI"),
     (re.compile(r"\bTRAFOOF\s*\(\s*\)", re.IGNORECASE), "TRAFOOF"),
 )
@@ -63,6 +70,8 @@ class Block:
     comments: tuple[str, ...] = ()
     orders: tuple[str, ...] = ()
     """written out: TRAORI, …"""
+    call: HoleCall | None = None
+    """holes as a call (Siemens)"""
     optional: bool = False
     """behind a / : skipped when the operator wants it"""
 
@@ -80,6 +89,9 @@ def blocks(text: str, name: str) -> Iterator[Block | UnreadLineError]:
     for line, raw in enumerate(text.split("\n"), 1):
         for pattern, text_for_it in REWRITTEN:
             raw = pattern.sub(text_for_it, raw)
+        call, raw = (
+            taken_out(raw) if "CALL" in raw.upper() or "CYCLE" in raw.upper() else (None, raw)
+        )
         code, comments, closed = _split(raw)
         code = code.strip().upper()
         optional = code.startswith("/")
@@ -95,8 +107,8 @@ def blocks(text: str, name: str) -> Iterator[Block | UnreadLineError]:
         except InputError as error:
             yield UnreadLineError(line, str(error))
             continue
-        if words or comments or orders:
-            yield Block(line, tuple(words), tuple(comments), tuple(orders), optional)
+        if words or comments or orders or call:
+            yield Block(line, tuple(words), tuple(comments), tuple(orders), call, optional)
 
 
 def _split(raw: str) -> tuple[str, list[str], bool]:

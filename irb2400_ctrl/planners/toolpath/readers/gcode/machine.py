@@ -13,7 +13,7 @@ from irb2400_ctrl.planners.toolpath.readers.program_builder import ProgramBuilde
 
 STOPS = {0: "stop", 1: "optional stop", 60: "pallet change"}
 COOLANT = {7: "mist", 8: "flood", 9: "off"}
-SUBPROGRAMS = {97, 98, 99}
+SUBPROGRAMS = {97, 98}
 BEGIN = re.compile(r"begin operation\s*:\s*(.*)", re.IGNORECASE)
 FINISH = re.compile(r"finish operation", re.IGNORECASE)
 TOOL_NAME = re.compile(r"TC\s*:\s*(.*)", re.IGNORECASE)
@@ -107,6 +107,8 @@ class GcodeMachine:
                 f"{builder.place}: M{function} calls or ends a sub-program; not read, expected all "
                 "moves in one program"
             )
+        elif function == 99:
+            builder.note("assumed", "M99: the control begins again here; carried out once")
         elif function in {48, 49}:
             builder.note("ignored", f"M{function}")
         elif function not in {2, 6, 30, *STOPS}:

@@ -1,4 +1,4 @@
-"""What moves the tool in G-code: straight moves, arcs, helices and canned cycles."""
+"""What moves the tool in G-code: straight moves, arcs and helices."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ import numpy as np
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.planners.toolpath.readers.expansion.arcs import Arc
-from irb2400_ctrl.planners.toolpath.readers.expansion.drilling import HoleCycle
-from irb2400_ctrl.planners.toolpath.readers.gcode.rotary import REFUSAL, Rotary
+from irb2400_ctrl.planners.toolpath.readers.gcode.cycles import CYCLES, GcodeCycles
+from irb2400_ctrl.planners.toolpath.readers.gcode.rotary import REFUSAL, UNCONTROLLED, Rotary
 from irb2400_ctrl.planners.toolpath.readers.gcode.splines import MODES, GcodeSplines
 from irb2400_ctrl.planners.toolpath.readers.gcode.state import AXES, PLANES, ROTARY, GcodeState
 from irb2400_ctrl.planners.toolpath.readers.program_builder import ProgramBuilder
@@ -19,23 +19,8 @@ CENTRE = "IJK"
 # absolute centres: I=AC(10); the tool axis as a vector: A3=0 B3=0 C3=1 (Siemens)
 ABSOLUTE = ("IAC", "JAC", "KAC")
 VECTOR = ("A3", "B3", "C3")
-DWELLING = frozenset([76, 82, 88, 89])
-CYCLES = {
-    73: "chip",
-    74: "bore",
-    76: "drill",
-    81: "drill",
-    82: "drill",
-    83: "peck",
-    84: "bore",
-    85: "bore",
-    86: "drill",
-    88: "bore",
-    89: "bore",
-}
 # an arc by its radius may miss its chord by rounding
 RADIUS_SHORT = 1e-5
-MOST_REPEATS = 10_000
 
 
 class GcodeMotion:
@@ -46,6 +31,7 @@ class GcodeMotion:
         self._state = state
         self._rotary = rotary
         self.splines = GcodeSplines(builder, state)
+        self.cycles = GcodeCycles(builder, state)
 
     def run(self, values: dict[str, float]) -> None:
         """The motion in force to the words of a block.
@@ -55,20 +41,51 @@ class GcodeMotion:
         """
         state = self._state
         motion = state.motion
+        if motion is None and None in state.target(values) and not set(values) & set(ROTARY):
+            self._builder.note(
+                "assumed", "axis words before G0, G1, … are taken as the place of the tool"
+            )
+            state.at = state.target(values)
+            return
         if motion is None:
             raise InputError(
                 f"{self._builder.place}: found axis words, but no motion is in force; expected G0, "
                 "G1, G2, G3 or a cycle before them"
             )
+        if motion == 0 and not state.tool_centre and not any(k in values for k in (*AXES, *VECTOR)):
+            self._turn_alone(values)
+            return
         axis = self._axis(values)
         if motion in CYCLES:
-            self._cycle(motion, values)
+            self.cycles.run(motion, values)
         elif motion in MODES:
             self.splines.run(motion, values, axis)
         elif motion in {2, 3}:
             self._arc(motion, values, axis)
         else:
             self._straight(values, axis, rapid=motion == 0)
+
+    def _turn_alone(self, values: dict[str, float]) -> None:
+        """G0 with A, B, C only, without tool centre control: the table or the head stands otherwise
+        then, and where the tool is in the part is not known."""
+        state = self._state
+        before = dict(state.rotary)
+        self._turn(values)
+        if state.rotary != before:
+            self._builder.note(
+                "assumed",
+                "G0 with A, B or C alone turns table or head; the robot goes on at the "
+                "next stated place",
+            )
+            self._builder.leave()
+            state.at = [None, None, None]
+
+    def _turn(self, values: dict[str, float]) -> None:
+        state = self._state
+        for letter in ROTARY:
+            if letter in values:
+                before = 0.0 if state.absolute else state.rotary[letter]
+                state.rotary[letter] = before + values[letter]
 
     def _straight(self, values: dict[str, float], axis: Array, *, rapid: bool) -> None:
         state = self._state
@@ -169,98 +186,11 @@ class GcodeMotion:
         side = np.cross(normal, chord / length) * (1.0 if radius > 0 else -1.0)
         return np.asarray(p + chord / 2 + height * side)
 
-    def _cycle(self, motion: float, values: dict[str, float]) -> None:
-        state = self._state
-        builder = self._builder
-        place = builder.place
-        if state.plane != 17:
-            raise InputError(f"{place}: G{motion:g} in the plane G{state.plane}, expected G17")
-        if motion == 76:
-            if set("IJK") <= set(values):
-                raise InputError(f"{place}: G76 with I, J and K cuts a thread; not read")
-            builder.note("assumed", "G76: straight out of the hole, without its way aside (Q)")
-        if motion == 88:
-            builder.note(
-                "assumed", "G88: out of the hole at feed, without waiting for the operator"
-            )
-        self._store(values)
-        words = state.cycle
-        missing = [letter for letter in "ZR" if letter not in words]
-        if missing or (motion in {73, 83} and words.get("Q", 0.0) <= 0):
-            raise InputError(
-                f"{place}: G{motion:g} without {(missing or ['a positive Q'])[0]}; expected X, Y, "
-                "Z, R" + (", Q" if motion in {73, 83} else "")
-            )
-        repeats = round(values.get("L", values.get("K", 1.0)))
-        if not 0 <= repeats <= MOST_REPEATS:
-            raise InputError(f"{place}: a cycle repeated {repeats} times, expected 0 … 10,000")
-        level, bottom = self._heights(motion)
-        for _ in range(repeats):
-            self._one_hole(motion, values, level, bottom)
-
-    def _heights(self, motion: float) -> tuple[float, float]:
-        """R and Z of the hole; in G91 R counts from where the tool is, Z from R. Repeats keep
-        them."""
-        state = self._state
-        words = state.cycle
-        old = state.at[2]
-        level = words["R"]
-        bottom = words["Z"]
-        if not state.absolute:
-            if old is None:
-                raise InputError(
-                    f"{self._builder.place}: a cycle in G91 from a Z that is not stated yet"
-                )
-            level = old + words["R"]
-            bottom = level + words["Z"]
-        if bottom > level + 1e-9:
-            raise InputError(
-                f"{self._builder.place}: G{motion:g}: Z is above R ({1e3 * bottom:.4g} over "
-                f"{1e3 * level:.4g} mm), expected the bottom below"
-            )
-        return level, bottom
-
-    def _store(self, values: dict[str, float]) -> None:
-        """Z, R, Q and P stay for the next blocks."""
-        state = self._state
-        for letter in "ZRQP":
-            if letter in values:
-                state.cycle[letter] = values[letter] * (1.0 if letter == "P" else state.unit)
-
-    def _one_hole(
-        self, motion: float, values: dict[str, float], level: float, bottom: float
-    ) -> None:
-        state = self._state
-        builder = self._builder
-        words = state.cycle
-        across = {key: value for key, value in values.items() if key in "XY"}
-        x, y, old = state.target(across)
-        point = state.placed([x, y, level], builder.place)
-        cycle = HoleCycle(
-            CYCLES[int(motion)],
-            max(level - bottom, 0.0),
-            0.0,
-            math.inf if state.retract_to_start else 0.0,
-            (words["Q"],) if motion in {73, 83} else (),
-            dwell_seconds(words.get("P", 0.0)) if motion in DWELLING else 0.0,
-            None,
-            f"G{motion:g}",
-        )
-        z = state.tilt[:3, 2]
-        if not np.allclose(z, builder.axis, atol=1e-6) and builder.moved:
-            raise InputError(f"{builder.place}: a cycle with the tool not along its Z")
-        builder.drill(cycle, point, z)
-        end = level if not state.retract_to_start or old is None else max(level, old)
-        state.at = [x, y, end]
-
     def _axis(self, values: dict[str, float]) -> Array:
         """The tool axis that the block asks for, in the work frame."""
         state = self._state
         builder = self._builder
-        for letter in ROTARY:
-            if letter in values:
-                before = 0.0 if state.absolute else state.rotary[letter]
-                state.rotary[letter] = before + values[letter]
+        self._turn(values)
         R = state.tilt[:3, :3]
         if any(letter in values for letter in VECTOR):
             vector = np.array([values.get(letter, 0.0) for letter in VECTOR])
@@ -281,17 +211,17 @@ class GcodeMotion:
             return np.asarray(R @ vector / length)
         if not any(state.rotary.values()):
             return builder.axis if state.vectors else np.asarray(R[:, 2])
-        if self._rotary is None or not state.tool_centre:
+        if not state.tool_centre and not np.array_equal(state.plane_pose, np.eye(4)):
+            # G68.2: the control turns the axes to the tilted plane
+            return np.asarray(R[:, 2])
+        if self._rotary is None:
             raise InputError(f"{builder.place}: {REFUSAL}")
+        if not state.tool_centre:
+            raise InputError(f"{builder.place}: {UNCONTROLLED}")
         try:
             return np.asarray(R @ self._rotary.axis(state.rotary))
         except InputError as error:
             raise InputError(f"{builder.place}: {error}") from error
-
-
-def dwell_seconds(stated: float) -> float:
-    """A dwell [s]: milliseconds (Fanuc) where the number is 100 or more, else seconds."""
-    return stated / 1000 if stated >= 100 else stated
 
 
 def moves(values: dict[str, float], motion: float | None = None) -> bool:

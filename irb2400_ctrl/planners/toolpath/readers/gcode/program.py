@@ -8,15 +8,12 @@ from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.planners.toolpath.cam_program import CamProgram
 from irb2400_ctrl.planners.toolpath.readers.feed import LENGTHS
 from irb2400_ctrl.planners.toolpath.readers.gcode.blocks import EXTENDED, Block, blocks
+from irb2400_ctrl.planners.toolpath.readers.gcode.cycles import CYCLES, dwell_seconds
 from irb2400_ctrl.planners.toolpath.readers.gcode.frames import CODES as FRAMES
 from irb2400_ctrl.planners.toolpath.readers.gcode.frames import GcodeFrames
+from irb2400_ctrl.planners.toolpath.readers.gcode.hole_calls import HoleCall
 from irb2400_ctrl.planners.toolpath.readers.gcode.machine import GcodeMachine
-from irb2400_ctrl.planners.toolpath.readers.gcode.motion import (
-    CYCLES,
-    GcodeMotion,
-    dwell_seconds,
-    moves,
-)
+from irb2400_ctrl.planners.toolpath.readers.gcode.motion import GcodeMotion, moves
 from irb2400_ctrl.planners.toolpath.readers.gcode.rotary import Rotary
 from irb2400_ctrl.planners.toolpath.readers.gcode.splines import MODES as SPLINES
 from irb2400_ctrl.planners.toolpath.readers.gcode.state import AXES, GcodeState
@@ -31,6 +28,8 @@ _QUIET = """8 9 15 22 23 25 26 40 49.1 50 50.1 60 61 61.1 62 63 64 69.1 80.1 97 
 HARMLESS = frozenset(map(float, _QUIET.split()))
 # take axis words for something else than a place to go to, or end something
 SPECIAL = frozenset([4, 28, 28.1, 30, 53, 53.1, *FRAMES])
+# with a number behind P: G54.1 P1 … (Fanuc), G154 P1 … (Haas)
+MANY_OFFSETS = frozenset([54.1, 154])
 RADIUS = (
     "the offset by the tool's radius, which the control knows; let the CAM system write the path "
     "of the tool's centre"
@@ -51,7 +50,6 @@ REFUSED = {
     65: "a macro",
     66: "a macro",
     87: "boring from below",
-    500: "the machine tool's own frame",
     96: "constant surface speed",
 }
 
@@ -73,8 +71,14 @@ def read_gcode(
         InputError: a word that is not known or not read, with its line.
     """
     reader = _Reader(builder, units, None if rotary is None else Rotary.of(rotary))
-    for block in blocks(text, name):
+    listed = list(blocks(text, name))
+    if not any("Z" in block.values() for block in listed if isinstance(block, Block)):
+        reader.flat()
+    for block in listed:
         builder.line = block.line
+        if reader.ended:
+            reader.after_end()
+            break
         if isinstance(block, UnreadLineError):
             builder.failed(block)
             continue
@@ -82,8 +86,6 @@ def read_gcode(
             reader.block(block)
         except InputError as error:
             builder.failed(error)
-        if reader.ended:
-            break
     try:
         reader.end()
     except InputError as error:
@@ -105,7 +107,9 @@ class _Reader:
         self._motion = GcodeMotion(builder, self._state, rotary)
         self._machine = GcodeMachine(builder, self._state)
         self._frames = GcodeFrames(builder, self._state)
-        self._used_offset: float | None = None
+        self._used_offset = ""
+        self._modal: HoleCall | None = None
+        self._again = False
         self.ended = False
 
     @property
@@ -125,6 +129,22 @@ class _Reader:
     def end(self) -> None:
         """The file ends: nothing may be left open."""
         self._motion.splines.none_open()
+
+    def flat(self) -> None:
+        """No Z in the whole file, as for lasers and plotters."""
+        self._state.at[2] = 0.0
+        self._builder.line = 1
+        self._builder.note("assumed", "no Z in the whole file: Z is 0")
+
+    def after_end(self) -> None:
+        """More blocks after the end: none of them is read; after M99 they are another program."""
+        if self._again:
+            self._builder.failed(
+                InputError(
+                    f"{self._builder.place}: a block after M99, so that the program before it may "
+                    "be a sub-program; not read, expected all moves in one program"
+                )
+            )
 
     def block(self, block: Block) -> None:
         """One line."""
@@ -154,14 +174,29 @@ class _Reader:
             self._after_cycle()
         if leads:
             self._move(values)
+            if self._modal is not None:
+                self._motion.cycles.hole(self._modal)
+        self._call(block.call)
         self._machine.after(functions)
-        self.ended = bool({2, 30} & set(functions))
+        self.ended = bool({2, 30, 99} & set(functions))
+        self._again = 99 in functions
+
+    def _call(self, call: HoleCall | None) -> None:
+        """CYCLE81(…) here, MCALL CYCLE81(…) after each of the next moves, MCALL ends that."""
+        if call is None:
+            return
+        if call.modal:
+            self._modal = call if call.name else None
+        else:
+            self._motion.cycles.hole(call)
 
     def _modes(self, codes: list[float], values: dict[str, float]) -> None:
         state = self._state
         builder = self._builder
         for code in codes:
             self._mode(code)
+        if MANY_OFFSETS & set(codes):
+            state.work_offset += f" P{values.get('P', 1):g}"
         if "F" in values:
             if values["F"] < 0:
                 raise InputError(f"{builder.place}: F{values['F']}, expected a positive feed")
@@ -202,8 +237,8 @@ class _Reader:
             raise InputError(f"{self._builder.place}: G{code:g} is {REFUSED[code]}; not read")
         elif code in HARMLESS:
             self._builder.note("ignored", f"G{code:g}")
-        elif 54 <= code < 60 or 505 <= code < 600:
-            state.work_offset = code
+        elif 54 <= code < 60 or code in {154, 500} or 505 <= code < 600:
+            state.work_offset = f"G{code:g}"
         elif code not in MOTION and code not in SPECIAL:
             raise InputError(f"{self._builder.place}: unknown code G{code:g}")
 
@@ -235,6 +270,8 @@ class _Reader:
         seconds = dwell_seconds(stated)
         if seconds != stated:
             builder.note("assumed", "a dwell of 100 or more is in milliseconds")
+        elif "P" in values and stated >= 1:
+            builder.note("assumed", "G4 P of less than 100 is in seconds")
         builder.dwell(seconds)
         return {key: value for key, value in values.items() if key not in "PXFS"}
 
@@ -293,11 +330,11 @@ class _Reader:
         if state.feed_mode == 93 and state.motion in {1, 2, 3} and "F" not in values:
             raise InputError(f"{builder.place}: G93 (inverse time) needs F in every cutting block")
         offset = state.work_offset
-        if self._used_offset is None:
+        if not self._used_offset:
             self._used_offset = offset
-        elif offset is not None and offset != self._used_offset:
+        elif offset != self._used_offset:
             raise InputError(
-                f"{builder.place}: G{offset:g} after motion in G{self._used_offset:g}: how the two "
-                "lie to each other is stored in the control, not in the file; split the file"
+                f"{builder.place}: {offset} after motion in {self._used_offset}: how the two lie "
+                "to each other is stored in the control, not in the file; split the file"
             )
         self._motion.run(values)

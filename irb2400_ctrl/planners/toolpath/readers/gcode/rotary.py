@@ -17,6 +17,12 @@ REFUSAL = (
     "control (G43.4, M128, TRAORI), or write APT with tool axes"
 )
 
+UNCONTROLLED = (
+    "A, B and C turn a table or a head, and without tool centre control (G43.4, M128, TRAORI) or a "
+    "tilted plane (G68.2) the place of the tool in the part depends on the machine; let the CAM "
+    "system write with tool centre control, or APT with tool axes"
+)
+
 
 @dataclass(frozen=True)
 class Rotary:

@@ -33,7 +33,7 @@ class GcodeState:
     spindle_speed: float = 0.0
     """S word [1/min]"""
     next_tool: int | None = None
-    work_offset: float | None = None
+    work_offset: str = ""
     at: list[float | None] = field(default_factory=lambda: [None, None, None])
     """place in the (tilted) work frame [m]; None where the file has not stated it yet"""
     offset: Array = field(default_factory=lambda: np.eye(4))

@@ -1,0 +1,146 @@
+"""Canned cycles of G-code (G73 … G89), and holes as calls (Siemens)."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.planners.toolpath.readers.expansion.drilling import HoleCycle
+from irb2400_ctrl.planners.toolpath.readers.gcode.hole_calls import HoleCall, cycle_of
+from irb2400_ctrl.planners.toolpath.readers.gcode.state import GcodeState
+from irb2400_ctrl.planners.toolpath.readers.program_builder import ProgramBuilder
+
+DWELLING = frozenset([76, 82, 88, 89])
+CYCLES = {
+    73: "chip",
+    74: "bore",
+    76: "drill",
+    81: "drill",
+    82: "drill",
+    83: "peck",
+    84: "bore",
+    85: "bore",
+    86: "drill",
+    88: "bore",
+    89: "bore",
+}
+MOST_REPEATS = 10_000
+
+
+class GcodeCycles:
+    """Carries them out."""
+
+    def __init__(self, builder: ProgramBuilder, state: GcodeState) -> None:
+        self._builder = builder
+        self._state = state
+
+    def run(self, motion: float, values: dict[str, float]) -> None:
+        """Holes at the places that a block states.
+
+        Raises:
+            InputError: words are missing or contradict each other.
+        """
+        state = self._state
+        builder = self._builder
+        place = builder.place
+        if state.plane != 17:
+            raise InputError(f"{place}: G{motion:g} in the plane G{state.plane}, expected G17")
+        if motion == 76:
+            if set("IJK") <= set(values):
+                raise InputError(f"{place}: G76 with I, J and K cuts a thread; not read")
+            builder.note("assumed", "G76: straight out of the hole, without its way aside (Q)")
+        if motion == 88:
+            builder.note(
+                "assumed", "G88: out of the hole at feed, without waiting for the operator"
+            )
+        self._store(values)
+        words = state.cycle
+        missing = [letter for letter in "ZR" if letter not in words]
+        if missing or (motion in {73, 83} and words.get("Q", 0.0) <= 0):
+            raise InputError(
+                f"{place}: G{motion:g} without {(missing or ['a positive Q'])[0]}; expected X, Y, "
+                "Z, R" + (", Q" if motion in {73, 83} else "")
+            )
+        repeats = round(values.get("L", values.get("K", 1.0)))
+        if not 0 <= repeats <= MOST_REPEATS:
+            raise InputError(f"{place}: a cycle repeated {repeats} times, expected 0 … 10,000")
+        if words["Z"] > words["R"] + 1e-9:
+            raise InputError(
+                f"{place}: G{motion:g}: Z is above R ({1e3 * words['Z']:.4g} over "
+                f"{1e3 * words['R']:.4g} mm), expected the bottom below"
+            )
+        for _ in range(repeats):
+            self._one_hole(motion, values)
+
+    def _store(self, values: dict[str, float]) -> None:
+        """Z, R, Q and P stay for the next blocks: Z and R as heights, whichever way they were
+        stated. In G91 R counts from where the tool was as the cycle began, Z from R."""
+        state = self._state
+        cycle = state.cycle
+        if not cycle and state.at[2] is not None:
+            cycle["start"] = state.at[2]
+        stated = {letter: values[letter] * state.unit for letter in "RZQ" if letter in values}
+        if not state.absolute and {"R", "Z"} & set(stated):
+            if "start" not in cycle:
+                raise InputError(
+                    f"{self._builder.place}: a cycle in G91 from a Z that is not stated yet"
+                )
+            if "R" in stated:
+                stated["R"] += cycle["start"]
+            if "Z" in stated:
+                stated["Z"] += stated.get("R", cycle.get("R", 0.0))
+        elif "R" in cycle and not {"R", "Z"} & set(stated) and cycle["G90"] != state.absolute:
+            self._builder.note(
+                "assumed", "G90 or G91 within a cycle: Z and R stay the heights they were (Fanuc)"
+            )
+        if {"R", "Z"} & set(stated):
+            cycle["G90"] = state.absolute
+        cycle.update(stated)
+        if "P" in values:
+            cycle["P"] = values["P"]
+
+    def _one_hole(self, motion: float, values: dict[str, float]) -> None:
+        state = self._state
+        builder = self._builder
+        words = state.cycle
+        level = words["R"]
+        across = {key: value for key, value in values.items() if key in "XY"}
+        x, y, _ = state.target(across)
+        # G98: to where the tool was as the cycle began, also after holes with G99
+        up = max(words.get("start", level) - level, 0.0) if state.retract_to_start else 0.0
+        point = state.placed([x, y, level], builder.place)
+        cycle = HoleCycle(
+            CYCLES[int(motion)],
+            max(level - words["Z"], 0.0),
+            0.0,
+            up,
+            (words["Q"],) if motion in {73, 83} else (),
+            dwell_seconds(words.get("P", 0.0)) if motion in DWELLING else 0.0,
+            None,
+            f"G{motion:g}",
+        )
+        z = state.tilt[:3, 2]
+        if not np.allclose(z, builder.axis, atol=1e-6) and builder.moved:
+            raise InputError(f"{builder.place}: a cycle with the tool not along its Z")
+        builder.drill(cycle, point, z)
+        state.at = [x, y, level + up]
+
+    def hole(self, call: HoleCall) -> None:
+        """A hole by a call (Siemens) where the tool is."""
+        state = self._state
+        builder = self._builder
+        place = builder.place
+        if state.plane != 17:
+            raise InputError(f"{place}: {call.name} in the plane G{state.plane}, expected G17")
+        plane, cycle = cycle_of(call, state, builder.spindle.rpm, place)
+        x, y, _ = state.at
+        axis = state.tilt[:3, 2]
+        if builder.moved and not np.allclose(axis, builder.axis, atol=1e-6):
+            raise InputError(f"{place}: a cycle with the tool not along its Z")
+        builder.drill(cycle, state.placed([x, y, plane], place), axis)
+        state.at = [x, y, plane + cycle.retract]
+
+
+def dwell_seconds(stated: float) -> float:
+    """A dwell [s]: milliseconds (Fanuc) where the number is 100 or more, else seconds."""
+    return stated / 1000 if stated >= 100 else stated

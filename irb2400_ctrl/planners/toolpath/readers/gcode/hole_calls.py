@@ -1,0 +1,154 @@
+"""Holes as calls (Siemens 840D): `CYCLE81(RTP, RFP, SDIS, DP, DPR, …)`, `MCALL` for many of them.
+
+Source: Siemens, SINUMERIK 840D sl Programming Manual Job Planning, "Programming cycles externally".
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+
+from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.planners.toolpath.readers.expansion.drilling import HoleCycle
+from irb2400_ctrl.planners.toolpath.readers.feed import Feed
+from irb2400_ctrl.planners.toolpath.readers.gcode.state import GcodeState
+
+CALL = re.compile(r"\b(MCALL\s+)?(CYCLE8[1-9])\s*\(([^()]*)\)", re.IGNORECASE)
+# CYCLE80 ends a modal call on older controls
+NO_CALL = re.compile(r"\bMCALL\b(?:\s+CYCLE80\b)?(?!\s+[A-Z])", re.IGNORECASE)
+KINDS = {
+    "CYCLE81": "drill",
+    "CYCLE82": "drill",
+    "CYCLE83": "peck",
+    "CYCLE84": "bore",
+    "CYCLE85": "bore",
+    "CYCLE86": "drill",
+    "CYCLE89": "bore",
+}
+# the place of _GMODE, which may count the depth at the shank instead of the tip
+AT_THE_SHANK = {"CYCLE81": 6, "CYCLE82": 6, "CYCLE83": 17}
+MOST_STEPS = 10_000
+
+
+@dataclass(frozen=True)
+class HoleCall:
+    """One call; without a name it ends the modal one."""
+
+    name: str
+    arguments: tuple[str, ...]
+    modal: bool
+
+
+def taken_out(code: str) -> tuple[HoleCall | None, str]:
+    """The call in a line, and the line without it."""
+    found = CALL.search(code)
+    if found:
+        arguments = tuple(part.strip() for part in found.group(3).split(","))
+        call = HoleCall(found.group(2).upper(), arguments, found.group(1) is not None)
+        return call, code[: found.start()] + code[found.end() :]
+    ends = NO_CALL.search(code)
+    if ends:
+        return HoleCall("", (), True), code[: ends.start()] + code[ends.end() :]
+    return None, code
+
+
+def cycle_of(
+    call: HoleCall, state: GcodeState, spindle_rpm: float, place: str
+) -> tuple[float, HoleCycle]:
+    """Height of the reference plane [m], and the hole below it.
+
+    Raises:
+        InputError: a cycle that is not read, or arguments that are missing or contradict each
+            other.
+    """
+    if call.name not in KINDS:
+        raise InputError(f"{place}: {call.name} is not read; expected one of {', '.join(KINDS)}")
+    at = [_number(text, f"{place}, {call.name}") for text in call.arguments] + [None] * 20
+    shank = AT_THE_SHANK.get(call.name, -1)
+    if shank >= 0 and at[shank]:
+        raise InputError(
+            f"{place}: {call.name} with _GMODE {at[shank]:g} counts the depth at the shank or a "
+            "diameter; expected 0 (the tip)"
+        )
+    retract, plane, clear = at[0], at[1], at[2] or 0.0
+    depth = _depth(at, call.name, place)
+    if retract is None or plane is None or retract < plane or depth < 0:
+        raise InputError(
+            f"{place}: {call.name}({', '.join(call.arguments[:5])}): expected retraction plane "
+            "over reference plane over depth (RTP, RFP, SDIS, DP)"
+        )
+    clear = abs(clear)
+    kind = KINDS[call.name]
+    steps: tuple[float, ...] = ()
+    if call.name == "CYCLE83":
+        kind = "peck" if at[11] and at[11] % 10 == 1 else "chip"
+        steps = _steps(at, plane, clear, depth)
+    unit = state.unit
+    return plane * unit, HoleCycle(
+        kind,
+        depth * unit,
+        clear * unit,
+        max(retract - plane, clear) * unit,
+        tuple(step * unit for step in steps),
+        _dwell(at, call.name, spindle_rpm, place),
+        _feed(at, call, unit, place),
+        call.name,
+    )
+
+
+def _number(text: str, place: str) -> float | None:
+    if not text or text.startswith('"'):
+        return None
+    try:
+        return float(text)
+    except ValueError:
+        raise InputError(f"{place}: found {text!r}, expected a number") from None
+
+
+def _depth(at: list[float | None], name: str, place: str) -> float:
+    """Below the reference plane: DP is a height, DPR a length."""
+    plane, height, length = at[1], at[3], at[4]
+    if height is None and not length:
+        raise InputError(f"{place}: {name} states no depth; expected DP or DPR")
+    if height is None or plane is None:
+        return abs(length or 0.0)
+    if length and abs(plane - height - abs(length)) > 1e-6:
+        raise InputError(f"{place}: {name}: DP {height:g} and DPR {length:g} differ; expected one")
+    return plane - height
+
+
+def _steps(at: list[float | None], plane: float, clear: float, depth: float) -> tuple[float, ...]:
+    """FDEP or FDPR first, then less by DAM each time, at least MDEP (or DAM)."""
+    first = plane - at[5] if at[5] is not None else abs(at[6] or 0.0)
+    if first <= 0:
+        return ()
+    less = at[7] or 0.0
+    least = at[13] or abs(less)
+    steps = [first + clear]
+    step, reached = first, first
+    while less and reached < depth and len(steps) < MOST_STEPS:
+        step = max(step - less, least) if less > 0 else max(step * -less, at[13] or 0.1 * first)
+        steps.append(step)
+        reached += step
+    return tuple(steps) if less else (first + clear, first)
+
+
+def _dwell(at: list[float | None], name: str, spindle_rpm: float, place: str) -> float:
+    """DTB: seconds, or turns of the spindle where negative."""
+    stated = (at[8] if name == "CYCLE83" else at[5]) or 0.0
+    if stated >= 0:
+        return stated
+    if spindle_rpm <= 0:
+        raise InputError(f"{place}: {name} dwells for turns of the spindle, and its speed is open")
+    return -stated * 60 / spindle_rpm
+
+
+def _feed(at: list[float | None], call: HoleCall, unit: float, place: str) -> Feed | None:
+    """CYCLE84: pitch times speed; CYCLE85: FFR; the others have the one in force."""
+    if call.name == "CYCLE85" and at[6]:
+        return Feed("speed", at[6] * unit / 60)
+    if call.name != "CYCLE84":
+        return None
+    if not at[8] or not at[10]:
+        raise InputError(f"{place}: CYCLE84 without PIT and SST; expected pitch and speed")
+    return Feed("speed", abs(at[8] * at[10]) * unit / 60)

@@ -1,0 +1,117 @@
+"""Canned cycles whose words stay, and holes as calls of Siemens controls."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.planners import CamProgram, read_program
+
+HEAD = "G21 G17 G94\nG90 G0 X0 Y0 Z10\n"
+
+
+def program(tmp_path: Path, text: str) -> CamProgram:
+    file = tmp_path / "part.nc"
+    file.write_text(text)
+    return read_program(file)
+
+
+def heights(tmp_path: Path, text: str) -> list[tuple[float, ...]]:
+    """x and z of all points [mm], and whether each was reached rapidly."""
+    found = program(tmp_path, text).operation()
+    points = 1e3 * found.path.position
+    return [
+        (round(float(x), 6), round(float(z), 6), float(r))
+        for (x, _, z), r in zip(points, found.rapid, strict=True)
+    ]
+
+
+# what LinuxCNC's own interpreter (rs274) moves for the same blocks
+@pytest.mark.parametrize(("code", "up"), [("G99", 2), ("G98", 10)])
+def test_a_cycle_in_g91_goes_as_deep_at_each_place(tmp_path: Path, code: str, up: float) -> None:
+    found = heights(tmp_path, f"{HEAD}{code} G91 G81 X5 Y0 Z-5 R-8 F100\nX5\nX5\nG80\nM2\n")
+    for x in (5, 10, 15):
+        assert [(z, r) for at, z, r in found if at == x][-3:] == [(2, 1), (-3, 0), (up, 1)]
+
+
+def test_places_in_g91_of_a_cycle_in_g90_and_back(tmp_path: Path) -> None:
+    text = f"{HEAD}G99 G81 X5 Z-5 R2 F100\nG91 X5 L2\nG90 X30\nG80\nM2\n"
+    found = heights(tmp_path, text)
+    for x in (10, 15, 30):
+        assert [(z, r) for at, z, r in found if at == x] == [(2, 1), (-5, 0), (2, 1)]
+    assert "Z and R stay the heights" in " ".join(map(str, program(tmp_path, text).notes))
+
+
+def test_g98_at_the_last_hole_goes_back_to_the_first_height(tmp_path: Path) -> None:
+    found = heights(tmp_path, f"{HEAD}G99 G81 X5 Z-5 R2 F100\nX9\nG98 X15\nG80\nM2\n")
+    assert found[-1] == (15, 10, 1)
+    assert found[-2] == (15, -5, 0)
+
+
+SIEMENS = "G17 G710 G90 G94\nS500 M3\nG0 X0 Y0\nZ15\nF600\n"
+
+
+def test_modal_calls_drill_after_each_move(tmp_path: Path) -> None:
+    calls = "MCALL CYCLE81(5, -1, 5, -17.5, , 0, 0, 10)\nX7 Y0\nX20\nMCALL\nX30\n"
+    found = heights(tmp_path, f"{SIEMENS}{calls}M30\n")
+    for x in (7, 20):
+        assert [(z, r) for at, z, r in found if at == x][-3:] == [(4, 1), (-17.5, 0), (5, 1)]
+    assert found[-1] == (30, 5, 1)
+
+
+def test_a_call_drills_where_the_tool_is(tmp_path: Path) -> None:
+    found = heights(tmp_path, f"{SIEMENS}CYCLE82(10,0,2,,12,0.5)\nG0 X9\nM30\n")
+    assert found[-4:] == [(0, 2, 1), (0, -12, 0), (0, 10, 1), (9, 10, 1)]
+    events = program(tmp_path, f"{SIEMENS}CYCLE82(10,0,2,,12,0.5)\nG0 X9\nM30\n").operation().events
+    assert [e.seconds for e in events if e.kind == "dwell"] == [0.5]
+
+
+@pytest.mark.parametrize(("variant", "rises"), [(1, True), (0, False)])
+def test_deep_holes_step_by_step(tmp_path: Path, variant: int, rises: bool) -> None:
+    """The depths of the same hole as a CAM system writes it out in moves: 1, less 0.1 each time,
+    at least 0.5."""
+    call = f"MCALL CYCLE83(5,-1,5,-7,,-2,,0.1,0,0,1,{variant},,0.5)\nX0 Y0\nMCALL\n"
+    found = heights(tmp_path, f"{SIEMENS}{call}M30\n")
+    assert [z for _, z, r in found if not r] == pytest.approx(
+        [-2, -2.9, -3.7, -4.4, -5, -5.5, -6, -6.5, -7]
+    )
+    first = next(r for r in found if r[1] == -2)
+    assert (found[found.index(first) + 1][1] == pytest.approx(4)) is rises
+
+
+def test_tapping_feeds_pitch_times_speed(tmp_path: Path) -> None:
+    call = "MCALL CYCLE84(16,10,5,1,,0,3,,1.5,0,400,400,0,1)\nX-20 Y20\nMCALL\nG0 X0\n"
+    found = program(tmp_path, f"{SIEMENS}{call}M30\n").operation()
+    feeds = found.path.feed[~found.rapid]
+    assert feeds == pytest.approx(np.full(len(feeds), 0.6 / 60))
+    assert len(feeds) == 2
+
+
+@pytest.mark.parametrize(
+    ("call", "says"),
+    [
+        ("CYCLE87(5,0,2,-9)", "CYCLE87 is not read; expected one of CYCLE81"),
+        ("CYCLE81(5,0,2)", "CYCLE81 states no depth"),
+        ("CYCLE81(5,0,2,-9,8)", "DP -9 and DPR 8 differ"),
+        ("CYCLE81(5,0,2,3)", "expected retraction plane over reference plane over depth"),
+        ("CYCLE81(5,0,2,-9,,0,10)", "counts the depth at the shank"),
+        ("CYCLE81(5,0,2,R1)", "found 'R1', expected a number"),
+        ("CYCLE84(5,0,2,-9,,0,3,8,,0,400)", "CYCLE84 without PIT and SST"),
+        ("MCALL POCKET3(5,0,2,-9)", "cycles written as calls"),
+        ("CYCLE800(1,\"R\",0,57,0,0,0,0,-15,0,0,0,0,-1,0)", "cycles written as calls"),
+    ],
+)  # fmt: skip
+def test_calls_that_are_not_read(tmp_path: Path, call: str, says: str) -> None:
+    with pytest.raises(InputError, match=rf"part\.nc, line 6.*{says}"):
+        program(tmp_path, f"{SIEMENS}{call}\nX5\nM30\n")
+
+
+def test_words_around_a_program_of_siemens_controls(tmp_path: Path) -> None:
+    text = (
+        'N1 WORKPIECE(,"",,"BOX",112,0,-51,,50,25)\nN2 G500 G17 G710 G90\nSETMS(1)\nCYCLE800()\n'
+        "G54\nG0 X1 Y2 Z3 C=DC(0)\nG1 X9 F600\nM30\n"
+    )
+    assert len(program(tmp_path, text).operation().path) == 2
