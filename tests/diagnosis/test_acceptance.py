@@ -24,8 +24,9 @@ def fitted(effect: Effect, *sigma: float) -> Any:
 
 def test_a_size_stands_three_standard_errors_from_nothing() -> None:
     offset = LIBRARY["torque_offset"].of(2, offset_Nm=3.0)
-    assert stands_clear(fitted(offset, 0.6), 0, 10.0)
-    assert not stands_clear(fitted(offset, 0.7), 0, 10.0)
+    # of errors that are half as large again as the noise alone makes them: 3.0 / (3 * 1.5)
+    assert stands_clear(fitted(offset, 0.665), 0, 10.0)
+    assert not stands_clear(fitted(offset, 0.668), 0, 10.0)
 
 
 def test_nothing_of_a_gain_is_one() -> None:
@@ -44,6 +45,8 @@ def test_a_time_constant_lies_inside_the_record() -> None:
     warm = LIBRARY["viscous_warmup"].of(2, viscous_Nms_rad=5.0, time_constant_s=33.0)
     assert stands_clear(fitted(warm, 0.1, 1.0), 0, 40.0)
     assert not stands_clear(fitted(warm, 0.1, 1.0), 0, 10.0)
+    quick = LIBRARY["viscous_warmup"].of(2, viscous_Nms_rad=5.0, time_constant_s=0.5)
+    assert stands_clear(fitted(quick, 0.1, 0.1), 0, 10.0)
 
 
 @pytest.mark.parametrize("seconds", [3.0, 40.0])

@@ -36,6 +36,17 @@ def test_any_rate_comes_to_the_same_motion(rate: float) -> None:
     np.testing.assert_allclose(log.q[inside], exact.q[inside], atol=3e-5)
 
 
+def test_an_even_log_is_taken_as_it_stands() -> None:
+    """Stamps that are printed coarsely are no reason to make samples of one's own."""
+    even = np.arange(0.0, 8.0, 0.004)
+    shaken = even + np.random.default_rng(0).uniform(-1e-4, 1e-4, len(even))
+    shaken[[0, -1]] = even[[0, -1]]
+    log = log_at(shaken)
+    found = resample(log, rate=250.0)
+    np.testing.assert_array_equal(found.q, log.q)
+    np.testing.assert_array_equal(found.tau, log.tau)
+
+
 def test_jitter_and_lost_samples_are_bridged_and_gaps_are_marked() -> None:
     rng = np.random.default_rng(1)
     time = np.arange(0.0, 10.0, 0.004)
