@@ -70,14 +70,15 @@ def cycle_of(
             f"{place}: {call.name} with _GMODE {at[shank]:g} counts the depth at the shank or a "
             "diameter; expected 0 (the tip)"
         )
-    retract, plane, clear = at[0], at[1], at[2] or 0.0
+    retract = at[0]
+    plane = at[1]
+    clear = abs(at[2] or 0.0)
     depth = _depth(at, call.name, place)
     if retract is None or plane is None or retract < plane or depth < 0:
         raise InputError(
             f"{place}: {call.name}({', '.join(call.arguments[:5])}): expected retraction plane "
             "over reference plane over depth (RTP, RFP, SDIS, DP)"
         )
-    clear = abs(clear)
     kind = KINDS[call.name]
     steps: tuple[float, ...] = ()
     if call.name == "CYCLE83":
@@ -107,7 +108,9 @@ def _number(text: str, place: str) -> float | None:
 
 def _depth(at: list[float | None], name: str, place: str) -> float:
     """Below the reference plane: DP is a height, DPR a length."""
-    plane, height, length = at[1], at[3], at[4]
+    plane = at[1]
+    height = at[3]
+    length = at[4]
     if height is None and not length:
         raise InputError(f"{place}: {name} states no depth; expected DP or DPR")
     if height is None or plane is None:
@@ -125,7 +128,8 @@ def _steps(at: list[float | None], plane: float, clear: float, depth: float) -> 
     less = at[7] or 0.0
     least = at[13] or abs(less)
     steps = [first + clear]
-    step, reached = first, first
+    step = first
+    reached = first
     while less and reached < depth and len(steps) < MOST_STEPS:
         step = max(step - less, least) if less > 0 else max(step * -less, at[13] or 0.1 * first)
         steps.append(step)
