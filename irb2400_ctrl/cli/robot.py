@@ -129,6 +129,8 @@ def export(
     if left_out:
         print(f"left out, the format has no place for them: {', '.join(left_out)}")
     print("left out, the format has no place for it: static friction and its transition speed")
+    if format == "mjcf":
+        print("left out, the format has no place for them: speed limits")
     if format == "urdf" and arm.coupled:
         print("left out: the coupling; the joints are link angles A q, the head says how to use it")
     if bare:

@@ -155,6 +155,7 @@ def test_export_says_what_it_changed_and_left_out(form: str, tmp_path: Path) -> 
     assert "torque difference" in run.output
     assert "static friction" in run.output
     assert ("left out: the coupling" in run.output) == (form == "urdf")
+    assert ("speed limits" in run.output) == (form == "mjcf")
     written = next(tmp_path.iterdir())
     mujoco = pytest.importorskip("mujoco")
     assert mujoco.MjModel.from_xml_path(str(written)).nv == 6
