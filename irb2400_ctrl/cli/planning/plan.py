@@ -307,7 +307,8 @@ def _print_summary(planned: Plan) -> None:
     if "rates_note" in s:
         print(s["rates_note"])
     if "duration_without_rates_s" in s:
-        longer = planned.duration - s["duration_without_rates_s"]
+        # that of the jumping law is a bound of its cells: a hair above what can be
+        longer = max(planned.duration - s["duration_without_rates_s"], 0.0)
         print(f"{longer:.2f} s longer than without limits of the rates")
 
 
