@@ -1,4 +1,4 @@
-"""The examples of control and diagnosis run as they stand."""
+"""The examples run as they stand."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import pytest
 
 EXAMPLES = sorted(
     path
-    for kind in ("control", "diagnosis")
+    for kind in ("control", "diagnosis", "optimise")
     for path in (Path(__file__).parents[2] / "examples").glob(f"{kind}_*.py")
 )
 
