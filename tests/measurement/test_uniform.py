@@ -14,6 +14,7 @@ from irb2400_ctrl.measurement.uniform import (
     polished,
     resample,
     smoothed,
+    widened,
 )
 
 
@@ -45,6 +46,13 @@ def test_an_even_log_is_taken_as_it_stands() -> None:
     found = resample(log, rate=250.0)
     np.testing.assert_array_equal(found.q, log.q)
     np.testing.assert_array_equal(found.tau, log.tau)
+
+
+def test_a_mask_is_widened_to_both_sides() -> None:
+    mask = np.arange(9) == 4
+    assert np.flatnonzero(widened(mask, 2)).tolist() == [2, 3, 4, 5, 6]
+    assert widened(mask, 0).tolist() == mask.tolist()
+    assert not widened(mask & False, 2).any()
 
 
 def test_jitter_and_lost_samples_are_bridged_and_gaps_are_marked() -> None:
