@@ -60,7 +60,7 @@ def frictions(factor: float) -> Robot:
     return ROBOT.model_copy(update={"joints": tuple(joints)})
 
 
-@pytest.mark.parametrize("radius", [0.05, 0.12])
+@pytest.mark.parametrize("radius", [0.05, 0.12, 0.15])
 def test_a_circle_of_the_model_itself_gets_no_name(radius: float) -> None:
     path = builders.circle((0.95, 0.0, 0.6), radius, feed=0.1)
     plan = plan_path(ROBOT, path, free_tool_rotation=False)
