@@ -70,7 +70,7 @@ def test_numbers_of_one_name_are_one_line() -> None:
     numbers.append(number("tool", "mass_kg", 20.0, 23.0))
     assert number_lines(numbers) == [
         "Coulomb friction [Nm] of joints 2 and 3: +20 to +30 %",
-        "mass [kg] of tool: 20 -> 23 ± 0.1 (+15 %)",
+        "mass [kg] of tool: 20.0 -> 23.00 ± 0.10 (+15 %)",
     ]
     lacking = [number(f"joint {j}", "rotor_kgm2", None, 0.5 * j) for j in (2, 1)]
     assert number_lines(lacking) == ["rotor inertia [kg m2] of joints 1 and 2: 0.5, 1"]

@@ -102,9 +102,10 @@ class Selection:
         return Step(polished.candidate, comparison.gain(best), tuple(alternatives))
 
     def _gain(self, comparison: Comparison, best: Alternative) -> float:
-        """What an explanation gains over the base [nats]; of one that other numbers of the robot
+        """What an explanation gains over the base [nats]; of a body that other numbers of the robot
         give as well, over a base of which all numbers may be further off than stated."""
-        if not best.candidate.known or not self.threshold.in_base(comparison, best.candidate):
+        body = any(effect.role == "parameters" for effect in best.candidate.effects)
+        if not body or not self.threshold.in_base(comparison, best.candidate):
             return comparison.gain(best)
         Z = comparison.Z.copy()
         Z[:, :, : self.fitter.own] *= self.criteria.wider

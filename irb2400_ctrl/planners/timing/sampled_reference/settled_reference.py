@@ -26,6 +26,8 @@ _ROUNDS = 20
 _PHASES = 4
 # a ratio to a limit that slowing down is not tried on
 _HOPELESS = 3.0
+# how many times slower a motion is made around a row at once
+_AT_ONCE = 1.5
 _ROUNDING = 1e-7
 # a factor by which a whole motion is slowed without a thought: its feed still counts as held
 _HARDLY = 1.008
@@ -69,11 +71,14 @@ class Settled:
         """How many times slower each interval between rows has to be, shape (rows - 1,)."""
         return _wanted(self.bounds, self.feed, self.reference.rows.time, limits)
 
+    def by_torque(self, limits: MotionLimits) -> float:
+        """The largest part of a torque limit."""
+        return float((self.torque / limits.tau_max).max())
+
     def worst(self, limits: MotionLimits) -> float:
         """The largest part of a limit, feed included."""
-        torque = float((self.torque / limits.tau_max).max())
         speed = self.bounds.velocity_ratio(limits.qd_max)
-        return max(torque, speed, self.feed_ratio or 0.0)
+        return max(self.by_torque(limits), speed, self.feed_ratio or 0.0)
 
 
 def settled_reference(
@@ -100,7 +105,7 @@ def settled_reference(
         return _slower_all_over(look, first, limits, _HOPELESS)
     found = first
     for _ in range(_ROUNDS):
-        if not 1 < found.worst(limits) < _HOPELESS:
+        if found.worst(limits) <= 1 or found.by_torque(limits) >= _HOPELESS:
             break
         slower = _slower_where(dynamics, task, law, found, limits, sampling)
         if slower.duration <= law.duration:
@@ -200,7 +205,8 @@ def _wanted(
     for ends, ratio in parts:
         row = np.searchsorted(rows, (ends[:-1] + ends[1:]) / 2) - 1
         np.maximum.at(found, np.clip(row, 0, len(found) - 1), ratio)
-    return np.where(found > 1, found + _SPARE, 1.0)
+    # what swings from a rapid move into a slow cut is settled by far less than its ratio
+    return np.where(found > 1, np.minimum(found, _AT_ONCE) + _SPARE, 1.0)
 
 
 def _looked_at(
