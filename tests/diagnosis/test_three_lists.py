@@ -73,7 +73,7 @@ def test_numbers_of_one_name_are_one_line() -> None:
         "mass [kg] of tool: 20.0 -> 23.00 ± 0.10 (+15 %)",
     ]
     lacking = [number(f"joint {j}", "rotor_kgm2", None, 0.5 * j) for j in (2, 1)]
-    assert number_lines(lacking) == ["rotor inertia [kg m2] of joints 1 and 2: 0.5, 1"]
+    assert number_lines(lacking) == ["rotor inertia [kg m2] of joints 1 and 2: 0.500, 1.00"]
 
 
 def test_what_the_reference_leaves_itself_has_not_changed() -> None:
