@@ -23,12 +23,7 @@ DYNAMICS = path_dynamics(ROBOT)
 LIMITS = MotionLimits.of(ROBOT)
 
 
-# every kind of path, both ways to read between the rows, with and without a feed
-AT_EVERY_RUN = (0, 1, 2, 5, 8)
-MORE = [pytest.param(seed, marks=pytest.mark.slow) for seed in (3, 4, 6, 7, 9)]
-
-
-@pytest.mark.parametrize("seed", [*AT_EVERY_RUN, *MORE])
+@pytest.mark.parametrize("seed", range(10))
 def test_no_bound_of_the_file_lies_below_the_truth(seed: int, tmp_path: Path) -> None:
     way: Any = "linear" if seed % 2 else "cubic"
     plan = plan_path(ROBOT, drawn_path(seed), free_tool_rotation=False, interpolation=way)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -71,3 +73,12 @@ def test_a_tilting_raster_is_driven_at_its_feed(torque_rate: float | None) -> No
     assert plan.max_feed_ratio <= 1
     assert plan.feed_use is not None
     assert plan.feed_use.share > 0.75
+
+
+def test_rows_far_apart_from_a_rapid_move_into_a_slow_cut_keep_the_feed() -> None:
+    path = builders.way_points([[0.9, 0.0, 0.5], [0.95, 0.0, 0.5], [0.952, 0.0, 0.5]], feed=0.002)
+    path = replace(path, feed=np.array([np.inf, np.inf, 0.002]))
+    plan = plan_path(ROBOT, path, rate=50.0, torque_rate=np.inf)
+    assert plan.guaranteed
+    assert plan.max_feed_ratio is not None
+    assert plan.max_feed_ratio <= 1

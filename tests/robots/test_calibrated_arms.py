@@ -68,8 +68,7 @@ def test_a_raster_and_a_spiral_are_planned_with_a_certificate(name: str) -> None
     robot_ = calibrated(irb.load_robot(name))
     model = irb.Model(robot_)
     for path in paths_of(model)[0 if name == "irb2400" else 1 :]:
-        # the slower law of torque rates is shown on these arms in test_verbs
-        plan = plan_path(robot_, path, cells=150, torque_rate=np.inf)
+        plan = plan_path(robot_, path, cells=150)
         assert plan.guaranteed
         assert plan.max_torque_ratio <= 1.0 + 1e-9
         assert plan.max_tcp_deviation < 1e-4
