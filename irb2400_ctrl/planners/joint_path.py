@@ -136,13 +136,21 @@ class JointPath:
     def on_piece(self, s: Array, piece: npt.NDArray[np.int64], order: int = 0) -> Array:
         """The same with the polynomial piece chosen by the caller (for one-sided values at
         knots)."""
-        d = (s - self.knots[piece])[:, None]
+        d = np.repeat(s - self.knots[piece], self.n).reshape(-1, self.n)
         # Horner's rule; a coefficient is gathered only where it enters
-        value = _POWERS[order][-1] * self.coefficients[3, piece]
+        value = self._times(order, 3, piece)
         for power in range(2, order - 1, -1):
             value *= d
-            value += _POWERS[order][power - order] * self.coefficients[power, piece]
-        return np.asarray(value)
+            value += self._times(order, power, piece)
+        return value
+
+    def _times(self, order: int, power: int, piece: npt.NDArray[np.int64]) -> Array:
+        """A coefficient of the pieces, with its factor in a derivative, shape (k, n)."""
+        gathered = self.coefficients[power].take(piece, axis=0)
+        factor = _POWERS[order][power - order]
+        if factor != 1:
+            gathered *= factor
+        return np.asarray(gathered)
 
     def spread(self, s: Array, R: Array) -> tuple[Array, Array, Array]:
         """By how much q, q' and q'' differ at most from those at s (k,) on circles of radius R

@@ -14,9 +14,8 @@ from irb2400_ctrl.errors import InputError
 
 # rows that are written at once
 _ROWS = 1000
-# numbers whose decimals are found by scaling, and how near to the middle between two is doubtful
+# numbers whose decimals are found by scaling
 _USUAL = (1e-7, 1e7)
-_DOUBTFUL = 0.05
 
 
 @dataclass(frozen=True, eq=False)
@@ -204,8 +203,10 @@ def rounded(values: Array, digits: int) -> Array:
     scale = 10.0 ** (digits - 1 - exponent)
     whole = np.round(x * scale)
     found[usual] = np.copysign(whole / scale, values[usual])
-    # near the middle between two decimals the product above may be rounded to the other one
-    doubtful = np.abs(np.abs(x * scale - np.floor(x * scale)) - 0.5) < _DOUBTFUL
+    # near the middle between two decimals the product, below 10^digits, may be rounded to the
+    # other one: by half a unit of its last bit
+    miss = 10.0**digits * np.finfo(float).eps
+    doubtful = np.abs(x * scale - np.floor(x * scale) - 0.5) < miss
     rest = np.flatnonzero(~usual & (size > 0))
     for at in [*np.flatnonzero(usual)[doubtful], *rest]:
         found[at] = float(f"{values[at]:.{digits}g}")

@@ -11,6 +11,7 @@ Computer Aided Geometric Design 29, 2012.)
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import reduce
 from math import comb
 
 import numpy as np
@@ -92,17 +93,28 @@ def times_parameter(f: Array) -> Array:
     return np.stack([np.zeros_like(f[:, 0]), *grown], axis=1)
 
 
+def highest(f: Array) -> Array:
+    """Upper bound of f on each cell, (m, …)."""
+    # by coefficients: numpy reduces a short axis slowly
+    return reduce(np.maximum, (f[:, k] for k in range(f.shape[1])))
+
+
+def lowest(f: Array) -> Array:
+    """Lower bound of f on each cell, (m, …)."""
+    return reduce(np.minimum, (f[:, k] for k in range(f.shape[1])))
+
+
 def hull(f: Array) -> tuple[Array, Array]:
     """Bounds below and above f on each cell, each (m, …)."""
-    return f.min(axis=1), f.max(axis=1)
+    return lowest(f), highest(f)
 
 
 def largest_size(f: Array) -> Array:
     """Upper bound of |f| on each cell, (m, …)."""
-    return np.asarray(np.abs(f).max(axis=1))
+    return highest(np.abs(f))
 
 
 def least_size(f: Array) -> Array:
     """Lower bound of |f| on each cell, (m, …): zero where the coefficients have both signs."""
     low, high = hull(f)
-    return np.where((low >= 0) | (high <= 0), np.abs(f).min(axis=1), 0.0)
+    return np.where((low >= 0) | (high <= 0), lowest(np.abs(f)), 0.0)

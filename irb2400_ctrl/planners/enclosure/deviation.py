@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from irb2400_ctrl.arrays import Array, Integers, Mask
+from irb2400_ctrl.arrays import Array, Integers, Mask, inner_products, norms
 from irb2400_ctrl.codegen import compile_function
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.planners.enclosure import bernstein
@@ -34,6 +34,8 @@ _AXIS = 1e-6
 _ABOVE = np.array([[2e-3], [1e-2]])
 _SLACK = np.array([[2e-8], [1e-5]])
 _ROUNDS = 12
+# cells that are looked at at once: what they need fits a processor's cache
+_AT_ONCE = 2000
 _MOST = 300_000
 
 
@@ -73,7 +75,7 @@ def deviation(
     place, u = along or (followed.joints.knots, followed.u)
     knots = followed.joints.knots
     ends = np.stack([knots[:-1], knots[1:]])
-    missed = [enclosed.miss for enclosed in tcp.enclosed(ends)]
+    missed = tcp.missed(ends)
     parts = (
         np.ceil(np.cbrt(np.maximum(missed[0] / _POSITION, missed[1] / _AXIS)))
         .clip(1, 10_000)
@@ -110,13 +112,18 @@ def _bounds(tcp: TcpPath, orientation: Orientation, u: Array, cells: Array) -> t
     """Upper bounds of distance and angle in the cells, and values that are reached there, each (2,
     m)."""
     sides = Sides.of(orientation)
-    position, axis = tcp.enclosed(cells)
     origin = orientation.curve.origin[np.minimum(u.astype(int), orientation.curve.segments - 1)]
-    first, last = sides.around(np.searchsorted(sides.kept, origin))
-    # once to see how near the polygon is, once for the axes stated at its nearest places
-    most, nearest, reached = _distances(sides, position, axis, first, last)
-    angle, held = _angles(sides, position, axis, (first, last), nearest)
-    return np.stack([most, angle]), np.stack([reached, held])
+    near = np.stack(sides.around(np.searchsorted(sides.kept, origin)))
+    found = np.empty((2, 2, len(u)))
+    for begin in range(0, len(u), _AT_ONCE):
+        part = slice(begin, begin + _AT_ONCE)
+        position, axis = tcp.enclosed(cells[:, part])
+        first, last = near[:, part]
+        # once to see how near the polygon is, once for the axes stated at its nearest places
+        most, nearest, reached = _distances(sides, position, axis, first, last)
+        angle, held = _angles(sides, position, axis, (first, last), nearest)
+        found[:, :, part] = (most, angle), (reached, held)
+    return found[0], found[1]
 
 
 def _shifts(first: Integers, last: Integers) -> Iterator[tuple[Integers, Integers]]:
@@ -159,7 +166,7 @@ def _angles(
     both = _both(position, axis)
     miss = _both_miss(position, axis)
     middle = (both[:, 0] + 2 * both[:, 1] + both[:, 2]) / 4
-    radius = np.linalg.norm(both - middle[:, None], axis=2).max(axis=1) + miss
+    radius = bernstein.highest(norms(both - middle[:, None])) + miss
     angle = np.zeros(len(nearest))
     held = np.zeros(len(nearest))
     closest = np.full(len(nearest), np.inf)
@@ -193,24 +200,26 @@ def _next_is_nearer(sides: Sides, both: Array, k: Integers, miss: Array) -> Mask
 def _foot(sides: Sides, both: Array, k: Integers, miss: Array) -> tuple[Array, Array]:
     """Least and largest parameter of the foot on the straight line of a side, each (m,)."""
     start, end = sides.ends(k)
-    length = np.linalg.norm(end - start, axis=1)
-    foot = np.einsum("mik,mk->mi", both - start[:, None], end - start) / length[:, None] ** 2
-    return foot.min(axis=1) - miss / length, foot.max(axis=1) + miss / length
+    length = norms(end - start)
+    foot = inner_products(both - start[:, None], (end - start)[:, None]) / length[:, None] ** 2
+    low, high = bernstein.hull(foot)
+    return low - miss / length, high + miss / length
 
 
 def _stated(sides: Sides, both: Array, k: Integers, miss: Array) -> tuple[Array, Array]:
     """Parabolas of the axis stated at the foot on a side (m, 3, 3), and what they may miss (m,)."""
     start, end = sides.ends(k)
     side = end - start
-    length2 = (side**2).sum(axis=1)
-    foot = np.einsum("mik,mk->mi", both - start[:, None], side) / length2[:, None]
+    length2 = inner_products(side, side)
+    foot = inner_products(both - start[:, None], side[:, None]) / length2[:, None]
     inside = np.clip(foot, 0.0, 1.0)
     # partly beyond an end of the side, the foot stands still for a while
     beyond = (inside != foot).any(axis=1)
-    spread = np.where(beyond, np.ptp(inside, axis=1), 0.0) + miss / np.sqrt(length2)
-    turn = (end - start)[:, 3:] / ROTATION_LENGTH
+    low, high = bernstein.hull(inside)
+    spread = np.where(beyond, high - low, 0.0) + miss / np.sqrt(length2)
+    turn = side[:, 3:] / ROTATION_LENGTH
     line = start[:, None, 3:] / ROTATION_LENGTH + inside[..., None] * turn[:, None]
-    return line, spread * np.linalg.norm(turn, axis=1)
+    return line, spread * norms(turn)
 
 
 def _angle_at(sides: Sides, point: Array, k: Integers) -> Array:
@@ -218,8 +227,8 @@ def _angle_at(sides: Sides, point: Array, k: Integers) -> Array:
     start, end = sides.ends(k)
     t = to_segment(point, start, end)[1]
     line = (start + t[:, None] * (end - start))[:, 3:]
-    sine = np.linalg.norm(np.cross(point[:, 3:], line), axis=1)
-    return np.asarray(np.arctan2(sine, (point[:, 3:] * line).sum(axis=1)))
+    sine = norms(np.cross(point[:, 3:], line))
+    return np.asarray(np.arctan2(sine, inner_products(point[:, 3:], line)))
 
 
 def _both(position: Enclosed, axis: Enclosed) -> Array:
@@ -238,16 +247,17 @@ def _angle_to_line(A: Array, miss: Array, line: Array, missed: Array) -> Array:
     |a x l| is the norm of a polynomial, at most that of its largest Bernstein coefficient.
     """
     quartic = bernstein.product(A, line, np.cross)
-    lengths = np.linalg.norm(line, axis=2)
-    far = np.linalg.norm(line - line[:, :1], axis=2).argmax(axis=1)
-    other = np.linalg.norm(line - line[np.arange(len(line)), far][:, None], axis=2).argmax(axis=1)
+    longest = bernstein.highest(norms(line))
+    far = norms(line - line[:, :1]).argmax(axis=1)
     rows = np.arange(len(line))
+    other = norms(line - line[rows, far][:, None]).argmax(axis=1)
     origin = np.zeros_like(line[:, 0])
     shortest = to_segment(origin, line[rows, far], line[rows, other])[0] - missed
     shortest = np.maximum(shortest, 1e-12)
-    size = np.linalg.norm(quartic, axis=2)
-    sine = (size.max(axis=1) + miss * lengths.max(axis=1) + missed * (1 + miss)) / shortest
-    along = np.einsum("mik,mjk->mij", A, line).min(axis=(1, 2)) - miss * lengths.max(axis=1)
+    size = bernstein.highest(norms(quartic))
+    sine = (size + miss * longest + missed * (1 + miss)) / shortest
+    products = inner_products(A[:, :, None], line[:, None]).reshape(-1, 9)
+    along = bernstein.lowest(products) - miss * longest
     # both on the same side: the angle is that of the sine
     same = (along - missed * (1 + miss) > 0) & (sine < 1)
     return np.where(same, np.arcsin(np.minimum(sine, 1.0)), np.pi)

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from irb2400_ctrl.arrays import Array, Integers
+from irb2400_ctrl.arrays import Array, Integers, inner_products, norms
 from irb2400_ctrl.planners.toolpath.orientation import Orientation
 from irb2400_ctrl.planners.toolpath.task_curve import ROTATION_LENGTH, TaskCurve
 
@@ -37,7 +37,8 @@ class Sides:
 
     def ends(self, k: Integers, dimensions: int = 6) -> tuple[Array, Array]:
         """Start and end of the sides k, each (m, dimensions)."""
-        return self.corners[k - 1, :dimensions], self.corners[k, :dimensions]
+        first, last = (self.corners.take(number, axis=0) for number in (k - 1, k))
+        return first[:, :dimensions], last[:, :dimensions]
 
     def around(self, k: Integers) -> tuple[Integers, Integers]:
         """The first and the last side that may be the nearest to places on the sides k."""
@@ -58,6 +59,6 @@ def kept_points(curve: TaskCurve) -> Integers:
 def to_segment(p: Array, a: Array, b: Array) -> tuple[Array, Array]:
     """Distance of points from segments and the foot's parameter 0…1."""
     side = b - a
-    length2 = np.maximum((side**2).sum(axis=1), 1e-30)
-    t = np.clip(((p - a) * side).sum(axis=1) / length2, 0, 1)
-    return np.linalg.norm(p - a - t[:, None] * side, axis=1), t
+    out = p - a
+    t = np.clip(inner_products(out, side) / np.maximum(inner_products(side, side), 1e-30), 0, 1)
+    return norms(out - t[:, None] * side), t

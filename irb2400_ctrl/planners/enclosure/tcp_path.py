@@ -29,6 +29,8 @@ _MISS = np.sqrt(3) / 216
 _GAUSS, _WEIGHT = np.polynomial.legendre.leggauss(8)
 # a joint turns no further than this within one formula of quadrature [rad]
 _TURN = 0.2
+# cells that are enclosed at once: what they need fits a processor's cache
+_AT_ONCE = 2000
 
 
 @dataclass(frozen=True)
@@ -72,30 +74,34 @@ class TcpPath:
         piece of the path."""
         at, pieces = _three(self.joints, ends)
         p, axis = self.pose(at, pieces)
-        a, b, c = self._turning(ends)
-        lever = levers(self.model)
-        bends = [
-            _bend(rho, (a, a, a)) + 3 * _bend(rho, (a, b)) + _bend(rho, (c,))
-            for rho in (lever, 0 * lever + 1)
-        ]
+        miss = self.missed(ends)
+        return Enclosed(_parabolas(p), miss[0]), Enclosed(_parabolas(axis), miss[1])
+
+    def missed(self, ends: Array) -> tuple[Array, Array]:
+        """How far position [m] and tool axis are from the parabolas of `enclosed`, each (m,)."""
+        a, b, c = (_inner(rate) for rate in self._turning(ends))
+        # three derivatives of the position; partial ones of a direction are at most 1
+        bend = a**3 + 3 * a * b + c
         scale = _MISS * (ends[1] - ends[0]) ** 3
-        return Enclosed(_parabolas(p), scale * bends[0]), Enclosed(
-            _parabolas(axis), scale * bends[1]
-        )
+        return scale * _outermost(bend, levers(self.model)), scale * bend[:, -1]
 
     def enclosed_velocity(self, s: Array) -> Enclosed:
         """dp/ds on the cells between the lengths s (m + 1,), knots of the path included."""
+        parts = [
+            self._moving(s[first : first + _AT_ONCE + 1])
+            for first in range(0, len(s) - 1, _AT_ONCE)
+        ]
+        points = np.concatenate([part.points for part in parts])
+        return Enclosed(points, np.concatenate([part.miss for part in parts]))
+
+    def _moving(self, s: Array) -> Enclosed:
+        """The same on so many cells at once."""
         ends = np.stack([s[:-1], s[1:]])
         at, pieces = _three(self.joints, ends)
-        a, b, c = self._turning(ends)
-        rho = levers(self.model)
+        a, b, c = (_inner(rate) for rate in self._turning(ends))
         # four derivatives of the position; q'''' = 0
-        bend = (
-            _bend(rho, (a, a, a, a))
-            + 6 * _bend(rho, (a, a, b))
-            + 4 * _bend(rho, (a, c))
-            + 3 * _bend(rho, (b, b))
-        )
+        square = a * a
+        bend = _outermost(square * (square + 6 * b) + 4 * a * c + 3 * b * b, levers(self.model))
         return Enclosed(_parabolas(self.velocity(at, pieces)), _MISS * np.diff(s) ** 3 * bend)
 
     def way(self, s: Array | float) -> Array:
@@ -205,10 +211,15 @@ def _levers_of_chain(model: Model) -> Array:
     return beyond
 
 
-def _bend(lever: Array, rates: tuple[Array, ...]) -> Array:
-    """Sum over joints i, j, ... of lever[max(i, j, ...)] rate_i rate_j ..., shape (m,)."""
-    together = np.prod([np.cumsum(rate, axis=1) for rate in rates], axis=0)
-    return np.asarray(np.diff(together, axis=1, prepend=0.0) @ lever)
+def _inner(rate: Array) -> Array:
+    """Sums over the first 1, 2, ... joints, shape (m, n)."""
+    return np.asarray(rate @ np.triu(np.ones((rate.shape[1], rate.shape[1]))))
+
+
+def _outermost(together: Array, lever: Array) -> Array:
+    """Sum over joints i, j, ... of lever[max(i, j, ...)] rate_i rate_j ..., shape (m,), from the
+    same sum over the first 1, 2, ... joints alone with every lever 1, shape (m, n)."""
+    return np.asarray(together @ (lever - np.append(lever[1:], 0.0)))
 
 
 def _three(joints: JointPath, ends: Array) -> tuple[Array, npt.NDArray[np.int64]]:

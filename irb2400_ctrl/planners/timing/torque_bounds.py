@@ -24,6 +24,19 @@ def torque_bounds(cells: Cells, u: Array, x: Array, friction: Array) -> tuple[Ar
     return above, below
 
 
+def timed_torque_bounds(cells: Cells, friction: Array) -> tuple[Array, Array]:
+    """The same for a motion with the time as its parameter: sdot = 1 and sddot = 0."""
+    m = len(cells.h)
+    if cells.added is not None:
+        return torque_bounds(cells, np.zeros(m), np.ones(m + 1), friction)
+    _, *rest = cells.remainder
+    bottom, top = dry_friction(cells, friction, np.ones(m))
+    moving = cells.b + cells.e
+    high, low = (bernstein.raised(moving + c, 3) for c in (cells.c_high, cells.c_low))
+    miss = sum(rest)
+    return bernstein.highest(high) + top + miss, bernstein.lowest(low) + bottom - miss
+
+
 def _largest(cells: Cells, u: Array, x: Array, side: float) -> Array:
     """Upper bound of side times the torque in each cell, dry friction and remainders left out, (m,
     n) [Nm]."""
@@ -47,7 +60,7 @@ def _largest(cells: Cells, u: Array, x: Array, side: float) -> Array:
     X = bernstein.linear(x[:-1], x[1:])[..., None]
     base = bernstein.raised(a * turn + extra + c, 3) + bernstein.product(b, X) + _above_root(e, x)
     if added is None or not added.has_load:
-        return np.asarray(base.max(axis=1) + rest)
+        return np.asarray(bernstein.highest(base) + rest)
     a_l, b_l, c_l = added.load
     load = bernstein.raised(a_l * turn + c_l, 3) + bernstein.product(b_l, X)
     r_a, r_b, r_c = added.load_remainder
@@ -56,7 +69,7 @@ def _largest(cells: Cells, u: Array, x: Array, side: float) -> Array:
     line = added.line("load", side, np.zeros_like(size), size)
     # |load| is the larger of load and -load: above a growing law the larger bound, above a falling
     # one either bound
-    both = [(base + k * line.beta[:, None] * load).max(axis=1) for k in (1, -1)]
+    both = [bernstein.highest(base + k * line.beta[:, None] * load) for k in (1, -1)]
     either = np.where(line.beta >= 0, np.maximum(*both), np.minimum(*both))
     return np.asarray(either + line.alpha + np.abs(line.beta) * miss + rest)
 

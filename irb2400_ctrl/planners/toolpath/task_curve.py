@@ -12,6 +12,7 @@ CAM) the control points are chosen so that the curve passes through the way-poin
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 import numpy.typing as npt
@@ -53,15 +54,22 @@ class TaskCurve:
         return len(self.control) - 3
 
     def __call__(self, u: Array, order: int = 0) -> Array:
-        """Derivative of the curve of the given order by u, shape (n, m) [m]."""
+        """Derivative of the curve of the order 0 or 1 by u, shape (n, m) [m]."""
         k = np.clip(np.floor(u).astype(int), 0, self.segments - 1)
-        t = (u - k)[:, None]
-        powers = {
-            0: np.hstack([np.ones_like(t), t, t**2, t**3]),
-            1: np.hstack([np.zeros_like(t), np.ones_like(t), 2 * t, 3 * t**2]),
-        }[order]
-        weights = powers @ _BASIS.T
-        return np.asarray(np.einsum("nk,nkm->nm", weights, self.control[k[:, None] + np.arange(4)]))
+        t = np.repeat(u - k, self.control.shape[1]).reshape(len(u), -1)
+        powers = [power.take(k, axis=0) for power in self._powers[order:]]
+        if order:
+            powers = [i * power for i, power in enumerate(powers, start=1)]
+        value = powers[-1]
+        for power in powers[-2::-1]:
+            value = value * t + power
+        return np.asarray(value)
+
+    @cached_property
+    def _powers(self) -> Array:
+        """Coefficients of the powers of u - k on every segment, shape (4, segments, m)."""
+        beside = np.stack([self.control[i : i + self.segments] for i in range(4)])
+        return np.tensordot(_BASIS.T, beside, axes=1)
 
     def lengths(self, u: Array) -> Array:
         """Length of the curve between neighbouring parameters u (sorted, none across a knot), shape

@@ -46,6 +46,8 @@ _GAP = 2e-4
 # barrier to start with, near a solution
 _WARM = 1e-1
 _NEAR = 1e-3
+# cells to begin with, at least
+_LEAST_CELLS = 150
 
 
 @dataclass(frozen=True)
@@ -80,7 +82,7 @@ def time_rate_limited(
         dynamics: the arm.
         path: the joint path.
         limits: with `torque_rate`, `jerk` or both.
-        count: about how many cells to begin with.
+        count: about how many cells to begin with; fewer for a motion of fewer rows.
         feed: bound of x = sdot^2 in cells, see `retime`.
         sampling: how the motion will be read; what swings above a limit of torque, speed or feed
             between rows is held back, too.
@@ -97,6 +99,10 @@ def time_rate_limited(
     jumping = replace(limits, torque_rate=None, jerk=None)
     search = _Search(dynamics, path, limits, feed, sampling, feed_ratios)
     fastest, cells = time_joint_path(dynamics, path, jumping, count=count, feed=feed)
+    if sampling is not None:
+        # a program that is much finer than the rows takes longer and gains nothing
+        rows = int(np.ceil(fastest.law.duration * sampling.rate))
+        count = min(count, max(rows, _LEAST_CELLS))
     s, rough, first = search.rough(fastest.law, cells, count)
     law, ratios, more = search.settled(s, rough)
     law, ratios = search.slowed_until_inside(law, ratios)

@@ -17,7 +17,7 @@ from irb2400_ctrl.planners.enclosure.cells import divided, enclose, with_reversa
 from irb2400_ctrl.planners.enclosure.path_dynamics import PathDynamics
 from irb2400_ctrl.planners.joint_path import JointMotion
 from irb2400_ctrl.planners.timing.motion_limits import MotionLimits
-from irb2400_ctrl.planners.timing.torque_bounds import torque_bounds
+from irb2400_ctrl.planners.timing.torque_bounds import timed_torque_bounds
 
 # cells whose bound is above a limit are cut into so many parts, so often
 _PARTS = 4
@@ -93,8 +93,7 @@ def _bounds(
 def _enclosed(dynamics: PathDynamics, motion: JointMotion, s: Array) -> tuple[Array, Array]:
     """Bounds of |tau| and |qd| on cells, each (m, n)."""
     cells = enclose(dynamics, motion, s)
-    m = len(s) - 1
-    above, below = torque_bounds(cells, np.zeros(m), np.ones(m + 1), dynamics.model.robot.friction)
+    above, below = timed_torque_bounds(cells, dynamics.model.robot.friction)
     return np.maximum(above, -below), bernstein.largest_size(cells.speed)
 
 

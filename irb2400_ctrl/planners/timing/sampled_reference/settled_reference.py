@@ -77,8 +77,14 @@ class Settled:
 
     def worst(self, limits: MotionLimits) -> float:
         """The largest part of a limit, feed included."""
-        speed = self.bounds.velocity_ratio(limits.qd_max)
-        return max(self.by_torque(limits), speed, self.feed_ratio or 0.0)
+        return max(self.by_torque(limits), self._by_speed(limits))
+
+    def slower(self, limits: MotionLimits) -> float:
+        """About how many times slower the motion has to be: below 1 where it keeps its limits."""
+        return max(1 + _BY_TORQUE * (self.by_torque(limits) - 1), self._by_speed(limits))
+
+    def _by_speed(self, limits: MotionLimits) -> float:
+        return max(self.bounds.velocity_ratio(limits.qd_max), self.feed_ratio or 0.0)
 
 
 def settled_reference(
@@ -105,17 +111,22 @@ def settled_reference(
         return _slower_all_over(look, first, limits, _HOPELESS)
     found = first
     for _ in range(_ROUNDS):
-        if found.worst(limits) <= 1 or found.by_torque(limits) >= _HOPELESS:
+        if found.by_torque(limits) >= _HOPELESS:
             break
         slower = _slower_where(dynamics, task, law, found, limits, sampling)
         if slower.duration <= law.duration:
             break
         law = slower
         found = look(law)
+        nearly = _slower_all_over(look, found, limits, _HARDLY)
+        if nearly.worst(limits) <= 1:
+            found = nearly
+            break
     # coming back to its speed the law itself may need more than its rows
-    own = law.bounds(task.joints, limits, dynamics)
-    law = law.slowed(1 + _BY_TORQUE * max(own.torque_ratio - 1, 0.0))
-    return _slower_all_over(look, look(law), limits, _HOPELESS)
+    own = found.law.bounds(task.joints, limits, dynamics).torque_ratio
+    if own > 1:
+        found = look(found.law.slowed(1 + _BY_TORQUE * (own - 1)))
+    return _slower_all_over(look, found, limits, _HOPELESS)
 
 
 def _slower_all_over(
@@ -126,7 +137,7 @@ def _slower_all_over(
     found = first
     for _ in range(_ROUNDS):
         worst = found.worst(limits)
-        factor *= 1 + _BY_TORQUE * (worst - 1) + _ROUNDING
+        factor *= found.slower(limits) + _ROUNDING
         if not 1 < worst < _HOPELESS or factor > most:
             break
         found = look(first.law.slowed(factor))
