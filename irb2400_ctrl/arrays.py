@@ -1,10 +1,13 @@
-"""Names for the types of numpy arrays, one for each kind of element, and products of short
-vectors."""
+"""Numpy's arrays: names for their types, one for each kind of element, and algebra with them."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
+
 import numpy as np
 import numpy.typing as npt
+from threadpoolctl import threadpool_limits
 
 Array = npt.NDArray[np.float64]
 Mask = npt.NDArray[np.bool_]
@@ -20,3 +23,11 @@ def inner_products(a: Array, b: Array) -> Array:
 def norms(a: Array) -> Array:
     """Lengths of the vectors in the last axis."""
     return np.sqrt(inner_products(a, a))
+
+
+@contextmanager
+def one_thread() -> Iterator[None]:
+    """Linear algebra on one thread: the matrices of an arm are small, and threads would only wait
+    for each other (a plan takes twice the time on a busy machine)."""
+    with threadpool_limits(limits=1, user_api="blas"):
+        yield

@@ -1,17 +1,27 @@
-"""What all tests share: every file that any of them had written is what its schema says."""
+"""What all tests share: one core each, and every file that any of them had written is what its
+schema says."""
 
 from __future__ import annotations
 
+import os
+import sys
 from collections.abc import Iterator
 
 import pytest
-from written_files import problem, written_in
+
+# before numpy is loaded, as the command line does it: each worker of pytest has one core
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+# commands in processes of their own need not compile the package's text each time
+os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+sys.dont_write_bytecode = False
 
 
 @pytest.fixture(scope="session", autouse=True)
 def written_files_are_what_their_schemas_say(
     tmp_path_factory: pytest.TempPathFactory,
 ) -> Iterator[None]:
+    from written_files import problem, written_in
+
     yield
     wrong = [
         f"{path}: {found}"

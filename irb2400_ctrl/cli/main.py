@@ -83,6 +83,9 @@ def run() -> None:
     """
     from irb2400_ctrl.errors import InputError, IrbError
 
+    # as `arrays.one_thread`, before numpy is loaded; what sets another number is obeyed
+    for library in ("OPENBLAS", "MKL"):
+        os.environ.setdefault(f"{library}_NUM_THREADS", "1")
     try:
         app()
     except InputError as error:

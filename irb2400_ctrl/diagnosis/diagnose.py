@@ -7,9 +7,8 @@ from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
-from threadpoolctl import threadpool_limits
 
-from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.arrays import Array, one_thread
 from irb2400_ctrl.diagnosis.comparison.acceptance import INFLATION
 from irb2400_ctrl.diagnosis.comparison.criteria import Criteria
 from irb2400_ctrl.diagnosis.comparison.scan import Scan
@@ -76,7 +75,7 @@ def diagnose(
     change = reference is not None
     robot = robot if reference is None else reference
     # the matrices are small: threads would only wait for each other
-    with threadpool_limits(limits=1, user_api="blas"):
+    with one_thread():
         progress("understand")
         logs = sound_logs(robot, [log] if isinstance(log, Log) else list(log))
         if logs.problem is not None:

@@ -9,9 +9,8 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
-from threadpoolctl import threadpool_limits
 
-from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.arrays import Array, one_thread
 from irb2400_ctrl.errors import InfeasibleError, InputError
 from irb2400_ctrl.excitation.alternatives import Alternatives, Pair, named
 from irb2400_ctrl.excitation.assemble import Workshop
@@ -83,7 +82,7 @@ def _excited(
     progress: Callable[[str], None],
 ) -> Excitation:
     """The motion on a robot whose ranges are those that it may use."""
-    with threadpool_limits(limits=1, user_api="blas"):
+    with one_thread():
         progress("preparing")
         workshop = Workshop(robot)
         ordinary = standard_course(workshop, seconds)

@@ -8,9 +8,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from threadpoolctl import threadpool_limits
 
-from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.arrays import Array, one_thread
 from irb2400_ctrl.errors import InfeasibleError
 from irb2400_ctrl.excitation.assemble import Workshop
 from irb2400_ctrl.excitation.base_information import BaseInformation
@@ -156,7 +155,7 @@ def excite_identification(
 def _planned(
     robot: Robot, seconds: float, seed: int, budget: Budget, progress: Callable[[str], None]
 ) -> IdentificationMotion:
-    with threadpool_limits(limits=1, user_api="blas"):
+    with one_thread():
         progress("preparing")
         workshop = Workshop(robot)
         standard = workshop.recorded(standard_course(workshop, seconds), "standard")

@@ -6,9 +6,8 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-from threadpoolctl import threadpool_limits
 
-from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.arrays import Array, one_thread
 from irb2400_ctrl.diagnosis.regressors.predict import predicted_torque
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.identification.constant_runs import runs_of
@@ -70,7 +69,7 @@ def identify(
             file whose torque depends on the numbers that are fitted.
     """
     # matrices of a hundred numbers: threads cost more than they bring
-    with threadpool_limits(limits=1, user_api="blas"):
+    with one_thread():
         seen, others, heavy = (
             [some] if isinstance(some, Log) else list(some) for some in (logs, validation, loaded)
         )

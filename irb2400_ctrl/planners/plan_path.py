@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import ArrayLike
 
-from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.arrays import Array, one_thread
 from irb2400_ctrl.cell import Cell, Scene, with_tool
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.planners.certify import certify
@@ -46,6 +46,7 @@ Ways = Callable[[Model, Orientation, Scene | None], Iterable[Choice]]
 """the joint paths that are compared for a tool path"""
 
 
+@one_thread()
 def plan_path(
     robot: Robot,
     path: ToolPath,

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.arrays import Array, one_thread
 from irb2400_ctrl.errors import InputError, UnreachableError
 from irb2400_ctrl.files import write_json
 from irb2400_ctrl.planners.linking.clearance_plane import ClearancePlane, spindle_axis
@@ -136,6 +136,7 @@ class ProgramPlan:
         return [write_json(folder / "program.json", self.summary()), *written]
 
 
+@one_thread()
 def plan_program(
     robot: Robot,
     program: CamProgram,
@@ -183,6 +184,7 @@ def plan_program(
     return ProgramPlan(program, tuple(done), motion, refused)
 
 
+@one_thread()
 def plan_unwound(
     robot: Robot,
     program: CamProgram,

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.arrays import Array, one_thread
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.measurement.log import Log
 from irb2400_ctrl.measurement.log_facts import LogFacts, log_facts
@@ -66,6 +66,7 @@ class LogCheck:
         }
 
 
+@one_thread()
 def log_problem(robot: Robot | None, log: Log) -> LogProblem | None:
     """Why a log cannot be taken as labelled; None when it can.
 

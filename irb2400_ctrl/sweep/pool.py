@@ -7,17 +7,23 @@ the case it was at, which another one repeats; the others do not notice.
 from __future__ import annotations
 
 import multiprocessing
+import os
 import signal
 import traceback
 from collections import Counter, deque
 from collections.abc import Callable, Generator, Iterable
 from dataclasses import dataclass
+from functools import cache
 from multiprocessing.connection import Connection, wait
 from multiprocessing.process import BaseProcess
+from typing import TYPE_CHECKING
 
 from irb2400_ctrl.errors import IrbError
 from irb2400_ctrl.sweep.cases import CaseOutcome
 from irb2400_ctrl.sweep.study import Study
+
+if TYPE_CHECKING:  # the first is not there on Windows
+    from multiprocessing.context import ForkServerContext, SpawnContext
 
 Work = Callable[[Study, int], CaseOutcome]
 ATTEMPTS = 3
@@ -92,11 +98,23 @@ def run_on_cores(study: Study, cases: Iterable[int], workers: int, work: Work) -
             _dismiss(worker)
 
 
+@cache
+def _context() -> ForkServerContext | SpawnContext:
+    """How workers begin: not forked from this process, whose threads' locks a child would inherit,
+    but from a server that has done nothing but import what they need; on Windows each anew."""
+    if "forkserver" not in multiprocessing.get_all_start_methods():
+        return multiprocessing.get_context("spawn")
+    context = multiprocessing.get_context("forkserver")
+    context.set_forkserver_preload(["irb2400_ctrl.sweep.cases"])
+    return context
+
+
 def _hire(study: Study, work: Work) -> _Worker:
-    # spawn: a fork would inherit locks of threads that do not exist in the child
-    context = multiprocessing.get_context("spawn")
+    context = _context()
     ours, theirs = context.Pipe()
-    process = context.Process(target=_serve, args=(theirs, study, work), daemon=True)
+    # the server has the environment of the first sweep
+    given = (theirs, study, work, dict(os.environ))
+    process = context.Process(target=_serve, args=given, daemon=True)
     process.start()
     theirs.close()
     return _Worker(process, ours)
@@ -119,8 +137,10 @@ def _dismiss(worker: _Worker) -> int | None:
     return code
 
 
-def _serve(connection: Connection, study: Study, work: Work) -> None:
+def _serve(connection: Connection, study: Study, work: Work, environment: dict[str, str]) -> None:
     """A worker's life: until the other end is closed."""
+    os.environ.clear()
+    os.environ.update(environment)
     # Ctrl-C at a terminal reaches all processes; the first one decides, and dismisses the others
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     while True:

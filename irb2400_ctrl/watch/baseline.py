@@ -11,9 +11,8 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from threadpoolctl import threadpool_limits
 
-from irb2400_ctrl.arrays import Array, Mask
+from irb2400_ctrl.arrays import Array, Mask, one_thread
 from irb2400_ctrl.diagnosis.comparison.selection import reversal_rows
 from irb2400_ctrl.diagnosis.diagnose import prior_of
 from irb2400_ctrl.diagnosis.estimation.fit import Fitter
@@ -84,7 +83,7 @@ class Baseline:
             InputError: it is too short, or does not fit the robot.
         """
         # the matrices are small: threads would only wait for each other
-        with threadpool_limits(limits=1, user_api="blas"):
+        with one_thread():
             motion = _prepared(log)
             bases = Bases(robot.bare())
             prior = prior_of(robot, robot.uncertainty, motion)
@@ -101,7 +100,7 @@ class Baseline:
 
     def blocks(self, log: Log) -> Blocks:
         """Of a record of at least two seconds; its first and last moments are not complete."""
-        with threadpool_limits(limits=1, user_api="blas"):
+        with one_thread():
             motion = _prepared(log)
             Z = motion.filtered(self.prior.columns(self.bases.model, motion))
             seen = _Seen.of(motion, Z)

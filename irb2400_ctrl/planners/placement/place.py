@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.arrays import Array, one_thread
 from irb2400_ctrl.cell import Cell
 from irb2400_ctrl.errors import InputError, UnreachableError
 from irb2400_ctrl.planners.placement.area import Area, Standing, middle_of
@@ -66,6 +66,7 @@ class Placement:
         }
 
 
+@one_thread()
 def place(
     robot: Robot,
     programs: Sequence[CamProgram],

@@ -19,7 +19,7 @@ import numpy as np
 import numpy.typing as npt
 from numpy.typing import ArrayLike
 
-from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.arrays import Array, one_thread
 from irb2400_ctrl.errors import InfeasibleError, InputError
 from irb2400_ctrl.planners.enclosure.path_dynamics import PathDynamics
 from irb2400_ctrl.planners.redundancy.singularity_margins import NAMES
@@ -59,6 +59,7 @@ _TURNS = 3
 _LONGER = 1.2
 
 
+@one_thread()
 def optimise_motion(
     robot: Robot,
     waypoints: ArrayLike,
