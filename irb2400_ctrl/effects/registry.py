@@ -119,6 +119,11 @@ def source_file(effect: Kind) -> Path | None:
     return path if path.is_file() else None
 
 
+def in_library(effect: Kind) -> bool:
+    """Whether the library itself defines it, neither a file nor a notebook of the user's."""
+    return effect.__module__.startswith(f"{__package__}.")
+
+
 def users_files(effects: Iterable[Kind]) -> list[Path]:
     """Files outside the library that these effects need, each once."""
     found = [source_file(effect) for effect in effects]

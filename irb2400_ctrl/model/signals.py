@@ -81,15 +81,20 @@ class ArmSignals:
         return kinematics.tcp_jacobian(self.robot, self.q)
 
     @cached_property
-    def _regressor(self) -> ca.SX:
+    def whole_regressor(self) -> ca.SX:
+        """d tau / d phi of all links, shape (n, 10 n)."""
         return regressor(self.robot, self.q, self.qd, self.qdd)
 
     def regressor(self, link: int) -> ca.SX:
         """d tau / d phi of link 1…n, or n + 1 for the flange frame, shape (n, 10)."""
+        return self.link_columns(self.whole_regressor, link)
+
+    def link_columns(self, whole: ca.SX, link: int) -> ca.SX:
+        """What belongs to link 1…n, or n + 1, of the regressor of all links, shape (n, 10)."""
         n = self.robot.n
         if link == n + 1:
-            return self._regressor[:, -10:] @ transport(ca.DM(self.robot.flange.matrix()))
-        return self._regressor[:, 10 * (link - 1) : 10 * link]
+            return whole[:, -10:] @ transport(ca.DM(self.robot.flange.matrix()))
+        return whole[:, 10 * (link - 1) : 10 * link]
 
     @cached_property
     def mass_matrix(self) -> ca.SX:

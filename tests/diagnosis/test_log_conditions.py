@@ -14,7 +14,7 @@ from irb2400_ctrl.diagnosis import diagnose
 from irb2400_ctrl.diagnosis.estimation.effect_parameters import Parameter
 from irb2400_ctrl.diagnosis.estimation.fit import _alone
 from irb2400_ctrl.diagnosis.preparation.doubtful_accelerations import doubtful_accelerations
-from irb2400_ctrl.diagnosis.regressors.effect_states import _composed
+from irb2400_ctrl.diagnosis.regressors.effect_states import _followed
 from irb2400_ctrl.measurement import Log
 from irb2400_ctrl.measurement.prepared_log import prepare
 from irb2400_ctrl.model import Model
@@ -65,18 +65,17 @@ def test_accelerations_are_doubted_by_the_share_that_is_noise() -> None:
     assert doubted(fine).max(initial=0.0) < 0.2 * doubted(coarse).max()
 
 
-def test_maps_from_the_first_sample_are_those_of_step_by_step() -> None:
+def test_states_from_a_band_of_equations_are_those_of_step_by_step() -> None:
     rng = np.random.default_rng(0)
     m = 23
-    E = [[0.9 * np.eye(2)[i, k] + 0.1 * rng.uniform(size=(3, m)) for k in range(2)] for i in (0, 1)]
-    c = [rng.standard_normal((3, m)) for _ in range(2)]
-    P, add = _composed(E, c)
-    x0 = rng.standard_normal((2, 3))
-    x = x0
-    for t in range(m):
-        x = np.stack([sum(E[i][k][:, t] * x[k] for k in (0, 1)) + c[i][:, t] for i in (0, 1)])
-        there = [sum(P[i][k][:, t] * x0[k] for k in (0, 1)) + add[i][:, t] for i in (0, 1)]
-        np.testing.assert_allclose(there, x, rtol=1e-12)
+    E = [[0.9 * np.eye(2)[i, k] + 0.1 * rng.uniform(size=(m, 3)) for k in range(2)] for i in (0, 1)]
+    c = [rng.standard_normal((m, 3)) for _ in range(2)]
+    starts = rng.standard_normal((3, 2, 3))
+    found = _followed(E, c, [list(start) for start in starts], (m + 1, 3))
+    for x, states in zip(starts, found, strict=True):
+        for t in range(m):
+            x = np.stack([sum(E[i][k][t] * x[k] for k in (0, 1)) + c[i][t] for i in (0, 1)])
+            np.testing.assert_allclose([s[t + 1] for s in states], x, rtol=1e-12)
 
 
 def test_what_two_numbers_of_an_effect_share_is_no_doubt_of_either() -> None:

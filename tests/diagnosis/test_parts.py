@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 from functools import cache
+from typing import Any, ClassVar, Literal
 
 import casadi as ca
 import numpy as np
@@ -29,6 +31,7 @@ from irb2400_ctrl.diagnosis.regressors.vectorised import Vectorised
 from irb2400_ctrl.effects import LIBRARY
 from irb2400_ctrl.effects.added_body import Payload
 from irb2400_ctrl.effects.encoder_zero import EncoderZero
+from irb2400_ctrl.effects.signals import Signals
 from irb2400_ctrl.effects.time_delay import TimeDelay
 from irb2400_ctrl.measurement import Log
 from irb2400_ctrl.measurement.prepared_log import PreparedLog, prepare
@@ -74,14 +77,35 @@ def test_memory_is_exact_for_an_oscillator() -> None:
     memory = Memory([u], state, [w], rate, ca.SX.zeros(2))
     step = 0.02
     m = 200
-    frequency = np.array([[5.0], [40.0]])
-    (x, _), begun, _ = memory.states([np.ones(m)], step, [frequency], (2, m))
-    t = step * np.arange(m)
+    frequency = np.array([[5.0, 40.0]])
+    (x, _), begun, _ = memory.states([np.ones((m, 1))], step, [frequency], (m, 2))
+    t = step * np.arange(m)[:, None]
     damped = np.sqrt(1 - zeta**2) * frequency
     envelope = np.exp(-zeta * frequency * t)
     swing = np.cos(damped * t) + zeta / np.sqrt(1 - zeta**2) * np.sin(damped * t)
     np.testing.assert_allclose(x, 1 - envelope * swing, atol=1e-9)
     np.testing.assert_allclose(begun[0] - x, envelope * swing, atol=1e-9)
+
+
+def test_a_law_of_the_users_own_may_differentiate_a_signal() -> None:
+    before = dict(LIBRARY)
+
+    class Slope(EncoderZero):
+        sentence: ClassVar[str] = "a wrong zero, written out"
+        example: ClassVar[Mapping[str, Any]] = {"offset_rad": 0.01}
+        kind: Literal["slope"] = "slope"  # type: ignore[assignment]
+
+        def basis(self, s: Signals) -> ca.SX:
+            return ca.jacobian(s.load, s.q)[:, self.index]
+
+    try:
+        (own,) = BASES.columns("slope", 3, motion())
+        (known,) = BASES.columns("encoder_zero", 3, motion())
+    finally:
+        LIBRARY.clear()
+        LIBRARY.update(before)
+    assert own.joints == known.joints
+    np.testing.assert_allclose(own.values, known.values, rtol=1e-9, atol=1e-9)
 
 
 def test_evidence_equals_the_direct_integral() -> None:

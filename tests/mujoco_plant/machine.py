@@ -23,6 +23,10 @@ TO_MOTORS = np.linalg.inv(TO_LINKS)
 """q = TO_MOTORS @ theta"""
 
 
+class RanAway(RuntimeError):
+    """The drives do not hold the arm that was drawn."""
+
+
 @dataclass(frozen=True)
 class Machine:
     """Bodies, gravity and rotors of the arm; friction (6, 4) as in `parameters.FRICTION`; bristle
@@ -148,7 +152,7 @@ class Machine:
             load = data.actuator_force[:6]
             record[i] = np.concatenate([q, qd, load])
             if not abs(qd).max() < RUNAWAY:
-                raise RuntimeError("the simulated arm ran away: its drives do not suit it")
+                raise RanAway("the simulated arm ran away: its drives do not suit it")
         return record[:: round(1.0 / RATE / STEP)]
 
     def _setpoints(self, reference: np.ndarray) -> np.ndarray:

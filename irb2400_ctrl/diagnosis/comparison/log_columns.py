@@ -28,9 +28,9 @@ class LogColumns:
         self.motion = motion
         self.load = load
         self.remembering: dict[tuple[str, int | None], list[RegressorColumns]] = {}
-        """discrepancy of every grid point of effects with memory: how a record began may be all
-        that shows them"""
-        self._discrepancy: dict[tuple[object, ...], RegressorColumns] = {}
+        """discrepancy of every grid point of effects with memory on their own joint: how a record
+        began may be all that shows them"""
+        self._members: dict[tuple[object, ...], tuple[RegressorColumns, RegressorColumns]] = {}
         self._samples: dict[tuple[object, ...], RegressorColumns] = {}
         self.vibrations_of = cache(lambda joint: vibrations(motion, joint))
 
@@ -50,7 +50,8 @@ class LogColumns:
     def laws(
         self,
     ) -> dict[tuple[str, int | None], tuple[list[dict[str, float]], list[RegressorColumns]]]:
-        """Grid and filtered columns of each family."""
+        """Grid and filtered columns of each family; of effects with memory on their own joint
+        alone, which is enough to choose among them (`member`)."""
         found = {}
         inertia = np.median(
             np.einsum("mjj->mj", self.bases.model.mass_matrix(self.motion.q[::50])), axis=0
@@ -67,7 +68,7 @@ class LogColumns:
             ]
             if effect.states:
                 columns, self.remembering[kind, joint] = self.bases.with_beginnings(
-                    kind, joint, self.motion, grid
+                    kind, joint, self.motion, grid, own=True
                 )
             else:
                 columns = self.bases.columns(kind, joint, self.motion, grid)
@@ -79,24 +80,34 @@ class LogColumns:
         """Filtered columns of the non-parametric laws, by joint."""
         return non_parametric_laws(self.motion, self.load)
 
-    def discrepancy(
+    def member(
         self, kind: str, joint: int | None, nonlinear: dict[str, float]
-    ) -> RegressorColumns:
-        """Filtered columns of an effect's discrepancy."""
+    ) -> tuple[RegressorColumns, RegressorColumns]:
+        """Filtered columns of one member of a family, in the grid or between, and of its
+        discrepancy, on all joints that show it."""
         key = (kind, joint, *sorted(nonlinear.items()))
-        if key not in self._discrepancy:
-            self._discrepancy[key] = self._discrepancy_of(kind, joint, nonlinear)
-        return self._discrepancy[key]
+        if key not in self._members:
+            self._members[key] = self._member(kind, joint, nonlinear)
+        return self._members[key]
 
-    def _discrepancy_of(
+    def _member(
         self, kind: str, joint: int | None, nonlinear: dict[str, float]
-    ) -> RegressorColumns:
-        return self.bases.columns(kind, joint, self.motion, [nonlinear], discrepancy=True)[0]
+    ) -> tuple[RegressorColumns, RegressorColumns]:
+        point = [nonlinear]
+        if LIBRARY[kind].states:
+            laws, extras = self.bases.with_beginnings(kind, joint, self.motion, point)
+            return laws[0], extras[0]
+        grid, laws = self.laws[kind, joint]
+        if nonlinear in grid:
+            law = laws[grid.index(nonlinear)]
+        else:
+            (law,) = self.bases.columns(kind, joint, self.motion, point)
+        (extra,) = self.bases.columns(kind, joint, self.motion, point, discrepancy=True)
+        return law, extra
 
     def columns(self, point: Point) -> RegressorColumns:
         """Filtered columns of an effect."""
-        grid, laws = self.laws[point.kind, point.joint]
-        return laws[grid.index(point.nonlinear)]
+        return self.member(point.kind, point.joint, point.nonlinear)[0]
 
     def samples(self, point: Point, discrepancy: bool = False) -> RegressorColumns:
         """RegressorColumns of an effect sample by sample, not filtered."""

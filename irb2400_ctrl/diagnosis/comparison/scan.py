@@ -83,12 +83,7 @@ class Scan(LogColumns):
         best: Candidate | None = None
         for place in self._promising(problem, kind, joint, laws):
             nonlinear = grid[place]
-            law = laws[place]
-            extra = (
-                self.remembering[kind, joint][place]
-                if LIBRARY[kind].states
-                else self.discrepancy(kind, joint, nonlinear)
-            )
+            law, extra = self.member(kind, joint, nonlinear)
             forms = self.forms(kind, law)
             # a family with many members must win by more
             penalty = self.family_penalty(kind, joint) + float(np.log(len(forms)))
@@ -178,8 +173,7 @@ class Scan(LogColumns):
     ) -> Candidate | None:
         kind = candidate.kind
         joint = candidate.joint
-        law = self.bases.columns(kind, joint, self.motion, [nonlinear])[0]
-        extra = self.discrepancy(kind, joint, nonlinear)
+        law, extra = self.member(kind, joint, nonlinear)
         score = self._score(problem, kind, law, extra, candidate.expected)
         score = replace(score, gain=score.gain - candidate.penalty)
         effect = plausible(kind, joint, score.coefficients, nonlinear)
@@ -212,12 +206,9 @@ class Scan(LogColumns):
             return [0]
         if LIBRARY[kind].states:
             # on the joint itself, law and beginning as free columns
-            own = int(joint or 1) - 1
-            place = laws[0].joints.index(own)
+            (own,) = laws[0].joints
             both = zip(laws, self.remembering[kind, joint], strict=True)
-            blocks = [
-                np.hstack([law.values[:, place], extra.values[:, place]]) for law, extra in both
-            ]
+            blocks = [np.hstack([law.values[:, 0], extra.values[:, 0]]) for law, extra in both]
             gains = problem.gains(own, blocks)
         elif len(laws[0].joints) == 1:
             gram, right = problem.projected_many(

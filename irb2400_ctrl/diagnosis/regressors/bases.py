@@ -13,15 +13,16 @@ import numpy.typing as npt
 
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.diagnosis.regressors.effect_states import Memory
+from irb2400_ctrl.diagnosis.regressors.given_signals import DerivedSignals, GivenSignals
 from irb2400_ctrl.diagnosis.regressors.vectorised import Vectorised
 from irb2400_ctrl.effects import LIBRARY, Effect
 from irb2400_ctrl.effects.base import within
+from irb2400_ctrl.effects.registry import in_library
 from irb2400_ctrl.measurement.prepared_log import PreparedLog
 from irb2400_ctrl.model import Model
-from irb2400_ctrl.model.signals import ArmSignals
 from irb2400_ctrl.robot import Robot
 
-CHUNK = 4_000_000
+CHUNK = 1_000_000
 """numbers per array while a grid is evaluated: bounds the memory"""
 
 
@@ -50,11 +51,11 @@ class Bases:
     def __init__(self, robot: Robot) -> None:
         self.robot = robot
         self.model = Model(robot)
-        self._laws: dict[tuple[type[Effect], int | None, bool, tuple[str, ...]], _Law] = {}
+        self._laws: dict[tuple[type[Effect], int | None, bool, tuple[str, ...], bool], _Law] = {}
 
     @cached_property
-    def signals(self) -> ArmSignals:
-        return self.model.signals()
+    def signals(self) -> DerivedSignals:
+        return DerivedSignals(self.model.signals())
 
     def columns(
         self,
@@ -85,13 +86,19 @@ class Bases:
         )
 
     def with_beginnings(
-        self, kind: str, joint: int | None, motion: PreparedLog, grid: Sequence[dict[str, float]]
+        self,
+        kind: str,
+        joint: int | None,
+        motion: PreparedLog,
+        grid: Sequence[dict[str, float]],
+        *,
+        own: bool = False,
     ) -> tuple[list[RegressorColumns], list[RegressorColumns]]:
         """Filtered columns of basis and discrepancy of an effect with memory, from one pass over
-        its states."""
+        its states; `own`: on its own joint alone (the first of a whole arm)."""
         if not grid:
             return [], []
-        law = self._law(kind, joint, True, tuple(grid[0]))
+        law = self._law(kind, joint, True, tuple(grid[0]), own)
         points = [tuple(entry[key] for key in grid[0]) for entry in grid]
         always = within((), motion.time)
         both = law(motion, points, True, always, law_too=True)
@@ -100,12 +107,19 @@ class Bases:
         departures = [c.part(slice(split)) for c in both]
         return basis, departures
 
-    def _law(self, kind: str, joint: int | None, discrepancy: bool, keys: tuple[str, ...]) -> _Law:
-        """The effect's expression, built once."""
+    def _law(
+        self,
+        kind: str,
+        joint: int | None,
+        discrepancy: bool,
+        keys: tuple[str, ...],
+        own: bool = False,
+    ) -> _Law:
+        """The effect's expression, built once; `own`: on its own joint alone."""
         effect = LIBRARY[kind]
-        name = (effect, joint, discrepancy, keys)
+        name = (effect, joint, discrepancy, keys, own)
         if name not in self._laws:
-            self._laws[name] = _Law(self.signals, effect, joint, discrepancy, keys)
+            self._laws[name] = _Law(self.signals, effect, joint, discrepancy, keys, own)
         return self._laws[name]
 
 
@@ -114,23 +128,31 @@ class _Law:
 
     def __init__(
         self,
-        s: ArmSignals,
+        signals: DerivedSignals,
         effect: type[Effect],
         joint: int | None,
         discrepancy: bool,
         keys: tuple[str, ...],
+        own: bool,
     ) -> None:
         theta = [ca.SX.sym(key) for key in keys]
         prototype = effect.prototype(joint, dict(zip(keys, theta, strict=True)))  # type: ignore[arg-type]
         state = ca.SX.sym("x", len(effect.states))
-        s = s.with_state(state) if effect.states else s
+        # the user's own may differentiate a signal: it has to be written out
+        s = GivenSignals(signals, state) if in_library(effect) else signals.arm.with_state(state)
         law = prototype.basis(s)
         basis = prototype.discrepancy_basis(s) if discrepancy else law
         # it lives on the joints of the law, so that both can stand side by side
         rows = sorted(set(law.sparsity().row()))
+        if own:
+            rows = [row for row in rows if row == int(joint or 1) - 1]
         self.joints = tuple(rows)
         self.k = basis.shape[1]
-        scalars = [*ca.vertsplit(ca.vertcat(s.q, s.qd, s.qdd, s.qddd, s.qdddd, s.time))]
+        rate = prototype.state_rate(s)
+        steady = prototype.steady_state(s)
+        self.signals = signals
+        self.asked = s.asked if isinstance(s, GivenSignals) else []
+        scalars = signals.symbols(self.asked)
         inputs = [*scalars, *ca.vertsplit(state), *theta]
         self.law = Vectorised(inputs, _flat(basis, rows))
         # the record may begin in any state: what a different beginning adds is a departure too
@@ -140,11 +162,7 @@ class _Law:
             self.response = Vectorised(inputs, _flat(law, rows))
             # of a law of several columns the first stands for the beginning
             self.begun = Vectorised(inputs, _flat(law[:, :1], rows))
-        self.memory = (
-            Memory(scalars, state, theta, prototype.state_rate(s), prototype.steady_state(s))
-            if effect.states
-            else None
-        )
+        self.memory = Memory(scalars, state, theta, rate, steady) if effect.states else None
 
     def __call__(
         self,
@@ -161,15 +179,17 @@ class _Law:
         values = np.empty((len(grid), rows, len(self.joints), columns))
         if values.size == 0:
             return [RegressorColumns(self.joints, v) for v in values]
-        inputs = motion.scalars
-        numbers = CHUNK if self.memory is None else CHUNK // 16
+        inputs = [signal[:, None] for signal in self.signals.numbers(self.asked, motion)]
+        always = bool(active.all())
+        numbers = CHUNK if self.memory is None else CHUNK // 4
         chunk = max(1, numbers // m)
         for start in range(0, len(grid), chunk):
             points = grid[start : start + chunk]
             part = np.array(points, dtype=float).reshape(len(points), len(grid[0]))
             place = slice(start, start + len(part))
             for joint, column, flat in self._flat_columns(motion, inputs, part, law_too):
-                whole = (np.broadcast_to(flat, (len(part), m)) * active).T
+                whole = np.broadcast_to(flat, (m, len(part)))
+                whole = whole if always else whole * active[:, None]
                 shown = motion.filtered(whole) if filtered else whole
                 values[place, :, joint, column] = shown.T
         return [RegressorColumns(self.joints, v) for v in values]
@@ -177,12 +197,12 @@ class _Law:
     def _flat_columns(
         self, motion: PreparedLog, inputs: list[Array], part: Array, law_too: bool
     ) -> Iterator[tuple[int, int, Array]]:
-        """(joint, column, numbers over grid points and samples) of every column.
+        """(joint, column, numbers over samples and grid points) of every column.
 
         Args:
             part: nonlinear parameters, one row per grid point.
         """
-        theta = [part[:, i : i + 1] for i in range(part.shape[1])]
+        theta = [part[None, :, i] for i in range(part.shape[1])]
         trajectories = self._state_trajectories(motion, inputs, theta, len(part))
         states = trajectories[0] if trajectories else []
         if self.k:
@@ -213,10 +233,10 @@ class _Law:
         found = []
         for part in motion.parts:  # every log begins anew
             own = [signal[part] for signal in inputs]
-            shape = (points, part.stop - part.start)
+            shape = (part.stop - part.start, points)
             found.append(self.memory.states(own, motion.step, theta, shape))
         return [
-            [np.concatenate([log[k][i] for log in found], axis=1) for i in range(len(found[0][k]))]
+            [np.concatenate([log[k][i] for log in found]) for i in range(len(found[0][k]))]
             for k in range(len(found[0]))
         ]
 

@@ -7,10 +7,9 @@ exact: no resonance is shifted and no stiff friction blows up.
 
 from __future__ import annotations
 
-import math
-
 import casadi as ca
 import numpy as np
+from scipy.linalg.lapack import dtbtrs
 
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.diagnosis.regressors.vectorised import Vectorised
@@ -42,9 +41,13 @@ class Memory:
     def states(
         self, inputs: list[Array], step: float, theta: list[Array], shape: tuple[int, int]
     ) -> list[list[Array]]:
-        """Trajectories (g, m) of each state: begun in the steady state, then begun one unit off in
-        each state."""
-        values = [np.broadcast_to(v, shape) for v in self._evaluate(*inputs, *theta)]
+        """Trajectories of each state over samples and grid points, `shape` (m, g): begun in the
+        steady state, then begun one unit off in each state.
+
+        Args:
+            inputs: (m, 1); step: [s]; theta: (1, g).
+        """
+        values = self._evaluate(*inputs, *theta)
         inside = values[: -2 * self.n]
         b = values[-2 * self.n : -self.n]
         steady = values[-self.n :]
@@ -53,7 +56,8 @@ class Memory:
             n = len(block)
             own = inside[place * n * n : (place + 1) * n * n]
             A = [own[i * n : i * n + n] for i in range(n)]
-            begun.append(_trajectories(A, [b[i] for i in block], [steady[i] for i in block], step))
+            first = [np.broadcast_to(steady[i], shape)[0] for i in block]
+            begun.append(_trajectories(A, [b[i] for i in block], first, step, shape))
         quiet = [x for block in begun for x in block[0]]
         trajectories = [quiet]
         for block, found in zip(self._blocks, begun, strict=True):
@@ -65,75 +69,60 @@ class Memory:
 
 
 def _trajectories(
-    A: list[list[Array]], b: list[Array], steady: list[Array], step: float
+    A: list[list[Array]], b: list[Array], first: list[Array], step: float, shape: tuple[int, int]
 ) -> list[list[Array]]:
-    """One or two states that depend on each other: begun in the steady state, then one unit off in
-    each."""
+    """One or two states that depend on each other: begun in the steady state `first`, then one unit
+    off in each.
+
+    A, b of any shape that broadcasts to `shape`: what does not change is not spread out.
+    """
     n = len(b)
+    inside = (shape[0] - 1, shape[1])
     # between two samples: their mean, or everything would come half a sample late
     A = [[_between(a) for a in row] for row in A]
     b = [_between(v) for v in b]
     E, add = _scalar(A[0][0], b[0], step) if n == 1 else _pair(A, b, step)
-    # x[k + 1] = E x[k] + add as one affine map from the first sample, for all samples at once
-    P, c = _composed(E, add)
-    trajectories = []
-    for begun in range(n + 1):
-        x0 = [steady[i][:, :1].copy() for i in range(n)]
-        if begun:
-            # one unit of a rate is small against one of its state: give it the size of a swing
-            x0[begun - 1] = x0[begun - 1] + (
-                1.0 if begun == 1 else np.sqrt(np.abs(A[1][0][:, :1]) + 1e-12)
-            )
-        later = [sum((P[i][k] * x0[k] for k in range(n)), c[i]) for i in range(n)]
-        trajectories.append([np.concatenate([x0[i], later[i]], axis=1) for i in range(n)])
-    return trajectories
+    starts = [first]
+    for k in range(n):
+        # one unit of a rate is small against one of its state: give it the size of a swing
+        swing = np.sqrt(np.abs(np.broadcast_to(A[1][0], inside)[0]) + 1e-12) if k else 1.0
+        starts.append([first[i] + (swing if i == k else 0.0) for i in range(n)])
+    return _followed(E, add, starts, shape)
 
 
 def _between(v: Array) -> Array:
-    return np.asarray(0.5 * (v[:, :-1] + v[:, 1:]))
+    return np.asarray(0.5 * (v[:-1] + v[1:])) if v.ndim and len(v) > 1 else v
 
 
-def _composed(E: list[list[Array]], c: list[Array]) -> tuple[list[list[Array]], list[Array]]:
-    """Affine maps from the first sample to every later one: within blocks of about sqrt(m) samples
-    for all blocks at once, then from block to block."""
+def _followed(
+    E: list[list[Array]], c: list[Array], starts: list[list[Array]], shape: tuple[int, int]
+) -> list[list[Array]]:
+    """x[k + 1] = E[k] x[k] + c[k] from several starts (g,): a banded triangle of equations for each
+    point of the grid, found[start][state] (m, g)."""
     n = len(c)
-    points, m = c[0].shape
-    length = math.isqrt(m) + 1
-    count = -(-m // length)
-    # maps and what they add side by side, the samples of a block first
-    steps = np.zeros((n, n + 1, points, count * length))
-    for i in range(n):
-        steps[i, i] = 1.0  # beyond the end nothing moves
-        for k in range(n):
-            steps[i, k, :, :m] = E[i][k]
-        steps[i, n, :, :m] = c[i]
-    steps = steps.reshape(n, n + 1, points, count, length)
-    maps = np.ascontiguousarray(steps.transpose(4, 0, 1, 2, 3))
-    for place in range(1, length):
-        maps[place] = _after(maps[place], maps[place - 1])
-    whole = np.ascontiguousarray(maps[-1].transpose(3, 0, 1, 2))
-    begin = np.zeros_like(whole)
-    begin[0, range(n), range(n)] = 1.0
-    for block in range(1, count):
-        begin[block] = _after(whole[block - 1], begin[block - 1])
-    before = begin.transpose(1, 2, 3, 0)
-    found = [
-        [
-            sum(maps[:, i, k] * before[k, j] for k in range(n)) + (maps[:, i, n] if j == n else 0.0)
-            for j in range(n + 1)
-        ]
-        for i in range(n)
-    ]
-    flat = [[part.transpose(1, 2, 0).reshape(points, -1)[:, :m] for part in row] for row in found]
-    return [row[:n] for row in flat], [row[n] for row in flat]
+    m, points = shape
+    # a point of the grid after the other: its samples side by side
+    steps = [[_turned(e, m - 1, points) for e in row] for row in E]
+    add = [_turned(v, m - 1, points) for v in c]
+    found = np.empty((len(starts), n, points, m))
+    # column by column below a diagonal of ones, as LAPACK keeps a band
+    band = np.zeros((m, n, 2 * n))
+    right = np.zeros((len(starts), m, n))
+    for point in range(points):
+        for i in range(n):
+            for k in range(n):
+                np.negative(steps[i][k][point], out=band[:-1, k, n + i - k])
+            right[:, 1:, i] = add[i][point]
+            right[:, 0, i] = [start[i][point] for start in starts]
+        x, _ = dtbtrs(
+            band.reshape(-1, 2 * n).T, right.reshape(len(starts), -1).T, uplo="L", diag="U"
+        )
+        found[:, :, point] = x.T.reshape(len(starts), m, n).transpose(0, 2, 1)
+    return [[np.ascontiguousarray(state.T) for state in begun] for begun in found]
 
 
-def _after(later: Array, earlier: Array) -> Array:
-    """An affine map after another one, both (n, n + 1, ...)."""
-    n = len(later)
-    found = np.asarray(np.sum(later[:, :n, None] * earlier[None], axis=1))
-    found[:, n] += later[:, n]
-    return found
+def _turned(values: Array, samples: int, points: int) -> Array:
+    return np.ascontiguousarray(np.broadcast_to(values, (samples, points)).T)
 
 
 def _scalar(a: Array, b: Array, h: float) -> tuple[list[list[Array]], list[Array]]:
