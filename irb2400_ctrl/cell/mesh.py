@@ -11,11 +11,11 @@ import numpy as np
 from irb2400_ctrl.arrays import Array, Integers
 from irb2400_ctrl.cell.description import Mesh
 from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.reading import triangles_of
 from irb2400_ctrl.robot.shape import pose
 
 UNITS = {"mm": 1e-3, "cm": 1e-2, "m": 1.0, "inch": 0.0254}
 """[m]"""
-MOST_TRIANGLES = 5_000_000
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,36 +91,9 @@ def read_mesh(mesh: Mesh, folder: Path) -> Surface:
             f"mesh {path}: found nothing, expected an STL file; its place is relative to the cell "
             "file"
         )
-    points, triangles, closed = _read(path)
-    if not len(triangles):
-        raise InputError(f"mesh {path}: found no triangles, expected an STL file of a solid")
-    if len(triangles) > MOST_TRIANGLES or not np.isfinite(points).all():
-        raise InputError(
-            f"mesh {path}: found {len(triangles):,} triangles, expected finite ones and at most "
-            f"{MOST_TRIANGLES:,}; export it coarser"
-        )
+    points, triangles, closed = triangles_of(path)
     points = UNITS[mesh.unit] * points
     centre = (points.min(axis=0) + points.max(axis=0)) / 2
     X = pose(mesh.place_mm, mesh.turn_deg)
     X[:3, 3] += X[:3, :3] @ centre
     return Surface(points - centre, triangles, X, closed)
-
-
-def _read(path: Path) -> tuple[Array, Integers, bool]:
-    """Points in the file's unit, triangles, and whether they close."""
-    try:
-        import trimesh
-    except ImportError as error:
-        raise InputError(
-            f"mesh {path}: reading it needs trimesh; pip install 'irb2400_ctrl[cell]'"
-        ) from error
-    try:
-        found = trimesh.load_mesh(path)
-    except Exception as error:  # a reader of many formats fails in as many ways
-        raise InputError(f"mesh {path} cannot be read ({error}); expected an STL file") from error
-    if not isinstance(found, trimesh.Trimesh):
-        raise InputError(f"mesh {path}: found no single mesh, expected an STL file of a solid")
-    found.merge_vertices()
-    points = np.asarray(found.vertices, dtype=float).reshape(-1, 3)
-    triangles = np.asarray(found.faces, dtype=np.int64).reshape(-1, 3)
-    return points, triangles, bool(found.is_watertight)

@@ -18,7 +18,7 @@ from irb2400_ctrl.cell.mesh import Surface
 from irb2400_ctrl.cell.nested import Nested
 from irb2400_ctrl.cell.piece import Piece
 from irb2400_ctrl.errors import InputError
-from irb2400_ctrl.robot.shape import Box, Capsule, Cylinder, Solid, Sphere
+from irb2400_ctrl.robot.shape import Box, Capsule, Cylinder, Hull, Solid, Sphere
 
 # sides of the prism around a cylinder: it stands out by 1/cos(pi/48) - 1 = 0.2 % of the radius
 _SIDES = 48
@@ -110,6 +110,11 @@ def _primitive(coal: Any, shape: Solid | Surface) -> tuple[Any, float]:
         return coal.Capsule(shape.radius, shape.length), 0.0
     if isinstance(shape, Cylinder):
         return coal.Cylinder(shape.radius, shape.length), 0.0
+    if isinstance(shape, Hull):
+        corners = coal.StdVec_Vec3s()
+        for point in shape.points:
+            corners.append(point)
+        return coal.ConvexBase.convexHull(corners, True, "Qt"), 0.0
     assert isinstance(shape, Box)
     return coal.Box(*shape.size), 0.0
 
@@ -128,6 +133,8 @@ def _triangles(coal: Any, piece: Piece) -> tuple[Any, float]:
         radius = shape.radius
     elif isinstance(shape, Cylinder):
         points, triangles = _prism(shape)
+    elif isinstance(shape, Hull):
+        points, triangles = _hull(shape.points)
     else:
         assert isinstance(shape, Box)
         points, triangles = _hull(_corners(shape.size / 2))

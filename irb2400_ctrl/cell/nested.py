@@ -6,7 +6,7 @@ import numpy as np
 
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.cell.mesh import Surface
-from irb2400_ctrl.robot.shape import Box, Cylinder, Solid
+from irb2400_ctrl.robot.shape import Box, Cylinder, Hull, Solid
 
 
 class Nested:
@@ -55,4 +55,7 @@ class Nested:
             return bool((along & (np.hypot(local[:, 0], local[:, 1]) < self._body.radius)).any())
         if isinstance(self._body, Box):
             return bool((np.abs(local) < self._body.size / 2).all(axis=1).any())
+        if isinstance(self._body, Hull):
+            faces = self._body.faces
+            return bool((local @ faces[:, :3].T + faces[:, 3] < 0).all(axis=1).any())
         return False

@@ -12,7 +12,7 @@ from irb2400_ctrl.cell.mesh import Surface, read_mesh
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.robot import Robot, Transform
 from irb2400_ctrl.robot.outline import BASE, SPINDLE, TOOL
-from irb2400_ctrl.robot.shape import Box, Solid
+from irb2400_ctrl.robot.shape import Box, Hull, Solid
 
 FLOOR = "floor"
 # the floor is a slab of this size [mm]: wide enough for any arm, thick enough to be told from below
@@ -43,6 +43,11 @@ class Piece:
         ends, radius = self.shape.capsule()
         return ends @ self.X[:3, :3].T + self.X[:3, 3], radius
 
+    @property
+    def is_capsule(self) -> bool:
+        """Whether `capsule` is the shape itself."""
+        return isinstance(self.shape, Solid) and self.shape.is_capsule
+
     def pose(self) -> Array:
         """Pose of the shape's own frame in the frame of the link, shape (4, 4)."""
         return np.asarray(self.X @ self.shape.place())
@@ -53,6 +58,8 @@ class Piece:
             return self.shape.half_size
         if isinstance(self.shape, Box):
             return np.asarray(self.shape.size / 2)
+        if isinstance(self.shape, Hull):
+            return np.asarray(np.abs(self.shape.points).max(axis=0))
         ends, radius = self.shape.capsule()
         half = np.full(3, radius)
         half[2] += np.linalg.norm(ends[1] - ends[0]) / 2

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from importlib.util import find_spec
 from typing import Any
 
 import numpy as np
@@ -30,8 +31,8 @@ _CHUNK = 8192
 class Scene:
     """Pairs of pieces that must not touch: first those of the arm itself, then those with the cell.
 
-    A box or cylinder of the arm counts as the capsule around it where it is compared with the arm;
-    with the cell it counts as it is.
+    Where a shape of the arm is no capsule, the capsule around it says how near it may be to the
+    rest of the arm, and coal, where it is installed, how near it is.
     """
 
     model: Model
@@ -109,8 +110,8 @@ class Scene:
         return np.array([False] * len(self.own) + outer, dtype=np.bool_)
 
     def near(self, q: Array) -> tuple[Array, Array]:
-        """Distances of the arm's own pairs (m, own) [m] and the poses of base and links (m, n + 1,
-        3, 4) at q (m, n)."""
+        """Distances of the arm's own pairs as capsules (m, own) [m] and the poses of base and links
+        (m, n + 1, 3, 4) at q (m, n)."""
         own, rows = arm_space(self.robot, self.tool)[2].map(q)
         return own - ROUNDING, rows.reshape(len(q), -1, 3, 4)
 
@@ -140,6 +141,43 @@ class Scene:
         p = link[:, :, :3] @ local[:3, 3] + link[:, :, 3]
         found = [narrow.distance(R[m], p[m]) for m in range(len(poses))]
         return np.array(found) - ROUNDING
+
+    @cached_property
+    def measured(self) -> tuple[int, ...]:
+        """Numbers of the pairs of which `near` and `rough` say a lower bound only."""
+        if self._around is None:
+            return tuple(range(len(self.own), self.pairs))
+        return (*self._around, *range(len(self.own), self.pairs))
+
+    @cached_property
+    def _around(self) -> dict[int, Narrow] | None:
+        """Own pairs that are not both capsules, for coal; None where it is not installed."""
+        pairs = [
+            number
+            for number, pair in enumerate(self.own)
+            if not all(self.arm[k].is_capsule for k in pair)
+        ]
+        if not pairs or find_spec("coal") is None:
+            return None
+        own = [tuple(self.arm[k] for k in self.own[number]) for number in pairs]
+        return {n: Narrow.of(a, b, self.triangles) for n, (a, b) in zip(pairs, own, strict=True)}
+
+    def distance(self, number: int, poses: Array) -> Array:
+        """Of one of the `measured` pairs at poses (m, n + 1, 3, 4), shape (m,) [m]."""
+        if number >= len(self.own):
+            return self.exact(number - len(self.own), poses)
+        assert self._around is not None
+        i, j = self.own[number]
+        local = self._local[i]
+        first = poses[:, self.arm[i].link]
+        other = poses[:, self.arm[j].link]
+        back = other[:, :, :3].transpose(0, 2, 1)
+        R = back @ first[:, :, :3]
+        p = np.einsum("mij,mj->mi", back, first[:, :, 3] - other[:, :, 3])
+        p = p + R @ local[:3, 3]
+        R = R @ local[:3, :3]
+        narrow = self._around[number]
+        return np.array([narrow.distance(R[m], p[m]) for m in range(len(poses))]) - ROUNDING
 
     @cached_property
     def carried(self) -> npt.NDArray[np.bool_]:
@@ -173,23 +211,27 @@ class Scene:
     ) -> Array:
         count = len(self.own)
         own, poses = self.near(q)
-        best: Array = np.minimum(own[:, asked[:count]].min(axis=1, initial=np.inf), most)
-        if not asked[count:].any():
-            return best
-        skipped = (cutting[:, None] & self.cutting[count:]) | ~asked[count:]
-        rough = np.where(skipped, np.inf, self.rough(poses))
+        least = np.full((len(q), self.pairs), np.inf)
+        least[:, :count] = own
+        if asked[count:].any():
+            least[:, count:] = self.rough(poses)
+        least[(cutting[:, None] & self.cutting) | ~asked] = np.inf
+        measured = np.array(self.measured, dtype=np.int64)
+        known = np.delete(least, measured, axis=1)
+        best: Array = np.minimum(known.min(axis=1, initial=np.inf), most)
         # the nearest looking pairs first: they spare the others a closer look
-        for number in np.argsort(rough.min(axis=0)):
-            close = np.flatnonzero((rough[:, number] < best) & (best > 0))
+        for number in measured[np.argsort(least[:, measured].min(axis=0))]:
+            close = np.flatnonzero((least[:, number] < best) & (best > 0))
             if len(close):
-                best[close] = np.minimum(best[close], self.exact(number, poses[close]))
+                best[close] = np.minimum(best[close], self.distance(number, poses[close]))
         return best
 
     def nearest(self, q: Array, cutting: bool) -> tuple[str, str]:
         """The two bodies that come nearest at q (n,); `cutting` as in `clearance`."""
         own, poses = self.near(q[None])
-        outer = [self.exact(number, poses)[0] for number in range(len(self.outer))]
-        distance = np.concatenate([own[0], outer])
+        distance = np.concatenate([own[0], np.full(len(self.outer), np.inf)])
+        for number in self.measured:
+            distance[number] = self.distance(number, poses)[0]
         distance[self.cutting & cutting] = np.inf
         return self.names(int(np.argmin(distance)))
 

@@ -36,8 +36,18 @@ def import_(
     convention: Annotated[
         str | None, typer.Option(help="Of a DH table: standard or modified.")
     ] = None,
+    meshes: Annotated[
+        list[Path] | None,
+        typer.Option(
+            metavar="FOLDER", help="Where meshes and package:// paths are; may be repeated."
+        ),
+    ] = None,
+    outline: Annotated[
+        bool, typer.Option(help="Read the shapes of the links: what the arm may not touch with.")
+    ] = True,
 ) -> Summary:
     """Make a robot file from another format; says what was unknown and what looks wrong."""
+    from irb2400_ctrl.cell import with_kept_apart
     from irb2400_ctrl.model.plausibility import plausibility
     from irb2400_ctrl.robot import save_robot
     from irb2400_ctrl.robot.importing import Payload, import_robot
@@ -53,17 +63,16 @@ def import_(
         coupling=tuple((int(i), int(j), factor) for i, j, factor in terms),
         payload=None if payload_kg is None else Payload(payload_kg, (x, y, z)),
         convention=convention,
+        meshes=tuple(meshes or ()),
+        outline=outline,
     )
-    save_robot(found.robot, out)
-    print(f"{found.robot.name}: {found.robot.n} joints")
-    notes = [*found.notes, *found.robot.assumptions()]
-    checks = plausibility(found.robot)
-    for note in notes:
-        print(f"note: {note}")
-    for note in checks:
-        print(f"check: {note}")
-    print(f"written: {out}")
-    facts = {"name": found.robot.name, "joints": found.robot.n, "notes": notes, "checks": checks}
+    arm, of_outline = with_kept_apart(found.robot)
+    save_robot(arm, out)
+    notes = [*found.notes, *of_outline, *arm.assumptions()]
+    checks = plausibility(arm)
+    said = [*(f"note: {note}" for note in notes), *(f"check: {note}" for note in checks)]
+    print("\n".join([f"{arm.name}: {arm.n} joints", *said, f"written: {out}"]))
+    facts = {"name": arm.name, "joints": arm.n, "notes": notes, "checks": checks}
     return Summary(facts, [out])
 
 

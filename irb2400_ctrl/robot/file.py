@@ -20,7 +20,7 @@ from irb2400_ctrl.robot.file_problems import explain
 from irb2400_ctrl.robot.joint import Friction, Joint, Limits, MotorCoupling, Transmission
 from irb2400_ctrl.robot.link import Body, Coupling, Link, ModifiedDH, Tool, Transform
 from irb2400_ctrl.robot.outline import KeptApart, Outline, Part
-from irb2400_ctrl.robot.shape import Box, Capsule, Cylinder, Sphere
+from irb2400_ctrl.robot.shape import Box, Capsule, Cylinder, Hull, Sphere
 from irb2400_ctrl.robot.uncertainty import BodyUncertainty, Uncertainty
 
 
@@ -111,6 +111,6 @@ def _tables() -> list[type[BaseModel]]:
     return [
         *(ModifiedDH, Transform, Body, Link, Friction, Limits, Joint, Coupling, Tool, Robot),
         *(Transmission, MotorCoupling, Uncertainty, BodyUncertainty),
-        *(Outline, Part, KeptApart, Box, Capsule, Cylinder, Sphere),
+        *(Outline, Part, KeptApart, Box, Capsule, Cylinder, Hull, Sphere),
         *LIBRARY.values(),
     ]

@@ -4,13 +4,18 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from collections.abc import Sequence
-from typing import Annotated, Literal, Self
+from functools import cached_property
+from typing import TYPE_CHECKING, Annotated, Literal, Self
 
 import numpy as np
 from pydantic import Field, model_validator
 
 from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.robot.capsule_fit import capsule_around, half_sphere
 from irb2400_ctrl.robot.table import Positive, Table, Vector3
+
+if TYPE_CHECKING:
+    from scipy.spatial import ConvexHull
 
 
 class Solid(Table):
@@ -26,6 +31,13 @@ class Solid(Table):
     @abstractmethod
     def capsule(self) -> tuple[Array, float]:
         """Both ends (2, 3) and the radius of a capsule around it, in the stated frame [m]."""
+
+    def corners(self) -> Array:
+        """Points whose hull is around it, in the stated frame [m], shape (k, 3)."""
+        (first, last), radius = self.capsule()
+        half = half_sphere(60)
+        ball = 1.04 * radius * np.concatenate([half, -half])
+        return np.concatenate([first + ball, last + ball])
 
     @property
     def is_capsule(self) -> bool:
@@ -129,6 +141,11 @@ class Box(Solid):
     def place(self) -> Array:
         return pose(self.centre_mm, self.turn_deg)
 
+    def corners(self) -> Array:
+        signs = np.array(np.meshgrid(*[[-0.5, 0.5]] * 3)).reshape(3, -1).T
+        X = self.place()
+        return np.asarray(signs * self.size @ X[:3, :3].T + X[:3, 3])
+
     def capsule(self) -> tuple[Array, float]:
         size = self.size
         axis = int(np.argmax(size))
@@ -138,7 +155,75 @@ class Box(Solid):
         return np.array([X[:3, 3] - half, X[:3, 3] + half]), float(np.linalg.norm(across))
 
 
-Shape = Annotated[Capsule | Cylinder | Sphere | Box, Field(discriminator="kind")]
+class Hull(Solid):
+    """The convex hull of points."""
+
+    kind: Literal["hull"]
+    points_mm: tuple[Vector3, ...] = Field(min_length=4)
+
+    @model_validator(mode="after")
+    def _has_inside(self) -> Self:
+        spread = np.linalg.svd(self.points, compute_uv=False)
+        if spread[2] < 1e-6:
+            raise ValueError("points_mm lie in a plane; expected a body")
+        return self
+
+    def __eq__(self, other: object) -> bool:
+        """The same points; what was computed on the way does not count."""
+        return isinstance(other, Hull) and self._stated == other._stated
+
+    def __hash__(self) -> int:
+        """Of the points."""
+        return hash(self._stated)
+
+    @property
+    def _stated(self) -> tuple[tuple[Vector3, ...], bool]:
+        return self.points_mm, self.cuts
+
+    @cached_property
+    def points(self) -> Array:
+        """Its corners about the middle of the box around them [m], shape (k, 3)."""
+        return np.array(self.points_mm) / 1e3 - self.place()[:3, 3]
+
+    def place(self) -> Array:
+        X = np.eye(4)
+        stated = np.array(self.points_mm) / 1e3
+        X[:3, 3] = (stated.min(axis=0) + stated.max(axis=0)) / 2
+        return X
+
+    def corners(self) -> Array:
+        return self.points + self.place()[:3, 3]
+
+    def capsule(self) -> tuple[Array, float]:
+        ends, radius = self._around
+        return ends + self.place()[:3, 3], radius
+
+    @cached_property
+    def faces(self) -> Array:
+        """Outward normals and offsets: normal . x + offset <= 0 inside, shape (m, 4)."""
+        return np.asarray(self._hull.equations)
+
+    @cached_property
+    def triangles(self) -> Array:
+        """Corners of its surface, outwards, about the same middle [m], shape (m, 3, 3)."""
+        corners = self.points[self._hull.simplices]
+        across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        inwards = (across * self.faces[:, :3]).sum(axis=1) < 0
+        corners[inwards] = corners[inwards][:, ::-1]
+        return np.asarray(corners)
+
+    @cached_property
+    def _hull(self) -> ConvexHull:
+        from scipy.spatial import ConvexHull
+
+        return ConvexHull(self.points)
+
+    @cached_property
+    def _around(self) -> tuple[Array, float]:
+        return capsule_around(self.points)
+
+
+Shape = Annotated[Capsule | Cylinder | Sphere | Box | Hull, Field(discriminator="kind")]
 
 
 def frame_along(direction: Array) -> Array:

@@ -16,7 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.arrays import Array, Integers
 from irb2400_ctrl.cell import Scene
 from irb2400_ctrl.planners.clearance.clearance import Clearance
 from irb2400_ctrl.planners.joint_path import JointPath
@@ -139,12 +139,15 @@ def _distances(search: _Search, ends: Array, open_: npt.NDArray[np.bool_], moved
     count = len(scene.own)
     found = np.full(open_.shape, np.inf)
     found[:, :count] = own
-    _saw(search, np.where(open_[:, :count], own, np.inf), 0, middle)
-    if not scene.outer:
+    measured = np.array(scene.measured, dtype=np.int64)
+    known = np.delete(np.arange(count), measured[measured < count])
+    _saw(search, np.where(open_[:, known], own[:, known], np.inf), known, middle)
+    if not len(measured):
         return found
-    found[:, count:] = scene.rough(poses)
-    looks = np.where(open_, found - moved, np.inf)[:, count:]
-    for number in np.argsort(looks.min(axis=0)):
+    if scene.outer:
+        found[:, count:] = scene.rough(poses)
+    looks = np.where(open_, found - moved, np.inf)
+    for number in measured[np.argsort(looks[:, measured].min(axis=0))]:
         close = np.flatnonzero(looks[:, number] < search.goal())
         # near ones first: what they show may spare the others
         close = close[np.argsort(looks[close, number], kind="stable")]
@@ -152,21 +155,21 @@ def _distances(search: _Search, ends: Array, open_: npt.NDArray[np.bool_], moved
             some = some[looks[some, number] < search.goal()]
             if not len(some):
                 continue
-            exact = scene.exact(int(number), poses[some])
-            found[some, count + number] = exact
-            _saw(search, exact[:, None], count + int(number), middle[some])
+            exact = scene.distance(int(number), poses[some])
+            found[some, number] = exact
+            _saw(search, exact[:, None], np.array([number]), middle[some])
         if search.touching:
             break
     return found
 
 
-def _saw(search: _Search, distance: Array, first: int, s: Array) -> None:
-    """Remember the smallest of true distances (m, k) of pairs from number `first` on."""
+def _saw(search: _Search, distance: Array, pairs: Integers, s: Array) -> None:
+    """Remember the smallest of true distances (m, k) of pairs (k,)."""
     if not distance.size:
         return
     at = np.unravel_index(int(np.argmin(distance)), distance.shape)
     if distance[at] < search.seen.distance:
-        search.seen = Approach(float(distance[at]), first + int(at[1]), float(s[at[0]]))
+        search.seen = Approach(float(distance[at]), int(pairs[at[1]]), float(s[at[0]]))
 
 
 def _rate(joints: JointPath, ends: Array) -> Array:

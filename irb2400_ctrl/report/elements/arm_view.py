@@ -21,7 +21,7 @@ from irb2400_ctrl.cell.piece import FLOOR, Piece, arm_pieces, cell_pieces, tool_
 from irb2400_ctrl.model.kinematics import link_poses
 from irb2400_ctrl.robot import Robot
 from irb2400_ctrl.robot.outline import SPINDLE, TOOL
-from irb2400_ctrl.robot.shape import Box, Capsule, Cylinder, Sphere
+from irb2400_ctrl.robot.shape import Box, Capsule, Cylinder, Hull, Sphere
 
 MOST_FRAMES = 600
 """poses that are sent; the browser interpolates between them"""
@@ -183,6 +183,8 @@ def _form(piece: Piece) -> dict[str, Any]:
     if isinstance(shape, Surface) and len(shape.triangles) <= MOST_TRIANGLES:
         corners = shape.points[shape.triangles].reshape(-1, 3)
         return {"kind": "mesh", "corners": _packed(corners)}
+    if isinstance(shape, Hull):
+        return {"kind": "mesh", "corners": _packed(shape.triangles.reshape(-1, 3))}
     size = shape.size if isinstance(shape, Box) else 2 * piece.half_size()
     return {"kind": "box", "size": [float(v) for v in size]}
 

@@ -12,6 +12,7 @@ from pydantic import ValidationError
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.robot.description import Robot
+from irb2400_ctrl.robot.importing.arm_outline import Drawn, with_outline
 from irb2400_ctrl.robot.importing.joint_tables import joint_table
 from irb2400_ctrl.robot.importing.tree import (
     TURNING,
@@ -57,6 +58,7 @@ class _Collected:
     frames: list[Array]
     masses: list[Mass]
     joints: list[TreeJoint]
+    drawn: list[Drawn]
     X: Array
     """the link last looked at, in the frame of the last joint, shape (4, 4)"""
 
@@ -68,6 +70,7 @@ def chain_robot(
     tip: str | None = None,
     coupling: tuple[tuple[int, int, float], ...] = (),
     payload: Payload | None = None,
+    outline: bool = True,
 ) -> Imported:
     """The robot of the chain from `base` to `tip`.
 
@@ -77,6 +80,7 @@ def chain_robot(
         coupling: (i, j, factor): theta_i = q_i + factor q_j; a parallelogram on axis 3 is (3, 2,
             -1).
         payload: on the flange.
+        outline: with the space that the arm takes up, where the file draws it.
 
     Raises:
         InputError: a chain that is none, a joint that slides or follows another.
@@ -87,9 +91,9 @@ def chain_robot(
     path = _stood_still(tree.path(base, tip), notes)
     _turning_only(tree, path)
     notes.append(f"chain from {base} to {tip}")
-    chain = _Collected([], [], [], np.eye(4))
+    chain = _Collected([], [], [], [], np.eye(4))
     on_path = {joint.name for joint in path}
-    _gather(tree, base, np.eye(4), on_path, None, notes)
+    _gather(tree, base, np.eye(4), on_path, chain, notes)
     for joint in path:
         _step(tree, joint, chain, on_path, notes)
     if not chain.joints:
@@ -113,11 +117,12 @@ def chain_robot(
         "flange": _transform(chain.X),
     }
     fields["effects"] = _rotors(chain.joints)
-    if payload is not None:
-        fields["tool"] = _payload(payload)
+    fields["tool"] = None if payload is None else _payload(payload)
     if not any(mass.mass for mass in chain.masses):
         notes.append("no link has mass: what needs dynamics (plan, diagnose, control) needs it too")
-    return Imported(_valid(tree, fields), tuple(grouped(notes)))
+    drawn = chain.drawn if outline else []
+    robot = with_outline(_valid(tree, fields), drawn, tree.folders, notes)
+    return Imported(robot, tuple(grouped(notes)))
 
 
 def _rotors(joints: list[TreeJoint]) -> list[dict[str, Any]]:
@@ -179,26 +184,25 @@ def _step(
         chain.joints.append(joint)
         X = inverse(turned)
     chain.X = X
-    body = _gather(tree, joint.child, X, on_path, chain.masses[-1] if chain.masses else None, notes)
-    if body is not None:
-        chain.masses[-1] = body
+    _gather(tree, joint.child, X, on_path, chain, notes)
 
 
 def _gather(
-    tree: Tree, link: str, X: Array, on_path: set[str], body: Mass | None, notes: list[str]
-) -> Mass | None:
-    """`body` with the link and everything that is fixed to it; None (the base) gathers nothing."""
+    tree: Tree, link: str, X: Array, on_path: set[str], chain: _Collected, notes: list[str]
+) -> None:
+    """The link and everything that is fixed to it join the last body; the base has no mass data."""
     own = tree.links[link]
-    if body is not None and own is not None:
-        body = body.joined(own.seen_from(X))
+    if chain.masses and own is not None:
+        chain.masses[-1] = chain.masses[-1].joined(own.seen_from(X))
+    if tree.shapes.get(link):
+        chain.drawn.append(Drawn(len(chain.masses), link, X, tree.shapes[link]))
     for joint in tree.hanging_on(link):
         if joint.name in on_path:
             continue
         if joint.kind == "fixed":
-            body = _gather(tree, joint.child, X @ joint.X, on_path, body, notes)
+            _gather(tree, joint.child, X @ joint.X, on_path, chain, notes)
         else:
-            notes.append(_left_out(tree, joint, body is None))
-    return body
+            notes.append(_left_out(tree, joint, not chain.masses))
 
 
 def _left_out(tree: Tree, joint: TreeJoint, on_base: bool) -> str:

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.reading import xml_root
 from irb2400_ctrl.robot.importing.chain_robot import Imported, Payload, chain_robot
 from irb2400_ctrl.robot.importing.dh_file import read_dh
+from irb2400_ctrl.robot.importing.mesh_file import mesh_folders
 from irb2400_ctrl.robot.importing.mjcf_file import read_mjcf
 from irb2400_ctrl.robot.importing.tree import Tree
 from irb2400_ctrl.robot.importing.urdf_file import read_urdf
@@ -21,6 +24,8 @@ def import_robot(
     coupling: tuple[tuple[int, int, float], ...] = (),
     payload: Payload | None = None,
     convention: str | None = None,
+    meshes: Sequence[Path] = (),
+    outline: bool = True,
 ) -> Imported:
     """The robot of a URDF, an MJCF, or a DH table (CSV).
 
@@ -30,12 +35,18 @@ def import_robot(
         coupling: (i, j, factor): theta_i = q_i + factor q_j.
         payload: on the flange.
         convention: of a DH table, `standard` or `modified`; default what its file says.
+        meshes: folders that hold its meshes, or the ROS packages of `package://`; beside the file
+            and in the folders above it they are found without.
+        outline: with the space that the arm takes up, where the file draws it.
 
     Raises:
         InputError: not such a file, or an arm that this library does not know.
     """
     tree = read_tree(Path(path), convention)
-    return chain_robot(tree, base=base, tip=tip, coupling=coupling, payload=payload)
+    tree = replace(tree, folders=mesh_folders(Path(path), meshes))
+    return chain_robot(
+        tree, base=base, tip=tip, coupling=coupling, payload=payload, outline=outline
+    )
 
 
 def read_tree(path: Path, convention: str | None = None) -> Tree:

@@ -1,7 +1,7 @@
 """MJCF in: bodies, hinges and inertials of a MuJoCo file, included files and defaults applied.
 
 A body with several hinges becomes as many links, the first ones without mass. Of actuators the
-limits are read; geometry, tendons and equalities are not: a coupling is stated at the import.
+limits are read; tendons and equalities are not: a coupling is stated at the import.
 Bodies that fly freely (what an arm shall grasp) are left out.
 """
 
@@ -16,6 +16,8 @@ import numpy as np
 
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.robot.importing.geometry import Geometry
+from irb2400_ctrl.robot.importing.mjcf_geometry import geometry, mesh_assets
 from irb2400_ctrl.robot.importing.mjcf_orientation import orientation, turn
 from irb2400_ctrl.robot.importing.mjcf_parts import (
     Defaults,
@@ -46,6 +48,7 @@ def read_mjcf(path: Path, root: ET.Element) -> Tree:
     classes = defaults(root)
     reader = _Reader(path, unit, settings.get("eulerseq", "xyz"), classes)
     reader.limits = torque_limits(root, classes)
+    reader.meshes = mesh_assets(root, classes, settings)
     for world in worlds:
         for body in world.findall("body"):
             reader.body(body, "world", "main", moving=False)
@@ -71,7 +74,7 @@ def read_mjcf(path: Path, root: ET.Element) -> Tree:
         gravity = (float(x), float(y), float(z))
     name = root.get("model") or path.stem
     return Tree(name, f"imported from {path.name} (MJCF)", reader.links, tuple(reader.joints),
-                gravity, tuple(notes))  # fmt: skip
+                gravity, tuple(notes), reader.shapes)  # fmt: skip
 
 
 @dataclass
@@ -87,6 +90,8 @@ class _Reader:
     joints: list[TreeJoint] = field(default_factory=list)
     limits: dict[str, float] = field(default_factory=dict)
     free: list[str] = field(default_factory=list)
+    meshes: dict[str, Geometry] = field(default_factory=dict)
+    shapes: dict[str, tuple[Geometry, ...]] = field(default_factory=dict)
 
     def body(self, element: ET.Element, parent: str, around: str, *, moving: bool) -> None:
         """One body, its joints and what hangs on it; `moving`: with the joints before it."""
@@ -118,6 +123,7 @@ class _Reader:
         if not hinges:
             self.joints.append(TreeJoint(f"{name}_mount", "fixed", parent, name, X, np.zeros(3)))
         self.links[name] = self._mass(element, name, here, moving)
+        self.shapes[name] = self._shapes(element, name, kind, here)
         self._sites(element, name, here)
         for inner in element.findall("body"):
             # the frame of the body, seen from the frame in its joint's point
@@ -191,6 +197,23 @@ class _Reader:
         else:
             tensor = np.diag(_numbers(name, inertial.get("diaginertia", "0 0 0"), 3))
         return Mass(mass, np.zeros(3), tensor).seen_from(here @ self._pose(inertial, name))
+
+    def _shapes(self, body: ET.Element, name: str, kind: str, here: Array) -> tuple[Geometry, ...]:
+        """What the body collides with, or else looks like."""
+        drawn = []
+        for geom in body.findall("geom"):
+            of_class = self.defaults.get(geom.get("class", kind), {}).get("geom", {})
+            drawn.append({**of_class, **geom.attrib})
+        solid = [
+            keys
+            for keys in drawn
+            if keys.get("contype", "1") != "0" or keys.get("conaffinity", "1") != "0"
+        ]
+        numbers = partial(_numbers, f"{self.path}: geom of body {name}")
+        return tuple(
+            geometry(keys, here, numbers, partial(orientation, unit=self.unit,
+                     eulerseq=self.eulers), self.meshes) for keys in solid or drawn
+        )  # fmt: skip
 
     def _pose(self, element: ET.Element, name: str) -> Array:
         try:

@@ -14,7 +14,7 @@ Defaults = dict[str, dict[str, Settings]]
 """class -> tag -> attributes"""
 
 ACTUATORS = ("motor", "position", "velocity", "intvelocity", "general")
-TAGS = ("joint", *ACTUATORS)
+TAGS = ("joint", "geom", "mesh", *ACTUATORS)
 _DEEPEST = 10
 
 

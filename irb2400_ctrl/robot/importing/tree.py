@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from pathlib import Path
 
 import numpy as np
 
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.robot.importing.geometry import Geometry
 
 TURNING = {"revolute", "continuous"}
 
@@ -76,6 +78,10 @@ class Tree:
     joints: tuple[TreeJoint, ...]
     gravity: tuple[float, float, float] = (0.0, 0.0, -9.81)
     notes: tuple[str, ...] = ()
+    shapes: dict[str, tuple[Geometry, ...]] = field(default_factory=dict)
+    """what the file draws on a link"""
+    folders: tuple[Path, ...] = ()
+    """where meshes are looked for"""
 
     def root(self) -> str:
         """The link that hangs on no joint.

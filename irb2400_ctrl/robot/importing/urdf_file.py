@@ -1,4 +1,4 @@
-"""URDF in: the links and joints of a file, read with the parser of the standard library."""
+"""URDF in: the links, joints and shapes of a file, read with the parser of the standard library."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ import numpy as np
 
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.robot.importing.geometry import Geometry
 from irb2400_ctrl.robot.importing.tree import Mass, Tree, TreeJoint, pose
 
 ROUNDED = 1e-5
@@ -43,7 +44,8 @@ def read_urdf(path: Path, root: ET.Element) -> Tree:
     rounded = _rounded_angles(root)
     notes = [f"{rounded} rpy with quarter turns of few digits (1.5708) are read as exact ones"]
     source = f"imported from {path.name} (URDF)"
-    return Tree(name, source, links, joints, notes=tuple(notes[: min(rounded, 1)]))
+    shapes = {_name(path, link, "link"): _shapes(path, link) for link in root.findall("link")}
+    return Tree(name, source, links, joints, notes=tuple(notes[: min(rounded, 1)]), shapes=shapes)
 
 
 def _is_xacro(root: ET.Element) -> bool:
@@ -91,6 +93,31 @@ def _mass(path: Path, link: ET.Element) -> Mass | None:
     xx, xy, xz, yy, yz, zz = (_number(where, _attribute(where, inertia, key)) for key in keys)
     tensor = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
     return Mass(mass, np.zeros(3), tensor).seen_from(X)
+
+
+def _shapes(path: Path, link: ET.Element) -> tuple[Geometry, ...]:
+    """What the link collides with, or else looks like."""
+    where = f"{path}: link {link.get('name')}"
+    drawn = link.findall("collision") or link.findall("visual")
+    found = []
+    for element in drawn:
+        X = _origin(where, element.find("origin"))
+        found += [_geometry(where, shape, X) for shape in element.findall("geometry/*")]
+    return tuple(found)
+
+
+def _geometry(where: str, shape: ET.Element, X: Array) -> Geometry:
+    kind = str(shape.tag)
+    if kind == "mesh":
+        scale = tuple(_vector(where, shape.get("scale", "1 1 1"), 3).tolist())
+        return Geometry(kind, X, file=shape.get("filename", ""), scale=scale)
+    if kind == "box":
+        return Geometry(kind, X, tuple(_vector(where, _attribute(where, shape, "size"), 3)))
+    keys = {"sphere": ("radius",), "cylinder": ("radius", "length")}
+    keys["capsule"] = keys["cylinder"]
+    return Geometry(
+        kind, X, tuple(_number(where, _attribute(where, shape, key)) for key in keys.get(kind, ()))
+    )
 
 
 def _origin(where: str, element: ET.Element | None) -> Array:

@@ -1,0 +1,46 @@
+"""Where a mesh is that a robot file names: beside it, in a ROS package around it, or as told."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from pathlib import Path
+from urllib.parse import unquote
+
+from irb2400_ctrl.errors import InputError
+
+_PACKAGE = re.compile(r"(?:package|model)://(?P<package>[^/]*)/(?P<rest>.*)")
+_ABOVE = 5
+"""folders above the file in which its package may lie"""
+
+
+def mesh_folders(file: Path, told: Sequence[Path] = ()) -> tuple[Path, ...]:
+    """Where the meshes of a file are looked for, in this order: as told, beside the file, and in
+    the folders above it."""
+    own = file.resolve().parent
+    return (*told, own, *list(own.parents)[:_ABOVE])
+
+
+def found_mesh(name: str, folders: Sequence[Path]) -> Path:
+    """The file of a mesh.
+
+    Args:
+        name: as the robot file has it: a path, `file://`, or `package://NAME/path`.
+        folders: of `mesh_folders`.
+
+    Raises:
+        InputError: it is in none of them.
+    """
+    match = _PACKAGE.fullmatch(name)
+    if match is not None:
+        ways = [f"{match['package']}/{match['rest']}", match["rest"]]
+    else:
+        ways = [unquote(name.removeprefix("file://")) if name.startswith("file:") else name]
+    for folder in folders:
+        for way in ways:
+            if way and (folder / way).is_file():
+                return folder / way
+    raise InputError(
+        f"mesh {name}: found nothing beside the file nor above it, expected it there; say with "
+        "--meshes FOLDER where its package is"
+    )
