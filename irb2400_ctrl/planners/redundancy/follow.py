@@ -70,6 +70,7 @@ class Followed:
     """A joint path and how it belongs to the curve of the tool."""
 
     joints: JointPath
+    """of the arm and, where such move, of the axes that carry the part"""
     u: Array
     """curve parameter at the knots of the joint path, shape (m + 1,)"""
     error: float
@@ -126,11 +127,17 @@ def follow(
         u = u[kept]
         s = s[kept]
         _no_jump(model, target, u, q)
+        q = np.hstack([q, target.orientation.external(u)])
         path = JointPath.through(s, _resting(q))
         middle = (u[:-1] + u[1:]) / 2
         s_middle = arc_length(curve, np.sort(np.concatenate([u, middle])))[1::2]
         X = target.pose(middle, s_middle)
-        reached = model.tcp_pose(path(s_middle))
+        taken = path(s_middle)
+        reached = model.tcp_pose(taken[:, : model.robot.n])
+        part = target.orientation.part
+        if part is not None:
+            X = part.axes.seen(part.law(middle), X)
+            reached = part.axes.seen(taken[:, model.robot.n :], reached)
         spindle = target.orientation.spindle
         error = np.linalg.norm(reached[:, :3, 3] - X[:, :3, 3], axis=1)
         turned = _angle(reached[:, :3, :3] @ spindle, X[:, :3, :3] @ spindle)
