@@ -2,7 +2,7 @@
 
 The first axis stands on the floor, each further one on the one before, the part on the last:
 
-    X_BW(e) = A_1(e_1) … A_k(e_k) X_BW(0),   A_i the turn about a line that is stated at zero angles.
+    X_BW(e) = A_1(e_1) … A_k(e_k) X_BW(0),   A_i the turn about a line stated at zero angles.
 
 For the part the arm stands on the floor of a chain whose joints are these axes, the last one first:
 what is seen from it is X = (A_1 … A_k)^-1 X_B.

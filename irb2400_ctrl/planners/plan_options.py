@@ -11,7 +11,7 @@ from irb2400_ctrl.cell import Cell, CellTool
 from irb2400_ctrl.cell.external_axes import ExternalAxes
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.planners.redundancy.cutting_load import CuttingLoad
-from irb2400_ctrl.planners.redundancy.part_law import carried
+from irb2400_ctrl.planners.redundancy.part_law import part_motion
 from irb2400_ctrl.planners.timing.sampled_reference.interpolation import Interpolation
 from irb2400_ctrl.planners.timing.sampled_reference.sampling import Sampling
 from irb2400_ctrl.planners.toolpath.orientation import Orientation, shape_path
@@ -58,6 +58,11 @@ class PlanOptions:
                 f"tool {self.tool_name!r} is one of a cell: expected a cell, too (cell=, --cell)"
             )
 
+        if self.load is not None and self.external is not None:
+            raise InputError(
+                "cutting force: found one together with a positioner that moves, which turns it "
+                "with the part; expected angles at which the positioner stands"
+            )
         plate = None if self.cell is None else self.cell.positioner
         if plate is not None and plate.position_deg == "find":
             raise InputError(
@@ -97,9 +102,9 @@ class PlanOptions:
             spindle: direction of the tool in the TCP frame, out of the spindle, shape (3,).
         """
         found = shape_path(path, spindle, self.tolerance, self.frame)
-        if self.external is None or self.cell is None or self.cell.positioner is None:
+        if self.cell is None or self.external is None:
             return found
-        return carried(found.curve, spindle, self.external, np.array(self.cell.positioner.keep))
+        return Orientation.of(found.curve, spindle, part_motion(found.curve, spindle, self.cell))
 
     @property
     def frame(self) -> Array | None:

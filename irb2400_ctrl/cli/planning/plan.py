@@ -256,7 +256,7 @@ def _say_assumed(program: CamProgram, cell: Cell | None, tool: str | None) -> No
 def _plan_one(job: Job) -> Summary:
     """The only operation, into the folder itself; in parts where axes have to be unwound."""
     from irb2400_ctrl.planners import plan_path
-    from irb2400_ctrl.planners.linking.operation_runs import frame_of
+    from irb2400_ctrl.planners.linking.part_in_base import frame_of
     from irb2400_ctrl.planners.program_plan import for_operation
 
     operation = job.program.operation()

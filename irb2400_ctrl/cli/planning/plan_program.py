@@ -97,7 +97,7 @@ def plan_parts(job: Job, because: UnreachableError) -> Summary:
 
 def _write(found: ProgramPlan, job: Job) -> list[Path]:
     """All files; one RAPID module of the whole, or one of each plan where nothing links them."""
-    from irb2400_ctrl.planners.linking.operation_runs import frame_of
+    from irb2400_ctrl.planners.linking.part_in_base import frame_of
     from irb2400_ctrl.planners.program_plan import for_operation
 
     out = job.out
@@ -124,7 +124,7 @@ def _write(found: ProgramPlan, job: Job) -> list[Path]:
 
 def _common_frame(found: ProgramPlan, job: Job) -> Array | None:
     """The work frame of all operations; None where a positioner turns the part between them."""
-    from irb2400_ctrl.planners.linking.operation_runs import frame_of
+    from irb2400_ctrl.planners.linking.part_in_base import frame_of
     from irb2400_ctrl.planners.program_plan import for_operation
 
     asked = [for_operation(job.arm, done.operation, job.options) for done in found.operations]

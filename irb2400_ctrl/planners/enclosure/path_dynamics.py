@@ -44,6 +44,11 @@ class PathDynamics:
         """Columns of a path: joints of the arm, then further axes."""
         return self.model.robot.n + self.external
 
+    def axis(self, j: int) -> str:
+        """What column j of a path is called in messages."""
+        n = self.model.robot.n
+        return f"axis {j + 1}" if j < n else f"external axis {j - n + 1}"
+
     @cached_property
     def friction(self) -> Array:
         """Table of eq. 54, shape (n, 4); further axes have none."""

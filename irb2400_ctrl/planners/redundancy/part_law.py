@@ -17,9 +17,10 @@ import itertools
 import numpy as np
 
 from irb2400_ctrl.arrays import Array, Integers
+from irb2400_ctrl.cell import Cell
 from irb2400_ctrl.cell.external_axes import ExternalAxes
 from irb2400_ctrl.planners.redundancy.follow import arc_length, station_parameters
-from irb2400_ctrl.planners.toolpath.orientation import Orientation, PartMotion
+from irb2400_ctrl.planners.toolpath.orientation import PartMotion
 from irb2400_ctrl.planners.toolpath.task_curve import TaskCurve
 
 # of the grid of angles [rad], and of the finer ones around the best way
@@ -42,15 +43,18 @@ _INSET = np.radians(0.2)
 _SMOOTH = 2.0
 
 
-def carried(curve: TaskCurve, spindle: Array, axes: ExternalAxes, wished: Array) -> Orientation:
-    """The orientations of a curve whose part is turned so that the tool stays near a direction.
+def part_motion(curve: TaskCurve, spindle: Array, cell: Cell) -> PartMotion:
+    """How the positioner of a cell turns the part along a curve.
 
     Args:
         curve: placed with the axes at zero.
         spindle: direction of the tool in the TCP frame, out of the spindle, shape (3,).
-        axes: what carries the part.
-        wished: direction of the tool in the base, from its tip to the spindle, shape (3,).
+        cell: with a positioner that moves.
     """
+    axes = cell.external_axes
+    assert axes is not None
+    assert cell.positioner is not None
+    wished = np.array(cell.positioner.keep)
     u = _stations(curve)
     s = arc_length(curve, u)
     position, first, full = curve.pose(u)
@@ -62,7 +66,7 @@ def carried(curve: TaskCurve, spindle: Array, axes: ExternalAxes, wished: Array)
         places, back = np.unique(at, return_inverse=True)
         return np.asarray(law(np.minimum(arc_length(curve, places), s[-1])))[back]
 
-    return Orientation.of(curve, spindle, PartMotion(axes, angles))
+    return PartMotion(axes, angles)
 
 
 def _stations(curve: TaskCurve) -> Array:
