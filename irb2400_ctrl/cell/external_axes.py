@@ -39,6 +39,19 @@ class ExternalAxes:
     def __len__(self) -> int:
         return len(self.names)
 
+    @property
+    def plate(self) -> Array:
+        """Frame of the plate at zero angles in the base: its origin the stated place of the last
+        axis, z along it, x as near to that of the base (or y) as may be, shape (4, 4)."""
+        z = self.direction[-1]
+        x = np.eye(3)[0] if abs(z[0]) < 0.9 else np.eye(3)[1]
+        x = x - (x @ z) * z
+        x /= np.linalg.norm(x)
+        X = np.eye(4)
+        X[:3, :3] = np.stack([x, np.cross(z, x), z], axis=1)
+        X[:3, 3] = self.point[-1]
+        return X
+
     def turned(self, e: Array) -> Array:
         """A_1 … A_k at angles e (m, k) [rad]: what they do to a pose at zero angles, shape (m, 4,
         4)."""

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.cell.external_axes import ExternalAxes
 from irb2400_ctrl.cell.positioner import AXES
 from irb2400_ctrl.files import write_atomic, write_json
 from irb2400_ctrl.notebook import Displayed
@@ -78,6 +79,8 @@ class Plan(Displayed):
     positioner: tuple[float, float] | None = None
     """(tilt, turn) at which the positioner stands all the time [deg]; None without one, and where
     it moves"""
+    carried: ExternalAxes | None = None
+    """axes that turn the part on the way; None where it stands"""
     external: tuple[AxisBounds, ...] = ()
     """bounds of the axes of a positioner that moves (tilt, turn), over all times of the rows"""
     deflection: dict[str, Any] | None = None

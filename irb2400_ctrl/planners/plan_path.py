@@ -169,7 +169,9 @@ def plan_ways(
     with clock.stage("margins"):
         margins = margins_as_read(model, orientation, scene, best, settled)
         seen = mapped(model, orientation, scene, best.choice) if options.mapped else None
-    planned = replace(planned, rail=options.rail, positioner=options.positioner)
+    planned = replace(
+        planned, rail=options.rail, positioner=options.positioner, carried=options.external
+    )
     given = deflection(best, options.load)
     return replace(planned, deflection=given, rotation_map=seen, **margins)
 

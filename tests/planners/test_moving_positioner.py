@@ -43,7 +43,7 @@ role = "part"
 frame = "work_object"
 shapes = [{ kind = "cylinder", from_mm = [0, 0, -90], to_mm = [0, 0, 20], radius_mm = 20 }]
 """
-# of the IRB 2400: a, alpha, d of modified DH (Craig), and its spindle's tip, from the paper's tables
+# of the IRB 2400: a, alpha, d of modified DH (Craig) and its tip, from the paper's tables
 DH = [(0, 0, 0.615), (0.1, -90, 0), (0.705, 0, 0), (0.135, -90, 0.755), (0, 90, 0), (0, 90, 0)]
 TIP = np.array([0.24, 0.0, 0.162])
 
@@ -158,7 +158,8 @@ def test_the_file_read_ten_thousand_times_a_second_keeps_what_it_says(
         assert fastest <= axis.speed <= 1
         assert sharpest <= axis.acceleration <= 1
         assert axis.speed < 1.02 * fastest
-        assert axis.least <= e[:, j].min() and e[:, j].max() <= axis.most
+        assert axis.least <= e[:, j].min()
+        assert e[:, j].max() <= axis.most
     assert np.ptp(np.degrees(e[:, 1])) > 360
     assert np.ptp(np.degrees(e[:, 0])) > 20
     # the tool's direction, where the path is at its way-points
