@@ -209,12 +209,12 @@ class Plate(Table):
                     f"{name} has no speed_deg_s or no acceleration_deg_s2, expected both of an "
                     'axis that turns during the cut ("move")'
                 )
-        limits = [[axis.speed_deg_s, axis.acceleration_deg_s2, axis.jerk_deg_s3] for axis in axes]
-        # an axis that stands has a limit, too, so that it can be divided by
-        known = [[1.0 if v is None else v for v in row[:2]] + row[2:] for row in limits]
-        speed, acceleration, jerk = np.radians(
-            np.array([[np.inf if v is None else v for v in row] for row in known]).T
-        )
+        # an axis that stands has limits, too, so that they can be divided by
+        limits = [
+            (axis.speed_deg_s or 1.0, axis.acceleration_deg_s2 or 1.0, axis.jerk_deg_s3 or np.inf)
+            for axis in axes
+        ]
+        speed, acceleration, jerk = np.radians(limits).T
         direction = np.array([axis.direction for axis in axes], dtype=float)
         ranges = self.kinematics.ranges
         return ExternalAxes(

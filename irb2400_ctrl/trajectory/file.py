@@ -64,7 +64,8 @@ def load_trajectory(path: Path | str, axes: int = 6) -> Trajectory:
     tau = _columns(path, header, table, [f"tau{j + 1}_Nm" for j in range(axes)])
     s = _columns(path, header, table, ["s"])
     external = _external(path, header, table, time[:, 0])
-    motion = Trajectory(time[:, 0], q, qd, qdd, tau, None if s is None else s[:, 0], external)
+    way = None if s is None else s[:, 0]
+    motion = Trajectory(time[:, 0], q, qd, qdd, tau, way, external=external)
     motion.check_moves()
     return motion
 

@@ -42,7 +42,7 @@ class Trajectory:
     """torque of the model along it, friction and effects included [Nm], shape (n, axes)"""
     s: Array | None = None
     """how far along its path: length of the TCP's way [m], or the path's parameter; shape (n,)"""
-    external: Trajectory | None = None
+    external: Trajectory | None = field(default=None, kw_only=True)
     """at the same times, axes beside the arm that carry the part; None where none moves"""
     check_speeds: InitVar[bool] = field(default=True, kw_only=True)
 
@@ -156,7 +156,7 @@ class Trajectory:
         s = None if self.s is None else table[:, -1]
         external = None if self.external is None else self.external.as_written()
         moves = (np.radians(q), np.radians(qd), np.radians(qdd))
-        return Trajectory(time, *moves, tau, s, external, check_speeds=False)
+        return Trajectory(time, *moves, tau, s, external=external, check_speeds=False)
 
     def together(self) -> Trajectory:
         """The angles of the arm and of external axes side by side, without torque and way."""

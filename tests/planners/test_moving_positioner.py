@@ -75,7 +75,8 @@ def plan(cell: Cell) -> Plan:
 def axis_turn(k: int, angle: Array) -> Array:
     """Turns about axis k of a frame, shape (n, 4, 4)."""
     X = np.tile(np.eye(4), (len(angle), 1, 1))
-    i, j = (k + 1) % 3, (k + 2) % 3
+    i = (k + 1) % 3
+    j = (k + 2) % 3
     X[:, i, i] = X[:, j, j] = np.cos(angle)
     X[:, j, i] = np.sin(angle)
     X[:, i, j] = -np.sin(angle)
@@ -113,9 +114,12 @@ def hermite(time: Array, value: Array, rate: Array, at: Array) -> tuple[Array, A
     k = np.clip(np.searchsorted(time, at, side="right") - 1, 0, len(time) - 2)
     h = (time[k + 1] - time[k])[:, None]
     t = (at - time[k])[:, None] / h
-    a, b = value[k], value[k + 1]
-    va, vb = h * rate[k], h * rate[k + 1]
-    c, d = 3 * (b - a) - 2 * va - vb, 2 * (a - b) + va + vb
+    a = value[k]
+    va = h * rate[k]
+    vb = h * rate[k + 1]
+    way = value[k + 1] - a
+    c = 3 * way - 2 * va - vb
+    d = va + vb - 2 * way
     return (
         a + t * (va + t * (c + t * d)),
         (va + t * (2 * c + 3 * d * t)) / h,

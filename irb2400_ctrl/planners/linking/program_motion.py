@@ -74,7 +74,7 @@ class ProgramMotion(Displayed):
             joined(lambda piece, k: piece.qdd),
             joined(lambda piece, k: piece.tau),
             joined(lambda piece, k: ways[k] + piece.s),
-            self._external(),
+            external=self._external(),
             check_speeds=False,
         )
 

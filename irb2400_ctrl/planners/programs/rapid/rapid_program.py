@@ -119,11 +119,8 @@ def rapid_program(
     flags = _Flags(wrist_rows(q, wrist_crossing), joints, standing)
     models = [model, *(arm for _, arm in tools)]
     changes = [row for row, _ in tools]
-    part = None
-    if carried is not None:
-        part = _Part(carried, np.asarray(external, dtype=float))
-        part.check(options, len(q))
-        X_BW = np.eye(4) if X_BW is None else X_BW
+    part = _Part.of(carried, external, options, len(q))
+    X_BW = np.eye(4) if part is not None and X_BW is None else X_BW
     rows, first, samples = _rows(models, changes, (time, q), flags, options, X_BW, part)
     writer = EventWriter(options.signals)
     said = {
@@ -139,8 +136,7 @@ def rapid_program(
     coupled = part is not None
     at_end = writer.at_end()
     steps = program_steps(rows, samples, configuration, extax, names, said, at_end, coupled)
-    frame = X_BW if carried is None else np.linalg.inv(carried.plate) @ X_BW
-    text, parts = module_texts(models, names, frame, steps, coupled)
+    text, parts = module_texts(models, names, _on_plate(X_BW, part), steps, coupled)
     targets = np.array([step.row for step in steps if step.row is not None])
     return RapidProgram(text, targets, rows.q[targets], parts, first, tuple(writer.not_written))
 
@@ -169,22 +165,41 @@ class _Part:
     angles: Array
     """at the rows of the plan [deg], shape (n, k)"""
 
-    def check(self, options: RapidOptions, count: int) -> None:
-        """Raises InputError: no angles for every row, or moves that are straight for the joints."""
-        if self.angles.shape != (count, len(self.axes)):
+    @classmethod
+    def of(
+        cls, axes: ExternalAxes | None, external: ArrayLike, options: RapidOptions, count: int
+    ) -> _Part | None:
+        """None where it stands.
+
+        Raises:
+            InputError: no angles for every row, or moves that are straight for the joints.
+        """
+        if axes is None:
+            return None
+        angles = np.asarray(external, dtype=float)
+        if angles.shape != (count, len(axes)):
             raise InputError(
-                f"RAPID: external is {self.angles.shape}, expected ({count}, {len(self.axes)}) "
-                "for axes that turn the work object"
+                f"RAPID: external is {angles.shape}, expected ({count}, {len(axes)}) for axes that "
+                "turn the work object"
             )
         if options.motion == "joint":
             raise InputError(
                 "RAPID: found motion joint with a positioner that moves, expected linear: moves "
                 "that are straight for the joints leave the path on the part"
             )
+        return cls(axes, angles)
 
     def padded(self, ends: tuple[int, int]) -> Array:
         """Angles at the rows of the program, its ends as the plan's [rad]."""
         return np.radians(np.pad(self.angles, (ends, (0, 0)), mode="edge"))
+
+
+def _on_plate(X_BW: Array | None, part: _Part | None) -> Array | None:
+    """The frame that the work object is declared in: the base, or the plate of a positioner that
+    moves."""
+    if part is None or X_BW is None:
+        return X_BW
+    return np.asarray(np.linalg.inv(part.axes.plate) @ X_BW)
 
 
 @dataclass(frozen=True)
