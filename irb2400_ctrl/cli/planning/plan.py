@@ -29,6 +29,7 @@ from irb2400_ctrl.cli.planning.plan_program import (
     link_options,
     plan_all,
     plan_parts,
+    print_external,
     print_feed,
     report,
 )
@@ -303,6 +304,7 @@ def _print_summary(planned: Plan) -> None:
         f"torque at most {100 * s['max_torque_ratio']:.1f} % of its limit, speed "
         f"{100 * s['max_velocity_ratio']:.1f} %{held}"
     )
+    print_external(s["external_axes"])
     print_feed(s["feed"])
     if "rates_note" in s:
         print(s["rates_note"])

@@ -102,8 +102,7 @@ def rapid_program(
         stops: rows at which the plan is at rest, shape (n,): stop points.
         events: what the program asks for besides motion, at times of the plan; the arm stops there.
         tools: rows at which the tool changes, increasing, and the arm with the next one.
-        carried: the external axes, where they turn the work object during the moves; its targets
-            are then those in the moving work object, and `X_BW` is where that is with the axes at
+        carried: the external axes, where they turn the work object; `X_BW` is then with them at
             zero.
 
     Raises:
