@@ -68,7 +68,8 @@ def test_the_band_is_driven(folder: Path) -> None:
 def test_the_file_goes_on_without_a_jump(folder: Path) -> None:
     path = folder / "band" / "trajectory.csv"
     header, first = path.read_text().split("\n")[:2]
-    TrajectoryRow.model_validate(dict(zip(header.split(","), map(float, first.split(",")), strict=True))
+    row = dict(zip(header.split(","), map(float, first.split(",")), strict=True))
+    TrajectoryRow.model_validate(row)
     motion = load_trajectory(path)
     assert motion.external is not None
     step = np.diff(motion.time)[:, None]
