@@ -7,6 +7,7 @@ in mm, angles in degrees, turned about the fixed x, then y, then z.
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Literal, Self
 
@@ -14,6 +15,7 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.cell.external_axes import ExternalAxes
 from irb2400_ctrl.cell.positioner import Angles, Plate
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.robot.shape import (
@@ -188,10 +190,19 @@ class Cell(Table):
     def positioner_deg(self) -> Angles | None:
         """(tilt, turn) of the positioner; None without one, or where they are yet to be found."""
         stated = None if self.positioner is None else self.positioner.position_deg
-        return None if stated == "find" else stated
+        return None if isinstance(stated, str) else stated
 
-    def on_positioner(self, angles_deg: Angles | Literal["find"]) -> Cell:
-        """The same with the positioner at (tilt, turn) [deg], or at angles to be found.
+    @property
+    def external_axes(self) -> ExternalAxes | None:
+        """Axes that turn the part during the cut, as the arm sees them from its carriage; None
+        where none does."""
+        if self.positioner is None or self.positioner.position_deg != "move":
+            return None
+        axes = self.positioner.moving
+        return replace(axes, point=axes.point + self.seen[:3, 3])
+
+    def on_positioner(self, angles_deg: Angles | Literal["find", "move"]) -> Cell:
+        """The same with the positioner at (tilt, turn) [deg], at angles to be found, or moving.
 
         Raises:
             InputError: the cell has no positioner, or the angles are outside its ranges.
@@ -202,7 +213,10 @@ class Cell(Table):
             )
         if angles_deg != "find":
             try:
-                self.positioner.moved(angles_deg)
+                if angles_deg == "move":
+                    _ = self.positioner.moving
+                else:
+                    self.positioner.moved(angles_deg)
             except ValueError as error:
                 raise InputError(f"cell {self.name}: {error}") from error
         plate = self.positioner.model_copy(update={"position_deg": angles_deg, "operations": {}})

@@ -1,5 +1,5 @@
-"""A two-axis positioner that holds the work-piece, used 3+2: its angles stand still while the robot
-machines.
+"""A two-axis positioner that holds the work-piece: its angles stand still while the robot machines
+(3+2), or move with it (`external_axes`).
 
 W is the work-piece on the positioner's plate, P the plate's foot: X_BW = X_BP A_1(q_1) A_2(q_2)
 X_2W, each axis a line in P at zero angles (product of exponentials).
@@ -14,12 +14,14 @@ from numpy.typing import ArrayLike
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.cell.external_axes import ExternalAxes
 from irb2400_ctrl.errors import InputError
-from irb2400_ctrl.robot.table import Table, Vector3
+from irb2400_ctrl.robot.table import Positive, Table, Vector3
 
 Row4 = tuple[float, float, float, float]
 Pose = tuple[Row4, Row4, Row4, Row4]
 Angles = tuple[float, float]
+AXES = ("tilt", "turn")
 _IDENTITY: Pose = (
     (1.0, 0.0, 0.0, 0.0),
     (0.0, 1.0, 0.0, 0.0),
@@ -50,7 +52,7 @@ class PositionerAxis(BaseModel):
     def _usable(self) -> Self:
         if np.linalg.norm(self.direction) < 1e-9:
             raise ValueError("direction has no length")
-        if self.range_deg[0] >= self.range_deg[1]:
+        if self.range_deg[0] > self.range_deg[1]:
             raise ValueError(f"range_deg is {list(self.range_deg)}, expected the lower end first")
         return self
 
@@ -111,7 +113,7 @@ class Positioner(BaseModel):
         low, high = self.ranges
         if (q < low - 1e-9).any() or (q > high + 1e-9).any():
             axis = int(np.argmax(np.maximum(low - q, q - high)))
-            name = ("tilt", "turn")[axis]
+            name = AXES[axis]
             limits = np.degrees([low[axis], high[axis]])
             raise InputError(
                 f"{self.name}: {name} at {np.degrees(q[axis]):.2f} deg, range {limits[0]:.0f} to "
@@ -139,6 +141,11 @@ class PlateAxis(Table):
     point_mm: Vector3
     """any place on the axis, in the robot base"""
     range_deg: Angles
+    """lower and upper end; equal for an axis that does not turn"""
+    speed_deg_s: Positive | None = None
+    acceleration_deg_s2: Positive | None = None
+    jerk_deg_s3: Positive | None = None
+    """limits of an axis that turns during the cut; of the jerk, where it has one"""
 
     @property
     def axis(self) -> PositionerAxis:
@@ -151,31 +158,75 @@ class PlateAxis(Table):
         )
 
 
+_LEVEL = PlateAxis(direction=(0.0, 1.0, 0.0), point_mm=(0.0, 0.0, 0.0), range_deg=(0.0, 0.0))
+
+
 class Plate(Table):
     """A positioner in a cell file: it turns the work object, and all that stands in its frame."""
 
-    tilt: PlateAxis
+    tilt: PlateAxis = _LEVEL
+    """a table without it does not tilt"""
     turn: PlateAxis
     """carried by `tilt`"""
-    position_deg: Angles | Literal["find"] = (0.0, 0.0)
+    position_deg: Angles | Literal["find", "move"] = (0.0, 0.0)
     """(tilt, turn) while the arm works; "find": for each operation the angles at which its tool
-    axes are nearest to upright"""
-    operations: dict[str, Angles] = Field(default_factory=dict)
+    axes are nearest to upright; "move": both axes turn during the cut"""
+    operations: dict[str, Angles | Literal["find", "move"]] = Field(default_factory=dict)
     """for an operation of this name, or number"""
+    keep: Vector3 = (0.0, 0.0, 1.0)
+    """direction in the robot base that a positioner which moves keeps the tool near, out of the
+    part"""
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
-        for name, axis in (("tilt", self.tilt), ("turn", self.turn)):
+        for name, axis in zip(AXES, (self.tilt, self.turn), strict=True):
             try:
                 _ = axis.axis
             except ValueError as error:
                 raise ValueError(f"{name}: {error}") from error
-        stated = dict(self.operations)
-        if self.position_deg != "find":
-            stated["position_deg"] = self.position_deg
-        for angles in stated.values():
-            self.moved(angles)
+        asked = [self.position_deg, *self.operations.values()]
+        for angles in asked:
+            if isinstance(angles, tuple):
+                self.moved(angles)
+        if "move" in asked:
+            _ = self.moving
+        if not any(self.keep):
+            raise ValueError("keep: found no direction, expected one such as [0, 0, 1]")
         return self
+
+    @property
+    def moving(self) -> ExternalAxes:
+        """Both axes as they turn during the cut.
+
+        Raises:
+            ValueError: an axis that turns has no limits of speed and acceleration.
+        """
+        axes = (self.tilt, self.turn)
+        for name, axis in zip(AXES, axes, strict=True):
+            turns = axis.range_deg[0] < axis.range_deg[1]
+            if turns and (axis.speed_deg_s is None or axis.acceleration_deg_s2 is None):
+                raise ValueError(
+                    f"{name} has no speed_deg_s or no acceleration_deg_s2, expected both of an "
+                    'axis that turns during the cut ("move")'
+                )
+        # an axis that stands has limits, too, so that they can be divided by
+        limits = [
+            (axis.speed_deg_s or 1.0, axis.acceleration_deg_s2 or 1.0, axis.jerk_deg_s3 or np.inf)
+            for axis in axes
+        ]
+        speed, acceleration, jerk = np.radians(limits).T
+        direction = np.array([axis.direction for axis in axes], dtype=float)
+        ranges = self.kinematics.ranges
+        return ExternalAxes(
+            names=AXES,
+            direction=direction / np.linalg.norm(direction, axis=1, keepdims=True),
+            point=np.array([axis.point_mm for axis in axes]) / 1e3,
+            low=ranges[0],
+            high=ranges[1],
+            speed=speed,
+            acceleration=acceleration,
+            jerk=jerk,
+        )
 
     @property
     def kinematics(self) -> Positioner:
@@ -191,7 +242,7 @@ class Plate(Table):
         except InputError as error:
             raise ValueError(str(error)) from error
 
-    def asked(self, number: int, name: str) -> Angles | Literal["find"]:
+    def asked(self, number: int, name: str) -> Angles | Literal["find", "move"]:
         """What the file states for an operation."""
         found = self.operations.get(name, self.operations.get(str(number)))
         return self.position_deg if found is None else found

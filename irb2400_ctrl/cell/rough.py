@@ -21,9 +21,14 @@ class Rough:
     """
 
     def __init__(
-        self, arm: Sequence[Piece], things: Sequence[Piece], pairs: Sequence[tuple[int, int]]
+        self,
+        arm: Sequence[Piece],
+        things: Sequence[Piece],
+        pairs: Sequence[tuple[int, int]],
+        poses: Sequence[int],
     ) -> None:
-        self._links = [piece.link for piece in arm]
+        """`poses`: which of the poses of a configuration the body of each pair has."""
+        self._poses = list(poses)
         self._points = []
         self._margins = []
         for piece in arm:
@@ -37,16 +42,17 @@ class Rough:
         self._pairs = list(pairs)
 
     def __call__(self, poses: Array) -> Array:
-        """Lower bounds at the poses of base and links (m, n + 1, 3, 4), shape (m, pairs) [m]."""
-        placed: dict[int, Array] = {}
+        """Lower bounds at the poses of configurations (m, …, 3, 4), shape (m, pairs) [m]."""
+        placed: dict[tuple[int, int], Array] = {}
         found = np.empty((len(poses), len(self._pairs)))
         for number, (i, k) in enumerate(self._pairs):
-            if i not in placed:
-                X = poses[:, self._links[i]]
+            body = i, self._poses[number]
+            if body not in placed:
+                X = poses[:, self._poses[number]]
                 points = np.einsum("mij,kj->mki", X[:, :, :3], self._points[i])
-                placed[i] = points + X[:, None, :, 3]
+                placed[body] = points + X[:, None, :, 3]
             X_KB, half = self._boxes[k]
-            local = placed[i] @ X_KB[:3, :3].T + X_KB[:3, 3]
+            local = placed[body] @ X_KB[:3, :3].T + X_KB[:3, 3]
             outside = np.maximum(np.abs(local) - half, 0.0)
             gap = np.sqrt((outside**2).sum(axis=2)).min(axis=1)
             found[:, number] = gap - self._margins[i]

@@ -13,6 +13,7 @@ import numpy.typing as npt
 from irb2400_ctrl.arrays import Array, Integers
 from irb2400_ctrl.cell.arm_space import arm_space
 from irb2400_ctrl.cell.description import Cell, CellTool
+from irb2400_ctrl.cell.external_axes import ExternalAxes
 from irb2400_ctrl.cell.narrow import Narrow, load_coal
 from irb2400_ctrl.cell.piece import Piece, cell_pieces
 from irb2400_ctrl.cell.reach import rates, reach
@@ -48,6 +49,8 @@ class Scene:
     """numbers in `arm` and in `things`"""
     keep: float = 0.0
     """a motion stays at least so far from everything [m]"""
+    external: ExternalAxes | None = None
+    """axes that carry the work object; configurations then have their angles behind the arm's"""
     triangles: dict[Any, Any] = field(default_factory=dict)
     """of coal by shape, filled as they are needed: a large mesh is built once"""
 
@@ -76,7 +79,8 @@ class Scene:
         if not own and not outer:
             return None
         keep = 0.0 if cell is None else cell.clearance_mm / 1e3
-        return cls(model, robot, tool, arm, tuple(things), own, tuple(outer), keep)
+        external = None if cell is None else cell.external_axes
+        return cls(model, robot, tool, arm, tuple(things), own, tuple(outer), keep, external)
 
     def placed(self, X: Array) -> Scene:
         """The same with the work object, and all that stands in its frame, at X_BW (4, 4) [m]."""
@@ -84,6 +88,14 @@ class Scene:
             replace(piece, X=X) if piece.on_work_object else piece for piece in self.things
         )
         return replace(self, things=things)
+
+    def standing(self, e: Array) -> Scene:
+        """The same with the axes that carry the work object at angles e (k,) [rad]."""
+        if self.external is None:
+            return self
+        M = self.external.turned(e[None])[0]
+        moved = (replace(p, X=M @ p.X) if p.on_work_object else p for p in self.things)
+        return replace(self, things=tuple(moved), external=None)
 
     def shifted(self, X: Array) -> Scene:
         """The same with all of the cell moved by X (4, 4) [m]."""
@@ -111,13 +123,27 @@ class Scene:
 
     def near(self, q: Array) -> tuple[Array, Array]:
         """Distances of the arm's own pairs as capsules (m, own) [m] and the poses of base and links
-        (m, n + 1, 3, 4) at q (m, n)."""
-        own, rows = arm_space(self.robot, self.tool)[2].map(q)
-        return own - ROUNDING, rows.reshape(len(q), -1, 3, 4)
+        (m, n + 1, 3, 4) at q (m, n); where the work object is carried, the poses that it sees
+        follow."""
+        n = self.model.robot.n
+        own, rows = arm_space(self.robot, self.tool)[2].map(q[:, :n])
+        poses = rows.reshape(len(q), -1, 3, 4)
+        if self.external is not None:
+            M = self.external.turned(q[:, n:])
+            poses = np.concatenate([poses, _seen(M, poses)], axis=1)
+        return own - ROUNDING, poses
+
+    @cached_property
+    def _poses(self) -> list[int]:
+        """Which pose of a configuration the arm's body of each pair with the cell has."""
+        seen = 0 if self.external is None else self.model.robot.n + 1
+        return [
+            self.arm[i].link + (seen if self.things[k].on_work_object else 0) for i, k in self.outer
+        ]
 
     @cached_property
     def _rough(self) -> Rough:
-        return Rough(self.arm, self.things, self.outer)
+        return Rough(self.arm, self.things, self.outer, self._poses)
 
     def rough(self, poses: Array) -> Array:
         """Lower bounds of the distances to the cell, shape (m, outer) [m]; cheap, not tight."""
@@ -132,11 +158,11 @@ class Scene:
         return [piece.pose() for piece in self.arm]
 
     def exact(self, number: int, poses: Array) -> Array:
-        """Distance of one pair with the cell at poses (m, n + 1, 3, 4), shape (m,) [m]."""
+        """Distance of one pair with the cell at the poses of `near`, shape (m,) [m]."""
         i, _ = self.outer[number]
         narrow = self._narrow[number]
         local = self._local[i]
-        link = poses[:, self.arm[i].link]
+        link = poses[:, self._poses[number]]
         R = link[:, :, :3] @ local[:3, :3]
         p = link[:, :, :3] @ local[:3, 3] + link[:, :, 3]
         found = [narrow.distance(R[m], p[m]) for m in range(len(poses))]
@@ -254,12 +280,39 @@ class Scene:
         pairs) [m per unit of s].
 
         Args:
-            rate: Bernstein coefficients of dq/ds on m cells, shape (m, d, n) [rad per unit of s].
+            rate: Bernstein coefficients of dq/ds on m cells, shape (m, d, n) [rad per unit of s];
+                those of the axes that carry the work object follow.
         """
         seen, rho = self._chain
+        n = self.model.robot.n
+        turned = np.abs(rate[:, :, n:]).max(axis=1)
+        rate = rate[:, :, :n]
         found = np.empty((len(rate), self.pairs))
         for i in np.unique(self._reference):
             at = self._reference == i
             turning = np.abs(rate @ seen[i].T).max(axis=1)
             found[:, at] = turning @ rho[at].T
+        return found if self.external is None else found + turned @ self._levers.T
+
+    @cached_property
+    def _levers(self) -> Array:
+        """How far the arm's body of each pair can be from the axes that carry what it is compared
+        with, shape (pairs, k) [m]."""
+        assert self.external is not None
+        steps = [np.linalg.norm(link.frame.matrix()[:3, 3]) for link in self.model.robot.links]
+        found = np.zeros((self.pairs, len(self.external)))
+        for number, (i, k) in enumerate(self.outer, start=len(self.own)):
+            if self.things[k].on_work_object:
+                ends, radius = self.arm[i].capsule()
+                far = float(np.linalg.norm(ends, axis=1).max()) + radius
+                reach = float(np.sum(steps[: self.arm[i].link])) + far
+                found[number] = self.external.levers(reach)
         return found
+
+
+def _seen(M: Array, poses: Array) -> Array:
+    """Poses (m, b, 3, 4) as seen from what has been moved by M (m, 4, 4)."""
+    R = M[:, None, :3, :3].transpose(0, 1, 3, 2)
+    found = R @ poses
+    found[:, :, :, 3] -= (R @ M[:, None, :3, 3:])[:, :, :, 0]
+    return np.asarray(found)

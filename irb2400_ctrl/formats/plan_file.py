@@ -89,6 +89,17 @@ class RemedyEntry(Table):
     allowed: bool
 
 
+class ExternalAxisEntry(Table):
+    """An axis that turns the part during the cut; bounds over all times of the rows."""
+
+    name: Literal["tilt", "turn"]
+    between_deg: tuple[float, float] = Field(description="angles that it stays between")
+    max_speed_ratio: NotNegative
+    max_acceleration_ratio: NotNegative
+    speed_limit_deg_s: Positive
+    acceleration_limit_deg_s2: Positive
+
+
 class _Promise(Table):
     """What both kinds of plan promise."""
 
@@ -106,6 +117,7 @@ class _Promise(Table):
     )
     singularity_margin: MarginsEntry
     clearance_mm: ClearanceEntry
+    external_axes: list[ExternalAxisEntry] = Field(description="of a positioner that moves")
     max_torque_ratio: NotNegative = Field(description="over the robot's limit, at every instant")
     max_velocity_ratio: NotNegative = Field(description="over the robot's limit, at every instant")
     max_feed_ratio: NotNegative | None = Field(description="over the feed; null without a feed")
@@ -151,11 +163,13 @@ class PlaneEntry(Table):
 class SegmentEntry(Table):
     """A piece of the motion from rest to rest."""
 
-    kind: Literal["approach", "lead-in", "operation", "retract", "link", "unwind", "return", "wait"]
+    kind: Literal[
+        "approach", "lead-in", "operation", "retract", "link", "unwind", "return", "wait", "turn"
+    ]
     operation: int = Field(description="its number")
     start_s: float
     end_s: float
-    moves: Literal["joints", "tool", "nothing"]
+    moves: Literal["joints", "tool", "positioner", "nothing"]
     length_mm: NotNegative
     from_deg: list[float] = Field(description="joint angles")
     to_deg: list[float] = Field(description="joint angles")
@@ -167,6 +181,7 @@ class SegmentEntry(Table):
     above_clearance_plane_mm: float | None = None
     feed: FeedEntry | None = None
     positioner_deg: tuple[float, float] | None = None
+    positioner_to_deg: tuple[float, float] | None = Field(None, description="where it moves")
     note: str | None = None
 
 

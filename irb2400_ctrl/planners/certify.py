@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from irb2400_ctrl.planners.enclosure.deviation import Deviation, deviation, singularity_margins
 from irb2400_ctrl.planners.enclosure.path_dynamics import PathDynamics
-from irb2400_ctrl.planners.enclosure.tcp_path import TcpPath
+from irb2400_ctrl.planners.external_bounds import AxisBounds, axis_bounds
 from irb2400_ctrl.planners.joint_path import JointPath
 from irb2400_ctrl.planners.margins_as_read import followed_as_read
 from irb2400_ctrl.planners.timing.certificate import Certificate, check
@@ -34,6 +34,8 @@ class JointBounds:
     """largest |tau| over the robot's own limit; of samples where there is no bound"""
     velocity_ratio: float
     """largest |qd| over the robot's own limit"""
+    external: tuple[AxisBounds, ...] = ()
+    """of the axes that carry the part"""
 
 
 @dataclass(frozen=True)
@@ -54,6 +56,8 @@ class PlanBounds:
     deviation: Deviation
     singularity_margin: dict[str, float]
     """lower bounds of |sin q5| [-], |r| [m], |k| [m]"""
+    external: tuple[AxisBounds, ...] = ()
+    """of the axes that carry the part"""
 
 
 def certify(
@@ -75,6 +79,7 @@ def certify(
         feed_ratio=settled.feed_ratio,
         deviation=_deviation(dynamics, orientation, timed, settled),
         singularity_margin=singularity_margins(dynamics.model, path.followed),
+        external=joints.external,
     )
 
 
@@ -91,8 +96,9 @@ def certify_joints(
         certificate=certificate,
         guaranteed=options.certified and kept,
         note=_note(dynamics, checked, kept, options),
-        torque_ratio=float((settled.torque / robot.tau_max).max()),
-        velocity_ratio=settled.bounds.velocity_ratio(robot.qd_max),
+        torque_ratio=float((settled.torque[: robot.n] / robot.tau_max).max()),
+        velocity_ratio=settled.bounds.first(robot.n).velocity_ratio(robot.qd_max),
+        external=axis_bounds(settled.reference.places, settled.bounds, limits, robot.n),
     )
 
 
@@ -104,7 +110,7 @@ def _deviation(
     read = followed_as_read(timed, settled)
     time = np.unique(np.concatenate([read.joints.knots, timed.law.time]))
     u = np.interp(timed.law.at(time)[0], followed.joints.knots, followed.u)
-    tcp = TcpPath(dynamics.model, read.joints, orientation.spindle)
+    tcp = replace(timed.path.tcp, joints=read.joints)
     return deviation(tcp, orientation, read, (time, u))
 
 

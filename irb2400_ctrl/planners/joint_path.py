@@ -114,6 +114,10 @@ class JointPath:
         knots = last[-1] - width[-1] + np.append(0.0, width)
         return JointPath(knots, np.stack([q, dq, ddq / 2, self.coefficients[3, piece]]))
 
+    def first(self, n: int) -> JointPath:
+        """The first n joints alone."""
+        return JointPath(self.knots, self.coefficients[:, :, :n]) if n < self.n else self
+
     @property
     def n(self) -> int:
         """Number of joints."""

@@ -10,9 +10,12 @@ from typing import Any
 import numpy as np
 
 from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.cell.external_axes import ExternalAxes
+from irb2400_ctrl.cell.positioner import AXES
 from irb2400_ctrl.files import write_atomic, write_json
 from irb2400_ctrl.notebook import Displayed
 from irb2400_ctrl.planners.clearance.clearance import unknown
+from irb2400_ctrl.planners.external_bounds import AxisBounds
 from irb2400_ctrl.planners.redundancy.rotation_map import RotationMap
 from irb2400_ctrl.planners.timing.certificate import Certificate
 from irb2400_ctrl.planners.timing.feed_use import FeedUse
@@ -74,7 +77,12 @@ class Plan(Displayed):
     rail: float | None = None
     """where on its rail the carriage stands all the time [m]; None without a rail"""
     positioner: tuple[float, float] | None = None
-    """(tilt, turn) at which the positioner stands all the time [deg]; None without one"""
+    """(tilt, turn) at which the positioner stands all the time [deg]; None without one, and where
+    it moves"""
+    carried: ExternalAxes | None = None
+    """axes that turn the part on the way; None where it stands"""
+    external: tuple[AxisBounds, ...] = ()
+    """bounds of the axes of a positioner that moves (tilt, turn), over all times of the rows"""
     deflection: dict[str, Any] | None = None
     """how far the tip gives way to the cutting force, at samples of the path; None without one"""
     rotation_map: RotationMap | None = None
@@ -110,7 +118,7 @@ class Plan(Displayed):
     @property
     def reference(self) -> SampledReference:
         """The rows as the controller reads them."""
-        return SampledReference(self.trajectory, self.interpolation)
+        return SampledReference(self.trajectory.together(), self.interpolation)
 
     def summary(self) -> dict[str, Any]:
         """The content of `plan.json`."""
@@ -129,6 +137,9 @@ class Plan(Displayed):
             "clearance_mm": self.clearance,
             "rail_mm": None if self.rail is None else 1e3 * self.rail,
             "positioner_deg": None if self.positioner is None else list(self.positioner),
+            "external_axes": [
+                axis.summary(name) for name, axis in zip(AXES, self.external, strict=False)
+            ],
             "deflection": self.deflection,
             "max_torque_ratio": self.max_torque_ratio,
             "max_velocity_ratio": self.max_velocity_ratio,

@@ -8,10 +8,14 @@ import numpy as np
 
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.cell import Cell, CellTool
+from irb2400_ctrl.cell.external_axes import ExternalAxes
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.planners.redundancy.cutting_load import CuttingLoad
+from irb2400_ctrl.planners.redundancy.part_law import part_motion
 from irb2400_ctrl.planners.timing.sampled_reference.interpolation import Interpolation
 from irb2400_ctrl.planners.timing.sampled_reference.sampling import Sampling
+from irb2400_ctrl.planners.toolpath.orientation import Orientation, shape_path
+from irb2400_ctrl.planners.toolpath.toolpath import ToolPath
 
 
 @dataclass(frozen=True)
@@ -54,6 +58,11 @@ class PlanOptions:
                 f"tool {self.tool_name!r} is one of a cell: expected a cell, too (cell=, --cell)"
             )
 
+        if self.load is not None and self.external is not None:
+            raise InputError(
+                "cutting force: found one together with a positioner that moves, which turns it "
+                "with the part; expected angles at which the positioner stands"
+            )
         plate = None if self.cell is None else self.cell.positioner
         if plate is not None and plate.position_deg == "find":
             raise InputError(
@@ -79,6 +88,23 @@ class PlanOptions:
     def positioner(self) -> tuple[float, float] | None:
         """(tilt, turn) at which the positioner stands [deg]; None without one."""
         return None if self.cell is None else self.cell.positioner_deg
+
+    @property
+    def external(self) -> ExternalAxes | None:
+        """Axes that turn the part during the cut; None where none does."""
+        return None if self.cell is None else self.cell.external_axes
+
+    def shaped(self, path: ToolPath, spindle: Array) -> Orientation:
+        """The smooth curve of a tool path, and where its part is turned along it.
+
+        Args:
+            path: in the frame that is asked for.
+            spindle: direction of the tool in the TCP frame, out of the spindle, shape (3,).
+        """
+        found = shape_path(path, spindle, self.tolerance, self.frame)
+        if self.cell is None or self.external is None:
+            return found
+        return Orientation.of(found.curve, spindle, part_motion(found.curve, spindle, self.cell))
 
     @property
     def frame(self) -> Array | None:

@@ -38,7 +38,7 @@ from irb2400_ctrl.planners.timing.time_choices import (
     time_choices,
 )
 from irb2400_ctrl.planners.timing.timing_options import Backend, TimingOptions
-from irb2400_ctrl.planners.toolpath.orientation import Orientation, shape_path
+from irb2400_ctrl.planners.toolpath.orientation import Orientation
 from irb2400_ctrl.planners.toolpath.toolpath import ToolPath
 from irb2400_ctrl.robot import Robot
 
@@ -102,7 +102,8 @@ def plan_path(
     turning = (free_tool_rotation, work_frame, tolerance, axis_tolerance)
     options = PlanOptions(rate, *turning, checked(interpolation), cell, tool, load, rotation_map)
     bounds = (limits, torque_rate, jerk)
-    timed = TimingOptions.of(robot, timing, cells, *bounds, options.sampling, torque_share)
+    sampled = (options.sampling, torque_share, options.external)
+    timed = TimingOptions.of(robot, timing, cells, *bounds, *sampled)
     ways = _chosen(free_tool_rotation, way_out, load)
     return plan_ways(robot, path, ways, options, timed, StageClock(progress))
 
@@ -129,12 +130,14 @@ def plan_ways(
     """
     with clock.stage("model"):
         tool = options.tool
-        dynamics = path_dynamics(robot if tool is None else with_tool(robot, tool))
+        external = options.external
+        count = 0 if external is None else len(external)
+        dynamics = path_dynamics(robot if tool is None else with_tool(robot, tool), count)
         model = dynamics.model
         scene = Scene.of(model, robot, options.cell, tool)
         spindle = np.array((0.0, 0.0, 1.0) if robot.tool is None else robot.tool.spindle_axis)
     with clock.stage("curve"):
-        orientation = shape_path(path, spindle, options.tolerance, options.frame)
+        orientation = options.shaped(path, spindle)
     with clock.stage("branch and rotation") as told:
         found = list(_counted(ways(model, orientation, scene), told))
     with clock.stage("timing") as told:
@@ -167,7 +170,9 @@ def plan_ways(
     with clock.stage("margins"):
         margins = margins_as_read(model, orientation, scene, best, settled)
         seen = mapped(model, orientation, scene, best.choice) if options.mapped else None
-    planned = replace(planned, rail=options.rail, positioner=options.positioner)
+    planned = replace(
+        planned, rail=options.rail, positioner=options.positioner, carried=options.external
+    )
     given = deflection(best, options.load)
     return replace(planned, deflection=given, rotation_map=seen, **margins)
 

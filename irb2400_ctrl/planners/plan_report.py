@@ -73,6 +73,7 @@ def report(
         max_torque_ratio=bounds.torque_ratio,
         max_velocity_ratio=bounds.velocity_ratio,
         max_feed_ratio=bounds.feed_ratio,
+        external=bounds.external,
         chosen=choice.kind,
         branch=choice.branch,
         rotation=choice.rotation(s),
@@ -95,8 +96,9 @@ def law_rows(
     rows = reference.rows
     s = law.at(rows.time)[0]
     tau = dynamics.torque(rows.q, rows.qd, rows.qdd, rows.time)
-    way = tcp.way(s)
-    return replace(rows, tau=tau, s=way, check_speeds=False).as_written(), s
+    n = dynamics.model.robot.n
+    found = replace(rows.apart(n), tau=tau[:, :n], s=tcp.way(s), check_speeds=False)
+    return found.as_written(), s
 
 
 def _compared(option: TimedChoice) -> dict[str, Any]:

@@ -16,11 +16,8 @@ from irb2400_ctrl.files import write_json
 from irb2400_ctrl.planners.linking.clearance_plane import ClearancePlane, spindle_axis
 from irb2400_ctrl.planners.linking.link_operations import link_operations
 from irb2400_ctrl.planners.linking.link_options import LinkOptions
-from irb2400_ctrl.planners.linking.operation_runs import (
-    frame_of,
-    operation_runs,
-    unwound_runs,
-)
+from irb2400_ctrl.planners.linking.operation_runs import operation_runs, unwound_runs
+from irb2400_ctrl.planners.linking.part_in_base import path_in_base, placed_path
 from irb2400_ctrl.planners.linking.program_motion import ProgramMotion
 from irb2400_ctrl.planners.linking.run import Run
 from irb2400_ctrl.planners.plan import Plan
@@ -161,7 +158,7 @@ def plan_program(
     """
     links = LinkOptions() if links is None else links
     asked = [for_operation(robot, operation, options) for operation in program.operations]
-    plane = clearance_plane(robot, program, links, [frame_of(found) for found in asked])
+    plane = clearance_plane(robot, program, links, asked)
     done = []
     for operation, found in zip(program.operations, asked, strict=True):
         if started is not None:
@@ -204,7 +201,7 @@ def plan_unwound(
     """
     operation = program.operation()
     found = for_operation(robot, operation, options)
-    plane = clearance_plane(robot, program, links, [frame_of(found)])
+    plane = clearance_plane(robot, program, links, [found])
     runs = unwound_runs(robot, operation, plane, links, found, because)
     rate = float(options.get("rate", 250.0))
     motion = link_operations(program.name, runs, plane, links, rate)
@@ -212,12 +209,12 @@ def plan_unwound(
 
 
 def clearance_plane(
-    robot: Robot, program: CamProgram, links: LinkOptions, frames: Sequence[Array | None]
+    robot: Robot, program: CamProgram, links: LinkOptions, asked: Sequence[dict[str, Any]]
 ) -> ClearancePlane:
-    """The plane above everything that the operations cut, each in its work frame."""
+    """The plane above everything that the operations cut, each as its options place it."""
     paths = [
-        (o.path if frame is None else o.path.moved(frame), o.rapid)
-        for o, frame in zip(program.operations, frames, strict=True)
+        (path_in_base(robot, placed_path(o, options), options), o.rapid)
+        for o, options in zip(program.operations, asked, strict=True)
     ]
     return ClearancePlane.over(paths, spindle_axis(robot), links.clearance)
 
@@ -240,6 +237,7 @@ def for_operation(robot: Robot, operation: Operation, options: dict[str, Any]) -
         if asked == "find":
             path = operation.path.moved(cell.work_object.pose)
             setting = upright(cell.positioner.kinematics, path, spindle_axis(robot))
-            asked = tuple(round(float(v), 3) for v in np.degrees(setting.angles))
+            first, last = np.degrees(setting.angles)
+            asked = (round(float(first), 3), round(float(last), 3))
         found.update(cell=cell.on_positioner(asked), work_frame=None)
     return found

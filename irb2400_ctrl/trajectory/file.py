@@ -20,7 +20,7 @@ MOST_NUMBERS = 26_000_000
 """of one file: a million rows with everything, 67 minutes at 4 ms"""
 
 _UNITS = {"deg": math.pi / 180, "rad": 1.0}
-_NAME = re.compile(r"(time|q|qd|qdd|tau|s)\d*(_\w{1,20})?")
+_NAME = re.compile(r"(time|q|qd|qdd|e|ed|edd|tau|s)\d*(_\w{1,20})?")
 
 
 def save_trajectory(trajectory: Trajectory, path: Path | str) -> Path:
@@ -33,8 +33,8 @@ def save_trajectory(trajectory: Trajectory, path: Path | str) -> Path:
 
 
 def load_trajectory(path: Path | str, axes: int = 6) -> Trajectory:
-    """Read `trajectory.csv` (`time_s, q1_deg…`, optionally `qd1_deg_s…, qdd1_deg_s2…, tau1_Nm…, s`;
-    rad also), `.csv` or `.csv.gz`.
+    """Read `trajectory.csv` (`time_s, q1_deg…`, optionally `qd1_deg_s…, qdd1_deg_s2…, tau1_Nm…, s`,
+    `e1_deg…, ed1_deg_s…, edd1_deg_s2…` of external axes; rad also), `.csv` or `.csv.gz`.
 
     Raises:
         InputError: no such file, missing columns (which), or values that are not numbers (which
@@ -63,9 +63,25 @@ def load_trajectory(path: Path | str, axes: int = 6) -> Trajectory:
         return from_angles(time[:, 0], q)
     tau = _columns(path, header, table, [f"tau{j + 1}_Nm" for j in range(axes)])
     s = _columns(path, header, table, ["s"])
-    motion = Trajectory(time[:, 0], q, qd, qdd, tau, None if s is None else s[:, 0])
+    external = _external(path, header, table, time[:, 0])
+    way = None if s is None else s[:, 0]
+    motion = Trajectory(time[:, 0], q, qd, qdd, tau, way, external=external)
     motion.check_moves()
     return motion
+
+
+def _external(path: Path, header: list[str], table: Array, time: Array) -> Trajectory | None:
+    """Axes beside the arm; None where the file has none."""
+    count = sum(bool(re.fullmatch(r"e\d+_(deg|rad)", name)) for name in header)
+    parts = ("e", ""), ("ed", "_s"), ("edd", "_s2")
+    found = [_angles(path, header, table, name, per, count) for name, per in parts if count]
+    if any(values is None for values in found):
+        raise InputError(
+            f"{path}: found e1 … e{count}, expected their speeds ed1_deg_s … and accelerations "
+            "edd1_deg_s2 … beside them"
+        )
+    moves = [values for values in found if values is not None]
+    return Trajectory(time, *moves) if moves else None
 
 
 def _table(path: Path) -> tuple[list[str], Array]:

@@ -94,7 +94,8 @@ def save_ros_bag(motion: Trajectory, names: Sequence[str], path: Path | str) -> 
     """Write a motion as `.mcap`.
 
     Args:
-        motion: any; torques are the messages' efforts where it has them [Nm].
+        motion: any; torques are the messages' efforts where it has them [Nm]. External axes are
+            joints external_1 … behind the robot's, without torques.
         names: of the joints, in the robot's order.
         path: of the file.
 
@@ -107,6 +108,9 @@ def save_ros_bag(motion: Trajectory, names: Sequence[str], path: Path | str) -> 
         raise InputError(f"{path}: found {path.suffix or 'no suffix'}, expected .mcap")
     if len(names) != motion.q.shape[1]:
         raise InputError(f"found {len(names)} joint names for {motion.q.shape[1]} joints")
+    if motion.external is not None:
+        names = [*names, *(f"external_{j + 1}" for j in range(motion.external.q.shape[1]))]
+        motion = motion.together()
     messages: list[tuple[str, float, bytes]] = [("/joint_trajectory", 0.0, _whole(motion, names))]
     messages += [
         ("/joint_states", float(time), _state(motion, names, row))

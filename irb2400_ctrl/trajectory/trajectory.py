@@ -41,6 +41,8 @@ class Trajectory:
     """torque of the model along it, friction and effects included [Nm], shape (n, axes)"""
     s: Array | None = None
     """how far along its path: length of the TCP's way [m], or the path's parameter; shape (n,)"""
+    external: Trajectory | None = field(default=None, kw_only=True)
+    """at the same times, axes beside the arm that carry the part; None where none moves"""
     check_speeds: InitVar[bool] = field(default=True, kw_only=True)
 
     def __post_init__(self, check_speeds: bool) -> None:
@@ -79,6 +81,8 @@ class Trajectory:
             )
         if self.s is not None and self.s.shape != (n,):
             raise InputError(f"trajectory: found s {self.s.shape}; expected ({n},) as the times")
+        if self.external is not None and not np.array_equal(self.external.time, self.time):
+            raise InputError("trajectory: found external axes at other times than the arm's")
 
     def _check_speeds(self) -> None:
         steps = np.diff(self.time)
@@ -149,12 +153,31 @@ class Trajectory:
         q, qd, qdd, tau_ = (table[:, 1 + k * n : 1 + (k + 1) * n] for k in range(4))
         tau = None if self.tau is None else tau_
         s = None if self.s is None else table[:, -1]
-        return Trajectory(
-            time, np.radians(q), np.radians(qd), np.radians(qdd), tau, s, check_speeds=False
-        )
+        external = None if self.external is None else self.external.as_written()
+        moves = (np.radians(q), np.radians(qd), np.radians(qdd))
+        return Trajectory(time, *moves, tau, s, external=external, check_speeds=False)
+
+    def together(self) -> Trajectory:
+        """The angles of the arm and of external axes side by side, without torque and way."""
+        if self.external is None:
+            return self
+        pairs = ((self.q, self.external.q), (self.qd, self.external.qd))
+        q, qd = (np.hstack(pair) for pair in pairs)
+        qdd = np.hstack([self.qdd, self.external.qdd])
+        return Trajectory(self.time, q, qd, qdd, check_speeds=False)
+
+    def apart(self, n: int) -> Trajectory:
+        """`together` taken apart again: the first n axes are the arm's."""
+        if n == self.q.shape[1]:
+            return self
+        moves = (self.q, self.qd, self.qdd)
+        rest = Trajectory(self.time, *(v[:, n:] for v in moves), check_speeds=False)
+        arm = (v[:, :n] for v in moves)
+        return Trajectory(self.time, *arm, external=rest, check_speeds=False)
 
     def csv(self) -> str:
-        """The text of `trajectory.csv`: degrees, Nm, and s as it is; tau and s only where known.
+        """The text of `trajectory.csv`: degrees, Nm, and s as it is; tau and s only where known;
+        in the end e1_deg … of external axes where such move.
 
         Angles and speeds keep more digits than anybody measures: between rows h apart a cubic
         through them has the rounding of an angle times 6 / h^2 in its acceleration.
@@ -167,6 +190,12 @@ class Trajectory:
         if self.s is not None:
             header.append("s")
         table, digits = self._table()
+        if self.external is not None:
+            rows, kept = self.external._table()
+            k = self.external.q.shape[1]
+            header += [f"e{name[1:]}{j + 1}{unit}" for name, unit in names[:3] for j in range(k)]
+            table = np.hstack([table, rows[:, 1:]])
+            digits = digits + kept[1:]
         line = ",".join(f"%.{d}g" for d in digits) + "\n"
         text = io.StringIO()
         text.write(",".join(header) + "\n")

@@ -17,9 +17,9 @@ PositionerOption = Annotated[
     str | None,
     typer.Option(
         "--positioner",
-        metavar="find|TILT,TURN",
-        help="Angles of the cell's positioner [deg] for all operations, or the ones at which each "
-        "operation's tool axes are nearest to upright.",
+        metavar="find|move|TILT,TURN",
+        help="Angles of the cell's positioner [deg] for all operations; find: the ones at which "
+        "each operation's tool axes are nearest to upright; move: it turns during the cut.",
         show_default="the cell file's",
     ),
 ]
@@ -43,13 +43,16 @@ def placed(
     return pose, around, around.work_frame
 
 
-def _tilt_and_turn(text: str) -> tuple[float, float] | Literal["find"]:
+def _tilt_and_turn(text: str) -> tuple[float, float] | Literal["find", "move"]:
     if text.strip() == "find":
         return "find"
+    if text.strip() == "move":
+        return "move"
     try:
         tilt, turn = (float(part) for part in text.split(","))
     except ValueError:
         raise InputError(
-            f"--positioner: found {text!r}, expected find, or two angles in degrees such as 30,0"
+            f"--positioner: found {text!r}, expected find, move, or two angles in "
+            "degrees such as 30,0"
         ) from None
     return tilt, turn

@@ -29,6 +29,7 @@ from irb2400_ctrl.cli.planning.plan_program import (
     link_options,
     plan_all,
     plan_parts,
+    print_external,
     print_feed,
     report,
 )
@@ -256,7 +257,7 @@ def _say_assumed(program: CamProgram, cell: Cell | None, tool: str | None) -> No
 def _plan_one(job: Job) -> Summary:
     """The only operation, into the folder itself; in parts where axes have to be unwound."""
     from irb2400_ctrl.planners import plan_path
-    from irb2400_ctrl.planners.linking.operation_runs import frame_of
+    from irb2400_ctrl.planners.linking.part_in_base import frame_of
     from irb2400_ctrl.planners.program_plan import for_operation
 
     operation = job.program.operation()
@@ -303,6 +304,7 @@ def _print_summary(planned: Plan) -> None:
         f"torque at most {100 * s['max_torque_ratio']:.1f} % of its limit, speed "
         f"{100 * s['max_velocity_ratio']:.1f} %{held}"
     )
+    print_external(s["external_axes"])
     print_feed(s["feed"])
     if "rates_note" in s:
         print(s["rates_note"])

@@ -97,7 +97,7 @@ def plan_parts(job: Job, because: UnreachableError) -> Summary:
 
 def _write(found: ProgramPlan, job: Job) -> list[Path]:
     """All files; one RAPID module of the whole, or one of each plan where nothing links them."""
-    from irb2400_ctrl.planners.linking.operation_runs import frame_of
+    from irb2400_ctrl.planners.linking.part_in_base import frame_of
     from irb2400_ctrl.planners.program_plan import for_operation
 
     out = job.out
@@ -124,7 +124,7 @@ def _write(found: ProgramPlan, job: Job) -> list[Path]:
 
 def _common_frame(found: ProgramPlan, job: Job) -> Array | None:
     """The work frame of all operations; None where a positioner turns the part between them."""
-    from irb2400_ctrl.planners.linking.operation_runs import frame_of
+    from irb2400_ctrl.planners.linking.part_in_base import frame_of
     from irb2400_ctrl.planners.program_plan import for_operation
 
     asked = [for_operation(job.arm, done.operation, job.options) for done in found.operations]
@@ -159,12 +159,24 @@ def print_motion(motion: ProgramMotion, name: str) -> None:
         told = ", ".join(f"{event.kind} at {event.time:.2f} s" for event in rests[:6])
         more = f" and {len(rests) - 6} more" if len(rests) > 6 else ""
         print(f"the arm stands for: {told}{more}")
+    print_external(s["external_axes"])
     print_feed(s["feed"])
     held = "; the torque bound holds at every instant by construction" if s["guaranteed"] else ""
     print(
         f"torque at most {100 * s['max_torque_ratio']:.1f} % of its limit, speed "
         f"{100 * s['max_velocity_ratio']:.1f} %{held}"
     )
+
+
+def print_external(axes: Sequence[dict[str, Any]]) -> None:
+    """How much of their limits the axes of a positioner that moves use."""
+    for axis in axes:
+        low, high = axis["between_deg"]
+        print(
+            f"{axis['name']} between {low:.1f} and {high:.1f} deg: speed at most "
+            f"{100 * axis['max_speed_ratio']:.1f} %, acceleration "
+            f"{100 * axis['max_acceleration_ratio']:.1f} % of its limit"
+        )
 
 
 def print_feed(feed: dict[str, Any] | None) -> None:

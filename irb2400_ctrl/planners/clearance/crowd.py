@@ -27,6 +27,8 @@ class Crowd:
     clearance: Array
     """smallest distance to anything, at most the comfortable one; zero where a configuration was
     not looked at [m], shape (n, r, b)"""
+    external: Array
+    """angles of the axes that carry the part [rad], shape (n, k)"""
 
     @classmethod
     def of(
@@ -35,6 +37,7 @@ class Crowd:
         q: Array,
         usable: npt.NDArray[np.bool_],
         cutting: npt.NDArray[np.bool_],
+        external: Array,
     ) -> Crowd:
         """Look at every usable configuration.
 
@@ -45,8 +48,11 @@ class Crowd:
             q: configurations, shape (n, r, b, joints).
             usable: those that are worth a look, shape (n, r, b).
             cutting: stations at which the tool may cut, shape (n,).
+            external: angles of the axes that carry the part [rad], shape (n, k).
         """
         shape = usable.shape
+        turned = np.broadcast_to(external[:, None, None], (*shape, external.shape[1]))
+        q = np.concatenate([q, turned], axis=3)
         at_feed = np.broadcast_to(cutting[:, None, None], shape)
         some = usable.any(axis=2)
         one = np.take_along_axis(q, usable.argmax(axis=2)[:, :, None, None], axis=2)[:, :, 0]
@@ -57,7 +63,7 @@ class Crowd:
         found = np.zeros(shape)
         others = scene.clearance(q[left], at_feed[left], most, ~scene.carried)
         found[left] = np.minimum(np.broadcast_to(held[:, :, None], shape)[left], others)
-        return cls(scene, cutting, found)
+        return cls(scene, cutting, found, external)
 
     def free(self, station: int) -> npt.NDArray[np.bool_]:
         """Configurations of a station that stay far enough from everything, shape (r, b)."""
@@ -88,6 +94,7 @@ class Crowd:
     def _best(self, q: Array, station: int) -> str:
         """The configuration with most room, in words."""
         cutting = bool(self.cutting[station])
+        q = np.hstack([q, np.tile(self.external[station], (len(q), 1))])
         room = self.scene.clearance(q, np.full(len(q), cutting), np.inf)
         best = int(np.argmax(room))
         first, other = self.scene.nearest(q[best], cutting)

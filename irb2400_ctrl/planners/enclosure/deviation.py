@@ -298,9 +298,10 @@ def singularity_margins(model: Model, followed: Followed) -> dict[str, float]:
     factors = model.function("singularity_factors")
     value = compile_function(factors)
     radius = compile_function(disc_function(factors))
+    joints = followed.joints.first(model.robot.n)
     coefficients, remainder = parabolas(
-        followed.joints,
-        followed.joints.knots,
+        joints,
+        joints.knots,
         lambda q, dq, ddq: value.map(q),
         lambda q, dq, ddq, r, dr, ddr: radius.map(q, r),
     )

@@ -5,6 +5,10 @@ With q = q(s), qd = q' sqrt(x), qdd = q'' x + q' u the rigid-body torque and eve
 most quadratic in the speeds and linear in the accelerations have this form exactly (a = M q', b = M
 q'' + C(q, q') q', c = G). The dry friction of eq. 55 stands apart, because its sign and Stribeck
 curve need their own treatment; so do effects of other forms (`effect_forms`, `added_torque`).
+
+A path may move further axes that carry the part (`cell/external_axes.py`). Their columns follow
+those of the arm; for them "torque" is the acceleration e'' x + e' u [rad/s2], which has a limit as
+the arm's torque has.
 """
 
 from __future__ import annotations
@@ -32,6 +36,25 @@ class PathDynamics:
     """Coefficients of one robot's torque along paths, as machine code."""
 
     model: Model
+    external: int = 0
+    """number of axes beside the arm"""
+
+    @property
+    def n(self) -> int:
+        """Columns of a path: joints of the arm, then further axes."""
+        return self.model.robot.n + self.external
+
+    def axis(self, j: int) -> str:
+        """What column j of a path is called in messages."""
+        n = self.model.robot.n
+        return f"axis {j + 1}" if j < n else f"external axis {j - n + 1}"
+
+    @cached_property
+    def friction(self) -> Array:
+        """Table of eq. 54, shape (n, 4); further axes have none."""
+        own = self.model.robot.friction
+        none = np.tile([0.0, 0.0, 0.0, 1.0], (self.external, 1))
+        return np.vstack([own, none])
 
     @cached_property
     def forms(self) -> Forms:
@@ -78,14 +101,32 @@ class PathDynamics:
 
     def coefficients(self, q: Array, dq: Array, ddq: Array) -> tuple[Array, ...]:
         """The outputs of `symbolic` at m points, each (m, n)."""
-        return self._compiled.map(q, dq, ddq)
+        n = self.model.robot.n
+        found = self._compiled.map(*(v[:, :n] for v in (q, dq, ddq)))
+        return self._with_external(found, dq, ddq)
 
     def radii(
         self, q: Array, dq: Array, ddq: Array, r: Array, dr: Array, ddr: Array
     ) -> tuple[Array, ...]:
         """By how much the coefficients differ at most from those at (q, q', q'') within complex
         discs, each (m, n)."""
-        return self._discs.map(q, dq, ddq, r, dr, ddr)
+        n = self.model.robot.n
+        found = self._discs.map(*(v[:, :n] for v in (q, dq, ddq, r, dr, ddr)))
+        return self._with_external(found, dr, ddr)
+
+    def _with_external(
+        self, found: tuple[Array, ...], first: Array, second: Array
+    ) -> tuple[Array, ...]:
+        """Outputs with the columns of further axes: a is the first derivative, b the second one,
+        the rest is zero."""
+        if not self.external:
+            return found
+        own = {"a": first[:, -self.external :], "b": second[:, -self.external :]}
+        nothing = np.zeros_like(own["a"])
+        names = self.symbolic.name_out()
+        return tuple(
+            np.hstack([f, own.get(name, nothing)]) for name, f in zip(names, found, strict=True)
+        )
 
     @cached_property
     def _irregular_torque(self) -> ca.Function:
@@ -99,22 +140,26 @@ class PathDynamics:
 
     def torque(self, q: Array, qd: Array, qdd: Array, time: Array) -> Array:
         """The model's torque at the times (m,) of a motion that starts at time zero, shape (m, n)
-        [Nm]."""
-        columns = [ca.DM(v.T) for v in (q, qd, qdd)] + [ca.DM(time[None, :])]
-        return np.ascontiguousarray(np.asarray(self.model.function("inverse_dynamics")(*columns)).T)
+        [Nm]; of further axes the acceleration [rad/s2]."""
+        n = self.model.robot.n
+        columns = [ca.DM(v[:, :n].T) for v in (q, qd, qdd)] + [ca.DM(time[None, :])]
+        tau = np.asarray(self.model.function("inverse_dynamics")(*columns)).T
+        return np.ascontiguousarray(np.hstack([tau, qdd[:, n:]]))
 
     def irregular_torque(self, q: Array, qd: Array, qdd: Array, time: Array) -> Array:
         """Torque of the irregular effects, shape (m, n) [Nm]."""
         if not self.irregular:
             return np.zeros_like(q)
-        columns = [ca.DM(v.T) for v in (q, qd, qdd)] + [ca.DM(time[None, :])]
-        return np.asarray(self._irregular_torque(*columns)).T
+        n = self.model.robot.n
+        columns = [ca.DM(v[:, :n].T) for v in (q, qd, qdd)] + [ca.DM(time[None, :])]
+        tau = np.asarray(self._irregular_torque(*columns)).T
+        return np.hstack([tau, np.zeros_like(q[:, n:])])
 
 
 @lru_cache(maxsize=8)
-def path_dynamics(robot: Robot) -> PathDynamics:
-    """The coefficients of a robot, built once."""
-    return PathDynamics(Model(robot))
+def path_dynamics(robot: Robot, external: int = 0) -> PathDynamics:
+    """The coefficients of a robot, and of further axes, built once."""
+    return PathDynamics(Model(robot), external)
 
 
 def coefficient_function(

@@ -7,6 +7,9 @@ of a direction at most 1. With q(s) cubic that bounds the third derivative along
 parabola through three values misses at most
 
     |f - p| <= sqrt(3) / 216 h^3 max |f'''|.
+
+Where further axes carry the part, everything is said as the part sees it: these axes, the last one
+first, come before the arm's joints in the chain.
 """
 
 from __future__ import annotations
@@ -19,6 +22,7 @@ import numpy as np
 import numpy.typing as npt
 
 from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.cell.external_axes import ExternalAxes
 from irb2400_ctrl.codegen import CompiledFunction, compile_function
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.model import Model
@@ -50,24 +54,40 @@ class Enclosed:
 
 @dataclass(frozen=True, eq=False)
 class TcpPath:
-    """The TCP of one arm along one joint path."""
+    """The TCP of one arm along one joint path, in the base or, where the part is carried, in the
+    eyes of the part."""
 
     model: Model
     joints: JointPath
     spindle: Array
     """tool direction in the TCP frame, out of the spindle, shape (3,)"""
+    carried: ExternalAxes | None = None
+    """what carries the part; its columns follow those of the arm"""
 
     def pose(self, s: Array, piece: npt.NDArray[np.int64] | None = None) -> tuple[Array, Array]:
         """Position [m] and tool axis (towards the spindle) at the lengths s, each (k, 3)."""
         at = self.joints(s) if piece is None else self.joints.on_piece(s, piece)
-        found = _pose(self.model).map(at)[0]
-        return found[:, :3], -(found[:, 3:].reshape(-1, 3, 3).transpose(0, 2, 1) @ self.spindle)
+        n = self.model.robot.n
+        found = _pose(self.model).map(at[:, :n])[0]
+        R = found[:, 3:].reshape(-1, 3, 3).transpose(0, 2, 1)
+        if self.carried is None:
+            return found[:, :3], -(R @ self.spindle)
+        X = np.zeros((len(found), 4, 4))
+        X[:, :3, 3] = found[:, :3]
+        X[:, :3, :3] = R
+        X = self.carried.seen(at[:, n:], X)
+        return X[:, :3, 3], -(X[:, :3, :3] @ self.spindle)
 
     def velocity(self, s: Array, piece: npt.NDArray[np.int64]) -> Array:
         """dp/ds, shape (k, 3) [m/m]."""
-        return _velocity(self.model).map(
-            self.joints.on_piece(s, piece), self.joints.on_piece(s, piece, 1)
-        )[0]
+        n = self.model.robot.n
+        q = self.joints.on_piece(s, piece)
+        dq = self.joints.on_piece(s, piece, 1)
+        found = _velocity(self.model).map(q[:, :n], dq[:, :n])[0]
+        if self.carried is None:
+            return found
+        place = _pose(self.model).map(q[:, :n])[0][:, :3]
+        return self.carried.velocity_seen(q[:, n:], dq[:, n:], place, found)
 
     def enclosed(self, ends: Array) -> tuple[Enclosed, Enclosed]:
         """Position and tool axis on cells that start and end at `ends` (2, m), each inside one
@@ -83,7 +103,7 @@ class TcpPath:
         # three derivatives of the position; partial ones of a direction are at most 1
         bend = a**3 + 3 * a * b + c
         scale = _MISS * (ends[1] - ends[0]) ** 3
-        return scale * _outermost(bend, levers(self.model)), scale * bend[:, -1]
+        return scale * _outermost(bend, self._levers), scale * bend[:, -1]
 
     def enclosed_velocity(self, s: Array) -> Enclosed:
         """dp/ds on the cells between the lengths s (m + 1,), knots of the path included."""
@@ -101,7 +121,7 @@ class TcpPath:
         a, b, c = (_inner(rate) for rate in self._turning(ends))
         # four derivatives of the position; q'''' = 0
         square = a * a
-        bend = _outermost(square * (square + 6 * b) + 4 * a * c + 3 * b * b, levers(self.model))
+        bend = _outermost(square * (square + 6 * b) + 4 * a * c + 3 * b * b, self._levers)
         return Enclosed(_parabolas(self.velocity(at, pieces)), _MISS * np.diff(s) ** 3 * bend)
 
     def way(self, s: Array | float) -> Array:
@@ -128,7 +148,7 @@ class TcpPath:
 
     def _turning(self, ends: Array) -> tuple[Array, Array, Array]:
         """Bounds of the first three derivatives of q, without their signs, in the cells, each (m,
-        n)."""
+        n), in the order of the chain."""
         first, last = ends
         piece = self.joints.piece((first + last) / 2)
         d0 = self.joints.on_piece(first, piece, 1)
@@ -136,11 +156,24 @@ class TcpPath:
         d1 = self.joints.on_piece(last, piece, 1)
         dd1 = self.joints.on_piece(last, piece, 2)
         speed = bernstein.leaving(d0, dd0 * (last - first)[:, None], d1)
-        return (
+        found = (
             bernstein.largest_size(speed),
             np.maximum(np.abs(dd0), np.abs(dd1)),
             np.abs(self.joints.on_piece(first, piece, 3)),
         )
+        if self.carried is None:
+            return found
+        n = self.model.robot.n
+        # from the part: its last axis first, then the arm from its base on
+        order = [*range(n + len(self.carried) - 1, n - 1, -1), *range(n)]
+        return found[0][:, order], found[1][:, order], found[2][:, order]
+
+    @cached_property
+    def _levers(self) -> Array:
+        own = levers(self.model)
+        if self.carried is None:
+            return own
+        return np.append(self.carried.levers(reach(self.model))[::-1], own)
 
 
 @lru_cache(maxsize=8)
@@ -181,6 +214,18 @@ def levers(model: Model) -> Array:
     return np.array([whole, upper, fore, last, tool, tool])
 
 
+def reach(model: Model) -> float:
+    """How far the TCP can be from the origin of the base: the sum of all links [m]."""
+    return float(_frame_lengths(model).sum())
+
+
+def _frame_lengths(model: Model) -> Array:
+    """Lengths from frame to frame up to the TCP [m], shape (n + 2,)."""
+    robot = model.robot
+    frames = [*(link.frame.matrix() for link in robot.links), robot.flange.matrix(), robot.X_FT]
+    return np.array([np.linalg.norm(X[:3, 3]) for X in frames])
+
+
 def _parallelogram(model: Model) -> bool:
     """Whether theta3 = q3 - q2; InputError for a coupling that is neither this nor none."""
     parallelogram = np.eye(6)
@@ -202,11 +247,11 @@ def _levers_of_chain(model: Model) -> Array:
     |z2 - z3| = epsilon; all further derivatives of that turn are below 2 epsilon (it is small).
     """
     robot = model.robot
-    frames = [*(link.frame.matrix() for link in robot.links), robot.flange.matrix(), robot.X_FT]
-    lengths = np.array([np.linalg.norm(X[:3, 3]) for X in frames])
+    lengths = _frame_lengths(model)
     beyond = np.array([lengths[i + 1 :].sum() for i in range(robot.n)])
     if _parallelogram(model):
-        epsilon = float(np.linalg.norm(frames[2][:3, 2] - np.eye(3)[2]))
+        axis = robot.links[2].frame.matrix()[:3, 2]
+        epsilon = float(np.linalg.norm(axis - np.eye(3)[2]))
         beyond[1] = lengths[2] + 2.0 * epsilon * beyond[2]
     return beyond
 

@@ -65,7 +65,7 @@ def link_operations(
         before = run
     chain.events += at_rest(runs[-1].operation, None, chain.time)
     if start is not None:
-        chain.joints("return", runs[-1], start)
+        chain.joints("return", runs[-1].beside("last"), start)
     return ProgramMotion(name, tuple(chain.segments), tuple(chain.events), plane, links, rate)
 
 
@@ -129,11 +129,12 @@ class _Chain:
         out = self._way_out(run, q)
         line = None
         if len(out) > 1:
-            line = lead_in(run, q, out, self.links.approach)
+            line = lead_in(run.beside("first"), q, out, self.links.approach)
         kind: Kind = "approach" if before is None else "link" if new else "unwind"
-        self.joints(kind, run, q if line is None else line.trajectory.q[0])
+        here = run.beside("first")
+        self.joints(kind, here, q if line is None else line.trajectory.q[0])
         if line is not None:
-            self._add("lead-in", run, line)
+            self._add("lead-in", here, line)
 
     def follow(self, run: Run) -> None:
         """The run itself, and what happens on its way."""
@@ -141,15 +142,15 @@ class _Chain:
         self._add("operation", run, run.plan)
         if run.wait > 0:
             rest = Rest.at(run, run.plan.trajectory.q[-1], run.wait, self.rate)
-            self._add("wait", run, rest, f"the program waits for {run.wait:g} s")
+            self._add("wait", run.beside("last"), rest, f"the program waits for {run.wait:g} s")
 
     def leave(self, run: Run) -> None:
         """From the last way-point of a run up to the plane."""
         q = run.plan.trajectory.q[-1]
         out = self._way_out(run, q)
         if len(out) > 1:
-            line = retract(run, q, out)
-            self._add("retract", run, line)
+            here = run.beside("last")
+            self._add("retract", here, retract(here, q, out))
 
     def joints(self, kind: Kind, run: Run, target: Array) -> None:
         """A move of the joints above the plane; none where they are there already."""
@@ -160,15 +161,19 @@ class _Chain:
 
     def _turn_part(self, run: Run, before: Run | None) -> None:
         """The positioner turns to the angles of a run, the arm away at home."""
-        angles = run.options.positioner
-        if angles is None or (before is not None and angles == before.options.positioner):
+        angles = run.stands("first")
+        stood = None if before is None else before.stands("last")
+        if angles is None or angles == stood:
             return
         if before is not None:
-            self.joints("link", before, self.home)
+            self.joints("link", before.beside("last"), self.home)
         text = f"tilt {angles[0]:g} deg, turn {angles[1]:g} deg"
         line = int(run.operation.line[0])
         number = run.operation.number
         self.events.append(TimedEvent("positioner", text, line, number, self.time, True))
+        if stood is not None and before is not None and (run.moving or before.moving):
+            piece = Rest.turning(before, self.home, (stood, angles), self.rate)
+            self._add("turn", before.beside("last"), piece)
 
     def _way_out(self, run: Run, q: Array) -> Array:
         X = Model(run.plan.robot).tcp_pose(q)
@@ -178,7 +183,7 @@ class _Chain:
     def _add(self, kind: Kind, run: Run, piece: Plan | JointPlan | Rest, note: str = "") -> None:
         because = run.because if kind == "unwind" else ""
         number = run.operation.number
-        angles = run.options.positioner
+        angles = run.options.positioner or run.stands("first")
         self.segments.append(Segment(kind, number, piece, self.time, note, angles, because))
         self.here = piece.trajectory.q[-1]
         self.rows += len(piece.trajectory.time) - 1

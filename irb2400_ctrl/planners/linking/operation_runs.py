@@ -14,6 +14,7 @@ from irb2400_ctrl.model import Model
 from irb2400_ctrl.planners.clearance import cutting_moves
 from irb2400_ctrl.planners.linking.clearance_plane import ClearancePlane, spindle_axis
 from irb2400_ctrl.planners.linking.link_options import LinkOptions
+from irb2400_ctrl.planners.linking.part_in_base import path_in_base, placed_path
 from irb2400_ctrl.planners.linking.run import Run
 from irb2400_ctrl.planners.linking.waits import waiting
 from irb2400_ctrl.planners.plan import Plan
@@ -93,17 +94,10 @@ def _split(
     options: dict[str, Any],
 ) -> Split:
     """The operation in the base, ready to be cut in parts."""
-    frame = frame_of(options)
-    path = operation.path if frame is None else operation.path.moved(frame)
-    return Split(robot, operation, path, plane, links, {**options, "work_frame": np.eye(4)})
-
-
-def frame_of(options: dict[str, Any]) -> Array | None:
-    """The work frame that options of `plan_path` ask for: their own, or that of the cell's work
-    object."""
-    cell = options.get("cell")
-    frame: Array | None = options.get("work_frame")
-    return cell.work_frame if frame is None and cell is not None else frame
+    path = placed_path(operation, options)
+    turned = path_in_base(robot, path, options)
+    options = {**options, "work_frame": np.eye(4)}
+    return Split(robot, operation, path, plane, links, options, turned)
 
 
 @dataclass(frozen=True)
@@ -127,6 +121,13 @@ class Split:
     links: LinkOptions
     options: dict[str, Any]
     """of `plan_path`"""
+    seen: ToolPath
+    """in the base as the arm sees it, `path` where no positioner moves"""
+
+    @property
+    def moving(self) -> bool:
+        """Whether a positioner turns the part on the way."""
+        return self.seen is not self.path
 
     @property
     def whole(self) -> Part:
@@ -139,6 +140,11 @@ class Split:
         Raises:
             UnreachableError: `because`, where no re-entry helps.
         """
+        if self.moving:
+            raise UnreachableError(
+                f"{because}; while the positioner moves axes are not unwound: state its angles for "
+                "this operation, or another direction to keep"
+            )
         pieces = self._pieces(part) if depth else []
         if len(pieces) < 2:
             raise because
@@ -181,7 +187,8 @@ class Split:
 
     def way_out(self, part: Part) -> WayOut:
         """From the ends of a part up to the plane; none from those of the motion itself."""
-        whole = self.plane.way_outs(part.path, self._spindle, self.links.approach)
+        path = self.seen if self.moving else part.path
+        whole = self.plane.way_outs(path, self._spindle, self.links.approach)
         begins = part.points[0] == 0
         ends = part.points[-1] == len(self.path) - 1
         return WayOut(

@@ -10,8 +10,11 @@ from typing import Any
 
 import numpy as np
 
+from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.cell.positioner import AXES
 from irb2400_ctrl.files import write_atomic, write_json
 from irb2400_ctrl.notebook import Displayed
+from irb2400_ctrl.planners.external_bounds import worst_axes
 from irb2400_ctrl.planners.linking.clearance_plane import ClearancePlane
 from irb2400_ctrl.planners.linking.joint_plan import JointPlan
 from irb2400_ctrl.planners.linking.link_options import LinkOptions
@@ -71,8 +74,22 @@ class ProgramMotion(Displayed):
             joined(lambda piece, k: piece.qdd),
             joined(lambda piece, k: piece.tau),
             joined(lambda piece, k: ways[k] + piece.s),
+            external=self._external(),
             check_speeds=False,
         )
+
+    def _external(self) -> Trajectory | None:
+        """A positioner that moves, segment after segment; None where none does."""
+        if all(s.piece.trajectory.external is None for s in self.segments):
+            return None
+        parts = []
+        for k, segment in enumerate(self.segments):
+            rows = segment.piece.trajectory
+            found = rows.external or _standing(rows.time, segment.positioner)
+            columns = np.stack([found.q, found.qd, found.qdd])
+            parts.append(columns[:, 1 if k else 0 :])
+        e, ed, edd = np.concatenate(parts, axis=1)
+        return Trajectory(np.arange(len(e)) / self.rate, e, ed, edd, check_speeds=False)
 
     def summary(self) -> dict[str, Any]:
         """The content of `plan.json` of a whole program."""
@@ -87,6 +104,7 @@ class ProgramMotion(Displayed):
             # the moves between the operations have none of their rows
             "margins_of": "path",
             "clearance_mm": self._clearance(),
+            "external_axes": self._axes(),
             "feed": self._feed(),
             "clearance_plane": {
                 "clearance_mm": 1e3 * self.options.clearance,
@@ -130,6 +148,16 @@ class ProgramMotion(Displayed):
             "share_at_feed": sum(use.held for use in uses) / programmed,
         }
 
+    def _axes(self) -> list[dict[str, Any]]:
+        """Bounds of the axes of a positioner that moves, in all segments together."""
+        turns = [
+            rows
+            for s in self.segments
+            if isinstance(s.piece, Rest) and (rows := s.piece.trajectory.external) is not None
+        ]
+        found = worst_axes([plan.external for plan in self.plans], turns)
+        return [axis.summary(name) for name, axis in zip(AXES, found, strict=False)]
+
     def _cuts(self) -> list[Any]:
         return [s for s in self.segments if s.kind == "operation"]
 
@@ -150,6 +178,12 @@ class ProgramMotion(Displayed):
             for stage, seconds in plan.wall_time.items():
                 total[stage] = total.get(stage, 0.0) + seconds
         return total
+
+
+def _standing(time: Array, angles_deg: tuple[float, float] | None) -> Trajectory:
+    """A positioner that stands at (tilt, turn) [deg]."""
+    e = np.tile(np.radians((0.0, 0.0) if angles_deg is None else angles_deg), (len(time), 1))
+    return Trajectory(time, e, np.zeros_like(e), np.zeros_like(e), check_speeds=False)
 
 
 def worst(plans: Sequence[Plan], pieces: Sequence[Plan | JointPlan | Rest]) -> dict[str, Any]:

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import cast
+
+import numpy as np
 
 from irb2400_ctrl.arrays import Integers
 from irb2400_ctrl.cell import Scene
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.planners.plan import Plan
 from irb2400_ctrl.planners.plan_options import PlanOptions
+from irb2400_ctrl.planners.redundancy.known_way import End
 from irb2400_ctrl.planners.timing.timing_options import Backend, TimingOptions
 from irb2400_ctrl.planners.toolpath.cam_program import Operation
 from irb2400_ctrl.robot import Robot
@@ -40,6 +43,27 @@ class Run:
     """why the operation is not followed in one go; empty where it is"""
 
     @property
+    def moving(self) -> bool:
+        """Whether a positioner turns the part on the way."""
+        return self.plan.trajectory.external is not None
+
+    def stands(self, end: End) -> tuple[float, float] | None:
+        """(tilt, turn) of the positioner at an end [deg]; None without one."""
+        rows = self.plan.trajectory.external
+        if rows is None:
+            return self.options.positioner
+        tilt, turn = np.degrees(rows.q[0 if end == "first" else -1])
+        return float(tilt), float(turn)
+
+    def beside(self, end: End) -> Run:
+        """The same for the moves beside one of its ends, during which the positioner stands."""
+        angles = self.stands(end)
+        cell = self.options.cell
+        if not self.moving or cell is None or angles is None:
+            return self
+        return replace(self, options=replace(self.options, cell=cell.on_positioner(angles)))
+
+    @property
     def start(self) -> int:
         """Index of the way-point at or before its beginning."""
         inserted = int(self.points[0] < 0)
@@ -61,7 +85,7 @@ class Run:
         return TimingOptions(
             cast(Backend, self.plan.timing),
             _CELLS,
-            self.plan.certificate.limits,
+            self.plan.certificate.limits.first(self.plan.robot.n),
             self.options.sampling,
             self.plan.torque_share,
             self.rates_stated,

@@ -11,7 +11,9 @@ from irb2400_ctrl.planners.linking.joint_plan import JointPlan
 from irb2400_ctrl.planners.linking.waits import Rest
 from irb2400_ctrl.planners.plan import Plan
 
-Kind = Literal["approach", "lead-in", "operation", "retract", "link", "unwind", "return", "wait"]
+Kind = Literal[
+    "approach", "lead-in", "operation", "retract", "link", "unwind", "return", "wait", "turn"
+]
 
 
 @dataclass(frozen=True)
@@ -55,7 +57,8 @@ class Segment:
     note: str = ""
     """what it does, where that is not plain"""
     positioner: tuple[float, float] | None = None
-    """(tilt, turn) at which the positioner stands [deg]; None without one"""
+    """(tilt, turn) at which the positioner stands, or from which it moves [deg]; None without
+    one"""
     because: str = ""
     """why axes have to be unwound here; empty elsewhere"""
 
@@ -72,7 +75,7 @@ class Segment:
             "operation": self.operation,
             "start_s": self.start,
             "end_s": self.end,
-            "moves": _MOVES[type(piece)],
+            "moves": "positioner" if self.kind == "turn" else _MOVES[type(piece)],
             "length_mm": 1e3 * piece.length,
             "from_deg": _degrees(piece.trajectory.q[0]),
             "to_deg": _degrees(piece.trajectory.q[-1]),
@@ -92,6 +95,8 @@ class Segment:
                 found["feed"] = piece.feed_use.summary()
         if self.positioner is not None:
             found["positioner_deg"] = list(self.positioner)
+        if piece.trajectory.external is not None:
+            found["positioner_to_deg"] = _degrees(piece.trajectory.external.q[-1])
         if self.note:
             found["note"] = self.note
         return found

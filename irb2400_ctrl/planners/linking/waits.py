@@ -8,9 +8,11 @@ from typing import Any
 import numpy as np
 
 from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.errors import UnreachableError
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.planners.clearance.clearance import unknown
 from irb2400_ctrl.planners.enclosure.path_dynamics import path_dynamics
+from irb2400_ctrl.planners.external_bounds import turn
 from irb2400_ctrl.planners.linking.clearance_plane import spindle_axis
 from irb2400_ctrl.planners.linking.run import Run
 from irb2400_ctrl.planners.plan_path import plan_ways
@@ -59,6 +61,25 @@ class Rest:
         ratio = float(np.abs(held / robot.tau_max).max())
         return cls(robot, trajectory, ratio, run.plan.clearance, ratio <= run.plan.torque_share)
 
+    @classmethod
+    def turning(
+        cls,
+        run: Run,
+        q: Array,
+        ends: tuple[tuple[float, float], tuple[float, float]],
+        rate: float,
+    ) -> Rest:
+        """While the positioner of a run's cell turns from rest to rest between two angles (tilt,
+        turn) [deg], within its limits."""
+        assert run.options.cell is not None
+        assert run.options.cell.positioner is not None
+        axes = run.options.cell.positioner.moving
+        turned = turn(axes, np.radians(ends[0]), np.radians(ends[1]), rate)
+        found = cls.at(run, q, turned.duration, rate)
+        still = found.trajectory
+        turned = replace(turned, time=still.time, check_speeds=False)
+        return replace(found, trajectory=replace(still, external=turned, check_speeds=False))
+
 
 def waits(operation: Operation) -> dict[int, float]:
     """Seconds that an operation waits at its way-points, behind the first one."""
@@ -86,6 +107,11 @@ def waiting(run: Run, tolerance: float) -> tuple[Run, ...]:
         return (run,)
     if ends == cuts[-1:]:
         return (replace(run, wait=asked[int(run.points[-1])]),)
+    if run.moving:
+        raise UnreachableError(
+            f"operation {run.operation.number} waits at point {int(run.points[cuts[0]]) + 1}, "
+            "which is not planned while the positioner moves; state its angles for this operation"
+        )
     path = _turned(run)
     q = run.plan.trajectory.q[0]
     parts = []

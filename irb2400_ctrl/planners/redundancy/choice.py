@@ -100,7 +100,9 @@ def continuous_margins(model: Model, followed: Followed) -> Array:
     """Smallest relative margins over the path, sampled four times between stations, shape
     (3,)."""
     fine = _finer(followed)
-    return np.asarray(relative_margins(model, followed.joints(fine)).min(axis=0))
+    return np.asarray(
+        relative_margins(model, followed.joints(fine)[:, : model.robot.n]).min(axis=0)
+    )
 
 
 def _finer(followed: Followed) -> Array:
@@ -115,7 +117,7 @@ def given_way(model: Model, followed: Followed, load: CuttingLoad | None) -> Giv
     if load is None:
         return None
     s = _finer(followed)
-    found = load.deflection(model, followed.joints(s))
+    found = load.deflection(model, followed.joints(s)[:, : model.robot.n])
     at = int(np.argmax(found))
     mean = float(np.trapezoid(found, s) / (s[-1] - s[0]))
     return GivenWay(float(found[at]), mean, float(s[at]))
@@ -130,7 +132,7 @@ def stay_inside(model: Model, followed: Followed, target: JointTarget) -> None:
     s = followed.joints.knots
     fine = np.concatenate([s, (s[:-1] + s[1:]) / 2])
     u = np.concatenate([followed.u, (followed.u[:-1] + followed.u[1:]) / 2])
-    q = followed.joints(fine)
+    q = followed.joints(fine)[:, : model.robot.n]
     excess = np.maximum(model.robot.q_min - q, q - model.robot.q_max)
     worst = int(np.argmax(excess.max(axis=1)))
     axis = int(np.argmax(excess[worst]))

@@ -70,6 +70,7 @@ class Followed:
     """A joint path and how it belongs to the curve of the tool."""
 
     joints: JointPath
+    """of the arm and, where such move, of the axes that carry the part"""
     u: Array
     """curve parameter at the knots of the joint path, shape (m + 1,)"""
     error: float
@@ -126,14 +127,11 @@ def follow(
         u = u[kept]
         s = s[kept]
         _no_jump(model, target, u, q)
+        q = np.hstack([q, target.orientation.external(u)])
         path = JointPath.through(s, _resting(q))
         middle = (u[:-1] + u[1:]) / 2
         s_middle = arc_length(curve, np.sort(np.concatenate([u, middle])))[1::2]
-        X = target.pose(middle, s_middle)
-        reached = model.tcp_pose(path(s_middle))
-        spindle = target.orientation.spindle
-        error = np.linalg.norm(reached[:, :3, 3] - X[:, :3, 3], axis=1)
-        turned = _angle(reached[:, :3, :3] @ spindle, X[:, :3, :3] @ spindle)
+        error, turned = _missed(model, target, middle, s_middle, path(s_middle))
         step = np.abs(np.diff(q, axis=0)).max(axis=1)
         coarse = (error > tolerance) | (turned > axis_tolerance) | (step > JOINT_STEP)
         if not coarse.any():
@@ -151,6 +149,20 @@ def follow(
         u = np.sort(np.concatenate([u, (middle + beside)[coarse]]))
     at = int(np.argmax(step))
     raise _jump(target, u[at], np.diff(q, axis=0)[at], float(np.diff(s)[at]))
+
+
+def _missed(model: Model, target: JointTarget, u: Array, s: Array, q: Array) -> tuple[Array, Array]:
+    """How far TCP [m] and tool axis [rad] are from their target, in the eyes of the part, with
+    the joints and further axes at q (m, n); each (m,)."""
+    X = target.pose(u, s)
+    reached = model.tcp_pose(q[:, : model.robot.n])
+    part = target.orientation.part
+    if part is not None:
+        X = part.axes.seen(part.law(u), X)
+        reached = part.axes.seen(q[:, model.robot.n :], reached)
+    spindle = target.orientation.spindle
+    error = np.linalg.norm(reached[:, :3, 3] - X[:, :3, 3], axis=1)
+    return error, _angle(reached[:, :3, :3] @ spindle, X[:, :3, :3] @ spindle)
 
 
 def _resting(q: Array) -> Array:

@@ -91,6 +91,9 @@ class Ladder:
     """whole turns of the wound axes that nodes may carry, shape (k, number of wound axes)"""
     inset: float = BOX_INSET
     """distance kept from the ends of the joint box [rad]"""
+    external: Array | None = None
+    """angles of the axes that carry the part at the stations [rad], shape (n, k); None: it
+    stands"""
     crowd: Crowd | None = None
     """what the nodes are near to; None where it is not known"""
     price: Array | None = None
@@ -99,7 +102,8 @@ class Ladder:
     @classmethod
     def of(cls, model: Model, orientation: Orientation, u: Array, rotation: Array) -> Ladder:
         """Closed-form inverse kinematics of all stations and rotations."""
-        return cls.at(model, u, rotation, orientation.fan(u, rotation))
+        found = cls.at(model, u, rotation, orientation.fan(u, rotation))
+        return replace(found, external=orientation.external(u))
 
     @classmethod
     def at(cls, model: Model, u: Array, rotation: Array, X: Array) -> Ladder:
@@ -135,7 +139,9 @@ class Ladder:
             cutting: stations at which the tool may cut, shape (n,).
         """
         boxed = np.array([self.inside(i).any(axis=2) for i in range(len(self.u))])
-        return replace(self, crowd=Crowd.of(scene, self.q, boxed & (self.margin > 0), cutting))
+        usable = boxed & (self.margin > 0)
+        turned = np.empty((len(self.u), 0)) if self.external is None else self.external
+        return replace(self, crowd=Crowd.of(scene, self.q, usable, cutting, turned))
 
     def priced(
         self, scene: Scene | None, cutting: npt.NDArray[np.bool_], load: CuttingLoad | None

@@ -104,7 +104,8 @@ def _of_posture(model: Model, orientation: Orientation, u: Array, choice: Choice
     every = found.reshape(n, len(GRID), *found.shape[1:])
     own = orientation.poses(u, np.asarray(choice.rotation(arc_length(orientation.curve, u))))
     branches = model.inverse_kinematics_branches(own).q
-    driven = choice.followed.joints(np.interp(u, choice.followed.u, choice.followed.joints.knots))
+    s = np.interp(u, choice.followed.u, choice.followed.joints.knots)
+    driven = choice.followed.joints(s)[:, : model.robot.n]
     off = branches - driven[:, None]
     off -= 2 * np.pi * np.round(off / (2 * np.pi))
     branch = np.nan_to_num(np.abs(off), nan=np.inf).max(axis=2).argmin(axis=1)
@@ -138,6 +139,8 @@ def _clearance(
     moves = cutting_moves(orientation.curve.path, orientation.spindle)
     at_feed = np.broadcast_to(cutting_at(orientation.curve, moves, u)[:, None], asked.shape)
     most = COMFORTABLE_CLEARANCE + scene.keep
-    room = scene.clearance(q[asked], at_feed[asked], most) - scene.keep
+    turned = np.repeat(orientation.external(u)[:, None], asked.shape[1], axis=1)
+    every = np.concatenate([q, turned], axis=2)
+    room = scene.clearance(every[asked], at_feed[asked], most) - scene.keep
     found[asked] = part_of_comfort("clearance_mm", 1e3 * room)
     return found

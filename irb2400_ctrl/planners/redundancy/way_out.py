@@ -64,12 +64,14 @@ class WayOut:
         """
         for end, places in self.ends:
             knots = followed.joints.knots
-            q = followed.joints(knots[:1] if end == "first" else knots[-1:])[0]
+            both = followed.joints(knots[:1] if end == "first" else knots[-1:])[0]
+            q = both[: model.robot.n]
+            around = None if scene is None else scene.standing(both[model.robot.n :])
             X = model.tcp_pose(q)
             name = "line from the clearance plane" if end == "first" else "line to it"
             moved = places - places[0] + X[:3, 3]
             line = ToolPath(moved, rotation=np.tile(X[:3, :3], (len(moved), 1, 1)), name=name)
-            known_way(model, shape_path(line, orientation.spindle, 5e-5), q, "first", scene)
+            known_way(model, shape_path(line, orientation.spindle, 5e-5), q, "first", around)
 
 
 def way_is_free(model: Model, X: Array, q: Array, places: Array) -> Array:

@@ -99,7 +99,7 @@ def damped(model: Model, orientation: Orientation, start: Followed) -> Followed:
     u = np.unique(np.concatenate([station_parameters(curve, 0.002), start.u]))
     s = arc_length(curve, u)
     X = orientation.poses(u, np.zeros(1))
-    q = start.joints(s[:1])[0]
+    q = start.joints(s[:1])[0, : model.robot.n]
     rows = [q]
     position = 0.0
     angle = 0.0
@@ -124,6 +124,7 @@ def damped(model: Model, orientation: Orientation, start: Followed) -> Followed:
         or (path > model.robot.q_max).any()
     ):
         raise InfeasibleError("damped least squares leaves the joint box")
+    path = np.hstack([path, orientation.external(u)])
     return Followed(JointPath.through(s, path), u, position, angle)
 
 

@@ -25,5 +25,6 @@ class Certificate:
 def check(certificate: Certificate, model: Model, dynamics: PathDynamics | None = None) -> Checked:
     """Bound torque, speed and what else is limited over all times, from the motion's own numbers
     alone: nothing that the solver computed is used."""
-    dynamics = PathDynamics(model) if dynamics is None else dynamics
+    if dynamics is None:
+        dynamics = PathDynamics(model, certificate.path.n - model.robot.n)
     return certificate.law.bounds(certificate.path, certificate.limits, dynamics)

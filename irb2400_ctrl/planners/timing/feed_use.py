@@ -239,15 +239,17 @@ def _limits(
         axis=1,
     )
     most = np.maximum.reduceat(used, first, axis=0)
-    return [_named(row, limits.smooth) for row in most]
+    return [_named(row, limits.smooth, dynamics) for row in most]
 
 
-def _named(used: Array, smooth: bool) -> str:
+def _named(used: Array, smooth: bool, dynamics: PathDynamics) -> str:
     """The largest of the shares (torque, speed, acceleration) x axes."""
     if smooth and used.max() < _REACHED:
         return "torque rate, jerk or the rows"
     kind, axis = np.unravel_index(int(np.argmax(used)), used.shape)
-    return f"{('torque', 'speed', 'acceleration')[int(kind)]} of axis {int(axis) + 1}"
+    own = axis < dynamics.model.robot.n
+    kinds = ("torque" if own else "acceleration", "speed", "acceleration")
+    return f"{kinds[int(kind)]} of {dynamics.axis(int(axis))}"
 
 
 def _parts(chosen: npt.NDArray[np.bool_]) -> list[tuple[int, int]]:

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.cell.external_axes import ExternalAxes
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.planners.enclosure import bernstein
 from irb2400_ctrl.planners.enclosure.cells import Cells
@@ -74,6 +75,31 @@ class MotionLimits:
         """Whether the motion has to be one without jumps of the acceleration."""
         rates = [rate for rate in (self.torque_rate, self.jerk) if rate is not None]
         return any(bool(np.isfinite(rate).any()) for rate in rates)
+
+    def with_external(self, axes: ExternalAxes, rate: float | None) -> MotionLimits:
+        """The same with those of axes that carry the part, after the arm's: their acceleration
+        stands where the arm has its torque, their jerk where it has the rate of that.
+
+        Args:
+            rate: largest change of an acceleration, as a part of its limit [1/s], of axes whose
+                jerk is not limited; None lets it jump.
+        """
+        none = np.full(len(axes), np.inf)
+        jerk = axes.jerk if rate is None else np.minimum(axes.jerk, rate * axes.acceleration)
+        arm = np.full(len(self.tau_max), np.inf) if self.torque_rate is None else self.torque_rate
+        return MotionLimits(
+            qd_max=np.append(self.qd_max, axes.speed),
+            tau_max=np.append(self.tau_max, axes.acceleration),
+            qdd_max=np.append(self.qdd_max, none),
+            torque_rate=np.append(arm, jerk),
+            jerk=None if self.jerk is None else np.append(self.jerk, none),
+        )
+
+    def first(self, n: int) -> MotionLimits:
+        """Those of the first n axes."""
+        rate = None if self.torque_rate is None else self.torque_rate[:n]
+        jerk = None if self.jerk is None else self.jerk[:n]
+        return MotionLimits(self.qd_max[:n], self.tau_max[:n], self.qdd_max[:n], rate, jerk)
 
     @classmethod
     def of(cls, robot: Robot) -> MotionLimits:

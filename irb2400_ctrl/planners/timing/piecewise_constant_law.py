@@ -106,7 +106,7 @@ class PiecewiseConstantLaw(TimeLaw):
         coefficients plus friction at known speeds plus a bounded remainder. The cells are parts of
         the law's own: sharper, and no linearisation of a solver is used again.
         """
-        friction = dynamics.model.robot.friction
+        friction = dynamics.friction
         for parts in _PARTS:
             s = _divided(self.s, parts)
             x = _divided(self.x, parts)
@@ -128,7 +128,7 @@ class PiecewiseConstantLaw(TimeLaw):
     def peaks(self, path: JointPath, limits: MotionLimits, dynamics: PathDynamics) -> Peaks:
         """Largest torque of each axis; the acceleration jumps, so no torque rate is claimed."""
         cells = enclose(dynamics, path, self.s)
-        above, below = torque_bounds(cells, self.u, self.x, dynamics.model.robot.friction)
+        above, below = torque_bounds(cells, self.u, self.x, dynamics.friction)
         return Peaks(torque=np.maximum(above, -below).max(axis=0), torque_rate_ratio=0.0)
 
 

@@ -27,7 +27,7 @@ class TaskPath:
     @classmethod
     def of(cls, model: Model, orientation: Orientation, followed: Followed) -> TaskPath:
         """The TCP and the feed along followed joints."""
-        tcp = TcpPath(model, followed.joints, orientation.spindle)
+        tcp = TcpPath(model, followed.joints, orientation.spindle, orientation.carried)
         return cls(followed, tcp, programmed_feed(orientation, followed))
 
     @property

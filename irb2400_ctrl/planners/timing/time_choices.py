@@ -150,7 +150,7 @@ def fastest(dynamics: PathDynamics, path: TaskPath, options: TimingOptions) -> T
         return time_joint_path(dynamics, joints, limits, count=options.cells, feed=path.feed)[0]
     s = grid(joints, options.cells)
     cells = enclose(dynamics, joints, s)
-    friction = dynamics.model.robot.friction
+    friction = dynamics.friction
     if options.certified:
         return time_with_samples(dynamics, joints, cells, limits, friction, path.feed(s))
     # toppra takes seconds to import

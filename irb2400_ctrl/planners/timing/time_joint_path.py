@@ -37,7 +37,7 @@ def time_joint_path(
     Raises:
         InfeasibleError: no motion within the limits; says where, and which axis lacks what.
     """
-    friction = dynamics.model.robot.friction
+    friction = dynamics.friction
     s = grid(path, count)
     for last in range(_ROUNDS):
         cells = enclose(dynamics, path, s)

@@ -5,8 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import Literal
 
+import numpy as np
 from numpy.typing import ArrayLike
 
+from irb2400_ctrl.cell.external_axes import ExternalAxes
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.planners.timing.motion_limits import MotionLimits
 from irb2400_ctrl.planners.timing.sampled_reference.sampling import Sampling
@@ -42,6 +44,7 @@ class TimingOptions:
         jerk: ArrayLike | None,
         sampling: Sampling,
         torque_share: float = 1.0,
+        external: ExternalAxes | None = None,
     ) -> TimingOptions:
         """The options of a request; limits default to those of the robot.
 
@@ -71,6 +74,14 @@ class TimingOptions:
             )
         if torque_rate is None and backend == "certified":
             limited = limited.with_rates(sampling.torque_rate * own.tau_max, None)
+        if external is not None:
+            if backend != "certified":
+                raise InputError(
+                    f"timing: found {backend!r} with a positioner that moves, expected 'certified'"
+                )
+            rate = sampling.torque_rate if torque_rate is None else None
+            limited = limited.with_external(external, rate)
+            rates_stated = rates_stated or bool(np.isfinite(external.jerk).any())
         return cls(backend, cells, limited, sampling, torque_share, rates_stated)
 
     @property

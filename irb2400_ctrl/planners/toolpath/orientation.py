@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 
 from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.cell.external_axes import ExternalAxes
 from irb2400_ctrl.planners.toolpath.task_curve import TaskCurve, smooth_curve
 from irb2400_ctrl.planners.toolpath.toolpath import ToolPath
 
@@ -18,6 +20,15 @@ def rotations_about(axis: Array, angle: Array) -> Array:
     c = np.cos(angle)[:, None, None]
     turned: Array = np.eye(3) + s * K + (1 - c) * (K @ K)
     return turned
+
+
+@dataclass(frozen=True, eq=False)
+class PartMotion:
+    """How further axes carry the part while the tool goes along its curve."""
+
+    axes: ExternalAxes
+    law: Callable[[Array], Array]
+    """curve parameters (m,) -> angles of the axes (m, k) [rad]"""
 
 
 @dataclass(frozen=True)
@@ -34,19 +45,35 @@ class Orientation:
     """direction of the tool in the TCP frame, out of the spindle, shape (3,)"""
     guide: Array
     """fixed direction in the base, shape (3,)"""
+    part: PartMotion | None = None
+    """where axes turn the part; the curve is stated with them at zero"""
 
     @classmethod
-    def of(cls, curve: TaskCurve, spindle: Array) -> Orientation:
+    def of(cls, curve: TaskCurve, spindle: Array, part: PartMotion | None = None) -> Orientation:
         """The field whose guide direction stays farthest from being parallel to a tool axis of the
         path."""
         spindle = np.asarray(spindle, dtype=float) / np.linalg.norm(spindle)
         axes = curve.control[:, 3:6]
         axes = axes / np.maximum(np.linalg.norm(axes, axis=1, keepdims=True), 1e-12)
+        if part is not None:
+            u = np.arange(curve.segments + 1.0)
+            turned = part.axes.turned(part.law(u))[:, :3, :3]
+            axes = np.einsum("mij,mj->mi", turned, curve.pose(u)[1])
         candidates = np.vstack([np.eye(3), _sphere(60)])
         across = np.linalg.norm(np.cross(axes[:, None], candidates[None]), axis=2).min(axis=0)
         # base x, then y, then z unless the axes come near: a guide that a user can remember
         good = np.flatnonzero(across > 0.5)
-        return cls(curve, spindle, candidates[good[0] if len(good) else int(np.argmax(across))])
+        guide = candidates[good[0] if len(good) else int(np.argmax(across))]
+        return cls(curve, spindle, guide, part)
+
+    @property
+    def carried(self) -> ExternalAxes | None:
+        """What carries the part; None where it stands."""
+        return None if self.part is None else self.part.axes
+
+    def external(self, u: Array) -> Array:
+        """Angles of the axes that carry the part [rad], shape (n, k); k = 0 where it stands."""
+        return np.empty((len(u), 0)) if self.part is None else self.part.law(u)
 
     def poses(self, u: Array, rotation: Array) -> Array:
         """X_BT at the curve's parameters u with the tool turned by `rotation` [rad] about the
@@ -66,6 +93,12 @@ class Orientation:
 
     def _at_zero(self, u: Array) -> Array:
         position, first, full = self.curve.pose(u)
+        if self.part is not None:
+            M = self.part.axes.turned(self.part.law(u))
+            R = M[:, :3, :3]
+            position = np.einsum("mij,mj->mi", R, position) + M[:, :3, 3]
+            first = np.einsum("mij,mj->mi", R, first)
+            full = None if full is None else R @ full
         X = np.tile(np.eye(4), (len(u), 1, 1))
         X[:, :3, 3] = position
         if full is not None:

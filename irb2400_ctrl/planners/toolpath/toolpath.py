@@ -105,6 +105,17 @@ class ToolPath:
             self.name,
         )
 
+    def carried(self, M: Array) -> ToolPath:
+        """The same with each way-point moved by its own pose M (n, 4, 4)."""
+        R = M[:, :3, :3]
+        return ToolPath(
+            np.einsum("nij,nj->ni", R, self.position) + M[:, :3, 3],
+            None if self.axis is None else np.einsum("nij,nj->ni", R, self.axis),
+            None if self.rotation is None else R @ self.rotation,
+            self.feed,
+            self.name,
+        )
+
     def then(self, other: ToolPath) -> ToolPath:
         """This path and, straight on, the other one; both must state the orientation in the same
         way."""

@@ -6,6 +6,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.cell.positioner import AXES
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.planners import Plan
 from irb2400_ctrl.report.elements.arm_view import Colouring
@@ -47,6 +48,17 @@ def angle_figures(motion: Trajectory, robot: Robot) -> list[Figure]:
     return joint_plots(
         motion.time, [Line(np.degrees(motion.q))], "angle {joint} [deg]", limits=ends
     )
+
+
+def external_figures(motion: Trajectory) -> list[Figure]:
+    """Angles of the positioner; none where it stands."""
+    if motion.external is None:
+        return []
+    angles = np.degrees(motion.external.q).T
+    return [
+        over_time(motion.time, [Line(angle)], f"{name} [deg]")
+        for name, angle in zip(AXES, angles, strict=True)
+    ]
 
 
 def margin_figures(motion: Trajectory, robot: Robot, least: dict[str, float]) -> list[Figure]:

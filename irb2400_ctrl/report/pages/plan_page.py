@@ -71,6 +71,9 @@ def add_plan(
     page.figures(drawn, "Speed of each joint; limits are dashed.", zoomable=True)
     drawn = draw.angle_figures(motion, one.robot)
     page.figures(drawn, "Angle of each joint; ends of its range are dashed.", zoomable=True)
+    turned = draw.external_figures(motion)
+    if turned:
+        page.figures(turned, "Angles of the positioner; the picture has the part at zero.")
     page.heading("Distance from the singularities")
     drawn = draw.margin_figures(motion, one.robot, summary["singularity_margin"])
     page.figures(
@@ -136,9 +139,22 @@ def numbers(summary: Mapping[str, Any]) -> tuple[list[str], list[list[object]]]:
         [f"clearance, at least{where}", least, "mm" if near is not None else ""],
         ["torque, at most", f"{100 * summary['max_torque_ratio']:.1f}", "% of limit"],
         ["speed, at most", f"{100 * summary['max_velocity_ratio']:.1f}", "% of limit"],
+        *_external_rows(summary),
         ["rows are read as", summary["interpolation"], ""],
     ]
     return ["quantity", "value", "unit"], rows
+
+
+def _external_rows(summary: Mapping[str, Any]) -> list[list[object]]:
+    """Speed and acceleration of the axes of a positioner that moves."""
+    return [
+        [f"{what} of {axis['name']}, at most", f"{100 * axis[key]:.1f}", "% of limit"]
+        for axis in summary["external_axes"]
+        for what, key in (
+            ("speed", "max_speed_ratio"),
+            ("acceleration", "max_acceleration_ratio"),
+        )
+    ]
 
 
 def _add_feed(

@@ -226,6 +226,11 @@ def _checked(
     if isinstance(motion, Trajectory):
         if any(values is not None for values in angles):
             raise InputError("EGM: found a trajectory and angles besides, expected one of them")
+        if motion.external is not None:
+            raise InputError(
+                "EGM: found a motion with external axes, expected the six joints of the arm alone: "
+                "nothing would turn the part; write RAPID"
+            )
         time = motion.time
         q = motion.q
         qd = motion.qd

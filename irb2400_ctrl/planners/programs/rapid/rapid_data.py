@@ -138,8 +138,15 @@ def tooldata(name: str, robot: Robot) -> list[str]:
     ]
 
 
-def wobjdata(name: str, X_BW: Array) -> list[str]:
-    """Declaration of a fixed work object whose user frame stands in the base at X_BW."""
+def wobjdata(name: str, X_BW: Array, unit: str = "") -> list[str]:
+    """Declaration of a work object at X_BW: its fixed user frame stands there. With the name of a
+    mechanical unit it is the pose in the user frame that this unit moves, its plate."""
+    if unit:
+        return [
+            f'PERS wobjdata {name}:=[FALSE,FALSE,"{unit}",',
+            "  [[0,0,0],[1,0,0,0]],",
+            f"  {_pose(X_BW)}];",
+        ]
     return [
         f'PERS wobjdata {name}:=[FALSE,TRUE,"",',
         f"  {_pose(X_BW)},",

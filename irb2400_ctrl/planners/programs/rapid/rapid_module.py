@@ -14,10 +14,14 @@ _START = ["ConfL\\On;", "ConfJ\\On;", "SingArea\\Off;"]
 
 
 def module_texts(
-    models: Sequence[Model], named: Sequence[Names], X_BW: Array | None, steps: list[Step]
+    models: Sequence[Model],
+    named: Sequence[Names],
+    X_BW: Array | None,
+    steps: list[Step],
+    coupled: bool = False,
 ) -> tuple[str, dict[str, str]]:
     """The module, and the modules that it loads in turn by the names of their files; models and
-    names are those of each tool."""
+    names are those of each tool; `coupled`: the work object moves with the positioner."""
     names = named[0]
     options = names.options
     shared = []
@@ -25,7 +29,8 @@ def module_texts(
         if of_tool.own_tool:
             shared += data.tooldata(of_tool.tool, model.robot)
     if X_BW is not None:
-        shared += data.wobjdata(names.work_object, X_BW)
+        unit = options.positioner if coupled else ""
+        shared += data.wobjdata(names.work_object, X_BW, unit)
     if options.targets_per_module == 0:
         calls, parts = _procedures(steps, options.moves_per_procedure, 0)
         body = ["", *_procedure(options.entry, [*_START, *calls]), *parts]

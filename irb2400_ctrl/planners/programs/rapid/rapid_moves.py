@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.cell.external_axes import ExternalAxes
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.trajectory import Trajectory, from_angles
@@ -24,7 +25,8 @@ class RapidMove:
     q: Array | None
     """actuator angles of a jointtarget [rad], shape (6,)"""
     X_BT: Array | None
-    """pose of a robtarget in the robot base, work object applied, shape (4, 4)"""
+    """pose of a robtarget in the robot base, work object applied, shape (4, 4); with a `unit` in
+    the plate that this moves"""
     configuration: tuple[int, int, int, int] | None
     """cf1, cf4, cf6, cfx of a robtarget"""
     external: tuple[float, ...]
@@ -41,6 +43,28 @@ class RapidMove:
     """waiting time after it [s]"""
     X_FT: Array | None = None
     """TCP of its tool in the flange, shape (4, 4); None: that of the module"""
+    unit: str = ""
+    """mechanical unit that moves its work object; empty where that is fixed"""
+
+    def in_base(self, axes: ExternalAxes | None) -> Array:
+        """Pose of a robtarget in the robot base, shape (4, 4).
+
+        Args:
+            axes: of the positioner that moves the work object.
+
+        Raises:
+            InputError: there is one, and nothing is said of it.
+        """
+        assert self.X_BT is not None
+        if not self.unit:
+            return self.X_BT
+        if axes is None or len(self.external) < len(axes):
+            raise InputError(
+                f"{self.target}: found a work object that {self.unit} moves, expected its axes "
+                "(axes=cell.external_axes) and their angles in every target"
+            )
+        e = np.radians([self.external[: len(axes)]])
+        return np.asarray(axes.turned(e)[0] @ axes.plate @ self.X_BT)
 
 
 @dataclass(frozen=True)
@@ -59,23 +83,26 @@ class RapidModule:
     """what it does besides moving (outputs, stops, messages): after how many moves, and the
     statement"""
 
-    def joint_angles(self, model: Model) -> Array:
+    def joint_angles(self, model: Model, axes: ExternalAxes | None = None) -> Array:
         """Actuator angles of every move [rad], shape (m, 6): jointtargets as they are, robtargets
         by closed-form inverse kinematics and their configuration data (the previous move decides
         what a singularity leaves open).
 
+        Args:
+            axes: of the positioner that moves the work object, where one does.
+
         Raises:
-            InputError: the configuration of a target does not exist at its pose.
+            InputError: the configuration of a target does not exist at its pose, or as
+            `RapidMove.in_base`.
         """
         found: list[Array] = []
         for move in self.moves:
             if move.q is not None:
                 found.append(move.q)
                 continue
-            assert move.X_BT is not None
             assert move.configuration is not None
             X_FT = self.X_FT if move.X_FT is None else move.X_FT
-            X_BT = move.X_BT @ np.linalg.inv(X_FT) @ model.robot.X_FT
+            X_BT = move.in_base(axes) @ np.linalg.inv(X_FT) @ model.robot.X_FT
             seed = found[-1] if found else None
             fits = [
                 q
@@ -90,7 +117,7 @@ class RapidModule:
             found.append(fits[0])
         return np.array(found)
 
-    def trajectory(self, model: Model) -> Trajectory:
+    def trajectory(self, model: Model, axes: ExternalAxes | None = None) -> Trajectory:
         """The motion through the targets at their stated times (argument T), from rest to rest.
 
         Between the targets it is a cubic spline (C2); where a controller goes there, its own
@@ -105,7 +132,7 @@ class RapidModule:
                 f"{self.name}, {untimed.target}: found a move without its time, expected the "
                 "argument T; write the module with RapidOptions(state_time=True)"
             )
-        q = self.joint_angles(model)
+        q = self.joint_angles(model, axes)
         time = 0.0
         rows: list[tuple[float, Array]] = []
         for number, (move, angles) in enumerate(zip(self.moves, q, strict=True)):

@@ -15,7 +15,7 @@ from irb2400_ctrl.planners.programs.rapid.rapid_options import RapidOptions
 from irb2400_ctrl.planners.programs.rapid.rapid_program import RapidProgram, rapid_program
 from irb2400_ctrl.planners.toolpath.cam_program import Operation
 
-JOINT_MOVES = frozenset({"approach", "link", "unwind", "return"})
+JOINT_MOVES = frozenset({"approach", "link", "unwind", "return", "turn"})
 """segments in which the joints move, not the tool on a line"""
 
 
@@ -33,9 +33,16 @@ def rapid_of_plan(
     """
     events = [] if operation is None else _events(plan, operation)
     model = Model(plan.robot)
-    external = () if plan.positioner is None else plan.positioner
+    moving = plan.trajectory.external
+    stands = () if plan.positioner is None else plan.positioner
     return rapid_program(
-        model, plan.trajectory, options=options, X_BW=X_BW, events=events, external=external
+        model,
+        plan.trajectory,
+        options=options,
+        X_BW=X_BW,
+        events=events,
+        external=stands if moving is None else np.degrees(moving.q),
+        carried=plan.carried,
     )
 
 
@@ -57,6 +64,7 @@ def rapid_of_motion(
             "expected one or the other; shape its links instead (--clearance, --approach)"
         )
     time = motion.trajectory.time
+    moving = motion.trajectory.external
     joints = np.zeros(len(time), dtype=bool)
     stops = np.zeros(len(time), dtype=bool)
     stands = [segment.positioner for segment in motion.segments]
@@ -65,7 +73,7 @@ def rapid_of_motion(
         first, last = np.searchsorted(time, np.array([segment.start, segment.end]) - 1e-6)
         joints[first + 1 : last + 1] = segment.kind in JOINT_MOVES
         stops[last] = True
-        if segment.positioner is not None:
+        if segment.positioner is not None and moving is None:
             external[first + (first > 0) :] = segment.positioner
     return rapid_program(
         Model(motion.segments[0].piece.robot),
@@ -75,7 +83,8 @@ def rapid_of_motion(
         joint_rows=joints,
         stops=stops,
         events=_besides_waits(motion, options),
-        external=external,
+        external=external if moving is None else np.degrees(moving.q),
+        carried=next((p.carried for p in motion.plans if p.carried is not None), None),
         tools=_tools(motion, time),
     )
 

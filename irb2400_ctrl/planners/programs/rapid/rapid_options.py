@@ -49,11 +49,13 @@ class RapidOptions:
     in turn; 0: all in one module"""
     folder: str = "HOME:"
     """where the controller finds those modules"""
+    positioner: str = "POSITIONER"
+    """mechanical unit that moves the work object, where a positioner turns during the cut"""
     signals: tuple[RapidSignal, ...] = ()
     """what events of the CAM file do; see `RapidSignal`"""
 
     def __post_init__(self) -> None:
-        for key in ("module", "entry", "tool", "work_object"):
+        for key in ("module", "entry", "tool", "work_object", "positioner"):
             data.check_name(key, getattr(self, key))
         names = [name.lower() for name in (self.module, self.entry, self.tool, self.work_object)]
         if len(set(names)) < len(names) or any(_OWN_NAMES.fullmatch(name) for name in names):

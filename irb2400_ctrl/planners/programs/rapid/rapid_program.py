@@ -17,6 +17,7 @@ import numpy.typing as npt
 from numpy.typing import ArrayLike
 
 from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.cell.external_axes import ExternalAxes
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.files import write_atomic
 from irb2400_ctrl.model import Model
@@ -83,6 +84,7 @@ def rapid_program(
     stops: npt.NDArray[np.bool_] | None = None,
     events: Sequence[ProgramEvent] = (),
     tools: Sequence[tuple[int, Model]] = (),
+    carried: ExternalAxes | None = None,
 ) -> RapidProgram:
     """The module that moves along the plan.
 
@@ -100,6 +102,8 @@ def rapid_program(
         stops: rows at which the plan is at rest, shape (n,): stop points.
         events: what the program asks for besides motion, at times of the plan; the arm stops there.
         tools: rows at which the tool changes, increasing, and the arm with the next one.
+        carried: the external axes, where they turn the work object; `X_BW` is then with them at
+            zero.
 
     Raises:
         InputError: shapes, order of time, not finite, outside the joint box, a name that RAPID
@@ -114,7 +118,9 @@ def rapid_program(
     flags = _Flags(wrist_rows(q, wrist_crossing), joints, standing)
     models = [model, *(arm for _, arm in tools)]
     changes = [row for row, _ in tools]
-    rows, first, samples = _rows(models, changes, (time, q), flags, options, X_BW)
+    part = _Part.of(carried, external, options, len(q))
+    X_BW = np.eye(4) if part is not None and X_BW is None else X_BW
+    rows, first, samples = _rows(models, changes, (time, q), flags, options, X_BW, part)
     writer = EventWriter(options.signals)
     said = {
         row + first: [line for event in found for line in writer.lines(event)]
@@ -126,8 +132,10 @@ def rapid_program(
     ]
     configuration = data.configuration(model, rows.q[samples])
     extax = _external_axes(external, len(q), first, len(rows.q))
-    steps = program_steps(rows, samples, configuration, extax, names, said, writer.at_end())
-    text, parts = module_texts(models, names, X_BW, steps)
+    coupled = part is not None
+    at_end = writer.at_end()
+    steps = program_steps(rows, samples, configuration, extax, names, said, at_end, coupled)
+    text, parts = module_texts(models, names, _on_plate(X_BW, part), steps, coupled)
     targets = np.array([step.row for step in steps if step.row is not None])
     return RapidProgram(text, targets, rows.q[targets], parts, first, tuple(writer.not_written))
 
@@ -149,6 +157,51 @@ def _external_axes(external: ArrayLike, count: int, first: int, rows: int) -> li
 
 
 @dataclass(frozen=True)
+class _Part:
+    """A work object that turns during the moves."""
+
+    axes: ExternalAxes
+    angles: Array
+    """at the rows of the plan [deg], shape (n, k)"""
+
+    @classmethod
+    def of(
+        cls, axes: ExternalAxes | None, external: ArrayLike, options: RapidOptions, count: int
+    ) -> _Part | None:
+        """None where it stands.
+
+        Raises:
+            InputError: no angles for every row, or moves that are straight for the joints.
+        """
+        if axes is None:
+            return None
+        angles = np.asarray(external, dtype=float)
+        if angles.shape != (count, len(axes)):
+            raise InputError(
+                f"RAPID: external is {angles.shape}, expected ({count}, {len(axes)}) for axes that "
+                "turn the work object"
+            )
+        if options.motion == "joint":
+            raise InputError(
+                "RAPID: found motion joint with a positioner that moves, expected linear: moves "
+                "that are straight for the joints leave the path on the part"
+            )
+        return cls(axes, angles)
+
+    def padded(self, ends: tuple[int, int]) -> Array:
+        """Angles at the rows of the program, its ends as the plan's [rad]."""
+        return np.radians(np.pad(self.angles, (ends, (0, 0)), mode="edge"))
+
+
+def _on_plate(X_BW: Array | None, part: _Part | None) -> Array | None:
+    """The frame that the work object is declared in: the base, or the plate of a positioner that
+    moves."""
+    if part is None or X_BW is None:
+        return X_BW
+    return np.asarray(np.linalg.inv(part.axes.plate) @ X_BW)
+
+
+@dataclass(frozen=True)
 class _Flags:
     """Of the rows of the plan, each of shape (n,)."""
 
@@ -164,6 +217,7 @@ def _rows(
     flags: _Flags,
     options: RapidOptions,
     X_BW: Array | None,
+    part: _Part | None,
 ) -> tuple[PlanRows, int, npt.NDArray[np.int64]]:
     """The plan with its approach and retract, the row at which it begins, and the rows that become
     targets."""
@@ -181,13 +235,19 @@ def _rows(
     X_BT = np.empty((len(q), 4, 4))
     for number, arm in enumerate(models):
         X_BT[tool == number] = arm.tcp_pose(q[tool == number])
-    rest = np.append(False, np.abs(np.diff(q, axis=0)).max(axis=1) < 1e-10)
+    moved = q if part is None else np.hstack([q, part.padded(ends)])
+    rest = np.append(False, np.abs(np.diff(moved, axis=0)).max(axis=1) < 1e-10)
     kept = rows_to_keep(rest, crossing, joints) | standing
     tolerance = 1e-3 * options.tolerance_mm
     angle = np.radians(options.tolerance_deg)
-    samples = thinned(model, q, X_BT, kept, joints, tolerance, angle)
-    X_WT = X_BT if X_BW is None else np.linalg.inv(data.check_pose("work object", X_BW)) @ X_BT
-    speeds = speeds_between(time, X_BT)
+    # where the part moves, the controller goes straight in its eyes
+    X_PT = X_BT if part is None else part.axes.seen(part.padded(ends), X_BT)
+    samples = thinned(model, q, (X_BT, X_PT), kept, joints, tolerance, angle)
+    X_WT = X_PT if X_BW is None else np.linalg.inv(data.check_pose("work object", X_BW)) @ X_PT
+    speeds = speeds_between(time, X_PT)
+    if part is not None:
+        turning = np.degrees(np.abs(np.diff(part.padded(ends), axis=0)).max(axis=1))
+        speeds = np.column_stack([speeds, turning / np.diff(time)])
     flags_of = (rest, crossing, joints, standing)
     return PlanRows(time, q, X_WT, speeds, *flags_of, tool), first, samples
 

@@ -245,6 +245,7 @@ class _Reader:
             stops=stops,
             wrist=self.wrist,
             X_FT=self.tools[self.tool],
+            unit="" if frame[1] else str(frame[2]),
         )
 
     def named(self, name: str, kind: str) -> Any:

@@ -42,6 +42,7 @@ def program_steps(
     names: Sequence[Names],
     said: Mapping[int, list[str]],
     at_end: list[str],
+    coupled: bool = False,
 ) -> list[Step]:
     """The instructions in order, the wrist singularity switched on and off where it is passed.
 
@@ -49,6 +50,7 @@ def program_steps(
         samples: rows of the plan that moves go to, shape (m,).
         configuration: data of each, shape (m, 4).
         extax: external axes at every row; where they change the arm stands while they move.
+        coupled: they go with the arm instead.
         names: for each tool.
         said: statements at rows where the arm stands.
         at_end: statements after the last move.
@@ -67,7 +69,7 @@ def program_steps(
             found.append(Step([f"WaitTime {rows.time[row] - rows.time[before]:.4f};"], []))
         else:
             own = names[rows.tool[row]]
-            if k and extax[row] != extax[before]:
+            if k and not coupled and extax[row] != extax[before]:
                 found.append(_external_move(rows, own, f"p{k + 1:0{width}d}e", before, extax[row]))
             as_joints = k == 0 or bool(rows.as_joints[row])
             wrist = not as_joints and bool(rows.crossing[before + 1 : row + 1].any())
@@ -147,5 +149,5 @@ def _largest_zone(way_in: Array, way_out: Array, corner: float) -> float:
 def _speeddata(speeds: Array) -> str:
     """The planned peaks among rows (k, 2); a speed that is zero in the plan must not be zero for
     the controller."""
-    v, w = np.maximum(speeds.max(axis=0), (0.1, 1.0))
-    return f"[{v:.3f},{w:.3f},5000,1000]"
+    v, w, *external = np.maximum(speeds.max(axis=0), (0.1, 1.0, 1.0)[: speeds.shape[1]])
+    return f"[{v:.3f},{w:.3f},5000,{external[0] if external else 1000:.6g}]"

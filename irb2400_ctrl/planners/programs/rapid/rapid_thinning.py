@@ -27,7 +27,7 @@ def rows_to_keep(*changes: npt.NDArray[np.bool_]) -> npt.NDArray[np.bool_]:
 def thinned(
     model: Model,
     q: Array,
-    X_BT: Array,
+    poses: tuple[Array, Array],
     keep: npt.NDArray[np.bool_],
     as_joints: npt.NDArray[np.bool_],
     tolerance: float,
@@ -39,7 +39,8 @@ def thinned(
     From each kept row the next one is sought by doubling the step and halving it again.
 
     Args:
-        q, X_BT: the plan, shapes (n, 6) [rad] and (n, 4, 4).
+        q: the plan, shape (n, 6) [rad].
+        poses: of the TCP in the base, and in the eyes of the part, each (n, 4, 4).
         keep: rows that stay in any case, shape (n,), ends included.
         as_joints: whether the way to a row is straight in joint space, else it is so in space with
             the shortest turn, shape (n,); where it changes, a row is kept.
@@ -47,8 +48,9 @@ def thinned(
     """
 
     def close(first: int, last: int) -> bool:
+        X = poses[0] if as_joints[last] else poses[1]
         distance, angle = deviation(
-            model, q[first : last + 1], X_BT[first : last + 1], bool(as_joints[last])
+            model, q[first : last + 1], X[first : last + 1], bool(as_joints[last])
         )
         return distance <= tolerance and angle <= angle_tolerance
 

@@ -48,7 +48,7 @@ class GriddedProgram:
     ) -> GriddedProgram:
         """The program on a grid, near a motion that is known."""
         cells = enclose(dynamics, path, s)
-        outputs = ConstrainedOutputs.of(cells, limits, dynamics.model.robot.friction)
+        outputs = ConstrainedOutputs.of(cells, limits, dynamics.friction)
         # x is no straight line here: the smaller end holds all over a cell
         feed_bound = None if feed is None else np.atleast_2d(feed(s)).min(axis=0)
         bound = np.minimum(speed_bounds(cells, limits.qd_max, feed_bound), 1e9)

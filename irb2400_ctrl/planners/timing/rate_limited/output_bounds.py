@@ -120,9 +120,9 @@ def _ratios(
     ends: tuple[int, ...],
 ) -> OutputRatios:
     """Some of them; `ends`: which of the first (0) and the last (-1) begin and end at rest."""
-    n = dynamics.model.robot.n
+    n = dynamics.n
     cells = enclose(dynamics, path, motion.s)
-    outputs = ConstrainedOutputs.of(cells, limits, dynamics.model.robot.friction)
+    outputs = ConstrainedOutputs.of(cells, limits, dynamics.friction)
     squared_speed = product(cells.speed, cells.speed) / limits.qd_max**2
     most = hull(product(squared_speed, motion.x[..., None]))[1]
     value = _values(outputs, cells.added, motion.x, motion.u, ends)

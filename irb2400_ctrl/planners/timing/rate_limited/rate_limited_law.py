@@ -154,12 +154,12 @@ class RateLimitedLaw(TimeLaw):
         if not (self.is_consistent() and is_joined(path)):
             return Checked(np.inf, np.inf, (float(self.s[0]), 1), np.inf, np.inf, np.inf)
         ratios = self.ratios(path, limits, dynamics, _HALVINGS, tight=True)
-        return ratios.checked(dynamics.model.robot.n)
+        return ratios.checked(dynamics.n)
 
     def peaks(self, path: JointPath, limits: MotionLimits, dynamics: PathDynamics) -> Peaks:
         """Largest torque of each axis, and the largest torque rate, of samples where it has no
         bound."""
-        n = dynamics.model.robot.n
+        n = dynamics.n
         ratios = self.sampled_ratios(path, limits, dynamics, 0)
         return Peaks(
             torque=ratios.value[:, :n].max(axis=0) * limits.tau_max,

@@ -23,18 +23,19 @@ def rate_summary(
     fastest: TimeLaw,
 ) -> dict[str, Any]:
     """Limits and upper bounds of torque rate and jerk per axis, and the duration without them."""
-    n = dynamics.model.robot.n
+    n = dynamics.n
+    arm = slice(dynamics.model.robot.n)
     ratios = law.sampled_ratios(path, limits, dynamics, HALVINGS, tight=True)
     most = ratios.rate.max(axis=0)
     found: dict[str, Any] = {"duration_without_rates_s": fastest.duration}
     if limits.torque_rate is not None:
-        found["torque_rate_limit_Nm_s"] = _listed(limits.torque_rate)
-        found["max_torque_rate_Nm_s"] = _listed(limits.torque_rate, most[:n])
+        found["torque_rate_limit_Nm_s"] = _listed(limits.torque_rate[arm])
+        found["max_torque_rate_Nm_s"] = _listed(limits.torque_rate[arm], most[arm])
     if limits.jerk is not None:
         ratio = np.zeros(n)
         ratio[np.isfinite(limits.qdd_max) | np.isfinite(limits.jerk)] = most[n:]
-        found["jerk_limit_deg_s3"] = _listed(np.degrees(limits.jerk))
-        found["max_jerk_deg_s3"] = _listed(np.degrees(limits.jerk), ratio)
+        found["jerk_limit_deg_s3"] = _listed(np.degrees(limits.jerk[arm]))
+        found["max_jerk_deg_s3"] = _listed(np.degrees(limits.jerk[arm]), ratio[arm])
     return found
 
 

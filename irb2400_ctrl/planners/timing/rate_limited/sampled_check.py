@@ -35,7 +35,7 @@ def filled_by_samples(
 ) -> OutputRatios:
     """The same with infinite bounds of torques and their rates replaced by what 10,000 samples per
     second show."""
-    n = dynamics.model.robot.n
+    n = dynamics.n
     value = bounds.value.copy()
     rate = bounds.rate.copy()
     open_value = ~np.isfinite(value[:, :n])
@@ -56,15 +56,14 @@ def _sampled(
 ) -> tuple[Array, Array]:
     """Largest |tau| and |dtau/dt|, dry friction apart from the second, in cells and their
     neighbours, each (m, n)."""
-    model = dynamics.model
     count = int(np.ceil(law.duration * _RATE)) + 1
     dt = float(law.duration) / (count - 1)
-    found = np.zeros((2, len(s) - 1, model.robot.n))
+    found = np.zeros((2, len(s) - 1, dynamics.n))
     for first in range(0, count - 1, _CHUNK):
         time = dt * np.arange(first, min(first + _CHUNK + 1, count), dtype=float)
         at, q, qd, qdd = law.motion(path, time)
         tau = dynamics.torque(q, qd, qdd, time)
-        smooth = tau - FrictionLaw.of(model.robot).dry(qd)
+        smooth = tau - FrictionLaw.of_table(dynamics.friction).dry(qd)
         # where a joint turns back, what depends on its direction jumps
         turned = np.sign(qd[1:]) != np.sign(qd[:-1])
         change = np.where(turned, 0.0, np.abs(np.diff(smooth, axis=0)) / dt)

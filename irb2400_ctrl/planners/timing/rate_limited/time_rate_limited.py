@@ -128,7 +128,7 @@ class _Search:
 
     def outputs(self, cells: Cells) -> ConstrainedOutputs:
         """What has limits, on cells of the path."""
-        return ConstrainedOutputs.of(cells, self.limits, self.dynamics.model.robot.friction)
+        return ConstrainedOutputs.of(cells, self.limits, self.dynamics.friction)
 
     def ratios(self, law: RateLimitedLaw, halvings: int = HALVINGS) -> OutputRatios:
         """A motion held against its limits."""

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.planners.enclosure.path_dynamics import PathDynamics
-from irb2400_ctrl.planners.enclosure.tcp_path import TcpPath
 from irb2400_ctrl.planners.joint_path import JointMotion, JointPath
 from irb2400_ctrl.planners.timing.motion_limits import MotionLimits
 from irb2400_ctrl.planners.timing.sampled_reference.linear_columns import LinearColumns
@@ -58,6 +57,6 @@ class Excerpt:
     def feed(self, task: TaskPath, law: TimeLaw) -> tuple[Array, Array]:
         """Speed of the TCP over the feed between the rows, with the ends of the intervals."""
         time = self.places.knots
-        speed = TcpPath(task.tcp.model, self.places, task.tcp.spindle).enclosed_velocity(time).size
+        speed = replace(task.tcp, joints=self.places).enclosed_velocity(time).size
         s = law.at(self.start + np.diff(time) / 2)[0]
         return time, speed / task.programmed_feed[task.joints.piece(s)]

@@ -37,6 +37,10 @@ class ReferenceBounds:
     speed: Array
     """|qd| [rad/s], shape (m, n)"""
 
+    def first(self, n: int) -> ReferenceBounds:
+        """Those of the first n axes."""
+        return ReferenceBounds(self.time, self.torque[:, :n], self.speed[:, :n])
+
     def torque_ratio(self, tau_max: Array) -> float:
         """Largest |tau| / tau_max; inf where nothing can be said."""
         return _largest(self.torque / tau_max)
@@ -93,7 +97,7 @@ def _bounds(
 def _enclosed(dynamics: PathDynamics, motion: JointMotion, s: Array) -> tuple[Array, Array]:
     """Bounds of |tau| and |qd| on cells, each (m, n)."""
     cells = enclose(dynamics, motion, s)
-    above, below = timed_torque_bounds(cells, dynamics.model.robot.friction)
+    above, below = timed_torque_bounds(cells, dynamics.friction)
     return np.maximum(above, -below), bernstein.largest_size(cells.speed)
 
 

@@ -235,7 +235,7 @@ def _looked_at(
 def _sampled_torque(dynamics: PathDynamics, reference: SampledReference) -> Array:
     """Largest |tau| of each axis over 10,000 samples per second [Nm], shape (n,)."""
     end = reference.rows.time[-1]
-    found = np.zeros(dynamics.model.robot.n)
+    found = np.zeros(dynamics.n)
     for first in np.arange(0.0, end, _SPAN):
         t = np.arange(first, min(first + _SPAN, end), 1 / _RATE)
         tau = dynamics.torque(*reference.states(t), t)
