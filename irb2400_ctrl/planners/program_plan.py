@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from irb2400_ctrl.arrays import Array, one_thread
+from irb2400_ctrl.arrays import one_thread
 from irb2400_ctrl.errors import InputError, UnreachableError
 from irb2400_ctrl.files import write_json
 from irb2400_ctrl.planners.linking.clearance_plane import ClearancePlane, spindle_axis
