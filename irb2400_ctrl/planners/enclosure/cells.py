@@ -92,14 +92,21 @@ def with_reversals(path: JointMotion, s: Array) -> Array:
     return np.delete(s, drop)
 
 
+def at_once(dynamics: PathDynamics, s: Array) -> list[slice]:
+    """Which of the cells between the lengths s are enclosed at once: what a law remembers of the
+    way is not known in the middle of it."""
+    count = len(s) - 1
+    step = _AT_ONCE if dynamics.local else count
+    return [slice(first, min(first + step, count)) for first in range(0, count, step)]
+
+
 def enclose(dynamics: PathDynamics, path: JointMotion, s: Array) -> Cells:
     """The enclosure on the cells between the lengths s (knots of the path included)."""
-    if not dynamics.local or len(s) - 1 <= _AT_ONCE:
-        return _enclose(dynamics, path, s)
     parts = [
-        _enclose(dynamics, path, s[first : first + _AT_ONCE + 1])
-        for first in range(0, len(s) - 1, _AT_ONCE)
+        _enclose(dynamics, path, s[part.start : part.stop + 1]) for part in at_once(dynamics, s)
     ]
+    if len(parts) == 1:
+        return parts[0]
 
     def joined(name: str, axis: int = 0) -> Array:
         return np.concatenate([getattr(part, name) for part in parts], axis=axis)

@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 
 from irb2400_ctrl.arrays import Array
-from irb2400_ctrl.planners.enclosure.cells import enclose
+from irb2400_ctrl.planners.enclosure.cells import at_once, enclose
 from irb2400_ctrl.planners.enclosure.path_dynamics import PathDynamics
 from irb2400_ctrl.planners.joint_path import JointPath
 from irb2400_ctrl.planners.timing.motion_bounds import Checked, Peaks
@@ -110,18 +110,25 @@ class PiecewiseConstantLaw(TimeLaw):
         for parts in _PARTS:
             s = _divided(self.s, parts)
             x = _divided(self.x, parts)
-            cells = enclose(dynamics, path, s)
-            above, below = torque_bounds(cells, np.repeat(self.u, parts), x, friction)
-            ratio = np.maximum(above, -below) / limits.tau_max
+            u = np.repeat(self.u, parts)
+            ratio = np.empty((len(u), len(limits.tau_max)))
+            speed = 0.0
+            # not all at once: of a long path they would be the largest arrays of its plan
+            for part in at_once(dynamics, s):
+                ends = slice(part.start, part.stop + 1)
+                cells = enclose(dynamics, path, s[ends])
+                above, below = torque_bounds(cells, u[part], x[ends], friction)
+                ratio[part] = np.maximum(above, -below) / limits.tau_max
+                squared = squared_speed_ratio(cells, x[ends], limits.qd_max)
+                speed = max(speed, float(np.sqrt(squared.max())))
             if ratio.max() <= 1:
                 break
         if dynamics.irregular or not np.isfinite(ratio).all():
             ratio = np.full_like(ratio, np.inf)
         cell, axis = np.unravel_index(int(np.argmax(ratio)), ratio.shape)
-        speed = np.sqrt(squared_speed_ratio(cells, x, limits.qd_max).max())
         return Checked(
             torque_ratio=float(ratio[cell, axis]),
-            velocity_ratio=float(speed),
+            velocity_ratio=speed,
             torque_at=(float(s[cell]), int(axis) + 1),
         )
 
