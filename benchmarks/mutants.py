@@ -4,7 +4,8 @@
     python benchmarks/mutants.py table build/mutants.jsonl
 
 A mutant is one comparison, sign, number, `and`/`or`, `not` or `min`/`max` changed in a copy of the
-package. Killed: a test fails or does not end. What survives is printed to be read.
+package. A test fails, or the tests crash or cannot be loaded, or they do not end in time: told
+apart, for the last is no test that sees it. What survives or does not end is printed to be read.
 """
 
 from __future__ import annotations
@@ -21,6 +22,7 @@ import tempfile
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 ROOT = Path(__file__).parents[1]
 PACKAGE = "irb2400_ctrl"
@@ -32,6 +34,8 @@ SERVER.set_forkserver_preload(
 )  # fmt: skip
 TIMEOUT = 300.0
 """seconds of one mutant's tests"""
+SAID = ("failed", "crashed", "no end", "survived")
+"""what may come of a mutant: a test fails, the tests cannot be run, run for ever, or all pass"""
 TARGETS = {
     "codegen/machine_code/build_cache.py": "tests/codegen/test_build_cache.py",
     "sweep/journal.py": "tests/sweep/test_run.py -k (spoiled|no_journal|torn)",
@@ -138,8 +142,8 @@ def _other(value: float) -> float:
     return value + 1 if isinstance(value, int) else 1.1 * value + 1e-3 * (value == 0)
 
 
-def killed(mutant: Mutant, tests: str) -> bool:
-    """Whether the tests of its module see it."""
+def outcome(mutant: Mutant, tests: str, timeout: float = TIMEOUT) -> str:
+    """What the tests of its module say: one of `SAID`."""
     words, _, chosen = tests.partition(" -k ")
     only = ["-k", chosen.strip("()").replace("|", " or ")] if chosen else []
     with tempfile.TemporaryDirectory() as folder:
@@ -149,11 +153,12 @@ def killed(mutant: Mutant, tests: str) -> bool:
         (copy / mutant.module).write_text(mutant.source)
         tested = SERVER.Process(target=_test, args=(folder, [*words.split(), *only]))
         tested.start()
-        tested.join(TIMEOUT)
+        tested.join(timeout)
         if tested.is_alive():
             tested.kill()
             tested.join()
-        return tested.exitcode != 0
+            return "no end"
+    return {0: "survived", 1: "failed"}.get(tested.exitcode, "crashed")
 
 
 def _test(folder: str, words: list[str]) -> None:
@@ -169,7 +174,7 @@ def _test(folder: str, words: list[str]) -> None:
     end = pytest.main(["-q", "-x", "-n", "0", "-p", "no:cacheprovider", *words])
     package = sys.modules.get(PACKAGE)
     if package is None or not str(package.__file__).startswith(folder):
-        end = 1  # another one was tested: said before any change is tried
+        end = 3  # another one was tested: said before any change is tried
     # at once: what the tests leave open is nothing here
     os._exit(int(end))
 
@@ -182,29 +187,35 @@ def run(out: Path, count: int, seed: int, only: str) -> None:
             continue
         every = mutants(module)
         whole = ast.unparse(ast.parse((ROOT / PACKAGE / module).read_text()))
-        if killed(Mutant(module, 0, "", "", whole), tests):
-            raise SystemExit(f"{module}: its tests fail without any change: {tests}")
+        said = outcome(Mutant(module, 0, "", "", whole), tests)
+        if said != "survived":
+            raise SystemExit(f"{module}: without any change its tests say: {said}: {tests}")
         drawn = random.Random(f"{seed} {module}").sample(every, min(count, len(every)))
         for mutant in drawn:
-            dead = killed(mutant, tests)
             row = {"module": module, "line": mutant.line, "before": mutant.before,
-                   "after": mutant.after, "killed": dead, "of": len(every)}  # fmt: skip
+                   "after": mutant.after, "said": outcome(mutant, tests),
+                   "of": len(every)}  # fmt: skip
             with out.open("a") as file:
                 file.write(json.dumps(row) + "\n")
 
 
 def table(files: list[Path]) -> None:
-    """Killed of drawn per module, and what survived."""
+    """What came of the drawn changes, per module, and those that no test failed on."""
     rows = [json.loads(line) for file in files for line in file.read_text().splitlines()]
-    print("| module | changes | drawn | killed |\n| --- | --- | --- | --- |")
+    print(f"| module | changes | drawn | {' | '.join(SAID)} |\n|{' --- |' * (3 + len(SAID))}")
     for module in dict.fromkeys(row["module"] for row in rows):
         mine = [row for row in rows if row["module"] == module]
-        print(f"| {module} | {mine[0]['of']} | {len(mine)} | {sum(r['killed'] for r in mine)} |")
-    dead = sum(row["killed"] for row in rows)
-    print(f"| all | | {len(rows)} | {dead} ({100 * dead / max(1, len(rows)):.0f} %) |\n")
+        print(f"| {module} | {mine[0]['of']} | {len(mine)} | {_counted(mine)} |")
+    print(f"| all | | {len(rows)} | {_counted(rows)} |\n")
     for row in rows:
-        if not row["killed"]:
-            print(f"{row['module']}:{row['line']}: {row['before']} -> {row['after']}")
+        if row["said"] in ("survived", "no end"):
+            place = f"{row['module']}:{row['line']}"
+            print(f"{row['said']}: {place}: {row['before']} -> {row['after']}")
+
+
+def _counted(rows: list[dict[str, Any]]) -> str:
+    """How many of them ended in each way."""
+    return " | ".join(str(sum(row["said"] == said for row in rows)) for said in SAID)
 
 
 if __name__ == "__main__":

@@ -10,6 +10,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from command_line import irb2400
 
 from irb2400_ctrl import load_robot
 
@@ -34,7 +35,7 @@ def run(command: list[str], folder: Path) -> subprocess.CompletedProcess[str]:
 
 def test_commands(folder: Path) -> None:
     for line in block("sh").strip().split("\n"):
-        done = run([sys.executable, "-m", "irb2400_ctrl.cli.main", *shlex.split(line)[1:]], folder)
+        done = irb2400(*shlex.split(line)[1:], cwd=folder)
         assert done.returncode == 0, (line, done.stderr)
         assert "clearance: at least" in done.stdout
     for name in ("plan", "deeper"):
@@ -46,7 +47,7 @@ def test_commands(folder: Path) -> None:
 
 def test_the_part_is_placed(folder: Path) -> None:
     command = shlex.split(block("sh", 1))[1:]
-    done = run([sys.executable, "-m", "irb2400_ctrl.cli.main", *command], folder)
+    done = irb2400(*command, cwd=folder)
     assert done.returncode == 0, done.stderr
     told = json.loads((folder / "place" / "placement.json").read_text())
     assert told["found"]["worth"] > told["start"]["worth"]

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import json
-import subprocess
-import sys
 import tomllib
 from pathlib import Path
 from typing import Any
@@ -12,6 +10,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 import pytest
+from command_line import irb2400
 from mujoco_cell import mujoco_cell
 from spline_paths import random_way_points
 
@@ -194,11 +193,6 @@ shapes = [{ kind = "box", centre_mm = [0, 0, -50], size_mm = [200, 200, 100] }]
     file = tmp_path / "cell.toml"
     file.write_text(text)
     return file
-
-
-def irb2400(*arguments: object, cwd: Path) -> subprocess.CompletedProcess[str]:
-    command = [sys.executable, "-m", "irb2400_ctrl.cli.main", *(str(a) for a in arguments)]
-    return subprocess.run(command, cwd=cwd, capture_output=True, text=True, check=False)
 
 
 def test_a_rapid_move_into_the_part_is_refused_and_the_cut_is_not(tmp_path: Path) -> None:

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import json
-import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
+from command_line import irb2400
 
 from irb2400_ctrl import load_robot
 from irb2400_ctrl.errors import InputError
@@ -29,11 +28,6 @@ G0 X4000 Y0 Z30
 G1 X4050
 M2
 """
-
-
-def irb2400(*arguments: object, cwd: Path) -> subprocess.CompletedProcess[str]:
-    command = [sys.executable, "-m", "irb2400_ctrl.cli.main", *(str(a) for a in arguments)]
-    return subprocess.run(command, cwd=cwd, capture_output=True, text=True, check=False)
 
 
 @pytest.fixture

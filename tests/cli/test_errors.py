@@ -8,13 +8,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from command_line import irb2400
 
 import irb2400_ctrl as irb
-
-
-def irb2400(*arguments: object, cwd: Path) -> subprocess.CompletedProcess[str]:
-    command = [sys.executable, "-m", "irb2400_ctrl.cli.main", *(str(a) for a in arguments)]
-    return subprocess.run(command, cwd=cwd, capture_output=True, text=True, check=False)
 
 
 def complaint(*arguments: object, cwd: Path) -> str:

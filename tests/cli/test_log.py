@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import json
-import subprocess
-import sys
 from dataclasses import replace
 from importlib import resources
 from pathlib import Path
 
 import numpy as np
 import pytest
+from command_line import irb2400 as run
 
 from irb2400_ctrl.diagnosis import diagnose
 from irb2400_ctrl.errors import InputError
@@ -19,11 +18,6 @@ from irb2400_ctrl.report.pages.diagnosis_page import lines
 from irb2400_ctrl.robot import load_robot
 
 LOG = Path(str(resources.files("irb2400_ctrl") / "data" / "arm" / "validation.csv.gz"))
-
-
-def run(*args: str | Path) -> subprocess.CompletedProcess[str]:
-    command = [sys.executable, "-m", "irb2400_ctrl.cli.main", *map(str, args)]
-    return subprocess.run(command, capture_output=True, text=True, check=False)
 
 
 def part(seconds: float) -> Log:

@@ -2,17 +2,12 @@
 
 from __future__ import annotations
 
-import subprocess
-import sys
 from pathlib import Path
+
+from command_line import irb2400
 
 import irb2400_ctrl as irb
 from irb2400_ctrl.model.consistency import check
-
-
-def irb2400(*arguments: object, cwd: Path) -> subprocess.CompletedProcess[str]:
-    command = [sys.executable, "-m", "irb2400_ctrl.cli.main", *(str(a) for a in arguments)]
-    return subprocess.run(command, cwd=cwd, capture_output=True, text=True, check=False)
 
 
 def test_check_names_the_links_and_writes_the_nearest_robot(tmp_path: Path) -> None:

@@ -10,6 +10,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from command_line import irb2400
 
 from irb2400_ctrl.trajectory import load_trajectory
 
@@ -20,16 +21,19 @@ def blocks(language: str) -> list[str]:
     return re.findall(rf"```{language}\n(.*?)```", PAGE, re.DOTALL)
 
 
-def run(arguments: list[str], folder: Path) -> str:
-    done = subprocess.run(arguments, cwd=folder, capture_output=True, text=True, check=False)
-    assert done.returncode == 0, (arguments, done.stderr)
+def said(done: subprocess.CompletedProcess[str]) -> str:
+    assert done.returncode == 0, (done.args, done.stderr)
     return done.stdout
+
+
+def script(code: str, folder: Path) -> str:
+    command = [sys.executable, "-c", code]
+    return said(subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False))
 
 
 def commands(text: str, folder: Path) -> str:
     lines = text.strip().split("\n")
-    command = [sys.executable, "-m", "irb2400_ctrl.cli.main"]
-    return "".join(run([*command, *shlex.split(line)[1:]], folder) for line in lines)
+    return "".join(said(irb2400(*shlex.split(line)[1:], cwd=folder)) for line in lines)
 
 
 @pytest.fixture
@@ -64,14 +68,14 @@ def test_a_program_becomes_one_motion(folder: Path) -> None:
 
 
 def test_the_script_prints_segments_and_events(folder: Path) -> None:
-    told = run([sys.executable, "-c", blocks("python")[0]], folder).splitlines()
+    told = script(blocks("python")[0], folder).splitlines()
     assert told[0].startswith("  0.000 s approach 1 True")
     assert any(" stop " in line for line in told)
     assert told[-1].startswith("True ")
 
 
 def test_the_dome_is_unwound(folder: Path) -> None:
-    run([sys.executable, "-c", blocks("python")[1]], folder)
+    script(blocks("python")[1], folder)
     told = commands(blocks("sh")[1], folder)
     assert re.search(r"operation 1, \d+\.\d+ s: lifted at point \d+ to turn ", told)
     plan = json.loads((folder / "dome" / "plan.json").read_text())

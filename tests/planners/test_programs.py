@@ -6,13 +6,21 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from rapid_events import SIGNALS
 from toolpath_cases.programs import PROGRAMS
 
 from irb2400_ctrl import load_robot
 from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.planners import ProgramMotion, ProgramPlan, check, plan_program, read_program
 from irb2400_ctrl.planners.linking.joint_plan import JointPlan
+from irb2400_ctrl.planners.programs.rapid import RapidOptions, check_rapid, read_rapid
+from irb2400_ctrl.planners.programs.rapid.rapid_of_plan import (
+    JOINT_MOVES,
+    rapid_of_motion,
+    rapid_of_plan,
+)
 from irb2400_ctrl.planners.toolpath.work_frame import work_frame
 
 ROBOT = load_robot("irb2400")
@@ -179,3 +187,40 @@ def test_program_json_and_the_folders(planned: dict[str, ProgramPlan], tmp_path:
     assert summary["linked"] is True
     assert summary["transfers_not_planned"] == []
     assert summary["operations"][0]["parts"] == len(found.operations[0].runs)
+
+
+def test_a_whole_program_as_rapid_reads_back(planned: dict[str, ProgramPlan]) -> None:
+    found = planned["two tools and a stop"]
+    motion = found.motion
+    assert motion is not None
+    options = RapidOptions(signals=SIGNALS, targets_per_module=100)
+    program = rapid_of_motion(motion, options, X_BW=FRAME)
+    texts = [program.text, *program.parts.values()]
+    for one in texts:
+        assert check_rapid(one, *(other for other in texts if other != one)) == ()
+    module = read_rapid(program.text, program.parts)
+    q = motion.trajectory.q
+    assert np.degrees(np.abs(module.joint_angles(MODEL) - q[program.samples])).max() < 1e-3
+    # each move is of the kind of its segment, and every segment ends in a stop
+    ends = np.array([segment.end for segment in motion.segments])
+    times = motion.trajectory.time[program.samples]
+    for move, time in zip(module.moves[1:], times[1:], strict=True):
+        segment = motion.segments[int(np.searchsorted(ends, time - 1e-6))]
+        assert (move.instruction == "MoveAbsJ") == (segment.kind in JOINT_MOVES), segment.kind
+    stopped = times[[move.stops for move in module.moves]]
+    assert all(np.abs(stopped - end).min() < 1e-6 for end in ends)
+    said = [text for _, text in module.actions]
+    assert said.count("PulseDO doChange") == 2
+    assert said.count("Stop") == 1
+    assert [text for text in said if "aoSpeed" in text] == [
+        "SetAO aoSpeed,3000",
+        "SetAO aoSpeed,6000",
+        "SetAO aoSpeed,0",
+    ]
+    with pytest.raises(InputError, match="comes and goes by itself"):
+        rapid_of_motion(motion, RapidOptions(approach_mm=10.0))
+    first = found.operations[0]
+    assert first.plan is not None
+    alone = rapid_of_plan(first.plan, first.operation, RapidOptions(signals=SIGNALS))
+    assert check_rapid(alone.text) == ()
+    assert "SetAO aoSpeed,3000" in [text for _, text in read_rapid(alone.text).actions]

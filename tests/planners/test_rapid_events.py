@@ -9,14 +9,12 @@ import numpy as np
 import pytest
 from rapid_events import EVENTS, SIGNALS, Said
 from rapid_motions import WORK, circle
-from toolpath_cases.programs import PROGRAMS
 from typer.testing import CliRunner
 
 import irb2400_ctrl as irb
 from irb2400_ctrl.cli.main import app
 from irb2400_ctrl.cli.planning.rapid_out import rapid_options
 from irb2400_ctrl.errors import InputError
-from irb2400_ctrl.planners import plan_program, read_program
 from irb2400_ctrl.planners.programs.rapid import (
     RapidOptions,
     RapidSignal,
@@ -25,12 +23,6 @@ from irb2400_ctrl.planners.programs.rapid import (
     rapid_program,
     read_rapid,
 )
-from irb2400_ctrl.planners.programs.rapid.rapid_of_plan import (
-    JOINT_MOVES,
-    rapid_of_motion,
-    rapid_of_plan,
-)
-from irb2400_ctrl.planners.toolpath.work_frame import work_frame
 
 
 @pytest.fixture(scope="module")
@@ -170,48 +162,6 @@ def test_parts_are_cut_where_the_arm_stands(model: irb.Model) -> None:
     assert len(program.parts) == 2
     assert next(iter(program.parts.values())).rstrip().endswith("Stop;\n  ENDPROC\nENDMODULE")
     assert sum(move.stops for move in read_rapid(program.text, program.parts).moves) == 3
-
-
-@pytest.mark.parametrize("name", ["two tools and a stop"])
-def test_a_whole_program_reads_back(name: str, tmp_path: Path, model: irb.Model) -> None:
-    suffix, text = PROGRAMS[name]
-    file = tmp_path / f"program{suffix}"
-    file.write_text(text)
-    frame = work_frame("900,-20,450,0,0,0")
-    found = plan_program(model.robot, read_program(file), work_frame=frame)
-    motion = found.motion
-    assert motion is not None
-    options = RapidOptions(signals=SIGNALS, targets_per_module=100)
-    program = rapid_of_motion(motion, options, X_BW=frame)
-    texts = [program.text, *program.parts.values()]
-    for one in texts:
-        assert check_rapid(one, *(other for other in texts if other != one)) == ()
-    module = read_rapid(program.text, program.parts)
-    q = motion.trajectory.q
-    assert np.degrees(np.abs(module.joint_angles(model) - q[program.samples])).max() < 1e-3
-    # each move is of the kind of its segment, and every segment ends in a stop
-    ends = np.array([segment.end for segment in motion.segments])
-    times = motion.trajectory.time[program.samples]
-    for move, time in zip(module.moves[1:], times[1:], strict=True):
-        segment = motion.segments[int(np.searchsorted(ends, time - 1e-6))]
-        assert (move.instruction == "MoveAbsJ") == (segment.kind in JOINT_MOVES), segment.kind
-    stopped = times[[move.stops for move in module.moves]]
-    assert all(np.abs(stopped - end).min() < 1e-6 for end in ends)
-    said = [text for _, text in module.actions]
-    assert said.count("PulseDO doChange") == 2
-    assert said.count("Stop") == 1
-    assert [text for text in said if "aoSpeed" in text] == [
-        "SetAO aoSpeed,3000",
-        "SetAO aoSpeed,6000",
-        "SetAO aoSpeed,0",
-    ]
-    with pytest.raises(InputError, match="comes and goes by itself"):
-        rapid_of_motion(motion, RapidOptions(approach_mm=10.0))
-    first = found.operations[0]
-    assert first.plan is not None
-    alone = rapid_of_plan(first.plan, first.operation, RapidOptions(signals=SIGNALS))
-    assert check_rapid(alone.text) == ()
-    assert "SetAO aoSpeed,3000" in [text for _, text in read_rapid(alone.text).actions]
 
 
 def test_options_of_the_command_line() -> None:

@@ -8,6 +8,7 @@ standard deviation is what the robot file states under `[uncertainty]`.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -72,6 +73,10 @@ class BasePrior:
 
     def sigmas(self) -> Array:
         """Standard deviations in file units, shape (k,)."""
+        return self._sigmas.copy()
+
+    @cached_property
+    def _sigmas(self) -> Array:
         u = self.uncertainty
         friction = np.where(self.robot.friction_known, self.robot.friction, 0.0)
         inertial = [
@@ -125,12 +130,9 @@ class BasePrior:
         n = self.robot.n
         Y: Any = model.regressor(motion.q, motion.qd, motion.qdd)
         parts = []
-        for i, (body, name) in enumerate(named_bodies(self.robot)):
-            link, X = (i, None) if i < n else (n - 1, self.robot.flange.matrix())
-            parts.append(
-                Y[:, :, 10 * link : 10 * link + 10]
-                @ (_parameter_slope(body, X) * body_spread(self.uncertainty, body, name))
-            )
+        for i, slope in enumerate(self._body_slopes):
+            link = min(i, n - 1)
+            parts.append(Y[:, :, 10 * link : 10 * link + 10] @ slope)
         for signal, size in zip(
             FrictionLaw.of(self.robot).regressor(motion.qd),
             self.sigmas()[-3 * n :].reshape(3, n),
@@ -140,6 +142,17 @@ class BasePrior:
             placed[:, np.arange(n), np.arange(n)] = signal * size
             parts.append(placed)
         return np.concatenate(parts, axis=2)
+
+    @cached_property
+    def _body_slopes(self) -> list[Array]:
+        """d phi per data-sheet standard deviation of each number of a body, (10, 10) each."""
+        n = self.robot.n
+        flange = self.robot.flange.matrix()
+        return [
+            _parameter_slope(body, None if i < n else flange)
+            * body_spread(self.uncertainty, body, name)
+            for i, (body, name) in enumerate(named_bodies(self.robot))
+        ]
 
     def updated(self, z: Array) -> Robot:
         """The robot with p0 + sigma z written into its links, tool and friction."""

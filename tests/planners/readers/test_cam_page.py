@@ -10,6 +10,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from command_line import irb2400
 
 ROOT = Path(__file__).parents[3]
 PAGE = (ROOT / "docs" / "cam.md").read_text()
@@ -29,8 +30,7 @@ def folder(tmp_path: Path) -> Path:
 
 def test_commands(folder: Path) -> None:
     for line in block("sh").strip().split("\n"):
-        command = [sys.executable, "-m", "irb2400_ctrl.cli.main", *shlex.split(line)[1:]]
-        done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
+        done = irb2400(*shlex.split(line)[1:], cwd=folder)
         assert done.returncode == 0, (line, done.stderr)
     program = json.loads((folder / "plan" / "program.json").read_text())
     assert [o["folder"] for o in program["operations"]] == ["01_CONTOUR", "02_HOLES"]

@@ -14,8 +14,9 @@ tangent is a smaller limit. A slow enough motion is within all of them.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 
@@ -188,10 +189,18 @@ class RateLimitedProgram:
         In them u lies between 0 and u_1, x between 0 and x_1, du/dt is constant: every term is
         taken at its largest.
         """
+        return self._end_rows_at(float(z[0]), float(z[-1]))
+
+    @cached_property
+    def _end_rows_at(self) -> Callable[[float, float], tuple[Array, Array]]:
+        """The same, kept: an iteration asks three times for those of one motion."""
+        return lru_cache(maxsize=2)(self._end_rows_of)
+
+    def _end_rows_of(self, first: float, last: float) -> tuple[Array, Array]:
         bottom, top = self._end_friction
         slacks = []
         slopes = []
-        for cell, sign, x, near in ((0, 1.0, z[0], 1), (-1, -1.0, z[-1], -2)):
+        for cell, sign, x, near in ((0, 1.0, first, 1), (-1, -1.0, last, -2)):
             above = self._end_value(cell, sign, x, 1.0, top[cell])
             below = self._end_value(cell, sign, x, -1.0, bottom[cell])
             rate = self._end_rate(cell, x, near)
@@ -260,4 +269,4 @@ def _cells_last(f: Array) -> Array:
 
 def _padded(z: Array) -> Array:
     """The control points, the first and the last twice: three in a row are those of a cell."""
-    return np.pad(z, 1, mode="edge")
+    return np.concatenate([z[:1], z, z[-1:]])

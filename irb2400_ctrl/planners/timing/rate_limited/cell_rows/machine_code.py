@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import ctypes
-from functools import cache
+from functools import cache, lru_cache
 from importlib import resources
 
 import numpy as np
@@ -38,10 +38,12 @@ class _CellRows(ctypes.Structure):
         *((name, ctypes.c_void_p) for name in _ARRAYS),
     )
 
-    @classmethod
-    def of(cls, rows: RowsOfCells) -> _CellRows:
-        arrays = (getattr(rows, name) for name in _ARRAYS)
-        return cls(rows.size, rows.count, *(_at(array) for array in arrays))
+
+@lru_cache(maxsize=4)
+def _in_c(rows: RowsOfCells) -> _CellRows:
+    """What C sees of the rows; kept with them, for an iteration asks three times."""
+    arrays = (getattr(rows, name) for name in _ARRAYS)
+    return _CellRows(rows.size, rows.count, *(_at(array) for array in arrays))
 
 
 def _at(array: Array) -> ctypes.c_void_p:
@@ -69,7 +71,7 @@ def slacks(rows: RowsOfCells, z: Array, bottom: Array, top: Array, out: Array) -
         return interpreted.slacks(rows, z, bottom, top, out)
     product = np.empty((rows.count + 1, rows.size))
     given = (_at(v) for v in (z, bottom, top, out, product))
-    library.slacks(ctypes.byref(_CellRows.of(rows)), *given)
+    library.slacks(ctypes.byref(_in_c(rows)), *given)
     return product
 
 
@@ -80,7 +82,7 @@ def along(rows: RowsOfCells, z: Array, dz: Array, slack: Array, out: Array) -> N
     if library is None:
         interpreted.along(rows, z, dz, slack, out)
         return
-    library.along(ctypes.byref(_CellRows.of(rows)), *(_at(v) for v in (z, dz, slack, out)))
+    library.along(ctypes.byref(_in_c(rows)), *(_at(v) for v in (z, dz, slack, out)))
 
 
 def sums(rows: RowsOfCells, z: Array, slack: Array, multipliers: Array, mu: float) -> Sums:
@@ -91,7 +93,7 @@ def sums(rows: RowsOfCells, z: Array, slack: Array, multipliers: Array, mu: floa
     pulled = np.zeros((2, rows.size, 3))
     squares = np.zeros((2, rows.size, 3, 3))
     library.sums(
-        ctypes.byref(_CellRows.of(rows)),
+        ctypes.byref(_in_c(rows)),
         *(_at(v) for v in (z, slack, multipliers)),
         ctypes.c_double(mu),
         *(_at(v) for v in (pulled, squares)),

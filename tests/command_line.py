@@ -1,0 +1,29 @@
+"""The command line as a user calls it, from its entry point to its exit code, in this process: what
+it imports and compiles is there already. Processes of their own are those of tests about them."""
+
+from __future__ import annotations
+
+import contextlib
+import io
+import subprocess
+import sys
+from pathlib import Path
+from unittest import mock
+
+from irb2400_ctrl.cli.main import run
+
+
+def irb2400(*words: object, cwd: Path | None = None) -> subprocess.CompletedProcess[str]:
+    """What `irb2400 words` answers, called from a folder."""
+    command = ["irb2400", *map(str, words)]
+    out, err = io.StringIO(), io.StringIO()
+    folder = contextlib.chdir(cwd) if cwd else contextlib.nullcontext()
+    streams = contextlib.redirect_stdout(out), contextlib.redirect_stderr(err)
+    code: object = 0
+    with folder, streams[0], streams[1], mock.patch.object(sys, "argv", command):
+        try:
+            run()
+        except SystemExit as end:
+            code = end.code
+    number = code if isinstance(code, int) else int(code is not None)
+    return subprocess.CompletedProcess(command, number, out.getvalue(), err.getvalue())
