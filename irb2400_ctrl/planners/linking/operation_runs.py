@@ -16,7 +16,7 @@ from irb2400_ctrl.planners.linking.clearance_plane import ClearancePlane, spindl
 from irb2400_ctrl.planners.linking.link_options import LinkOptions
 from irb2400_ctrl.planners.linking.part_in_base import path_in_base, placed_path
 from irb2400_ctrl.planners.linking.run import Run
-from irb2400_ctrl.planners.linking.waits import waiting
+from irb2400_ctrl.planners.linking.waits import waiting, waits
 from irb2400_ctrl.planners.plan import Plan
 from irb2400_ctrl.planners.plan_options import PlanOptions
 from irb2400_ctrl.planners.plan_path import plan_path
@@ -96,6 +96,12 @@ def _split(
     """The operation in the base, ready to be cut in parts."""
     path = placed_path(operation, options)
     turned = path_in_base(robot, path, options)
+    middle = [point for point in waits(operation) if point < len(path) - 1]
+    if turned is not path and middle:
+        raise UnreachableError(
+            f"operation {operation.number} waits at point {middle[0] + 1}, which is not planned "
+            "while the positioner moves; state its angles for this operation"
+        )
     options = {**options, "work_frame": np.eye(4)}
     return Split(robot, operation, path, plane, links, options, turned)
 

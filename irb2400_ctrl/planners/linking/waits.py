@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 
 from irb2400_ctrl.arrays import Array
-from irb2400_ctrl.errors import UnreachableError
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.planners.clearance.clearance import unknown
 from irb2400_ctrl.planners.enclosure.path_dynamics import path_dynamics
@@ -107,11 +106,6 @@ def waiting(run: Run, tolerance: float) -> tuple[Run, ...]:
         return (run,)
     if ends == cuts[-1:]:
         return (replace(run, wait=asked[int(run.points[-1])]),)
-    if run.moving:
-        raise UnreachableError(
-            f"operation {run.operation.number} waits at point {int(run.points[cuts[0]]) + 1}, "
-            "which is not planned while the positioner moves; state its angles for this operation"
-        )
     path = _turned(run)
     q = run.plan.trajectory.q[0]
     parts = []

@@ -90,10 +90,8 @@ def rapid_program(
 
     Args:
         motion: the plan; or only its times [s], shape (n,), increasing, and then
-        q: its actuator angles [rad], shape (n, 6). q3 is absolute, as ABB counts axis 3 of this
-            arm.
-        X_BW: work object in the robot base, whose targets are written in it; default the base
-        (wobj0).
+        q: its actuator angles [rad], shape (n, 6). q3 is absolute, as ABB counts axis 3 of it.
+        X_BW: work object in the robot base, whose targets are written in it; default wobj0.
         wrist_crossing: rows where the path passes the wrist singularity, shape (n,): linear moves
             there run with `SingArea \\Wrist`; default where axis 5 changes sign.
         external: positions of external axes for the whole program, shape (k,), or at every row,
@@ -102,8 +100,7 @@ def rapid_program(
         stops: rows at which the plan is at rest, shape (n,): stop points.
         events: what the program asks for besides motion, at times of the plan; the arm stops there.
         tools: rows at which the tool changes, increasing, and the arm with the next one.
-        carried: the external axes, where they turn the work object; `X_BW` is then with them at
-            zero.
+        carried: the external axes where they turn the work object, which `X_BW` states at zero.
 
     Raises:
         InputError: shapes, order of time, not finite, outside the joint box, a name that RAPID
@@ -126,16 +123,12 @@ def rapid_program(
         row + first: [line for event in found for line in writer.lines(event)]
         for row, found in at_events.items()
     }
-    names = [
-        Names(options, arm.robot.tool is not None, X_BW is not None, k if tools else 0)
-        for k, arm in enumerate(models, start=1)
-    ]
+    names = _names(options, models, X_BW is not None)
     configuration = data.configuration(model, rows.q[samples])
     extax = _external_axes(external, len(q), first, len(rows.q))
-    coupled = part is not None
-    at_end = writer.at_end()
-    steps = program_steps(rows, samples, configuration, extax, names, said, at_end, coupled)
-    text, parts = module_texts(models, names, _on_plate(X_BW, part), steps, coupled)
+    about = (names, said, writer.at_end(), part is not None)
+    steps = program_steps(rows, samples, configuration, extax, *about)
+    text, parts = module_texts(models, names, _on_plate(X_BW, part), steps, part is not None)
     targets = np.array([step.row for step in steps if step.row is not None])
     return RapidProgram(text, targets, rows.q[targets], parts, first, tuple(writer.not_written))
 
@@ -191,6 +184,15 @@ class _Part:
     def padded(self, ends: tuple[int, int]) -> Array:
         """Angles at the rows of the program, its ends as the plan's [rad]."""
         return np.radians(np.pad(self.angles, (ends, (0, 0)), mode="edge"))
+
+
+def _names(options: RapidOptions, models: Sequence[Model], own: bool) -> list[Names]:
+    """Of each tool; `own`: the work object is the module's."""
+    several = len(models) > 1
+    return [
+        Names(options, arm.robot.tool is not None, own, k if several else 0)
+        for k, arm in enumerate(models, start=1)
+    ]
 
 
 def _on_plate(X_BW: Array | None, part: _Part | None) -> Array | None:
