@@ -16,6 +16,7 @@ from scipy.spatial.transform import Rotation
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.cell import Cell
 from irb2400_ctrl.cell.description import CellTool
+from irb2400_ctrl.cell.external_axes import ExternalAxes
 from irb2400_ctrl.cell.mesh import Surface
 from irb2400_ctrl.cell.piece import FLOOR, Piece, arm_pieces, cell_pieces, tool_offset
 from irb2400_ctrl.model.kinematics import link_poses
@@ -62,6 +63,8 @@ class ArmView:
         cell: what stands around the arm.
         tool: of the cell, in the spindle.
         reference: another way of the TCP, drawn thin, shape (k, 3) [m].
+        external: angles of the axes of the cell that carry the part, where these move [rad], shape
+            (m, k).
     """
 
     robot: Robot
@@ -71,30 +74,53 @@ class ArmView:
     cell: Cell | None = None
     tool: CellTool | None = None
     reference: Array | None = None
+    external: Array | None = None
 
     def data(self) -> dict[str, Any]:
         """All that the browser needs, as JSON's own types; arrays are float32 in base64."""
         count = min(MOST_FRAMES, max(2, len(self.time)))
         time = np.linspace(self.time[0], self.time[-1], count)
-        q = np.stack([np.interp(time, self.time, column) for column in self.q.T], axis=1)
-        poses = _poses(self.robot, q)
+        poses = _poses(self.robot, self._at(time, self.q))
         X_nT = self.robot.flange.matrix() @ self.robot.X_FT
         if self.tool is not None:
             X_nT = X_nT @ tool_offset(self.tool)
         last = poses[:, -1]
         way = last[:, :, :3] @ X_nT[:3, 3] + last[:, :, 3]
+        poses = np.concatenate([poses, self._carried(time)], axis=1)
         return {
             "start": float(time[0]),
             "stop": float(time[-1]),
-            "bodies": [_body(piece) for piece in self._pieces()],
+            "bodies": [_body(piece, self._frame(piece)) for piece in self._pieces()],
             "frames": _packed(_quaternions(poses)),
             "links": poses.shape[1],
+            "flange": self.robot.n,
             "tcp": [float(v) for v in X_nT[:3, 3]],
             "way": _packed(way),
             "reference": None if self.reference is None else _packed(_thin(self.reference)),
             "floor": self._floor(),
             "fields": [self._field(one, time) for one in self.colourings],
         }
+
+    def _at(self, time: Array, values: Array) -> Array:
+        """The columns at other times."""
+        return np.stack([np.interp(time, self.time, column) for column in values.T], axis=1)
+
+    def _carried(self, time: Array) -> Array:
+        """What the axes of the cell do to the part, shape (frames, 1, 3, 4); no pose (0) where it
+        stands."""
+        if self._axes is None or self.external is None:
+            return np.empty((len(time), 0, 3, 4))
+        return self._axes.turned(self._at(time, self.external))[:, None, :3]
+
+    @property
+    def _axes(self) -> ExternalAxes | None:
+        """What turns the part, where it is known all over the motion."""
+        return None if self.cell is None or self.external is None else self.cell.external_axes
+
+    def _frame(self, piece: Piece) -> int:
+        """Number of the pose that a body moves with."""
+        moves = piece.on_work_object and self._axes is not None
+        return self.robot.n + 1 if moves else piece.link
 
     def _pieces(self) -> list[Piece]:
         arm = arm_pieces(self.robot, self.tool) or _sticks(self.robot)
@@ -157,12 +183,12 @@ def _sticks(robot: Robot) -> list[Piece]:
     return found
 
 
-def _body(piece: Piece) -> dict[str, Any]:
-    """Shape, place on its link and look."""
+def _body(piece: Piece, frame: int) -> dict[str, Any]:
+    """Shape, place on what it moves with, and look."""
     X = piece.pose()
     turn = Rotation.from_matrix(X[:3, :3]).as_quat()
     place = [float(v) for v in (*X[:3, 3], *turn)]
-    return {"link": piece.link, "place": place, "look": _look(piece), **_form(piece)}
+    return {"link": frame, "place": place, "look": _look(piece), **_form(piece)}
 
 
 def _look(piece: Piece) -> str:

@@ -59,6 +59,7 @@ def add_plan(
         draw.colourings(motion, one.robot, limits),
         cell,
         tool,
+        external=None if motion.external is None else motion.external.q,
     )
     page.arm(view, "The arm along the way; the body of the arm is the outline of its robot file.")
     if isinstance(found, ProgramMotion):
@@ -73,7 +74,7 @@ def add_plan(
     page.figures(drawn, "Angle of each joint; ends of its range are dashed.", zoomable=True)
     turned = draw.external_figures(motion)
     if turned:
-        page.figures(turned, "Angles of the positioner; the picture has the part at zero.")
+        page.figures(turned, "Angles of the positioner.")
     page.heading("Distance from the singularities")
     drawn = draw.margin_figures(motion, one.robot, summary["singularity_margin"])
     page.figures(

@@ -180,7 +180,7 @@
       const look = this.camera(width, height);
       const poses = Array.from({ length: this.data.links }, (_, k) => this.pose(k));
       if (this.gl) this.drawSolid(look, poses);
-      this.drawWay(look, width, height, scale, turned(poses[this.data.links - 1], this.data.tcp));
+      this.drawWay(look, width, height, scale, turned(poses[this.data.flange], this.data.tcp));
       this.figure.dataset.time = this.time.toFixed(3);
     }
     drawSolid(look, poses) {
