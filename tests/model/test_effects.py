@@ -4,6 +4,7 @@ dynamics."""
 from __future__ import annotations
 
 import re
+from functools import cache
 from types import SimpleNamespace
 from typing import Any, get_args
 
@@ -57,6 +58,12 @@ def example(kind: str) -> Effect:
     return effect_type.of(given.pop("joint", None), **given, **dict.fromkeys(open_fields, 0.7))
 
 
+@cache
+def arm_with(kind: str) -> irb.Model:
+    """The arm with the example of an effect, its functions made once."""
+    return irb.Model(irb.load_robot("irb2400").with_effects(example(kind)))
+
+
 @pytest.mark.parametrize("kind", LIBRARY)
 def test_torque_is_basis_times_coefficients(kind: str, model: irb.Model, states: States) -> None:
     effect = example(kind)
@@ -92,15 +99,15 @@ def test_coefficients_and_back_is_the_same_effect(kind: str, model: irb.Model) -
 
 
 @pytest.mark.parametrize("kind", LIBRARY)
-def test_forward_undoes_inverse_dynamics(kind: str, robot: irb.Robot, states: States) -> None:
+def test_forward_undoes_inverse_dynamics(kind: str, model: irb.Model, states: States) -> None:
     effect = example(kind)
-    arm = irb.Model(robot.with_effects(effect))
+    arm = arm_with(kind)
     q = states.q[:40]
     qd = states.qd[:40]
     qdd = states.qdd[:40]
     tau = arm.inverse_dynamics(q, qd, qdd, time=2.0)
     np.testing.assert_allclose(arm.forward_dynamics(q, qd, tau, time=2.0), qdd, rtol=0, atol=1e-7)
-    plain = irb.Model(robot).inverse_dynamics(q, qd, qdd)
+    plain = model.inverse_dynamics(q, qd, qdd)
     if effect.role == "measurement":
         np.testing.assert_array_equal(tau, plain)
     elif kind != "elastic_joint":
@@ -109,11 +116,9 @@ def test_forward_undoes_inverse_dynamics(kind: str, robot: irb.Robot, states: St
 
 # the elastic joint's law is of second order in the acceleration: M is its slope at rest only
 @pytest.mark.parametrize("kind", sorted(set(LIBRARY) - {"elastic_joint"}))
-def test_gravity_and_mass_matrix_hold_the_effect(
-    kind: str, robot: irb.Robot, states: States
-) -> None:
+def test_gravity_and_mass_matrix_hold_the_effect(kind: str, states: States) -> None:
     """tau(q, 0, 0) = G, and tau - G = M qdd from rest."""
-    arm = irb.Model(robot.with_effects(example(kind)))
+    arm = arm_with(kind)
     zero = np.zeros(6)
     for q, qdd in zip(states.q[:10], states.qdd[:10], strict=True):
         at_rest = arm.inverse_dynamics(q, zero, zero, friction=False)
