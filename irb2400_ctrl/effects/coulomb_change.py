@@ -14,6 +14,9 @@ from irb2400_ctrl.effects.base import Effect
 from irb2400_ctrl.effects.drawing import Drawing
 from irb2400_ctrl.effects.signals import Signals
 
+NEAR_REVERSAL = (0.05, 0.3)
+"""[rad/s] speeds over which dry friction may depart from its level after a reversal"""
+
 
 class CoulombChange(Effect):
     """tau_j = dF_c sgn(qd_j)."""
@@ -35,7 +38,7 @@ class CoulombChange(Effect):
         speed = ca.fabs(s.qd[self.index])
         n = s.q.numel()
         return ca.horzcat(
-            *[self.on(s.sign[self.index] * ca.exp(-speed / v), n) for v in (0.05, 0.3)]
+            *[self.on(s.sign[self.index] * ca.exp(-speed / v), n) for v in NEAR_REVERSAL]
         )
 
     def coefficients(self) -> tuple[float, ...]:

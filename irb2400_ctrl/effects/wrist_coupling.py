@@ -10,6 +10,7 @@ from pydantic import Field
 
 from irb2400_ctrl.effects.ambiguity import COUPLING, Ambiguity
 from irb2400_ctrl.effects.base import Effect
+from irb2400_ctrl.effects.coulomb_change import NEAR_REVERSAL
 from irb2400_ctrl.effects.drawing import Drawing
 from irb2400_ctrl.effects.prior import Prior
 from irb2400_ctrl.effects.signals import Signals
@@ -58,14 +59,19 @@ class WristCoupling(Effect):
         return columns
 
     def discrepancy_basis(self, s: Signals) -> ca.SX:
-        # action and reaction through different ratios, the motor turned along as a load of its own
         j = self.index
-        n = s.q.numel()
-        columns = ca.SX(n, 4)
+        columns = ca.SX(s.q.numel(), 8)
+        # action and reaction through different ratios, the motor turned along as a load of its own
         for column, signal in enumerate((s.qdd, s.qd)):
             columns[j, column] = signal[j + 1]
             columns[j + 1, column] = -signal[j]
             columns[j, column + 2] = signal[j]
+        # dry friction that turns over as on every contact, not in a jump
+        ways = ((j, j + 1), (j + 1, j))
+        turning = [(here, other, v) for here, other in ways for v in NEAR_REVERSAL]
+        for column, (here, other, v) in enumerate(turning, start=4):
+            speed = s.qd[other]
+            columns[here, column] = ca.sign(speed) * ca.exp(-ca.fabs(speed) / v)
         return columns
 
     def coefficients(self) -> tuple[float, ...]:

@@ -44,6 +44,16 @@ def speed(joint: int) -> Array:
     return np.gradient(log.q_ref[:, joint - 1], log.time)
 
 
+def turned_over(joint: int, travel: float) -> Array:
+    """The sign of a joint's speed, where it takes a travel [rad] to turn over."""
+    rate = speed(joint)
+    state = np.sign(rate)
+    for k in range(1, len(rate)):
+        sign = np.sign(rate[k])
+        state[k] = sign + (state[k - 1] - sign) * np.exp(-abs(rate[k]) * 0.004 / travel)
+    return state
+
+
 def names(found: Diagnosis) -> list[tuple[str, int | None]]:
     return [(f.effect.kind, f.effect.joint) for f in found.findings]
 
@@ -91,20 +101,16 @@ def test_numbers_further_off_than_stated_are_no_effect() -> None:
 
 
 def test_dry_friction_that_builds_up_over_an_angle_is_a_hysteresis() -> None:
-    rate = speed(2)
-    state = np.sign(rate)
-    for k in range(1, len(rate)):
-        sign = np.sign(rate[k])
-        state[k] = sign + (state[k - 1] - sign) * np.exp(-abs(rate[k]) * 0.004 / 0.02)
-    found = diagnose(ROBOT, with_torque(2, 25.0 * (state - np.sign(rate))))
+    found = diagnose(ROBOT, with_torque(2, 25.0 * (turned_over(2, 0.02) - np.sign(speed(2)))))
     assert names(found) == [("hysteresis", 2)]
     effect: Any = found.findings[0].effect
     assert effect.amplitude_Nm == pytest.approx(25.0, rel=0.25)
     assert effect.replaced_Nm == pytest.approx(effect.amplitude_Nm, rel=0.4)
 
 
-def test_a_wrist_coupling_of_one_direction_with_dry_friction_is_named() -> None:
-    found = diagnose(ROBOT, with_torque(5, 1.2 * np.sign(speed(6)) + 0.3 * speed(6)))
+@pytest.mark.parametrize("travel", [1e-6, 0.02])
+def test_a_wrist_coupling_of_one_direction_with_dry_friction_is_named(travel: float) -> None:
+    found = diagnose(ROBOT, with_torque(5, 1.2 * turned_over(6, travel) + 0.3 * speed(6)))
     assert names(found) == [("wrist_coupling", 5)]
     effect: Any = found.findings[0].effect
     assert effect.dry_Nm == pytest.approx(1.2, rel=0.25)
