@@ -101,7 +101,13 @@ def test_tapping_feeds_pitch_times_speed(tmp_path: Path) -> None:
         ("CYCLE81(5,0,2,R1)", "found 'R1', expected a number"),
         ("CYCLE84(5,0,2,-9,,0,3,8,,0,400)", "CYCLE84 without PIT and SST"),
         ("MCALL POCKET3(5,0,2,-9)", "cycles written as calls"),
-        ("CYCLE800(1,\"R\",0,57,0,0,0,0,-15,0,0,0,0,-1,0)", "cycles written as calls"),
+        ("CYCLE800(1,\"R\",1,57,0,0,0,0,-15,0,0,0,0,-1,0)", "on top of another one"),
+        ("CYCLE800(1,\"R\",1000,57,0,0,0,0,-15,0,0,0,0,-1,0)", "aligns a turning tool"),
+        ("CYCLE800(1,\"R\",0,64,0,0,0,0,-15,0,0,0,0,-1,0)", "states solid angle"),
+        ("CYCLE800(1,\"R\",0,192,0,0,0,0,-15,0,0,0,0,-1,0)", "rotary axes directly"),
+        ("CYCLE800(1,\"R\",0,21,0,0,0,0,-15,0,0,0,0,-1,0)", "names no three axes"),
+        ("CYCLE800(1,\"R\",0,57,0,0,0,0,-15,0,0,0,0,0,0)", "does not turn the tool"),
+        ("CYCLE800(1,\"R\",0,57,0,0,0,0,Q,0,0,0,0,-1,0)", "found 'Q', expected a number"),
     ],
 )  # fmt: skip
 def test_calls_that_are_not_read(tmp_path: Path, call: str, says: str) -> None:

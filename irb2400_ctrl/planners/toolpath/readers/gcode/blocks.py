@@ -9,11 +9,17 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.planners.toolpath.readers.gcode.hole_calls import HoleCall, taken_out
+from irb2400_ctrl.planners.toolpath.readers.gcode.subprograms import Line
+from irb2400_ctrl.planners.toolpath.readers.gcode.swivel import CALL as SWIVEL
+from irb2400_ctrl.planners.toolpath.readers.gcode.variables import (
+    Variables,
+    with_square_brackets,
+)
 from irb2400_ctrl.planners.toolpath.readers.unread_line import UnreadLineError
 
 _NUMBER = r"([-+]?(?:\d+\.?\d*|\.\d+))"
@@ -31,10 +37,11 @@ UNREADABLE = (
         re.compile(r"CYCLE\d+|MCALL|HOLES\d|POCKET\d|SLOT\d"),
         "cycles written as calls (Siemens) are not read; let the CAM system write the moves",
     ),
-    (SUBPROGRAM, "sub-programs are not read"),
+    (SUBPROGRAM, "of sub-programs those are read that are in the file, without conditions"),
     (
         re.compile(r"[#\[\]]|\bR\d+\s*=|=\s*R\d|\b(WHILE|IF|GOTO[FB]?|END\d)\b|^\$|DEF\b"),
-        "variables, expressions and jumps are not read",
+        "of variables and expressions those are read that set or state a number; jumps and loops "
+        "are not",
     ),
     (re.compile(r"\*"), "blocks that end in * (Heidenhain's DIN/ISO) or a checksum are not read"),
     (re.compile(r"\d,\d"), "of decimal numbers only those with a point are read"),
@@ -53,9 +60,8 @@ REWRITTEN = (
     (re.compile(rf"\b([IJK])\s*=\s*AC\s*\(\s*{_NUMBER}\s*\)", re.IGNORECASE), r"\1AC=\2"),
     (re.compile(r"\bCYCLE832\s*\([^()]*\)", re.IGNORECASE), ""),
     (re.compile(rf"\b([ABC])\s*=\s*DC\s*\(\s*{_NUMBER}\s*\)", re.IGNORECASE), r"\1=\2"),
-    # the blank for the simulation, the main spindle, the end of a swivelled plane
+    # the blank for the simulation, the main spindle
     (re.compile(r"\b(WORKPIECE\s*\([^()]*\)|SETMS\b(\s*\(\d*\))?)", re.IGNORECASE), ""),
-    (re.compile(r"\bCYCLE800\s*\(\s*\)", re.IGNORECASE), ""),
     (re.compile(r"\bTRAORI\s*\(\s*1?\s*\)", re.IGNORECASE), "TRAORI"),
     (re.compile(r"\bTRAFOOF\s*\(\s*\)", re.IGNORECASE), "TRAFOOF"),
 )
@@ -74,6 +80,8 @@ class Block:
     """holes as a call (Siemens)"""
     optional: bool = False
     """behind a / : skipped when the operator wants it"""
+    plane: tuple[str, ...] | None = None
+    """what CYCLE800 states (Siemens)"""
 
     def codes(self, letter: str) -> list[float]:
         """All numbers behind this letter."""
@@ -84,15 +92,23 @@ class Block:
         return {key: value for key, value in self.words if key not in "GMN"}
 
 
-def blocks(text: str, name: str) -> Iterator[Block | UnreadLineError]:
-    """All lines that hold anything; a line that cannot be read comes as its error."""
-    for line, raw in enumerate(text.split("\n"), 1):
+def blocks(lines: Iterable[Line], name: str) -> Iterator[Block | UnreadLineError]:
+    """All lines that hold anything; a line that cannot be read comes as its error.
+
+    Args:
+        lines: with their numbers, as they are carried out.
+        name: of the file, for messages.
+    """
+    variables = Variables()
+    for line, raw in lines:
         for pattern, text_for_it in REWRITTEN:
             raw = pattern.sub(text_for_it, raw)
         call, raw = (
             taken_out(raw) if "CALL" in raw.upper() or "CYCLE" in raw.upper() else (None, raw)
         )
-        code, comments, closed = _split(raw)
+        swivelled = SWIVEL.search(raw)
+        raw = SWIVEL.sub(" ", raw)
+        code, comments, closed = _split(with_square_brackets(raw) if "=" in raw else raw)
         code = code.strip().upper()
         optional = code.startswith("/")
         code = code.lstrip("/").strip() if optional else code
@@ -103,12 +119,15 @@ def blocks(text: str, name: str) -> Iterator[Block | UnreadLineError]:
         try:
             if not closed:
                 raise InputError(f"{name}, line {line}: found a comment ( without its )")
+            code = variables.resolve(code, f"{name}, line {line}")
             words, orders = _words(code, f"{name}, line {line}")
         except InputError as error:
             yield UnreadLineError(line, str(error))
             continue
-        if words or comments or orders or call:
-            yield Block(line, tuple(words), tuple(comments), tuple(orders), call, optional)
+        plane = tuple(part.strip() for part in swivelled[1].split(",")) if swivelled else None
+        if words or comments or orders or call or swivelled:
+            found = (tuple(words), tuple(comments), tuple(orders))
+            yield Block(line, *found, call, optional, plane)
 
 
 def _split(raw: str) -> tuple[str, list[str], bool]:

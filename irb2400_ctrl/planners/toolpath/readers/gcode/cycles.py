@@ -25,6 +25,13 @@ CYCLES = {
     89: "bore",
 }
 MOST_REPEATS = 10_000
+NOT_CARRIED_OUT = {
+    "CYCLE84": "the spindle is not turned the other way for the way out",
+    "CYCLE85": "out of the hole at the feed of the way in; RFF, its own feed, is not carried out",
+    "CYCLE86": "straight out of the hole; the spindle is not stopped and turned to POSS, and the "
+    "way aside (RPA, RPO, RPAP) is not gone",
+}
+"""what the robot does otherwise than the control"""
 
 
 class GcodeCycles:
@@ -133,6 +140,8 @@ class GcodeCycles:
         if state.plane != 17:
             raise InputError(f"{place}: {call.name} in the plane G{state.plane}, expected G17")
         plane, cycle = cycle_of(call, state, builder.spindle.rpm, place)
+        if call.name in NOT_CARRIED_OUT:
+            builder.note("assumed", f"{call.name}: {NOT_CARRIED_OUT[call.name]}")
         x, y, _ = state.at
         axis = state.tilt[:3, 2]
         if builder.moved and not np.allclose(axis, builder.axis, atol=1e-6):

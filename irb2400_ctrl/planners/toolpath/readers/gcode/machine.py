@@ -104,8 +104,8 @@ class GcodeMachine:
             self._state.tool_centre = function == 128
         elif function in SUBPROGRAMS:
             raise InputError(
-                f"{builder.place}: M{function} calls or ends a sub-program; not read, expected all "
-                "moves in one program"
+                f"{builder.place}: M{function} calls a sub-program that is not in the file, or by "
+                "a line's number; not read, put it into the file as O… or write out its moves"
             )
         elif function == 99:
             builder.note("assumed", "M99: the control begins again here; carried out once")

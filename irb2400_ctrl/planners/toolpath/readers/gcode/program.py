@@ -9,6 +9,7 @@ from irb2400_ctrl.planners.toolpath.cam_program import CamProgram
 from irb2400_ctrl.planners.toolpath.readers.feed import LENGTHS
 from irb2400_ctrl.planners.toolpath.readers.gcode.blocks import EXTENDED, Block, blocks
 from irb2400_ctrl.planners.toolpath.readers.gcode.cycles import CYCLES, dwell_seconds
+from irb2400_ctrl.planners.toolpath.readers.gcode.decimal_points import without_point
 from irb2400_ctrl.planners.toolpath.readers.gcode.frames import CODES as FRAMES
 from irb2400_ctrl.planners.toolpath.readers.gcode.frames import GcodeFrames
 from irb2400_ctrl.planners.toolpath.readers.gcode.hole_calls import HoleCall
@@ -17,6 +18,8 @@ from irb2400_ctrl.planners.toolpath.readers.gcode.motion import GcodeMotion, mov
 from irb2400_ctrl.planners.toolpath.readers.gcode.rotary import Rotary
 from irb2400_ctrl.planners.toolpath.readers.gcode.splines import MODES as SPLINES
 from irb2400_ctrl.planners.toolpath.readers.gcode.state import AXES, GcodeState
+from irb2400_ctrl.planners.toolpath.readers.gcode.subprograms import in_order
+from irb2400_ctrl.planners.toolpath.readers.gcode.swivel import swivel
 from irb2400_ctrl.planners.toolpath.readers.program_builder import ProgramBuilder
 from irb2400_ctrl.planners.toolpath.readers.unread_line import UnreadLineError
 
@@ -71,7 +74,8 @@ def read_gcode(
         InputError: a word that is not known or not read, with its line.
     """
     reader = _Reader(builder, units, None if rotary is None else Rotary.of(rotary))
-    listed = list(blocks(text, name))
+    lines, notes = in_order(text, name)
+    listed = list(blocks(lines, name))
     if not any("Z" in block.values() for block in listed if isinstance(block, Block)):
         reader.flat()
     for block in listed:
@@ -91,6 +95,8 @@ def read_gcode(
     except InputError as error:
         builder.failed(error)
     name_of_unit = reader.unit_name()
+    for builder.line, note in [*notes, *without_point(text)]:
+        builder.note("assumed", note)
     return builder.finish("G-code", name_of_unit, reader.unit_stated)
 
 
@@ -165,6 +171,8 @@ class _Reader:
         if 4 in codes:
             values = self._dwell(values)
         functions = [int(code) for code in block.codes("M")]
+        if block.plane is not None:
+            swivel(block.plane, self._state, builder)
         self._modes(codes, values)
         self._machine.before(functions, values, block.orders)
         used = self._special([53, *codes] if "SUPA" in block.orders else codes, values)

@@ -1,0 +1,36 @@
+"""Lengths without a decimal point: millimetres on most controls, thousandths on some of Fanuc's."""
+
+from __future__ import annotations
+
+import re
+
+_LENGTH = re.compile(r"(?<![A-Z#\d.])[XYZIJKR]\s*[-+]?(\d+\.?\d*|\.\d+)")
+_COMMENT = re.compile(r"\([^()]*\)|;.*")
+# what controls write where X100 is 100 mm
+_SIEMENS = re.compile(r"=|\bCYCLE\d|\bTRAORI\b|^\s*%_N_", re.MULTILINE)
+
+
+def without_point(text: str) -> list[tuple[int, str]]:
+    """The first line with a length without a point, and what is assumed of it; nothing where none
+    is, or the file is of a control on which it means the same."""
+    code = _COMMENT.sub("", text.upper())
+    if _SIEMENS.search(code):
+        return []
+    bare = 0
+    first = 0
+    pointed = 0
+    for line, raw in enumerate(code.split("\n"), 1):
+        for number in _LENGTH.findall(raw):
+            if "." in number:
+                pointed += 1
+            elif float(number) != 0:
+                bare += 1
+                first = first or line
+    if not bare:
+        return []
+    how = f"{bare} of {bare + pointed} lengths have" if pointed else "lengths have"
+    says = (
+        f"{how} no decimal point: X100 is read as 100 in the file's unit; some controls (Fanuc) "
+        "count such numbers in their smallest step, X100 is 0.1 mm there"
+    )
+    return [(first, says)]

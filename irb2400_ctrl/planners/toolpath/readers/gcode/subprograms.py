@@ -1,0 +1,152 @@
+"""The lines of a G-code file in the order in which they are carried out, sub-programs included.
+
+Called are M98 P… L… (Fanuc), O… CALL (LinuxCNC), L100, NAME and CALL "NAME" (Siemens), where the
+sub-program is in the file. A call of anything else stays in its line, which is refused later.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+
+from irb2400_ctrl.errors import InputError
+
+Line = tuple[int, str]
+_NUMBERED = re.compile(r"^\s*(?:/\s*)?[O:]\s*(\d+)\s*(?:$|[(<;])", re.IGNORECASE)
+_ARCHIVE = re.compile(r"^\s*%_N_(\w+)_(MPF|SPF)\b", re.IGNORECASE)
+_SUB = re.compile(r"^\s*O\s*(\d+|<\w+>)\s+SUB\b", re.IGNORECASE)
+_END_SUB = re.compile(r"^\s*O\s*(\d+|<\w+>)\s+ENDSUB\b", re.IGNORECASE)
+_M98 = re.compile(r"M0*98(?!\d)", re.IGNORECASE)
+_P = re.compile(r"P\s*(\d+)", re.IGNORECASE)
+_L = re.compile(r"[LK]\s*(\d+)", re.IGNORECASE)
+_O_CALL = re.compile(r"^\s*O\s*(\d+|<\w+>)\s+CALL\b(.*)", re.IGNORECASE)
+_NAMED = re.compile(
+    r'^\s*(?:N\d+\s*)?(?:CALL\s+"(\w+)"|([A-Z_]\w+))\s*(?:P\s*=?\s*(\d+))?\s*$', re.IGNORECASE
+)
+_RETURN = re.compile(r"M0*(?:99|17)(?!\d)|\bRET\b", re.IGNORECASE)
+_COMMENT = re.compile(r"\([^()]*\)|;.*")
+DEEPEST = 10
+MOST_LINES = 2_000_000
+
+
+@dataclass
+class _Programs:
+    """Lines by the name of their program, in the order of the file."""
+
+    lines: dict[str, list[Line]] = field(default_factory=dict)
+    main: str = ""
+
+    def named(self, name: str) -> str | None:
+        """The program of this name or number, as it is kept here."""
+        key = name.upper().lstrip("0") or "0"
+        return key if key in self.lines else None
+
+
+def in_order(text: str, name: str) -> tuple[Iterator[Line], list[Line]]:
+    """Lines with their numbers as the control carries them out, and what is to be noted.
+
+    Raises:
+        InputError: while the lines are gone through: calls within calls without an end.
+    """
+    listed = list(enumerate(text.split("\n"), 1))
+    programs = _parted(listed)
+    called = {
+        target for lines in programs.lines.values() for _, raw in lines
+        if (target := (_call(raw, programs) or ("",))[0])
+    }  # fmt: skip
+    if not called:
+        return iter(listed), []
+    free = [key for key in programs.lines if key not in called and programs.lines[key]]
+    first = programs.main if programs.main in free else (free or [""])[0]
+    notes = [
+        (programs.lines[key][0][0], f"program {key} is called by no other: it is left out")
+        for key in free
+        if key != first
+    ]
+    return _run(programs, first, 0, name, [0]), notes
+
+
+def _parted(listed: list[Line]) -> _Programs:
+    programs = _Programs()
+    current = ""
+    programs.lines[current] = []
+    for number, raw in listed:
+        archive = _ARCHIVE.match(raw)
+        begins = _NUMBERED.match(raw) or archive or _SUB.match(raw)
+        if begins:
+            current = begins.group(1).upper().lstrip("0") or "0"
+            programs.lines.setdefault(current, [])
+            if archive and archive.group(2).upper() == "MPF":
+                programs.main = current
+        else:
+            programs.lines[current].append((number, raw))
+            if _END_SUB.match(raw):
+                current = ""
+    head = programs.lines[""]
+    if not any(_code(raw) not in {"", "%"} for _, raw in head):
+        del programs.lines[""]
+    return programs
+
+
+def _code(raw: str) -> str:
+    return _COMMENT.sub(" ", raw).strip()
+
+
+def _call(raw: str, programs: _Programs) -> tuple[str, int, str, str] | None:
+    """Which program a line calls, how often, what is left of the line, and arguments; None where
+    it calls none of this file."""
+    code = _code(raw)
+    if _M98.search(code):
+        p = _P.search(code)
+        times = _L.search(code)
+        if p is None:
+            return None
+        target = programs.named(p[1])
+        count = int(times[1]) if times else 1
+        if target is None and times is None and len(p[1]) > 4:
+            # Fanuc: P and eight digits, how often and which
+            target = programs.named(p[1][-4:])
+            count = int(p[1][:-4])
+        rest = _M98.sub("", _P.sub("", _L.sub("", code, count=1), count=1), count=1)
+        return None if target is None else (target, count, rest, "")
+    if found := _O_CALL.match(code):
+        target = programs.named(found[1])
+        return None if target is None else (target, 1, "", found[2])
+    found = _NAMED.match(code)
+    if found is None:
+        return None
+    target = programs.named(found[1] or found[2])
+    return None if target is None else (target, int(found[3] or 1), "", "")
+
+
+def _run(programs: _Programs, name: str, depth: int, file: str, count: list[int]) -> Iterator[Line]:
+    """The lines of a program and of those that it calls."""
+    for number, raw in programs.lines[name]:
+        count[0] += 1
+        if depth > DEEPEST or count[0] > MOST_LINES:
+            raise InputError(
+                f"{file}, line {number}: calls of sub-programs more than {DEEPEST} deep, or more "
+                f"than {MOST_LINES:,} lines in all; expected calls that end"
+            )
+        code = _code(raw)
+        if _END_SUB.match(code):
+            return
+        if depth and _RETURN.search(code):
+            rest = _RETURN.sub("", code)
+            if _P.search(rest):
+                # back to another line than that of the call
+                yield number, f"GOTO {rest.strip()}"
+                return
+            yield number, rest
+            return
+        call = _call(raw, programs)
+        if call is None:
+            yield number, raw
+            continue
+        target, times, rest, arguments = call
+        yield number, rest
+        for position, value in enumerate(re.findall(r"\[([^\[\]]*)\]", arguments), 1):
+            yield number, f"#{position}=[{value}]"
+        for _ in range(times):
+            yield from _run(programs, target, depth + 1, file, count)

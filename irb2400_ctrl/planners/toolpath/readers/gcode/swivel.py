@@ -1,0 +1,78 @@
+"""`CYCLE800(…)` (Siemens 840D): a tilted plane, its axes turned one after another.
+
+Source: Siemens, SINUMERIK 840D sl Programming Manual Job Planning, "Programming cycles externally".
+"""
+
+from __future__ import annotations
+
+import math
+import re
+
+import numpy as np
+
+from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.planners.toolpath.readers.gcode.rotary import rotation
+from irb2400_ctrl.planners.toolpath.readers.gcode.state import GcodeState
+from irb2400_ctrl.planners.toolpath.readers.program_builder import ProgramBuilder
+
+CALL = re.compile(r"\bCYCLE800\s*\(([^()]*)\)", re.IGNORECASE)
+_WAYS = {1: "solid angle", 2: "projection angles", 3: "rotary axes directly"}
+
+
+def swivel(arguments: tuple[str, ...], state: GcodeState, builder: ProgramBuilder) -> None:
+    """Tilt the plane; without arguments the plane is the work frame's again.
+
+    CYCLE800(_FR, _TC, _ST, _MODE, _X0, _Y0, _Z0, _A, _B, _C, _X1, _Y1, _Z1, _DIR, …): to
+    (X0, Y0, Z0), turned about the axes that _MODE names two bits each, then on by (X1, Y1, Z1) in
+    the turned axes. The machine turns table or head; where the tool is then is known from its next
+    stated place on.
+
+    Raises:
+        InputError: a plane on top of another one, stated in another way than axis by axis, or that
+            the tool is not turned to.
+    """
+    place = f"{builder.place}, CYCLE800"
+    if arguments in {(), ("",)}:
+        state.reframe(plane_pose=np.eye(4))
+        return
+    at = [_number(text, place) for text in arguments] + [0.0] * 16
+    status = int(at[2])
+    mode = int(at[3])
+    if status % 10 or status // 100 % 1000:
+        raise InputError(
+            f"{place}: _ST {status} puts the plane on top of another one, or aligns a turning "
+            "tool; expected a new plane (0)"
+        )
+    if mode >> 6:
+        raise InputError(
+            f"{place}: _MODE {mode} states {_WAYS[mode >> 6 & 3]}; expected axis by axis, "
+            "such as 57"
+        )
+    axes = [mode >> shift & 3 for shift in (0, 2, 4)]
+    if sorted(axes) != [1, 2, 3]:
+        raise InputError(f"{place}: _MODE {mode} names no three axes, expected one such as 57")
+    if at[13] == 0:
+        raise InputError(
+            f"{place}: _DIR 0 tilts the plane and does not turn the tool to it; expected -1 or 1"
+        )
+    X = np.eye(4)
+    for axis, angle in zip(axes, at[7:10], strict=True):
+        X[:3, :3] = X[:3, :3] @ rotation(axis - 1, math.radians(angle))
+    X[:3, 3] = state.unit * (np.array(at[4:7]) + X[:3, :3] @ np.array(at[10:13]))
+    state.reframe(plane_pose=X)
+    builder.note(
+        "assumed",
+        "CYCLE800 turns table or head, and may draw the tool back; the robot goes on at the next "
+        "stated place",
+    )
+    builder.leave()
+    state.at = [None, None, None]
+
+
+def _number(text: str, place: str) -> float:
+    if not text or text.startswith('"'):
+        return 0.0
+    try:
+        return float(text)
+    except ValueError:
+        raise InputError(f"{place}: found {text!r}, expected a number") from None

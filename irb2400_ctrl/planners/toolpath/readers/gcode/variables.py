@@ -1,0 +1,224 @@
+"""Variables of G-code that a file sets for itself: #100 (Fanuc, LinuxCNC), R1 (Siemens).
+
+Assignments and arithmetic; angles in degrees. What a file does not set, the control knows: refused.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Callable
+
+from irb2400_ctrl.errors import InputError
+
+_NUMBER = re.compile(r"\s*(\d+\.?\d*|\.\d+)")
+_NAME = re.compile(r"\s*([A-Z]+2?)\s*(?=\[)")
+_SET = re.compile(r"\s*(?:N\d+\s*)?(?:#\s*(\d+|<\w+>)|(R\d+))\s*=(?!=)")
+_FLOW = re.compile(r"\b(WHILE|IF|GOTO[FBCS]?|DO\s*\d|END\s*\d?|FOR|LOOP|REPEAT|UNTIL|ELSE)\b")
+# a word whose number is a variable or an expression: X#1, X-[#1+2], X=R1*2, CR=R5
+_WORD = re.compile(r"([A-Z](?:R(?==)|\d(?==))?)\s*(=?)\s*(?=[-+]?\s*(?:#|\[))")
+_EQUALS = re.compile(r"([A-Z][A-Z0-9]*)\s*=\s*(?=[^=]*(?:\bR\d|\[|[-+*/]\s*[\d.(]))")
+# brackets of Siemens' expressions are round, as comments are
+_ROUND = re.compile(
+    r"(?:[=+\-*/\[,]|\b(?:A?SIN|A?COS|TAN|ATAN2|SQRT|ABS|ROUND|TRUNC|POT))\s*\(", re.IGNORECASE
+)
+FUNCTIONS: dict[str, Callable[[float], float]] = {
+    "SIN": lambda x: math.sin(math.radians(x)),
+    "COS": lambda x: math.cos(math.radians(x)),
+    "TAN": lambda x: math.tan(math.radians(x)),
+    "ASIN": lambda x: math.degrees(math.asin(x)),
+    "ACOS": lambda x: math.degrees(math.acos(x)),
+    "SQRT": math.sqrt,
+    "ABS": abs,
+    # halves go away from zero
+    "ROUND": lambda x: math.copysign(math.floor(abs(x) + 0.5), x),
+    "FIX": math.trunc,
+    "TRUNC": math.trunc,
+    "FUP": lambda x: math.copysign(math.ceil(abs(x)), x),
+    "POT": lambda x: x * x,
+    "EXP": math.exp,
+    "LN": math.log,
+}
+DEEPEST = 50
+
+
+class Variables:
+    """What the file has set so far."""
+
+    def __init__(self) -> None:
+        self._known: dict[str, float] = {}
+
+    def resolve(self, code: str, place: str) -> str:
+        """The code of a line with numbers in the place of variables; assignments are kept and taken
+        out.
+
+        Args:
+            code: upper case, without comments.
+            place: for messages.
+
+        Raises:
+            InputError: a variable that is not set, an expression that is none.
+        """
+        if not ("#" in code or "[" in code or "=" in code) or _FLOW.search(code):
+            return code
+        code = self._assigned(code, place)
+        out = ""
+        at = 0
+        while at < len(code):
+            # letters are words of their own here, so that R in X1R5 is none of a variable
+            word = _WORD.match(code, at)
+            equals = None if word else _EQUALS.match(code, at)
+            found = word or equals
+            if found is None or (equals and re.match(r"\s*[ADI]C\s*[\[(]", code[equals.end() :])):
+                out += code[at]
+                at += 1
+                continue
+            reader = _Expression(code, found.end(), self._known, place)
+            value = reader.sum() if equals or found.group(2) else reader.signed()
+            out += f"{found.group(1)}{'=' if equals or found.group(2) else ''}{value:.12f} "
+            at = reader.at
+        return out
+
+    def _assigned(self, code: str, place: str) -> str:
+        while found := _SET.match(code):
+            reader = _Expression(code, found.end(), self._known, place)
+            self._known[found.group(1) or found.group(2)] = reader.sum()
+            code = code[reader.at :]
+        return code
+
+
+def with_square_brackets(raw: str) -> str:
+    """A line of Siemens with the round brackets of its expressions as square ones, so that they are
+    told from comments."""
+    while found := _ROUND.search(raw):
+        opened = found.end() - 1
+        depth = 0
+        for at in range(opened, len(raw)):
+            depth += {"(": 1, ")": -1}.get(raw[at], 0)
+            if depth == 0:
+                raw = f"{raw[:opened]}[{raw[opened + 1 : at]}]{raw[at + 1 :]}"
+                break
+        else:
+            break
+    return raw
+
+
+class _Expression:
+    """Reads one from a place on; `at` is where it ends."""
+
+    def __init__(self, code: str, at: int, known: dict[str, float], place: str) -> None:
+        self._code = code
+        self.at = at
+        self._known = known
+        self._place = place
+        self._depth = 0
+
+    def sum(self) -> float:
+        """Terms with + and -."""
+        value = self._product()
+        while sign := self._taken("+", "-"):
+            other = self._product()
+            value = value + other if sign == "+" else value - other
+        return self._finite(value)
+
+    def signed(self) -> float:
+        """One number with its sign: a variable, a bracket, a function."""
+        sign = self._taken("+", "-")
+        value = self.signed() if sign else self._single()
+        return -value if sign == "-" else value
+
+    def _product(self) -> float:
+        value = self._power()
+        while sign := self._taken("*", "/", "MOD"):
+            other = self._power()
+            if sign != "*" and other == 0:
+                raise InputError(f"{self._place}: a division by zero in {self._code.strip()!r}")
+            results = {"*": lambda a, b: a * b, "/": lambda a, b: a / b, "MOD": math.fmod}
+            value = results[sign](value, other)
+        return value
+
+    def _power(self) -> float:
+        value = self.signed()
+        return self._finite(value ** self.signed()) if self._taken("**") else value
+
+    def _single(self) -> float:
+        self._depth += 1
+        if self._depth > DEEPEST:
+            raise InputError(f"{self._place}: brackets more than {DEEPEST} deep")
+        value = self._value()
+        self._depth -= 1
+        return value
+
+    def _value(self) -> float:
+        if self._taken("["):
+            value = self.sum()
+            self._expect("]")
+            return value
+        if found := re.compile(r"\s*(?:#\s*(\d+|<\w+>)|(R\d+)\b)").match(self._code, self.at):
+            self.at = found.end()
+            return self._variable(found.group(1) or found.group(2))
+        if self._taken("#"):
+            return self._variable(f"{self._single():g}")
+        if found := _NUMBER.match(self._code, self.at):
+            self.at = found.end()
+            return float(found.group(1))
+        if (found := _NAME.match(self._code, self.at)) is None:
+            raise self._wrong()
+        self.at = found.end()
+        return self._function(found.group(1))
+
+    def _function(self, name: str) -> float:
+        self._expect("[")
+        value = self.sum()
+        if name in {"ATAN", "ATAN2"}:
+            # ATAN[y]/[x] (Fanuc), ATAN2(y, x) (Siemens)
+            divided = self._taken("]") is not None
+            self._expect("/" if divided else ",")
+            if divided:
+                self._expect("[")
+            angle = math.degrees(math.atan2(value, self.sum()))
+            self._expect("]")
+            return angle
+        self._expect("]")
+        if name not in FUNCTIONS:
+            raise InputError(f"{self._place}: found the function {name}, which is not read")
+        try:
+            return FUNCTIONS[name](value)
+        except (ValueError, OverflowError) as error:
+            raise InputError(f"{self._place}: {name} of {value:g}: {error}") from error
+
+    def _variable(self, name: str) -> float:
+        if name not in self._known:
+            shown = name if name.startswith("R") else f"#{name}"
+            raise InputError(
+                f"{self._place}: found {shown}, which the file does not set before; what the "
+                "control or the operator sets is not known, write the number"
+            )
+        return self._known[name]
+
+    def _taken(self, *texts: str) -> str | None:
+        start = self.at
+        while start < len(self._code) and self._code[start].isspace():
+            start += 1
+        for text in texts:
+            if self._code.startswith(text, start) and not (
+                text == "*" and self._code.startswith("**", start)
+            ):
+                self.at = start + len(text)
+                return text
+        return None
+
+    def _expect(self, text: str) -> None:
+        if self._taken(text) is None:
+            raise self._wrong()
+
+    def _wrong(self) -> InputError:
+        rest = self._code[self.at :].strip()[:20]
+        return InputError(
+            f"{self._place}: found {rest!r} in an expression, expected a number, a variable or [ ]"
+        )
+
+    def _finite(self, value: float | complex) -> float:
+        if isinstance(value, complex) or not math.isfinite(value):
+            raise InputError(f"{self._place}: {self._code.strip()!r} has no finite value")
+        return value

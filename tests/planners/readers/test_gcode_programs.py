@@ -1,0 +1,146 @@
+"""G-code with sub-programs, variables, swivelled planes, and lengths without a point."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
+import pytest
+
+from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.planners import CamProgram, read_program
+
+Array = npt.NDArray[np.float64]
+HEAD = "G21 G90 G54 G0 X0. Y0. Z30.\nG1 Z1. F60.\n"
+
+
+def program(tmp_path: Path, text: str) -> CamProgram:
+    file = tmp_path / "part.nc"
+    file.write_text(text)
+    return read_program(file)
+
+
+def places(tmp_path: Path, text: str) -> Array:
+    """[mm]"""
+    return np.asarray(1e3 * program(tmp_path, text).operation().path.position)
+
+
+STEPS = "G91 X10.\nY5.\nG90\n"
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        f"%\nO0001\n{HEAD}M98 P1000 L2\nM30\nO1000 (steps)\n{STEPS}M99\n%\n",
+        f"%\nO1\n{HEAD}N7 M98 P21000\nM30\nO1000\n{STEPS}M99\n",
+        f"%\nO1\n{HEAD}M98 P1000\nM98 P2000\nM30\nO2000\nM98 P1000\nM99\nO1000\n{STEPS}M99\n",
+        f"o100 sub\n{STEPS}o100 endsub\n{HEAD}o100 call\no100 call\nM2\n",
+        f"%_N_PART_MPF\n{HEAD}STEPS P2\nM30\n%_N_STEPS_SPF\n{STEPS}M17\n",
+        f'{HEAD}CALL "STEPS"\nN9 STEPS\nM30\n%_N_STEPS_SPF\n{STEPS}RET\n',
+        f"{HEAD}L100 P2\nM30\n%_N_L100_SPF\n{STEPS}RET\n",
+    ],
+)
+def test_sub_programs_are_carried_out_where_they_are_called(tmp_path: Path, text: str) -> None:
+    expected = [[0, 0, 30], [0, 0, 1], [10, 0, 1], [10, 5, 1], [20, 5, 1], [20, 10, 1]]
+    assert np.allclose(places(tmp_path, text), expected)
+
+
+def test_what_a_sub_program_lacks_is_refused_with_its_line(tmp_path: Path) -> None:
+    sub = f"%\nO1\n{HEAD}M98 P1000\nM30\nO1000\nX9.\n"
+    with pytest.raises(InputError, match=r"line 9: found 'GOTO P30'.*jumps and loops are not"):
+        program(tmp_path, f"{sub}M99 P30\n")
+    with pytest.raises(InputError, match=r"line 8: found #500"):
+        program(tmp_path, sub.replace("X9.", "X#500"))
+    with pytest.raises(InputError, match=r"more than 10 deep"):
+        program(tmp_path, f"{sub}M98 P1000\nM99\n")
+    with pytest.raises(InputError, match=r"line 5: M98 calls a sub-program that is not in"):
+        program(tmp_path, sub.replace("P1000", "P1001"))
+    read = program(tmp_path, f"{sub}M99\nO3000\nX77.\nM99\n")
+    assert "program 3000 is called by no other" in " ".join(map(str, read.of_kind("assumed")))
+
+
+@pytest.mark.parametrize(
+    ("text", "place"),
+    [
+        ("#100=10.\nG1 X#100 Y-#100", (10, -10, 1)),
+        ("#1=3. \n#2=[#1+2.]*2\n#1=[#2-1.]\nG1 X[#1] Y-[#2/4.]", (9, -2.5, 1)),
+        ("#3=2\n#4=#3\n#2=7.\nG1 X#[#3]", (7, 0, 1)),
+        ("G1 X[10*SIN[30]+2**3] Y[ATAN[1]/[1]] Z[-SQRT[16.]]", (13, 45, -4)),
+        ("#<len>=4.5\nG1 X[ROUND[#<len>]] Y[FIX[-4.7]] Z[FUP[1.2]]", (5, -4, 2)),
+        ("R1=5 R2=R1*(2+1)\nG1 X=R1+R2 Y=-R2/2 Z=(R1-1)*2", (20, -7.5, 8)),
+        ("R10=90\nG1 X=10*COS(R10/2)*SIN(45) Y=SQRT(POT(3)+16)", (5, 5, 1)),
+        ("R3=7\nG1 X=R3", (7, 0, 1)),
+        ("r3=30\ng1 x=sin(r3)*2", (1, 0, 1)),
+        ("#5=17\nG1 X[#5 MOD 5]", (2, 0, 1)),
+        # an R word of an arc is none of a variable
+        ("#1=10.\nG2 X#1 Y0 R5.", (10, 0, 1)),
+    ],
+)
+def test_variables_that_the_file_sets_are_numbers(
+    tmp_path: Path, text: str, place: tuple[float, float, float]
+) -> None:
+    assert np.allclose(places(tmp_path, f"{HEAD}{text}\nM30\n")[-1], place, atol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        ("WHILE [#1 LT 5] DO1", "jumps and loops"),
+        ("IF [#1 EQ 5] GOTO 20", "jumps and loops"),
+        ("IF [#1 EQ 5] THEN #2=3", "jumps and loops"),
+        ("N5 IF R1>5 GOTOF ENDE", "jumps and loops"),
+        ("#1=[5/0]", "a division by zero"),
+        ("#1=SQRT[-1]", "SQRT of -1"),
+        ("#1=[2", "in an expression"),
+        ("#1=BIN[3]", "the function BIN, which is not read"),
+        ("#1=[0-8]**0.5", "no finite value"),
+        ("#1=#0", "found #0, which the file does not set"),
+        ("#1=" + "[" * 60 + "1" + "]" * 60, "brackets more than 50 deep"),
+    ],
+)
+def test_what_is_no_number_is_refused(tmp_path: Path, text: str, says: str) -> None:
+    with pytest.raises(InputError, match=r"part\.nc, line 3: ") as caught:
+        program(tmp_path, f"{HEAD}{text}\nG1 X5.\nM30\n")
+    assert says in str(caught.value)
+
+
+def test_a_swivelled_plane_turns_its_axes_one_after_another(tmp_path: Path) -> None:
+    text = (
+        "G710 G90 G54\nG0 X0 Y0 Z50\n"
+        'CYCLE800(1,"TABLE",200000,57,10,0,0,90,0,90,0,0,5,-1,100,1)\n'
+        "G0 X0 Y0 Z20\nG1 Z1 F=600\nCYCLE800()\nG0 X0 Y0 Z60\nG1 Z50\nM30\n"
+    )
+    found = program(tmp_path, text).operations[0]
+    # z of the plane is -y of the part; 5 along it from X0, then 20
+    plane = found.path.position[np.isclose(found.path.position[:, 0], 0.01)]
+    assert np.allclose(1e3 * plane, [[10, -25, 0], [10, -6, 0]])
+    assert np.allclose(1e3 * found.path.position[-1], [0, 0, 50])
+    order = text.replace(",57,10,0,0,90,0,90,", ",27,10,0,0,90,90,0,")
+    # about z first, then about the y that this has turned to -x: z of the plane is along y
+    turned = program(tmp_path, order).operations[0].path.position
+    assert np.allclose(1e3 * turned[np.isclose(turned[:, 0], 0.01)], [[10, 25, 0], [10, 6, 0]])
+    assert "CYCLE800 turns table or head" in " ".join(map(str, program(tmp_path, text).notes))
+
+
+def test_cycles_say_what_is_not_carried_out(tmp_path: Path) -> None:
+    head = "G710 G90 G54\nS900 M3\nG0 X0 Y0 Z9\n"
+    read = program(tmp_path, f"{head}CYCLE85(5,0,2,-9,,0,60,30)\nM30\n")
+    assert "RFF, its own feed, is not" in " ".join(map(str, read.of_kind("assumed")))
+    read = program(tmp_path, f"{head}CYCLE86(5,0,2,-9,,0,3,1,0,1,0)\nM30\n")
+    assert "the spindle is not stopped" in " ".join(map(str, read.of_kind("assumed")))
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        ("G21 G90 G0 X0 Y0 Z9\nG1 X100 F60\nM30\n", "lengths have no decimal point"),
+        ("G21 G90 G0 X0. Y0. Z9.\nG1 X100 F60\nM30\n", "1 of 4 lengths have no decimal point"),
+        ("G21 G90 G0 X0 Y0 Z9.\nG1 X100. F60 (X5 X6)\nM30\n", None),
+        ("G21 G90 G0 X0 Y0 Z9\nG1 X100 F=60\nM30\n", None),
+    ],
+)
+def test_lengths_without_a_point_are_noted(tmp_path: Path, text: str, says: str | None) -> None:
+    notes = " ".join(map(str, program(tmp_path, text).of_kind("assumed")))
+    assert ("decimal point" in notes) == (says is not None)
+    assert says is None or says in notes
