@@ -75,6 +75,8 @@ class Rail(Table):
     range_mm: tuple[float, float]
     position_mm: float = 0.0
     """where the carriage stands while the arm works"""
+    operations: dict[str, float] = Field(default_factory=dict)
+    """where it stands during an operation of this name, or number [mm]"""
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
@@ -83,12 +85,17 @@ class Rail(Table):
             raise ValueError("direction: found no direction, expected one such as [0, 1, 0]")
         if not low < high:
             raise ValueError(f"range_mm: found {low:g} to {high:g}, expected the lower end first")
-        if not low <= self.position_mm <= high:
-            raise ValueError(
-                f"position_mm: found {self.position_mm:g}, expected a place on the rail, "
-                f"{low:g} to {high:g}"
-            )
+        places = {"position_mm": self.position_mm, **self.operations}
+        for name, place in places.items():
+            if not low <= place <= high:
+                raise ValueError(
+                    f"{name}: found {place:g}, expected a place on the rail, {low:g} to {high:g}"
+                )
         return self
+
+    def asked(self, number: int, name: str) -> float:
+        """Where the carriage stands during an operation [mm]."""
+        return self.operations.get(name, self.operations.get(str(number), self.position_mm))
 
     def moved(self, distance_mm: float) -> Array:
         """What a carriage that goes so far does to everything else, as the arm sees it, (4, 4)."""
@@ -243,7 +250,7 @@ class Cell(Table):
                 f"cell {self.name}: found {position_mm:g} mm, expected a place on the rail, "
                 f"{low:g} to {high:g} mm"
             )
-        moved = self.rail.model_copy(update={"position_mm": position_mm})
+        moved = self.rail.model_copy(update={"position_mm": position_mm, "operations": {}})
         return self.model_copy(update={"rail": moved})
 
     def placed(self, X: Array | None) -> Cell:

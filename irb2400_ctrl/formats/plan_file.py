@@ -180,6 +180,7 @@ class SegmentEntry(Table):
     max_velocity_ratio: NotNegative
     above_clearance_plane_mm: float | None = None
     feed: FeedEntry | None = None
+    rail_mm: float | None = Field(None, description="where the carriage stands")
     positioner_deg: tuple[float, float] | None = None
     positioner_to_deg: tuple[float, float] | None = Field(None, description="where it moves")
     note: str | None = None

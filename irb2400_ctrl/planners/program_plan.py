@@ -221,7 +221,7 @@ def clearance_plane(
 
 def for_operation(robot: Robot, operation: Operation, options: dict[str, Any]) -> dict[str, Any]:
     """Options of `plan_path` with the cell's tool that the operation asks for, unless one is named,
-    and with the positioner at the operation's angles.
+    with the carriage where the operation wants it and the positioner at its angles.
 
     Raises:
         InputError: the file's angles are outside the positioner's ranges.
@@ -232,6 +232,14 @@ def for_operation(robot: Robot, operation: Operation, options: dict[str, Any]) -
     found = dict(options)
     if options.get("tool") is None:
         found["tool"] = cell.tool_of(operation.tool.number, operation.tool.name)
+    if cell.rail is not None:
+        place = cell.rail.asked(operation.number, operation.name)
+        moved = cell.on_rail(place)
+        if found.get("work_frame") is not None:
+            # stated as the arm sees it from where the carriage stands
+            found["work_frame"] = moved.seen @ np.linalg.inv(cell.seen) @ found["work_frame"]
+        cell = moved
+        found["cell"] = moved
     if cell.positioner is not None:
         asked = cell.positioner.asked(operation.number, operation.name)
         if asked == "find":

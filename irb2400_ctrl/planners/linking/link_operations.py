@@ -20,7 +20,7 @@ from irb2400_ctrl.planners.linking.program_events import at_rest, on_the_way
 from irb2400_ctrl.planners.linking.program_motion import ProgramMotion
 from irb2400_ctrl.planners.linking.run import Run
 from irb2400_ctrl.planners.linking.segment import Kind, Segment, TimedEvent
-from irb2400_ctrl.planners.linking.waits import Rest
+from irb2400_ctrl.planners.linking.waits import Rest, carriage_acceleration
 from irb2400_ctrl.planners.plan import Plan
 from irb2400_ctrl.robot import Robot
 
@@ -123,6 +123,7 @@ class _Chain:
         if new:
             ended = None if before is None else before.operation
             self.events += at_rest(ended, run.operation, self.time)
+            self._go_along(run, before)
             self._turn_part(run, before)
         if not lead:
             return
@@ -159,6 +160,17 @@ class _Chain:
             note = _turned(run, self.here, target) if kind == "unwind" else ""
             self._add(kind, run, move, note)
 
+    def _go_along(self, run: Run, before: Run | None) -> None:
+        """The carriage of a rail goes where a run wants it, the arm away at home."""
+        rail = None if run.options.cell is None else run.options.cell.rail
+        if rail is None or before is None or run.options.rail == before.options.rail:
+            return
+        self.joints("link", before.beside("last"), self.home)
+        most = carriage_acceleration(run, rail, self.home)
+        text = f"carriage to {rail.position_mm:g} mm, with at most {most:.1f} m/s2"
+        line = int(run.operation.line[0])
+        self.events.append(TimedEvent("rail", text, line, run.operation.number, self.time, True))
+
     def _turn_part(self, run: Run, before: Run | None) -> None:
         """The positioner turns to the angles of a run, the arm away at home."""
         angles = run.stands("first")
@@ -184,7 +196,8 @@ class _Chain:
         because = run.because if kind == "unwind" else ""
         number = run.operation.number
         angles = run.options.positioner or run.stands("first")
-        self.segments.append(Segment(kind, number, piece, self.time, note, angles, because))
+        stands = (angles, run.options.rail)
+        self.segments.append(Segment(kind, number, piece, self.time, note, *stands, because))
         self.here = piece.trajectory.q[-1]
         self.rows += len(piece.trajectory.time) - 1
 

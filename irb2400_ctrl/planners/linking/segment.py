@@ -59,6 +59,8 @@ class Segment:
     positioner: tuple[float, float] | None = None
     """(tilt, turn) at which the positioner stands, or from which it moves [deg]; None without
     one"""
+    rail: float | None = None
+    """where the carriage stands [m]; None without a rail"""
     because: str = ""
     """why axes have to be unwound here; empty elsewhere"""
 
@@ -93,6 +95,8 @@ class Segment:
                 found["feed_mm_s"] = [1e3 * float(stated.min()), 1e3 * float(stated.max())]
             if piece.feed_use is not None:
                 found["feed"] = piece.feed_use.summary()
+        if self.rail is not None:
+            found["rail_mm"] = 1e3 * self.rail
         if self.positioner is not None:
             found["positioner_deg"] = list(self.positioner)
         if piece.trajectory.external is not None:

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.cell import Rail
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.planners.clearance.clearance import unknown
 from irb2400_ctrl.planners.enclosure.path_dynamics import path_dynamics
@@ -78,6 +79,25 @@ class Rest:
         still = found.trajectory
         turned = replace(turned, time=still.time, check_speeds=False)
         return replace(found, trajectory=replace(still, external=turned, check_speeds=False))
+
+
+def carriage_acceleration(run: Run, rail: Rail, q: Array) -> float:
+    """How hard the carriage under an arm that stands at q (n,) [rad] may accelerate, so that no
+    joint needs more than its torque to stay [m/s2].
+
+    A base that accelerates by a is, for an arm that stands on it, gravity g - a: its torque is
+    linear in that.
+    """
+    robot = run.plan.robot
+    along = np.array(rail.direction) / np.linalg.norm(rail.direction)
+    pulled = tuple(float(v) for v in np.array(robot.gravity_m_s2) - along)
+    leaning = robot.model_copy(update={"gravity_m_s2": pulled})
+    held, pushed = (
+        path_dynamics(arm).torque(q[None], 0 * q[None], 0 * q[None], np.zeros(1))[0]
+        for arm in (robot, leaning)
+    )
+    left = run.plan.torque_share * robot.tau_max - np.abs(held)
+    return max(float((left / np.maximum(np.abs(pushed - held), 1e-9)).min()), 0.0)
 
 
 def waits(operation: Operation) -> dict[int, float]:

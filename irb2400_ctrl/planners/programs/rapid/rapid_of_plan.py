@@ -63,6 +63,11 @@ def rapid_of_motion(
             "RAPID: found approach_mm or retract_mm for a motion that comes and goes by itself, "
             "expected one or the other; shape its links instead (--clearance, --approach)"
         )
+    if len({segment.rail for segment in motion.segments}) > 1:
+        raise InputError(
+            "RAPID: the carriage of the rail goes from operation to operation, which a module does "
+            "not say; expected one place, or a module of each operation (--no-links)"
+        )
     time = motion.trajectory.time
     moving = motion.trajectory.external
     joints = np.zeros(len(time), dtype=bool)
