@@ -16,11 +16,13 @@ from irb2400_ctrl.cli.main import run
 def irb2400(*words: object, cwd: Path | None = None) -> subprocess.CompletedProcess[str]:
     """What `irb2400 words` answers, called from a folder."""
     command = ["irb2400", *map(str, words)]
-    out, err = io.StringIO(), io.StringIO()
+    out = io.StringIO()
+    err = io.StringIO()
     folder = contextlib.chdir(cwd) if cwd else contextlib.nullcontext()
-    streams = contextlib.redirect_stdout(out), contextlib.redirect_stderr(err)
+    told = contextlib.redirect_stdout(out)
+    warned = contextlib.redirect_stderr(err)
     code: object = 0
-    with folder, streams[0], streams[1], mock.patch.object(sys, "argv", command):
+    with folder, told, warned, mock.patch.object(sys, "argv", command):
         try:
             run()
         except SystemExit as end:
