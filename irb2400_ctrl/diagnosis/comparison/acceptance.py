@@ -8,6 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.diagnosis.comparison.criteria import Criteria
 from irb2400_ctrl.diagnosis.comparison.step import Step
 from irb2400_ctrl.diagnosis.estimation.candidate import Candidate
 from irb2400_ctrl.diagnosis.estimation.effect_parameters import value_of, with_value
@@ -21,9 +22,6 @@ STANDARD_ERRORS = 3.0
 INFLATION = 1.5
 """standard errors from the noise alone cover too little: the model's own imperfection adds to
 them"""
-IN_BASE = 0.05
-"""share of a torque beyond the base below which unseen rows say nothing: other numbers of the
-robot explain them as well, and the evidence has weighed how unlikely those numbers are"""
 
 
 def effects_of(chosen: Sequence[Candidate], place: int) -> range:
@@ -58,8 +56,9 @@ def stands_clear(fit: Fit, place: int, duration: float) -> bool:
 class Acceptance:
     """Holds fitted explanations against the log that they were found on."""
 
-    def __init__(self, fitter: Fitter) -> None:
+    def __init__(self, fitter: Fitter, criteria: Criteria) -> None:
         self.fitter = fitter
+        self.criteria = criteria
 
     def bears_out(self, steps: Sequence[Step], fit: Fit, place: int) -> bool:
         """Whether the common fit of all bears one of them out."""
@@ -107,7 +106,9 @@ class Acceptance:
         return int(np.argmax(power / np.mean(motion.filtered(motion.tau) ** 2, axis=0)))
 
     def _beyond_base(self, candidate: Candidate, fit: Fit) -> bool:
-        """Whether other numbers of the robot could not say the same."""
+        """Whether other numbers of the robot could not say the same: where they could, unseen rows
+        say nothing, and the evidence has weighed how unlikely those numbers are."""
         base = fit.Z[:, :, fit.owner < 0]
         problem = Problem(fit.y, base, fit.noise)
-        return problem.share_beyond_base(candidate.torque(self.fitter.motion.n)) > IN_BASE
+        share = self.criteria.mostly_base
+        return problem.share_beyond_base(candidate.torque(self.fitter.motion.n)) > share

@@ -42,8 +42,8 @@ class Criteria:
         unknown: how much a non-parametric law must beat the best effect by [nats], and as share of
             that effect's gain.
         mostly_base: share of an effect's torque that no other numbers of the robot would give,
-            below which a non-parametric law must also say `little` more: rms torque over the
-            effect's.
+            below which unseen rows say nothing about it and a non-parametric law must also say
+            `little` more: rms torque over the effect's.
         shortlist: candidates judged in a step; most: explanations of one log; most_refused:
             explanations that a polished fit does not bear out, before the search ends.
     """

@@ -36,7 +36,7 @@ class Selection:
         self.fitter = fitter
         self.criteria = Criteria() if criteria is None else criteria
         self.refused: set[Name] = set()
-        self.acceptance = Acceptance(fitter)
+        self.acceptance = Acceptance(fitter, self.criteria)
         self.threshold = Threshold(
             self.criteria, scan.motion, predicted_torque(fitter.robot, scan.motion, fitter.bases)
         )
