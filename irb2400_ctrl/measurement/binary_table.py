@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -12,11 +11,10 @@ import numpy as np
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.errors import InputError, ToolMissingError
 from irb2400_ctrl.extras import needed
-from irb2400_ctrl.measurement.table import Table, one_length
+from irb2400_ctrl.measurement.table import Table, numbered, one_length
 
 MOST_JOINTS = 16
 """a matrix with so few rows and more columns than that holds a sample per column"""
-_MATRIX = re.compile(r"(qd|q|tau)(_ref)?_(\w+)")
 
 
 def read_parquet_table(path: Path) -> Table:
@@ -87,7 +85,7 @@ def _arrow_columns(pa: Any, name: str, values: Any) -> dict[str, Array]:
         width = {-1 if row is None else len(row) for row in rows}
         if len(width) == 1 and min(width) > 0 and not isinstance(rows[0][0], str | list | dict):
             matrix = np.array(rows, dtype=float)
-            return {_column(name, j): matrix[:, j] for j in range(matrix.shape[1])}
+            return {numbered(name, j): matrix[:, j] for j in range(matrix.shape[1])}
     return {}
 
 
@@ -126,11 +124,4 @@ def _flat(name: str, value: Any) -> Iterator[tuple[str, Array]]:
             yield name, numbers.ravel()
         else:
             for j in range(numbers.shape[1]):
-                yield _column(name, j), np.ascontiguousarray(numbers[:, j])
-
-
-def _column(name: str, j: int) -> str:
-    match = _MATRIX.fullmatch(name)
-    if match is None:
-        return f"{name}[{j + 1}]"
-    return f"{match[1]}{j + 1}{match[2] or ''}_{match[3]}"
+                yield numbered(name, j), np.ascontiguousarray(numbers[:, j])

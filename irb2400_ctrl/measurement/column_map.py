@@ -55,6 +55,14 @@ class TimeColumn(_Strict):
 
     column: str
     unit: Literal["s", "ms", "us", "ns"] = "s"
+    nanoseconds: str | None = None
+    """a second column, beyond the whole seconds of the first"""
+
+    @model_validator(mode="after")
+    def _in_seconds(self) -> Self:
+        if self.nanoseconds is not None and self.unit != "s":
+            raise ValueError(f"nanoseconds beyond a column in {self.unit}, expected unit = 's'")
+        return self
 
 
 Number = Annotated[float, Field(allow_inf_nan=False)]

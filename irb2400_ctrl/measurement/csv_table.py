@@ -15,6 +15,7 @@ import numpy as np
 
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.measurement.list_cells import numbers_of, spread
 from irb2400_ctrl.measurement.signal_names import is_unit
 from irb2400_ctrl.measurement.table import Table
 from irb2400_ctrl.reading import text_blocks
@@ -102,9 +103,10 @@ def read_csv_table(path: Path, progress: Callable[[int], None] = lambda rows: No
         start += 1 + next(k for k, line in enumerate(head[start:]) if line.strip(_EMPTY))
         row = _first_row(path, head, dialect, start)
     body = Body(path, dialect, start)
-    columns = _fast(body, header, progress)
+    names, widths = spread(header, row)
+    columns = None if widths else _fast(body, header, progress)
     if columns is None:
-        columns = _slow(body, header, progress)
+        columns = _slow(body, len(header), names, widths, progress)
     words = {
         name: cell
         for name, cell in zip(header, row, strict=False)
@@ -235,10 +237,23 @@ def _fast(
     return dict(zip(header, columns, strict=True))
 
 
-def _slow(body: Body, header: list[str], progress: Callable[[int], None]) -> dict[str, Array]:
-    """Cell by cell, to say where a line is not like the others; a word is NaN."""
-    width = len(header)
-    columns = [array("d") for _ in header]
+def _slow(
+    body: Body,
+    width: int,
+    names: list[str],
+    widths: dict[int, int],
+    progress: Callable[[int], None],
+) -> dict[str, Array]:
+    """Cell by cell, to say where a line is not like the others; a word is NaN.
+
+    Args:
+        body: the samples.
+        width: cells of a line.
+        names: of the columns, those of lists one by one.
+        widths: how many numbers the lists hold, by the number of their cell.
+        progress: called with the number of samples read so far.
+    """
+    columns = [array("d") for _ in names]
     lines = (line for block in body.blocks() for line in block.decode().split("\n")[:-1])
     for number, line in enumerate(lines, body.start + 1):
         if not line.strip(_EMPTY):
@@ -253,13 +268,33 @@ def _slow(body: Body, header: list[str], progress: Callable[[int], None]) -> dic
                 f"{body.path}, line {number}: found {len(cells)} cells, expected {width} as in "
                 f"the header{hint}"
             )
-        for column, cell in zip(columns, cells, strict=True):
-            column.append(_number(cell, body.dialect.decimal))
+        place = f"{body.path}, line {number}"
+        for column, value in zip(columns, _values(body, cells, widths, place), strict=True):
+            column.append(value)
         if number % SLOW_ROWS == 0:
-            _within(body.path, len(columns[0]), width)
+            _within(body.path, len(columns[0]), len(names))
             progress(len(columns[0]))
-    _within(body.path, len(columns[0]), width)
-    return {name: np.array(values) for name, values in zip(header, columns, strict=True)}
+    _within(body.path, len(columns[0]), len(names))
+    return {name: np.array(values) for name, values in zip(names, columns, strict=True)}
+
+
+def _values(body: Body, cells: list[str], widths: dict[int, int], place: str) -> list[float]:
+    """The numbers of a line; a cell without anything where a list is expected holds none."""
+    if not widths:
+        return [_number(cell, body.dialect.decimal) for cell in cells]
+    values = []
+    for k, cell in enumerate(cells):
+        if k not in widths:
+            values.append(_number(cell, body.dialect.decimal))
+            continue
+        listed = numbers_of(cell) if cell.strip() else [np.nan] * widths[k]
+        if listed is None or len(listed) != widths[k]:
+            raise InputError(
+                f"{place}: found {cell.strip()[:40]!r} in cell {k + 1}, expected a list of "
+                f"{widths[k]} numbers as in the first sample"
+            )
+        values += listed
+    return values
 
 
 def _number(cell: str, decimal: str) -> float:

@@ -21,7 +21,7 @@ from irb2400_ctrl.measurement.binary_table import read_mat_table, read_parquet_t
 from irb2400_ctrl.measurement.column_map import TIME, ColumnMap, load_column_map
 from irb2400_ctrl.measurement.csv_table import read_csv_table
 from irb2400_ctrl.measurement.log import Log
-from irb2400_ctrl.measurement.recorder_names import recorder_columns
+from irb2400_ctrl.measurement.recorder_names import has_time, recorder_columns
 from irb2400_ctrl.measurement.ros_table import read_ros_table
 from irb2400_ctrl.measurement.signal_names import (
     joint_signal,
@@ -30,6 +30,7 @@ from irb2400_ctrl.measurement.signal_names import (
     without_unit,
 )
 from irb2400_ctrl.measurement.table import Table
+from irb2400_ctrl.measurement.two_part_time import joined, joined_time
 from irb2400_ctrl.reading import looks_like
 
 Found = dict[str, dict[int, str]]
@@ -82,9 +83,12 @@ def read_log(
     else:
         table = READERS.get(path.suffix.lower(), read_csv_table)(path)
     if columns is None:
+        if not has_time(table):
+            table = joined_time(table)
         time, found, scales = _by_name(table, names)
     else:
         given = columns if isinstance(columns, ColumnMap) else load_column_map(columns)
+        table = _with_time(table, given)
         time, found, scales = _by_map(table, given)
     used = {time[0], *(name for places in found.values() for name in places.values())}
     table = _without_blank_rows(table, used - {time[0]})
@@ -182,6 +186,19 @@ def _by_map(table: Table, given: ColumnMap) -> tuple[tuple[str, float], Found, d
             f"{table.path}: no column {missing[0]!r} that the column map names; found {table.some}"
         )
     return time, found, scales
+
+
+def _with_time(table: Table, given: ColumnMap) -> Table:
+    """The table with the time of the map in one column."""
+    if given.time is None or given.time.nanoseconds is None:
+        return table
+    pair = (given.time.column, given.time.nanoseconds)
+    if all(name in table.columns for name in pair):
+        return joined(table, *pair, into=pair[0])
+    raise InputError(
+        f"{table.path}: no columns {pair[0]!r} and {pair[1]!r} that the column map names as the "
+        f"time; found {table.some}"
+    )
 
 
 def _contradict(table: Table, one: str, other: str) -> None:

@@ -6,7 +6,7 @@
   `/velocity`, `/effort` (a dot does as well as the last stroke).
 - `rostopic echo -p`: `%time` [ns] (a comment line is the header), `field.name0`…,
   `field.position0`…; tables of bags (bagpy): `Time`, `name` with the list of joints,
-  `position_0`…, `velocity_0`…, `effort_0`…
+  `position_0`…, `velocity_0`…, `effort_0`…, or the whole list in one cell of `position`.
 
 A time whose name states no unit is in seconds, or, counted from 1970, in the unit that its size
 tells (`pandas` writes nanoseconds).
@@ -34,8 +34,11 @@ _RTDE_SIGNALS = {
     "actual_current_as_torque": "tau",
 }
 _NAMED = re.compile(r"(.*[/.])?(?P<joint>[^/.]+)[/.](?P<word>position|velocity|effort)")
-_ECHO = re.compile(r"(field\.)?(?P<word>position|velocity|effort)_?(?P<place>\d+)")
-_QUOTED = re.compile(r"'([^']+)'")
+_ECHO = re.compile(
+    r"(.*[/.])?(?P<word>position|velocity|effort)(?:_?(?P<place>\d+)|\[(?P<from_one>\d+)\])"
+)
+_QUOTED = re.compile(r"""['"]([^'"]+)['"]""")
+_NAMES = re.compile(r"(.*[/.])?name")
 _TIMES = {"%time": 1e-9, "time_ns": 1e-9, "time_us": 1e-6, "time_ms": 1e-3, "time_s": 1.0}
 _BARE_TIMES = ("timestamp", "__time", "time", "Time")
 _SINCE_1970 = ((1e17, 1e-9), (1e14, 1e-6), (1e11, 1e-3))
@@ -56,6 +59,18 @@ def recorder_columns(table: Table, joints: Sequence[str] | None) -> Named | None
         if found.get("q"):
             return (time, _TIMES.get(time) or _unit(table.columns[time])), found
     return None
+
+
+def has_time(table: Table) -> bool:
+    """Whether a column is called as a time is."""
+    return any(name in table.columns for name in (*_TIMES, *_BARE_TIMES))
+
+
+def _twice(table: Table, one: str, other: str, what: str) -> InputError:
+    return InputError(
+        f"{table.path}: columns {one!r} and {other!r} are both {what}, expected one: leave the "
+        "other out, or name the right one in a column map (--columns, docs/logs.md)"
+    )
 
 
 def _unit(stamps: Array) -> float:
@@ -81,11 +96,7 @@ def _by_joint(table: Table, joints: Sequence[str] | None) -> dict[str, dict[int,
             columns = seen.setdefault(match["joint"], {})
             other = columns.setdefault(match["word"], name)
             if other != name:
-                raise InputError(
-                    f"{table.path}: columns {other!r} and {name!r} are both the {match['word']} of "
-                    f"{match['joint']}, expected one: leave the other out, or name the right one "
-                    "in a column map (--columns, docs/logs.md)"
-                )
+                raise _twice(table, other, name, f"the {match['word']} of {match['joint']}")
     return _ordered(table, list(seen), list(seen.values()), joints)
 
 
@@ -94,8 +105,12 @@ def _echoed(table: Table, joints: Sequence[str] | None) -> dict[str, dict[int, s
     for name in table.columns:
         match = _ECHO.fullmatch(name)
         if match is not None:
-            seen.setdefault(int(match["place"]), {})[match["word"]] = name
-    listed = _QUOTED.findall(table.words.get("name", ""))
+            place = int(match["place"]) if match["place"] else int(match["from_one"]) - 1
+            other = seen.setdefault(place, {}).setdefault(match["word"], name)
+            if other != name:
+                raise _twice(table, other, name, f"the {match['word']} of joint {place + 1}")
+    words = [words for name, words in table.words.items() if _NAMES.fullmatch(name)]
+    listed = _QUOTED.findall(words[0]) if words else []
     numbered = [f"joint {place + 1}" for place in range(max(seen, default=-1) + 1)]
     names = [
         table.words.get(f"field.name{place}", (listed if len(listed) > place else numbered)[place])

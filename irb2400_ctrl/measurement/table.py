@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -11,6 +12,8 @@ import numpy.typing as npt
 
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.errors import InputError
+
+_MATRIX = re.compile(r"(qd|q|tau)(_ref)?_(\w+)")
 
 
 @dataclass(frozen=True)
@@ -59,3 +62,11 @@ def one_length(path: Path, columns: dict[str, Array]) -> Table:
             "expected one time base for all: resample them in the tool that wrote the file"
         )
     return Table(path, columns)
+
+
+def numbered(name: str, j: int) -> str:
+    """The name of column j, counted from 0, of a matrix or list: `q1_deg` of `q_deg`, `name[1]`."""
+    match = _MATRIX.fullmatch(name)
+    if match is None:
+        return f"{name}[{j + 1}]"
+    return f"{match[1]}{j + 1}{match[2] or ''}_{match[3]}"

@@ -7,7 +7,6 @@ the torque of the actuator, and its damping, friction and range are those of the
 
 from __future__ import annotations
 
-import re
 from pathlib import Path
 from xml.sax.saxutils import escape, quoteattr
 
@@ -16,6 +15,7 @@ import numpy as np
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.files import write_atomic
 from irb2400_ctrl.robot.description import Robot
+from irb2400_ctrl.robot.exported_names import exported_joints, exported_name
 from irb2400_ctrl.robot.link import Body
 
 
@@ -43,7 +43,7 @@ def to_mjcf(robot: Robot) -> str:
     lines += _tendons(robot, Q)
     lines.append("  <actuator>")
     for i, limit in enumerate(robot.tau_bound):
-        place = f'joint="joint_{i + 1}"' if _alone(Q, i) else f'tendon="q{i + 1}"'
+        place = f'joint="{exported_joints(robot)[i]}"' if _alone(Q, i) else f'tendon="q{i + 1}"'
         bound = f' ctrlrange="{_words((-limit, limit))}"' if np.isfinite(limit) else ""
         lines.append(f'    <motor name="tau{i + 1}" {place}{bound}/>')
     return "\n".join([*lines, "  </actuator>", "</mujoco>"]) + "\n"
@@ -72,10 +72,10 @@ def _opened(robot: Robot, i: int, Q: Array) -> list[str]:
     X = link.frame.matrix()
     X[:3, :3] = X[:3, :3] @ np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]])
     pad = "    " + "  " * i
-    joint = f'{pad}  <joint name="joint_{i + 1}" type="hinge" axis="0 0 1"'
+    joint = f'{pad}  <joint name="{exported_joints(robot)[i]}" type="hinge" axis="0 0 1"'
     if _alone(Q, i):
         joint += f' range="{_words((robot.q_min[i], robot.q_max[i]))}"{_friction(robot, i)}'
-    name = _name(link.name)
+    name = exported_name(link.name)
     lines = [
         f'{pad}<body name="{name}" pos="{_words(X[:3, 3])}" quat="{_words(quaternion(X))}">',
         joint + "/>",
@@ -117,7 +117,7 @@ def _tendons(robot: Robot, Q: Array) -> list[str]:
         ends = _words((robot.q_min[i], robot.q_max[i]))
         lines.append(f'    <fixed name="q{i + 1}" range="{ends}"{_friction(robot, i)}>')
         lines += [
-            f'      <joint joint="joint_{j + 1}" coef="{_words((Q[i, j],))}"/>'
+            f'      <joint joint="{exported_joints(robot)[j]}" coef="{_words((Q[i, j],))}"/>'
             for j in np.flatnonzero(Q[i])
         ]
         lines.append("    </fixed>")
@@ -158,10 +158,6 @@ def quaternion(X: Array) -> Array:
     row = [[sizes[0], x, y, z], [x, sizes[1], xy, xz], [y, xy, sizes[2], yz], [z, xz, yz, sizes[3]]]
     q = np.array(row[k])
     return np.asarray(q / np.linalg.norm(q))
-
-
-def _name(text: str) -> str:
-    return re.sub(r"\W+", "_", text).strip("_")
 
 
 def _words(values: tuple[float, ...] | Array) -> str:

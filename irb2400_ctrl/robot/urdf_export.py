@@ -7,7 +7,6 @@ have no place in URDF and are named there.
 
 from __future__ import annotations
 
-import re
 from pathlib import Path
 from xml.sax.saxutils import escape, quoteattr
 
@@ -16,6 +15,7 @@ import numpy as np
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.files import write_atomic
 from irb2400_ctrl.robot.description import Robot
+from irb2400_ctrl.robot.exported_names import exported_joints, exported_name
 from irb2400_ctrl.robot.link import Body
 
 
@@ -35,7 +35,7 @@ def to_urdf(robot: Robot) -> str:
     lines.append('  <link name="base"/>')
     parent = "base"
     for i, link in enumerate(robot.links):
-        name = _name(link.name)
+        name = exported_name(link.name)
         lines += [_link(name, link.body), _revolute(robot, i, parent, name)]
         parent = name
     lines += ['  <link name="flange"/>', _fixed("flange", parent, robot.flange.matrix())]
@@ -52,7 +52,7 @@ def _head(robot: Robot) -> str:
         rows = []
         for i, row in enumerate(A):
             if np.abs(row - np.eye(robot.n)[i]).max() > 0:
-                rows.append(f"joint_{i + 1} = {_combination(row)}")
+                rows.append(f"{exported_joints(robot)[i]} = {_combination(row)}")
         notes.append(
             "The joints below are link angles, not actuator angles q: "
             + "; ".join(rows)
@@ -108,7 +108,7 @@ def _revolute(robot: Robot, i: int, parent: str, child: str) -> str:
     effort = _bound(np.linalg.inv(A).T[i], robot.tau_bound)
     velocity = _bound(A[i], robot.qd_bound)
     lines = [
-        f'  <joint name="joint_{i + 1}" type="revolute">',
+        f'  <joint name="{exported_joints(robot)[i]}" type="revolute">',
         f'    <parent link="{parent}"/>\n    <child link="{child}"/>\n    {_origin(X)}\n    <axis '
         f'xyz="0 0 1"/>',
         f'    <limit lower="{_number(lower)}" upper="{_number(upper)}" effort="{_number(effort)}" '
@@ -148,10 +148,6 @@ def _origin(X: Array) -> str:
         roll = 0.0
         yaw = np.arctan2(-R[0, 1], R[1, 1])
     return f'<origin xyz="{_numbers(X[:3, 3])}" rpy="{_numbers((roll, pitch, yaw))}"/>'
-
-
-def _name(text: str) -> str:
-    return re.sub(r"\W+", "_", text).strip("_")
 
 
 def _number(value: float) -> str:

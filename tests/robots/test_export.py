@@ -14,6 +14,7 @@ from typer.testing import CliRunner
 import irb2400_ctrl as irb
 from irb2400_ctrl.cli.main import app
 from irb2400_ctrl.model.consistency import project, second_moments, with_masses
+from irb2400_ctrl.robot.exported_names import exported_joints
 from irb2400_ctrl.robot.importing import import_robot
 from irb2400_ctrl.robot.mjcf_export import to_mjcf
 from irb2400_ctrl.robot.urdf_export import to_urdf
@@ -129,7 +130,7 @@ def test_drake_makes_the_torques_of_both(name: str) -> None:
             forces = MultibodyForces(plant)
             plant.CalcForceElementsContribution(context, forces)
             tau = irb.Model(robot).inverse_dynamics(q, qd, qdd, friction=False)
-            joints = [plant.GetJointByName(f"joint_{k + 1}") for k in range(robot.n)]
+            joints = [plant.GetJointByName(name) for name in exported_joints(robot)]
             damping = np.array([joint.default_damping() for joint in joints])
             found = plant.CalcInverseDynamics(context, robot.A @ qdd, forces)
             found = robot.A.T @ (found - damping * (robot.A @ qd))
@@ -210,3 +211,16 @@ def test_a_link_without_mass_gets_a_gram_and_the_export_says_so(form: str, tmp_p
     kept, names = with_masses(irb.load_robot("irb2400"))
     assert names == []
     assert kept == irb.load_robot("irb2400")
+
+
+@pytest.mark.parametrize("form", ["urdf", "mjcf"])
+def test_joints_keep_their_names_there_and_back(form: str, tmp_path: Path) -> None:
+    robot = irb.load_robot("ur10e")
+    suffix, text = {"urdf": ("urdf", to_urdf), "mjcf": ("xml", to_mjcf)}[form]
+    path = tmp_path / f"arm.{suffix}"
+    path.write_text(text(robot))
+    assert import_robot(path).robot.joint_names == robot.joint_names
+    same = robot.joints[0].model_copy(update={"name": "wrist 1"})
+    twice = robot.model_copy(update={"joints": (same, *robot.joints[1:])})
+    path.write_text(text(twice))
+    assert import_robot(path).robot.joint_names == [f"joint_{k}" for k in range(1, 7)]

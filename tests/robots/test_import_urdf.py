@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 from typing import Any
 
@@ -166,6 +167,50 @@ def test_a_parallelogram_and_a_payload_are_stated(tmp_path: Path) -> None:
     assert coupled.inertial_parameters[-1, 0] == pytest.approx(11.5)
     with pytest.raises(InputError, match="expected two of the joints"):
         imported(tmp_path, text, coupling=((7, 2, -1.0),))
+
+
+@pytest.mark.parametrize(("axis", "multiplier"), [("0 1 0", -1.0), ("0 -1 0", 1.0)])
+def test_a_parallelogram_written_as_a_follower_is_one(
+    axis: str, multiplier: float, tmp_path: Path
+) -> None:
+    text = urdf(ARMS["irb4600"])
+    coupled = imported(tmp_path, text, coupling=((3, 2, -1.0),)).robot
+    start = text.index('<joint name="joint_3"')
+    origin = re.search(r"<origin [^>]*/>", text[start:])
+    assert origin is not None
+    level = (
+        f'<link name="level"/><joint name="level_joint" type="revolute"><parent link="link_2"/>'
+        f'<child link="level"/>{origin[0]}<axis xyz="{axis}"/>'
+        f'<mimic joint="joint_2" multiplier="{multiplier}" offset="0.2"/></joint>'
+    )
+    beyond = text[start:].replace('<parent link="link_2"/>', '<parent link="level"/>', 1)
+    beyond = beyond.replace(origin[0], '<origin xyz="0 0 0"/>', 1)
+    found = imported(tmp_path, text[:start] + level + beyond)
+    robot = found.robot
+    assert robot.joint_names == coupled.joint_names
+    np.testing.assert_array_equal(robot.A, coupled.A)
+    assert any(
+        "level_joint follows joint_2 (mimic) on the axis of joint_3" in n for n in found.notes
+    )
+    # an offset of the follower turns the arm beyond it
+    q, qd, qdd = np.random.default_rng(7).normal(0.0, 0.7, (3, 6))
+    shifted = q + multiplier / -abs(multiplier) * np.array([0, 0, 0.2, 0, 0, 0])
+    mine = irb.Model(robot)
+    other = irb.Model(coupled)
+    np.testing.assert_allclose(mine.flange_pose(q), other.flange_pose(shifted), atol=1e-14)
+    np.testing.assert_allclose(
+        mine.inverse_dynamics(q, qd, qdd), other.inverse_dynamics(shifted, qd, qdd), atol=1e-9
+    )
+    heavy = level.replace(
+        '<link name="level"/>',
+        '<link name="level"><inertial><mass value="2"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" '
+        'iyz="0" izz="1"/></inertial></link>',
+    )
+    notes = imported(tmp_path, text[:start] + heavy + beyond).notes
+    assert any("link level (2 kg) between them" in note for note in notes)
+    moved = beyond.replace('<origin xyz="0 0 0"/>', '<origin xyz="0 0 0.1"/>', 1)
+    with pytest.raises(InputError, match="does not share its axis with the next joint"):
+        imported(tmp_path, text[:start] + level + moved)
 
 
 def test_what_is_unknown_survives_the_file(tmp_path: Path) -> None:

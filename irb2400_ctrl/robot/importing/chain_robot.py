@@ -14,6 +14,7 @@ from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.robot.description import Robot
 from irb2400_ctrl.robot.importing.arm_outline import Drawn, with_outline
 from irb2400_ctrl.robot.importing.joint_tables import joint_table
+from irb2400_ctrl.robot.importing.mimic_joints import Driven, driven
 from irb2400_ctrl.robot.importing.tree import (
     TURNING,
     Mass,
@@ -89,7 +90,7 @@ def chain_robot(
     base = base or tree.root()
     tip = tip or _tip(tree, base)
     path = _stood_still(tree.path(base, tip), notes)
-    _turning_only(tree, path)
+    path, followers = driven(tree, _turning_only(tree, path), notes)
     notes.append(f"chain from {base} to {tip}")
     chain = _Collected([], [], [], [], np.eye(4))
     on_path = {joint.name for joint in path}
@@ -101,14 +102,14 @@ def chain_robot(
     tables = [joint_table(joint, notes) for joint in chain.joints]
     notes += _one_limit([t["limits"].get("torque_Nm") for t in tables])
     n = len(chain.joints)
-    if coupling:
+    if coupling or followers:
         notes.append("ranges and torque limits are taken as those of the actuators, not of links")
     fields: dict[str, Any] = {
         "name": tree.name,
         "source": tree.source,
         "gravity_m_s2": tree.gravity,
         "gravity_source": "assumption: the base stands upright; the file does not say",
-        "coupling": _coupling(n, coupling),
+        "coupling": _coupling(n, followers, coupling),
         "links": [
             _link(joint, frame, mass, tree.source, notes)
             for joint, frame, mass in zip(chain.joints, chain.frames, chain.masses, strict=True)
@@ -250,10 +251,13 @@ def _tip(tree: Tree, base: str) -> str:
             path = tree.path(base, link)
         except InputError:
             continue
-        turns = sum(j.kind in TURNING for j in path)
+        turns = sum(j.kind in TURNING and not j.mimics for j in path)
         rank = next((len(TIPS) - k for k, t in enumerate(TIPS) if link.lower().endswith(t)), 0)
         path = _stood_still(path, [])
-        if not rank and any(j.kind not in TURNING | {"fixed"} or j.mimics for j in path):
+        if not rank and any(j.kind not in TURNING | {"fixed"} for j in path):
+            continue
+        turning = [joint for joint in path if joint.kind in TURNING]
+        if not rank and turning and turning[-1].mimics:
             continue
         if any(
             j.kind in TURNING and (GRIPPER.search(j.name) or FINGER.search(j.child)) for j in path
@@ -264,31 +268,35 @@ def _tip(tree: Tree, base: str) -> str:
     return max(best)[4]
 
 
-def _turning_only(tree: Tree, path: list[TreeJoint]) -> None:
+def _turning_only(tree: Tree, path: list[TreeJoint]) -> list[TreeJoint]:
+    """The path, in which nothing slides."""
     for joint in path:
         if joint.kind not in TURNING | {"fixed"}:
             raise InputError(
                 f"{tree.name}: joint {joint.name} is {joint.kind or 'of no type'}; this library "
                 "knows arms whose joints turn, choose another end with --tool-link"
             )
-        if joint.mimics:
-            raise InputError(
-                f"{tree.name}: joint {joint.name} follows {joint.mimics} (mimic) and has no "
-                "actuator of its own; choose another end with --tool-link, or take <mimic> out of "
-                "the file if a motor drives it"
-            )
+    return path
 
 
-def _coupling(n: int, terms: tuple[tuple[int, int, float], ...]) -> dict[str, Any]:
+def _coupling(
+    n: int, followers: list[Driven], terms: tuple[tuple[int, int, float], ...]
+) -> dict[str, Any]:
+    """What the file states, and then what the user does."""
     A = np.eye(n)
+    offset = np.zeros(n)
+    for one in followers:
+        A[one.axis - 1, one.by - 1] += one.factor
+        offset[one.axis - 1] += one.offset
     for i, j, factor in terms:
         if not (1 <= i <= n and 1 <= j <= n and i != j):
             raise InputError(f"coupling {i},{j},{factor:g}: expected two of the joints 1 to {n}")
         A[i - 1, j - 1] = factor
+    stated = "stated at the import" if terms else "<mimic> of the imported file"
     return {
         "matrix": A.tolist(),
-        "offset_rad": [0.0] * n,
-        "source": "stated at the import" if terms else "serial arm",
+        "offset_rad": offset.tolist(),
+        "source": stated if terms or followers else "serial arm",
     }
 
 

@@ -66,6 +66,10 @@ class TreeJoint:
     armature: float | None = None
     """rotor inertia on the joint's side [kg m2]"""
     mimics: str | None = None
+    multiplier: float = 1.0
+    """of the joint that it follows"""
+    offset: float = 0.0
+    """[rad]"""
 
 
 @dataclass(frozen=True)

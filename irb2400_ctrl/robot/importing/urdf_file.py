@@ -78,6 +78,8 @@ def _joint(path: Path, element: ET.Element) -> TreeJoint:
         damping=_optional(where, dynamics, "damping"),
         dry=_optional(where, dynamics, "friction"),
         mimics=None if mimic is None else mimic.get("joint"),
+        multiplier=1.0 if (ratio := _optional(where, mimic, "multiplier")) is None else ratio,
+        offset=_optional(where, mimic, "offset") or 0.0,
     )
 
 
