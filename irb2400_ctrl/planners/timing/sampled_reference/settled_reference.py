@@ -112,6 +112,9 @@ def settled_reference(
             break
         law = slower
         found = look(law)
+    if found.worst(limits) > first.worst(limits):
+        # axes too weak to come back so fast to their speed
+        return _slower_all_over(look, first, limits, _HOPELESS)
     # coming back to its speed the law itself may need more than its rows
     own = law.bounds(task.joints, limits, dynamics)
     law = law.slowed(1 + _BY_TORQUE * max(own.torque_ratio - 1, 0.0))
