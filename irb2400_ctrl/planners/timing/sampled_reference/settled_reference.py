@@ -220,7 +220,7 @@ def _looked_at(
     bounds = reference.bounds(dynamics, limits)
     torque = bounds.torque.max(axis=0)
     if not np.isfinite(torque).all():
-        torque = _sampled_torque(dynamics, reference)
+        torque = np.where(np.isfinite(torque), torque, _sampled_torque(dynamics, reference))
     return Settled(law, reference, bounds, torque, task.feed_ratios(law, reference.places))
 
 
