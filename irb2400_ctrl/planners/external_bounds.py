@@ -10,6 +10,7 @@ import numpy as np
 
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.cell.external_axes import ExternalAxes
+from irb2400_ctrl.errors import UnreachableError
 from irb2400_ctrl.planners.enclosure import bernstein
 from irb2400_ctrl.planners.joint_path import JointPath
 from irb2400_ctrl.planners.timing.motion_limits import MotionLimits
@@ -48,6 +49,23 @@ class AxisBounds:
             "speed_limit_deg_s": float(np.degrees(self.speed_limit)),
             "acceleration_limit_deg_s2": float(np.degrees(self.acceleration_limit)),
         }
+
+
+def stay_in_range(axes: ExternalAxes, bounds: Sequence[AxisBounds]) -> None:
+    """Refuse a motion on which an axis leaves its range.
+
+    Raises:
+        UnreachableError: says which, and by how much.
+    """
+    for j, found in enumerate(bounds):
+        beyond = max(float(axes.low[j]) - found.least, found.most - float(axes.high[j]))
+        if beyond > 1e-9:
+            low, high = np.degrees([axes.low[j], axes.high[j]])
+            raise UnreachableError(
+                f"{axes.names[j]} would turn from {np.degrees(found.least):.2f} to "
+                f"{np.degrees(found.most):.2f} deg, expected {low:g} to {high:g} deg; widen its "
+                "range, or state angles at which it stands"
+            )
 
 
 def turn(axes: ExternalAxes, start: Array, end: Array, rate: float) -> Trajectory:

@@ -11,6 +11,8 @@ from turning_part import Line, Table, cone, drawn, looked_at
 
 from irb2400_ctrl import load_robot
 from irb2400_ctrl.cell import Cell, Scene, load_cell
+from irb2400_ctrl.effects.elastic_joint import ElasticJoint
+from irb2400_ctrl.effects.load_friction import LoadFriction
 from irb2400_ctrl.errors import InputError, UnreachableError
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.planners import Plan, check, plan_path
@@ -50,6 +52,29 @@ def test_a_table_with_skew_axes_keeps_what_it_says(tmp_path: Path) -> None:
     found = plan_path(ROBOT, path, cell=table.cell())
     assert found.guaranteed
     assert looked_at(found, table, path, tmp_path).above(found) == []
+
+
+def test_accelerations_that_jump_leave_room_for_the_rows(tmp_path: Path) -> None:
+    """As those of long paths do; slowed around a few rows the table would have to brake harder."""
+    path = cone(0.05, 110, (50, 60), 0.1)
+    smooth = plan_path(ROBOT, path, cell=TABLE.cell())
+    found = plan_path(ROBOT, path, cell=TABLE.cell(), torque_rate=np.inf)
+    assert found.guaranteed
+    assert looked_at(found, TABLE, path, tmp_path).above(found) == []
+    assert found.duration < 1.5 * smooth.duration
+
+
+def test_effects_with_bounds_of_their_own(tmp_path: Path) -> None:
+    effects = (
+        LoadFriction(joint=2, coefficient=0.08, source="drawn"),
+        ElasticJoint(joint=3, stiffness_Nm_rad=3e5, source="drawn"),
+    )
+    path = cone(0.05, 110, (50, 60), 0.1)
+    for effect, sure in zip(effects, (True, False), strict=True):
+        robot = ROBOT.model_copy(update={"effects": (effect,)})
+        found = plan_path(robot, path, cell=TABLE.cell())
+        assert found.guaranteed is sure, found.guarantee_note
+        assert looked_at(found, TABLE, path, tmp_path).above(found) == []
 
 
 def test_the_arm_alone_cannot_go_around() -> None:

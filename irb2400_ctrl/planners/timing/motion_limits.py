@@ -95,6 +95,10 @@ class MotionLimits:
             jerk=None if self.jerk is None else np.append(self.jerk, none),
         )
 
+    def with_room(self, n: int, part: float) -> MotionLimits:
+        """The same with that part of the acceleration of what follows the first n axes."""
+        return replace(self, tau_max=np.append(self.tau_max[:n], part * self.tau_max[n:]))
+
     def first(self, n: int) -> MotionLimits:
         """Those of the first n axes."""
         rate = None if self.torque_rate is None else self.torque_rate[:n]

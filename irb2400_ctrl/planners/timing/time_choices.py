@@ -11,6 +11,7 @@ from irb2400_ctrl.planners.enclosure.cells import enclose, grid
 from irb2400_ctrl.planners.enclosure.path_dynamics import PathDynamics
 from irb2400_ctrl.planners.redundancy.choice import LONG, Choice
 from irb2400_ctrl.planners.timing.infeasible_point import InfeasiblePointError
+from irb2400_ctrl.planners.timing.piecewise_constant_law import PiecewiseConstantLaw
 from irb2400_ctrl.planners.timing.rate_limited.rate_summary import rate_summary
 from irb2400_ctrl.planners.timing.rate_limited.time_rate_limited import time_rate_limited
 from irb2400_ctrl.planners.timing.sampled_reference.settled_reference import (
@@ -83,6 +84,7 @@ def best_first(timed: Sequence[TimedChoice], axis_tolerance: float) -> list[Time
     return sorted(allowed or timed, key=lambda option: option.rank)
 
 
+_ROOM_FOR_ROWS = 0.6
 RATES_UP_TO = 1000
 """pieces of a path above which rates that nobody stated are not limited: it would take minutes"""
 LONG_NOTE = (
@@ -131,7 +133,15 @@ def settle(
     dynamics: PathDynamics, timed: TimedChoice, options: TimingOptions
 ) -> tuple[TimedChoice, Settled]:
     """The choice as its rows say it, slowed by what they swing above the limits; with toppra's
-    timing as it is."""
+    timing as it is.
+
+    Where the acceleration may jump, axes that carry the part leave room for what rows swing above
+    it: they are too weak to be slowed around a few rows.
+    """
+    if dynamics.external and isinstance(timed.law, PiecewiseConstantLaw):
+        n = dynamics.model.robot.n
+        roomy = replace(options, limits=options.limits.with_room(n, _ROOM_FOR_ROWS))
+        timed = replace(timed, law=fastest(dynamics, timed.path, roomy).law)
     found = settled_reference(
         dynamics, timed.path, timed.law, options.limits, options.sampling, options.certified
     )

@@ -68,7 +68,7 @@ def reference_bounds(
     for end in (0, -1):
         torque[end] = np.maximum(torque[end], _at_rest(dynamics, motion, s[end]))
     if dynamics.irregular:
-        torque = np.full_like(torque, np.inf)
+        torque[:, : dynamics.model.robot.n] = np.inf
     return ReferenceBounds(s, torque, speed)
 
 

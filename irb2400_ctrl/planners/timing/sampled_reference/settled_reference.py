@@ -122,6 +122,9 @@ def settled_reference(
         if nearly.worst(limits) <= 1:
             found = nearly
             break
+    if found.worst(limits) > first.worst(limits):
+        # axes too weak to come back so fast to their speed
+        return _slower_all_over(look, first, limits, _HOPELESS)
     # coming back to its speed the law itself may need more than its rows
     own = found.law.bounds(task.joints, limits, dynamics).torque_ratio
     if own > 1:
@@ -228,7 +231,7 @@ def _looked_at(
     bounds = reference.bounds(dynamics, limits)
     torque = bounds.torque.max(axis=0)
     if not np.isfinite(torque).all():
-        torque = _sampled_torque(dynamics, reference)
+        torque = np.where(np.isfinite(torque), torque, _sampled_torque(dynamics, reference))
     return Settled(law, reference, bounds, torque, task.feed_ratios(law, reference.places))
 
 
