@@ -53,17 +53,27 @@ class Problem:
     def __init__(self, y: Array, Z: Array, noise: Sequence[Noise]) -> None:
         self.noise = tuple(noise)
         self.y = [one.whiten(y[:, j]) for j, one in enumerate(noise)]
-        self.Z = [one.whiten(Z[:, j, :]) for j, one in enumerate(noise)]
+        # half of the base does not move a joint: links before it, friction of the others
+        self._used = [np.flatnonzero(Z[:, j].any(axis=0)) for j in range(len(self.noise))]
+        self._Z = [one.whiten(Z[:, j, self._used[j]]) for j, one in enumerate(noise)]
         k = Z.shape[2]
-        gram = sum((block.T @ block for block in self.Z), np.zeros((k, k)))
-        self._lower = np.linalg.cholesky(np.eye(k) + gram)
+        gram = np.eye(k)
+        self._Zy = np.zeros(k)
+        for used, block, v in zip(self._used, self._Z, self.y, strict=True):
+            gram[np.ix_(used, used)] += block.T @ block
+            self._Zy[used] += block.T @ v
+        self._lower = np.linalg.cholesky(gram)
         self._factor = (self._lower, True)
-        products = (block.T @ v for block, v in zip(self.Z, self.y, strict=True))
-        self._Zy: Array = sum(products, np.zeros(k))
         self.z: Array = cho_solve(self._factor, self._Zy)
         self.quadratic = float(sum(v @ v for v in self.y) - self._Zy @ self.z)
         """y^T P y"""
         self.covariance: Array = cho_solve(self._factor, np.eye(k))
+
+    def _across(self, joint: int, x: Array, rows: slice = slice(None)) -> Array:
+        """Z^T x of one joint for whitened columns x (rows, m), shape (k, m)."""
+        found = np.zeros((len(self._Zy), *x.shape[1:]))
+        found[self._used[joint]] = self._Z[joint][rows].T @ x
+        return found
 
     @property
     def log_evidence(self) -> float:
@@ -81,7 +91,7 @@ class Problem:
     def base_beside(self, torque: Array) -> Array:
         """The base's z once a torque (rows, n) has been taken off y."""
         part = sum(
-            (self.Z[j].T @ one.whiten(torque[:, j]) for j, one in enumerate(self.noise)),
+            (self._across(j, one.whiten(torque[:, j])) for j, one in enumerate(self.noise)),
             np.zeros(len(self.z)),
         )
         return np.asarray(self.z - cho_solve(self._factor, part))
@@ -109,7 +119,7 @@ class Problem:
         k = columns.values.shape[2]
         gram: Array = sum((x.T @ x for _, x in blocks), np.zeros((k, k)))
         right: Array = sum((x.T @ self.y[j] for j, x in blocks), np.zeros(k))
-        C: Array = sum((self.Z[j].T @ x for j, x in blocks), np.zeros((len(self._Zy), k)))
+        C: Array = sum((self._across(j, x) for j, x in blocks), np.zeros((len(self._Zy), k)))
         return gram - C.T @ cho_solve(self._factor, C), right - C.T @ self.z
 
     def projected_in_blocks(
@@ -132,7 +142,7 @@ class Problem:
                 part = slice(block * k, (block + 1) * k)
                 gram[part, part] += x[rows].T @ x[rows]
                 right[part] += x[rows].T @ self.y[j][rows]
-                C[:, part] += self.Z[j][rows].T @ x[rows]
+                C[:, part] += self._across(j, x[rows], rows)
         half = solve_triangular(self._lower, C, lower=True)
         return gram - half.T @ half, right - C.T @ self.z
 
@@ -143,7 +153,7 @@ class Problem:
         x = self.noise[joint].whiten(
             np.ascontiguousarray(values.transpose(1, 0, 2)).reshape(rows, g * k)
         )
-        C = self.Z[joint].T @ x
+        C = self._across(joint, x)
         half = solve_triangular(self._lower, C, lower=True)
         gram = _grams(x, g, k) - _grams(half, g, k)
         right = (x.T @ self.y[joint] - C.T @ self.z).reshape(g, k)
@@ -153,7 +163,7 @@ class Problem:
         """Evidence of many sets of columns (rows, k_i) on one joint, shape (len(blocks),)
         [nats]."""
         x = self.noise[joint].whiten(np.hstack(blocks))
-        C = self.Z[joint].T @ x
+        C = self._across(joint, x)
         half = solve_triangular(self._lower, C, lower=True)
         right = x.T @ self.y[joint] - C.T @ self.z
         found = np.zeros(len(blocks))

@@ -3,18 +3,21 @@ reversals."""
 
 from __future__ import annotations
 
-import cmath
 from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
-from scipy.optimize import brentq
 
 from irb2400_ctrl.arrays import Array, Mask
 
 ORDER = 2
 MOST_COLOUR = 4.0
 """largest over geometric mean power density that is believed to be noise"""
+SECTIONS = 8
+"""parts into which the search for that colour divides its interval"""
+ROUNDS = 10
+"""times that it does"""
+_TURNS = np.exp(-1j * np.outer(np.arange(1, ORDER + 1), np.linspace(0.0, np.pi, 64)))
 
 
 @dataclass(frozen=True)
@@ -88,32 +91,23 @@ def _not_too_coloured(coefficients: Array) -> Array:
 
     Without this limit whatever the model lacks would pass for slow noise.
     """
-    first, second = (float(a) for a in coefficients)
-    if _span(first, second) <= MOST_COLOUR:
+    powers = np.arange(1, ORDER + 1)
+    if _spans(coefficients[None])[0] <= MOST_COLOUR:
         return coefficients
-    inside = float(
-        brentq(lambda s: _span(first * s, second * s**2) - MOST_COLOUR, 0.0, 1.0, xtol=1e-9)
-    )
-    return np.array([first * inside, second * inside**2])
+    low = 0.0
+    high = 1.0
+    for _ in range(ROUNDS):
+        trials = np.linspace(low, high, SECTIONS + 1)
+        spans = _spans(coefficients * trials[1:-1, None] ** powers)
+        inside = int(np.argmax(np.append(spans > MOST_COLOUR, True)))
+        low, high = trials[inside : inside + 2]
+    return np.asarray(coefficients * low**powers)
 
 
-def _span(first: float, second: float) -> float:
-    """Largest over geometric mean power density of AR coefficients of order 2.
-
-    With c = cos w the density is one over |1 - a1 e^-iw - a2 e^-2iw|^2 = (1 + a2)^2 + a1^2 - 2 a1
-    (1 - a2) c - 4 a2 c^2, whose geometric mean is that of the roots outside the unit circle
-    (Jensen's formula).
-    """
-    turns = [-1.0, 1.0]
-    if second < 0.0 and abs(first * (1.0 - second)) < -4.0 * second:
-        turns.append(-first * (1.0 - second) / (4.0 * second))
-    least = min(
-        (1.0 + second) ** 2 + first**2 - 2.0 * first * (1.0 - second) * c - 4.0 * second * c**2
-        for c in turns
-    )
-    root = cmath.sqrt(first**2 + 4.0 * second)
-    outside = [max(1.0, abs(first + side * root) / 2.0) for side in (1.0, -1.0)]
-    return float((outside[0] * outside[1]) ** 2 / max(least, 1e-300))
+def _spans(coefficients: Array) -> Array:
+    """Largest over geometric mean power density of AR coefficients (m, ORDER), shape (m,)."""
+    power = -2.0 * np.log(np.abs(1.0 - coefficients @ _TURNS))
+    return np.asarray(np.exp(power.max(axis=1) - power.mean(axis=1)))
 
 
 def autoregressive(residual: Array, known: Mask, reversal: Mask, floor: float = 0.0) -> Noise:
