@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import base64
 import re
 import sys
 from functools import cache
@@ -18,10 +19,12 @@ from typer.testing import CliRunner
 
 import irb2400_ctrl as irb
 from irb2400_ctrl.cell import Scene, with_kept_apart
+from irb2400_ctrl.cell.piece import arm_pieces
 from irb2400_ctrl.cli.main import app
 from irb2400_ctrl.errors import CollisionError
 from irb2400_ctrl.planners import plan_path
 from irb2400_ctrl.planners.toolpath.builders import poses
+from irb2400_ctrl.report.elements.arm_view import _form
 from irb2400_ctrl.robot import Robot
 from irb2400_ctrl.robot.importing import import_robot
 from irb2400_ctrl.robot.importing.few_corners import few_corners
@@ -340,3 +343,15 @@ def test_the_unit_of_a_collada_file_counts(tmp_path: Path) -> None:
         for part in (known.outline.parts[-1], other.outline.parts[-1])
     ]
     np.testing.assert_allclose(bounds[1], bounds[0], atol=1e-3)
+
+
+def test_a_hull_is_drawn_with_its_surface_outwards(drawn: Robot) -> None:
+    assert drawn.outline is not None
+    hull = next(part.shape for part in drawn.outline.parts if isinstance(part.shape, Hull))
+    corners = hull.triangles
+    volume = (corners[:, 0] * np.cross(corners[:, 1], corners[:, 2])).sum() / 6
+    assert volume == pytest.approx(ConvexHull(hull.points).volume)
+    piece = next(piece for piece in arm_pieces(drawn) if piece.shape is hull)
+    form = _form(piece)
+    assert form["kind"] == "mesh"
+    assert len(base64.b64decode(form["corners"])) == corners.size * 4
