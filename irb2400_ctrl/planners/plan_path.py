@@ -132,8 +132,8 @@ def plan_ways(
     with clock.stage("model"):
         tool = options.tool
         external = options.external
-        count = 0 if external is None else len(external)
-        dynamics = path_dynamics(robot if tool is None else with_tool(robot, tool), count)
+        arm = robot if tool is None else with_tool(robot, tool)
+        dynamics = path_dynamics(arm, 0 if external is None else len(external))
         model = dynamics.model
         scene = Scene.of(model, robot, options.cell, tool)
         spindle = np.array((0.0, 0.0, 1.0) if robot.tool is None else robot.tool.spindle_axis)
@@ -159,25 +159,22 @@ def plan_ways(
             dynamics, orientation, timed, best, options.axis_tolerance, timing
         )
     with clock.stage("trajectory"):
+        rows = settled.reference
         planned = report(
-            dynamics,
-            orientation,
-            timed,
-            best,
-            bounds,
-            remedies,
-            timing,
-            settled.reference,
-            clock.seconds,
+            dynamics, orientation, timed, best, bounds, remedies, timing, rows, clock.seconds
         )
     with clock.stage("margins"):
         margins = margins_as_read(model, orientation, scene, best, settled)
         seen = mapped(model, orientation, scene, best.choice) if options.mapped else None
-    planned = replace(
-        planned, rail=options.rail, positioner=options.positioner, carried=options.external
+    return replace(
+        planned,
+        rail=options.rail,
+        positioner=options.positioner,
+        carried=external,
+        deflection=deflection(best, options.load),
+        rotation_map=seen,
+        **margins,
     )
-    given = deflection(best, options.load)
-    return replace(planned, deflection=given, rotation_map=seen, **margins)
 
 
 def _counted(found: Iterable[Choice], told: Progress) -> Iterator[Choice]:
