@@ -217,7 +217,8 @@ def _geometry(
         a3=_clean(a3),
         d4=_clean(d4),
         e4=_clean(e4),
-        b=_clean(float((W - lines.p[1]) @ arm.y)),
+        # beside axis 1: the frame of link 2 may stand anywhere along axis 2
+        b=_clean(float((W - arm.X_B0[:3, 3]) @ arm.y)),
         C=M @ robot.A,
         offset=offset,
         X_B0=_clean_pose(arm.X_B0),

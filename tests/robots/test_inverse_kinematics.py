@@ -14,6 +14,7 @@ from irb2400_ctrl.errors import InputError, UnreachableError
 from irb2400_ctrl.model.branch_solver import branch_solver
 from irb2400_ctrl.model.joint_box import JointBox
 from irb2400_ctrl.model.newton_branches import NewtonBranches
+from irb2400_ctrl.robot import Transform
 
 Array = npt.NDArray[np.float64]
 SHIPPED = ("irb2400", "puma560", "ur10e")
@@ -22,6 +23,7 @@ NAMES = (
     *(f"{name} URDF" for name in SIX_AXES),
     "parallelogram",
     "on a wall",
+    *(f"{name} slid" for name in ("ur5", "kr16", "irb1200")),
 )
 
 
@@ -42,7 +44,30 @@ def arm(name: str) -> irb.Robot:
         frame = {"transform": (X @ tilted.links[0].frame.matrix()).tolist()}
         first = {**tilted.links[0].model_dump(), "frame": frame}
         return tilted.model_copy(update={"links": (first, *tilted.links[1:])})
+    if name.endswith("slid"):
+        return slid(robot(name.removesuffix(" slid")))
     return irb.load_robot(name)
+
+
+def slid(arm: irb.Robot) -> irb.Robot:
+    """The same arm with every frame elsewhere on its joint's axis, as old files of UR have them."""
+    frames = [link.frame.matrix() for link in arm.links]
+    flange = arm.flange.matrix()
+    for k, way in enumerate((0.1, 0.136, -0.12, 0.07, -0.05, 0.03)):
+        along = np.eye(4)
+        along[2, 3] = way
+        frames[k] = frames[k] @ along
+        along[2, 3] = -way
+        if k < 5:
+            frames[k + 1] = along @ frames[k + 1]
+        else:
+            flange = along @ flange
+    links = tuple(
+        link.model_copy(update={"frame": Transform.model_validate({"transform": X.tolist()})})
+        for link, X in zip(arm.links, frames, strict=True)
+    )
+    end = Transform.model_validate({"transform": flange.tolist()})
+    return arm.model_copy(update={"links": links, "flange": end})
 
 
 @pytest.mark.parametrize("name", NAMES)
