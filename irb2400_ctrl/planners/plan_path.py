@@ -13,7 +13,6 @@ from irb2400_ctrl.cell import Cell, Scene, with_tool
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.planners.certify import certify
 from irb2400_ctrl.planners.enclosure.path_dynamics import path_dynamics
-from irb2400_ctrl.planners.external_bounds import stay_in_range
 from irb2400_ctrl.planners.margins_as_read import margins_as_read
 from irb2400_ctrl.planners.plan import Plan
 from irb2400_ctrl.planners.plan_options import PlanOptions
@@ -130,9 +129,8 @@ def plan_ways(
     """
     with clock.stage("model"):
         tool = options.tool
-        external = options.external
-        count = 0 if external is None else len(external)
-        dynamics = path_dynamics(robot if tool is None else with_tool(robot, tool), count)
+        arm = robot if tool is None else with_tool(robot, tool)
+        dynamics = path_dynamics(arm, 0 if options.external is None else len(options.external))
         model = dynamics.model
         scene = Scene.of(model, robot, options.cell, tool)
         spindle = np.array((0.0, 0.0, 1.0) if robot.tool is None else robot.tool.spindle_axis)
@@ -151,8 +149,6 @@ def plan_ways(
         best, settled = settle(dynamics, best, timing)
     with clock.stage("check"):
         bounds = certify(dynamics, orientation, best, settled, timing)
-        if external is not None:
-            stay_in_range(external, bounds.external)
     with clock.stage("remedies"):
         remedies = price_remedies(
             dynamics, orientation, timed, best, options.axis_tolerance, timing
@@ -172,9 +168,8 @@ def plan_ways(
     with clock.stage("margins"):
         margins = margins_as_read(model, orientation, scene, best, settled)
         seen = mapped(model, orientation, scene, best.choice) if options.mapped else None
-    planned = replace(
-        planned, rail=options.rail, positioner=options.positioner, carried=options.external
-    )
+    planned = replace(planned, rail=options.rail, positioner=options.positioner)
+    planned = replace(planned, carried=options.external)
     given = deflection(best, options.load)
     return replace(planned, deflection=given, rotation_map=seen, **margins)
 
