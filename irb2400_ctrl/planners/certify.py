@@ -8,7 +8,7 @@ import numpy as np
 
 from irb2400_ctrl.planners.enclosure.deviation import Deviation, deviation, singularity_margins
 from irb2400_ctrl.planners.enclosure.path_dynamics import PathDynamics
-from irb2400_ctrl.planners.external_bounds import AxisBounds, axis_bounds
+from irb2400_ctrl.planners.external_bounds import AxisBounds, axis_bounds, stay_in_range
 from irb2400_ctrl.planners.joint_path import JointPath
 from irb2400_ctrl.planners.margins_as_read import followed_as_read
 from irb2400_ctrl.planners.timing.certificate import Certificate, check
@@ -67,9 +67,15 @@ def certify(
     settled: Settled,
     options: TimingOptions,
 ) -> PlanBounds:
-    """Bound everything that a plan promises, without the solver that found the motion."""
+    """Bound everything that a plan promises, without the solver that found the motion.
+
+    Raises:
+        UnreachableError: an axis that carries the part leaves its range.
+    """
     path = timed.path
     joints = certify_joints(dynamics, path.joints, settled, options)
+    if path.tcp.carried is not None:
+        stay_in_range(path.tcp.carried, joints.external)
     return PlanBounds(
         certificate=joints.certificate,
         guaranteed=joints.guaranteed,

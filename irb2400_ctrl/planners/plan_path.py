@@ -13,7 +13,6 @@ from irb2400_ctrl.cell import Cell, Scene, with_tool
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.planners.certify import certify
 from irb2400_ctrl.planners.enclosure.path_dynamics import path_dynamics
-from irb2400_ctrl.planners.external_bounds import stay_in_range
 from irb2400_ctrl.planners.margins_as_read import margins_as_read
 from irb2400_ctrl.planners.plan import Plan
 from irb2400_ctrl.planners.plan_options import PlanOptions
@@ -152,8 +151,6 @@ def plan_ways(
         best, settled = settle(dynamics, best, timing)
     with clock.stage("check"):
         bounds = certify(dynamics, orientation, best, settled, timing)
-        if external is not None:
-            stay_in_range(external, bounds.external)
     with clock.stage("remedies"):
         remedies = price_remedies(
             dynamics, orientation, timed, best, options.axis_tolerance, timing
