@@ -1,4 +1,4 @@
-"""Bodies of few corners around many points."""
+"""A convex body of few corners around a mesh."""
 
 from __future__ import annotations
 
