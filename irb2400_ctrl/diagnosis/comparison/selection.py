@@ -102,16 +102,18 @@ class Selection:
         return Step(polished.candidate, comparison.gain(best), tuple(alternatives))
 
     def _gain(self, comparison: Comparison, best: Alternative) -> float:
-        """What an explanation gains over the base [nats]; of a body that other numbers of the robot
-        give as well, over a base of which all numbers may be further off than stated."""
+        """What an explanation gains over the base [nats]; nothing for a body that other numbers of
+        the robot give as well, if these explain it better where all may be further off than
+        stated: a rival like any other."""
+        gain = comparison.gain(best)
         body = any(effect.role == "parameters" for effect in best.candidate.effects)
         if not body or not self.threshold.in_base(comparison, best.candidate):
-            return comparison.gain(best)
+            return gain
         Z = comparison.Z.copy()
         Z[:, :, : self.fitter.own] *= self.criteria.wider
         wide = Comparison(self.scan, self.fitter.reversal, comparison.y, Z)
-        without = max(comparison.base.log_evidence, wide.base.log_evidence)
-        return max(best.evidence, wide.compared(best.candidate).evidence) - without
+        with_it = max(best.evidence, wide.compared(best.candidate).evidence)
+        return gain if with_it > wide.base.log_evidence else 0.0
 
     def _first_of_two(
         self,
