@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any, ClassVar, Literal, Self
 
 import casadi as ca
-from pydantic import Field
+from pydantic import Field, field_validator
 
 from irb2400_ctrl.effects.ambiguity import COUPLING, Ambiguity
 from irb2400_ctrl.effects.base import Effect
@@ -46,6 +46,12 @@ class WristCoupling(Effect):
     neighbour_dry_Nm: float = Field(
         default=0.0, description="dry friction there by this one's motion F' [Nm]"
     )
+
+    @field_validator("discrepancy")
+    @classmethod
+    def _with_turning(cls, value: tuple[float, ...]) -> tuple[float, ...]:
+        """Files of 0.2.0 and before state the first four: their dry friction jumps."""
+        return value + (0.0,) * 4 if len(value) == 4 else value
 
     def basis(self, s: Signals) -> ca.SX:
         j = self.index

@@ -126,7 +126,7 @@ def _extra_effects(extra: Extra, numbers: Sequence[float] | Array) -> list[Effec
             dry_Nm=dry,
             neighbour_dry_Nm=neighbour_dry,
             # action and reaction of the inertia may differ, nothing else
-            discrepancy=(0.5 * (here - there), 0.0, 0.0, 0.0),
+            discrepancy=(0.5 * (here - there), *(0.0,) * 7),
             source="identified",
         )
         return [coupling]

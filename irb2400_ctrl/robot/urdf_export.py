@@ -56,9 +56,8 @@ def _head(robot: Robot) -> str:
         notes.append(
             "The joints below are link angles, not actuator angles q: "
             + "; ".join(rows)
-            + ", all others joint_i = q_i (parallelogram). Speeds and accelerations go the same "
-            "way; torques come back "
-            "as tau_q = A^T tau_joint."
+            + ", every other joint is its q (parallelogram). Speeds and accelerations go the same "
+            "way; torques come back as tau_q = A^T tau_joint."
         )
         notes.append("Limits of coupled joints are what the actuators' limits allow at most.")
     if robot.effects:

@@ -258,3 +258,11 @@ def test_every_effect_says_all_that_is_asked_of_it(kind: str, robot: irb.Robot) 
     assert (effect.acts == "transmission") == (type(one).transmission is not Effect.transmission)
     assert (effect.acts == "parameters") == (type(one).body is not Effect.body)
     assert robot.with_effects(one).effects == (one,)
+
+
+def test_a_wrist_coupling_of_an_older_file_jumps_as_it_did(robot: irb.Robot) -> None:
+    older = LIBRARY["wrist_coupling"].of(4, dry_Nm=2.0, discrepancy=(0.1, 0.2, 0.3, 0.4))
+    assert older.discrepancy == (0.1, 0.2, 0.3, 0.4, 0.0, 0.0, 0.0, 0.0)
+    robot.with_effects(older)
+    with pytest.raises(ValueError, match="a discrepancy of 5 numbers, expected 8 or none"):
+        robot.with_effects(LIBRARY["wrist_coupling"].of(4, discrepancy=(0.1,) * 5))

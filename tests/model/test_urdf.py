@@ -61,7 +61,7 @@ def test_the_head_explains_the_parallelogram_and_names_what_is_lost(
 ) -> None:
     arm = robot.with_effects(LIBRARY["payload"].of(None, mass_kg=1.0))
     text = save_urdf(arm, tmp_path / "arm.urdf").read_text()
-    assert "joint_3 = q3 - q2" in text
+    assert "axis_3 = q3 - q2" in text
     assert "tau_q = A^T tau_joint" in text
     assert "payload" in text
     assert ET.fromstring(text).get("name") == robot.name

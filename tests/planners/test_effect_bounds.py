@@ -79,6 +79,17 @@ CASES: dict[str, list[Effect]] = {
         effect("coulomb_asymmetry", 2, delta_Nm=10, discrepancy=(5, 5)),
         effect("viscous_change", 1, viscous_Nms_rad=10, discrepancy=(5, 5)),
     ],
+    "dry friction of a neighbour": [
+        effect("wrist_coupling", 4, dry_Nm=5, neighbour_dry_Nm=-4, viscous_Nms_rad=1),
+        effect(
+            "wrist_coupling",
+            5,
+            inertia_kgm2=0.02,
+            dry_Nm=2,
+            neighbour_dry_Nm=3,
+            discrepancy=(0.01, 0.1, 0.01, 0.1, 1.0, -2.0, 1.5, 0.5),
+        ),
+    ],
     "several": [
         effect("load_friction", 2, coefficient=0.08),
         effect("viscous_power", 1, coefficient=60, exponent=0.5),

@@ -1,8 +1,9 @@
 """Which form an effect's torque has along a path, and with it how it is bounded.
 
     regular   a(s) u + b(s) x + e(s) sqrt(x) + c(s)              enclosed like the arm itself
-    timed     the same times factors of the time alone           each factor between its bounds over
-    all times
+    timed     the same times factors of the time alone, or of    each factor between its bounds over
+              the speeds of other joints (a neighbour's dry      all times, or all speeds
+              friction)
     law       f(qd_j), f(qd_j, memory) or f(|load_j|)            a straight line above, one below
     (`ScalarLaw`)
     open      anything else (elastic_joint)                      no bound
@@ -84,10 +85,12 @@ class Forms:
                 regular.append(effect)
                 continue
             law = _law(model, effect)
-            if law is None:
-                left.append(effect)
-            else:
+            if law is not None:
                 laws.append(law)
+            elif is_regular(model, effect, others=True):
+                regular.append(effect)
+            else:
+                left.append(effect)
         return cls(tuple(regular), tuple(laws), tuple(left))
 
 
@@ -118,14 +121,30 @@ def with_sign(model: Model) -> ArmSignals:
     return replace(model.signals(), sign=ca.SX.sym("sign", model.robot.n))
 
 
-def split(tau: ca.SX, s: ArmSignals) -> tuple[list[ca.SX], Array, Array] | None:
-    """A torque as parts[0] + sum_k factor_k parts[k], and the factors' bounds; None if it is not of
-    that form.
+Parts = tuple[list[ca.SX], Array, Array]
+"""a torque as parts[0] + sum_k factor_k parts[k], and the factors' bounds"""
+
+
+def regular_parts(model: Model, tau: ca.SX, s: ArmSignals) -> Parts:
+    """A torque of the regular form, taken apart.
+
+    Raises:
+        ValueError: it is not of that form.
+    """
+    for others in (False, True):
+        parts = _split(tau, s, others)
+        if parts is not None and all(_fits(model, part, s) for part in parts[0]):
+            return parts
+    raise ValueError("not of the regular form")
+
+
+def _split(tau: ca.SX, s: ArmSignals, others: bool) -> Parts | None:
+    """None if it is not of that form.
 
     The product of two factors (a window around a force that has its own times) counts as a third
     one.
     """
-    found = lifted(tau, s)
+    found = lifted(tau, s, others)
     g = found.factors
     count = found.factors.numel()
     if not count:
@@ -152,13 +171,18 @@ def split(tau: ca.SX, s: ArmSignals) -> tuple[list[ca.SX], Array, Array] | None:
     return parts, np.array(low), np.array(high)
 
 
-def is_regular(model: Model, effect: Effect) -> bool:
-    """Whether the torque has the regular form, up to factors of the time: compared with its own
-    expansion."""
+def is_regular(model: Model, effect: Effect, others: bool = False) -> bool:
+    """Whether the torque has the regular form, up to factors of the time (and, with `others`, of
+    the speeds of other joints): compared with its own expansion."""
     s = with_sign(model)
     if effect.states:
         return False
-    parts = split(effect.torque(s), s)
+    try:
+        parts = _split(effect.torque(s), s, others)
+    except InputError:
+        if not others:
+            raise
+        return False
     return parts is not None and all(_fits(model, part, s) for part in parts[0])
 
 

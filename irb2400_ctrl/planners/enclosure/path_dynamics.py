@@ -25,7 +25,12 @@ from irb2400_ctrl.effects import Effect
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.model.friction import FrictionLaw
 from irb2400_ctrl.planners.enclosure.complex_disc import disc_function
-from irb2400_ctrl.planners.enclosure.effect_forms import Forms, expand, split, with_sign
+from irb2400_ctrl.planners.enclosure.effect_forms import (
+    Forms,
+    expand,
+    regular_parts,
+    with_sign,
+)
 from irb2400_ctrl.robot import Robot
 
 OUTPUTS = ("a", "b", "e", "c_minus", "c_zero", "c_plus")
@@ -178,9 +183,7 @@ def coefficient_function(
     low = list[Array]()
     high = list[Array]()
     for effect in effects:
-        parts = split(effect.torque(s.with_state(effect.steady_state(s))), s)
-        if parts is None:
-            raise ValueError(f"{effect.kind} is not regular")
+        parts = regular_parts(model, effect.torque(s.with_state(effect.steady_state(s))), s)
         tau += parts[0][0]
         timed += parts[0][1:]
         low.append(parts[1])

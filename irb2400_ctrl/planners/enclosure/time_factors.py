@@ -1,12 +1,15 @@
 """A torque taken apart into what depends on the time alone, and the rest.
 
 Time counts from an instant that the timing does not know: the factors are bounded over all times.
+What the speeds of other joints do to one, within bounds whatever they are (a neighbour's dry
+friction), may be taken apart in the same way.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 
 import casadi as ca
 import numpy as np
@@ -23,7 +26,8 @@ _TIMES = np.concatenate([[0.0], np.geomspace(1e-3, 9e8, 2000)])
 
 @dataclass(frozen=True)
 class Lifted:
-    """An effect's torque with every part that depends on time alone replaced by a symbol."""
+    """An effect's torque with every part that depends on time alone, and has bounds, replaced by a
+    symbol."""
 
     tau: ca.SX
     factors: ca.SX
@@ -33,13 +37,15 @@ class Lifted:
     """bounds of the factors over all times, shape (k,)"""
 
 
+_ANY: Interval = (np.array([-np.inf]), np.array([np.inf]))
+
 Timed = tuple[ca.SX, Interval | None]
 """an expression, and its bounds at all times if it depends on time alone"""
 
 
 class _TimedParts(Algebra[Timed]):
     """Numbers are expressions; one that depends on time alone becomes a factor where it meets the
-    rest."""
+    rest, or what has no bounds."""
 
     expected = "a force that depends on the time must be bounded over all times"
 
@@ -47,7 +53,8 @@ class _TimedParts(Algebra[Timed]):
         self.factors: list[ca.SX] = []
         self.low: list[float] = []
         self.high: list[float] = []
-        self._known: dict[int, ca.SX] = {}
+        # with the expressions: the hash of one that is gone may be given to another
+        self._known: dict[int, tuple[ca.SX, ca.SX]] = {}
 
     def constant(self, value: float) -> Timed:
         return ca.SX(value), INTERVALS.constant(value)
@@ -62,38 +69,61 @@ class _TimedParts(Algebra[Timed]):
             if bounds is None:
                 raise NoRule(op)
             with np.errstate(all="ignore"):
-                return _operation(op, [e for e, _ in operands]), bounds(*ranges)
+                result = bounds(*ranges)
+            bounded = [e for e, r in operands if _finite(r) and not e.is_constant()]
+            if bounded and not _finite(result):
+                return _operation(op, [self.apart(o) for o in operands]), None
+            return _operation(op, [e for e, _ in operands]), result
 
         return apply
 
     def apart(self, x: Timed) -> ca.SX:
         """The expression itself, or the factor that stands for it."""
         expression, range_ = x
-        if range_ is None or expression.is_constant():
+        if range_ is None or not _finite(range_) or expression.is_constant():
             return expression
         key = expression.element_hash()
         if key not in self._known:
-            self._known[key] = ca.SX.sym(f"factor{len(self._known)}")
-            self.factors.append(self._known[key])
+            self._known[key] = expression, ca.SX.sym(f"factor{len(self._known)}")
+            self.factors.append(self._known[key][1])
             self.low.append(float(np.min(range_[0])))
             self.high.append(float(np.max(range_[1])))
-        return self._known[key]
+        return self._known[key][1]
 
 
-def lifted(tau: ca.SX, s: ArmSignals) -> Lifted:
+def lifted(tau: ca.SX, s: ArmSignals, others: bool = False) -> Lifted:
     """Separate the time from the rest, operation by operation; no factors where time does not
-    enter."""
-    if not ca.depends_on(tau, s.time):
+    enter.
+
+    Args:
+        others: separate what the speeds of other joints do to each one, too.
+    """
+    if not others and not ca.depends_on(tau, s.time):
         return Lifted(tau, ca.SX(0, 1), np.empty(0), np.empty(0))
     inputs = list(ca.vertsplit(ca.vertcat(*ca.symvar(tau))))
-    function = ca.Function("torque", inputs, [ca.densify(tau)])
-    clock = next(i for i, v in enumerate(inputs) if v.element_hash() == s.time.element_hash())
     parts = _TimedParts()
-    times = _TIMES[:-1], _TIMES[1:]
-    (column,) = walk(function, parts, lambda k, _: (inputs[k], times if k == clock else None))
-    result = ca.vertcat(*(parts.apart(x) for x in column))
+    rows = []
+    clock = {s.time.element_hash(): (_TIMES[:-1], _TIMES[1:])}
+    for j, torque in enumerate(ca.vertsplit(tau) if others else [tau]):
+        speeds = [v for k, v in enumerate(ca.vertsplit(s.qd)) if others and k != j]
+        free = clock | {v.element_hash(): _ANY for v in speeds}
+        known = [(v, free.get(v.element_hash())) for v in inputs]
+        function = ca.Function("torque", inputs, [ca.densify(torque)])
+        (column,) = walk(function, parts, partial(_input, known))
+        rows += [parts.apart(x) for x in column]
     factors = ca.vertcat(*parts.factors) if parts.factors else ca.SX(0, 1)
-    return Lifted(result, factors, np.array(parts.low), np.array(parts.high))
+    return Lifted(ca.vertcat(*rows), factors, np.array(parts.low), np.array(parts.high))
+
+
+def _input(known: list[Timed], number: int, _: int) -> Timed:
+    return known[number]
+
+
+def _finite(range_: Interval | None) -> bool:
+    """Whether there are bounds."""
+    return range_ is not None and bool(
+        np.isfinite(range_[0]).all() and np.isfinite(range_[1]).all()
+    )
 
 
 def _operation(op: int, operands: list[ca.SX]) -> ca.SX:
