@@ -26,12 +26,8 @@ from typing import Any
 
 ROOT = Path(__file__).parents[1]
 PACKAGE = "irb2400_ctrl"
-SERVER = multiprocessing.get_context("forkserver")
-"""each mutant is tested in a process that has the libraries already"""
-SERVER.set_forkserver_preload(
-    ["pytest", "casadi", "numpy.testing", "pydantic", "typer", "scipy.optimize", "scipy.signal",
-     "scipy.interpolate", "scipy.spatial.transform"]
-)  # fmt: skip
+APART = multiprocessing.get_context("spawn")
+"""each mutant is tested in a process of its own that has nothing of the package yet"""
 TIMEOUT = 300.0
 """seconds of one mutant's tests"""
 SAID = ("failed", "crashed", "no end", "survived")
@@ -151,7 +147,7 @@ def outcome(mutant: Mutant, tests: str, timeout: float = TIMEOUT) -> str:
         # with what is compiled of the other modules: that of the changed one is older than it
         shutil.copytree(ROOT / PACKAGE, copy)
         (copy / mutant.module).write_text(mutant.source)
-        tested = SERVER.Process(target=_test, args=(folder, [*words.split(), *only]))
+        tested = APART.Process(target=_test, args=(folder, [*words.split(), *only]))
         tested.start()
         tested.join(timeout)
         if tested.is_alive():
