@@ -17,9 +17,10 @@ from irb2400_ctrl.effects import LIBRARY, Effect
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.planners import Certificate, MotionLimits, check, plan_path
 from irb2400_ctrl.planners.enclosure.cells import enclose, grid
-from irb2400_ctrl.planners.enclosure.effect_forms import Forms
+from irb2400_ctrl.planners.enclosure.effect_forms import Forms, with_sign
 from irb2400_ctrl.planners.enclosure.interval import interval_function
 from irb2400_ctrl.planners.enclosure.path_dynamics import PathDynamics, path_dynamics
+from irb2400_ctrl.planners.enclosure.time_factors import lifted
 from irb2400_ctrl.planners.joint_path import JointPath
 from irb2400_ctrl.planners.timing.piecewise_constant_law import PiecewiseConstantLaw
 from irb2400_ctrl.planners.timing.time_joint_path import time_joint_path
@@ -176,6 +177,22 @@ def test_every_effect_but_a_swinging_one_has_a_bound() -> None:
                 )
                 forms = Forms.of(Model(ROBOT.with_effects(made)))
                 assert (len(forms.open) == 0) == (kind not in SWINGING), (kind, shape, windows)
+
+
+def test_every_factor_is_one_of_its_own() -> None:
+    coupling = effect(
+        "wrist_coupling",
+        4,
+        inertia_kgm2=0.1,
+        viscous_Nms_rad=0.5,
+        dry_Nm=1.0,
+        neighbour_dry_Nm=2.0,
+        discrepancy=(0.1, 0.1, 0.1, 0.1, 0.2, 0.3, -0.4, 0.5),
+    )
+    s = with_sign(Model(ROBOT))
+    found = lifted(coupling.torque(s), s, others=True)
+    assert sorted(found.high) == [0.2, 0.3, 0.4, 0.5, 1.0, 2.0]
+    assert sorted(found.low) == [-2.0, -1.0, -0.5, -0.4, -0.3, -0.2]
 
 
 def test_a_force_without_an_end_is_always_there() -> None:
