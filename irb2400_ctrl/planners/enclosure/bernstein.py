@@ -18,6 +18,9 @@ import numpy as np
 
 from irb2400_ctrl.arrays import Array
 
+AT_ONCE = 2000
+"""cells that are worked on at once: what they need fits a processor's cache"""
+
 
 def basis(degree: int, t: Array) -> Array:
     """The Bernstein polynomials of a degree at the places t (k,), shape (k, degree + 1): values are

@@ -22,8 +22,6 @@ from irb2400_ctrl.planners.joint_path import JointMotion, JointPath
 
 # largest turn of a joint within a cell [rad]
 _TURN = 0.03
-# cells that are enclosed at once: what they need fits a processor's cache
-_AT_ONCE = 2000
 # cells shorter than this part of their neighbours' spacing are not cut off at a reversal
 _SLIVER = 1e-6
 # rounding of a length and of a speed, as parts of them
@@ -96,7 +94,7 @@ def at_once(dynamics: PathDynamics, s: Array) -> list[slice]:
     """Which of the cells between the lengths s are enclosed at once: what a law remembers of the
     way is not known in the middle of it."""
     count = len(s) - 1
-    step = _AT_ONCE if dynamics.local else count
+    step = bernstein.AT_ONCE if dynamics.local else count
     return [slice(first, min(first + step, count)) for first in range(0, count, step)]
 
 

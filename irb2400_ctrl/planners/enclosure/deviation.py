@@ -34,8 +34,6 @@ _AXIS = 1e-6
 _ABOVE = np.array([[2e-3], [1e-2]])
 _SLACK = np.array([[2e-8], [1e-5]])
 _ROUNDS = 12
-# cells that are looked at at once: what they need fits a processor's cache
-_AT_ONCE = 2000
 _MOST = 300_000
 
 
@@ -115,8 +113,8 @@ def _bounds(tcp: TcpPath, orientation: Orientation, u: Array, cells: Array) -> t
     origin = orientation.curve.origin[np.minimum(u.astype(int), orientation.curve.segments - 1)]
     near = np.stack(sides.around(np.searchsorted(sides.kept, origin)))
     found = np.empty((2, 2, len(u)))
-    for begin in range(0, len(u), _AT_ONCE):
-        part = slice(begin, begin + _AT_ONCE)
+    for begin in range(0, len(u), bernstein.AT_ONCE):
+        part = slice(begin, begin + bernstein.AT_ONCE)
         position, axis = tcp.enclosed(cells[:, part])
         first, last = near[:, part]
         # once to see how near the polygon is, once for the axes stated at its nearest places

@@ -33,8 +33,6 @@ _MISS = np.sqrt(3) / 216
 _GAUSS, _WEIGHT = np.polynomial.legendre.leggauss(8)
 # a joint turns no further than this within one formula of quadrature [rad]
 _TURN = 0.2
-# cells that are enclosed at once: what they need fits a processor's cache
-_AT_ONCE = 2000
 
 
 @dataclass(frozen=True)
@@ -108,8 +106,8 @@ class TcpPath:
     def enclosed_velocity(self, s: Array) -> Enclosed:
         """dp/ds on the cells between the lengths s (m + 1,), knots of the path included."""
         parts = [
-            self._moving(s[first : first + _AT_ONCE + 1])
-            for first in range(0, len(s) - 1, _AT_ONCE)
+            self._moving(s[first : first + bernstein.AT_ONCE + 1])
+            for first in range(0, len(s) - 1, bernstein.AT_ONCE)
         ]
         points = np.concatenate([part.points for part in parts])
         return Enclosed(points, np.concatenate([part.miss for part in parts]))

@@ -22,8 +22,6 @@ from irb2400_ctrl.planners.timing.torque_bounds import timed_torque_bounds
 # cells whose bound is above a limit are cut into so many parts, so often
 _PARTS = 4
 _ROUNDS = 2
-# cells that are enclosed at once: what they need fits a processor's cache
-_AT_ONCE = 2000
 
 
 @dataclass(frozen=True)
@@ -58,7 +56,7 @@ def reference_bounds(
     s = with_reversals(motion, motion.knots)
     # what a law remembers of the way is not known in the middle of a motion
     remembers = any(law.memory is not None for law in dynamics.forms.laws)
-    count = len(s) if remembers else _AT_ONCE
+    count = len(s) if remembers else bernstein.AT_ONCE
     parts = [
         _bounds(dynamics, motion, s[first : first + count + 1], limits)
         for first in range(0, len(s) - 1, count)

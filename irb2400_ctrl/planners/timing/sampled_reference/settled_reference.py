@@ -98,7 +98,7 @@ def settled_reference(
     """The rows of a timed path, bounded; the law slowed first, where allowed, until they keep
     torque, speed and feed: all over if hardly anything is missing, or if its torque may not jump
     (such a law was made for its rows, see `Sampling.ratios`); else where they swing above a limit,
-    and all over if that does not settle.
+    and all over by the little that is left then, or if that does not settle.
     """
     look = partial(_looked_at, dynamics, task, limits=limits, sampling=sampling)
     first = look(law)
