@@ -59,15 +59,6 @@ def angle_between(R_1: Array, R_2: Array) -> Array:
     return angle
 
 
-def turned(R_1: Array, R_2: Array, share: Array) -> Array:
-    """Orientations on the shortest turn from R_1 to R_2 at shares (m,) of it, shape (m, 3, 3)."""
-    from scipy.spatial.transform import Rotation
-
-    turn = Rotation.from_matrix(R_1.T @ R_2).as_rotvec()
-    found: Array = R_1 @ Rotation.from_rotvec(share[:, None] * turn).as_matrix()
-    return found
-
-
 def configuration(model: Model, q: Array) -> npt.NDArray[np.int64]:
     """confdata (cf1, cf4, cf6, cfx) of actuator angles q (n, 6) [rad], shape (n, 4).
 
@@ -106,14 +97,14 @@ def jointtarget(name: str, q: Array, extax: str) -> list[str]:
 
 
 def robtarget(
-    name: str, X_WT: Array, configuration: npt.NDArray[np.int64], extax: str
+    name: str, p: Array, turn: Array, configuration: npt.NDArray[np.int64], extax: str
 ) -> list[str]:
-    """Declaration of a robtarget; position in mm to 1e-4, quaternion to 1e-8."""
+    """Declaration of a robtarget at p [m], turned by a `quaternion`; in mm to 1e-4, and to 1e-8."""
     conf = "[" + ",".join(str(int(c)) for c in configuration) + "]"
     return [
         f"LOCAL CONST robtarget {name}:=",
-        f"  [{_vector(1e3 * X_WT[:3, 3], 4)},",
-        f"  {_vector(quaternion(X_WT[:3, :3]), 8)},",
+        f"  [{_vector(1e3 * p, 4)},",
+        f"  {_vector(turn, 8)},",
         f"  {conf},{extax}];",
     ]
 

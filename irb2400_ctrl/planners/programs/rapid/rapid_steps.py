@@ -60,6 +60,7 @@ def program_steps(
     """
     width = max(4, len(str(len(samples))))
     zones = _zones(rows, samples, names[0])
+    turns = data.quaternion(rows.X_WT[samples, :3, :3])
     found: list[Step] = []
     inside = False
     for k, row in enumerate(samples):
@@ -81,7 +82,8 @@ def program_steps(
             if as_joints:
                 target = data.jointtarget(name, rows.q[row], extax[row])
             else:
-                target = data.robtarget(name, rows.X_WT[row], configuration[k], extax[row])
+                p = rows.X_WT[row, :3, 3]
+                target = data.robtarget(name, p, turns[k], configuration[k], extax[row])
             if not as_joints and rows.tool[row] != rows.tool[before]:
                 raise InputError(
                     "RAPID: the tool changes where no move of the joints follows; expected links "

@@ -3,15 +3,20 @@ the others."""
 
 from __future__ import annotations
 
+import math
+from dataclasses import dataclass
+
 import numpy as np
 import numpy.typing as npt
 
-from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.arrays import Array, inner_products, norms
 from irb2400_ctrl.model import Model
-from irb2400_ctrl.planners.programs.rapid.rapid_data import angle_between, turned
+from irb2400_ctrl.planners.programs.rapid.rapid_data import angle_between, quaternion
 
 # turning 1 rad counts like this length on the way through a segment [m]
 _ARM_OF_ROTATION = 0.1
+# half a turn that is none [rad]
+_NO_TURN = 1e-9
 
 
 def rows_to_keep(*changes: npt.NDArray[np.bool_]) -> npt.NDArray[np.bool_]:
@@ -36,7 +41,8 @@ def thinned(
     """Rows such that the straight moves between them stay within the tolerances of all rows
     skipped.
 
-    From each kept row the next one is sought by doubling the step and halving it again.
+    From each kept row the next one is sought, first as far away as the two before are from each
+    other, by doubling the step and halving it again.
 
     Args:
         q: the plan, shape (n, 6) [rad].
@@ -46,53 +52,111 @@ def thinned(
             the shortest turn, shape (n,); where it changes, a row is kept.
         tolerance, angle_tolerance: of the TCP and its orientation [m, rad].
     """
+    in_joints = _JointMoves.of(model, q, poses[0])
+    in_space = _LinearMoves.of(poses[1])
 
     def close(first: int, last: int) -> bool:
-        X = poses[0] if as_joints[last] else poses[1]
-        distance, angle = deviation(
-            model, q[first : last + 1], X[first : last + 1], bool(as_joints[last])
-        )
-        return distance <= tolerance and angle <= angle_tolerance
+        moves = in_joints if as_joints[last] else in_space
+        return moves.close(first, last, tolerance, angle_tolerance)
 
     forced = np.flatnonzero(keep)
     rows = [0]
+    usual = 2
     while rows[-1] < len(q) - 1:
         first = rows[-1]
         limit = int(forced[np.searchsorted(forced, first, side="right")])
         good = first + 1
-        step = 2
-        while good < limit and close(first, min(first + step, limit)):
-            good = min(first + step, limit)
+        bad = limit + 1
+        step = usual
+        while good < limit:
+            tried = min(first + step, limit)
+            if not close(first, tried):
+                bad = tried
+                break
+            good = tried
             step = 2 * step
-        bad = min(first + step, limit)
-        while bad - good > 1:
+        while bad - good > 1 and good < limit:
             middle = (good + bad) // 2
             if close(first, middle):
                 good = middle
             else:
                 bad = middle
+        usual = max(good - first, 2)
         rows.append(good)
     return np.array(rows, dtype=np.int64)
 
 
-def deviation(model: Model, q: Array, X_BT: Array, in_joint_space: bool) -> tuple[float, float]:
-    """How far the plan's rows are from one straight move from the first to the last: TCP [m],
-    orientation [rad]."""
-    p = X_BT[:, :3, 3]
-    R = X_BT[:, :3, :3]
-    if in_joint_space:
-        step = np.linalg.norm(np.diff(q, axis=0), axis=1)
-    else:
-        step = np.linalg.norm(np.diff(p, axis=0), axis=1) + _ARM_OF_ROTATION * angle_between(
-            R[:-1], R[1:]
-        )
-    way = np.append(0.0, np.cumsum(step))
-    share = way / way[-1] if way[-1] > 0 else np.linspace(0.0, 1.0, len(way))
-    if in_joint_space:
-        straight = model.tcp_pose(q[0] + share[:, None] * (q[-1] - q[0]))
-        p_move = straight[:, :3, 3]
-        R_move = straight[:, :3, :3]
-    else:
-        p_move = p[0] + share[:, None] * (p[-1] - p[0])
-        R_move = turned(R[0], R[-1], share)
-    return float(np.linalg.norm(p_move - p, axis=1).max()), float(angle_between(R_move, R).max())
+@dataclass(frozen=True)
+class _LinearMoves:
+    """Moves that are straight in space and turn the shortest way, at even speed."""
+
+    p: Array
+    """the TCP at each row [m], shape (n, 3)"""
+    quaternions: Array
+    """its orientation, of the sign that is next to the row before, shape (n, 4)"""
+    way: Array
+    """from the first row to each, shape (n,) [m]"""
+
+    @classmethod
+    def of(cls, X: Array) -> _LinearMoves:
+        p = X[:, :3, 3]
+        R = X[:, :3, :3]
+        step = norms(np.diff(p, axis=0)) + _ARM_OF_ROTATION * angle_between(R[:-1], R[1:])
+        found = quaternion(R)
+        turned = inner_products(found[:-1], found[1:]) < 0
+        signs = np.append(1.0, np.cumprod(np.where(turned, -1.0, 1.0)))
+        return cls(p, signs[:, None] * found, np.append(0.0, np.cumsum(step)))
+
+    def close(self, first: int, last: int, tolerance: float, angle: float) -> bool:
+        """Whether the rows between are so near to the move from one to another [m, rad]."""
+        rows = slice(first, last + 1)
+        share = _shares(self.way[rows])
+        p = self.p[rows]
+        if norms(p[0] + share[:, None] * (p[-1] - p[0]) - p).max() > tolerance:
+            return False
+        planned = self.quaternions[rows]
+        start, end = planned[0], planned[-1]
+        if start @ end < 0:
+            end = -end
+        half = 2 * math.asin(min(0.5 * float(np.linalg.norm(end - start)), 1.0))
+        parts = np.stack([1 - share, share])
+        if half > _NO_TURN:
+            parts = np.sin(half * parts) / math.sin(half)
+        move = parts[0][:, None] * start + parts[1][:, None] * end
+        sign = np.where(inner_products(move, planned) < 0, -1.0, 1.0)
+        chord = norms(move - sign[:, None] * planned).max()
+        return 4 * math.asin(min(0.5 * float(chord), 1.0)) <= angle
+
+
+@dataclass(frozen=True)
+class _JointMoves:
+    """Moves that are straight in joint space, at even speed."""
+
+    model: Model
+    q: Array
+    """[rad], shape (n, 6)"""
+    X_BT: Array
+    """the TCP at each row, shape (n, 4, 4)"""
+    way: Array
+    """from the first row to each, shape (n,) [rad]"""
+
+    @classmethod
+    def of(cls, model: Model, q: Array, X_BT: Array) -> _JointMoves:
+        return cls(model, q, X_BT, np.append(0.0, np.cumsum(norms(np.diff(q, axis=0)))))
+
+    def close(self, first: int, last: int, tolerance: float, angle: float) -> bool:
+        """Whether the rows between are so near to the move from one to another [m, rad]."""
+        rows = slice(first, last + 1)
+        share = _shares(self.way[rows])
+        q = self.q[rows]
+        move = self.model.tcp_pose(q[0] + share[:, None] * (q[-1] - q[0]))
+        X = self.X_BT[rows]
+        away = norms(move[:, :3, 3] - X[:, :3, 3]).max()
+        turn = angle_between(move[:, :3, :3], X[:, :3, :3]).max()
+        return bool(away <= tolerance and turn <= angle)
+
+
+def _shares(way: Array) -> Array:
+    """Of the way from the first to the last; even where there is none."""
+    length = way[-1] - way[0]
+    return (way - way[0]) / length if length > 0 else np.linspace(0.0, 1.0, len(way))
