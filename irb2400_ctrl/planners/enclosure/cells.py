@@ -26,6 +26,8 @@ _TURN = 0.03
 _SLIVER = 1e-6
 # rounding of a length and of a speed, as parts of them
 _ROUNDING = 32 * np.finfo(float).eps
+# arrays of `Cells` with a row for each
+_COLUMNS = ("a", "b", "e", "c_low", "c_high", "speed", "forwards", "backwards", "curvature")
 
 
 @dataclass(frozen=True)
@@ -58,6 +60,15 @@ class Cells:
     def h(self) -> Array:
         """Lengths of the cells [m], shape (m,)."""
         return np.diff(self.s)
+
+    def part(self, of: slice) -> Cells:
+        """Some neighbouring cells; all of them where effects beside the regular form know the
+        whole way."""
+        if of == slice(0, len(self.h)):
+            return self
+        assert self.added is None
+        columns: dict[str, Any] = {name: getattr(self, name)[of] for name in _COLUMNS}
+        return Cells(self.s[of.start : of.stop + 1], remainder=self.remainder[:, of], **columns)
 
 
 def grid(path: JointPath, count: int) -> Array:
@@ -109,8 +120,7 @@ def enclose(dynamics: PathDynamics, path: JointMotion, s: Array) -> Cells:
     def joined(name: str, axis: int = 0) -> Array:
         return np.concatenate([getattr(part, name) for part in parts], axis=axis)
 
-    names = ("a", "b", "e", "c_low", "c_high", "speed", "forwards", "backwards", "curvature")
-    columns: dict[str, Any] = {name: joined(name) for name in names}
+    columns: dict[str, Any] = {name: joined(name) for name in _COLUMNS}
     return Cells(s=s, remainder=joined("remainder", 1), **columns)
 
 

@@ -8,7 +8,8 @@ import numpy as np
 
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.model import Model
-from irb2400_ctrl.planners.redundancy.ladder_graph import BOX_INSET, LARGEST_STEP
+from irb2400_ctrl.planners.redundancy.ladder_graph import BOX_INSET
+from irb2400_ctrl.planners.redundancy.ladder_moves import LARGEST_STEP
 from irb2400_ctrl.planners.redundancy.singularity_margins import reach_left, relative_margins
 
 _TURN = 2 * np.pi

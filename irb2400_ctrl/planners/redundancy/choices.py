@@ -98,7 +98,8 @@ def choices(
             if way_out is not None:
                 way_out.check(model, orientation, choice.followed, scene)
         except UnreachableError as error:
-            problem = problem or error
+            # its traceback would keep the ladder alive
+            problem = problem or error.with_traceback(None)
             continue
         count[choice.kind] += 1
         yield choice

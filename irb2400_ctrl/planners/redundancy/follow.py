@@ -84,8 +84,9 @@ def station_parameters(curve: TaskCurve, spacing: float) -> Array:
     kept."""
     knots = np.arange(curve.segments + 1.0)
     count = np.maximum(1, np.ceil(curve.lengths(knots) / spacing).astype(int))
-    pieces = [k + np.arange(c) / c for k, c in enumerate(count)]
-    return np.concatenate([*pieces, [float(curve.segments)]])
+    number = np.arange(count.sum()) - np.repeat(np.cumsum(count) - count, count)
+    u = np.repeat(knots[:-1], count) + number / np.repeat(count, count)
+    return np.append(u, float(curve.segments))
 
 
 def arc_length(curve: TaskCurve, u: Array) -> Array:

@@ -20,24 +20,18 @@ from irb2400_ctrl.cell import Scene
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.planners.clearance.crowd import Crowd
 from irb2400_ctrl.planners.redundancy.cutting_load import CuttingLoad
+from irb2400_ctrl.planners.redundancy.ladder_moves import LadderMoves, Node, Turns
 from irb2400_ctrl.planners.redundancy.singularity_margins import COMFORTABLE, relative_margins
 from irb2400_ctrl.planners.toolpath.orientation import Orientation
 
 BRANCHES = 8
-# a joint that moves further between neighbouring stations than this has jumped to another solution
-# [rad]
-LARGEST_STEP = np.radians(60)
 # distance kept from the ends of the joint box, room for the spline between stations [rad]
 BOX_INSET = np.radians(0.2)
 # turns of the tool between neighbouring stations, in steps of the rotation grid
 FREE_SHIFTS = (0, -1, 1, -2, 2)
 
-Turns = npt.NDArray[np.int8]
-"""index of whole turns, or of a shift of the rotation: few, and there are millions"""
 PRICE_OF_GIVING_WAY = 1.0
 """cost of a configuration that gives way as far as most do: more than any motion between two [s]"""
-# whole turns by which angles of neighbouring stations, in (-pi, pi], are looked up to differ
-_MOST_WHOLE = 2
 MOST_TURNS = 27
 """combinations of whole turns that a node may carry; what is beyond is not looked for"""
 
@@ -138,7 +132,7 @@ class Ladder:
             scene: the arm in its cell.
             cutting: stations at which the tool may cut, shape (n,).
         """
-        boxed = np.array([self.inside(i).any(axis=2) for i in range(len(self.u))])
+        boxed = self._inside.any(axis=3)
         usable = boxed & (self.margin > 0)
         turned = np.empty((len(self.u), 0)) if self.external is None else self.external
         return replace(self, crowd=Crowd.of(scene, self.q, usable, cutting, turned))
@@ -165,17 +159,26 @@ class Ladder:
 
     def inside(self, station: int) -> npt.NDArray[np.bool_]:
         """Nodes of a station within the joint box, shape (r, 8, k)."""
+        return np.asarray(self._inside[station])
+
+    @cached_property
+    def _inside(self) -> npt.NDArray[np.bool_]:
+        """Of all stations, shape (n, r, 8, k)."""
         low = self.model.robot.q_min + self.inset
         high = self.model.robot.q_max - self.inset
-        q = self.q[station]
+        held = np.ones((*self.q.shape[:3], len(self.turns)), dtype=bool)
         with np.errstate(invalid="ignore"):
-            others = [j for j in range(q.shape[-1]) if j not in self.wound]
-            fixed = ((q >= low) & (q <= high))[..., others].all(axis=-1)
-            held = np.broadcast_to(fixed[..., None], (*fixed.shape, len(self.turns)))
-            for k, j in enumerate(self.wound):
-                angle = q[..., j, None] + 2 * np.pi * self.turns[:, k]
-                held = held & (angle >= low[j]) & (angle <= high[j])
-        return np.asarray(held)
+            for j in range(self.q.shape[-1]):
+                q = self.q[..., j]
+                if j in self.wound:
+                    whole = self.turns[:, self.wound.index(j)]
+                    for turn in np.unique(whole):
+                        angle = q + 2 * np.pi * turn
+                        within = (angle >= low[j]) & (angle <= high[j])
+                        held[..., whole == turn] &= within[..., None]
+                else:
+                    held &= ((q >= low[j]) & (q <= high[j]))[..., None]
+        return held
 
     def best(
         self, shifts: tuple[int, ...], *, per_rotation: bool = False, keep: int = 4
@@ -204,7 +207,7 @@ class Ladder:
             return []
         # ways of clearly smaller margin than the best are not followed further
         level = max(m for m, _, _ in candidates)
-        found: list[tuple[float, float, tuple[int, int, int], list[Turns]]] = []
+        found: list[tuple[float, float, Node, list[Turns]]] = []
         sweeps: dict[float, tuple[Array, list[Turns]]] = {}
         for m, branch, row in candidates:
             if m < 0.9 * level:
@@ -233,56 +236,30 @@ class Ladder:
         Returns the value of the nodes of the last station, shape (r, 8, k), and the shift taken
         into each station.
         """
-        r = self.q.shape[1]
-        k = len(self.turns)
-        worst = -1.0 if level is None else np.inf
-        node = self.node_value(0, level)
-        value = node
+        moves = self.moves(shifts)
+        value = self.node_value(0, level)
         back: list[Turns] = []
         for i in range(1, len(self.u) if stations is None else stations):
             node = self.node_value(i, level)
-            best = np.full((r, BRANCHES, k), worst)
-            taken = np.full((r, BRANCHES, k), -1, dtype=np.int8)
-            for number, shift in enumerate(shifts):
-                time, source = self.moves(i, shift)
-                came = np.take_along_axis(
-                    np.roll(value, shift, axis=0), np.maximum(source, 0), axis=2
-                )
-                came = np.where(source >= 0, came, worst)
-                if level is None:
-                    reached = np.minimum(came, node)
-                    better = reached > best
-                else:
-                    reached = came + node + (time + 1e-3 * shift**2)[..., None]
-                    better = reached < best
-                best = np.where(better, reached, best)
-                taken[better] = number
-            value = best
+            if level is None:
+                value, taken = moves.widest(i, value, node)
+            else:
+                value, taken = moves.cheapest(i, value, node)
             back.append(taken)
             if not (value > 0).any() if level is None else not np.isfinite(value).any():
                 break
         return value, back
 
-    def moves(self, i: int, shift: int) -> tuple[Array, Turns]:
-        """Time that the joints take at full speed into station i from the rotations `shift` below
-        [s], (r, 8), and the index of the whole turns they come from, -1 where there is none, (r, 8,
-        k)."""
-        if (i, shift) not in self._moves:
-            self._moves[i, shift] = self._found_moves(i, shift)
-        return self._moves[i, shift]
+    def moves(self, shifts: tuple[int, ...]) -> LadderMoves:
+        """The edges, where the tool may turn by these steps of the grid between stations."""
+        if shifts not in self._moves:
+            q_and_turns = (self.q, self.turns, self.wound)
+            self._moves[shifts] = LadderMoves(*q_and_turns, self.model.robot.qd_max, shifts)
+        return self._moves[shifts]
 
     @cached_property
-    def _moves(self) -> dict[tuple[int, int], tuple[Array, Turns]]:
+    def _moves(self) -> dict[tuple[int, ...], LadderMoves]:
         return {}
-
-    def _found_moves(self, i: int, shift: int) -> tuple[Array, Turns]:
-        step = self.q[i] - np.roll(self.q[i - 1], shift, axis=0)
-        with np.errstate(invalid="ignore"):
-            whole = np.round(step[..., self.wound] / (2 * np.pi))
-            step[..., self.wound] -= 2 * np.pi * whole
-            joined = (np.abs(step) < LARGEST_STEP).all(axis=-1)
-        time = np.nan_to_num(np.abs(step) / self.model.robot.qd_max, nan=np.inf).max(axis=-1)
-        return time, np.where(joined[..., None], self._source(whole), -1).astype(np.int8)
 
     def node_value(self, i: int, level: float | None) -> Array:
         """What the nodes of a station are worth by themselves, shape (r, 8, k)."""
@@ -295,44 +272,16 @@ class Ladder:
             cost = cost + self.price[i][..., None]
         return np.where(allowed & (margin >= level), cost, np.inf)
 
-    def _source(self, whole: Array) -> Turns:
-        """Index into `turns` a node comes from, -1 where that lies outside, shape (r, 8, k)."""
-        # no number compares false
-        known = np.asarray((np.abs(whole) <= _MOST_WHOLE).all(axis=-1))
-        code = np.zeros(whole.shape[:-1], dtype=np.int64)
-        for k in range(whole.shape[-1]):
-            step = np.where(known, whole[..., k], 0.0).astype(np.int64)
-            code = code * (2 * _MOST_WHOLE + 1) + step + _MOST_WHOLE
-        return np.asarray(np.where(known[..., None], self._sources[code], -1))
-
-    @cached_property
-    def _sources(self) -> Turns:
-        """`_source` for every combination of whole turns between two stations, shape (codes,
-        k)."""
-        steps = range(-_MOST_WHOLE, _MOST_WHOLE + 1)
-        whole = np.array(list(itertools.product(steps, repeat=len(self.wound))))
-        first = self.turns.min(axis=0)
-        count = (self.turns.max(axis=0) - first + 1).astype(int)
-        wanted = (self.turns + whole[:, None, :] - first).astype(np.int64)
-        valid = ((wanted >= 0) & (wanted < count)).all(axis=-1)
-        place = np.zeros(wanted.shape[:-1], dtype=np.int64)
-        for k, size in enumerate(count):
-            place = place * size + wanted[..., k]
-        return np.asarray(np.where(valid, place, -1).astype(np.int8))
-
     def _trace(
-        self, end: tuple[int, int, int], back: list[Turns], shifts: tuple[int, ...], cost: float
+        self, end: Node, back: list[Turns], shifts: tuple[int, ...], cost: float
     ) -> LadderWay:
-        row, branch, turn = end
-        rows = [row]
+        moves = self.moves(shifts)
+        node = end
+        rows = [node[0]]
         for i in range(len(back), 0, -1):
-            number = int(back[i - 1][row, branch, turn])
-            step = self.q[i, row, branch]
-            previous = (row - shifts[number]) % len(self.rotation)
-            whole = np.round((step - self.q[i - 1, previous, branch])[self.wound] / (2 * np.pi))
-            turn = int(self._source(whole.reshape(1, 1, -1))[0, 0, turn])
-            row = previous
-            rows.append(row)
+            node = moves.source(i, node, int(back[i - 1][node]))
+            rows.append(node[0])
+        row, branch, turn = node
         rows.reverse()
         margin = float(self.margin[np.arange(len(rows)), rows, branch].min())
         rotation = np.unwrap(self.rotation[rows])

@@ -8,7 +8,8 @@ import numpy as np
 
 from irb2400_ctrl.arrays import Array, Integers
 from irb2400_ctrl.errors import UnreachableError
-from irb2400_ctrl.planners.redundancy.ladder_graph import FREE_SHIFTS, LARGEST_STEP, Ladder
+from irb2400_ctrl.planners.redundancy.ladder_graph import FREE_SHIFTS, Ladder
+from irb2400_ctrl.planners.redundancy.ladder_moves import LARGEST_STEP
 
 
 def refusal(ladder: Ladder, names: Integers) -> UnreachableError:

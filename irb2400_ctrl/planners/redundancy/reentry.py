@@ -16,6 +16,7 @@ import numpy as np
 
 from irb2400_ctrl.arrays import Array, Integers
 from irb2400_ctrl.planners.redundancy.ladder_graph import BRANCHES, Ladder
+from irb2400_ctrl.planners.redundancy.ladder_moves import Node, Turns
 from irb2400_ctrl.planners.redundancy.singularity_margins import COMFORTABLE
 
 # margins at the stations that are tried, the largest with the fewest re-entries wins [-]
@@ -75,31 +76,18 @@ class _Sweep:
     def run(self) -> Reentries | None:
         """Cost of the nodes from station to station; how they were reached is kept to trace it."""
         ladder = self.ladder
+        moves = ladder.moves(self.shifts)
         value = ladder.node_value(0, self.level)
-        moved: list[Integers] = []
+        moved: list[Turns] = []
         entered: list[Integers | None] = [None]
         for i in range(1, len(ladder.u)):
-            value, taken = self._moved(i, value)
+            value, taken = moves.cheapest(i, value, ladder.node_value(i, self.level))
             moved.append(taken)
             value, came = self._entered(i, value)
             entered.append(came)
             if not np.isfinite(value).any():
                 return None
         return Reentries(self._traced(value, moved, entered), float(value.min()))
-
-    def _moved(self, i: int, value: Array) -> tuple[Array, Integers]:
-        """The edges of a continuous motion into station i."""
-        node = self.ladder.node_value(i, self.level)
-        best = np.full_like(value, np.inf)
-        taken = np.full(value.shape, -1, dtype=np.int64)
-        for number, shift in enumerate(self.shifts):
-            time, source = self.ladder.moves(i, shift)
-            came = np.take_along_axis(np.roll(value, shift, axis=0), np.maximum(source, 0), axis=2)
-            reached = np.where(source >= 0, came, np.inf) + node
-            reached = reached + (time + 1e-3 * shift**2)[..., None]
-            taken = np.where(reached < best, number, taken)
-            best = np.minimum(best, reached)
-        return best, taken
 
     def _entered(self, i: int, value: Array) -> tuple[Array, Integers | None]:
         """The edges of a re-entry at station i, from the cheapest node of each branch to all."""
@@ -137,24 +125,24 @@ class _Sweep:
     def _traced(
         self,
         value: Array,
-        moved: list[Integers],
+        moved: list[Turns],
         entered: list[Integers | None],
     ) -> tuple[int, ...]:
         """The stations of the re-entries on the cheapest way."""
         ladder = self.ladder
-        node = np.unravel_index(int(np.argmin(value)), value.shape)
+        moves = ladder.moves(self.shifts)
+        node = _node(int(np.argmin(value)), value)
         found = []
         for i in range(len(ladder.u) - 1, 0, -1):
             came = entered[i]
             if came is not None and came[node] >= 0:
                 found.append(i)
-                node = np.unravel_index(int(came[node]), value.shape)
-            row, branch, turn = (int(part) for part in node)
-            shift = self.shifts[int(moved[i - 1][row, branch, turn])]
-            _, source = ladder.moves(i, shift)
-            node = (
-                np.intp((row - shift) % len(ladder.rotation)),
-                np.intp(branch),
-                np.intp(source[row, branch, turn]),
-            )
+                node = _node(int(came[node]), value)
+            node = moves.source(i, node, int(moved[i - 1][node]))
         return tuple(sorted(found))
+
+
+def _node(number: int, value: Array) -> Node:
+    """Rotation, branch and whole turns of a node by its number among those of `value`."""
+    row, branch, turn = np.unravel_index(number, value.shape)
+    return int(row), int(branch), int(turn)

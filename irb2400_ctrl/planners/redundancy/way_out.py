@@ -12,7 +12,8 @@ from irb2400_ctrl.cell import Scene
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.planners.redundancy.follow import Followed
 from irb2400_ctrl.planners.redundancy.known_way import End, known_way
-from irb2400_ctrl.planners.redundancy.ladder_graph import BOX_INSET, LARGEST_STEP, Ladder
+from irb2400_ctrl.planners.redundancy.ladder_graph import BOX_INSET, Ladder
+from irb2400_ctrl.planners.redundancy.ladder_moves import LARGEST_STEP
 from irb2400_ctrl.planners.toolpath.orientation import Orientation, shape_path
 from irb2400_ctrl.planners.toolpath.toolpath import ToolPath
 

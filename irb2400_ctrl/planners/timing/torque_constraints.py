@@ -15,7 +15,7 @@ on the safe side:
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import numpy as np
 
@@ -28,6 +28,8 @@ from irb2400_ctrl.planners.timing.motion_limits import MotionLimits
 
 # room for rounding in the passes, as a part of the limit
 ROUNDING = 1e-7
+_Block = tuple[Array, Array, Array]
+"""p, q and r of some constraints, each (m, …)"""
 
 
 @dataclass(frozen=True)
@@ -43,6 +45,10 @@ class Linearisation:
     """bound of |u|; inf leaves the remainder of a out (a first guess, not safe)"""
     u_bar: Array
     """u expected: decides which sign a load has where its friction helps"""
+
+    def part(self, of: slice) -> Linearisation:
+        """Of some neighbouring cells."""
+        return Linearisation(*(getattr(self, field.name)[of] for field in fields(self)))
 
     @property
     def bounds_u(self) -> bool:
@@ -77,19 +83,36 @@ def torque_constraints(
         extra: part of each torque limit to hold back, shape (m, 2, n): above, below [Nm].
     """
     m = len(cells.h)
+    # the largest array of a plan: what it is made of is there for a few cells at a time
+    step = m if cells.added is not None else bernstein.AT_ONCE
+    table = np.empty((m, 0, 3))
+    for begin in range(0, m, step):
+        part = slice(begin, min(begin + step, m))
+        held = None if extra is None else extra[part]
+        blocks = _blocks(cells.part(part), limits, friction, at.part(part), held)
+        ends = np.cumsum([0, *(block[0][0].size for block in blocks)])
+        if not begin:
+            table = np.empty((m, ends[-1], 3))
+        for first, last, block in zip(ends, ends[1:], blocks, strict=False):
+            for column, values in enumerate(block):
+                table[part, first:last, column] = values.reshape(len(values), -1)
+    return table
+
+
+def _blocks(
+    cells: Cells,
+    limits: MotionLimits,
+    friction: Array,
+    at: Linearisation,
+    extra: Array | None,
+) -> list[_Block]:
+    """All constraints of some cells."""
     blocks = _torque_blocks(cells, limits, friction, at, extra)
     blocks += _load_blocks(cells, limits.tau_max)
     blocks += _acceleration_blocks(cells, limits.qdd_max)
     if at.bounds_u:
-        blocks.append(_bounds_of_u(at.u_max))
-    table = np.empty((m, sum(block[0].size for block in blocks) // 3, 3))
-    # the largest array of a plan: each block goes as soon as it is copied
-    first = 0
-    while blocks:
-        rows = blocks.pop(0).reshape(m, -1, 3)
-        table[:, first : first + rows.shape[1]] = rows
-        first += rows.shape[1]
-    return table
+        blocks += _bounds_of_u(at.u_max)
+    return blocks
 
 
 def _torque_blocks(
@@ -98,7 +121,7 @@ def _torque_blocks(
     friction: Array,
     at: Linearisation,
     extra: Array | None,
-) -> list[Array]:
+) -> list[_Block]:
     """Torque of every joint below its limit and above its negative, one block for every combination
     of the effects."""
     bottom, top = dry_friction(cells, friction, at.x_low)
@@ -143,7 +166,7 @@ def _remainder(cells: Cells, at: Linearisation) -> Array:
     return np.asarray(r_a * at.u_max[:, None] + r_b * x + r_e * np.sqrt(x) + r_c)
 
 
-def _load_blocks(cells: Cells, tau_max: Array) -> list[Array]:
+def _load_blocks(cells: Cells, tau_max: Array) -> list[_Block]:
     """Load of the transmissions below the cap that bounds its friction."""
     if cells.added is None or not cells.added.has_load:
         return []
@@ -153,7 +176,7 @@ def _load_blocks(cells: Cells, tau_max: Array) -> list[Array]:
     return [_block(side * a, side * b, side * c, cells.h, cap) for side in (1.0, -1.0)]
 
 
-def _acceleration_blocks(cells: Cells, qdd_max: Array) -> list[Array]:
+def _acceleration_blocks(cells: Cells, qdd_max: Array) -> list[_Block]:
     """Acceleration q'' x + q' u of the joints that have a limit of it."""
     bounded = np.flatnonzero(np.isfinite(qdd_max))
     if not len(bounded):
@@ -164,26 +187,22 @@ def _acceleration_blocks(cells: Cells, qdd_max: Array) -> list[Array]:
     return [_block(side * a, side * b, zero, cells.h, qdd_max[bounded]) for side in (1.0, -1.0)]
 
 
-def _bounds_of_u(u_max: Array) -> Array:
-    """|u| <= u_max, shape (m, 2, 3)."""
+def _bounds_of_u(u_max: Array) -> list[_Block]:
+    """|u| <= u_max."""
     one = np.ones_like(u_max)
     zero = np.zeros_like(u_max)
-    above = np.stack([one, zero, u_max], axis=1)
-    below = np.stack([-one, zero, u_max], axis=1)
-    return np.stack([above, below], axis=1)
+    return [(one, zero, u_max), (-one, zero, u_max)]
 
 
 def _block(
     a: Array, b: Array, c: Array, h: Array, limit: Array, reserve: Array | float = 0.0
-) -> Array:
-    """a u + b x + c + reserve <= limit all over the cells, divided by the limit, shape (m, 4, n,
-    3)."""
+) -> _Block:
+    """a u + b x + c + reserve <= limit all over the cells, divided by the limit, each (m, 4,
+    n)."""
     p, q, r = _bernstein_rows(a, b, c, h)
     held = reserve[:, None] if isinstance(reserve, np.ndarray) else reserve
     left = limit * (1 - ROUNDING) - r - held
-    rows = np.stack([p, q, left], axis=-1)
-    rows /= limit[:, None]
-    return rows
+    return p / limit, q / limit, left / limit
 
 
 def _bernstein_rows(a: Array, b: Array, c: Array, h: Array) -> tuple[Array, Array, Array]:

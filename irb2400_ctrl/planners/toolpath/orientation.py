@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.arrays import Array, norms
 from irb2400_ctrl.cell.external_axes import ExternalAxes
 from irb2400_ctrl.planners.toolpath.task_curve import TaskCurve, smooth_curve
 from irb2400_ctrl.planners.toolpath.toolpath import ToolPath
@@ -60,7 +60,7 @@ class Orientation:
             turned = part.axes.turned(part.law(u))[:, :3, :3]
             axes = np.einsum("mij,mj->mi", turned, curve.pose(u)[1])
         candidates = np.vstack([np.eye(3), _sphere(60)])
-        across = np.linalg.norm(np.cross(axes[:, None], candidates[None]), axis=2).min(axis=0)
+        across = np.array([norms(np.cross(axes, other)).min() for other in candidates])
         # base x, then y, then z unless the axes come near: a guide that a user can remember
         good = np.flatnonzero(across > 0.5)
         guide = candidates[good[0] if len(good) else int(np.argmax(across))]

@@ -17,7 +17,7 @@ from functools import cached_property
 import numpy as np
 import numpy.typing as npt
 
-from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.arrays import Array, inner_products, norms
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.planners.toolpath.toolpath import ToolPath
 
@@ -32,6 +32,8 @@ FEED_STEP = 1e-3
 # rows: basis functions of a uniform cubic B-spline segment in powers of u
 _BASIS = np.array([[1, -3, 3, -1], [4, 0, -6, 3], [1, 3, 3, -3], [0, 0, 0, 1]]) / 6.0
 _GAUSS, _WEIGHT = np.polynomial.legendre.leggauss(5)
+# stretches whose lengths are taken at once
+_AT_ONCE = 1000
 
 
 @dataclass(frozen=True)
@@ -75,12 +77,14 @@ class TaskCurve:
         """Length of the curve between neighbouring parameters u (sorted, none across a knot), shape
         (n - 1,) [m]."""
         half = np.diff(u) / 2
-        nodes = (u[:-1] + half)[:, None] + half[:, None] * _GAUSS
-        speed = np.linalg.norm(self(np.clip(nodes, 0, self.segments).ravel(), 1), axis=1).reshape(
-            nodes.shape
-        )
-        total: Array = (speed * _WEIGHT).sum(axis=1) * half
-        return total
+        found = np.empty_like(half)
+        # the points of all of a long path at once would be the largest arrays of its plan
+        for begin in range(0, len(half), _AT_ONCE):
+            part = slice(begin, begin + _AT_ONCE)
+            nodes = (u[:-1][part] + half[part])[:, None] + half[part, None] * _GAUSS
+            speed = norms(self(np.clip(nodes, 0, self.segments).ravel(), 1)).reshape(nodes.shape)
+            found[part] = inner_products(speed, _WEIGHT) * half[part]
+        return found
 
     def pose(self, u: Array) -> tuple[Array, Array, Array | None]:
         """Position (n, 3) [m], tool axis (n, 3) towards the spindle or x axis, and rotation (n, 3,
