@@ -54,8 +54,8 @@ def measured(points: int, folder: Path) -> tuple[float, float, float]:
     """CPU seconds, wall seconds and peak MB of planning a file."""
     path = folder / f"waves_{points}.cls"
     path.write_text(file(points))
-    command = [sys.executable, "-m", "irb2400_ctrl.cli.main", "plan", str(path), "--links", "--rapid"]
-    command += ["--work-frame", WORK_FRAME, "--out", str(folder / f"plan_{points}")]
+    command = [sys.executable, "-m", "irb2400_ctrl.cli.main", "plan", str(path), "--links"]
+    command += ["--rapid", "--work-frame", WORK_FRAME, "--out", str(folder / f"plan_{points}")]
     start = time.perf_counter()
     process = subprocess.Popen(command, stdout=subprocess.DEVNULL)
     _, status, used = os.wait4(process.pid, 0)
