@@ -139,11 +139,7 @@ class Comparison:
 
     def _under(self, residual: Array) -> Problem:
         """The problem under the noise of a residual."""
-        noise = [
-            autoregressive(residual[:, j], self._rows[:, j], self.reversal[:, j])
-            for j in range(self.n)
-        ]
-        return Problem(self.y, self.Z, noise)
+        return Problem(self.y, self.Z, autoregressive(residual, self._rows, self.reversal))
 
     def _explained(self, problem: Problem, candidate: Candidate) -> Array:
         """Torque of the candidate and the base together, fitted under the problem's noise."""
