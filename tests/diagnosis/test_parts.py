@@ -207,9 +207,10 @@ def test_noise_is_not_believed_to_be_slower_than_allowed() -> None:
     np.testing.assert_array_equal(kept, mild)
 
 
-def test_whitening_is_the_filter_on_rows_with_all_it_needs() -> None:
+@pytest.mark.parametrize("lost", [0.2, 0.0])
+def test_whitening_is_the_filter_on_rows_with_all_it_needs(lost: float) -> None:
     rng = np.random.default_rng(7)
-    known = rng.random(60) > 0.2
+    known = rng.random(60) >= lost
     noise = Noise(
         np.array([1.0, -0.7, 0.2]), rng.random(complete_rows(known).size), complete_rows(known)
     )

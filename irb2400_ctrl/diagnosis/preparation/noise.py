@@ -36,16 +36,19 @@ class Noise:
 
     def whiten(self, columns: Array) -> Array:
         """(rows, …) -> (kept, …)."""
-        order = len(self.a) - 1
         flat = columns.reshape(len(columns), -1)
-        # on every row, then the kept ones: slices are cheaper than gathered rows
-        every = self.a[0] * flat
-        for lag in range(1, order + 1):
+        first = int(self.kept[0]) if len(self.kept) else 0
+        gapless = len(self.kept) and first + len(self.kept) - 1 == self.kept[-1]
+        # slices are cheaper than gathered rows: of gaps every row is filtered, then the kept ones
+        start, stop = (first, first + len(self.kept)) if gapless else (0, len(flat))
+        rows = flat[start:stop].copy()
+        for lag in range(1, len(self.a)):
             if self.a[lag] != 0.0:
-                every[lag:] += self.a[lag] * flat[:-lag]
-        out = every[self.kept]
+                late = min(max(lag - start, 0), len(rows))
+                rows[late:] += self.a[lag] * flat[start + late - lag : stop - lag]
+        out = rows if gapless else rows[self.kept]
         out *= self.weight[:, None]
-        return np.asarray(out).reshape(-1, *columns.shape[1:])
+        return out.reshape(-1, *columns.shape[1:])
 
 
 def without(noise: Noise, rows: Mask) -> Noise:
