@@ -91,6 +91,18 @@ def switched(rng: np.random.Generator, i: int) -> Case:
     )
 
 
+def payload(rng: np.random.Generator, i: int) -> Case:
+    """A load that nobody declared, of 4 to 15 % of the torque of the joint it moves most."""
+    return Case(int(rng.integers(2**31)), (Effect("payload", None, FRACTIONS[1:][i % 3]),))
+
+
+def wrong_priors(rng: np.random.Generator, i: int) -> Case:
+    """All numbers of the arm 2.5 times as far off as the data sheet says, every other one with a
+    load."""
+    load = (Effect("payload", None, FRACTIONS[1:][i // 2 % 3]),) if i % 2 else ()
+    return Case(int(rng.integers(2**31)), load, spread=2.5, name="load" if load else "nothing")
+
+
 def traps(rng: np.random.Generator, i: int) -> Case:
     """Records that look like an effect, or like another one."""
     seed = int(rng.integers(2**31))
@@ -125,7 +137,19 @@ def traps(rng: np.random.Generator, i: int) -> Case:
 
 
 SUITES: dict[str, Callable[[np.random.Generator, int], Case]] = {
-    f.__name__: f for f in (clean, single, pairs, outside, short, idle_axis, switched, traps)
+    f.__name__: f
+    for f in (
+        clean,
+        single,
+        pairs,
+        outside,
+        short,
+        idle_axis,
+        switched,
+        payload,
+        wrong_priors,
+        traps,
+    )
 }
 
 
@@ -133,7 +157,8 @@ def suite(name: str, n: int, seed: int = 0) -> list[Case]:
     """The first n cases of a family; nothing is simulated before `Case.simulate` is called.
 
     Args:
-        name: clean, single, pairs, outside, short, idle_axis, switched or traps.
+        name: clean, single, pairs, outside, short, idle_axis, switched, payload,
+            wrong_priors or traps.
         n: how many.
         seed: another list of the same family.
     """

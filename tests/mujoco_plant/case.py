@@ -49,6 +49,7 @@ class Case:
         chirp: a 0.6-7 Hz chirp on the motion.
         reading: the conditions of the log.
         friction_scale: all friction times this: a cold arm, a warm one.
+        spread: times the data-sheet uncertainty by which the arm is off the paper.
     """
 
     seed: int
@@ -57,6 +58,7 @@ class Case:
     chirp: bool = False
     reading: Reading = field(default_factory=Reading)
     friction_scale: float = 1.0
+    spread: float = 1.0
     name: str = ""
 
     def _rng(self, what: str) -> np.random.Generator:
@@ -65,7 +67,7 @@ class Case:
     @cached_property
     def machine(self) -> Machine:
         """Arm and drives without effects."""
-        arm, friction = drawn_arm(self._rng("arm"))
+        arm, friction = drawn_arm(self._rng("arm"), self.spread)
         friction[:, :3] *= self.friction_scale
         return Machine.drawn(self._rng("drives"), arm, friction)
 

@@ -16,6 +16,7 @@ from .reading import Reading
 Rng = np.random.Generator
 FRACTIONS = (0.03, 0.05, 0.08, 0.15)
 NEEDS_CHIRP = ("elastic_joint", "transmission_backlash")
+WRONG = 2.5
 RATES = (50.0, 62.5, 83.3, 100.0, 125.0)
 
 
@@ -76,6 +77,16 @@ def payload(rng: Rng, i: int) -> Case:
     return Case(_seed(rng), (Wanted("payload", size=1.0 + i % 3),))
 
 
+def wrong_priors(rng: Rng, i: int) -> Case:
+    """All numbers of the arm 2.5 times as far off as the data sheet says."""
+    return Case(_seed(rng), spread=WRONG)
+
+
+def wrong_priors_load(rng: Rng, i: int) -> Case:
+    """The same with 2, 3, 4 kg that nobody declared."""
+    return Case(_seed(rng), (Wanted("payload", size=2.0 + i % 3),), spread=WRONG)
+
+
 def _several(rng: Rng, count: int) -> Case:
     kinds = [str(k) for k in rng.choice(list(LIBRARY), count, replace=False)]
     if {*NEEDS_CHIRP} <= {*kinds}:  # the plant has one transmission
@@ -114,6 +125,8 @@ SUITES: dict[str, Callable[[Rng, int], Case]] = {
         friction,
         single,
         payload,
+        wrong_priors,
+        wrong_priors_load,
         pairs,
         three,
         outside,

@@ -111,15 +111,24 @@ class Comparison:
 
     def elsewhere(self, candidate: Candidate) -> float:
         """Share of what a candidate takes off the whitened squares that it takes off outside its
-        best second."""
+        best second, over the share of its torque there: in a short record a joint may move in
+        hardly more than one second.
+
+        What began within the record has nothing but the record's end to show itself: over 1.
+        """
         before = self.y - self.Z @ self.base.z
         after = self.y - self._explained(self.base, candidate)
+        torque = candidate.torque(self.n)
         second = (self.scan.motion.row_time - self.scan.motion.row_time[0]).astype(np.intp)
         taken = np.zeros(second[-1] + 1)
+        acting = np.zeros(len(taken))
         for j, one in enumerate(self.base.noise):
             change = one.whiten(before[:, j]) ** 2 - one.whiten(after[:, j]) ** 2
             taken += np.bincount(second[one.kept], change, len(taken))
-        return float(1.0 - taken.max() / max(taken.sum(), 1e-12))
+            acting += np.bincount(second[one.kept], one.whiten(torque[:, j]) ** 2, len(taken))
+        best = int(np.argmax(taken))
+        there = 1.0 if candidate.begins else 1.0 - acting[best] / max(acting.sum(), 1e-12)
+        return float((1.0 - taken[best] / max(taken.sum(), 1e-12)) / max(there, 1e-12))
 
     def by_joint(self, gain: float, torque: Array) -> Array:
         """A gain [nats] shared among the joints as its torque (rows, n) stands out there."""
@@ -130,11 +139,7 @@ class Comparison:
 
     def _under(self, residual: Array) -> Problem:
         """The problem under the noise of a residual."""
-        noise = [
-            autoregressive(residual[:, j], self._rows[:, j], self.reversal[:, j])
-            for j in range(self.n)
-        ]
-        return Problem(self.y, self.Z, noise)
+        return Problem(self.y, self.Z, autoregressive(residual, self._rows, self.reversal))
 
     def _explained(self, problem: Problem, candidate: Candidate) -> Array:
         """Torque of the candidate and the base together, fitted under the problem's noise."""

@@ -36,7 +36,8 @@ class Criteria:
             gains less than `by_law` of what it gains with discrepancy.
         largest: its rms torque over the joint's, above which it only cancels another one.
         moving: share of its gain that an effect of `Search.shows_moving` has away from reversals.
-        elsewhere: share of what it explains that lies outside the second in which it explains most.
+        elsewhere: share of what it explains that lies outside the second in which it explains most,
+            over the share of its torque there.
         two_at_once: how much more a non-parametric law may gain than the best effect, for two
             effects to be tried instead.
         unknown: how much a non-parametric law must beat the best effect by [nats], and as share of

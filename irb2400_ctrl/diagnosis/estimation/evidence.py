@@ -269,6 +269,12 @@ def law_gain(gram: Array, right: Array, expected: Expected) -> tuple[float, floa
         explained = float(right @ b)
         gain = offset + 0.5 * (explained - float(np.linalg.slogdet(inside)[1]))
         return gain, 2 * offset + explained, usual + b, covariance
+    if k == 1:  # most laws; without matrices
+        size_of_one = max(float(gram[0, 0]), 0.0) ** 0.5 + 1e-12
+        variance = 1.0 / (float(gram[0, 0]) + 1e-8 * size_of_one**2)
+        b = variance * right
+        explained = float(right[0] * b[0])
+        return float(g_prior_gain(explained, 1)), explained, b, np.array([[variance]])
     size = np.sqrt(np.maximum(np.diag(gram), 0.0)) + 1e-12
     normal = gram / np.outer(size, size) + 1e-8 * np.eye(k)
     covariance = np.asarray(np.linalg.inv(normal) / np.outer(size, size), dtype=float)

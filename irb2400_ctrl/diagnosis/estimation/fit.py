@@ -320,11 +320,7 @@ class Fitter:
         return b, columns @ b, covariance
 
     def _noise(self, residual: Array) -> tuple[Noise, ...]:
-        known = self.motion.row_known
-        return tuple(
-            autoregressive(residual[:, j], known[:, j], self.reversal[:, j])
-            for j in range(self.motion.n)
-        )
+        return autoregressive(residual, self.motion.row_known, self.reversal)
 
 
 def _alone(covariance: Array, parameters: Sequence[Parameter]) -> Array:

@@ -36,16 +36,19 @@ class Noise:
 
     def whiten(self, columns: Array) -> Array:
         """(rows, …) -> (kept, …)."""
-        order = len(self.a) - 1
         flat = columns.reshape(len(columns), -1)
-        # on every row, then the kept ones: slices are cheaper than gathered rows
-        every = self.a[0] * flat
-        for lag in range(1, order + 1):
+        first = int(self.kept[0]) if len(self.kept) else 0
+        gapless = len(self.kept) and first + len(self.kept) - 1 == self.kept[-1]
+        # slices are cheaper than gathered rows: of gaps every row is filtered, then the kept ones
+        start, stop = (first, first + len(self.kept)) if gapless else (0, len(flat))
+        rows = flat[start:stop].copy()
+        for lag in range(1, len(self.a)):
             if self.a[lag] != 0.0:
-                every[lag:] += self.a[lag] * flat[:-lag]
-        out = every[self.kept]
+                late = min(max(lag - start, 0), len(rows))
+                rows[late:] += self.a[lag] * flat[start + late - lag : stop - lag]
+        out = rows if gapless else rows[self.kept]
         out *= self.weight[:, None]
-        return np.asarray(out).reshape(-1, *columns.shape[1:])
+        return out.reshape(-1, *columns.shape[1:])
 
 
 def without(noise: Noise, rows: Mask) -> Noise:
@@ -87,21 +90,27 @@ def _weights(error: Array, sigma: float, calm: Mask) -> Array:
 
 
 def _not_too_coloured(coefficients: Array) -> Array:
-    """The AR coefficients, drawn towards white until the spectrum spans at most MOST_COLOUR.
+    """AR coefficients (m, ORDER), each drawn towards white until its spectrum spans at most
+    MOST_COLOUR.
 
     Without this limit whatever the model lacks would pass for slow noise.
     """
     powers = np.arange(1, ORDER + 1)
-    if _spans(coefficients[None])[0] <= MOST_COLOUR:
-        return coefficients
-    low = 0.0
-    high = 1.0
+    found = coefficients.copy()
+    wild = _spans(coefficients) > MOST_COLOUR
+    if not wild.any():
+        return found
+    low = np.zeros(int(wild.sum()))
+    high = np.ones(len(low))
     for _ in range(ROUNDS):
-        trials = np.linspace(low, high, SECTIONS + 1)
-        spans = _spans(coefficients * trials[1:-1, None] ** powers)
-        inside = int(np.argmax(np.append(spans > MOST_COLOUR, True)))
-        low, high = trials[inside : inside + 2]
-    return np.asarray(coefficients * low**powers)
+        trials = np.linspace(low, high, SECTIONS + 1, axis=1)
+        shrunk = coefficients[wild][:, None, :] * trials[:, 1:-1, None] ** powers
+        beyond = _spans(shrunk.reshape(-1, ORDER)).reshape(len(low), -1) > MOST_COLOUR
+        inside = np.where(beyond.any(axis=1), beyond.argmax(axis=1), SECTIONS - 1)[:, None]
+        low = np.take_along_axis(trials, inside, axis=1)[:, 0]
+        high = np.take_along_axis(trials, inside + 1, axis=1)[:, 0]
+    found[wild] *= low[:, None] ** powers
+    return found
 
 
 def _spans(coefficients: Array) -> Array:
@@ -110,25 +119,49 @@ def _spans(coefficients: Array) -> Array:
     return np.asarray(np.exp(power.max(axis=1) - power.mean(axis=1)))
 
 
-def autoregressive(residual: Array, known: Mask, reversal: Mask, floor: float = 0.0) -> Noise:
-    """AR(ORDER) by least squares on the gap-free rows.
+def autoregressive(residual: Array, known: Mask, reversal: Mask) -> tuple[Noise, ...]:
+    """AR(ORDER) of each joint by least squares on the gap-free rows.
 
     Args:
-        residual: what the model leaves, shape (rows,) [Nm].
-        known: rows that are complete; reversal: rows near a change of direction.
-        floor: smallest standard deviation of the innovation [Nm].
+        residual: what the model leaves, shape (rows, n) [Nm].
+        known: rows that are complete; reversal: rows near a change of direction; both (rows, n).
     """
-    kept = complete_rows(known)
-    if len(kept) < 20 * ORDER:
-        return white(residual, known, reversal)
-    past = np.column_stack([residual[kept - lag] for lag in range(1, ORDER + 1)])
-    now = residual[kept]
-    calm = ~reversal[kept]
-    use = calm if calm.sum() > 20 * ORDER else np.ones(len(kept), dtype=bool)
-    # a little white noise on the diagonal keeps the filter short of an exact predictor
-    gram = past[use].T @ past[use]
-    gram += 1e-3 * np.trace(gram) / ORDER * np.eye(ORDER)
-    coefficients = _not_too_coloured(np.linalg.solve(gram, past[use].T @ now[use]))
-    error = now - past @ coefficients
-    sigma = max(float(np.sqrt(np.mean(error[use] ** 2))), floor, 1e-9)
-    return Noise(np.append(1.0, -coefficients), _weights(error, sigma, calm), kept)
+    kept = [complete_rows(one) for one in known.T]
+    # a joint of few rows is taken as white
+    long = [j for j, rows in enumerate(kept) if len(rows) >= 20 * ORDER]
+    fits = [_Fitted(residual[:, j], kept[j], reversal[:, j]) for j in long]
+    free = np.array([fit.coefficients() for fit in fits]).reshape(-1, ORDER)
+    coloured = {
+        j: fit.noise(bounded)
+        for j, fit, bounded in zip(long, fits, _not_too_coloured(free), strict=True)
+    }
+    return tuple(
+        coloured[j] if j in coloured else white(residual[:, j], known[:, j], reversal[:, j])
+        for j in range(len(kept))
+    )
+
+
+class _Fitted:
+    """One joint: the values on its kept rows and before them."""
+
+    def __init__(self, residual: Array, kept: npt.NDArray[np.intp], reversal: Mask) -> None:
+        self.kept = kept
+        self.past = np.column_stack([residual[kept - lag] for lag in range(1, ORDER + 1)])
+        self.now = residual[kept]
+        self.calm = ~reversal[kept]
+        enough = self.calm.sum() > 20 * ORDER
+        self.use = self.calm if enough else np.ones(len(kept), dtype=bool)
+
+    def coefficients(self) -> Array:
+        """By least squares, shape (ORDER,)."""
+        past = self.past[self.use]
+        gram = past.T @ past
+        # a little white noise on the diagonal keeps the filter short of an exact predictor
+        gram += 1e-3 * np.trace(gram) / ORDER * np.eye(ORDER)
+        return np.asarray(np.linalg.solve(gram, past.T @ self.now[self.use]))
+
+    def noise(self, coefficients: Array) -> Noise:
+        error = self.now - self.past @ coefficients
+        sigma = max(float(np.sqrt(np.mean(error[self.use] ** 2))), 1e-9)
+        a = np.append(1.0, -coefficients)
+        return Noise(a, _weights(error, sigma, self.calm), self.kept)
