@@ -11,6 +11,7 @@ from pathlib import Path
 import pytest
 
 from irb2400_ctrl.effects import LIBRARY
+from irb2400_ctrl.formats import JSON_FILES
 
 DOCS = Path(__file__).parent.parent / "docs"
 SPHINX = importlib.util.find_spec("sphinx") is not None
@@ -47,6 +48,10 @@ def test_site_builds_without_a_warning(tmp_path: Path) -> None:
     files = (tmp_path / "generated" / "files.html").read_text()
     assert "joints" in files
     assert "amplitude_Nm" in files
+    for name, kind in JSON_FILES.items():
+        assert f">{name}.json<" in files
+        for key in kind.model_json_schema().get("properties", {}):
+            assert f">{key}<" in files
     api = (tmp_path / "generated" / "api.html").read_text()
     assert "planners.plan_path" in api
     examples = (tmp_path / "generated" / "examples.html").read_text()
