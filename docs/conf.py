@@ -15,7 +15,14 @@ import irb2400_ctrl  # noqa: E402
 
 project = "irb2400_ctrl"
 version = release = irb2400_ctrl.__version__
-extensions = ["myst_parser"]
+extensions = ["myst_nb"]  # with myst_parser
+# a notebook that fails, fails the build; what it writes goes to a folder of its own
+nb_execution_mode = "force"
+nb_execution_raise_on_error = True
+nb_execution_in_temp = True
+nb_execution_timeout = 600
+nb_number_source_lines = False
+nb_merge_streams = True
 myst_enable_extensions = ["colon_fence", "deflist"]
 myst_heading_anchors = 3
 html_theme = "furo"

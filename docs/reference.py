@@ -15,22 +15,38 @@ from typer.main import get_command
 
 import irb2400_ctrl as irb
 from irb2400_ctrl.cli.main import app
-from irb2400_ctrl.cli.schema import schema_of
+from irb2400_ctrl.cli.schema import FILES, schema_of
 from irb2400_ctrl.effects import LIBRARY
 from irb2400_ctrl.report.effect_words import explain
 from irb2400_ctrl.report.elements.glossary import WORDS
 
-FILES = {
+SENTENCES = {
     "robot": "A robot file describes an arm: links, joints, tool, uncertainty, effects.",
     "cell": "A cell file describes what stands around an arm.",
     "study": "A study file describes a sweep over drawn plants.",
     "plan": "`plan.json`: what `irb2400 plan` promises of a motion, of one operation "
     "(`OperationPlan`) or of a whole program (`ProgramPlan`).",
     "trajectory": "`trajectory.csv`: the motion, a row every few milliseconds.",
-    "findings": "`findings.json`: what `irb2400 diagnose` found.",
-    "watch": "`watch.json`: what `irb2400 watch` saw.",
+    "program": "`program.json`: the operations of a CAM program, and which `irb2400 plan` planned.",
+    "rotation_map": "`rotation_map.json`: what other tool rotations would bring "
+    "(`irb2400 plan --map`).",
     "placement": "`placement.json`: where `irb2400 place` puts a part (`PartPlacement`) or an arm "
     "on its rail (`RailPlacement`).",
+    "simulation": "`simulation.json`: how well a controller followed (`irb2400 simulate`); "
+    "`log.csv` beside it is a log like any other.",
+    "case": "`cases.parquet`, `cases.jsonl`: the cases of `irb2400 sweep`.",
+    "findings": "`findings.json`: what `irb2400 diagnose` found.",
+    "closed_loop": "`closed_loop.json`: what the findings are worth to a controller "
+    "(`irb2400 diagnose --close-loop`).",
+    "watch": "`watch.json`: what `irb2400 watch` saw.",
+    "identification": "`identification.json`: the numbers of an arm, and how surely, from "
+    "`irb2400 identify`.",
+    "covariance": "`covariance.json`: of these numbers, together.",
+    "validation": "`validation.json`: how well a robot file predicts logs (`irb2400 validate`).",
+    "excitation": "`excitation.json`: what a motion of `irb2400 excite` promises to show, to tell "
+    "effects apart (`SeparatingMotion`) or to identify by (`IdentifyingMotion`).",
+    "verification": "`verification.json`: whether a C package of `irb2400 codegen` computes what "
+    "the controller says.",
 }
 EXAMPLES = Path(__file__).parents[1] / "examples"
 PACKAGES = [name for name in irb.__all__ if isinstance(getattr(irb, name), types.ModuleType)]
@@ -92,9 +108,9 @@ def files() -> str:
         "[diagnosis](../diagnosis.md) and [watching](../watching.md); logs in [logs](../logs.md).",
         "",
     ]
-    for name, sentence in FILES.items():
+    for name in FILES:
         schema = schema_of(name)
-        text += [f"## {name.capitalize()} file", "", sentence, ""]
+        text += [f"## {_title(name)} file", "", SENTENCES[name], ""]
         if "patternProperties" in schema:
             text += [_plain(" ".join(schema["description"].split())), ""]
         if "properties" in schema:
@@ -103,6 +119,10 @@ def files() -> str:
             if own.get("properties"):
                 text += [f"### {name}: {table}", "", *_table(own)]
     return "\n".join(text)
+
+
+def _title(name: str) -> str:
+    return name.replace("_", " ").capitalize()
 
 
 def _table(schema: dict[str, Any]) -> Iterator[str]:

@@ -11,9 +11,10 @@ from pathlib import Path
 import pytest
 
 from irb2400_ctrl.effects import LIBRARY
+from irb2400_ctrl.formats import JSON_FILES
 
 DOCS = Path(__file__).parent.parent / "docs"
-SPHINX = importlib.util.find_spec("sphinx") is not None
+SPHINX = importlib.util.find_spec("myst_nb") is not None
 
 
 def listed() -> set[str]:
@@ -33,7 +34,12 @@ def test_every_page_is_in_the_contents() -> None:
 @pytest.mark.skipif(not SPHINX, reason="no Sphinx here: pip install 'irb2400_ctrl[docs]'")
 def test_site_builds_without_a_warning(tmp_path: Path) -> None:
     done = subprocess.run(
-        [sys.executable, "-m", "sphinx", "-W", "--keep-going", "-q", DOCS, tmp_path],
+        [
+            *(sys.executable, "-m", "sphinx", "-W", "--keep-going", "-q"),
+            # the notebooks are run by test_notebooks.py
+            *("-D", "nb_execution_mode=off"),
+            *(DOCS, tmp_path),
+        ],
         capture_output=True,
         text=True,
         check=False,
@@ -47,6 +53,10 @@ def test_site_builds_without_a_warning(tmp_path: Path) -> None:
     files = (tmp_path / "generated" / "files.html").read_text()
     assert "joints" in files
     assert "amplitude_Nm" in files
+    for name, kind in JSON_FILES.items():
+        assert f">{name}.json<" in files
+        for key in kind.model_json_schema().get("properties", {}):
+            assert f">{key}<" in files
     api = (tmp_path / "generated" / "api.html").read_text()
     assert "planners.plan_path" in api
     examples = (tmp_path / "generated" / "examples.html").read_text()

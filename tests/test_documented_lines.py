@@ -60,7 +60,7 @@ def test_the_program_takes_the_line(page: str, line: str) -> None:
     [
         ("irb2400 plan a.csv --out b --rat 5", "No such option"),
         ("irb2400 plane a.csv", "No such command"),
-        ("irb2400 schema program", "is not one of"),
+        ("irb2400 schema programme", "is not one of"),
         ("irb2400 robot import", "Missing parameter"),
     ],
 )

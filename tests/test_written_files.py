@@ -2,16 +2,21 @@
 
 from __future__ import annotations
 
+import copy
 import json
 import math
+import re
 from pathlib import Path
 
 import numpy as np
 import pytest
-from written_files import problem, written_in
+from jsonschema import Draft202012Validator
+from written_files import KINDS, problem, validator, written_in
 
 import irb2400_ctrl as irb
 from irb2400_ctrl.files import write_json
+
+PACKAGE = Path(irb.__file__).parent
 
 
 @pytest.fixture(scope="module")
@@ -62,3 +67,22 @@ def test_what_is_not_finite_is_null(tmp_path: Path) -> None:
     written = write_json(tmp_path / "some.json", content)
     read = json.loads(written.read_text(), parse_constant=pytest.fail)
     assert read == {"worth": None, "band": [1.0, None], "count": 3}
+
+
+def test_a_schema_that_lacks_a_key_refuses_the_file(plan: Path) -> None:
+    content = json.loads(plan.read_text())
+    whole = validator(KINDS["plan.json"])
+    assert whole.is_valid(content)
+    for key in content:
+        lacking = copy.deepcopy(whole.schema)
+        part = lacking["$defs"]["OperationPlan"]
+        del part["properties"][key]
+        part["required"] = [name for name in part["required"] if name != key]
+        assert not Draft202012Validator(lacking).is_valid(content), key
+
+
+def test_every_json_file_that_is_written_has_a_schema() -> None:
+    """Names of JSON files in the library, except those that are read, or are other programs'."""
+    sources = "\n".join(path.read_text() for path in PACKAGE.rglob("*.py"))
+    named = set(re.findall(r'"(\w+\.json)"', sources))
+    assert named - {"compile_commands.json"} == set(KINDS)

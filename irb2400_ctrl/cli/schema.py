@@ -3,30 +3,51 @@
 from __future__ import annotations
 
 import json
-from typing import Annotated, Any, Literal, get_args
+from typing import Annotated, Any
 
 import typer
 
 from irb2400_ctrl.cli.summary import Summary, answers
 
-File = Literal[
-    "robot", "cell", "study", "plan", "trajectory", "findings", "watch", "placement"
-]  # fmt: skip
+FILES = (
+    *("robot", "cell", "study"),
+    *("plan", "program", "rotation_map", "placement", "trajectory"),
+    *("simulation", "case", "findings", "closed_loop", "watch"),
+    *("identification", "covariance", "validation", "excitation", "verification"),
+)
+
+
+def _known(file: str) -> str:
+    if file not in FILES:
+        raise typer.BadParameter(f"{file!r} is not one of {', '.join(FILES)}.")
+    return file
 
 
 @answers
 def schema(
-    file: Annotated[File, typer.Argument(metavar="|".join(get_args(File)), help="Which file.")],
+    file: Annotated[
+        str,
+        typer.Argument(
+            metavar="FILE",
+            help="Its name without .json.",
+            callback=_known,
+            autocompletion=lambda: list(FILES),
+        ),
+    ],
 ) -> Summary:
-    """Print the JSON Schema of a file: of a robot, cell or study file, which is written by hand (an
-    editor uses it where the first line is `#:schema robot.schema.json`), or of plan.json, a row
-    of trajectory.csv, findings.json, watch.json or placement.json, which programs read."""
+    """Print the JSON Schema of a file.
+
+    By hand are written robot, cell and study: an editor completes and checks them where the first
+    line is `#:schema robot.schema.json`. For programs are written, as FILE.json, plan, program,
+    rotation_map, placement, simulation, findings, closed_loop, watch, identification, covariance,
+    validation, excitation and verification; trajectory is a row of trajectory.csv, case a row of
+    a sweep's cases."""
     found = schema_of(file)
     print(json.dumps(found, indent=2))
     return Summary(found)
 
 
-def schema_of(file: File) -> dict[str, Any]:
+def schema_of(file: str) -> dict[str, Any]:
     """JSON Schema (draft 2020-12) of a file; a robot's effects each with their own keys."""
     from irb2400_ctrl import formats
     from irb2400_ctrl.cell import Cell
@@ -34,15 +55,13 @@ def schema_of(file: File) -> dict[str, Any]:
     from irb2400_ctrl.robot import Robot
     from irb2400_ctrl.sweep.study import Study
 
-    described: dict[File, Any] = {
+    described: dict[str, Any] = {
         "robot": Robot,
         "cell": Cell,
         "study": Study,
-        "plan": formats.PlanFile,
         "trajectory": formats.TrajectoryRow,
-        "findings": formats.FindingsFile,
-        "watch": formats.WatchFile,
-        "placement": formats.PlacementFile,
+        "case": formats.CaseRow,
+        **formats.JSON_FILES,
     }
     found: dict[str, Any] = described[file].model_json_schema()
     if file == "robot":

@@ -9,14 +9,18 @@ from typing import Annotated
 import typer
 
 from irb2400_ctrl.cli.command_line import provenance
-from irb2400_ctrl.cli.logs_in import WHAT
-from irb2400_ctrl.cli.options import ColumnsOption, OutOption, input_file, output_folder
+from irb2400_ctrl.cli.logs_in import WHAT, is_robot
+from irb2400_ctrl.cli.options import (
+    ColumnsOption,
+    OutOption,
+    RobotOption,
+    input_file,
+    load_arm,
+    output_folder,
+)
 from irb2400_ctrl.cli.progress import step
 from irb2400_ctrl.cli.summary import Summary, answers
 
-RobotArgument = Annotated[
-    str, typer.Argument(metavar="ROBOT", help="A robot file (TOML) or a name.")
-]
 LogsArgument = Annotated[
     list[Path], typer.Argument(metavar="LOG...", help="Measured logs of one arm.")
 ]
@@ -24,13 +28,21 @@ LogsArgument = Annotated[
 
 @answers
 def validate(
-    robot: RobotArgument,
     logs: LogsArgument,
     out: OutOption,
+    robot: RobotOption = "irb2400",
     columns: ColumnsOption = None,
 ) -> Summary:
     """Compare modelled and measured torque (Tab. 6, eqs. 75-77; figures 10-12) ->
     validation.json, report.html."""
+    if is_robot(logs[0]) and len(logs) > 1:
+        # the order of 0.2
+        robot = str(logs[0])
+        logs = logs[1:]
+        print(
+            f"irb2400: validate ROBOT LOG... goes with 0.3; give the robot by --robot {robot}",
+            file=sys.stderr,
+        )
     for path in logs:
         input_file(path, WHAT)
     output_folder(out)
@@ -39,9 +51,8 @@ def validate(
     from irb2400_ctrl.measurement import read_log
     from irb2400_ctrl.plausibility import log_problem
     from irb2400_ctrl.report.pages.validation_page import lines, validation_page
-    from irb2400_ctrl.robot import load_robot
 
-    arm = load_robot(robot)
+    arm = load_arm(robot)
     with step("comparing model and log"):
         seen = [read_log(path, columns=columns, names=arm.joint_names) for path in logs]
         result = run(arm, seen)

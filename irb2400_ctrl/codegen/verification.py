@@ -28,7 +28,7 @@ from irb2400_ctrl.codegen.package_pages import build_files
 from irb2400_ctrl.codegen.provenance import stamped
 from irb2400_ctrl.codegen.targets import Goal, Target, find_target
 from irb2400_ctrl.errors import ToolMissingError
-from irb2400_ctrl.files import write_atomic
+from irb2400_ctrl.files import plain, write_atomic
 
 Array = NDArray[Any]
 STATES = 1024
@@ -109,12 +109,8 @@ class Verification:
 
     def to_json(self) -> str:
         """Text of `verification.json`."""
-        return (
-            json.dumps(
-                {"passed": self.passed, **dataclasses.asdict(self)}, indent=2, ensure_ascii=False
-            )
-            + "\n"
-        )
+        told = {"schema_version": 1, "passed": self.passed, **dataclasses.asdict(self)}
+        return json.dumps(plain(told), indent=2, ensure_ascii=False, allow_nan=False) + "\n"
 
     def table(self) -> str:
         """A few lines for a terminal."""

@@ -68,6 +68,7 @@ class Excitation:
             for i in (0, 1)
         ]
         return {
+            "schema_version": 1,
             "group": self.group.name,
             "members": list(self.group.kinds),
             "joint": self.joint,

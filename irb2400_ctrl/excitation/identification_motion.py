@@ -56,6 +56,7 @@ class IdentificationMotion:
     def summary(self) -> dict[str, Any]:
         """The content of `excitation.json`."""
         return {
+            "schema_version": 1,
             "for": IDENTIFY,
             "robot": self.robot.name,
             "duration_s": self.course.duration,

@@ -123,6 +123,7 @@ class Identification(Displayed):
         """identification.json, covariance.json and robot.toml; the report is another's."""
         folder = Path(folder)
         covariance = {
+            "schema_version": 1,
             "names": self.layout.names(),
             "covariance": [[float(v) for v in row] for row in self.covariance],
         }

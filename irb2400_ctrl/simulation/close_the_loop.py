@@ -44,9 +44,9 @@ class ClosedLoop:
         return {"given": self.before, "recalibrated": self.recalibrated, "diagnosed": self.after}
 
     def summary(self) -> dict[str, Any]:
-        """The figures of all runs, as in simulation.json."""
+        """The content of `closed_loop.json`: the figures of all runs."""
         runs = {"before": self.before, "recalibrated": self.recalibrated, "after": self.after}
-        return {name: run.summary() for name, run in runs.items()}
+        return {"schema_version": 1} | {name: run.summary() for name, run in runs.items()}
 
 
 def close_loop(

@@ -105,6 +105,7 @@ class Simulation(Displayed):
         error = np.degrees(self.q - self.q_ref)
         limit = self.plant.tau_bound
         return {
+            "schema_version": 1,
             "controller": self.controller.name,
             "robot": self.robot.name,
             "plant": self.plant.name,

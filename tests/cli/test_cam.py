@@ -41,7 +41,7 @@ def test_show_prints_operations_and_what_is_not_understood(file: Path) -> None:
     file.write_text(PROGRAM.replace("M2\n", "G41 D1\nM2\n"))
     done = irb2400("path", "show", file, cwd=file.parent)
     assert done.returncode == 0, done.stderr
-    assert "part.nc: G-code, 2 operation(s)" in done.stdout
+    assert "part.nc: G-code, 2 operations" in done.stdout
     assert "1: Face it (lines 5 to 7)" in done.stdout
     assert "feed 20 … 20 mm/s" in done.stdout
     assert "extent [mm] x 0.000 … 40.000" in done.stdout

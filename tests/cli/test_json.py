@@ -120,7 +120,7 @@ def test_simulate_and_codegen(planned: tuple[Path, dict[str, Any]]) -> None:
 
 
 def test_validate_says_validation_json(tmp_path: Path) -> None:
-    told = answer("validate", "irb2400", LOG, "--out", tmp_path)
+    told = answer("validate", LOG, "--out", tmp_path)
     assert str(tmp_path / "report.html") in told.pop("written")
     assert told == json.loads((tmp_path / "validation.json").read_text())
 

@@ -119,5 +119,8 @@ def test_several_logs_are_checked_each_and_validated_together(tmp_path: Path) ->
     assert done.returncode == 0, done.stderr
     assert f"warning: {wrong} is not understood: torque looks like motor side" in done.stderr
     both = json.loads(done.stdout)
-    alone = json.loads(run("validate", "irb2400", good, "--out", tmp_path / "one", "--json").stdout)
+    assert "--robot irb2400" in done.stderr  # the order of 0.2
+    done = run("validate", good, "--out", tmp_path / "one", "--json")
+    assert "--robot" not in done.stderr
+    alone = json.loads(done.stdout)
     assert both["samples"][0] > 1.8 * alone["samples"][0]

@@ -61,7 +61,9 @@ def show(
     from irb2400_ctrl.planners import read_program
 
     program = read_program(file, units=units, rotary=rotary, strict=False)
-    print(f"{program.name}: {program.dialect}, {len(program.operations)} operation(s)")
+    count = len(program.operations)
+    operations = "1 operation" if count == 1 else f"{count} operations"
+    print(f"{program.name}: {program.dialect}, {operations}")
     placed = _Placed.of(work_frame, cell, tool)
     for operation in program.operations:
         _print_operation(operation)
@@ -129,7 +131,8 @@ def _print_operation(operation: Operation) -> None:
         f"{axis} {a:.3f} … {b:.3f}" for axis, a, b in zip("xyz", low, high, strict=True)
     )
     print(f"{s['number']}: {s['name']} (lines {s['lines'][0]} to {s['lines'][1]})")
-    print(f"   tool{number} {tool['name']}{diameter}; spindle {turning}; coolant {s['coolant']}")
+    name = f" {tool['name']}" if tool["name"] else ""
+    print(f"   tool{number}{name}{diameter}; spindle {turning}; coolant {s['coolant']}")
     print(
         f"   {s['points']} points, {s['rapid_moves']} rapid; cut {s['cutting_length_mm']:.1f} mm, "
         f"rapid {s['rapid_length_mm']:.1f} mm; feed {stated}"

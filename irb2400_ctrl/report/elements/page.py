@@ -260,11 +260,15 @@ def show(value: object) -> str:
     return f"{mantissa}·10{str(int(power)).translate(_RAISED)}" if power else mantissa
 
 
+BESIDE = "\N{NO-BREAK SPACE}±\N{NO-BREAK SPACE}"
+"""in a narrow column a number and its error stay together"""
+
+
 def with_error(value: float, error: float) -> str:
     """`3.080 ± 0.011`: two digits of a standard error, and as many places of its value."""
     if not (isfinite(error) and error > 0.0):
         return show(value)
     places = max(0, 1 - floor(log10(error)))
     if places > 6:
-        return f"{show(value)} ± {show(error)}"
-    return f"{value:,.{places}f} ± {error:,.{places}f}"
+        return f"{show(value)}{BESIDE}{show(error)}"
+    return f"{value:,.{places}f}{BESIDE}{error:,.{places}f}"

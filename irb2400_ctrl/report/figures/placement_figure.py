@@ -41,8 +41,10 @@ def map_figure(found: Placement, up: int) -> Figure:
     np.maximum.at(best, number.ravel(), worth)
     x, y = _SQUARE * squares.T
     refused = best < 0
-    tall = np.ptp(y) / max(np.ptp(x), _SQUARE)
-    figure = Figure(figsize=(4.6, float(np.clip(2.0 + 3.6 * tall, 2.6, 6.0))), layout="constrained")
+    # the foot of the arm is drawn too
+    wide, tall = (np.ptp(np.append(places, 0.0)) + 2 * _SQUARE for places in (x, y))
+    height = float(np.clip(1.9 + 3.8 * tall / wide, 2.6, 6.0))
+    figure = Figure(figsize=(4.6, height), layout="constrained")
     axes = figure.subplots()
     axes.grid(lw=0.6)
     axes.scatter(x[refused], y[refused], s=9, color="0.5", marker="x", label="cannot be done")

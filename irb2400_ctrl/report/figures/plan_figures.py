@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from matplotlib.figure import Figure
 
@@ -82,12 +84,29 @@ def feed_figure(motion: Trajectory, plan: Plan | None) -> Figure:
     return over_time(motion.time, lines, "TCP [mm/s]", floor=0.0)
 
 
-def colourings(motion: Trajectory, robot: Robot, limits: Array) -> tuple[Colouring, ...]:
-    """What the tool's way may be coloured by."""
+def programmed_feed(plans: Sequence[Plan]) -> float | None:
+    """The largest feed that the files state [mm/s]; None where none does."""
+    stated = np.concatenate([plan.path.feed[np.isfinite(plan.path.feed)] for plan in plans])
+    return 1e3 * float(stated.max()) if len(stated) else None
+
+
+def colourings(
+    motion: Trajectory, robot: Robot, limits: Array, feed: float | None = None
+) -> tuple[Colouring, ...]:
+    """What the tool's way may be coloured by.
+
+    Args:
+        motion: with its torque.
+        robot: the arm.
+        limits: of its torques [Nm], shape (n,).
+        feed: at which the colours end [mm/s], so that a rapid move does not hide how the feed is
+            held.
+    """
     assert motion.tau is not None
+    name = "feed" if feed is None else "feed, rapid moves cut off"
     factors = np.abs(Model(robot).singularity_factors(motion.q))
     return (
-        Colouring("feed", "mm/s", tip_speed(motion)),
+        Colouring(name, "mm/s", tip_speed(motion), high=feed),
         Colouring("torque share", "%", 100 * np.abs(motion.tau / limits).max(axis=1)),
         Colouring("speed share", "%", 100 * np.abs(motion.qd / robot.qd_max).max(axis=1)),
         Colouring("wrist margin |sin q5|", "", factors[:, 0], 2),

@@ -47,7 +47,8 @@ def add_plan(
 ) -> None:
     """Sections of a plan: arm, feed, torque, margins, numbers."""
     plan = found if isinstance(found, Plan) else None
-    one = found if isinstance(found, Plan) else found.plans[0]
+    plans = [found] if isinstance(found, Plan) else found.plans
+    one = plans[0]
     summary = found.summary()
     limits = summary["torque_share"] * one.robot.tau_max
     motion = found.trajectory
@@ -56,7 +57,7 @@ def add_plan(
         robot or one.robot,
         motion.time,
         motion.q,
-        draw.colourings(motion, one.robot, limits),
+        draw.colourings(motion, one.robot, limits, draw.programmed_feed(plans)),
         cell,
         tool,
         external=None if motion.external is None else motion.external.q,
