@@ -95,7 +95,7 @@ def certify_joints(
     """Bound torque and speed of a timed joint path, whatever its TCP does."""
     robot = dynamics.model.robot
     limits = options.limits
-    certificate = Certificate(joints, settled.law, limits)
+    certificate = Certificate(joints, settled.law, limits, dynamics.carriage)
     checked = check(certificate, dynamics.model, dynamics)
     kept = settled.bounded and settled.worst(limits) <= 1 and _rates_kept(checked, options)
     return JointBounds(
