@@ -97,8 +97,7 @@ def law_rows(
     s = law.at(rows.time)[0]
     tau = dynamics.torque(rows.q, rows.qd, rows.qdd, rows.time)
     n = dynamics.model.robot.n
-    slides = int(dynamics.carriage is not None)
-    found = replace(rows.apart(n, slides), tau=tau[:, :n], s=tcp.way(s), check_speeds=False)
+    found = replace(rows.apart(n), tau=tau[:, :n], s=tcp.way(s), check_speeds=False)
     return found.as_written(), s
 
 

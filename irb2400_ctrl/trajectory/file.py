@@ -86,7 +86,7 @@ def _external(path: Path, header: list[str], table: Array, time: Array) -> Traje
             f"edd1_{unit}_s2 … beside them; the first one may be a rail (mm), not a later one"
         )
     moves = [values for values in found if values is not None]
-    return Trajectory(time, *moves, lengths=slides) if moves else None
+    return Trajectory(time, *moves, lengths=(0,) * slides) if moves else None
 
 
 def _further(

@@ -43,8 +43,8 @@ class Trajectory:
     """how far along its path: length of the TCP's way [m], or the path's parameter; shape (n,)"""
     external: Trajectory | None = field(default=None, kw_only=True)
     """at the same times, axes beside the arm that carry it or the part; None where none moves"""
-    lengths: int = field(default=0, kw_only=True)
-    """so many of the first axes are rails: metres in place of radians, mm in the file"""
+    lengths: tuple[int, ...] = field(default=(), kw_only=True)
+    """columns of rails: metres in place of radians, mm in the file"""
     check_speeds: InitVar[bool] = field(default=True, kw_only=True)
 
     def __post_init__(self, check_speeds: bool) -> None:
@@ -100,10 +100,10 @@ class Trajectory:
         if (np.abs(moved - mean) > allowed).any():
             row, axis = np.argwhere(np.abs(moved - mean) > allowed)[0]
             raise InputError(
-                f"trajectory: axis {axis + 1} moves by {math.degrees(moved[row, axis]):.3f} deg in "
-                f"row {row + 2}, its "
-                f"speeds say {math.degrees(mean[row, axis]):.3f} deg; check units and columns, or "
-                "sample it more often"
+                f"trajectory: axis {axis + 1} moves by {moved[row, axis] / self._unit[axis]:.3f} "
+                f"{self._units[axis]} in row {row + 2}, its speeds say "
+                f"{mean[row, axis] / self._unit[axis]:.3f} {self._units[axis]}; check units and "
+                "columns, or sample it more often"
             )
 
     @property
@@ -164,7 +164,7 @@ class Trajectory:
     def _unit(self) -> Array:
         """Of the file's numbers in those of the arrays, shape (axes,)."""
         unit = np.full(self.q.shape[1], math.pi / 180)
-        unit[: self.lengths] = 1e-3
+        unit[list(self.lengths)] = 1e-3
         return unit
 
     def together(self) -> Trajectory:
@@ -174,15 +174,16 @@ class Trajectory:
         pairs = ((self.q, self.external.q), (self.qd, self.external.qd))
         q, qd = (np.hstack(pair) for pair in pairs)
         qdd = np.hstack([self.qdd, self.external.qdd])
-        return Trajectory(self.time, q, qd, qdd, check_speeds=False)
+        lengths = tuple(self.q.shape[1] + j for j in self.external.lengths)
+        return Trajectory(self.time, q, qd, qdd, lengths=lengths, check_speeds=False)
 
-    def apart(self, n: int, lengths: int = 0) -> Trajectory:
-        """`together` taken apart again: the first n axes are the arm's, and `lengths` of those
-        behind them rails."""
+    def apart(self, n: int) -> Trajectory:
+        """`together` taken apart again: the first n axes are the arm's."""
         if n == self.q.shape[1]:
             return self
         moves = (self.q, self.qd, self.qdd)
         further = (v[:, n:] for v in moves)
+        lengths = tuple(j - n for j in self.lengths)
         rest = Trajectory(self.time, *further, lengths=lengths, check_speeds=False)
         arm = (v[:, :n] for v in moves)
         return Trajectory(self.time, *arm, external=rest, check_speeds=False)
@@ -223,7 +224,7 @@ class Trajectory:
     @property
     def _units(self) -> list[str]:
         """Of each axis in the file."""
-        return ["mm"] * self.lengths + ["deg"] * (self.q.shape[1] - self.lengths)
+        return ["mm" if j in self.lengths else "deg" for j in range(self.q.shape[1])]
 
     def _table(self) -> tuple[Array, list[int]]:
         """The numbers of the file, a row each, and the significant digits of every column."""

@@ -56,6 +56,11 @@ class PathDynamics:
         return self.model.robot.n + (self.carriage is not None)
 
     @property
+    def lengths(self) -> tuple[int, ...]:
+        """Columns that are lengths, not angles."""
+        return () if self.carriage is None else (self.model.robot.n,)
+
+    @property
     def n(self) -> int:
         """Columns of a path: joints of the arm, then further axes."""
         return self.model.robot.n + self.external
