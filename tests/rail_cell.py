@@ -225,15 +225,17 @@ def drawn(seed: int) -> tuple[Track, ToolPath]:
     every third part."""
     rng = np.random.default_rng(seed)
     way = np.array([rng.uniform(-0.15, 0.15), 1.0, rng.uniform(-0.05, 0.05)])
-    length = float(rng.uniform(1.8, 3.2))
+    length = float(rng.uniform(2.6, 4.4))
     place = np.array([rng.uniform(0.95, 1.2), rng.uniform(-0.4, 0.4), rng.uniform(0.35, 0.8)])
     table = None
     if seed % 3 == 0:
-        foot = place + [0, length / 2, -0.1]
-        table = Line(np.array([0.0, 0.0, 1.0]), foot, rng.uniform(20, 60), rng.uniform(30, 90), 20.0)
+        foot = place + np.array([0, length / 2, -0.1])
+        table = Line(
+            np.array([0.0, 0.0, 1.0]), foot, rng.uniform(20, 60), rng.uniform(30, 90), 20.0
+        )
     track = Track(
         way,
-        (-800.0, 4000.0),
+        (-800.0, 5200.0),
         float(rng.uniform(400, 2000)),
         float(rng.uniform(500, 4000)),
         place,

@@ -15,7 +15,7 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from irb2400_ctrl.arrays import Array
-from irb2400_ctrl.cell.external_axes import ExternalAxes
+from irb2400_ctrl.cell.external_axes import RAIL, ExternalAxes
 from irb2400_ctrl.cell.positioner import Angles, Plate
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.robot.shape import (
@@ -121,7 +121,7 @@ class Rail(Table):
             )
         way = np.array(self.direction, dtype=float)
         return ExternalAxes(
-            names=("rail",),
+            names=RAIL,
             direction=-way[None] / np.linalg.norm(way),
             point=np.zeros((1, 3)),
             low=np.array([self.range_mm[0] / 1e3]),

@@ -18,6 +18,14 @@ import numpy as np
 
 from irb2400_ctrl.arrays import Array
 
+RAIL = ("rail",)
+TABLE = ("tilt", "turn")
+
+
+def axis_names(count: int, slides: int) -> tuple[str, ...]:
+    """Of so many axes, of which the first is a rail where `slides` is 1."""
+    return RAIL[:slides] + TABLE[: count - slides]
+
 
 @dataclass(frozen=True, eq=False)
 class ExternalAxes:
@@ -104,6 +112,12 @@ class ExternalAxes:
         X[:3, :3] = np.stack([x, np.cross(z, x), z], axis=1)
         X[:3, 3] = self.point[-1]
         return X
+
+    def from_shown(self, values: Array) -> Array:
+        """Degrees, and mm of a rail, (m, k) in radians and metres."""
+        unit = np.full(len(self), np.pi / 180)
+        unit[: self.slides] = 1e-3
+        return np.asarray(values * unit)
 
     def turned(self, e: Array) -> Array:
         """A_1 … A_k at angles e (m, k) [rad]: what they do to a pose at zero angles, shape (m, 4,

@@ -161,6 +161,11 @@ class Trajectory:
         return replace(found, lengths=self.lengths, check_speeds=False)
 
     @property
+    def shown(self) -> Array:
+        """The angles in degrees; places of rails in mm."""
+        return np.asarray(self.q / self._unit)
+
+    @property
     def _unit(self) -> Array:
         """Of the file's numbers in those of the arrays, shape (axes,)."""
         unit = np.full(self.q.shape[1], math.pi / 180)
