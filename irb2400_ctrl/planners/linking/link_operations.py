@@ -206,7 +206,8 @@ class _Chain:
         because = run.because if kind == "unwind" else ""
         number = run.operation.number
         angles = run.options.positioner or run.stands("first")
-        stands = (angles, run.carriage("first"))
+        place = run.options.rail if run.options.rail is not None else run.carriage("first")
+        stands = (angles, place)
         self.segments.append(Segment(kind, number, piece, self.time, note, *stands, because))
         self.here = piece.trajectory.q[-1]
         self.rows += len(piece.trajectory.time) - 1
