@@ -22,6 +22,7 @@ from irb2400_ctrl.model import Model
 from irb2400_ctrl.planners import Plan, ToolPath, check, plan_path, plan_program, read_program
 from irb2400_ctrl.planners.enclosure.path_dynamics import path_dynamics
 from irb2400_ctrl.planners.enclosure.tcp_path import TcpPath
+from irb2400_ctrl.planners.joint_path import JointPath
 from irb2400_ctrl.planners.programs.rapid.rapid_of_plan import rapid_of_motion, rapid_of_plan
 from irb2400_ctrl.planners.programs.rapid.rapid_reader import read_rapid
 from irb2400_ctrl.report.elements.arm_view import ArmView
@@ -146,6 +147,36 @@ def test_the_tip_is_no_further_from_its_parabolas_than_said(
         ):
             near = np.einsum("k,mkj->mj", weights, enclosed.points)
             assert (np.linalg.norm(near - truth, axis=1) <= enclosed.miss + 1e-12).all()
+
+
+@pytest.mark.parametrize("turns", [False, True])
+def test_the_carriage_alone_is_enclosed(both: Plan, plan: Plan, turns: bool) -> None:
+    """The arm stands, so that what is missed comes from the further axes alone."""
+    found = both if turns else plan
+    rng = np.random.default_rng(8)
+    s = np.linspace(0, 1, 9)
+    columns = 6 + (3 if turns else 1)
+    q = np.zeros((9, columns))
+    q[:, 6] = rng.uniform(0, 3, 9)
+    q[:, 8:] = rng.uniform(-0.3, 0.3, (9, columns - 8 if turns else 0))
+    tcp = TcpPath(Model(ROBOT), JointPath.through(s, q), np.array([0.0, 0.0, 1.0]), found.carried)
+    ends = np.stack([s[:-1], s[1:]])
+    place, _ = tcp.enclosed(ends)
+    speed = tcp.enclosed_velocity(s)
+    worst = np.zeros(2)
+    for share in np.linspace(0.05, 0.95, 19):
+        at = ends[0] + share * (ends[1] - ends[0])
+        weights = np.array([(1 - share) ** 2, 2 * share * (1 - share), share**2])
+        for k, (enclosed, truth) in enumerate(
+            ((place, tcp.pose(at, np.arange(8))[0]), (speed, tcp.velocity(at, np.arange(8))))
+        ):
+            near = np.einsum("k,mkj->mj", weights, enclosed.points)
+            miss = np.linalg.norm(near - truth, axis=1)
+            assert (miss <= enclosed.miss + 1e-12).all()
+            worst[k] = max(worst[k], float((miss / np.maximum(enclosed.miss, 1e-12)).max()))
+    # of a carriage alone the bound of the place is what a cubic misses, to the last bit
+    if not turns:
+        assert worst[0] > 0.95
 
 
 def test_what_stands_is_where_the_carriage_sees_it(both: Plan) -> None:

@@ -86,7 +86,7 @@ def test_the_file_goes_on_without_a_jump(folder: Path) -> None:
     with pytest.raises(InputError, match="external axes"):
         EgmFollower(robot, motion)
     with pytest.raises(InputError, match="whose carriage moves"):
-        simulate(robot, controller("computed_torque", robot), motion)
+        simulate(robot, motion, controller("computed_torque", robot))
 
 
 def test_rapid_is_read_back(folder: Path) -> None:
