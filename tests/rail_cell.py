@@ -93,9 +93,12 @@ def driven(q: Array, qd: Array, qdd: Array, base: Array, push: Array) -> Driven:
     rate, rate2 = (np.column_stack([v[:, :2], v[:, 2] - v[:, 1], v[:, 3:]]) for v in (qd, qdd))
     n = len(q)
     R = np.tile(np.eye(3), (n, 1, 1))
-    o, a = base.copy(), push.copy()
-    w, dw = np.zeros((n, 3)), np.zeros((n, 3))
-    joints, wrenches = [], []
+    o = base.copy()
+    a = push.copy()
+    w = np.zeros((n, 3))
+    dw = np.zeros((n, 3))
+    joints = []
+    wrenches = []
     for j, (length, alpha, d) in enumerate(DH):
         arm = R @ np.array([length, 0.0, 0.0])
         a = a + np.cross(dw, arm) + np.cross(w, np.cross(w, arm))
@@ -109,7 +112,9 @@ def driven(q: Array, qd: Array, qdd: Array, base: Array, push: Array) -> Driven:
         a = a + np.cross(dw, shift) + np.cross(w, np.cross(w, shift))
         o = o + shift
         joints.append((o, z))
-        mass, centre, (xx, yy, zz, xy, xz, yz) = bodies[j, 0], bodies[j, 1:4], bodies[j, 4:]
+        mass = bodies[j, 0]
+        centre = bodies[j, 1:4]
+        xx, yy, zz, xy, xz, yz = bodies[j, 4:]
         own = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
         inertia = R @ own @ R.transpose(0, 2, 1)
         c = R @ centre

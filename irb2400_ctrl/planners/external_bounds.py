@@ -134,8 +134,8 @@ def worst_axis(plans: Sequence[AxisBounds], turns: Sequence[Trajectory], column:
     first = plans[0]
     every = list(plans)
     for rows in turns:
-        none = np.full(rows.q.shape[1], np.inf)
-        speed, acceleration = none.copy(), none.copy()
+        speed = np.full(rows.q.shape[1], np.inf)
+        acceleration = speed.copy()
         speed[column] = first.speed_limit
         acceleration[column] = first.acceleration_limit
         every.append(_of_rows(rows, speed, acceleration)[column])

@@ -100,8 +100,7 @@ def rapid_program(
         stops: rows at which the plan is at rest, shape (n,): stop points.
         events: what the program asks for besides motion, at times of the plan; the arm stops there.
         tools: rows at which the tool changes, increasing, and the arm with the next one.
-        carried: the external axes where they turn the work object, which `X_BW` states at zero, or
-            carry the arm.
+        carried: axes that turn the work object, which `X_BW` states at zero, or carry the arm.
 
     Raises:
         InputError: shapes, order of time, not finite, outside the joint box, a name that RAPID
@@ -115,10 +114,9 @@ def rapid_program(
     joints = row_flags("joint_rows", joint_rows, len(q)) | (options.motion == "joint")
     flags = _Flags(wrist_rows(q, wrist_crossing), joints, standing)
     models = [model, *(arm for _, arm in tools)]
-    changes = [row for row, _ in tools]
     part = _Part.of(carried, external, options, len(q))
     X_BW = np.eye(4) if part is not None and X_BW is None else X_BW
-    rows, first, samples = _rows(models, changes, (time, q), flags, options, X_BW, part)
+    rows, first, samples = _rows(models, tools, (time, q), flags, options, X_BW, part)
     writer = EventWriter(options.signals)
     said = {
         row + first: [line for event in found for line in writer.lines(event)]
@@ -231,7 +229,7 @@ class _Flags:
 
 def _rows(
     models: Sequence[Model],
-    changes: Sequence[int],
+    tools: Sequence[tuple[int, Model]],
     plan: tuple[Array, Array],
     flags: _Flags,
     options: RapidOptions,
@@ -250,7 +248,9 @@ def _rows(
     standing[first] |= ends[0] > 0
     standing[len(q) - 1 - ends[1]] |= ends[1] > 0
     # the arm goes to the row of a change with the tool before it
-    tool = np.searchsorted(np.array(changes, dtype=int) + first, np.arange(len(q)))
+    tool = np.searchsorted(
+        np.array([row for row, _ in tools], dtype=int) + first, np.arange(len(q))
+    )
     X_BT = np.empty((len(q), 4, 4))
     for number, arm in enumerate(models):
         X_BT[tool == number] = arm.tcp_pose(q[tool == number])
