@@ -15,7 +15,7 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from irb2400_ctrl.arrays import Array
-from irb2400_ctrl.cell.external_axes import ExternalAxes
+from irb2400_ctrl.cell.external_axes import RAIL, ExternalAxes
 from irb2400_ctrl.cell.positioner import Angles, Plate
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.robot.shape import (
@@ -27,7 +27,7 @@ from irb2400_ctrl.robot.shape import (
     place_and_turn,
     pose,
 )
-from irb2400_ctrl.robot.table import NotNegative, Table, Vector3
+from irb2400_ctrl.robot.table import NotNegative, Positive, Table, Vector3
 
 Role = Literal["part", "stock", "fixture", "table", "obstacle"]
 CUT = ("part", "stock")
@@ -67,16 +67,23 @@ class Placed(Table):
         return cls(place_mm=place, turn_deg=turn)
 
 
+RailPlace = float | Literal["move"]
+
+
 class Rail(Table):
     """A straight track under the arm. Places in the base are stated with its carriage at zero."""
 
     direction: Vector3
     """in the robot base; its length says nothing"""
     range_mm: tuple[float, float]
-    position_mm: float = 0.0
-    """where the carriage stands while the arm works"""
-    operations: dict[str, float] = Field(default_factory=dict)
-    """where it stands during an operation of this name, or number [mm]"""
+    position_mm: RailPlace = 0.0
+    """where the carriage stands while the arm works, or that it moves"""
+    operations: dict[str, RailPlace] = Field(default_factory=dict)
+    """where it stands during an operation of this name, or number [mm], or that it moves"""
+    speed_mm_s: Positive | None = None
+    acceleration_mm_s2: Positive | None = None
+    jerk_mm_s3: Positive | None = None
+    """limits of a carriage that moves during the cut; of the jerk, where it has one"""
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
@@ -86,15 +93,47 @@ class Rail(Table):
         if not low < high:
             raise ValueError(f"range_mm: found {low:g} to {high:g}, expected the lower end first")
         places = {"position_mm": self.position_mm, **self.operations}
+        if "move" in places.values():
+            _ = self.moving
         for name, place in places.items():
-            if not low <= place <= high:
+            if place != "move" and not low <= place <= high:
                 raise ValueError(
                     f"{name}: found {place:g}, expected a place on the rail, {low:g} to {high:g}"
                 )
         return self
 
-    def asked(self, number: int, name: str) -> float:
-        """Where the carriage stands during an operation [mm]."""
+    @property
+    def stands_mm(self) -> float:
+        """Where the carriage stands, or what places are stated at where it moves [mm]."""
+        return 0.0 if self.position_mm == "move" else self.position_mm
+
+    @property
+    def moving(self) -> ExternalAxes:
+        """The carriage as it moves during the cut: all else slides the other way.
+
+        Raises:
+            ValueError: it has no limits of speed and acceleration.
+        """
+        if self.speed_mm_s is None or self.acceleration_mm_s2 is None:
+            raise ValueError(
+                "the rail has no speed_mm_s or no acceleration_mm_s2, expected both of a carriage "
+                'that moves during the cut ("move")'
+            )
+        way = np.array(self.direction, dtype=float)
+        return ExternalAxes(
+            names=RAIL,
+            direction=-way[None] / np.linalg.norm(way),
+            point=np.zeros((1, 3)),
+            low=np.array([self.range_mm[0] / 1e3]),
+            high=np.array([self.range_mm[1] / 1e3]),
+            speed=np.array([self.speed_mm_s / 1e3]),
+            acceleration=np.array([self.acceleration_mm_s2 / 1e3]),
+            jerk=np.array([(self.jerk_mm_s3 or np.inf) / 1e3]),
+            slides=1,
+        )
+
+    def asked(self, number: int, name: str) -> RailPlace:
+        """Where the carriage stands during an operation [mm], or that it moves."""
         return self.operations.get(name, self.operations.get(str(number), self.position_mm))
 
     def moved(self, distance_mm: float) -> Array:
@@ -201,12 +240,18 @@ class Cell(Table):
 
     @property
     def external_axes(self) -> ExternalAxes | None:
-        """Axes that turn the part during the cut, as the arm sees them from its carriage; None
-        where none does."""
+        """Axes that move the part or the arm during the cut, as the arm sees them from its
+        carriage; None where none does."""
+        rail = self.rail.moving if self.rail is not None and self.rail_moves else None
         if self.positioner is None or self.positioner.position_deg != "move":
-            return None
+            return rail
         axes = self.positioner.moving
-        return replace(axes, point=axes.point + self.seen[:3, 3])
+        return replace(axes, point=axes.point + self.seen[:3, 3]).behind(rail)
+
+    @property
+    def rail_moves(self) -> bool:
+        """Whether the carriage moves during the cut; places are then those with it at zero."""
+        return self.rail is not None and self.rail.position_mm == "move"
 
     def on_positioner(self, angles_deg: Angles | Literal["find", "move"]) -> Cell:
         """The same with the positioner at (tilt, turn) [deg], at angles to be found, or moving.
@@ -232,10 +277,10 @@ class Cell(Table):
     @property
     def seen(self) -> Array:
         """Pose of the base with the carriage at zero, from where the carriage stands, (4, 4)."""
-        return np.eye(4) if self.rail is None else self.rail.moved(self.rail.position_mm)
+        return np.eye(4) if self.rail is None else self.rail.moved(self.rail.stands_mm)
 
-    def on_rail(self, position_mm: float) -> Cell:
-        """The same with the carriage elsewhere.
+    def on_rail(self, position_mm: RailPlace) -> Cell:
+        """The same with the carriage elsewhere, or moving during the cut.
 
         Raises:
             InputError: the cell has no rail, or not one so long.
@@ -245,7 +290,12 @@ class Cell(Table):
                 f"cell {self.name}: found no [rail], expected one with direction and range_mm"
             )
         low, high = self.rail.range_mm
-        if not low <= position_mm <= high:
+        if position_mm == "move":
+            try:
+                _ = self.rail.moving
+            except ValueError as error:
+                raise InputError(f"cell {self.name}: {error}") from error
+        elif not low <= position_mm <= high:
             raise InputError(
                 f"cell {self.name}: found {position_mm:g} mm, expected a place on the rail, "
                 f"{low:g} to {high:g} mm"

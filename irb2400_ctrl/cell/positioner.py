@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.cell.external_axes import TABLE as AXES
 from irb2400_ctrl.cell.external_axes import ExternalAxes
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.robot.table import Positive, Table, Vector3
@@ -21,7 +22,6 @@ from irb2400_ctrl.robot.table import Positive, Table, Vector3
 Row4 = tuple[float, float, float, float]
 Pose = tuple[Row4, Row4, Row4, Row4]
 Angles = tuple[float, float]
-AXES = ("tilt", "turn")
 _IDENTITY: Pose = (
     (1.0, 0.0, 0.0, 0.0),
     (0.0, 1.0, 0.0, 0.0),

@@ -50,7 +50,8 @@ class Scene:
     keep: float = 0.0
     """a motion stays at least so far from everything [m]"""
     external: ExternalAxes | None = None
-    """axes that carry the work object; configurations then have their angles behind the arm's"""
+    """axes that carry the work object, or the arm; configurations then have their angles behind the
+    arm's"""
     triangles: dict[Any, Any] = field(default_factory=dict)
     """of coal by shape, filled as they are needed: a large mesh is built once"""
 
@@ -90,11 +91,13 @@ class Scene:
         return replace(self, things=things)
 
     def standing(self, e: Array) -> Scene:
-        """The same with the axes that carry the work object at angles e (k,) [rad]."""
+        """The same with the further axes at e (k,) [rad, m of a rail]."""
         if self.external is None:
             return self
         M = self.external.turned(e[None])[0]
-        moved = (replace(p, X=M @ p.X) if p.on_work_object else p for p in self.things)
+        slides = self.external.slides
+        still = self.external.rail.turned(e[None, :slides])[0]
+        moved = (replace(p, X=(M if p.on_work_object else still) @ p.X) for p in self.things)
         return replace(self, things=tuple(moved), external=None)
 
     def shifted(self, X: Array) -> Scene:
@@ -124,21 +127,27 @@ class Scene:
     def near(self, q: Array) -> tuple[Array, Array]:
         """Distances of the arm's own pairs as capsules (m, own) [m] and the poses of base and links
         (m, n + 1, 3, 4) at q (m, n); where the work object is carried, the poses that it sees
-        follow."""
+        follow, and where the arm is, those that the floor sees."""
         n = self.model.robot.n
         own, rows = arm_space(self.robot, self.tool)[2].map(q[:, :n])
         poses = rows.reshape(len(q), -1, 3, 4)
         if self.external is not None:
             M = self.external.turned(q[:, n:])
-            poses = np.concatenate([poses, _seen(M, poses)], axis=1)
+            seen = [poses, _seen(M, poses)]
+            if self.external.slides:
+                seen.append(_seen(self.external.rail.turned(q[:, n : n + 1]), poses))
+            poses = np.concatenate(seen, axis=1)
         return own - ROUNDING, poses
 
     @cached_property
     def _poses(self) -> list[int]:
         """Which pose of a configuration the arm's body of each pair with the cell has."""
-        seen = 0 if self.external is None else self.model.robot.n + 1
+        bodies = self.model.robot.n + 1
+        part = 0 if self.external is None else bodies
+        floor = 0 if self.external is None or not self.external.slides else 2 * bodies
         return [
-            self.arm[i].link + (seen if self.things[k].on_work_object else 0) for i, k in self.outer
+            self.arm[i].link + (part if self.things[k].on_work_object else floor)
+            for i, k in self.outer
         ]
 
     @cached_property
@@ -281,7 +290,7 @@ class Scene:
 
         Args:
             rate: Bernstein coefficients of dq/ds on m cells, shape (m, d, n) [rad per unit of s];
-                those of the axes that carry the work object follow.
+                those of the further axes follow.
         """
         seen, rho = self._chain
         n = self.model.robot.n
@@ -297,7 +306,7 @@ class Scene:
     @cached_property
     def _levers(self) -> Array:
         """How far the arm's body of each pair can be from the axes that carry what it is compared
-        with, shape (pairs, k) [m]."""
+        with, or the arm, shape (pairs, k) [m]; 1 of a rail."""
         assert self.external is not None
         steps = [np.linalg.norm(link.frame.matrix()[:3, 3]) for link in self.model.robot.links]
         found = np.zeros((self.pairs, len(self.external)))
@@ -307,6 +316,7 @@ class Scene:
                 far = float(np.linalg.norm(ends, axis=1).max()) + radius
                 reach = float(np.sum(steps[: self.arm[i].link])) + far
                 found[number] = self.external.levers(reach)
+            found[number, : self.external.slides] = 1.0
         return found
 
 

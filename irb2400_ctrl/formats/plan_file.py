@@ -100,6 +100,17 @@ class ExternalAxisEntry(Table):
     acceleration_limit_deg_s2: Positive
 
 
+class RailAxisEntry(Table):
+    """A rail whose carriage moves during the cut; bounds over all times of the rows."""
+
+    name: Literal["rail"]
+    between_mm: tuple[float, float] = Field(description="places that the carriage stays between")
+    max_speed_ratio: NotNegative
+    max_acceleration_ratio: NotNegative
+    speed_limit_mm_s: Positive
+    acceleration_limit_mm_s2: Positive
+
+
 class _Promise(Table):
     """What both kinds of plan promise."""
 
@@ -117,7 +128,9 @@ class _Promise(Table):
     )
     singularity_margin: MarginsEntry
     clearance_mm: ClearanceEntry
-    external_axes: list[ExternalAxisEntry] = Field(description="of a positioner that moves")
+    external_axes: list[RailAxisEntry | ExternalAxisEntry] = Field(
+        description="of a carriage and of a positioner that move"
+    )
     max_torque_ratio: NotNegative = Field(description="over the robot's limit, at every instant")
     max_velocity_ratio: NotNegative = Field(description="over the robot's limit, at every instant")
     max_feed_ratio: NotNegative | None = Field(description="over the feed; null without a feed")
@@ -133,7 +146,9 @@ class _Promise(Table):
 class OperationPlan(_Promise):
     """A tool path as one motion from rest to rest."""
 
-    rail_mm: float | None = Field(description="where the carriage stands; null without a rail")
+    rail_mm: float | None = Field(
+        description="where the carriage stands; null without a rail, and where it moves"
+    )
     positioner_deg: tuple[float, float] | None = Field(description="tilt, turn; null without one")
     deflection: DeflectionEntry | None = Field(description="null without a cutting force")
     tool_rotation: str = Field(description="how it was chosen")
@@ -169,7 +184,7 @@ class SegmentEntry(Table):
     operation: int = Field(description="its number")
     start_s: float
     end_s: float
-    moves: Literal["joints", "tool", "positioner", "nothing"]
+    moves: Literal["joints", "tool", "positioner", "carriage", "nothing"]
     length_mm: NotNegative
     from_deg: list[float] = Field(description="joint angles")
     to_deg: list[float] = Field(description="joint angles")
@@ -180,7 +195,8 @@ class SegmentEntry(Table):
     max_velocity_ratio: NotNegative
     above_clearance_plane_mm: float | None = None
     feed: FeedEntry | None = None
-    rail_mm: float | None = Field(None, description="where the carriage stands")
+    rail_mm: float | None = Field(None, description="where the carriage is at the start")
+    rail_to_mm: float | None = Field(None, description="where it goes")
     positioner_deg: tuple[float, float] | None = None
     positioner_to_deg: tuple[float, float] | None = Field(None, description="where it moves")
     note: str | None = None

@@ -4,6 +4,7 @@ optimisation."""
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import casadi as ca
 
@@ -36,6 +37,15 @@ def inverse_dynamics(
         tau -= s.tcp_jacobian.T @ wrench
         inputs["wrench"] = wrench
     return function(name, {**inputs, "time": s.time}, {"tau": tau})
+
+
+def inverse_dynamics_carried(arm: SymbolicArm, name: str) -> ca.Function:
+    """(q, qd, qdd, base_acceleration, time) -> tau of an arm on a carriage that accelerates."""
+    base = ca.SX.sym("base_acceleration", 3)
+    s = replace(arm.signals(), carried=base)
+    tau = s.load + arm.effect_torque(s) + FrictionLaw.of(arm.robot).torque(s.qd)
+    inputs = {"q": s.q, "qd": s.qd, "qdd": s.qdd, "base_acceleration": base, "time": s.time}
+    return function(name, inputs, {"tau": tau})
 
 
 def forward_dynamics(
@@ -165,6 +175,7 @@ FUNCTIONS: dict[str, Callable[[SymbolicArm], ca.Function]] = {
     "forward_dynamics_derivatives_without_friction": lambda m: forward_dynamics_derivatives(
         m, "forward_dynamics_derivatives", with_friction=False
     ),
+    "inverse_dynamics_carried": lambda m: inverse_dynamics_carried(m, "inverse_dynamics_carried"),
     "mass_matrix": lambda m: mass_matrix(m, "mass_matrix"),
     "gravity": lambda m: gravity(m, "gravity"),
     "external_torque": lambda m: external_torque(m, "external_torque"),

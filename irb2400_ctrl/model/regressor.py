@@ -10,10 +10,13 @@ from irb2400_ctrl.model.newton_euler import inverse_dynamics
 from irb2400_ctrl.robot import Robot
 
 
-def regressor(robot: Robot, q: ca.SX, qd: ca.SX, qdd: ca.SX) -> ca.SX:
-    """Y with tau = Y phi, phi the (m, mc, I_O) of all links one after another, shape (n, 10 n)."""
+def regressor(
+    robot: Robot, q: ca.SX, qd: ca.SX, qdd: ca.SX, gravity: ca.SX | ca.DM | None = None
+) -> ca.SX:
+    """Y with tau = Y phi, phi the (m, mc, I_O) of all links one after another, shape (n, 10 n);
+    gravity in the base frame [m/s2], default the robot's."""
     phi = ca.SX.sym("phi", 10 * robot.n)
-    tau = inverse_dynamics(robot, q, qd, qdd, phi=ca.reshape(phi, 10, robot.n).T)
+    tau = inverse_dynamics(robot, q, qd, qdd, ca.reshape(phi, 10, robot.n).T, gravity)
     return ca.jacobian(tau, phi)
 
 

@@ -32,6 +32,9 @@ class ArmSignals:
     qdddd: ca.SX
     payload: ca.SX | None = None
     """(m, mc, I_O) of a body more on the last link, in its frame, shape (10,)"""
+    carried: ca.SX | None = None
+    """acceleration of the base, which turns with nothing, in its own frame [m/s2], shape (3,); None
+    where the base stands"""
 
     @classmethod
     def symbols(cls, robot: Robot, phi: ca.DM | ca.SX) -> ArmSignals:
@@ -56,11 +59,18 @@ class ArmSignals:
         moved.__dict__.update(known)
         return moved
 
+    @property
+    def felt_gravity(self) -> ca.DM | ca.SX:
+        """Gravity less the acceleration of the base: what stands on it cannot tell them apart,
+        shape (3,) [m/s2]."""
+        g = ca.DM(self.robot.gravity)
+        return g if self.carried is None else g - self.carried
+
     @cached_property
     def load(self) -> ca.SX:
         """Rigid-body torque, shape (n,) [Nm]."""
         return newton_euler.inverse_dynamics(
-            self.robot, self.q, self.qd, self.qdd, self.phi, payload=self.payload
+            self.robot, self.q, self.qd, self.qdd, self.phi, self.felt_gravity, self.payload
         )
 
     @cached_property
@@ -83,7 +93,7 @@ class ArmSignals:
     @cached_property
     def whole_regressor(self) -> ca.SX:
         """d tau / d phi of all links, shape (n, 10 n)."""
-        return regressor(self.robot, self.q, self.qd, self.qdd)
+        return regressor(self.robot, self.q, self.qd, self.qdd, self.felt_gravity)
 
     def regressor(self, link: int) -> ca.SX:
         """d tau / d phi of link 1…n, or n + 1 for the flange frame, shape (n, 10)."""

@@ -35,7 +35,7 @@ class JointBounds:
     velocity_ratio: float
     """largest |qd| over the robot's own limit"""
     external: tuple[AxisBounds, ...] = ()
-    """of the axes that carry the part"""
+    """of the axes that carry the part or the arm"""
 
 
 @dataclass(frozen=True)
@@ -57,7 +57,7 @@ class PlanBounds:
     singularity_margin: dict[str, float]
     """lower bounds of |sin q5| [-], |r| [m], |k| [m]"""
     external: tuple[AxisBounds, ...] = ()
-    """of the axes that carry the part"""
+    """of the axes that carry the part or the arm"""
 
 
 def certify(
@@ -95,7 +95,7 @@ def certify_joints(
     """Bound torque and speed of a timed joint path, whatever its TCP does."""
     robot = dynamics.model.robot
     limits = options.limits
-    certificate = Certificate(joints, settled.law, limits)
+    certificate = Certificate(joints, settled.law, limits, dynamics.carriage)
     checked = check(certificate, dynamics.model, dynamics)
     kept = settled.bounded and settled.worst(limits) <= 1 and _rates_kept(checked, options)
     return JointBounds(
@@ -104,7 +104,9 @@ def certify_joints(
         note=_note(dynamics, checked, kept, options),
         torque_ratio=float((settled.torque[: robot.n] / robot.tau_max).max()),
         velocity_ratio=settled.bounds.first(robot.n).velocity_ratio(robot.qd_max),
-        external=axis_bounds(settled.reference.places, settled.bounds, limits, robot.n),
+        external=axis_bounds(
+            settled.reference.places, settled.bounds, limits, robot.n, dynamics.lengths
+        ),
     )
 
 

@@ -1,9 +1,10 @@
-"""`AxisBounds`: what is sure of an axis that carries the part, over all times of the rows."""
+"""`AxisBounds`: what is sure of an axis that carries the part or the arm, over all times of the
+rows."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -25,11 +26,12 @@ _ROOM = 1.02
 
 @dataclass(frozen=True)
 class AxisBounds:
-    """Upper bounds of the rows of one axis as they are read, and its limits."""
+    """Upper bounds of the rows of one axis as they are read, and its limits; metres in place of
+    radians where it is a rail."""
 
     least: float
     most: float
-    """angles that it stays between [rad]"""
+    """places that it stays between [rad]"""
     speed: float
     """largest |ed| over its limit"""
     acceleration: float
@@ -38,16 +40,19 @@ class AxisBounds:
     """[rad/s]"""
     acceleration_limit: float
     """[rad/s2]"""
+    slides: bool = False
+    """whether it is a rail"""
 
     def summary(self, name: str) -> dict[str, Any]:
         """Its entry in `plan.json`."""
+        unit, one = ("mm", 1e-3) if self.slides else ("deg", np.pi / 180)
         return {
             "name": name,
-            "between_deg": [float(np.degrees(v)) for v in (self.least, self.most)],
+            f"between_{unit}": [self.least / one, self.most / one],
             "max_speed_ratio": self.speed,
             "max_acceleration_ratio": self.acceleration,
-            "speed_limit_deg_s": float(np.degrees(self.speed_limit)),
-            "acceleration_limit_deg_s2": float(np.degrees(self.acceleration_limit)),
+            f"speed_limit_{unit}_s": self.speed_limit / one,
+            f"acceleration_limit_{unit}_s2": self.acceleration_limit / one,
         }
 
 
@@ -60,11 +65,12 @@ def stay_in_range(axes: ExternalAxes, bounds: Sequence[AxisBounds]) -> None:
     for j, found in enumerate(bounds):
         beyond = max(float(axes.low[j]) - found.least, found.most - float(axes.high[j]))
         if beyond > 1e-9:
-            low, high = np.degrees([axes.low[j], axes.high[j]])
+            unit, one = ("mm", 1e-3) if found.slides else ("deg", np.pi / 180)
+            low, high = np.array([axes.low[j], axes.high[j]]) / one
             raise UnreachableError(
-                f"{axes.names[j]} would turn from {np.degrees(found.least):.2f} to "
-                f"{np.degrees(found.most):.2f} deg, expected {low:g} to {high:g} deg; widen its "
-                "range, or state angles at which it stands"
+                f"{axes.names[j]} would go from {found.least / one:.2f} to "
+                f"{found.most / one:.2f} {unit}, expected {low:g} to {high:g} {unit}; widen its "
+                "range, or state a place at which it stands"
             )
 
 
@@ -72,7 +78,7 @@ def turn(axes: ExternalAxes, start: Array, end: Array, rate: float) -> Trajector
     """The axes alone from rest to rest, together, within their limits: t^3 (10 - 15 t + 6 t^2).
 
     Args:
-        start, end: angles (k,) [rad].
+        start, end: places (k,) [rad, m of a rail].
         rate: rows per second [1/s].
     """
     way = np.abs(end - start)
@@ -83,14 +89,16 @@ def turn(axes: ExternalAxes, start: Array, end: Array, rate: float) -> Trajector
     ]
     rows = max(int(np.ceil(_ROOM * float(np.max(needed)) * rate)), 2)
     while True:
-        found = _quintic(start, end, rows, rate)
+        found = _quintic(start, end, rows, rate, tuple(range(axes.slides)))
         bounds = _of_rows(found, axes.speed, axes.acceleration)
         if max(max(axis.speed, axis.acceleration) for axis in bounds) <= 1:
             return found
         rows = int(np.ceil(_ROOM * rows)) + 1
 
 
-def _quintic(start: Array, end: Array, rows: int, rate: float) -> Trajectory:
+def _quintic(
+    start: Array, end: Array, rows: int, rate: float, lengths: tuple[int, ...]
+) -> Trajectory:
     t = np.linspace(0, 1, rows + 1)[:, None]
     T = rows / rate
     way = end - start
@@ -98,7 +106,7 @@ def _quintic(start: Array, end: Array, rows: int, rate: float) -> Trajectory:
     ed = way * 30 * t**2 * (1 - t) ** 2 / T
     edd = way * 60 * t * (1 - t) * (1 - 2 * t) / T**2
     time = np.arange(rows + 1) / rate
-    return Trajectory(time, e, ed, edd, check_speeds=False).as_written()
+    return Trajectory(time, e, ed, edd, lengths=lengths, check_speeds=False).as_written()
 
 
 def _of_rows(rows: Trajectory, speed: Array, acceleration: Array) -> tuple[AxisBounds, ...]:
@@ -112,35 +120,40 @@ def _of_rows(rows: Trajectory, speed: Array, acceleration: Array) -> tuple[AxisB
     slope = bernstein.leaving(first, second * h, places.on_piece(ends[1], piece, 1))
     bounds = ReferenceBounds(rows.time, bend, bernstein.largest_size(slope))
     limits = MotionLimits(speed, acceleration, np.full_like(speed, np.inf))
-    return axis_bounds(places, bounds, limits, 0)
+    return axis_bounds(places, bounds, limits, 0, rows.lengths)
 
 
-def worst_axes(
-    plans: Sequence[tuple[AxisBounds, ...]], turns: Sequence[Trajectory]
-) -> tuple[AxisBounds, ...]:
-    """Of several motions one after another, the turns between them included; none where nothing
-    turns."""
-    known = [found for found in plans if found]
-    if not known:
-        return ()
-    speed = np.array([axis.speed_limit for axis in known[0]])
-    acceleration = np.array([axis.acceleration_limit for axis in known[0]])
-    every = [*known, *(_of_rows(rows, speed, acceleration) for rows in turns)]
-    return tuple(
-        AxisBounds(
-            least=min(axis.least for axis in axes),
-            most=max(axis.most for axis in axes),
-            speed=max(axis.speed for axis in axes),
-            acceleration=max(axis.acceleration for axis in axes),
-            speed_limit=axes[0].speed_limit,
-            acceleration_limit=axes[0].acceleration_limit,
-        )
-        for axes in zip(*every, strict=True)
+def worst_axis(plans: Sequence[AxisBounds], turns: Sequence[Trajectory], column: int) -> AxisBounds:
+    """Of one axis in several motions one after another, the turns between them included.
+
+    Args:
+        plans: in the motions in which it moves; at least one.
+        turns: rows between them.
+        column: the axis in those.
+    """
+    first = plans[0]
+    every = list(plans)
+    for rows in turns:
+        speed = np.full(rows.q.shape[1], np.inf)
+        acceleration = speed.copy()
+        speed[column] = first.speed_limit
+        acceleration[column] = first.acceleration_limit
+        every.append(_of_rows(rows, speed, acceleration)[column])
+    return replace(
+        first,
+        least=min(axis.least for axis in every),
+        most=max(axis.most for axis in every),
+        speed=max(axis.speed for axis in every),
+        acceleration=max(axis.acceleration for axis in every),
     )
 
 
 def axis_bounds(
-    places: JointPath, bounds: ReferenceBounds, limits: MotionLimits, n: int
+    places: JointPath,
+    bounds: ReferenceBounds,
+    limits: MotionLimits,
+    n: int,
+    lengths: tuple[int, ...] = (),
 ) -> tuple[AxisBounds, ...]:
     """Of the axes behind the arm's n joints.
 
@@ -148,6 +161,7 @@ def axis_bounds(
         places: where all axes are over the time.
         bounds: of their speed, and of the acceleration where the arm has its torque.
         limits: with those of these axes.
+        lengths: columns of rails.
     """
     h = np.diff(places.knots)[:, None]
     value, slope, bend, third = places.coefficients[:, :, n:]
@@ -166,6 +180,7 @@ def axis_bounds(
                 acceleration=float(bounds.torque[:, n + j].max()) / limit[1],
                 speed_limit=limit[0],
                 acceleration_limit=limit[1],
+                slides=n + j in lengths,
             )
         )
     return tuple(found)

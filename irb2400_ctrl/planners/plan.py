@@ -11,7 +11,6 @@ import numpy as np
 
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.cell.external_axes import ExternalAxes
-from irb2400_ctrl.cell.positioner import AXES
 from irb2400_ctrl.files import write_atomic, write_json
 from irb2400_ctrl.notebook import Displayed
 from irb2400_ctrl.planners.clearance.clearance import unknown
@@ -75,14 +74,15 @@ class Plan(Displayed):
     """smallest distance over the continuous path [mm], between which bodies, where; or why it is
     not known"""
     rail: float | None = None
-    """where on its rail the carriage stands all the time [m]; None without a rail"""
+    """where on its rail the carriage stands all the time [m]; None without a rail, and where it
+    moves"""
     positioner: tuple[float, float] | None = None
     """(tilt, turn) at which the positioner stands all the time [deg]; None without one, and where
     it moves"""
     carried: ExternalAxes | None = None
-    """axes that turn the part on the way; None where it stands"""
+    """axes that turn the part or carry the arm on the way; None where none does"""
     external: tuple[AxisBounds, ...] = ()
-    """bounds of the axes of a positioner that moves (tilt, turn), over all times of the rows"""
+    """bounds of the axes of `carried`, over all times of the rows"""
     deflection: dict[str, Any] | None = None
     """how far the tip gives way to the cutting force, at samples of the path; None without one"""
     rotation_map: RotationMap | None = None
@@ -116,6 +116,11 @@ class Plan(Displayed):
         return self.trajectory.tau
 
     @property
+    def carried_names(self) -> tuple[str, ...]:
+        """Of the axes that move beside the arm: rail, tilt, turn, as far as they do."""
+        return () if self.carried is None else self.carried.names
+
+    @property
     def reference(self) -> SampledReference:
         """The rows as the controller reads them."""
         return SampledReference(self.trajectory.together(), self.interpolation)
@@ -138,7 +143,8 @@ class Plan(Displayed):
             "rail_mm": None if self.rail is None else 1e3 * self.rail,
             "positioner_deg": None if self.positioner is None else list(self.positioner),
             "external_axes": [
-                axis.summary(name) for name, axis in zip(AXES, self.external, strict=False)
+                axis.summary(name)
+                for name, axis in zip(self.carried_names, self.external, strict=True)
             ],
             "deflection": self.deflection,
             "max_torque_ratio": self.max_torque_ratio,

@@ -10,6 +10,7 @@ from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.cell import Cell, CellTool
 from irb2400_ctrl.cell.external_axes import ExternalAxes
 from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.model import Model
 from irb2400_ctrl.planners.redundancy.cutting_load import CuttingLoad
 from irb2400_ctrl.planners.redundancy.part_law import part_motion
 from irb2400_ctrl.planners.timing.sampled_reference.interpolation import Interpolation
@@ -79,10 +80,10 @@ class PlanOptions:
 
     @property
     def rail(self) -> float | None:
-        """Where on its rail the carriage stands [m]; None without a rail."""
-        if self.cell is None or self.cell.rail is None:
+        """Where on its rail the carriage stands [m]; None without a rail, and where it moves."""
+        if self.cell is None or self.cell.rail is None or self.cell.rail_moves:
             return None
-        return self.cell.rail.position_mm / 1e3
+        return self.cell.rail.stands_mm / 1e3
 
     @property
     def positioner(self) -> tuple[float, float] | None:
@@ -91,20 +92,23 @@ class PlanOptions:
 
     @property
     def external(self) -> ExternalAxes | None:
-        """Axes that turn the part during the cut; None where none does."""
+        """Axes that move the part or the arm during the cut; None where none does."""
         return None if self.cell is None else self.cell.external_axes
 
-    def shaped(self, path: ToolPath, spindle: Array) -> Orientation:
-        """The smooth curve of a tool path, and where its part is turned along it.
+    def shaped(self, path: ToolPath, spindle: Array, model: Model) -> Orientation:
+        """The smooth curve of a tool path, and where its part and the arm are carried along it.
 
         Args:
             path: in the frame that is asked for.
+            model: the arm.
             spindle: direction of the tool in the TCP frame, out of the spindle, shape (3,).
         """
         found = shape_path(path, spindle, self.tolerance, self.frame)
         if self.cell is None or self.external is None:
             return found
-        return Orientation.of(found.curve, spindle, part_motion(found.curve, spindle, self.cell))
+        free = self.free_tool_rotation and path.rotation is None
+        part = part_motion(found.curve, spindle, self.cell, model, free)
+        return Orientation.of(found.curve, spindle, part)
 
     @property
     def frame(self) -> Array | None:

@@ -10,9 +10,10 @@ from numpy.typing import ArrayLike
 
 from irb2400_ctrl.arrays import Array, one_thread
 from irb2400_ctrl.cell import Cell, Scene, with_tool
+from irb2400_ctrl.cell.external_axes import ExternalAxes
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.planners.certify import certify
-from irb2400_ctrl.planners.enclosure.path_dynamics import path_dynamics
+from irb2400_ctrl.planners.enclosure.path_dynamics import Way, path_dynamics
 from irb2400_ctrl.planners.margins_as_read import margins_as_read
 from irb2400_ctrl.planners.plan import Plan
 from irb2400_ctrl.planners.plan_options import PlanOptions
@@ -108,6 +109,11 @@ def plan_path(
     return plan_ways(robot, path, ways, options, timed, StageClock(progress))
 
 
+def _carried(external: ExternalAxes | None) -> tuple[int, Way | None]:
+    """How many further axes there are, and which way the first one carries the arm."""
+    return (0, None) if external is None else (len(external), external.carriage)
+
+
 def _chosen(free: bool, way_out: WayOut | None, load: CuttingLoad | None) -> Ways:
     """The most promising joint paths of every kind."""
     return lambda model, orientation, scene: choices(
@@ -132,12 +138,12 @@ def plan_ways(
         tool = options.tool
         external = options.external
         arm = robot if tool is None else with_tool(robot, tool)
-        dynamics = path_dynamics(arm, 0 if external is None else len(external))
+        dynamics = path_dynamics(arm, *_carried(external))
         model = dynamics.model
         scene = Scene.of(model, robot, options.cell, tool)
         spindle = np.array((0.0, 0.0, 1.0) if robot.tool is None else robot.tool.spindle_axis)
     with clock.stage("curve"):
-        orientation = options.shaped(path, spindle)
+        orientation = options.shaped(path, spindle, model)
     with clock.stage("branch and rotation") as told:
         found = list(_counted(ways(model, orientation, scene), told))
     with clock.stage("timing") as told:

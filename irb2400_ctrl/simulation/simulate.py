@@ -110,6 +110,11 @@ class Loop:
                 f"trajectory: found a {type(trajectory).__name__}; expected a Trajectory, such as "
                 "`plan.trajectory`"
             )
+        if trajectory.external is not None and trajectory.external.lengths:
+            raise InputError(
+                "trajectory: found one whose carriage moves, which accelerates the base of the "
+                "arm; expected a base that stands: the simulated arm would need other torques"
+            )
         motion = trajectory.at_rate(1.0 / self.controller.sample_time, hold=hold)
         axes = motion.q.shape[1]
         if axes != self.plant.n:

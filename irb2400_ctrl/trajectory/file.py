@@ -34,7 +34,8 @@ def save_trajectory(trajectory: Trajectory, path: Path | str) -> Path:
 
 def load_trajectory(path: Path | str, axes: int = 6) -> Trajectory:
     """Read `trajectory.csv` (`time_s, q1_deg…`, optionally `qd1_deg_s…, qdd1_deg_s2…, tau1_Nm…, s`,
-    `e1_deg…, ed1_deg_s…, edd1_deg_s2…` of external axes; rad also), `.csv` or `.csv.gz`.
+    `e1_deg…, ed1_deg_s…, edd1_deg_s2…` of external axes, `e1_mm…` of a rail, which comes first; rad
+    also), `.csv` or `.csv.gz`.
 
     Raises:
         InputError: no such file, missing columns (which), or values that are not numbers (which
@@ -72,16 +73,35 @@ def load_trajectory(path: Path | str, axes: int = 6) -> Trajectory:
 
 def _external(path: Path, header: list[str], table: Array, time: Array) -> Trajectory | None:
     """Axes beside the arm; None where the file has none."""
-    count = sum(bool(re.fullmatch(r"e\d+_(deg|rad)", name)) for name in header)
+    count = sum(bool(re.fullmatch(r"e\d+_(deg|rad|mm)", name)) for name in header)
+    slides = int("e1_mm" in header)
     parts = ("e", ""), ("ed", "_s"), ("edd", "_s2")
-    found = [_angles(path, header, table, name, per, count) for name, per in parts if count]
+    found = [
+        _further(path, header, table, name, per, count, slides) for name, per in parts if count
+    ]
     if any(values is None for values in found):
+        unit = "mm" if slides else "deg"
         raise InputError(
-            f"{path}: found e1 … e{count}, expected their speeds ed1_deg_s … and accelerations "
-            "edd1_deg_s2 … beside them"
+            f"{path}: found e1 … e{count}, expected their speeds ed1_{unit}_s … and accelerations "
+            f"edd1_{unit}_s2 … beside them; the first one may be a rail (mm), not a later one"
         )
     moves = [values for values in found if values is not None]
-    return Trajectory(time, *moves) if moves else None
+    return Trajectory(time, *moves, lengths=(0,) * slides) if moves else None
+
+
+def _further(
+    path: Path, header: list[str], table: Array, name: str, per: str, count: int, slides: int
+) -> Array | None:
+    """Columns of axes beside the arm: a rail where there is one, then those that turn."""
+    turning = (
+        _angles(path, header, table, name, per, count, 1 + slides)
+        if count > slides
+        else np.empty((len(table), 0))
+    )
+    if not slides or turning is None:
+        return turning
+    rail = _columns(path, header, table, [f"{name}1_mm{per}"])
+    return None if rail is None else np.hstack([1e-3 * rail, turning])
 
 
 def _table(path: Path) -> tuple[list[str], Array]:
@@ -119,10 +139,11 @@ def _table(path: Path) -> tuple[list[str], Array]:
 
 
 def _angles(
-    path: Path, header: list[str], table: Array, name: str, per: str, axes: int
+    path: Path, header: list[str], table: Array, name: str, per: str, axes: int, first: int = 1
 ) -> Array | None:
+    numbers = range(first, axes + 1)
     found = {
-        unit: _columns(path, header, table, [f"{name}{j + 1}_{unit}{per}" for j in range(axes)])
+        unit: _columns(path, header, table, [f"{name}{j}_{unit}{per}" for j in numbers])
         for unit in _UNITS
     }
     given = {unit: values for unit, values in found.items() if values is not None}

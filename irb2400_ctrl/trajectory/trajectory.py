@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import io
 import math
-from dataclasses import InitVar, dataclass, field
+from dataclasses import InitVar, dataclass, field, replace
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -42,7 +42,9 @@ class Trajectory:
     s: Array | None = None
     """how far along its path: length of the TCP's way [m], or the path's parameter; shape (n,)"""
     external: Trajectory | None = field(default=None, kw_only=True)
-    """at the same times, axes beside the arm that carry the part; None where none moves"""
+    """at the same times, axes beside the arm that carry it or the part; None where none moves"""
+    lengths: tuple[int, ...] = field(default=(), kw_only=True)
+    """columns of rails: metres in place of radians, mm in the file"""
     check_speeds: InitVar[bool] = field(default=True, kw_only=True)
 
     def __post_init__(self, check_speeds: bool) -> None:
@@ -98,10 +100,10 @@ class Trajectory:
         if (np.abs(moved - mean) > allowed).any():
             row, axis = np.argwhere(np.abs(moved - mean) > allowed)[0]
             raise InputError(
-                f"trajectory: axis {axis + 1} moves by {math.degrees(moved[row, axis]):.3f} deg in "
-                f"row {row + 2}, its "
-                f"speeds say {math.degrees(mean[row, axis]):.3f} deg; check units and columns, or "
-                "sample it more often"
+                f"trajectory: axis {axis + 1} moves by {moved[row, axis] / self._unit[axis]:.3f} "
+                f"{self._units[axis]} in row {row + 2}, its speeds say "
+                f"{mean[row, axis] / self._unit[axis]:.3f} {self._units[axis]}; check units and "
+                "columns, or sample it more often"
             )
 
     @property
@@ -154,8 +156,21 @@ class Trajectory:
         tau = None if self.tau is None else tau_
         s = None if self.s is None else table[:, -1]
         external = None if self.external is None else self.external.as_written()
-        moves = (np.radians(q), np.radians(qd), np.radians(qdd))
-        return Trajectory(time, *moves, tau, s, external=external, check_speeds=False)
+        moves = (q * self._unit, qd * self._unit, qdd * self._unit)
+        found = Trajectory(time, *moves, tau, s, external=external, check_speeds=False)
+        return replace(found, lengths=self.lengths, check_speeds=False)
+
+    @property
+    def shown(self) -> Array:
+        """The angles in degrees; places of rails in mm."""
+        return np.asarray(self.q / self._unit)
+
+    @property
+    def _unit(self) -> Array:
+        """Of the file's numbers in those of the arrays, shape (axes,)."""
+        unit = np.full(self.q.shape[1], math.pi / 180)
+        unit[list(self.lengths)] = 1e-3
+        return unit
 
     def together(self) -> Trajectory:
         """The angles of the arm and of external axes side by side, without torque and way."""
@@ -164,20 +179,23 @@ class Trajectory:
         pairs = ((self.q, self.external.q), (self.qd, self.external.qd))
         q, qd = (np.hstack(pair) for pair in pairs)
         qdd = np.hstack([self.qdd, self.external.qdd])
-        return Trajectory(self.time, q, qd, qdd, check_speeds=False)
+        lengths = tuple(self.q.shape[1] + j for j in self.external.lengths)
+        return Trajectory(self.time, q, qd, qdd, lengths=lengths, check_speeds=False)
 
     def apart(self, n: int) -> Trajectory:
         """`together` taken apart again: the first n axes are the arm's."""
         if n == self.q.shape[1]:
             return self
         moves = (self.q, self.qd, self.qdd)
-        rest = Trajectory(self.time, *(v[:, n:] for v in moves), check_speeds=False)
+        further = (v[:, n:] for v in moves)
+        lengths = tuple(j - n for j in self.lengths)
+        rest = Trajectory(self.time, *further, lengths=lengths, check_speeds=False)
         arm = (v[:, :n] for v in moves)
         return Trajectory(self.time, *arm, external=rest, check_speeds=False)
 
     def csv(self) -> str:
         """The text of `trajectory.csv`: degrees, Nm, and s as it is; tau and s only where known;
-        in the end e1_deg … of external axes where such move.
+        in the end e1_deg … of external axes where such move (e1_mm of a rail).
 
         Angles and speeds keep more digits than anybody measures: between rows h apart a cubic
         through them has the rounding of an angle times 6 / h^2 in its acceleration.
@@ -192,8 +210,12 @@ class Trajectory:
         table, digits = self._table()
         if self.external is not None:
             rows, kept = self.external._table()
-            k = self.external.q.shape[1]
-            header += [f"e{name[1:]}{j + 1}{unit}" for name, unit in names[:3] for j in range(k)]
+            units = self.external._units
+            header += [
+                f"e{name[1:]}{j + 1}_{unit}{per}"
+                for name, per in (("q", ""), ("qd", "_s"), ("qdd", "_s2"))
+                for j, unit in enumerate(units)
+            ]
             table = np.hstack([table, rows[:, 1:]])
             digits = digits + kept[1:]
         line = ",".join(f"%.{d}g" for d in digits) + "\n"
@@ -204,11 +226,15 @@ class Trajectory:
             text.write(line * len(rows) % tuple(rows.ravel().tolist()))
         return text.getvalue()
 
+    @property
+    def _units(self) -> list[str]:
+        """Of each axis in the file."""
+        return ["mm" if j in self.lengths else "deg" for j in range(self.q.shape[1])]
+
     def _table(self) -> tuple[Array, list[int]]:
         """The numbers of the file, a row each, and the significant digits of every column."""
         n = self.q.shape[1]
-        columns = [self.time[:, None], np.degrees(self.q), np.degrees(self.qd)]
-        columns.append(np.degrees(self.qdd))
+        columns = [self.time[:, None], *(v / self._unit for v in (self.q, self.qd, self.qdd))]
         digits = [12, *[14] * n, *[12] * n, *[9] * n]
         if self.tau is not None:
             columns.append(self.tau)

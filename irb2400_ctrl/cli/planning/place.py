@@ -145,6 +145,11 @@ def _cell_of(file: Path | None) -> Cell | None:
     from irb2400_ctrl.cell import load_cell
 
     around = None if file is None else load_cell(file)
+    if around is not None and around.rail_moves:
+        raise InputError(
+            f"cell {around.name}: found a rail whose carriage moves, which the search of a place "
+            "does not follow; expected a place at which it stands (position_mm)"
+        )
     if around is not None and around.positioner is not None:
         raise InputError(
             f"cell {around.name}: found a [positioner], which the search of a place does not turn; "

@@ -169,11 +169,12 @@ def print_motion(motion: ProgramMotion, name: str) -> None:
 
 
 def print_external(axes: Sequence[dict[str, Any]]) -> None:
-    """How much of their limits the axes of a positioner that moves use."""
+    """How much of their limits the axes that move beside the arm use."""
     for axis in axes:
-        low, high = axis["between_deg"]
+        unit = "mm" if "between_mm" in axis else "deg"
+        low, high = axis[f"between_{unit}"]
         print(
-            f"{axis['name']} between {low:.1f} and {high:.1f} deg: speed at most "
+            f"{axis['name']} between {low:.1f} and {high:.1f} {unit}: speed at most "
             f"{100 * axis['max_speed_ratio']:.1f} %, acceleration "
             f"{100 * axis['max_acceleration_ratio']:.1f} % of its limit"
         )

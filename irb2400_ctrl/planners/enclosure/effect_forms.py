@@ -94,13 +94,22 @@ class Forms:
         return cls(tuple(regular), tuple(laws), tuple(left))
 
 
-def expand(tau: ca.SX, s: ArmSignals, dq: ca.SX, ddq: ca.SX) -> list[ca.SX]:
+Carried = tuple[ca.SX, ca.SX]
+"""first and second derivative of the place of the base along the path, each (3,)"""
+
+
+def expand(
+    tau: ca.SX, s: ArmSignals, dq: ca.SX, ddq: ca.SX, carried: Carried | None = None
+) -> list[ca.SX]:
     """a, b, e and c (backwards, at rest, forwards) of a torque of the regular form, as expressions
-    of (q, q', q'')."""
+    of (q, q', q'') and, where the base is carried, of the derivatives of its place."""
     n = s.q.numel()
     v = ca.SX.sym("v")
     u = ca.SX.sym("u")
     zero = ca.SX.zeros(n)
+    if s.carried is not None:
+        first, second = carried or (ca.SX.zeros(3), ca.SX.zeros(3))
+        tau = ca.substitute(tau, s.carried, second * v**2 + first * u)
     tau = ca.substitute(
         tau,
         ca.vertcat(s.qd, s.qdd, s.qddd, s.qdddd, s.time),
@@ -116,9 +125,11 @@ def expand(tau: ca.SX, s: ArmSignals, dq: ca.SX, ddq: ca.SX) -> list[ca.SX]:
     return [ca.densify(ca.simplify(o)) for o in (a, b, e, *c)]
 
 
-def with_sign(model: Model) -> ArmSignals:
-    """Signals whose direction of motion is a symbol of its own."""
-    return replace(model.signals(), sign=ca.SX.sym("sign", model.robot.n))
+def with_sign(model: Model, carried: bool = False) -> ArmSignals:
+    """Signals whose direction of motion is a symbol of its own, and so is the acceleration of a
+    base that is carried."""
+    base = ca.SX.sym("base", 3) if carried else None
+    return replace(model.signals(), sign=ca.SX.sym("sign", model.robot.n), carried=base)
 
 
 Parts = tuple[list[ca.SX], Array, Array]
@@ -187,8 +198,11 @@ def is_regular(model: Model, effect: Effect, others: bool = False) -> bool:
 
 
 def _fits(model: Model, tau: ca.SX, s: ArmSignals) -> bool:
-    """Compare with the expansion at random states; its coefficients must be analytic."""
+    """Compare with the expansion at random states; its coefficients must be analytic. A base that
+    stands will do: torque is linear in its acceleration as in that of the joints."""
     n = model.robot.n
+    if s.carried is not None:
+        tau = ca.substitute(tau, s.carried, ca.SX.zeros(3))
     if ca.depends_on(tau, ca.vertcat(s.time, s.qddd, s.qdddd)):
         return False
     dq = ca.SX.sym("dq", n)

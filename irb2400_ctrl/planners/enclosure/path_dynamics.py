@@ -8,12 +8,13 @@ curve need their own treatment; so do effects of other forms (`effect_forms`, `a
 
 A path may move further axes that carry the part (`cell/external_axes.py`). Their columns follow
 those of the arm; for them "torque" is the acceleration e'' x + e' u [rad/s2], which has a limit as
-the arm's torque has.
+the arm's torque has. Where the first of them is a rail, the arm stands on a base that accelerates
+by d (e'' x + e' u): for the arm, which turns in no other way, gravity less that.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 
 import casadi as ca
@@ -33,6 +34,9 @@ from irb2400_ctrl.planners.enclosure.effect_forms import (
 )
 from irb2400_ctrl.robot import Robot
 
+Way = tuple[float, float, float]
+"""where the base of the arm goes per metre of the first further axis"""
+
 OUTPUTS = ("a", "b", "e", "c_minus", "c_zero", "c_plus")
 
 
@@ -43,6 +47,18 @@ class PathDynamics:
     model: Model
     external: int = 0
     """number of axes beside the arm"""
+    carriage: Way | None = None
+    """where the first of them is a rail that carries the arm"""
+
+    @property
+    def _moved(self) -> int:
+        """Columns that the arm's torque depends on."""
+        return self.model.robot.n + (self.carriage is not None)
+
+    @property
+    def lengths(self) -> tuple[int, ...]:
+        """Columns that are lengths, not angles."""
+        return () if self.carriage is None else (self.model.robot.n,)
 
     @property
     def n(self) -> int:
@@ -78,7 +94,7 @@ class PathDynamics:
 
     @cached_property
     def _built(self) -> tuple[ca.Function, Array, Array]:
-        return coefficient_function(self.model, self.forms.regular, self.needs_load)
+        return coefficient_function(self.model, self.forms.regular, self.needs_load, self.carriage)
 
     @property
     def symbolic(self) -> ca.Function:
@@ -106,7 +122,7 @@ class PathDynamics:
 
     def coefficients(self, q: Array, dq: Array, ddq: Array) -> tuple[Array, ...]:
         """The outputs of `symbolic` at m points, each (m, n)."""
-        n = self.model.robot.n
+        n = self._moved
         found = self._compiled.map(*(v[:, :n] for v in (q, dq, ddq)))
         return self._with_external(found, dq, ddq)
 
@@ -115,7 +131,7 @@ class PathDynamics:
     ) -> tuple[Array, ...]:
         """By how much the coefficients differ at most from those at (q, q', q'') within complex
         discs, each (m, n)."""
-        n = self.model.robot.n
+        n = self._moved
         found = self._discs.map(*(v[:, :n] for v in (q, dq, ddq, r, dr, ddr)))
         return self._with_external(found, dr, ddr)
 
@@ -135,49 +151,64 @@ class PathDynamics:
 
     @cached_property
     def _irregular_torque(self) -> ca.Function:
-        s = self.model.signals()
+        base = ca.SX.sym("base", 3)
+        s = replace(self.model.signals(), carried=base)
         tau = ca.SX.zeros(self.model.robot.n)
         for effect in self.irregular:
             tau += effect.torque(s.with_state(effect.steady_state(s)))
         zero = ca.SX.zeros(2 * self.model.robot.n)
         tau = ca.substitute(tau, ca.vertcat(s.qddd, s.qdddd), zero)
-        return ca.Function("irregular", [s.q, s.qd, s.qdd, s.time], [ca.densify(tau)])
+        return ca.Function("irregular", [s.q, s.qd, s.qdd, base, s.time], [ca.densify(tau)])
 
     def torque(self, q: Array, qd: Array, qdd: Array, time: Array) -> Array:
         """The model's torque at the times (m,) of a motion that starts at time zero, shape (m, n)
-        [Nm]; of further axes the acceleration [rad/s2]."""
+        [Nm]; of further axes the acceleration [rad/s2, m/s2 of a rail]."""
         n = self.model.robot.n
         columns = [ca.DM(v[:, :n].T) for v in (q, qd, qdd)] + [ca.DM(time[None, :])]
-        tau = np.asarray(self.model.function("inverse_dynamics")(*columns)).T
+        if self.carriage is None:
+            tau = np.asarray(self.model.function("inverse_dynamics")(*columns)).T
+        else:
+            columns.insert(3, self._base_acceleration(qdd))
+            tau = np.asarray(self.model.function("inverse_dynamics_carried")(*columns)).T
         return np.ascontiguousarray(np.hstack([tau, qdd[:, n:]]))
+
+    def _base_acceleration(self, qdd: Array) -> ca.DM:
+        """Of the arm's base, shape (3, m) [m/s2]."""
+        if self.carriage is None:
+            return ca.DM.zeros(3, len(qdd))
+        return ca.DM(np.outer(self.carriage, qdd[:, self.model.robot.n]))
 
     def irregular_torque(self, q: Array, qd: Array, qdd: Array, time: Array) -> Array:
         """Torque of the irregular effects, shape (m, n) [Nm]."""
         if not self.irregular:
             return np.zeros_like(q)
         n = self.model.robot.n
-        columns = [ca.DM(v[:, :n].T) for v in (q, qd, qdd)] + [ca.DM(time[None, :])]
+        columns = [ca.DM(v[:, :n].T) for v in (q, qd, qdd)]
+        columns += [self._base_acceleration(qdd), ca.DM(time[None, :])]
         tau = np.asarray(self._irregular_torque(*columns)).T
         return np.hstack([tau, np.zeros_like(q[:, n:])])
 
 
 @lru_cache(maxsize=8)
-def path_dynamics(robot: Robot, external: int = 0) -> PathDynamics:
+def path_dynamics(robot: Robot, external: int = 0, carriage: Way | None = None) -> PathDynamics:
     """The coefficients of a robot, and of further axes, built once."""
-    return PathDynamics(Model(robot), external)
+    return PathDynamics(Model(robot), external, carriage)
 
 
 def coefficient_function(
-    model: Model, effects: tuple[Effect, ...], with_load: bool = False
+    model: Model,
+    effects: tuple[Effect, ...],
+    with_load: bool = False,
+    carriage: Way | None = None,
 ) -> tuple[ca.Function, Array, Array]:
     """The coefficients as an SX function of (q, q', q''), and the bounds of the effects' factors of
-    the time.
+    the time; with a carriage its place follows the angles.
 
     Outputs: a, b, e, c_minus, c_zero, c_plus of the arm with its effects; the same six for every
     factor of the time; and with the load a_load, b_load, c_load of the rigid-body torque.
     """
     n = model.robot.n
-    s = with_sign(model)
+    s = with_sign(model, carriage is not None)
     tau = s.load
     timed = list[ca.SX]()
     low = list[Array]()
@@ -188,21 +219,24 @@ def coefficient_function(
         timed += parts[0][1:]
         low.append(parts[1])
         high.append(parts[2])
-    dq = ca.SX.sym("dq", n)
-    ddq = ca.SX.sym("ddq", n)
-    arm = expand(tau, s, dq, ddq)
-    arm[2] += ca.DM(FrictionLaw.of(model.robot).viscous) * dq
+    moved = n if carriage is None else n + 1
+    q, dq, ddq = (ca.SX.sym(name, moved) for name in ("q", "dq", "ddq"))
+    way = ca.DM.zeros(3) if carriage is None else ca.DM(carriage)
+    along = (dq[:n], ddq[:n], (way * dq[-1], way * ddq[-1]))
+    arm = expand(tau, s, *along)
+    arm[2] += ca.DM(FrictionLaw.of(model.robot).viscous) * dq[:n]
     names = list(OUTPUTS)
     outputs = arm
     for k, part in enumerate(timed):
         names += [f"{name}_{k}" for name in OUTPUTS]
-        outputs += expand(part, s, dq, ddq)
+        outputs += expand(part, s, *along)
     if with_load:
         names += ["a_load", "b_load", "c_load"]
-        load = expand(s.load, s, dq, ddq)
+        load = expand(s.load, s, *along)
         outputs += [load[0], load[1], load[4]]
-    shared = ca.Function("coefficients", [s.q, dq, ddq], outputs, ["q", "dq", "ddq"], names)
-    together = ca.cse(ca.vertcat(*shared.call([s.q, dq, ddq], True, False)))
+    outputs = ca.substitute(outputs, [s.q], [q[:n]])
+    shared = ca.Function("coefficients", [q, dq, ddq], outputs, ["q", "dq", "ddq"], names)
+    together = ca.cse(ca.vertcat(*shared.call([q, dq, ddq], True, False)))
     parts_ = ca.vertsplit(together, n)
-    function = ca.Function("coefficients", [s.q, dq, ddq], parts_, ["q", "dq", "ddq"], names)
+    function = ca.Function("coefficients", [q, dq, ddq], parts_, ["q", "dq", "ddq"], names)
     return function, np.concatenate([*low, np.empty(0)]), np.concatenate([*high, np.empty(0)])

@@ -9,7 +9,11 @@ parabola through three values misses at most
     |f - p| <= sqrt(3) / 216 h^3 max |f'''|.
 
 Where further axes carry the part, everything is said as the part sees it: these axes, the last one
-first, come before the arm's joints in the chain.
+first, come before the arm's joints in the chain. A rail under the arm comes last of them, with the
+place e(s) along a direction d that only axes before it turn, R: what e adds to a derivative of
+R d e beyond that of a point that stands (whose levers count the rail's length) is
+
+    (R d e)''':    |e'''| + 3 |R'| |e''| + 3 |R''| |e'|.
 """
 
 from __future__ import annotations
@@ -33,6 +37,9 @@ _MISS = np.sqrt(3) / 216
 _GAUSS, _WEIGHT = np.polynomial.legendre.leggauss(8)
 # a joint turns no further than this within one formula of quadrature [rad]
 _TURN = 0.2
+
+
+_Rates = tuple[Array, Array, Array]
 
 
 @dataclass(frozen=True)
@@ -97,11 +104,16 @@ class TcpPath:
 
     def missed(self, ends: Array) -> tuple[Array, Array]:
         """How far position [m] and tool axis are from the parabolas of `enclosed`, each (m,)."""
-        a, b, c = (_inner(rate) for rate in self._turning(ends))
+        turning, slid = self._rates(ends)
+        a, b, c = (_inner(rate) for rate in turning)
         # three derivatives of the position; partial ones of a direction are at most 1
         bend = a**3 + 3 * a * b + c
         scale = _MISS * (ends[1] - ends[0]) ** 3
-        return scale * _outermost(bend, self._levers), scale * bend[:, -1]
+        along = np.zeros(len(scale))
+        if slid is not None:
+            first, second = self._before(a, b)[:2]
+            along = slid[2] + 3 * first * slid[1] + 3 * second * slid[0]
+        return scale * (_outermost(bend, self._levers) + along), scale * bend[:, -1]
 
     def enclosed_velocity(self, s: Array) -> Enclosed:
         """dp/ds on the cells between the lengths s (m + 1,), knots of the path included."""
@@ -116,10 +128,14 @@ class TcpPath:
         """The same on so many cells at once."""
         ends = np.stack([s[:-1], s[1:]])
         at, pieces = _three(self.joints, ends)
-        a, b, c = (_inner(rate) for rate in self._turning(ends))
+        turning, slid = self._rates(ends)
+        a, b, c = (_inner(rate) for rate in turning)
         # four derivatives of the position; q'''' = 0
         square = a * a
         bend = _outermost(square * (square + 6 * b) + 4 * a * c + 3 * b * b, self._levers)
+        if slid is not None:
+            first, second, third = self._before(a, b, c)
+            bend = bend + 4 * first * slid[2] + 6 * second * slid[1] + 4 * third * slid[0]
         return Enclosed(_parabolas(self.velocity(at, pieces)), _MISS * np.diff(s) ** 3 * bend)
 
     def way(self, s: Array | float) -> Array:
@@ -132,7 +148,8 @@ class TcpPath:
         """Length of the TCP's way from the start to the knots of the joint path, shape (m + 1,)
         [m]."""
         knots = self.joints.knots
-        turned = self._turning(np.stack([knots[:-1], knots[1:]]))[0].max(axis=1) * np.diff(knots)
+        ends = np.stack([knots[:-1], knots[1:]])
+        turned = self._rates(ends)[0][0].max(axis=1) * np.diff(knots)
         parts = np.maximum(1, np.ceil(turned / _TURN)).astype(int)
         piece = np.repeat(np.arange(len(parts)), parts)
         h = np.repeat(np.diff(knots) / parts, parts)
@@ -144,9 +161,9 @@ class TcpPath:
         way = np.linalg.norm(rate, axis=1).reshape(len(h), -1) @ (_WEIGHT / 2) * h
         return np.concatenate([[0.0], np.cumsum(np.bincount(piece, way))])
 
-    def _turning(self, ends: Array) -> tuple[Array, Array, Array]:
-        """Bounds of the first three derivatives of q, without their signs, in the cells, each (m,
-        n), in the order of the chain."""
+    def _rates(self, ends: Array) -> tuple[_Rates, _Rates | None]:
+        """Bounds of the first three derivatives in the cells, without their signs: of the axes that
+        turn, each (m, n), in the order of the chain; and of a rail, each (m,), or None."""
         first, last = ends
         piece = self.joints.piece((first + last) / 2)
         d0 = self.joints.on_piece(first, piece, 1)
@@ -160,18 +177,34 @@ class TcpPath:
             np.abs(self.joints.on_piece(first, piece, 3)),
         )
         if self.carried is None:
-            return found
+            return found, None
         n = self.model.robot.n
+        slides = self.carried.slides
         # from the part: its last axis first, then the arm from its base on
-        order = [*range(n + len(self.carried) - 1, n - 1, -1), *range(n)]
-        return found[0][:, order], found[1][:, order], found[2][:, order]
+        order = [*range(n + len(self.carried) - 1, n + slides - 1, -1), *range(n)]
+        turning = (found[0][:, order], found[1][:, order], found[2][:, order])
+        return turning, (found[0][:, n], found[1][:, n], found[2][:, n]) if slides else None
+
+    def _before(self, a: Array, b: Array, c: Array | None = None) -> _Rates:
+        """Bounds of the first three derivatives of a direction that the axes between part and rail
+        turn, each (m,), from the sums of their rates."""
+        assert self.carried is not None
+        count = len(self.carried) - 1
+        if not count:
+            nothing = np.zeros(len(a))
+            return nothing, nothing, nothing
+        first = a[:, count - 1]
+        second = b[:, count - 1]
+        third = 0 * first if c is None else c[:, count - 1]
+        return first, first**2 + second, first**3 + 3 * first * second + third
 
     @cached_property
     def _levers(self) -> Array:
         own = levers(self.model)
         if self.carried is None:
             return own
-        return np.append(self.carried.levers(reach(self.model))[::-1], own)
+        lever = self.carried.levers(reach(self.model))[self.carried.slides :]
+        return np.append(lever[::-1], own)
 
 
 @lru_cache(maxsize=8)

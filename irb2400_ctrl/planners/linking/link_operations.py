@@ -50,6 +50,7 @@ def link_operations(
     """
     home = start_of(runs[0].plan.robot, links.start)
     chain = _Chain(plane, links, rate, home)
+    chain.along = any((run.plan.carried_names or ("",))[0] == "rail" for run in runs)
     if links.ends:
         chain.here = home
     start = chain.here
@@ -110,6 +111,8 @@ class _Chain:
     events: list[TimedEvent] = field(default_factory=list)
     rows: int = 0
     """of the trajectory so far, its first one apart"""
+    along: bool = False
+    """whether the rows say where the carriage is, because it moves in some run"""
 
     @property
     def time(self) -> float:
@@ -163,13 +166,20 @@ class _Chain:
     def _go_along(self, run: Run, before: Run | None) -> None:
         """The carriage of a rail goes where a run wants it, the arm away at home."""
         rail = None if run.options.cell is None else run.options.cell.rail
-        if rail is None or before is None or run.options.rail == before.options.rail:
+        if rail is None or before is None:
+            return
+        start = before.carriage("last")
+        end = run.carriage("first")
+        if start is None or end is None or start == end:
             return
         self.joints("link", before.beside("last"), self.home)
         most = carriage_acceleration(run, rail, self.home)
-        text = f"carriage to {rail.position_mm:g} mm, with at most {most:.1f} m/s2"
+        text = f"carriage to {1e3 * end:g} mm, with at most {most:.1f} m/s2"
         line = int(run.operation.line[0])
         self.events.append(TimedEvent("rail", text, line, run.operation.number, self.time, True))
+        if self.along:
+            piece = Rest.going(run, self.home, (start, end), most, self.rate)
+            self._add("turn", before.beside("last"), piece, f"carriage to {1e3 * end:.1f} mm")
 
     def _turn_part(self, run: Run, before: Run | None) -> None:
         """The positioner turns to the angles of a run, the arm away at home."""
@@ -183,7 +193,7 @@ class _Chain:
         line = int(run.operation.line[0])
         number = run.operation.number
         self.events.append(TimedEvent("positioner", text, line, number, self.time, True))
-        if stood is not None and before is not None and (run.moving or before.moving):
+        if stood is not None and before is not None and (run.turning or before.turning):
             piece = Rest.turning(before, self.home, (stood, angles), self.rate)
             self._add("turn", before.beside("last"), piece)
 
@@ -196,7 +206,8 @@ class _Chain:
         because = run.because if kind == "unwind" else ""
         number = run.operation.number
         angles = run.options.positioner or run.stands("first")
-        stands = (angles, run.options.rail)
+        place = run.options.rail if run.options.rail is not None else run.carriage("first")
+        stands = (angles, place)
         self.segments.append(Segment(kind, number, piece, self.time, note, *stands, because))
         self.here = piece.trajectory.q[-1]
         self.rows += len(piece.trajectory.time) - 1

@@ -100,7 +100,7 @@ def _split(
     if turned is not path and middle:
         raise UnreachableError(
             f"operation {operation.number} waits at point {middle[0] + 1}, which is not planned "
-            "while the positioner moves; state its angles for this operation"
+            "while a positioner or a carriage moves; state where they stand for this operation"
         )
     options = {**options, "work_frame": np.eye(4)}
     return Split(robot, operation, path, plane, links, options, turned)
@@ -128,11 +128,11 @@ class Split:
     options: dict[str, Any]
     """of `plan_path`"""
     seen: ToolPath
-    """in the base as the arm sees it, `path` where no positioner moves"""
+    """in the base as the arm sees it, `path` where neither positioner nor carriage moves"""
 
     @property
     def moving(self) -> bool:
-        """Whether a positioner turns the part on the way."""
+        """Whether a positioner turns the part, or a carriage the arm, on the way."""
         return self.seen is not self.path
 
     @property
@@ -148,8 +148,8 @@ class Split:
         """
         if self.moving:
             raise UnreachableError(
-                f"{because}; while the positioner moves axes are not unwound: state its angles for "
-                "this operation, or another direction to keep"
+                f"{because}; while a positioner or a carriage moves axes are not unwound: state "
+                "where they stand for this operation, or another direction to keep"
             )
         pieces = self._pieces(part) if depth else []
         if len(pieces) < 2:

@@ -11,10 +11,10 @@ from typing import Any
 import numpy as np
 
 from irb2400_ctrl.arrays import Array
-from irb2400_ctrl.cell.positioner import AXES
+from irb2400_ctrl.cell.external_axes import TABLE, axis_names
 from irb2400_ctrl.files import write_atomic, write_json
 from irb2400_ctrl.notebook import Displayed
-from irb2400_ctrl.planners.external_bounds import worst_axes
+from irb2400_ctrl.planners.external_bounds import worst_axis
 from irb2400_ctrl.planners.linking.clearance_plane import ClearancePlane
 from irb2400_ctrl.planners.linking.joint_plan import JointPlan
 from irb2400_ctrl.planners.linking.link_options import LinkOptions
@@ -79,17 +79,20 @@ class ProgramMotion(Displayed):
         )
 
     def _external(self) -> Trajectory | None:
-        """A positioner that moves, segment after segment; None where none does."""
-        if all(s.piece.trajectory.external is None for s in self.segments):
+        """Carriage and positioner, segment after segment, each where it moves in some of them; None
+        where none does."""
+        known = [rows for s in self.segments if (rows := s.piece.trajectory.external) is not None]
+        if not known:
             return None
+        slides = max(len(rows.lengths) for rows in known)
+        turns = max(rows.q.shape[1] - len(rows.lengths) for rows in known)
         parts = []
         for k, segment in enumerate(self.segments):
-            rows = segment.piece.trajectory
-            found = rows.external or _standing(rows.time, segment.positioner)
-            columns = np.stack([found.q, found.qd, found.qdd])
+            columns = _further(segment, slides, turns)
             parts.append(columns[:, 1 if k else 0 :])
         e, ed, edd = np.concatenate(parts, axis=1)
-        return Trajectory(np.arange(len(e)) / self.rate, e, ed, edd, check_speeds=False)
+        time = np.arange(len(e)) / self.rate
+        return Trajectory(time, e, ed, edd, lengths=(0,) * slides, check_speeds=False)
 
     def summary(self) -> dict[str, Any]:
         """The content of `plan.json` of a whole program."""
@@ -149,14 +152,32 @@ class ProgramMotion(Displayed):
         }
 
     def _axes(self) -> list[dict[str, Any]]:
-        """Bounds of the axes of a positioner that moves, in all segments together."""
-        turns = [
-            rows
-            for s in self.segments
-            if isinstance(s.piece, Rest) and (rows := s.piece.trajectory.external) is not None
+        """Bounds of the axes that move beside the arm, in all segments together."""
+        rows = self.trajectory.external
+        if rows is None:
+            return []
+        found = []
+        for name in axis_names(rows.q.shape[1], len(rows.lengths)):
+            known = [
+                axis
+                for plan in self.plans
+                for own, axis in zip(plan.carried_names, plan.external, strict=True)
+                if own == name
+            ]
+            turns = [
+                moved
+                for s in self.segments
+                if isinstance(s.piece, Rest)
+                and (moved := s.piece.trajectory.external) is not None
+                and name in axis_names(moved.q.shape[1], len(moved.lengths))
+            ]
+            found.append(worst_axis(known, turns, TABLE.index(name) if name in TABLE else 0))
+        return [
+            axis.summary(name)
+            for name, axis in zip(
+                axis_names(rows.q.shape[1], len(rows.lengths)), found, strict=True
+            )
         ]
-        found = worst_axes([plan.external for plan in self.plans], turns)
-        return [axis.summary(name) for name, axis in zip(AXES, found, strict=False)]
 
     def _cuts(self) -> list[Any]:
         return [s for s in self.segments if s.kind == "operation"]
@@ -180,10 +201,22 @@ class ProgramMotion(Displayed):
         return total
 
 
-def _standing(time: Array, angles_deg: tuple[float, float] | None) -> Trajectory:
-    """A positioner that stands at (tilt, turn) [deg]."""
-    e = np.tile(np.radians((0.0, 0.0) if angles_deg is None else angles_deg), (len(time), 1))
-    return Trajectory(time, e, np.zeros_like(e), np.zeros_like(e), check_speeds=False)
+def _further(segment: Segment, slides: int, turns: int) -> Array:
+    """Rows of carriage and positioner and their two derivatives, as they move or stand, shape (3,
+    m, slides + turns)."""
+    rows = segment.piece.trajectory.external
+    count = len(segment.piece.trajectory.time)
+    angles = (0.0, 0.0) if segment.positioner is None else segment.positioner
+    stands = np.array([segment.rail or 0.0] * slides + np.radians(angles).tolist()[:turns])
+    found = np.zeros((3, count, slides + turns))
+    found[0] = stands
+    if rows is not None:
+        own = np.stack([rows.q, rows.qd, rows.qdd])
+        some = len(rows.lengths)
+        found[:, :, :some] = own[:, :, :some]
+        if own.shape[2] > some:
+            found[:, :, slides:] = own[:, :, some:]
+    return found
 
 
 def worst(plans: Sequence[Plan], pieces: Sequence[Plan | JointPlan | Rest]) -> dict[str, Any]:

@@ -44,24 +44,43 @@ class Run:
 
     @property
     def moving(self) -> bool:
-        """Whether a positioner turns the part on the way."""
+        """Whether a positioner turns the part, or a carriage the arm, on the way."""
         return self.plan.trajectory.external is not None
+
+    @property
+    def turning(self) -> bool:
+        """Whether a positioner turns the part on the way."""
+        rows = self.plan.trajectory.external
+        return rows is not None and rows.q.shape[1] > len(rows.lengths)
 
     def stands(self, end: End) -> tuple[float, float] | None:
         """(tilt, turn) of the positioner at an end [deg]; None without one."""
         rows = self.plan.trajectory.external
-        if rows is None:
+        if rows is None or not self.turning:
             return self.options.positioner
-        tilt, turn = np.degrees(rows.q[0 if end == "first" else -1])
+        tilt, turn = np.degrees(rows.q[0 if end == "first" else -1, len(rows.lengths) :])
         return float(tilt), float(turn)
 
+    def carriage(self, end: End) -> float | None:
+        """Place of the carriage at an end [m]; None without a rail."""
+        rows = self.plan.trajectory.external
+        if rows is None or not rows.lengths:
+            return self.options.rail
+        return float(rows.q[0 if end == "first" else -1, 0])
+
     def beside(self, end: End) -> Run:
-        """The same for the moves beside one of its ends, during which the positioner stands."""
-        angles = self.stands(end)
+        """The same for the moves beside one of its ends, during which carriage and positioner
+        stand."""
         cell = self.options.cell
-        if not self.moving or cell is None or angles is None:
+        if not self.moving or cell is None:
             return self
-        return replace(self, options=replace(self.options, cell=cell.on_positioner(angles)))
+        place = self.carriage(end)
+        if cell.rail is not None and cell.rail_moves and place is not None:
+            cell = cell.on_rail(float(np.clip(1e3 * place, *cell.rail.range_mm)))
+        angles = self.stands(end)
+        if angles is not None:
+            cell = cell.on_positioner(angles)
+        return replace(self, options=replace(self.options, cell=cell))
 
     @property
     def start(self) -> int:

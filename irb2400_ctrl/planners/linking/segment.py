@@ -60,7 +60,7 @@ class Segment:
     """(tilt, turn) at which the positioner stands, or from which it moves [deg]; None without
     one"""
     rail: float | None = None
-    """where the carriage stands [m]; None without a rail"""
+    """where the carriage stands, or from where it moves [m]; None without a rail"""
     because: str = ""
     """why axes have to be unwound here; empty elsewhere"""
 
@@ -77,7 +77,7 @@ class Segment:
             "operation": self.operation,
             "start_s": self.start,
             "end_s": self.end,
-            "moves": "positioner" if self.kind == "turn" else _MOVES[type(piece)],
+            "moves": self._moves,
             "length_mm": 1e3 * piece.length,
             "from_deg": _degrees(piece.trajectory.q[0]),
             "to_deg": _degrees(piece.trajectory.q[-1]),
@@ -99,11 +99,22 @@ class Segment:
             found["rail_mm"] = 1e3 * self.rail
         if self.positioner is not None:
             found["positioner_deg"] = list(self.positioner)
-        if piece.trajectory.external is not None:
-            found["positioner_to_deg"] = _degrees(piece.trajectory.external.q[-1])
+        rows = piece.trajectory.external
+        if rows is not None and rows.lengths:
+            found["rail_to_mm"] = 1e3 * float(rows.q[-1, 0])
+        if rows is not None and rows.q.shape[1] > len(rows.lengths):
+            found["positioner_to_deg"] = _degrees(rows.q[-1, len(rows.lengths) :])
         if self.note:
             found["note"] = self.note
         return found
+
+    @property
+    def _moves(self) -> str:
+        """What moves in it."""
+        if self.kind != "turn":
+            return _MOVES[type(self.piece)]
+        rows = self.piece.trajectory.external
+        return "carriage" if rows is not None and rows.lengths else "positioner"
 
 
 _MOVES = {JointPlan: "joints", Plan: "tool", Rest: "nothing"}

@@ -75,10 +75,42 @@ class Rest:
         assert run.options.cell.positioner is not None
         axes = run.options.cell.positioner.moving
         turned = turn(axes, np.radians(ends[0]), np.radians(ends[1]), rate)
-        found = cls.at(run, q, turned.duration, rate)
+        return cls._while(run, q, turned, rate)
+
+    @classmethod
+    def going(cls, run: Run, q: Array, ends: tuple[float, float], most: float, rate: float) -> Rest:
+        """While the carriage under the arm goes from rest to rest between two places [m], within
+        its limits and `most`, the acceleration that the arm holds [m/s2]."""
+        assert run.options.cell is not None
+        assert run.options.cell.rail is not None
+        axes = run.options.cell.rail.moving
+        gentle = replace(axes, acceleration=np.minimum(axes.acceleration, most))
+        gone = turn(gentle, np.array(ends[:1]), np.array(ends[1:]), rate)
+        found = cls._while(run, q, gone, rate)
+        robot = run.plan.robot
+        dynamics = path_dynamics(robot, 1, axes.carriage)
+        rows = found.trajectory.together()
+        tau = dynamics.torque(rows.q, rows.qd, rows.qdd, rows.time)[:, : robot.n]
+        # linear in the acceleration, which is between its limits all the time
+        hard = np.zeros((2, robot.n + 1))
+        hard[:, -1] = gentle.acceleration * [1, -1]
+        at = np.tile(rows.q[0], (2, 1))
+        worst = dynamics.torque(at, 0 * hard, hard, np.zeros(2))[:, : robot.n]
+        ratio = float(np.abs(worst / robot.tau_max).max())
+        return replace(
+            found,
+            trajectory=replace(found.trajectory, tau=tau, check_speeds=False),
+            max_torque_ratio=ratio,
+            guaranteed=ratio <= run.plan.torque_share * (1 + 1e-9),
+        )
+
+    @classmethod
+    def _while(cls, run: Run, q: Array, moved: Trajectory, rate: float) -> Rest:
+        """While axes beside the arm move."""
+        found = cls.at(run, q, moved.duration, rate)
         still = found.trajectory
-        turned = replace(turned, time=still.time, check_speeds=False)
-        return replace(found, trajectory=replace(still, external=turned, check_speeds=False))
+        moved = replace(moved, time=still.time, check_speeds=False)
+        return replace(found, trajectory=replace(still, external=moved, check_speeds=False))
 
 
 def carriage_acceleration(run: Run, rail: Rail, q: Array) -> float:

@@ -71,15 +71,19 @@ def rail_position(
             f"cell {cell.name}: expected a [rail] with direction and range_mm and a [work_object], "
             "found one of them missing"
         )
+    # also of a carriage that might move during the cut
+    cell = cell.on_rail(float(np.clip(cell.rail.stands_mm, *cell.rail.range_mm)))
     rail = cell.rail
+    X_BW = cell.work_frame
+    assert rail is not None
+    assert X_BW is not None
     operations = [operation for program in programs for operation in program.operations]
     whole = tasks_of(robot, operations, free_tool_rotation, cell, tool)
     few = thinned(whole, operations, FINE)
-    X_BW = cell.work_frame
     seen: dict[float, Outlook] = {}
 
     def look(position: float) -> Outlook:
-        shift = rail.moved(position - rail.position_mm)
+        shift = rail.moved(position - rail.stands_mm)
         return outlook(_shifted(few, shift), shift @ X_BW, load, patient=True)
 
     low, high = rail.range_mm
@@ -91,11 +95,11 @@ def rail_position(
         best = max(seen, key=lambda at: seen[at].rank)
         places = np.clip([best - step, best, best + step], low, high)
     for position in sorted(seen, key=lambda at: seen[at].rank, reverse=True)[:4]:
-        shift = rail.moved(position - rail.position_mm)
+        shift = rail.moved(position - rail.stands_mm)
         proof = prove(_shifted(whole, shift), shift @ X_BW, load)
         if not (seen[position].refused or proof.refused):
             ordered = tuple(sorted(seen.items()))
-            return RailPosition(position, look(rail.position_mm), seen[position], proof, ordered)
+            return RailPosition(position, look(rail.stands_mm), seen[position], proof, ordered)
     why = "; ".join(dict.fromkeys(o.refused or proof.refused for o in seen.values()))
     raise UnreachableError(
         f"no place on the rail lets the arm do all operations: {why}; move the work object "

@@ -1,4 +1,7 @@
-"""How the axes of a positioner turn the part along a tool path: chosen before the arm's own motion.
+"""How further axes go along a tool path: chosen before the arm's own motion.
+
+First the axes of a positioner, which turn the part; then a rail under the arm
+(`rail_law`).
 
 At every place of the path the tool should be near a wished direction d, and its tip on the robot's
 side of the part. With the tool axis a and the tip p in the base at angles e,
@@ -13,14 +16,18 @@ twice continuously differentiable, and within the range of the axes as they are.
 from __future__ import annotations
 
 import itertools
+from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 
 from irb2400_ctrl.arrays import Array, Integers
 from irb2400_ctrl.cell import Cell
 from irb2400_ctrl.cell.external_axes import ExternalAxes
-from irb2400_ctrl.planners.redundancy.follow import arc_length, station_parameters
-from irb2400_ctrl.planners.toolpath.orientation import PartMotion
+from irb2400_ctrl.model import Model
+from irb2400_ctrl.planners.redundancy.follow import arc_length
+from irb2400_ctrl.planners.redundancy.rail_law import even_stations, rail_law, uniform_spline
+from irb2400_ctrl.planners.toolpath.orientation import Orientation, PartMotion
 from irb2400_ctrl.planners.toolpath.task_curve import TaskCurve
 
 # of the grid of angles [rad], and of the finer ones around the best way
@@ -43,40 +50,64 @@ _INSET = np.radians(0.2)
 _SMOOTH = 2.0
 
 
-def part_motion(curve: TaskCurve, spindle: Array, cell: Cell) -> PartMotion:
-    """How the positioner of a cell turns the part along a curve.
+def part_motion(
+    curve: TaskCurve, spindle: Array, cell: Cell, model: Model, free_tool_rotation: bool
+) -> PartMotion:
+    """How the axes of a cell go along a curve.
 
     Args:
         curve: placed with the axes at zero.
         spindle: direction of the tool in the TCP frame, out of the spindle, shape (3,).
-        cell: with a positioner that moves.
+        cell: with axes that move.
+        model: the arm.
+        free_tool_rotation: whether the tool may turn about the spindle as it likes.
     """
     axes = cell.external_axes
     assert axes is not None
+    turning = axes.turning
+    part = PartMotion(turning, _turning_law(curve, spindle, cell, axes)) if len(turning) else None
+    if not axes.slides:
+        assert part is not None
+        return part
+    orientation = Orientation.of(curve, spindle, part)
+    along = rail_law(model, orientation, axes.rail, free_tool_rotation)
+
+    def places(at: Array) -> Array:
+        return np.hstack([along(at), orientation.external(at)])
+
+    return PartMotion(axes, places)
+
+
+def _turning_law(
+    curve: TaskCurve, spindle: Array, cell: Cell, axes: ExternalAxes
+) -> Callable[[Array], Array]:
+    """Of the axes of a positioner; where the arm stands on a rail, from the place of the carriage
+    that is nearest to them."""
     assert cell.positioner is not None
     wished = np.array(cell.positioner.keep)
     u = _stations(curve)
     s = arc_length(curve, u)
     position, first, full = curve.pose(u)
     axis = first if full is None else -(full @ (spindle / np.linalg.norm(spindle)))
-    search = _Search(axes, position, axis, wished / np.linalg.norm(wished), s[-1] / (len(s) - 1))
-    law = _spline(s[-1], _averaged(search.best()))
+    turning = axes.turning
+    if axes.slides:
+        way = axes.direction[0]
+        nearest = np.clip(-(turning.point[-1] @ way), axes.low[0], axes.high[0]) * way
+        turning = replace(turning, point=turning.point + nearest)
+        position = position + nearest
+    search = _Search(turning, position, axis, wished / np.linalg.norm(wished), s[-1] / (len(s) - 1))
+    law = uniform_spline(s[-1], _averaged(search.best()))
 
     def angles(at: Array) -> Array:
         places, back = np.unique(at, return_inverse=True)
         return np.asarray(law(np.minimum(arc_length(curve, places), s[-1])))[back]
 
-    return PartMotion(axes, angles)
+    return angles
 
 
 def _stations(curve: TaskCurve) -> Array:
     """Evenly spread along the curve, ends included."""
-    u = station_parameters(curve, _SPACING)
-    s = arc_length(curve, u)
-    count = int(np.clip(np.ceil(s[-1] / _SPACING), _FEWEST, _MOST)) + 1
-    even = np.interp(np.linspace(0, s[-1], count), s, u)
-    even[[0, -1]] = 0.0, float(curve.segments)
-    return even
+    return even_stations(curve, _SPACING, _FEWEST, _MOST)
 
 
 class _Search:
@@ -204,12 +235,3 @@ def _averaged(e: Array) -> Array:
     from scipy.ndimage import gaussian_filter1d
 
     return np.asarray(gaussian_filter1d(e, _SMOOTH, axis=0, mode="nearest"))
-
-
-def _spline(length: float, control: Array):  # type: ignore[no-untyped-def]
-    """The cubic B-spline over the length with these control points, spread evenly."""
-    from scipy.interpolate import BSpline
-
-    inner = np.linspace(0.0, length, len(control) - 2)
-    knots = np.concatenate([[0.0] * 3, inner, [length] * 3])
-    return BSpline(knots, control, 3)

@@ -6,7 +6,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from irb2400_ctrl.model import Model
-from irb2400_ctrl.planners.enclosure.path_dynamics import PathDynamics
+from irb2400_ctrl.planners.enclosure.path_dynamics import PathDynamics, Way
 from irb2400_ctrl.planners.joint_path import JointPath
 from irb2400_ctrl.planners.timing.motion_bounds import Checked
 from irb2400_ctrl.planners.timing.motion_limits import MotionLimits
@@ -20,11 +20,15 @@ class Certificate:
     path: JointPath
     law: TimeLaw
     limits: MotionLimits
+    carriage: Way | None = None
+    """where the base of the arm goes per metre of the first axis behind the arm's, a rail; None
+    without one"""
 
 
 def check(certificate: Certificate, model: Model, dynamics: PathDynamics | None = None) -> Checked:
     """Bound torque, speed and what else is limited over all times, from the motion's own numbers
     alone: nothing that the solver computed is used."""
     if dynamics is None:
-        dynamics = PathDynamics(model, certificate.path.n - model.robot.n)
+        external = certificate.path.n - model.robot.n
+        dynamics = PathDynamics(model, external, certificate.carriage)
     return certificate.law.bounds(certificate.path, certificate.limits, dynamics)

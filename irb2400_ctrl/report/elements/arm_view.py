@@ -63,8 +63,8 @@ class ArmView:
         cell: what stands around the arm.
         tool: of the cell, in the spindle.
         reference: another way of the TCP, drawn thin, shape (k, 3) [m].
-        external: angles of the axes of the cell that carry the part, where these move [rad], shape
-            (m, k).
+        external: places of the axes of the cell that carry the part or the arm, where these move
+            [rad, m of a rail], shape (m, k).
     """
 
     robot: Robot
@@ -84,6 +84,7 @@ class ArmView:
         X_nT = self.robot.flange.matrix() @ self.robot.X_FT
         if self.tool is not None:
             X_nT = X_nT @ tool_offset(self.tool)
+        poses = self._on_floor(time, poses)
         last = poses[:, -1]
         way = last[:, :, :3] @ X_nT[:3, 3] + last[:, :, 3]
         poses = np.concatenate([poses, self._carried(time)], axis=1)
@@ -105,21 +106,31 @@ class ArmView:
         """The columns at other times."""
         return np.stack([np.interp(time, self.time, column) for column in values.T], axis=1)
 
+    def _on_floor(self, time: Array, poses: Array) -> Array:
+        """Poses (m, b, 3, 4) of an arm whose carriage moves, as the floor sees them."""
+        if self._axes is None or self.external is None or not self._axes.slides:
+            return poses
+        found = poses.copy()
+        place = self._at(time, self.external)[:, :1]
+        found[:, :, :, 3] -= (place * self._axes.direction[0])[:, None]
+        return found
+
     def _carried(self, time: Array) -> Array:
         """What the axes of the cell do to the part, shape (frames, 1, 3, 4); no pose (0) where it
         stands."""
-        if self._axes is None or self.external is None:
+        if self._axes is None or self.external is None or not len(self._axes.turning):
             return np.empty((len(time), 0, 3, 4))
-        return self._axes.turned(self._at(time, self.external))[:, None, :3]
+        angles = self._at(time, self.external)[:, self._axes.slides :]
+        return self._axes.turning.turned(angles)[:, None, :3]
 
     @property
     def _axes(self) -> ExternalAxes | None:
-        """What turns the part, where it is known all over the motion."""
+        """What carries part or arm, where it is known all over the motion."""
         return None if self.cell is None or self.external is None else self.cell.external_axes
 
     def _frame(self, piece: Piece) -> int:
         """Number of the pose that a body moves with."""
-        moves = piece.on_work_object and self._axes is not None
+        moves = piece.on_work_object and self._axes is not None and len(self._axes.turning)
         return self.robot.n + 1 if moves else piece.link
 
     def _pieces(self) -> list[Piece]:

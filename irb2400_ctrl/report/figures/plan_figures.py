@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from irb2400_ctrl.arrays import Array
-from irb2400_ctrl.cell.positioner import AXES
+from irb2400_ctrl.cell.external_axes import axis_names
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.planners import Plan
 from irb2400_ctrl.report.elements.arm_view import Colouring
@@ -53,14 +53,19 @@ def angle_figures(motion: Trajectory, robot: Robot) -> list[Figure]:
 
 
 def external_figures(motion: Trajectory) -> list[Figure]:
-    """Angles of the positioner; none where it stands."""
-    if motion.external is None:
+    """Places of the carriage and angles of the positioner; none where they stand."""
+    rows = motion.external
+    if rows is None:
         return []
-    angles = np.degrees(motion.external.q).T
-    return [
-        over_time(motion.time, [Line(angle)], f"{name} [deg]")
-        for name, angle in zip(AXES, angles, strict=True)
-    ]
+    slides = len(rows.lengths)
+    names = axis_names(rows.q.shape[1], slides)
+    found = []
+    for j, name in enumerate(names):
+        values, unit = (
+            (1e3 * rows.q[:, j], "mm") if j < slides else (np.degrees(rows.q[:, j]), "deg")
+        )
+        found.append(over_time(motion.time, [Line(values)], f"{name} [{unit}]"))
+    return found
 
 
 def margin_figures(motion: Trajectory, robot: Robot, least: dict[str, float]) -> list[Figure]:

@@ -75,7 +75,7 @@ def add_plan(
     page.figures(drawn, "Angle of each joint; ends of its range are dashed.", zoomable=True)
     turned = draw.external_figures(motion)
     if turned:
-        page.figures(turned, "Angles of the positioner.")
+        page.figures(turned, "Where the carriage and the positioner are, as far as they move.")
     page.heading("Distance from the singularities")
     drawn = draw.margin_figures(motion, one.robot, summary["singularity_margin"])
     page.figures(
@@ -148,7 +148,7 @@ def numbers(summary: Mapping[str, Any]) -> tuple[list[str], list[list[object]]]:
 
 
 def _external_rows(summary: Mapping[str, Any]) -> list[list[object]]:
-    """Speed and acceleration of the axes of a positioner that moves."""
+    """Speed and acceleration of the axes that move beside the arm."""
     return [
         [f"{what} of {axis['name']}, at most", f"{100 * axis[key]:.1f}", "% of limit"]
         for axis in summary["external_axes"]

@@ -50,21 +50,23 @@ class RapidMove:
         """Pose of a robtarget in the robot base, shape (4, 4).
 
         Args:
-            axes: of the positioner that moves the work object.
+            axes: of the positioner that moves the work object, and of the rail under the arm.
 
         Raises:
             InputError: there is one, and nothing is said of it.
         """
         assert self.X_BT is not None
-        if not self.unit:
+        slides = 0 if axes is None else axes.slides
+        if not self.unit and not slides:
             return self.X_BT
         if axes is None or len(self.external) < len(axes):
             raise InputError(
-                f"{self.target}: found a work object that {self.unit} moves, expected its axes "
-                "(axes=cell.external_axes) and their angles in every target"
+                f"{self.target}: found a work object or an arm that {self.unit or 'a rail'} moves, "
+                "expected its axes (axes=cell.external_axes) and their places in every target"
             )
-        e = np.radians([self.external[: len(axes)]])
-        return np.asarray(axes.turned(e)[0] @ axes.plate @ self.X_BT)
+        e = axes.from_shown(np.array([self.external[: len(axes)]]))
+        plate = axes.plate if self.unit else np.eye(4)
+        return np.asarray(axes.turned(e)[0] @ plate @ self.X_BT)
 
 
 @dataclass(frozen=True)
@@ -89,7 +91,8 @@ class RapidModule:
         what a singularity leaves open).
 
         Args:
-            axes: of the positioner that moves the work object, where one does.
+            axes: of the positioner that moves the work object and of the rail under the arm, where
+                there are.
 
         Raises:
             InputError: the configuration of a target does not exist at its pose, or as

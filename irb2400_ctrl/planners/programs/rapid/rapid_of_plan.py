@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.cell.external_axes import ExternalAxes
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.planners.linking.program_events import at_rest
@@ -35,13 +36,15 @@ def rapid_of_plan(
     model = Model(plan.robot)
     moving = plan.trajectory.external
     stands = () if plan.positioner is None else plan.positioner
+    if moving is not None and stands:
+        raise _one_of_two()
     return rapid_program(
         model,
         plan.trajectory,
         options=options,
         X_BW=X_BW,
         events=events,
-        external=stands if moving is None else np.degrees(moving.q),
+        external=stands if moving is None else moving.shown,
         carried=plan.carried,
     )
 
@@ -51,7 +54,8 @@ def rapid_of_motion(
 ) -> RapidProgram:
     """The module of a whole program: MoveL where the tool follows a path, MoveAbsJ where the joints
     move, a stop point between segments, and the events in their places. A positioner that turns
-    between operations is two external axes; the targets are then in the base (`X_BW` None).
+    between operations is two external axes; the targets are then in the base (`X_BW` None). A
+    carriage that moves is the first external axis; the base is then where it stands at zero.
 
     Raises:
         InputError: an approach is asked for that the motion has itself, or as `rapid_program`.
@@ -63,16 +67,20 @@ def rapid_of_motion(
             "RAPID: found approach_mm or retract_mm for a motion that comes and goes by itself, "
             "expected one or the other; shape its links instead (--clearance, --approach)"
         )
-    if len({segment.rail for segment in motion.segments}) > 1:
+    moving = motion.trajectory.external
+    carriage = moving is not None and bool(moving.lengths)
+    if not carriage and len({segment.rail for segment in motion.segments}) > 1:
         raise InputError(
             "RAPID: the carriage of the rail goes from operation to operation, which a module does "
             "not say; expected one place, or a module of each operation (--no-links)"
         )
     time = motion.trajectory.time
-    moving = motion.trajectory.external
     joints = np.zeros(len(time), dtype=bool)
     stops = np.zeros(len(time), dtype=bool)
     stands = [segment.positioner for segment in motion.segments]
+    carried = _carried(motion)
+    if carried is not None and len(carried) == carried.slides and stands[0] is not None:
+        raise _one_of_two()
     external = np.zeros((len(time), 0 if stands[0] is None else 2))
     for segment in motion.segments:
         first, last = np.searchsorted(time, np.array([segment.start, segment.end]) - 1e-6)
@@ -88,9 +96,35 @@ def rapid_of_motion(
         joint_rows=joints,
         stops=stops,
         events=_besides_waits(motion, options),
-        external=external if moving is None else np.degrees(moving.q),
-        carried=next((p.carried for p in motion.plans if p.carried is not None), None),
+        external=external if moving is None else moving.shown,
+        carried=carried,
         tools=_tools(motion, time),
+    )
+
+
+def _carried(motion: ProgramMotion) -> ExternalAxes | None:
+    """The axes whose places the rows have.
+
+    Raises:
+        InputError: no operation moves all of them.
+    """
+    rows = motion.trajectory.external
+    if rows is None:
+        return None
+    count = rows.q.shape[1]
+    for plan in motion.plans:
+        if plan.carried is not None and len(plan.carried) == count:
+            return plan.carried
+    raise InputError(
+        "RAPID: found operations of which some move the carriage and others the positioner, "
+        "expected one that moves both, or a module of each operation (--no-links)"
+    )
+
+
+def _one_of_two() -> InputError:
+    return InputError(
+        "RAPID: found a carriage that moves and a positioner that stands at stated angles, which a "
+        'module does not say; expected that it moves, too (position_deg = "move"), or none'
     )
 
 

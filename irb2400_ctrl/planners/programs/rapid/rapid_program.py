@@ -100,7 +100,7 @@ def rapid_program(
         stops: rows at which the plan is at rest, shape (n,): stop points.
         events: what the program asks for besides motion, at times of the plan; the arm stops there.
         tools: rows at which the tool changes, increasing, and the arm with the next one.
-        carried: the external axes where they turn the work object, which `X_BW` states at zero.
+        carried: axes that turn the work object, which `X_BW` states at zero, or carry the arm.
 
     Raises:
         InputError: shapes, order of time, not finite, outside the joint box, a name that RAPID
@@ -114,10 +114,9 @@ def rapid_program(
     joints = row_flags("joint_rows", joint_rows, len(q)) | (options.motion == "joint")
     flags = _Flags(wrist_rows(q, wrist_crossing), joints, standing)
     models = [model, *(arm for _, arm in tools)]
-    changes = [row for row, _ in tools]
     part = _Part.of(carried, external, options, len(q))
     X_BW = np.eye(4) if part is not None and X_BW is None else X_BW
-    rows, first, samples = _rows(models, changes, (time, q), flags, options, X_BW, part)
+    rows, first, samples = _rows(models, tools, (time, q), flags, options, X_BW, part)
     writer = EventWriter(options.signals)
     said = {
         row + first: [line for event in found for line in writer.lines(event)]
@@ -127,8 +126,9 @@ def rapid_program(
     configuration = data.configuration(model, rows.q[samples])
     extax = _external_axes(external, len(q), first, len(rows.q))
     about = (names, said, writer.at_end(), part is not None)
+    plate = part is not None and part.turns
     steps = program_steps(rows, samples, configuration, extax, *about)
-    text, parts = module_texts(models, names, _on_plate(X_BW, part), steps, part is not None)
+    text, parts = module_texts(models, names, _on_plate(X_BW, part), steps, plate)
     targets = np.array([step.row for step in steps if step.row is not None])
     return RapidProgram(text, targets, rows.q[targets], parts, first, tuple(writer.not_written))
 
@@ -151,11 +151,16 @@ def _external_axes(external: ArrayLike, count: int, first: int, rows: int) -> li
 
 @dataclass(frozen=True)
 class _Part:
-    """A work object that turns during the moves."""
+    """A work object that turns, or an arm that is carried, during the moves."""
 
     axes: ExternalAxes
     angles: Array
-    """at the rows of the plan [deg], shape (n, k)"""
+    """at the rows of the plan [deg, mm of a rail], shape (n, k)"""
+
+    @property
+    def turns(self) -> bool:
+        """Whether the work object is turned."""
+        return len(self.axes) > self.axes.slides
 
     @classmethod
     def of(
@@ -172,18 +177,28 @@ class _Part:
         if angles.shape != (count, len(axes)):
             raise InputError(
                 f"RAPID: external is {angles.shape}, expected ({count}, {len(axes)}) for axes that "
-                "turn the work object"
+                "turn the work object or carry the arm"
             )
         if options.motion == "joint":
             raise InputError(
-                "RAPID: found motion joint with a positioner that moves, expected linear: moves "
+                "RAPID: found motion joint with further axes that move, expected linear: moves "
                 "that are straight for the joints leave the path on the part"
             )
         return cls(axes, angles)
 
     def padded(self, ends: tuple[int, int]) -> Array:
-        """Angles at the rows of the program, its ends as the plan's [rad]."""
-        return np.radians(np.pad(self.angles, (ends, (0, 0)), mode="edge"))
+        """Places at the rows of the program, its ends as the plan's [rad, m of a rail]."""
+        return self.axes.from_shown(np.pad(self.angles, (ends, (0, 0)), mode="edge"))
+
+    def speeds(self, time: Array, ends: tuple[int, int]) -> Array:
+        """Of a rail [mm/s], 5000 without one, and the largest of those that turn [deg/s], between
+        the rows of the program, shape (n - 1, 2)."""
+        shown = np.pad(self.angles, (ends, (0, 0)), mode="edge")
+        rates = np.abs(np.diff(shown, axis=0)) / np.diff(time)[:, None]
+        slides = self.axes.slides
+        rail = rates[:, 0] if slides else np.full(len(rates), 5000.0)
+        turning = rates[:, slides:].max(axis=1) if self.turns else np.full(len(rates), 1000.0)
+        return np.column_stack([rail, turning])
 
 
 def _names(options: RapidOptions, models: Sequence[Model], own: bool) -> list[Names]:
@@ -198,7 +213,7 @@ def _names(options: RapidOptions, models: Sequence[Model], own: bool) -> list[Na
 def _on_plate(X_BW: Array | None, part: _Part | None) -> Array | None:
     """The frame that the work object is declared in: the base, or the plate of a positioner that
     moves."""
-    if part is None or X_BW is None:
+    if part is None or X_BW is None or not part.turns:
         return X_BW
     return np.asarray(np.linalg.inv(part.axes.plate) @ X_BW)
 
@@ -214,7 +229,7 @@ class _Flags:
 
 def _rows(
     models: Sequence[Model],
-    changes: Sequence[int],
+    tools: Sequence[tuple[int, Model]],
     plan: tuple[Array, Array],
     flags: _Flags,
     options: RapidOptions,
@@ -233,7 +248,9 @@ def _rows(
     standing[first] |= ends[0] > 0
     standing[len(q) - 1 - ends[1]] |= ends[1] > 0
     # the arm goes to the row of a change with the tool before it
-    tool = np.searchsorted(np.array(changes, dtype=int) + first, np.arange(len(q)))
+    tool = np.searchsorted(
+        np.array([row for row, _ in tools], dtype=int) + first, np.arange(len(q))
+    )
     X_BT = np.empty((len(q), 4, 4))
     for number, arm in enumerate(models):
         X_BT[tool == number] = arm.tcp_pose(q[tool == number])
@@ -248,8 +265,7 @@ def _rows(
     X_WT = X_PT if X_BW is None else np.linalg.inv(data.check_pose("work object", X_BW)) @ X_PT
     speeds = speeds_between(time, X_PT)
     if part is not None:
-        turning = np.degrees(np.abs(np.diff(part.padded(ends), axis=0)).max(axis=1))
-        speeds = np.column_stack([speeds, turning / np.diff(time)])
+        speeds = np.column_stack([speeds, part.speeds(time, ends)])
     flags_of = (rest, crossing, joints, standing)
     return PlanRows(time, q, X_WT, speeds, *flags_of, tool), first, samples
 

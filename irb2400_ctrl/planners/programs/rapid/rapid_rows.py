@@ -26,8 +26,8 @@ class PlanRows:
     X_WT: Array
     """targets in the work object, shape (n, 4, 4)"""
     speeds: Array
-    """between the rows, shape (n - 1, 2); where external axes go with the arm, a third column is
-    their largest speed [deg/s]"""
+    """between the rows, shape (n - 1, 2); where external axes go with the arm, two more columns are
+    the speed of a rail [mm/s] and the largest of those that turn [deg/s]"""
     rest: Rows
     """rows that repeat the one before"""
     crossing: Rows

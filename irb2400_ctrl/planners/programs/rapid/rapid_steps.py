@@ -151,5 +151,7 @@ def _largest_zone(way_in: Array, way_out: Array, corner: float) -> float:
 def _speeddata(speeds: Array) -> str:
     """The planned peaks among rows (k, 2); a speed that is zero in the plan must not be zero for
     the controller."""
-    v, w, *external = np.maximum(speeds.max(axis=0), (0.1, 1.0, 1.0)[: speeds.shape[1]])
-    return f"[{v:.3f},{w:.3f},5000,{external[0] if external else 1000:.6g}]"
+    least = (0.1, 1.0, 1.0, 1.0)[: speeds.shape[1]]
+    v, w, *external = np.maximum(speeds.max(axis=0), least)
+    rail, turning = external or (5000.0, 1000.0)
+    return f"[{v:.3f},{w:.3f},{rail:.6g},{turning:.6g}]"

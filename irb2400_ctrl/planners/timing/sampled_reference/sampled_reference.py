@@ -59,9 +59,10 @@ class SampledReference:
         _, q, qd, qdd = law.motion(path, time)
         return cls(Trajectory(time, q, qd, qdd, check_speeds=False), interpolation)
 
-    def as_written(self) -> SampledReference:
-        """The same with the digits that the file keeps."""
-        return replace(self, rows=self.rows.as_written())
+    def as_written(self, lengths: tuple[int, ...] = ()) -> SampledReference:
+        """The same with the digits that the file keeps; `lengths`: columns of rails."""
+        rows = replace(self.rows, lengths=lengths, check_speeds=False)
+        return replace(self, rows=rows.as_written())
 
     @property
     def motion(self) -> JointMotion:

@@ -227,7 +227,7 @@ def _looked_at(
     dynamics: PathDynamics, task: TaskPath, law: TimeLaw, limits: MotionLimits, sampling: Sampling
 ) -> Settled:
     """The rows of a law, and their bounds."""
-    reference = sampling.reference(law, task.joints).as_written()
+    reference = sampling.reference(law, task.joints).as_written(dynamics.lengths)
     bounds = reference.bounds(dynamics, limits)
     torque = bounds.torque.max(axis=0)
     if not np.isfinite(torque).all():
