@@ -23,16 +23,17 @@ def sound(count: int, seed: int) -> None:
     """Sound logs of arms, payloads, motions, rates, digits, jitter: how many are refused."""
     from sound_logs import sound_log
 
-    from irb2400_ctrl.plausibility import log_problem
-    from irb2400_ctrl.plausibility.search import LOST_PRICE, understand
+    from irb2400_ctrl.arrays import one_thread
+    from irb2400_ctrl.plausibility.log_check import examined
+    from irb2400_ctrl.plausibility.search import LOST_PRICE
 
     refused = []
     prices = []
     start = time.perf_counter()
     for k in range(count):
         drawn = sound_log(seed + k)
-        problem = log_problem(drawn.robot, drawn.log)
-        understood = understand(drawn.robot, drawn.log)
+        with one_thread():
+            problem, understood = examined(drawn.robot, drawn.log)
         prices.append(np.nan if understood is None else understood.labelled.price)
         if problem is not None:
             refused.append(problem.kind)

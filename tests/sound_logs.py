@@ -79,7 +79,7 @@ def sound_log(seed: int, plain: bool = False) -> Drawn:
         sensors=sensors,
     )
     which = int(rng.uniform() < 0.4)
-    recorded = case.simulate()[which]
+    recorded = case.recorded(which)
     if chatters(case, recorded.q):
         return sound_log(seed + NEXT, plain)
     log = Log(recorded.time, recorded.q, recorded.tau, qd=recorded.qd, q_ref=recorded.q_ref)
