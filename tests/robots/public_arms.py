@@ -1,4 +1,5 @@
-"""Nine arms as URDF, own text (eight of six axes, one of seven): frames, ranges and speeds of the makers' data sheets.
+"""Eight arms of six axes and one of seven as URDF, own text: frames, ranges and speeds of the
+makers' data sheets.
 
 Masses and centres of mass are the makers' where they publish them (UR, Armstrong's Puma, Franka by
 identification of others), invented of a plausible size elsewhere; tensors are plausible and full.
