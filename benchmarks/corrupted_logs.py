@@ -1,6 +1,6 @@
 """Is a log understood? Sound logs refused, and corrupted logs named as what they are.
 
-    python benchmarks/corrupted_logs.py sound --count 300 [--seed S]
+    python benchmarks/corrupted_logs.py sound --count 300 [--seed S] [--other-arms]
     python benchmarks/corrupted_logs.py corrupted --count 10 [--seed S] [--diagnose]
 
 Seeds are drawn anew unless given, and printed.
@@ -19,20 +19,25 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
 
 
-def sound(count: int, seed: int) -> None:
-    """Sound logs of arms, payloads, motions, rates, digits, jitter: how many are refused."""
+def sound(count: int, seed: int, others: bool) -> None:
+    """Sound logs of arms, payloads, motions, rates, digits, jitter: how many are refused.
+
+    `others`: of the nine public arms instead of the independent plant of the IRB 2400.
+    """
+    from other_arm_logs import other_arm_log
     from sound_logs import sound_log
 
-    from irb2400_ctrl.plausibility import log_problem
-    from irb2400_ctrl.plausibility.search import LOST_PRICE, understand
+    from irb2400_ctrl.arrays import one_thread
+    from irb2400_ctrl.plausibility.log_check import examined
+    from irb2400_ctrl.plausibility.search import LOST_PRICE
 
     refused = []
     prices = []
     start = time.perf_counter()
     for k in range(count):
-        drawn = sound_log(seed + k)
-        problem = log_problem(drawn.robot, drawn.log)
-        understood = understand(drawn.robot, drawn.log)
+        drawn = other_arm_log(seed + k) if others else sound_log(seed + k)
+        with one_thread():
+            problem, understood = examined(drawn.robot, drawn.log)
         prices.append(np.nan if understood is None else understood.labelled.price)
         if problem is not None:
             refused.append(problem.kind)
@@ -98,11 +103,12 @@ def main() -> None:
     parser.add_argument("--count", type=int, required=True)
     parser.add_argument("--seed", type=int, default=None)
     parser.add_argument("--diagnose", action="store_true", help="diagnose what is not refused")
+    parser.add_argument("--other-arms", action="store_true", help="sound: the nine public arms")
     args = parser.parse_args()
     fresh = int(np.random.SeedSequence().generate_state(1)[0] % 10**6)
     seed = fresh if args.seed is None else args.seed
     if args.what == "sound":
-        sound(args.count, seed)
+        sound(args.count, seed, args.other_arms)
     else:
         corrupted(args.count, seed, args.diagnose)
 

@@ -21,7 +21,7 @@ import numpy as np
 import numpy.typing as npt
 
 import irb2400_ctrl as irb
-from irb2400_ctrl.codegen.build import host_source
+from irb2400_ctrl.codegen.host_library import host_source
 from irb2400_ctrl.codegen.machine_code.build_cache import build_shared, cache_dir
 from irb2400_ctrl.codegen.machine_code.toolchain import find_compiler, native_flags, processor
 

@@ -1,25 +1,28 @@
 """Inverse kinematics on many random poses: no false branch, none missed, and what a pose costs.
 
     python benchmarks/inverse_kinematics.py [POSES] [--search N]
-    python benchmarks/inverse_kinematics.py POSES --newton
+    python benchmarks/inverse_kinematics.py POSES --newton [--arm K]
 
 Each arm is posed at random configurations, away from singularities by 1e-4 in every factor. *False*
 is a branch whose forward kinematics is not the pose (1e-8); *missed* a pose whose branches do not
 hold the configuration it came from (1e-6). With --search the number of branches is compared, on N
 poses an arm, with Newton's method from many starts, which knows no family. With --newton that
-method itself is counted and timed, on arms that have no closed form; and on a tenth of the poses
-its branches are compared with what eight times as many starts find.
+method itself is counted and timed, on arms that have no closed form (the K-th alone, from 0); and
+on a tenth of the poses, 1,000 at most, its branches are compared with what eight times as many
+starts find.
 EAIK and py-opw-kinematics are timed beside it when they are installed.
 """
 
 from __future__ import annotations
 
+import argparse
 import sys
 import tempfile
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from contextlib import suppress
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -91,7 +94,7 @@ def timed(model: irb.Model, X: np.ndarray) -> tuple[float, float, float]:
     assert isinstance(solver, ClosedForm)
     compiled = solver._compiled
     return (
-        least(lambda: [model.inverse_kinematics(pose) for pose in inside], len(inside)),
+        least(lambda: one_by_one(model.inverse_kinematics, inside), len(inside)),
         least(lambda: model.inverse_kinematics_branches(X), len(X)),
         least(lambda: compiled.map(X, np.zeros(6)), len(X)),
     )
@@ -103,6 +106,12 @@ def _answered(model: irb.Model, pose: np.ndarray) -> bool:
         model.inverse_kinematics(pose)
         return True
     return False
+
+
+def one_by_one(solve: Callable[[Any], object], poses: Iterable[Any]) -> None:
+    """Each answer is dropped before the next pose, as by a program that follows a path."""
+    for pose in poses:
+        solve(pose)
 
 
 def least(solve: Callable[[], object], poses: int) -> float:
@@ -153,7 +162,7 @@ def numerical(robot: irb.Robot, poses: int) -> str:
     error = np.abs(model.flange_pose(found[exists]) - _spread(X, exists)).max(axis=(1, 2))
     away = np.abs(np.exp(1j * found) - np.exp(1j * q)[:, None]).max(axis=2)
     missed = np.where(exists, away, np.inf).min(axis=1) > 1e-6
-    few = max(1, poses // 10)
+    few = min(1000, max(1, poses // 10))
     more = NewtonBranches(robot, seen=32, rounds=96).many(X[:few], None).q
     other = np.isfinite(more).all(axis=2).sum(axis=1) != exists[:few].sum(axis=1)
     return (
@@ -171,7 +180,7 @@ def peers() -> list[str]:
     X = model.tcp_pose(np.random.default_rng(2).uniform(low, high, (2000, 6)))
     model.inverse_kinematics(X[0])
     solvers: dict[str, Callable[[], object]] = {
-        "ours, method": lambda: [model.inverse_kinematics(pose) for pose in X]
+        "ours, method": lambda: one_by_one(model.inverse_kinematics, X)
     }
     with suppress(ImportError):
         from eaik.IK_DH import DhRobot
@@ -182,14 +191,14 @@ def peers() -> list[str]:
             np.array([0, 0.4318, 0.0203, 0, 0, 0]),
             np.array([0, 0, 0.15005, 0.4318, 0, 0]),
         )
-        solvers["EAIK"] = lambda: [arm.IK(pose) for pose in X]
+        solvers["EAIK"] = lambda: one_by_one(arm.IK, X)
     with suppress(ImportError):
         from py_opw_kinematics import KinematicModel, Robot
         from scipy.spatial.transform import RigidTransform
 
         opw = Robot(KinematicModel(a2=-0.0203, b=0.15005, c2=0.4318, c3=0.4318), degrees=False)
         poses = [RigidTransform.from_matrix(pose) for pose in X]
-        solvers["py-opw-kinematics"] = lambda: [opw.inverse(pose) for pose in poses]
+        solvers["py-opw-kinematics"] = lambda: one_by_one(opw.inverse, poses)
     rows = []
     for name, solve in solvers.items():
         rows.append(f"{name:<24} {least(solve, len(X)):8.1f} us a pose (Puma 560, in its box)")
@@ -198,23 +207,27 @@ def peers() -> list[str]:
 
 def main() -> None:
     """Print the table."""
-    numbers = [int(word) for word in sys.argv[1:] if word.isdigit()]
-    poses = numbers[0] if numbers else 100_000
-    if "--newton" in sys.argv:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("poses", type=int, nargs="?", default=100_000)
+    parser.add_argument("--newton", action="store_true")
+    parser.add_argument("--arm", type=int, help="of those without a closed form, only this one")
+    parser.add_argument("--search", type=int, nargs="?", const=50, default=0)
+    args = parser.parse_args()
+    if args.newton:
         print(
             "arm                        poses branches  false  missed  in singular.  ms/pose  "
             "other count with 8 times the starts"
         )
-        for robot in of_no_family():
-            print(numerical(robot, poses), flush=True)
+        for robot in of_no_family() if args.arm is None else [of_no_family()[args.arm]]:
+            print(numerical(robot, args.poses), flush=True)
         return
     print("arm                        poses branches  false  missed  buffer    batch  method [us]")
     for robot in robots():
-        print(checked(robot, poses), flush=True)
+        print(checked(robot, args.poses), flush=True)
     print("\n".join(peers()), flush=True)
-    if "--search" in sys.argv:
+    if args.search:
         for robot in robots():
-            print(searched(robot, numbers[1] if len(numbers) > 1 else 50), flush=True)
+            print(searched(robot, args.search), flush=True)
 
 
 if __name__ == "__main__":

@@ -11,7 +11,8 @@ import casadi as ca
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from irb2400_ctrl.codegen.build import CompiledFunction, Real, compile_function
+from irb2400_ctrl.codegen.build import CompiledFunction, compile_function
+from irb2400_ctrl.codegen.host_library import Real
 from irb2400_ctrl.errors import InputError
 
 Array = NDArray[Any]

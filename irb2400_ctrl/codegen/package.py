@@ -10,7 +10,6 @@ import numpy as np
 
 from irb2400_ctrl.codegen import package_pages
 from irb2400_ctrl.codegen.block import Block, Field, Origin
-from irb2400_ctrl.codegen.build import Real
 from irb2400_ctrl.codegen.c_text import (
     default_table,
     described,
@@ -25,6 +24,7 @@ from irb2400_ctrl.codegen.c_text import (
 )
 from irb2400_ctrl.codegen.emit import emit_body
 from irb2400_ctrl.codegen.graph import Bounds, Graph, read_graph, without_saturation
+from irb2400_ctrl.codegen.host_library import Real
 from irb2400_ctrl.codegen.input_guard import (
     barrier,
     believed,

@@ -6,7 +6,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-from irb2400_ctrl.codegen.build import Real
+from irb2400_ctrl.codegen.host_library import Real
 from irb2400_ctrl.errors import InputError
 
 Goal = Literal["size", "cycles"]

@@ -12,7 +12,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from irb2400_ctrl.codegen.block import Block
-from irb2400_ctrl.codegen.build import Real
 from irb2400_ctrl.codegen.checks import (
     compare_with_block,
     faults_are_held,
@@ -22,6 +21,7 @@ from irb2400_ctrl.codegen.checks import (
 from irb2400_ctrl.codegen.controller import HostController
 from irb2400_ctrl.codegen.emulator import TargetController
 from irb2400_ctrl.codegen.firmware import Firmware, build_firmware, firmware_files
+from irb2400_ctrl.codegen.host_library import Real
 from irb2400_ctrl.codegen.machine_code.toolchain import EXACT_FLAGS, find_compiler, run_tool
 from irb2400_ctrl.codegen.package import Package
 from irb2400_ctrl.codegen.package_pages import build_files

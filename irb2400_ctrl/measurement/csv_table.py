@@ -26,7 +26,7 @@ computed from as much fits into 1 GB"""
 SLOW_ROWS = 10_000
 """between two reports of progress where cells are read one by one"""
 MOST_TITLES = 20
-"""lines of one cell that may stand above the header"""
+"""lines that may stand above the header: of one cell, or of fewer than the samples have"""
 _EMPTY = " ,;\t"
 _SEPARATOR = re.compile(r"[,;\t]")
 _DECIMAL_COMMA = re.compile(r"(^|[;\t ])\s*-?\d+,\d+")
@@ -169,17 +169,40 @@ def _dialect(path: Path, lines: list[str]) -> Dialect:
         skip = title
     if skip == len(lines):
         raise InputError(f"{path}: found no header, expected names such as time_s,q1_deg")
-    head = lines[skip]
-    separator = max((",", ";", "\t"), key=head.count) if _SEPARATOR.search(head) else " "
-    first = next((line for line in lines[skip + 1 :] if line.strip()), "")
-    comma = separator != "," and _DECIMAL_COMMA.search(first) is not None
-    dialect = Dialect(separator, "," if comma else ".", skip)
-    cells = dialect.cells(head)
+    dialect = _dialect_at(lines, skip)
+    if not _is_header(lines, dialect):
+        further = range(skip + 1, min(len(lines), skip + MOST_TITLES))
+        below = (_dialect_at(lines, place) for place in further if lines[place].strip())
+        dialect = next((one for one in below if _is_header(lines, one)), dialect)
+        skip = dialect.skip
+    cells = dialect.cells(lines[skip])
     if skip and _is_number(cells[0], dialect) and lines[skip - 1].lstrip().startswith(COMMENTS):
         above = lines[skip - 1].lstrip().lstrip("#%/")
         if len(dialect.cells(above)) == len(cells):
             return replace(dialect, skip=skip - 1)
     return dialect
+
+
+def _dialect_at(lines: list[str], skip: int) -> Dialect:
+    """Of a file whose header is line `skip`."""
+    head = lines[skip]
+    separator = max((",", ";", "\t"), key=head.count) if _SEPARATOR.search(head) else " "
+    # the first of them may be one of units
+    first = [line for line in lines[skip + 1 : skip + 1 + MOST_TITLES] if line.strip()][:2]
+    comma = separator != "," and any(_DECIMAL_COMMA.search(line) for line in first)
+    return Dialect(separator, "," if comma else ".", skip)
+
+
+def _is_header(lines: list[str], dialect: Dialect) -> bool:
+    """Whether this line holds three names or more, and the next two lines as many cells."""
+    names = dialect.cells(lines[dialect.skip])
+    below = [line for line in lines[dialect.skip + 1 :][:MOST_TITLES] if line.strip(_EMPTY)][:2]
+    return (
+        len(names) > 2
+        and not any(_is_number(name, dialect) for name in names)
+        and bool(below)
+        and all(len(dialect.cells(line)) == len(names) for line in below)
+    )
 
 
 def _cells(line: str) -> int:
@@ -263,6 +286,8 @@ def _slow(
         if len(cells) != width:
             commas = len(cells) == 2 * width and body.dialect.separator == ","
             hint = "; with decimal commas the cells need semicolons between them" * commas
+            if body.dialect.separator == "," and re.search(r"[\[({]", line):
+                hint = "; a list with commas needs quotes around it, or other separators outside"
             raise InputError(
                 f"{body.path}, line {number}: found {len(cells)} cells, expected {width} as in "
                 f"the header{hint}"

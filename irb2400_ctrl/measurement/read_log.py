@@ -27,6 +27,7 @@ from irb2400_ctrl.measurement.signal_names import (
     joint_signal,
     strange_word,
     time_scale,
+    without_source,
     without_unit,
 )
 from irb2400_ctrl.measurement.table import Table
@@ -152,8 +153,8 @@ def _by_brackets(table: Table) -> tuple[tuple[str, float], Found, dict[str, floa
     found: Found = {signal: {} for signal in _SCALES}
     scales: dict[str, float] = {}
     times = {name: scale for name in table.columns if (scale := time_scale(name)) is not None}
-    for name in table.columns:
-        signal = joint_signal(name)
+    for name, short in without_source(table.columns).items():
+        signal = joint_signal(short)
         if signal is None:
             continue
         kind, joint, scale = signal
@@ -259,7 +260,8 @@ def _expect_all(table: Table, signal: str, names: dict[int, str], n: int) -> Non
         hint = "".join(
             f"; {name!r} has no unit, expected '{name} [deg]' or a column map" for name in bare[:1]
         )
-        strange = [(name, strange_word(name) or ("", "")) for name in table.columns]
+        plain = without_source(table.columns)
+        strange = [(name, strange_word(short) or ("", "")) for name, short in plain.items()]
         hint += "".join(
             f"; {name!r} is not taken for the measured signal because of the word {word!r}: say "
             "in a column map what it is (--columns, docs/logs.md)"
@@ -269,6 +271,11 @@ def _expect_all(table: Table, signal: str, names: dict[int, str], n: int) -> Non
             hint += (
                 "; currents become torques through a column map with Nm_per_A and gear_ratio "
                 "(--columns, docs/logs.md)"
+            )
+        elif signal == "tau" and any("%" in name for name in table.columns):
+            hint += (
+                "; torques in per cent need a column map with full_scale_Nm (--columns, "
+                "docs/logs.md)"
             )
         raise InputError(f"{table.path}: no column {wanted}; found {table.some}{hint}")
     if max(names) > n:

@@ -2,15 +2,18 @@
 (Nm)`.
 
 A name tells the joint by `J1`, `A1`, `Joint 1` or `Axis 1` (in German and Chinese too) and the
-quantity by its unit in brackets. Commanded angles hold a word for it (`ref`, `command`, `setpoint`,
-`programmed`). Only names whose every word is known are taken: a gravity torque, a position error or
-a torque limit has the unit of the measured signal and is another thing. Commanded speeds and
-torques, and what is on the motor's side, are no measured joint signals: they need a column map.
+quantity by its unit in brackets. What stands before every name (`System1:T_ROB1:`, `GP1`) is the
+controller's or the unit's, and is passed over. Commanded angles hold a word for it (`ref`,
+`command`, `setpoint`, `programmed`). Only names whose every word is known are taken: a gravity
+torque, a position error or a torque limit has the unit of the measured signal and is another thing.
+Commanded speeds and torques, and what is on the motor's side, are no measured joint signals: they
+need a column map.
 """
 
 from __future__ import annotations
 
 import re
+from collections.abc import Iterable
 
 import numpy as np
 
@@ -39,14 +42,15 @@ _JOINT = re.compile(r"(?<![a-z])(?:j|a|joint|axis|achse|gelenk|关节|軸|轴)[ 
 _COMMANDED = re.compile(r"ref|command|setpoint|programmed|desired|target|soll")
 COMMANDED = {
     *("ref", "reference", "command", "commanded", "setpoint"),
-    *("programmed", "desired", "target", "soll"),
+    *("programmed", "desired", "target", "soll", "sollposition", "sollwinkel"),
 }
 MEASURED = {
     *("angle", "position", "pos", "torque", "moment", "effort", "speed", "velocity", "vel"),
     *("actual", "act", "real", "measured", "meas", "msr", "feedback", "fb", "encoder"),
     *("value", "signal", "joint", "axis", "robot", "rob", "rob1", "1"),
     *("winkel", "gelenkwinkel", "achswinkel", "lage", "drehmoment", "geschwindigkeit"),
-    *("ist", "istwert", "gemessen"),
+    *("achse", "gelenk", "ist", "istwert", "gemessen", "istposition", "istwinkel", "istmoment"),
+    *("istdrehmoment", "istgeschwindigkeit"),
     *("角度", "位置", "实际", "实际角度", "实际位置", "实际力矩", "力矩", "扭矩", "速度"),
 }
 """words of a measured signal; with any other word a name may mean something else"""
@@ -58,6 +62,25 @@ def time_scale(name: str) -> float | None:
     if match is None or match["words"] not in TIME_WORDS:
         return None
     return TIMES.get(match["unit"].strip())
+
+
+def without_source(names: Iterable[str]) -> dict[str, str]:
+    """Every name, and the same without what stands before all but the times: a controller, a unit.
+
+    Only what holds a digit, stands before the joint and ends in a blank or a stroke is left out: a
+    word such as `Soll` before all names says what the columns are.
+    """
+    given = list(names)
+    signals = [name for name in given if time_scale(name) is None]
+    # what the first and the last in order share, all between them share
+    first, last = (min(signals), max(signals)) if len(signals) > 1 else ("", "")
+    same = [a == b for a, b in zip(first, last, strict=False)]
+    joints = [match.start() for name in signals if (match := _JOINT.search(name.lower()))]
+    prefix = first[: min([same.index(False) if False in same else 0, *joints])]
+    prefix = prefix[: max(prefix.rfind(mark) for mark in " :./|") + 1]
+    if not re.search(r"\d", prefix):
+        return {name: name for name in given}
+    return {name: name.removeprefix(prefix) for name in given}
 
 
 def joint_signal(name: str) -> tuple[str, int, float] | None:

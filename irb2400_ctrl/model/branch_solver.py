@@ -28,8 +28,9 @@ class BranchSolver(Protocol):
     def one(self, X_BF: Array, seed: Array | None) -> tuple[Array, Array]:
         """(q (b, n), overreach (b,)) for one pose (4, 4)."""
 
-    def inside(self, X_BF: Array, seed: Array | None) -> Array:
-        """Every configuration in the joint box for one pose, whole turns included, shape (m, n).
+    def inside(self, X_BT: Array, seed: Array | None) -> Array:
+        """Every configuration in the joint box for one pose of the tool (4, 4), whole turns
+        included, shape (m, n).
 
         Raises:
             InputError: the pose has no rotation.
@@ -51,47 +52,65 @@ def branch_solver(robot: Robot) -> BranchSolver:
         geometry = arm_geometry(robot)
     except InputError:
         return NewtonBranches(robot)
-    form = ClosedForm(closed_form(geometry), JointBox.of(robot))
+    form = ClosedForm(closed_form(geometry), robot)
     return form if geometry.exact else PolishedBranches(form, NewtonBranches(robot))
 
 
 class ClosedForm:
     """The closed form as machine code."""
 
-    def __init__(self, function: ca.Function, box: JointBox) -> None:
+    def __init__(self, function: ca.Function, robot: Robot) -> None:
         self.function: ca.Function = function
-        self.box: JointBox = box
+        self.box: JointBox = JointBox.of(robot)
+        self.X_TF: Array = np.asarray(np.linalg.inv(robot.X_FT), dtype=float)
 
     @cached_property
     def _compiled(self) -> CompiledFunction:
-        return compile_function(self.function)
+        return compile_function(self.function, lanes=True)
 
     @cached_property
     def _buffers(self) -> FunctionBuffers:
         return self._compiled.buffers()
 
+    @property
+    def _of_tool(self) -> ca.Function:
+        """The closed form from the pose of the tool."""
+        X_BT = ca.SX.sym("X_BT", 4, 4)
+        seed = ca.SX.sym("seed", 6)
+        q, overreach = self.function(X_BT @ ca.DM(self.X_TF), seed)
+        return ca.Function("of_tool", [X_BT, seed], [q, overreach])
+
     @cached_property
     def _boxed(self) -> FunctionBuffers | None:
-        function = boxed(self.function, self.box)
+        function = boxed(self._of_tool, self.box)
         return None if function is None else compile_function(function).buffers()
 
     @cached_property
     def _wound(self) -> FunctionBuffers:
-        return compile_function(wound(self.function, self.box)).buffers()
+        return compile_function(wound(self._of_tool, self.box)).buffers()
 
-    def inside(self, X_BF: Array, seed: Array | None) -> Array:
-        """One pose, every configuration in the joint box."""
+    def inside(self, X_BT: Array, seed: Array | None) -> Array:
+        """One pose of the tool, every configuration in the joint box."""
         few = self._boxed
-        buffers = self._wound if few is None else few
-        pose, start = buffers.inputs
-        pose[...] = X_BF
-        start[...] = 0.0 if seed is None else seed
-        buffers.run()
-        q, fits, skewness = buffers.outputs
-        require_rotation(skewness[0])
         if few is None:
-            return self.box.allowed(unwound(q.T, fits.T))
-        return np.asarray(q.T.compress(fits, axis=0))
+            return self._unwound(X_BT, seed)
+        _run(few, X_BT, seed)
+        q, fits, checks = few.outputs
+        skewness, number, more = checks.tolist()
+        require_rotation(skewness)
+        if more:
+            return self._unwound(X_BT, seed)
+        rows = q.T
+        return np.asarray(
+            rows.copy() if number == len(rows) else rows.take(fits.nonzero()[0], axis=0)
+        )
+
+    def _unwound(self, X_BT: Array, seed: Array | None) -> Array:
+        """The same with any number of turns."""
+        _run(self._wound, X_BT, seed)
+        q, count, skewness = self._wound.outputs
+        require_rotation(skewness[0])
+        return self.box.allowed(unwound(q.T, count.T))
 
     def many(self, X_BF: Array, seed: Array | None) -> Branches:
         """Poses (n, 4, 4); about a microsecond each."""
@@ -107,13 +126,16 @@ class ClosedForm:
 
     def one(self, X_BF: Array, seed: Array | None) -> tuple[Array, Array]:
         """One pose (4, 4), without the arrays that many need."""
-        buffers = self._buffers
-        pose, start = buffers.inputs
-        pose[...] = X_BF
-        start[...] = 0.0 if seed is None else seed
-        buffers.run()
-        q, overreach = buffers.outputs
+        _run(self._buffers, X_BF, seed)
+        q, overreach = self._buffers.outputs
         angles = q.T.copy()
         if overreach.any():
             angles[overreach > 0] = np.nan
         return angles, overreach.copy()
+
+
+def _run(buffers: FunctionBuffers, pose: Array, seed: Array | None) -> None:
+    at, start = buffers.inputs
+    at[...] = pose
+    start[...] = 0.0 if seed is None else seed
+    buffers.run()

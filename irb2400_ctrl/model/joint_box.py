@@ -2,7 +2,7 @@
 
 One pose at a time costs as much as its arrays, so the closed form does all of this in machine code:
 every combination of turns where the box allows few (`boxed`), how often each angle fits where it
-allows many (`wound`).
+allows many, or where an angle lies on both ends of a box of whole turns (`wound`).
 """
 
 from __future__ import annotations
@@ -43,9 +43,10 @@ class JointBox:
             return cls(robot.q_min, robot.q_max)
         return cls(robot.q_min, robot.q_max, (math.radians(bound[0]), math.radians(bound[1])))
 
-    def most_turns(self) -> Array:
-        """How many angles a whole turn apart the box can hold, for each joint, shape (n,)."""
-        return np.floor((self.high - self.low + 2 * _TOLERANCE) / _TURN).astype(int) + 1
+    def usual_turns(self) -> Array:
+        """How many angles a whole turn apart the box holds at most, for each joint, shape (n,); one
+        more where it is whole turns wide and an angle lies on its ends."""
+        return np.ceil((self.high - self.low - 2 * _TOLERANCE) / _TURN).astype(int)
 
     def windings(self, q: Array) -> Array:
         """Every q + 2 pi k inside, shape (m, n), for branches q (b, n), nan where there is none."""
@@ -88,9 +89,13 @@ def require_pose(X: Array) -> None:
 
 
 def boxed(function: ca.Function, box: JointBox) -> ca.Function | None:
-    """(X_BF, seed) -> (q (6, 8 k), fits (8 k,), skewness): the branches with every whole turn that
-    can lie in the joint box, and which of them do; None where there are too many."""
-    turns = _all_turns(tuple(box.most_turns().tolist()))
+    """(X_BF, seed) -> (q (6, 8 k), fits (8 k,), checks (3,)): the branches with every whole turn
+    that usually lies in the joint box, and which of them do; None where there are too many.
+
+    The checks: skewness, how many fit, and whether a branch has more turns than usual.
+    """
+    usual = box.usual_turns()
+    turns = _all_turns(tuple(usual.tolist()))
     if len(turns) > _MOST_TURNS:
         return None
     X_BF = ca.SX.sym("X_BF", 4, 4)
@@ -99,22 +104,32 @@ def boxed(function: ca.Function, box: JointBox) -> ca.Function | None:
     lowest = _lowest(q, box)
     columns = []
     fits = []
+    more = ca.SX(0)
     for k in range(BRANCHES):
+        for j in range(len(box.high)):
+            further = lowest[j, k] + _TURN * int(usual[j]) <= box.high[j] + _TOLERANCE
+            more = ca.logic_or(more, ca.logic_and(overreach[k] <= 0, further))
         for turn in turns:
             angles = lowest[:, k] + ca.DM(turn)
-            inside = overreach[k] <= 0
-            for j in range(len(box.high)):
-                inside = ca.logic_and(inside, angles[j] <= box.high[j] + _TOLERANCE)
-            if box.difference is not None:
-                low, high = box.difference
-                between = angles[2] - angles[1]
-                inside = ca.logic_and(inside, between >= low - _TOLERANCE)
-                inside = ca.logic_and(inside, between <= high + _TOLERANCE)
             columns.append(angles)
-            fits.append(inside)
-    outputs = ca.cse([ca.horzcat(*columns), ca.vertcat(*fits), skewness(X_BF)])
+            fits.append(ca.logic_and(overreach[k] <= 0, _allowed(angles, box)))
+    checks = ca.vertcat(skewness(X_BF), ca.sum1(ca.vertcat(*fits)), more)
+    outputs = ca.cse([ca.horzcat(*columns), ca.vertcat(*fits), checks])
     return ca.Function("boxed_inverse_kinematics", [X_BF, seed], outputs,
-                       ["X_BF", "seed"], ["q", "fits", "skewness"])  # fmt: skip
+                       ["X_BF", "seed"], ["q", "fits", "checks"])  # fmt: skip
+
+
+def _allowed(angles: ca.SX, box: JointBox) -> ca.SX:
+    """Whether angles from the lowest on lie in the box, and within the coupled bound."""
+    inside = ca.SX(1)
+    for j in range(len(box.high)):
+        inside = ca.logic_and(inside, angles[j] <= box.high[j] + _TOLERANCE)
+    if box.difference is None:
+        return inside
+    low, high = box.difference
+    between = angles[2] - angles[1]
+    inside = ca.logic_and(inside, between >= low - _TOLERANCE)
+    return ca.logic_and(inside, between <= high + _TOLERANCE)
 
 
 def wound(function: ca.Function, box: JointBox) -> ca.Function:

@@ -159,12 +159,11 @@ class Model(SymbolicArm):
         X = np.asarray(X_BT, dtype=float)
         if X.shape != (4, 4):
             raise _no_pose(X)
-        X_BF = X.dot(self._X_TF)
-        q = self._branch_solver.inside(X_BF, seed)
+        q = self._branch_solver.inside(X, seed)
         if len(q) == 0:
             if not np.isfinite(X).all():
                 raise _no_pose(X)
-            raise UnreachableError(self._why_unreachable(X_BF, seed))
+            raise UnreachableError(self._why_unreachable(X @ self._X_TF, seed))
         if seed is not None:
             q = q[np.argsort(np.abs(q - np.asarray(seed, dtype=float)).max(axis=1), kind="stable")]
         return q

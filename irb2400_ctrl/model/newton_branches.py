@@ -57,12 +57,13 @@ class NewtonBranches:
         self.rounds: int = rounds
         self.n: int = robot.n
         self.box: JointBox = JointBox.of(robot)
+        self.X_TF: Array = np.asarray(np.linalg.inv(robot.X_FT), dtype=float)
         lengths = [np.linalg.norm(link.frame.matrix()[:3, 3]) for link in robot.links]
         self.size: float = float(np.sum(lengths)) + 1e-3
 
     @cached_property
     def _step(self) -> CompiledFunction:
-        return compile_function(newton_step(self.robot, self.size))
+        return compile_function(newton_step(self.robot, self.size), lanes=True)
 
     @cached_property
     def _drawn(self) -> Array:
@@ -101,10 +102,11 @@ class NewtonBranches:
         short = max(float(np.linalg.norm(X_BF[:3, 3])) - self.size, 0.0)
         return np.full((1, self.n), np.nan), np.array([short])
 
-    def inside(self, X_BF: Array, seed: Array | None) -> Array:
-        """One pose, every configuration found with the whole turns that the joint box allows."""
-        require_pose(X_BF)
-        return self.box.windings(self.one(X_BF, seed)[0])
+    def inside(self, X_BT: Array, seed: Array | None) -> Array:
+        """One pose of the tool, every configuration found with the whole turns that the joint box
+        allows."""
+        require_pose(X_BT)
+        return self.box.windings(self.one(X_BT @ self.X_TF, seed)[0])
 
     def _searched(self, X_BF: Array, seeds: Array | None) -> list[Array]:
         """Branches (b, n) of each pose, in one order of their angles."""

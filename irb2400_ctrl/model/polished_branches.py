@@ -56,13 +56,14 @@ class PolishedBranches:
         found = self.many(X_BF[None], seed)
         return found.q[0], found.overreach[0]
 
-    def inside(self, X_BF: Array, seed: Array | None) -> Array:
-        """One pose, every configuration with the whole turns that the joint box allows.
+    def inside(self, X_BT: Array, seed: Array | None) -> Array:
+        """One pose of the tool, every configuration with the whole turns that the box allows.
 
         Where a branch got lost (near a singularity they meet, and others come), all are searched
         from many starts.
         """
-        require_pose(X_BF)
+        require_pose(X_BT)
+        X_BF = X_BT @ self.newton.X_TF
         q = self.one(X_BF, seed)[0]
         near = self.seeds.nearest(X_BF[None], seed).overreach[0] < BEYOND * self.newton.size
         if not np.isfinite(q[near]).all():

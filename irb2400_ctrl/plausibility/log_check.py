@@ -76,11 +76,11 @@ def log_problem(robot: Robot | None, log: Log) -> LogProblem | None:
     Raises:
         InputError: another number of joints than the robot's.
     """
-    return _examined(robot, log)[0]
+    return examined(robot, log)[0]
 
 
-def _examined(robot: Robot | None, log: Log) -> tuple[LogProblem | None, Understanding | None]:
-    """The problem, and how the model explains the log where it was asked."""
+def examined(robot: Robot | None, log: Log) -> tuple[LogProblem | None, Understanding | None]:
+    """The problem as of `log_problem`, and how the model explains the log where it was asked."""
     if robot is not None and robot.n != log.n:
         raise InputError(f"{log.name}: found {log.n} joints, expected {robot.n} as in {robot.name}")
     broken = channel_problem(log)
@@ -103,7 +103,7 @@ def check_log(robot: Robot | None, log: Log) -> LogCheck:
     Raises:
         InputError: another number of joints than the robot's.
     """
-    problem, understood = _examined(robot, log)
+    problem, understood = examined(robot, log)
     usable = problem is None or not problem.unusable
     noise = None if robot is None or not usable else torque_from_angle_noise(robot, log)
     return LogCheck(

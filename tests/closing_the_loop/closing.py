@@ -8,7 +8,7 @@ import numpy as np
 from independent_plant import Case, Driven
 from independent_plant import Log as PlantLog
 
-from irb2400_ctrl.codegen.build import Real
+from irb2400_ctrl.codegen.host_library import Real
 from irb2400_ctrl.controllers import controller
 from irb2400_ctrl.diagnosis import Diagnosis, diagnose
 from irb2400_ctrl.measurement import Log

@@ -6,8 +6,8 @@ import numpy as np
 from independent_plant.native import RECORD_RATE, Drive
 
 from irb2400_ctrl.codegen import Block
-from irb2400_ctrl.codegen.build import Real
 from irb2400_ctrl.codegen.controller import HostController
+from irb2400_ctrl.codegen.host_library import Real
 from irb2400_ctrl.codegen.package import Package
 
 

@@ -9,8 +9,9 @@ import casadi as ca
 import numpy as np
 import pytest
 
+import irb2400_ctrl as irb
 from irb2400_ctrl.codegen import compile_function
-from irb2400_ctrl.codegen.machine_code import toolchain
+from irb2400_ctrl.codegen.machine_code import build_cache, toolchain
 from irb2400_ctrl.codegen.machine_code.build_cache import cache_dir
 from irb2400_ctrl.codegen.machine_code.interpreted import say_slow
 from irb2400_ctrl.codegen.machine_code.toolchain import find_compiler
@@ -51,6 +52,33 @@ def test_call_map_and_buffers_agree(real: str) -> None:
         assert np.array_equal(memory.outputs[0], after[k])
     reference = np.array(pendulum().map(50)(x.T, u.T, np.tile(p[:, None], 50))[0]).T
     assert np.allclose(after, reference, rtol=0, atol=2e-6 if real == "float" else 1e-15)
+
+
+@pytest.mark.parametrize("real", ["double", "float"])
+@pytest.mark.parametrize("count", [1, 8, 21])
+def test_lanes_change_no_bit(real: str, count: int) -> None:
+    """Eight rows at once and one by one; a matrix, a value for all rows, rows left over."""
+    x = ca.SX.sym("x", 2, 2)
+    k = ca.SX.sym("k", 2)
+    angle = ca.atan2(x[0, 0], x[1, 1]) + ca.sin(x[0, 1] * k[0])
+    root = ca.sqrt(ca.fabs(angle)) / (1.5 + ca.if_else(x[1, 0] < 0, k[1], ca.floor(x[1, 0])))
+    fn = ca.Function("both", [x, k], [ca.vertcat(angle, root), x @ x.T])
+    given = np.random.default_rng(1).normal(size=(count, 2, 2))
+    one = compile_function(fn, real=real).map(given, [0.3, 0.7])  # type: ignore[arg-type]
+    eight = compile_function(fn, real=real, lanes=True).map(given, [0.3, 0.7])  # type: ignore[arg-type]
+    for a, b in zip(one, eight, strict=True):
+        assert np.ascontiguousarray(a).tobytes() == np.ascontiguousarray(b).tobytes()
+
+
+@pytest.mark.parametrize("name", ["tcp_pose", "mass_matrix", "inverse_dynamics"])
+def test_the_processor_changes_no_bit(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """GCC 12 makes fused operations of straight code in vectors, though told not to."""
+    fn = irb.Model(irb.load_robot("irb2400")).function(name)
+    given = [np.random.default_rng(2).normal(size=(300, fn.numel_in(i))) for i in range(fn.n_in())]
+    native = compile_function(fn).map(*given)
+    monkeypatch.setattr(build_cache, "native_flags", tuple)
+    for a, b in zip(native, compile_function(fn).map(*given), strict=True):
+        assert np.ascontiguousarray(a).tobytes() == np.ascontiguousarray(b).tobytes()
 
 
 def test_rollout_is_the_iteration() -> None:

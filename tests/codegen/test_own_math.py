@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from irb2400_ctrl.codegen import compile_function
-from irb2400_ctrl.codegen.build import host_source
+from irb2400_ctrl.codegen.host_library import host_source
 from irb2400_ctrl.codegen.machine_code.build_cache import build_shared
 
 # function, CasADi form, domain per precision, scale that the error is counted in, bound in units of

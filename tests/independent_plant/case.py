@@ -179,13 +179,14 @@ class Case:
     def simulate(self, commanded: Motion | None = None) -> tuple[Log, Log]:
         """The identification and the validation log; `commanded` replaces the motion of the first,
         not the effects."""
-        motions = self.motions if commanded is None else (commanded, self.motions[1])
+        return self.recorded(0, commanded), self.recorded(1)
+
+    def recorded(self, which: int, commanded: Motion | None = None) -> Log:
+        """The identification log (0) or the validation log (1) alone, as of `simulate`."""
+        move = self.motions[which] if commanded is None else commanded
+        noise = self._rng(("noise", "more noise")[which])
         effects = tuple((drawn, size) for drawn, size, _ in self.sized_effects)
-        first, second = (
-            self._read(self._rng(what), *self.machine.closed_loop(effects, move), move)
-            for move, what in zip(motions, ("noise", "more noise"), strict=True)
-        )
-        return first, second
+        return self._read(noise, *self.machine.closed_loop(effects, move), move)
 
     def drive(self, drive: native.Drive) -> Driven:
         """The validation motion made by somebody's controller instead of the arm's own servo."""

@@ -1,4 +1,4 @@
-"""The eight arms as robots, imported once."""
+"""The public arms as robots, imported once."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ SIX_AXES = tuple(name for name, arm in arms().items() if len(arm.axes) == 6)
 
 @cache
 def robot(name: str) -> irb.Robot:
-    """One of the eight arms."""
+    """One of the nine arms."""
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / f"{name}.urdf"
         path.write_text(urdf(arms()[name]))

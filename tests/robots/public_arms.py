@@ -1,4 +1,5 @@
-"""Eight arms as URDF, own text: frames, ranges and speeds of the makers' data sheets.
+"""Eight arms of six axes and one of seven as URDF, own text: frames, ranges and speeds of the
+makers' data sheets.
 
 Masses and centres of mass are the makers' where they publish them (UR, Armstrong's Puma, Franka by
 identification of others), invented of a plausible size elsewhere; tensors are plausible and full.
@@ -136,8 +137,9 @@ def _industrial(name: str, xyz: list[Vector], axes: list[Vector],
 
 
 def arms() -> dict[str, Arm]:
-    """The eight arms by name."""
-    return {arm.name: arm for arm in (*_universal(), _panda(), _kr16(), _puma(), *_abb(), _tx90())}
+    """The nine arms by name."""
+    every = (*_universal(), _panda(), _kr16(), _puma(), *_abb(), _tx90(), _lrmate())
+    return {arm.name: arm for arm in every}
 
 
 def _universal() -> tuple[Arm, Arm]:
@@ -224,3 +226,14 @@ def _tx90() -> Arm:
     return _industrial("tx90", xyz, axes, ranges, (400, 400, 430, 540, 475, 760),
                        (320.0, 280.0, 130.0, 36.0, 32.0, 12.0), (35.0, 24.0, 14.0, 7.0, 2.5, 0.4),
                        coms, (0, 0, 0), (0, 0, 0))  # fmt: skip
+
+
+def _lrmate() -> Arm:
+    xyz = [(0, 0, 0.33), (0.05, 0, 0), (0, 0, 0.33), (0, 0, 0.035), (0.335, 0, 0), (0.08, 0, 0)]
+    axes: list[Vector] = [Z, Y, (0, -1, 0), (-1, 0, 0), (0, -1, 0), (-1, 0, 0)]
+    ranges = _degrees((-170, 170), (-100, 145), (-70, 210), (-190, 190), (-125, 125), (-360, 360))
+    coms = [(0.03, 0.01, -0.05), (0.01, -0.05, 0.14), (0.02, 0.02, 0.03), (0.15, 0.004, 0.003),
+            (0.01, 0.001, 0.0), (-0.01, 0.0, 0.0)]  # fmt: skip
+    return _industrial("lrmate", xyz, axes, ranges, (450, 380, 520, 550, 545, 1000),
+                       (160.0, 170.0, 80.0, 18.0, 16.0, 10.0), (9.0, 6.0, 5.0, 2.5, 0.8, 0.15),
+                       coms, (0, 0, 0), (PI, -H, 0))  # fmt: skip

@@ -229,9 +229,22 @@ def test_the_joint_box_in_machine_code_is_that_of_windings(name: str) -> None:
     solver = branch_solver(robot_)
     counts = set()
     for q in np.random.default_rng(8).uniform(robot_.q_min, robot_.q_max, (200, 6)):
-        X = model.flange_pose(q)
-        expected = JointBox.of(robot_).windings(solver.one(X, q)[0])
-        found = solver.inside(X, q)
+        expected = JointBox.of(robot_).windings(solver.one(model.flange_pose(q), q)[0])
+        found = solver.inside(model.tcp_pose(q), q)
         np.testing.assert_allclose(found, expected, rtol=0, atol=1e-12)
         counts.add(len(found))
     assert len(counts) > 2
+
+
+def test_an_angle_on_both_ends_of_its_range_has_a_turn_more() -> None:
+    """At 0 in a range of -360 to 360 degrees: three angles, and only there."""
+    robot_ = irb.load_robot("ur10e")
+    model = irb.Model(robot_)
+    q = np.array([0.0, -1.2, 1.4, 0.3, 0.8, 0.0])
+    X = model.tcp_pose(q)
+    found = model.inverse_kinematics(X)
+    expected = JointBox.of(robot_).windings(branch_solver(robot_).one(X @ model._X_TF, None)[0])
+    np.testing.assert_allclose(found, expected, rtol=0, atol=1e-12)
+    first = found[np.abs(np.exp(1j * found) - np.exp(1j * q)).max(axis=1) < 1e-9]
+    # axes 1 and 6 have three each, axes 2, 4 and 5 two, axis 3 (half a turn either way) one
+    assert len(first) == 3 * 2 * 1 * 2 * 2 * 3

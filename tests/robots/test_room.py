@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from robots.imported import robot
+from robots.imported import SIX_AXES, robot
 
 import irb2400_ctrl as irb
 from irb2400_ctrl.excitation import excite
@@ -32,8 +32,9 @@ def test_a_narrowed_box_is_clear(name: str) -> None:
     assert ((height >= floor) & (radius >= column)).mean() > 0.8
 
 
-def test_an_excitation_of_another_arm(tmp_path: Path) -> None:
-    arm = irb.load_robot("ur10e")
+@pytest.mark.parametrize("name", [*SIX_AXES, "panda"])
+def test_an_excitation_of_every_arm(name: str, tmp_path: Path) -> None:
+    arm = robot(name)
     found = excite(arm, "payload", seconds=10.0, budget=Budget(6, 0, 0))
     tau = irb.Model(arm).inverse_dynamics(found.course.q, found.course.qd, found.course.qdd)
     assert (np.abs(tau) <= arm.tau_max).all()

@@ -16,9 +16,11 @@ from pathlib import Path
 from irb2400_ctrl.errors import IrbError, ToolMissingError
 
 # -fno-math-errno and -fno-trapping-math free the compiler from bookkeeping nobody reads; values
-# stay the same. Contraction to fused multiply-add would change last bits from machine to machine.
-EXACT_FLAGS = ("-std=c99", "-O3", "-ffp-contract=off", "-fno-math-errno", "-fno-trapping-math")
-FUSED_FLAGS = ("-std=c99", "-O3", "-ffp-contract=fast", "-fno-math-errno", "-fno-trapping-math")
+# stay the same. Contraction to fused multiply-add would change last bits from machine to machine;
+# so would straight code made into vectors, where GCC 12 fuses what it was told not to.
+_PLAIN = ("-std=c99", "-O3", "-fno-math-errno", "-fno-trapping-math")
+EXACT_FLAGS = (*_PLAIN, "-ffp-contract=off", "-fno-tree-slp-vectorize")
+FUSED_FLAGS = (*_PLAIN, "-ffp-contract=fast")
 
 
 @dataclass(frozen=True)

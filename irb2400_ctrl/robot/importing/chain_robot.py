@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -24,16 +24,14 @@ from irb2400_ctrl.robot.importing.tree import (
     pose,
     rotation_to,
 )
+from irb2400_ctrl.robot.importing.which_joints import (
+    end_of_arm,
+    left_out,
+    stood_still,
+    turning_only,
+)
 
-TIPS = ("tcp", "tool0", "tool_0", "ee_link", "flange", "link_ee", "ee")
-"""names that tools give to the end of an arm, most telling first"""
 _OF_ONE = re.compile(r"(?P<what>joint|link) (?P<name>[^ :]+)(?P<says>: .*)")
-GRIPPER = re.compile(r"finger|gripper|knuckle|jaw|thumb|robotiq", re.IGNORECASE)
-"""a joint of this name opens a gripper: it is none of the arm unless asked for"""
-FINGER = re.compile(r"finger|knuckle|jaw|thumb", re.IGNORECASE)
-"""so is one that moves a link of this name (the last joint of an arm may well move the gripper)"""
-ARM = 4
-"""a branch on the base with as many turning joints is an arm of its own"""
 
 
 @dataclass(frozen=True)
@@ -88,9 +86,9 @@ def chain_robot(
     """
     notes = list(tree.notes)
     base = base or tree.root()
-    tip = tip or _tip(tree, base)
-    path = _stood_still(tree.path(base, tip), notes)
-    path, followers = driven(tree, _turning_only(tree, path), notes)
+    tip = tip or end_of_arm(tree, base)
+    path = stood_still(tree.path(base, tip), notes)
+    path, followers = driven(tree, turning_only(tree, path), notes)
     notes.append(f"chain from {base} to {tip}")
     chain = _Collected([], [], [], [], np.eye(4))
     on_path = {joint.name for joint in path}
@@ -117,7 +115,7 @@ def chain_robot(
         "joints": tables,
         "flange": _transform(chain.X),
     }
-    fields["effects"] = _rotors(chain.joints)
+    fields["effects"] = _rotors(chain.joints) + _springs(chain.joints)
     fields["tool"] = None if payload is None else _payload(payload)
     if not any(mass.mass for mass in chain.masses):
         notes.append("no link has mass: what needs dynamics (plan, diagnose, control) needs it too")
@@ -131,6 +129,19 @@ def _rotors(joints: list[TreeJoint]) -> list[dict[str, Any]]:
         {"kind": "rotor_inertia", "joint": k, "inertia_kgm2": joint.armature}
         for k, joint in enumerate(joints, 1)
         if joint.armature
+    ]
+
+
+def _springs(joints: list[TreeJoint]) -> list[dict[str, Any]]:
+    return [
+        {
+            "kind": "cable_spring",
+            "joint": k,
+            "stiffness_Nm_rad": joint.stiffness,
+            "neutral_rad": joint.rest,
+        }
+        for k, joint in enumerate(joints, 1)
+        if joint.stiffness
     ]
 
 
@@ -163,16 +174,6 @@ def grouped(notes: list[str]) -> list[str]:
     ]
 
 
-def _stood_still(path: list[TreeJoint], notes: list[str]) -> list[TreeJoint]:
-    """The path with what carries the arm (a rail, a floating base) held where the file shows it."""
-    first = next((k for k, joint in enumerate(path) if joint.kind in TURNING), len(path))
-    for joint in path[:first]:
-        if joint.kind != "fixed":
-            notes.append(f"{joint.kind} joint {joint.name} carries the arm: it is held at zero")
-    held = [replace(joint, kind="fixed", mimics=None) for joint in path[:first]]
-    return held + path[first:]
-
-
 def _step(
     tree: Tree, joint: TreeJoint, chain: _Collected, on_path: set[str], notes: list[str]
 ) -> None:
@@ -203,80 +204,7 @@ def _gather(
         if joint.kind == "fixed":
             _gather(tree, joint.child, X @ joint.X, on_path, chain, notes)
         else:
-            notes.append(_left_out(tree, joint, not chain.masses))
-
-
-def _left_out(tree: Tree, joint: TreeJoint, on_base: bool) -> str:
-    """A note on a branch that moves and is none of the arm."""
-    turns, end = _far_end(tree, joint)
-    if on_base and turns >= ARM:
-        return (
-            f"the file holds another arm: {turns} joints from {joint.name} on {joint.parent} on; "
-            f"it is left out, --tool-link {end} takes it instead"
-        )
-    weight = _weight(tree, joint.child)
-    kind = f"follows {joint.mimics}, mimic" if joint.mimics else joint.kind
-    what = "it as a joint" if turns == 1 else f"its {turns} joints"
-    return (
-        f"joint {joint.name} ({kind}) on {joint.parent} is not on the chain: it and what "
-        f"hangs on it are left out ({weight:.3g} kg); give it as a payload if it is carried"
-        + (f", or take {what} (--tool-link {end})" * (_turns(joint) and turns > 0))
-    )
-
-
-def _far_end(tree: Tree, joint: TreeJoint) -> tuple[int, str]:
-    """How many joints turn from this one on along the longest chain, and the link at its end."""
-    beyond = [_far_end(tree, after) for after in tree.hanging_on(joint.child)]
-    turns, end = max(beyond, key=lambda one: one[0], default=(0, joint.child))
-    return turns + _turns(joint), end if turns else joint.child
-
-
-def _turns(joint: TreeJoint) -> bool:
-    return joint.kind in TURNING and not joint.mimics
-
-
-def _weight(tree: Tree, link: str) -> float:
-    own = tree.links[link]
-    return (0.0 if own is None else own.mass) + sum(
-        _weight(tree, joint.child) for joint in tree.hanging_on(link)
-    )
-
-
-def _tip(tree: Tree, base: str) -> str:
-    """An end with a telling name if there is one, otherwise that of the chain with the most
-    joints."""
-    best: list[tuple[bool, int, int, int, str]] = []
-    for order, link in enumerate(tree.links):
-        try:
-            path = tree.path(base, link)
-        except InputError:
-            continue
-        turns = sum(j.kind in TURNING and not j.mimics for j in path)
-        rank = next((len(TIPS) - k for k, t in enumerate(TIPS) if link.lower().endswith(t)), 0)
-        path = _stood_still(path, [])
-        if not rank and any(j.kind not in TURNING | {"fixed"} for j in path):
-            continue
-        turning = [joint for joint in path if joint.kind in TURNING]
-        if not rank and turning and turning[-1].mimics:
-            continue
-        if any(
-            j.kind in TURNING and (GRIPPER.search(j.name) or FINGER.search(j.child)) for j in path
-        ):
-            continue
-        last = bool(path) and path[-1].kind in TURNING
-        best.append((rank > 0, turns, rank if rank else int(last) - 1, -order, link))
-    return max(best)[4]
-
-
-def _turning_only(tree: Tree, path: list[TreeJoint]) -> list[TreeJoint]:
-    """The path, in which nothing slides."""
-    for joint in path:
-        if joint.kind not in TURNING | {"fixed"}:
-            raise InputError(
-                f"{tree.name}: joint {joint.name} is {joint.kind or 'of no type'}; this library "
-                "knows arms whose joints turn, choose another end with --tool-link"
-            )
-    return path
+            notes.append(left_out(tree, joint, not chain.masses))
 
 
 def _coupling(

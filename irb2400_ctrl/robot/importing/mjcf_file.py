@@ -29,6 +29,8 @@ from irb2400_ctrl.robot.importing.mjcf_parts import (
 from irb2400_ctrl.robot.importing.tree import Mass, Tree, TreeJoint, inverse, pose
 
 NOT_READ = ("tendon", "equality")
+CHANGES_MASSES = ("settotalmass", "boundmass", "boundinertia")
+"""of the compiler: numbers that replace mass data where they are above zero"""
 
 
 def read_mjcf(path: Path, root: ET.Element) -> Tree:
@@ -44,6 +46,7 @@ def read_mjcf(path: Path, root: ET.Element) -> Tree:
     settings: Settings = {}
     for compiler in root.findall("compiler"):
         settings |= compiler.attrib
+    _no_changed_masses(path, settings)
     unit = 1.0 if settings.get("angle") == "radian" else np.pi / 180
     classes = defaults(root)
     reader = _Reader(path, unit, settings.get("eulerseq", "xyz"), classes)
@@ -67,6 +70,8 @@ def read_mjcf(path: Path, root: ET.Element) -> Tree:
     notes = [f"<{tag}> is not read; state a coupling with --coupling" for tag in NOT_READ
              if root.find(tag) is not None]  # fmt: skip
     notes += [f"body {name} flies freely: it is left out" for name in reader.free]
+    light = [str(b.get("name")) for b in root.iter("body") if b.get("gravcomp", "0") != "0"]
+    notes += [f"link {name}: its weight acts on the motors here (gravcomp)" for name in light]
     option = root.find("option")
     gravity = (0.0, 0.0, -9.81)
     if option is not None and option.get("gravity"):
@@ -75,6 +80,19 @@ def read_mjcf(path: Path, root: ET.Element) -> Tree:
     name = root.get("model") or path.stem
     return Tree(name, f"imported from {path.name} (MJCF)", reader.links, tuple(reader.joints),
                 gravity, tuple(notes), reader.shapes)  # fmt: skip
+
+
+def _no_changed_masses(path: Path, settings: Settings) -> None:
+    """Refuse a compiler that makes other mass data than the inertials state."""
+    changed = [key for key in CHANGES_MASSES if (_first(settings.get(key)) or 0.0) > 0.0]
+    if settings.get("inertiafromgeom") == "true":
+        changed.append("inertiafromgeom")
+    if changed:
+        raise InputError(
+            f"{path}: the compiler's {changed[0]} = {settings[changed[0]]!r} makes other mass data "
+            "than the file states; save the file as MuJoCo understands it (mj_saveLastXML) and "
+            f"import that, without {changed[0]}"
+        )
 
 
 @dataclass
@@ -177,6 +195,8 @@ class _Reader:
             damping=_first(settings.get("damping")),
             dry=_first(settings.get("frictionloss")),
             armature=_first(settings.get("armature")),
+            stiffness=_first(settings.get("stiffness")),
+            rest=self.unit * (_first(settings.get("springref")) or 0.0),
         )
 
     def _mass(self, element: ET.Element, name: str, here: Array, moving: bool) -> Mass | None:

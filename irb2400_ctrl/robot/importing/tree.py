@@ -65,6 +65,10 @@ class TreeJoint:
     """[Nm]"""
     armature: float | None = None
     """rotor inertia on the joint's side [kg m2]"""
+    stiffness: float | None = None
+    """of a spring across the joint [Nm/rad]"""
+    rest: float = 0.0
+    """where that spring is at rest [rad]"""
     mimics: str | None = None
     multiplier: float = 1.0
     """of the joint that it follows"""

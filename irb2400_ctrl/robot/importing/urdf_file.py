@@ -14,13 +14,17 @@ from irb2400_ctrl.robot.importing.tree import Mass, Tree, TreeJoint, pose
 
 ROUNDED = 1e-5
 """a quarter turn with four decimals is off by less [rad]"""
+KINDS = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar")
+MOST_TURN = 7.0
+"""angle of a frame above which it cannot be meant in radians"""
 
 
 def read_urdf(path: Path, root: ET.Element) -> Tree:
     """The tree of a URDF.
 
     Raises:
-        InputError: xacro that is not expanded, a missing attribute, a number that is none.
+        InputError: xacro that is not expanded, a missing attribute, a number that is none, an
+            unknown type of joint, a link with two parents, angles in degrees.
     """
     if _is_xacro(root):
         raise InputError(
@@ -40,12 +44,30 @@ def read_urdf(path: Path, root: ET.Element) -> Tree:
                 raise InputError(
                     f"{path}: joint {joint.name} names the link {link}, which is not in the file"
                 )
+        if joint.kind not in KINDS:
+            raise InputError(
+                f"{path}: joint {joint.name} is of type {joint.kind!r}, expected one of "
+                f"{', '.join(KINDS)}"
+            )
+    _one_parent(path, joints)
     name = root.get("name") or path.stem
     rounded = _rounded_angles(root)
     notes = [f"{rounded} rpy with quarter turns of few digits (1.5708) are read as exact ones"]
     source = f"imported from {path.name} (URDF)"
     shapes = {_name(path, link, "link"): _shapes(path, link) for link in root.findall("link")}
     return Tree(name, source, links, joints, notes=tuple(notes[: min(rounded, 1)]), shapes=shapes)
+
+
+def _one_parent(path: Path, joints: tuple[TreeJoint, ...]) -> None:
+    """Refuse a link that hangs on two joints: which of them carries it is not said."""
+    carried: dict[str, str] = {}
+    for joint in joints:
+        other = carried.setdefault(joint.child, joint.name)
+        if other != joint.name:
+            raise InputError(
+                f"{path}: link {joint.child} hangs on two joints, {other} and {joint.name}; "
+                "expected a tree: take the joint out that only closes a loop"
+            )
 
 
 def _is_xacro(root: ET.Element) -> bool:
@@ -126,7 +148,12 @@ def _origin(where: str, element: ET.Element | None) -> Array:
     if element is None:
         return np.eye(4)
     xyz = _vector(where, element.get("xyz", "0 0 0"), 3)
-    return pose(xyz, rotation_rpy(_quarters(_vector(where, element.get("rpy", "0 0 0"), 3))))
+    rpy = _vector(where, element.get("rpy", "0 0 0"), 3)
+    if np.abs(rpy).max() > MOST_TURN:
+        raise InputError(
+            f"{where}: found rpy={element.get('rpy')!r}, expected radians; this looks like degrees"
+        )
+    return pose(xyz, rotation_rpy(_quarters(rpy)))
 
 
 def _quarters(rpy: Array) -> Array:

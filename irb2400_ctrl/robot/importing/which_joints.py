@@ -1,0 +1,116 @@
+"""Which joints of a tree are the arm: where it ends, what is held still, what is left out."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+
+from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.robot.importing.tree import TURNING, Tree, TreeJoint
+
+TIPS = ("tcp", "tool0", "tool_0", "ee_link", "flange", "link_ee", "ee")
+"""names that tools give to the end of an arm, most telling first"""
+GRIPPER = re.compile(r"finger|gripper|knuckle|jaw|thumb|robotiq", re.IGNORECASE)
+"""a joint of this name opens a gripper: it is none of the arm unless asked for"""
+FINGER = re.compile(r"finger|knuckle|jaw|thumb", re.IGNORECASE)
+"""so is one that moves a link of this name (the last joint of an arm may well move the gripper)"""
+ARM = 4
+"""a branch on the base with as many turning joints is an arm of its own"""
+
+
+def end_of_arm(tree: Tree, base: str) -> str:
+    """An end with a telling name if there is one, otherwise that of the chain with the most
+    joints.
+
+    Raises:
+        InputError: more joints turn behind one that slides.
+    """
+    best: list[tuple[bool, int, int, int, str]] = []
+    slid: list[tuple[int, str]] = []
+    for order, link in enumerate(tree.links):
+        try:
+            path = tree.path(base, link)
+        except InputError:
+            continue
+        turns = sum(map(_turns, path))
+        rank = next((len(TIPS) - k for k, t in enumerate(TIPS) if link.lower().endswith(t)), 0)
+        path = stood_still(path, [])
+        if any(
+            j.kind in TURNING and (GRIPPER.search(j.name) or FINGER.search(j.child)) for j in path
+        ):
+            continue
+        sliding = next((j.name for j in path if j.kind not in TURNING | {"fixed"}), None)
+        if not rank and sliding is not None:
+            slid.append((turns, sliding))
+            continue
+        turning = [joint for joint in path if joint.kind in TURNING]
+        if not rank and turning and turning[-1].mimics:
+            continue
+        last = bool(path) and path[-1].kind in TURNING
+        best.append((rank > 0, turns, rank if rank else int(last) - 1, -order, link))
+    chosen = max(best)
+    most, sliding = max(slid, default=(0, ""))
+    if most > chosen[1]:
+        raise InputError(
+            f"{tree.name}: joint {sliding} slides, and {most - chosen[1]} joints turn behind it; "
+            "this library knows arms whose joints turn: take what stands before it with "
+            f"--tool-link {chosen[4]}"
+        )
+    return chosen[4]
+
+
+def stood_still(path: list[TreeJoint], notes: list[str]) -> list[TreeJoint]:
+    """The path with what carries the arm (a rail, a floating base) held where the file shows it."""
+    first = next((k for k, joint in enumerate(path) if joint.kind in TURNING), len(path))
+    for joint in path[:first]:
+        if joint.kind != "fixed":
+            notes.append(f"{joint.kind} joint {joint.name} carries the arm: it is held at zero")
+    held = [replace(joint, kind="fixed", mimics=None) for joint in path[:first]]
+    return held + path[first:]
+
+
+def turning_only(tree: Tree, path: list[TreeJoint]) -> list[TreeJoint]:
+    """The path, in which nothing slides."""
+    for joint in path:
+        if joint.kind not in TURNING | {"fixed"}:
+            raise InputError(
+                f"{tree.name}: joint {joint.name} is {joint.kind or 'of no type'}; this library "
+                "knows arms whose joints turn, choose another end with --tool-link"
+            )
+    return path
+
+
+def left_out(tree: Tree, joint: TreeJoint, on_base: bool) -> str:
+    """A note on a branch that moves and is none of the arm."""
+    turns, end = _far_end(tree, joint)
+    if on_base and turns >= ARM:
+        return (
+            f"the file holds another arm: {turns} joints from {joint.name} on {joint.parent} on; "
+            f"it is left out, --tool-link {end} takes it instead"
+        )
+    weight = _weight(tree, joint.child)
+    kind = f"follows {joint.mimics}, mimic" if joint.mimics else joint.kind
+    what = "it as a joint" if turns == 1 else f"its {turns} joints"
+    return (
+        f"joint {joint.name} ({kind}) on {joint.parent} is not on the chain: it and what "
+        f"hangs on it are left out ({weight:.3g} kg); give it as a payload if it is carried"
+        + (f", or take {what} (--tool-link {end})" * (_turns(joint) and turns > 0))
+    )
+
+
+def _far_end(tree: Tree, joint: TreeJoint) -> tuple[int, str]:
+    """How many joints turn from this one on along the longest chain, and the link at its end."""
+    beyond = [_far_end(tree, after) for after in tree.hanging_on(joint.child)]
+    turns, end = max(beyond, key=lambda one: one[0], default=(0, joint.child))
+    return turns + _turns(joint), end if turns else joint.child
+
+
+def _turns(joint: TreeJoint) -> bool:
+    return joint.kind in TURNING and not joint.mimics
+
+
+def _weight(tree: Tree, link: str) -> float:
+    own = tree.links[link]
+    return (0.0 if own is None else own.mass) + sum(
+        _weight(tree, joint.child) for joint in tree.hanging_on(link)
+    )
