@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
@@ -11,6 +11,7 @@ import numpy.typing as npt
 
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.planners.enclosure.path_dynamics import PathDynamics
+from irb2400_ctrl.planners.timing.motion_bounds import Checked
 from irb2400_ctrl.planners.timing.motion_limits import MotionLimits
 from irb2400_ctrl.planners.timing.piecewise_constant_law import PiecewiseConstantLaw
 from irb2400_ctrl.planners.timing.sampled_reference.excerpt import Excerpt
@@ -56,6 +57,8 @@ class Settled:
     """largest |tau| of each axis [Nm], shape (n,); of samples where there is no bound"""
     feed: tuple[Array, Array] | None
     """ends of cells of time [s], and the TCP's speed over the feed in each; None without a feed"""
+    own: Checked | None = None
+    """what is sure of the law itself; None where it was not looked at"""
 
     @property
     def bounded(self) -> bool:
@@ -126,9 +129,11 @@ def settled_reference(
         # axes too weak to come back so fast to their speed
         return _slower_all_over(look, first, limits, _HOPELESS)
     # coming back to its speed the law itself may need more than its rows
-    own = found.law.bounds(task.joints, limits, dynamics).torque_ratio
-    if own > 1:
-        found = look(found.law.slowed(1 + _BY_TORQUE * (own - 1)))
+    own = found.law.bounds(task.joints, limits, dynamics)
+    if own.torque_ratio > 1:
+        found = look(found.law.slowed(1 + _BY_TORQUE * (own.torque_ratio - 1)))
+    else:
+        found = replace(found, own=own)
     return _slower_all_over(look, found, limits, _HOPELESS)
 
 
