@@ -86,6 +86,7 @@ class Selection:
             alternative
             for alternative in every
             if self.threshold.accepts(comparison, alternative, chosen)
+            and not self.threshold.said_by_less(comparison, alternative, every)
         ]
         if not alternatives:
             return None
