@@ -23,7 +23,7 @@ def test_explanations_that_push_each_other_out_are_not_tried_for_ever(
     )
     selection: Any = Selection.__new__(Selection)
     selection.criteria = Criteria(most=3)
-    selection.fitter = SimpleNamespace(fit=lambda chosen: len(chosen))
+    selection.fitter = SimpleNamespace(fit=lambda chosen: len(chosen), as_stated=lambda fit: fit)
     selection.refused = set()
     selection.acceptance = SimpleNamespace(
         bears_out=lambda steps, fit, place: True, gains=lambda steps, fit: [0.0] * len(steps)
@@ -32,6 +32,7 @@ def test_explanations_that_push_each_other_out_are_not_tried_for_ever(
         Selection, "next_step", lambda self, chosen, fit, alone=False: next(offered)
     )
     monkeypatch.setattr(Selection, "_exchanged", lambda self, steps: steps[-1:])
+    monkeypatch.setattr(Selection, "_rather_wider", lambda self, step, fit: False)
     steps, fit = selection.run()
     assert [s.candidate.kind for s in steps] == ["one"]
     assert fit == 1
@@ -47,3 +48,28 @@ def test_of_what_begins_together_only_the_largest_is_a_cause() -> None:
     assert not of_one_moment(large, [small])
     assert not of_one_moment(begun(60.0, 14.0), [large])
     assert not of_one_moment(begun(60.0), [large])  # acts always
+
+
+def test_numbers_further_off_than_stated_are_a_rival_and_all_is_judged_anew(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """What the stated numbers leave may be a name; beside wider ones nothing is left."""
+    widened: list[float] = []
+    selection: Any = Selection.__new__(Selection)
+    selection.criteria = Criteria(wider=2.0)
+    selection.fitter = SimpleNamespace(
+        fit=lambda chosen: len(chosen), as_stated=lambda fit: fit, widen=widened.append
+    )
+    selection.refused = {("refused", 1, "refused")}
+    selection.acceptance = SimpleNamespace(gains=lambda steps, fit: [])
+    name: Any = Step(
+        candidate=SimpleNamespace(kind="a", joint=1, name="a", known=True),
+        gain=30.0,
+        alternatives=(),
+    )
+    monkeypatch.setattr(
+        Selection, "next_step", lambda self, chosen, fit, alone=False: None if widened else name
+    )
+    monkeypatch.setattr(Selection, "_rather_wider", lambda self, step, fit: not widened)
+    assert selection.run() == ([], 0)
+    assert (widened, selection.refused) == ([2.0], set())

@@ -29,8 +29,8 @@ class Criteria:
             other numbers of the robot would give all but the share `in_base`, where no misfit of
             shape or noise can pass for it; gain_stated: the same where the spread of its own
             numbers is known.
-        wider: times as uncertain as stated all numbers of the robot may be, as a rival of a body
-            that other numbers of the robot would give but for that share.
+        wider: times as uncertain as so far all numbers of the robot may be, as a rival of the best
+            explanation.
         energy: its energy over what the base alone leaves on that joint.
         torque: its rms torque over the joint's; torque_beside_law: the same where its law alone
             gains less than `by_law` of what it gains with discrepancy.
