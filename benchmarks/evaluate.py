@@ -50,7 +50,6 @@ def outcome(case: Any, robot: Any, reference: bool = False) -> dict[str, Any]:
         start = time.perf_counter()
         found = diagnose(robot, *logs)
     seconds = time.perf_counter() - start
-    assert found.validation is not None
     visible = beyond_priors(case) if case.effects else []
     return {
         "case": case.name,
@@ -59,7 +58,9 @@ def outcome(case: Any, robot: Any, reference: bool = False) -> dict[str, Any]:
         "verdict": found.verdict,
         "found": [named(f) for f in found.findings],
         "unexplained": [u.to_json() for u in found.unexplained],
-        "validation": {
+        "validation": None
+        if found.validation is None  # the log was refused
+        else {
             "before": found.validation.error_before.rmse.tolist(),
             "after": found.validation.error_after.rmse.tolist(),
         },

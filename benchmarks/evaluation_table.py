@@ -52,6 +52,9 @@ def _known(case: Case) -> list[Case]:
 def _measures(suite: str, cases: list[Case]) -> list[tuple[str, int, int]]:
     """(measure, hits, total) of one suite."""
     found: list[tuple[str, int, int]] = []
+    refused = sum(c["verdict"] == "log_not_understood" for c in cases)
+    if refused:
+        found.append(("log not understood", refused, len(cases)))
     clean = [c for c in cases if not c["truth"]]
     if clean:
         named = sum(bool(c["found"]) for c in clean)

@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 from independent_plant import Case
+from independent_plant import suite as independent
 from mujoco_plant.suites import suite
 
 import irb2400_ctrl as irb
@@ -97,6 +98,21 @@ def test_numbers_further_off_than_stated_are_no_effect() -> None:
     """All of them 2.5 times as far as the data sheet says: no single link is the one that is."""
     read = Case(609666504, spread=2.5).simulate()[0]
     found = diagnose(ROBOT, Log(read.time, read.q, read.tau, q_ref=read.q_ref))
+    assert names(found) == []
+
+
+def test_what_is_too_small_for_a_name_is_not_unexplained_either() -> None:
+    """A friction off by a hundredth of the torque: a function of the speed says it worse."""
+    read = independent("clean", 2, 991217)[1].simulate()[0]
+    found = diagnose(ROBOT, Log(read.time, read.q, read.tau, qd=read.qd, q_ref=read.q_ref))
+    assert found.verdict == "nothing_missing"
+
+
+def test_friction_of_one_joint_is_no_effect_where_all_numbers_are_further_off() -> None:
+    """Of the second plant, 2.5 times: a viscous_change 5 and a link_inertia 2 before."""
+    (case,) = suite("wrong_priors", 1, 1, 991217)
+    read = case.simulate()
+    found = diagnose(ROBOT, Log(read.time, read.q, read.tau, qd=read.qd, q_ref=read.q_ref))
     assert names(found) == []
 
 

@@ -6,11 +6,13 @@ from itertools import cycle
 from types import SimpleNamespace
 from typing import Any
 
+import numpy as np
 import pytest
 
 from irb2400_ctrl.diagnosis.comparison.criteria import Criteria, of_one_moment
 from irb2400_ctrl.diagnosis.comparison.selection import Selection
 from irb2400_ctrl.diagnosis.comparison.step import Step
+from irb2400_ctrl.diagnosis.estimation.fit import Fit, Fitter
 
 
 def test_explanations_that_push_each_other_out_are_not_tried_for_ever(
@@ -23,7 +25,7 @@ def test_explanations_that_push_each_other_out_are_not_tried_for_ever(
     )
     selection: Any = Selection.__new__(Selection)
     selection.criteria = Criteria(most=3)
-    selection.fitter = SimpleNamespace(fit=lambda chosen: len(chosen))
+    selection.fitter = SimpleNamespace(fit=lambda chosen: len(chosen), as_stated=lambda fit: fit)
     selection.refused = set()
     selection.acceptance = SimpleNamespace(
         bears_out=lambda steps, fit, place: True, gains=lambda steps, fit: [0.0] * len(steps)
@@ -32,6 +34,7 @@ def test_explanations_that_push_each_other_out_are_not_tried_for_ever(
         Selection, "next_step", lambda self, chosen, fit, alone=False: next(offered)
     )
     monkeypatch.setattr(Selection, "_exchanged", lambda self, steps: steps[-1:])
+    monkeypatch.setattr(Selection, "_rather_wider", lambda self, step, fit: False)
     steps, fit = selection.run()
     assert [s.candidate.kind for s in steps] == ["one"]
     assert fit == 1
@@ -47,3 +50,50 @@ def test_of_what_begins_together_only_the_largest_is_a_cause() -> None:
     assert not of_one_moment(large, [small])
     assert not of_one_moment(begun(60.0, 14.0), [large])
     assert not of_one_moment(begun(60.0), [large])  # acts always
+
+
+def test_numbers_further_off_than_stated_are_a_rival_and_all_is_judged_anew(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """What the stated numbers leave may be a name; beside wider ones nothing is left."""
+    widened: list[float] = []
+    selection: Any = Selection.__new__(Selection)
+    selection.criteria = Criteria(wider=2.0)
+    selection.fitter = SimpleNamespace(
+        fit=lambda chosen: len(chosen), as_stated=lambda fit: fit, widen=widened.append
+    )
+    selection.refused = {("refused", 1, "refused")}
+    selection.acceptance = SimpleNamespace(gains=lambda steps, fit: [])
+    name: Any = Step(
+        candidate=SimpleNamespace(kind="a", joint=1, name="a", known=True),
+        gain=30.0,
+        alternatives=(),
+    )
+    monkeypatch.setattr(
+        Selection, "next_step", lambda self, chosen, fit, alone=False: None if widened else name
+    )
+    monkeypatch.setattr(Selection, "_rather_wider", lambda self, step, fit: not widened)
+    assert selection.run() == ([], 0)
+    assert (widened, selection.refused) == ([2.0], set())
+
+
+def test_a_fit_beside_wider_numbers_is_told_in_stated_deviations() -> None:
+    rng = np.random.default_rng(5)
+    stated = rng.normal(size=(7, 2, 4))
+    fitter: Any = Fitter.__new__(Fitter)
+    fitter.Z = stated
+    fitter.own = 3
+    fitter._widened = 1.0
+    fitter._fits = ["kept"]
+    fitter.widen(2.0)
+    fitter.widen(2.0)
+    np.testing.assert_allclose(fitter.Z[:, :, :3], 4.0 * stated[:, :, :3])
+    np.testing.assert_array_equal(fitter.Z[:, :, 3], stated[:, :, 3])  # no number of the robot
+    assert fitter._fits == []
+    z = rng.normal(size=3)
+    rest: Any = {"effects": (), "parameters": (), "sigma": z, "alone": z, "noise": ()}
+    fit = Fit(z=z, z_covariance=np.eye(3), y=stated, Z=fitter.Z, residual=stated, **rest)
+    told = fitter.as_stated(fit)
+    np.testing.assert_allclose(told.Z, stated)
+    np.testing.assert_allclose(told.z, 4.0 * z)
+    np.testing.assert_allclose(told.z_covariance, 16.0 * np.eye(3))

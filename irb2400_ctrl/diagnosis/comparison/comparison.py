@@ -12,7 +12,7 @@ from irb2400_ctrl.arrays import Array, Mask
 from irb2400_ctrl.diagnosis.comparison.scan import Scan
 from irb2400_ctrl.diagnosis.estimation.candidate import Candidate
 from irb2400_ctrl.diagnosis.estimation.evidence import Problem, discrepancy_shares
-from irb2400_ctrl.diagnosis.preparation.noise import Noise, autoregressive, white, without
+from irb2400_ctrl.diagnosis.preparation.noise import autoregressive, white, without
 
 
 @dataclass(frozen=True)
@@ -46,14 +46,9 @@ class Comparison:
     def start(self) -> Problem:
         """Under white noise of the level that the base leaves: the ground for a first ranking."""
 
-        def level(residual: Array) -> list[Noise]:
-            return [
-                white(residual[:, j], self._rows[:, j], self.reversal[:, j]) for j in range(self.n)
-            ]
-
-        return Problem(
-            self.y, self.Z, level(self.y - self.Z @ Problem(self.y, self.Z, level(self.y)).z)
-        )
+        level = white(self.y, self._rows, self.reversal)
+        left = self.y - self.Z @ Problem(self.y, self.Z, level).z
+        return Problem(self.y, self.Z, white(left, self._rows, self.reversal))
 
     @cached_property
     def base(self) -> Problem:

@@ -29,8 +29,8 @@ class Criteria:
             other numbers of the robot would give all but the share `in_base`, where no misfit of
             shape or noise can pass for it; gain_stated: the same where the spread of its own
             numbers is known.
-        wider: times as uncertain as stated all numbers of the robot may be, as a rival of a body
-            that other numbers of the robot would give but for that share.
+        wider: times as uncertain as so far all numbers of the robot may be, as a rival of the best
+            explanation.
         energy: its energy over what the base alone leaves on that joint.
         torque: its rms torque over the joint's; torque_beside_law: the same where its law alone
             gains less than `by_law` of what it gains with discrepancy.
@@ -99,6 +99,16 @@ class Threshold:
         moving = any(e.search.shows_moving for e in candidate.effects)
         if moving and comparison.gain_moving(candidate) < c.moving * comparison.gain(alternative):
             return False
+        matters = self._matters(comparison, alternative)
+        if chosen and matters.any():
+            matters &= self._new(comparison, alternative, chosen)
+        return bool(matters.any()) and not self._once(comparison, candidate)
+
+    def _matters(self, comparison: Comparison, alternative: Alternative) -> npt.NDArray[np.bool_]:
+        """Joints on which it is large enough, shape (n,)."""
+        c = self.criteria
+        candidate = alternative.candidate
+        size = np.sqrt(np.mean(candidate.torque(self.n) ** 2, axis=0))
         # by discrepancy from its law alone: the base takes the law in, and only a good size still
         # speaks for the name
         least = (
@@ -106,10 +116,22 @@ class Threshold:
             if alternative.by_law > c.by_law * candidate.score.gain
             else c.torque_beside_law
         )
-        matters = (size > np.sqrt(c.energy * comparison.energy)) & (size > least * self.rms)
-        if chosen and matters.any():
-            matters &= self._new(comparison, alternative, chosen)
-        return bool(matters.any()) and not self._once(comparison, candidate)
+        return np.asarray(
+            (size > np.sqrt(c.energy * comparison.energy)) & (size > least * self.rms)
+        )
+
+    def said_by_less(
+        self, comparison: Comparison, alternative: Alternative, every: Sequence[Alternative]
+    ) -> bool:
+        """Whether an effect too small to be named says what a non-parametric law says, and better:
+        what does not matter by its name does not matter without one."""
+        return not alternative.candidate.known and any(
+            other.candidate.known
+            and other.candidate.joint == alternative.candidate.joint
+            and other.evidence > alternative.evidence
+            and not self._matters(comparison, other).any()
+            for other in every
+        )
 
     def _once(self, comparison: Comparison, candidate: Candidate) -> bool:
         """Whether one second of the record says it nearly alone: something happened there, which is

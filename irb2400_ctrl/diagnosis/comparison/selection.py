@@ -48,6 +48,14 @@ class Selection:
         tried: set[frozenset[Name]] = set()
         while len(steps) < self.criteria.most and len(self.refused) < self.criteria.most_refused:
             step = self.next_step([s.candidate for s in steps], fit)
+            if self._rather_wider(step, fit):
+                # beside numbers that may be further off everything is judged anew
+                self.fitter.widen(self.criteria.wider)
+                steps = []
+                tried = set()
+                self.refused.clear()
+                fit = self.fitter.fit([])
+                continue
             if step is None:
                 break
             further = [*steps, step]
@@ -63,7 +71,19 @@ class Selection:
             if names in tried:
                 break  # one explanation pushes another out and is pushed out by it again
             tried.add(names)
-        return self._borne_out(steps, fit)
+        steps, fit = self._borne_out(steps, fit)
+        return steps, self.fitter.as_stated(fit)
+
+    def _rather_wider(self, step: Step | None, fit: Fit) -> bool:
+        """Whether numbers of the robot further off than stated explain more than the best step: a
+        rival like any other."""
+        wide = fit.Z.copy()
+        wide[:, :, : self.fitter.own] *= self.criteria.wider
+        stated, wider = (
+            Comparison(self.scan, self.fitter.reversal, fit.y, Z).base.log_evidence
+            for Z in (fit.Z, wide)
+        )
+        return wider - stated > (self.criteria.gain if step is None else step.gain)
 
     def _borne_out(self, steps: list[Step], fit: Fit) -> tuple[list[Step], Fit]:
         """What the common fit of all still bears out, with what each is worth on unseen rows."""
@@ -86,6 +106,7 @@ class Selection:
             alternative
             for alternative in every
             if self.threshold.accepts(comparison, alternative, chosen)
+            and not self.threshold.said_by_less(comparison, alternative, every)
         ]
         if not alternatives:
             return None
@@ -93,27 +114,11 @@ class Selection:
         if not best.candidate.known and not alone:
             best = self._first_of_two(comparison, best, every, chosen)
             alternatives += [] if best in alternatives else [best]
-        if self._gain(comparison, best) < self.threshold.least_gain(
-            comparison, best.candidate, chosen
-        ):
+        if comparison.gain(best) < self.threshold.least_gain(comparison, best.candidate, chosen):
             return None
         polished = comparison.polished(best)
         alternatives[alternatives.index(best)] = polished
         return Step(polished.candidate, comparison.gain(best), tuple(alternatives))
-
-    def _gain(self, comparison: Comparison, best: Alternative) -> float:
-        """What an explanation gains over the base [nats]; nothing for a body that other numbers of
-        the robot give as well, if these explain it better where all may be further off than
-        stated: a rival like any other."""
-        gain = comparison.gain(best)
-        body = any(effect.role == "parameters" for effect in best.candidate.effects)
-        if not body or not self.threshold.in_base(comparison, best.candidate):
-            return gain
-        Z = comparison.Z.copy()
-        Z[:, :, : self.fitter.own] *= self.criteria.wider
-        wide = Comparison(self.scan, self.fitter.reversal, comparison.y, Z)
-        with_it = max(best.evidence, wide.compared(best.candidate).evidence)
-        return gain if with_it > wide.base.log_evidence else 0.0
 
     def _first_of_two(
         self,

@@ -4,7 +4,7 @@ prediction."""
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import pairwise
 from operator import is_
@@ -22,7 +22,7 @@ from irb2400_ctrl.diagnosis.estimation.effect_parameters import (
     with_value,
 )
 from irb2400_ctrl.diagnosis.estimation.evidence import discrepancy_shares, discrepancy_unit
-from irb2400_ctrl.diagnosis.preparation.noise import Noise, autoregressive
+from irb2400_ctrl.diagnosis.preparation.noise import Noise, autoregressive, white
 from irb2400_ctrl.diagnosis.regressors.bases import Bases, RegressorColumns
 from irb2400_ctrl.diagnosis.regressors.predict import predicted_torque
 from irb2400_ctrl.effects import Effect
@@ -88,6 +88,7 @@ class Fitter:
         self.Z = Z
         self.reversal = reversal
         self.own = Z.shape[2] if own is None else own
+        self._widened = 1.0
         self._cache: dict[tuple[object, ...], Array] = {}
         self._fits: list[tuple[tuple[Candidate, ...], Fit]] = []
 
@@ -104,6 +105,19 @@ class Fitter:
             self._fits.pop(0)
         return fit
 
+    def widen(self, factor: float) -> None:
+        """Let the robot's numbers be this many times further off than so far."""
+        self.Z = self.Z.copy()
+        self.Z[:, :, : self.own] *= factor
+        self._widened *= factor
+        self._fits.clear()
+
+    def as_stated(self, fit: Fit) -> Fit:
+        """A fit with its deviations in stated standard deviations again."""
+        wide = self._widened
+        Z = np.concatenate([fit.Z[:, :, : self.own] / wide, fit.Z[:, :, self.own :]], axis=2)
+        return replace(fit, Z=Z, z=fit.z * wide, z_covariance=fit.z_covariance * wide**2)
+
     def _fitted(self, chosen: Sequence[Candidate]) -> Fit:
         effects = [e for c in chosen for e in c.effects]
         non_parametric = [c for c in chosen if not c.known]
@@ -112,7 +126,8 @@ class Fitter:
         state = self._linearised(effects, G)
         for _ in range(ITERATIONS if effects else 0):
             y, columns, parameters, sizes, _ = state
-            noise = self._noise(y - self._solved(y, columns, noise)[1])
+            left = y - self._solved(y, columns, noise)[1]
+            noise = autoregressive(left, self.motion.row_known, self.reversal)
             b, _, covariance = self._solved(y, columns, noise)
             start = self.Z.shape[2]
             step = b[start : start + len(parameters)] * sizes
@@ -169,7 +184,7 @@ class Fitter:
         """`widths`: number of columns of each non-parametric law, the last ones."""
         y, columns, parameters, sizes, shapes = state
         _, explained, _ = self._solved(y, columns, noise)
-        noise = self._noise(y - explained)
+        noise = autoregressive(y - explained, self.motion.row_known, self.reversal)
         b, explained, covariance = self._solved(y, columns, noise)
         k = self.Z.shape[2]
         p = len(parameters)
@@ -264,10 +279,13 @@ class Fitter:
                 discrepancy=discrepancy,
                 windows=effect.windows_s,
             )
-            placed = np.zeros((self.motion.rows, self.motion.n, found.values.shape[2]))
-            placed[:, list(found.joints)] = found.values
-            self._cache[key] = placed
+            self._cache[key] = self._on_all_joints(found.joints, found.values)
         return self._cache[key]
+
+    def _on_all_joints(self, joints: Sequence[int], values: Array) -> Array:
+        placed = np.zeros((self.motion.rows, self.motion.n, values.shape[2]))
+        placed[:, list(joints)] = values
+        return placed
 
     def _slope(self, effect: Effect, parameter: Parameter) -> Array:
         """d torque / d parameter by central differences, shape (rows, n)."""
@@ -292,21 +310,14 @@ class Fitter:
     def _non_parametric_columns(self, candidate: Candidate) -> Array:
         b = candidate.score.coefficients
         values = candidate.law.values * (3.0 * np.sqrt(np.mean(b**2)))
-        placed = np.zeros((self.motion.rows, self.motion.n, values.shape[2]))
-        placed[:, list(candidate.law.joints)] = values
-        return placed
+        return self._on_all_joints(candidate.law.joints, values)
 
     def _solved(
         self, y: Array, columns: Array, noise: Sequence[Noise] | None
     ) -> tuple[Array, Array, Array]:
         """Posterior mean (k,), explained torque (rows, n), covariance (k, k)."""
         if noise is None:
-            from irb2400_ctrl.diagnosis.preparation.noise import white
-
-            noise = [
-                white(y[:, j], self.motion.row_known[:, j], self.reversal[:, j])
-                for j in range(self.motion.n)
-            ]
+            noise = white(y, self.motion.row_known, self.reversal)
         k = columns.shape[2]
         A = np.eye(k)
         right = np.zeros(k)
@@ -318,9 +329,6 @@ class Fitter:
         covariance = np.asarray(np.linalg.inv(A), dtype=float)
         b = covariance @ right
         return b, columns @ b, covariance
-
-    def _noise(self, residual: Array) -> tuple[Noise, ...]:
-        return autoregressive(residual, self.motion.row_known, self.reversal)
 
 
 def _alone(covariance: Array, parameters: Sequence[Parameter]) -> Array:

@@ -66,10 +66,15 @@ def complete_rows(known: Mask, order: int = ORDER) -> npt.NDArray[np.intp]:
     return np.flatnonzero(good)
 
 
-def white(residual: Array, known: Mask, reversal: Mask) -> Noise:
+def white(residual: Array, known: Mask, reversal: Mask) -> tuple[Noise, ...]:
     """White noise of the level that row-to-row differences show (robust against slow misfit),
-    larger near reversals."""
-    kept = complete_rows(known)
+    larger near reversals; arguments as of `autoregressive`."""
+    each = zip(residual.T, known.T, reversal.T, strict=True)
+    return tuple(_white(here, complete_rows(rows), turning) for here, rows, turning in each)
+
+
+def _white(residual: Array, kept: npt.NDArray[np.intp], reversal: Mask) -> Noise:
+    """The same of one joint."""
     a = np.zeros(ORDER + 1)
     a[0] = 1.0
     if len(kept) < 20:
@@ -136,7 +141,7 @@ def autoregressive(residual: Array, known: Mask, reversal: Mask) -> tuple[Noise,
         for j, fit, bounded in zip(long, fits, _not_too_coloured(free), strict=True)
     }
     return tuple(
-        coloured[j] if j in coloured else white(residual[:, j], known[:, j], reversal[:, j])
+        coloured[j] if j in coloured else _white(residual[:, j], kept[j], reversal[:, j])
         for j in range(len(kept))
     )
 
