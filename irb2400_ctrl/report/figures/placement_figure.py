@@ -43,7 +43,7 @@ def map_figure(found: Placement, up: int) -> Figure:
     refused = best < 0
     # the foot of the arm is drawn too
     wide, tall = (np.ptp(np.append(places, 0.0)) + 2 * _SQUARE for places in (x, y))
-    height = float(np.clip(1.45 + 3.8 * tall / wide, 2.2, 6.0))
+    height = float(np.clip(1.0 + 4.8 * tall / wide, 2.2, 6.0))
     figure = Figure(figsize=(4.6, height), layout="constrained")
     axes = figure.subplots()
     axes.grid(lw=0.6)
