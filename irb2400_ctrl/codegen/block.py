@@ -146,14 +146,24 @@ class CompiledBlock:
         return _stack(self.block.parameters, values)
 
     def step(self, x: ArrayLike, u: ArrayLike, p: ArrayLike | None = None) -> tuple[Array, Array]:
-        """One step: (x+, y)."""
+        """One step: (x+, y).
+
+        Args:
+            x: state, shape (nx,); u: inputs, shape (nu,), each field in its unit.
+            p: parameters, shape (np,); default the block's own.
+        """
         after, y = self.function.call(x, u, self.default_parameters if p is None else p)
         return after, y
 
     def rollout(
         self, inputs: ArrayLike, *, x0: ArrayLike | None = None, p: ArrayLike | None = None
     ) -> tuple[Array, Array]:
-        """Many steps in C: `inputs` (n, nu) -> states (n + 1, nx), outputs (n, ny)."""
+        """Many steps in C: `inputs` (n, nu) -> states (n + 1, nx), outputs (n, ny).
+
+        Args:
+            inputs: a row a step, each field in its unit, shape (n, nu).
+            x0: first state, shape (nx,); p: parameters, shape (np,); default the block's own.
+        """
         start = self.initial_state if x0 is None else x0
         return self.function.rollout(start, inputs, self.default_parameters if p is None else p)
 

@@ -57,6 +57,7 @@ def adaptive(
     torque limit, and at rest, where static friction would teach it anything.
 
     Args:
+        robot: the arm it knows; sample_time: period [s].
         bandwidth, damping: of the error, as in `computed_torque`.
         adaptation_time: how fast a parameter alone is learned in a typical motion [s].
     """

@@ -44,6 +44,7 @@ def pid(
     starts at zero, like a drive whose brake opens; the arm sags until it has found the weight.
 
     Args:
+        robot: the arm it knows; sample_time: period [s].
         position_bandwidth: gain Kp of the position loop [1/s].
         speed_bandwidth: crossover of the speed loop [rad/s].
         integral_time: Ti of the speed loop [s].
@@ -68,8 +69,11 @@ def feedforward_pid(
     """The cascade of `pid` plus the model's torque along the reference: tau = ID(q_ref, qd_ref,
     qdd_ref) + Kv e_v + I.
 
-    Arguments as for `pid`; the feed-forward torque contains friction and effects. `tables` as in
-    `computed_torque`.
+    Args:
+        robot: the arm it knows; sample_time: period [s].
+        position_bandwidth, speed_bandwidth, integral_time, speed_feedforward: as in `pid`; the
+            feed-forward torque contains friction and effects.
+        tables: as in `computed_torque`.
     """
     return _cascade(
         "feedforward_pid", "cascade P-PI with the model's torque fed forward", robot, sample_time,

@@ -26,6 +26,7 @@ def computed_torque(
     the nominal arm.
 
     Args:
+        robot: the arm it knows; sample_time: period [s].
         bandwidth: natural frequency of the error [rad/s], one or one per joint.
         damping: damping ratio [-], one or one per joint.
         tables: payload and friction are parameters of the block, to be set while it runs.

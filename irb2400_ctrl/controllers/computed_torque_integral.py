@@ -39,6 +39,7 @@ def computed_torque_integral(
     creep and hunt.
 
     Args:
+        robot: the arm it knows; sample_time: period [s].
         bandwidth, damping: of the error, as in `computed_torque`.
         integral_time: Ti [s].
         deadband: angle error that is left alone at rest [rad].

@@ -23,6 +23,7 @@ def gravity_pd(
     Kp = J bandwidth^2, Kd = 2 damping J bandwidth with J from `typical_inertia`.
 
     Args:
+        robot: the arm it knows; sample_time: period [s].
         bandwidth: natural frequency of an axis alone [rad/s], one or one per joint.
         damping: damping ratio [-], one or one per joint.
     """

@@ -62,6 +62,7 @@ def guarded(
         start_time: [s].
         most_lost: samples that may be missing in a row.
         consistency: with the momentum observer.
+        robot: the arm, with its joint box and limits.
     """
     _check(block, start_time, most_lost)
     T = block.sample_time

@@ -62,6 +62,7 @@ def momentum_observer(
     from J^T wrench = tau_ext (damped).
 
     Args:
+        robot: the arm it knows; sample_time: period [s].
         bandwidth: K [rad/s].
     """
     n = robot.n

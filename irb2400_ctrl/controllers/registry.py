@@ -31,6 +31,7 @@ def controller(name: str, robot: Robot, sample_time: float = 0.001, **design: An
     """The controller of that name for a robot, effects of the robot included.
 
     Args:
+        robot: the arm it knows.
         name: one of `CONTROLLERS`.
         sample_time: [s].
         design: wishes of that controller (bandwidth, damping …), see its function; defaults

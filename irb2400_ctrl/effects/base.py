@@ -224,7 +224,12 @@ class Effect(BaseModel, ABC):
     def torque_of(
         self, s: Signals, coefficients: ca.SX | ca.DM, discrepancy: ca.SX | ca.DM
     ) -> ca.SX:
-        """`torque` with other coefficients, numbers or symbols; zero outside the windows."""
+        """`torque` with other coefficients, numbers or symbols; zero outside the windows.
+
+        Args:
+            s: the signals it may depend on.
+            coefficients, discrepancy: of the columns of the two bases, in their order.
+        """
         tau = self.basis(s) @ coefficients
         if discrepancy.numel():
             tau += self.discrepancy_basis(s) @ discrepancy

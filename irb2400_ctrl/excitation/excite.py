@@ -50,6 +50,7 @@ def excite(
     """Plan the motion.
 
     Args:
+        robot: the arm, with its limits.
         group: name of an ambiguity group (`groups`), or of an effect in it.
         seconds: duration of the motion.
         joint: look at members on this joint only (from 1); default all joints at once.
@@ -165,7 +166,12 @@ def separability(
     robot: Robot, group: str, course: Trajectory, *, joint: int | None = None
 ) -> dict[Pair, float]:
     """Distances of the pairs of a group on any motion, sizes set on the standard motion of the same
-    duration."""
+    duration.
+
+    Args:
+        robot: the arm; group: name of an ambiguity group, or of an effect in it.
+        course: the motion; joint: members on this joint only (from 1); default all.
+    """
     robot = with_room(robot)
     workshop = Workshop(robot)
     standard = workshop.recorded(standard_course(workshop, max(course.duration, SHORTEST)))

@@ -49,6 +49,7 @@ def diagnose_change(
         robot: the file, where the identification begins.
         log: of today; reference: of the same arm on another day, or its robot file.
         validation: another motion of today, for the errors only.
+        progress: told the name of each stage.
 
     Raises:
         InputError: a log does not fit the robot, or is not understood.

@@ -68,7 +68,12 @@ class Model(SymbolicArm):
         time: float = 0.0,
         wrench: Value | None = None,
     ) -> Value:
-        """qdd with tau = inverse_dynamics(q, qd, qdd) [rad/s2] (eq. 56); arguments as there."""
+        """qdd with tau = inverse_dynamics(q, qd, qdd) [rad/s2] (eq. 56); arguments as there.
+
+        Args:
+            q, qd: [rad], [rad/s]; tau: of the actuators [Nm]; shape (n,) or (m, n).
+            friction, time, wrench: as in `inverse_dynamics`.
+        """
         name = "forward_dynamics" if friction else "forward_dynamics_without_friction"
         driving = tau if wrench is None else tau + self.external_torque(q, wrench)
         return evaluate(self.function(name), q, qd, driving, constants=(time,))
@@ -92,16 +97,29 @@ class Model(SymbolicArm):
         return evaluate(self.function("friction"), qd)
 
     def regressor(self, q: Value, qd: Value, qdd: Value) -> Value:
-        """Y with tau_rigid = Y phi, phi the (m, mc, I_O) of all links, shape (n, 10 n)."""
+        """Y with tau_rigid = Y phi, phi the (m, mc, I_O) of all links, shape (n, 10 n).
+
+        Args:
+            q, qd, qdd: [rad], [rad/s], [rad/s2], shape (n,) or (m, n).
+        """
         return evaluate(self.function("regressor"), q, qd, qdd, matrix=True)
 
     def body_torque(self, q: Value, qd: Value, qdd: Value, phi: Value) -> Value:
-        """Y phi for any bodies phi, shape (10 n,): many times faster than Y itself [Nm]."""
+        """Y phi for any bodies phi, shape (10 n,): many times faster than Y itself [Nm].
+
+        Args:
+            q, qd, qdd: [rad], [rad/s], [rad/s2], shape (n,) or (m, n).
+            phi: (m, mc, I_O) of all links [kg, kg m, kg m2].
+        """
         return evaluate(self.function("body_torque"), q, qd, qdd, phi)
 
     def base_regressor(self, q: Value, qd: Value, qdd: Value) -> Value:
         """Y_b with tau_rigid = Y_b @ base_parameters.values, shape (n, number of base
-        parameters)."""
+        parameters).
+
+        Args:
+            q, qd, qdd: [rad], [rad/s], [rad/s2], shape (n,) or (m, n).
+        """
         return evaluate(self.function("base_regressor"), q, qd, qdd, matrix=True)
 
     def external_torque(self, q: Value, wrench: Value) -> Value:

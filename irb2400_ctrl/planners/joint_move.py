@@ -90,6 +90,7 @@ def joint_move(
     much.
 
     Args:
+        model: the arm, with its limits.
         q_start, q_target: actuator angles inside the joint box [rad], shape (n,).
         qd_start, qdd_start: state at the start, default rest [rad/s, rad/s2], shape (n,).
         qdd_max: upper limits of acceleration [rad/s2], shape (n,); default those of the robot file,

@@ -139,7 +139,12 @@ class JointPath:
 
     def on_piece(self, s: Array, piece: npt.NDArray[np.int64], order: int = 0) -> Array:
         """The same with the polynomial piece chosen by the caller (for one-sided values at
-        knots)."""
+        knots).
+
+        Args:
+            s: way [m], shape (k,); piece: of each, from 0, shape (k,).
+            order: of the derivative.
+        """
         d = np.repeat(s - self.knots[piece], self.n).reshape(-1, self.n)
         # Horner's rule; a coefficient is gathered only where it enters
         value = self._times(order, 3, piece)

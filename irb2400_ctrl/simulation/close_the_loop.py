@@ -72,6 +72,7 @@ def close_loop(
         plant: the simulated arm; default the diagnosed robot with masses, centres of mass, inertias
             and friction drawn anew within what a log leaves open, so that it has exactly the effect
             and no controller knows the rest.
+        trajectory: the motion that is followed.
     """
     diagnosed = diagnosed.lasting()
     plant = perturbed_robot(diagnosed, PLANT_SEED, share=LEFT_OPEN) if plant is None else plant

@@ -41,7 +41,7 @@ def plant_block(
         robot: the arm; its effects of kind force and parameters act, those of the measuring chain
             do not.
         sample_time: period of the controller [s].
-        substeps: time steps per period.
+        substeps: time steps per period; wrench: whether a force on the tool is an input.
         friction_steps: friction steps per time step.
         sweeps: Gauss-Seidel sweeps of the dry friction per friction step.
     """

@@ -203,7 +203,13 @@ def make_loop(
     substeps: int = SUBSTEPS,
     wrench: bool = False,
 ) -> Loop:
-    """Compile controller, instruments and plant into one loop; arguments as for `simulate`."""
+    """Compile controller, instruments and plant into one loop; arguments as for `simulate`.
+
+    Args:
+        robot, controller, plant, sensors, actuators, substeps: as in `simulate`.
+        rate: of a controller that is named [1/s].
+        wrench: whether a force on the tool is an input.
+    """
     if isinstance(controller, str):
         from irb2400_ctrl.controllers import controller as by_name
 

@@ -14,6 +14,7 @@ from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.files import write_atomic
 from irb2400_ctrl.sweep.cases import CaseOutcome, Row, identity
 from irb2400_ctrl.sweep.study import Study, changed_keys
+from irb2400_ctrl.system import lock
 
 STUDY = "study.toml"
 CASES = "cases.jsonl"
@@ -141,17 +142,11 @@ def _is_of(study: Study, row: Row) -> bool:
 
 
 def _lock(file: Any, folder: Path) -> None:
-    try:
-        import fcntl
-    except ImportError:
-        # no such lock on this system; a second sweep into one folder would only repeat cases
-        return
-    try:
-        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except OSError as error:
+    # without such locks a second sweep into one folder would only repeat cases
+    if not lock(file):
         raise InputError(
             f"{folder}: another sweep is writing there; wait for it or choose another folder"
-        ) from error
+        )
 
 
 def _other_study(folder: Path, study: Study) -> str:

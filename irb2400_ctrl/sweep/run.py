@@ -3,7 +3,6 @@ table."""
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable
 from contextlib import closing
 from dataclasses import dataclass
@@ -16,6 +15,7 @@ from irb2400_ctrl.sweep.journal import open_journal
 from irb2400_ctrl.sweep.pool import Lost, Work, run_on_cores
 from irb2400_ctrl.sweep.study import Study
 from irb2400_ctrl.sweep.table import SummaryLine, make_table, summarise, write_table
+from irb2400_ctrl.system import cores
 
 
 @dataclass(frozen=True)
@@ -106,11 +106,3 @@ def run_sweep(
         rows = sorted([*journal.rows.values(), *lost], key=lambda row: int(row["case"]))
         table = write_table(make_table(study, rows), Path(out))
     return Sweep(study, tuple(rows), table, len(missing))
-
-
-def cores() -> int:
-    """Cores that this process may use."""
-    try:
-        return len(os.sched_getaffinity(0))
-    except AttributeError:
-        return os.cpu_count() or 1

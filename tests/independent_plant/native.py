@@ -37,7 +37,8 @@ def library() -> ctypes.CDLL:
         b"".join(f.read_bytes() for f in files)
         + " ".join([compiler, *FLAGS, platform.processor()]).encode()
     )
-    cache = Path(tempfile.gettempdir()) / f"independent_plant_{os.getuid()}"
+    user = getattr(os, "getuid", int)()  # 0 on Windows
+    cache = Path(tempfile.gettempdir()) / f"independent_plant_{user}"
     target = cache / f"plant_{hashlib.sha256(text).hexdigest()[:16]}.so"
     if not target.exists():
         cache.mkdir(mode=0o700, exist_ok=True)

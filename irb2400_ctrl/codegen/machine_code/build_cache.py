@@ -23,11 +23,11 @@ from irb2400_ctrl.codegen.machine_code.toolchain import (
     FUSED_FLAGS,
     find_compiler,
     native_flags,
-    processor,
     run_tool,
 )
 from irb2400_ctrl.errors import IrbError, ToolMissingError
 from irb2400_ctrl.files import flush_to_disk
+from irb2400_ctrl.system import processor, user_number
 
 ABANDONED = 3600.0
 """seconds after which the folder of a build belongs to a process that was killed"""
@@ -50,8 +50,7 @@ def cache_dir() -> Path:
     for folder in (candidate / "irb2400_ctrl" for candidate in candidates):
         if _usable(folder, parents=True):
             return folder
-    user = os.getuid() if hasattr(os, "getuid") else 0
-    folder = Path(tempfile.gettempdir()) / f"irb2400_ctrl-{user}"
+    folder = Path(tempfile.gettempdir()) / f"irb2400_ctrl-{user_number() or 0}"
     return folder if _usable(folder, parents=False) else _of_this_process()
 
 
@@ -75,11 +74,12 @@ def _usable(folder: Path, *, parents: bool) -> bool:
 
 def _not_private(place: Path) -> str:
     """Why somebody else could have put code into a folder or file; empty if nobody can."""
-    if not hasattr(os, "getuid"):
+    user = user_number()
+    if user is None:
         return ""
     # the link as well as what it leads to
     for status in (place.lstat(), place.stat()):
-        if status.st_uid != os.getuid():
+        if status.st_uid != user:
             return "belongs to another user"
         if not stat.S_ISLNK(status.st_mode) and status.st_mode & 0o022:
             return f"may be written to by others (chmod go-w {place}, after a look into it)"

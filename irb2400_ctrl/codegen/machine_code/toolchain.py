@@ -70,19 +70,6 @@ def native_flags() -> tuple[str, ...]:
     return ("-mcpu=native",) if platform.machine() == "arm64" else ()
 
 
-@cache
-def processor() -> str:
-    """What tells this processor from another that cannot run code made for it."""
-    try:
-        lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
-    except OSError:
-        return platform.platform() + platform.processor()
-    marks = {
-        line for line in lines if line.startswith(("model name", "flags", "Features", "CPU part"))
-    }
-    return platform.machine() + "".join(sorted(marks))
-
-
 def run_tool(command: list[str], *, cwd: Path | None = None, timeout: float = 600.0) -> str:
     """Run a program of the toolchain and return what it printed.
 

@@ -27,7 +27,12 @@ class Certificate:
 
 def check(certificate: Certificate, model: Model, dynamics: PathDynamics | None = None) -> Checked:
     """Bound torque, speed and what else is limited over all times, from the motion's own numbers
-    alone: nothing that the solver computed is used."""
+    alone: nothing that the solver computed is used.
+
+    Args:
+        certificate: what a plan or a timing promises; model: the arm it is checked with.
+        dynamics: of the path, where they are made already.
+    """
     if dynamics is None:
         external = certificate.path.n - model.robot.n
         dynamics = PathDynamics(model, external, certificate.carriage)

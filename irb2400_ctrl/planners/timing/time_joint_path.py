@@ -34,6 +34,11 @@ def time_joint_path(
 ) -> tuple[Timed, Cells]:
     """The certified time law of a joint path, and the cells it stands on.
 
+    Args:
+        dynamics: torque along the path; path: q(s) [rad].
+        limits: of torque, speed, acceleration, jerk and rates.
+        count: cells that the path is cut into; feed: bound of the TCP's speed, if any.
+
     Raises:
         InfeasibleError: no motion within the limits; says where, and which axis lacks what.
     """

@@ -54,6 +54,7 @@ def choose_settings(
     stretches are the fewest that the grid allows.
 
     Args:
+        positioner: its frames and ranges.
         path: stated on the work-piece.
         spindle_axis: of the tool, for a path of full orientations.
         favourable: direction from tip to spindle that suits the robot, in its base; default

@@ -43,7 +43,7 @@ def map_figure(found: Placement, up: int) -> Figure:
     refused = best < 0
     # the foot of the arm is drawn too
     wide, tall = (np.ptp(np.append(places, 0.0)) + 2 * _SQUARE for places in (x, y))
-    height = float(np.clip(1.9 + 3.8 * tall / wide, 2.6, 6.0))
+    height = float(np.clip(1.0 + 4.8 * tall / wide, 2.2, 6.0))
     figure = Figure(figsize=(4.6, height), layout="constrained")
     axes = figure.subplots()
     axes.grid(lw=0.6)
@@ -59,6 +59,7 @@ def map_figure(found: Placement, up: int) -> Figure:
         at = _middle(found, outlook)[shown]
         axes.plot(*at, mark, color="tab:red", ms=11, label=name)
     axes.set_aspect("equal")
+    axes.margins(0.06)
     axes.set_xlabel("x of the part's middle [mm]")
     axes.set_ylabel(f"{'xyz'[up]} [mm]")
     axes.legend(fontsize="small", frameon=False, ncols=2, loc="lower left", bbox_to_anchor=(0, 1))

@@ -66,7 +66,11 @@ def verdict_sentence(diagnosis: Diagnosis) -> str:
 
 
 def diagnosis_page(diagnosis: Diagnosis, title: str, log: Log | None = None) -> Page:
-    """The whole report; with the log its motion is replayed too."""
+    """The whole report; with the log its motion is replayed too.
+
+    Args:
+        diagnosis: what was found; title: of the page; log: whose motion is shown.
+    """
     page = Page(title)
     grade: Grade = GRADES[diagnosis.verdict]
     page.answer(_answer(diagnosis), grade, facts(diagnosis))

@@ -59,7 +59,11 @@ def placement_page(
 
 
 def rail_page(found: RailPosition, robot: Robot, cell: Cell) -> Page:
-    """The whole report of a carriage's place on its rail."""
+    """The whole report of a carriage's place on its rail.
+
+    Args:
+        found: the place and its margins; robot: the arm; cell: with the carriage there.
+    """
     page = Page(f"Where {robot.name} stands on its rail")
     page.answer(
         f"{_sentence(found.found)} The carriage stands at {found.position_mm:g} mm: "

@@ -16,7 +16,11 @@ from irb2400_ctrl.robot import Robot
 
 
 def validation_page(result: Validation, robot: Robot | None = None, log: Log | None = None) -> Page:
-    """The whole report; with the robot and the first log its motion is replayed too."""
+    """The whole report; with the robot and the first log its motion is replayed too.
+
+    Args:
+        result: the comparison; robot, log: whose motion is shown.
+    """
     several = len(result.logs) > 1
     page = Page(f"{result.robot} against {', '.join(Path(seen.log).name for seen in result.logs)}")
     share = result.error.rmse_over_mean_percent

@@ -89,6 +89,7 @@ def rapid_program(
     """The module that moves along the plan.
 
     Args:
+        model: the arm and its tool; options: how the module is written.
         motion: the plan; or only its times [s], shape (n,), increasing, and then
         q: its actuator angles [rad], shape (n, 6). q3 is absolute, as ABB counts axis 3 of it.
         X_BW: work object in the robot base, whose targets are written in it; default wobj0.
@@ -103,8 +104,7 @@ def rapid_program(
         carried: axes that turn the work object, which `X_BW` states at zero, or carry the arm.
 
     Raises:
-        InputError: shapes, order of time, not finite, outside the joint box, a name that RAPID
-        refuses, an event after the end, an approach that the arm cannot go.
+        InputError: arrays, names, events or an approach that cannot be; says which and why.
     """
     options = options or RapidOptions()
     time, q = checked(model, motion, q)

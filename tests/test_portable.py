@@ -1,0 +1,100 @@
+"""The library calls what POSIX alone has in one module; everything else is there on Windows too."""
+
+from __future__ import annotations
+
+import ast
+import os
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+import irb2400_ctrl as irb
+from irb2400_ctrl import system
+
+PACKAGE = Path(irb.__file__).parent
+MODULES = "crypt fcntl grp nis posix pty pwd resource spwd syslog termios tty"
+"""of the standard library, "Availability: Unix"; below the same of modules that Windows has"""
+OS = (
+    "chown chroot confstr ctermid fchdir fchmod fchown fork forkpty fpathconf getegid geteuid "
+    "getgid getgroups getloadavg getpgid getpgrp getpriority getresgid getresuid getsid getuid "
+    "initgroups killpg lchown lockf mkfifo mknod nice openpty pathconf posix_fadvise "
+    "posix_fallocate posix_spawn pread pwrite readv sched_getaffinity sched_setaffinity "
+    "sched_yield sendfile setegid seteuid setgid setpgid setpriority setsid setuid statvfs "
+    "sync sysconf ttyname uname wait wait3 wait4 waitid writev O_NOFOLLOW O_DIRECTORY"
+)
+SIGNAL = (
+    "SIGALRM SIGCHLD SIGCONT SIGHUP SIGKILL SIGPIPE SIGQUIT SIGSTOP SIGUSR1 SIGUSR2 alarm "
+    "pause pthread_kill setitimer sigwait"
+)
+CALLS = {
+    "os": OS.split(),
+    "signal": SIGNAL.split(),
+    "socket": ["AF_UNIX", "SO_REUSEPORT"],
+    "time": ["tzset", "pthread_getcpuclockid"],
+}
+TEXT = {"/dev/null", "/tmp", "/proc", "/usr", "/bin/sh"}
+
+
+def posix(tree: ast.AST) -> Iterator[str]:
+    """What a file takes from POSIX."""
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Import):
+            yield from (name.name for name in node.names if name.name in MODULES.split())
+        elif isinstance(node, ast.ImportFrom) and node.module in {*MODULES.split(), *CALLS}:
+            names = {name.name for name in node.names}
+            wrong = names.intersection(CALLS.get(node.module, names))
+            yield from (f"{node.module}.{name}" for name in sorted(wrong))
+        elif isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name):
+            if node.attr in CALLS.get(node.value.id, ()):
+                yield f"{node.value.id}.{node.attr}"
+        elif isinstance(node, ast.Constant) and isinstance(node.value, str):
+            if any(node.value == place or node.value.startswith(f"{place}/") for place in TEXT):
+                yield node.value
+        elif isinstance(node, ast.keyword) and node.arg in {"preexec_fn", "start_new_session"}:
+            yield node.arg
+
+
+def test_one_module_alone_calls_what_windows_lacks() -> None:
+    found = {
+        path.relative_to(PACKAGE).as_posix(): calls
+        for path in PACKAGE.rglob("*.py")
+        if (calls := list(posix(ast.parse(path.read_text()))))
+    }
+    assert set(found) == {"system.py"}, found
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "import fcntl",
+        "from pwd import getpwuid",
+        "import os\nos.fork()",
+        "from os import getuid",
+        "import signal\nsignal.signal(signal.SIGKILL, f)",
+        "open('/dev/null')",
+        "run(x, preexec_fn=f)",
+    ],
+)
+def test_such_a_call_is_found(text: str) -> None:
+    assert list(posix(ast.parse(text)))
+
+
+def test_without_posix_the_module_still_answers(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    for name in ("getuid", "sched_getaffinity"):
+        monkeypatch.delattr(os, name, raising=False)
+    monkeypatch.setitem(sys.modules, "fcntl", None)
+    assert system.user_number() is None
+    assert system.cores() >= 1
+    with (tmp_path / "file").open("w") as file:
+        assert system.lock(file)
+
+
+@pytest.mark.skipif(os.name == "nt", reason="no such locks on Windows")
+def test_a_second_lock_is_refused(tmp_path: Path) -> None:
+    with (tmp_path / "file").open("w") as one, (tmp_path / "file").open("w") as other:
+        assert system.lock(one)
+        assert not system.lock(other)
