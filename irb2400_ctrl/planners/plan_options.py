@@ -62,7 +62,7 @@ class PlanOptions:
         if self.load is not None and self.external is not None:
             raise InputError(
                 "cutting force: found one together with a positioner that moves, which turns it "
-                "with the part; expected angles at which the positioner stands"
+                "with the part, or with a carriage that moves; expected places at which they stand"
             )
         plate = None if self.cell is None else self.cell.positioner
         if plate is not None and plate.position_deg == "find":

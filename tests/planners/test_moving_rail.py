@@ -338,7 +338,7 @@ def test_a_program_with_a_long_cut_and_a_short_one(tmp_path: Path) -> None:
     assert np.abs(rows.tau[turn]).max(axis=0)[0] > 50
     module = read_rapid(rapid_of_motion(motion).text)
     ways = np.array([move.external[0] for move in module.moves])
-    assert ways.min() == pytest.approx(1e3 * rows.q.min(), abs=1)
+    assert ways.min() == pytest.approx(1e3 * rows.external.q.min(), abs=1)
     axes = cell.on_rail("move").external_axes
     assert np.abs(module.joint_angles(Model(ROBOT), axes)[-1] - rows.q[-1]).max() < 1e-5
     # the tip is at the ends of both cuts

@@ -105,7 +105,7 @@ def test_a_wait_in_the_middle_is_refused_while_the_part_moves(tmp_path: Path) ->
     program = read_program(file)
     side = replace(program, operations=(program.operation("SIDE"),))
     told = plan_program(ROBOT, side, cell=cell())
-    assert "not planned while the positioner moves" in told.operations[0].refused
+    assert "not planned while the positioner or the carriage moves" in told.operations[0].refused
 
 
 def test_a_force_that_turns_with_the_part_is_refused() -> None:

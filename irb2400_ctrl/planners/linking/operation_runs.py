@@ -100,7 +100,7 @@ def _split(
     if turned is not path and middle:
         raise UnreachableError(
             f"operation {operation.number} waits at point {middle[0] + 1}, which is not planned "
-            "while a positioner or a carriage moves; state where they stand for this operation"
+            "while the positioner or the carriage moves; state where they stand for this operation"
         )
     options = {**options, "work_frame": np.eye(4)}
     return Split(robot, operation, path, plane, links, options, turned)

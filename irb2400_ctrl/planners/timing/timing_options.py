@@ -77,7 +77,8 @@ class TimingOptions:
         if external is not None:
             if backend != "certified":
                 raise InputError(
-                    f"timing: found {backend!r} with a positioner that moves, expected 'certified'"
+                    f"timing: found {backend!r} with a positioner or a carriage that moves, "
+                    "expected 'certified'"
                 )
             rate = sampling.torque_rate if torque_rate is None else None
             limited = limited.with_external(external, rate)
