@@ -163,7 +163,7 @@ def numerical(robot: irb.Robot, poses: int, seed: int) -> str:
     away = np.abs(np.exp(1j * found) - np.exp(1j * q)[:, None]).max(axis=2)
     missed = np.where(exists, away, np.inf).min(axis=1) > 1e-6
     few = min(1000, max(1, poses // 10))
-    more = NewtonBranches(robot, seen=32, rounds=96).many(X[:few], None).q
+    more = NewtonBranches(robot, seen=64, rounds=96).many(X[:few], None).q
     other = np.isfinite(more).all(axis=2).sum(axis=1) != exists[:few].sum(axis=1)
     return (
         f"{robot.name:<24} {poses:>7} {exists.sum():>8} {int((error > 1e-8).sum()):>6} "
