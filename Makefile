@@ -27,13 +27,17 @@ ALL_CORES := -n auto --dist loadfile --no-loadscope-reorder
 pytest: $(VENV)/.installed-test
 	$(BIN)/python -m pytest $(ALL_CORES) $(PYTEST_ARGS)
 
-# everything: also the tests marked slow, the readers on many more drawn files, and the searches for
-# a bound below the truth, on seeds that are drawn anew and printed
+# everything: also the tests marked slow, the readers on many more drawn files, the searches for a
+# bound below the truth and for a sound log that is refused, on seeds that are drawn anew and
+# printed, and the branches of 100,000 poses of every arm
 DRAWS ?= 100
 test-all: lint types contracts $(VENV)/.installed-test
 	IRB2400_EXAMPLES=1000 $(BIN)/python -m pytest $(ALL_CORES) -m "slow or not slow" $(PYTEST_ARGS)
 	$(BIN)/python benchmarks/file_bounds.py $(DRAWS)
 	$(BIN)/python benchmarks/corrupted_logs.py sound --count $(DRAWS)
+	$(BIN)/python benchmarks/corrupted_logs.py sound --count $(DRAWS) --other-arms
+	$(BIN)/python benchmarks/inverse_kinematics.py 100000
+	$(BIN)/python benchmarks/inverse_kinematics.py 100000 --newton
 
 bench: $(VENV)/.installed-test
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt 'mujoco>=3.2,<4'

@@ -29,7 +29,7 @@ DRAWN = 20_000
 STARTS = 96
 """of one round"""
 ROUNDS = 12
-SEEN = 4
+SEEN = 8
 STEPS = 60
 LOOK = 10
 """after so many steps a start that came no nearer than half as far is given up"""

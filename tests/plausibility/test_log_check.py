@@ -10,7 +10,9 @@ from functools import cache
 import numpy as np
 import pytest
 from corrupted_logs import Change, corruptions
-from sound_logs import Drawn, sound_log
+from independent_plant import Case
+from other_arm_logs import other_arm_log
+from sound_logs import Drawn, chatters, sound_log
 
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.measurement import Log
@@ -44,6 +46,24 @@ def said(change: Change, kinds: tuple[str, ...]) -> str:
 
 def test_there_are_forty_kinds_and_more() -> None:
     assert len(CORRUPTIONS) >= 40
+
+
+@pytest.mark.parametrize("seed", [800000, 800001, 800002])
+def test_a_sound_log_of_another_arm_is_not_refused(seed: int) -> None:
+    drawn = other_arm_log(seed)
+    assert log_problem(drawn.robot, drawn.log) is None, drawn.text
+
+
+def test_a_servo_of_the_plant_that_chatters_is_seen() -> None:
+    """Straight wrists of a light arm: the speed loop is beyond what its sampling can hold."""
+    case = Case(551230, spread=2.38)
+    straight = np.zeros((400, 6))
+    bent = straight + np.array([0.0, 0.2, 0.1, 0.0, 1.2, 0.0])
+    assert not chatters(case, bent)
+    light = case.machine.servo.table.copy()
+    light[:, 3] *= 4.0
+    case.machine.servo.table[:] = light
+    assert chatters(case, straight)
 
 
 @pytest.mark.parametrize("seed", [11, 12, 13, 14, 15, 16, 93122, 771006])

@@ -248,3 +248,12 @@ def test_an_angle_on_both_ends_of_its_range_has_a_turn_more() -> None:
     first = found[np.abs(np.exp(1j * found) - np.exp(1j * q)).max(axis=1) < 1e-9]
     # axes 1 and 6 have three each, axes 2, 4 and 5 two, axis 3 (half a turn either way) one
     assert len(first) == 3 * 2 * 1 * 2 * 2 * 3
+
+
+def test_a_pair_of_branches_that_starts_seldom_reach_is_found() -> None:
+    """One of 10,000 poses: with half as many findings of each, two of eight were left."""
+    robot_ = offset_wrist("along")
+    q = np.array([-0.12447, -0.87583, 2.88878, -2.97242, -0.36301, -1.44193])
+    found = NewtonBranches(robot_).one(irb.Model(robot_).flange_pose(q), None)[0]
+    assert len(found) == 8
+    assert np.abs(np.exp(1j * found) - np.exp(1j * q)).max(axis=1).min() < 1e-7
