@@ -80,7 +80,6 @@ class SimulationFile(Table):
 class ClosedLoopFile(Table):
     """The log's motion, followed by the controller made from three descriptions of the arm."""
 
-    schema_version: Literal[1]
     before: SimulationFile = Field(description="the robot as given")
     recalibrated: SimulationFile = Field(description="its numbers as diagnosed, without effects")
     after: SimulationFile = Field(description="the robot as diagnosed")

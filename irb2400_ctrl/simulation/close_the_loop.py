@@ -46,7 +46,7 @@ class ClosedLoop:
     def summary(self) -> dict[str, Any]:
         """The content of `closed_loop.json`: the figures of all runs."""
         runs = {"before": self.before, "recalibrated": self.recalibrated, "after": self.after}
-        return {"schema_version": 1} | {name: run.summary() for name, run in runs.items()}
+        return {name: run.summary() for name, run in runs.items()}
 
 
 def close_loop(
