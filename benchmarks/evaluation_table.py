@@ -22,7 +22,7 @@ def table(cases: list[Case]) -> str:
         by_suite.setdefault(case["case"].split("/")[0], []).append(case)
     lines = ["| suite | arms | measure | count | share |", "| --- | --- | --- | --- | --- |"]
     for suite, members in by_suite.items():
-        for measure, hit, total in _measures(suite, members):
+        for measure, hit, total in [*_refused(members), *_measures(suite, members)]:
             share = f"{100 * hit / total:.1f} %" if total else "-"
             lines.append(f"| {suite} | {len(members)} | {measure} | {hit} / {total} | {share} |")
     lines += ["", *_errors(cases), "", *_calibration(cases), "", *_confusion(cases)]
@@ -49,12 +49,15 @@ def _known(case: Case) -> list[Case]:
     ]
 
 
+def _refused(cases: list[Case]) -> list[tuple[str, int, int]]:
+    """Logs that the diagnosis took for another robot's, where there are any."""
+    refused = sum(c["verdict"] == "log_not_understood" for c in cases)
+    return [("log not understood", refused, len(cases))] if refused else []
+
+
 def _measures(suite: str, cases: list[Case]) -> list[tuple[str, int, int]]:
     """(measure, hits, total) of one suite."""
     found: list[tuple[str, int, int]] = []
-    refused = sum(c["verdict"] == "log_not_understood" for c in cases)
-    if refused:
-        found.append(("log not understood", refused, len(cases)))
     clean = [c for c in cases if not c["truth"]]
     if clean:
         named = sum(bool(c["found"]) for c in clean)
