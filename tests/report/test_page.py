@@ -123,15 +123,21 @@ def test_numbers_of_a_table_have_three_digits(value: object, told: str) -> None:
 @pytest.mark.parametrize(
     ("value", "error", "told"),
     [
-        (3.0801, 0.0113, "3.080\N{NO-BREAK SPACE}±\N{NO-BREAK SPACE}0.011"),
-        (1234.5, 25.0, "1,234\N{NO-BREAK SPACE}±\N{NO-BREAK SPACE}25"),
+        (3.0801, 0.0113, "3.080 ± 0.011"),
+        (1234.5, 25.0, "1,234 ± 25"),
         (0.5, 0.0, "0.500"),
         (0.5, math.inf, "0.500"),
-        (2e-9, 3e-10, "2.00·10⁻⁹\N{NO-BREAK SPACE}±\N{NO-BREAK SPACE}3.00·10⁻¹⁰"),
+        (2e-9, 3e-10, "2.00·10⁻⁹ ± 3.00·10⁻¹⁰"),
     ],
 )
 def test_a_number_has_the_digits_its_error_leaves(value: float, error: float, told: str) -> None:
     assert with_error(value, error) == told
+
+
+def test_a_number_and_its_error_stay_in_one_line_of_a_table() -> None:
+    page = Page("Mass")
+    page.table("Masses", ["link", "mass [kg]"], [["1", with_error(3.0801, 0.0113)]])
+    assert "3.080\N{NO-BREAK SPACE}±\N{NO-BREAK SPACE}0.011" in page.html()
 
 
 def test_nothing_is_wider_than_a_phone() -> None:

@@ -115,7 +115,9 @@ class Page:
             rows: a row a thing.
             folded: closed until the reader opens it.
         """
-        texts = [[show(value) for value in row] for row in rows]
+        # in a narrow column a number and its error stay together
+        beside = "\N{NO-BREAK SPACE}±\N{NO-BREAK SPACE}"
+        texts = [[show(value).replace(" ± ", beside) for value in row] for row in rows]
         self._add("table", caption=caption, head=list(head), rows=texts, folded=folded)
 
     def figure(self, figure: Figure, caption: str, zoomable: bool = False) -> None:
@@ -260,15 +262,11 @@ def show(value: object) -> str:
     return f"{mantissa}·10{str(int(power)).translate(_RAISED)}" if power else mantissa
 
 
-BESIDE = "\N{NO-BREAK SPACE}±\N{NO-BREAK SPACE}"
-"""in a narrow column a number and its error stay together"""
-
-
 def with_error(value: float, error: float) -> str:
     """`3.080 ± 0.011`: two digits of a standard error, and as many places of its value."""
     if not (isfinite(error) and error > 0.0):
         return show(value)
     places = max(0, 1 - floor(log10(error)))
     if places > 6:
-        return f"{show(value)}{BESIDE}{show(error)}"
-    return f"{value:,.{places}f}{BESIDE}{error:,.{places}f}"
+        return f"{show(value)} ± {show(error)}"
+    return f"{value:,.{places}f} ± {error:,.{places}f}"
