@@ -45,7 +45,8 @@ def off_the_move(model: irb.Model, q: Array, X: Array, in_joints: bool) -> tuple
     share = np.append(0.0, np.cumsum(step)) / step.sum()
     if in_joints:
         moved = model.tcp_pose(q[0] + np.outer(share, q[-1] - q[0]))
-        place, turn = moved[:, :3, 3], Rotation.from_matrix(moved[:, :3, :3])
+        place = moved[:, :3, 3]
+        turn = Rotation.from_matrix(moved[:, :3, :3])
     else:
         place = X[0, :3, 3] + np.outer(share, X[-1, :3, 3] - X[0, :3, 3])
         turn = Slerp([0, 1], ends)(share.clip(0, 1))

@@ -115,7 +115,8 @@ class _LinearMoves:
         if norms(p[0] + share[:, None] * (p[-1] - p[0]) - p).max() > tolerance:
             return False
         planned = self.quaternions[rows]
-        start, end = planned[0], planned[-1]
+        start = planned[0]
+        end = planned[-1]
         if start @ end < 0:
             end = -end
         half = 2 * math.asin(min(0.5 * float(np.linalg.norm(end - start)), 1.0))
