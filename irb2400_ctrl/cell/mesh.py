@@ -16,6 +16,9 @@ from irb2400_ctrl.robot.shape import pose
 
 UNITS = {"mm": 1e-3, "cm": 1e-2, "m": 1.0, "inch": 0.0254}
 """[m]"""
+# no thing in a cell is smaller or larger than this: its unit is wrong [m]
+SMALLEST = 1e-3
+LARGEST = 50.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,6 +96,13 @@ def read_mesh(mesh: Mesh, folder: Path) -> Surface:
         )
     points, triangles, closed = triangles_of(path)
     points = UNITS[mesh.unit] * points
+    size = float(np.ptp(points, axis=0).max())
+    if not SMALLEST <= size <= LARGEST:
+        raise InputError(
+            f"mesh {path}: found a thing of {1e3 * size:.3g} mm with unit = {mesh.unit!r}, "
+            f"expected one of {1e3 * SMALLEST:g} mm to {LARGEST:g} m; STL states no unit: is it "
+            f"another of {', '.join(UNITS)}?"
+        )
     centre = (points.min(axis=0) + points.max(axis=0)) / 2
     X = pose(mesh.place_mm, mesh.turn_deg)
     X[:3, 3] += X[:3, :3] @ centre

@@ -11,6 +11,11 @@ from irb2400_ctrl.errors import InputError
 
 MOST_BYTES = 500_000_000
 MOST_TRIANGLES = 5_000_000
+# CAD models by suffix: shapes that have yet to be cut into triangles
+_SOLIDS = {".step", ".stp", ".iges", ".igs", ".sldprt", ".ipt", ".catpart", ".prt", ".x_t", ".sat"}
+# bytes of a binary STL file: 80 of title and the count of triangles, then each triangle
+_STL_HEAD = 84
+_STL_TRIANGLE = 50
 
 
 def triangles_of(path: Path) -> tuple[Array, Integers, bool]:
@@ -31,21 +36,45 @@ def triangles_of(path: Path) -> tuple[Array, Integers, bool]:
                 f"mesh {path}: found more than {MOST_BYTES / 1e6:g} MB, expected less; export it "
                 "coarser"
             )
-        found = trimesh.load_mesh(path)
+        # as it stands: otherwise triangles without numbers are left out, and no one is told
+        found = trimesh.load_mesh(path, process=False)
     except InputError:
         raise
     except Exception as error:  # a reader of many formats fails in as many ways
-        raise InputError(f"mesh {path} cannot be read ({error}); expected an STL file") from error
+        raise InputError(f"mesh {path} cannot be read: {_why(path, error)}") from error
     if not isinstance(found, trimesh.Trimesh):
         raise InputError(f"mesh {path}: found no single mesh, expected an STL file of a solid")
+    if not np.isfinite(found.vertices).all():
+        raise InputError(
+            f"mesh {path}: found corners that are no numbers, or are endless; expected finite "
+            "ones: export it anew"
+        )
     found.merge_vertices()
     points = np.asarray(found.vertices, dtype=float).reshape(-1, 3)
     triangles = np.asarray(found.faces, dtype=np.int64).reshape(-1, 3)
     if not len(triangles):
         raise InputError(f"mesh {path}: found no triangles, expected an STL file of a solid")
-    if len(triangles) > MOST_TRIANGLES or not np.isfinite(points).all():
+    if len(triangles) > MOST_TRIANGLES:
         raise InputError(
-            f"mesh {path}: found {len(triangles):,} triangles, expected finite ones and at most "
+            f"mesh {path}: found {len(triangles):,} triangles, expected at most "
             f"{MOST_TRIANGLES:,}; export it coarser"
         )
     return points, triangles, bool(found.is_watertight)
+
+
+def _why(path: Path, error: Exception) -> str:
+    """What is wrong with a file, as far as its name and size tell."""
+    kind = path.suffix.lower()
+    if kind in _SOLIDS:
+        return f"found {kind}, a CAD model; expected triangles: export it as STL"
+    size = path.stat().st_size
+    with path.open("rb") as file:
+        head = file.read(_STL_HEAD)
+    if kind == ".stl" and len(head) == _STL_HEAD and b"\0" in head:
+        count = int.from_bytes(head[-4:], "little")
+        stated = _STL_HEAD + _STL_TRIANGLE * count
+        return (
+            f"found {size:,} bytes, expected {stated:,} of a binary STL file of the {count:,} "
+            "triangles that its head states: cut short, or another kind of file"
+        )
+    return f"{error}; expected an STL file"

@@ -45,7 +45,6 @@ from irb2400_ctrl.cli.summary import Summary, answers
 from irb2400_ctrl.errors import UnreachableError
 
 if TYPE_CHECKING:
-    from irb2400_ctrl.cell import Cell
     from irb2400_ctrl.planners import CamProgram, Plan
 
 PathArgument = Annotated[
@@ -214,7 +213,7 @@ def plan(
         "torque_rate": None if torque_rate is None else torque_rate * arm.tau_max,
         "jerk": None if jerk_deg_s3 is None else math.radians(jerk_deg_s3),
     }
-    _say_assumed(program, around, tool)
+    _say_assumed(program, options)
     chosen = link_options(len(program.operations), links, clearance, approach, start)
     job = Job(arm, program, chosen, options, out, rapid_options(rapid, rapid_set, rapid_io))
     return plan_all(job) if _in_parts(job) else _plan_one(job)
@@ -237,12 +236,21 @@ def _only(program: CamProgram, operation: str | None) -> CamProgram:
     )
 
 
-def _say_assumed(program: CamProgram, cell: Cell | None, tool: str | None) -> None:
-    """What the file leaves open, and which operations take the robot file's tool because the cell
-    does not have theirs."""
+def _say_assumed(program: CamProgram, options: dict[str, Any]) -> None:
+    """What the file leaves open, which operations take the robot file's tool because the cell does
+    not have theirs, and whether the part is meant to be where it is."""
+    from irb2400_ctrl.planners.clearance.beside_part import beside_part
+    from irb2400_ctrl.planners.linking.part_in_base import frame_of
+
     for note in program.of_kind("assumed"):
         print(f"assumed, {note}")
-    if cell is None or tool is not None:
+    cell = options["cell"]
+    if cell is None:
+        return
+    question = beside_part(program, cell, frame_of(options))
+    if question is not None:
+        print(f"is this meant? {question}")
+    if options["tool"] is not None:
         return
     for operation in program.operations:
         asked = operation.tool

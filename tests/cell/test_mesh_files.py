@@ -1,0 +1,99 @@
+"""Meshes as a CAD system may leave them: cut short, in another unit, with corners that are no
+numbers; and a part that is not where the path is."""
+
+from __future__ import annotations
+
+import struct
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.cell import load_cell
+from irb2400_ctrl.cell.piece import cell_pieces
+from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.planners import read_program
+from irb2400_ctrl.planners.clearance.beside_part import beside_part
+
+pytest.importorskip("trimesh")
+SIZE = np.array([100.0, 60.0, 20.0])
+CORNERS = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (-1, 0)]) * SIZE
+FACES = [(0, 1, 3), (0, 3, 2), (4, 6, 7), (4, 7, 5), (0, 4, 5), (0, 5, 1)]
+FACES += [(2, 3, 7), (2, 7, 6), (0, 2, 6), (0, 6, 4), (1, 5, 7), (1, 7, 3)]
+CELL = """name = "a"
+work_object = { place_mm = [850, 0, 500] }
+
+[[things]]
+name = "block"
+role = "part"
+frame = "work_object"
+shapes = [{ kind = "mesh", file = "FILE"UNIT }]
+"""
+PATH = "G21 G90\nG1 X10.0 Y10.0 Z0.0 F600\nX90.0\nY50.0\nX10.0\nM30\n"
+
+
+def stl(corners: Array) -> bytes:
+    """A box as a binary STL file whose title begins with the word that texts begin with."""
+    triangles = b"".join(struct.pack("<12fH", 0, 0, 0, *corners[list(f)].ravel(), 0) for f in FACES)
+    return b"solid of some CAD".ljust(80) + struct.pack("<I", len(FACES)) + triangles
+
+
+def cell_with(folder: Path, content: bytes, name: str = "part.stl", unit: str = "") -> Path:
+    (folder / name).write_bytes(content)
+    text = CELL.replace("FILE", name).replace("UNIT", f', unit = "{unit}"' if unit else "")
+    (folder / "cell.toml").write_text(text)
+    return folder / "cell.toml"
+
+
+@pytest.mark.parametrize(
+    ("scale", "unit"), [(1, "mm"), (0.1, "cm"), (1e-3, "m"), (1 / 25.4, "inch")]
+)
+def test_a_mesh_is_as_large_as_its_unit_says(tmp_path: Path, scale: float, unit: str) -> None:
+    cell = load_cell(cell_with(tmp_path, stl(scale * CORNERS), unit=unit))
+    (block,) = cell_pieces(cell)
+    assert 2e3 * block.half_size() == pytest.approx(SIZE, rel=1e-5)
+    assert block.shape.closed  # type: ignore[union-attr]
+
+
+@pytest.mark.parametrize(
+    ("scale", "unit", "size"), [(1e-3, "mm", r"0\.1 mm"), (1, "m", r"1e\+05 mm")]
+)
+def test_another_unit_is_asked_about(tmp_path: Path, scale: float, unit: str, size: str) -> None:
+    cell = load_cell(cell_with(tmp_path, stl(scale * CORNERS), unit=unit))
+    with pytest.raises(InputError, match=f"a thing of {size} with unit = '{unit}'"):
+        cell_pieces(cell)
+
+
+def test_corners_that_are_no_numbers_are_refused(tmp_path: Path) -> None:
+    """A reader that leaves such triangles out would show a part with a hole."""
+    corners = CORNERS.copy()
+    corners[3] = np.nan
+    with pytest.raises(InputError, match="corners that are no numbers"):
+        cell_pieces(load_cell(cell_with(tmp_path, stl(corners))))
+
+
+def test_a_file_cut_short_says_how_much_is_missing(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="found 400 bytes, expected 684 of a binary STL file"):
+        cell_pieces(load_cell(cell_with(tmp_path, stl(CORNERS)[:400])))
+
+
+@pytest.mark.parametrize("name", ["part.step", "part.STP", "part.igs"])
+def test_a_cad_model_is_no_mesh(tmp_path: Path, name: str) -> None:
+    cell = load_cell(cell_with(tmp_path, b"ISO-10303-21;\nHEADER;\n", name))
+    with pytest.raises(InputError, match="a CAD model; expected triangles: export it as STL"):
+        cell_pieces(cell)
+
+
+def test_a_part_that_is_not_where_the_path_is_is_asked_about(tmp_path: Path) -> None:
+    (tmp_path / "path.nc").write_text(PATH)
+    program = read_program(tmp_path / "path.nc")
+    right = load_cell(cell_with(tmp_path, stl(CORNERS)))
+    assert beside_part(program, right, right.work_frame) is None
+    # inches read as millimetres: a part of 4.7 mm, the path 10 mm from it
+    small = load_cell(cell_with(tmp_path, stl(CORNERS / 25.4)))
+    assert "mm to block, which is 4.658 mm large" in str(
+        beside_part(program, small, small.work_frame)
+    )
+    # the path in the robot base, the part on the work object
+    assert "is the unit of its mesh right" in str(beside_part(program, right, None))
