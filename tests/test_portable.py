@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import os
+import subprocess
 import sys
 from collections.abc import Iterator
 from pathlib import Path
@@ -79,6 +80,68 @@ def test_one_module_alone_calls_what_windows_lacks() -> None:
 )
 def test_such_a_call_is_found(text: str) -> None:
     assert list(posix(ast.parse(text)))
+
+
+def unstated(tree: ast.AST) -> Iterator[str]:
+    """Where a file reads or writes text in the encoding of the machine, which is not UTF-8 on
+    Windows."""
+    for node in ast.walk(tree):
+        if not isinstance(node, ast.Call):
+            continue
+        name = node.func.attr if isinstance(node.func, ast.Attribute) else ""
+        builtin = isinstance(node.func, ast.Name) and node.func.id == "open"
+        words = {keyword.arg for keyword in node.keywords}
+        place = 1 if builtin or name == "write_text" else 0
+        if name in {"read_text", "write_text"}:
+            wrong = len(node.args) <= place and "encoding" not in words
+        elif builtin or (name == "open" and (node.args or words)):
+            mode = node.args[place] if len(node.args) > place else None
+            binary = isinstance(mode, ast.Constant) and "b" in str(mode.value)
+            wrong = not binary and "encoding" not in words
+        else:
+            process = name in {"run", "Popen", "check_output"} or "capture_output" in words
+            wrong = process and "text" in words and "encoding" not in words
+        if wrong:
+            yield f"line {node.lineno}: {ast.unparse(node)}"
+
+
+def test_text_has_an_encoding() -> None:
+    found = {
+        path.relative_to(PACKAGE).as_posix(): calls
+        for path in PACKAGE.rglob("*.py")
+        if (calls := list(unstated(ast.parse(path.read_text("utf-8")))))
+    }
+    assert not found
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "path.read_text()",
+        "path.write_text(content)",
+        "open(path)",
+        "path.open('w')",
+        "open(path, 'a')",
+        "subprocess.run(command, text=True)",
+    ],
+)
+def test_text_without_one_is_found(text: str) -> None:
+    assert list(unstated(ast.parse(text)))
+    stated = text[:-1] + ", encoding='utf-8')"
+    assert not list(unstated(ast.parse(stated.replace("(, ", "("))))
+
+
+@pytest.mark.parametrize("code_page", ["cp437", "cp1252", "ascii"])
+def test_every_console_is_spoken_to(code_page: str) -> None:
+    """A Windows console, or a pipe, whose code page lacks a character of ours."""
+    done = subprocess.run(
+        [sys.executable, "-m", "irb2400_ctrl", "robot", "show", "irb2400"],
+        env={**os.environ, "PYTHONIOENCODING": code_page, "PYTHONUTF8": "0"},
+        capture_output=True,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    assert b"axis_1" in done.stdout
 
 
 def test_without_posix_the_module_still_answers(

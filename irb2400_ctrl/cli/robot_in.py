@@ -83,7 +83,7 @@ def new(out: RobotFile) -> Summary:
 
     from irb2400_ctrl.files import write_atomic
 
-    text = (resources.files("irb2400_ctrl") / "robot" / "template.toml").read_text()
+    text = (resources.files("irb2400_ctrl") / "robot" / "template.toml").read_text("utf-8")
     print(f"written: {write_atomic(out, text)}")
     return Summary({}, [out])
 

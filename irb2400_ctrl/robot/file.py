@@ -43,7 +43,7 @@ def load_robot(source: str | Path) -> Robot:
     """
     folder = Path()
     if isinstance(source, str) and source in robot_names():
-        text = (resources.files("irb2400_ctrl") / "robots" / f"{source}.toml").read_text()
+        text = (resources.files("irb2400_ctrl") / "robots" / f"{source}.toml").read_text("utf-8")
     else:
         path = Path(source)
         if not path.is_file():

@@ -151,7 +151,7 @@ def _lock(file: Any, folder: Path) -> None:
 
 def _other_study(folder: Path, study: Study) -> str:
     try:
-        keys = changed_keys((folder / STUDY).read_text(), study.text)
+        keys = changed_keys((folder / STUDY).read_text("utf-8"), study.text)
     except (OSError, ValueError):
         keys = []
     what = (

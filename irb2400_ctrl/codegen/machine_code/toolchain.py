@@ -78,7 +78,13 @@ def run_tool(command: list[str], *, cwd: Path | None = None, timeout: float = 60
     """
     try:
         done = subprocess.run(
-            command, cwd=cwd, capture_output=True, text=True, timeout=timeout, check=False
+            command,
+            cwd=cwd,
+            capture_output=True,
+            encoding="utf-8",
+            errors="replace",
+            timeout=timeout,
+            check=False,
         )
     except (OSError, subprocess.TimeoutExpired) as error:
         raise IrbError(f"could not run {shlex.join(command)}: {error}") from error
