@@ -14,6 +14,7 @@ import irb2400_ctrl as irb
 from irb2400_ctrl.cli.main import app
 from irb2400_ctrl.errors import ToolMissingError
 from irb2400_ctrl.extras import needed
+from irb2400_ctrl.planners.toolpath.builders import line
 
 LOG = Path(str(resources.files("irb2400_ctrl") / "data" / "arm" / "validation.csv.gz"))
 
@@ -48,3 +49,15 @@ def test_a_study_says_it_before_the_long_work(
             app, ["sweep", str(study), "--out", str(tmp_path / "out")], catch_exceptions=False
         )
     assert not (tmp_path / "out").exists()
+
+
+def test_a_plan_needs_no_toppra_unless_it_is_asked_for(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Windows and macOS have no wheels of it."""
+    for name in [name for name in sys.modules if name.split(".")[0] == "toppra"]:
+        monkeypatch.delitem(sys.modules, name)
+    monkeypatch.setitem(sys.modules, "toppra", None)
+    arm = irb.load_robot("irb2400")
+    path = line([1.0, -0.1, 0.8], [1.0, 0.1, 0.8])
+    assert irb.plan_path(arm, path).guaranteed
+    with pytest.raises(ToolMissingError, match=r'timing="toppra" needs.*irb2400_ctrl\[toppra\]'):
+        irb.plan_path(arm, path, timing="toppra")

@@ -175,6 +175,7 @@ def test_the_file_holds_all_of_it(plan: Plan, tmp_path: Path, name: str) -> None
 
 def test_rows_too_far_apart_are_given_but_not_followed() -> None:
     turns = builders.circle((0.95, 0.0, 0.6), 0.15, sweep=6 * np.pi)
+    pytest.importorskip("toppra")
     sparse = plan_path(ROBOT, turns, rate=3.0, free_tool_rotation=False, timing="toppra")
     with pytest.raises(InputError, match="sample it more often"):
         simulate(ROBOT, sparse.trajectory, "computed_torque")

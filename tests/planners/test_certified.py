@@ -64,6 +64,7 @@ def test_certificate_is_checked_without_the_solver(seed: int) -> None:
 
 @pytest.mark.parametrize("seed", range(4))
 def test_as_fast_as_toppra_on_the_same_physics(seed: int) -> None:
+    pytest.importorskip("toppra")
     from irb2400_ctrl.planners.timing.toppra_timing import time_with_toppra
 
     path = random_path(seed)

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 
 from irb2400_ctrl.cell.external_axes import ExternalAxes
 from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.extras import needed
 from irb2400_ctrl.planners.timing.motion_limits import MotionLimits
 from irb2400_ctrl.planners.timing.sampled_reference.sampling import Sampling
 from irb2400_ctrl.robot import Robot
@@ -54,6 +55,7 @@ class TimingOptions:
         Raises:
             InputError: an unknown back-end, a limit that is not positive or wider than the robot's,
             or one of torque rate or jerk that the back-end does not know.
+            ToolMissingError: toppra is asked for, but not installed.
         """
         if not 0 < torque_share <= 1:
             raise InputError(
@@ -62,6 +64,8 @@ class TimingOptions:
             )
         if backend not in {"certified", "toppra"}:
             raise InputError(f"timing: found {backend!r}, expected 'certified' or 'toppra'")
+        if backend == "toppra":
+            needed("toppra", "toppra", 'timing="toppra"')
         own = MotionLimits.of(robot)
         stated = own if limits is None else limits.within(own)
         stated = replace(stated, tau_max=torque_share * stated.tau_max)
