@@ -89,7 +89,8 @@ def test_a_compiler_that_makes_other_masses(tmp_path: Path, compiler: str) -> No
 SHAPES = """<mujoco model="shapes"><compiler {compiler}/>
   <default><default class="light"><geom density="300"/></default></default>
   <worldbody><body name="foot"><geom type="box" size=".1 .1 .05"/>
-    <body name="l1" pos="0 0 .1"><joint name="j1" pos="0 0 .02"/><geom size=".1 .1" type="cylinder"/>
+    <body name="l1" pos="0 0 .1"><joint name="j1" pos="0 0 .02"/>
+      <geom size=".1 .1" type="cylinder"/>
       <body {second} pos=".1 0 .2" euler="0 30 10"><joint name="j2" axis="0 1 0"/>
         <geom type="capsule" fromto="0 0 0 .3 .05 .1" size=".04" class="light"/>
         <body name="bracket" pos=".1 .1 0"><geom type="box" size=".05 .03 .02" mass=".4"/></body>
@@ -101,9 +102,7 @@ SHAPES = """<mujoco model="shapes"><compiler {compiler}/>
 
 
 @pytest.mark.parametrize("compiler", ["", 'angle="radian" fusestatic="true"'])
-def test_bodies_without_mass_data_have_those_of_their_shapes(
-    tmp_path: Path, compiler: str
-) -> None:
+def test_bodies_without_mass_data_have_those_of_their_shapes(tmp_path: Path, compiler: str) -> None:
     """Box, cylinder and capsule, with density and with mass, a body fixed to another."""
     found = read(tmp_path / "arm.xml", SHAPES.format(compiler=compiler, second='name="l2"'))
     assert found.robot.links[2].body.mass_kg == 1.5
