@@ -60,8 +60,35 @@ def test_an_arm_with_a_sliding_joint_is_not_cut_in_silence(tmp_path: Path) -> No
     bare = sliding.replace("tool0", "hand")
     with pytest.raises(InputError, match=r"joint_4 slides, and 2 joints turn behind it.*link_3"):
         read(tmp_path / "arm.urdf", bare)
-    # asked for, the part before it is an arm
+    # asked for, the part before it is an arm, and what is behind it
     assert import_robot(tmp_path / "arm.urdf", tip="link_3").robot.n == 3
+    with pytest.raises(InputError, match=r"--base-link link_4, or what stands before it"):
+        import_robot(tmp_path / "arm.urdf")
+    assert import_robot(tmp_path / "arm.urdf", base="link_4").robot.n == 2
+    # the same where the tool's frame has a telling name
+    with pytest.raises(InputError, match=r"joint_4 is prismatic.*begin.*--base-link link_4"):
+        read(tmp_path / "arm.urdf", sliding)
+
+
+@pytest.mark.parametrize(
+    ("link", "joints"), [("Fixed_Jaw", 6), ("jaw", 5), ("finger_1", 5), ("knee", 6)]
+)
+def test_which_links_are_those_of_a_gripper(tmp_path: Path, link: str, joints: int) -> None:
+    """The jaw that stands still is the gripper's body, turned by the last joint of the arm."""
+    assert read(tmp_path / "arm.urdf", ARM.replace("link_6", link)).robot.n == joints
+    bare = ARM.replace("tool0", "plate").replace("link_2", link)
+    assert read(tmp_path / "arm.urdf", bare).robot.n == (6 if joints == 6 else 1)
+
+
+def test_coarse_quarter_turns_are_said(tmp_path: Path) -> None:
+    """Read as they stand: an arm calibrated by a milliradian is not put right."""
+    text = ARM.replace('rpy="0.0 0.0 0.0"', 'rpy="1.57 0 -3.1415"', 1)
+    found = read(tmp_path / "arm.urdf", text)
+    assert any("rpy 1.57, -3.1415: read as they stand" in note for note in found.notes)
+    exact = read(tmp_path / "arm.urdf", text.replace("1.57 0 -3.1415", "1.5708 0 -3.14159"))
+    assert not any("read as they stand" in note for note in exact.notes)
+    frames = [arm.robot.links[0].frame.matrix()[:3, :3] for arm in (found, exact)]
+    assert 5e-4 < np.abs(frames[0] - frames[1]).max() < 2e-3
 
 
 @pytest.mark.parametrize(
