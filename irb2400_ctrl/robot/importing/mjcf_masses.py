@@ -81,9 +81,9 @@ def _made(path: Path, root: ET.Element) -> Made:
             # fused with what carries it, which has its mass
             found[body] = Mass(0.0, np.zeros(3), np.zeros((3, 3)))
             continue
-        R = np.empty(9)
-        mujoco.mju_quat2Mat(R, model.body_iquat[k])
-        R = R.reshape(3, 3)
+        nine = np.empty(9)
+        mujoco.mju_quat2Mat(nine, model.body_iquat[k])
+        R = nine.reshape(3, 3)
         tensor = R @ np.diag(model.body_inertia[k]) @ R.T
         found[body] = Mass(float(model.body_mass[k]), model.body_ipos[k].copy(), tensor)
     return found
