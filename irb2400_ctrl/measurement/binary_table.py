@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Collection, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +17,11 @@ MOST_JOINTS = 16
 """a matrix with so few rows and more columns than that holds a sample per column"""
 
 
-def read_parquet_table(path: Path) -> Table:
+Chosen = Callable[[Collection[str]], Collection[str]]
+"""those of a file's columns that count; others may have another length"""
+
+
+def read_parquet_table(path: Path, chosen: Chosen | None = None) -> Table:
     """Columns of numbers of a Parquet file; instants count in seconds from the first, and the only
     one is `time_s` where no column is called so.
 
@@ -39,10 +43,10 @@ def read_parquet_table(path: Path) -> Table:
     instants = [field.name for field in table.schema if pa.types.is_timestamp(field.type)]
     if len(instants) == 1 and not any(name.startswith("time_") for name in columns):
         columns = {"time_s": columns[instants[0]], **columns}
-    return one_length(path, columns)
+    return one_length(path, columns if chosen is None else _only(columns, chosen))
 
 
-def read_mat_table(path: Path) -> Table:
+def read_mat_table(path: Path, chosen: Chosen | None = None) -> Table:
     """Columns of a MAT file: vectors by name, matrices column by column.
 
     A matrix named like one column (`q_deg`, `tau_Nm`) is one column per joint (`q1_deg`…); any
@@ -68,7 +72,12 @@ def read_mat_table(path: Path) -> Table:
     if columns:
         # single numbers (a sampling rate, a load) are no columns
         columns = {name: values for name, values in columns.items() if len(values) > 1}
-    return one_length(path, columns)
+    return one_length(path, columns if chosen is None else _only(columns, chosen))
+
+
+def _only(columns: dict[str, Array], chosen: Chosen) -> dict[str, Array]:
+    names = chosen(columns)
+    return {name: values for name, values in columns.items() if name in names} or columns
 
 
 def _arrow_columns(pa: Any, name: str, values: Any) -> dict[str, Array]:

@@ -176,6 +176,11 @@ class ColumnMap(_Strict):
             found += [column.of_joint(j) if column.every_joint else column for j in joints]
         return found
 
+    def named(self, names: Collection[str]) -> set[str]:
+        """The columns that count, of a file with these, the time among them."""
+        stamps = {"time_s"} if self.time is None else {self.time.column, self.time.nanoseconds}
+        return {column.file for column in self.of(names)} | {name for name in stamps if name}
+
     @model_validator(mode="after")
     def _once(self) -> Self:
         for what, keys in (

@@ -136,7 +136,7 @@ def _header(path: Path, lines: list[str], dialect: Dialect) -> list[str]:
     if _is_number(header[0], dialect) and _is_number(header[1], dialect):
         raise InputError(
             f"{path}, line {dialect.skip + 1}: found numbers ({line[:40]}…), expected a line of "
-            "names such as time_s,q1_deg above them: write it into the file"
+            f"names such as time_s,q1_deg above them, {len(header)} in all: write it into the file"
         )
     doubled = sorted({name for name in header if header.count(name) > 1 and name})
     if doubled:

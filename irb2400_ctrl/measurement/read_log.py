@@ -21,15 +21,17 @@ from irb2400_ctrl.measurement.binary_table import read_mat_table, read_parquet_t
 from irb2400_ctrl.measurement.column_map import TIME, ColumnMap, load_column_map
 from irb2400_ctrl.measurement.csv_table import read_csv_table
 from irb2400_ctrl.measurement.log import Log
-from irb2400_ctrl.measurement.recorder_names import has_time, recorder_columns
+from irb2400_ctrl.measurement.recorder_names import has_time, recorder_columns, unit_by_size
 from irb2400_ctrl.measurement.ros_table import read_ros_table
 from irb2400_ctrl.measurement.signal_names import (
+    TIME_WORDS,
     joint_signal,
     strange_word,
     time_scale,
     without_source,
     without_unit,
 )
+from irb2400_ctrl.measurement.suggested_map import suggested_map
 from irb2400_ctrl.measurement.table import Table
 from irb2400_ctrl.measurement.two_part_time import joined, joined_time
 from irb2400_ctrl.reading import looks_like
@@ -79,29 +81,45 @@ def read_log(
         raise InputError(
             f"no log file {path}: expected a .csv or .csv.gz with time_s, q1_deg…, tau1_Nm…"
         )
+    given = (
+        columns if columns is None or isinstance(columns, ColumnMap) else load_column_map(columns)
+    )
     if path.suffix.lower() in BAGS:
-        table = read_ros_table(path, names, ordered=columns is None)
+        table = read_ros_table(path, names, ordered=given is None)
+    elif path.suffix.lower() in READERS:
+        table = READERS[path.suffix.lower()](path, None if given is None else given.named)
     else:
-        table = READERS.get(path.suffix.lower(), read_csv_table)(path)
-    if columns is None:
-        if not has_time(table):
-            table = joined_time(table)
-        time, found, scales = _by_name(table, names)
+        table = read_csv_table(path)
+    if given is None:
+        given_columns = table.columns
+        try:
+            if not has_time(table):
+                table = joined_time(table)
+            time, found, scales = _by_name(table, names)
+            n = _joints(table, found, joints)
+        except InputError as error:
+            raise InputError(f"{error}{suggested_map(given_columns)}") from error
     else:
-        given = columns if isinstance(columns, ColumnMap) else load_column_map(columns)
         table = _with_time(table, given)
         time, found, scales = _by_map(table, given)
+        n = _joints(table, found, joints)
     used = {time[0], *(name for places in found.values() for name in places.values())}
     table = _without_blank_rows(table, used - {time[0]})
     _finite(table, used)
-    n = joints or max([max(found[s], default=0) for s in ("q", "tau")], default=0) or 6
-    found = {signal: found[signal] for signal in found if found[signal] or signal in {"q", "tau"}}
-    for signal, places in found.items():
-        _expect_all(table, signal, places, n)
+    found = {signal: places for signal, places in found.items() if places}
     signals = {signal: _stacked(table, places, scales, n) for signal, places in found.items()}
     stamps = _frozen(table.columns.pop(time[0]) * time[1])
     extra = dict(table.columns)
     return Log(stamps, signals.pop("q"), signals.pop("tau"), extra=extra, name=str(path), **signals)
+
+
+def _joints(table: Table, found: Found, expected: int | None) -> int:
+    """How many joints there are, each with an angle and a torque."""
+    n = expected or max([max(found[s], default=0) for s in ("q", "tau")], default=0) or 6
+    for signal, places in found.items():
+        if places or signal in {"q", "tau"}:
+            _expect_all(table, signal, places, n)
+    return n
 
 
 def _by_name(
@@ -111,6 +129,7 @@ def _by_name(
     found: Found = {signal: {} for signal in _SCALES}
     scales: dict[str, float] = {}
     times = [name for name in table.columns if name in NAMED_TIMES]
+    without = ""
     recorded = recorder_columns(table, names)
     if recorded is not None:
         found |= recorded[1]
@@ -130,15 +149,18 @@ def _by_name(
                 "the columns, or say what they are in a column map (--columns, docs/logs.md)"
             )
         elif _BARE.fullmatch(name):
-            raise InputError(
-                f"{table.path}: column {name!r} has no unit, expected for example {_example(name)}"
-            )
+            without = without or name
     if len(times) > 1:
         _contradict(table, *times)
     if not times and not any(found.values()):
         in_brackets = _by_brackets(table)
         if in_brackets is not None:
             return in_brackets
+    if without:
+        raise InputError(
+            f"{table.path}: column {without!r} has no unit, expected for example "
+            f"{_example(without)}"
+        )
     if not times:
         raise InputError(
             f"{table.path}: no column time_s, time_ms or 'Time [s]'; found {table.some}: rename "
@@ -162,6 +184,9 @@ def _by_brackets(table: Table) -> tuple[tuple[str, float], Found, dict[str, floa
             _contradict(table, found[kind][joint], name)
         found[kind][joint] = name
         scales[name] = scale
+    if not times and any(found.values()):
+        bare = [name for name in table.columns if name.strip().lower() in TIME_WORDS]
+        times = {name: unit_by_size(table.columns[name]) for name in bare}
     if len(times) > 1:
         _contradict(table, *list(times)[:2])
     return (next(iter(times.items())), found, scales) if times else None

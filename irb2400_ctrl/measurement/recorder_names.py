@@ -3,10 +3,14 @@
 - RTDE (`record.py`): `timestamp`, `actual_q_0`…, `actual_qd_0`…, `target_q_0`…, in rad and s; the
   torque is `actual_current_as_torque_0`… [Nm]. Currents need a column map.
 - PlotJuggler and the like: a column of seconds and `/joint_states/elbow_joint/position`,
-  `/velocity`, `/effort` (a dot does as well as the last stroke).
+  `/velocity`, `/effort` (a dot does as well as the last stroke); flattened tables have
+  `elbow_joint_position`, `elbow_joint_velocity`, `elbow_joint_effort`.
 - `rostopic echo -p`: `%time` [ns] (a comment line is the header), `field.name0`…,
   `field.position0`…; tables of bags (bagpy): `Time`, `name` with the list of joints,
   `position_0`…, `velocity_0`…, `effort_0`…, or the whole list in one cell of `position`.
+
+- `libfranka` and `franka_ros`: `state.q[0]`…, `dq`, `q_d`, and `tau_J`, the torque on the link's
+  side; `libfranka` counts the time in milliseconds, so that there its step tells the unit.
 
 A time whose name states no unit is in seconds, or, counted from 1970, in the unit that its size
 tells (`pandas` writes nanoseconds).
@@ -16,6 +20,8 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
+
+import numpy as np
 
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.errors import InputError
@@ -33,14 +39,21 @@ _RTDE_SIGNALS = {
     "target_q": "q_ref",
     "actual_current_as_torque": "tau",
 }
+_FRANKA = re.compile(
+    r"(?:(?:state|field|.*/franka_states)[./])?(q|dq|q_d|tau_J)(?:\[(\d)\]|_?(\d))"
+)
+_FRANKA_SIGNALS = {"q": "q", "dq": "qd", "q_d": "q_ref", "tau_J": "tau"}
 _NAMED = re.compile(r"(.*[/.])?(?P<joint>[^/.]+)[/.](?P<word>position|velocity|effort)")
+_JOINED = re.compile(r"(?P<joint>.+)_(?P<word>position|velocity|effort)")
 _ECHO = re.compile(
-    r"(.*[/.])?(?P<word>position|velocity|effort)(?:_?(?P<place>\d+)|\[(?P<from_one>\d+)\])"
+    r"(.*[/.])?(?P<word>position|velocity|effort)(?:_?(?P<place>\d+)|\[(?P<bracket>\d+)\])"
 )
 _QUOTED = re.compile(r"""['"]([^'"]+)['"]""")
 _NAMES = re.compile(r"(.*[/.])?name")
 _TIMES = {"%time": 1e-9, "time_ns": 1e-9, "time_us": 1e-6, "time_ms": 1e-3, "time_s": 1.0}
 _BARE_TIMES = ("timestamp", "__time", "time", "Time")
+SLOWEST = 0.1
+"""between two samples [s]"""
 _SINCE_1970 = ((1e17, 1e-9), (1e14, 1e-6), (1e11, 1e-3))
 """(a number above it, seconds a count): seconds reach 1e11 in the year 5138"""
 
@@ -54,10 +67,11 @@ def recorder_columns(table: Table, joints: Sequence[str] | None) -> Named | None
     time = next((name for name in (*_TIMES, *_BARE_TIMES) if name in table.columns), None)
     if time is None:
         return None
-    for reader in (_rtde, _by_joint, _echoed):
+    for reader in (_rtde, _franka, _by_joint, _echoed):
         found = reader(table, joints)
         if found.get("q"):
-            return (time, _TIMES.get(time) or _unit(table.columns[time])), found
+            unit = unit_by_step if reader is _franka else unit_by_size
+            return (time, _TIMES.get(time) or unit(table.columns[time])), found
     return None
 
 
@@ -73,10 +87,18 @@ def _twice(table: Table, one: str, other: str, what: str) -> InputError:
     )
 
 
-def _unit(stamps: Array) -> float:
+def unit_by_size(stamps: Array) -> float:
     """Seconds a count of a time whose name does not say it."""
     first = float(stamps[0]) if len(stamps) else 0.0
     return next((unit for above, unit in _SINCE_1970 if first > above), 1.0)
+
+
+def unit_by_step(stamps: Array) -> float:
+    """Seconds a count of a time that may count milliseconds and less: as from 10 Hz on."""
+    known = unit_by_size(stamps)
+    step = float(np.median(np.diff(stamps))) if len(stamps) > 1 else 0.0
+    units = (known,) if known < 1.0 else (1.0, 1e-3, 1e-6, 1e-9)
+    return next((unit for unit in units if step * unit <= SLOWEST), 1.0)
 
 
 def _rtde(table: Table, joints: Sequence[str] | None) -> dict[str, dict[int, str]]:
@@ -88,10 +110,24 @@ def _rtde(table: Table, joints: Sequence[str] | None) -> dict[str, dict[int, str
     return found
 
 
+def _franka(table: Table, joints: Sequence[str] | None) -> dict[str, dict[int, str]]:
+    found: dict[str, dict[int, str]] = {}
+    for name in table.columns:
+        match = _FRANKA.fullmatch(name)
+        if match is not None:
+            found.setdefault(_FRANKA_SIGNALS[match[1]], {})[int(match[2] or match[3]) + 1] = name
+    # any recorder may write q0; `tau_J` is Franka's
+    return found if 1 in found.get("tau", {}) else {}
+
+
 def _by_joint(table: Table, joints: Sequence[str] | None) -> dict[str, dict[int, str]]:
     seen: dict[str, dict[str, str]] = {}
+    form = _NAMED
+    if not any(map(_NAMED.fullmatch, table.columns)):
+        # only ROS calls a torque effort: other recorders' positions may be in degrees
+        form = _JOINED if any(name.endswith("_effort") for name in table.columns) else _NAMED
     for name in table.columns:
-        match = _NAMED.fullmatch(name)
+        match = form.fullmatch(name)
         if match is not None:
             columns = seen.setdefault(match["joint"], {})
             other = columns.setdefault(match["word"], name)
@@ -102,13 +138,15 @@ def _by_joint(table: Table, joints: Sequence[str] | None) -> dict[str, dict[int,
 
 def _echoed(table: Table, joints: Sequence[str] | None) -> dict[str, dict[int, str]]:
     seen: dict[int, dict[str, str]] = {}
-    for name in table.columns:
-        match = _ECHO.fullmatch(name)
-        if match is not None:
-            place = int(match["place"]) if match["place"] else int(match["from_one"]) - 1
-            other = seen.setdefault(place, {}).setdefault(match["word"], name)
-            if other != name:
-                raise _twice(table, other, name, f"the {match['word']} of joint {place + 1}")
+    matches = {name: match for name in table.columns if (match := _ECHO.fullmatch(name))}
+    # lists in a cell are counted from 1 here; others count their brackets from 0
+    brackets = {int(match["bracket"]) for match in matches.values() if match["bracket"]}
+    lowest = 0 if 0 in brackets else 1
+    for name, match in matches.items():
+        place = int(match["place"] or int(match["bracket"]) - lowest)
+        other = seen.setdefault(place, {}).setdefault(match["word"], name)
+        if other != name:
+            raise _twice(table, other, name, f"the {match['word']} of joint {place + 1}")
     words = [words for name, words in table.words.items() if _NAMES.fullmatch(name)]
     listed = _QUOTED.findall(words[0]) if words else []
     numbered = [f"joint {place + 1}" for place in range(max(seen, default=-1) + 1)]

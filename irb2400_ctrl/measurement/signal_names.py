@@ -27,7 +27,18 @@ UNITS = {
 }
 """unit -> (signal, SI per number)"""
 TIMES = {"s": 1.0, "sec": 1.0, "ms": 1e-3, "us": 1e-6, "µs": 1e-6, "ns": 1e-9}
-TIME_WORDS = {"time", "t", "timestamp", "zeit", "zeitstempel", "temps", "tiempo", "时间", "時間"}
+TIME_WORDS = {
+    "time",
+    "t",
+    "timestamp",
+    "time_stamp",
+    "zeit",
+    "zeitstempel",
+    "temps",
+    "tiempo",
+    "时间",
+    "時間",
+}
 _SPELLED = {
     "°": "deg",
     "degrees": "deg",
@@ -122,7 +133,7 @@ def is_unit(cell: str) -> bool:
 
 
 def _unit(text: str) -> str:
-    found = re.sub(r"[\s·*]", "", text)
+    found = re.sub(r"[\s·*.]", "", text)
     for spelled, short in _SPELLED.items():
         found = found.replace(spelled, short)
     return re.sub(r"(?<=deg|rad)/sec$|(?<=deg|rad)_s$", "/s", found)

@@ -64,7 +64,8 @@ def one_length(path: Path, columns: dict[str, Array]) -> Table:
         long = max(lengths, key=lengths.__getitem__)
         raise InputError(
             f"{path}: column {short!r} has {lengths[short]} samples, {long!r} has {lengths[long]}; "
-            "expected one time base for all: resample them in the tool that wrote the file"
+            "expected one time base for all: name those that belong together in a column map "
+            "(--columns, docs/logs.md), or resample them in the tool that wrote the file"
         )
     return Table(path, columns)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterable
 from dataclasses import replace
 
 import numpy as np
@@ -22,9 +23,15 @@ def joined_time(table: Table, into: str = "time_s") -> Table:
         table: as it was read; without such a pair, or with several, it is returned as it is.
         into: name of the column that is made.
     """
-    by_name = {name.lower(): name for name in table.columns}
+    pair = time_pair(table.columns)
+    return table if pair is None else joined(table, *pair, into)
+
+
+def time_pair(names: Iterable[str]) -> tuple[str, str] | None:
+    """The columns of whole seconds and of nanoseconds beyond them, where one pair is there."""
+    by_name = {name.lower(): name for name in names}
     pairs = []
-    for name in table.columns:
+    for name in by_name.values():
         found = _SECONDS.fullmatch(name)
         if found is not None:
             beyond = [f"{found['of']}{word}".lower() for word in _BEYOND]
@@ -32,7 +39,7 @@ def joined_time(table: Table, into: str = "time_s") -> Table:
     # the stamp of the message's header, where other stamps stand beside it
     stamps = [pair for pair in pairs if "stamp" in pair[0].lower()]
     chosen = stamps if len(stamps) == 1 else pairs
-    return joined(table, *chosen[0], into) if len(chosen) == 1 else table
+    return chosen[0] if len(chosen) == 1 else None
 
 
 def joined(table: Table, seconds: str, nanoseconds: str, into: str) -> Table:

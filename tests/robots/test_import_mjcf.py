@@ -134,8 +134,8 @@ def test_an_exported_arm_comes_back(tmp_path: Path) -> None:
         ('<joint name="j1"', '<attach/><joint name="j1"', "inside <attach>"),
         (
             '<inertial pos="0.1 0.02 0" mass="2" fullinertia="0.03 0.04 0.05 0.001 0.002 0.003"/>',
-            '<geom size="0.1"/>',
-            "body arm has geometry but no <inertial>",
+            '<geom size="-0.1"/>',
+            "made from shapes, and MuJoCo does not take the file: .*size 0 must be positive",
         ),
         ('name="j2"', 'name="j2" type="ball"', "ball"),
         ('mass="4"', 'mass="four"', "finite numbers"),

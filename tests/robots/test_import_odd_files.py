@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -9,7 +10,7 @@ import pytest
 from robots.public_arms import arms, urdf
 
 import irb2400_ctrl as irb
-from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.errors import InputError, ToolMissingError
 from irb2400_ctrl.robot.importing import Imported, import_robot
 
 ARM = urdf(arms()["irb1200"])
@@ -59,19 +60,117 @@ def test_an_arm_with_a_sliding_joint_is_not_cut_in_silence(tmp_path: Path) -> No
     bare = sliding.replace("tool0", "hand")
     with pytest.raises(InputError, match=r"joint_4 slides, and 2 joints turn behind it.*link_3"):
         read(tmp_path / "arm.urdf", bare)
-    # asked for, the part before it is an arm
+    # asked for, the part before it is an arm, and what is behind it
     assert import_robot(tmp_path / "arm.urdf", tip="link_3").robot.n == 3
+    with pytest.raises(InputError, match=r"--base-link link_4, or what stands before it"):
+        import_robot(tmp_path / "arm.urdf")
+    assert import_robot(tmp_path / "arm.urdf", base="link_4").robot.n == 2
+    # the same where the tool's frame has a telling name
+    with pytest.raises(InputError, match=r"joint_4 is prismatic.*begin.*--base-link link_4"):
+        read(tmp_path / "arm.urdf", sliding)
+
+
+@pytest.mark.parametrize(
+    ("link", "joints"), [("Fixed_Jaw", 6), ("jaw", 5), ("finger_1", 5), ("knee", 6)]
+)
+def test_which_links_are_those_of_a_gripper(tmp_path: Path, link: str, joints: int) -> None:
+    """The jaw that stands still is the gripper's body, turned by the last joint of the arm."""
+    assert read(tmp_path / "arm.urdf", ARM.replace("link_6", link)).robot.n == joints
+    bare = ARM.replace("tool0", "plate").replace("link_2", link)
+    assert read(tmp_path / "arm.urdf", bare).robot.n == (6 if joints == 6 else 1)
+
+
+def test_coarse_quarter_turns_are_said(tmp_path: Path) -> None:
+    """Read as they stand: an arm calibrated by a milliradian is not put right."""
+    text = ARM.replace('rpy="0.0 0.0 0.0"', 'rpy="1.57 0 -3.1415"', 1)
+    found = read(tmp_path / "arm.urdf", text)
+    assert any("rpy 1.57, -3.1415: read as they stand" in note for note in found.notes)
+    exact = read(tmp_path / "arm.urdf", text.replace("1.57 0 -3.1415", "1.5708 0 -3.14159"))
+    assert not any("read as they stand" in note for note in exact.notes)
+    frames = [arm.robot.links[0].frame.matrix()[:3, :3] for arm in (found, exact)]
+    assert 5e-4 < np.abs(frames[0] - frames[1]).max() < 2e-3
 
 
 @pytest.mark.parametrize(
     "compiler",
-    ['inertiafromgeom="true"', 'settotalmass="50"', 'boundmass="4"', 'boundinertia=".2"'],
+    [
+        'inertiafromgeom="true"',
+        'settotalmass="50"',
+        'boundmass="4"',
+        'boundinertia=".2"',
+        'balanceinertia="true"',
+    ],
 )
 def test_a_compiler_that_makes_other_masses(tmp_path: Path, compiler: str) -> None:
-    key = compiler.split("=")[0]
-    with pytest.raises(InputError, match=f"{key}.*other mass data.*mj_saveLastXML"):
-        read(tmp_path / "arm.xml", mjcf(compiler))
-    assert read(tmp_path / "arm.xml", mjcf('inertiafromgeom="auto" boundmass="0"')).robot.n == 6
+    text = mjcf(compiler).replace('diaginertia=".1 .09 .05"', 'diaginertia=".1 .09 .01"')
+    if "balance" not in compiler:
+        text = mjcf(compiler)
+    found = read(tmp_path / "arm.xml", text)
+    assert any(f"{compiler.split('=')[0]} = " in note for note in found.notes)
+    same_torque(tmp_path / "arm.xml", found.robot)
+    plain = read(tmp_path / "arm.xml", mjcf('inertiafromgeom="auto" boundmass="0"'))
+    assert plain.robot.links[5].body.mass_kg == 1.0
+    assert not any("mass data" in note for note in plain.notes)
+
+
+SHAPES = """<mujoco model="shapes"><compiler {compiler}/>
+  <default><default class="light"><geom density="300"/></default></default>
+  <worldbody><body name="foot"><geom type="box" size=".1 .1 .05"/>
+    <body name="l1" pos="0 0 .1"><joint name="j1" pos="0 0 .02"/>
+      <geom size=".1 .1" type="cylinder"/>
+      <body {second} pos=".1 0 .2" euler="0 30 10"><joint name="j2" axis="0 1 0"/>
+        <geom type="capsule" fromto="0 0 0 .3 .05 .1" size=".04" class="light"/>
+        <body name="bracket" pos=".1 .1 0"><geom type="box" size=".05 .03 .02" mass=".4"/></body>
+        <body name="l3" pos=".3 0 0"><joint name="j3" axis="0 1 0"/>
+          <inertial pos=".1 0 0" mass="1.5" diaginertia=".01 .02 .02"/><geom size=".05"/>
+        </body></body></body></body>
+    <body name="cube" pos="1 0 0"><freejoint/><geom size=".1"/></body>
+  </worldbody></mujoco>"""
+
+
+@pytest.mark.parametrize("compiler", ["", 'angle="radian" fusestatic="true"'])
+def test_bodies_without_mass_data_have_those_of_their_shapes(tmp_path: Path, compiler: str) -> None:
+    """Box, cylinder and capsule, with density and with mass, a body fixed to another."""
+    found = read(tmp_path / "arm.xml", SHAPES.format(compiler=compiler, second='name="l2"'))
+    assert found.robot.links[2].body.mass_kg == 1.5
+    said = [note for note in found.notes if "states no mass data" in note]
+    assert len(said) == 1
+    assert said[0].startswith("links l1, l2, bracket: ")
+    same_torque(tmp_path / "arm.xml", found.robot)
+
+
+def test_a_body_without_a_name_is_found_by_its_place(tmp_path: Path) -> None:
+    found = read(tmp_path / "arm.xml", SHAPES.format(compiler="", second=""))
+    same_torque(tmp_path / "arm.xml", found.robot)
+    with pytest.raises(InputError, match="give every body a name"):
+        read(tmp_path / "arm.xml", SHAPES.format(compiler='fusestatic="true"', second=""))
+
+
+def test_shapes_without_mujoco_say_what_to_install(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(sys.modules, "mujoco", None)
+    with pytest.raises(ToolMissingError, match=r"mass data that the file does not.*\[mjcf\]"):
+        read(tmp_path / "arm.xml", SHAPES.format(compiler="", second=""))
+    assert read(tmp_path / "arm.xml", mjcf()).robot.n == 6
+
+
+def same_torque(path: Path, robot: irb.Robot) -> None:
+    """MuJoCo's own, of the same file, what flies freely left out."""
+    mujoco = pytest.importorskip("mujoco")
+    engine = mujoco.MjModel.from_xml_path(str(path))
+    engine.opt.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_CONSTRAINT)
+    data = mujoco.MjData(engine)
+    model = irb.Model(robot)
+    n = robot.n
+    rng = np.random.default_rng(4)
+    for q, qd, qdd in rng.uniform(-1.0, 1.0, (5, 3, n)):
+        data.qpos[:n] = q
+        data.qvel[:n] = qd
+        data.qacc[:n] = qdd
+        mujoco.mj_inverse(engine, data)
+        tau = model.inverse_dynamics(q, qd, qdd, friction=False)
+        np.testing.assert_allclose(tau, data.qfrc_inverse[:n], rtol=0, atol=1e-9)
 
 
 def test_a_spring_across_a_joint_is_an_effect(tmp_path: Path) -> None:

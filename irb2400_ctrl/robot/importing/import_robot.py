@@ -60,6 +60,10 @@ def read_tree(path: Path, convention: str | None = None) -> Tree:
         return read_urdf(path, root)
     if root.tag == "mujoco":
         return read_mjcf(path, root)
+    if root.tag == "mujocoinclude":
+        raise InputError(
+            f"{path}: found <mujocoinclude>, a part of an MJCF; import the file that includes it"
+        )
     raise InputError(
         f"{path}: found <{root.tag}> at the top, expected <robot> (URDF) or <mujoco> (MJCF)"
     )

@@ -18,6 +18,7 @@ from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.robot.importing.geometry import Geometry
 from irb2400_ctrl.robot.importing.mjcf_geometry import geometry, mesh_assets
+from irb2400_ctrl.robot.importing.mjcf_masses import Made, made_masses
 from irb2400_ctrl.robot.importing.mjcf_orientation import orientation, turn
 from irb2400_ctrl.robot.importing.mjcf_parts import (
     Defaults,
@@ -29,8 +30,6 @@ from irb2400_ctrl.robot.importing.mjcf_parts import (
 from irb2400_ctrl.robot.importing.tree import Mass, Tree, TreeJoint, inverse, pose
 
 NOT_READ = ("tendon", "equality")
-CHANGES_MASSES = ("settotalmass", "boundmass", "boundinertia")
-"""of the compiler: numbers that replace mass data where they are above zero"""
 
 
 def read_mjcf(path: Path, root: ET.Element) -> Tree:
@@ -46,15 +45,16 @@ def read_mjcf(path: Path, root: ET.Element) -> Tree:
     settings: Settings = {}
     for compiler in root.findall("compiler"):
         settings |= compiler.attrib
-    _no_changed_masses(path, settings)
     unit = 1.0 if settings.get("angle") == "radian" else np.pi / 180
     classes = defaults(root)
     reader = _Reader(path, unit, settings.get("eulerseq", "xyz"), classes)
     reader.limits = torque_limits(root, classes)
     reader.meshes = mesh_assets(root, classes, settings)
+    of_masses: list[str] = []
+    reader.made = made_masses(path, root, settings, of_masses)
     for world in worlds:
         for body in world.findall("body"):
-            reader.body(body, "world", "main", moving=False)
+            reader.body(body, "world", "main")
         for tag in ("frame", "replicate", "attach"):
             if any(part.find(".//body") is not None or tag == "attach" for part in world.iter(tag)):
                 raise InputError(
@@ -69,6 +69,7 @@ def read_mjcf(path: Path, root: ET.Element) -> Tree:
         )
     notes = [f"<{tag}> is not read; state a coupling with --coupling" for tag in NOT_READ
              if root.find(tag) is not None]  # fmt: skip
+    notes += of_masses
     notes += [f"body {name} flies freely: it is left out" for name in reader.free]
     light = [str(b.get("name")) for b in root.iter("body") if b.get("gravcomp", "0") != "0"]
     notes += [f"link {name}: its weight acts on the motors here (gravcomp)" for name in light]
@@ -80,19 +81,6 @@ def read_mjcf(path: Path, root: ET.Element) -> Tree:
     name = root.get("model") or path.stem
     return Tree(name, f"imported from {path.name} (MJCF)", reader.links, tuple(reader.joints),
                 gravity, tuple(notes), reader.shapes)  # fmt: skip
-
-
-def _no_changed_masses(path: Path, settings: Settings) -> None:
-    """Refuse a compiler that makes other mass data than the inertials state."""
-    changed = [key for key in CHANGES_MASSES if (_first(settings.get(key)) or 0.0) > 0.0]
-    if settings.get("inertiafromgeom") == "true":
-        changed.append("inertiafromgeom")
-    if changed:
-        raise InputError(
-            f"{path}: the compiler's {changed[0]} = {settings[changed[0]]!r} makes other mass data "
-            "than the file states; save the file as MuJoCo understands it (mj_saveLastXML) and "
-            f"import that, without {changed[0]}"
-        )
 
 
 @dataclass
@@ -108,16 +96,16 @@ class _Reader:
     joints: list[TreeJoint] = field(default_factory=list)
     limits: dict[str, float] = field(default_factory=dict)
     free: list[str] = field(default_factory=list)
+    made: Made = field(default_factory=dict)
     meshes: dict[str, Geometry] = field(default_factory=dict)
     shapes: dict[str, tuple[Geometry, ...]] = field(default_factory=dict)
 
-    def body(self, element: ET.Element, parent: str, around: str, *, moving: bool) -> None:
-        """One body, its joints and what hangs on it; `moving`: with the joints before it."""
+    def body(self, element: ET.Element, parent: str, around: str) -> None:
+        """One body, its joints and what hangs on it."""
         name = element.get("name") or f"body_{len(self.links)}"
         kind = element.get("childclass", around)
         X = self._pose(element, name)
         hinges = element.findall("joint")
-        moving = moving or bool(hinges)
         if element.find("freejoint") is not None or "free" in {h.get("type") for h in hinges}:
             self.free.append(name)
             return
@@ -140,7 +128,7 @@ class _Reader:
             here = X
         if not hinges:
             self.joints.append(TreeJoint(f"{name}_mount", "fixed", parent, name, X, np.zeros(3)))
-        self.links[name] = self._mass(element, name, here, moving)
+        self.links[name] = self._mass(element, name, here)
         self.shapes[name] = self._shapes(element, name, kind, here)
         self._sites(element, name, here)
         for inner in element.findall("body"):
@@ -149,7 +137,7 @@ class _Reader:
             if moved not in self.links:
                 self.links[moved] = None
                 self.joints.append(TreeJoint(moved, "fixed", name, moved, here, np.zeros(3)))
-            self.body(inner, moved, kind, moving=moving)
+            self.body(inner, moved, kind)
 
     def _settings(self, joint: ET.Element, kind: str) -> Settings:
         """Attributes of a joint, those of its class included.
@@ -199,15 +187,11 @@ class _Reader:
             rest=self.unit * (_first(settings.get("springref")) or 0.0),
         )
 
-    def _mass(self, element: ET.Element, name: str, here: Array, moving: bool) -> Mass | None:
+    def _mass(self, element: ET.Element, name: str, here: Array) -> Mass | None:
+        if element in self.made:
+            return self.made[element].seen_from(here)
         inertial = element.find("inertial")
         if inertial is None:
-            # what stands still needs no mass
-            if moving and element.find("geom") is not None:
-                raise InputError(
-                    f"{self.path}: body {name} has geometry but no <inertial>; mass data from "
-                    "shapes are not read, write them out (mujoco: mj_saveLastXML)"
-                )
             return None
         mass = _first(inertial.get("mass")) or 0.0
         full = inertial.get("fullinertia")

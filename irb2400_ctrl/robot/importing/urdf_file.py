@@ -15,6 +15,8 @@ from irb2400_ctrl.robot.importing.tree import Mass, Tree, TreeJoint, pose
 ROUNDED = 1e-5
 """a quarter turn with four decimals is off by less [rad]"""
 KINDS = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar")
+COARSE = 2e-3
+"""one with two decimals (3.14) by less than this"""
 MOST_TURN = 7.0
 """angle of a frame above which it cannot be meant in radians"""
 
@@ -53,9 +55,10 @@ def read_urdf(path: Path, root: ET.Element) -> Tree:
     name = root.get("name") or path.stem
     rounded = _rounded_angles(root)
     notes = [f"{rounded} rpy with quarter turns of few digits (1.5708) are read as exact ones"]
+    notes = [*notes[: min(rounded, 1)], *_coarse_angles(root)]
     source = f"imported from {path.name} (URDF)"
     shapes = {_name(path, link, "link"): _shapes(path, link) for link in root.findall("link")}
-    return Tree(name, source, links, joints, notes=tuple(notes[: min(rounded, 1)]), shapes=shapes)
+    return Tree(name, source, links, joints, notes=tuple(notes), shapes=shapes)
 
 
 def _one_parent(path: Path, joints: tuple[TreeJoint, ...]) -> None:
@@ -169,6 +172,24 @@ def _rounded_angles(root: ET.Element) -> int:
         rpy = _vector("origin", origin.get("rpy", "0 0 0"), 3)
         count += bool((np.abs(_quarters(rpy) - rpy) > 1e-9).any())
     return count
+
+
+def _coarse_angles(root: ET.Element) -> list[str]:
+    """A note where an `rpy` looks like a quarter turn, and is off by more than its rounding."""
+    found = []
+    for origin in root.iter("origin"):
+        for word in origin.get("rpy", "").split():
+            turns = round(float(word) / (np.pi / 2))
+            off = abs(float(word) - turns * np.pi / 2)
+            if turns and ROUNDED <= off < COARSE and word not in found:
+                found.append(word)
+    if not found:
+        return []
+    return [
+        f"rpy {', '.join(found)}: read as {'it stands' if len(found) == 1 else 'they stand'}, up "
+        "to 2 mrad off a quarter turn; if right angles are meant, write them as 1.5707963 and "
+        "3.1415927"
+    ]
 
 
 def rotation_rpy(rpy: Array) -> Array:

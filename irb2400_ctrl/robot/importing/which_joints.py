@@ -8,12 +8,13 @@ from dataclasses import replace
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.robot.importing.tree import TURNING, Tree, TreeJoint
 
-TIPS = ("tcp", "tool0", "tool_0", "ee_link", "flange", "link_ee", "ee")
-"""names that tools give to the end of an arm, most telling first"""
+TIPS = ("tcp", "tool0", "tool_0", "ee_link", "flange", "link_ee", "tool_link", "ee")
+"""names that tools give to the end of an arm, as their last words, most telling first"""
 GRIPPER = re.compile(r"finger|gripper|knuckle|jaw|thumb|robotiq", re.IGNORECASE)
 """a joint of this name opens a gripper: it is none of the arm unless asked for"""
-FINGER = re.compile(r"finger|knuckle|jaw|thumb", re.IGNORECASE)
-"""so is one that moves a link of this name (the last joint of an arm may well move the gripper)"""
+FINGER = re.compile(r"(?<!fixed.)(?<!fixed)(finger|knuckle|jaw|thumb)", re.IGNORECASE)
+"""so is one that moves a link of this name (the last joint of an arm may well move the gripper, or
+its jaw that stands still)"""
 ARM = 4
 """a branch on the base with as many turning joints is an arm of its own"""
 
@@ -26,22 +27,22 @@ def end_of_arm(tree: Tree, base: str) -> str:
         InputError: more joints turn behind one that slides.
     """
     best: list[tuple[bool, int, int, int, str]] = []
-    slid: list[tuple[int, str]] = []
+    slid: list[tuple[int, str, str]] = []
     for order, link in enumerate(tree.links):
         try:
             path = tree.path(base, link)
         except InputError:
             continue
         turns = sum(map(_turns, path))
-        rank = next((len(TIPS) - k for k, t in enumerate(TIPS) if link.lower().endswith(t)), 0)
+        rank = next((len(TIPS) - k for k, t in enumerate(TIPS) if _ends(link, t)), 0)
         path = stood_still(path, [])
         if any(
             j.kind in TURNING and (GRIPPER.search(j.name) or FINGER.search(j.child)) for j in path
         ):
             continue
-        sliding = next((j.name for j in path if j.kind not in TURNING | {"fixed"}), None)
+        sliding = next((j for j in path if j.kind not in TURNING | {"fixed"}), None)
         if not rank and sliding is not None:
-            slid.append((turns, sliding))
+            slid.append((turns, sliding.name, sliding.child))
             continue
         turning = [joint for joint in path if joint.kind in TURNING]
         if not rank and turning and turning[-1].mimics:
@@ -49,14 +50,20 @@ def end_of_arm(tree: Tree, base: str) -> str:
         last = bool(path) and path[-1].kind in TURNING
         best.append((rank > 0, turns, rank if rank else int(last) - 1, -order, link))
     chosen = max(best)
-    most, sliding = max(slid, default=(0, ""))
+    most, name, beyond = max(slid, default=(0, "", ""))
     if most > chosen[1]:
+        before = f", or what stands before it with --tool-link {chosen[4]}" if chosen[1] else ""
         raise InputError(
-            f"{tree.name}: joint {sliding} slides, and {most - chosen[1]} joints turn behind it; "
-            "this library knows arms whose joints turn: take what stands before it with "
-            f"--tool-link {chosen[4]}"
+            f"{tree.name}: joint {name} slides, and {most - chosen[1]} joints turn behind it; this "
+            "library knows arms whose joints turn: take what stands behind it with --base-link "
+            f"{beyond}{before}"
         )
     return chosen[4]
+
+
+def _ends(link: str, words: str) -> bool:
+    """Whether the name of a link ends with these words (`knee` does not end with `ee`)."""
+    return re.search(rf"(^|[^A-Za-z]|(?=[A-Z]))(?i:{words})$", link) is not None
 
 
 def stood_still(path: list[TreeJoint], notes: list[str]) -> list[TreeJoint]:
@@ -75,7 +82,8 @@ def turning_only(tree: Tree, path: list[TreeJoint]) -> list[TreeJoint]:
         if joint.kind not in TURNING | {"fixed"}:
             raise InputError(
                 f"{tree.name}: joint {joint.name} is {joint.kind or 'of no type'}; this library "
-                "knows arms whose joints turn, choose another end with --tool-link"
+                f"knows arms whose joints turn: begin behind it with --base-link {joint.child}, or "
+                "end before it with --tool-link"
             )
     return path
 

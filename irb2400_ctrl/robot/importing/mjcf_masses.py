@@ -1,0 +1,110 @@
+"""Mass data that an MJCF does not state: MuJoCo makes them from shapes, or its compiler changes
+what is stated."""
+
+from __future__ import annotations
+
+import xml.etree.ElementTree as ET
+from pathlib import Path
+
+import numpy as np
+
+from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.extras import needed
+from irb2400_ctrl.robot.importing.mjcf_parts import Settings
+from irb2400_ctrl.robot.importing.tree import Mass
+
+CHANGES_MASSES = ("settotalmass", "boundmass", "boundinertia")
+"""of the compiler: numbers that replace mass data where they are above zero"""
+MAKES_MASSES = ("inertiafromgeom", "balanceinertia")
+"""switches that do so"""
+Made = dict[ET.Element, Mass]
+"""of a body, in its frame"""
+
+
+def made_masses(path: Path, root: ET.Element, settings: Settings, notes: list[str]) -> Made:
+    """Mass data as MuJoCo makes them, of every body; empty where the file states all there are.
+
+    Args:
+        path: of the file; meshes are looked for beside it.
+        root: with included files in their places.
+        settings: of the compiler.
+        notes: where it is said whose mass data are made.
+
+    Raises:
+        InputError: MuJoCo does not take the file; says why.
+        ToolMissingError: they have to be made, and MuJoCo is not installed.
+    """
+    changed = [key for key in CHANGES_MASSES if _above_zero(settings.get(key))]
+    changed += [key for key in MAKES_MASSES if settings.get(key) == "true"]
+    shaped = [
+        str(body.get("name"))
+        for world in root.findall("worldbody")
+        for body in world.findall("body")
+        for body in _weighed_by_shape(body)
+    ]
+    if changed:
+        notes.append(
+            f"the compiler's {changed[0]} = {settings[changed[0]]!r} makes other mass data than "
+            "the file states: they are MuJoCo's"
+        )
+    if shaped:
+        notes += [
+            f"link {name}: the file states no mass data; they are those of its shapes, as MuJoCo "
+            "makes them (1000 kg/m3 where no density is stated): a guess, identify them"
+            for name in shaped
+        ]
+    return _made(path, root) if changed or shaped else {}
+
+
+def _made(path: Path, root: ET.Element) -> Made:
+    mujoco = needed("mujoco", "mjcf", f"{path}: mass data that the file does not state")
+    try:
+        model = mujoco.MjModel.from_xml_path(str(path))
+    except ValueError as error:
+        said = " ".join(str(error).split())
+        raise InputError(
+            f"{path}: its mass data have to be made from shapes, and MuJoCo does not take the "
+            f"file: {said}; put what is missing beside it, or give every body an <inertial>"
+        ) from error
+    bodies = list(root.iter("body"))
+    found: Made = {}
+    for k, body in enumerate(bodies, 1):
+        name = body.get("name")
+        if name is not None:
+            k = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_BODY, name)
+        elif len(bodies) + 1 != model.nbody:
+            raise InputError(
+                f"{path}: a body has no name, and MuJoCo leaves others out (fusestatic): give "
+                "every body a name"
+            )
+        if k < 0:
+            # fused with what carries it, which has its mass
+            found[body] = Mass(0.0, np.zeros(3), np.zeros((3, 3)))
+            continue
+        nine = np.empty(9)
+        mujoco.mju_quat2Mat(nine, model.body_iquat[k])
+        R = nine.reshape(3, 3)
+        tensor = R @ np.diag(model.body_inertia[k]) @ R.T
+        found[body] = Mass(float(model.body_mass[k]), model.body_ipos[k].copy(), tensor)
+    return found
+
+
+def _weighed_by_shape(body: ET.Element, moving: bool = False) -> list[ET.Element]:
+    """This body and those on it that move, have shapes and no inertial; none on one that flies
+    freely."""
+    joints = body.findall("joint")
+    if body.find("freejoint") is not None or "free" in {j.get("type") for j in joints}:
+        return []
+    moving = moving or bool(joints)
+    light = moving and body.find("inertial") is None and body.find("geom") is not None
+    found = [body] if light else []
+    for inner in body.findall("body"):
+        found += _weighed_by_shape(inner, moving)
+    return found
+
+
+def _above_zero(text: str | None) -> bool:
+    try:
+        return text is not None and float(text) > 0.0
+    except ValueError:
+        return False

@@ -1,0 +1,183 @@
+"""Recordings of other people: read by their names, or refused with the column map that reads them.
+
+The names are those that recorders of robots write, told from their manuals and from public programs
+that read such files.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from measured_logs import made, same
+from scipy.io import savemat
+
+from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.measurement import load_column_map, read_log
+
+LOG = made()
+T = LOG.time
+Q = LOG.q
+TAU = LOG.tau
+SPEED = np.asarray(LOG.qd)
+DEG = 2 * np.degrees(Q)
+"""beyond what can be radians"""
+EPOCH = 1.6e9
+
+
+def written(path: Path, columns: dict[str, np.ndarray], separator: str = ",") -> Path:
+    """A table; a matrix is one column per joint, its name with {j} or {j0}."""
+    names = []
+    values = []
+    for name, column in columns.items():
+        matrix = column[:, None] if column.ndim == 1 else column
+        for k in range(matrix.shape[1]):
+            names.append(name.replace("{j}", str(k + 1)).replace("{j0}", str(k)))
+            values.append(matrix[:, k])
+    rows = "\n".join(separator.join(f"{v:.17g}" for v in row) for row in np.stack(values, axis=1))
+    path.write_text(f"{separator.join(names)}\n{rows}\n", "utf-8")
+    return path
+
+
+def suggested(path: Path, **filled: float) -> Path:
+    """The map that the refusal of a file shows, numbers of motors filled in."""
+    with pytest.raises(InputError) as refused:
+        read_log(path)
+    told = str(refused.value)
+    assert "guessed, check them:\n\n[time]" in told
+    text = told.split("check them:\n\n")[1]
+    for key, value in filled.items():
+        assert f"{key} = nan" in text
+        text = text.replace(f"{key} = nan", f"{key} = {value}")
+    columns = path.with_name("map.toml")
+    columns.write_text(text, "utf-8")
+    return columns
+
+
+NAMES = {
+    "bare": {"t": T, "q_{j}": Q, "dq_{j}": SPEED, "tau_{j}": TAU},
+    "from zero": {"time": T, "q{j0}": Q, "dq{j0}": SPEED, "tau{j0}": TAU},
+    "words": {"timestamp": T, "joint_{j}_pos": Q, "joint_{j}_vel": SPEED, "joint_{j}_torque": TAU},
+    "engine": {"time": T, "qpos_{j0}": Q, "qvel_{j0}": SPEED, "qfrc_actuator_{j0}": TAU},
+    "stamps": {
+        "t_sec": np.floor(EPOCH + T),
+        "t_nsec": np.round(1e9 * (T % 1.0)),
+        "measured_joint_position_{j}": Q,
+        "commanded_joint_position_{j}": Q + 1.0,
+        "external_torque_{j}": 0 * TAU,
+        "measured_torque_{j}": TAU,
+    },
+    "letters": {"IPOC": 4e6 + 1e3 * T, "RIst.X": T, "AIPos.A{j}": DEG, "Mom_A{j}": TAU},
+    "units in words": {"time_s": T, "q{j}_rad": Q, "joint_measured_torque_{j}_nm": TAU},
+    "commanded torque alone": {
+        "Time": T,
+        "ROB_1 #{j} Torque ref {j} (Nm)": TAU,
+        "ROB_1 #{j} Position measured (deg)": DEG,
+    },
+    "a number in every name": {
+        "Zeit": T,
+        "axisQMsr_R820_1[{j0}]": Q,
+        "axisTauExtMsr_R820_1[{j0}]": 0 * Q,
+        "axisTauMsr_R820_1[{j0}]": TAU,
+    },
+}
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_refused_file_is_read_with_the_map_that_is_shown(name: str, tmp_path: Path) -> None:
+    path = written(tmp_path / "log.csv", NAMES[name])
+    found = read_log(path, columns=suggested(path))
+    wanted = DEG * np.pi / 180 if name in {"letters", "commanded torque alone"} else Q
+    np.testing.assert_allclose(found.q, wanted, atol=1e-8)
+    np.testing.assert_allclose(found.tau, TAU, atol=1e-8)
+    np.testing.assert_allclose(found.time - found.time[0], T, atol=1e-6)
+
+
+def test_currents_wait_for_the_numbers_of_the_motors(tmp_path: Path) -> None:
+    """RTDE as `record.py` writes it: of five torques and currents, the measured current."""
+    columns = {"timestamp": T}
+    for of in ("target_q", "target_qd", "target_current", "target_moment", "actual_q", "actual_qd"):
+        columns[f"{of}_{{j0}}"] = Q
+    path = written(tmp_path / "log.csv", {**columns, "actual_current_{j0}": TAU / 5}, " ")
+    given = suggested(path, Nm_per_A=0.1, gear_ratio=50.0)
+    same(read_log(path, columns=given), LOG)
+    given.write_text(given.read_text().replace("gear_ratio = 50.0", "gear_ratio = nan"))
+    with pytest.raises(InputError, match="gear_ratio"):
+        load_column_map(given)
+
+
+@pytest.mark.parametrize(
+    "columns",
+    [
+        {"t": T, "x": T, "y": T},
+        {"t": T, "q_{j}": Q, "q_err_{j}": Q},
+        {"t": T, "q_{j}": Q, "tau_ext_{j}": TAU},
+        {"t": T, "q_1": T, "q_3": T, "tau_1": T, "tau_3": T},
+    ],
+    ids=["no joints", "no torque", "another torque", "a joint left out"],
+)
+def test_no_map_is_shown_where_names_do_not_tell_it(columns: dict, tmp_path: Path) -> None:
+    with pytest.raises(InputError) as refused:
+        read_log(written(tmp_path / "log.csv", columns))
+    assert "guessed" not in str(refused.value)
+
+
+@pytest.mark.parametrize("scale", [1.0, 1e3, 1e6])
+@pytest.mark.parametrize("form", ["state.{}[{{j0}}]", "{}[{{j0}}]", "{}_{{j0}}", "field.{}{{j0}}"])
+def test_names_of_franka_are_known(form: str, scale: float, tmp_path: Path) -> None:
+    """`tau_J` on the link's side, not what is commanded or estimated; time in milliseconds."""
+    columns = {"time": scale * T, "success_rate": T}
+    signals = {"q": Q, "q_d": Q, "dq": SPEED, "tau_J": TAU, "tau_J_d": Q, "tau_ext_hat_filtered": Q}
+    columns |= {form.format(name): values for name, values in signals.items()}
+    found = read_log(written(tmp_path / "log.csv", columns, ", "))
+    same(found, LOG)
+    np.testing.assert_allclose(found.qd, SPEED, atol=1e-8)
+    np.testing.assert_allclose(found.q_ref, Q, atol=1e-8)
+
+
+@pytest.mark.parametrize("form", ["{}[{{j0}}]", "{}[{{j}}]", "joint_{{j}}_{}"])
+def test_joint_states_in_brackets_or_after_the_joint(form: str, tmp_path: Path) -> None:
+    signals = {"position": Q, "velocity": SPEED, "effort": TAU}
+    columns = {form.format(name): values for name, values in signals.items()}
+    same(read_log(written(tmp_path / "log.csv", {"time": T, **columns})), LOG)
+
+
+def test_positions_after_the_joint_may_be_in_degrees_without_ros(tmp_path: Path) -> None:
+    path = written(tmp_path / "log.csv", {"time": T, "joint_{j}_position": DEG, "tau{j}_Nm": TAU})
+    with pytest.raises(InputError, match=r"no column|no unit"):
+        read_log(path)
+
+
+def test_a_time_without_unit_beside_units_in_brackets(tmp_path: Path) -> None:
+    columns = {"J{j} position (deg)": np.degrees(Q), "J{j} torque (N.m)": TAU}
+    same(read_log(written(tmp_path / "log.csv", {"time": T, **columns})), LOG)
+
+
+def test_records_of_other_lengths_in_one_file(tmp_path: Path) -> None:
+    """Training and test data in one MAT file: the map names those that belong together."""
+    path = tmp_path / "log.mat"
+    savemat(
+        path,
+        {"time_train": T[None], "u_train": TAU.T, "y_train": np.degrees(Q).T}
+        | {"time_test": T[None, :90], "u_test": TAU[:90].T, "y_test": np.degrees(Q)[:90].T},
+    )
+    with pytest.raises(InputError, match=r"has 90 samples.*name those that belong together"):
+        read_log(path)
+    given = tmp_path / "map.toml"
+    given.write_text(
+        '[time]\ncolumn = "time_train"\n'
+        '[[columns]]\nfile = "y_train[{j}]"\nquantity = "q"\nunit = "deg"\n'
+        '[[columns]]\nfile = "u_train[{j}]"\nquantity = "tau"\nunit = "Nm"\n'
+    )
+    same(read_log(path, columns=given), LOG)
+
+
+def test_structures_with_time_show_their_map(tmp_path: Path) -> None:
+    path = tmp_path / "log.mat"
+    signals = {
+        name: {"time": T[:, None], "signals": {"values": values, "dimensions": 6.0}}
+        for name, values in (("q", Q), ("tau", TAU))
+    }
+    savemat(path, signals)
+    same(read_log(path, columns=suggested(path)), LOG)
