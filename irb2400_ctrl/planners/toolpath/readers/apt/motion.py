@@ -149,6 +149,8 @@ class Motion:
         cycle = hole_cycle(statement, self._placement.unit, self._dialect, builder.place)
         self._cycle = cycle
         self._last_cycle = statement
+        if cycle.assumed:
+            builder.note("assumed", f"CYCLE/{cycle.name}: {cycle.assumed}")
         if cycle.clearance == 0:
             builder.note("assumed", "CYCLE/ without a clearance: rapid down to the stated point")
         if cycle.name in {"DEEP", "DEEPHL", "PECK", "BRKCHP"} and not cycle.steps:
