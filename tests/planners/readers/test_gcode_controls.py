@@ -50,6 +50,15 @@ def test_a_dwell_in_seconds_and_in_milliseconds(tmp_path: Path) -> None:
     assert found.feed_range() == (pytest.approx(1e-3), pytest.approx(1e-3))
 
 
+@pytest.mark.parametrize("block", ["G1 X7 F120 G4 P0.5", "G4 P0.5 G1 X7 F120"])
+def test_a_move_in_the_block_of_a_dwell_comes_after_it(tmp_path: Path, block: str) -> None:
+    found = operation(tmp_path, f"G21 G90 G0 X0 Y0 Z9\nG1 Z1 F60\n{block}\nY2\nM2\n")
+    ends = [[0, 0, 9], [0, 0, 1], [7, 0, 1], [7, 2, 1]]
+    assert np.allclose(1e3 * found.path.position, ends)
+    assert np.allclose(1e3 * found.path.feed[1:], [1, 2, 2])
+    assert [(e.kind, e.point) for e in found.events] == [("dwell", 1)]
+
+
 @pytest.mark.parametrize(
     ("codes", "start"),
     [

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.planners.toolpath.readers.gcode.hole_calls import HoleCall, taken_out
-from irb2400_ctrl.planners.toolpath.readers.gcode.subprograms import Line
+from irb2400_ctrl.planners.toolpath.readers.gcode.subprograms import ENTER, LEAVE, Line
 from irb2400_ctrl.planners.toolpath.readers.gcode.swivel import CALL as SWIVEL
 from irb2400_ctrl.planners.toolpath.readers.gcode.variables import (
     Variables,
@@ -101,6 +101,12 @@ def blocks(lines: Iterable[Line], name: str) -> Iterator[Block | UnreadLineError
     """
     variables = Variables()
     for line, raw in lines:
+        if raw.startswith((ENTER, LEAVE)):
+            try:
+                variables.scope(raw, f"{name}, line {line}")
+            except InputError as error:
+                yield UnreadLineError(line, str(error))
+            continue
         for pattern, text_for_it in REWRITTEN:
             raw = pattern.sub(text_for_it, raw)
         call, raw = (

@@ -266,14 +266,15 @@ class _Reader:
         if {28, 30, 53} & set(codes):
             self._machine_place(codes, values)
             return True
-        return bool({4, 28.1} & set(codes))
+        return 28.1 in codes
 
     def _dwell(self, values: dict[str, float]) -> dict[str, float]:
         """G4 P, X or F: seconds, or milliseconds where there are very many; what is left of the
-        block."""
+        block: a move in it comes after the dwell (LinuxCNC)."""
         builder = self._builder
-        stated = next((values[letter] for letter in "PXF" if letter in values), None)
-        if stated is None or stated < 0:
+        word = next((letter for letter in "PXF" if letter in values), "")
+        stated = values.get(word, -1.0)
+        if stated < 0:
             raise InputError(f"{builder.place}: G4 states no time, expected G4 P or X")
         seconds = dwell_seconds(stated)
         if seconds != stated:
@@ -281,7 +282,7 @@ class _Reader:
         elif "P" in values and stated >= 1:
             builder.note("assumed", "G4 P of less than 100 is in seconds")
         builder.dwell(seconds)
-        return {key: value for key, value in values.items() if key not in "PXFS"}
+        return {key: value for key, value in values.items() if key != word}
 
     def _after_cycle(self) -> None:
         """Axis words after G80: G0 or G1 from before the cycle goes on (Fanuc)."""

@@ -10,6 +10,7 @@ import re
 from collections.abc import Callable
 
 from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.planners.toolpath.readers.gcode.subprograms import ENTER, LEAVE
 
 _NUMBER = re.compile(r"\s*(\d+\.?\d*|\.\d+)")
 _NAME = re.compile(r"\s*([A-Z]+2?)\s*(?=\[)")
@@ -39,6 +40,9 @@ FUNCTIONS: dict[str, Callable[[float], float]] = {
     "EXP": math.exp,
     "LN": math.log,
 }
+# what each sub-program of LinuxCNC has for itself
+_LOCAL = re.compile(r"[1-9]|[12]\d|30|<[^_]\w*>")
+MOST_ARGUMENTS = 30
 DEEPEST = 50
 
 
@@ -47,6 +51,37 @@ class Variables:
 
     def __init__(self) -> None:
         self._known: dict[str, float] = {}
+        self._callers: list[dict[str, float]] = []
+
+    def scope(self, order: str, place: str) -> None:
+        """A sub-program of LinuxCNC begins, with its arguments as #1 … #30, or ends: those and
+        #<names> without _ are its own, and the caller's come back.
+
+        Args:
+            order: `ENTER` with `[…][…]` behind it, or `LEAVE`.
+            place: for messages.
+
+        Raises:
+            InputError: an argument that is no expression.
+        """
+        own = {name for name in self._known if _LOCAL.fullmatch(name)}
+        shared = {name: value for name, value in self._known.items() if name not in own}
+        if order == LEAVE:
+            self._known = shared | self._callers.pop()
+            return
+        self._callers.append({name: self._known[name] for name in own})
+        given = self._arguments(order.removeprefix(ENTER).upper(), place)
+        given += [0.0] * (MOST_ARGUMENTS - len(given))
+        self._known = shared | {str(number): value for number, value in enumerate(given, 1)}
+
+    def _arguments(self, code: str, place: str) -> list[float]:
+        found = []
+        at = 0
+        while code[at:].strip():
+            reader = _Expression(code, at, self._known, place)
+            found.append(reader.bracket())
+            at = reader.at
+        return found
 
     def resolve(self, code: str, place: str) -> str:
         """The code of a line with numbers in the place of variables; assignments are kept and taken
@@ -127,6 +162,13 @@ class _Expression:
         value = self.signed() if sign else self._single()
         return -value if sign == "-" else value
 
+    def bracket(self) -> float:
+        """[ and ] with an expression between them."""
+        self._expect("[")
+        value = self.sum()
+        self._expect("]")
+        return value
+
     def _product(self) -> float:
         value = self._power()
         while sign := self._taken("*", "/", "MOD"):
@@ -150,10 +192,8 @@ class _Expression:
         return value
 
     def _value(self) -> float:
-        if self._taken("["):
-            value = self.sum()
-            self._expect("]")
-            return value
+        if self._code.startswith("[", self._next()):
+            return self.bracket()
         if found := re.compile(r"\s*(?:#\s*(\d+|<\w+>)|(R\d+)\b)").match(self._code, self.at):
             self.at = found.end()
             return self._variable(found.group(1) or found.group(2))
@@ -196,10 +236,15 @@ class _Expression:
             )
         return self._known[name]
 
-    def _taken(self, *texts: str) -> str | None:
+    def _next(self) -> int:
+        """Where the next character that is no blank stands."""
         start = self.at
         while start < len(self._code) and self._code[start].isspace():
             start += 1
+        return start
+
+    def _taken(self, *texts: str) -> str | None:
+        start = self._next()
         for text in texts:
             if self._code.startswith(text, start) and not (
                 text == "*" and self._code.startswith("**", start)
