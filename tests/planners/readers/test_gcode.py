@@ -161,6 +161,8 @@ def test_canned_cycles_point_by_point(tmp_path: Path, cycle: str) -> None:
     ("TRANS X5", "frames written as TRANS"),
     ("G1 X5 ,R3", "corners written as ,R or ,C"),
     ("G4", "G4 states no time"),
+    ("G1 X5 F60 X7", "found X5 and X7 in one block"),
+    ("G1 X5 F60 E2", "the word E, which is not read; E pushes plastic"),
     ("G17.5", "unknown code G17.5"),
     ("G1 X5 (to the left Y7 F60", "a comment ( without its )"),
     ("G1 X#1 F60", "found #1, which the file does not set"),

@@ -26,6 +26,8 @@ _NUMBER = r"([-+]?(?:\d+\.?\d*|\.\d+))"
 WORD = re.compile(rf"\s*([A-Z])\s*=?\s*{_NUMBER}")
 # words of several letters (Siemens)
 EXTENDED = ("CR", "TURN", "A3", "B3", "C3", "IAC", "JAC", "KAC")
+LETTERS = frozenset([*"ABCDFGHIJKLMNPQRSTXYZ", *EXTENDED])
+PLACES = frozenset("XYZABCIJKRQ")
 EXTENDED_WORD = re.compile(rf"\s*({'|'.join(EXTENDED)})\s*=\s*{_NUMBER}")
 # orders of Siemens' controls written as words: transformation, acceleration, feed, compression
 _QUIET = """SOFT BRISK DRIVE FFWON FFWOF COMPCAD COMPON COMPCURV COMPOF FNORM FLIN CFC CFTCP CFIN
@@ -90,6 +92,25 @@ class Block:
     def values(self) -> dict[str, float]:
         """The words other than G, M and N by their letter."""
         return {key: value for key, value in self.words if key not in "GMN"}
+
+    def checked(self, place: str) -> dict[str, float]:
+        """The same; `place` is for messages.
+
+        Raises:
+            InputError: a word that is not known, or a place stated in two ways.
+        """
+        values = self.values()
+        unknown = sorted(set(values) - LETTERS)
+        if unknown:
+            why = "; E pushes plastic in 3D printing" if unknown[0] == "E" else ""
+            raise InputError(f"{place}: found the word {unknown[0]}, which is not read{why}")
+        for letter, value in self.words:
+            if letter in PLACES and value != values[letter]:
+                raise InputError(
+                    f"{place}: found {letter}{value:g} and {letter}{values[letter]:g} in one "
+                    "block, expected one of them (two lines run together?)"
+                )
+        return values
 
 
 def blocks(lines: Iterable[Line], name: str) -> Iterator[Block | UnreadLineError]:

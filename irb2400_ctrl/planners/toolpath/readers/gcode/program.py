@@ -7,7 +7,7 @@ from collections.abc import Callable
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.planners.toolpath.cam_program import CamProgram
 from irb2400_ctrl.planners.toolpath.readers.feed import LENGTHS
-from irb2400_ctrl.planners.toolpath.readers.gcode.blocks import EXTENDED, Block, blocks
+from irb2400_ctrl.planners.toolpath.readers.gcode.blocks import Block, blocks
 from irb2400_ctrl.planners.toolpath.readers.gcode.cycles import CYCLES, dwell_seconds
 from irb2400_ctrl.planners.toolpath.readers.gcode.decimal_points import without_point
 from irb2400_ctrl.planners.toolpath.readers.gcode.frames import CODES as FRAMES
@@ -24,7 +24,6 @@ from irb2400_ctrl.planners.toolpath.readers.program_builder import ProgramBuilde
 from irb2400_ctrl.planners.toolpath.readers.unread_line import UnreadLineError
 
 MOTION = {0, 1, 2, 3, 80, *SPLINES, *CYCLES}
-LETTERS = frozenset([*"ABCDFGHIJKLMNPQRSTXYZ", *EXTENDED])
 # exact stop, blending, safe zones, look-ahead, compensation off: nothing for the points
 _QUIET = """8 9 15 22 23 25 26 40 49.1 50 50.1 60 61 61.1 62 63 64 69.1 80.1 97 103 187
 601 602 603 641 642 643 644 645 450 451"""
@@ -159,10 +158,7 @@ class _Reader:
             self._machine.comment(comment)
         if block.optional:
             builder.note("assumed", "blocks behind / are carried out")
-        values = block.values()
-        unknown = sorted(set(values) - LETTERS)
-        if unknown:
-            raise InputError(f"{builder.place}: found the word {unknown[0]}, which is not read")
+        values = block.checked(builder.place)
         codes = [round(code, 3) for code in block.codes("G")]
         if {5, 5.1} & set(codes) and not moves(values, 2):
             # Fanuc's G5 P10000, G5.1 Q1; with places they are splines
