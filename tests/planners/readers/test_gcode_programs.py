@@ -174,3 +174,19 @@ def test_lengths_without_a_point_are_noted(tmp_path: Path, text: str, says: str 
     notes = " ".join(map(str, program(tmp_path, text).of_kind("assumed")))
     assert ("decimal point" in notes) == (says is not None)
     assert says is None or says in notes
+
+
+def test_names_that_a_siemens_program_defines(tmp_path: Path) -> None:
+    head = "DEF REAL _X_HOME, _Y_HOME, _FAST=1200\nDEF STRING[32] _TEXT\nG710 G90\n"
+    text = (
+        f"{head}N5 _X_HOME=5 _Y_HOME=-10\nG0 X0 Y0 Z30\nG1 Z1 F=_FAST/20\n"
+        "X=50-_Y_HOME Y2\nX=_X_HOME*(2+1) Y=-_Y_HOME\nSUPA G0 Z=_FAST D0\nM30\n"
+    )
+    operation = program(tmp_path, text).operation()
+    ends = [[0, 0, 30], [0, 0, 1], [60, 2, 1], [15, 10, 1]]
+    assert np.allclose(1e3 * operation.path.position, ends)
+    assert np.allclose(1e3 * operation.path.feed[1:], 1)
+    with pytest.raises(InputError, match=r"line 5: found _X_HOME, which the file does not set"):
+        program(tmp_path, f"{head}G0 X0 Y0 Z30\nG1 X=_X_HOME F60\n")
+    with pytest.raises(InputError, match="line 5: found 'X=_OTHER"):
+        program(tmp_path, f"{head}G0 X0 Y0 Z30\nG1 X=_OTHER F60\n")
