@@ -138,3 +138,14 @@ def test_a_dwell_is_a_delay(tmp_path: Path) -> None:
 def test_a_call_of_a_program_in_the_control_says_what_to_do(tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"line 4: CALSUB/START calls .* delete the line if it"):
         program(tmp_path, f"{HEAD}CALSUB/START\nGOTO/9,0,0\n")
+
+
+def test_a_dollar_at_the_end_of_a_text_swallows_no_motion(tmp_path: Path) -> None:
+    text = (
+        f"{HEAD}GOTO/9,0,0\nPPRINT IT COSTS 5 $\nGOTO/9,9,0\nPPRINT GOES ON $\nAND ON\nGOTO/0,9,0\n"
+    )
+    read = program(tmp_path, text)
+    found = read.operation()
+    expected = [[0, 0, 30], [9, 0, 0], [9, 9, 0], [0, 9, 0]]
+    assert np.allclose(1e3 * found.path.position, expected)
+    assert [e.text for e in found.events] == ["IT COSTS 5$", "GOES ON AND ON"]

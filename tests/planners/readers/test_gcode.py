@@ -161,6 +161,8 @@ def test_canned_cycles_point_by_point(tmp_path: Path, cycle: str) -> None:
     ("TRANS X5", "frames written as TRANS"),
     ("G1 X5 ,R3", "corners written as ,R or ,C"),
     ("G4", "G4 states no time"),
+    ("G70 I10. J0. L6", "G70 and G71 with such words are cycles"),
+    ("G71 P10 Q20 F0.2", "G70 and G71 with such words are cycles"),
     ("G1 X5 F60 X7", "found X5 and X7 in one block"),
     ("G1 X5 F60 E2", "the word E, which is not read; E pushes plastic"),
     ("G17.5", "unknown code G17.5"),

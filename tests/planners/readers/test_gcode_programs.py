@@ -190,3 +190,13 @@ def test_names_that_a_siemens_program_defines(tmp_path: Path) -> None:
         program(tmp_path, f"{head}G0 X0 Y0 Z30\nG1 X=_X_HOME F60\n")
     with pytest.raises(InputError, match="line 5: found 'X=_OTHER"):
         program(tmp_path, f"{head}G0 X0 Y0 Z30\nG1 X=_OTHER F60\n")
+
+
+def test_a_second_program_behind_the_end_is_said(tmp_path: Path) -> None:
+    first = f"%\nO1\n{HEAD}X9.\nM30\n"
+    read = program(tmp_path, f"{first}O2\nT2 M6\nG0 X5.\nG1 Y7.\nM30\n%\n")
+    assert np.allclose(1e3 * read.operation().path.position[-1], [9, 0, 1])
+    said = " ".join(map(str, read.of_kind("assumed")))
+    assert "line 8: the program has ended: 2 blocks with places behind it" in said
+    silent = program(tmp_path, f"{first}%\n(made by a CAM system)\n").of_kind("assumed")
+    assert "has ended" not in " ".join(map(str, silent))

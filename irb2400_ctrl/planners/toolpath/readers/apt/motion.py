@@ -41,6 +41,7 @@ class Motion:
             "TLON": self._contour,
             "GOFWD": self._contour,
             "INDIRV": self._circles.set_direction,
+            "INDIRP": self._circles.set_direction_to,
             "NURBS": self._nurbs.begin,
             "KNOT": self._nurbs.knots,
             "CNTRL": self._nurbs.control,

@@ -97,7 +97,8 @@ class Block:
         """The same; `place` is for messages.
 
         Raises:
-            InputError: a word that is not known, or a place stated in two ways.
+            InputError: a word that is not known, a place stated in two ways, a unit that is a cycle
+                on other controls.
         """
         values = self.values()
         unknown = sorted(set(values) - LETTERS)
@@ -110,6 +111,12 @@ class Block:
                     f"{place}: found {letter}{value:g} and {letter}{values[letter]:g} in one "
                     "block, expected one of them (two lines run together?)"
                 )
+        codes = set(self.codes("G"))
+        if codes & {70, 71} and not codes & {0, 1, 2, 3} and set("IJKLPQRU") & set(values):
+            raise InputError(
+                f"{place}: G70 and G71 with such words are cycles (Haas, Fanuc), which are not "
+                "read; alone they are inches and millimetres"
+            )
         return values
 
 

@@ -77,10 +77,10 @@ def read_gcode(
     listed = list(blocks(lines, name))
     if not any("Z" in block.values() for block in listed if isinstance(block, Block)):
         reader.flat()
-    for block in listed:
+    for index, block in enumerate(listed):
         builder.line = block.line
         if reader.ended:
-            reader.after_end()
+            reader.after_end(listed[index:])
             break
         if isinstance(block, UnreadLineError):
             builder.failed(block)
@@ -93,10 +93,10 @@ def read_gcode(
         reader.end()
     except InputError as error:
         builder.failed(error)
-    name_of_unit = reader.unit_name()
+    unit = reader.unit_name()
     for builder.line, note in [*notes, *without_point(text)]:
         builder.note("assumed", note)
-    return builder.finish("G-code", name_of_unit, reader.unit_stated)
+    return builder.finish("G-code", unit, reader.unit_stated)
 
 
 class _Reader:
@@ -141,8 +141,9 @@ class _Reader:
         self._builder.line = 1
         self._builder.note("assumed", "no Z in the whole file: Z is 0")
 
-    def after_end(self) -> None:
-        """More blocks after the end: none of them is read; after M99 they are another program."""
+    def after_end(self, rest: list[Block | UnreadLineError]) -> None:
+        """None of the blocks after the end is read; after M99 they are another program."""
+        lost = sum(isinstance(block, Block) and moves(block.values()) for block in rest)
         if self._again:
             self._builder.failed(
                 InputError(
@@ -150,6 +151,9 @@ class _Reader:
                     "be a sub-program; not read, expected all moves in one program"
                 )
             )
+        elif lost:
+            says = f"the program has ended: {lost} blocks with places behind it are left out"
+            self._builder.note("assumed", says)
 
     def block(self, block: Block) -> None:
         """One line."""
