@@ -228,3 +228,18 @@ def test_seconds_of_a_dwell_are_said(tmp_path: Path) -> None:
 def test_why_a_line_is_not_read(tmp_path: Path, text: str, says: str) -> None:
     with pytest.raises(InputError, match=says):
         program(tmp_path, f"G21 G90\nG0 X1 Y1 Z1\n{text}\n")
+
+
+def test_programmed_frames_of_siemens(tmp_path: Path) -> None:
+    """TRANS and ROT begin anew, ATRANS and AROT go on; the tool stays where it is."""
+    head = "G710 G90 G54\nG0 X0 Y0 Z20\n"
+    text = (
+        f"{head}TRANS X50 Y20\nX0 Y0\nAROT Z90\nG1 X40 Y0 F600\nY-5\nTRANS\nG0 Z50\n"
+        "R1=5\nATRANS X=R1\nATRANS Y2\nX0 Y0\nROT RPL=45\nX10 Y0\nM30\n"
+    )
+    found = positions(tmp_path, text)
+    corner = 10 / np.sqrt(2)
+    assert np.allclose(found, [
+        [0, 0, 20], [50, 20, 20], [50, 60, 20], [55, 60, 20], [55, 60, 50], [5, 2, 50],
+        [corner, corner, 50],
+    ])  # fmt: skip

@@ -25,14 +25,16 @@ from irb2400_ctrl.planners.toolpath.readers.unread_line import UnreadLineError
 _NUMBER = r"([-+]?(?:\d+\.?\d*|\.\d+))"
 WORD = re.compile(rf"\s*([A-Z])\s*=?\s*{_NUMBER}")
 # words of several letters (Siemens)
-EXTENDED = ("CR", "TURN", "A3", "B3", "C3", "IAC", "JAC", "KAC")
+EXTENDED = ("CR", "TURN", "RPL", "A3", "B3", "C3", "IAC", "JAC", "KAC")
 LETTERS = frozenset([*"ABCDFGHIJKLMNPQRSTXYZ", *EXTENDED])
 PLACES = frozenset("XYZABCIJKRQ")
 EXTENDED_WORD = re.compile(rf"\s*({'|'.join(EXTENDED)})\s*=\s*{_NUMBER}")
 # orders of Siemens' controls written as words: transformation, acceleration, feed, compression
 _QUIET = """SOFT BRISK DRIVE FFWON FFWOF COMPCAD COMPON COMPCURV COMPOF FNORM FLIN CFC CFTCP CFIN
 ORIWKS ORIAXES ORIVECT ORISON ORISOF DIAMOF STOPRE FGROUP WAITS"""
-NAMED = re.compile(rf"\s*(TRAORI|TRAFOOF|SUPA|{'|'.join(_QUIET.split())})\b(\(\s*[\w, ]*\s*\))?")
+NAMED = re.compile(
+    rf"\s*(TRAORI|TRAFOOF|SUPA|A?TRANS|A?ROT|{'|'.join(_QUIET.split())})\b(\(\s*[\w, ]*\s*\))?"
+)
 SUBPROGRAM = re.compile(r"^\s*O\s*<|^\s*O\d+\s+(SUB|CALL|IF|WHILE|REPEAT|DO|ENDSUB)")
 UNREADABLE = (
     (
@@ -50,8 +52,8 @@ UNREADABLE = (
     (re.compile(r",\s*[RC]"), "corners written as ,R or ,C are not read"),
     (re.compile(r"="), "of words with = only those such as X=10, CR=5, I=AC(10), A3=0 are read"),
     (
-        re.compile(r"\b(TRANS|ATRANS|ROT|AROT|ROTS|SCALE|ASCALE|MIRROR|AMIRROR)\b"),
-        "frames written as TRANS or ROT (Siemens) are not read",
+        re.compile(r"\b(ROTS|AROTS|CROTS|SCALE|ASCALE|MIRROR|AMIRROR)\b"),
+        "of programmed frames (Siemens) TRANS, ATRANS, ROT and AROT are read",
     ),
 )
 # Siemens' messages and names of tools, as comments; absolute centres as one word

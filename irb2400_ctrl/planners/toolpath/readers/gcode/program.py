@@ -93,10 +93,9 @@ def read_gcode(
         reader.end()
     except InputError as error:
         builder.failed(error)
-    unit = reader.unit_name()
     for builder.line, note in [*notes, *without_point(text)]:
         builder.note("assumed", note)
-    return builder.finish("G-code", unit, reader.unit_stated)
+    return builder.finish("G-code", reader.unit_name(), reader.unit_stated)
 
 
 class _Reader:
@@ -175,7 +174,7 @@ class _Reader:
             swivel(block.plane, self._state, builder)
         self._modes(codes, values)
         self._machine.before(functions, values, block.orders)
-        used = self._special([53, *codes] if "SUPA" in block.orders else codes, values)
+        used = self._special(codes, values, block.orders)
         self._set_motion(codes)
         leads = not used and moves(values, self._state.motion)
         if leads and self._state.motion == 80:
@@ -259,12 +258,14 @@ class _Reader:
             self._state.feed_mode = mode
             self._builder.feed = type(self._builder.feed)()
 
-    def _special(self, codes: list[float], values: dict[str, float]) -> bool:
+    def _special(
+        self, codes: list[float], values: dict[str, float], orders: tuple[str, ...]
+    ) -> bool:
         """Codes that take the axis words for something else; whether one did."""
-        if self._frames.run(codes, values):
+        if self._frames.run(codes, values, orders):
             return True
-        if {28, 30, 53} & set(codes):
-            self._machine_place(codes, values)
+        if {28, 30, 53} & set(codes) or "SUPA" in orders:
+            self._machine_place([53, *codes] if "SUPA" in orders else codes, values)
             return True
         return 28.1 in codes
 
