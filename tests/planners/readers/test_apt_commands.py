@@ -124,3 +124,28 @@ def test_rapto_beside_fedto_counts_from_the_point(tmp_path: Path) -> None:
     z = 1e3 * found.path.position[:, 2]
     bottom = int(np.argmin(z))
     assert z[bottom - 1 : bottom + 2] == pytest.approx([2, -8, 15])
+
+
+def test_a_dwell_is_a_delay(tmp_path: Path) -> None:
+    text = f"{HEAD}SPINDL/120,RPM,CLW\nGOTO/9,0,0\n{{}}\nGOTO/0,0,0\n"
+    for words, seconds in (("DELAY/2", 2.0), ("DWELL/2", 2.0), ("DWELL/REV,4", 2.0)):
+        events = program(tmp_path, text.format(words)).operations[-1].events
+        assert [e.seconds for e in events if e.kind == "dwell"] == pytest.approx([seconds])
+    with pytest.raises(InputError, match=r"line 6: DWELL/3,4, expected one time"):
+        program(tmp_path, text.format("DWELL/3,4"))
+
+
+def test_a_call_of_a_program_in_the_control_says_what_to_do(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"line 4: CALSUB/START calls .* delete the line if it"):
+        program(tmp_path, f"{HEAD}CALSUB/START\nGOTO/9,0,0\n")
+
+
+def test_a_dollar_at_the_end_of_a_text_swallows_no_motion(tmp_path: Path) -> None:
+    text = (
+        f"{HEAD}GOTO/9,0,0\nPPRINT IT COSTS 5 $\nGOTO/9,9,0\nPPRINT GOES ON $\nAND ON\nGOTO/0,9,0\n"
+    )
+    read = program(tmp_path, text)
+    found = read.operation()
+    expected = [[0, 0, 30], [9, 0, 0], [9, 9, 0], [0, 9, 0]]
+    assert np.allclose(1e3 * found.path.position, expected)
+    assert [e.text for e in found.events] == ["IT COSTS 5$", "GOES ON AND ON"]

@@ -219,6 +219,19 @@ def test_catia_arcs(tmp_path: Path, direction: str, times: str, end: str, turn: 
     assert np.allclose(p, q)
 
 
+def test_an_arc_in_canonical_form_towards_a_point(tmp_path: Path) -> None:
+    body = (
+        "GOTO/10,0,5,0,0,1\nINDIRP/10,{},5\n"
+        "TLON,GOFWD/(CIRCLE/CANON,0,0,5,$\n0,0,1,10),ON,(LINE/0,0,5,0,10,5)\n"
+    )
+    for beside, turn in ((3, 90), (-3, -270)):
+        p = 1e3 * catia(tmp_path, body.format(beside)).operation().path.position
+        angle = np.degrees(np.unwrap(np.arctan2(p[:, 1], p[:, 0])))
+        assert angle[-1] - angle[0] == pytest.approx(turn, abs=1e-4)
+    with pytest.raises(InputError, match="INDIRP/ expects three numbers"):
+        catia(tmp_path, "GOTO/10,0,5\nINDIRP/1,2\n")
+
+
 def test_catia_arc_about_another_axis(tmp_path: Path) -> None:
     body = (
         "GOTO/0,10,0,0,0,1\nPSIS/(PLANE/(POINT/0,10,0),PERPTO,(VECTOR/0,0,1))\nINDIRV/0,0,1\n"

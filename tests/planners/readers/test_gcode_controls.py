@@ -50,6 +50,15 @@ def test_a_dwell_in_seconds_and_in_milliseconds(tmp_path: Path) -> None:
     assert found.feed_range() == (pytest.approx(1e-3), pytest.approx(1e-3))
 
 
+@pytest.mark.parametrize("block", ["G1 X7 F120 G4 P0.5", "G4 P0.5 G1 X7 F120"])
+def test_a_move_in_the_block_of_a_dwell_comes_after_it(tmp_path: Path, block: str) -> None:
+    found = operation(tmp_path, f"G21 G90 G0 X0 Y0 Z9\nG1 Z1 F60\n{block}\nY2\nM2\n")
+    ends = [[0, 0, 9], [0, 0, 1], [7, 0, 1], [7, 2, 1]]
+    assert np.allclose(1e3 * found.path.position, ends)
+    assert np.allclose(1e3 * found.path.feed[1:], [1, 2, 2])
+    assert [(e.kind, e.point) for e in found.events] == [("dwell", 1)]
+
+
 @pytest.mark.parametrize(
     ("codes", "start"),
     [
@@ -219,3 +228,18 @@ def test_seconds_of_a_dwell_are_said(tmp_path: Path) -> None:
 def test_why_a_line_is_not_read(tmp_path: Path, text: str, says: str) -> None:
     with pytest.raises(InputError, match=says):
         program(tmp_path, f"G21 G90\nG0 X1 Y1 Z1\n{text}\n")
+
+
+def test_programmed_frames_of_siemens(tmp_path: Path) -> None:
+    """TRANS and ROT begin anew, ATRANS and AROT go on; the tool stays where it is."""
+    head = "G710 G90 G54\nG0 X0 Y0 Z20\n"
+    text = (
+        f"{head}TRANS X50 Y20\nX0 Y0\nAROT Z90\nG1 X40 Y0 F600\nY-5\nTRANS\nG0 Z50\n"
+        "R1=5\nATRANS X=R1\nATRANS Y2\nX0 Y0\nROT RPL=45\nX10 Y0\nM30\n"
+    )
+    found = positions(tmp_path, text)
+    corner = 10 / np.sqrt(2)
+    assert np.allclose(found, [
+        [0, 0, 20], [50, 20, 20], [50, 60, 20], [55, 60, 20], [55, 60, 50], [5, 2, 50],
+        [corner, corner, 50],
+    ])  # fmt: skip

@@ -46,6 +46,36 @@ def test_sub_programs_are_carried_out_where_they_are_called(tmp_path: Path, text
     assert np.allclose(places(tmp_path, text), expected)
 
 
+def test_a_program_of_linuxcnc_has_variables_of_its_own(tmp_path: Path) -> None:
+    """As its interpreter: the arguments are worked out before the call, #1 to #30 and #<names>
+    come back after it, #31 and above and #<_names> are shared."""
+    inner = "o100 sub\n#1=[#1+1]\n#<_all>=[#<_all>+1]\nX#1 Y#2\no100 endsub\n"
+    outer = "o200 sub\n#<deep>=7\no100 call [#2] [#1+[2*[3]]]\nX#1 Y#2 Z-#<deep>\no200 endsub\n"
+    call = "#1=50\n#<deep>=3\n#<_all>=20\no200 call [5] [SQRT[16]]\nX#1 Y#<deep> Z-#<_all>\n"
+    ends = [[5, 11, 1], [5, 4, -7], [50, 3, -21]]
+    found = places(tmp_path, f"{inner}{outer}{HEAD}{call}M2\n")
+    assert np.allclose(found[2:], ends)
+    # what no argument states is zero, not the caller's
+    found = places(tmp_path, f"{inner}{HEAD}#2=8\n#<_all>=1\no100 call [4]\nM2\n")
+    assert np.allclose(found[-1], [5, 0, 1])
+    # Fanuc's M98 shares all of them
+    shared = f"%\nO1\n{HEAD}#1=5\nM98 P10\nX#1\nM30\nO10\n#1=6\nM99\n"
+    assert np.allclose(places(tmp_path, shared)[-1], [6, 0, 1])
+
+
+def test_arguments_of_a_call_are_expressions(tmp_path: Path) -> None:
+    sub = "o100 sub\nX#1\no100 endsub\n"
+    with pytest.raises(InputError, match=r"line 6: found '5' in an expression"):
+        program(tmp_path, f"{sub}{HEAD}o100 call 5\nM2\n")
+    with pytest.raises(InputError, match=r"line 6: found #77, which the file does not set"):
+        program(tmp_path, f"{sub}{HEAD}o100 call [#77]\nM2\n")
+
+
+def test_programs_of_which_none_begins_are_refused(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="each of its programs is called by one of them"):
+        program(tmp_path, f"o100 sub\n{HEAD}o100 call\no100 endsub\n")
+
+
 def test_what_a_sub_program_lacks_is_refused_with_its_line(tmp_path: Path) -> None:
     sub = f"%\nO1\n{HEAD}M98 P1000\nM30\nO1000\nX9.\n"
     with pytest.raises(InputError, match=r"line 9: found 'GOTO P30'.*jumps and loops are not"):
@@ -144,3 +174,29 @@ def test_lengths_without_a_point_are_noted(tmp_path: Path, text: str, says: str 
     notes = " ".join(map(str, program(tmp_path, text).of_kind("assumed")))
     assert ("decimal point" in notes) == (says is not None)
     assert says is None or says in notes
+
+
+def test_names_that_a_siemens_program_defines(tmp_path: Path) -> None:
+    head = "DEF REAL _X_HOME, _Y_HOME, _FAST=1200\nDEF STRING[32] _TEXT\nG710 G90\n"
+    text = (
+        f"{head}N5 _X_HOME=5 _Y_HOME=-10\nG0 X0 Y0 Z30\nG1 Z1 F=_FAST/20\n"
+        "X=50-_Y_HOME Y2\nX=_X_HOME*(2+1) Y=-_Y_HOME\nSUPA G0 Z=_FAST D0\nM30\n"
+    )
+    operation = program(tmp_path, text).operation()
+    ends = [[0, 0, 30], [0, 0, 1], [60, 2, 1], [15, 10, 1]]
+    assert np.allclose(1e3 * operation.path.position, ends)
+    assert np.allclose(1e3 * operation.path.feed[1:], 1)
+    with pytest.raises(InputError, match=r"line 5: found _X_HOME, which the file does not set"):
+        program(tmp_path, f"{head}G0 X0 Y0 Z30\nG1 X=_X_HOME F60\n")
+    with pytest.raises(InputError, match="line 5: found 'X=_OTHER"):
+        program(tmp_path, f"{head}G0 X0 Y0 Z30\nG1 X=_OTHER F60\n")
+
+
+def test_a_second_program_behind_the_end_is_said(tmp_path: Path) -> None:
+    first = f"%\nO1\n{HEAD}X9.\nM30\n"
+    read = program(tmp_path, f"{first}O2\nT2 M6\nG0 X5.\nG1 Y7.\nM30\n%\n")
+    assert np.allclose(1e3 * read.operation().path.position[-1], [9, 0, 1])
+    said = " ".join(map(str, read.of_kind("assumed")))
+    assert "line 8: the program has ended: 2 blocks with places behind it" in said
+    silent = program(tmp_path, f"{first}%\n(made by a CAM system)\n").of_kind("assumed")
+    assert "has ended" not in " ".join(map(str, silent))

@@ -27,6 +27,27 @@ def program(tmp_path: Path, body: str, head: str = HEAD) -> CamProgram:
     return read_program(file)
 
 
+def test_points_of_contact_are_said_and_refused_with_compensation(tmp_path: Path) -> None:
+    head = HEAD.replace("centerline data", "contact contour data")
+    body = "GOTO/0,0,5\n{}GOTO/9,0,5\n"
+    read = program(tmp_path, body.format(""), head)
+    assert "where the cutter touches the part" in " ".join(map(str, read.of_kind("assumed")))
+    with pytest.raises(InputError, match=r"line 9: CUTCOM/ with .* or contact contour data"):
+        program(tmp_path, body.format("CUTCOM/LEFT\n"), head)
+    # the next operation states those of the tool's centre
+    second = HEAD.replace("FINISH_A", "FINISH_B") + body.format("CUTCOM/LEFT\n")
+    assert len(program(tmp_path, body.format("") + second, head).operations) == 2
+
+
+def test_a_cut_behind_a_change_of_tool_begins_at_its_end_and_says_so(tmp_path: Path) -> None:
+    body = "GOTO/0,0,5\nGOTO/9,0,5\nLOAD/TOOL,8\nGOTO/9,9,5\nGOTO/0,9,5\n"
+    read = program(tmp_path, body)
+    assert np.allclose(1e3 * read.operations[1].path.position, [[9, 9, 5], [0, 9, 5]])
+    assert ["line 11" in str(n) for n in read.of_kind("assumed") if "change of tool" in n.text] == [
+        True
+    ]
+
+
 def test_head_of_an_operation(tmp_path: Path) -> None:
     read = program(tmp_path, "SPINDL/RPM,5000,CLW\nRAPID\nGOTO/1,2,50,0,0,1\nGOTO/1,2,3\n")
     operation = read.operation()

@@ -293,6 +293,12 @@ class ProgramBuilder:
         begins = not self._draft.position and self.here is not None
         if begins and self.here is not None and (curved or not (rapid or changed)):
             self._append(self.here, np.inf, True)
+        elif begins and not rapid:
+            self.note(
+                "assumed",
+                "a cut first behind a change of tool is begun at its end: where the tool comes "
+                "from is not stated",
+            )
 
     def _speed(self, length: float, rapid: bool) -> float:
         if rapid:

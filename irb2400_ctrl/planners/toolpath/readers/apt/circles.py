@@ -103,6 +103,13 @@ class Circles:
             raise InputError(f"{self._builder.place}: INDIRV/ expects three numbers")
         self._direction = np.array(values)
 
+    def set_direction_to(self, statement: Statement) -> None:
+        """INDIRP/x,y,z: towards this point."""
+        values = statement.numbers(self._builder.place)
+        if len(values) != 3:
+            raise InputError(f"{self._builder.place}: INDIRP/ expects three numbers")
+        self._direction = self._placement.point(values) - self._placement.here()
+
     def follow(self, statement: Statement, rapid: bool) -> None:
         """TLON,GOFWD/…"""
         builder = self._builder

@@ -1,4 +1,6 @@
-"""What CAM systems say in APT comments: CATIA's operation names and matrices, Creo's `$$->`."""
+"""What CAM systems say in APT comments: CATIA's operation names and matrices, Creo's `$$->`, and
+what NX's points are.
+"""
 
 from __future__ import annotations
 
@@ -9,6 +11,7 @@ from irb2400_ctrl.planners.toolpath.readers.apt import frames
 from irb2400_ctrl.planners.toolpath.readers.program_builder import ProgramBuilder
 
 NAME = re.compile(r"\s*OPERATION\s+NAME\s*:\s*(.+)", re.IGNORECASE)
+NX_DATA = re.compile(r"\s*(CENTERLINE|CONTACT)(?:\s+CONTOUR)?\s+DATA\b", re.IGNORECASE)
 CREO = re.compile(r"->\s*([A-Z_0-9]+)\s*/?\s*(.*)", re.IGNORECASE | re.DOTALL)
 
 
@@ -23,7 +26,10 @@ class Comments:
         """One comment, without its `$$`."""
         name = NAME.match(text)
         creo = CREO.match(text)
-        if text.strip().upper().startswith("*CATIA0"):
+        nx = NX_DATA.match(text)
+        if nx:
+            self._data(nx.group(1).upper())
+        elif text.strip().upper().startswith("*CATIA0"):
             self._matrix = []
         elif self._matrix is not None and self._row(text, unit):
             pass
@@ -31,6 +37,16 @@ class Comments:
             self._builder.begin_operation(name.group(1))
         elif creo:
             self._creo(creo.group(1).upper(), creo.group(2), unit)
+
+    def _data(self, kind: str) -> None:
+        """NX: `$$ centerline data` or `$$ contact contour data` before the points."""
+        self._builder.on_profile = kind != "CENTERLINE"
+        if self._builder.on_profile:
+            self._builder.note(
+                "assumed",
+                "contact contour data: the points are where the cutter touches the part, and the "
+                "tool's tip goes there",
+            )
 
     def _row(self, text: str, unit: float) -> bool:
         """CATIA: a name and three rows of four numbers."""

@@ -3,7 +3,8 @@
 `INDIRV` is the direction of the tool at the start. `CIRCLE/xc,yc,zc,r` lies in the plane across z,
 `CYLNDR/xc,yc,zc,i,j,k,r` about any axis. The motion ends where it meets `LINE/xc,yc,zc,xe,ye,ze`
 (from the centre to the end point), at the second meeting with `ON,2,INTOF`; or at the last
-`POINT/` of a `PLANE/`.
+`POINT/` of a `PLANE/`. `INDIRP/x,y,z` states a point instead of a direction, and
+`CIRCLE/CANON,xc,yc,zc,i,j,k,r` an axis (PostWorks and others).
 """
 
 from __future__ import annotations
@@ -32,7 +33,8 @@ def arc_and_end(
     """
     found: dict[str, list[list[float]]] = {}
     for word, values in GEOMETRY.findall(statement.text):
-        numbers = [number(v, f"{place}, {word.upper()}") for v in split_arguments(values) if v]
+        stated = [v for v in split_arguments(values) if v and v.upper() != "CANON"]
+        numbers = [number(v, f"{place}, {word.upper()}") for v in stated]
         found.setdefault(word.upper(), []).append(numbers)
     arc = _circle(found, unit, place)
     second = re.search(r"ON\s*,\s*2\s*,\s*INTOF", statement.text, re.IGNORECASE) is not None

@@ -43,6 +43,9 @@ KINDS = {
     "TAP": "bore",
     "RIGID": "bore",
 }
+THREADS = frozenset({"TAP", "RIGID"})
+# words that state a height; beside them bare numbers mean something else
+HEIGHTS = frozenset({"depth", "feed to", "clear", "rapid to", "retract"})
 REFUSED = frozenset({"MILL", "THREAD", "ROUGH", "PROFIL", "BACKBORE", "BCKBRE", "PLUNGE", "GROOVE"})
 # words with a number: what it means
 LENGTH_WORDS = {
@@ -68,6 +71,8 @@ LENGTH_WORDS = {
 _OTHERS = """DWELL TIMES TPI LEAD PITCH DIAMETR DIAMET DIA REV CAM TOOL ORIENT CSINK BACK TLANGL
 CUTANG SPINDL OFFSET MAXRPM RANGE RETRCT BOTTOM TLCOMP THREAD THRDS"""
 OTHER_WORDS = frozenset(_OTHERS.split())
+# ORIENT,angle,way aside
+SEVERAL = frozenset({"ORIENT"})
 # back to the height from which the tool came (NX: RTRCTO,AUTO; Creo: RETURN,0)
 UP_WORDS = frozenset({"AUTO", "MANUAL"})
 
@@ -85,13 +90,18 @@ def hole_cycle(statement: Statement, unit: float, dialect: str, place: str) -> H
     """
     words = statement.words
     kind, name = _kind(words, place)
-    values, bare, feed = _values(statement, dialect == CREO, place)
+    values, bare, feed, between = _values(statement, dialect == CREO, place)
     feed_words = {word for word in words if word in CYCLE_FEED_WORDS}
-    if feed is not None and len(bare) == 2 and not values:
-        bare[1], feed = _told_apart(bare[1], feed, bool(feed_words & PER_TURN))
+    assumed = ""
+    if feed is not None and between and len(bare) == 2 and not HEIGHTS & set(values):
+        bare[1], feed = _told_apart(bare[1], feed, feed_words, name)
+        assumed = f"of the bare numbers {bare[1]:g} is the clearance, {feed:g} the feed"
+    if feed is None and values.get("TPI", [0.0])[0] > 0:
+        feed = 1 / values["TPI"][0]
+        feed_words = {"IPR"}
     depth, clear, steps = _bare(bare, values, place)
     if "feed to" in values:
-        depth = abs(values["feed to"][0])
+        depth = _below(values["feed to"][0], dialect, place)
     rapid_to = values.get("rapid to", [None])[0]
     # RAPTO beside FEDTO counts from the point, as FEDTO does
     upwards = dialect == NX or (dialect != CREO and "feed to" in values)
@@ -115,6 +125,7 @@ def hole_cycle(statement: Statement, unit: float, dialect: str, place: str) -> H
         _dwell(values),
         None if feed is None else feed_of(feed, feed_words, unit),
         name,
+        assumed,
     )
 
 
@@ -154,6 +165,9 @@ def _groups(arguments: tuple[str, ...]) -> list[list[str]]:
 def _kind(words: list[str], place: str) -> tuple[str, str]:
     found = [word for word in words if word in KINDS]
     refused = [word for word in words if word in REFUSED]
+    if words[:2] == ["BORE", "BACK"]:
+        # NX: through the hole, and the cut from below
+        refused = ["BORE,BACK"]
     if refused or not found:
         shown = (refused or words or ["nothing"])[0]
         raise InputError(
@@ -167,14 +181,17 @@ def _kind(words: list[str], place: str) -> tuple[str, str]:
 
 def _values(
     statement: Statement, feed_first: bool, place: str
-) -> tuple[dict[str, list[float]], list[float], float | None]:
-    """Numbers by their word, bare numbers, and the feed beside its unit."""
+) -> tuple[dict[str, list[float]], list[float], float | None, bool]:
+    """Numbers by their word, bare numbers, the feed beside its unit, and whether the unit stands
+    between two bare numbers, so that either may be the feed."""
     values: dict[str, list[float]] = defaultdict(list)
     bare: list[float] = []
     feed: float | None = None
+    between = False
     last = ""
-    for argument, following in zip(
-        statement.arguments, (*statement.arguments[1:], ""), strict=True
+    followings = (*statement.arguments[1:], "")
+    for position, (argument, following) in enumerate(
+        zip(statement.arguments, followings, strict=True)
     ):
         if is_number(argument):
             value = number(argument, f"{place}, CYCLE")
@@ -182,6 +199,7 @@ def _values(
                 values[LENGTH_WORDS[last]].append(value)
             elif last in CYCLE_FEED_WORDS and feed is None:
                 feed = value
+                between = len(bare) == 2
             elif last in CYCLE_FEED_WORDS:
                 # Creo's peck table: other feeds in deeper steps; the slowest is safe for all
                 feed = min(feed, value) if feed is not None else value
@@ -198,19 +216,39 @@ def _values(
             feed = bare.pop()
             last = ""
             continue
-        last = "" if is_number(argument) else argument.upper()
-        if last in KINDS and not (last in OTHER_WORDS and is_number(following)):
+        kept = last if last in SEVERAL else ""
+        last = kept if is_number(argument) else argument.upper()
+        if last in KINDS and (position == 0 or not (last in OTHER_WORDS and is_number(following))):
             last = ""
     if feed is not None and feed <= 0:
         raise InputError(f"{place}: CYCLE/ has the feed {feed}, expected a positive one")
-    return values, bare, feed
+    return values, bare, feed, between
 
 
-def _told_apart(first: float, second: float, per_turn: bool) -> tuple[float, float]:
+def _below(feed_to: float, dialect: str, place: str) -> float:
+    """The depth of `FEDTO`: NX counts it upwards, others write either sign.
+
+    Raises:
+        InputError: NX, and the bottom would be above the point.
+    """
+    if dialect == NX and feed_to > 0:
+        raise InputError(
+            f"{place}: CYCLE/ with FEDTO,{feed_to:g}: NX counts it upwards from the point, so that "
+            "the bottom would be above it; expected a negative one"
+        )
+    return abs(feed_to)
+
+
+def _told_apart(
+    first: float, second: float, feed_words: set[str], name: str
+) -> tuple[float, float]:
     """Clearance and feed of `depth, a, MMPM, b`, which tables of post-processors write either way:
-    a feed per minute is the larger of the two numbers, one per turn the smaller."""
+    a feed per minute is the larger of the two numbers, one per turn the smaller. The pitch of a
+    thread is as large as a clearance: it stands before its unit, as all of CATIA's feeds do."""
     low, high = sorted((first, second))
-    return (high, low) if per_turn else (low, high)
+    if not feed_words & PER_TURN:
+        return low, high
+    return (second, first) if name in THREADS else (high, low)
 
 
 def _feed_before(

@@ -40,6 +40,7 @@ class Machine:
             "STOP": self._stop,
             "OPSTOP": self._stop,
             "DELAY": self._delay,
+            "DWELL": self._delay,
             "CUTCOM": self._compensation,
             "ORIGIN": self._origin,
             "PPRINT": self._message,
@@ -184,16 +185,18 @@ class Machine:
         self._builder.stop(kind, statement.text)
 
     def _delay(self, statement: Statement, unit: float) -> None:
-        """DELAY/seconds, DELAY/REV,turns of the spindle."""
+        """DELAY/seconds, DELAY/REV,turns of the spindle; DWELL/ says the same."""
         builder = self._builder
         values = self._numbers(statement)
         if len(values) != 1 or values[0] < 0:
-            raise InputError(f"{builder.place}: DELAY/{statement.text[:40]}, expected one time [s]")
+            raise InputError(
+                f"{builder.place}: {statement.word}/{statement.text[:40]}, expected one time [s]"
+            )
         seconds = values[0]
         if "REV" in statement.words:
             if builder.spindle.rpm <= 0:
                 raise InputError(
-                    f"{builder.place}: DELAY/REV, but the spindle's speed is not stated"
+                    f"{builder.place}: {statement.word}/ in turns, but the spindle's speed is open"
                 )
             seconds *= 60 / builder.spindle.rpm
         builder.dwell(seconds)
@@ -207,9 +210,9 @@ class Machine:
             return
         if builder.on_profile:
             raise InputError(
-                f"{builder.place}: CUTCOM/ with OUTPUT_ON_PROFILE: the points lie on the part's "
-                "edge, a tool's radius beside the path; expected CUTCOM_GEOMETRY_TYPE / "
-                "OUTPUT_ON_CENTER"
+                f"{builder.place}: CUTCOM/ with OUTPUT_ON_PROFILE or contact contour data: the "
+                "points lie on the part's edge, a tool's radius beside the path; expected those of "
+                "the tool's centre (Creo: OUTPUT_ON_CENTER, NX: centerline data)"
             )
         builder.note(
             "assumed", "CUTCOM/: the points are the tool's centre; nothing is added for its radius"

@@ -41,6 +41,7 @@ class Motion:
             "TLON": self._contour,
             "GOFWD": self._contour,
             "INDIRV": self._circles.set_direction,
+            "INDIRP": self._circles.set_direction_to,
             "NURBS": self._nurbs.begin,
             "KNOT": self._nurbs.knots,
             "CNTRL": self._nurbs.control,
@@ -149,6 +150,8 @@ class Motion:
         cycle = hole_cycle(statement, self._placement.unit, self._dialect, builder.place)
         self._cycle = cycle
         self._last_cycle = statement
+        if cycle.assumed:
+            builder.note("assumed", f"CYCLE/{cycle.name}: {cycle.assumed}")
         if cycle.clearance == 0:
             builder.note("assumed", "CYCLE/ without a clearance: rapid down to the stated point")
         if cycle.name in {"DEEP", "DEEPHL", "PECK", "BRKCHP"} and not cycle.steps:

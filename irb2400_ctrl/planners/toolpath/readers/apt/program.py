@@ -10,6 +10,7 @@ from irb2400_ctrl.planners.toolpath.readers.apt.machine import Machine
 from irb2400_ctrl.planners.toolpath.readers.apt.motion import Motion
 from irb2400_ctrl.planners.toolpath.readers.apt.statements import COMMENT, Statement, statements
 from irb2400_ctrl.planners.toolpath.readers.apt.vocabulary import (
+    CALLS,
     IGNORED,
     MACHINE_CODE,
     MOVING,
@@ -67,6 +68,12 @@ def _rest(builder: ProgramBuilder, statement: Statement) -> None:
         raise InputError(
             f"{builder.place}: {word}/ moves the tool or the part and is not read; expected "
             "GOTO/, GODLTA/, CIRCLE/ or MOVARC/ (let the CAM system write points)"
+        )
+    elif word in CALLS:
+        raise InputError(
+            f"{builder.place}: {word}/{statement.text[:40]} calls a program that is kept in the "
+            "control, and what it moves is not known here; delete the line if it moves nothing, "
+            "else let the CAM system write its points"
         )
     elif word in MACHINE_CODE:
         builder.note("assumed", f"{word}/{statement.text[:60]}: machine code, not carried out")

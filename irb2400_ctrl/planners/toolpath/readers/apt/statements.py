@@ -16,6 +16,11 @@ NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([EeDd][-+]?\d+)?$")
 RAPID_WITH = re.compile(r"RAPID\s*,\s*(?=[A-Za-z])", re.IGNORECASE)
 # the rest of such a line is text for people, with or without a slash before it
 TEXT_WORDS = ("PARTNO", "PPRINT", "TPRINT", "INSERT", "REMARK", "TITLES", "TITLE", "LETTER", "NOTE")
+# a price in dollars at the end of a text continues nothing: the next line is a statement of its own
+OWN_LINE = re.compile(
+    r"(GOTO|FROM|GODLTA|RAPID|FEDRAT|CIRCLE|MOVARC|INDIRV|TLON|CYCLE|LOADTL|SPINDL|COOLNT)\b",
+    re.IGNORECASE,
+)
 
 
 @dataclass(frozen=True)
@@ -67,6 +72,9 @@ def statements(text: str, name: str) -> Iterator[Statement | UnreadLineError]:
         part = raw.strip()
         if pending and not part:
             continue
+        if pending.upper().startswith(TEXT_WORDS) and OWN_LINE.match(part):
+            yield _statement(start, f"{pending.strip()}$", name)
+            pending = ""
         start = start if pending else line
         commented = (pending or part).startswith(COMMENT)
         if not commented:

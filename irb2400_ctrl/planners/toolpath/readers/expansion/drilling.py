@@ -36,6 +36,8 @@ class HoleCycle:
     feed: Feed | None = None
     """None: the feed in force"""
     name: str = "DRILL"
+    assumed: str = ""
+    """how the statement was read, where it can be read in two ways"""
 
 
 @dataclass(frozen=True)

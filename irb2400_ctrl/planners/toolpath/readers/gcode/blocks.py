@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.planners.toolpath.readers.gcode.hole_calls import HoleCall, taken_out
-from irb2400_ctrl.planners.toolpath.readers.gcode.subprograms import Line
+from irb2400_ctrl.planners.toolpath.readers.gcode.subprograms import ENTER, LEAVE, Line
 from irb2400_ctrl.planners.toolpath.readers.gcode.swivel import CALL as SWIVEL
 from irb2400_ctrl.planners.toolpath.readers.gcode.variables import (
     Variables,
@@ -25,12 +25,16 @@ from irb2400_ctrl.planners.toolpath.readers.unread_line import UnreadLineError
 _NUMBER = r"([-+]?(?:\d+\.?\d*|\.\d+))"
 WORD = re.compile(rf"\s*([A-Z])\s*=?\s*{_NUMBER}")
 # words of several letters (Siemens)
-EXTENDED = ("CR", "TURN", "A3", "B3", "C3", "IAC", "JAC", "KAC")
+EXTENDED = ("CR", "TURN", "RPL", "A3", "B3", "C3", "IAC", "JAC", "KAC")
+LETTERS = frozenset([*"ABCDFGHIJKLMNPQRSTXYZ", *EXTENDED])
+PLACES = frozenset("XYZABCIJKRQ")
 EXTENDED_WORD = re.compile(rf"\s*({'|'.join(EXTENDED)})\s*=\s*{_NUMBER}")
 # orders of Siemens' controls written as words: transformation, acceleration, feed, compression
 _QUIET = """SOFT BRISK DRIVE FFWON FFWOF COMPCAD COMPON COMPCURV COMPOF FNORM FLIN CFC CFTCP CFIN
 ORIWKS ORIAXES ORIVECT ORISON ORISOF DIAMOF STOPRE FGROUP WAITS"""
-NAMED = re.compile(rf"\s*(TRAORI|TRAFOOF|SUPA|{'|'.join(_QUIET.split())})\b(\(\s*[\w, ]*\s*\))?")
+NAMED = re.compile(
+    rf"\s*(TRAORI|TRAFOOF|SUPA|A?TRANS|A?ROT|{'|'.join(_QUIET.split())})\b(\(\s*[\w, ]*\s*\))?"
+)
 SUBPROGRAM = re.compile(r"^\s*O\s*<|^\s*O\d+\s+(SUB|CALL|IF|WHILE|REPEAT|DO|ENDSUB)")
 UNREADABLE = (
     (
@@ -48,8 +52,8 @@ UNREADABLE = (
     (re.compile(r",\s*[RC]"), "corners written as ,R or ,C are not read"),
     (re.compile(r"="), "of words with = only those such as X=10, CR=5, I=AC(10), A3=0 are read"),
     (
-        re.compile(r"\b(TRANS|ATRANS|ROT|AROT|ROTS|SCALE|ASCALE|MIRROR|AMIRROR)\b"),
-        "frames written as TRANS or ROT (Siemens) are not read",
+        re.compile(r"\b(ROTS|AROTS|CROTS|SCALE|ASCALE|MIRROR|AMIRROR)\b"),
+        "of programmed frames (Siemens) TRANS, ATRANS, ROT and AROT are read",
     ),
 )
 # Siemens' messages and names of tools, as comments; absolute centres as one word
@@ -91,6 +95,32 @@ class Block:
         """The words other than G, M and N by their letter."""
         return {key: value for key, value in self.words if key not in "GMN"}
 
+    def checked(self, place: str) -> dict[str, float]:
+        """The same; `place` is for messages.
+
+        Raises:
+            InputError: a word that is not known, a place stated in two ways, a unit that is a cycle
+                on other controls.
+        """
+        values = self.values()
+        unknown = sorted(set(values) - LETTERS)
+        if unknown:
+            why = "; E pushes plastic in 3D printing" if unknown[0] == "E" else ""
+            raise InputError(f"{place}: found the word {unknown[0]}, which is not read{why}")
+        for letter, value in self.words:
+            if letter in PLACES and value != values[letter]:
+                raise InputError(
+                    f"{place}: found {letter}{value:g} and {letter}{values[letter]:g} in one "
+                    "block, expected one of them (two lines run together?)"
+                )
+        codes = set(self.codes("G"))
+        if codes & {70, 71} and not codes & {0, 1, 2, 3} and set("IJKLPQRU") & set(values):
+            raise InputError(
+                f"{place}: G70 and G71 with such words are cycles (Haas, Fanuc), which are not "
+                "read; alone they are inches and millimetres"
+            )
+        return values
+
 
 def blocks(lines: Iterable[Line], name: str) -> Iterator[Block | UnreadLineError]:
     """All lines that hold anything; a line that cannot be read comes as its error.
@@ -101,6 +131,12 @@ def blocks(lines: Iterable[Line], name: str) -> Iterator[Block | UnreadLineError
     """
     variables = Variables()
     for line, raw in lines:
+        if raw.startswith((ENTER, LEAVE)):
+            try:
+                variables.scope(raw, f"{name}, line {line}")
+            except InputError as error:
+                yield UnreadLineError(line, str(error))
+            continue
         for pattern, text_for_it in REWRITTEN:
             raw = pattern.sub(text_for_it, raw)
         call, raw = (

@@ -1,4 +1,6 @@
-"""Codes that move the frame of the coordinates: G52, G92, G68, G68.2, and what ends them."""
+"""Codes that move the frame of the coordinates: G52, G92, G68, G68.2, and what ends them; the
+programmed frames TRANS, ATRANS, ROT, AROT (Siemens).
+"""
 
 from __future__ import annotations
 
@@ -13,6 +15,7 @@ from irb2400_ctrl.planners.toolpath.readers.gcode.state import AXES, GcodeState
 from irb2400_ctrl.planners.toolpath.readers.program_builder import ProgramBuilder
 
 CODES = frozenset([52, 68, 68.2, 69, 92, 92.1, 92.2])
+PROGRAMMED = ("TRANS", "ATRANS", "ROT", "AROT")
 
 
 class GcodeFrames:
@@ -22,9 +25,15 @@ class GcodeFrames:
         self._builder = builder
         self._state = state
 
-    def run(self, codes: list[float], values: dict[str, float]) -> bool:
-        """Whether one of the codes took the words of the block for itself."""
+    def run(
+        self, codes: list[float], values: dict[str, float], orders: tuple[str, ...] = ()
+    ) -> bool:
+        """Whether one of the codes or orders took the words of the block for itself."""
         state = self._state
+        for order in orders:
+            if order in PROGRAMMED:
+                self._programmed(order, values)
+                return True
         if 69 in codes:
             state.reframe(plane_pose=np.eye(4), turned=np.eye(4))
         if {92.1, 92.2} & set(codes):
@@ -64,6 +73,30 @@ class GcodeFrames:
         X[:3, :3] = rotation(2, math.radians(values["R"]))
         X[:3, 3] = centre - X[:3, :3] @ centre
         state.reframe(turned=X)
+
+    def _programmed(self, order: str, values: dict[str, float]) -> None:
+        """TRANS X Y Z and ROT Z or RPL= begin anew, ATRANS and AROT go on from where the frame is;
+        without words there is none.
+
+        Raises:
+            InputError: a rotation about X or Y, at which the tool need not turn as well.
+        """
+        state = self._state
+        place = self._builder.place
+        known = {"Z", "RPL"} if order.endswith("ROT") else set(AXES)
+        others = sorted(set(values) - known)
+        if others or (state.plane != 17 and order.endswith("ROT") and values):
+            shown = others[0] if others else f"in the plane G{state.plane}"
+            raise InputError(
+                f"{place}: {order} {shown} is not read; expected TRANS X Y Z, or ROT Z or RPL= in "
+                "G17 (a plane that the tool turns to: CYCLE800)"
+            )
+        X = np.eye(4)
+        if order.endswith("ROT"):
+            X[:3, :3] = rotation(2, math.radians(values.get("RPL", values.get("Z", 0.0))))
+        else:
+            X[:3, 3] = [state.unit * values.get(letter, 0.0) for letter in AXES]
+        state.reframe(turned=state.turned @ X if order.startswith("A") else X)
 
     def _local(self, values: dict[str, float]) -> None:
         """G52 X Y Z: the zero lies there in the work frame; zeros end it."""

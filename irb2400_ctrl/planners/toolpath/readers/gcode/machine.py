@@ -8,6 +8,7 @@ from dataclasses import replace
 
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.planners.toolpath.cam_program import Spindle, Tool
+from irb2400_ctrl.planners.toolpath.readers.gcode.frames import PROGRAMMED
 from irb2400_ctrl.planners.toolpath.readers.gcode.state import GcodeState
 from irb2400_ctrl.planners.toolpath.readers.program_builder import ProgramBuilder
 
@@ -117,5 +118,5 @@ class GcodeMachine:
     def _order(self, order: str) -> None:
         if order in {"TRAORI", "TRAFOOF"}:
             self._state.tool_centre = order == "TRAORI"
-        elif order != "SUPA":
+        elif order not in {"SUPA", *PROGRAMMED}:
             self._builder.note("ignored", order)

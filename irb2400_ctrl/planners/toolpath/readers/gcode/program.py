@@ -7,7 +7,7 @@ from collections.abc import Callable
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.planners.toolpath.cam_program import CamProgram
 from irb2400_ctrl.planners.toolpath.readers.feed import LENGTHS
-from irb2400_ctrl.planners.toolpath.readers.gcode.blocks import EXTENDED, Block, blocks
+from irb2400_ctrl.planners.toolpath.readers.gcode.blocks import Block, blocks
 from irb2400_ctrl.planners.toolpath.readers.gcode.cycles import CYCLES, dwell_seconds
 from irb2400_ctrl.planners.toolpath.readers.gcode.decimal_points import without_point
 from irb2400_ctrl.planners.toolpath.readers.gcode.frames import CODES as FRAMES
@@ -24,7 +24,6 @@ from irb2400_ctrl.planners.toolpath.readers.program_builder import ProgramBuilde
 from irb2400_ctrl.planners.toolpath.readers.unread_line import UnreadLineError
 
 MOTION = {0, 1, 2, 3, 80, *SPLINES, *CYCLES}
-LETTERS = frozenset([*"ABCDFGHIJKLMNPQRSTXYZ", *EXTENDED])
 # exact stop, blending, safe zones, look-ahead, compensation off: nothing for the points
 _QUIET = """8 9 15 22 23 25 26 40 49.1 50 50.1 60 61 61.1 62 63 64 69.1 80.1 97 103 187
 601 602 603 641 642 643 644 645 450 451"""
@@ -78,10 +77,10 @@ def read_gcode(
     listed = list(blocks(lines, name))
     if not any("Z" in block.values() for block in listed if isinstance(block, Block)):
         reader.flat()
-    for block in listed:
+    for index, block in enumerate(listed):
         builder.line = block.line
         if reader.ended:
-            reader.after_end()
+            reader.after_end(listed[index:])
             break
         if isinstance(block, UnreadLineError):
             builder.failed(block)
@@ -94,10 +93,9 @@ def read_gcode(
         reader.end()
     except InputError as error:
         builder.failed(error)
-    name_of_unit = reader.unit_name()
     for builder.line, note in [*notes, *without_point(text)]:
         builder.note("assumed", note)
-    return builder.finish("G-code", name_of_unit, reader.unit_stated)
+    return builder.finish("G-code", reader.unit_name(), reader.unit_stated)
 
 
 class _Reader:
@@ -142,8 +140,9 @@ class _Reader:
         self._builder.line = 1
         self._builder.note("assumed", "no Z in the whole file: Z is 0")
 
-    def after_end(self) -> None:
-        """More blocks after the end: none of them is read; after M99 they are another program."""
+    def after_end(self, rest: list[Block | UnreadLineError]) -> None:
+        """None of the blocks after the end is read; after M99 they are another program."""
+        lost = sum(isinstance(block, Block) and moves(block.values()) for block in rest)
         if self._again:
             self._builder.failed(
                 InputError(
@@ -151,6 +150,9 @@ class _Reader:
                     "be a sub-program; not read, expected all moves in one program"
                 )
             )
+        elif lost:
+            says = f"the program has ended: {lost} blocks with places behind it are left out"
+            self._builder.note("assumed", says)
 
     def block(self, block: Block) -> None:
         """One line."""
@@ -159,10 +161,7 @@ class _Reader:
             self._machine.comment(comment)
         if block.optional:
             builder.note("assumed", "blocks behind / are carried out")
-        values = block.values()
-        unknown = sorted(set(values) - LETTERS)
-        if unknown:
-            raise InputError(f"{builder.place}: found the word {unknown[0]}, which is not read")
+        values = block.checked(builder.place)
         codes = [round(code, 3) for code in block.codes("G")]
         if {5, 5.1} & set(codes) and not moves(values, 2):
             # Fanuc's G5 P10000, G5.1 Q1; with places they are splines
@@ -175,7 +174,7 @@ class _Reader:
             swivel(block.plane, self._state, builder)
         self._modes(codes, values)
         self._machine.before(functions, values, block.orders)
-        used = self._special([53, *codes] if "SUPA" in block.orders else codes, values)
+        used = self._special(codes, values, block.orders)
         self._set_motion(codes)
         leads = not used and moves(values, self._state.motion)
         if leads and self._state.motion == 80:
@@ -259,21 +258,24 @@ class _Reader:
             self._state.feed_mode = mode
             self._builder.feed = type(self._builder.feed)()
 
-    def _special(self, codes: list[float], values: dict[str, float]) -> bool:
+    def _special(
+        self, codes: list[float], values: dict[str, float], orders: tuple[str, ...]
+    ) -> bool:
         """Codes that take the axis words for something else; whether one did."""
-        if self._frames.run(codes, values):
+        if self._frames.run(codes, values, orders):
             return True
-        if {28, 30, 53} & set(codes):
-            self._machine_place(codes, values)
+        if {28, 30, 53} & set(codes) or "SUPA" in orders:
+            self._machine_place([53, *codes] if "SUPA" in orders else codes, values)
             return True
-        return bool({4, 28.1} & set(codes))
+        return 28.1 in codes
 
     def _dwell(self, values: dict[str, float]) -> dict[str, float]:
         """G4 P, X or F: seconds, or milliseconds where there are very many; what is left of the
-        block."""
+        block: a move in it comes after the dwell (LinuxCNC)."""
         builder = self._builder
-        stated = next((values[letter] for letter in "PXF" if letter in values), None)
-        if stated is None or stated < 0:
+        word = next((letter for letter in "PXF" if letter in values), "")
+        stated = values.get(word, -1.0)
+        if stated < 0:
             raise InputError(f"{builder.place}: G4 states no time, expected G4 P or X")
         seconds = dwell_seconds(stated)
         if seconds != stated:
@@ -281,7 +283,7 @@ class _Reader:
         elif "P" in values and stated >= 1:
             builder.note("assumed", "G4 P of less than 100 is in seconds")
         builder.dwell(seconds)
-        return {key: value for key, value in values.items() if key not in "PXFS"}
+        return {key: value for key, value in values.items() if key != word}
 
     def _after_cycle(self) -> None:
         """Axis words after G80: G0 or G1 from before the cycle goes on (Fanuc)."""

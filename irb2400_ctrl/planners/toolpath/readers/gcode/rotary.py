@@ -20,7 +20,8 @@ REFUSAL = (
 UNCONTROLLED = (
     "A, B and C turn a table or a head, and without tool centre control (G43.4, M128, TRAORI) or a "
     "tilted plane (G68.2) the place of the tool in the part depends on the machine; let the CAM "
-    "system write with tool centre control, or APT with tool axes"
+    "system write with tool centre control, or APT with tool axes; where the coordinates are those "
+    "of the tip in the part all the same (the control's own kinematics), put G43.4 before the moves"
 )
 
 

@@ -1,7 +1,8 @@
 """The lines of a G-code file in the order in which they are carried out, sub-programs included.
 
-Called are M98 P… L… (Fanuc), O… CALL (LinuxCNC), L100, NAME and CALL "NAME" (Siemens), where the
-sub-program is in the file. A call of anything else stays in its line, which is refused later.
+Called are M98 P… L… (Fanuc), O… CALL (LinuxCNC, with variables of its own), L100, NAME and
+CALL "NAME" (Siemens), where the sub-program is in the file. A call of anything else stays in its
+line, which is refused later.
 """
 
 from __future__ import annotations
@@ -26,6 +27,9 @@ _NAMED = re.compile(
 )
 _RETURN = re.compile(r"M0*(?:99|17)(?!\d)|\bRET\b", re.IGNORECASE)
 _COMMENT = re.compile(r"\([^()]*\)|;.*")
+# between the lines: a program of LinuxCNC begins, with its arguments, and ends; no text has a zero
+ENTER = "\0enter "
+LEAVE = "\0leave"
 DEEPEST = 10
 MOST_LINES = 2_000_000
 
@@ -47,7 +51,8 @@ def in_order(text: str, name: str) -> tuple[Iterator[Line], list[Line]]:
     """Lines with their numbers as the control carries them out, and what is to be noted.
 
     Raises:
-        InputError: while the lines are gone through: calls within calls without an end.
+        InputError: no program begins; while the lines are gone through: calls within calls without
+            an end.
     """
     listed = list(enumerate(text.split("\n"), 1))
     programs = _parted(listed)
@@ -58,7 +63,12 @@ def in_order(text: str, name: str) -> tuple[Iterator[Line], list[Line]]:
     if not called:
         return iter(listed), []
     free = [key for key in programs.lines if key not in called and programs.lines[key]]
-    first = programs.main if programs.main in free else (free or [""])[0]
+    if not free:
+        raise InputError(
+            f"{name}: each of its programs is called by one of them, none begins; expected a main "
+            "program that calls them"
+        )
+    first = programs.main if programs.main in free else free[0]
     notes = [
         (programs.lines[key][0][0], f"program {key} is called by no other: it is left out")
         for key in free
@@ -146,7 +156,10 @@ def _run(programs: _Programs, name: str, depth: int, file: str, count: list[int]
             continue
         target, times, rest, arguments = call
         yield number, rest
-        for position, value in enumerate(re.findall(r"\[([^\[\]]*)\]", arguments), 1):
-            yield number, f"#{position}=[{value}]"
+        own = _O_CALL.match(code) is not None
+        if own:
+            yield number, f"{ENTER}{arguments}"
         for _ in range(times):
             yield from _run(programs, target, depth + 1, file, count)
+        if own:
+            yield number, LEAVE

@@ -1,4 +1,5 @@
-"""Variables of G-code that a file sets for itself: #100 (Fanuc, LinuxCNC), R1 (Siemens).
+"""Variables of G-code that a file sets for itself: #100 (Fanuc, LinuxCNC), R1 and those that
+`DEF REAL _F_CUT` names (Siemens).
 
 Assignments and arithmetic; angles in degrees. What a file does not set, the control knows: refused.
 """
@@ -10,10 +11,16 @@ import re
 from collections.abc import Callable
 
 from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.planners.toolpath.readers.gcode.subprograms import ENTER, LEAVE
 
 _NUMBER = re.compile(r"\s*(\d+\.?\d*|\.\d+)")
 _NAME = re.compile(r"\s*([A-Z]+2?)\s*(?=\[)")
 _SET = re.compile(r"\s*(?:N\d+\s*)?(?:#\s*(\d+|<\w+>)|(R\d+))\s*=(?!=)")
+_DEFINED = re.compile(
+    r"\s*(?:N\d+\s*)?DEF\s+(?:REAL|INT|BOOL|CHAR|STRING\s*\[\s*\d+\s*\])\s+(?=[A-Z_])"
+)
+_NAME_SET = re.compile(r"\s*(?:N\d+\s*)?([A-Z_]\w*)\s*=(?!=)")
+_EQUALS_NAME = re.compile(r"([A-Z][A-Z0-9]*)\s*=\s*(?=[-+*/\d.\s]*([A-Z_]\w+))")
 _FLOW = re.compile(r"\b(WHILE|IF|GOTO[FBCS]?|DO\s*\d|END\s*\d?|FOR|LOOP|REPEAT|UNTIL|ELSE)\b")
 # a word whose number is a variable or an expression: X#1, X-[#1+2], X=R1*2, CR=R5
 _WORD = re.compile(r"([A-Z](?:R(?==)|\d(?==))?)\s*(=?)\s*(?=[-+]?\s*(?:#|\[))")
@@ -39,7 +46,13 @@ FUNCTIONS: dict[str, Callable[[float], float]] = {
     "EXP": math.exp,
     "LN": math.log,
 }
+# what each sub-program of LinuxCNC has for itself
+_LOCAL = re.compile(r"[1-9]|[12]\d|30|<[^_]\w*>")
+MOST_ARGUMENTS = 30
 DEEPEST = 50
+
+
+_VARIABLE = re.compile(r"\s*(?:#\s*(\d+|<\w+>)|(R\d+)\b|([A-Z_]\w+)\b(?!\s*[\[<(]))")
 
 
 class Variables:
@@ -47,6 +60,39 @@ class Variables:
 
     def __init__(self) -> None:
         self._known: dict[str, float] = {}
+        self._callers: list[dict[str, float]] = []
+        self._names: set[str] = set()
+        """those that DEF states"""
+
+    def scope(self, order: str, place: str) -> None:
+        """A sub-program of LinuxCNC begins, with its arguments as #1 … #30, or ends: those and
+        #<names> without _ are its own, and the caller's come back.
+
+        Args:
+            order: `ENTER` with `[…][…]` behind it, or `LEAVE`.
+            place: for messages.
+
+        Raises:
+            InputError: an argument that is no expression.
+        """
+        own = {name for name in self._known if _LOCAL.fullmatch(name)}
+        shared = {name: value for name, value in self._known.items() if name not in own}
+        if order == LEAVE:
+            self._known = shared | self._callers.pop()
+            return
+        self._callers.append({name: self._known[name] for name in own})
+        given = self._arguments(order.removeprefix(ENTER).upper(), place)
+        given += [0.0] * (MOST_ARGUMENTS - len(given))
+        self._known = shared | {str(number): value for number, value in enumerate(given, 1)}
+
+    def _arguments(self, code: str, place: str) -> list[float]:
+        found = []
+        at = 0
+        while code[at:].strip():
+            reader = _Expression(code, at, self._known, place)
+            found.append(reader.bracket())
+            at = reader.at
+        return found
 
     def resolve(self, code: str, place: str) -> str:
         """The code of a line with numbers in the place of variables; assignments are kept and taken
@@ -59,6 +105,8 @@ class Variables:
         Raises:
             InputError: a variable that is not set, an expression that is none.
         """
+        if defined := _DEFINED.match(code):
+            return self._define(code[defined.end() :], place)
         if not ("#" in code or "[" in code or "=" in code) or _FLOW.search(code):
             return code
         code = self._assigned(code, place)
@@ -67,7 +115,7 @@ class Variables:
         while at < len(code):
             # letters are words of their own here, so that R in X1R5 is none of a variable
             word = _WORD.match(code, at)
-            equals = None if word else _EQUALS.match(code, at)
+            equals = None if word else _EQUALS.match(code, at) or self._with_name(code, at)
             found = word or equals
             if found is None or (equals and re.match(r"\s*[ADI]C\s*[\[(]", code[equals.end() :])):
                 out += code[at]
@@ -80,11 +128,28 @@ class Variables:
         return out
 
     def _assigned(self, code: str, place: str) -> str:
-        while found := _SET.match(code):
+        while found := _SET.match(code) or self._name_set(code):
             reader = _Expression(code, found.end(), self._known, place)
-            self._known[found.group(1) or found.group(2)] = reader.sum()
+            self._known[next(name for name in found.groups() if name)] = reader.sum()
             code = code[reader.at :]
         return code
+
+    def _name_set(self, code: str) -> re.Match[str] | None:
+        found = _NAME_SET.match(code)
+        return found if found and found.group(1) in self._names else None
+
+    def _with_name(self, code: str, at: int) -> re.Match[str] | None:
+        found = _EQUALS_NAME.match(code, at) if self._names else None
+        return found if found and found.group(2) in self._names else None
+
+    def _define(self, text: str, place: str) -> str:
+        """DEF REAL a, b=2: what is set is kept, the others are not known yet."""
+        for part in text.split(","):
+            name, equals, _ = part.partition("=")
+            self._names.add(name.strip())
+            if equals:
+                self._assigned(part, place)
+        return ""
 
 
 def with_square_brackets(raw: str) -> str:
@@ -127,6 +192,13 @@ class _Expression:
         value = self.signed() if sign else self._single()
         return -value if sign == "-" else value
 
+    def bracket(self) -> float:
+        """[ and ] with an expression between them."""
+        self._expect("[")
+        value = self.sum()
+        self._expect("]")
+        return value
+
     def _product(self) -> float:
         value = self._power()
         while sign := self._taken("*", "/", "MOD"):
@@ -150,13 +222,11 @@ class _Expression:
         return value
 
     def _value(self) -> float:
-        if self._taken("["):
-            value = self.sum()
-            self._expect("]")
-            return value
-        if found := re.compile(r"\s*(?:#\s*(\d+|<\w+>)|(R\d+)\b)").match(self._code, self.at):
+        if self._code.startswith("[", self._next()):
+            return self.bracket()
+        if found := _VARIABLE.match(self._code, self.at):
             self.at = found.end()
-            return self._variable(found.group(1) or found.group(2))
+            return self._variable(next(name for name in found.groups() if name))
         if self._taken("#"):
             return self._variable(f"{self._single():g}")
         if found := _NUMBER.match(self._code, self.at):
@@ -189,17 +259,22 @@ class _Expression:
 
     def _variable(self, name: str) -> float:
         if name not in self._known:
-            shown = name if name.startswith("R") else f"#{name}"
+            shown = f"#{name}" if name[0] in "0123456789<" else name
             raise InputError(
                 f"{self._place}: found {shown}, which the file does not set before; what the "
                 "control or the operator sets is not known, write the number"
             )
         return self._known[name]
 
-    def _taken(self, *texts: str) -> str | None:
+    def _next(self) -> int:
+        """Where the next character that is no blank stands."""
         start = self.at
         while start < len(self._code) and self._code[start].isspace():
             start += 1
+        return start
+
+    def _taken(self, *texts: str) -> str | None:
+        start = self._next()
         for text in texts:
             if self._code.startswith(text, start) and not (
                 text == "*" and self._code.startswith("**", start)
