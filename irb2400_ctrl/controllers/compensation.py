@@ -23,17 +23,10 @@ from itertools import pairwise
 import casadi as ca
 
 from irb2400_ctrl.codegen import Field
+from irb2400_ctrl.controllers.arm_numbers import ArmNumbers
 from irb2400_ctrl.controllers.stribeck import faded_bell
-from irb2400_ctrl.controllers.tables import (
-    friction_fields,
-    friction_of,
-    payload_fields,
-    payload_of,
-)
 from irb2400_ctrl.effects import Effect
 from irb2400_ctrl.effects.memory import next_memory
-from irb2400_ctrl.model import Model
-from irb2400_ctrl.model.friction import FrictionLaw
 from irb2400_ctrl.robot import Robot
 
 BREAKAWAY = 0.0045
@@ -52,12 +45,17 @@ class Compensation:
     Args:
         robot: with its effects; those of the measuring chain are left alone.
         sample_time: of the controller [s], for effects with memory.
-        tables: payload and friction are parameters (`tables`), not constants in the code.
+        tables: payload, friction and the numbers of the effects are parameters, not constants in
+            the code.
     """
 
     robot: Robot
     sample_time: float
     tables: bool = False
+
+    @cached_property
+    def _numbers(self) -> ArmNumbers:
+        return ArmNumbers(self.robot, self.tables)
 
     @cached_property
     def effects(self) -> tuple[Effect, ...]:
@@ -90,28 +88,29 @@ class Compensation:
     @cached_property
     def _core(self) -> ca.Function:
         """(q, qd, qdd, qd_ref, slip, time, memory, parameters) -> (tau, next memory)."""
-        model = Model(self.robot)
         n = self.robot.n
         qd_ref, slip = (ca.SX.sym(name, n) for name in ("qd_ref", "slip"))
         given = {field.name: ca.SX.sym(field.name, field.size) for field in self.parameters}
         sign = qd_ref / ca.sqrt(qd_ref**2 + SIGN_WIDTH**2)
-        carried = payload_of(self.robot, given) if self.tables else None
-        s = replace(model.signals(), sign=sign, payload=carried)
+        s = replace(self._numbers.signals(given), sign=sign)
         # speeds of effects with memory come from the reference too, for the same reason as the
         # friction's
         along = replace(s, qd=qd_ref)
-        law = friction_of(given) if self.tables else FrictionLaw.of(self.robot)
+        law = self._numbers.friction(given)
         dry = law.coulomb + faded_bell(slip, law.stribeck, law.rise, qd_ref, given["breakaway"])
         # one product with the speed, which a small processor reads once
         tau = s.load + (law.viscous + dry / ca.sqrt(qd_ref**2 + SIGN_WIDTH**2)) * qd_ref
         old = [ca.SX.sym(field.name, field.size) for _, field in self.memories]
-        states = {id(effect): x for (effect, _), x in zip(self.memories, old, strict=True)}
+        states = iter(old)
         new = []
-        for effect in self.effects:
-            x = states.get(id(effect), ca.SX(0, 1))
-            tau += effect.torque(s.with_state(x))
-            if effect.states:
-                new.append(next_memory(effect.state_rate(along.with_state(x)), x, self.sample_time))
+        for form in self._numbers.forms(given):
+            if form.effect.acts == "transmission":
+                continue
+            x = next(states) if form.states else ca.SX(0, 1)
+            tau += form.torque(s.with_state(x))
+            if form.states:
+                rate = form.effect.state_rate(along.with_state(x))
+                new.append(next_memory(rate, x, self.sample_time))
         # the derivatives of the acceleration are not known to a controller; elastic joints count as
         # rigid here
         rest = ca.vertcat(s.qddd, s.qdddd)
@@ -145,9 +144,7 @@ class Compensation:
         """What can be tuned without new code."""
         doc = "reference speed at which half of the static friction is compensated"
         breakaway = Field("breakaway", self.robot.n, "rad/s", doc, (BREAKAWAY,) * self.robot.n)
-        if not self.tables:
-            return (breakaway,)
-        return (breakaway, *payload_fields(), *friction_fields(self.robot))
+        return (breakaway, *self._numbers.parameters)
 
     def torque(
         self,

@@ -29,7 +29,8 @@ def computed_torque(
         robot: the arm it knows; sample_time: period [s].
         bandwidth: natural frequency of the error [rad/s], one or one per joint.
         damping: damping ratio [-], one or one per joint.
-        tables: payload and friction are parameters of the block, to be set while it runs.
+        tables: payload, friction and the numbers of the robot's effects are parameters of the
+            block, to be set while it runs.
     """
     model = Compensation(robot, sample_time, tables)
     parameters = (*pd_gains(robot, bandwidth, damping), *model.parameters)

@@ -32,7 +32,7 @@ def inverse_dynamics(
     qdd: ca.SX,
     phi: ca.SX | ca.DM | None = None,
     gravity: ca.SX | ca.DM | None = None,
-    payload: ca.SX | None = None,
+    added: ca.SX | None = None,
 ) -> ca.SX:
     """Rigid-body torque of the actuators, no friction, no effects, shape (n,) [Nm] (eqs. 57, 60,
     61).
@@ -47,9 +47,9 @@ def inverse_dynamics(
         phi: inertial parameters (m, mc, I_O) of each link, shape (n, 10); default those of the
             robot.
         gravity: gravity in the base frame [m/s2], shape (3,); default the robot's.
-        payload: (m, mc, I_O) of a body more on the last link, in its frame, shape (10,).
+        added: (m, mc, I_O) of a body more on each link, in its frame, shape (n, 10).
     """
-    arm = arm_of(robot, phi, payload)
+    arm = arm_of(robot, phi, added)
     B = ca.DM(arm.chain.B)
     gravity = ca.DM(robot.gravity) if gravity is None else gravity
     turns = arm.chain.cos_sin(q)
