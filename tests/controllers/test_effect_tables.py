@@ -24,6 +24,7 @@ from irb2400_ctrl.controllers.momentum import Momentum
 from irb2400_ctrl.effects import LIBRARY, Effect
 from irb2400_ctrl.effects.registry import in_library
 from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.model import Model
 
 DURATION = 60.0
 
@@ -217,6 +218,8 @@ def test_the_observer_of_the_guards_carries_the_payload_of_the_table() -> None:
     expected = [np.asarray(ca.DM(v)) for v in known.of({}, ca.SX(q), ca.SX(qd))]
     np.testing.assert_allclose(found, expected, rtol=1e-9, atol=1e-8)
     assert np.abs(np.subtract(found, without)).max() > 10.0
+    M = np.asarray(Model(with_effects((rotor, load))).mass_matrix(q))
+    np.testing.assert_allclose(found[0].ravel(), M @ qd, rtol=1e-9, atol=1e-8)
 
 
 def test_guards_around_a_controller_with_tables_hold_its_parameters_once() -> None:
