@@ -117,12 +117,24 @@ class Compensation:
         tau = ca.substitute(tau, rest, ca.SX.zeros(rest.numel()))
         memory = ca.vertcat(ca.SX(0, 1), *old)
         grown = ca.vertcat(ca.SX(0, 1), *new)
-        outputs = [ca.cse(ca.densify(tau)), grown]
+        steps = s.recursion.steps | {"dry": dry, "load": s.load}
         return ca.Function(
             "compensation",
             [s.q, s.qd, s.qdd, qd_ref, slip, s.time, memory, ca.vertcat(*given.values())],
-            outputs,
+            [ca.cse(ca.densify(tau)), grown, *(steps[field.name] for field in self.told)],
         )
+
+    @cached_property
+    def told(self) -> tuple[Field, ...]:
+        """Steps on the way to the torque, by name."""
+        s = self._numbers.signals({f.name: ca.SX.sym(f.name, f.size) for f in self.parameters})
+        steps = [
+            Field(name, x.numel(), *s.recursion.meaning(name))
+            for name, x in s.recursion.steps.items()
+        ]
+        n = self.robot.n
+        dry = Field("dry", n, "Nm", "Coulomb friction and what of static friction is above it")
+        return (*steps, dry, Field("load", n, "Nm", "torque of the rigid arm (eq. 57)"))
 
     @cached_property
     def uses_time(self) -> bool:
@@ -153,7 +165,7 @@ class Compensation:
         qd_ref: ca.SX,
         slip: ca.SX,
     ) -> tuple[ca.SX, dict[str, ca.SX]]:
-        """tau, and the next values of `states` by name.
+        """tau, and by name the next values of `states` and what is `told`.
 
         Args:
             values: present values of `states` and `parameters` by name.
@@ -164,7 +176,7 @@ class Compensation:
         clock = values["clock"] if self.uses_time else ca.SX(0)
         memory = [values[field.name] for _, field in self.memories]
         given = ca.vertcat(*(values[field.name] for field in self.parameters))
-        tau, grown = self._core.call(
+        tau, grown, *steps = self._core.call(
             [*motion, qd_ref, slip, clock, ca.vertcat(ca.SX(0, 1), *memory), given], True, False
         )
         ends = [0]
@@ -173,4 +185,5 @@ class Compensation:
         after = {
             f.name: grown[a:b] for (_, f), (a, b) in zip(self.memories, pairwise(ends), strict=True)
         }
+        after |= {field.name: x for field, x in zip(self.told, steps, strict=True)}
         return tau, after | ({"clock": clock + self.sample_time} if self.uses_time else {})

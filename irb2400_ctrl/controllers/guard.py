@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from irb2400_ctrl.codegen import Block, Field
 from irb2400_ctrl.controllers.arm_numbers import ArmNumbers
-from irb2400_ctrl.controllers.momentum import Momentum, observer_states, residual
+from irb2400_ctrl.controllers.momentum import Momentum, observer_states, observer_told, residual
 from irb2400_ctrl.controllers.parts import Values, assemble, gain
 from irb2400_ctrl.controllers.sample_check import SampleCheck, all_of
 from irb2400_ctrl.errors import InputError
@@ -87,6 +87,7 @@ def guarded(
             *check.parameters,
             *(_observer_parameters(robot) if core else ()),
         ),
+        told=_told(block, observed=core is not None),
     )
     return replace(guards, origin=(*block.origin, ("guards", "consistency" if core else "plain")))
 
@@ -147,9 +148,13 @@ class _Guard:
             "qd": ca.if_else(used, v["qd"], v["qd_ref"]),
         }
         taken = (*self.block.states, *self.block.inputs, *self.block.parameters)
-        results = self.block.step.call([inner[f.name] for f in taken], True, False)
-        names = (f.name for f in self.block.states)
-        return dict(zip(names, results, strict=False)), results[-1]
+        values = [inner[f.name] for f in taken]
+        results = self.block.step.call(values, True, False)
+        after = dict(zip((f.name for f in self.block.states), results, strict=False))
+        if told := self.block.quantities:
+            steps = told.expressions.call(values, True, False)
+            after |= dict(zip((f.name for f in told.fields), steps, strict=True))
+        return after, results[-1]
 
 
 def _check(block: Block, start_time: float, most_lost: int) -> None:
@@ -166,6 +171,12 @@ def _check(block: Block, start_time: float, most_lost: int) -> None:
             f"start_time {start_time} s, most_lost {most_lost}; expected values that are not "
             "negative"
         )
+
+
+def _told(block: Block, observed: bool) -> tuple[Field, ...]:
+    """Steps of the controller and of the observer, by name."""
+    own = block.quantities.fields if block.quantities else ()
+    return (*own, *(observer_told(block.outputs[0].size) if observed else ()))
 
 
 def _judged(field: Field) -> Field:

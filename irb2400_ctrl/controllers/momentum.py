@@ -118,6 +118,7 @@ def momentum_observer(
         inputs=inputs,
         outputs=outputs,
         parameters=(gain(robot, "observer", "rad/s", "bandwidth of the observer", bandwidth),),
+        told=observer_told(n),
     )
 
 
@@ -132,7 +133,7 @@ def observer_states(n: int) -> tuple[Field, ...]:
 def residual(
     core: Momentum, v: Values, q: ca.SX, qd: ca.SX, tau: ca.SX, sample_time: float
 ) -> tuple[ca.SX, Values]:
-    """The estimate at this sample and the observer's next states."""
+    """The estimate at this sample; by name the observer's next states and what is told."""
     p, beta = core.of(v, q, qd)
     # at the first sample nothing has been observed yet: the arm's present momentum counts as
     # explained
@@ -141,4 +142,16 @@ def residual(
     return tau_ext, {
         "explained": explained + sample_time * (tau + beta + tau_ext),
         "running": ca.SX(1),
+        "p": p,
+        "beta": beta,
+        "unexplained": tau_ext,
     }
+
+
+def observer_told(n: int) -> tuple[Field, ...]:
+    """Steps of the observer, by name."""
+    return (
+        Field("p", n, "kg m2/s", "generalised momentum M(q) qd"),
+        Field("beta", n, "Nm", "what changes it besides the torque"),
+        Field("unexplained", n, "Nm", "torque that motion and command do not explain"),
+    )

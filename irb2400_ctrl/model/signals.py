@@ -69,7 +69,12 @@ class ArmSignals:
     @cached_property
     def load(self) -> ca.SX:
         """Rigid-body torque, shape (n,) [Nm]."""
-        return newton_euler.inverse_dynamics(
+        return self.recursion.tau
+
+    @cached_property
+    def recursion(self) -> newton_euler.Recursion:
+        """`load` with the steps that lead to it."""
+        return newton_euler.recursion(
             self.robot, self.q, self.qd, self.qdd, self.phi, self.felt_gravity, self.added
         )
 
