@@ -53,6 +53,13 @@ TARGETS = {
     "model/kinematics.py": "tests/model/test_reference_states.py tests/model/test_values.py",
     "model/mass_matrix.py": "tests/model/test_reference_states.py tests/model/test_identities.py",
     "model/newton_euler.py": "tests/model/test_reference_states.py tests/model/test_identities.py",
+    "controllers/arm_numbers.py": (
+        "tests/controllers/test_tables.py tests/controllers/test_effect_tables.py"
+    ),
+    "controllers/effect_tables.py": "tests/controllers/test_effect_tables.py",
+    "controllers/momentum.py": (
+        "tests/controllers/test_effect_tables.py tests/controllers/test_structures.py"
+    ),
     "controllers/guard.py": "tests/closing_the_loop/test_faults.py tests/controllers",
     "codegen/input_guard.py": (
         "tests/codegen/test_parameters_and_names.py tests/codegen/test_package.py"

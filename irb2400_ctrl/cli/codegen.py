@@ -65,7 +65,7 @@ def codegen(
     ] = None,
     tables: Annotated[
         bool,
-        typer.Option("--tables", help="Payload and friction as parameters: one image, many tools."),
+        typer.Option("--tables", help="Payload, friction, effects as parameters: many tools."),
     ] = False,
     guarded: Annotated[
         bool, typer.Option("--guarded", help="With guards against faults of its inputs.")

@@ -66,6 +66,19 @@ class Field:
 
 
 @dataclass(frozen=True)
+class Quantities:
+    """Steps on the way to a block's results, told for a reader of its code.
+
+    Args:
+        fields: name, size, unit and meaning of each.
+        expressions: SX function of the block's inputs, with an output for each.
+    """
+
+    fields: tuple[Field, ...]
+    expressions: ca.Function
+
+
+@dataclass(frozen=True)
 class Block:
     """x+ = f(x, u, p), y = g(x, u, p), every `sample_time` seconds.
 
@@ -83,6 +96,8 @@ class Block:
     step: ca.Function
     origin: Origin = ()
     """what it was made from, (what, which); generated code carries it along"""
+    quantities: Quantities | None = None
+    """what generated code names its locals after"""
 
     def __post_init__(self) -> None:
         taken = (*self.states, *self.inputs, *self.parameters)

@@ -8,7 +8,7 @@ double), so that one text serves both precisions and no double constant slips in
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import casadi as ca
@@ -84,7 +84,8 @@ def emit_body(
     element: Callable[[int, int], str],
     *,
     libm: bool = False,
-    heading: Callable[[int, int], str] | None = None,
+    local: Mapping[int, str] | None = None,
+    comments: Mapping[int, Sequence[str]] | None = None,
 ) -> CBody:
     """C statements that compute a graph.
 
@@ -93,48 +94,39 @@ def emit_body(
         name: of the function, for messages.
         element: C expression of an input, `element(argument, dense column-major index)`.
         libm: whether functions beyond `own_math` may be used.
-        heading: comment above the operations that a result is the first to need, `heading(output,
-            element)`.
+        local: names of the locals, by node; the others are t and a number.
+        comments: lines above a node.
 
     Raises:
         InputError: an operation that the emitter does not know, or that needs the C library.
     """
-    return _Writer(graph, element, name, libm).body(heading)
-
-
-def _sections(graph: Graph) -> dict[int, tuple[int, int]]:
-    """Index of a node -> the result (output, element) whose operations begin there: what no result
-    before has needed."""
-    first: dict[int, tuple[int, int]] = {}
-    done = 0
-    for k, column in enumerate(graph.results):
-        for i, root in enumerate(column):
-            if root is not None and root >= done:
-                first[done] = (k, i)
-                done = root + 1
-    return first
+    return _Writer(graph, element, name, libm, local or {}).body(comments or {})
 
 
 class _Writer:
     """Walks a graph once and keeps, for each node, the C expression that stands for it."""
 
     def __init__(
-        self, graph: Graph, element: Callable[[int, int], str], name: str, libm: bool
+        self,
+        graph: Graph,
+        element: Callable[[int, int], str],
+        name: str,
+        libm: bool,
+        local: Mapping[int, str],
     ) -> None:
         self.graph = graph
         self.element = element
         self.name = name
         self.libm = libm
+        self.local = local
         self.text: list[str] = []
         self.boolean: list[bool] = []
         self.statements: list[str] = []
         self.functions: set[str] = set()
 
-    def body(self, heading: Callable[[int, int], str] | None) -> CBody:
-        first = {} if heading is None else _sections(self.graph)
+    def body(self, comments: Mapping[int, Sequence[str]]) -> CBody:
         for index in range(len(self.graph.nodes)):
-            if heading is not None and index in first:
-                self.statements.append(f"/* {heading(*first[index])} */")
+            self.statements += [f"/* {line} */" for line in comments.get(index, ())]
             self._node(index)
         results = tuple(
             tuple("R(0.0)" if i is None else self._real(i) for i in column)
@@ -235,8 +227,9 @@ class _Writer:
         return name
 
     def _declare(self, index: int, kind: str, expression: str) -> None:
-        self.statements.append(f"const {kind} t{index} = {expression};")
-        self._keep(f"t{index}", kind == "bool")
+        name = self.local.get(index, f"t{index}")
+        self.statements.append(f"const {kind} {name} = {expression};")
+        self._keep(name, kind == "bool")
 
     def _keep(self, text: str, boolean: bool = False) -> None:
         self.text.append(text)

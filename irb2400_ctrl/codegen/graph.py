@@ -20,7 +20,7 @@ SELECT = -4
 
 _LEAVES = (ca.OP_INPUT, ca.OP_CONST)
 _Results = list[list[int | None]]
-_COMMUTATIVE = frozenset(
+COMMUTATIVE = frozenset(
     (ca.OP_ADD, ca.OP_MUL, ca.OP_EQ, ca.OP_NE, ca.OP_AND, ca.OP_OR, ca.OP_HYPOT)
 )
 
@@ -52,7 +52,7 @@ class _Builder:
         self.known: dict[tuple[int, tuple[int, ...], str], int] = {}
 
     def add(self, op: int, args: tuple[int, ...] = (), value: float = 0.0) -> int:
-        if op in _COMMUTATIVE:
+        if op in COMMUTATIVE:
             args = tuple(sorted(args))
         # repr tells 0.0 from -0.0, which compare equal
         key = (op, args, repr(value))

@@ -12,7 +12,6 @@ from irb2400_ctrl.codegen import package_pages
 from irb2400_ctrl.codegen.block import Block, Field, Origin
 from irb2400_ctrl.codegen.c_text import (
     default_table,
-    described,
     finished,
     held,
     indented,
@@ -33,6 +32,7 @@ from irb2400_ctrl.codegen.input_guard import (
     parameter_guard,
     table_owners,
 )
+from irb2400_ctrl.codegen.names import name_nodes
 from irb2400_ctrl.codegen.own_math import prelude
 from irb2400_ctrl.codegen.provenance import constant, flash_text, provenance, stamped
 from irb2400_ctrl.errors import InputError
@@ -218,7 +218,8 @@ extern const char {name}_provenance[{len(flash_text(name, self.provenance)) + 1}
         upper = self.name.upper()
         places = self._places()
         element = partial(_element, places)
-        body = emit_body(self.graph, name, element, heading=self._heading)
+        names = name_nodes(self.graph, self.block)
+        body = emit_body(self.graph, name, element, local=names.local, comments=names.comments)
         functions = body.functions | self._guard_functions()
         macro = f"{upper}_SINGLE"
         own = prelude(functions).replace("REAL_IS_FLOAT", macro)
@@ -247,7 +248,8 @@ uint32_t {name}_step({name}_state_t *state, const {name}_input_t *input,
     uint32_t status = inputs_are_valid(input, parameters) ? 0u : {upper}_FAULT_INPUT;
 {barrier(upper)}
     if (status == 0u) {{
-        /* Section by section: the operations that a result needs and none above has needed. */
+        /* Section by section: the operations that a result needs and none above has needed. NAME_p1, NAME_p2 ...
+           are the parts that NAME is put together from. */
 {indented(body.statements, 8)}
 {finished(self.block, body.results)}
     }}
@@ -257,11 +259,6 @@ uint32_t {name}_step({name}_state_t *state, const {name}_input_t *input,
     return status;
 }}
 """
-
-    def _heading(self, output: int, i: int) -> str:
-        """What the next operations are for."""
-        field = (*self.block.states, *self.block.outputs)[output]
-        return f"{field.name}[{i}] {described(field)}"
 
     def _guard_functions(self) -> set[str]:
         outputs = [f for f in self.block.outputs if f.lower or f.upper]

@@ -27,7 +27,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from irb2400_ctrl.codegen import Block, Field
 from irb2400_ctrl.controllers.compensation import SIGN_WIDTH, Compensation
-from irb2400_ctrl.controllers.computed_torque import pd_gains
+from irb2400_ctrl.controllers.computed_torque import pd_gains, wanted_acceleration
 from irb2400_ctrl.controllers.parts import Values, assemble, gain, saturate, signals_in, torque_out
 from irb2400_ctrl.controllers.scaling import typical_inertia
 from irb2400_ctrl.controllers.stribeck import fade
@@ -76,7 +76,8 @@ def adaptive(
         tau = saturate(robot, asked)
         going = fade(v["qd_ref"], v["breakaway"])
         heard = going * (tau == asked) * (speed_error + v["slope"] * error)
-        return {"tau": tau, "theta": v["theta"] + sample_time * v["rate"] * (Y.T @ heard), **after}
+        theta = v["theta"] + sample_time * v["rate"] * (Y.T @ heard)
+        return {"tau": tau, "theta": theta, "wanted": wanted, "Y": Y, **after}
 
     gains = _gains(robot, regressor, bandwidth, damping, adaptation_time)
     return assemble(
@@ -88,6 +89,11 @@ def adaptive(
         inputs=signals_in(robot),
         outputs=torque_out(robot),
         parameters=(*gains, *model.parameters),
+        told=(
+            wanted_acceleration(robot),
+            Field("Y", robot.n * (PAYLOAD + robot.n), "", "regressor of what is learned"),
+            *model.told,
+        ),
     )
 
 

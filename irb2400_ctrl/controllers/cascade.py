@@ -121,9 +121,13 @@ def _cascade(
         integral = back_calculated(
             v["integral"], (1 - still) * v["ki"] * error, tau - wanted, v["tracking"], sample_time
         )
-        return {"tau": tau, "integral": integral, **after}
+        return {"tau": tau, "integral": integral, "error": error, **after}
 
     return assemble(
         name, doc, sample_time, law,
         states=states, inputs=signals_in(robot), outputs=torque_out(robot), parameters=parameters,
+        told=(
+            Field("error", robot.n, "rad/s", "speed error of the inner loop"),
+            *(() if model is None else model.told),
+        ),
     )  # fmt: skip

@@ -23,17 +23,10 @@ from itertools import pairwise
 import casadi as ca
 
 from irb2400_ctrl.codegen import Field
+from irb2400_ctrl.controllers.arm_numbers import ArmNumbers
 from irb2400_ctrl.controllers.stribeck import faded_bell
-from irb2400_ctrl.controllers.tables import (
-    friction_fields,
-    friction_of,
-    payload_fields,
-    payload_of,
-)
 from irb2400_ctrl.effects import Effect
 from irb2400_ctrl.effects.memory import next_memory
-from irb2400_ctrl.model import Model
-from irb2400_ctrl.model.friction import FrictionLaw
 from irb2400_ctrl.robot import Robot
 
 BREAKAWAY = 0.0045
@@ -52,12 +45,17 @@ class Compensation:
     Args:
         robot: with its effects; those of the measuring chain are left alone.
         sample_time: of the controller [s], for effects with memory.
-        tables: payload and friction are parameters (`tables`), not constants in the code.
+        tables: payload, friction and the numbers of the effects are parameters, not constants in
+            the code.
     """
 
     robot: Robot
     sample_time: float
     tables: bool = False
+
+    @cached_property
+    def _numbers(self) -> ArmNumbers:
+        return ArmNumbers(self.robot, self.tables)
 
     @cached_property
     def effects(self) -> tuple[Effect, ...]:
@@ -90,40 +88,53 @@ class Compensation:
     @cached_property
     def _core(self) -> ca.Function:
         """(q, qd, qdd, qd_ref, slip, time, memory, parameters) -> (tau, next memory)."""
-        model = Model(self.robot)
         n = self.robot.n
         qd_ref, slip = (ca.SX.sym(name, n) for name in ("qd_ref", "slip"))
         given = {field.name: ca.SX.sym(field.name, field.size) for field in self.parameters}
         sign = qd_ref / ca.sqrt(qd_ref**2 + SIGN_WIDTH**2)
-        carried = payload_of(self.robot, given) if self.tables else None
-        s = replace(model.signals(), sign=sign, payload=carried)
+        s = replace(self._numbers.signals(given), sign=sign)
         # speeds of effects with memory come from the reference too, for the same reason as the
         # friction's
         along = replace(s, qd=qd_ref)
-        law = friction_of(given) if self.tables else FrictionLaw.of(self.robot)
+        law = self._numbers.friction(given)
         dry = law.coulomb + faded_bell(slip, law.stribeck, law.rise, qd_ref, given["breakaway"])
         # one product with the speed, which a small processor reads once
         tau = s.load + (law.viscous + dry / ca.sqrt(qd_ref**2 + SIGN_WIDTH**2)) * qd_ref
         old = [ca.SX.sym(field.name, field.size) for _, field in self.memories]
-        states = {id(effect): x for (effect, _), x in zip(self.memories, old, strict=True)}
+        states = iter(old)
         new = []
-        for effect in self.effects:
-            x = states.get(id(effect), ca.SX(0, 1))
-            tau += effect.torque(s.with_state(x))
-            if effect.states:
-                new.append(next_memory(effect.state_rate(along.with_state(x)), x, self.sample_time))
+        for form in self._numbers.forms(given):
+            if form.effect.acts == "transmission":
+                continue
+            x = next(states) if form.states else ca.SX(0, 1)
+            tau += form.torque(s.with_state(x))
+            if form.states:
+                rate = form.effect.state_rate(along.with_state(x))
+                new.append(next_memory(rate, x, self.sample_time))
         # the derivatives of the acceleration are not known to a controller; elastic joints count as
         # rigid here
         rest = ca.vertcat(s.qddd, s.qdddd)
         tau = ca.substitute(tau, rest, ca.SX.zeros(rest.numel()))
         memory = ca.vertcat(ca.SX(0, 1), *old)
         grown = ca.vertcat(ca.SX(0, 1), *new)
-        outputs = [ca.cse(ca.densify(tau)), grown]
+        steps = s.recursion.steps | {"dry": dry, "load": s.load}
         return ca.Function(
             "compensation",
             [s.q, s.qd, s.qdd, qd_ref, slip, s.time, memory, ca.vertcat(*given.values())],
-            outputs,
+            [ca.cse(ca.densify(tau)), grown, *(steps[field.name] for field in self.told)],
         )
+
+    @cached_property
+    def told(self) -> tuple[Field, ...]:
+        """Steps on the way to the torque, by name."""
+        s = self._numbers.signals({f.name: ca.SX.sym(f.name, f.size) for f in self.parameters})
+        steps = [
+            Field(name, x.numel(), *s.recursion.meaning(name))
+            for name, x in s.recursion.steps.items()
+        ]
+        n = self.robot.n
+        dry = Field("dry", n, "Nm", "Coulomb friction and what of static friction is above it")
+        return (*steps, dry, Field("load", n, "Nm", "torque of the rigid arm (eq. 57)"))
 
     @cached_property
     def uses_time(self) -> bool:
@@ -145,9 +156,7 @@ class Compensation:
         """What can be tuned without new code."""
         doc = "reference speed at which half of the static friction is compensated"
         breakaway = Field("breakaway", self.robot.n, "rad/s", doc, (BREAKAWAY,) * self.robot.n)
-        if not self.tables:
-            return (breakaway,)
-        return (breakaway, *payload_fields(), *friction_fields(self.robot))
+        return (breakaway, *self._numbers.parameters)
 
     def torque(
         self,
@@ -156,7 +165,7 @@ class Compensation:
         qd_ref: ca.SX,
         slip: ca.SX,
     ) -> tuple[ca.SX, dict[str, ca.SX]]:
-        """tau, and the next values of `states` by name.
+        """tau, and by name the next values of `states` and what is `told`.
 
         Args:
             values: present values of `states` and `parameters` by name.
@@ -167,7 +176,7 @@ class Compensation:
         clock = values["clock"] if self.uses_time else ca.SX(0)
         memory = [values[field.name] for _, field in self.memories]
         given = ca.vertcat(*(values[field.name] for field in self.parameters))
-        tau, grown = self._core.call(
+        tau, grown, *steps = self._core.call(
             [*motion, qd_ref, slip, clock, ca.vertcat(ca.SX(0, 1), *memory), given], True, False
         )
         ends = [0]
@@ -176,4 +185,5 @@ class Compensation:
         after = {
             f.name: grown[a:b] for (_, f), (a, b) in zip(self.memories, pairwise(ends), strict=True)
         }
+        after |= {field.name: x for field, x in zip(self.told, steps, strict=True)}
         return tau, after | ({"clock": clock + self.sample_time} if self.uses_time else {})

@@ -29,7 +29,8 @@ def computed_torque(
         robot: the arm it knows; sample_time: period [s].
         bandwidth: natural frequency of the error [rad/s], one or one per joint.
         damping: damping ratio [-], one or one per joint.
-        tables: payload and friction are parameters of the block, to be set while it runs.
+        tables: payload, friction and the numbers of the robot's effects are parameters of the
+            block, to be set while it runs.
     """
     model = Compensation(robot, sample_time, tables)
     parameters = (*pd_gains(robot, bandwidth, damping), *model.parameters)
@@ -37,7 +38,7 @@ def computed_torque(
     def law(v: Values) -> Values:
         wanted = v["qdd_ref"] + v["kd"] * (v["qd_ref"] - v["qd"]) + v["kp"] * (v["q_ref"] - v["q"])
         tau, after = model.torque(v, (v["q"], v["qd"], wanted), v["qd_ref"], v["qd"])
-        return {"tau": saturate(robot, tau), **after}
+        return {"tau": saturate(robot, tau), "wanted": wanted, **after}
 
     return assemble(
         "computed_torque",
@@ -48,7 +49,13 @@ def computed_torque(
         inputs=signals_in(robot),
         outputs=torque_out(robot),
         parameters=parameters,
+        told=(wanted_acceleration(robot), *model.told),
     )
+
+
+def wanted_acceleration(robot: Robot) -> Field:
+    """What the law calls `wanted`."""
+    return Field("wanted", robot.n, "rad/s2", "acceleration that the law asks for")
 
 
 def pd_gains(robot: Robot, bandwidth: ArrayLike, damping: ArrayLike) -> tuple[Field, Field]:

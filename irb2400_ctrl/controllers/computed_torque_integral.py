@@ -7,7 +7,7 @@ from numpy.typing import ArrayLike
 
 from irb2400_ctrl.codegen import Block, Field
 from irb2400_ctrl.controllers.compensation import Compensation
-from irb2400_ctrl.controllers.computed_torque import pd_gains
+from irb2400_ctrl.controllers.computed_torque import pd_gains, wanted_acceleration
 from irb2400_ctrl.controllers.parts import (
     Values,
     assemble,
@@ -49,14 +49,13 @@ def computed_torque_integral(
     kp, kd = pd_gains(robot, bandwidth, damping)
     ti = gain(robot, "integral_time", "s", "", integral_time).start
     ki = typical_inertia(robot) * kp.start / np.maximum(ti, 1e-6)
+    slow = np.maximum(ti, sample_time)
     parameters = (
         kp,
         kd,
         gain(robot, "ki", "Nm/(rad s)", "torque rate per angle error", ki),
         gain(robot, "deadband", "rad", "angle error that is left alone at rest", deadband),
-        gain(
-            robot, "tracking", "s", "time constant of the anti-windup", np.maximum(ti, sample_time)
-        ),
+        gain(robot, "tracking", "s", "time constant of the anti-windup", slow),
         *model.parameters,
     )
 
@@ -70,7 +69,7 @@ def computed_torque_integral(
         integral = back_calculated(
             v["integral"], moving * v["ki"] * error, tau - asked, v["tracking"], sample_time
         )
-        return {"tau": tau, "integral": integral, **after}
+        return {"tau": tau, "integral": integral, "wanted": wanted, **after}
 
     return assemble(
         "computed_torque_integral",
@@ -81,4 +80,5 @@ def computed_torque_integral(
         inputs=signals_in(robot),
         outputs=torque_out(robot),
         parameters=parameters,
+        told=(wanted_acceleration(robot), *model.told),
     )

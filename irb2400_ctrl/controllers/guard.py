@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from irb2400_ctrl.codegen import Block, Field
-from irb2400_ctrl.controllers.momentum import momentum, observer_states, residual
+from irb2400_ctrl.controllers.arm_numbers import ArmNumbers
+from irb2400_ctrl.controllers.momentum import Momentum, observer_states, observer_told, residual
 from irb2400_ctrl.controllers.parts import Values, assemble, gain
 from irb2400_ctrl.controllers.sample_check import SampleCheck, all_of
 from irb2400_ctrl.errors import InputError
@@ -69,7 +70,9 @@ def guarded(
     n = robot.n
     check = SampleCheck(robot, T)
     share = 1.0 if start_time < T else T / start_time
-    core = momentum(robot) if consistency else None
+    # the observer knows what the controller knows: a load that is set for one is set for both
+    arm = ArmNumbers(robot, tables={"payload_mass"} <= {f.name for f in block.parameters})
+    core = Momentum(arm) if consistency else None
     guards = assemble(
         f"guarded_{block.name}",
         f"{block.doc}, with guards",
@@ -84,6 +87,7 @@ def guarded(
             *check.parameters,
             *(_observer_parameters(robot) if core else ()),
         ),
+        told=_told(block, observed=core is not None),
     )
     return replace(guards, origin=(*block.origin, ("guards", "consistency" if core else "plain")))
 
@@ -93,13 +97,13 @@ class _Guard:
     """The law around a controller.
 
     Args:
-        core: (q, qd) -> momentum and its rate, or None without the observer.
+        core: momentum and its rate, or None without the observer.
         share: of the controller that comes in with each sample at the start.
     """
 
     block: Block
     check: SampleCheck
-    core: ca.Function | None
+    core: Momentum | None
     share: float
     most_lost: int
 
@@ -144,9 +148,13 @@ class _Guard:
             "qd": ca.if_else(used, v["qd"], v["qd_ref"]),
         }
         taken = (*self.block.states, *self.block.inputs, *self.block.parameters)
-        results = self.block.step.call([inner[f.name] for f in taken], True, False)
-        names = (f.name for f in self.block.states)
-        return dict(zip(names, results, strict=False)), results[-1]
+        values = [inner[f.name] for f in taken]
+        results = self.block.step.call(values, True, False)
+        after = dict(zip((f.name for f in self.block.states), results, strict=False))
+        if told := self.block.quantities:
+            steps = told.expressions.call(values, True, False)
+            after |= dict(zip((f.name for f in told.fields), steps, strict=True))
+        return after, results[-1]
 
 
 def _check(block: Block, start_time: float, most_lost: int) -> None:
@@ -163,6 +171,12 @@ def _check(block: Block, start_time: float, most_lost: int) -> None:
             f"start_time {start_time} s, most_lost {most_lost}; expected values that are not "
             "negative"
         )
+
+
+def _told(block: Block, observed: bool) -> tuple[Field, ...]:
+    """Steps of the controller and of the observer, by name."""
+    own = block.quantities.fields if block.quantities else ()
+    return (*own, *(observer_told(block.outputs[0].size) if observed else ()))
 
 
 def _judged(field: Field) -> Field:
@@ -197,7 +211,7 @@ def _observer_parameters(robot: Robot) -> tuple[Field, ...]:
     )
 
 
-def _unexplained(core: ca.Function, v: Values, true: ca.SX, T: float) -> tuple[ca.SX, Values]:
+def _unexplained(core: Momentum, v: Values, true: ca.SX, T: float) -> tuple[ca.SX, Values]:
     """Torque that motion and command do not explain; a sample that is not believed starts the
     observer anew."""
     q = ca.if_else(true, v["q"], v["q_last"])

@@ -12,14 +12,15 @@ below its static friction from it.
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from functools import cached_property
 
 import casadi as ca
 
 from irb2400_ctrl.codegen import Block, Field
+from irb2400_ctrl.controllers.arm_numbers import ArmNumbers
 from irb2400_ctrl.controllers.parts import Values, assemble, gain
 from irb2400_ctrl.model import Model
-from irb2400_ctrl.model.friction import FrictionLaw
 from irb2400_ctrl.model.linear_solve import factorise
 from irb2400_ctrl.robot import Robot
 
@@ -31,25 +32,49 @@ DAMPING = 1e-3
 infinite one"""
 
 
-def momentum(robot: Robot) -> ca.Function:
-    """(q, qd) -> (p, beta), effects included (memory in its steady state, time-dependent ones at
-    time zero)."""
-    model = Model(robot)
-    n = robot.n
-    s = model.signals()
-    s = replace(s, sign=s.qd / ca.sqrt(s.qd**2 + SIGN_WIDTH**2))
-    M = model.function("mass_matrix")(s.q)
-    zero = ca.SX.zeros(n)
-    law = FrictionLaw.of(robot)
-    others = ca.substitute(model.effect_torque(s), ca.vertcat(s.qdd, s.time), ca.vertcat(zero, 0))
-    # gravity of the bare arm: effects come with the signals above, so that none is counted twice
-    bare = Model(robot.bare())
-    weight = bare.function("gravity")
-    kinetic = 0.5 * s.qd.T @ M @ s.qd
-    beta = ca.gradient(kinetic, s.q) - weight(s.q) - law.torque(s.qd, s.sign) - others
-    return ca.Function(
-        "momentum", [s.q, s.qd], [M @ s.qd, ca.cse(beta)], ["q", "qd"], ["p", "beta"]
-    )
+@dataclass(frozen=True)
+class Momentum:
+    """p and beta of an arm, effects included (memory in its steady state, time-dependent ones at
+    time zero).
+
+    Args:
+        arm: constants of the code, or parameters of the block.
+    """
+
+    arm: ArmNumbers
+
+    def of(self, values: Values, q: ca.SX, qd: ca.SX) -> tuple[ca.SX, ca.SX]:
+        """(p, beta) at these angles and speeds, with the present values of the arm's
+        parameters."""
+        given = [values[field.name] for field in self.arm.parameters]
+        p, beta = self._core.call([q, qd, *given], True, False)
+        return p, beta
+
+    @cached_property
+    def _core(self) -> ca.Function:
+        """(q, qd, parameters...) -> (p, beta)."""
+        given = {field.name: ca.SX.sym(field.name, field.size) for field in self.arm.parameters}
+        s = self.arm.signals(given)
+        s = replace(s, sign=s.qd / ca.sqrt(s.qd**2 + SIGN_WIDTH**2))
+        zero = ca.SX.zeros(self.arm.robot.n)
+        others = zero
+        for form in self.arm.forms(given):
+            others += form.torque(s.with_state(form.effect.steady_state(s)))
+        added = _without(ca.jacobian(others, s.qdd), s.qd, s.qdd, s.time, s.qddd, s.qdddd)
+        others = _without(others, s.qdd, s.time, s.qddd, s.qdddd)
+        # shared before it is differentiated
+        M = ca.cse(ca.densify(s.mass_matrix + added))
+        weight = ca.cse(ca.densify(replace(s, qd=zero, qdd=zero).load))
+        kinetic = 0.5 * s.qd.T @ M @ s.qd
+        friction = self.arm.friction(given).torque(s.qd, s.sign)
+        beta = ca.gradient(kinetic, s.q) - weight - friction - others
+        return ca.Function("momentum", [s.q, s.qd, *given.values()], [M @ s.qd, ca.cse(beta)])
+
+
+def _without(expression: ca.SX, *symbols: ca.SX) -> ca.SX:
+    """The expression where these symbols are zero."""
+    gone = ca.vertcat(*symbols)
+    return ca.substitute(expression, gone, ca.SX.zeros(gone.numel()))
 
 
 def momentum_observer(
@@ -66,7 +91,7 @@ def momentum_observer(
         bandwidth: K [rad/s].
     """
     n = robot.n
-    core = momentum(robot)
+    core = Momentum(ArmNumbers(robot))
     jacobian = Model(robot).function("tcp_jacobian")
     inputs = (
         Field("q", n, "rad", "measured actuator angles"),
@@ -93,6 +118,7 @@ def momentum_observer(
         inputs=inputs,
         outputs=outputs,
         parameters=(gain(robot, "observer", "rad/s", "bandwidth of the observer", bandwidth),),
+        told=observer_told(n),
     )
 
 
@@ -105,10 +131,10 @@ def observer_states(n: int) -> tuple[Field, ...]:
 
 
 def residual(
-    core: ca.Function, v: Values, q: ca.SX, qd: ca.SX, tau: ca.SX, sample_time: float
+    core: Momentum, v: Values, q: ca.SX, qd: ca.SX, tau: ca.SX, sample_time: float
 ) -> tuple[ca.SX, Values]:
-    """The estimate at this sample and the observer's next states."""
-    p, beta = core.call([q, qd], True, False)
+    """The estimate at this sample; by name the observer's next states and what is told."""
+    p, beta = core.of(v, q, qd)
     # at the first sample nothing has been observed yet: the arm's present momentum counts as
     # explained
     explained = ca.if_else(v["running"] > 0, v["explained"], p)
@@ -116,4 +142,16 @@ def residual(
     return tau_ext, {
         "explained": explained + sample_time * (tau + beta + tau_ext),
         "running": ca.SX(1),
+        "p": p,
+        "beta": beta,
+        "unexplained": tau_ext,
     }
+
+
+def observer_told(n: int) -> tuple[Field, ...]:
+    """Steps of the observer, by name."""
+    return (
+        Field("p", n, "kg m2/s", "generalised momentum M(q) qd"),
+        Field("beta", n, "Nm", "what changes it besides the torque"),
+        Field("unexplained", n, "Nm", "torque that motion and command do not explain"),
+    )

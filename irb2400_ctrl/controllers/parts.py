@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from irb2400_ctrl.codegen import Block, Field
+from irb2400_ctrl.codegen.block import Quantities
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.robot import Robot
 
@@ -103,9 +104,13 @@ def assemble(
     inputs: Sequence[Field],
     outputs: Sequence[Field],
     parameters: Sequence[Field],
+    told: Sequence[Field] = (),
 ) -> Block:
     """The block whose step is `law`: values of states, inputs and parameters by name -> next states
-    and outputs."""
+    and outputs.
+
+    What else of `told` the law gives by name, generated code names its locals after.
+    """
     if not (np.isfinite(sample_time) and sample_time > 0):
         raise InputError(
             f"sample time is {sample_time} s; expected a positive number of seconds, for example "
@@ -120,6 +125,8 @@ def assemble(
     # an output may bear the name of an input (a filtered q); CasADi wants them apart
     names_out = [f"{n}_out" if n in names_in else n for n in names_out]
     step = ca.Function(name, list(symbols.values()), given, names_in, names_out)
+    steps = [ca.densify(results[field.name]) for field in told]
+    quantities = Quantities(tuple(told), ca.Function("quantities", list(symbols.values()), steps))
     return Block(
         name,
         doc,
@@ -129,6 +136,7 @@ def assemble(
         tuple(outputs),
         tuple(parameters),
         step,
+        quantities=quantities,
     )
 
 

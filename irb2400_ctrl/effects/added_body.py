@@ -72,10 +72,9 @@ class AddedBody(Effect):
 
     def coefficients(self) -> tuple[float, ...]:
         m = self.mass_kg
-        c = np.array(self.com_m)
-        inertia = m * (c @ c * np.eye(3) - np.outer(c, c))
-        i, j = np.triu_indices(3)
-        return (m, *(m * c), *inertia[i, j])
+        x, y, z = self.com_m
+        second = (y * y + z * z, -x * y, -x * z, x * x + z * z, -y * z, x * x + y * y)
+        return (m, m * x, m * y, m * z, *(m * s for s in second))
 
     def sizes(self) -> tuple[float, ...]:
         return self.mass_kg, math.hypot(*(self.mass_kg * c for c in self.com_m))

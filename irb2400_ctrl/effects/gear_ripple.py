@@ -48,8 +48,8 @@ class GearRipple(Effect):
 
     def coefficients(self) -> tuple[float, ...]:
         return (
-            self.amplitude_Nm * math.cos(self.phase_rad),
-            self.amplitude_Nm * math.sin(self.phase_rad),
+            self.amplitude_Nm * ca.cos(self.phase_rad),
+            self.amplitude_Nm * ca.sin(self.phase_rad),
         )
 
     @classmethod

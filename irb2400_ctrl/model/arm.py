@@ -35,17 +35,17 @@ class Arm:
     square"""
 
 
-def arm_of(robot: Robot, phi: ca.SX | ca.DM | None = None, payload: ca.SX | None = None) -> Arm:
+def arm_of(robot: Robot, phi: ca.SX | ca.DM | None = None, added: ca.SX | None = None) -> Arm:
     """Regrouped when phi (n, 10) are numbers; as they are when phi are symbols.
 
     Args:
-        payload: symbols (m, m c, I_O) of a body more on the last link, in its frame, shape (10,).
+        added: symbols (m, m c, I_O) of a body more on each link, in its frame, shape (n, 10).
     """
     chain = chain_of(robot)
     if isinstance(phi, ca.SX) and not phi.is_constant():
         own = [pseudo_inertia(phi[i, :]) for i in range(robot.n)]
-        if payload is not None:
-            own[-1] += pseudo_inertia(payload)
+        if added is not None:
+            own = [J + pseudo_inertia(added[i, :]) for i, J in enumerate(own)]
         return Arm(chain, own, 1.0)
     numbers = robot.inertial_parameters if phi is None else np.asarray(ca.DM(phi))
     bodies = regrouped(robot, numbers)
@@ -58,9 +58,10 @@ def arm_of(robot: Robot, phi: ca.SX | ca.DM | None = None, payload: ca.SX | None
     length = _unit(chain)
     scale = np.diag([1.0, 1.0, 1.0, length])
     scaled = [ca.SX(ca.sparsify(ca.DM(scale @ J @ scale))) for J in bodies]
-    if payload is not None:
-        X = ca.sparsify(ca.DM(scale @ turn))
-        scaled[-1] += X @ pseudo_inertia(payload) @ X.T
+    if added is not None:
+        frames = [ca.sparsify(ca.DM(X)) for X in [scale] * (robot.n - 1) + [scale @ turn]]
+        more = [X @ pseudo_inertia(added[i, :]) @ X.T for i, X in enumerate(frames)]
+        scaled = [J + extra for J, extra in zip(scaled, more, strict=True)]
     return Arm(_scaled(chain, length), scaled, length)
 
 

@@ -15,16 +15,16 @@ def mass_matrix(
     robot: Robot,
     q: ca.SX,
     phi: ca.SX | ca.DM | None = None,
-    payload: ca.SX | None = None,
+    added: ca.SX | None = None,
 ) -> ca.SX:
     """M(q) = B^T M_phi B (eq. 50), shape (n, n) [kg m2].
 
     Composite bodies are gathered from the tip as pseudo-inertias. Column i is the wrench of the
     composite body under unit acceleration of phi_i, carried down to the joints below it. In a group
-    of parallel axes phi_i turns link i alone and shifts the later ones. `phi` and `payload` as in
+    of parallel axes phi_i turns link i alone and shifts the later ones. `phi` and `added` as in
     `newton_euler.inverse_dynamics`.
     """
-    arm = arm_of(robot, phi, payload)
+    arm = arm_of(robot, phi, added)
     chain = arm.chain
     bodies = arm.bodies
     turns = chain.cos_sin(q)

@@ -32,7 +32,7 @@ def inverse_dynamics(
     qdd: ca.SX,
     phi: ca.SX | ca.DM | None = None,
     gravity: ca.SX | ca.DM | None = None,
-    payload: ca.SX | None = None,
+    added: ca.SX | None = None,
 ) -> ca.SX:
     """Rigid-body torque of the actuators, no friction, no effects, shape (n,) [Nm] (eqs. 57, 60,
     61).
@@ -47,21 +47,76 @@ def inverse_dynamics(
         phi: inertial parameters (m, mc, I_O) of each link, shape (n, 10); default those of the
             robot.
         gravity: gravity in the base frame [m/s2], shape (3,); default the robot's.
-        payload: (m, mc, I_O) of a body more on the last link, in its frame, shape (10,).
+        added: (m, mc, I_O) of a body more on each link, in its frame, shape (n, 10).
     """
-    arm = arm_of(robot, phi, payload)
+    return recursion(robot, q, qd, qdd, phi, gravity, added).tau
+
+
+@dataclass
+class Recursion:
+    """What the recursion has come by: the torque, and its steps by name."""
+
+    arm: Arm
+    tau: ca.SX
+    """shape (n,) [Nm]"""
+    steps: dict[str, ca.SX]
+    """name and number of the link, `w3` -> expression"""
+
+    def meaning(self, step: str) -> tuple[str, str]:
+        """Unit of a step, and what it is."""
+        name = step.rstrip("0123456789")
+        unit, words = STEPS[name]
+        return unit, words.format(link=step.removeprefix(name), unit=self.arm.length)
+
+
+STEPS = {
+    "w": ("rad/s", "angular velocity of link {link}, in its frame (eq. 65)"),
+    "eps": ("rad/s2", "angular acceleration of link {link} (eq. 66)"),
+    "U": ("1/s2", "[eps]x + [w]x [w]x of link {link} (eq. 68)"),
+    "a": (
+        "1/s2",
+        "acceleration of link {link}'s origin less gravity, over {unit:.4g} m (eqs. 64, 67)",
+    ),
+    "f": ("Nm", "force that body {link} needs, times {unit:.4g} m (eq. 58)"),
+    "n": ("Nm", "moment that body {link} needs, about its origin (eq. 59)"),
+    "f_sum": ("Nm", "force at joint {link}, in its group's frame, times {unit:.4g} m (eq. 60)"),
+    "n_sum": ("Nm", "moment at joint {link}, in its group's frame (eq. 61)"),
+}
+"""name of a step of the recursion -> unit, what it is"""
+
+
+def recursion(
+    robot: Robot,
+    q: ca.SX,
+    qd: ca.SX,
+    qdd: ca.SX,
+    phi: ca.SX | ca.DM | None = None,
+    gravity: ca.SX | ca.DM | None = None,
+    added: ca.SX | None = None,
+) -> Recursion:
+    """`inverse_dynamics` with its steps."""
+    arm = arm_of(robot, phi, added)
     B = ca.DM(arm.chain.B)
     gravity = ca.DM(robot.gravity) if gravity is None else gravity
     turns = arm.chain.cos_sin(q)
-    wrenches = _outwards(arm, turns, B @ qd, B @ qdd, ca.SX(-gravity / arm.length))
-    return B.T @ _inwards(arm, turns, wrenches)
+    steps = dict[str, ca.SX]()
+    wrenches = _outwards(arm, turns, B @ qd, B @ qdd, ca.SX(-gravity / arm.length), steps)
+    return Recursion(arm, B.T @ _inwards(arm, turns, wrenches, steps), steps)
 
 
-def _outwards(arm: Arm, turns: list[CosSin], rate: ca.SX, rate2: ca.SX, a: ca.SX) -> list[Wrench]:
+def _outwards(
+    arm: Arm,
+    turns: list[CosSin],
+    rate: ca.SX,
+    rate2: ca.SX,
+    a: ca.SX,
+    steps: dict[str, ca.SX],
+) -> list[Wrench]:
     """Force and moment that each body needs, from the base to the tip.
 
     Args:
         a: acceleration of the base.
+        steps: is told the steps.
     """
     wrenches = []
     w = ca.SX(3, 1)
@@ -78,12 +133,16 @@ def _outwards(arm: Arm, turns: list[CosSin], rate: ca.SX, rate2: ca.SX, a: ca.SX
             U = motion.U
             a = turned_back(turns[i], a_G)
             wrenches.append(_wrench(arm.bodies[i], motion, a))
+            told = (w, eps, U, a, *wrenches[-1])
+            steps |= {f"{name}{i + 1}": x for name, x in zip(STEPS, told, strict=False)}
             if i + 1 in group.links:
                 a_G = a_G + turned(turns[i], U @ ca.DM(group.steps[i - group.links.start]))
     return wrenches
 
 
-def _inwards(arm: Arm, turns: list[CosSin], wrenches: list[Wrench]) -> ca.SX:
+def _inwards(
+    arm: Arm, turns: list[CosSin], wrenches: list[Wrench], steps: dict[str, ca.SX]
+) -> ca.SX:
     """Torque about each joint's axis, from the tip to the base; each group carries what the later
     ones need."""
     tau = ca.SX(len(wrenches), 1)
@@ -106,6 +165,7 @@ def _inwards(arm: Arm, turns: list[CosSin], wrenches: list[Wrench]) -> ca.SX:
                 n_G += ca.cross(turned(turns[i], ca.SX(step)), f_G)
             f_G = f_G + turned(turns[i], force)
             n_G = n_G + turned(turns[i], moment)
+            steps |= {f"f_sum{i + 1}": f_G, f"n_sum{i + 1}": n_G}
         R = ca.SX(ca.DM(group.R))
         f = R @ f_G
         n = R @ n_G

@@ -30,8 +30,8 @@ class ArmSignals:
     state: ca.SX
     qddd: ca.SX
     qdddd: ca.SX
-    payload: ca.SX | None = None
-    """(m, mc, I_O) of a body more on the last link, in its frame, shape (10,)"""
+    added: ca.SX | None = None
+    """(m, mc, I_O) of a body more on each link, in its frame, shape (n, 10)"""
     carried: ca.SX | None = None
     """acceleration of the base, which turns with nothing, in its own frame [m/s2], shape (3,); None
     where the base stands"""
@@ -69,8 +69,13 @@ class ArmSignals:
     @cached_property
     def load(self) -> ca.SX:
         """Rigid-body torque, shape (n,) [Nm]."""
-        return newton_euler.inverse_dynamics(
-            self.robot, self.q, self.qd, self.qdd, self.phi, self.felt_gravity, self.payload
+        return self.recursion.tau
+
+    @cached_property
+    def recursion(self) -> newton_euler.Recursion:
+        """`load` with the steps that lead to it."""
+        return newton_euler.recursion(
+            self.robot, self.q, self.qd, self.qdd, self.phi, self.felt_gravity, self.added
         )
 
     @cached_property
@@ -79,9 +84,7 @@ class ArmSignals:
         g = ca.SX.sym("g", 3)
         zero = ca.SX.zeros(self.robot.n)
         return ca.jacobian(
-            newton_euler.inverse_dynamics(
-                self.robot, self.q, zero, zero, self.phi, g, self.payload
-            ),
+            newton_euler.inverse_dynamics(self.robot, self.q, zero, zero, self.phi, g, self.added),
             g,
         )
 
@@ -109,7 +112,7 @@ class ArmSignals:
     @cached_property
     def mass_matrix(self) -> ca.SX:
         """M(q), shape (n, n) [kg m2]."""
-        return mass_matrix.mass_matrix(self.robot, self.q, self.phi, self.payload)
+        return mass_matrix.mass_matrix(self.robot, self.q, self.phi, self.added)
 
     @cached_property
     def tau(self) -> ca.SX:

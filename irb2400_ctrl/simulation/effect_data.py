@@ -9,44 +9,20 @@ so nothing of the effect but its form is compiled in.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Any
 
 import casadi as ca
 
 from irb2400_ctrl.effects import Effect
 from irb2400_ctrl.effects.base import COMMON
-from irb2400_ctrl.model.signals import ArmSignals
+from irb2400_ctrl.effects.form import EffectForm
 
 
-@dataclass(frozen=True)
-class EffectForm:
-    """An effect with symbols for its numbers."""
-
-    effect: Effect
-    coefficients: ca.SX
-    discrepancy: ca.SX
-
-    @classmethod
-    def of(cls, effect: Effect, data: ca.SX) -> EffectForm:
-        """The form of `effect`, its numbers taken from `data`, shape
-        (len(effect_data(effect)),)."""
-        own = _fields(effect)
-        k = len(effect.coefficients())
-        # construct, not validate: the fields are symbols
-        symbols: dict[str, Any] = {name: data[k + i] for i, name in enumerate(own)}
-        symbols |= {"kind": effect.kind, "joint": effect.joint, "windows_s": effect.windows_s}
-        form = type(effect).model_construct(None, **symbols)
-        return cls(form, data[:k], data[k + len(own) :])
-
-    @property
-    def states(self) -> int:
-        """Number of internal states."""
-        return len(self.effect.states)
-
-    def torque(self, s: ArmSignals) -> ca.SX:
-        """As `Effect.torque`, shape (n,) [Nm]."""
-        return self.effect.torque_of(s, self.coefficients, self.discrepancy)
+def form_of(effect: Effect, data: ca.SX) -> EffectForm:
+    """The form of `effect`, its numbers taken from `data`, shape (len(effect_data(effect)),)."""
+    own = _fields(effect)
+    k = len(effect.coefficients())
+    symbols = {name: data[k + i] for i, name in enumerate(own)}
+    return EffectForm.of(effect, symbols, data[:k], data[k + len(own) :])
 
 
 def effect_data(effect: Effect) -> tuple[float, ...]:

@@ -16,6 +16,7 @@ import casadi as ca
 import numpy as np
 
 from irb2400_ctrl.effects import Effect
+from irb2400_ctrl.effects.form import EffectForm
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.model import Model, mass_matrix, newton_euler
 from irb2400_ctrl.model.elasticity import links_only
@@ -23,7 +24,7 @@ from irb2400_ctrl.model.friction import FrictionLaw
 from irb2400_ctrl.model.signals import ArmSignals
 from irb2400_ctrl.robot import Robot
 from irb2400_ctrl.simulation.dry_friction import Bounds
-from irb2400_ctrl.simulation.effect_data import EffectForm, data_of, effect_data
+from irb2400_ctrl.simulation.effect_data import data_of, effect_data, form_of
 
 
 @dataclass(frozen=True)
@@ -119,7 +120,7 @@ class Mechanics:
     def _forms(self) -> list[EffectForm]:
         ends = np.cumsum([0, *(len(effect_data(e)) for e in self.effects)]).tolist()
         parts = zip(self.effects, ends, ends[1:], strict=False)
-        return [EffectForm.of(effect, self.data[start:end]) for effect, start, end in parts]
+        return [form_of(effect, self.data[start:end]) for effect, start, end in parts]
 
     def balance(self) -> ca.Function:
         """(q, qd, qdd, phi, friction, effects) -> torque of that motion [Nm], memory of the effects

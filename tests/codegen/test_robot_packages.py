@@ -101,10 +101,10 @@ def thinned(source: str) -> str:
     forms: set[str] = set()
     rows = []
     for row in source.splitlines():
-        declared = re.fullmatch(r" +const (\w+) (t\d+) = (.*);", row)
+        declared = re.fullmatch(r" {8}const (\w+) (\w+) = (.*);", row)
         if declared:
             kind, name, value = declared.groups()
-            form = re.sub(r"\bt\d+\b", lambda t: types[t[0]], f"{kind} = {value}")
+            form = re.sub(r"\w+", lambda t: types.get(t[0], t[0]), f"{kind} = {value}")
             form = re.sub(r"R\([^()]*\)|\[\d+\]", "", form)
             types[name] = kind
             if form in forms:
@@ -112,7 +112,7 @@ def thinned(source: str) -> str:
                 continue
             forms.add(form)
             named[name] = kept[kind] = name
-        rows.append(re.sub(r"\bt\d+\b", lambda t: named.get(t[0], t[0]), row))
+        rows.append(re.sub(r"\w+", lambda t: named.get(t[0], t[0]), row))
     return "\n".join(rows) + "\n"
 
 
