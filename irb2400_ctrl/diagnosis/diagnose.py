@@ -18,6 +18,7 @@ from irb2400_ctrl.diagnosis.diagnosis import Comparison, Diagnosis
 from irb2400_ctrl.diagnosis.estimation.fit import Fit, Fitter
 from irb2400_ctrl.diagnosis.estimation.reversals import noisy_reversals_masked
 from irb2400_ctrl.diagnosis.findings import findings_of, unexplained_of
+from irb2400_ctrl.diagnosis.load_test import moved_as_by_a_load
 from irb2400_ctrl.diagnosis.log_errors import log_errors
 from irb2400_ctrl.diagnosis.numbers import numbers
 from irb2400_ctrl.diagnosis.preparation.base_prior import BasePrior
@@ -115,11 +116,13 @@ def _searched(
     progress("conclude")
     beside = None if validation is None else prepare(validation)
     found = _concluded(prior, fitter, load, steps, fit, beside, change)
+    moved = moved_as_by_a_load(scan, fitter, fit, change)
     compared = found.identification
     torques = (compared.before, compared.after)
     each = log_errors(motion, *torques, logs, (found.given, found.robot))
     noise = noise_test(robot, logs.used, motion, compared.after, _unsure(fit, motion))
-    return replace(found, logs=each, left_out=logs.left_out, noise=noise)
+    numbers = (*found.numbers, *moved)
+    return replace(found, numbers=numbers, logs=each, left_out=logs.left_out, noise=noise)
 
 
 def _unsure(fit: Fit, motion: PreparedLog) -> Array:

@@ -23,6 +23,8 @@ SEEN = 3.0
 LEAST_FRICTION = 0.1
 """a change of friction that is worth a word, over what it was [-]"""
 BODY = ("mass_kg", "com_x_m", "com_y_m", "com_z_m", "Ixx", "Iyy", "Izz", "Ixy", "Ixz", "Iyz")
+LOAD = "load_kg"
+"""on the flange, beyond the tool's mass: what all numbers together moved as (`load_test.py`)"""
 FRICTION = ("coulomb_Nm", "viscous_Nms_rad", "static_Nm")
 
 
@@ -31,7 +33,7 @@ class Number:
     """One number of the robot file.
 
     Args:
-        place: `joint 2`, `link 3` or `tool`; name: with its unit, as BODY and FRICTION.
+        place: `joint 2`, `link 3` or `tool`; name: with its unit, as BODY, FRICTION and LOAD.
         before: None where the file does not state it; after; standard_error: of after.
         sigmas: the change over what the file (or the reference) leaves open.
         list: "lacks": the file did not state it; "special": this arm has it otherwise; "changed":
@@ -112,6 +114,15 @@ def off_bodies(numbers: Sequence[Number]) -> str:
     """One sentence for the bodies whose inertial numbers are otherwise than the file's; empty for
     none."""
     moved = [number for number in numbers if number.name in BODY and number.list != "lacks"]
+    load = next((number for number in numbers if number.name == LOAD), None)
+    if load is not None:
+        also = off_bodies(moved)
+        return (
+            "The inertial numbers of the tool and the last links moved as under a load of "
+            f"{load.after:.2f} ± {load.standard_error:.2f} kg ({abs(load.sigmas):.1f} standard "
+            "deviations of what is left open about them): is the load declared?"
+            f"{' ' if also else ''}{also}"
+        )
     if not moved:
         return ""
     far = max(moved, key=lambda number: abs(number.sigmas))

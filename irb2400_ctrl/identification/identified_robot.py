@@ -24,17 +24,7 @@ REFITTED = (
 LEAST_SHARE = 1e-9
 """smallest eigenvalue over the largest that a pseudo-inertia keeps when the tool is taken off"""
 
-
-def body_of(phi: Array) -> Body:
-    """Mass data from phi = (m, m c, I_O), m > 0 (inverse of `Body.parameters`)."""
-    mass = float(phi[0])
-    com = phi[1:4] / mass
-    tensor = np.zeros((3, 3))
-    tensor[np.triu_indices(3)] = phi[4:]
-    tensor = tensor + np.triu(tensor, 1).T - mass * (com @ com * np.eye(3) - np.outer(com, com))
-    xx, xy, xz, yy, yz, zz = (float(v) for v in tensor[np.triu_indices(3)])
-    x, y, z = (float(v) for v in com)
-    return Body(mass_kg=mass, com_m=(x, y, z), inertia_kgm2=(xx, yy, zz, xy, xz, yz))
+body_of = Body.of_parameters
 
 
 def fit_base(robot: Robot) -> tuple[Robot, Robot]:

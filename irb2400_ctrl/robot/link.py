@@ -98,6 +98,18 @@ class Body(Table):
         tensor = R @ self.tensor() @ R.T + self.mass_kg * (c @ c * np.eye(3) - np.outer(c, c))
         return np.array([self.mass_kg, *(self.mass_kg * c), *tensor[np.triu_indices(3)]])
 
+    @classmethod
+    def of_parameters(cls, phi: Array) -> Self:
+        """The body of phi = (m, m c, I_O), m > 0, shape (10,): inverse of `parameters`."""
+        mass = float(phi[0])
+        com = phi[1:4] / mass
+        tensor = np.zeros((3, 3))
+        tensor[np.triu_indices(3)] = phi[4:]
+        tensor = tensor + np.triu(tensor, 1).T - mass * (com @ com * np.eye(3) - np.outer(com, com))
+        xx, xy, xz, yy, yz, zz = (float(v) for v in tensor[np.triu_indices(3)])
+        x, y, z = (float(v) for v in com)
+        return cls(mass_kg=mass, com_m=(x, y, z), inertia_kgm2=(xx, yy, zz, xy, xz, yz))
+
 
 class Link(Table):
     """One link: where its joint is, and what it weighs."""

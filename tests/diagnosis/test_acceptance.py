@@ -11,7 +11,7 @@ import pytest
 from irb2400_ctrl.diagnosis.comparison.acceptance import stands_clear
 from irb2400_ctrl.diagnosis.estimation.effect_parameters import parameters_of
 from irb2400_ctrl.diagnosis.estimation.held_out import FOLDS, folds
-from irb2400_ctrl.diagnosis.numbers import Number, off_bodies
+from irb2400_ctrl.diagnosis.numbers import LOAD, Number, off_bodies
 from irb2400_ctrl.diagnosis.preparation.noise_test import trimmed_rms
 from irb2400_ctrl.effects import LIBRARY, Effect
 
@@ -77,3 +77,9 @@ def test_numbers_that_moved_far_are_said_by_body() -> None:
     text = off_bodies([*far, moved("link 2", "Ixx", 3.6)])
     assert text.startswith("The inertial numbers of links 2, 5-6 are off, mass_kg of link 6 by 5.0")
     assert "is the load declared?" in off_bodies([moved("tool", "mass_kg", 4.0)])
+    load = off_bodies([moved("tool", LOAD, 4.0), moved("link 2", "Ixx", 3.6)])
+    assert "under a load of 2.00 ± 0.10 kg (4.0 standard" in load
+    assert load.endswith(
+        "The inertial numbers of link 2 are off, Ixx of link 2 by 3.6 of its own "
+        "standard deviations."
+    )

@@ -15,6 +15,7 @@ from mujoco_plant.suites import suite
 
 import irb2400_ctrl as irb
 from irb2400_ctrl.diagnosis import Diagnosis, diagnose
+from irb2400_ctrl.diagnosis.numbers import LOAD, off_bodies
 from irb2400_ctrl.measurement import Log
 from irb2400_ctrl.planners import plan_path
 from irb2400_ctrl.planners.toolpath import builders
@@ -90,6 +91,7 @@ def test_friction_of_a_cold_arm_is_recalibrated_and_is_no_effect() -> None:
     found = diagnose(frictions(1.0 / 1.3), sound())
     assert names(found) == []
     assert found.verdict == "nothing_missing"
+    assert not off_bodies(found.numbers)
     ratio = found.robot.friction[:3, 1] / found.given.friction[:3, 1]
     np.testing.assert_allclose(ratio, 1.3, atol=0.15)
 
@@ -114,6 +116,18 @@ def test_friction_of_one_joint_is_no_effect_where_all_numbers_are_further_off() 
     read = case.simulate()
     found = diagnose(ROBOT, Log(read.time, read.q, read.tau, qd=read.qd, q_ref=read.q_ref))
     assert names(found) == []
+
+
+def test_a_load_that_the_numbers_take_in_is_said_as_numbers_that_moved() -> None:
+    """2 kg of 7.0 sigma: the tool's mass moved by 3.49 of its own standard deviations, eight others
+    by one to two, and no word was said."""
+    (case,) = suite("payload", 1, 1, 600213)
+    read = case.simulate()
+    found = diagnose(ROBOT, Log(read.time, read.q, read.tau, qd=read.qd, q_ref=read.q_ref))
+    (load,) = [number for number in found.numbers if number.name == LOAD]
+    assert load.sigmas > 3.0
+    assert abs(load.after - 2.0) < 3.0 * load.standard_error
+    assert "is the load declared?" in off_bodies(found.numbers)
 
 
 def test_dry_friction_that_builds_up_over_an_angle_is_a_hysteresis() -> None:

@@ -88,7 +88,8 @@ class Fitter:
         self.Z = Z
         self.reversal = reversal
         self.own = Z.shape[2] if own is None else own
-        self._widened = 1.0
+        self.widened = 1.0
+        """times further off than stated that the robot's numbers may be"""
         self._cache: dict[tuple[object, ...], Array] = {}
         self._fits: list[tuple[tuple[Candidate, ...], Fit]] = []
 
@@ -109,12 +110,12 @@ class Fitter:
         """Let the robot's numbers be this many times further off than so far."""
         self.Z = self.Z.copy()
         self.Z[:, :, : self.own] *= factor
-        self._widened *= factor
+        self.widened *= factor
         self._fits.clear()
 
     def as_stated(self, fit: Fit) -> Fit:
         """A fit with its deviations in stated standard deviations again."""
-        wide = self._widened
+        wide = self.widened
         Z = np.concatenate([fit.Z[:, :, : self.own] / wide, fit.Z[:, :, self.own :]], axis=2)
         return replace(fit, Z=Z, z=fit.z * wide, z_covariance=fit.z_covariance * wide**2)
 

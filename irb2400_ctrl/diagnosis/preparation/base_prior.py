@@ -187,9 +187,18 @@ class BasePrior:
 
 
 def _changed(body: Body, change: Array) -> Body:
+    """The body of which the torque is what the fit, linear in the change, found.
+
+    Mass times centre and inertia about the frame's origin are taken over, not the numbers one by
+    one: products of two changes would make another torque of a body that is far off. A mass that
+    falls to nothing has no centre: there the numbers themselves move.
+    """
+    phi = body.parameters() + _parameter_slope(body, None) @ change
+    if phi[0] > 0.0:
+        return Body.of_parameters(phi)
     return body.model_copy(
         update={
-            "mass_kg": float(max(0.0, body.mass_kg + change[0])),
+            "mass_kg": 0.0,
             "com_m": tuple(float(v) for v in np.array(body.com_m) + change[1:4]),
             "inertia_kgm2": tuple(float(v) for v in np.array(body.inertia_kgm2) + change[4:]),
         }

@@ -57,11 +57,15 @@ CHANGES = {
 
 def verdict_sentence(diagnosis: Diagnosis) -> str:
     """The verdict in one sentence."""
+    off = diagnosis.verdict == "nothing_missing" and off_bodies(diagnosis.numbers)
+    if off and not diagnosis.change:
+        return "No law is missing, but inertial numbers of the file are off; what is left is noise."
     if not diagnosis.change or diagnosis.log_problem is not None:
         return VERDICTS[diagnosis.verdict]
     changed = [n for n in diagnosis.numbers if n.list == "changed"]
     if diagnosis.verdict == "nothing_missing" and changed:
-        return f"No new effect since the reference, but {len(changed)} numbers of the arm changed."
+        said = f"{len(changed)} numbers" if len(changed) > 1 else "a number"
+        return f"No new effect since the reference, but {said} of the arm changed."
     return CHANGES[diagnosis.verdict]
 
 

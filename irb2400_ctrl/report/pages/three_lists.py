@@ -34,6 +34,7 @@ WORDS = {
     "offset_Nm": "torque offset [Nm]",
     "rotor_kgm2": "rotor inertia [kg m2]",
     "mass_kg": "mass [kg]",
+    "load_kg": "load beyond the mass [kg]",
     **{f"com_{axis}_m": f"centre of mass {axis} [m]" for axis in "xyz"},
     **{f"I{k}": f"inertia I{k} [kg m2]" for k in ("xx", "yy", "zz", "xy", "xz", "yz")},
 }
