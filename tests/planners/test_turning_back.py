@@ -55,4 +55,5 @@ def test_two_holes_behind_a_long_rapid_move() -> None:
     path = ToolPath(position, np.tile([0.0, 0.0, 1.0], (7, 1)), None, feed, "two holes")
     plan = plan_path(load_robot("irb2400"), path, work_frame=work_frame("900,-50,560,0,0,0"))
     assert plan.guaranteed
-    assert plan.max_feed_ratio is not None and plan.max_feed_ratio <= 1
+    assert plan.max_feed_ratio is not None
+    assert plan.max_feed_ratio <= 1
