@@ -90,15 +90,15 @@ def divided(s: Array, parts: npt.NDArray[np.int64]) -> Array:
 
 def with_reversals(path: JointMotion, s: Array) -> Array:
     """The grid with the zeros of every q_j'(s) added, unless they are next to a grid point."""
-    roots = path.reversals()
-    s = np.unique(np.concatenate([s, roots]))
-    knots = set(path.knots.tolist())
+    s = np.unique(np.concatenate([s, path.reversals()]))
     gap = np.diff(s)
-    tiny = np.flatnonzero(gap < _SLIVER * np.median(gap))
-    # of two points that fall together the knot stays: the polynomial changes there
-    drop = [i if s[i] not in knots else i + 1 for i in tiny]
-    drop = [i for i in drop if s[i] not in knots]
-    return np.delete(s, drop)
+    # points that fall together: several joints turn back at one place, beside a knot
+    group = np.concatenate([[0], np.cumsum(gap >= _SLIVER * np.median(gap))])
+    knot = np.isin(s, path.knots)
+    # of them the knot stays: the polynomial changes there; the last one where there is none
+    last = np.append(np.diff(group) > 0, True)
+    with_knot = np.bincount(group, knot) > 0
+    return s[np.where(with_knot[group], knot, last)]
 
 
 def at_once(dynamics: PathDynamics, s: Array) -> list[slice]:

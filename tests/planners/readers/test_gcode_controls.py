@@ -243,3 +243,19 @@ def test_programmed_frames_of_siemens(tmp_path: Path) -> None:
         [0, 0, 20], [50, 20, 20], [50, 60, 20], [55, 60, 20], [55, 60, 50], [5, 2, 50],
         [corner, corner, 50],
     ])  # fmt: skip
+
+
+@pytest.mark.parametrize("word", ["DC", "AC", "ACP", "ACN"])
+def test_an_angle_to_turn_to_holds_among_differences_too(tmp_path: Path, word: str) -> None:
+    file = tmp_path / "part.mpf"
+    file.write_text(
+        "G710 G90\nTRAORI\nG0 X0 Y0 Z9 A=0 C=0\nG1 X1 A=20 C=90 F600\nG91\n"
+        f"X1 A={word}(30) C={word}(180)\nX1 C=-90\nM30\n"
+    )
+    axis = read_program(file, rotary="C,A").operation().path.axis
+    assert axis is not None
+    s20 = np.sin(np.radians(20))
+    # the spindle leans about A towards -Y, and C turns that
+    assert np.allclose(axis[1], [s20, 0, np.sqrt(1 - s20**2)])
+    assert np.allclose(axis[2], [0, 0.5, np.sqrt(0.75)])
+    assert np.allclose(axis[3], [0.5, 0, np.sqrt(0.75)])

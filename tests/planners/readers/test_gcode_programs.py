@@ -200,3 +200,13 @@ def test_a_second_program_behind_the_end_is_said(tmp_path: Path) -> None:
     assert "line 8: the program has ended: 2 blocks with places behind it" in said
     silent = program(tmp_path, f"{first}%\n(made by a CAM system)\n").of_kind("assumed")
     assert "has ended" not in " ".join(map(str, silent))
+
+
+def test_a_place_stated_again_between_stop_and_spindle_is_no_operation(tmp_path: Path) -> None:
+    cut = "G1 Z5. F600\nX{}.\nG0 Z20.\nM5\nM1\n"
+    again = "G0 X10. Y0.\nG4 P2.\nS1200 M3\n"
+    text = f"G21 G90\nT1 M6\nS1000 M3\nG0 X0. Y0. Z20.\n{cut.format(10)}{again}{cut.format(0)}M30\n"
+    first, second = program(tmp_path, text).operations
+    assert [len(first.path), len(second.path)] == [4, 4]
+    assert second.spindle.rpm == pytest.approx(1200)
+    assert ("dwell", -1) in [(e.kind, e.point) for e in second.events]

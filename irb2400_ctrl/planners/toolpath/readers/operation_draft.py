@@ -10,6 +10,9 @@ from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.planners.toolpath.cam_program import Event, Operation, Spindle, Tool
 from irb2400_ctrl.planners.toolpath.toolpath import ToolPath
 
+# places and axes nearer than this are one [m], [-]
+SAME = 1e-7
+
 
 @dataclass
 class Draft:
@@ -29,6 +32,12 @@ class Draft:
     rapid: list[bool] = field(default_factory=list)
     line: list[int] = field(default_factory=list)
     events: list[Event] = field(default_factory=list)
+
+    @property
+    def moves(self) -> bool:
+        """Whether its points and axes are not all one."""
+        rows = np.hstack([self.position, self.axis]) if self.position else np.zeros((1, 6))
+        return bool(np.ptp(rows, axis=0).max() > SAME)
 
     def finished(self, number: int, again: str, X: Array) -> Operation:
         """The operation with its points moved by X (4, 4); `again` tells equal names apart."""

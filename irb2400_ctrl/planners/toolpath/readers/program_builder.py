@@ -273,7 +273,7 @@ class ProgramBuilder:
     def _split(self, *, keep_place: bool) -> None:
         """End the operation in hand; the next one begins where it ends if the tool stays there."""
         old = self._draft
-        moves = len(old.position) > 1
+        moves = old.moves
         if moves:
             self._done.append(old)
         self._draft = self._new_draft()

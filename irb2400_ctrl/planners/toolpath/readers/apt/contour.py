@@ -33,8 +33,8 @@ def arc_and_end(
     """
     found: dict[str, list[list[float]]] = {}
     for word, values in GEOMETRY.findall(statement.text):
-        stated = [v for v in split_arguments(values) if v and v.upper() != "CANON"]
-        numbers = [number(v, f"{place}, {word.upper()}") for v in stated]
+        texts = [v for v in split_arguments(values) if v and v.upper() != "CANON"]
+        numbers = [number(v, f"{place}, {word.upper()}") for v in texts]
         found.setdefault(word.upper(), []).append(numbers)
     arc = _circle(found, unit, place)
     second = re.search(r"ON\s*,\s*2\s*,\s*INTOF", statement.text, re.IGNORECASE) is not None

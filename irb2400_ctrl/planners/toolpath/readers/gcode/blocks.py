@@ -24,8 +24,10 @@ from irb2400_ctrl.planners.toolpath.readers.unread_line import UnreadLineError
 
 _NUMBER = r"([-+]?(?:\d+\.?\d*|\.\d+))"
 WORD = re.compile(rf"\s*([A-Z])\s*=?\s*{_NUMBER}")
+# an angle to turn to, in G91 too: C=DC(30), C=AC(30)
+TO_ANGLE = "TOANGLE"
 # words of several letters (Siemens)
-EXTENDED = ("CR", "TURN", "RPL", "A3", "B3", "C3", "IAC", "JAC", "KAC")
+EXTENDED = (TO_ANGLE, "CR", "TURN", "RPL", "A3", "B3", "C3", "IAC", "JAC", "KAC")
 LETTERS = frozenset([*"ABCDFGHIJKLMNPQRSTXYZ", *EXTENDED])
 PLACES = frozenset("XYZABCIJKRQ")
 EXTENDED_WORD = re.compile(rf"\s*({'|'.join(EXTENDED)})\s*=\s*{_NUMBER}")
@@ -63,7 +65,10 @@ REWRITTEN = (
     (re.compile(r'\bT\s*=\s*"([^"]*)"', re.IGNORECASE), r"(TC: \1)"),
     (re.compile(rf"\b([IJK])\s*=\s*AC\s*\(\s*{_NUMBER}\s*\)", re.IGNORECASE), r"\1AC=\2"),
     (re.compile(r"\bCYCLE832\s*\([^()]*\)", re.IGNORECASE), ""),
-    (re.compile(rf"\b([ABC])\s*=\s*DC\s*\(\s*{_NUMBER}\s*\)", re.IGNORECASE), r"\1=\2"),
+    (
+        re.compile(rf"\b([ABC])\s*=\s*(?:DC|AC[PN]?)\s*\(\s*{_NUMBER}\s*\)", re.IGNORECASE),
+        rf"\1=\2 {TO_ANGLE}=1",
+    ),
     # the blank for the simulation, the main spindle
     (re.compile(r"\b(WORKPIECE\s*\([^()]*\)|SETMS\b(\s*\(\d*\))?)", re.IGNORECASE), ""),
     (re.compile(r"\bTRAORI\s*\(\s*1?\s*\)", re.IGNORECASE), "TRAORI"),

@@ -26,13 +26,13 @@ class GcodeFrames:
         self._state = state
 
     def run(
-        self, codes: list[float], values: dict[str, float], orders: tuple[str, ...] = ()
+        self, codes: list[float], values: dict[str, float], words: tuple[str, ...] = ()
     ) -> bool:
-        """Whether one of the codes or orders took the words of the block for itself."""
+        """Whether one of the codes or written orders took the words of the block for itself."""
         state = self._state
-        for order in orders:
-            if order in PROGRAMMED:
-                self._programmed(order, values)
+        for word in words:
+            if word in PROGRAMMED:
+                self._programmed(word, values)
                 return True
         if 69 in codes:
             state.reframe(plane_pose=np.eye(4), turned=np.eye(4))

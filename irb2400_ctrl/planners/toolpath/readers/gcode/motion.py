@@ -9,6 +9,7 @@ import numpy as np
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.planners.toolpath.readers.expansion.arcs import Arc
+from irb2400_ctrl.planners.toolpath.readers.gcode.blocks import TO_ANGLE
 from irb2400_ctrl.planners.toolpath.readers.gcode.cycles import CYCLES, GcodeCycles
 from irb2400_ctrl.planners.toolpath.readers.gcode.rotary import REFUSAL, UNCONTROLLED, Rotary
 from irb2400_ctrl.planners.toolpath.readers.gcode.splines import MODES, GcodeSplines
@@ -84,7 +85,8 @@ class GcodeMotion:
         state = self._state
         for letter in ROTARY:
             if letter in values:
-                before = 0.0 if state.absolute else state.rotary[letter]
+                turned_to = state.absolute or TO_ANGLE in values
+                before = 0.0 if turned_to else state.rotary[letter]
                 state.rotary[letter] = before + values[letter]
 
     def _straight(self, values: dict[str, float], axis: Array, *, rapid: bool) -> None:
