@@ -182,6 +182,30 @@ def test_numbers_that_no_effect_can_have_are_refused(name: str, value: float, re
     assert running.init_status == FAULT_PARAMETERS
 
 
+def test_a_row_says_unit_and_meaning_of_its_field() -> None:
+    table = effect_tables(with_effects((example_of("cable_spring"),)))[0]
+    told = {f.name.removeprefix(f"{table.prefix}_"): (f.unit, f.doc) for f in table.fields()}
+    assert told == {
+        "stiffness_Nm_rad": ("Nm/rad", "stiffness k, cable_spring of joint 4"),
+        "neutral_rad": ("rad", "angle q_0 without torque, cable_spring of joint 4"),
+    }
+
+
+def test_a_device_that_is_not_the_textbooks_has_its_discrepancy_in_the_table() -> None:
+    spring = LIBRARY["cable_spring"].of(
+        4, stiffness_Nm_rad=5.0, neutral_rad=0.1, discrepancy=(0.7, -0.4)
+    )
+    arm = with_effects((spring,))
+    expected = controller("computed_torque", arm)
+    running = HostController(Package(controller("computed_torque", arm, tables=True), "double"))
+    assert "cable_spring_4_discrepancy" in [f.name for f in running.package.parameter_fields]
+    x, u = drawn(np.random.default_rng(1), expected)
+    own = step_of(running, x, u)
+    np.testing.assert_allclose(own, step_of_block(expected, x, u), rtol=1e-9, atol=1e-8)
+    set_table(running, {"cable_spring_4_discrepancy": np.zeros(2)})
+    assert np.abs(step_of(running, x, u) - own).max() > 1e-2
+
+
 def test_two_effects_of_a_kind_on_one_joint_have_names_of_their_own() -> None:
     ripples = tuple(
         LIBRARY["gear_ripple"].of(4, amplitude_Nm=1.0, order=order) for order in (20.0, 31.0)
