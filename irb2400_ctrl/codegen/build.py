@@ -12,7 +12,13 @@ import casadi as ca
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from irb2400_ctrl.codegen.host_library import Math, Real, can_roll, host_source
+from irb2400_ctrl.codegen.host_library import (
+    Math,
+    Real,
+    can_roll,
+    host_source,
+    what_text_follows_from,
+)
 from irb2400_ctrl.codegen.machine_code.build_cache import load_shared
 from irb2400_ctrl.codegen.machine_code.interpreted import Interpreter, say_slow
 from irb2400_ctrl.errors import InputError, ToolMissingError
@@ -48,11 +54,13 @@ def compile_function(
         InputError: `fn` holds an operation that has no C form.
     """
     fn = as_sx(fn)
-    source = host_source(fn, real=real, math=math, lanes=lanes)
+    source = partial(host_source, fn, real=real, math=math, lanes=lanes)
+    made_of = what_text_follows_from(fn, real=real, math=math, lanes=lanes)
     library: ctypes.CDLL | Interpreter
     try:
-        library = load_shared(source, fused=fused)
+        library = load_shared(source, fused=fused, made_of=made_of)
     except ToolMissingError as error:
+        source()  # what has no C form is refused here as well
         say_slow(str(error))
         library = Interpreter(fn, np.dtype(np.float64 if real == "double" else np.float32))
     return CompiledFunction(

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import casadi as ca
 
@@ -25,8 +26,7 @@ COMMUTATIVE = frozenset(
 )
 
 
-@dataclass(frozen=True)
-class Node:
+class Node(NamedTuple):
     """One operation; `args` are indices of earlier nodes, for an input (argument, dense
     column-major element)."""
 
@@ -49,17 +49,18 @@ class _Builder:
 
     def __init__(self) -> None:
         self.nodes: list[Node] = []
-        self.known: dict[tuple[int, tuple[int, ...], str], int] = {}
+        self.known: dict[tuple[int, tuple[int, ...] | str], int] = {}
 
     def add(self, op: int, args: tuple[int, ...] = (), value: float = 0.0) -> int:
         if op in COMMUTATIVE:
             args = tuple(sorted(args))
         # repr tells 0.0 from -0.0, which compare equal
-        key = (op, args, repr(value))
-        if key not in self.known:
-            self.known[key] = len(self.nodes)
+        key = (op, repr(value) if op == ca.OP_CONST else args)
+        found = self.known.get(key)
+        if found is None:
+            found = self.known[key] = len(self.nodes)
             self.nodes.append(Node(op, args, value))
-        return self.known[key]
+        return found
 
 
 class _Nodes(Algebra[int]):

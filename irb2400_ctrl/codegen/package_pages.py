@@ -118,7 +118,8 @@ def _promises(name: str, real: str) -> str:
     return f"""\
 Bounds from the tables above stand beside the parameters: `<field>_limit` where they are symmetric, else `<field>_min`
 and `<field>_max`; inputs with the same unit and bounds share those of the first. To change a gain or a limit, copy
-`{name}_default_parameters` into a table of your own and pass that.
+`{name}_default_parameters` into a table of your own and pass that. There may be several, one for each tool that the arm
+can carry: `{name}_init` tests each (`{upper}_FAULT_PARAMETERS`), and from one step to the next another may be passed.
 
 ## What it promises
 

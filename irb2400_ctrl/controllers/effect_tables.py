@@ -84,8 +84,9 @@ class EffectTable:
         symbols = {name: given[f"{self.prefix}_{name}"] for name in self._numbers}
         discrepancy = symbols.pop("discrepancy", ca.SX(0, 1))
         fields = {n: x if x.is_scalar() else tuple(ca.vertsplit(x)) for n, x in symbols.items()}
-        bare = EffectForm.of(self.effect, fields, ca.SX(0, 1), discrepancy)
-        return EffectForm(bare.effect, self._coefficients(bare.effect, given), discrepancy)
+        none = ca.SX(0, 1)
+        effect = EffectForm.of(self.effect, fields, none, none).effect
+        return EffectForm(effect, self._coefficients(effect, given), discrepancy)
 
     def _coefficients(self, form: Effect, given: Mapping[str, ca.SX]) -> ca.SX:
         """Those of the effect as expressions, which have its own values at its own numbers."""

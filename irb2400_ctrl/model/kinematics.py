@@ -8,15 +8,6 @@ from irb2400_ctrl.model.chain import cos_sin
 from irb2400_ctrl.robot import Robot
 
 
-def skew(v: ca.SX) -> ca.SX:
-    """[v]x, so that [v]x w = v x w."""
-    return ca.vertcat(
-        ca.horzcat(0, -v[2], v[1]),
-        ca.horzcat(v[2], 0, -v[0]),
-        ca.horzcat(-v[1], v[0], 0),
-    )
-
-
 def link_angles(robot: Robot, q: ca.SX) -> ca.SX:
     """theta = A q + offset [rad], shape (n,) (last column of Tab. 2; theta3 = q3 - q2)."""
     return ca.DM(robot.A) @ q + ca.DM(robot.offset)

@@ -155,6 +155,16 @@ def test_every_effect_is_felt_and_its_zero_is_none() -> None:
         assert np.abs(step_of(running, x, u)[-ARM.n :] - nothing).max() > 1e-3, table.prefix
 
 
+@cache
+def four_effects(real: str) -> HostController:
+    kinds = (("cable_spring", 3), ("viscous_warmup", 3), ("balancer", 2), ("payload", None))
+    arm = with_effects(tuple(LIBRARY[k].of(j, **LIBRARY[k].example) for k, j in kinds))
+    block = controller("feedforward_pid", arm, tables=True)
+    running = HostController(Package(block, real))  # type: ignore[arg-type]
+    assert running.init_status == 0
+    return running
+
+
 BAD = [
     ("cable_spring_3_stiffness_Nm_rad", -1.0),
     ("cable_spring_3_stiffness_Nm_rad", np.nan),
@@ -168,11 +178,7 @@ BAD = [
 @pytest.mark.parametrize(("name", "value"), BAD, ids=[f"{n}={v}" for n, v in BAD])
 @pytest.mark.parametrize("real", ["float", "double"])
 def test_numbers_that_no_effect_can_have_are_refused(name: str, value: float, real: str) -> None:
-    kinds = (("cable_spring", 3), ("viscous_warmup", 3), ("balancer", 2), ("payload", None))
-    arm = with_effects(tuple(LIBRARY[k].of(j, **LIBRARY[k].example) for k, j in kinds))
-    block = controller("feedforward_pid", arm, tables=True)
-    running = HostController(Package(block, real))  # type: ignore[arg-type]
-    assert running.init_status == 0
+    running = four_effects(real)
     values = np.concatenate([np.zeros(0), *(f.start for f in running.package.parameter_fields)])
     ends = np.cumsum([f.size for f in running.package.parameter_fields])
     names = [f.name for f in running.package.parameter_fields]
@@ -180,6 +186,31 @@ def test_numbers_that_no_effect_can_have_are_refused(name: str, value: float, re
     running.parameters = values
     running.reset()
     assert running.init_status == FAULT_PARAMETERS
+    set_table(running, {})
+
+
+def test_a_row_says_unit_and_meaning_of_its_field() -> None:
+    table = effect_tables(with_effects((example_of("cable_spring"),)))[0]
+    told = {f.name.removeprefix(f"{table.prefix}_"): (f.unit, f.doc) for f in table.fields()}
+    assert told == {
+        "stiffness_Nm_rad": ("Nm/rad", "stiffness k, cable_spring of joint 4"),
+        "neutral_rad": ("rad", "angle q_0 without torque, cable_spring of joint 4"),
+    }
+
+
+def test_a_device_that_is_not_the_textbooks_has_its_discrepancy_in_the_table() -> None:
+    spring = LIBRARY["cable_spring"].of(
+        4, stiffness_Nm_rad=5.0, neutral_rad=0.1, discrepancy=(0.7, -0.4)
+    )
+    arm = with_effects((spring,))
+    expected = controller("computed_torque", arm)
+    running = HostController(Package(controller("computed_torque", arm, tables=True), "double"))
+    assert "cable_spring_4_discrepancy" in [f.name for f in running.package.parameter_fields]
+    x, u = drawn(np.random.default_rng(1), expected)
+    own = step_of(running, x, u)
+    np.testing.assert_allclose(own, step_of_block(expected, x, u), rtol=1e-9, atol=1e-8)
+    set_table(running, {"cable_spring_4_discrepancy": np.zeros(2)})
+    assert np.abs(step_of(running, x, u) - own).max() > 1e-2
 
 
 def test_two_effects_of_a_kind_on_one_joint_have_names_of_their_own() -> None:

@@ -123,3 +123,27 @@ def test_rate_of_a_reversal_adds_up_to_the_jump() -> None:
     table = np.array([np.asarray(rate(acceleration * t, acceleration)).ravel() for t in time])
     jump = (table.sum(axis=0) - (table[0] + table[-1]) / 2) * (time[1] - time[0])
     np.testing.assert_allclose(jump, 2 * LAW.coulomb, rtol=1e-6)
+
+
+def test_dry_friction_turns_over_within_twice_the_width() -> None:
+    """One width behind its reversal a joint may stand, one width beyond it is sure to slide."""
+    width = 0.01
+    qd = ca.SX.sym("qd", 6)
+    worst = ca.Function("worst", [qd], [LAW.worst(qd, width)])
+
+    def at(speed: float) -> Array:
+        return np.asarray(worst(np.full(6, speed))).ravel()
+
+    rise = np.maximum(LAW.static - LAW.coulomb, 0.0)
+    np.testing.assert_allclose(at(-width), rise * np.exp(-1.0), rtol=1e-12)
+    np.testing.assert_allclose(at(0.0), np.tanh(2.0) * LAW.coulomb + rise, rtol=1e-12)
+
+
+@pytest.mark.parametrize("gained", [0.1, 1.0, 20.0])
+def test_the_jump_at_a_reversal_is_spread_over_its_time(gained: float) -> None:
+    """Within 5 mrad/s, and what the joint gains in 5 ms."""
+    qd, qdd = (ca.SX.sym(name, 6) for name in ("qd", "qdd"))
+    rate = ca.Function("rate", [qd, qdd], [LAW.reversal_rate(qd, qdd)])
+    found = np.asarray(rate(np.zeros(6), np.full(6, gained))).ravel()
+    width = 0.005 + 0.005 * gained
+    np.testing.assert_allclose(found * width / gained, LAW.coulomb, rtol=1e-12)

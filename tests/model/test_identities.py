@@ -9,6 +9,7 @@ from model.states import States
 
 import irb2400_ctrl as irb
 from irb2400_ctrl.model import euler_lagrange
+from irb2400_ctrl.robot.link import Transform
 
 
 def test_mass_matrix_is_symmetric(model: irb.Model, states: States) -> None:
@@ -24,6 +25,27 @@ def test_mdot_minus_2c_is_skew(model: irb.Model, states: States) -> None:
     for position, speed in zip(states.q[:50], states.qd[:50], strict=True):
         N = np.array(rate(position, speed)) - 2 * model.coriolis(position, speed)
         np.testing.assert_allclose(N, -N.T, rtol=0, atol=1e-11 * np.abs(N).max())
+
+
+def test_a_parallel_axis_may_stand_beside_its_links_line() -> None:
+    """A step between parallel axes that has a y, which no robot of the library has: M is still what
+    acceleration needs, and what the speeds' energy is the form of."""
+    robot = irb.load_robot("irb2400")
+    aside = robot.links[2].frame.matrix().copy()
+    assert aside[1, 3] == 0.0
+    aside[1, 3] = 0.13
+    frame = Transform(transform=tuple(tuple(row) for row in aside.tolist()))  # type: ignore[arg-type]
+    links = (*robot.links[:2], robot.links[2].model_copy(update={"frame": frame}), *robot.links[3:])
+    model = irb.Model(robot.model_copy(update={"links": links}))
+    rng = np.random.default_rng(2)
+    still = np.zeros(6)
+    for q in rng.uniform(robot.q_min, robot.q_max, (20, 6)):
+        M = model.mass_matrix(q)
+        weight = model.inverse_dynamics(q, still, still, friction=False)
+        columns = [model.inverse_dynamics(q, still, e, friction=False) - weight for e in np.eye(6)]
+        np.testing.assert_allclose(M, np.transpose(columns), rtol=0, atol=1e-10)
+    straight = irb.Model(robot).mass_matrix(q)
+    assert np.abs(M - straight).max() > 0.1
 
 
 def test_m22_does_not_depend_on_the_pose(model: irb.Model, states: States) -> None:

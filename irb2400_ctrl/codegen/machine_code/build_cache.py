@@ -15,6 +15,7 @@ import stat
 import sys
 import tempfile
 import time
+from collections.abc import Callable
 from functools import cache
 from pathlib import Path
 
@@ -94,14 +95,19 @@ def _pass_over(folder: str, fault: str) -> None:
     )
 
 
-def load_shared(source: str, *, fused: bool = False) -> ctypes.CDLL:
+def load_shared(
+    source: str | Callable[[], str], *, fused: bool = False, made_of: bytes = b""
+) -> ctypes.CDLL:
     """The library of a C text, compiled or from the cache, in this process.
+
+    Args:
+        source, fused, made_of: as in `build_shared`.
 
     Raises:
         ToolMissingError: no compiler, or a system that does not let what it makes be loaded.
         IrbError: as `build_shared`.
     """
-    place = build_shared(source, fused=fused)
+    place = build_shared(source, fused=fused, made_of=made_of)
     try:
         return ctypes.CDLL(str(place))
     except OSError as error:
@@ -111,11 +117,19 @@ def load_shared(source: str, *, fused: bool = False) -> ctypes.CDLL:
         ) from error
 
 
-def build_shared(source: str, *, fused: bool = False) -> Path:
+def build_shared(
+    source: str | Callable[[], str], *, fused: bool = False, made_of: bytes = b""
+) -> Path:
     """Compile C text to a shared library, or find it whole in the cache.
 
     The key is the content: text, flags, compiler, processor. The library is made under a temporary
     name, brought to the disk and moved, so that two processes may build the same thing at once.
+
+    Args:
+        source: the text, or what writes it.
+        fused: allow fused multiply-add.
+        made_of: all that the text follows from, in place of it in the key: then it is written only
+            if there is no library yet.
 
     Raises:
         ToolMissingError: no compiler.
@@ -123,7 +137,9 @@ def build_shared(source: str, *, fused: bool = False) -> Path:
     """
     compiler = find_compiler()
     flags = (*(FUSED_FLAGS if fused else EXACT_FLAGS), *native_flags(), "-fPIC", "-shared")
-    key = _short_digest("\0".join((source, *flags, compiler.identity, processor())).encode())
+    written = made_of or _text(source).encode()
+    told = "\0".join(("", *flags, compiler.identity, processor())).encode()
+    key = _short_digest(written + told)
     folder = cache_dir()
     found = _whole_library(folder, key)
     if found is not None:
@@ -132,7 +148,7 @@ def build_shared(source: str, *, fused: bool = False) -> Path:
     with tempfile.TemporaryDirectory(dir=folder, prefix=".build-") as work:
         text = Path(work) / "code.c"
         made = Path(work) / "code.so"
-        text.write_text(source, encoding="utf-8")
+        text.write_text(_text(source), encoding="utf-8")
         command = [*compiler.command, *flags, str(text), "-o", str(made), "-lm"]
         run_tool(command)
         if not made.is_file() or not made.stat().st_size:
@@ -145,6 +161,10 @@ def build_shared(source: str, *, fused: bool = False) -> Path:
         library = folder / f"{key}-{_short_digest(made.read_bytes())}.so"
         os.replace(made, library)
     return library
+
+
+def _text(source: str | Callable[[], str]) -> str:
+    return source if isinstance(source, str) else source()
 
 
 def _short_digest(data: bytes) -> str:
