@@ -44,9 +44,9 @@ TARGETS = {
     "measurement/read_log.py": (
         "tests/measurement/test_read_log.py tests/measurement/test_signal_names.py"
     ),
-    "measurement/column_map.py": "tests/measurement/test_read_log.py",
-    "measurement/signal_names.py": "tests/measurement/test_signal_names.py",
-    "measurement/joint_order.py": "tests/measurement/test_ros_bags.py",
+    "measurement/columns/column_map.py": "tests/measurement/test_read_log.py",
+    "measurement/columns/signal_names.py": "tests/measurement/test_signal_names.py",
+    "measurement/columns/joint_order.py": "tests/measurement/test_ros_bags.py",
     "measurement/time_base.py": "tests/measurement/test_time_base.py",
     "measurement/uniform.py": "tests/measurement/test_uniform.py",
     "model/friction.py": "tests/model/test_friction.py",

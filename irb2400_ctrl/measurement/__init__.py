@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from irb2400_ctrl._lazy import lazily
-from irb2400_ctrl.measurement.column_map import ColumnMap, load_column_map
+from irb2400_ctrl.measurement.columns.column_map import ColumnMap, load_column_map
 from irb2400_ctrl.measurement.log import Log
 from irb2400_ctrl.measurement.read_log import read_log
 from irb2400_ctrl.measurement.write_log import write_log

@@ -15,7 +15,7 @@ import numpy as np
 
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.errors import InputError
-from irb2400_ctrl.measurement.signal_names import is_unit
+from irb2400_ctrl.measurement.columns.signal_names import is_unit
 from irb2400_ctrl.measurement.table import Table, numbers_of, spread
 from irb2400_ctrl.reading import text_blocks
 

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from irb2400_ctrl.errors import InputError, ToolMissingError
-from irb2400_ctrl.measurement.joint_order import joint_order, places
+from irb2400_ctrl.measurement.columns.joint_order import joint_order, places
 from irb2400_ctrl.measurement.table import Table, one_length
 
 JOINT_STATE = "sensor_msgs/msg/JointState"

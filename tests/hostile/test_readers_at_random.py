@@ -23,7 +23,7 @@ from hypothesis import strategies as st
 from irb2400_ctrl.cell.file import load_cell
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.measurement import read_log
-from irb2400_ctrl.measurement.column_map import load_column_map
+from irb2400_ctrl.measurement.columns.column_map import load_column_map
 from irb2400_ctrl.planners import read_program
 from irb2400_ctrl.planners.programs.egm.egm_messages import decode_robot
 from irb2400_ctrl.planners.programs.rapid import load_rapid

@@ -14,7 +14,7 @@ from measured_logs import made, same
 
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.measurement import load_column_map, read_log
-from irb2400_ctrl.measurement.signal_names import without_source
+from irb2400_ctrl.measurement.columns.signal_names import without_source
 
 J = range(1, 7)
 LOG = made()

@@ -10,7 +10,7 @@ from measured_logs import made, same
 
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.measurement import Log, load_column_map, read_log
-from irb2400_ctrl.measurement.signal_names import joint_signal, time_scale
+from irb2400_ctrl.measurement.columns.signal_names import joint_signal, time_scale
 
 JOINTS = range(1, 7)
 

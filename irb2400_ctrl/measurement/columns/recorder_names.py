@@ -25,7 +25,7 @@ import numpy as np
 
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.errors import InputError
-from irb2400_ctrl.measurement.joint_order import places
+from irb2400_ctrl.measurement.columns.joint_order import places
 from irb2400_ctrl.measurement.table import Table
 
 Named = tuple[tuple[str, float], dict[str, dict[int, str]]]

@@ -13,7 +13,7 @@ from itertools import count
 import numpy as np
 
 from irb2400_ctrl.arrays import Array
-from irb2400_ctrl.measurement.recorder_names import unit_by_step
+from irb2400_ctrl.measurement.columns.recorder_names import unit_by_step
 from irb2400_ctrl.measurement.two_part_time import time_pair
 
 OTHERS = re.compile(

@@ -1,0 +1,1 @@
+"""Which column of a log is which signal of which joint, and in which unit."""
