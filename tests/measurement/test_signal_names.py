@@ -11,6 +11,7 @@ from measured_logs import made, same
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.measurement import Log, load_column_map, read_log
 from irb2400_ctrl.measurement.signal_names import (
+    is_unit,
     joint_signal,
     time_scale,
     without_source,
@@ -193,7 +194,13 @@ def test_a_controllers_name_before_all_signals_is_left_out() -> None:
 
 @pytest.mark.parametrize(
     ("name", "bare"),
-    [("axis 3", True), ("joint 2 position", True), ("q1 [rad]", False), ("note [1]", False)],
+    [
+        ("axis 3", True),
+        ("joint 2 position", True),
+        ("q1 [rad]", False),
+        ("joint 2 [rad]", False),
+        ("note", False),
+    ],
 )
 def test_a_joint_without_a_unit_is_known(name: str, bare: bool) -> None:
     assert without_unit(name) is bare
@@ -204,3 +211,8 @@ def test_a_joint_without_a_unit_is_known(name: str, bare: bool) -> None:
 )
 def test_a_unit_of_time_is_its_seconds(unit: str, seconds: float) -> None:
     assert time_scale(f"Time [{unit}]") == seconds
+
+
+@pytest.mark.parametrize(("cell", "unit"), [("s", True), ("deg", True), ("12", False)])
+def test_a_cell_may_be_a_unit(cell: str, unit: bool) -> None:
+    assert is_unit(cell) is unit
