@@ -10,7 +10,13 @@ from measured_logs import made, same
 
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.measurement import Log, load_column_map, read_log
-from irb2400_ctrl.measurement.columns.signal_names import joint_signal, time_scale
+from irb2400_ctrl.measurement.columns.signal_names import (
+    is_unit,
+    joint_signal,
+    time_scale,
+    without_source,
+    without_unit,
+)
 
 JOINTS = range(1, 7)
 
@@ -177,3 +183,36 @@ def test_what_a_time_is() -> None:
     assert time_scale("时间(s)") == 1.0
     assert time_scale("Time") is None
     assert time_scale("Cycle time [s]") is None
+
+
+def test_a_controllers_name_before_all_signals_is_left_out() -> None:
+    names = ["Time [s]", "RC1 Robot.Joint 1 Pos [deg]", "RC1 Robot.Joint 2 Pos [deg]"]
+    assert list(without_source(names).values()) == [
+        "Time [s]", "Joint 1 Pos [deg]", "Joint 2 Pos [deg]",
+    ]  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("name", "bare"),
+    [
+        ("axis 3", True),
+        ("joint 2 position", True),
+        ("q1 [rad]", False),
+        ("joint 2 [rad]", False),
+        ("note", False),
+    ],
+)
+def test_a_joint_without_a_unit_is_known(name: str, bare: bool) -> None:
+    assert without_unit(name) is bare
+
+
+@pytest.mark.parametrize(
+    ("unit", "seconds"), [("s", 1.0), ("sec", 1.0), ("ms", 1e-3), ("us", 1e-6), ("ns", 1e-9)]
+)
+def test_a_unit_of_time_is_its_seconds(unit: str, seconds: float) -> None:
+    assert time_scale(f"Time [{unit}]") == seconds
+
+
+@pytest.mark.parametrize(("cell", "unit"), [("s", True), ("deg", True), ("12", False)])
+def test_a_cell_may_be_a_unit(cell: str, unit: bool) -> None:
+    assert is_unit(cell) is unit

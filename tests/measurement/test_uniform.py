@@ -119,3 +119,32 @@ def test_the_filter_takes_signals_of_any_shape_and_none() -> None:
     assert found.shape == (len(low_pass.instants(signal)), 2, 3)
     np.testing.assert_array_equal(found[:, 1, 2], low_pass(signal[:, 1, 2]))
     assert low_pass(np.zeros((500, 0))).shape == (len(found), 0)
+
+
+@pytest.mark.parametrize(("cutoff", "kept"), [(5.0, 20), (10.0, 10), (60.0, 1), (200.0, 1)])
+def test_as_many_samples_are_kept_as_the_cut_off_needs(cutoff: float, kept: int) -> None:
+    assert LowPass(cutoff=cutoff, step=0.004).keep == kept
+
+
+@pytest.mark.parametrize("smooth", [smoothed, polished])
+@pytest.mark.parametrize(("step", "half"), [(0.004, 10), (0.02, 4)])
+def test_a_sample_reaches_forty_milliseconds_or_four_samples(smooth, step, half) -> None:
+    impulse = np.zeros(101)
+    impulse[50] = 1.0
+    (reached,) = np.nonzero(np.abs(smooth(impulse, step)) > 1e-12)
+    assert reached.min() >= 50 - half
+    assert reached.max() <= 50 + half
+    assert reached.max() - reached.min() >= 2 * half - 2
+
+
+@pytest.mark.parametrize(("gap", "bridged"), [(0.049, True), (0.052, False)])
+def test_two_and_a_half_samples_of_a_slow_log_are_bridged(gap: float, bridged: bool) -> None:
+    """At 50 Hz, whose samples lie farther apart than the gap that a fast log may have."""
+    before = 0.02 * np.arange(400)
+    time = np.concatenate([before, before[-1] + gap + before])
+    q = np.tile(np.sin(time)[:, None], 6)
+    log = Log(time=time, q=q, qd=None, tau=q, q_ref=None)
+    found = resample(log)
+    middle = np.abs(found.time - (before[-1] + gap / 2)) < 0.01
+    assert found.valid[middle].all() == bridged
+    assert found.valid[~(np.abs(found.time - (before[-1] + gap / 2)) < 0.06)].all()
