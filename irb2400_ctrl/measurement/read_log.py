@@ -19,6 +19,8 @@ from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.measurement.binary_table import read_mat_table, read_parquet_table
 from irb2400_ctrl.measurement.column_map import TIME, ColumnMap, load_column_map
+from irb2400_ctrl.measurement.columns.suggested_map import suggested_map
+from irb2400_ctrl.measurement.columns.two_part_time import joined, joined_time
 from irb2400_ctrl.measurement.csv_table import read_csv_table
 from irb2400_ctrl.measurement.log import Log
 from irb2400_ctrl.measurement.recorder_names import has_time, recorder_columns, unit_by_size
@@ -31,9 +33,7 @@ from irb2400_ctrl.measurement.signal_names import (
     without_source,
     without_unit,
 )
-from irb2400_ctrl.measurement.suggested_map import suggested_map
 from irb2400_ctrl.measurement.table import Table
-from irb2400_ctrl.measurement.two_part_time import joined, joined_time
 from irb2400_ctrl.reading import looks_like
 
 Found = dict[str, dict[int, str]]
