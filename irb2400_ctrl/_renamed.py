@@ -97,6 +97,7 @@ RENAMED = {
     "simulation.recorded": "measurement.recorded",
     "simulation.result": "simulation.simulation",
     "simulation.trajectory": "trajectory",
+    "measurement.two_part_time": "measurement.columns.two_part_time",
     "urdf": "robot.urdf_export",
 }
 """old name -> new name, both below `irb2400_ctrl`"""

@@ -29,11 +29,11 @@ from irb2400_ctrl.measurement.columns.signal_names import (
     without_unit,
 )
 from irb2400_ctrl.measurement.columns.suggested_map import suggested_map
+from irb2400_ctrl.measurement.columns.two_part_time import joined, joined_time
 from irb2400_ctrl.measurement.csv_table import read_csv_table
 from irb2400_ctrl.measurement.log import Log
 from irb2400_ctrl.measurement.ros_table import read_ros_table
 from irb2400_ctrl.measurement.table import Table
-from irb2400_ctrl.measurement.two_part_time import joined, joined_time
 from irb2400_ctrl.reading import looks_like
 
 Found = dict[str, dict[int, str]]

@@ -21,6 +21,8 @@ from irb2400_ctrl.plausibility.search import Understanding, understand
 from irb2400_ctrl.plausibility.travel import travel_problem
 from irb2400_ctrl.robot import Robot
 
+UNEXPLAINED = 0.5
+"""of a joint's torque, left by the nominal model: nothing is understood then [-]"""
 OUTSIDE = np.radians(2.0)
 """[rad] outside of the joint box that is remarked on"""
 
@@ -113,8 +115,21 @@ def check_log(robot: Robot | None, log: Log) -> LogCheck:
         problem=problem,
         made_by_angles=noise,
         left=None if understood is None else understood.labelled.left,
-        remarks=tuple(_remarks(robot, log)),
+        remarks=tuple(_remarks(robot, log) + (_not_vouched_for(understood) if usable else [])),
     )
+
+
+def _not_vouched_for(understood: Understanding | None) -> list[str]:
+    """Where too little moves for the model to contradict the columns, or to confirm them."""
+    if understood is None or understood.problem is not None:
+        return []
+    dark = [j + 1 for j, left in enumerate(understood.labelled.left) if left > UNEXPLAINED]
+    if not dark:
+        return []
+    return [
+        f"the model explains less than half of the torque on {named(dark)}, and the motion is too "
+        "small to tell why: nothing vouches for units and signs there"
+    ]
 
 
 def _remarks(robot: Robot | None, log: Log) -> list[str]:

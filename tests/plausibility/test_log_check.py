@@ -54,6 +54,19 @@ def test_a_sound_log_of_another_arm_is_not_refused(seed: int) -> None:
     assert log_problem(drawn.robot, drawn.log) is None, drawn.text
 
 
+def test_a_log_that_hardly_moves_and_is_not_explained_says_so() -> None:
+    """Angles that are too small contradict nothing: what is called sound is not vouched for."""
+    log = other_arm_log(3).log
+    robot = other_arm_log(3).robot
+    rows = slice(None, None, 3)
+    still = log.q[0] + 0.003 * (log.q[rows] - log.q[0])
+    check = check_log(robot, Log(log.time[rows], still, log.tau[rows]))
+    assert check.sound
+    assert any("nothing vouches for units and signs there" in one for one in check.remarks)
+    moving = check_log(robot, Log(log.time[rows], log.q[rows], log.tau[rows]))
+    assert not any("vouches" in one for one in moving.remarks)
+
+
 def test_a_servo_of_the_plant_that_chatters_is_seen() -> None:
     """Straight wrists of a light arm: the speed loop is beyond what its sampling can hold."""
     case = Case(551230, spread=2.38)

@@ -14,7 +14,7 @@ import numpy as np
 
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.measurement.columns.recorder_names import unit_by_step
-from irb2400_ctrl.measurement.two_part_time import time_pair
+from irb2400_ctrl.measurement.columns.two_part_time import time_pair
 
 OTHERS = re.compile(
     r"acc|qdd|ddq|err|ext|grav|limit|temp|volt|tcp|cart|force|wrench|jerk|collision|inertia"
