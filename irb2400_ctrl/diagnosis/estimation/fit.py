@@ -88,8 +88,7 @@ class Fitter:
         self.Z = Z
         self.reversal = reversal
         self.own = Z.shape[2] if own is None else own
-        self.widened = 1.0
-        """times further off than stated that the robot's numbers may be"""
+        self.widened = 1.0  # times further off than stated that numbers may be
         self._cache: dict[tuple[object, ...], Array] = {}
         self._fits: list[tuple[tuple[Candidate, ...], Fit]] = []
 
