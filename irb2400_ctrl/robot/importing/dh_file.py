@@ -80,7 +80,7 @@ def read_dh(path: Path, convention: str | None) -> Tree:
     text, separator = _text(path)
     lines = text.splitlines()
     comments = [line.lstrip("# ").strip() for line in lines if line.startswith("#")]
-    named = [c.split(":")[1].strip() for c in comments if c.lower().startswith("convention")]
+    named = [c.partition(":")[2].strip() for c in comments if c.lower().startswith("convention")]
     convention = convention or (named[0] if named else None)
     if convention not in CONVENTIONS:
         raise InputError(
