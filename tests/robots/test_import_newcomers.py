@@ -49,6 +49,7 @@ def test_a_table_of_a_spreadsheet_is_the_same_arm(tmp_path: Path, separator: str
         ("alpha_deg", "alpha_rad", "alpha is -90 rad, more than a whole turn"),
         ("\n-90,", "\n-1.5708,", "alpha is -1.5708 degrees, which looks like radians"),
         ("# convention: standard\n", "", "the convention is not stated"),
+        ("# convention: standard", "# convention", "the convention is not stated"),
         ("300", "three", "a is 'three', no number"),
         (MASSES, MASSES.replace("mass_kg", "name"), "no mass_kg"),
     ],
