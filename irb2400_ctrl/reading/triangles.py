@@ -36,12 +36,15 @@ def triangles_of(path: Path) -> tuple[Array, Integers, bool]:
                 f"mesh {path}: found more than {MOST_BYTES / 1e6:g} MB, expected less; export it "
                 "coarser"
             )
+        wrong = _not_triangles(path)
+        if wrong:
+            raise InputError(f"mesh {path} cannot be read: {wrong}")
         # as it stands: otherwise triangles without numbers are left out, and no one is told
         found = trimesh.load_mesh(path, process=False)
     except InputError:
         raise
     except Exception as error:  # a reader of many formats fails in as many ways
-        raise InputError(f"mesh {path} cannot be read: {_why(path, error)}") from error
+        raise InputError(f"mesh {path} cannot be read ({error}); expected an STL file") from error
     if not isinstance(found, trimesh.Trimesh):
         raise InputError(f"mesh {path}: found no single mesh, expected an STL file of a solid")
     if not np.isfinite(found.vertices).all():
@@ -62,19 +65,22 @@ def triangles_of(path: Path) -> tuple[Array, Integers, bool]:
     return points, triangles, bool(found.is_watertight)
 
 
-def _why(path: Path, error: Exception) -> str:
-    """What is wrong with a file, as far as its name and size tell."""
+def _not_triangles(path: Path) -> str:
+    """What shows before it is read that a file is another kind, or not all of it; else empty."""
     kind = path.suffix.lower()
     if kind in _SOLIDS:
         return f"found {kind}, a CAD model; expected triangles: export it as STL"
     size = path.stat().st_size
     with path.open("rb") as file:
         head = file.read(_STL_HEAD)
-    if kind == ".stl" and len(head) == _STL_HEAD and b"\0" in head:
-        count = int.from_bytes(head[-4:], "little")
-        stated = _STL_HEAD + _STL_TRIANGLE * count
-        return (
-            f"found {size:,} bytes, expected {stated:,} of a binary STL file of the {count:,} "
-            "triangles that its head states: cut short, or another kind of file"
-        )
-    return f"{error}; expected an STL file"
+    # a text has no zero bytes, a count below 16 million has
+    if kind != ".stl" or b"\0" not in head or len(head) < _STL_HEAD:
+        return ""
+    count = int.from_bytes(head[-4:], "little")
+    stated = _STL_HEAD + _STL_TRIANGLE * count
+    if size >= stated:
+        return ""
+    return (
+        f"found {size:,} bytes, expected {stated:,} of a binary STL file of the {count:,} "
+        "triangles that its head states: cut short, or another kind of file"
+    )

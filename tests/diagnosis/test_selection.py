@@ -83,7 +83,7 @@ def test_a_fit_beside_wider_numbers_is_told_in_stated_deviations() -> None:
     fitter: Any = Fitter.__new__(Fitter)
     fitter.Z = stated
     fitter.own = 3
-    fitter._widened = 1.0
+    fitter.widened = 1.0
     fitter._fits = ["kept"]
     fitter.widen(2.0)
     fitter.widen(2.0)
