@@ -84,8 +84,7 @@ def looked_at(plan: Plan, robot: Robot, folder: Path) -> Looked:
         cubic = CubicHermiteSpline(time, q, qd)
         motion = [cubic(at), cubic(at, 1), cubic(at, 2)]
     arm = paper_arm().packed()
-    rigid = [native.inverse_dynamics(arm, *state) for state in zip(*motion, strict=True)]
-    tau = np.array(rigid) + _friction(robot, motion[1])
+    tau = native.inverse_dynamics(arm, *motion) + _friction(robot, motion[1])
     tip = native.tool_tip(motion[0])
     feed = float(np.min(plan.path.feed))
     speed = np.linalg.norm(np.diff(tip, axis=0), axis=1).max() * RATE
@@ -114,6 +113,6 @@ def _from_polygon(points: Array, corners: Array) -> float:
     for start, end in pairwise(corners):
         side = end - start
         part = np.clip((points - start) @ side / max(side @ side, 1e-30), 0, 1)
-        away = np.linalg.norm(points - start - part[:, None] * side, axis=1)
-        nearest = np.minimum(nearest, away)
-    return float(nearest.max())
+        off = points - start - part[:, None] * side
+        nearest = np.minimum(nearest, np.einsum("ij,ij->i", off, off))
+    return float(np.sqrt(nearest.max()))

@@ -70,9 +70,13 @@ def _c(array: np.ndarray) -> np.ndarray:
 
 
 def inverse_dynamics(arm: np.ndarray, q: np.ndarray, qd: np.ndarray, qdd: np.ndarray) -> np.ndarray:
-    """Rigid torque [Nm] of one state; arm packed by `parameters.Arm.packed`."""
-    tau = np.empty(6)
-    library().inverse_dynamics(_p(_c(arm)), _p(_c(q)), _p(_c(qd)), _p(_c(qdd)), _p(tau))
+    """Rigid torque [Nm] of states (6,) or (n, 6); arm packed by `parameters.Arm.packed`."""
+    q, qd, qdd = _c(q), _c(qd), _c(qdd)
+    if not q.shape == qd.shape == qdd.shape:
+        raise ValueError(f"found states of shapes {q.shape}, {qd.shape}, {qdd.shape}")
+    tau = np.empty(q.shape)
+    arm = _c(arm)
+    library().inverse_dynamics_rows(_p(arm), q.size // 6, _p(q), _p(qd), _p(qdd), _p(tau))
     return tau
 
 
@@ -165,9 +169,9 @@ def driven(
 
 def tool_tip(q: np.ndarray) -> np.ndarray:
     """Place of the tool's tip in the base frame [m], shape (n, 3), of angles (n, 6)."""
+    q = _c(q)
     tips = np.empty((len(q), 3))
-    for angles, tip in zip(_c(q), tips, strict=True):
-        library().tool_tip(_p(angles), _p(tip))
+    library().tool_tips(len(q), _p(q), _p(tips))
     return tips
 
 

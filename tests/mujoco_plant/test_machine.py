@@ -47,7 +47,7 @@ def test_a_drawn_loaded_arm_matches_the_first_plant() -> None:
     q = rng.uniform(RANGES[:, 0], RANGES[:, 1], (20, 6))
     qd = rng.uniform(-2, 2, (20, 6))
     qdd = rng.uniform(-5, 5, (20, 6))
-    expected = [native.inverse_dynamics(arm.packed(), *row) for row in zip(q, qd, qdd, strict=True)]
+    expected = native.inverse_dynamics(arm.packed(), q, qd, qdd)
     np.testing.assert_allclose(machine.rigid_torque(q, qd, qdd), expected, atol=1e-7)
 
 

@@ -163,6 +163,11 @@ void inverse_dynamics(const Arm *arm, const double q[6], const double qd[6], con
     }
 }
 
+void inverse_dynamics_rows(const Arm *arm, int n, const double q[][6], const double qd[][6],
+                           const double qdd[][6], double tau[][6]) {
+    for (int k = 0; k < n; k++) inverse_dynamics(arm, q[k], qd[k], qdd[k], tau[k]);
+}
+
 /* A unit point mass in a field of that force is pulled just as the tool is. */
 void torque_against_force(const double q[6], const Vec point, const Vec force, double tau[6]) {
     static const double zero[6];
@@ -185,4 +190,8 @@ void tool_tip(const double q[6], Vec tip) {
         to_parent(&k, i, tip, turned);
         for (int a = 0; a < 3; a++) tip[a] = p[a] + turned[a];
     }
+}
+
+void tool_tips(int n, const double q[][6], Vec tips[]) {
+    for (int k = 0; k < n; k++) tool_tip(q[k], tips[k]);
 }

@@ -15,11 +15,16 @@ typedef struct { /* everything that has inertia or weight; SI units */
 
 /* Torque on the six actuators for a motion of the actuators: M qdd + C qd + G. */
 void inverse_dynamics(const Arm *arm, const double q[6], const double qd[6], const double qdd[6], double tau[6]);
+/* The same of n states. */
+void inverse_dynamics_rows(const Arm *arm, int n, const double q[][6], const double qd[][6],
+                           const double qdd[][6], double tau[][6]);
 /* Mass matrix and bias torque (C qd + G) at once. */
 void equations_of_motion(const Arm *arm, const double q[6], const double qd[6], double M[6][6], double bias[6]);
 /* Torques that hold the arm against a force [base frame] which pulls at a point of link 6. */
 void torque_against_force(const double q[6], const Vec point, const Vec force, double tau[6]);
 /* Place of the tool's tip in the base frame. */
 void tool_tip(const double q[6], Vec tip);
+/* The same of n postures. */
+void tool_tips(int n, const double q[][6], Vec tips[]);
 
 #endif
