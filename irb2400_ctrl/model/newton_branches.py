@@ -3,9 +3,11 @@
 A general arm has up to 16 branches and no closed form. Of many drawn configurations those whose
 pose is nearest are the starts: each branch then has a share of them that grows as the arm's
 Jacobian shrinks, as its neighbourhood where Newton's method arrives shrinks too. Rounds of starts
-end when every branch was found several times over and their number is even (they come and go in
-pairs), so that a further one is unlikely to be left; it cannot be excluded. Each branch is exact to
-rounding; none is false.
+end when every branch was found several times over and their signs balance: the map from joint
+angles to poses has degree zero, as poses out of reach have no branch at all, so that the signs of
+det J over all branches of a pose add up to zero. From a branch close to a singularity starts go
+across it as well, where its partner is. A further branch is then unlikely to be left; it cannot be
+excluded. Each branch is exact to rounding; none is false.
 """
 
 from __future__ import annotations
@@ -41,6 +43,10 @@ SAME = 1e-5
 """configurations closer than this are one [rad]"""
 AT_ONCE = 64
 """poses"""
+CLOSE = 0.03
+"""smallest singular value of the Jacobian from which on a partner across is looked for [-]"""
+ACROSS = (-0.6, -0.3, -0.1, 0.1, 0.3, 0.6)
+"""along the direction that the singularity loses [rad]"""
 
 
 class NewtonBranches:
@@ -64,6 +70,13 @@ class NewtonBranches:
     @cached_property
     def _step(self) -> CompiledFunction:
         return compile_function(newton_step(self.robot, self.size), lanes=True)
+
+    @cached_property
+    def _jacobian(self) -> CompiledFunction:
+        q = ca.SX.sym("q", self.n)
+        at = kinematics.flange_pose(self.robot, q)[:3, 3]
+        J = kinematics.point_jacobian(self.robot, q, at, self.n)
+        return compile_function(ca.Function("flange_jacobian", [q], [ca.densify(J)]))
 
     @cached_property
     def _drawn(self) -> Array:
@@ -123,7 +136,31 @@ class NewtonBranches:
             arrived = self.descend(start.reshape(-1, self.n), poses).reshape(start.shape)
             for k, q in zip(going, arrived, strict=True):
                 found[k].add(q[np.isfinite(q[:, 0])])
+            self._complete_pairs([found[k] for k in going], X_BF[going])
         return [pose.sorted() for pose in found]
+
+    def _complete_pairs(self, found: list[_Found], X_BF: Array) -> None:
+        """Give new branches the sign of det J, and look for their partners across singularities."""
+        while True:
+            news = [pose.q[len(pose.sign) :] for pose in found]
+            new = np.concatenate(news)
+            if not len(new):
+                return
+            J = self._jacobian.map(new)[0]
+            J[:, :3] /= self.size
+            signs = np.split(np.sign(np.linalg.det(J)), np.cumsum([len(q) for q in news])[:-1])
+            for pose, sign in zip(found, signs, strict=True):
+                pose.sign = np.append(pose.sign, sign)
+            _, value, direction = np.linalg.svd(J)
+            close = np.flatnonzero(value[:, -1] < CLOSE)
+            if not len(close):
+                return
+            owner = np.repeat(np.arange(len(found)), [len(q) for q in news])[close]
+            start = new[close][:, None] + np.outer(ACROSS, np.ones(self.n)) * direction[close, -1:]
+            poses = np.repeat(X_BF[owner], len(ACROSS), axis=0)
+            arrived = self.descend(start.reshape(-1, self.n), poses).reshape(start.shape)
+            for k, q in zip(owner, arrived, strict=True):
+                found[k].add(q[np.isfinite(q[:, 0])], by_chance=False)
 
     def descend(self, q: Array, X_BF: Array, damping: float = 1e-2) -> Array:
         """Damped Newton from starts (m, n) to poses (m, 4, 4); nan where it does not arrive."""
@@ -150,27 +187,30 @@ class NewtonBranches:
 
 
 class _Found:
-    """The branches of one pose so far, and how often each was found."""
+    """The branches of one pose so far, how often each was found, and the sign of its det J."""
 
     def __init__(self, n: int) -> None:
         self.q: Array = np.empty((0, n))
         self.seen: Array = np.empty(0, dtype=int)
+        self.sign: Array = np.empty(0)
 
     def complete(self, seen: int) -> bool:
-        """Every branch often enough, and an even number: they come and go in pairs."""
-        return len(self.q) > 0 and len(self.q) % 2 == 0 and bool(self.seen.min() >= seen)
+        """Every branch often enough, and no partner left: they come and go in pairs of unlike
+        sign."""
+        return len(self.q) > 0 and self.sign.sum() == 0 and bool(self.seen.min() >= seen)
 
-    def add(self, q: Array) -> None:
-        """Configurations (k, n) that reach the pose."""
+    def add(self, q: Array, *, by_chance: bool = True) -> None:
+        """Configurations (k, n) that reach the pose; those looked for on purpose do not count as
+        seen."""
         rest = np.exp(1j * q)
         for k, known in enumerate(np.exp(1j * self.q)):
             same = np.abs(rest - known).max(axis=1) < SAME
-            self.seen[k] += int(same.sum())
+            self.seen[k] += int(same.sum()) * by_chance
             rest = rest[~same]
         while len(rest):
             same = np.abs(rest - rest[0]).max(axis=1) < SAME
             self.q = np.vstack([self.q, np.angle(rest[0])])
-            self.seen = np.append(self.seen, int(same.sum()))
+            self.seen = np.append(self.seen, int(same.sum()) * by_chance)
             rest = rest[~same]
 
     def sorted(self) -> Array:

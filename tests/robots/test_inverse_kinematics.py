@@ -257,3 +257,18 @@ def test_a_pair_of_branches_that_starts_seldom_reach_is_found() -> None:
     found = NewtonBranches(robot_).one(irb.Model(robot_).flange_pose(q), None)[0]
     assert len(found) == 8
     assert np.abs(np.exp(1j * found) - np.exp(1j * q)).max(axis=1).min() < 1e-7
+
+
+@pytest.mark.parametrize(
+    ("robot_", "q"),
+    [
+        (offset_wrist("across"), [1.47345, 0.27121, -1.63504, 2.10966, -0.16522, 0.73490]),
+        (offset_wrist("across"), [-0.83569, -3.08348, -1.52085, -0.57853, -0.19468, -1.05794]),
+        (ur_like(), [-0.11597, -2.69969, 1.95348, -2.22819, -3.07032, 0.02427]),
+    ],
+    ids=["signs do not balance", "signs do not balance, less", "a pair across a singularity"],
+)
+def test_two_of_four_branches_are_not_taken_for_all(robot_: irb.Robot, q: list[float]) -> None:
+    found = NewtonBranches(robot_).one(irb.Model(robot_).flange_pose(np.array(q)), None)[0]
+    assert len(found) == 4
+    assert np.abs(np.exp(1j * found) - np.exp(1j * np.array(q))).max(axis=1).min() < 1e-6
