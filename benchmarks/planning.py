@@ -1,5 +1,5 @@
-"""Planning and timing: certified timing against toppra, ways to choose the tool rotation, cost over
-the points.
+"""Planning and timing: limits of the torque rate, ways to choose the tool rotation, cost over the
+points. The race with other timings is `benchmarks/timing_race.py`.
 
     python benchmarks/planning.py [paths]
 
@@ -9,7 +9,6 @@ friction included.
 
 from __future__ import annotations
 
-import logging
 import resource
 import sys
 import time
@@ -24,17 +23,14 @@ import irb2400_ctrl as irb
 from irb2400_ctrl.codegen import compile_function
 from irb2400_ctrl.errors import UnreachableError
 from irb2400_ctrl.planners import MotionLimits, Plan, ToolPath, plan_path
-from irb2400_ctrl.planners.enclosure.cells import enclose, grid
 from irb2400_ctrl.planners.enclosure.path_dynamics import path_dynamics
 from irb2400_ctrl.planners.joint_path import JointPath
 from irb2400_ctrl.planners.timing.rate_limited.time_rate_limited import time_rate_limited
 from irb2400_ctrl.planners.timing.time_joint_path import time_joint_path
-from irb2400_ctrl.planners.timing.time_optimal import time_path
-from irb2400_ctrl.planners.timing.toppra_timing import time_with_toppra
 from irb2400_ctrl.planners.toolpath import builders
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
-from spline_paths import random_path, random_way_points
+from spline_paths import random_path
 
 Array = npt.NDArray[np.float64]
 
@@ -43,114 +39,6 @@ DYNAMICS = path_dynamics(ROBOT)
 LIMITS = MotionLimits.of(ROBOT)
 TORQUE = compile_function(DYNAMICS.model.function("inverse_dynamics"))
 SIZES = (1000, 2000, 5000, 10000)
-
-
-def violation(q: Array, qd: Array, qdd: Array) -> float:
-    """By how much the torque exceeds its limit, as a part of it."""
-    (tau,) = TORQUE.map(q, qd, qdd, np.zeros(1))
-    return max(float((np.abs(tau) / LIMITS.tau_max).max()) - 1.0, 0.0)
-
-
-def toppra_defaults(s: Array, q: Array) -> tuple[float, float, float]:
-    """(duration, violation, seconds) of toppra as its documentation uses it: torque constraint and
-    defaults."""
-    import toppra
-    from toppra import algorithm, constraint
-
-    logging.getLogger("toppra").setLevel(logging.ERROR)
-    memory = TORQUE.buffers()
-
-    def inverse_dynamics(position: Array, speed: Array, acceleration: Array) -> Array:
-        for place, value in zip(memory.inputs[:3], (position, speed, acceleration), strict=True):
-            place[:] = value
-        memory.run()
-        return np.array(memory.outputs[0])
-
-    began = time.perf_counter()
-    path = toppra.SplineInterpolator(s, q)
-    tau = LIMITS.tau_max
-    qd = LIMITS.qd_max
-    # friction of the callback is off at rest: toppra is given the Coulomb part
-    constraints = [
-        constraint.JointVelocityConstraint(np.stack([-qd, qd], axis=1)),
-        constraint.JointTorqueConstraint(
-            lambda a, b, c: inverse_dynamics(a, b, c) - friction(b),
-            np.stack([-tau, tau], axis=1),
-            ROBOT.friction[:, 1],
-        ),
-    ]
-    trajectory = algorithm.TOPPRA(constraints, path).compute_trajectory(0, 0)
-    seconds = time.perf_counter() - began
-    if trajectory is None:
-        return np.nan, np.nan, seconds
-    t = np.arange(0, trajectory.duration, 1e-4)
-    return (
-        trajectory.duration,
-        violation(trajectory(t), trajectory(t, 1), trajectory(t, 2)),
-        seconds,
-    )
-
-
-def friction(qd: Array) -> Array:
-    """Friction of eq. 55 [Nm]."""
-    static, coulomb, viscous, stribeck = ROBOT.friction.T
-    return (coulomb + (static - coulomb) * np.exp(-((qd / stribeck) ** 2))) * np.sign(
-        qd
-    ) + viscous * qd
-
-
-def timing_table(paths: int) -> None:
-    """Certified timing against toppra on random splines."""
-    rows: dict[str, list[tuple[float, float, float]]] = {
-        "certified": [],
-        "toppra, same rows": [],
-        "toppra defaults": [],
-    }
-    parts = []
-    for seed in range(paths):
-        s, q = random_way_points(seed)
-        path = JointPath.through(s, q)
-        t0 = time.perf_counter()
-        cells = enclose(DYNAMICS, path, grid(path, 1000))
-        t1 = time.perf_counter()
-        timed = time_path(cells, LIMITS, ROBOT.friction)
-        t2 = time.perf_counter()
-        parts.append((t1 - t0, t2 - t1))
-        laws = {"certified": (timed.law, t2 - t0)}
-        began = time.perf_counter()
-        laws["toppra, same rows"] = (
-            time_with_toppra(cells, LIMITS, ROBOT.friction).law,
-            time.perf_counter() - began,
-        )
-        for name, (law, seconds) in laws.items():
-            t = np.arange(0, law.duration, 1e-4)
-            _, *motion = law.motion(path, t)
-            rows[name].append((law.duration, violation(*motion), seconds))
-        rows["toppra defaults"].append(toppra_defaults(s, q))
-    reference = np.array([r[0] for r in rows["toppra, same rows"]])
-    print(
-        f"Timing of {paths} random splines through six way-points, N = 1000 (toppra defaults: its "
-        "own grid)"
-    )
-    print(
-        f"{'':20s} {'duration':>9s} {'paths over':>11s} {'violation':>10s} {'worst':>8s} {'ms':>7s}"
-    )
-    for name, values in rows.items():
-        table = np.array(values)
-        over = table[:, 1] > 1e-9
-        ratio = np.nanmean(table[:, 0] / reference)
-        median = 100 * np.nanmedian(table[:, 1])
-        worst = 100 * np.nanmax(table[:, 1])
-        print(
-            f"{name:20s} {ratio:9.4f} {over.sum():11d} {median:9.2f}% {worst:7.2f}% "
-            f"{1e3 * np.median(table[:, 2]):7.1f}"
-        )
-    largest = np.max(np.array([r[0] for r in rows["certified"]]) / reference)
-    cells_ms, passes_ms = 1e3 * np.median(np.array(parts), axis=0)
-    print(
-        f"largest duration over toppra's: {largest:.5f}; coefficients {cells_ms:.1f} ms, passes "
-        f"{passes_ms:.1f} ms\n"
-    )
 
 
 def smooth_table(paths: int, references: int = 3) -> None:
@@ -313,14 +201,13 @@ def scale_table() -> None:
         )
 
 
-def main(paths: int = 200) -> None:
+def main(paths: int = 50) -> None:
     """Print the tables."""
     warnings.simplefilter("ignore")
-    timing_table(paths)
-    smooth_table(max(paths // 4, 1))
+    smooth_table(paths)
     rotation_table()
     scale_table()
 
 
 if __name__ == "__main__":
-    main(int(sys.argv[1]) if len(sys.argv) > 1 else 200)
+    main(int(sys.argv[1]) if len(sys.argv) > 1 else 50)

@@ -7,14 +7,17 @@ import numpy.typing as npt
 
 from irb2400_ctrl import load_robot
 from irb2400_ctrl.planners.joint_path import JointPath
+from irb2400_ctrl.robot import Robot
 
 Array = npt.NDArray[np.float64]
 
 
-def random_way_points(seed: int, points: int = 6) -> tuple[Array, Array]:
-    """Normalised chord length and way-points in the joint box of the paper's arm, shapes (points,),
-    (points, 6)."""
-    robot = load_robot("irb2400")
+def random_way_points(
+    seed: int, points: int = 6, robot: Robot | None = None
+) -> tuple[Array, Array]:
+    """Normalised chord length and way-points in the joint box of an arm (the paper's), shapes
+    (points,), (points, 6)."""
+    robot = robot or load_robot("irb2400")
     rng = np.random.default_rng(seed)
     q = rng.uniform(0.8 * robot.q_min, 0.8 * robot.q_max, (points, 6))
     q[:, [3, 5]] = rng.uniform(-2, 2, (points, 2))
