@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from irb2400_ctrl.diagnosis.comparison import acceptance as module
-from irb2400_ctrl.diagnosis.comparison.acceptance import Acceptance, stands_clear
+from irb2400_ctrl.diagnosis.comparison.acceptance import Acceptance, stands_clear, usual
 from irb2400_ctrl.diagnosis.comparison.comparison import Alternative
 from irb2400_ctrl.diagnosis.comparison.step import Step
 from irb2400_ctrl.diagnosis.estimation.candidate import Candidate
@@ -79,6 +79,16 @@ def test_a_name_stays_only_where_the_files_own_error_is_better_with_it() -> None
     # what other numbers could say as well has the evidence against them to its credit
     assert judged(name, [0.0, -3.0, 0.0], beyond=False)
     assert not judged(name, [0.0, -21.0, 0.0], beyond=False)
+
+
+def test_a_swing_without_a_resonance_is_no_elastic_joint() -> None:
+    def damped(ratio: float) -> Effect:
+        return LIBRARY["elastic_joint"].of(1, stiffness_Nm_rad=458.0, damping_ratio=ratio)
+
+    assert usual(damped(0.02))
+    assert usual(damped(0.25))
+    assert not usual(damped(0.44))  # first half of a Panda
+    assert usual(LIBRARY["torque_offset"].of(2, offset_Nm=3.0))
 
 
 def test_nothing_of_a_gain_is_one() -> None:

@@ -15,12 +15,17 @@ from irb2400_ctrl.diagnosis.estimation.effect_parameters import value_of, with_v
 from irb2400_ctrl.diagnosis.estimation.evidence import Problem
 from irb2400_ctrl.diagnosis.estimation.fit import Fit, Fitter
 from irb2400_ctrl.diagnosis.estimation.held_out import HeldOut, Worth
+from irb2400_ctrl.effects import Effect
 
 STANDARD_ERRORS = 3.0
 """that some size of an effect stands away from nothing"""
 INFLATION = 1.5
 """standard errors from the noise alone cover too little: the model's own imperfection adds to
 them"""
+
+
+MOST_SPREADS = 5.0
+"""of what is usual that a number which the evidence does not weigh may be away from it"""
 
 
 def effects_of(chosen: Sequence[Candidate], place: int) -> range:
@@ -52,6 +57,16 @@ def stands_clear(fit: Fit, place: int, duration: float) -> bool:
     return bool((np.abs(size) > STANDARD_ERRORS * np.sqrt(variance)).any())
 
 
+def usual(effect: Effect) -> bool:
+    """Whether the numbers of an effect with memory that a search alone has moved are such as the
+    thing has: what is damped at once is a lag and no resonance."""
+    known = {name: effect.prior.fields[name] for name in effect.prior.loose}
+    return all(
+        abs(getattr(effect, name) - value) <= MOST_SPREADS * spread
+        for name, (value, spread) in known.items()
+    )
+
+
 class Acceptance:
     """Holds fitted explanations against the log that they were found on."""
 
@@ -70,6 +85,8 @@ class Acceptance:
         """Whether the common fit of all bears one of them out."""
         chosen = [s.candidate for s in steps]
         candidate = chosen[place]
+        if not all(usual(fit.effects[k]) for k in effects_of(chosen, place)):
+            return False
         held_out = HeldOut(self.fitter, chosen, fit)
         if not candidate.known:
             return bool(held_out.worth(place).gain[self._shown(candidate)] > 0.0)
