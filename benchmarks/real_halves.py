@@ -1,10 +1,12 @@
 """Whether both parts of a real recording tell the same story, and what each costs.
 
-    python -m benchmarks.real_halves FOLDER [--robots kr300,ur10,panda,tx40]
+    python -m benchmarks.real_halves FOLDER [--robots kr300,ur10,panda,tx40,lwa4p]
 
 FOLDER holds the recordings of `benchmarks/real_robots.py` (public data, not part of this project):
-two runs of the KR300, halves of UR10 and Panda, even and odd blocks of the TX40. What an arm has,
-both parts show: a name that one part alone gives is marked.
+two runs of the KR300, halves of UR10 and Panda, even and odd blocks of the TX40; of the LWA 4P, of
+which no body is known, two runs against those that it is identified from. What an arm has, both
+parts show: a name that one part alone gives is marked. Errors are rms over mean absolute torque by
+joint.
 """
 
 from __future__ import annotations
@@ -17,6 +19,7 @@ from threadpoolctl import threadpool_limits
 
 from benchmarks.real_robots import CASES
 from irb2400_ctrl.diagnosis import Diagnosis, Finding, diagnose
+from irb2400_ctrl.identification import diagnose_change
 
 Name = tuple[str, int | None]
 
@@ -40,6 +43,12 @@ def told(found: Diagnosis, other: Diagnosis) -> str:
         )
     places = [u.joint for u in found.unexplained]
     lines.append(f"    unexplained on {places}, beyond noise on {list(found.beyond_noise)}")
+    compared = found.identification
+    before, after = (
+        " ".join(f"{v:.0f}" for v in error.rmse_over_mean_percent)
+        for error in (compared.error_before, compared.error_after)
+    )
+    lines.append(f"    before {before} %, after {after} %")
     return "\n".join(lines)
 
 
@@ -49,16 +58,20 @@ def main() -> None:
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("folder", type=Path)
-    parser.add_argument("--robots", default="kr300,ur10,panda,tx40")
+    parser.add_argument("--robots", default="kr300,ur10,panda,tx40,lwa4p")
     args = parser.parse_args()
     for name in args.robots.split(","):
         case = CASES[name](args.folder)
         found = []
         print(name, flush=True)
-        for log in (case.logs[0], case.others[0]):
+        parts = case.others[:8:7] if name == "lwa4p" else (case.logs[0], case.others[0])
+        for log in parts:
             start = time.process_time()
             with threadpool_limits(limits=1, user_api="blas"):
-                found.append(diagnose(case.robot, log))
+                if name == "lwa4p":
+                    found.append(diagnose_change(case.robot, log, case.logs))
+                else:
+                    found.append(diagnose(case.robot, log))
             cpu = time.process_time() - start
             print(f"  {log.name}: {log.duration:.0f} s, {found[-1].verdict}, {cpu:.1f} s of CPU")
         for one, other in (found, found[::-1]):

@@ -26,6 +26,7 @@ from irb2400_ctrl.diagnosis.preparation.doubtful_accelerations import doubtful_a
 from irb2400_ctrl.diagnosis.preparation.identified_prior import IdentifiedPrior
 from irb2400_ctrl.diagnosis.preparation.metrics import errors, noise_floor
 from irb2400_ctrl.diagnosis.preparation.noise_test import noise_test
+from irb2400_ctrl.diagnosis.preparation.plain_numbers import PlainNumbers
 from irb2400_ctrl.diagnosis.preparation.sticking_contacts import sticking_contacts
 from irb2400_ctrl.diagnosis.recalibrated import recalibrated_terms
 from irb2400_ctrl.diagnosis.regressors.bases import Bases
@@ -111,7 +112,8 @@ def _searched(
     first = Fitter(robot, bases, motion, Z[:, :, : -motion.n], reversal, own).fit([])
     motion = noisy_reversals_masked(motion, bases, first, reversal)
     scan = Scan(bases, motion, load)
-    fitter = Fitter(robot, bases, motion, Z, reversal, own)
+    plain = PlainNumbers(prior, *map(motion.at_rows, (numbers_of_robot, motion.qd)))
+    fitter = Fitter(robot, bases, motion, Z, reversal, own, plain)
     steps, fit = Selection(scan, fitter, criteria).run()
     progress("conclude")
     beside = None if validation is None else prepare(validation)

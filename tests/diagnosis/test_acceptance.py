@@ -8,11 +8,17 @@ from typing import Any
 import numpy as np
 import pytest
 
-from irb2400_ctrl.diagnosis.comparison.acceptance import stands_clear
+from irb2400_ctrl.diagnosis.comparison import acceptance as module
+from irb2400_ctrl.diagnosis.comparison.acceptance import Acceptance, stands_clear, usual
+from irb2400_ctrl.diagnosis.comparison.comparison import Alternative
+from irb2400_ctrl.diagnosis.comparison.step import Step
+from irb2400_ctrl.diagnosis.estimation.candidate import Candidate
 from irb2400_ctrl.diagnosis.estimation.effect_parameters import parameters_of
-from irb2400_ctrl.diagnosis.estimation.held_out import FOLDS, folds
+from irb2400_ctrl.diagnosis.estimation.evidence import Score
+from irb2400_ctrl.diagnosis.estimation.held_out import FOLDS, Worth, folds
 from irb2400_ctrl.diagnosis.numbers import LOAD, Number, off_bodies
 from irb2400_ctrl.diagnosis.preparation.noise_test import trimmed_rms
+from irb2400_ctrl.diagnosis.regressors.bases import RegressorColumns
 from irb2400_ctrl.effects import LIBRARY, Effect
 
 
@@ -27,6 +33,62 @@ def test_a_size_stands_three_standard_errors_from_nothing() -> None:
     # of errors that are half as large again as the noise alone makes them: 3.0 / (3 * 1.5)
     assert stands_clear(fitted(offset, 0.665), 0, 10.0)
     assert not stands_clear(fitted(offset, 0.668), 0, 10.0)
+
+
+def test_of_one_effect_on_every_joint_those_stay_that_stand_clear() -> None:
+    """Of a TX40 a rotor of 0.05 ± 0.10 kg m2 was told because five others stood clear."""
+    rotors = tuple(LIBRARY["rotor_inertia"].of(j, inertia_kgm2=0.05 * j) for j in (1, 2, 3))
+    parameters = tuple(p for k, one in enumerate(rotors) for p in parameters_of(one, k))
+    fit: Any = SimpleNamespace(
+        effects=rotors, parameters=parameters, alone=np.array([0.001, 0.065, 0.001])
+    )
+    clear = [stands_clear(fit, k, 10.0) for k in range(3)]
+    assert clear == [True, False, True]
+    law = RegressorColumns((0, 1, 2), np.ones((4, 3, 1)) * np.eye(3)[None])
+    score = Score(30.0, 1.0, np.array([0.05, 0.1, 0.15]), np.eye(3), np.zeros(0))
+    every = Candidate("rotor_inertia", None, "every", (), rotors, law, None, score)
+    step = Step(every, 30.0, (Alternative(every, 50.0, 30.0),)).only(clear)
+    assert [e.joint for e in step.candidate.effects] == [1, 3]
+    np.testing.assert_allclose(step.candidate.torque(3)[0], [0.05, 0.0, 0.15])
+    assert step.margin == 30.0  # it still finds itself among the alternatives
+
+
+def judged(candidate: Any, told: list[float], *, worth: float = 1.0, beyond: bool = True) -> bool:
+    """What `bears_out` says of an offset on joint 2 of three: worth [nats] by joint."""
+    held_out = SimpleNamespace(
+        worth=lambda place: SimpleNamespace(gain=np.array([0.0, worth, 0.0])),
+        told=lambda place: SimpleNamespace(nats=np.array(told)),
+    )
+    acceptance: Any = Acceptance.__new__(Acceptance)
+    acceptance.fitter = SimpleNamespace(motion=SimpleNamespace(time=np.array([0.0, 10.0])))
+    acceptance._beyond_base = lambda candidate, fit: beyond
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(module, "HeldOut", lambda fitter, chosen, fit: held_out)
+        step: Any = SimpleNamespace(candidate=candidate, gain=20.0)
+        fit = fitted(LIBRARY["torque_offset"].of(2, offset_Nm=3.0), 0.1)
+        return bool(acceptance.bears_out([step], fit, 0))
+
+
+def test_a_name_stays_only_where_the_files_own_error_is_better_with_it() -> None:
+    offset = LIBRARY["torque_offset"].of(2, offset_Nm=3.0)
+    name = SimpleNamespace(known=True, devices=frozenset(), effects=(offset,), joint=2)
+    assert judged(name, [0.0, 5.0, -1.0])
+    assert not judged(name, [0.0, 5.0, -1.0], worth=-1.0)
+    assert not judged(name, [9.0, -0.1, 0.0])  # worse where it sits
+    assert not judged(name, [0.0, 5.0, -6.0])  # worse on all joints together
+    # what other numbers could say as well has the evidence against them to its credit
+    assert judged(name, [0.0, -3.0, 0.0], beyond=False)
+    assert not judged(name, [0.0, -21.0, 0.0], beyond=False)
+
+
+def test_a_swing_without_a_resonance_is_no_elastic_joint() -> None:
+    def damped(ratio: float) -> Effect:
+        return LIBRARY["elastic_joint"].of(1, stiffness_Nm_rad=458.0, damping_ratio=ratio)
+
+    assert usual(damped(0.02))
+    assert usual(damped(0.25))
+    assert not usual(damped(0.44))  # first half of a Panda
+    assert usual(LIBRARY["torque_offset"].of(2, offset_Nm=3.0))
 
 
 def test_nothing_of_a_gain_is_one() -> None:
@@ -58,6 +120,18 @@ def test_every_fold_sees_the_whole_record(seconds: float) -> None:
         rows = np.flatnonzero(place == k)
         assert rows[0] < 0.35 * len(time)
         assert rows[-1] > 0.65 * len(time)
+
+
+def test_worth_is_the_log_likelihood_of_unseen_rows() -> None:
+    known = np.ones((50, 2), dtype=bool)
+    known[:10, 1] = False
+    before = np.full((50, 2), 2.0)
+    before[:10] = 99.0
+    before[:10, 0] = 2.0
+    after = np.full((50, 2), [1.0, 4.0])
+    worth = Worth.of(before, after, known)
+    np.testing.assert_allclose(worth.gain, [50.0, -100.0])
+    np.testing.assert_allclose(worth.nats, [50 * np.log(2.0), -40 * np.log(2.0)])
 
 
 def test_trimmed_rms_is_that_of_the_noise_whatever_a_few_samples_do() -> None:

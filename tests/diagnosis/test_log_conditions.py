@@ -11,8 +11,7 @@ from independent_plant import Case
 
 import irb2400_ctrl as irb
 from irb2400_ctrl.diagnosis import diagnose
-from irb2400_ctrl.diagnosis.estimation.effect_parameters import Parameter
-from irb2400_ctrl.diagnosis.estimation.fit import _alone
+from irb2400_ctrl.diagnosis.estimation.effect_parameters import Parameter, alone
 from irb2400_ctrl.diagnosis.preparation.doubtful_accelerations import doubtful_accelerations
 from irb2400_ctrl.diagnosis.regressors.effect_states import _followed
 from irb2400_ctrl.measurement import Log
@@ -82,5 +81,5 @@ def test_what_two_numbers_of_an_effect_share_is_no_doubt_of_either() -> None:
     shared = np.array([[1.0, 0.99], [0.99, 1.0]])
     one = [Parameter(0, "torque_Nm", None, None), Parameter(0, "free_ratio", None, None)]
     two = [one[0], replace(one[1], effect=1)]
-    np.testing.assert_allclose(_alone(shared, one), np.sqrt(1.0 - 0.99**2))
-    np.testing.assert_allclose(_alone(shared, two), 1.0)
+    np.testing.assert_allclose(alone(shared, one), np.sqrt(1.0 - 0.99**2))
+    np.testing.assert_allclose(alone(shared, two), 1.0)

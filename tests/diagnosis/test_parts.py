@@ -13,7 +13,9 @@ import pytest
 from independent_plant import Case
 from scipy.integrate import solve_ivp
 
-from irb2400_ctrl.diagnosis.estimation.evidence import Problem
+from irb2400_ctrl.diagnosis.estimation import fit as fit_module
+from irb2400_ctrl.diagnosis.estimation.candidate import Candidate
+from irb2400_ctrl.diagnosis.estimation.evidence import Problem, Score
 from irb2400_ctrl.diagnosis.preparation.base_prior import BasePrior
 from irb2400_ctrl.diagnosis.preparation.metrics import errors, noise_floor
 from irb2400_ctrl.diagnosis.preparation.noise import (
@@ -24,6 +26,7 @@ from irb2400_ctrl.diagnosis.preparation.noise import (
     autoregressive,
     complete_rows,
 )
+from irb2400_ctrl.diagnosis.preparation.plain_numbers import PlainNumbers
 from irb2400_ctrl.diagnosis.regressors.bases import Bases, RegressorColumns
 from irb2400_ctrl.diagnosis.regressors.effect_states import Memory
 from irb2400_ctrl.diagnosis.regressors.predict import effect_torque, predicted_torque
@@ -176,6 +179,38 @@ def test_bodies_far_off_are_written_as_they_were_fitted() -> None:
     base = predicted_torque(ROBOT, motion())
     change = predicted_torque(base_prior.updated(z), motion()) - base
     np.testing.assert_allclose(change, columns @ z, atol=1e-9 * np.abs(columns @ z).max())
+
+
+def test_a_file_holds_no_friction_below_nothing_and_names_are_judged_beside_what_it_holds() -> None:
+    base_prior = BasePrior.of(ROBOT, Uncertainty(), motion())
+    columns = base_prior.columns(BASES.model, motion())
+    z = np.random.default_rng(4).normal(scale=0.1, size=columns.shape[2])
+    z[-3 * ROBOT.n :] = -60.0  # 240 % of the friction gone
+    plain = PlainNumbers(base_prior, columns, motion().qd)
+    change = predicted_torque(base_prior.updated(base_prior.deviations(z)), motion())
+    change -= predicted_torque(ROBOT, motion())
+    rows = motion().time < 3.0
+    np.testing.assert_allclose(plain.torque(z, rows), change[rows], atol=1e-6)
+    assert np.abs(columns @ z - change).max() > 10.0
+
+
+def test_numbers_stand_beside_the_effects_as_they_are_told(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Not as a further step of the fit would move them: of a TX40 axis 1 was told with 4.3 Nm
+    left where 2.5 are."""
+    monkeypatch.setattr(fit_module, "ITERATIONS", 0)  # before any step
+    base_prior = BasePrior.of(ROBOT, Uncertainty(), motion())
+    Z = motion().filtered(base_prior.columns(BASES.model, motion()))
+    effect = LIBRARY["viscous_power"].of(2, coefficient=40.0, exponent=1.3)
+    nothing = RegressorColumns((1,), np.zeros((len(Z), 1, 1)))
+    score = Score(0.0, 0.0, np.zeros(1), np.eye(1), np.zeros(0))
+    candidate = Candidate("viscous_power", 2, "", (), (effect,), nothing, None, score)
+    calm = np.zeros(Z.shape[:2], dtype=bool)
+    fit = fit_module.Fitter(ROBOT, BASES, motion(), Z, calm).fit([candidate])
+    robot = ROBOT.model_copy(update={"effects": fit.effects})
+    left = motion().filtered(motion().tau_smooth - predicted_torque(robot, motion()))
+    np.testing.assert_allclose(fit.residual, left - Z @ fit.z, atol=1e-6)
 
 
 def test_prediction_knows_payload_delay_and_encoder_zero() -> None:

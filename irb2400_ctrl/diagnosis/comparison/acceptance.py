@@ -14,14 +14,18 @@ from irb2400_ctrl.diagnosis.estimation.candidate import Candidate
 from irb2400_ctrl.diagnosis.estimation.effect_parameters import value_of, with_value
 from irb2400_ctrl.diagnosis.estimation.evidence import Problem
 from irb2400_ctrl.diagnosis.estimation.fit import Fit, Fitter
-from irb2400_ctrl.diagnosis.estimation.held_out import HeldOut
-from irb2400_ctrl.diagnosis.regressors.predict import effect_torque
+from irb2400_ctrl.diagnosis.estimation.held_out import HeldOut, Worth
+from irb2400_ctrl.effects import Effect
 
 STANDARD_ERRORS = 3.0
 """that some size of an effect stands away from nothing"""
 INFLATION = 1.5
 """standard errors from the noise alone cover too little: the model's own imperfection adds to
 them"""
+
+
+MOST_SPREADS = 5.0
+"""of what is usual that a number which the evidence does not weigh may be away from it"""
 
 
 def effects_of(chosen: Sequence[Candidate], place: int) -> range:
@@ -53,6 +57,16 @@ def stands_clear(fit: Fit, place: int, duration: float) -> bool:
     return bool((np.abs(size) > STANDARD_ERRORS * np.sqrt(variance)).any())
 
 
+def usual(effect: Effect) -> bool:
+    """Whether the numbers of an effect with memory that a search alone has moved are such as the
+    thing has: what is damped at once is a lag and no resonance."""
+    known = {name: effect.prior.fields[name] for name in effect.prior.loose}
+    return all(
+        abs(getattr(effect, name) - value) <= MOST_SPREADS * spread
+        for name, (value, spread) in known.items()
+    )
+
+
 class Acceptance:
     """Holds fitted explanations against the log that they were found on."""
 
@@ -60,42 +74,53 @@ class Acceptance:
         self.fitter = fitter
         self.criteria = criteria
 
+    def clear(self, steps: Sequence[Step], fit: Fit, place: int) -> list[bool]:
+        """Which effects of a candidate stand clear of nothing, each by itself."""
+        time = self.fitter.motion.time
+        chosen = [s.candidate for s in steps]
+        span = float(time[-1] - time[0])
+        return [stands_clear(fit, k, span) for k in effects_of(chosen, place)]
+
     def bears_out(self, steps: Sequence[Step], fit: Fit, place: int) -> bool:
         """Whether the common fit of all bears one of them out."""
         chosen = [s.candidate for s in steps]
         candidate = chosen[place]
-        time = self.fitter.motion.time
-        known = candidate.known and not candidate.devices
-        if known and not any(
-            stands_clear(fit, k, float(time[-1] - time[0])) for k in effects_of(chosen, place)
-        ):
+        if not all(usual(fit.effects[k]) for k in effects_of(chosen, place)):
             return False
+        held_out = HeldOut(self.fitter, chosen, fit)
+        if not candidate.known:
+            return bool(held_out.worth(place).gain[self._shown(candidate)] > 0.0)
         # how a swing began is free, and its linear columns do not bear out its frequency
-        if candidate.devices or (candidate.known and not self._beyond_base(candidate, fit)):
-            return True
-        gain = HeldOut(self.fitter, chosen, fit).gain(place)
-        return bool(gain[self._shown(candidate)] > 0.0)
+        if not candidate.devices:
+            if not any(self.clear(steps, fit, place)):
+                return False
+            if self._beyond_base(candidate, fit):
+                worth = held_out.worth(place)
+                if worth.gain[self._shown(candidate)] <= 0.0:
+                    return False
+        # what other numbers could say as well has their being unlikely to its credit
+        credit = 0.0 if self._beyond_base(candidate, fit) else steps[place].gain
+        nats = held_out.told(place).nats
+        return bool(nats[self._shown(candidate)] + credit > 0.0 and nats.sum() + credit > 0.0)
+
+    def _told(self, held_out: HeldOut, candidate: Candidate, place: int) -> Worth:
+        """What a name is worth to what the robot's file will say; where other numbers of the robot
+        could say the same, over those as they are."""
+        if self._beyond_base(candidate, held_out.fit):
+            return held_out.told(place)
+        return held_out.told_of(effects_of(held_out.chosen, place))
 
     def gains(self, steps: Sequence[Step], fit: Fit) -> list[Array]:
-        """`HeldOut.gain` of each [%]; `gain_of` where other numbers of the robot could say the
-        same."""
+        """What each is worth on unseen rows: of a name to what the robot's file will say, per joint
+        [%]."""
         if not steps:
             return []
         chosen = [s.candidate for s in steps]
         held_out = HeldOut(self.fitter, chosen, fit)
-        found = []
-        for place, candidate in enumerate(chosen):
-            if not candidate.known or self._beyond_base(candidate, fit):
-                found.append(held_out.gain(place))
-                continue
-            torque = np.zeros_like(fit.y)
-            for k in effects_of(chosen, place):
-                effect = fit.effects[k]
-                torque += effect_torque(
-                    self.fitter.bases, effect, self.fitter.motion, filtered=True
-                )
-            found.append(held_out.gain_of(torque))
-        return found
+        return [
+            (self._told(held_out, c, k) if c.known else held_out.worth(k)).gain
+            for k, c in enumerate(chosen)
+        ]
 
     def _shown(self, candidate: Candidate) -> int:
         """The joint (zero-based) on which a candidate shows most."""

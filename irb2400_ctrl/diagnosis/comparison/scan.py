@@ -15,7 +15,7 @@ from irb2400_ctrl.diagnosis.estimation.evidence import (
     Problem,
     Score,
     discrepancy_shares,
-    g_prior_gain,
+    law_gains,
 )
 from irb2400_ctrl.diagnosis.regressors.bases import RegressorColumns
 from irb2400_ctrl.effects import LIBRARY
@@ -214,13 +214,7 @@ class Scan(LogColumns):
             gram, right = problem.projected_many(
                 laws[0].joints[0], np.stack([law.values[:, 0] for law in laws])
             )
-            k = right.shape[1]
-            size = np.sqrt(np.maximum(np.einsum("gii->gi", gram), 0)) + 1e-12
-            normal = gram / (size[:, :, None] * size[:, None, :]) + 1e-8 * np.eye(k)
-            explained = np.einsum(
-                "gi,gi->g", right / size, np.linalg.solve(normal, (right / size)[..., None])[..., 0]
-            )
-            gains = np.asarray(g_prior_gain(explained, k))
+            gains = law_gains(gram, right)
         else:
             gains = np.array([problem.score(law).gain for law in laws])
         return [int(place) for place in np.argsort(-gains)[:KEPT_GRID_POINTS]]

@@ -58,8 +58,7 @@ class Selection:
                 continue
             if step is None:
                 break
-            further = [*steps, step]
-            there = self.fitter.fit([s.candidate for s in further])
+            further, there = self._clear([*steps, step], len(steps))
             if not self.acceptance.bears_out(further, there, len(steps)):
                 # the next best is tried instead
                 self.refused.add(named(step.candidate))
@@ -89,6 +88,7 @@ class Selection:
         """What the common fit of all still bears out, with what each is worth on unseen rows."""
         place = len(steps) - 1
         while place >= 0:
+            steps, fit = self._clear(steps, place)
             if not self.acceptance.bears_out(steps, fit, place):
                 steps = steps[:place] + steps[place + 1 :]
                 fit = self.fitter.fit([s.candidate for s in steps])
@@ -96,6 +96,16 @@ class Selection:
         gained = self.acceptance.gains(steps, fit)
         told = zip(steps, gained, strict=True)
         return [replace(step, validation_gain=gain) for step, gain in told], fit
+
+    def _clear(self, steps: list[Step], place: int) -> tuple[list[Step], Fit]:
+        """The steps and their common fit, one of them with those effects alone that stand clear of
+        nothing, where any do."""
+        while True:
+            fit = self.fitter.fit([s.candidate for s in steps])
+            clear = self.acceptance.clear(steps, fit, place)
+            if all(clear) or not any(clear):
+                return steps, fit
+            steps = [*steps[:place], steps[place].only(clear), *steps[place + 1 :]]
 
     def next_step(self, chosen: Sequence[Candidate], fit: Fit, alone: bool = False) -> Step | None:
         """The best further explanation if it counts; `alone`: no two effects in the place of a

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -26,6 +27,15 @@ class Step:
     gain: float
     alternatives: tuple[Alternative, ...]
     validation_gain: Array | None = None
+
+    def only(self, members: Sequence[bool]) -> Step:
+        """The same with some effects of its candidate."""
+        candidate = self.candidate.only(members)
+        alternatives = tuple(
+            replace(r, candidate=candidate) if r.candidate is self.candidate else r
+            for r in self.alternatives
+        )
+        return replace(self, candidate=candidate, alternatives=alternatives)
 
     @property
     def margin(self) -> float:

@@ -3,8 +3,10 @@ it."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
 
+import numpy as np
 from pydantic import ValidationError
 
 from irb2400_ctrl.arrays import Array
@@ -50,6 +52,14 @@ class Candidate:
         if self.discrepancy is not None and len(self.score.discrepancy):
             tau += self.discrepancy.torque(self.score.discrepancy, n)
         return tau
+
+    def only(self, members: Sequence[bool]) -> Candidate:
+        """Of one effect on every joint, which has a column for each: with some of its effects."""
+        kept = tuple(e for e, stays in zip(self.effects, members, strict=True) if stays)
+        coefficients = np.zeros_like(self.score.coefficients)
+        places = [e.index for e in kept]
+        coefficients[places] = self.score.coefficients[places]
+        return replace(self, effects=kept, score=replace(self.score, coefficients=coefficients))
 
     @property
     def discrepancy_share(self) -> float:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+import numpy as np
 from pydantic import ValidationError
 
 from irb2400_ctrl.arrays import Array
@@ -72,3 +73,13 @@ def moved(
         if not any(e.unlikely for e in valid):
             return valid
     return None
+
+
+def alone(covariance: Array, parameters: Sequence[Parameter]) -> Array:
+    """Standard errors with the other parameters of the same effect held."""
+    found = np.zeros(len(parameters))
+    owner = np.array([parameter.effect for parameter in parameters])
+    for effect in set(owner):
+        own = np.flatnonzero(owner == effect)
+        found[own] = 1.0 / np.sqrt(np.diag(np.linalg.inv(covariance[np.ix_(own, own)])))
+    return found

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
-from scipy.linalg import cho_solve, solve_triangular
+from scipy.linalg.lapack import dpotrs, dtrtrs
 
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.diagnosis.preparation.noise import Noise
@@ -62,12 +62,19 @@ class Problem:
         for used, block, v in zip(self._used, self._Z, self.y, strict=True):
             gram[np.ix_(used, used)] += block.T @ block
             self._Zy[used] += block.T @ v
-        self._lower = np.linalg.cholesky(gram)
-        self._factor = (self._lower, True)
-        self.z: Array = cho_solve(self._factor, self._Zy)
+        # LAPACK itself, without what scipy asks before every call, and in its own order
+        self._lower = np.asfortranarray(np.linalg.cholesky(gram))
+        self.z = self._beside(self._Zy)
         self.quadratic = float(sum(v @ v for v in self.y) - self._Zy @ self.z)
         """y^T P y"""
-        self.covariance: Array = cho_solve(self._factor, np.eye(k))
+
+    def _beside(self, right: Array) -> Array:
+        """(1 + Z^T Z)^-1 right, shape (k,)."""
+        return np.asarray(dpotrs(self._lower, right, lower=1)[0])
+
+    def _half(self, C: Array) -> Array:
+        """L^-1 C with L L^T = 1 + Z^T Z, shape of C (k, m)."""
+        return np.asarray(dtrtrs(self._lower, C, lower=1)[0])
 
     def _across(self, joint: int, x: Array, rows: slice = slice(None)) -> Array:
         """Z^T x of one joint for whitened columns x (rows, m), shape (k, m)."""
@@ -79,9 +86,10 @@ class Problem:
     def log_evidence(self) -> float:
         """Log evidence of the base alone under this noise, up to a constant that all models
         share."""
-        factor, _ = self._factor
         log_weights = sum(float(np.sum(np.log(one.weight))) for one in self.noise)
-        return log_weights - 0.5 * self.quadratic - float(np.sum(np.log(np.abs(np.diag(factor)))))
+        return (
+            log_weights - 0.5 * self.quadratic - float(np.sum(np.log(np.abs(np.diag(self._lower)))))
+        )
 
     @property
     def count(self) -> int:
@@ -94,7 +102,7 @@ class Problem:
             (self._across(j, one.whiten(torque[:, j])) for j, one in enumerate(self.noise)),
             np.zeros(len(self.z)),
         )
-        return np.asarray(self.z - cho_solve(self._factor, part))
+        return np.asarray(self.z - self._beside(part))
 
     def share_beyond_base(self, torque: Array) -> float:
         """Share of a torque (rows, n) that the base with free numbers would not give: X^T P X over
@@ -120,7 +128,8 @@ class Problem:
         gram: Array = sum((x.T @ x for _, x in blocks), np.zeros((k, k)))
         right: Array = sum((x.T @ self.y[j] for j, x in blocks), np.zeros(k))
         C: Array = sum((self._across(j, x) for j, x in blocks), np.zeros((len(self._Zy), k)))
-        return gram - C.T @ cho_solve(self._factor, C), right - C.T @ self.z
+        half = self._half(C)
+        return gram - half.T @ half, right - C.T @ self.z
 
     def projected_in_blocks(
         self, columns: RegressorColumns, place: npt.NDArray[np.intp]
@@ -143,7 +152,7 @@ class Problem:
                 gram[part, part] += x[rows].T @ x[rows]
                 right[part] += x[rows].T @ self.y[j][rows]
                 C[:, part] += self._across(j, x[rows], rows)
-        half = solve_triangular(self._lower, C, lower=True)
+        half = self._half(C)
         return gram - half.T @ half, right - C.T @ self.z
 
     def projected_many(self, joint: int, values: Array) -> tuple[Array, Array]:
@@ -154,7 +163,7 @@ class Problem:
             np.ascontiguousarray(values.transpose(1, 0, 2)).reshape(rows, g * k)
         )
         C = self._across(joint, x)
-        half = solve_triangular(self._lower, C, lower=True)
+        half = self._half(C)
         gram = _grams(x, g, k) - _grams(half, g, k)
         right = (x.T @ self.y[joint] - C.T @ self.z).reshape(g, k)
         return gram, right
@@ -164,15 +173,16 @@ class Problem:
         [nats]."""
         x = self.noise[joint].whiten(np.hstack(blocks))
         C = self._across(joint, x)
-        half = solve_triangular(self._lower, C, lower=True)
+        half = self._half(C)
         right = x.T @ self.y[joint] - C.T @ self.z
+        widths = np.array([block.shape[1] for block in blocks])
+        stops = np.cumsum(widths)
         found = np.zeros(len(blocks))
-        start = 0
-        for i, block in enumerate(blocks):
-            part = slice(start, start := start + block.shape[1])
-            if block.shape[1]:
-                gram = x[:, part].T @ x[:, part] - half[:, part].T @ half[:, part]
-                found[i] = law_gain(gram, right[part], ())[0]
+        for k in np.unique(widths[widths > 0]):
+            places = np.flatnonzero(widths == k)
+            parts = [slice(stop - k, stop) for stop in stops[places]]
+            grams = [x[:, p].T @ x[:, p] - half[:, p].T @ half[:, p] for p in parts]
+            found[places] = law_gains(np.stack(grams), np.stack([right[p] for p in parts]))
         return found
 
     def score(
@@ -281,6 +291,17 @@ def law_gain(gram: Array, right: Array, expected: Expected) -> tuple[float, floa
     b = covariance @ right
     explained = float(right @ b)
     return float(g_prior_gain(explained, k)), explained, b, covariance
+
+
+def law_gains(grams: Array, rights: Array) -> Array:
+    """`law_gain` of g sets of columns without knowledge of their sizes: grams (g, k, k), rights (g,
+    k), found (g,) [nats]."""
+    k = rights.shape[1]
+    size = np.sqrt(np.maximum(np.einsum("gii->gi", grams), 0.0)) + 1e-12
+    normal = grams / (size[:, :, None] * size[:, None, :]) + 1e-8 * np.eye(k)
+    scaled = rights / size
+    explained = np.einsum("gi,gi->g", scaled, np.linalg.solve(normal, scaled[..., None])[..., 0])
+    return g_prior_gain(explained, k)
 
 
 def g_prior_gain(explained: float | Array, k: int) -> Array:

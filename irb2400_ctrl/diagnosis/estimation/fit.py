@@ -16,6 +16,7 @@ from irb2400_ctrl.arrays import Array, Mask
 from irb2400_ctrl.diagnosis.estimation.candidate import Candidate
 from irb2400_ctrl.diagnosis.estimation.effect_parameters import (
     Parameter,
+    alone,
     moved,
     parameters_of,
     value_of,
@@ -23,6 +24,7 @@ from irb2400_ctrl.diagnosis.estimation.effect_parameters import (
 )
 from irb2400_ctrl.diagnosis.estimation.evidence import discrepancy_shares, discrepancy_unit
 from irb2400_ctrl.diagnosis.preparation.noise import Noise, autoregressive, white
+from irb2400_ctrl.diagnosis.preparation.plain_numbers import PlainNumbers
 from irb2400_ctrl.diagnosis.regressors.bases import Bases, RegressorColumns
 from irb2400_ctrl.diagnosis.regressors.predict import predicted_torque
 from irb2400_ctrl.effects import Effect
@@ -48,6 +50,8 @@ class Fit:
         residual: what everything together leaves; noise: of it, per joint.
         non_parametric: filtered torque of the non-parametric laws, one (rows, n) per law.
         owner: whose column of Z each is: -1 the base, then the effects from 0, then the laws.
+        scales: of the columns of the parameters, in natural units; units: of those of each
+            effect's discrepancy.
     """
 
     effects: tuple[Effect, ...]
@@ -62,6 +66,8 @@ class Fit:
     noise: tuple[Noise, ...]
     non_parametric: tuple[Array, ...] = field(default=())
     owner: npt.NDArray[np.intp] = field(default_factory=lambda: np.zeros(0, dtype=np.intp))
+    scales: Array = field(default_factory=lambda: np.zeros(0))
+    units: tuple[Array, ...] = ()
 
 
 class Fitter:
@@ -75,12 +81,14 @@ class Fitter:
         Z: Array,
         reversal: Mask,
         own: int | None = None,
+        plain: PlainNumbers | None = None,
     ) -> None:
         """Fits with base columns Z (rows, n, k).
 
         Args:
             own: how many of them, the first, are numbers of the robot; the others may move but say
                 nothing about it; default all.
+            plain: these at the instants of the rows, not filtered; only `HeldOut` needs them.
         """
         self.robot = robot
         self.bases = bases
@@ -88,13 +96,13 @@ class Fitter:
         self.Z = Z
         self.reversal = reversal
         self.own = Z.shape[2] if own is None else own
+        self.plain = plain
         self.widened = 1.0  # times further off than stated that the robot's numbers may be
         self._cache: dict[tuple[object, ...], Array] = {}
         self._fits: list[tuple[tuple[Candidate, ...], Fit]] = []
 
     def fit(self, chosen: Sequence[Candidate]) -> Fit:
-        """Gauss-Newton from the candidates' own estimates; the last ones are kept, because several
-        questions ask for the same."""
+        """Gauss-Newton from the candidates' own estimates; the last ones are kept."""
         for k, (candidates, fit) in enumerate(self._fits):
             if len(candidates) == len(chosen) and all(map(is_, candidates, chosen)):
                 self._fits.append(self._fits.pop(k))
@@ -151,8 +159,7 @@ class Fitter:
         state: _State,
         noise: tuple[Noise, ...],
     ) -> tuple[list[Effect], _State, float] | None:
-        """Effects and state after the longest of a few fractions of the step that does not fit
-        worse."""
+        """Effects and state after the longest fraction of the step that does not fit worse."""
         before = self._misfit(state, noise)
         for shrink in (1.0, 0.4, 0.15):
             further = moved(effects, parameters, shrink * step)
@@ -163,8 +170,7 @@ class Fitter:
         return None
 
     def _misfit(self, state: _State, noise: tuple[Noise, ...]) -> float:
-        """Whitened sum of squares that is left when everything but the natural parameters is
-        fitted."""
+        """Whitened sum of squares left when all but the natural parameters is fitted."""
         y, columns, parameters, _, _ = state
         k = self.Z.shape[2]
         held = np.delete(columns, np.arange(k, k + len(parameters)), axis=2)
@@ -185,9 +191,12 @@ class Fitter:
         y, columns, parameters, sizes, shapes = state
         _, explained, _ = self._solved(y, columns, noise)
         noise = autoregressive(y - explained, self.motion.row_known, self.reversal)
-        b, explained, covariance = self._solved(y, columns, noise)
+        b, _, covariance = self._solved(y, columns, noise)
         k = self.Z.shape[2]
         p = len(parameters)
+        # all else beside the parameters as they are, not as a further step would move them
+        own = slice(k, k + p)
+        b = b - covariance[:, own] @ np.linalg.solve(covariance[own, own], b[own])
         sigma = np.sqrt(np.diag(covariance))
         shaped = []
         place = k + p
@@ -202,30 +211,33 @@ class Fitter:
                 else effect
             )
         owner = np.full(columns.shape[2], -1, dtype=np.intp)
-        owner[k : k + p] = [parameter.effect for parameter in parameters]
+        owner[own] = [parameter.effect for parameter in parameters]
         owner[k + p : place] = np.repeat(np.arange(len(effects)), [len(unit) for unit in shapes])
         non_parametric = []
-        for law, part in enumerate(_parts(place, widths)):
+        edges = place + np.cumsum([0, *widths])
+        for law, (start, stop) in enumerate(pairwise(edges)):
+            part = slice(start, stop)
             owner[part] = len(effects) + law
             non_parametric.append(columns[:, :, part] @ b[part])
         return Fit(
             effects=tuple(shaped),
             parameters=tuple(parameters),
-            sigma=sigma[k : k + p] * sizes,
-            alone=_alone(covariance[k : k + p, k : k + p], parameters) * sizes,
+            sigma=sigma[own] * sizes,
+            alone=alone(covariance[own, own], parameters) * sizes,
             z=b[: self.own],
             z_covariance=covariance[: self.own, : self.own],
             y=y,
             Z=columns,
-            residual=y - explained,
+            residual=y - columns @ b,
             noise=noise,
             non_parametric=tuple(non_parametric),
             owner=owner,
+            scales=sizes,
+            units=tuple(shapes),
         )
 
     def _linearised(self, effects: list[Effect], G: list[Array]) -> _State:
-        """Residual of the exact prediction, all columns with unit priors, the parameters and their
-        scales."""
+        """Residual of the exact prediction, columns with unit priors, parameters, their scales."""
         bare = [e.model_copy(update={"discrepancy": ()}) for e in effects]
         y = self._left_by(bare)
         blocks = [self.Z]
@@ -236,7 +248,7 @@ class Fitter:
             torque = self._torque(effect)
             size = max(float(np.sqrt(np.mean(torque**2))), 1e-9)
             for parameter in parameters_of(effect, place):
-                slope = self._slope(effect, parameter)
+                slope = self.slope(effect, parameter)
                 scale = 3.0 * size / max(float(np.sqrt(np.mean(slope**2))), 1e-12)
                 if parameter.prior is not None:
                     scale = min(scale, parameter.prior[1])
@@ -263,13 +275,14 @@ class Fitter:
         predicted = predicted_torque(self.robot, motion, self.bases)
         return motion.filtered(motion.tau_smooth - predicted)
 
-    def _torque(self, effect: Effect) -> Array:
-        return np.asarray(self._placed(effect) @ np.array(effect.coefficients()))
+    def _torque(self, effect: Effect, filtered: bool = True) -> Array:
+        columns = self.placed(effect, filtered=filtered)
+        return np.asarray(columns @ np.array(effect.coefficients()))
 
-    def _placed(self, effect: Effect, discrepancy: bool = False) -> Array:
-        """Filtered columns of an effect's basis or discrepancy, shape (rows, n, k)."""
+    def placed(self, effect: Effect, *, discrepancy: bool = False, filtered: bool = True) -> Array:
+        """Columns of an effect's basis or discrepancy, shape (rows, n, k)."""
         nonlinear = tuple(sorted(effect.nonlinear.items()))
-        key = (effect.kind, effect.joint, effect.windows_s, discrepancy, nonlinear)
+        key = (effect.kind, effect.joint, effect.windows_s, discrepancy, filtered, nonlinear)
         if key not in self._cache:
             (found,) = self.bases.columns(
                 effect.kind,
@@ -277,9 +290,11 @@ class Fitter:
                 self.motion,
                 [effect.nonlinear],
                 discrepancy=discrepancy,
+                filtered=filtered,
                 windows=effect.windows_s,
             )
-            self._cache[key] = self._on_all_joints(found.joints, found.values)
+            values = found.values if filtered else self.motion.at_rows(found.values)
+            self._cache[key] = self._on_all_joints(found.joints, values)
         return self._cache[key]
 
     def _on_all_joints(self, joints: Sequence[int], values: Array) -> Array:
@@ -287,21 +302,22 @@ class Fitter:
         placed[:, list(joints)] = values
         return placed
 
-    def _slope(self, effect: Effect, parameter: Parameter) -> Array:
+    def slope(self, effect: Effect, parameter: Parameter, *, filtered: bool = True) -> Array:
         """d torque / d parameter by central differences, shape (rows, n)."""
         value = value_of(effect, parameter)
         step = 1e-4 * max(abs(value), 1e-2)
         up = with_value(effect, parameter, value + step)
         down = with_value(effect, parameter, value - step)
-        return np.asarray((self._torque(up) - self._torque(down)) / (2 * step))
+        torques = (self._torque(there, filtered) for there in (up, down))
+        return np.asarray(np.subtract(*torques) / (2 * step))
 
     def _discrepancy(self, effect: Effect) -> tuple[Array, Array]:
-        placed = self._placed(effect, discrepancy=True)
+        placed = self.placed(effect, discrepancy=True)
         if not placed.shape[2]:
             return placed, np.zeros(0)
         shares = discrepancy_shares(effect.kind, placed.shape[2])
         everywhere = tuple(range(self.motion.n))
-        law = RegressorColumns(everywhere, self._placed(effect))
+        law = RegressorColumns(everywhere, self.placed(effect))
         departures = RegressorColumns(everywhere, placed)
         size = np.array(effect.coefficients())
         # wider than in the competition, so that they do not come out too small
@@ -329,22 +345,6 @@ class Fitter:
         covariance = np.asarray(np.linalg.inv(A), dtype=float)
         b = covariance @ right
         return b, columns @ b, covariance
-
-
-def _alone(covariance: Array, parameters: Sequence[Parameter]) -> Array:
-    """Standard errors with the other parameters of the same effect held."""
-    found = np.zeros(len(parameters))
-    owner = np.array([parameter.effect for parameter in parameters])
-    for effect in set(owner):
-        own = np.flatnonzero(owner == effect)
-        found[own] = 1.0 / np.sqrt(np.diag(np.linalg.inv(covariance[np.ix_(own, own)])))
-    return found
-
-
-def _parts(start: int, widths: Sequence[int]) -> list[slice]:
-    """Ranges of these widths one after another."""
-    edges = start + np.concatenate([[0], np.cumsum(widths, dtype=np.intp)])
-    return [slice(int(a), int(b)) for a, b in pairwise(edges)]
 
 
 _State = tuple[Array, Array, list[Parameter], Array, list[Array]]

@@ -1,15 +1,18 @@
-"""What a name is worth on rows that did not fit it."""
+"""What an explanation is worth on rows that did not fit it."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
 
-from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.arrays import Array, Mask
 from irb2400_ctrl.diagnosis.estimation.candidate import Candidate
 from irb2400_ctrl.diagnosis.estimation.fit import Fit, Fitter
+from irb2400_ctrl.diagnosis.regressors.predict import effect_torque, predicted_torque
+from irb2400_ctrl.effects import Effect
 
 FOLDS = 4
 BLOCK = 2.0
@@ -20,11 +23,52 @@ FREE = 1e-2
 """precision of an effect's own numbers about the fitted ones: a fold has to find them itself"""
 
 
+@dataclass(frozen=True)
+class Worth:
+    """Rms that is left of each joint's torque on unseen rows without and with an explanation.
+
+    Args:
+        before, after: shape (n,) [Nm]; rows: of each joint, shape (n,).
+    """
+
+    before: Array
+    after: Array
+    rows: Array
+
+    @classmethod
+    def of(cls, without: Array, left: Array, known: Mask) -> Worth:
+        """From residuals (rows, n) [Nm]."""
+        rows = known.sum(axis=0)
+        rms = [
+            np.sqrt(np.sum(np.where(known, r, 0.0) ** 2, axis=0) / np.maximum(rows, 1))
+            for r in (without, left)
+        ]
+        return cls(rms[0], rms[1], rows)
+
+    @property
+    def gain(self) -> Array:
+        """Per cent by which the rms falls, shape (n,); negative where it only rises."""
+        return np.asarray(100.0 * (1.0 - self.after / np.maximum(self.before, 1e-6)))
+
+    @property
+    def nats(self) -> Array:
+        """The same as log likelihood of the unseen rows, noise of each joint of a size of its own,
+        shape (n,)."""
+        ratio = np.maximum(self.before, 1e-6) / np.maximum(self.after, 1e-6)
+        return np.asarray(self.rows * np.log(ratio))
+
+
 class HeldOut:
     """Errors on stretches of a log that everything is fitted without, in turn.
 
     Stretches of different folds lie between each other, so that what grows with time is
     interpolated and an event of some seconds is seen by all folds.
+
+    Two errors are asked for. `left` is that of the fit: through the common filter, with flexible
+    laws and all that may move beside the robot. `told` is that of names and numbers alone, as a
+    robot's file can hold them, sample by sample. A name that only a flexible law beside it, or a
+    friction below nothing, makes bearable, or that says something above the filter's band, is seen
+    by the second.
     """
 
     def __init__(self, fitter: Fitter, chosen: Sequence[Candidate], fit: Fit) -> None:
@@ -32,52 +76,99 @@ class HeldOut:
         self.chosen = chosen
         self.fit = fit
         self.fold = folds(fitter.motion.row_time)
-        self.left = self._left(fit)
-        """held-out residual with everything in, shape (rows, n) [Nm]"""
+        self._known = fitter.motion.at_rows(fitter.motion.known.astype(float)) > 0.5
+        self._found = self._solved(fit)
 
-    def gain(self, place: int) -> Array:
-        """Per cent by which the held-out rms of each joint falls because one of `chosen` is in,
-        shape (n,); negative where the name only makes it worse."""
-        others = [c for k, c in enumerate(self.chosen) if k != place]
-        without = self.fitter.fit(others)
-        return self._gain(self._left(without))
+    def worth(self, place: int) -> Worth:
+        """Of one of `chosen` for the fit's error."""
+        other = self._without(place)
+        before = self._left(other, self._solved(other))
+        return Worth.of(before, self._left(self.fit, self._found), self.fitter.motion.row_known)
 
-    def gain_of(self, torque: Array) -> Array:
-        """The same for a torque (rows, n) [Nm] that other numbers of the robot could take in, were
-        they not held where they are."""
-        return self._gain(self.left + torque)
+    def told(self, place: int) -> Worth:
+        """Of one of `chosen`, a named one, for the error of what the robot's file will say."""
+        other = self._without(place)
+        before = self._told(other, self._solved(other))
+        return Worth.of(before, self._told(self.fit, self._found), self._known)
 
-    def _gain(self, without: Array) -> Array:
-        known = self.fitter.motion.row_known
-        before, after = (
-            np.sum(np.where(known, left, 0.0) ** 2, axis=0) for left in (without, self.left)
-        )
-        return np.asarray(100.0 * (1.0 - np.sqrt(after / np.maximum(before, 1e-12))))
+    def told_of(self, effects: Sequence[int]) -> Worth:
+        """The same for effects of the fit (their places) that other numbers of the robot could take
+        in, were they not held where they are."""
+        motion = self.fitter.motion
+        left = self._told(self.fit, self._found)
+        before = left.copy()
+        for k in effects:
+            torque = effect_torque(self.fitter.bases, self.fit.effects[k], motion)
+            before += motion.at_rows(torque)
+        return Worth.of(before, left, self._known)
 
-    def _left(self, fit: Fit) -> Array:
-        """What ridge regression on the other folds leaves, shape (rows, n)."""
-        y = fit.y
-        columns = fit.Z
-        precision = np.ones(columns.shape[2])
+    def _without(self, place: int) -> Fit:
+        return self.fitter.fit([c for k, c in enumerate(self.chosen) if k != place])
+
+    def _solved(self, fit: Fit) -> list[Array]:
+        """Coefficients of the fit's columns by ridge regression on the rows of all folds but one,
+        for each."""
+        precision = np.ones(fit.Z.shape[2])
         start = int(np.sum(fit.owner < 0))
         precision[start : start + len(fit.parameters)] = FREE
         grams = np.zeros((FOLDS, len(precision), len(precision)))
         rights = np.zeros((FOLDS, len(precision)))
         for j, one in enumerate(self.fit.noise):
-            X = one.whiten(columns[:, j, :])
-            v = one.whiten(y[:, j])
+            X = one.whiten(fit.Z[:, j, :])
+            v = one.whiten(fit.y[:, j])
             for k in range(FOLDS):
                 rows = self.fold[one.kept] == k
                 grams[k] += X[rows].T @ X[rows]
                 rights[k] += X[rows].T @ v[rows]
-        left = np.zeros_like(y)
-        for k in range(FOLDS):
-            gram = np.delete(grams, k, axis=0).sum(axis=0)
-            right = np.delete(rights, k, axis=0).sum(axis=0)
-            b = np.linalg.solve(gram + np.diag(precision), right)
+        return [
+            np.asarray(
+                np.linalg.solve(
+                    np.delete(grams, k, axis=0).sum(axis=0) + np.diag(precision),
+                    np.delete(rights, k, axis=0).sum(axis=0),
+                )
+            )
+            for k in range(FOLDS)
+        ]
+
+    def _left(self, fit: Fit, found: Sequence[Array]) -> Array:
+        """What everything together leaves, shape (rows, n)."""
+        left = np.zeros_like(fit.y)
+        for k, b in enumerate(found):
             rows = self.fold == k
-            left[rows] = y[rows] - columns[rows] @ b
+            left[rows] = fit.y[rows] - fit.Z[rows] @ b
         return left
+
+    def _told(self, fit: Fit, found: Sequence[Array]) -> Array:
+        """What the robot's numbers and the named effects leave, not filtered, shape (rows, n)."""
+        fitter = self.fitter
+        motion = fitter.motion
+        plain = fitter.plain
+        assert plain is not None
+        bare = [e.model_copy(update={"discrepancy": ()}) for e in fit.effects]
+        robot = fitter.robot.model_copy(update={"effects": (*fitter.robot.effects, *bare)})
+        left = motion.at_rows(motion.tau - predicted_torque(robot, motion, fitter.bases))
+        columns, places = self._of_names(fit, bare)
+        for k, b in enumerate(found):
+            rows = self.fold == k
+            left[rows] -= plain.torque(b[: fitter.own] * fitter.widened, rows)
+            left[rows] -= columns[rows] @ b[places]
+        return left
+
+    def _of_names(self, fit: Fit, bare: Sequence[Effect]) -> tuple[Array, npt.NDArray[np.intp]]:
+        """Columns of the named effects' own numbers and of their discrepancy, not filtered, and
+        their places among those of the fit."""
+        fitter = self.fitter
+        base = int(np.sum(fit.owner < 0))
+        place = base + len(fit.parameters)
+        blocks = [np.zeros((*fit.y.shape, 0))]
+        places = [np.arange(base, place)]
+        for parameter, scale in zip(fit.parameters, fit.scales, strict=True):
+            slope = fitter.slope(bare[parameter.effect], parameter, filtered=False)
+            blocks.append(slope[:, :, None] * scale)
+        for effect, unit in zip(bare, fit.units, strict=True):
+            blocks.append(fitter.placed(effect, discrepancy=True, filtered=False) * unit)
+        places.append(np.arange(place, place + sum(map(len, fit.units))))
+        return np.concatenate(blocks, axis=2), np.concatenate(places)
 
 
 def folds(time: Array) -> npt.NDArray[np.intp]:

@@ -154,11 +154,33 @@ class BasePrior:
             for i, (body, name) in enumerate(named_bodies(self.robot))
         ]
 
+    def held(self, deviations: Array) -> Array:
+        """Deviations that a robot's file can hold: no friction below nothing, and at rest no less
+        than in motion."""
+        n = self.robot.n
+        sigmas = self.sigmas()[-3 * n :].reshape(3, n)
+        change = sigmas * deviations[-3 * n :].reshape(3, n)
+        F_s, F_c, F_v, _ = self.robot.friction.T
+        coulomb = np.maximum(change[0], -F_c)
+        viscous = np.maximum(change[1], -F_v)
+        static = np.maximum(change[2], F_c + coulomb - F_s)
+        found = deviations.copy()
+        found[-3 * n :] = np.ravel([coulomb, viscous, static] / np.maximum(sigmas, 1e-12))
+        return found
+
+    def lifted(self, deviations: Array, qd: Array) -> Array:
+        """Torque by which the numbers in a file differ from `columns` at speeds qd (rows, n), since
+        it holds no friction below nothing [Nm]."""
+        n = self.robot.n
+        change = (self.sigmas() * (self.held(deviations) - deviations))[-3 * n :].reshape(3, n)
+        signals = FrictionLaw.of(self.robot).regressor(qd)
+        return np.asarray(sum(signal * by for signal, by in zip(signals, change, strict=True)))
+
     def updated(self, z: Array) -> Robot:
         """The robot with p0 + sigma z written into its links, tool and friction."""
         n = self.robot.n
         robot = self.robot
-        change = self.sigmas() * z
+        change = self.sigmas() * self.held(z)
         bodies = [
             _changed(body, change[10 * i : 10 * i + 10]) for i, body in enumerate(self.bodies)
         ]
@@ -166,6 +188,7 @@ class BasePrior:
         joints = []
         for j, joint in enumerate(robot.joints):
             F_s, F_c, F_v, stribeck = robot.friction[j]
+            # rounded sums of what cancels may end below nothing
             level = max(0.0, F_c + coulomb[j])
             new = joint.friction.model_copy(
                 update={

@@ -88,6 +88,10 @@ class IdentifiedPrior:
         """Numbers away from the file's for unit normals z, in the units of `root`."""
         return np.asarray(self.root @ z)
 
+    def lifted(self, deviations: Array, qd: Array) -> Array:
+        """As `BasePrior.lifted`."""
+        return self.base.lifted(deviations[: len(deviations) - 2 * self.robot.n], qd)
+
     def updated(self, deviations: Array) -> Robot:
         """The robot with these deviations in its links, friction, offsets and rotors."""
         n = self.robot.n
