@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import io
 import math
-from dataclasses import InitVar, dataclass, field, replace
+from dataclasses import InitVar, dataclass, field
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -149,7 +149,8 @@ class Trajectory:
     def as_written(self) -> Trajectory:
         """The same rows with the digits that `csv` keeps: what is read from the file."""
         table, digits = self._table()
-        table = np.stack([rounded(c, d) for c, d in zip(table.T, digits, strict=True)], axis=1)
+        for column, kept in zip(table.T, digits, strict=True):
+            column[:] = rounded(column, kept)
         n = self.q.shape[1]
         time = table[:, 0]
         q, qd, qdd, tau_ = (table[:, 1 + k * n : 1 + (k + 1) * n] for k in range(4))
@@ -157,8 +158,9 @@ class Trajectory:
         s = None if self.s is None else table[:, -1]
         external = None if self.external is None else self.external.as_written()
         moves = (q * self._unit, qd * self._unit, qdd * self._unit)
-        found = Trajectory(time, *moves, tau, s, external=external, check_speeds=False)
-        return replace(found, lengths=self.lengths, check_speeds=False)
+        return Trajectory(
+            time, *moves, tau, s, external=external, lengths=self.lengths, check_speeds=False
+        )
 
     @property
     def shown(self) -> Array:
