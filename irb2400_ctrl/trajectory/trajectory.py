@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-import io
 import math
+from collections.abc import Iterator
 from dataclasses import InitVar, dataclass, field
 
 import numpy as np
@@ -196,6 +196,10 @@ class Trajectory:
         return Trajectory(self.time, *arm, external=rest, check_speeds=False)
 
     def csv(self) -> str:
+        """The text of `trajectory.csv`, see `csv_parts`."""
+        return "".join(self.csv_parts())
+
+    def csv_parts(self) -> Iterator[str]:
         """The text of `trajectory.csv`: degrees, Nm, and s as it is; tau and s only where known;
         in the end e1_deg … of external axes where such move (e1_mm of a rail).
 
@@ -221,12 +225,10 @@ class Trajectory:
             table = np.hstack([table, rows[:, 1:]])
             digits = digits + kept[1:]
         line = ",".join(f"%.{d}g" for d in digits) + "\n"
-        text = io.StringIO()
-        text.write(",".join(header) + "\n")
+        yield ",".join(header) + "\n"
         for first in range(0, len(table), _ROWS):
             rows = table[first : first + _ROWS]
-            text.write(line * len(rows) % tuple(rows.ravel().tolist()))
-        return text.getvalue()
+            yield line * len(rows) % tuple(rows.ravel().tolist())
 
     @property
     def _units(self) -> list[str]:
