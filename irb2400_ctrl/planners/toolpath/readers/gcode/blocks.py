@@ -81,6 +81,12 @@ REWRITTEN = (
         re.compile(rf"\b([XYZABC])\s*=\s*(IC|AC)\s*\(\s*{_NUMBER}\s*\)", re.IGNORECASE),
         r"\1=\3 \1\2=1",
     ),
+    # the tool's length from the control's own table (FreeCAD for Fanuc): a place of the machine
+    (
+        re.compile(r"\bZ\s*-?\s*\[\s*#\s*\[\s*2[02]00\s*\+\s*#4120\s*\]\s*\]", re.IGNORECASE),
+        "G53 Z0",
+    ),
+    (re.compile(r"\bH\s*#4120\b", re.IGNORECASE), ""),
     # the blank for the simulation, the main spindle
     (re.compile(r"\b(WORKPIECE\s*\([^()]*\)|SETMS\b(\s*\(\d*\))?)", re.IGNORECASE), ""),
     (re.compile(r"\bTRAORI\s*\(\s*1?\s*\)", re.IGNORECASE), "TRAORI"),
