@@ -6,24 +6,25 @@ import json
 import math
 import os
 import tempfile
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
 
-def write_atomic(path: Path | str, content: str | bytes) -> Path:
+def write_atomic(path: Path | str, content: str | bytes | Iterator[str]) -> Path:
     """Write `content` under a temporary name in the same folder, bring it to the disk, then move
-    it to `path`.
+    it to `path`; a long text as its parts, which are not in memory all at once.
 
     Missing parent folders are made. Returns the path.
     """
     path = Path(path)
     path.parent.mkdir(parents=True, exist_ok=True)
-    data = content.encode() if isinstance(content, str) else content
+    parts = iter([content]) if isinstance(content, str | bytes) else content
     handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
     try:
         with os.fdopen(handle, "wb") as file:
-            file.write(data)
+            for part in parts:
+                file.write(part.encode() if isinstance(part, str) else part)
             file.flush()
             os.fsync(file.fileno())
         # mkstemp makes private files; results are meant to be read by others too

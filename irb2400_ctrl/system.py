@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ctypes
 import os
 import platform
 from functools import cache
@@ -19,6 +20,21 @@ def cores() -> int:
     if hasattr(os, "sched_getaffinity"):
         return len(os.sched_getaffinity(0))
     return os.cpu_count() or 1
+
+
+# number of the option in glibc's malloc.h, and the size from which on it is asked for [bytes]
+_MMAP_THRESHOLD = -3
+_LARGE = 2**19
+
+
+def give_back_large_arrays() -> None:
+    """Have every large array's memory given back when it goes: glibc raises the size from which on
+    it does so to that of the largest array yet, and a long plan then keeps twice what it uses.
+
+    Where the C library is another one nothing changes.
+    """
+    if platform.libc_ver()[0] == "glibc":
+        ctypes.CDLL(None).mallopt(_MMAP_THRESHOLD, _LARGE)
 
 
 @cache

@@ -176,5 +176,5 @@ class Plan(Displayed):
         if self.rotation_map is not None:
             text = json.dumps(self.rotation_map.summary())
             write_atomic(folder / "rotation_map.json", text + "\n")
-        trajectory = write_atomic(folder / "trajectory.csv", self.trajectory.csv())
+        trajectory = write_atomic(folder / "trajectory.csv", self.trajectory.csv_parts())
         return trajectory, write_json(folder / "plan.json", self.summary())

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import io
 import math
-from dataclasses import InitVar, dataclass, field, replace
+from collections.abc import Iterator
+from dataclasses import InitVar, dataclass, field
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -149,7 +149,8 @@ class Trajectory:
     def as_written(self) -> Trajectory:
         """The same rows with the digits that `csv` keeps: what is read from the file."""
         table, digits = self._table()
-        table = np.stack([rounded(c, d) for c, d in zip(table.T, digits, strict=True)], axis=1)
+        for column, kept in zip(table.T, digits, strict=True):
+            column[:] = rounded(column, kept)
         n = self.q.shape[1]
         time = table[:, 0]
         q, qd, qdd, tau_ = (table[:, 1 + k * n : 1 + (k + 1) * n] for k in range(4))
@@ -157,8 +158,9 @@ class Trajectory:
         s = None if self.s is None else table[:, -1]
         external = None if self.external is None else self.external.as_written()
         moves = (q * self._unit, qd * self._unit, qdd * self._unit)
-        found = Trajectory(time, *moves, tau, s, external=external, check_speeds=False)
-        return replace(found, lengths=self.lengths, check_speeds=False)
+        return Trajectory(
+            time, *moves, tau, s, external=external, lengths=self.lengths, check_speeds=False
+        )
 
     @property
     def shown(self) -> Array:
@@ -194,6 +196,10 @@ class Trajectory:
         return Trajectory(self.time, *arm, external=rest, check_speeds=False)
 
     def csv(self) -> str:
+        """The text of `trajectory.csv`, see `csv_parts`."""
+        return "".join(self.csv_parts())
+
+    def csv_parts(self) -> Iterator[str]:
         """The text of `trajectory.csv`: degrees, Nm, and s as it is; tau and s only where known;
         in the end e1_deg … of external axes where such move (e1_mm of a rail).
 
@@ -219,12 +225,10 @@ class Trajectory:
             table = np.hstack([table, rows[:, 1:]])
             digits = digits + kept[1:]
         line = ",".join(f"%.{d}g" for d in digits) + "\n"
-        text = io.StringIO()
-        text.write(",".join(header) + "\n")
+        yield ",".join(header) + "\n"
         for first in range(0, len(table), _ROWS):
             rows = table[first : first + _ROWS]
-            text.write(line * len(rows) % tuple(rows.ravel().tolist()))
-        return text.getvalue()
+            yield line * len(rows) % tuple(rows.ravel().tolist())
 
     @property
     def _units(self) -> list[str]:

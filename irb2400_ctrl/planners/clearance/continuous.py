@@ -21,11 +21,11 @@ from irb2400_ctrl.cell import Scene
 from irb2400_ctrl.planners.clearance.clearance import Clearance
 from irb2400_ctrl.planners.joint_path import JointPath
 
+CONTACT = 5e-5
+"""a distance, above what is to be kept, that cannot be told from contact [m]"""
 # the bound lies below the truth by no more than this [m] and this part of it
 _BELOW = 1e-4
 _PART = 0.03
-# a distance that cannot be told from contact [m]
-_CONTACT = 5e-5
 _MOST_PARTS = 16
 _CHUNK = 4096
 
@@ -63,7 +63,7 @@ class _Search:
     @property
     def touching(self) -> bool:
         """Whether a sample shows that the motion is not free."""
-        return self.seen.distance <= self.scene.keep + _CONTACT
+        return self.seen.distance <= self.scene.keep + CONTACT
 
 
 def continuous_clearance(

@@ -98,4 +98,6 @@ class Crowd:
         room = self.scene.clearance(q, np.full(len(q), cutting), np.inf)
         best = int(np.argmax(room))
         first, other = self.scene.nearest(q[best], cutting)
-        return f"the best one {first} and {other} ({1e3 * room[best]:.1f} mm)"
+        keep = self.scene.keep
+        wanted = f", {1e3 * keep:g} mm are to be kept" if keep else ""
+        return f"the best one {first} and {other} ({1e3 * room[best]:.2f} mm{wanted})"

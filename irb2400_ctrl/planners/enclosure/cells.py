@@ -111,17 +111,22 @@ def at_once(dynamics: PathDynamics, s: Array) -> list[slice]:
 
 def enclose(dynamics: PathDynamics, path: JointMotion, s: Array) -> Cells:
     """The enclosure on the cells between the lengths s (knots of the path included)."""
-    parts = [
-        _enclose(dynamics, path, s[part.start : part.stop + 1]) for part in at_once(dynamics, s)
-    ]
+    parts = at_once(dynamics, s)
     if len(parts) == 1:
-        return parts[0]
-
-    def joined(name: str, axis: int = 0) -> Array:
-        return np.concatenate([getattr(part, name) for part in parts], axis=axis)
-
-    columns: dict[str, Any] = {name: joined(name) for name in _COLUMNS}
-    return Cells(s=s, remainder=joined("remainder", 1), **columns)
+        return _enclose(dynamics, path, s)
+    # into their places one after another: all of them beside the whole would be twice as much
+    count = len(s) - 1
+    remainder = np.empty((4, count, dynamics.n))
+    whole: dict[str, Any] = {}
+    for part in parts:
+        found = _enclose(dynamics, path, s[part.start : part.stop + 1])
+        remainder[:, part] = found.remainder
+        for name in _COLUMNS:
+            values = getattr(found, name)
+            if name not in whole:
+                whole[name] = np.empty((count, *values.shape[1:]), values.dtype)
+            whole[name][part] = values
+    return Cells(s=s, remainder=remainder, **whole)
 
 
 def _enclose(dynamics: PathDynamics, path: JointMotion, s: Array) -> Cells:

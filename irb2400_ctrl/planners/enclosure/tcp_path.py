@@ -18,6 +18,7 @@ R d e beyond that of a point that stands (whose levers count the rail's length) 
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 
@@ -117,12 +118,17 @@ class TcpPath:
 
     def enclosed_velocity(self, s: Array) -> Enclosed:
         """dp/ds on the cells between the lengths s (m + 1,), knots of the path included."""
-        parts = [
-            self._moving(s[first : first + bernstein.AT_ONCE + 1])
-            for first in range(0, len(s) - 1, bernstein.AT_ONCE)
-        ]
+        parts = list(self._moving_parts(s))
         points = np.concatenate([part.points for part in parts])
         return Enclosed(points, np.concatenate([part.miss for part in parts]))
+
+    def largest_velocity(self, s: Array) -> Array:
+        """Upper bound of |dp/ds| in each of those cells, (m,) [m/m]."""
+        return np.concatenate([part.size for part in self._moving_parts(s)])
+
+    def _moving_parts(self, s: Array) -> Iterator[Enclosed]:
+        for first in range(0, len(s) - 1, bernstein.AT_ONCE):
+            yield self._moving(s[first : first + bernstein.AT_ONCE + 1])
 
     def _moving(self, s: Array) -> Enclosed:
         """The same on so many cells at once."""

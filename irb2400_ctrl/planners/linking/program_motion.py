@@ -124,7 +124,7 @@ class ProgramMotion(Displayed):
     def write(self, out_dir: Path | str) -> tuple[Path, Path]:
         """Write `trajectory.csv` and `plan.json` into a folder; returns their paths."""
         folder = Path(out_dir)
-        trajectory = write_atomic(folder / "trajectory.csv", self.trajectory.csv())
+        trajectory = write_atomic(folder / "trajectory.csv", self.trajectory.csv_parts())
         return trajectory, write_json(folder / "plan.json", self.summary())
 
     def _clearance(self) -> dict[str, Any]:

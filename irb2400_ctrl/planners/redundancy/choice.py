@@ -13,6 +13,7 @@ from irb2400_ctrl.cell import Scene
 from irb2400_ctrl.errors import CollisionError, UnreachableError
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.planners.clearance import Clearance, continuous_clearance
+from irb2400_ctrl.planners.clearance.continuous import CONTACT
 from irb2400_ctrl.planners.clearance.crowd import COMFORTABLE_CLEARANCE
 from irb2400_ctrl.planners.redundancy.cutting_load import CuttingLoad
 from irb2400_ctrl.planners.redundancy.follow import Followed, JointTarget
@@ -181,6 +182,8 @@ def clear(
     first, other = found.pair
     near = "touch" if found.value <= 0 else f"come within {1e3 * found.value:.2f} mm"
     wanted = f", {1e3 * scene.keep:g} mm are to be kept" if scene.keep else ""
+    if wanted and found.value > scene.keep:
+        wanted += f" and {1e3 * CONTACT:g} mm beside"
     raise CollisionError(
         f"near point {target.point(u)} {first} and {other} {near}{wanted}; move the work "
         "frame, free the tool rotation, or change the cell"

@@ -68,7 +68,7 @@ def feed_ratios(
     rows = np.unique(np.concatenate([places.knots, passed[passed < places.knots[-1]]]))
     cells = divided(rows, np.full(len(rows) - 1, 2))
     s = law.at((cells[:-1] + cells[1:]) / 2)[0]
-    speed = replace(tcp, joints=places).enclosed_velocity(cells).size
+    speed = replace(tcp, joints=places).largest_velocity(cells)
     return cells, speed / by_piece[joints.piece(s)]
 
 

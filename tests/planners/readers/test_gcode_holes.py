@@ -121,3 +121,79 @@ def test_words_around_a_program_of_siemens_controls(tmp_path: Path) -> None:
         "G54\nG0 X1 Y2 Z3 C=DC(0)\nG1 X9 F600\nM30\n"
     )
     assert len(program(tmp_path, text).operation().path) == 2
+
+
+def holes(found: CamProgram) -> list[tuple[float, float]]:
+    """Where the tool is lowest, in the order of the file [mm]."""
+    points = 1e3 * found.operation().path.position
+    low = points[points[:, 2] < points[:, 2].min() + 1e-6]
+    return [(round(float(x), 6), round(float(y), 6)) for x, y, _ in low]
+
+
+def test_rows_and_circles_of_holes_drill_as_the_modal_call_says(tmp_path: Path) -> None:
+    call = "MCALL CYCLE81(10,0,2,-5)\n"
+    row = holes(program(tmp_path, f"{HEAD}F100\n{call}HOLES1(20,30,90,5,10,3)\nMCALL\nG0 X9\n"))
+    assert row == [(20, 35), (20, 45), (20, 55)]
+    circle = holes(program(tmp_path, f"{HEAD}F100\n{call}HOLES2(0,0,20,30,0,4)\nMCALL\n"))
+    expected = [(17.320508, 10), (-10, 17.320508), (-17.320508, -10), (10, -17.320508)]
+    assert np.allclose(circle, expected)
+    arc = holes(program(tmp_path, f"{HEAD}F100\n{call}HOLES2(5,0,10,0,90,2)\nMCALL\n"))
+    assert arc == [(15, 0), (5, 10)]
+
+
+def test_a_row_of_holes_begins_at_its_nearer_end(tmp_path: Path) -> None:
+    calls = "F100\nMCALL CYCLE81(10,0,2,-5)\nHOLES1(0,0,0,10,10,3)\nMCALL\n"
+    assert holes(program(tmp_path, f"{HEAD}X90\n{calls}")) == [(30, 0), (20, 0), (10, 0)]
+
+
+@pytest.mark.parametrize(
+    ("call", "said"),
+    [
+        ("HOLES1(0,0,0,10,10,3)", "line 4.*MCALL CYCLE81"),
+        ("MCALL CYCLE81(10,0,2,-5)\nHOLES1(0,0,0,10,10)", "line 5.*NUM from 1"),
+        ("MCALL CYCLE81(10,0,2,-5)\nHOLES2(0,0,0,0,0,4)", "line 5.*positive radius"),
+        ("MCALL CYCLE81(10,0,2,-5)\nHOLES2(0,0,9,0,0,4,1010)", "line 5.*1010 behind NUM"),
+    ],
+)
+def test_a_pattern_that_says_too_little_is_refused(tmp_path: Path, call: str, said: str) -> None:
+    with pytest.raises(InputError, match=said):
+        program(tmp_path, f"{HEAD}F100\n{call}\nMCALL\nG0 X9\n")
+
+
+def test_polar_coordinates(tmp_path: Path) -> None:
+    # Fanuc, bolt hole circle: absolute angles, and as ways from one to the next
+    absolute = "G16\nG81 X100 Y30 Z-20 R2 F200\nY150\nY270\nG15 G80\nG0 X0 Y0\n"
+    ways = "G16\nG81 X100 Y30 Z-20 R2 F200\nG91 Y120 K2\nG90 G15 G80\nG0 X0 Y0\n"
+    expected = [(86.60254, 50), (-86.60254, 50), (0, -100)]
+    for code in (absolute, ways):
+        found = program(tmp_path, HEAD + code)
+        assert np.allclose(holes(found), expected)
+        assert np.allclose(found.operation().path.position[-1, :2], 0)
+
+
+@pytest.mark.parametrize(
+    ("code", "said"),
+    [("G16 G91 X10 Y20", "radius X in G91"), ("G18 G16 X10 Y20", "plane G18")],
+)
+def test_polar_coordinates_that_are_not_read(tmp_path: Path, code: str, said: str) -> None:
+    with pytest.raises(InputError, match=f"line 3.*{said}"):
+        program(tmp_path, f"{HEAD}{code}\nG15\nG0 X9\n")
+
+
+def test_one_word_absolute_or_as_a_way(tmp_path: Path) -> None:
+    found = program(tmp_path, f"{HEAD}G1 X=IC(5) Y=AC(7) F100\nG91 X=AC(1) Y=IC(2) Z1\n")
+    points = 1e3 * found.operation().path.position
+    assert np.allclose(points, [(0, 0, 10), (5, 7, 10), (1, 9, 11)])
+
+
+def test_an_axis_that_turns_by_an_angle(tmp_path: Path) -> None:
+    head = f"{HEAD}TRAORI\nG1 X5 A20 C30 F100\n"
+    axes = []
+    for word in ("C=IC(45)", "C75", "C=AC(75)"):
+        file = tmp_path / "part.nc"
+        file.write_text(f"{head}X10 {word}\n")
+        axes.append(read_program(file, rotary="C,A").operation().path.axis)
+    assert axes[0] is not None
+    assert np.allclose(axes[0], axes[1])
+    assert np.allclose(axes[0], axes[2])
+    assert not np.allclose(axes[0][-1], axes[0][-2])

@@ -210,3 +210,25 @@ def test_a_place_stated_again_between_stop_and_spindle_is_no_operation(tmp_path:
     assert [len(first.path), len(second.path)] == [4, 4]
     assert second.spindle.rpm == pytest.approx(1200)
     assert ("dwell", -1) in [(e.kind, e.point) for e in second.events]
+
+
+def test_a_length_of_the_tool_from_the_table_of_the_control(tmp_path: Path) -> None:
+    # the change of tool that FreeCAD writes for Fanuc
+    text = (
+        "G17 G21 G90\nM05\nG28 G91 Z0\nM6 T1\nG91 G0 G43 G54 Z-[#[2000+#4120]] H#4120\nG90\n"
+        "M3 S1000\nG0 Z15.0\nG0 X1.0 Y2.0\nG1 X1.0 Y2.0 Z-1.0 F100.0\nG1 X30.0\nM30\n"
+    )
+    file = tmp_path / "part.nc"
+    file.write_text(text)
+    found = read_program(file)
+    points = 1e3 * found.operation().path.position
+    assert np.allclose(points, [(1, 2, 15), (1, 2, -1), (30, 2, -1)])
+    assert found.operation().tool.number == 1
+    assert "G53: places of the machine tool" in str(found.of_kind("assumed")[0])
+
+
+def test_the_unit_of_lengths_from_a_comment(tmp_path: Path) -> None:
+    # a control without G20 and G21, as FreeCAD writes for UC-CNC
+    text = "%prog1\n(Units: 'in' and 'in/min')\nG17 (XY)\nG0 X0. Y0. Z2.\nG1 Z1. F6.\nM30 (end)\n"
+    assert np.allclose(places(tmp_path, text)[:, 2], [50.8, 25.4])
+    assert np.allclose(places(tmp_path, text.replace("G17", "G21"))[:, 2], [2, 1])

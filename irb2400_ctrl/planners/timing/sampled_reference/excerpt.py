@@ -57,6 +57,6 @@ class Excerpt:
     def feed(self, task: TaskPath, law: TimeLaw) -> tuple[Array, Array]:
         """Speed of the TCP over the feed between the rows, with the ends of the intervals."""
         time = self.places.knots
-        speed = replace(task.tcp, joints=self.places).enclosed_velocity(time).size
+        speed = replace(task.tcp, joints=self.places).largest_velocity(time)
         s = law.at(self.start + np.diff(time) / 2)[0]
         return time, speed / task.programmed_feed[task.joints.piece(s)]

@@ -61,7 +61,9 @@ class SampledReference:
 
     def as_written(self, lengths: tuple[int, ...] = ()) -> SampledReference:
         """The same with the digits that the file keeps; `lengths`: columns of rails."""
-        rows = replace(self.rows, lengths=lengths, check_speeds=False)
+        rows = self.rows
+        if rows.lengths != lengths:
+            rows = replace(rows, lengths=lengths, check_speeds=False)
         return replace(self, rows=rows.as_written())
 
     @property

@@ -104,30 +104,34 @@ def settled_reference(
     and all over by the little that is left then, or if that does not settle.
     """
     look = partial(_looked_at, dynamics, task, limits=limits, sampling=sampling)
-    first = look(law)
+    found = look(law)
     if not slow:
-        return first
-    found = _slower_all_over(look, first, limits, _HARDLY)
-    if found.worst(limits) <= 1:
         return found
-    if not (isinstance(law, PiecewiseConstantLaw) and first.bounded):
-        return _slower_all_over(look, first, limits, _HOPELESS)
-    found = first
+    # of a long motion every `Settled` is tens of MB: none is kept that can be looked at again
+    asked = law
+    unslowed = found.worst(limits)
+    nearly = _slower_all_over(look, found, limits, _HARDLY)
+    if nearly.worst(limits) <= 1:
+        return nearly
+    if not (isinstance(law, PiecewiseConstantLaw) and found.bounded):
+        return _slower_all_over(look, found, limits, _HOPELESS)
     for _ in range(_ROUNDS):
         if found.by_torque(limits) >= _HOPELESS:
             break
+        del nearly
         slower = _slower_where(dynamics, task, law, found, limits, sampling)
         if slower.duration <= law.duration:
             break
         law = slower
+        del found
         found = look(law)
         nearly = _slower_all_over(look, found, limits, _HARDLY)
         if nearly.worst(limits) <= 1:
             found = nearly
             break
-    if found.worst(limits) > first.worst(limits):
+    if found.worst(limits) > unslowed:
         # axes too weak to come back so fast to their speed
-        return _slower_all_over(look, first, limits, _HOPELESS)
+        return _slower_all_over(look, look(asked), limits, _HOPELESS)
     # coming back to its speed the law itself may need more than its rows
     own = found.law.bounds(task.joints, limits, dynamics)
     if own.torque_ratio > 1:
@@ -148,6 +152,7 @@ def _slower_all_over(
         factor *= found.slower(limits) + _ROUNDING
         if not 1 < worst < _HOPELESS or factor > most:
             break
+        del found
         found = look(first.law.slowed(factor))
     return found
 

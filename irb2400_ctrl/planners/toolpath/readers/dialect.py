@@ -35,9 +35,12 @@ def dialect(text: str, path: Path) -> str:
     """
     # Creo counts versions behind its suffix: part.ncl.8
     suffix = next((s for s in reversed(path.suffixes) if not s[1:].isdecimal()), "").lower()
-    if HEIDENHAIN.search(text):
-        raise InputError(f"{path}: Heidenhain's plain language is not read; let the CAM system "
-                         "write G-code (DIN/ISO) or APT")  # fmt: skip
+    if plain := HEIDENHAIN.search(text):
+        line = text.count("\n", 0, plain.end()) + 1
+        raise InputError(
+            f"{path}, line {line}: found BEGIN PGM, Heidenhain's plain language, which is not "
+            "read; let the CAM system write G-code (ISO, as for Fanuc) or APT"
+        )
     if _is_csv(text):
         return "CSV"
     apt = len(APT_LINE.findall(text))

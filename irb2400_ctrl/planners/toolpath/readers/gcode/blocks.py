@@ -26,8 +26,10 @@ _NUMBER = r"([-+]?(?:\d+\.?\d*|\.\d+))"
 WORD = re.compile(rf"\s*([A-Z])\s*=?\s*{_NUMBER}")
 # an angle to turn to, in G91 too: C=DC(30), C=AC(30)
 TO_ANGLE = "TOANGLE"
+# one word that says for itself what G90 and G91 say for a block: X=IC(10), X=AC(10)
+BY_ITSELF = tuple(f"{axis}{how}" for axis in "XYZABC" for how in ("IC", "AC"))
 # words of several letters (Siemens)
-EXTENDED = (TO_ANGLE, "CR", "TURN", "RPL", "A3", "B3", "C3", "IAC", "JAC", "KAC")
+EXTENDED = (TO_ANGLE, "CR", "TURN", "RPL", "A3", "B3", "C3", "IAC", "JAC", "KAC", *BY_ITSELF)
 LETTERS = frozenset([*"ABCDFGHIJKLMNPQRSTXYZ", *EXTENDED])
 PLACES = frozenset("XYZABCIJKRQ")
 EXTENDED_WORD = re.compile(rf"\s*({'|'.join(EXTENDED)})\s*=\s*{_NUMBER}")
@@ -47,8 +49,14 @@ UNREADABLE = (
     (
         re.compile(r"[#\[\]]|\bR\d+\s*=|=\s*R\d|\b(WHILE|IF|GOTO[FB]?|END\d)\b|^\$|DEF\b"),
         "of variables and expressions those are read that set or state a number; jumps and loops "
-        "are not",
+        "are not: let the CAM system write all moves out",
     ),
+    (
+        re.compile(r"^[A-Z_]\w+\s*:|\b(REPEAT|LOOP)\b"),
+        "a label is where a jump or REPEAT leads to; jumps and loops are not read: let the CAM "
+        "system write all moves out",
+    ),
+    (re.compile(r"\b(CT|CIP|INVCW|INVCCW)\b"), "of arcs G2 and G3 are read"),
     (re.compile(r"\*"), "blocks that end in * (Heidenhain's DIN/ISO) or a checksum are not read"),
     (re.compile(r"\d,\d"), "of decimal numbers only those with a point are read"),
     (re.compile(r",\s*[RC]"), "corners written as ,R or ,C are not read"),
@@ -69,6 +77,16 @@ REWRITTEN = (
         re.compile(rf"\b([ABC])\s*=\s*(?:DC|AC[PN]?)\s*\(\s*{_NUMBER}\s*\)", re.IGNORECASE),
         rf"\1=\2 {TO_ANGLE}=1",
     ),
+    (
+        re.compile(rf"\b([XYZABC])\s*=\s*(IC|AC)\s*\(\s*{_NUMBER}\s*\)", re.IGNORECASE),
+        r"\1=\3 \1\2=1",
+    ),
+    # the tool's length from the control's own table (FreeCAD for Fanuc): a place of the machine
+    (
+        re.compile(r"\bZ\s*-?\s*\[\s*#\s*\[\s*2[02]00\s*\+\s*#4120\s*\]\s*\]", re.IGNORECASE),
+        "G53 Z0",
+    ),
+    (re.compile(r"\bH\s*#4120\b", re.IGNORECASE), ""),
     # the blank for the simulation, the main spindle
     (re.compile(r"\b(WORKPIECE\s*\([^()]*\)|SETMS\b(\s*\(\d*\))?)", re.IGNORECASE), ""),
     (re.compile(r"\bTRAORI\s*\(\s*1?\s*\)", re.IGNORECASE), "TRAORI"),
@@ -144,9 +162,7 @@ def blocks(lines: Iterable[Line], name: str) -> Iterator[Block | UnreadLineError
             continue
         for pattern, text_for_it in REWRITTEN:
             raw = pattern.sub(text_for_it, raw)
-        call, raw = (
-            taken_out(raw) if "CALL" in raw.upper() or "CYCLE" in raw.upper() else (None, raw)
-        )
+        call, raw = taken_out(raw)
         swivelled = SWIVEL.search(raw)
         raw = SWIVEL.sub(" ", raw)
         code, comments, closed = _split(with_square_brackets(raw) if "=" in raw else raw)

@@ -7,6 +7,7 @@ import numpy as np
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.planners.toolpath.readers.expansion.drilling import HoleCycle
 from irb2400_ctrl.planners.toolpath.readers.gcode.hole_calls import HoleCall, cycle_of
+from irb2400_ctrl.planners.toolpath.readers.gcode.hole_patterns import PATTERNS, places
 from irb2400_ctrl.planners.toolpath.readers.gcode.state import GcodeState
 from irb2400_ctrl.planners.toolpath.readers.program_builder import ProgramBuilder
 
@@ -40,6 +41,7 @@ class GcodeCycles:
     def __init__(self, builder: ProgramBuilder, state: GcodeState) -> None:
         self._builder = builder
         self._state = state
+        self._modal: HoleCall | None = None
 
     def run(self, motion: float, values: dict[str, float]) -> None:
         """Holes at the places that a block states.
@@ -52,6 +54,8 @@ class GcodeCycles:
         place = builder.place
         if state.plane != 17:
             raise InputError(f"{place}: G{motion:g} in the plane G{state.plane}, expected G17")
+        if "ZIC" in values or "ZAC" in values:
+            raise InputError(f"{place}: Z=IC(…) or Z=AC(…) in a cycle is not read; expected Z")
         if motion == 76:
             if set("IJK") <= set(values):
                 raise InputError(f"{place}: G76 with I, J and K cuts a thread; not read")
@@ -111,7 +115,7 @@ class GcodeCycles:
         builder = self._builder
         words = state.cycle
         level = words["R"]
-        across = {key: value for key, value in values.items() if key in "XY"}
+        across = {key: value for key, value in values.items() if key[0] in "XY"}
         x, y, _ = state.target(across)
         # G98: to where the tool was as the cycle began, also after holes with G99
         up = max(words.get("start", level) - level, 0.0) if state.retract_to_start else 0.0
@@ -132,7 +136,41 @@ class GcodeCycles:
         builder.drill(cycle, point, z)
         state.at = [x, y, level + up]
 
-    def hole(self, call: HoleCall) -> None:
+    def call(self, call: HoleCall) -> None:
+        """CYCLE81(…) here, MCALL CYCLE81(…) after each of the next moves and at the places of
+        HOLES1(…), HOLES2(…), MCALL ends that."""
+        if call.name in PATTERNS:
+            self._pattern(call)
+        elif call.modal:
+            self._modal = call if call.name else None
+        else:
+            self._hole(call)
+
+    def at_place(self) -> None:
+        """The modal call where a move has led."""
+        if self._modal is not None:
+            self._hole(self._modal)
+
+    def _pattern(self, call: HoleCall) -> None:
+        """A row is begun at its nearer end."""
+        state = self._state
+        place = self._builder.place
+        if self._modal is None or call.modal:
+            raise InputError(
+                f"{place}: {call.name} is read behind a line MCALL CYCLE81(…) to CYCLE89(…), which "
+                "says what to drill there; found none"
+            )
+        found = state.unit * places(call, place)
+        x, y, _ = state.at
+        if call.name == "HOLES1" and x is not None and y is not None:
+            here = np.array([x, y])
+            first, last = (float(np.linalg.norm(end - here)) for end in (found[0], found[-1]))
+            found = found[::-1] if last < first - 1e-9 else found
+        for hole in found:
+            state.at[:2] = hole.tolist()
+            self._hole(self._modal)
+
+    def _hole(self, call: HoleCall) -> None:
         """A hole by a call (Siemens) where the tool is."""
         state = self._state
         builder = self._builder

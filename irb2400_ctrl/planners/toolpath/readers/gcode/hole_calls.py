@@ -13,7 +13,8 @@ from irb2400_ctrl.planners.toolpath.readers.expansion.drilling import HoleCycle
 from irb2400_ctrl.planners.toolpath.readers.feed import Feed
 from irb2400_ctrl.planners.toolpath.readers.gcode.state import GcodeState
 
-CALL = re.compile(r"\b(MCALL\s+)?(CYCLE8[1-9])\s*\(([^()]*)\)", re.IGNORECASE)
+CALL = re.compile(r"\b(MCALL\s+)?(CYCLE8[1-9]|HOLES[12])\s*\(([^()]*)\)", re.IGNORECASE)
+BEGINS = re.compile(r"CALL|CYCLE|HOLES", re.IGNORECASE)
 # CYCLE80 ends a modal call on older controls
 NO_CALL = re.compile(r"\bMCALL\b(?:\s+CYCLE80\b)?(?!\s+[A-Z])", re.IGNORECASE)
 KINDS = {
@@ -41,6 +42,8 @@ class HoleCall:
 
 def taken_out(code: str) -> tuple[HoleCall | None, str]:
     """The call in a line, and the line without it."""
+    if not BEGINS.search(code):
+        return None, code
     found = CALL.search(code)
     if found:
         arguments = tuple(part.strip() for part in found.group(3).split(","))
@@ -63,7 +66,7 @@ def cycle_of(
     """
     if call.name not in KINDS:
         raise InputError(f"{place}: {call.name} is not read; expected one of {', '.join(KINDS)}")
-    at = [_number(text, f"{place}, {call.name}") for text in call.arguments] + [None] * 20
+    at = [number(text, f"{place}, {call.name}") for text in call.arguments] + [None] * 20
     shank = AT_THE_SHANK.get(call.name, -1)
     if shank >= 0 and at[shank]:
         raise InputError(
@@ -97,7 +100,12 @@ def cycle_of(
     )
 
 
-def _number(text: str, place: str) -> float | None:
+def number(text: str, place: str) -> float | None:
+    """An argument; None where it is left out, or a text.
+
+    Raises:
+        InputError: neither.
+    """
     if not text or text.startswith('"'):
         return None
     try:

@@ -20,6 +20,8 @@ FINISH = re.compile(r"finish operation", re.IGNORECASE)
 TOOL_NAME = re.compile(r"TC\s*:\s*(.*)", re.IGNORECASE)
 HIDDEN_CHANGE = re.compile(r"M0?6\s*T(\d+)", re.IGNORECASE)
 DIAMETER = re.compile(r"Compensated Tool Path\.\s*Diameter:\s*([\d.]+)", re.IGNORECASE)
+# a control that has neither G20 nor G21 (FreeCAD for UC-CNC)
+UNITS = re.compile(r"Units:\s*'(in|mm)'")
 MESSAGE = re.compile(r"MSG\s*,\s*(.*)", re.IGNORECASE)
 
 
@@ -65,6 +67,7 @@ class GcodeMachine:
         hidden = HIDDEN_CHANGE.match(text)
         diameter = DIAMETER.search(text)
         message = MESSAGE.match(text)
+        unit = UNITS.match(text)
         if name:
             known = builder.tool if builder.tool.name == name.group(1) else Tool()
             builder.describe_tool(replace(known, name=name.group(1)))
@@ -78,6 +81,9 @@ class GcodeMachine:
         elif diameter and float(diameter.group(1)) > 0:
             value = float(diameter.group(1)) * self._state.unit
             builder.describe_tool(replace(builder.tool, diameter=value))
+        elif unit and not self._state.unit_stated:
+            self._state.set_units(20 if unit.group(1) == "in" else 21)
+            builder.note("assumed", f"the unit of lengths from the comment ({text})")
         elif message:
             builder.event("message", message.group(1))
 

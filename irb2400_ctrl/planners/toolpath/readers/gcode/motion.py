@@ -42,6 +42,8 @@ class GcodeMotion:
         """
         state = self._state
         motion = state.motion
+        if why := state.polar_refusal(values):
+            raise InputError(f"{self._builder.place}: found {why}")
         if motion is None and None in state.target(values) and not set(values) & set(ROTARY):
             self._builder.note(
                 "assumed", "axis words before G0, G1, … are taken as the place of the tool"
@@ -85,7 +87,8 @@ class GcodeMotion:
         state = self._state
         for letter in ROTARY:
             if letter in values:
-                turned_to = state.absolute or TO_ANGLE in values
+                turned_to = state.absolute_of(letter, values)
+                turned_to = turned_to or (TO_ANGLE in values and f"{letter}IC" not in values)
                 before = 0.0 if turned_to else state.rotary[letter]
                 state.rotary[letter] = before + values[letter]
 

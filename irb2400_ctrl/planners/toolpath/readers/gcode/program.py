@@ -12,7 +12,6 @@ from irb2400_ctrl.planners.toolpath.readers.gcode.cycles import CYCLES, dwell_se
 from irb2400_ctrl.planners.toolpath.readers.gcode.decimal_points import without_point
 from irb2400_ctrl.planners.toolpath.readers.gcode.frames import CODES as FRAMES
 from irb2400_ctrl.planners.toolpath.readers.gcode.frames import GcodeFrames
-from irb2400_ctrl.planners.toolpath.readers.gcode.hole_calls import HoleCall
 from irb2400_ctrl.planners.toolpath.readers.gcode.machine import GcodeMachine
 from irb2400_ctrl.planners.toolpath.readers.gcode.motion import GcodeMotion, moves
 from irb2400_ctrl.planners.toolpath.readers.gcode.rotary import Rotary
@@ -25,7 +24,7 @@ from irb2400_ctrl.planners.toolpath.readers.unread_line import UnreadLineError
 
 MOTION = {0, 1, 2, 3, 80, *SPLINES, *CYCLES}
 # exact stop, blending, safe zones, look-ahead, compensation off: nothing for the points
-_QUIET = """8 9 15 22 23 25 26 40 49.1 50 50.1 60 61 61.1 62 63 64 69.1 80.1 97 103 187
+_QUIET = """8 9 22 23 25 26 40 49.1 50 50.1 60 61 61.1 62 63 64 69.1 80.1 97 103 187
 601 602 603 641 642 643 644 645 450 451"""
 HARMLESS = frozenset(map(float, _QUIET.split()))
 # take axis words for something else than a place to go to, or end something
@@ -41,7 +40,6 @@ REFUSED = {
     6.3: "a spline",
     7: "programming in diameters",
     10: "a change of the control's offsets",
-    16: "polar coordinates",
     31: "a probe",
     33: "thread cutting",
     38.2: "a probe",
@@ -53,6 +51,9 @@ REFUSED = {
     66: "a macro",
     87: "boring from below",
     96: "constant surface speed",
+    110: "a pole",
+    111: "a pole",
+    112: "a pole",
 }
 
 
@@ -112,7 +113,6 @@ class _Reader:
         self._machine = GcodeMachine(builder, self._state)
         self._frames = GcodeFrames(builder, self._state)
         self._used_offset = ""
-        self._modal: HoleCall | None = None
         self._again = False
         self.ended = False
 
@@ -181,21 +181,12 @@ class _Reader:
             self._after_cycle()
         if leads:
             self._move(values)
-            if self._modal is not None:
-                self._motion.cycles.hole(self._modal)
-        self._call(block.call)
+            self._motion.cycles.at_place()
+        if block.call is not None:
+            self._motion.cycles.call(block.call)
         self._machine.after(functions)
         self.ended = bool({2, 30, 99} & set(functions))
         self._again = 99 in functions
-
-    def _call(self, call: HoleCall | None) -> None:
-        """CYCLE81(…) here, MCALL CYCLE81(…) after each of the next moves, MCALL ends that."""
-        if call is None:
-            return
-        if call.modal:
-            self._modal = call if call.name else None
-        else:
-            self._motion.cycles.hole(call)
 
     def _modes(self, codes: list[float], values: dict[str, float]) -> None:
         state = self._state
@@ -214,6 +205,8 @@ class _Reader:
     def _mode(self, code: float) -> None:
         state = self._state
         simple: dict[float, Callable[[], None]] = {
+            15: lambda: setattr(state, "polar", False),
+            16: lambda: setattr(state, "polar", True),
             17: lambda: setattr(state, "plane", 17),
             18: lambda: setattr(state, "plane", 18),
             19: lambda: setattr(state, "plane", 19),

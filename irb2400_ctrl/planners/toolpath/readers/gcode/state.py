@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -25,6 +26,8 @@ class GcodeState:
     unit_fixed: bool = False
     """the user states the unit: G20 and G21 do not change it"""
     plane: int = 17
+    polar: bool = False
+    """X is a radius and Y an angle about the zero (G16)"""
     absolute: bool = True
     arc_absolute: bool = False
     feed_mode: int = 94
@@ -74,19 +77,56 @@ class GcodeState:
             return Feed("turn", value * self.unit)
         return Feed("speed", value * self.unit / 60)
 
+    def absolute_of(self, letter: str, values: dict[str, float]) -> bool:
+        """Whether a word of a block is a place, not a way: its own AC or IC counts before G90."""
+        return f"{letter}AC" in values or (self.absolute and f"{letter}IC" not in values)
+
     def target(self, values: dict[str, float]) -> list[float | None]:
         """Where a block leads."""
         result = list(self.at)
         for index, letter in enumerate(AXES):
-            if letter not in values:
+            if letter not in values or (self.polar and letter != "Z"):
                 continue
             way = values[letter] * self.unit
             known = result[index]
-            if self.absolute:
+            if self.absolute_of(letter, values):
                 result[index] = way
             elif known is not None:
                 result[index] = known + way
-        return result
+        return self._polar_target(values, result) if self.polar else result
+
+    def _polar_target(
+        self, values: dict[str, float], result: list[float | None]
+    ) -> list[float | None]:
+        """G16: radius and angle about the zero; one that is not stated stays."""
+        if not {"X", "Y"} & set(values):
+            return result
+        x, y = result[:2]
+        radius = None if x is None or y is None else math.hypot(x, y)
+        angle = 0.0 if x is None or y is None else math.degrees(math.atan2(y, x))
+        if "X" in values:
+            radius = values["X"] * self.unit
+        if "Y" in values:
+            angle = values["Y"] + (0.0 if self.absolute else angle)
+        if radius is None:
+            return [None, None, result[2]]
+        turned = math.radians(angle)
+        return [radius * math.cos(turned), radius * math.sin(turned), result[2]]
+
+    def polar_refusal(self, values: dict[str, float]) -> str:
+        """Why words of a block are not read in G16; empty where they are."""
+        if not self.polar or not {"X", "Y"} & set(values):
+            return ""
+        if self.plane != 17:
+            return f"polar coordinates (G16) in the plane G{self.plane}; expected G17"
+        if "X" in values and not self.absolute:
+            return (
+                "a radius X in G91 of polar coordinates (G16), which counts from where the tool "
+                "is; expected G90 for the radius"
+            )
+        if "Y" not in values and None in self.at[:2]:
+            return "polar coordinates (G16) without their angle Y"
+        return ""
 
     def placed(self, point: list[float | None] | Array, place: str) -> Array:
         """A place in the (tilted) work frame, in the work frame.
