@@ -26,12 +26,20 @@ from typing import Any
 
 ROOT = Path(__file__).parents[1]
 PACKAGE = "irb2400_ctrl"
-APART = multiprocessing.get_context("spawn")
+APART = multiprocessing.get_context("forkserver" if os.name == "posix" else "spawn")
 """each mutant is tested in a process of its own that has nothing of the package yet"""
+LOADED = ("__main__", "pytest", "casadi", "numpy", "pydantic", "scipy.interpolate", "scipy.signal",
+          "scipy.stats")  # fmt: skip
+"""what such a process begins with, loaded once for all: most of its own time otherwise"""
+APART.set_forkserver_preload(list(LOADED))
 TIMEOUT = 300.0
 """seconds of one mutant's tests"""
 SAID = ("failed", "crashed", "no end", "survived")
 """what may come of a mutant: a test fails, the tests cannot be run, run for ever, or all pass"""
+CERTIFIED = "tests/planners/test_certified.py -k (not 200)"
+SMOOTH = "tests/planners/test_smooth_timing.py -k (not 50 and not another and not price)"
+EFFECT_BOUNDS = "tests/planners/test_effect_bounds.py -k (not starts and not little)"
+SELECTION = "tests/diagnosis/test_selection.py tests/diagnosis/test_acceptance.py"
 TARGETS = {
     "codegen/machine_code/build_cache.py": "tests/codegen/test_build_cache.py",
     "sweep/journal.py": "tests/sweep/test_run.py -k (spoiled|no_journal|torn)",
@@ -65,6 +73,20 @@ TARGETS = {
         "tests/codegen/test_parameters_and_names.py tests/codegen/test_package.py"
     ),
     "planners/timing/rate_limited/cell_motion.py": "tests/planners/test_smooth_timing.py",
+    "planners/timing/rate_limited/output_bounds.py": SMOOTH,
+    "planners/timing/rate_limited/rate_limited_law.py": SMOOTH,
+    "planners/timing/rate_limited/constrained_outputs.py": SMOOTH,
+    "planners/timing/certificate.py": CERTIFIED,
+    "planners/timing/motion_limits.py": CERTIFIED,
+    "planners/timing/piecewise_constant_law.py": CERTIFIED,
+    "planners/timing/time_optimal.py": CERTIFIED,
+    "planners/timing/torque_constraints.py": CERTIFIED,
+    "planners/timing/two_pass/interpreted.py": "tests/planners/test_interpreted_two_pass.py",
+    "planners/enclosure/bernstein.py": "tests/planners/test_bernstein.py",
+    "planners/enclosure/cells.py": CERTIFIED,
+    "planners/enclosure/complex_disc.py": CERTIFIED,
+    "planners/enclosure/parabolas.py": CERTIFIED,
+    "planners/enclosure/effect_bounds.py": EFFECT_BOUNDS,
     "planners/clearance/crowd.py": "tests/cell/test_clearance.py tests/cell/test_distances.py",
     "planners/timing/sampled_reference/settled_reference.py": (
         "tests/planners/test_sampled_reference.py"
@@ -72,6 +94,10 @@ TARGETS = {
     "planners/linking/clearance_plane.py": "tests/planners/test_links.py",
     "diagnosis/preparation/noise_test.py": "tests/diagnosis/test_acceptance.py",
     "diagnosis/comparison/acceptance.py": "tests/diagnosis/test_acceptance.py",
+    "diagnosis/comparison/selection.py": SELECTION,
+    "diagnosis/comparison/confidence.py": SELECTION,
+    "diagnosis/comparison/criteria.py": SELECTION,
+    "diagnosis/estimation/evidence.py": "tests/diagnosis/test_parts.py",
     "planners/enclosure/interval.py": (
         "tests/planners/test_bernstein.py tests/planners/test_effect_bounds.py"
     ),

@@ -58,7 +58,7 @@ def compile_function(
     made_of = what_text_follows_from(fn, real=real, math=math, lanes=lanes)
     library: ctypes.CDLL | Interpreter
     try:
-        library = load_shared(source, fused=fused, made_of=made_of)
+        library = load_shared(source, fused=fused, straight=not lanes, made_of=made_of)
     except ToolMissingError as error:
         source()  # what has no C form is refused here as well
         say_slow(str(error))

@@ -13,10 +13,10 @@ excluded. Each branch is exact to rounding; none is false.
 from __future__ import annotations
 
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import casadi as ca
 import numpy as np
-from scipy.spatial import cKDTree
 
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.codegen.build import CompiledFunction, compile_function
@@ -25,6 +25,9 @@ from irb2400_ctrl.model.inverse_kinematics import Branches
 from irb2400_ctrl.model.joint_box import JointBox, require_pose
 from irb2400_ctrl.model.linear_solve import solve_ldl
 from irb2400_ctrl.robot import Robot
+
+if TYPE_CHECKING:
+    from scipy.spatial import cKDTree
 
 DRAWN = 20_000
 """configurations, once for an arm"""
@@ -84,6 +87,9 @@ class NewtonBranches:
 
     @cached_property
     def _near(self) -> cKDTree:
+        # here: arms with a closed form start without it
+        from scipy.spatial import cKDTree
+
         pose = ca.Function("pose", [q := ca.SX.sym("q", self.n)], [
             ca.densify(kinematics.flange_pose(self.robot, q))
         ])  # fmt: skip

@@ -15,6 +15,7 @@ import pytest
 from irb2400_ctrl.codegen import compile_function
 from irb2400_ctrl.codegen.machine_code import build_cache
 from irb2400_ctrl.codegen.machine_code.build_cache import build_shared, cache_dir, load_shared
+from irb2400_ctrl.codegen.machine_code.toolchain import LONG, run_tool
 from irb2400_ctrl.errors import IrbError, ToolMissingError
 
 SOURCE = "int answer(void) { return 42; }\n"
@@ -35,6 +36,22 @@ def script(place: Path, text: str) -> Path:
     place.write_text(f"#!/bin/sh\n{text}\n")
     place.chmod(place.stat().st_mode | stat.S_IXUSR)
     return place
+
+
+@pytest.mark.parametrize(
+    ("length", "straight", "level"), [(0, True, "-O3"), (1, True, "-O1"), (1, False, "-O3")]
+)
+def test_long_straight_text_alone_is_compiled_quickly(
+    folder: Path, monkeypatch: pytest.MonkeyPatch, length: int, straight: bool, level: str
+) -> None:
+    ran = []
+    monkeypatch.setattr(
+        build_cache, "run_tool", lambda command: ran.append(command) or run_tool(command)
+    )
+    source = SOURCE.ljust(LONG + length)
+    assert load_shared(source, straight=straight).answer() == 42
+    (command,) = ran
+    assert [word for word in command if word.startswith("-O")][-1] == level
 
 
 @pytest.mark.parametrize("size", [0, 1, 700, 5000, -1])

@@ -22,6 +22,8 @@ from pathlib import Path
 from irb2400_ctrl.codegen.machine_code.toolchain import (
     EXACT_FLAGS,
     FUSED_FLAGS,
+    LONG,
+    LONG_FLAGS,
     find_compiler,
     native_flags,
     run_tool,
@@ -96,18 +98,22 @@ def _pass_over(folder: str, fault: str) -> None:
 
 
 def load_shared(
-    source: str | Callable[[], str], *, fused: bool = False, made_of: bytes = b""
+    source: str | Callable[[], str],
+    *,
+    fused: bool = False,
+    straight: bool = False,
+    made_of: bytes = b"",
 ) -> ctypes.CDLL:
     """The library of a C text, compiled or from the cache, in this process.
 
     Args:
-        source, fused, made_of: as in `build_shared`.
+        source, fused, straight, made_of: as in `build_shared`.
 
     Raises:
         ToolMissingError: no compiler, or a system that does not let what it makes be loaded.
         IrbError: as `build_shared`.
     """
-    place = build_shared(source, fused=fused, made_of=made_of)
+    place = build_shared(source, fused=fused, straight=straight, made_of=made_of)
     try:
         return ctypes.CDLL(str(place))
     except OSError as error:
@@ -118,7 +124,11 @@ def load_shared(
 
 
 def build_shared(
-    source: str | Callable[[], str], *, fused: bool = False, made_of: bytes = b""
+    source: str | Callable[[], str],
+    *,
+    fused: bool = False,
+    straight: bool = False,
+    made_of: bytes = b"",
 ) -> Path:
     """Compile C text to a shared library, or find it whole in the cache.
 
@@ -128,6 +138,7 @@ def build_shared(
     Args:
         source: the text, or what writes it.
         fused: allow fused multiply-add.
+        straight: the text is straight code made from expressions: a long one is compiled quickly.
         made_of: all that the text follows from, in place of it in the key: then it is written only
             if there is no library yet.
 
@@ -138,7 +149,8 @@ def build_shared(
     compiler = find_compiler()
     flags = (*(FUSED_FLAGS if fused else EXACT_FLAGS), *native_flags(), "-fPIC", "-shared")
     written = made_of or _text(source).encode()
-    told = "\0".join(("", *flags, compiler.identity, processor())).encode()
+    level = (str(LONG), *LONG_FLAGS) if straight else ()
+    told = "\0".join(("", *flags, *level, compiler.identity, processor())).encode()
     key = _short_digest(written + told)
     folder = cache_dir()
     found = _whole_library(folder, key)
@@ -148,8 +160,10 @@ def build_shared(
     with tempfile.TemporaryDirectory(dir=folder, prefix=".build-") as work:
         text = Path(work) / "code.c"
         made = Path(work) / "code.so"
-        text.write_text(_text(source), encoding="utf-8")
-        command = [*compiler.command, *flags, str(text), "-o", str(made), "-lm"]
+        code = _text(source)
+        text.write_text(code, encoding="utf-8")
+        quick = LONG_FLAGS if straight and len(code) > LONG else ()
+        command = [*compiler.command, *flags, *quick, str(text), "-o", str(made), "-lm"]
         run_tool(command)
         if not made.is_file() or not made.stat().st_size:
             raise IrbError(

@@ -21,6 +21,11 @@ from irb2400_ctrl.errors import IrbError, ToolMissingError
 _PLAIN = ("-std=c99", "-O3", "-fno-math-errno", "-fno-trapping-math")
 EXACT_FLAGS = (*_PLAIN, "-ffp-contract=off", "-fno-tree-slp-vectorize")
 FUSED_FLAGS = (*_PLAIN, "-ffp-contract=fast")
+# long straight code compiles in half the time, exact values stay, and it runs within an eighth as
+# fast; it is what a first start waits for
+LONG_FLAGS = ("-O1", "-ftree-vectorize")
+LONG = 60_000
+"""characters of a text from which on"""
 
 
 @dataclass(frozen=True)

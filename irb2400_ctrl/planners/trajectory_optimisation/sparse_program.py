@@ -110,7 +110,7 @@ def machine_code(function: ca.Function) -> ca.Function:
     """The same function from a shared library in the build cache; without a compiler the function
     itself."""
     try:
-        return ca.external(function.name(), str(build_shared(_c_text(function))))
+        return ca.external(function.name(), str(build_shared(_c_text(function), straight=True)))
     except ToolMissingError:
         return function
 
