@@ -22,10 +22,11 @@ from collections.abc import Callable
 from contextlib import suppress
 from importlib.util import find_spec
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
+from threadpoolctl import threadpool_limits
 
 import irb2400_ctrl as irb
 from irb2400_ctrl.codegen import compile_function
@@ -49,6 +50,11 @@ Array = npt.NDArray[np.float64]
 CELLS = 1000
 LOOK = 1e-4
 """time between looks for a violation [s]"""
+
+
+def since(began: float) -> float:
+    """Processor time [ms]."""
+    return 1e3 * (time.process_time() - began)
 
 
 class Answer(NamedTuple):
@@ -78,7 +84,7 @@ class Race:
 
     def solvers(self) -> dict[str, Callable[[Array, Array], Answer]]:
         """Those that are installed and know this arm."""
-        found = {
+        found: dict[str, Callable[[Array, Array], Answer]] = {
             "certified": self.certified,
             "toppra, same rows": self.toppra_rows,
             "toppra, its defaults": self.toppra_defaults,
@@ -99,9 +105,8 @@ class Race:
         (tau,) = self.torque.map(q, qd, qdd, np.zeros(1))
         return max(float((np.abs(tau) / self.limits.tau_max).max()) - 1.0, 0.0)
 
-    def looked_at(self, path: JointPath, law: Any, began: float) -> Answer:
+    def looked_at(self, path: JointPath, law: PiecewiseConstantLaw, ms: float) -> Answer:
         """A law of ours, or of the same form."""
-        ms = 1e3 * (time.process_time() - began)
         _, *motion = law.motion(path, np.arange(0, law.duration, LOOK))
         return Answer(law.duration, self.violation(*motion), ms)
 
@@ -110,10 +115,10 @@ class Race:
         path = JointPath.through(s, q)
         began = time.process_time()
         cells = self.cells(path)
-        self.coefficients.append(1e3 * (time.process_time() - began))
+        self.coefficients.append(since(began))
         began = time.process_time()
         law = time_path(cells, self.limits, self.robot.friction).law
-        return self.looked_at(path, law, began)
+        return self.looked_at(path, law, since(began))
 
     def toppra_rows(self, s: Array, q: Array) -> Answer:
         """toppra's solver on our rows."""
@@ -121,7 +126,7 @@ class Race:
         cells = self.cells(path)
         began = time.process_time()
         law = time_with_toppra(cells, self.limits, self.robot.friction, passes=self.passes).law
-        return self.looked_at(path, law, began)
+        return self.looked_at(path, law, since(began))
 
     def toppra_defaults(self, s: Array, q: Array) -> Answer:
         """toppra as its documentation uses it: torque constraint and defaults."""
@@ -149,7 +154,7 @@ class Race:
             ),
         ]
         trajectory = algorithm.TOPPRA(constraints, path).compute_trajectory(0, 0)
-        ms = 1e3 * (time.process_time() - began)
+        ms = since(began)
         if trajectory is None:
             return Answer(np.nan, np.nan, ms)
         t = np.arange(0, trajectory.duration, LOOK)
@@ -163,7 +168,7 @@ class Race:
         began = time.process_time()
         law, alone = time_with_copp(cells, self.limits, self.robot.friction, self.passes)
         self.copp.append(alone)
-        return self.looked_at(path, law, began)
+        return self.looked_at(path, law, since(began))
 
 
 def friction(robot: Robot, qd: Array) -> Array:
@@ -198,7 +203,7 @@ def time_with_copp(
             robot.constraints, idx_s_interval=(0, len(bound) - 1), a_boundary=(0.0, 0.0)
         )
         x = np.maximum(np.asarray(copp.solver.topp2_ra.solve(problem)), 0.0)
-        spent += 1e3 * (time.process_time() - began)
+        spent += since(began)
     return PiecewiseConstantLaw(cells.s, x), spent
 
 
@@ -233,14 +238,14 @@ class DrakeRace:
             -limits.tau_max, limits.tau_max, ToppraDiscretization.kInterpolation
         )
         found = solver.SolvePathParameterization()
-        ms = 1e3 * (time.process_time() - began)
+        ms = since(began)
         if found is None:
             return Answer(np.nan, np.nan, ms)
-        t = np.arange(0, found.end_time(), LOOK)
-        along, v, u = (np.array([found.EvalDerivative(at, k)[0] for at in t]) for k in range(3))
-        slope = path(along[:, 0], 1)
-        motion = (path(along[:, 0]), slope * v, path(along[:, 0], 2) * v**2 + slope * u)
-        return Answer(found.end_time(), self.race.violation(*motion), ms)
+        times = found.get_segment_times()
+        along = np.array([found.value(t)[0, 0] for t in times])
+        speed = np.array([found.EvalDerivative(t, 1)[0, 0] for t in times])
+        law = PiecewiseConstantLaw(along, np.maximum(speed, 0.0) ** 2)
+        return self.race.looked_at(path, law, ms)
 
 
 def answered(solve: Callable[[Array, Array], Answer], s: Array, q: Array) -> Answer:
@@ -286,6 +291,7 @@ def table(robot: Robot, paths: int) -> None:
 def main(paths: int = 200) -> None:
     """Print both tables."""
     warnings.simplefilter("ignore")
+    threadpool_limits(1)
     for name in ("irb2400", "ur10e"):
         table(irb.load_robot(name), paths)
 
