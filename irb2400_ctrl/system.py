@@ -24,7 +24,7 @@ def cores() -> int:
 
 # number of the option in glibc's malloc.h, and the size from which on it is asked for [bytes]
 _MMAP_THRESHOLD = -3
-_LARGE = 2**19
+_LARGE = 2**22
 
 
 def give_back_large_arrays() -> None:
