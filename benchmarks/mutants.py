@@ -95,7 +95,7 @@ TARGETS = {
     "diagnosis/preparation/noise_test.py": "tests/diagnosis/test_acceptance.py",
     "diagnosis/comparison/acceptance.py": "tests/diagnosis/test_acceptance.py",
     "diagnosis/comparison/selection.py": SELECTION,
-    "diagnosis/comparison/confidence.py": SELECTION,
+    "diagnosis/comparison/confidence.py": "tests/diagnosis/test_confidence.py",
     "diagnosis/comparison/criteria.py": SELECTION,
     "diagnosis/estimation/evidence.py": "tests/diagnosis/test_parts.py",
     "planners/enclosure/interval.py": (

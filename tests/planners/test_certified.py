@@ -3,6 +3,7 @@ solver."""
 
 from __future__ import annotations
 
+import sys
 from dataclasses import replace
 
 import casadi as ca
@@ -14,6 +15,7 @@ from irb2400_ctrl import load_robot
 from irb2400_ctrl.codegen import compile_function
 from irb2400_ctrl.effects import LIBRARY
 from irb2400_ctrl.errors import InfeasibleError
+from irb2400_ctrl.model import Model
 from irb2400_ctrl.planners import Certificate, MotionLimits, check
 from irb2400_ctrl.planners.enclosure.cells import enclose, grid
 from irb2400_ctrl.planners.enclosure.complex_disc import disc_function
@@ -60,6 +62,26 @@ def test_certificate_is_checked_without_the_solver(seed: int) -> None:
     assert checked.torque_ratio > 0.999
     faster = PiecewiseConstantLaw(timed.law.s.copy(), 1.001 * timed.law.x)
     assert not check(Certificate(path, faster, LIMITS), DYNAMICS.model).holds()
+
+
+def test_certificates_of_one_arm_share_its_coefficients(monkeypatch: pytest.MonkeyPatch) -> None:
+    certificates = []
+    for seed in (0, 1):
+        path = random_path(seed)
+        timed, _ = time_joint_path(DYNAMICS, path, LIMITS)
+        certificates.append(Certificate(path, timed.law, LIMITS))
+    made = []
+    monkeypatch.setattr(
+        sys.modules[PathDynamics.__module__],
+        "disc_function",
+        lambda fn: made.append(fn.name()) or disc_function(fn),
+    )
+    loaded = ROBOT.with_effects(LIBRARY["payload"].of(None, mass_kg=5.0))
+    for robot in (ROBOT, loaded):
+        # one of its own: nothing of it is there yet
+        arm = Model(robot)
+        assert [check(c, arm).holds() for c in certificates] == [robot is ROBOT] * 2
+    assert made == ["coefficients"] * 2
 
 
 @pytest.mark.parametrize("seed", range(4))

@@ -4,6 +4,7 @@ made it."""
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.planners.enclosure.path_dynamics import PathDynamics, Way
@@ -35,5 +36,9 @@ def check(certificate: Certificate, model: Model, dynamics: PathDynamics | None 
     """
     if dynamics is None:
         external = certificate.path.n - model.robot.n
-        dynamics = PathDynamics(model, external, certificate.carriage)
+        dynamics = _dynamics(model, external, certificate.carriage)
     return certificate.law.bounds(certificate.path, certificate.limits, dynamics)
+
+
+# a program has many certificates of one arm; apart from the solver's own
+_dynamics = lru_cache(maxsize=8)(PathDynamics)

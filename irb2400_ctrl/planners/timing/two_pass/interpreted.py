@@ -57,7 +57,7 @@ def _reach(
 ) -> tuple[float, float] | None:
     """Interval of x_i from which some u leads into the interval of x_i+1."""
     p, q, r = rows.T
-    alone = (np.abs(p) * HARDLY <= np.abs(q) * h) | (p == 0.0)
+    alone = np.abs(p) * HARDLY <= np.abs(q) * h
     if np.any(alone & (q == 0.0) & (r < 0.0)):
         return None
     above = alone & (q > 0.0)

@@ -1,0 +1,72 @@
+"""What a finding is worth, at the edges of its table and of what counts as an alternative."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from irb2400_ctrl.diagnosis.comparison.confidence import alternatives, confidence
+from irb2400_ctrl.diagnosis.comparison.step import Step
+from irb2400_ctrl.effects import LIBRARY
+
+
+def tried(kind: str, joint: int, evidence: float, known: bool = True) -> Any:
+    return SimpleNamespace(
+        candidate=SimpleNamespace(kind=kind, joint=joint, known=known), evidence=evidence
+    )
+
+
+def step(kind: str, gain: float, *others: Any, known: bool = True) -> Step:
+    """An explanation found with evidence zero, and others beside it."""
+    own = tried(kind, 2, 0.0, known)
+    return Step(own.candidate, gain, (own, *others))
+
+
+@pytest.mark.parametrize(
+    ("margin", "share"),
+    [(0, 0.55), (3, 0.70), (30, 0.78), (100, 0.86), (300, 0.92), (1000, 0.96), (1e5, 0.985)],
+)
+def test_the_table_is_what_was_measured(margin: float, share: float) -> None:
+    found = step("gear_ripple", 1e9, tried("payload", 2, -float(margin)))
+    assert confidence(found) == pytest.approx(share)
+    assert confidence(step("gear_ripple", float(margin))) == pytest.approx(share)
+
+
+def test_beside_a_lookalike_nothing_is_surer_than_it_proved() -> None:
+    kind = next(kind for kind, effect in LIBRARY.items() if effect.ambiguity.lookalikes)
+    assert confidence(step(kind, 1e9)) == 0.75
+    assert confidence(step(kind, 3.0)) == pytest.approx(0.70)
+    assert confidence(step(kind, 1e9, known=False)) == pytest.approx(0.985)
+
+
+def test_alternatives_are_near_or_of_the_same_group() -> None:
+    own, mate = group_mates()
+    other = next(
+        kind
+        for kind, effect in LIBRARY.items()
+        if effect.ambiguity.group != LIBRARY[own].ambiguity.group
+    )
+    always = LIBRARY[own].ambiguity.lookalikes
+    # 12 nats and 6 % of the gain
+    for evidence, named in ((-17.9, (other,)), (-18.0, ()), (1.0, (other,))):
+        found = alternatives(step(own, 100.0, tried(other, 2, evidence)))
+        assert found == tuple(dict.fromkeys((*named, *always)))
+    # of the same group within 40 % of it
+    for evidence, named in ((-39.9, (mate,)), (-40.0, ())):
+        found = alternatives(step(own, 100.0, tried(mate, 2, evidence)))
+        assert found == tuple(dict.fromkeys((*named, *always)))
+    # not the same kind elsewhere, and no law without a name
+    unnamed = (tried(own, 3, -1.0), tried("smooth", 2, -1.0, known=False))
+    assert alternatives(step(own, 100.0, *unnamed)) == always
+
+
+def group_mates() -> tuple[str, str]:
+    """Two kinds of one group, the first without look-alikes."""
+    for kind, effect in LIBRARY.items():
+        for other, mate in LIBRARY.items():
+            same = effect.ambiguity.group == mate.ambiguity.group
+            if other != kind and same and not effect.ambiguity.lookalikes:
+                return kind, other
+    raise AssertionError("no group of two")
