@@ -56,7 +56,7 @@ def test_of_one_effect_on_every_joint_those_stay_that_stand_clear() -> None:
 def judged(candidate: Any, told: list[float], *, worth: float = 1.0, beyond: bool = True) -> bool:
     """What `bears_out` says of an offset on joint 2 of three: worth [nats] by joint."""
     held_out = SimpleNamespace(
-        worth=lambda place: SimpleNamespace(gain=np.array([0.0, worth, 0.0])),
+        worth=lambda place: SimpleNamespace(nats=np.array([0.0, worth, 0.0])),
         told=lambda place: SimpleNamespace(nats=np.array(told)),
     )
     acceptance: Any = Acceptance.__new__(Acceptance)
@@ -76,6 +76,9 @@ def test_a_name_stays_only_where_the_files_own_error_is_better_with_it() -> None
     assert not judged(name, [0.0, 5.0, -1.0], worth=-1.0)
     assert not judged(name, [9.0, -0.1, 0.0])  # worse where it sits
     assert not judged(name, [0.0, 5.0, -6.0])  # worse on all joints together
+    load = SimpleNamespace(known=True, devices=frozenset(), effects=(offset,), joint=None)
+    assert judged(load, [9.0, -5.0, 0.0])  # a balancer beside it is not found yet
+    assert not judged(load, [4.0, -5.0, 0.0])
     # what other numbers could say as well has the evidence against them to its credit
     assert judged(name, [0.0, -3.0, 0.0], beyond=False)
     assert not judged(name, [0.0, -21.0, 0.0], beyond=False)
