@@ -94,6 +94,12 @@ def test_a_swing_without_a_resonance_is_no_elastic_joint() -> None:
     assert usual(LIBRARY["torque_offset"].of(2, offset_Nm=3.0))
 
 
+@pytest.mark.parametrize(("order", "named"), [(3.6, False), (3.9, True), (160.1, True)])
+def test_an_order_that_left_the_grid_belongs_to_no_ripple(order: float, named: bool) -> None:
+    ripple = LIBRARY["gear_ripple"].of(2, amplitude_Nm=1.0, order=order)
+    assert usual(ripple) == named
+
+
 def test_nothing_of_a_gain_is_one() -> None:
     gain = LIBRARY["torque_gain"].of(2, gain=1.1)
     assert not stands_clear(fitted(gain, 0.05), 0, 10.0)

@@ -58,9 +58,15 @@ def stands_clear(fit: Fit, place: int, duration: float) -> bool:
 
 
 def usual(effect: Effect) -> bool:
-    """Whether the numbers of an effect with memory that a search alone has moved are such as the
-    thing has: what is damped at once is a lag and no resonance."""
+    """Whether the numbers that a search has moved are such as the thing has: a swing that is damped
+    at once is a lag and no resonance; an order that left its (even) grid belongs to no ripple."""
     known = {name: effect.prior.fields[name] for name in effect.prior.loose}
+    if effect.search.between_grid:
+        for name, value in effect.nonlinear.items():
+            tried = [point[name] for point in effect.grid(effect.joint)]
+            half = 0.5 * abs(tried[1] - tried[0])
+            if not min(tried) - half <= value <= max(tried) + half:
+                return False
     return all(
         abs(getattr(effect, name) - value) <= MOST_SPREADS * spread
         for name, (value, spread) in known.items()
