@@ -254,7 +254,13 @@ class Diagnosis(Displayed):
         compared = self.identification
         left = compared.error_after.rmse
         size = np.sqrt(np.mean(compared.measured**2, axis=0))
-        much = left > np.maximum(NEAR_FLOOR * self.noise_floor, LITTLE * size)
+        # fast misfit is no noise: neighbouring samples tell, where they were asked
+        floor = (
+            self.noise_floor
+            if self.noise is None
+            else np.minimum(self.noise_floor, self.noise.floor)
+        )
+        much = left > np.maximum(NEAR_FLOOR * floor, LITTLE * size)
         if self.usual_error is not None:
             much &= left > USUAL * self.usual_error
         return tuple(int(j) + 1 for j in np.flatnonzero(much) if j + 1 not in self.not_excited)

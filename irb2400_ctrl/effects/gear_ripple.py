@@ -14,6 +14,11 @@ from irb2400_ctrl.effects.base import Effect
 from irb2400_ctrl.effects.search import Search
 from irb2400_ctrl.effects.signals import Signals
 
+LEAST_ORDER = 4.0
+"""periods per turn below which what repeats is a gravity or spring law"""
+STEP = 0.5
+"""of the orders that a diagnosis tries"""
+
 
 class GearRipple(Effect):
     """tau_j = A sin(order q_j + phase): periodic in the joint angle, `order` periods per turn."""
@@ -61,9 +66,13 @@ class GearRipple(Effect):
 
     @classmethod
     def grid(cls, joint: int | None) -> list[dict[str, float]]:
-        # below order 4 a ripple is a gravity or spring law; above 160 the 250 Hz record no longer
-        # resolves it
-        return [{"order": 4.0 + 0.5 * k} for k in range(2 * 156 + 1)]
+        # above 160 the 250 Hz record no longer resolves it
+        return [{"order": LEAST_ORDER + STEP * k} for k in range(2 * 156 + 1)]
+
+    @property
+    def unlikely(self) -> bool:
+        # a fit that follows the order down arrives at a balancer
+        return self.order <= LEAST_ORDER - STEP
 
     @property
     def period(self) -> float | None:

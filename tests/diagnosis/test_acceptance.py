@@ -56,7 +56,7 @@ def test_of_one_effect_on_every_joint_those_stay_that_stand_clear() -> None:
 def judged(candidate: Any, told: list[float], *, worth: float = 1.0, beyond: bool = True) -> bool:
     """What `bears_out` says of an offset on joint 2 of three: worth [nats] by joint."""
     held_out = SimpleNamespace(
-        worth=lambda place: SimpleNamespace(gain=np.array([0.0, worth, 0.0])),
+        worth=lambda place: SimpleNamespace(nats=np.array([0.0, worth, 0.0])),
         told=lambda place: SimpleNamespace(nats=np.array(told)),
     )
     acceptance: Any = Acceptance.__new__(Acceptance)
@@ -76,6 +76,9 @@ def test_a_name_stays_only_where_the_files_own_error_is_better_with_it() -> None
     assert not judged(name, [0.0, 5.0, -1.0], worth=-1.0)
     assert not judged(name, [9.0, -0.1, 0.0])  # worse where it sits
     assert not judged(name, [0.0, 5.0, -6.0])  # worse on all joints together
+    load = SimpleNamespace(known=True, devices=frozenset(), effects=(offset,), joint=None)
+    assert judged(load, [9.0, -5.0, 0.0])  # a balancer beside it is not found yet
+    assert not judged(load, [4.0, -5.0, 0.0])
     # what other numbers could say as well has the evidence against them to its credit
     assert judged(name, [0.0, -3.0, 0.0], beyond=False)
     assert not judged(name, [0.0, -21.0, 0.0], beyond=False)
@@ -89,6 +92,12 @@ def test_a_swing_without_a_resonance_is_no_elastic_joint() -> None:
     assert usual(damped(0.25))
     assert not usual(damped(0.44))  # first half of a Panda
     assert usual(LIBRARY["torque_offset"].of(2, offset_Nm=3.0))
+
+
+@pytest.mark.parametrize(("order", "named"), [(3.6, False), (3.9, True), (160.1, True)])
+def test_an_order_that_left_the_grid_belongs_to_no_ripple(order: float, named: bool) -> None:
+    ripple = LIBRARY["gear_ripple"].of(2, amplitude_Nm=1.0, order=order)
+    assert usual(ripple) == named
 
 
 def test_nothing_of_a_gain_is_one() -> None:

@@ -71,6 +71,10 @@ def test_much_more_than_noise_left_on_a_joint_is_not_explained() -> None:
     left = replace(found, identification=worse)
     assert left.left_over == (3,)
     assert left.verdict == "unexplained"
+    # a misfit as fast as noise is in the floor of the residual, not in that of its differences
+    fast = replace(left, noise_floor=much)
+    assert fast.left_over == (3,)
+    assert replace(fast, noise=None).left_over == ()
 
 
 def test_no_share_is_above_one_hundred_per_cent() -> None:

@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 
 from irb2400_ctrl.diagnosis.estimation.candidate import plausible
+from irb2400_ctrl.diagnosis.estimation.effect_parameters import moved, parameters_of
+from irb2400_ctrl.effects import LIBRARY
 
 
 @pytest.mark.parametrize(
@@ -29,3 +31,14 @@ def test_a_delay_below_the_truth_of_the_time_stamps_is_not_named(
 def test_bounds_of_the_physics_hold() -> None:
     assert plausible("rotor_inertia", 1, np.array([-1.0]), {}) is None
     assert plausible("rotor_inertia", 1, np.array([1.0]), {}) is not None
+
+
+def test_what_repeats_less_than_four_times_a_turn_is_no_ripple() -> None:
+    """A fit that follows the order down arrives at a balancer (0.59 on axis 2 of a KR300)."""
+    size = np.array([3.0, 4.0])
+    assert plausible("gear_ripple", 2, size, {"order": 4.0}) is not None
+    assert plausible("gear_ripple", 2, size, {"order": 3.4}) is None
+    ripple = LIBRARY["gear_ripple"].of(2, amplitude_Nm=5.0, order=4.0)
+    order = next(p for p in parameters_of(ripple, 0) if p.name == "order")
+    (kept,) = moved([ripple], [order], np.array([-3.0])) or ()
+    assert kept.order > 3.5

@@ -58,13 +58,26 @@ def stands_clear(fit: Fit, place: int, duration: float) -> bool:
 
 
 def usual(effect: Effect) -> bool:
-    """Whether the numbers of an effect with memory that a search alone has moved are such as the
-    thing has: what is damped at once is a lag and no resonance."""
+    """Whether the numbers that a search has moved are such as the thing has: a swing that is damped
+    at once is a lag and no resonance; an order that left its (even) grid belongs to no ripple."""
     known = {name: effect.prior.fields[name] for name in effect.prior.loose}
+    if effect.search.between_grid:
+        for name, value in effect.nonlinear.items():
+            tried = [point[name] for point in effect.grid(effect.joint)]
+            half = 0.5 * abs(tried[1] - tried[0])
+            if not min(tried) - half <= value <= max(tried) + half:
+                return False
     return all(
         abs(getattr(effect, name) - value) <= MOST_SPREADS * spread
         for name, (value, spread) in known.items()
     )
+
+
+def own(candidate: Candidate, worth: Worth) -> float:
+    """What an explanation is worth where it sits, of the whole arm on all joints together: there
+    one of them may be worse as long as another effect of its own is not found yet [nats]."""
+    nats = worth.nats
+    return float(nats.sum() if candidate.joint is None else nats[candidate.joint - 1])
 
 
 class Acceptance:
@@ -89,19 +102,18 @@ class Acceptance:
             return False
         held_out = HeldOut(self.fitter, chosen, fit)
         if not candidate.known:
-            return bool(held_out.worth(place).gain[self._shown(candidate)] > 0.0)
+            return own(candidate, held_out.worth(place)) > 0.0
+        beyond = self._beyond_base(candidate, fit)
         # how a swing began is free, and its linear columns do not bear out its frequency
         if not candidate.devices:
             if not any(self.clear(steps, fit, place)):
                 return False
-            if self._beyond_base(candidate, fit):
-                worth = held_out.worth(place)
-                if worth.gain[self._shown(candidate)] <= 0.0:
-                    return False
+            if beyond and own(candidate, held_out.worth(place)) <= 0.0:
+                return False
         # what other numbers could say as well has their being unlikely to its credit
-        credit = 0.0 if self._beyond_base(candidate, fit) else steps[place].gain
-        nats = held_out.told(place).nats
-        return bool(nats[self._shown(candidate)] + credit > 0.0 and nats.sum() + credit > 0.0)
+        credit = 0.0 if beyond else steps[place].gain
+        told = held_out.told(place)
+        return min(own(candidate, told), float(told.nats.sum())) + credit > 0.0
 
     def _told(self, held_out: HeldOut, candidate: Candidate, place: int) -> Worth:
         """What a name is worth to what the robot's file will say; where other numbers of the robot
@@ -121,14 +133,6 @@ class Acceptance:
             (self._told(held_out, c, k) if c.known else held_out.worth(k)).gain
             for k, c in enumerate(chosen)
         ]
-
-    def _shown(self, candidate: Candidate) -> int:
-        """The joint (zero-based) on which a candidate shows most."""
-        if candidate.joint is not None:
-            return candidate.joint - 1
-        motion = self.fitter.motion
-        power = np.mean(candidate.torque(motion.n) ** 2, axis=0)
-        return int(np.argmax(power / np.mean(motion.filtered(motion.tau) ** 2, axis=0)))
 
     def _beyond_base(self, candidate: Candidate, fit: Fit) -> bool:
         """Whether other numbers of the robot could not say the same: where they could, unseen rows
