@@ -21,14 +21,13 @@ def unseen_rms(sums: Moments, prior: Prior, like: Estimate, correlation: float) 
     Args:
         like: a fit of the same arm: its noise and widths.
     """
-    blocks = np.arange(len(sums.H))
+    stretches = sums.gathered(FOLDS)
+    every = np.arange(len(stretches.H))
     found = []
-    for held in np.array_split(blocks, FOLDS):
-        if len(held) == 0:
-            continue
-        seen = sums.taken(np.setdiff1d(blocks, held)).summed()
+    for held in every:
+        seen = stretches.taken(np.setdiff1d(every, held)).summed()
         theta = unbounded_minimum(seen, prior, like, correlation)
-        part = sums.taken(held)
+        part = stretches.taken(np.array([held]))
         count = np.maximum(part.count.sum(axis=0), 1.0)
         found.append(np.sqrt(part.squared_error(theta).sum(axis=0) / count))
     return np.array(found)

@@ -9,7 +9,7 @@ import numpy as np
 
 from irb2400_ctrl.arrays import Array, Integers
 from irb2400_ctrl.identification.fitting.columns import ColumnLayout, Extra
-from irb2400_ctrl.identification.fitting.cross_validation import overall, unseen_rms
+from irb2400_ctrl.identification.fitting.cross_validation import FOLDS, overall, unseen_rms
 from irb2400_ctrl.identification.fitting.estimate import (
     Estimate,
     estimate,
@@ -25,19 +25,18 @@ ASIDE = 100.0
 """width of the bodies at which the file hardly counts"""
 USUAL = 10.0
 """samples that say the same thing, before it is known"""
-CLEAR = {"coupling": 10.0, "balancer": 10.0, "stribeck": 10.0, "reading": 0.0}
-"""log evidence that an extra must bring [nats], the first of its kind: drives are alike. A reading
-is no device of its own but the sign that plain least squares leaves a rotor"""
-HARM = 0.05
-"""and no joint may leave so much more on unseen stretches [-]"""
+CLEAR = 10.0
+"""log evidence that an extra must bring [nats], the first of its kind: drives are alike"""
+NEGATIVE = 3.0
+"""standard errors below zero at which a rotor is none: its drive does not read what accelerates"""
+LIKE = 1.0
+"""and the same of the others, once one drive is known to read so: drives are alike"""
 LEAST_GAIN = 0.05
-"""and one that it touches must leave so much less"""
+"""and so much less on unseen stretches, on the joints that it touches, for each of its numbers"""
 NOTHING = 1e-9
 """[Nm] what a joint that rests leaves"""
 PINNED = 1e-8
 """variance, over its own, of a number that is held at zero"""
-
-Group = tuple[Extra, ...]
 
 
 @dataclass(frozen=True)
@@ -63,11 +62,10 @@ class Fit:
 
 
 def candidates(n: int) -> tuple[Extra, ...]:
-    """What some arms have: couplings of neighbours in the wrist, balancers, readings, Stribeck."""
+    """What some arms have: couplings of neighbours in the wrist, balancers, Stribeck."""
     couplings = [Extra("coupling", joint) for joint in range(4, n)]
     balancers = [Extra("balancer", joint) for joint in (2, 3) if joint <= n]
-    single = [Extra(kind, j + 1) for kind in ("reading", "stribeck") for j in range(n)]
-    return (*couplings, *balancers, *single)
+    return (*couplings, *balancers, *(Extra("stribeck", j + 1) for j in range(n)))
 
 
 def fit(model: Model, parts: Sequence[Recording], extras: Sequence[Extra] | None = None) -> Fit:
@@ -76,19 +74,29 @@ def fit(model: Model, parts: Sequence[Recording], extras: Sequence[Extra] | None
     Args:
         extras: what is taken on; default what gains clearly on unseen stretches.
     """
-    offered = candidates(model.robot.n) if extras is None else tuple(extras)
-    whole = ColumnLayout(model.robot.n, offered)
+    n = model.robot.n
+    offered = tuple(extras or ())
+    readings = tuple(Extra("reading", j + 1) for j in range(n))
+    if extras is None:
+        offered = (*candidates(n), *readings)
+    whole = ColumnLayout(n, offered)
     sums = moments(model, whole, parts)
     prior = prior_of(model.robot, whole, scale_of(parts))
-    layout = ColumnLayout(model.robot.n, () if extras is None else offered)
-    found = _fitted(model, parts, layout, *_part(sums, prior, layout, whole))
+
+    def of(chosen: Sequence[Extra]) -> Fit:
+        layout = ColumnLayout(n, tuple(chosen))
+        return _fitted(model, parts, layout, *_part(sums, prior, layout, whole))
+
     if extras is not None:
+        return of(offered)
+    found = of(())
+    chosen = _chosen(found, sums.gathered(FOLDS), prior, whole)
+    found = of(chosen) if chosen else found
+    unread = _unread(found)
+    if not len(unread):
         return found
-    chosen = _chosen(found, sums, prior, whole)
-    if not chosen:
-        return found
-    layout = ColumnLayout(model.robot.n, chosen)
-    return _fitted(model, parts, layout, *_part(sums, prior, layout, whole))
+    read = of((*chosen, *(readings[j] for j in unread)))
+    return read if _more_probable(read, found) else found
 
 
 def left_unseen(model: Model, parts: Sequence[Recording]) -> Array:
@@ -129,7 +137,8 @@ def _fitted(
     positive = layout.positive()
     aside = np.full(layout.n, ASIDE)
     held = _without_read_rotors(prior, layout)
-    first = estimate(sums, held, correlation=1.0, positive=positive, kappa=aside, rounds=5)
+    data = sums.summed()
+    first = estimate(data, held, correlation=1.0, positive=positive, kappa=aside, rounds=5)
     factors = [
         correlation_factor(
             part.motion.tau - predicted(model, layout, part, first.theta), part.motion.known
@@ -137,12 +146,12 @@ def _fitted(
         for part in parts
     ]
     correlation = max(1.0, float(np.median(np.mean(factors, axis=0))))
-    wary = estimate(sums, held, correlation=correlation, positive=positive, sigma=first.sigma)
+    wary = estimate(data, held, correlation=correlation, positive=positive, sigma=first.sigma)
     tried = [
-        estimate(sums, held, correlation=correlation, positive=positive, start=start)
+        estimate(data, held, correlation=correlation, positive=positive, start=start)
         for start in (wary, None)
     ]
-    numbers = max(tried, key=lambda e: log_evidence(sums, held, e, correlation))
+    numbers = max(tried, key=lambda e: log_evidence(data, held, e, correlation))
     return Fit(layout, prior, sums, numbers, correlation, first.sigma)
 
 
@@ -181,67 +190,90 @@ def _tried(
     return _Trial(log_evidence(part, own, like, base.correlation), left)
 
 
-def _below(base: Fit) -> Integers:
-    """Columns of the drives whose numbers would go below zero without bounds."""
-    free = unbounded_minimum(base.sums, base.prior, base.numbers, base.correlation)
-    return np.flatnonzero(base.layout.positive() & (free < 0.0))
-
-
 def _pinned(base: Fit, prior: Prior) -> Prior:
-    """The prior with those numbers held at zero that would go below without bounds."""
+    """The prior with friction held at zero that would go below without bounds."""
+    layout = base.layout
+    free = unbounded_minimum(base.sums, base.prior, base.numbers, base.correlation)
+    below = layout.positive() & (free < 0.0)
+    below[layout.drive("rotor")] = False
     drives = prior.drives.copy()
-    drives[_below(base) - base.layout.inertial] *= PINNED
+    drives[np.flatnonzero(below) - layout.inertial] *= PINNED
     return replace(prior, drives=drives)
 
 
-def _offered(base: Fit, extras: Sequence[Extra]) -> list[Group]:
-    """Each extra alone, and the readings of all rotors that would go below zero as one: drives are
-    alike, and one reading alone is paid by the joints beside it."""
-    rotor = base.layout.drive("rotor")
-    below = {int(k) - rotor.start + 1 for k in _below(base) if rotor.start <= k < rotor.stop}
-    readings = tuple(e for e in extras if e.kind == "reading" and e.joint in below)
-    singles: list[Group] = [(extra,) for extra in extras]
-    return [*singles, readings] if len(readings) > 1 else singles
+def _unread(base: Fit) -> Integers:
+    """Zero-based joints whose rotor is below zero where it may be: their drives read the torque
+    without part of what accelerates the joint."""
+    layout = base.layout
+    rotor = layout.drive("rotor")
+    bounded = layout.positive()
+    bounded[rotor] = False
+    signed = estimate(
+        base.sums.summed(),
+        base.prior,
+        correlation=base.correlation,
+        positive=bounded,
+        start=base.numbers,
+    )
+    below = -signed.theta[rotor] / np.sqrt(np.diag(signed.covariance)[rotor])
+    return np.flatnonzero(below > (LIKE if below.max() > NEGATIVE else NEGATIVE))
 
 
-def _chosen(base: Fit, sums: Moments, prior: Prior, whole: ColumnLayout) -> Group:
+def _more_probable(one: Fit, other: Fit) -> bool:
+    """Whether the logs are more probable by the first, counted as of the correlation that the
+    second leaves: a rotor below zero may as well be an axis lighter than the file says."""
+    evidence = []
+    for found in (one, other):
+        data = found.sums.summed()
+        held = _without_read_rotors(found.prior, found.layout)
+        numbers = estimate(
+            data,
+            held,
+            correlation=other.correlation,
+            positive=found.layout.positive(),
+            start=found.numbers,
+        )
+        evidence.append(log_evidence(data, held, numbers, other.correlation))
+    return evidence[0] > evidence[1]
+
+
+def _chosen(base: Fit, sums: Moments, prior: Prior, whole: ColumnLayout) -> tuple[Extra, ...]:
     """Extras one after another, the best first, while one is clear and gains unseen."""
     n = base.layout.n
-    chosen: Group = ()
-    open_ones = _offered(base, whole.extras)
+    chosen: tuple[Extra, ...] = ()
+    open_ones = list(candidates(n))
     now = _tried(base, sums, prior, whole, base.layout)
     while open_ones:
         trials = {
-            some: _tried(base, sums, prior, whole, ColumnLayout(n, (*chosen, *some)))
-            for some in open_ones
+            extra: _tried(base, sums, prior, whole, ColumnLayout(n, (*chosen, extra)))
+            for extra in open_ones
         }
         like = {extra.kind for extra in chosen}
         good = [
-            some
-            for some in open_ones
-            if _gains(some, trials[some], now)
-            and trials[some].evidence
-            > now.evidence + (0.0 if some[0].kind in like else CLEAR[some[0].kind])
+            extra
+            for extra in open_ones
+            if _gains(extra, trials[extra], now)
+            and trials[extra].evidence > now.evidence + (0.0 if extra.kind in like else CLEAR)
         ]
         if not good:
             return chosen
-        best = max(good, key=lambda some: trials[some].evidence)
+        best = max(good, key=lambda extra: trials[extra].evidence)
         # what is less probable now hardly becomes clear later
         open_ones = [
-            some
-            for some in open_ones
-            if not set(some) & set(best) and trials[some].evidence > now.evidence
+            extra for extra in open_ones if extra != best and trials[extra].evidence > now.evidence
         ]
         now = trials[best]
-        chosen = (*chosen, *best)
+        chosen = (*chosen, best)
     return chosen
 
 
-def _gains(some: Group, trial: _Trial, now: _Trial) -> bool:
-    """Whether no joint leaves more on unseen stretches, and one that they touch clearly less."""
-    # a joint that rests leaves nothing, and gains nothing
-    gain = np.where(now.left > NOTHING, 1.0 - trial.left / np.maximum(now.left, NOTHING), 0.0)
-    if some[0].kind == "balancer":  # bodies that cannot be take its place: the evidence knows
-        return bool(gain.min() > -HARM)
-    touched = [joint for extra in some for joint in extra.touches]
-    return bool(gain.min() > -HARM and gain[touched].max() > LEAST_GAIN)
+def _gains(extra: Extra, trial: _Trial, now: _Trial) -> bool:
+    """Whether the joints together leave less on unseen stretches, and those that it touches clearly
+    less for the numbers that it costs."""
+    moved = now.left > NOTHING  # a joint that rests leaves nothing, and gains nothing
+    less = np.where(
+        moved, -np.log(np.maximum(trial.left, NOTHING) / np.maximum(now.left, NOTHING)), 0.0
+    )
+    if extra.kind == "balancer":  # bodies that cannot be take its place: the evidence knows
+        return bool(less.sum() > 0.0)
+    return bool(less.sum() > 0.0 and less[list(extra.touches)].mean() > LEAST_GAIN * extra.size)

@@ -51,6 +51,17 @@ class Moments:
             *(x.sum(axis=0, keepdims=True) for x in (self.H, self.g, self.c, self.count))
         )
 
+    def gathered(self, most: int) -> Moments:
+        """Blocks that hold samples, in order, as `most` of about as many each."""
+        full = np.flatnonzero(self.count.any(axis=1))
+        groups = np.array_split(full, max(1, min(most, len(full))))
+        return Moments(
+            *(
+                np.stack([x[group].sum(axis=0) for group in groups])
+                for x in (self.H, self.g, self.c, self.count)
+            )
+        )
+
     def squared_error(self, theta: Array) -> Array:
         """Sum of squared residuals per block and joint, shape (b, n) [Nm2]."""
         quadratic = np.einsum("bnpq,p,q->bn", self.H, theta, theta, optimize=True)
