@@ -84,16 +84,6 @@ def test_a_name_stays_only_where_the_files_own_error_is_better_with_it() -> None
     assert not judged(name, [0.0, -21.0, 0.0], beyond=False)
 
 
-def test_a_swing_without_a_resonance_is_no_elastic_joint() -> None:
-    def damped(ratio: float) -> Effect:
-        return LIBRARY["elastic_joint"].of(1, stiffness_Nm_rad=458.0, damping_ratio=ratio)
-
-    assert usual(damped(0.02))
-    assert usual(damped(0.25))
-    assert not usual(damped(0.44))  # first half of a Panda
-    assert usual(LIBRARY["torque_offset"].of(2, offset_Nm=3.0))
-
-
 @pytest.mark.parametrize(("order", "named"), [(3.6, False), (3.9, True), (160.1, True)])
 def test_an_order_that_left_the_grid_belongs_to_no_ripple(order: float, named: bool) -> None:
     ripple = LIBRARY["gear_ripple"].of(2, amplitude_Nm=1.0, order=order)

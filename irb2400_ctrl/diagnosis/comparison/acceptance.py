@@ -24,10 +24,6 @@ INFLATION = 1.5
 them"""
 
 
-MOST_SPREADS = 5.0
-"""of what is usual that a number which the evidence does not weigh may be away from it"""
-
-
 def effects_of(chosen: Sequence[Candidate], place: int) -> range:
     """Places of a candidate's effects among those of a fit."""
     start = sum(len(c.effects) for c in chosen[:place])
@@ -58,19 +54,15 @@ def stands_clear(fit: Fit, place: int, duration: float) -> bool:
 
 
 def usual(effect: Effect) -> bool:
-    """Whether the numbers that a search has moved are such as the thing has: a swing that is damped
-    at once is a lag and no resonance; an order that left its (even) grid belongs to no ripple."""
-    known = {name: effect.prior.fields[name] for name in effect.prior.loose}
+    """Whether the numbers that a search has moved are such as the thing has: an order that left its
+    (even) grid belongs to no ripple."""
     if effect.search.between_grid:
         for name, value in effect.nonlinear.items():
             tried = [point[name] for point in effect.grid(effect.joint)]
             half = 0.5 * abs(tried[1] - tried[0])
             if not min(tried) - half <= value <= max(tried) + half:
                 return False
-    return all(
-        abs(getattr(effect, name) - value) <= MOST_SPREADS * spread
-        for name, (value, spread) in known.items()
-    )
+    return True
 
 
 def own(candidate: Candidate, worth: Worth) -> float:
@@ -98,18 +90,19 @@ class Acceptance:
         """Whether the common fit of all bears one of them out."""
         chosen = [s.candidate for s in steps]
         candidate = chosen[place]
+        if candidate.devices:
+            # how a swing began is free, and its linear columns do not bear out its frequency
+            return True
         if not all(usual(fit.effects[k]) for k in effects_of(chosen, place)):
             return False
         held_out = HeldOut(self.fitter, chosen, fit)
         if not candidate.known:
             return own(candidate, held_out.worth(place)) > 0.0
         beyond = self._beyond_base(candidate, fit)
-        # how a swing began is free, and its linear columns do not bear out its frequency
-        if not candidate.devices:
-            if not any(self.clear(steps, fit, place)):
-                return False
-            if beyond and own(candidate, held_out.worth(place)) <= 0.0:
-                return False
+        if not any(self.clear(steps, fit, place)):
+            return False
+        if beyond and own(candidate, held_out.worth(place)) <= 0.0:
+            return False
         # what other numbers could say as well has their being unlikely to its credit
         credit = 0.0 if beyond else steps[place].gain
         told = held_out.told(place)
