@@ -275,5 +275,5 @@ def _gains(extra: Extra, trial: _Trial, now: _Trial) -> bool:
         moved, -np.log(np.maximum(trial.left, NOTHING) / np.maximum(now.left, NOTHING)), 0.0
     )
     if extra.kind == "balancer":  # bodies that cannot be take its place: the evidence knows
-        return bool(less.sum() > 0.0)
+        return True
     return bool(less.sum() > 0.0 and less[list(extra.touches)].mean() > LEAST_GAIN * extra.size)
