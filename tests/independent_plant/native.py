@@ -71,7 +71,7 @@ def _c(array: np.ndarray) -> np.ndarray:
 
 def inverse_dynamics(arm: np.ndarray, q: np.ndarray, qd: np.ndarray, qdd: np.ndarray) -> np.ndarray:
     """Rigid torque [Nm] of states (6,) or (n, 6); arm packed by `parameters.Arm.packed`."""
-    q, qd, qdd = _c(q), _c(qd), _c(qdd)
+    q, qd, qdd = map(_c, (q, qd, qdd))
     if not q.shape == qd.shape == qdd.shape:
         raise ValueError(f"found states of shapes {q.shape}, {qd.shape}, {qdd.shape}")
     tau = np.empty(q.shape)
