@@ -53,11 +53,15 @@ def made_masses(path: Path, root: ET.Element, settings: Settings, notes: list[st
             "makes them (1000 kg/m3 where no density is stated): a guess, identify them"
             for name in shaped
         ]
-    return _made(path, root) if changed or shaped else {}
+    return _made(path, root, notes) if changed or shaped else {}
 
 
-def _made(path: Path, root: ET.Element) -> Made:
+def _made(path: Path, root: ET.Element, notes: list[str]) -> Made:
     mujoco = needed("mujoco", "mjcf", f"{path}: mass data that the file does not state")
+    # left alone, MuJoCo appends what it has to say to a file in the working directory
+    warned: list[str] = []
+    before = mujoco.get_mju_user_warning()
+    mujoco.set_mju_user_warning(warned.append)
     try:
         model = mujoco.MjModel.from_xml_path(str(path))
     except ValueError as error:
@@ -66,6 +70,9 @@ def _made(path: Path, root: ET.Element) -> Made:
             f"{path}: its mass data have to be made from shapes, and MuJoCo does not take the "
             f"file: {said}; put what is missing beside it, or give every body an <inertial>"
         ) from error
+    finally:
+        mujoco.set_mju_user_warning(before)
+    notes += [f"MuJoCo says of the file: {text}" for text in warned]
     bodies = list(root.iter("body"))
     found: Made = {}
     for k, body in enumerate(bodies, 1):
