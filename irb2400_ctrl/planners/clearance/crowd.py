@@ -86,9 +86,9 @@ class Crowd:
         """Why a motion ends before a station some of whose configurations (m, joints) touch
         something."""
         return CollisionError(
-            f"no continuous motion reaches point {point} without a collision: of the "
-            f"configurations there that touch something, {self._best(q, station)}; split the path, "
-            "move the work frame, or change the cell"
+            f"no continuous motion reaches point {point} without a collision: some configurations "
+            f"there come too near, and in the best of these {self._best(q, station)}; split the "
+            "path, move the work frame, or change the cell"
         )
 
     def _best(self, q: Array, station: int) -> str:
@@ -99,5 +99,6 @@ class Crowd:
         best = int(np.argmax(room))
         first, other = self.scene.nearest(q[best], cutting)
         keep = self.scene.keep
+        near = "touch" if room[best] <= 0 else f"are {1e3 * room[best]:.2f} mm apart"
         wanted = f", {1e3 * keep:g} mm are to be kept" if keep else ""
-        return f"the best one {first} and {other} ({1e3 * room[best]:.2f} mm{wanted})"
+        return f"{first} and {other} {near}{wanted}"

@@ -138,15 +138,18 @@ def test_tracut_and_trans_move_points_axes_and_arcs(tmp_path: Path) -> None:
 def test_words_of_machine_and_listing_are_noted(tmp_path: Path) -> None:
     text = (
         "PARTNO A\nUNITS/MM\nMACHIN/X,1\nGOTO/100,0,0\nINSERT G4 P2\nDELAY/2\nPPRINT LOOK OUT\n"
+        "UNCLAMP/BAXIS\nLOCK/BAXIS\nPOWER/ON\n"
         "GOTO/100,20,0\nPAINT/COLOR,1\nPAINT/COLOR,2\nOPSTOP\nGOTO/100,40,0\nREMARK/GOTO\nFINI\n"
     )
     program = read_program(written(tmp_path, text))
     assert [len(o.path) for o in program.operations] == [2, 2]
     events = [(e.kind, e.line) for o in program.operations for e in o.events]
-    assert events == [("dwell", 6), ("message", 7), ("optional stop", 11)]
+    assert events == [("dwell", 6), ("message", 7), ("optional stop", 14)]
     paint = next(n for n in program.of_kind("ignored") if n.text == "PAINT/")
-    assert (paint.line, paint.count) == (9, 2)
-    assert "INSERT/G4 P2: machine code, not carried out" in str(program.of_kind("assumed"))
+    assert (paint.line, paint.count) == (12, 2)
+    assert any(n.text == "UNCLAMP/" for n in program.of_kind("ignored"))
+    for word in ("INSERT/G4 P2", "LOCK/BAXIS", "POWER/ON"):
+        assert f"{word}: machine code, not carried out" in str(program.of_kind("assumed"))
 
 
 def test_a_tool_change_ends_the_motion(tmp_path: Path) -> None:
