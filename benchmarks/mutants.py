@@ -26,12 +26,8 @@ from typing import Any
 
 ROOT = Path(__file__).parents[1]
 PACKAGE = "irb2400_ctrl"
-APART = multiprocessing.get_context("forkserver" if os.name == "posix" else "spawn")
+APART = multiprocessing.get_context("spawn")
 """each mutant is tested in a process of its own that has nothing of the package yet"""
-LOADED = ("__main__", "pytest", "casadi", "numpy", "pydantic", "scipy.interpolate", "scipy.signal",
-          "scipy.stats")  # fmt: skip
-"""what such a process begins with, loaded once for all: most of its own time otherwise"""
-APART.set_forkserver_preload(list(LOADED))
 TIMEOUT = 300.0
 """seconds of one mutant's tests"""
 SAID = ("failed", "crashed", "no end", "survived")
