@@ -6,10 +6,10 @@
 Each arm is posed at random configurations, away from singularities by 1e-4 in every factor. *False*
 is a branch whose forward kinematics is not the pose (1e-8); *missed* a pose whose branches do not
 hold the configuration it came from (1e-6). With --search the number of branches is compared, on N
-poses an arm, with Newton's method from many starts, which knows no family. With --newton that
-method itself is counted and timed, on arms that have no closed form (the K-th alone, from 0); and
+poses an arm, with the roots of the general arm, which know no family. With --newton that method
+itself is counted and timed, on arms that have no closed form (the K-th alone, from 0); and
 on a tenth of the poses, 1,000 at most, its branches are compared with what eight times as many
-starts find. Several seeds (5 unless given) make many poses of several runs.
+rounds find. Several seeds (5 unless given) make many poses of several runs.
 EAIK and py-opw-kinematics are timed beside it when they are installed.
 """
 
@@ -163,7 +163,7 @@ def numerical(robot: irb.Robot, poses: int, seed: int) -> str:
     away = np.abs(np.exp(1j * found) - np.exp(1j * q)[:, None]).max(axis=2)
     missed = np.where(exists, away, np.inf).min(axis=1) > 1e-6
     few = min(1000, max(1, poses // 10))
-    more = NewtonBranches(robot, seen=64, rounds=96).many(X[:few], None).q
+    more = NewtonBranches(robot, quiet=24, rounds=200).many(X[:few], None).q
     other = np.isfinite(more).all(axis=2).sum(axis=1) != exists[:few].sum(axis=1)
     return (
         f"{robot.name:<24} {poses:>7} {exists.sum():>8} {int((error > 1e-8).sum()):>6} "
@@ -217,7 +217,7 @@ def main() -> None:
     if args.newton:
         print(
             "arm                        poses branches  false  missed  in singular.  ms/pose  "
-            "other count with 8 times the starts"
+            "other count with 8 times the rounds"
         )
         for robot in of_no_family() if args.arm is None else [of_no_family()[args.arm]]:
             print(numerical(robot, args.poses, args.seed), flush=True)

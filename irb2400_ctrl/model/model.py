@@ -165,10 +165,10 @@ class Model(SymbolicArm):
     def inverse_kinematics(self, X_BT: Array, seed: Array | None = None) -> Array:
         """All actuator angles inside the joint box that reach the pose, shape (branches, 6) [rad].
 
-        Closed form for arms with a spherical wrist or three parallel axes, Newton's method from
-        many starts for other arms of six axes. Whole turns that fit into the box are solutions of
-        their own. With `seed` (6,) the nearest (largest joint difference smallest) comes first, and
-        it decides an angle that a singularity leaves free.
+        Closed form for arms with a spherical wrist or three parallel axes, roots of the
+        characteristic polynomial for other arms of six axes. Whole turns that fit into the box are
+        solutions of their own. With `seed` (6,) the nearest (largest joint difference smallest)
+        comes first, and it decides an angle that a singularity leaves free.
 
         Raises:
             InputError: not a pose, or the arm has not six axes.

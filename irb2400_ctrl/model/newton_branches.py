@@ -1,43 +1,42 @@
-"""Numerical inverse kinematics of any six-axis arm: Newton's method from many starts.
+"""Numerical inverse kinematics of any six-axis arm: every root, made exact by Newton's method.
 
-A general arm has up to 16 branches and no closed form. Of many drawn configurations those whose
-pose is nearest are the starts: each branch then has a share of them that grows as the arm's
-Jacobian shrinks, as its neighbourhood where Newton's method arrives shrinks too. Rounds of starts
-end when every branch was found several times over and their signs balance: the map from joint
-angles to poses has degree zero, as poses out of reach have no branch at all, so that the signs of
-det J over all branches of a pose add up to zero. From a branch close to a singularity starts go
-across it as well, where its partner is. A further branch is then unlikely to be left; it cannot be
-excluded. Each branch is exact to rounding; none is false.
+`CharacteristicRoots` leads close to all branches of a general arm, of which there are up to 16, but
+not of one whose axes meet or are parallel. So rounds of slightly displaced arms follow, each drawn
+anew, and their roots start Newton's method on the arm itself. They end when some found nothing new
+and the signs balance: the map from joint angles to poses has degree zero, as poses out of reach
+have no branch at all, so that the signs of det J over all branches of a pose add up to zero. A
+further branch is then unlikely; it cannot be excluded. Each branch is exact to rounding; none is
+false.
 """
 
 from __future__ import annotations
 
 from functools import cached_property
-from typing import TYPE_CHECKING
 
 import casadi as ca
 import numpy as np
 
-from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.arrays import Array, Integers
 from irb2400_ctrl.codegen.build import CompiledFunction, compile_function
 from irb2400_ctrl.model import kinematics
+from irb2400_ctrl.model.characteristic_roots import CharacteristicRoots
 from irb2400_ctrl.model.inverse_kinematics import Branches
 from irb2400_ctrl.model.joint_box import JointBox, require_pose
 from irb2400_ctrl.model.linear_solve import solve_ldl
 from irb2400_ctrl.robot import Robot
 
-if TYPE_CHECKING:
-    from scipy.spatial import cKDTree
-
-DRAWN = 20_000
-"""configurations, once for an arm"""
-STARTS = 96
-"""of one round"""
-ROUNDS = 12
-SEEN = 8
+DISPLACED = (1e-4, 1e-3)
+"""of directions of axes, and of points over the arm's size, in turn: close roots ask for little,
+rounding for much [-]"""
+ROUNDS = 24
+"""of displaced arms at most"""
+QUIET = 4
+"""rounds without a new branch that end the search"""
 STEPS = 60
 LOOK = 10
 """after so many steps a start that came no nearer than half as far is given up"""
+DAMPING = 1e-6
+"""of the first step: roots are near"""
 LARGEST_STEP = 0.7
 """of a joint in one step [rad]"""
 EXACT = 1e-10
@@ -46,29 +45,25 @@ SAME = 1e-5
 """configurations closer than this are one [rad]"""
 AT_ONCE = 64
 """poses"""
-CLOSE = 0.03
-"""smallest singular value of the Jacobian from which on a partner across is looked for [-]"""
-ACROSS = (-0.6, -0.3, -0.1, 0.1, 0.3, 0.6)
-"""along the direction that the singularity loses [rad]"""
 
 
 class NewtonBranches:
-    """All branches that the search finds, of one robot.
+    """All branches that are found, of one robot.
 
     Args:
-        seen: how often every branch must have been found before the search ends; rounds: at most so
-            many rounds of starts.
+        quiet: rounds without a new branch that end the search; rounds: at most so many.
     """
 
-    def __init__(self, robot: Robot, *, seen: int = SEEN, rounds: int = ROUNDS) -> None:
+    def __init__(self, robot: Robot, *, quiet: int = QUIET, rounds: int = ROUNDS) -> None:
         self.robot: Robot = robot
-        self.seen: int = seen
+        self.quiet: int = quiet
         self.rounds: int = rounds
         self.n: int = robot.n
         self.box: JointBox = JointBox.of(robot)
         self.X_TF: Array = np.asarray(np.linalg.inv(robot.X_FT), dtype=float)
         lengths = [np.linalg.norm(link.frame.matrix()[:3, 3]) for link in robot.links]
         self.size: float = float(np.sum(lengths)) + 1e-3
+        self._roots: list[CharacteristicRoots] = []
 
     @cached_property
     def _step(self) -> CompiledFunction:
@@ -81,24 +76,13 @@ class NewtonBranches:
         J = kinematics.point_jacobian(self.robot, q, at, self.n)
         return compile_function(ca.Function("flange_jacobian", [q], [ca.densify(J)]))
 
-    @cached_property
-    def _drawn(self) -> Array:
-        return np.random.default_rng(0).uniform(-np.pi, np.pi, (DRAWN, self.n))
-
-    @cached_property
-    def _near(self) -> cKDTree:
-        # here: arms with a closed form start without it
-        from scipy.spatial import cKDTree
-
-        pose = ca.Function("pose", [q := ca.SX.sym("q", self.n)], [
-            ca.densify(kinematics.flange_pose(self.robot, q))
-        ])  # fmt: skip
-        return cKDTree(self._place(compile_function(pose).map(self._drawn)[0]))
-
-    def _place(self, X_BF: Array) -> Array:
-        """Poses (m, 4, 4) as points, apart as `newton_step` has its error, shape (m, 12)."""
-        turned = X_BF[:, :3, :3].reshape(-1, 9) / np.sqrt(2)
-        return np.concatenate([X_BF[:, :3, 3] / self.size, turned], axis=1)
+    def _of_round(self, number: int) -> CharacteristicRoots:
+        """The arm itself, then displaced ones."""
+        while len(self._roots) <= number:
+            k = len(self._roots)
+            displaced = DISPLACED[k % len(DISPLACED)] if k else 0.0
+            self._roots.append(CharacteristicRoots(self.robot, self.size, displaced, seed=k))
+        return self._roots[number]
 
     def many(self, X_BF: Array, seed: Array | None) -> Branches:
         """Poses (n, 4, 4)."""
@@ -130,45 +114,36 @@ class NewtonBranches:
     def _searched(self, X_BF: Array, seeds: Array | None) -> list[Array]:
         """Branches (b, n) of each pose, in one order of their angles."""
         found = [_Found(self.n) for _ in X_BF]
+        if seeds is not None:
+            self._add(found, seeds, np.arange(len(X_BF)), X_BF)
         for number in range(self.rounds):
-            going = np.flatnonzero([not pose.complete(self.seen) for pose in found])
+            going = np.flatnonzero([not pose.complete(self.quiet) for pose in found])
             if not len(going):
                 break
-            nearest = range(1 + number * STARTS, 1 + (number + 1) * STARTS)
-            start = self._drawn[self._near.query(self._place(X_BF[going]), nearest)[1]]
-            if number == 0 and seeds is not None:
-                start[:, 0] = seeds
-            poses = np.repeat(X_BF[going], STARTS, axis=0)
-            arrived = self.descend(start.reshape(-1, self.n), poses).reshape(start.shape)
-            for k, q in zip(going, arrived, strict=True):
-                found[k].add(q[np.isfinite(q[:, 0])])
-            self._complete_pairs([found[k] for k in going], X_BF[going])
+            try:
+                start, owner = self._of_round(number).starts(X_BF[going])
+            except np.linalg.LinAlgError:
+                continue
+            for k in going:
+                found[k].quiet += 1
+            self._add(found, start, going[owner], X_BF)
         return [pose.sorted() for pose in found]
 
-    def _complete_pairs(self, found: list[_Found], X_BF: Array) -> None:
-        """Give new branches the sign of det J, and look for their partners across singularities."""
-        while True:
-            news = [pose.q[len(pose.sign) :] for pose in found]
-            new = np.concatenate(news)
-            if not len(new):
-                return
-            J = self._jacobian.map(new)[0]
-            J[:, :3] /= self.size
-            signs = np.split(np.sign(np.linalg.det(J)), np.cumsum([len(q) for q in news])[:-1])
-            for pose, sign in zip(found, signs, strict=True):
-                pose.sign = np.append(pose.sign, sign)
-            _, value, direction = np.linalg.svd(J)
-            close = np.flatnonzero(value[:, -1] < CLOSE)
-            if not len(close):
-                return
-            owner = np.repeat(np.arange(len(found)), [len(q) for q in news])[close]
-            start = new[close][:, None] + np.outer(ACROSS, np.ones(self.n)) * direction[close, -1:]
-            poses = np.repeat(X_BF[owner], len(ACROSS), axis=0)
-            arrived = self.descend(start.reshape(-1, self.n), poses).reshape(start.shape)
-            for k, q in zip(owner, arrived, strict=True):
-                found[k].add(q[np.isfinite(q[:, 0])], by_chance=False)
+    def _add(self, found: list[_Found], start: Array, owner: Integers, X_BF: Array) -> None:
+        """What Newton's method makes of starts (k, n) for poses `owner` (k,)."""
+        if not len(owner):
+            return
+        q = self.descend(start, X_BF[owner], DAMPING)
+        arrived = np.isfinite(q[:, 0])
+        if not arrived.any():
+            return
+        q = q[arrived]
+        J = self._jacobian.map(q)[0]
+        J[:, :3] /= self.size
+        for k, one, sign in zip(owner[arrived], q, np.sign(np.linalg.det(J)), strict=True):
+            found[k].add(one, float(sign))
 
-    def descend(self, q: Array, X_BF: Array, damping: float = 1e-2) -> Array:
+    def descend(self, q: Array, X_BF: Array, damping: float) -> Array:
         """Damped Newton from starts (m, n) to poses (m, 4, 4); nan where it does not arrive."""
         state = np.column_stack([q, np.full(len(q), damping)])
         flat = np.ascontiguousarray(X_BF, dtype=float)
@@ -193,31 +168,25 @@ class NewtonBranches:
 
 
 class _Found:
-    """The branches of one pose so far, how often each was found, and the sign of its det J."""
+    """The branches of one pose so far, the sign of their det J, and since how many rounds there was
+    none new."""
 
     def __init__(self, n: int) -> None:
         self.q: Array = np.empty((0, n))
-        self.seen: Array = np.empty(0, dtype=int)
-        self.sign: Array = np.empty(0)
+        self.sign: float = 0.0
+        self.quiet: int = 0
 
-    def complete(self, seen: int) -> bool:
-        """Every branch often enough, and no partner left: they come and go in pairs of unlike
-        sign."""
-        return len(self.q) > 0 and self.sign.sum() == 0 and bool(self.seen.min() >= seen)
+    def complete(self, quiet: int) -> bool:
+        """Long nothing new, and no partner left: they come and go in pairs of unlike sign."""
+        return self.sign == 0 and self.quiet >= quiet
 
-    def add(self, q: Array, *, by_chance: bool = True) -> None:
-        """Configurations (k, n) that reach the pose; those looked for on purpose do not count as
-        seen."""
-        rest = np.exp(1j * q)
-        for k, known in enumerate(np.exp(1j * self.q)):
-            same = np.abs(rest - known).max(axis=1) < SAME
-            self.seen[k] += int(same.sum()) * by_chance
-            rest = rest[~same]
-        while len(rest):
-            same = np.abs(rest - rest[0]).max(axis=1) < SAME
-            self.q = np.vstack([self.q, np.angle(rest[0])])
-            self.seen = np.append(self.seen, int(same.sum()) * by_chance)
-            rest = rest[~same]
+    def add(self, q: Array, sign: float) -> None:
+        """A configuration (n,) that reaches the pose."""
+        if (np.abs(np.exp(1j * self.q) - np.exp(1j * q)).max(axis=1) < SAME).any():
+            return
+        self.q = np.vstack([self.q, np.angle(np.exp(1j * q))])
+        self.sign += sign
+        self.quiet = 0
 
     def sorted(self) -> Array:
         return np.asarray(self.q[np.lexsort(np.round(self.q.T, 6))])

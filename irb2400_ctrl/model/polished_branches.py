@@ -59,8 +59,8 @@ class PolishedBranches:
     def inside(self, X_BT: Array, seed: Array | None) -> Array:
         """One pose of the tool, every configuration with the whole turns that the box allows.
 
-        Where a branch got lost (near a singularity they meet, and others come), all are searched
-        from many starts.
+        Where a branch got lost (near a singularity they meet, and others come), all are looked for
+        as on an arm of no family.
         """
         require_pose(X_BT)
         X_BF = X_BT @ self.newton.X_TF
