@@ -178,7 +178,8 @@ class Cell(Table):
     schema_version: Literal[1] = 1
     name: str = Field(min_length=1)
     clearance_mm: NotNegative = 0.0
-    """a motion keeps at least this distance, or is refused"""
+    """a motion keeps at least this distance, or is refused; what cuts and what may be cut come as
+    near as its program says"""
     floor_mm: float | None = None
     """height of the floor in the robot base; absent: no floor"""
     work_object: Placed | None = None

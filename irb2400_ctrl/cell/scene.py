@@ -48,7 +48,8 @@ class Scene:
     outer: tuple[tuple[int, int], ...]
     """numbers in `arm` and in `things`"""
     keep: float = 0.0
-    """a motion stays at least so far from everything [m]"""
+    """a motion stays at least so far from everything [m]; how near a tool comes to what it cuts is
+    its program's to say (`kept`)"""
     external: ExternalAxes | None = None
     """axes that carry the work object, or the arm; configurations then have their angles behind the
     arm's"""
@@ -123,6 +124,12 @@ class Scene:
         """Pairs that may touch at feed: what cuts and what may be cut, shape (pairs,)."""
         outer = [self.arm[i].cuts and self.things[k].may_be_cut for i, k in self.outer]
         return np.array([False] * len(self.own) + outer, dtype=np.bool_)
+
+    @cached_property
+    def kept(self) -> Array:
+        """What the moves of a program keep between the bodies of each pair, shape (pairs,) [m]:
+        between what cuts and what may be cut they need not touch, no more."""
+        return np.where(self.cutting, 0.0, self.keep)
 
     def near(self, q: Array) -> tuple[Array, Array]:
         """Distances of the arm's own pairs as capsules (m, own) [m] and the poses of base and links
@@ -226,6 +233,7 @@ class Scene:
         cutting: npt.NDArray[np.bool_],
         most: float,
         pairs: npt.NDArray[np.bool_] | None = None,
+        kept: Array | None = None,
     ) -> Array:
         """Smallest distance at q (m, n), or `most` where all is further away, shape (m,) [m].
 
@@ -233,16 +241,23 @@ class Scene:
             cutting: where what cuts may touch what may be cut, shape (m,).
             most: what lies further away is not looked at closely.
             pairs: those to look at, shape (pairs,); default all.
+            kept: taken off the distance of each pair, shape (pairs,) [m], such as `kept`.
         """
         asked = np.ones(self.pairs, dtype=bool) if pairs is None else pairs
+        off = np.zeros(self.pairs) if kept is None else kept
         found = np.empty(len(q))
         for first in range(0, len(q), _CHUNK):
             part = slice(first, first + _CHUNK)
-            found[part] = self._clearance(q[part], cutting[part], most, asked)
+            found[part] = self._nearest(q[part], cutting[part], most, asked, off)
         return found
 
-    def _clearance(
-        self, q: Array, cutting: npt.NDArray[np.bool_], most: float, asked: npt.NDArray[np.bool_]
+    def _nearest(
+        self,
+        q: Array,
+        cutting: npt.NDArray[np.bool_],
+        most: float,
+        asked: npt.NDArray[np.bool_],
+        off: Array,
     ) -> Array:
         count = len(self.own)
         own, poses = self.near(q)
@@ -250,6 +265,7 @@ class Scene:
         least[:, :count] = own
         if asked[count:].any():
             least[:, count:] = self.rough(poses)
+        least -= off
         least[(cutting[:, None] & self.cutting) | ~asked] = np.inf
         measured = np.array(self.measured, dtype=np.int64)
         known = np.delete(least, measured, axis=1)
@@ -258,17 +274,20 @@ class Scene:
         for number in measured[np.argsort(least[:, measured].min(axis=0))]:
             close = np.flatnonzero((least[:, number] < best) & (best > 0))
             if len(close):
-                best[close] = np.minimum(best[close], self.distance(number, poses[close]))
+                exact = self.distance(number, poses[close]) - off[number]
+                best[close] = np.minimum(best[close], exact)
         return best
 
-    def nearest(self, q: Array, cutting: bool) -> tuple[str, str]:
-        """The two bodies that come nearest at q (n,); `cutting` as in `clearance`."""
+    def tightest(self, q: Array, cutting: bool) -> tuple[tuple[str, str], float, float]:
+        """The two bodies with the least room at q (n,), their distance and what is kept between
+        them [m]; `cutting` as in `clearance`."""
         own, poses = self.near(q[None])
         distance = np.concatenate([own[0], np.full(len(self.outer), np.inf)])
         for number in self.measured:
             distance[number] = self.distance(number, poses)[0]
         distance[self.cutting & cutting] = np.inf
-        return self.names(int(np.argmin(distance)))
+        pair = int(np.argmin(distance - self.kept))
+        return self.names(pair), float(distance[pair]), float(self.kept[pair])
 
     @cached_property
     def _chain(self) -> tuple[Array, Array]:

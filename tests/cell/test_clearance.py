@@ -86,6 +86,71 @@ def test_what_is_to_be_kept_is_kept() -> None:
         assert at.free == free
 
 
+def above_block(height: float, keep_mm: float) -> tuple[Scene, JointPath]:
+    """A cutter that moves 20 mm sideways, some height over a block [m], beside a wall 30 mm
+    away."""
+    shapes = [{"kind": "box", "centre_mm": [0, 0, -50], "size_mm": [200, 200, 100]}]
+    wall = [{"kind": "box", "centre_mm": [0, 140, 0], "size_mm": [200, 200, 100]}]
+    tool = [{"kind": "cylinder", "from_mm": [0, 0, -40], "to_mm": [0, 0, 0], "radius_mm": 5}]
+    cell = Cell.model_validate(
+        {
+            "name": "drilling",
+            "clearance_mm": keep_mm,
+            "work_object": {"place_mm": [900, 0, 500]},
+            "things": [
+                {"name": "block", "role": "part", "frame": "work_object", "shapes": shapes},
+                {"name": "wall", "role": "fixture", "frame": "work_object", "shapes": wall},
+            ],
+            "tools": [{"name": "DRILL", "shapes": [{**tool[0], "cuts": True}]}],
+        }
+    )
+    around = Scene.of(Model(ROBOT), ROBOT, cell, cell.tools[0])
+    assert around is not None
+    ways = []
+    for turn in np.radians(np.arange(0, 360, 30)):
+        c = np.cos(turn)
+        s = np.sin(turn)
+        X = np.tile(
+            np.array([[c, s, 0, 0], [s, -c, 0, 0], [0, 0, -1, 0.5], [0, 0, 0, 1.0]]), (9, 1, 1)
+        )
+        X[:, 0, 3] = np.linspace(0.9, 0.92, 9)
+        X[:, 2, 3] += height
+        branches = Model(ROBOT).inverse_kinematics_branches(X).q
+        ways += [q for q in branches.transpose(1, 0, 2) if np.isfinite(q).all()]
+    # the arm itself is free in some of them
+    room = around.clearance(np.array(ways)[:, 0], np.ones(len(ways), dtype=bool), 0.05)
+    q = ways[int(np.argmax(room))]
+    return around, JointPath.through(np.linspace(0.0, 1.0, 9), q)
+
+
+def test_how_near_a_tool_comes_to_the_part_is_the_programs_to_say() -> None:
+    """A rapid move 1 mm over the face that is drilled, the cell keeps 5 mm: refused before."""
+    around, path = above_block(1e-3, 5.0)
+    none = np.zeros(len(path.knots) - 1, dtype=bool)
+    found = continuous_clearance(around, path, none)
+    assert found.free
+    assert found.pair == ("DRILL", "block")
+    assert 0.8e-3 < found.value <= 1e-3
+    q = path(np.linspace(0.0, 1.0, 5))
+    for kept, expected in ((around.kept, 1e-3), (np.full(around.pairs, 5e-3), -4e-3)):
+        room = around.clearance(q, np.zeros(5, dtype=bool), 0.02, kept=kept)
+        assert room == pytest.approx(expected, abs=1e-5)
+    # a move that no program states keeps it, and nothing touches
+    assert not continuous_clearance(around, path, None).free
+    touching, into = above_block(-1e-4, 5.0)
+    assert not continuous_clearance(touching, into, none).free
+
+
+def test_from_everything_else_the_clearance_is_kept_while_drilling() -> None:
+    for keep, free in ((34.0, True), (36.0, False)):
+        around, path = above_block(1e-3, keep)
+        found = continuous_clearance(around, path, np.zeros(len(path.knots) - 1, dtype=bool))
+        assert found.free == free
+        if not free:
+            assert found.pair == ("DRILL", "wall")
+            assert found.keep == pytest.approx(1e-3 * keep)
+
+
 def test_a_line_through_the_column_is_refused() -> None:
     line = builders.line((0.3, -0.4, 0.4), (-0.1, 0.4, 0.4))
     unseen = ROBOT.model_copy(update={"outline": None})

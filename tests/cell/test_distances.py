@@ -110,7 +110,7 @@ def test_a_body_inside_a_mesh_is_a_collision(tmp_path: Path) -> None:
     free = np.zeros(1, dtype=bool)
     # the whole forearm is inside, no triangle is near it
     assert around.clearance(q, free, np.inf)[0] < -0.1
-    assert around.nearest(q[0], False)[1] == "block"
+    assert around.tightest(q[0], False)[0][1] == "block"
 
 
 def test_rough_bounds_are_bounds_and_exact_ones_agree_with_boxes() -> None:

@@ -19,6 +19,8 @@ class Clearance:
     """where, as a length along the joint path [m]"""
     free: bool
     """whether it is shown that what is to be kept is kept everywhere"""
+    keep: float = 0.0
+    """what is to be kept between the two [m]"""
 
     def summary(self, at: float) -> dict[str, Any]:
         """Its entry in `plan.json`.

@@ -45,6 +45,8 @@ class _Search:
 
     scene: Scene
     joints: JointPath
+    keep: float
+    """[m]"""
     seen: Approach
     """the smallest distance at any sample"""
     bound: Approach
@@ -56,34 +58,52 @@ class _Search:
         if not np.isfinite(distance):
             return np.inf
         slack = _BELOW + _PART * max(distance, 0.0)
-        if distance > self.scene.keep:
-            slack = min(slack, (distance - self.scene.keep) / 2)
+        if distance > self.keep:
+            slack = min(slack, (distance - self.keep) / 2)
         return distance - slack
 
     @property
     def touching(self) -> bool:
         """Whether a sample shows that the motion is not free."""
-        return self.seen.distance <= self.scene.keep + CONTACT
+        return self.seen.distance <= self.keep + CONTACT
 
 
 def continuous_clearance(
-    scene: Scene, joints: JointPath, cutting: npt.NDArray[np.bool_]
+    scene: Scene, joints: JointPath, cutting: npt.NDArray[np.bool_] | None
 ) -> Clearance:
     """A lower bound of the smallest distance over the whole path.
 
-    Where it cannot be shown that `scene.keep` is kept, the search ends with the place and the pair
+    Where it cannot be shown that `scene.kept` is kept, the search ends with the place and the pair
     that say so.
 
     Args:
         scene: the arm in its cell.
         joints: the path.
         cutting: whether what cuts may touch what may be cut, for each piece of the path, shape
-            (m,).
+            (m,); None for a path that no program states: it keeps `scene.keep` from everything.
     """
+    open_ = np.ones((len(joints.knots) - 1, scene.pairs), dtype=bool)
+    if cutting is None:
+        return _searched(scene, joints, open_, scene.keep)
+    open_ &= ~(cutting[:, None] & scene.cutting)
+    if (scene.kept == scene.keep).all():
+        return _searched(scene, joints, open_, scene.keep)
+    others = _searched(scene, joints, open_ & ~scene.cutting, scene.keep)
+    if not others.free:
+        return others
+    tool = _searched(scene, joints, open_ & scene.cutting, 0.0)
+    return others if tool.free and others.value <= tool.value else tool
+
+
+def _searched(
+    scene: Scene, joints: JointPath, open_: npt.NDArray[np.bool_], keep: float
+) -> Clearance:
+    """Of the pairs that are open in each piece of the path, (m, pairs)."""
     nothing = Approach(np.inf, 0, float(joints.knots[0]))
-    search = _Search(scene, joints, nothing, nothing)
-    ends = np.stack([joints.knots[:-1], joints.knots[1:]])
-    open_ = ~(cutting[:, None] & scene.cutting[None, :])
+    search = _Search(scene, joints, keep, nothing, nothing)
+    some = open_.any(axis=1)
+    ends = np.stack([joints.knots[:-1], joints.knots[1:]])[:, some]
+    open_ = open_[some]
     _first_look(search, ends, open_)
     while len(open_) and not search.touching:
         following = []
@@ -96,12 +116,12 @@ def continuous_clearance(
         open_ = np.concatenate([pairs for _, pairs in following])
     at = search.seen
     value = at.distance if search.touching else min(search.bound.distance, at.distance)
-    return Clearance(value, scene.names(at.pair), at.s, free=not search.touching)
+    return Clearance(value, scene.names(at.pair), at.s, not search.touching, keep)
 
 
 def _first_look(search: _Search, ends: Array, open_: npt.NDArray[np.bool_]) -> None:
     """A few samples along the path: a small distance found early spares most of the others."""
-    for at in np.unique(np.linspace(0, len(open_) - 1, 40).astype(int)):
+    for at in np.unique(np.linspace(0, len(open_) - 1, 40 if len(open_) else 0).astype(int)):
         _distances(search, ends[:, at : at + 1], open_[at : at + 1], np.zeros((1, 1)))
         if search.touching:
             break

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 import numpy.typing as npt
@@ -24,9 +25,9 @@ class Crowd:
     scene: Scene
     cutting: npt.NDArray[np.bool_]
     """stations at which the tool may cut, shape (n,)"""
-    clearance: Array
-    """smallest distance to anything, at most the comfortable one; zero where a configuration was
-    not looked at [m], shape (n, r, b)"""
+    room: Array
+    """smallest distance to anything beside what is to be kept, at most the comfortable one; zero
+    where a configuration was not looked at [m], shape (n, r, b)"""
     external: Array
     """angles of the axes that carry the part [rad], shape (n, k)"""
 
@@ -56,23 +57,24 @@ class Crowd:
         at_feed = np.broadcast_to(cutting[:, None, None], shape)
         some = usable.any(axis=2)
         one = np.take_along_axis(q, usable.argmax(axis=2)[:, :, None, None], axis=2)[:, :, 0]
-        most = COMFORTABLE_CLEARANCE + scene.keep
+        look = partial(scene.clearance, kept=scene.kept)
+        most = COMFORTABLE_CLEARANCE
         held = np.zeros(shape[:2])
-        held[some] = scene.clearance(one[some], at_feed[some, 0], most, scene.carried)
-        left = usable & (held > scene.keep)[:, :, None]
+        held[some] = look(one[some], at_feed[some, 0], most, scene.carried)
+        left = usable & (held > 0)[:, :, None]
         found = np.zeros(shape)
-        others = scene.clearance(q[left], at_feed[left], most, ~scene.carried)
+        others = look(q[left], at_feed[left], most, ~scene.carried)
         found[left] = np.minimum(np.broadcast_to(held[:, :, None], shape)[left], others)
         return cls(scene, cutting, found, external)
 
     def free(self, station: int) -> npt.NDArray[np.bool_]:
         """Configurations of a station that stay far enough from everything, shape (r, b)."""
-        return np.asarray(self.clearance[station] > self.scene.keep)
+        return np.asarray(self.room[station] > 0)
 
     def cost(self, station: int) -> Array:
         """Of being near to something [s], shape (r, b)."""
-        room = (self.clearance[station] - self.scene.keep) / COMFORTABLE_CLEARANCE
-        return np.asarray(PRICE * (1 - np.clip(room, 0, 1)) ** 2)
+        part = self.room[station] / COMFORTABLE_CLEARANCE
+        return np.asarray(PRICE * (1 - np.clip(part, 0, 1)) ** 2)
 
     def refusal(self, q: Array, station: int, point: int) -> CollisionError:
         """Why a station has no configuration (m, joints) that touches nothing."""
@@ -95,10 +97,10 @@ class Crowd:
         """The configuration with most room, in words."""
         cutting = bool(self.cutting[station])
         q = np.hstack([q, np.tile(self.external[station], (len(q), 1))])
-        room = self.scene.clearance(q, np.full(len(q), cutting), np.inf)
+        at_feed = np.full(len(q), cutting)
+        room = self.scene.clearance(q, at_feed, np.inf, kept=self.scene.kept)
         best = int(np.argmax(room))
-        first, other = self.scene.nearest(q[best], cutting)
-        keep = self.scene.keep
-        near = "touch" if room[best] <= 0 else f"are {1e3 * room[best]:.2f} mm apart"
+        (first, other), distance, keep = self.scene.tightest(q[best], cutting)
+        near = "touch" if distance <= 0 else f"are {1e3 * distance:.2f} mm apart"
         wanted = f", {1e3 * keep:g} mm are to be kept" if keep else ""
         return f"{first} and {other} {near}{wanted}"

@@ -91,7 +91,7 @@ def clearance_of(scene: Scene | None, path: JointPath) -> Clearance | None:
     is not known."""
     if scene is None:
         return None
-    return continuous_clearance(scene, path, np.zeros(len(path.knots) - 1, dtype=bool))
+    return continuous_clearance(scene, path, None)
 
 
 def lowest(tcp: TcpPath, plane: ClearancePlane) -> float:

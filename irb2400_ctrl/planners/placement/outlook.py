@@ -198,8 +198,8 @@ def _room(task: Task, scene: Scene | None, q: Array) -> float:
     """Beside what is to be kept, at most the comfortable one [m]; without a scene all of it."""
     if scene is None:
         return COMFORTABLE_CLEARANCE
-    most = COMFORTABLE_CLEARANCE + scene.keep
-    return float(scene.clearance(q, task.cutting, most).min()) - scene.keep
+    room = scene.clearance(q, task.cutting, COMFORTABLE_CLEARANCE, kept=scene.kept)
+    return float(room.min())
 
 
 def _joints(ladder: Ladder, way: LadderWay) -> Array:

@@ -181,8 +181,8 @@ def clear(
     u = float(np.interp(found.s, followed.joints.knots, followed.u))
     first, other = found.pair
     near = "touch" if found.value <= 0 else f"come within {1e3 * found.value:.2f} mm"
-    wanted = f", {1e3 * scene.keep:g} mm are to be kept" if scene.keep else ""
-    if wanted and found.value > scene.keep:
+    wanted = f", {1e3 * found.keep:g} mm are to be kept" if found.keep else ""
+    if wanted and found.value > found.keep:
         wanted += f", and {1e3 * CONTACT:g} mm more cannot be told from contact"
     raise CollisionError(
         f"near point {target.point(u)} {first} and {other} {near}{wanted}; move the work "

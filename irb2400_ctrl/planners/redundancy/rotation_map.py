@@ -138,9 +138,8 @@ def _clearance(
         return found
     moves = cutting_moves(orientation.curve.path, orientation.spindle)
     at_feed = np.broadcast_to(cutting_at(orientation.curve, moves, u)[:, None], asked.shape)
-    most = COMFORTABLE_CLEARANCE + scene.keep
     turned = np.repeat(orientation.external(u)[:, None], asked.shape[1], axis=1)
     every = np.concatenate([q, turned], axis=2)
-    room = scene.clearance(every[asked], at_feed[asked], most) - scene.keep
+    room = scene.clearance(every[asked], at_feed[asked], COMFORTABLE_CLEARANCE, kept=scene.kept)
     found[asked] = part_of_comfort("clearance_mm", 1e3 * room)
     return found

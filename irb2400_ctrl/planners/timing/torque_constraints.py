@@ -25,6 +25,7 @@ from irb2400_ctrl.planners.enclosure import bernstein
 from irb2400_ctrl.planners.enclosure.cells import Cells
 from irb2400_ctrl.planners.enclosure.effect_bounds import Variant, load_cap, variants
 from irb2400_ctrl.planners.timing.motion_limits import MotionLimits
+from irb2400_ctrl.planners.timing.torque_rows import has_machine_code, write_torque_rows
 
 # room for rounding in the passes, as a part of the limit
 ROUNDING = 1e-7
@@ -85,34 +86,53 @@ def torque_constraints(
     m = len(cells.h)
     # the largest array of a plan: what it is made of is there for a few cells at a time
     step = m if cells.added is not None else bernstein.AT_ONCE
+    written = 8 * len(limits.tau_max) if cells.added is None and has_machine_code() else 0
     table = np.empty((m, 0, 3))
     for begin in range(0, m, step):
         part = slice(begin, min(begin + step, m))
+        of = (cells.part(part), limits, friction, at.part(part))
         held = None if extra is None else extra[part]
-        blocks = _blocks(cells.part(part), limits, friction, at.part(part), held)
-        ends = np.cumsum([0, *(block[0][0].size for block in blocks)])
+        blocks = _other_blocks(of[0], limits, of[3])
+        if not written:
+            blocks = _torque_blocks(*of, held) + blocks
+        ends = np.cumsum([written, *(block[0][0].size for block in blocks)])
         if not begin:
             table = np.empty((m, ends[-1], 3))
+        if written:
+            _write_torque(table[part], *of, held)
         for first, last, block in zip(ends, ends[1:], blocks, strict=False):
             for column, values in enumerate(block):
                 table[part, first:last, column] = values.reshape(len(values), -1)
     return table
 
 
-def _blocks(
+def _other_blocks(cells: Cells, limits: MotionLimits, at: Linearisation) -> list[_Block]:
+    """The constraints beside those of the torque."""
+    blocks = _load_blocks(cells, limits.tau_max)
+    blocks += _acceleration_blocks(cells, limits.qdd_max)
+    if at.bounds_u:
+        blocks += _bounds_of_u(at.u_max)
+    return blocks
+
+
+def _write_torque(
+    table: Array,
     cells: Cells,
     limits: MotionLimits,
     friction: Array,
     at: Linearisation,
     extra: Array | None,
-) -> list[_Block]:
-    """All constraints of some cells."""
-    blocks = _torque_blocks(cells, limits, friction, at, extra)
-    blocks += _load_blocks(cells, limits.tau_max)
-    blocks += _acceleration_blocks(cells, limits.qdd_max)
-    if at.bounds_u:
-        blocks += _bounds_of_u(at.u_max)
-    return blocks
+) -> None:
+    """The rows of `_torque_blocks`, by machine code."""
+    write_torque_rows(
+        table,
+        cells,
+        (at.x_bar, at.x_high),
+        dry_friction(cells, friction, at.x_low),
+        _remainder(cells, at),
+        np.zeros((len(cells.h), 2, len(friction))) if extra is None else extra,
+        (limits.tau_max, 1 - ROUNDING),
+    )
 
 
 def _torque_blocks(

@@ -4,26 +4,19 @@ from __future__ import annotations
 
 import ctypes
 from functools import cache
-from importlib import resources
 
 import numpy as np
 
 from irb2400_ctrl.arrays import Array
-from irb2400_ctrl.codegen.machine_code.build_cache import load_shared
-from irb2400_ctrl.codegen.machine_code.interpreted import say_slow
-from irb2400_ctrl.errors import ToolMissingError
+from irb2400_ctrl.codegen.machine_code.own_library import own_library
 from irb2400_ctrl.planners.timing.two_pass.interpreted import Passed, interpreted_two_pass
 
 
 @cache
 def _library() -> ctypes.CDLL | None:
-    source = (resources.files(__package__) / "two_pass.c").read_text(encoding="utf-8")
-    try:
-        library = load_shared(source)
-    except ToolMissingError as error:
-        say_slow(str(error))
-        return None
-    library.two_pass.restype = ctypes.c_int64
+    library = own_library(__package__, "two_pass.c")
+    if library is not None:
+        library.two_pass.restype = ctypes.c_int64
     return library
 
 

@@ -4,26 +4,18 @@ from __future__ import annotations
 
 import ctypes
 from functools import cache, lru_cache
-from importlib import resources
 
 import numpy as np
 
 from irb2400_ctrl.arrays import Array
-from irb2400_ctrl.codegen.machine_code.build_cache import load_shared
-from irb2400_ctrl.codegen.machine_code.interpreted import say_slow
-from irb2400_ctrl.errors import ToolMissingError
+from irb2400_ctrl.codegen.machine_code.own_library import own_library
 from irb2400_ctrl.planners.timing.rate_limited.cell_rows import interpreted
 from irb2400_ctrl.planners.timing.rate_limited.cell_rows.rows_of_cells import RowsOfCells, Sums
 
 
 @cache
 def _library() -> ctypes.CDLL | None:
-    source = (resources.files(__package__) / "cell_rows.c").read_text(encoding="utf-8")
-    try:
-        return load_shared(source)
-    except ToolMissingError as error:
-        say_slow(str(error))
-        return None
+    return own_library(__package__, "cell_rows.c")
 
 
 _ARRAYS = (

@@ -1,0 +1,88 @@
+"""`LinearMoves`: rows of a dense plan as if driven in straight lines, and how near those are."""
+
+from __future__ import annotations
+
+import ctypes
+import math
+from dataclasses import dataclass
+from functools import cache, cached_property
+
+import numpy as np
+
+from irb2400_ctrl.arrays import Array, inner_products, norms
+from irb2400_ctrl.codegen.machine_code.own_library import own_library
+from irb2400_ctrl.planners.programs.rapid.rapid_data import angle_between, quaternion
+
+# turning 1 rad counts like this length on the way through a segment [m]
+_ARM_OF_ROTATION = 0.1
+# half a turn that is none [rad]; in linear_moves.c too
+_NO_TURN = 1e-9
+
+
+@cache
+def _library() -> ctypes.CDLL | None:
+    return own_library(__package__, "linear_moves.c")
+
+
+@dataclass(frozen=True)
+class LinearMoves:
+    """Moves that are straight in space and turn the shortest way, at even speed."""
+
+    p: Array
+    """the TCP at each row [m], shape (n, 3)"""
+    quaternions: Array
+    """its orientation, of the sign that is next to the row before, shape (n, 4)"""
+    way: Array
+    """from the first row to each, shape (n,) [m]"""
+
+    @classmethod
+    def of(cls, X: Array) -> LinearMoves:
+        p = X[:, :3, 3]
+        R = X[:, :3, :3]
+        step = norms(np.diff(p, axis=0)) + _ARM_OF_ROTATION * angle_between(R[:-1], R[1:])
+        found = quaternion(R)
+        turned = inner_products(found[:-1], found[1:]) < 0
+        signs = np.append(1.0, np.cumprod(np.where(turned, -1.0, 1.0)))
+        way = np.append(0.0, np.cumsum(step))
+        return cls(*map(np.ascontiguousarray, (p, signs[:, None] * found, way)))
+
+    def close(self, first: int, last: int, tolerance: float, angle: float) -> bool:
+        """Whether the rows between are so near to the move from one to another [m, rad]."""
+        library = _library()
+        if library is None:
+            return self._close(first, last, tolerance, angle)
+        ends = (ctypes.c_int64(first), ctypes.c_int64(last))
+        allowed = (ctypes.c_double(tolerance), ctypes.c_double(angle))
+        return bool(library.linear_close(*ends, *self._places, *allowed))
+
+    @cached_property
+    def _places(self) -> list[ctypes.c_void_p]:
+        arrays = (self.p, self.quaternions, self.way)
+        return [ctypes.c_void_p(array.ctypes.data) for array in arrays]
+
+    def _close(self, first: int, last: int, tolerance: float, angle: float) -> bool:
+        """The same by arrays, where there is no C compiler."""
+        rows = slice(first, last + 1)
+        share = shares(self.way[rows])
+        p = self.p[rows]
+        if not norms(p[0] + share[:, None] * (p[-1] - p[0]) - p).max() <= tolerance:
+            return False
+        planned = self.quaternions[rows]
+        start = planned[0]
+        end = planned[-1]
+        if start @ end < 0:
+            end = -end
+        half = 2 * math.asin(min(0.5 * float(np.linalg.norm(end - start)), 1.0))
+        parts = np.stack([1 - share, share])
+        if half > _NO_TURN:
+            parts = np.sin(half * parts) / math.sin(half)
+        move = parts[0][:, None] * start + parts[1][:, None] * end
+        sign = np.where(inner_products(move, planned) < 0, -1.0, 1.0)
+        chord = norms(move - sign[:, None] * planned).max()
+        return 4 * math.asin(min(0.5 * float(chord), 1.0)) <= angle
+
+
+def shares(way: Array) -> Array:
+    """Of the way from the first to the last; even where there is none."""
+    length = way[-1] - way[0]
+    return (way - way[0]) / length if length > 0 else np.linspace(0.0, 1.0, len(way))
