@@ -6,7 +6,9 @@ The cells are made of random numbers, no arm behind them: every term counts, and
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Literal
 
+import casadi as ca
 import numpy as np
 import pytest
 
@@ -17,6 +19,8 @@ from irb2400_ctrl.planners import MotionLimits
 from irb2400_ctrl.planners.enclosure import bernstein
 from irb2400_ctrl.planners.enclosure import cells as enclosed
 from irb2400_ctrl.planners.enclosure.cells import Cells, divided
+from irb2400_ctrl.planners.enclosure.effect_bounds import Added, Range
+from irb2400_ctrl.planners.enclosure.effect_forms import ScalarLaw
 from irb2400_ctrl.planners.timing import time_optimal
 from irb2400_ctrl.planners.timing.motion_limits import linear_bounds, speed_bounds
 from irb2400_ctrl.planners.timing.piecewise_constant_law import PiecewiseConstantLaw
@@ -489,3 +493,82 @@ def test_external_axes_stand_behind_the_arms() -> None:
         np.testing.assert_array_equal(getattr(first, name), getattr(rated, name))
     assert found.first(2).jerk is None
     assert ARM.first(1).torque_rate is None
+
+
+def scalar_law(joint: int, of: Literal["speed", "load"], slope: float) -> ScalarLaw:
+    """f(w) = 3 + slope w, whatever the direction of motion."""
+    w, direction, state = (ca.SX.sym(name) for name in ("w", "direction", "state"))
+    values = ca.Function("f", [w, direction, state], [3 + slope * w, slope, 0])
+    return ScalarLaw(joint, of, values, np.empty(0), np.empty(0), None, curved=False)
+
+
+def with_effects(cells: Cells, seed: int, *, load_slope: float) -> Cells:
+    """Factors of the time, a law of the speed on joint 1, a law of the load on joint 2."""
+    rng = np.random.default_rng(seed)
+
+    def around() -> Range:
+        part = 3 * rng.normal(size=(M, 3, N))
+        return Range.of([part], np.array([-0.5]), np.array([0.8]))
+
+    one_way = np.where(cells.forwards, 1.0, -1.0)
+    square, missed = enclosed._square(cells.speed)
+    load = tuple(4 * rng.normal(size=(M, 3, N)) for _ in range(3))
+    nothing = (np.zeros(M), np.zeros(M))
+    return replace(
+        cells,
+        added=Added(
+            around(),
+            around(),
+            around(),
+            laws=(scalar_law(0, "speed", 2.0), scalar_law(1, "load", load_slope)),
+            direction=(one_way, one_way),
+            states=(nothing, nothing),
+            load=load,
+            load_remainder=rng.uniform(0.1, 0.3, (3, M, N)),
+            square=square,
+            square_remainder=missed,
+        ),
+    )
+
+
+@pytest.mark.parametrize("load_slope", [1.5, -1.5])
+def test_effects_beside_the_regular_form_lie_within_the_bounds(load_slope: float) -> None:
+    """Ranges at either end, 3 + 2 qd^2 on joint 1, 3 ± 1.5 |load| on joint 2, the load off by what
+    its parabolas miss."""
+    plain, x = made(18)
+    cells = with_effects(plain, 19, load_slope=load_slope)
+    assert cells.added is not None
+    u = np.random.default_rng(20).normal(size=M)
+    there = (x[:-1, None] + np.diff(x)[:, None] * T)[..., None]
+    regular = torque(plain, u, x, NO_FRICTION)
+    speed = 3 + 2 * (along(cells.speed) ** 2 * there)[..., 0]
+    a, b, c = (along(f) for f in cells.added.load)
+    load = (a * u[:, None, None] + b * there + c)[..., 1]
+    r_a, r_b, r_c = cells.added.load_remainder[..., 1]
+    off = r_a[:, None] * np.abs(u)[:, None] + r_b[:, None] * there[..., 0] + r_c[:, None]
+    ends = []
+    for sign in (1.0, -1.0):
+        felt = 3 + load_slope * np.abs(load)
+        room = 1.5 * off * sign
+        law = np.stack([speed, felt + room], axis=2)
+        total = regular + law
+        for part, factor in (
+            (cells.added.a, u[:, None, None]),
+            (cells.added.b, there),
+            (cells.added.e, np.sqrt(there)),
+        ):
+            both = [along(end) * factor for end in (part.low, part.high)]
+            total = total + (np.maximum(*both) if sign > 0 else np.minimum(*both))
+        ends.append(total)
+    above, below = torque_bounds(cells, u, x, NO_FRICTION)
+    # |load - off| is not below nothing: a load that passes zero may be smaller by less
+    passed = np.abs(load).min(axis=1) > off.max(axis=1)
+    sound = np.stack([np.ones(M, dtype=bool), passed], axis=1)
+    assert passed.sum() > 50
+    assert (above >= ends[0].max(axis=1) - 1e-9)[sound].all()
+    assert (below <= ends[1].min(axis=1) + 1e-9)[sound].all()
+    size = np.abs(ends[0]).mean()
+    for joint in range(N):
+        here = sound[:, joint]
+        assert np.median((above - ends[0].max(axis=1))[here, joint]) < 0.35 * size
+        assert np.median((ends[1].min(axis=1) - below)[here, joint]) < 0.35 * size
