@@ -129,7 +129,7 @@ def test_what_an_earlier_law_of_another_shape_leaves_is_nothing_new() -> None:
         )
 
     assert beside(4.01)
-    assert not beside(3.99)
+    assert not beside(4.0)
     assert beside(0.0, gain=225.1)
     assert not beside(0.0, gain=224.9)
     # of an earlier one of the whole arm: what it has gained on this joint
@@ -214,7 +214,7 @@ def test_a_law_without_a_name_beats_the_library_by_more_than_earlier_laws_may_le
 
 @pytest.mark.parametrize(
     ("beyond", "size", "named"),
-    [(0.049, 5.49, True), (0.049, 5.51, False), (0.05, 5.49, False), (0.049, 4.51, True)],
+    [(0.049, 5.49, True), (0.049, 5.5, False), (0.05, 5.49, False), (0.049, 4.51, True)],
 )
 def test_a_name_that_the_base_takes_in_stands_where_hardly_more_is_said_without_it(
     beyond: float, size: float, named: bool
@@ -223,6 +223,14 @@ def test_a_name_that_the_base_takes_in_stands_where_hardly_more_is_said_without_
     unnamed = alternative(candidate((99.0, size, 99.0), known=False), gain=900.0)
     given = comparison(share_beyond_base=lambda one: beyond)
     assert (threshold().best(given, [unnamed, name], ()) is name) == named
+
+
+def test_a_law_of_no_joint_is_held_against_the_first() -> None:
+    name = alternative(candidate((5.0, 9.0, 9.0)), gain=50.0)
+    given = comparison(share_beyond_base=lambda one: 0.0)
+    for size, named in ((5.4, True), (5.6, False)):
+        unnamed = alternative(candidate((size, 99.0, 99.0), known=False, joint=None), gain=900.0)
+        assert (threshold().best(given, [unnamed, name], ()) is name) == named
 
 
 def test_what_does_not_matter_by_its_name_does_not_matter_without_one() -> None:

@@ -399,14 +399,15 @@ def test_alternatives_are_the_best_of_the_scan_that_were_not_refused(
 
 def test_rows_near_a_reversal() -> None:
     """Within 0.16 s of where the speed changes its sign or is below that of sticking."""
-    step = 0.04
-    qd = np.ones((41, 2))
-    qd[20:, 0] = -1.0  # jumps through zero, and is never slow
-    qd[5, 1] = 0.99 * STICKING_SPEED
+    step = 0.01
+    qd = np.ones((81, 2))
+    qd[40:, 0] = -1.0  # jumps through zero, and is never slow
+    qd[20, 1] = 0.99 * STICKING_SPEED
+    qd[50, 1] = STICKING_SPEED
     motion: Any = SimpleNamespace(n=2, qd=qd, step=step, at_rows=lambda values: values)
     near = reversal_rows(motion)
-    np.testing.assert_array_equal(np.flatnonzero(near[:, 0]), range(15, 24))
-    np.testing.assert_array_equal(np.flatnonzero(near[:, 1]), range(1, 10))
+    np.testing.assert_array_equal(np.flatnonzero(near[:, 0]), range(23, 56))
+    np.testing.assert_array_equal(np.flatnonzero(near[:, 1]), range(4, 37))
     # of rows between samples those that are nearer to it
     motion.at_rows = lambda values: np.array([[0.5, 0.51]])
     np.testing.assert_array_equal(reversal_rows(motion), [[False, True]])
@@ -430,9 +431,14 @@ def test_the_search_ends_after_as_many_steps_and_refusals_as_the_criteria_say(
             "next_step",
             lambda self, chosen, fit, alone=False: Step(explanation(f"k{next(kinds)}"), 30.0, ()),
         )
-        monkeypatch.setattr(Selection, "_exchanged", lambda self, steps: steps)
+        exchanged: list[int] = []
+        monkeypatch.setattr(
+            Selection, "_exchanged", lambda self, steps: exchanged.append(len(steps)) or steps
+        )
         monkeypatch.setattr(Selection, "_rather_wider", lambda self, step, fit: False)
         steps, fit = selection.run()
+        # one explanation alone has nothing to be exchanged with
+        assert exchanged == list(range(2, len(steps) + 1))
         assert fit.of == [s.candidate.kind for s in steps]
         return len(steps), len(selection.refused)
 

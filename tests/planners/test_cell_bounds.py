@@ -378,6 +378,10 @@ def test_a_law_slowed_where_it_is_asked_for() -> None:
     # passed at 1.5, 1.75 and 2 s; the sample at 1.75 alone is slower
     np.testing.assert_allclose(slow.s, [0.0, 1.0, 2.0, 2.5, 3.0, 4.0, 4.5])
     np.testing.assert_allclose(slow.x, [0.0, 4.0, 4.0, 1.0, 4.0, 4.0, 0.0])
+    # what falls on a point of the grid is no point more, and is slower there
+    at_point = law.slowed_at(np.array([1.0, 1.5]), np.array([2.0, 1.0]))
+    np.testing.assert_allclose(at_point.s, [0.0, 1.0, 2.0, 4.0, 4.5])
+    np.testing.assert_allclose(at_point.x, [0.0, 1.0, 4.0, 4.0, 0.0])
 
 
 def test_grids_are_cut_into_equal_parts() -> None:
@@ -572,3 +576,52 @@ def test_effects_beside_the_regular_form_lie_within_the_bounds(load_slope: float
         here = sound[:, joint]
         assert np.median((above - ends[0].max(axis=1))[here, joint]) < 0.35 * size
         assert np.median((ends[1].min(axis=1) - below)[here, joint]) < 0.35 * size
+
+
+@pytest.mark.parametrize("load_slope", [1.5, -1.5])
+def test_constraints_keep_the_torque_of_effects_and_the_load_within_their_bounds(
+    load_slope: float,
+) -> None:
+    plain, _ = made(21)
+    cells = with_effects(plain, 22, load_slope=load_slope)
+    assert cells.added is not None
+    at = box(0.3, 1.5, 0.6)
+    table = torque_constraints(cells, limits(45.0), NO_FRICTION, at)
+    p, q, r = np.moveaxis(table, 2, 0)
+    # the rows of the load, before the last two of |u|: its law is straight, so only far bounds
+    rows = [part[:, -18:-2].reshape(M, 2, 4, N) for part in (p, q, r)]
+    a, b, c = cells.added.load
+    raised = [bernstein.raised(f, 3) for f in (a, b, c)]
+    raised[0] = raised[0] + 2 * cells.h[:, None, None] * bernstein.times_parameter(b)
+    cap = 1e6 * 45.0
+    for k, side in enumerate((1.0, -1.0)):
+        np.testing.assert_allclose(rows[0][:, k], side * raised[0] / cap)
+        np.testing.assert_allclose(rows[1][:, k], side * raised[1] / cap)
+        np.testing.assert_allclose(rows[2][:, k], 1 - ROUNDING - side * raised[2] / cap)
+    rng = np.random.default_rng(23)
+    kept = 0
+    for _ in range(40):
+        u = rng.uniform(-0.6, 0.6, M)
+        first = rng.uniform(0.3, 1.5, M)
+        last = first + 2 * cells.h * u
+        fine = (last >= 0.3) & (last <= 1.5)
+        fine &= (p * u[:, None] + q * first[:, None] <= r).all(axis=1)
+        kept += int(fine.sum())
+        x = np.clip(last, 0.3, 1.5)
+        line = (first[:, None] + (x - first)[:, None] * T)[..., None]
+        arm = along(cells.a) * u[:, None, None] + along(cells.b) * line
+        arm = arm + along(cells.e) * np.sqrt(line) + along(cells.c_high)
+        load = (along(a) * u[:, None, None] + along(b) * line + along(c))[..., 1]
+        speed = 3 + 2 * (along(cells.speed) ** 2 * line)[..., 0]
+        law = np.stack([speed, 3 + load_slope * np.abs(load)], axis=2)
+        for sign in (1.0, -1.0):
+            total = arm + law
+            for part, factor in (
+                (cells.added.a, u[:, None, None]),
+                (cells.added.b, line),
+                (cells.added.e, np.sqrt(line)),
+            ):
+                both = [along(end) * factor for end in (part.low, part.high)]
+                total = total + (np.maximum(*both) if sign > 0 else np.minimum(*both))
+            assert (sign * total[fine]).max() <= 45.0
+    assert kept > 300
