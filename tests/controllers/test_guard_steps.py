@@ -97,6 +97,42 @@ def test_a_sample_is_believed_up_to_its_bounds(axis: int) -> None:
         assert believed(q=near, blend=0.0)
 
 
+@pytest.mark.parametrize("axis", range(6))
+def test_what_lies_on_a_bound_is_believed(axis: int) -> None:
+    for end in (ROBOT.q_min - 0.05, ROBOT.q_max + 0.05):
+        place = Q.copy()
+        place[axis] = end[axis]
+        assert believed(q=place, q_last=place)
+    speed = np.zeros(6)
+    speed[axis] = 2.0 * ROBOT.qd_max[axis]
+    assert believed(qd=speed)
+
+
+def test_fields_of_the_guard() -> None:
+    """The package tests every input but what is measured, which the guard judges."""
+    fields = {field.name: field for field in (*block().inputs, *block().outputs)}
+    assert [name for name, field in fields.items() if field.judged] == ["q", "qd"]
+    for name in ("fresh", "brake"):
+        assert (fields[name].lower, fields[name].upper) == ((0.0,), (1.0,))
+    usual = guarded(controller("gravity_pd", ROBOT), ROBOT, consistency=False)
+    assert step(usual, blend=0.5)["blend"] == pytest.approx(0.5 + T / 0.05)
+    assert step(usual, fresh=0.0, lost=19.0)["brake"] == 0
+    assert step(usual, fresh=0.0, lost=20.0)["brake"] == 1
+
+
+def test_a_load_that_is_set_for_the_controller_is_set_for_the_observer() -> None:
+    plain, tabled = (
+        guarded(controller("computed_torque", ROBOT, tables=tables), ROBOT)
+        for tables in (False, True)
+    )
+    assert "payload_mass" not in {field.name for field in plain.parameters}
+    given = {"qd": np.full(6, 0.1), "qd_last": np.full(6, 0.1), "running": 0.0}
+    same = step(tabled, **given)["explained"]
+    np.testing.assert_allclose(same, step(plain, **given)["explained"], atol=1e-9)
+    heavier = step(tabled, payload_mass=10.0, **given)["explained"]
+    assert np.abs(heavier - same).max() > 1e-3
+
+
 @pytest.mark.parametrize("wrong", [{"fresh": 0.0}, {"fresh": 0.5}, {"fresh": np.nan},
                                    {"q": np.nan}, {"qd": np.nan}, {"q": np.inf}])  # fmt: skip
 def test_what_is_lost_counts_and_the_arm_goes_on_along_the_reference(
