@@ -32,10 +32,16 @@ TIMEOUT = 300.0
 """seconds of one mutant's tests"""
 SAID = ("failed", "crashed", "no end", "survived")
 """what may come of a mutant: a test fails, the tests cannot be run, run for ever, or all pass"""
-CERTIFIED = "tests/planners/test_certified.py -k (not 200)"
-SMOOTH = "tests/planners/test_smooth_timing.py -k (not 50 and not another and not price)"
+CERTIFIED = (
+    "tests/planners/test_cell_bounds.py tests/planners/test_certified.py "
+    "-k (not 200 and not share_its and not effects_of and not toppra)"
+)
+SMOOTH = (
+    "tests/planners/test_rate_bounds.py tests/planners/test_smooth_timing.py "
+    "-k (not 50 and not another and not price)"
+)
 EFFECT_BOUNDS = "tests/planners/test_effect_bounds.py -k (not starts and not little)"
-SELECTION = "tests/diagnosis/test_selection.py tests/diagnosis/test_acceptance.py"
+SELECTION = "tests/diagnosis/test_criteria.py tests/diagnosis/test_selection.py"
 TARGETS = {
     "codegen/machine_code/build_cache.py": "tests/codegen/test_build_cache.py",
     "sweep/journal.py": "tests/sweep/test_run.py -k (spoiled|no_journal|torn)",
@@ -62,13 +68,15 @@ TARGETS = {
     ),
     "controllers/effect_tables.py": "tests/controllers/test_effect_tables.py",
     "controllers/momentum.py": (
-        "tests/controllers/test_effect_tables.py tests/controllers/test_structures.py"
+        "tests/controllers/test_guard_steps.py tests/controllers/test_effect_tables.py"
     ),
-    "controllers/guard.py": "tests/closing_the_loop/test_faults.py tests/controllers",
+    "controllers/guard.py": "tests/controllers/test_guard_steps.py",
+    "controllers/sample_check.py": "tests/controllers/test_guard_steps.py",
     "codegen/input_guard.py": (
         "tests/codegen/test_parameters_and_names.py tests/codegen/test_package.py"
     ),
-    "planners/timing/rate_limited/cell_motion.py": "tests/planners/test_smooth_timing.py",
+    "planners/timing/rate_limited/cell_motion.py": SMOOTH,
+    "planners/timing/rate_limited/hyperbolic_motion.py": "tests/planners/test_rate_bounds.py",
     "planners/timing/rate_limited/output_bounds.py": SMOOTH,
     "planners/timing/rate_limited/rate_limited_law.py": SMOOTH,
     "planners/timing/rate_limited/constrained_outputs.py": SMOOTH,
@@ -76,6 +84,7 @@ TARGETS = {
     "planners/timing/motion_limits.py": CERTIFIED,
     "planners/timing/piecewise_constant_law.py": CERTIFIED,
     "planners/timing/time_optimal.py": CERTIFIED,
+    "planners/timing/torque_bounds.py": CERTIFIED,
     "planners/timing/torque_constraints.py": CERTIFIED,
     "planners/timing/two_pass/interpreted.py": "tests/planners/test_interpreted_two_pass.py",
     "planners/enclosure/bernstein.py": "tests/planners/test_bernstein.py",

@@ -28,7 +28,15 @@ from numpy.typing import ArrayLike, NDArray
 from irb2400_ctrl.codegen import Block, Field
 from irb2400_ctrl.controllers.compensation import SIGN_WIDTH, Compensation
 from irb2400_ctrl.controllers.computed_torque import pd_gains, wanted_acceleration
-from irb2400_ctrl.controllers.parts import Values, assemble, gain, saturate, signals_in, torque_out
+from irb2400_ctrl.controllers.parts import (
+    Values,
+    assemble,
+    errors,
+    gain,
+    saturate,
+    signals_in,
+    torque_out,
+)
 from irb2400_ctrl.controllers.scaling import typical_inertia
 from irb2400_ctrl.controllers.stribeck import fade
 from irb2400_ctrl.errors import InputError
@@ -77,7 +85,8 @@ def adaptive(
         going = fade(v["qd_ref"], v["breakaway"])
         heard = going * (tau == asked) * (speed_error + v["slope"] * error)
         theta = v["theta"] + sample_time * v["rate"] * (Y.T @ heard)
-        return {"tau": tau, "theta": theta, "wanted": wanted, "Y": Y, **after}
+        steps = {"error": error, "speed_error": speed_error, "wanted": wanted, "Y": Y}
+        return {"tau": tau, "theta": theta, **steps, "heard": heard, **after}
 
     gains = _gains(robot, regressor, bandwidth, damping, adaptation_time)
     return assemble(
@@ -90,7 +99,9 @@ def adaptive(
         outputs=torque_out(robot),
         parameters=(*gains, *model.parameters),
         told=(
+            *errors(robot),
             wanted_acceleration(robot),
+            Field("heard", robot.n, "rad/s", "s = ed + slope e, where it is learned from"),
             Field("Y", robot.n * (PAYLOAD + robot.n), "", "regressor of what is learned"),
             *model.told,
         ),

@@ -121,13 +121,16 @@ def _cascade(
         integral = back_calculated(
             v["integral"], (1 - still) * v["ki"] * error, tau - wanted, v["tracking"], sample_time
         )
-        return {"tau": tau, "integral": integral, "error": error, **after}
+        steps = {"error": error, "forward": forward, "still": still}
+        return {"tau": tau, "integral": integral, **steps, **after}
 
+    forward_torque = Field("forward", robot.n, "Nm", "torque of the model along the reference")
     return assemble(
         name, doc, sample_time, law,
         states=states, inputs=signals_in(robot), outputs=torque_out(robot), parameters=parameters,
         told=(
             Field("error", robot.n, "rad/s", "speed error of the inner loop"),
-            *(() if model is None else model.told),
+            Field("still", robot.n, "-", "1: at rest within the deadband, the integral is held"),
+            *(() if model is None else (forward_torque, *model.told)),
         ),
     )  # fmt: skip

@@ -4,8 +4,16 @@ from __future__ import annotations
 
 from numpy.typing import ArrayLike
 
-from irb2400_ctrl.codegen import Block
-from irb2400_ctrl.controllers.parts import Values, assemble, gain, saturate, signals_in, torque_out
+from irb2400_ctrl.codegen import Block, Field
+from irb2400_ctrl.controllers.parts import (
+    Values,
+    assemble,
+    errors,
+    gain,
+    saturate,
+    signals_in,
+    torque_out,
+)
 from irb2400_ctrl.controllers.scaling import typical_inertia
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.robot import Robot
@@ -38,8 +46,11 @@ def gravity_pd(
 
     def law(v: Values) -> Values:
         weight = gravity.call([v["q"]], True, False)[0]
-        tau = weight + v["kp"] * (v["q_ref"] - v["q"]) + v["kd"] * (v["qd_ref"] - v["qd"])
-        return {"tau": saturate(robot, tau)}
+        error = v["q_ref"] - v["q"]
+        speed_error = v["qd_ref"] - v["qd"]
+        wanted = weight + v["kp"] * error + v["kd"] * speed_error
+        steps = {"weight": weight, "error": error, "speed_error": speed_error}
+        return {"tau": saturate(robot, wanted), **steps}
 
     return assemble(
         "gravity_pd",
@@ -50,4 +61,8 @@ def gravity_pd(
         inputs=signals_in(robot),
         outputs=torque_out(robot),
         parameters=parameters,
+        told=(
+            Field("weight", robot.n, "Nm", "torque of the arm at rest, G(q)"),
+            *errors(robot),
+        ),
     )

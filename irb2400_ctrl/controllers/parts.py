@@ -50,6 +50,14 @@ def torque_out(robot: Robot) -> tuple[Field, ...]:
     return (Field("tau", robot.n, "Nm", "torque command", lower=tuple(-robot.tau_max), upper=high),)
 
 
+def errors(robot: Robot) -> tuple[Field, Field]:
+    """Steps that a law calls `error` and `speed_error`."""
+    return (
+        Field("error", robot.n, "rad", "angle error, q_ref - q"),
+        Field("speed_error", robot.n, "rad/s", "speed error, qd_ref - qd"),
+    )
+
+
 def gain(robot: Robot, name: str, unit: str, doc: str, value: ArrayLike) -> Field:
     """A parameter per joint; one number stands for all joints.
 

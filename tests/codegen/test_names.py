@@ -52,7 +52,7 @@ def test_the_recursion_is_told_link_by_link() -> None:
     assert {re.sub(r"_p\d+$", "", n) for n in found} <= set(own)
 
 
-@pytest.mark.parametrize("name", ["computed_torque", "adaptive", "guarded"])
+@pytest.mark.parametrize("name", [*CONTROLLERS, "guarded"])
 def test_names_change_no_operation(name: str) -> None:
     package = Package(blocks()[name])
 
@@ -65,6 +65,27 @@ def test_names_change_no_operation(name: str) -> None:
     back = {text: f"t{index}" for index, text in names.items()}
     renamed = [re.sub(r"\w+", lambda m: back.get(m[0], m[0]), row) for row in statements(names)]
     assert renamed == statements({})
+
+
+@pytest.mark.parametrize(
+    ("name", "steps"),
+    [
+        ("gravity_pd", "weight error speed_error"),
+        ("pid", "error still"),
+        ("feedforward_pid", "error still forward dry load"),
+        ("adaptive", "error speed_error wanted heard Y dry load"),
+    ],
+)
+def test_steps_of_every_law_are_told(name: str, steps: str) -> None:
+    """With unit and meaning above the first line of each, and elements of it below."""
+    source = Package(blocks()[name]).source()
+    found = locals_of(blocks()[name])
+    told = blocks()[name].quantities
+    assert told is not None
+    meaning = {field.name: field for field in told.fields}
+    for step in steps.split():
+        assert any(re.match(rf"(minus_)?{step}_\d", n) for n in found), step
+        assert f"{step}: [{meaning[step].unit}]" in source or not meaning[step].unit
 
 
 def test_a_named_local_holds_what_its_name_says() -> None:

@@ -11,6 +11,7 @@ import pytest
 from irb2400_ctrl.diagnosis.comparison import acceptance as module
 from irb2400_ctrl.diagnosis.comparison.acceptance import Acceptance, stands_clear, usual
 from irb2400_ctrl.diagnosis.comparison.comparison import Alternative
+from irb2400_ctrl.diagnosis.comparison.criteria import Criteria
 from irb2400_ctrl.diagnosis.comparison.step import Step
 from irb2400_ctrl.diagnosis.estimation.candidate import Candidate
 from irb2400_ctrl.diagnosis.estimation.effect_parameters import parameters_of
@@ -156,3 +157,48 @@ def test_numbers_that_moved_far_are_said_by_body() -> None:
         "The inertial numbers of link 2 are off, Ixx of link 2 by 3.6 of its own "
         "standard deviations."
     )
+
+
+def test_worth_of_exactly_nothing_bears_nothing_out() -> None:
+    offset = LIBRARY["torque_offset"].of(2, offset_Nm=3.0)
+    name = SimpleNamespace(known=True, devices=frozenset(), effects=(offset,), joint=2)
+    assert not judged(name, [0.0, 5.0, 0.0], worth=0.0)
+    assert not judged(name, [0.0, 0.0, 0.0])
+    assert not judged(name, [0.0, -20.0, 0.0], beyond=False)  # with its 20 nats to its credit
+    law = SimpleNamespace(known=False, devices=frozenset(), effects=(), joint=2)
+    assert judged(law, [], worth=1.0)
+    assert not judged(law, [], worth=0.0)
+    swing = SimpleNamespace(known=True, devices=frozenset({"spring"}), effects=(offset,), joint=2)
+    assert judged(swing, [-9.0, -9.0, -9.0], worth=-9.0)
+
+
+@pytest.mark.parametrize(("share", "beyond"), [(0.05, False), (0.0501, True)])
+def test_what_other_numbers_of_the_robot_could_say(
+    share: float, beyond: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    given: list[Any] = []
+
+    def problem(y: Any, Z: Any, noise: Any) -> Any:
+        given.append(Z)
+        return SimpleNamespace(share_beyond_base=lambda torque: share)
+
+    monkeypatch.setattr(module, "Problem", problem)
+    acceptance: Any = Acceptance.__new__(Acceptance)
+    acceptance.criteria = Criteria()
+    acceptance.fitter = SimpleNamespace(motion=SimpleNamespace(n=1))
+    # columns of the robot's own numbers alone, not those of fitted effects
+    fit: Any = SimpleNamespace(
+        y=None, noise=(), Z=np.arange(3.0)[None, None], owner=np.array([-1, 0, -1])
+    )
+    candidate: Any = SimpleNamespace(torque=lambda n: np.zeros((1, n)))
+    assert acceptance._beyond_base(candidate, fit) == beyond
+    np.testing.assert_array_equal(given[0], [[[0.0, 2.0]]])
+
+
+def test_a_record_is_as_long_as_from_its_first_sample_to_its_last() -> None:
+    warm = LIBRARY["viscous_warmup"].of(2, viscous_Nms_rad=5.0, time_constant_s=33.0)
+    for time, clear in (([7.0, 20.0, 40.5], True), ([7.0, 8.0, 39.5], False)):
+        acceptance: Any = Acceptance.__new__(Acceptance)
+        acceptance.fitter = SimpleNamespace(motion=SimpleNamespace(time=np.array(time)))
+        step: Any = SimpleNamespace(candidate=SimpleNamespace(effects=(warm,)))
+        assert acceptance.clear([step], fitted(warm, 0.1, 1.0), 0) == [clear]

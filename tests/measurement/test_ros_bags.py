@@ -11,6 +11,7 @@ from measured_logs import made, same
 
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.measurement import Log, read_log
+from irb2400_ctrl.measurement.columns.joint_order import joint_order, numbered_order
 
 
 def joint_state(stamp: float, names: list[str], *values: np.ndarray) -> bytes:
@@ -160,3 +161,18 @@ def test_unknown_names_are_refused_with_both_lists_and_read_by_a_map(tmp_path: P
     map_ = tmp_path / "map.toml"
     map_.write_text("\n".join(lines))
     same(read_log(path, names=UR, columns=map_), Log(log.time, log.q[:, ::-1], log.tau[:, ::-1]))
+
+
+def test_names_are_the_robots_own_only_where_all_of_them_are() -> None:
+    assert joint_order(["b", "a"], ["a", "b"]) == [1, 0]
+    assert joint_order(["left_b_joint", "a"], ["a", "b"]) == [1, 0]
+    assert joint_order(["a", "c"], ["a", "b"]) is None
+    assert joint_order(["left_b", "right_b"], ["b"]) is None
+    assert joint_order(["x_b"], ["b", "B"]) is None
+
+
+def test_numbers_at_the_ends_of_names_run_from_one() -> None:
+    assert numbered_order(["j_3", "j_1", "j_2"]) == [1, 2, 0]
+    assert numbered_order(["wrist", "j_2"]) is None
+    assert numbered_order(["j_0", "j_1"]) is None
+    assert numbered_order(["j_1", "j_1"]) is None

@@ -148,3 +148,14 @@ def test_two_and_a_half_samples_of_a_slow_log_are_bridged(gap: float, bridged: b
     middle = np.abs(found.time - (before[-1] + gap / 2)) < 0.01
     assert found.valid[middle].all() == bridged
     assert found.valid[~(np.abs(found.time - (before[-1] + gap / 2)) < 0.06)].all()
+
+
+@pytest.mark.parametrize(("step", "half"), [(0.004, 10), (0.002, 20), (0.02, 4)])
+def test_smoothing_reaches_forty_milliseconds_to_both_sides(step: float, half: int) -> None:
+    """Four samples at least; a constant stays, and nothing is moved in time."""
+    impulse = np.zeros((101, 1))
+    impulse[50] = 1.0
+    found = smoothed(impulse, step)[:, 0]
+    np.testing.assert_array_equal(np.flatnonzero(found), range(50 - half, 51 + half))
+    np.testing.assert_allclose(found, found[::-1], atol=1e-15)
+    np.testing.assert_allclose(found.sum(), 1.0)

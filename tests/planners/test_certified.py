@@ -216,3 +216,17 @@ def test_comes_to_rest_on_any_grid(count: int) -> None:
         path = JointPath.through(np.linspace(0.0, 1.0, 6), rng.uniform(-1.0, 1.0, (6, 6)))
         timed, _ = time_joint_path(DYNAMICS, path, LIMITS, count=count)
         assert timed.law.x[-1] == 0.0
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_peaks_of_each_axis_hold_and_are_close(seed: int) -> None:
+    path = random_path(seed)
+    law = time_joint_path(DYNAMICS, path, LIMITS)[0].law
+    time = np.arange(0.0, law.duration, 1e-4)
+    _, q, qd, qdd = law.motion(path, time)
+    (tau,) = TORQUE.map(q, qd, qdd, np.zeros(1))
+    seen = np.abs(tau).max(axis=0)
+    peaks = law.peaks(path, LIMITS, DYNAMICS)
+    assert (seen <= peaks.torque).all()
+    assert (peaks.torque < 1.05 * seen).all()
+    assert peaks.torque_rate_ratio == 0.0

@@ -1,0 +1,249 @@
+"""Each criterion at its edge, on candidates whose sizes are plain numbers."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from irb2400_ctrl.diagnosis.comparison.criteria import Criteria, Threshold, of_one_moment
+from irb2400_ctrl.effects.base import OPEN_END_S
+
+BASE = 1000.0
+"""log evidence without any explanation"""
+ROWS = np.array([1.0, -1.0, 1.0, -1.0])
+"""a torque of rms one"""
+
+
+def candidate(size: Any = (0.0, 5.0, 0.0), **given: Any) -> Any:
+    """An offset on joint 2 of three with these rms torques [Nm]."""
+    gain = given.pop("gain", 100.0)
+    stops = given.pop("stops", ())
+    moving = given.pop("moving", False)
+    effect = SimpleNamespace(
+        windows_s=[(0.0, stop) for stop in stops], search=SimpleNamespace(shows_moving=moving)
+    )
+    usual: dict[str, Any] = {
+        "kind": "torque_offset", "joint": 2, "known": True, "devices": frozenset(), "begins": (),
+        "expected": (), "discrepancy_share": 0.5, "effects": (effect,),
+        "score": SimpleNamespace(gain=gain), "torque": lambda n: ROWS[:, None] * np.array(size),
+    }  # fmt: skip
+    return SimpleNamespace(**(usual | given))
+
+
+def alternative(of: Any, gain: float = 100.0, by_law: float = 100.0) -> Any:
+    return SimpleNamespace(candidate=of, evidence=BASE + gain, by_law=by_law)
+
+
+def comparison(**given: Any) -> Any:
+    usual: dict[str, Any] = {
+        "gain": lambda one: one.evidence - BASE,
+        "gain_moving": lambda one: 100.0,
+        "energy": np.full(3, 80.0),  # the twentieth of it is 2 Nm squared
+        "share_beyond_base": lambda one: 1.0,
+        "elsewhere": lambda one: 1.0,
+        "added": lambda one: np.array([0.0, 5.0, 0.0]),
+        "by_joint": lambda gain, torque: gain * np.array([0.25, 0.5, 0.25]),
+        "explained": lambda one: one.torque(3),
+    }
+    return SimpleNamespace(**(usual | given))
+
+
+def threshold(measured: float = 20.0, predicted: float = 10.0, **changed: float) -> Threshold:
+    motion: Any = SimpleNamespace(
+        n=3, tau=measured * ROWS[:, None] * np.ones(3), filtered=lambda values: values
+    )
+    return Threshold(Criteria(**changed), motion, predicted * ROWS[:, None] * np.ones(3))  # type: ignore[arg-type]
+
+
+def accepts(of: Any, *chosen: Any, beside: Any = None, **given: Any) -> bool:
+    stated = {name: given.pop(name) for name in ("gain", "by_law") if name in given}
+    judge = given.pop("judge", None) or threshold()
+    return judge.accepts(beside or comparison(**given), alternative(of, **stated), chosen)
+
+
+@pytest.mark.parametrize(("measured", "predicted"), [(20.0, 10.0), (10.0, 20.0)])
+def test_a_torque_that_another_one_must_cancel_is_refused(
+    measured: float, predicted: float
+) -> None:
+    """Above one and a half times the larger of measured and predicted, on any joint."""
+    judge = threshold(measured, predicted)
+    np.testing.assert_allclose(judge.rms, measured)
+    np.testing.assert_allclose(judge.largest, 30.0)
+    assert accepts(candidate((0.0, 29.9, 0.0)), judge=judge)
+    assert not accepts(candidate((0.0, 30.1, 0.0)), judge=judge)
+    assert not accepts(candidate((30.1, 5.0, 0.0)), judge=judge)
+
+
+def test_what_shows_in_motion_gains_a_fifth_there() -> None:
+    def with_gain(moving: float, of: bool = True) -> bool:
+        return accepts(candidate(moving=of), gain_moving=lambda one: moving)
+
+    assert with_gain(20.0)
+    assert not with_gain(19.9)
+    assert with_gain(0.0, of=False)
+
+
+def test_an_effect_is_large_against_what_is_left_and_against_the_joint() -> None:
+    assert accepts(candidate((0.0, 2.01, 0.0)))
+    assert not accepts(candidate((0.0, 1.99, 0.0)))
+    heavy = threshold(measured=300.0)  # one hundredth of it is 3 Nm, two are 6
+    assert accepts(candidate((0.0, 3.01, 0.0)), judge=heavy)
+    assert not accepts(candidate((0.0, 2.99, 0.0)), judge=heavy)
+    # one joint is enough
+    assert accepts(candidate((0.1, 0.1, 3.01)), judge=heavy)
+    # by departures from its law, not by the law itself: twice the size
+    beside = {"judge": heavy, "by_law": 25.0}
+    assert accepts(candidate((0.0, 6.01, 0.0)), **beside)
+    assert not accepts(candidate((0.0, 5.99, 0.0)), **beside)
+    assert accepts(candidate((0.0, 3.01, 0.0)), judge=heavy, by_law=25.1)
+
+
+def test_a_second_that_says_it_nearly_alone_is_no_law() -> None:
+    def with_share(elsewhere: float, beyond: float = 1.0, **given: Any) -> bool:
+        return accepts(
+            candidate(**given),
+            elsewhere=lambda one: elsewhere,
+            share_beyond_base=lambda one: beyond,
+        )
+
+    assert with_share(0.4)
+    assert not with_share(0.39)
+    # a force that comes and goes, a swing, and what the base could take as well
+    assert with_share(0.0, stops=(3.0,))
+    assert not with_share(0.0, stops=(OPEN_END_S,))
+    assert with_share(0.0, devices=frozenset({"spring"}))
+    assert with_share(0.0, beyond=0.0099)
+    assert not with_share(0.0, beyond=0.01)
+
+
+def test_what_an_earlier_law_of_another_shape_leaves_is_nothing_new() -> None:
+    """It takes half the earlier torque off, or gains a quarter of the earlier evidence."""
+    earlier = candidate((0.0, 8.0, 0.0), gain=900.0)
+
+    def beside(added: float, gain: float = 100.0, of: Any = None, before: Any = earlier) -> bool:
+        return accepts(
+            of or candidate(), before, gain=gain, added=lambda one: np.array([0.0, added, 0.0])
+        )
+
+    assert beside(4.01)
+    assert not beside(4.0)
+    assert beside(0.0, gain=225.1)
+    assert not beside(0.0, gain=224.9)
+    # of an earlier one of the whole arm: what it has gained on this joint
+    whole = candidate((0.0, 8.0, 0.0), gain=900.0, joint=None)
+    assert beside(0.0, gain=112.6, before=whole)
+    assert not beside(0.0, gain=112.4, before=whole)
+    # the swing of one transmission: only the evidence speaks, and half of it
+    swing = frozenset({"spring"})
+    springs = candidate((0.0, 8.0, 0.0), gain=900.0, devices=swing)
+    assert not beside(9.0, gain=449.9, of=candidate(devices=swing), before=springs)
+    assert beside(0.0, gain=450.1, of=candidate(devices=swing), before=springs)
+
+
+def test_a_law_without_a_name_is_new_by_its_size_alone() -> None:
+    unnamed = candidate(known=False)
+    earlier = candidate((0.0, 2.0, 0.0), gain=0.0)
+
+    def beside(added: float, before: Any) -> bool:
+        return accepts(unnamed, before, gain=1e4, added=lambda one: np.array([0.0, added, 0.0]))
+
+    assert beside(2.01, earlier)
+    assert not beside(1.99, earlier)
+    assert not beside(3.99, candidate((0.0, 8.0, 0.0), gain=0.0))
+    # a flexible law has taken in whatever the base could hide: beside it evidence says nothing
+    assert not accepts(candidate(), candidate((0.0, 20.0, 0.0), gain=0.0, known=False), gain=1e4)
+    # all earlier ones count
+    assert not accepts(
+        unnamed, earlier, candidate((0.0, 20.0, 0.0)), added=lambda one: np.array([0.0, 9.9, 0.0])
+    )
+
+
+def test_a_moment_has_one_cause() -> None:
+    first = candidate(gain=900.0, begins=(12.0,))
+    assert not accepts(candidate(gain=60.0, begins=(12.999,)), first)
+    assert accepts(candidate(gain=60.0, begins=(13.0,)), first)
+    assert of_one_moment(candidate(gain=60.0, begins=(11.001,)), [first])
+    assert not of_one_moment(candidate(gain=900.0, begins=(12.5,)), [first])
+
+
+def test_how_much_evidence_each_kind_of_explanation_needs() -> None:
+    judge = threshold()
+
+    def least(of: Any, *chosen: Any, beyond: float = 1.0) -> float:
+        return judge.least_gain(comparison(share_beyond_base=lambda one: beyond), of, chosen)
+
+    one = candidate()
+    assert least(one) == 22.0
+    assert least(candidate(known=False)) == 25.0
+    assert least(one, beyond=0.01) == 11.0
+    assert least(one, beyond=0.0101) == 22.0
+    assert least(candidate(expected=((0.0, 1.0),)), beyond=0.01) == 8.0
+    # beside an earlier law the base is bent
+    assert least(one, candidate(), beyond=0.01) == 22.0
+
+
+def test_a_law_without_a_name_beats_the_library_by_more_than_earlier_laws_may_leave() -> None:
+    judge = threshold()
+    name = alternative(candidate(), gain=500.0)
+
+    def wins(more: float, *chosen: Any, **given: Any) -> bool:
+        unnamed = alternative(candidate((0.0, 9.0, 0.0), known=False), gain=500.0 + more)
+        return judge.best(comparison(**given), [unnamed, name], chosen) is unnamed
+
+    # ten nats and two per cent of 500
+    assert wins(20.1)
+    assert not wins(20.0)
+    # half of what the earlier one gained, 800, is on joint 2; the square of its share of that
+    assert wins(120.1, candidate(gain=800.0))
+    assert not wins(119.9, candidate(gain=800.0))
+    assert not wins(119.9, candidate(gain=8.0), candidate(gain=800.0))
+    # nothing of a loss
+    loss = alternative(candidate(), gain=-500.0)
+    unnamed = alternative(candidate(known=False), gain=-489.9)
+    assert judge.best(comparison(), [unnamed, loss], ()) is unnamed
+    assert judge.best(comparison(), [name, unnamed], ()) is name
+    assert judge.best(comparison(), [unnamed], ()) is unnamed
+    whole = alternative(candidate(known=False, joint=None), gain=600.1)
+    # a law of no joint is judged as on the first: a quarter of what an earlier one gained
+    assert judge.best(comparison(), [whole, name], (candidate(gain=1280.0),)) is whole
+    assert judge.best(comparison(), [whole, name], (candidate(gain=1290.0),)) is name
+
+
+@pytest.mark.parametrize(
+    ("beyond", "size", "named"),
+    [(0.049, 5.49, True), (0.049, 5.5, False), (0.05, 5.49, False), (0.049, 4.51, True)],
+)
+def test_a_name_that_the_base_takes_in_stands_where_hardly_more_is_said_without_it(
+    beyond: float, size: float, named: bool
+) -> None:
+    name = alternative(candidate((0.0, 5.0, 0.0)), gain=50.0)
+    unnamed = alternative(candidate((99.0, size, 99.0), known=False), gain=900.0)
+    given = comparison(share_beyond_base=lambda one: beyond)
+    assert (threshold().best(given, [unnamed, name], ()) is name) == named
+
+
+def test_a_law_of_no_joint_is_held_against_the_first() -> None:
+    name = alternative(candidate((5.0, 9.0, 9.0)), gain=50.0)
+    given = comparison(share_beyond_base=lambda one: 0.0)
+    for size, named in ((5.4, True), (5.6, False)):
+        unnamed = alternative(candidate((size, 99.0, 99.0), known=False, joint=None), gain=900.0)
+        assert (threshold().best(given, [unnamed, name], ()) is name) == named
+
+
+def test_what_does_not_matter_by_its_name_does_not_matter_without_one() -> None:
+    judge = threshold()
+    unnamed = alternative(candidate(known=False), gain=50.0)
+    small = candidate((0.0, 1.9, 0.0))
+
+    def less(*others: Any, of: Any = unnamed) -> bool:
+        return judge.said_by_less(comparison(), of, [of, *others])
+
+    assert less(alternative(small, gain=51.0))
+    assert not less(alternative(small, gain=50.0))
+    assert not less(alternative(candidate((0.0, 2.1, 0.0)), gain=51.0))
+    assert not less(alternative(candidate((0.0, 1.9, 0.0), joint=3), gain=51.0))
+    assert not less(alternative(candidate((0.0, 1.9, 0.0), known=False), gain=51.0))
+    assert not less(alternative(small, gain=51.0), of=alternative(candidate(), gain=50.0))
