@@ -2,25 +2,17 @@
 
 from __future__ import annotations
 
-import ctypes
 from dataclasses import dataclass
-from functools import cache, cached_property
 from typing import Protocol
 
 import numpy as np
 import numpy.typing as npt
 
 from irb2400_ctrl.arrays import Array
-from irb2400_ctrl.codegen.machine_code.own_library import own_library
 from irb2400_ctrl.errors import InputError
 
 # what the powers of d are multiplied with in the derivatives of order 0, 1, 2, 3
 _POWERS = ((1.0, 1.0, 1.0, 1.0), (1.0, 2.0, 3.0), (2.0, 6.0), (6.0,))
-
-
-@cache
-def _library() -> ctypes.CDLL | None:
-    return own_library(__package__, "joint_path.c")
 
 
 class JointMotion(Protocol):
@@ -153,32 +145,6 @@ class JointPath:
             s: way [m], shape (k,); piece: of each, from 0, shape (k,).
             order: of the derivative.
         """
-        library = _library()
-        if library is None:
-            return self._gathered(s, piece, order)
-        way = np.ascontiguousarray(s, dtype=float)
-        number = np.ascontiguousarray(piece, dtype=np.int64)
-        if way.shape != number.shape:
-            raise ValueError(
-                f"found {way.shape} lengths on {number.shape} pieces, expected as many"
-            )
-        found = np.empty((len(way), self.n))
-        sizes = map(ctypes.c_int64, (len(way), len(self.knots) - 1, self.n, order))
-        arrays = (*self._table, way, number, found)
-        if library.on_piece(*sizes, *(ctypes.c_void_p(array.ctypes.data) for array in arrays)):
-            raise IndexError(f"pieces {number.min()} to {number.max()} of {len(self.knots) - 1}")
-        return found
-
-    @cached_property
-    def _table(self) -> tuple[Array, Array]:
-        """Knots and coefficients as C reads them."""
-        return (
-            np.ascontiguousarray(self.knots, dtype=float),
-            np.ascontiguousarray(self.coefficients, dtype=float),
-        )
-
-    def _gathered(self, s: Array, piece: npt.NDArray[np.int64], order: int) -> Array:
-        """The same by arrays, where there is no C compiler."""
         d = np.repeat(s - self.knots[piece], self.n).reshape(-1, self.n)
         # Horner's rule; a coefficient is gathered only where it enters
         value = self._times(order, 3, piece)
