@@ -33,15 +33,20 @@ TIMEOUT = 300.0
 SAID = ("failed", "crashed", "no end", "survived")
 """what may come of a mutant: a test fails, the tests cannot be run, run for ever, or all pass"""
 CERTIFIED = (
-    "tests/planners/test_cell_bounds.py tests/planners/test_certified.py "
+    "tests/planners/test_cell_bounds.py tests/planners/test_cell_constraints.py "
+    "tests/planners/test_cell_parts.py tests/planners/test_certified.py "
     "-k (not 200 and not share_its and not effects_of and not toppra)"
 )
 SMOOTH = (
-    "tests/planners/test_rate_bounds.py tests/planners/test_smooth_timing.py "
+    "tests/planners/test_rate_bounds.py tests/planners/test_rate_limited_law.py "
+    "tests/planners/test_smooth_timing.py "
     "-k (not 50 and not another and not price)"
 )
 EFFECT_BOUNDS = "tests/planners/test_effect_bounds.py -k (not starts and not little)"
-SELECTION = "tests/diagnosis/test_criteria.py tests/diagnosis/test_selection.py"
+SELECTION = (
+    "tests/diagnosis/test_criteria.py tests/diagnosis/test_selection.py "
+    "tests/diagnosis/test_selection_steps.py"
+)
 TARGETS = {
     "codegen/machine_code/build_cache.py": "tests/codegen/test_build_cache.py",
     "sweep/journal.py": "tests/sweep/test_run.py -k (spoiled|no_journal|torn)",
@@ -52,9 +57,12 @@ TARGETS = {
         "tests/hostile/test_listed_files.py tests/measurement/test_read_log.py"
     ),
     "measurement/read_log.py": (
-        "tests/measurement/test_read_log.py tests/measurement/test_signal_names.py"
+        "tests/measurement/test_read_log.py tests/measurement/test_log_columns.py "
+        "tests/measurement/test_signal_names.py"
     ),
-    "measurement/columns/column_map.py": "tests/measurement/test_read_log.py",
+    "measurement/columns/column_map.py": (
+        "tests/measurement/test_read_log.py tests/measurement/test_log_columns.py"
+    ),
     "measurement/columns/signal_names.py": "tests/measurement/test_signal_names.py",
     "measurement/columns/joint_order.py": "tests/measurement/test_ros_bags.py",
     "measurement/time_base.py": "tests/measurement/test_time_base.py",
@@ -76,7 +84,7 @@ TARGETS = {
         "tests/codegen/test_parameters_and_names.py tests/codegen/test_package.py"
     ),
     "planners/timing/rate_limited/cell_motion.py": SMOOTH,
-    "planners/timing/rate_limited/hyperbolic_motion.py": "tests/planners/test_rate_bounds.py",
+    "planners/timing/rate_limited/hyperbolic_motion.py": "tests/planners/test_rate_limited_law.py",
     "planners/timing/rate_limited/output_bounds.py": SMOOTH,
     "planners/timing/rate_limited/rate_limited_law.py": SMOOTH,
     "planners/timing/rate_limited/constrained_outputs.py": SMOOTH,

@@ -1,0 +1,340 @@
+"""Steps of the selection one by one: what is chosen, refused, exchanged and judged again."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.diagnosis.comparison import selection as module
+from irb2400_ctrl.diagnosis.comparison.comparison import Alternative
+from irb2400_ctrl.diagnosis.comparison.criteria import Criteria
+from irb2400_ctrl.diagnosis.comparison.selection import (
+    Selection,
+    named,
+    shortlist,
+)
+from irb2400_ctrl.diagnosis.comparison.step import Step
+
+
+def bare(**given: Any) -> Any:
+    """A selection that has only what a test gives it."""
+    selection: Any = Selection.__new__(Selection)
+    usual: dict[str, Any] = {"criteria": Criteria(), "refused": set()}
+    for name, value in (usual | given).items():
+        setattr(selection, name, value)
+    return selection
+
+
+def explanation(kind: str, joint: int | None = 1, known: bool = True, **given: Any) -> Any:
+    usual: dict[str, Any] = {"name": kind, "penalty": 0.0, "begins": (), "gain": 100.0}
+    told = SimpleNamespace(kind=kind, joint=joint, known=known, **(usual | given))
+    told.score = SimpleNamespace(gain=told.gain)
+    return told
+
+
+def of(candidate: Any, evidence: float) -> Any:
+    return Alternative(candidate, evidence, evidence)
+
+
+def fitter_of() -> Any:
+    return SimpleNamespace(
+        fit=lambda chosen: SimpleNamespace(y=None, Z=None, of=[c.kind for c in chosen]),
+        as_stated=lambda fit: fit,
+        reversal=None,
+    )
+
+
+@pytest.mark.parametrize(
+    ("more", "step", "wider"),
+    # beside the best step, or beside what any step needs: 22 nats
+    [(30.1, 30.0, True), (29.9, 30.0, False), (22.1, None, True), (21.9, None, False)],
+)
+def test_wider_numbers_of_the_robot_must_say_more_than_the_best_step(
+    more: float, step: float | None, wider: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    seen: list[Array] = []
+
+    def compared(scan: Any, reversal: Any, y: Any, Z: Array) -> Any:
+        seen.append(Z)
+        return SimpleNamespace(base=SimpleNamespace(log_evidence=more * (len(seen) - 1)))
+
+    monkeypatch.setattr(module, "Comparison", compared)
+    selection = bare(scan=None, fitter=SimpleNamespace(own=2, reversal=None))
+    fit: Any = SimpleNamespace(y=None, Z=np.ones((1, 1, 3)))
+    best: Any = None if step is None else SimpleNamespace(gain=step)
+    assert selection._rather_wider(best, fit) == wider
+    # the robot's own numbers alone, twice as uncertain; what is fitted stays as it is
+    np.testing.assert_array_equal(seen[1], [[[2.0, 2.0, 1.0]]])
+    np.testing.assert_array_equal(fit.Z, np.ones((1, 1, 3)))
+
+
+def test_what_the_common_fit_no_longer_bears_out_falls_out_from_the_last_on() -> None:
+    judged: list[tuple[list[str], int]] = []
+
+    def bears_out(steps: Any, fit: Any, place: int) -> bool:
+        judged.append(([s.candidate.kind for s in steps], place))
+        assert fit.of == judged[-1][0]
+        return bool(steps[place].candidate.kind != "b")
+
+    selection = bare(
+        fitter=fitter_of(),
+        acceptance=SimpleNamespace(
+            bears_out=bears_out,
+            clear=lambda steps, fit, place: [True],
+            gains=lambda steps, fit: [np.array([float(k)]) for k in range(len(steps))],
+        ),
+    )
+    steps = [Step(explanation(kind), 30.0, ()) for kind in "abc"]
+    kept, fit = selection._borne_out(steps, None)
+    assert judged == [(["a", "b", "c"], 2), (["a", "b", "c"], 1), (["a", "c"], 0)]
+    assert fit.of == ["a", "c"]
+    assert [(s.candidate.kind, s.validation_gain) for s in kept] == [("a", 0.0), ("c", 1.0)]
+
+
+def test_of_an_effect_on_every_joint_what_does_not_stand_clear_is_left_out() -> None:
+    told = [[False, False], [True, False], [True]]
+    kept: list[Any] = []
+    step: Any = SimpleNamespace(candidate=explanation("b"))
+    step.only = lambda clear: kept.append(clear) or step
+    acceptance = SimpleNamespace(clear=lambda steps, fit, place: told.pop())
+    selection = bare(fitter=fitter_of(), acceptance=acceptance)
+    first: Any = SimpleNamespace(candidate=explanation("a"))
+    steps, fit = selection._clear([first, step], 1)
+    assert (kept, fit.of, told) == ([], ["a", "b"], [[False, False], [True, False]])
+    told.append([True])  # after the weak one has gone
+    told[1:] = [[True], [True, False]]
+    steps, fit = selection._clear([first, step, first], 1)
+    assert kept == [[True, False]]
+    assert steps == [first, step, first]
+    # none that does is for `bears_out` to refuse
+    assert selection._clear([first, step], 1)[0] == [first, step]
+    assert told == []
+
+
+def next_step(
+    offered: list[Any], monkeypatch: Any, *, accepted: Any = None, least: float = 22.0, **given: Any
+) -> tuple[Any, list[str]]:
+    """What `next_step` makes of these alternatives over a base of evidence zero; and what was
+    polished."""
+    polished: list[str] = []
+
+    def made(scan: Any, reversal: Any, y: Any, Z: Any) -> Any:
+        return SimpleNamespace(
+            gain=lambda one: one.evidence,
+            polished=lambda one: polished.append(one.candidate.kind) or one,
+        )
+
+    monkeypatch.setattr(module, "Comparison", made)
+    monkeypatch.setattr(Selection, "alternatives", lambda self, c, chosen=(): list(offered))
+    threshold = SimpleNamespace(
+        accepts=lambda c, one, chosen: accepted is None or one.candidate.kind in accepted,
+        said_by_less=lambda c, one, every: one.candidate.kind == "said by less",
+        best=lambda c, every, chosen: every[0],
+        least_gain=lambda c, one, chosen: least,
+    )
+    selection = bare(scan=None, fitter=fitter_of(), threshold=threshold)
+    fit: Any = SimpleNamespace(y=None, Z=None)
+    return selection.next_step([], fit, **given), polished
+
+
+def test_the_next_step_is_the_best_that_counts(monkeypatch: pytest.MonkeyPatch) -> None:
+    small, less, good, worse = (
+        of(explanation(kind), gain)
+        for kind, gain in (("small", 90.0), ("said by less", 80.0), ("good", 22.0), ("worse", 21.0))
+    )
+    every = [small, less, good, worse]
+    step, polished = next_step(every, monkeypatch, accepted={"good", "worse", "said by less"})
+    assert (step.candidate.kind, step.gain, polished) == ("good", 22.0, ["good"])
+    assert step.alternatives == (good, worse)
+    assert next_step([worse], monkeypatch) == (None, [])
+    assert next_step([small], monkeypatch, accepted=set()) == (None, [])
+
+
+@pytest.mark.parametrize(
+    ("law", "first", "second", "penalty", "joint", "found"),
+    [
+        (190.0, 100.0, 91.0, 0.0, 1, "first"),  # together more than the law
+        (190.0, 100.0, 90.0, 0.0, 1, "unexplained"),  # only as much
+        (200.0, 100.0, 150.0, 0.0, 1, "first"),
+        (200.1, 100.0, 150.0, 0.0, 1, "unexplained"),  # over twice the best effect: no two make it
+        (190.0, 100.0, None, 0.0, 1, "unexplained"),
+        (190.0, 100.0, 150.0, 2.99, 1, "first"),  # a family of nineteen is one law still
+        (190.0, 100.0, 150.0, 3.0, 1, "unexplained"),
+        (190.0, 100.0, 150.0, 0.0, 2, "unexplained"),  # of another joint
+    ],
+)
+def test_two_effects_in_the_place_of_a_law_without_a_name(
+    law: float,
+    first: float,
+    second: float | None,
+    penalty: float,
+    joint: int,
+    found: str,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    flexible = of(explanation("unexplained", known=False), law)
+    name = of(explanation("first", joint, penalty=penalty), first)
+    another: Any = None
+    if second is not None:
+        another = Step(explanation("second"), second, ())
+    once = Selection.next_step
+
+    def nested(self: Any, chosen: Any, fit: Any, alone: bool = False) -> Any:
+        if not alone:
+            return once(self, chosen, fit)
+        assert ([c.kind for c in chosen], fit.of) == (["first"], ["first"])
+        return another
+
+    monkeypatch.setattr(Selection, "next_step", nested)
+    # the effect itself may be too small to be accepted alone
+    for accepted in ({"unexplained"}, {"unexplained", "first"}):
+        step, _ = next_step([flexible, name], monkeypatch, accepted=accepted)
+        assert step.candidate.kind == found
+        assert step.gain == (first if found == "first" else law)
+        assert len({id(r.candidate) for r in step.alternatives}) == len(step.alternatives)
+        assert any(r.candidate is step.candidate for r in step.alternatives)
+
+
+def test_a_second_effect_of_another_joint_or_a_large_family_is_no_pair(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    flexible = of(explanation("unexplained", known=False), 150.0)
+    name = of(explanation("first"), 100.0)
+    for second in (explanation("b", 2), explanation("b", penalty=9.0), explanation("b", 1, False)):
+        once = Selection.next_step
+        with monkeypatch.context() as patch:
+            patch.setattr(
+                Selection,
+                "next_step",
+                lambda self, chosen, fit, alone=False, once=once, second=second: (
+                    Step(second, 99.0, ()) if alone else once(self, chosen, fit)
+                ),
+            )
+            step, _ = next_step([flexible, name], patch)
+            assert step.candidate.kind == "unexplained"
+    step, _ = next_step([flexible, name], monkeypatch, alone=True)
+    assert step.candidate.kind == "unexplained"
+
+
+def test_each_explanation_is_judged_again_beside_the_others(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    said: dict[str, Any] = {}
+    asked: list[tuple[str, ...]] = []
+
+    def again(self: Any, others: Any, fit: Any, alone: bool = False) -> Any:
+        asked.append(tuple(c.kind for c in others))
+        assert list(asked[-1]) == fit.of
+        return said.get("".join(asked[-1]))
+
+    monkeypatch.setattr(Selection, "next_step", again)
+    selection = bare(fitter=fitter_of())
+
+    def exchanged(*candidates: Any) -> list[str]:
+        asked.clear()
+        kept = selection._exchanged([Step(c, 50.0, ()) for c in candidates])
+        return [s.candidate.kind for s in kept]
+
+    a, b, c = (explanation(kind) for kind in "abc")
+    d = explanation("d")
+    flexible = explanation("f", known=False)
+    # the last one is fresh; those before it backwards, each beside what has become of the rest
+    said.update(ac=Step(d, 60.0, ()), dc=Step(a, 60.0, ()))
+    assert exchanged(a, b, c) == ["a", "d", "c"]
+    assert asked == [("a", "c"), ("d", "c")]
+    said.clear()
+    assert exchanged(a, b, c) == ["c"]
+    # beside a law without a name nothing falls out, and such a law takes no name's place
+    assert exchanged(a, flexible) == ["a", "f"]
+    said["b"] = Step(flexible, 60.0, ())
+    assert exchanged(a, b) == ["a", "b"]
+    said["b"] = Step(explanation("g", known=False), 60.0, ())
+    assert exchanged(flexible, b) == ["g", "b"]
+    # what began together with something larger is its leftover
+    said["b"] = Step(explanation("late", begins=(4.0,), gain=5.0), 60.0, ())
+    assert exchanged(a, explanation("b", begins=(4.5,), gain=9.0)) == ["b"]
+
+
+def test_the_shortlist_holds_names_and_laws_without_one() -> None:
+    names = [explanation(f"n{k}") for k in range(9)]
+    laws = [explanation(f"f{k}", known=False) for k in range(9)]
+    mixed = [one for pair in zip(laws, names, strict=True) for one in pair]
+
+    def kinds(every: list[Any], count: int) -> str:
+        return " ".join(c.kind for c in shortlist(every, count))
+
+    assert kinds(mixed, 10) == "n0 n1 n2 n3 n4 n5 f0 f1 f2 f3"
+    assert kinds(laws, 6) == "f0 f1 f2 f3 f4 f5"
+    assert kinds(names, 6) == "n0 n1 n2 n3"
+    assert kinds(mixed, 1) == "n0"
+    assert kinds([*names[:1], *laws], 6) == "n0 f0 f1 f2 f3 f4"
+
+
+def test_laws_without_a_name_are_one_for_each_joint() -> None:
+    assert named(explanation("a", 2, name="a of 2")) == ("a", 2, "a of 2")
+    assert named(explanation("unexplained", 2, False, name="q")) == ("unexplained", 2, "")
+
+
+def test_alternatives_are_the_best_of_the_scan_that_were_not_refused(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    names = [explanation(f"n{k}", gain=float(k)) for k in range(9)]
+    laws = [explanation("unexplained", j, False, gain=50.0 + j) for j in (1, 2)]
+    windowed = [explanation("w0", gain=99.0), explanation("w1", gain=98.0)]
+    between: list[str] = []
+    asked: list[list[str]] = []
+
+    def found(candidates: list[Any]) -> list[Any]:
+        asked.append([c.kind for c in candidates])
+        return windowed
+
+    monkeypatch.setattr(module, "Windowing", lambda scan, start: SimpleNamespace(candidates=found))
+    scan = SimpleNamespace(
+        rank=lambda start, chosen: [*names, *laws],
+        between=lambda start, c: between.append(c.kind) or c,
+    )
+    comparison: Any = SimpleNamespace(start=None, compared=lambda c: of(c, c.gain))
+    selection = bare(scan=scan, refused={named(names[3]), named(laws[0]), named(windowed[0])})
+    best = selection.alternatives(comparison)
+    assert [a.candidate.kind for a in best] == [
+        "w1", "unexplained", "n6", "n5", "n4", "n2", "n1", "n0",
+    ]  # fmt: skip
+    assert between == ["n0", "n1", "n2", "n4", "n5", "n6", "unexplained"]
+    assert asked == [["n0", "n1", "n2", "n4", "n5", "n6", "n7", "n8"]]
+
+
+def test_the_search_ends_after_as_many_steps_and_refusals_as_the_criteria_say(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def ended(borne_out: bool) -> tuple[int, int]:
+        kinds = iter(range(99))
+        selection = bare(
+            fitter=fitter_of(),
+            acceptance=SimpleNamespace(
+                bears_out=lambda steps, fit, place: borne_out,
+                clear=lambda steps, fit, place: [True],
+                gains=lambda steps, fit: [0.0] * len(steps),
+            ),
+        )
+        monkeypatch.setattr(
+            Selection,
+            "next_step",
+            lambda self, chosen, fit, alone=False: Step(explanation(f"k{next(kinds)}"), 30.0, ()),
+        )
+        exchanged: list[int] = []
+        monkeypatch.setattr(
+            Selection, "_exchanged", lambda self, steps: exchanged.append(len(steps)) or steps
+        )
+        monkeypatch.setattr(Selection, "_rather_wider", lambda self, step, fit: False)
+        steps, fit = selection.run()
+        # one explanation alone has nothing to be exchanged with
+        assert exchanged == list(range(2, len(steps) + 1))
+        assert fit.of == [s.candidate.kind for s in steps]
+        return len(steps), len(selection.refused)
+
+    assert ended(borne_out=True) == (8, 0)
+    assert ended(borne_out=False) == (0, 4)
