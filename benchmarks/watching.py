@@ -5,6 +5,7 @@ the alarm where an effect begins in the middle of a record.
     python benchmarks/watching.py repeated FILE --count 10 --seed 0 --seconds 3600
     python benchmarks/watching.py switched FILE --count 36 --seed 0
     python benchmarks/watching.py table FILE...
+    python benchmarks/watching.py live
 
 Each arm is drawn with the uncertainty of a data sheet and watched with the robot file of the paper;
 the first minute is learned. `repeated` is an arm at its daily work: five minutes of motion over and
@@ -114,6 +115,7 @@ def _seed(*parts: int) -> int:
 
 
 def run(kind: str, path: Path, count: int, seed: int, seconds: float) -> None:
+    path.parent.mkdir(parents=True, exist_ok=True)
     done = set()
     if path.exists():
         done = {json.loads(line)["i"] for line in path.read_text().splitlines()}
@@ -132,6 +134,26 @@ def run(kind: str, path: Path, count: int, seed: int, seconds: float) -> None:
             row |= {"joint": truth.main_joint, "fraction": truth.fraction}
         with path.open("a") as file:
             file.write(json.dumps(row) + "\n")
+
+
+def live(seed: int) -> None:
+    """CPU time of following an arm second by second, as it comes, learning aside."""
+    raw = sound(seed, 0, 200.0).simulate()[1]
+    log = irb.Log(raw.time, raw.q, raw.tau)
+    watch = Watch(ROBOT)
+    spent = 0.0
+    fed = 0
+    for start in np.arange(log.time[0], log.time[-1], 1.0):
+        part = between(log, start, start + 1.0)
+        learned = bool(watch.seen)
+        begun = time.process_time()
+        if len(part.time) > 1:
+            list(watch.feed(part))
+        if learned:
+            spent += time.process_time() - begun
+            fed += len(part.time)
+    print(f"{1e3 * spent / fed:.3f} ms of CPU a sample, {log.rate:.0f} samples a second: "
+          f"{fed / log.rate / spent:.0f} times faster than the motion")  # fmt: skip
 
 
 def table(paths: list[Path]) -> None:
@@ -162,12 +184,17 @@ def table(paths: list[Path]) -> None:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("what", choices=("clean", "repeated", "switched", "table"))
-    parser.add_argument("files", nargs="+", type=Path)
+    parser.add_argument("what", choices=("clean", "repeated", "switched", "table", "live"))
+    parser.add_argument("files", nargs="*", type=Path)
     parser.add_argument("--count", type=int, default=12)
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--seconds", type=float, default=600.0)
     asked = parser.parse_args()
+    if asked.what == "live":
+        live(asked.seed)
+        return
+    if not asked.files:
+        parser.error("expected a FILE")
     if asked.what == "table":
         table(asked.files)
     else:

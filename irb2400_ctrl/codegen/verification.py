@@ -93,6 +93,11 @@ class Verification:
         return 2e-4 if self.real == "float" else 1e-11
 
     @property
+    def checked(self) -> bool:
+        """Whether it was run on this computer; not without a C compiler."""
+        return self.faults_held is not None
+
+    @property
     def passed(self) -> bool:
         """Whether everything that could be checked holds; False where nothing could be."""
         host = self.faults_held is True and self.max_relative_difference <= self.tolerance

@@ -52,7 +52,7 @@ def excite(
     Args:
         robot: the arm, with its limits.
         group: name of an ambiguity group (`groups`), or of an effect in it.
-        seconds: duration of the motion.
+        seconds: duration of the motion [s].
         joint: look at members on this joint only (from 1); default all joints at once.
         seed: of the random search; the result follows from it.
         budget: how long is searched.

@@ -136,7 +136,7 @@ def excite_identification(
 
     Args:
         robot: the arm, with its limits.
-        seconds: duration of the first; the slow runs take what they take, about 80 s a joint.
+        seconds: duration of the first [s]; the slow runs take what they take, about 80 s a joint.
         seed: of the random search; budget: how long is searched.
         progress: told the name of each stage.
 

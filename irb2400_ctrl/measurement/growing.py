@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import tempfile
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.measurement.csv_table import MOST_TITLES, read_csv_table
+from irb2400_ctrl.measurement.growing_bag import GrowingBag, bytes_from
 from irb2400_ctrl.measurement.log import Log
 from irb2400_ctrl.measurement.read_log import read_log
 
@@ -17,7 +18,7 @@ POLL = 0.5
 """[s] between two looks at the file"""
 LEAST = 2
 """samples of a piece"""
-NOT_LINES = {".gz", ".mat", ".parquet", ".db3", ".mcap"}
+NOT_LINES = {".gz", ".mat", ".parquet", ".db3"}
 """suffixes of files whose end is not theirs to read before they are closed"""
 
 
@@ -28,53 +29,70 @@ def growing_log(
     *,
     quiet: float = 10.0,
 ) -> Iterator[Log]:
-    """What is in a CSV log, then what is appended to it; only whole lines are read.
+    """What is in a CSV log or an MCAP bag, then what is appended to it; only whole lines are read,
+    of a bag whole records.
 
     Args:
         path: of the log; it may still be empty.
         columns: what its columns are, as in `read_log`.
         names: of the robot's joints, as in `read_log`.
-        quiet: ends when nothing came for so long [s].
+        quiet: ends when nothing came for so long [s]; a bag also where its recorder closed it.
 
     Raises:
-        InputError: not a CSV, not readable, or it became shorter; no sample within `quiet`.
+        InputError: neither, not readable, or it became shorter; no sample within `quiet`.
+        ToolMissingError: an MCAP bag and no mcap package.
     """
     if path.suffix.lower() in NOT_LINES:
         raise InputError(
-            f"{path}: a {path.suffix} file cannot be read while it is written; expected a .csv "
-            "(record one, or watch the closed file without --follow)"
+            f"{path}: a {path.suffix} file cannot be read while it is written; expected a .csv or "
+            "an .mcap (record one, or watch the closed file without --follow)"
         )
-    head = b""
-    read = 0
+    look: Callable[[], Log | None]
+    bag = GrowingBag(path, columns, names) if path.suffix.lower() == ".mcap" else None
+    look = _Lines(path, columns, names).new if bag is None else bag.new
+    begun = False
     waited = 0.0
     while waited < quiet:
-        lines = _whole_lines(path, read)
-        if not head and lines.count(b"\n") > MOST_TITLES + LEAST:
-            head = _head(path, lines)
-            read = len(head)
-            lines = lines[read:]
-        if not head or lines.count(b"\n") < LEAST:
+        found = look()
+        if found is not None:
+            begun = True
+            waited = 0.0
+            yield found
+        elif bag is not None and bag.closed:
+            break
+        else:
             time.sleep(POLL)
             waited += POLL
-            continue
-        waited = 0.0
-        read += len(lines)
-        yield _parsed(path, head + lines, columns, names)
-    if not head:
+    if not begun:
         raise InputError(f"{path}: found no samples within {quiet:g} s, expected a log that grows")
+
+
+class _Lines:
+    """The lines of a CSV that were not read yet."""
+
+    def __init__(self, path: Path, columns: Path | None, names: Sequence[str] | None) -> None:
+        self.path = path
+        self.columns = columns
+        self.names = names
+        self.head = b""
+        self.read = 0
+
+    def new(self) -> Log | None:
+        """Their samples; None where there are too few."""
+        lines = _whole_lines(self.path, self.read)
+        if not self.head and lines.count(b"\n") > MOST_TITLES + LEAST:
+            self.head = _head(self.path, lines)
+            self.read = len(self.head)
+            lines = lines[self.read :]
+        if not self.head or lines.count(b"\n") < LEAST:
+            return None
+        self.read += len(lines)
+        return _parsed(self.path, self.head + lines, self.columns, self.names)
 
 
 def _whole_lines(path: Path, start: int) -> bytes:
     """Bytes from `start` to the last end of a line."""
-    size = path.stat().st_size
-    if size < start:
-        raise InputError(
-            f"{path}: found {size} bytes where {start} were, expected a file that only grows; "
-            "watch the new file"
-        )
-    with path.open("rb") as file:
-        file.seek(start)
-        text = file.read()
+    text = bytes_from(path, start)
     return text[: text.rfind(b"\n") + 1]
 
 

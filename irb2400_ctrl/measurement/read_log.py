@@ -90,6 +90,20 @@ def read_log(
         table = READERS[path.suffix.lower()](path, None if given is None else given.named)
     else:
         table = read_csv_table(path)
+    return log_of(table, given, names, joints)
+
+
+def log_of(
+    table: Table, given: ColumnMap | None, names: Sequence[str] | None, joints: int | None = None
+) -> Log:
+    """The log that the columns of a table are; its arrays are taken out of the table.
+
+    Args:
+        table: by the names of its source; given, names, joints: as those of `read_log`.
+
+    Raises:
+        InputError: as `read_log`.
+    """
     if given is None:
         given_columns = table.columns
         try:
@@ -110,7 +124,9 @@ def read_log(
     signals = {signal: _stacked(table, places, scales, n) for signal, places in found.items()}
     stamps = _frozen(table.columns.pop(time[0]) * time[1])
     extra = dict(table.columns)
-    return Log(stamps, signals.pop("q"), signals.pop("tau"), extra=extra, name=str(path), **signals)
+    return Log(
+        stamps, signals.pop("q"), signals.pop("tau"), extra=extra, name=str(table.path), **signals
+    )
 
 
 def _joints(table: Table, found: Found, expected: int | None) -> int:

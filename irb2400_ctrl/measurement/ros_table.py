@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sqlite3
 import struct
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import closing
 from pathlib import Path
 from typing import Any
@@ -42,6 +42,24 @@ def read_ros_table(
         ToolMissingError: an MCAP file and no mcap package.
     """
     raw = _mcap(path) if path.suffix == ".mcap" else _sqlite(path)
+    return joint_state_table(path, raw, joints, ordered=ordered)
+
+
+def joint_state_table(
+    path: Path,
+    raw: Iterable[bytes],
+    joints: Sequence[str] | None = None,
+    *,
+    ordered: bool = True,
+    start: float | None = None,
+) -> Table:
+    """The same of messages in CDR.
+
+    Args:
+        path, joints, ordered: as `read_ros_table`.
+        raw: the messages, oldest first.
+        start: time of the headers that counts as 0 [s]; default that of the first message.
+    """
     try:
         messages = [joint_state(data) for data in raw]
     except (struct.error, UnicodeDecodeError) as error:
@@ -59,7 +77,8 @@ def read_ros_table(
             "expected one publisher: filter the bag (ros2 bag convert)"
         )
     order = places(path, names, joints, ordered=ordered)
-    columns = {"time_s": np.array([m[0] for m in messages]) - messages[0][0]}
+    first = messages[0][0] if start is None else start
+    columns = {"time_s": np.array([m[0] for m in messages]) - first}
     for place, (column, word) in enumerate(FIELDS):
         if all(len(m[2][place]) == len(names) for m in messages):
             values = np.array([m[2][place] for m in messages])

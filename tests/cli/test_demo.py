@@ -37,6 +37,20 @@ def test_demo_prints_a_small_table_and_the_report(demo: tuple[Path, str]) -> Non
     assert text.strip().splitlines()[-1] == f"report: {out / 'report.html'}"
 
 
+def test_the_readme_shows_what_is_printed(demo: tuple[Path, str]) -> None:
+    """Word for word; a number may differ by a hundredth, as other machines round otherwise."""
+    readme = (Path(__file__).parents[2] / "README.md").read_text()
+    (shown,) = re.findall(r"```text\n(plan .*?)```", readme, re.DOTALL)
+    number = re.compile(r"\d+(?:\.\d+(?:e-\d+)?|e-\d+)?")
+    printed = demo[1].replace(str(demo[0]), "demo_out").splitlines()
+    for line in shown.strip().splitlines():
+        alike = [one for one in printed if number.sub("#", one) == number.sub("#", line)]
+        values = [list(map(float, number.findall(one))) for one in alike]
+        expected = list(map(float, number.findall(line)))
+        close = [pytest.approx(expected, rel=0.01, abs=1e-11) == found for found in values]
+        assert any(close), (line, alike)
+
+
 def test_report_is_one_self_contained_file(demo: tuple[Path, str]) -> None:
     page = (demo[0] / "report.html").read_text()
     assert page.count('<svg class="plot"') >= 30

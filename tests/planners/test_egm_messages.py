@@ -128,11 +128,12 @@ def test_googles_library_reads_and_writes_the_same() -> None:
     robot.utilizationRate = 42.0
     ours = proto.decode_robot(robot.SerializeToString())
     assert ours == proto.RobotMessage(
-        9, 4_000_000_000, (1, 2, 3, 4, 5, 6.25), (6, 5, 4, 3, 2, 1), 1, 3, False, 2
+        9, 4_000_000_000, (1, 2, 3, 4, 5, 6.25), (6, 5, 4, 3, 2, 1), 1, 3, False, 2, (0.1, 0.2)
     )
     theirs_again = messages["EgmRobot"]()
     theirs_again.ParseFromString(proto.encode_robot(ours))
     assert list(theirs_again.feedBack.joints.joints) == [1, 2, 3, 4, 5, 6.25]
+    assert list(theirs_again.testSignals.signals) == [0.1, 0.2]
     assert theirs_again.mciState.state == 3
 
 

@@ -6,6 +6,7 @@ from __future__ import annotations
 import html
 import math
 import re
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
@@ -14,11 +15,14 @@ import pytest
 from matplotlib.figure import Figure
 
 import irb2400_ctrl as irb
+from irb2400_ctrl.codegen.verification import Verification
 from irb2400_ctrl.report import ArmView, Colouring, Page, Provenance
 from irb2400_ctrl.report.elements.glossary import WORDS
 from irb2400_ctrl.report.elements.inline_svg import COLOURS
 from irb2400_ctrl.report.elements.page import TEMPLATES, show, with_error
 from irb2400_ctrl.report.elements.plots import Line, joint_plots, parity, spectrum, thin
+from irb2400_ctrl.report.figures.plan_figures import feed_figure
+from irb2400_ctrl.report.pages.main_page import _compared
 
 STRANGER = "<script>alert('x')</script>&\"'"
 
@@ -213,3 +217,25 @@ def test_scripts_keep_to_themselves(name: str) -> None:
     script = (TEMPLATES / name).read_text()
     for word in ("fetch(", "XMLHttpRequest", "localStorage", "cookie", "innerHTML", "eval("):
         assert word not in script
+
+
+def test_a_package_that_nothing_compiled_is_not_called_different() -> None:
+    missing = ("found no C compiler (looked for cc); expected one",)
+    numbers = (1e-3, 1024, "", "", {}, np.inf)
+    one = Verification("p", {}, "host", "double", *numbers, None, None, missing)
+    assert _compared(one) == "written, not checked: found no C compiler"
+    wrong = replace(one, faults_held=True)
+    assert _compared(wrong).startswith("DIFFERS from the model")
+    right = replace(wrong, max_relative_difference=1e-14)
+    assert _compared(right) == "equal to the model within 1e-14 over 1024 states"
+
+
+def test_rapid_moves_leave_the_feed_to_be_seen() -> None:
+    time = np.linspace(0.0, 2.0, 201)
+    s = np.where(time < 1.0, 0.01 * time, 0.01 + (time - 1.0))
+    still = np.zeros((201, 6))
+    motion = irb.Trajectory(time, still, still, still, still, s=s)
+    assert feed_figure(motion, None, 10.0).axes[0].get_ylim() == (0.0, 15.0)
+    # nothing is cut off where nothing is programmed, or nothing is faster
+    assert feed_figure(motion, None, None).axes[0].get_ylim()[1] > 1000
+    assert feed_figure(motion, None, 900.0).axes[0].get_ylim()[1] > 1000

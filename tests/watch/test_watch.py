@@ -6,6 +6,7 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Iterator
+from hashlib import sha256
 from pathlib import Path
 
 import numpy as np
@@ -209,6 +210,8 @@ def test_command(changing: Log, tmp_path: Path) -> None:
     page = (tmp_path / "out" / "report.html").read_text()
     assert "The arm changed at about" in page
     assert page.count("<svg") == 18
+    # its log is named by what is in it
+    assert sha256(log.read_bytes()).hexdigest() in page
     short = CliRunner().invoke(app, ["watch", str(log), "--learn", "200"])
     assert isinstance(short.exception, InputError)
     assert "--learn SECONDS" in str(short.exception)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -20,11 +20,21 @@ if TYPE_CHECKING:
     from irb2400_ctrl.watch import Seen, Suspicion, Watch
 
 LogArgument = Annotated[
-    Path, typer.Argument(metavar="LOG", help="A log, or with --follow a CSV that is being written.")
+    Path,
+    typer.Argument(
+        metavar="LOG",
+        help="A log; with --follow a CSV or an MCAP bag that is being written; or a controller "
+        "that streams: egm://HOST[:PORT].",
+    ),
 ]
 OutFolder = Annotated[
     Path | None,
-    typer.Option("--out", metavar="DIR", help="Also write watch.json and report.html there."),
+    typer.Option(
+        "--out",
+        metavar="DIR",
+        help="Also write watch.json and report.html there; while the arm "
+        "is followed live, the page renews itself.",
+    ),
 ]
 LearnOption = Annotated[
     float,
@@ -34,7 +44,7 @@ FollowOption = Annotated[
     bool, typer.Option("--follow", help="Go on with what is appended to the file.")
 ]
 QuietOption = Annotated[
-    float, typer.Option(help="--follow ends when nothing came for so long [s].", min=0.5)
+    float, typer.Option(help="--follow and egm:// end when nothing came for so long [s].", min=0.5)
 ]
 SpeedOption = Annotated[
     float | None,
@@ -55,6 +65,8 @@ NameOption = Annotated[
     bool,
     typer.Option("--suspect/--no-suspect", help="Diagnose the seconds after an alarm, or not."),
 ]
+LATELY = 600.0
+"""[s] that a page shows while the arm is followed"""
 AT_ONCE = 60.0
 """[s] of a finished log that are given on together"""
 
@@ -75,25 +87,60 @@ def watch(
 ) -> Summary:
     """Follow an arm through its log: residual and external torque of each joint, an alarm when the
     arm is no longer as it was at the log's beginning, and what may be the cause."""
-    input_file(log, WHAT)
+    streamed = _streamed(log)
+    if not streamed:
+        input_file(log, WHAT)
     if out is not None:
         output_folder(out)
 
     from irb2400_ctrl.measurement.growing import growing_log
     from irb2400_ctrl.watch import Watch
+    from irb2400_ctrl.watch.egm_log import egm_log
 
     arm = load_arm(robot)
-    if follow:
+    if streamed:
+        pieces = egm_log(streamed, columns, arm.joint_names, quiet=quiet, on_ready=_listening)
+    elif follow:
         pieces = growing_log(log, columns, arm.joint_names, quiet=quiet)
     else:
         pieces = _replayed(log, columns, arm.joint_names, speed)
     watched = Watch(arm, learn, 86400.0 * days)
-    suspicions = _told(watched, pieces, suspect, every)
-    return _ended(watched, suspicions, log, out)
+    name = streamed or str(log)
+    live = bool(streamed) or follow or speed is not None
+    shown = _page_while_it_lasts(watched, name, out, every) if live and out else None
+    suspicions = _told(watched, pieces, suspect, every, shown)
+    return _ended(watched, suspicions, name, out)
 
 
-def _told(watched: Watch, pieces: Iterator[Log], suspect: bool, every: float) -> list[Suspicion]:
-    """Say how things stand until the log ends or Ctrl-C; the suspicions."""
+def _streamed(log: Path) -> str:
+    """`egm://HOST:PORT`, of which a path keeps one stroke; empty: a file."""
+    kind, _, place = log.as_posix().partition(":/")
+    return f"egm://{place}" if kind == "egm" else ""
+
+
+def _listening(port: int) -> None:
+    print(f"listening on UDP port {port}", flush=True)
+
+
+Shown = Callable[[list["Suspicion"]], object]
+
+
+def _page_while_it_lasts(watched: Watch, log: str, out: Path, every: float) -> Shown:
+    """Writes the page as things stand; a browser that has it open loads it anew."""
+    from irb2400_ctrl.report.pages.watch_page import watch_page
+
+    def write(suspicions: list[Suspicion]) -> object:
+        page = watch_page(watched, suspicions, Path(log).name, last=LATELY)
+        page.refresh = every
+        return page.write(out / "report.html")
+
+    return write
+
+
+def _told(
+    watched: Watch, pieces: Iterator[Log], suspect: bool, every: float, shown: Shown | None
+) -> list[Suspicion]:
+    """Say and show how things stand until the log ends or Ctrl-C; the suspicions."""
     from irb2400_ctrl.watch import Suspicion, followed
 
     suspicions: list[Suspicion] = []
@@ -110,6 +157,8 @@ def _told(watched: Watch, pieces: Iterator[Log], suspect: bool, every: float) ->
             if told.alarms or told.time - lately[0].time >= every - 1:
                 print(status(lately), flush=True)
                 lately = []
+                if shown is not None:
+                    shown(suspicions)
     except KeyboardInterrupt:
         print("stopped")
     return suspicions
@@ -135,7 +184,7 @@ def _replayed(log: Path, columns: Path | None, names: Any, speed: float | None) 
         yield piece
 
 
-def _ended(watched: Watch, suspicions: list[Suspicion], log: Path, out: Path | None) -> Summary:
+def _ended(watched: Watch, suspicions: list[Suspicion], log: str, out: Path | None) -> Summary:
     from irb2400_ctrl.errors import InputError
     from irb2400_ctrl.files import write_json
     from irb2400_ctrl.report.pages.watch_page import watch_page
@@ -145,14 +194,14 @@ def _ended(watched: Watch, suspicions: list[Suspicion], log: Path, out: Path | N
             f"{log}: found {watched.length:.3g} s, expected more than the {watched.learn:g} s that "
             "are learned: a longer log, or --learn SECONDS"
         )
-    facts = {"log": str(log), **watched.summary()}
+    facts = {"log": log, **watched.summary()}
     facts["suspicions"] = [one.to_json() for one in suspicions]
     summary = Summary(facts)
     count = len(facts["alarms"])
     print(f"watched {facts['watched_s']:.0f} s: {count or 'no'} alarm{'s' * (count != 1)}")
     if out is None:
         return summary
-    page = watch_page(watched, suspicions, log.name)
+    page = watch_page(watched, suspicions, Path(log).name)
     page.provenance(provenance(watched.robot))
     written = [write_json(out / "watch.json", facts), page.write(out / "report.html")]
     print(f"written: {', '.join(map(str, written))}")

@@ -61,6 +61,8 @@ class Page:
 
     title: str
     sections: list[Section] = field(default_factory=list)
+    refresh: float | None = None
+    """[s] after which a browser loads the page anew: of what still goes on"""
     _answer: dict[str, Any] | None = None
     _provenance: Provenance | None = None
     _figures: int = 0
@@ -180,6 +182,7 @@ class Page:
     def _content(self) -> dict[str, Any]:
         return {
             "title": self.title,
+            "refresh": self.refresh,
             "answer": self._answer,
             "sections": self.sections,
             "contents": [s for s in self.sections if s.title and not s.minor],

@@ -77,16 +77,24 @@ def margin_figures(motion: Trajectory, robot: Robot, least: dict[str, float]) ->
     ]
 
 
-def feed_figure(motion: Trajectory, plan: Plan | None) -> Figure:
-    """Speed of the TCP, and what the file programs."""
-    lines = [Line(tip_speed(motion), label="driven")]
+FEED_SHOWN = 1.5
+"""of the programmed feed, where the figure of speeds ends: a rapid move would leave of it a line"""
+
+
+def feed_figure(motion: Trajectory, plan: Plan | None, feed: float | None) -> Figure:
+    """Speed of the TCP, and what the file programs; at most `feed` is programmed [mm/s]."""
+    speed = tip_speed(motion)
+    lines = [Line(speed, label="driven")]
     if plan is not None and np.isfinite(plan.path.feed).any():
         # the feed of a point holds on the way to it
         later = np.searchsorted(plan.point_times, motion.time)
-        feed = 1e3 * plan.path.feed[np.minimum(later, len(plan.path.feed) - 1)]
-        programmed = Line(np.where(np.isfinite(feed), feed, np.nan), "0.6", "programmed", 2.0)
+        asked = 1e3 * plan.path.feed[np.minimum(later, len(plan.path.feed) - 1)]
+        programmed = Line(np.where(np.isfinite(asked), asked, np.nan), "0.6", "programmed", 2.0)
         lines.insert(0, programmed)
-    return over_time(motion.time, lines, "TCP [mm/s]", floor=0.0)
+    figure = over_time(motion.time, lines, "TCP [mm/s]", floor=0.0)
+    if feed is not None and speed.max() > FEED_SHOWN * feed:
+        figure.axes[0].set_ylim(top=FEED_SHOWN * feed)
+    return figure
 
 
 def programmed_feed(plans: Sequence[Plan]) -> float | None:

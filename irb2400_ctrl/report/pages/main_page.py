@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from irb2400_ctrl.codegen.verification import Verification
 from irb2400_ctrl.report.elements.page import Page
 from irb2400_ctrl.report.figures.simulation_figures import (
     joint_figure,
@@ -81,11 +82,9 @@ def _add_code(page: Page, job: MainJob) -> None:
         "Generated from the symbolic model, compiled here, and compared with it state by state."
     )
     rows: list[list[object]] = []
-    for name, verification in job.packages.items():
-        v = verification
-        rows.append(
-            [name, v.real, v.states, v.max_relative_difference, "passed" if v.passed else "failed"]
-        )
+    for name, v in job.packages.items():
+        verdict = "passed" if v.passed else "failed" if v.checked else "not checked"
+        rows.append([name, v.real, v.states, v.max_relative_difference, verdict])
     page.table(
         "Packages", ("controller", "type", "states", "largest relative difference", "verdict"), rows
     )
@@ -128,6 +127,14 @@ def summary(job: MainJob) -> dict[str, Any]:
     }
 
 
+def _compared(v: Verification) -> str:
+    """What is known of a package; without a C compiler nothing is."""
+    if not v.checked:
+        return "written, not checked: " + "; ".join(one.split(" (")[0] for one in v.missing)
+    verdict = "equal to the model" if v.passed else "DIFFERS from the model"
+    return f"{verdict} within {v.max_relative_difference:.0e} over {v.states} states"
+
+
 def table(job: MainJob) -> str:
     """At most 20 lines for the terminal."""
     s = job.plan.summary()
@@ -140,11 +147,7 @@ def table(job: MainJob) -> str:
         f"elbow {margin['elbow']:.3f} m",
     ]
     for name, v in job.packages.items():
-        verdict = "equal to the model" if v.passed else "DIFFERS from the model"
-        found.append(
-            f"C         {name}: {verdict} within {v.max_relative_difference:.0e} over {v.states} "
-            "states"
-        )
+        found.append(f"C         {name}: {_compared(v)}")
     for name, run in job.tracking.items():
         e = run.summary()["tcp_error_mm"]
         found.append(

@@ -163,8 +163,10 @@ def _add_feed(
     page: Page, found: Plan | ProgramMotion, plan: Plan | None, feed: Mapping[str, Any] | None
 ) -> None:
     page.heading("Feed")
-    figure = draw.feed_figure(found.trajectory, plan)
-    page.figures([figure], "Speed of the TCP along the motion.", zoomable=True)
+    programmed = draw.programmed_feed([found] if isinstance(found, Plan) else found.plans)
+    figure = draw.feed_figure(found.trajectory, plan, programmed)
+    cut = "" if programmed is None else "; faster than the feeds of the file it is cut off"
+    page.figures([figure], f"Speed of the TCP along the motion{cut}.", zoomable=True)
     if feed is None:
         page.text("The file programs no feed.")
         return

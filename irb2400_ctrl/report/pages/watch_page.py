@@ -8,22 +8,25 @@ import numpy as np
 
 from irb2400_ctrl.report.elements.page import Page
 from irb2400_ctrl.report.elements.plots import Line, joint_plots
-from irb2400_ctrl.watch import Suspicion, Watch
+from irb2400_ctrl.watch import Alarm, Suspicion, Watch
 
 
-def watch_page(watched: Watch, suspicions: Sequence[Suspicion], name: str) -> Page:
+def watch_page(
+    watched: Watch, suspicions: Sequence[Suspicion], name: str, last: float = np.inf
+) -> Page:
     """The whole report.
 
     Args:
         watched: with at least one block seen.
         suspicions: what may be the cause of the alarms.
         name: of the log.
+        last: seconds of it, from its end, that the figures show [s].
     """
     page = Page(f"Watch of {name}")
     alarms = [alarm for seen in watched.seen for alarm in seen.alarms]
     hours = len(watched.seen) / 3600.0
     page.answer(
-        _sentence(suspicions) if alarms else "The arm is as it was at the beginning of the log.",
+        _sentence(alarms, suspicions) if alarms else "The arm is as it was at the log's beginning.",
         "bad" if alarms else "good",
         [
             ("learned", f"{watched.learn:.0f} s"),
@@ -41,21 +44,24 @@ def watch_page(watched: Watch, suspicions: Sequence[Suspicion], name: str) -> Pa
         ]
         head = ["joint", "since about [s]", "alarm at [s]", "mean external torque [Nm]"]
         page.table("Joints that are not as before", head, rows)
-    _add_course(page, watched)
+    _add_course(page, watched, last)
     return page
 
 
-def _sentence(suspicions: Sequence[Suspicion]) -> str:
+def _sentence(alarms: Sequence[Alarm], suspicions: Sequence[Suspicion]) -> str:
+    if not suspicions:
+        return f"The arm changed at about {alarms[0].since:.0f} s (joint {alarms[0].joint})."
     first = suspicions[0]
     return f"The arm changed at about {first.alarms[0].since:.0f} s. Suspicion: {first.says}."
 
 
-def _add_course(page: Page, watched: Watch) -> None:
+def _add_course(page: Page, watched: Watch, last: float) -> None:
     """Residual, external torque and the evidence for an alarm over time."""
-    time = np.array([seen.time for seen in watched.seen])
-    energy = np.array([seen.energy for seen in watched.seen])
-    torque = np.array([seen.torque for seen in watched.seen])
-    sums = np.array([seen.sums for seen in watched.seen])
+    shown = [seen for seen in watched.seen if seen.time > watched.until - last]
+    time = np.array([seen.time for seen in shown])
+    energy = np.array([seen.energy for seen in shown])
+    torque = np.array([seen.torque for seen in shown])
+    sums = np.array([seen.sums for seen in shown])
     one = np.ones(watched.robot.n)
     page.heading("What the model leaves of the torques")
     drawn = joint_plots(

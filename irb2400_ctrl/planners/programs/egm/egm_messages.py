@@ -46,6 +46,8 @@ class RobotMessage:
     converged: bool = False
     """the controller's own condition (EGMActJoint) is met"""
     rapid_state: int | None = None
+    signals: Joints = ()
+    """test signals, as the controller is set up to send them"""
 
 
 @dataclass(frozen=True)
@@ -94,6 +96,8 @@ def encode_robot(message: RobotMessage) -> bytes:
         if state is not None:
             parts.append(_nested(number, _integer(1, state)))
     parts.append(_integer(6, int(message.converged)))
+    if message.signals:
+        parts.append(_nested(7, _doubles(message.signals)))
     if message.rapid_state is not None:
         parts.append(_nested(8, _integer(1, message.rapid_state)))
     return b"".join(parts)
@@ -118,6 +122,7 @@ def decode_robot(data: bytes) -> RobotMessage:
         states[5],
         bool(_last_int(fields, 6)),
         states[8],
+        _joints(_last_bytes(fields, 7)),
     )
 
 
@@ -207,7 +212,7 @@ def _last_bytes(fields: Fields, number: int) -> bytes:
 
 
 def _joints(data: bytes) -> Joints:
-    """EgmJoints, packed or not."""
+    """EgmJoints or EgmTestSignals, packed or not."""
     raw = b"".join(part for part in _fields(data).get(1, []) if isinstance(part, bytes))
     if len(raw) % 8:
         raise InputError(f"EGM: joint values take {len(raw)} bytes, expected a multiple of 8")

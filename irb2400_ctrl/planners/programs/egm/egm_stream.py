@@ -9,7 +9,6 @@ where the plan is on the controller's own clock.
 
 from __future__ import annotations
 
-import socket
 from collections.abc import Callable
 from time import monotonic
 
@@ -17,8 +16,7 @@ from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.planners.programs.egm import egm_messages as proto
 from irb2400_ctrl.planners.programs.egm.egm_follower import EgmFollower
 from irb2400_ctrl.planners.programs.egm.egm_report import EgmError, EgmOptions, EgmReport
-
-PORT = 6510
+from irb2400_ctrl.planners.programs.egm.egm_socket import PORT, listening
 
 __all__ = ["PORT", "EgmError", "EgmFollower", "EgmOptions", "EgmReport", "stream"]
 
@@ -47,9 +45,7 @@ def stream(
         EgmError: nobody calls, the controller falls silent, or what `EgmFollower.answer` raises.
     """
     options = follower.options
-    named = _address(controller)
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as wire:
-        _listen(wire, _facing(named) if host is None else host, port)
+    with listening(controller, host, port) as (wire, named):
         on_ready(wire.getsockname()[1])
         # until EGM runs it may take long; from then on each message must follow the last one soon
         deadline = monotonic() + options.connect_timeout
@@ -81,39 +77,6 @@ def stream(
             if follower.running:
                 deadline = monotonic() + options.timeout
     return follower.report()
-
-
-def _address(name: str) -> str:
-    """The IPv4 address of a name or an address."""
-    try:
-        return socket.gethostbyname(name)
-    except (OSError, UnicodeError) as error:
-        raise InputError(
-            f"EGM: found no address of the controller {name!r}, expected one such as 192.168.125.1"
-        ) from error
-
-
-def _facing(controller: str) -> str:
-    """This machine's own address on the way to the controller; nothing is sent."""
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
-        try:
-            probe.connect((controller, PORT))
-        except OSError as error:
-            raise InputError(
-                f"EGM: no way to the controller {controller} ({error.strerror}); check the "
-                "network, or name the address to listen on (host)"
-            ) from error
-        return str(probe.getsockname()[0])
-
-
-def _listen(wire: socket.socket, host: str, port: int) -> None:
-    try:
-        wire.bind((host, port))
-    except (OSError, OverflowError) as error:
-        raise InputError(
-            f"EGM: cannot listen on {host}, port {port} ({error}); expected an address of this "
-            "machine and a port that is free"
-        ) from error
 
 
 def _silence(follower: EgmFollower, called: bool) -> str:
