@@ -22,7 +22,7 @@ def run_on_cluster(study: Study, cases: Iterable[int], address: str, work: Work)
     are ready.
 
     Dask repeats the cases of a worker that died; results leave the cluster at once, so nothing
-    finished is lost.
+    finished is lost. Cases given up at that are tried once more, one at a time.
 
     Raises:
         ToolMissingError: `distributed` is not installed.
@@ -47,12 +47,23 @@ def run_on_cluster(study: Study, cases: Iterable[int], address: str, work: Work)
 
         hand_out()
         least = len(numbers) // 2
+        doubtful: list[int] = []
         for future, answer in done:
-            yield _result(dask, numbers.pop(future.key), future, answer)
+            result = _result(dask, numbers.pop(future.key), future, answer)
             future.release()
+            if isinstance(result, Lost):
+                doubtful.append(result.index)
+            else:
+                yield result
             if len(numbers) <= least:
                 hand_out()
                 least = len(numbers) // 2
+        # a worker that dies takes others' cases with it: alone, only the one that kills is lost
+        for case in doubtful:
+            future = client.submit(_answer, work, shared, case, pure=False)
+            answer = future.result() if future.exception() is None else None
+            yield _result(dask, case, future, answer)
+            future.release()
 
 
 def _distributed() -> Any:

@@ -83,6 +83,16 @@ def test_a_case_that_always_kills_workers_of_a_cluster(
     assert (lost["case"], lost["status"]) == (5, "lost")
 
 
+def test_a_case_given_up_with_others_is_tried_alone(cluster: str, tmp_path: Path) -> None:
+    """Case 7 dies four times, as one does that is four times with a case that kills: Dask gives it
+    up, and it lives when it is alone."""
+    sweep = run_sweep(
+        small(tmp_path), tmp_path / "out", scheduler=cluster, work=studies.dies_four_times
+    )
+    assert not sweep.problems
+    assert [row["case"] for row in sweep.rows] == list(range(CASES))
+
+
 def test_nobody_answers(tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"no Dask scheduler answers at 127\.0\.0\.1:9"):
         run_sweep(small(tmp_path), tmp_path / "out", scheduler="127.0.0.1:9")
