@@ -1,6 +1,6 @@
 """`identify` on drawn arms of which the file knows little, beside the baselines of real ones.
 
-    python -m benchmarks.other_arms [--arms 24] [--first 1] [-v]
+    python -m benchmarks.other_arms [--arms 24] [--first 1]
 
 Each arm has six or seven axes, bodies that its file has wrong by 10 to 60 %, and what the fit has
 no column for: presliding, friction that grows with load and with a power of speed, ripple,

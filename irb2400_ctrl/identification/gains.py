@@ -160,7 +160,7 @@ def _alone(found: Fit, j: int) -> tuple[Array, Array]:
     precision = found.prior.precision(np.full(found.layout.n, ASIDE))
     variance = found.numbers.sigma[j] ** 2
     for _ in range(ROUNDS):
-        weight = 1.0 / (variance * found.correlation)
+        weight = 1.0 / (variance * found.correlation[j])
         covariance = scaled_inverse(weight * H + precision)
         theta = covariance @ (weight * g + precision @ found.prior.mean)
         left = float(data.squared_error(theta)[0, j])

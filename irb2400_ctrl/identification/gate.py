@@ -60,7 +60,7 @@ class Verdict:
 
 
 def verdicts(
-    model: Model, layout: ColumnLayout, sums: Moments, sigma: Array, correlation: float
+    model: Model, layout: ColumnLayout, sums: Moments, sigma: Array, correlation: Array
 ) -> list[Verdict]:
     """Every base parameter and drive number.
 

@@ -49,11 +49,12 @@ def held_out(
     for held in groups(parts, slow):
         seen = np.setdiff1d(every, held)
         again = estimate(
-            found.sums.taken(seen),
+            found.weighted.taken(seen),
             found.prior,
             correlation=found.correlation,
             positive=found.layout.positive(),
             start=found.numbers,
+            alike=found.numbers.usual > 1.0,
         )
         shortest = plain_least_squares(bare_sums.taken(seen))
         for place, part in enumerate(parts):

@@ -68,7 +68,7 @@ class Identification(Displayed):
         theta, covariance: numbers of the columns of `layout`, (p,), (p, p).
         source: where speed and acceleration were taken from, "angle" or "speed".
         sigma: rms torque that is left per joint [Nm], (n,);
-        correlation: samples that say the same thing.
+        correlation: samples that say the same thing, mean of the joints.
         moved: of every link; verdicts: what these motions tell of every number.
         notes: sentences for the reader.
         friction: of joints that ran at constant speed, forth and back (eqs. 70-74).

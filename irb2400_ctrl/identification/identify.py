@@ -102,12 +102,12 @@ def _identified(robot: Robot, seen: Sequence[Log], others: Sequence[Log]) -> Ide
         for part, some in zip(parts, runs, strict=True)
     ]
     found = fit(model, parts)
-    covariance = block_covariance(found.sums, found.prior, found.numbers, found.correlation)
+    covariance = block_covariance(found.sums, found.prior, found.numbers, found.samples)
     fitted, said = identified_robot(kept, found.layout, found.theta)
     _agree(fitted, kept, parts[0], predicted(model, found.layout, parts[0], found.theta))
     known = Identified.of(found.layout.names(), covariance, [log.name for log in seen])
     moved = moved_bodies(base, found.prior, found.theta, found.numbers.kappa)
-    told = verdicts(model, found.layout, found.sums, found.numbers.sigma, found.correlation)
+    told = verdicts(model, found.layout, found.sums, found.numbers.sigma, found.samples)
     slow = [log_of_runs(log, curves) for log in seen]
     results = _judged(model, robot, found, parts, slow)
     results += _validated(model, robot, kept, found, _motions(others, source))
@@ -119,7 +119,7 @@ def _identified(robot: Robot, seen: Sequence[Log], others: Sequence[Log]) -> Ide
         covariance=covariance,
         source=source,
         sigma=found.numbers.sigma,
-        correlation=found.correlation,
+        correlation=float(found.correlation.mean()),
         moved=moved,
         verdicts=told,
         logs=results,

@@ -19,6 +19,7 @@ import numpy as np
 from irb2400_ctrl.arrays import Array, Integers
 
 START_BARRIER = 1e3
+NEAR_BARRIER = 1.0
 END_BARRIER = 1e-2
 """[nats] the last mu: each of its 4 n + k bounds may cost that much, which is no evidence"""
 NEWTON_STEPS = 60
@@ -106,17 +107,19 @@ class _Programme:
         return gradient, curvature
 
 
-def consistent_minimum(A: Array, b: Array, links: int, positive: Integers, start: Array) -> Array:
+def consistent_minimum(
+    A: Array, b: Array, links: int, positive: Integers, start: Array, *, near: bool = False
+) -> Array:
     """theta of the programme above.
 
     Args:
         A: (p, p), positive definite; b: (p,).
         links: the first 10 * links numbers are bodies; positive: numbers that are above zero.
-        start: strictly possible.
+        start: strictly possible; near: the minimum of a programme much like this one.
     """
     programme = _Programme(A, b, links, positive)
     theta = start
-    mu = START_BARRIER
+    mu = NEAR_BARRIER if near else START_BARRIER
     while True:
         theta = _newton(programme, theta, mu)
         if mu <= END_BARRIER:

@@ -10,11 +10,11 @@ from irb2400_ctrl.identification.fitting.moments import Moments
 from irb2400_ctrl.identification.fitting.prior import Prior
 
 
-def block_covariance(sums: Moments, prior: Prior, numbers: Estimate, correlation: float) -> Array:
+def block_covariance(sums: Moments, prior: Prior, numbers: Estimate, correlation: Array) -> Array:
     """Covariance of theta, shape (p, p).
 
     A^-1 (S + P) A^-1 with A the curvature of the fit, P what the prior says, and S the scatter of
-    the blocks' gradients, s_b = sum_j (g_bj - H_bj theta) / (sigma_j^2 f). Few blocks cannot tell
+    the blocks' gradients, s_b = sum_j (g_bj - H_bj theta) / (sigma_j^2 f_j). Few blocks cannot tell
     the scatter of many numbers, so S is mixed with what the fit itself expects, as if that were as
     many more blocks as there are numbers determined by the data (Huber 1967; Newey, West 1987).
     """

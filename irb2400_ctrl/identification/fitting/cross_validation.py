@@ -12,7 +12,7 @@ from irb2400_ctrl.identification.fitting.prior import Prior
 FOLDS = 5
 
 
-def unseen_rms(sums: Moments, prior: Prior, like: Estimate, correlation: float) -> Array:
+def unseen_rms(sums: Moments, prior: Prior, like: Estimate, correlation: Array) -> Array:
     """Rms torque that is left on held-out stretches, per stretch and joint, shape (FOLDS, n) [Nm].
 
     The blocks of time are cut into consecutive stretches; each is predicted from the others, with

@@ -1,12 +1,12 @@
 """The most probable numbers of an arm given its logs, bodies physically consistent.
 
-    minimise  sum_j (theta^T H_j theta - 2 g_j^T theta) / (sigma_j^2 f)
+    minimise  sum_j (theta^T H_j theta - 2 g_j^T theta) / (sigma_j^2 f_j)
               + (theta - mean)^T P(kappa) (theta - mean),      theta = (phi(x), beta),  beta_k >= 0
 
-with phi of bodies that can exist (`consistent_fit`), sigma_j the rms of what is left on joint j, f
-how many samples say the same thing (integrated correlation; one for all joints, since a joint that
-the columns do not describe would otherwise be given up), and kappa the widths of the bodies, by
-expectation-maximisation of a Student-t.
+with phi of bodies that can exist (`consistent_fit`), sigma_j the rms of what is left on joint j,
+f_j how many samples of it say the same thing (integrated correlation), and kappa the widths of the
+bodies, of a Student-t: kappa^2 (nu + gamma) = nu kappa_0^2 + |off|^2 with gamma the numbers of the
+body that the logs tell (MacKay 1992).
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ MOST_WIDTH = 30.0
 """masses off by 60 %, centres by 15 cm: beyond it something else moves the arm"""
 SETTLED = 0.02
 """relative change of noise and widths at which they are done"""
-LEAST_WIDTH = 0.5
+LEAST_WIDTH = 1.0
 """of a body, as a share of what the file states: it is not taken for surer than that"""
 
 
@@ -34,87 +34,110 @@ class Estimate:
 
     Args:
         theta: (p,); covariance: (p, p); sigma: (n,) [Nm]; kappa: (n,).
+        usual: the scale about which the widths lie.
     """
 
     theta: Array
     covariance: Array
     sigma: Array
     kappa: Array
+    usual: float = 1.0
 
 
 def estimate(
     sums: Moments,
     prior: Prior,
     *,
-    correlation: float,
+    correlation: Array,
     positive: Mask,
     consistent: bool = True,
     kappa: Array | None = None,
     sigma: Array | None = None,
     start: Estimate | None = None,
+    alike: bool = False,
     rounds: int = 15,
 ) -> Estimate:
     """Fit.
 
     Args:
-        correlation: f, samples per independent one.
+        correlation: f, samples per independent one, of each joint, shape (n,).
         positive: columns whose numbers cannot be negative, mask (p,).
         consistent: whether bodies must be possible ones.
         kappa: fixed widths; default fitted.
         sigma: fixed noise [Nm], shape (n,); default what is left.
         start: whose noise and widths to begin with.
+        alike: whether the widths lie about a scale of their own, not about what the file states:
+            bodies of one file may be alike wrong, and what a log hardly shows then is as doubtful
+            as what it shows.
     """
     n = len(prior.bodies)
     data = sums.summed()
     count = np.maximum(data.count[0], 1.0)
     mean_square = data.c[0] / count
     widths = np.ones(n) if kappa is None else kappa
-    if start is not None:
-        widths = start.kappa
-    theta = _start(prior, positive)
     noise = np.sqrt(np.maximum(mean_square, 1e-12)) if sigma is None else sigma
     if start is not None:
+        widths = start.kappa
         noise = start.sigma
+    theta = _start(prior, positive)
     covariance = np.zeros((len(theta), len(theta)))
-    for _ in range(rounds):
+    usual = 1.0
+    for turn in range(rounds):
         A, b = _normal_equations(data, prior, noise, widths, correlation)
         covariance = scaled_inverse(A)
         if consistent:
-            theta = consistent_minimum(A, b, n, np.flatnonzero(positive), theta)
+            theta = consistent_minimum(A, b, n, np.flatnonzero(positive), theta, near=turn > 0)
         else:
             theta = covariance @ b
-        left = data.squared_error(theta)[0] / count
+        # what the numbers took from the residual is noise too: N less those that a joint determined
+        taken = np.einsum("npq,pq->n", data.H[0], covariance)
+        left = (data.squared_error(theta)[0] + taken) / count
         before = np.concatenate([noise, widths])
         if sigma is None:
             noise = np.sqrt(np.maximum(left, 1e-12 * mean_square + 1e-18))
         if kappa is None:
-            nu = DEGREES_OF_FREEDOM
-            moved = prior.distance(theta, covariance)
-            widths = np.clip(np.sqrt((nu + moved) / (nu + 10.0)), LEAST_WIDTH, MOST_WIDTH)
+            usual = _usual_width(widths) if alike else 1.0
+            widths = _widths(prior, theta, covariance, widths, usual)
         # a noise that still falls has not yet let the logs speak
         if np.abs(np.log(np.concatenate([noise, widths]) / before)).max() < SETTLED:
             break
-    return Estimate(theta, covariance, noise, widths)
+    return Estimate(theta, covariance, noise, widths, usual)
 
 
-def unbounded_minimum(sums: Moments, prior: Prior, like: Estimate, correlation: float) -> Array:
+def _widths(prior: Prior, theta: Array, covariance: Array, widths: Array, usual: float) -> Array:
+    """kappa of each body from how far it went and how many of its numbers the logs tell, (n,)."""
+    nu = DEGREES_OF_FREEDOM
+    moved = prior.distance(theta)
+    open_still = (prior.distance(theta, covariance) - moved) / widths**2
+    told = np.maximum(10.0 - open_still, 0.0)
+    spread = np.sqrt((nu * usual**2 + moved) / (nu + told))
+    return np.asarray(np.clip(spread, LEAST_WIDTH, MOST_WIDTH))
+
+
+def _usual_width(kappa: Array) -> float:
+    """The most probable scale of widths about it, kappa_0^2 = n / sum kappa_i^-2, one at least."""
+    return max(1.0, float(1.0 / np.sqrt(np.mean(kappa**-2.0))))
+
+
+def unbounded_minimum(sums: Moments, prior: Prior, like: Estimate, correlation: Array) -> Array:
     """theta without bounds, with the noise and widths of another estimate, shape (p,)."""
     A, b = _normal_equations(sums, prior, like.sigma, like.kappa, correlation)
     return np.asarray(scaled_inverse(A) @ b)
 
 
-def log_evidence(sums: Moments, prior: Prior, like: Estimate, correlation: float) -> float:
+def log_evidence(sums: Moments, prior: Prior, like: Estimate, correlation: Array) -> float:
     """How probable the torques are for this layout, whatever its numbers are [nats].
 
     Laplace's integral over theta (exact without bounds), at the widths of an estimate.
     """
     A, b = _normal_equations(sums, prior, like.sigma, like.kappa, correlation)
     precision = prior.precision(like.kappa)
-    square = float((sums.c.sum(axis=0) / like.sigma**2).sum() / correlation)
+    square = float((sums.c.sum(axis=0) / like.sigma**2 / correlation).sum())
     square += float(prior.mean @ precision @ prior.mean - b @ scaled_inverse(A) @ b)
     half = 0.5 * DEGREES_OF_FREEDOM
-    widths = -2.0 * (half + 1.0) * np.log(like.kappa) - half / like.kappa**2
-    spread = 2.0 * float((sums.count.sum(axis=0) * np.log(like.sigma)).sum() / correlation)
+    relative = like.kappa / like.usual
+    widths = -2.0 * (half + 1.0) * np.log(relative) - half / relative**2 - 2.0 * np.log(like.usual)
+    spread = 2.0 * float((sums.count.sum(axis=0) * np.log(like.sigma) / correlation).sum())
     sizes = spread + np.linalg.slogdet(A)[1] - np.linalg.slogdet(precision)[1]
     return float(-0.5 * (square + sizes) + widths.sum())
 
@@ -130,7 +153,7 @@ def _start(prior: Prior, positive: Mask) -> Array:
 
 
 def _normal_equations(
-    sums: Moments, prior: Prior, sigma: Array, widths: Array, correlation: float
+    sums: Moments, prior: Prior, sigma: Array, widths: Array, correlation: Array
 ) -> tuple[Array, Array]:
     """A, b of 1/2 theta^T A theta - b^T theta."""
     weight = 1.0 / (sigma**2 * correlation)

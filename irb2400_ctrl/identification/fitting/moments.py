@@ -1,8 +1,9 @@
 """The logs as sums: what least squares needs of them, block by block, whatever their length.
 
-For joint j and block b of time, with regressor rows a_i and torques y_i where they are known,
+For joint j and block b of time, with regressor rows a_i, torques y_i and weights w_i of the samples
+that are known,
 
-    H = sum a_i a_i^T,    g = sum a_i y_i,    c = sum y_i^2,    N = sum 1.
+    H = sum w_i a_i a_i^T,    g = sum w_i a_i y_i,    c = sum w_i y_i^2,    N = sum 1.
 """
 
 from __future__ import annotations
@@ -75,11 +76,13 @@ class Recording:
     Args:
         motion: on a uniform grid; block: number of each sample's block, (m,);
         given: torque of what the file has and the fit leaves alone, (m, n) [Nm].
+        weight: of each sample and joint, (m, n); default one.
     """
 
     motion: PreparedLog
     block: Integers
     given: Array
+    weight: Array | None = None
 
 
 def recordings(motions: Sequence[PreparedLog], given: Sequence[Array]) -> list[Recording]:
@@ -105,31 +108,36 @@ def moments(model: Model, layout: ColumnLayout, parts: Sequence[Recording]) -> M
     g = np.zeros((blocks, n, p))
     c = np.zeros((blocks, n))
     count = np.zeros((blocks, n))
-    for block, known, tau, rows in _pieces(model, layout, parts):
+    for block, known, tau, weight, rows in _pieces(model, layout, parts):
         for j in range(n):
             held = rows[known[:, j], j]
             torque = tau[known[:, j], j]
-            H[block, j] += held.T @ held
-            g[block, j] += held.T @ torque
-            c[block, j] += torque @ torque
+            own = weight[known[:, j], j]
+            scaled = held.T * own
+            H[block, j] += scaled @ held
+            g[block, j] += scaled @ torque
+            c[block, j] += own @ torque**2
             count[block, j] += len(torque)
     return Moments(H, g, c, count)
 
 
 def _pieces(
     model: Model, layout: ColumnLayout, parts: Sequence[Recording]
-) -> Iterator[tuple[int, Mask, Array, Array]]:
-    """Block number, what is known, torques and regressors, a block or a part of one at a time."""
+) -> Iterator[tuple[int, Mask, Array, Array, Array]]:
+    """Block number, what is known, torques, weights and regressors, a block or a part of one at a
+    time."""
     for part in parts:
         m = part.motion
         torque = m.tau - part.given
+        weight = np.ones_like(torque) if part.weight is None else part.weight
         for first in range(0, len(m.time), CHUNK):
             chunk = slice(first, first + CHUNK)
             rows = columns(model, layout, m.q[chunk], m.qd[chunk], m.qdd[chunk])
             number = part.block[chunk]
             for block in np.unique(number):
                 inside = number == block
-                yield int(block), m.known[chunk][inside], torque[chunk][inside], rows[inside]
+                seen = (signal[chunk][inside] for signal in (m.known, torque, weight))
+                yield int(block), *seen, rows[inside]
 
 
 def predicted(model: Model, layout: ColumnLayout, part: Recording, theta: Array) -> Array:
