@@ -2,11 +2,12 @@
 
 `CharacteristicRoots` leads close to all branches of a general arm, of which there are up to 16, but
 not of one whose axes meet or are parallel. So rounds of slightly displaced arms follow, each drawn
-anew, and their roots start Newton's method on the arm itself. They end when some found nothing new
-and the signs balance: the map from joint angles to poses has degree zero, as poses out of reach
-have no branch at all, so that the signs of det J over all branches of a pose add up to zero. A
-further branch is then unlikely; it cannot be excluded. Each branch is exact to rounding; none is
-false.
+anew, and their roots start Newton's method on the arm itself. The partner of a branch that is
+nearly singular is looked for along the direction in which the arm hardly moves the tool. The rounds
+end when some found nothing new and the signs balance: the map from joint angles to poses has degree
+zero, as poses out of reach have no branch at all, so that the signs of det J over all branches of a
+pose add up to zero. A further branch is then unlikely; it cannot be excluded. Each branch is exact
+to rounding; none is false.
 """
 
 from __future__ import annotations
@@ -37,6 +38,10 @@ LOOK = 10
 """after so many steps a start that came no nearer than half as far is given up"""
 DAMPING = 1e-6
 """of the first step: roots are near"""
+CLOSE = 0.03
+"""smallest singular value of J, with positions over the arm's size, that asks for a partner [-]"""
+ACROSS = (-0.3, -0.1, -0.03, -0.01, 0.01, 0.03, 0.1, 0.3)
+"""how far along the lost direction it is looked for [rad]"""
 LARGEST_STEP = 0.7
 """of a joint in one step [rad]"""
 EXACT = 1e-10
@@ -130,18 +135,23 @@ class NewtonBranches:
         return [pose.sorted() for pose in found]
 
     def _add(self, found: list[_Found], start: Array, owner: Integers, X_BF: Array) -> None:
-        """What Newton's method makes of starts (k, n) for poses `owner` (k,)."""
-        if not len(owner):
-            return
-        q = self.descend(start, X_BF[owner], DAMPING)
-        arrived = np.isfinite(q[:, 0])
-        if not arrived.any():
-            return
-        q = q[arrived]
-        J = self._jacobian.map(q)[0]
-        J[:, :3] /= self.size
-        for k, one, sign in zip(owner[arrived], q, np.sign(np.linalg.det(J)), strict=True):
-            found[k].add(one, float(sign))
+        """What Newton's method makes of starts (k, n) for poses `owner` (k,), and what it finds
+        from there across singularities that are near."""
+        while len(owner):
+            q = self.descend(start, X_BF[owner], DAMPING)
+            arrived = np.isfinite(q[:, 0])
+            new = [found[k].add(one) for k, one in zip(owner[arrived], q[arrived], strict=True)]
+            q, owner = q[arrived][new], owner[arrived][new]
+            if not len(q):
+                return
+            J = self._jacobian.map(q)[0]
+            J[:, :3] /= self.size
+            for k, sign in zip(owner, np.sign(np.linalg.det(J)), strict=True):
+                found[k].sign += float(sign)
+            _, value, direction = np.linalg.svd(J)
+            close = value[:, -1] < CLOSE
+            start = q[close, None] + np.outer(ACROSS, np.ones(self.n)) * direction[close, -1:]
+            start, owner = start.reshape(-1, self.n), np.repeat(owner[close], len(ACROSS))
 
     def descend(self, q: Array, X_BF: Array, damping: float) -> Array:
         """Damped Newton from starts (m, n) to poses (m, 4, 4); nan where it does not arrive."""
@@ -180,13 +190,13 @@ class _Found:
         """Long nothing new, and no partner left: they come and go in pairs of unlike sign."""
         return self.sign == 0 and self.quiet >= quiet
 
-    def add(self, q: Array, sign: float) -> None:
-        """A configuration (n,) that reaches the pose."""
+    def add(self, q: Array) -> bool:
+        """Whether a configuration (n,) that reaches the pose is new; it is kept then."""
         if (np.abs(np.exp(1j * self.q) - np.exp(1j * q)).max(axis=1) < SAME).any():
-            return
+            return False
         self.q = np.vstack([self.q, np.angle(np.exp(1j * q))])
-        self.sign += sign
         self.quiet = 0
+        return True
 
     def sorted(self) -> Array:
         return np.asarray(self.q[np.lexsort(np.round(self.q.T, 6))])

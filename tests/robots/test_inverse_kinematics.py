@@ -330,11 +330,24 @@ def test_two_of_four_branches_are_not_taken_for_all(robot_: irb.Robot, q: list[f
             [-2.81033747, -1.9328094, -0.64665238, -0.84076129, -3.02274447, 1.55708847],
             8,
         ),
+        (
+            ur_like(),
+            [
+                -0.6265482838753949,
+                1.7370844323087145,
+                -0.8906155564853555,
+                -2.8129066394875144,
+                1.6370279889836663,
+                -2.1323920331491237,
+            ],
+            4,
+        ),
     ],
-    ids=["skew", "skew, eight", "about to meet", "lost to rounding"],
+    ids=["skew", "skew, eight", "about to meet", "lost to rounding", "one of each pair found"],
 )
 def test_pairs_about_to_meet_are_found(robot_: irb.Robot, q: list[float], branches: int) -> None:
-    """Two were missed by Newton's method from many starts, two with axes displaced by 1e-4."""
+    """Two were missed by Newton's method from many starts, two with axes displaced by 1e-4, of
+    one the partner of each that was found, 0.04 rad across a singularity."""
     _has_branches(robot_, q, branches)
 
 
