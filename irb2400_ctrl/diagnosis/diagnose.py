@@ -21,6 +21,7 @@ from irb2400_ctrl.diagnosis.findings import findings_of, unexplained_of
 from irb2400_ctrl.diagnosis.load_test import moved_as_by_a_load
 from irb2400_ctrl.diagnosis.log_errors import log_errors
 from irb2400_ctrl.diagnosis.numbers import numbers
+from irb2400_ctrl.diagnosis.possible_bodies import with_possible_bodies
 from irb2400_ctrl.diagnosis.preparation.base_prior import BasePrior
 from irb2400_ctrl.diagnosis.preparation.doubtful_accelerations import doubtful_accelerations
 from irb2400_ctrl.diagnosis.preparation.identified_prior import IdentifiedPrior
@@ -190,6 +191,7 @@ def _concluded(
 ) -> Diagnosis:
     robot = prior.robot
     motion = fitter.motion
+    fit = with_possible_bodies(prior, fit)
     recalibrated = prior.updated(prior.deviations(fit.z))
     effects = (*recalibrated.effects, *fit.effects)
     augmented = Robot.model_validate({**dict(recalibrated), "effects": effects})

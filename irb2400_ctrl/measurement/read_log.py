@@ -54,6 +54,9 @@ READERS = {".mat": read_mat_table, ".parquet": read_parquet_table}
 BAGS = (".db3", ".mcap")
 """whose joints have names"""
 
+ROBOTS = (".toml", ".urdf", ".xacro")
+"""suffixes of what is given by mistake in the place of a log"""
+
 
 def read_log(
     path: Path | str,
@@ -84,6 +87,11 @@ def read_log(
     given = (
         columns if columns is None or isinstance(columns, ColumnMap) else load_column_map(columns)
     )
+    if path.suffix.lower() in ROBOTS:
+        raise InputError(
+            f"{path}: found a robot or a map of columns, expected a log; a robot is given with "
+            "--robot, a map with --columns"
+        )
     if path.suffix.lower() in BAGS:
         table = read_ros_table(path, names, ordered=given is None)
     elif path.suffix.lower() in READERS:

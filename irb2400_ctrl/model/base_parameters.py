@@ -43,6 +43,11 @@ class BaseParameters:
         """Name of each: `Ixx_3` is I_xx of link 3 with what it absorbs."""
         return [f"{NAMES[k % 10]}_{k // 10 + 1}" for k in self.kept]
 
+    @property
+    def unseen(self) -> Array:
+        """Orthonormal changes of phi that no torque shows, shape (10 n - base, 10 n)."""
+        return np.asarray(np.linalg.svd(self.matrix)[2][self.count :])
+
     def explain(self, position: int) -> str:
         """A base parameter as the sum of standard parameters it stands for."""
         text = ""
@@ -81,6 +86,14 @@ def base_parameters(robot: Robot, phi: Array) -> BaseParameters:
     for array in (matrix, values):
         array.setflags(write=False)
     return BaseParameters(tuple(kept), matrix, values)
+
+
+def with_masses(robot: Robot, phi: Array, masses: Array) -> Array:
+    """Link parameters (n, 10) of the same torque in every motion with these masses (n,) [kg], the
+    nearest to phi (n, 10); masses that a torque shows stay as they are."""
+    unseen = base_parameters(robot, phi).unseen
+    shift = np.linalg.pinv(unseen[:, ::10].T, rcond=TOLERANCE) @ (masses - phi[:, 0])
+    return np.asarray(phi + (shift @ unseen).reshape(phi.shape))
 
 
 def _sampled_regressor(robot: Robot) -> Array:

@@ -48,8 +48,7 @@ def realise(robot: Robot) -> Realisation:
     bodies, or are."""
     n = robot.n
     phi = robot.inertial_parameters.ravel()
-    matrix = base_parameters(robot, robot.inertial_parameters).matrix
-    unseen = np.linalg.svd(matrix)[2][matrix.shape[0] :]
+    unseen = base_parameters(robot, robot.inertial_parameters).unseen
     start = _pseudo_inertias(phi, n)
     directions = np.array([_pseudo_inertias(row, n) for row in unseen])
     z = _best(start, directions)

@@ -88,7 +88,7 @@ class Nominal:
         found = np.zeros((len(masses), 10))
         for row, (mass, link) in enumerate(zip(masses, self.robot.links, strict=True)):
             com = np.array(link.body.com_m)
-            about = np.trace(link.body.tensor()) / 3.0 + mass * (com @ com)
+            about = abs(np.trace(link.body.tensor()) / 3.0 + mass * (com @ com))
             found[row] = _spread(MASS * mass, lever, INERTIA * about)
         load = PAYLOAD * (sum(masses[1:]) + tool)
         found[-1] = np.hypot(found[-1], _spread(load, lever, load * lever**2))
@@ -98,8 +98,10 @@ class Nominal:
     def least(self) -> Array:
         """Lower bounds of delta in its spreads: no mass below zero, shape (10 n,)."""
         bounds = np.full((self.robot.n, 10), -np.inf)
-        bounds[:, 0] = -np.maximum(self.robot.inertial_parameters[:, 0], 1e-3)
-        return bounds.ravel() / self.spreads
+        masses = np.maximum(self.robot.inertial_parameters[:, 0], 1e-3)
+        spreads = self.spreads.reshape(-1, 10)[:, 0]
+        np.divide(-masses, spreads, out=bounds[:, 0], where=spreads > 0.0)
+        return bounds.ravel()
 
     def columns(self, rows: Rows) -> tuple[Array, Array]:
         """Nominal torque without friction (m, n) and its slopes per standard deviation of delta

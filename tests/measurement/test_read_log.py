@@ -307,3 +307,10 @@ def test_wrong_column_maps_are_refused(tmp_path: Path, name: str) -> None:
     with pytest.raises(InputError) as caught:
         read_log(path, columns=map_path)
     assert expected in str(caught.value)
+
+
+@pytest.mark.parametrize("name", ["arm.toml", "arm.urdf"])
+def test_a_robot_in_the_place_of_a_log_is_said_to_be_one(tmp_path: Path, name: str) -> None:
+    (tmp_path / name).write_text("# an arm, of six axes\nname = 1\n")
+    with pytest.raises(InputError, match="expected a log; a robot is given with --robot"):
+        read_log(tmp_path / name)

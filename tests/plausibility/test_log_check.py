@@ -54,6 +54,19 @@ def test_a_sound_log_of_another_arm_is_not_refused(seed: int) -> None:
     assert log_problem(drawn.robot, drawn.log) is None, drawn.text
 
 
+def test_links_without_mass_and_with_impossible_moments_are_no_yardstick_that_breaks() -> None:
+    """Frames of a URDF have no mass; a file may hold moments below nothing."""
+    drawn = plain()
+    links = list(ROBOT.links)
+    nothing = links[4].body.model_copy(update={"mass_kg": 0.0, "inertia_kgm2": (0.0,) * 6})
+    moments = (-0.1, -0.1, -0.1, 0.0, 0.0, 0.0)
+    impossible = nothing.model_copy(update={"inertia_kgm2": moments})
+    for body in (nothing, impossible):
+        links[4] = links[4].model_copy(update={"body": body})
+        robot = ROBOT.model_copy(update={"links": tuple(links)})
+        assert log_problem(robot, drawn.log) is None
+
+
 def test_a_log_that_hardly_moves_and_is_not_explained_says_so() -> None:
     """Angles that are too small contradict nothing: what is called sound is not vouched for."""
     log = other_arm_log(3).log

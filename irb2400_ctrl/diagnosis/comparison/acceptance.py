@@ -101,12 +101,17 @@ class Acceptance:
         beyond = self._beyond_base(candidate, fit)
         if not any(self.clear(steps, fit, place)):
             return False
-        if beyond and own(candidate, held_out.worth(place)) <= 0.0:
+        worth = held_out.worth(place)
+        if beyond and own(candidate, worth) <= 0.0:
             return False
         # what other numbers could say as well has their being unlikely to its credit
         credit = 0.0 if beyond else steps[place].gain
         told = held_out.told(place)
-        return min(own(candidate, told), float(told.nats.sum())) + credit > 0.0
+        nats = [own(candidate, told), float(told.nats.sum())]
+        if not beyond:
+            # beside a law of rough shape such numbers bend where it was seen
+            nats.append(float(worth.nats.sum()))
+        return min(nats) + credit > 0.0
 
     def _told(self, held_out: HeldOut, candidate: Candidate, place: int) -> Worth:
         """What a name is worth to what the robot's file will say; where other numbers of the robot

@@ -107,7 +107,12 @@ class HeldOut:
 
     def _solved(self, fit: Fit) -> list[Array]:
         """Coefficients of the fit's columns by ridge regression on the rows of all folds but one,
-        for each."""
+        for each.
+
+        How a swing or a hysteresis stood when the record began shows in its first seconds alone and
+        is no property of the robot: it is as all rows together say. A fold without those seconds
+        would find any.
+        """
         precision = np.ones(fit.Z.shape[2])
         start = int(np.sum(fit.owner < 0))
         precision[start : start + len(fit.parameters)] = FREE
@@ -120,15 +125,26 @@ class HeldOut:
                 rows = self.fold[one.kept] == k
                 grams[k] += X[rows].T @ X[rows]
                 rights[k] += X[rows].T @ v[rows]
-        return [
-            np.asarray(
-                np.linalg.solve(
-                    np.delete(grams, k, axis=0).sum(axis=0) + np.diag(precision),
-                    np.delete(rights, k, axis=0).sum(axis=0),
-                )
-            )
-            for k in range(FOLDS)
-        ]
+        free = ~self._of_beginnings(fit)
+        whole = np.linalg.solve(grams.sum(axis=0) + np.diag(precision), rights.sum(axis=0))
+        found = []
+        for k in range(FOLDS):
+            A = np.delete(grams, k, axis=0).sum(axis=0) + np.diag(precision)
+            right = np.delete(rights, k, axis=0).sum(axis=0) - A[:, ~free] @ whole[~free]
+            b = whole.copy()
+            b[free] = np.linalg.solve(A[np.ix_(free, free)], right[free])
+            found.append(b)
+        return found
+
+    @staticmethod
+    def _of_beginnings(fit: Fit) -> Mask:
+        """Columns of the states that effects had when the record began, shape (k,)."""
+        found = np.zeros(fit.Z.shape[2], dtype=bool)
+        stop = int(np.sum(fit.owner < 0)) + len(fit.parameters)
+        for effect, unit in zip(fit.effects, fit.units, strict=True):
+            stop += len(unit)
+            found[stop - min(effect.beginnings(), len(unit)) : stop] = True
+        return found
 
     def _left(self, fit: Fit, found: Sequence[Array]) -> Array:
         """What everything together leaves, shape (rows, n)."""

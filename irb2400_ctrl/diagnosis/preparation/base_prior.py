@@ -16,10 +16,13 @@ import numpy as np
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.measurement.prepared_log import PreparedLog
 from irb2400_ctrl.model import Model
+from irb2400_ctrl.model.base_parameters import with_masses
 from irb2400_ctrl.model.friction import FrictionLaw
 from irb2400_ctrl.robot import Body, Robot, Uncertainty
 
 UNKNOWN_FRICTION = 0.5
+LEAST_MASS = 0.1
+"""of a link over the file's, below which all links keep the file's masses [-]"""
 
 
 def named_bodies(robot: Robot) -> list[tuple[Body, str]]:
@@ -176,14 +179,31 @@ class BasePrior:
         signals = FrictionLaw.of(self.robot).regressor(qd)
         return np.asarray(sum(signal * by for signal, by in zip(signals, change, strict=True)))
 
+    def _changed(self, change: Array) -> list[Body]:
+        """The bodies whose torque is what the fit, linear in the changes (bodies, 10), found.
+
+        Mass times centre and inertia about the frame's origin are taken over, not the numbers one
+        by one: products of two changes would make another torque of a body that is far off. The
+        torque hardly knows which link a mass belongs to: where one would fall to nothing, all links
+        keep theirs and the same torque comes from their centres.
+        """
+        n = self.robot.n
+        bodies = self.bodies
+        phi = np.array([
+            body.parameters() + _parameter_slope(body, None) @ by
+            for body, by in zip(bodies, change, strict=True)
+        ])  # fmt: skip
+        masses = np.array([body.mass_kg for body in bodies[:n]])
+        if (phi[:n, 0] < LEAST_MASS * masses).any():
+            phi[:n] = with_masses(self.robot, phi[:n], masses)
+        return [_body_of(*each) for each in zip(phi, bodies, change, strict=True)]
+
     def updated(self, z: Array) -> Robot:
         """The robot with p0 + sigma z written into its links, tool and friction."""
         n = self.robot.n
         robot = self.robot
         change = self.sigmas() * self.held(z)
-        bodies = [
-            _changed(body, change[10 * i : 10 * i + 10]) for i, body in enumerate(self.bodies)
-        ]
+        bodies = self._changed(change[: -3 * n].reshape(-1, 10))
         coulomb, viscous, static = change[-3 * n :].reshape(3, n)
         joints = []
         for j, joint in enumerate(robot.joints):
@@ -209,14 +229,9 @@ class BasePrior:
         )
 
 
-def _changed(body: Body, change: Array) -> Body:
-    """The body of which the torque is what the fit, linear in the change, found.
-
-    Mass times centre and inertia about the frame's origin are taken over, not the numbers one by
-    one: products of two changes would make another torque of a body that is far off. A mass that
-    falls to nothing has no centre: there the numbers themselves move.
-    """
-    phi = body.parameters() + _parameter_slope(body, None) @ change
+def _body_of(phi: Array, body: Body, change: Array) -> Body:
+    """The body of parameters phi (10,). A mass that falls to nothing has no centre: there the
+    numbers of `body` themselves move by `change` (10,)."""
     if phi[0] > 0.0:
         return Body.of_parameters(phi)
     return body.model_copy(
