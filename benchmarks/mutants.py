@@ -105,7 +105,7 @@ TARGETS = {
         "tests/planners/test_sampled_reference.py"
     ),
     "planners/linking/clearance_plane.py": "tests/planners/test_links.py",
-    "diagnosis/preparation/noise_test.py": "tests/diagnosis/test_acceptance.py",
+    "diagnosis/preparation/noise_test.py": "tests/diagnosis/test_noise.py",
     "diagnosis/comparison/acceptance.py": "tests/diagnosis/test_acceptance.py",
     "diagnosis/comparison/selection.py": SELECTION,
     "diagnosis/comparison/confidence.py": "tests/diagnosis/test_confidence.py",
