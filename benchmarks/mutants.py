@@ -69,7 +69,10 @@ TARGETS = {
     "measurement/uniform.py": "tests/measurement/test_uniform.py",
     "model/friction.py": "tests/model/test_friction.py",
     "model/kinematics.py": "tests/model/test_reference_states.py tests/model/test_values.py",
-    "model/mass_matrix.py": "tests/model/test_reference_states.py tests/model/test_identities.py",
+    "model/mass_matrix.py": (
+        "tests/model/test_body_frames.py tests/model/test_reference_states.py "
+        "tests/model/test_identities.py"
+    ),
     "model/newton_euler.py": "tests/model/test_reference_states.py tests/model/test_identities.py",
     "controllers/arm_numbers.py": (
         "tests/controllers/test_tables.py tests/controllers/test_effect_tables.py"
