@@ -281,6 +281,16 @@ def test_speeds_and_what_has_no_bound(irregular: bool, monkeypatch: pytest.Monke
     np.testing.assert_array_equal(np.isinf(found.rate), [[irregular, False]] * M)
 
 
+def test_how_fast_the_acceleration_may_build_up_and_for_how_long() -> None:
+    """By the rate of the first output alone, until its limit or the speed that is asked for."""
+    c = outputs(20, constant=True)
+    c = replace(c, a=np.tile([-5.0, 2.0], (M, 3, 1)))
+    jerk, time = c.building_up(np.full(M, 100.0))
+    np.testing.assert_allclose(jerk, 300.0 / 5.0)
+    np.testing.assert_allclose(time, 40.0 / 5.0 / 60.0)
+    np.testing.assert_allclose(c.building_up(np.full(M, 1e-4))[1], np.sqrt(1e-2 / 60.0))
+
+
 def ratios(value: Array, rate: Array | None = None, speed: Array | None = None) -> OutputRatios:
     nothing = np.zeros_like(value)
     return OutputRatios(
