@@ -50,8 +50,12 @@ SELECTION = (
 TARGETS = {
     "codegen/machine_code/build_cache.py": "tests/codegen/test_build_cache.py",
     "sweep/journal.py": "tests/sweep/test_run.py -k (spoiled|no_journal|torn)",
-    "reading/text_blocks.py": "tests/hostile/test_listed_files.py",
-    "reading/bounded_text.py": "tests/hostile/test_listed_files.py",
+    "reading/text_blocks.py": (
+        "tests/hostile/test_text_bounds.py tests/hostile/test_listed_files.py"
+    ),
+    "reading/bounded_text.py": (
+        "tests/hostile/test_text_bounds.py tests/hostile/test_listed_files.py"
+    ),
     "trajectory/file.py": "tests/hostile/test_listed_files.py tests/simulation/test_trajectory.py",
     "measurement/csv_table.py": (
         "tests/hostile/test_listed_files.py tests/measurement/test_read_log.py"
