@@ -167,7 +167,8 @@ def test_in_a_gap_only_what_lies_on_its_ends_is_covered() -> None:
     step = 0.004
     time = step * np.concatenate([np.arange(100), 350 + np.arange(100)])
     log = Log(time, np.zeros((200, 1)), np.zeros((200, 1)))
-    begin, end = time[99], time[100]
+    begin = time[99]
+    end = time[100]
     asked = [begin - 0.4 * step, begin + 0.2 * step, begin + 0.3 * step, end - 0.3 * step]
     asked += [end - 0.2 * step, end + 0.4 * step]
     assert _covered(log, np.array(asked), step).tolist() == [True, True, False, False, True, True]

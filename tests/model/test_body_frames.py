@@ -34,7 +34,8 @@ def test_turned() -> None:
     R = np.linalg.qr(RNG.normal(size=(3, 3)))[0]
     found = numbers(_rotated(ca.SX(ca.DM(R)), ca.SX(ca.DM(pseudo(POINTS)))))
     assert_allclose(found, pseudo(POINTS @ R.T), atol=1e-12)
-    c, s = np.cos(0.7), np.sin(0.7)
+    c = np.cos(0.7)
+    s = np.sin(0.7)
     about_z = np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]])
     found = numbers(_turned_body((ca.SX(c), ca.SX(s)), ca.SX(ca.DM(pseudo(POINTS)))))
     assert_allclose(found, pseudo(POINTS @ about_z.T), atol=1e-12)
