@@ -4,7 +4,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 OUT ?= demo_out
 
-.PHONY: demo test test-all lint types contracts pytest bench evaluate docs figures clean
+.PHONY: demo test test-all lint types contracts pytest bench evaluate docs figures hashes clean
 
 demo: $(VENV)/.installed
 	$(BIN)/irb2400 demo --out $(OUT)
@@ -69,12 +69,35 @@ $(VENV)/bin/python:
 	$(PYTHON) -c 'import sys; sys.exit("found Python %d.%d, need 3.11 or newer: make PYTHON=python3.12" % sys.version_info[:2] if sys.version_info < (3, 11) else 0)'
 	$(PYTHON) -m venv $(VENV)
 
-$(VENV)/.installed: pyproject.toml constraints.txt | $(VENV)/bin/python
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt 'setuptools>=77' wheel
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e .
+PIP := $(BIN)/python -m pip install --quiet --disable-pip-version-check
+# where the listed files are known to be enough; elsewhere, and with HASHES=no, versions alone are pinned
+HASHES ?= $(shell $(PYTHON) -c 'import platform as p, sys; print("yes" if sys.version_info >= (3, 11) and \
+    (p.system(), p.machine(), p.libc_ver()[0]) == ("Linux", "x86_64", "glibc") else "no")')
+
+$(VENV)/.installed: pyproject.toml constraints.txt hashes/demo.txt | $(VENV)/bin/python
+ifeq ($(HASHES), yes)
+	$(PIP) --require-hashes -r hashes/demo.txt
+	$(PIP) --no-deps --no-build-isolation -e .
+else
+	$(PIP) -c constraints.txt 'setuptools>=77' wheel
+	$(PIP) -c constraints.txt -e .
+endif
 	touch $@
 
-$(VENV)/.installed-test: pyproject.toml constraints.txt | $(VENV)/bin/python
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt 'setuptools>=77' wheel
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[test]'
+$(VENV)/.installed-test: pyproject.toml constraints.txt hashes/test.txt | $(VENV)/bin/python
+ifeq ($(HASHES), yes)
+	$(PIP) --require-hashes -r hashes/test.txt
+	$(PIP) --no-deps --no-build-isolation -e .
+else
+	$(PIP) -c constraints.txt 'setuptools>=77' wheel
+	$(PIP) -c constraints.txt -e '.[test]'
+endif
 	touch $@ $(VENV)/.installed
+
+# the lists of hashes anew, from constraints.txt
+UV := $(BIN)/uv pip compile - pyproject.toml -c constraints.txt --universal --python-version 3.11 \
+    --generate-hashes --no-header --no-annotate --quiet
+hashes: $(VENV)/.installed-test
+	$(PIP) uv
+	printf 'setuptools>=77\nwheel\n' | $(UV) -o hashes/demo.txt
+	printf 'setuptools>=77\nwheel\n' | $(UV) --extra test -o hashes/test.txt

@@ -50,8 +50,12 @@ SELECTION = (
 TARGETS = {
     "codegen/machine_code/build_cache.py": "tests/codegen/test_build_cache.py",
     "sweep/journal.py": "tests/sweep/test_run.py -k (spoiled|no_journal|torn)",
-    "reading/text_blocks.py": "tests/hostile/test_listed_files.py",
-    "reading/bounded_text.py": "tests/hostile/test_listed_files.py",
+    "reading/text_blocks.py": (
+        "tests/hostile/test_text_bounds.py tests/hostile/test_listed_files.py"
+    ),
+    "reading/bounded_text.py": (
+        "tests/hostile/test_text_bounds.py tests/hostile/test_listed_files.py"
+    ),
     "trajectory/file.py": "tests/hostile/test_listed_files.py tests/simulation/test_trajectory.py",
     "measurement/csv_table.py": (
         "tests/hostile/test_listed_files.py tests/measurement/test_read_log.py"
@@ -69,7 +73,10 @@ TARGETS = {
     "measurement/uniform.py": "tests/measurement/test_uniform.py",
     "model/friction.py": "tests/model/test_friction.py",
     "model/kinematics.py": "tests/model/test_reference_states.py tests/model/test_values.py",
-    "model/mass_matrix.py": "tests/model/test_reference_states.py tests/model/test_identities.py",
+    "model/mass_matrix.py": (
+        "tests/model/test_body_frames.py tests/model/test_reference_states.py "
+        "tests/model/test_identities.py"
+    ),
     "model/newton_euler.py": "tests/model/test_reference_states.py tests/model/test_identities.py",
     "controllers/arm_numbers.py": (
         "tests/controllers/test_tables.py tests/controllers/test_effect_tables.py"
@@ -105,7 +112,7 @@ TARGETS = {
         "tests/planners/test_sampled_reference.py"
     ),
     "planners/linking/clearance_plane.py": "tests/planners/test_links.py",
-    "diagnosis/preparation/noise_test.py": "tests/diagnosis/test_acceptance.py",
+    "diagnosis/preparation/noise_test.py": "tests/diagnosis/test_noise.py",
     "diagnosis/comparison/acceptance.py": "tests/diagnosis/test_acceptance.py",
     "diagnosis/comparison/selection.py": SELECTION,
     "diagnosis/comparison/confidence.py": "tests/diagnosis/test_confidence.py",

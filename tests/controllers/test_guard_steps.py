@@ -12,6 +12,7 @@ from irb2400_ctrl.codegen import Block, Package
 from irb2400_ctrl.codegen.checks import compare_with_block, random_points, run_points
 from irb2400_ctrl.codegen.controller import HostController
 from irb2400_ctrl.controllers import controller, guarded, momentum_observer
+from irb2400_ctrl.controllers.sample_check import SampleCheck
 from irb2400_ctrl.effects import LIBRARY
 from irb2400_ctrl.errors import InputError
 
@@ -283,3 +284,15 @@ def test_what_is_no_block_to_guard_is_refused() -> None:
         guarded(momentum_observer(ROBOT), ROBOT)
     assert guarded(bare, ROBOT, consistency=False).origin[-1] == ("guards", "plain")
     assert guarded(bare, ROBOT).origin[-1] == ("guards", "consistency")
+
+
+def test_an_axis_without_a_speed_limit_may_do_ten_radians_a_second() -> None:
+    """Its jump is half of that times the sample time."""
+    first, *others = ROBOT.joints
+    free = first.model_copy(
+        update={"limits": first.limits.model_copy(update={"speed_deg_s": None})}
+    )
+    check = SampleCheck(ROBOT.model_copy(update={"joints": (free, *others)}), T)
+    np.testing.assert_allclose(check.fast, [10.0, *np.radians([150, 150, 360, 360, 450])])
+    (jump,) = (f for f in check.parameters if f.name == "jump_limit")
+    np.testing.assert_allclose(jump.start, 0.5 * T * check.fast)

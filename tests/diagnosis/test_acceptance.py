@@ -54,7 +54,14 @@ def test_of_one_effect_on_every_joint_those_stay_that_stand_clear() -> None:
     assert step.margin == 30.0  # it still finds itself among the alternatives
 
 
-def judged(candidate: Any, told: list[float], *, worth: float = 1.0, beyond: bool = True) -> bool:
+def judged(
+    candidate: Any,
+    told: list[float],
+    *,
+    worth: float = 1.0,
+    beyond: bool = True,
+    fit: Any = None,
+) -> bool:
     """What `bears_out` says of an offset on joint 2 of three: worth [nats] by joint."""
     held_out = SimpleNamespace(
         worth=lambda place: SimpleNamespace(nats=np.array([0.0, worth, 0.0])),
@@ -66,7 +73,7 @@ def judged(candidate: Any, told: list[float], *, worth: float = 1.0, beyond: boo
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(module, "HeldOut", lambda fitter, chosen, fit: held_out)
         step: Any = SimpleNamespace(candidate=candidate, gain=20.0)
-        fit = fitted(LIBRARY["torque_offset"].of(2, offset_Nm=3.0), 0.1)
+        fit = fit or fitted(LIBRARY["torque_offset"].of(2, offset_Nm=3.0), 0.1)
         return bool(acceptance.bears_out([step], fit, 0))
 
 
@@ -138,6 +145,34 @@ def test_a_time_constant_lies_inside_the_record() -> None:
     assert not stands_clear(fitted(warm, 0.1, 1.0), 0, 10.0)
     quick = LIBRARY["viscous_warmup"].of(2, viscous_Nms_rad=5.0, time_constant_s=0.5)
     assert stands_clear(fitted(quick, 0.1, 0.1), 0, 10.0)
+
+
+def test_a_time_constant_of_nothing_is_none(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Whatever size the effect has beside it."""
+    monkeypatch.setattr(module, "value_of", lambda effect, parameter: 0.0)
+    monkeypatch.setattr(module, "with_value", lambda effect, parameter, value: effect)
+    warm = LIBRARY["viscous_warmup"].of(2, viscous_Nms_rad=5.0, time_constant_s=3.0)
+    assert not stands_clear(fitted(warm, 0.1, 1.0), 0, 10.0)
+
+
+def test_one_size_of_several_is_enough() -> None:
+    """A load by its mass or by its first moment; of which one is zero, whatever its error."""
+    load = LIBRARY["payload"].of(None, mass_kg=6.0, com_m=(0.0, 0.0, 0.0))
+    assert load.sizes() == (6.0, 0.0)
+    sigmas = (0.1,) * len(parameters_of(load, 0))
+    assert stands_clear(fitted(load, *sigmas), 0, 10.0)
+
+
+def test_one_effect_of_several_that_stands_clear_bears_a_name_out() -> None:
+    offsets = tuple(LIBRARY["torque_offset"].of(j, offset_Nm=3.0) for j in (1, 2))
+    name = SimpleNamespace(known=True, devices=frozenset(), effects=offsets, joint=2)
+    for sigmas, borne in (((0.1, 9.0), True), ((9.0, 9.0), False)):
+        fit: Any = SimpleNamespace(
+            effects=offsets,
+            parameters=tuple(p for k, one in enumerate(offsets) for p in parameters_of(one, k)),
+            alone=np.array(sigmas),
+        )
+        assert judged(name, [0.0, 5.0, 0.0], fit=fit) == borne
 
 
 @pytest.mark.parametrize("seconds", [3.0, 40.0])

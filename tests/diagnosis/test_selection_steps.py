@@ -250,6 +250,7 @@ def test_each_explanation_is_judged_again_beside_the_others(
     assert exchanged(a, b, c) == ["c"]
     # beside a law without a name nothing falls out, and such a law takes no name's place
     assert exchanged(a, flexible) == ["a", "f"]
+    assert exchanged(a, b, flexible) == ["a", "b", "f"]
     said["b"] = Step(flexible, 60.0, ())
     assert exchanged(a, b) == ["a", "b"]
     said["b"] = Step(explanation("g", known=False), 60.0, ())

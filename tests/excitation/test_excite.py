@@ -34,7 +34,7 @@ SMALL = Budget(pool=30, rounds=1, mutations=12)
 
 
 @cache
-def planned(group: str, joint: int | None, seconds: float = 40.0) -> Excitation:
+def planned(group: str, joint: int | None, seconds: float = 24.0) -> Excitation:
     return excite(ROBOT, group, joint=joint, seconds=seconds, budget=SMALL)
 
 
@@ -82,7 +82,7 @@ def test_rows_are_one_motion() -> None:
 
 
 def test_duration_is_the_one_asked_for() -> None:
-    for seconds in (12.0, 40.0):
+    for seconds in (12.0, 24.0):
         assert planned("friction level", 3, seconds).course.duration == pytest.approx(
             seconds, abs=0.01
         )

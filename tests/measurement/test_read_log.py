@@ -314,3 +314,18 @@ def test_a_robot_in_the_place_of_a_log_is_said_to_be_one(tmp_path: Path, name: s
     (tmp_path / name).write_text("# an arm, of six axes\nname = 1\n")
     with pytest.raises(InputError, match="expected a log; a robot is given with --robot"):
         read_log(tmp_path / name)
+
+
+@pytest.mark.parametrize(
+    ("columns", "advised"),
+    [(["q{}_deg", "motor current {} [A]"], True), (["tau{}_Nm", "motor current {} [A]"], False)],
+)
+def test_currents_are_advice_where_torques_are_missing(
+    tmp_path: Path, columns: list[str], advised: bool
+) -> None:
+    names = ["time_s", *(form.format(j) for form in columns for j in range(1, 7))]
+    rows = [",".join([str(0.004 * k), *[str(k)] * 12]) for k in range(20)]
+    (tmp_path / "log.csv").write_text("\n".join([",".join(names), *rows]))
+    with pytest.raises(InputError) as refused:
+        read_log(tmp_path / "log.csv")
+    assert ("currents become torques" in str(refused.value)) is advised

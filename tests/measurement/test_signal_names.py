@@ -13,6 +13,7 @@ from irb2400_ctrl.measurement import Log, load_column_map, read_log
 from irb2400_ctrl.measurement.columns.signal_names import (
     is_unit,
     joint_signal,
+    strange_word,
     time_scale,
     without_source,
     without_unit,
@@ -216,3 +217,19 @@ def test_a_unit_of_time_is_its_seconds(unit: str, seconds: float) -> None:
 @pytest.mark.parametrize(("cell", "unit"), [("s", True), ("deg", True), ("12", False)])
 def test_a_cell_may_be_a_unit(cell: str, unit: bool) -> None:
     assert is_unit(cell) is unit
+
+
+@pytest.mark.parametrize(
+    ("name", "found"),
+    [
+        ("raw joint 2 position [deg]", ("q", "raw")),
+        # a second joint is one word too many
+        ("joint 2 joint 3 [deg]", ("q", "3")),
+        ("joint 2 position [deg]", None),
+        ("raw joint 2 [V]", None),
+    ],
+)
+def test_the_word_that_keeps_a_column_from_being_a_signal(
+    name: str, found: tuple[str, str] | None
+) -> None:
+    assert strange_word(name) == found

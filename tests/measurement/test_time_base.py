@@ -8,7 +8,7 @@ from mujoco_plant.suites import suite
 
 from irb2400_ctrl.measurement import Log
 from irb2400_ctrl.measurement.log_facts import log_facts
-from irb2400_ctrl.measurement.time_base import _missed, time_base, with_time_base
+from irb2400_ctrl.measurement.time_base import _missed, _slope, time_base, with_time_base
 
 DIGIT = 5e-6
 
@@ -108,3 +108,11 @@ def test_stamps_that_scatter_over_more_than_a_period_do_not_shorten_it() -> None
     # nor are losses a few samples off, which would be jumps of the angles by milliradians
     rough = np.abs(_missed(read.q, base.time))
     assert (rough < 20.0 * np.median(rough, axis=0)).all()
+
+
+def test_an_arm_that_does_not_move_says_nothing_of_its_stamps() -> None:
+    """Whatever they scatter: nothing is interpolated wrongly."""
+    even = 0.004 * np.arange(500)
+    stamps = even + 1e-3 * np.random.default_rng(3).uniform(-1, 1, 500)
+    log = Log(stamps, np.full((500, 2), 0.7), np.zeros((500, 2)))
+    assert _slope(log, even) == (0.0, np.inf)

@@ -9,6 +9,7 @@ from irb2400_ctrl.measurement import Log
 from irb2400_ctrl.measurement.servo import followed
 from irb2400_ctrl.measurement.uniform import (
     LowPass,
+    _covered,
     derivative_margin,
     derivatives,
     polished,
@@ -159,3 +160,15 @@ def test_smoothing_reaches_forty_milliseconds_to_both_sides(step: float, half: i
     np.testing.assert_array_equal(np.flatnonzero(found), range(50 - half, 51 + half))
     np.testing.assert_allclose(found, found[::-1], atol=1e-15)
     np.testing.assert_allclose(found.sum(), 1.0)
+
+
+def test_in_a_gap_only_what_lies_on_its_ends_is_covered() -> None:
+    """A second without samples; a quarter of a step beside a sample is on it."""
+    step = 0.004
+    time = step * np.concatenate([np.arange(100), 350 + np.arange(100)])
+    log = Log(time, np.zeros((200, 1)), np.zeros((200, 1)))
+    begin = time[99]
+    end = time[100]
+    asked = [begin - 0.4 * step, begin + 0.2 * step, begin + 0.3 * step, end - 0.3 * step]
+    asked += [end - 0.2 * step, end + 0.4 * step]
+    assert _covered(log, np.array(asked), step).tolist() == [True, True, False, False, True, True]

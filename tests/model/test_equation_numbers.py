@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import re
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -14,6 +15,7 @@ PACKAGE = Path(irb2400_ctrl.__file__).parent
 CITATION = re.compile(r"eqs?\.\s+([0-9]+(?:\s*(?:-|–|…|to|,|and)\s*[0-9]+)*)")
 
 
+@cache
 def cited() -> dict[int, set[str]]:
     """Equation -> places whose own docstring (of a function or class, not a module) cites it."""
     found: dict[int, set[str]] = {}

@@ -4,12 +4,15 @@ varies and against what they bound where everything does."""
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
 
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.planners.enclosure import bernstein
+from irb2400_ctrl.planners.enclosure.effect_bounds import Added, Range
 from irb2400_ctrl.planners.timing.rate_limited import output_bounds
 from irb2400_ctrl.planners.timing.rate_limited.constrained_outputs import ConstrainedOutputs
 from irb2400_ctrl.planners.timing.rate_limited.output_bounds import OutputRatios
@@ -112,6 +115,38 @@ def test_at_an_end_every_term_is_at_its_largest() -> None:
         np.testing.assert_allclose(found[end], np.max(sides, axis=0))
 
 
+def test_effects_of_the_time_add_to_the_coefficients_of_the_torques() -> None:
+    """Of two outputs the first is a torque: a factor that is known is a number more in a, b and e,
+    one that is known to lie in a band is at worst at either end of it."""
+    c = outputs(15)
+    x, u, _ = motion(c, 16)
+    more = 2.0 * np.ones((M, 3, 1))
+    nothing = np.zeros((M, 1))
+
+    def added(low: float, high: float) -> Added:
+        band = Range(low * more, high * more)
+        return Added(
+            a=band, b=band, e=band, laws=(), direction=(nothing, nothing), states=(),
+            load=(np.zeros(0),) * 3, load_remainder=np.zeros(0),
+            square=0.0 * more, square_remainder=nothing,
+        )  # fmt: skip
+
+    def numbers(factor: float) -> ConstrainedOutputs:
+        step = factor * 2.0 * np.array([1.0, 0.0])
+        return replace(c, a=c.a + step, b=c.b + step, e=c.e + step)
+
+    for ends in ((), (0, -1)):
+        plain = output_bounds._values(c, None, x, u, ends)
+        for factor in (0.5, -0.5):
+            found = output_bounds._values(c, added(factor, factor), x, u, ends)
+            expected = output_bounds._values(numbers(factor), None, x, u, ends)
+            np.testing.assert_allclose(found, expected, rtol=1e-12)
+            np.testing.assert_array_equal(found[:, 1], plain[:, 1])
+    band = output_bounds._values(c, added(-0.5, 0.5), x, u, ())
+    either = [output_bounds._values(numbers(factor), None, x, u, ()) for factor in (-0.5, 0.5)]
+    assert (band >= np.max(either, axis=0) - 1e-12).all()
+
+
 def rate_of(c: ConstrainedOutputs, x: Array, u: Array) -> Array:
     """d/dt of the value, by differences of it over s times sdot, shape (m, T - 1, k)."""
     step = (c.h[:, None] * np.diff(T))[..., None]
@@ -165,6 +200,32 @@ def test_rates_are_the_sum_where_nothing_varies() -> None:
     np.testing.assert_allclose(found, np.abs(exact[:, 0]) + missed)
 
 
+def test_a_viscous_term_by_the_distance_of_its_speed_from_the_middle_one() -> None:
+    """e u alone: over sqrt(x) it is e u / r in the middle and departs by e u (1/sqrt(low) - 1/r);
+    the tangent of 1/sqrt(x) is lowest where x is largest."""
+    c = outputs(13, constant=True)
+    nothing = np.zeros_like(c.a)
+    only = replace(c, a=nothing, b=nothing, c_high=nothing, c_low=nothing)
+    u = np.tile([0.3, -0.6], (M, 1))
+    x = np.tile([0.64, 0.9, 1.44], (M, 1))
+    r = np.sqrt(1.04)
+    size = np.abs(c.e[:, 0, 0]) * 0.6
+    line = 1.5 / r - 1.44 / (2 * r**3)
+    found = RATE[0] * output_bounds._rates(only, x, u, np.zeros(M), ())[:, 0]
+    np.testing.assert_allclose(found, size * (1 / r + 1 / 0.8 - 1 / r) / line)
+
+
+def test_what_is_missed_of_the_torque_counts_at_the_largest_turn() -> None:
+    c = outputs(14, constant=True)
+    rest = np.random.default_rng(17).uniform(0.1, 1.0, (4, M, K))
+    u = np.tile([0.0, -0.8], (M, 1))
+    x = np.full((M, 3), 1.0)
+    more = output_bounds._values(replace(c, remainder=rest), None, x, u, ())
+    plain = output_bounds._values(c, None, x, u, ())
+    missed = 0.8 * rest[0] + rest[1] + rest[2] + rest[3]
+    np.testing.assert_allclose(LIMIT * (more - plain), missed)
+
+
 def test_rates_at_an_end_are_the_sum_of_the_largest_terms() -> None:
     c = replace(outputs(10), remainder=np.random.default_rng(11).uniform(0, 1, (4, M, K)))
     x = np.full((M, 3), 0.64)
@@ -198,6 +259,38 @@ def test_a_motion_that_nearly_stops_in_a_part_has_no_bound_of_its_rate() -> None
         assert np.isfinite(found[:, 0]).all() or not known
 
 
+@pytest.mark.parametrize("irregular", [False, True])
+def test_speeds_and_what_has_no_bound(irregular: bool, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of two axes that move by 0.5 rad and not at all in a metre; effects without a form leave the
+    torque without a bound, and its rate where it has a limit."""
+    c = outputs(18)
+    _, u, slope = motion(c, 19)
+    x = np.full((M, 3), 1.44)
+    cells = SimpleNamespace(speed=np.tile([0.5, 0.0], (M, 3, 1)), added=None)
+    monkeypatch.setattr(output_bounds, "enclose", lambda dynamics, path, s: cells)
+    given = SimpleNamespace(of=lambda *_: c)
+    monkeypatch.setattr(output_bounds, "ConstrainedOutputs", given)
+    moved: Any = SimpleNamespace(x=x, u=u, slope=slope, s=np.arange(M + 1.0))
+    limits: Any = SimpleNamespace(qd_max=np.array([2.0, 3.0]))
+    dynamics: Any = SimpleNamespace(n=1, friction=None, irregular=irregular)
+    path: Any = None
+    found = output_bounds._ratios(moved, path, limits, dynamics, ())
+    np.testing.assert_allclose(found.speed[:, 0], 0.5 * 1.2 / 2.0)
+    np.testing.assert_array_equal(found.speed[:, 1], 0.0)
+    np.testing.assert_array_equal(np.isinf(found.value), [[irregular, False]] * M)
+    np.testing.assert_array_equal(np.isinf(found.rate), [[irregular, False]] * M)
+
+
+def test_how_fast_the_acceleration_may_build_up_and_for_how_long() -> None:
+    """By the rate of the first output alone, until its limit or the speed that is asked for."""
+    c = outputs(20, constant=True)
+    c = replace(c, a=np.tile([-5.0, 2.0], (M, 3, 1)))
+    jerk, time = c.building_up(np.full(M, 100.0))
+    np.testing.assert_allclose(jerk, 300.0 / 5.0)
+    np.testing.assert_allclose(time, 40.0 / 5.0 / 60.0)
+    np.testing.assert_allclose(c.building_up(np.full(M, 1e-4))[1], np.sqrt(1e-2 / 60.0))
+
+
 def ratios(value: Array, rate: Array | None = None, speed: Array | None = None) -> OutputRatios:
     nothing = np.zeros_like(value)
     return OutputRatios(
@@ -214,6 +307,8 @@ def test_what_is_above_a_limit_is_cut_and_where_asked_for_what_is_near_the_large
     assert found.worst == 9.0
     # never at the ends
     np.testing.assert_array_equal(found.to_cut(False), [0, 0, 0, 1, 0, 0])
+    # above a limit also where something else is far above it
+    np.testing.assert_array_equal(found.to_cut(True), [0, 0, 0, 1, 1, 0])
     inner = ratios(np.vstack([np.zeros(2), value[1:3], np.zeros(2)]))
     np.testing.assert_array_equal(inner.to_cut(False), [0, 0, 0, 0])
     # within some parts in a hundred of the largest of its kind: 0.9, and 0.2

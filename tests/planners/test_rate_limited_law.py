@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -11,7 +13,11 @@ from scipy.integrate import solve_ivp
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.planners.enclosure import bernstein
 from irb2400_ctrl.planners.joint_path import JointPath
-from irb2400_ctrl.planners.timing.rate_limited.cell_motion import CellMotion, is_joined
+from irb2400_ctrl.planners.timing.rate_limited.cell_motion import (
+    CellMotion,
+    is_joined,
+    refined_grid,
+)
 from irb2400_ctrl.planners.timing.rate_limited.hyperbolic_motion import arc, hyperbolic
 from irb2400_ctrl.planners.timing.rate_limited.rate_limited_law import RateLimitedLaw
 
@@ -148,7 +154,26 @@ def test_polynomials_of_a_law_on_parts_of_its_cells(law: RateLimitedLaw) -> None
 def test_a_path_is_joined_up_to_its_second_derivative(order: int) -> None:
     smooth = JointPath.through(np.linspace(0.0, 1.0, 5), np.sin(np.arange(10.0)).reshape(5, 2))
     assert is_joined(smooth)
-    for size, joined in ((1e-9, True), (1e-5, order == 3)):
-        bent = smooth.coefficients.copy()
-        bent[order, -1, 1] += size
-        assert is_joined(JointPath(smooth.knots.copy(), bent)) == joined
+    for piece in range(4):
+        # nothing follows the last piece, whose third derivative is its own affair
+        for size, joined in ((1e-9, True), (1e-5, order == 3 and piece == 3)):
+            bent = smooth.coefficients.copy()
+            bent[order, piece, 1] += size
+            assert is_joined(JointPath(smooth.knots.copy(), bent)) == joined
+
+
+def test_knots_that_are_on_the_grid_but_for_rounding_are_not_added() -> None:
+    s = np.array([0.0, 0.1, 0.3, 0.6, 0.8, 0.9])
+    path: Any = SimpleNamespace(
+        knots=np.array([0.0, 0.05, 0.3 + 1e-14, 0.45, 0.6 - 1e-14, 0.9]),
+        reversals=lambda: np.array([0.45 + 1e-14, 0.7, 0.85]),
+    )
+    np.testing.assert_array_equal(refined_grid(s, path), [0.0, 0.1, 0.3, 0.45, 0.6, 0.7, 0.8, 0.9])
+
+
+def test_a_law_that_is_none_has_no_bounds(law: RateLimitedLaw) -> None:
+    wrong = replace(law, x=law.x + 1.0)
+    nothing: Any = None
+    found = wrong.bounds(nothing, nothing, nothing)
+    assert found.torque_at == (0.0, 1)
+    assert np.isinf([found.torque_ratio, found.velocity_ratio, found.jerk_ratio]).all()

@@ -204,7 +204,8 @@ def _rates(c: ConstrainedOutputs, x: Array, u: Array, beta: Array, ends: tuple[i
     viscous = product(c.e, U) + product(d_e, X)
     g = raised(product(d_a, U) + c.a * bend, 4) + raised(product(2 * c.b, U) + product(d_b, X), 4)
     g += raised(d_c, 4) + raised(viscous, 4) / r[:, None]
-    spread = np.maximum(1 / np.sqrt(low) - 1 / r, 1 / r - 1 / np.sqrt(high))
+    # 1/sqrt(x) is convex: it departs most from its value in the middle where x is least
+    spread = 1 / np.sqrt(low) - 1 / r
     rest = (s_a + 2 * r_b) * u_max + r_a * np.abs(beta)[:, None] + s_b * high + s_c
     rest += (r_e * u_max + s_e * high) / np.sqrt(low) + np.abs(viscous).max(axis=1) * spread
     line = raised(1.5 / r[:, None] - X / (2 * r[:, None] ** 3), 4)
