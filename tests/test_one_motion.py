@@ -200,3 +200,18 @@ def test_a_log_needs_no_file(plan: Plan) -> None:
     t = plan.trajectory
     again = recorded_motion(Log(t.time, t.q, plan.tau))
     assert abs(again.duration - t.duration) < 0.01
+
+
+def test_a_trajectory_shares_what_nobody_writes_to_and_copies_the_rest() -> None:
+    time = np.arange(3.0)
+    q = np.zeros((3, 6))
+    motion = Trajectory(time, q, q, q)
+    q[0, 0] = 1.0
+    assert motion.q[0, 0] == 0.0, "its own"
+    again = Trajectory(motion.time, motion.q, motion.qd, motion.qdd)
+    assert again.q is motion.q
+    hidden = q.view()
+    hidden.setflags(write=False)
+    other = Trajectory(time, hidden, hidden, hidden, check_speeds=False)
+    q[0, 0] = 2.0
+    assert other.q[0, 0] == 1.0, "a view of what may be written to is copied"

@@ -58,20 +58,19 @@ def _many(function: ca.Function, inputs: list[Any], count: int) -> Any:
     """m evaluations, shape (m, rows, columns): CasADi maps the function over buffers, part by part,
     without matrices of its own, whose conversion takes longer than the model."""
     shape = function.sparsity_out(0)
-    values = np.zeros((count, shape.nnz()))
+    rows, columns = shape.shape
+    places = columns * np.array(shape.row(), dtype=int) + np.array(shape.get_col(), dtype=int)
+    result = np.zeros((count, rows * columns))
     held = [np.ascontiguousarray(value, dtype=float) for value in inputs]
     for first, many in _parts(count) if shape.nnz() else ():
+        values = np.zeros((many, shape.nnz()))
         opened: Any = _map(function, many).buffer()
         buffer, trigger = opened
         for position, array in enumerate(held):
             buffer.set_arg(position, array[first : first + many].reshape(-1).data)
-        buffer.set_res(0, values[first : first + many].reshape(-1).data)
+        buffer.set_res(0, values.reshape(-1).data)
         trigger()
-    rows, columns = shape.shape
-    result = np.zeros((count, rows * columns))
-    result[:, columns * np.array(shape.row(), dtype=int) + np.array(shape.get_col(), dtype=int)] = (
-        values
-    )
+        result[first : first + many, places] = values
     return result.reshape(count, rows, columns)
 
 

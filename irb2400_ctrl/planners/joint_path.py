@@ -11,6 +11,8 @@ import numpy.typing as npt
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.errors import InputError
 
+# pieces that are worked on at once
+_AT_ONCE = 4096
 # what the powers of d are multiplied with in the derivatives of order 0, 1, 2, 3
 _POWERS = ((1.0, 1.0, 1.0, 1.0), (1.0, 2.0, 3.0), (2.0, 6.0), (6.0,))
 
@@ -86,11 +88,16 @@ class JointPath:
         """Pieces one after another, each the cubic that has the angles and the speeds of its start
         and its end, (m - 1, n); one need not begin where the one before ends."""
         h = np.diff(time)[:, None]
-        q, qd = start
+        # into their places: of a long motion each is several MB
+        found = np.empty((4, *start[0].shape))
+        q, qd, bend, third = found
+        q[:], qd[:] = start
         mean = (end[0] - q) / h
-        bend = (3 * mean - 2 * qd - end[1]) / h
-        third = (qd + end[1] - 2 * mean) / h**2
-        return cls(time.copy(), np.stack([q, qd, bend, third]))
+        np.subtract(3 * mean - 2 * qd, end[1], out=bend)
+        bend /= h
+        np.subtract(qd + end[1], 2 * mean, out=third)
+        third /= h**2
+        return cls(time.copy(), found)
 
     @classmethod
     def lines(cls, time: Array, start: Array, end: Array) -> JointPath:
@@ -171,13 +178,19 @@ class JointPath:
 
     def reversals(self) -> Array:
         """Zeros of q_j'(s) inside the pieces, all joints together, sorted [m]."""
-        _, c1, c2, c3 = self.coefficients
-        width = np.diff(self.knots)[:, None]
+        pieces = range(0, len(self.knots) - 1, _AT_ONCE)
+        return np.unique(np.concatenate([self._reversals(k, k + _AT_ONCE) for k in pieces]))
+
+    def _reversals(self, first: int, last: int) -> Array:
+        """Of some of the pieces, not sorted."""
+        _, c1, c2, c3 = self.coefficients[:, first:last]
+        knots = self.knots[first : last + 1]
+        width = np.diff(knots)[:, None]
         # roots of c1 + 2 c2 d + 3 c3 d^2 without cancellation
         with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
             root = np.sqrt(c2**2 - 3 * c3 * c1)
             t = -(c2 + np.where(c2 >= 0, root, -root))
             found = np.concatenate([t / (3 * c3), c1 / t])
         inside = (found > 0) & (found < np.concatenate([width, width]))
-        begin = np.concatenate([self.knots[:-1], self.knots[:-1]])[:, None]
-        return np.unique((np.broadcast_to(begin, found.shape) + found)[inside])
+        begin = np.concatenate([knots[:-1], knots[:-1]])[:, None]
+        return np.asarray((np.broadcast_to(begin, found.shape) + found)[inside])

@@ -14,6 +14,9 @@ from irb2400_ctrl.errors import InputError
 
 # rows that are written at once
 _ROWS = 1000
+# significant digits of the arrays in the file, and those of its angles
+_DIGITS = {"time": 12, "q": 14, "qd": 12, "qdd": 9, "tau": 9, "s": 12}
+_MOVES = ("q", "qd", "qdd")
 # numbers whose decimals are found by scaling
 _USUAL = (1e-7, 1e7)
 
@@ -50,9 +53,7 @@ class Trajectory:
     def __post_init__(self, check_speeds: bool) -> None:
         for name in ("time", "q", "qd", "qdd", "tau", "s"):
             if getattr(self, name) is not None:
-                array = np.array(getattr(self, name), dtype=float)
-                array.setflags(write=False)
-                object.__setattr__(self, name, array)
+                object.__setattr__(self, name, _frozen(getattr(self, name)))
         self._check_shapes()
         given = [self.time, self.q, self.qd, self.qdd, self.tau, self.s]
         if not all(np.isfinite(a).all() for a in given if a is not None):
@@ -148,19 +149,17 @@ class Trajectory:
 
     def as_written(self) -> Trajectory:
         """The same rows with the digits that `csv` keeps: what is read from the file."""
-        table, digits = self._table()
-        for column, kept in zip(table.T, digits, strict=True):
-            column[:] = rounded(column, kept)
-        n = self.q.shape[1]
-        time = table[:, 0]
-        q, qd, qdd, tau_ = (table[:, 1 + k * n : 1 + (k + 1) * n] for k in range(4))
-        tau = None if self.tau is None else tau_
-        s = None if self.s is None else table[:, -1]
+        found: dict[str, Array] = {}
+        for name, _ in self._widths:
+            values = self._shown(name)
+            for column in values.T:
+                column[:] = rounded(column, _DIGITS[name])
+            if name in _MOVES:
+                values *= self._unit
+            values.setflags(write=False)
+            found[name] = values.reshape(getattr(self, name).shape)
         external = None if self.external is None else self.external.as_written()
-        moves = (q * self._unit, qd * self._unit, qdd * self._unit)
-        return Trajectory(
-            time, *moves, tau, s, external=external, lengths=self.lengths, check_speeds=False
-        )
+        return Trajectory(**found, external=external, lengths=self.lengths, check_speeds=False)
 
     @property
     def shown(self) -> Array:
@@ -213,41 +212,57 @@ class Trajectory:
         header = ["time_s", *(f"{name}{j + 1}{unit}" for name, unit in names for j in range(n))]
         if self.s is not None:
             header.append("s")
-        table, digits = self._table()
-        if self.external is not None:
-            rows, kept = self.external._table()
-            units = self.external._units
+        moving = self.external
+        digits = [_DIGITS[name] for name, width in self._widths for _ in range(width)]
+        if moving is not None:
             header += [
                 f"e{name[1:]}{j + 1}_{unit}{per}"
                 for name, per in (("q", ""), ("qd", "_s"), ("qdd", "_s2"))
-                for j, unit in enumerate(units)
+                for j, unit in enumerate(moving._units)
             ]
-            table = np.hstack([table, rows[:, 1:]])
-            digits = digits + kept[1:]
+            digits += [_DIGITS[name] for name, width in moving._widths[1:] for _ in range(width)]
         line = ",".join(f"%.{d}g" for d in digits) + "\n"
         yield ",".join(header) + "\n"
-        for first in range(0, len(table), _ROWS):
-            rows = table[first : first + _ROWS]
-            yield line * len(rows) % tuple(rows.ravel().tolist())
+        for first in range(0, len(self.time), _ROWS):
+            rows = slice(first, first + _ROWS)
+            columns = [self._shown(name, rows) for name, _ in self._widths]
+            if moving is not None:
+                columns += [moving._shown(name, rows) for name, _ in moving._widths[1:]]
+            table = np.hstack(columns)
+            yield line * len(table) % tuple(table.ravel().tolist())
 
     @property
     def _units(self) -> list[str]:
         """Of each axis in the file."""
         return ["mm" if j in self.lengths else "deg" for j in range(self.q.shape[1])]
 
-    def _table(self) -> tuple[Array, list[int]]:
-        """The numbers of the file, a row each, and the significant digits of every column."""
-        n = self.q.shape[1]
-        columns = [self.time[:, None], *(v / self._unit for v in (self.q, self.qd, self.qdd))]
-        digits = [12, *[14] * n, *[12] * n, *[9] * n]
-        if self.tau is not None:
-            columns.append(self.tau)
-            digits += [9] * n
-        if self.s is not None:
-            columns.append(self.s[:, None])
-            digits.append(12)
+    @property
+    def _widths(self) -> list[tuple[str, int]]:
+        """Names of the arrays that the file has, time first, and how many columns each takes."""
+        known = [(name, getattr(self, name)) for name in _DIGITS]
+        return [(name, math.prod(v.shape[1:])) for name, v in known if v is not None]
+
+    def _shown(self, name: str, rows: slice = slice(None)) -> Array:
+        """The numbers of the file, a row each; a new array."""
+        values = getattr(self, name)[rows]
+        if name in _MOVES:
+            values = values / self._unit
         # adding zero takes the sign from a negative zero
-        return 0.0 + np.hstack(columns), digits
+        return np.asarray(0.0 + values.reshape(len(values), -1))
+
+
+def _frozen(values: ArrayLike) -> Array:
+    """The numbers as an array that nobody writes to: themselves, where they are one, else a
+    copy."""
+    if isinstance(values, np.ndarray) and values.dtype == np.float64 and values.flags.c_contiguous:
+        owner: object = values
+        while isinstance(owner, np.ndarray) and not owner.flags.writeable:
+            owner = owner.base
+        if owner is None:
+            return values
+    array = np.array(values, dtype=float)
+    array.setflags(write=False)
+    return array
 
 
 def rounded(values: Array, digits: int) -> Array:

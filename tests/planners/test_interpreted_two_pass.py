@@ -44,3 +44,17 @@ def test_both_outcomes_are_drawn() -> None:
         for margin in (0.2, -0.05)
     }
     assert cells == {True, False}
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_passes_over_blocks_are_those_over_all_cells(seed: int) -> None:
+    table, h, low, high = drawn(seed, 0.5 if seed % 2 else 3.0)
+    m = len(h)
+    blocks = [slice(first, min(first + 7, m)) for first in range(0, m, 7)]
+    assert m > 14, "several blocks"
+    whole = two_pass(table, h, low, high)
+    parts = two_pass(table, h, low, high, blocks)
+    assert parts.infeasible_cell == whole.infeasible_cell
+    # as far as they go, to the last bit
+    for name in ("x", "low", "high"):
+        assert np.array_equal(getattr(parts, name), getattr(whole, name)), name

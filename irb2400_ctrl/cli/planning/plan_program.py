@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import math
 from collections.abc import Sequence
 from pathlib import Path
@@ -11,6 +12,7 @@ from irb2400_ctrl.cli.planning.rapid_out import write_motion_module, write_plan_
 from irb2400_ctrl.cli.progress import step
 from irb2400_ctrl.cli.summary import Summary
 from irb2400_ctrl.errors import InputError, UnreachableError
+from irb2400_ctrl.system import give_back_freed
 
 if TYPE_CHECKING:
     from irb2400_ctrl.arrays import Array
@@ -96,29 +98,42 @@ def plan_parts(job: Job, because: UnreachableError) -> Summary:
 
 
 def _write(found: ProgramPlan, job: Job) -> list[Path]:
-    """All files; one RAPID module of the whole, or one of each plan where nothing links them."""
+    """All files. The RAPID modules come before the reports, whose figures take memory of their
+    own."""
+    from irb2400_ctrl.planners.program_plan import for_operation
+
+    out = job.out
+    written = [*found.write(out), *_modules(found, job)]
+    for done in found.operations:
+        options = for_operation(job.arm, done.operation, job.options)
+        title = f"Plan of operation {done.operation.number}, {done.operation.name}"
+        for folder, run in done.folders():
+            written.append(out / folder / report(run.plan, out / folder, job.arm, title, options))
+    if found.motion is not None:
+        title = f"Plan of {found.program.name}"
+        written.append(out / report(found.motion, out, job.arm, title, job.options))
+    return written
+
+
+def _modules(found: ProgramPlan, job: Job) -> list[Path]:
+    """One RAPID module of the whole, or one of each plan where nothing links them; none where none
+    is asked for."""
     from irb2400_ctrl.planners.linking.part_in_base import frame_of
     from irb2400_ctrl.planners.program_plan import for_operation
 
     out = job.out
-    written = found.write(out)
-    for done in found.operations:
-        for folder, run in done.folders():
-            options = for_operation(job.arm, done.operation, job.options)
-            title = f"Plan of operation {done.operation.number}, {done.operation.name}"
-            names = [report(run.plan, out / folder, job.arm, title, options)]
-            if job.rapid is not None and found.motion is None:
-                whole = done.operation if len(done.runs) == 1 else None
-                frame = frame_of(options)
-                names += write_plan_module(run.plan, whole, job.rapid, frame, out / folder)
-            written += [out / folder / name for name in names]
+    if job.rapid is None:
+        return []
     if found.motion is not None:
-        title = f"Plan of {found.program.name}"
-        names = [report(found.motion, out, job.arm, title, job.options)]
-        if job.rapid is not None:
-            frame = _common_frame(found, job)
-            names += write_motion_module(found.motion, job.rapid, frame, out)
-        written += [out / name for name in names]
+        frame = _common_frame(found, job)
+        return [out / name for name in write_motion_module(found.motion, job.rapid, frame, out)]
+    written = []
+    for done in found.operations:
+        frame = frame_of(for_operation(job.arm, done.operation, job.options))
+        whole = done.operation if len(done.runs) == 1 else None
+        for folder, run in done.folders():
+            names = write_plan_module(run.plan, whole, job.rapid, frame, out / folder)
+            written += [out / folder / name for name in names]
     return written
 
 
@@ -196,6 +211,9 @@ def report(
     planned: Plan | ProgramMotion, out: Path, arm: Robot, title: str, options: dict[str, Any]
 ) -> str:
     """The report; its name."""
+    # figures of the report before hold on to each other
+    gc.collect()
+    give_back_freed()
     from irb2400_ctrl.cli.command_line import provenance
     from irb2400_ctrl.report.pages.plan_page import plan_page
 

@@ -22,6 +22,11 @@ AT_ONCE = 2000
 """cells that are worked on at once: what they need fits a processor's cache"""
 
 
+def blocks(count: int, size: int = AT_ONCE) -> list[slice]:
+    """Neighbouring cells that are worked on at once, of so many."""
+    return [slice(first, min(first + size, count)) for first in range(0, count, size)]
+
+
 def basis(degree: int, t: Array) -> Array:
     """The Bernstein polynomials of a degree at the places t (k,), shape (k, degree + 1): values are
     basis @ coefficients."""

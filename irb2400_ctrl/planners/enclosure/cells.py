@@ -105,8 +105,7 @@ def at_once(dynamics: PathDynamics, s: Array) -> list[slice]:
     """Which of the cells between the lengths s are enclosed at once: what a law remembers of the
     way is not known in the middle of it."""
     count = len(s) - 1
-    step = bernstein.AT_ONCE if dynamics.local else count
-    return [slice(first, min(first + step, count)) for first in range(0, count, step)]
+    return bernstein.blocks(count) if dynamics.local else [slice(0, count)]
 
 
 def enclose(dynamics: PathDynamics, path: JointMotion, s: Array) -> Cells:

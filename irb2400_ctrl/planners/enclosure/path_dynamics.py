@@ -25,6 +25,7 @@ from irb2400_ctrl.codegen import CompiledFunction, compile_function
 from irb2400_ctrl.effects import Effect
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.model.friction import FrictionLaw
+from irb2400_ctrl.model.numeric import evaluate
 from irb2400_ctrl.planners.enclosure.complex_disc import disc_function
 from irb2400_ctrl.planners.enclosure.effect_forms import (
     Forms,
@@ -164,28 +165,28 @@ class PathDynamics:
         """The model's torque at the times (m,) of a motion that starts at time zero, shape (m, n)
         [Nm]; of further axes the acceleration [rad/s2, m/s2 of a rail]."""
         n = self.model.robot.n
-        columns = [ca.DM(v[:, :n].T) for v in (q, qd, qdd)] + [ca.DM(time[None, :])]
-        if self.carriage is None:
-            tau = np.asarray(self.model.function("inverse_dynamics")(*columns)).T
-        else:
-            columns.insert(3, self._base_acceleration(qdd))
-            tau = np.asarray(self.model.function("inverse_dynamics_carried")(*columns)).T
-        return np.ascontiguousarray(np.hstack([tau, qdd[:, n:]]))
+        columns = [v[:, :n] for v in (q, qd, qdd)]
+        name = "inverse_dynamics"
+        if self.carriage is not None:
+            columns.append(self._base_acceleration(qdd))
+            name = "inverse_dynamics_carried"
+        tau = evaluate(self.model.function(name), *columns, time[:, None])
+        return np.hstack([tau, qdd[:, n:]]) if self.external else tau
 
-    def _base_acceleration(self, qdd: Array) -> ca.DM:
-        """Of the arm's base, shape (3, m) [m/s2]."""
+    def _base_acceleration(self, qdd: Array) -> Array:
+        """Of the arm's base, shape (m, 3) [m/s2]."""
         if self.carriage is None:
-            return ca.DM.zeros(3, len(qdd))
-        return ca.DM(np.outer(self.carriage, qdd[:, self.model.robot.n]))
+            return np.zeros((len(qdd), 3))
+        return np.outer(qdd[:, self.model.robot.n], self.carriage)
 
     def irregular_torque(self, q: Array, qd: Array, qdd: Array, time: Array) -> Array:
         """Torque of the irregular effects, shape (m, n) [Nm]."""
         if not self.irregular:
             return np.zeros_like(q)
         n = self.model.robot.n
-        columns = [ca.DM(v[:, :n].T) for v in (q, qd, qdd)]
-        columns += [self._base_acceleration(qdd), ca.DM(time[None, :])]
-        tau = np.asarray(self._irregular_torque(*columns)).T
+        columns = [v[:, :n] for v in (q, qd, qdd)]
+        columns += [self._base_acceleration(qdd), time[:, None]]
+        tau = evaluate(self._irregular_torque, *columns)
         return np.hstack([tau, np.zeros_like(q[:, n:])])
 
 

@@ -105,6 +105,12 @@ class TcpPath:
 
     def missed(self, ends: Array) -> tuple[Array, Array]:
         """How far position [m] and tool axis are from the parabolas of `enclosed`, each (m,)."""
+        blocks = bernstein.blocks(ends.shape[1])
+        position, axis = zip(*(self._missed(ends[:, block]) for block in blocks), strict=True)
+        return np.concatenate(position), np.concatenate(axis)
+
+    def _missed(self, ends: Array) -> tuple[Array, Array]:
+        """The same on so many cells at once."""
         turning, slid = self._rates(ends)
         a, b, c = (_inner(rate) for rate in turning)
         # three derivatives of the position; partial ones of a direction are at most 1

@@ -129,7 +129,9 @@ def speed_bounds(cells: Cells, qd_max: Array, cell_bound: Array | None = None) -
         cell_bound: a further bound of x within each cell (feed), shape (m,), or at both ends of
             each, shape (2, m).
     """
-    first, last = linear_bounds(bernstein.product(cells.speed, cells.speed) / qd_max**2)
+    speeds = (cells.speed[block] for block in bernstein.blocks(len(cells.h)))
+    parts = [linear_bounds(bernstein.product(speed, speed) / qd_max**2) for speed in speeds]
+    first, last = np.concatenate(parts, axis=1)
     if cell_bound is not None:
         further = np.broadcast_to(cell_bound, (2, len(first)))
         first = np.minimum(first, further[0])

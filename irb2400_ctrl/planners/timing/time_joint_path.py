@@ -44,7 +44,9 @@ def time_joint_path(
     """
     friction = dynamics.friction
     s = grid(path, count)
-    for last in range(_ROUNDS):
+    rounds = 0
+    while True:
+        rounds += 1
         cells = enclose(dynamics, path, s)
         bound = None if feed is None else feed(s)
         timed = None
@@ -57,11 +59,12 @@ def time_joint_path(
             cells, limits, friction, None if timed is None else timed.law.x, bound
         )
         wide = share > _SHARE
-        if not wide.any() or last == _ROUNDS - 1:
-            break
+        if not wide.any() or rounds == _ROUNDS:
+            if timed is None:
+                raise problem or InfeasibleError("no motion within the limits")
+            return timed, cells
         # Cauchy's bound falls with the third power of the width
         parts = np.where(wide, np.clip(np.ceil(np.cbrt(2 * share / _SHARE)), 2, 8), 1).astype(int)
         s = divided(s, parts)
-    if timed is None:
-        raise problem or InfeasibleError("no motion within the limits")
-    return timed, cells
+        # not beside the finer ones
+        del cells

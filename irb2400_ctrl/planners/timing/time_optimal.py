@@ -11,7 +11,7 @@ from irb2400_ctrl.planners.enclosure.cells import Cells
 from irb2400_ctrl.planners.timing.infeasible_point import InfeasiblePointError
 from irb2400_ctrl.planners.timing.motion_limits import MotionLimits, speed_bounds
 from irb2400_ctrl.planners.timing.piecewise_constant_law import PiecewiseConstantLaw
-from irb2400_ctrl.planners.timing.torque_constraints import Linearisation, torque_constraints
+from irb2400_ctrl.planners.timing.torque_constraints import Linearisation, TorqueConstraints
 from irb2400_ctrl.planners.timing.two_pass import Passed, two_pass
 
 # further passes stop when they gain less than this part of the duration
@@ -51,7 +51,7 @@ def time_path(
         limits: speed, torque and acceleration limits.
         friction: table of eq. 54, shape (n, 4).
         feed_bound: bound of x = sdot^2 within each cell, shape (m,), or at both ends, (2, m).
-        extra: torque to hold back, see `torque_constraints`.
+        extra: torque to hold back, see `TorqueConstraints`.
 
     Raises:
         InfeasibleError: no motion within the limits; says where, and which axis lacks what.
@@ -156,8 +156,8 @@ class _Passes:
         return self._passed(at, low, high)
 
     def _passed(self, at: Linearisation, low: Array, high: Array) -> Passed:
-        constraints = torque_constraints(self.cells, self.limits, self.friction, at, self.extra)
-        return two_pass(constraints, self.cells.h, low, high)
+        constraints = TorqueConstraints(self.cells, self.limits, self.friction, at, self.extra)
+        return two_pass(constraints, self.cells.h, low, high, constraints.blocks)
 
     def explained(self, cell: int) -> InfeasiblePointError:
         """Which axis cannot even hold the arm, at an infeasible cell or nearest to it."""

@@ -67,6 +67,49 @@ def dry_friction(cells: Cells, friction: Array, x_low: Array) -> tuple[Array, Ar
     return law.dry_range(slowest, cells.forwards, cells.backwards)
 
 
+@dataclass(frozen=True)
+class TorqueConstraints:
+    """The constraints of a path, each divided by its limit, made for some neighbouring cells when
+    they are asked for: of all cells they are the largest array of a plan."""
+
+    cells: Cells
+    """the enclosed path"""
+    limits: MotionLimits
+    """of torque and acceleration"""
+    friction: Array
+    """table of eq. 54, shape (n, 4)"""
+    at: Linearisation
+    """where to linearise"""
+    extra: Array | None = None
+    """part of each torque limit to hold back, shape (m, 2, n): above, below [Nm]"""
+
+    @property
+    def blocks(self) -> list[slice]:
+        """Cells to ask for at once; all where effects beside the regular form know the whole
+        way."""
+        m = len(self.cells.h)
+        return bernstein.blocks(m) if self.cells.added is None else [slice(0, m)]
+
+    def __getitem__(self, of: slice) -> Array:
+        """Of neighbouring cells, shape (cells, k, 3)."""
+        cells = self.cells.part(of)
+        at = self.at.part(of)
+        held = None if self.extra is None else self.extra[of]
+        by_machine = cells.added is None and has_machine_code()
+        blocks = _other_blocks(cells, self.limits, at)
+        if not by_machine:
+            blocks = _torque_blocks(cells, self.limits, self.friction, at, held) + blocks
+        written = 8 * len(self.limits.tau_max) if by_machine else 0
+        ends = np.cumsum([written, *(block[0][0].size for block in blocks)])
+        table = np.empty((len(cells.h), ends[-1], 3))
+        if by_machine:
+            _write_torque(table, cells, self.limits, self.friction, at, held)
+        for first, last, block in zip(ends, ends[1:], blocks, strict=False):
+            for column, values in enumerate(block):
+                table[:, first:last, column] = values.reshape(len(values), -1)
+        return table
+
+
 def torque_constraints(
     cells: Cells,
     limits: MotionLimits,
@@ -74,36 +117,9 @@ def torque_constraints(
     at: Linearisation,
     extra: Array | None = None,
 ) -> Array:
-    """All constraints, shape (m, k, 3), each divided by its limit.
-
-    Args:
-        cells: the enclosed path.
-        limits: torque and acceleration limits.
-        friction: table of eq. 54, shape (n, 4).
-        at: where to linearise.
-        extra: part of each torque limit to hold back, shape (m, 2, n): above, below [Nm].
-    """
-    m = len(cells.h)
-    # the largest array of a plan: what it is made of is there for a few cells at a time
-    step = m if cells.added is not None else bernstein.AT_ONCE
-    written = 8 * len(limits.tau_max) if cells.added is None and has_machine_code() else 0
-    table = np.empty((m, 0, 3))
-    for begin in range(0, m, step):
-        part = slice(begin, min(begin + step, m))
-        of = (cells.part(part), limits, friction, at.part(part))
-        held = None if extra is None else extra[part]
-        blocks = _other_blocks(of[0], limits, of[3])
-        if not written:
-            blocks = _torque_blocks(*of, held) + blocks
-        ends = np.cumsum([written, *(block[0][0].size for block in blocks)])
-        if not begin:
-            table = np.empty((m, ends[-1], 3))
-        if written:
-            _write_torque(table[part], *of, held)
-        for first, last, block in zip(ends, ends[1:], blocks, strict=False):
-            for column, values in enumerate(block):
-                table[part, first:last, column] = values.reshape(len(values), -1)
-    return table
+    """All `TorqueConstraints`, shape (m, k, 3)."""
+    constraints = TorqueConstraints(cells, limits, friction, at, extra)
+    return np.concatenate([constraints[block] for block in constraints.blocks])
 
 
 def _other_blocks(cells: Cells, limits: MotionLimits, at: Linearisation) -> list[_Block]:

@@ -23,6 +23,7 @@ from irb2400_ctrl.files import write_atomic
 from irb2400_ctrl.report.elements.glossary import WORDS, slug, words_in
 from irb2400_ctrl.report.elements.inline_svg import inline_svg
 from irb2400_ctrl.report.elements.provenance import Provenance
+from irb2400_ctrl.system import give_back_freed
 from irb2400_ctrl.version import VERSION
 
 if TYPE_CHECKING:
@@ -157,6 +158,8 @@ class Page:
         for figure in figures:
             self._figures += 1
             drawn.append(Markup(inline_svg(figure, f"f{self._figures}", zoomable)))
+            # its parts hold on to each other, and would stay
+            figure.clear()
         if zoomable:
             self._scripts.add("zoom.js")
         self._add("figures", svgs=drawn, caption=caption, wide=wide, zoomable=zoomable)
@@ -165,6 +168,8 @@ class Page:
         if not self.sections:
             self.sections.append(Section("", "start"))
         self.sections[-1].parts.append(Part(kind, data))
+        # what a figure or a view was made of is several times as much as the part
+        give_back_freed()
 
     def body(self) -> str:
         """The page without its head and scripts."""

@@ -11,7 +11,7 @@ import numpy as np
 
 from irb2400_ctrl.arrays import Array, inner_products, norms
 from irb2400_ctrl.codegen.machine_code.own_library import own_library
-from irb2400_ctrl.planners.programs.rapid.rapid_data import angle_between, quaternion
+from irb2400_ctrl.planners.programs.rapid.rapid_data import angle_between, in_parts, quaternion
 
 # turning 1 rad counts like this length on the way through a segment [m]
 _ARM_OF_ROTATION = 0.1
@@ -39,8 +39,8 @@ class LinearMoves:
     def of(cls, X: Array) -> LinearMoves:
         p = X[:, :3, 3]
         R = X[:, :3, :3]
-        step = norms(np.diff(p, axis=0)) + _ARM_OF_ROTATION * angle_between(R[:-1], R[1:])
-        found = quaternion(R)
+        step = norms(np.diff(p, axis=0)) + _ARM_OF_ROTATION * in_parts(angle_between, R[:-1], R[1:])
+        found = in_parts(quaternion, R)
         turned = inner_products(found[:-1], found[1:]) < 0
         signs = np.append(1.0, np.cumprod(np.where(turned, -1.0, 1.0)))
         way = np.append(0.0, np.cumsum(step))

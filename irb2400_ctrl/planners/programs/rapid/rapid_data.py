@@ -4,7 +4,7 @@ ABB's controller."""
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 import numpy.typing as npt
@@ -18,6 +18,8 @@ from irb2400_ctrl.robot import Robot
 UNUSED_AXIS = "9E9"
 # angles this close to a quadrant's edge count as on it, so that rounding noise has no say [deg]
 _EDGE = 6
+# rotations that are worked on at once
+_AT_ONCE = 4096
 
 
 def check_name(what: str, name: str) -> None:
@@ -57,6 +59,13 @@ def angle_between(R_1: Array, R_2: Array) -> Array:
     chord = np.linalg.norm(R_1 - R_2, axis=(-2, -1)) / np.sqrt(8.0)
     angle: Array = 2.0 * np.arcsin(np.clip(chord, 0.0, 1.0))
     return angle
+
+
+def in_parts(of: Callable[..., Array], *rotations: Array) -> Array:
+    """`of` many rotations, some thousand at a time: scipy's and numpy's copies of all of them are
+    several times as much as they are."""
+    starts = range(0, len(rotations[0]), _AT_ONCE)
+    return np.concatenate([of(*(R[k : k + _AT_ONCE] for R in rotations)) for k in starts])
 
 
 def configuration(model: Model, q: Array) -> npt.NDArray[np.int64]:

@@ -251,8 +251,8 @@ def _rows(
     tool = np.searchsorted(
         np.array([row for row, _ in tools], dtype=int) + first, np.arange(len(q))
     )
-    X_BT = np.empty((len(q), 4, 4))
-    for number, arm in enumerate(models):
+    X_BT = model.tcp_pose(q)
+    for number, arm in enumerate(models[1:], start=1):
         X_BT[tool == number] = arm.tcp_pose(q[tool == number])
     moved = q if part is None else np.hstack([q, part.padded(ends)])
     rest = np.append(False, np.abs(np.diff(moved, axis=0)).max(axis=1) < 1e-10)
@@ -262,7 +262,9 @@ def _rows(
     # where the part moves, the controller goes straight in its eyes
     X_PT = X_BT if part is None else part.axes.seen(part.padded(ends), X_BT)
     samples = thinned(model, q, (X_BT, X_PT), kept, joints, tolerance, angle)
-    X_WT = X_PT if X_BW is None else np.linalg.inv(data.check_pose("work object", X_BW)) @ X_PT
+    X_WT = X_PT[samples]
+    if X_BW is not None:
+        X_WT = np.linalg.inv(data.check_pose("work object", X_BW)) @ X_WT
     speeds = speeds_between(time, X_PT)
     if part is not None:
         speeds = np.column_stack([speeds, part.speeds(time, ends)])

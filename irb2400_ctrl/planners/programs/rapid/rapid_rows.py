@@ -24,7 +24,7 @@ class PlanRows:
     time: Array
     q: Array
     X_WT: Array
-    """targets in the work object, shape (n, 4, 4)"""
+    """targets in the work object, of the rows that moves go to, shape (m, 4, 4)"""
     speeds: Array
     """between the rows, shape (n - 1, 2); where external axes go with the arm, two more columns are
     the speed of a rail [mm/s] and the largest of those that turn [deg/s]"""
@@ -122,7 +122,7 @@ def speeds_between(time: Array, X_BT: Array) -> Array:
     way = np.column_stack(
         [
             1e3 * np.linalg.norm(np.diff(p, axis=0), axis=1),
-            np.degrees(data.angle_between(R[:-1], R[1:])),
+            np.degrees(data.in_parts(data.angle_between, R[:-1], R[1:])),
         ]
     )
     found: Array = way / np.diff(time)[:, None]

@@ -60,7 +60,7 @@ def program_steps(
     """
     width = max(4, len(str(len(samples))))
     zones = _zones(rows, samples, names[0])
-    turns = data.quaternion(rows.X_WT[samples, :3, :3])
+    turns = data.quaternion(rows.X_WT[:, :3, :3])
     found: list[Step] = []
     inside = False
     for k, row in enumerate(samples):
@@ -82,7 +82,7 @@ def program_steps(
             if as_joints:
                 target = data.jointtarget(name, rows.q[row], extax[row])
             else:
-                p = rows.X_WT[row, :3, 3]
+                p = rows.X_WT[k, :3, 3]
                 target = data.robtarget(name, p, turns[k], configuration[k], extax[row])
             if not as_joints and rows.tool[row] != rows.tool[before]:
                 raise InputError(
@@ -121,7 +121,7 @@ def _zones(rows: PlanRows, samples: npt.NDArray[np.int64], names: Names) -> list
     options = names.options
     found = [options.zone_mm] * len(samples)
     if options.corner_mm is not None:
-        p = 1e3 * rows.X_WT[samples, :3, 3]
+        p = 1e3 * rows.X_WT[:, :3, 3]
         way = np.diff(p, axis=0)
         for k in range(1, len(samples) - 1):
             if not rows.as_joints[samples[k : k + 2]].any():

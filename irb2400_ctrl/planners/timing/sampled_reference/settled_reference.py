@@ -21,6 +21,7 @@ from irb2400_ctrl.planners.timing.sampled_reference.sampled_reference import Sam
 from irb2400_ctrl.planners.timing.sampled_reference.sampling import Sampling
 from irb2400_ctrl.planners.timing.task_path import TaskPath
 from irb2400_ctrl.planners.timing.time_law import TimeLaw
+from irb2400_ctrl.system import give_back_freed
 
 _ROUNDS = 20
 # beginnings of the rows that are looked at
@@ -103,72 +104,99 @@ def settled_reference(
     (such a law was made for its rows, see `Sampling.ratios`); else where they swing above a limit,
     and all over by the little that is left then, or if that does not settle.
     """
-    look = partial(_looked_at, dynamics, task, limits=limits, sampling=sampling)
-    found = look(law)
+    look = _Look(partial(_looked_at, dynamics, task, limits=limits, sampling=sampling))
     if not slow:
-        return found
-    # of a long motion every `Settled` is tens of MB: none is kept that can be looked at again
+        return look(law)
     asked = law
-    unslowed = found.worst(limits)
-    nearly = _slower_all_over(look, found, limits, _HARDLY)
-    if nearly.worst(limits) <= 1:
-        return nearly
-    if not (isinstance(law, PiecewiseConstantLaw) and found.bounded):
-        return _slower_all_over(look, found, limits, _HOPELESS)
+    bounded = look(law).bounded
+    unslowed = look(law).worst(limits)
+    swing = _Swing.of(look(law), limits)
+    nearly = _slower_all_over(look, law, limits, _HARDLY)
+    if look(nearly).worst(limits) <= 1:
+        return look(nearly)
+    if not (isinstance(law, PiecewiseConstantLaw) and bounded):
+        return look(_slower_all_over(look, law, limits, _HOPELESS))
     for _ in range(_ROUNDS):
-        if found.by_torque(limits) >= _HOPELESS:
+        if swing.by_torque >= _HOPELESS:
             break
-        del nearly
-        slower = _slower_where(dynamics, task, law, found, limits, sampling)
+        slower = _slower_where(dynamics, task, law, swing, limits, sampling)
         if slower.duration <= law.duration:
             break
         law = slower
-        del found
-        found = look(law)
-        nearly = _slower_all_over(look, found, limits, _HARDLY)
-        if nearly.worst(limits) <= 1:
-            found = nearly
+        swing = _Swing.of(look(law), limits)
+        nearly = _slower_all_over(look, law, limits, _HARDLY)
+        if look(nearly).worst(limits) <= 1:
+            law = nearly
             break
-    if found.worst(limits) > unslowed:
+    if look(law).worst(limits) > unslowed:
         # axes too weak to come back so fast to their speed
-        return _slower_all_over(look, look(asked), limits, _HOPELESS)
+        return look(_slower_all_over(look, asked, limits, _HOPELESS))
     # coming back to its speed the law itself may need more than its rows
-    own = found.law.bounds(task.joints, limits, dynamics)
+    own = law.bounds(task.joints, limits, dynamics)
     if own.torque_ratio > 1:
-        found = look(found.law.slowed(1 + _BY_TORQUE * (own.torque_ratio - 1)))
-    else:
-        found = replace(found, own=own)
-    return _slower_all_over(look, found, limits, _HOPELESS)
+        law = law.slowed(1 + _BY_TORQUE * (own.torque_ratio - 1))
+    last = _slower_all_over(look, law, limits, _HOPELESS)
+    kept = last is law and own.torque_ratio <= 1
+    return replace(look(last), own=own) if kept else look(last)
 
 
-def _slower_all_over(
-    look: Callable[[TimeLaw], Settled], first: Settled, limits: MotionLimits, most: float
-) -> Settled:
+@dataclass
+class _Look:
+    """The rows of one law at a time: of a long motion they are tens of MB, and may be made
+    again."""
+
+    of: Callable[[TimeLaw], Settled]
+    _law: TimeLaw | None = None
+    _found: Settled | None = None
+
+    def __call__(self, law: TimeLaw) -> Settled:
+        if self._found is None or law is not self._law:
+            self._law = self._found = None
+            self._found = self.of(law)
+            self._law = law
+        return self._found
+
+
+@dataclass(frozen=True)
+class _Swing:
+    """How far, and where, the rows of a law swing above the limits."""
+
+    by_torque: float
+    rows: Array
+    """[s]"""
+    wanted: Array
+    """how many times slower each interval between them has to be"""
+
+    @classmethod
+    def of(cls, found: Settled, limits: MotionLimits) -> _Swing:
+        return cls(found.by_torque(limits), found.reference.rows.time, found.wanted(limits))
+
+
+def _slower_all_over(look: _Look, law: TimeLaw, limits: MotionLimits, most: float) -> TimeLaw:
     """The whole motion slowed, at most by that factor, until it keeps its limits."""
     factor = 1.0
-    found = first
+    slowed = law
     for _ in range(_ROUNDS):
-        worst = found.worst(limits)
-        factor *= found.slower(limits) + _ROUNDING
+        worst = look(slowed).worst(limits)
+        factor *= look(slowed).slower(limits) + _ROUNDING
         if not 1 < worst < _HOPELESS or factor > most:
             break
-        del found
-        found = look(first.law.slowed(factor))
-    return found
+        slowed = law.slowed(factor)
+    return slowed
 
 
 def _slower_where(
     dynamics: PathDynamics,
     task: TaskPath,
     law: PiecewiseConstantLaw,
-    found: Settled,
+    swing: _Swing,
     limits: MotionLimits,
     sampling: Sampling,
 ) -> PiecewiseConstantLaw:
     """The law slowed around the rows that swing above a limit, until they do not, wherever between
     its own places a row may come to lie."""
-    rows = found.reference.rows.time
-    wanted = found.wanted(limits)
+    rows = swing.rows
+    wanted = swing.wanted
     places = law.at(_spans(rows, np.maximum(wanted, 1.0 + _abrupt(law, rows))))[0]
     for _ in range(_ROUNDS):
         factors = slowing(wanted)
@@ -237,6 +265,7 @@ def _looked_at(
     dynamics: PathDynamics, task: TaskPath, law: TimeLaw, limits: MotionLimits, sampling: Sampling
 ) -> Settled:
     """The rows of a law, and their bounds."""
+    give_back_freed()
     reference = sampling.reference(law, task.joints).as_written(dynamics.lengths)
     bounds = reference.bounds(dynamics, limits)
     torque = bounds.torque.max(axis=0)

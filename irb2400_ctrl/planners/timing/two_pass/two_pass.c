@@ -47,19 +47,18 @@ static int nearest_end(int64_t rows, const double *line, double low, double high
     return 1;
 }
 
-/* rows [m][rows][3] = (p, q, r); h [m]; low, high [m + 1] bounds of x; scratch [rows + 2][3];
- * out: reach_low, reach_high [m + 1] the interval of the backward pass, x [m + 1].
- * Returns m + 1 on success; else the cell whose backward pass fails (>= 0), or -1 - cell for the forward pass. */
-int64_t two_pass(int64_t m, int64_t rows, const double *table, const double *h, const double *low, const double *high,
-                 double *scratch, double *reach_low, double *reach_high, double *x)
+/* Both passes go over the cells first ... last - 1, whose rows the table holds:
+ * table [last - first][rows][3] = (p, q, r); of all m cells h [m]; low, high [m + 1] bounds of x; scratch [rows + 2][3];
+ * out: reach_low, reach_high [m + 1] the interval of the backward pass, x [m + 1], each with a value where it begins.
+ * Returns -1 on success, else the cell that fails. */
+int64_t backward(int64_t first, int64_t last, int64_t rows, const double *table, const double *h, const double *low,
+                 const double *high, double *scratch, double *reach_low, double *reach_high)
 {
-    reach_low[m] = low[m];
-    reach_high[m] = high[m];
-    for (int64_t i = m - 1; i >= 0; i--) {
+    for (int64_t i = last - 1; i >= first; i--) {
         double bottom = low[i], top = high[i];
         int64_t used = 0;
         for (int64_t k = 0; k < rows; k++) {
-            const double *row = table + 3 * (i * rows + k);
+            const double *row = table + 3 * ((i - first) * rows + k);
             /* a row that hardly depends on u bounds x alone */
             if (fabs(row[0]) * 1e14 <= fabs(row[1]) * h[i] || row[0] == 0.0) {
                 if (row[1] > 0.0) { const double v = row[2] / row[1]; if (v < top) { top = v; } }
@@ -82,11 +81,16 @@ int64_t two_pass(int64_t m, int64_t rows, const double *table, const double *h, 
             return i;
         }
     }
-    x[0] = reach_high[0];
-    for (int64_t i = 0; i < m; i++) {
+    return -1;
+}
+
+int64_t forward(int64_t first, int64_t last, int64_t rows, const double *table, const double *h,
+                const double *reach_low, const double *reach_high, double *x)
+{
+    for (int64_t i = first; i < last; i++) {
         double u = (reach_high[i + 1] - x[i]) / (2.0 * h[i]);
         for (int64_t k = 0; k < rows; k++) {
-            const double *row = table + 3 * (i * rows + k);
+            const double *row = table + 3 * ((i - first) * rows + k);
             if (row[0] > 0.0 && fabs(row[0]) * 1e14 > fabs(row[1]) * h[i]) {
                 const double bound = (row[2] - row[1] * x[i]) / row[0];
                 if (bound < u) { u = bound; }
@@ -95,8 +99,8 @@ int64_t two_pass(int64_t m, int64_t rows, const double *table, const double *h, 
         x[i + 1] = x[i] + 2.0 * h[i] * u;
         if (x[i + 1] < reach_low[i + 1]) { x[i + 1] = reach_low[i + 1]; }
         /* towards rest reach_high is 0 and what is left is the rounding of x[i]: relative to both */
-        if (!(x[i + 1] <= reach_high[i + 1] * (1.0 + 1e-9) + x[i] * 1e-12 + 1e-300)) { return -1 - i; }
+        if (!(x[i + 1] <= reach_high[i + 1] * (1.0 + 1e-9) + x[i] * 1e-12 + 1e-300)) { return i; }
         if (x[i + 1] > reach_high[i + 1]) { x[i + 1] = reach_high[i + 1]; }
     }
-    return m + 1;
+    return -1;
 }

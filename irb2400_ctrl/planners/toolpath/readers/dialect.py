@@ -41,6 +41,11 @@ def dialect(text: str, path: Path) -> str:
             f"{path}, line {line}: found BEGIN PGM, Heidenhain's plain language, which is not "
             "read; let the CAM system write G-code (ISO, as for Fanuc) or APT"
         )
+    if suffix == ".nci":
+        raise InputError(
+            f"{path}, line 1: found Mastercam's own NCI, which is not read; "
+            "let its post processor write G-code or APT"
+        )
     if _is_csv(text):
         return "CSV"
     apt = len(APT_LINE.findall(text))
