@@ -209,7 +209,7 @@ def test_command(changing: Log, tmp_path: Path) -> None:
     assert "ALARM" in done.stderr
     page = (tmp_path / "out" / "report.html").read_text()
     assert "The arm changed at about" in page
-    assert page.count("<svg") == 18
+    assert page.count("<svg") == 31
     # its log is named by what is in it
     assert sha256(log.read_bytes()).hexdigest() in page
     short = CliRunner().invoke(app, ["watch", str(log), "--learn", "200"])

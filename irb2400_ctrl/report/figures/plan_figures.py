@@ -106,21 +106,25 @@ def programmed_feed(plans: Sequence[Plan]) -> float | None:
 def colourings(
     motion: Trajectory, robot: Robot, limits: Array, feed: float | None = None
 ) -> tuple[Colouring, ...]:
-    """What the tool's way may be coloured by.
+    """What the tool's way may be coloured by; feed and torque where the motion has them.
 
     Args:
-        motion: with its torque.
+        motion: to look at.
         robot: the arm.
         limits: of its torques [Nm], shape (n,).
         feed: at which the colours end [mm/s], so that a rapid move does not hide how the feed is
             held.
     """
-    assert motion.tau is not None
-    name = "feed" if feed is None else "feed, rapid moves cut off"
     factors = np.abs(Model(robot).singularity_factors(motion.q))
+    found = []
+    if motion.s is not None:
+        name = "feed" if feed is None else "feed, rapid moves cut off"
+        found.append(Colouring(name, "mm/s", tip_speed(motion), high=feed))
+    if motion.tau is not None:
+        share = 100 * np.abs(motion.tau / limits).max(axis=1)
+        found.append(Colouring("torque share", "%", share))
     return (
-        Colouring(name, "mm/s", tip_speed(motion), high=feed),
-        Colouring("torque share", "%", 100 * np.abs(motion.tau / limits).max(axis=1)),
+        *found,
         Colouring("speed share", "%", 100 * np.abs(motion.qd / robot.qd_max).max(axis=1)),
         Colouring("wrist margin |sin q5|", "", factors[:, 0], 2),
         Colouring("shoulder margin", "m", factors[:, 1], 2),
