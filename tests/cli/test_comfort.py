@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import json
+import os
 import re
+import subprocess
+import sys
 import tomllib
 from pathlib import Path
 from typing import Any
@@ -186,3 +189,30 @@ def test_schema_of_a_robot_holds_every_effect() -> None:
 def effects_of(schema: dict[str, Any]) -> list[dict[str, str]]:
     found: list[dict[str, str]] = schema["properties"]["effects"]["items"]["oneOf"]
     return found
+
+
+@pytest.mark.parametrize(
+    ("words", "place", "expected"),
+    [
+        ("irb2400 di", 1, ["diagnose"]),
+        ("irb2400 codegen --targ", 2, ["--target"]),
+        ("irb2400 codegen --target co", 3, ["cortex-m4f", "cortex-m7"]),
+    ],
+)
+def test_the_shell_completes(words: str, place: int, expected: list[str]) -> None:
+    """As bash asks, with what `irb2400 --show-completion` has told it."""
+    asked = {"_IRB2400_COMPLETE": "complete_bash", "COMP_WORDS": words, "COMP_CWORD": str(place)}
+    command = "import sys; sys.argv = ['irb2400']; from irb2400_ctrl.cli.main import run; run()"
+    done = subprocess.run(
+        [sys.executable, "-c", command],
+        env={**os.environ, **asked},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.stdout.split() == expected, done.stderr
+
+
+def test_the_exit_codes_are_said() -> None:
+    text = " ".join(run("--help")[0].split())
+    assert "Exit code 0: done. 2: the input was wrong" in text
