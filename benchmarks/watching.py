@@ -170,7 +170,7 @@ def run(kind: str, path: Path, count: int, seed: int, seconds: float) -> None:
         if i in done:
             continue
         if kind == "drifting":
-            for row in tracked(seed, i, seconds):
+            for row in list(tracked(seed, i, seconds)):
                 write(path, {"i": i, "kind": kind, **row})
             continue
         if kind == "repeated":

@@ -194,7 +194,13 @@ class Watch:
 
 
 def between(log: Log, start: float, end: float) -> Log:
-    """The samples from `start` to `end` [s], on a view of the log's arrays where it can be."""
+    """The samples from `start` to `end` [s], on a view of the log's arrays where it can be.
+
+    Args:
+        log: samples in their order.
+        start: first time that counts [s].
+        end: first time that does not [s].
+    """
     rows = slice(*np.searchsorted(log.time, [start, end]))
     parts: dict[str, Any] = {
         name: None if (value := getattr(log, name)) is None else value[rows]

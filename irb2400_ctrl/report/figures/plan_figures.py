@@ -69,7 +69,13 @@ def external_figures(motion: Trajectory) -> list[Figure]:
 
 
 def margin_figures(motion: Trajectory, robot: Robot, least: dict[str, float]) -> list[Figure]:
-    """The three singularity factors, with their smallest values over the continuous path."""
+    """The three singularity factors, with their smallest values over the continuous path.
+
+    Args:
+        motion: its angles.
+        robot: the arm.
+        least: smallest factor by name: wrist [-], shoulder [m], elbow [m].
+    """
     factors = np.abs(Model(robot).singularity_factors(motion.q))
     return [
         over_time(motion.time, [Line(values)], label, [least[name]], floor=0.0)
@@ -82,7 +88,13 @@ FEED_SHOWN = 1.5
 
 
 def feed_figure(motion: Trajectory, plan: Plan | None, feed: float | None) -> Figure:
-    """Speed of the TCP, and what the file programs; at most `feed` is programmed [mm/s]."""
+    """Speed of the TCP, and what the file programs; at most `feed` is programmed [mm/s].
+
+    Args:
+        motion: with its way.
+        plan: with the programmed feed; None of a motion without one.
+        feed: [mm/s].
+    """
     speed = tip_speed(motion)
     lines = [Line(speed, label="driven")]
     if plan is not None and np.isfinite(plan.path.feed).any():

@@ -35,6 +35,8 @@ def read_csv(text: str, name: str, unit: float = 1e-3) -> CamProgram:
     """A program of one operation from CSV with a header; lines that begin with # are comments.
 
     Args:
+        text: of the file.
+        name: of the file, for messages.
         unit: of the places, against the header [m].
 
     Raises:
