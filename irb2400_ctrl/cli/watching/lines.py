@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from textwrap import fill
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -13,7 +14,7 @@ def learned(watched: Watch) -> str:
     """What is usual, and how rare a false alarm is."""
     band = ", ".join("-" if v != v else f"{v:.2g}" for v in watched.band)
     return (
-        f"learned {watched.learn:g} s: external torque within {band} Nm is usual,\n"
+        f"learned {watched.learn:g} s; usual external torque [Nm]: {band}\n"
         f"a false alarm comes once in {watched.between / 86400.0:g} days of such motion"
     )
 
@@ -66,7 +67,8 @@ def drifted(tracked: Tracked) -> str:
     band = tracked.change_bands[-1]
     if abs(load) > band:
         found.append(f"load at the tool {load:+.2g} ± {band:.1g} kg")
-    return "tracked: " + (", ".join(found) or "friction and load are as they were learned")
+    text = ", ".join(found) or "friction and load are as they were learned"
+    return fill(f"tracked: {text}", 80, subsequent_indent="  ")
 
 
 def _means(rows: list[Array]) -> list[float]:
