@@ -216,3 +216,10 @@ def test_the_shell_completes(words: str, place: int, expected: list[str]) -> Non
 def test_the_exit_codes_are_said() -> None:
     text = " ".join(run("--help")[0].split())
     assert "Exit code 0: done. 2: the input was wrong" in text
+
+
+@pytest.mark.parametrize("group", [[], ["robot"], ["path"], ["log"]])
+def test_what_a_command_does_is_not_cut(group: list[str]) -> None:
+    text = CliRunner().invoke(app, [*group, "--help"], env={"COLUMNS": "80"}).stdout
+    assert "Commands:" in text
+    assert "..." not in text.split("Commands:")[1]
