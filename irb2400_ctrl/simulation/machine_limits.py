@@ -37,6 +37,12 @@ def as_packaged(
 
     An input outside its bounds: the state stands still, the last good output is repeated, `fault`
     is 1.
+
+    Args:
+        controller: whose step it is.
+        prefix: of its names among the values.
+        values: states, inputs and parameters by name.
+        run: makes the plain step.
     """
     control = run(controller, prefix, values)
     tests = [test for f in believed(controller) for test in _inside(f, values[prefix + f.name])]
