@@ -100,13 +100,20 @@ def _add_course(page: Page, watched: Watch, last: float) -> None:
 
 
 def _add_tracked(page: Page, watched: Watch, last: float) -> None:
-    """Friction of each joint and the load over time, each within its band."""
-    shown = [seen for seen in watched.seen if seen.time > watched.until - last]
-    time = np.array([seen.time for seen in shown])
-    values = np.array([seen.tracked.values for seen in shown])
-    bands = np.array([seen.tracked.bands for seen in shown])
+    """Friction of each joint and the load, each within its band; over time of a finished log."""
+    time = np.array([seen.time for seen in watched.seen])
+    values = np.array([seen.tracked.values for seen in watched.seen])
+    bands = np.array([seen.tracked.bands for seen in watched.seen])
     n = watched.robot.n
     page.heading("What drifts")
+    page.table(
+        "Friction and load as they are now, each with its band, and the change since learned",
+        ["", "value", "change"],
+        _tracked_rows(watched),
+    )
+    if np.isfinite(last):
+        # while the arm is followed the figures would take longer than all the rest
+        return
     for name, unit, part in (
         ("Coulomb", "Nm", slice(n)),
         ("viscous", "Nm s/rad", slice(n, 2 * n)),
@@ -124,6 +131,19 @@ def _add_tracked(page: Page, watched: Watch, last: float) -> None:
         "Mass that the tool has more than in the learned seconds.",
         zoomable=True,
     )
+
+
+def _tracked_rows(watched: Watch) -> list[list[object]]:
+    now = watched.seen[-1].tracked
+    joints = range(1, watched.robot.n + 1)
+    names = [f"Coulomb friction {j} [Nm]" for j in joints]
+    names += [f"viscous friction {j} [Nm s/rad]" for j in joints]
+    names += ["load at the tool, added [kg]"]
+    both = ((now.values, now.bands), (now.changes, now.change_bands))
+    cells = [
+        [f"{value:.3g} ± {band:.1g}" for value, band in zip(*pair, strict=True)] for pair in both
+    ]
+    return [list(row) for row in zip(names, *cells, strict=True)]
 
 
 def _banded(values: Array, bands: Array, part: slice) -> list[Line]:
