@@ -7,6 +7,7 @@ import os
 import re
 import subprocess
 import sys
+import time
 import tomllib
 from pathlib import Path
 from typing import Any
@@ -15,7 +16,7 @@ import pytest
 from typer.testing import CliRunner
 
 import irb2400_ctrl as irb
-from irb2400_ctrl.cli import main
+from irb2400_ctrl.cli import main, progress
 from irb2400_ctrl.cli.main import app
 from irb2400_ctrl.effects import LIBRARY
 from irb2400_ctrl.errors import InputError
@@ -223,3 +224,25 @@ def test_what_a_command_does_is_not_cut(group: list[str]) -> None:
     text = CliRunner().invoke(app, [*group, "--help"], env={"COLUMNS": "80"}).stdout
     assert "Commands:" in text
     assert "..." not in text.split("Commands:")[1]
+
+
+def test_a_pipe_hears_of_many_cases_now_and_then(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Not a line a case: when the work changes, and every ten seconds."""
+    monkeypatch.setattr(progress, "EVERY_S", 0.3)
+    token = progress.shown_as.set(progress.Progress.PLAIN)
+    try:
+        with progress.step("begin") as say:
+            for k in range(500):
+                say(f"{k} of 500 cases")
+            time.sleep(0.45)
+            say("end")
+    finally:
+        progress.shown_as.reset(token)
+    said = [line.split("s  ")[1] for line in capsys.readouterr().err.splitlines()]
+    assert said[0] == "begin"
+    assert said[-1] == "end"
+    assert "499 of 500 cases" in said
+    # more than four only where the machine is held up
+    assert len(said) < 50
