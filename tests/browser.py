@@ -66,3 +66,14 @@ def picture(page: Path, out: Path, width: int, height: int, *flags: str) -> Path
     """A screenshot."""
     _run(page, f"--screenshot={out}", f"--window-size={width},{height}", *flags)
     return out
+
+
+def arm_moves(page: Path) -> bool:
+    """Whether the arm of a page, which says nothing to the console, has its tip elsewhere later."""
+    script = (
+        "const a = document.querySelector('figure.arm').arm, found = [];"
+        "for (const t of [a.data.start, (a.data.start + a.data.stop) / 2]) {"
+        " a.at(t); found.push(a.figure.dataset.tip); } return found;"
+    )
+    first, later = answer(page, script)
+    return bool(first != later)

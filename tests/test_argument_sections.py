@@ -35,7 +35,7 @@ def unsaid(function: Callable[..., Any]) -> list[str]:
     arguments = [one for one in arguments if one.name not in {"self", "cls"}]
     if len(arguments) < 3:
         return []
-    text = inspect.cleandoc(function.__doc__ or "")
+    text = inspect.getdoc(function) or ""
     section = re.search(r"^Args:\n((?:    .*\n?|\n)+)", text, re.MULTILINE)
     said = section[1] if section else ""
     return [one.name for one in arguments if not re.search(rf"\b{one.name}\b", said)]

@@ -138,7 +138,14 @@ class ExternalAxes:
 
     def velocity_seen(self, e: Array, de: Array, place: Array, velocity: Array) -> Array:
         """Velocity, as the part sees it, of what is at `place` and moves with `velocity` in the
-        base while the axes turn by de; all of shape (m, 3), angles (m, k)."""
+        base while the axes turn by de; all of shape (m, 3), angles (m, k).
+
+        Args:
+            e: places of the axes [rad, m of a rail].
+            de: their speeds [rad/s, m/s].
+            place: in the base [m].
+            velocity: in the base [m/s].
+        """
         p = place
         v = velocity
         for i in range(len(self)):

@@ -33,7 +33,13 @@ def rates(chain: Chain, i: int) -> Array:
 
 
 def reach(chain: Chain, i: int, piece: Piece) -> Array:
-    """rho of a piece as seen from link i, shape (n,) [m]."""
+    """rho of a piece as seen from link i, shape (n,) [m].
+
+    Args:
+        chain: of links.
+        i: number of the link.
+        piece: a body of the arm.
+    """
     ends, radius = piece.capsule()
     n = len(chain.B)
     rho = np.zeros(n)

@@ -238,6 +238,7 @@ class Scene:
         """Smallest distance at q (m, n), or `most` where all is further away, shape (m,) [m].
 
         Args:
+            q: [rad].
             cutting: where what cuts may touch what may be cut, shape (m,).
             most: what lies further away is not looked at closely.
             pairs: those to look at, shape (pairs,); default all.

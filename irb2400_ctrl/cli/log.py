@@ -27,7 +27,7 @@ def log() -> None:
     """Look at a log before anything is made of it."""
 
 
-@app.command()
+@app.command(short_help="what logs hold, and whether they can be this robot's")
 @answers
 def check(
     logs: Annotated[list[Path], typer.Argument(metavar="LOG...", help="Measured logs.")],

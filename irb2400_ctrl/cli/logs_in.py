@@ -28,7 +28,7 @@ class ReadLogs:
 def read_logs(
     paths: Sequence[Path], columns: Path | None, names: Sequence[str] | None = None
 ) -> ReadLogs:
-    """Read logs; of several one that cannot be read is left out.
+    """Read logs; of several one that cannot be read, or is given again, is left out.
 
     Raises:
         InputError: the only log cannot be read, or none of several can.
@@ -39,7 +39,10 @@ def read_logs(
 
     logs = []
     left_out = []
-    for path in paths:
+    for place, path in enumerate(paths):
+        if path.resolve() in {other.resolve() for other in paths[:place]}:
+            left_out.append(LeftOut(str(path), "given twice, counts once"))
+            continue
         try:
             logs.append(read_log(input_file(path, WHAT), columns=columns, names=names))
         except InputError as error:

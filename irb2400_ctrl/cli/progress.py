@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import sys
 import threading
 import time
@@ -12,6 +13,9 @@ from enum import StrEnum
 
 EVERY_S = 10.0
 """a plain line is said at least so often [s]"""
+
+
+_NUMBER = re.compile(r"\d+")
 
 
 class Progress(StrEnum):
@@ -56,7 +60,7 @@ def _bar(text: str) -> Iterator[Callable[[str], None]]:
 
 @contextmanager
 def _lines(text: str) -> Iterator[Callable[[str], None]]:
-    """A line on stderr when the text changes, and every ten seconds."""
+    """A line on stderr when the text changes by more than its numbers, and every ten seconds."""
     begun = time.monotonic()
     current = [text]
     ended = threading.Event()
@@ -65,8 +69,9 @@ def _lines(text: str) -> Iterator[Callable[[str], None]]:
         print(f"{time.monotonic() - begun:6.0f} s  {current[0]}", file=sys.stderr, flush=True)
 
     def say(text: str) -> None:
-        if text != current[0]:
-            current[0] = text
+        other = _NUMBER.sub("", text) != _NUMBER.sub("", current[0])
+        current[0] = text
+        if other:
             tell()
 
     def repeat() -> None:

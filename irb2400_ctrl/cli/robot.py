@@ -20,8 +20,8 @@ app = typer.Typer(
     no_args_is_help=True,
     rich_markup_mode=None,
 )
-app.command("import")(robot_in.import_)
-app.command("new")(robot_in.new)
+app.command("import", short_help="a robot file from URDF, MJCF or a DH table")(robot_in.import_)
+app.command("new", short_help="a commented template, to fill in")(robot_in.new)
 EXPORT_MARGIN = 1e-3
 """smallest second moment of a body over its largest, in an exported file [-]"""
 RobotArgument = Annotated[
@@ -29,7 +29,7 @@ RobotArgument = Annotated[
 ]
 
 
-@app.command()
+@app.command(short_help="joints, limits, friction, links, tool, effects")
 @answers
 def show(robot: RobotArgument = "irb2400") -> Summary:
     """Print the robot: joints, limits, friction, links, tool, effects."""
@@ -69,7 +69,7 @@ def show(robot: RobotArgument = "irb2400") -> Summary:
     return Summary(facts | {"assumptions": arm.assumptions()})
 
 
-@app.command()
+@app.command(short_help="what in the description cannot be so")
 @answers
 def check(
     robot: RobotArgument = "irb2400",
@@ -99,7 +99,7 @@ def check(
     return Summary(facts, [path for path in (project, symmetry_plane) if path is not None])
 
 
-@app.command()
+@app.command(short_help="URDF or MJCF for other programs")
 @answers
 def export(
     out: OutOption,

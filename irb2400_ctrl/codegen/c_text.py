@@ -22,7 +22,13 @@ def spans_zero(field: Field) -> bool:
 
 
 def clip(field: Field, i: int, text: str) -> str:
-    """C expression: element i of a field cut at its bounds from the parameter table."""
+    """C expression: element i of a field cut at its bounds from the parameter table.
+
+    Args:
+        field: with its bounds.
+        i: counted from 0.
+        text: C expression of its value.
+    """
     if is_symmetric(field):
         return f"own_limit({text}, parameters->{field.name}_limit[{i}])"
     low = f"parameters->{field.name}_min[{i}]"
@@ -50,7 +56,13 @@ def indented(statements: Iterable[str], indent: int) -> str:
 
 
 def joined(terms: Sequence[str], operator: str, indent: int) -> str:
-    """Terms with an operator between, four a line."""
+    """Terms with an operator between, four a line.
+
+    Args:
+        terms: C expressions.
+        operator: between two of them.
+        indent: spaces before a line.
+    """
     rows = [operator.join(terms[i : i + 4]) for i in range(0, len(terms), 4)]
     return f"\n{' ' * indent}{operator.strip()} ".join(rows)
 
@@ -60,7 +72,13 @@ COLD = "#if defined(__GNUC__)\n__attribute__((cold))\n#endif"
 
 
 def struct(name: str, kind: str, fields: Sequence[Field]) -> str:
-    """The C struct of some fields, one after the other."""
+    """The C struct of some fields, one after the other.
+
+    Args:
+        name: of the package.
+        kind: which of its structs.
+        fields: in their order.
+    """
     real = f"{name}_real_t"
     # C has no empty struct
     members = [f"    {real} {f.name}[{f.size}]; /* {described(f)} */" for f in fields]

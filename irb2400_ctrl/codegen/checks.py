@@ -48,7 +48,13 @@ def _inwards(values: Array, dtype: type[np.floating[Any]]) -> Array:
 
 
 def run_points(controller: Controller, states: Array, inputs: Array) -> tuple[Array, Array]:
-    """(next states with held outputs, outputs), row by row."""
+    """(next states with held outputs, outputs), row by row.
+
+    Args:
+        controller: compiled.
+        states: a row a point.
+        inputs: a row a point.
+    """
     after = []
     outputs = []
     for x, u in zip(states, inputs, strict=True):
@@ -64,7 +70,15 @@ def compare_with_block(
     package: Package, states: Array, inputs: Array, after: Array, outputs: Array
 ) -> tuple[dict[str, float], float]:
     """Largest difference per field to the block's own step in double, outputs saturated; and the
-    largest relative."""
+    largest relative.
+
+    Args:
+        package: whose block is meant.
+        states: a row a point.
+        inputs: a row a point.
+        after: next states that its C gives, likewise.
+        outputs: that its C gives, likewise.
+    """
     block = package.block
     width = sum(f.size for f in block.states)
     dtype = states.dtype

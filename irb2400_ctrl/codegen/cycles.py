@@ -83,7 +83,14 @@ def read_listing(text: str) -> dict[int, Instruction]:
 def block_cycles(
     listing: dict[int, Instruction], address: int, size: int, before: int | None
 ) -> int:
-    """Cycles of the instructions from `address` on, after the one at address `before`."""
+    """Cycles of the instructions from `address` on, after the one at address `before`.
+
+    Args:
+        listing: instructions by address.
+        address: of the first.
+        size: of the code [bytes].
+        before: None: nothing is known of it.
+    """
     total = 0
     previous = None if before is None else listing[before]
     if before is not None and previous is not None and previous.branches:
@@ -99,7 +106,13 @@ def block_cycles(
 
 
 def last_address(listing: dict[int, Instruction], address: int, size: int) -> int:
-    """Address of the last instruction of a run of code."""
+    """Address of the last instruction of a run of code.
+
+    Args:
+        listing: instructions by address.
+        address: of the first.
+        size: of the code [bytes].
+    """
     half = address + size - 2
     return half if half in listing else half - 2
 

@@ -96,7 +96,14 @@ def build_firmware(package: Package, target: Target) -> Firmware:
 
 
 def read_firmware(package: Package, target: Target, elf: Path, module: Path) -> Firmware:
-    """What was built, from the linked image and the package's own object file."""
+    """What was built, from the linked image and the package's own object file.
+
+    Args:
+        package: that was built.
+        target: that it was built for.
+        elf: the linked image.
+        module: the package's own object file.
+    """
 
     def run(tool: str, *arguments: str) -> str:
         return run_tool([f"arm-none-eabi-{tool}", *arguments])

@@ -36,6 +36,9 @@ def host_source(fn: ca.Function, *, real: Real, math: Math = "own", lanes: bool 
     """C text with `run` (one evaluation), `map` (n of them), and `rollout` where it can be rolled.
 
     Args:
+        fn: the function.
+        real: type of its numbers in C.
+        math: whose sine, cosine and exponential.
         lanes: `map` takes `LANES` rows at once, whose operations the compiler puts into vectors.
     """
     sizes_in = [fn.numel_in(i) for i in range(fn.n_in())]
@@ -82,6 +85,12 @@ def what_text_follows_from(
     """All that decides what `host_source` writes: the function, the wishes, and the writer itself.
 
     Found in a hundredth of the time that the text takes.
+
+    Args:
+        fn: the function.
+        real: type of its numbers in C.
+        math: whose sine, cosine and exponential.
+        lanes: as in `host_source`.
     """
     function: str = fn.serialize()
     return "\0".join((_writer(), function, real, math, str(lanes))).encode()

@@ -111,7 +111,13 @@ def guard_functions(inputs: Sequence[Field]) -> set[str]:
 
 
 def finite_function(name: str, argument: str, terms: Sequence[str]) -> str:
-    """A C predicate: the sum of the terms is finite; infinity - infinity and NaN - NaN are NaN."""
+    """A C predicate: the sum of the terms is finite; infinity - infinity and NaN - NaN are NaN.
+
+    Args:
+        name: of the predicate.
+        argument: its declaration in C.
+        terms: C expressions.
+    """
     if not terms:
         return (
             f"static inline bool {name}({argument})\n{{\n    (void)input;\n    return true;\n}}\n"
@@ -128,6 +134,11 @@ def finite_fields_function(name: str, argument: str, fields: Sequence[Field]) ->
 
     The argument is a pointer to volatile: the compiler shall read the fields again, instead of
     carrying all of them through the step in case they are asked for.
+
+    Args:
+        name: of the predicate.
+        argument: its declaration in C.
+        fields: that are summed.
     """
     if not fields:
         return finite_function(name, argument, ())

@@ -42,7 +42,13 @@ def constant(name: str, told: Origin) -> str:
 
 
 def stamped(files: Mapping[str, str], name: str, told: Origin) -> dict[str, str]:
-    """The files with their provenance in front, as a comment of their language."""
+    """The files with their provenance in front, as a comment of their language.
+
+    Args:
+        files: text by name.
+        name: of the package.
+        told: where it comes from.
+    """
     lines = [f"{name}: generated, do not edit", *(f"{what}: {which}" for what, which in told)]
     return {file: _comment(file, lines) + text for file, text in files.items()}
 

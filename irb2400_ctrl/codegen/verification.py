@@ -196,7 +196,13 @@ def export_package(
 
 
 def verify(package: Package, processor: Target | None, states: int = STATES) -> Verification:
-    """Check a package on this computer and, for a processor, on its emulator."""
+    """Check a package on this computer and, for a processor, on its emulator.
+
+    Args:
+        package: as generated.
+        processor: None: this computer alone.
+        states: random points that are compared.
+    """
     missing: list[str] = []
     points = random_points(package, states)
     differences: dict[str, float] = {}

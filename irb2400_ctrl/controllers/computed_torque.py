@@ -59,7 +59,13 @@ def wanted_acceleration(robot: Robot) -> Field:
 
 
 def pd_gains(robot: Robot, bandwidth: ArrayLike, damping: ArrayLike) -> tuple[Field, Field]:
-    """Kp = bandwidth^2 and Kd = 2 damping bandwidth as parameters."""
+    """Kp = bandwidth^2 and Kd = 2 damping bandwidth as parameters.
+
+    Args:
+        robot: whose joints they are of.
+        bandwidth: [rad/s], one number or shape (n,).
+        damping: zeta [-], one number or shape (n,).
+    """
     omega = gain(
         robot, "bandwidth", "rad/s", "natural frequency of the tracking error", bandwidth
     ).start

@@ -88,6 +88,7 @@ def place_poles(
     z = exp(s T); delay and speed filter are not part of the placement but of the margins.
 
     Args:
+        timing: sample time, delay and speed filter [s]; default those of the design.
         bandwidth: w [rad/s].
         damping: zeta [-].
     """
@@ -116,6 +117,7 @@ def lqr(
     rule).
 
     Args:
+        timing: sample time, delay and speed filter [s]; default those of the design.
         position_error: e0 [rad].
         acceleration: a0 [rad/s2].
         speed_error: v0 [rad/s].
@@ -141,6 +143,7 @@ def shape_loop(crossover: float, phase_margin: float, timing: Timing | None = No
     asked for, exactly.
 
     Args:
+        timing: sample time, delay and speed filter [s]; default those of the design.
         crossover: w [rad/s].
         phase_margin: [rad].
 
@@ -216,6 +219,9 @@ def over_poses(
     """The worst margins of a controller on the arm linearised at each pose.
 
     Args:
+        robot: the arm that is controlled.
+        block: the controller.
+        timing: sample time, delay and speed filter [s]; default those of the design.
         poses: angles (k, n) [rad].
     """
     timing = timing or Timing(sample_time=block.sample_time)

@@ -58,7 +58,13 @@ def linearize(robot: Robot, q: Array, qd: Array | None = None, tau: Array | None
 
 def hanging(robot: Robot, q: Array, qd: Array) -> tuple[Array, Array]:
     """Link angles and torques without friction when nothing accelerates, motors at q, shapes
-    (n,)."""
+    (n,).
+
+    Args:
+        robot: the arm with its elastic joints.
+        q: motor angles [rad], shape (n,).
+        qd: motor speeds [rad/s], shape (n,).
+    """
     links = Model(links_only(robot))
     soft = list(elastic_joints(robot))
     angles = np.array(q, dtype=float)
@@ -71,7 +77,13 @@ def hanging(robot: Robot, q: Array, qd: Array) -> tuple[Array, Array]:
 
 
 def arm_rate(robot: Robot, x: ca.SX, tau: ca.SX) -> ca.SX:
-    """dx/dt of x = (q, l, qd, ld) without dry friction; l are the links of elastic joints."""
+    """dx/dt of x = (q, l, qd, ld) without dry friction; l are the links of elastic joints.
+
+    Args:
+        robot: the arm with its elastic joints.
+        x: state: angles [rad], then speeds [rad/s].
+        tau: motor torques [Nm], shape (n,).
+    """
     n = robot.n
     soft = list(elastic_joints(robot))
     k = len(soft)

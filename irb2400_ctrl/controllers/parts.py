@@ -61,6 +61,13 @@ def errors(robot: Robot) -> tuple[Field, Field]:
 def gain(robot: Robot, name: str, unit: str, doc: str, value: ArrayLike) -> Field:
     """A parameter per joint; one number stands for all joints.
 
+    Args:
+        robot: whose joints it is of.
+        name: of the parameter.
+        unit: of the value, for the header of the C code.
+        doc: what it is.
+        value: one number or shape (n,), in that unit.
+
     Raises:
         InputError: neither one number nor one per joint, or a negative one.
     """
@@ -91,6 +98,12 @@ def back_calculated(
     dI/dt = rate + excess / T_t, where excess = saturated minus wanted torque: while the command is
     cut, the integral moves, with time constant T_t = `tracking` [s], to where the command just
     reaches the limit.
+
+    Args:
+        integral: I, present value [Nm], shape (n,).
+        rate: what the error adds to it [Nm/s], shape (n,).
+        excess: saturated minus wanted torque [Nm], shape (n,).
+        step: sample time [s].
     """
     share = ca.fmin(step / tracking, 1.0)
     return integral + step * rate + share * excess
@@ -98,7 +111,13 @@ def back_calculated(
 
 def resting(qd_ref: ca.SX, error: ca.SX, deadband: ca.SX) -> ca.SX:
     """1 for each joint whose reference rests and whose angle error is inside the deadband, else
-    0."""
+    0.
+
+    Args:
+        qd_ref: speeds of the reference [rad/s], shape (n,).
+        error: of the angles [rad], shape (n,).
+        deadband: [rad], shape (n,).
+    """
     return ca.logic_and(ca.fabs(qd_ref) < 1e-6, ca.fabs(error) < deadband)
 
 
@@ -118,6 +137,16 @@ def assemble(
     and outputs.
 
     What else of `told` the law gives by name, generated code names its locals after.
+
+    Args:
+        name: of the block.
+        doc: what it does, in a sentence.
+        sample_time: [s].
+        law: the step.
+        states: kept from step to step.
+        inputs: of every step.
+        outputs: of every step.
+        parameters: that may change while it runs.
     """
     if not (np.isfinite(sample_time) and sample_time > 0):
         raise InputError(

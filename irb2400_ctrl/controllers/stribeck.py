@@ -24,6 +24,11 @@ def bell(speed: ca.SX, width: NDArray[np.float64], height: NDArray[np.float64]) 
 
     Within `BELL_ERROR` everywhere. Like the exponential it is `height` at rest, falls, and never
     changes its sign; not a number in, not a number out.
+
+    Args:
+        speed: [rad/s], shape (n,).
+        width: speed at which it has fallen to 1/e [rad/s], shape (n,).
+        height: at rest, in the unit of the result, shape (n,).
     """
     return ca.DM(np.sign(height)) / _fall(speed, width, height)
 
@@ -35,7 +40,15 @@ def faded_bell(
     reference: ca.SX,
     fade_width: ca.SX,
 ) -> ca.SX:
-    """bell(speed) fade(reference) with one division for both; width and height may be symbols."""
+    """bell(speed) fade(reference) with one division for both; width and height may be symbols.
+
+    Args:
+        speed: [rad/s], shape (n,).
+        width: [rad/s], shape (n,).
+        height: at rest, in the unit of the result, shape (n,).
+        reference: speed of the reference [rad/s], shape (n,).
+        fade_width: speed of the reference within which it is faded [rad/s].
+    """
     square = reference**2
     if isinstance(height, ca.SX) or isinstance(width, ca.SX):
         root = 1 + (1 + _WIDEN * (speed / width) ** 2) ** 2 / _RAISE

@@ -30,6 +30,16 @@ def binned_curve(
 
     `turned`: the torque of backward motion is turned over, so that friction of both directions lies
     on one curve.
+
+    Args:
+        motion: the log, prepared.
+        load: torque of the rigid arm [Nm], shape (rows, n).
+        joint: counted from 0.
+        signal: that the law depends on.
+        law: what is said of it [Nm], shape (rows,).
+        residual: what is left [Nm], shape (rows,).
+        period: of the signal, in its unit.
+        bins: of the curve.
     """
     if turned:
         sign = np.sign(motion.at_rows(motion.qd[:, joint]))

@@ -141,7 +141,13 @@ def prior_of(
     robot: Robot, uncertainty: Uncertainty, motion: PreparedLog
 ) -> BasePrior | IdentifiedPrior:
     """What is left open about a robot's numbers: its identification's covariance, or a data
-    sheet's spreads."""
+    sheet's spreads.
+
+    Args:
+        robot: as given.
+        uncertainty: of a data sheet, for what an identification leaves out.
+        motion: for the scales of torque and speed.
+    """
     if robot.identified is not None:
         return IdentifiedPrior.of(robot, uncertainty, motion)
     return replace(BasePrior.of(robot, uncertainty, motion), common_friction=COMMON_FRICTION)

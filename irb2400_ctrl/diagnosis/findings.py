@@ -105,7 +105,14 @@ def _standard_errors(fit: Fit, place: int, candidate: Candidate) -> dict[str, fl
 def unexplained_of(
     steps: Sequence[Step], fit: Fit, motion: PreparedLog, load: Array
 ) -> tuple[Unexplained, ...]:
-    """Non-parametric laws, one entry per joint."""
+    """Non-parametric laws, one entry per joint.
+
+    Args:
+        steps: of the selection.
+        fit: of all that was chosen.
+        motion: the log, prepared.
+        load: torque of the rigid arm [Nm], shape (rows, n).
+    """
     by_joint: dict[int, list[tuple[Step, Array]]] = {}
     non_parametric = iter(fit.non_parametric)
     for step in steps:

@@ -43,7 +43,13 @@ class LogErrors:
 
 
 def errors_of_each(motion: PreparedLog, before: Array, after: Array) -> list[LogErrors]:
-    """Of the logs that stand one after another in a motion; predictions (m, n) [Nm]."""
+    """Of the logs that stand one after another in a motion; predictions (m, n) [Nm].
+
+    Args:
+        motion: of several logs one after another.
+        before: torque that the robot as given predicts [Nm], shape (m, n).
+        after: torque with what was found [Nm], shape (m, n).
+    """
     names = motion.names or (motion.name,)
     found = []
     for name, part in zip(names, motion.parts, strict=True):
@@ -56,7 +62,13 @@ def errors_of_each(motion: PreparedLog, before: Array, after: Array) -> list[Log
 
 
 def judged(log: Log, before: Robot, after: Robot) -> LogErrors | None:
-    """A log that was not used; None where it cannot be prepared."""
+    """A log that was not used; None where it cannot be prepared.
+
+    Args:
+        log: as recorded.
+        before: the robot as given.
+        after: the robot with what was found.
+    """
     try:
         motion = prepare_together([log])
     except InputError:

@@ -15,7 +15,13 @@ def recalibrated_terms(
     prior: BasePrior | IdentifiedPrior, fit: Fit, robot: Robot
 ) -> dict[str, Any]:
     """New values, all joints, of the terms where some value moved further than its own
-    uncertainty."""
+    uncertainty.
+
+    Args:
+        prior: of the numbers that were fitted.
+        fit: that found the new ones.
+        robot: as given.
+    """
     n = robot.n
     found: dict[str, Any] = {}
     moved = moved_numbers(prior, fit)

@@ -123,7 +123,13 @@ class Effect(BaseModel, ABC):
     def from_coefficients(
         cls, joint: int | None, coefficients: Sequence[float], nonlinear: dict[str, float]
     ) -> Self:
-        """The effect whose `coefficients()` are the given ones (inverse of `coefficients`)."""
+        """The effect whose `coefficients()` are the given ones (inverse of `coefficients`).
+
+        Args:
+            joint: counted from 1; None of an effect of the whole arm.
+            coefficients: that its basis is multiplied by, in the order of `coefficients()`.
+            nonlinear: the other parameters, by the name of their field.
+        """
 
     def discrepancy_basis(self, s: Signals) -> ca.SX:
         """Further columns that a real device of this kind may show beside the law, shape (n, k).

@@ -52,6 +52,12 @@ class Blank:
 
 @cache
 def discrepancy_size(effect: type[Effect], joint: int | None, n: int) -> int:
-    """How many numbers the `discrepancy` of this kind of effect has on an arm of n joints."""
+    """How many numbers the `discrepancy` of this kind of effect has on an arm of n joints.
+
+    Args:
+        effect: its class.
+        joint: counted from 1; None of the whole arm.
+        n: joints of the arm.
+    """
     prototype = effect.prototype(joint, effect.grid(joint)[0])
     return int(prototype.discrepancy_basis(Blank.of(n, len(effect.states))).shape[1])

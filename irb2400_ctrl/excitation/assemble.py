@@ -40,7 +40,14 @@ def stretched(course: Trajectory, duration: float) -> Trajectory:
 
 
 def resting(time: Array, q: Array, qd: Array, qdd: Array) -> Trajectory:
-    """A course whose ends are exactly at rest, whatever rounding left there."""
+    """A course whose ends are exactly at rest, whatever rounding left there.
+
+    Args:
+        time: [s], shape (m,).
+        q: [rad], shape (m, n).
+        qd: [rad/s], shape (m, n).
+        qdd: [rad/s2], shape (m, n).
+    """
     qd = qd.copy()
     qdd = qdd.copy()
     qd[[0, -1]] = 0.0
@@ -100,6 +107,11 @@ class Workshop:
         self, pieces: Sequence[Piece], duration: float, seconds: float
     ) -> tuple[Trajectory, float]:
         """Pieces joined to a motion of `seconds`, and the duration of a piece that this came to.
+
+        Args:
+            pieces: one after another.
+            duration: of a piece to begin with [s].
+            seconds: that they shall fill [s].
 
         Raises:
             InfeasibleError: the limits leave no such motion.

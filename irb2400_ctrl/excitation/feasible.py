@@ -49,7 +49,14 @@ class Extent:
 
 
 def extent(model: Model, q: Array, qd: Array, qdd: Array) -> Extent:
-    """Of states (m, n); torque with friction and effects."""
+    """Of states (m, n); torque with friction and effects.
+
+    Args:
+        model: of the arm.
+        q: [rad].
+        qd: [rad/s].
+        qdd: [rad/s2].
+    """
     robot = model.robot
     tau = model.inverse_dynamics(q, qd, qdd)
     height, radius = height_and_radius(model, q)
@@ -87,7 +94,15 @@ def with_share(robot: Robot, share: float = SHARE) -> Robot:
 
 def between(step: float, q: Array, qd: Array, qdd: Array, at: Array) -> tuple[Array, Array, Array]:
     """q, qd, qdd at the times `at` [s] from rows of a motion: polynomials of degree 5 through their
-    three values."""
+    three values.
+
+    Args:
+        step: between two rows [s].
+        q: [rad], shape (m, n).
+        qd: [rad/s], shape (m, n).
+        qdd: [rad/s2], shape (m, n).
+        at: from the first row on, shape (k,).
+    """
     k = np.clip((at / step).astype(int), 0, len(q) - 2)
     x = ((at - k * step) / step)[:, None]
     h = step
@@ -107,6 +122,14 @@ def between(step: float, q: Array, qd: Array, qdd: Array, at: Array) -> tuple[Ar
 
 
 def dense_extent(model: Model, step: float, q: Array, qd: Array, qdd: Array) -> Extent:
-    """Of a whole motion, at `DENSE` instants per row."""
+    """Of a whole motion, at `DENSE` instants per row.
+
+    Args:
+        model: of the arm.
+        step: between two rows [s].
+        q: [rad], shape (m, n).
+        qd: [rad/s], shape (m, n).
+        qdd: [rad/s2], shape (m, n).
+    """
     at = np.linspace(0.0, step * (len(q) - 1), DENSE * (len(q) - 1) + 1)
     return extent(model, *between(step, q, qd, qdd, at))

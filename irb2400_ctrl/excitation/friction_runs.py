@@ -64,7 +64,13 @@ def velocity_grid() -> Array:
 
 
 def few_speeds(count: int = SPEEDS, slowest: float = SLOWEST, fastest: float = 0.5) -> Array:
-    """The grid of eq. 74 between two speeds, thinned evenly, (count,) [rad/s]."""
+    """The grid of eq. 74 between two speeds, thinned evenly, (count,) [rad/s].
+
+    Args:
+        count: of speeds.
+        slowest: [rad/s].
+        fastest: [rad/s].
+    """
     grid = velocity_grid()
     grid = grid[(grid >= slowest - 1e-9) & (grid <= fastest + 1e-9)]
     return np.asarray(grid[np.linspace(0, len(grid) - 1, count).round().astype(int)])
@@ -72,6 +78,11 @@ def few_speeds(count: int = SPEEDS, slowest: float = SLOWEST, fastest: float = 0
 
 def friction_runs(workshop: Workshop, count: int = SPEEDS, seed: int = 0) -> FrictionRuns:
     """Plan the runs of all joints.
+
+    Args:
+        workshop: what the arm may do.
+        count: speeds of each joint.
+        seed: of the postures that are tried.
 
     Raises:
         InfeasibleError: the limits leave no posture for a joint.

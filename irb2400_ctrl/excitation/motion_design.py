@@ -200,6 +200,11 @@ def standard_course(workshop: Workshop, seconds: float, seed: int = 0) -> Trajec
     """The usual identification motion, for comparison: a multi-sine of all axes up to 0.42 Hz about
     the box's middle.
 
+    Args:
+        workshop: what the arm may do.
+        seconds: that it takes [s].
+        seed: of its phases.
+
     Raises:
         InfeasibleError: none is inside the limits.
     """

@@ -125,7 +125,15 @@ def drawn(
     joint: int | None = None,
 ) -> Piece:
     """A random piece that keeps the joint box and the speed limits; `joint` (from 1) always
-    moves."""
+    moves.
+
+    Args:
+        rng: of the draw.
+        robot: whose box and speeds it keeps.
+        flavour: what kind of piece.
+        duration: [s].
+        joint: from 1; None: whichever.
+    """
     n = robot.n
     low = robot.q_min
     high = robot.q_max
@@ -159,7 +167,15 @@ def drawn(
 def mutated(
     rng: np.random.Generator, robot: Robot, piece: Piece, duration: float, share: float = 0.25
 ) -> Piece:
-    """A neighbour of a piece: everything moved a little; keeps box and speed like `drawn`."""
+    """A neighbour of a piece: everything moved a little; keeps box and speed like `drawn`.
+
+    Args:
+        rng: of the draw.
+        robot: whose box and speeds it keeps.
+        piece: to begin with.
+        duration: [s].
+        share: by which all is moved [-].
+    """
     span = robot.q_max - robot.q_min
     shape = piece.amplitude.shape
     centre = piece.centre + 0.15 * share * span * rng.standard_normal(robot.n)

@@ -28,6 +28,30 @@ class SuspicionEntry(Table):
     effects: list[dict[str, Any]] = Field(description="kind, joint, confidence, and since when")
 
 
+class ChangeEntry(Table):
+    """What has drifted since the learned stretch, with two standard deviations."""
+
+    change: float = Field(description="since the learned stretch")
+    change_band: NotNegative = Field(description="of it, to either side")
+
+
+class FrictionEntry(Table):
+    """A friction of every joint at the log's end, with two standard deviations."""
+
+    value: list[float] = Field(description="of each joint")
+    band: list[NotNegative] = Field(description="of it, to either side")
+    change: list[float] = Field(description="since the learned stretch")
+    change_band: list[NotNegative] = Field(description="of it, to either side")
+
+
+class TrackedEntry(Table):
+    """The numbers that drift."""
+
+    coulomb_Nm: FrictionEntry = Field(description="Coulomb friction")
+    viscous_Nms_rad: FrictionEntry = Field(description="viscous friction")
+    load_kg: ChangeEntry = Field(description="mass added at the tool")
+
+
 class WatchFile(Table):
     """An arm that was watched."""
 
@@ -44,5 +68,6 @@ class WatchFile(Table):
         "joint that hardly moved"
     )
     largest_external_torque_Nm: list[NotNegative] = Field(description="of each joint")
+    tracked: TrackedEntry = Field(description="as it stands at the log's end")
     alarms: list[AlarmEntry] = Field(description="in their order")
     suspicions: list[SuspicionEntry] = Field(description="what may be their cause")

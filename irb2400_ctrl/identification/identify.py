@@ -33,6 +33,7 @@ from irb2400_ctrl.identification.identified_robot import fit_base, identified_ro
 from irb2400_ctrl.identification.moved import ALARM, Moved, moved_bodies
 from irb2400_ctrl.measurement import Log
 from irb2400_ctrl.model import Model
+from irb2400_ctrl.plausibility.channels import NO_MOTION
 from irb2400_ctrl.robot import Body, Identified, Robot
 
 CLEARER = 0.03
@@ -142,6 +143,11 @@ def _check(robot: Robot, logs: Sequence[Log]) -> None:
             raise InputError(
                 f"{log.name}: found {log.n} joints, expected the {robot.n} of {robot.name}; give "
                 "the robot of this log (--robot)"
+            )
+        if np.ptp(log.q, axis=0).max() < NO_MOTION:
+            raise InputError(
+                f"{log.name}: no joint moves, expected a motion of all joints "
+                "(`irb2400 excite --for identify` makes one)"
             )
 
 

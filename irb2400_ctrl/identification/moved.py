@@ -60,6 +60,12 @@ def moved_bodies(robot: Robot, prior: Prior, theta: Array, kappa: Array) -> list
 
     A file whose bodies cannot exist is first moved to the nearest ones that can, in its own
     standard deviations: that much is no news of this arm.
+
+    Args:
+        robot: the file.
+        prior: spreads of its numbers.
+        theta: the fitted numbers, shape (p,).
+        kappa: width of each body's prior over the stated one, shape (n,) [-].
     """
     found = []
     nearest = _nearest_possible(prior)

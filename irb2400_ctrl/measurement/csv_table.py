@@ -117,7 +117,7 @@ def read_csv_table(path: Path, progress: Callable[[int], None] = lambda rows: No
 def _first_row(path: Path, lines: list[str], dialect: Dialect, start: int) -> list[str]:
     line = next((line for line in lines[start:] if line.strip(_EMPTY)), None)
     if line is None:
-        raise InputError(f"{path}: a header but no samples")
+        raise InputError(f"{path}: found a header but no samples, expected rows below it")
     return dialect.cells(line)
 
 

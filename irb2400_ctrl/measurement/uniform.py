@@ -206,7 +206,13 @@ def polished(signal: Array, step: float) -> Array:
 
 
 def derivatives(q: Array, step: float, orders: int = 4) -> tuple[Array, ...]:
-    """q, qd, qdd… of smoothed angles by central differences of fourth order, each (m, n)."""
+    """q, qd, qdd… of smoothed angles by central differences of fourth order, each (m, n).
+
+    Args:
+        q: [rad], shape (m, n).
+        step: between two samples [s].
+        orders: how many derivatives.
+    """
     found = [q]
     for order in range(1, orders + 1):
         # the second and fourth derivative each from the one two below: fewer neighbours than first

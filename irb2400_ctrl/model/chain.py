@@ -77,6 +77,11 @@ def cos_sin(matrix: Array, offset: Array, q: ca.SX) -> list[CosSin]:
 
     An offset of a multiple of 90 degrees is taken out of the argument, as in eqs. 3-8: the
     generated code then holds exact zeros and ones and no rounding of pi.
+
+    Args:
+        matrix: from angles of the actuators to angles of the joints, shape (k, n) [-].
+        offset: of the joints [rad], shape (k,).
+        q: angles of the axes [rad], shape (n,), symbols.
     """
     angles = ca.DM(matrix) @ q
     pairs: list[CosSin] = []

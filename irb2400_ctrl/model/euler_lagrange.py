@@ -30,7 +30,13 @@ def mass_matrix(robot: Robot, q: ca.SX) -> ca.SX:
 
 def coriolis(robot: Robot, q: ca.SX, qd: ca.SX) -> ca.SX:
     """C(q, qd) from the Christoffel symbols (eq. 51), shape (n, n); C qd is the Coriolis and
-    centrifugal torque."""
+    centrifugal torque.
+
+    Args:
+        robot: the arm, tool in its last link.
+        q: angles of the axes [rad], shape (n,), symbols.
+        qd: their speeds [rad/s], shape (n,), symbols.
+    """
     n = robot.n
     M = mass_matrix(robot, q)
     dM = [ca.reshape(ca.jacobian(M, q[i]), n, n) for i in range(n)]
@@ -51,7 +57,13 @@ def potential(robot: Robot, q: ca.SX) -> ca.SX:
 
 def kinetic(robot: Robot, q: ca.SX, qd: ca.SX) -> ca.SX:
     """K = sum (m v^2 + w^T R I R^T w) / 2 (eq. 46), v = J_v qd and w = J_w qd of each body (eq. 47)
-    [J]."""
+    [J].
+
+    Args:
+        robot: the arm, tool in its last link.
+        q: angles of the axes [rad], shape (n,), symbols.
+        qd: their speeds [rad/s], shape (n,), symbols.
+    """
     K = ca.SX(0)
     for link, mass, com, tensor, X in _bodies(robot, q):
         R = X[:3, :3]
@@ -66,6 +78,12 @@ def lagrange_equation(robot: Robot, q: ca.SX, qd: ca.SX, qdd: ca.SX) -> ca.SX:
     """Generalised force d/dt (dL/dqd) - dL/dq (eq. 44) of L = K - P (eq. 45), shape (n,) [Nm].
 
     Straight from the energies, without M, C and G; equal to them (eq. 49).
+
+    Args:
+        robot: the arm, tool in its last link.
+        q: angles of the axes [rad], shape (n,), symbols.
+        qd: their speeds [rad/s], shape (n,), symbols.
+        qdd: their accelerations [rad/s2], shape (n,), symbols.
     """
     L = kinetic(robot, q, qd) - potential(robot, q)
     momentum = ca.gradient(L, qd)
@@ -79,7 +97,14 @@ def gravity(robot: Robot, q: ca.SX) -> ca.SX:
 
 
 def inverse_dynamics(robot: Robot, q: ca.SX, qd: ca.SX, qdd: ca.SX) -> ca.SX:
-    """M qdd + C qd + G (eqs. 49, 56 without friction), shape (n,) [Nm]."""
+    """M qdd + C qd + G (eqs. 49, 56 without friction), shape (n,) [Nm].
+
+    Args:
+        robot: the arm, tool in its last link.
+        q: angles of the axes [rad], shape (n,), symbols.
+        qd: their speeds [rad/s], shape (n,), symbols.
+        qdd: their accelerations [rad/s2], shape (n,), symbols.
+    """
     return mass_matrix(robot, q) @ qdd + coriolis(robot, q, qd) @ qd + gravity(robot, q)
 
 

@@ -93,7 +93,13 @@ class FrictionLaw:
         self, slowest_squared: Array, forwards: Mask, backwards: Mask
     ) -> tuple[Array, Array]:
         """Least and largest dry friction, sign included, of joints that move forwards, backwards,
-        both or not at all [Nm]; speeds as in `level_range`."""
+        both or not at all [Nm]; speeds as in `level_range`.
+
+        Args:
+            slowest_squared: least squared speed [rad2/s2], shape (…, n).
+            forwards: whether the joint may move forwards, same shape.
+            backwards: whether it may move backwards, same shape.
+        """
         least, largest = self.level_range(slowest_squared)
         # moving one way alone, friction always helps the other side by a little
         top = np.where(forwards, largest, np.where(backwards, -least, 0.0))

@@ -18,7 +18,13 @@ from irb2400_ctrl.model.symbolic_arm import SymbolicArm
 
 
 def function(name: str, inputs: dict[str, ca.SX], outputs: dict[str, ca.SX]) -> ca.Function:
-    """One CasADi function with shared subexpressions computed once, its outputs dense."""
+    """One CasADi function with shared subexpressions computed once, its outputs dense.
+
+    Args:
+        name: of the CasADi function.
+        inputs: symbols by name, in the order of the arguments.
+        outputs: expressions by name, in the order of the results.
+    """
     shared = ca.cse([ca.densify(expression) for expression in outputs.values()])
     return ca.Function(name, list(inputs.values()), shared, list(inputs), list(outputs))
 
@@ -26,7 +32,14 @@ def function(name: str, inputs: dict[str, ca.SX], outputs: dict[str, ca.SX]) -> 
 def inverse_dynamics(
     arm: SymbolicArm, name: str, with_friction: bool = True, with_wrench: bool = False
 ) -> ca.Function:
-    """(q, qd, qdd, [wrench], time) -> tau."""
+    """(q, qd, qdd, [wrench], time) -> tau.
+
+    Args:
+        arm: parameters, signals and effects.
+        name: of the CasADi function.
+        with_friction: whether friction is part of the torque.
+        with_wrench: whether force [N] and moment [Nm] at the tool are one more input, shape (6,).
+    """
     s = arm.signals()
     wrench = ca.SX.sym("wrench", 6)
     inputs = {"q": s.q, "qd": s.qd, "qdd": s.qdd}
@@ -51,7 +64,14 @@ def inverse_dynamics_carried(arm: SymbolicArm, name: str) -> ca.Function:
 def forward_dynamics(
     arm: SymbolicArm, name: str, with_friction: bool = True, with_wrench: bool = False
 ) -> ca.Function:
-    """(q, qd, tau, [wrench], time) -> qdd."""
+    """(q, qd, tau, [wrench], time) -> qdd.
+
+    Args:
+        arm: parameters, signals and effects.
+        name: of the CasADi function.
+        with_friction: whether friction acts.
+        with_wrench: whether force [N] and moment [Nm] at the tool are one more input, shape (6,).
+    """
     s = arm.signals()
     tau = ca.SX.sym("tau", arm.robot.n)
     wrench = ca.SX.sym("wrench", 6)
@@ -67,7 +87,13 @@ def forward_dynamics(
 def forward_dynamics_derivatives(
     arm: SymbolicArm, name: str, with_friction: bool = True
 ) -> ca.Function:
-    """(q, qd, tau, time) -> (qdd, dqdd_dq, dqdd_dqd, dqdd_dtau)."""
+    """(q, qd, tau, time) -> (qdd, dqdd_dq, dqdd_dqd, dqdd_dtau).
+
+    Args:
+        arm: parameters, signals and effects.
+        name: of the CasADi function.
+        with_friction: whether friction acts.
+    """
     s = arm.signals()
     tau = ca.SX.sym("tau", arm.robot.n)
     solution = Acceleration.of(arm, s, tau, with_friction)
@@ -113,7 +139,13 @@ def coriolis(arm: SymbolicArm, name: str) -> ca.Function:
 
 
 def torque_regressor(arm: SymbolicArm, name: str, base: bool = False) -> ca.Function:
-    """(q, qd, qdd) -> Y, in all inertial parameters or in the base parameters."""
+    """(q, qd, qdd) -> Y, in all inertial parameters or in the base parameters.
+
+    Args:
+        arm: parameters, signals and effects.
+        name: of the CasADi function.
+        base: in base parameters, which a motion can tell apart, instead of all.
+    """
     s = arm.signals()
     Y = regressor(arm.robot, s.q, s.qd, s.qdd)
     if base:
@@ -138,7 +170,14 @@ def friction_torque(arm: SymbolicArm, name: str) -> ca.Function:
 def of_q(
     name: str, arm: SymbolicArm, output: str, expression: Callable[[ca.SX], ca.SX]
 ) -> ca.Function:
-    """q -> a kinematic quantity."""
+    """q -> a kinematic quantity.
+
+    Args:
+        name: of the CasADi function.
+        arm: whose angles are the input [rad], shape (n,).
+        output: name of the result.
+        expression: from the angles to it.
+    """
     q = ca.SX.sym("q", arm.robot.n)
     return function(name, {"q": q}, {output: expression(q)})
 

@@ -60,6 +60,12 @@ def point_jacobian(robot: Robot, q: ca.SX, point: ca.SX, link: int) -> ca.SX:
     Serial columns are [z_i x (p - o_i); z_i] (eq. 32); q moves the joints through theta = A q, so
     J_q = J_theta A. For q2 this leaves z_2 x (o_3 - o_2) and no rotation: the parallelogram column
     of eq. 33.
+
+    Args:
+        robot: the arm.
+        q: angles of the axes [rad], shape (n,), symbols.
+        point: in the base frame [m], shape (3,).
+        link: that carries it, 1 to n.
     """
     columns = []
     for i, X in enumerate(link_poses(robot, q)):

@@ -23,6 +23,10 @@ def mass_matrix(
     composite body under unit acceleration of phi_i, carried down to the joints below it. In a group
     of parallel axes phi_i turns link i alone and shifts the later ones. `phi` and `added` as in
     `newton_euler.inverse_dynamics`.
+
+    Args:
+        robot: the arm.
+        q: angles of the axes [rad], shape (n,), symbols.
     """
     arm = arm_of(robot, phi, added)
     chain = arm.chain

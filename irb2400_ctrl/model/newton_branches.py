@@ -154,7 +154,13 @@ class NewtonBranches:
             start, owner = start.reshape(-1, self.n), np.repeat(owner[close], len(ACROSS))
 
     def descend(self, q: Array, X_BF: Array, damping: float) -> Array:
-        """Damped Newton from starts (m, n) to poses (m, 4, 4); nan where it does not arrive."""
+        """Damped Newton from starts (m, n) to poses (m, 4, 4); nan where it does not arrive.
+
+        Args:
+            q: starts [rad], shape (m, n).
+            X_BF: poses of the flange in the base [m], shape (m, 4, 4).
+            damping: of the first step; less while the error falls, more where it grows.
+        """
         state = np.column_stack([q, np.full(len(q), damping)])
         flat = np.ascontiguousarray(X_BF, dtype=float)
         going = np.arange(len(q))

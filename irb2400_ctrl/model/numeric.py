@@ -26,6 +26,8 @@ def evaluate(
     """The function's first output for one state (width,) per input, or for m states (m, width).
 
     Args:
+        function: its remaining inputs are scalars.
+        inputs: one state each, shape (width,), or m of them, shape (m, width).
         constants: values of the remaining scalar inputs.
         matrix: one result keeps its two dimensions.
 

@@ -14,7 +14,15 @@ def regressor(
     robot: Robot, q: ca.SX, qd: ca.SX, qdd: ca.SX, gravity: ca.SX | ca.DM | None = None
 ) -> ca.SX:
     """Y with tau = Y phi, phi the (m, mc, I_O) of all links one after another, shape (n, 10 n);
-    gravity in the base frame [m/s2], default the robot's."""
+    gravity in the base frame [m/s2], default the robot's.
+
+    Args:
+        robot: the arm.
+        q: angles of the axes [rad], shape (n,), symbols.
+        qd: their speeds [rad/s], shape (n,), symbols.
+        qdd: their accelerations [rad/s2], shape (n,), symbols.
+        gravity: [m/s2], shape (3,).
+    """
     phi = ca.SX.sym("phi", 10 * robot.n)
     tau = inverse_dynamics(robot, q, qd, qdd, ca.reshape(phi, 10, robot.n).T, gravity)
     return ca.jacobian(tau, phi)

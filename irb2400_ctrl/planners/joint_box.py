@@ -32,6 +32,11 @@ def outside_box(model: Model, q: Array) -> str | None:
 def inside_box(model: Model, name: str, q: Array) -> None:
     """Refuse a configuration (n,) outside the joint box, by the name it has in the request.
 
+    Args:
+        model: of the arm.
+        name: for the message.
+        q: [rad], shape (n,).
+
     Raises:
         InputError: outside, with the axis and its range.
     """
@@ -42,6 +47,11 @@ def inside_box(model: Model, name: str, q: Array) -> None:
 
 def can_hold(model: Model, name: str, q: Array) -> None:
     """Refuse a configuration (n,) in which the torque limits cannot carry the arm.
+
+    Args:
+        model: of the arm.
+        name: for the message.
+        q: [rad], shape (n,).
 
     Raises:
         InfeasibleError: with the axis and what it needs.

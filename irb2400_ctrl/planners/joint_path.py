@@ -78,7 +78,13 @@ class JointPath:
     @classmethod
     def hermite(cls, time: Array, q: Array, qd: Array) -> JointPath:
         """q(t) with the time as its parameter: between rows at the times (m,) [s] the cubic that
-        has their angles [rad] and speeds [rad/s], each (m, n)."""
+        has their angles [rad] and speeds [rad/s], each (m, n).
+
+        Args:
+            time: [s], shape (m,).
+            q: [rad], shape (m, n).
+            qd: [rad/s], shape (m, n).
+        """
         return cls.joining(time, (q[:-1], qd[:-1]), (q[1:], qd[1:]))
 
     @classmethod
@@ -86,7 +92,13 @@ class JointPath:
         cls, time: Array, start: tuple[Array, Array], end: tuple[Array, Array]
     ) -> JointPath:
         """Pieces one after another, each the cubic that has the angles and the speeds of its start
-        and its end, (m - 1, n); one need not begin where the one before ends."""
+        and its end, (m - 1, n); one need not begin where the one before ends.
+
+        Args:
+            time: of starts and ends [s], shape (m,).
+            start: angles [rad] and speeds [rad/s], (m - 1, n) each.
+            end: likewise.
+        """
         h = np.diff(time)[:, None]
         # into their places: of a long motion each is several MB
         found = np.empty((4, *start[0].shape))
@@ -101,7 +113,13 @@ class JointPath:
 
     @classmethod
     def lines(cls, time: Array, start: Array, end: Array) -> JointPath:
-        """The same with straight pieces."""
+        """The same with straight pieces.
+
+        Args:
+            time: [s], shape (m,).
+            start: angles of the pieces' starts [rad], shape (m - 1, n).
+            end: of their ends, likewise.
+        """
         slope = (end - start) / np.diff(time)[:, None]
         nothing = np.zeros_like(slope)
         return cls(time.copy(), np.stack([start, slope, nothing, nothing]))

@@ -92,7 +92,14 @@ def law_rows(
     dynamics: PathDynamics, law: TimeLaw, tcp: TcpPath, reference: SampledReference
 ) -> tuple[Trajectory, Array]:
     """The rows with torque and the TCP's way, with the digits of the file, and where on the joint
-    path they are."""
+    path they are.
+
+    Args:
+        dynamics: the arm's torque along the path.
+        law: when the path is where.
+        tcp: the way of the TCP.
+        reference: the rows.
+    """
     rows = reference.rows
     s = law.at(rows.time)[0]
     tau = dynamics.torque(rows.q, rows.qd, rows.qdd, rows.time)

@@ -56,7 +56,13 @@ def acceleration_noise(even: Log, rate: float | None = None) -> tuple[Array, flo
 
 
 def torque_of(robot: Robot, q: Array, acceleration: Array) -> Array:
-    """rms of M(q) times an acceleration that is independent of the angles q, shape (n,) [Nm]."""
+    """rms of M(q) times an acceleration that is independent of the angles q, shape (n,) [Nm].
+
+    Args:
+        robot: the arm.
+        q: [rad], shape (m, n).
+        acceleration: samples of it [rad/s2], shape (k, n).
+    """
     place = np.linspace(0, len(q) - 1, 60).astype(int)
     M = np.asarray(Model(robot).mass_matrix(q[place]))
     covariance = np.cov(acceleration.T)

@@ -42,7 +42,13 @@ class Identified(Table):
 
     @classmethod
     def of(cls, names: Sequence[str], covariance: Array, logs: Sequence[str] = ()) -> Identified:
-        """Of a covariance (p, p) of numbers with these names."""
+        """Of a covariance (p, p) of numbers with these names.
+
+        Args:
+            names: of the numbers, as `root` has them.
+            covariance: in their units squared, shape (p, p).
+            logs: that they were identified from.
+        """
         size = np.sqrt(np.diag(covariance))
         scaled = covariance / np.outer(size, size)
         # what rounding has made negative is nothing

@@ -17,7 +17,14 @@ from irb2400_ctrl.trajectory import Trajectory
 def bounds_reached(
     robot: Robot, plant: Robot, reference: Trajectory, signals: Mapping[str, Array]
 ) -> dict[str, Any]:
-    """Axes count from 1; empty lists, 0 and None where nothing was reached."""
+    """Axes count from 1; empty lists, 0 and None where nothing was reached.
+
+    Args:
+        robot: as the controller knows it.
+        plant: as it is.
+        reference: that was asked for.
+        signals: of the run by name, a row a sample.
+    """
     at_limit = np.greater_equal(np.abs(signals["tau"]), plant.tau_bound * (1 - 1e-9))
     brake = signals.get("c_brake")
     closed = None

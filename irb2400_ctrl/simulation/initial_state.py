@@ -43,6 +43,8 @@ class InitialState:
         """States of the loop in a row, and the torque [Nm] in balance.
 
         Args:
+            arm: the plant.
+            motion: that begins.
             gains: parameters of the controller under their names in the loop.
         """
         zero = np.array(encoder_zero(arm))

@@ -234,7 +234,13 @@ def prefixed(prefix: str, fields: tuple[Field, ...] | list[Field]) -> list[Field
 
 def run(block: Block, prefix: str, values: Mapping[str, ca.SX]) -> Values:
     """One step of a block on expressions: next states under `<name>_next`, outputs under their
-    names."""
+    names.
+
+    Args:
+        block: whose step it is.
+        prefix: of its names among the values.
+        values: states, inputs and parameters by name.
+    """
     taken = (*block.states, *block.inputs, *block.parameters)
     results = block.step.call([values[prefix + f.name] for f in taken], True, False)
     n = len(block.states)

@@ -37,6 +37,12 @@ def as_packaged(
 
     An input outside its bounds: the state stands still, the last good output is repeated, `fault`
     is 1.
+
+    Args:
+        controller: whose step it is.
+        prefix: of its names among the values.
+        values: states, inputs and parameters by name.
+        run: makes the plain step.
     """
     control = run(controller, prefix, values)
     tests = [test for f in believed(controller) for test in _inside(f, values[prefix + f.name])]
@@ -67,7 +73,13 @@ def _inside(field: Field, value: ca.SX) -> list[ca.SX]:
 
 def end_stop_torque(plant: Robot, q: ca.SX, qd: ca.SX) -> ca.SX:
     """Torque of the end stops on the axes [Nm]: one-sided springs with damping, `STOP_RAD` beyond
-    what is believed; none where the torque limit of an axis is unknown."""
+    what is believed; none where the torque limit of an axis is unknown.
+
+    Args:
+        plant: with the ranges of its axes.
+        q: true angles [rad], shape (n,).
+        qd: true speeds [rad/s], shape (n,).
+    """
     known = np.isfinite(plant.tau_bound)
     stiffness = ca.DM(np.where(known, plant.tau_bound, 0.0) / STOP_DEPTH)
     margin = BEYOND + STOP_RAD

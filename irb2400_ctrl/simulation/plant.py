@@ -153,7 +153,13 @@ def _tables(given: dict[str, ca.SX], n: int, soft: int) -> list[ca.SX]:
 
 def link_angles(robot: Robot, q: ca.SX, link: ca.SX) -> ca.SX:
     """Angles on the side of the links, shape (n,): those of the actuators, but `link` where a joint
-    is elastic."""
+    is elastic.
+
+    Args:
+        robot: with its elastic joints.
+        q: of the actuators [rad], shape (n,).
+        link: of the elastic joints [rad], one each.
+    """
     angles = ca.SX(q)
     angles[list(elastic_joints(robot))] = link
     return angles

@@ -35,7 +35,15 @@ STATES = ("q", "qd", "qdd", "dry", "time", "memory", "link", "link_rate", "link_
 def time_step(
     robot: Robot, h: float, friction_steps: int, sweeps: int, wrench: bool
 ) -> ca.Function:
-    """(STATES, tau, wrench, phi, friction, effects, elastic) -> STATES after the time h."""
+    """(STATES, tau, wrench, phi, friction, effects, elastic) -> STATES after the time h.
+
+    Args:
+        robot: the plant.
+        h: [s].
+        friction_steps: one after another in the time h.
+        sweeps: of that solution over the joints.
+        wrench: whether force and moment act at the tool.
+    """
     soft = list(elastic_joints(robot))
     mechanics = symbolic_mechanics(robot)
     x = _State.symbols(robot.n, len(soft), mechanics.memory_size)

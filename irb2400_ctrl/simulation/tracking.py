@@ -36,6 +36,11 @@ def contour_errors(path: Array, points: Array, window: int) -> Array:
 
     Being late on the path costs nothing here: a point is compared with the stretch of `path` (m, 3)
     that lies within `window` samples of it.
+
+    Args:
+        path: [m], shape (m, 3).
+        points: [m], shape (m, 3).
+        window: samples to either side.
     """
     best = np.linalg.norm(points - path, axis=1)
     start = path[:-1]

@@ -24,6 +24,12 @@ def run_on_cluster(study: Study, cases: Iterable[int], address: str, work: Work)
     Dask repeats the cases of a worker that died; results leave the cluster at once, so nothing
     finished is lost. Cases given up at that are tried once more, one at a time.
 
+    Args:
+        study: whose cases they are.
+        cases: their numbers.
+        address: of the scheduler, such as tcp://host:8786.
+        work: what a worker does with a case; importable by name.
+
     Raises:
         ToolMissingError: `distributed` is not installed.
         InputError: nobody answers at that address, or there are no workers.

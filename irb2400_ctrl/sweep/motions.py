@@ -98,7 +98,13 @@ class StudyMotion(Table):
         return b"" if t is None else b"".join(a.tobytes() for a in (t.time, t.q, t.qd, t.qdd))
 
     def trajectory(self, robot: Robot, speed: float, rng: np.random.Generator) -> Trajectory:
-        """The motion at one speed; `rng` draws its poses, if they are random."""
+        """The motion at one speed; `rng` draws its poses, if they are random.
+
+        Args:
+            robot: whose limits its moves keep.
+            speed: over the fastest [-].
+            rng: for poses that are drawn.
+        """
         if self._read is not None:
             t = self._read
             return (
@@ -126,6 +132,11 @@ def point_to_point(robot: Robot, poses: Array, speed: float) -> Trajectory:
 
     Each move is `speed` times as fast as it could be on the nominal robot: at 1 one joint reaches
     its speed limit or one actuator its torque limit.
+
+    Args:
+        robot: whose limits the moves keep.
+        poses: [rad], shape (k, n).
+        speed: over the fastest [-].
 
     Raises:
         InputError: the arm's weight alone is beyond an actuator.

@@ -52,6 +52,12 @@ class _Worker:
 def run_on_cores(study: Study, cases: Iterable[int], workers: int, work: Work) -> Results:
     """Run the cases, in any order; results come as they are ready.
 
+    Args:
+        study: whose cases they are.
+        cases: their numbers.
+        workers: processes.
+        work: what a worker does with a case; importable by name.
+
     Raises:
         IrbError: a case met an error of ours, or workers cannot live on this machine.
     """

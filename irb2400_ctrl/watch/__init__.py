@@ -1,8 +1,10 @@
-"""An arm followed through its log as it comes: what is left of the torques, alarms, suspicions."""
+"""An arm followed through its log as it comes: what is left of the torques, alarms,
+suspicions, the numbers that drift."""
 
 from irb2400_ctrl.watch.alarm import Alarm, Cusum, Usual
 from irb2400_ctrl.watch.baseline import Baseline, Blocks
 from irb2400_ctrl.watch.suspicion import Suspicion, followed
+from irb2400_ctrl.watch.tracking import Tracked, Tracker
 from irb2400_ctrl.watch.watch import Seen, Watch
 
 __all__ = [
@@ -12,6 +14,8 @@ __all__ = [
     "Cusum",
     "Seen",
     "Suspicion",
+    "Tracked",
+    "Tracker",
     "Usual",
     "Watch",
     "followed",

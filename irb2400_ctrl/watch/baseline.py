@@ -8,6 +8,7 @@ open. How large it really is on motion that was not fitted is seen by leaving pa
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -21,7 +22,9 @@ from irb2400_ctrl.diagnosis.preparation.identified_prior import IdentifiedPrior
 from irb2400_ctrl.diagnosis.preparation.noise import Noise, complete_rows
 from irb2400_ctrl.diagnosis.regressors.bases import Bases
 from irb2400_ctrl.diagnosis.regressors.predict import predicted_torque
+from irb2400_ctrl.effects import LIBRARY
 from irb2400_ctrl.measurement import Log, PreparedLog, prepare
+from irb2400_ctrl.model.friction import FrictionLaw
 from irb2400_ctrl.robot import Robot
 
 BLOCK = 1.0
@@ -45,6 +48,31 @@ class Blocks:
     time: Array
     energy: Array
     torque: Array
+
+
+@dataclass(frozen=True)
+class White:
+    """One joint of a record with its noise made white and of unit size, row by row.
+
+    Args:
+        time: of the rows [s], shape (r,).
+        left: torque less what the robot file predicts, shape (r,) [-].
+        columns: of the robot's numbers as unit normals, shape (r, k) [-].
+        drifts: of what drifts: the joint's Coulomb and viscous friction, a mass at the tool, in
+            natural units, shape (r, 3) [1/(Nm), 1/(Nm s/rad), 1/kg].
+    """
+
+    time: Array
+    left: Array
+    columns: Array
+    drifts: Array
+
+    def block(self, time: float) -> White:
+        """The rows of the block of which this is the middle [s]."""
+        rows = slice(
+            *np.searchsorted(block_of(self.time), block_of(np.array([time, time + BLOCK])))
+        )
+        return White(self.time[rows], self.left[rows], self.columns[rows], self.drifts[rows])
 
 
 @dataclass(frozen=True)
@@ -87,24 +115,22 @@ class Baseline:
             motion = _prepared(log)
             bases = Bases(robot.bare())
             prior = prior_of(robot, robot.uncertainty, motion)
-            Z = motion.filtered(prior.columns(bases.model, motion))
-            seen = _Seen.of(motion, Z)
+            seen = _Seen.of(bases, prior, motion)
             place = np.minimum(FOLDS * np.arange(motion.rows) // motion.rows, FOLDS - 1)
             folds = []
             for fold in range(FOLDS):
                 others = seen.without(place == fold)
                 numbers = _fitted(robot, bases, others)
-                folds.append(_blocks(robot, bases, seen.without(place != fold), numbers))
+                folds.append(_judged(robot, bases, seen.without(place != fold), numbers)[0])
             whole = _fitted(robot, bases, seen)
         return cls(robot, bases, prior, whole, _joined(folds))
 
-    def blocks(self, log: Log) -> Blocks:
+    def judged(self, log: Log) -> tuple[Blocks, list[White]]:
         """Of a record of at least two seconds; its first and last moments are not complete."""
         with one_thread():
             motion = _prepared(log)
-            Z = motion.filtered(self.prior.columns(self.bases.model, motion))
-            seen = _Seen.of(motion, Z)
-            return _blocks(self.robot, self.bases, seen, self.numbers)
+            seen = _Seen.of(self.bases, self.prior, motion)
+            return _judged(self.robot, self.bases, seen, self.numbers)
 
 
 @dataclass(frozen=True)
@@ -114,15 +140,39 @@ class _Seen:
 
     motion: PreparedLog
     Z: Array
+    drifts: Array
+    """of each joint's own Coulomb and viscous friction and of a mass at the tool, (rows, n, 3)"""
 
     @classmethod
-    def of(cls, motion: PreparedLog, Z: Array) -> _Seen:
+    def of(cls, bases: Bases, prior: BasePrior | IdentifiedPrior, motion: PreparedLog) -> _Seen:
+        Z = motion.filtered(prior.columns(bases.model, motion))
         known = motion.row_known & ~reversal_rows(motion)
-        return cls(replace(motion, row_known=known), Z)
+        return cls(replace(motion, row_known=known), Z, _drifts(bases, motion))
 
     def without(self, rows: Mask) -> _Seen:
         known = self.motion.row_known & ~rows[:, None]
         return replace(self, motion=replace(self.motion, row_known=known))
+
+
+def _drifts(bases: Bases, motion: PreparedLog) -> Array:
+    """Filtered torque per Nm, Nm s/rad and kg, shape (rows, n, 3)."""
+    robot = bases.robot
+    load = LIBRARY["payload"].of(None, mass_kg=1.0, com_m=_tool_place(robot))
+    coulomb, viscous, _ = FrictionLaw.of(robot).regressor(motion.qd)
+    friction = motion.filtered(np.stack([coulomb, viscous], axis=2))
+    (basis,) = bases.columns("payload", None, motion)
+    mass = basis.torque(np.array(load.coefficients()), motion.n)
+    return np.concatenate([friction, mass[:, :, None]], axis=2)
+
+
+def _tool_place(robot: Robot) -> tuple[float, ...]:
+    """Where the tool's mass is, in the flange frame [m]; that of the last link where the file has
+    the tool in it."""
+    if robot.tool is not None and robot.tool.body.mass_kg > 0.0:
+        return robot.tool.body.com_m
+    centre = np.append(robot.links[-1].body.com_m, 1.0)
+    x, y, z = np.linalg.solve(robot.flange.matrix(), centre)[:3]
+    return float(x), float(y), float(z)
 
 
 def _prepared(log: Log) -> PreparedLog:
@@ -137,28 +187,45 @@ def _fitted(robot: Robot, bases: Bases, seen: _Seen) -> Numbers:
     return Numbers(fit.z, fit.z_covariance, noise)
 
 
-def _blocks(robot: Robot, bases: Bases, seen: _Seen, numbers: Numbers) -> Blocks:
+def _whitened(
+    robot: Robot, bases: Bases, seen: _Seen, numbers: Numbers
+) -> Iterator[tuple[White, Array]]:
+    """Each joint, and its rows before whitening: what the fitted numbers leave [Nm], shape (r,)."""
     motion = seen.motion
     y = motion.filtered(motion.tau_smooth - predicted_torque(robot, motion, bases))
     left = y - seen.Z @ numbers.z
-    number = np.floor(motion.row_time / BLOCK + 1e-9).astype(int)
-    count = number[-1] - number[0] + 1
-    energy = np.full((count, motion.n), np.nan)
-    torque = np.full((count, motion.n), np.nan)
     for j, (a, sigma) in enumerate(numbers.noise):
         kept = complete_rows(motion.row_known[:, j], len(a) - 1)
         noise = Noise(a, np.full(len(kept), 1.0 / sigma), kept)
-        e = noise.whiten(left[:, j])
-        X = noise.whiten(seen.Z[:, j])
+        parts = (noise.whiten(part[:, j]) for part in (y, seen.Z, seen.drifts))
+        yield White(motion.row_time[kept], *parts), left[kept, j]
+
+
+def _judged(
+    robot: Robot, bases: Bases, seen: _Seen, numbers: Numbers
+) -> tuple[Blocks, list[White]]:
+    first, last = (block_of(time) for time in seen.motion.row_time[[0, -1]])
+    count = int(last - first) + 1
+    energies = []
+    torques = []
+    joints = []
+    for white, left in _whitened(robot, bases, seen, numbers):
+        X = white.columns
+        e = white.left - X @ numbers.z
         variance = 1.0 + np.sum((X @ numbers.covariance) * X, axis=1)
-        place = number[kept] - number[0]
+        place = (block_of(white.time) - first).astype(int)
         rows = np.bincount(place, minlength=count)
-        enough = rows >= LEAST_ROWS
-        sums = np.bincount(place, e**2 / variance, minlength=count)
-        energy[enough, j] = sums[enough] / rows[enough]
-        sums = np.bincount(place, left[kept, j], minlength=count)
-        torque[enough, j] = sums[enough] / rows[enough]
-    return Blocks(BLOCK * (number[0] + np.arange(count) + 0.5), energy, torque)
+        known = np.where(rows >= LEAST_ROWS, rows, np.nan)
+        energies.append(np.bincount(place, e**2 / variance, minlength=count) / known)
+        torques.append(np.bincount(place, left, minlength=count) / known)
+        joints.append(white)
+    time = BLOCK * (first + np.arange(count) + 0.5)
+    return Blocks(time, np.column_stack(energies), np.column_stack(torques)), joints
+
+
+def block_of(time: Array) -> Array:
+    """Number of the block that each time [s] lies in."""
+    return np.asarray(np.floor(time / BLOCK + 1e-9))
 
 
 def _joined(folds: list[Blocks]) -> Blocks:

@@ -67,7 +67,13 @@ def followed(
 
 
 def suspicion(watch: Watch, alarms: list[Alarm], name_it: bool = True) -> Suspicion:
-    """Of alarms that belong together."""
+    """Of alarms that belong together.
+
+    Args:
+        watch: that gave them.
+        alarms: at least one, the first is the earliest.
+        name_it: whether to diagnose.
+    """
     joints = ", ".join(str(joint) for joint in sorted({alarm.joint for alarm in alarms}))
     where = f"joint {joints}" if "," not in joints else f"joints {joints}"
     seconds = min(watch.until - alarms[0].since, SUSPECT)

@@ -15,6 +15,7 @@ from irb2400_ctrl.measurement import Log
 from irb2400_ctrl.robot import Robot
 from irb2400_ctrl.watch.alarm import LEAST_BLOCKS, MONTH, Alarm, Cusum, Usual
 from irb2400_ctrl.watch.baseline import BLOCK, Baseline
+from irb2400_ctrl.watch.tracking import Tracked, Tracker
 
 LEARN = 60.0
 """[s] of the log that are taken as sound"""
@@ -38,6 +39,7 @@ class Seen:
         torque: external torque, shape (n,) [Nm].
         sums: of the alarm, over its threshold, shape (n,) [-].
         alarms: that the block gives.
+        tracked: frictions and load after it.
     """
 
     time: float
@@ -45,6 +47,7 @@ class Seen:
     torque: Array
     sums: Array
     alarms: tuple[Alarm, ...]
+    tracked: Tracked
 
 
 @dataclass
@@ -64,6 +67,7 @@ class Watch:
     seen: list[Seen] = field(default_factory=list)
     _samples: list[Log] = field(default_factory=list)
     _cusum: Cusum | None = None
+    _tracker: Tracker | None = None
     _next: float = 0.0
     _first: float | None = None
 
@@ -95,7 +99,9 @@ class Watch:
         record = _joined(self._samples)
         end = record.time[0] + self.learn
         self.baseline = Baseline.of(self.robot, between(record, -np.inf, end))
-        self._cusum = Cusum(Usual.of(self.baseline.learned), self.between)
+        usual = Usual.of(self.baseline.learned)
+        self._cusum = Cusum(usual, self.between)
+        self._tracker = Tracker(self.baseline, usual)
         self._next = float(np.ceil(end / BLOCK) * BLOCK)
 
     def _work(self) -> Iterator[Seen]:
@@ -117,20 +123,23 @@ class Watch:
     def _judged(self, record: Log, end: float) -> Iterator[Seen]:
         assert self.baseline is not None
         assert self._cusum is not None
+        assert self._tracker is not None
         # a gap as long as this says nothing
         if record.duration < 2 * AROUND or len(record.time) < 100:
             return
-        found = self.baseline.blocks(record)
+        found, joints = self.baseline.judged(record)
         for time, energy, torque in zip(found.time, found.energy, found.torque, strict=True):
             if not self._next < time < end:
                 continue
             alarms = self._cusum.add(float(time), energy, torque)
+            tracked = self._tracker.add([white.block(time) for white in joints], alarms)
             shown = Seen(
                 float(time),
                 energy / self._cusum.usual.energy,
                 torque,
                 self._cusum.sums / self._cusum.threshold,
                 tuple(alarms),
+                tracked,
             )
             self.seen.append(shown)
             yield shown
@@ -157,6 +166,10 @@ class Watch:
         count = np.maximum(np.isfinite(torque).sum(axis=0), 1)
         return np.where(shown, 3.0 * np.sqrt(np.nansum(torque**2, axis=0) / count), np.nan)
 
+    def lately(self, seconds: float = LEARN) -> Log:
+        """The last of the samples that came, at most so many [s]."""
+        return between(_joined(self._samples), self.until - seconds, np.inf)
+
     def diagnosed(self, alarm: Alarm) -> Diagnosis:
         """The seconds before and after the alarm's beginning as one record: what begins there is
         what changed."""
@@ -175,12 +188,19 @@ class Watch:
             "false_alarm_after_s": self.between,
             "external_torque_band_Nm": self.band,
             "largest_external_torque_Nm": largest,
+            "tracked": self.seen[-1].tracked.to_json() if self.seen else None,
             "alarms": [alarm.to_json() for seen in self.seen for alarm in seen.alarms],
         }
 
 
 def between(log: Log, start: float, end: float) -> Log:
-    """The samples from `start` to `end` [s], on a view of the log's arrays where it can be."""
+    """The samples from `start` to `end` [s], on a view of the log's arrays where it can be.
+
+    Args:
+        log: samples in their order.
+        start: first time that counts [s].
+        end: first time that does not [s].
+    """
     rows = slice(*np.searchsorted(log.time, [start, end]))
     parts: dict[str, Any] = {
         name: None if (value := getattr(log, name)) is None else value[rows]

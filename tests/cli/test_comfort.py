@@ -3,7 +3,11 @@
 from __future__ import annotations
 
 import json
+import os
 import re
+import subprocess
+import sys
+import time
 import tomllib
 from pathlib import Path
 from typing import Any
@@ -12,7 +16,7 @@ import pytest
 from typer.testing import CliRunner
 
 import irb2400_ctrl as irb
-from irb2400_ctrl.cli import main
+from irb2400_ctrl.cli import main, progress
 from irb2400_ctrl.cli.main import app
 from irb2400_ctrl.effects import LIBRARY
 from irb2400_ctrl.errors import InputError
@@ -186,3 +190,59 @@ def test_schema_of_a_robot_holds_every_effect() -> None:
 def effects_of(schema: dict[str, Any]) -> list[dict[str, str]]:
     found: list[dict[str, str]] = schema["properties"]["effects"]["items"]["oneOf"]
     return found
+
+
+@pytest.mark.parametrize(
+    ("words", "place", "expected"),
+    [
+        ("irb2400 di", 1, ["diagnose"]),
+        ("irb2400 codegen --targ", 2, ["--target"]),
+        ("irb2400 codegen --target co", 3, ["cortex-m4f", "cortex-m7"]),
+    ],
+)
+def test_the_shell_completes(words: str, place: int, expected: list[str]) -> None:
+    """As bash asks, with what `irb2400 --show-completion` has told it."""
+    asked = {"_IRB2400_COMPLETE": "complete_bash", "COMP_WORDS": words, "COMP_CWORD": str(place)}
+    command = "import sys; sys.argv = ['irb2400']; from irb2400_ctrl.cli.main import run; run()"
+    done = subprocess.run(
+        [sys.executable, "-c", command],
+        env={**os.environ, **asked},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.stdout.split() == expected, done.stderr
+
+
+def test_the_exit_codes_are_said() -> None:
+    text = " ".join(run("--help")[0].split())
+    assert "Exit code 0: done. 2: the input was wrong" in text
+
+
+@pytest.mark.parametrize("group", [[], ["robot"], ["path"], ["log"]])
+def test_what_a_command_does_is_not_cut(group: list[str]) -> None:
+    text = CliRunner().invoke(app, [*group, "--help"], env={"COLUMNS": "80"}).stdout
+    assert "Commands:" in text
+    assert "..." not in text.split("Commands:")[1]
+
+
+def test_a_pipe_hears_of_many_cases_now_and_then(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Not a line a case: when the work changes, and every ten seconds."""
+    monkeypatch.setattr(progress, "EVERY_S", 0.3)
+    token = progress.shown_as.set(progress.Progress.PLAIN)
+    try:
+        with progress.step("begin") as say:
+            for k in range(500):
+                say(f"{k} of 500 cases")
+            time.sleep(0.45)
+            say("end")
+    finally:
+        progress.shown_as.reset(token)
+    said = [line.split("s  ")[1] for line in capsys.readouterr().err.splitlines()]
+    assert said[0] == "begin"
+    assert said[-1] == "end"
+    assert "499 of 500 cases" in said
+    # more than four only where the machine is held up
+    assert len(said) < 50

@@ -11,6 +11,7 @@ import pytest
 from command_line import irb2400
 
 import irb2400_ctrl as irb
+from irb2400_ctrl.cli.logs_in import read_logs
 
 
 def complaint(*arguments: object, cwd: Path) -> str:
@@ -51,6 +52,28 @@ def test_log_without_torque(tmp_path: Path) -> None:
     log = write_log(tmp_path / "log.csv", drop="tau")
     text = complaint("diagnose", log, "--out", tmp_path / "out", cwd=tmp_path)
     assert "tau1_Nm" in text
+
+
+def test_a_log_that_is_given_twice_counts_once(tmp_path: Path) -> None:
+    log = write_log(tmp_path / "log.csv")
+    again = tmp_path / "." / "log.csv"
+    found = read_logs([log, again], None)
+    assert len(found.logs) == 1
+    assert [one.why for one in found.left_out] == ["given twice, counts once"]
+
+
+def test_a_log_in_which_nothing_moves_identifies_nothing(tmp_path: Path) -> None:
+    names = ["time_s", *(f"q{j}_deg" for j in range(1, 7)), *(f"tau{j}_Nm" for j in range(1, 7))]
+    rows = [f"{k / 250:.3f}," + ",".join(["1.0"] * 12) for k in range(2500)]
+    log = tmp_path / "still.csv"
+    log.write_text("\n".join([",".join(names), *rows]) + "\n")
+    text = complaint("identify", log, "--out", tmp_path / "out", cwd=tmp_path)
+    assert "no joint moves, expected a motion" in text
+
+
+@pytest.mark.parametrize("place", ["egm:", "egm://", "egm:///"])
+def test_a_controller_without_a_name_is_asked_for(place: str, tmp_path: Path) -> None:
+    assert "expected egm://HOST" in complaint("watch", place, cwd=tmp_path)
 
 
 def test_nan_in_a_log_says_where(tmp_path: Path) -> None:

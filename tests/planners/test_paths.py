@@ -90,6 +90,7 @@ HEAD = "x_mm,y_mm,z_mm,i,j,k\n900,0,500,0,0,1\n"
         ("a.csv", HEAD, "found 1 point"),
         ("a.csv", "", "is empty"),
         ("a.csv", "x_mm,y_mm\n1,2\n", "no column z_mm"),
+        ("a.csv", "x,y,z,i,j,k\n1,2,3,0,0,1\n", "write the unit into the names: x_mm for x"),
         ("a.csv", "x_mm,y_mm,z_mm\n1,2,3\n", "no orientation"),
         ("a.apt", "GOTO/1,2,3\nGOTO/1,2\n", "line 2: GOTO/ has 2 numbers"),
         (

@@ -12,6 +12,7 @@ import sys
 import time
 from pathlib import Path
 
+import browser
 import pyarrow as pa
 import pytest
 from pyarrow import parquet
@@ -20,7 +21,7 @@ from sweep.studies import CASES, SMALL, TRACE, attempts, small
 
 from irb2400_ctrl.errors import InputError, IrbError
 from irb2400_ctrl.report.pages.sweep_page import sweep_page
-from irb2400_ctrl.sweep import run_sweep, summary_text
+from irb2400_ctrl.sweep import load_study, run_sweep, summary_text
 from irb2400_ctrl.sweep.journal import log_path
 from irb2400_ctrl.sweep.table import summarise
 
@@ -254,6 +255,17 @@ def test_runs_that_fail_say_so_in_the_table(tmp_path: Path) -> None:
     assert all(row["message"] for row in told["problems"])
     assert [line["failed"] for line in told["lines"]] == [line.failed for line in sweep.lines]
     assert f"{len(sweep.problems)} of {len(sweep.rows)} runs failed" in sweep_page(sweep).html()
+
+
+def test_the_page_has_the_arm_to_play(alone: Path, tmp_path: Path) -> None:
+    sweep = run_sweep(load_study(alone / "study.toml"), alone, workers=1)
+    page = sweep_page(sweep).write(tmp_path / "report.html")
+    worst = max(sweep.rows, key=lambda row: float(row["tcp_error_rms_mm"]))
+    text = page.read_text()
+    assert f"as in case {worst['case']}, where the error is largest" in text
+    assert len(text) < 5e6
+    if browser.CHROMIUM is not None:
+        assert browser.arm_moves(page)
 
 
 def test_quantiles_of_the_summary() -> None:

@@ -136,6 +136,7 @@ def test_the_command_follows_a_controller(
         live = tmp_path / "live.html"
         live.write_text(pages[-1])
         assert browser.console(live) == []
+        assert browser.arm_moves(tmp_path / "report.html")
 
 
 def test_a_bag_that_is_recorded_is_read_as_it_grows(changing: Log, tmp_path: Path) -> None:

@@ -207,9 +207,16 @@ def test_command(changing: Log, tmp_path: Path) -> None:
     assert found["false_alarm_after_s"] == 30 * 86400
     assert found["largest_external_torque_Nm"][1] > found["external_torque_band_Nm"][1]
     assert "ALARM" in done.stderr
+    # a screen of 80 columns, but for the paths
+    said = [line for line in done.stderr.splitlines() if not line.startswith("written")]
+    assert max(map(len, said)) <= 80
+    assert "tracked: Coulomb friction 2 +" in done.stderr
+    tracked = found["tracked"]["coulomb_Nm"]
+    assert tracked["change"][1] > tracked["change_band"][1]
+    assert tracked["value"][0] == pytest.approx(24.2, abs=5.0)
     page = (tmp_path / "out" / "report.html").read_text()
     assert "The arm changed at about" in page
-    assert page.count("<svg") == 18
+    assert page.count("<svg") == 31
     # its log is named by what is in it
     assert sha256(log.read_bytes()).hexdigest() in page
     short = CliRunner().invoke(app, ["watch", str(log), "--learn", "200"])

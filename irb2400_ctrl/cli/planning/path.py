@@ -40,10 +40,10 @@ def main() -> None:
     """Look at a CAM file, pass a motion on."""
 
 
-app.command("bag")(bag.bag)
+app.command("bag", short_help="a motion as a ROS 2 bag")(bag.bag)
 
 
-@app.command()
+@app.command(short_help="what a CAM file holds, operation by operation")
 @answers
 def show(
     file: Annotated[

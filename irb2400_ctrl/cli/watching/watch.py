@@ -13,7 +13,7 @@ from irb2400_ctrl.cli.command_line import provenance
 from irb2400_ctrl.cli.logs_in import WHAT
 from irb2400_ctrl.cli.options import ColumnsOption, RobotOption, input_file, load_arm, output_folder
 from irb2400_ctrl.cli.summary import Summary, answers
-from irb2400_ctrl.cli.watching.lines import learned, status
+from irb2400_ctrl.cli.watching.lines import drifted, learned, status
 
 if TYPE_CHECKING:
     from irb2400_ctrl.measurement import Log
@@ -85,8 +85,8 @@ def watch(
     every: EveryOption = 10.0,
     suspect: NameOption = True,
 ) -> Summary:
-    """Follow an arm through its log: residual and external torque of each joint, an alarm when the
-    arm is no longer as it was at the log's beginning, and what may be the cause."""
+    """Follow an arm through its log: residual, external torque and friction of each joint, an alarm
+    when the arm is no longer as it was at the log's beginning, and what may be the cause."""
     streamed = _streamed(log)
     if not streamed:
         input_file(log, WHAT)
@@ -114,8 +114,8 @@ def watch(
 
 def _streamed(log: Path) -> str:
     """`egm://HOST:PORT`, of which a path keeps one stroke; empty: a file."""
-    kind, _, place = log.as_posix().partition(":/")
-    return f"egm://{place}" if kind == "egm" else ""
+    kind, colon, place = log.as_posix().partition(":")
+    return f"egm://{place.lstrip('/')}" if kind == "egm" and colon else ""
 
 
 def _listening(port: int) -> None:
@@ -198,6 +198,7 @@ def _ended(watched: Watch, suspicions: list[Suspicion], log: str, out: Path | No
     facts["suspicions"] = [one.to_json() for one in suspicions]
     summary = Summary(facts)
     count = len(facts["alarms"])
+    print(drifted(watched.seen[-1].tracked))
     print(f"watched {facts['watched_s']:.0f} s: {count or 'no'} alarm{'s' * (count != 1)}")
     if out is None:
         return summary

@@ -78,6 +78,11 @@ def native_flags() -> tuple[str, ...]:
 def run_tool(command: list[str], *, cwd: Path | None = None, timeout: float = 600.0) -> str:
     """Run a program of the toolchain and return what it printed.
 
+    Args:
+        command: program and arguments.
+        cwd: folder it runs in; default this one.
+        timeout: after which it is given up [s].
+
     Raises:
         IrbError: it failed; the message holds the command and the end of its complaint.
     """

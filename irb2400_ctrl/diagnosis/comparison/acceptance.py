@@ -32,7 +32,13 @@ def effects_of(chosen: Sequence[Candidate], place: int) -> range:
 
 def stands_clear(fit: Fit, place: int, duration: float) -> bool:
     """Whether one size of a fitted effect is three standard errors from nothing, and its time
-    constants lie within a record of `duration` [s]."""
+    constants lie within a record of `duration` [s].
+
+    Args:
+        fit: of all that was chosen.
+        place: of the effect in it.
+        duration: [s].
+    """
     effect = fit.effects[place]
     size = np.array(effect.sizes())
     variance = np.zeros(len(size))
@@ -80,14 +86,26 @@ class Acceptance:
         self.criteria = criteria
 
     def clear(self, steps: Sequence[Step], fit: Fit, place: int) -> list[bool]:
-        """Which effects of a candidate stand clear of nothing, each by itself."""
+        """Which effects of a candidate stand clear of nothing, each by itself.
+
+        Args:
+            steps: of the selection so far.
+            fit: of all that was chosen.
+            place: of the candidate in it.
+        """
         time = self.fitter.motion.time
         chosen = [s.candidate for s in steps]
         span = float(time[-1] - time[0])
         return [stands_clear(fit, k, span) for k in effects_of(chosen, place)]
 
     def bears_out(self, steps: Sequence[Step], fit: Fit, place: int) -> bool:
-        """Whether the common fit of all bears one of them out."""
+        """Whether the common fit of all bears one of them out.
+
+        Args:
+            steps: of the selection so far.
+            fit: of all that was chosen.
+            place: of the candidate in it.
+        """
         chosen = [s.candidate for s in steps]
         candidate = chosen[place]
         if candidate.devices:

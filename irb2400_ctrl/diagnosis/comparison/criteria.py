@@ -88,7 +88,13 @@ class Threshold:
         self, comparison: Comparison, alternative: Alternative, chosen: Sequence[Candidate]
     ) -> bool:
         """Large enough to matter on at least one joint that it acts on, and no leftover of an
-        earlier one there."""
+        earlier one there.
+
+        Args:
+            comparison: of all alternatives.
+            alternative: in question.
+            chosen: explanations that are chosen already.
+        """
         c = self.criteria
         candidate = alternative.candidate
         if of_one_moment(candidate, chosen):
@@ -124,7 +130,13 @@ class Threshold:
         self, comparison: Comparison, alternative: Alternative, every: Sequence[Alternative]
     ) -> bool:
         """Whether an effect too small to be named says what a non-parametric law says, and better:
-        what does not matter by its name does not matter without one."""
+        what does not matter by its name does not matter without one.
+
+        Args:
+            comparison: of all alternatives.
+            alternative: a non-parametric law.
+            every: alternatives, small ones too.
+        """
         return not alternative.candidate.known and any(
             other.candidate.known
             and other.candidate.joint == alternative.candidate.joint
@@ -187,7 +199,13 @@ class Threshold:
     def least_gain(
         self, comparison: Comparison, candidate: Candidate, chosen: Sequence[Candidate]
     ) -> float:
-        """Log evidence that a candidate needs [nats]."""
+        """Log evidence that a candidate needs [nats].
+
+        Args:
+            comparison: of all alternatives.
+            candidate: in question.
+            chosen: explanations that are chosen already.
+        """
         c = self.criteria
         if not candidate.known:
             return c.non_parametric_gain
@@ -207,7 +225,13 @@ class Threshold:
         chosen: Sequence[Candidate],
     ) -> Alternative:
         """The best alternative; a non-parametric law only where it beats the library by more than
-        earlier laws may have left."""
+        earlier laws may have left.
+
+        Args:
+            comparison: of all alternatives.
+            alternatives: that may be taken.
+            chosen: explanations that are chosen already.
+        """
         best = alternatives[0]
         known = next((r for r in alternatives if r.candidate.known), None)
         if best.candidate.known or known is None:

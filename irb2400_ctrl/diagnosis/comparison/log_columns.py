@@ -84,7 +84,13 @@ class LogColumns:
         self, kind: str, joint: int | None, nonlinear: dict[str, float]
     ) -> tuple[RegressorColumns, RegressorColumns]:
         """Filtered columns of one member of a family, in the grid or between, and of its
-        discrepancy, on all joints that show it."""
+        discrepancy, on all joints that show it.
+
+        Args:
+            kind: of the effect.
+            joint: counted from 1; None of the whole arm.
+            nonlinear: its parameters by name, beside the coefficients.
+        """
         key = (kind, joint, *sorted(nonlinear.items()))
         if key not in self._members:
             self._members[key] = self._member(kind, joint, nonlinear)

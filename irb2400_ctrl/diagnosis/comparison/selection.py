@@ -109,7 +109,13 @@ class Selection:
 
     def next_step(self, chosen: Sequence[Candidate], fit: Fit, alone: bool = False) -> Step | None:
         """The best further explanation if it counts; `alone`: no two effects in the place of a
-        non-parametric law."""
+        non-parametric law.
+
+        Args:
+            chosen: explanations that are chosen already.
+            fit: of these.
+            alone: whether two effects in the place of a non-parametric law are left out.
+        """
         comparison = Comparison(self.scan, self.fitter.reversal, fit.y, fit.Z)
         every = self.alternatives(comparison, chosen)
         alternatives = [

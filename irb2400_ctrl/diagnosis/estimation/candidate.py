@@ -100,7 +100,14 @@ def plausible(
     kind: str, joint: int | None, coefficients: Array, nonlinear: dict[str, float]
 ) -> Effect | None:
     """The effect with these coefficients if its bounds allow them and it is large enough to be
-    named, else None."""
+    named, else None.
+
+    Args:
+        kind: of the effect.
+        joint: counted from 1; None of the whole arm.
+        coefficients: of its basis.
+        nonlinear: its other parameters by name.
+    """
     try:
         effect = LIBRARY[kind].from_coefficients(joint, [float(c) for c in coefficients], nonlinear)
     except (ValidationError, ValueError, ZeroDivisionError):

@@ -47,7 +47,13 @@ def value_of(effect: Effect, parameter: Parameter) -> float:
 
 
 def with_value(effect: Effect, parameter: Parameter, value: float) -> Effect:
-    """A copy without validation (differences may step over a bound)."""
+    """A copy without validation (differences may step over a bound).
+
+    Args:
+        effect: with its other numbers.
+        parameter: which one.
+        value: in the unit of its field.
+    """
     if parameter.element is None:
         return effect.model_copy(update={parameter.name: value})
     whole = list(getattr(effect, parameter.name))
@@ -58,7 +64,13 @@ def with_value(effect: Effect, parameter: Parameter, value: float) -> Effect:
 def moved(
     effects: list[Effect], parameters: Sequence[Parameter], step: Array
 ) -> list[Effect] | None:
-    """The effects after a step, shortened until all bounds hold; None if no step is possible."""
+    """The effects after a step, shortened until all bounds hold; None if no step is possible.
+
+    Args:
+        effects: as they are.
+        parameters: that move.
+        step: in the units of their fields, shape (p,).
+    """
     for shrink in (1.0, 0.5, 0.25, 0.1):
         there = list(effects)
         for parameter, change in zip(parameters, step * shrink, strict=True):

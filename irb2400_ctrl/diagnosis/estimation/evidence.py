@@ -253,7 +253,14 @@ def discrepancy_unit(
     shares: Array | None = None,
 ) -> Array:
     """Standard deviation of each departure's coefficient: its share of the rms torque of the
-    law."""
+    law.
+
+    Args:
+        law: columns of the basis, filtered [Nm].
+        coefficients: of the basis.
+        discrepancy: columns of the departures, filtered [Nm].
+        shares: of the torque, one each; default the usual one.
+    """
     size = np.sqrt(np.mean((law.values @ coefficients) ** 2))
     if shares is not None and (shares == BEGINNING).any():
         # a beginning can show where the law itself hardly does

@@ -32,7 +32,13 @@ def named_bodies(robot: Robot) -> list[tuple[Body, str]]:
 
 
 def body_spread(uncertainty: Uncertainty, body: Body, name: str) -> Array:
-    """Standard deviations of mass [kg], centre [m] and inertia [kg m2] of a body, shape (10,)."""
+    """Standard deviations of mass [kg], centre [m] and inertia [kg m2] of a body, shape (10,).
+
+    Args:
+        uncertainty: of the robot file.
+        body: mass, centre, inertia.
+        name: of the link, or `tool`.
+    """
     mass, shift, relative = uncertainty.of_body(name)
     inertia = np.array(body.inertia_kgm2)
     # an element printed as zero is not known to be zero: one per cent of the mean principal

@@ -33,6 +33,11 @@ def doubtful_accelerations(model: Model, logs: Sequence[Log], motion: PreparedLo
     the share that is noise, shape (m, n, columns) [Nm].
 
     Nothing where the motion is the commanded one: it carries no noise of the angles.
+
+    Args:
+        model: the arm.
+        logs: as recorded.
+        motion: the same, prepared.
     """
     if motion.instrumented:
         return np.zeros((len(motion.time), motion.n, 0))

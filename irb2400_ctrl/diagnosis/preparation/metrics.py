@@ -29,7 +29,13 @@ class Errors:
 
 def errors(measured: Array, predicted: Array, known: Mask) -> Errors:
     """Eqs. 75-77 on the samples whose torque is determined (not in a gap, not at standstill under
-    dry friction)."""
+    dry friction).
+
+    Args:
+        measured: torque [Nm], shape (m, n).
+        predicted: torque [Nm], shape (m, n).
+        known: samples that count, shape (m, n).
+    """
     n = measured.shape[1]
     mae = np.zeros(n)
     rmse = np.zeros(n)
@@ -49,6 +55,11 @@ def noise_floor(residual: Array, known: Mask, step: float) -> Array:
 
     Power of the residual above 3 Hz, and below 3 Hz the density found at 3-8 Hz: a model error is
     slow, noise is not.
+
+    Args:
+        residual: measured minus predicted torque [Nm], shape (m, n).
+        known: samples that count, shape (m, n).
+        step: between two samples [s].
     """
     from scipy.signal import welch
 

@@ -22,6 +22,8 @@ def predicted_torque(robot: Robot, motion: PreparedLog, bases: Bases | None = No
     measuring chain.
 
     Args:
+        robot: with its effects.
+        motion: the log, prepared.
         bases: evaluator of the robot the bases are built on; default the robot itself without its
             effects.
     """
@@ -61,7 +63,14 @@ def effect_torque(
     bases: Bases, effect: Effect, motion: PreparedLog, *, filtered: bool = False
 ) -> Array:
     """Torque of one effect along a motion from its basis, shape (m, n) or filtered (rows, n)
-    [Nm]."""
+    [Nm].
+
+    Args:
+        bases: evaluator of the robot's effects.
+        effect: with its numbers.
+        motion: the log, prepared.
+        filtered: through the motion's common filter, at its rows.
+    """
     law = bases.columns(
         effect.kind,
         effect.joint,

@@ -126,7 +126,16 @@ def columns(model: Model, layout: ColumnLayout, q: Array, qd: Array, qdd: Array)
 def torque_of(
     model: Model, layout: ColumnLayout, theta: Array, q: Array, qd: Array, qdd: Array
 ) -> Array:
-    """`columns` @ theta, shape (m, n) [Nm], without the columns."""
+    """`columns` @ theta, shape (m, n) [Nm], without the columns.
+
+    Args:
+        model: of the arm.
+        layout: which columns there are.
+        theta: their numbers, shape (p,).
+        q: [rad], shape (m, n).
+        qd: [rad/s], shape (m, n).
+        qdd: [rad/s2], shape (m, n).
+    """
     bodies = np.array(theta[: layout.inertial])
     found = np.array(model.body_torque(q, qd, qdd, bodies))
     for column, joint, signal in _drive_signals(model, layout, q, qd, qdd):

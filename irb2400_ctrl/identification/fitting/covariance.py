@@ -17,6 +17,12 @@ def block_covariance(sums: Moments, prior: Prior, numbers: Estimate, correlation
     the blocks' gradients, s_b = sum_j (g_bj - H_bj theta) / (sigma_j^2 f_j). Few blocks cannot tell
     the scatter of many numbers, so S is mixed with what the fit itself expects, as if that were as
     many more blocks as there are numbers determined by the data (Huber 1967; Newey, West 1987).
+
+    Args:
+        sums: of all recordings, block by block.
+        prior: of the robot file.
+        numbers: the fit.
+        correlation: f, samples per independent one, of each joint, shape (n,) [-].
     """
     weight = 1.0 / (numbers.sigma**2 * correlation)
     data = np.einsum("n,bnpq->pq", weight, sums.H)

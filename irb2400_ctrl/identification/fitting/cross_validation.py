@@ -19,6 +19,9 @@ def unseen_rms(sums: Moments, prior: Prior, like: Estimate, correlation: Array) 
     the weights of the joints and the widths of the bodies of a fit to all.
 
     Args:
+        sums: of all recordings, block by block.
+        prior: of the robot file.
+        correlation: samples per independent one, of each joint, shape (n,) [-].
         like: a fit of the same arm: its noise and widths.
     """
     stretches = sums.gathered(FOLDS)

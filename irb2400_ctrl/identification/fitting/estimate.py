@@ -120,7 +120,14 @@ def _usual_width(kappa: Array) -> float:
 
 
 def unbounded_minimum(sums: Moments, prior: Prior, like: Estimate, correlation: Array) -> Array:
-    """theta without bounds, with the noise and widths of another estimate, shape (p,)."""
+    """theta without bounds, with the noise and widths of another estimate, shape (p,).
+
+    Args:
+        sums: of all recordings.
+        prior: of the robot file.
+        like: whose noise and widths.
+        correlation: samples per independent one, of each joint, shape (n,) [-].
+    """
     A, b = _normal_equations(sums, prior, like.sigma, like.kappa, correlation)
     return np.asarray(scaled_inverse(A) @ b)
 
@@ -129,6 +136,12 @@ def log_evidence(sums: Moments, prior: Prior, like: Estimate, correlation: Array
     """How probable the torques are for this layout, whatever its numbers are [nats].
 
     Laplace's integral over theta (exact without bounds), at the widths of an estimate.
+
+    Args:
+        sums: of all recordings.
+        prior: of the robot file.
+        like: whose noise and widths.
+        correlation: samples per independent one, of each joint, shape (n,) [-].
     """
     A, b = _normal_equations(sums, prior, like.sigma, like.kappa, correlation)
     precision = prior.precision(like.kappa)

@@ -100,7 +100,13 @@ def recordings(motions: Sequence[PreparedLog], given: Sequence[Array]) -> list[R
 
 
 def moments(model: Model, layout: ColumnLayout, parts: Sequence[Recording]) -> Moments:
-    """The sums of all recordings."""
+    """The sums of all recordings.
+
+    Args:
+        model: of the arm.
+        layout: which columns there are.
+        parts: the recordings.
+    """
     blocks = 1 + max(int(part.block[-1]) for part in parts)
     n = model.robot.n
     p = layout.count
@@ -141,7 +147,14 @@ def _pieces(
 
 
 def predicted(model: Model, layout: ColumnLayout, part: Recording, theta: Array) -> Array:
-    """Torque along a recording, what is given included, shape (m, n) [Nm]."""
+    """Torque along a recording, what is given included, shape (m, n) [Nm].
+
+    Args:
+        model: of the arm.
+        layout: which columns there are.
+        part: the recording.
+        theta: their numbers, shape (p,).
+    """
     motion = part.motion
     found = np.array(part.given)
     for first in range(0, len(motion.time), CHUNK):

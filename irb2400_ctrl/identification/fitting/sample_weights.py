@@ -24,7 +24,14 @@ def student_weighted(
     model: Model, layout: ColumnLayout, parts: Sequence[Recording], theta: Array
 ) -> list[Recording]:
     """The recordings with weights of a Student-t about what `theta` (p,) predicts, one on the mean
-    of each joint: iteratively reweighted least squares, w = (nu + 1) / (nu + r^2 / s^2)."""
+    of each joint: iteratively reweighted least squares, w = (nu + 1) / (nu + r^2 / s^2).
+
+    Args:
+        model: of the arm.
+        layout: which columns there are.
+        parts: the recordings.
+        theta: fitted numbers, shape (p,).
+    """
     left = [part.motion.tau - predicted(model, layout, part, theta) for part in parts]
     known = np.concatenate([part.motion.known for part in parts])
     squares = np.where(known, np.concatenate(left) ** 2, 0.0)

@@ -45,6 +45,12 @@ def time_pair(names: Iterable[str]) -> tuple[str, str] | None:
 def joined(table: Table, seconds: str, nanoseconds: str, into: str) -> Table:
     """The table with these two columns as one.
 
+    Args:
+        table: as read.
+        seconds: name of that column [s].
+        nanoseconds: name of that column [ns].
+        into: name of the new column [s].
+
     Raises:
         InputError: nanoseconds below zero or of a second and more.
     """

@@ -40,7 +40,13 @@ class Proof:
 
 
 def prove(tasks: Sequence[Task], X_BW: Array, load: CuttingLoad | None = None) -> Proof:
-    """Follow each task with the joints, with the work object at X_BW (4, 4)."""
+    """Follow each task with the joints, with the work object at X_BW (4, 4).
+
+    Args:
+        tasks: what is to be followed.
+        X_BW: [m].
+        load: force of the tool [N] while it cuts.
+    """
     least: dict[str, float] = {}
     given: list[float] = []
     way: tuple[Array, Array] | None = None

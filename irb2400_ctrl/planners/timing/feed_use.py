@@ -117,6 +117,13 @@ def feed_use(
     feed is programmed.
 
     What keeps a stretch below the feed is the limit that is used most on it.
+
+    Args:
+        dynamics: the arm's torque along the path.
+        curve: with its programmed feed.
+        path: the TCP along the joints.
+        law: when the path is where.
+        limits: of torque [Nm], speed and acceleration, and of their rates.
     """
     # in the middle of a cell the bound is the mean of those at its ends
     most = np.atleast_2d(path.feed(law.s)).mean(axis=0)

@@ -29,7 +29,16 @@ def price_remedies(
     axis_tolerance: float,
     options: TimingOptions,
 ) -> list[Remedy]:
-    """The cheapest of each kind of remedy, for a path that comes close to the wrist singularity."""
+    """The cheapest of each kind of remedy, for a path that comes close to the wrist singularity.
+
+    Args:
+        dynamics: the arm's torque along the path.
+        orientation: of the tool along the path.
+        timed: choices that have a motion.
+        chosen: the one that was taken.
+        axis_tolerance: by which the tool axis may lean [rad].
+        options: of the timing.
+    """
     passing = chosen.choice.passing
     if passing is None or not passing.passages:
         return []

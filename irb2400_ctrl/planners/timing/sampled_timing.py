@@ -58,7 +58,13 @@ def time_with_samples(
 
 
 def guarantee_note(dynamics: PathDynamics, certified: bool, holds: bool) -> str:
-    """Why a plan's torque bound is not guaranteed; empty where it is."""
+    """Why a plan's torque bound is not guaranteed; empty where it is.
+
+    Args:
+        dynamics: the arm's torque along the path.
+        certified: whether the law itself was bounded.
+        holds: whether the bounds are inside the limits.
+    """
     if not certified:
         return (
             "timing by toppra: the torque limits are kept at grid points, in between they were "

@@ -56,6 +56,13 @@ def time_choices(
     """The choices that have a motion within the limits of torque and speed, each with its fastest;
     of a long path only the one that is worth most, for each takes seconds.
 
+    Args:
+        dynamics: the arm's torque along the path.
+        orientation: of the tool along the path.
+        found: branches and tool rotations, best first.
+        options: of the timing.
+        progress: told what is done now.
+
     Raises:
         InfeasibleError: none has one; says where.
     """
@@ -98,6 +105,11 @@ def limit_rates(
 ) -> TimedChoice:
     """The best choice that has a motion with limits of torque rate and jerk, too, with its law.
 
+    Args:
+        dynamics: the arm's torque along the path.
+        ranked: choices that have a motion, fastest first.
+        options: of the timing.
+
     Raises:
         InfeasibleError: none has one; says where.
     """
@@ -137,6 +149,11 @@ def settle(
 
     Where the acceleration may jump, axes that carry the part leave room for what rows swing above
     it: they are too weak to be slowed around a few rows.
+
+    Args:
+        dynamics: the arm's torque along the path.
+        timed: the choice with its law.
+        options: of the timing.
     """
     if dynamics.external and isinstance(timed.law, PiecewiseConstantLaw):
         n = dynamics.model.robot.n
@@ -150,6 +167,11 @@ def settle(
 
 def fastest(dynamics: PathDynamics, path: TaskPath, options: TimingOptions) -> Timed:
     """The fastest law of the back-end, or of the timing for effects that have no bound.
+
+    Args:
+        dynamics: the arm's torque along the path.
+        path: the TCP along the joints.
+        options: of the timing.
 
     Raises:
         InfeasibleError: no motion within the limits; says where.

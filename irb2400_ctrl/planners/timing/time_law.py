@@ -70,8 +70,20 @@ class TimeLaw(ABC):
 
     @abstractmethod
     def bounds(self, path: JointPath, limits: MotionLimits, dynamics: PathDynamics) -> Checked:
-        """Bounds over all times from the law's own numbers; nothing of a solver is used."""
+        """Bounds over all times from the law's own numbers; nothing of a solver is used.
+
+        Args:
+            path: the joints over the length s [m].
+            limits: of torque [Nm], speed and acceleration, and of their rates.
+            dynamics: the arm's torque along the path.
+        """
 
     @abstractmethod
     def peaks(self, path: JointPath, limits: MotionLimits, dynamics: PathDynamics) -> Peaks:
-        """Largest torque of each axis, and the largest torque rate, cell by cell."""
+        """Largest torque of each axis, and the largest torque rate, cell by cell.
+
+        Args:
+            path: the joints over the length s [m].
+            limits: of torque [Nm], speed and acceleration, and of their rates.
+            dynamics: the arm's torque along the path.
+        """

@@ -32,6 +32,14 @@ def time_with_toppra(
     """Rest-to-rest time law from toppra (seidel), torque rows at the ends of the cells, constant
     acceleration between.
 
+    Args:
+        cells: the path enclosed cell by cell.
+        limits: of torque [Nm], speed and acceleration, and of their rates.
+        friction: (F_s [Nm], F_c [Nm], F_v [Nm s/rad], omega_st [rad/s]) of each joint, shape (n,
+            4).
+        feed_bound: of sdot^2 at the grid points [m2/s2]; default none.
+        passes: rounds in which dry friction is taken at the speeds of the round before.
+
     Raises:
         InfeasibleError: toppra finds no parametrisation.
     """

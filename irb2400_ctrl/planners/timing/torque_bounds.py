@@ -11,7 +11,15 @@ from irb2400_ctrl.planners.timing.torque_constraints import dry_friction
 
 
 def torque_bounds(cells: Cells, u: Array, x: Array, friction: Array) -> tuple[Array, Array]:
-    """Largest and smallest torque in each cell, each (m, n) [Nm]."""
+    """Largest and smallest torque in each cell, each (m, n) [Nm].
+
+    Args:
+        cells: the path enclosed cell by cell.
+        u: sddot in each cell [m/s2], shape (m,).
+        x: sdot^2 at the ends of the cells [m2/s2], shape (m + 1,).
+        friction: (F_s [Nm], F_c [Nm], F_v [Nm s/rad], omega_st [rad/s]) of each joint, shape (n,
+            4).
+    """
     first = x[:-1, None]
     last = x[1:, None]
     low = np.minimum(first, last)
@@ -89,7 +97,13 @@ def _above_root(e: Array, x: Array) -> Array:
 
 
 def squared_speed_ratio(cells: Cells, x: Array, qd_max: Array) -> Array:
-    """Upper bound of (q'^2 x) / qd_max^2 in each cell, shape (m, n)."""
+    """Upper bound of (q'^2 x) / qd_max^2 in each cell, shape (m, n).
+
+    Args:
+        cells: the path enclosed cell by cell.
+        x: sdot^2 at the ends of the cells [m2/s2], shape (m + 1,).
+        qd_max: [rad/s], shape (n,).
+    """
     square = bernstein.product(cells.speed, cells.speed) / qd_max**2
     X = bernstein.linear(x[:-1], x[1:])[..., None]
     return bernstein.hull(bernstein.product(square, X))[1]

@@ -61,6 +61,11 @@ def dry_friction(cells: Cells, friction: Array, x_low: Array) -> tuple[Array, Ar
     """Least and largest dry friction in each cell that is passed with sdot^2 >= x_low (m,).
 
     Friction is (F_s, F_c, F_v, omega_st) per joint (eq. 54). Shapes (m, n) [Nm].
+
+    Args:
+        cells: the path enclosed cell by cell.
+        friction: shape (n, 4) [Nm, Nm, Nm s/rad, rad/s].
+        x_low: [m2/s2].
     """
     slowest = bernstein.least_size(cells.speed) ** 2 * x_low[:, None]
     law = FrictionLaw.of_table(friction)

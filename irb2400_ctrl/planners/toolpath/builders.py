@@ -28,7 +28,14 @@ def way_points(
     name: str = "way-points",
 ) -> ToolPath:
     """Straight lines through points (n, 3) [m]; `axis` one tool axis or one per point; `feed` [m/s]
-    likewise."""
+    likewise.
+
+    Args:
+        points: [m], shape (n, 3).
+        axis: towards the spindle, shape (3,) or (n, 3).
+        feed: [m/s], one number or shape (n,).
+        name: of the path.
+    """
     position = np.asarray(points, dtype=float)
     if position.ndim != 2 or position.shape[1] != 3:
         raise InputError(f"{name}: points have shape {position.shape}, expected (n, 3)")
@@ -40,7 +47,13 @@ def way_points(
 
 
 def poses(X_BT: npt.ArrayLike, *, feed: npt.ArrayLike = np.inf, name: str = "poses") -> ToolPath:
-    """Straight lines through full poses (n, 4, 4)."""
+    """Straight lines through full poses (n, 4, 4).
+
+    Args:
+        X_BT: of the tool in the base [m], shape (n, 4, 4).
+        feed: [m/s], one number or shape (n,).
+        name: of the path.
+    """
     X = np.asarray(X_BT, dtype=float)
     if X.ndim != 3 or X.shape[1:] != (4, 4):
         raise InputError(f"{name}: poses have shape {X.shape}, expected (n, 4, 4)")
@@ -56,7 +69,14 @@ def poses(X_BT: npt.ArrayLike, *, feed: npt.ArrayLike = np.inf, name: str = "pos
 def line(
     start: Sequence[float], end: Sequence[float], axis: npt.ArrayLike = UP, *, feed: float = np.inf
 ) -> ToolPath:
-    """A straight line; `axis` may be one tool axis or one for each end."""
+    """A straight line; `axis` may be one tool axis or one for each end.
+
+    Args:
+        start: [m], shape (3,).
+        end: [m], shape (3,).
+        axis: towards the spindle, shape (3,) or (2, 3).
+        feed: [m/s].
+    """
     return way_points([start, end], axis, feed=feed, name="line")
 
 
@@ -72,7 +92,18 @@ def circle(
     chord: float = CHORD,
 ) -> ToolPath:
     """An arc about `centre` in the plane across `normal`, from angle `start` over `sweep`; tool
-    axis `normal`."""
+    axis `normal`.
+
+    Args:
+        centre: [m], shape (3,).
+        radius: [m].
+        normal: of its plane, shape (3,).
+        axis: towards the spindle, shape (3,); default the normal.
+        start: angle of the first point [rad].
+        sweep: angle that it goes on for [rad].
+        feed: [m/s].
+        chord: largest distance of arc and polygon [m].
+    """
     if radius <= 0 or chord <= 0 or sweep == 0:
         raise InputError(
             f"circle: radius {radius}, chord {chord}, sweep {sweep}; expected positive lengths and "
@@ -96,7 +127,15 @@ def curve(
     name: str = "curve",
 ) -> ToolPath:
     """A curve position(t) (k, 3) [m], 0 <= t <= 1, and tool axis axis(t) (k, 3) or a constant
-    one."""
+    one.
+
+    Args:
+        position: from t (k,) to points [m], shape (k, 3).
+        axis: from t (k,) to directions towards the spindle, shape (k, 3), or one of them.
+        feed: [m/s].
+        chord: largest distance of curve and polygon [m].
+        name: of the path.
+    """
     t = np.linspace(0, 1, 65)
     for _ in range(16):
         p = position(t)
@@ -116,7 +155,14 @@ def spline(
     points: npt.ArrayLike, axis: npt.ArrayLike = UP, *, feed: float = np.inf, chord: float = CHORD
 ) -> ToolPath:
     """The cubic spline through points (n, 3) [m], over their chord length; tool axes are
-    interpolated likewise."""
+    interpolated likewise.
+
+    Args:
+        points: [m], shape (n, 3).
+        axis: towards the spindle, shape (3,) or (n, 3).
+        feed: [m/s].
+        chord: largest distance of spline and polygon [m].
+    """
     from scipy.interpolate import CubicSpline
 
     p = np.asarray(points, dtype=float)
@@ -151,7 +197,17 @@ def raster(
     feed: float = np.inf,
 ) -> ToolPath:
     """Parallel lines back and forth over a surface z = height(x, y) about `centre`; tool axis
-    up."""
+    up.
+
+    Args:
+        centre: [m], shape (3,).
+        length: of a line [m].
+        width: over all lines [m].
+        lines: number of them.
+        points: on each.
+        height: from x and y about the centre [m] to z above it [m]; default a plane.
+        feed: [m/s].
+    """
     if lines < 1 or points < 2:
         raise InputError(
             f"raster: {lines} lines of {points} points; expected at least 1 line of 2 points"

@@ -51,7 +51,13 @@ class Orientation:
     @classmethod
     def of(cls, curve: TaskCurve, spindle: Array, part: PartMotion | None = None) -> Orientation:
         """The field whose guide direction stays farthest from being parallel to a tool axis of the
-        path."""
+        path.
+
+        Args:
+            curve: the path and its tool axes.
+            spindle: axis of the spindle in the tool's frame, shape (3,).
+            part: how the part moves, if it does.
+        """
         spindle = np.asarray(spindle, dtype=float) / np.linalg.norm(spindle)
         axes = curve.control[:, 3:6]
         axes = axes / np.maximum(np.linalg.norm(axes, axis=1, keepdims=True), 1e-12)

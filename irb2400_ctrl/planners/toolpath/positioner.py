@@ -103,7 +103,13 @@ def upright(
     positioner: Positioner, path: ToolPath, spindle_axis: ArrayLike = (0.0, 0.0, 1.0)
 ) -> Setting:
     """The angles at which the largest angle between the tool axes of a path and the vertical is
-    smallest: the best of a grid of 5 degrees, refined to 0.001 degrees."""
+    smallest: the best of a grid of 5 degrees, refined to 0.001 degrees.
+
+    Args:
+        positioner: its axes and ranges.
+        path: on the part.
+        spindle_axis: the vertical that the tool axes shall be near, shape (3,).
+    """
     axes = path.tool_axis(np.asarray(spindle_axis, dtype=float))
     low, high = positioner.ranges
 

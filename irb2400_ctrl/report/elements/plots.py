@@ -136,7 +136,15 @@ def parity(
     measured: Array, predicted: Array, joint: int, model: str = "", colour: str = "tab:blue"
 ) -> Figure:
     """Predicted over measured torque of one joint; the name of the model above, if there are
-    several."""
+    several.
+
+    Args:
+        measured: torque [Nm], shape (m,).
+        predicted: torque [Nm], shape (m,).
+        joint: counted from 1.
+        model: its name; empty for none.
+        colour: of the dots, as Matplotlib's.
+    """
     figure, axis = small(bool(model))
     some = np.linspace(0, len(measured) - 1, min(len(measured), _MOST_DOTS)).round().astype(int)
     ends = [float(np.min(measured)), float(np.max(measured))]

@@ -20,7 +20,13 @@ AXIS_NAMES = {
 
 def torque_figure(comparison: Comparison, joint: int, seconds: float = 10.0) -> Figure:
     """Measured torque of one joint against the model before and after, over the stretch of
-    `seconds` in which the model before was furthest off."""
+    `seconds` in which the model before was furthest off.
+
+    Args:
+        comparison: before and after, on one log.
+        joint: counted from 1.
+        seconds: length of the stretch [s].
+    """
     j = joint - 1
     time = comparison.time - comparison.time[0]
     known = comparison.known[:, j]

@@ -69,7 +69,13 @@ def external_figures(motion: Trajectory) -> list[Figure]:
 
 
 def margin_figures(motion: Trajectory, robot: Robot, least: dict[str, float]) -> list[Figure]:
-    """The three singularity factors, with their smallest values over the continuous path."""
+    """The three singularity factors, with their smallest values over the continuous path.
+
+    Args:
+        motion: its angles.
+        robot: the arm.
+        least: smallest factor by name: wrist [-], shoulder [m], elbow [m].
+    """
     factors = np.abs(Model(robot).singularity_factors(motion.q))
     return [
         over_time(motion.time, [Line(values)], label, [least[name]], floor=0.0)
@@ -82,7 +88,13 @@ FEED_SHOWN = 1.5
 
 
 def feed_figure(motion: Trajectory, plan: Plan | None, feed: float | None) -> Figure:
-    """Speed of the TCP, and what the file programs; at most `feed` is programmed [mm/s]."""
+    """Speed of the TCP, and what the file programs; at most `feed` is programmed [mm/s].
+
+    Args:
+        motion: with its way.
+        plan: with the programmed feed; None of a motion without one.
+        feed: [mm/s].
+    """
     speed = tip_speed(motion)
     lines = [Line(speed, label="driven")]
     if plan is not None and np.isfinite(plan.path.feed).any():
@@ -106,21 +118,25 @@ def programmed_feed(plans: Sequence[Plan]) -> float | None:
 def colourings(
     motion: Trajectory, robot: Robot, limits: Array, feed: float | None = None
 ) -> tuple[Colouring, ...]:
-    """What the tool's way may be coloured by.
+    """What the tool's way may be coloured by; feed and torque where the motion has them.
 
     Args:
-        motion: with its torque.
+        motion: to look at.
         robot: the arm.
         limits: of its torques [Nm], shape (n,).
         feed: at which the colours end [mm/s], so that a rapid move does not hide how the feed is
             held.
     """
-    assert motion.tau is not None
-    name = "feed" if feed is None else "feed, rapid moves cut off"
     factors = np.abs(Model(robot).singularity_factors(motion.q))
+    found = []
+    if motion.s is not None:
+        name = "feed" if feed is None else "feed, rapid moves cut off"
+        found.append(Colouring(name, "mm/s", tip_speed(motion), high=feed))
+    if motion.tau is not None:
+        share = 100 * np.abs(motion.tau / limits).max(axis=1)
+        found.append(Colouring("torque share", "%", share))
     return (
-        Colouring(name, "mm/s", tip_speed(motion), high=feed),
-        Colouring("torque share", "%", 100 * np.abs(motion.tau / limits).max(axis=1)),
+        *found,
         Colouring("speed share", "%", 100 * np.abs(motion.qd / robot.qd_max).max(axis=1)),
         Colouring("wrist margin |sin q5|", "", factors[:, 0], 2),
         Colouring("shoulder margin", "m", factors[:, 1], 2),

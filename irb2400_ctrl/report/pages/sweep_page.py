@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from irb2400_ctrl.report.elements.arm_view import ArmView
 from irb2400_ctrl.report.elements.page import Page
+from irb2400_ctrl.report.figures.plan_figures import colourings
 from irb2400_ctrl.report.figures.sweep_figures import motion_figure, share_figure
+from irb2400_ctrl.sweep.cases import case_of, reference
 from irb2400_ctrl.sweep.run import Sweep
 from irb2400_ctrl.sweep.table import SummaryLine
 
@@ -20,12 +23,30 @@ def sweep_page(found: Sweep) -> Page:
     page.figure(share_figure(found.lines), "Share of all runs below an error, by controller.")
     page.figure(motion_figure(found.lines), "Median, and 5 to 95 % of the runs, by motion.")
     page.table("TCP error rms over the plants [mm]", *rows(found.lines))
+    _add_arm(page, found)
     if found.problems:
         page.heading("Cases with a problem")
         head = ["case", "controller", "motion", "status", "message"]
         listed = [[str(row[key]) for key in head] for row in found.problems[:MOST_PROBLEMS]]
         page.table(f"{len(found.problems)} in all, the first of them", head, listed)
     return page
+
+
+def _add_arm(page: Page, found: Sweep) -> None:
+    """The motion on which the error was largest, as it was asked for."""
+    good = [row for row in found.rows if row["status"] == "ok"]
+    if not good:
+        return
+    worst = max(good, key=lambda row: float(row["tcp_error_rms_mm"]))
+    case = case_of(found.study, int(worst["case"]))
+    motion = reference(found.study, case)
+    robot = found.study.robot
+    page.heading("The motion")
+    page.arm(
+        ArmView(robot, motion.time, motion.q, colourings(motion, robot, robot.tau_max)),
+        f"{case.motion.name} at speed {case.speed:g} as in case {case.index}, where the error is "
+        "largest.",
+    )
 
 
 def rows(lines: list[SummaryLine]) -> tuple[list[str], list[list[object]]]:

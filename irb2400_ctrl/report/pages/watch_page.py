@@ -6,8 +6,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.report.elements.arm_view import ArmView, Colouring
 from irb2400_ctrl.report.elements.page import Page
-from irb2400_ctrl.report.elements.plots import Line, joint_plots
+from irb2400_ctrl.report.elements.plots import Line, joint_plots, over_time
 from irb2400_ctrl.watch import Alarm, Suspicion, Watch
 
 
@@ -45,6 +47,8 @@ def watch_page(
         head = ["joint", "since about [s]", "alarm at [s]", "mean external torque [Nm]"]
         page.table("Joints that are not as before", head, rows)
     _add_course(page, watched, last)
+    _add_tracked(page, watched, last)
+    _add_arm(page, watched)
     return page
 
 
@@ -92,4 +96,77 @@ def _add_course(page: Page, watched: Watch, last: float) -> None:
     page.text(
         "Seconds in which a joint stands, turns round or has lost samples say nothing; they are "
         "left out, and the alarm counts seconds of motion alone."
+    )
+
+
+def _add_tracked(page: Page, watched: Watch, last: float) -> None:
+    """Friction of each joint and the load, each within its band; over time of a finished log."""
+    time = np.array([seen.time for seen in watched.seen])
+    values = np.array([seen.tracked.values for seen in watched.seen])
+    bands = np.array([seen.tracked.bands for seen in watched.seen])
+    n = watched.robot.n
+    page.heading("What drifts")
+    page.table(
+        "Friction and load as they are now, each with its band, and the change since learned",
+        ["", "value", "change"],
+        _tracked_rows(watched),
+    )
+    if np.isfinite(last):
+        # while the arm is followed the figures would take longer than all the rest
+        return
+    for name, unit, part in (
+        ("Coulomb", "Nm", slice(n)),
+        ("viscous", "Nm s/rad", slice(n, 2 * n)),
+    ):
+        page.figures(
+            joint_plots(time, _banded(values, bands, part), f"{name} {{joint}} [{unit}]"),
+            f"{name.capitalize()} friction as it is tracked; the true value is between the grey "
+            "lines 19 times out of 20. While a joint stands its number stays, and its band.",
+            zoomable=True,
+        )
+    load = _banded(values, bands, slice(2 * n, None))
+    lines = [Line(line.values[:, 0], line.colour, width=line.width) for line in load]
+    page.figures(
+        [over_time(time, lines, "load [kg]")],
+        "Mass that the tool has more than in the learned seconds.",
+        zoomable=True,
+    )
+
+
+def _tracked_rows(watched: Watch) -> list[list[object]]:
+    now = watched.seen[-1].tracked
+    joints = range(1, watched.robot.n + 1)
+    names = [f"Coulomb friction {j} [Nm]" for j in joints]
+    names += [f"viscous friction {j} [Nm s/rad]" for j in joints]
+    names += ["load at the tool, added [kg]"]
+    both = ((now.values, now.bands), (now.changes, now.change_bands))
+    cells = [
+        [f"{value:.3g} ± {band:.1g}" for value, band in zip(*pair, strict=True)] for pair in both
+    ]
+    return [list(row) for row in zip(names, *cells, strict=True)]
+
+
+def _banded(values: Array, bands: Array, part: slice) -> list[Line]:
+    middle = values[:, part]
+    wide = bands[:, part]
+    return [
+        Line(middle - wide, "0.6", width=0.7),
+        Line(middle + wide, "0.6", width=0.7),
+        Line(middle),
+    ]
+
+
+def _add_arm(page: Page, watched: Watch) -> None:
+    """The last minute of the motion, coloured by what was left."""
+    log = watched.lately()
+    time = np.array([seen.time for seen in watched.seen])
+    energy = np.array([seen.energy for seen in watched.seen])
+    most = np.sqrt(np.nan_to_num(energy).max(axis=1))
+    colouring = Colouring(
+        "residual/usual, of the worst joint", "", np.interp(log.time, time, most), 1
+    )
+    page.heading("The motion")
+    page.arm(
+        ArmView(watched.robot, log.time, log.q, (colouring,)),
+        f"The last {log.duration:.0f} s; nothing around the arm is known here.",
     )

@@ -89,7 +89,13 @@ def turning_only(tree: Tree, path: list[TreeJoint]) -> list[TreeJoint]:
 
 
 def left_out(tree: Tree, joint: TreeJoint, on_base: bool) -> str:
-    """A note on a branch that moves and is none of the arm."""
+    """A note on a branch that moves and is none of the arm.
+
+    Args:
+        tree: as imported.
+        joint: where the branch begins.
+        on_base: whether it stands on the base itself.
+    """
     turns, end = _far_end(tree, joint)
     if on_base and turns >= ARM:
         return (

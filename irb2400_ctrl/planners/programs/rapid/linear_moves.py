@@ -47,7 +47,14 @@ class LinearMoves:
         return cls(*map(np.ascontiguousarray, (p, signs[:, None] * found, way)))
 
     def close(self, first: int, last: int, tolerance: float, angle: float) -> bool:
-        """Whether the rows between are so near to the move from one to another [m, rad]."""
+        """Whether the rows between are so near to the move from one to another [m, rad].
+
+        Args:
+            first: row of the start.
+            last: row of the end.
+            tolerance: of the TCP [m].
+            angle: of the tool's orientation [rad].
+        """
         library = _library()
         if library is None:
             return self._close(first, last, tolerance, angle)

@@ -101,14 +101,28 @@ def external_axes(positions: Sequence[float]) -> str:
 
 
 def jointtarget(name: str, q: Array, extax: str) -> list[str]:
-    """Declaration of a jointtarget; axis angles in degrees to 1e-5."""
+    """Declaration of a jointtarget; axis angles in degrees to 1e-5.
+
+    Args:
+        name: of the datum.
+        q: [rad], shape (6,).
+        extax: of the external axes, as RAPID writes them.
+    """
     return [f"LOCAL CONST jointtarget {name}:=", f"  [{_vector(np.degrees(q), 5)},", f"  {extax}];"]
 
 
 def robtarget(
     name: str, p: Array, turn: Array, configuration: npt.NDArray[np.int64], extax: str
 ) -> list[str]:
-    """Declaration of a robtarget at p [m], turned by a `quaternion`; in mm to 1e-4, and to 1e-8."""
+    """Declaration of a robtarget at p [m], turned by a `quaternion`; in mm to 1e-4, and to 1e-8.
+
+    Args:
+        name: of the datum.
+        p: shape (3,).
+        turn: unit quaternion w, x, y, z, shape (4,).
+        configuration: cf1, cf4, cf6, cfx.
+        extax: of the external axes, as RAPID writes them.
+    """
     conf = "[" + ",".join(str(int(c)) for c in configuration) + "]"
     return [
         f"LOCAL CONST robtarget {name}:=",
@@ -140,7 +154,13 @@ def tooldata(name: str, robot: Robot) -> list[str]:
 
 def wobjdata(name: str, X_BW: Array, unit: str = "") -> list[str]:
     """Declaration of a work object at X_BW: its fixed user frame stands there. With the name of a
-    mechanical unit it is the pose in the user frame that this unit moves, its plate."""
+    mechanical unit it is the pose in the user frame that this unit moves, its plate.
+
+    Args:
+        name: of the datum.
+        X_BW: in the base [m], shape (4, 4).
+        unit: name of the mechanical unit; empty for none.
+    """
     if unit:
         return [
             f'PERS wobjdata {name}:=[FALSE,FALSE,"{unit}",',

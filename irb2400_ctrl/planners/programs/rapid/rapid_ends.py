@@ -21,6 +21,12 @@ def with_ends(
 
     Returns: time (m,), q (m, 6) and the row at which the plan begins.
 
+    Args:
+        model: of the arm.
+        time: [s], shape (k,).
+        q: [rad], shape (k, 6).
+        options: of the program.
+
     Raises:
         InputError: the arm cannot go straight back so far in the plan's configuration.
     """

@@ -47,6 +47,11 @@ class PlanRows:
 def row_flags(what: str, given: npt.NDArray[np.bool_] | None, count: int) -> Rows:
     """A copy of the flags of the plan's rows; none are set where none are given.
 
+    Args:
+        what: name of the flags, for the message.
+        given: as the caller gave them.
+        count: rows of the plan.
+
     Raises:
         InputError: not bool of shape (count,).
     """

@@ -22,7 +22,15 @@ def rate_summary(
     dynamics: PathDynamics,
     fastest: TimeLaw,
 ) -> dict[str, Any]:
-    """Limits and upper bounds of torque rate and jerk per axis, and the duration without them."""
+    """Limits and upper bounds of torque rate and jerk per axis, and the duration without them.
+
+    Args:
+        law: that is summarised.
+        path: the joints over the length s [m].
+        limits: of torque [Nm], speed and acceleration, and of their rates.
+        dynamics: the arm's torque along the path.
+        fastest: the law without limits of the rates.
+    """
     n = dynamics.n
     arm = slice(dynamics.model.robot.n)
     ratios = law.sampled_ratios(path, limits, dynamics, HALVINGS, tight=True)

@@ -20,7 +20,14 @@ class LinearColumns:
 
     @classmethod
     def of(cls, time: Array, q: Array, qd: Array, qdd: Array) -> LinearColumns:
-        """Through rows at the times (m,) [s]; the columns (m, n)."""
+        """Through rows at the times (m,) [s]; the columns (m, n).
+
+        Args:
+            time: [s].
+            q: [rad].
+            qd: [rad/s].
+            qdd: [rad/s2].
+        """
         return cls(
             (
                 JointPath.straight(time, q),

@@ -52,7 +52,13 @@ def reference_bounds(
     dynamics: PathDynamics, motion: JointMotion, limits: MotionLimits
 ) -> ReferenceBounds:
     """Bound what the arm needs for a motion over the time; cells are cut where a bound is above a
-    limit."""
+    limit.
+
+    Args:
+        dynamics: the arm's torque along the path.
+        motion: over the time [s].
+        limits: of torque [Nm], speed and acceleration, and of their rates.
+    """
     s = with_reversals(motion, motion.knots)
     # what a law remembers of the way is not known in the middle of a motion
     remembers = any(law.memory is not None for law in dynamics.forms.laws)

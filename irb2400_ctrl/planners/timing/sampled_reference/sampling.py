@@ -40,7 +40,13 @@ class Sampling:
         return min(_PER_ROW * self.rate, _PER_SECOND)
 
     def reference(self, law: TimeLaw, path: JointPath, before: float = 0.0) -> SampledReference:
-        """The rows of a timed path, the first one `before` its start [s]."""
+        """The rows of a timed path, the first one `before` its start [s].
+
+        Args:
+            law: when the path is where.
+            path: the joints over the length s [m].
+            before: [s].
+        """
         return SampledReference.of(law, path, self.rate, self.interpolation, before)
 
     def ratios(
@@ -57,6 +63,14 @@ class Sampling:
 
         A motion that is changed a little has its rows elsewhere: the largest over rows that begin
         at several times is what does not depend on that.
+
+        Args:
+            law: when the path is where.
+            path: the joints over the length s [m].
+            limits: of torque [Nm], speed and acceleration, and of their rates.
+            dynamics: the arm's torque along the path.
+            s: ends of the cells [m], shape (m + 1,).
+            feed_ratios: of the TCP's speed over the programmed feed; None where none is.
         """
         found = np.zeros((len(s) - 1, path.n + 1))
         for part in range(_PHASES):

@@ -35,6 +35,8 @@ def read_csv(text: str, name: str, unit: float = 1e-3) -> CamProgram:
     """A program of one operation from CSV with a header; lines that begin with # are comments.
 
     Args:
+        text: of the file.
+        name: of the file, for messages.
         unit: of the places, against the header [m].
 
     Raises:
@@ -66,9 +68,11 @@ def _columns(header: list[str], name: str, line: int) -> tuple[bool, list[str]]:
     missing = [key for key in POINT if key not in header]
     if missing:
         told = ",".join(header[:MOST_NAMED]) + ",…" * (len(header) > MOST_NAMED)
+        bare = [key.removesuffix("_mm") for key in missing]
+        name_them = "; write the unit into the names: x_mm for x" if {*bare} <= {*header} else ""
         raise InputError(
             f"{name}, line {line}: no column {', '.join(missing)} in the header "
-            f"{told}{looks_like(header)}"
+            f"{told}{looks_like(header)}{name_them}"
         )
     twice = sorted({key for key in header if header.count(key) > 1})
     if twice:
@@ -146,8 +150,9 @@ def _path(
     directions = table[:, 3:7] if full else table[:, 3:6]
     norm = np.linalg.norm(directions, axis=1)
     # CAM rounds to a few digits; a norm far from 1 means the columns hold something else
-    what = "quaternion" if full else "tool axis i,j,k"
-    _check_rows(name, lines, np.abs(norm - 1) > 0.02, f"the {what} does not have length 1")
+    what, such = ("quaternion", "1,0,0,0") if full else ("tool axis i,j,k", "0,0,1")
+    wrong = f"the {what} does not have length 1; expected a direction such as {such}"
+    _check_rows(name, lines, np.abs(norm - 1) > 0.02, wrong)
     unit = directions / norm[:, None]
     stem = Path(name).stem
     if full:

@@ -25,6 +25,11 @@ class Feed:
     def speed(self, length: float, spindle_speed: float, place: str) -> float:
         """Speed of the tool tip [m/s] on a move of `length` [m]; `spindle_speed` [rad/s].
 
+        Args:
+            length: [m].
+            spindle_speed: [rad/s].
+            place: file and line, for messages.
+
         Raises:
             InputError: a feed per revolution, and the spindle stands.
         """

@@ -14,7 +14,13 @@ class Notes:
         self._notes: dict[tuple[str, str], Note] = {}
 
     def add(self, kind: str, line: int, text: str) -> None:
-        """One more."""
+        """One more.
+
+        Args:
+            kind: notes of one kind are told together.
+            line: of the file, from 1.
+            text: what was done with it.
+        """
         known = self._notes.get((kind, text))
         note = Note(kind, line, text) if known is None else replace(known, count=known.count + 1)
         self._notes[kind, text] = note

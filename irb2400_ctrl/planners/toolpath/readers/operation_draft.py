@@ -40,7 +40,13 @@ class Draft:
         return bool(np.ptp(rows, axis=0).max() > SAME)
 
     def finished(self, number: int, again: str, X: Array) -> Operation:
-        """The operation with its points moved by X (4, 4); `again` tells equal names apart."""
+        """The operation with its points moved by X (4, 4); `again` tells equal names apart.
+
+        Args:
+            number: of the operation, from 1.
+            again: added to its name.
+            X: of the program's frame [m].
+        """
         R = X[:3, :3]
         name = (self.name or f"operation {number}") + again
         path = ToolPath(

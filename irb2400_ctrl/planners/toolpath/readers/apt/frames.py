@@ -16,7 +16,13 @@ ORTHOGONAL = 1e-3
 
 
 def of_axes(values: list[float], unit: float, place: str) -> Array:
-    """NX: origin, x axis, y axis (9 numbers); z completes them."""
+    """NX: origin, x axis, y axis (9 numbers); z completes them.
+
+    Args:
+        values: the 9 numbers.
+        unit: of their lengths [m].
+        place: file and line, for messages.
+    """
     if len(values) != 9:
         raise InputError(
             f"{place}: MSYS/ has {len(values)} numbers, expected 9 (origin, x axis, y axis)"
@@ -26,7 +32,13 @@ def of_axes(values: list[float], unit: float, place: str) -> Array:
 
 
 def of_rows(values: list[float], unit: float, place: str) -> Array:
-    """Three rows of a rotation and a translation (12 numbers): Creo, CATIA, TRACUT."""
+    """Three rows of a rotation and a translation (12 numbers): Creo, CATIA, TRACUT.
+
+    Args:
+        values: the 12 numbers.
+        unit: of their lengths [m].
+        place: file and line, for messages.
+    """
     if len(values) != 12:
         raise InputError(
             f"{place}: the frame has {len(values)} numbers, expected 12 (three rows of a rotation "

@@ -27,6 +27,9 @@ def read_apt(
     """All operations of an APT-like file.
 
     Args:
+        text: of the file.
+        name: of the file, for messages.
+        builder: that takes the moves.
         dialect: "NX CLSF", "Creo NCL", "CATIA aptsource" or "APT".
         units: unit of length, against what the file says.
 

@@ -66,6 +66,11 @@ def units_of_feeds(program: list[Statement]) -> str | None:
 def feed(arguments: tuple[str, ...], place: str, unit: float) -> Feed:
     """The feed of `FEDRAT/`; without a word of its own it is per minute in the file's unit [m].
 
+    Args:
+        arguments: of the statement.
+        place: file and line, for messages.
+        unit: of length of the file [m].
+
     Raises:
         InputError: not exactly one positive number.
     """
@@ -85,7 +90,13 @@ def feed(arguments: tuple[str, ...], place: str, unit: float) -> Feed:
 
 
 def feed_of(value: float, words: set[str], unit: float) -> Feed:
-    """A value and the words of its unit."""
+    """A value and the words of its unit.
+
+    Args:
+        value: in the unit of the words.
+        words: such as MMPM, IPR.
+        unit: of length of the file [m].
+    """
     for word, length in PER_TURN.items():
         if word in words:
             return Feed("turn", value * length)

@@ -33,7 +33,13 @@ class Arc:
 
 
 def miss(arc: Arc, start: Array, end: Array) -> float:
-    """How far the ends of the motion are off one circle about the axis [m]."""
+    """How far the ends of the motion are off one circle about the axis [m].
+
+    Args:
+        arc: its centre and normal.
+        start: [m], shape (3,).
+        end: [m], shape (3,).
+    """
     a, _ = _split(arc, start)
     b, _ = _split(arc, end)
     radii = [float(np.linalg.norm(a)), float(np.linalg.norm(b))]
@@ -43,7 +49,14 @@ def miss(arc: Arc, start: Array, end: Array) -> float:
 
 
 def checked_miss(arc: Arc, start: Array, end: Array, place: str) -> float:
-    """The miss [m]; InputError where rounding does not explain it."""
+    """The miss [m]; InputError where rounding does not explain it.
+
+    Args:
+        arc: its centre and normal.
+        start: [m], shape (3,).
+        end: [m], shape (3,).
+        place: file and line, for messages.
+    """
     if not np.linalg.norm(arc.normal) > 1e-9:
         raise InputError(f"{place}: the arc's axis has no direction")
     off = miss(arc, start, end)
@@ -60,7 +73,14 @@ def checked_miss(arc: Arc, start: Array, end: Array, place: str) -> float:
 
 
 def blended_axes(start: Array, end: Array | None, k: int, place: str) -> Array:
-    """Tool axes from `start` to `end` over k points, shape (k, 3)."""
+    """Tool axes from `start` to `end` over k points, shape (k, 3).
+
+    Args:
+        start: unit vector, shape (3,).
+        end: unit vector, shape (3,); None: as the start.
+        k: number of points.
+        place: file and line, for messages.
+    """
     if end is None or np.allclose(end, start, atol=1e-9):
         return np.tile(start, (k, 1))
     t = (np.arange(1, k + 1) / k)[:, None]
@@ -78,7 +98,13 @@ def largest_miss(arc: Arc, start: Array) -> float:
 
 
 def sweep(arc: Arc, start: Array, end: Array) -> float:
-    """Angle from start to end about the normal, a full turn where they agree [rad]."""
+    """Angle from start to end about the normal, a full turn where they agree [rad].
+
+    Args:
+        arc: its centre and normal.
+        start: [m], shape (3,).
+        end: [m], shape (3,).
+    """
     a, _ = _split(arc, start)
     b, _ = _split(arc, end)
     n = arc.normal / np.linalg.norm(arc.normal)
@@ -90,7 +116,14 @@ def sweep(arc: Arc, start: Array, end: Array) -> float:
 
 
 def count(arc: Arc, start: Array, end: Array, chord: float) -> int:
-    """How many chords keep within `chord` [m] of the arc."""
+    """How many chords keep within `chord` [m] of the arc.
+
+    Args:
+        arc: its centre and normal.
+        start: [m], shape (3,).
+        end: [m], shape (3,).
+        chord: largest distance of chord and arc [m].
+    """
     radius = max(float(np.linalg.norm(_split(arc, p)[0])) for p in (start, end))
     if radius <= chord:
         return 8
@@ -103,6 +136,12 @@ def points(arc: Arc, start: Array, end: Array, chord: float) -> Array:
 
     The radius and the height go linearly from those of the start to those of the end, so that both
     ends are met although they are rounded.
+
+    Args:
+        arc: its centre and normal.
+        start: [m], shape (3,).
+        end: [m], shape (3,).
+        chord: largest distance of chord and arc [m].
     """
     n = arc.normal / np.linalg.norm(arc.normal)
     a, low = _split(arc, start)

@@ -50,7 +50,14 @@ class HoleMove:
 
 
 def with_retract(cycle: HoleCycle, here: Array | None, point: Array, axis: Array) -> HoleCycle:
-    """The cycle with the height it ends at, where that is the height the tool came from."""
+    """The cycle with the height it ends at, where that is the height the tool came from.
+
+    Args:
+        cycle: of the hole.
+        here: where the tool is [m], shape (3,); None where that is not known.
+        point: of the hole [m], shape (3,).
+        axis: out of the hole, shape (3,).
+    """
     if np.isfinite(cycle.retract):
         return cycle
     height = -np.inf if here is None else float((here - point) @ axis)
@@ -58,7 +65,14 @@ def with_retract(cycle: HoleCycle, here: Array | None, point: Array, axis: Array
 
 
 def approach(cycle: HoleCycle, here: Array | None, point: Array, axis: Array) -> Iterator[HoleMove]:
-    """Above the hole: up to the clearance first where the tool is lower, across, then down."""
+    """Above the hole: up to the clearance first where the tool is lower, across, then down.
+
+    Args:
+        cycle: of the hole.
+        here: where the tool is [m], shape (3,); None where that is not known.
+        point: of the hole [m], shape (3,).
+        axis: out of the hole, shape (3,).
+    """
     above = point + cycle.clearance * axis
     if here is not None:
         height = float((here - point) @ axis)
@@ -75,7 +89,13 @@ def approach(cycle: HoleCycle, here: Array | None, point: Array, axis: Array) ->
 
 
 def hole(cycle: HoleCycle, point: Array, axis: Array) -> Iterator[HoleMove]:
-    """From the clearance to the bottom and out."""
+    """From the clearance to the bottom and out.
+
+    Args:
+        cycle: of the hole.
+        point: of the hole [m], shape (3,).
+        axis: out of the hole, shape (3,).
+    """
     above = point + cycle.clearance * axis
     bottom = point - cycle.depth * axis
     reached = cycle.clearance

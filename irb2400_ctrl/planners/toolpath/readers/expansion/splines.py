@@ -40,6 +40,11 @@ def points(knots: Array, control: Array, chord: float) -> Array:
     are places [m].
 
     Halved until the middles of all pieces, and their quarters, are within `chord` of the chord.
+
+    Args:
+        knots: not falling, shape (k + 4,).
+        control: control points, shape (k, m).
+        chord: [m].
     """
     from scipy.interpolate import BSpline
 
@@ -47,7 +52,14 @@ def points(knots: Array, control: Array, chord: float) -> Array:
 
 
 def rational_points(knots: Array, control: Array, degree: int, chord: float) -> Array:
-    """As `points`, the first one too, of a rational B-spline: control points and weights."""
+    """As `points`, the first one too, of a rational B-spline: control points and weights.
+
+    Args:
+        knots: not falling, shape (k + degree + 1,).
+        control: places [m], then their weight [-], shape (k, 4).
+        degree: of the spline.
+        chord: [m].
+    """
     from scipy.interpolate import BSpline
 
     weights = control[:, 3:]

@@ -67,6 +67,9 @@ def read_gcode(
     """All operations of a G-code file.
 
     Args:
+        text: of the file.
+        name: of the file, for messages.
+        builder: that takes the moves.
         units: unit of length, against G20 and G21.
         rotary: the machine's rotary axes from part to tool, such as "C,A".
 
