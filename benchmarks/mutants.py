@@ -64,6 +64,9 @@ TARGETS = {
         "tests/measurement/test_read_log.py tests/measurement/test_log_columns.py "
         "tests/measurement/test_signal_names.py"
     ),
+    "measurement/cells.py": (
+        "tests/measurement/test_read_log.py tests/measurement/test_log_columns.py"
+    ),
     "measurement/columns/column_map.py": (
         "tests/measurement/test_read_log.py tests/measurement/test_log_columns.py"
     ),

@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -18,6 +17,7 @@ import numpy as np
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.measurement.binary_table import read_mat_table, read_parquet_table
+from irb2400_ctrl.measurement.cells import all_finite, without_blank_rows
 from irb2400_ctrl.measurement.columns.column_map import TIME, ColumnMap, load_column_map
 from irb2400_ctrl.measurement.columns.recorder_names import has_time, recorder_columns, unit_by_size
 from irb2400_ctrl.measurement.columns.signal_names import (
@@ -126,8 +126,8 @@ def log_of(
         time, found, scales = _by_map(table, given)
         n = _joints(table, found, joints)
     used = {time[0], *(name for places in found.values() for name in places.values())}
-    table = _without_blank_rows(table, used - {time[0]})
-    _finite(table, used)
+    table = without_blank_rows(table, used - {time[0]})
+    all_finite(table, used)
     found = {signal: places for signal, places in found.items() if places}
     signals = {signal: _stacked(table, places, scales, n) for signal, places in found.items()}
     stamps = _frozen(table.columns.pop(time[0]) * time[1])
@@ -256,45 +256,6 @@ def _contradict(table: Table, one: str, other: str) -> None:
         f"{table.path}: columns {one!r} and {other!r} say the same thing, expected one of them: "
         "rename the other, or name the right one in a column map (--columns, docs/logs.md)"
     )
-
-
-def _without_blank_rows(table: Table, signals: set[str]) -> Table:
-    """Without the rows that hold no sample of the arm (of another topic, another recorder)."""
-    there = [name for name in signals if name in table.columns]
-    if not there:
-        return table
-    blank = np.isnan(table.columns[there[0]])
-    for name in there[1:]:
-        if not blank.any():
-            return table
-        blank &= np.isnan(table.columns[name])
-    if not blank.any() or blank.all():
-        return table
-    columns = {name: values[~blank] for name, values in table.columns.items()}
-    lines = np.flatnonzero(~blank)
-    return replace(table, columns=columns, rows=lines)
-
-
-def _finite(table: Table, used: set[str]) -> None:
-    """Refuse cells that are not finite numbers in the columns that matter, and say where they
-    are."""
-    names = [name for name in table.columns if name in used]
-    bad = {name: np.flatnonzero(~np.isfinite(table.columns[name])) for name in names}
-    count = sum(map(len, bad.values()))
-    if count:
-        row, _, name = min(
-            (int(bad[name][0]), k, name) for k, name in enumerate(names) if len(bad[name])
-        )
-        word = table.words.get(name, "") if row == 0 else ""
-        raise InputError(
-            f"{table.path}: {count} cells are not finite numbers, the first is {name} in "
-            f"{table.place(row)}"
-            + (
-                f", where {word[:40]!r} stands; expected numbers (a time in seconds)"
-                if word
-                else "; expected numbers everywhere: delete the rows of lost samples"
-            )
-        )
 
 
 def _expect_all(table: Table, signal: str, names: dict[int, str], n: int) -> None:

@@ -141,7 +141,8 @@ class NewtonBranches:
             q = self.descend(start, X_BF[owner], DAMPING)
             arrived = np.isfinite(q[:, 0])
             new = [found[k].add(one) for k, one in zip(owner[arrived], q[arrived], strict=True)]
-            q, owner = q[arrived][new], owner[arrived][new]
+            q = q[arrived][new]
+            owner = owner[arrived][new]
             if not len(q):
                 return
             J = self._jacobian.map(q)[0]
@@ -151,7 +152,8 @@ class NewtonBranches:
             _, value, direction = np.linalg.svd(J)
             close = value[:, -1] < CLOSE
             start = q[close, None] + np.outer(ACROSS, np.ones(self.n)) * direction[close, -1:]
-            start, owner = start.reshape(-1, self.n), np.repeat(owner[close], len(ACROSS))
+            start = start.reshape(-1, self.n)
+            owner = np.repeat(owner[close], len(ACROSS))
 
     def descend(self, q: Array, X_BF: Array, damping: float) -> Array:
         """Damped Newton from starts (m, n) to poses (m, 4, 4); nan where it does not arrive.

@@ -8,12 +8,11 @@ import numpy as np
 import pytest
 
 from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.measurement.cells import all_finite, without_blank_rows
 from irb2400_ctrl.measurement.columns.column_map import ColumnMap
 from irb2400_ctrl.measurement.read_log import (
     _by_map,
     _expect_all,
-    _finite,
-    _without_blank_rows,
 )
 from irb2400_ctrl.measurement.table import Table
 
@@ -25,15 +24,15 @@ def table_of(**columns: object) -> Table:
 def test_rows_without_a_sample_of_the_arm_are_left_out_and_the_others_keep_their_place() -> None:
     nan = np.nan
     table = table_of(t=[0.0, 1, 2, 3], q1=[5.0, nan, 7, nan], q2=[nan, nan, 8, nan], other=range(4))
-    found = _without_blank_rows(table, {"q1", "q2"})
+    found = without_blank_rows(table, {"q1", "q2"})
     np.testing.assert_array_equal(found.columns["other"], [0, 2])
     assert [found.place(k) for k in (0, 1)] == ["line 2", "line 4"]
     # a row that lacks one of them is no blank one, and a file of blanks alone stays as it is
     half = table_of(q1=[nan, 6.0], q2=[5.0, nan])
-    assert _without_blank_rows(half, {"q1", "q2"}) is half
+    assert without_blank_rows(half, {"q1", "q2"}) is half
     nothing = table_of(q1=[nan, nan], q2=[nan, nan])
-    assert _without_blank_rows(nothing, {"q1", "q2"}) is nothing
-    assert _without_blank_rows(table, {"absent"}) is table
+    assert without_blank_rows(nothing, {"q1", "q2"}) is nothing
+    assert without_blank_rows(table, {"absent"}) is table
 
 
 def test_the_first_of_the_cells_that_are_no_numbers_is_said(tmp_path: Path) -> None:
@@ -41,8 +40,8 @@ def test_the_first_of_the_cells_that_are_no_numbers_is_said(tmp_path: Path) -> N
     with pytest.raises(
         InputError, match="3 cells are not finite numbers, the first is b in line 3"
     ):
-        _finite(table, {"a", "b"})
-    _finite(table_of(a=[1.0, 2], b=[np.nan, 1]), {"a"})
+        all_finite(table, {"a", "b"})
+    all_finite(table_of(a=[1.0, 2], b=[np.nan, 1]), {"a"})
 
 
 def test_a_column_for_every_joint_and_none_beyond_them() -> None:

@@ -1,0 +1,49 @@
+"""The cells of a table: rows that hold no sample, and cells that are no numbers."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.measurement.table import Table
+
+
+def without_blank_rows(table: Table, signals: set[str]) -> Table:
+    """Without the rows that hold no sample of the arm (of another topic, another recorder)."""
+    there = [name for name in signals if name in table.columns]
+    if not there:
+        return table
+    blank = np.isnan(table.columns[there[0]])
+    for name in there[1:]:
+        if not blank.any():
+            return table
+        blank &= np.isnan(table.columns[name])
+    if not blank.any() or blank.all():
+        return table
+    columns = {name: values[~blank] for name, values in table.columns.items()}
+    lines = np.flatnonzero(~blank)
+    return replace(table, columns=columns, rows=lines)
+
+
+def all_finite(table: Table, used: set[str]) -> None:
+    """Refuse cells that are not finite numbers in the columns that matter, and say where they
+    are."""
+    names = [name for name in table.columns if name in used]
+    bad = {name: np.flatnonzero(~np.isfinite(table.columns[name])) for name in names}
+    count = sum(map(len, bad.values()))
+    if count:
+        row, _, name = min(
+            (int(bad[name][0]), k, name) for k, name in enumerate(names) if len(bad[name])
+        )
+        word = table.words.get(name, "") if row == 0 else ""
+        raise InputError(
+            f"{table.path}: {count} cells are not finite numbers, the first is {name} in "
+            f"{table.place(row)}"
+            + (
+                f", where {word[:40]!r} stands; expected numbers (a time in seconds)"
+                if word
+                else "; expected numbers everywhere: delete the rows of lost samples"
+            )
+        )
