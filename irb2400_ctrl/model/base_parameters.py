@@ -89,8 +89,14 @@ def base_parameters(robot: Robot, phi: Array) -> BaseParameters:
 
 
 def with_masses(robot: Robot, phi: Array, masses: Array) -> Array:
-    """Link parameters (n, 10) of the same torque in every motion with these masses (n,) [kg], the
-    nearest to phi (n, 10); masses that a torque shows stay as they are."""
+    """Link parameters (n, 10) of the same torque in every motion with other masses; masses that a
+    torque shows stay as they are.
+
+    Args:
+        robot: whose bodies they are.
+        phi: link parameters to be nearest to, shape (n, 10).
+        masses: wanted [kg], shape (n,).
+    """
     unseen = base_parameters(robot, phi).unseen
     shift = np.linalg.pinv(unseen[:, ::10].T, rcond=TOLERANCE) @ (masses - phi[:, 0])
     return np.asarray(phi + (shift @ unseen).reshape(phi.shape))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import traceback
 from collections.abc import Iterable, Iterator
+from concurrent.futures import CancelledError
 from contextlib import contextmanager
 from itertools import islice
 from typing import Any
@@ -55,7 +56,7 @@ def run_on_cluster(study: Study, cases: Iterable[int], address: str, work: Work)
         least = len(numbers) // 2
         doubtful: list[int] = []
         for future, answer in done:
-            result = _result(dask, numbers.pop(future.key), future, answer)
+            result = _result(dask, numbers.pop(future.key), answer)
             future.release()
             if isinstance(result, Lost):
                 doubtful.append(result.index)
@@ -67,8 +68,10 @@ def run_on_cluster(study: Study, cases: Iterable[int], address: str, work: Work)
         # a worker that dies takes others' cases with it: alone, only the one that kills is lost
         for case in doubtful:
             future = client.submit(_answer, work, shared, case, pure=False)
-            answer = future.result() if future.exception() is None else None
-            yield _result(dask, case, future, answer)
+            alone = dask.as_completed(
+                [future], loop=client.loop, with_results=True, raise_errors=False
+            )
+            yield _result(dask, case, next(alone)[1])
             future.release()
 
 
@@ -103,14 +106,24 @@ def _client(dask: Any, address: str) -> Iterator[Any]:
         yield client
 
 
-def _result(dask: Any, case: int, future: Any, answer: Any) -> CaseOutcome | Lost:
-    """What became of a case; `IrbError` where an error of ours did."""
-    if future.status == "finished":
-        if isinstance(answer, str):
-            raise IrbError(f"case {case} met an error that is not the study's:\n{answer}")
-        outcome: CaseOutcome = answer
-        return outcome
-    failure = answer[1] if isinstance(answer, tuple) else future.exception()
+def _result(dask: Any, case: int, answer: Any) -> CaseOutcome | Lost:
+    """What became of a case; `IrbError` where an error of ours did.
+
+    An answer that has come counts whatever became of its task since: Dask calls a task off whose
+    result was on a worker that died, even after the result was fetched.
+
+    Args:
+        dask: the module.
+        case: its number.
+        answer: of `_answer`; why there is none (type, error, traceback); or that it was called off.
+    """
+    if isinstance(answer, CaseOutcome):
+        return answer
+    if isinstance(answer, str):
+        raise IrbError(f"case {case} met an error that is not the study's:\n{answer}")
+    failure = answer[1] if isinstance(answer, tuple) else answer
+    if isinstance(failure, CancelledError):
+        return Lost(case, "its worker died before its result was fetched")
     if not isinstance(failure, dask.KilledWorker):
         raise IrbError(f"case {case} could not be run on the cluster: {failure}") from failure
     return Lost(case, f"its worker died {failure.allowed_failures + 1} times")

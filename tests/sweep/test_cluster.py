@@ -13,7 +13,9 @@ from sweep.studies import CASES, SMALL, TRACE, attempts, small
 from sweep.test_run import read
 
 from irb2400_ctrl.errors import InputError, IrbError
+from irb2400_ctrl.sweep import cluster as cluster_module
 from irb2400_ctrl.sweep import run_sweep
+from irb2400_ctrl.sweep.pool import Lost
 
 pytest.importorskip("distributed")
 
@@ -91,6 +93,21 @@ def test_a_case_given_up_with_others_is_tried_alone(cluster: str, tmp_path: Path
     )
     assert not sweep.problems
     assert [row["case"] for row in sweep.rows] == list(range(CASES))
+
+
+def test_a_result_that_was_fetched_counts_though_its_worker_died_since(tmp_path: Path) -> None:
+    """Seen of a cluster whose workers were killed by another case: the task was called off after
+    its result had come, and the study ended with "case 6 could not be run: None"."""
+    import distributed
+    from distributed.client import FutureCancelledError
+
+    outcome = studies.quick(small(tmp_path), 0)
+    assert cluster_module._result(distributed, 0, outcome) is outcome
+    never = cluster_module._result(distributed, 6, FutureCancelledError("six", "lost"))
+    assert isinstance(never, Lost)
+    assert (never.index, never.reason) == (6, "its worker died before its result was fetched")
+    with pytest.raises(IrbError, match="case 6 could not be run on the cluster: no such name"):
+        cluster_module._result(distributed, 6, (NameError, NameError("no such name"), None))
 
 
 def test_nobody_answers(tmp_path: Path) -> None:

@@ -122,7 +122,15 @@ def torque_constraints(
     at: Linearisation,
     extra: Array | None = None,
 ) -> Array:
-    """All `TorqueConstraints`, shape (m, k, 3)."""
+    """All `TorqueConstraints`, shape (m, k, 3).
+
+    Args:
+        cells: the enclosed path, of m cells.
+        limits: of torque and acceleration.
+        friction: table of eq. 54, shape (n, 4).
+        at: where to linearise.
+        extra: part of each torque limit to hold back, shape (m, 2, n): above, below [Nm].
+    """
     constraints = TorqueConstraints(cells, limits, friction, at, extra)
     return np.concatenate([constraints[block] for block in constraints.blocks])
 
