@@ -16,6 +16,7 @@ from irb2400_ctrl.diagnosis import Diagnosis, diagnose
 from irb2400_ctrl.diagnosis.findings import _share
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.measurement import Log
+from irb2400_ctrl.report.pages.diagnosis_page import lines
 from irb2400_ctrl.robot import load_robot
 
 
@@ -75,6 +76,18 @@ def test_much_more_than_noise_left_on_a_joint_is_not_explained() -> None:
     fast = replace(left, noise_floor=much)
     assert fast.left_over == (3,)
     assert replace(fast, noise=None).left_over == ()
+
+
+def test_more_than_noise_beside_a_name_is_said() -> None:
+    found = diagnosed(7, Effect("gear_ripple", 4, 0.1))
+    assert found.noise is not None
+    assert not any("more than noise" in line for line in lines(found))
+    left = 0.5 * found.noise.floor
+    left[4] = 2.7 * found.noise.floor[4]
+    more = replace(found, noise=replace(found.noise, left=left, means=np.zeros(6)))
+    assert more.verdict == "explained"
+    (told,) = (line for line in lines(more) if "more than noise" in line)
+    assert "Beside what was found more than noise is left on joint 5 (2.7 times)" in told
 
 
 def test_no_share_is_above_one_hundred_per_cent() -> None:

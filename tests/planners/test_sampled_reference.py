@@ -48,6 +48,11 @@ def test_bounds_hold_and_are_sharp_for_a_law_that_jumps(seed: int, interpolation
     assert fastest <= bounds.velocity_ratio(LIMITS.qd_max) <= 1.001 * fastest
     # a torque that jumps swings above its limit between the rows
     assert seen > 1.002
+    whole = bounds.largest
+    assert whole.torque.shape == (1, ROBOT.n)
+    assert whole.torque_ratio(LIMITS.tau_max) == bounds.torque_ratio(LIMITS.tau_max)
+    assert whole.velocity_ratio(LIMITS.qd_max) == bounds.velocity_ratio(LIMITS.qd_max)
+    assert whole.time.tolist() == [bounds.time[0], bounds.time[-1]]
 
 
 def test_the_file_keeps_what_it_says() -> None:

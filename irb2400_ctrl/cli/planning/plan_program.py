@@ -103,7 +103,9 @@ def _write(found: ProgramPlan, job: Job) -> list[Path]:
     from irb2400_ctrl.planners.program_plan import for_operation
 
     out = job.out
-    written = [*found.write(out), *_modules(found, job)]
+    written = found.write(out)
+    give_back_freed()
+    written += _modules(found, job)
     for done in found.operations:
         options = for_operation(job.arm, done.operation, job.options)
         title = f"Plan of operation {done.operation.number}, {done.operation.name}"

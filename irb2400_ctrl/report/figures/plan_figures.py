@@ -133,12 +133,20 @@ def colourings(
         name = "feed" if feed is None else "feed, rapid moves cut off"
         found.append(Colouring(name, "mm/s", tip_speed(motion), high=feed))
     if motion.tau is not None:
-        share = 100 * np.abs(motion.tau / limits).max(axis=1)
-        found.append(Colouring("torque share", "%", share))
+        found.append(Colouring("torque share", "%", _largest_share(motion.tau, limits)))
     return (
         *found,
-        Colouring("speed share", "%", 100 * np.abs(motion.qd / robot.qd_max).max(axis=1)),
+        Colouring("speed share", "%", _largest_share(motion.qd, robot.qd_max)),
         Colouring("wrist margin |sin q5|", "", factors[:, 0], 2),
         Colouring("shoulder margin", "m", factors[:, 1], 2),
         Colouring("elbow margin", "m", factors[:, 2], 2),
     )
+
+
+def _largest_share(values: Array, limits: Array) -> Array:
+    """Of the limits, over the axes [%], shape (m,); one axis after the other: the rows of a long
+    motion are many MB."""
+    found = np.zeros(len(values))
+    for column, limit in zip(values.T, limits, strict=True):
+        np.maximum(found, np.abs(column / limit), out=found)
+    return 100 * found

@@ -247,11 +247,21 @@ def _why(diagnosis: Diagnosis) -> list[str]:
     ]
     bodies = off_bodies(diagnosis.numbers)
     found += [bodies] if bodies else []
-    return found + [
+    found += [
         f"Joint {j}: {left[j - 1]:.2f} Nm rms are left, noise is {diagnosis.noise_floor[j - 1]:.2f}"
         for j in diagnosis.left_over
         if diagnosis.findings
     ]
+    beside = [j for j in diagnosis.beyond_noise if j not in diagnosis.left_over]
+    if noise is not None and diagnosis.findings and beside:
+        joints = ", ".join(
+            f"{j} ({noise.left[j - 1] / noise.floor[j - 1]:.1f} times)" for j in beside
+        )
+        found.append(
+            f"Beside what was found more than noise is left on joint {joints}, as neighbouring "
+            "samples disagree."
+        )
+    return found
 
 
 def finding_title(finding: Finding) -> str:

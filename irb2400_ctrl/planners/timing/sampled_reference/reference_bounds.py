@@ -35,6 +35,12 @@ class ReferenceBounds:
     speed: Array
     """|qd| [rad/s], shape (m, n)"""
 
+    @property
+    def largest(self) -> ReferenceBounds:
+        """Of the whole motion as one cell."""
+        ends = self.time[[0, -1]]
+        return ReferenceBounds(ends, self.torque.max(axis=0)[None], self.speed.max(axis=0)[None])
+
     def first(self, n: int) -> ReferenceBounds:
         """Those of the first n axes."""
         return ReferenceBounds(self.time, self.torque[:, :n], self.speed[:, :n])

@@ -103,7 +103,29 @@ def settled_reference(
     torque, speed and feed: all over if hardly anything is missing, or if its torque may not jump
     (such a law was made for its rows, see `Sampling.ratios`); else where they swing above a limit,
     and all over by the little that is left then, or if that does not settle.
+
+    Args:
+        dynamics: the arm's torque along the path.
+        task: the path.
+        law: when it is where.
+        limits: to keep.
+        sampling: which rows the file has of a law.
+        slow: whether the law may be slowed.
     """
+    found = _settled(dynamics, task, law, limits, sampling, slow)
+    # where the bounds lie told what to slow; of a long motion they are many MB
+    return replace(found, bounds=found.bounds.largest)
+
+
+def _settled(
+    dynamics: PathDynamics,
+    task: TaskPath,
+    law: TimeLaw,
+    limits: MotionLimits,
+    sampling: Sampling,
+    slow: bool,
+) -> Settled:
+    """The same with the bounds of all cells."""
     look = _Look(partial(_looked_at, dynamics, task, limits=limits, sampling=sampling))
     if not slow:
         return look(law)
