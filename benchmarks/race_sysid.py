@@ -147,6 +147,8 @@ def main() -> None:
     parser.add_argument("logs", type=Path)
     parser.add_argument("arms", nargs="*", default=[f"arm_{k:02d}" for k in range(1, 13)])
     args = parser.parse_args()
+    if not hasattr(sysid, "optimize"):
+        raise SystemExit("mujoco.sysid lacks what it needs: pip install 'mujoco[sysid]>=4'")
     robot = irb.load_robot("irb2400")
     base = fit_base(robot)[0]
     for name in args.arms:

@@ -23,7 +23,9 @@ from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.measurement import Log
 from irb2400_ctrl.measurement.growing import growing_log
 from irb2400_ctrl.planners.programs.egm import RobotMessage, encode_robot
+from irb2400_ctrl.report.pages import watch_page
 from irb2400_ctrl.trajectory.ros_bag import save_ros_bag
+from irb2400_ctrl.watch import Watch
 from irb2400_ctrl.watch.egm_log import egm_log
 from irb2400_ctrl.watch.watch import between
 
@@ -176,3 +178,24 @@ def test_what_is_no_bag_is_said(tmp_path: Path) -> None:
     path.write_bytes(b"")
     with pytest.raises(InputError, match="no samples within"):
         next(growing_log(path, quiet=0.5))
+
+
+def test_the_page_leaves_the_time_to_the_arm(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A page that takes 1 s comes again after 33 s, and at an alarm."""
+    clock = [0.0]
+    written = []
+
+    class Slow:
+        def write(self, path: Path) -> None:
+            clock[0] += 1.0
+            written.append((clock[0], path.name))
+
+    monkeypatch.setattr(watch_page, "watch_page", lambda *given, **options: Slow())
+    monkeypatch.setattr(command.time, "monotonic", lambda: clock[0])
+    shown = command._page_while_it_lasts(Watch(ROBOT, 45.0, 86400.0), "log.csv", tmp_path, 10.0)
+    for now, alarm in ((0.0, False), (10.0, False), (30.0, False), (34.0, False), (40.0, True)):
+        clock[0] = now
+        shown([], alarm)
+    assert written == [(1.0, "report.html"), (35.0, "report.html"), (41.0, "report.html")]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -67,6 +68,8 @@ NameOption = Annotated[
 ]
 LATELY = 600.0
 """[s] that a page shows while the arm is followed"""
+PAGE_SHARE = 0.03
+"""of the time that writing that page may take: the arm is followed in the rest"""
 AT_ONCE = 60.0
 """[s] of a finished log that are given on together"""
 
@@ -122,17 +125,26 @@ def _listening(port: int) -> None:
     print(f"listening on UDP port {port}", flush=True)
 
 
-Shown = Callable[[list["Suspicion"]], object]
+Shown = Callable[[list["Suspicion"], bool], None]
+"""of the suspicions, and whether it has to be shown at once"""
 
 
 def _page_while_it_lasts(watched: Watch, log: str, out: Path, every: float) -> Shown:
-    """Writes the page as things stand; a browser that has it open loads it anew."""
+    """Writes the page as things stand, as often as its share of the time allows; a browser that has
+    it open loads it anew."""
     from irb2400_ctrl.report.pages.watch_page import watch_page
 
-    def write(suspicions: list[Suspicion]) -> object:
+    due = -math.inf
+
+    def write(suspicions: list[Suspicion], at_once: bool) -> None:
+        nonlocal due
+        begun = time.monotonic()
+        if begun < due and not at_once:
+            return
         page = watch_page(watched, suspicions, Path(log).name, last=LATELY)
         page.refresh = every
-        return page.write(out / "report.html")
+        page.write(out / "report.html")
+        due = begun + (time.monotonic() - begun) / PAGE_SHARE
 
     return write
 
@@ -158,7 +170,7 @@ def _told(
                 print(status(lately), flush=True)
                 lately = []
                 if shown is not None:
-                    shown(suspicions)
+                    shown(suspicions, bool(told.alarms))
     except KeyboardInterrupt:
         print("stopped")
     return suspicions
