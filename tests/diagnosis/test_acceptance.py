@@ -127,6 +127,13 @@ def test_an_order_that_left_the_grid_belongs_to_no_ripple(order: float, named: b
     assert usual(ripple) == named
 
 
+@pytest.mark.parametrize(("seconds", "named"), [(1.07, False), (1.6, True), (33.0, True)])
+def test_grease_that_is_warm_at_once_was_not_cold(seconds: float, named: bool) -> None:
+    """Of 4.3 s of an LWA 4P a warm-up of 1.07 s was named with 0.78."""
+    warm = LIBRARY["viscous_warmup"].of(2, viscous_Nms_rad=5.0, time_constant_s=seconds)
+    assert usual(warm) == named
+
+
 def test_nothing_of_a_gain_is_one() -> None:
     gain = LIBRARY["torque_gain"].of(2, gain=1.1)
     assert not stands_clear(fitted(gain, 0.05), 0, 10.0)

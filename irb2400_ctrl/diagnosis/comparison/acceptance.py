@@ -19,6 +19,8 @@ from irb2400_ctrl.effects import Effect
 
 STANDARD_ERRORS = 3.0
 """that some size of an effect stands away from nothing"""
+QUICKEST = 0.5
+"""of the shortest time constant of a grid that a search may lead to"""
 INFLATION = 1.5
 """standard errors from the noise alone cover too little: the model's own imperfection adds to
 them"""
@@ -61,7 +63,12 @@ def stands_clear(fit: Fit, place: int, duration: float) -> bool:
 
 def usual(effect: Effect) -> bool:
     """Whether the numbers that a search has moved are such as the thing has: an order that left its
-    (even) grid belongs to no ripple."""
+    (even) grid belongs to no ripple, grease that is warm after a second was not cold."""
+    for name in effect.prior.time_constants:
+        if effect.nonlinear[name] < QUICKEST * min(
+            point[name] for point in effect.grid(effect.joint)
+        ):
+            return False
     if effect.search.between_grid:
         for name, value in effect.nonlinear.items():
             tried = [point[name] for point in effect.grid(effect.joint)]
