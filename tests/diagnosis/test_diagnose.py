@@ -87,7 +87,9 @@ def test_more_than_noise_beside_a_name_is_said() -> None:
     more = replace(found, noise=replace(found.noise, left=left, means=np.zeros(6)))
     assert more.verdict == "explained"
     (told,) = (line for line in lines(more) if "more than noise" in line)
-    assert "Beside what was found more than noise is left on joint 5 (2.7 times)" in told
+    assert told.strip().startswith("Joint 5: ")
+    assert f"{left[4]:.2f} Nm rms are left" in told
+    assert f"disagree by {found.noise.floor[4]:.2f}" in told
 
 
 def test_no_share_is_above_one_hundred_per_cent() -> None:

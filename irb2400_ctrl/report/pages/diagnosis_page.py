@@ -239,29 +239,21 @@ def _why(diagnosis: Diagnosis) -> list[str]:
         return [f"{problem.says[0].upper()}{problem.says[1:]} ({problem.kind})."]
     left = diagnosis.identification.error_after.rmse
     noise = diagnosis.noise
+    # what is said of a joint already is not said again
+    told = diagnosis.left_over if diagnosis.findings else ()
+    known = bool(diagnosis.unexplained) and not diagnosis.findings
     found = [
         f"Joint {j}: {noise.left[j - 1]:.2f} Nm rms are left where neighbouring samples disagree "
         f"by {noise.floor[j - 1]:.2f}: more than noise."
         for j in diagnosis.beyond_noise
-        if noise is not None and not diagnosis.findings and not diagnosis.unexplained
+        if noise is not None and j not in told and not known
     ]
     bodies = off_bodies(diagnosis.numbers)
     found += [bodies] if bodies else []
-    found += [
+    return found + [
         f"Joint {j}: {left[j - 1]:.2f} Nm rms are left, noise is {diagnosis.noise_floor[j - 1]:.2f}"
-        for j in diagnosis.left_over
-        if diagnosis.findings
+        for j in told
     ]
-    beside = [j for j in diagnosis.beyond_noise if j not in diagnosis.left_over]
-    if noise is not None and diagnosis.findings and beside:
-        joints = ", ".join(
-            f"{j} ({noise.left[j - 1] / noise.floor[j - 1]:.1f} times)" for j in beside
-        )
-        found.append(
-            f"Beside what was found more than noise is left on joint {joints}, as neighbouring "
-            "samples disagree."
-        )
-    return found
 
 
 def finding_title(finding: Finding) -> str:

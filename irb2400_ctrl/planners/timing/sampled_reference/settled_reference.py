@@ -54,6 +54,7 @@ class Settled:
     reference: SampledReference
     """with the digits of the file"""
     bounds: ReferenceBounds
+    """of each cell while the law is being slowed, then of the whole motion as one"""
     torque: Array
     """largest |tau| of each axis [Nm], shape (n,); of samples where there is no bound"""
     feed: tuple[Array, Array] | None
@@ -70,10 +71,6 @@ class Settled:
     def feed_ratio(self) -> float | None:
         """The largest speed of the TCP over the feed; None without a feed."""
         return None if self.feed is None else float(self.feed[1].max())
-
-    def wanted(self, limits: MotionLimits) -> Array:
-        """How many times slower each interval between rows has to be, shape (rows - 1,)."""
-        return _wanted(self.bounds, self.feed, self.reference.rows.time, limits)
 
     def by_torque(self, limits: MotionLimits) -> float:
         """The largest part of a torque limit."""
@@ -112,23 +109,21 @@ def settled_reference(
         sampling: which rows the file has of a law.
         slow: whether the law may be slowed.
     """
-    found = _settled(dynamics, task, law, limits, sampling, slow)
+    look = _Look(partial(_looked_at, dynamics, task, limits=limits, sampling=sampling))
+    found = _slowed(look, law, dynamics, task, limits, sampling) if slow else look(law)
     # where the bounds lie told what to slow; of a long motion they are many MB
     return replace(found, bounds=found.bounds.largest)
 
 
-def _settled(
+def _slowed(
+    look: _Look,
+    law: TimeLaw,
     dynamics: PathDynamics,
     task: TaskPath,
-    law: TimeLaw,
     limits: MotionLimits,
     sampling: Sampling,
-    slow: bool,
 ) -> Settled:
-    """The same with the bounds of all cells."""
-    look = _Look(partial(_looked_at, dynamics, task, limits=limits, sampling=sampling))
-    if not slow:
-        return look(law)
+    """The rows of the law that keeps the limits, with the bounds of all cells."""
     asked = law
     bounded = look(law).bounded
     unslowed = look(law).worst(limits)
@@ -191,7 +186,8 @@ class _Swing:
 
     @classmethod
     def of(cls, found: Settled, limits: MotionLimits) -> _Swing:
-        return cls(found.by_torque(limits), found.reference.rows.time, found.wanted(limits))
+        rows = found.reference.rows.time
+        return cls(found.by_torque(limits), rows, _wanted(found.bounds, found.feed, rows, limits))
 
 
 def _slower_all_over(look: _Look, law: TimeLaw, limits: MotionLimits, most: float) -> TimeLaw:
