@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 import traceback
 from collections.abc import Iterable, Iterator
 from concurrent.futures import CancelledError
@@ -16,6 +17,8 @@ from irb2400_ctrl.sweep.study import Study
 
 IN_FLIGHT = 4
 """cases handed out per thread of the cluster: enough to keep it busy, few enough to lose"""
+PATIENCE = 120.0
+"""[s] that a cluster may be without workers: one that is started anew takes some"""
 
 
 def run_on_cluster(study: Study, cases: Iterable[int], address: str, work: Work) -> Results:
@@ -34,7 +37,7 @@ def run_on_cluster(study: Study, cases: Iterable[int], address: str, work: Work)
     Raises:
         ToolMissingError: `distributed` is not installed.
         InputError: nobody answers at that address, or there are no workers.
-        IrbError: a case met an error of ours.
+        IrbError: a case met an error of ours, or the cluster has lost its workers.
     """
     dask = _distributed()
     with _client(dask, address) as client:
@@ -55,7 +58,7 @@ def run_on_cluster(study: Study, cases: Iterable[int], address: str, work: Work)
         hand_out()
         least = len(numbers) // 2
         doubtful: list[int] = []
-        for future, answer in done:
+        for future, answer in _answers(client, done, address):
             result = _result(dask, numbers.pop(future.key), answer)
             future.release()
             if isinstance(result, Lost):
@@ -71,7 +74,8 @@ def run_on_cluster(study: Study, cases: Iterable[int], address: str, work: Work)
             alone = dask.as_completed(
                 [future], loop=client.loop, with_results=True, raise_errors=False
             )
-            yield _result(dask, case, next(alone)[1])
+            ((_, answer),) = _answers(client, alone, address)
+            yield _result(dask, case, answer)
             future.release()
 
 
@@ -104,6 +108,39 @@ def _client(dask: Any, address: str) -> Iterator[Any]:
                 f"the scheduler at {address} has no workers; start some with `dask worker`"
             ) from error
         yield client
+
+
+def _answers(client: Any, done: Any, address: str) -> Iterator[tuple[Any, Any]]:
+    """Futures and answers as they come.
+
+    What watches over workers may give up with them, where they die again and again: Dask itself
+    then waits for ever.
+
+    Args:
+        client: of the scheduler.
+        done: an `as_completed`; what is added to it meanwhile counts.
+        address: of the scheduler.
+
+    Raises:
+        IrbError: there have been no workers for `PATIENCE`.
+    """
+    alive = asked = time.monotonic()
+    while not done.is_empty():
+        if done.has_ready():
+            yield next(done)
+            continue
+        time.sleep(0.02)
+        now = time.monotonic()
+        if now - asked < 1.0:
+            continue
+        asked = now
+        if client.nthreads():
+            alive = now
+        elif now - alive > PATIENCE:
+            raise IrbError(
+                f"the cluster at {address} has had no workers for {PATIENCE:.0f} s; start some "
+                "with `dask worker` and give the same command again: what is finished is kept"
+            )
 
 
 def _result(dask: Any, case: int, answer: Any) -> CaseOutcome | Lost:

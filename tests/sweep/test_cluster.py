@@ -28,19 +28,26 @@ def trace(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture(scope="module")
 def cluster(trace: Path) -> Iterator[str]:
     """Address of a scheduler with two workers, each a process of its own."""
+    import dask
     from distributed import LocalCluster
 
     environment = {TRACE: str(trace), "PYTHONPATH": str(Path(studies.__file__).parent.parent)}
     with pytest.MonkeyPatch.context() as patch:
         for name, value in environment.items():
             patch.setenv(name, value)
-        with LocalCluster(
-            n_workers=2,
-            threads_per_worker=1,
-            processes=True,
-            dashboard_address=None,
-            host="127.0.0.1",
-        ) as made:
+        # a local cluster closes what watches over a worker that is away at one moment, 15 s after
+        # it died
+        patient = dask.config.set({"distributed.deploy.lost-worker-timeout": "1h"})
+        with (
+            patient,
+            LocalCluster(
+                n_workers=2,
+                threads_per_worker=1,
+                processes=True,
+                dashboard_address=None,
+                host="127.0.0.1",
+            ) as made,
+        ):
             yield made.scheduler_address
 
 
@@ -108,6 +115,27 @@ def test_a_result_that_was_fetched_counts_though_its_worker_died_since(tmp_path:
     assert (never.index, never.reason) == (6, "its worker died before its result was fetched")
     with pytest.raises(IrbError, match="case 6 could not be run on the cluster: no such name"):
         cluster_module._result(distributed, 6, (NameError, NameError("no such name"), None))
+
+
+def test_a_cluster_that_lost_its_workers_is_said(
+    trace: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Seen as a sweep that never ended: its case killed workers again and again, and nobody started
+    others."""
+    from distributed import LocalCluster
+
+    monkeypatch.setattr(cluster_module, "PATIENCE", 2.0)
+    monkeypatch.setenv(TRACE, str(trace))
+    monkeypatch.setenv("PYTHONPATH", str(Path(studies.__file__).parent.parent))
+    with LocalCluster(n_workers=0, dashboard_address=":0", host="127.0.0.1") as made:
+        address = made.scheduler_address
+        command = [sys.executable, "-m", "distributed.cli.dask_worker", address]
+        with subprocess.Popen([*command, "--no-nanny", "--no-dashboard"]) as worker:
+            with pytest.raises(IrbError, match=r"no workers for 2 s; .* what is finished is kept"):
+                run_sweep(
+                    small(tmp_path), tmp_path / "out", scheduler=address, work=studies.dies_at_once
+                )
+            assert worker.wait(timeout=60) == 1
 
 
 def test_nobody_answers(tmp_path: Path) -> None:
