@@ -1,8 +1,10 @@
-"""Columns of MAT and Parquet files."""
+"""Columns of MAT, HDF5, NumPy and Parquet files."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterator
+import zipfile
+import zlib
+from collections.abc import Callable, Collection, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +17,10 @@ from irb2400_ctrl.measurement.table import Table, numbered, one_length
 
 MOST_JOINTS = 16
 """a matrix with so few rows and more columns than that holds a sample per column"""
-
+LONG = 20
+"""and so does any with so many times more columns than rows"""
+MOST_BYTES = 4_000_000_000
+"""of unpacked arrays"""
 
 Chosen = Callable[[Collection[str]], Collection[str]]
 """those of a file's columns that count; others may have another length"""
@@ -65,6 +70,11 @@ def read_mat_table(path: Path, chosen: Chosen | None = None) -> Table:
         found = _hdf5(path)
     except (OSError, ValueError, TypeError, MatReadError) as error:
         raise InputError(f"{path} is not a readable MAT file: {error}") from error
+    return _columns(path, found, chosen)
+
+
+def _columns(path: Path, found: Mapping[str, Any], chosen: Chosen | None) -> Table:
+    """The columns of variables by name."""
     columns: dict[str, Array] = {}
     for name, value in found.items():
         if not name.startswith("__"):
@@ -73,6 +83,41 @@ def read_mat_table(path: Path, chosen: Chosen | None = None) -> Table:
         # single numbers (a sampling rate, a load) are no columns
         columns = {name: values for name, values in columns.items() if len(values) > 1}
     return one_length(path, columns if chosen is None else _only(columns, chosen))
+
+
+def read_hdf5_table(path: Path, chosen: Chosen | None = None) -> Table:
+    """Columns of the arrays in an HDF5 file, groups with dots: `data.demo_0.q[1]`; named as those
+    of a MAT file.
+
+    Raises:
+        InputError: not an HDF5 file, or columns of different lengths.
+        ToolMissingError: no h5py.
+    """
+    needed("h5py", "mat73", "an HDF5 file")
+    try:
+        return _columns(path, _hdf5(path), chosen)
+    except OSError as error:
+        raise InputError(f"{path} is not a readable HDF5 file: {error}") from error
+
+
+def read_npz_table(path: Path, chosen: Chosen | None = None) -> Table:
+    """Columns of the arrays in a NumPy archive; named as those of a MAT file.
+
+    Raises:
+        InputError: not an archive of arrays of numbers, or columns of different lengths.
+    """
+    try:
+        with zipfile.ZipFile(path) as packed:
+            size = sum(member.file_size for member in packed.infolist())
+        if size > MOST_BYTES:
+            raise InputError(f"{path}: {size:,} bytes when unpacked, expected a log")
+        with np.load(path, allow_pickle=False) as arrays:
+            return _columns(path, dict(arrays), chosen)
+    except (OSError, ValueError, EOFError, MemoryError, zipfile.BadZipFile, zlib.error) as error:
+        raise InputError(
+            f"{path} is not a readable NumPy archive of numbers: {error}; expected arrays such as "
+            "time_s, q_rad, tau_Nm (np.savez)"
+        ) from error
 
 
 def _only(columns: dict[str, Array], chosen: Chosen) -> dict[str, Array]:
@@ -125,9 +170,12 @@ def _flat(name: str, value: Any) -> Iterator[tuple[str, Array]]:
         for item in array.ravel():
             for field in getattr(item, "_fieldnames", ()):
                 yield from _flat(f"{name}.{field}", getattr(item, field))
+    elif array.ndim == 1 and np.issubdtype(array.dtype, np.number):
+        yield name, array.astype(float)
     elif array.ndim == 2 and np.issubdtype(array.dtype, np.number):
         numbers = array.astype(float)
-        if 1 < len(numbers) <= MOST_JOINTS < numbers.shape[1]:
+        m, n = numbers.shape
+        if 1 < m <= MOST_JOINTS < n or n > LONG * m > LONG:
             numbers = numbers.T  # a sample per column
         if 1 in numbers.shape:
             yield name, numbers.ravel()

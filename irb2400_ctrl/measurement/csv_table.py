@@ -1,6 +1,6 @@
 """CSV in the dialects that loggers write: comma, semicolon, tab or blanks, decimal comma, byte
 order mark or a code page of Windows, comment lines before the header or the header itself as one, a
-line of units below it, gzip."""
+line of units below it, times of day, gzip."""
 
 from __future__ import annotations
 
@@ -15,8 +15,15 @@ import numpy as np
 
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.measurement.clock_times import past_midnight, seconds_of_day
 from irb2400_ctrl.measurement.columns.signal_names import is_unit
-from irb2400_ctrl.measurement.table import Table, numbers_of, spread
+from irb2400_ctrl.measurement.table import (
+    Table,
+    distinct,
+    numbers_of,
+    spread,
+    without_copies,
+)
 from irb2400_ctrl.reading import text_blocks
 
 COMMENTS = ("#", "%", "//")
@@ -57,11 +64,13 @@ class Dialect:
 
 @dataclass(frozen=True)
 class Body:
-    """The samples of a file: what stands from line `start` on, lines counted from 0."""
+    """The samples of a file: what stands from line `start` on, lines counted from 0; cells that
+    hold times of day, by their place in a line."""
 
     path: Path
     dialect: Dialect
     start: int
+    clocks: frozenset[int] = frozenset()
 
     def blocks(self) -> Iterator[bytes]:
         """Whole lines in each, one blank between cells where blanks separate them."""
@@ -93,7 +102,10 @@ def read_csv_table(path: Path, progress: Callable[[int], None] = lambda rows: No
     head = next(text_blocks(path), b"").decode().split("\n")
     dialect = _dialect(path, head)
     header = _header(path, head, dialect)
-    start = dialect.skip + 1
+    headless = _headless(path, head, dialect, header)
+    if headless:
+        header = [f"column {k + 1}" for k in range(len(header))]
+    start = dialect.skip + (0 if headless else 1)
     row = _first_row(path, head, dialect, start)
     if is_unit(row[0]) and not any(_is_number(cell, dialect) for cell in row):
         units = [f" [{cell.strip('[]()')}]" if cell else "" for cell in row]
@@ -101,17 +113,23 @@ def read_csv_table(path: Path, progress: Callable[[int], None] = lambda rows: No
         header = [name + unit for name, unit in zip(header, units, strict=False)]
         start += 1 + next(k for k, line in enumerate(head[start:]) if line.strip(_EMPTY))
         row = _first_row(path, head, dialect, start)
-    body = Body(path, dialect, start)
+    header = distinct(header)
+    clocks = {k for k, cell in enumerate(row) if seconds_of_day(cell) is not None}
+    if len(clocks) == 1 and "time_s" not in header:
+        header[min(clocks)] = "time_s"
+    body = Body(path, dialect, start, frozenset(clocks))
     names, widths = spread(header, row)
-    columns = None if widths else _fast(body, header, progress)
+    columns = None if widths or clocks else _fast(body, header, progress)
     if columns is None:
         columns = _slow(body, len(header), names, widths, progress)
+    for k in clocks:
+        columns[header[k]] = past_midnight(columns[header[k]])
     words = {
         name: cell
-        for name, cell in zip(header, row, strict=False)
-        if cell and not _is_number(cell, dialect)
+        for k, (name, cell) in enumerate(zip(header, row, strict=False))
+        if cell and k not in clocks and not _is_number(cell, dialect)
     }
-    return Table(path, columns, start + 1, words)
+    return Table(path, without_copies(columns), start + 1, words, headless=headless)
 
 
 def _first_row(path: Path, lines: list[str], dialect: Dialect, start: int) -> list[str]:
@@ -133,17 +151,19 @@ def _header(path: Path, lines: list[str], dialect: Dialect) -> list[str]:
             f"{path}: the first line is {lines[dialect.skip][:60]!r}, expected comma-separated "
             "names such as time_s,q1_deg"
         )
-    if _is_number(header[0], dialect) and _is_number(header[1], dialect):
-        raise InputError(
-            f"{path}, line {dialect.skip + 1}: found numbers ({line[:40]}…), expected a line of "
-            f"names such as time_s,q1_deg above them, {len(header)} in all: write it into the file"
-        )
-    doubled = sorted({name for name in header if header.count(name) > 1 and name})
-    if doubled:
-        raise InputError(
-            f"{path}: column {doubled[0]!r} appears {header.count(doubled[0])} times, expected once"
-        )
     return header
+
+
+def _headless(path: Path, lines: list[str], dialect: Dialect, header: list[str]) -> str:
+    """What to say of a file whose first line holds numbers; empty where it holds names."""
+    if not (_is_number(header[0], dialect) and _is_number(header[1], dialect)):
+        return ""
+    return (
+        f"{path}, line {dialect.skip + 1}: found numbers ({lines[dialect.skip].strip()[:40]}…), "
+        f"expected a line of names such as time_s,q1_deg above them, {len(header)} in all: write "
+        f"it into the file, or say in a column map (--columns, docs/logs.md) what 'column 1' to "
+        f"'column {len(header)}' are (file = 'column {{j+1}}', joints = 6: from column 2 on)"
+    )
 
 
 def _within(path: Path, rows: int, columns: int) -> None:
@@ -304,10 +324,12 @@ def _slow(
 
 def _values(body: Body, cells: list[str], widths: dict[int, int], place: str) -> list[float]:
     """The numbers of a line; a cell without anything where a list is expected holds none."""
-    if not widths:
-        return [_number(cell, body.dialect.decimal) for cell in cells]
     values = []
     for k, cell in enumerate(cells):
+        if k in body.clocks:
+            seconds = seconds_of_day(cell)
+            values.append(np.nan if seconds is None else seconds)
+            continue
         if k not in widths:
             values.append(_number(cell, body.dialect.decimal))
             continue

@@ -9,6 +9,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.measurement.columns.column_map import load_column_map
 from irb2400_ctrl.measurement.csv_table import MOST_TITLES, read_csv_table
 from irb2400_ctrl.measurement.growing_bag import GrowingBag, bytes_from
 from irb2400_ctrl.measurement.log import Log
@@ -18,7 +19,7 @@ POLL = 0.5
 """[s] between two looks at the file"""
 LEAST = 2
 """samples of a piece"""
-NOT_LINES = {".gz", ".mat", ".parquet", ".db3"}
+NOT_LINES = {".gz", ".mat", ".parquet", ".npz", ".h5", ".hdf5", ".db3"}
 """suffixes of files whose end is not theirs to read before they are closed"""
 
 
@@ -47,6 +48,9 @@ def growing_log(
             f"{path}: a {path.suffix} file cannot be read while it is written; expected a .csv or "
             "an .mcap (record one, or watch the closed file without --follow)"
         )
+    given = None if columns is None else load_column_map(columns)
+    if given is not None and given.time is not None and given.time.rate_Hz is not None:
+        raise InputError(f"{columns}: a log that grows needs a column of times, found rate_Hz")
     look: Callable[[], Log | None]
     bag = GrowingBag(path, columns, names) if path.suffix.lower() == ".mcap" else None
     look = _Lines(path, columns, names).new if bag is None else bag.new
@@ -101,8 +105,10 @@ def _head(path: Path, lines: bytes) -> bytes:
     with tempfile.TemporaryDirectory() as folder:
         copy = Path(folder) / path.name
         copy.write_bytes(lines)
-        first = read_csv_table(copy).first_line or 1
-    return b"".join(lines.splitlines(keepends=True)[: first - 1])
+        table = read_csv_table(copy)
+    if table.headless:
+        raise InputError(f"{path}: a log that grows needs a line of names above its samples")
+    return b"".join(lines.splitlines(keepends=True)[: (table.first_line or 1) - 1])
 
 
 def _parsed(path: Path, text: bytes, columns: Path | None, names: Sequence[str] | None) -> Log:

@@ -16,9 +16,15 @@ import numpy as np
 
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.errors import InputError
-from irb2400_ctrl.measurement.binary_table import read_mat_table, read_parquet_table
+from irb2400_ctrl.measurement.binary_table import (
+    read_hdf5_table,
+    read_mat_table,
+    read_npz_table,
+    read_parquet_table,
+)
 from irb2400_ctrl.measurement.cells import all_finite, without_blank_rows
 from irb2400_ctrl.measurement.columns.column_map import TIME, ColumnMap, load_column_map
+from irb2400_ctrl.measurement.columns.mapped_time import with_time
 from irb2400_ctrl.measurement.columns.recorder_names import has_time, recorder_columns, unit_by_size
 from irb2400_ctrl.measurement.columns.signal_names import (
     TIME_WORDS,
@@ -29,11 +35,12 @@ from irb2400_ctrl.measurement.columns.signal_names import (
     without_unit,
 )
 from irb2400_ctrl.measurement.columns.suggested_map import suggested_map
-from irb2400_ctrl.measurement.columns.two_part_time import joined, joined_time
+from irb2400_ctrl.measurement.columns.two_part_time import joined_time
 from irb2400_ctrl.measurement.csv_table import read_csv_table
 from irb2400_ctrl.measurement.log import Log
+from irb2400_ctrl.measurement.other_files import refuse_other_files
 from irb2400_ctrl.measurement.ros_table import read_ros_table
-from irb2400_ctrl.measurement.table import Table
+from irb2400_ctrl.measurement.table import Table, said_of_copies
 from irb2400_ctrl.reading import looks_like
 
 Found = dict[str, dict[int, str]]
@@ -49,7 +56,13 @@ _SCALES = {
 NAMED_TIMES = {f"time_{unit}": scale for unit, scale in TIME.items()}
 _ZEROTH = re.compile(r"(q|qd|tau)0_.*")
 _BARE = re.compile(r"(time|t|(?:qd|q|tau)[1-9]\d*(?:_ref)?)")
-READERS = {".mat": read_mat_table, ".parquet": read_parquet_table}
+READERS = {
+    ".mat": read_mat_table,
+    ".parquet": read_parquet_table,
+    ".npz": read_npz_table,
+    ".h5": read_hdf5_table,
+    ".hdf5": read_hdf5_table,
+}
 """by suffix; anything else is CSV, but for"""
 BAGS = (".db3", ".mcap")
 """whose joints have names"""
@@ -68,8 +81,8 @@ def read_log(
     """The log of a file.
 
     Args:
-        path: `.csv`, `.csv.gz` (comma, semicolon or tab; decimal comma), `.mat`, `.parquet`, ROS 2
-            bag `.db3` or `.mcap`.
+        path: `.csv`, `.csv.gz` (comma, semicolon or tab; decimal comma), `.mat`, `.parquet`,
+            `.npz`, `.h5`, ROS 2 bag `.db3` or `.mcap`.
         joints: number of joints to expect; default as many as the names tell.
         columns: what the file's columns are, where their names do not say it.
         names: of the robot's joints in their order (`robot.joint_names`): a ROS bag names its
@@ -92,6 +105,7 @@ def read_log(
             f"{path}: found a robot or a map of columns, expected a log; a robot is given with "
             "--robot, a map with --columns"
         )
+    refuse_other_files(path)
     if path.suffix.lower() in BAGS:
         table = read_ros_table(path, names, ordered=given is None)
     elif path.suffix.lower() in READERS:
@@ -113,6 +127,8 @@ def log_of(
         InputError: as `read_log`.
     """
     if given is None:
+        if table.headless:
+            raise InputError(table.headless)
         given_columns = table.columns
         try:
             if not has_time(table):
@@ -120,9 +136,10 @@ def log_of(
             time, found, scales = _by_name(table, names)
             n = _joints(table, found, joints)
         except InputError as error:
-            raise InputError(f"{error}{suggested_map(given_columns)}") from error
+            copies = said_of_copies(given_columns)
+            raise InputError(f"{error}{copies}{suggested_map(given_columns, names)}") from error
     else:
-        table = _with_time(table, given)
+        table = with_time(table, given)
         time, found, scales = _by_map(table, given)
         n = _joints(table, found, joints)
     used = {time[0], *(name for places in found.values() for name in places.values())}
@@ -176,15 +193,18 @@ def _by_name(
             without = without or name
     if len(times) > 1:
         _contradict(table, *times)
-    if not times and not any(found.values()):
+    if not any(found.values()):
         in_brackets = _by_brackets(table)
-        if in_brackets is not None:
+        if in_brackets is not None and (any(in_brackets[1].values()) or not times):
             return in_brackets
     if without:
         raise InputError(
             f"{table.path}: column {without!r} has no unit, expected for example "
             f"{_example(without)}"
         )
+    stated = {} if times else _stated_times(table)
+    if len(stated) == 1:
+        return next(iter(stated.items())), found, scales
     if not times:
         raise InputError(
             f"{table.path}: no column time_s, time_ms or 'Time [s]'; found {table.some}: rename "
@@ -198,7 +218,7 @@ def _by_brackets(table: Table) -> tuple[tuple[str, float], Found, dict[str, floa
     """The same from names such as `Time [s]`, `J1 [deg]`; None where there is no such time."""
     found: Found = {signal: {} for signal in _SCALES}
     scales: dict[str, float] = {}
-    times = {name: scale for name in table.columns if (scale := time_scale(name)) is not None}
+    times = _stated_times(table)
     for name, short in without_source(table.columns).items():
         signal = joint_signal(short)
         if signal is None:
@@ -216,6 +236,13 @@ def _by_brackets(table: Table) -> tuple[tuple[str, float], Found, dict[str, floa
     return (next(iter(times.items())), found, scales) if times else None
 
 
+def _stated_times(table: Table) -> dict[str, float]:
+    """Columns of times by their unit in brackets, else by the unit that ends the name; seconds a
+    count."""
+    times = {name: scale for name in table.columns if (scale := time_scale(name)) is not None}
+    return {name: scale for name, scale in times.items() if name.rstrip()[-1] in ")]）"} or times
+
+
 def _by_map(table: Table, given: ColumnMap) -> tuple[tuple[str, float], Found, dict[str, float]]:
     """Time, signals and scales as a column map says."""
     found: Found = {signal: {} for signal in _SCALES}
@@ -225,7 +252,9 @@ def _by_map(table: Table, given: ColumnMap) -> tuple[tuple[str, float], Found, d
             _contradict(table, found[column.quantity][column.joint], column.file)
         found[column.quantity][column.joint] = column.file
         scales[column.file] = column.scale
-    time = ("time_s", 1.0) if given.time is None else (given.time.column, TIME[given.time.unit])
+    time = ("time_s", 1.0)
+    if given.time is not None and given.time.column is not None:
+        time = (given.time.column, TIME[given.time.unit])
     if time[0] in scales:
         raise InputError(
             f"the column map names {time[0]!r} as the time and as a signal; expected two columns"
@@ -236,19 +265,6 @@ def _by_map(table: Table, given: ColumnMap) -> tuple[tuple[str, float], Found, d
             f"{table.path}: no column {missing[0]!r} that the column map names; found {table.some}"
         )
     return time, found, scales
-
-
-def _with_time(table: Table, given: ColumnMap) -> Table:
-    """The table with the time of the map in one column."""
-    if given.time is None or given.time.nanoseconds is None:
-        return table
-    pair = (given.time.column, given.time.nanoseconds)
-    if all(name in table.columns for name in pair):
-        return joined(table, *pair, into=pair[0])
-    raise InputError(
-        f"{table.path}: no columns {pair[0]!r} and {pair[1]!r} that the column map names as the "
-        f"time; found {table.some}"
-    )
 
 
 def _contradict(table: Table, one: str, other: str) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -18,6 +18,7 @@ _MATRIX = re.compile(r"(qd|q|tau)(_ref)?_(\w+)")
 _LIST = re.compile(
     r"(?:array\(\s*(?:'\w',\s*)?)?[\[(](?P<inside>[^\[\]()'\"]*)[\])](?:\s*(?:,\s*dtype=\w+)?\))?"
 )
+_OF_SEVERAL = re.compile(r"(?P<name>.*) \((?P<place>\d+) of (?P<n>\d+)\)")
 _BETWEEN = re.compile(r"[\s,;]+")
 
 
@@ -29,6 +30,7 @@ class Table:
         first_line: number of the line in the file that holds the first sample, where it has lines.
         words: first cells of the columns that hold words.
         rows: of the file that the samples stand in, counted from 0; default every one.
+        headless: what to say where nothing names the columns (`column 1`…).
     """
 
     path: Path
@@ -36,6 +38,7 @@ class Table:
     first_line: int | None = None
     words: Mapping[str, str] = field(default_factory=dict)
     rows: npt.NDArray[np.intp] | None = None
+    headless: str = ""
 
     def place(self, row: int) -> str:
         """Where a sample stands in the file."""
@@ -68,6 +71,40 @@ def one_length(path: Path, columns: dict[str, Array]) -> Table:
             "(--columns, docs/logs.md), or resample them in the tool that wrote the file"
         )
     return Table(path, columns)
+
+
+def distinct(header: Sequence[str]) -> list[str]:
+    """The names; one that stands there k times is `name (1 of k)`, `name (2 of k)`…"""
+    seen: dict[str, int] = {}
+    names = []
+    for name in header:
+        k = seen[name] = seen.get(name, 0) + 1
+        several = bool(name) and header.count(name) > 1
+        names.append(f"{name} ({k} of {header.count(name)})" if several else name)
+    return names
+
+
+def without_copies(columns: dict[str, Array]) -> dict[str, Array]:
+    """Columns of one name that hold the same numbers as one of that name."""
+    found = dict(columns)
+    for first in columns:
+        match = _OF_SEVERAL.fullmatch(first)
+        if match is None or match["place"] != "1":
+            continue
+        all_of = [f"{match['name']} ({k + 1} of {match['n']})" for k in range(int(match["n"]))]
+        if all(np.array_equal(columns[first], columns[n], equal_nan=True) for n in all_of[1:]):
+            found[match["name"]] = columns[first]
+            for name in all_of:
+                del found[name]
+    return found
+
+
+def said_of_copies(names: Iterable[str]) -> str:
+    """For a message: a name that several columns have; empty where each has its own."""
+    found = next((match for name in names if (match := _OF_SEVERAL.fullmatch(name))), None)
+    if found is None:
+        return ""
+    return f"; column {found['name']!r} appears {found['n']} times, expected once"
 
 
 def numbered(name: str, j: int) -> str:

@@ -13,7 +13,8 @@ Nm_per_A = 0.62
 gear_ratio = -101.0
 
 One entry may stand for the columns of all joints: `{j}` in its name counts them from 1, `{j0}` from
-0, and what differs among them is a list.
+0, `{j+7}` from 8 (with `joints`, where further columns go on counting), and what differs among them
+is a list.
 
 [[columns]]
 file = "actual_current_{j0}"
@@ -25,6 +26,7 @@ gear_ratio = 101.0
 
 from __future__ import annotations
 
+import re
 from collections.abc import Collection
 from itertools import count
 from pathlib import Path
@@ -51,15 +53,19 @@ class _Strict(BaseModel):
 
 
 class TimeColumn(_Strict):
-    """Which column is the time, and its unit."""
+    """Which column is the time, and its unit; or how many samples a second there are."""
 
-    column: str
+    column: str | None = None
     unit: Literal["s", "ms", "us", "ns"] = "s"
     nanoseconds: str | None = None
     """a second column, beyond the whole seconds of the first"""
+    rate_Hz: Annotated[float, Field(gt=0.0, allow_inf_nan=False)] | None = None
+    """of a file without a time"""
 
     @model_validator(mode="after")
     def _in_seconds(self) -> Self:
+        if (self.column is None) == (self.rate_Hz is None):
+            raise ValueError("expected either column or rate_Hz")
         if self.nanoseconds is not None and self.unit != "s":
             raise ValueError(f"nanoseconds beyond a column in {self.unit}, expected unit = 's'")
         return self
@@ -67,6 +73,7 @@ class TimeColumn(_Strict):
 
 Number = Annotated[float, Field(allow_inf_nan=False)]
 Numbers = Number | tuple[Number, ...]
+_COUNTS = re.compile(r"\{j(0|\+\d+)?\}")
 PER_JOINT = ("gear_ratio", "Nm_per_A", "full_scale_Nm", "factor", "sign")
 
 
@@ -75,7 +82,8 @@ class Column(_Strict):
 
     Args:
         file: its name there; quantity: q, qd, tau or q_ref; joint: from 1, left out where the name
-            holds `{j}` or `{j0}`.
+            holds `{j}`, `{j0}` or `{j+1}`…; joints: how many it stands for, default as many as the
+            file has columns of that name.
         unit: of `UNITS`.
         gear_ratio: of a column on the motor's side (motor turns per joint turn, signed).
         Nm_per_A: of a current at the motor; full_scale_Nm: of a torque in per cent.
@@ -85,6 +93,7 @@ class Column(_Strict):
     file: str
     quantity: Literal["q", "qd", "tau", "q_ref"]
     joint: int = Field(default=0, ge=1)
+    joints: int | None = Field(default=None, ge=1, le=99)
     unit: str
     gear_ratio: Numbers = 1.0
     Nm_per_A: Numbers | None = None
@@ -114,11 +123,15 @@ class Column(_Strict):
     @property
     def every_joint(self) -> bool:
         """Whether the entry stands for the columns of all joints."""
-        return "{j}" in self.file or "{j0}" in self.file
+        return _COUNTS.search(self.file) is not None
 
     def name_of(self, joint: int) -> str:
         """The column of a joint."""
-        return self.file.replace("{j}", str(joint)).replace("{j0}", str(joint - 1))
+
+        def place(found: re.Match[str]) -> str:
+            return str(joint - 1 if found[1] == "0" else joint + int(found[1] or 0))
+
+        return _COUNTS.sub(place, self.file)
 
     def of_joint(self, joint: int) -> Self:
         """The entry of one joint.
@@ -167,19 +180,20 @@ class ColumnMap(_Strict):
         """The entries of a file with these columns, one for each column."""
         found = []
         for column in self.columns:
-            joints = range(1, 2)
-            if column.every_joint:
-                joints = range(
-                    1, 1 + next(j for j in count() if column.name_of(j + 1) not in names)
-                )
-                joints = joints or range(1, 2)
-            found += [column.of_joint(j) if column.every_joint else column for j in joints]
+            if not column.every_joint:
+                found.append(column)
+                continue
+            there = next(j for j in count() if column.name_of(j + 1) not in names)
+            found += [column.of_joint(j + 1) for j in range(column.joints or max(there, 1))]
         return found
 
     def named(self, names: Collection[str]) -> set[str]:
         """The columns that count, of a file with these, the time among them."""
-        stamps = {"time_s"} if self.time is None else {self.time.column, self.time.nanoseconds}
-        return {column.file for column in self.of(names)} | {name for name in stamps if name}
+        time = TimeColumn(column="time_s") if self.time is None else self.time
+        stamps = {time.column, time.nanoseconds}
+        return {column.file for column in self.of(names)} | {
+            name for name in stamps if name is not None
+        }
 
     @model_validator(mode="after")
     def _once(self) -> Self:

@@ -4,13 +4,15 @@
   torque is `actual_current_as_torque_0`… [Nm]. Currents need a column map.
 - PlotJuggler and the like: a column of seconds and `/joint_states/elbow_joint/position`,
   `/velocity`, `/effort` (a dot does as well as the last stroke); flattened tables have
-  `elbow_joint_position`, `elbow_joint_velocity`, `elbow_joint_effort`.
+  `elbow_joint_position`, `elbow_joint_velocity`, `elbow_joint_effort`, or `position_elbow_joint`….
 - `rostopic echo -p`: `%time` [ns] (a comment line is the header), `field.name0`…,
   `field.position0`…; tables of bags (bagpy): `Time`, `name` with the list of joints,
-  `position_0`…, `velocity_0`…, `effort_0`…, or the whole list in one cell of `position`.
+  `position_0`…, `velocity_0`…, `effort_0`…, or the whole list in one cell of `position`;
+  `position.0`… and `position[0]`… of PlotJuggler.
 
 - `libfranka` and `franka_ros`: `state.q[0]`…, `dq`, `q_d`, and `tau_J`, the torque on the link's
-  side; `libfranka` counts the time in milliseconds, so that there its step tells the unit.
+  side; `libfranka` counts the time in milliseconds, so that there its step tells the unit; its
+  older logs call it `duration`.
 
 A time whose name states no unit is in seconds, or, counted from 1970, in the unit that its size
 tells (`pandas` writes nanoseconds).
@@ -45,13 +47,14 @@ _FRANKA = re.compile(
 _FRANKA_SIGNALS = {"q": "q", "dq": "qd", "q_d": "q_ref", "tau_J": "tau"}
 _NAMED = re.compile(r"(.*[/.])?(?P<joint>[^/.]+)[/.](?P<word>position|velocity|effort)")
 _JOINED = re.compile(r"(?P<joint>.+)_(?P<word>position|velocity|effort)")
+_BEFORE = re.compile(r"(?P<word>position|velocity|effort)_(?P<joint>(?!\d+$).+)")
 _ECHO = re.compile(
-    r"(.*[/.])?(?P<word>position|velocity|effort)(?:_?(?P<place>\d+)|\[(?P<bracket>\d+)\])"
+    r"(.*[/.])?(?P<word>position|velocity|effort)(?:[_.]?(?P<place>\d+)|\[(?P<bracket>\d+)\])"
 )
 _QUOTED = re.compile(r"""['"]([^'"]+)['"]""")
 _NAMES = re.compile(r"(.*[/.])?name")
 _TIMES = {"%time": 1e-9, "time_ns": 1e-9, "time_us": 1e-6, "time_ms": 1e-3, "time_s": 1.0}
-_BARE_TIMES = ("timestamp", "__time", "time", "Time")
+_BARE_TIMES = ("timestamp", "__time", "time", "Time", "duration")
 SLOWEST = 0.1
 """between two samples [s]"""
 _SINCE_1970 = ((1e17, 1e-9), (1e14, 1e-6), (1e11, 1e-3))
@@ -125,7 +128,8 @@ def _by_joint(table: Table, joints: Sequence[str] | None) -> dict[str, dict[int,
     form = _NAMED
     if not any(map(_NAMED.fullmatch, table.columns)):
         # only ROS calls a torque effort: other recorders' positions may be in degrees
-        form = _JOINED if any(name.endswith("_effort") for name in table.columns) else _NAMED
+        matches = ((f, f.fullmatch(name)) for f in (_JOINED, _BEFORE) for name in table.columns)
+        form = next((f for f, match in matches if match and match["word"] == "effort"), _NAMED)
     for name in table.columns:
         match = form.fullmatch(name)
         if match is not None:

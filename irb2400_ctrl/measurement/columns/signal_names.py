@@ -1,13 +1,14 @@
 """Columns of signal recorders (RobotStudio, scopes, spreadsheets): `J1 [deg]`, `Axis 2 torque
 (Nm)`.
 
-A name tells the joint by `J1`, `A1`, `Joint 1` or `Axis 1` (in German and Chinese too) and the
-quantity by its unit in brackets. What stands before every name (`System1:T_ROB1:`, `GP1`) is the
-controller's or the unit's, and is passed over. Commanded angles hold a word for it (`ref`,
-`command`, `setpoint`, `programmed`). Only names whose every word is known are taken: a gravity
-torque, a position error or a torque limit has the unit of the measured signal and is another thing.
-Commanded speeds and torques, and what is on the motor's side, are no measured joint signals: they
-need a column map.
+A name tells the joint by `J1`, `A1`, `Joint 1` or `Axis 1` (in German and Chinese too), or by the
+quantity that counts it (`q1`, `dq1`, `tau1`, `Torque 1`), and the quantity by its unit, in brackets
+or as the last word (`joint1_pos_rad`, `j1_torque_Nm`). What stands before every name
+(`System1:T_ROB1:`, `GP1`) is the controller's or the unit's, and is passed over. Commanded angles
+hold a word for it (`ref`, `command`, `setpoint`, `programmed`). Only names whose every word is
+known are taken: a gravity torque, a position error or a torque limit has the unit of the measured
+signal and is another thing. Commanded speeds and torques, and what is on the motor's side, are no
+measured joint signals: they need a column map.
 """
 
 from __future__ import annotations
@@ -26,7 +27,7 @@ UNITS = {
     "knm": ("tau", 1e3),
 }
 """unit -> (signal, SI per number)"""
-TIMES = {"s": 1.0, "sec": 1.0, "ms": 1e-3, "us": 1e-6, "µs": 1e-6, "ns": 1e-9}
+TIMES = {"s": 1.0, "sec": 1.0, "seconds": 1.0, "ms": 1e-3, "us": 1e-6, "µs": 1e-6, "ns": 1e-9}
 TIME_WORDS = {
     "time",
     "t",
@@ -49,16 +50,28 @@ _SPELLED = {
     "弧度": "rad",
 }
 _NAME = re.compile(r"(?P<words>.*?)\s*[\[(\uff08](?P<unit>[^\])\uff09]*)[\])\uff09]\s*")
-_JOINT = re.compile(r"(?<![a-z])(?:j|a|joint|axis|achse|gelenk|关节|軸|轴)[ _]?([1-9]\d?)(?!\d)")
-_COMMANDED = re.compile(r"ref|command|setpoint|programmed|desired|target|soll")
+_ENDS = re.compile(
+    r"(?P<words>.*?)[ _](?P<unit>(?:deg|rad)(?:ps|[_/]s|_per_s)?|k?nm|sec|seconds|[mun]?s)", re.I
+)
+_NUMBER = r")[ _]?([1-9]\d?)(?!\d)"
+_JOINT = re.compile(
+    r"(?<![a-z])(?:j|jt|a|joint|actuator|axis|achse|gelenk|关节|軸|轴" + _NUMBER,
+)
+LETTERS = {"q": "q", "theta": "q", "qd": "qd", "dq": "qd", "omega": "qd", "tau": "tau"}
+"""what counts the joints -> its signal"""
+_COUNTED = re.compile(
+    rf"(?<![a-z])(?:{'|'.join(LETTERS)}|pos|position|angle|vel|velocity|speed|torque|trq|cmd|command"
+    + _NUMBER
+)
+_HUMP = re.compile(r"(?<=[a-zäöüß])(?=[A-Z])")
 COMMANDED = {
-    *("ref", "reference", "command", "commanded", "setpoint"),
+    *("ref", "reference", "cmd", "command", "commanded", "setpoint", "des"),
     *("programmed", "desired", "target", "soll", "sollposition", "sollwinkel"),
 }
 MEASURED = {
     *("angle", "position", "pos", "torque", "moment", "effort", "speed", "velocity", "vel"),
-    *("actual", "act", "real", "measured", "meas", "msr", "feedback", "fb", "encoder"),
-    *("value", "signal", "joint", "axis", "robot", "rob", "rob1", "1"),
+    *("actual", "act", "real", "measured", "meas", "msr", "feedback", "fb", "encoder", "enc"),
+    *("value", "signal", "joint", "jnt", "trq", "axis", "robot", "rob", "rob1", "1"),
     *("winkel", "gelenkwinkel", "achswinkel", "lage", "drehmoment", "geschwindigkeit"),
     *("achse", "gelenk", "ist", "istwert", "gemessen", "istposition", "istwinkel", "istmoment"),
     *("istdrehmoment", "istgeschwindigkeit"),
@@ -68,11 +81,9 @@ MEASURED = {
 
 
 def time_scale(name: str) -> float | None:
-    """Seconds per number of a column called `Time [s]`, `t (ms)`, …; None for any other."""
-    match = _NAME.fullmatch(name.strip().lower())
-    if match is None or match["words"] not in TIME_WORDS:
-        return None
-    return TIMES.get(match["unit"].strip())
+    """Seconds per number of a column called `Time [s]`, `t (ms)`, `time_sec`…; else None."""
+    words, unit = _parts(name)
+    return TIMES.get(unit) if words in TIME_WORDS else None
 
 
 def without_source(names: Iterable[str]) -> dict[str, str]:
@@ -96,34 +107,39 @@ def without_source(names: Iterable[str]) -> dict[str, str]:
 
 def joint_signal(name: str) -> tuple[str, int, float] | None:
     """(signal, joint, SI per number) of a column; None where the name does not say all three."""
-    match = _NAME.fullmatch(name.strip().lower())
-    if match is None:
-        return None
-    joint = _JOINT.search(match["words"])
-    signal, scale = UNITS.get(_unit(match["unit"]), ("", 0.0))
+    words, unit = _parts(name)
+    joint = _joint(words)
+    signal, scale = UNITS.get(_unit(unit), ("", 0.0))
     if joint is None or not signal or strange_word(name) is not None:
         return None
-    if _COMMANDED.search(match["words"]):
+    told = set(re.split(r"[\W\d_]+", words))
+    if any(LETTERS[letter] != signal for letter in told & LETTERS.keys()):
+        return None
+    if told & COMMANDED:
         return ("q_ref", int(joint[1]), scale) if signal == "q" else None
     return signal, int(joint[1]), scale
 
 
 def strange_word(name: str) -> tuple[str, str] | None:
     """(signal its unit is of, word) where a word keeps a column from being a measured signal."""
-    match = _NAME.fullmatch(name.strip().lower())
-    if match is None or _JOINT.search(match["words"]) is None:
+    words, unit = _parts(name)
+    if _joint(words) is None:
         return None
-    signal, _ = UNITS.get(_unit(match["unit"]), ("", 0.0))
-    words = re.split(r"[\W_]+", _JOINT.sub(" ", match["words"], count=1))
-    strange = [word for word in words if word and word not in MEASURED | COMMANDED]
-    commanded = [word for word in words if word in COMMANDED and signal in {"qd", "tau"}]
+    signal, _ = UNITS.get(_unit(unit), ("", 0.0))
+    others = _JOINT.sub(" ", words, count=1)
+    if others == words:
+        # the word that is counted stays one of the words
+        others = _COUNTED.sub(lambda found: re.sub(r"\d", " ", found[0]), words, count=1)
+    told = [word for word in re.split(r"[\W_]+", others) if word]
+    strange = [word for word in told if word not in MEASURED | COMMANDED | LETTERS.keys()]
+    commanded = [word for word in told if word in COMMANDED and signal in {"qd", "tau"}]
     return next(((signal, word) for word in strange + commanded if signal), None)
 
 
 def without_unit(name: str) -> bool:
     """Whether a name tells a joint and nothing of its unit."""
-    lower = name.strip().lower()
-    return _NAME.fullmatch(lower) is None and _JOINT.search(lower) is not None
+    words, unit = _parts(name)
+    return not unit and _JOINT.search(words) is not None
 
 
 def is_unit(cell: str) -> bool:
@@ -132,8 +148,23 @@ def is_unit(cell: str) -> bool:
     return bare in TIMES or _unit(bare) in UNITS
 
 
+def _parts(name: str) -> tuple[str, str]:
+    """The words of a name and its unit, both in small letters; no unit where none stands there.
+
+    Where a word grows a capital (`ActPos`) another one begins.
+    """
+    match = _NAME.fullmatch(name.strip()) or _ENDS.fullmatch(name.strip())
+    words, unit = (name.strip(), "") if match is None else (match["words"], match["unit"])
+    return _HUMP.sub(" ", words).lower(), unit.strip().lower()
+
+
+def _joint(words: str) -> re.Match[str] | None:
+    """Where the words tell a joint."""
+    return _JOINT.search(words) or _COUNTED.search(words)
+
+
 def _unit(text: str) -> str:
     found = re.sub(r"[\s·*.]", "", text)
     for spelled, short in _SPELLED.items():
         found = found.replace(spelled, short)
-    return re.sub(r"(?<=deg|rad)/sec$|(?<=deg|rad)_s$", "/s", found)
+    return re.sub(r"(?<=deg|rad)(?:/sec|_s|ps|_per_s)$", "/s", found)

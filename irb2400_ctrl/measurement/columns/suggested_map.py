@@ -1,14 +1,14 @@
 """The column map that a file probably needs, written from the names of its columns.
 
-Names that count the joints (`measured_torque_1`…) tell what a column is, seldom its unit. What is
-found is shown to be checked, never used by itself.
+Names that count the joints (`measured_torque_1`…) or hold the names of the robot's
+(`actual_pos_elbow_joint`) tell what a column is, seldom its unit. What is found is shown to be
+checked, never used by itself.
 """
 
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
-from itertools import count
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -17,17 +17,21 @@ from irb2400_ctrl.measurement.columns.recorder_names import unit_by_step
 from irb2400_ctrl.measurement.columns.two_part_time import time_pair
 
 OTHERS = re.compile(
-    r"acc|qdd|ddq|err|ext|grav|limit|temp|volt|tcp|cart|force|wrench|jerk|collision|inertia"
+    r"acc|qdd|ddq|err|ext|grav|limit|temp|volt|tcp|cart|force|wrench|jerk|collision|inertia|dist"
 )
 COMMANDED = re.compile(r"ref|cmd|comm|target|des|goal|set|soll|nominal|[a-z]_d(?![a-z])")
-MEASURED = re.compile(r"act(?!uator)|meas|msr|mes|real|ist|fb|feed|state")
+MEASURED = re.compile(r"act(?!uator)|meas|msr|mes|real|(?<!wr)ist|fb|feed|state")
 QUANTITIES = {
-    "tau": r"tau|torq|trq|(?<!co)eff|mom|curr?|load|qfrc|m(?=act)|^t\W*$",
-    "qd": r"vel|speed|dq|qd|qp(?!os)|omega|geschw",
-    "q": r"pos|ang|q|theta|joint|jnt|axis|achse|winkel|^[aj]\W*$",
+    "tau": r"tau|torq|trq|tq|(?<!co)eff|mom|curr?|load|qfrc|m(?=act)|^t\W*$",
+    "qd": r"vel|speed|dq|qd|qv|qp(?!os)|omega|geschw",
+    "q": r"pos|ang|q|theta|joint|jnt|axis|achse|winkel|^([aj]|jt)\W*$",
 }
 """what a name means, asked in this order"""
 TIME = re.compile(r"(.*[^a-z])?(time|t|tm|tout|time_?stamps?|stamp|zeit|tick|ipoc|sec)([^a-z].*)?")
+MOTOR = re.compile(r"motor|resolver|rotor")
+"""words of what may be on the motor's side"""
+NAMED = "{name}"
+"""in the place of a joint's name"""
 MOST_JOINTS = 16
 DEGREES = 7.0
 """an angle beyond this is hardly in radians"""
@@ -39,65 +43,73 @@ UNITS = {
 }
 
 
-def suggested_map(columns: Mapping[str, Array]) -> str:
-    """The end of a message: a column map to be checked; empty where the names do not tell one.
+def suggested_map(columns: Mapping[str, Array], joints: Sequence[str] | None = None) -> str:
+    """The end of a message: a column map to be checked, or that there is no torque; empty where the
+    names do not tell.
 
     Args:
         columns: of the file, by name.
+        joints: names of the robot's joints in their order, where they are known.
     """
+    patterns = _numbered(columns) | _named(columns, joints or ())
     chosen: dict[str, tuple[int, int, str]] = {}
-    for pattern in _numbered(columns):
+    for pattern in patterns:
         quantity, told = _quantity(pattern)
         if quantity and (told, len(pattern)) < chosen.get(quantity, (3, 0, ""))[:2]:
             chosen[quantity] = (told, len(pattern), pattern)
-    patterns = {quantity: pattern for quantity, (*_, pattern) in chosen.items()}
-    if not {"q", "tau"} <= patterns.keys():
+    if "tau" not in chosen and {"q", "q_ref"} & chosen.keys():
+        return "; no columns are called as measured torques or currents are, and a log needs them"
+    if not {"q", "tau"} <= chosen.keys():
         return ""
-    size = max(float(np.nanmax(np.abs(v))) for v in _of(columns, patterns["q"]))
-    rows = len(_of(columns, patterns["q"])[0])
-    lines = _time(columns, rows)
+    names = {quantity: patterns[pattern] for quantity, (*_, pattern) in chosen.items()}
+    size = max(float(np.nanmax(np.abs(columns[name]))) for name in names["q"])
+    lines = _time(columns, len(columns[names["q"][0]]))
     for quantity in ("q", "qd", "tau", "q_ref"):
-        if quantity in patterns:
-            lines += _entry(quantity, patterns[quantity], size > DEGREES)
+        if quantity in names:
+            lines += _entry(quantity, chosen[quantity][2], names[quantity], size > DEGREES)
     return (
         ". A column map for it (--columns map.toml); quantities and units are guessed, check "
         "them:\n\n" + "\n".join(lines)
     )
 
 
-def _numbered(columns: Mapping[str, Array]) -> list[str]:
-    """Names with `{j}` or `{j0}` in the place of a number that counts them, in their order."""
-    found: dict[str, set[int]] = {}
+def _numbered(columns: Mapping[str, Array]) -> dict[str, list[str]]:
+    """Names with `{j}` or `{j0}` in the place of a number that counts them, in their order; and the
+    columns."""
+    found: dict[str, dict[int, str]] = {}
     for name in columns:
         for run in re.finditer(r"\d+", name):
             # the same number again further on counts the joints as well
             again = re.sub(rf"(?<!\d){run[0]}(?!\d)", "{j}", name[run.start() :])
-            found.setdefault(name[: run.start()] + again, set()).add(int(run[0]))
-    patterns = []
-    for pattern, numbers in found.items():
-        n = len(numbers)
-        if 2 <= n <= MOST_JOINTS and numbers == set(range(1, n + 1)):
-            patterns.append(pattern)
-        elif 2 <= n <= MOST_JOINTS and numbers == set(range(n)):
-            patterns.append(pattern.replace("{j}", "{j0}"))
+            found.setdefault(name[: run.start()] + again, {})[int(run[0])] = name
+    patterns = {}
+    for pattern, names in found.items():
+        n = len(names)
+        if 2 <= n <= MOST_JOINTS and names.keys() == set(range(1, n + 1)):
+            patterns[pattern] = [names[j + 1] for j in range(n)]
+        elif 2 <= n <= MOST_JOINTS and names.keys() == set(range(n)):
+            patterns[pattern.replace("{j}", "{j0}")] = [names[j] for j in range(n)]
     return patterns
 
 
-def _of(columns: Mapping[str, Array], pattern: str) -> list[Array]:
-    """The columns of a pattern."""
-    names = (pattern.replace("{j}", str(k + 1)).replace("{j0}", str(k)) for k in count())
-    found: list[Array] = []
-    for name in names:
-        if name not in columns:
-            return found
-        found.append(columns[name])
-    return found
+def _named(columns: Mapping[str, Array], joints: Sequence[str]) -> dict[str, list[str]]:
+    """Names with `{name}` in the place of each joint's name, and the columns in their order."""
+    found: dict[str, dict[str, str]] = {}
+    for name in columns:
+        inside = max((joint for joint in joints if joint in name), key=len, default="")
+        if inside:
+            found.setdefault(name.replace(inside, NAMED), {})[inside] = name
+    return {
+        pattern: [names[joint] for joint in joints]
+        for pattern, names in found.items()
+        if len(names) == len(joints)
+    }
 
 
 def _quantity(pattern: str) -> tuple[str, int]:
     """What a name means, and how surely: 0 where it says measured, 2 of a commanded torque; ""
     where it is of another thing, or does not tell."""
-    words = re.sub(r"\{j0?\}|\d", "", pattern).lower()
+    words = re.sub(r"\{(j0?|name)\}|\d", "", pattern).lower()
     meant = next((q for q, known in QUANTITIES.items() if re.search(known, words)), "")
     if not meant or OTHERS.search(words):
         return "", 3
@@ -119,18 +131,29 @@ def _time(columns: Mapping[str, Array], rows: int) -> list[str]:
             scale = unit_by_step(values)
             unit = {1e-3: "ms", 1e-6: "us", 1e-9: "ns"}.get(scale, "s")
             return ["[time]", f'column = "{name}"', f'unit = "{unit}"', ""]
-    return ["[time]", 'column = "…"   # no column is called as a time is', 'unit = "s"', ""]
+    return ["[time]", "rate_Hz = nan   # samples a second: no column is called as a time is", ""]
 
 
-def _entry(quantity: str, pattern: str, degrees: bool) -> list[str]:
-    """One table of the map."""
-    words = pattern.lower()
-    lines = ["[[columns]]", f'file = "{pattern}"', f'quantity = "{quantity}"']
+def _entry(quantity: str, pattern: str, names: Sequence[str], degrees: bool) -> list[str]:
+    """One table of the map; one for each joint where a name stands in the place of a number."""
+    told = [f'quantity = "{quantity}"', *_unit(quantity, pattern.lower(), degrees), ""]
+    if NAMED not in pattern:
+        return ["[[columns]]", f'file = "{pattern}"', *told]
+    tables = [
+        ["[[columns]]", f'file = "{name}"', f"joint = {joint}", *told]
+        for joint, name in enumerate(names, 1)
+    ]
+    return [line for table in tables for line in table]
+
+
+def _unit(quantity: str, words: str, degrees: bool) -> list[str]:
+    """What stands in a table about the unit."""
+    gear = ["gear_ratio = nan   # motor turns per joint turn, signed"]
     if quantity == "tau" and re.search(r"cur|amp", words):
-        lines += ['unit = "A"', "Nm_per_A = nan   # of the motors: a number, or a list"]
-        return [*lines, "gear_ratio = nan   # motor turns per joint turn, signed", ""]
+        return ['unit = "A"', "Nm_per_A = nan   # of the motors: a number, or a list", *gear]
     if quantity == "tau" and "%" in words:
-        return [*lines, 'unit = "percent"', "full_scale_Nm = nan   # what 100 % are", ""]
-    stated = re.search(r"deg|°|rad(?!ius)", words)
+        return ['unit = "percent"', "full_scale_Nm = nan   # what 100 % are"]
+    stated = re.search(r"deg|°|(?<!g)rad(?!ius)|grad", words)
     in_degrees = degrees if stated is None else stated[0] != "rad"
-    return [*lines, f'unit = "{UNITS[quantity][in_degrees]}"', ""]
+    motor = [f"{gear[0]}; 1 if it is the joint's"] if MOTOR.search(words) else []
+    return [f'unit = "{UNITS[quantity][in_degrees]}"', *motor]

@@ -1,0 +1,40 @@
+"""The time of a table as a column map tells it: in one column, in two, or by the rate."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.measurement.columns.column_map import ColumnMap
+from irb2400_ctrl.measurement.columns.two_part_time import joined
+from irb2400_ctrl.measurement.table import Table
+
+
+def with_time(table: Table, given: ColumnMap) -> Table:
+    """The table with the time of the map in one column; `time_s` [s] where the map states a rate.
+
+    Args:
+        table: as read.
+        given: the map.
+
+    Raises:
+        InputError: no such columns.
+    """
+    time = given.time
+    if time is None:
+        return table
+    if time.rate_Hz is not None:
+        named = (column.file for column in given.of(table.columns))
+        rows = next((len(table.columns[name]) for name in named if name in table.columns), 0)
+        return replace(table, columns={**table.columns, "time_s": np.arange(rows) / time.rate_Hz})
+    if time.column is None or time.nanoseconds is None:
+        return table
+    pair = (time.column, time.nanoseconds)
+    if all(name in table.columns for name in pair):
+        return joined(table, *pair, into=pair[0])
+    raise InputError(
+        f"{table.path}: no columns {pair[0]!r} and {pair[1]!r} that the column map names as the "
+        f"time; found {table.some}"
+    )

@@ -1,0 +1,37 @@
+"""Files that hold recordings and are not read: what to make of them."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from irb2400_ctrl.errors import InputError
+
+SHEET = "a spreadsheet: save the sheet with the samples as CSV"
+PICKLE = "a pickle, which may run any code when it is opened: save its table as CSV or Parquet"
+ADVICE = {
+    **dict.fromkeys((".xlsx", ".xlsm", ".xls", ".ods"), SHEET),
+    **dict.fromkeys((".pkl", ".pickle", ".joblib"), PICKLE),
+    ".npy": "one array without names: save time_s, q_rad, tau_Nm with np.savez as an .npz",
+    ".json": "JSON: write a CSV with a row per sample",
+    ".jsonl": "JSON: write a CSV with a row per sample",
+    ".xml": "XML: write a CSV with a row per sample",
+    ".bag": "a bag of ROS 1: convert it (rosbags-convert) or write a topic as text (rostopic "
+    "echo -b FILE -p /joint_states > log.csv)",
+    ".r64": "binary samples of a KUKA trace: export them as text with the controller's trace tool",
+    ".tdms": "a file of LabVIEW: export it as CSV",
+    ".feather": "a Feather file: save it as Parquet",
+}
+"""by suffix, what the file is and what reads instead"""
+
+
+def refuse_other_files(path: Path) -> None:
+    """Refuse what is known not to be read.
+
+    Raises:
+        InputError: such a file; says what to do.
+    """
+    advice = ADVICE.get(path.suffix.lower())
+    if advice is not None:
+        raise InputError(
+            f"{path}: found {advice}; expected .csv, .parquet, .mat, .npz, .h5 or a bag"
+        )
