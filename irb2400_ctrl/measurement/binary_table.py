@@ -170,6 +170,11 @@ def _flat(name: str, value: Any) -> Iterator[tuple[str, Array]]:
         for item in array.ravel():
             for field in getattr(item, "_fieldnames", ()):
                 yield from _flat(f"{name}.{field}", getattr(item, field))
+    elif array.ndim > 2 and array.size:
+        # joints, one, samples
+        inside = array.squeeze()
+        if inside.ndim < 3:
+            yield from _flat(name, inside)
     elif array.ndim == 1 and np.issubdtype(array.dtype, np.number):
         yield name, array.astype(float)
     elif array.ndim == 2 and np.issubdtype(array.dtype, np.number):

@@ -79,6 +79,7 @@ LAYOUTS = {
     "letters": table(
         ["t (s)", *of("q# (rad)"), *of("dq# (rad/s)"), *of("tau# (Nm)")], T, Q, SPEED, TAU
     ),
+    "greek": table(["t [s]", *of("θ# [rad]"), *of("τ# [Nm]")], T, Q, TAU),
     "spelled": table(["time[s]", *of("theta#[deg]"), *of("tau#[N·m]")], T, DEG, TAU),
     "last word": table(["time_sec", *of("joint#_pos_rad"), *of("joint#_torque_nm")], T, Q, TAU),
     "humps": table(
@@ -215,6 +216,8 @@ def test_a_matrix_with_a_sample_in_every_column(tmp_path: Path) -> None:
         .replace("column {j+7}", "ans[{j+13}]")
     )
     same(read_log(path, columns=columns), LOG)
+    savemat(path, {"time_s": T, "q_rad": Q.T[:, None, :], "tau_Nm": TAU.T[:, None, :]})
+    same(read_log(path), LOG)
 
 
 @pytest.mark.parametrize("suffix", ["xlsx", "pkl", "npy", "json", "bag", "r64"])

@@ -69,6 +69,16 @@ def test_csv_with_quaternions(tmp_path: Path) -> None:
     assert np.allclose(path.rotation[1], [[1, 0, 0], [0, 0, -1], [0, 1, 0]], atol=1e-7)
 
 
+@pytest.mark.parametrize(("separator", "decimal"), [(";", ","), ("\t", ","), (";", ".")])
+def test_csv_of_spreadsheets(tmp_path: Path, separator: str, decimal: str) -> None:
+    """Where the decimal sign is a comma, semicolons or tabs stand between the cells."""
+    text = "x_mm,y_mm,z_mm,i,j,k\n900.5,0,500,0,0,1\n950,-1.25,500,0,0,1\n"
+    path = tmp_path / "path.csv"
+    path.write_text(text.replace(",", separator).replace(".", decimal))
+    found = read_path(path).position
+    np.testing.assert_allclose(found, [[0.9005, 0, 0.5], [0.95, -0.00125, 0.5]])
+
+
 HEAD = "x_mm,y_mm,z_mm,i,j,k\n900,0,500,0,0,1\n"
 
 
@@ -91,6 +101,8 @@ HEAD = "x_mm,y_mm,z_mm,i,j,k\n900,0,500,0,0,1\n"
         ("a.csv", "", "is empty"),
         ("a.csv", "x_mm,y_mm\n1,2\n", "no column z_mm"),
         ("a.csv", "x,y,z,i,j,k\n1,2,3,0,0,1\n", "write the unit into the names: x_mm for x"),
+        ("a.csv", "X [mm],Y [mm],Z [mm],i,j,k\n1,2,3,0,0,1\n", "names: x_mm for X [mm]"),
+        ("a.csv", "x_mm;y_mm;z_mm;i;j;k\n1,5;a;3;0;0;1\n", "found 'a', expected a number"),
         ("a.csv", "x_mm,y_mm,z_mm\n1,2,3\n", "no orientation"),
         ("a.apt", "GOTO/1,2,3\nGOTO/1,2\n", "line 2: GOTO/ has 2 numbers"),
         (

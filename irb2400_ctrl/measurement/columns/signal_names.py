@@ -57,7 +57,10 @@ _NUMBER = r")[ _]?([1-9]\d?)(?!\d)"
 _JOINT = re.compile(
     r"(?<![a-z])(?:j|jt|a|joint|actuator|axis|achse|gelenk|关节|軸|轴" + _NUMBER,
 )
-LETTERS = {"q": "q", "theta": "q", "qd": "qd", "dq": "qd", "omega": "qd", "tau": "tau"}
+LETTERS = {
+    **{"q": "q", "theta": "q", "θ": "q", "qd": "qd", "dq": "qd", "omega": "qd", "ω": "qd"},
+    **{"tau": "tau", "τ": "tau"},
+}
 """what counts the joints -> its signal"""
 _COUNTED = re.compile(
     rf"(?<![a-z])(?:{'|'.join(LETTERS)}|pos|position|angle|vel|velocity|speed|torque|trq|cmd|command"

@@ -72,6 +72,9 @@ def test_content_first_suffix_second(text: str, name: str, kind: str) -> None:
     ("0 BEGIN PGM A MM\n1 L X+10\n", "part.h", "Heidenhain"),
     ("1013\n0 0 0 0\n0\n0 10. 20. 5. -2. 0\n", "part.nci", "Mastercam"),
     ("hello\n", "part.step", "unknown kind '.step'"),
+    ("hello\n", "part.step", "let a CAM system make them"),
+    ("MODULE A\nENDMODULE\n", "part.mod", "found a program of a robot"),
+    ("M48\nMETRIC\nT1C0.3\n%\nG90\nT1\nX1Y2\nM30\n", "part.drl", "Excellon"),
 ])  # fmt: skip
 def test_other_languages_are_refused(tmp_path: Path, text: str, name: str, says: str) -> None:
     with pytest.raises(InputError) as caught:

@@ -1,4 +1,5 @@
-"""CSV tool paths: `x_mm,y_mm,z_mm` with a tool axis or an orientation, and a feed."""
+"""CSV tool paths: `x_mm,y_mm,z_mm` with a tool axis or an orientation, and a feed; with
+semicolons or tabs between the cells the decimal sign may be a comma."""
 
 from __future__ import annotations
 
@@ -50,10 +51,11 @@ def read_csv(text: str, name: str, unit: float = 1e-3) -> CamProgram:
         raise InputError(
             f"{name} is empty: expected a header x_mm,y_mm,z_mm,i,j,k and one row per point"
         )
-    header = [cell.strip() for cell in lines[0][1].split(",")]
+    separator = max((",", ";", "\t"), key=lines[0][1].count)
+    header = [cell.strip() for cell in lines[0][1].split(separator)]
     full, others = _columns(header, name, lines[0][0])
     wanted = POINT + (QUATERNION if full else AXIS) + ([FEED] if FEED in header else [])
-    table = _table(lines[1:], header, wanted, name)
+    table = _table(lines[1:], header, wanted, name, separator)
     numbers = [line for line, _ in lines[1:]]
     path = _path(table, full, FEED in header, name, numbers, unit)
     notes = [Note("ignored", lines[0][0], f"column {column}") for column in others]
@@ -68,8 +70,10 @@ def _columns(header: list[str], name: str, line: int) -> tuple[bool, list[str]]:
     missing = [key for key in POINT if key not in header]
     if missing:
         told = ",".join(header[:MOST_NAMED]) + ",…" * (len(header) > MOST_NAMED)
-        bare = [key.removesuffix("_mm") for key in missing]
-        name_them = "; write the unit into the names: x_mm for x" if {*bare} <= {*header} else ""
+        bare = {key.removesuffix("_mm") for key in missing}
+        there = {re.sub(r"\W*mm\W*$", "", key.lower()): key for key in header}
+        example = f"{missing[0]} for {there.get(missing[0][0])}"
+        name_them = f"; write the unit into the names: {example}" if bare <= there.keys() else ""
         raise InputError(
             f"{name}, line {line}: no column {', '.join(missing)} in the header "
             f"{told}{looks_like(header)}{name_them}"
@@ -96,11 +100,15 @@ def _columns(header: list[str], name: str, line: int) -> tuple[bool, list[str]]:
     return full, others
 
 
-def _table(lines: list[tuple[int, str]], header: list[str], wanted: list[str], name: str) -> Array:
+def _table(
+    lines: list[tuple[int, str]], header: list[str], wanted: list[str], name: str, separator: str
+) -> Array:
     columns = [header.index(key) for key in wanted]
     rows = []
     for line, text in lines:
-        cells = _cells(text, f"{name}, line {line}")
+        cells = _cells(text, f"{name}, line {line}", separator)
+        if separator != ",":
+            cells = [cell.replace(",", ".") for cell in cells]
         if len(cells) != len(header):
             raise InputError(
                 f"{name}, line {line}: found {len(cells)} values, expected {len(header)}"
@@ -117,10 +125,10 @@ def _table(lines: list[tuple[int, str]], header: list[str], wanted: list[str], n
     return np.array(rows)
 
 
-def _cells(text: str, place: str) -> list[str]:
+def _cells(text: str, place: str, separator: str) -> list[str]:
     """The cells of one line: a quoted one may hold commas, but no end of line."""
     try:
-        (cells,) = csv.reader([text], strict=True)
+        (cells,) = csv.reader([text], strict=True, delimiter=separator)
     except csv.Error as error:
         raise InputError(
             f"{place}: the quotes do not fit or a cell is too long ({error}), expected numbers "

@@ -24,6 +24,19 @@ GCODE_LINE = re.compile(
 )
 HEIDENHAIN = re.compile(r"^\s*\d*\s*BEGIN PGM\b", re.IGNORECASE | re.MULTILINE)
 CSV_COLUMNS = re.compile(r"(^|,)\s*[xyz]_?\w*\s*(,|$)", re.IGNORECASE)
+ROBOTS = "a program of a robot: give the CAM file it was made from"
+DRAWING = "a drawing or a shape without tool paths: let a CAM system make them"
+OTHERS = {
+    **dict.fromkeys((".mod", ".prg", ".src", ".ls", ".tp", ".script", ".urp", ".jbi"), ROBOTS),
+    **dict.fromkeys((".step", ".stp", ".igs", ".iges", ".stl", ".3mf", ".dxf", ".dwg"), DRAWING),
+    ".sbp": "ShopBot's language: let the CAM system write G-code",
+    ".plt": "a plotter's HPGL: let the CAM system write G-code",
+    ".hpgl": "a plotter's HPGL: let the CAM system write G-code",
+    ".drl": "drill places of a circuit board (Excellon): let pcb2gcode write G-code",
+    ".xln": "drill places of a circuit board (Excellon): let pcb2gcode write G-code",
+    ".gbr": "layers of a circuit board (Gerber): let pcb2gcode write G-code",
+}
+"""by suffix, what is not read, and what to give"""
 LISTED = ".csv, " + ", ".join((*APT_SUFFIXES[:5], ".ncl", ".nc", ".ngc", ".gcode"))
 
 
@@ -46,6 +59,8 @@ def dialect(text: str, path: Path) -> str:
             f"{path}, line 1: found Mastercam's own NCI, which is not read; "
             "let its post processor write G-code or APT"
         )
+    if suffix in {".drl", ".xln", ".gbr"}:
+        raise InputError(f"{path}: found {OTHERS[suffix]}")
     if _is_csv(text):
         return "CSV"
     apt = len(APT_LINE.findall(text))
@@ -65,7 +80,10 @@ def dialect(text: str, path: Path) -> str:
         return _apt_dialect(text)
     if suffix in GCODE_SUFFIXES:
         return "G-code"
-    raise InputError(f"{path}: unknown kind {suffix!r}, expected one of {LISTED}, or such content")
+    known = f"; found {OTHERS[suffix]}" if suffix in OTHERS else ""
+    raise InputError(
+        f"{path}: unknown kind {suffix!r}, expected one of {LISTED}, or such content{known}"
+    )
 
 
 def _apt_dialect(text: str) -> str:
