@@ -200,7 +200,7 @@ def _by_name(
     if without:
         raise InputError(
             f"{table.path}: column {without!r} has no unit, expected for example "
-            f"{_example(without)}"
+            f"{_example(without)}; or a column map (--columns, docs/logs.md)"
         )
     stated = {} if times else _stated_times(table)
     if len(stated) == 1:

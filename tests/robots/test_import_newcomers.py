@@ -165,6 +165,35 @@ def test_two_arms_in_a_file_are_told_and_each_can_be_taken(tmp_path: Path) -> No
     assert {joint.name.split("_")[0] for joint in other.robot.joints} == {"right"}
 
 
+def test_the_other_arm_is_told_without_its_fingers(tmp_path: Path) -> None:
+    """As TIAGo's file states two arms with a gripper each."""
+    one = ur5()
+    name = re.compile(r'(?<=[ "])(?=\w+")(?<=(?:name|link)=")')
+    inner = one[one.index("<link") : one.index("</robot>")]
+    last = re.findall(r'<child link="(\w+)"', inner)[-1]
+    finger = (
+        f'<link name="finger"/><joint name="finger_joint" type="revolute"><parent link="{last}"/>'
+        '<child link="finger"/><axis xyz="1 0 0"/><limit lower="0" upper="1"/></joint>'
+    )
+    base = re.search(r'<link name="([^"]+)"', inner)
+    assert base is not None
+    sides = [(side, name.sub(side, inner + finger)) for side in ("left_", "right_")]
+    text = "".join(
+        f'{arm}<joint name="{side}mount" type="fixed"><parent link="stand"/>'
+        f'<child link="{side}{base[1]}"/></joint>'
+        for side, arm in sides
+    )
+    found = imported_notes(tmp_path, f'<robot name="two"><link name="stand"/>{text}</robot>')
+    (note,) = [note for note in found if "another arm: 6 joints from right_" in note]
+    assert "--tool-link right_link_6 takes" in note
+
+
+def imported_notes(folder: Path, text: str) -> list[str]:
+    path = folder / "two.urdf"
+    path.write_text(text)
+    return list(import_robot(path).notes)
+
+
 def test_a_prefix_that_is_not_declared_is_no_hindrance(tmp_path: Path) -> None:
     """Collision properties for one simulator, as many files carry them."""
     text = ur5("</robot>", '<drake:properties a="1"><drake:soft/></drake:properties></robot>')

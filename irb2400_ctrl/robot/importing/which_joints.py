@@ -36,9 +36,7 @@ def end_of_arm(tree: Tree, base: str) -> str:
         turns = sum(map(_turns, path))
         rank = next((len(TIPS) - k for k, t in enumerate(TIPS) if _ends(link, t)), 0)
         path = stood_still(path, [])
-        if any(
-            j.kind in TURNING and (GRIPPER.search(j.name) or FINGER.search(j.child)) for j in path
-        ):
+        if any(map(_grips, path)):
             continue
         sliding = next((j for j in path if j.kind not in TURNING | {"fixed"}), None)
         if not rank and sliding is not None:
@@ -96,12 +94,13 @@ def left_out(tree: Tree, joint: TreeJoint, on_base: bool) -> str:
         joint: where the branch begins.
         on_base: whether it stands on the base itself.
     """
-    turns, end = _far_end(tree, joint)
-    if on_base and turns >= ARM:
+    arm, wrist = _far_end(tree, joint, grips=False)
+    if on_base and arm >= ARM:
         return (
-            f"the file holds another arm: {turns} joints from {joint.name} on {joint.parent} on; "
-            f"it is left out, --tool-link {end} takes it instead"
+            f"the file holds another arm: {arm} joints from {joint.name} on {joint.parent} on; "
+            f"it is left out, --tool-link {wrist} takes it instead"
         )
+    turns, end = _far_end(tree, joint)
     weight = _weight(tree, joint.child)
     kind = f"follows {joint.mimics}, mimic" if joint.mimics else joint.kind
     what = "it as a joint" if turns == 1 else f"its {turns} joints"
@@ -112,15 +111,23 @@ def left_out(tree: Tree, joint: TreeJoint, on_base: bool) -> str:
     )
 
 
-def _far_end(tree: Tree, joint: TreeJoint) -> tuple[int, str]:
-    """How many joints turn from this one on along the longest chain, and the link at its end."""
-    beyond = [_far_end(tree, after) for after in tree.hanging_on(joint.child)]
+def _far_end(tree: Tree, joint: TreeJoint, grips: bool = True) -> tuple[int, str]:
+    """How many joints turn from this one on along the longest chain, those of grippers with the
+    others or not, and the link at its end."""
+    after = [one for one in tree.hanging_on(joint.child) if grips or not _grips(one)]
+    beyond = [_far_end(tree, one, grips) for one in after]
     turns, end = max(beyond, key=lambda one: one[0], default=(0, joint.child))
     return turns + _turns(joint), end if turns else joint.child
 
 
 def _turns(joint: TreeJoint) -> bool:
     return joint.kind in TURNING and not joint.mimics
+
+
+def _grips(joint: TreeJoint) -> bool:
+    """Whether a joint opens a gripper, by its name or that of what it moves."""
+    named = GRIPPER.search(joint.name) or FINGER.search(joint.child)
+    return joint.kind in TURNING and named is not None
 
 
 def _weight(tree: Tree, link: str) -> float:
