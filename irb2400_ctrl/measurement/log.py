@@ -89,7 +89,7 @@ class Log:
             raise InputError(
                 f"{self.name}: found {self.rate:.3g} samples per second, expected at least "
                 f"{MIN_RATE:.0f}; "
-                "a time in ms needs a name that says so (time_ms), or a column map"
+                "is time_s in seconds? Milliseconds are time_ms"
             )
 
     @property

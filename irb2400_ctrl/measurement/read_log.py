@@ -36,6 +36,7 @@ from irb2400_ctrl.measurement.columns.signal_names import (
 )
 from irb2400_ctrl.measurement.columns.suggested_map import suggested_map
 from irb2400_ctrl.measurement.columns.two_part_time import joined_time
+from irb2400_ctrl.measurement.columns.whole_turns import unwrapped
 from irb2400_ctrl.measurement.csv_table import read_csv_table
 from irb2400_ctrl.measurement.log import Log
 from irb2400_ctrl.measurement.other_files import refuse_other_files
@@ -139,7 +140,7 @@ def log_of(
             copies = said_of_copies(given_columns)
             raise InputError(f"{error}{copies}{suggested_map(given_columns, names)}") from error
     else:
-        table = with_time(table, given)
+        table = unwrapped(with_time(table, given), given)
         time, found, scales = _by_map(table, given)
         n = _joints(table, found, joints)
     used = {time[0], *(name for places in found.values() for name in places.values())}

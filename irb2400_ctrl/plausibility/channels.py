@@ -202,7 +202,8 @@ def _wrapped(log: Log) -> LogProblem | None:
         return None
     return LogProblem(
         "angle_wrapped",
-        f"the angle of {named(found)} jumps by a whole turn: unwrap it",
+        f"the angle of {named(found)} jumps by a whole turn: unwrap it, or state "
+        "wrapped = true in a column map",
         {"period_deg": 360.0},
         tuple(found),
     )

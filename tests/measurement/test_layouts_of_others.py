@@ -180,6 +180,25 @@ def test_samples_without_a_time_are_read_with_their_rate(tmp_path: Path) -> None
         load_column_map(columns)
 
 
+def test_angles_within_one_turn_go_on(tmp_path: Path) -> None:
+    """A Kinova states 0 to 360 deg."""
+    path = tmp_path / "log.csv"
+    turned = table(["t (s)", *of("q# (deg)"), *of("tau# (Nm)")], T, (3.0 * DEG) % 360.0, TAU)
+    path.write_text(turned, "utf-8")
+    text = '[time]\ncolumn = "t (s)"\n[[columns]]\nfile = "q{j} (deg)"\nquantity = "q"\n'
+    text += 'unit = "deg"\nwrapped = true\n[[columns]]\nfile = "tau{j} (Nm)"\n'
+    text += 'quantity = "tau"\nunit = "Nm"\n'
+    columns = tmp_path / "map.toml"
+    columns.write_text(text)
+    found = read_log(path, columns=columns).q
+    turns = (found - 3.0 * Q) / (2 * np.pi)
+    np.testing.assert_allclose(turns, np.round(turns[:1]) + 0 * turns, atol=1e-9)
+    assert np.abs(found[0]).max() <= np.pi
+    columns.write_text(text + "wrapped = true\n")
+    with pytest.raises(InputError, match="wrapped = true for tau"):
+        load_column_map(columns)
+
+
 def test_arrays_of_numpy_and_of_hdf5(tmp_path: Path) -> None:
     import h5py
 

@@ -88,6 +88,7 @@ class Column(_Strict):
         gear_ratio: of a column on the motor's side (motor turns per joint turn, signed).
         Nm_per_A: of a current at the motor; full_scale_Nm: of a torque in per cent.
         factor: anything else; sign: 1 or -1.
+        wrapped: of an angle that jumps by a whole turn.
     """
 
     file: str
@@ -100,12 +101,15 @@ class Column(_Strict):
     full_scale_Nm: Numbers | None = None
     factor: Numbers = 1.0
     sign: Literal[1, -1] | tuple[Literal[1, -1], ...] = 1
+    wrapped: bool = False
 
     @model_validator(mode="after")
     def _complete(self) -> Self:
         known = UNITS[self.quantity]
         if self.unit not in known:
             raise ValueError(f"unit {self.unit!r}, expected one of {', '.join(known)}")
+        if self.wrapped and self.quantity not in {"q", "q_ref"}:
+            raise ValueError(f"wrapped = true for {self.quantity}, expected an angle")
         if self.unit == "A" and self.Nm_per_A is None:
             raise ValueError("a current needs Nm_per_A, the torque constant of the motor")
         if self.unit == "percent" and self.full_scale_Nm is None:

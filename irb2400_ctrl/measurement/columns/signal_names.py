@@ -33,6 +33,8 @@ TIME_WORDS = {
     "t",
     "timestamp",
     "time_stamp",
+    "elapsed",
+    "elapsed_time",
     "zeit",
     "zeitstempel",
     "temps",

@@ -22,9 +22,9 @@ OTHERS = re.compile(
 COMMANDED = re.compile(r"ref|cmd|comm|target|des|goal|set|soll|nominal|[a-z]_d(?![a-z])")
 MEASURED = re.compile(r"act(?!uator)|meas|msr|mes|real|(?<!wr)ist|fb|feed|state")
 QUANTITIES = {
-    "tau": r"tau|τ|torq|trq|tq|(?<!co)eff|mom|curr?|load|qfrc|m(?=act)|^t\W*$",
+    "tau": r"tau|τ|torq|trq|tq|(?<!co)eff|mom|curr?|load|qfrc|m(?=act)|^m?t\W*$",
     "qd": r"vel|speed|dq|qd|qv|qp(?!os)|omega|ω|geschw",
-    "q": r"pos|ang|q|theta|θ|rax|joint|jnt|axis|achse|winkel|^([aj]|jt)\W*$",
+    "q": r"pos|ang|q|theta|θ|rax|joint|jnt|axis|achse|winkel|^([aj]|jt|mp)\W*$|state\W*$",
 }
 """what a name means, asked in this order"""
 TIME = re.compile(r"(.*[^a-z])?(time|t|tm|tout|time_?stamps?|stamp|zeit|tick|ipoc|sec)([^a-z].*)?")
