@@ -1,4 +1,5 @@
-"""The cells of a table: rows that hold no sample, and cells that are no numbers."""
+"""The cells of a table: rows that hold no sample or the same again, and cells that are no
+numbers."""
 
 from __future__ import annotations
 
@@ -25,6 +26,20 @@ def without_blank_rows(table: Table, signals: set[str]) -> Table:
     columns = {name: values[~blank] for name, values in table.columns.items()}
     lines = np.flatnonzero(~blank)
     return replace(table, columns=columns, rows=lines)
+
+
+def without_doubled_rows(table: Table, used: set[str]) -> Table:
+    """Without the rows that say the same as the one before, the time included: a recorder that asks
+    more often than the robot answers writes them."""
+    doubled = np.ones(max(len(table.columns[next(iter(used))]) - 1, 0), dtype=bool)
+    for name in used:
+        doubled &= np.diff(table.columns[name]) == 0.0
+        if not doubled.any():
+            return table
+    keep = np.concatenate([[True], ~doubled])
+    rows = np.arange(len(keep)) if table.rows is None else table.rows
+    columns = {name: values[keep] for name, values in table.columns.items()}
+    return replace(table, columns=columns, rows=rows[keep])
 
 
 def all_finite(table: Table, used: set[str]) -> None:

@@ -4,11 +4,10 @@ line of units below it, times of day, gzip."""
 
 from __future__ import annotations
 
-import csv
 import re
 from array import array
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -17,6 +16,13 @@ from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.measurement.clock_times import past_midnight, seconds_of_day
 from irb2400_ctrl.measurement.columns.signal_names import is_unit
+from irb2400_ctrl.measurement.csv_dialect import (
+    COMMENTS,
+    EMPTY,
+    Dialect,
+    dialect_of,
+    is_number,
+)
 from irb2400_ctrl.measurement.table import (
     Table,
     distinct,
@@ -26,40 +32,12 @@ from irb2400_ctrl.measurement.table import (
 )
 from irb2400_ctrl.reading import text_blocks
 
-COMMENTS = ("#", "%", "//")
 MOST_CELLS = 19_500_000
 """of one log: 1,500,000 rows of time, six angles and six torques, 100 minutes at 250 Hz; what is
 computed from as much fits into 1 GB"""
+_WIDE = re.compile(r"\s{2,}")
 SLOW_ROWS = 10_000
 """between two reports of progress where cells are read one by one"""
-MOST_TITLES = 20
-"""lines that may stand above the header: of one cell, or of fewer than the samples have"""
-_EMPTY = " ,;\t"
-_SEPARATOR = re.compile(r"[,;\t]")
-_DECIMAL_COMMA = re.compile(r"(^|[;\t ])\s*-?\d+,\d+")
-
-
-@dataclass(frozen=True)
-class Dialect:
-    """How a file separates its cells and writes its decimals; `skip` lines stand before the
-    header."""
-
-    separator: str
-    decimal: str
-    skip: int
-
-    def cells(self, line: str) -> list[str]:
-        """Of one line, without quotes and blanks around them."""
-        return [part.strip().strip('"').strip() for part in self.split(line)]
-
-    def split(self, line: str) -> list[str]:
-        """The cells as they stand; a separator between two quotes separates nothing."""
-        if self.separator == " ":
-            return line.split()
-        # a single quote is a torn cell, and hides nothing
-        if '"' in line and line.count('"') % 2 == 0:
-            return next(csv.reader([line], delimiter=self.separator, skipinitialspace=True))
-        return line.split(self.separator)
 
 
 @dataclass(frozen=True)
@@ -100,18 +78,18 @@ def read_csv_table(path: Path, progress: Callable[[int], None] = lambda rows: No
             f"no log file {path}: expected a .csv or .csv.gz with time_s, q1_deg…, tau1_Nm…"
         )
     head = next(text_blocks(path), b"").decode().split("\n")
-    dialect = _dialect(path, head)
+    dialect = dialect_of(path, head)
     header = _header(path, head, dialect)
     headless = _headless(path, head, dialect, header)
     if headless:
         header = [f"column {k + 1}" for k in range(len(header))]
     start = dialect.skip + (0 if headless else 1)
     row = _first_row(path, head, dialect, start)
-    if is_unit(row[0]) and not any(_is_number(cell, dialect) for cell in row):
+    if is_unit(row[0]) and not any(is_number(cell, dialect) for cell in row):
         units = [f" [{cell.strip('[]()')}]" if cell else "" for cell in row]
         units += [""] * (len(header) - len(row))
         header = [name + unit for name, unit in zip(header, units, strict=False)]
-        start += 1 + next(k for k, line in enumerate(head[start:]) if line.strip(_EMPTY))
+        start += 1 + next(k for k, line in enumerate(head[start:]) if line.strip(EMPTY))
         row = _first_row(path, head, dialect, start)
     header = distinct(header)
     clocks = {k for k, cell in enumerate(row) if seconds_of_day(cell) is not None}
@@ -127,13 +105,13 @@ def read_csv_table(path: Path, progress: Callable[[int], None] = lambda rows: No
     words = {
         name: cell
         for k, (name, cell) in enumerate(zip(header, row, strict=False))
-        if cell and k not in clocks and not _is_number(cell, dialect)
+        if cell and k not in clocks and not is_number(cell, dialect)
     }
     return Table(path, without_copies(columns), start + 1, words, headless=headless)
 
 
 def _first_row(path: Path, lines: list[str], dialect: Dialect, start: int) -> list[str]:
-    line = next((line for line in lines[start:] if line.strip(_EMPTY)), None)
+    line = next((line for line in lines[start:] if line.strip(EMPTY)), None)
     if line is None:
         raise InputError(f"{path}: found a header but no samples, expected rows below it")
     return dialect.cells(line)
@@ -144,6 +122,10 @@ def _header(path: Path, lines: list[str], dialect: Dialect) -> list[str]:
     for mark in COMMENTS:
         line = line.removeprefix(mark)
     header = dialect.cells(line)
+    row = next((text for text in lines[dialect.skip + 1 :] if text.strip(EMPTY)), "")
+    wide = _WIDE.split(line.strip())
+    if dialect.separator == " " and len(wide) == len(dialect.cells(row)) < len(header):
+        header = wide  # names with blanks in them, above columns of one width
     while header and not header[-1]:
         header.pop()  # a separator at the end of every line
     if len(header) < 2:
@@ -156,7 +138,7 @@ def _header(path: Path, lines: list[str], dialect: Dialect) -> list[str]:
 
 def _headless(path: Path, lines: list[str], dialect: Dialect, header: list[str]) -> str:
     """What to say of a file whose first line holds numbers; empty where it holds names."""
-    if not (_is_number(header[0], dialect) and _is_number(header[1], dialect)):
+    if not (is_number(header[0], dialect) and is_number(header[1], dialect)):
         return ""
     return (
         f"{path}, line {dialect.skip + 1}: found numbers ({lines[dialect.skip].strip()[:40]}…), "
@@ -173,69 +155,6 @@ def _within(path: Path, rows: int, columns: int) -> None:
             f"{path}: more than {most:,} rows of {columns} columns, expected at most so many; cut "
             "the log into parts, leave columns out, or record at 250 Hz, which is enough"
         )
-
-
-def _dialect(path: Path, lines: list[str]) -> Dialect:
-    skip = 0
-    while skip < len(lines) and (
-        not lines[skip].strip() or lines[skip].lstrip().startswith(COMMENTS)
-    ):
-        skip += 1
-    # a title above the header has one cell; a file without any second cell is refused later
-    title = skip
-    while title < min(len(lines), skip + MOST_TITLES) and _cells(lines[title]) < 2:
-        title += 1
-    if title < min(len(lines), skip + MOST_TITLES):
-        skip = title
-    if skip == len(lines):
-        raise InputError(f"{path}: found no header, expected names such as time_s,q1_deg")
-    dialect = _dialect_at(lines, skip)
-    if not _is_header(lines, dialect):
-        further = range(skip + 1, min(len(lines), skip + MOST_TITLES))
-        below = (_dialect_at(lines, place) for place in further if lines[place].strip())
-        dialect = next((one for one in below if _is_header(lines, one)), dialect)
-        skip = dialect.skip
-    cells = dialect.cells(lines[skip])
-    if skip and _is_number(cells[0], dialect) and lines[skip - 1].lstrip().startswith(COMMENTS):
-        above = lines[skip - 1].lstrip().lstrip("#%/")
-        if len(dialect.cells(above)) == len(cells):
-            return replace(dialect, skip=skip - 1)
-    return dialect
-
-
-def _dialect_at(lines: list[str], skip: int) -> Dialect:
-    """Of a file whose header is line `skip`."""
-    head = lines[skip]
-    separator = max((",", ";", "\t"), key=head.count) if _SEPARATOR.search(head) else " "
-    # the first of them may be one of units
-    first = [line for line in lines[skip + 1 : skip + 1 + MOST_TITLES] if line.strip()][:2]
-    comma = separator != "," and any(_DECIMAL_COMMA.search(line) for line in first)
-    return Dialect(separator, "," if comma else ".", skip)
-
-
-def _is_header(lines: list[str], dialect: Dialect) -> bool:
-    """Whether this line holds three names or more, and the next two lines as many cells."""
-    names = dialect.cells(lines[dialect.skip])
-    below = [line for line in lines[dialect.skip + 1 :][:MOST_TITLES] if line.strip(_EMPTY)][:2]
-    return (
-        len(names) > 2
-        and not any(_is_number(name, dialect) for name in names)
-        and bool(below)
-        and all(len(dialect.cells(line)) == len(names) for line in below)
-    )
-
-
-def _cells(line: str) -> int:
-    """How many cells of a line hold something."""
-    return sum(1 for cell in _SEPARATOR.split(line) if cell.strip())
-
-
-def _is_number(cell: str, dialect: Dialect) -> bool:
-    try:
-        float(cell.replace(dialect.decimal, "."))
-    except ValueError:
-        return False
-    return True
 
 
 def _fast(
@@ -286,7 +205,8 @@ def _slow(
     widths: dict[int, int],
     progress: Callable[[int], None],
 ) -> dict[str, Array]:
-    """Cell by cell, to say where a line is not like the others; a word is NaN.
+    """Cell by cell, to say where a line is not like the others; a word is NaN. A last line that
+    ends early was being written when the recorder stopped: it is left out.
 
     Args:
         body: the samples.
@@ -296,22 +216,21 @@ def _slow(
         progress: called with the number of samples read so far.
     """
     columns = [array("d") for _ in names]
+    torn: InputError | None = None
     lines = (line for block in body.blocks() for line in block.decode().split("\n")[:-1])
     for number, line in enumerate(lines, body.start + 1):
-        if not line.strip(_EMPTY):
+        if not line.strip(EMPTY):
             continue
+        if torn is not None:
+            raise torn
         cells = body.dialect.split(line)
         while len(cells) > width and not cells[-1].strip():
             cells.pop()
         if len(cells) != width:
-            commas = len(cells) == 2 * width and body.dialect.separator == ","
-            hint = "; with decimal commas the cells need semicolons between them" * commas
-            if body.dialect.separator == "," and re.search(r"[\[({]", line):
-                hint = "; a list with commas needs quotes around it, or other separators outside"
-            raise InputError(
-                f"{body.path}, line {number}: found {len(cells)} cells, expected {width} as in "
-                f"the header{hint}"
-            )
+            torn = _wrong_width(body, number, line, len(cells), width)
+            if len(cells) > width or not columns[0]:
+                raise torn
+            continue
         place = f"{body.path}, line {number}"
         for column, value in zip(columns, _values(body, cells, widths, place), strict=True):
             column.append(value)
@@ -320,6 +239,16 @@ def _slow(
             progress(len(columns[0]))
     _within(body.path, len(columns[0]), len(names))
     return {name: np.array(values) for name, values in zip(names, columns, strict=True)}
+
+
+def _wrong_width(body: Body, number: int, line: str, found: int, width: int) -> InputError:
+    commas = found == 2 * width and body.dialect.separator == ","
+    hint = "; with decimal commas the cells need semicolons between them" * commas
+    if body.dialect.separator == "," and re.search(r"[\[({]", line):
+        hint = "; a list with commas needs quotes around it, or other separators outside"
+    return InputError(
+        f"{body.path}, line {number}: found {found} cells, expected {width} as in the header{hint}"
+    )
 
 
 def _values(body: Body, cells: list[str], widths: dict[int, int], place: str) -> list[float]:

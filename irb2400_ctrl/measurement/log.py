@@ -80,10 +80,13 @@ class Log:
         steps = np.diff(self.time)
         if (steps <= 0).any():
             k = int(np.argmax(steps <= 0))
+            hint = "sort the rows, delete doubled ones"
+            if steps[k] == 0 and (self.q[k] != self.q[k + 1]).any():
+                hint += "; of a clock too coarse for its rows, state rate_Hz in a column map"
             raise InputError(
                 f"{self.name}: time does not rise at sample {k + 2} ({self.time[k]:g} s, then "
                 f"{self.time[k + 1]:g} s); "
-                "expected rising times: sort the rows, delete doubled ones"
+                f"expected rising times: {hint}"
             )
         if self.rate < MIN_RATE * 0.999:
             raise InputError(

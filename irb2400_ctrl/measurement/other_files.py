@@ -8,6 +8,7 @@ from irb2400_ctrl.errors import InputError
 
 SHEET = "a spreadsheet: save the sheet with the samples as CSV"
 PICKLE = "a pickle, which may run any code when it is opened: save its table as CSV or Parquet"
+ARCHIVE = "an archive: unpack it and save its log (.csv, or .csv.gz)"
 ADVICE = {
     **dict.fromkeys((".xlsx", ".xlsm", ".xls", ".ods"), SHEET),
     **dict.fromkeys((".pkl", ".pickle", ".joblib"), PICKLE),
@@ -19,6 +20,7 @@ ADVICE = {
     "echo -b FILE -p /joint_states > log.csv)",
     ".r64": "binary samples of a KUKA trace: export them as text with the controller's trace tool",
     ".tdms": "a file of LabVIEW: export it as CSV",
+    **dict.fromkeys((".zip", ".7z", ".rar", ".tar", ".bz2", ".xz", ".zst"), ARCHIVE),
     ".feather": "a Feather file: save it as Parquet",
 }
 """by suffix, what the file is and what reads instead"""

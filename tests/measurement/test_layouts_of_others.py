@@ -86,6 +86,12 @@ LAYOUTS = {
         ["Time(ms)", *of("JntPos#(deg)"), *of("JntTrq#(Nm)"), *of("JntCmd#(deg)")],
         *(1e3 * T, DEG, TAU, DEG + 1.0),
     ),
+    "columns of one width": table(
+        ["Time (s)", *of("q# (rad)"), *of("tau# (Nm)")], T, Q, TAU, separator="   "
+    ),
+    "torn at the end": table(PLAIN, T, Q, TAU) + "2.0,0.1,0.",
+    "zeros at the end": table(PLAIN, T, Q, TAU) + "\0" * 300,
+    "doubled rows": table(PLAIN, *(np.repeat(column, 2, axis=0) for column in (T, Q, TAU))),
     "with an index": table(["", *PLAIN], np.arange(len(T)), T, Q, TAU),
     "copies": table(["time_s", *PLAIN], T, T, Q, TAU),
 }
@@ -149,6 +155,16 @@ quantity = "tau"
 unit = "Nm"
 joints = 6
 """
+
+
+def test_a_short_line_within_and_a_coarse_clock_are_refused(tmp_path: Path) -> None:
+    path = tmp_path / "log.csv"
+    path.write_text(table(PLAIN, T, Q, TAU) + "2.0,0.1,0.\n" + "0," * 12 + "0\n", "utf-8")
+    with pytest.raises(InputError, match="line 502: found 3 cells, expected 13"):
+        read_log(path)
+    path.write_text(table(PLAIN, np.round(T, 2), Q, TAU), "utf-8")
+    with pytest.raises(InputError, match="too coarse for its rows, state rate_Hz"):
+        read_log(path)
 
 
 def test_numbers_without_names_are_read_with_a_map(tmp_path: Path) -> None:

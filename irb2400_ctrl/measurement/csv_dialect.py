@@ -1,0 +1,110 @@
+"""How a text log separates its cells and writes its decimals, and where its header is."""
+
+from __future__ import annotations
+
+import csv
+import re
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from irb2400_ctrl.errors import InputError
+
+COMMENTS = ("#", "%", "//")
+MOST_TITLES = 20
+"""lines that may stand above the header: of one cell, or of fewer than the samples have"""
+EMPTY = " ,;\t\0"
+"""what an empty line holds; zeros are what a file ends with whose recorder lost its power"""
+_SEPARATOR = re.compile(r"[,;\t]")
+_DECIMAL_COMMA = re.compile(r"(^|[;\t ])\s*-?\d+,\d+")
+
+
+@dataclass(frozen=True)
+class Dialect:
+    """How a file separates its cells and writes its decimals; `skip` lines stand before the
+    header."""
+
+    separator: str
+    decimal: str
+    skip: int
+
+    def cells(self, line: str) -> list[str]:
+        """Of one line, without quotes and blanks around them."""
+        return [part.strip().strip('"').strip() for part in self.split(line)]
+
+    def split(self, line: str) -> list[str]:
+        """The cells as they stand; a separator between two quotes separates nothing."""
+        if self.separator == " ":
+            return line.split()
+        # a single quote is a torn cell, and hides nothing
+        if '"' in line and line.count('"') % 2 == 0:
+            return next(csv.reader([line], delimiter=self.separator, skipinitialspace=True))
+        return line.split(self.separator)
+
+
+def dialect_of(path: Path, lines: list[str]) -> Dialect:
+    """Of a file with these first lines.
+
+    Raises:
+        InputError: no line could be a header.
+    """
+    skip = 0
+    while skip < len(lines) and (
+        not lines[skip].strip() or lines[skip].lstrip().startswith(COMMENTS)
+    ):
+        skip += 1
+    # a title above the header has one cell; a file without any second cell is refused later
+    title = skip
+    while title < min(len(lines), skip + MOST_TITLES) and _cells(lines[title]) < 2:
+        title += 1
+    if title < min(len(lines), skip + MOST_TITLES):
+        skip = title
+    if skip == len(lines):
+        raise InputError(f"{path}: found no header, expected names such as time_s,q1_deg")
+    dialect = _dialect_at(lines, skip)
+    if not _is_header(lines, dialect):
+        further = range(skip + 1, min(len(lines), skip + MOST_TITLES))
+        below = (_dialect_at(lines, place) for place in further if lines[place].strip())
+        dialect = next((one for one in below if _is_header(lines, one)), dialect)
+        skip = dialect.skip
+    cells = dialect.cells(lines[skip])
+    if skip and is_number(cells[0], dialect) and lines[skip - 1].lstrip().startswith(COMMENTS):
+        above = lines[skip - 1].lstrip().lstrip("#%/")
+        if len(dialect.cells(above)) == len(cells):
+            return replace(dialect, skip=skip - 1)
+    return dialect
+
+
+def _dialect_at(lines: list[str], skip: int) -> Dialect:
+    """Of a file whose header is line `skip`."""
+    head = lines[skip]
+    separator = max((",", ";", "\t"), key=head.count) if _SEPARATOR.search(head) else " "
+    # the first of them may be one of units
+    first = [line for line in lines[skip + 1 : skip + 1 + MOST_TITLES] if line.strip()][:2]
+    comma = separator != "," and any(_DECIMAL_COMMA.search(line) for line in first)
+    return Dialect(separator, "," if comma else ".", skip)
+
+
+def _is_header(lines: list[str], dialect: Dialect) -> bool:
+    """Whether this line holds three names or more, and the next two lines as many cells."""
+    names = dialect.cells(lines[dialect.skip])
+    below = [line for line in lines[dialect.skip + 1 :][:MOST_TITLES] if line.strip(EMPTY)][:2]
+    return (
+        len(names) > 2
+        and not any(is_number(name, dialect) for name in names)
+        and bool(below)
+        and all(len(dialect.cells(line)) == len(names) for line in below)
+    )
+
+
+def _cells(line: str) -> int:
+    """How many cells of a line hold something."""
+    return sum(1 for cell in _SEPARATOR.split(line) if cell.strip())
+
+
+def is_number(cell: str, dialect: Dialect) -> bool:
+    """Whether a cell is a number in this dialect."""
+    try:
+        float(cell.replace(dialect.decimal, "."))
+    except ValueError:
+        return False
+    return True
