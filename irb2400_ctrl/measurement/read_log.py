@@ -25,7 +25,12 @@ from irb2400_ctrl.measurement.binary_table import (
 from irb2400_ctrl.measurement.cells import all_finite, without_blank_rows, without_doubled_rows
 from irb2400_ctrl.measurement.columns.column_map import TIME, ColumnMap, load_column_map
 from irb2400_ctrl.measurement.columns.mapped_time import with_time
-from irb2400_ctrl.measurement.columns.recorder_names import has_time, recorder_columns, unit_by_size
+from irb2400_ctrl.measurement.columns.recorder_names import (
+    has_time,
+    names_joints,
+    recorder_columns,
+    unit_by_size,
+)
 from irb2400_ctrl.measurement.columns.signal_names import (
     TIME_WORDS,
     joint_signal,
@@ -137,8 +142,10 @@ def log_of(
             time, found, scales = _by_name(table, names)
             n = _joints(table, found, joints)
         except InputError as error:
-            copies = said_of_copies(given_columns)
-            raise InputError(f"{error}{copies}{suggested_map(given_columns, names)}") from error
+            told = f"{error}{said_of_copies(given_columns)}"
+            if names_joints(table):
+                raise InputError(told) from error
+            raise InputError(f"{told}{suggested_map(given_columns, names)}") from error
     else:
         table = unwrapped(with_time(table, given), given)
         time, found, scales = _by_map(table, given)

@@ -280,6 +280,22 @@ def test_joints_called_by_words_are_suggested_by_the_robot(tmp_path: Path) -> No
     same(read_log(tmp_path / "log.csv", columns=columns), LOG)
 
 
+def test_places_of_a_message_are_not_taken_for_the_joints(tmp_path: Path) -> None:
+    """ROS orders joints as it likes: without the robot's names no order is guessed."""
+    order = [2, 1, 0, 3, 4, 5]
+    listed = str([f"{ROBOT[k]}_joint" for k in order])
+    rows = (
+        f'{t},"{listed}","{q[order].tolist()}","{tau[order].tolist()}"'
+        for t, q, tau in zip(1.6e9 + T, Q, TAU, strict=True)
+    )
+    text = "\n".join(["Time,name,position,effort", *rows, ""])
+    np.testing.assert_allclose(written(tmp_path / "log.csv", text).q, Q)
+    axes = [f"axis_{j}" for j in J]
+    with pytest.raises(InputError, match=r"--robot.*file = 'position\[1\]'") as refused:
+        read_log(tmp_path / "log.csv", names=axes)
+    assert "check them" not in str(refused.value)
+
+
 def test_what_the_suggestion_says_of_units_and_of_nothing(tmp_path: Path) -> None:
     path = tmp_path / "log.csv"
     small = 0.01 * DEG

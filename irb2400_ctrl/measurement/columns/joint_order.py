@@ -40,10 +40,22 @@ def numbered_order(recorded: Sequence[str]) -> list[int] | None:
 
 
 def places(
-    path: Path, names: tuple[str, ...], joints: Sequence[str] | None, *, ordered: bool
+    path: Path,
+    names: tuple[str, ...],
+    joints: Sequence[str] | None,
+    *,
+    ordered: bool,
+    example: str = "",
 ) -> list[int]:
     """Places of joints 1, 2, … among recorded names: by the robot's, else by number, else as they
     stand.
+
+    Args:
+        path: of the recording.
+        names: of its joints.
+        joints: the robot's.
+        ordered: whether other names are an error.
+        example: a column of the first name, for the message; default that of a bag.
 
     Raises:
         InputError: `ordered`, and the names are neither the robot's nor numbered.
@@ -56,8 +68,9 @@ def places(
     if joints is not None and ordered:
         raise InputError(
             f"{path}: found joints {', '.join(names)}, expected the robot's joints "
-            f"{', '.join(joints)}: give the joints of the robot file these names, or say in a "
-            f"column map which is which (file = '{names[0]}.position', joint = 1)"
+            f"{', '.join(joints)}: give the recorded arm with --robot, or the joints of the robot "
+            "file these names, or say in a column map which is which (file = "
+            f"'{example or f'{names[0]}.position'}', joint = 1)"
         )
     return list(range(len(names)))
 

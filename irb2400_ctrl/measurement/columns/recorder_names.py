@@ -78,6 +78,11 @@ def recorder_columns(table: Table, joints: Sequence[str] | None) -> Named | None
     return None
 
 
+def names_joints(table: Table) -> bool:
+    """Whether words in a column tell which joint a place is: places do not count them then."""
+    return any(_NAMES.fullmatch(name.rstrip("[]0123456789")) for name in table.words)
+
+
 def has_time(table: Table) -> bool:
     """Whether a column is called as a time is."""
     return any(name in table.columns for name in (*_TIMES, *_BARE_TIMES))
@@ -167,7 +172,8 @@ def _ordered(
     """By the robot's joints."""
     if not names:
         return {}
-    order = places(table.path, tuple(names), joints, ordered=True)
+    example = columns[0].get("position", "")
+    order = places(table.path, tuple(names), joints, ordered=True, example=example)
     return {
         signal: {j + 1: columns[k][word] for j, k in enumerate(order) if word in columns[k]}
         for word, signal in WORDS.items()
