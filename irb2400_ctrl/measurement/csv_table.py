@@ -129,9 +129,12 @@ def _header(path: Path, lines: list[str], dialect: Dialect) -> list[str]:
     while header and not header[-1]:
         header.pop()  # a separator at the end of every line
     if len(header) < 2:
+        topic = line.split(":")[0] in {"header", "name", "position"}
         raise InputError(
             f"{path}: the first line is {lines[dialect.skip][:60]!r}, expected comma-separated "
             "names such as time_s,q1_deg"
+            + "; of a topic give the bag itself, or rostopic echo -p"
+            * topic
         )
     return header
 

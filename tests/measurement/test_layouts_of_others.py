@@ -255,6 +255,13 @@ def test_a_matrix_with_a_sample_in_every_column(tmp_path: Path) -> None:
     same(read_log(path), LOG)
 
 
+def test_the_text_of_a_topic_is_told_apart(tmp_path: Path) -> None:
+    path = tmp_path / "log.txt"
+    path.write_text("header:\n  stamp:\n    sec: 1\nname:\n- a\nposition:\n- 0.1\n---\n")
+    with pytest.raises(InputError, match="give the bag itself, or rostopic echo -p"):
+        read_log(path)
+
+
 @pytest.mark.parametrize("suffix", ["xlsx", "pkl", "npy", "json", "bag", "r64"])
 def test_what_is_not_read_is_told_what_to_make_of_it(suffix: str, tmp_path: Path) -> None:
     path = tmp_path / f"log.{suffix}"
