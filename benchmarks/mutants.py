@@ -86,10 +86,11 @@ TARGETS = {
     ),
     "controllers/effect_tables.py": "tests/controllers/test_effect_tables.py",
     "controllers/momentum.py": (
-        "tests/controllers/test_guard_steps.py tests/controllers/test_effect_tables.py"
+        "tests/controllers/test_consistency.py tests/controllers/test_effect_tables.py"
     ),
     "controllers/guard.py": "tests/controllers/test_guard_steps.py",
-    "controllers/sample_check.py": "tests/controllers/test_guard_steps.py",
+    "controllers/guards/consistency.py": "tests/controllers/test_consistency.py",
+    "controllers/guards/sample_check.py": "tests/controllers/test_guard_steps.py",
     "codegen/input_guard.py": (
         "tests/codegen/test_parameters_and_names.py tests/codegen/test_package.py"
     ),

@@ -6,14 +6,14 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import casadi as ca
-import numpy as np
 from numpy.typing import ArrayLike
 
 from irb2400_ctrl.codegen import Block, Field
 from irb2400_ctrl.controllers.arm_numbers import ArmNumbers
-from irb2400_ctrl.controllers.momentum import Momentum, observer_states, observer_told, residual
+from irb2400_ctrl.controllers.guards.consistency import Consistency
+from irb2400_ctrl.controllers.guards.sample_check import SampleCheck, all_of
+from irb2400_ctrl.controllers.momentum import Momentum
 from irb2400_ctrl.controllers.parts import Values, assemble, gain
-from irb2400_ctrl.controllers.sample_check import SampleCheck, all_of
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.robot import Robot
 
@@ -21,14 +21,6 @@ FRESH = Field(
     "fresh", 1, "-", "1: measured anew, 0: the sample was lost", lower=(0.0,), upper=(1.0,)
 )
 BRAKE = Field("brake", 1, "-", "1: close the brakes", lower=(0.0,), upper=(1.0,))
-OBSERVER_BANDWIDTH = 100.0
-"""[rad/s] of the momentum observer: a lie shows within some 10 ms"""
-UNBOUNDED = 1e6
-"""[Nm] in place of a torque limit that the robot file does not state"""
-UNEXPLAINED = 0.15
-"""torque that the model need not explain, as a share of the torque limit, beside `FRICTION`"""
-FRICTION = 1.2
-"""and as a multiple of static friction, which a joint that stands can hide"""
 
 
 def guarded(
@@ -51,8 +43,9 @@ def guarded(
       reference. After `most_lost` in a row the brake closes.
     - **An arm out of control**: an angle farther than `error_limit` from its reference closes the
       brake at once. So a sensor that stands still is found.
-    - **Consistency.** A momentum observer compares motion and torque; more than
-      `unexplained_limit` [Nm] closes the brake at once. So a sensor that lies is found.
+    - **Consistency.** Two momentum observers compare motion and torque; more than
+      `unexplained_limit` [Nm] beside what an `unknown_load` [kg] and an `unknown_friction` can do
+      at this pose and speed closes the brake at once. So a sensor that lies is found.
 
     The output `brake` then is 1 and stays 1 until the next NAME_init; the torque holds the value
     that moves the model along the reference, within its limits, until the brake has closed.
@@ -72,24 +65,24 @@ def guarded(
     share = 1.0 if start_time < T else T / start_time
     # the observer knows what the controller knows: a load that is set for one is set for both
     arm = ArmNumbers(robot, tables={"payload_mass"} <= {f.name for f in block.parameters})
-    core = Momentum(arm) if consistency else None
+    agreed = Consistency(Momentum(arm), T) if consistency else None
     guards = assemble(
         f"guarded_{block.name}",
         f"{block.doc}, with guards",
         T,
-        _Guard(block, check, core, share, most_lost).law,
-        states=(*block.states, *_states(n), *(observer_states(n) if core else ())),
+        _Guard(block, check, agreed, share, most_lost).law,
+        states=(*block.states, *_states(n), *(agreed.states if agreed else ())),
         inputs=(*(_judged(f) for f in block.inputs), FRESH),
         outputs=(*block.outputs, BRAKE),
         parameters=(
             *block.parameters,
             *_parameters(robot, torque_rate),
             *check.parameters,
-            *(_observer_parameters(robot) if core else ()),
+            *(agreed.parameters if agreed else ()),
         ),
-        told=_told(block, observed=core is not None),
+        told=_told(block, agreed),
     )
-    return replace(guards, origin=(*block.origin, ("guards", "consistency" if core else "plain")))
+    return replace(guards, origin=(*block.origin, ("guards", "consistency" if agreed else "plain")))
 
 
 @dataclass(frozen=True)
@@ -97,13 +90,13 @@ class _Guard:
     """The law around a controller.
 
     Args:
-        core: momentum and its rate, or None without the observer.
+        agreed: the test of motion against torque, or None without it.
         share: of the controller that comes in with each sample at the start.
     """
 
     block: Block
     check: SampleCheck
-    core: Momentum | None
+    agreed: Consistency | None
     share: float
     most_lost: int
 
@@ -134,11 +127,17 @@ class _Guard:
         """Whether the arm is under control and its motion explained; next states of the
         observer."""
         sound = self.check.under_control(v)
-        if self.core is None:
+        if self.agreed is None:
             return sound, {}
-        unexplained, observed = _unexplained(self.core, v, true, self.block.sample_time)
-        explained = ca.fabs(unexplained) <= v["unexplained_limit"]
-        return all_of([sound, *ca.vertsplit(explained)]), observed
+        q = ca.if_else(true, v["q"], v["q_last"])
+        qd = ca.if_else(true, v["qd"], v["qd_last"])
+        explained, after = self.agreed.judged(v, q, qd)
+        # a sample that is not believed starts the observers anew
+        ready = ca.logic_and(true, v["blend"] >= 1)
+        return all_of([sound, explained]), {
+            **after,
+            "running": ca.if_else(ready, after["running"], 0),
+        }
 
     def _controlled(self, v: Values, used: ca.SX) -> tuple[Values, ca.SX]:
         """Next states and torque of the controller, on the measurement or on the reference."""
@@ -173,10 +172,10 @@ def _check(block: Block, start_time: float, most_lost: int) -> None:
         )
 
 
-def _told(block: Block, observed: bool) -> tuple[Field, ...]:
+def _told(block: Block, agreed: Consistency | None) -> tuple[Field, ...]:
     """Steps of the controller and of the observer, by name."""
     own = block.quantities.fields if block.quantities else ()
-    return (*own, *(observer_told(block.outputs[0].size) if observed else ()))
+    return (*own, *(agreed.told if agreed else ()))
 
 
 def _judged(field: Field) -> Field:
@@ -200,25 +199,6 @@ def _parameters(robot: Robot, torque_rate: ArrayLike) -> tuple[Field, ...]:
         Field("hold", robot.n, "Nm", "torque at which the brake is released"),
         gain(robot, "torque_rate", "Nm/s", "largest change of the command", torque_rate),
     )
-
-
-def _observer_parameters(robot: Robot) -> tuple[Field, ...]:
-    strongest = np.where(np.isfinite(robot.tau_bound), robot.tau_bound, UNBOUNDED)
-    limit = UNEXPLAINED * strongest + FRICTION * robot.friction[:, 0]
-    return (
-        gain(robot, "observer", "rad/s", "bandwidth of the observer", OBSERVER_BANDWIDTH),
-        gain(robot, "unexplained_limit", "Nm", "largest torque that is not explained", limit),
-    )
-
-
-def _unexplained(core: Momentum, v: Values, true: ca.SX, T: float) -> tuple[ca.SX, Values]:
-    """Torque that motion and command do not explain; a sample that is not believed starts the
-    observer anew."""
-    q = ca.if_else(true, v["q"], v["q_last"])
-    qd = ca.if_else(true, v["qd"], v["qd_last"])
-    tau_ext, after = residual(core, v, q, qd, v["tau_last"], T)
-    ready = ca.logic_and(true, v["blend"] >= 1)
-    return tau_ext, {**after, "running": ca.if_else(ready, after["running"], 0)}
 
 
 def _guarded_torque(v: Values, own: ca.SX, T: float) -> ca.SX:

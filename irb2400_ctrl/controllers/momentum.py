@@ -139,14 +139,29 @@ def residual(
     # at the first sample nothing has been observed yet: the arm's present momentum counts as
     # explained
     explained = ca.if_else(v["running"] > 0, v["explained"], p)
-    tau_ext = v["observer"] * (p - explained)
+    tau_ext, after = followed(v["observer"], p, explained, tau + beta, sample_time)
     return tau_ext, {
-        "explained": explained + sample_time * (tau + beta + tau_ext),
+        "explained": after,
         "running": ca.SX(1),
         "p": p,
         "beta": beta,
         "unexplained": tau_ext,
     }
+
+
+def followed(
+    bandwidth: ca.SX, now: ca.SX, explained: ca.SX, rate: ca.SX, sample_time: float
+) -> tuple[ca.SX, ca.SX]:
+    """r = K (now - explained): what changes `now` beside `rate`, low-passed; next `explained`.
+
+    Args:
+        bandwidth: K [rad/s], shape (n,) or one.
+        now: what is observed, shape (n,); explained: what of it the model explains.
+        rate: the model's derivative of it, per second.
+        sample_time: [s].
+    """
+    left = bandwidth * (now - explained)
+    return left, explained + sample_time * (rate + left)
 
 
 def observer_told(n: int) -> tuple[Field, ...]:

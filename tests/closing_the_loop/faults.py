@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from independent_plant import native
 from independent_plant.case import Case
+from independent_plant.machine import Machine
 from independent_plant.native import RECORD_RATE
 from independent_plant.parameters import TORQUE_LIMITS
 
@@ -116,16 +117,37 @@ def run_with_fault(case: Case, block: Block, begin: int, fault: Fault) -> Outcom
     )
 
 
+def off_model(case: Case, load: float, friction: float) -> Case:
+    """The case with a load that nobody told [kg], 165 mm from the flange, and `friction` times its
+    friction."""
+    drawn = case.machine
+    body = np.array([load, 0, 0, 0.25, *[0.01 * load] * 3, 0, 0, 0])
+    table = drawn.friction * np.array([friction, friction, friction, 1.0])
+    # a cached property: what is asked of the case from now on asks this machine
+    carries = replace(drawn.arm, payload=body if load else None)
+    case.__dict__["machine"] = Machine(carries, table, drawn.servo)
+    return case
+
+
 def _spoilt(q: np.ndarray, axis: int, value: float) -> np.ndarray:
     wrong = q.copy()
     wrong[axis] = value
     return wrong
 
 
-def _half(k: int, true: Angles) -> np.ndarray:
-    """Axis 2 reports half of what it has moved since the fault."""
-    at_first = float(true[-1 - k][1])
-    return _spoilt(true[-1], 1, at_first + 0.5 * (float(true[-1][1]) - at_first))
+def scaled(axis: int, share: float) -> Fault:
+    """The axis reports that share of what it has moved since the fault."""
+
+    def fault(k: int, true: Angles, seen: Angles) -> np.ndarray:
+        at_first = float(true[-1 - k][axis])
+        return _spoilt(true[-1], axis, at_first + share * (float(true[-1][axis]) - at_first))
+
+    return fault
+
+
+def drifting(axis: int, rate: float) -> Fault:
+    """The axis reports its angle and `rate` [rad/s] times the time since the fault."""
+    return lambda k, true, seen: _spoilt(true[-1], axis, float(true[-1][axis]) + rate * T * k)
 
 
 def _nothing(q: np.ndarray) -> np.ndarray:
@@ -152,9 +174,14 @@ LASTING: dict[str, Fault] = {
     "zeroed": lambda k, true, seen: 0 * true[-1],
     "sign flipped": lambda k, true, seen: -true[-1],
     "corrupted, every third": lambda k, true, seen: true[-1] + 0.7 * (k % 3 == 0),
-    "lies: creeps by 0.3 rad/s": lambda k, true, seen: _spoilt(
-        true[-1], 1, float(true[-1][1]) + 0.3 * T * k
-    ),
-    "lies: half of every move": lambda k, true, seen: _half(k, true),
+    "lies: creeps by 0.3 rad/s": drifting(1, 0.3),
+    "lies: half of every move": scaled(1, 0.5),
 }
 """what has to close the brake"""
+LIES: dict[str, Callable[[int], Fault]] = {
+    "half of every move": lambda axis: scaled(axis, 0.5),
+    "0.8 of every move": lambda axis: scaled(axis, 0.8),
+    "wrong sign": lambda axis: scaled(axis, -1.0),
+    "drifts by 5 deg/s": lambda axis: drifting(axis, float(np.radians(5.0))),
+}
+"""what the encoder of an axis (0-5) may do"""

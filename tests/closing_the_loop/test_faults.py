@@ -11,12 +11,15 @@ import irb2400_ctrl as irb
 from irb2400_ctrl.codegen import Block
 from irb2400_ctrl.controllers import controller, guarded
 
-from .faults import LASTING, PASSING, run_with_fault
+from .faults import LASTING, LIES, PASSING, off_model, run_with_fault
 
 BEGIN = 3500
 # the first moves axis 2 fast, the second the wrist
 CASES = {seed: Case(seed, duration=1.0, validation_duration=4.0) for seed in (3, 6)}
+# a drift of the wrist shows when the axis turns back
+LONGER = Case(6, duration=1.0, validation_duration=8.0)
 NEAR_DEG = 10.0
+SLOW = [(9, 0), (4, 1), (8, 1), (6, 2)]
 
 
 @cache
@@ -52,3 +55,30 @@ def test_without_a_guard_a_fault_is_what_it_was() -> None:
     outcome = run_with_fault(CASES[6], bare, BEGIN, LASTING["the same sample for ever"])
     assert outcome.brake_ms is None
     assert outcome.largest_error_deg > 3 * NEAR_DEG
+
+
+@pytest.mark.parametrize("axis", range(6))
+@pytest.mark.parametrize("name", ["wrong sign", "drifts by 5 deg/s"])
+def test_an_encoder_of_any_axis_that_lies_is_found(name: str, axis: int) -> None:
+    outcome = run_with_fault(LONGER, block(), BEGIN, LIES[name](axis))
+    assert outcome.brake_ms is not None
+    assert outcome.largest_error_deg < NEAR_DEG
+
+
+# arms whose axis moves slowly as the lie begins: no speed jumps
+@pytest.mark.parametrize(("seed", "axis"), SLOW)
+def test_a_lie_that_grows_slowly_is_found(seed: int, axis: int) -> None:
+    case = Case(seed, duration=1.0, validation_duration=8.0)
+    outcome = run_with_fault(case, block(), BEGIN, LIES["half of every move"](axis))
+    assert outcome.brake_ms is not None
+    assert outcome.brake_ms > 100
+    assert outcome.largest_error_deg < NEAR_DEG
+
+
+@pytest.mark.parametrize("friction", [0.7, 1.0, 1.3])
+@pytest.mark.parametrize("load", [0.0, 3.0, 12.0])
+def test_load_and_friction_that_nobody_told_are_no_lie(load: float, friction: float) -> None:
+    case = off_model(Case(LONGER.seed, duration=1.0, validation_duration=8.0), load, friction)
+    outcome = run_with_fault(case, block(), BEGIN, PASSING["none"])
+    assert outcome.brake_ms is None
+    assert outcome.faults == 0

@@ -2,56 +2,17 @@
 
 from __future__ import annotations
 
-from functools import cache
-
 import numpy as np
 import pytest
+from simulation.guard_steps import MODEL, ROBOT, ZERO, Q, T, block, defaults, step
 
-import irb2400_ctrl as irb
-from irb2400_ctrl.codegen import Block, Package
+from irb2400_ctrl.codegen import Package
 from irb2400_ctrl.codegen.checks import compare_with_block, random_points, run_points
 from irb2400_ctrl.codegen.controller import HostController
 from irb2400_ctrl.controllers import controller, guarded, momentum_observer
-from irb2400_ctrl.controllers.sample_check import SampleCheck
+from irb2400_ctrl.controllers.guards.sample_check import SampleCheck
 from irb2400_ctrl.effects import LIBRARY
 from irb2400_ctrl.errors import InputError
-
-ROBOT = irb.load_robot("irb2400")
-MODEL = irb.Model(ROBOT)
-T = 0.001
-Q = np.array([0.1, 0.2, -0.1, 0.3, 0.8, -0.2])
-ZERO = np.zeros(6)
-
-
-@cache
-def block(consistency: bool = False, start_time: float = 0.0, most_lost: int = 20) -> Block:
-    return guarded(
-        controller("gravity_pd", ROBOT),
-        ROBOT,
-        start_time=start_time,
-        most_lost=most_lost,
-        consistency=consistency,
-    )
-
-
-def defaults(of: Block) -> dict[str, object]:
-    return {field.name: field.default or 0.0 for field in of.parameters}
-
-
-def step(of: Block, **given: object) -> dict[str, np.ndarray]:
-    """One step from rest at the reference, with what is given instead."""
-    usual: dict[str, object] = {
-        "q": Q, "qd": ZERO, "q_ref": Q, "qd_ref": ZERO, "qdd_ref": ZERO, "fresh": 1.0, "lost": 0.0,
-        "braked": 0.0, "blend": 1.0, "q_last": Q, "qd_last": ZERO,
-        "tau_last": MODEL.gravity(Q), "explained": ZERO, "running": 1.0,
-        **defaults(of),
-    }  # fmt: skip
-    values = usual | given
-    fields = (*of.states, *of.inputs, *of.parameters)
-    found = of.step(*(np.broadcast_to(values[f.name], f.size) for f in fields))
-    names = (*(f"{f.name}" for f in of.states), *("tau", "brake"))
-    told = dict(zip(names, (np.asarray(v).ravel() for v in found), strict=True))
-    return told | {"tau": np.asarray(found[-2]).ravel(), "brake": np.asarray(found[-1]).ravel()}
 
 
 def believed(**given: object) -> bool:
@@ -198,51 +159,6 @@ def test_the_torque_moves_by_its_rate_at_most() -> None:
         np.testing.assert_allclose(found["tau"], weight - below + 50.0 * np.sign(below))
     near = step(block(), tau_last=weight - 49.0)
     np.testing.assert_allclose(near["tau"], weight, atol=1e-12)
-
-
-def test_the_observer_closes_the_brake_on_what_the_model_does_not_explain() -> None:
-    """At rest the momentum is zero: 100 rad/s times what is thought explained is unexplained."""
-    both = block(consistency=True)
-    assert isinstance(both.parameters, tuple)
-    limit = 0.15 * ROBOT.tau_max + 1.2 * ROBOT.friction[:, 0]
-    stated = {field.name: np.asarray(field.default) for field in both.parameters}
-    np.testing.assert_allclose(stated["unexplained_limit"], limit)
-    np.testing.assert_allclose(stated["observer"], 100.0)
-    for axis in range(6):
-        unit = np.eye(6)[axis]
-        for size, shut in ((0.999, 0), (1.001, 1), (-1.001, 1)):
-            found = step(both, explained=-size * limit[axis] * unit / 100.0)
-            assert found["brake"] == shut
-    # nothing is judged before the controller has the arm for itself
-    assert step(both, explained=limit, running=0.0)["brake"] == 0
-
-
-def test_the_observer_adds_up_torque_and_what_the_model_says() -> None:
-    both = block(consistency=True)
-    qd = np.array([0.3, -0.2, 0.4, 0.5, -0.6, 0.7])
-    tau = MODEL.gravity(Q) + np.array([5.0, -4.0, 3.0, 2.0, -1.0, 0.5])
-    p = MODEL.mass_matrix(Q) @ qd
-    given = {"qd": qd, "qd_last": qd, "q_last": Q - T * qd, "tau_last": tau}
-    # started anew the arm's momentum is explained, and the residual nothing
-    found = step(both, running=0.0, **given)
-    # d(qd' M qd / 2)/dq by differences; friction in the measured direction
-    kinetic = [
-        (qd @ MODEL.mass_matrix(Q + h) @ qd - qd @ MODEL.mass_matrix(Q - h) @ qd) / 4e-6
-        for h in 1e-6 * np.eye(6)
-    ]
-    beta = np.array(kinetic) - MODEL.gravity(Q) - MODEL.friction(qd)
-    # the sign is smoothed over 0.02 rad/s: some parts in a thousand of dry friction at these speeds
-    expected = p + T * (tau + beta)
-    np.testing.assert_allclose(found["explained"], expected, atol=T * 1.0, rtol=0)
-    assert found["running"] == 1
-    exact = found["explained"] - p
-    again = step(both, explained=p - 0.01, running=1.0, **given)
-    # residual 100 * 0.01 = 1 Nm on every axis enters with the torque
-    np.testing.assert_allclose(again["explained"], p - 0.01 + exact + T * 1.0, atol=1e-12)
-    # a sample that is not believed starts it anew, and so does a start that is not over
-    assert step(both, fresh=0.0, **given)["running"] == 0
-    assert step(block(True, 0.01), blend=0.95, **given)["running"] == 0
-    assert step(block(True, 0.01), blend=1.0, **given)["running"] == 1
 
 
 def test_the_wrench_is_that_whose_torques_are_left() -> None:
