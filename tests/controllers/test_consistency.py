@@ -26,7 +26,7 @@ def test_numbers_of_the_observers() -> None:
         np.testing.assert_allclose(stated[f"unexplained_limit{band}"], limit)
         np.testing.assert_allclose(stated[f"observer{band}"], bandwidth)
     np.testing.assert_allclose(stated["unknown_load"], 12.5)
-    np.testing.assert_allclose(stated["unknown_friction"], 0.35)
+    np.testing.assert_allclose(stated["unknown_friction"], 0.45)
 
 
 @pytest.mark.parametrize("axis", range(6))
@@ -62,7 +62,7 @@ def test_doubt_and_the_loads_speed_are_low_passed_as_the_torque_is(band: str) ->
     qd = np.array([0.0, -0.02, 0.04, 0.5, -0.6, 0.7])
     static, coulomb, viscous, _ = ROBOT.friction.T
     moving = coulomb + viscous * np.abs(qd)
-    now = 0.35 * moving + 1.35 * static / (1 + (qd / 0.04) ** 2) ** 2
+    now = 0.45 * moving + 1.45 * static / (1 + (qd / 0.04) ** 2) ** 2
     speed = load_jacobian() @ qd
     motion = {"qd": qd, "qd_last": qd, "q_last": Q - T * qd}
     # a speed that is still wrong as the observers begin may look like momentum

@@ -25,7 +25,7 @@ LOAD_AT = 0.15
 """[m] from the flange along its axis: where a load that nobody told is taken to be"""
 UNKNOWN_LOAD = 12.5
 """[kg] at that place: what may hang there and nobody told"""
-UNKNOWN_FRICTION = 0.35
+UNKNOWN_FRICTION = 0.45
 """share of friction by which it may differ from the model's"""
 STILL = 0.04
 """[rad/s] below which a joint may be sticking: its friction then is anything up to static"""
