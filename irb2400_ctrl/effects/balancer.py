@@ -20,7 +20,8 @@ class Balancer(Effect):
 
     A spring between the base and a lever on the link: lever ratio rho = lever / base distance, all
     lengths in units of the base distance, l0 = free_ratio * (1 - rho). T = stiffness * lever * base
-    distance; T > 0 pulls towards q_0.
+    distance; T > 0 pulls towards q_0, T < 0 pushes away. free_ratio < 0: a spring that is loaded at
+    its shortest, far below nothing a gas cylinder, of which the force hardly changes.
     """
 
     sentence: ClassVar[str] = (
@@ -28,16 +29,16 @@ class Balancer(Effect):
     )
     example: ClassVar[Mapping[str, Any]] = {"torque_Nm": 100.0, "free_ratio": 0.45}
     ambiguity: ClassVar[Ambiguity] = GAIN
-    prior: ClassVar[Prior] = Prior(fields={"lever_ratio": (0.3, 0.15), "free_ratio": (0.5, 0.3)})
+    prior: ClassVar[Prior] = Prior(fields={"lever_ratio": (0.4, 0.15), "free_ratio": (0.0, 1.0)})
 
     kind: Literal["balancer"] = "balancer"
-    torque_Nm: float = Field(gt=0, description="stiffness times both lever arms T [Nm]")
+    torque_Nm: float = Field(description="stiffness times both lever arms T [Nm]")
     neutral_rad: float = Field(default=0.0, description="angle q_0 of the dead centre [rad]")
     lever_ratio: float = Field(
         default=0.3, gt=0, lt=1, description="lever over base distance rho [-]"
     )
     free_ratio: float = Field(
-        default=0.0, ge=0, le=1, description="free length over shortest length [-]"
+        default=0.0, ge=-10, le=1, description="free length over shortest length [-]"
     )
 
     def basis(self, s: Signals) -> ca.SX:
@@ -65,9 +66,10 @@ class Balancer(Effect):
     @classmethod
     def grid(cls, joint: int | None) -> list[dict[str, float]]:
         return [
-            {"neutral_rad": math.radians(angle), "lever_ratio": 0.3, "free_ratio": free}
+            {"neutral_rad": math.radians(angle), "lever_ratio": lever, "free_ratio": free}
             for angle in range(-180, 180, 10)
-            for free in (0.0, 0.9)
+            for lever in (0.3, 0.5)
+            for free in (-4.0, 0.0, 0.9)
         ]
 
     @classmethod

@@ -99,6 +99,11 @@ class PreparedLog:
         """Number of filtered instants."""
         return len(self.row_time)
 
+    @property
+    def duration(self) -> float:
+        """Length of the record [s]."""
+        return float(self.time[-1] - self.time[0])
+
     @cached_property
     def scalars(self) -> list[Array]:
         """The 5 n + 1 scalars effects may depend on, each (m,): q, qd, qdd, qddd, qdddd, time."""

@@ -120,27 +120,26 @@ def test_a_second_that_says_it_nearly_alone_is_no_law() -> None:
 
 
 def test_what_an_earlier_law_of_another_shape_leaves_is_nothing_new() -> None:
-    """It takes half the earlier torque off, or gains a quarter of the earlier evidence."""
+    """It takes half the earlier torque off, or gains a quarter of what the earlier one gained on
+    that joint, under the same noise."""
     earlier = candidate((0.0, 8.0, 0.0), gain=900.0)
 
-    def beside(added: float, gain: float = 100.0, of: Any = None, before: Any = earlier) -> bool:
+    def beside(added: float, gain: float = 100.0, before: Any = earlier, **given: Any) -> bool:
         return accepts(
-            of or candidate(), before, gain=gain, added=lambda one: np.array([0.0, added, 0.0])
+            candidate(gain=gain, **given), before, added=lambda one: np.array([0.0, added, 0.0])
         )
 
     assert beside(4.01)
     assert not beside(4.0)
-    assert beside(0.0, gain=225.1)
-    assert not beside(0.0, gain=224.9)
-    # of an earlier one of the whole arm: what it has gained on this joint
-    whole = candidate((0.0, 8.0, 0.0), gain=900.0, joint=None)
-    assert beside(0.0, gain=112.6, before=whole)
-    assert not beside(0.0, gain=112.4, before=whole)
-    # the swing of one transmission: only the evidence speaks, and half of it
+    # half of 900 is on joint 2
+    assert beside(0.0, gain=112.6)
+    assert not beside(0.0, gain=112.4)
+    assert not accepts(candidate(gain=112.4), earlier, gain=1e4, added=lambda one: np.zeros(3))
+    # the swing of one transmission: only the evidence speaks, and half of all of it
     swing = frozenset({"spring"})
     springs = candidate((0.0, 8.0, 0.0), gain=900.0, devices=swing)
-    assert not beside(9.0, gain=449.9, of=candidate(devices=swing), before=springs)
-    assert beside(0.0, gain=450.1, of=candidate(devices=swing), before=springs)
+    assert not beside(9.0, gain=449.9, before=springs, devices=swing)
+    assert beside(0.0, gain=450.1, before=springs, devices=swing)
 
 
 def test_a_law_without_a_name_is_new_by_its_size_alone() -> None:
@@ -181,8 +180,11 @@ def test_how_much_evidence_each_kind_of_explanation_needs() -> None:
     assert least(one, beyond=0.01) == 11.0
     assert least(one, beyond=0.0101) == 22.0
     assert least(candidate(expected=((0.0, 1.0),)), beyond=0.01) == 8.0
-    # beside an earlier law the base is bent
-    assert least(one, candidate(), beyond=0.01) == 22.0
+    # beside an earlier law the base is bent by a quarter of what that has gained on the joint
+    assert least(one, candidate(gain=40.0), beyond=0.01) == 11.0 + 0.25 * 20.0
+    assert least(one, candidate(gain=40.0), candidate(gain=8.0), beyond=0.01) == 16.0
+    assert least(one, candidate(gain=400.0), beyond=0.01) == 22.0
+    assert least(candidate((0.0, 0.0, 5.0)), candidate(gain=40.0), beyond=0.01) == 11.0 + 2.5
 
 
 def test_a_law_without_a_name_beats_the_library_by_more_than_earlier_laws_may_leave() -> None:

@@ -40,5 +40,13 @@ def test_what_repeats_less_than_four_times_a_turn_is_no_ripple() -> None:
     assert plausible("gear_ripple", 2, size, {"order": 3.4}) is None
     ripple = LIBRARY["gear_ripple"].of(2, amplitude_Nm=5.0, order=4.0)
     order = next(p for p in parameters_of(ripple, 0) if p.name == "order")
-    (kept,) = moved([ripple], [order], np.array([-3.0])) or ()
+    (kept,) = moved([ripple], [order], np.array([-3.0]), 30.0) or ()
     assert kept.order > 3.5
+
+
+def test_a_time_constant_stays_within_the_record() -> None:
+    """Grease that warms at two rates would end beyond it, and be refused."""
+    warm = LIBRARY["viscous_warmup"].of(1, viscous_Nms_rad=5.0, time_constant_s=28.0)
+    constant = next(p for p in parameters_of(warm, 0) if p.name == "time_constant_s")
+    (kept,) = moved([warm], [constant], np.array([20.0]), 30.0) or ()
+    assert kept.time_constant_s == 30.0

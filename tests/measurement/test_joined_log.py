@@ -35,6 +35,7 @@ def test_time_rises_and_the_first_rows_of_a_log_have_no_neighbours() -> None:
     steps = np.diff(both.time)
     assert steps.min() > 0
     assert steps.max() == pytest.approx(PAUSE)
+    assert both.duration == pytest.approx(steps.sum())
     first = len(prepare(logs()[0]).row_time)
     assert not both.row_known[first : first + 2].any()
 

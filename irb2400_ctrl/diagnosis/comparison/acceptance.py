@@ -51,7 +51,7 @@ def stands_clear(fit: Fit, place: int, duration: float) -> bool:
     ]
     for parameter, sigma in moved:
         value = value_of(effect, parameter)
-        if parameter.name in effect.prior.time_constants and not 0 < value < duration:
+        if parameter.name in effect.prior.time_constants and not 0 < value <= duration:
             return False
         step = 1e-4 * max(abs(value), 1e-2)
         up, down = (
@@ -100,10 +100,9 @@ class Acceptance:
             fit: of all that was chosen.
             place: of the candidate in it.
         """
-        time = self.fitter.motion.time
         chosen = [s.candidate for s in steps]
-        span = float(time[-1] - time[0])
-        return [stands_clear(fit, k, span) for k in effects_of(chosen, place)]
+        duration = self.fitter.motion.duration
+        return [stands_clear(fit, k, duration) for k in effects_of(chosen, place)]
 
     def bears_out(self, steps: Sequence[Step], fit: Fit, place: int) -> bool:
         """Whether the common fit of all bears one of them out.

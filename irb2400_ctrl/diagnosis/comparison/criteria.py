@@ -107,7 +107,7 @@ class Threshold:
             return False
         matters = self._matters(comparison, alternative)
         if chosen and matters.any():
-            matters &= self._new(comparison, alternative, chosen)
+            matters &= self._new(comparison, candidate, chosen)
         return bool(matters.any()) and not self._once(comparison, candidate)
 
     def _matters(self, comparison: Comparison, alternative: Alternative) -> npt.NDArray[np.bool_]:
@@ -162,7 +162,7 @@ class Threshold:
         return comparison.elsewhere(candidate) < self.criteria.elsewhere
 
     def _new(
-        self, comparison: Comparison, alternative: Alternative, chosen: Sequence[Candidate]
+        self, comparison: Comparison, candidate: Candidate, chosen: Sequence[Candidate]
     ) -> npt.NDArray[np.bool_]:
         """Joints where it is more than earlier laws of slightly another shape leave, shape (n,).
 
@@ -170,8 +170,6 @@ class Threshold:
         it, gain a good part of the evidence.
         """
         c = self.criteria
-        candidate = alternative.candidate
-        gain = comparison.gain(alternative)
         added = comparison.added(candidate)
         new = (
             np.ones(self.n, dtype=bool)
@@ -187,12 +185,9 @@ class Threshold:
             more = np.full(self.n, not same) & (added > share * np.sqrt(np.mean(torque**2, axis=0)))
             # a flexible law has taken in whatever the base could hide there
             if candidate.known and earlier.known:
-                known = (
-                    comparison.by_joint(earlier.score.gain, torque)
-                    if earlier.joint is None
-                    else earlier.score.gain
+                more |= candidate.score.gain > (
+                    share * earlier.score.gain if same else self._leaves(comparison, earlier)
                 )
-                more |= gain > (share if same else share**2) * known
             new &= more
         return new
 
@@ -209,10 +204,19 @@ class Threshold:
         c = self.criteria
         if not candidate.known:
             return c.non_parametric_gain
-        # what an earlier law leaves bends the base
-        if chosen or not self.in_base(comparison, candidate):
+        if not self.in_base(comparison, candidate):
             return c.gain
-        return c.gain_stated if candidate.expected else c.gain_in_base
+        alone = c.gain_stated if candidate.expected else c.gain_in_base
+        # what an earlier law leaves bends the base
+        acts = np.any(candidate.torque(self.n) != 0.0, axis=0)
+        left = [float(self._leaves(comparison, e)[acts].max()) for e in chosen]
+        return min(c.gain, alone + max(left, default=0.0))
+
+    def _leaves(self, comparison: Comparison, earlier: Candidate) -> Array:
+        """Log evidence of what a law of slightly another shape may leave on each joint, shape (n,)
+        [nats]."""
+        gained = comparison.by_joint(earlier.score.gain, earlier.torque(self.n))
+        return np.asarray(earlier.discrepancy_share**2 * gained)
 
     def in_base(self, comparison: Comparison, candidate: Candidate) -> bool:
         """Whether other numbers of the robot would give all but a small share of a candidate."""
@@ -242,10 +246,7 @@ class Threshold:
             comparison, known, best
         ):
             return known
-        earlier = [
-            e.discrepancy_share**2 * comparison.by_joint(e.score.gain, e.torque(self.n))[joint]
-            for e in chosen
-        ]
+        earlier = [float(self._leaves(comparison, e)[joint]) for e in chosen]
         needed = (
             c.unknown
             + c.unknown_share * max(comparison.gain(known), 0.0)

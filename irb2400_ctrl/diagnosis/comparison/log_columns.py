@@ -56,7 +56,7 @@ class LogColumns:
         inertia = np.median(
             np.einsum("mjj->mj", self.bases.model.mass_matrix(self.motion.q[::50])), axis=0
         )
-        span = self.motion.time[-1] - self.motion.time[0]
+        span = self.motion.duration
         for kind, joint in self.families:
             effect = LIBRARY[kind]
             felt = float(inertia[(joint or 1) - 1])

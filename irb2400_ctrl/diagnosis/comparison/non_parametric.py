@@ -51,7 +51,7 @@ def non_parametric_laws(motion: PreparedLog, load: Array) -> dict[int, list[NonP
     """
     n = motion.n
     moving = [j for j in range(n) if np.ptp(motion.qd[:, j]) > 1e-3]
-    span = motion.time[-1] - motion.time[0]
+    span = motion.duration
     # what serves every joint is filtered once
     common: dict[tuple[str, tuple[str, ...]], Array] = {
         ("slow time", ("time",)): motion.filtered(
@@ -126,7 +126,7 @@ def _products(x: Array, y: Array) -> Array:
 def vibrations(motion: PreparedLog, joint: int) -> tuple[Array, Array]:
     """Frequencies [Hz] and filtered sine and cosine in time, shape (g, rows, 2): a hum that no
     motion explains."""
-    span = motion.time[-1] - motion.time[0]
+    span = motion.duration
     frequency = np.arange(0.4, 9.0, 0.5 / span)
     gain = motion.low_pass.weights
     half = (len(gain) - 1) // 2

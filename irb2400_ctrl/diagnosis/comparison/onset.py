@@ -159,11 +159,7 @@ class Windowing:
         """Every edge moved to where the evidence is largest, coarse to fine."""
         best = [list(w) for w in windows]
         gain = self._gain(law, windows)
-        width = (
-            0.5 * (self.motion.time[-1] - self.motion.time[0]) / STARTS
-            if len(windows) == 1
-            else 0.5 * BLOCK
-        )
+        width = 0.5 * self.motion.duration / STARTS if len(windows) == 1 else 0.5 * BLOCK
         for _ in range(3):
             for i in range(len(best)):
                 for side in (0, 1):

@@ -62,7 +62,7 @@ def with_value(effect: Effect, parameter: Parameter, value: float) -> Effect:
 
 
 def moved(
-    effects: list[Effect], parameters: Sequence[Parameter], step: Array
+    effects: list[Effect], parameters: Sequence[Parameter], step: Array, longest: float
 ) -> list[Effect] | None:
     """The effects after a step, shortened until all bounds hold; None if no step is possible.
 
@@ -70,14 +70,16 @@ def moved(
         effects: as they are.
         parameters: that move.
         step: in the units of their fields, shape (p,).
+        longest: time constant that the record can tell [s].
     """
     for shrink in (1.0, 0.5, 0.25, 0.1):
         there = list(effects)
         for parameter, change in zip(parameters, step * shrink, strict=True):
             effect = there[parameter.effect]
-            there[parameter.effect] = with_value(
-                effect, parameter, value_of(effect, parameter) + float(change)
-            )
+            value = value_of(effect, parameter) + float(change)
+            if parameter.name in effect.prior.time_constants:
+                value = min(value, longest)
+            there[parameter.effect] = with_value(effect, parameter, value)
         try:
             valid = [type(e).model_validate(e.model_dump()) for e in there]
         except ValidationError:

@@ -162,7 +162,7 @@ class Fitter:
         """Effects and state after the longest fraction of the step that does not fit worse."""
         before = self._misfit(state, noise)
         for shrink in (1.0, 0.4, 0.15):
-            further = moved(effects, parameters, shrink * step)
+            further = moved(effects, parameters, shrink * step, self.motion.duration)
             if further is not None:
                 there = self._linearised(further, G)
                 if self._misfit(there, noise) < before + 0.1:
