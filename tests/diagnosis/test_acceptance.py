@@ -271,5 +271,17 @@ def test_a_time_constant_lies_within_the_record() -> None:
     for duration, clear in ((33.0, True), (32.5, False)):
         acceptance: Any = Acceptance.__new__(Acceptance)
         acceptance.fitter = SimpleNamespace(motion=SimpleNamespace(duration=duration))
+        acceptance._beyond_base = lambda candidate, fit: True
         step: Any = SimpleNamespace(candidate=SimpleNamespace(effects=(warm,)))
         assert acceptance.clear([step], fitted(warm, 0.1, 1.0), 0) == [clear]
+
+
+def test_errors_that_come_from_the_spread_of_other_numbers_are_not_inflated() -> None:
+    """4.4 standard errors of a dry friction, nearly all of them the data sheet's own spread."""
+    change = LIBRARY["coulomb_change"].of(6, coulomb_Nm=1.45)
+    for beyond, sigma, clear in ((False, 0.33, True), (True, 0.33, False), (False, 0.49, False)):
+        acceptance: Any = Acceptance.__new__(Acceptance)
+        acceptance.fitter = SimpleNamespace(motion=SimpleNamespace(duration=10.0))
+        acceptance._beyond_base = lambda candidate, fit, beyond=beyond: beyond
+        step: Any = SimpleNamespace(candidate=SimpleNamespace(effects=(change,)))
+        assert acceptance.clear([step], fitted(change, sigma), 0) == [clear]

@@ -23,7 +23,7 @@ QUICKEST = 0.5
 """of the shortest time constant of a grid that a search may lead to"""
 INFLATION = 1.5
 """standard errors from the noise alone cover too little: the model's own imperfection adds to
-them"""
+them. Those of what other numbers of the robot could say as well come from the spreads of these"""
 
 
 def effects_of(chosen: Sequence[Candidate], place: int) -> range:
@@ -32,7 +32,7 @@ def effects_of(chosen: Sequence[Candidate], place: int) -> range:
     return range(start, start + len(chosen[place].effects))
 
 
-def stands_clear(fit: Fit, place: int, duration: float) -> bool:
+def stands_clear(fit: Fit, place: int, duration: float, inflation: float = INFLATION) -> bool:
     """Whether one size of a fitted effect is three standard errors from nothing, and its time
     constants lie within a record of `duration` [s].
 
@@ -40,6 +40,7 @@ def stands_clear(fit: Fit, place: int, duration: float) -> bool:
         fit: of all that was chosen.
         place: of the effect in it.
         duration: [s].
+        inflation: of the standard errors.
     """
     effect = fit.effects[place]
     size = np.array(effect.sizes())
@@ -57,7 +58,7 @@ def stands_clear(fit: Fit, place: int, duration: float) -> bool:
         up, down = (
             np.array(with_value(effect, parameter, value + side * step).sizes()) for side in (1, -1)
         )
-        variance += ((up - down) / (2 * step) * INFLATION * sigma) ** 2
+        variance += ((up - down) / (2 * step) * inflation * sigma) ** 2
     return bool((np.abs(size) > STANDARD_ERRORS * np.sqrt(variance)).any())
 
 
@@ -102,7 +103,8 @@ class Acceptance:
         """
         chosen = [s.candidate for s in steps]
         duration = self.fitter.motion.duration
-        return [stands_clear(fit, k, duration) for k in effects_of(chosen, place)]
+        inflation = INFLATION if self._beyond_base(chosen[place], fit) else 1.0
+        return [stands_clear(fit, k, duration, inflation) for k in effects_of(chosen, place)]
 
     def bears_out(self, steps: Sequence[Step], fit: Fit, place: int) -> bool:
         """Whether the common fit of all bears one of them out.
