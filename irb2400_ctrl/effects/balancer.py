@@ -12,6 +12,7 @@ from pydantic import Field
 from irb2400_ctrl.effects.ambiguity import GAIN, Ambiguity
 from irb2400_ctrl.effects.base import Effect
 from irb2400_ctrl.effects.prior import Prior
+from irb2400_ctrl.effects.search import Search
 from irb2400_ctrl.effects.signals import Signals
 
 
@@ -29,6 +30,7 @@ class Balancer(Effect):
     )
     example: ClassVar[Mapping[str, Any]] = {"torque_Nm": 100.0, "free_ratio": 0.45}
     ambiguity: ClassVar[Ambiguity] = GAIN
+    search: ClassVar[Search] = Search(between_grid=True)
     prior: ClassVar[Prior] = Prior(fields={"lever_ratio": (0.4, 0.15), "free_ratio": (0.0, 1.0)})
 
     kind: Literal["balancer"] = "balancer"
@@ -67,7 +69,7 @@ class Balancer(Effect):
     def grid(cls, joint: int | None) -> list[dict[str, float]]:
         return [
             {"neutral_rad": math.radians(angle), "lever_ratio": lever, "free_ratio": free}
-            for angle in range(-180, 180, 10)
+            for angle in range(-180, 180, 20)
             for lever in (0.3, 0.5)
             for free in (-4.0, 0.0, 0.9)
         ]

@@ -70,7 +70,7 @@ def usual(effect: Effect) -> bool:
             point[name] for point in effect.grid(effect.joint)
         ):
             return False
-    if effect.search.between_grid:
+    if effect.search.between_grid and len(effect.nonlinear) == 1:
         for name, value in effect.nonlinear.items():
             tried = [point[name] for point in effect.grid(effect.joint)]
             half = 0.5 * abs(tried[1] - tried[0])

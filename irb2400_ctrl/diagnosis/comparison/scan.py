@@ -109,22 +109,21 @@ class Scan(LogColumns):
         return [] if best is None else [best]
 
     def between(self, problem: Problem, candidate: Candidate) -> Candidate:
-        """The candidate with its one nonlinear parameter searched between the neighbours in the
-        grid."""
+        """The candidate with its nonlinear parameters searched between the neighbours in the grid,
+        one after the other."""
         if not candidate.known or not LIBRARY[candidate.kind].search.between_grid:
             return candidate
         grid, _ = self.laws[candidate.kind, candidate.joint]
-        (key,) = grid[0]
         best = candidate
-        value = float(getattr(candidate.effects[0], key))
-        width = 0.5 * abs(grid[1][key] - grid[0][key])
+        widths = {key: 0.5 * step_at(grid, key, best.effects[0].nonlinear[key]) for key in grid[0]}
         for _ in range(3):
-            trials = [self._at(problem, best, {key: value + side * width}) for side in (-1, 1)]
-            for trial in trials:
-                if trial is not None and trial.score.gain > best.score.gain:
-                    best = trial
-            value = float(getattr(best.effects[0], key))
-            width = width / 2
+            for key, width in widths.items():
+                there = best.effects[0].nonlinear
+                for side in (-1, 1):
+                    trial = self._at(problem, best, {**there, key: there[key] + side * width})
+                    if trial is not None and trial.score.gain > best.score.gain:
+                        best = trial
+                widths[key] = width / 2
         return best
 
     def polished(self, problem: Problem, candidate: Candidate) -> Candidate:
@@ -264,6 +263,17 @@ class Scan(LogColumns):
         score = replace(score, gain=score.gain - penalty)
         name = f"vibration of {frequency[place]:.2f} Hz"
         return Candidate("unexplained", joint + 1, name, ("time",), (), law, None, score, penalty)
+
+
+def step_at(grid: Sequence[dict[str, float]], key: str, value: float) -> float:
+    """Distance of a value of a grid to the nearer of its neighbours.
+
+    Args:
+        grid: points by name; key: one of the names.
+        value: of a point there, in the unit of its field.
+    """
+    others = {point[key] for point in grid} - {value}
+    return min(abs(other - value) for other in others)
 
 
 def everywhere(laws: Sequence[RegressorColumns], n: int) -> RegressorColumns:
