@@ -144,10 +144,11 @@ class LogColumns:
         return max(mass, 1.0), max(float(np.hypot(flange[:, 0], flange[:, 1]).max()), 0.1)
 
     def family_penalty(self, kind: str, joint: int | None) -> float:
-        """What the choice among the members of a family, and among the joints that one may sit on,
-        costs [nats]."""
-        joints = LIBRARY[kind].joints(self.motion.n)
-        return float(np.log(len(self.laws[kind, joint][0]) * len(joints)))
+        """What the choice among the members of a family costs [nats]; of the joints that one may sit
+        on too, over that among all."""
+        n = self.motion.n
+        share = 1.0 if joint is None else len(LIBRARY[kind].joints(n)) / n
+        return float(np.log(len(self.laws[kind, joint][0]) * share))
 
     def shows(self, kind: str, joint: int | None) -> bool:
         """Whether any torque of this arm depends on the effect (none does on the zero of axis
