@@ -69,7 +69,7 @@ class Balancer(Effect):
     def grid(cls, joint: int | None) -> list[dict[str, float]]:
         return [
             {"neutral_rad": math.radians(angle), "lever_ratio": lever, "free_ratio": free}
-            for angle in range(-180, 180, 20)
+            for angle in range(-180, 180, 10)
             for lever in (0.3, 0.5)
             for free in (-4.0, 0.0, 0.9)
         ]

@@ -144,8 +144,8 @@ class LogColumns:
         return max(mass, 1.0), max(float(np.hypot(flange[:, 0], flange[:, 1]).max()), 0.1)
 
     def family_penalty(self, kind: str, joint: int | None) -> float:
-        """What the choice among the members of a family costs [nats]; of the joints that one may sit
-        on too, over that among all."""
+        """What the choice among the members of a family costs [nats]: all points of its grid, on
+        one of the joints that it may sit on, over one of all joints."""
         n = self.motion.n
         share = 1.0 if joint is None else len(LIBRARY[kind].joints(n)) / n
         return float(np.log(len(self.laws[kind, joint][0]) * share))

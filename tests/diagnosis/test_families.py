@@ -1,0 +1,71 @@
+"""A family of laws is compared by its best member, and pays for the choice among its members."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from irb2400_ctrl.diagnosis.comparison.scan import Scan, step_at
+from irb2400_ctrl.effects import LIBRARY
+
+GRID = [
+    {"neutral_rad": a, "lever_ratio": b, "free_ratio": c}
+    for a in (-0.4, 0.0, 0.4)
+    for b in (0.3, 0.5)
+    for c in (-4.0, 0.0, 0.9)
+]
+
+
+def scan(**given: Any) -> Any:
+    made: Any = Scan.__new__(Scan)
+    made.laws = {("balancer", 2): (GRID, ()), ("payload", None): (GRID, ())}
+    made.motion = SimpleNamespace(n=6)
+    vars(made).update(given)
+    return made
+
+
+def test_the_distance_to_the_nearer_neighbour() -> None:
+    assert step_at(GRID, "free_ratio", 0.0) == pytest.approx(0.9)
+    assert step_at(GRID, "free_ratio", -4.0) == pytest.approx(4.0)
+    assert step_at(GRID, "lever_ratio", 0.5) == pytest.approx(0.2)
+
+
+def test_a_law_of_several_numbers_is_searched_between_the_points_of_its_grid() -> None:
+    """Each number moves by up to 7/8 of half a step, where that gains."""
+    aim = {"neutral_rad": 0.16, "lever_ratio": 0.37, "free_ratio": -0.3}
+
+    def at(problem: Any, candidate: Any, nonlinear: dict[str, float]) -> Any:
+        if nonlinear["lever_ratio"] > 0.5:
+            return None
+        off = sum((nonlinear[key] - aim[key]) ** 2 for key in aim)
+        effect = LIBRARY["balancer"].of(2, torque_Nm=10.0, **nonlinear)
+        return replace_score(candidate, effect, -off)
+
+    start = at(None, SimpleNamespace(kind="balancer", joint=2, known=True), GRID[7])
+    found = scan(_at=at).between(None, start)
+    assert start.effects[0].nonlinear == {"neutral_rad": 0.0, "lever_ratio": 0.3, "free_ratio": 0.0}
+    for key, value in found.effects[0].nonlinear.items():
+        assert value == pytest.approx(aim[key], abs=step_at(GRID, key, GRID[7][key]) / 8)
+
+
+def replace_score(candidate: Any, effect: Any, gain: float) -> Any:
+    return SimpleNamespace(
+        **{**vars(candidate), "effects": (effect,), "score": SimpleNamespace(gain=gain)}
+    )
+
+
+def test_a_law_without_such_a_grid_stays() -> None:
+    cable = LIBRARY["cable_spring"].of(2, stiffness_Nm_rad=10.0)
+    one = SimpleNamespace(kind="cable_spring", joint=2, known=True, effects=(cable,))
+    assert scan().between(None, one) is one
+    unnamed = SimpleNamespace(kind="unexplained", joint=2, known=False, effects=())
+    assert scan().between(None, unnamed) is unnamed
+
+
+def test_a_family_pays_for_its_points_and_less_where_it_sits_on_few_joints() -> None:
+    made = scan()
+    assert made.family_penalty("balancer", 2) == pytest.approx(np.log(18 * 2 / 6))
+    assert made.family_penalty("payload", None) == pytest.approx(np.log(18))
