@@ -61,6 +61,7 @@ def judged(
     worth: float = 1.0,
     beyond: bool = True,
     fit: Any = None,
+    n: int = 3,
 ) -> bool:
     """What `bears_out` says of an offset on joint 2 of three: worth [nats] by joint."""
     held_out = SimpleNamespace(
@@ -68,7 +69,7 @@ def judged(
         told=lambda place: SimpleNamespace(nats=np.array(told)),
     )
     acceptance: Any = Acceptance.__new__(Acceptance)
-    acceptance.fitter = SimpleNamespace(motion=SimpleNamespace(duration=10.0))
+    acceptance.fitter = SimpleNamespace(motion=SimpleNamespace(duration=10.0, n=n))
     acceptance._beyond_base = lambda candidate, fit: beyond
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(module, "HeldOut", lambda fitter, chosen, fit: held_out)
@@ -79,12 +80,16 @@ def judged(
 
 def test_a_name_stays_only_where_the_files_own_error_is_better_with_it() -> None:
     offset = LIBRARY["torque_offset"].of(2, offset_Nm=3.0)
-    name = SimpleNamespace(known=True, devices=frozenset(), effects=(offset,), joint=2)
+    name = SimpleNamespace(
+        known=True, everywhere=False, devices=frozenset(), effects=(offset,), joint=2
+    )
     assert judged(name, [0.0, 5.0, -1.0])
     assert not judged(name, [0.0, 5.0, -1.0], worth=-1.0)
     assert not judged(name, [9.0, -0.1, 0.0])  # worse where it sits
     assert not judged(name, [0.0, 5.0, -6.0])  # worse on all joints together
-    load = SimpleNamespace(known=True, devices=frozenset(), effects=(offset,), joint=None)
+    load = SimpleNamespace(
+        known=True, everywhere=False, devices=frozenset(), effects=(offset,), joint=None
+    )
     assert judged(load, [9.0, -5.0, 0.0])  # a balancer beside it is not found yet
     assert not judged(load, [4.0, -5.0, 0.0])
     # what other numbers could say as well has the evidence against them to its credit
@@ -172,7 +177,9 @@ def test_one_size_of_several_is_enough() -> None:
 
 def test_one_effect_of_several_that_stands_clear_bears_a_name_out() -> None:
     offsets = tuple(LIBRARY["torque_offset"].of(j, offset_Nm=3.0) for j in (1, 2))
-    name = SimpleNamespace(known=True, devices=frozenset(), effects=offsets, joint=2)
+    name = SimpleNamespace(
+        known=True, everywhere=False, devices=frozenset(), effects=offsets, joint=2
+    )
     for sigmas, borne in (((0.1, 9.0), True), ((9.0, 9.0), False)):
         fit: Any = SimpleNamespace(
             effects=offsets,
@@ -180,6 +187,23 @@ def test_one_effect_of_several_that_stands_clear_bears_a_name_out() -> None:
             alone=np.array(sigmas),
         )
         assert judged(name, [0.0, 5.0, 0.0], fit=fit) == borne
+
+
+def test_what_is_on_every_joint_is_on_most_of_them() -> None:
+    """Two joints with an offset, an asymmetry of friction as likely as that, are judged each by
+    itself."""
+    for joints, borne in (((1, 2), False), ((1, 2, 3), False), ((1, 2, 4, 6), True)):
+        offsets = tuple(LIBRARY["torque_offset"].of(j, offset_Nm=3.0) for j in joints)
+        law = RegressorColumns(tuple(range(6)), np.ones((4, 6, 1)))
+        score = Score(30.0, 1.0, np.ones(1), np.eye(1), np.zeros(0))
+        every = Candidate("torque_offset", None, "every", (), offsets, law, None, score)
+        assert every.everywhere
+        fit: Any = SimpleNamespace(
+            effects=offsets,
+            parameters=tuple(p for k, one in enumerate(offsets) for p in parameters_of(one, k)),
+            alone=np.full(len(joints), 0.1),
+        )
+        assert judged(every, [1.0] * 6, fit=fit, n=6) == borne
 
 
 @pytest.mark.parametrize("seconds", [3.0, 40.0])
@@ -232,11 +256,13 @@ def test_numbers_that_moved_far_are_said_by_body() -> None:
 
 def test_worth_of_exactly_nothing_bears_nothing_out() -> None:
     offset = LIBRARY["torque_offset"].of(2, offset_Nm=3.0)
-    name = SimpleNamespace(known=True, devices=frozenset(), effects=(offset,), joint=2)
+    name = SimpleNamespace(
+        known=True, everywhere=False, devices=frozenset(), effects=(offset,), joint=2
+    )
     assert not judged(name, [0.0, 5.0, 0.0], worth=0.0)
     assert not judged(name, [0.0, 0.0, 0.0])
     assert not judged(name, [0.0, -20.0, 0.0], beyond=False)  # with its 20 nats to its credit
-    law = SimpleNamespace(known=False, devices=frozenset(), effects=(), joint=2)
+    law = SimpleNamespace(known=False, everywhere=False, devices=frozenset(), effects=(), joint=2)
     assert judged(law, [], worth=1.0)
     assert not judged(law, [], worth=0.0)
     swing = SimpleNamespace(known=True, devices=frozenset({"spring"}), effects=(offset,), joint=2)

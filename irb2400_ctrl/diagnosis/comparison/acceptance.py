@@ -10,7 +10,7 @@ import numpy as np
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.diagnosis.comparison.criteria import Criteria
 from irb2400_ctrl.diagnosis.comparison.step import Step
-from irb2400_ctrl.diagnosis.estimation.candidate import Candidate
+from irb2400_ctrl.diagnosis.estimation.candidate import Candidate, most_of
 from irb2400_ctrl.diagnosis.estimation.effect_parameters import value_of, with_value
 from irb2400_ctrl.diagnosis.estimation.evidence import Problem
 from irb2400_ctrl.diagnosis.estimation.fit import Fit, Fitter
@@ -120,6 +120,9 @@ class Acceptance:
             # how a swing began is free, and its linear columns do not bear out its frequency
             return True
         if not all(usual(fit.effects[k]) for k in effects_of(chosen, place)):
+            return False
+        if candidate.everywhere and len(candidate.effects) < most_of(self.fitter.motion.n):
+            # two joints with an offset are no sensor chain without its zero
             return False
         held_out = HeldOut(self.fitter, chosen, fit)
         if not candidate.known:

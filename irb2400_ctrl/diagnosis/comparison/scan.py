@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 
 from irb2400_ctrl.diagnosis.comparison.log_columns import LogColumns
-from irb2400_ctrl.diagnosis.estimation.candidate import Candidate, Point, plausible
+from irb2400_ctrl.diagnosis.estimation.candidate import Candidate, Point, most_of, plausible
 from irb2400_ctrl.diagnosis.estimation.evidence import (
     Expected,
     Problem,
@@ -226,7 +226,7 @@ class Scan(LogColumns):
         effects = [plausible(kind, j + 1, score.coefficients[j : j + 1], {}) for j in range(n)]
         # a joint that does not show it may come out slightly negative
         present = tuple(e for e in effects if e is not None)
-        if len(present) < max(2, n - 2):
+        if len(present) < most_of(n):
             return None
         # one joint alone is the simpler story unless several clearly show it
         score = replace(score, gain=score.gain - EVERYWHERE_PENALTY)

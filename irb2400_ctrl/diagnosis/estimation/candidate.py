@@ -77,6 +77,11 @@ class Candidate:
         return tuple(e.windows_s[0][0] for e in self.effects if e.windows_s)
 
     @property
+    def everywhere(self) -> bool:
+        """Whether it is one effect on every joint."""
+        return self.joint is None and any(e.joint is not None for e in self.effects)
+
+    @property
     def known(self) -> bool:
         """Whether it is an effect of the library."""
         return bool(self.effects)
@@ -94,6 +99,11 @@ class Point:
     def device(self) -> str:
         """`Search.device`."""
         return LIBRARY[self.kind].search.device
+
+
+def most_of(n: int) -> int:
+    """Of n joints, so many at least have what is one effect on every joint."""
+    return max(2, n - 2)
 
 
 def plausible(
