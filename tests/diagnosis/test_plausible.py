@@ -44,6 +44,13 @@ def test_what_repeats_less_than_four_times_a_turn_is_no_ripple() -> None:
     assert kept.order > 3.5
 
 
+def test_a_loop_on_top_of_more_dry_friction_is_a_hysteresis_and_a_small_one_is_not() -> None:
+    """Slip at many travels turns over steeply at first: as much again seems to be dry friction."""
+    width = {"width_rad": 0.028}
+    assert plausible("hysteresis", 5, np.array([2.4, -2.1]), width) is not None
+    assert plausible("hysteresis", 5, np.array([2.4, -3.7]), width) is None
+
+
 def test_a_time_constant_stays_within_the_record() -> None:
     """Grease that warms at two rates would end beyond it, and be refused."""
     warm = LIBRARY["viscous_warmup"].of(1, viscous_Nms_rad=5.0, time_constant_s=28.0)

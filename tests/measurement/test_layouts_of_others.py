@@ -69,6 +69,7 @@ LAYOUTS = {
     "iso": clock(lambda t: f"2023-05-04 12:00:{t:09.6f}"),
     "zulu": clock(lambda t: f"2023-05-04T12:00:{t:09.6f}Z"),
     "clock": clock(lambda t: f"9:59:{t:09.6f}"),
+    "over midnight": clock(lambda t: f"23:59:{t + 59:09.6f}" if t < 1 else f"00:00:{t - 1:09.6f}"),
     "timedelta": clock(lambda t: f"0 days 00:00:{t:09.6f}"),
     "german": german(),
     "states": table(["time", *STATES], T, Q[:, ::-1], TAU[:, ::-1]),

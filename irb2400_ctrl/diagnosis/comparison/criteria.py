@@ -209,7 +209,7 @@ class Threshold:
         alone = c.gain_stated if candidate.expected else c.gain_in_base
         # what an earlier law leaves bends the base
         acts = np.any(candidate.torque(self.n) != 0.0, axis=0)
-        left = [float(self._leaves(comparison, e)[acts].max()) for e in chosen]
+        left = [float(self._leaves(comparison, e)[acts].max(initial=0.0)) for e in chosen]
         return min(c.gain, alone + max(left, default=0.0))
 
     def _leaves(self, comparison: Comparison, earlier: Candidate) -> Array:
