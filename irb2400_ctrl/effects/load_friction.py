@@ -15,7 +15,11 @@ from irb2400_ctrl.effects.signals import Signals
 
 
 class LoadFriction(Effect):
-    """tau_j = mu |load_j| sgn(qd_j), load the rigid-body torque (Bittencourt et al.)."""
+    """tau_j = mu |load_j + s f_j| sgn(qd_j), load the rigid-body torque (Bittencourt et al.).
+
+    f_j is the friction of the base model: s of it arises behind the place where this one grows, so
+    that the gear carries it too; all of it where it is the motor's torque that counts.
+    """
 
     sentence: ClassVar[str] = (
         "dry friction of the joint grows with the torque that its gear carries"
@@ -27,11 +31,15 @@ class LoadFriction(Effect):
     kind: Literal["load_friction"] = "load_friction"
     coefficient: float = Field(ge=0, lt=1, description="friction per load torque mu [Nm/Nm]")
 
+    friction_share: float = Field(
+        default=0.0, ge=0, le=1, description="share of the joint's friction that the gear carries"
+    )
+
     def basis(self, s: Signals) -> ca.SX:
-        return self.on(ca.fabs(s.load[self.index]) * s.sign[self.index], s.q.numel())
+        return self.on(self._carried(s) * s.sign[self.index], s.q.numel())
 
     def discrepancy_basis(self, s: Signals) -> ca.SX:
-        load = ca.fabs(s.load[self.index])
+        load = self._carried(s)
         n = s.q.numel()
         # a power of the load near one, in units that keep the column of the law's size
         return self.on(load * ca.log(load / 50.0 + 1e-3) * s.sign[self.index], n)
@@ -40,7 +48,15 @@ class LoadFriction(Effect):
         return (self.coefficient,)
 
     @classmethod
+    def grid(cls, joint: int | None) -> list[dict[str, float]]:
+        return [{"friction_share": 0.0}, {"friction_share": 1.0}]
+
+    def _carried(self, s: Signals) -> ca.SX:
+        load = s.load[self.index]
+        return ca.fabs(load + self.friction_share * (s.tau[self.index] - load))
+
+    @classmethod
     def from_coefficients(
         cls, joint: int | None, coefficients: Sequence[float], nonlinear: dict[str, float]
     ) -> Self:
-        return cls.of(joint, coefficient=coefficients[0])
+        return cls.of(joint, coefficient=coefficients[0], **nonlinear)

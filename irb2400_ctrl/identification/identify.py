@@ -107,7 +107,7 @@ def _identified(robot: Robot, seen: Sequence[Log], others: Sequence[Log]) -> Ide
     fitted, said = identified_robot(kept, found.layout, found.theta)
     _agree(fitted, kept, parts[0], predicted(model, found.layout, parts[0], found.theta))
     known = Identified.of(found.layout.names(), covariance, [log.name for log in seen])
-    moved = moved_bodies(base, found.prior, found.theta, found.numbers.kappa)
+    moved = moved_bodies(base, found.prior, found.theta, covariance, found.numbers.kappa)
     told = verdicts(model, found.layout, found.sums, found.numbers.sigma, found.samples)
     slow = [log_of_runs(log, curves) for log in seen]
     results = _judged(model, robot, found, parts, slow)

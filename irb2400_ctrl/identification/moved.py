@@ -23,6 +23,10 @@ ROUNDING = 1e-9
 """of the trace of a pseudo-inertia"""
 LEAST = np.array([1e-3, *[1e-3] * 3, *[1e-5] * 6])
 """a gram, a millimetre, a gram at 10 cm: nobody states a body better"""
+ELEMENTS = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
+"""of an inertia, in the order of `Body.inertia_kgm2`"""
+PHI_ELEMENTS = ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))
+"""the same in the order of phi"""
 NAMES = ("mass_kg", "com_x_m", "com_y_m", "com_z_m", "Ixx", "Iyy", "Izz", "Ixy", "Ixz", "Iyz")
 
 
@@ -32,14 +36,16 @@ class Moved:
 
     Args:
         link: from 1; before, after: mass [kg], centre [m], inertia about it [kg m2], shape (10,);
-        sigmas: the change over the file's standard deviations, shape (10,); width: of the body in
-            those, as the fit found it; could_be: whether the file's body can exist at all.
+        sigmas: the change over the file's standard deviations, shape (10,); errors: standard errors
+            of the numbers after it, over the same; width: of the body in those, as the fit found
+            it; could_be: whether the file's body can exist at all.
     """
 
     link: int
     before: Array
     after: Array
     sigmas: Array
+    errors: Array
     width: float
     could_be: bool
 
@@ -55,7 +61,9 @@ class Moved:
         return self.could_be and abs(self.most[1]) > ALARM
 
 
-def moved_bodies(robot: Robot, prior: Prior, theta: Array, kappa: Array) -> list[Moved]:
+def moved_bodies(
+    robot: Robot, prior: Prior, theta: Array, covariance: Array, kappa: Array
+) -> list[Moved]:
     """Every link, tool folded in on both sides.
 
     A file whose bodies cannot exist is first moved to the nearest ones that can, in its own
@@ -64,22 +72,24 @@ def moved_bodies(robot: Robot, prior: Prior, theta: Array, kappa: Array) -> list
     Args:
         robot: the file.
         prior: spreads of its numbers.
-        theta: the fitted numbers, shape (p,).
+        theta, covariance: the fitted numbers, shapes (p,) and (p, p).
         kappa: width of each body's prior over the stated one, shape (n,) [-].
     """
     found = []
     nearest = _nearest_possible(prior)
     for link in range(robot.n):
         before = nearest[link]
-        after = _numbers(body_of(theta[10 * link : 10 * link + 10]))
+        own = slice(10 * link, 10 * link + 10)
+        after = _numbers(body_of(theta[own]))
         body = body_of(np.array([max(before[0], 1e-9), *before[1:]]))
         spread = np.maximum(body_spread(robot.uncertainty, body, robot.links[link].name), LEAST)
         change = after - _numbers(body)
         file = pseudo_inertias(robot.inertial_parameters[link : link + 1])[0]
         could_be = bool(np.linalg.eigvalsh(file)[0] > -ROUNDING * abs(np.trace(file)))
         sigmas = change / spread
+        errors = _errors(theta[own], covariance[own, own]) / spread
         width = float(kappa[link])
-        found.append(Moved(link + 1, _numbers(body), after, sigmas, width, could_be))
+        found.append(Moved(link + 1, _numbers(body), after, sigmas, errors, width, could_be))
     return found
 
 
@@ -91,6 +101,27 @@ def _nearest_possible(prior: Prior) -> Array:
     start = possible(middle.reshape(n, 10)).ravel()
     none = np.array([], dtype=np.int64)
     return consistent_minimum(precision, precision @ middle, n, none, start).reshape(n, 10)
+
+
+def _errors(phi: Array, covariance: Array) -> Array:
+    """Standard errors of mass, centre and inertia about it, to first order, shape (10,).
+
+    c = h / m and I_c = I_O - (|h|^2 1 - h h') / m, so dc = (dh - c dm) / m and
+    dI_c = dI_O - d(|h|^2 1 - h h') / m + (|h|^2 1 - h h') dm / m^2.
+    """
+    m = max(float(phi[0]), 1e-9)
+    c = phi[1:4] / m
+    slope = np.eye(10)
+    slope[1:4] = np.hstack([-c[:, None], np.eye(3), np.zeros((3, 6))]) / m
+    for row, (i, k) in zip(slope[4:], ELEMENTS, strict=True):
+        same = float(i == k)
+        row[0] = same * (c @ c) - c[i] * c[k]
+        row[1:4] = -2.0 * same * c
+        row[1 + i] += c[k]
+        row[1 + k] += c[i]
+    # the file's order of the elements is not that of phi
+    slope[4:, 4:] = np.array([[float(e == f) for f in PHI_ELEMENTS] for e in ELEMENTS])
+    return np.asarray(np.sqrt(np.maximum(np.diag(slope @ covariance @ slope.T), 0.0)))
 
 
 def _numbers(body: Body) -> Array:

@@ -24,6 +24,9 @@ from irb2400_ctrl.measurement import Log
         # grease of axis 5 beside a coupling of axis 5: more than another shape of that leaves, and
         # its two rates end beyond the record
         ("three", 3, 20261123),
+        # friction of axis 4 that grows with the motor's torque, not with what moves the links, and
+        # grease of axis 6
+        ("pairs", 0, 20261127),
     ],
 )
 def test_an_effect_beside_others_is_named(name: str, place: int, seed: int) -> None:

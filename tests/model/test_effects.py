@@ -32,7 +32,7 @@ FIELDS: dict[str, dict[str, Any]] = {
     "hysteresis": {"joint": 5, "amplitude_Nm": 4.0, "width_rad": 0.02},
     "link_inertia": {"joint": 2, "mass_kg": 8.0, "com_m": (0.3, 0.1, -0.05)},
     "linkage_inertia": {"joint": 3, "inertia_kgm2": 1.5, "moment_kgm": 2.0},
-    "load_friction": {"joint": 2, "coefficient": 0.06},
+    "load_friction": {"joint": 2, "coefficient": 0.06, "friction_share": 0.5},
     "payload": {"mass_kg": 5.0, "com_m": (0.02, -0.01, 0.1)},
     "process_force": {"force_x_N": 50.0, "force_y_N": -20.0, "force_z_N": 10.0},
     "rotor_inertia": {"joint": 1},
@@ -150,6 +150,22 @@ def test_payload_moves_with_the_flange(robot: irb.Robot, states: States) -> None
         rtol=0,
         atol=1e-9,
     )
+
+
+@pytest.mark.parametrize("share", [0.0, 0.4, 1.0])
+def test_friction_grows_with_what_the_gear_carries(
+    robot: irb.Robot, model: irb.Model, states: States, share: float
+) -> None:
+    """From the links' torque to the motor's, by the share of the joint's own friction in it."""
+    effect = LIBRARY["load_friction"].of(4, coefficient=0.06, friction_share=share)
+    motion = states.q, states.qd, states.qdd
+    arm = irb.Model(robot.with_effects(effect))
+    more = arm.inverse_dynamics(*motion) - model.inverse_dynamics(*motion)
+    whole = model.inverse_dynamics(*motion)
+    links = model.inverse_dynamics(*motion, friction=False)
+    carried = np.abs(links + share * (whole - links))[:, 3]
+    np.testing.assert_allclose(more[:, 3], 0.06 * carried * np.sign(states.qd[:, 3]), atol=1e-10)
+    np.testing.assert_array_equal(np.delete(more, 3, axis=1), 0.0)
 
 
 def test_base_tilt_is_a_turned_gravity(robot: irb.Robot, states: States) -> None:

@@ -10,9 +10,10 @@ from matplotlib.figure import Figure
 
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.identification import Identification, LogResult
+from irb2400_ctrl.identification.moved import ALARM, NAMES, Moved
 from irb2400_ctrl.measurement import Log
 from irb2400_ctrl.report.elements.page import Page, with_error
-from irb2400_ctrl.report.elements.plots import Line, joint_plots, parity, spectrum
+from irb2400_ctrl.report.elements.plots import Line, joint_plots, parity, small, spectrum
 from irb2400_ctrl.report.figures.friction_figures import friction_figure, law_rows, run_figure
 from irb2400_ctrl.report.figures.residual_view import residual_view
 from irb2400_ctrl.report.pages.diagnosis_tables import UNITS
@@ -25,6 +26,8 @@ MODELS = {
 }
 FEW = 4
 """logs that are drawn"""
+TWICE = 1.96
+"""standard deviations of 95 %"""
 
 
 def identification_page(result: Identification, logs: Sequence[Log] = ()) -> Page:
@@ -49,6 +52,13 @@ def identification_page(result: Identification, logs: Sequence[Log] = ()) -> Pag
     )
     page.heading("What moved")
     page.table("Bodies, and how far they went from the file", *moved_rows(result))
+    page.figures(
+        [moved_figure(moved) for moved in result.moved],
+        "Every number of a body, in standard deviations of the file: grey what the file leaves "
+        "open, the bars what is open now (both 95 %). A short bar beyond the dashed lines: the "
+        "file is wrong there. A bar as long as the grey is high: these motions do not show it; a "
+        "longer one belongs to a body that the fit let go further than the file allows.",
+    )
     page.heading("Drives")
     page.table("Friction, offset and rotor, with standard errors", *drive_rows(result))
     if result.friction:
@@ -196,6 +206,23 @@ def verdict_rows(result: Identification) -> tuple[list[str], list[list[object]]]
         [v.name, v.grade, v.stands_for, v.reason, v.motion] for v in result.verdicts
     ]
     return ["number", "verdict", "stands for", "why", "motion that would help"], rows
+
+
+def moved_figure(moved: Moved) -> Figure:
+    """The ten numbers of one body before and after, with what is open on both sides."""
+    figure, axis = small(legend=True)
+    places = np.arange(len(moved.sigmas))
+    axis.axhspan(-TWICE, TWICE, color="tab:gray", alpha=0.25, lw=0)
+    for limit in (-ALARM, ALARM):
+        axis.axhline(limit, color="tab:red", ls="--", lw=0.9)
+    bars = TWICE * moved.errors
+    axis.errorbar(places, moved.sigmas, bars, fmt="o", color="tab:blue", ms=3.5, lw=1.2, capsize=2)
+    reach = 1.15 * max(ALARM + 0.5, float(np.abs(moved.sigmas).max()))
+    axis.set(ylabel="change / file's std. dev.", ylim=(-reach, reach))
+    axis.set_title(f"link {moved.link}", fontsize=9)
+    axis.set_xticks(places, [name.removesuffix("_kg").removesuffix("_m") for name in NAMES])
+    axis.tick_params(axis="x", labelrotation=45, labelsize=7)
+    return figure
 
 
 def correlation_figure(result: Identification) -> Figure:

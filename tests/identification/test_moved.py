@@ -1,0 +1,45 @@
+"""What is said about a body that moved."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from irb2400_ctrl.identification.moved import ALARM, NAMES, Moved, _errors
+from irb2400_ctrl.report.pages.identification_page import TWICE, moved_figure
+from irb2400_ctrl.robot import Body
+
+PHI = np.array([8.0, 1.6, -0.4, 2.4, 1.3, 0.1, -0.5, 1.1, 0.2, 0.6])
+
+
+def numbers(phi: np.ndarray) -> np.ndarray:
+    body = Body.of_parameters(phi)
+    return np.array([body.mass_kg, *body.com_m, *body.inertia_kgm2])
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_standard_errors_follow_the_parallel_axis_theorem(seed: int) -> None:
+    """Against differences of the body that the parameters stand for."""
+    rng = np.random.default_rng(seed)
+    phi = PHI * rng.uniform(0.7, 1.3, 10)
+    root = rng.normal(size=(10, 10)) * 1e-2
+    step = 1e-6
+    slope = np.stack(
+        [(numbers(phi + step * e) - numbers(phi - step * e)) / (2 * step) for e in np.eye(10)], 1
+    )
+    expected = np.sqrt(np.diag(slope @ root @ root.T @ slope.T))
+    np.testing.assert_allclose(_errors(phi, root @ root.T), expected, rtol=1e-5)
+
+
+def test_the_figure_shows_change_and_what_is_open() -> None:
+    sigmas = np.arange(10.0) - 2.0
+    errors = np.linspace(0.1, 1.0, 10)
+    (axis,) = moved_figure(Moved(3, PHI, PHI, sigmas, errors, 1.0, True)).axes
+    dots, _, (bars,) = axis.containers[0].lines
+    np.testing.assert_array_equal(dots.get_ydata(), sigmas)
+    low, high = np.array(bars.get_segments())[:, :, 1].T
+    np.testing.assert_allclose([low, high], [sigmas - TWICE * errors, sigmas + TWICE * errors])
+    assert [tick.get_text() for tick in axis.get_xticklabels()] == [
+        name.removesuffix("_kg").removesuffix("_m") for name in NAMES
+    ]
+    assert axis.get_ylim()[1] > max(ALARM, 7.0)
