@@ -177,7 +177,7 @@ class Selection:
         ]
         short = [
             self.scan.between(comparison.start, c)
-            for c in shortlist(ranked, self.criteria.shortlist)
+            for c in shortlist(ranked, self.criteria.shortlist, self.criteria.gain)
         ]
         windowed = Windowing(self.scan, comparison.start).candidates([c for c in ranked if c.known])
         short += [c for c in windowed if named(c) not in self.refused]
@@ -208,12 +208,18 @@ def named(candidate: Candidate) -> Name:
     return candidate.kind, candidate.joint, candidate.name if candidate.known else ""
 
 
-def shortlist(ranked: Sequence[Candidate], count: int) -> list[Candidate]:
+def shortlist(ranked: Sequence[Candidate], count: int, least: float) -> list[Candidate]:
     """The best `count` candidates, among them at least a third of the library and a few
-    non-parametric ones."""
+    non-parametric ones; then the best of each joint that has none among them and gains `least`
+    [nats]: the many rivals of one joint hide no other's."""
     known = [c for c in ranked if c.known][: max(count * 2 // 3, 1)]
     non_parametric = [c for c in ranked if not c.known][: max(count - len(known), count // 3)]
-    return known + non_parametric
+    hidden: dict[int | None, Candidate] = {}
+    for candidate in ranked:
+        if candidate.known and candidate.score.gain > least:
+            hidden.setdefault(candidate.joint, candidate)
+    seen = {c.joint for c in known}
+    return [*known, *(c for joint, c in hidden.items() if joint not in seen), *non_parametric]
 
 
 def reversal_rows(motion: PreparedLog) -> Mask:
