@@ -10,6 +10,7 @@ import casadi as ca
 import numpy as np
 
 from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.model.friction import FrictionLaw
 from irb2400_ctrl.planners import MotionLimits
 from irb2400_ctrl.planners.enclosure import bernstein
 from irb2400_ctrl.planners.enclosure import cells as enclosed
@@ -118,5 +119,6 @@ def with_effects(cells: Cells, seed: int, *, load_slope: float) -> Cells:
             load_remainder=rng.uniform(0.1, 0.3, (3, M, N)),
             square=square,
             square_remainder=missed,
+            friction=FrictionLaw(*(np.full(N, value) for value in (3.0, 2.0, 1.5, 0.1))),
         ),
     )

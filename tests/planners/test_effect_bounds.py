@@ -46,6 +46,12 @@ CASES: dict[str, list[Effect]] = {
     "load friction, another exponent": [
         effect("load_friction", 2, coefficient=0.08, discrepancy=(0.02,))
     ],
+    "friction of the motor's torque": [
+        effect("load_friction", j, coefficient=0.08, friction_share=1.0) for j in (2, 3)
+    ],
+    "friction of a part of it, another exponent": [
+        effect("load_friction", 4, coefficient=0.1, friction_share=0.4, discrepancy=(0.02,))
+    ],
     "load friction in a window": [
         effect("load_friction", 2, coefficient=0.08, windows_s=((0, 0.5),))
     ],

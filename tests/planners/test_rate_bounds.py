@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.model.friction import FrictionLaw
 from irb2400_ctrl.planners.enclosure import bernstein
 from irb2400_ctrl.planners.enclosure.effect_bounds import Added, Range
 from irb2400_ctrl.planners.timing.rate_limited import output_bounds
@@ -129,6 +130,7 @@ def test_effects_of_the_time_add_to_the_coefficients_of_the_torques() -> None:
             a=band, b=band, e=band, laws=(), direction=(nothing, nothing), states=(),
             load=(np.zeros(0),) * 3, load_remainder=np.zeros(0),
             square=0.0 * more, square_remainder=nothing,
+            friction=FrictionLaw(*np.ones((4, 1))),
         )  # fmt: skip
 
     def numbers(factor: float) -> ConstrainedOutputs:

@@ -14,6 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from irb2400_ctrl.arrays import Array, Mask
+from irb2400_ctrl.model.friction import FrictionLaw
 from irb2400_ctrl.planners.enclosure import bernstein
 from irb2400_ctrl.planners.enclosure.effect_bounds import Added, Range, memories
 from irb2400_ctrl.planners.enclosure.parabolas import parabolas
@@ -157,6 +158,7 @@ def _enclose(dynamics: PathDynamics, path: JointMotion, s: Array) -> Cells:
             load_remainder=load_rest,
             square=square,
             square_remainder=missed,
+            friction=FrictionLaw.of(dynamics.model.robot),
         )
     return Cells(
         s=s,

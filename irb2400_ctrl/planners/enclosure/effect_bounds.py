@@ -11,7 +11,8 @@ over the values that w takes in the cell, and above another one:
 
 whichever is lowest in the middle. With w = q'^2 x the line is linear in x again; with w = |L|, L =
 a u + b x + c, it is the larger of two linear functions (beta > 0, two rows), or lies below one of
-them (beta < 0, L of the sign expected).
+them (beta < 0, L of the sign expected). Own friction that counts as load is at most so far from
+it: it widens what the parabolas of L may miss.
 """
 
 from __future__ import annotations
@@ -22,6 +23,7 @@ from typing import Literal
 import numpy as np
 
 from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.model.friction import FrictionLaw
 from irb2400_ctrl.planners.enclosure import bernstein
 from irb2400_ctrl.planners.enclosure.effect_forms import ScalarLaw
 from irb2400_ctrl.planners.enclosure.interval import Interval
@@ -79,6 +81,8 @@ class Added:
     """parabola of q'^2, shape (m, 3, n)"""
     square_remainder: Array
     """shape (m, n)"""
+    friction: FrictionLaw
+    """of the arm"""
 
     @property
     def has_load(self) -> bool:
@@ -112,6 +116,15 @@ class Added:
         low = np.maximum(least - self.square_remainder, 0.0)
         high = np.maximum(most + self.square_remainder, 0.0)
         return low * x_low[:, None], high * x_high[:, None]
+
+    def own_friction(self, x_low: Array, x_high: Array) -> Array:
+        """Upper bound of the friction that laws of the load count as load, (m, n) [Nm]."""
+        slow, fast = self.squared_speed(x_low, x_high)
+        most = self.friction.level_range(slow)[1] + self.friction.viscous * np.sqrt(fast)
+        share = np.zeros(most.shape[1])
+        for law in self.laws:
+            share[law.joint] = max(share[law.joint], law.own_friction)
+        return np.asarray(share * most)
 
     def load_size(self, u: Array, x: Array) -> Array:
         """Upper bound of |load| for accelerations up to |u| and squares of speed up to x (m,),
@@ -170,8 +183,9 @@ def variants(
         return found
     a_l, b_l, c_l = added.load
     r_a, r_b, r_c = added.load_remainder
-    miss = r_a * (largest[:, None] if safe else 0.0) + r_b * X + r_c
-    size = np.minimum(added.load_size(largest, x_high), load_cap(added, tau_max) + miss)
+    own = added.own_friction(x_low, x_high)
+    miss = r_a * (largest[:, None] if safe else 0.0) + r_b * X + r_c + own
+    size = np.minimum(added.load_size(largest, x_high) + own, load_cap(added, tau_max) + miss)
     line = added.line("load", side, np.zeros_like(size), size)
     expected = np.sign(
         (a_l * bar[0][:, None, None] + b_l * bar[1][:, None, None] + c_l).sum(axis=1)

@@ -4,8 +4,8 @@
     timed     the same times factors of the time alone, or of    each factor between its bounds over
               the speeds of other joints (a neighbour's dry      all times, or all speeds
               friction)
-    law       f(qd_j), f(qd_j, memory) or f(|load_j|)            a straight line above, one below
-    (`ScalarLaw`)
+    law       f(qd_j), f(qd_j, memory) or f(|load_j|), own       a straight line above, one below
+    (`ScalarLaw`)  friction counted as load or not
     open      anything else (elastic_joint)                      no bound
 
 Time counts from an instant that the timing does not know: the bounds hold whenever the motion
@@ -52,6 +52,8 @@ class ScalarLaw:
     memory: Memory | None
     curved: bool
     """whether f is anything but a straight line over w"""
+    own_friction: float = 0.0
+    """share of the joint's own friction that counts as load"""
 
     def bounds(self, w: Interval, direction: Interval, state: Interval) -> list[Interval]:
         """Bounds of f, df/dw and d2f/dw2 over m boxes."""
@@ -237,8 +239,9 @@ def _law(model: Model, effect: Effect) -> ScalarLaw | None:
     j = effect.index
     s = replace(with_sign(model), state=ca.SX.sym("state", len(effect.states)))
     load = ca.SX.sym("load", n)
-    # the rigid-body torque as a symbol, in place of its long expression
-    vars(s)["load"] = load
+    friction = ca.SX.sym("friction", n)
+    # the rigid-body torque as a symbol, in place of its long expression, and friction beside it
+    vars(s).update(load=load, tau=load + friction)
     parts = lifted(effect.torque(s), s)
     others = [k for k in range(n) if k != j]
     elsewhere = parts.tau[others]
@@ -248,6 +251,8 @@ def _law(model: Model, effect: Effect) -> ScalarLaw | None:
     f = ca.substitute(parts.tau[j], s.sign[j], direction)
     f = ca.substitute(f, s.state, state) if effect.states else f
     by_load = bool(ca.depends_on(f, load[j]))
+    own = _own_friction(f, load[j], friction[j]) if by_load else 0.0
+    f = ca.substitute(f, friction, 0) if by_load else f
     f = (
         ca.substitute(f, load[j], w)
         if by_load
@@ -269,11 +274,25 @@ def _law(model: Model, effect: Effect) -> ScalarLaw | None:
         interval_function(values)([(np.ones(1), np.ones(1))] * values.n_in())
     except InputError:
         return None
-    if by_load and not _even(values):
+    if own is None or (by_load and not _even(values)):
         return None
-    return ScalarLaw(
-        j, "load" if by_load else "speed", values, parts.low, parts.high, memory, not bend.is_zero()
-    )
+    of: Literal["speed", "load"] = "load" if by_load else "speed"
+    return ScalarLaw(j, of, values, parts.low, parts.high, memory, not bend.is_zero(), own)
+
+
+def _own_friction(f: ca.SX, load: ca.SX, friction: ca.SX) -> float | None:
+    """The share k of a law that depends on load + k friction, from its slopes at random places;
+    None: it is not one."""
+    if not ca.depends_on(f, friction):
+        return 0.0
+    symbols = ca.symvar(f)
+    slopes = ca.Function("slopes", symbols, [ca.gradient(f, load), ca.gradient(f, friction)])
+    rng = np.random.default_rng(0)
+    places = rng.uniform(0.5, 90.0, (8, len(symbols))) * rng.choice([-1.0, 1.0], (8, len(symbols)))
+    found = np.array([[float(slope) for slope in slopes(*place)] for place in places])
+    share = found[0, 1] / found[0, 0]
+    same = np.allclose(found[:, 1], share * found[:, 0], rtol=1e-9, atol=0)
+    return float(share) if same and 0 <= share <= 1 else None
 
 
 def _even(values: ca.Function) -> bool:

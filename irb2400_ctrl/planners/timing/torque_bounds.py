@@ -72,7 +72,8 @@ def _largest(cells: Cells, u: Array, x: Array, side: float) -> Array:
     a_l, b_l, c_l = added.load
     load = bernstein.raised(a_l * turn + c_l, 3) + bernstein.product(b_l, X)
     r_a, r_b, r_c = added.load_remainder
-    miss = r_a * np.abs(u)[:, None] + r_b * x_high[:, None] + r_c
+    own = added.own_friction(x_low, x_high)
+    miss = r_a * np.abs(u)[:, None] + r_b * x_high[:, None] + r_c + own
     size = bernstein.largest_size(load) + miss
     line = added.line("load", side, np.zeros_like(size), size)
     # |load| is the larger of load and -load: above a growing law the larger bound, above a falling
