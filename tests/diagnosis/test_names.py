@@ -162,3 +162,14 @@ def test_a_contact_that_sticks_before_it_slides_is_no_effect() -> None:
     read = case.simulate()
     found = diagnose(ROBOT, Log(read.time, read.q, read.tau, qd=read.qd, q_ref=read.q_ref))
     assert names(found) == [("payload", None)]
+
+
+def test_a_product_of_two_speeds_is_unexplained_over_both() -> None:
+    """No law of the library holds it: not an offset from some moment on."""
+    product = speed(5) * speed(4)
+    found = diagnose(ROBOT, with_torque(5, 4.0 * product / np.std(product)))
+    assert not found.findings
+    assert found.verdict == "unexplained"
+    (rest,) = found.unexplained
+    assert rest.joint == 5
+    assert set(rest.depends_on) == {"qd", "qd4"}

@@ -70,12 +70,16 @@ def non_parametric_laws(motion: PreparedLog, load: Array) -> dict[int, list[NonP
     for k, m in combinations(moving, 2):
         surface = np.hstack(
             [
-                _products(motion.q[:, k], motion.q[:, m]),
+                _products(motion.q[:, k], motion.q[:, m], degree=4),
                 splines(motion.q[:, k], 6)[:, :-1],
                 splines(motion.q[:, m], 6),
             ]
         )
         common[f"angles {k + 1} and {m + 1}", (f"q{k + 1}", f"q{m + 1}")] = motion.filtered(surface)
+        # of the speeds the products alone: what one of them does has a law of its own
+        common[f"speeds {k + 1} and {m + 1}", (f"qd{k + 1}", f"qd{m + 1}")] = motion.filtered(
+            _products(motion.qd[:, k], motion.qd[:, m], degree=2)
+        )
     return {
         j: [
             NonParametricLaw(name, j, _own(signals, j), columns)
@@ -112,15 +116,17 @@ def _own(signals: tuple[str, ...], j: int) -> tuple[str, ...]:
     return tuple(bare.get(s, s) for s in signals)
 
 
-def _products(x: Array, y: Array) -> Array:
-    """Products of polynomials of degree 1 to 4 in two signals scaled to [-1, 1], shape (m, 16)."""
+def _products(x: Array, y: Array, degree: int) -> Array:
+    """Products of polynomials of degree 1 to `degree` in two signals scaled to [-1, 1], shape (m,
+    degree^2)."""
 
     def powers(v: Array) -> Array:
         u = 2 * (v - v.min()) / max(np.ptp(v), 1e-9) - 1
         # Chebyshev polynomials: powers alone are nearly dependent
-        return np.stack([u, 2 * u**2 - 1, 4 * u**3 - 3 * u, 8 * u**4 - 8 * u**2 + 1], axis=1)
+        every = [u, 2 * u**2 - 1, 4 * u**3 - 3 * u, 8 * u**4 - 8 * u**2 + 1]
+        return np.stack(every[:degree], axis=1)
 
-    return np.asarray(np.einsum("mi,mj->mij", powers(x), powers(y)).reshape(len(x), 16))
+    return np.asarray(np.einsum("mi,mj->mij", powers(x), powers(y)).reshape(len(x), degree**2))
 
 
 def vibrations(motion: PreparedLog, joint: int) -> tuple[Array, Array]:
