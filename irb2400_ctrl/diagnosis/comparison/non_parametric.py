@@ -91,13 +91,16 @@ def non_parametric_laws(motion: PreparedLog, load: Array) -> dict[int, list[NonP
 
 def _of_joint(motion: PreparedLog, load: Array, j: int) -> dict[tuple[str, tuple[str, ...]], Array]:
     """Laws in the joint's own signals."""
-    own: dict[tuple[str, tuple[str, ...]], Array] = {("load", ("load",)): splines(load[:, j], 10)}
+    time = splines(motion.time, 6)
+    own: dict[tuple[str, tuple[str, ...]], Array] = {
+        ("load", ("load",)): splines(load[:, j], 10),
+        ("load over time", ("load", "time")): load[:, j, None] * time,
+    }
     if np.ptp(motion.qd[:, j]) > 1e-3:
         q = motion.q[:, j]
         qd = motion.qd[:, j][:, None]
         sign = np.sign(motion.qd[:, j])[:, None]
         q_fine = splines(q, 20)
-        time = splines(motion.time, 6)
         own |= {
             ("angle", ("q",)): q_fine,
             ("speed", ("qd",)): np.hstack([splines(motion.qd[:, j], 20), sign]),
