@@ -22,8 +22,8 @@ TABLE = (
 Measured on 214 findings on the independent plant (single effects and pairs, seeds 2027 to 2029):
 right in 10 of 15 below 3, 39 of 50 from 3 to 100, 81 of 88 from 100 to 1000, 61 of 61 above. On
 seed 3002 since: 26 of 39 of those said with 0.60 to 0.75, 47 of 55 up to 0.90, 40 of 43 up to 0.95,
-59 of 59 above. On 191 findings on the second plant (four seeds, all suites): 10 of 28 below 3, where
-the two are mostly a dry friction that differs by direction and an offset, 47 of 53 from 3 to 30.
+59 of 59 above. On 191 findings on the second plant (four seeds, all suites): 10 of 28 below 3,
+mostly a dry friction that differs by direction against an offset, and 47 of 53 from 3 to 30.
 """
 
 LOOKALIKE_CAP = 0.75
