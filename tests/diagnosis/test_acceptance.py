@@ -62,6 +62,7 @@ def judged(
     beyond: bool = True,
     fit: Any = None,
     n: int = 3,
+    beside: Any = None,
 ) -> bool:
     """What `bears_out` says of an offset on joint 2 of three: worth [nats] by joint."""
     held_out = SimpleNamespace(
@@ -75,7 +76,8 @@ def judged(
         patch.setattr(module, "HeldOut", lambda fitter, chosen, fit: held_out)
         step: Any = SimpleNamespace(candidate=candidate, gain=20.0)
         fit = fit or fitted(LIBRARY["torque_offset"].of(2, offset_Nm=3.0), 0.1)
-        return bool(acceptance.bears_out([step], fit, 0))
+        further = [] if beside is None else [SimpleNamespace(candidate=beside)]
+        return bool(acceptance.bears_out([step, *further], fit, 0))
 
 
 def test_a_name_stays_only_where_the_files_own_error_is_better_with_it() -> None:
@@ -98,6 +100,21 @@ def test_a_name_stays_only_where_the_files_own_error_is_better_with_it() -> None
 
     # and unseen rows that grow worse on other joints
     assert not judged(name, [0.0, 3.0, 0.0], worth=-21.0, beyond=False)
+
+
+def test_beside_a_swing_the_fit_is_asked_of_the_joints_that_it_shakes() -> None:
+    """Grease of axis 1, found to 2 % of its time constant beside a springy axis 1, was refused for
+    what the file says of axes 4 and 5, which the spring shakes."""
+    offset = LIBRARY["torque_offset"].of(2, offset_Nm=3.0)
+    name = SimpleNamespace(
+        known=True, everywhere=False, devices=frozenset(), effects=(offset,), joint=2
+    )
+    spring = SimpleNamespace(devices=frozenset({("transmission", 1)}), effects=())
+    rigid = SimpleNamespace(devices=frozenset(), effects=())
+    assert judged(name, [0.0, 5.0, -60.0], beside=spring)
+    assert not judged(name, [0.0, 5.0, -60.0], beside=rigid)
+    assert not judged(name, [60.0, -5.0, 0.0], beside=spring)
+    assert not judged(name, [0.0, 5.0, 0.0], worth=-1.0, beside=spring)
 
 
 def test_how_a_swing_began_is_not_asked_of_rows_that_do_not_show_it() -> None:

@@ -136,7 +136,10 @@ class Acceptance:
         # what other numbers could say as well has their being unlikely to its credit
         credit = 0.0 if beyond else steps[place].gain
         told = held_out.told(place)
-        nats = [own(candidate, told), float(told.nats.sum())]
+        # how a transmission swings no file says sample by sample: of the joints that it shakes the
+        # fit is asked
+        whole = worth if any(c.devices for c in chosen) else told
+        nats = [own(candidate, told), float(whole.nats.sum())]
         if not beyond:
             # beside a law of rough shape such numbers bend where it was seen
             nats.append(float(worth.nats.sum()))
