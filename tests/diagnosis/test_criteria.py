@@ -180,6 +180,10 @@ def test_how_much_evidence_each_kind_of_explanation_needs() -> None:
     assert least(one, beyond=0.01) == 11.0
     assert least(one, beyond=0.0101) == 22.0
     assert least(candidate(expected=((0.0, 1.0),)), beyond=0.01) == 8.0
+    # another day's friction; not another load, whose spread nobody states
+    for kind, bar in (("coulomb_change", 6.0), ("viscous_change", 6.0), ("link_inertia", 11.0)):
+        assert least(candidate(kind=kind), beyond=0.01) == bar
+        assert least(candidate(kind=kind)) == 22.0
     # beside an earlier law the base is bent by a quarter of what that has gained on the joint
     assert least(one, candidate(gain=40.0), beyond=0.01) == 11.0 + 0.25 * 20.0
     assert least(one, candidate(gain=40.0), candidate(gain=8.0), beyond=0.01) == 16.0

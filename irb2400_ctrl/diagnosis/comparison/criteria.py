@@ -12,9 +12,13 @@ import numpy.typing as npt
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.diagnosis.comparison.comparison import Alternative, Comparison
 from irb2400_ctrl.diagnosis.estimation.candidate import Candidate
+from irb2400_ctrl.effects import LIBRARY
+from irb2400_ctrl.effects.ambiguity import BaseTerm
 from irb2400_ctrl.effects.base import OPEN_END_S
 from irb2400_ctrl.measurement.prepared_log import PreparedLog
 
+FRICTION: frozenset[BaseTerm] = frozenset(("coulomb", "viscous"))
+"""terms of the base that wear and temperature change"""
 ONE_MOMENT = 1.0
 """[s] what begins nearer in time than this began for one reason"""
 
@@ -28,7 +32,8 @@ class Criteria:
             non_parametric_gain: of a non-parametric law; gain_in_base: of a first effect of which
             other numbers of the robot would give all but the share `in_base`, where no misfit of
             shape or noise can pass for it; gain_stated: the same where the spread of its own
-            numbers is known.
+            numbers is known; gain_changed: of the file's number of a joint's friction, which
+            another day changes: four of its standard deviations.
         wider: times as uncertain as so far all numbers of the robot may be, as a rival of the best
             explanation.
         energy: its energy over what the base alone leaves on that joint.
@@ -53,6 +58,7 @@ class Criteria:
     non_parametric_gain: float = 25.0
     gain_in_base: float = 11.0
     gain_stated: float = 8.0
+    gain_changed: float = 6.0
     in_base: float = 0.01
     wider: float = 2.0
     energy: float = 0.05
@@ -207,6 +213,8 @@ class Threshold:
         if not self.in_base(comparison, candidate):
             return c.gain
         alone = c.gain_stated if candidate.expected else c.gain_in_base
+        if FRICTION.intersection(LIBRARY[candidate.kind].ambiguity.change_of):
+            alone = c.gain_changed
         # what an earlier law leaves bends the base
         acts = np.any(candidate.torque(self.n) != 0.0, axis=0)
         left = [float(self._leaves(comparison, e)[acts].max(initial=0.0)) for e in chosen]
