@@ -32,7 +32,7 @@ RENAMED = {
     "diagnosis.scan": "diagnosis.comparison.scan",
     "diagnosis.selection": "diagnosis.comparison.selection",
     "diagnosis.step": "diagnosis.comparison.step",
-    "diagnosis.vectorised": "diagnosis.regressors.vectorised",
+    "diagnosis.vectorised": "symbolic.vectorised",
     "diagnosis.windows": "diagnosis.comparison.onset",
     "excitation.design": "excitation.motion_design",
     "excitation.result": "excitation.excitation",

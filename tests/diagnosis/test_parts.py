@@ -28,7 +28,6 @@ from irb2400_ctrl.diagnosis.preparation.noise import (
 from irb2400_ctrl.diagnosis.regressors.bases import RegressorColumns
 from irb2400_ctrl.diagnosis.regressors.effect_states import Memory
 from irb2400_ctrl.diagnosis.regressors.predict import effect_torque, predicted_torque
-from irb2400_ctrl.diagnosis.regressors.vectorised import Vectorised
 from irb2400_ctrl.effects import LIBRARY
 from irb2400_ctrl.effects.added_body import Payload
 from irb2400_ctrl.effects.encoder_zero import EncoderZero
@@ -36,6 +35,7 @@ from irb2400_ctrl.effects.signals import Signals
 from irb2400_ctrl.effects.time_delay import TimeDelay
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.robot import Uncertainty
+from irb2400_ctrl.symbolic.vectorised import Vectorised
 
 
 def test_vectorised_expression_equals_casadi() -> None:

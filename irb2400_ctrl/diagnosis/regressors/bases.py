@@ -14,13 +14,13 @@ import numpy.typing as npt
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.diagnosis.regressors.effect_states import Memory
 from irb2400_ctrl.diagnosis.regressors.given_signals import DerivedSignals, GivenSignals
-from irb2400_ctrl.diagnosis.regressors.vectorised import Vectorised
 from irb2400_ctrl.effects import LIBRARY, Effect
 from irb2400_ctrl.effects.base import within
 from irb2400_ctrl.effects.registry import in_library
 from irb2400_ctrl.measurement.prepared_log import PreparedLog
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.robot import Robot
+from irb2400_ctrl.symbolic.vectorised import Vectorised
 
 CHUNK = 1_000_000
 """numbers per array while a grid is evaluated: bounds the memory"""

@@ -12,7 +12,7 @@ import numpy as np
 from scipy.linalg.lapack import dtbtrs
 
 from irb2400_ctrl.arrays import Array
-from irb2400_ctrl.diagnosis.regressors.vectorised import Vectorised
+from irb2400_ctrl.symbolic.vectorised import Vectorised
 
 
 class Memory:

@@ -12,9 +12,9 @@ import casadi as ca
 import numpy as np
 
 from irb2400_ctrl.arrays import Array
-from irb2400_ctrl.diagnosis.regressors.vectorised import Vectorised
 from irb2400_ctrl.measurement.prepared_log import PreparedLog
 from irb2400_ctrl.model.signals import ArmSignals
+from irb2400_ctrl.symbolic.vectorised import Vectorised
 
 
 class DerivedSignals:

@@ -8,14 +8,17 @@ the number of samples.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import casadi as ca
 import numpy as np
 
 from irb2400_ctrl.arrays import Array
-from irb2400_ctrl.symbolic import Algebra, Walk
+from irb2400_ctrl.symbolic.walk import Algebra, Walk
+
+BLOCK = 16_384
+"""numbers of an array that is worked on at once: a few of them stay in the processor's cache"""
 
 
 def _divide(x: Array, y: Array) -> Array:
@@ -54,8 +57,8 @@ _BINARY: dict[int, Callable[[Any, Any], Any]] = {
     ca.OP_DIV: _divide,
     ca.OP_POW: np.power,
     ca.OP_CONSTPOW: np.power,
-    ca.OP_FMIN: np.minimum,
-    ca.OP_FMAX: np.maximum,
+    ca.OP_FMIN: np.fmin,
+    ca.OP_FMAX: np.fmax,
     ca.OP_ATAN2: np.arctan2,
     ca.OP_FMOD: np.fmod,
     ca.OP_HYPOT: np.hypot,
@@ -70,15 +73,17 @@ _BINARY: dict[int, Callable[[Any, Any], Any]] = {
 }
 
 
-class _Arrays(Algebra[Any]):
+class OnArrays(Algebra[Any]):
     """Numbers are arrays of shapes that broadcast."""
 
     expected = "expected an operation that numpy has"
 
     def constant(self, value: float) -> float:
+        """The number itself: it fits beside any array."""
         return value
 
     def rule(self, op: int) -> Callable[..., Any] | None:
+        """numpy's operation."""
         return _BINARY.get(op) or _UNARY.get(op)
 
 
@@ -91,9 +96,36 @@ class Vectorised:
         packed = ca.vertcat(*inputs) if inputs else ca.SX(0, 1)
         function = ca.Function("vectorised", [packed], [ca.densify(outputs)], {"cse": True})
         self.size = outputs.numel()
-        self._walk = Walk(function, _Arrays())
+        self._walk = Walk(function, OnArrays())
 
     def __call__(self, *values: Array | float) -> list[Array]:
         """The outputs, each of the broadcast shape of what it depends on."""
+        shape = np.broadcast_shapes(*(np.shape(value) for value in values))
+        step = max(2, BLOCK // max(1, int(np.prod(shape[1:]))))
+        if not shape or shape[0] <= step:
+            return self._at(values)
+        first = self._at([_rows(value, shape, slice(step)) for value in values])
+        long = [place for place, part in enumerate(first) if _along(part, (step, *shape[1:]))]
+        outputs = [
+            np.empty((shape[0], *part.shape[1:])) if place in long else part
+            for place, part in enumerate(first)
+        ]
+        for start in range(0, shape[0], step):
+            rows = slice(start, start + step)
+            parts = self._at([_rows(value, shape, rows) for value in values]) if start else first
+            for place in long:
+                outputs[place][rows] = parts[place]
+        return outputs
+
+    def _at(self, values: Sequence[Array | float]) -> list[Array]:
         (outputs,) = self._walk(lambda _, i: values[i])
         return [np.asarray(value, dtype=float) for value in outputs]
+
+
+def _along(value: Array | float, shape: tuple[int, ...]) -> bool:
+    """Whether a value has the first dimension of a shape that it broadcasts to."""
+    return np.ndim(value) == len(shape) and np.shape(value)[0] == shape[0]
+
+
+def _rows(value: Array | float, shape: tuple[int, ...], rows: slice) -> Array | float:
+    return np.asarray(value)[rows] if _along(value, shape) else value
