@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import casadi as ca
 import numpy as np
 
 from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.effects import Effect
 from irb2400_ctrl.errors import InputError, UnreachableError
 from irb2400_ctrl.model.branch_solver import BranchSolver, branch_solver
 from irb2400_ctrl.model.functions import FUNCTIONS
@@ -28,7 +29,7 @@ class Model(SymbolicArm):
 
     def __init__(self, robot: Robot) -> None:
         super().__init__(robot)
-        self._built: dict[str, ca.Function] = {}
+        self._built = _built_of(robot, tuple(map(type, robot.effects)))
 
     # ---- dynamics
 
@@ -240,6 +241,13 @@ class Model(SymbolicArm):
                 )
             self._built[name] = FUNCTIONS[name](self)
         return self._built[name]
+
+
+@lru_cache(maxsize=32)
+def _built_of(robot: Robot, effects: tuple[type[Effect], ...]) -> dict[str, ca.Function]:
+    """Where the models of equal robots keep their functions: building them is most of what a design
+    or a simulation waits for. `effects`: a user may have changed the law of a kind."""
+    return {}
 
 
 def _no_pose(X: Array) -> InputError:
