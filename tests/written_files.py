@@ -71,7 +71,9 @@ def validator(kind: type[BaseModel]) -> Draft202012Validator:
     return Draft202012Validator(schema)
 
 
+@cache
 def _parts(kind: type[BaseModel]) -> list[dict[str, Any]]:
+    """What a file may be one of."""
     schema = kind.model_json_schema()
     if "anyOf" not in schema:
         return [schema]
