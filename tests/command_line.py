@@ -1,5 +1,6 @@
-"""The command line as a user calls it, from its entry point to its exit code, in this process: what
-it imports and compiles is there already. Processes of their own are those of tests about them."""
+"""The command line as a user calls it, from its entry point to its exit code, and the scripts of
+pages, in this process: what they import and compile is there already. Processes of their own are
+those of tests about them."""
 
 from __future__ import annotations
 
@@ -29,3 +30,11 @@ def irb2400(*words: object, cwd: Path | None = None) -> subprocess.CompletedProc
             code = end.code
     number = code if isinstance(code, int) else int(code is not None)
     return subprocess.CompletedProcess(command, number, out.getvalue(), err.getvalue())
+
+
+def script(code: str, cwd: Path) -> str:
+    """What a page's script prints, run in a folder."""
+    out = io.StringIO()
+    with contextlib.chdir(cwd), contextlib.redirect_stdout(out):
+        exec(compile(code, "script of a page", "exec", dont_inherit=True), {})
+    return out.getvalue()

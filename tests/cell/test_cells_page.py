@@ -5,12 +5,10 @@ from __future__ import annotations
 import json
 import re
 import shlex
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
-from command_line import irb2400
+from command_line import irb2400, script
 
 from irb2400_ctrl import load_robot
 
@@ -27,10 +25,6 @@ def folder(tmp_path: Path) -> Path:
     (tmp_path / "cell.toml").write_text(block("toml"))
     (tmp_path / "part.cls").write_text(block("text"))
     return tmp_path
-
-
-def run(command: list[str], folder: Path) -> subprocess.CompletedProcess[str]:
-    return subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
 
 
 def test_commands(folder: Path) -> None:
@@ -58,9 +52,7 @@ def test_the_part_is_placed(folder: Path) -> None:
 
 
 def test_script(folder: Path) -> None:
-    done = run([sys.executable, "-c", block("python")], folder)
-    assert done.returncode == 0, done.stderr
-    assert "'value'" in done.stdout
+    assert "'value'" in script(block("python"), folder)
 
 
 def test_the_table_of_the_arm_is_that_of_the_file() -> None:

@@ -6,11 +6,10 @@ import json
 import re
 import shlex
 import subprocess
-import sys
 from pathlib import Path
 
 import pytest
-from command_line import irb2400
+from command_line import irb2400, script
 
 from irb2400_ctrl.trajectory import load_trajectory
 
@@ -24,11 +23,6 @@ def blocks(language: str) -> list[str]:
 def said(done: subprocess.CompletedProcess[str]) -> str:
     assert done.returncode == 0, (done.args, done.stderr)
     return done.stdout
-
-
-def script(code: str, folder: Path) -> str:
-    command = [sys.executable, "-c", code]
-    return said(subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False))
 
 
 def commands(text: str, folder: Path) -> str:

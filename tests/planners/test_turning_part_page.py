@@ -6,11 +6,11 @@ import json
 import re
 import shlex
 import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
+from command_line import irb2400, script
 
 from irb2400_ctrl import load_robot
 from irb2400_ctrl.cell import load_cell
@@ -28,20 +28,15 @@ def block(language: str) -> str:
     return re.findall(rf"```{language}\n(.*?)```", PAGE, re.DOTALL)[0]
 
 
-def run(arguments: list[str], folder: Path) -> subprocess.CompletedProcess[str]:
-    return subprocess.run(arguments, cwd=folder, capture_output=True, text=True, check=False)
-
-
 def command(line: str, folder: Path) -> subprocess.CompletedProcess[str]:
-    return run([sys.executable, "-m", "irb2400_ctrl.cli.main", *shlex.split(line)[1:]], folder)
+    return irb2400(*shlex.split(line)[1:], cwd=folder)
 
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     found = tmp_path_factory.mktemp("turning")
     (found / "table.toml").write_text(block("toml"))
-    done = run([sys.executable, "-c", block("python")], found)
-    assert done.returncode == 0, done.stderr
+    script(block("python"), found)
     done = command(block("sh").strip(), found)
     assert done.returncode == 0, done.stderr
     assert "turn between" in done.stdout

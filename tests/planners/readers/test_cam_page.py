@@ -5,12 +5,10 @@ from __future__ import annotations
 import json
 import re
 import shlex
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
-from command_line import irb2400
+from command_line import irb2400, script
 
 ROOT = Path(__file__).parents[3]
 PAGE = (ROOT / "docs" / "cam.md").read_text()
@@ -42,15 +40,7 @@ def test_commands(folder: Path) -> None:
 
 
 def test_script(folder: Path) -> None:
-    done = subprocess.run(
-        [sys.executable, "-c", block("python")],
-        cwd=folder,
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-    assert done.returncode == 0, done.stderr
-    lines = done.stdout.splitlines()
+    lines = script(block("python"), folder).splitlines()
     assert lines[0].startswith("1 CONTOUR Tool(number=1, name='MILL_10'")
     assert lines[1].startswith("2 HOLES")
     assert "no UNITS/" in lines[2]
