@@ -58,6 +58,7 @@ def inline_svg(figure: Figure, name: str, zoomable: bool = False) -> str:
         zoomable: say where the axes are, for the script that zooms along x.
     """
     import matplotlib as mpl
+    from matplotlib.backends.backend_svg import FigureCanvasSVG
 
     buffer = io.StringIO()
     # text stays text, in the font of the page; long lines keep what a zoom shows
@@ -67,6 +68,12 @@ def inline_svg(figure: Figure, name: str, zoomable: bool = False) -> str:
         "path.simplify_threshold": 0.03,
     }
     with mpl.rc_context(rules):
+        FigureCanvasSVG(figure)
+        engine = figure.get_layout_engine()
+        if engine is not None:
+            # once, here: to lay it out, savefig would draw it a second time
+            engine.execute(figure)
+            figure.set_layout_engine(None)
         figure.savefig(buffer, format="svg", transparent=True, metadata={"Date": None})
         places = json.dumps(_places(figure)) if zoomable else ""
     text = buffer.getvalue()
