@@ -132,25 +132,35 @@ class BasePrior:
 
     def columns(self, model: Model, motion: PreparedLog) -> Array:
         """d tau / d z along the motion, shape (m, n, k) [Nm]."""
-        return np.asarray(self.number_columns(model, motion) @ self.root())
+        columns = self.number_columns(model, motion)
+        if self.common_friction:
+            # of the numbers only those of friction change together
+            friction = slice(-3 * self.robot.n, None)
+            columns[:, :, friction] = columns[:, :, friction] @ self.root()[friction, friction]
+        return columns
 
     def number_columns(self, model: Model, motion: PreparedLog) -> Array:
         """d tau per data-sheet standard deviation of each number, shape (m, n, k) [Nm]."""
         n = self.robot.n
         Y: Any = model.regressor(motion.q, motion.qd, motion.qdd)
-        parts = []
-        for i, slope in enumerate(self._body_slopes):
-            link = min(i, n - 1)
-            parts.append(Y[:, :, 10 * link : 10 * link + 10] @ slope)
-        for signal, size in zip(
-            FrictionLaw.of(self.robot).regressor(motion.qd),
-            self.sigmas()[-3 * n :].reshape(3, n),
-            strict=True,
+        slopes = self._body_slopes
+        columns = np.zeros((*Y.shape[:2], 10 * len(slopes) + 3 * n))
+        # all samples and joints below one another: one product for each body
+        rows = Y.reshape(-1, 10 * n)
+        flat = columns.reshape(-1, columns.shape[2])
+        for i, slope in enumerate(slopes):
+            link = 10 * min(i, n - 1)
+            flat[:, 10 * i : 10 * i + 10] = rows[:, link : link + 10] @ slope
+        joints = np.arange(n)
+        for kind, (signal, size) in enumerate(
+            zip(
+                FrictionLaw.of(self.robot).regressor(motion.qd),
+                self.sigmas()[-3 * n :].reshape(3, n),
+                strict=True,
+            )
         ):
-            placed = np.zeros((*signal.shape, n))
-            placed[:, np.arange(n), np.arange(n)] = signal * size
-            parts.append(placed)
-        return np.concatenate(parts, axis=2)
+            columns[:, joints, 10 * len(slopes) + kind * n + joints] = signal * size
+        return columns
 
     @cached_property
     def _body_slopes(self) -> list[Array]:
