@@ -243,7 +243,7 @@ class Model(SymbolicArm):
         return self._built[name]
 
 
-@lru_cache(maxsize=32)
+@lru_cache(maxsize=64)
 def _built_of(robot: Robot, effects: tuple[type[Effect], ...]) -> dict[str, ca.Function]:
     """Where the models of equal robots keep their functions: building them is most of what a design
     or a simulation waits for. `effects`: a user may have changed the law of a kind."""
