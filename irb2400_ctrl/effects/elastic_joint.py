@@ -21,6 +21,8 @@ from irb2400_ctrl.effects.transmission import Transmission
 
 DAMPED = 0.9
 """damping ratio without a resonance"""
+LEAST_SHOWN = 0.1
+"""share of swing or twist that stiffness and load give, below which nothing shows"""
 USUAL_RESONANCE_Hz = 7.0
 
 
@@ -47,6 +49,8 @@ class ElasticJoint(Effect):
         fields={"damping_ratio": (0.05, 0.05)},
         fixed=("swing",),
         loose=("damping_ratio",),
+        # steel and bearings swing on for some periods; what dies at once is no spring's doing
+        largest={"damping_ratio": 0.3},
         # the swing of a real transmission, with play and a motor of its own, is followed roughly
         discrepancy_share=0.5,
     )
@@ -110,6 +114,11 @@ class ElasticJoint(Effect):
         # a resonance that a lively motion excites
         stiffness = float(inertia * (2 * math.pi * USUAL_RESONANCE_Hz) ** 2)
         return cls.of(joint, **{**cls.example, "stiffness_Nm_rad": stiffness})
+
+    @property
+    def unlikely(self) -> bool:
+        # what neither swings nor twists is no spring
+        return max(self.swing, self.visible) < LEAST_SHOWN
 
     def coefficients(self) -> tuple[float, ...]:
         return (self.swing, self.visible)

@@ -39,6 +39,8 @@ class Prior:
         fixed: fields that a fit does not move continuously (times of switching).
         time_constants: fields [s] that only a longer record can tell.
         loose: fields of an effect with memory that are known far less sharply than the others.
+        largest: of fields that a search may lead beyond what the thing can have: then it has found
+            something else.
         discrepancy_share: share of its torque that its law, being simpler than the real thing, may
             leave for others to explain.
         discrepancy_lasts: whether the discrepancy found on one log says something about another
@@ -50,5 +52,6 @@ class Prior:
     fixed: tuple[str, ...] = ()
     time_constants: tuple[str, ...] = ()
     loose: tuple[str, ...] = ()
+    largest: Mapping[str, float] = field(default_factory=dict)
     discrepancy_share: float = 0.22
     discrepancy_lasts: bool = True

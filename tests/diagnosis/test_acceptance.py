@@ -149,6 +149,19 @@ def test_an_order_that_left_the_grid_belongs_to_no_ripple(order: float, named: b
     assert usual(ripple) == named
 
 
+@pytest.mark.parametrize(("damping", "named"), [(0.437, False), (0.301, False), (0.299, True)])
+def test_a_swing_that_is_over_at_once_is_no_springs(damping: float, named: bool) -> None:
+    """On both halves of a Panda's log the search for one ended at its last value, 0.437: a file of
+    wrong bodies was given an elastic joint with 0.75."""
+    spring = LIBRARY["elastic_joint"].of(1, stiffness_Nm_rad=400.0, damping_ratio=damping)
+    assert usual(spring) == named
+    swings = SimpleNamespace(
+        known=True, everywhere=False, devices=frozenset({("transmission", 1)}), effects=(spring,),
+        joint=1,
+    )  # fmt: skip
+    assert judged(swings, [0.0, -9.0, 0.0], fit=SimpleNamespace(effects=(spring,))) == named
+
+
 @pytest.mark.parametrize(("seconds", "named"), [(1.07, False), (1.6, True), (33.0, True)])
 def test_grease_that_is_warm_at_once_was_not_cold(seconds: float, named: bool) -> None:
     """Of 4.3 s of an LWA 4P a warm-up of 1.07 s was named with 0.78."""

@@ -64,7 +64,10 @@ def stands_clear(fit: Fit, place: int, duration: float, inflation: float = INFLA
 
 def usual(effect: Effect) -> bool:
     """Whether the numbers that a search has moved are such as the thing has: an order that left its
-    (even) grid belongs to no ripple, grease that is warm after a second was not cold."""
+    (even) grid belongs to no ripple, grease that is warm after a second was not cold, a swing that
+    is over at once is no spring's."""
+    if any(effect.nonlinear[name] > most for name, most in effect.prior.largest.items()):
+        return False
     for name in effect.prior.time_constants:
         if effect.nonlinear[name] < QUICKEST * min(
             point[name] for point in effect.grid(effect.joint)
@@ -116,11 +119,11 @@ class Acceptance:
         """
         chosen = [s.candidate for s in steps]
         candidate = chosen[place]
+        if not all(usual(fit.effects[k]) for k in effects_of(chosen, place)):
+            return False
         if candidate.devices:
             # how a swing began is free, and its linear columns do not bear out its frequency
             return True
-        if not all(usual(fit.effects[k]) for k in effects_of(chosen, place)):
-            return False
         if candidate.everywhere and len(candidate.effects) < most_of(self.fitter.motion.n):
             # two joints with an offset are no sensor chain without its zero
             return False
