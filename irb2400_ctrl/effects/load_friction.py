@@ -32,7 +32,10 @@ class LoadFriction(Effect):
     coefficient: float = Field(ge=0, lt=1, description="friction per load torque mu [Nm/Nm]")
 
     friction_share: float = Field(
-        default=0.0, ge=0, le=1, description="share of the joint's friction that the gear carries"
+        default=0.0,
+        ge=0,
+        le=1,
+        description="share of the joint's friction that the gear carries [-]",
     )
 
     def basis(self, s: Signals) -> ca.SX:

@@ -38,7 +38,9 @@ def test_demo_prints_a_small_table_and_the_report(demo: tuple[Path, str]) -> Non
 
 
 def test_the_readme_shows_what_is_printed(demo: tuple[Path, str]) -> None:
-    """Word for word; a number may differ by a hundredth, as other machines round otherwise."""
+    """Word for word; a number may differ by a hundredth, as other machines round otherwise, and the
+    errors of the loop, where joints stick and slip, by a twentieth: the last bits of exp, which
+    differ between processors, move the least of them by 2 %."""
     readme = (Path(__file__).parents[2] / "README.md").read_text()
     (shown,) = re.findall(r"```text\n(plan .*?)```", readme, re.DOTALL)
     number = re.compile(r"\d+(?:\.\d+(?:e-\d+)?|e-\d+)?")
@@ -47,7 +49,8 @@ def test_the_readme_shows_what_is_printed(demo: tuple[Path, str]) -> None:
         alike = [one for one in printed if number.sub("#", one) == number.sub("#", line)]
         values = [list(map(float, number.findall(one))) for one in alike]
         expected = list(map(float, number.findall(line)))
-        close = [pytest.approx(expected, rel=0.01, abs=1e-11) == found for found in values]
+        rel = 0.05 if line.startswith("close") else 0.01
+        close = [pytest.approx(expected, rel=rel, abs=1e-11) == found for found in values]
         assert any(close), (line, alike)
 
 

@@ -15,7 +15,6 @@ from irb2400_ctrl.diagnosis.comparison.criteria import Criteria
 from irb2400_ctrl.diagnosis.comparison.selection import (
     Selection,
     named,
-    shortlist,
 )
 from irb2400_ctrl.diagnosis.comparison.step import Step
 
@@ -258,31 +257,6 @@ def test_each_explanation_is_judged_again_beside_the_others(
     # what began together with something larger is its leftover
     said["b"] = Step(explanation("late", begins=(4.0,), gain=5.0), 60.0, ())
     assert exchanged(a, explanation("b", begins=(4.5,), gain=9.0)) == ["b"]
-
-
-def test_the_shortlist_holds_names_and_laws_without_one() -> None:
-    names = [explanation(f"n{k}") for k in range(9)]
-    laws = [explanation(f"f{k}", known=False) for k in range(9)]
-    mixed = [one for pair in zip(laws, names, strict=True) for one in pair]
-
-    def kinds(every: list[Any], count: int) -> str:
-        return " ".join(c.kind for c in shortlist(every, count, 20.0))
-
-    assert kinds(mixed, 10) == "n0 n1 n2 n3 n4 n5 f0 f1 f2 f3"
-    assert kinds(laws, 6) == "f0 f1 f2 f3 f4 f5"
-    assert kinds(names, 6) == "n0 n1 n2 n3"
-    assert kinds(mixed, 1) == "n0"
-    assert kinds([*names[:1], *laws], 6) == "n0 f0 f1 f2 f3 f4"
-
-
-def test_many_rivals_of_one_joint_hide_no_other_joint() -> None:
-    crowd = [explanation(f"n{k}", 2, gain=90.0 - k) for k in range(9)]
-    others = [explanation("ripple", 5, gain=60.0), explanation("cable", 5, gain=50.0)]
-    little = [explanation("offset", 6, gain=19.0)]
-    whole = [explanation("payload", None, gain=30.0)]
-    laws = [explanation("f0", 4, False, gain=80.0)]
-    found = shortlist([*crowd, *laws, *others, *whole, *little], 6, 20.0)
-    assert [c.kind for c in found] == ["n0", "n1", "n2", "n3", "ripple", "payload", "f0"]
 
 
 def test_laws_without_a_name_are_one_for_each_joint() -> None:

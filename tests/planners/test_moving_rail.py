@@ -97,8 +97,9 @@ def test_a_rail_askew(tmp_path: Path) -> None:
     assert looked_at(found, track, path, tmp_path).above(found) == []
 
 
-def test_friction_that_grows_with_the_load_feels_the_carriage(tmp_path: Path) -> None:
-    effect = LoadFriction(joint=1, coefficient=0.2, source="drawn")
+@pytest.mark.parametrize("share", [0.0, 1.0])
+def test_friction_that_grows_with_the_load_feels_the_carriage(share: float) -> None:
+    effect = LoadFriction(joint=1, coefficient=0.2, friction_share=share, source="drawn")
     robot = ROBOT.model_copy(update={"effects": (effect,)})
     path = long_path(np.random.default_rng(5), 1.0, 0.6)
     found = plan_path(robot, path, cell=TRACK.cell())

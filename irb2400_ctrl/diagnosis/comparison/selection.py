@@ -210,8 +210,13 @@ def named(candidate: Candidate) -> Name:
 
 def shortlist(ranked: Sequence[Candidate], count: int, least: float) -> list[Candidate]:
     """The best `count` candidates, among them at least a third of the library and a few
-    non-parametric ones; then the best of each joint that has none among them and gains `least`
-    [nats]: the many rivals of one joint hide no other's."""
+    non-parametric ones; then the best of each joint that has none among them: the many rivals of
+    one joint hide no other's.
+
+    Args:
+        ranked: all, best first; count: to be named so.
+        least: that the best of a further joint gains [nats].
+    """
     known = [c for c in ranked if c.known][: max(count * 2 // 3, 1)]
     non_parametric = [c for c in ranked if not c.known][: max(count - len(known), count // 3)]
     hidden: dict[int | None, Candidate] = {}

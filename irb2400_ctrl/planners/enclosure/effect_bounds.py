@@ -118,13 +118,22 @@ class Added:
         return low * x_low[:, None], high * x_high[:, None]
 
     def own_friction(self, x_low: Array, x_high: Array) -> Array:
-        """Upper bound of the friction that laws of the load count as load, (m, n) [Nm]."""
-        slow, fast = self.squared_speed(x_low, x_high)
+        """Upper bound of the friction that laws of the load count as load, (m, n) [Nm]; of the
+        arm's joints, not of a rail or a table beside them.
+
+        Args:
+            x_low, x_high: bounds of the squared path speed in the cells, (m,).
+        """
+        found = np.zeros((len(x_low), self.square.shape[2]))
+        shares = [(law.joint, law.own_friction) for law in self.laws if law.own_friction]
+        if not shares:
+            return found
+        arm = slice(len(self.friction.viscous))
+        slow, fast = (qd2[:, arm] for qd2 in self.squared_speed(x_low, x_high))
         most = self.friction.level_range(slow)[1] + self.friction.viscous * np.sqrt(fast)
-        share = np.zeros(most.shape[1])
-        for law in self.laws:
-            share[law.joint] = max(share[law.joint], law.own_friction)
-        return np.asarray(share * most)
+        for j, share in shares:
+            found[:, j] = np.maximum(found[:, j], share * most[:, j])
+        return found
 
     def load_size(self, u: Array, x: Array) -> Array:
         """Upper bound of |load| for accelerations up to |u| and squares of speed up to x (m,),
