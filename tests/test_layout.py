@@ -6,6 +6,7 @@ import os
 import re
 import subprocess
 import sys
+from itertools import chain
 from pathlib import Path
 
 import pytest
@@ -65,13 +66,13 @@ def test_every_place_that_the_architecture_page_names_exists() -> None:
 
 def test_nothing_in_the_project_speaks_of_this_machine() -> None:
     # the project must read the same wherever it is cloned
-    for path in ROOT.rglob("*"):
-        inside = path.relative_to(ROOT).parts
+    made = {"build", "demo_out"}
+    # what lies in hidden folders is another's: an environment holds 50,000 files
+    own = [p for p in ROOT.iterdir() if not p.name.startswith(".") and p.name not in made]
+    for path in chain(own, *(p.rglob("*") for p in own)):
         if path.is_symlink() or not path.is_file():
             continue
         if path.suffix not in {".py", ".md", ".toml", ".c", ".h", ".json"}:
-            continue
-        if inside[0].startswith(".") or inside[0] in {"build", "demo_out"}:
             continue
         if path == Path(__file__):
             continue
