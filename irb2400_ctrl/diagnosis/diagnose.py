@@ -113,7 +113,8 @@ def _searched(
     first = Fitter(robot, bases, motion, Z[:, :, : -motion.n], reversal, own).fit([])
     motion = noisy_reversals_masked(motion, bases, first, reversal)
     scan = Scan(bases, motion, load)
-    plain = PlainNumbers(prior, *map(motion.at_rows, (numbers_of_robot, motion.qd)))
+    shown = motion.as_recorded(numbers_of_robot)
+    plain = PlainNumbers(prior, *map(motion.at_rows, (shown, motion.qd)))
     fitter = Fitter(robot, bases, motion, Z, reversal, own, plain)
     steps, fit = Selection(scan, fitter, criteria).run()
     progress("conclude")
@@ -216,6 +217,7 @@ def _concluded(
         else ["no commanded motion (q_ref) explains the measured one: regressors carry noise"]
     )
     weak += [f"joint {j} is not excited" for j in idle]
+    weak += motion.remarks
     return Diagnosis(
         given=robot,
         robot=later,

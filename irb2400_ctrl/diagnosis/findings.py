@@ -40,7 +40,7 @@ def findings_of(
     motion = fitter.motion
     found = []
     place = 0
-    measured = motion.filtered(motion.tau)
+    measured = motion.filtered_reading(motion.tau)
     for step in steps:
         for _ in step.candidate.effects:
             effect = fit.effects[place]

@@ -87,7 +87,9 @@ class Alternatives:
         self.base_prior = BasePrior.of(robot, robot.uncertainty, standard)
         self.noise: Array = NOISE * robot.tau_max
         self._standard = standard
-        rms = np.maximum(np.sqrt(np.mean(standard.filtered(standard.tau) ** 2, axis=0)), 1e-9)
+        rms = np.maximum(
+            np.sqrt(np.mean(standard.filtered_reading(standard.tau) ** 2, axis=0)), 1e-9
+        )
         self._rms = rms
         wanted = group.members(robot.n, joint)
         self.members: list[Place] = []

@@ -178,6 +178,7 @@ class ValidatedLogEntry(Table):
 
     name: str
     error: ErrorsEntry
+    remarks: list[str] = Field(description="what to know of how it was recorded")
 
 
 class ValidationFile(Table):

@@ -127,6 +127,7 @@ def _identified(robot: Robot, seen: Sequence[Log], others: Sequence[Log]) -> Ide
         notes=[
             *_notes(moved, found, said),
             *_resting(told),
+            *dict.fromkeys(remark for part in parts for remark in part.motion.remarks),
             *(curve.says() for curve in curves),
             *([] if sensed is None else sensed.says()),
         ],

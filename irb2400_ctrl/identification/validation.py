@@ -26,6 +26,7 @@ class LogComparison:
     Args:
         time: [s], (m,); q, qd: [rad], [rad/s], measured, modelled: [Nm], (m, n);
         known: samples that count, (m, n).
+        remarks: what the reader should know of how it was recorded.
     """
 
     log: str
@@ -35,6 +36,7 @@ class LogComparison:
     measured: Array
     modelled: Array
     known: Mask
+    remarks: tuple[str, ...] = ()
 
     @property
     def error(self) -> Errors:
@@ -66,7 +68,10 @@ class Validation:
             "log": ", ".join(log.log for log in self.logs),
             "samples": [int(v) for v in sum(log.known.sum(axis=0) for log in self.logs)],
             "error": self.error.to_json(),
-            "logs": [{"name": log.log, "error": log.error.to_json()} for log in self.logs],
+            "logs": [
+                {"name": log.log, "error": log.error.to_json(), "remarks": list(log.remarks)}
+                for log in self.logs
+            ],
         }
 
     def write(self, folder: Path | str) -> None:
@@ -95,4 +100,4 @@ def _compared(robot: Robot, log: Log) -> LogComparison:
     # with the time base rebuilt
     m = prepare_together([log])
     modelled = predicted_torque(robot, m)
-    return LogComparison(log.name, m.time, m.q, m.qd, m.tau, modelled, m.known)
+    return LogComparison(log.name, m.time, m.q, m.qd, m.tau, modelled, m.known, m.remarks)

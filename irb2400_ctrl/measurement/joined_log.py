@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Any
@@ -27,21 +27,23 @@ class LowPassOfEach(LowPass):
     """The common low-pass on every log for itself: nothing reaches over a seam.
 
     Args:
-        starts: first sample of each log.
+        starts: first sample of each log; each: its own low-pass.
     """
 
     starts: tuple[int, ...] = (0,)
+    each: tuple[LowPass, ...] = ()
 
-    def _parts(self, length: int) -> list[slice]:
-        return [slice(*ends) for ends in zip(self.starts, (*self.starts[1:], length), strict=True)]
+    def _parts(self, length: int) -> Iterator[tuple[LowPass, slice]]:
+        for own, *ends in zip(self.each, self.starts, (*self.starts[1:], length), strict=True):
+            yield own, slice(*ends)
 
     def __call__(self, signal: Array) -> Array:
-        own = LowPass(self.cutoff, self.step)
-        return np.concatenate([own(signal[part]) for part in self._parts(len(signal))])
+        return np.concatenate([own(signal[part]) for own, part in self._parts(len(signal))])
 
     def instants(self, signal: npt.NDArray[Kept]) -> npt.NDArray[Kept]:
-        own = LowPass(self.cutoff, self.step)
-        return np.concatenate([own.instants(signal[part]) for part in self._parts(len(signal))])
+        return np.concatenate(
+            [own.instants(signal[part]) for own, part in self._parts(len(signal))]
+        )
 
 
 def prepare_together(logs: Sequence[Log]) -> PreparedLog:
@@ -91,9 +93,15 @@ def joined(motions: Sequence[PreparedLog]) -> PreparedLog:
         **parts,
         instrumented=all(motion.instrumented for motion in motions),
         follow_error=np.sqrt((weights * follow).sum(axis=0)),
-        low_pass=LowPassOfEach(first.low_pass.cutoff, first.step, starts),
+        low_pass=LowPassOfEach(
+            first.low_pass.cutoff,
+            first.step,
+            starts=starts,
+            each=tuple(motion.low_pass for motion in motions),
+        ),
         row_time=np.concatenate([m.row_time + s for m, s in zip(motions, shifts, strict=True)]),
         row_known=np.concatenate(known_rows),
         starts=starts,
         names=tuple(motion.name for motion in motions),
+        recorders=tuple(recorder for motion in motions for recorder in motion.recorders),
     )

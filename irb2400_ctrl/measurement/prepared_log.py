@@ -14,6 +14,7 @@ from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.measurement.log import Log
 from irb2400_ctrl.measurement.servo import followed
 from irb2400_ctrl.measurement.time_base import with_time_base
+from irb2400_ctrl.measurement.torque_filter import TorqueFilter, find_torque_filter
 from irb2400_ctrl.measurement.uniform import (
     LowPass,
     UniformLog,
@@ -56,6 +57,7 @@ class PreparedLog:
     radians.
 
     `known` is False where a gap or a standstill leaves the torque of that joint undetermined.
+    Torques of a model are compared as the log would show them (`as_recorded`, `filtered`).
     Filtered quantities have `rows` instants, `row_known` (rows, n) says which are complete.
     """
 
@@ -82,6 +84,8 @@ class PreparedLog:
     """first sample of each log, where several stand one after another (`joined_log`)"""
     names: tuple[str, ...] = ()
     """of each of several logs"""
+    recorders: tuple[TorqueFilter | None, ...] = (None,)
+    """what each log's torques went through before they were written"""
 
     @property
     def parts(self) -> list[slice]:
@@ -100,6 +104,11 @@ class PreparedLog:
         return len(self.row_time)
 
     @property
+    def remarks(self) -> tuple[str, ...]:
+        """What the reader should know of how it was recorded."""
+        return tuple(dict.fromkeys(found.says() for found in self.recorders if found))
+
+    @property
     def duration(self) -> float:
         """Length of the record [s]."""
         return float(self.time[-1] - self.time[0])
@@ -111,8 +120,24 @@ class PreparedLog:
         signals = [np.ascontiguousarray(part[:, j]) for part in parts for j in range(self.n)]
         return [*signals, self.time]
 
+    def as_recorded(self, signal: Array) -> Array:
+        """A torque of the joints, or a column of one, as the log shows it, shape (m, ...)."""
+        if not any(self.recorders):
+            return signal
+        return np.concatenate(
+            [
+                signal[part] if recorder is None else recorder(signal[part], self.step)
+                for part, recorder in zip(self.parts, self.recorders, strict=True)
+            ]
+        )
+
     def filtered(self, signal: Array) -> Array:
-        """The common filter along the first axis, decimated: (m, ...) -> (rows, ...)."""
+        """A torque of the joints, or a column of one, as the log shows it, through the common
+        filter along the first axis, decimated: (m, ...) -> (rows, ...)."""
+        return self.low_pass(self.as_recorded(signal))
+
+    def filtered_reading(self, signal: Array) -> Array:
+        """The same of what was read, or of what a prediction as recorded leaves of it."""
         return self.low_pass(signal)
 
     def at_rows(self, signal: Array) -> Array:
@@ -137,10 +162,11 @@ def prepare(log: Log, rate: float | None = None) -> PreparedLog:
     parts = derivatives((polished if instrumented else smoothed)(q, uniform.step), uniform.step)
     margin = derivative_margin(uniform.step)
     inside = slice(margin, len(q) - margin)
-    low_pass = LowPass(CUTOFF, uniform.step)
-    if len(q) - 2 * margin < 4 * low_pass.half:
-        raise InputError(f"{log.name}: found {log.duration:.2f} s of data, expected at least 2 s")
     positions, qd, qdd, qddd, qdddd = (part[inside] for part in parts)
+    recorder = find_torque_filter(uniform.tau[inside], positions, qd, qdd, uniform.step)
+    low_pass = LowPass(CUTOFF, uniform.step, np.inf if recorder is None else recorder.highest)
+    if len(positions) < 4 * low_pass.half:
+        raise InputError(f"{log.name}: found {log.duration:.2f} s of data, expected at least 2 s")
     gap = widened(~uniform.valid, margin)[inside]
     still = _standstill(qd, uniform.step) | _stick_slip(uniform.tau[inside], qd, uniform.step)
     determined = ~(still | gap[:, None])
@@ -151,6 +177,9 @@ def prepare(log: Log, rate: float | None = None) -> PreparedLog:
             [widened(still[:, j], round(STICKING_TIME / uniform.step)) for j in range(log.n)]
         )
     known = ~(still | gap[:, None])
+    if recorder is not None:
+        determined = _smeared(determined, recorder.reach(uniform.step))
+        known &= determined
     time = uniform.time[inside]
     reach = low_pass.half + (0 if instrumented else margin)
     row_known = np.column_stack(
@@ -173,7 +202,17 @@ def prepare(log: Log, rate: float | None = None) -> PreparedLog:
         low_pass=low_pass,
         row_time=low_pass.instants(time),
         row_known=row_known,
+        recorders=(recorder,),
     )
+
+
+def _smeared(determined: Mask, reach: int) -> Mask:
+    """What is determined where a value holds what stands up to `reach` samples away, and what came
+    before and after the log."""
+    found = np.column_stack([~widened(~joint, reach) for joint in determined.T])
+    found[:reach] = False
+    found[len(found) - reach :] = False
+    return found
 
 
 def _motion(log: UniformLog, recorded: Log) -> tuple[Array, bool]:

@@ -130,17 +130,20 @@ class LowPass:
     it is compared with.
 
     Args:
-        cutoff: [Hz]; step: of the signals [s]; keep: every how many samples the output is kept.
+        cutoff: [Hz]; step: of the signals [s].
+        band: what the signals hold at most where that is less, as a recorder filtered them [Hz].
     """
 
     cutoff: float
     step: float
+    band: float = np.inf
 
     @property
     def keep(self) -> int:
-        """Decimation that the cut-off allows (the output still has 2.5 samples per period of the
-        cut-off)."""
-        return max(1, int(1.0 / (2.5 * self.cutoff * self.step) + 1e-9))
+        """Decimation that the cut-off or the band allows (the output still has 2.5 samples per
+        period of it)."""
+        highest = min(self.cutoff, self.band)
+        return max(1, int(1.0 / (2.5 * highest * self.step) + 1e-9))
 
     @property
     def half(self) -> int:

@@ -11,6 +11,7 @@ from irb2400_ctrl.arrays import Array, one_thread
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.measurement.log import Log
 from irb2400_ctrl.measurement.log_facts import LogFacts, log_facts
+from irb2400_ctrl.measurement.prepared_log import prepare
 from irb2400_ctrl.measurement.time_base import with_time_base
 from irb2400_ctrl.plausibility.agreement import command_problem, speed_problem
 from irb2400_ctrl.plausibility.channels import channel_problem
@@ -115,7 +116,11 @@ def check_log(robot: Robot | None, log: Log) -> LogCheck:
         problem=problem,
         made_by_angles=noise,
         left=None if understood is None else understood.labelled.left,
-        remarks=tuple(_remarks(robot, log) + (_not_vouched_for(understood) if usable else [])),
+        remarks=tuple(
+            _remarks(robot, log)
+            + (_not_vouched_for(understood) if usable else [])
+            + (list(prepare(log).remarks) if usable and log.duration > SHORTEST else [])
+        ),
     )
 
 

@@ -192,7 +192,7 @@ def _whitened(
 ) -> Iterator[tuple[White, Array]]:
     """Each joint, and its rows before whitening: what the fitted numbers leave [Nm], shape (r,)."""
     motion = seen.motion
-    y = motion.filtered(motion.tau_smooth - predicted_torque(robot, motion, bases))
+    y = motion.filtered_reading(motion.tau_smooth - predicted_torque(robot, motion, bases))
     left = y - seen.Z @ numbers.z
     for j, (a, sigma) in enumerate(numbers.noise):
         kept = complete_rows(motion.row_known[:, j], len(a) - 1)

@@ -53,7 +53,7 @@ def comparison(**given: Any) -> Any:
 
 def threshold(measured: float = 20.0, predicted: float = 10.0, **changed: float) -> Threshold:
     motion: Any = SimpleNamespace(
-        n=3, tau=measured * ROWS[:, None] * np.ones(3), filtered=lambda values: values
+        n=3, tau=measured * ROWS[:, None] * np.ones(3), filtered_reading=lambda values: values
     )
     return Threshold(Criteria(**changed), motion, predicted * ROWS[:, None] * np.ones(3))  # type: ignore[arg-type]
 

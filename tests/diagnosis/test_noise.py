@@ -15,6 +15,7 @@ from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.diagnosis.preparation import noise_test as module
 from irb2400_ctrl.diagnosis.preparation.noise_test import NoiseTest, noise_test, trimmed_rms
 from irb2400_ctrl.measurement import Log
+from irb2400_ctrl.measurement.torque_filter import TorqueFilter
 from irb2400_ctrl.measurement.uniform import derivative_margin
 
 ROBOT = irb.load_robot("irb2400")
@@ -48,6 +49,7 @@ def motion(known: Array | None = None, *, instrumented: bool = True, before: int
         q=np.zeros((before + GRID, 2)),
         n=2,
         parts=(slice(before, before + GRID),),
+        recorders=(None,),
     )
 
 
@@ -166,13 +168,17 @@ def test_of_several_logs_the_one_that_fits_worst_speaks() -> None:
     second = NoiseTest(np.array([9.0, 0.0]), np.array([18.0, 1.0]), np.array([0.6, 6.0]))
     given = iter([(first, (0, 3)), (second, (3, 5))])
 
-    def on_log(robot: Any, log: Any, motion: Any, part: slice, rows: Array, unsure: Any) -> Any:
+    def on_log(
+        robot: Any, log: Any, motion: Any, part: slice, rows: Array, unsure: Any, recorder: Any
+    ) -> Any:
         answer, (begin, end) = next(given)
+        assert recorder is filters[log > 0]
         assert (log, part, unsure) == (begin, slice(begin, end), "open")
         np.testing.assert_array_equal(rows, np.arange(5.0)[begin:end, None] * [1, 1])
         return answer
 
-    moved: Any = SimpleNamespace(n=2, parts=(slice(0, 3), slice(3, 5)))
+    filters = (None, TorqueFilter(2.0, 4.0))
+    moved: Any = SimpleNamespace(n=2, parts=(slice(0, 3), slice(3, 5)), recorders=filters)
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(module, "_on_log", on_log)
         logs: Any = [0, 3]
@@ -246,3 +252,24 @@ def test_the_first_and_the_last_instant_of_the_motion_belong_to_it() -> None:
             ROBOT, given, moved, slice(0, instants), np.zeros((instants, 1)), np.zeros(1)
         )
     np.testing.assert_allclose(found.left, OFFSET / KEPT)
+
+
+def test_samples_that_a_filter_makes_alike_are_no_neighbours() -> None:
+    """What is left turns over 2.5 times a second, what no neighbours disagree about: noise of that
+    size where a filter at 2 Hz was, a misfit where none was."""
+    time = STEP * np.arange(7500)
+    margin = derivative_margin(STEP)
+    turned = OFFSET * np.sin(2.0 * np.pi * 2.5 * time)[:, None]
+    given = Log(time, np.zeros((len(time), 1)), turned)
+    rows = len(time) - 2 * margin
+    moved: Any = SimpleNamespace(step=STEP, known=np.ones((rows, 1), dtype=bool), instrumented=True)
+    found = {}
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(module, "_by_departure", lambda *_: np.zeros(1))
+        for recorder in (None, TorqueFilter(2.0, 4.0)):
+            found[recorder is None] = module._on_log(
+                ROBOT, given, moved, slice(0, rows), np.zeros((rows, 1)), np.zeros(1), recorder
+            )
+    assert found[True].left == pytest.approx(found[False].left, rel=0.1)
+    assert found[True].beyond == (1,)
+    assert found[False].beyond == ()

@@ -85,9 +85,9 @@ class Threshold:
         """`predicted`: torque of the robot as given along the motion, shape (m, n) [Nm]."""
         self.criteria = criteria
         self.n = motion.n
-        self.rms = np.sqrt(np.mean(motion.filtered(motion.tau) ** 2, axis=0))
+        self.rms = np.sqrt(np.mean(motion.filtered_reading(motion.tau) ** 2, axis=0))
         self.largest = criteria.largest * np.maximum(
-            self.rms, np.sqrt(np.mean(motion.filtered(predicted) ** 2, axis=0))
+            self.rms, np.sqrt(np.mean(motion.filtered_reading(predicted) ** 2, axis=0))
         )
 
     def accepts(

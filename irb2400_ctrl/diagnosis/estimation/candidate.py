@@ -102,8 +102,8 @@ class Point:
 
 
 def most_of(n: int) -> int:
-    """Of n joints, so many at least have what is one effect on every joint."""
-    return max(2, n - 2)
+    """Of n joints, so many at least (half) have what is one effect on every joint."""
+    return max(2, (n + 1) // 2)
 
 
 def plausible(

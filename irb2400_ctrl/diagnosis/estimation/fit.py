@@ -267,13 +267,15 @@ class Fitter:
             return np.asarray(self._left_by_none - sum(self._torque(e) for e in effects))
         robot = self.robot.model_copy(update={"effects": (*self.robot.effects, *effects)})
         motion = self.motion
-        return motion.filtered(motion.tau_smooth - predicted_torque(robot, motion, self.bases))
+        return motion.filtered_reading(
+            motion.tau_smooth - predicted_torque(robot, motion, self.bases)
+        )
 
     @cached_property
     def _left_by_none(self) -> Array:
         motion = self.motion
         predicted = predicted_torque(self.robot, motion, self.bases)
-        return motion.filtered(motion.tau_smooth - predicted)
+        return motion.filtered_reading(motion.tau_smooth - predicted)
 
     def _torque(self, effect: Effect, filtered: bool = True) -> Array:
         columns = self.placed(effect, filtered=filtered)
@@ -293,7 +295,8 @@ class Fitter:
                 filtered=filtered,
                 windows=effect.windows_s,
             )
-            values = found.values if filtered else self.motion.at_rows(found.values)
+            shown = found.values if filtered else self.motion.as_recorded(found.values)
+            values = shown if filtered else self.motion.at_rows(shown)
             self._cache[key] = self._on_all_joints(found.joints, values)
         return self._cache[key]
 

@@ -15,6 +15,7 @@ from irb2400_ctrl.measurement.log import Log
 from irb2400_ctrl.measurement.log_facts import digit
 from irb2400_ctrl.measurement.prepared_log import PreparedLog
 from irb2400_ctrl.measurement.time_base import with_time_base
+from irb2400_ctrl.measurement.torque_filter import TorqueFilter
 from irb2400_ctrl.measurement.uniform import derivative_margin, derivatives, smoothed
 from irb2400_ctrl.plausibility.cost_of_noise import torque_from_angle_noise, torque_of
 from irb2400_ctrl.robot import Robot
@@ -69,8 +70,8 @@ def noise_test(
             [Nm].
     """
     tests = [
-        _on_log(robot, log, motion, part, predicted[part], unsure)
-        for log, part in zip(logs, motion.parts, strict=True)
+        _on_log(robot, log, motion, part, predicted[part], unsure, recorder)
+        for log, part, recorder in zip(logs, motion.parts, motion.recorders, strict=True)
     ]
     ratio = np.array([test.left / np.maximum(test.floor, 1e-12) for test in tests])
     worst = np.argmax(ratio, axis=0)
@@ -83,16 +84,27 @@ def noise_test(
 
 
 def _on_log(
-    robot: Robot, log: Log, motion: PreparedLog, part: slice, predicted: Array, unsure: Array
+    robot: Robot,
+    log: Log,
+    motion: PreparedLog,
+    part: slice,
+    predicted: Array,
+    unsure: Array,
+    recorder: TorqueFilter | None = None,
 ) -> NoiseTest:
-    """On one log; `part`: its samples of the motion."""
+    """On one log; `part`: its samples of the motion. Of torques that a recorder filtered only
+    samples so far apart are neighbours that the filter does not make them alike."""
     even = with_time_base(log)
     # its ends were left out
     start = even.time[0] + derivative_margin(motion.step) * motion.step
     grid = start + motion.step * np.arange(len(predicted))
     inside = (even.time >= grid[0]) & (even.time <= grid[-1])
+    period = float(np.median(np.diff(even.time[inside])))
+    if recorder is not None:
+        apart = max(1, round(0.5 / (recorder.highest * period)))
+        inside = np.flatnonzero(inside)[::apart]
+        period *= apart
     time = even.time[inside]
-    period = float(np.median(np.diff(time)))
     nearest = np.clip(np.round((time - grid[0]) / motion.step), 0, len(grid) - 1)
     known = motion.known[part][nearest.astype(np.intp)]
     by_angles = _by_departure(robot, even, motion, part, grid)

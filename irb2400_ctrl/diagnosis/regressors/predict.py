@@ -19,7 +19,7 @@ def predicted_torque(robot: Robot, motion: PreparedLog, bases: Bases | None = No
     """Torques that the log of a motion should show, shape (m, n) [Nm].
 
     Model torque at the true angles, plus force effects, through gain, offset and delay of the
-    measuring chain.
+    measuring chain and the filter of the recorder.
 
     Args:
         robot: with its effects.
@@ -45,7 +45,7 @@ def predicted_torque(robot: Robot, motion: PreparedLog, bases: Bases | None = No
         for effect in others:
             if effect.chain == link:
                 tau = effect.reported(motion.time, tau)
-    return tau
+    return motion.as_recorded(tau)
 
 
 def _further_bodies(arm: Robot, known: Robot) -> tuple[Effect, ...] | None:

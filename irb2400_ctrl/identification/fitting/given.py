@@ -19,7 +19,7 @@ def given_torque(kept: Robot, parts: Sequence[Recording]) -> list[Recording]:
     for part in parts:
         m = part.motion
         rise = np.maximum(friction[:, 0] - friction[:, 1], 0.0)
-        given = rise * np.sign(m.qd) * np.exp(-((m.qd / friction[:, 3]) ** 2))
+        given = m.as_recorded(rise * np.sign(m.qd) * np.exp(-((m.qd / friction[:, 3]) ** 2)))
         if kept.effects:
             given += predicted_torque(kept, m) - predicted_torque(bare, m)
         found.append(Recording(m, part.block, given))

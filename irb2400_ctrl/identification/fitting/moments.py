@@ -138,12 +138,24 @@ def _pieces(
         weight = np.ones_like(torque) if part.weight is None else part.weight
         for first in range(0, len(m.time), CHUNK):
             chunk = slice(first, first + CHUNK)
-            rows = columns(model, layout, m.q[chunk], m.qd[chunk], m.qdd[chunk])
+            rows = _recorded_columns(model, layout, m, chunk)
             number = part.block[chunk]
             for block in np.unique(number):
                 inside = number == block
                 seen = (signal[chunk][inside] for signal in (m.known, torque, weight))
                 yield int(block), *seen, rows[inside]
+
+
+def _recorded_columns(model: Model, layout: ColumnLayout, m: PreparedLog, chunk: slice) -> Array:
+    """The columns of some samples as the log shows them, shape (chunk, n, p)."""
+    (recorder,) = m.recorders
+    beside = 0 if recorder is None else recorder.half(m.step)
+    start = max(chunk.start - beside, 0)
+    wide = slice(start, chunk.stop + beside)
+    rows = columns(model, layout, m.q[wide], m.qd[wide], m.qdd[wide])
+    if recorder is None:
+        return rows
+    return recorder(rows, m.step)[chunk.start - start :][: chunk.stop - chunk.start]
 
 
 def predicted(model: Model, layout: ColumnLayout, part: Recording, theta: Array) -> Array:
@@ -156,9 +168,9 @@ def predicted(model: Model, layout: ColumnLayout, part: Recording, theta: Array)
         theta: their numbers, shape (p,).
     """
     motion = part.motion
-    found = np.array(part.given)
+    found = np.zeros_like(part.given)
     for first in range(0, len(motion.time), CHUNK):
         chunk = slice(first, first + CHUNK)
         states = (motion.q[chunk], motion.qd[chunk], motion.qdd[chunk])
-        found[chunk] += torque_of(model, layout, theta, *states)
-    return found
+        found[chunk] = torque_of(model, layout, theta, *states)
+    return part.given + motion.as_recorded(found)

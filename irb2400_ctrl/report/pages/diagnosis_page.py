@@ -272,6 +272,7 @@ def lines(diagnosis: Diagnosis) -> list[str]:
         f"  joint {u.joint}: {u.rmse:.2f} Nm rms unexplained, depends on {', '.join(u.depends_on)}"
         for u in diagnosis.unexplained
     ]
+    found += [f"note: {sentence}" for sentence in diagnosis.weak]
     if len(diagnosis.logs) > 1:
         used = sum(log.used for log in diagnosis.logs)
         found.append(f"{used} logs together; {len(diagnosis.logs) - used} only judged")

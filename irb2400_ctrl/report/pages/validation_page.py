@@ -39,6 +39,8 @@ def validation_page(result: Validation, robot: Robot | None = None, log: Log | N
         if several:
             page.heading(Path(seen.log).name)
             page.table(f"Errors of the torque on {Path(seen.log).name}", *rows(seen.error))
+        for remark in seen.remarks:
+            page.text(f"{remark[0].upper()}{remark[1:]}.")
         _add_log(page, seen)
     if robot is not None and log is not None:
         first = result.logs[0]
@@ -100,4 +102,6 @@ def lines(result: Validation) -> list[str]:
         found.append("joint  MAE [Nm]  RMSE [Nm]  AVG [Nm]  RMSE/AVG [%]")
         for joint, mae, rmse, mean, share in rows(error)[1]:
             found.append(f"{joint:>5}{mae:10.3f}{rmse:11.3f}{mean:10.3f}{share:14.2f}")
-    return found
+    return found + [
+        f"note: {Path(log.log).name}: {remark}" for log in result.logs for remark in log.remarks
+    ]
