@@ -32,6 +32,8 @@ CLEAR = 0.7
 CUTOFFS = np.geomspace(0.5, 8.0, 15)
 """[Hz] higher ones are hardly seen beside the smoothing of the angles"""
 ORDERS = (1.0, 2.0, 4.0, 8.0)
+MILDEST = 1.7
+"""order of one way below which smooth friction of a noiseless simulation may be what is seen"""
 BEYOND = 3.0
 """cut-offs above which a filtered channel holds little"""
 LITTLE = 0.05
@@ -166,7 +168,7 @@ def find_torque_filter(
         options={"xatol": 0.01, "fatol": 1e-3, "maxfev": 40},
     )
     cutoff, order = np.exp(closer.x)
-    return TorqueFilter(float(cutoff), float(order))
+    return TorqueFilter(float(cutoff), float(order)) if order > MILDEST else None
 
 
 def _spectrum(tau: Array, step: float) -> tuple[Array, Array]:

@@ -58,6 +58,13 @@ def test_none_is_where_none_was(noise: float) -> None:
     assert find_torque_filter(torque(8.0, noise), *motion(), STEP) is None
 
 
+@pytest.mark.parametrize("width", [0.03, 0.1, 0.3])
+def test_smooth_friction_of_a_simulation_is_not_a_filter(width: float) -> None:
+    _, qd, _ = motion()
+    smooth = torque(0.0, 0.0) + 8.0 * np.tanh(qd / width)
+    assert find_torque_filter(smooth, *motion(), STEP) is None
+
+
 def test_a_smooth_torque_without_dry_friction_is_not_a_filtered_one() -> None:
     assert find_torque_filter(torque(0.0, 0.0), *motion(), STEP) is None
 
