@@ -27,17 +27,17 @@ QUIET_TO = 45.0
 """[Hz] above it slow logs are interpolated"""
 QUIET = 3e-3
 """rms of what stands between the two, over that of all: sensors of real arms have 3e-2 and more"""
-CLEAR = 0.7
+CLEAR = 0.8
 """rms of what friction's steps leave through the filter, over what they leave as they are"""
 CUTOFFS = np.geomspace(0.5, 8.0, 15)
 """[Hz] higher ones are hardly seen beside the smoothing of the angles"""
 ORDERS = (1.0, 2.0, 4.0, 8.0)
 MILDEST = 1.7
 """order of one way below which smooth friction of a noiseless simulation may be what is seen"""
-BEYOND = 3.0
+BEYOND = 1.5
 """cut-offs above which a filtered channel holds little"""
-LITTLE = 0.05
-"""rms of its differences there, over that of all, beside twice what the filter lets pass"""
+LITTLE = 0.02
+"""rms of its differences there, over that of all, beside what the filter lets pass"""
 MOVES = 1e-3
 """[rad/s] rms speed below which a joint rests"""
 FEW = 0.05
@@ -155,7 +155,7 @@ def find_torque_filter(
         for cutoff in CUTOFFS
         for order in ORDERS
         if _share(power, frequency > BEYOND * cutoff)
-        < LITTLE + 2.0 / (1.0 + BEYOND ** (2.0 * order))
+        < LITTLE + 1.0 / (1.0 + BEYOND ** (2.0 * order))
     ]
     best = min(tried, key=left, default=None)
     if best is None or left(best) - left(None) > np.log(CLEAR):
