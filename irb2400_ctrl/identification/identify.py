@@ -222,6 +222,8 @@ def _result(
         name=motion.name,
         role=role,
         time=motion.time,
+        q=motion.q,
+        qd=motion.qd,
         measured=motion.tau,
         known=motion.known,
         before=predicted_torque(robot, motion),
