@@ -185,7 +185,10 @@ def _print_bodies(arm: Robot) -> dict[str, Any]:
     certificate = certify(arm)
     word = "is positive definite" if certificate.shown else "is not shown to be positive definite"
     print(f"the mass matrix {word} over the whole joint box: {certificate.reason}")
-    same_torques = _realisable(arm) if issues else "every body could exist"
+    if arm.weightless:
+        same_torques = "no link has mass: only kinematics can be asked of this arm"
+    else:
+        same_torques = _realisable(arm) if issues else "every body could exist"
     print(same_torques)
     return {
         "name": arm.name,
