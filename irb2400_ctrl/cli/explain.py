@@ -6,6 +6,7 @@ from typing import Annotated
 
 import typer
 
+from irb2400_ctrl.cli.options import effects_named, robots_named
 from irb2400_ctrl.cli.summary import Summary, answers
 
 
@@ -13,11 +14,19 @@ from irb2400_ctrl.cli.summary import Summary, answers
 def explain(
     kind: Annotated[
         str | None,
-        typer.Argument(metavar="KIND", help="An effect, as a report names it; absent: the list."),
+        typer.Argument(
+            metavar="KIND",
+            help="An effect, as a report names it; absent: the list.",
+            autocompletion=effects_named,
+        ),
     ] = None,
     robot: Annotated[
         str | None,
-        typer.Option(metavar="ROBOT", help="A robot file whose own effects are to be known too."),
+        typer.Option(
+            metavar="ROBOT",
+            help="A robot file whose own effects are to be known too.",
+            autocompletion=robots_named,
+        ),
     ] = None,
 ) -> Summary:
     """Say what an effect is: law, parameters, look-alikes and how to tell them apart."""

@@ -19,6 +19,7 @@ from irb2400_ctrl.cli.options import (
     UnitsOption,
     WorkFrameOption,
     input_file,
+    interpolations_named,
     load_arm,
     output_folder,
 )
@@ -145,6 +146,7 @@ InterpolationOption = Annotated[
     typer.Option(
         help="How the controller reads the rows: cubic (through angles and speeds) or linear.",
         metavar="cubic|linear",
+        autocompletion=interpolations_named,
     ),
 ]
 
