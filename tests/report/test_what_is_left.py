@@ -40,7 +40,16 @@ def test_a_cause_is_told_by_what_it_goes_with() -> None:
 
 def test_noise_is_called_noise() -> None:
     html = validation_page(Validation("arm", (compared(0.0),))).html()
-    assert "What is left goes with none of these more than by chance." in html
+    assert "goes with none of these more than by chance, and does not last." in html
+
+
+def test_what_lasts_and_goes_with_nothing_is_no_noise() -> None:
+    seen = compared(0.0)
+    swing = 2.0 * np.sin(2.0 * np.pi * 2.3 * TIME)
+    measured = seen.measured + np.column_stack([0.0 * swing, swing])
+    html = validation_page(Validation("arm", (replace(seen, measured=measured),))).html()
+    assert "What is left is more than noise: on joint 2 it lasts (autocorrelation 0." in html
+    assert "on joint 1" not in html
 
 
 def test_a_joint_without_samples_is_left_out() -> None:

@@ -20,6 +20,10 @@ from irb2400_ctrl.report.elements.plots import legend_above, small
 
 LAG_S = 0.4
 """shown of an autocorrelation [s]"""
+LASTING_S = 0.05
+"""after which noise has forgotten itself [s]"""
+LONG = 0.2
+"""autocorrelation that is left then, above which there is a cause"""
 AUTOCORRELATION = (
     "The autocorrelation of what is left, with the 99 % band of white noise: what stays outside "
     "for long is slower than noise, and may have a cause."
@@ -104,18 +108,46 @@ def tested_rows(
     return head, rows
 
 
-def told_of_tests(tests: Sequence[Sequence[Dependence]]) -> str:
-    """The same in a sentence: per joint what it goes with most."""
+def lasting(time: Array, measured: Array, modelled: Array, known: Mask) -> Array:
+    """Autocorrelation of each joint's residual after `LASTING_S`, (n,); 0 where there is none.
+
+    Args:
+        time: [s], (m,).
+        measured, modelled: torque [Nm], (m, n).
+        known: samples that count, (m, n).
+    """
+    lag = max(1, round(LASTING_S / float(np.median(np.diff(time)))))
+    left = np.where(known, measured - modelled, np.nan)
+    found = np.zeros(left.shape[1])
+    for j, of_joint in enumerate(left.T):
+        if np.isfinite(of_joint).any():
+            found[j] = np.nan_to_num(autocorrelation(of_joint, lag)[-1])
+    return found
+
+
+def told_of_tests(tests: Sequence[Sequence[Dependence]], lasts: Array) -> str:
+    """The same in a sentence: per joint what it goes with most, or that it lasts.
+
+    Args:
+        tests: of `residual_tests`.
+        lasts: of `lasting`, (n,).
+    """
     found = []
     for j, joint in enumerate(tests, start=1):
         notable = [d for d in joint if d.notable]
         if notable:
             most = max(notable, key=lambda d: abs(d.correlation))
             found.append(f"on joint {j} it goes with the {most.signal} ({most.correlation:+.2f})")
+        elif lasts[j - 1] > LONG:
+            found.append(
+                f"on joint {j} it lasts (autocorrelation {lasts[j - 1]:.2f} after "
+                f"{1e3 * LASTING_S:.0f} ms)"
+            )
     if not found:
-        return "What is left goes with none of these more than by chance."
+        return "What is left goes with none of these more than by chance, and does not last."
     return (
         f"What is left is more than noise: {', '.join(found)}. Direction points to dry friction, "
         "speed to viscous friction, acceleration to inertia, angle to weight or a spring, modelled "
-        "torque to its scale; irb2400 diagnose LOG names the cause."
+        "torque to its scale; what lasts and goes with none of them may be a ripple or a swing. "
+        "irb2400 diagnose LOG names the cause."
     )

@@ -19,6 +19,7 @@ from irb2400_ctrl.report.figures.residual_figures import (
     AUTOCORRELATION,
     TESTED,
     autocorrelation_figure,
+    lasting,
     residual_tests,
     tested_rows,
     told_of_tests,
@@ -165,7 +166,8 @@ def _add_log(page: Page, log: LogResult) -> None:
     )
     tests = residual_tests(log.time, log.q, log.qd, log.measured, log.unseen, log.known)
     page.table(TESTED, *tested_rows(tests, log.measured, log.unseen, log.known))
-    page.text(told_of_tests(tests))
+    lasts = lasting(log.time, log.measured, log.unseen, log.known)
+    page.text(told_of_tests(tests, lasts))
 
 
 def _add_motion(page: Page, result: Identification, log: Log) -> None:

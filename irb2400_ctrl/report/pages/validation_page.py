@@ -15,6 +15,7 @@ from irb2400_ctrl.report.figures.residual_figures import (
     AUTOCORRELATION,
     TESTED,
     autocorrelation_figure,
+    lasting,
     residual_tests,
     tested_rows,
     told_of_tests,
@@ -90,7 +91,8 @@ def _add_log(page: Page, seen: LogComparison) -> None:
     page.figures(drawn, AUTOCORRELATION)
     tests = residual_tests(seen.time, seen.q, seen.qd, seen.measured, seen.modelled, seen.known)
     page.table(TESTED, *tested_rows(tests, seen.measured, seen.modelled, seen.known))
-    page.text(told_of_tests(tests))
+    lasts = lasting(seen.time, seen.measured, seen.modelled, seen.known)
+    page.text(told_of_tests(tests, lasts))
 
 
 def rows(error: Errors) -> tuple[list[str], list[list[object]]]:
