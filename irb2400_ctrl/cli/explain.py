@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from irb2400_ctrl.cli.options import effects_named, robots_named
+from irb2400_ctrl.cli.command_line import provenance
+from irb2400_ctrl.cli.options import effects_named, output_folder, robots_named
 from irb2400_ctrl.cli.summary import Summary, answers
 
 
@@ -28,6 +30,14 @@ def explain(
             autocompletion=robots_named,
         ),
     ] = None,
+    out: Annotated[
+        Path | None,
+        typer.Option(
+            "--out",
+            metavar="DIR",
+            help="Also write report.html there, with a figure of the effect.",
+        ),
+    ] = None,
 ) -> Summary:
     """Say what an effect is: law, parameters, look-alikes and how to tell them apart."""
     from irb2400_ctrl.report.effect_words import explain as words_of
@@ -43,4 +53,13 @@ def explain(
         return Summary({"effects": kinds})
     found = words_of(kind)
     print("\n".join(lines(found)))
-    return Summary(found)
+    if out is None:
+        return Summary(found)
+    from irb2400_ctrl.report.pages.effect_page import effect_page
+
+    output_folder(out)
+    page = effect_page(found)
+    page.provenance(provenance())
+    written = page.write(out / "report.html")
+    print(f"written: {written}")
+    return Summary(found, [written])
