@@ -66,8 +66,6 @@ def main(words: list[str]) -> None:
     install(words[0])
     for task in TASKS[words[0]]:
         run(*task)
-    if words[0] == "demo":
-        print(f"irb2400 is {PYTHON.with_name('irb2400.exe' if os.name == 'nt' else 'irb2400')}")
 
 
 if __name__ == "__main__":

@@ -19,6 +19,7 @@ from irb2400_ctrl.cli.schema import FILES, schema_of
 from irb2400_ctrl.effects import LIBRARY
 from irb2400_ctrl.report.effect_words import explain
 from irb2400_ctrl.report.elements.glossary import WORDS
+from irb2400_ctrl.report.figures.effect_figure import effect_figure
 
 SENTENCES = {
     "robot": "A robot file describes an arm: links, joints, tool, uncertainty, effects.",
@@ -55,6 +56,7 @@ PACKAGES = [name for name in irb.__all__ if isinstance(getattr(irb, name), types
 def write(folder: Path) -> list[Path]:
     """All pages; only those that have changed are touched, so that a build stays quick."""
     folder.mkdir(exist_ok=True)
+    draw_effects(folder / "effects")
     pages = {
         "effects": effects,
         "files": files,
@@ -66,6 +68,15 @@ def write(folder: Path) -> list[Path]:
     return [_written(folder / f"{name}.md", make) for name, make in pages.items()]
 
 
+def draw_effects(folder: Path) -> None:
+    """A figure of every effect; those that are there stay."""
+    folder.mkdir(parents=True, exist_ok=True)
+    for kind in LIBRARY:
+        path = folder / f"{kind}.svg"
+        if not path.is_file():
+            effect_figure(kind)[0].savefig(path, metadata={"Date": None})
+
+
 def _written(path: Path, make: Callable[[], str]) -> Path:
     text = make()
     if not path.is_file() or path.read_text() != text:
@@ -74,11 +85,18 @@ def _written(path: Path, make: Callable[[], str]) -> Path:
 
 
 def effects() -> str:
-    """One section an effect."""
-    text = ["# Effects", "", "What a model may lack. `irb2400 explain KIND` says the same.", ""]
+    """One section an effect, with its figure."""
+    text = [
+        "# Effects",
+        "",
+        "What a model may lack. `irb2400 explain KIND` says the same, and with ",
+    ]
+    text[-1] += "`--out DIR` shows it."
+    text.append("")
     for kind in LIBRARY:
         found = explain(kind)
         text += [f"## {kind}", "", _plain(found["sentence"]).capitalize() + ".", ""]
+        text += [f"![{kind}](effects/{kind}.svg)", ""]
         text += ["```text", found["law"], "```", "", f"Acts {found['acts_where']}.", ""]
         if found["parameters"]:
             text += ["| parameter | unit | meaning |", "| --- | --- | --- |"]

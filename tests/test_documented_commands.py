@@ -16,6 +16,7 @@ from pathlib import Path
 import pytest
 from command_line import irb2400
 from independent_plant import Case
+from only_posix import posix_only
 from test_documented_lines import PAGES, SCRIPTS, blocks
 
 import irb2400_ctrl as irb
@@ -194,6 +195,7 @@ def test_sweep(studies: Path) -> None:
     assert (studies / "sweep_out" / "report.html").is_file()
 
 
+@posix_only
 def test_sweep_on_a_cluster(studies: Path) -> None:
     """The scheduler and a worker as processes of this machine."""
     pytest.importorskip("distributed")

@@ -82,6 +82,34 @@ def test_such_a_call_is_found(text: str) -> None:
     assert list(posix(ast.parse(text)))
 
 
+class Outermost(ast.NodeTransformer):
+    """What a file does when it is loaded."""
+
+    def visit_FunctionDef(self, node: ast.FunctionDef) -> ast.AST:
+        node.body = [ast.Pass()]
+        return node
+
+
+def test_every_test_is_loaded_on_windows_and_those_of_posix_are_left_out_there() -> None:
+    """One file that cannot be loaded ends a run of them all."""
+    wrong = []
+    for path in Path(__file__).parent.rglob("*.py"):
+        if path.name == Path(__file__).name:
+            continue
+        text = path.read_text("utf-8")
+        for node in ast.parse(text).body:
+            if not isinstance(node, ast.FunctionDef) or not node.name.startswith("test_"):
+                continue
+            marks = " ".join(map(ast.unparse, node.decorator_list))
+            calls = [call for call in posix(node) if not call.startswith("/")]
+            if calls and "posix_only" not in marks and "skipif" not in marks:
+                wrong.append(f"{path.name}: {node.name} uses {calls}")
+        loaded = Outermost().visit(ast.parse(text))
+        calls = [call for call in posix(loaded) if not call.startswith("/")]
+        wrong += [f"{path.name} uses {call} when it is loaded" for call in calls]
+    assert not wrong
+
+
 def unstated(tree: ast.AST) -> Iterator[str]:
     """Where a file reads or writes text in the encoding of the machine, which is not UTF-8 on
     Windows."""

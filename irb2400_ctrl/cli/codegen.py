@@ -8,7 +8,13 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
-from irb2400_ctrl.cli.options import OutOption, RobotOption, load_arm, output_folder
+from irb2400_ctrl.cli.options import (
+    OutOption,
+    RobotOption,
+    controllers_named,
+    load_arm,
+    output_folder,
+)
 from irb2400_ctrl.cli.progress import step
 from irb2400_ctrl.cli.summary import Summary, answers
 
@@ -27,13 +33,20 @@ class TargetName(StrEnum):
     cortex_m7 = "cortex-m7"
 
 
+PackageOption = Annotated[
+    str,
+    typer.Option(
+        metavar="NAME",
+        help=f"Controller, or {OBSERVER}; an unknown name lists all.",
+        autocompletion=lambda: [*controllers_named(), OBSERVER],
+    ),
+]
+
+
 @answers
 def codegen(
     out: OutOption,
-    controller: Annotated[
-        str,
-        typer.Option(metavar="NAME", help=f"Controller, or {OBSERVER}; an unknown name lists all."),
-    ],
+    controller: PackageOption,
     target: Annotated[
         TargetName, typer.Option(help="Processor to build and verify for.")
     ] = TargetName.host,

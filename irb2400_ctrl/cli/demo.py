@@ -3,6 +3,11 @@ log."""
 
 from __future__ import annotations
 
+import os
+import shutil
+import sys
+from pathlib import Path
+
 from irb2400_ctrl.cli.command_line import provenance
 from irb2400_ctrl.cli.options import OutOption, output_folder
 from irb2400_ctrl.cli.progress import step
@@ -24,5 +29,20 @@ def demo(out: OutOption) -> Summary:
         page.provenance(provenance(job.robot, plant_seed=PLANT_SEED))
         report = page.write(out / "report.html")
     print(table(job))
+    for line in _next_words():
+        print(line)
     print(f"report: {report}")
     return Summary(summary(job), written=[report])
+
+
+def _next_words() -> list[str]:
+    """What to type next, where the shell does not find the command by its name: in the environment
+    that `make demo` makes."""
+    own = Path(sys.executable).with_name("irb2400.exe" if os.name == "nt" else "irb2400")
+    if shutil.which("irb2400") is not None or not own.exists():
+        return []
+    try:
+        shown = os.path.relpath(own)
+    except ValueError:  # on another drive
+        shown = str(own)
+    return [f"irb2400 is {shown}; try: {shown} --help"]

@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from irb2400_ctrl.cli.command_line import provenance
-from irb2400_ctrl.cli.options import OutOption, RobotOption, load_arm, output_folder
+from irb2400_ctrl.cli.options import OutOption, RobotOption, load_arm, motions_named, output_folder
 from irb2400_ctrl.cli.progress import step
 from irb2400_ctrl.cli.summary import Summary, answers
 
@@ -21,6 +21,7 @@ def excite(
             "--for",
             metavar="GROUP",
             help="Ambiguity group, or an effect of it, as a report names it; or identify.",
+            autocompletion=motions_named,
         ),
     ],
     out: OutOption,

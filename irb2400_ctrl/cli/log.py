@@ -18,7 +18,9 @@ if TYPE_CHECKING:
     from irb2400_ctrl.robot import Robot
 
 app = typer.Typer(
-    help="Look at a log before anything is made of it.", no_args_is_help=True, rich_markup_mode=None
+    help="what a log holds, before anything is made of it",
+    no_args_is_help=True,
+    rich_markup_mode=None,
 )
 
 

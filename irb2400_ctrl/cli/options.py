@@ -12,8 +12,49 @@ import typer
 if TYPE_CHECKING:
     from irb2400_ctrl.robot import Robot
 
+
+def robots_named() -> list[str]:
+    """Robots that come with the library: what the shell completes; where no name begins so, it
+    offers files."""
+    from irb2400_ctrl.robot.file import robot_names
+
+    return robot_names()
+
+
+def controllers_named() -> list[str]:
+    """Controllers."""
+    from irb2400_ctrl.controllers.registry import CONTROLLERS
+
+    return list(CONTROLLERS)
+
+
+def effects_named() -> list[str]:
+    """Kinds of effects."""
+    from irb2400_ctrl.effects.registry import LIBRARY
+
+    return sorted(LIBRARY)
+
+
+def motions_named() -> list[str]:
+    """What a motion is planned for."""
+    from irb2400_ctrl.excitation.groups import groups
+
+    return ["identify", *sorted(groups()), *effects_named()]
+
+
+def interpolations_named() -> list[str]:
+    """How a controller reads rows."""
+    return ["cubic", "linear"]
+
+
 RobotOption = Annotated[
-    str, typer.Option("--robot", metavar="ROBOT", help="A robot file (TOML) or a name.")
+    str,
+    typer.Option(
+        "--robot",
+        metavar="ROBOT",
+        help="A robot file (TOML) or a name.",
+        autocompletion=robots_named,
+    ),
 ]
 ColumnsOption = Annotated[
     Path | None,

@@ -9,14 +9,14 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 import typer
 
 from irb2400_ctrl.cli import robot_in
-from irb2400_ctrl.cli.options import OutOption, output_folder
+from irb2400_ctrl.cli.options import OutOption, output_folder, robots_named
 from irb2400_ctrl.cli.summary import Summary, answers
 
 if TYPE_CHECKING:
     from irb2400_ctrl.robot import Robot
 
 app = typer.Typer(
-    help="Show, check, import, begin or export a robot.",
+    help="show, check, import, begin or export a robot",
     no_args_is_help=True,
     rich_markup_mode=None,
 )
@@ -25,7 +25,10 @@ app.command("new", short_help="a commented template, to fill in")(robot_in.new)
 EXPORT_MARGIN = 1e-3
 """smallest second moment of a body over its largest, in an exported file [-]"""
 RobotArgument = Annotated[
-    str, typer.Argument(metavar="ROBOT", help="A robot file (TOML) or a name.")
+    str,
+    typer.Argument(
+        metavar="ROBOT", help="A robot file (TOML) or a name.", autocompletion=robots_named
+    ),
 ]
 
 
@@ -185,7 +188,10 @@ def _print_bodies(arm: Robot) -> dict[str, Any]:
     certificate = certify(arm)
     word = "is positive definite" if certificate.shown else "is not shown to be positive definite"
     print(f"the mass matrix {word} over the whole joint box: {certificate.reason}")
-    same_torques = _realisable(arm) if issues else "every body could exist"
+    if arm.weightless:
+        same_torques = "no link has mass: only kinematics can be asked of this arm"
+    else:
+        same_torques = _realisable(arm) if issues else "every body could exist"
     print(same_torques)
     return {
         "name": arm.name,

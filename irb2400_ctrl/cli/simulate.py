@@ -8,7 +8,15 @@ from typing import Annotated
 import typer
 
 from irb2400_ctrl.cli.command_line import provenance
-from irb2400_ctrl.cli.options import OutOption, RobotOption, input_file, load_arm, output_folder
+from irb2400_ctrl.cli.options import (
+    OutOption,
+    RobotOption,
+    controllers_named,
+    input_file,
+    load_arm,
+    output_folder,
+    robots_named,
+)
 from irb2400_ctrl.cli.progress import step
 from irb2400_ctrl.cli.summary import Summary, answers
 
@@ -20,12 +28,21 @@ def simulate(
     ],
     out: OutOption,
     controller: Annotated[
-        str, typer.Option(metavar="NAME", help="Controller; an unknown name lists all.")
+        str,
+        typer.Option(
+            metavar="NAME",
+            help="Controller; an unknown name lists all.",
+            autocompletion=controllers_named,
+        ),
     ],
     robot: RobotOption = "irb2400",
     plant: Annotated[
         str | None,
-        typer.Option(metavar="ROBOT", help="Robot of the plant; the controller's own if absent."),
+        typer.Option(
+            metavar="ROBOT",
+            help="Robot of the plant; the controller's own if absent.",
+            autocompletion=robots_named,
+        ),
     ] = None,
 ) -> Summary:
     """Track a trajectory with a controller (1 kHz, generated C) -> log.csv, simulation.json,

@@ -30,7 +30,7 @@ class LogResult:
     Args:
         role: "identification" (the fit that is judged had not seen the stretch it predicts) or
             "validation" (the final fit);
-        known: samples that count.
+        q, qd: angle and speed [rad], [rad/s]; known: samples that count.
         before: the robot as given; fitted: the robot identified from all logs; unseen: the fit
             judged; plain: plain least squares on the same stretches as `unseen`.
     """
@@ -38,6 +38,8 @@ class LogResult:
     name: str
     role: str
     time: Array
+    q: Array
+    qd: Array
     measured: Array
     known: Mask
     before: Array

@@ -223,6 +223,8 @@ def _result(
         name=motion.name,
         role=role,
         time=motion.time,
+        q=motion.q,
+        qd=motion.qd,
         measured=motion.tau,
         known=motion.known,
         before=predicted_torque(robot, motion),

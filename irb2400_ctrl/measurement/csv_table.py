@@ -49,10 +49,11 @@ class Body:
     dialect: Dialect
     start: int
     clocks: frozenset[int] = frozenset()
+    text: Callable[[Path], Iterator[bytes]] = text_blocks
 
     def blocks(self) -> Iterator[bytes]:
         """Whole lines in each, one blank between cells where blanks separate them."""
-        blocks = text_blocks(self.path)
+        blocks = self.text(self.path)
         first = next(blocks)
         yield self._lines(b"\n".join(first.split(b"\n", self.start)[self.start :]))
         for block in blocks:
@@ -64,11 +65,18 @@ class Body:
         return b"\n".join(b" ".join(line.split()) for line in block.split(b"\n"))
 
 
-def read_csv_table(path: Path, progress: Callable[[int], None] = lambda rows: None) -> Table:
+def read_csv_table(
+    path: Path,
+    progress: Callable[[int], None] = lambda rows: None,
+    text: Callable[[Path], Iterator[bytes]] = text_blocks,
+) -> Table:
     """Columns of a `.csv`, `.csv.gz`, `.txt` or `.tsv`, read piece by piece.
 
     Args:
+        path: of the file.
         progress: called now and then with the number of samples read so far.
+        text: the lines of the file, whole lines in every block; of another kind of file than text
+            the lines that it holds.
 
     Raises:
         InputError: not readable as text, no header, rows of another width, too many rows.
@@ -77,7 +85,7 @@ def read_csv_table(path: Path, progress: Callable[[int], None] = lambda rows: No
         raise InputError(
             f"no log file {path}: expected a .csv or .csv.gz with time_s, q1_deg…, tau1_Nm…"
         )
-    head = next(text_blocks(path), b"").decode().split("\n")
+    head = next(text(path), b"").decode().split("\n")
     dialect = dialect_of(path, head)
     header = _header(path, head, dialect)
     headless = _headless(path, head, dialect, header)
@@ -95,7 +103,7 @@ def read_csv_table(path: Path, progress: Callable[[int], None] = lambda rows: No
     clocks = {k for k, cell in enumerate(row) if seconds_of_day(cell) is not None}
     if len(clocks) == 1 and "time_s" not in header:
         header[min(clocks)] = "time_s"
-    body = Body(path, dialect, start, frozenset(clocks))
+    body = Body(path, dialect, start, frozenset(clocks), text)
     names, widths = spread(header, row)
     columns = None if widths or clocks else _fast(body, header, progress)
     if columns is None:

@@ -6,11 +6,11 @@ from pathlib import Path
 
 from irb2400_ctrl.errors import InputError
 
-SHEET = "a spreadsheet: save the sheet with the samples as CSV"
+SHEET = "a spreadsheet of another kind: save the sheet with the samples as .xlsx or CSV"
 PICKLE = "a pickle, which may run any code when it is opened: save its table as CSV or Parquet"
 ARCHIVE = "an archive: unpack it and save its log (.csv, or .csv.gz)"
 ADVICE = {
-    **dict.fromkeys((".xlsx", ".xlsm", ".xls", ".ods"), SHEET),
+    **dict.fromkeys((".xls", ".xlsb", ".ods"), SHEET),
     **dict.fromkeys((".pkl", ".pickle", ".joblib"), PICKLE),
     ".npy": "one array without names: save time_s, q_rad, tau_Nm with np.savez as an .npz",
     ".json": "JSON: write a CSV with a row per sample",
@@ -19,7 +19,7 @@ ADVICE = {
     ".bag": "a bag of ROS 1: convert it (rosbags-convert) or write a topic as text (rostopic "
     "echo -b FILE -p /joint_states > log.csv)",
     ".r64": "binary samples of a KUKA trace: export them as text with the controller's trace tool",
-    ".tdms": "a file of LabVIEW: export it as CSV",
+    ".tdms": "a binary file of LabVIEW: export it as .lvm or CSV",
     **dict.fromkeys((".zip", ".7z", ".rar", ".tar", ".bz2", ".xz", ".zst"), ARCHIVE),
     ".feather": "a Feather file: save it as Parquet",
 }
@@ -35,5 +35,6 @@ def refuse_other_files(path: Path) -> None:
     advice = ADVICE.get(path.suffix.lower())
     if advice is not None:
         raise InputError(
-            f"{path}: found {advice}; expected .csv, .parquet, .mat, .npz, .h5 or a bag"
+            f"{path}: found {advice}; expected .csv, .xlsx, .lvm, .parquet, .mat, .npz, .h5 or a "
+            "bag"
         )

@@ -47,7 +47,7 @@ from irb2400_ctrl.measurement.log import Log
 from irb2400_ctrl.measurement.other_files import refuse_other_files
 from irb2400_ctrl.measurement.ros_table import read_ros_table
 from irb2400_ctrl.measurement.table import Table, said_of_copies
-from irb2400_ctrl.reading import looks_like
+from irb2400_ctrl.reading import looks_like, lvm_blocks, sheet_blocks, text_blocks
 
 Found = dict[str, dict[int, str]]
 """signal -> joint -> name of the column in the file"""
@@ -69,10 +69,12 @@ READERS = {
     ".h5": read_hdf5_table,
     ".hdf5": read_hdf5_table,
 }
-"""by suffix; anything else is CSV, but for"""
+"""by suffix; anything else is lines of text, but for"""
 BAGS = (".db3", ".mcap")
 """whose joints have names"""
 
+TEXTS = {".lvm": lvm_blocks, ".xlsx": sheet_blocks, ".xlsm": sheet_blocks}
+"""by suffix, where the lines come from; of any other file they are its own"""
 ROBOTS = (".toml", ".urdf", ".xacro")
 """suffixes of what is given by mistake in the place of a log"""
 
@@ -87,8 +89,8 @@ def read_log(
     """The log of a file.
 
     Args:
-        path: `.csv`, `.csv.gz` (comma, semicolon or tab; decimal comma), `.mat`, `.parquet`,
-            `.npz`, `.h5`, ROS 2 bag `.db3` or `.mcap`.
+        path: `.csv`, `.csv.gz` (comma, semicolon or tab; decimal comma), `.xlsx`, `.lvm`, `.mat`,
+            `.parquet`, `.npz`, `.h5`, ROS 2 bag `.db3` or `.mcap`.
         joints: number of joints to expect; default as many as the names tell.
         columns: what the file's columns are, where their names do not say it.
         names: of the robot's joints in their order (`robot.joint_names`): a ROS bag names its
@@ -117,7 +119,7 @@ def read_log(
     elif path.suffix.lower() in READERS:
         table = READERS[path.suffix.lower()](path, None if given is None else given.named)
     else:
-        table = read_csv_table(path)
+        table = read_csv_table(path, text=TEXTS.get(path.suffix.lower(), text_blocks))
     return log_of(table, given, names, joints)
 
 

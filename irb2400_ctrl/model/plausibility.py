@@ -28,9 +28,10 @@ def plausibility(robot: Robot) -> list[str]:
         length = float(np.linalg.norm(link.frame.matrix()[:3, 3]))
         if length > LONGEST_M:
             notes.append(f"{link.name}: its joint is {length:.4g} m further on; it looks like mm")
-        notes += _body(link.name, link.body, link is not robot.links[0])
+        notes += _body(link.name, link.body)
+    notes += _masses(robot)
     if robot.tool is not None:
-        notes += _body(robot.tool.name, robot.tool.body, False)
+        notes += _body(robot.tool.name, robot.tool.body)
     notes += [issue.sentence for issue in check(robot) if issue.kind != "massless"]
     for joint in robot.joints:
         low, high = joint.limits.range_deg
@@ -57,12 +58,34 @@ def _gravity(robot: Robot) -> list[str]:
     return []
 
 
-def _body(name: str, body: Body, needed: bool) -> list[str]:
+def _masses(robot: Robot) -> list[str]:
+    """Links without mass, of which no torque shows the first alone; and placeholders."""
+    bodies = [link.body for link in robot.links]
+    without = [link.name for link in robot.links[1:] if not _weighs(link.body)]
+    if without:
+        verb = "have" if len(without) > 1 else "has"
+        return [f"{', '.join(without)} {verb} no mass; expected a mass above zero"]
+    numbers = {(body.mass_kg, tuple(body.com_m), tuple(body.inertia_kgm2)) for body in bodies}
+    if len(bodies) > 2 and len(numbers) == 1:
+        return [
+            "all links have the same mass data: placeholders, and torques mean nothing with them; "
+            "expected those of the arm (irb2400 identify fits them to logs)"
+        ]
+    return []
+
+
+def _weighs(body: Body) -> bool:
+    """With a mass, or an inertia that is said already to have none."""
+    return body.mass_kg > 0.0 or bool(np.any(body.inertia_kgm2))
+
+
+def _body(name: str, body: Body) -> list[str]:
     notes = []
     inertia = float(np.abs(body.inertia_kgm2).max())
-    if body.mass_kg == 0.0 and (needed or inertia > 0.0):
-        extra = f" but an inertia of {inertia:.4g} kg m2" if inertia else ""
-        notes.append(f"{name} has no mass{extra}; expected a mass above zero")
+    if body.mass_kg == 0.0 and inertia > 0.0:
+        notes.append(
+            f"{name} has no mass but an inertia of {inertia:.4g} kg m2; expected a mass above zero"
+        )
     distance = float(np.linalg.norm(body.com_m))
     if distance > FAR_M:
         notes.append(f"{name}: the centre of mass is {distance:.3g} m away; it looks like mm")

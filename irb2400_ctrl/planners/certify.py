@@ -100,7 +100,7 @@ def certify_joints(
     kept = settled.bounded and settled.worst(limits) <= 1 and _rates_kept(checked, options)
     return JointBounds(
         certificate=certificate,
-        guaranteed=options.certified and kept,
+        guaranteed=options.certified and kept and not robot.weightless,
         note=_note(dynamics, checked, kept, options),
         torque_ratio=float((settled.torque[: robot.n] / robot.tau_max).max()),
         velocity_ratio=settled.bounds.first(robot.n).velocity_ratio(robot.qd_max),
@@ -132,6 +132,8 @@ def _rates_kept(checked: Checked, options: TimingOptions) -> bool:
 
 def _note(dynamics: PathDynamics, checked: Checked, kept: bool, options: TimingOptions) -> str:
     """Why the torque bound is not guaranteed; empty where it is."""
+    if dynamics.model.robot.weightless:
+        return "no link of the robot file has mass, so the torques are not known"
     unbounded = np.isfinite(checked.torque_ratio) and not np.isfinite(checked.torque_rate_ratio)
     if unbounded and options.rates_stated:
         return SAMPLED_NOTE

@@ -229,7 +229,14 @@ class Robot(Table):
         stated = ~np.isinf(self.tau_bound)
         says += self._unknown(stated, "torque limit", "no torque is cut; planning needs it")
         speeds = np.array([joint.limits.speed_deg_s is not None for joint in self.joints])
+        if self.weightless:
+            says.append("mass of every link is unknown: torques are those of friction alone")
         return says + self._unknown(speeds, "speed limit", "planning needs it")
+
+    @cached_property
+    def weightless(self) -> bool:
+        """Whether no link has mass: a file for kinematics alone, whose torques mean nothing."""
+        return not any(link.body.mass_kg for link in self.links)
 
     def _unknown(self, known: npt.NDArray[np.bool_], term: str, instead: str) -> list[str]:
         names = [j.name for j, there in zip(self.joints, known, strict=True) if not there]

@@ -5,7 +5,9 @@ from __future__ import annotations
 
 import csv
 import json
+import os
 import re
+import sys
 from importlib import resources
 from pathlib import Path
 
@@ -14,6 +16,7 @@ import pytest
 from typer.testing import CliRunner
 
 import irb2400_ctrl as irb
+from irb2400_ctrl.cli.demo import _next_words
 from irb2400_ctrl.cli.main import app
 
 DATA = Path(str(resources.files("irb2400_ctrl") / "data"))
@@ -180,3 +183,21 @@ def test_plan_with_held_orientation(tmp_path: Path) -> None:
     page = (tmp_path / "plan" / "report.html").read_text()
     assert f"irb2400 plan {path} --out {tmp_path / 'plan'} --rate 500.0 --fixed --rapid" in page
     assert (tmp_path / "plan" / "program.mod").read_text().startswith("MODULE")
+
+
+def test_the_end_says_where_the_command_is_that_no_shell_finds(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As after `make demo`: in an environment that is not active."""
+    folder = tmp_path / ".venv" / "bin"
+    folder.mkdir(parents=True)
+    name = "irb2400.exe" if os.name == "nt" else "irb2400"
+    (folder / name).touch()
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(sys, "executable", str(folder / "python"))
+    monkeypatch.setenv("PATH", "")
+    place = os.path.join(".venv", "bin", name)
+    assert _next_words() == [f"irb2400 is {place}; try: {place} --help"]
+    (folder / name).chmod(0o755)
+    monkeypatch.setenv("PATH", str(folder))
+    assert _next_words() == []

@@ -7,6 +7,7 @@ from dataclasses import fields
 from pathlib import Path
 from typing import get_args
 
+import numpy as np
 import pytest
 from typer.testing import CliRunner
 
@@ -125,3 +126,34 @@ def test_a_users_own_effect_explains_itself(tmp_path: Path) -> None:
     finally:
         LIBRARY.clear()
         LIBRARY.update(before)
+
+
+@pytest.mark.parametrize("kind", [*LIBRARY])
+def test_every_effect_has_a_figure_of_what_it_does(kind: str) -> None:
+    from irb2400_ctrl.report.figures.effect_figure import effect_figure
+
+    figure, joint = effect_figure(kind)
+    over_time, over_signal = figure.axes
+    added = np.asarray(over_time.lines[0].get_ydata(), dtype=float)
+    assert np.nanmax(np.abs(added)) > 1e-3
+    assert f"torque {joint} [Nm]" in over_time.get_ylabel()
+    assert f" {joint} [" in over_signal.get_xlabel()
+
+
+def test_a_ripple_is_drawn_with_its_own_amplitude_and_order() -> None:
+    from irb2400_ctrl.report.figures.effect_figure import effect_figure
+
+    line = effect_figure("gear_ripple")[0].axes[1].lines[0]
+    angle, added = (np.asarray(v, dtype=float) for v in (line.get_xdata(), line.get_ydata()))
+    fields = LIBRARY["gear_ripple"].example
+    law = fields["amplitude_Nm"] * np.sin(fields["order"] * np.radians(angle) + fields["phase_rad"])
+    known = np.isfinite(added)
+    np.testing.assert_allclose(added[known], law[known], atol=1e-6)
+
+
+def test_the_page_of_an_effect(tmp_path: Path) -> None:
+    done = CliRunner().invoke(app, ["explain", "hysteresis", "--out", str(tmp_path)])
+    assert done.exit_code == 0, done.output
+    html = (tmp_path / "report.html").read_text("utf-8")
+    assert "What it adds to the torque of joint 2" in html
+    assert "What it is taken for" in html

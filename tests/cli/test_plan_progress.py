@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import os
-import pty
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
+from only_posix import posix_only
 
 import irb2400_ctrl as irb
 from irb2400_ctrl.planners import plan_path
@@ -58,7 +58,10 @@ def test_a_pipe_hears_nothing(toolpath: Path, tmp_path: Path) -> None:
     assert "timing:" not in run.stderr
 
 
+@posix_only
 def test_a_terminal_sees_stages(toolpath: Path, tmp_path: Path) -> None:
+    import pty
+
     ours, theirs = pty.openpty()
     environment = {**os.environ, "TERM": "xterm", "COLUMNS": "120"}
     command = [*COMMAND, str(toolpath), "--out", str(tmp_path / "out")]

@@ -1,6 +1,5 @@
 """`CompiledFunction`: calling, looping, the cache, and errors that help."""
 
-import os
 import stat
 import sys
 from pathlib import Path
@@ -16,6 +15,7 @@ from irb2400_ctrl.codegen.machine_code.build_cache import cache_dir
 from irb2400_ctrl.codegen.machine_code.interpreted import say_slow
 from irb2400_ctrl.codegen.machine_code.toolchain import find_compiler
 from irb2400_ctrl.errors import InputError, ToolMissingError
+from irb2400_ctrl.system import user_number
 
 
 def pendulum(dt: float = 0.01) -> ca.Function:
@@ -200,7 +200,7 @@ def draw_rows(n: int, width: int) -> np.ndarray:
 
 
 @pytest.mark.skipif(
-    not sys.platform.startswith("linux") or os.getuid() == 0, reason="root writes everywhere"
+    not sys.platform.startswith("linux") or user_number() == 0, reason="root writes everywhere"
 )
 def test_an_unwritable_home_falls_back(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     closed = tmp_path / "closed"

@@ -11,6 +11,7 @@ from pathlib import Path
 
 import casadi as ca
 import pytest
+from only_posix import posix_only
 
 from irb2400_ctrl.codegen import compile_function
 from irb2400_ctrl.codegen.machine_code import build_cache
@@ -131,6 +132,7 @@ def test_a_lax_umask_makes_no_library_that_others_may_write_to(folder: Path) -> 
     assert folder.stat().st_mode & 0o022 == 0
 
 
+@posix_only
 def test_a_foreign_temporary_folder_is_passed_over(
     folder: Path, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
@@ -162,6 +164,7 @@ def test_leftovers_of_killed_builds_go(folder: Path) -> None:
     assert young.exists()
 
 
+@posix_only
 def test_a_killed_build_leaves_no_library(folder: Path, tmp_path: Path) -> None:
     """kill -9 while the compiler writes: the next start compiles, and loads what is whole."""
     compiler = script(tmp_path / "slow-cc", "sleep 60")

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import gzip
 import itertools
-import resource
 import subprocess
 import sys
 from importlib import resources
@@ -15,6 +14,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from only_posix import posix_only
 
 import irb2400_ctrl as irb
 from irb2400_ctrl.errors import InputError
@@ -137,6 +137,7 @@ print(len(table.columns["time_s"]), used // 1000, len(rows), rows == sorted(rows
 """
 
 
+@posix_only
 def test_a_long_log_is_read_in_a_bounded_memory(tmp_path: Path) -> None:
     """300,000 rows of 13 columns are 31 MB of numbers; text and blocks may not multiply that."""
     path = tmp_path / "log.csv"
@@ -306,8 +307,11 @@ def test_a_coupling_that_is_nearly_singular(tmp_path: Path, factor: str) -> None
     refused(load_robot, path, "coupling: the matrix is (nearly )?singular")
 
 
+@posix_only
 def test_memory_is_bounded_at_a_gap_of_a_thousand_million_seconds(tmp_path: Path) -> None:
     """On an even grid the gap alone would have 2.5e11 samples."""
+    import resource
+
     from irb2400_ctrl.measurement.prepared_log import prepare
 
     path = tmp_path / "log.csv"

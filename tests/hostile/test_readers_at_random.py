@@ -8,6 +8,7 @@ from __future__ import annotations
 import gzip
 import os
 import warnings
+import zipfile
 from collections.abc import Callable
 from contextlib import suppress
 from functools import cache
@@ -102,9 +103,38 @@ def example(name: str) -> bytes:
     return (ROOT / "examples" / name).read_bytes()
 
 
+def in_a_workbook(path: Path) -> object:
+    """The log whose sheet the file is, and its words."""
+    packed = path.with_suffix(".xlsx")
+    with zipfile.ZipFile(packed, "w") as workbook:
+        workbook.write(path, "xl/worksheets/sheet1.xml")
+        workbook.writestr("xl/sharedStrings.xml", "<sst><si><t>time_s</t></si></sst>")
+    return read_log(packed)
+
+
+@cache
+def sheet() -> bytes:
+    names, *rows = LOG.decode().split("\n")
+    head = "".join(f'<c t="str"><v>{name}</v></c>' for name in names.split(",")[1:])
+    cells = ("".join(f"<c><v>{v}</v></c>" for v in row.split(",")) for row in rows)
+    body = "".join(f"<row>{row}</row>" for row in cells)
+    return f'<x><row r="1"><c t="s"><v>0</v></c>{head}</row>{body}</x>'.encode()
+
+
+@cache
+def lvm() -> bytes:
+    names, *rows = LOG.decode().replace(",", "\t").split("\n")
+    head = "LabVIEW Measurement\nSeparator\tTab\nX_Columns\tOne\n***End_of_Header***\n"
+    head += "Channels\t12\nX_Dimension\tTime\nX0\t0\nDelta_X\t.01\n***End_of_Header***\n"
+    named = names.replace("time_s", "X_Value") + "\tComment"
+    return (head + "\n".join([named, *rows])).encode()
+
+
 READERS: dict[str, tuple[str, Callable[[], bytes], Callable[[Path], object]]] = {
     "log": ("log.csv", lambda: LOG, read_log),
     "packed log": ("log.csv.gz", lambda: gzip.compress(LOG, mtime=0), read_log),
+    "sheet": ("sheet.xml", sheet, in_a_workbook),
+    "lvm": ("log.lvm", lvm, read_log),
     "trajectory": ("t.csv", lambda: MOTION, load_trajectory),
     "packed trajectory": ("t.csv.gz", lambda: gzip.compress(MOTION, mtime=0), load_trajectory),
     "study": ("study.toml", lambda: example("studies/friction.toml"), load_study),

@@ -263,7 +263,7 @@ def test_the_text_of_a_topic_is_told_apart(tmp_path: Path) -> None:
         read_log(path)
 
 
-@pytest.mark.parametrize("suffix", ["xlsx", "pkl", "npy", "json", "bag", "r64"])
+@pytest.mark.parametrize("suffix", ["xls", "tdms", "pkl", "npy", "json", "bag", "r64"])
 def test_what_is_not_read_is_told_what_to_make_of_it(suffix: str, tmp_path: Path) -> None:
     path = tmp_path / f"log.{suffix}"
     path.write_bytes(b"\x00\x01")

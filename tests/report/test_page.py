@@ -19,7 +19,7 @@ from irb2400_ctrl.codegen.verification import Verification
 from irb2400_ctrl.report import ArmView, Colouring, Page, Provenance
 from irb2400_ctrl.report.elements.glossary import WORDS
 from irb2400_ctrl.report.elements.inline_svg import COLOURS
-from irb2400_ctrl.report.elements.page import TEMPLATES, show, with_error
+from irb2400_ctrl.report.elements.page import TEMPLATES, of_limit, show, with_error
 from irb2400_ctrl.report.elements.plots import Line, joint_plots, parity, spectrum, thin
 from irb2400_ctrl.report.figures.plan_figures import feed_figure
 from irb2400_ctrl.report.pages.main_page import _compared
@@ -239,3 +239,11 @@ def test_rapid_moves_leave_the_feed_to_be_seen() -> None:
     # nothing is cut off where nothing is programmed, or nothing is faster
     assert feed_figure(motion, None, None).axes[0].get_ylim()[1] > 1000
     assert feed_figure(motion, None, 900.0).axes[0].get_ylim()[1] > 1000
+
+
+@pytest.mark.parametrize(
+    ("ratio", "says"),
+    [(0.8104, "81 % of limit"), (0.998, "99.8 % of limit"), (1.0, "100 % of limit")],
+)
+def test_a_limit_that_is_not_reached_is_not_called_so(ratio: float, says: str) -> None:
+    assert of_limit(ratio) == says

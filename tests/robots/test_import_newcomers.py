@@ -9,8 +9,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 from robots.public_arms import arms, urdf
+from typer.testing import CliRunner
 
 import irb2400_ctrl as irb
+from irb2400_ctrl.cli.main import app
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.model.plausibility import plausibility
 from irb2400_ctrl.robot.importing import import_robot
@@ -237,3 +239,53 @@ def test_a_range_upside_down_and_a_linkage_are_told(tmp_path: Path) -> None:
     notes = "\n".join(import_robot(path).notes)
     assert "range 3 to -3 rad in the file is none" in notes
     assert "joint bar_joint (follows elbow_joint, mimic)" in notes
+
+
+MESH = '<visual><geometry><mesh filename="package://arm/{}.stl"/></geometry></visual></link>'
+
+
+def test_meshes_that_are_not_there_are_one_line(tmp_path: Path) -> None:
+    text = ur5()
+    for k in range(7):
+        text = text.replace("</link>", f"</LINK{k}>", 1)
+    for k in range(7):
+        text = text.replace(f"</LINK{k}>", MESH.format(k))
+    path = tmp_path / "arm.urdf"
+    path.write_text(text)
+    notes = [note for note in import_robot(path).notes if "left out of the outline" in note]
+    assert len(notes) == 1
+    assert "their meshes (package://arm/0.stl, …): found nothing beside the file" in notes[0]
+
+
+def test_a_plan_of_an_arm_without_masses_promises_no_torque(tmp_path: Path) -> None:
+    """Files of ROS-Industrial have joints, ranges and speeds, and no mass data."""
+    path = tmp_path / "arm.urdf"
+    path.write_text(ur5("<inertial>.*?</inertial>"))
+    robot = import_robot(path).robot
+    assert "mass of every link is unknown: torques are those of friction alone" in (
+        robot.assumptions()
+    )
+    path_of_tip = irb.planners.builders.circle((0.4, 0.2, 0.4), 0.03, feed=0.05)
+    plan = irb.plan_path(robot, path_of_tip)
+    assert not plan.guaranteed
+    assert "no link of the robot file has mass" in plan.summary()["guarantee_note"]
+    irb.save_robot(robot, tmp_path / "arm.toml")
+    found = CliRunner().invoke(app, ["robot", "check", str(tmp_path / "arm.toml")])
+    assert "no link has mass: only kinematics can be asked of this arm" in found.output
+    assert "every body could exist" not in found.output
+    assert sum("no mass; expected" in line for line in found.output.splitlines()) == 1
+
+
+def test_the_same_body_on_every_link_is_a_placeholder(tmp_path: Path) -> None:
+    body = '<inertial><mass value="1"/><origin xyz="0 0 0"/>'
+    body += '<inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial>'
+    path = tmp_path / "arm.urdf"
+    path.write_text(re.sub("<inertial>.*?</inertial>", body, ur5(), flags=re.DOTALL))
+    notes = plausibility(import_robot(path).robot)
+    assert any("all links have the same mass data: placeholders" in note for note in notes)
+    assert not any("placeholders" in note for note in plausibility(irb.load_robot("puma560")))
+
+
+def test_a_xacro_is_told_how_it_is_expanded(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"xacro arm.xacro > .*xacrodoc arm.xacro -d"):
+        imported(tmp_path, "arm.xacro", ur5("link_1", "${prefix}link_1"))

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from irb2400_ctrl.cli.command_line import provenance
+from irb2400_ctrl.cli.planning.margin_lines import margin_lines
 from irb2400_ctrl.cli.progress import step
 from irb2400_ctrl.cli.summary import Summary
 from irb2400_ctrl.errors import InputError
@@ -42,9 +43,10 @@ def on_rail(
     page.provenance(provenance(arm))
     written.append(page.write(out / "report.html"))
     for name in ("start", "found"):
-        seen = facts[name]
-        margins = ", ".join(f"{key} {value:.3g}" for key, value in seen["margins"].items())
-        print(f"{name}: {seen['refused'] or margins}")
+        if facts[name]["refused"]:
+            print(f"{name}: {facts[name]['refused']}")
+    for line in margin_lines(facts["start"], facts["found"]):
+        print(line)
     print(f"in the cell file: [rail] position_mm = {found.position_mm:g}")
     print(f"written to {out}: placement.json, report.html")
     return Summary(facts, written)

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from irb2400_ctrl.planners import CamProgram, Operation
 
 app = typer.Typer(
-    help="Look at a CAM file, pass a motion on.", no_args_is_help=True, rich_markup_mode=None
+    help="look at a CAM file, pass a motion on", no_args_is_help=True, rich_markup_mode=None
 )
 KINDS = {
     "unknown": "not understood (irb2400 plan refuses the file)",

@@ -20,6 +20,7 @@ from irb2400_ctrl.cli.options import (
     output_folder,
 )
 from irb2400_ctrl.cli.planning.cutting import CuttingForceOption, StiffnessOption, cutting_load
+from irb2400_ctrl.cli.planning.margin_lines import margin_lines
 from irb2400_ctrl.cli.planning.on_rail import on_rail
 from irb2400_ctrl.cli.progress import step
 from irb2400_ctrl.cli.summary import Summary, answers
@@ -238,19 +239,14 @@ def _print(facts: dict[str, Any]) -> None:
     for name in ("start", "found"):
         seen = facts[name]
         frame = ",".join(f"{v:g}" for v in seen["work_frame"])
-        if seen["refused"]:
-            print(f"{name}: --work-frame {frame}: {seen['refused']}")
-            continue
-        margins = ", ".join(f"{key} {value:.3g}" for key, value in seen["margins"].items())
         given = seen["deflection_mm"]
         soft = "" if given is None else f"; gives way by {given:.3f} mm"
-        print(f"{name}: --work-frame {frame}: {margins}{soft}")
-        proof = seen["continuous"]
-        if proof["refused"]:
-            print(f"   on the continuous path: {proof['refused']}")
-        else:
-            margins = ", ".join(f"{key} {value:.3g}" for key, value in proof["margins"].items())
-            print(f"   on the continuous path: {margins}")
+        print(f"{name}: --work-frame={frame}{soft}")
+        wrong = seen["refused"] or seen["continuous"]["refused"]
+        if wrong:
+            print(f"   {wrong}")
+    for line in margin_lines(facts["start"], facts["found"]):
+        print(line)
     print(f"{facts['looked_at']} places looked at")
     for name, told in facts.get("planned", {}).items():
         if told["refused"]:

@@ -19,6 +19,7 @@ from irb2400_ctrl.cli.options import (
     UnitsOption,
     WorkFrameOption,
     input_file,
+    interpolations_named,
     load_arm,
     output_folder,
 )
@@ -145,6 +146,7 @@ InterpolationOption = Annotated[
     typer.Option(
         help="How the controller reads the rows: cubic (through angles and speeds) or linear.",
         metavar="cubic|linear",
+        autocompletion=interpolations_named,
     ),
 ]
 
@@ -307,7 +309,9 @@ def _print_summary(planned: Plan) -> None:
             f"the tip gives way by {given['largest_mm']:.3f} mm at most, at "
             f"{given['at_mm']:.0f} mm of the way (joint stiffness: {given['stiffness_from']})"
         )
-    held = f"; guaranteed for the rows read as {s['interpolation']}" if s["guaranteed"] else ""
+    held = f"; guaranteed for the rows read as {s['interpolation']}"
+    if not s["guaranteed"]:
+        held = f"; not guaranteed: {s['guarantee_note']}" if s["guarantee_note"] else ""
     print(
         f"torque at most {100 * s['max_torque_ratio']:.1f} % of its limit, speed "
         f"{100 * s['max_velocity_ratio']:.1f} %{held}"

@@ -20,6 +20,11 @@ COMFORTABLE_MARGINS = {
 """unit in the name; parts without one"""
 
 
+def comfortable(name: str) -> float:
+    """From where on more of a margin is worth nothing; of one singularity as of all."""
+    return COMFORTABLE_MARGINS.get(name, COMFORTABLE)
+
+
 def part_of_comfort(name: str, value: Array) -> Array:
     """A margin as a part of what is comfortable, at most 1."""
     return np.minimum(value / COMFORTABLE_MARGINS[name], 1.0)

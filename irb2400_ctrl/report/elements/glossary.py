@@ -23,6 +23,8 @@ WORDS = {
     "contour error": "Distance of the tip from the path, wherever on the path it should be by now.",
     "held-out gain": "How much worse the other motion is predicted when this finding is left out.",
     "standard error": "One standard deviation of the number, as far as the log tells.",
+    "discrepancy": "How far the arm's own curve is from the textbook's, along fixed shapes: almost "
+    "zero where the law is the effect's.",
     "effect": "A piece of physics that the model may lack: a law, its numbers, and a joint.",
     "wrist singularity": "Axes 4 and 6 in line (axis 5 at zero): a small turn of the tool needs a "
     "large one of the joints. Its margin is |sin q5|.",
@@ -36,8 +38,14 @@ WORDS = {
     "parity": "Predicted over measured: a perfect model lies on the line.",
     "power spectrum": "How much of what is left oscillates at which frequency. Noise is flat; a "
     "peak is a cause that comes back.",
+    "autocorrelation": "How much a sample of what is left tells about one some time later. Noise "
+    "tells nothing beyond the first moments; what goes on is physics that is missing.",
+    "fit": "How much of the torque's variation the model makes: 100 % less the norm of what is "
+    "left over the norm of the torque about its mean (what MATLAB's compare prints).",
     "separation": "Distance between what two effects do to the torque, in standard deviations of "
     "the noise: the larger, the surer a log tells them apart.",
+    "the rows": "The lines of trajectory.csv. Between two of them a controller follows a curve of "
+    "its own; where that could not follow, the motion is slowed.",
     "torque share": "Torque over its limit.",
 }
 _PATTERN = re.compile(

@@ -270,6 +270,13 @@ def show(value: object) -> str:
     return f"{mantissa}·10{str(int(power)).translate(_RAISED)}" if power else mantissa
 
 
+def of_limit(ratio: float) -> str:
+    """`81 % of limit`; one digit more where rounding would say that a limit is reached."""
+    percent = 100.0 * ratio
+    near = 99.0 <= percent < 100.0
+    return f"{percent:.1f} % of limit" if near else f"{percent:.0f} % of limit"
+
+
 def with_error(value: float, error: float) -> str:
     """`3.080 ± 0.011`: two digits of a standard error, and as many places of its value."""
     if not (isfinite(error) and error > 0.0):

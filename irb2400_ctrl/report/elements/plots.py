@@ -83,7 +83,7 @@ def over_time(
         axis.set_ylim(bottom=floor)
     axis.set(xlabel="time [s]", ylabel=label, xlim=(time[0], time[-1]))
     if named:
-        _legend(axis)
+        legend_above(axis)
     return figure
 
 
@@ -147,12 +147,13 @@ def parity(
     """
     figure, axis = small(bool(model))
     some = np.linspace(0, len(measured) - 1, min(len(measured), _MOST_DOTS)).round().astype(int)
-    ends = [float(np.min(measured)), float(np.max(measured))]
-    axis.plot(ends, ends, color="0.6", lw=0.9)
+    if len(measured):  # a joint that stands has no sample that counts
+        ends = [float(np.min(measured)), float(np.max(measured))]
+        axis.plot(ends, ends, color="0.6", lw=0.9)
     axis.plot(measured[some], predicted[some], ".", ms=2, color=colour, alpha=0.6, label=model)
     axis.set(xlabel=f"measured torque {joint} [Nm]", ylabel="predicted [Nm]")
     if model:
-        _legend(axis)
+        legend_above(axis)
     return figure
 
 
@@ -168,7 +169,8 @@ def spectrum(lines: Sequence[tuple[str, Array, str]], rate: float, joint: int) -
 
     named = len(lines) > 1
     figure, axis = small(named)
-    for name, residual, colour in lines:
+    some = [line for line in lines if np.nan_to_num(line[1]).any()]
+    for name, residual, colour in some:
         known = np.nan_to_num(residual)
         frequency, power = welch(known, fs=rate, nperseg=min(512, len(known)))
         axis.plot(frequency[1:], np.sqrt(power[1:]), color=colour, lw=1.0, label=name)
@@ -177,9 +179,10 @@ def spectrum(lines: Sequence[tuple[str, Array, str]], rate: float, joint: int) -
         ylabel=f"residual {joint} [Nm/√Hz]",
         xlim=(0.0, rate / 2),
     )
-    logarithmic(axis, "y")
-    if named:
-        _legend(axis)
+    if some:  # a joint that stands leaves nothing that counts
+        logarithmic(axis, "y")
+    if named and some:
+        legend_above(axis)
     return figure
 
 
@@ -195,7 +198,7 @@ def logarithmic(axis: Axes, which: Literal["x", "y"]) -> None:
     scale.set_minor_formatter(NullFormatter())
 
 
-def _legend(axis: Axes) -> None:
+def legend_above(axis: Axes) -> None:
     """Above the plot, in one row."""
     axis.legend(
         fontsize="small",

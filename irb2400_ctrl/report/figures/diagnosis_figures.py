@@ -8,6 +8,7 @@ from matplotlib.figure import Figure
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.diagnosis import Comparison, Curve
 from irb2400_ctrl.report.elements.plots import Line, over_time, parity, spectrum, wide
+from irb2400_ctrl.report.figures.residual_figures import autocorrelation_figure
 
 AXIS_NAMES = {
     "q": "angle",
@@ -70,20 +71,18 @@ def residual_figure(comparison: Comparison, joint: int) -> Figure:
 
 
 def closer_figures(comparison: Comparison, joint: int) -> list[Figure]:
-    """Parity before and after, and the spectrum of what is left."""
+    """Parity before and after, spectrum and autocorrelation of what is left."""
     j = joint - 1
     known = comparison.known[:, j]
     before, after = residuals(comparison, joint)
     rate = 1.0 / float(np.median(np.diff(comparison.time)))
     measured = comparison.measured[known, j]
+    left = [("as given", before, "tab:red"), ("with what was found", after, "tab:blue")]
     return [
         parity(measured, comparison.before[known, j], joint, "as given", "tab:red"),
         parity(measured, comparison.after[known, j], joint, "with what was found"),
-        spectrum(
-            [("as given", before, "tab:red"), ("with what was found", after, "tab:blue")],
-            rate,
-            joint,
-        ),
+        spectrum(left, rate, joint),
+        autocorrelation_figure(left, rate, joint),
     ]
 
 

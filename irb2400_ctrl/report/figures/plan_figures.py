@@ -103,7 +103,7 @@ def feed_figure(motion: Trajectory, plan: Plan | None, feed: float | None) -> Fi
         asked = 1e3 * plan.path.feed[np.minimum(later, len(plan.path.feed) - 1)]
         programmed = Line(np.where(np.isfinite(asked), asked, np.nan), "0.6", "programmed", 2.0)
         lines.insert(0, programmed)
-    figure = over_time(motion.time, lines, "TCP [mm/s]", floor=0.0)
+    figure = over_time(motion.time, lines, "TCP speed [mm/s]", floor=0.0)
     if feed is not None and speed.max() > FEED_SHOWN * feed:
         figure.axes[0].set_ylim(top=FEED_SHOWN * feed)
     return figure

@@ -125,12 +125,14 @@ def add_diagnosis(page: Page, diagnosis: Diagnosis, log: Log | None = None) -> N
         if numbers:
             page.heading(f"{heading}: every number")
             page.table("Numbers of the model, SI", *number_rows(numbers))
-    rows = recalibration_rows(diagnosis.recalibrated)
+    rows = recalibration_rows(diagnosis.recalibrated, diagnosis.given)
     if rows:
         page.heading("Recalibrated")
         page.text("Terms the model already has, with the values this arm needs.")
         page.table(
-            "New values", ("term", *(f"joint {j + 1}" for j in range(diagnosis.given.n))), rows
+            "Old and new values",
+            ("term", *(f"joint {j + 1}" for j in range(diagnosis.given.n))),
+            rows,
         )
 
 
@@ -177,8 +179,8 @@ def _add_joints(page: Page, diagnosis: Diagnosis, log: Log | None) -> None:
         )
         page.figures(
             closer_figures(compared, joint),
-            "Predicted over measured torque (on the line they agree), and the root of the power "
-            "spectrum of what is left.",
+            "Predicted over measured torque (on the line they agree); of what is left the root of "
+            "the power spectrum, and the autocorrelation with the 99 % band of white noise.",
         )
     # several logs are joined into one record, whose time is not that of the first
     if log is None or len(diagnosis.logs) > 1 or diagnosis.log_problem is not None:

@@ -11,6 +11,7 @@ import numpy as np
 from irb2400_ctrl.diagnosis import Comparison, Diagnosis, Finding
 from irb2400_ctrl.effects.base import OPEN_END_S
 from irb2400_ctrl.report.elements.page import show
+from irb2400_ctrl.robot import Robot
 
 UNITS = {"coulomb": "Nm", "viscous": "Nm s/rad", "offset": "Nm", "rotor": "kg m2"}
 """of recalibrated terms"""
@@ -74,9 +75,11 @@ def parameter_rows(finding: Finding) -> list[list[object]]:
     ]
 
 
-def recalibration_rows(recalibrated: Mapping[str, Any]) -> list[list[object]]:
-    """One row per term with a value for each joint (mass data of the links stand in
-    robot.toml)."""
+def recalibration_rows(recalibrated: Mapping[str, Any], given: Robot) -> list[list[object]]:
+    """One row per term with a value for each joint, below the one it takes the place of (mass data
+    of the links stand in robot.toml)."""
+    friction = np.where(given.friction_known, given.friction, np.nan)
+    before = {"coulomb": friction[:, 1], "viscous": friction[:, 2]}
     rows: list[list[object]] = []
     for term, values in recalibrated.items():
         flat = (
@@ -87,5 +90,7 @@ def recalibration_rows(recalibrated: Mapping[str, Any]) -> list[list[object]]:
         if flat.ndim == 1 and flat.size:
             unit = UNITS.get(term)
             name = f"{term} [{unit}]" if unit else term
+            if term in before:
+                rows.append([f"{name}, as given", *(float(v) for v in before[term])])
             rows.append([name, *(float(v) for v in flat)])
     return rows

@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 from irb2400_ctrl.excitation.excitation import Excitation
 from irb2400_ctrl.excitation.pair_separability import CLEAR
 from irb2400_ctrl.report.elements.arm_view import ArmView
-from irb2400_ctrl.report.elements.page import Page
+from irb2400_ctrl.report.elements.page import Page, of_limit
 from irb2400_ctrl.report.elements.plots import logarithmic, wide
 from irb2400_ctrl.report.figures import plan_figures as draw
 
@@ -88,7 +88,7 @@ def _sentence(found: Excitation, hopeful: int) -> str:
 def _facts(found: Excitation) -> list[tuple[str, str]]:
     return [
         ("duration", f"{found.course.duration:.1f} s"),
-        ("torque, at most", f"{100 * found.extent.torque:.0f} % of limit"),
-        ("speed, at most", f"{100 * found.extent.speed:.0f} % of limit"),
+        ("torque, at most", of_limit(found.extent.torque)),
+        ("speed, at most", of_limit(found.extent.speed)),
         ("from the ends of the range", f"{np.degrees(found.extent.box):.0f} deg"),
     ]

@@ -15,6 +15,15 @@ from irb2400_ctrl.measurement import Log
 from irb2400_ctrl.report.elements.page import Page, with_error
 from irb2400_ctrl.report.elements.plots import Line, joint_plots, parity, small, spectrum
 from irb2400_ctrl.report.figures.friction_figures import friction_figure, law_rows, run_figure
+from irb2400_ctrl.report.figures.residual_figures import (
+    AUTOCORRELATION,
+    TESTED,
+    autocorrelation_figure,
+    lasting,
+    residual_tests,
+    tested_rows,
+    told_of_tests,
+)
 from irb2400_ctrl.report.figures.residual_view import residual_view
 from irb2400_ctrl.report.pages.diagnosis_tables import UNITS
 
@@ -26,6 +35,7 @@ MODELS = {
 }
 FEW = 4
 """logs that are drawn"""
+SHOWN = "identifiable"
 TWICE = 1.96
 """standard deviations of 95 %"""
 
@@ -72,7 +82,12 @@ def identification_page(result: Identification, logs: Sequence[Log] = ()) -> Pag
     if logs:
         _add_motion(page, result, logs[0])
     page.heading("What these motions tell of every number")
-    page.table("Identifiability from these motions alone", *verdict_rows(result))
+    head, rows = verdict_rows(result)
+    open_ones = [row for row in rows if row[1] != SHOWN]
+    if open_ones:
+        page.table("What these motions alone do not tell, and what would", head, open_ones)
+    page.text(f"Identifiable are {len(rows) - len(open_ones)} of {len(rows)} numbers.")
+    page.table("Identifiability of every number", head, rows, folded=True)
     page.figure(correlation_figure(result), "Which numbers these motions tell only together.")
     return page
 
@@ -135,6 +150,24 @@ def _add_log(page: Page, log: LogResult) -> None:
         ],
         "Root of the power spectrum of what is left.",
     )
+    page.figures(
+        [
+            autocorrelation_figure(
+                [
+                    ("file as given", before[:, j], "tab:red"),
+                    ("identified", after[:, j], "tab:blue"),
+                ],
+                rate,
+                j + 1,
+            )
+            for j in joints
+        ],
+        AUTOCORRELATION,
+    )
+    tests = residual_tests(log.time, log.q, log.qd, log.measured, log.unseen, log.known)
+    page.table(TESTED, *tested_rows(tests, log.measured, log.unseen, log.known))
+    lasts = lasting(log.time, log.measured, log.unseen, log.known)
+    page.text(told_of_tests(tests, lasts))
 
 
 def _add_motion(page: Page, result: Identification, log: Log) -> None:

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from irb2400_ctrl.codegen.verification import Verification
-from irb2400_ctrl.report.elements.page import Page
+from irb2400_ctrl.report.elements.page import Page, of_limit
 from irb2400_ctrl.report.figures.simulation_figures import (
     joint_figure,
     torque_figures,
@@ -71,7 +71,7 @@ def _facts(job: MainJob) -> list[tuple[str, str]]:
         (f"joint {joint + 1}, RMSE", f"{was:.2f} → {now:.2f} Nm"),
         ("its noise floor", f"{job.diagnosis.noise_floor[joint]:.2f} Nm"),
         ("toolpath", f"{plan['duration_s']:.1f} s"),
-        ("torque, at most", f"{100 * TORQUE_SHARE * plan['max_torque_ratio']:.0f} % of limit"),
+        ("torque, at most", of_limit(TORQUE_SHARE * plan["max_torque_ratio"])),
         ("C packages equal to the model", f"{equal} of {len(job.packages)}"),
     ]
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from irb2400_ctrl.cell import Cell
 from irb2400_ctrl.planners.placement import Outlook, Placement, Proof, RailPosition
-from irb2400_ctrl.planners.redundancy.comfort import COMFORTABLE_MARGINS
+from irb2400_ctrl.planners.redundancy.comfort import COMFORTABLE_MARGINS, comfortable
 from irb2400_ctrl.report.elements.arm_view import ArmView
 from irb2400_ctrl.report.elements.page import Page
 from irb2400_ctrl.report.figures.placement_figure import (
@@ -37,9 +37,9 @@ def placement_page(
     page = Page(f"Where to put {', '.join(found.parts)}")
     x, y, z, rx, ry, rz = (f"{v:g}" for v in found.found.summary()["work_frame"])
     page.answer(
-        f"{_sentence(found.found)} The part's frame stands at x {x}, y {y}, z {z} mm, turned "
-        f"by {rx}, {ry}, {rz} deg.",
-        "good" if found.found.worth >= 1.0 else "note",
+        f"{_sentence(found.found, found.proof)} The part's frame stands at x {x}, y {y}, z {z} mm, "
+        f"turned by {rx}, {ry}, {rz} deg.",
+        "note" if found.found.worth < 1.0 or _tight(found.proof) else "good",
         [
             *_facts(found.start, found.found),
             ("places looked at", str(len(found.seen))),
@@ -66,9 +66,9 @@ def rail_page(found: RailPosition, robot: Robot, cell: Cell) -> Page:
     """
     page = Page(f"Where {robot.name} stands on its rail")
     page.answer(
-        f"{_sentence(found.found)} The carriage stands at {found.position_mm:g} mm: "
+        f"{_sentence(found.found, found.proof)} The carriage stands at {found.position_mm:g} mm: "
         f"[rail] position_mm = {found.position_mm:g} in the cell file.",
-        "good" if found.found.worth >= 1.0 else "note",
+        "note" if found.found.worth < 1.0 or _tight(found.proof) else "good",
         [*_facts(found.start, found.found), ("places looked at", str(len(found.seen)))],
     )
     page.heading("Along the rail")
@@ -78,9 +78,24 @@ def rail_page(found: RailPosition, robot: Robot, cell: Cell) -> Page:
     return page
 
 
-def _sentence(found: Outlook) -> str:
+def _tight(proof: Proof) -> list[str]:
+    """Margins that are less than comfortable somewhere between the points looked at."""
+    return [
+        f"the {_name(key)} is down to {value:.3g}{_unit(key)} ({comfortable(key):g} is comfortable)"
+        for key, value in proof.margins.items()
+        if value < comfortable(key)
+    ]
+
+
+def _sentence(found: Outlook, proof: Proof) -> str:
     """How good the found place is."""
     if found.worth >= 1.0:
+        tight = _tight(proof)
+        if tight:
+            return (
+                "Every margin is comfortable at the points looked at; between them "
+                f"{', '.join(tight)}."
+            )
         return "Every margin is comfortable."
     part = f"{100 * found.worth:.0f} % of what is comfortable"
     return f"The worst margin, {_name(found.worst)}, is {part}."
@@ -100,6 +115,12 @@ def _facts(start: Outlook, found: Outlook) -> list[tuple[str, str]]:
 
 def _name(margin: str) -> str:
     return NAMES[margin].partition(" [")[0]
+
+
+def _unit(margin: str) -> str:
+    """After a number; empty where it has none."""
+    unit = NAMES[margin].partition(" [")[2].rstrip("]")
+    return "" if unit == "-" else f" {unit}"
 
 
 def _add_place(
@@ -123,8 +144,14 @@ def _add_place(
         ["margin", "start", "found", "comfortable"],
         rows,
     )
-    followed: list[list[object]] = [[NAMES[k], float(v)] for k, v in proof.margins.items()]
-    page.table("At the found place, also between those points", ["margin", "at least"], followed)
+    followed: list[list[object]] = [
+        [NAMES[k], float(v), comfortable(k)] for k, v in proof.margins.items()
+    ]
+    page.table(
+        "At the found place, also between those points",
+        ["margin", "at least", "comfortable"],
+        followed,
+    )
     if proof.way is None:
         return
     page.heading("The arm there")

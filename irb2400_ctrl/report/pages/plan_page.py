@@ -9,7 +9,7 @@ from irb2400_ctrl.cell import Cell
 from irb2400_ctrl.cell.description import CellTool
 from irb2400_ctrl.planners import Plan, ProgramMotion
 from irb2400_ctrl.report.elements.arm_view import ArmView
-from irb2400_ctrl.report.elements.page import Page
+from irb2400_ctrl.report.elements.page import Page, of_limit
 from irb2400_ctrl.report.figures import plan_figures as draw
 from irb2400_ctrl.report.figures.rotation_figure import rotation_figure
 from irb2400_ctrl.robot import Robot
@@ -114,8 +114,8 @@ def facts(summary: Mapping[str, Any]) -> list[tuple[str, str]]:
     clearance = summary["clearance_mm"]["value"]
     return [
         ("duration", f"{summary['duration_s']:.2f} s"),
-        ("torque, at most", f"{100 * summary['max_torque_ratio']:.0f} % of limit"),
-        ("speed, at most", f"{100 * summary['max_velocity_ratio']:.0f} % of limit"),
+        ("torque, at most", of_limit(summary["max_torque_ratio"])),
+        ("speed, at most", of_limit(summary["max_velocity_ratio"])),
         ("TCP deviation, at most", f"{summary['max_tcp_deviation_mm']:.3f} mm"),
         ("clearance, at least", "not known" if clearance is None else f"{clearance:.0f} mm"),
         ("wrist margin |sin q5|", f"{margin['wrist']:.3f}"),

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from irb2400_ctrl.report.elements.arm_view import ArmView, Colouring
-from irb2400_ctrl.report.elements.page import Page
+from irb2400_ctrl.report.elements.page import Page, of_limit
 from irb2400_ctrl.report.elements.provenance import effects_in_words
 from irb2400_ctrl.report.figures.simulation_figures import (
     error_figures,
@@ -99,7 +99,7 @@ def _facts(summary: Mapping[str, Any]) -> list[tuple[str, str]]:
         ("TCP error, max", f"{error['max']:.3f} mm"),
         ("contour error, rms", f"{contour['rms']:.3f} mm"),
         ("contour error, max", f"{contour['max']:.3f} mm"),
-        ("torque, at most", f"{100 * max(summary['max_torque_ratio']):.0f} % of limit"),
+        ("torque, at most", of_limit(max(summary["max_torque_ratio"]))),
         ("duration", f"{summary['duration_s']:.2f} s"),
     ]
 

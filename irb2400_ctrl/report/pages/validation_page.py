@@ -11,6 +11,15 @@ from irb2400_ctrl.identification import LogComparison, Validation
 from irb2400_ctrl.measurement import Log
 from irb2400_ctrl.report.elements.page import Page
 from irb2400_ctrl.report.elements.plots import Line, joint_plots, parity, spectrum
+from irb2400_ctrl.report.figures.residual_figures import (
+    AUTOCORRELATION,
+    TESTED,
+    autocorrelation_figure,
+    lasting,
+    residual_tests,
+    tested_rows,
+    told_of_tests,
+)
 from irb2400_ctrl.report.figures.residual_view import residual_view
 from irb2400_ctrl.robot import Robot
 
@@ -52,7 +61,7 @@ def validation_page(result: Validation, robot: Robot | None = None, log: Log | N
 
 
 def _add_log(page: Page, seen: LogComparison) -> None:
-    """Figures 10 to 12, what is left, and its spectrum."""
+    """Figures 10 to 12, what is left, its spectrum and what it goes with."""
     time = seen.time - seen.time[0]
     page.heading("Modelled and measured torque")
     lines = [
@@ -69,7 +78,7 @@ def _add_log(page: Page, seen: LogComparison) -> None:
     drawn = joint_plots(time, [Line(np.degrees(seen.qd))], "speed {joint} [deg/s]")
     page.figures(drawn, "Speeds, as the paper's figure 11.", zoomable=True)
     joints = range(seen.measured.shape[1])
-    page.heading("Parity and spectrum")
+    page.heading("Parity, spectrum, correlation")
     drawn = [
         parity(seen.measured[seen.known[:, j], j], seen.modelled[seen.known[:, j], j], j + 1)
         for j in joints
@@ -78,6 +87,14 @@ def _add_log(page: Page, seen: LogComparison) -> None:
     rate = 1.0 / float(np.median(np.diff(seen.time)))
     drawn = [spectrum([("left", left[:, j], "tab:blue")], rate, j + 1) for j in joints]
     page.figures(drawn, "Root of the power spectrum of what is left.")
+    drawn = [
+        autocorrelation_figure([("left", left[:, j], "tab:blue")], rate, j + 1) for j in joints
+    ]
+    page.figures(drawn, AUTOCORRELATION)
+    tests = residual_tests(seen.time, seen.q, seen.qd, seen.measured, seen.modelled, seen.known)
+    page.table(TESTED, *tested_rows(tests, seen.measured, seen.modelled, seen.known))
+    lasts = lasting(seen.time, seen.measured, seen.modelled, seen.known)
+    page.text(told_of_tests(tests, lasts))
 
 
 def rows(error: Errors) -> tuple[list[str], list[list[object]]]:

@@ -14,6 +14,7 @@ from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.robot.description import Robot
 from irb2400_ctrl.robot.importing.few_corners import few_corners
 from irb2400_ctrl.robot.importing.geometry import Geometry
+from irb2400_ctrl.robot.importing.mesh_file import NOWHERE, MeshMissingError
 from irb2400_ctrl.robot.outline import BASE, SPINDLE, TOOL, Outline, Part
 from irb2400_ctrl.robot.shape import Hull, Solid
 
@@ -53,12 +54,16 @@ def with_outline(
                      "arm has none; rename the link")  # fmt: skip
         return robot
     shapes: list[list[Solid]] = [[] for _ in names]
+    missing: dict[str, str] = {}
     for one in drawn:
         for shape in one.shapes:
             try:
                 shapes[one.body].append(shape.shape(one.X, folders))
+            except MeshMissingError as error:
+                missing[one.link] = str(error.args[0])
             except InputError as error:
                 notes.append(f"link {one.link}: a shape is left out of the outline, {error}")
+    notes += _said_of_missing(missing)
     bare = [name for name, of_body in zip(names, shapes, strict=True) if not of_body]
     if len(bare) == len(names):
         notes.append("the file draws no shape that can be read: the arm has no outline, and what "
@@ -74,6 +79,17 @@ def with_outline(
         notes.append(f"the outline has no shape for {', '.join(bare)}")
         source += f"; no shape for {', '.join(bare)}"
     return robot.model_copy(update={"outline": Outline(source=source, parts=tuple(parts))})
+
+
+def _said_of_missing(missing: dict[str, str]) -> list[str]:
+    """One note, however many links draw a mesh that is not there."""
+    told = [f"mesh {name}: {NOWHERE}" for name in missing.values()]
+    if len(missing) > 1:
+        first = next(iter(missing.values()))
+        told = [f"their meshes ({first}, …): {NOWHERE}"]
+    links = ", ".join(missing)
+    word = "links" if len(missing) > 1 else "link"
+    return [f"{word} {links}: a shape is left out of the outline, {one}" for one in told]
 
 
 def _joined(shapes: Sequence[Solid]) -> Hull:

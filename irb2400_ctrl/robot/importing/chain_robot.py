@@ -62,6 +62,11 @@ class _Collected:
     """the link last looked at, in the frame of the last joint, shape (4, 4)"""
 
 
+WEIGHTLESS = (
+    "no link has mass: plans keep speeds alone, and what needs torques (diagnose, control) needs it"
+)
+
+
 def chain_robot(
     tree: Tree,
     *,
@@ -118,7 +123,7 @@ def chain_robot(
     fields["effects"] = _rotors(chain.joints) + _springs(chain.joints)
     fields["tool"] = None if payload is None else _payload(payload)
     if not any(mass.mass for mass in chain.masses):
-        notes.append("no link has mass: what needs dynamics (plan, diagnose, control) needs it too")
+        notes.append(WEIGHTLESS)
     drawn = chain.drawn if outline else []
     robot = with_outline(_valid(tree, fields), drawn, tree.folders, notes)
     return Imported(robot, tuple(grouped(notes)))
@@ -230,7 +235,7 @@ def _coupling(
 
 def _link(joint: TreeJoint, X: Array, mass: Mass, source: str, notes: list[str]) -> dict[str, Any]:
     if mass.mass == 0.0:
-        notes.append(f"link {joint.child}: no mass data in the file, it counts as massless")
+        notes.append(f"link {joint.child}: no mass data in the file: massless here")
     return {
         "name": joint.child,
         "frame": _transform(X),

@@ -9,9 +9,20 @@ from urllib.parse import unquote
 
 from irb2400_ctrl.errors import InputError
 
+NOWHERE = (
+    "found nothing beside the file nor above it, expected it there; say with --meshes FOLDER where "
+    "its package is"
+)
 _PACKAGE = re.compile(r"(?:package|model)://(?P<package>[^/]*)/(?P<rest>.*)")
 _ABOVE = 5
 """folders above the file in which its package may lie"""
+
+
+class MeshMissingError(InputError):
+    """No file has the name of a mesh; its one argument."""
+
+    def __str__(self) -> str:
+        return f"mesh {self.args[0]}: {NOWHERE}"
 
 
 def mesh_folders(file: Path, told: Sequence[Path] = ()) -> tuple[Path, ...]:
@@ -29,7 +40,7 @@ def found_mesh(name: str, folders: Sequence[Path]) -> Path:
         folders: of `mesh_folders`.
 
     Raises:
-        InputError: it is in none of them.
+        MeshMissingError: it is in none of them.
     """
     match = _PACKAGE.fullmatch(name)
     if match is not None:
@@ -40,7 +51,4 @@ def found_mesh(name: str, folders: Sequence[Path]) -> Path:
         for way in ways:
             if way and (folder / way).is_file():
                 return folder / way
-    raise InputError(
-        f"mesh {name}: found nothing beside the file nor above it, expected it there; say with "
-        "--meshes FOLDER where its package is"
-    )
+    raise MeshMissingError(name)

@@ -31,7 +31,8 @@ def read_urdf(path: Path, root: ET.Element) -> Tree:
     if _is_xacro(root):
         raise InputError(
             f"{path} is xacro, not URDF: macros are not expanded yet; run "
-            f"`xacro {path.name} > arm.urdf` and import that"
+            f"`xacro {path.name} > arm.urdf` and import that (without ROS: pip install xacrodoc, "
+            f"then `xacrodoc {path.name} -d FOLDER_OF_PACKAGES -o arm.urdf`)"
         )
     for tag in ("link", "joint"):
         names = [_name(path, element, tag) for element in root.findall(tag)]
