@@ -151,7 +151,7 @@ def _diagnosed(
         )
     if robots:
         return diagnose_change(arm, logs, load_robot(str(robots[0])), validation)
-    before = read_logs(reference, Reader(columns, arm.joint_names), lambda text: None)
+    before = read_logs(reference, Reader(columns, arm.joint_names))
     say_left_out(before.left_out)
     return diagnose_change(arm, logs, before.logs, validation)
 

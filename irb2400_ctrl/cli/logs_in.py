@@ -72,7 +72,9 @@ class ReadLogs:
     left_out: list[LeftOut]
 
 
-def read_logs(paths: Sequence[Path], reader: Reader, say: Callable[[str], None]) -> ReadLogs:
+def read_logs(
+    paths: Sequence[Path], reader: Reader, say: Callable[[str], None] = lambda text: None
+) -> ReadLogs:
     """Read logs; of several one that cannot be read, or is given again, is left out.
 
     Args:
