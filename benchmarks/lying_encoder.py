@@ -22,7 +22,7 @@ from independent_plant.case import Case
 from independent_plant.effects import LIBRARY, Effect
 
 import irb2400_ctrl as irb
-from irb2400_ctrl.codegen import Block
+from irb2400_ctrl.codegen.package import Package
 from irb2400_ctrl.controllers import controller, guarded
 from irb2400_ctrl.controllers.parts import with_gains
 
@@ -42,18 +42,18 @@ def arm(seed: int, load: float = 0.0, friction: float = 1.0, effect: Effect | No
     return off_model(case, load, friction)
 
 
-def outcome(case: Case, block: Block, fault: Fault) -> Outcome:
+def outcome(case: Case, package: Package, fault: Fault) -> Outcome:
     """Of one run."""
-    return run_with_fault(case, block, BEGIN, fault)
+    return run_with_fault(case, package, BEGIN, fault)
 
 
-def lying(block: Block, seeds: range) -> None:
+def lying(package: Package, seeds: range) -> None:
     """A line per lie: for each axis how many arms go beyond the limit, median and largest angle."""
     total = 0
     for name, lie in LIES.items():
         for axis in range(6):
             cases = (arm(seed) for seed in seeds)
-            far = [outcome(case, block, lie(axis)).largest_error_deg for case in cases]
+            far = [outcome(case, package, lie(axis)).largest_error_deg for case in cases]
             beyond = sum(angle > LIMIT_DEG for angle in far)
             total += beyond
             print(
@@ -64,22 +64,22 @@ def lying(block: Block, seeds: range) -> None:
     print(f"{total} of {len(LIES) * 6 * len(seeds)} lies lead beyond {LIMIT_DEG:.0f} deg")
 
 
-def sound(block: Block, seeds: range) -> None:
+def sound(package: Package, seeds: range) -> None:
     """Brakes that close where nothing lies."""
     for load, friction in OFF_MODEL:
         cases = (arm(seed, load, friction) for seed in seeds)
-        _tell(f"{load} kg, friction x {friction}", cases, block, len(seeds))
+        _tell(f"{load} kg, friction x {friction}", cases, package, len(seeds))
     for share in EFFECTS:
         kinds = [list(LIBRARY)[seed % len(LIBRARY)] for seed in seeds]
         cases = (
             arm(seed, effect=Effect(kind, None, share, -np.inf))
             for seed, kind in zip(seeds, kinds, strict=True)
         )
-        _tell(f"an effect of {share:.0%} of its joint's torque", cases, block, len(seeds))
+        _tell(f"an effect of {share:.0%} of its joint's torque", cases, package, len(seeds))
 
 
-def _tell(what: str, cases: Iterable[Case], block: Block, n: int) -> None:
-    brakes = sum(outcome(c, block, PASSING["none"]).brake_ms is not None for c in cases)
+def _tell(what: str, cases: Iterable[Case], package: Package, n: int) -> None:
+    brakes = sum(outcome(c, package, PASSING["none"]).brake_ms is not None for c in cases)
     print(f"no lie, {what}: {brakes} of {n} brakes close", flush=True)
 
 
@@ -89,7 +89,7 @@ def main(what: str, arms: int = 20, first: int = 3, load: float | None = None) -
     block = guarded(controller("computed_torque", robot), robot)
     if load is not None:
         block = with_gains(block, unknown_load=load)
-    {"lying": lying, "sound": sound}[what](block, range(first, first + arms))
+    {"lying": lying, "sound": sound}[what](Package(block, "float"), range(first, first + arms))
 
 
 if __name__ == "__main__":

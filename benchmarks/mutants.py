@@ -60,7 +60,12 @@ TARGETS = {
     "measurement/csv_table.py": (
         "tests/hostile/test_listed_files.py tests/measurement/test_read_log.py"
     ),
-    "measurement/read_log.py": (
+    "measurement/text/csv_pieces.py": (
+        "tests/hostile/test_listed_files.py tests/measurement/test_stretch.py"
+    ),
+    "measurement/stretch.py": "tests/measurement/test_stretch.py",
+    "measurement/read_log.py": "tests/measurement/test_read_log.py",
+    "measurement/columns/understood.py": (
         "tests/measurement/test_read_log.py tests/measurement/test_log_columns.py "
         "tests/measurement/test_signal_names.py"
     ),

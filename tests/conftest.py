@@ -3,6 +3,7 @@ schema says."""
 
 from __future__ import annotations
 
+import gc
 import os
 import sys
 from collections.abc import Iterator
@@ -14,6 +15,13 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 # commands in processes of their own need not compile the package's text each time
 os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
 sys.dont_write_bytecode = False
+
+
+def pytest_collection_finish() -> None:
+    """The tests and what they import stay to the end: the search for garbage, which took a twelfth
+    of the time, need not look through them again and again."""
+    gc.collect()
+    gc.freeze()
 
 
 @pytest.fixture(scope="session", autouse=True)

@@ -9,12 +9,14 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from irb2400_ctrl.cli.command_line import provenance
-from irb2400_ctrl.cli.logs_in import WHAT, is_robot, read_logs, say_left_out
+from irb2400_ctrl.cli.logs_in import WHAT, Reader, is_robot, read_logs, say_left_out, stretch_of_one
 from irb2400_ctrl.cli.options import (
+    BetweenOption,
     ColumnsOption,
     OutOption,
     RobotOption,
     UncertaintyOption,
+    ValidateBetweenOption,
     input_file,
     load_arm,
     output_folder,
@@ -73,6 +75,8 @@ def diagnose(
     reference: ReferenceOption = None,
     robot: RobotOption = "irb2400",
     columns: ColumnsOption = None,
+    between: BetweenOption = None,
+    validate_between: ValidateBetweenOption = None,
     uncertainty: UncertaintyOption = None,
     close_loop: CloseLoopOption = False,
     controller: ControllerOption = "feedforward_pid",
@@ -88,9 +92,9 @@ def diagnose(
     for path in (validate, *(reference or [])):
         if path is not None and not is_robot(path):
             input_file(path, WHAT)
+    stretch_of_one("validate", validate, validate_between)
     output_folder(out)
 
-    from irb2400_ctrl.measurement import read_log
     from irb2400_ctrl.report.pages.diagnosis_page import diagnosis_page, lines
 
     arm = load_arm(robot, uncertainty)
@@ -98,16 +102,16 @@ def diagnose(
         from irb2400_ctrl.controllers import controller as make_controller
 
         make_controller(controller, arm)  # a wrong name is to be said before the long work
-    with step(f"reading {logs[0].name if len(logs) == 1 else f'{len(logs)} logs'}"):
-        read = read_logs(logs, columns, arm.joint_names)
-        other = (
-            None if validate is None else read_log(validate, columns=columns, names=arm.joint_names)
-        )
+    reader = Reader(columns, arm.joint_names, between)
+    unseen = Reader(columns, arm.joint_names, validate_between)
+    with step(f"reading {logs[0].name if len(logs) == 1 else f'{len(logs)} logs'}") as say:
+        read = read_logs(logs, reader, say)
+        other = None if validate is None else unseen.read(validate, say)
     with step("comparing log and model"):
         result = _diagnosed(arm, read.logs, other, reference or [], columns)
         result = replace(result, left_out=(*read.left_out, *result.left_out))
     say_left_out(result.left_out)
-    page = diagnosis_page(result, f"Diagnosis of {_name(logs)}", read.logs[0])
+    page = diagnosis_page(result, f"Diagnosis of {_name(logs, read.logs)}", read.logs[0])
     page.provenance(provenance(arm))
     text = lines(result)
     text.append(f"prior of the robot file: {_prior(arm)}")
@@ -147,7 +151,7 @@ def _diagnosed(
         )
     if robots:
         return diagnose_change(arm, logs, load_robot(str(robots[0])), validation)
-    before = read_logs(reference, columns, arm.joint_names)
+    before = read_logs(reference, Reader(columns, arm.joint_names))
     say_left_out(before.left_out)
     return diagnose_change(arm, logs, before.logs, validation)
 
@@ -157,8 +161,8 @@ def _prior(arm: Robot) -> str:
     return "the covariance of its identification" if identified else arm.uncertainty.says()
 
 
-def _name(logs: list[Path]) -> str:
-    return logs[0].name if len(logs) == 1 else f"{len(logs)} logs"
+def _name(paths: list[Path], logs: list[Log]) -> str:
+    return Path(logs[0].name).name if len(paths) == 1 else f"{len(paths)} logs"
 
 
 def _close_loop(result: Diagnosis, log: Log, controller: str, page: Page, out: Path) -> list[str]:

@@ -8,11 +8,14 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from irb2400_ctrl.cli.command_line import provenance
+from irb2400_ctrl.cli.logs_in import Reader, stretch_of_one
 from irb2400_ctrl.cli.options import (
+    BetweenOption,
     ColumnsOption,
     OutOption,
     RobotOption,
     UncertaintyOption,
+    ValidateBetweenOption,
     input_file,
     load_arm,
     output_folder,
@@ -49,6 +52,8 @@ def identify(
     loaded: LoadedOption = None,
     load: LoadOption = None,
     columns: ColumnsOption = None,
+    between: BetweenOption = None,
+    validate_between: ValidateBetweenOption = None,
     uncertainty: UncertaintyOption = None,
 ) -> Summary:
     """Fit bodies, friction, offsets and rotors to logs -> robot.toml, identification.json,
@@ -58,17 +63,20 @@ def identify(
     body = None if load is None else _load(load)
     for path in (*logs, *others, *heavy):
         input_file(path, "a log (.csv or .csv.gz)")
+    stretch_of_one("validate", others, validate_between)
     output_folder(out)
 
     from irb2400_ctrl.identification import identify as run
-    from irb2400_ctrl.measurement import read_log
     from irb2400_ctrl.report.pages.identification_page import identification_page, lines
 
     arm = load_arm(robot, uncertainty)
-    with step("reading the logs"):
-        seen = [read_log(path, columns=columns, names=arm.joint_names) for path in logs]
-        unseen = [read_log(path, columns=columns, names=arm.joint_names) for path in others]
-        weighed = [read_log(path, columns=columns, names=arm.joint_names) for path in heavy]
+    of_logs = Reader(columns, arm.joint_names, between)
+    of_others = Reader(columns, arm.joint_names, validate_between)
+    whole = Reader(columns, arm.joint_names)
+    with step("reading the logs") as say:
+        seen = [of_logs.read(path, say) for path in logs]
+        unseen = [of_others.read(path, say) for path in others]
+        weighed = [whole.read(path, say) for path in heavy]
     with step("fitting the arm to the logs"):
         result = run(arm, seen, validation=unseen, loaded=weighed, load=body)
     with step("writing the report"):

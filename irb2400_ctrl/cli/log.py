@@ -7,8 +7,14 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from irb2400_ctrl.cli.logs_in import WHAT
-from irb2400_ctrl.cli.options import ColumnsOption, RobotOption, input_file, load_arm
+from irb2400_ctrl.cli.logs_in import WHAT, Reader
+from irb2400_ctrl.cli.options import (
+    BetweenOption,
+    ColumnsOption,
+    RobotOption,
+    input_file,
+    load_arm,
+)
 from irb2400_ctrl.cli.progress import step
 from irb2400_ctrl.cli.summary import Summary, answers
 
@@ -35,6 +41,7 @@ def check(
     logs: Annotated[list[Path], typer.Argument(metavar="LOG...", help="Measured logs.")],
     robot: RobotOption = "irb2400",
     columns: ColumnsOption = None,
+    between: BetweenOption = None,
     no_robot: Annotated[
         bool, typer.Option("--no-robot", help="Only what the columns show of themselves.")
     ] = False,
@@ -44,7 +51,8 @@ def check(
     for path in logs:
         input_file(path, WHAT)
     arm = None if no_robot else load_arm(robot)
-    found = [_checked(path, arm, columns) for path in logs]
+    reader = Reader(columns, None if arm is None else arm.joint_names, between)
+    found = [_checked(path, arm, reader) for path in logs]
     reasons = [stop for _, stop in found if stop is not None]
     if len(found) == 1:
         return Summary(found[0][0], stop=found[0][1])
@@ -53,17 +61,15 @@ def check(
 
 
 def _checked(
-    path: Path, arm: Robot | None, columns: Path | None
+    path: Path, arm: Robot | None, reader: Reader
 ) -> tuple[dict[str, Any], InputError | None]:
     """What is said of one log, and why it cannot be used."""
     from irb2400_ctrl.errors import InputError
-    from irb2400_ctrl.measurement import read_log
     from irb2400_ctrl.plausibility import check_log
 
     try:
-        with step(f"reading {path.name}"):
-            names = None if arm is None else arm.joint_names
-            found = check_log(arm, read_log(path, columns=columns, names=names))
+        with step(f"reading {path.name}") as say:
+            found = check_log(arm, reader.read(path, say))
     except InputError as error:
         return {"name": str(path), "sound": False, "error": str(error)}, error
     print("\n".join(lines(found)))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -13,8 +13,55 @@ from irb2400_ctrl.cli.options import input_file
 if TYPE_CHECKING:
     from irb2400_ctrl.diagnosis import LeftOut
     from irb2400_ctrl.measurement import Log
+    from irb2400_ctrl.measurement.stretch import Stretch
 
 WHAT = "a log (CSV, MAT, Parquet or ROS 2 bag)"
+
+
+@dataclass(frozen=True)
+class Reader:
+    """How a command reads its logs.
+
+    Args:
+        columns: the map of their columns.
+        names: of the robot's joints.
+        between: the stretch of each, FROM:TO; default all.
+
+    Raises:
+        InputError: another form of a stretch.
+    """
+
+    columns: Path | None
+    names: Sequence[str] | None = None
+    between: str | None = None
+
+    def __post_init__(self) -> None:
+        self._stretch()
+
+    def read(self, path: Path, say: Callable[[str], None]) -> Log:
+        """A log; `say` is told how far it is read.
+
+        Raises:
+            InputError: it cannot be read.
+        """
+        from irb2400_ctrl.measurement import read_log
+
+        return read_log(
+            input_file(path, WHAT),
+            columns=self.columns,
+            names=self.names,
+            between=self._stretch(),
+            progress=lambda rows: say(f"reading {path.name}: {rows:,} rows"),
+        )
+
+    def name(self, path: Path) -> str:
+        """What messages call the log."""
+        return str(path) if self.between is None else f"{path} ({self._stretch()})"
+
+    def _stretch(self) -> Stretch | None:
+        from irb2400_ctrl.measurement.stretch import Stretch
+
+        return None if self.between is None else Stretch.of_text(self.between)
 
 
 @dataclass(frozen=True)
@@ -26,16 +73,20 @@ class ReadLogs:
 
 
 def read_logs(
-    paths: Sequence[Path], columns: Path | None, names: Sequence[str] | None = None
+    paths: Sequence[Path], reader: Reader, say: Callable[[str], None] = lambda text: None
 ) -> ReadLogs:
     """Read logs; of several one that cannot be read, or is given again, is left out.
+
+    Args:
+        paths: of the logs.
+        reader: reads each.
+        say: is told how far they are read.
 
     Raises:
         InputError: the only log cannot be read, or none of several can.
     """
     from irb2400_ctrl.diagnosis import LeftOut
     from irb2400_ctrl.errors import InputError
-    from irb2400_ctrl.measurement import read_log
 
     logs = []
     left_out = []
@@ -44,7 +95,7 @@ def read_logs(
             left_out.append(LeftOut(str(path), "given twice, counts once"))
             continue
         try:
-            logs.append(read_log(input_file(path, WHAT), columns=columns, names=names))
+            logs.append(reader.read(path, say))
         except InputError as error:
             if len(paths) == 1:
                 raise
@@ -56,6 +107,21 @@ def read_logs(
             f"{first.why}"
         )
     return ReadLogs(logs, left_out)
+
+
+def stretch_of_one(option: str, given: object, between: str | None) -> None:
+    """Refuse a stretch of a log that is not given.
+
+    Raises:
+        InputError: a stretch, and no log.
+    """
+    from irb2400_ctrl.errors import InputError
+
+    if between is not None and not given:
+        raise InputError(
+            f"--{option}-between: found {between!r} and no --{option}; expected the log that it is "
+            f"a stretch of: --{option} LOG"
+        )
 
 
 def say_left_out(left_out: Sequence[LeftOut]) -> None:

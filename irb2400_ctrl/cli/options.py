@@ -62,6 +62,21 @@ ColumnsOption = Annotated[
         "--columns", metavar="MAP", help="What the log's columns are (TOML, docs/logs.md)."
     ),
 ]
+BetweenOption = Annotated[
+    str | None,
+    typer.Option(
+        "--between",
+        metavar="FROM:TO",
+        help="Only these seconds of each LOG, counted from its first sample: 100:400, 100: or "
+        ":400. A CSV is read in a stream, however long.",
+    ),
+]
+ValidateBetweenOption = Annotated[
+    str | None,
+    typer.Option(
+        "--validate-between", metavar="FROM:TO", help="The same of the log to validate on."
+    ),
+]
 UncertaintyOption = Annotated[
     list[str] | None,
     typer.Option(

@@ -9,8 +9,9 @@ from typing import Annotated
 import typer
 
 from irb2400_ctrl.cli.command_line import provenance
-from irb2400_ctrl.cli.logs_in import WHAT, is_robot
+from irb2400_ctrl.cli.logs_in import WHAT, Reader, is_robot
 from irb2400_ctrl.cli.options import (
+    BetweenOption,
     ColumnsOption,
     OutOption,
     RobotOption,
@@ -32,6 +33,7 @@ def validate(
     out: OutOption,
     robot: RobotOption = "irb2400",
     columns: ColumnsOption = None,
+    between: BetweenOption = None,
 ) -> Summary:
     """Compare modelled and measured torque (Tab. 6, eqs. 75-77; figures 10-12) ->
     validation.json, report.html."""
@@ -48,13 +50,13 @@ def validate(
     output_folder(out)
 
     from irb2400_ctrl.identification import validate as run
-    from irb2400_ctrl.measurement import read_log
     from irb2400_ctrl.plausibility import log_problem
     from irb2400_ctrl.report.pages.validation_page import lines, validation_page
 
     arm = load_arm(robot)
-    with step("comparing model and log"):
-        seen = [read_log(path, columns=columns, names=arm.joint_names) for path in logs]
+    reader = Reader(columns, arm.joint_names, between)
+    with step("comparing model and log") as say:
+        seen = [reader.read(path, say) for path in logs]
         result = run(arm, seen)
         result.write(out)
         page = validation_page(result, arm, seen[0])

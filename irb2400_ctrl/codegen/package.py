@@ -206,12 +206,13 @@ extern const char {name}_provenance[{len(flash_text(name, self.provenance)) + 1}
     @cached_property
     def provenance(self) -> Origin:
         """(what, which): what the block was made from, versions, and the hash of its C text."""
-        return provenance(self.block.origin, self._code())
+        return provenance(self.block.origin, self._code)
 
     def source(self) -> str:
         """The one C file."""
-        return f"{self._code()}\n{constant(self.name, self.provenance)}"
+        return f"{self._code}\n{constant(self.name, self.provenance)}"
 
+    @cached_property
     def _code(self) -> str:
         """The C file without the constant that tells its hash."""
         name = self.name

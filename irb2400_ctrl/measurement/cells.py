@@ -24,8 +24,8 @@ def without_blank_rows(table: Table, signals: set[str]) -> Table:
     if not blank.any() or blank.all():
         return table
     columns = {name: values[~blank] for name, values in table.columns.items()}
-    lines = np.flatnonzero(~blank)
-    return replace(table, columns=columns, rows=lines)
+    rows = np.arange(len(blank)) if table.rows is None else table.rows
+    return replace(table, columns=columns, rows=rows[~blank])
 
 
 def without_doubled_rows(table: Table, used: set[str]) -> Table:

@@ -4,31 +4,38 @@ line of units below it, times of day, gzip."""
 
 from __future__ import annotations
 
+import contextlib
 import re
-from array import array
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
-from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.errors import InputError
-from irb2400_ctrl.measurement.clock_times import past_midnight, seconds_of_day
 from irb2400_ctrl.measurement.columns.signal_names import is_unit
-from irb2400_ctrl.measurement.csv_dialect import (
+from irb2400_ctrl.measurement.stretch import Cut, Inside, Rows
+from irb2400_ctrl.measurement.table import (
+    Table,
+    distinct,
+    source_of,
+    spread,
+    without_copies,
+)
+from irb2400_ctrl.measurement.text.clock_times import seconds_of_day
+from irb2400_ctrl.measurement.text.csv_dialect import (
     COMMENTS,
     EMPTY,
     Dialect,
     dialect_of,
     is_number,
 )
-from irb2400_ctrl.measurement.table import (
-    Table,
-    distinct,
-    numbers_of,
-    spread,
-    without_copies,
+from irb2400_ctrl.measurement.text.csv_pieces import (
+    Body,
+    CloserLook,
+    Piece,
+    fast_pieces,
+    slow_pieces,
 )
 from irb2400_ctrl.reading import text_blocks
 
@@ -36,38 +43,12 @@ MOST_CELLS = 19_500_000
 """of one log: 1,500,000 rows of time, six angles and six torques, 100 minutes at 250 Hz; what is
 computed from as much fits into 1 GB"""
 _WIDE = re.compile(r"\s{2,}")
-SLOW_ROWS = 10_000
-"""between two reports of progress where cells are read one by one"""
-
-
-@dataclass(frozen=True)
-class Body:
-    """The samples of a file: what stands from line `start` on, lines counted from 0; cells that
-    hold times of day, by their place in a line."""
-
-    path: Path
-    dialect: Dialect
-    start: int
-    clocks: frozenset[int] = frozenset()
-    text: Callable[[Path], Iterator[bytes]] = text_blocks
-
-    def blocks(self) -> Iterator[bytes]:
-        """Whole lines in each, one blank between cells where blanks separate them."""
-        blocks = self.text(self.path)
-        first = next(blocks)
-        yield self._lines(b"\n".join(first.split(b"\n", self.start)[self.start :]))
-        for block in blocks:
-            yield self._lines(block)
-
-    def _lines(self, block: bytes) -> bytes:
-        if self.dialect.separator != " ":
-            return block
-        return b"\n".join(b" ".join(line.split()) for line in block.split(b"\n"))
 
 
 def read_csv_table(
     path: Path,
     progress: Callable[[int], None] = lambda rows: None,
+    cut: Cut | None = None,
     text: Callable[[Path], Iterator[bytes]] = text_blocks,
 ) -> Table:
     """Columns of a `.csv`, `.csv.gz`, `.txt` or `.tsv`, read piece by piece.
@@ -75,11 +56,13 @@ def read_csv_table(
     Args:
         path: of the file.
         progress: called now and then with the number of samples read so far.
+        cut: the rows that are kept; default all.
         text: the lines of the file, whole lines in every block; of another kind of file than text
             the lines that it holds.
 
     Raises:
-        InputError: not readable as text, no header, rows of another width, too many rows.
+        InputError: not readable as text, no header, rows of another width, too many rows, none in
+            the cut.
     """
     if not path.is_file():
         raise InputError(
@@ -105,17 +88,16 @@ def read_csv_table(
         header[min(clocks)] = "time_s"
     body = Body(path, dialect, start, frozenset(clocks), text)
     names, widths = spread(header, row)
-    columns = None if widths or clocks else _fast(body, header, progress)
-    if columns is None:
-        columns = _slow(body, len(header), names, widths, progress)
-    for k in clocks:
-        columns[header[k]] = past_midnight(columns[header[k]])
     words = {
         name: cell
         for k, (name, cell) in enumerate(zip(header, row, strict=False))
         if cell and k not in clocks and not is_number(cell, dialect)
     }
-    return Table(path, without_copies(columns), start + 1, words, headless=headless)
+    empty = Table(path, {}, start + 1, words, headless=headless)
+    if not widths and not clocks:
+        with contextlib.suppress(CloserLook):
+            return _gathered(fast_pieces(body, header), empty, header, cut, progress)
+    return _gathered(slow_pieces(body, header, names, widths), empty, names, cut, progress)
 
 
 def _first_row(path: Path, lines: list[str], dialect: Dialect, start: int) -> list[str]:
@@ -159,132 +141,63 @@ def _headless(path: Path, lines: list[str], dialect: Dialect, header: list[str])
     )
 
 
+def _gathered(
+    pieces: Iterable[Piece],
+    empty: Table,
+    names: list[str],
+    cut: Cut | None,
+    progress: Callable[[int], None],
+) -> Table:
+    """All pieces of a file as one table; of a cut the rows inside alone.
+
+    Args:
+        pieces: of the file, in their order.
+        empty: the table without its columns.
+        names: of the columns.
+        cut: the rows that are kept.
+        progress: called with the number of samples read so far.
+    """
+    columns = [np.empty(0) for _ in names]
+    inside: Inside | None = None
+    kept_rows: list[Rows] = []
+    read = kept = 0
+    for piece in pieces:
+        if cut is None:
+            part = piece(names)
+            read += len(part[0])
+        else:
+            if inside is None:
+                whole = dict(zip(names, piece(names), strict=True))
+                inside = cut.begun(replace(empty, columns=without_copies(whole)))
+            clock = inside.clock.columns
+            times = piece([source_of(name, names) for name in clock])
+            rows = inside.rows(dict(zip(clock, times, strict=True)))
+            part = [values[rows] for values in piece(names)] if len(rows) else []
+            kept_rows.append(read + rows)
+            read = inside.read
+        if part:
+            before = kept
+            kept += len(part[0])
+            _within(empty.path, kept, len(names))
+            for column, numbers in zip(columns, part, strict=True):
+                if len(column) < kept:
+                    # in place: a long log stands in memory once
+                    column.resize(kept + kept // 8, refcheck=False)
+                column[before:kept] = numbers
+        progress(read)
+    if inside is not None:
+        inside.check(empty.path)
+    for column in columns:
+        column.resize(kept, refcheck=False)
+    found = without_copies(dict(zip(names, columns, strict=True)))
+    return replace(empty, columns=found, rows=np.concatenate(kept_rows) if kept_rows else None)
+
+
 def _within(path: Path, rows: int, columns: int) -> None:
     most = MOST_CELLS // columns
     if rows > most:
         raise InputError(
-            f"{path}: more than {most:,} rows of {columns} columns, expected at most so many; cut "
-            "the log into parts, leave columns out, or record at 250 Hz, which is enough"
+            f"{path}: more than {most:,} rows of {columns} columns, expected at most so many; take "
+            "a stretch of the log (--between 0:600, seconds from its first sample), leave columns "
+            "out, or record at 250 Hz, which is enough"
         )
-
-
-def _fast(
-    body: Body, header: list[str], progress: Callable[[int], None]
-) -> dict[str, Array] | None:
-    """All columns by pyarrow; None where some cell needs a closer look, or pyarrow is missing."""
-    try:
-        import pyarrow as pa
-        from pyarrow import csv as arrow_csv
-    except ImportError:
-        return None
-
-    columns = [np.empty(0) for _ in header]
-    rows = 0
-    options = {
-        "read_options": arrow_csv.ReadOptions(column_names=header, use_threads=False),
-        # a quote may hide the end of a row
-        "parse_options": arrow_csv.ParseOptions(delimiter=body.dialect.separator, quote_char=False),
-        "convert_options": arrow_csv.ConvertOptions(
-            column_types={name: pa.float64() for name in header},
-            decimal_point=body.dialect.decimal,
-            null_values=[],
-        ),
-    }
-    for block in body.blocks():
-        try:
-            table = arrow_csv.read_csv(pa.py_buffer(block), **options)
-        except (pa.ArrowInvalid, pa.ArrowKeyError):
-            return None
-        before = rows
-        rows += len(table)
-        _within(body.path, rows, len(header))
-        for column, numbers in zip(columns, table.columns, strict=True):
-            if len(column) < rows:
-                # in place: a long log stands in memory once
-                column.resize(rows + rows // 8, refcheck=False)
-            column[before:rows] = numbers.to_numpy()
-        progress(rows)
-    for column in columns:
-        column.resize(rows, refcheck=False)
-    return dict(zip(header, columns, strict=True))
-
-
-def _slow(
-    body: Body,
-    width: int,
-    names: list[str],
-    widths: dict[int, int],
-    progress: Callable[[int], None],
-) -> dict[str, Array]:
-    """Cell by cell, to say where a line is not like the others; a word is NaN. A last line that
-    ends early was being written when the recorder stopped: it is left out.
-
-    Args:
-        body: the samples.
-        width: cells of a line.
-        names: of the columns, those of lists one by one.
-        widths: how many numbers the lists hold, by the number of their cell.
-        progress: called with the number of samples read so far.
-    """
-    columns = [array("d") for _ in names]
-    torn: InputError | None = None
-    lines = (line for block in body.blocks() for line in block.decode().split("\n")[:-1])
-    for number, line in enumerate(lines, body.start + 1):
-        if not line.strip(EMPTY):
-            continue
-        if torn is not None:
-            raise torn
-        cells = body.dialect.split(line)
-        while len(cells) > width and not cells[-1].strip():
-            cells.pop()
-        if len(cells) != width:
-            torn = _wrong_width(body, number, line, len(cells), width)
-            if len(cells) > width or not columns[0]:
-                raise torn
-            continue
-        place = f"{body.path}, line {number}"
-        for column, value in zip(columns, _values(body, cells, widths, place), strict=True):
-            column.append(value)
-        if number % SLOW_ROWS == 0:
-            _within(body.path, len(columns[0]), len(names))
-            progress(len(columns[0]))
-    _within(body.path, len(columns[0]), len(names))
-    return {name: np.array(values) for name, values in zip(names, columns, strict=True)}
-
-
-def _wrong_width(body: Body, number: int, line: str, found: int, width: int) -> InputError:
-    commas = found == 2 * width and body.dialect.separator == ","
-    hint = "; with decimal commas the cells need semicolons between them" * commas
-    if body.dialect.separator == "," and re.search(r"[\[({]", line):
-        hint = "; a list with commas needs quotes around it, or other separators outside"
-    return InputError(
-        f"{body.path}, line {number}: found {found} cells, expected {width} as in the header{hint}"
-    )
-
-
-def _values(body: Body, cells: list[str], widths: dict[int, int], place: str) -> list[float]:
-    """The numbers of a line; a cell without anything where a list is expected holds none."""
-    values = []
-    for k, cell in enumerate(cells):
-        if k in body.clocks:
-            seconds = seconds_of_day(cell)
-            values.append(np.nan if seconds is None else seconds)
-            continue
-        if k not in widths:
-            values.append(_number(cell, body.dialect.decimal))
-            continue
-        listed = numbers_of(cell) if cell.strip() else [np.nan] * widths[k]
-        if listed is None or len(listed) != widths[k]:
-            raise InputError(
-                f"{place}: found {cell.strip()[:40]!r} in cell {k + 1}, expected a list of "
-                f"{widths[k]} numbers as in the first sample"
-            )
-        values += listed
-    return values
-
-
-def _number(cell: str, decimal: str) -> float:
-    try:
-        return float(cell.strip().strip('"').replace(decimal, "."))
-    except ValueError:
-        return np.nan

@@ -10,11 +10,11 @@ from pathlib import Path
 
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.measurement.columns.column_map import load_column_map
-from irb2400_ctrl.measurement.csv_dialect import MOST_TITLES
 from irb2400_ctrl.measurement.csv_table import read_csv_table
 from irb2400_ctrl.measurement.growing_bag import GrowingBag, bytes_from
 from irb2400_ctrl.measurement.log import Log
 from irb2400_ctrl.measurement.read_log import read_log
+from irb2400_ctrl.measurement.text.csv_dialect import MOST_TITLES
 
 POLL = 0.5
 """[s] between two looks at the file"""

@@ -99,6 +99,12 @@ def without_copies(columns: dict[str, Array]) -> dict[str, Array]:
     return found
 
 
+def source_of(name: str, names: Sequence[str]) -> str:
+    """Which of a file's columns is called so: the first where several are."""
+    copies = (match for other in names if (match := _OF_SEVERAL.fullmatch(other)))
+    return next((copy[0] for copy in copies if copy["name"] == name), name)
+
+
 def said_of_copies(names: Iterable[str]) -> str:
     """For a message: a name that several columns have; empty where each has its own."""
     found = next((match for name in names if (match := _OF_SEVERAL.fullmatch(name))), None)

@@ -8,7 +8,7 @@ the number of samples.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from typing import Any
 
 import casadi as ca
@@ -103,8 +103,14 @@ class Vectorised:
         shape = np.broadcast_shapes(*(np.shape(value) for value in values))
         step = max(2, BLOCK // max(1, int(np.prod(shape[1:]))))
         if not shape or shape[0] <= step:
-            return self._at(values)
-        first = self._at([_rows(value, shape, slice(step)) for value in values])
+            return self._at(lambda _, i: values[i])
+        cut = [_along(value, shape) for value in values]
+
+        def at(rows: slice) -> list[Array]:
+            # of the many inputs a law asks for few
+            return self._at(lambda _, i: np.asarray(values[i])[rows] if cut[i] else values[i])
+
+        first = at(slice(step))
         long = [place for place, part in enumerate(first) if _along(part, (step, *shape[1:]))]
         outputs = [
             np.empty((shape[0], *part.shape[1:])) if place in long else part
@@ -112,20 +118,16 @@ class Vectorised:
         ]
         for start in range(0, shape[0], step):
             rows = slice(start, start + step)
-            parts = self._at([_rows(value, shape, rows) for value in values]) if start else first
+            parts = at(rows) if start else first
             for place in long:
                 outputs[place][rows] = parts[place]
         return outputs
 
-    def _at(self, values: Sequence[Array | float]) -> list[Array]:
-        (outputs,) = self._walk(lambda _, i: values[i])
+    def _at(self, values: Callable[[int, int], Array | float]) -> list[Array]:
+        (outputs,) = self._walk(values)
         return [np.asarray(value, dtype=float) for value in outputs]
 
 
 def _along(value: Array | float, shape: tuple[int, ...]) -> bool:
     """Whether a value has the first dimension of a shape that it broadcasts to."""
     return np.ndim(value) == len(shape) and np.shape(value)[0] == shape[0]
-
-
-def _rows(value: Array | float, shape: tuple[int, ...], rows: slice) -> Array | float:
-    return np.asarray(value)[rows] if _along(value, shape) else value

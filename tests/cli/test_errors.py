@@ -11,7 +11,7 @@ import pytest
 from command_line import irb2400
 
 import irb2400_ctrl as irb
-from irb2400_ctrl.cli.logs_in import read_logs
+from irb2400_ctrl.cli.logs_in import Reader, read_logs
 
 
 def complaint(*arguments: object, cwd: Path) -> str:
@@ -57,7 +57,7 @@ def test_log_without_torque(tmp_path: Path) -> None:
 def test_a_log_that_is_given_twice_counts_once(tmp_path: Path) -> None:
     log = write_log(tmp_path / "log.csv")
     again = tmp_path / "." / "log.csv"
-    found = read_logs([log, again], None)
+    found = read_logs([log, again], Reader(None))
     assert len(found.logs) == 1
     assert [one.why for one in found.left_out] == ["given twice, counts once"]
 

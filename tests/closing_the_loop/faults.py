@@ -12,7 +12,6 @@ from independent_plant.machine import Machine
 from independent_plant.native import RECORD_RATE
 from independent_plant.parameters import TORQUE_LIMITS
 
-from irb2400_ctrl.codegen import Block
 from irb2400_ctrl.codegen.controller import HostController
 from irb2400_ctrl.codegen.package import Package
 
@@ -58,12 +57,12 @@ class _Brake:
         return np.clip(wanted, -TORQUE_LIMITS, TORQUE_LIMITS)
 
 
-def run_with_fault(case: Case, block: Block, begin: int, fault: Fault) -> Outcome:
-    """The validation motion by the block's C package; `fault` acts from sample `begin` on."""
+def run_with_fault(case: Case, package: Package, begin: int, fault: Fault) -> Outcome:
+    """The validation motion by a block's C package; `fault` acts from sample `begin` on."""
     reference = case.motions[1].q
     speed = np.gradient(reference, T, axis=0)
     acceleration = np.gradient(speed, T, axis=0)
-    controller = HostController(Package(block, "float"))
+    controller = HostController(package)
     brake = _Brake(case.machine.arm.packed())
     share = 1 - np.exp(-SPEED_CORNER * T)
     seen: Angles = []
@@ -98,7 +97,7 @@ def run_with_fault(case: Case, block: Block, begin: int, fault: Fault) -> Outcom
             "qdd_ref": acceleration[sample],
             "fresh": np.array([fresh]),
         }
-        out, status = controller.step(np.concatenate([known[f.name] for f in block.inputs]))
+        out, status = controller.step(np.concatenate([known[f.name] for f in package.block.inputs]))
         refused[0] += int(status != 0)
         commands.append(out[:6].astype(float))
         if len(out) > 6 and out[6] > 0.5 and not braked:

@@ -17,7 +17,8 @@ from typing import Any
 import numpy as np
 
 SOURCES = Path(__file__).parent / "csrc"
-FLAGS = ["-std=c11", "-O3", "-march=native", "-fno-math-errno", "-shared", "-fPIC"]
+FLAGS = ["-std=c11", "-O3", "-march=native", "-fno-math-errno", "-fno-tree-slp-vectorize"]
+FLAGS += ["-shared", "-fPIC"]
 RECORD_RATE = 1000.0  # Hz, of references and records
 _double_p = ctypes.POINTER(ctypes.c_double)
 _DRIVE = ctypes.CFUNCTYPE(None, ctypes.c_int, _double_p, _double_p, _double_p)

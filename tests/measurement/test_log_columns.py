@@ -10,7 +10,7 @@ import pytest
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.measurement.cells import all_finite, without_blank_rows
 from irb2400_ctrl.measurement.columns.column_map import ColumnMap
-from irb2400_ctrl.measurement.read_log import (
+from irb2400_ctrl.measurement.columns.understood import (
     _by_map,
     _expect_all,
 )

@@ -6,13 +6,21 @@ import math
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from irb2400_ctrl.cli.command_line import provenance
-from irb2400_ctrl.cli.logs_in import WHAT
-from irb2400_ctrl.cli.options import ColumnsOption, RobotOption, input_file, load_arm, output_folder
+from irb2400_ctrl.cli.logs_in import WHAT, Reader
+from irb2400_ctrl.cli.options import (
+    BetweenOption,
+    ColumnsOption,
+    RobotOption,
+    input_file,
+    load_arm,
+    output_folder,
+)
+from irb2400_ctrl.cli.progress import step
 from irb2400_ctrl.cli.summary import Summary, answers
 from irb2400_ctrl.cli.watching.lines import drifted, learned, status
 
@@ -80,6 +88,7 @@ def watch(
     out: OutFolder = None,
     robot: RobotOption = "irb2400",
     columns: ColumnsOption = None,
+    between: BetweenOption = None,
     learn: LearnOption = 60.0,
     follow: FollowOption = False,
     quiet: QuietOption = 10.0,
@@ -96,19 +105,26 @@ def watch(
     if out is not None:
         output_folder(out)
 
+    from irb2400_ctrl.errors import InputError
     from irb2400_ctrl.measurement.growing import growing_log
     from irb2400_ctrl.watch import Watch
     from irb2400_ctrl.watch.egm_log import egm_log
 
+    if between is not None and (streamed or follow):
+        raise InputError(
+            f"--between: found {between!r} with a log that is being written, expected one that is "
+            "finished: leave --follow out"
+        )
     arm = load_arm(robot)
+    reader = Reader(columns, arm.joint_names, between)
     if streamed:
         pieces = egm_log(streamed, columns, arm.joint_names, quiet=quiet, on_ready=_listening)
     elif follow:
         pieces = growing_log(log, columns, arm.joint_names, quiet=quiet)
     else:
-        pieces = _replayed(log, columns, arm.joint_names, speed)
+        pieces = _replayed(log, reader, speed)
     watched = Watch(arm, learn, 86400.0 * days)
-    name = streamed or str(log)
+    name = streamed or reader.name(log)
     live = bool(streamed) or follow or speed is not None
     shown = _page_while_it_lasts(watched, name, out, every) if live and out else None
     suspicions = _told(watched, pieces, suspect, every, shown)
@@ -176,12 +192,12 @@ def _told(
     return suspicions
 
 
-def _replayed(log: Path, columns: Path | None, names: Any, speed: float | None) -> Iterator[Log]:
+def _replayed(log: Path, reader: Reader, speed: float | None) -> Iterator[Log]:
     """A finished log piece by piece, at a speed or as fast as it is taken."""
-    from irb2400_ctrl.measurement import read_log
     from irb2400_ctrl.watch.watch import between
 
-    whole = read_log(log, columns=columns, names=names)
+    with step(f"reading {log.name}") as say:
+        whole = reader.read(log, say)
     length = AT_ONCE if speed is None else 1.0
     begun = time.monotonic()
     start = whole.time[0]

@@ -27,8 +27,9 @@ def with_time(table: Table, given: ColumnMap) -> Table:
         return table
     if time.rate_Hz is not None:
         named = (column.file for column in given.of(table.columns))
-        rows = next((len(table.columns[name]) for name in named if name in table.columns), 0)
-        return replace(table, columns={**table.columns, "time_s": np.arange(rows) / time.rate_Hz})
+        count = next((len(table.columns[name]) for name in named if name in table.columns), 0)
+        rows = np.arange(count) if table.rows is None else table.rows
+        return replace(table, columns={**table.columns, "time_s": rows / time.rate_Hz})
     if time.column is None or time.nanoseconds is None:
         return table
     pair = (time.column, time.nanoseconds)

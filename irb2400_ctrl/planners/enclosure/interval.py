@@ -10,6 +10,7 @@ powers of a speed; infinite ends stand for "no bound".
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import reduce
 
 import casadi as ca
 import numpy as np
@@ -73,11 +74,20 @@ _MONOTONE: dict[int, Callable[[Array], Array]] = {
 
 
 def _product(x: Interval, y: Interval) -> Interval:
-    # zero times "no bound" is zero: the values themselves are finite
-    ends = [np.nan_to_num(a * b, nan=0.0, posinf=np.inf, neginf=-np.inf) for a in x for b in y]
-    return np.minimum.reduce(np.broadcast_arrays(*ends)), np.maximum.reduce(
-        np.broadcast_arrays(*ends)
-    )
+    # a number has one end
+    ends = [_times(a, b) for a in _ends(x) for b in _ends(y)]
+    return reduce(np.minimum, ends), reduce(np.maximum, ends)
+
+
+def _ends(x: Interval) -> Interval | tuple[Array]:
+    return x[:1] if x[0] is x[1] else x
+
+
+def _times(a: Array, b: Array) -> Array:
+    """Zero times "no bound" is zero: the values themselves are finite."""
+    product = np.asarray(a * b)
+    nothing = np.isnan(product)
+    return np.where(nothing, 0.0, product) if nothing.any() else product
 
 
 def _inverse(x: Interval) -> Interval:

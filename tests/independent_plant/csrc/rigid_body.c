@@ -65,7 +65,7 @@ static Angles link_angles(const double q[6]) {
 }
 
 /* acc(point) = acc + eps x r + w x (w x r) */
-static void acceleration_at(const Vec acc, const Vec w, const Vec eps, const Vec r, Vec out) {
+static inline void acceleration_at(const Vec acc, const Vec w, const Vec eps, const Vec r, Vec out) {
     Vec er, wr, wwr;
     cross(eps, r, er);
     cross(w, r, wr);
@@ -73,9 +73,29 @@ static void acceleration_at(const Vec acc, const Vec w, const Vec eps, const Vec
     for (int a = 0; a < 3; a++) out[a] = acc[a] + er[a] + wwr[a];
 }
 
+/* Forces f and moments n of the links become what each hands to its parent, and torques of the actuators. */
+static void hand_inwards(const Angles *k, Vec f[6], Vec n[6], double tau[6]) {
+    double tau_theta[6];
+    for (int i = 5; i >= 0; i--) {
+        Vec p, force, torque, lever;
+        tau_theta[i] = n[i][2];
+        if (i == 0) break;
+        origin(i, p);
+        to_parent(k, i, f[i], force);
+        to_parent(k, i, n[i], torque);
+        cross(p, force, lever);
+        for (int a = 0; a < 3; a++) {
+            f[i - 1][a] += force[a];
+            n[i - 1][a] += torque[a] + lever[a];
+        }
+    }
+    memcpy(tau, tau_theta, sizeof tau_theta);
+    tau[1] -= tau_theta[2];
+}
+
 static void newton_euler(const double (*link)[10], const Vec gravity, const Angles *k, const double qd[6],
                          const double qdd[6], double tau[6]) {
-    double thd[6], thdd[6], tau_theta[6];
+    double thd[6], thdd[6];
     Vec w[6], eps[6], f[6], n[6], acc = {-gravity[0], -gravity[1], -gravity[2]};
     Vec w_parent = {0, 0, 0}, eps_parent = {0, 0, 0};
     actuators_to_links(qd, thd);
@@ -102,21 +122,33 @@ static void newton_euler(const double (*link)[10], const Vec gravity, const Angl
         memcpy(w_parent, w[i], sizeof(Vec));
         memcpy(eps_parent, eps[i], sizeof(Vec));
     }
-    for (int i = 5; i >= 0; i--) { /* inwards: what each link hands to its parent */
-        Vec p, force, torque, lever;
-        tau_theta[i] = n[i][2];
-        if (i == 0) break;
+    hand_inwards(k, f, n, tau);
+}
+
+/* Torques of a unit acceleration of actuator j from rest, without weight: a column of the mass matrix. As newton_euler, without
+ * what is zero then: all that is before link j, and all that goes with speeds. */
+static void column_of_mass(const double (*link)[10], const Angles *k, int j, double tau[6]) {
+    double unit[6] = {0}, thdd[6];
+    Vec f[6] = {{0}}, n[6] = {{0}}, acc = {0, 0, 0}, eps = {0, 0, 0};
+    unit[j] = 1.0;
+    actuators_to_links(unit, thdd);
+    for (int i = j; i < 6; i++) {
+        const double *m = link[i];
+        Vec p, lifted, turned, at_origin, moment;
         origin(i, p);
-        to_parent(k, i, f[i], force);
-        to_parent(k, i, n[i], torque);
-        cross(p, force, lever);
-        for (int a = 0; a < 3; a++) {
-            f[i - 1][a] += force[a];
-            n[i - 1][a] += torque[a] + lever[a];
-        }
+        cross(eps, p, lifted);
+        for (int a = 0; a < 3; a++) at_origin[a] = acc[a] + lifted[a];
+        to_child(k, i, at_origin, acc);
+        to_child(k, i, eps, turned);
+        turned[2] += thdd[i];
+        memcpy(eps, turned, sizeof(Vec));
+        cross(eps, m + 1, lifted);
+        for (int a = 0; a < 3; a++) f[i][a] = m[0] * (acc[a] + lifted[a]);
+        inertia_times(m + 4, eps, n[i]);
+        cross(m + 1, f[i], moment);
+        for (int a = 0; a < 3; a++) n[i][a] += moment[a];
     }
-    memcpy(tau, tau_theta, sizeof tau_theta);
-    tau[1] -= tau_theta[2];
+    hand_inwards(k, f, n, tau);
 }
 
 /* The rod moves as a point: rho = a1 + r sin(q3 + phi) + s sin q2 from axis 1, height z = r cos(q3 + phi) + s cos q2. */
@@ -139,13 +171,11 @@ static void add_rod(const Arm *arm, const double q[6], const double qd[6], doubl
 
 void equations_of_motion(const Arm *arm, const double q[6], const double qd[6], double M[6][6], double bias[6]) {
     static const double zero[6];
-    static const Vec weightless;
     const Angles k = link_angles(q);
     newton_euler(arm->link, arm->gravity, &k, qd, zero, bias);
     for (int j = 0; j < 6; j++) {
-        double unit[6] = {0}, column[6];
-        unit[j] = 1.0;
-        newton_euler(arm->link, weightless, &k, zero, unit, column);
+        double column[6];
+        column_of_mass(arm->link, &k, j, column);
         for (int i = 0; i < 6; i++) M[i][j] = column[i];
         M[j][j] += arm->rotor[j];
     }

@@ -28,7 +28,18 @@ def seconds_of_day(cell: str) -> float | None:
     return 3600.0 * int(found["hours"]) + 60.0 * int(found["minutes"]) + float(seconds)
 
 
-def past_midnight(times: Array) -> Array:
-    """Times of day [s], (m,), that go on beyond midnight."""
-    steps = np.diff(times, prepend=times[:1])
-    return np.asarray(times + DAY * np.cumsum(steps < -DAY / 2))
+class Midnights:
+    """Times of day that go on beyond midnight, piece after piece."""
+
+    def __init__(self) -> None:
+        self._days = 0
+        self._last = np.nan
+
+    def __call__(self, times: Array) -> Array:
+        """The next piece [s], (m,), counted from the midnight before the first."""
+        steps = np.diff(times, prepend=self._last)
+        days = self._days + np.cumsum(steps < -DAY / 2)
+        if len(times):
+            self._days = int(days[-1])
+            self._last = float(times[-1])
+        return np.asarray(times + DAY * days)

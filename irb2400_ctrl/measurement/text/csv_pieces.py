@@ -1,0 +1,181 @@
+"""The samples of a CSV, piece by piece: by pyarrow where every cell is a plain number, else cell by
+cell."""
+
+from __future__ import annotations
+
+import re
+from array import array
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+
+from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.measurement.table import numbers_of
+from irb2400_ctrl.measurement.text.clock_times import Midnights, seconds_of_day
+from irb2400_ctrl.measurement.text.csv_dialect import EMPTY, Dialect
+from irb2400_ctrl.reading import text_blocks
+
+SLOW_ROWS = 10_000
+"""of a piece, where cells are read one by one"""
+Piece = Callable[[Sequence[str]], list[Array]]
+"""the numbers in columns of these names of some rows, each (rows,)"""
+
+
+class CloserLook(Exception):
+    """Not every cell is a number as plain as the fast reader takes them."""
+
+
+@dataclass(frozen=True)
+class Body:
+    """The samples of a file: what stands from line `start` on, lines counted from 0; cells that
+    hold times of day, by their place in a line."""
+
+    path: Path
+    dialect: Dialect
+    start: int
+    clocks: frozenset[int] = frozenset()
+    text: Callable[[Path], Iterator[bytes]] = text_blocks
+
+    def blocks(self) -> Iterator[bytes]:
+        """Whole lines in each, one blank between cells where blanks separate them."""
+        blocks = self.text(self.path)
+        first = next(blocks)
+        yield self._lines(b"\n".join(first.split(b"\n", self.start)[self.start :]))
+        for block in blocks:
+            yield self._lines(block)
+
+    def _lines(self, block: bytes) -> bytes:
+        if self.dialect.separator != " ":
+            return block
+        return b"\n".join(b" ".join(line.split()) for line in block.split(b"\n"))
+
+
+def fast_pieces(body: Body, header: list[str]) -> Iterator[Piece]:
+    """Pieces of the file, read by pyarrow.
+
+    Raises:
+        CloserLook: some cell needs a closer look, or pyarrow is missing.
+    """
+    try:
+        import pyarrow as pa
+        from pyarrow import csv as arrow_csv
+    except ImportError as error:
+        raise CloserLook from error
+
+    options = {
+        "read_options": arrow_csv.ReadOptions(column_names=header, use_threads=False),
+        # a quote may hide the end of a row
+        "parse_options": arrow_csv.ParseOptions(delimiter=body.dialect.separator, quote_char=False),
+    }
+
+    def numbers(block: bytes, names: Sequence[str]) -> list[Array]:
+        """Of some columns, (rows,) each; the cells of the others are not looked at."""
+        wanted = arrow_csv.ConvertOptions(
+            include_columns=names,
+            column_types={name: pa.float64() for name in names},
+            decimal_point=body.dialect.decimal,
+            null_values=[],
+        )
+        try:
+            table = arrow_csv.read_csv(pa.py_buffer(block), **options, convert_options=wanted)
+        except (pa.ArrowInvalid, pa.ArrowKeyError) as error:
+            raise CloserLook from error
+        return [column.to_numpy() for column in table.columns]
+
+    for block in body.blocks():
+        yield partial(numbers, block)
+
+
+def slow_pieces(
+    body: Body, header: list[str], names: list[str], widths: dict[int, int]
+) -> Iterator[Piece]:
+    """Cell by cell, to say where a line is not like the others; a word is NaN. A last line that
+    ends early was being written when the recorder stopped: it is left out.
+
+    Args:
+        body: the samples.
+        header: a name a cell.
+        names: of the columns, those of lists one by one.
+        widths: how many numbers the lists hold, by the number of their cell.
+    """
+    width = len(header)
+    columns = [array("d") for _ in names]
+    midnights = {header[k]: Midnights() for k in body.clocks}
+    torn: InputError | None = None
+    rows = 0
+
+    def piece(numbers: Mapping[str, Array], names: Sequence[str]) -> list[Array]:
+        return [numbers[name] for name in names]
+
+    def so_far() -> Piece:
+        numbers = {name: np.array(values) for name, values in zip(names, columns, strict=True)}
+        for name, beyond in midnights.items():
+            numbers[name] = beyond(numbers[name])
+        for column in columns:
+            del column[:]
+        return partial(piece, numbers)
+
+    lines = (line for block in body.blocks() for line in block.decode().split("\n")[:-1])
+    for number, line in enumerate(lines, body.start + 1):
+        if not line.strip(EMPTY):
+            continue
+        if torn is not None:
+            raise torn
+        cells = body.dialect.split(line)
+        while len(cells) > width and not cells[-1].strip():
+            cells.pop()
+        if len(cells) != width:
+            torn = _wrong_width(body, number, line, len(cells), width)
+            if len(cells) > width or not rows:
+                raise torn
+            continue
+        place = f"{body.path}, line {number}"
+        for column, value in zip(columns, _values(body, cells, widths, place), strict=True):
+            column.append(value)
+        rows += 1
+        if rows % SLOW_ROWS == 0:
+            yield so_far()
+    if rows % SLOW_ROWS:
+        yield so_far()
+
+
+def _wrong_width(body: Body, number: int, line: str, found: int, width: int) -> InputError:
+    commas = found == 2 * width and body.dialect.separator == ","
+    hint = "; with decimal commas the cells need semicolons between them" * commas
+    if body.dialect.separator == "," and re.search(r"[\[({]", line):
+        hint = "; a list with commas needs quotes around it, or other separators outside"
+    return InputError(
+        f"{body.path}, line {number}: found {found} cells, expected {width} as in the header{hint}"
+    )
+
+
+def _values(body: Body, cells: list[str], widths: dict[int, int], place: str) -> list[float]:
+    """The numbers of a line; a cell without anything where a list is expected holds none."""
+    values = []
+    for k, cell in enumerate(cells):
+        if k in body.clocks:
+            seconds = seconds_of_day(cell)
+            values.append(np.nan if seconds is None else seconds)
+            continue
+        if k not in widths:
+            values.append(_number(cell, body.dialect.decimal))
+            continue
+        listed = numbers_of(cell) if cell.strip() else [np.nan] * widths[k]
+        if listed is None or len(listed) != widths[k]:
+            raise InputError(
+                f"{place}: found {cell.strip()[:40]!r} in cell {k + 1}, expected a list of "
+                f"{widths[k]} numbers as in the first sample"
+            )
+        values += listed
+    return values
+
+
+def _number(cell: str, decimal: str) -> float:
+    try:
+        return float(cell.strip().strip('"').replace(decimal, "."))
+    except ValueError:
+        return np.nan
