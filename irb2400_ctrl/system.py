@@ -22,6 +22,16 @@ def cores() -> int:
     return os.cpu_count() or 1
 
 
+def free_memory() -> float | None:
+    """What this process may still take without another one being pushed out [bytes]; None where the
+    system does not say."""
+    try:
+        lines = Path("/proc/meminfo").read_text(encoding="utf-8").splitlines()
+        return 1024.0 * next(float(line.split()[1]) for line in lines if "MemAvailable:" in line)
+    except (OSError, StopIteration):
+        return None
+
+
 # number of the option in glibc's malloc.h, and the size from which on it is asked for [bytes]
 _MMAP_THRESHOLD = -3
 _LARGE = 2**22

@@ -39,9 +39,12 @@ from irb2400_ctrl.measurement.log import Log
 from irb2400_ctrl.measurement.prepared_log import PreparedLog, prepare
 from irb2400_ctrl.plausibility import LogProblem
 from irb2400_ctrl.robot import Robot, Uncertainty
+from irb2400_ctrl.system import free_memory
 
 COMMON_FRICTION = 0.3
 """standard deviation of the friction of all joints together, over the file's: temperature"""
+BYTES_PER_ROW = 1e6
+"""of memory that the search takes, on six axes (`benchmarks/long_log.py`: 7.1 GB for 300 s)"""
 LEAST_SPEED = 0.05
 """[rad/s] rms speed of a joint below which nothing can be said about it"""
 
@@ -100,6 +103,7 @@ def _searched(
     """The diagnosis of logs that are understood."""
     progress("prepare")
     motion = prepare_together(logs.used)
+    _has_room(motion)
     bases = _bases(robot.bare())
     prior = prior_of(robot, uncertainty or robot.uncertainty, motion)
     numbers_of_robot = prior.columns(bases.model, motion)
@@ -127,6 +131,22 @@ def _searched(
     noise = noise_test(robot, logs.used, motion, compared.after, _unsure(fit, motion))
     numbers = (*found.numbers, *moved)
     return replace(found, numbers=numbers, logs=each, left_out=logs.left_out, noise=noise)
+
+
+def _has_room(motion: PreparedLog) -> None:
+    """The search keeps the columns of every effect.
+
+    Raises:
+        InputError: for which there is no memory.
+    """
+    needed = BYTES_PER_ROW * motion.rows * (motion.n / 6.0) ** 2
+    free = free_memory()
+    if free is not None and needed > free:
+        raise InputError(
+            f"{motion.name}: found {motion.duration:.0f} s, whose search takes about "
+            f"{needed / 1e9:.1f} GB of memory where {free / 1e9:.1f} GB are free, expected at most "
+            f"{motion.duration * free / needed:.0f} s: diagnose a stretch (--between FROM:TO)"
+        )
 
 
 def _unsure(fit: Fit, motion: PreparedLog) -> Array:
