@@ -43,8 +43,8 @@ from irb2400_ctrl.system import free_memory
 
 COMMON_FRICTION = 0.3
 """standard deviation of the friction of all joints together, over the file's: temperature"""
-BYTES_PER_ROW = 1e6
-"""of memory that the search takes, on six axes (`benchmarks/long_log.py`: 7.1 GB for 300 s)"""
+BYTES_PER_ROW = 4e5
+"""of memory that the search takes, on six axes (2.5 GB for 300 s)"""
 LEAST_SPEED = 0.05
 """[rad/s] rms speed of a joint below which nothing can be said about it"""
 
@@ -117,8 +117,7 @@ def _searched(
     first = Fitter(robot, bases, motion, Z[:, :, : -motion.n], reversal, own).fit([])
     motion = noisy_reversals_masked(motion, bases, first, reversal)
     scan = Scan(bases, motion, load)
-    shown = motion.as_recorded(numbers_of_robot)
-    plain = PlainNumbers(prior, *map(motion.at_rows, (shown, motion.qd)))
+    plain = PlainNumbers(prior, motion.recorded_rows(numbers_of_robot), motion.at_rows(motion.qd))
     fitter = Fitter(robot, bases, motion, Z, reversal, own, plain)
     steps, fit = Selection(scan, fitter, criteria).run()
     progress("conclude")

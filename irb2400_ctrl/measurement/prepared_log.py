@@ -136,6 +136,11 @@ class PreparedLog:
         filter along the first axis, decimated: (m, ...) -> (rows, ...)."""
         return self.low_pass(self.as_recorded(signal))
 
+    def recorded_rows(self, signal: Array) -> Array:
+        """A torque of the joints, or a column of one, as the log shows it, at the instants of the
+        rows, not filtered."""
+        return self.low_pass.instants(self.as_recorded(signal))
+
     def filtered_reading(self, signal: Array) -> Array:
         """The same of what was read, or of what a prediction as recorded leaves of it."""
         return self.low_pass(signal)

@@ -112,9 +112,6 @@ def find_torque_filter(
     """The filter that a log's torques went through; None where they were not, or where no reversal
     of a joint would tell.
 
-    The torque's differences are fitted, joint by joint, by those of sgn qd, qd, qdd, sin q and
-    cos q through filters of many cut-offs and orders.
-
     Args:
         tau: [Nm], shape (m, n), at even instants.
         q: [rad], shape (m, n).
@@ -130,38 +127,12 @@ def find_torque_filter(
     band = (frequency > QUIET_FROM) & (frequency < QUIET_TO)
     if _share(power / frequency[:, None] ** 2, band) > QUIET:
         return None
-    x, v, a = q[:, moves], qd[:, moves], qdd[:, moves]
-    signals = np.stack([np.sign(v), v, a, np.sin(x), np.cos(x)], axis=2)
-    inside = slice(ends, -ends)
-    torque = np.diff(tau[:, moves], axis=0)[inside]
-    whole = np.sum(torque**2, axis=0)
-
-    def at(logarithms: Array) -> float:
-        return left(TorqueFilter(*np.exp(logarithms)))
-
-    def left(found: TorqueFilter | None) -> float:
-        """Mean logarithm of the rms that is left on a joint."""
-        shown = signals if found is None else found(signals, step)
-        X = np.moveaxis(np.diff(shown, axis=0)[inside], 1, 0)
-        X /= np.maximum(np.linalg.norm(X, axis=1, keepdims=True), 1e-300)
-        # cos q of a joint that hardly moves is no signal
-        gram = np.swapaxes(X, 1, 2) @ X + 1e-10 * np.eye(X.shape[2])
-        right = np.einsum("jmk,mj->jk", X, torque)
-        taken = np.einsum("jk,jk->j", right, np.linalg.solve(gram, right[..., None])[..., 0])
-        return float(0.5 * np.mean(np.log(np.maximum(whole - taken, 1e-12 * whole))))
-
-    tried = [
-        TorqueFilter(float(cutoff), order)
-        for cutoff in CUTOFFS
-        for order in ORDERS
-        if _share(power, frequency > BEYOND * cutoff)
-        < LITTLE + 1.0 / (1.0 + BEYOND ** (2.0 * order))
-    ]
-    best = min(tried, key=left, default=None)
+    left = _Misfit(tau[:, moves], q[:, moves], qd[:, moves], qdd[:, moves], step)
+    best = min(_possible(frequency, power), key=left, default=None)
     if best is None or left(best) - left(None) > np.log(CLEAR):
         return None
     closer = minimize(
-        at,
+        left.at,
         np.log([best.cutoff, best.order]),
         method="Nelder-Mead",
         bounds=Bounds(np.log([CUTOFFS[0], ORDERS[0]]), np.log([CUTOFFS[-1], ORDERS[-1]])),
@@ -169,6 +140,45 @@ def find_torque_filter(
     )
     cutoff, order = np.exp(closer.x)
     return TorqueFilter(float(cutoff), float(order)) if order > MILDEST else None
+
+
+class _Misfit:
+    """What the differences of torques leave when they are fitted by those of sgn qd, qd, qdd, sin q
+    and cos q through a filter: mean logarithm of the rms over the joints."""
+
+    def __init__(self, tau: Array, q: Array, qd: Array, qdd: Array, step: float) -> None:
+        ends = round(ENDS / step)
+        self.inside = slice(ends, -ends)
+        self.step = step
+        self.signals = np.stack([np.sign(qd), qd, qdd, np.sin(q), np.cos(q)], axis=2)
+        self.torque = np.diff(tau, axis=0)[self.inside]
+        self.whole = np.sum(self.torque**2, axis=0)
+
+    def __call__(self, found: TorqueFilter | None) -> float:
+        shown = self.signals if found is None else found(self.signals, self.step)
+        X = np.moveaxis(np.diff(shown, axis=0)[self.inside], 1, 0)
+        X /= np.maximum(np.linalg.norm(X, axis=1, keepdims=True), 1e-300)
+        # cos q of a joint that hardly moves is no signal
+        gram = np.swapaxes(X, 1, 2) @ X + 1e-10 * np.eye(X.shape[2])
+        right = np.einsum("jmk,mj->jk", X, self.torque)
+        taken = np.einsum("jk,jk->j", right, np.linalg.solve(gram, right[..., None])[..., 0])
+        rest = np.maximum(self.whole - taken, 1e-12 * self.whole)
+        return float(0.5 * np.mean(np.log(rest)))
+
+    def at(self, logarithms: Array) -> float:
+        """Of a filter by the logarithms of its cut-off and order."""
+        return self(TorqueFilter(*np.exp(logarithms)))
+
+
+def _possible(frequency: Array, power: Array) -> list[TorqueFilter]:
+    """Filters above whose cut-off a channel holds no more than they let pass."""
+    return [
+        TorqueFilter(float(cutoff), order)
+        for cutoff in CUTOFFS
+        for order in ORDERS
+        if _share(power, frequency > BEYOND * cutoff)
+        < LITTLE + 1.0 / (1.0 + BEYOND ** (2.0 * order))
+    ]
 
 
 def _spectrum(tau: Array, step: float) -> tuple[Array, Array]:

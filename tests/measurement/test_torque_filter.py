@@ -128,7 +128,8 @@ def test_an_effect_is_named_through_the_filter() -> None:
 
 def test_predictions_of_each_log_go_through_its_own_filter() -> None:
     one, other = simulated()
-    slow, fast = prepare(filtered(one, 2.0)), prepare(other)
+    slow = prepare(filtered(one, 2.0))
+    fast = prepare(other)
     (recorder,) = slow.recorders
     assert recorder is not None
     assert fast.recorders == (None,)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import cache, cached_property
+from functools import cached_property
 
 import numpy as np
 
@@ -32,7 +32,11 @@ class LogColumns:
         began may be all that shows them"""
         self._members: dict[tuple[object, ...], tuple[RegressorColumns, RegressorColumns]] = {}
         self._samples: dict[tuple[object, ...], RegressorColumns] = {}
-        self.vibrations_of = cache(lambda joint: vibrations(motion, joint))
+
+    @cached_property
+    def vibrations(self) -> tuple[Array, Array]:
+        """Frequencies and columns of a hum, the same on every joint."""
+        return vibrations(self.motion)
 
     @cached_property
     def families(self) -> list[tuple[str, int | None]]:

@@ -15,6 +15,10 @@ import numpy as np
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.measurement.prepared_log import PreparedLog
 
+STEADY = 120.0
+"""[s] over which a hum is taken to keep its frequency: of longer logs more frequencies would be
+tried, each along more rows"""
+
 
 @dataclass(frozen=True)
 class NonParametricLaw:
@@ -132,10 +136,10 @@ def _products(x: Array, y: Array, degree: int) -> Array:
     return np.asarray(np.einsum("mi,mj->mij", powers(x), powers(y)).reshape(len(x), degree**2))
 
 
-def vibrations(motion: PreparedLog, joint: int) -> tuple[Array, Array]:
+def vibrations(motion: PreparedLog) -> tuple[Array, Array]:
     """Frequencies [Hz] and filtered sine and cosine in time, shape (g, rows, 2): a hum that no
     motion explains."""
-    span = motion.duration
+    span = min(motion.duration, STEADY)
     frequency = np.arange(0.4, 9.0, 0.5 / span)
     gain = motion.low_pass.weights
     half = (len(gain) - 1) // 2

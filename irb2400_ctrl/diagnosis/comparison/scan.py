@@ -251,7 +251,7 @@ class Scan(LogColumns):
         return found
 
     def _vibration(self, problem: Problem, joint: int) -> Candidate:
-        frequency, values = self.vibrations_of(joint)
+        frequency, values = self.vibrations
         gram, right = problem.projected_many(joint, values)
         explained = np.einsum(
             "gi,gi->g", right, np.linalg.solve(gram + 1e-9 * np.eye(2), right[..., None])[..., 0]

@@ -266,16 +266,13 @@ class Fitter:
         if all(e.chain == "torque" for e in (*self.robot.effects, *effects)):
             return np.asarray(self._left_by_none - sum(self._torque(e) for e in effects))
         robot = self.robot.model_copy(update={"effects": (*self.robot.effects, *effects)})
-        motion = self.motion
-        return motion.filtered_reading(
-            motion.tau_smooth - predicted_torque(robot, motion, self.bases)
-        )
+        predicted = predicted_torque(robot, self.motion, self.bases)
+        return self.motion.filtered_reading(self.motion.tau_smooth - predicted)
 
     @cached_property
     def _left_by_none(self) -> Array:
-        motion = self.motion
-        predicted = predicted_torque(self.robot, motion, self.bases)
-        return motion.filtered_reading(motion.tau_smooth - predicted)
+        predicted = predicted_torque(self.robot, self.motion, self.bases)
+        return self.motion.filtered_reading(self.motion.tau_smooth - predicted)
 
     def _torque(self, effect: Effect, filtered: bool = True) -> Array:
         columns = self.placed(effect, filtered=filtered)
@@ -295,8 +292,7 @@ class Fitter:
                 filtered=filtered,
                 windows=effect.windows_s,
             )
-            shown = found.values if filtered else self.motion.as_recorded(found.values)
-            values = shown if filtered else self.motion.at_rows(shown)
+            values = found.values if filtered else self.motion.recorded_rows(found.values)
             self._cache[key] = self._on_all_joints(found.joints, values)
         return self._cache[key]
 

@@ -99,7 +99,7 @@ class HeldOut:
         before = left.copy()
         for k in effects:
             torque = effect_torque(self.fitter.bases, self.fit.effects[k], motion)
-            before += motion.at_rows(motion.as_recorded(torque))
+            before += motion.recorded_rows(torque)
         return Worth.of(before, left, self._known)
 
     def _without(self, place: int) -> Fit:
