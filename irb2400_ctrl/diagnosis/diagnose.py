@@ -44,7 +44,7 @@ from irb2400_ctrl.system import free_memory
 COMMON_FRICTION = 0.3
 """standard deviation of the friction of all joints together, over the file's: temperature"""
 BYTES_PER_ROW = 4e5
-"""of memory that the search takes, on six axes (2.5 GB for 300 s)"""
+"""of memory that the search takes, on six axes (2.6 GB for 300 s)"""
 LEAST_SPEED = 0.05
 """[rad/s] rms speed of a joint below which nothing can be said about it"""
 

@@ -47,7 +47,7 @@ class Provenance:
             rows.append(("its effects", effects_in_words(robot)))
         for path in inputs:
             if path.is_file():
-                rows.append((path.name, f"sha256 {digest(path.read_bytes())}"))
+                rows.append((path.name, f"sha256 {digest_of(path)}"))
         rows += [(name.replace("_", " "), str(v)) for name, v in more.items() if v is not None]
         return cls(tuple(rows), command)
 
@@ -64,3 +64,9 @@ def effects_in_words(robot: Robot) -> str:
 def digest(data: bytes) -> str:
     """SHA-256 in hexadecimal."""
     return hashlib.sha256(data).hexdigest()
+
+
+def digest_of(path: Path) -> str:
+    """The same of a file, which may not fit into the memory."""
+    with path.open("rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()
