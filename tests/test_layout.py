@@ -11,6 +11,8 @@ from pathlib import Path
 
 import pytest
 
+import irb2400_ctrl
+
 ROOT = Path(__file__).parent.parent
 PACKAGE = ROOT / "irb2400_ctrl"
 
@@ -79,3 +81,14 @@ def test_nothing_in_the_project_speaks_of_this_machine() -> None:
         text = path.read_text(errors="ignore")
         assert "/work/" not in text, path
         assert "/tmp/w/" not in text, path
+
+
+def test_the_delivered_version_is_told_in_the_changelog() -> None:
+    told = (ROOT / "CHANGELOG.md").read_text(encoding="utf-8")
+    assert f"\n## [{irb2400_ctrl.__version__}] - " in told
+    assert f"## {irb2400_ctrl.__version__} in short" in (ROOT / "docs" / "releases.md").read_text(
+        encoding="utf-8"
+    )
+    assert f"version: {irb2400_ctrl.__version__}\n" in (ROOT / "CITATION.cff").read_text(
+        encoding="utf-8"
+    )
