@@ -143,7 +143,7 @@ class Acceptance:
         # fit is asked
         whole = worth if any(c.devices for c in chosen) else told
         nats = [own(candidate, told), float(whole.nats.sum())]
-        if not beyond:
+        if not beyond and len(chosen) > 1:
             # beside a law of rough shape such numbers bend where it was seen
             nats.append(float(worth.nats.sum()))
         return min(nats) + credit > 0.0
