@@ -108,9 +108,10 @@ MASS = Ambiguity(
 )
 OFFSET = Ambiguity(
     "offset",
-    splits="brake-released standstill, several speeds",
+    splits="many turns of the joint, sampled at 200 Hz and more: friction passes through nothing "
+    "there, an offset does not",
     measure_else="read the torque with the brakes on and the drives off: an offset of the "
-    "measurement stays, friction does not; no motion of the arm shows this difference",
+    "measurement stays, friction does not",
     motions=("swing", "slow", "alone", "reversals"),
 )
 POSITION_ERROR = Ambiguity(

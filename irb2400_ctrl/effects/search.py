@@ -22,6 +22,7 @@ class Search:
             peculiarity of this arm.
         shows_moving: a log must show it away from reversals too, where dry friction is hard to
             predict.
+        nothing_at_turns: its torque passes through nothing where the joint turns.
     """
 
     device: str = ""
@@ -32,3 +33,4 @@ class Search:
     in_diagnosis: bool = True
     usual: bool = False
     shows_moving: bool = False
+    nothing_at_turns: bool = False

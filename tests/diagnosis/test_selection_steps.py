@@ -283,10 +283,19 @@ def test_alternatives_are_the_best_of_the_scan_that_were_not_refused(
         between=lambda start, c: between.append(c.kind) or c,
     )
     comparison: Any = SimpleNamespace(start=None, compared=lambda c: of(c, c.gain))
-    selection = bare(scan=scan, refused={named(names[3]), named(laws[0]), named(windowed[0])})
+
+    def told(alternative: Any) -> Any:
+        # what the turns of the joints say counts too
+        return of(names[5], 1.5) if alternative.candidate is names[5] else alternative
+
+    selection = bare(
+        scan=scan,
+        refused={named(names[3]), named(laws[0]), named(windowed[0])},
+        turns=SimpleNamespace(told=told),
+    )
     best = selection.alternatives(comparison)
     assert [a.candidate.kind for a in best] == [
-        "w1", "unexplained", "n6", "n5", "n4", "n2", "n1", "n0",
+        "w1", "unexplained", "n6", "n4", "n2", "n5", "n1", "n0",
     ]  # fmt: skip
     assert between == ["n0", "n1", "n2", "n4", "n5", "n6", "unexplained"]
     assert asked == [["n0", "n1", "n2", "n4", "n5", "n6", "n7", "n8"]]

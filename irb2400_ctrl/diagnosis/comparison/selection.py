@@ -9,6 +9,7 @@ import numpy as np
 
 from irb2400_ctrl.arrays import Mask
 from irb2400_ctrl.diagnosis.comparison.acceptance import Acceptance
+from irb2400_ctrl.diagnosis.comparison.at_reversals import AtReversals
 from irb2400_ctrl.diagnosis.comparison.comparison import Alternative, Comparison
 from irb2400_ctrl.diagnosis.comparison.criteria import Criteria, Threshold, of_one_moment
 from irb2400_ctrl.diagnosis.comparison.onset import Windowing
@@ -37,9 +38,10 @@ class Selection:
         self.criteria = Criteria() if criteria is None else criteria
         self.refused: set[Name] = set()
         self.acceptance = Acceptance(fitter, self.criteria)
-        self.threshold = Threshold(
-            self.criteria, scan.motion, predicted_torque(fitter.robot, scan.motion, fitter.bases)
-        )
+        motion = scan.motion
+        predicted = predicted_torque(fitter.robot, motion, fitter.bases)
+        self.threshold = Threshold(self.criteria, motion, predicted)
+        self.turns = AtReversals(motion, motion.tau - predicted)
 
     def run(self) -> tuple[list[Step], Fit]:
         """The accepted explanations, in the order they were found, and their common fit."""
@@ -182,7 +184,8 @@ class Selection:
         windowed = Windowing(self.scan, comparison.start).candidates([c for c in ranked if c.known])
         short += [c for c in windowed if named(c) not in self.refused]
         return sorted(
-            (comparison.compared(candidate) for candidate in short), key=lambda r: -r.evidence
+            (self.turns.told(comparison.compared(candidate)) for candidate in short),
+            key=lambda r: -r.evidence,
         )
 
     def _exchanged(self, steps: list[Step]) -> list[Step]:
