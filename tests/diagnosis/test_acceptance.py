@@ -59,6 +59,7 @@ def judged(
     told: list[float],
     *,
     worth: float = 1.0,
+    elsewhere: float = 0.0,
     beyond: bool = True,
     fit: Any = None,
     n: int = 3,
@@ -66,7 +67,7 @@ def judged(
 ) -> bool:
     """What `bears_out` says of an offset on joint 2 of three: worth [nats] by joint."""
     held_out = SimpleNamespace(
-        worth=lambda place: SimpleNamespace(nats=np.array([0.0, worth, 0.0])),
+        worth=lambda place: SimpleNamespace(nats=np.array([0.0, worth, elsewhere])),
         told=lambda place: SimpleNamespace(nats=np.array(told)),
     )
     acceptance: Any = Acceptance.__new__(Acceptance)
@@ -98,11 +99,12 @@ def test_a_name_stays_only_where_the_files_own_error_is_better_with_it() -> None
     assert judged(name, [0.0, -3.0, 0.0], beyond=False)
     assert not judged(name, [0.0, -21.0, 0.0], beyond=False)
 
-    # beside another law such numbers bend where that was seen, and unseen rows grow worse; alone
-    # they do not: dry friction of axis 4 that the fit moved by eight standard deviations of the
-    # file was refused for the few rows near its reversals
-    other = SimpleNamespace(devices=frozenset(), effects=())
-    assert not judged(name, [0.0, 3.0, 0.0], worth=-21.0, beyond=False, beside=other)
+    # and unseen rows that grow worse on other joints
+    assert not judged(name, [0.0, 3.0, 0.0], elsewhere=-21.0, beyond=False)
+    assert judged(name, [0.0, 3.0, 0.0], elsewhere=-19.0, beyond=False)
+    assert not judged(load, [0.0, 3.0, 0.0], worth=-21.0, beyond=False)
+    # on its own joint the file is asked alone: dry friction of axis 4 that the fit moved by eight
+    # standard deviations of the file was refused for the few rows near its reversals
     assert judged(name, [0.0, 3.0, 0.0], worth=-21.0, beyond=False)
 
 

@@ -89,6 +89,12 @@ def own(candidate: Candidate, worth: Worth) -> float:
     return float(nats.sum() if candidate.joint is None else nats[candidate.joint - 1])
 
 
+def elsewhere(candidate: Candidate, worth: Worth) -> float:
+    """What it is worth on the other joints, of the whole arm on all of them [nats]."""
+    here = 0.0 if candidate.joint is None else own(candidate, worth)
+    return float(worth.nats.sum()) - here
+
+
 class Acceptance:
     """Holds fitted explanations against the log that they were found on."""
 
@@ -143,9 +149,9 @@ class Acceptance:
         # fit is asked
         whole = worth if any(c.devices for c in chosen) else told
         nats = [own(candidate, told), float(whole.nats.sum())]
-        if not beyond and len(chosen) > 1:
-            # beside a law of rough shape such numbers bend where it was seen
-            nats.append(float(worth.nats.sum()))
+        if not beyond:
+            # beside a law of rough shape such numbers bend where that was seen
+            nats.append(elsewhere(candidate, worth))
         return min(nats) + credit > 0.0
 
     def _told(self, held_out: HeldOut, candidate: Candidate, place: int) -> Worth:

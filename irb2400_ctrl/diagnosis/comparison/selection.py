@@ -59,7 +59,12 @@ class Selection:
                 fit = self.fitter.fit([])
                 continue
             if step is None:
-                break
+                lone = _without_its_other(steps)
+                if lone is None:
+                    break
+                self.refused.add(named(steps.pop(lone).candidate))
+                fit = self.fitter.fit([s.candidate for s in steps])
+                continue
             further, there = self._clear([*steps, step], len(steps))
             if not self.acceptance.bears_out(further, there, len(steps)):
                 # the next best is tried instead
@@ -131,12 +136,14 @@ class Selection:
         best = self.threshold.best(comparison, alternatives, chosen)
         if not best.candidate.known and not alone:
             best = self._first_of_two(comparison, best, every, chosen)
-            alternatives += [] if best in alternatives else [best]
+        counts = best in alternatives
+        alternatives += [] if counts else [best]
         if comparison.gain(best) < self.threshold.least_gain(comparison, best.candidate, chosen):
             return None
         polished = comparison.polished(best)
         alternatives[alternatives.index(best)] = polished
-        return Step(polished.candidate, comparison.gain(best), tuple(alternatives))
+        gain = comparison.gain(best)
+        return Step(polished.candidate, gain, tuple(alternatives), one_of_two=not counts)
 
     def _first_of_two(
         self,
@@ -204,6 +211,16 @@ class Selection:
             for s in kept
             if not of_one_moment(s.candidate, [k.candidate for k in kept if k is not s])
         ]
+
+
+def _without_its_other(steps: Sequence[Step]) -> int | None:
+    """Place of an explanation that counts only beside another one of its joint, which did not come;
+    None if there is none."""
+    joints = [s.candidate.joint for s in steps]
+    for place, step in enumerate(steps):
+        if step.one_of_two and joints.count(step.candidate.joint) == 1:
+            return place
+    return None
 
 
 def named(candidate: Candidate) -> Name:

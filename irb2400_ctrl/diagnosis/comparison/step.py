@@ -21,12 +21,15 @@ class Step:
             best first.
         validation_gain: per cent that it takes off the rms error of each joint on unseen rows,
             shape (n,).
+        one_of_two: whether it counts only with another one of its joint, in the place of a
+            non-parametric law that takes in both.
     """
 
     candidate: Candidate
     gain: float
     alternatives: tuple[Alternative, ...]
     validation_gain: Array | None = None
+    one_of_two: bool = False
 
     def only(self, members: Sequence[bool]) -> Step:
         """The same with some effects of its candidate."""
