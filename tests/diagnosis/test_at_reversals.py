@@ -104,7 +104,8 @@ def test_odds_follow_the_error_of_the_dip() -> None:
     assert nats[0] > 4.0
     assert 0.0 < nats[-1] < 0.3
     # by hand, one share: exp((d^2 - (d - f s)^2) / 2 w^2) with f s = d
-    dip, size = Dip(3.0, 0.4), 6.0
+    dip = Dip(3.0, 0.4)
+    size = 6.0
     width2 = 0.4**2 + (0.05 * size) ** 2
     shares = np.linspace(0.05, 1.0, 96)
     ratio = np.mean(np.exp((9.0 - (3.0 - shares * size) ** 2) / (2 * width2)))

@@ -332,28 +332,3 @@ def test_the_search_ends_after_as_many_steps_and_refusals_as_the_criteria_say(
 
     assert ended(borne_out=True) == (8, 0)
     assert ended(borne_out=False) == (0, 4)
-
-
-@pytest.mark.parametrize(("joint", "kept"), [(1, ["first", "other"]), (2, ["other"])])
-def test_the_first_of_two_goes_where_the_other_one_does_not_come(
-    joint: int, kept: list[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """An offset of joint 1 beside a tilted base counted only with a friction there, which the fit
-    refused; it was said alone, at 0.90, and is nothing."""
-    first, other = explanation("first", 1), explanation("other", joint)
-    accept = {"bears_out": lambda *_: True, "clear": lambda *_: [True]}
-    acceptance = SimpleNamespace(**accept, gains=lambda steps, fit: [0.0] * len(steps))
-    selection = bare(fitter=fitter_of(), refused=set(), acceptance=acceptance)
-
-    def next_step(self: Any, chosen: Any, fit: Any, alone: bool = False) -> Step | None:
-        for offer in (Step(first, 30.0, (), one_of_two=True), Step(other, 20.0, ())):
-            if offer.candidate not in chosen and named(offer.candidate) not in self.refused:
-                return offer
-        return None
-
-    monkeypatch.setattr(Selection, "next_step", next_step)
-    monkeypatch.setattr(Selection, "_exchanged", lambda self, steps: steps)
-    monkeypatch.setattr(Selection, "_rather_wider", lambda self, step, fit: False)
-    steps, fit = selection.run()
-    assert [s.candidate.kind for s in steps] == kept
-    assert fit.of == kept

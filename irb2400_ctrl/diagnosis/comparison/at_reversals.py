@@ -26,8 +26,8 @@ FEWEST_TURNS = 3
 """of either direction"""
 FEWEST_SAMPLES = 3
 """behind a turn, and 2 on either side of that"""
-LEAST_DIP, PARTS = 0.05, 96
-"""share of a torque that a dip seen in the samples may be, at least, and steps from there to 1"""
+SHARES = np.linspace(0.05, 1.0, 96)
+"""of a torque that a dip seen in the samples may be"""
 IMPERFECT = 0.05
 """share of it that other things may be that are even at turns of both directions"""
 TOO_QUICK = 0.4
@@ -92,7 +92,9 @@ class AtReversals:
         """Torque right behind each turn less the mean of both sides, of turns to forwards and of
         those to backwards [Nm]."""
         m = self.motion
-        q, qd, left = m.q[:, joint], m.qd[:, joint], self.residual[:, joint]
+        q = m.q[:, joint]
+        qd = m.qd[:, joint]
+        left = self.residual[:, joint]
         found: dict[bool, list[float]] = {True: [], False: []}
         crossings = np.flatnonzero(np.diff(np.sign(qd)) != 0)
         longest = int(LONGEST / m.step)
@@ -123,7 +125,8 @@ def _one_turn(q: Array, turn: int, longest: int) -> npt.NDArray[np.intp] | None:
     """
     first = max(turn - longest, 0)
     far = np.abs(q[first : turn + longest + 1] - q[turn]) > REACH
-    before, after = np.flatnonzero(far[: turn - first]), np.flatnonzero(far[turn - first :])
+    before = np.flatnonzero(far[: turn - first])
+    after = np.flatnonzero(far[turn - first :])
     if not len(before) or not len(after):
         return None
     return np.arange(first + int(before[-1]) + 1, turn + int(after[0]))
@@ -133,7 +136,6 @@ def log_odds(dip: Dip, size: float) -> float:
     """That a torque of this size [Nm] passes through nothing at the turns, over that it does not:
     a dip of any share of it that samples can show, or none that they do [nats]."""
     width = max(float(np.hypot(dip.error, IMPERFECT * size)), 1e-12)
-    shares = np.linspace(LEAST_DIP, 1.0, PARTS)
-    exponents = 0.5 * (dip.depth**2 - (dip.depth - shares * size) ** 2) / width**2
-    seen = np.log1p(-TOO_QUICK) + logsumexp(exponents) - np.log(PARTS)
+    exponents = 0.5 * (dip.depth**2 - (dip.depth - SHARES * size) ** 2) / width**2
+    seen = np.log1p(-TOO_QUICK) + logsumexp(exponents) - np.log(len(SHARES))
     return float(min(np.logaddexp(np.log(TOO_QUICK), seen), MOST))
