@@ -96,6 +96,20 @@ def test_what_the_log_does_not_show_says_nothing() -> None:
     assert turns(left, starts=(0, *(middle + 1))).dip(0) is None
 
 
+def test_the_dip_is_the_mean_of_both_directions_with_students_error(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    seen = turns(DRY)
+    # friction of 20 Nm, opposite at turns of the other kind, and a dip of 3
+    both = (np.array([-24.0, -23.0, -22.0]), np.array([16.0, 17.0, 18.0]))
+    monkeypatch.setattr(seen, "_contrasts", lambda joint: both)
+    dip = seen.dip(0)
+    assert dip is not None
+    assert dip.depth == pytest.approx(3.0)
+    # four degrees of freedom: variance 1 of one contrast, twice as wide a t distribution
+    assert dip.error == pytest.approx(0.5 * np.sqrt(2.0 * 1.0 * (1 / 3 + 1 / 3)))
+
+
 def test_odds_follow_the_error_of_the_dip() -> None:
     assert log_odds(Dip(0.0, 1e6), 5.0) == pytest.approx(0.0, abs=1e-6)
     assert log_odds(Dip(0.0, 0.1), 5.0) == pytest.approx(np.log(0.4), abs=0.1)

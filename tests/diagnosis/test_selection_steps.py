@@ -194,6 +194,7 @@ def test_two_effects_in_the_place_of_a_law_without_a_name(
         step, _ = next_step([flexible, name], monkeypatch, accepted=accepted)
         assert step.candidate.kind == found
         assert step.gain == (first if found == "first" else law)
+        assert step.one_of_two == (found not in accepted)
         assert len({id(r.candidate) for r in step.alternatives}) == len(step.alternatives)
         assert any(r.candidate is step.candidate for r in step.alternatives)
 
