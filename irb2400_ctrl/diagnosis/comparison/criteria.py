@@ -51,7 +51,7 @@ class Criteria:
             below which unseen rows say nothing about it and a non-parametric law must also say
             `little` more: rms torque over the effect's.
         shortlist: candidates judged in a step; most: explanations of one log; most_refused:
-            explanations that a polished fit does not bear out, before the search ends.
+            names that a polished fit does not bear out, before the search ends.
     """
 
     gain: float = 22.0

@@ -48,7 +48,7 @@ class Selection:
         steps: list[Step] = []
         fit = self.fitter.fit([])
         tried: set[frozenset[Name]] = set()
-        while len(steps) < self.criteria.most and len(self.refused) < self.criteria.most_refused:
+        while len(steps) < self.criteria.most and self._refused() < self.criteria.most_refused:
             step = self.next_step([s.candidate for s in steps], fit)
             if self._rather_wider(step, fit):
                 # beside numbers that may be further off everything is judged anew
@@ -79,6 +79,11 @@ class Selection:
             tried.add(names)
         steps, fit = self._borne_out(steps, fit)
         return steps, self.fitter.as_stated(fit)
+
+    def _refused(self) -> int:
+        """Number of names that were refused; the flexible laws of a joint, of which there is one,
+        do not keep a name from its turn."""
+        return sum(bool(name) for _, _, name in self.refused)
 
     def _rather_wider(self, step: Step | None, fit: Fit) -> bool:
         """Whether numbers of the robot further off than stated explain more than the best step: a
