@@ -32,6 +32,8 @@ SEARCH = {
     "comes_and_goes": "it may come and go within a record",
     "usual": "every robot has it and most files leave it out",
     "shows_moving": "it must show away from reversals too",
+    "nothing_at_turns": "told from a constant torque by the turns of the joint, where it passes "
+    "through nothing",
 }
 """words for what an effect may say in its `search`"""
 UNIT = re.compile(r"\s*\[([^\[\]]*)\]\s*$")
