@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 import typer
 
 from irb2400_ctrl.cli.options import (
+    GuardedOption,
     OutOption,
     RobotOption,
     controllers_named,
@@ -80,9 +81,7 @@ def codegen(
         bool,
         typer.Option("--tables", help="Payload, friction, effects as parameters: many tools."),
     ] = False,
-    guarded: Annotated[
-        bool, typer.Option("--guarded", help="With guards against faults of its inputs.")
-    ] = False,
+    guarded: GuardedOption = True,
 ) -> Summary:
     """Write a controller as one C99 file and one header, build it for the target and verify it
     there; exit 1 where it is not verified."""
@@ -131,7 +130,6 @@ def _block(
         block = controller(name, robot, sample_time=sample_time, **wishes)
         return guarded(block, robot) if with_guards else block
     unknown = sorted(set(wishes) - {"bandwidth"})
-    if unknown or with_guards:
-        found = "--guarded" if with_guards else ", ".join(unknown)
-        raise InputError(f"{OBSERVER}: found {found}; it has bandwidth only")
+    if unknown:
+        raise InputError(f"{OBSERVER}: found {', '.join(unknown)}; it has bandwidth only")
     return momentum_observer(robot, sample_time, **wishes)

@@ -169,12 +169,14 @@ def _close_loop(result: Diagnosis, log: Log, controller: str, page: Page, out: P
     """Make the controller again from the diagnosed robot, move as the log did; lines to print."""
     from irb2400_ctrl.codegen import export_package
     from irb2400_ctrl.controllers import controller as make_controller
+    from irb2400_ctrl.controllers import guarded
     from irb2400_ctrl.files import write_json
     from irb2400_ctrl.measurement import recorded_motion
     from irb2400_ctrl.report.pages.closed_loop_section import add_closed_loop, closed_loop_lines
     from irb2400_ctrl.simulation.close_the_loop import close_loop
 
-    export_package(make_controller(controller, result.robot), out / "controller")
+    robot = result.robot
+    export_package(guarded(make_controller(controller, robot), robot), out / "controller")
     loop = close_loop(result.given, result.robot, recorded_motion(log), controller=controller)
     write_json(out / "closed_loop.json", loop.summary())
     add_closed_loop(page, result, loop)

@@ -56,6 +56,13 @@ RobotOption = Annotated[
         autocompletion=robots_named,
     ),
 ]
+GuardedOption = Annotated[
+    bool,
+    typer.Option(
+        "--guarded/--bare",
+        help="With guards against faults of its inputs, or the controller alone.",
+    ),
+]
 ColumnsOption = Annotated[
     Path | None,
     typer.Option(

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
 from irb2400_ctrl.cli.command_line import provenance
 from irb2400_ctrl.cli.options import (
+    GuardedOption,
     OutOption,
     RobotOption,
     controllers_named,
@@ -44,33 +45,43 @@ def simulate(
             autocompletion=robots_named,
         ),
     ] = None,
+    guarded: GuardedOption = True,
 ) -> Summary:
-    """Track a trajectory with a controller (1 kHz, generated C) -> log.csv, simulation.json,
+    """Track a trajectory with a controller (1 kHz, the C of `codegen`) -> log.csv, simulation.json,
     report.html."""
     input_file(trajectory, "a trajectory (CSV)")
     output_folder(out)
 
+    from irb2400_ctrl.controllers import controller as make_controller
+    from irb2400_ctrl.controllers import guarded as guard
     from irb2400_ctrl.report.pages.simulation_page import simulation_page
     from irb2400_ctrl.simulation import load_trajectory
     from irb2400_ctrl.simulation import simulate as run
-    from irb2400_ctrl.simulation.bounds_reached import in_words
 
     arm = load_arm(robot)
     motion = load_trajectory(trajectory)
+    other = None if plant is None else load_arm(plant)
+    block = make_controller(controller, arm)
     with step(f"simulating {controller}"):
-        simulation = run(arm, motion, controller, plant=None if plant is None else load_arm(plant))
-        simulation.write(out)
+        simulation = run(arm, motion, guard(block, arm) if guarded else block, plant=other)
         page = simulation_page(simulation, controller)
         page.provenance(provenance(arm, seed=simulation.seed))
+        simulation.write(out)
         page.write(out / "report.html")
-    s = simulation.summary()
-    print(f"{controller}: {s['duration_s']:.2f} s simulated")
-    print(
-        f"TCP error {s['tcp_error_mm']['rms']:.3f} mm rms, {s['tcp_error_mm']['max']:.3f} mm at "
-        "most"
-    )
-    for line in in_words(s["bounds_reached"]):
-        print(line)
+    summary = simulation.summary()
+    print("\n".join(_lines(controller, summary)))
     written = [out / name for name in ("log.csv", "simulation.json", "report.html")]
     print(f"written: {', '.join(map(str, written))}")
-    return Summary(s, written)
+    return Summary(summary, written)
+
+
+def _lines(controller: str, summary: dict[str, Any]) -> list[str]:
+    """The errors, and every bound that was reached."""
+    from irb2400_ctrl.simulation.bounds_reached import in_words
+
+    error = summary["tcp_error_mm"]
+    return [
+        f"{controller}: {summary['duration_s']:.2f} s simulated",
+        f"TCP error {error['rms']:.3f} mm rms, {error['max']:.3f} mm at most",
+        *in_words(summary["bounds_reached"]),
+    ]

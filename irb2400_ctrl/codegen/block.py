@@ -98,6 +98,8 @@ class Block:
     """what it was made from, (what, which); generated code carries it along"""
     quantities: Quantities | None = None
     """what generated code names its locals after"""
+    notes: str = ""
+    """what its user has to know beside the fields, in Markdown; stands in the package's README"""
 
     def __post_init__(self) -> None:
         taken = (*self.states, *self.inputs, *self.parameters)

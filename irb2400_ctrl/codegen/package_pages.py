@@ -14,10 +14,10 @@ from irb2400_ctrl.codegen.targets import FLAGS, LINK_FLAGS, START_UP_FLAGS, Targ
 
 
 def inside(field: Field) -> NDArray[np.float64]:
-    """The value next to zero inside a field's bounds, shape (size,)."""
+    """The value next to a field's default inside its bounds, shape (size,)."""
     low = np.array(field.lower) if field.lower else np.full(field.size, -np.inf)
     high = np.array(field.upper) if field.upper else np.full(field.size, np.inf)
-    return np.clip(np.zeros(field.size), low, high)
+    return np.clip(field.start, low, high)
 
 
 def main_c(block: Block) -> str:
@@ -85,7 +85,7 @@ void every_sample(const {name}_input_t *measured, {name}_output_t *command)
 `main.c` is a whole program: `cc -std=c99 {name}.c main.c -o example && ./example`,
 or `cmake -B build && cmake --build build`.
 
-"""
+{block.notes}{block.notes and chr(10)}"""
 
 
 def _fields(block: Block) -> str:

@@ -9,7 +9,7 @@ from importlib import resources
 from pathlib import Path
 
 from irb2400_ctrl.codegen import Verification, export_package
-from irb2400_ctrl.controllers import controller
+from irb2400_ctrl.controllers import controller, guarded
 from irb2400_ctrl.diagnosis import Diagnosis, diagnose
 from irb2400_ctrl.measurement import Log, read_log, recorded_motion
 from irb2400_ctrl.planners import MotionLimits, Plan, plan_path, read_path
@@ -56,13 +56,15 @@ def run_main_job(out: Path, say: Callable[[str], None] = lambda text: None) -> M
     packages = {}
     for name in GENERATED:
         say(f"generating C: {name}")
-        packages[name] = export_package(controller(name, robot), out / "c" / name, target="host")
+        block = guarded(controller(name, robot), robot)
+        packages[name] = export_package(block, out / "c" / name, target="host")
 
     plant = perturbed_robot(robot, PLANT_SEED)
     tracking = {}
     for name in TRACKED_WITH:
         say(f"closed loop: {name}")
-        tracking[name] = simulate(robot, plan.trajectory, name, plant=plant)
+        block = guarded(controller(name, robot), robot)
+        tracking[name] = simulate(robot, plan.trajectory, block, plant=plant)
         tracking[name].write(out / "tracking" / name)
 
     say("comparing log and model")

@@ -45,12 +45,26 @@ def test_other_wishes_and_wrong_ones(tmp_path: Path) -> None:
         codegen(tmp_path, "--controller", "pid", "--design", "colour=3")
 
 
-def test_guards_and_the_observer_can_be_had(tmp_path: Path) -> None:
-    assert codegen(tmp_path / "g", "--controller", "gravity_pd", "--guarded") == 0
-    assert said(tmp_path / "g")["package"] == "guarded_gravity_pd"
-    assert codegen(tmp_path / "o", "--controller", "momentum_observer", "--bandwidth", "40") == 0
-    with pytest.raises(InputError, match="has bandwidth only"):
-        codegen(tmp_path / "o", "--controller", "momentum_observer", "--guarded")
+def guards(folder: Path) -> bool:
+    """Whether header and README speak of a brake; the step bears the controller's name."""
+    header = (folder / "gravity_pd.h").read_text()
+    assert "gravity_pd_step(" in header
+    told = "## Its guard" in (folder / "README.md").read_text()
+    assert told == (" brake[1];" in header)
+    return told
+
+
+def test_guards_are_the_default_and_can_be_left_out(tmp_path: Path) -> None:
+    for asked, there in ((), True), (("--guarded",), True), (("--bare",), False):
+        assert codegen(tmp_path, "--controller", "gravity_pd", *asked) == 0
+        assert ("{ 1 } };" in (tmp_path / "main.c").read_text()) == there
+        assert guards(tmp_path) == there
+
+
+def test_the_observer_can_be_had(tmp_path: Path) -> None:
+    assert codegen(tmp_path, "--controller", "momentum_observer", "--bandwidth", "40") == 0
+    with pytest.raises(InputError, match="it has bandwidth only"):
+        codegen(tmp_path, "--controller", "momentum_observer", "--damping", "0.8")
 
 
 def test_what_is_not_verified_ends_with_1(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -59,5 +73,5 @@ def test_what_is_not_verified_ends_with_1(tmp_path: Path, monkeypatch: pytest.Mo
     monkeypatch.setattr(
         Package, "source", lambda self: correct(self).replace("(magnitude * (x / size))", wrong)
     )
-    assert codegen(tmp_path, "--controller", "gravity_pd") == 1
+    assert codegen(tmp_path, "--controller", "gravity_pd", "--bare") == 1
     assert said(tmp_path)["passed"] is False

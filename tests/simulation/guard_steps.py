@@ -28,6 +28,13 @@ def block(consistency: bool = False, start_time: float = 0.0, most_lost: int = 2
     )
 
 
+def leading(axis: int, degrees: float) -> float:
+    """What the brake says of computed torque, which feeds forward, that far from its reference."""
+    block_of = guarded(controller("computed_torque", ROBOT), ROBOT, consistency=False)
+    away = Q + np.radians(degrees) * np.eye(6)[axis]
+    return float(step(block_of, q=away, q_last=away)["brake"][0])
+
+
 def defaults(of: Block) -> dict[str, object]:
     return {field.name: field.default or 0.0 for field in of.parameters}
 
@@ -36,7 +43,7 @@ def step(of: Block, **given: object) -> dict[str, np.ndarray]:
     """One step from rest at the reference, with what is given instead."""
     usual: dict[str, object] = {
         "q": Q, "qd": ZERO, "q_ref": Q, "qd_ref": ZERO, "qdd_ref": ZERO, "fresh": 1.0, "lost": 0.0,
-        "braked": 0.0, "blend": 1.0, "q_last": Q, "qd_last": ZERO,
+        "braked": 0.0, "blend": 1.0, "bump": ZERO, "q_last": Q, "qd_last": ZERO,
         "tau_last": MODEL.gravity(Q), "running": 1.0, "explained": ZERO, "explained_slow": ZERO,
         "load_speed": 0.0, "load_speed_slow": 0.0, "doubt": 0.0, "doubt_slow": 0.0,
         **defaults(of),
