@@ -23,6 +23,7 @@ class Search:
         shows_moving: a log must show it away from reversals too, where dry friction is hard to
             predict.
         nothing_at_turns: its torque passes through nothing where the joint turns.
+        rattles: the link bounces as its load changes sides, which its neighbours feel.
     """
 
     device: str = ""
@@ -34,3 +35,4 @@ class Search:
     usual: bool = False
     shows_moving: bool = False
     nothing_at_turns: bool = False
+    rattles: bool = False

@@ -39,7 +39,7 @@ class TransmissionBacklash(Effect):
     example: ClassVar[Mapping[str, Any]] = {"gap_rad": 0.004, "crossing_s": 0.06}
     ambiguity: ClassVar[Ambiguity] = POSITION_ERROR
     prior: ClassVar[Prior] = Prior(discrepancy_share=0.5)
-    search: ClassVar[Search] = Search(device="transmission")
+    search: ClassVar[Search] = Search(device="transmission", rattles=True)
     drawing: ClassVar[Drawing] = Drawing("load")
     states: ClassVar[tuple[str, ...]] = ("side", "rate")
 

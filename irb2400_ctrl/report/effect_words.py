@@ -34,6 +34,7 @@ SEARCH = {
     "shows_moving": "it must show away from reversals too",
     "nothing_at_turns": "told from a constant torque by the turns of the joint, where it passes "
     "through nothing",
+    "rattles": "at the wrist also told by what the neighbours feel as the load changes sides",
 }
 """words for what an effect may say in its `search`"""
 UNIT = re.compile(r"\s*\[([^\[\]]*)\]\s*$")

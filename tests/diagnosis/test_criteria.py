@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from irb2400_ctrl.diagnosis.comparison.comparison import Alternative
 from irb2400_ctrl.diagnosis.comparison.criteria import Criteria, Threshold, of_one_moment
 from irb2400_ctrl.effects.base import OPEN_END_S
 
@@ -33,8 +34,10 @@ def candidate(size: Any = (0.0, 5.0, 0.0), **given: Any) -> Any:
     return SimpleNamespace(**(usual | given))
 
 
-def alternative(of: Any, gain: float = 100.0, by_law: float = 100.0) -> Any:
-    return SimpleNamespace(candidate=of, evidence=BASE + gain, by_law=by_law)
+def alternative(
+    of: Any, gain: float = 100.0, by_law: float = 100.0, rattles: bool = False
+) -> Alternative:
+    return Alternative(of, BASE + gain, by_law, rattles)
 
 
 def comparison(**given: Any) -> Any:
@@ -59,7 +62,7 @@ def threshold(measured: float = 20.0, predicted: float = 10.0, **changed: float)
 
 
 def accepts(of: Any, *chosen: Any, beside: Any = None, **given: Any) -> bool:
-    stated = {name: given.pop(name) for name in ("gain", "by_law") if name in given}
+    stated = {name: given.pop(name) for name in ("gain", "by_law", "rattles") if name in given}
     judge = given.pop("judge", None) or threshold()
     return judge.accepts(beside or comparison(**given), alternative(of, **stated), chosen)
 
@@ -171,8 +174,9 @@ def test_a_moment_has_one_cause() -> None:
 def test_how_much_evidence_each_kind_of_explanation_needs() -> None:
     judge = threshold()
 
-    def least(of: Any, *chosen: Any, beyond: float = 1.0) -> float:
-        return judge.least_gain(comparison(share_beyond_base=lambda one: beyond), of, chosen)
+    def least(of: Any, *chosen: Any, beyond: float = 1.0, **given: Any) -> float:
+        beside = comparison(share_beyond_base=lambda one: beyond)
+        return judge.least_gain(beside, alternative(of, **given), chosen)
 
     one = candidate()
     assert least(one) == 22.0
@@ -189,6 +193,19 @@ def test_how_much_evidence_each_kind_of_explanation_needs() -> None:
     assert least(one, candidate(gain=40.0), candidate(gain=8.0), beyond=0.01) == 16.0
     assert least(one, candidate(gain=400.0), beyond=0.01) == 22.0
     assert least(candidate((0.0, 0.0, 5.0)), candidate(gain=40.0), beyond=0.01) == 11.0 + 2.5
+    # play that the neighbours feel, whatever the base could say of it
+    assert least(one, candidate(gain=400.0), rattles=True) == 4.0
+
+
+def test_play_that_the_neighbours_feel_may_be_small() -> None:
+    """What of it is quick stands in no column; a torque that must be cancelled is refused all the
+    same, and so is a second cause of one moment."""
+    small = candidate((0.0, 0.1, 0.0))
+    assert accepts(small, rattles=True)
+    assert not accepts(small)
+    assert not accepts(candidate((0.0, 30.1, 0.0)), rattles=True)
+    at_once = candidate((0.0, 0.1, 0.0), gain=60.0, begins=(12.5,))
+    assert not accepts(at_once, candidate(gain=900.0, begins=(12.0,)), rattles=True)
 
 
 def test_a_law_without_a_name_beats_the_library_by_more_than_earlier_laws_may_leave() -> None:

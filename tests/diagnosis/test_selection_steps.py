@@ -289,17 +289,27 @@ def test_alternatives_are_the_best_of_the_scan_that_were_not_refused(
         # what the turns of the joints say counts too
         return of(names[5], 1.5) if alternative.candidate is names[5] else alternative
 
-    selection = bare(
-        scan=scan,
-        refused={named(names[3]), named(laws[0]), named(windowed[0])},
-        turns=SimpleNamespace(told=told),
-    )
-    best = selection.alternatives(comparison)
-    assert [a.candidate.kind for a in best] == [
-        "w1", "unexplained", "n6", "n4", "n2", "n5", "n1", "n0",
-    ]  # fmt: skip
+    def best(rattling: Any) -> list[str]:
+        selection = bare(
+            scan=scan,
+            refused={named(names[3]), named(laws[0]), named(windowed[0])},
+            turns=SimpleNamespace(told=told),
+            load_changes=SimpleNamespace(
+                rattles=lambda c, chosen: 10.0 * (c is rattling),
+                told=lambda a, chosen: of(
+                    a.candidate, a.evidence + 10.0 * (a.candidate is rattling)
+                ),
+            ),
+        )
+        return [a.candidate.kind for a in selection.alternatives(comparison)]
+
+    assert best(None) == ["w1", "unexplained", "n6", "n4", "n2", "n5", "n1", "n0"]
     assert between == ["n0", "n1", "n2", "n4", "n5", "n6", "unexplained"]
     assert asked == [["n0", "n1", "n2", "n4", "n5", "n6", "n7", "n8"]]
+    # play that the neighbours feel is among them, wherever the scan has it, and has their word
+    assert best(names[8]) == ["w1", "unexplained", "n8", "n6", "n4", "n2", "n5", "n1", "n0"]
+    assert best(names[2])[:4] == ["w1", "unexplained", "n2", "n6"]
+    assert between[-7:] == ["n0", "n1", "n2", "n4", "n5", "n6", "unexplained"]
 
 
 def test_the_search_ends_after_as_many_steps_and_refusals_as_the_criteria_say(

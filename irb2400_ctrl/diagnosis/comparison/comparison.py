@@ -22,11 +22,13 @@ class Alternative:
     Args:
         evidence: log evidence under the noise that the candidate leaves [nats].
         by_law: what it gains without discrepancy from its law [nats].
+        rattles: whether the neighbours feel it, beside what its torque says.
     """
 
     candidate: Candidate
     evidence: float
     by_law: float
+    rattles: bool = False
 
 
 class Comparison:

@@ -33,7 +33,8 @@ class Criteria:
             other numbers of the robot would give all but the share `in_base`, where no misfit of
             shape or noise can pass for it; gain_stated: the same where the spread of its own
             numbers is known; gain_changed: of the file's number of a joint's friction, which
-            another day changes: four of its standard deviations.
+            another day changes: four of its standard deviations; gain_rattling: of play that the
+            neighbours feel, what they say of it among it.
         wider: times as uncertain as so far all numbers of the robot may be, as a rival of the best
             explanation.
         energy: its energy over what the base alone leaves on that joint.
@@ -59,6 +60,7 @@ class Criteria:
     gain_in_base: float = 11.0
     gain_stated: float = 8.0
     gain_changed: float = 6.0
+    gain_rattling: float = 4.0
     in_base: float = 0.01
     wider: float = 2.0
     energy: float = 0.05
@@ -108,6 +110,8 @@ class Threshold:
         size = np.sqrt(np.mean(candidate.torque(self.n) ** 2, axis=0))
         if (size > self.largest).any():
             return False  # a torque that something else must cancel again
+        if alternative.rattles:
+            return True  # its quick part is most of it, and in no column
         moving = any(e.search.shows_moving for e in candidate.effects)
         if moving and comparison.gain_moving(candidate) < c.moving * comparison.gain(alternative):
             return False
@@ -198,16 +202,19 @@ class Threshold:
         return new
 
     def least_gain(
-        self, comparison: Comparison, candidate: Candidate, chosen: Sequence[Candidate]
+        self, comparison: Comparison, alternative: Alternative, chosen: Sequence[Candidate]
     ) -> float:
         """Log evidence that a candidate needs [nats].
 
         Args:
             comparison: of all alternatives.
-            candidate: in question.
+            alternative: in question.
             chosen: explanations that are chosen already.
         """
         c = self.criteria
+        candidate = alternative.candidate
+        if alternative.rattles:
+            return c.gain_rattling
         if not candidate.known:
             return c.non_parametric_gain
         if not self.in_base(comparison, candidate):

@@ -9,6 +9,7 @@ import numpy as np
 
 from irb2400_ctrl.arrays import Mask
 from irb2400_ctrl.diagnosis.comparison.acceptance import Acceptance
+from irb2400_ctrl.diagnosis.comparison.at_load_changes import AtLoadChanges
 from irb2400_ctrl.diagnosis.comparison.at_reversals import AtReversals
 from irb2400_ctrl.diagnosis.comparison.comparison import Alternative, Comparison
 from irb2400_ctrl.diagnosis.comparison.criteria import Criteria, Threshold, of_one_moment
@@ -41,7 +42,9 @@ class Selection:
         motion = scan.motion
         predicted = predicted_torque(fitter.robot, motion, fitter.bases)
         self.threshold = Threshold(self.criteria, motion, predicted)
-        self.turns = AtReversals(motion, motion.tau - predicted)
+        left = motion.tau - predicted
+        self.turns = AtReversals(motion, left)
+        self.load_changes = AtLoadChanges(motion, left, fitter.bases.model)
 
     def run(self) -> tuple[list[Step], Fit]:
         """The accepted explanations, in the order they were found, and their common fit."""
@@ -143,7 +146,7 @@ class Selection:
             best = self._first_of_two(comparison, best, every, chosen)
         counts = best in alternatives
         alternatives += [] if counts else [best]
-        if comparison.gain(best) < self.threshold.least_gain(comparison, best.candidate, chosen):
+        if comparison.gain(best) < self.threshold.least_gain(comparison, best, chosen):
             return None
         polished = comparison.polished(best)
         alternatives[alternatives.index(best)] = polished
@@ -189,14 +192,16 @@ class Selection:
         ranked = [
             c for c in self.scan.rank(comparison.start, chosen) if named(c) not in self.refused
         ]
-        short = [
-            self.scan.between(comparison.start, c)
-            for c in shortlist(ranked, self.criteria.shortlist, self.criteria.gain)
-        ]
+        listed = shortlist(ranked, self.criteria.shortlist, self.criteria.gain)
+        rattling = next((c for c in ranked if self.load_changes.rattles(c, chosen)), None)
+        if rattling is not None and all(c is not rattling for c in listed):
+            listed.append(rattling)
+        short = [self.scan.between(comparison.start, c) for c in listed]
         windowed = Windowing(self.scan, comparison.start).candidates([c for c in ranked if c.known])
         short += [c for c in windowed if named(c) not in self.refused]
+        told = (self.turns.told(comparison.compared(candidate)) for candidate in short)
         return sorted(
-            (self.turns.told(comparison.compared(candidate)) for candidate in short),
+            (self.load_changes.told(alternative, chosen) for alternative in told),
             key=lambda r: -r.evidence,
         )
 
