@@ -24,7 +24,8 @@ def candidate(size: Any = (0.0, 5.0, 0.0), **given: Any) -> Any:
     stops = given.pop("stops", ())
     moving = given.pop("moving", False)
     effect = SimpleNamespace(
-        windows_s=[(0.0, stop) for stop in stops], search=SimpleNamespace(shows_moving=moving)
+        windows_s=[(0.0, stop) for stop in stops],
+        search=SimpleNamespace(shows_moving=moving, rattles=given.pop("rattles", False)),
     )
     usual: dict[str, Any] = {
         "kind": "torque_offset", "joint": 2, "known": True, "devices": frozenset(), "begins": (),
@@ -102,6 +103,9 @@ def test_an_effect_is_large_against_what_is_left_and_against_the_joint() -> None
     assert accepts(candidate((0.0, 6.01, 0.0)), **beside)
     assert not accepts(candidate((0.0, 5.99, 0.0)), **beside)
     assert accepts(candidate((0.0, 3.01, 0.0)), judge=heavy, by_law=25.1)
+    # play is mostly quicker than what is compared: against what is left alone
+    assert accepts(candidate((0.0, 2.01, 0.0), rattles=True), judge=heavy)
+    assert not accepts(candidate((0.0, 1.99, 0.0), rattles=True), judge=heavy)
 
 
 def test_a_second_that_says_it_nearly_alone_is_no_law() -> None:

@@ -134,7 +134,6 @@ class AtLoadChanges:
         """Where the load of a joint changes sides, and what its neighbours would feel."""
         m = self.motion
         torque = np.zeros((len(m.time), m.n))
-        fading = np.zeros(len(m.time))
         moment = np.full(len(m.time), -1)
         moments = [
             (k, part)
@@ -145,11 +144,7 @@ class AtLoadChanges:
             first = max(k - round(BEFORE / m.step), part.start)
             rows = np.arange(first, min(k + round(AFTER / m.step), part.stop))
             fade = np.exp(-np.maximum(rows - k, 0) * m.step / FADES)
-            nearest = fade > fading[rows]
-            rows = rows[nearest]
-            coupled = np.abs(self.model.mass_matrix(m.q[k])[:, joint])
-            fading[rows] = fade[nearest]
-            torque[rows] = fade[nearest, None] * coupled
+            torque[rows] = fade[:, None] * np.abs(self.model.mass_matrix(m.q[k])[:, joint])
             moment[rows] = place
         return _Bounces(torque, moment, len(moments))
 
