@@ -69,7 +69,8 @@ $(VENV)/bin/python:
 	$(PYTHON) -c 'import sys; sys.exit("found Python %d.%d, need 3.11 or newer: make PYTHON=python3.12" % sys.version_info[:2] if sys.version_info < (3, 11) else 0)'
 	$(PYTHON) -m venv $(VENV)
 
-PIP := $(BIN)/python -m pip install --quiet --disable-pip-version-check
+# what is never imported is never compiled
+PIP := $(BIN)/python -m pip install --quiet --no-compile --disable-pip-version-check
 # where the listed files are known to be enough; elsewhere, and with HASHES=no, versions alone are pinned
 HASHES ?= $(shell $(PYTHON) -c 'import platform as p, sys; print("yes" if sys.version_info >= (3, 11) and \
     (p.system(), p.machine(), p.libc_ver()[0]) == ("Linux", "x86_64", "glibc") else "no")')

@@ -52,7 +52,7 @@ def unpacked(source: Path, kind: str) -> Path:
     return folder
 
 
-@pytest.mark.parametrize("kind", ["wheel", "sdist"])
+@pytest.mark.parametrize("kind", ["wheel", pytest.param("sdist", marks=pytest.mark.slow)])
 def test_what_is_delivered_works_elsewhere(kind: str, source: Path) -> None:
     """Every file that a command needs is in it: robots, C text, the data of the demo."""
     place = unpacked(source, kind)

@@ -31,6 +31,7 @@ def test_every_page_is_in_the_contents() -> None:
     assert pages == {name for name in listed() if "/" not in name}
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not SPHINX, reason="no Sphinx here: pip install 'irb2400_ctrl[docs]'")
 def test_site_builds_without_a_warning(tmp_path: Path) -> None:
     done = subprocess.run(

@@ -113,6 +113,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
+@pytest.mark.slow
 def test_diagnosis(folder: Path) -> None:
     """On ten seconds of the arm of the demo a log: today it is as it was."""
     motion = [irb.read_log(DATA / f"{name}.csv.gz") for name in ("identification", "validation")]
@@ -135,6 +136,7 @@ def sound_arm() -> Log:
     return Log(raw.time, raw.q, raw.tau, q_ref=raw.q_ref)
 
 
+@pytest.mark.slow
 def test_watching(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """The waits are asked for, not waited; the controller is one of this machine."""
     from watch.test_live import messages, sender
@@ -162,6 +164,7 @@ def test_watching(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     assert (folder / "watch" / "report.html").is_file()
 
 
+@pytest.mark.slow
 def test_benchmarks_of_watching(folder: Path) -> None:
     own = [line for line in lines("watching.md") if line.startswith("python")]
     for line in own:
@@ -174,6 +177,7 @@ def test_benchmarks_of_watching(folder: Path) -> None:
     assert len(list((folder / "fresh").glob("*.jsonl"))) == 4
 
 
+@pytest.mark.slow
 def test_programs_out(folder: Path) -> None:
     page = (ROOT / "docs" / "cam_to_robot.md").read_text()
     part = re.findall(r"```text\n(.*?)```", page, re.DOTALL)[0]
@@ -201,6 +205,7 @@ def test_sweep(studies: Path) -> None:
     assert (studies / "sweep_out" / "report.html").is_file()
 
 
+@pytest.mark.slow
 @posix_only
 def test_sweep_on_a_cluster(studies: Path) -> None:
     """The scheduler and a worker as processes of this machine."""

@@ -42,6 +42,9 @@ def shown(text: str, names: dict[str, Any]) -> str:
     return str(value._repr_html_()) if hasattr(value, "_repr_html_") else repr(value)
 
 
+LONG = ("02_a_part", "04_a_log")
+
+
 @pytest.fixture(autouse=True)
 def library() -> Iterator[None]:
     """An effect that a cell defines is gone afterwards."""
@@ -62,7 +65,13 @@ def test_it_is_kept_without_its_results(notebook: Path) -> None:
         assert cell["execution_count"] is None
 
 
-@pytest.mark.parametrize("notebook", NOTEBOOKS, ids=lambda path: path.stem)
+@pytest.mark.parametrize(
+    "notebook",
+    [
+        pytest.param(path, id=path.stem, marks=[pytest.mark.slow] * (path.stem in LONG))
+        for path in NOTEBOOKS
+    ],
+)
 def test_it_runs(
     notebook: Path,
     tmp_path: Path,

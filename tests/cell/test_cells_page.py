@@ -27,6 +27,7 @@ def folder(tmp_path: Path) -> Path:
     return tmp_path
 
 
+@pytest.mark.slow
 def test_commands(folder: Path) -> None:
     for line in block("sh").strip().split("\n"):
         done = irb2400(*shlex.split(line)[1:], cwd=folder)
@@ -39,6 +40,7 @@ def test_commands(folder: Path) -> None:
         assert plan["guaranteed"] is True
 
 
+@pytest.mark.slow
 def test_the_part_is_placed(folder: Path) -> None:
     command = shlex.split(block("sh", 1))[1:]
     done = irb2400(*command, cwd=folder)

@@ -14,7 +14,17 @@ EXAMPLES = sorted(
 )
 
 
-@pytest.mark.parametrize("path", EXAMPLES, ids=[p.stem for p in EXAMPLES])
+LONG = ("control_02_speed", "control_03_elasticity", "control_05_inertia_error")
+"""studies over many arms"""
+
+
+@pytest.mark.parametrize(
+    "path",
+    [
+        pytest.param(path, id=path.stem, marks=[pytest.mark.slow] * (path.stem in LONG))
+        for path in EXAMPLES
+    ],
+)
 def test_example_runs(path: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     import matplotlib as mpl
 
@@ -24,4 +34,4 @@ def test_example_runs(path: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatc
 
 
 def test_there_are_examples() -> None:
-    assert EXAMPLES
+    assert {path.stem for path in EXAMPLES} > set(LONG)

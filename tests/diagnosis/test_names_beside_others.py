@@ -20,10 +20,10 @@ from irb2400_ctrl.measurement import Log
         # four kilograms beside play of axis 2: on the other joints that leaves little
         ("pairs", 3, 20261124),
         # a hysteresis of axis 4 beside a cable of axis 6
-        ("three", 6, 20261124),
+        pytest.param("three", 6, 20261124, marks=pytest.mark.slow),
         # grease of axis 5 beside a coupling of axis 5: more than another shape of that leaves, and
         # its two rates end beyond the record
-        ("three", 3, 20261123),
+        pytest.param("three", 3, 20261123, marks=pytest.mark.slow),
         # friction of axis 4 that grows with the motor's torque, not with what moves the links, and
         # grease of axis 6
         ("pairs", 0, 20261127),
@@ -38,7 +38,7 @@ def test_an_effect_beside_others_is_named(name: str, place: int, seed: int) -> N
     assert set(names(diagnose(ROBOT, log))) == there
 
 
-@pytest.mark.parametrize("sign", [1.0, -1.0])
+@pytest.mark.parametrize("sign", [1.0, pytest.param(-1.0, marks=pytest.mark.slow)])
 def test_a_cylinder_of_nearly_constant_force_is_a_balancer(sign: float) -> None:
     """Pulling or pushing: sign F dl/dq over a lever of half the distance of its pins."""
     log = sound()

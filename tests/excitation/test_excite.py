@@ -184,7 +184,7 @@ def test_separates_better_on_the_independent_plant(
 @pytest.mark.parametrize(
     ("group", "kind", "joint", "fraction", "seed"),
     [
-        ("friction level", "load_friction", 3, 0.03, 2),
+        pytest.param("friction level", "load_friction", 3, 0.03, 2, marks=pytest.mark.slow),
         # below a share of 1 % of the joint's torque nothing is named
         ("position error", "encoder_zero", 2, 0.03, 1),
     ],

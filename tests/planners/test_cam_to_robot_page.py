@@ -36,6 +36,7 @@ def folder(tmp_path: Path) -> Path:
     return tmp_path
 
 
+@pytest.mark.slow
 def test_a_program_becomes_one_motion(folder: Path) -> None:
     told = commands(blocks("sh")[0], folder)
     plan = json.loads((folder / "plan" / "plan.json").read_text())
@@ -61,6 +62,7 @@ def test_a_program_becomes_one_motion(folder: Path) -> None:
     assert (folder / "sim" / "log.csv").is_file()
 
 
+@pytest.mark.slow
 def test_the_script_prints_segments_and_events(folder: Path) -> None:
     told = script(blocks("python")[0], folder).splitlines()
     assert told[0].startswith("  0.000 s approach 1 True")
@@ -68,6 +70,7 @@ def test_the_script_prints_segments_and_events(folder: Path) -> None:
     assert told[-1].startswith("True ")
 
 
+@pytest.mark.slow
 def test_the_dome_is_unwound(folder: Path) -> None:
     script(blocks("python")[1], folder)
     told = commands(blocks("sh")[1], folder)

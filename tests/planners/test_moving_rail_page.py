@@ -51,6 +51,7 @@ def test_the_page_shows_the_example() -> None:
     assert block("toml") == example.split("\n", 1)[1]
 
 
+@pytest.mark.slow
 def test_the_seam_is_driven(folder: Path) -> None:
     plan = json.loads((folder / "seam" / "plan.json").read_text())
     PlanFile.model_validate(plan)

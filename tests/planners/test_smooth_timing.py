@@ -62,8 +62,12 @@ def timed() -> RateLimitedTiming:
     return time_rate_limited(DYNAMICS, random_path(0), rated(20))
 
 
-def test_no_violation_at_10_khz_on_50_random_paths() -> None:
-    for seed in range(50):
+SEEDS = [range(12), pytest.param(range(12, 50), marks=pytest.mark.slow)]
+
+
+@pytest.mark.parametrize("seeds", SEEDS, ids=["few", "many"])
+def test_no_violation_at_10_khz_on_random_paths(seeds: range) -> None:
+    for seed in seeds:
         path = random_path(seed)
         limits = rated((5, 10, 20, 50)[seed % 4])
         law = time_rate_limited(DYNAMICS, path, limits, count=250).law
@@ -155,7 +159,9 @@ def test_law_is_its_own_integral(timed: RateLimitedTiming) -> None:
     np.testing.assert_allclose(u, law.u[1:], rtol=1e-6, atol=1e-6)
 
 
-@pytest.mark.parametrize(("seed", "rate"), [(0, 20.0), (3, 10.0)])
+@pytest.mark.parametrize(
+    ("seed", "rate"), [(0, 20.0), pytest.param(3, 10.0, marks=pytest.mark.slow)]
+)
 def test_duration_against_a_reference_of_another_kind(seed: int, rate: float) -> None:
     path = random_path(seed)
     limits = rated(rate)

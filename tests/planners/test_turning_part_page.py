@@ -43,6 +43,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return found
 
 
+@pytest.mark.slow
 def test_the_band_is_driven(folder: Path) -> None:
     plan = json.loads((folder / "band" / "plan.json").read_text())
     PlanFile.model_validate(plan)

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import numpy.typing as npt
+import pytest
 from robots.public_arms import arms, urdf
 
 import irb2400_ctrl as irb
@@ -15,6 +16,9 @@ from irb2400_ctrl.robot.importing import import_robot
 
 Array = npt.NDArray[np.float64]
 SIX_AXES = tuple(name for name, arm in arms().items() if len(arm.axes) == 6)
+FEW = ("ur10e", "kr16", "tx90", "puma560")
+MOST = [pytest.param(a, marks=[pytest.mark.slow] * (a not in FEW)) for a in SIX_AXES]
+"""what costs seconds an arm is tried on a few makers' each time, on all by `make test-all`"""
 
 
 @cache

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from robots.imported import SIX_AXES, bent, robot
+from robots.imported import MOST, SIX_AXES, bent, robot
 
 import irb2400_ctrl as irb
 from irb2400_ctrl.codegen import export_package
@@ -41,7 +41,7 @@ def paths_of(model: irb.Model) -> tuple[ToolPath, ToolPath]:
     return raster((x, y, z), 2 * size, size, lines=3, points=5), curve(spiral)
 
 
-@pytest.mark.parametrize("name", SIX_AXES)
+@pytest.mark.parametrize("name", MOST)
 def test_a_raster_and_a_spiral_are_planned_with_a_certificate(name: str) -> None:
     for path in paths(name):
         plan = plan_path(robot(name), path, cells=150)

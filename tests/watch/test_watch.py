@@ -224,6 +224,7 @@ def test_command(changing: Log, tmp_path: Path) -> None:
     assert "--learn SECONDS" in str(short.exception)
 
 
+@pytest.mark.slow
 def test_the_script_of_the_page(
     changing: Log,
     tmp_path: Path,

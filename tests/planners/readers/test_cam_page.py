@@ -26,6 +26,7 @@ def folder(tmp_path: Path) -> Path:
     return tmp_path
 
 
+@pytest.mark.slow
 def test_commands(folder: Path) -> None:
     for line in block("sh").strip().split("\n"):
         done = irb2400(*shlex.split(line)[1:], cwd=folder)
