@@ -29,7 +29,7 @@ def fenced(page: str, kind: str) -> list[str]:
     return re.findall(rf"```{kind}\n(.*?)```", (DOCS / page).read_text(), re.DOTALL)
 
 
-@pytest.mark.parametrize("page", OWN)
+@pytest.mark.parametrize("page", [*OWN[:2], pytest.param(OWN[2], marks=pytest.mark.slow)])
 def test_scripts_run(page: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """In a folder with a small part, also where the page plans the library's large one."""
     monkeypatch.chdir(tmp_path)

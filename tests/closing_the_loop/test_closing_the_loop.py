@@ -39,7 +39,9 @@ def test_both_plants_agree_where_the_arm_is_the_papers(robot: Robot, name: str) 
     np.testing.assert_allclose(*(np.linalg.norm(e[:3]) for e in errors), rtol=0.15)
 
 
-@pytest.mark.parametrize(("kind", "joint"), [("gear_ripple", 4), ("balancer", 2)])
+@pytest.mark.parametrize(
+    ("kind", "joint"), [("gear_ripple", 4), pytest.param("balancer", 2, marks=pytest.mark.slow)]
+)
 def test_the_regenerated_controller_follows_better(robot: Robot, kind: str, joint: int) -> None:
     closed = close(
         Case(31, (Effect(kind, joint, 0.15),), validation_duration=15.0),

@@ -14,8 +14,14 @@ EXAMPLES = sorted(
 )
 
 
-LONG = ("control_02_speed", "control_03_elasticity", "control_05_inertia_error")
-"""studies over many arms"""
+LONG = (
+    "control_02_speed",
+    "control_03_elasticity",
+    "control_05_inertia_error",
+    "diagnosis_02_next_motion",
+    "optimise_01_free_geometry",
+)
+"""6 to 12 s each"""
 
 
 @pytest.mark.parametrize(

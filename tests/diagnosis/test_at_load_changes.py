@@ -143,7 +143,7 @@ def test_the_name_of_the_joint_alone_is_told() -> None:
     ("place", "seed"),
     [
         # 67 nats of its law were refused beside the tilt; its neighbours say 29 more
-        (5, 20261207),
+        pytest.param(5, 20261207, marks=pytest.mark.slow),
         # not heard: of its torque, 9 % of the joint's, 0.6 % are slow enough to be compared
         (7, 20261209),
     ],

@@ -22,7 +22,12 @@ def named(found: Diagnosis) -> list[tuple[str, int | None]]:
 
 
 @pytest.mark.parametrize(
-    ("kind", "joint"), [("wrist_coupling", 5), ("cable_spring", 3), ("coulomb_change", 5)]
+    ("kind", "joint"),
+    [
+        ("wrist_coupling", 5),
+        ("coulomb_change", 5),
+        pytest.param("cable_spring", 3, marks=pytest.mark.slow),
+    ],
 )
 def test_what_begins_in_mid_record_has_one_name_and_its_time(kind: str, joint: int) -> None:
     found = diagnosed(

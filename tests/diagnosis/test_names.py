@@ -72,7 +72,7 @@ def frictions(factor: float) -> Robot:
     return ROBOT.model_copy(update={"joints": tuple(joints)})
 
 
-@pytest.mark.parametrize("radius", [0.05, 0.12, 0.15])
+@pytest.mark.parametrize("radius", [0.05, 0.15, pytest.param(0.12, marks=pytest.mark.slow)])
 def test_a_circle_of_the_model_itself_gets_no_name(radius: float) -> None:
     path = builders.circle((0.95, 0.0, 0.6), radius, feed=0.1)
     plan = plan_path(ROBOT, path, free_tool_rotation=False)
@@ -138,7 +138,7 @@ def test_dry_friction_that_builds_up_over_an_angle_is_a_hysteresis() -> None:
     assert effect.replaced_Nm == pytest.approx(effect.amplitude_Nm, rel=0.4)
 
 
-@pytest.mark.parametrize("travel", [1e-6, 0.02])
+@pytest.mark.parametrize("travel", [1e-6, pytest.param(0.02, marks=pytest.mark.slow)])
 def test_a_wrist_coupling_of_one_direction_with_dry_friction_is_named(travel: float) -> None:
     found = diagnose(ROBOT, with_torque(5, 1.2 * turned_over(6, travel) + 0.3 * speed(6)))
     assert names(found) == [("wrist_coupling", 5)]

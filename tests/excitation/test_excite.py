@@ -50,7 +50,9 @@ def recorded(case: Case, course: Trajectory | None) -> Log:
     return Log(time=log.time, q=log.q, qd=log.qd, tau=log.tau, q_ref=log.q_ref)
 
 
-@pytest.mark.parametrize(("group", "joint"), [("friction level", 3), ("gain", 2)])
+@pytest.mark.parametrize(
+    ("group", "joint"), [("friction level", 3), pytest.param("gain", 2, marks=pytest.mark.slow)]
+)
 def test_every_limit_holds_between_the_rows(group: str, joint: int) -> None:
     found = planned(group, joint)
     course = found.course

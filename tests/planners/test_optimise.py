@@ -109,6 +109,7 @@ def test_torque_rate_is_kept_and_the_start_has_no_jump(robot: irb.Robot) -> None
     keeps_limits_at_10_kHz(robot, found)
 
 
+@pytest.mark.slow
 def test_any_warm_start_ends_at_the_same_duration(robot: irb.Robot) -> None:
     W = drawn(2, 4)
     way = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(W, axis=0)).max(axis=1))])

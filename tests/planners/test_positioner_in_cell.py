@@ -117,6 +117,7 @@ def test_angles_are_found_or_stated_for_each_operation(tmp_path: Path) -> None:
         plan_path(ROBOT, top.path, cell=around)
 
 
+@pytest.mark.slow
 def test_two_sides_in_one_motion(tmp_path: Path) -> None:
     cell(tmp_path, "position_deg = [0, 0]")
     (tmp_path / "part.apt").write_text(PART)

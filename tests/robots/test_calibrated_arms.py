@@ -63,7 +63,9 @@ def test_near_a_singularity_the_method_searches_every_branch() -> None:
         np.testing.assert_allclose(found[0], one, rtol=0, atol=1e-6)
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize(
+    "name", [NAMES[0], *(pytest.param(name, marks=pytest.mark.slow) for name in NAMES[1:])]
+)
 def test_a_raster_and_a_spiral_are_planned_with_a_certificate(name: str) -> None:
     robot_ = calibrated(irb.load_robot(name))
     model = irb.Model(robot_)

@@ -82,6 +82,7 @@ def test_an_error_of_the_program_on_a_cluster(cluster: str, tmp_path: Path) -> N
         run_sweep(small(tmp_path), tmp_path / "out", scheduler=cluster, work=studies.broken)
 
 
+@pytest.mark.slow
 def test_a_case_that_always_kills_workers_of_a_cluster(
     cluster: str, trace: Path, tmp_path: Path
 ) -> None:
