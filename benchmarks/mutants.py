@@ -35,12 +35,12 @@ SAID = ("failed", "crashed", "no end", "survived")
 CERTIFIED = (
     "tests/planners/test_cell_bounds.py tests/planners/test_cell_constraints.py "
     "tests/planners/test_cell_parts.py tests/planners/test_certified.py "
-    "-k (not 200 and not share_its and not effects_of and not toppra)"
+    "-k (not random_paths and not share_its and not effects_of and not toppra)"
 )
 SMOOTH = (
     "tests/planners/test_rate_bounds.py tests/planners/test_rate_limited_law.py "
     "tests/planners/test_smooth_timing.py "
-    "-k (not 50 and not another and not price)"
+    "-k (not random_paths and not another and not price)"
 )
 EFFECT_BOUNDS = "tests/planners/test_effect_bounds.py -k (not starts and not little)"
 SELECTION = (
