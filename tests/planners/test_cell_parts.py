@@ -15,9 +15,10 @@ from drawn_cells import (
 from irb2400_ctrl.cell.external_axes import ExternalAxes
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.planners import MotionLimits
-from irb2400_ctrl.planners.enclosure import bernstein
+from irb2400_ctrl.planners.enclosure import bernstein, parabolas
 from irb2400_ctrl.planners.enclosure import cells as enclosed
-from irb2400_ctrl.planners.enclosure.cells import divided
+from irb2400_ctrl.planners.enclosure.cells import divided, with_reversals
+from irb2400_ctrl.planners.joint_path import JointPath
 from irb2400_ctrl.planners.timing.piecewise_constant_law import PiecewiseConstantLaw
 
 
@@ -79,6 +80,22 @@ def test_square_of_a_parabola_lies_within_what_its_own_parabola_misses() -> None
     quartic, left = enclosed._square(np.array([[[0.0], [0.0], [1.0]]]))
     np.testing.assert_allclose(quartic[0, :, 0], [0.0, 2 / 16 - 1 / 2, 1.0])
     np.testing.assert_allclose(left, np.sqrt(3) / 36 * 2.5)
+
+
+def test_the_circle_of_a_middle_is_as_large_as_the_fastest_joint_lets_it() -> None:
+    """No joint turns by more than a quarter radian on twice of it, by any derivative."""
+    calm = np.array([[1e-9, 1e-9]])
+    for order, moved in ((1, 0.25 / 2.0), (2, np.sqrt(0.25 / 2.0)), (3, np.cbrt(0.25 / 2.0))):
+        motion = [calm, calm, calm, calm]
+        motion[order] = np.array([[0.1, -2.0]])
+        np.testing.assert_allclose(parabolas._reach(tuple(motion)), [moved / 2])
+
+
+def test_a_grid_of_a_path_that_never_turns_back_stays_as_it_is() -> None:
+    W = np.array([[0.0, 0.1, 0, 0, 0.5, 0], [0.2, 0.2, 0.1, 0.1, 0.6, 0.1]])
+    path = JointPath.through(np.array([0.0, 1.0]), W)
+    s = np.linspace(0.0, 1.0, 11)
+    np.testing.assert_array_equal(with_reversals(path, s), s)
 
 
 def test_c_lies_between_the_directions_that_occur() -> None:
@@ -150,6 +167,7 @@ def test_rates_are_for_all_axes_or_for_each() -> None:
     np.testing.assert_array_equal(rated.jerk, [np.inf, 9.0])
     assert not ARM.with_rates(np.inf, None).smooth
     assert ARM.with_rates(None, 3.0).smooth
+    assert ARM.with_rates(None, [np.inf, 9.0]).smooth
     for wrong in (0.0, -1.0, [1.0, 0.0], [1.0, 2.0, 3.0], np.nan):
         with pytest.raises(InputError, match="torque_rate"):
             ARM.with_rates(wrong, None)

@@ -21,6 +21,7 @@ from irb2400_ctrl.planners.enclosure.cells import enclose, grid
 from irb2400_ctrl.planners.enclosure.complex_disc import disc_function
 from irb2400_ctrl.planners.enclosure.path_dynamics import PathDynamics, path_dynamics
 from irb2400_ctrl.planners.joint_path import JointPath
+from irb2400_ctrl.planners.timing import time_optimal
 from irb2400_ctrl.planners.timing.motion_limits import speed_bounds
 from irb2400_ctrl.planners.timing.piecewise_constant_law import PiecewiseConstantLaw
 from irb2400_ctrl.planners.timing.time_joint_path import time_joint_path
@@ -66,6 +67,44 @@ def test_certificate_is_checked_without_the_solver(seed: int) -> None:
     assert checked.torque_ratio > 0.999
     faster = PiecewiseConstantLaw(timed.law.s.copy(), 1.001 * timed.law.x)
     assert not check(Certificate(path, faster, LIMITS), DYNAMICS.model).holds()
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_no_further_pass_gains_more_than_is_let_go(
+    seed: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = random_path(seed)
+    ended, _ = time_joint_path(DYNAMICS, path, LIMITS)
+    monkeypatch.setattr(time_optimal, "_GAIN", -np.inf)
+    all_passes, _ = time_joint_path(DYNAMICS, path, LIMITS)
+    assert all_passes.passes > ended.passes
+    assert ended.law.duration < 1.0003 * all_passes.law.duration
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_the_check_says_which_axis_needs_most_and_where(seed: int) -> None:
+    path = random_path(seed)
+    timed, _ = time_joint_path(DYNAMICS, path, LIMITS)
+    slower = PiecewiseConstantLaw(timed.law.s.copy(), 0.6 * timed.law.x)
+    checked = check(Certificate(path, slower, LIMITS), DYNAMICS.model)
+    place, axis = checked.torque_at
+    s, q, qd, qdd = slower.motion(path, np.arange(0.0, slower.duration, 1e-4))
+    (tau,) = TORQUE.map(q, qd, qdd, np.zeros(1))
+    near = np.abs(s - place) <= 2 * np.diff(slower.s).max()
+    needed = (np.abs(tau[near]) / LIMITS.tau_max).max(axis=0)
+    assert np.argmax(needed) == axis - 1
+    assert needed[axis - 1] > 0.99 * checked.torque_ratio
+
+
+@pytest.mark.parametrize(("lean", "needs"), [(40, 385), (-40, 383)])
+def test_an_axis_that_cannot_hold_the_arm_either_way_is_named(lean: float, needs: float) -> None:
+    """Gravity pulls axis 2 forwards or backwards; the largest of the way is said."""
+    W = np.radians([[0, lean, 0, 0, 30, 0], [5, lean + 2, 0, 0, 30, 0]])
+    held = np.abs(DYNAMICS.model.gravity(W)[:, 1]).max() + ROBOT.friction[1, 1]
+    assert held == pytest.approx(needs, abs=60)
+    weak = replace(LIMITS, tau_max=LIMITS.tau_max * [1, 0.05, 1, 1, 1, 1])
+    with pytest.raises(InfeasibleError, match=rf"axis 2 cannot hold the arm: needs {needs} of 65"):
+        time_joint_path(DYNAMICS, JointPath.through(np.array([0.0, 1.0]), W), weak)
 
 
 def test_certificates_of_one_arm_share_its_coefficients(monkeypatch: pytest.MonkeyPatch) -> None:

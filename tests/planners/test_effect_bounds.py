@@ -26,6 +26,7 @@ from irb2400_ctrl.planners.joint_path import JointPath
 from irb2400_ctrl.planners.timing.piecewise_constant_law import PiecewiseConstantLaw
 from irb2400_ctrl.planners.timing.time_joint_path import time_joint_path
 from irb2400_ctrl.planners.timing.time_law import TimeLaw
+from irb2400_ctrl.planners.timing.torque_bounds import torque_bounds
 from irb2400_ctrl.planners.toolpath import builders
 
 ROBOT = load_robot("irb2400")
@@ -120,6 +121,50 @@ def worst_ratio(dynamics: PathDynamics, path: JointPath, law: TimeLaw) -> float:
 def timed_bare() -> TimeLaw:
     """The path of the cases, timed for the arm without effects."""
     return time_joint_path(path_dynamics(ROBOT), random_path(1), LIMITS)[0].law
+
+
+STEEP = ("viscous power 0.5", "viscous power 2.5", "less viscous", "warm-up", "load friction")
+
+
+@pytest.mark.parametrize("name", STEEP)
+@pytest.mark.parametrize("seed", [0, 1])
+def test_bounds_hold_where_the_speed_changes_much_within_a_cell(name: str, seed: int) -> None:
+    """No law of a planner: the square of the speed jumps about between 12 coarse cells."""
+    dynamics = path_dynamics(ROBOT.with_effects(*CASES[name]))
+    path = random_path(1)
+    s = grid(path, 12)
+    x = np.random.default_rng(seed).uniform(0.01, 1.0, len(s)) * timed_bare().x.max()
+    law = PiecewiseConstantLaw(s, x)
+    cells = enclose(dynamics, path, s)
+    above, below = torque_bounds(cells, law.u, x, dynamics.friction)
+    for t in (0.02, 0.2, 0.4, 0.6, 0.8, 0.98):
+        at = s[:-1] + t * np.diff(s)
+        square = (1 - t) * x[:-1] + t * x[1:]
+        qd = path(at, 1) * np.sqrt(square)[:, None]
+        qdd = path(at, 2) * square[:, None] + path(at, 1) * law.u[:, None]
+        tau = np.array([dynamics.torque(path(at), qd, qdd, 0 * at + start) for start in STARTS])
+        assert (tau <= above + 1e-9).all()
+        assert (tau >= below - 1e-9).all()
+
+
+def test_bounds_hold_of_friction_that_remembers_the_way_back() -> None:
+    """Axes 1 to 3 turn back twice: what the law remembers there is of the other direction."""
+    dynamics = path_dynamics(ROBOT.with_effects(*CASES["hysteresis"]))
+    W = np.zeros((5, 6))
+    W[:, :3] = 0.3 * np.array([0.0, 1.0, -1.0, 0.5, 0.0])[:, None] * [1.0, 0.7, -0.5]
+    W[:, 4] = 0.5
+    path = JointPath.through(np.linspace(0.0, 1.0, 5), W)
+    law = time_joint_path(dynamics, path, LIMITS)[0].law
+    cells = enclose(dynamics, path, law.s)
+    above, below = torque_bounds(cells, law.u, law.x, dynamics.friction)
+    time = np.arange(0.0, law.duration, 1e-4)
+    s, *motion = law.motion(path, time)
+    tau = dynamics.torque(*motion, time)
+    cell = np.searchsorted(law.s[1:-1], s, "right")
+    assert (tau <= above[cell] + 1e-9).all()
+    assert (tau >= below[cell] - 1e-9).all()
+    # of 80 Nm between both directions little is left open where the joint's way is known
+    assert np.median(above - below, axis=0)[:3].max() < 15.0
 
 
 @pytest.mark.parametrize("name", CASES)
