@@ -1,12 +1,11 @@
 """What the neighbours of a joint tell of a link that has play, on arms of the second plant with one
-effect: log odds [nats] where a link was heard to bounce.
+effect: log odds [nats] where a link was heard to bounce, and whether the diagnosis names it.
 
 python benchmarks/load_changes.py [--count 20] [--seed S]
 """
 
 from __future__ import annotations
 
-import argparse
 import sys
 from pathlib import Path
 from typing import Any
@@ -30,16 +29,13 @@ FRACTIONS = (0.03, 0.05, 0.08, 0.15)
 
 def main() -> None:
     """Command line."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--count", type=int, default=20, help="arms of each group")
-    parser.add_argument("--seed", type=int, default=None, help="default: a new one, printed")
-    args = parser.parse_args()
-    seed = int(np.random.SeedSequence().entropy % 2**31) if args.seed is None else args.seed
-    print(f"seed {seed}")
-    print("| on the arm | arms | that joint is heard | another joint | lowest, median, highest |")
-    print("| --- | --- | --- | --- | --- |")
+    from turns import count_and_seed
+
+    count, seed = count_and_seed(__doc__)
+    print("| on the arm | arms | that joint is heard | another joint | least to most | named |")
+    print("| --- | --- | --- | --- | --- | --- |")
     for place, group in enumerate(GROUPS):
-        told = [_of(_case(group, i, [seed, place, i])) for i in range(args.count)]
+        told = [_of(_case(group, i, [seed, place, i])) for i in range(count)]
         print(f"| {group} | {_row([t for t in told if t is not None])} |", flush=True)
 
 
@@ -59,38 +55,35 @@ def _case(group: str, i: int, seed: list[int]) -> Any:
     return Case(number, (wanted,), chirp=True)
 
 
-def _row(arms: list[tuple[int | None, dict[int, float]]]) -> str:
+def _row(arms: list[tuple[Any, dict[int, float], bool]]) -> str:
     """Counts of one group; log odds of those that were heard."""
-    right = sum(joint in seen for joint, seen in arms)
-    wrong = sum(bool(seen) and joint not in seen for joint, seen in arms)
-    heard = [nats for _, seen in arms for nats in seen.values()]
+    right = sum(truth.joint in seen for truth, seen, _ in arms)
+    wrong = sum(bool(seen) and truth.joint not in seen for truth, seen, _ in arms)
+    heard = [nats for _, seen, _ in arms for nats in seen.values()]
     spread = ", ".join(f"{v:.1f}" for v in np.quantile(heard, [0.0, 0.5, 1.0])) if heard else "-"
-    return f"{len(arms)} | {right} | {wrong} | {spread}"
+    return f"{len(arms)} | {right} | {wrong} | {spread} | {sum(named for *_, named in arms)}"
 
 
-def _of(case: Any) -> tuple[int | None, dict[int, float]] | None:
-    """Its joint and those that are heard; None where the drives do not hold the arm."""
-    from mujoco_plant.machine import RanAway
+def _of(case: Any) -> tuple[Any, dict[int, float], bool] | None:
+    """What it has, joints that are heard, and whether a diagnosis names it; None where the drives
+    do not hold the arm."""
+    from turns import left_of
 
+    from irb2400_ctrl import load_robot
+    from irb2400_ctrl.diagnosis import diagnose
     from irb2400_ctrl.diagnosis.comparison.at_load_changes import AtLoadChanges
-    from irb2400_ctrl.diagnosis.regressors.bases import Bases
-    from irb2400_ctrl.diagnosis.regressors.predict import predicted_torque
-    from irb2400_ctrl.measurement import Log
-    from irb2400_ctrl.measurement.prepared_log import prepare
-    from irb2400_ctrl.robot import load_robot
 
-    try:
-        read = case.simulate()
-    except RanAway:
+    read = left_of(case)
+    if read is None:
         return None
-    robot = load_robot("irb2400")
-    motion = prepare(Log(read.time, read.q, read.tau, qd=read.qd, q_ref=read.q_ref))
-    bases = Bases(robot.bare())
-    left = motion.tau - predicted_torque(robot, motion, bases)
+    log, motion, left, bases = read
     seen = AtLoadChanges(motion, left, bases.model).seen
     (truth,) = case.truth
-    print(f"{truth.kind} {truth.joint}, {truth.strength:.0f} sigma: {seen}", file=sys.stderr)
-    return truth.joint, seen
+    found = [f.effect for f in diagnose(load_robot("irb2400"), log).findings]
+    named = any((e.kind, e.joint) == (truth.kind, truth.joint) for e in found)
+    told = [(e.kind, e.joint) for e in found]
+    print(f"{truth.kind} {truth.joint}, {truth.strength:.0f} sigma: {seen} {told}", file=sys.stderr)
+    return truth, seen, named
 
 
 if __name__ == "__main__":

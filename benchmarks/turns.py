@@ -24,19 +24,14 @@ def main() -> None:
     """Command line."""
     from mujoco_plant.suites import suite
 
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--count", type=int, default=20, help="arms of each kind")
-    parser.add_argument("--seed", type=int, default=None, help="default: a new one, printed")
-    args = parser.parse_args()
-    seed = int(np.random.SeedSequence().entropy % 2**31) if args.seed is None else args.seed
-    print(f"seed {seed}")
+    count, seed = count_and_seed(__doc__)
     found: dict[str, list[float]] = {kind: [] for kind in KINDS}
     place = 0
-    while min(map(len, found.values())) < args.count:
+    while min(map(len, found.values())) < count:
         (case,) = suite("single", place, 1, seed)
         place += 1
         kind = case.effects[0].kind
-        if kind in KINDS and len(found[kind]) < args.count:
+        if kind in KINDS and len(found[kind]) < count:
             nats = _of(case)
             if nats is not None:
                 found[kind].append(nats)
@@ -49,11 +44,22 @@ def main() -> None:
         print(f"| {kind} | {len(values)} | {clear} | {spread} |")
 
 
-def _of(case: Any) -> float | None:
-    """Log odds on one arm; None where its drives do not hold it."""
+def count_and_seed(what: str | None) -> tuple[int, int]:
+    """Arms of each kind and the seed, as asked for on the command line; the seed is printed."""
+    parser = argparse.ArgumentParser(description=what)
+    parser.add_argument("--count", type=int, default=20, help="arms of each kind")
+    parser.add_argument("--seed", type=int, default=None, help="default: a new one, printed")
+    args = parser.parse_args()
+    seed = int(np.random.SeedSequence().entropy % 2**31) if args.seed is None else args.seed
+    print(f"seed {seed}")
+    return args.count, seed
+
+
+def left_of(case: Any) -> tuple[Any, Any, Any, Any] | None:
+    """Log, prepared motion, what the robot as given leaves of it [Nm], and its bases; None where
+    the drives do not hold the arm."""
     from mujoco_plant.machine import RanAway
 
-    from irb2400_ctrl.diagnosis.comparison.at_reversals import AtReversals, log_odds
     from irb2400_ctrl.diagnosis.regressors.bases import Bases
     from irb2400_ctrl.diagnosis.regressors.predict import predicted_torque
     from irb2400_ctrl.measurement import Log
@@ -65,8 +71,20 @@ def _of(case: Any) -> float | None:
     except RanAway:
         return None
     robot = load_robot("irb2400")
-    motion = prepare(Log(read.time, read.q, read.tau, qd=read.qd, q_ref=read.q_ref))
-    left = motion.tau - predicted_torque(robot, motion, Bases(robot.bare()))
+    log = Log(read.time, read.q, read.tau, qd=read.qd, q_ref=read.q_ref)
+    motion = prepare(log)
+    bases = Bases(robot.bare())
+    return log, motion, motion.tau - predicted_torque(robot, motion, bases), bases
+
+
+def _of(case: Any) -> float | None:
+    """Log odds on one arm; None where its drives do not hold it."""
+    from irb2400_ctrl.diagnosis.comparison.at_reversals import AtReversals, log_odds
+
+    read = left_of(case)
+    if read is None:
+        return None
+    _, motion, left, _ = read
     (truth,) = case.truth
     dip = AtReversals(motion, left).dip(truth.joint - 1)
     nats = 0.0 if dip is None else log_odds(dip, truth.size)
