@@ -23,7 +23,8 @@ class Search:
         shows_moving: a log must show it away from reversals too, where dry friction is hard to
             predict.
         nothing_at_turns: its torque passes through nothing where the joint turns.
-        rattles: the link bounces as its load changes sides, which its neighbours feel.
+        rattles: the link bounces as its load changes sides, which its neighbours feel; most of its
+            torque is quicker than what is compared, so that its size says little.
     """
 
     device: str = ""

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -26,6 +28,7 @@ from irb2400_ctrl.planners.enclosure import bernstein
 from irb2400_ctrl.planners.timing import time_optimal
 from irb2400_ctrl.planners.timing.torque_constraints import (
     ROUNDING,
+    _without_root,
     torque_constraints,
 )
 
@@ -196,3 +199,18 @@ def test_constraints_keep_the_torque_of_effects_and_the_load_within_their_bounds
                 total = total + (np.maximum(*both) if sign > 0 else np.minimum(*both))
             assert (sign * total[fine]).max() <= 45.0
     assert kept > 300
+
+
+def test_a_root_of_the_speed_pushes_by_its_tangent_and_helps_by_its_chord() -> None:
+    """e sqrt(x) at x of 1 to 4, its tangent at 2.25: e (x / 3 + 0.75), or e x / 2 where e is never
+    above zero in the cell; where it changes its sign only what pushes is taken."""
+    e = np.array([[2.0, 1.0, 0.0], [-2.0, 0.0, -1.0], [-3.0, 1.0, -3.0]])[:, :, None]
+    part: Any = SimpleNamespace(b=np.ones_like(e), c=np.zeros_like(e), e=e)
+    at: Any = SimpleNamespace(x_bar=np.full(3, 2.25), x_high=np.full(3, 4.0))
+    b, c = _without_root(part, at)
+    np.testing.assert_allclose(b[0] - 1.0, e[0] / 3)
+    np.testing.assert_allclose(c[0], 0.75 * e[0])
+    np.testing.assert_allclose(b[1] - 1.0, e[1] / 2)
+    np.testing.assert_allclose(c[1], 0.0)
+    np.testing.assert_allclose(b[2, :, 0] - 1.0, [0.0, 1 / 3, 0.0])
+    np.testing.assert_allclose(c[2, :, 0], [0.0, 0.75, 0.0])

@@ -40,8 +40,8 @@ FEWEST = 10
 CORRELATED = 0.5
 """share of the filtered samples that say something of their own"""
 LEAST = 8.0
-"""[nats] from which on a joint has been seen to rattle; 3.4 were the most on 248 logs of arms
-without play, among them elastic ones"""
+"""[nats] from which on a joint has been seen to rattle; a swing of its own transmission is heard as
+well, a flaw of another axis' one may be, other effects are not (benchmarks/load_changes.py)"""
 
 
 @dataclass(frozen=True)
