@@ -98,6 +98,17 @@ def test_a_grid_of_a_path_that_never_turns_back_stays_as_it_is() -> None:
     np.testing.assert_array_equal(with_reversals(path, s), s)
 
 
+@pytest.mark.parametrize("off", [-1e-12, 1e-12])
+def test_of_points_that_fall_together_the_knot_stays(off: float) -> None:
+    W = np.array(
+        [[0.0, 0.1, 0, 0, 0.5, 0], [0.1, 0.2, 0.1, 0.1, 0.6, 0.1], [0.3, 0.3, 0.2, 0.3, 0.8, 0.2]]
+    )
+    path = JointPath.through(np.array([0.0, 0.5, 1.0]), W)
+    s = np.linspace(0.0, 1.0, 11)
+    assert 0.5 in path.knots
+    np.testing.assert_array_equal(with_reversals(path, np.sort(np.append(s, 0.5 + off))), s)
+
+
 def test_c_lies_between_the_directions_that_occur() -> None:
     """From those for motion backwards, at rest, forwards: 1, 2, 3, or with a range around them."""
     c = [k * np.ones((4, 3, 1)) for k in (1.0, 2.0, 3.0)]
