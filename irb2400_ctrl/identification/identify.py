@@ -31,6 +31,7 @@ from irb2400_ctrl.identification.held_out import held_out
 from irb2400_ctrl.identification.identification import Identification, LogResult
 from irb2400_ctrl.identification.identified_robot import fit_base, identified_robot
 from irb2400_ctrl.identification.moved import ALARM, Moved, moved_bodies
+from irb2400_ctrl.identification.understood_logs import borne_out, understood_logs
 from irb2400_ctrl.measurement import Log
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.plausibility.channels import NO_MOTION
@@ -66,8 +67,9 @@ def identify(
             They give the gains of the torque channels; the arm is then in true Nm.
 
     Raises:
-        InputError: no log, a load without its logs, another number of joints, or an effect of the
-            file whose torque depends on the numbers that are fitted.
+        InputError: no log or none that is what its columns say, a load without its logs, another
+            number of joints, or an effect of the file whose torque depends on the numbers that are
+            fitted.
     """
     # matrices of a hundred numbers: threads cost more than they bring
     with one_thread():
@@ -92,6 +94,9 @@ def identify(
 
 def _identified(robot: Robot, seen: Sequence[Log], others: Sequence[Log]) -> Identification:
     _check(robot, [*seen, *others])
+    understood = understood_logs(robot, seen)
+    beside = understood_logs(robot, others)
+    seen, others = understood.logs, beside.logs
     runs = [runs_of(log) for log in seen]
     curves = friction_curves([run for some in runs for run in some])
     sensed = sensed_load(robot, seen)
@@ -125,6 +130,9 @@ def _identified(robot: Robot, seen: Sequence[Log], others: Sequence[Log]) -> Ide
         verdicts=told,
         logs=results,
         notes=[
+            *understood.notes,
+            *beside.notes,
+            *borne_out(understood.doubts, results),
             *_notes(moved, found, said),
             *_resting(told),
             *dict.fromkeys(remark for part in parts for remark in part.motion.remarks),
@@ -179,7 +187,9 @@ def _recorded(model: Model, kept: Robot, logs: Sequence[Log]) -> tuple[Source, l
     left = {}
     for source, parts in tried.items():
         left[source] = left_unseen(model, parts)
-    gain = 1.0 - np.exp(np.mean(np.log(left["speed"] / left["angle"])))
+    # a joint that did not move leaves nothing to compare
+    told = (left["speed"] > 0.0) & (left["angle"] > 0.0)
+    gain = 1.0 - np.exp(np.mean(np.log(left["speed"][told] / left["angle"][told])))
     best: Source = "speed" if gain > CLEARER else "angle"
     return best, tried[best]
 

@@ -1,0 +1,65 @@
+"""A log that is not what its columns say becomes no robot file."""
+
+from __future__ import annotations
+
+from importlib.resources import files
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import irb2400_ctrl as irb
+from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.identification.understood_logs import FAR_FROM_THE_FILE
+from irb2400_ctrl.plausibility import log_problem
+
+DATA = Path(str(files("irb2400_ctrl") / "data" / "arm"))
+
+
+@pytest.fixture(scope="module")
+def log() -> irb.Log:
+    return irb.read_log(DATA / "identification.csv.gz")
+
+
+def with_torque(log: irb.Log, factor: np.ndarray | float, name: str = "other") -> irb.Log:
+    return irb.Log(log.time, log.q, log.tau * factor, qd=log.qd, q_ref=log.q_ref, name=name)
+
+
+@pytest.mark.parametrize(
+    ("factor", "says"),
+    [
+        ((1, 1, -1, 1, 1, 1), "the torque of joint 3 looks turned over"),
+        ((0.01,) * 6, "torque looks like motor side"),
+    ],
+)
+def test_a_wrong_column_is_refused(log: irb.Log, factor: tuple[float, ...], says: str) -> None:
+    with pytest.raises(InputError, match=rf"^other: {says}.*try `irb2400 log check`"):
+        irb.identify(irb.load_robot("irb2400"), with_torque(log, np.array(factor)))
+
+
+def test_of_several_it_is_left_out(log: irb.Log) -> None:
+    turned = with_torque(log, np.array((1, 1, -1, 1, 1, 1)))
+    found = irb.identify(irb.load_robot("irb2400"), [log, turned], validation=[turned, log])
+    said = "left out, not understood: other: the torque of joint 3 looks turned over"
+    assert found.notes[:2] == [said, said]
+    assert [result.name for result in found.logs] == [log.name, log.name]
+
+
+def test_bodies_far_off_are_what_is_identified() -> None:
+    """A file so wrong that its own arm looks like another robot."""
+    pytest.importorskip("pinocchio")
+    from benchmarks.other_arms import drawn_case
+
+    case = drawn_case(516)
+    log = case.others[0]
+    problem = log_problem(case.robot, log)
+    assert problem is not None
+    assert problem.kind == FAR_FROM_THE_FILE
+    found = irb.identify(case.robot, log)
+    assert found.notes[0].endswith("the file's numbers are far off")
+    assert (found.logs[0].error("unseen").rmse_over_mean_percent < 20).all()
+
+
+def test_another_robot_is_not_identified(log: irb.Log) -> None:
+    with pytest.raises(InputError, match=r"more than half of the torque of joints? .* is left"):
+        irb.identify(irb.load_robot("ur10e"), log)
