@@ -61,6 +61,26 @@ def test_what_a_table_lacks_is_said(old: str, new: str, says: str, tmp_path: Pat
         imported(tmp_path, "a.csv", DH.replace(old, new))
 
 
+@pytest.mark.parametrize(
+    ("cells", "says"),
+    [
+        ("10,5,1,2,3,0.1,0.1,0.1,,", "found mass of a row named flange"),
+        (",,,,,,,,-90,90", "found low and high of a row named flange"),
+    ],
+)
+def test_an_axis_called_flange_is_not_left_out_in_silence(
+    cells: str, says: str, tmp_path: Path
+) -> None:
+    """A table of six axes of which the last was called flange became an arm of five."""
+    head = f"name,alpha_deg,a_mm,d_mm,theta_offset_deg,{MASSES},low_deg,high_deg"
+    axis = "one,0,0,400,0,5,1,2,3,0.1,0.1,0.1,-90,90"
+    table = f"# convention: modified\n{head}\n{axis}\nflange,90,100,0,{cells}\n"
+    with pytest.raises(InputError, match=says):
+        imported(tmp_path, "a.csv", table.replace(",10,5,", ",5,"))
+    plain = table.replace(cells, ",,,,,,,,,")
+    assert imported(tmp_path, "a.csv", plain).n == 1
+
+
 def test_a_table_that_is_no_text_is_refused(tmp_path: Path) -> None:
     path = tmp_path / "a.csv"
     path.write_bytes(b"\xff\xfe\xd8\x00")

@@ -99,6 +99,8 @@ def read_dh(path: Path, convention: str | None) -> Tree:
     for k, row in enumerate(rows, 1):
         name = (row.cells.get("name") or f"link_{k}").strip()
         fixed = name == "flange"
+        if fixed:
+            _moves_nothing(row)
         offset = row.get("theta_offset") or 0.0
         step = _step(row, convention)
         at, after = (before, step) if convention == "standard" else (before @ step, np.eye(4))
@@ -113,6 +115,16 @@ def read_dh(path: Path, convention: str | None) -> Tree:
     joints.append(TreeJoint("tool", "fixed", parent, "tool0", before, np.zeros(3)))
     source = f"imported from {path.name} ({convention} DH)"
     return Tree(path.stem, source, links, tuple(joints))
+
+
+def _moves_nothing(row: _Row) -> None:
+    """Refuse a flange that has what only an axis has: it would be left out in silence."""
+    stated = [name for name in ("mass", "low", "high", "speed", "torque") if row.get(name)]
+    if stated:
+        raise InputError(
+            f"{row.where}: found {' and '.join(stated)} of a row named flange, which is fixed to "
+            "the row before it; expected none of these, or another name where an axis turns"
+        )
 
 
 def _text(path: Path) -> tuple[str, str]:
