@@ -162,6 +162,12 @@ class Effect(BaseModel, ABC):
         """
         return ()
 
+    @classmethod
+    def about(cls, form: Nested, numbers: Array) -> Nested | None:
+        """A form made anew about the numbers that it was found to have, where the law is not linear
+        in them; None: it is linear."""
+        return None
+
     @property
     def unlikely(self) -> bool:
         """Whether it is too small, or too large, for a diagnosis to name it, however clearly it

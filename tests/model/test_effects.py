@@ -282,3 +282,30 @@ def test_a_wrist_coupling_of_an_older_file_jumps_as_it_did(robot: irb.Robot) -> 
     robot.with_effects(older)
     with pytest.raises(ValueError, match="a discrepancy of 5 numbers, expected 8 or none"):
         robot.with_effects(LIBRARY["wrist_coupling"].of(4, discrepancy=(0.1,) * 5))
+
+
+def test_a_mass_and_its_place_hold_their_moments_of_second_order() -> None:
+    """phi = (m, m c, m (|c|^2 1 - c c^T)) is homogeneous of first order in (m, m c): linear about a
+    place it is exact there, and off by the square of a step elsewhere."""
+    payload = LIBRARY["payload"]
+    form = payload.nested(400.0, 1.5)[1]
+    assert form.columns.shape == (10, 4)
+
+    def phi(numbers: np.ndarray) -> np.ndarray:
+        m, *moment = numbers
+        c = np.array(moment) / m
+        inertia = m * (c @ c * np.eye(3) - np.outer(c, c))
+        return np.array([*numbers, *inertia[np.triu_indices(3)]])
+
+    numbers = np.array([3.0, 0.2, -0.1, 0.5])
+    anew = payload.about(form, numbers)
+    assert anew is not None
+    assert anew.coefficients == form.coefficients
+    np.testing.assert_allclose(anew.columns @ numbers, phi(numbers), rtol=1e-12)
+    step = 1e-6 * np.array([1.0, -2.0, 0.5, 1.5])
+    slope = (phi(numbers + step) - phi(numbers - step)) / 2
+    np.testing.assert_allclose(anew.columns @ step, slope, rtol=1e-6)
+    # where the place is beyond all arms, and of other forms, nothing is made anew
+    assert payload.about(form, np.array([0.1, 0.2, 0.0, 0.0])) is None
+    assert payload.about(payload.nested(400.0, 1.5)[0], np.array([1.0])) is None
+    assert LIBRARY["torque_offset"].about(form, numbers) is None

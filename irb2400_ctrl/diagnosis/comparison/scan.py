@@ -20,6 +20,7 @@ from irb2400_ctrl.diagnosis.estimation.evidence import (
 from irb2400_ctrl.diagnosis.regressors.bases import RegressorColumns
 from irb2400_ctrl.effects import LIBRARY
 from irb2400_ctrl.effects.base import within
+from irb2400_ctrl.effects.prior import Nested
 
 EVERYWHERE_PENALTY = 15.0
 """[nats]"""
@@ -83,30 +84,37 @@ class Scan(LogColumns):
         best: Candidate | None = None
         for place in self._promising(problem, kind, joint, laws):
             nonlinear = grid[place]
-            law, extra = self.member(kind, joint, nonlinear)
-            forms = self.forms(kind, law)
+            forms = self.forms(kind, self.member(kind, joint, nonlinear)[0])
             # a family with many members must win by more
             penalty = self.family_penalty(kind, joint) + float(np.log(len(forms)))
             for form in forms:
-                columns = RegressorColumns(law.joints, law.values @ form.columns)
-                score = self._score(problem, kind, columns, extra, form.coefficients)
-                score = replace(score, gain=score.gain - penalty)
-                whole = form.columns @ score.coefficients
-                effect = plausible(kind, joint, whole, nonlinear)
-                if effect is not None and (best is None or score.gain > best.score.gain):
-                    best = Candidate(
-                        kind,
-                        joint,
-                        kind,
-                        (),
-                        (effect,),
-                        columns,
-                        extra,
-                        score,
-                        penalty,
-                        form.coefficients,
-                    )
+                tried = self._in_form(problem, (kind, joint), nonlinear, form, penalty)
+                anew = LIBRARY[kind].about(form, tried.score.coefficients)
+                if anew is not None:
+                    tried = self._in_form(problem, (kind, joint), nonlinear, anew, penalty)
+                if tried.effects and (best is None or tried.score.gain > best.score.gain):
+                    best = tried
         return [] if best is None else [best]
+
+    def _in_form(
+        self,
+        problem: Problem,
+        family: tuple[str, int | None],
+        nonlinear: dict[str, float],
+        form: Nested,
+        penalty: float,
+    ) -> Candidate:
+        """A member of a family in one of its forms; without an effect where its numbers are not
+        plausible."""
+        kind, joint = family
+        law, extra = self.member(kind, joint, nonlinear)
+        columns = RegressorColumns(law.joints, law.values @ form.columns)
+        score = self._score(problem, kind, columns, extra, form.coefficients)
+        score = replace(score, gain=score.gain - penalty)
+        effect = plausible(kind, joint, form.columns @ score.coefficients, nonlinear)
+        effects = () if effect is None else (effect,)
+        expected = form.coefficients
+        return Candidate(kind, joint, kind, (), effects, columns, extra, score, penalty, expected)
 
     def between(self, problem: Problem, candidate: Candidate) -> Candidate:
         """The candidate with its nonlinear parameters searched between the neighbours in the grid,
