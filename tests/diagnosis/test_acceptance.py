@@ -64,11 +64,13 @@ def judged(
     fit: Any = None,
     n: int = 3,
     beside: Any = None,
+    over_given: float = 1.0,
 ) -> bool:
     """What `bears_out` says of an offset on joint 2 of three: worth [nats] by joint."""
     held_out = SimpleNamespace(
         worth=lambda place: SimpleNamespace(nats=np.array([0.0, worth, elsewhere])),
         told=lambda place: SimpleNamespace(nats=np.array(told)),
+        over_given=lambda effects: SimpleNamespace(nats=np.full(3, over_given)),
     )
     acceptance: Any = Acceptance.__new__(Acceptance)
     acceptance.fitter = SimpleNamespace(motion=SimpleNamespace(duration=10.0, n=n))
@@ -90,6 +92,9 @@ def test_a_name_stays_only_where_the_files_own_error_is_better_with_it() -> None
     assert not judged(name, [0.0, 5.0, -1.0], worth=-1.0)
     assert not judged(name, [9.0, -0.1, 0.0])  # worse where it sits
     assert not judged(name, [0.0, 5.0, -6.0])  # worse on all joints together
+    # the numbers as given say as much, the fit had made them worse: on the first day after its
+    # reference, on another motion, an unchanged arm had "friction that does not grow with speed"
+    assert not judged(name, [0.0, 5.0, -1.0], over_given=-0.1)
     load = SimpleNamespace(
         known=True, everywhere=False, devices=frozenset(), effects=(offset,), joint=None
     )

@@ -142,6 +142,9 @@ class Acceptance:
         worth = held_out.worth(place)
         if beyond and own(candidate, worth) <= 0.0:
             return False
+        if own(candidate, held_out.over_given(effects_of(chosen, place))) <= 0.0:
+            # the numbers as they were say as much: the name mends what the fit has made of them
+            return False
         # what other numbers could say as well has their being unlikely to its credit
         credit = 0.0 if beyond else steps[place].gain
         told = held_out.told(place)

@@ -91,6 +91,16 @@ class HeldOut:
         before = self._told(other, self._solved(other))
         return Worth.of(before, self._told(self.fit, self._found), self._known)
 
+    def over_given(self, effects: Sequence[int]) -> Worth:
+        """Of effects of the fit (their places) and the numbers fitted beside them, over the robot's
+        numbers as they were given beside the other effects."""
+        fitter = self.fitter
+        motion = fitter.motion
+        others = [e for k, e in enumerate(self.fit.effects) if k not in effects]
+        robot = fitter.robot.model_copy(update={"effects": (*fitter.robot.effects, *others)})
+        given = motion.at_rows(motion.tau - predicted_torque(robot, motion, fitter.bases))
+        return Worth.of(given, self._told(self.fit, self._found), self._known)
+
     def told_of(self, effects: Sequence[int]) -> Worth:
         """The same for effects of the fit (their places) that other numbers of the robot could take
         in, were they not held where they are."""
