@@ -7,6 +7,7 @@ from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
+import numpy.typing as npt
 
 from irb2400_ctrl.arrays import Array, one_thread
 from irb2400_ctrl.diagnosis.comparison.acceptance import INFLATION
@@ -45,6 +46,8 @@ COMMON_FRICTION = 0.3
 """standard deviation of the friction of all joints together, over the file's: temperature"""
 BYTES_PER_ROW = 4e5
 """of memory that the search takes, on six axes (2.6 GB for 300 s)"""
+WORTH = 0.01
+"""share of a joint's error that a changed friction takes off at least"""
 LEAST_SPEED = 0.05
 """[rad/s] rms speed of a joint below which nothing can be said about it"""
 
@@ -248,9 +251,33 @@ def _concluded(
         noise_floor=floor,
         not_excited=idle,
         weak=tuple(weak),
-        numbers=numbers(prior, fit, later, change=change, inflation=INFLATION),
+        numbers=numbers(
+            prior,
+            fit,
+            later,
+            change=change,
+            inflation=INFLATION,
+            friction_counts=_better_with_numbers(motion, robot, augmented, change),
+        ),
         change=change,
     )
+
+
+def _better_with_numbers(
+    motion: PreparedLog, before: Robot, after: Robot, change: bool
+) -> npt.NDArray[np.bool_]:
+    """Joints that new numbers explain better than the reference's, sample by sample, the same
+    effects beside both, shape (n,); all of them where there is no reference.
+
+    Dry friction, viscous friction and inertia trade with each other in what a filter leaves of the
+    turns.
+    """
+    if not change:
+        return np.ones(motion.n, dtype=bool)
+    robots = (before.model_copy(update={"effects": after.effects}), after)
+    torques = [predicted_torque(robot, motion, _bases(robot.bare())) for robot in robots]
+    kept, new = (errors(motion.tau, tau, motion.known).rmse for tau in torques)
+    return np.asarray(new < (1.0 - WORTH) * kept)
 
 
 def _compared(motion: PreparedLog, before: Robot, recalibrated: Robot, after: Robot) -> Comparison:

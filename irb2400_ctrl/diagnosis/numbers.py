@@ -68,6 +68,7 @@ def numbers(
     *,
     change: bool,
     inflation: float,
+    friction_counts: Mask,
 ) -> tuple[Number, ...]:
     """What the file lacks, and what is otherwise here than it says.
 
@@ -75,6 +76,7 @@ def numbers(
         prior: of the base that was fitted; after: the robot with the fitted numbers.
         change: whether the robot given is a reference of this very arm.
         inflation: of standard errors that follow from the noise alone.
+        friction_counts: joints whose friction may have changed, shape (n,).
     """
     robot = prior.robot
     base = prior.base if isinstance(prior, IdentifiedPrior) else prior
@@ -102,7 +104,9 @@ def numbers(
                 found.append(Number("lacks", place, name, None, now, size, float(moved[i])))
             continue
         little = name in FRICTION and abs(now - before) < LEAST_FRICTION * abs(before)
-        seen = name in BODY or abs(z[i]) > SEEN * error[i]
+        seen = name in BODY or (
+            abs(z[i]) > SEEN * error[i] and bool(friction_counts[int(place.split()[1]) - 1])
+        )
         if moved[i] > MOVED and seen and not little:
             which: FindingList = "changed" if change else "special"
             signed = float(np.sign(z[i]) * moved[i])
