@@ -31,7 +31,9 @@ class Balancer(Effect):
     example: ClassVar[Mapping[str, Any]] = {"torque_Nm": 100.0, "free_ratio": 0.45}
     ambiguity: ClassVar[Ambiguity] = GAIN
     search: ClassVar[Search] = Search(between_grid=True)
-    prior: ClassVar[Prior] = Prior(fields={"lever_ratio": (0.4, 0.15), "free_ratio": (0.0, 1.0)})
+    prior: ClassVar[Prior] = Prior(
+        fields={"lever_ratio": (0.4, 0.15), "free_ratio": (0.0, 1.0)}, leftover=("angle",)
+    )
 
     kind: Literal["balancer"] = "balancer"
     torque_Nm: float = Field(description="stiffness times both lever arms T [Nm]")

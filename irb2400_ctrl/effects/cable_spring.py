@@ -10,6 +10,7 @@ from pydantic import Field
 
 from irb2400_ctrl.effects.ambiguity import POSITION_LAW, Ambiguity
 from irb2400_ctrl.effects.base import Effect
+from irb2400_ctrl.effects.prior import Prior
 from irb2400_ctrl.effects.signals import Signals
 
 
@@ -21,6 +22,7 @@ class CableSpring(Effect):
     )
     example: ClassVar[Mapping[str, Any]] = {"stiffness_Nm_rad": 10.0, "neutral_rad": 0.1}
     ambiguity: ClassVar[Ambiguity] = POSITION_LAW
+    prior: ClassVar[Prior] = Prior(leftover=("angle",))
 
     kind: Literal["cable_spring"] = "cable_spring"
     stiffness_Nm_rad: float = Field(ge=0, description="stiffness k [Nm/rad]")

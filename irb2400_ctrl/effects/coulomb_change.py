@@ -12,6 +12,7 @@ from pydantic import Field
 from irb2400_ctrl.effects.ambiguity import FRICTION_LEVEL, Ambiguity
 from irb2400_ctrl.effects.base import Effect
 from irb2400_ctrl.effects.drawing import Drawing
+from irb2400_ctrl.effects.prior import Prior
 from irb2400_ctrl.effects.signals import Signals
 
 NEAR_REVERSAL = (0.05, 0.3)
@@ -26,6 +27,7 @@ class CoulombChange(Effect):
     ambiguity: ClassVar[Ambiguity] = replace(
         FRICTION_LEVEL, change_of=("coulomb", "static"), limit_of=("hysteresis",)
     )
+    prior: ClassVar[Prior] = Prior(leftover=("speed",))
     drawing: ClassVar[Drawing] = Drawing("qd")
 
     kind: Literal["coulomb_change"] = "coulomb_change"

@@ -11,6 +11,7 @@ from pydantic import Field
 from irb2400_ctrl.effects.ambiguity import FRICTION_LEVEL, Ambiguity
 from irb2400_ctrl.effects.base import Effect
 from irb2400_ctrl.effects.drawing import Drawing
+from irb2400_ctrl.effects.prior import Prior
 from irb2400_ctrl.effects.signals import Signals
 
 
@@ -26,6 +27,7 @@ class LoadFriction(Effect):
     )
     example: ClassVar[Mapping[str, Any]] = {"coefficient": 0.05}
     ambiguity: ClassVar[Ambiguity] = FRICTION_LEVEL
+    prior: ClassVar[Prior] = Prior(leftover=("speed", "friction over load"))
     drawing: ClassVar[Drawing] = Drawing("load", against_motion=True)
 
     kind: Literal["load_friction"] = "load_friction"

@@ -43,6 +43,8 @@ class Prior:
             something else.
         discrepancy_share: share of its torque that its law, being simpler than the real thing, may
             leave for others to explain.
+        leftover: names of the flexible laws of its joint (`comparison.non_parametric`) that take in
+            what its law may leave; empty: what it leaves may look like anything.
         discrepancy_lasts: whether the discrepancy found on one log says something about another
             motion or load.
     """
@@ -54,4 +56,5 @@ class Prior:
     loose: tuple[str, ...] = ()
     largest: Mapping[str, float] = field(default_factory=dict)
     discrepancy_share: float = 0.22
+    leftover: tuple[str, ...] = ()
     discrepancy_lasts: bool = True

@@ -28,7 +28,9 @@ class TorqueGain(Effect):
     example: ClassVar[Mapping[str, Any]] = {"gain": 1.1}
     ambiguity: ClassVar[Ambiguity] = GAIN
     # quadratic in a load that a payload found beside it changes
-    prior: ClassVar[Prior] = Prior(discrepancy_lasts=False)
+    prior: ClassVar[Prior] = Prior(
+        discrepancy_lasts=False, leftover=("load", "load over time", "friction over load")
+    )
     drawing: ClassVar[Drawing] = Drawing("load")
 
     kind: Literal["torque_gain"] = "torque_gain"

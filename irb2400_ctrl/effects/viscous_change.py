@@ -12,6 +12,7 @@ from pydantic import Field
 from irb2400_ctrl.effects.ambiguity import VISCOUS, Ambiguity
 from irb2400_ctrl.effects.base import Effect
 from irb2400_ctrl.effects.drawing import Drawing
+from irb2400_ctrl.effects.prior import Prior
 from irb2400_ctrl.effects.signals import Signals
 
 
@@ -25,6 +26,7 @@ class ViscousChange(Effect):
     ambiguity: ClassVar[Ambiguity] = replace(
         VISCOUS, change_of=("viscous",), limit_of=("viscous_warmup",)
     )
+    prior: ClassVar[Prior] = Prior(leftover=("speed",))
     drawing: ClassVar[Drawing] = Drawing("qd")
 
     kind: Literal["viscous_change"] = "viscous_change"

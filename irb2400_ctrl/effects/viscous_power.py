@@ -11,6 +11,7 @@ from pydantic import Field
 from irb2400_ctrl.effects.ambiguity import VISCOUS, Ambiguity
 from irb2400_ctrl.effects.base import Effect
 from irb2400_ctrl.effects.drawing import Drawing
+from irb2400_ctrl.effects.prior import Prior
 from irb2400_ctrl.effects.signals import Signals
 
 
@@ -20,6 +21,7 @@ class ViscousPower(Effect):
     sentence: ClassVar[str] = "friction of the joint does not grow in proportion to its speed"
     example: ClassVar[Mapping[str, Any]] = {"coefficient": 1.0, "exponent": 0.5}
     ambiguity: ClassVar[Ambiguity] = VISCOUS
+    prior: ClassVar[Prior] = Prior(leftover=("speed",))
     drawing: ClassVar[Drawing] = Drawing("qd")
 
     kind: Literal["viscous_power"] = "viscous_power"

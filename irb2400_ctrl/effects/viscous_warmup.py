@@ -22,7 +22,9 @@ class ViscousWarmup(Effect):
     sentence: ClassVar[str] = "the joint runs stiffer while its grease is cold"
     example: ClassVar[Mapping[str, Any]] = {"viscous_Nms_rad": 1.0, "time_constant_s": 20.0}
     ambiguity: ClassVar[Ambiguity] = replace(VISCOUS, time_matters=True)
-    prior: ClassVar[Prior] = Prior(time_constants=("time_constant_s",))
+    prior: ClassVar[Prior] = Prior(
+        time_constants=("time_constant_s",), leftover=("speed", "friction over time")
+    )
     drawing: ClassVar[Drawing] = Drawing("time")
 
     kind: Literal["viscous_warmup"] = "viscous_warmup"

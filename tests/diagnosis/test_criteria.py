@@ -25,6 +25,8 @@ def candidate(size: Any = (0.0, 5.0, 0.0), **given: Any) -> Any:
     moving = given.pop("moving", False)
     effect = SimpleNamespace(
         windows_s=[(0.0, stop) for stop in stops],
+        chain=given.pop("chain", "torque"),
+        nonlinear=given.pop("nonlinear", {}),
         search=SimpleNamespace(shows_moving=moving, rattles=given.pop("rattles", False)),
     )
     usual: dict[str, Any] = {
@@ -51,6 +53,7 @@ def comparison(**given: Any) -> Any:
         "added": lambda one: np.array([0.0, 5.0, 0.0]),
         "by_joint": lambda gain, torque: gain * np.array([0.25, 0.5, 0.25]),
         "explained": lambda one: one.torque(3),
+        "leftover": lambda one: None,
     }
     return SimpleNamespace(**(usual | given))
 
@@ -88,6 +91,36 @@ def test_what_shows_in_motion_gains_a_fifth_there() -> None:
     assert with_gain(20.0)
     assert not with_gain(19.9)
     assert with_gain(0.0, of=False)
+
+
+def test_beside_a_delay_everything_shows_in_motion() -> None:
+    """What is late is smeared as well, which shows where friction turns over."""
+    late = candidate((8.0, 0.0, 0.0), chain="clock")
+
+    def with_gain(moving: float, *chosen: Any) -> bool:
+        return accepts(candidate(), *chosen, gain_moving=lambda one: moving)
+
+    assert with_gain(20.0, late)
+    assert not with_gain(19.9, late)
+    assert with_gain(0.0, candidate((8.0, 0.0, 0.0)))
+
+
+def test_beside_flexible_columns_of_what_an_earlier_law_leaves_evidence_alone_speaks() -> None:
+    earlier = candidate((0.0, 8.0, 0.0), gain=9000.0)  # may leave 1,125 nats of any shape
+
+    def beside(gain: float, left: float, known: Any = "angle") -> bool:
+        return accepts(
+            candidate(gain=gain),
+            earlier,
+            added=lambda one: np.zeros(3),
+            leftover=lambda one: known,
+            gain_beside=lambda one, columns: left if columns == "angle" else np.nan,
+        )
+
+    assert beside(200.0, 22.1)
+    assert not beside(200.0, 21.9)
+    assert not beside(200.0, 100.0, known=None)
+    assert not beside(22.0, 100.0)  # what hardly counts by itself is not asked
 
 
 def test_an_effect_is_large_against_what_is_left_and_against_the_joint() -> None:
@@ -186,6 +219,11 @@ def test_how_much_evidence_each_kind_of_explanation_needs() -> None:
     assert least(one) == 22.0
     assert least(candidate(known=False)) == 25.0
     assert least(one, beyond=0.01) == 11.0
+    # a law of a shape of its own is no number of the robot: it must count by that shape
+    shaped = candidate(nonlinear={"width_rad": 0.01})
+    assert least(shaped, beyond=0.01, by_law=21.9) == 22.0
+    assert least(shaped, beyond=0.01, by_law=22.1) == 11.0
+    assert least(one, beyond=0.01, by_law=0.0) == 11.0
     assert least(one, beyond=0.0101) == 22.0
     assert least(candidate(expected=((0.0, 1.0),)), beyond=0.01) == 8.0
     # another day's friction; not another load, whose spread nobody states

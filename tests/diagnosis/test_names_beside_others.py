@@ -56,3 +56,26 @@ def test_a_cylinder_of_nearly_constant_force_is_a_balancer(sign: float) -> None:
     true = tau[:, 1] - log.tau[:, 1]
     # the arm's own numbers take a part: of the swing, not of the mean, there is most
     assert np.corrcoef(said, true)[0, 1] > 0.9
+
+
+def test_a_rotor_beside_a_cable_of_its_joint_is_named() -> None:
+    """Ten times less torque than the cable's: as much as a cable of another shape might leave, but
+    not in the acceleration."""
+    log = sound()
+    assert log.q_ref is not None
+    q = log.q_ref[:, 0] - log.q_ref[:, 0].mean()
+    qdd = np.gradient(np.gradient(q, log.time), log.time)
+    tau = log.tau.copy()
+    tau[:, 0] += 60.0 * (q + 0.3 * q**3) + 9.0 * qdd
+    found = diagnose(ROBOT, replace(log, tau=tau))
+    assert set(names(found)) == {("cable_spring", 1), ("rotor_inertia", 1)}
+
+
+def test_a_reading_that_drifts_is_no_gain_from_some_moment_on() -> None:
+    """A drive reads friction as well: what drifts is of the whole torque."""
+    log = sound()
+    tau = log.tau.copy()
+    tau[:, 4] *= 1.0 - 0.11 * (1.0 - np.exp(-(log.time - log.time[0]) / 12.0))
+    found = diagnose(ROBOT, replace(log, tau=tau))
+    assert names(found) == []
+    assert [(u.joint, u.depends_on) for u in found.unexplained] == [(5, ("load", "time"))]

@@ -127,6 +127,27 @@ class Comparison:
         there = 1.0 if candidate.begins else 1.0 - acting[best] / max(acting.sum(), 1e-12)
         return float((1.0 - taken[best] / max(taken.sum(), 1e-12)) / max(there, 1e-12))
 
+    def leftover(self, earlier: Candidate) -> Array | None:
+        """What a law of an effect may leave on its joint, being simpler than the real thing:
+        columns (rows, n, k) with unit priors, together as large as that share of its torque; None
+        where nothing is known of it."""
+        names = earlier.effects[0].prior.leftover if len(earlier.effects) == 1 else ()
+        if not names or earlier.joint is None or earlier.begins:
+            return None
+        place = earlier.joint - 1
+        laws = [law.columns for law in self.scan.non_parametric[place] if law.name in names]
+        columns = np.zeros((*self.y.shape, sum(c.shape[1] for c in laws)))
+        columns[:, place] = np.hstack(laws)
+        whole = np.sqrt(np.mean(columns[:, place] ** 2, axis=0).sum())
+        size = np.sqrt(np.mean(earlier.torque(self.n)[:, place] ** 2))
+        return np.asarray(columns * (earlier.discrepancy_share * size / max(whole, 1e-12)))
+
+    def gain_beside(self, candidate: Candidate, columns: Array) -> float:
+        """What a candidate gains beside columns (rows, n, k) that move as the base does [nats]."""
+        problem = self._under(self.y - self.explained(candidate))
+        wider = Problem(self.y, np.concatenate([self.Z, columns], axis=2), problem.noise)
+        return self._rescored(candidate, wider).score.gain
+
     def by_joint(self, gain: float, torque: Array) -> Array:
         """A gain [nats] shared among the joints as its torque (rows, n) stands out there."""
         seen = np.array(

@@ -113,6 +113,8 @@ class Threshold:
         if alternative.rattles:
             return True  # its quick part is most of it, and in no column
         moving = any(e.search.shows_moving for e in candidate.effects)
+        # what comes late is smeared as well: that shows where friction turns over
+        moving |= any(e.chain == "clock" for earlier in chosen for e in earlier.effects)
         if moving and comparison.gain_moving(candidate) < c.moving * comparison.gain(alternative):
             return False
         matters = self._matters(comparison, alternative)
@@ -200,6 +202,12 @@ class Threshold:
                 more |= candidate.score.gain > (
                     share * earlier.score.gain if same else self._leaves(comparison, earlier)
                 )
+                if not more.all() and candidate.score.gain > c.gain:
+                    leftover = comparison.leftover(earlier)
+                    more |= (
+                        leftover is not None
+                        and comparison.gain_beside(candidate, leftover) > c.gain
+                    )
             new &= more
         return new
 
@@ -221,6 +229,8 @@ class Threshold:
             return c.non_parametric_gain
         if not self.in_base(comparison, candidate):
             return c.gain
+        if alternative.by_law < c.gain and any(e.nonlinear for e in candidate.effects):
+            return c.gain  # of a shape of its own, which a misfit of another shape may pass for
         alone = c.gain_stated if candidate.expected else c.gain_in_base
         if FRICTION.intersection(LIBRARY[candidate.kind].ambiguity.change_of):
             alone = c.gain_changed
@@ -257,19 +267,35 @@ class Threshold:
         known = next((r for r in alternatives if r.candidate.known), None)
         if best.candidate.known or known is None:
             return best
-        c = self.criteria
-        joint = (best.candidate.joint or 1) - 1
-        if comparison.share_beyond_base(known.candidate) < c.mostly_base and self._leaves_little(
-            comparison, known, best
-        ):
+        mostly_base = comparison.share_beyond_base(known.candidate) < self.criteria.mostly_base
+        if mostly_base and self._leaves_little(comparison, known, best):
             return known
+        return best if self.beaten(comparison, known, best, chosen) else known
+
+    def beaten(
+        self,
+        comparison: Comparison,
+        known: Alternative,
+        non_parametric: Alternative,
+        chosen: Sequence[Candidate],
+    ) -> bool:
+        """Whether a non-parametric law beats an effect by more than earlier laws may have left on
+        its joint.
+
+        Args:
+            comparison: of both.
+            known: the effect; non_parametric: the law.
+            chosen: explanations that are chosen already.
+        """
+        c = self.criteria
+        joint = (non_parametric.candidate.joint or 1) - 1
         earlier = [float(self._leaves(comparison, e)[joint]) for e in chosen]
         needed = (
             c.unknown
             + c.unknown_share * max(comparison.gain(known), 0.0)
             + max(earlier, default=0.0)
         )
-        return best if best.evidence - known.evidence > needed else known
+        return non_parametric.evidence - known.evidence > needed
 
     def _leaves_little(
         self, comparison: Comparison, known: Alternative, non_parametric: Alternative

@@ -82,7 +82,9 @@ class LogColumns:
     @cached_property
     def non_parametric(self) -> dict[int, list[NonParametricLaw]]:
         """Filtered columns of the non-parametric laws, by joint."""
-        return non_parametric_laws(self.motion, self.load)
+        motion = self.motion
+        torque = self.bases.model.inverse_dynamics(motion.q, motion.qd, motion.qdd)
+        return non_parametric_laws(motion, self.load, torque)
 
     def member(
         self, kind: str, joint: int | None, nonlinear: dict[str, float]

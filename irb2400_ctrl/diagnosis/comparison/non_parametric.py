@@ -47,11 +47,14 @@ def splines(x: Array, count: int) -> Array:
     return np.asarray(basis.toarray())
 
 
-def non_parametric_laws(motion: PreparedLog, load: Array) -> dict[int, list[NonParametricLaw]]:
+def non_parametric_laws(
+    motion: PreparedLog, load: Array, torque: Array
+) -> dict[int, list[NonParametricLaw]]:
     """All non-parametric laws of one log, by joint (zero-based).
 
     Args:
         load: rigid-body torque along the motion, shape (m, n) [Nm].
+        torque: the same with friction, which is what a drive reads [Nm].
     """
     n = motion.n
     moving = [j for j in range(n) if np.ptp(motion.qd[:, j]) > 1e-3]
@@ -87,18 +90,20 @@ def non_parametric_laws(motion: PreparedLog, load: Array) -> dict[int, list[NonP
     return {
         j: [
             NonParametricLaw(name, j, _own(signals, j), columns)
-            for (name, signals), columns in (common | _of_joint(motion, load, j)).items()
+            for (name, signals), columns in (common | _of_joint(motion, load, torque, j)).items()
         ]
         for j in range(n)
     }
 
 
-def _of_joint(motion: PreparedLog, load: Array, j: int) -> dict[tuple[str, tuple[str, ...]], Array]:
+def _of_joint(
+    motion: PreparedLog, load: Array, torque: Array, j: int
+) -> dict[tuple[str, tuple[str, ...]], Array]:
     """Laws in the joint's own signals."""
     time = splines(motion.time, 6)
     own: dict[tuple[str, tuple[str, ...]], Array] = {
         ("load", ("load",)): splines(load[:, j], 10),
-        ("load over time", ("load", "time")): load[:, j, None] * time,
+        ("load over time", ("load", "time")): torque[:, j, None] * time,
     }
     if np.ptp(motion.qd[:, j]) > 1e-3:
         q = motion.q[:, j]
