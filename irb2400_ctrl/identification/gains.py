@@ -21,7 +21,8 @@ from irb2400_ctrl.effects import LIBRARY
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.identification.fitting.columns import columns
 from irb2400_ctrl.identification.fitting.estimate import scaled_inverse
-from irb2400_ctrl.identification.fitting.fit import ASIDE, Fit, fit
+from irb2400_ctrl.identification.fitting.fit import ASIDE, fit
+from irb2400_ctrl.identification.fitting.fitted import Fit
 from irb2400_ctrl.identification.fitting.given import given_torque
 from irb2400_ctrl.identification.fitting.moments import Recording, predicted, recordings
 from irb2400_ctrl.identification.fitting.motion_source import motion_of

@@ -141,6 +141,7 @@ def motion_for(name: str) -> str:
         "offset": f"the same postures reached by joint {joint} from both sides",
         "rotor": f"fast reversals of joint {joint} with the arm folded and stretched",
         "stribeck": f"very slow runs of joint {joint}, below 0.02 rad/s",
+        "power": f"runs of joint {joint} at several speeds up to its limit",
         "coupling": f"joint {joint} and the next, first one at a time, then both",
         "balancer": f"slow turns of joint {joint} through all of its range",
     }.get(what, f"fast reversals of joint {joint}")

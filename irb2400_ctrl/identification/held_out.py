@@ -10,8 +10,8 @@ from irb2400_ctrl.arrays import Array, Integers
 from irb2400_ctrl.diagnosis.preparation.metrics import Errors, errors
 from irb2400_ctrl.identification.fitting.baseline import plain_least_squares
 from irb2400_ctrl.identification.fitting.columns import ColumnLayout
-from irb2400_ctrl.identification.fitting.estimate import estimate
-from irb2400_ctrl.identification.fitting.fit import Fit
+from irb2400_ctrl.identification.fitting.estimate import averaged, estimate
+from irb2400_ctrl.identification.fitting.fitted import Fit
 from irb2400_ctrl.identification.fitting.moments import Recording, predicted
 from irb2400_ctrl.model import Model
 
@@ -46,16 +46,19 @@ def held_out(
     bare = ColumnLayout(found.layout.n)
     bare_sums = found.sums.part(bare.within(found.layout))
     every = np.arange(len(found.sums.H))
+    positive = found.layout.positive()
     for held in groups(parts, slow):
         seen = np.setdiff1d(every, held)
+        rest = found.weighted.taken(seen)
         again = estimate(
-            found.weighted.taken(seen),
+            rest,
             found.prior,
             correlation=found.correlation,
-            positive=found.layout.positive(),
+            positive=positive,
             start=found.numbers,
             alike=found.numbers.usual > 1.0,
         )
+        again = averaged(rest, found.prior, again, found.correlation, positive)
         shortest = plain_least_squares(bare_sums.taken(seen))
         for place, part in enumerate(parts):
             inside = np.isin(part.block, held)

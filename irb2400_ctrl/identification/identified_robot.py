@@ -9,7 +9,7 @@ import numpy as np
 
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.effects import LIBRARY, Effect
-from irb2400_ctrl.identification.fitting.columns import ColumnLayout, Extra
+from irb2400_ctrl.identification.fitting.columns import EXPONENT, ColumnLayout, Extra
 from irb2400_ctrl.identification.fitting.consistent_fit import pseudo_inertias
 from irb2400_ctrl.robot import Body, Robot
 
@@ -136,4 +136,9 @@ def _extra_effects(extra: Extra, numbers: Sequence[float] | Array) -> list[Effec
             joint, inertia_kgm2=values[0], source="identified"
         )
         return [reading]
+    if extra.kind == "power":
+        power = LIBRARY["viscous_power"].of(
+            joint, coefficient=values[0], exponent=EXPONENT, source="identified"
+        )
+        return [power]
     return []

@@ -14,7 +14,8 @@ from irb2400_ctrl.identification.constant_runs import runs_of
 from irb2400_ctrl.identification.fitting.baseline import plain_least_squares
 from irb2400_ctrl.identification.fitting.columns import ColumnLayout
 from irb2400_ctrl.identification.fitting.covariance import block_covariance
-from irb2400_ctrl.identification.fitting.fit import Fit, fit, left_unseen
+from irb2400_ctrl.identification.fitting.fit import fit, left_unseen
+from irb2400_ctrl.identification.fitting.fitted import Fit
 from irb2400_ctrl.identification.fitting.given import given_torque
 from irb2400_ctrl.identification.fitting.moments import Recording, predicted, recordings
 from irb2400_ctrl.identification.fitting.motion_source import Source, motion_of
@@ -275,6 +276,7 @@ def _notes(moved: Sequence[Moved], found: Fit, said: str) -> list[str]:
         "balancer": "has a balancer that the file does not name",
         "reading": "reads its torque without part of what accelerates it",
         "stribeck": "has more friction at low speed than the file says",
+        "power": "has friction that does not grow in proportion to its speed",
     }
     notes += [f"joint {extra.joint} {kinds[extra.kind]}" for extra in found.layout.extras]
     return [*notes, said] if said else notes

@@ -22,6 +22,7 @@ EVERYTHING = (
     Extra("balancer", 2),
     Extra("reading", 4),
     Extra("stribeck", 3),
+    Extra("power", 1),
 )
 
 

@@ -26,3 +26,16 @@ def test_a_file_wrong_in_all_its_bodies_is_left_where_the_log_says_little(
     assert rows["ratio"].max() <= WORST
     assert rows["ratio"].mean() < 0.9
     sys.modules.pop("benchmarks", None)
+
+
+def test_a_file_wrong_in_its_bodies_is_no_balancer(monkeypatch: pytest.MonkeyPatch) -> None:
+    """One on joint 3 made its error 1.06 times the better baseline instead of 0.86."""
+    pytest.importorskip("pinocchio")
+    monkeypatch.syspath_prepend(str(ROOT))
+    from benchmarks.other_arms import drawn_case
+    from benchmarks.real_recordings import table
+
+    rows, found = table(drawn_case(3001))
+    assert not [extra for extra in found.layout.extras if extra.kind == "balancer"]
+    assert rows["ratio"][2] < 0.95
+    sys.modules.pop("benchmarks", None)

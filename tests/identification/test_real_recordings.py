@@ -16,13 +16,14 @@ pytestmark = pytest.mark.skipif(not MEASURED.is_dir(), reason="no real recording
 GOAL = 1.05
 ABOVE = {
     # above the goal today: a little more than what they reach, so that they do not get worse
-    "kr300": {6: 1.06},
-    "tx40": {2: 1.15},
+    "kr300": {},
+    "tx40": {2: 1.10},
     # its torques were low-passed; where that smears a standstill nobody is judged, which helps the
-    # baseline of joint 6 (5.0 % instead of 6.0) more than us (5.9 instead of 6.5)
-    "ur10": {4: 1.09, 6: 1.19},
+    # baseline of joint 6 (5.0 % instead of 6.0) more than us. Joint 5 is 3.9 %, as it was: the mean
+    # over two widths costs it 0.1 of what helps joint 6
+    "ur10": {5: 1.07, 6: 1.16},
 }
-ERRORS = {"ur10": (4.2, 5.0, 3.2, 3.8, 4.0, 6.0)}
+ERRORS = {"ur10": (3.8, 4.5, 2.7, 3.4, 4.0, 5.9)}
 """[%] that are not exceeded, joint by joint"""
 
 
@@ -37,8 +38,8 @@ def test_drives_that_read_in_part_are_found_on_the_other_half(
 
     rows, _ = table(swapped(CASES["ur10"](MEASURED)))
     assert (rows["ratio"][:5] <= GOAL).all()
-    assert rows["ratio"][5] <= 1.14
-    assert (rows["identify"] <= (4.4, 5.4, 4.5, 4.1, 3.9, 5.7)).all()
+    assert rows["ratio"][5] <= 1.13
+    assert (rows["identify"] <= (3.7, 4.9, 3.8, 4.1, 3.9, 5.6)).all()
     sys.modules.pop("benchmarks", None)
 
 

@@ -17,15 +17,20 @@ from irb2400_ctrl.model import Model
 from irb2400_ctrl.model.base_parameters import NAMES
 
 DRIVE_TERMS = ("coulomb", "viscous", "offset", "rotor")
-POSITIVE_TERMS = ("coulomb", "viscous", "rotor", "reading")
+POSITIVE_TERMS = ("coulomb", "viscous", "rotor", "reading", "power")
 """terms whose numbers cannot be negative"""
 EXTRA_COLUMNS = {
     "coupling": ("qdd here", "qdd next", "qd here", "qd next", "sign here", "sign next"),
     "balancer": ("sin q", "cos q"),
     "stribeck": ("bell",),
+    "power": ("root qd",),
     "reading": ("-qdd",),
 }
 """kinds of extras and their columns; those of a coupling act on this joint and on the next"""
+
+EXPONENT = 0.5
+"""of friction that grows less than in proportion to speed; beside Coulomb's and the viscous part,
+0 and 1, its coefficient bends the curve either way"""
 
 
 @dataclass(frozen=True)
@@ -171,4 +176,6 @@ def _extra_signals(
     if extra.kind == "stribeck":
         speed = model.robot.friction[j, 3]
         return [(j, np.sign(qd[:, j]) * np.exp(-((qd[:, j] / speed) ** 2)))]
+    if extra.kind == "power":
+        return [(j, np.sign(qd[:, j]) * np.abs(qd[:, j]) ** EXPONENT)]
     return [(j, -qdd[:, j])]

@@ -3,19 +3,26 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from irb2400_ctrl.arrays import Array, Integers, Mask
+from irb2400_ctrl.identification.fitting.choice import (
+    NOTHING,
+    PINNED,
+    candidates,
+    chosen_extras,
+)
 from irb2400_ctrl.identification.fitting.columns import ColumnLayout, Extra
 from irb2400_ctrl.identification.fitting.cross_validation import FOLDS, overall, unseen_rms
 from irb2400_ctrl.identification.fitting.estimate import (
     Estimate,
+    averaged,
     estimate,
     log_evidence,
-    unbounded_minimum,
 )
+from irb2400_ctrl.identification.fitting.fitted import Fit
 from irb2400_ctrl.identification.fitting.moments import Moments, Recording, moments, predicted
 from irb2400_ctrl.identification.fitting.noise import correlation_factor
 from irb2400_ctrl.identification.fitting.prior import Prior, prior_of
@@ -26,52 +33,10 @@ ASIDE = 100.0
 """width of the bodies at which the file hardly counts"""
 USUAL = 10.0
 """samples that say the same thing, before it is known"""
-CLEAR = 10.0
-"""log evidence that a balancer must bring [nats]; other extras have to gain unseen"""
 NEGATIVE = 3.0
 """standard errors below zero at which a rotor is none: its drive does not read what accelerates"""
 LIKE = 1.0
 """and the same of the others, once one drive is known to read so: drives are alike"""
-LEAST_GAIN = 0.05
-"""and so much less on unseen stretches, on the joints that it touches, for each of its numbers"""
-NOTHING = 1e-9
-"""[Nm] what a joint that rests leaves"""
-PINNED = 1e-8
-"""variance, over its own, of a number that is held at zero"""
-
-
-@dataclass(frozen=True)
-class Fit:
-    """Numbers of a layout, and what they follow from.
-
-    Args:
-        sums: of the recordings, by block; weighted: the same of weighted samples, which the numbers
-            follow from.
-        correlation: samples per independent one, of each joint, shape (n,).
-        free: numbers when the file hardly counts, and the torque that they leave.
-        samples: the same of samples that are not weighted, no joint surer than the mean of all.
-    """
-
-    layout: ColumnLayout
-    prior: Prior
-    sums: Moments
-    weighted: Moments
-    numbers: Estimate
-    correlation: Array
-    free: Estimate
-    samples: Array
-
-    @property
-    def theta(self) -> Array:
-        """The numbers of the columns, shape (p,)."""
-        return self.numbers.theta
-
-
-def candidates(n: int) -> tuple[Extra, ...]:
-    """What some arms have: couplings of neighbours in the wrist, balancers, Stribeck."""
-    couplings = [Extra("coupling", joint) for joint in range(4, n)]
-    balancers = [Extra("balancer", joint) for joint in (2, 3) if joint <= n]
-    return (*couplings, *balancers, *(Extra("stribeck", j + 1) for j in range(n)))
 
 
 def fit(model: Model, parts: Sequence[Recording], extras: Sequence[Extra] | None = None) -> Fit:
@@ -96,7 +61,7 @@ def fit(model: Model, parts: Sequence[Recording], extras: Sequence[Extra] | None
     if extras is not None:
         return _settled(model, parts, of(offered))
     found = of(())
-    chosen = _chosen(found, sums.gathered(FOLDS), prior, whole)
+    chosen = chosen_extras(found, sums.gathered(FOLDS), prior, whole)
     found = of(chosen) if chosen else found
     unread = _unread(found)
     if len(unread):
@@ -195,9 +160,9 @@ def _settled(model: Model, parts: Sequence[Recording], found: Fit) -> Fit:
     each = _factors(model, layout, weighted, found.free.theta)
     correlation = np.sqrt(each * each.mean())
     held = _without_read_rotors(found.prior, layout)
-    numbers = _most_probable(
-        sums.summed(), held, correlation, layout.positive(), found.free, alike=True
-    )
+    positive = layout.positive()
+    numbers = _most_probable(sums.summed(), held, correlation, positive, found.free, alike=True)
+    numbers = averaged(sums, held, numbers, correlation, positive)
     plain = found.sums.summed()
     left = plain.squared_error(numbers.theta)[0] / np.maximum(plain.count[0], 1.0)
     alike = _factors(model, layout, parts, found.free.theta)
@@ -216,43 +181,6 @@ def _without_read_rotors(prior: Prior, layout: ColumnLayout) -> Prior:
     joints = [extra.joint - 1 for extra in layout.extras if extra.kind == "reading"]
     drives = prior.drives.copy()
     drives[layout.drive("rotor").start + np.array(joints, dtype=int) - layout.inertial] *= PINNED
-    return replace(prior, drives=drives)
-
-
-@dataclass(frozen=True)
-class _Trial:
-    """A layout tried without bounds: log evidence [nats] and what it leaves unseen [Nm]."""
-
-    evidence: float
-    left: Array
-
-
-def _tried(
-    base: Fit, sums: Moments, prior: Prior, whole: ColumnLayout, layout: ColumnLayout
-) -> _Trial:
-    places = layout.within(whole)
-    part = sums.part(places)
-    own = _pinned(base, prior.part(places))
-    like = estimate(
-        part,
-        own,
-        correlation=base.correlation,
-        positive=layout.positive(),
-        consistent=False,
-        sigma=base.free.sigma,
-    )
-    left = overall(unseen_rms(part, own, like, base.correlation))
-    return _Trial(log_evidence(part, own, like, base.correlation), left)
-
-
-def _pinned(base: Fit, prior: Prior) -> Prior:
-    """The prior with friction held at zero that would go below without bounds."""
-    layout = base.layout
-    free = unbounded_minimum(base.sums, base.prior, base.numbers, base.correlation)
-    below = layout.positive() & (free < 0.0)
-    below[layout.drive("rotor")] = False
-    drives = prior.drives.copy()
-    drives[np.flatnonzero(below) - layout.inertial] *= PINNED
     return replace(prior, drives=drives)
 
 
@@ -290,44 +218,3 @@ def _more_probable(one: Fit, other: Fit) -> bool:
         )
         evidence.append(log_evidence(data, held, numbers, other.correlation))
     return evidence[0] > evidence[1]
-
-
-def _chosen(base: Fit, sums: Moments, prior: Prior, whole: ColumnLayout) -> tuple[Extra, ...]:
-    """Extras one after another, the best first, while one is clear and gains unseen."""
-    n = base.layout.n
-    chosen: tuple[Extra, ...] = ()
-    open_ones = list(candidates(n))
-    now = _tried(base, sums, prior, whole, base.layout)
-    while open_ones:
-        trials = {
-            extra: _tried(base, sums, prior, whole, ColumnLayout(n, (*chosen, extra)))
-            for extra in open_ones
-        }
-        good = [
-            extra
-            for extra in open_ones
-            if _gains(extra, trials[extra], now)
-            and trials[extra].evidence - now.evidence > (CLEAR if extra.kind == "balancer" else 0.0)
-        ]
-        if not good:
-            return chosen
-        best = max(good, key=lambda extra: trials[extra].evidence)
-        # what is less probable now hardly becomes clear later
-        open_ones = [
-            extra for extra in open_ones if extra != best and trials[extra].evidence > now.evidence
-        ]
-        now = trials[best]
-        chosen = (*chosen, best)
-    return chosen
-
-
-def _gains(extra: Extra, trial: _Trial, now: _Trial) -> bool:
-    """Whether the joints together leave less on unseen stretches, and those that it touches clearly
-    less for the numbers that it costs."""
-    moved = now.left > NOTHING  # a joint that rests leaves nothing, and gains nothing
-    less = np.where(
-        moved, -np.log(np.maximum(trial.left, NOTHING) / np.maximum(now.left, NOTHING)), 0.0
-    )
-    if extra.kind == "balancer":  # bodies that cannot be take its place: the evidence knows
-        return True
-    return bool(less.sum() > 0.0 and less[list(extra.touches)].mean() > LEAST_GAIN * extra.size)

@@ -17,7 +17,12 @@ from irb2400_ctrl.diagnosis.preparation.base_prior import (
     body_spread,
     named_bodies,
 )
-from irb2400_ctrl.identification.fitting.columns import DRIVE_TERMS, ColumnLayout, Extra
+from irb2400_ctrl.identification.fitting.columns import (
+    DRIVE_TERMS,
+    EXPONENT,
+    ColumnLayout,
+    Extra,
+)
 from irb2400_ctrl.robot import Robot, Uncertainty
 
 DEGREES_OF_FREEDOM = 4.0
@@ -133,4 +138,6 @@ def _extra_widths(extra: Extra, wide: Array, speed: Array, acceleration: Array) 
         return np.array([wide[on] / size[by] for size in sizes for on, by in pairs])
     if extra.kind == "reading":
         return np.array([wide[j] / acceleration[j]])
+    if extra.kind == "power":
+        return np.array([wide[j] / speed[j] ** EXPONENT])
     return np.full(extra.size, wide[j])
