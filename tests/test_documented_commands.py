@@ -44,6 +44,7 @@ ELSEWHERE = {
     "cam_to_robot.md": 4,  # planners/test_cam_to_robot_page.py
     "cells.md": 3,  # cell/test_cells_page.py
     "codegen.md": 1,  # test_documented_scripts.py
+    "from_nothing.md": 20,  # identification/test_from_nothing_page.py
     "identification.md": 3,  # identification/test_identify.py
     "moving_rail.md": 1,  # planners/test_moving_rail_page.py
     "robots.md": 12,  # robots/test_docs.py
