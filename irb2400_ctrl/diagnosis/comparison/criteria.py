@@ -46,8 +46,8 @@ class Criteria:
             over the share of its torque there.
         two_at_once: how much more a non-parametric law may gain than the best effect, for two
             effects to be tried instead.
-        unknown: how much a non-parametric law must beat the best effect by [nats], and as share of
-            that effect's gain.
+        unknown: how much a non-parametric law must beat the best effect by [nats], beyond what that
+            effect's own law may leave.
         mostly_base: share of an effect's torque that no other numbers of the robot would give,
             below which unseen rows say nothing about it and a non-parametric law must also say
             `little` more: rms torque over the effect's.
@@ -72,7 +72,6 @@ class Criteria:
     elsewhere: float = 0.4
     two_at_once: float = 1.0
     unknown: float = 10.0
-    unknown_share: float = 0.02
     mostly_base: float = 0.05
     little: float = 0.1
     shortlist: int = 10
@@ -292,7 +291,7 @@ class Threshold:
         earlier = [float(self._leaves(comparison, e)[joint]) for e in chosen]
         needed = (
             c.unknown
-            + c.unknown_share * max(comparison.gain(known), 0.0)
+            + known.candidate.discrepancy_share**2 * max(comparison.gain(known), 0.0)
             + max(earlier, default=0.0)
         )
         return non_parametric.evidence - known.evidence > needed
