@@ -84,9 +84,11 @@ def usual(effect: Effect) -> bool:
 
 def own(candidate: Candidate, worth: Worth) -> float:
     """What an explanation is worth where it sits, of the whole arm on all joints together: there
-    one of them may be worse as long as another effect of its own is not found yet [nats]."""
+    one of them may be worse as long as another effect of its own is not found yet. A wrong angle
+    moves the torque of all joints as well [nats]."""
     nats = worth.nats
-    return float(nats.sum() if candidate.joint is None else nats[candidate.joint - 1])
+    everywhere = candidate.joint is None or any(e.chain == "angle" for e in candidate.effects)
+    return float(nats.sum() if everywhere else nats[candidate.joint - 1])
 
 
 def elsewhere(candidate: Candidate, worth: Worth) -> float:
