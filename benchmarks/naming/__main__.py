@@ -10,7 +10,6 @@ one is drawn and printed.
 from __future__ import annotations
 
 import argparse
-import json
 import sys
 from pathlib import Path
 from typing import Any
@@ -20,7 +19,8 @@ from threadpoolctl import threadpool_limits
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "tests"))
 
-from benchmarks.naming.givers import GIVERS, difference_floor
+from benchmarks.naming.givers import GIVERS
+from benchmarks.naming.lines import add, done, given, read
 from benchmarks.naming.measures import table
 from irb2400_ctrl.measurement import Log
 from irb2400_ctrl.robot import Robot, load_robot
@@ -28,9 +28,9 @@ from irb2400_ctrl.robot import Robot, load_robot
 
 def outcome(case: Any, robot: Robot, givers: list[str]) -> list[dict[str, Any]]:
     """One line per giver: truth beside what was said."""
-    read = case.simulate()
-    q_ref = read.q_ref if case.reading.with_reference else None
-    log = Log(read.time, read.q, read.tau, qd=read.qd, q_ref=q_ref, name=case.name)
+    seen = case.simulate()
+    q_ref = seen.q_ref if case.reading.with_reference else None
+    log = Log(seen.time, seen.q, seen.tau, qd=seen.qd, q_ref=q_ref, name=case.name)
     truth = [
         {
             "kind": t.kind,
@@ -44,8 +44,7 @@ def outcome(case: Any, robot: Robot, givers: list[str]) -> list[dict[str, Any]]:
         for t in case.truth
     ]
     about = {"case": case.name, "seed": case.seed, "truth": truth}
-    about["floor"] = difference_floor(log).tolist()
-    return [{**about, "by": giver, **GIVERS[giver](robot, log)} for giver in givers]
+    return given(about, log, robot, givers)
 
 
 def run(args: argparse.Namespace) -> None:
@@ -59,31 +58,20 @@ def run(args: argparse.Namespace) -> None:
     print(f"seed {seed}", flush=True)
     robot = load_robot("irb2400")
     out = Path(args.out)
-    out.parent.mkdir(parents=True, exist_ok=True)
-    lines = [json.loads(x) for x in out.read_text().splitlines()] if out.exists() else []
-    done = {(x["case"], x["by"]) for x in lines if x["suite_seed"] == seed}
+    before = done(out, seed)
     suites = args.suites.split(",") if args.suites else list(SUITES)
     givers = args.by.split(",")
     for k in range(args.start, args.start + args.count):
         for name in suites:
             (case,) = suite(name, k, 1, seed)
-            wanted = [g for g in givers if (case.name, g) not in done]
+            wanted = [g for g in givers if (case.name, g) not in before]
             try:
                 lines = outcome(case, robot, wanted) if wanted else []
             except RanAway:
                 print(f"{case.name}: its drives do not hold this arm, no log", flush=True)
                 continue
             for line in lines:
-                with out.open("a") as file:
-                    file.write(json.dumps({"suite_seed": seed, **line}) + "\n")
-                print(_short(line), flush=True)
-
-
-def _short(line: dict[str, Any]) -> str:
-    truth = [(t["kind"], t["joint"], round(t["strength"], 1)) for t in line["truth"]]
-    said = [(n["kind"], n["joint"], n["confidence"]) for n in line.get("names", [])]
-    verdict = line.get("verdict", "refused")
-    return f"{line['case']} {line['by']}: {truth} -> {verdict} {said} {line['cpu']:.1f} s"
+                add(out, seed, line)
 
 
 def main() -> None:
@@ -102,14 +90,10 @@ def main() -> None:
     runner.set_defaults(do=run)
     shower = commands.add_parser("table", help="counts as Markdown")
     shower.add_argument("files", nargs="+")
-    shower.set_defaults(do=lambda args: print(table(_read(args.files))))
+    shower.set_defaults(do=lambda args: print(table(read(args.files))))
     args = parser.parse_args()
     with threadpool_limits(limits=1, user_api="blas"):
         args.do(args)
-
-
-def _read(files: list[str]) -> list[dict[str, Any]]:
-    return [json.loads(x) for name in files for x in Path(name).read_text().splitlines()]
 
 
 if __name__ == "__main__":
