@@ -97,7 +97,8 @@ def _identified(robot: Robot, seen: Sequence[Log], others: Sequence[Log]) -> Ide
     _check(robot, [*seen, *others])
     understood = understood_logs(robot, seen)
     beside = understood_logs(robot, others)
-    seen, others = understood.logs, beside.logs
+    seen = understood.logs
+    others = beside.logs
     runs = [runs_of(log) for log in seen]
     curves = friction_curves([run for some in runs for run in some])
     sensed = sensed_load(robot, seen)

@@ -87,8 +87,9 @@ def own(candidate: Candidate, worth: Worth) -> float:
     one of them may be worse as long as another effect of its own is not found yet. A wrong angle
     moves the torque of all joints as well [nats]."""
     nats = worth.nats
-    everywhere = candidate.joint is None or any(e.chain == "angle" for e in candidate.effects)
-    return float(nats.sum() if everywhere else nats[candidate.joint - 1])
+    if candidate.joint is None or any(e.chain == "angle" for e in candidate.effects):
+        return float(nats.sum())
+    return float(nats[candidate.joint - 1])
 
 
 def elsewhere(candidate: Candidate, worth: Worth) -> float:

@@ -38,7 +38,12 @@ def candidates(n: int) -> tuple[Extra, ...]:
 
 
 def chosen_extras(base: Fit, sums: Moments, prior: Prior, whole: ColumnLayout) -> tuple[Extra, ...]:
-    """Extras one after another, the best first, while one is clear and gains unseen."""
+    """Extras one after another, the best first, while one is clear and gains unseen.
+
+    Args:
+        base: the fit without any; sums: of all recordings, with the columns of all extras.
+        prior: of the robot file; whole: the layout of those columns.
+    """
     n = base.layout.n
     chosen: tuple[Extra, ...] = ()
     open_ones = list(candidates(n))
