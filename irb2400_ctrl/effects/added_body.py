@@ -60,27 +60,6 @@ class AddedBody(Effect):
         on_axis = np.array([1.0, 0.0, 0.0, place, place**2, 0.0, 0.0, place**2, 0.0, 0.0])
         return [Nested(on_axis[:, None], whole[:1]), *forms]
 
-    @classmethod
-    def about(cls, form: Nested, numbers: Array) -> Nested | None:
-        """Of a mass and its place: with its moments of second order about its link's frame, which
-        are m c_i c_j = (m c_i) (m c_j) / m, to first order about this mass and place."""
-        if form.columns.shape[1] != 4 or not abs(numbers[0]) > 0.0:
-            return None
-        c = numbers[1:] / numbers[0]
-        if np.hypot.reduce(c) > REACH:
-            return None
-        columns = np.zeros((10, 4))
-        columns[:4] = np.eye(4)
-        pairs = [(i, j) for i in range(3) for j in range(i, 3)]
-        for row, (i, j) in enumerate(pairs, start=4):
-            # I = m (|c|^2 1 - c c^T)
-            columns[row, 0] += c[i] * c[j] - (c @ c if i == j else 0.0)
-            columns[row, 1 + i] -= c[j]
-            columns[row, 1 + j] -= c[i]
-            if i == j:
-                columns[row, 1:] += 2.0 * c
-        return Nested(columns, form.coefficients)
-
     @abstractmethod
     def carrier(self, n: int) -> int:
         """Number of the carrying link, n + 1 for the flange frame."""
@@ -124,6 +103,27 @@ class Payload(AddedBody):
     ambiguity: ClassVar[Ambiguity] = replace(MASS, change_of=("tool",))
 
     kind: Literal["payload"] = "payload"
+
+    @classmethod
+    def about(cls, form: Nested, numbers: Array) -> Nested | None:
+        """Of a mass and its place: with its moments of second order about its link's frame, which
+        are m c_i c_j = (m c_i) (m c_j) / m, to first order about this mass and place."""
+        if form.columns.shape[1] != 4 or not abs(numbers[0]) > 0.0:
+            return None
+        c = numbers[1:] / numbers[0]
+        if np.hypot.reduce(c) > REACH:
+            return None
+        columns = np.zeros((10, 4))
+        columns[:4] = np.eye(4)
+        pairs = [(i, j) for i in range(3) for j in range(i, 3)]
+        for row, (i, j) in enumerate(pairs, start=4):
+            # I = m (|c|^2 1 - c c^T)
+            columns[row, 0] += c[i] * c[j] - (c @ c if i == j else 0.0)
+            columns[row, 1 + i] -= c[j]
+            columns[row, 1 + j] -= c[i]
+            if i == j:
+                columns[row, 1:] += 2.0 * c
+        return Nested(columns, form.coefficients)
 
     def carrier(self, n: int) -> int:
         return n + 1

@@ -252,19 +252,19 @@ def test_play_that_the_neighbours_feel_may_be_small() -> None:
 
 def test_a_law_without_a_name_beats_the_library_by_more_than_earlier_laws_may_leave() -> None:
     judge = threshold()
-    name = alternative(candidate(discrepancy_share=0.2), gain=500.0)
+    name = alternative(candidate(), gain=500.0)
 
     def wins(more: float, *chosen: Any, **given: Any) -> bool:
         unnamed = alternative(candidate((0.0, 9.0, 0.0), known=False), gain=500.0 + more)
         return judge.best(comparison(**given), [unnamed, name], chosen) is unnamed
 
-    # ten nats and what a law of another shape leaves of 500: the square of its share
-    assert wins(30.1)
-    assert not wins(30.0)
+    # ten nats and five per cent of 500
+    assert wins(35.1)
+    assert not wins(34.9)
     # half of what the earlier one gained, 800, is on joint 2; the square of its share of that
-    assert wins(130.1, candidate(gain=800.0))
-    assert not wins(129.9, candidate(gain=800.0))
-    assert not wins(129.9, candidate(gain=8.0), candidate(gain=800.0))
+    assert wins(135.1, candidate(gain=800.0))
+    assert not wins(134.9, candidate(gain=800.0))
+    assert not wins(134.9, candidate(gain=8.0), candidate(gain=800.0))
     # nothing of a loss
     loss = alternative(candidate(), gain=-500.0)
     unnamed = alternative(candidate(known=False), gain=-489.9)
@@ -273,8 +273,8 @@ def test_a_law_without_a_name_beats_the_library_by_more_than_earlier_laws_may_le
     assert judge.best(comparison(), [unnamed], ()) is unnamed
     whole = alternative(candidate(known=False, joint=None), gain=600.1)
     # a law of no joint is judged as on the first: a quarter of what an earlier one gained
-    assert judge.best(comparison(), [whole, name], (candidate(gain=1120.0),)) is whole
-    assert judge.best(comparison(), [whole, name], (candidate(gain=1130.0),)) is name
+    assert judge.best(comparison(), [whole, name], (candidate(gain=1030.0),)) is whole
+    assert judge.best(comparison(), [whole, name], (candidate(gain=1050.0),)) is name
 
 
 @pytest.mark.parametrize(

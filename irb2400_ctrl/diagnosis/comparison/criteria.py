@@ -46,8 +46,8 @@ class Criteria:
             over the share of its torque there.
         two_at_once: how much more a non-parametric law may gain than the best effect, for two
             effects to be tried instead.
-        unknown: how much a non-parametric law must beat the best effect by [nats], beyond what that
-            effect's own law may leave.
+        unknown: how much a non-parametric law must beat the best effect by [nats], and as share of
+            that effect's gain: the square of the 22 % that a law may leave.
         mostly_base: share of an effect's torque that no other numbers of the robot would give,
             below which unseen rows say nothing about it and a non-parametric law must also say
             `little` more: rms torque over the effect's.
@@ -72,6 +72,7 @@ class Criteria:
     elsewhere: float = 0.4
     two_at_once: float = 1.0
     unknown: float = 10.0
+    unknown_share: float = 0.05
     mostly_base: float = 0.05
     little: float = 0.1
     shortlist: int = 10
@@ -269,32 +270,15 @@ class Threshold:
         mostly_base = comparison.share_beyond_base(known.candidate) < self.criteria.mostly_base
         if mostly_base and self._leaves_little(comparison, known, best):
             return known
-        return best if self.beaten(comparison, known, best, chosen) else known
-
-    def beaten(
-        self,
-        comparison: Comparison,
-        known: Alternative,
-        non_parametric: Alternative,
-        chosen: Sequence[Candidate],
-    ) -> bool:
-        """Whether a non-parametric law beats an effect by more than earlier laws may have left on
-        its joint.
-
-        Args:
-            comparison: of both.
-            known: the effect; non_parametric: the law.
-            chosen: explanations that are chosen already.
-        """
         c = self.criteria
-        joint = (non_parametric.candidate.joint or 1) - 1
+        joint = (best.candidate.joint or 1) - 1
         earlier = [float(self._leaves(comparison, e)[joint]) for e in chosen]
         needed = (
             c.unknown
-            + known.candidate.discrepancy_share**2 * max(comparison.gain(known), 0.0)
+            + c.unknown_share * max(comparison.gain(known), 0.0)
             + max(earlier, default=0.0)
         )
-        return non_parametric.evidence - known.evidence > needed
+        return best if best.evidence - known.evidence > needed else known
 
     def _leaves_little(
         self, comparison: Comparison, known: Alternative, non_parametric: Alternative

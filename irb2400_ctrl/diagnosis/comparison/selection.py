@@ -154,7 +154,7 @@ class Selection:
             best, alternatives = self._best(comparison, every, chosen, alone)
             if best is None:
                 return None
-            joint = None if alone else self._doubted(comparison, best, every, chosen)
+            joint = None if alone else self._doubted(comparison, best, chosen)
             if joint is None:
                 break
             # what is there is none of the joint's effects
@@ -190,28 +190,19 @@ class Selection:
         return best, alternatives
 
     def _doubted(
-        self,
-        comparison: Comparison,
-        best: Alternative,
-        every: Sequence[Alternative],
-        chosen: Sequence[Candidate],
+        self, comparison: Comparison, best: Alternative, chosen: Sequence[Candidate]
     ) -> int | None:
-        """Joint of an effect that a non-parametric law beats clearly, one that unseen rows do not
-        bear out; None if there is no such law: what is there is not this effect all the same, but
-        for two effects at once."""
+        """Joint of an effect beside which a non-parametric law gains so much more that no second
+        effect makes up for it, a law that unseen rows do not bear out; None if there is no such
+        law: what is there is not this effect all the same."""
         joint = best.candidate.joint
         if not best.candidate.known or ("unexplained", joint, "") not in self.refused:
             return None
-        laws = [
-            c for c in self.scan.rank(comparison.start, chosen) if not c.known and c.joint == joint
-        ]
-        rivals = [comparison.compared(law) for law in laws[:DOUBTS]]
-        beating = [r for r in rivals if self.threshold.beaten(comparison, best, r, chosen)]
-        if not beating:
-            return None
-        strongest = max(beating, key=lambda r: r.evidence)
-        first = self._first_of_two(comparison, strongest, every, chosen)
-        return joint if first is strongest else None
+        ranked = self.scan.rank(comparison.start, chosen)
+        laws = [c for c in ranked if not c.known and c.joint == joint][:DOUBTS]
+        most = (1.0 + self.criteria.two_at_once) * comparison.gain(best)
+        beaten = any(comparison.gain(comparison.compared(law)) > most for law in laws)
+        return joint if beaten else None
 
     def _first_of_two(
         self,
