@@ -136,6 +136,8 @@ class Comparison:
             return None
         place = earlier.joint - 1
         laws = [law.columns for law in self.scan.non_parametric[place] if law.name in names]
+        if not laws:
+            return None  # of a joint that rests there is no such law
         columns = np.zeros((*self.y.shape, sum(c.shape[1] for c in laws)))
         columns[:, place] = np.hstack(laws)
         whole = np.sqrt(np.mean(columns[:, place] ** 2, axis=0).sum())
