@@ -4,17 +4,13 @@ from __future__ import annotations
 
 import ctypes
 import functools
-import hashlib
-import os
 import platform
-import shutil
-import subprocess
-import tempfile
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from compiled_plant import compiled, numbered
 
 SOURCES = Path(__file__).parent / "csrc"
 FLAGS = ["-std=c11", "-O3", "-march=native", "-fno-math-errno", "-fno-tree-slp-vectorize"]
@@ -29,37 +25,14 @@ sample on"""
 
 @functools.cache
 def library() -> ctypes.CDLL:
-    """The compiled plant; built once per source text, flags and machine."""
-    files = sorted(SOURCES.glob("*.[ch]"))
-    compiler = shutil.which(os.environ.get("CC", "cc"))
-    if compiler is None:
-        raise RuntimeError("the independent plant needs a C compiler; none was found as $CC or cc")
-    text = (
-        b"".join(f.read_bytes() for f in files)
-        + " ".join([compiler, *FLAGS, platform.processor()]).encode()
-    )
-    user = getattr(os, "getuid", int)()  # 0 on Windows
-    cache = Path(tempfile.gettempdir()) / f"independent_plant_{user}"
-    target = cache / f"plant_{hashlib.sha256(text).hexdigest()[:16]}.so"
-    if not target.exists():
-        cache.mkdir(mode=0o700, exist_ok=True)
-        partial = target.with_suffix(f".{os.getpid()}.tmp")
-        sources = [str(f) for f in files if f.suffix == ".c"]
-        subprocess.run([compiler, *FLAGS, *sources, "-o", str(partial), "-lm"], check=True)
-        partial.replace(target)
-    return ctypes.CDLL(str(target))
+    """The compiled plant."""
+    return compiled(SOURCES, FLAGS, "independent", platform.processor())
 
 
 @functools.cache
 def law_index() -> dict[str, int]:
     """Number of each effect law, in the order the C source lists them."""
-    names = (ctypes.c_char_p * 64).in_dll(library(), "effect_laws")
-    found: dict[str, int] = {}
-    for raw in names:
-        if raw is None:
-            return found
-        found[raw.decode()] = len(found)
-    raise RuntimeError("effect_laws is not terminated")
+    return numbered(library(), "effect_laws")
 
 
 def _p(array: np.ndarray) -> ctypes._Pointer[ctypes.c_double]:
