@@ -61,7 +61,7 @@ def main() -> None:
     parser.add_argument("--most", type=int, default=30)
     args = parser.parse_args()
     # so much is missing that a flexible law would take the place of several effects: names first
-    criteria = Criteria(most=args.most, unknown_share=1e6)
+    criteria = Criteria(most=args.most, unknown=1e9)
     for case in (kr300(args.folder), tx40(args.folder)):
         found = diagnose(case.robot, case.logs[0], case.others[0], criteria=criteria)
         found.write(args.out / case.name)

@@ -22,6 +22,7 @@ class Blank:
     load: ca.SX
     gravity_map: ca.SX
     tcp_jacobian: ca.SX
+    tool_axes: ca.SX
     tau: ca.SX
     tau_rate: ca.SX
     tau_jacobian: ca.SX
@@ -36,6 +37,7 @@ class Blank:
             "time": (1, 1),
             "gravity_map": (n, 3),
             "tcp_jacobian": (6, n),
+            "tool_axes": (3, 3),
             "state": (states, 1),
         }
         square = dict.fromkeys(("tau_jacobian", "mass_matrix"), (n, n))

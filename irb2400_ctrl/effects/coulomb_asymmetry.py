@@ -11,6 +11,7 @@ from pydantic import Field
 from irb2400_ctrl.effects.ambiguity import OFFSET, Ambiguity
 from irb2400_ctrl.effects.base import Effect
 from irb2400_ctrl.effects.drawing import Drawing
+from irb2400_ctrl.effects.prior import Prior
 from irb2400_ctrl.effects.search import Search
 from irb2400_ctrl.effects.signals import Signals
 
@@ -24,6 +25,7 @@ class CoulombAsymmetry(Effect):
     )
     example: ClassVar[Mapping[str, Any]] = {"delta_Nm": 1.0}
     ambiguity: ClassVar[Ambiguity] = OFFSET
+    prior: ClassVar[Prior] = Prior(leftover=("speed",))
     search: ClassVar[Search] = Search(nothing_at_turns=True)
     drawing: ClassVar[Drawing] = Drawing("qd")
 

@@ -19,8 +19,8 @@ from irb2400_ctrl.effects.signals import Signals
 
 
 class ProcessForce(Effect):
-    """tau = -J_v(q)^T F while start_s <= t < stop_s; F acts on the tool, constant in the base
-    frame."""
+    """tau = -J_v(q)^T F while start_s <= t < stop_s; F acts on the tool, constant along the axes of
+    the base, or of the tool: F = R_BT(q) F_T."""
 
     sentence: ClassVar[str] = "something pushes or pulls at the tool"
     example: ClassVar[Mapping[str, Any]] = {"force_x_N": 30.0, "force_y_N": 20.0, "force_z_N": 40.0}
@@ -31,15 +31,24 @@ class ProcessForce(Effect):
     whole_arm: ClassVar[bool] = True
 
     kind: Literal["process_force"] = "process_force"
-    force_x_N: float = Field(default=0.0, description="force on the tool along base x [N]")
-    force_y_N: float = Field(default=0.0, description="force on the tool along base y [N]")
-    force_z_N: float = Field(default=0.0, description="force on the tool along base z [N]")
+    force_x_N: float = Field(default=0.0, description="force on the tool along x [N]")
+    force_y_N: float = Field(default=0.0, description="force on the tool along y [N]")
+    force_z_N: float = Field(default=0.0, description="force on the tool along z [N]")
+    in_tool_frame: bool = Field(
+        default=False, description="whether x, y, z are the axes of the tool, not of the base"
+    )
     start_s: float = Field(default=0.0, description="first instant of the force [s]")
     stop_s: float = Field(default=1e9, description="end of the force [s]")
 
     def basis(self, s: Signals) -> ca.SX:
         active = ca.logic_and(s.time >= self.start_s, s.time < self.stop_s)
-        return -active * s.tcp_jacobian[:3, :].T
+        turned = self.in_tool_frame * s.tool_axes
+        held = (1 - self.in_tool_frame) * ca.SX.eye(3)
+        return -active * s.tcp_jacobian[:3, :].T @ (turned + held)
+
+    @classmethod
+    def grid(cls, joint: int | None) -> list[dict[str, float]]:
+        return [{"in_tool_frame": False}, {"in_tool_frame": True}]
 
     @classmethod
     def representative(cls, joint: int | None, inertia: float, duration: float) -> Self:

@@ -42,6 +42,10 @@ class Signals(Protocol):
     def tcp_jacobian(self) -> ca.SX:
         """TCP Jacobian (6, n), linear then angular rows, base frame"""
 
+    @property
+    def tool_axes(self) -> ca.SX:
+        """axes of the tool as columns (3, 3), base frame"""
+
     def regressor(self, link: int) -> ca.SX:
         """d tau / d phi of link 1…n, or n + 1 for the flange frame, shape (n, 10)
 

@@ -94,6 +94,11 @@ class ArmSignals:
         return kinematics.tcp_jacobian(self.robot, self.q)
 
     @cached_property
+    def tool_axes(self) -> ca.SX:
+        """Axes of the tool as columns, base frame, shape (3, 3)."""
+        return kinematics.tcp_pose(self.robot, self.q)[:3, :3]
+
+    @cached_property
     def whole_regressor(self) -> ca.SX:
         """d tau / d phi of all links, shape (n, 10 n)."""
         return regressor(self.robot, self.q, self.qd, self.qdd, self.felt_gravity)

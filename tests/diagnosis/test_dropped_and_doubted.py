@@ -86,3 +86,53 @@ def test_a_name_that_a_refused_law_of_its_joint_beats_is_not_said(
     # a law that was not refused has been weighed already
     unrefused = bare(scan=scan, fitter=fitter_of(), threshold=threshold)
     assert unrefused.next_step([], SimpleNamespace(y=None, Z=None)).candidate.kind == "name"
+
+
+@pytest.mark.parametrize(
+    ("rest", "said"),
+    [
+        # a tool that sloshes says 148 nats on joint 3 that no name says: less than half of it is
+        # no delay of joint 6
+        ((3, 148.0), ["large", "flexible"]),
+        ((3, 59.0), ["large", "small", "flexible"]),
+        # of a joint with a larger name it is what that has left, and of the whole arm a share
+        ((1, 148.0), ["large", "small", "flexible"]),
+        ((None, 148.0), ["large", "flexible"]),
+    ],
+)
+def test_where_much_is_not_understood_a_little_shows_nothing(
+    rest: tuple[int | None, float], said: list[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    joint, gain = rest
+    seen: list[Any] = []
+
+    def alternatives(self: Any, c: Any, chosen: Any = (), refused: Any = None) -> list[Any]:
+        seen.append(refused)
+        return [of(explanation("rest", joint), gain), of(explanation("less", 3), 10.0)]
+
+    monkeypatch.setattr(
+        module, "Comparison", lambda *given: SimpleNamespace(gain=lambda one: one.evidence)
+    )
+    monkeypatch.setattr(Selection, "alternatives", alternatives)
+    selection = bare(
+        scan=None,
+        fitter=fitter_of(),
+        refused={("rest", 3, "rest")},
+        threshold=SimpleNamespace(left_by=lambda c, chosen, joint: 0.0),
+    )
+    steps = [
+        Step(explanation("large", 1), 900.0, ()),
+        Step(explanation("small", 6), 30.0, ()),
+        Step(explanation("flexible", 2, known=False), 30.0, ()),
+    ]
+    kept, fit = Selection._weighty(
+        selection, steps, selection.fitter.fit([s.candidate for s in steps])
+    )
+    assert [s.candidate.kind for s in kept] == said
+    assert fit.of == said
+    # what unseen rows did not bear out is there all the same
+    assert seen == [()]
+    selection.threshold = SimpleNamespace(left_by=lambda c, chosen, joint: 100.0)
+    kept, fit = Selection._weighty(selection, steps, fit)
+    assert kept == steps
+    assert Selection._weighty(selection, [], fit) == ([], fit)

@@ -37,6 +37,7 @@ def test_explanations_that_push_each_other_out_are_not_tried_for_ever(
         Selection, "next_step", lambda self, chosen, fit, alone=False: next(offered)
     )
     monkeypatch.setattr(Selection, "_exchanged", lambda self, steps: steps[-1:])
+    monkeypatch.setattr(Selection, "_weighty", lambda self, steps, fit: (steps, fit))
     monkeypatch.setattr(Selection, "_rather_wider", lambda self, step, fit: False)
     steps, fit = selection.run()
     assert [s.candidate.kind for s in steps] == ["one"]

@@ -22,7 +22,11 @@ from irb2400_ctrl.diagnosis.comparison.step import Step
 def bare(**given: Any) -> Any:
     """A selection that has only what a test gives it."""
     selection: Any = Selection.__new__(Selection)
-    usual: dict[str, Any] = {"criteria": Criteria(), "refused": set()}
+    usual: dict[str, Any] = {
+        "criteria": Criteria(),
+        "refused": set(),
+        "_weighty": lambda steps, fit: (steps, fit),
+    }
     for name, value in (usual | given).items():
         setattr(selection, name, value)
     return selection

@@ -98,6 +98,27 @@ def test_coefficients_and_back_is_the_same_effect(kind: str, model: irb.Model) -
         ), name
 
 
+@pytest.mark.parametrize("in_tool_frame", [False, True])
+def test_a_process_force_does_its_work_along_the_axes_it_is_stated_in(
+    in_tool_frame: bool, model: irb.Model, states: States
+) -> None:
+    """tau . qd = -F . v, v from two poses of the TCP a moment apart."""
+    force = np.array([50.0, -20.0, 10.0])
+    effect = LIBRARY["process_force"].of(
+        None, **dict(zip(("force_x_N", "force_y_N", "force_z_N"), force, strict=True)),
+        in_tool_frame=in_tool_frame,
+    )  # fmt: skip
+    assert effect.parameters()["in_tool_frame"] is in_tool_frame
+    arm = irb.Model(irb.load_robot("irb2400").with_effects(effect))
+    moment = 1e-6
+    for q, qd in zip(states.q[:20], states.qd[:20], strict=True):
+        pushed = arm.inverse_dynamics(q, qd, 0 * qd) - model.inverse_dynamics(q, qd, 0 * qd)
+        before, after = (np.array(model.tcp_pose(q + side * moment * qd)) for side in (-1, 1))
+        speed = (after - before)[:3, 3] / (2 * moment)
+        axes = np.array(model.tcp_pose(q))[:3, :3] if in_tool_frame else np.eye(3)
+        assert pushed @ qd == pytest.approx(-(axes @ force) @ speed, rel=1e-5, abs=1e-5)
+
+
 @pytest.mark.parametrize("kind", LIBRARY)
 def test_forward_undoes_inverse_dynamics(kind: str, model: irb.Model, states: States) -> None:
     effect = example(kind)

@@ -101,10 +101,19 @@ class Comparison:
         """Share of its torque that no other numbers of the base would give."""
         return self.start.share_beyond_base(candidate.torque(self.n))
 
-    def gain_moving(self, candidate: Candidate) -> float:
-        """What its law gains on the rows away from reversals [nats]."""
+    def moving(self, candidate: Candidate) -> tuple[float, float]:
+        """What its law gains on the rows away from reversals alone [nats], and how large these find
+        it: over what all rows say."""
         calm = [without(one, self.reversal[:, j]) for j, one in enumerate(self.base.noise)]
-        return Problem(self.y, self.Z, calm).score(candidate.law, expected=candidate.expected).gain
+        score = Problem(self.y, self.Z, calm).score(candidate.law, expected=candidate.expected)
+        here, whole = (
+            np.concatenate([one.whiten(tau[:, j]) for j, one in enumerate(calm)])
+            for tau in (
+                candidate.law.torque(found.coefficients, self.n)
+                for found in (score, candidate.score)
+            )
+        )
+        return score.gain, float(here @ whole / max(whole @ whole, 1e-12))
 
     def elsewhere(self, candidate: Candidate) -> float:
         """Share of what a candidate takes off the whitened squares that it takes off outside its
@@ -143,6 +152,22 @@ class Comparison:
         whole = np.sqrt(np.mean(columns[:, place] ** 2, axis=0).sum())
         size = np.sqrt(np.mean(earlier.torque(self.n)[:, place] ** 2))
         return np.asarray(columns * (earlier.discrepancy_share * size / max(whole, 1e-12)))
+
+    def with_its_leftover(self, alternative: Alternative) -> float:
+        """Log evidence of an alternative and what its law may leave on its joint [nats]; that of
+        the alternative alone where nothing is known of it."""
+        candidate = alternative.candidate
+        columns = self.leftover(candidate)
+        if columns is None:
+            return alternative.evidence
+        Z = np.concatenate([self.Z, columns], axis=2)
+        problem = Problem(self.y, Z, self.start.noise)
+        for _ in range(2):
+            tau = candidate.torque(self.n)
+            left = self.y - tau - Z @ problem.base_beside(tau)
+            problem = Problem(self.y, Z, autoregressive(left, self._rows, self.reversal))
+            candidate = self._rescored(candidate, problem)
+        return problem.log_evidence + candidate.score.gain
 
     def gain_beside(self, candidate: Candidate, columns: Array) -> float:
         """What a candidate gains beside columns (rows, n, k) that move as the base does [nats]."""

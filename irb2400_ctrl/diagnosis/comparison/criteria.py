@@ -41,16 +41,16 @@ class Criteria:
         torque: its rms torque over the joint's; torque_beside_law: the same where its law alone
             gains less than `by_law` of what it gains with discrepancy.
         largest: its rms torque over the joint's, above which it only cancels another one.
-        moving: share of its gain that an effect of `Search.shows_moving` has away from reversals.
+        moving: share of its gain, `gain` at most, that an effect of `Search.shows_moving` has away
+            from reversals; same_size: times larger or smaller at most that it is there.
         elsewhere: share of what it explains that lies outside the second in which it explains most,
             over the share of its torque there.
         two_at_once: how much more a non-parametric law may gain than the best effect, for two
-            effects to be tried instead.
-        unknown: how much a non-parametric law must beat the best effect by [nats], and as share of
-            that effect's gain: the square of the 22 % that a law may leave.
+            effects to be tried instead, or that effect with what its law may leave.
+        unknown: how much a non-parametric law must beat the best effect by [nats]; little: how much
+            more it must say: rms torque over the effect's.
         mostly_base: share of an effect's torque that no other numbers of the robot would give,
-            below which unseen rows say nothing about it and a non-parametric law must also say
-            `little` more: rms torque over the effect's.
+            below which unseen rows say nothing about it.
         shortlist: candidates judged in a step; most: explanations of one log; most_refused:
             names that a polished fit does not bear out, before the search ends.
     """
@@ -69,12 +69,12 @@ class Criteria:
     by_law: float = 0.25
     largest: float = 1.5
     moving: float = 0.2
+    same_size: float = 1.4
     elsewhere: float = 0.4
     two_at_once: float = 1.0
     unknown: float = 10.0
-    unknown_share: float = 0.05
-    mostly_base: float = 0.05
     little: float = 0.1
+    mostly_base: float = 0.05
     shortlist: int = 10
     most: int = 8
     most_refused: int = 4
@@ -103,7 +103,6 @@ class Threshold:
             alternative: in question.
             chosen: explanations that are chosen already.
         """
-        c = self.criteria
         candidate = alternative.candidate
         if of_one_moment(candidate, chosen):
             return False
@@ -112,15 +111,28 @@ class Threshold:
             return False  # a torque that something else must cancel again
         if alternative.rattles:
             return True  # its quick part is most of it, and in no column
-        moving = any(e.search.shows_moving for e in candidate.effects)
-        # what comes late is smeared as well: that shows where friction turns over
-        moving |= any(e.chain == "clock" for earlier in chosen for e in earlier.effects)
-        if moving and comparison.gain_moving(candidate) < c.moving * comparison.gain(alternative):
+        if not self._shows_moving(comparison, alternative, chosen):
             return False
         matters = self._matters(comparison, alternative)
         if chosen and matters.any():
             matters &= self._new(comparison, candidate, chosen)
         return bool(matters.any()) and not self._once(comparison, candidate)
+
+    def _shows_moving(
+        self, comparison: Comparison, alternative: Alternative, chosen: Sequence[Candidate]
+    ) -> bool:
+        """Whether rows away from reversals show it too, where they must, and as large: a misfit of
+        friction, which turns over at reversals, has another size there or none."""
+        c = self.criteria
+        must = any(e.search.shows_moving for e in alternative.candidate.effects)
+        # what comes late is smeared as well: that shows where friction turns over
+        smeared = any(e.chain == "clock" for earlier in chosen for e in earlier.effects)
+        if not must and not smeared:
+            return True
+        gain, size = comparison.moving(alternative.candidate)
+        if gain < min(c.moving * comparison.gain(alternative), c.gain):
+            return False
+        return not must or 1.0 / c.same_size < size < c.same_size
 
     def _matters(self, comparison: Comparison, alternative: Alternative) -> npt.NDArray[np.bool_]:
         """Joints on which it is large enough, shape (n,)."""
@@ -143,18 +155,20 @@ class Threshold:
     def said_by_less(
         self, comparison: Comparison, alternative: Alternative, every: Sequence[Alternative]
     ) -> bool:
-        """Whether an effect too small to be named says what a non-parametric law says, and better:
-        what does not matter by its name does not matter without one.
+        """Whether an effect too small to be named says what another one or a non-parametric law of
+        its joint says, and better: what does not matter by its name does not matter by a wrong one
+        or without.
 
         Args:
             comparison: of all alternatives.
-            alternative: a non-parametric law.
+            alternative: in question.
             every: alternatives, small ones too.
         """
-        return not alternative.candidate.known and any(
+        clearly = self.criteria.unknown if alternative.candidate.known else 0.0
+        return any(
             other.candidate.known
             and other.candidate.joint == alternative.candidate.joint
-            and other.evidence > alternative.evidence
+            and other.evidence > alternative.evidence + clearly
             and not self._matters(comparison, other).any()
             for other in every
         )
@@ -239,6 +253,19 @@ class Threshold:
         left = [float(self._leaves(comparison, e)[acts].max(initial=0.0)) for e in chosen]
         return min(c.gain, alone + max(left, default=0.0))
 
+    def left_by(
+        self, comparison: Comparison, chosen: Sequence[Candidate], joint: int | None
+    ) -> float:
+        """Log evidence that one of the chosen explanations may have left on a joint [nats].
+
+        Args:
+            comparison: of all alternatives.
+            chosen: explanations that are chosen already.
+            joint: from 1; None: on the joint with most of it.
+        """
+        place = slice(None) if joint is None else joint - 1
+        return max((float(np.max(self._leaves(comparison, e)[place])) for e in chosen), default=0.0)
+
     def _leaves(self, comparison: Comparison, earlier: Candidate) -> Array:
         """Log evidence of what a law of slightly another shape may leave on each joint, shape (n,)
         [nats]."""
@@ -255,8 +282,8 @@ class Threshold:
         alternatives: Sequence[Alternative],
         chosen: Sequence[Candidate],
     ) -> Alternative:
-        """The best alternative; a non-parametric law only where it beats the library by more than
-        earlier laws may have left.
+        """The best alternative; a non-parametric law only where it says more than the best effect,
+        by more than that effect's own law and earlier ones may have left.
 
         Args:
             comparison: of all alternatives.
@@ -267,26 +294,24 @@ class Threshold:
         known = next((r for r in alternatives if r.candidate.known), None)
         if best.candidate.known or known is None:
             return best
-        mostly_base = comparison.share_beyond_base(known.candidate) < self.criteria.mostly_base
-        if mostly_base and self._leaves_little(comparison, known, best):
+        if self._leaves_little(comparison, known, best):
             return known
-        c = self.criteria
-        joint = (best.candidate.joint or 1) - 1
-        earlier = [float(self._leaves(comparison, e)[joint]) for e in chosen]
-        needed = (
-            c.unknown
-            + c.unknown_share * max(comparison.gain(known), 0.0)
-            + max(earlier, default=0.0)
-        )
-        return best if best.evidence - known.evidence > needed else known
+        earlier = self.left_by(comparison, chosen, best.candidate.joint or 1)
+        rival = known.evidence
+        if comparison.gain(best) <= (1.0 + self.criteria.two_at_once) * comparison.gain(known):
+            rival = max(rival, comparison.with_its_leftover(known))
+        needed = self.criteria.unknown + earlier
+        return best if best.evidence - rival > needed else known
 
     def _leaves_little(
         self, comparison: Comparison, known: Alternative, non_parametric: Alternative
     ) -> bool:
-        """Whether a non-parametric law says hardly more than an effect.
+        """Whether a non-parametric law says hardly more than an effect, however clearly it says it.
 
-        The evidence for an effect that the base takes in for the most part understates it.
+        What one joint may have several of (ripples of any order) is a flexible function itself.
         """
+        if any(e.search.repeats for e in known.candidate.effects):
+            return False
         law = np.sqrt(np.mean(known.candidate.torque(self.n) ** 2, axis=0))
         more = comparison.explained(non_parametric.candidate) - comparison.explained(
             known.candidate

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -60,6 +60,7 @@ class Selection:
                 break
             # what it had stood in for is looked for once more
             self.refused |= dropped
+        steps, fit = self._weighty(steps, fit)
         gained = self.acceptance.gains(steps, fit)
         told = zip(steps, gained, strict=True)
         steps = [replace(step, validation_gain=gain) for step, gain in told]
@@ -128,6 +129,29 @@ class Selection:
                 fit = self.fitter.fit([s.candidate for s in steps])
             place -= 1
         return steps, fit
+
+    def _weighty(self, steps: list[Step], fit: Fit) -> tuple[list[Step], Fit]:
+        """Explanations, but for names that say less than half of what no name says on a joint
+        without a larger one: where so much is not understood a little shows nothing."""
+        if not steps:
+            return steps, fit
+        chosen = [s.candidate for s in steps]
+        comparison = Comparison(self.scan, self.fitter.reversal, fit.y, fit.Z)
+        most = 0.0
+        # what unseen rows did not bear out is there all the same
+        for rest in self.alternatives(comparison, chosen, refused=()):
+            left = comparison.gain(rest)
+            joint = rest.candidate.joint
+            if all(s.gain < left for s in steps if s.candidate.joint == joint):
+                most = max(most, left - self.threshold.left_by(comparison, chosen, joint))
+        kept = [
+            s
+            for s in steps
+            if not s.candidate.known or (1.0 + self.criteria.two_at_once) * s.gain > most
+        ]
+        return kept, fit if len(kept) == len(steps) else self.fitter.fit(
+            [s.candidate for s in kept]
+        )
 
     def _clear(self, steps: list[Step], place: int) -> tuple[list[Step], Fit]:
         """The steps and their common fit, one of them with those effects alone that stand clear of
@@ -237,19 +261,27 @@ class Selection:
         return first if comparison.gain(first) + second.gain > gained else non_parametric
 
     def alternatives(
-        self, comparison: Comparison, chosen: Sequence[Candidate] = ()
+        self,
+        comparison: Comparison,
+        chosen: Sequence[Candidate] = (),
+        refused: Collection[Name] | None = None,
     ) -> list[Alternative]:
-        """The most promising candidates, each judged under its own noise, best first."""
-        ranked = [
-            c for c in self.scan.rank(comparison.start, chosen) if named(c) not in self.refused
-        ]
+        """The most promising candidates, each judged under its own noise, best first.
+
+        Args:
+            comparison: of the step.
+            chosen: explanations that are chosen already.
+            refused: names that are left out; None: those that the search has refused.
+        """
+        refused = self.refused if refused is None else refused
+        ranked = [c for c in self.scan.rank(comparison.start, chosen) if named(c) not in refused]
         listed = shortlist(ranked, self.criteria.shortlist, self.criteria.gain)
         rattling = next((c for c in ranked if self.load_changes.rattles(c, chosen)), None)
         if rattling is not None and all(c is not rattling for c in listed):
             listed.append(rattling)
         short = [self.scan.between(comparison.start, c) for c in listed]
         windowed = Windowing(self.scan, comparison.start).candidates([c for c in ranked if c.known])
-        short += [c for c in windowed if named(c) not in self.refused]
+        short += [c for c in windowed if named(c) not in refused]
         told = (self.turns.told(comparison.compared(candidate)) for candidate in short)
         return sorted(
             (self.load_changes.told(alternative, chosen) for alternative in told),

@@ -90,6 +90,10 @@ class GivenSignals:
     def tcp_jacobian(self) -> ca.SX:
         return self._given("tcp_jacobian")
 
+    @property
+    def tool_axes(self) -> ca.SX:
+        return self._given("tool_axes")
+
     def regressor(self, link: int) -> ca.SX:
         return self._derived.arm.link_columns(self._given("whole_regressor"), link)
 
