@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -11,6 +12,7 @@ from irb2400_ctrl.identification.fitting.columns import ColumnLayout, Extra
 from irb2400_ctrl.identification.fitting.cross_validation import overall, unseen_rms
 from irb2400_ctrl.identification.fitting.estimate import (
     MOST_WIDTH,
+    Estimate,
     estimate,
     log_evidence,
     unbounded_minimum,
@@ -37,69 +39,124 @@ def candidates(n: int) -> tuple[Extra, ...]:
     return (*couplings, *balancers, *friction)
 
 
-def chosen_extras(base: Fit, sums: Moments, prior: Prior, whole: ColumnLayout) -> tuple[Extra, ...]:
-    """Extras one after another, the best first, while one is clear and gains unseen.
+@dataclass(frozen=True)
+class Choice:
+    """What extras are chosen from.
 
     Args:
         base: the fit without any; sums: of all recordings, with the columns of all extras.
+        fast: the same of the faster half of the speeds of each joint, one block; asked for only
+            where friction bends.
         prior: of the robot file; whole: the layout of those columns.
     """
-    n = base.layout.n
-    chosen: tuple[Extra, ...] = ()
-    open_ones = list(candidates(n))
-    now = _tried(base, sums, prior, whole, base.layout)
-    while open_ones:
-        trials = {
-            extra: _tried(base, sums, prior, whole, ColumnLayout(n, (*chosen, extra)))
-            for extra in open_ones
-        }
-        good = [
-            extra
-            for extra in open_ones
-            if trials[extra].evidence > now.evidence
-            and trials[extra].possible
-            and _shown(base, sums, prior, whole, chosen, extra, trials[extra], now)
-        ]
-        if not good:
-            return chosen
-        best = max(good, key=lambda extra: trials[extra].evidence)
-        # what is less probable now hardly becomes clear later
-        open_ones = [
-            extra for extra in open_ones if extra != best and trials[extra].evidence > now.evidence
-        ]
-        now = trials[best]
-        chosen = (*chosen, best)
-    return chosen
+
+    base: Fit
+    sums: Moments
+    fast: Callable[[], Moments]
+    prior: Prior
+    whole: ColumnLayout
+
+    def extras(self) -> tuple[Extra, ...]:
+        """One after another, the best first, while one is clear and gains unseen."""
+        n = self.base.layout.n
+        chosen: tuple[Extra, ...] = ()
+        open_ones = list(candidates(n))
+        now = self._tried(())
+        while open_ones:
+            trials = {extra: self._tried((*chosen, extra)) for extra in open_ones}
+            good = [
+                extra
+                for extra in open_ones
+                if trials[extra].evidence > now.evidence
+                and trials[extra].possible
+                and self._shown(extra, trials[extra], now)
+            ]
+            if not good:
+                return chosen
+            best = max(good, key=lambda extra: trials[extra].evidence)
+            # what is less probable now hardly becomes clear later
+            open_ones = [
+                extra
+                for extra in open_ones
+                if extra != best and trials[extra].evidence > now.evidence
+            ]
+            now = trials[best]
+            chosen = (*chosen, best)
+        return chosen
+
+    def _shown(self, extra: Extra, trial: _Trial, now: _Trial) -> bool:
+        """Whether the logs show an extra clearly.
+
+        Bodies that cannot exist, or that the file has wrong, take the place of a balancer: there it
+        is bodies that can exist, and of which the file says nothing, that must leave more without
+        it. Friction that bends must not lead astray where it is faster.
+        """
+        if extra.kind == "power":
+            return _gains(extra, trial, now) and self._reaches_further(extra, trial, now)
+        if extra.kind != "balancer":
+            return _gains(extra, trial, now)
+        if trial.evidence - now.evidence < CLEAR:
+            return False
+        like = replace(self.base.free, kappa=np.full(self.base.layout.n, MOST_WIDTH))
+        left = []
+        for layout in (now.layout, trial.layout):
+            places = layout.within(self.whole)
+            parts = (self.sums.part(places), self.prior.part(places))
+            positive = layout.positive()
+            left.append(overall(unseen_rms(*parts, like, self.base.correlation, positive)))
+        return _gains(extra, replace(trial, left=left[1]), replace(now, left=left[0]))
+
+    def _reaches_further(self, extra: Extra, trial: _Trial, now: _Trial) -> bool:
+        """Whether it may cost no more at speeds that it has not seen than it takes off at those
+        that it has: fitted to the slower half, held against the faster."""
+        j = extra.joint - 1
+        fast = [self._left_fast(one)[j] for one in (trial, now)]
+        return bool(fast[0] * trial.left[j] < fast[1] * now.left[j])
+
+    def _left_fast(self, one: _Trial) -> Array:
+        """Rms torque that is left on the faster half of the speeds by a fit to the slower half,
+        shape (n,) [Nm]."""
+        places = one.layout.within(self.whole)
+        fast = self.fast().part(places)
+        slow = self.sums.part(places).summed().less(fast)
+        theta = unbounded_minimum(slow, one.prior, one.like, self.base.correlation)
+        count = np.maximum(fast.count[0], 1.0)
+        return np.asarray(np.sqrt(fast.squared_error(theta)[0] / count))
+
+    def _tried(self, extras: tuple[Extra, ...]) -> _Trial:
+        """These extras without bounds."""
+        base = self.base
+        layout = ColumnLayout(base.layout.n, extras)
+        places = layout.within(self.whole)
+        part = self.sums.part(places)
+        own = _pinned(base, self.prior.part(places))
+        like = estimate(
+            part,
+            own,
+            correlation=base.correlation,
+            positive=layout.positive(),
+            consistent=False,
+            sigma=base.free.sigma,
+        )
+        left = overall(unseen_rms(part, own, like, base.correlation))
+        first = layout.inertial + 4 * layout.n
+        added = layout.positive()[first:]
+        possible = bool((like.theta[first:][added] > 0.0).all())
+        evidence = log_evidence(part, own, like, base.correlation)
+        return _Trial(layout, own, like, evidence, left, possible)
 
 
-def _shown(
-    base: Fit,
-    sums: Moments,
-    prior: Prior,
-    whole: ColumnLayout,
-    chosen: tuple[Extra, ...],
-    extra: Extra,
-    trial: _Trial,
-    now: _Trial,
-) -> bool:
-    """Whether the logs show an extra clearly.
+@dataclass(frozen=True)
+class _Trial:
+    """A layout tried without bounds: its prior and numbers, log evidence [nats], what it leaves
+    unseen [Nm], and whether numbers of its extras that cannot be negative are not."""
 
-    Bodies that cannot exist, or that the file has wrong, take the place of a balancer: there it is
-    bodies that can exist, and of which the file says nothing, that must leave more without it.
-    """
-    if extra.kind != "balancer":
-        return _gains(extra, trial, now)
-    if trial.evidence - now.evidence < CLEAR:
-        return False
-    n = base.layout.n
-    like = replace(base.free, kappa=np.full(n, MOST_WIDTH))
-    left = []
-    for layout in (ColumnLayout(n, chosen), ColumnLayout(n, (*chosen, extra))):
-        places = layout.within(whole)
-        positive = layout.positive()
-        parts = (sums.part(places), prior.part(places))
-        left.append(overall(unseen_rms(*parts, like, base.correlation, positive)))
-    return _gains(extra, _Trial(0.0, left[1]), _Trial(0.0, left[0]))
+    layout: ColumnLayout
+    prior: Prior
+    like: Estimate
+    evidence: float
+    left: Array
+    possible: bool
 
 
 def _gains(extra: Extra, trial: _Trial, now: _Trial) -> bool:
@@ -110,36 +167,6 @@ def _gains(extra: Extra, trial: _Trial, now: _Trial) -> bool:
         moved, -np.log(np.maximum(trial.left, NOTHING) / np.maximum(now.left, NOTHING)), 0.0
     )
     return bool(less.sum() > 0.0 and less[list(extra.touches)].mean() > LEAST_GAIN * extra.size)
-
-
-@dataclass(frozen=True)
-class _Trial:
-    """A layout tried without bounds: log evidence [nats], what it leaves unseen [Nm], and whether
-    numbers of its extras that cannot be negative are not."""
-
-    evidence: float
-    left: Array
-    possible: bool = True
-
-
-def _tried(
-    base: Fit, sums: Moments, prior: Prior, whole: ColumnLayout, layout: ColumnLayout
-) -> _Trial:
-    places = layout.within(whole)
-    part = sums.part(places)
-    own = _pinned(base, prior.part(places))
-    like = estimate(
-        part,
-        own,
-        correlation=base.correlation,
-        positive=layout.positive(),
-        consistent=False,
-        sigma=base.free.sigma,
-    )
-    left = overall(unseen_rms(part, own, like, base.correlation))
-    added = layout.positive()[layout.inertial + 4 * layout.n :]
-    possible = bool((like.theta[layout.inertial + 4 * layout.n :][added] > 0.0).all())
-    return _Trial(log_evidence(part, own, like, base.correlation), left, possible)
 
 
 def _pinned(base: Fit, prior: Prior) -> Prior:

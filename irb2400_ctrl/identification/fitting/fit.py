@@ -4,16 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 
 from irb2400_ctrl.arrays import Array, Integers, Mask
-from irb2400_ctrl.identification.fitting.choice import (
-    NOTHING,
-    PINNED,
-    candidates,
-    chosen_extras,
-)
+from irb2400_ctrl.identification.fitting.choice import NOTHING, PINNED, Choice, candidates
 from irb2400_ctrl.identification.fitting.columns import ColumnLayout, Extra
 from irb2400_ctrl.identification.fitting.cross_validation import FOLDS, overall, unseen_rms
 from irb2400_ctrl.identification.fitting.estimate import (
@@ -23,7 +19,13 @@ from irb2400_ctrl.identification.fitting.estimate import (
     log_evidence,
 )
 from irb2400_ctrl.identification.fitting.fitted import Fit
-from irb2400_ctrl.identification.fitting.moments import Moments, Recording, moments, predicted
+from irb2400_ctrl.identification.fitting.moments import (
+    Moments,
+    Recording,
+    faster_half,
+    moments,
+    predicted,
+)
 from irb2400_ctrl.identification.fitting.noise import correlation_factor
 from irb2400_ctrl.identification.fitting.prior import Prior, prior_of
 from irb2400_ctrl.identification.fitting.sample_weights import student_weighted
@@ -61,7 +63,8 @@ def fit(model: Model, parts: Sequence[Recording], extras: Sequence[Extra] | None
     if extras is not None:
         return _settled(model, parts, of(offered))
     found = of(())
-    chosen = chosen_extras(found, sums.gathered(FOLDS), prior, whole)
+    fast = cache(lambda: moments(model, whole, faster_half(parts)).summed())
+    chosen = Choice(found, sums.gathered(FOLDS), fast, prior, whole).extras()
     found = of(chosen) if chosen else found
     unread = _unread(found)
     if len(unread):

@@ -9,7 +9,7 @@ that are known,
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -50,6 +50,12 @@ class Moments:
         """All blocks as one."""
         return Moments(
             *(x.sum(axis=0, keepdims=True) for x in (self.H, self.g, self.c, self.count))
+        )
+
+    def less(self, other: Moments) -> Moments:
+        """Without the samples of another, of as many blocks."""
+        return Moments(
+            self.H - other.H, self.g - other.g, self.c - other.c, self.count - other.count
         )
 
     def gathered(self, most: int) -> Moments:
@@ -97,6 +103,17 @@ def recordings(motions: Sequence[PreparedLog], given: Sequence[Array]) -> list[R
         found.append(Recording(motion, first + number, torque))
         first += int(number[-1]) + 1
     return found
+
+
+def faster_half(parts: Sequence[Recording]) -> list[Recording]:
+    """The recordings as if each joint were known only at more than half of its fastest speed, the
+    one that a hundredth of the samples exceed."""
+    speed = np.concatenate([np.where(p.motion.known, np.abs(p.motion.qd), 0.0) for p in parts])
+    edge = 0.5 * np.quantile(speed, 0.99, axis=0)
+    return [
+        replace(p, motion=replace(p.motion, known=p.motion.known & (np.abs(p.motion.qd) > edge)))
+        for p in parts
+    ]
 
 
 def moments(model: Model, layout: ColumnLayout, parts: Sequence[Recording]) -> Moments:
