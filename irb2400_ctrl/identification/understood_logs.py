@@ -11,7 +11,7 @@ import numpy as np
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.identification.identification import LogResult
 from irb2400_ctrl.measurement import Log
-from irb2400_ctrl.plausibility import log_problem
+from irb2400_ctrl.plausibility import LogProblem, log_problem
 from irb2400_ctrl.plausibility.problem import named
 from irb2400_ctrl.robot import Robot
 
@@ -56,7 +56,7 @@ def understood_logs(robot: Robot, logs: Sequence[Log]) -> UnderstoodLogs:
         if problem is None or problem.kind == FAR_FROM_THE_FILE:
             kept.append(log)
         else:
-            problems.append(f"{log.name}: {problem.says}")
+            problems.append(f"{log.name}: {problem.says}{_way_out(problem)}")
         if problem is not None:
             doubts[log.name] = problem.says
     if problems and not kept:
@@ -66,6 +66,17 @@ def understood_logs(robot: Robot, logs: Sequence[Log]) -> UnderstoodLogs:
         )
     left_out = [f"left out, not understood: {problem}" for problem in problems]
     return UnderstoodLogs(kept, left_out, doubts)
+
+
+def _way_out(problem: LogProblem) -> str:
+    """Where a file may be as wrong as a column: one joint in a unit that has no name. An arm fitted
+    to such a column would get a balancer that nobody sees."""
+    if problem.kind != "torque_scale" or not problem.joints:
+        return ""
+    return (
+        " (if the column is right, the file's bodies or friction are off by as much there: state "
+        "them nearer to the arm, in `[[links]]` and `[[joints]]`)"
+    )
 
 
 def borne_out(doubts: dict[str, str], results: Sequence[LogResult]) -> list[str]:

@@ -122,13 +122,15 @@ class Comparison:
 
         What began within the record has nothing but the record's end to show itself: over 1.
         """
-        before = self.y - self.Z @ self.base.z
-        after = self.y - self._explained(self.base, candidate)
+        # under the noise that it leaves: that of the base may hold all of it for a reversal's
+        problem = self._under(self.y - self.explained(candidate))
+        before = self.y - self.Z @ problem.z
+        after = self.y - self._explained(problem, candidate)
         torque = candidate.torque(self.n)
         second = (self.scan.motion.row_time - self.scan.motion.row_time[0]).astype(np.intp)
         taken = np.zeros(second[-1] + 1)
         acting = np.zeros(len(taken))
-        for j, one in enumerate(self.base.noise):
+        for j, one in enumerate(problem.noise):
             change = one.whiten(before[:, j]) ** 2 - one.whiten(after[:, j]) ** 2
             taken += np.bincount(second[one.kept], change, len(taken))
             acting += np.bincount(second[one.kept], one.whiten(torque[:, j]) ** 2, len(taken))
