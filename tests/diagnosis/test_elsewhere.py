@@ -11,6 +11,7 @@ import pytest
 
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.diagnosis.comparison.comparison import Comparison
+from irb2400_ctrl.diagnosis.regressors.bases import RegressorColumns
 
 RATE = 50
 TIME = np.arange(6 * RATE) / RATE
@@ -19,16 +20,23 @@ THROUGHOUT = np.sin(9 * TIME)
 EVENT = np.where((TIME >= 2) & (TIME < 3), 1.0, 0.0) * np.sin(9 * TIME)
 
 
-def shown(torque: Array, law: Array, begins: tuple[float, ...] = ()) -> float:
-    """`Comparison.elsewhere` of a law on one joint with white noise, beside an offset."""
+def judge(torque: Array, turning: Array | None = None) -> Comparison:
+    """Of one joint with white noise, beside an offset; `turning`: its reversals."""
     noise = np.random.default_rng(3).normal(0, 0.01, len(TIME))
     motion = SimpleNamespace(
         n=1, row_time=TIME, row_known=np.ones((len(TIME), 1), dtype=bool), step=1 / RATE
     )
     scan: Any = SimpleNamespace(motion=motion)
-    turning = np.zeros((len(TIME), 1), dtype=bool)
+    reversal = np.zeros(len(TIME), dtype=bool) if turning is None else turning
     base = np.full((len(TIME), 1, 1), 0.1)
-    comparison = Comparison(scan, turning, (torque + noise)[:, None], base)
+    return Comparison(scan, reversal[:, None], (torque + noise)[:, None], base)
+
+
+def shown(
+    torque: Array, law: Array, begins: tuple[float, ...] = (), turning: Array | None = None
+) -> float:
+    """`Comparison.elsewhere` of a law."""
+    comparison = judge(torque, turning)
     size = float(law @ torque / (law @ law))
     candidate: Any = SimpleNamespace(torque=lambda n: size * law[:, None], begins=begins)
     return comparison.elsewhere(candidate)
@@ -44,3 +52,26 @@ def test_an_event_is_no_law_that_acts_throughout() -> None:
 
 def test_what_began_within_the_record_must_show_beyond_one_second() -> None:
     assert shown(SHORT, SHORT, begins=(0.0,)) < 0.2
+
+
+def test_what_shows_at_turns_above_all_shows_in_all_of_them() -> None:
+    """A delay of a joint with much friction, in motion not quite as large: beside it the base
+    leaves a noise of reversals that holds all of it, and by that noise all but one second spoke
+    against it."""
+    turning = TIME % 0.5 < 0.1
+    law = np.where(turning, 1.0, 0.2) * THROUGHOUT
+    whole = turning | (np.floor(TIME) == 4)
+    assert shown(np.where(whole, law, 0.4 * law), law, turning=turning) > 0.8
+
+
+@pytest.mark.parametrize(("moving", "size"), [(1.0, 1.0), (0.3, 0.3), (0.0, 0.0), (2.5, 2.5)])
+def test_how_large_a_law_is_where_the_joint_moves(moving: float, size: float) -> None:
+    turning = TIME % 0.5 < 0.1
+    law = np.where(turning, 1.0, 0.4) * THROUGHOUT
+    comparison = judge(np.where(turning, law, moving * law), turning)
+    columns = RegressorColumns((0,), law[:, None, None])
+    told: Any = SimpleNamespace(coefficients=np.ones(1))
+    candidate: Any = SimpleNamespace(law=columns, score=told, expected=())
+    gain, found = comparison.moving(candidate)
+    assert found == pytest.approx(size, rel=0.06, abs=0.02)
+    assert (gain > 50.0) == (moving > 0.0)
