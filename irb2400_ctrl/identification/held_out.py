@@ -13,9 +13,12 @@ from irb2400_ctrl.identification.fitting.columns import ColumnLayout
 from irb2400_ctrl.identification.fitting.estimate import averaged, estimate
 from irb2400_ctrl.identification.fitting.fitted import Fit
 from irb2400_ctrl.identification.fitting.moments import Recording, predicted
+from irb2400_ctrl.identification.identification import LogResult
 from irb2400_ctrl.model import Model
 
 MOST_FOLDS = 5
+MEAN_OVER = 0.2
+"""[s]"""
 
 
 def groups(parts: Sequence[Recording], slow: Sequence[bool]) -> list[Integers]:
@@ -72,3 +75,18 @@ def held_out(
 def errors_of(part: Recording, prediction: Array) -> Errors:
     """Eqs. 75-77 where the torque is known."""
     return errors(part.motion.tau, prediction, part.motion.known)
+
+
+def slowly_left(results: Sequence[LogResult]) -> Array:
+    """What the fit left on stretches of these logs that it had not seen, noise apart: rms of its
+    means over `MEAN_OVER`, per joint, shape (n,) [Nm]."""
+    squares = np.zeros(results[0].measured.shape[1])
+    counts = np.zeros(len(squares))
+    for result in results:
+        count = max(1, round(MEAN_OVER / float(result.time[1] - result.time[0])))
+        whole = len(result.time) // count * count
+        left = (result.measured - result.unseen)[:whole].reshape(-1, count, len(squares))
+        known = result.known[:whole].reshape(-1, count, len(squares)).all(axis=1)
+        squares += np.sum(np.where(known, left.mean(axis=1), 0.0) ** 2, axis=0)
+        counts += known.sum(axis=0)
+    return np.asarray(np.sqrt(squares / np.maximum(counts, 1)))

@@ -28,7 +28,7 @@ from irb2400_ctrl.identification.friction_curve import (
 )
 from irb2400_ctrl.identification.gains import known_load_gains
 from irb2400_ctrl.identification.gate import Verdict, verdicts
-from irb2400_ctrl.identification.held_out import held_out
+from irb2400_ctrl.identification.held_out import held_out, slowly_left
 from irb2400_ctrl.identification.identification import Identification, LogResult
 from irb2400_ctrl.identification.identified_robot import fit_base, identified_robot
 from irb2400_ctrl.identification.moved import ALARM, Moved, moved_bodies
@@ -113,11 +113,12 @@ def _identified(robot: Robot, seen: Sequence[Log], others: Sequence[Log]) -> Ide
     covariance = block_covariance(found.sums, found.prior, found.numbers, found.samples)
     fitted, said = identified_robot(kept, found.layout, found.theta)
     _agree(fitted, kept, parts[0], predicted(model, found.layout, parts[0], found.theta))
-    known = Identified.of(found.layout.names(), covariance, [log.name for log in seen])
     moved = moved_bodies(base, found.prior, found.theta, covariance, found.numbers.kappa)
     told = verdicts(model, found.layout, found.sums, found.numbers.sigma, found.samples)
     slow = [log_of_runs(log, curves) for log in seen]
     results = _judged(model, robot, found, parts, slow)
+    names = [log.name for log in seen]
+    known = Identified.of(found.layout.names(), covariance, names, slowly_left(results))
     results += _validated(model, robot, kept, found, _motions(others, source))
     return Identification(
         given=robot,

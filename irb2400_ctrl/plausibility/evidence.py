@@ -3,8 +3,9 @@
     tau_j = tau_nominal_j + Y_j delta + Fc_j turn_j + Fv_j qd_j + o_j + e_j
 
 delta are inertial numbers off by what files are off by, and a payload that the arm may carry;
-friction is never negative. e_j has a fifth of the torque's own size: effects, drives and crude
-models are not to look like a wrong column. A reading of the log is judged by its evidence.
+friction is never negative. e_j has a fifth of the torque's own size, or what an identification of
+the arm has left: effects, drives and crude models are not to look like a wrong column. A reading of
+the log is judged by its evidence.
 """
 
 from __future__ import annotations
@@ -124,12 +125,13 @@ class Nominal:
         nominal, Y = columns
         m, n = rows.tau.shape
         size = np.sqrt(np.mean(rows.tau**2, axis=0)) + 1e-9
+        own = np.maximum(misfit, self.robot.usually_left / size)
         if not np.abs(nominal).max() < ABSURD * size.max():
             return Fit(np.inf, np.inf, np.ones(n))
-        weight = np.sqrt(min(PER_SECOND * rows.seconds, MOST_ROWS) / m) / (misfit * size)
+        weight = np.sqrt(_independent(rows) / m) / (own * size)
         dry = self.robot.friction[:, 1]
         # a joint at rest is held by its dry friction: its torque may be off by so much
-        held = np.minimum(STILL, misfit * size / np.hypot(misfit * size, dry))
+        held = np.minimum(STILL, own * size / np.hypot(own * size, dry))
         weight = weight * np.where(rows.still, held, 1.0)
         k = Y.shape[2]
         viscous = self.robot.friction[:, 2]
@@ -151,7 +153,8 @@ class Nominal:
         whole = np.sum(carried * weight**2, axis=0)
         # of a joint without torque nothing can be left
         left = np.sqrt(np.sum(rest**2, axis=0) / np.where(whole > 0, whole, np.inf))
-        return Fit(price + float(np.linalg.slogdet(A)[1]), price, left)
+        vague = 2.0 * _independent(rows) * float(np.sum(np.log(own / misfit)))
+        return Fit(price + float(np.linalg.slogdet(A)[1]) + vague, price, left)
 
     def sharp_cost(
         self, rows: Rows, columns: tuple[Array, Array], misfits: tuple[float, ...] = MISFITS
@@ -162,7 +165,7 @@ class Nominal:
         may be far below a fifth of the torque; then a reading that leaves several times more is
         not this log's, though a crude model would allow it.
         """
-        count = rows.tau.shape[1] * min(PER_SECOND * rows.seconds, MOST_ROWS)
+        count = rows.tau.shape[1] * _independent(rows)
         costs = [
             self.explained(rows, columns, s).cost + 2.0 * count * np.log(s / MISFIT)
             for s in misfits
@@ -182,6 +185,11 @@ class Nominal:
                 OFFSET * size,
             ]
         )
+
+
+def _independent(rows: Rows) -> float:
+    """Rows that each tell something."""
+    return min(PER_SECOND * rows.seconds, MOST_ROWS)
 
 
 def _bounded(A: Array, b: Array, least: Array) -> Array:

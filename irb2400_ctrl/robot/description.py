@@ -72,6 +72,9 @@ class Robot(Table):
         motors = self.motor_coupling
         if motors is not None and np.shape(motors.matrix) != (n, n):
             problems.append(f"motor_coupling: expected a {n} x {n} matrix")
+        known = self.identified
+        if known is not None and len(known.left_Nm) not in (0, n):
+            problems.append(f"identified: found {len(known.left_Nm)} left_Nm, expected {n}")
         bodies = {"tool", *(link.name for link in self.links)}
         for name in sorted(set(self.uncertainty.links) - bodies):
             problems.append(f"uncertainty.links.{name}: no such link")
@@ -159,6 +162,13 @@ class Robot(Table):
         """Torque limits [Nm], infinite where the file states none, shape (n,)."""
         limits = [joint.limits.torque_Nm for joint in self.joints]
         return _read_only(np.array([np.inf if value is None else value for value in limits]))
+
+    @cached_property
+    def usually_left(self) -> Array:
+        """Torque that an identification of this arm has left unseen [Nm], nothing where the file is
+        of none, shape (n,)."""
+        known = () if self.identified is None else self.identified.left_Nm
+        return _read_only(np.array(known or (0.0,) * len(self.joints)))
 
     @cached_property
     def qd_bound(self) -> Array:

@@ -22,9 +22,12 @@ class Identified(Table):
     The root keeps C positive however its digits are cut. `root` gives each number its row of L, as
     text: `m_1` [kg], `mx_1` [kg m], `Ixx_1` [kg m2] of the links about their frames' origins (the
     tool in the last one), `coulomb_1`, `offset_1` [Nm], `viscous_1` [Nm s/rad], `rotor_1` [kg m2].
+    `left_Nm` is what the fit left of each joint on stretches which it had not seen, noise apart;
+    empty in files that do not say.
     """
 
     logs: tuple[str, ...] = ()
+    left_Nm: tuple[float, ...] = ()
     root: dict[str, str] = Field(min_length=1)
 
     @model_validator(mode="after")
@@ -41,13 +44,19 @@ class Identified(Table):
         return self
 
     @classmethod
-    def of(cls, names: Sequence[str], covariance: Array, logs: Sequence[str] = ()) -> Identified:
+    def of(
+        cls,
+        names: Sequence[str],
+        covariance: Array,
+        logs: Sequence[str] = (),
+        left_Nm: Sequence[float] | Array = (),
+    ) -> Identified:
         """Of a covariance (p, p) of numbers with these names.
 
         Args:
             names: of the numbers, as `root` has them.
             covariance: in their units squared, shape (p, p).
-            logs: that they were identified from.
+            logs: that they were identified from; left_Nm: of each joint, unseen.
         """
         size = np.sqrt(np.diag(covariance))
         scaled = covariance / np.outer(size, size)
@@ -57,7 +66,8 @@ class Identified(Table):
             name: " ".join(f"{value:.{DIGITS - 1}e}" for value in lower[k, : k + 1])
             for k, name in enumerate(names)
         }
-        return cls(logs=tuple(logs), root=rows)
+        left = tuple(float(f"{value:.3g}") for value in left_Nm)
+        return cls(logs=tuple(logs), left_Nm=left, root=rows)
 
     def rows(self, names: Sequence[str]) -> Array:
         """Rows of L of some numbers, shape (len(names), p).

@@ -60,6 +60,16 @@ def test_unseen_it_is_better_than_the_file(found: Identification) -> None:
         assert unseen.mean() < before.mean()
 
 
+def test_the_file_says_what_was_left_of_each_joint_noise_apart(found: Identification) -> None:
+    known = found.robot.identified
+    assert known is not None
+    (result,) = (log for log in found.logs if log.role == "identification")
+    left = result.error("unseen").rmse
+    # the noise of a sample is most of what is left of five joints, of axis 4 it is not
+    assert (np.array(known.left_Nm) < 0.8 * left).all()
+    assert known.left_Nm[3] > 0.4 * left[3]
+
+
 def test_what_validate_says_is_the_same(found: Identification, logs: list[irb.Log]) -> None:
     error = validate(found.robot, logs[1]).error
     np.testing.assert_allclose(error.rmse, found.logs[1].error("fitted").rmse, rtol=1e-6)

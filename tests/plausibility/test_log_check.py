@@ -17,7 +17,7 @@ from sound_logs import Drawn, chatters, sound_log
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.measurement import Log
 from irb2400_ctrl.plausibility import check_log, log_problem
-from irb2400_ctrl.robot import Transmission, load_robot
+from irb2400_ctrl.robot import Identified, Transmission, load_robot
 
 ROBOT = load_robot("irb2400")
 CORRUPTIONS = {one.name: one for one in corruptions(ROBOT)}
@@ -200,3 +200,21 @@ def test_strange_logs_get_an_answer(samples: int, torque: str) -> None:
         assert json.dumps(content, allow_nan=False)
         if samples < 20:
             assert content["log_problem"]["kind"] == "too_short"
+
+
+@pytest.mark.parametrize("left", [(), (0.5,) * 6, (1e3, 1e3, 0.5, 0.5, 0.5, 0.5)])
+def test_what_an_identification_has_left_of_a_joint_is_no_wrong_column(
+    left: tuple[float, ...],
+) -> None:
+    """Of an arm whose model misses most of the torque of two axes a sound run was "numbered
+    otherwise". Where little is left a wrong column is one."""
+    log = plain().log
+    tau = np.array(log.tau)
+    rng = np.random.default_rng(8)
+    tau[:, :2] = 300.0 * np.sin(log.time[:, None] * [3.1, 4.7] + rng.uniform(0, 6, 2))
+    known = Identified.of(["coulomb_1"], np.eye(1), left_Nm=left)
+    robot = ROBOT.model_copy(update={"identified": known})
+    problem = log_problem(robot, Log(log.time, log.q, tau))
+    assert (problem is None) == (max(left, default=0.0) > 1.0)
+    swapped = Log(log.time, log.q[:, [0, 1, 2, 4, 3, 5]], tau[:, [0, 1, 2, 4, 3, 5]])
+    assert log_problem(robot, swapped) is not None

@@ -23,11 +23,13 @@ def covariance() -> np.ndarray:
 
 
 def test_covariance_goes_through_a_file(tmp_path: Path) -> None:
-    known = Identified.of(NAMES, covariance(), ["monday.csv"])
+    left = (1.23456, 2.0, 0.0, 0.5, 0.25, 1e-3)
+    known = Identified.of(NAMES, covariance(), ["monday.csv"], left)
     robot = load_robot("irb2400").model_copy(update={"identified": known})
     again = load_robot(save_robot(robot, tmp_path / "arm.toml"))
     assert again == robot
     assert again.identified is not None
+    assert again.identified.left_Nm == (1.23, 2.0, 0.0, 0.5, 0.25, 1e-3)
     L = again.identified.rows(NAMES)
     size = np.sqrt(np.diag(covariance()))
     np.testing.assert_allclose(
@@ -57,3 +59,9 @@ def test_a_number_that_is_not_there_is_said() -> None:
 def test_rows_that_are_no_triangle_are_refused(row: str) -> None:
     with pytest.raises(ValueError, match=r"root\.m_1"):
         Identified(root={"m_1": row})
+
+
+def test_what_is_left_is_of_every_joint() -> None:
+    known = Identified.of(NAMES, covariance(), left_Nm=(1.0, 2.0))
+    with pytest.raises(ValueError, match="identified: found 2 left_Nm, expected 6"):
+        load_robot("irb2400").model_copy(update={"identified": known})

@@ -83,8 +83,16 @@ class Criteria:
 class Threshold:
     """The criteria applied to one log."""
 
-    def __init__(self, criteria: Criteria, motion: PreparedLog, predicted: Array) -> None:
-        """`predicted`: torque of the robot as given along the motion, shape (m, n) [Nm]."""
+    def __init__(
+        self,
+        criteria: Criteria,
+        motion: PreparedLog,
+        predicted: Array,
+        usual: Array | float = 0.0,
+    ) -> None:
+        """`predicted`: torque of the robot as given along the motion, shape (m, n) [Nm]; `usual`:
+        what an identification of this arm has left, (n,) [Nm]."""
+        self.usual = usual
         self.criteria = criteria
         self.n = motion.n
         self.rms = np.sqrt(np.mean(motion.filtered_reading(motion.tau) ** 2, axis=0))
@@ -148,9 +156,8 @@ class Threshold:
         )
         if any(e.search.rattles for e in candidate.effects):
             least = 0.0  # nine tenths of it are quicker than what is compared
-        return np.asarray(
-            (size > np.sqrt(c.energy * comparison.energy)) & (size > least * self.rms)
-        )
+        much = np.maximum(least * self.rms, self.usual)
+        return np.asarray((size > np.sqrt(c.energy * comparison.energy)) & (size > much))
 
     def said_by_less(
         self, comparison: Comparison, alternative: Alternative, every: Sequence[Alternative]

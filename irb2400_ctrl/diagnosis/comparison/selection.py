@@ -43,7 +43,8 @@ class Selection:
         self.acceptance = Acceptance(fitter, self.criteria)
         motion = scan.motion
         predicted = predicted_torque(fitter.robot, motion, fitter.bases)
-        self.threshold = Threshold(self.criteria, motion, predicted)
+        usual = fitter.robot.usually_left
+        self.threshold = Threshold(self.criteria, motion, predicted, usual)
         left = motion.tau - predicted
         self.turns = AtReversals(motion, left)
         self.load_changes = AtLoadChanges(motion, left, fitter.bases.model)
