@@ -1,5 +1,4 @@
-"""Every effect of the library that has a bound keeps it at every instant, whenever the motion
-starts."""
+"""Every effect of the library that has a bound keeps it always, whenever the motion starts."""
 
 from __future__ import annotations
 
@@ -77,9 +76,7 @@ CASES: dict[str, list[Effect]] = {
     "process force": [
         effect("process_force", None, force_x_N=60, force_z_N=-80, start_s=0.2, stop_s=0.8)
     ],
-    "process force along the tool": [
-        effect("process_force", None, force_x_N=60, force_z_N=-80, in_tool_frame=True)
-    ],
+    "along the tool": [effect("process_force", None, force_z_N=-80, in_tool_frame=True)],
     "hysteresis": [effect("hysteresis", j, amplitude_Nm=40, width_rad=0.02) for j in (1, 2, 3)],
     "ripple in windows": [
         effect("gear_ripple", 3, amplitude_Nm=8, order=37, windows_s=((0.1, 0.6), (0.7, 0.9)))
