@@ -36,8 +36,9 @@ def test_a_law_without_a_name_beats_the_library_by_more_than_earlier_laws_may_le
 
 @pytest.mark.parametrize(
     ("gain", "leftover", "named"),
-    # a law gains 1000: with what its own law leaves the name needs ten less, and half by itself
-    [(500.0, 990.0, True), (500.0, 989.9, False), (499.9, 1e4, False), (995.0, 0.0, True)],
+    # a law gains 1200: with what its own law leaves the name needs ten less, and by itself all but
+    # the half that its law may leave
+    [(800.0, 1190.0, True), (800.0, 1189.9, False), (799.9, 1e4, False), (1195.0, 0.0, True)],
 )
 def test_a_name_may_leave_what_its_law_is_too_simple_for(
     gain: float, leftover: float, named: bool
@@ -45,19 +46,34 @@ def test_a_name_may_leave_what_its_law_is_too_simple_for(
     """A friction that is larger in one direction, at some speeds more than at others, was a
     function of the speed without a name, for one part in nine of its evidence."""
     name = alternative(candidate(), gain=gain)
-    unnamed = alternative(candidate((0.0, 9.0, 0.0), known=False), gain=1000.0)
+    unnamed = alternative(candidate((0.0, 9.0, 0.0), known=False), gain=1200.0)
     given = comparison(with_its_leftover=lambda one: BASE + leftover)
     assert (threshold().best(given, [unnamed, name], ()) is name) == named
 
 
-@pytest.mark.parametrize(("size", "named"), [(5.49, True), (5.5, False), (4.51, True)])
-def test_a_name_stands_where_hardly_more_is_said_without_it(size: float, named: bool) -> None:
-    """A cable that creeps leaves 6 % of its torque, however many nats that is."""
+@pytest.mark.parametrize(
+    ("gain", "beyond", "size", "named"),
+    [
+        (600.0, 1.0, 5.49, True),
+        (600.0, 1.0, 5.5, False),
+        (600.0, 1.0, 4.51, True),
+        # a soft stop is a spring of nearly the same torque, but far more probable
+        (599.9, 1.0, 5.49, False),
+        # however clearly, where the base takes the effect in: there evidence understates it
+        (50.0, 0.049, 5.49, True),
+        (50.0, 0.05, 5.49, False),
+    ],
+)
+def test_a_name_stands_where_hardly_more_is_said_without_it(
+    gain: float, beyond: float, size: float, named: bool
+) -> None:
+    """A cable that creeps leaves 6 % of its torque, and one part in seven of its evidence."""
     unnamed = alternative(candidate((99.0, size, 99.0), known=False), gain=900.0)
+    given = comparison(share_beyond_base=lambda one: beyond)
 
-    def stands(**given: Any) -> bool:
-        name = alternative(candidate((0.0, 5.0, 0.0), **given), gain=50.0)
-        return threshold().best(comparison(), [unnamed, name], ()) is name
+    def stands(**more: Any) -> bool:
+        name = alternative(candidate((0.0, 5.0, 0.0), **more), gain=gain)
+        return threshold().best(given, [unnamed, name], ()) is name
 
     assert stands() == named
     # ripples of any order are a flexible law themselves

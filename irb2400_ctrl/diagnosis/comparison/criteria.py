@@ -46,9 +46,10 @@ class Criteria:
         elsewhere: share of what it explains that lies outside the second in which it explains most,
             over the share of its torque there.
         two_at_once: how much more a non-parametric law may gain than the best effect, for two
-            effects to be tried instead, or that effect with what its law may leave.
+            effects to be tried instead.
         unknown: how much a non-parametric law must beat the best effect by [nats]; little: how much
-            more it must say: rms torque over the effect's.
+            more it must say: rms torque over the effect's, where it beats that by less than the
+            share that its law may leave or the base takes the effect in for the most part.
         mostly_base: share of an effect's torque that no other numbers of the robot would give,
             below which unseen rows say nothing about it.
         shortlist: candidates judged in a step; most: explanations of one log; most_refused:
@@ -301,11 +302,16 @@ class Threshold:
         known = next((r for r in alternatives if r.candidate.known), None)
         if best.candidate.known or known is None:
             return best
-        if self._leaves_little(comparison, known, best):
+        # by less than the share that its law may leave
+        close = comparison.gain(best) <= (
+            1.0 + known.candidate.discrepancy_share
+        ) * comparison.gain(known)
+        mostly_base = comparison.share_beyond_base(known.candidate) < self.criteria.mostly_base
+        if (close or mostly_base) and self._leaves_little(comparison, known, best):
             return known
         earlier = self.left_by(comparison, chosen, best.candidate.joint or 1)
         rival = known.evidence
-        if comparison.gain(best) <= (1.0 + self.criteria.two_at_once) * comparison.gain(known):
+        if close:
             rival = max(rival, comparison.with_its_leftover(known))
         needed = self.criteria.unknown + earlier
         return best if best.evidence - rival > needed else known
