@@ -35,7 +35,7 @@ class ProcessForce(Effect):
     force_y_N: float = Field(default=0.0, description="force on the tool along y [N]")
     force_z_N: float = Field(default=0.0, description="force on the tool along z [N]")
     in_tool_frame: bool = Field(
-        default=False, description="whether x, y, z are the axes of the tool, not of the base"
+        default=False, description="whether x, y, z are the axes of the tool, not of the base [-]"
     )
     start_s: float = Field(default=0.0, description="first instant of the force [s]")
     stop_s: float = Field(default=1e9, description="end of the force [s]")

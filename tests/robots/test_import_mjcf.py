@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import xml.etree.ElementTree as ET
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +12,7 @@ from robots.imported import robot
 import irb2400_ctrl as irb
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.robot.importing import import_robot
+from irb2400_ctrl.robot.importing.mjcf_parts import torque_limits
 from irb2400_ctrl.robot.mjcf_export import to_mjcf
 
 OWN = """<mujoco model="own">
@@ -217,3 +219,23 @@ def test_a_scene_with_an_arm_a_table_and_a_cube_is_the_arm(tmp_path: Path) -> No
         mujoco.mj_inverse(engine, data)
         tau = model.inverse_dynamics(q, qd, qdd, friction=False) + whole.friction[:, 2] * qd
         np.testing.assert_allclose(tau, data.qfrc_inverse, rtol=0, atol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("given", "limit"),
+    [
+        ('forcerange="-12 12"', 12.0),
+        ('forcerange="-12 20" gear="2 0 0"', 24.0),
+        ('forcerange="-inf inf"', None),
+        ('forcerange="-12 1 2"', "actuator of elbow: found '-12 1 2', expected 2 finite numbers"),
+        ('forcerange="-12 12" gear="a"', "actuator of elbow: found 'a', expected 1 finite numbers"),
+    ],
+)
+def test_limits_of_actuators_are_two_numbers(given: str, limit: float | str | None) -> None:
+    """A line break within a number made three of them, and a traceback."""
+    root = ET.fromstring(f'<m><actuator><motor joint="elbow" {given}/></actuator></m>')
+    if isinstance(limit, str):
+        with pytest.raises(InputError, match=limit):
+            torque_limits(root, {})
+        return
+    assert torque_limits(root, {}).get("elbow") == limit

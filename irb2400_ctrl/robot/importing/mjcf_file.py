@@ -25,6 +25,7 @@ from irb2400_ctrl.robot.importing.mjcf_parts import (
     Settings,
     defaults,
     spliced,
+    stated_numbers,
     torque_limits,
 )
 from irb2400_ctrl.robot.importing.tree import Mass, Tree, TreeJoint, inverse, pose
@@ -76,7 +77,7 @@ def read_mjcf(path: Path, root: ET.Element) -> Tree:
     option = root.find("option")
     gravity = (0.0, 0.0, -9.81)
     if option is not None and option.get("gravity"):
-        x, y, z = _numbers(str(path), str(option.get("gravity")), 3)
+        x, y, z = stated_numbers(str(path), str(option.get("gravity")), 3)
         gravity = (float(x), float(y), float(z))
     name = root.get("model") or path.stem
     return Tree(name, f"imported from {path.name} (MJCF)", reader.links, tuple(reader.joints),
@@ -115,15 +116,15 @@ class _Reader:
             child = name if last else f"{name}_{k + 1}"
             settings = self._settings(hinge, kind)
             # the child's frame stands in the point of the joint, and turns about it
-            at = pose(_numbers(name, settings.get("pos", "0 0 0"), 3), np.eye(3))
+            at = pose(stated_numbers(name, settings.get("pos", "0 0 0"), 3), np.eye(3))
             joint = self._joint(settings, parent, child, X @ at)
             self.joints.append(joint)
             if not last:
                 self.links[child] = None
             parent = child
             # the file shows the arm with the joint at `ref`
-            axis = _numbers(name, settings.get("axis", "0 0 1"), 3)
-            ref = _numbers(name, settings.get("ref", "0"), 1)[0]
+            axis = stated_numbers(name, settings.get("axis", "0 0 1"), 3)
+            ref = stated_numbers(name, settings.get("ref", "0"), 1)[0]
             X = pose(np.zeros(3), turn(axis, -self.unit * ref)) @ inverse(at)
             here = X
         if not hinges:
@@ -169,15 +170,15 @@ class _Reader:
         force = settings.get("actuatorfrcrange")
         effort = self.limits.get(name)
         if force:
-            effort = float(np.abs(_numbers(name, force, 2)).min())
-        low, high = self.unit * _numbers(name, ends, 2) if ends and limited else (0.0, 0.0)
+            effort = float(np.abs(stated_numbers(name, force, 2)).min())
+        low, high = self.unit * stated_numbers(name, ends, 2) if ends and limited else (0.0, 0.0)
         return TreeJoint(
             name,
             kind or settings.get("type", ""),
             parent,
             child,
             X,
-            _numbers(name, settings.get("axis", "0 0 1"), 3),
+            stated_numbers(name, settings.get("axis", "0 0 1"), 3),
             range=(float(low), float(high)) if low < high else None,
             effort=effort,
             damping=_first(settings.get("damping")),
@@ -196,10 +197,10 @@ class _Reader:
         mass = _first(inertial.get("mass")) or 0.0
         full = inertial.get("fullinertia")
         if full:
-            xx, yy, zz, xy, xz, yz = _numbers(name, full, 6)
+            xx, yy, zz, xy, xz, yz = stated_numbers(name, full, 6)
             tensor = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
         else:
-            tensor = np.diag(_numbers(name, inertial.get("diaginertia", "0 0 0"), 3))
+            tensor = np.diag(stated_numbers(name, inertial.get("diaginertia", "0 0 0"), 3))
         return Mass(mass, np.zeros(3), tensor).seen_from(here @ self._pose(inertial, name))
 
     def _shapes(self, body: ET.Element, name: str, kind: str, here: Array) -> tuple[Geometry, ...]:
@@ -213,7 +214,7 @@ class _Reader:
             for keys in drawn
             if keys.get("contype", "1") != "0" or keys.get("conaffinity", "1") != "0"
         ]
-        numbers = partial(_numbers, f"{self.path}: geom of body {name}")
+        numbers = partial(stated_numbers, f"{self.path}: geom of body {name}")
         return tuple(
             geometry(keys, here, numbers, partial(orientation, unit=self.unit,
                      eulerseq=self.eulers), self.meshes) for keys in solid or drawn
@@ -221,21 +222,11 @@ class _Reader:
 
     def _pose(self, element: ET.Element, name: str) -> Array:
         try:
-            R = orientation(element.attrib, partial(_numbers, name), self.unit, self.eulers)
+            R = orientation(element.attrib, partial(stated_numbers, name), self.unit, self.eulers)
         except InputError as error:
             raise InputError(f"{self.path}: {name}: {error}") from error
-        return pose(_numbers(name, element.get("pos", "0 0 0"), 3), R)
+        return pose(stated_numbers(name, element.get("pos", "0 0 0"), 3), R)
 
 
 def _first(text: str | None) -> float | None:
-    return None if text is None else float(_numbers("number", text.split()[0], 1)[0])
-
-
-def _numbers(where: str, text: str, count: int) -> Array:
-    try:
-        values = np.array([float(word) for word in text.split()])
-    except ValueError:
-        values = np.empty(0)
-    if len(values) != count or not np.isfinite(values).all():
-        raise InputError(f"{where}: found {text!r}, expected {count} finite numbers")
-    return values
+    return None if text is None else float(stated_numbers("number", text.split()[0], 1)[0])

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.errors import InputError
 
 Settings = dict[str, str]
@@ -71,7 +72,11 @@ def defaults(root: ET.Element) -> Defaults:
 
 def torque_limits(root: ET.Element, classes: Defaults) -> dict[str, float]:
     """Torque limits that actuators put on joints [Nm]: `forcerange`, or the range of a motor, times
-    the gear."""
+    the gear.
+
+    Raises:
+        InputError: a range that is not two finite numbers, or a gear that is none.
+    """
     limits: dict[str, float] = {}
     for actuator in root.findall("actuator/*"):
         tag = str(actuator.tag)
@@ -83,9 +88,26 @@ def torque_limits(root: ET.Element, classes: Defaults) -> dict[str, float]:
             **actuator.attrib,
         }
         ends = settings.get("forcerange") or (settings.get("ctrlrange") if tag == "motor" else None)
-        if ends:
-            low, high = (abs(float(word)) for word in ends.split())
-            gear = abs(float(settings.get("gear", "1").split()[0]))
-            if min(low, high) > 0.0 and np.isfinite([low, high, gear]).all():
-                limits[joint] = min(low, high) * gear
+        if ends and "inf" not in ends:  # an infinite range is none
+            where = f"actuator of {joint}"
+            least = float(np.abs(stated_numbers(where, ends, 2)).min())
+            first = [*settings.get("gear", "").split(), "1"][0]
+            gear = float(np.abs(stated_numbers(where, first, 1)[0]))
+            if least > 0.0:
+                limits[joint] = least * gear
     return limits
+
+
+def stated_numbers(where: str, text: str, count: int) -> Array:
+    """So many finite numbers, shape (count,).
+
+    Raises:
+        InputError: they are not there; `where` is named.
+    """
+    try:
+        values = np.array([float(word) for word in text.split()])
+    except ValueError:
+        values = np.empty(0)
+    if len(values) != count or not np.isfinite(values).all():
+        raise InputError(f"{where}: found {text!r}, expected {count} finite numbers")
+    return values
