@@ -99,10 +99,15 @@ def torque_limits(root: ET.Element, classes: Defaults) -> dict[str, float]:
 
 
 def stated_numbers(where: str, text: str, count: int) -> Array:
-    """So many finite numbers, shape (count,).
+    """The finite numbers of an attribute, shape (count,).
+
+    Args:
+        where: they stand, for the message.
+        text: of the attribute.
+        count: that there must be.
 
     Raises:
-        InputError: they are not there; `where` is named.
+        InputError: another number of them, or words.
     """
     try:
         values = np.array([float(word) for word in text.split()])
