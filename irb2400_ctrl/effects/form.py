@@ -28,10 +28,11 @@ class EffectForm:
     def of(
         cls, effect: Effect, fields: Mapping[str, object], coefficients: ca.SX, discrepancy: ca.SX
     ) -> EffectForm:
-        """The form of `effect` with symbols in place of its own fields."""
-        symbols = {"kind": effect.kind, "joint": effect.joint, "windows_s": effect.windows_s}
+        """The form of `effect` with symbols in place of its own fields; those that are no number,
+        and are not given, stay as they are."""
+        own = {n: getattr(effect, n) for n in type(effect).model_fields if n != "discrepancy"}
         # construct, not validate: the fields are symbols
-        form = type(effect).model_construct(None, **{**symbols, **fields})
+        form = type(effect).model_construct(None, **{**own, **fields})
         return cls(form, coefficients, discrepancy)
 
     @classmethod

@@ -273,3 +273,17 @@ def test_one_image_serves_three_tools(
         runpy.run_path(str(script), run_name="__main__")
     assert end.value.code == 0
     assert capsys.readouterr().out.count("the image differs by") == 3
+
+
+def test_a_table_keeps_the_axes_that_a_force_is_stated_in() -> None:
+    """A force along the tool was built as one along the base: 108 Nm off on one axis."""
+    force = LIBRARY["process_force"].of(None, force_x_N=5.0, force_z_N=-80.0, in_tool_frame=True)
+    (table,) = effect_tables(with_effects((force,))).values()
+    rows = table.fields()
+    given = {row.name: ca.SX.sym(row.name, row.size) for row in rows}
+    s = Model(ARM).signals()
+    both = ca.horzcat(table.form(given).torque(s), force.torque(s))
+    f = ca.Function("f", [s.q, s.time, *given.values()], [both])
+    found = np.array(f(np.linspace(0.2, 0.7, ARM.n), 1.0, *(list(row.default) for row in rows)))
+    assert np.abs(found[:, 1]).max() > 10.0
+    np.testing.assert_allclose(found[:, 0], found[:, 1], rtol=0, atol=1e-9)
