@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import Self
 
 import numpy as np
-from pydantic import Field, model_validator
+from pydantic import Field, NonNegativeFloat, model_validator
 
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.errors import InputError
@@ -27,7 +27,7 @@ class Identified(Table):
     """
 
     logs: tuple[str, ...] = ()
-    left_Nm: tuple[float, ...] = ()
+    left_Nm: tuple[NonNegativeFloat, ...] = ()
     root: dict[str, str] = Field(min_length=1)
 
     @model_validator(mode="after")

@@ -65,3 +65,8 @@ def test_what_is_left_is_of_every_joint() -> None:
     known = Identified.of(NAMES, covariance(), left_Nm=(1.0, 2.0))
     with pytest.raises(ValueError, match="identified: found 2 left_Nm, expected 6"):
         load_robot("irb2400").model_copy(update={"identified": known})
+
+
+def test_nothing_less_than_nothing_is_left() -> None:
+    with pytest.raises(ValueError, match=r"left_Nm\.1"):
+        Identified.of(NAMES, covariance(), left_Nm=(1.0, -0.1))
