@@ -14,6 +14,7 @@ import argparse
 import sys
 from collections.abc import Sequence
 from dataclasses import asdict
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -22,7 +23,7 @@ from threadpoolctl import threadpool_limits
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
 
 from benchmarks.naming.givers import GIVERS
-from benchmarks.naming.lines import add, done, given, read
+from benchmarks.naming.lines import given, go, read
 from benchmarks.naming.measures import table
 from irb2400_ctrl.measurement import Log
 from irb2400_ctrl.robot import Robot, load_robot
@@ -45,21 +46,15 @@ def run(args: argparse.Namespace) -> None:
     seed = FIRST_SEED if args.seed is None else args.seed
     print(f"seed {seed}", flush=True)
     robot = load_robot("irb2400")
-    out = Path(args.out)
-    before = done(out, seed)
     suites = args.suites.split(",")
-    arms = [arm for arm in plan(seed) if arm.suite in suites and arm.number < args.count]
-    for arm in sorted(arms, key=lambda one: (one.number, suites.index(one.suite))):
-        wanted = [giver for giver in args.by.split(",") if (arm.name, giver) not in before]
-        if not wanted:
-            continue
-        try:
-            lines = outcome(Case(arm), robot, wanted)
-        except RuntimeError as error:
-            print(f"{arm.name}: no log, {error}", flush=True)
-            continue
-        for line in lines:
-            add(out, seed, line)
+    plans = [arm for arm in plan(seed) if arm.suite in suites and arm.number < args.count]
+    plans.sort(key=lambda one: (one.number, suites.index(one.suite)))
+    arms = ((arm.name, partial(_lines, Case, arm, robot)) for arm in plans)
+    go(Path(args.out), seed, arms, args.by.split(","))
+
+
+def _lines(case: Any, arm: Any, robot: Robot, givers: Sequence[str]) -> list[dict[str, Any]]:
+    return outcome(case(arm), robot, givers)
 
 
 def main() -> None:

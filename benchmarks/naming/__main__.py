@@ -11,6 +11,8 @@ from __future__ import annotations
 
 import argparse
 import sys
+from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -20,13 +22,13 @@ from threadpoolctl import threadpool_limits
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "tests"))
 
 from benchmarks.naming.givers import GIVERS
-from benchmarks.naming.lines import add, done, given, read
+from benchmarks.naming.lines import given, go, read
 from benchmarks.naming.measures import table
 from irb2400_ctrl.measurement import Log
 from irb2400_ctrl.robot import Robot, load_robot
 
 
-def outcome(case: Any, robot: Robot, givers: list[str]) -> list[dict[str, Any]]:
+def outcome(case: Any, robot: Robot, givers: Sequence[str]) -> list[dict[str, Any]]:
     """One line per giver: truth beside what was said."""
     seen = case.simulate()
     q_ref = seen.q_ref if case.reading.with_reference else None
@@ -49,7 +51,6 @@ def outcome(case: Any, robot: Robot, givers: list[str]) -> list[dict[str, Any]]:
 
 def run(args: argparse.Namespace) -> None:
     """Arms of all suites in turn, so that a run cut short has some of each."""
-    from mujoco_plant.machine import RanAway
     from mujoco_plant.suites import SUITES, suite
 
     seed = args.seed
@@ -57,21 +58,15 @@ def run(args: argparse.Namespace) -> None:
         seed = int(np.random.SeedSequence().generate_state(1)[0] % 10**6)
     print(f"seed {seed}", flush=True)
     robot = load_robot("irb2400")
-    out = Path(args.out)
-    before = done(out, seed)
     suites = args.suites.split(",") if args.suites else list(SUITES)
-    givers = args.by.split(",")
-    for k in range(args.start, args.start + args.count):
-        for name in suites:
-            (case,) = suite(name, k, 1, seed)
-            wanted = [g for g in givers if (case.name, g) not in before]
-            try:
-                lines = outcome(case, robot, wanted) if wanted else []
-            except RanAway:
-                print(f"{case.name}: its drives do not hold this arm, no log", flush=True)
-                continue
-            for line in lines:
-                add(out, seed, line)
+    cases = (
+        case
+        for k in range(args.start, args.start + args.count)
+        for name in suites
+        for case in suite(name, k, 1, seed)
+    )
+    arms = ((case.name, partial(outcome, case, robot)) for case in cases)
+    go(Path(args.out), seed, arms, args.by.split(","))
 
 
 def main() -> None:

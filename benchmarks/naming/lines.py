@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -25,6 +25,32 @@ def given(about: Line, log: Log, robot: Robot, givers: Sequence[str]) -> list[Li
     """
     about = {**about, "floor": difference_floor(log).tolist()}
     return [{**about, "by": giver, **GIVERS[giver](robot, log)} for giver in givers]
+
+
+def go(
+    out: Path,
+    seed: int,
+    arms: Iterable[tuple[str, Callable[[Sequence[str]], list[Line]]]],
+    givers: Sequence[str],
+) -> None:
+    """Lines of the arms that are not in the file yet.
+
+    Args:
+        out: file of lines.
+        seed: of the suites.
+        arms: name of each, and what its lines are, one per giver asked for.
+        givers: of `GIVERS`.
+    """
+    before = done(out, seed)
+    for name, lines_of in arms:
+        wanted = [giver for giver in givers if (name, giver) not in before]
+        try:
+            lines = lines_of(wanted) if wanted else []
+        except RuntimeError as error:
+            print(f"{name}: its drives do not hold this arm, no log: {error}", flush=True)
+            continue
+        for line in lines:
+            add(out, seed, line)
 
 
 def read(files: Sequence[str]) -> list[Line]:

@@ -26,16 +26,12 @@ def candidate(size: Any = (0.0, 5.0, 0.0), **given: Any) -> Any:
     effect = SimpleNamespace(
         windows_s=[(0.0, stop) for stop in stops],
         chain=given.pop("chain", "torque"),
-        nonlinear=given.pop("nonlinear", {}),
-        search=SimpleNamespace(
-            shows_moving=moving,
-            rattles=given.pop("rattles", False),
-            repeats=given.pop("repeats", False),
-        ),
+        search=SimpleNamespace(shows_moving=moving, repeats=given.pop("repeats", False)),
     )
     usual: dict[str, Any] = {
         "kind": "torque_offset", "joint": 2, "known": True, "devices": frozenset(), "begins": (),
-        "expected": (), "discrepancy_share": 0.5, "effects": (effect,),
+        "expected": (), "discrepancy_share": 0.5, "effects": (effect,), "rattles": False,
+        "has_own_shape": False,
         "score": SimpleNamespace(gain=gain), "torque": lambda n: ROWS[:, None] * np.array(size),
     }  # fmt: skip
     return SimpleNamespace(**(usual | given))
@@ -249,7 +245,7 @@ def test_how_much_evidence_each_kind_of_explanation_needs() -> None:
     assert least(candidate(known=False)) == 25.0
     assert least(one, beyond=0.01) == 11.0
     # a law of a shape of its own is no number of the robot: it must count by that shape
-    shaped = candidate(nonlinear={"width_rad": 0.01})
+    shaped = candidate(has_own_shape=True)
     assert least(shaped, beyond=0.01, by_law=21.9) == 22.0
     assert least(shaped, beyond=0.01, by_law=22.1) == 11.0
     assert least(one, beyond=0.01, by_law=0.0) == 11.0

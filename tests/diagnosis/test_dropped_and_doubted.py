@@ -114,11 +114,15 @@ def test_where_much_is_not_understood_a_little_shows_nothing(
         module, "Comparison", lambda *given: SimpleNamespace(gain=lambda one: one.evidence)
     )
     monkeypatch.setattr(Selection, "alternatives", alternatives)
+    needed = {"rest": 22.0, "less": 22.0}
     selection = bare(
         scan=None,
         fitter=fitter_of(),
         refused={("rest", 3, "rest")},
-        threshold=SimpleNamespace(left_by=lambda c, chosen, joint: 0.0),
+        threshold=SimpleNamespace(
+            left_by=lambda c, chosen, joint: 0.0,
+            least_gain=lambda c, one, chosen: needed[one.candidate.kind],
+        ),
     )
     steps = [
         Step(explanation("large", 1), 900.0, ()),
@@ -132,7 +136,11 @@ def test_where_much_is_not_understood_a_little_shows_nothing(
     assert fit.of == said
     # what unseen rows did not bear out is there all the same
     assert seen == [()]
-    selection.threshold = SimpleNamespace(left_by=lambda c, chosen, joint: 100.0)
+    # nor does what itself would not count
+    needed["rest"] = 148.1
+    assert Selection._weighty(selection, steps, fit)[0] == steps
+    needed["rest"] = 22.0
+    selection.threshold.left_by = lambda c, chosen, joint: 100.0
     kept, fit = Selection._weighty(selection, steps, fit)
     assert kept == steps
     assert Selection._weighty(selection, [], fit) == ([], fit)

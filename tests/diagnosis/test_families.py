@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from irb2400_ctrl.diagnosis.comparison.scan import Scan, step_at
+from irb2400_ctrl.diagnosis.estimation.candidate import Candidate
 from irb2400_ctrl.effects import LIBRARY
 
 GRID = [
@@ -69,3 +70,15 @@ def test_a_family_pays_for_its_points_and_less_where_it_sits_on_few_joints() -> 
     made = scan()
     assert made.family_penalty("balancer", 2) == pytest.approx(np.log(18 * 2 / 6))
     assert made.family_penalty("payload", None) == pytest.approx(np.log(18))
+
+
+def test_the_choice_of_its_axes_is_no_shape_of_a_force() -> None:
+    nothing: Any = None
+    for kind, joint, shaped in (
+        ("process_force", None, False),
+        ("torque_offset", 2, False),
+        ("gear_ripple", 2, True),
+    ):
+        effects = (LIBRARY[kind].of(joint, **LIBRARY[kind].example),)
+        one = Candidate(kind, joint, kind, (), effects, nothing, None, nothing)
+        assert one.has_own_shape == shaped, kind

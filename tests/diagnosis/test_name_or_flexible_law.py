@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import pytest
@@ -91,7 +92,7 @@ def test_a_law_of_no_joint_is_held_against_the_first() -> None:
 def test_what_does_not_matter_by_its_name_does_not_matter_without_one() -> None:
     judge = threshold()
     unnamed = alternative(candidate(known=False), gain=50.0)
-    small = candidate((0.0, 1.9, 0.0))
+    small = candidate((0.0, 1.9, 0.0), kind="hysteresis")
 
     def less(*others: Any, of: Any = unnamed) -> bool:
         return judge.said_by_less(comparison(), of, [of, *others])
@@ -106,3 +107,10 @@ def test_what_does_not_matter_by_its_name_does_not_matter_without_one() -> None:
     assert less(alternative(small, gain=60.1), of=name)
     assert not less(alternative(small, gain=59.9), of=name)
     assert not less(alternative(candidate((0.0, 2.1, 0.0)), gain=99.0), of=name)
+    # a part of the same effect is no other, of play the size tells little, heard or not
+    assert not less(alternative(candidate((0.0, 1.9, 0.0)), gain=99.0), of=name)
+    assert not less(
+        alternative(candidate((0.0, 1.9, 0.0), kind="play", rattles=True), gain=99.0), of=name
+    )
+    heard = replace(name, rattles=True)
+    assert not less(alternative(small, gain=99.0), of=heard)

@@ -155,7 +155,7 @@ class Threshold:
             if alternative.by_law > c.by_law * candidate.score.gain
             else c.torque_beside_law
         )
-        if any(e.search.rattles for e in candidate.effects):
+        if candidate.rattles:
             least = 0.0  # nine tenths of it are quicker than what is compared
         much = np.maximum(least * self.rms, self.usual)
         return np.asarray((size > np.sqrt(c.energy * comparison.energy)) & (size > much))
@@ -165,17 +165,21 @@ class Threshold:
     ) -> bool:
         """Whether an effect too small to be named says what another one or a non-parametric law of
         its joint says, and better: what does not matter by its name does not matter by a wrong one
-        or without.
+        or without. Of one that rattles the size says little.
 
         Args:
             comparison: of all alternatives.
             alternative: in question.
             every: alternatives, small ones too.
         """
+        if alternative.rattles:
+            return False
         clearly = self.criteria.unknown if alternative.candidate.known else 0.0
         return any(
             other.candidate.known
             and other.candidate.joint == alternative.candidate.joint
+            and other.candidate.kind != alternative.candidate.kind
+            and not other.candidate.rattles
             and other.evidence > alternative.evidence + clearly
             and not self._matters(comparison, other).any()
             for other in every
@@ -251,7 +255,7 @@ class Threshold:
             return c.non_parametric_gain
         if not self.in_base(comparison, candidate):
             return c.gain
-        if alternative.by_law < c.gain and any(e.nonlinear for e in candidate.effects):
+        if alternative.by_law < c.gain and candidate.has_own_shape:
             return c.gain  # of a shape of its own, which a misfit of another shape may pass for
         alone = c.gain_stated if candidate.expected else c.gain_in_base
         if FRICTION.intersection(LIBRARY[candidate.kind].ambiguity.change_of):

@@ -143,16 +143,16 @@ class Selection:
         for rest in self.alternatives(comparison, chosen, refused=()):
             left = comparison.gain(rest)
             joint = rest.candidate.joint
-            if all(s.gain < left for s in steps if s.candidate.joint == joint):
+            beside = [s.gain for s in steps if s.candidate.joint == joint]
+            if left > max(self.threshold.least_gain(comparison, rest, chosen), *beside, 0.0):
                 most = max(most, left - self.threshold.left_by(comparison, chosen, joint))
         kept = [
             s
             for s in steps
             if not s.candidate.known or (1.0 + self.criteria.two_at_once) * s.gain > most
         ]
-        return kept, fit if len(kept) == len(steps) else self.fitter.fit(
-            [s.candidate for s in kept]
-        )
+        same = len(kept) == len(steps)
+        return kept, fit if same else self.fitter.fit([s.candidate for s in kept])
 
     def _clear(self, steps: list[Step], place: int) -> tuple[list[Step], Fit]:
         """The steps and their common fit, one of them with those effects alone that stand clear of

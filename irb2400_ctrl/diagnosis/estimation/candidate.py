@@ -82,6 +82,18 @@ class Candidate:
         return self.joint is None and any(e.joint is not None for e in self.effects)
 
     @property
+    def rattles(self) -> bool:
+        """Whether most of it is quicker than what is compared."""
+        return any(e.search.rattles for e in self.effects)
+
+    @property
+    def has_own_shape(self) -> bool:
+        """Whether numbers shape its law, not a choice alone as that of the axes of a force."""
+        return any(
+            not isinstance(getattr(e, name), bool) for e in self.effects for name in e.nonlinear
+        )
+
+    @property
     def known(self) -> bool:
         """Whether it is an effect of the library."""
         return bool(self.effects)

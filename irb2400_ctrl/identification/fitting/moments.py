@@ -15,7 +15,7 @@ import numpy as np
 
 from irb2400_ctrl.arrays import Array, Integers, Mask
 from irb2400_ctrl.identification.fitting.columns import ColumnLayout, columns, torque_of
-from irb2400_ctrl.measurement.prepared_log import PreparedLog
+from irb2400_ctrl.measurement.prepared_log import STICKING_SPEED, PreparedLog
 from irb2400_ctrl.model import Model
 
 BLOCKS = 120
@@ -107,9 +107,10 @@ def recordings(motions: Sequence[PreparedLog], given: Sequence[Array]) -> list[R
 
 def faster_half(parts: Sequence[Recording]) -> list[Recording]:
     """The recordings as if each joint were known only at more than half of its fastest speed, the
-    one that a hundredth of the samples exceed."""
-    speed = np.concatenate([np.where(p.motion.known, np.abs(p.motion.qd), 0.0) for p in parts])
-    edge = 0.5 * np.quantile(speed, 0.99, axis=0)
+    one that a hundredth of the samples of its motion exceed."""
+    every = np.concatenate([np.where(p.motion.known, np.abs(p.motion.qd), 0.0) for p in parts])
+    moving = [speed[speed > STICKING_SPEED] for speed in every.T]
+    edge = [0.5 * np.quantile(s, 0.99) if s.size else np.inf for s in moving]
     return [
         replace(p, motion=replace(p.motion, known=p.motion.known & (np.abs(p.motion.qd) > edge)))
         for p in parts

@@ -55,6 +55,8 @@ def parameter_rows(finding: Finding) -> list[list[object]]:
     """Name, value, standard error."""
 
     def text(value: Any) -> str:
+        if isinstance(value, bool):
+            return "yes" if value else "no"
         if not isinstance(value, list | tuple):
             return show(float(value))
         return ", ".join(
