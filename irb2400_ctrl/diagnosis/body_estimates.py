@@ -20,6 +20,7 @@ import numpy as np
 
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.diagnosis.estimation.fit import Fit, Fitter
+from irb2400_ctrl.diagnosis.estimation.posterior import posterior
 from irb2400_ctrl.diagnosis.preparation.base_prior import BasePrior
 from irb2400_ctrl.diagnosis.preparation.identified_prior import IdentifiedPrior
 
@@ -115,26 +116,13 @@ def _estimate(fit: Fit, Y: Array, Z: Array, start: Array, inflation: float) -> B
         phi[4:] += usual * DIAGONAL
         y = fit.y - Y @ (phi - point)
         columns = np.concatenate([Y @ _slope(numbers) * WIDE, Y[:, :, 4:] * spread, Z], axis=2)
-        b, covariance = _solved(fit, y, columns)
+        b, covariance = posterior(y, columns, fit.noise)
         numbers = numbers + b[:4] * WIDE
         J = usual * DIAGONAL + b[4:10] * spread
     errors = inflation * np.sqrt(np.diag(covariance)[:4]) * WIDE
     trace = max(float(J @ DIAGONAL), 0.0)
     gyration = float(np.sqrt(trace / 3.0 / max(abs(numbers[0]), 1e-9)))
     return BodyEstimate(float(numbers[0]), numbers[1:], gyration, errors)
-
-
-def _solved(fit: Fit, y: Array, columns: Array) -> tuple[Array, Array]:
-    """Mean and covariance of coefficients with unit priors."""
-    k = columns.shape[2]
-    A = np.eye(k)
-    right = np.zeros(k)
-    for j, one in enumerate(fit.noise):
-        X = one.whiten(columns[:, j, :])
-        A += X.T @ X
-        right += X.T @ one.whiten(y[:, j])
-    covariance = np.asarray(np.linalg.inv(A))
-    return covariance @ right, covariance
 
 
 def _point(numbers: Array) -> Array:

@@ -12,6 +12,7 @@ from scipy.ndimage import uniform_filter1d
 from irb2400_ctrl.arrays import Array, Mask
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.measurement.log import Log
+from irb2400_ctrl.measurement.recorded_speed import calmer_speed
 from irb2400_ctrl.measurement.servo import followed
 from irb2400_ctrl.measurement.time_base import with_time_base
 from irb2400_ctrl.measurement.torque_filter import TorqueFilter, find_torque_filter
@@ -26,6 +27,10 @@ from irb2400_ctrl.measurement.uniform import (
     widened,
 )
 
+UNEVEN = (
+    "the angles jump in time as where a host reads some samples twice and misses others: "
+    "accelerations come from the recorded speed, which is calmer"
+)
 LEFT_OF_NOISE = 1.0
 """smoothed over unsmoothed rms below which a difference is noise, at 250 Hz (white noise: 0.4)"""
 NOISE_RESERVE = 1.5
@@ -86,6 +91,9 @@ class PreparedLog:
     """of each of several logs"""
     recorders: tuple[TorqueFilter | None, ...] = (None,)
     """what each log's torques went through before they were written"""
+    by_speed: bool = False
+    """whether the speed that it recorded stands in for differentiated angles (`recorded_speed`), in
+    one of several logs at least"""
 
     @property
     def parts(self) -> list[slice]:
@@ -106,7 +114,8 @@ class PreparedLog:
     @property
     def remarks(self) -> tuple[str, ...]:
         """What the reader should know of how it was recorded."""
-        return tuple(dict.fromkeys(found.says() for found in self.recorders if found))
+        said = tuple(dict.fromkeys(found.says() for found in self.recorders if found))
+        return said + ((UNEVEN,) if self.by_speed else ())
 
     @property
     def duration(self) -> float:
@@ -165,6 +174,9 @@ def prepare(log: Log, rate: float | None = None) -> PreparedLog:
     q, instrumented = _motion(uniform, even)
     # a commanded motion has only its last digit to be smoothed away: no torque needs to share that
     parts = derivatives((polished if instrumented else smoothed)(q, uniform.step), uniform.step)
+    by_speed = None if instrumented else calmer_speed(even, uniform.step, *parts[1:3])
+    if by_speed is not None:
+        parts = (parts[0], *by_speed)
     margin = derivative_margin(uniform.step)
     inside = slice(margin, len(q) - margin)
     positions, qd, qdd, qddd, qdddd = (part[inside] for part in parts)
@@ -208,6 +220,7 @@ def prepare(log: Log, rate: float | None = None) -> PreparedLog:
         row_time=low_pass.instants(time),
         row_known=row_known,
         recorders=(recorder,),
+        by_speed=by_speed is not None,
     )
 
 

@@ -23,6 +23,8 @@ from irb2400_ctrl.diagnosis.estimation.effect_parameters import (
     with_value,
 )
 from irb2400_ctrl.diagnosis.estimation.evidence import discrepancy_shares, discrepancy_unit
+from irb2400_ctrl.diagnosis.estimation.posterior import posterior
+from irb2400_ctrl.diagnosis.estimation.through_reading import shown_of, slope_of_shown
 from irb2400_ctrl.diagnosis.preparation.noise import Noise, autoregressive, white
 from irb2400_ctrl.diagnosis.preparation.plain_numbers import PlainNumbers
 from irb2400_ctrl.diagnosis.regressors.bases import Bases, RegressorColumns
@@ -131,6 +133,7 @@ class Fitter:
         non_parametric = [c for c in chosen if not c.known]
         G = [self._non_parametric_columns(c) for c in non_parametric]
         noise: tuple[Noise, ...] | None = None
+        z: Array | None = None
         state = self._linearised(effects, G)
         for _ in range(ITERATIONS if effects else 0):
             y, columns, parameters, sizes, _ = state
@@ -138,10 +141,14 @@ class Fitter:
             noise = autoregressive(left, self.motion.row_known, self.reversal)
             b, _, covariance = self._solved(y, columns, noise)
             start = self.Z.shape[2]
+            if any(e.chain == "reading" for e in effects):
+                z = b[:start]  # of the base, which a gain multiplies as well
+                state = self._linearised(effects, G, z)
+                b, _, covariance = self._solved(y, state[1], noise)
             step = b[start : start + len(parameters)] * sizes
             if not len(step):
                 break
-            better = self._descended(effects, G, parameters, step, state, noise)
+            better = self._descended(effects, G, z, parameters, step, state, noise)
             if better is None:
                 break
             effects, state, shrink = better
@@ -154,6 +161,7 @@ class Fitter:
         self,
         effects: list[Effect],
         G: list[Array],
+        z: Array | None,
         parameters: list[Parameter],
         step: Array,
         state: _State,
@@ -164,7 +172,7 @@ class Fitter:
         for shrink in (1.0, 0.4, 0.15):
             further = moved(effects, parameters, shrink * step, self.motion.duration)
             if further is not None:
-                there = self._linearised(further, G)
+                there = self._linearised(further, G, z)
                 if self._misfit(there, noise) < before + 0.1:
                     return further, there, shrink
         return None
@@ -192,8 +200,7 @@ class Fitter:
         _, explained, _ = self._solved(y, columns, noise)
         noise = autoregressive(y - explained, self.motion.row_known, self.reversal)
         b, _, covariance = self._solved(y, columns, noise)
-        k = self.Z.shape[2]
-        p = len(parameters)
+        k, p = self.Z.shape[2], len(parameters)
         # all else beside the parameters as they are, not as a further step would move them
         own = slice(k, k + p)
         b = b - covariance[:, own] @ np.linalg.solve(covariance[own, own], b[own])
@@ -236,11 +243,13 @@ class Fitter:
             units=tuple(shapes),
         )
 
-    def _linearised(self, effects: list[Effect], G: list[Array]) -> _State:
+    def _linearised(self, effects: list[Effect], G: list[Array], z: Array | None = None) -> _State:
         """Residual of the exact prediction, columns with unit priors, parameters, their scales."""
         bare = [e.model_copy(update={"discrepancy": ()}) for e in effects]
         y = self._left_by(bare)
-        blocks = [self.Z]
+        at = self.motion.row_time, self.motion.n
+        blocks = [self.Z * shown_of(bare, *at)[:, :, None]]
+        moves = 0.0 if z is None else self.Z @ z
         parameters = []
         sizes = []
         shapes = []
@@ -248,7 +257,8 @@ class Fitter:
             torque = self._torque(effect)
             size = max(float(np.sqrt(np.mean(torque**2))), 1e-9)
             for parameter in parameters_of(effect, place):
-                slope = self.slope(effect, parameter)
+                through = moves * slope_of_shown(effect, parameter, *at)
+                slope = self.slope(effect, parameter) + through
                 scale = 3.0 * size / max(float(np.sqrt(np.mean(slope**2))), 1e-12)
                 if parameter.prior is not None:
                     scale = min(scale, parameter.prior[1])
@@ -333,16 +343,7 @@ class Fitter:
         """Posterior mean (k,), explained torque (rows, n), covariance (k, k)."""
         if noise is None:
             noise = white(y, self.motion.row_known, self.reversal)
-        k = columns.shape[2]
-        A = np.eye(k)
-        right = np.zeros(k)
-        for j, one in enumerate(noise):
-            X = one.whiten(columns[:, j, :])
-            v = one.whiten(y[:, j])
-            A += X.T @ X
-            right += X.T @ v
-        covariance = np.asarray(np.linalg.inv(A), dtype=float)
-        b = covariance @ right
+        b, covariance = posterior(y, columns, noise)
         return b, columns @ b, covariance
 
 

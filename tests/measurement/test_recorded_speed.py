@@ -1,0 +1,102 @@
+"""The recorded speed stands in for differentiated angles where these came at other instants than
+their stamps say, and nowhere else."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from irb2400_ctrl.measurement import Log
+from irb2400_ctrl.measurement.joined_log import prepare_together
+from irb2400_ctrl.measurement.prepared_log import UNEVEN, PreparedLog, prepare
+
+STEP = 0.001
+STAMPS = np.arange(0.0, 8.0, STEP)
+
+
+def angles(time: np.ndarray, order: int = 0) -> np.ndarray:
+    """Three joints, or a derivative of them."""
+    turned = np.pi / 2 * order
+    slow = 1.7**order * np.sin(1.7 * time[:, None] + np.arange(3) + turned)
+    return np.asarray(slow + 0.2 * 5.0**order * np.sin(5.0 * time[:, None] + turned))
+
+
+def polled(seed: int = 0) -> np.ndarray:
+    """Instants of the samples that a host found: now and then one too old or too new."""
+    late = np.random.default_rng(seed).choice([-1, 0, 1], size=len(STAMPS), p=[0.05, 0.9, 0.05])
+    return STAMPS + STEP * late
+
+
+def log_of(true: np.ndarray, speed: Callable[[np.ndarray], np.ndarray] | None) -> Log:
+    qd = None if speed is None else speed(true)
+    tau = np.random.default_rng(3).standard_normal((len(true), 3))
+    return Log(STAMPS, angles(true), tau, qd=qd)
+
+
+def as_it_is(time: np.ndarray) -> np.ndarray:
+    noise = 5e-4 * np.random.default_rng(7).standard_normal((len(time), 3))
+    return angles(time, 1) + noise
+
+
+def off(motion: PreparedLog) -> float:
+    return float(np.sqrt(np.mean((motion.qdd - angles(motion.time, 2)) ** 2)))
+
+
+def test_of_a_polled_robot_the_recorded_speed_is_taken() -> None:
+    true = polled()
+    by_angle, by_speed = (prepare(log_of(true, speed)) for speed in (None, as_it_is))
+    assert (by_angle.by_speed, by_speed.by_speed) == (False, True)
+    # its noise is what is left: smoothed, 0.07 rad/s2
+    assert off(by_speed) < 0.1 < 0.3 * off(by_angle)
+    np.testing.assert_array_equal(by_speed.q, by_angle.q)
+    assert by_speed.qdddd.shape == by_speed.q.shape
+    assert by_speed.remarks == (UNEVEN,)
+    assert by_angle.remarks == ()
+
+
+def test_of_several_logs_one_is_enough_to_say_so() -> None:
+    logs = [log_of(STAMPS, as_it_is), log_of(polled(), as_it_is)]
+    assert prepare_together(logs).by_speed
+    assert not prepare_together(logs[:1] * 2).by_speed
+
+
+@pytest.mark.parametrize(
+    "speed",
+    [
+        # in degrees; a twentieth and more; late by a filter; one joint dead; of the other direction
+        lambda time: np.degrees(as_it_is(time)),
+        lambda time: 1.06 * as_it_is(time),
+        lambda time: as_it_is(time - 0.012),
+        lambda time: as_it_is(time) * [1.0, 1.0, 0.0],
+        lambda time: as_it_is(time) * [1.0, -1.0, 1.0],
+        lambda time: as_it_is(time) * [1.0, 1.0, 1.13],
+    ],
+)
+def test_a_speed_that_says_something_else_is_left_alone(
+    speed: Callable[[np.ndarray], np.ndarray],
+) -> None:
+    assert not prepare(log_of(polled(), speed)).by_speed
+
+
+def test_a_host_that_counts_too_little_time_is_no_other_speed() -> None:
+    assert prepare(log_of(polled(), lambda time: 0.97 * as_it_is(time - 0.003))).by_speed
+
+
+def test_evenly_sampled_angles_stay() -> None:
+    assert not prepare(log_of(STAMPS, as_it_is)).by_speed
+
+
+def test_a_commanded_motion_stays() -> None:
+    true = polled()
+    log = log_of(true, as_it_is)
+    with_reference = Log(log.time, angles(STAMPS), log.tau, qd=log.qd, q_ref=angles(STAMPS))
+    motion = prepare(with_reference)
+    assert motion.instrumented
+    assert not motion.by_speed
+
+
+def test_an_arm_that_rests_has_no_speed_to_compare() -> None:
+    still = np.zeros((len(STAMPS), 3))
+    assert not prepare(Log(STAMPS, still, still + 1.0, qd=still)).by_speed
