@@ -19,7 +19,7 @@ from irb2400_ctrl.plausibility.cost_of_noise import torque_from_angle_noise
 from irb2400_ctrl.plausibility.problem import LogProblem, named
 from irb2400_ctrl.plausibility.rows import SHORTEST
 from irb2400_ctrl.plausibility.search import Understanding, understand
-from irb2400_ctrl.plausibility.travel import travel_problem
+from irb2400_ctrl.plausibility.travel import fastest, haste_problem, travel_problem
 from irb2400_ctrl.robot import Robot
 
 UNEXPLAINED = 0.5
@@ -97,7 +97,10 @@ def examined(robot: Robot | None, log: Log) -> tuple[LogProblem | None, Understa
         problem = travel_problem(robot, log) or problem
     if problem is not None:
         return problem, understood
-    return speed_problem(log) or command_problem(log), understood
+    found = speed_problem(log) or command_problem(log)
+    if found is None and robot is not None:
+        found = haste_problem(robot, log)
+    return found, understood
 
 
 def check_log(robot: Robot | None, log: Log) -> LogCheck:
@@ -152,6 +155,11 @@ def _remarks(robot: Robot | None, log: Log) -> list[str]:
         found += [
             f"joint {j + 1} goes {np.degrees(excess[j]):.0f} deg beyond the range of the robot file"
             for j in np.flatnonzero(excess > OUTSIDE)
+        ]
+        ratio = fastest(robot, log)
+        found += [
+            f"joint {j + 1} moves at {ratio[j]:.1f} times the speed limit of the robot file"
+            for j in np.flatnonzero(ratio > 1.2)
         ]
         most = np.abs(log.tau).max(axis=0) / robot.tau_bound
         found += [

@@ -17,6 +17,7 @@ from sound_logs import Drawn, chatters, sound_log
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.measurement import Log
 from irb2400_ctrl.plausibility import check_log, log_problem
+from irb2400_ctrl.plausibility.travel import fastest
 from irb2400_ctrl.robot import Identified, Transmission, load_robot
 
 ROBOT = load_robot("irb2400")
@@ -218,3 +219,46 @@ def test_what_an_identification_has_left_of_a_joint_is_no_wrong_column(
     assert (problem is None) == (max(left, default=0.0) > 1.0)
     swapped = Log(log.time, log.q[:, [0, 1, 2, 4, 3, 5]], tau[:, [0, 1, 2, 4, 3, 5]])
     assert log_problem(robot, swapped) is not None
+
+
+def clocked(times: float) -> Log:
+    """The first ten seconds by a clock that runs so many times too fast: too short to be held
+    against the model."""
+    log = plain().log
+    rows = log.time < log.time[0] + 10.0
+    time = log.time[rows] / times
+    return Log(time, log.q[rows], log.tau[rows])
+
+
+def test_a_joint_does_not_move_faster_than_it_can() -> None:
+    """Of an iiwa at 25 Hz a rate of 100 to 1000 Hz was called sound."""
+    problem = log_problem(ROBOT, clocked(20.0))
+    assert problem is not None
+    assert problem.kind == "too_fast"
+    assert problem.fits["over_limit"] > 2.0
+    assert "check the rate" in problem.says
+    assert log_problem(ROBOT, clocked(1.0)) is None
+
+
+def test_a_joint_a_little_faster_than_its_limit_is_remarked_on() -> None:
+    log = clocked(1.0)
+    fast = fastest(ROBOT, log)
+    joints = []
+    for joint, ratio in zip(ROBOT.joints, fast, strict=True):
+        assert joint.limits.speed_deg_s is not None
+        limit = joint.limits.speed_deg_s * ratio / 1.5
+        limits = joint.limits.model_copy(update={"speed_deg_s": limit})
+        joints.append(joint.model_copy(update={"limits": limits}))
+    found = check_log(ROBOT.model_copy(update={"joints": tuple(joints)}), log)
+    assert found.sound
+    assert "joint 3 moves at 1.5 times the speed limit of the robot file" in found.remarks
+
+
+def test_where_no_speed_limit_is_stated_nothing_is_too_fast() -> None:
+    joints = tuple(
+        joint.model_copy(update={"limits": joint.limits.model_copy(update={"speed_deg_s": None})})
+        for joint in ROBOT.joints
+    )
+    robot = ROBOT.model_copy(update={"joints": joints})
+    assert not fastest(robot, clocked(20.0)).any()
+    assert not fastest(ROBOT, Log(np.arange(3.0) / 50, np.eye(3, 6), np.zeros((3, 6)))).any()
