@@ -261,4 +261,4 @@ def test_where_no_speed_limit_is_stated_nothing_is_too_fast() -> None:
     )
     robot = ROBOT.model_copy(update={"joints": joints})
     assert not fastest(robot, clocked(20.0)).any()
-    assert not fastest(ROBOT, Log(np.arange(3.0) / 50, np.eye(3, 6), np.zeros((3, 6)))).any()
+    assert not fastest(ROBOT, Log(np.arange(3.0) / 100, np.eye(3, 6), np.zeros((3, 6)))).any()
