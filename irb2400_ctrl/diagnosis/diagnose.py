@@ -13,16 +13,20 @@ from irb2400_ctrl.arrays import Array, one_thread
 from irb2400_ctrl.diagnosis.comparison.acceptance import INFLATION
 from irb2400_ctrl.diagnosis.comparison.criteria import Criteria
 from irb2400_ctrl.diagnosis.comparison.scan import Scan
-from irb2400_ctrl.diagnosis.comparison.selection import Selection, reversal_rows
+from irb2400_ctrl.diagnosis.comparison.selection import Selection
 from irb2400_ctrl.diagnosis.comparison.step import Step
 from irb2400_ctrl.diagnosis.diagnosis import Comparison, Diagnosis
 from irb2400_ctrl.diagnosis.estimation.fit import Fit, Fitter
-from irb2400_ctrl.diagnosis.estimation.reversals import noisy_reversals_masked
+from irb2400_ctrl.diagnosis.estimation.reversals import noisy_reversals_masked, reversal_rows
 from irb2400_ctrl.diagnosis.findings import findings_of, unexplained_of
 from irb2400_ctrl.diagnosis.load_test import moved_as_by_a_load
 from irb2400_ctrl.diagnosis.log_errors import log_errors
 from irb2400_ctrl.diagnosis.numbers import numbers
-from irb2400_ctrl.diagnosis.possible_bodies import with_possible_bodies
+from irb2400_ctrl.diagnosis.possible_bodies import (
+    IMPOSSIBLE,
+    turns_impossible,
+    with_possible_bodies,
+)
 from irb2400_ctrl.diagnosis.preparation.base_prior import BasePrior
 from irb2400_ctrl.diagnosis.preparation.doubtful_accelerations import doubtful_accelerations
 from irb2400_ctrl.diagnosis.preparation.identified_prior import IdentifiedPrior
@@ -240,6 +244,8 @@ def _concluded(
     )
     weak += [f"joint {j} is not excited" for j in idle]
     weak += motion.remarks
+    if turns_impossible(robot, recalibrated):
+        weak.append(IMPOSSIBLE)
     return Diagnosis(
         given=robot,
         robot=later,

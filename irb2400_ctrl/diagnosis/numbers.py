@@ -22,6 +22,12 @@ SEEN = 3.0
 """standard errors of its change that a friction must stand out"""
 LEAST_FRICTION = 0.1
 """a change of friction that is worth a word, over what it was [-]"""
+OTHERS = 20.0
+"""standard deviations from which bodies of links are another arm's, or of a rough file"""
+IDENTIFY = (
+    "Bodies so far off are not this arm's: identify it first (irb2400 identify LOG... --out arm) "
+    "and diagnose with that file; until then a name may stand for what the file has wrong."
+)
 BODY = ("mass_kg", "com_x_m", "com_y_m", "com_z_m", "Ixx", "Iyy", "Izz", "Ixy", "Ixz", "Iyz")
 LOAD = "load_kg"
 """on the flange, beyond the tool's mass: what all numbers together moved as (`load_test.py`)"""
@@ -107,7 +113,8 @@ def numbers(
         seen = name in BODY or (
             abs(z[i]) > SEEN * error[i] and bool(friction_counts[int(place.split()[1]) - 1])
         )
-        if moved[i] > MOVED and seen and not little:
+        stays = abs(now - before) < 1e-6 * abs(before)  # its part is in other numbers
+        if moved[i] > MOVED and seen and not little and not stays:
             which: FindingList = "changed" if change else "special"
             signed = float(np.sign(z[i]) * moved[i])
             found.append(Number(which, place, name, before, now, size, signed))
@@ -119,7 +126,9 @@ def off_bodies(numbers: Sequence[Number]) -> str:
     none."""
     moved = [number for number in numbers if number.name in BODY and number.list != "lacks"]
     load = next((number for number in numbers if number.name == LOAD), None)
-    if load is not None:
+    far = max(moved, key=lambda number: abs(number.sigmas), default=None)
+    others = far is not None and far.list == "special" and abs(far.sigmas) > OTHERS
+    if load is not None and not others:
         also = off_bodies(moved)
         return (
             "The inertial numbers of the tool and the last links moved as under a load of "
@@ -127,15 +136,15 @@ def off_bodies(numbers: Sequence[Number]) -> str:
             "deviations of what is left open about them): is the load declared?"
             f"{' ' if also else ''}{also}"
         )
-    if not moved:
+    if far is None:
         return ""
-    far = max(moved, key=lambda number: abs(number.sigmas))
     size = f"{far.name} of {far.place} by {abs(far.sigmas):.1f} of its own standard deviations"
     links = sorted({int(m.place.split()[1]) for m in moved if m.place != "tool"})
     if not links:
         return f"The inertial numbers of the tool are off, {size}: is the load declared?"
     tool = " and of the tool" if any(m.place == "tool" for m in moved) else ""
-    return f"The inertial numbers of {_ranges(links)}{tool} are off, {size}."
+    said = f"The inertial numbers of {_ranges(links)}{tool} are off, {size}."
+    return f"{said} {IDENTIFY}" if others else said
 
 
 def _ranges(places: Sequence[int]) -> str:

@@ -14,6 +14,20 @@ from irb2400_ctrl.diagnosis.estimation.fit import Fit
 from irb2400_ctrl.diagnosis.preparation.base_prior import BasePrior
 from irb2400_ctrl.diagnosis.preparation.identified_prior import IdentifiedPrior
 from irb2400_ctrl.model.realisable import realise
+from irb2400_ctrl.robot import Robot
+
+IMPOSSIBLE = (
+    "the log asks for numbers that no bodies can have, where the file's could exist: they stand "
+    "for something else, and robot.toml is a record of this log, not a robot to simulate "
+    "(irb2400 robot check)"
+)
+
+
+def turns_impossible(given: Robot, after: Robot) -> bool:
+    """Whether bodies that could exist became ones that could not."""
+    if after.links == given.links and after.tool == given.tool:
+        return False
+    return not realise(after).exists and realise(given).exists
 
 
 def with_possible_bodies(prior: BasePrior | IdentifiedPrior, fit: Fit) -> Fit:

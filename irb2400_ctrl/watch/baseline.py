@@ -14,9 +14,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from irb2400_ctrl.arrays import Array, Mask, one_thread
-from irb2400_ctrl.diagnosis.comparison.selection import reversal_rows
 from irb2400_ctrl.diagnosis.diagnose import prior_of
 from irb2400_ctrl.diagnosis.estimation.fit import Fitter
+from irb2400_ctrl.diagnosis.estimation.reversals import reversal_rows
 from irb2400_ctrl.diagnosis.preparation.base_prior import BasePrior
 from irb2400_ctrl.diagnosis.preparation.identified_prior import IdentifiedPrior
 from irb2400_ctrl.diagnosis.preparation.noise import Noise, complete_rows

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
@@ -289,6 +290,13 @@ def test_numbers_that_moved_far_are_said_by_body() -> None:
         "The inertial numbers of link 2 are off, Ixx of link 2 by 3.6 of its own "
         "standard deviations."
     )
+    # a file of another arm's bodies is said so, whatever load that looks like
+    other = off_bodies([moved("tool", LOAD, -4.0), moved("link 2", "com_y_m", -20.1)])
+    assert other.startswith("The inertial numbers of link 2 are off, com_y_m of link 2 by 20.1")
+    assert "irb2400 identify" in other
+    assert "load" not in other
+    changed = replace(moved("link 2", "com_y_m", -20.1), list="changed")
+    assert "irb2400 identify" not in off_bodies([changed])
 
 
 def test_worth_of_exactly_nothing_bears_nothing_out() -> None:

@@ -34,7 +34,7 @@ def test_what_a_dropped_explanation_had_stood_in_for_is_looked_for(
         return not (several and steps[place].candidate.kind == "every joint")
 
     monkeypatch.setattr(Selection, "next_step", next_step)
-    monkeypatch.setattr(Selection, "_rather_wider", lambda self, step, fit: False)
+    monkeypatch.setattr(Selection, "_rather_wider", lambda self, step, fit: None)
     monkeypatch.setattr(Selection, "_exchanged", lambda self, steps: steps)
     acceptance = SimpleNamespace(
         bears_out=bears_out,

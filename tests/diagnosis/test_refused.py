@@ -36,6 +36,6 @@ def test_refused_laws_of_many_joints_leave_a_name_its_turn(
         return Step(left[0], 30.0, ()) if left else None
 
     monkeypatch.setattr(Selection, "next_step", next_step)
-    monkeypatch.setattr(Selection, "_rather_wider", lambda self, step, fit: False)
+    monkeypatch.setattr(Selection, "_rather_wider", lambda self, step, fit: None)
     steps, _ = selection.run()
     assert [s.candidate.kind for s in steps] == found

@@ -10,9 +10,10 @@ import numpy as np
 import pytest
 
 from irb2400_ctrl.diagnosis.comparison.criteria import Criteria, of_one_moment
-from irb2400_ctrl.diagnosis.comparison.selection import Selection, reversal_rows
+from irb2400_ctrl.diagnosis.comparison.selection import Selection
 from irb2400_ctrl.diagnosis.comparison.step import Step
 from irb2400_ctrl.diagnosis.estimation.fit import Fit, Fitter
+from irb2400_ctrl.diagnosis.estimation.reversals import reversal_rows
 from irb2400_ctrl.measurement.prepared_log import STICKING_SPEED
 
 
@@ -38,7 +39,7 @@ def test_explanations_that_push_each_other_out_are_not_tried_for_ever(
     )
     monkeypatch.setattr(Selection, "_exchanged", lambda self, steps: steps[-1:])
     monkeypatch.setattr(Selection, "_weighty", lambda self, steps, fit: (steps, fit))
-    monkeypatch.setattr(Selection, "_rather_wider", lambda self, step, fit: False)
+    monkeypatch.setattr(Selection, "_rather_wider", lambda self, step, fit: None)
     steps, fit = selection.run()
     assert [s.candidate.kind for s in steps] == ["one"]
     assert fit == 1
@@ -62,7 +63,7 @@ def test_numbers_further_off_than_stated_are_a_rival_and_all_is_judged_anew(
     """What the stated numbers leave may be a name; beside wider ones nothing is left."""
     widened: list[float] = []
     selection: Any = Selection.__new__(Selection)
-    selection.criteria = Criteria(wider=2.0)
+    selection.criteria = Criteria(wider=(2.0,))
     selection.fitter = SimpleNamespace(
         fit=lambda chosen: len(chosen), as_stated=lambda fit: fit, widen=widened.append
     )
@@ -76,7 +77,9 @@ def test_numbers_further_off_than_stated_are_a_rival_and_all_is_judged_anew(
     monkeypatch.setattr(
         Selection, "next_step", lambda self, chosen, fit, alone=False: None if widened else name
     )
-    monkeypatch.setattr(Selection, "_rather_wider", lambda self, step, fit: not widened)
+    monkeypatch.setattr(
+        Selection, "_rather_wider", lambda self, step, fit: None if widened else 2.0
+    )
     assert selection.run() == ([], 0)
     assert (widened, selection.refused) == ([2.0], set())
 

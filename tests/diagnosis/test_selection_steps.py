@@ -54,24 +54,35 @@ def fitter_of() -> Any:
 @pytest.mark.parametrize(
     ("more", "step", "wider"),
     # beside the best step it pays as a name does, 8 nats; else what any step needs: 22 nats
-    [(38.1, 30.0, True), (37.9, 30.0, False), (22.1, None, True), (21.9, None, False)],
+    [
+        ((38.1, 0.0), 30.0, 2.0),
+        ((37.9, 0.0), 30.0, None),
+        ((22.1, 0.0), None, 2.0),
+        ((21.9, 0.0), None, None),
+        # bodies that are another arm's: the better of both
+        ((30.0, 40.0), 30.0, 4.0),
+        ((40.0, 30.0), 30.0, 2.0),
+    ],
 )
 def test_wider_numbers_of_the_robot_must_say_more_than_the_best_step(
-    more: float, step: float | None, wider: bool, monkeypatch: pytest.MonkeyPatch
+    more: tuple[float, float],
+    step: float | None,
+    wider: float | None,
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    seen: list[Array] = []
+    gains = {1.0: 0.0, 2.0: more[0], 4.0: more[1]}
 
     def compared(scan: Any, reversal: Any, y: Any, Z: Array) -> Any:
-        seen.append(Z)
-        return SimpleNamespace(base=SimpleNamespace(log_evidence=more * (len(seen) - 1)))
+        # the robot's own numbers alone; what is fitted stays as it is
+        times = float(Z[0, 0, 0])
+        np.testing.assert_array_equal(Z, [[[times, times, 1.0]]])
+        return SimpleNamespace(base=SimpleNamespace(log_evidence=gains[times]))
 
     monkeypatch.setattr(module, "Comparison", compared)
     selection = bare(scan=None, fitter=SimpleNamespace(own=2, reversal=None))
     fit: Any = SimpleNamespace(y=None, Z=np.ones((1, 1, 3)))
     best: Any = None if step is None else SimpleNamespace(gain=step)
     assert selection._rather_wider(best, fit) == wider
-    # the robot's own numbers alone, twice as uncertain; what is fitted stays as it is
-    np.testing.assert_array_equal(seen[1], [[[2.0, 2.0, 1.0]]])
     np.testing.assert_array_equal(fit.Z, np.ones((1, 1, 3)))
 
 
@@ -337,7 +348,7 @@ def test_the_search_ends_after_as_many_steps_and_refusals_as_the_criteria_say(
         monkeypatch.setattr(
             Selection, "_exchanged", lambda self, steps: exchanged.append(len(steps)) or steps
         )
-        monkeypatch.setattr(Selection, "_rather_wider", lambda self, step, fit: False)
+        monkeypatch.setattr(Selection, "_rather_wider", lambda self, step, fit: None)
         steps, fit = selection.run()
         # one explanation alone has nothing to be exchanged with
         assert exchanged == list(range(2, len(steps) + 1))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from types import SimpleNamespace
 from typing import Any, cast
 
@@ -122,3 +122,22 @@ class Tried:
     @property
     def noise_floor(self) -> np.ndarray:
         return np.ones(6)
+
+
+def test_of_a_direction_its_largest_part_is_said() -> None:
+    """Of an iiwa a force read -0.07 ± 0.20 N with 89 %: along z it was -7.7 ± 1.0."""
+    one = finding("process_force", 1, 0.7)
+    force = LIBRARY["process_force"].of(None, force_x_N=-0.07, force_y_N=0.5, force_z_N=-7.67)
+    told = replace(one, effect=force, standard_errors={"force_x_N": 0.2, "force_z_N": 0.98})
+    (entry,) = findings_of(diagnosis(told), "special")
+    assert entry.size == "force_z_N -7.67 ± 0.98"
+    ripple = finding("gear_ripple", 1, 0.7)
+    (entry,) = findings_of(diagnosis(ripple), "special")
+    assert entry.size.startswith("amplitude_Nm")
+
+
+def test_links_of_one_number_are_listed_as_joints_are() -> None:
+    numbers = [number(f"link {k}", "com_y_m", 0.1, 0.2) for k in (1, 2, 10)]
+    numbers.append(number("tool", "com_y_m", 0.1, 0.2))
+    (line,) = number_lines(numbers)
+    assert line == "centre of mass y [m] of links 1, 2 and 10 and tool: +100 to +100 %"

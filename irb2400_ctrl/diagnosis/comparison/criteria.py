@@ -35,8 +35,8 @@ class Criteria:
             numbers is known; gain_changed: of the file's number of a joint's friction, which
             another day changes: four of its standard deviations; gain_rattling: of play that the
             neighbours feel, what they say of it among it.
-        wider: times as uncertain as so far all numbers of the robot may be, as a rival of the best
-            explanation.
+        wider: times as uncertain as so far all numbers of the robot may be, the best of these as a
+            rival of the best explanation.
         energy: its energy over what the base alone leaves on that joint.
         torque: its rms torque over the joint's; torque_beside_law: the same where its law alone
             gains less than `by_law` of what it gains with discrepancy.
@@ -63,7 +63,7 @@ class Criteria:
     gain_changed: float = 6.0
     gain_rattling: float = 4.0
     in_base: float = 0.01
-    wider: float = 2.0
+    wider: tuple[float, ...] = (2.0, 4.0)
     energy: float = 0.05
     torque: float = 0.01
     torque_beside_law: float = 0.02

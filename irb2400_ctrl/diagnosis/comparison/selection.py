@@ -7,7 +7,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from irb2400_ctrl.arrays import Mask
 from irb2400_ctrl.diagnosis.comparison.acceptance import Acceptance
 from irb2400_ctrl.diagnosis.comparison.at_load_changes import AtLoadChanges
 from irb2400_ctrl.diagnosis.comparison.at_reversals import AtReversals
@@ -19,8 +18,6 @@ from irb2400_ctrl.diagnosis.comparison.step import Step
 from irb2400_ctrl.diagnosis.estimation.candidate import Candidate
 from irb2400_ctrl.diagnosis.estimation.fit import Fit, Fitter
 from irb2400_ctrl.diagnosis.regressors.predict import predicted_torque
-from irb2400_ctrl.measurement.prepared_log import STICKING_SPEED, PreparedLog
-from irb2400_ctrl.measurement.uniform import widened
 
 Name = tuple[str, int | None, str]
 
@@ -28,8 +25,6 @@ SMALL_FAMILY = 20
 """members of a family that still is one law"""
 DOUBTS = 2
 """refused flexible laws of a joint that its effects are held against"""
-REVERSAL_TIME = 0.16
-"""[s] rows nearer than this to a reversal have a variance of their own"""
 
 
 class Selection:
@@ -73,9 +68,10 @@ class Selection:
         tried: set[frozenset[Name]] = set()
         while len(steps) < self.criteria.most and self._refused() < self.criteria.most_refused:
             step = self.next_step([s.candidate for s in steps], fit)
-            if self._rather_wider(step, fit):
+            wider = self._rather_wider(step, fit)
+            if wider is not None:
                 # beside numbers that may be further off everything is judged anew
-                self.fitter.widen(self.criteria.wider)
+                self.fitter.widen(wider)
                 steps = []
                 tried = set()
                 self.refused.clear()
@@ -107,18 +103,20 @@ class Selection:
         do not keep a name from its turn."""
         return sum(bool(name) for _, _, name in self.refused)
 
-    def _rather_wider(self, step: Step | None, fit: Fit) -> bool:
-        """Whether numbers of the robot further off than stated explain more than the best step: a
-        rival like any other."""
-        wide = fit.Z.copy()
-        wide[:, :, : self.fitter.own] *= self.criteria.wider
-        stated, wider = (
-            Comparison(self.scan, self.fitter.reversal, fit.y, Z).base.log_evidence
-            for Z in (fit.Z, wide)
-        )
+    def _rather_wider(self, step: Step | None, fit: Fit) -> float | None:
+        """How many times further off than stated numbers of the robot explain more than the best
+        step, a rival like any other; None where they do not."""
+        fitter = self.fitter
+
+        def evidence(wider: float) -> float:
+            Z = fit.Z.copy()
+            Z[:, :, : fitter.own] *= wider
+            return Comparison(self.scan, fitter.reversal, fit.y, Z).base.log_evidence
+
+        wider = max(self.criteria.wider, key=evidence)
         # that all numbers are further off is a claim as well: beside a name it pays as one does
         least = self.criteria.gain if step is None else step.gain + self.criteria.gain_stated
-        return wider - stated > least
+        return wider if evidence(wider) - evidence(1.0) > least else None
 
     def _borne_out(self, steps: list[Step], fit: Fit) -> tuple[list[Step], Fit]:
         """What the common fit of all still bears out."""
@@ -339,12 +337,3 @@ def shortlist(ranked: Sequence[Candidate], count: int, least: float) -> list[Can
             hidden.setdefault(candidate.joint, candidate)
     seen = {c.joint for c in known}
     return [*known, *(c for joint, c in hidden.items() if joint not in seen), *non_parametric]
-
-
-def reversal_rows(motion: PreparedLog) -> Mask:
-    """Rows near a change of direction or a near stop, shape (rows, n)."""
-    turning = np.abs(motion.qd) < STICKING_SPEED
-    for j in range(motion.n):
-        turning[np.flatnonzero(np.diff(np.sign(motion.qd[:, j])) != 0), j] = True
-        turning[:, j] = widened(turning[:, j], round(REVERSAL_TIME / motion.step))
-    return motion.at_rows(turning.astype(float)) > 0.5

@@ -10,8 +10,11 @@ from irb2400_ctrl.arrays import Array, Mask
 from irb2400_ctrl.diagnosis.estimation.fit import Fit
 from irb2400_ctrl.diagnosis.regressors.bases import Bases
 from irb2400_ctrl.effects.hysteresis import Hysteresis
-from irb2400_ctrl.measurement.prepared_log import PreparedLog
+from irb2400_ctrl.measurement.prepared_log import STICKING_SPEED, PreparedLog
+from irb2400_ctrl.measurement.uniform import widened
 
+REVERSAL_TIME = 0.16
+"""[s] rows nearer than this to a reversal have a variance of their own"""
 NOISY_REVERSAL = 2.5
 """residual near reversals over that elsewhere, above which a joint sticks in a way that the log
 does not resolve"""
@@ -22,6 +25,15 @@ ONE_REVERSAL = 10
 """rows, of one or two reversals: too few to tell what builds up over an angle from what sticks"""
 LEAST_CALM = 50
 """rows away from reversals, without which nothing is known of the joint's usual misfit"""
+
+
+def reversal_rows(motion: PreparedLog) -> Mask:
+    """Rows near a change of direction or a near stop, shape (rows, n)."""
+    turning = np.abs(motion.qd) < STICKING_SPEED
+    for j in range(motion.n):
+        turning[np.flatnonzero(np.diff(np.sign(motion.qd[:, j])) != 0), j] = True
+        turning[:, j] = widened(turning[:, j], round(REVERSAL_TIME / motion.step))
+    return motion.at_rows(turning.astype(float)) > 0.5
 
 
 def noisy_reversals_masked(

@@ -5,6 +5,7 @@ One kind on several joints is one entry, numbers of one name are one row.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
@@ -184,8 +185,10 @@ def _place(number: Number) -> str:
 def _places(places: Sequence[str]) -> str:
     """`joints 1, 2 and 4`, `link 3 and tool`."""
     joints = sorted(int(p.split()[1]) for p in places if p.startswith("joint"))
-    others = sorted(p for p in places if not p.startswith("joint"))
-    return " and ".join([*([_joints(joints)] if joints else []), *others])
+    links = sorted(int(p.split()[1]) for p in places if p.startswith("link"))
+    others = sorted(p for p in places if not p.startswith(("joint", "link")))
+    numbered = [_numbered(*each) for each in (("joint", joints), ("link", links)) if each[1]]
+    return " and ".join([*numbered, *others])
 
 
 def list_lines(diagnosis: Diagnosis) -> list[str]:
@@ -255,16 +258,28 @@ def number_rows(numbers: Iterable[Number]) -> tuple[Sequence[str], list[list[obj
 
 
 def _size(finding: Finding) -> str:
-    """The first number of an effect, with its error."""
-    for name, value in finding.effect.parameters().items():
-        if isinstance(value, float):
-            error = finding.standard_errors.get(name)
-            told = with_error(value, error) if isinstance(error, float) else show(value)
-            return f"{name} {told}"
-    return ""
+    """The first number of an effect, of a direction its largest part, with its error."""
+    numbers = {k: v for k, v in finding.effect.parameters().items() if isinstance(v, float)}
+    if not numbers:
+        return ""
+    first = next(iter(numbers))
+    # force_x_N, force_y_N, force_z_N are parts of one
+    parts = [k for k in numbers if _without_axis(k) == _without_axis(first)]
+    name = max(parts, key=lambda k: abs(numbers[k]))
+    error = finding.standard_errors.get(name)
+    told = with_error(numbers[name], error) if isinstance(error, float) else show(numbers[name])
+    return f"{name} {told}"
+
+
+def _without_axis(name: str) -> str:
+    return re.sub("_[xyz]_", "_", name)
 
 
 def _joints(joints: Sequence[int]) -> str:
-    if len(joints) == 1:
-        return f"joint {joints[0]}"
-    return f"joints {', '.join(str(j) for j in joints[:-1])} and {joints[-1]}"
+    return _numbered("joint", joints)
+
+
+def _numbered(what: str, places: Sequence[int]) -> str:
+    if len(places) == 1:
+        return f"{what} {places[0]}"
+    return f"{what}s {', '.join(str(j) for j in places[:-1])} and {places[-1]}"
