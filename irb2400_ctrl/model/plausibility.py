@@ -12,6 +12,8 @@ FAR_M = 2.0
 EARTH_M_S2 = (9.0, 10.5)
 DENSEST_KG_M2 = 5.0
 """largest radius of gyration squared that a link may have [m2]"""
+GYRATION = 0.7
+"""and largest radius of gyration over the distances between the arm's axes"""
 LONGEST_M = 10.0
 """a link longer than this is more likely a slip of unit [m]"""
 HEAVIEST_KG = 5000.0
@@ -24,14 +26,17 @@ NARROW_DEG = 7.0
 def plausibility(robot: Robot) -> list[str]:
     """What looks wrong, in the order of the file; empty when nothing does."""
     notes = _gravity(robot)
+    frames = [*(link.frame for link in robot.links[1:]), robot.flange]
+    reach = sum(float(np.linalg.norm(frame.matrix()[:3, 3])) for frame in frames)
+    most = min(DENSEST_KG_M2, (GYRATION * reach) ** 2) if reach > 0.0 else DENSEST_KG_M2
     for link in robot.links:
         length = float(np.linalg.norm(link.frame.matrix()[:3, 3]))
         if length > LONGEST_M:
             notes.append(f"{link.name}: its joint is {length:.4g} m further on; it looks like mm")
-        notes += _body(link.name, link.body)
+        notes += _body(link.name, link.body, most)
     notes += _masses(robot)
     if robot.tool is not None:
-        notes += _body(robot.tool.name, robot.tool.body)
+        notes += _body(robot.tool.name, robot.tool.body, most)
     notes += [issue.sentence for issue in check(robot) if issue.kind != "massless"]
     for joint in robot.joints:
         low, high = joint.limits.range_deg
@@ -79,7 +84,8 @@ def _weighs(body: Body) -> bool:
     return body.mass_kg > 0.0 or bool(np.any(body.inertia_kgm2))
 
 
-def _body(name: str, body: Body) -> list[str]:
+def _body(name: str, body: Body, most: float) -> list[str]:
+    """Notes on one body; `most`: radius of gyration squared that it may have [m2]."""
     notes = []
     inertia = float(np.abs(body.inertia_kgm2).max())
     if body.mass_kg == 0.0 and inertia > 0.0:
@@ -91,9 +97,9 @@ def _body(name: str, body: Body) -> list[str]:
         notes.append(f"{name}: the centre of mass is {distance:.3g} m away; it looks like mm")
     if body.mass_kg > HEAVIEST_KG:
         notes.append(f"{name}: a mass of {body.mass_kg:.4g} kg; it looks like grams")
-    if body.mass_kg > 0.0 and inertia > DENSEST_KG_M2 * body.mass_kg:
+    if body.mass_kg > 0.0 and inertia > most * body.mass_kg:
         notes.append(
             f"{name}: inertia {inertia:.4g} kg m2 is too much for {body.mass_kg:.4g} kg; it looks "
-            "like another unit, or like one about the base"
+            "like another unit, one about the base, or a placeholder"
         )
     return notes

@@ -143,6 +143,18 @@ def test_a_dh_table_is_the_product_of_its_matrices(convention: str, tmp_path: Pa
     np.testing.assert_allclose(model.gravity(q), weight, atol=1e-7)
 
 
+def test_a_stub_of_a_tool_makes_its_link_no_body() -> None:
+    """An end effector of 1e-6 kg and 1 kg m2, fixed to a link of 0.3 kg, makes 1 kg m2 of it."""
+    arm = irb.load_robot("ur10e")
+    last = arm.links[-1]
+    stub = last.body.model_copy(update={"mass_kg": 0.3, "inertia_kgm2": (1.0, 1.0, 1.0, 0, 0, 0)})
+    links = (*arm.links[:-1], last.model_copy(update={"body": stub}))
+    assert any(
+        "placeholder" in note for note in plausibility(arm.model_copy(update={"links": links}))
+    )
+    assert not any("placeholder" in note for note in plausibility(arm))
+
+
 def _energy(convention: str, q: np.ndarray) -> float:
     X = np.eye(4)
     energy = 0.0

@@ -122,6 +122,7 @@ Z = {
     "G99 G83 X10 Z-4 R5 Q4 F60": [30, 30, 5, 1, 5, 1.254, -3, 5, -2.746, -4, 5],
     "G99 G73 X10 Z-4 R5 Q4 F60": [30, 30, 5, 1, 1.254, -3, -2.746, -4, 5],
     "G99 G85 X10 Z-4 R5 F60": [30, 30, 5, -4, 5],
+    "G99 G86 X10 Z-4 R5 P2 F60": [30, 30, 5, -4, 5],
     # R counts from where the tool is, Z from R; repeats keep both (LinuxCNC)
     "G91 G99 G81 X10 Z-2 R-10 F60 L2": [30, 30, 20, 18, 20, 20, 18, 20],
 }
@@ -138,7 +139,7 @@ def test_canned_cycles_point_by_point(tmp_path: Path, cycle: str) -> None:
     cuts = ~found.rapid
     assert (z[1:][cuts[1:]] < z[:-1][cuts[1:]]).all() or "G85" in cycle
     assert found.rapid[-2] == ("G85" not in cycle)
-    assert [e.kind for e in found.events] == (["dwell"] if "G82" in cycle else [])
+    assert [e.kind for e in found.events] == (["dwell"] if " P" in cycle else [])
 
 
 @pytest.mark.parametrize(("text", "says"), [

@@ -11,7 +11,7 @@ from irb2400_ctrl.planners.toolpath.readers.gcode.hole_patterns import PATTERNS,
 from irb2400_ctrl.planners.toolpath.readers.gcode.state import GcodeState
 from irb2400_ctrl.planners.toolpath.readers.program_builder import ProgramBuilder
 
-DWELLING = frozenset([76, 82, 88, 89])
+DWELLING = frozenset([76, 82, 86, 88, 89])
 CYCLES = {
     73: "chip",
     74: "bore",
