@@ -172,11 +172,7 @@ def prepare(log: Log, rate: float | None = None) -> PreparedLog:
     even = with_time_base(log)
     uniform = resample(even, rate)
     q, instrumented = _motion(uniform, even)
-    # a commanded motion has only its last digit to be smoothed away: no torque needs to share that
-    parts = derivatives((polished if instrumented else smoothed)(q, uniform.step), uniform.step)
-    by_speed = None if instrumented else calmer_speed(even, uniform.step, *parts[1:3])
-    if by_speed is not None:
-        parts = (parts[0], *by_speed)
+    parts, by_speed = _derived(q, instrumented, even, uniform.step)
     margin = derivative_margin(uniform.step)
     inside = slice(margin, len(q) - margin)
     positions, qd, qdd, qddd, qdddd = (part[inside] for part in parts)
@@ -220,8 +216,18 @@ def prepare(log: Log, rate: float | None = None) -> PreparedLog:
         row_time=low_pass.instants(time),
         row_known=row_known,
         recorders=(recorder,),
-        by_speed=by_speed is not None,
+        by_speed=by_speed,
     )
+
+
+def _derived(
+    q: Array, instrumented: bool, recorded: Log, step: float
+) -> tuple[tuple[Array, ...], bool]:
+    """q, qd, qdd, qddd, qdddd of a motion, and whether all but q come from the recorded speed."""
+    # a commanded motion has only its last digit to be smoothed away: no torque needs to share that
+    parts = derivatives((polished if instrumented else smoothed)(q, step), step)
+    by_speed = None if instrumented else calmer_speed(recorded, step, *parts[1:3])
+    return (parts, False) if by_speed is None else ((parts[0], *by_speed), True)
 
 
 def _smeared(determined: Mask, reach: int) -> Mask:

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -53,15 +55,15 @@ def test_a_gain_is_found_beside_numbers_that_are_far_off() -> None:
 
 
 def test_by_how_much_a_reading_grows() -> None:
-    time = np.array([0.0, 1.0, 2.0])
+    rows: Any = SimpleNamespace(row_time=np.array([0.0, 1.0, 2.0]), rows=3, n=3)
     gain = LIBRARY["torque_gain"].of(2, gain=0.8, windows_s=((0.5, 1.5),))
     offset = LIBRARY["torque_offset"].of(1, offset_Nm=5.0)
-    shown = shown_of([gain, offset, gain], time, 3)
+    shown = shown_of([gain, offset, gain], rows)
     expected = np.ones((3, 3))
     expected[1, 1] = 0.64
     np.testing.assert_allclose(shown, expected, atol=1e-12)
     (parameter,) = [p for p in parameters_of(gain, 0) if p.name == "gain"]
-    slope = slope_of_shown(gain, parameter, time, 3)
+    slope = slope_of_shown(gain, parameter, rows)
     np.testing.assert_allclose(slope, (expected != 1.0) * 1.0, atol=1e-9)
     (parameter,) = parameters_of(offset, 0)
-    assert not slope_of_shown(offset, parameter, time, 3).any()
+    assert not slope_of_shown(offset, parameter, rows).any()

@@ -5,10 +5,8 @@ from __future__ import annotations
 from types import SimpleNamespace
 from typing import Any
 
-import numpy as np
 import pytest
 
-from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.diagnosis.comparison import selection as module
 from irb2400_ctrl.diagnosis.comparison.comparison import Alternative
 from irb2400_ctrl.diagnosis.comparison.criteria import Criteria
@@ -49,41 +47,6 @@ def fitter_of() -> Any:
         as_stated=lambda fit: fit,
         reversal=None,
     )
-
-
-@pytest.mark.parametrize(
-    ("more", "step", "wider"),
-    # beside the best step it pays as a name does, 8 nats; else what any step needs: 22 nats
-    [
-        ((38.1, 0.0), 30.0, 2.0),
-        ((37.9, 0.0), 30.0, None),
-        ((22.1, 0.0), None, 2.0),
-        ((21.9, 0.0), None, None),
-        # bodies that are another arm's: the better of both
-        ((30.0, 40.0), 30.0, 4.0),
-        ((40.0, 30.0), 30.0, 2.0),
-    ],
-)
-def test_wider_numbers_of_the_robot_must_say_more_than_the_best_step(
-    more: tuple[float, float],
-    step: float | None,
-    wider: float | None,
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    gains = {1.0: 0.0, 2.0: more[0], 4.0: more[1]}
-
-    def compared(scan: Any, reversal: Any, y: Any, Z: Array) -> Any:
-        # the robot's own numbers alone; what is fitted stays as it is
-        times = float(Z[0, 0, 0])
-        np.testing.assert_array_equal(Z, [[[times, times, 1.0]]])
-        return SimpleNamespace(base=SimpleNamespace(log_evidence=gains[times]))
-
-    monkeypatch.setattr(module, "Comparison", compared)
-    selection = bare(scan=None, fitter=SimpleNamespace(own=2, reversal=None))
-    fit: Any = SimpleNamespace(y=None, Z=np.ones((1, 1, 3)))
-    best: Any = None if step is None else SimpleNamespace(gain=step)
-    assert selection._rather_wider(best, fit) == wider
-    np.testing.assert_array_equal(fit.Z, np.ones((1, 1, 3)))
 
 
 def test_what_the_common_fit_no_longer_bears_out_falls_out_from_the_last_on() -> None:

@@ -200,7 +200,8 @@ class Fitter:
         _, explained, _ = self._solved(y, columns, noise)
         noise = autoregressive(y - explained, self.motion.row_known, self.reversal)
         b, _, covariance = self._solved(y, columns, noise)
-        k, p = self.Z.shape[2], len(parameters)
+        k = self.Z.shape[2]
+        p = len(parameters)
         # all else beside the parameters as they are, not as a further step would move them
         own = slice(k, k + p)
         b = b - covariance[:, own] @ np.linalg.solve(covariance[own, own], b[own])
@@ -247,8 +248,7 @@ class Fitter:
         """Residual of the exact prediction, columns with unit priors, parameters, their scales."""
         bare = [e.model_copy(update={"discrepancy": ()}) for e in effects]
         y = self._left_by(bare)
-        at = self.motion.row_time, self.motion.n
-        blocks = [self.Z * shown_of(bare, *at)[:, :, None]]
+        blocks = [self.Z * shown_of(bare, self.motion)[:, :, None]]
         moves = 0.0 if z is None else self.Z @ z
         parameters = []
         sizes = []
@@ -257,8 +257,8 @@ class Fitter:
             torque = self._torque(effect)
             size = max(float(np.sqrt(np.mean(torque**2))), 1e-9)
             for parameter in parameters_of(effect, place):
-                through = moves * slope_of_shown(effect, parameter, *at)
-                slope = self.slope(effect, parameter) + through
+                slope = self.slope(effect, parameter)
+                slope += moves * slope_of_shown(effect, parameter, self.motion)
                 scale = 3.0 * size / max(float(np.sqrt(np.mean(slope**2))), 1e-12)
                 if parameter.prior is not None:
                     scale = min(scale, parameter.prior[1])
