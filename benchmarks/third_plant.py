@@ -23,7 +23,7 @@ from threadpoolctl import threadpool_limits
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
 
 from benchmarks.naming.givers import GIVERS
-from benchmarks.naming.lines import given, go, read
+from benchmarks.naming.lines import NoLog, given, go, read
 from benchmarks.naming.measures import table
 from irb2400_ctrl.measurement import Log
 from irb2400_ctrl.robot import Robot, load_robot
@@ -31,7 +31,10 @@ from irb2400_ctrl.robot import Robot, load_robot
 
 def outcome(case: Any, robot: Robot, givers: Sequence[str]) -> list[dict[str, Any]]:
     """One line per giver: truth beside what was said."""
-    seen = case.identification()
+    try:
+        seen = case.identification()
+    except RuntimeError as error:
+        raise NoLog(str(error)) from error
     log = Log(seen.time, seen.q, seen.tau, qd=seen.qd, q_ref=seen.q_ref, name=case.name)
     truth = [asdict(t) for t in case.truth]
     about = {"case": case.name, "seed": case.planned.seed, "truth": truth}

@@ -22,7 +22,7 @@ from threadpoolctl import threadpool_limits
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "tests"))
 
 from benchmarks.naming.givers import GIVERS
-from benchmarks.naming.lines import given, go, read
+from benchmarks.naming.lines import NoLog, given, go, read
 from benchmarks.naming.measures import table
 from irb2400_ctrl.measurement import Log
 from irb2400_ctrl.robot import Robot, load_robot
@@ -30,7 +30,12 @@ from irb2400_ctrl.robot import Robot, load_robot
 
 def outcome(case: Any, robot: Robot, givers: Sequence[str]) -> list[dict[str, Any]]:
     """One line per giver: truth beside what was said."""
-    seen = case.simulate()
+    from mujoco_plant.machine import RanAway
+
+    try:
+        seen = case.simulate()
+    except RanAway as error:
+        raise NoLog(str(error)) from error
     q_ref = seen.q_ref if case.reading.with_reference else None
     log = Log(seen.time, seen.q, seen.tau, qd=seen.qd, q_ref=q_ref, name=case.name)
     truth = [

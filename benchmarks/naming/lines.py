@@ -14,6 +14,10 @@ from irb2400_ctrl.robot import Robot
 Line = dict[str, Any]
 
 
+class NoLog(Exception):
+    """The drives of an arm do not hold it."""
+
+
 def given(about: Line, log: Log, robot: Robot, givers: Sequence[str]) -> list[Line]:
     """One line per giver.
 
@@ -46,7 +50,7 @@ def go(
         wanted = [giver for giver in givers if (name, giver) not in before]
         try:
             lines = lines_of(wanted) if wanted else []
-        except RuntimeError as error:
+        except NoLog as error:
             print(f"{name}: its drives do not hold this arm, no log: {error}", flush=True)
             continue
         for line in lines:

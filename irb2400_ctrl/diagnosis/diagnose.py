@@ -21,7 +21,7 @@ from irb2400_ctrl.diagnosis.estimation.reversals import noisy_reversals_masked, 
 from irb2400_ctrl.diagnosis.findings import findings_of, unexplained_of
 from irb2400_ctrl.diagnosis.load_test import moved_as_by_a_load
 from irb2400_ctrl.diagnosis.log_errors import log_errors
-from irb2400_ctrl.diagnosis.numbers import numbers
+from irb2400_ctrl.diagnosis.numbers import BODY, numbers
 from irb2400_ctrl.diagnosis.possible_bodies import (
     IMPOSSIBLE,
     turns_impossible,
@@ -244,7 +244,15 @@ def _concluded(
     )
     weak += [f"joint {j} is not excited" for j in idle]
     weak += motion.remarks
-    if turns_impossible(robot, recalibrated):
+    told = numbers(
+        prior,
+        fit,
+        later,
+        change=change,
+        inflation=INFLATION,
+        friction_counts=_better_with_numbers(motion, robot, augmented, change),
+    )
+    if any(one.name in BODY for one in told) and turns_impossible(robot, recalibrated):
         weak.append(IMPOSSIBLE)
     return Diagnosis(
         given=robot,
@@ -257,14 +265,7 @@ def _concluded(
         noise_floor=floor,
         not_excited=idle,
         weak=tuple(weak),
-        numbers=numbers(
-            prior,
-            fit,
-            later,
-            change=change,
-            inflation=INFLATION,
-            friction_counts=_better_with_numbers(motion, robot, augmented, change),
-        ),
+        numbers=told,
         change=change,
     )
 

@@ -24,6 +24,8 @@ LEAST_FRICTION = 0.1
 """a change of friction that is worth a word, over what it was [-]"""
 OTHERS = 20.0
 """standard deviations from which bodies of links are another arm's, or of a rough file"""
+NO_LOAD_MOVES = ("link 1", "link 2", "link 3")
+"""which no load at the flange moves far"""
 IDENTIFY = (
     "Bodies so far off are not this arm's: identify it first (irb2400 identify LOG... --out arm) "
     "and diagnose with that file; until then a name may stand for what the file has wrong."
@@ -127,8 +129,11 @@ def off_bodies(numbers: Sequence[Number]) -> str:
     moved = [number for number in numbers if number.name in BODY and number.list != "lacks"]
     load = next((number for number in numbers if number.name == LOAD), None)
     far = max(moved, key=lambda number: abs(number.sigmas), default=None)
-    others = far is not None and far.list == "special" and abs(far.sigmas) > OTHERS
-    if load is not None and not others:
+    others = any(
+        one.list == "special" and abs(one.sigmas) > OTHERS and one.place in NO_LOAD_MOVES
+        for one in moved
+    )
+    if load is not None and not (others and load.after < 0.0):
         also = off_bodies(moved)
         return (
             "The inertial numbers of the tool and the last links moved as under a load of "

@@ -172,7 +172,7 @@ def prepare(log: Log, rate: float | None = None) -> PreparedLog:
     even = with_time_base(log)
     uniform = resample(even, rate)
     q, instrumented = _motion(uniform, even)
-    parts, by_speed = _derived(q, instrumented, even, uniform.step)
+    parts, by_speed = _derived(q, instrumented, even, uniform)
     margin = derivative_margin(uniform.step)
     inside = slice(margin, len(q) - margin)
     positions, qd, qdd, qddd, qdddd = (part[inside] for part in parts)
@@ -221,12 +221,16 @@ def prepare(log: Log, rate: float | None = None) -> PreparedLog:
 
 
 def _derived(
-    q: Array, instrumented: bool, recorded: Log, step: float
+    q: Array, instrumented: bool, recorded: Log, uniform: UniformLog
 ) -> tuple[tuple[Array, ...], bool]:
     """q, qd, qdd, qddd, qdddd of a motion, and whether all but q come from the recorded speed."""
+    step = uniform.step
     # a commanded motion has only its last digit to be smoothed away: no torque needs to share that
     parts = derivatives((polished if instrumented else smoothed)(q, step), step)
-    by_speed = None if instrumented else calmer_speed(recorded, step, *parts[1:3])
+    if instrumented:
+        return parts, False
+    away = ~widened(~uniform.valid, derivative_margin(step))
+    by_speed = calmer_speed(recorded, step, parts[1], parts[2], away)
     return (parts, False) if by_speed is None else ((parts[0], *by_speed), True)
 
 

@@ -18,7 +18,7 @@ from irb2400_ctrl.plausibility.channels import channel_problem
 from irb2400_ctrl.plausibility.cost_of_noise import torque_from_angle_noise
 from irb2400_ctrl.plausibility.problem import LogProblem, named
 from irb2400_ctrl.plausibility.rows import SHORTEST
-from irb2400_ctrl.plausibility.search import Understanding, understand
+from irb2400_ctrl.plausibility.search import SOUND_LEFT, Understanding, understand
 from irb2400_ctrl.plausibility.travel import fastest, haste_problem, travel_problem
 from irb2400_ctrl.robot import Robot
 
@@ -98,7 +98,9 @@ def examined(robot: Robot | None, log: Log) -> tuple[LogProblem | None, Understa
     if problem is not None:
         return problem, understood
     found = speed_problem(log) or command_problem(log)
-    if found is None and robot is not None:
+    # where the model explains the torques its speed limits are what is wrong
+    vouched = understood is not None and understood.labelled.left.max() < SOUND_LEFT
+    if found is None and robot is not None and not vouched:
         found = haste_problem(robot, log)
     return found, understood
 
@@ -156,7 +158,7 @@ def _remarks(robot: Robot | None, log: Log) -> list[str]:
             f"joint {j + 1} goes {np.degrees(excess[j]):.0f} deg beyond the range of the robot file"
             for j in np.flatnonzero(excess > OUTSIDE)
         ]
-        ratio = fastest(robot, log)
+        ratio = fastest(robot, with_time_base(log))
         found += [
             f"joint {j + 1} moves at {ratio[j]:.1f} times the speed limit of the robot file"
             for j in np.flatnonzero(ratio > 1.2)

@@ -153,6 +153,10 @@ def test_an_effect_is_large_against_what_is_left_and_against_the_joint() -> None
     # play is mostly quicker than what is compared: against what is left alone
     assert accepts(candidate((0.0, 2.01, 0.0), rattles=True), judge=heavy)
     assert not accepts(candidate((0.0, 1.99, 0.0), rattles=True), judge=heavy)
+    # and so is what comes late where friction turns over: half the size
+    heavier = threshold(measured=900.0)
+    assert accepts(candidate((0.0, 4.51, 0.0), chain="clock"), judge=heavier)
+    assert not accepts(candidate((0.0, 4.49, 0.0), chain="clock"), judge=heavier)
 
 
 def test_what_an_identification_of_the_arm_leaves_is_no_news() -> None:

@@ -14,6 +14,7 @@ from irb2400_ctrl.diagnosis.estimation.candidate import Candidate
 from irb2400_ctrl.diagnosis.estimation.effect_parameters import parameters_of
 from irb2400_ctrl.diagnosis.estimation.evidence import Score
 from irb2400_ctrl.diagnosis.estimation.fit import Fitter
+from irb2400_ctrl.diagnosis.estimation.held_out import HeldOut
 from irb2400_ctrl.diagnosis.estimation.through_reading import shown_of, slope_of_shown
 from irb2400_ctrl.diagnosis.regressors.bases import RegressorColumns
 from irb2400_ctrl.diagnosis.regressors.predict import predicted_torque
@@ -67,3 +68,26 @@ def test_by_how_much_a_reading_grows() -> None:
     np.testing.assert_allclose(slope, (expected != 1.0) * 1.0, atol=1e-9)
     (parameter,) = parameters_of(offset, 0)
     assert not slope_of_shown(offset, parameter, rows).any()
+
+
+def test_unseen_rows_are_told_with_the_gain_of_numbers_that_moved() -> None:
+    """Sample by sample the robot's file holds gain times (given + moved)."""
+    m = motion()
+    column = np.zeros((len(m.time), m.n, 1))
+    column[:, 4, 0] = 3.0 * np.tanh(m.qd[:, 4] / 0.05)
+    truth = predicted_torque(ROBOT, m) + MOVED * column[:, :, 0]
+    truth[:, 4] *= GAIN
+    read = truth + 0.05 * np.random.default_rng(4).standard_normal(truth.shape)
+    m = replace(m, tau=read, tau_smooth=read)
+    effect = LIBRARY["torque_gain"].of(5, gain=0.75)
+    nothing = RegressorColumns((4,), np.zeros((m.rows, 1, 1)))
+    score = Score(0.0, 0.0, np.zeros(1), np.eye(1), np.zeros(0))
+    chosen = [Candidate("torque_gain", 5, "", (), (effect,), nothing, None, score)]
+    plain: Any = SimpleNamespace(
+        torque=lambda b, rows: m.recorded_rows(column)[rows] @ b,
+    )
+    calm = np.zeros((m.rows, m.n), dtype=bool)
+    fitter = Fitter(ROBOT, BASES, m, m.filtered(column), calm, 1, plain)
+    held_out = HeldOut(fitter, chosen, fitter.fit(chosen))
+    told = held_out._told(held_out.fit, held_out._found)[:, 4]
+    assert np.sqrt(np.mean(told**2)) < 0.1

@@ -23,10 +23,23 @@ def test_numbers_that_moved_far_are_said_by_body() -> None:
         "The inertial numbers of link 2 are off, Ixx of link 2 by 3.6 of its own "
         "standard deviations."
     )
-    # a file of another arm's bodies is said so, whatever load that looks like
-    other = off_bodies([moved("tool", LOAD, -4.0), moved("link 2", "com_y_m", -20.1)])
+
+
+def test_bodies_of_another_arm_are_said_to_be_so() -> None:
+    def moved(place: str, name: str, sigmas: float, after: float = 2.0) -> Number:
+        return Number("special", place, name, 1.0, after, 0.1, sigmas)
+
+    # a load below nothing is none
+    below = moved("tool", LOAD, -4.0, after=-2.0)
+    far = moved("link 2", "com_y_m", -20.1)
+    other = off_bodies([below, far])
     assert other.startswith("The inertial numbers of link 2 are off, com_y_m of link 2 by 20.1")
     assert "irb2400 identify" in other
     assert "load" not in other
-    changed = replace(moved("link 2", "com_y_m", -20.1), list="changed")
-    assert "irb2400 identify" not in off_bodies([changed])
+    both = off_bodies([moved("tool", LOAD, 4.0), far])
+    assert "under a load of 2.00" in both
+    assert "irb2400 identify" in both
+    assert "under a load of -2.00" in off_bodies([below, moved("link 2", "com_y_m", -19.9)])
+    # what a load moves is no other arm, nor what changed since a reference
+    for one in (moved("link 6", "mass_kg", 25.0), replace(far, list="changed")):
+        assert "irb2400 identify" not in off_bodies([one])

@@ -4,13 +4,16 @@ their stamps say, and nowhere else."""
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.signal import lfilter
 
 from irb2400_ctrl.measurement import Log
 from irb2400_ctrl.measurement.joined_log import prepare_together
 from irb2400_ctrl.measurement.prepared_log import UNEVEN, PreparedLog, prepare
+from irb2400_ctrl.measurement.recorded_speed import polled
 
 STEP = 0.001
 STAMPS = np.arange(0.0, 8.0, STEP)
@@ -23,7 +26,7 @@ def angles(time: np.ndarray, order: int = 0) -> np.ndarray:
     return np.asarray(slow + 0.2 * 5.0**order * np.sin(5.0 * time[:, None] + turned))
 
 
-def polled(seed: int = 0) -> np.ndarray:
+def polled_at(seed: int = 0) -> np.ndarray:
     """Instants of the samples that a host found: now and then one too old or too new."""
     late = np.random.default_rng(seed).choice([-1, 0, 1], size=len(STAMPS), p=[0.05, 0.9, 0.05])
     return STAMPS + STEP * late
@@ -45,7 +48,7 @@ def off(motion: PreparedLog) -> float:
 
 
 def test_of_a_polled_robot_the_recorded_speed_is_taken() -> None:
-    true = polled()
+    true = polled_at()
     by_angle, by_speed = (prepare(log_of(true, speed)) for speed in (None, as_it_is))
     assert (by_angle.by_speed, by_speed.by_speed) == (False, True)
     # its noise is what is left: smoothed, 0.07 rad/s2
@@ -57,7 +60,7 @@ def test_of_a_polled_robot_the_recorded_speed_is_taken() -> None:
 
 
 def test_of_several_logs_one_is_enough_to_say_so() -> None:
-    logs = [log_of(STAMPS, as_it_is), log_of(polled(), as_it_is)]
+    logs = [log_of(STAMPS, as_it_is), log_of(polled_at(), as_it_is)]
     assert prepare_together(logs).by_speed
     assert not prepare_together(logs[:1] * 2).by_speed
 
@@ -72,24 +75,57 @@ def test_of_several_logs_one_is_enough_to_say_so() -> None:
         lambda time: as_it_is(time) * [1.0, 1.0, 0.0],
         lambda time: as_it_is(time) * [1.0, -1.0, 1.0],
         lambda time: as_it_is(time) * [1.0, 1.0, 1.13],
+        # of another zero
+        lambda time: as_it_is(time) + np.array([0.0, 0.3, 0.0]),
+        # through a real filter of 20 ms
+        lambda time: lfilter([0.05], [1.0, -0.95], as_it_is(time), axis=0),
     ],
 )
 def test_a_speed_that_says_something_else_is_left_alone(
     speed: Callable[[np.ndarray], np.ndarray],
 ) -> None:
-    assert not prepare(log_of(polled(), speed)).by_speed
+    assert not prepare(log_of(polled_at(), speed)).by_speed
 
 
 def test_a_host_that_counts_too_little_time_is_no_other_speed() -> None:
-    assert prepare(log_of(polled(), lambda time: 0.97 * as_it_is(time - 0.003))).by_speed
+    assert prepare(log_of(polled_at(), lambda time: 0.97 * as_it_is(time - 0.003))).by_speed
 
 
 def test_evenly_sampled_angles_stay() -> None:
     assert not prepare(log_of(STAMPS, as_it_is)).by_speed
 
 
+def test_a_calm_speed_alone_is_no_reason() -> None:
+    """Coarse angles are rough as well: without rows read twice a filtered or commanded speed would
+    be taken."""
+    even = log_of(STAMPS, as_it_is)
+    coarse = replace(even, q=np.round(even.q / 3.5e-4) * 3.5e-4)
+    assert not prepare(coarse).by_speed
+    # nor are rows that repeat because nothing has moved by a digit
+    assert not polled(replace(even, q=np.round(even.q / 1e-2) * 1e-2))
+    assert polled(log_of(polled_at(), as_it_is))
+
+
+def test_a_gap_changes_nothing() -> None:
+    for true, taken in ((polled_at(), True), (STAMPS, False)):
+        log = log_of(true, as_it_is)
+        rows = (STAMPS < 3.0) | (STAMPS > 3.6)
+        assert log.qd is not None
+        cut = Log(log.time[rows], log.q[rows], log.tau[rows], qd=log.qd[rows])
+        assert prepare(cut).by_speed == taken
+
+
+def test_a_joint_that_rests_has_no_speed() -> None:
+    log = log_of(polled_at(), as_it_is)
+    assert log.qd is not None
+    resting = log.q * [1.0, 1.0, 0.0]
+    assert prepare(replace(log, q=resting, qd=log.qd * [1.0, 1.0, 0.0])).by_speed
+    stuck = log.qd * [1.0, 1.0, 0.0] + [0.0, 0.0, 0.2]
+    assert not prepare(replace(log, q=resting, qd=stuck)).by_speed
+
+
 def test_a_commanded_motion_stays() -> None:
-    true = polled()
+    true = polled_at()
     log = log_of(true, as_it_is)
     with_reference = Log(log.time, angles(STAMPS), log.tau, qd=log.qd, q_ref=angles(STAMPS))
     motion = prepare(with_reference)

@@ -254,6 +254,29 @@ def test_a_joint_a_little_faster_than_its_limit_is_remarked_on() -> None:
     assert "joint 3 moves at 1.5 times the speed limit of the robot file" in found.remarks
 
 
+def test_a_limit_that_the_model_contradicts_is_remarked_on() -> None:
+    """Placeholders of a URDF: the torques fit, the limits do not."""
+    log = plain().log
+    joints = tuple(
+        joint.model_copy(update={"limits": joint.limits.model_copy(update={"speed_deg_s": 5.0})})
+        for joint in ROBOT.joints
+    )
+    robot = ROBOT.model_copy(update={"joints": joints})
+    assert fastest(robot, log).max() > 2.0
+    assert log_problem(robot, log) is None
+    assert any("times the speed limit" in text for text in check_log(robot, log).remarks)
+
+
+def test_stamps_that_scatter_are_no_speed() -> None:
+    log = plain().log
+    rng = np.random.default_rng(2)
+    step = float(np.median(np.diff(log.time)))
+    stamps = np.maximum.accumulate(log.time + rng.uniform(-1.0, 1.0, len(log.time)) * 0.49 * step)
+    stamps += 1e-9 * np.arange(len(stamps))
+    found = check_log(ROBOT, replace(log, time=stamps))
+    assert not any("speed limit" in text for text in found.remarks)
+
+
 def test_where_no_speed_limit_is_stated_nothing_is_too_fast() -> None:
     joints = tuple(
         joint.model_copy(update={"limits": joint.limits.model_copy(update={"speed_deg_s": None})})

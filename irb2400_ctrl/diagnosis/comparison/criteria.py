@@ -19,6 +19,8 @@ from irb2400_ctrl.measurement.prepared_log import PreparedLog
 
 FRICTION: frozenset[BaseTerm] = frozenset(("coulomb", "viscous"))
 """terms of the base that wear and temperature change"""
+LATE = 0.5
+"""share of the least torque that is enough of a delay"""
 ONE_MOMENT = 1.0
 """[s] what begins nearer in time than this began for one reason"""
 
@@ -157,6 +159,8 @@ class Threshold:
         )
         if candidate.rattles:
             least = 0.0  # nine tenths of it are quicker than what is compared
+        elif all(e.chain == "clock" for e in candidate.effects) and candidate.known:
+            least *= LATE  # what friction does at turns is quicker too
         much = np.maximum(least * self.rms, self.usual)
         return np.asarray((size > np.sqrt(c.energy * comparison.energy)) & (size > much))
 

@@ -113,10 +113,11 @@ class Selection:
             Z[:, :, : fitter.own] *= wider
             return Comparison(self.scan, fitter.reversal, fit.y, Z).base.log_evidence
 
-        wider = max(self.criteria.wider, key=evidence)
+        found = {wider: evidence(wider) for wider in self.criteria.wider}
+        wider = max(found, key=lambda w: found[w])
         # that all numbers are further off is a claim as well: beside a name it pays as one does
         least = self.criteria.gain if step is None else step.gain + self.criteria.gain_stated
-        return wider if evidence(wider) - evidence(1.0) > least else None
+        return wider if found[wider] - evidence(1.0) > least else None
 
     def _borne_out(self, steps: list[Step], fit: Fit) -> tuple[list[Step], Fit]:
         """What the common fit of all still bears out."""

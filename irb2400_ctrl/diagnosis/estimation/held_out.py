@@ -11,14 +11,19 @@ import numpy.typing as npt
 from irb2400_ctrl.arrays import Array, Mask
 from irb2400_ctrl.diagnosis.estimation.candidate import Candidate
 from irb2400_ctrl.diagnosis.estimation.fit import Fit, Fitter
+from irb2400_ctrl.diagnosis.estimation.through_reading import shown_of, slope_of_shown
 from irb2400_ctrl.diagnosis.regressors.predict import effect_torque, predicted_torque
 from irb2400_ctrl.effects import Effect
+from irb2400_ctrl.effects.base import OPEN_END_S
 
 FOLDS = 4
 BLOCK = 2.0
 """[s] length of the stretches that are held out, at most"""
 LEAST_BLOCKS = 3
 """stretches of each fold, at least"""
+HELD = 0.5
+"""share of what an effect that comes and goes shows, above which the stretch held out is not to be
+predicted from the rest"""
 FREE = 1e-2
 """precision of an effect's own numbers about the fitted ones: a fold has to find them itself"""
 
@@ -121,7 +126,7 @@ class HeldOut:
 
         How a swing or a hysteresis stood when the record began shows in its first seconds alone and
         is no property of the robot: it is as all rows together say. A fold without those seconds
-        would find any.
+        would find any, as it would any force that acts in the stretch held out alone.
         """
         precision = np.ones(fit.Z.shape[2])
         start = int(np.sum(fit.owner < 0))
@@ -135,10 +140,14 @@ class HeldOut:
                 rows = self.fold[one.kept] == k
                 grams[k] += X[rows].T @ X[rows]
                 rights[k] += X[rows].T @ v[rows]
-        free = ~self._of_beginnings(fit)
+        lasting = ~self._of_beginnings(fit)
+        passing = self._of_moments(fit)
+        shares = np.diagonal(grams, axis1=1, axis2=2)
+        shares = shares / np.maximum(shares.sum(axis=0), 1e-300)
         whole = np.linalg.solve(grams.sum(axis=0) + np.diag(precision), rights.sum(axis=0))
         found = []
         for k in range(FOLDS):
+            free = lasting & ~(passing & (shares[k] > HELD))
             A = np.delete(grams, k, axis=0).sum(axis=0) + np.diag(precision)
             right = np.delete(rights, k, axis=0).sum(axis=0) - A[:, ~free] @ whole[~free]
             b = whole.copy()
@@ -155,6 +164,16 @@ class HeldOut:
             stop += len(unit)
             found[stop - min(effect.beginnings(), len(unit)) : stop] = True
         return found
+
+    @staticmethod
+    def _of_moments(fit: Fit) -> Mask:
+        """Columns of effects that come and go, shape (k,)."""
+        passing = [
+            k
+            for k, e in enumerate(fit.effects)
+            if any(stop < OPEN_END_S for _, stop in e.windows_s)
+        ]
+        return np.isin(fit.owner, passing)
 
     def _left(self, fit: Fit, found: Sequence[Array]) -> Array:
         """What everything together leaves, shape (rows, n)."""
@@ -174,9 +193,16 @@ class HeldOut:
         robot = fitter.robot.model_copy(update={"effects": (*fitter.robot.effects, *bare)})
         left = motion.at_rows(motion.tau - predicted_torque(robot, motion, fitter.bases))
         columns, places = self._of_names(fit, bare)
+        shown = shown_of(bare, motion)
+        slopes = [slope_of_shown(bare[p.effect], p, motion) for p in fit.parameters]
+        own = int(np.sum(fit.owner < 0)) + np.arange(len(slopes))
         for k, b in enumerate(found):
             rows = self.fold == k
-            left[rows] -= plain.torque(b[: fitter.own] * fitter.widened, rows)
+            numbers = plain.torque(b[: fitter.own] * fitter.widened, rows)
+            # a gain multiplies numbers that moved as well
+            more = zip(slopes, b[own] * fit.scales, strict=True)
+            growth = shown[rows] + sum(slope[rows] * value for slope, value in more)
+            left[rows] -= growth * numbers
             left[rows] -= columns[rows] @ b[places]
         return left
 

@@ -12,6 +12,7 @@ from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.identification import Identification, LogResult
 from irb2400_ctrl.identification.moved import ALARM, NAMES, Moved
 from irb2400_ctrl.measurement import Log
+from irb2400_ctrl.measurement.prepared_log import UNEVEN
 from irb2400_ctrl.report.elements.page import Page, with_error
 from irb2400_ctrl.report.elements.plots import Line, joint_plots, parity, small, spectrum
 from irb2400_ctrl.report.figures.friction_figures import friction_figure, law_rows, run_figure
@@ -47,9 +48,9 @@ def identification_page(result: Identification, logs: Sequence[Log] = ()) -> Pag
     page.heading("What was found")
     for note in result.notes or ["the bodies of the file are this arm's"]:
         page.finding(f"{note[0].upper()}{note[1:]}.")
+    by_speed = result.source == "speed" or UNEVEN in result.notes
     page.text(
-        "Speed and acceleration are taken from the "
-        + ("recorded speed." if result.source == "speed" else "angles.")
+        f"Speed and acceleration are taken from the {'recorded speed' if by_speed else 'angles'}."
     )
     page.heading("Error on each log")
     for log in result.logs:
