@@ -12,8 +12,8 @@ from scipy.ndimage import uniform_filter1d
 from irb2400_ctrl.arrays import Array, Mask
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.measurement.log import Log
-from irb2400_ctrl.measurement.recorded_speed import calmer_speed
-from irb2400_ctrl.measurement.servo import followed
+from irb2400_ctrl.measurement.motion.recorded_speed import calmer_speed
+from irb2400_ctrl.measurement.motion.servo import followed
 from irb2400_ctrl.measurement.time_base import with_time_base
 from irb2400_ctrl.measurement.torque_filter import TorqueFilter, find_torque_filter
 from irb2400_ctrl.measurement.uniform import (

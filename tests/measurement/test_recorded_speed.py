@@ -12,8 +12,8 @@ from scipy.signal import lfilter
 
 from irb2400_ctrl.measurement import Log
 from irb2400_ctrl.measurement.joined_log import prepare_together
+from irb2400_ctrl.measurement.motion.recorded_speed import polled
 from irb2400_ctrl.measurement.prepared_log import UNEVEN, PreparedLog, prepare
-from irb2400_ctrl.measurement.recorded_speed import polled
 
 STEP = 0.001
 STAMPS = np.arange(0.0, 8.0, STEP)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from irb2400_ctrl.measurement import Log
-from irb2400_ctrl.measurement.servo import followed
+from irb2400_ctrl.measurement.motion.servo import followed
 from irb2400_ctrl.measurement.uniform import (
     LowPass,
     _covered,

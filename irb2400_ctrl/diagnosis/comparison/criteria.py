@@ -37,8 +37,7 @@ class Criteria:
             numbers is known; gain_changed: of the file's number of a joint's friction, which
             another day changes: four of its standard deviations; gain_rattling: of play that the
             neighbours feel, what they say of it among it.
-        wider: times as uncertain as so far all numbers of the robot may be, the best of these as a
-            rival of the best explanation.
+        wider: times as uncertain all numbers of the robot may be, as a rival of the best name.
         energy: its energy over what the base alone leaves on that joint.
         torque: its rms torque over the joint's; torque_beside_law: the same where its law alone
             gains less than `by_law` of what it gains with discrepancy.
@@ -150,8 +149,7 @@ class Threshold:
         c = self.criteria
         candidate = alternative.candidate
         size = np.sqrt(np.mean(candidate.torque(self.n) ** 2, axis=0))
-        # by discrepancy from its law alone: the base takes the law in, and only a good size still
-        # speaks for the name
+        # by discrepancy from its law alone, which the base takes in: a good size speaks for it
         least = (
             c.torque
             if alternative.by_law > c.by_law * candidate.score.gain
@@ -159,7 +157,7 @@ class Threshold:
         )
         if candidate.rattles:
             least = 0.0  # nine tenths of it are quicker than what is compared
-        elif all(e.chain == "clock" for e in candidate.effects) and candidate.known:
+        elif candidate.known and all(e.chain == "clock" for e in candidate.effects):
             least *= LATE  # what friction does at turns is quicker too
         much = np.maximum(least * self.rms, self.usual)
         return np.asarray((size > np.sqrt(c.energy * comparison.energy)) & (size > much))
