@@ -20,7 +20,7 @@ from irb2400_ctrl.excitation.motion_design import ENOUGH, Budget, Design, merit,
 from irb2400_ctrl.excitation.pair_separability import CLEAR, Separability
 from irb2400_ctrl.excitation.room import with_room
 from irb2400_ctrl.measurement.prepared_log import PreparedLog
-from irb2400_ctrl.measurement.uniform import LowPass
+from irb2400_ctrl.measurement.uniform import LowPass, Recorders
 from irb2400_ctrl.robot import Robot
 from irb2400_ctrl.trajectory import Trajectory
 
@@ -253,7 +253,7 @@ def _rich(robot: Robot, like: PreparedLog) -> PreparedLog:
 class _AsIs(LowPass):
     """In place of a filter: states that do not follow one another have nothing to be filtered."""
 
-    def __call__(self, signal: Array) -> Array:
+    def __call__(self, signal: Array, recorders: Recorders = (None,)) -> Array:
         return signal
 
     def instants(self, signal: npt.NDArray[Any]) -> npt.NDArray[Any]:

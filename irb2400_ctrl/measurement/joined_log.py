@@ -14,7 +14,7 @@ from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.measurement.log import Log
 from irb2400_ctrl.measurement.prepared_log import PreparedLog, prepare
-from irb2400_ctrl.measurement.uniform import MAX_RATE, MIN_GRID, Kept, LowPass
+from irb2400_ctrl.measurement.uniform import MAX_RATE, MIN_GRID, Kept, LowPass, Recorders
 
 PAUSE = 1.0
 """[s] between two logs on the common clock"""
@@ -37,8 +37,11 @@ class LowPassOfEach(LowPass):
         for own, *ends in zip(self.each, self.starts, (*self.starts[1:], length), strict=True):
             yield own, slice(*ends)
 
-    def __call__(self, signal: Array) -> Array:
-        return np.concatenate([own(signal[part]) for own, part in self._parts(len(signal))])
+    def __call__(self, signal: Array, recorders: Recorders = (None,)) -> Array:
+        """`recorders`: of each log, or one None for all."""
+        each = recorders if len(recorders) == len(self.each) else [None] * len(self.each)
+        parts = zip(self._parts(len(signal)), each, strict=True)
+        return np.concatenate([own(signal[part], (recorder,)) for (own, part), recorder in parts])
 
     def instants(self, signal: npt.NDArray[Kept]) -> npt.NDArray[Kept]:
         return np.concatenate(

@@ -143,7 +143,7 @@ class PreparedLog:
     def filtered(self, signal: Array) -> Array:
         """A torque of the joints, or a column of one, as the log shows it, through the common
         filter along the first axis, decimated: (m, ...) -> (rows, ...)."""
-        return self.low_pass(self.as_recorded(signal))
+        return self.low_pass(signal, self.recorders)
 
     def recorded_rows(self, signal: Array) -> Array:
         """A torque of the joints, or a column of one, as the log shows it, at the instants of the

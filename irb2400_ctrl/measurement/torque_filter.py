@@ -73,6 +73,10 @@ class TorqueFilter:
         """Half length of the response in samples."""
         return int(np.ceil(LONG / (self.cutoff * step)))
 
+    def weights(self, step: float) -> Array:
+        """The (symmetric) impulse response at this step [s], shape (2 half + 1,)."""
+        return _response(self.cutoff, self.order, step, self.half(step))
+
     def __call__(self, signal: Array, step: float) -> Array:
         """A signal along the first axis as the channel shows it; its ends are taken to last.
 
@@ -82,7 +86,7 @@ class TorqueFilter:
         if not signal.size:
             return signal
         half = self.half(step)
-        weights = _response(self.cutoff, self.order, step, half)
+        weights = self.weights(step)
         ends = [(half, half), *[(0, 0)] * (signal.ndim - 1)]
         shape = (-1, *[1] * (signal.ndim - 1))
         long = np.pad(signal, ends, mode="edge")

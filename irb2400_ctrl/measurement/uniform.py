@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from typing import TypeVar
@@ -16,7 +17,9 @@ from scipy.sparse import csr_matrix
 from irb2400_ctrl.arrays import Array, Mask
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.measurement.log import Log
+from irb2400_ctrl.measurement.torque_filter import TorqueFilter
 
+Recorders = Sequence[TorqueFilter | None]
 Kept = TypeVar("Kept", bound=np.generic)
 
 MAX_RATE = 250.0
@@ -162,10 +165,16 @@ class LowPass:
             firwin(2 * self.half + 1, self.cutoff, fs=1.0 / self.step, window=("kaiser", 4.0))
         )
 
-    def __call__(self, signal: Array) -> Array:
+    def __call__(self, signal: Array, recorders: Recorders = (None,)) -> Array:
         """Filter along the first axis and keep every `keep`-th sample, from the first complete one
-        to the last."""
-        rows = _rows_of(self, len(signal))
+        to the last.
+
+        Args:
+            signal: shape (m, ...).
+            recorders: what it goes through before.
+        """
+        (recorder,) = recorders
+        rows = _rows_of(self, recorder, len(signal))
         flat = signal.reshape(len(signal), int(np.prod(signal.shape[1:])))
         return np.asarray(rows @ flat).reshape(rows.shape[0], *signal.shape[1:])
 
@@ -175,16 +184,20 @@ class LowPass:
 
 
 @lru_cache(maxsize=8)
-def _rows_of(low_pass: LowPass, length: int) -> csr_matrix:
-    """The filter on signals of one length as a sparse matrix: only the kept outputs are
-    computed."""
+def _rows_of(low_pass: LowPass, recorder: TorqueFilter | None, length: int) -> csr_matrix:
+    """The filter, behind that of a recorder, on signals of one length as a sparse matrix: only the
+    kept outputs are computed."""
     rows = len(low_pass.instants(np.empty(length)))
-    taps = len(low_pass.weights)
-    place = (np.arange(rows) * low_pass.keep)[:, None] + np.arange(taps)
+    before = 0 if recorder is None else recorder.half(low_pass.step)
+    weights = low_pass.weights
+    if recorder is not None:
+        weights = np.convolve(weights, recorder.weights(low_pass.step))
+    taps = len(weights)
+    place = (np.arange(rows) * low_pass.keep)[:, None] + np.arange(taps) - before
     starts = np.arange(rows + 1) * taps
-    return csr_matrix(
-        (np.tile(low_pass.weights, rows), place.ravel(), starts), shape=(rows, length)
-    )
+    # before a log and behind it the recorder saw what it ends on: these weights add up
+    place = np.clip(place, 0, length - 1)
+    return csr_matrix((np.tile(weights, rows), place.ravel(), starts), shape=(rows, length))
 
 
 def smoothed(signal: Array, step: float) -> Array:

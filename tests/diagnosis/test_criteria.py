@@ -55,6 +55,7 @@ def comparison(**given: Any) -> Any:
         "explained": lambda one: one.torque(3),
         "leftover": lambda one: None,
         "with_its_leftover": lambda one: one.evidence,
+        "chosen": (),
     }
     return SimpleNamespace(**(usual | given))
 
@@ -66,10 +67,10 @@ def threshold(measured: float = 20.0, predicted: float = 10.0, **changed: float)
     return Threshold(Criteria(**changed), motion, predicted * ROWS[:, None] * np.ones(3))  # type: ignore[arg-type]
 
 
-def accepts(of: Any, *chosen: Any, beside: Any = None, **given: Any) -> bool:
+def accepts(of: Any, *chosen: Any, **given: Any) -> bool:
     stated = {name: given.pop(name) for name in ("gain", "by_law", "rattles") if name in given}
     judge = given.pop("judge", None) or threshold()
-    return judge.accepts(beside or comparison(**given), alternative(of, **stated), chosen)
+    return judge.accepts(comparison(chosen=chosen, **given), alternative(of, **stated))
 
 
 @pytest.mark.parametrize(("measured", "predicted"), [(20.0, 10.0), (10.0, 20.0)])
@@ -241,8 +242,8 @@ def test_how_much_evidence_each_kind_of_explanation_needs() -> None:
     judge = threshold()
 
     def least(of: Any, *chosen: Any, beyond: float = 1.0, **given: Any) -> float:
-        beside = comparison(share_beyond_base=lambda one: beyond)
-        return judge.least_gain(beside, alternative(of, **given), chosen)
+        beside = comparison(share_beyond_base=lambda one: beyond, chosen=chosen)
+        return judge.least_gain(beside, alternative(of, **given))
 
     one = candidate()
     assert least(one) == 22.0

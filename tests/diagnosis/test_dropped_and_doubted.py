@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from diagnosis.test_selection_steps import bare, explanation, fitter_of, of
 
-from irb2400_ctrl.diagnosis.comparison import selection as module
-from irb2400_ctrl.diagnosis.comparison.selection import Selection, named
+from irb2400_ctrl.diagnosis.comparison.ground import named
+from irb2400_ctrl.diagnosis.comparison.selection import Selection
 from irb2400_ctrl.diagnosis.comparison.step import Step
 
 
@@ -22,7 +22,8 @@ def test_what_a_dropped_explanation_had_stood_in_for_is_looked_for(
     offers = [explanation(kind) for kind in ("every joint", "zero", "joint 1")]
     searched: list[list[str]] = []
 
-    def next_step(self: Any, chosen: Any, fit: Any, alone: bool = False) -> Step | None:
+    def next_step(self: Any, ground: Any, alone: bool = False) -> Step | None:
+        chosen = ground.comparison.chosen
         stands_in = any(c.kind == "every joint" for c in chosen)
         left = [c for c in offers if named(c) not in self.refused and c not in chosen]
         left = [c for c in left if not (stands_in and c.kind == "joint 1")]
@@ -34,7 +35,7 @@ def test_what_a_dropped_explanation_had_stood_in_for_is_looked_for(
         return not (several and steps[place].candidate.kind == "every joint")
 
     monkeypatch.setattr(Selection, "next_step", next_step)
-    monkeypatch.setattr(Selection, "_rather_wider", lambda self, step, fit: None)
+    monkeypatch.setattr(Selection, "_rather_wider", lambda self, step, beside: None)
     monkeypatch.setattr(Selection, "_exchanged", lambda self, steps: steps)
     acceptance = SimpleNamespace(
         bears_out=bears_out,
@@ -56,36 +57,31 @@ def test_what_a_dropped_explanation_had_stood_in_for_is_looked_for(
     # over twice as much: no second effect of the joint makes up for it
     [(200.1, "other joint"), (199.9, "name")],
 )
-def test_a_name_that_a_refused_law_of_its_joint_beats_is_not_said(
-    law: float, said: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_name_that_a_refused_law_of_its_joint_beats_is_not_said(law: float, said: str) -> None:
     flexible = explanation("unexplained", known=False)
     name = of(explanation("name", order=(), effects=()), 100.0)
     other = of(explanation("other joint", 2), 50.0)
 
-    def made(scan: Any, reversal: Any, y: Any, Z: Any) -> Any:
-        return SimpleNamespace(
-            gain=lambda one: one.evidence,
-            polished=lambda one: one,
-            compared=lambda candidate: of(candidate, law),
-            start=None,
-        )
-
-    monkeypatch.setattr(module, "Comparison", made)
-    monkeypatch.setattr(Selection, "alternatives", lambda self, c, chosen=(): [name, other])
-    threshold = SimpleNamespace(
-        accepts=lambda c, one, chosen: True,
-        said_by_less=lambda c, one, every: False,
-        best=lambda c, every, chosen: every[0],
-        least_gain=lambda c, one, chosen: 22.0,
+    comparison = SimpleNamespace(
+        gain=lambda one: one.evidence,
+        polished=lambda one: one,
+        compared=lambda candidate: of(candidate, law),
     )
-    scan = SimpleNamespace(rank=lambda problem, chosen: [flexible, name.candidate])
-    selection = bare(scan=scan, fitter=fitter_of(), threshold=threshold, refused={named(flexible)})
-    step = selection.next_step([], SimpleNamespace(y=None, Z=None))
-    assert step.candidate.kind == said
+    ground: Any = SimpleNamespace(
+        comparison=comparison,
+        alternatives=lambda refused: [name, other],
+        accepts=lambda one: True,
+        ranked=[flexible, name.candidate],
+    )
+    threshold = SimpleNamespace(
+        said_by_less=lambda c, one, every: False,
+        best=lambda c, every: every[0],
+        least_gain=lambda c, one: 22.0,
+    )
+    selection = bare(threshold=threshold, refused={named(flexible)})
+    assert selection.next_step(ground).candidate.kind == said
     # a law that was not refused has been weighed already
-    unrefused = bare(scan=scan, fitter=fitter_of(), threshold=threshold)
-    assert unrefused.next_step([], SimpleNamespace(y=None, Z=None)).candidate.kind == "name"
+    assert bare(threshold=threshold).next_step(ground).candidate.kind == "name"
 
 
 @pytest.mark.parametrize(
@@ -101,27 +97,25 @@ def test_a_name_that_a_refused_law_of_its_joint_beats_is_not_said(
     ],
 )
 def test_where_much_is_not_understood_a_little_shows_nothing(
-    rest: tuple[int | None, float], said: list[str], monkeypatch: pytest.MonkeyPatch
+    rest: tuple[int | None, float], said: list[str]
 ) -> None:
     joint, gain = rest
     seen: list[Any] = []
 
-    def alternatives(self: Any, c: Any, chosen: Any = (), refused: Any = None) -> list[Any]:
+    def alternatives(refused: Any = ()) -> list[Any]:
         seen.append(refused)
         return [of(explanation("rest", joint), gain), of(explanation("less", 3), 10.0)]
 
-    monkeypatch.setattr(
-        module, "Comparison", lambda *given: SimpleNamespace(gain=lambda one: one.evidence)
-    )
-    monkeypatch.setattr(Selection, "alternatives", alternatives)
+    comparison = SimpleNamespace(gain=lambda one: one.evidence)
+    ground = SimpleNamespace(comparison=comparison, alternatives=alternatives)
     needed = {"rest": 22.0, "less": 22.0}
     selection = bare(
-        scan=None,
         fitter=fitter_of(),
         refused={("rest", 3, "rest")},
+        _beside=lambda chosen: ground,
         threshold=SimpleNamespace(
-            left_by=lambda c, chosen, joint: 0.0,
-            least_gain=lambda c, one, chosen: needed[one.candidate.kind],
+            left_by=lambda c, joint: 0.0,
+            least_gain=lambda c, one: needed[one.candidate.kind],
         ),
     )
     steps = [
@@ -140,7 +134,7 @@ def test_where_much_is_not_understood_a_little_shows_nothing(
     needed["rest"] = 148.1
     assert Selection._weighty(selection, steps, fit)[0] == steps
     needed["rest"] = 22.0
-    selection.threshold.left_by = lambda c, chosen, joint: 100.0
+    selection.threshold.left_by = lambda c, joint: 100.0
     kept, fit = Selection._weighty(selection, steps, fit)
     assert kept == steps
     assert Selection._weighty(selection, [], fit) == ([], fit)

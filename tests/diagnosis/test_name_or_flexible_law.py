@@ -15,7 +15,7 @@ def test_a_law_without_a_name_beats_the_library_by_more_than_earlier_laws_may_le
 
     def wins(more: float, *chosen: Any, **given: Any) -> bool:
         unnamed = alternative(candidate((0.0, 9.0, 0.0), known=False), gain=500.0 + more)
-        return judge.best(comparison(**given), [unnamed, name], chosen) is unnamed
+        return judge.best(comparison(chosen=chosen, **given), [unnamed, name]) is unnamed
 
     # ten nats
     assert wins(10.1)
@@ -26,13 +26,14 @@ def test_a_law_without_a_name_beats_the_library_by_more_than_earlier_laws_may_le
     assert not wins(109.9, candidate(gain=8.0), candidate(gain=800.0))
     loss = alternative(candidate(), gain=-500.0)
     unnamed = alternative(candidate((0.0, 9.0, 0.0), known=False), gain=-489.9)
-    assert judge.best(comparison(), [unnamed, loss], ()) is unnamed
-    assert judge.best(comparison(), [name, unnamed], ()) is name
-    assert judge.best(comparison(), [unnamed], ()) is unnamed
+    assert judge.best(comparison(), [unnamed, loss]) is unnamed
+    assert judge.best(comparison(), [name, unnamed]) is name
+    assert judge.best(comparison(), [unnamed]) is unnamed
     whole = alternative(candidate((9.0, 0.0, 0.0), known=False, joint=None), gain=600.1)
     # a law of no joint is judged as on the first: a quarter of what an earlier one gained
-    assert judge.best(comparison(), [whole, name], (candidate(gain=1430.0),)) is whole
-    assert judge.best(comparison(), [whole, name], (candidate(gain=1450.0),)) is name
+    for gain, wins_here in ((1430.0, whole), (1450.0, name)):
+        beside = comparison(chosen=(candidate(gain=gain),))
+        assert judge.best(beside, [whole, name]) is wins_here
 
 
 @pytest.mark.parametrize(
@@ -49,7 +50,7 @@ def test_a_name_may_leave_what_its_law_is_too_simple_for(
     name = alternative(candidate(), gain=gain)
     unnamed = alternative(candidate((0.0, 9.0, 0.0), known=False), gain=1200.0)
     given = comparison(with_its_leftover=lambda one: BASE + leftover)
-    assert (threshold().best(given, [unnamed, name], ()) is name) == named
+    assert (threshold().best(given, [unnamed, name]) is name) == named
 
 
 @pytest.mark.parametrize(
@@ -74,7 +75,7 @@ def test_a_name_stands_where_hardly_more_is_said_without_it(
 
     def stands(**more: Any) -> bool:
         name = alternative(candidate((0.0, 5.0, 0.0), **more), gain=gain)
-        return threshold().best(given, [unnamed, name], ()) is name
+        return threshold().best(given, [unnamed, name]) is name
 
     assert stands() == named
     # ripples of any order are a flexible law themselves
@@ -86,7 +87,7 @@ def test_a_law_of_no_joint_is_held_against_the_first() -> None:
     given = comparison(share_beyond_base=lambda one: 0.0)
     for size, named in ((5.4, True), (5.6, False)):
         unnamed = alternative(candidate((size, 99.0, 99.0), known=False, joint=None), gain=900.0)
-        assert (threshold().best(given, [unnamed, name], ()) is name) == named
+        assert (threshold().best(given, [unnamed, name]) is name) == named
 
 
 def test_what_does_not_matter_by_its_name_does_not_matter_without_one() -> None:

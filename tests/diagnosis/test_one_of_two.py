@@ -8,7 +8,8 @@ from typing import Any
 import pytest
 from diagnosis.test_selection_steps import bare, explanation, fitter_of
 
-from irb2400_ctrl.diagnosis.comparison.selection import Selection, named
+from irb2400_ctrl.diagnosis.comparison.ground import named
+from irb2400_ctrl.diagnosis.comparison.selection import Selection
 from irb2400_ctrl.diagnosis.comparison.step import Step
 
 
@@ -24,7 +25,8 @@ def test_the_first_of_two_goes_where_the_other_one_does_not_come(
     acceptance = SimpleNamespace(**accept, gains=lambda steps, fit: [0.0] * len(steps))
     selection = bare(fitter=fitter_of(), refused=set(), acceptance=acceptance)
 
-    def next_step(self: Any, chosen: Any, fit: Any, alone: bool = False) -> Step | None:
+    def next_step(self: Any, ground: Any, alone: bool = False) -> Step | None:
+        chosen = ground.comparison.chosen
         for offer in (Step(first, 30.0, (), one_of_two=True), Step(other, 20.0, ())):
             if offer.candidate not in chosen and named(offer.candidate) not in self.refused:
                 return offer
@@ -32,7 +34,7 @@ def test_the_first_of_two_goes_where_the_other_one_does_not_come(
 
     monkeypatch.setattr(Selection, "next_step", next_step)
     monkeypatch.setattr(Selection, "_exchanged", lambda self, steps: steps)
-    monkeypatch.setattr(Selection, "_rather_wider", lambda self, step, fit: None)
+    monkeypatch.setattr(Selection, "_rather_wider", lambda self, step, beside: None)
     steps, fit = selection.run()
     assert [s.candidate.kind for s in steps] == kept
     assert fit.of == kept

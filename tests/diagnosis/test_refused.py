@@ -8,7 +8,8 @@ from typing import Any
 import pytest
 from diagnosis.test_selection_steps import bare, explanation, fitter_of
 
-from irb2400_ctrl.diagnosis.comparison.selection import Selection, named
+from irb2400_ctrl.diagnosis.comparison.ground import named
+from irb2400_ctrl.diagnosis.comparison.selection import Selection
 from irb2400_ctrl.diagnosis.comparison.step import Step
 
 LAWS = [explanation("unexplained", j, known=False) for j in range(1, 6)]
@@ -31,11 +32,12 @@ def test_refused_laws_of_many_joints_leave_a_name_its_turn(
     )
     selection = bare(fitter=fitter_of(), refused=set(), acceptance=acceptance)
 
-    def next_step(self: Any, chosen: Any, fit: Any, alone: bool = False) -> Step | None:
+    def next_step(self: Any, ground: Any, alone: bool = False) -> Step | None:
+        chosen = ground.comparison.chosen
         left = [c for c in offers if named(c) not in self.refused and c not in chosen]
         return Step(left[0], 30.0, ()) if left else None
 
     monkeypatch.setattr(Selection, "next_step", next_step)
-    monkeypatch.setattr(Selection, "_rather_wider", lambda self, step, fit: None)
+    monkeypatch.setattr(Selection, "_rather_wider", lambda self, step, beside: None)
     steps, _ = selection.run()
     assert [s.candidate.kind for s in steps] == found

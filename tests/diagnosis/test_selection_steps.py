@@ -7,13 +7,9 @@ from typing import Any
 
 import pytest
 
-from irb2400_ctrl.diagnosis.comparison import selection as module
 from irb2400_ctrl.diagnosis.comparison.comparison import Alternative
 from irb2400_ctrl.diagnosis.comparison.criteria import Criteria
-from irb2400_ctrl.diagnosis.comparison.selection import (
-    Selection,
-    named,
-)
+from irb2400_ctrl.diagnosis.comparison.selection import Selection
 from irb2400_ctrl.diagnosis.comparison.step import Step
 
 
@@ -24,10 +20,16 @@ def bare(**given: Any) -> Any:
         "criteria": Criteria(),
         "refused": set(),
         "_weighty": lambda steps, fit: (steps, fit),
+        "_beside": beside,
     }
     for name, value in (usual | given).items():
         setattr(selection, name, value)
     return selection
+
+
+def beside(chosen: Any) -> Any:
+    """The ground beside what is chosen, of which a test gives the rest."""
+    return SimpleNamespace(comparison=SimpleNamespace(chosen=chosen))
 
 
 def explanation(kind: str, joint: int | None = 1, known: bool = True, **given: Any) -> Any:
@@ -92,42 +94,35 @@ def test_of_an_effect_on_every_joint_what_does_not_stand_clear_is_left_out() -> 
 
 
 def next_step(
-    offered: list[Any], monkeypatch: Any, *, accepted: Any = None, least: float = 22.0, **given: Any
+    offered: list[Any], *, accepted: Any = None, least: float = 22.0, **given: Any
 ) -> tuple[Any, list[str]]:
     """What `next_step` makes of these alternatives over a base of evidence zero; and what was
     polished."""
     polished: list[str] = []
-
-    def made(scan: Any, reversal: Any, y: Any, Z: Any) -> Any:
-        return SimpleNamespace(
-            gain=lambda one: one.evidence,
-            polished=lambda one: polished.append(one.candidate.kind) or one,
-        )
-
-    monkeypatch.setattr(module, "Comparison", made)
-    monkeypatch.setattr(Selection, "alternatives", lambda self, c, chosen=(): list(offered))
+    ground: Any = beside([])
+    ground.comparison.gain = lambda one: one.evidence
+    ground.comparison.polished = lambda one: polished.append(one.candidate.kind) or one
+    ground.alternatives = lambda refused: list(offered)
+    ground.accepts = lambda one: accepted is None or one.candidate.kind in accepted
     threshold = SimpleNamespace(
-        accepts=lambda c, one, chosen: accepted is None or one.candidate.kind in accepted,
         said_by_less=lambda c, one, every: one.candidate.kind == "said by less",
-        best=lambda c, every, chosen: every[0],
-        least_gain=lambda c, one, chosen: least,
+        best=lambda c, every: every[0],
+        least_gain=lambda c, one: least,
     )
-    selection = bare(scan=None, fitter=fitter_of(), threshold=threshold)
-    fit: Any = SimpleNamespace(y=None, Z=None)
-    return selection.next_step([], fit, **given), polished
+    return bare(threshold=threshold).next_step(ground, **given), polished
 
 
-def test_the_next_step_is_the_best_that_counts(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_next_step_is_the_best_that_counts() -> None:
     small, less, good, worse = (
         of(explanation(kind), gain)
         for kind, gain in (("small", 90.0), ("said by less", 80.0), ("good", 22.0), ("worse", 21.0))
     )
     every = [small, less, good, worse]
-    step, polished = next_step(every, monkeypatch, accepted={"good", "worse", "said by less"})
+    step, polished = next_step(every, accepted={"good", "worse", "said by less"})
     assert (step.candidate.kind, step.gain, polished) == ("good", 22.0, ["good"])
     assert step.alternatives == (good, worse)
-    assert next_step([worse], monkeypatch) == (None, [])
-    assert next_step([small], monkeypatch, accepted=set()) == (None, [])
+    assert next_step([worse]) == (None, [])
+    assert next_step([small], accepted=set()) == (None, [])
 
 
 @pytest.mark.parametrize(
@@ -159,16 +154,16 @@ def test_two_effects_in_the_place_of_a_law_without_a_name(
         another = Step(explanation("second"), second, ())
     once = Selection.next_step
 
-    def nested(self: Any, chosen: Any, fit: Any, alone: bool = False) -> Any:
+    def nested(self: Any, ground: Any, alone: bool = False) -> Any:
         if not alone:
-            return once(self, chosen, fit)
-        assert ([c.kind for c in chosen], fit.of) == (["first"], ["first"])
+            return once(self, ground)
+        assert [c.kind for c in ground.comparison.chosen] == ["first"]
         return another
 
     monkeypatch.setattr(Selection, "next_step", nested)
     # the effect itself may be too small to be accepted alone
     for accepted in ({"unexplained"}, {"unexplained", "first"}):
-        step, _ = next_step([flexible, name], monkeypatch, accepted=accepted)
+        step, _ = next_step([flexible, name], accepted=accepted)
         assert step.candidate.kind == found
         assert step.gain == (first if found == "first" else law)
         assert step.one_of_two == (found not in accepted)
@@ -187,13 +182,13 @@ def test_a_second_effect_of_another_joint_or_a_large_family_is_no_pair(
             patch.setattr(
                 Selection,
                 "next_step",
-                lambda self, chosen, fit, alone=False, once=once, second=second: (
-                    Step(second, 99.0, ()) if alone else once(self, chosen, fit)
+                lambda self, ground, alone=False, once=once, second=second: (
+                    Step(second, 99.0, ()) if alone else once(self, ground)
                 ),
             )
-            step, _ = next_step([flexible, name], patch)
+            step, _ = next_step([flexible, name])
             assert step.candidate.kind == "unexplained"
-    step, _ = next_step([flexible, name], monkeypatch, alone=True)
+    step, _ = next_step([flexible, name], alone=True)
     assert step.candidate.kind == "unexplained"
 
 
@@ -203,9 +198,8 @@ def test_each_explanation_is_judged_again_beside_the_others(
     said: dict[str, Any] = {}
     asked: list[tuple[str, ...]] = []
 
-    def again(self: Any, others: Any, fit: Any, alone: bool = False) -> Any:
-        asked.append(tuple(c.kind for c in others))
-        assert list(asked[-1]) == fit.of
+    def again(self: Any, ground: Any, alone: bool = False) -> Any:
+        asked.append(tuple(c.kind for c in ground.comparison.chosen))
         return said.get("".join(asked[-1]))
 
     monkeypatch.setattr(Selection, "next_step", again)
@@ -237,58 +231,6 @@ def test_each_explanation_is_judged_again_beside_the_others(
     assert exchanged(a, explanation("b", begins=(4.5,), gain=9.0)) == ["b"]
 
 
-def test_laws_without_a_name_are_one_for_each_joint() -> None:
-    assert named(explanation("a", 2, name="a of 2")) == ("a", 2, "a of 2")
-    assert named(explanation("unexplained", 2, False, name="q")) == ("unexplained", 2, "")
-
-
-def test_alternatives_are_the_best_of_the_scan_that_were_not_refused(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    names = [explanation(f"n{k}", gain=float(k)) for k in range(9)]
-    laws = [explanation("unexplained", j, False, gain=50.0 + j) for j in (1, 2)]
-    windowed = [explanation("w0", gain=99.0), explanation("w1", gain=98.0)]
-    between: list[str] = []
-    asked: list[list[str]] = []
-
-    def found(candidates: list[Any]) -> list[Any]:
-        asked.append([c.kind for c in candidates])
-        return windowed
-
-    monkeypatch.setattr(module, "Windowing", lambda scan, start: SimpleNamespace(candidates=found))
-    scan = SimpleNamespace(
-        rank=lambda start, chosen: [*names, *laws],
-        between=lambda start, c: between.append(c.kind) or c,
-    )
-    comparison: Any = SimpleNamespace(start=None, compared=lambda c: of(c, c.gain))
-
-    def told(alternative: Any) -> Any:
-        # what the turns of the joints say counts too
-        return of(names[5], 1.5) if alternative.candidate is names[5] else alternative
-
-    def best(rattling: Any) -> list[str]:
-        selection = bare(
-            scan=scan,
-            refused={named(names[3]), named(laws[0]), named(windowed[0])},
-            turns=SimpleNamespace(told=told),
-            load_changes=SimpleNamespace(
-                rattles=lambda c, chosen: 10.0 * (c is rattling),
-                told=lambda a, chosen: of(
-                    a.candidate, a.evidence + 10.0 * (a.candidate is rattling)
-                ),
-            ),
-        )
-        return [a.candidate.kind for a in selection.alternatives(comparison)]
-
-    assert best(None) == ["w1", "unexplained", "n6", "n4", "n2", "n5", "n1", "n0"]
-    assert between == ["n0", "n1", "n2", "n4", "n5", "n6", "unexplained"]
-    assert asked == [["n0", "n1", "n2", "n4", "n5", "n6", "n7", "n8"]]
-    # play that the neighbours feel is among them, wherever the scan has it, and has their word
-    assert best(names[8]) == ["w1", "unexplained", "n8", "n6", "n4", "n2", "n5", "n1", "n0"]
-    assert best(names[2])[:4] == ["w1", "unexplained", "n2", "n6"]
-    assert between[-7:] == ["n0", "n1", "n2", "n4", "n5", "n6", "unexplained"]
-
-
 def test_the_search_ends_after_as_many_steps_and_refusals_as_the_criteria_say(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
@@ -305,13 +247,13 @@ def test_the_search_ends_after_as_many_steps_and_refusals_as_the_criteria_say(
         monkeypatch.setattr(
             Selection,
             "next_step",
-            lambda self, chosen, fit, alone=False: Step(explanation(f"k{next(kinds)}"), 30.0, ()),
+            lambda self, ground, alone=False: Step(explanation(f"k{next(kinds)}"), 30.0, ()),
         )
         exchanged: list[int] = []
         monkeypatch.setattr(
             Selection, "_exchanged", lambda self, steps: exchanged.append(len(steps)) or steps
         )
-        monkeypatch.setattr(Selection, "_rather_wider", lambda self, step, fit: None)
+        monkeypatch.setattr(Selection, "_rather_wider", lambda self, step, beside: None)
         steps, fit = selection.run()
         # one explanation alone has nothing to be exchanged with
         assert exchanged == list(range(2, len(steps) + 1))

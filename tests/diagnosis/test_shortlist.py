@@ -6,7 +6,7 @@ from typing import Any
 
 from diagnosis.test_selection_steps import explanation
 
-from irb2400_ctrl.diagnosis.comparison.selection import shortlist
+from irb2400_ctrl.diagnosis.comparison.ground import shortlist
 
 
 def test_the_shortlist_holds_names_and_laws_without_one() -> None:

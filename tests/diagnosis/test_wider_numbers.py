@@ -42,7 +42,8 @@ def test_wider_numbers_of_the_robot_must_say_more_than_the_best_step(
 
     monkeypatch.setattr(module, "Comparison", compared)
     selection = bare(scan=None, fitter=SimpleNamespace(own=2, reversal=None))
-    fit: Any = SimpleNamespace(y=None, Z=np.ones((1, 1, 3)))
+    stated = SimpleNamespace(log_evidence=gains[1.0])
+    beside: Any = SimpleNamespace(y=None, Z=np.ones((1, 1, 3)), base=stated)
     best: Any = None if step is None else SimpleNamespace(gain=step)
-    assert selection._rather_wider(best, fit) == wider
-    np.testing.assert_array_equal(fit.Z, np.ones((1, 1, 3)))
+    assert selection._rather_wider(best, beside) == wider
+    np.testing.assert_array_equal(beside.Z, np.ones((1, 1, 3)))

@@ -3,6 +3,7 @@ may bend to hide it."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -35,12 +36,16 @@ class Comparison:
     """The ground of one step: filtered torques y (rows, n) that are left, and the base Z (rows, n,
     k) that may move."""
 
-    def __init__(self, scan: Scan, reversal: Mask, y: Array, Z: Array) -> None:
-        """`reversal`: rows near a change of direction, shape (rows, n)."""
+    def __init__(
+        self, scan: Scan, reversal: Mask, y: Array, Z: Array, chosen: Sequence[Candidate] = ()
+    ) -> None:
+        """`reversal`: rows near a change of direction, shape (rows, n); `chosen`: explanations that
+        y is what is left of."""
         self.scan = scan
         self.reversal = reversal
         self.y = y
         self.Z = Z
+        self.chosen = chosen
         self.n = scan.motion.n
         self._rows = scan.motion.row_known
 

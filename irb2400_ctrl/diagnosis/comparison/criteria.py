@@ -102,41 +102,31 @@ class Threshold:
             self.rms, np.sqrt(np.mean(motion.filtered_reading(predicted) ** 2, axis=0))
         )
 
-    def accepts(
-        self, comparison: Comparison, alternative: Alternative, chosen: Sequence[Candidate]
-    ) -> bool:
-        """Large enough to matter on at least one joint that it acts on, and no leftover of an
-        earlier one there.
-
-        Args:
-            comparison: of all alternatives.
-            alternative: in question.
-            chosen: explanations that are chosen already.
-        """
+    def accepts(self, comparison: Comparison, alternative: Alternative) -> bool:
+        """Whether an alternative is large enough to matter on at least one joint that it acts on,
+        and no leftover of what is chosen there."""
         candidate = alternative.candidate
-        if of_one_moment(candidate, chosen):
+        if of_one_moment(candidate, comparison.chosen):
             return False
         size = np.sqrt(np.mean(candidate.torque(self.n) ** 2, axis=0))
         if (size > self.largest).any():
             return False  # a torque that something else must cancel again
         if alternative.rattles:
             return True  # its quick part is most of it, and in no column
-        if not self._shows_moving(comparison, alternative, chosen):
+        if not self._shows_moving(comparison, alternative):
             return False
         matters = self._matters(comparison, alternative)
-        if chosen and matters.any():
-            matters &= self._new(comparison, candidate, chosen)
+        if comparison.chosen and matters.any():
+            matters &= self._new(comparison, candidate)
         return bool(matters.any()) and not self._once(comparison, candidate)
 
-    def _shows_moving(
-        self, comparison: Comparison, alternative: Alternative, chosen: Sequence[Candidate]
-    ) -> bool:
+    def _shows_moving(self, comparison: Comparison, alternative: Alternative) -> bool:
         """Whether rows away from reversals show it too, where they must, and as large: a misfit of
         friction, which turns over at reversals, has another size there or none."""
         c = self.criteria
         must = any(e.search.shows_moving for e in alternative.candidate.effects)
         # what comes late is smeared as well: that shows where friction turns over
-        smeared = any(e.chain == "clock" for earlier in chosen for e in earlier.effects)
+        smeared = any(e.chain == "clock" for earlier in comparison.chosen for e in earlier.effects)
         if not must and not smeared:
             return True
         gain, size = comparison.moving(alternative.candidate)
@@ -203,9 +193,7 @@ class Threshold:
             return False
         return comparison.elsewhere(candidate) < self.criteria.elsewhere
 
-    def _new(
-        self, comparison: Comparison, candidate: Candidate, chosen: Sequence[Candidate]
-    ) -> npt.NDArray[np.bool_]:
+    def _new(self, comparison: Comparison, candidate: Candidate) -> npt.NDArray[np.bool_]:
         """Joints where it is more than earlier laws of slightly another shape leave, shape (n,).
 
         It must take a good part off the residual there, or, where the base had been bent to hide
@@ -218,7 +206,7 @@ class Threshold:
             if candidate.known
             else added > np.sqrt(c.energy * comparison.energy)
         )
-        for earlier in chosen:
+        for earlier in comparison.chosen:
             torque = earlier.torque(self.n)
             share = earlier.discrepancy_share
             # the swing of one transmission moves its neighbours' links too: there only the evidence
@@ -239,16 +227,8 @@ class Threshold:
             new &= more
         return new
 
-    def least_gain(
-        self, comparison: Comparison, alternative: Alternative, chosen: Sequence[Candidate]
-    ) -> float:
-        """Log evidence that a candidate needs [nats].
-
-        Args:
-            comparison: of all alternatives.
-            alternative: in question.
-            chosen: explanations that are chosen already.
-        """
+    def least_gain(self, comparison: Comparison, alternative: Alternative) -> float:
+        """Log evidence that an alternative needs [nats]."""
         c = self.criteria
         candidate = alternative.candidate
         if alternative.rattles:
@@ -264,21 +244,17 @@ class Threshold:
             alone = c.gain_changed
         # what an earlier law leaves bends the base
         acts = np.any(candidate.torque(self.n) != 0.0, axis=0)
-        left = [float(self._leaves(comparison, e)[acts].max(initial=0.0)) for e in chosen]
+        left = [
+            float(self._leaves(comparison, e)[acts].max(initial=0.0)) for e in comparison.chosen
+        ]
         return min(c.gain, alone + max(left, default=0.0))
 
-    def left_by(
-        self, comparison: Comparison, chosen: Sequence[Candidate], joint: int | None
-    ) -> float:
-        """Log evidence that one of the chosen explanations may have left on a joint [nats].
-
-        Args:
-            comparison: of all alternatives.
-            chosen: explanations that are chosen already.
-            joint: from 1; None: on the joint with most of it.
-        """
+    def left_by(self, comparison: Comparison, joint: int | None) -> float:
+        """Log evidence that one of the chosen explanations may have left on a joint (from 1; None:
+        on the one with most of it) [nats]."""
         place = slice(None) if joint is None else joint - 1
-        return max((float(np.max(self._leaves(comparison, e)[place])) for e in chosen), default=0.0)
+        left = (float(np.max(self._leaves(comparison, e)[place])) for e in comparison.chosen)
+        return max(left, default=0.0)
 
     def _leaves(self, comparison: Comparison, earlier: Candidate) -> Array:
         """Log evidence of what a law of slightly another shape may leave on each joint, shape (n,)
@@ -290,20 +266,10 @@ class Threshold:
         """Whether other numbers of the robot would give all but a small share of a candidate."""
         return comparison.share_beyond_base(candidate) <= self.criteria.in_base
 
-    def best(
-        self,
-        comparison: Comparison,
-        alternatives: Sequence[Alternative],
-        chosen: Sequence[Candidate],
-    ) -> Alternative:
-        """The best alternative; a non-parametric law only where it says more than the best effect,
-        by more than that effect's own law and earlier ones may have left.
-
-        Args:
-            comparison: of all alternatives.
-            alternatives: that may be taken.
-            chosen: explanations that are chosen already.
-        """
+    def best(self, comparison: Comparison, alternatives: Sequence[Alternative]) -> Alternative:
+        """The best of the alternatives that may be taken; a non-parametric law only where it says
+        more than the best effect, by more than that effect's own law and earlier ones may have
+        left."""
         best = alternatives[0]
         known = next((r for r in alternatives if r.candidate.known), None)
         if best.candidate.known or known is None:
@@ -315,7 +281,7 @@ class Threshold:
         mostly_base = comparison.share_beyond_base(known.candidate) < self.criteria.mostly_base
         if (close or mostly_base) and self._leaves_little(comparison, known, best):
             return known
-        earlier = self.left_by(comparison, chosen, best.candidate.joint or 1)
+        earlier = self.left_by(comparison, best.candidate.joint or 1)
         rival = known.evidence
         if close:
             rival = max(rival, comparison.with_its_leftover(known))

@@ -3,7 +3,7 @@ comes and goes."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import replace
 from itertools import pairwise
 
@@ -40,16 +40,15 @@ class Windowing:
         self.problem = problem
         self.motion = scan.motion
 
-    def candidates(self, ranked: Sequence[Candidate]) -> list[Candidate]:
-        """Effects that clearly explain more when they act part of the time only, where the best of
-        `ranked` sit.
+    def candidates(self, joints: Collection[int | None]) -> list[Candidate]:
+        """Effects of these joints and of the whole arm that clearly explain more when they act part
+        of the time only.
 
         In the times of the best of them, whatever else could act on its joint is tried too.
         """
-        joints = {c.joint for c in ranked[:JOINTS_OF]} | {None}
         looks = [
             look
-            for joint in joints
+            for joint in {*joints, None}
             for law in self.scan.points(self.problem, joint)
             if (look := self._look(law))
         ]

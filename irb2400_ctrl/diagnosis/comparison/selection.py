@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -12,14 +12,12 @@ from irb2400_ctrl.diagnosis.comparison.at_load_changes import AtLoadChanges
 from irb2400_ctrl.diagnosis.comparison.at_reversals import AtReversals
 from irb2400_ctrl.diagnosis.comparison.comparison import Alternative, Comparison
 from irb2400_ctrl.diagnosis.comparison.criteria import Criteria, Threshold, of_one_moment
-from irb2400_ctrl.diagnosis.comparison.onset import Windowing
+from irb2400_ctrl.diagnosis.comparison.ground import Ground, Name, named
 from irb2400_ctrl.diagnosis.comparison.scan import Scan
 from irb2400_ctrl.diagnosis.comparison.step import Step
 from irb2400_ctrl.diagnosis.estimation.candidate import Candidate
 from irb2400_ctrl.diagnosis.estimation.fit import Fit, Fitter
 from irb2400_ctrl.diagnosis.regressors.predict import predicted_torque
-
-Name = tuple[str, int | None, str]
 
 SMALL_FAMILY = 20
 """members of a family that still is one law"""
@@ -64,25 +62,25 @@ class Selection:
 
     def _searched(self, steps: list[Step]) -> tuple[list[Step], Fit]:
         """Explanations added to those there are, while they count."""
-        fit = self.fitter.fit([s.candidate for s in steps])
+        ground = self._beside([s.candidate for s in steps])
         tried: set[frozenset[Name]] = set()
         while len(steps) < self.criteria.most and self._refused() < self.criteria.most_refused:
-            step = self.next_step([s.candidate for s in steps], fit)
-            wider = self._rather_wider(step, fit)
+            step = self.next_step(ground)
+            wider = self._rather_wider(step, ground.comparison)
             if wider is not None:
                 # beside numbers that may be further off everything is judged anew
                 self.fitter.widen(wider)
                 steps = []
                 tried = set()
                 self.refused.clear()
-                fit = self.fitter.fit([])
+                ground = self._beside([s.candidate for s in steps])
                 continue
             if step is None:
                 lone = _without_its_other(steps)
                 if lone is None:
                     break
                 self.refused.add(named(steps.pop(lone).candidate))
-                fit = self.fitter.fit([s.candidate for s in steps])
+                ground = self._beside([s.candidate for s in steps])
                 continue
             further, there = self._clear([*steps, step], len(steps))
             if not self.acceptance.bears_out(further, there, len(steps)):
@@ -90,34 +88,39 @@ class Selection:
                 self.refused.add(named(step.candidate))
                 continue
             steps = further if len(further) == 1 else self._exchanged(further)
-            unchanged = [id(s) for s in steps] == [id(s) for s in further]
-            fit = there if unchanged else self.fitter.fit([s.candidate for s in steps])
+            ground = self._beside([s.candidate for s in steps])
             names = frozenset(named(s.candidate) for s in steps)
             if names in tried:
                 break  # one explanation pushes another out and is pushed out by it again
             tried.add(names)
-        return steps, fit
+        return steps, self.fitter.fit([s.candidate for s in steps])
+
+    def _beside(self, chosen: Sequence[Candidate]) -> Ground:
+        """The ground beside what is chosen."""
+        fit = self.fitter.fit(chosen)
+        comparison = Comparison(self.scan, self.fitter.reversal, fit.y, fit.Z, chosen)
+        return Ground(comparison, self.threshold, self.turns, self.load_changes)
 
     def _refused(self) -> int:
         """Number of names that were refused; the flexible laws of a joint, of which there is one,
         do not keep a name from its turn."""
         return sum(bool(name) for _, _, name in self.refused)
 
-    def _rather_wider(self, step: Step | None, fit: Fit) -> float | None:
+    def _rather_wider(self, step: Step | None, beside: Comparison) -> float | None:
         """How many times further off than stated numbers of the robot explain more than the best
         step, a rival like any other; None where they do not."""
         fitter = self.fitter
 
         def evidence(wider: float) -> float:
-            Z = fit.Z.copy()
+            Z = beside.Z.copy()
             Z[:, :, : fitter.own] *= wider
-            return Comparison(self.scan, fitter.reversal, fit.y, Z).base.log_evidence
+            return Comparison(self.scan, fitter.reversal, beside.y, Z).base.log_evidence
 
         found = {wider: evidence(wider) for wider in self.criteria.wider}
         wider = max(found, key=lambda w: found[w])
         # that all numbers are further off is a claim as well: beside a name it pays as one does
         least = self.criteria.gain if step is None else step.gain + self.criteria.gain_stated
-        return wider if found[wider] - evidence(1.0) > least else None
+        return wider if found[wider] - beside.base.log_evidence > least else None
 
     def _borne_out(self, steps: list[Step], fit: Fit) -> tuple[list[Step], Fit]:
         """What the common fit of all still bears out."""
@@ -135,16 +138,16 @@ class Selection:
         without a larger one: where so much is not understood a little shows nothing."""
         if not steps:
             return steps, fit
-        chosen = [s.candidate for s in steps]
-        comparison = Comparison(self.scan, self.fitter.reversal, fit.y, fit.Z)
+        ground = self._beside([s.candidate for s in steps])
+        comparison = ground.comparison
         most = 0.0
         # what unseen rows did not bear out is there all the same
-        for rest in self.alternatives(comparison, chosen, refused=()):
+        for rest in ground.alternatives():
             left = comparison.gain(rest)
             joint = rest.candidate.joint
             beside = [s.gain for s in steps if s.candidate.joint == joint]
-            if left > max(self.threshold.least_gain(comparison, rest, chosen), *beside, 0.0):
-                most = max(most, left - self.threshold.left_by(comparison, chosen, joint))
+            if left > max(self.threshold.least_gain(comparison, rest), *beside, 0.0):
+                most = max(most, left - self.threshold.left_by(comparison, joint))
         kept = [
             s
             for s in steps
@@ -163,29 +166,23 @@ class Selection:
                 return steps, fit
             steps = [*steps[:place], steps[place].only(clear), *steps[place + 1 :]]
 
-    def next_step(self, chosen: Sequence[Candidate], fit: Fit, alone: bool = False) -> Step | None:
+    def next_step(self, ground: Ground, alone: bool = False) -> Step | None:
         """The best further explanation if it counts; `alone`: no two effects in the place of a
-        non-parametric law.
-
-        Args:
-            chosen: explanations that are chosen already.
-            fit: of these.
-            alone: whether two effects in the place of a non-parametric law are left out.
-        """
-        comparison = Comparison(self.scan, self.fitter.reversal, fit.y, fit.Z)
-        every = self.alternatives(comparison, chosen)
+        non-parametric law."""
+        comparison = ground.comparison
+        every = ground.alternatives(self.refused)
         while True:
-            best, alternatives = self._best(comparison, every, chosen, alone)
+            best, alternatives = self._best(ground, every, alone)
             if best is None:
                 return None
-            joint = None if alone else self._doubted(comparison, best, chosen)
+            joint = None if alone else self._doubted(ground, best)
             if joint is None:
                 break
             # what is there is none of the joint's effects
             every = [a for a in every if not (a.candidate.known and a.candidate.joint == joint)]
         counts = best in alternatives
         alternatives += [] if counts else [best]
-        if comparison.gain(best) < self.threshold.least_gain(comparison, best, chosen):
+        if comparison.gain(best) < self.threshold.least_gain(comparison, best):
             return None
         polished = comparison.polished(best)
         alternatives[alternatives.index(best)] = polished
@@ -193,47 +190,37 @@ class Selection:
         return Step(polished.candidate, gain, tuple(alternatives), one_of_two=not counts)
 
     def _best(
-        self,
-        comparison: Comparison,
-        every: Sequence[Alternative],
-        chosen: Sequence[Candidate],
-        alone: bool,
+        self, ground: Ground, every: Sequence[Alternative], alone: bool
     ) -> tuple[Alternative | None, list[Alternative]]:
-        """The best of all alternatives, and those that count."""
+        """The best of all alternatives, and those that count; `alone` as of `next_step`."""
         alternatives = [
             alternative
             for alternative in every
-            if self.threshold.accepts(comparison, alternative, chosen)
-            and not self.threshold.said_by_less(comparison, alternative, every)
+            if ground.accepts(alternative)
+            and not self.threshold.said_by_less(ground.comparison, alternative, every)
         ]
         if not alternatives:
             return None, []
-        best = self.threshold.best(comparison, alternatives, chosen)
+        best = self.threshold.best(ground.comparison, alternatives)
         if not best.candidate.known and not alone:
-            best = self._first_of_two(comparison, best, every, chosen)
+            best = self._first_of_two(ground, best, every)
         return best, alternatives
 
-    def _doubted(
-        self, comparison: Comparison, best: Alternative, chosen: Sequence[Candidate]
-    ) -> int | None:
+    def _doubted(self, ground: Ground, best: Alternative) -> int | None:
         """Joint of an effect beside which a non-parametric law gains so much more that no second
         effect makes up for it, a law that unseen rows do not bear out; None if there is no such
         law: what is there is not this effect all the same."""
         joint = best.candidate.joint
         if not best.candidate.known or ("unexplained", joint, "") not in self.refused:
             return None
-        ranked = self.scan.rank(comparison.start, chosen)
-        laws = [c for c in ranked if not c.known and c.joint == joint][:DOUBTS]
+        comparison = ground.comparison
+        laws = [c for c in ground.ranked if not c.known and c.joint == joint][:DOUBTS]
         most = (1.0 + self.criteria.two_at_once) * comparison.gain(best)
         beaten = any(comparison.gain(comparison.compared(law)) > most for law in laws)
         return joint if beaten else None
 
     def _first_of_two(
-        self,
-        comparison: Comparison,
-        non_parametric: Alternative,
-        alternatives: Sequence[Alternative],
-        chosen: Sequence[Candidate],
+        self, ground: Ground, non_parametric: Alternative, alternatives: Sequence[Alternative]
     ) -> Alternative:
         """The better of two effects that together explain a joint at least as well as the
         non-parametric law, else that law.
@@ -241,6 +228,7 @@ class Selection:
         A flexible function takes in both at once, so that either of them alone is beaten by it.
         Large families (a ripple of any order) are flexible functions themselves.
         """
+        comparison = ground.comparison
         joint = non_parametric.candidate.joint
         gained = comparison.gain(non_parametric)
 
@@ -254,46 +242,18 @@ class Selection:
         first = next((r for r in alternatives if simple(r.candidate)), None)
         if first is None or gained > (1.0 + self.criteria.two_at_once) * comparison.gain(first):
             return non_parametric
-        both = [*chosen, first.candidate]
-        second = self.next_step(both, self.fitter.fit(both), alone=True)
+        both = self._beside([*comparison.chosen, first.candidate])
+        second = self.next_step(both, alone=True)
         if second is None or not simple(second.candidate):
             return non_parametric
         return first if comparison.gain(first) + second.gain > gained else non_parametric
-
-    def alternatives(
-        self,
-        comparison: Comparison,
-        chosen: Sequence[Candidate] = (),
-        refused: Collection[Name] | None = None,
-    ) -> list[Alternative]:
-        """The most promising candidates, each judged under its own noise, best first.
-
-        Args:
-            comparison: of the step.
-            chosen: explanations that are chosen already.
-            refused: names that are left out; None: those that the search has refused.
-        """
-        refused = self.refused if refused is None else refused
-        ranked = [c for c in self.scan.rank(comparison.start, chosen) if named(c) not in refused]
-        listed = shortlist(ranked, self.criteria.shortlist, self.criteria.gain)
-        rattling = next((c for c in ranked if self.load_changes.rattles(c, chosen)), None)
-        if rattling is not None and all(c is not rattling for c in listed):
-            listed.append(rattling)
-        short = [self.scan.between(comparison.start, c) for c in listed]
-        windowed = Windowing(self.scan, comparison.start).candidates([c for c in ranked if c.known])
-        short += [c for c in windowed if named(c) not in refused]
-        told = (self.turns.told(comparison.compared(candidate)) for candidate in short)
-        return sorted(
-            (self.load_changes.told(alternative, chosen) for alternative in told),
-            key=lambda r: -r.evidence,
-        )
 
     def _exchanged(self, steps: list[Step]) -> list[Step]:
         """Each explanation judged again given the others; one that no longer counts falls out."""
         kept = list(steps)
         for place in reversed(range(len(steps) - 1)):
             others = [s.candidate for k, s in enumerate(kept) if k != place]
-            step = self.next_step(others, self.fitter.fit(others))
+            step = self.next_step(self._beside(others))
             if step is None and all(o.known for o in others):
                 kept.pop(place)
             elif step is not None and (step.candidate.known or not kept[place].candidate.known):
@@ -314,27 +274,3 @@ def _without_its_other(steps: Sequence[Step]) -> int | None:
         if step.one_of_two and joints.count(step.candidate.joint) == 1:
             return place
     return None
-
-
-def named(candidate: Candidate) -> Name:
-    """What a candidate is called; flexible laws of one joint are one."""
-    return candidate.kind, candidate.joint, candidate.name if candidate.known else ""
-
-
-def shortlist(ranked: Sequence[Candidate], count: int, least: float) -> list[Candidate]:
-    """The best `count` candidates, among them at least a third of the library and a few
-    non-parametric ones; then the best of each joint that has none among them: the many rivals of
-    one joint hide no other's.
-
-    Args:
-        ranked: all, best first; count: to be named so.
-        least: that the best of a further joint gains [nats].
-    """
-    known = [c for c in ranked if c.known][: max(count * 2 // 3, 1)]
-    non_parametric = [c for c in ranked if not c.known][: max(count - len(known), count // 3)]
-    hidden: dict[int | None, Candidate] = {}
-    for candidate in ranked:
-        if candidate.known and candidate.score.gain > least:
-            hidden.setdefault(candidate.joint, candidate)
-    seen = {c.joint for c in known}
-    return [*known, *(c for joint, c in hidden.items() if joint not in seen), *non_parametric]

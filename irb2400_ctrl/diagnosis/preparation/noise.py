@@ -3,21 +3,19 @@ reversals."""
 
 from __future__ import annotations
 
+from cmath import sqrt
 from dataclasses import dataclass
+from math import log
 
 import numpy as np
 import numpy.typing as npt
+from scipy.optimize import brentq
 
 from irb2400_ctrl.arrays import Array, Mask
 
 ORDER = 2
 MOST_COLOUR = 4.0
 """largest over geometric mean power density that is believed to be noise"""
-SECTIONS = 8
-"""parts into which the search for that colour divides its interval"""
-ROUNDS = 10
-"""times that it does"""
-_TURNS = np.exp(-1j * np.outer(np.arange(1, ORDER + 1), np.linspace(0.0, np.pi, 64)))
 
 
 @dataclass(frozen=True)
@@ -95,33 +93,36 @@ def _weights(error: Array, sigma: float, calm: Mask) -> Array:
 
 
 def _not_too_coloured(coefficients: Array) -> Array:
-    """AR coefficients (m, ORDER), each drawn towards white until its spectrum spans at most
-    MOST_COLOUR.
+    """AR coefficients (ORDER,) drawn towards white until their spectrum spans at most MOST_COLOUR.
 
     Without this limit whatever the model lacks would pass for slow noise.
     """
-    powers = np.arange(1, ORDER + 1)
-    found = coefficients.copy()
-    wild = _spans(coefficients) > MOST_COLOUR
-    if not wild.any():
-        return found
-    low = np.zeros(int(wild.sum()))
-    high = np.ones(len(low))
-    for _ in range(ROUNDS):
-        trials = np.linspace(low, high, SECTIONS + 1, axis=1)
-        shrunk = coefficients[wild][:, None, :] * trials[:, 1:-1, None] ** powers
-        beyond = _spans(shrunk.reshape(-1, ORDER)).reshape(len(low), -1) > MOST_COLOUR
-        inside = np.where(beyond.any(axis=1), beyond.argmax(axis=1), SECTIONS - 1)[:, None]
-        low = np.take_along_axis(trials, inside, axis=1)[:, 0]
-        high = np.take_along_axis(trials, inside + 1, axis=1)[:, 0]
-    found[wild] *= low[:, None] ** powers
-    return found
+    a1, a2 = coefficients.tolist()
+
+    def beyond(share: float) -> float:
+        return _colour(share * a1, share**2 * a2) - log(MOST_COLOUR)
+
+    if beyond(1.0) <= 0.0:
+        return coefficients
+    share = brentq(beyond, 0.0, 1.0, xtol=1e-6)
+    return np.array([share * a1, share**2 * a2])
 
 
-def _spans(coefficients: Array) -> Array:
-    """Largest over geometric mean power density of AR coefficients (m, ORDER), shape (m,)."""
-    power = -2.0 * np.log(np.abs(1.0 - coefficients @ _TURNS))
-    return np.asarray(np.exp(power.max(axis=1) - power.mean(axis=1)))
+def _colour(a1: float, a2: float) -> float:
+    """Log of the largest over the geometric mean power density of 1 / |A|^2,
+    A = 1 - a1 z^-1 - a2 z^-2.
+
+    |A|^2 is a parabola in the cosine of the frequency; the mean of its logarithm is that of the
+    roots outside the unit circle (Jensen).
+    """
+    cosines = [-1.0, 1.0]
+    if a2 < 0.0 and abs(a1 * (a2 - 1.0)) < -4.0 * a2:
+        cosines.append(a1 * (a2 - 1.0) / (4.0 * a2))
+    whole = 1.0 + a1**2 + a2**2
+    least = min(whole + 2.0 * a1 * (a2 - 1.0) * c - 2.0 * a2 * (2.0 * c**2 - 1.0) for c in cosines)
+    root = sqrt(complex(a1**2 + 4.0 * a2))
+    outside = [max(abs(a1 + root), 2.0), max(abs(a1 - root), 2.0)]
+    return 2.0 * sum(log(0.5 * size) for size in outside) - log(max(least, 1e-12))
 
 
 def autoregressive(residual: Array, known: Mask, reversal: Mask) -> tuple[Noise, ...]:
@@ -133,16 +134,11 @@ def autoregressive(residual: Array, known: Mask, reversal: Mask) -> tuple[Noise,
     """
     kept = [complete_rows(one) for one in known.T]
     # a joint of few rows is taken as white
-    long = [j for j, rows in enumerate(kept) if len(rows) >= 20 * ORDER]
-    fits = [_Fitted(residual[:, j], kept[j], reversal[:, j]) for j in long]
-    free = np.array([fit.coefficients() for fit in fits]).reshape(-1, ORDER)
-    coloured = {
-        j: fit.noise(bounded)
-        for j, fit, bounded in zip(long, fits, _not_too_coloured(free), strict=True)
-    }
     return tuple(
-        coloured[j] if j in coloured else _white(residual[:, j], kept[j], reversal[:, j])
-        for j in range(len(kept))
+        _Fitted(residual[:, j], rows, reversal[:, j]).noise()
+        if len(rows) >= 20 * ORDER
+        else _white(residual[:, j], rows, reversal[:, j])
+        for j, rows in enumerate(kept)
     )
 
 
@@ -165,7 +161,9 @@ class _Fitted:
         gram += 1e-3 * np.trace(gram) / ORDER * np.eye(ORDER)
         return np.asarray(np.linalg.solve(gram, past.T @ self.now[self.use]))
 
-    def noise(self, coefficients: Array) -> Noise:
+    def noise(self) -> Noise:
+        """What the coefficients leave is white."""
+        coefficients = _not_too_coloured(self.coefficients())
         error = self.now - self.past @ coefficients
         sigma = max(float(np.sqrt(np.mean(error[self.use] ** 2))), 1e-9)
         a = np.append(1.0, -coefficients)

@@ -1,0 +1,108 @@
+"""The candidates beside what is chosen so far."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Sequence
+from functools import cache, cached_property, partial
+from typing import TypeVar
+
+from irb2400_ctrl.diagnosis.comparison.at_load_changes import AtLoadChanges
+from irb2400_ctrl.diagnosis.comparison.at_reversals import AtReversals
+from irb2400_ctrl.diagnosis.comparison.comparison import Alternative, Comparison
+from irb2400_ctrl.diagnosis.comparison.criteria import Threshold
+from irb2400_ctrl.diagnosis.comparison.onset import JOINTS_OF, Windowing
+from irb2400_ctrl.diagnosis.estimation.candidate import Candidate
+
+Name = tuple[str, int | None, str]
+One = TypeVar("One")
+Found = TypeVar("Found")
+
+
+class Ground:
+    """What is chosen so far, and the candidates beside it: each judged once, however many of them
+    the search refuses before it goes on."""
+
+    def __init__(
+        self,
+        comparison: Comparison,
+        threshold: Threshold,
+        turns: AtReversals,
+        load_changes: AtLoadChanges,
+    ) -> None:
+        """Nothing is judged yet.
+
+        Args:
+            comparison: beside what is chosen.
+            threshold: says what counts.
+            turns: what the turns of the joints say of an effect.
+            load_changes: what the changes of their load say.
+        """
+        self.comparison = comparison
+        self.threshold = threshold
+        self.turns = turns
+        self.load_changes = load_changes
+        self.accepts = _once(partial(threshold.accepts, comparison))
+        self._told = _once(self._all_told)
+        self._between = _once(partial(comparison.scan.between, comparison.start))
+        self._part_of_the_time = cache(Windowing(comparison.scan, comparison.start).candidates)
+
+    @cached_property
+    def ranked(self) -> list[Candidate]:
+        """All plausible candidates, best first."""
+        return self.comparison.scan.rank(self.comparison.start, self.comparison.chosen)
+
+    def alternatives(self, refused: Collection[Name] = ()) -> list[Alternative]:
+        """The most promising candidates, each judged under its own noise, best first; without those
+        of `refused` names."""
+        criteria = self.threshold.criteria
+        ranked = [c for c in self.ranked if named(c) not in refused]
+        listed = shortlist(ranked, criteria.shortlist, criteria.gain)
+        chosen = self.comparison.chosen
+        rattling = next((c for c in ranked if self.load_changes.rattles(c, chosen)), None)
+        if rattling is not None and all(c is not rattling for c in listed):
+            listed.append(rattling)
+        short = [self._between(c) for c in listed]
+        joints = frozenset(c.joint for c in [c for c in ranked if c.known][:JOINTS_OF])
+        short += [c for c in self._part_of_the_time(joints) if named(c) not in refused]
+        return sorted(map(self._told, short), key=lambda one: -one.evidence)
+
+    def _all_told(self, candidate: Candidate) -> Alternative:
+        """A candidate under its own noise, with what turns and changes of load say of it."""
+        told = self.turns.told(self.comparison.compared(candidate))
+        return self.load_changes.told(told, self.comparison.chosen)
+
+
+def named(candidate: Candidate) -> Name:
+    """What a candidate is called; flexible laws of one joint are one."""
+    return candidate.kind, candidate.joint, candidate.name if candidate.known else ""
+
+
+def shortlist(ranked: Sequence[Candidate], count: int, least: float) -> list[Candidate]:
+    """The best `count` candidates, among them at least a third of the library and a few
+    non-parametric ones; then the best of each joint that has none among them: the many rivals of
+    one joint hide no other's.
+
+    Args:
+        ranked: all, best first; count: to be named so.
+        least: that the best of a further joint gains [nats].
+    """
+    known = [c for c in ranked if c.known][: max(count * 2 // 3, 1)]
+    non_parametric = [c for c in ranked if not c.known][: max(count - len(known), count // 3)]
+    hidden: dict[int | None, Candidate] = {}
+    for candidate in ranked:
+        if candidate.known and candidate.score.gain > least:
+            hidden.setdefault(candidate.joint, candidate)
+    seen = {c.joint for c in known}
+    return [*known, *(c for joint, c in hidden.items() if joint not in seen), *non_parametric]
+
+
+def _once(function: Callable[[One], Found]) -> Callable[[One], Found]:
+    """A function that is worked out once for each object."""
+    found: dict[int, tuple[One, Found]] = {}
+
+    def kept(one: One) -> Found:
+        if id(one) not in found:
+            found[id(one)] = one, function(one)  # held, so that no other object gets its id
+        return found[id(one)][1]
+
+    return kept

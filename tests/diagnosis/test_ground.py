@@ -1,0 +1,99 @@
+"""The candidates beside what is chosen, each judged once."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+from diagnosis.test_selection_steps import explanation, of
+
+from irb2400_ctrl.diagnosis.comparison import ground as module
+from irb2400_ctrl.diagnosis.comparison.criteria import Criteria
+from irb2400_ctrl.diagnosis.comparison.ground import Ground, named
+
+NAMES = [explanation(f"n{k}", joint=1 + k % 4, gain=float(k)) for k in range(9)]
+LAWS = [explanation("unexplained", j, False, gain=50.0 + j) for j in (1, 2)]
+WINDOWED = [explanation("w0", gain=99.0), explanation("w1", gain=98.0)]
+REFUSED = {named(NAMES[3]), named(LAWS[0]), named(WINDOWED[0])}
+
+
+class Told:
+    """A ground whose candidates are plain numbers, and what was asked for."""
+
+    def __init__(self, monkeypatch: pytest.MonkeyPatch, rattling: Any = None) -> None:
+        self.between: list[str] = []
+        self.joints: list[set[int]] = []
+        self.compared: list[str] = []
+        self.judged: list[str] = []
+        monkeypatch.setattr(
+            module, "Windowing", lambda scan, start: SimpleNamespace(candidates=self._windowed)
+        )
+        scan = SimpleNamespace(
+            rank=lambda start, chosen: [*NAMES, *LAWS],
+            between=lambda start, c: self.between.append(c.kind) or c,
+        )
+        comparison: Any = SimpleNamespace(
+            start=None,
+            chosen=(),
+            scan=scan,
+            compared=lambda c: self.compared.append(c.kind) or of(c, c.gain),
+        )
+        threshold: Any = SimpleNamespace(
+            criteria=Criteria(),
+            accepts=lambda c, one: self.judged.append(one.candidate.kind) or one.evidence > 90.0,
+        )
+        turns: Any = SimpleNamespace(
+            # what the turns of the joints say counts too
+            told=lambda a: of(NAMES[5], 1.5) if a.candidate is NAMES[5] else a
+        )
+        load_changes: Any = SimpleNamespace(
+            rattles=lambda c, chosen: 10.0 * (c is rattling),
+            told=lambda a, chosen: of(a.candidate, a.evidence + 10.0 * (a.candidate is rattling)),
+        )
+        self.ground = Ground(comparison, threshold, turns, load_changes)
+
+    def _windowed(self, joints: Any) -> list[Any]:
+        self.joints.append(set(joints))
+        return WINDOWED
+
+    def best(self, refused: Any = REFUSED) -> list[str]:
+        return [a.candidate.kind for a in self.ground.alternatives(refused)]
+
+
+def test_alternatives_are_the_best_of_the_scan_that_were_not_refused(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    told = Told(monkeypatch)
+    assert told.best() == ["w1", "unexplained", "n6", "n4", "n2", "n5", "n1", "n0"]
+    assert told.between == ["n0", "n1", "n2", "n4", "n5", "n6", "unexplained"]
+    assert told.joints == [{1, 2, 3}]
+    # play that the neighbours feel is among them, wherever the scan has it, and has their word
+    best = Told(monkeypatch, NAMES[8]).best()
+    assert best == ["w1", "unexplained", "n8", "n6", "n4", "n2", "n5", "n1", "n0"]
+    told = Told(monkeypatch, NAMES[2])
+    assert told.best()[:4] == ["w1", "unexplained", "n2", "n6"]
+    assert told.between == ["n0", "n1", "n2", "n4", "n5", "n6", "unexplained"]
+
+
+def test_what_was_judged_is_not_judged_again_once_a_name_is_refused(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    told = Told(monkeypatch)
+    assert told.best(())[:3] == ["w0", "w1", "unexplained"]
+    seen = list(told.compared)
+    first = told.ground.alternatives()[0]
+    assert told.ground.accepts(first)
+    assert told.ground.accepts(first)
+    assert told.judged == ["w0"]
+    assert told.best(REFUSED)[0] == "w1"
+    assert told.compared == [*seen, "n6"]  # which comes in the place of the refused one
+    assert told.joints == [{1, 2, 3}]
+    # where the best names sit on other joints these are looked at
+    told.best({named(NAMES[0])})
+    assert told.joints == [{1, 2, 3}, {2, 3, 4}]
+
+
+def test_laws_without_a_name_are_one_for_each_joint() -> None:
+    assert named(explanation("a", 2, name="a of 2")) == ("a", 2, "a of 2")
+    assert named(explanation("unexplained", 2, False, name="q")) == ("unexplained", 2, "")
