@@ -11,6 +11,7 @@ import pytest
 
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.diagnosis.comparison.comparison import Comparison
+from irb2400_ctrl.diagnosis.preparation.noise import NoiseModel
 from irb2400_ctrl.diagnosis.regressors.bases import RegressorColumns
 
 RATE = 50
@@ -23,13 +24,13 @@ EVENT = np.where((TIME >= 2) & (TIME < 3), 1.0, 0.0) * np.sin(9 * TIME)
 def judge(torque: Array, turning: Array | None = None) -> Comparison:
     """Of one joint with white noise, beside an offset; `turning`: its reversals."""
     noise = np.random.default_rng(3).normal(0, 0.01, len(TIME))
-    motion = SimpleNamespace(
-        n=1, row_time=TIME, row_known=np.ones((len(TIME), 1), dtype=bool), step=1 / RATE
-    )
+    motion = SimpleNamespace(n=1, row_time=TIME, step=1 / RATE)
     scan: Any = SimpleNamespace(motion=motion)
     reversal = np.zeros(len(TIME), dtype=bool) if turning is None else turning
     base = np.full((len(TIME), 1, 1), 0.1)
-    return Comparison(scan, reversal[:, None], (torque + noise)[:, None], base)
+    known = np.ones((len(TIME), 1), dtype=bool)
+    model = NoiseModel(known, reversal[:, None], np.zeros(1), 1 / RATE)
+    return Comparison(scan, model, (torque + noise)[:, None], base)
 
 
 def shown(

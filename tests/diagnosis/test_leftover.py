@@ -11,6 +11,7 @@ import pytest
 from irb2400_ctrl.diagnosis.comparison.comparison import Comparison
 from irb2400_ctrl.diagnosis.estimation.candidate import Candidate
 from irb2400_ctrl.diagnosis.estimation.evidence import Score
+from irb2400_ctrl.diagnosis.preparation.noise import NoiseModel
 from irb2400_ctrl.diagnosis.regressors.bases import RegressorColumns
 
 
@@ -62,10 +63,12 @@ def test_a_name_with_what_its_law_may_leave_says_more_where_it_left_something(
         Score(0.0, 0.0, np.ones(1), np.zeros((1, 1)), np.zeros(0)),
     )  # fmt: skip
     scan: Any = SimpleNamespace(
-        motion=SimpleNamespace(n=1, row_known=np.ones((600, 1), dtype=bool)),
+        motion=SimpleNamespace(n=1),
         non_parametric={0: [SimpleNamespace(name="angle", columns=bend[:, None])]},
     )
-    comparison = Comparison(scan, np.zeros((600, 1), dtype=bool), y, np.full((600, 1, 1), 0.1))
+    every = np.ones((600, 1), dtype=bool)
+    noise = NoiseModel(every, ~every, np.zeros(1), 0.04)
+    comparison = Comparison(scan, noise, y, np.full((600, 1, 1), 0.1))
     alone = comparison.compared(candidate)
     gained = comparison.with_its_leftover(alone) - alone.evidence
     assert (gained > 50.0) if more else (-10.0 < gained < 1.0)

@@ -20,9 +20,10 @@ from irb2400_ctrl.diagnosis.preparation.metrics import errors, noise_floor
 from irb2400_ctrl.diagnosis.preparation.noise import (
     MOST_COLOUR,
     ORDER,
+    SLOW,
     Noise,
+    NoiseModel,
     _not_too_coloured,
-    autoregressive,
     complete_rows,
 )
 from irb2400_ctrl.diagnosis.regressors.bases import RegressorColumns
@@ -219,10 +220,33 @@ def test_a_single_reversal_counts_with_the_misfit_it_has() -> None:
     reversal = np.zeros(200, dtype=bool)
     reversal[90:96] = True
     residual[reversal] *= 20.0
-    known = np.ones((200, 1), dtype=bool)
-    (noise,) = autoregressive(residual[:, None], known, reversal[:, None])
+    model = NoiseModel(np.ones((200, 1), dtype=bool), reversal[:, None], np.zeros(1), 0.04)
+    (noise,) = model.coloured(residual[:, None])
     near = reversal[noise.kept]
     assert noise.weight[near].max() < 0.2 * noise.weight[~near].min()
+
+
+def test_what_a_model_of_the_arm_leaves_of_any_motion_is_noise_of_slow_kind() -> None:
+    """Of a wander of 0.7 Nm beside noise of 0.1 the whitened errors have unit variance, and are
+    white; of one that the model does not know of they have not."""
+    rng = np.random.default_rng(9)
+    stays = np.exp(-0.04 / SLOW)
+    wander = np.zeros(20_000)
+    for k in range(1, wander.size):
+        wander[k] = stays * wander[k - 1] + 0.7 * np.sqrt(1.0 - stays**2) * rng.standard_normal()
+    quick = 0.1 * rng.standard_normal((wander.size, 1))
+    all_rows = np.ones((wander.size, 1), dtype=bool)
+    for size in (0.0, 0.7):
+        model = NoiseModel(all_rows, ~all_rows, np.array([size]), 0.04)
+        (noise,) = model.coloured(quick)
+        quiet, whole = (noise.whiten(one) for one in (quick, quick + wander[:, None]))
+        if size:
+            assert whole.std() == pytest.approx(1.0, abs=0.03)
+            assert abs(np.corrcoef(whole[1:, 0], whole[:-1, 0])[0, 1]) < 0.05
+            assert quiet.std() < 0.6
+        else:
+            assert quiet.std() == pytest.approx(1.0, abs=0.03)
+            assert whole.std() > 5.0
 
 
 def test_a_body_more_needs_no_model_of_its_own() -> None:

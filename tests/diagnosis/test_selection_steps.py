@@ -47,7 +47,7 @@ def fitter_of() -> Any:
     return SimpleNamespace(
         fit=lambda chosen: SimpleNamespace(y=None, Z=None, of=[c.kind for c in chosen]),
         as_stated=lambda fit: fit,
-        reversal=None,
+        noise=None,
     )
 
 

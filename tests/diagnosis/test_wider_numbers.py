@@ -41,7 +41,7 @@ def test_wider_numbers_of_the_robot_must_say_more_than_the_best_step(
         return SimpleNamespace(base=SimpleNamespace(log_evidence=gains[times]))
 
     monkeypatch.setattr(module, "Comparison", compared)
-    selection = bare(scan=None, fitter=SimpleNamespace(own=2, reversal=None))
+    selection = bare(scan=None, fitter=SimpleNamespace(own=2, noise=None))
     stated = SimpleNamespace(log_evidence=gains[1.0])
     beside: Any = SimpleNamespace(y=None, Z=np.ones((1, 1, 3)), base=stated)
     best: Any = None if step is None else SimpleNamespace(gain=step)

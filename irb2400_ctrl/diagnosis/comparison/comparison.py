@@ -9,11 +9,11 @@ from functools import cached_property
 
 import numpy as np
 
-from irb2400_ctrl.arrays import Array, Mask
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.diagnosis.comparison.scan import Scan
 from irb2400_ctrl.diagnosis.estimation.candidate import Candidate
 from irb2400_ctrl.diagnosis.estimation.evidence import Problem, discrepancy_shares
-from irb2400_ctrl.diagnosis.preparation.noise import autoregressive, white, without
+from irb2400_ctrl.diagnosis.preparation.noise import NoiseModel, without
 
 
 @dataclass(frozen=True)
@@ -37,25 +37,23 @@ class Comparison:
     k) that may move."""
 
     def __init__(
-        self, scan: Scan, reversal: Mask, y: Array, Z: Array, chosen: Sequence[Candidate] = ()
+        self, scan: Scan, noise: NoiseModel, y: Array, Z: Array, chosen: Sequence[Candidate] = ()
     ) -> None:
-        """`reversal`: rows near a change of direction, shape (rows, n); `chosen`: explanations that
-        y is what is left of."""
+        """`noise`: what passes for it; `chosen`: explanations that y is what is left of."""
         self.scan = scan
-        self.reversal = reversal
+        self.noise = noise
         self.y = y
         self.Z = Z
         self.chosen = chosen
         self.n = scan.motion.n
-        self._rows = scan.motion.row_known
 
     @cached_property
     def start(self) -> Problem:
         """Under white noise of the level that the base leaves: the ground for a first ranking."""
 
-        level = white(self.y, self._rows, self.reversal)
+        level = self.noise.white(self.y)
         left = self.y - self.Z @ Problem(self.y, self.Z, level).z
-        return Problem(self.y, self.Z, white(left, self._rows, self.reversal))
+        return Problem(self.y, self.Z, self.noise.white(left))
 
     @cached_property
     def base(self) -> Problem:
@@ -109,7 +107,7 @@ class Comparison:
     def moving(self, candidate: Candidate) -> tuple[float, float]:
         """What its law gains on the rows away from reversals alone [nats], and how large these find
         it: over what all rows say."""
-        calm = [without(one, self.reversal[:, j]) for j, one in enumerate(self.base.noise)]
+        calm = [without(one, self.noise.reversal[:, j]) for j, one in enumerate(self.base.noise)]
         score = Problem(self.y, self.Z, calm).score(candidate.law, expected=candidate.expected)
         here, whole = (
             np.concatenate([one.whiten(tau[:, j]) for j, one in enumerate(calm)])
@@ -172,7 +170,7 @@ class Comparison:
         for _ in range(2):
             tau = candidate.torque(self.n)
             left = self.y - tau - Z @ problem.base_beside(tau)
-            problem = Problem(self.y, Z, autoregressive(left, self._rows, self.reversal))
+            problem = Problem(self.y, Z, self.noise.coloured(left))
             candidate = self._rescored(candidate, problem)
         return problem.log_evidence + candidate.score.gain
 
@@ -191,7 +189,7 @@ class Comparison:
 
     def _under(self, residual: Array) -> Problem:
         """The problem under the noise of a residual."""
-        return Problem(self.y, self.Z, autoregressive(residual, self._rows, self.reversal))
+        return Problem(self.y, self.Z, self.noise.coloured(residual))
 
     def _explained(self, problem: Problem, candidate: Candidate) -> Array:
         """Torque of the candidate and the base together, fitted under the problem's noise."""
@@ -212,7 +210,7 @@ class Comparison:
         return problem.score(candidate.law, expected=candidate.expected).gain - candidate.penalty
 
     def _energy(self, residual: Array) -> Array:
-        calm = self._rows & ~self.reversal
+        calm = self.noise.known & ~self.noise.reversal
         return np.array(
             [
                 np.mean(residual[calm[:, j], j] ** 2) if calm[:, j].any() else 0.0

@@ -98,7 +98,7 @@ class Selection:
     def _beside(self, chosen: Sequence[Candidate]) -> Ground:
         """The ground beside what is chosen."""
         fit = self.fitter.fit(chosen)
-        comparison = Comparison(self.scan, self.fitter.reversal, fit.y, fit.Z, chosen)
+        comparison = Comparison(self.scan, self.fitter.noise, fit.y, fit.Z, chosen)
         return Ground(comparison, self.threshold, self.turns, self.load_changes)
 
     def _refused(self) -> int:
@@ -114,7 +114,7 @@ class Selection:
         def evidence(wider: float) -> float:
             Z = beside.Z.copy()
             Z[:, :, : fitter.own] *= wider
-            return Comparison(self.scan, fitter.reversal, beside.y, Z).base.log_evidence
+            return Comparison(self.scan, fitter.noise, beside.y, Z).base.log_evidence
 
         found = {wider: evidence(wider) for wider in self.criteria.wider}
         wider = max(found, key=lambda w: found[w])

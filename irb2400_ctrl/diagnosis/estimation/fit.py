@@ -25,7 +25,7 @@ from irb2400_ctrl.diagnosis.estimation.effect_parameters import (
 from irb2400_ctrl.diagnosis.estimation.evidence import discrepancy_shares, discrepancy_unit
 from irb2400_ctrl.diagnosis.estimation.posterior import posterior
 from irb2400_ctrl.diagnosis.estimation.through_reading import shown_of, slope_of_shown
-from irb2400_ctrl.diagnosis.preparation.noise import Noise, autoregressive, white
+from irb2400_ctrl.diagnosis.preparation.noise import Noise, NoiseModel
 from irb2400_ctrl.diagnosis.preparation.plain_numbers import PlainNumbers
 from irb2400_ctrl.diagnosis.regressors.bases import Bases, RegressorColumns
 from irb2400_ctrl.diagnosis.regressors.predict import predicted_torque
@@ -96,7 +96,7 @@ class Fitter:
         self.bases = bases
         self.motion = motion
         self.Z = Z
-        self.reversal = reversal
+        self.noise = NoiseModel.of(motion, reversal, robot.usually_left)
         self.own = Z.shape[2] if own is None else own
         self.plain = plain
         self.widened = 1.0  # times further off than stated that the robot's numbers may be
@@ -138,7 +138,7 @@ class Fitter:
         for _ in range(ITERATIONS if effects else 0):
             y, columns, parameters, sizes, _ = state
             left = y - self._solved(y, columns, noise)[1]
-            noise = autoregressive(left, self.motion.row_known, self.reversal)
+            noise = self.noise.coloured(left)
             b, _, covariance = self._solved(y, columns, noise)
             start = self.Z.shape[2]
             if any(e.chain == "reading" for e in effects):
@@ -198,7 +198,7 @@ class Fitter:
         """`widths`: number of columns of each non-parametric law, the last ones."""
         y, columns, parameters, sizes, shapes = state
         _, explained, _ = self._solved(y, columns, noise)
-        noise = autoregressive(y - explained, self.motion.row_known, self.reversal)
+        noise = self.noise.coloured(y - explained)
         b, _, covariance = self._solved(y, columns, noise)
         k = self.Z.shape[2]
         p = len(parameters)
@@ -342,7 +342,7 @@ class Fitter:
     ) -> tuple[Array, Array, Array]:
         """Posterior mean (k,), explained torque (rows, n), covariance (k, k)."""
         if noise is None:
-            noise = white(y, self.motion.row_known, self.reversal)
+            noise = self.noise.white(y)
         b, covariance = posterior(y, columns, noise)
         return b, columns @ b, covariance
 

@@ -1,10 +1,11 @@
-"""Noise of the filtered torques: an autoregressive model per joint, and larger variance around
-reversals."""
+"""Noise of the filtered torques: an autoregressive model per joint, larger variance around
+reversals, and what an identification of the arm leaves of any motion (Kennedy and O'Hagan)."""
 
 from __future__ import annotations
 
 from cmath import sqrt
 from dataclasses import dataclass
+from functools import cached_property
 from math import log
 
 import numpy as np
@@ -12,10 +13,14 @@ import numpy.typing as npt
 from scipy.optimize import brentq
 
 from irb2400_ctrl.arrays import Array, Mask
+from irb2400_ctrl.measurement.prepared_log import PreparedLog
 
 ORDER = 2
 MOST_COLOUR = 4.0
 """largest over geometric mean power density that is believed to be noise"""
+SLOW = 0.3
+"""[s] over which what a model of an arm leaves of a motion stays what it is"""
+_TURNS = np.exp(-1j * np.outer(np.arange(1, ORDER + 1), 2.0 * np.pi * np.arange(256) / 256))
 
 
 @dataclass(frozen=True)
@@ -55,6 +60,49 @@ def without(noise: Noise, rows: Mask) -> Noise:
     return Noise(noise.a, noise.weight[stay], noise.kept[stay])
 
 
+@dataclass(frozen=True)
+class NoiseModel:
+    """What passes for noise of the filtered torques of a log.
+
+    Args:
+        known: rows that are complete; reversal: rows near a change of direction; both (rows, n).
+        wander: rms of what a model of this very arm leaves of a motion, slowly and by no law,
+            shape (n,) [Nm]. It is not estimated from the log: there it is what a law may explain.
+        step: between two rows [s].
+    """
+
+    known: Mask
+    reversal: Mask
+    wander: Array
+    step: float
+
+    @classmethod
+    def of(cls, motion: PreparedLog, reversal: Mask, wander: Array) -> NoiseModel:
+        """Of one log."""
+        return cls(motion.row_known, reversal, wander, motion.low_pass.out_step)
+
+    def white(self, residual: Array) -> tuple[Noise, ...]:
+        """White noise of the level that row-to-row differences show (robust against slow misfit),
+        larger near reversals; `residual`: what the model leaves, shape (rows, n) [Nm]."""
+        each = zip(residual.T, self._kept, self.reversal.T, strict=True)
+        return tuple(_white(here, rows, turning) for here, rows, turning in each)
+
+    def coloured(self, residual: Array) -> tuple[Noise, ...]:
+        """AR(ORDER) of each joint by least squares on the gap-free rows, of few rows white, and
+        what is left of any motion; argument as of `white`."""
+        each = zip(residual.T, self._kept, self.reversal.T, self.wander, strict=True)
+        return tuple(
+            _Fitted(here, rows, turning).noise(wander, self.step)
+            if len(rows) >= 20 * ORDER
+            else _white(here, rows, turning)
+            for here, rows, turning, wander in each
+        )
+
+    @cached_property
+    def _kept(self) -> list[npt.NDArray[np.intp]]:
+        return [complete_rows(rows) for rows in self.known.T]
+
+
 def complete_rows(known: Mask, order: int = ORDER) -> npt.NDArray[np.intp]:
     """Rows that are known and have `order` known rows before them."""
     good = known.copy()
@@ -62,13 +110,6 @@ def complete_rows(known: Mask, order: int = ORDER) -> npt.NDArray[np.intp]:
         good[lag:] &= known[:-lag]
         good[:lag] = False
     return np.flatnonzero(good)
-
-
-def white(residual: Array, known: Mask, reversal: Mask) -> tuple[Noise, ...]:
-    """White noise of the level that row-to-row differences show (robust against slow misfit),
-    larger near reversals; arguments as of `autoregressive`."""
-    each = zip(residual.T, known.T, reversal.T, strict=True)
-    return tuple(_white(here, complete_rows(rows), turning) for here, rows, turning in each)
 
 
 def _white(residual: Array, kept: npt.NDArray[np.intp], reversal: Mask) -> Noise:
@@ -125,23 +166,6 @@ def _colour(a1: float, a2: float) -> float:
     return 2.0 * sum(log(0.5 * size) for size in outside) - log(max(least, 1e-12))
 
 
-def autoregressive(residual: Array, known: Mask, reversal: Mask) -> tuple[Noise, ...]:
-    """AR(ORDER) of each joint by least squares on the gap-free rows.
-
-    Args:
-        residual: what the model leaves, shape (rows, n) [Nm].
-        known: rows that are complete; reversal: rows near a change of direction; both (rows, n).
-    """
-    kept = [complete_rows(one) for one in known.T]
-    # a joint of few rows is taken as white
-    return tuple(
-        _Fitted(residual[:, j], rows, reversal[:, j]).noise()
-        if len(rows) >= 20 * ORDER
-        else _white(residual[:, j], rows, reversal[:, j])
-        for j, rows in enumerate(kept)
-    )
-
-
 class _Fitted:
     """One joint: the values on its kept rows and before them."""
 
@@ -161,10 +185,32 @@ class _Fitted:
         gram += 1e-3 * np.trace(gram) / ORDER * np.eye(ORDER)
         return np.asarray(np.linalg.solve(gram, past.T @ self.now[self.use]))
 
-    def noise(self) -> Noise:
-        """What the coefficients leave is white."""
+    def noise(self, wander: float, step: float) -> Noise:
+        """What the coefficients leave is white; `wander` [Nm] is noise too."""
         coefficients = _not_too_coloured(self.coefficients())
         error = self.now - self.past @ coefficients
-        sigma = max(float(np.sqrt(np.mean(error[self.use] ** 2))), 1e-9)
+        sigma = float(np.sqrt(np.mean(error[self.use] ** 2)))
+        if wander > 0.0:
+            coefficients, sigma = _with_wander(coefficients, sigma, wander, step)
+            error = self.now - self.past @ coefficients
         a = np.append(1.0, -coefficients)
-        return Noise(a, _weights(error, sigma, self.calm), self.kept)
+        return Noise(a, _weights(error, max(sigma, 1e-9), self.calm), self.kept)
+
+
+def _with_wander(
+    coefficients: Array, sigma: float, wander: float, step: float
+) -> tuple[Array, float]:
+    """AR coefficients (ORDER,) and standard deviation of the errors of noise and a slow wander
+    together: their power densities add, and the autocovariance of the sum gives both
+    (Yule-Walker).
+
+    Args:
+        coefficients: of the noise; sigma: of its errors [Nm].
+        wander: rms [Nm], correlated as exp(-t / SLOW); step: between two samples [s].
+    """
+    stays = np.exp(-step / SLOW)
+    slow = wander**2 * (1.0 - stays**2) / np.abs(1.0 - stays * _TURNS[0]) ** 2
+    power = sigma**2 / np.abs(1.0 - coefficients @ _TURNS) ** 2 + slow
+    r = np.concatenate([[power.mean()], (_TURNS.real @ power) / power.size])
+    found = np.linalg.solve(r[np.abs(np.subtract.outer(range(ORDER), range(ORDER)))], r[1:])
+    return found, float(np.sqrt(max(r[0] - found @ r[1:], sigma**2)))
