@@ -188,6 +188,25 @@ def _both(log: Log, rng: np.random.Generator) -> Log:
     return replace(log, q=log.q[:, ::-1], tau=log.tau[:, ::-1], qd=None, q_ref=None)
 
 
+def _axis_turned(log: Log, rng: np.random.Generator) -> Log:
+    """Of axis 2, 3 or 5: an arm is the same the other way round about axis 1, 4 and 6."""
+    signs = np.ones(log.n)
+    signs[int(rng.choice([1, 2, 4]))] = -1.0
+    return replace(log, q=signs * log.q, tau=signs * log.tau, qd=None, q_ref=None)
+
+
+def _cut_out(log: Log, rng: np.random.Generator) -> Log:
+    """A second of full motion that is missing, the clock with it."""
+    rate = 1.0 / np.median(np.diff(log.time))
+    span = round(rate)
+    gone = np.abs(log.q[span:] - log.q[:-span]).max(axis=1)
+    start = int(np.argmax(gone))
+    rows = np.r_[:start, start + span : len(log.time)]
+    parts = {name: getattr(log, name) for name in ("q", "tau", "qd", "q_ref")}
+    some = {name: None if part is None else part[rows] for name, part in parts.items()}
+    return replace(log, time=log.time[: len(rows)], **some)
+
+
 def _every_sample(log: Log, rows: int, columns: tuple[str, ...]) -> Log:
     """Columns that keep their value for some rows."""
     held = (np.arange(len(log.time)) // rows) * rows
@@ -270,6 +289,8 @@ def _of_angles_and_clock(robot: Robot) -> list[Named]:
         ("axes numbered from tool", _both, "axis_order"),
         ("all angles turned", _angle(lambda q, r: -q), "angle_sign"),
         ("one angle turned", _angle(_one(lambda q, r: -q)), "angle_sign"),
+        ("one axis turned", _axis_turned, "axis_sign"),
+        ("rows cut out", _cut_out, "angle_jump"),
         ("link angles", _angle(lambda q, r: q @ A.T), "coupling"),
         (
             "link angles, torques",

@@ -41,6 +41,8 @@ from irb2400_ctrl.robot import Body, Identified, Robot
 CLEARER = 0.03
 """recorded speed is used when it leaves so much less than differentiated angles [-]"""
 
+SURE = 2.0
+"""standard errors from nothing of what an arm is said to have"""
 SAME = 1e-9
 """of the largest torque: rounding between the fit and the robot that it becomes"""
 
@@ -136,7 +138,7 @@ def _identified(robot: Robot, seen: Sequence[Log], others: Sequence[Log]) -> Ide
             *understood.notes,
             *beside.notes,
             *borne_out(understood.doubts, results),
-            *_notes(moved, found, said),
+            *_notes(moved, found, np.sqrt(np.diag(covariance)), said),
             *_resting(told),
             *dict.fromkeys(remark for part in parts for remark in part.motion.remarks),
             *(curve.says() for curve in curves),
@@ -257,8 +259,13 @@ def _resting(told: Sequence[Verdict]) -> list[str]:
     ]
 
 
-def _notes(moved: Sequence[Moved], found: Fit, said: str) -> list[str]:
-    """What the reader has to know first."""
+def _notes(moved: Sequence[Moved], found: Fit, errors: Array, said: str) -> list[str]:
+    """What the reader has to know first.
+
+    Args:
+        moved: of every link; found: the fit; errors: standard errors of its numbers, shape (p,).
+        said: of bodies that cannot exist, "" where all can.
+    """
     notes = []
     for one in moved:
         if one.alarms:
@@ -280,5 +287,9 @@ def _notes(moved: Sequence[Moved], found: Fit, said: str) -> list[str]:
         "stribeck": "has more friction at low speed than the file says",
         "power": "has friction that does not grow in proportion to its speed",
     }
-    notes += [f"joint {extra.joint} {kinds[extra.kind]}" for extra in found.layout.extras]
+    for extra in found.layout.extras:
+        own = found.layout.extra(extra)
+        sure = (np.abs(found.theta[own]) > SURE * errors[own]).any()
+        doubt = "" if sure else ", by less than twice the standard error of it: perhaps not"
+        notes.append(f"joint {extra.joint} {kinds[extra.kind]}{doubt}")
     return [*notes, said] if said else notes

@@ -10,6 +10,7 @@ import numpy.typing as npt
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.measurement.log import Log
 from irb2400_ctrl.measurement.log_facts import digit, neighbour_noise
+from irb2400_ctrl.plausibility.jumps import bend_of, cut, spikes, wrapped
 from irb2400_ctrl.plausibility.problem import LogProblem, named
 
 Run = tuple[int, int]
@@ -18,6 +19,8 @@ LEAST = 20
 """samples of a log that can be looked at"""
 NO_MOTION = 2e-3
 """[rad] a log in which no joint moves so far holds no motion"""
+FLICKER = 4.0
+"""digits between which the angle of a joint at rest may change"""
 MOVES = 0.02
 """[rad] a joint that goes so far is not at rest"""
 STUCK_TIME = 0.3
@@ -26,10 +29,6 @@ ABRUPT = 6.0
 """second difference of an angle over the largest of the rest of the record"""
 LOST = 3.0
 """times the usual step after which samples are lost"""
-SPIKE = 30.0
-"""a torque over the largest of all others"""
-JUMP = 20.0
-"""a single step of an angle over the largest of all others"""
 FINE = 0.5
 """digit over noise of a column in which a value does not stay by chance"""
 CLIPPED = 0.005
@@ -42,7 +41,6 @@ STAIRS = 0.03
 """[s] for which torques may keep their value while the angles go on"""
 REGULAR = 0.9
 """share of the steps of a staircase that are as long as the others"""
-TURN = 2.0 * np.pi
 
 
 def channel_problem(log: Log) -> LogProblem | None:
@@ -80,31 +78,10 @@ def _clock(log: Log) -> LogProblem | None:
     return None
 
 
-def _spikes(log: Log) -> LogProblem | None:
-    """One huge cell."""
-    for j in range(log.n):
-        for name, size, bar in (
-            ("tau", np.abs(log.tau[:, j]), SPIKE),
-            ("q", _peak(log.q[:, j]), JUMP),
-        ):
-            place = int(np.argmax(size))
-            others = np.delete(size, slice(max(0, place - 2), place + 3))
-            least = 0.5 if name == "q" else 1.0
-            if len(others) and size[place] > max(bar * others.max(), least):
-                value = log.tau[place, j] if name == "tau" else log.q[place, j]
-                return LogProblem(
-                    "spike",
-                    f"{name}{j + 1} is {value:.3g} at {log.time[place]:.3f} s (sample "
-                    f"{place + 1}), nothing else in the column comes near: delete that row",
-                    {"sample": place + 1},
-                    (j + 1,),
-                    unusable=True,
-                )
-    return None
-
-
 def _rest(log: Log) -> LogProblem | None:
-    if np.ptp(log.q, axis=0).max() > NO_MOTION:
+    travel = np.ptp(log.q, axis=0)
+    flicker = np.minimum(FLICKER * digit(log.q), MOVES)
+    if (travel > np.maximum(NO_MOTION, flicker)).any():
         return None
     return LogProblem(
         "no_motion",
@@ -191,24 +168,6 @@ def _stuck(log: Log) -> LogProblem | None:
     return None
 
 
-def _wrapped(log: Log) -> LogProblem | None:
-    found = []
-    for j in range(log.n):
-        steps = np.abs(np.diff(log.q[:, j]))
-        turns = np.abs(steps - TURN) < 0.05 * TURN
-        if turns.any() and steps[~turns].max(initial=0.0) < 1.0:
-            found.append(j + 1)
-    if not found:
-        return None
-    return LogProblem(
-        "angle_wrapped",
-        f"the angle of {named(found)} jumps by a whole turn: unwrap it, or state "
-        "wrapped = true in a column map",
-        {"period_deg": 360.0},
-        tuple(found),
-    )
-
-
 def _repeated(log: Log) -> LogProblem | None:
     """A block of samples that is there twice, and does not fit where it stands."""
     rows = np.ascontiguousarray(np.concatenate([log.q, log.tau], axis=1))
@@ -262,12 +221,13 @@ def _held_for(values: Array) -> int:
 
 CHECKS: tuple[Callable[[Log], LogProblem | None], ...] = (
     _clock,
-    _spikes,
+    spikes,
     _rest,
     _torques,
-    _wrapped,
+    wrapped,
     _stuck,
     _repeated,
+    cut,
     _stairs,
     _clipped,
 )
@@ -286,20 +246,6 @@ def _held(kind: str, what: str, log: Log, start: int, stop: int, j: int) -> LogP
 def _fine(tau: Array) -> npt.NDArray[np.bool_]:
     """Columns whose digit is so much finer than their noise that equal neighbours are rare."""
     return np.asarray(digit(tau) < FINE * neighbour_noise(tau))
-
-
-def _bend(values: Array) -> Array:
-    """Distance from the middle of the neighbours, zero at the ends, shape (m,)."""
-    bend = np.zeros_like(values)
-    bend[1:-1] = np.abs(values[1:-1] - 0.5 * (values[:-2] + values[2:]))
-    return bend
-
-
-def _peak(values: Array) -> Array:
-    """The same where the neighbours agree with each other: one sample alone, not a step."""
-    peak = _bend(values)
-    peak[1:-1] = np.maximum(peak[1:-1] - np.abs(values[2:] - values[:-2]), 0.0)
-    return peak
 
 
 def _runs(values: Array, least: int) -> Iterator[Run]:
@@ -323,7 +269,7 @@ def _abrupt(log: Log, j: int, start: int, stop: int) -> bool:
 def _bent(log: Log, j: int, place: int) -> bool:
     """Whether the motion breaks at a sample as it does nowhere else."""
     values = log.q[:, j]
-    bend = _bend(values)
+    bend = bend_of(values)
     near = slice(max(0, place - 2), place + 3)
     others = np.delete(bend, near)
     digit = np.min(np.abs(np.diff(values))[np.diff(values) != 0.0], initial=np.inf)

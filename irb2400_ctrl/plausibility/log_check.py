@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -18,7 +18,7 @@ from irb2400_ctrl.plausibility.channels import channel_problem
 from irb2400_ctrl.plausibility.cost_of_noise import torque_from_angle_noise
 from irb2400_ctrl.plausibility.problem import LogProblem, named
 from irb2400_ctrl.plausibility.rows import SHORTEST
-from irb2400_ctrl.plausibility.search import SOUND_LEFT, Understanding, understand
+from irb2400_ctrl.plausibility.search import SOUND_LEFT, Understanding, percent, understand
 from irb2400_ctrl.plausibility.travel import fastest, haste_problem, travel_problem
 from irb2400_ctrl.robot import Robot
 
@@ -94,7 +94,7 @@ def examined(robot: Robot | None, log: Log) -> tuple[LogProblem | None, Understa
     understood = None if robot is None else understand(robot, log)
     problem = None if understood is None else understood.problem
     if robot is not None and (problem is None or problem.kind == "not_this_robot"):
-        problem = travel_problem(robot, log) or problem
+        problem = _travels(robot, log, understood) or problem
     if problem is not None:
         return problem, understood
     found = speed_problem(log) or command_problem(log)
@@ -103,6 +103,14 @@ def examined(robot: Robot | None, log: Log) -> tuple[LogProblem | None, Understa
     if found is None and robot is not None and not vouched:
         found = haste_problem(robot, log)
     return found, understood
+
+
+def _travels(robot: Robot, log: Log, understood: Understanding | None) -> LogProblem | None:
+    """Angles that travel many times their range: the motor's, or what the torques say."""
+    far = travel_problem(robot, log)
+    if far is None or understood is None or understood.reading.kind != "angle_unit":
+        return far
+    return replace(far, says=f"{far.says}; or {understood.reading.says}, which the torques fit")
 
 
 def check_log(robot: Robot | None, log: Log) -> LogCheck:
@@ -124,6 +132,7 @@ def check_log(robot: Robot | None, log: Log) -> LogCheck:
         remarks=tuple(
             _remarks(robot, log)
             + (_not_vouched_for(understood) if usable else [])
+            + (_perhaps(understood) if usable else [])
             + (list(prepare(log).remarks) if usable and log.duration > SHORTEST else [])
         ),
     )
@@ -139,6 +148,16 @@ def _not_vouched_for(understood: Understanding | None) -> list[str]:
     return [
         f"the model explains less than half of the torque on {named(dark)}, and the motion is too "
         "small to tell why: nothing vouches for units and signs there"
+    ]
+
+
+def _perhaps(understood: Understanding | None) -> list[str]:
+    """A reading that fits clearly better where the columns fit as well."""
+    if understood is None or understood.problem is not None or not understood.reading.kind:
+        return []
+    return [
+        f"the robot fits better otherwise: {understood.reading.says} ({percent(understood.best)} % "
+        f"of the joints' torques left in the place of {percent(understood.labelled)})"
     ]
 
 

@@ -28,6 +28,13 @@ CLOCKS = {
     2.5: "the clock looks 2.5 times too fast",
 }
 
+TURNED = {
+    "torque_sign": ("the torque", "the torques", ""),
+    "angle_sign": ("the angle", "the angles", ""),
+    "axis_sign": ("the axis", "the axes", ", angle and torque, against the robot file"),
+}
+"""signs of single joints"""
+
 
 @dataclass(frozen=True)
 class Reading:
@@ -59,9 +66,15 @@ class Reading:
         return bool((self.angles == one).all() and not elsewhere)
 
     def after(self, first: Reading) -> Reading:
-        """This one applied to what another has made of the file; it keeps the name of the other."""
+        """This one applied to what another has made of the file; it keeps the kind of the other,
+        and says both."""
+        alike = self.kind == first.kind in TURNED and self.joints and first.joints
+        joints = tuple(sorted({*first.joints, *self.joints})) if alike else first.joints
+        says = _turned(first.kind, joints) if alike else f"{first.says}; beside it {self.says}"
         return replace(
             first,
+            says=says,
+            joints=joints,
             angles=self.angles @ first.angles,
             offset=self.angles @ first.offset + self.offset,
             torques=self.torques @ first.torques,
@@ -86,7 +99,7 @@ def torque_readings(robot: Robot) -> Iterator[Reading]:
 
     yield reading("torque_sign", "all torques look turned over", -np.eye(n), factor=-1.0)
     for j in range(n):
-        says = f"the torque of joint {j + 1} looks turned over"
+        says = _turned("torque_sign", (j + 1,))
         yield reading("torque_sign", says, _flipped(n, j), j + 1, factor=-1.0)
     for order in _orders(n):
         said = [k + 1 for k in order]
@@ -113,8 +126,10 @@ def motion_readings(robot: Robot) -> Iterator[Reading]:
             yield reading("angle_unit", f"{says} on joint {j + 1}", B, j + 1, factor=factor)
     yield reading("angle_sign", "all angles look turned over", -np.eye(n), factor=-1.0)
     for j in range(n):
-        says = f"the angle of joint {j + 1} looks turned over"
+        says = _turned("angle_sign", (j + 1,))
         yield reading("angle_sign", says, _flipped(n, j), j + 1, factor=-1.0)
+        both = reading("axis_sign", _turned("axis_sign", (j + 1,)), _flipped(n, j), j + 1)
+        yield replace(both, torques=_flipped(n, j), fits={"factor": -1.0})
     for order in _orders(n):
         said = [k + 1 for k in order]
         P = np.eye(n)[list(order)]
@@ -160,6 +175,15 @@ def _conventions(robot: Robot, plain: Reading) -> Iterator[Reading]:
         torques=A.T,
         fits={"torques": "link"},
     )
+
+
+def _turned(kind: str, joints: tuple[int, ...]) -> str:
+    """What a sign of these joints looks like."""
+    one, several, against = TURNED[kind]
+    what = f"{one} of {named(joints)} looks"
+    if len(joints) > 1:
+        what = f"{several} of {named(joints)} look"
+    return f"{what} turned over{against}"
 
 
 def _flipped(n: int, j: int) -> Array:

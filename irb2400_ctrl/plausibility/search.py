@@ -48,6 +48,8 @@ LOST_PRICE = 300.0
 """of six joints: above this, and no reading that fits, the log is not this robot's"""
 SINGLE = ("angle_unit", "angle_sign", "torque_sign")
 """what is asked of each joint alone with a sharper misfit"""
+RESTS = 1e-3
+"""[rad] of travel as labelled below which a joint rests, whatever the unit"""
 DELAYS = (-1.0, -0.5, -0.3, -0.2, -0.1, 0.1, 0.2, 0.3, 0.5, 1.0)
 """[s] shifts of the torques against the motion that are tried"""
 
@@ -65,6 +67,12 @@ class Understanding:
     best: Fit
     reading: Reading
     problem: LogProblem | None
+
+    @property
+    def as_read(self) -> LogProblem:
+        """That the columns are not what they say, but as `reading` takes them."""
+        reading = self.reading
+        return LogProblem(reading.kind, reading.says, dict(reading.fits), reading.joints)
 
 
 def understand(robot: Robot, log: Log) -> Understanding | None:
@@ -88,12 +96,14 @@ def understand(robot: Robot, log: Log) -> Understanding | None:
         reading, best = found
     if reading is plain:
         reading, best = search.misread(plain, best) or (plain, best)
-    problem: LogProblem | None = None
+    understood = Understanding(labelled, best, reading, None)
     if reading is not plain and best.price < FITS_PRICE * scale:
-        problem = LogProblem(reading.kind, reading.says, dict(reading.fits), reading.joints)
-    elif labelled.price > LOST_PRICE * scale:
-        problem = _lost(labelled)
-    return Understanding(labelled, best, reading, problem)
+        return replace(understood, problem=understood.as_read)
+    if labelled.price <= LOST_PRICE * scale:
+        return understood
+    near = reading is not plain and best.price < LOST_PRICE * scale
+    lost = _nearly(labelled, reading, best) if near else _lost(labelled)
+    return replace(understood, problem=lost)
 
 
 def sound(fit: Fit, n: int) -> bool:
@@ -111,14 +121,32 @@ def clearly_better(one: Fit, other: Fit) -> bool:
 
 def _lost(fit: Fit) -> LogProblem:
     """No reading of the log fits the robot."""
-    listed = ", ".join(f"{100 * v:.0f}" for v in fit.left)
     return LogProblem(
         "not_this_robot",
         "neither these columns nor any other reading of them fit the robot, with any payload and "
-        f"friction ({listed} % of the joints' torques are left, the numbers far from the file's): "
-        "another robot, or columns of different records",
+        f"friction ({percent(fit)} % of the joints' torques are left, the numbers far from the "
+        "file's): another robot, or columns of different records",
         {"left_percent": [round(100 * float(v), 1) for v in fit.left]},
     )
+
+
+def _nearly(fit: Fit, reading: Reading, best: Fit) -> LogProblem:
+    """A reading of the log comes near the robot, no nearer than some logs of other robots do."""
+    return LogProblem(
+        "not_this_robot",
+        f"these columns do not fit the robot, with any payload and friction ({percent(fit)} % of "
+        f"the joints' torques are left); nearest to it: {reading.says} ({percent(best)} % left); "
+        "if it is not that, it is another robot, or columns of different records",
+        {
+            "left_percent": [round(100 * float(v), 1) for v in fit.left],
+            "nearest": {"kind": reading.kind, "joints": list(reading.joints), **reading.fits},
+        },
+    )
+
+
+def percent(fit: Fit) -> str:
+    """What a reading leaves of each joint's torque, listed [%]."""
+    return ", ".join(f"{100 * v:.0f}" for v in fit.left)
 
 
 class _Search:
@@ -176,7 +204,7 @@ class _Search:
             return None
         quick = _Search(self._nominal, self._log, self._rows[0.0], THIN)
         every = [*motion_readings(robot), *torque_readings(robot)]
-        single = [r for r in every if len(r.joints) == 1 and r.kind in SINGLE]
+        single = [r for r in every if len(r.joints) == 1 and r.kind in SINGLE and self._shows(r)]
         costs = [quick.sharp_cost(reading, (MISFITS[-2],)) for reading in single]
         best = single[int(np.argmin(costs))]
         gain = self.sharp_cost(plain) - self.sharp_cost(best)
@@ -198,7 +226,7 @@ class _Search:
 
     def _motions(self) -> Iterator[Reading]:
         robot = self._nominal.robot
-        yield from motion_readings(robot)
+        yield from filter(self._shows, motion_readings(robot))
         plain = as_labelled(robot.n)
         for delay in DELAYS:
             says = f"torques look {abs(delay):.1f} s {'behind' if delay > 0 else 'ahead of'} the "
@@ -209,6 +237,13 @@ class _Search:
                 delay=delay,
                 fits={"delay_s": delay},
             )
+
+    def _shows(self, reading: Reading) -> bool:
+        """Whether the log can say how the angle of a single joint is to be read: not of one that
+        rests."""
+        if len(reading.joints) != 1 or reading.keeps_motion:
+            return True
+        return bool(np.ptp(self._log.q[:, reading.joints[0] - 1]) > RESTS)
 
     def _columns_of(self, reading: Reading, rows: Rows) -> tuple[Array, Array]:
         key = reading.angles.tobytes() + reading.offset.tobytes()

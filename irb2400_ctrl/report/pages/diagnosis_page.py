@@ -69,16 +69,19 @@ def verdict_sentence(diagnosis: Diagnosis) -> str:
     return CHANGES[diagnosis.verdict]
 
 
-def diagnosis_page(diagnosis: Diagnosis, title: str, log: Log | None = None) -> Page:
+def diagnosis_page(
+    diagnosis: Diagnosis, title: str, log: Log | None = None, robot: str = ""
+) -> Page:
     """The whole report; with the log its motion is replayed too.
 
     Args:
         diagnosis: what was found; title: of the page; log: whose motion is shown.
+        robot: what the command line says to take this one, for the lines to run next.
     """
     page = Page(title)
     grade: Grade = GRADES[diagnosis.verdict]
     page.answer(_answer(diagnosis), grade, facts(diagnosis))
-    add_diagnosis(page, diagnosis, log)
+    add_diagnosis(page, diagnosis, log, robot)
     return page
 
 
@@ -104,8 +107,15 @@ def facts(diagnosis: Diagnosis) -> list[tuple[str, str]]:
     ]
 
 
-def add_diagnosis(page: Page, diagnosis: Diagnosis, log: Log | None = None) -> None:
-    """The three lists first, then errors, figures, and what to measure next."""
+def add_diagnosis(
+    page: Page, diagnosis: Diagnosis, log: Log | None = None, robot: str = ""
+) -> None:
+    """The three lists first, then errors, figures, and what to measure next.
+
+    Args:
+        page: that is written; diagnosis: what was found; log: whose motion is shown.
+        robot: as of `diagnosis_page`.
+    """
     for line in _why(diagnosis):
         page.finding(line)
     _add_lists(page, diagnosis)
@@ -118,7 +128,7 @@ def add_diagnosis(page: Page, diagnosis: Diagnosis, log: Log | None = None) -> N
             )
     if len(diagnosis.logs) > 1:
         page.table("RMSE of each log before and after [Nm]", *log_rows(diagnosis))
-    _add_findings(page, diagnosis)
+    _add_findings(page, diagnosis, robot)
     _add_joints(page, diagnosis, log)
     for which, (heading, _) in LISTS.items():
         numbers = numbers_of(diagnosis, which)
@@ -136,7 +146,7 @@ def add_diagnosis(page: Page, diagnosis: Diagnosis, log: Log | None = None) -> N
         )
 
 
-def _add_findings(page: Page, diagnosis: Diagnosis) -> None:
+def _add_findings(page: Page, diagnosis: Diagnosis, robot: str) -> None:
     """Each effect on its own: its law on the log, its numbers, what it may be instead."""
     for finding in diagnosis.findings:
         page.heading(finding_title(finding))
@@ -150,7 +160,7 @@ def _add_findings(page: Page, diagnosis: Diagnosis) -> None:
             page.text(
                 f"This log cannot exclude {', '.join(finding.alternatives)}. Measure next: "
                 f"{finding.splits}. "
-                f"A motion for it: irb2400 excite --for {finding.effect.kind} --out next"
+                f"A motion for it: irb2400 excite --for {finding.effect.kind}{robot} --out next"
             )
     for rest in diagnosis.unexplained:
         page.heading(f"Joint {rest.joint}: unexplained")

@@ -13,6 +13,9 @@ from irb2400_ctrl.effects.base import OPEN_END_S
 from irb2400_ctrl.report.elements.page import show
 from irb2400_ctrl.robot import Robot
 
+NO_ERROR = 1e6
+"""standard error, whatever the unit, of a number that a log does not show"""
+
 UNITS = {"coulomb": "Nm", "viscous": "Nm s/rad", "offset": "Nm", "rotor": "kg m2"}
 """of recalibrated terms"""
 
@@ -70,11 +73,13 @@ def parameter_rows(finding: Finding) -> list[list[object]]:
             else f"{show(float(start))} on"
         )
 
-    errors = finding.standard_errors
-    return [
-        [name, text(value), text(errors[name]) if name in errors else ""]
-        for name, value in finding.effect.parameters().items()
-    ]
+    def error(name: str) -> str:
+        found = finding.standard_errors.get(name, ())
+        if np.max(found, initial=0.0) > NO_ERROR:
+            return "not shown by this log"
+        return text(found) if name in finding.standard_errors else ""
+
+    return [[name, text(value), error(name)] for name, value in finding.effect.parameters().items()]
 
 
 def recalibration_rows(recalibrated: Mapping[str, Any], given: Robot) -> list[list[object]]:

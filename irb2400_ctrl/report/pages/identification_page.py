@@ -34,6 +34,8 @@ MODELS = {
     "unseen": "identified, unseen",
     "fitted": "identified, all logs",
 }
+MOST_TOLD = 999.0
+"""[%] of the torque left above which no number is told"""
 FEW = 4
 """logs that are drawn"""
 SHOWN = "identifiable"
@@ -190,10 +192,15 @@ def lines(result: Identification) -> list[str]:
         found.append(f"RMSE over mean torque on {log.name} ({log.role}) [%]:")
         for which, name in MODELS.items():
             values = log.error(which).rmse_over_mean_percent
-            found.append(f"  {name:<21}" + " ".join(f"{v:7.1f}" for v in values))
+            found.append(f"  {name:<21}" + " ".join(_share(v) for v in values))
     grades = [verdict.grade for verdict in result.verdicts]
     told = ", ".join(f"{grades.count(grade)} {grade}" for grade in dict.fromkeys(grades))
     return [*found, f"numbers that these motions show: {told}"]
+
+
+def _share(percent: float) -> str:
+    """Of what joints that hardly move do not determine no digits are told."""
+    return f"{percent:7.1f}" if percent < MOST_TOLD else f"  >{MOST_TOLD:.0f}"
 
 
 def error_rows(log: LogResult) -> tuple[list[str], list[list[object]]]:

@@ -94,7 +94,9 @@ class Entry:
         """How much worse the other motion is predicted without the name; empty if not known."""
         gains = [getattr(f, "validation_gain", None) for f in self.findings]
         told = [gain for gain in gains if gain is not None]
-        return f"{max(told):.0f} %" if told else ""
+        if not told:
+            return ""
+        return f"{abs(max(told)):.0f} % {'smaller' if max(told) >= 0.0 else 'larger'}"
 
     @property
     def lookalikes(self) -> str:
@@ -112,7 +114,7 @@ class Entry:
         text = f"{self.kind} on {self.where}: {self.size} ({self.share} of the torque, "
         text += f"confidence {self.confidence}"
         if self.gain:
-            text += f", held-out error {self.gain} smaller"
+            text += f", held-out error {self.gain}"
         if self.lookalikes:
             text += f"; not excluded: {self.lookalikes}"
         return text + ")"
@@ -174,8 +176,10 @@ def _number_line(name: str, numbers: Sequence[Number]) -> str:
 
 
 def _change(number: Number) -> float | None:
-    """[%] of what it was; None where that is nothing or not stated."""
-    return 100.0 * (number.after / number.before - 1.0) if number.before else None
+    """[%] of what it was; None where that is nothing, within the error, or not stated."""
+    if number.before is None or abs(number.before) <= number.standard_error:
+        return None
+    return 100.0 * (number.after / number.before - 1.0)
 
 
 def _place(number: Number) -> str:
