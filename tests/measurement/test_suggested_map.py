@@ -56,6 +56,10 @@ def suggested(path: Path, **filled: float) -> Path:
 
 
 NAMES = {
+    "French": {"Temps [s]": T, "Axe {j} [deg]": DEG / 2, "Couple axe {j} [Nm]": TAU},
+    "Spanish": {"Tiempo (s)": T, "Eje {j} (deg)": DEG / 2, "Par eje {j} (Nm)": TAU},
+    "Italian": {"Tempo [s]": T, "Asse {j} [gradi]": DEG / 2, "Coppia {j} [Nm]": TAU},
+    "Japanese": {"時間 [s]": T, "J{j}角度 [deg]": DEG / 2, "J{j}トルク [Nm]": TAU},
     "bare": {"t": T, "q_{j}": Q, "dq_{j}": SPEED, "tau_{j}": TAU},
     "from zero": {"time": T, "q{j0}": Q, "dq{j0}": SPEED, "tau{j0}": TAU},
     "words": {"timestamp": T, "joint_{j}_pos": Q, "joint_{j}_vel": SPEED, "joint_{j}_torque": TAU},
@@ -92,6 +96,15 @@ def test_a_refused_file_is_read_with_the_map_that_is_shown(name: str, tmp_path: 
     np.testing.assert_allclose(found.q, wanted, atol=1e-8)
     np.testing.assert_allclose(found.tau, TAU, atol=1e-8)
     np.testing.assert_allclose(found.time - found.time[0], T, atol=1e-6)
+
+
+def test_of_an_effort_the_name_does_not_say_that_it_is_a_torque(tmp_path: Path) -> None:
+    """Hobby arms write currents so."""
+    names = {"time": T, "q_{j}": Q, "effort_{j}": TAU}
+    told = suggested(written(tmp_path / "log.csv", names)).read_text("utf-8")
+    assert 'unit = "Nm"   # or a current (A, with Nm_per_A), or percent' in told
+    names = {"time": T, "q_{j}": Q, "torque_{j}": TAU}
+    assert "current" not in suggested(written(tmp_path / "log.csv", names)).read_text("utf-8")
 
 
 def test_currents_wait_for_the_numbers_of_the_motors(tmp_path: Path) -> None:

@@ -22,12 +22,19 @@ OTHERS = re.compile(
 COMMANDED = re.compile(r"ref|cmd|comm|target|des|goal|set|soll|nominal|[a-z]_d(?![a-z])")
 MEASURED = re.compile(r"act(?!uator)|meas|msr|mes|real|(?<!wr)ist|fb|feed|state")
 QUANTITIES = {
-    "tau": r"tau|τ|torq|trq|tq|(?<!co)eff|mom|curr?|load|qfrc|m(?=act)|^m?t\W*$",
-    "qd": r"vel|speed|dq|qd|qv|qp(?!os)|omega|ω|geschw",
-    "q": r"pos|ang|q|theta|θ|rax|joint|jnt|axis|achse|winkel|^([aj]|jt|mp)\W*$|state\W*$",
+    "tau": r"tau|τ|torq|trq|tq|(?<!co)eff|mom|curr?|load|qfrc|m(?=act)|^m?t\W*$"
+    r"|couple|coppia|(?<![a-z])par(?![a-z])|トルク|扭矩|力矩|转矩",
+    "qd": r"vel|speed|dq|qd|qv|qp(?!os)|omega|ω|geschw|vitesse|速度",
+    "q": r"pos|ang|q|theta|θ|rax|joint|jnt|axis|achse|winkel|^([aj]|jt|mp)\W*$|state\W*$"
+    r"|axe|asse|eje|角|軸|轴|关节|関節",
 }
 """what a name means, asked in this order"""
-TIME = re.compile(r"(.*[^a-z])?(time|t|tm|tout|time_?stamps?|stamp|zeit|tick|ipoc|sec)([^a-z].*)?")
+TIME = re.compile(
+    r"(.*[^a-z])?(time|t|tm|tout|time_?stamps?|stamp|zeit|tick|ipoc|sec|temps|tempo|tiempo|時間|时间)"
+    r"([^a-z].*)?"
+)
+SURELY = re.compile(r"tau|τ|tor|trq|tq|nm|mom|couple|coppia|トルク|扭矩|力矩|转矩")
+"""words of what is no current"""
 MOTOR = re.compile(r"motor|resolver|rotor")
 """words of what may be on the motor's side"""
 NAMED = "{name}"
@@ -153,7 +160,10 @@ def _unit(quantity: str, words: str, degrees: bool) -> list[str]:
         return ['unit = "A"', "Nm_per_A = nan   # of the motors: a number, or a list", *gear]
     if quantity == "tau" and "%" in words:
         return ['unit = "percent"', "full_scale_Nm = nan   # what 100 % are"]
+    motor = [f"{gear[0]}; 1 if it is the joint's"] if MOTOR.search(words) else []
+    if quantity == "tau" and not SURELY.search(words):
+        doubt = "   # or a current (A, with Nm_per_A), or percent: its name does not say"
+        return [f'unit = "Nm"{doubt}', *motor]
     stated = re.search(r"deg|°|(?<!g)rad(?!ius)|grad", words)
     in_degrees = degrees if stated is None else stated[0] != "rad"
-    motor = [f"{gear[0]}; 1 if it is the joint's"] if MOTOR.search(words) else []
     return [f'unit = "{UNITS[quantity][in_degrees]}"', *motor]
