@@ -16,6 +16,7 @@ import numpy as np
 
 from irb2400_ctrl.measurement import Log, read_log
 from irb2400_ctrl.robot import Robot
+from irb2400_ctrl.robot.importing.chain_robot import DRAWN
 
 UNKNOWN = "assumption: not known, wide"
 
@@ -45,8 +46,9 @@ def arm(
     bodies: Sequence[dict[str, object]],
     flange: np.ndarray | None = None,
     gravity: Sequence[float] = (0.0, 0.0, -9.81),
+    uncertainty: dict[str, float] | None = None,
 ) -> Robot:
-    """A serial arm of which frames and bodies are known."""
+    """A serial arm of which frames and bodies are known, as surely as `uncertainty` says."""
     n = len(frames)
     limits = {
         "range_deg": (-400.0, 400.0),
@@ -66,6 +68,7 @@ def arm(
         {
             "name": name,
             "source": "public data",
+            "uncertainty": uncertainty or {},
             "gravity_m_s2": tuple(gravity),
             "gravity_source": "public data",
             "links": [
@@ -83,8 +86,8 @@ def arm(
     )
 
 
-def robot_of(path: Path) -> Robot:
-    """An arm from a file of rigid-body data alone."""
+def robot_of(path: Path, uncertainty: dict[str, float] | None = None) -> Robot:
+    """An arm from a file of rigid-body data alone; `uncertainty` as of `arm`."""
     data = json.loads(path.read_text())
     frames = []
     bodies: list[dict[str, object]] = []
@@ -94,7 +97,7 @@ def robot_of(path: Path) -> Robot:
         frames.append(np.array(joint["parent_to_joint"]))
         bodies.append({"mass_kg": joint["mass_kg"], "com_m": joint["com_m"], "inertia_kgm2": six})
     flange = np.array(data.get("last_joint_to_flange", np.eye(4)))
-    return arm(data["name"], frames, bodies, flange, data["gravity_m_s2"])
+    return arm(data["name"], frames, bodies, flange, data["gravity_m_s2"], uncertainty)
 
 
 def blocks(log: Log, seconds: float = 2.25, gap: float = 0.05) -> tuple[Log, Log]:
@@ -199,7 +202,7 @@ def urdf_arm(path: Path) -> Robot:
         six = (I[0, 0], I[1, 1], I[2, 2], I[0, 1], I[0, 2], I[1, 2])
         bodies.append({"mass_kg": inertia.mass, "com_m": tuple(inertia.lever), "inertia_kgm2": six})
     frames = [X.homogeneous for X in list(model.jointPlacements)[1:]]
-    return arm(path.stem, frames, bodies)
+    return arm(path.stem, frames, bodies, uncertainty=DRAWN)
 
 
 def kr300(folder: Path) -> Case:
@@ -212,7 +215,7 @@ def kr300(folder: Path) -> Case:
 def tx40(folder: Path) -> Case:
     """Even blocks validated by odd ones."""
     even, odd = blocks(read_log(folder / "tx40/log.csv.gz"))
-    return Case("tx40", robot_of(folder / "tx40/robot.json"), [even], [odd])
+    return Case("tx40", robot_of(folder / "tx40/robot.json", DRAWN), [even], [odd])
 
 
 def ur10(folder: Path) -> Case:

@@ -17,13 +17,13 @@ GOAL = 1.05
 ABOVE = {
     # above the goal today: a little more than what they reach, so that they do not get worse
     "kr300": {},
-    "tx40": {2: 1.10},
+    "tx40": {},
     # its torques were low-passed; where that smears a standstill nobody is judged, which helps the
-    # baseline of joint 6 (5.0 % instead of 6.0) more than us. Joint 5 is 3.9 %, as it was: the mean
-    # over two widths costs it 0.1 of what helps joint 6
-    "ur10": {5: 1.07, 6: 1.16},
+    # baseline of joint 6 (5.0 % instead of 6.0) more than us. Bodies as uncertain as those of a
+    # URDF are cost joint 5 (3.9 % before) what they give joint 6, and joint 2 of the TX40
+    "ur10": {5: 1.17, 6: 1.10},
 }
-ERRORS = {"ur10": (3.8, 4.5, 2.7, 3.4, 4.0, 5.9)}
+ERRORS = {"ur10": (3.8, 4.8, 2.7, 3.5, 4.4, 5.6)}
 """[%] that are not exceeded, joint by joint"""
 
 

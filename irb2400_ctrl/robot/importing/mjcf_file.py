@@ -81,7 +81,7 @@ def read_mjcf(path: Path, root: ET.Element) -> Tree:
         gravity = (float(x), float(y), float(z))
     name = root.get("model") or path.stem
     return Tree(name, f"imported from {path.name} (MJCF)", reader.links, tuple(reader.joints),
-                gravity, tuple(notes), reader.shapes)  # fmt: skip
+                gravity, tuple(notes), reader.shapes, drawn=True)  # fmt: skip
 
 
 @dataclass

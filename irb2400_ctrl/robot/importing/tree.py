@@ -90,6 +90,8 @@ class Tree:
     """what the file draws on a link"""
     folders: tuple[Path, ...] = ()
     """where meshes are looked for"""
+    drawn: bool = False
+    """whether its bodies are those of somebody's model, not a maker's numbers in a table"""
 
     def root(self) -> str:
         """The link that hangs on no joint.

@@ -59,7 +59,7 @@ def read_urdf(path: Path, root: ET.Element) -> Tree:
     notes = [*notes[: min(rounded, 1)], *_coarse_angles(root)]
     source = f"imported from {path.name} (URDF)"
     shapes = {_name(path, link, "link"): _shapes(path, link) for link in root.findall("link")}
-    return Tree(name, source, links, joints, notes=tuple(notes), shapes=shapes)
+    return Tree(name, source, links, joints, notes=tuple(notes), shapes=shapes, drawn=True)
 
 
 def _one_parent(path: Path, joints: tuple[TreeJoint, ...]) -> None:
