@@ -136,7 +136,10 @@ def _searched(
     each = log_errors(motion, *torques, logs, (found.given, found.robot))
     noise = noise_test(robot, logs.used, motion, compared.after, _unsure(fit, motion))
     numbers = (*found.numbers, *moved)
-    return replace(found, numbers=numbers, logs=each, left_out=logs.left_out, noise=noise)
+    weak = (*found.weak, *logs.doubts)
+    return replace(
+        found, numbers=numbers, weak=weak, logs=each, left_out=logs.left_out, noise=noise
+    )
 
 
 def _has_room(motion: PreparedLog) -> None:

@@ -9,7 +9,8 @@ import numpy as np
 
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.measurement.log import Log
-from irb2400_ctrl.plausibility import LogProblem, log_problem
+from irb2400_ctrl.plausibility import LogProblem
+from irb2400_ctrl.plausibility.log_check import doubts, examined
 from irb2400_ctrl.robot import Robot
 
 LEAST_SECONDS = 3.0
@@ -39,12 +40,14 @@ class SoundLogs:
     Args:
         used: effects are looked for on these; judged: sound ones beyond `MOST_SECONDS`;
         left_out: the rest; problem: of the only log, or of the first one where none is sound.
+        doubts: what is remarkable about those that are used.
     """
 
     used: tuple[Log, ...]
     judged: tuple[Log, ...] = ()
     left_out: tuple[LeftOut, ...] = ()
     problem: LogProblem | None = None
+    doubts: tuple[str, ...] = ()
 
 
 def sound_logs(robot: Robot, logs: Sequence[Log]) -> SoundLogs:
@@ -56,18 +59,21 @@ def sound_logs(robot: Robot, logs: Sequence[Log]) -> SoundLogs:
     if not logs:
         raise InputError("found no log, expected at least one")
     if len(logs) == 1:
-        return SoundLogs(tuple(logs), problem=_problem(robot, logs[0], LEAST_SECONDS))
+        problem, told = _looked_at(robot, logs[0], LEAST_SECONDS)
+        return SoundLogs(tuple(logs), problem=problem, doubts=told)
     sound = []
+    remarkable: list[str] = []
     left_out = []
     problems = []
     for log in logs:
         try:
-            problem = _problem(robot, log, SHORTEST_SECONDS)
+            problem, told = _looked_at(robot, log, SHORTEST_SECONDS)
         except InputError as error:
             left_out.append(LeftOut(log.name, str(error).removeprefix(f"{log.name}: ")))
             continue
         if problem is None:
             sound.append(log)
+            remarkable += [f"{log.name}: {doubt}" for doubt in told]
         else:
             problems.append((log, problem))
             left_out.append(LeftOut(log.name, problem.says))
@@ -83,7 +89,7 @@ def sound_logs(robot: Robot, logs: Sequence[Log]) -> SoundLogs:
     if total < LEAST_SECONDS:
         raise InputError(_short("the logs together", total))
     judged = tuple(log for log in sound if not any(log is one for one in used))
-    return SoundLogs(used, judged, tuple(left_out))
+    return SoundLogs(used, judged, tuple(left_out), doubts=tuple(remarkable))
 
 
 def check_beside(robot: Robot, log: Log) -> None:
@@ -92,21 +98,22 @@ def check_beside(robot: Robot, log: Log) -> None:
     Raises:
         InputError: it is not.
     """
-    problem = _problem(robot, log, 0.0)
+    problem, _ = _looked_at(robot, log, 0.0)
     if problem is not None:
         raise InputError(f"{log.name}: {problem.says}; try `irb2400 log check`")
 
 
-def _problem(robot: Robot, log: Log, least: float) -> LogProblem | None:
-    """Why the log is not what its columns say; InputError where nothing can be said at all."""
+def _looked_at(robot: Robot, log: Log, least: float) -> tuple[LogProblem | None, tuple[str, ...]]:
+    """Why the log is not what its columns say, and what is remarkable if it is; InputError where
+    nothing can be said at all."""
     if log.n != robot.n:
         raise InputError(f"{log.name}: found {log.n} joints, expected {robot.n} as in {robot.name}")
     if log.duration < least:
         raise InputError(_short(log.name, log.duration, least))
-    problem = log_problem(robot, log)
+    problem, understood = examined(robot, log)
     if problem is not None and problem.unusable:
         raise InputError(f"{log.name}: {problem.says}")
-    return problem
+    return problem, tuple(doubts(robot, log, understood)) if problem is None else ()
 
 
 def _short(name: str, seconds: float, least: float = LEAST_SECONDS) -> str:

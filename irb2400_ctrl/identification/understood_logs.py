@@ -11,7 +11,9 @@ import numpy as np
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.identification.identification import LogResult
 from irb2400_ctrl.measurement import Log
-from irb2400_ctrl.plausibility import LogProblem, log_problem
+from irb2400_ctrl.plausibility import LogProblem
+from irb2400_ctrl.plausibility.log_check import doubts as doubts_about
+from irb2400_ctrl.plausibility.log_check import examined
 from irb2400_ctrl.plausibility.problem import named
 from irb2400_ctrl.robot import Robot
 
@@ -30,7 +32,8 @@ class UnderstoodLogs:
     """Logs of a request.
 
     Args:
-        logs: that can be what their columns say; notes: on those that were left out.
+        logs: that can be what their columns say; notes: on those that were left out, and on what is
+            remarkable about the others.
         doubts: by name, of logs that fit the file's numbers under no reading.
     """
 
@@ -51,21 +54,24 @@ def understood_logs(robot: Robot, logs: Sequence[Log]) -> UnderstoodLogs:
     kept = []
     problems = []
     doubts = {}
+    remarkable: list[str] = []
     for log in logs:
-        problem = log_problem(robot, log)
+        problem, understood = examined(robot, log)
         if problem is None or problem.kind == FAR_FROM_THE_FILE:
             kept.append(log)
         else:
             problems.append(f"{log.name}: {problem.says}{_way_out(problem)}")
         if problem is not None:
             doubts[log.name] = problem.says
+        else:
+            remarkable += [f"{log.name}: {said}" for said in doubts_about(robot, log, understood)]
     if problems and not kept:
         of_several = f" (and {len(problems) - 1} more)" if len(problems) > 1 else ""
         raise InputError(
             f"{problems[0]}{of_several}; expected a sound log of this arm, try `irb2400 log check`"
         )
     left_out = [f"left out, not understood: {problem}" for problem in problems]
-    return UnderstoodLogs(kept, left_out, doubts)
+    return UnderstoodLogs(kept, [*left_out, *remarkable], doubts)
 
 
 def _way_out(problem: LogProblem) -> str:

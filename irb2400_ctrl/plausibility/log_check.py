@@ -24,6 +24,8 @@ from irb2400_ctrl.robot import Robot
 
 UNEXPLAINED = 0.5
 """of a joint's torque, left by the nominal model: nothing is understood then [-]"""
+BEYOND = 1.2
+"""of a speed or torque limit that is remarked on"""
 OUTSIDE = np.radians(2.0)
 """[rad] outside of the joint box that is remarked on"""
 
@@ -132,7 +134,7 @@ def check_log(robot: Robot | None, log: Log) -> LogCheck:
         remarks=tuple(
             _remarks(robot, log)
             + (_not_vouched_for(understood) if usable else [])
-            + (_perhaps(understood) if usable else [])
+            + ([] if robot is None else doubts(robot, log, understood if usable else None))
             + (list(prepare(log).remarks) if usable and log.duration > SHORTEST else [])
         ),
     )
@@ -161,6 +163,28 @@ def _perhaps(understood: Understanding | None) -> list[str]:
     ]
 
 
+def doubts(robot: Robot, log: Log, understood: Understanding | None) -> list[str]:
+    """What of a sound log is beyond the robot's limits, and what reading would fit it better."""
+    excess = np.maximum(robot.q_min - log.q.min(axis=0), log.q.max(axis=0) - robot.q_max)
+    ratio = fastest(robot, with_time_base(log))
+    most = np.abs(log.tau).max(axis=0) / robot.tau_bound
+    return [
+        *(
+            f"joint {j + 1} goes {np.degrees(excess[j]):.0f} deg beyond the range of the robot file"
+            for j in np.flatnonzero(excess > OUTSIDE)
+        ),
+        *(
+            f"joint {j + 1} moves at {ratio[j]:.1f} times the speed limit of the robot file"
+            for j in np.flatnonzero(ratio > BEYOND)
+        ),
+        *(
+            f"joint {j + 1} has {most[j]:.1f} times the torque limit of the robot file"
+            for j in np.flatnonzero(most > BEYOND)
+        ),
+        *_perhaps(understood),
+    ]
+
+
 def _remarks(robot: Robot | None, log: Log) -> list[str]:
     found = []
     if robot is not None and log.duration < SHORTEST:
@@ -171,22 +195,6 @@ def _remarks(robot: Robot | None, log: Log) -> list[str]:
     idle = [j + 1 for j in range(log.n) if np.ptp(log.q[:, j]) < 0.02]
     if idle:
         found.append(f"{named(idle)} hardly moves: nothing can be said about it")
-    if robot is not None:
-        excess = np.maximum(robot.q_min - log.q.min(axis=0), log.q.max(axis=0) - robot.q_max)
-        found += [
-            f"joint {j + 1} goes {np.degrees(excess[j]):.0f} deg beyond the range of the robot file"
-            for j in np.flatnonzero(excess > OUTSIDE)
-        ]
-        ratio = fastest(robot, with_time_base(log))
-        found += [
-            f"joint {j + 1} moves at {ratio[j]:.1f} times the speed limit of the robot file"
-            for j in np.flatnonzero(ratio > 1.2)
-        ]
-        most = np.abs(log.tau).max(axis=0) / robot.tau_bound
-        found += [
-            f"joint {j + 1} has {most[j]:.1f} times the torque limit of the robot file"
-            for j in np.flatnonzero(most > 1.2)
-        ]
     return found
 
 

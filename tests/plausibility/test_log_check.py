@@ -17,7 +17,7 @@ from sound_logs import Drawn, chatters, sound_log
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.measurement import Log
 from irb2400_ctrl.model import Model
-from irb2400_ctrl.plausibility import LogCheck, check_log, log_problem
+from irb2400_ctrl.plausibility import check_log, log_problem
 from irb2400_ctrl.plausibility.travel import fastest
 from irb2400_ctrl.robot import Identified, Transmission, load_robot
 
@@ -44,37 +44,6 @@ def said(change: Change, kinds: tuple[str, ...]) -> str:
     except InputError as error:
         return next((word for word in kinds if word in str(error)), str(error))
     return "nothing" if problem is None else problem.kind
-
-
-def crude(signs: tuple[float, ...] = (1.0,) * 6) -> LogCheck:
-    """A sound log of an arm of which the model misses a third of the torque; `signs`: of the torque
-    columns."""
-    log = plain().log
-    rng = np.random.default_rng(4)
-    size = np.sqrt(np.mean(log.tau**2, axis=0))
-    slow = np.sin(log.time[:, None] * rng.uniform(0.5, 2.0, 6) + rng.uniform(0, 6, 6))
-    tau = log.tau + 0.42 * size * slow
-    return check_log(ROBOT, replace(log, tau=np.array(signs) * tau, q_ref=None))
-
-
-def test_of_a_rough_arm_the_nearest_reading_is_said_beside_another_robot() -> None:
-    """Of a hobby arm, of which the model leaves 10 to 20 % and more on two joints, every wrong sign
-    was "another robot", which no reading fits."""
-    assert crude().sound
-    found = crude((1.0, -1.0, 1.0, 1.0, 1.0, 1.0))
-    assert found.problem is not None
-    assert found.problem.kind == "not_this_robot"
-    assert "nearest to it: the torque of joint 2 looks turned over" in found.problem.says
-    assert found.problem.fits["nearest"] == {"kind": "torque_sign", "joints": [2], "factor": -1.0}
-
-
-def test_two_axes_that_turn_the_other_way_are_named_together() -> None:
-    log = plain().log
-    signs = np.array([1.0, -1.0, 1.0, 1.0, -1.0, 1.0])
-    problem = log_problem(ROBOT, Log(log.time, signs * log.q, signs * log.tau))
-    assert problem is not None
-    assert (problem.kind, problem.joints) == ("axis_sign", (2, 5))
-    assert problem.says.startswith("the axes of joints 2, 5 look turned over, angle and torque")
 
 
 def test_nothing_is_said_of_the_angle_of_a_joint_that_rests() -> None:

@@ -1,0 +1,83 @@
+"""What is said of a log where a robot and its columns fit, but not well."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from sound_logs import sound_log
+
+from irb2400_ctrl.diagnosis.sound_logs import sound_logs
+from irb2400_ctrl.identification.understood_logs import understood_logs
+from irb2400_ctrl.measurement import Log
+from irb2400_ctrl.plausibility import LogCheck, check_log, log_problem
+from irb2400_ctrl.plausibility.evidence import Fit
+from irb2400_ctrl.plausibility.log_check import doubts
+from irb2400_ctrl.plausibility.reading import as_labelled, torque_readings
+from irb2400_ctrl.plausibility.search import Understanding
+from irb2400_ctrl.plausibility.travel import fastest
+from irb2400_ctrl.robot import load_robot
+
+ROBOT = load_robot("irb2400")
+LOG = sound_log(601, plain=True).log
+
+
+def crude(signs: tuple[float, ...] = (1.0,) * 6) -> LogCheck:
+    """A sound log of an arm of which the model misses a third of the torque; `signs`: of the torque
+    columns."""
+    rng = np.random.default_rng(4)
+    size = np.sqrt(np.mean(LOG.tau**2, axis=0))
+    slow = np.sin(LOG.time[:, None] * rng.uniform(0.5, 2.0, 6) + rng.uniform(0, 6, 6))
+    tau = LOG.tau + 0.42 * size * slow
+    return check_log(ROBOT, replace(LOG, tau=np.array(signs) * tau, q_ref=None))
+
+
+def test_of_a_rough_arm_the_nearest_reading_is_said_beside_another_robot() -> None:
+    """Of a hobby arm, of which the model leaves 10 to 20 % and more on two joints, every wrong sign
+    was "another robot", which no reading fits."""
+    assert crude().sound
+    found = crude((1.0, -1.0, 1.0, 1.0, 1.0, 1.0))
+    assert found.problem is not None
+    assert found.problem.kind == "not_this_robot"
+    assert "nearest to it: the torque of joint 2 looks turned over" in found.problem.says
+    assert found.problem.fits["nearest"] == {"kind": "torque_sign", "joints": [2], "factor": -1.0}
+
+
+def test_what_is_remarkable_about_a_sound_log_is_told_by_every_command() -> None:
+    """Of a clock 1.5 times too fast, and of a reading that fits better where the columns fit."""
+    times = 1.5 / float(fastest(ROBOT, LOG).max())
+    quick = Log(LOG.time / times, LOG.q, LOG.tau)
+    told = doubts(ROBOT, quick, None)
+    assert told[0] == "joint 1 moves at 1.5 times the speed limit of the robot file"
+    assert all("times the speed limit" in one for one in told)
+    turned = next(one for one in torque_readings(ROBOT) if one.joints == (5,))
+    labelled = Fit(250.0, 250.0, np.array([0.1, 0.1, 0.1, 0.1, 0.4, 0.1]))
+    best = Fit(160.0, 160.0, np.full(6, 0.1))
+    (said,) = doubts(ROBOT, LOG, Understanding(labelled, best, turned, None))
+    assert said.startswith("the robot fits better otherwise: the torque of joint 5 looks turned")
+    assert (
+        "(10, 10, 10, 10, 10, 10 % of the joints' torques left in the place of 10, 10, 10" in said
+    )
+    assert not doubts(ROBOT, LOG, Understanding(best, best, as_labelled(6), None))
+
+
+def test_a_diagnosis_and_an_identification_say_it() -> None:
+    first, *rest = ROBOT.joints
+    assert first.limits.speed_deg_s is not None
+    slow = 0.4 * first.limits.speed_deg_s
+    limits = first.limits.model_copy(update={"speed_deg_s": slow})
+    robot = ROBOT.model_copy(
+        update={"joints": (first.model_copy(update={"limits": limits}), *rest)}
+    )
+    told = "joint 1 moves at 1.2 times the speed limit of the robot file"
+    assert sound_logs(robot, [LOG]).doubts == (told,)
+    assert understood_logs(robot, [LOG]).notes == [f"{LOG.name}: {told}"]
+    assert sound_logs(robot, [LOG, LOG]).doubts == (f"{LOG.name}: {told}",) * 2
+
+
+def test_two_axes_that_turn_the_other_way_are_named_together() -> None:
+    signs = np.array([1.0, -1.0, 1.0, 1.0, -1.0, 1.0])
+    problem = log_problem(ROBOT, Log(LOG.time, signs * LOG.q, signs * LOG.tau))
+    assert problem is not None
+    assert (problem.kind, problem.joints) == ("axis_sign", (2, 5))
+    assert problem.says.startswith("the axes of joints 2, 5 look turned over, angle and torque")
