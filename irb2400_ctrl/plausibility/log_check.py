@@ -164,7 +164,12 @@ def _perhaps(understood: Understanding | None) -> list[str]:
 
 
 def doubts(robot: Robot, log: Log, understood: Understanding | None) -> list[str]:
-    """What of a sound log is beyond the robot's limits, and what reading would fit it better."""
+    """What of a sound log is beyond the robot's limits, and what reading would fit it better.
+
+    Args:
+        robot: the log is held against; log: that is taken.
+        understood: how the robot's model explains it; None where it was not asked.
+    """
     excess = np.maximum(robot.q_min - log.q.min(axis=0), log.q.max(axis=0) - robot.q_max)
     ratio = fastest(robot, with_time_base(log))
     most = np.abs(log.tau).max(axis=0) / robot.tau_bound

@@ -78,7 +78,11 @@ class NoiseModel:
 
     @classmethod
     def of(cls, motion: PreparedLog, reversal: Mask, wander: Array) -> NoiseModel:
-        """Of one log."""
+        """Of one log.
+
+        Args:
+            motion: prepared; reversal, wander: as of the class.
+        """
         return cls(motion.row_known, reversal, wander, motion.low_pass.out_step)
 
     def white(self, residual: Array) -> tuple[Noise, ...]:

@@ -176,8 +176,8 @@ def _number_line(name: str, numbers: Sequence[Number]) -> str:
 
 
 def _change(number: Number) -> float | None:
-    """[%] of what it was; None where that is nothing, within the error, or not stated."""
-    if number.before is None or abs(number.before) <= number.standard_error:
+    """[%] of what it was; None where that is next to nothing, or not stated."""
+    if number.before is None or abs(number.before) <= 0.1 * number.standard_error:
         return None
     return 100.0 * (number.after / number.before - 1.0)
 

@@ -95,7 +95,7 @@ def chain_robot(
     Raises:
         InputError: a chain that is none, a joint that slides or follows another.
     """
-    notes = list(tree.notes)
+    notes = [*tree.notes, *[AS_DRAWN] * tree.drawn]
     base = base or tree.root()
     tip = tip or end_of_arm(tree, base)
     path = stood_still(tree.path(base, tip), notes)
@@ -118,6 +118,7 @@ def chain_robot(
         "source": tree.source,
         "gravity_m_s2": tree.gravity,
         "gravity_source": "assumption: the base stands upright; the file does not say",
+        "uncertainty": DRAWN if tree.drawn else {},
         "coupling": _coupling(n, followers, coupling),
         "links": [
             _link(joint, frame, mass, tree.source, notes)
@@ -126,13 +127,9 @@ def chain_robot(
         "joints": tables,
         "flange": _transform(chain.X),
     }
-    if tree.drawn:
-        fields["uncertainty"] = DRAWN
-        notes.append(AS_DRAWN)
     fields["effects"] = _rotors(chain.joints) + _springs(chain.joints)
     fields["tool"] = None if payload is None else _payload(payload)
-    if not any(mass.mass for mass in chain.masses):
-        notes.append(WEIGHTLESS)
+    notes += [] if any(mass.mass for mass in chain.masses) else [WEIGHTLESS]
     drawn = chain.drawn if outline else []
     robot = with_outline(_valid(tree, fields), drawn, tree.folders, notes)
     return Imported(robot, tuple(grouped(notes)))
