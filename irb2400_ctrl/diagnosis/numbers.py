@@ -175,7 +175,9 @@ def moved_numbers(prior: BasePrior | IdentifiedPrior, fit: Fit) -> Mask:
 def _posterior(prior: BasePrior | IdentifiedPrior, fit: Fit) -> Array:
     """Standard errors of the numbers after the fit, in the units of the prior."""
     root = prior.root if isinstance(prior, IdentifiedPrior) else prior.root()
-    return np.asarray(np.sqrt(np.einsum("ka,ab,kb->k", root, fit.z_covariance, root)))
+    variance = np.einsum("ka,ab,kb->k", root, fit.z_covariance, root)
+    # what a log tells exactly is rounding
+    return np.asarray(np.sqrt(np.maximum(variance, 0.0)))
 
 
 def _names(robot: Robot) -> list[tuple[str, str]]:
