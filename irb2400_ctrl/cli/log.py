@@ -79,6 +79,10 @@ def _checked(
     return found.to_json(), stop
 
 
+UNEVEN = 1e-3
+"""[s] scatter of stamps that are said to be used"""
+
+
 def lines(check: LogCheck) -> list[str]:
     """A log check for a terminal."""
     f = check.facts
@@ -88,7 +92,12 @@ def lines(check: LogCheck) -> list[str]:
         f"{f.rate:.5g} Hz; columns {', '.join(f.channels)}",
         f"jitter {1e3 * base.scatter:.3g} ms rms, {100 * base.lost:.3g} % lost, {f.gaps} gaps, "
         f"the longest {f.longest_gap:.3g} s"
-        + ("; the time base is rebuilt (even sampling)" if base.rebuilt else ""),
+        + ("; the time base is rebuilt (even sampling)" if base.rebuilt else "")
+        + (
+            "; the stamps are used as they are"
+            if base.scatter > UNEVEN and not base.rebuilt
+            else ""
+        ),
         f"{'joint':<34}" + " ".join(f"{j + 1:>8}" for j in range(f.joints)),
     ]
     table = f.to_json() | check.to_json()
