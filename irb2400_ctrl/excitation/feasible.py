@@ -42,6 +42,29 @@ class Extent:
         """Within everything."""
         return self.torque <= SHARE and self.speed <= 1.0 and self.box >= 0 and self.clear
 
+    def wrong(self) -> str:
+        """What is not within, and what would help."""
+        said = []
+        if self.torque > SHARE:
+            said.append(
+                f"ask for {100 * self.torque:.0f} % of a torque limit, expected at most "
+                f"{100 * SHARE:.0f} %: check the torque limits"
+            )
+        if self.speed > 1.0:
+            said.append(f"ask for {100 * self.speed:.0f} % of a speed limit: check these limits")
+        if self.box < 0.0:
+            said.append(f"leave the joint box by {np.degrees(-self.box):.2g} deg: check the ranges")
+        if self.height < self.floor:
+            said.append(
+                f"come to {self.height:.3f} m above the base plane, expected {self.floor:.3f} m"
+            )
+        if self.radius < self.column:
+            said.append(
+                f"come to {self.radius:.3f} m from axis 1, expected {self.column:.3f} m: a "
+                "narrower range of axis 2 or 3 keeps them outside"
+            )
+        return "; they ".join(said)
+
     @property
     def clear(self) -> bool:
         """Away from floor and foot."""

@@ -112,11 +112,7 @@ def friction_runs(workshop: Workshop, count: int = SPEEDS, seed: int = 0) -> Fri
     # hardly anything happens between two rows of slow runs: they are looked at, and no more
     found = extent(workshop.model, course.q, course.qd, course.qdd)
     if not found.inside:
-        raise InfeasibleError(
-            f"{robot.name}: slow runs ask for {100 * found.torque:.0f} % of the torque limit and "
-            f"come to {found.height:.2f} m above the floor, {found.radius:.2f} m from axis 1; "
-            "expected at most 90 %, and to be clear of both: check torque limits and joint box"
-        )
+        raise InfeasibleError(f"{robot.name}: slow runs {found.wrong()}")
     return FrictionRuns(course, tau, found, np.array(centres), tuple(speeds))
 
 

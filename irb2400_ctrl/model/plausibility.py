@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from irb2400_ctrl.model.consistency import check
+from irb2400_ctrl.model.model import Model
 from irb2400_ctrl.robot import Body, Robot
 
 FAR_M = 2.0
@@ -14,6 +15,16 @@ DENSEST_KG_M2 = 5.0
 """largest radius of gyration squared that a link may have [m2]"""
 GYRATION = 0.7
 """and largest radius of gyration over the distances between the arm's axes"""
+LIGHT_KG = 0.2
+"""a body that weighs less may be small"""
+LEAST_GYRATION_M = 2e-3
+"""smallest radius of gyration of one that weighs more [m]"""
+POSTURES = 200
+"""in which the arm's weight is felt"""
+OVERLOADED = 3.0
+"""weight over torque limit above which one of them has another unit"""
+IDLE = 1.0 / 300.0
+"""and below which, on the joint that feels it most"""
 LONGEST_M = 10.0
 """a link longer than this is more likely a slip of unit [m]"""
 HEAVIEST_KG = 5000.0
@@ -35,6 +46,7 @@ def plausibility(robot: Robot) -> list[str]:
             notes.append(f"{link.name}: its joint is {length:.4g} m further on; it looks like mm")
         notes += _body(link.name, link.body, most)
     notes += _masses(robot)
+    notes += _weight(robot)
     if robot.tool is not None:
         notes += _body(robot.tool.name, robot.tool.body, most)
     notes += [issue.sentence for issue in check(robot) if issue.kind != "massless"]
@@ -60,6 +72,30 @@ def _gravity(robot: Robot) -> list[str]:
         return [f"gravity is {size:.4g} m/s2, expected about 9.81"]
     if g[2] > 0.9 * size:
         return ["gravity points up in the base frame: the sign is wrong unless the arm hangs"]
+    return []
+
+
+def _weight(robot: Robot) -> list[str]:
+    """Torque limits that the arm's weight has nothing to do with: masses or limits of another
+    unit."""
+    if robot.weightless or np.isinf(robot.tau_bound).all():
+        return []
+    rng = np.random.default_rng(1)
+    low = np.clip(robot.q_min, -np.pi, np.pi)
+    high = np.clip(robot.q_max, -np.pi, np.pi)
+    q = rng.uniform(np.minimum(low, high), np.maximum(low, high), (POSTURES, robot.n))
+    still = np.zeros_like(q)
+    torque = np.abs(Model(robot).inverse_dynamics(q, still, still, friction=False)).max(axis=0)
+    share = torque / robot.tau_bound
+    j = int(np.argmax(share))
+    name = robot.joints[j].name
+    asked = (
+        f"{name}: the arm's weight asks for up to {torque[j]:.3g} of {robot.tau_bound[j]:.3g} Nm"
+    )
+    if share[j] > OVERLOADED:
+        return [f"{asked}; masses look like grams, or limits like another unit"]
+    if torque[j] > 0.0 and share[j] < IDLE:
+        return [f"{asked}, and of no other joint for more; limits look like another unit"]
     return []
 
 
@@ -97,6 +133,11 @@ def _body(name: str, body: Body, most: float) -> list[str]:
         notes.append(f"{name}: the centre of mass is {distance:.3g} m away; it looks like mm")
     if body.mass_kg > HEAVIEST_KG:
         notes.append(f"{name}: a mass of {body.mass_kg:.4g} kg; it looks like grams")
+    if body.mass_kg > LIGHT_KG and inertia < LEAST_GYRATION_M**2 * body.mass_kg:
+        notes.append(
+            f"{name}: inertia {inertia:.4g} kg m2 is too little for {body.mass_kg:.4g} kg, which "
+            "would be a point; it looks like another unit, or is left out"
+        )
     if body.mass_kg > 0.0 and inertia > most * body.mass_kg:
         notes.append(
             f"{name}: inertia {inertia:.4g} kg m2 is too much for {body.mass_kg:.4g} kg; it looks "

@@ -163,6 +163,9 @@ def _stuck(log: Log) -> LogProblem | None:
                     joints=(j + 1,),
                 )
         for start, stop in _runs(log.q[:, j], least):
+            asked = None if log.q_ref is None else log.q_ref[start:stop, j]
+            if asked is not None and np.ptp(asked) < NO_MOTION:
+                continue  # it was to stand there
             if _abrupt(log, j, start, stop):
                 return _held("stuck_encoder", "angle", log, start, stop, j)
     return None

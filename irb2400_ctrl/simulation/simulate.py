@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.codegen import Block, CompiledBlock, compile_block
 from irb2400_ctrl.errors import InputError, IrbError
+from irb2400_ctrl.model import Model
 from irb2400_ctrl.robot import Robot
 from irb2400_ctrl.simulation.effect_data import data_of, structure
 from irb2400_ctrl.simulation.initial_state import InitialState
@@ -138,9 +139,23 @@ class Loop:
         if lost.any():
             raise IrbError(
                 f"the simulated arm diverged at {motion.time[np.argmax(lost)]:.3f} s under "
-                f"{self.controller.name!r}: "
-                "lower the gains, or check the plant's mass data"
+                f"{self.controller.name!r}: {self._why(motion)}"
             )
+
+    def _why(self, motion: Trajectory) -> str:
+        """What to look at: friction that stops a joint within a time step, or gains and masses."""
+        inertia = np.diag(Model(self.plant).mass_matrix(motion.q[0]))
+        viscous = self.plant.friction[:, 2]
+        j = int(np.argmax(viscous / inertia))
+        within = inertia[j] / max(viscous[j], 1e-12)
+        if within > self.controller.sample_time:
+            return "lower the gains, or check the plant's mass data"
+        return (
+            f"viscous friction of {viscous[j]:.3g} Nm s/rad stops joint {j + 1}, of "
+            f"{inertia[j]:.2g} kg m2, within {1e6 * within:.2g} us, less than the period of "
+            f"{1e6 * self.controller.sample_time:.0f} us. State the inertia of its rotor "
+            '(kind = "rotor_inertia" in [[effects]]), or a smaller friction'
+        )
 
     def _inputs(
         self, motion: Trajectory, wrench: ArrayLike | None, lost: ArrayLike | None, seed: int

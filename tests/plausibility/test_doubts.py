@@ -11,6 +11,7 @@ from irb2400_ctrl.diagnosis.sound_logs import sound_logs
 from irb2400_ctrl.identification.understood_logs import understood_logs
 from irb2400_ctrl.measurement import Log
 from irb2400_ctrl.plausibility import LogCheck, check_log, log_problem
+from irb2400_ctrl.plausibility.channels import channel_problem
 from irb2400_ctrl.plausibility.evidence import Fit
 from irb2400_ctrl.plausibility.log_check import doubts
 from irb2400_ctrl.plausibility.reading import as_labelled, torque_readings
@@ -73,6 +74,17 @@ def test_a_diagnosis_and_an_identification_say_it() -> None:
     assert sound_logs(robot, [LOG]).doubts == (told,)
     assert understood_logs(robot, [LOG]).notes == [f"{LOG.name}: {told}"]
     assert sound_logs(robot, [LOG, LOG]).doubts == (f"{LOG.name}: {told}",) * 2
+
+
+def test_a_joint_that_was_to_stand_is_not_stuck() -> None:
+    """Of slow runs of one axis after the other, as `excite` plans them, the other axes stand."""
+    q = np.array(LOG.q)
+    start = int(np.argmax(np.abs(np.gradient(q[:, 0])[2000:4000]))) + 2000
+    q[start:, 0] = q[start, 0]
+    asked = q.copy()
+    for command, kind in ((asked, None), (LOG.q, "stuck_encoder")):
+        found = channel_problem(replace(LOG, q=q, qd=None, q_ref=command))
+        assert (found.kind if found else None) == kind
 
 
 def test_two_axes_that_turn_the_other_way_are_named_together() -> None:

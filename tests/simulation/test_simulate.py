@@ -191,6 +191,18 @@ def test_an_unstable_loop_is_an_error_not_a_nan() -> None:
         )
 
 
+def test_friction_that_stops_a_joint_within_a_period_is_what_diverges() -> None:
+    """Of a file with 180 Nm s/rad at the wrist the message blamed gains and masses."""
+    robot = strong(arm())
+    *others, last = robot.joints
+    friction = last.friction.model_copy(update={"viscous_Nms_rad": 5e4})
+    stiff = robot.model_copy(
+        update={"joints": (*others, last.model_copy(update={"friction": friction}))}
+    )
+    with pytest.raises(IrbError, match=r"viscous friction of 5e\+04 Nm s/rad stops joint 6"):
+        simulate(stiff, MOVE, "gravity_pd", actuators=IDEAL_ACTUATORS)
+
+
 def test_says_what_does_not_fit() -> None:
     with pytest.raises(InputError, match="no controller 'pidd'"):
         simulate(arm(), MOVE, "pidd")

@@ -8,7 +8,11 @@ from dataclasses import replace
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.robot.importing.tree import TURNING, Tree, TreeJoint
 
-TIPS = ("tcp", "tool0", "tool_0", "ee_link", "flange", "link_ee", "tool_link", "ee")
+TIPS = (
+    *("tcp", "tool0", "tool_0", "ee_link", "flange", "link_ee", "tool_link", "ee"),
+    *("tcp_link", "tcp_frame", "tool_frame", "eef", "link_eef", "end_effector_link"),
+    *("end_effector", "endeffector"),
+)
 """names that tools give to the end of an arm, as their last words, most telling first"""
 GRIPPER = re.compile(r"finger|gripper|knuckle|jaw|thumb|robotiq", re.IGNORECASE)
 """a joint of this name opens a gripper: it is none of the arm unless asked for"""

@@ -1,0 +1,96 @@
+"""Masses, inertias and limits of another unit, and the frame of the tool, in files of other
+people."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+from robots.public_arms import arms, urdf
+from typer.testing import CliRunner
+
+import irb2400_ctrl as irb
+from irb2400_ctrl.cli.main import app
+from irb2400_ctrl.excitation.feasible import Extent
+from irb2400_ctrl.model.plausibility import plausibility
+from irb2400_ctrl.robot import Robot
+from irb2400_ctrl.robot.importing import import_robot
+
+UR5 = urdf(arms()["ur5"])
+
+
+def scaled(text: str, attribute: str, factor: float) -> str:
+    """The file with every number of an attribute times a factor."""
+    return re.sub(rf'({attribute}=")([^"]+)"', lambda m: f'{m[1]}{factor * float(m[2]):.9g}"', text)
+
+
+def read(text: str, tmp_path: Path) -> Robot:
+    path = tmp_path / "arm.urdf"
+    path.write_text(text)
+    return import_robot(path).robot
+
+
+def test_an_arm_as_it_is_has_no_other_unit(tmp_path: Path) -> None:
+    assert not [note for note in plausibility(read(UR5, tmp_path)) if "looks like" in note]
+    assert not [note for note in plausibility(irb.load_robot("irb2400")) if "look like" in note]
+
+
+@pytest.mark.parametrize(
+    ("attribute", "factor", "says"),
+    [
+        ("mass value", 1e2, "masses look like grams, or limits like another unit"),
+        ("effort", 1e-3, "masses look like grams, or limits like another unit"),
+        ("effort", 1e3, "and of no other joint for more; limits look like another unit"),
+        ("i[xyz][xyz]", 1e-6, "which would be a point; it looks like another unit"),
+        ("i[xyz][xyz]", 0.0, "which would be a point; it looks like another unit"),
+    ],
+)
+def test_another_unit_is_said(attribute: str, factor: float, says: str, tmp_path: Path) -> None:
+    """Of links of tons at 0.95 m reach "every body could exist"."""
+    notes = plausibility(read(scaled(UR5, attribute, factor), tmp_path))
+    assert any(says in note for note in notes), notes
+
+
+@pytest.mark.parametrize("name", ["end_effector_link", "tcp_link", "link_eef", "my_end_effector"])
+def test_the_frame_of_the_tool_is_the_end(name: str, tmp_path: Path) -> None:
+    """126 mm of an end effector were dropped without a word."""
+    text = UR5.replace("tool0", "end")
+    last = re.findall(r'<link name="([^"]+)"', text)[-1]
+    fixed = f'<link name="{name}"/><joint name="to_tool" type="fixed"><parent link="{last}"/>'
+    fixed += f'<child link="{name}"/><origin xyz="0 0 0.126"/></joint></robot>'
+    plain = read(text, tmp_path).flange.matrix()
+    longer = read(text.replace("</robot>", fixed), tmp_path).flange.matrix()
+    assert np.linalg.norm(longer[:3, 3] - plain[:3, 3]) == pytest.approx(0.126, abs=1e-6)
+
+
+def test_no_controller_is_made_of_an_arm_without_masses(tmp_path: Path) -> None:
+    """Its torques were zero, and its verdict "passed"."""
+    robot = read(re.sub("<inertial>.*?</inertial>", "", UR5, flags=re.DOTALL), tmp_path)
+    irb.save_robot(robot, tmp_path / "arm.toml")
+    words = [
+        "codegen",
+        "--controller",
+        "computed_torque",
+        "--robot",
+        str(tmp_path / "arm.toml"),
+        "--out",
+        str(tmp_path / "c"),
+    ]
+    found = CliRunner().invoke(app, words)
+    assert found.exit_code != 0
+    assert "found no link with a mass" in str(found.exception) + found.output
+
+
+def test_what_is_wrong_with_slow_runs_is_said_alone() -> None:
+    """Of too small a distance from axis 1 "86 %, expected at most 90 %" was printed."""
+    fine = Extent(0.86, 0.5, 0.1, 0.65, 0.3, 0.1, 0.2448)
+    assert fine.inside
+    assert not fine.wrong()
+    narrow = Extent(0.86, 0.5, 0.1, 0.65, 0.2355, 0.1, 0.2448)
+    assert narrow.wrong().startswith("come to 0.235 m from axis 1, expected 0.245 m")
+    several = Extent(0.95, 1.1, -0.1, 0.05, 0.2355, 0.1, 0.2448).wrong()
+    for part in ("95 % of a torque limit", "110 % of a speed", "5.7 deg", "0.050 m above"):
+        assert part in several
+    assert several.count("; they ") == 4
