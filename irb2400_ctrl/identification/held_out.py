@@ -19,6 +19,8 @@ from irb2400_ctrl.model import Model
 MOST_FOLDS = 5
 MEAN_OVER = 0.2
 """[s]"""
+FEWEST_MEANS = 10
+"""of a log whose own error counts"""
 
 
 def groups(parts: Sequence[Recording], slow: Sequence[bool]) -> list[Integers]:
@@ -83,11 +85,20 @@ def slowly_left(results: Sequence[LogResult]) -> Array:
 
     What one motion leaves another may leave: the mean over all is less than some of them.
     """
-    return np.asarray(np.max([_slowly_left(result) for result in results], axis=0))
+    each = [_slowly_left(result) for result in results]
+    squares = np.array([found for found, _ in each])
+    counts = np.array([count for _, count in each])
+    # a log with hardly any known rows is worst by chance: these count together
+    few = counts < FEWEST_MEANS
+    own = np.where(few, 0.0, squares / np.maximum(counts, 1)).max(axis=0)
+    together = np.where(few, squares, 0.0).sum(axis=0)
+    number = np.where(few, counts, 0).sum(axis=0)
+    pooled = np.where(own > 0.0, 0.0, together / np.maximum(number, 1))
+    return np.asarray(np.sqrt(np.maximum(own, pooled)))
 
 
-def _slowly_left(result: LogResult) -> Array:
-    """The same of one log."""
+def _slowly_left(result: LogResult) -> tuple[Array, Array]:
+    """Sum of squares of one log's means, and how many there are, per joint, shapes (n,)."""
     n = result.measured.shape[1]
     count = max(2, round(MEAN_OVER / float(result.time[1] - result.time[0])))
     whole = len(result.time) // count * count
@@ -96,5 +107,4 @@ def _slowly_left(result: LogResult) -> Array:
     means = np.sum(np.where(known, left.mean(axis=1), 0.0) ** 2, axis=0)
     steps = np.sum(np.where(known, np.mean(np.diff(left, axis=1) ** 2, axis=1), 0.0), axis=0)
     # of white noise a mean keeps one part in `count`, a step twice
-    squares = means - 0.5 * steps / count
-    return np.asarray(np.sqrt(np.maximum(squares, 0.0) / np.maximum(known.sum(axis=0), 1)))
+    return np.maximum(means - 0.5 * steps / count, 0.0), known.sum(axis=0)

@@ -39,7 +39,7 @@ class LowPassOfEach(LowPass):
 
     def __call__(self, signal: Array, recorders: Recorders = (None,)) -> Array:
         """`recorders`: of each log, or one None for all."""
-        each = recorders if len(recorders) == len(self.each) else [None] * len(self.each)
+        each = [None] * len(self.each) if tuple(recorders) == (None,) else recorders
         parts = zip(self._parts(len(signal)), each, strict=True)
         return np.concatenate([own(signal[part], (recorder,)) for (own, part), recorder in parts])
 

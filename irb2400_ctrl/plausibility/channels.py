@@ -230,8 +230,8 @@ CHECKS: tuple[Callable[[Log], LogProblem | None], ...] = (
     wrapped,
     _stuck,
     _repeated,
-    cut,
     _stairs,
+    cut,
     _clipped,
 )
 

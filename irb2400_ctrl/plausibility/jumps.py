@@ -3,6 +3,8 @@ missing."""
 
 from __future__ import annotations
 
+import warnings
+
 import numpy as np
 
 from irb2400_ctrl.arrays import Array
@@ -66,9 +68,15 @@ def cut(log: Log) -> LogProblem | None:
     """A step that is no motion: rows are missing and their time with them, or an encoder caught
     up."""
     steps = np.abs(np.diff(log.q, axis=0))
-    speed = steps / np.diff(log.time)[:, None]
+    passed = np.diff(log.time)
+    # a packet that came late leaves its step hardly any time
+    speed = steps / np.maximum(passed, np.median(passed))[:, None]
     beside = np.maximum(np.roll(speed, 1, axis=0), np.roll(speed, -1, axis=0))
-    usual = np.maximum(np.quantile(speed, 0.99, axis=0), beside)
+    # of those in which a joint moves at all: it may rest most of the time, or be read seldom
+    moving = np.where(speed > 0.0, speed, np.nan)
+    with warnings.catch_warnings(action="ignore", category=RuntimeWarning):
+        fast = np.nan_to_num(np.nanquantile(moving, 0.99, axis=0), nan=np.inf)
+    usual = np.maximum(fast, beside)
     jumps = (speed > LEAP * usual) & (steps > MOVES)
     if not jumps.any():
         return None

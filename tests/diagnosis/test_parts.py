@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
+from types import SimpleNamespace
 from typing import Any, ClassVar, Literal
 
 import casadi as ca
@@ -247,6 +248,14 @@ def test_what_a_model_of_the_arm_leaves_of_any_motion_is_noise_of_slow_kind() ->
         else:
             assert quiet.std() == pytest.approx(1.0, abs=0.03)
             assert whole.std() > 5.0
+
+
+def test_the_step_of_the_noise_is_that_of_the_rows() -> None:
+    """Rows of logs that a recorder low-passed stand further apart than the common filter says."""
+    rows = np.concatenate([np.arange(0.0, 5.0, 0.124), np.arange(6.0, 12.0, 0.124)])
+    known = np.ones((len(rows), 1), dtype=bool)
+    log: Any = SimpleNamespace(row_time=rows, row_known=known)
+    assert NoiseModel.of(log, ~known, np.zeros(1)).step == pytest.approx(0.124)
 
 
 def test_a_body_more_needs_no_model_of_its_own() -> None:

@@ -98,11 +98,31 @@ def test_a_refused_file_is_read_with_the_map_that_is_shown(name: str, tmp_path: 
     np.testing.assert_allclose(found.time - found.time[0], T, atol=1e-6)
 
 
+@pytest.mark.parametrize(
+    ("current", "angle", "torque"),
+    [
+        ("Courant axe {j} [A]", "Position axe {j} [deg]", "Couple axe {j} [Nm]"),
+        ("Corriente eje {j} (A)", "Posición eje {j} (deg)", "Par eje {j} (Nm)"),
+        ("J{j}軸電流", "J{j}軸角度 [deg]", "J{j}トルク"),
+    ],
+)
+def test_a_current_of_an_axis_is_no_angle(
+    current: str, angle: str, torque: str, tmp_path: Path
+) -> None:
+    columns = {"Temps [s]": T, current: 9.0 * TAU, angle: DEG / 2, torque: TAU}
+    columns |= {"thermocouple_{j}": 0 * TAU, "rejected_{j}": 0 * TAU}
+    found = read_log(path := written(tmp_path / "log.csv", columns), columns=suggested(path))
+    np.testing.assert_allclose(found.q, Q, atol=1e-8)
+    np.testing.assert_allclose(found.tau, TAU, atol=1e-8)
+
+
 def test_of_an_effort_the_name_does_not_say_that_it_is_a_torque(tmp_path: Path) -> None:
     """Hobby arms write currents so."""
     names = {"time": T, "q_{j}": Q, "effort_{j}": TAU}
     told = suggested(written(tmp_path / "log.csv", names)).read_text("utf-8")
     assert 'unit = "Nm"   # or a current (A, with Nm_per_A), or percent' in told
+    names = {"time": T, "q_{j}": Q, "motor_effort_{j}": TAU}
+    assert "or a current" in suggested(written(tmp_path / "log.csv", names)).read_text("utf-8")
     names = {"time": T, "q_{j}": Q, "torque_{j}": TAU}
     assert "current" not in suggested(written(tmp_path / "log.csv", names)).read_text("utf-8")
 

@@ -12,10 +12,11 @@ from irb2400_ctrl.identification.understood_logs import understood_logs
 from irb2400_ctrl.measurement import Log
 from irb2400_ctrl.plausibility import LogCheck, check_log, log_problem
 from irb2400_ctrl.plausibility.channels import channel_problem
-from irb2400_ctrl.plausibility.evidence import Fit
+from irb2400_ctrl.plausibility.evidence import Fit, Nominal
 from irb2400_ctrl.plausibility.log_check import doubts
-from irb2400_ctrl.plausibility.reading import as_labelled, torque_readings
-from irb2400_ctrl.plausibility.search import Understanding
+from irb2400_ctrl.plausibility.reading import as_labelled, motion_readings, torque_readings
+from irb2400_ctrl.plausibility.rows import rows_of
+from irb2400_ctrl.plausibility.search import Understanding, _Search
 from irb2400_ctrl.plausibility.travel import fastest
 from irb2400_ctrl.robot import load_robot
 
@@ -74,6 +75,38 @@ def test_a_diagnosis_and_an_identification_say_it() -> None:
     assert sound_logs(robot, [LOG]).doubts == (told,)
     assert understood_logs(robot, [LOG]).notes == [f"{LOG.name}: {told}"]
     assert sound_logs(robot, [LOG, LOG]).doubts == (f"{LOG.name}: {told}",) * 2
+
+
+def test_nothing_is_said_of_the_angle_of_a_joint_that_rests() -> None:
+    """Of a log in which one axis moves the angles of another looked like radians."""
+    q = np.tile(LOG.q[0], (len(LOG.time), 1))
+    q[:, 1] = LOG.q[:, 1]
+    log = replace(LOG, q=q, qd=None, q_ref=None)
+    rows = rows_of(log)
+    assert rows is not None
+    search = _Search(Nominal(ROBOT), log, rows)
+    kinds = {"angle_unit", "angle_sign", "axis_sign", "angle_zero"}
+    of_one = [one for one in motion_readings(ROBOT) if one.kind in kinds and len(one.joints) == 1]
+    assert {one.joints for one in of_one if search._shows(one)} == {(2,)}
+    assert {one.joints for one in of_one} == {(j,) for j in range(1, 7)}
+    # what holds it says how its torque is to be read
+    assert all(search._shows(one) for one in torque_readings(ROBOT))
+    whole = _Search(Nominal(ROBOT), LOG, rows)
+    assert all(whole._shows(one) for one in of_one)
+
+
+def test_a_packet_that_came_late_is_no_jump() -> None:
+    """Its step takes hardly any time by the stamps; rows that are read seldom are held ones."""
+    time = np.array(LOG.time)
+    rng = np.random.default_rng(6)
+    late = rng.choice(np.arange(10, len(time) - 10), 12, replace=False)
+    step = np.median(np.diff(time))
+    time[late] = time[late + 1] - 0.02 * step
+    assert channel_problem(replace(LOG, time=time)) is None
+    held = np.arange(len(time)) // 30 * 30
+    found = channel_problem(replace(LOG, q=LOG.q[held], tau=LOG.tau[held], qd=None, q_ref=None))
+    assert found is not None
+    assert found.kind == "held_samples"
 
 
 def test_a_joint_that_was_to_stand_is_not_stuck() -> None:

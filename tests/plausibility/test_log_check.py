@@ -16,7 +16,6 @@ from sound_logs import Drawn, chatters, sound_log
 
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.measurement import Log
-from irb2400_ctrl.model import Model
 from irb2400_ctrl.plausibility import check_log, log_problem
 from irb2400_ctrl.plausibility.travel import fastest
 from irb2400_ctrl.robot import Identified, Transmission, load_robot
@@ -44,17 +43,6 @@ def said(change: Change, kinds: tuple[str, ...]) -> str:
     except InputError as error:
         return next((word for word in kinds if word in str(error)), str(error))
     return "nothing" if problem is None else problem.kind
-
-
-def test_nothing_is_said_of_the_angle_of_a_joint_that_rests() -> None:
-    """Of a log in which one axis moves the angles of another looked like radians."""
-    log = plain().log
-    q = np.tile(log.q[0], (len(log.time), 1))
-    q[:, 1] = log.q[:, 1]
-    model = Model(ROBOT)
-    qd = np.gradient(q, log.time, axis=0)
-    tau = model.inverse_dynamics(q, qd, np.gradient(qd, log.time, axis=0))
-    assert log_problem(ROBOT, Log(log.time, q, np.asarray(tau))) is None
 
 
 def test_a_joint_whose_encoder_flickers_does_not_move() -> None:

@@ -39,10 +39,16 @@ class Ground:
         """
         self.comparison = comparison
         self.threshold = threshold
-        self.turns = turns
         self.load_changes = load_changes
+
+        def told(candidate: Candidate) -> Alternative:
+            """A candidate under its own noise, with what turns and changes of load say of it."""
+            alone = turns.told(comparison.compared(candidate))
+            return load_changes.told(alone, comparison.chosen)
+
+        # none of these holds the ground itself, which would stay in memory with all it has judged
         self.accepts = _once(partial(threshold.accepts, comparison))
-        self._told = _once(self._all_told)
+        self._told = _once(told)
         self._between = _once(partial(comparison.scan.between, comparison.start))
         self._part_of_the_time = cache(Windowing(comparison.scan, comparison.start).candidates)
 
@@ -65,11 +71,6 @@ class Ground:
         joints = frozenset(c.joint for c in [c for c in ranked if c.known][:JOINTS_OF])
         short += [c for c in self._part_of_the_time(joints) if named(c) not in refused]
         return sorted(map(self._told, short), key=lambda one: -one.evidence)
-
-    def _all_told(self, candidate: Candidate) -> Alternative:
-        """A candidate under its own noise, with what turns and changes of load say of it."""
-        told = self.turns.told(self.comparison.compared(candidate))
-        return self.load_changes.told(told, self.comparison.chosen)
 
 
 def named(candidate: Candidate) -> Name:

@@ -83,7 +83,7 @@ class NoiseModel:
         Args:
             motion: prepared; reversal, wander: as of the class.
         """
-        return cls(motion.row_known, reversal, wander, motion.low_pass.out_step)
+        return cls(motion.row_known, reversal, wander, float(np.median(np.diff(motion.row_time))))
 
     def white(self, residual: Array) -> tuple[Noise, ...]:
         """White noise of the level that row-to-row differences show (robust against slow misfit),
@@ -98,7 +98,7 @@ class NoiseModel:
         return tuple(
             _Fitted(here, rows, turning).noise(wander, self.step)
             if len(rows) >= 20 * ORDER
-            else _white(here, rows, turning)
+            else _white(here, rows, turning, wander)
             for here, rows, turning, wander in each
         )
 
@@ -116,8 +116,15 @@ def complete_rows(known: Mask, order: int = ORDER) -> npt.NDArray[np.intp]:
     return np.flatnonzero(good)
 
 
-def _white(residual: Array, kept: npt.NDArray[np.intp], reversal: Mask) -> Noise:
-    """The same of one joint."""
+def _white(
+    residual: Array, kept: npt.NDArray[np.intp], reversal: Mask, wander: float = 0.0
+) -> Noise:
+    """White noise of one joint, and a wander [Nm].
+
+    Args:
+        residual, reversal: of the joint, shape (rows,); kept: its rows.
+        wander: as of `NoiseModel`.
+    """
     a = np.zeros(ORDER + 1)
     a[0] = 1.0
     if len(kept) < 20:
@@ -125,7 +132,7 @@ def _white(residual: Array, kept: npt.NDArray[np.intp], reversal: Mask) -> Noise
     differences = (residual[kept] - residual[kept - 1]) / np.sqrt(2.0)
     calm = ~reversal[kept]
     use = calm if calm.sum() > 20 else np.ones(len(kept), dtype=bool)
-    level = max(float(np.median(np.abs(differences[use])) / 0.6745), 1e-9)
+    level = max(float(np.hypot(np.median(np.abs(differences[use])) / 0.6745, wander)), 1e-9)
     return Noise(a, _weights(differences, level, calm), kept)
 
 

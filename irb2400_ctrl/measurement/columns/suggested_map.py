@@ -17,23 +17,30 @@ from irb2400_ctrl.measurement.columns.recorder_names import unit_by_step
 from irb2400_ctrl.measurement.columns.two_part_time import time_pair
 
 OTHERS = re.compile(
-    r"acc|qdd|ddq|err|ext|grav|limit|temp|volt|tcp|cart|force|wrench|jerk|collision|inertia|dist"
+    r"acc|qdd|ddq|err|ext|grav|limit|temp(?!s)|volt|tcp|cart|force|wrench|jerk|collision|inertia|dist"
+    r"|加速|温|電圧"
 )
-COMMANDED = re.compile(r"ref|cmd|comm|target|des|goal|set|soll|nominal|[a-z]_d(?![a-z])")
+COMMANDED = re.compile(
+    r"ref|cmd|comm|target|des|goal|set|soll|nominal|[a-z]_d(?![a-z])|指令|目標|consigne"
+)
 MEASURED = re.compile(r"act(?!uator)|meas|msr|mes|real|(?<!wr)ist|fb|feed|state")
 QUANTITIES = {
     "tau": r"tau|τ|torq|trq|tq|(?<!co)eff|mom|curr?|load|qfrc|m(?=act)|^m?t\W*$"
-    r"|couple|coppia|(?<![a-z])par(?![a-z])|トルク|扭矩|力矩|转矩",
+    r"|(?<![a-z])(couple|coppia|par|courant|corrente|corriente)(?![a-z])"
+    r"|トルク|扭矩|力矩|转矩|電流|电流",
     "qd": r"vel|speed|dq|qd|qv|qp(?!os)|omega|ω|geschw|vitesse|速度",
     "q": r"pos|ang|q|theta|θ|rax|joint|jnt|axis|achse|winkel|^([aj]|jt|mp)\W*$|state\W*$"
-    r"|axe|asse|eje|角|軸|轴|关节|関節",
+    r"|(?<![a-z])(axe|asse|eje)(?![a-z])|角|軸|轴|关节|関節",
 }
 """what a name means, asked in this order"""
 TIME = re.compile(
     r"(.*[^a-z])?(time|t|tm|tout|time_?stamps?|stamp|zeit|tick|ipoc|sec|temps|tempo|tiempo|時間|时间)"
     r"([^a-z].*)?"
 )
-SURELY = re.compile(r"tau|τ|tor|trq|tq|nm|mom|couple|coppia|トルク|扭矩|力矩|转矩")
+CURRENT = re.compile(r"cur|amp|courant|corrente|corriente|電流|电流")
+SURELY = re.compile(
+    r"tau|τ|torq|(?<![a-z])tor(?![a-z])|trq|tq|nm|mom|couple|coppia|トルク|扭矩|力矩|转矩|(?<![a-z])par(?![a-z])"
+)
 """words of what is no current"""
 MOTOR = re.compile(r"motor|resolver|rotor")
 """words of what may be on the motor's side"""
@@ -114,8 +121,8 @@ def _named(columns: Mapping[str, Array], joints: Sequence[str]) -> dict[str, lis
 
 
 def _quantity(pattern: str) -> tuple[str, int]:
-    """What a name means, and how surely: 0 where it says measured, 2 of a commanded torque; ""
-    where it is of another thing, or does not tell."""
+    """What a name means, and how surely: 0 where it says measured, 2 of a commanded torque or a
+    current; "" where it is of another thing, or does not tell."""
     words = re.sub(r"\{(j0?|name)\}|\d", "", pattern).lower()
     meant = next((q for q, known in QUANTITIES.items() if re.search(known, words)), "")
     if not meant or OTHERS.search(words):
@@ -125,7 +132,8 @@ def _quantity(pattern: str) -> tuple[str, int]:
     if COMMANDED.search(words):
         # some controllers record no other torque
         return {"q": ("q_ref", 1), "tau": ("tau", 2)}.get(meant, ("", 3))
-    return meant, 1
+    # beside a torque a current is the second choice
+    return meant, 2 if meant == "tau" and CURRENT.search(words) else 1
 
 
 def _time(columns: Mapping[str, Array], rows: int) -> list[str]:
@@ -156,7 +164,7 @@ def _entry(quantity: str, pattern: str, names: Sequence[str], degrees: bool) -> 
 def _unit(quantity: str, words: str, degrees: bool) -> list[str]:
     """What stands in a table about the unit."""
     gear = ["gear_ratio = nan   # motor turns per joint turn, signed"]
-    if quantity == "tau" and re.search(r"cur|amp", words):
+    if quantity == "tau" and CURRENT.search(words):
         return ['unit = "A"', "Nm_per_A = nan   # of the motors: a number, or a list", *gear]
     if quantity == "tau" and "%" in words:
         return ['unit = "percent"', "full_scale_Nm = nan   # what 100 % are"]

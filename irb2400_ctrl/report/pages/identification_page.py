@@ -200,7 +200,7 @@ def lines(result: Identification) -> list[str]:
 
 def _share(percent: float) -> str:
     """Of what joints that hardly move do not determine no digits are told."""
-    return f"{percent:7.1f}" if percent < MOST_TOLD else f"  >{MOST_TOLD:.0f}"
+    return f"{percent:7.1f}" if percent < MOST_TOLD else f"   >{MOST_TOLD:.0f}"
 
 
 def error_rows(log: LogResult) -> tuple[list[str], list[list[object]]]:

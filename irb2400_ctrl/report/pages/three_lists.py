@@ -236,7 +236,7 @@ def body_lines(entry: Entry) -> list[str]:
 
 def entry_rows(entries: Iterable[Entry]) -> tuple[Sequence[str], list[list[object]]]:
     """Head and rows of one list."""
-    head = ("what", "where", "size", "of the torque", "confidence", "held-out gain", "looks like")
+    head = ("what", "where", "size", "of the torque", "confidence", "held-out error", "looks like")
     rows: list[list[object]] = [
         [e.kind, e.where, e.size, e.share, e.confidence, e.gain or "-", e.lookalikes or "-"]
         for e in entries
