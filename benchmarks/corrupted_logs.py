@@ -2,6 +2,7 @@
 
     python benchmarks/corrupted_logs.py sound --count 300 [--seed S] [--other-arms]
     python benchmarks/corrupted_logs.py corrupted --count 10 [--seed S] [--diagnose]
+    python benchmarks/corrupted_logs.py stranger --count 60 [--seed S]
 
 Seeds are drawn anew unless given, and printed.
 """
@@ -37,7 +38,9 @@ def sound(count: int, seed: int, others: bool) -> None:
     for k in range(count):
         drawn = other_arm_log(seed + k) if others else sound_log(seed + k)
         with one_thread():
-            problem, understood = examined(drawn.robot, drawn.log)
+            found = examined(drawn.robot, drawn.log)
+        problem = found.problem
+        understood = found.understood
         prices.append(np.nan if understood is None else understood.labelled.price)
         if problem is not None:
             refused.append(problem.kind)
@@ -96,10 +99,32 @@ def corrupted(count: int, seed: int, diagnosed: bool) -> None:
         print(f"effects named with 0.5 or more on corrupted logs: {sure}")
 
 
+def stranger(count: int, seed: int) -> None:
+    """Sound logs of public arms held against the file of another one with as many joints."""
+    from other_arm_logs import other_arm_log
+    from robots.imported import robot
+    from robots.public_arms import arms
+
+    from irb2400_ctrl.plausibility import log_problem
+
+    words: Counter[str] = Counter()
+    for k in range(count):
+        drawn = other_arm_log(seed + k)
+        files = (robot(name) for name in arms())
+        others = [one for one in files if one.n == drawn.robot.n and one.name != drawn.robot.name]
+        if not others:
+            continue
+        file = others[int(np.random.default_rng([seed, k]).integers(len(others)))]
+        problem = log_problem(file, drawn.log)
+        words["taken as sound" if problem is None else problem.kind] += 1
+    told = ", ".join(f"{word} {number}" for word, number in words.most_common())
+    print(f"seed {seed}: of {words.total()} logs of another robot: {told}")
+
+
 def main() -> None:
     """Command line."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("what", choices=["sound", "corrupted"])
+    parser.add_argument("what", choices=["sound", "corrupted", "stranger"])
     parser.add_argument("--count", type=int, required=True)
     parser.add_argument("--seed", type=int, default=None)
     parser.add_argument("--diagnose", action="store_true", help="diagnose what is not refused")
@@ -109,6 +134,8 @@ def main() -> None:
     seed = fresh if args.seed is None else args.seed
     if args.what == "sound":
         sound(args.count, seed, args.other_arms)
+    elif args.what == "stranger":
+        stranger(args.count, seed)
     else:
         corrupted(args.count, seed, args.diagnose)
 

@@ -1,25 +1,31 @@
 """Whether both parts of a real recording tell the same story, and what each costs.
 
-    python -m benchmarks.real_halves FOLDER [--robots kr300,ur10,panda,tx40,lwa4p]
+    python -m benchmarks.real_halves FOLDER [--robots kr300,ur10,panda,tx40,lwa4p] [--drawn]
+    python -m benchmarks.real_halves FOLDER --whole --robots ur10,panda
 
 FOLDER holds the recordings of `benchmarks/real_robots.py` (public data, not part of this project):
 two runs of the KR300, halves of UR10 and Panda, even and odd blocks of the TX40; of the LWA 4P, of
 which no body is known, two runs against those that it is identified from. What an arm has, both
 parts show: a name that one part alone gives is marked. Errors are rms over mean absolute torque by
-joint.
+joint. `--drawn`: bodies as uncertain as an import of a URDF states them, whatever the case says.
+`--whole`: both parts as one record.
 """
 
 from __future__ import annotations
 
 import argparse
 import time
+from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 from threadpoolctl import threadpool_limits
 
 from benchmarks.real_robots import CASES
 from irb2400_ctrl.diagnosis import Diagnosis, Finding, diagnose
 from irb2400_ctrl.identification import diagnose_change
+from irb2400_ctrl.measurement import Log
+from irb2400_ctrl.robot.importing.chain_robot import DRAWN
 
 Name = tuple[str, int | None]
 
@@ -52,6 +58,18 @@ def told(found: Diagnosis, other: Diagnosis) -> str:
     return "\n".join(lines)
 
 
+def _whole(one: Log, other: Log) -> Log:
+    """Two parts of one record."""
+    speeds = None if one.qd is None or other.qd is None else np.concatenate([one.qd, other.qd])
+    return Log(
+        np.concatenate([one.time, other.time]),
+        np.concatenate([one.q, other.q]),
+        np.concatenate([one.tau, other.tau]),
+        qd=speeds,
+        name=f"{one.name} and the rest",
+    )
+
+
 def main() -> None:
     """Command line."""
     parser = argparse.ArgumentParser(
@@ -59,13 +77,18 @@ def main() -> None:
     )
     parser.add_argument("folder", type=Path)
     parser.add_argument("--robots", default="kr300,ur10,panda,tx40,lwa4p")
+    parser.add_argument("--drawn", action="store_true")
+    parser.add_argument("--whole", action="store_true")
     args = parser.parse_args()
     for name in args.robots.split(","):
         case = CASES[name](args.folder)
+        if args.drawn:
+            spreads = case.robot.uncertainty.model_copy(update=DRAWN)
+            case = replace(case, robot=case.robot.model_copy(update={"uncertainty": spreads}))
         found = []
         print(name, flush=True)
         parts = case.others[:8:7] if name == "lwa4p" else (case.logs[0], case.others[0])
-        for log in parts:
+        for log in (_whole(*parts),) if args.whole else parts:
             start = time.process_time()
             with threadpool_limits(limits=1, user_api="blas"):
                 if name == "lwa4p":
@@ -74,7 +97,7 @@ def main() -> None:
                     found.append(diagnose(case.robot, log))
             cpu = time.process_time() - start
             print(f"  {log.name}: {log.duration:.0f} s, {found[-1].verdict}, {cpu:.1f} s of CPU")
-        for one, other in (found, found[::-1]):
+        for one, other in zip(found, found[::-1], strict=True):
             print(f"  {one.identification.name}\n{told(one, other)}", flush=True)
 
 

@@ -126,11 +126,6 @@ def _block(
     from irb2400_ctrl.controllers import controller, guarded, momentum_observer
     from irb2400_ctrl.errors import InputError
 
-    if robot.weightless:
-        raise InputError(
-            f"{robot.name}: found no link with a mass, expected those of the arm: the torques of a "
-            "controller mean nothing without; state [[links]] body, or identify them"
-        )
     if name != OBSERVER:
         block = controller(name, robot, sample_time=sample_time, **wishes)
         return guarded(block, robot) if with_guards else block

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shlex
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -112,9 +111,8 @@ def diagnose(
         result = _diagnosed(arm, read.logs, other, reference or [], columns)
         result = replace(result, left_out=(*read.left_out, *result.left_out))
     say_left_out(result.left_out)
-    other_arm = "" if robot == "irb2400" else f" --robot {shlex.quote(robot)}"
     title = f"Diagnosis of {_name(logs, read.logs)}"
-    page = diagnosis_page(result, title, read.logs[0], other_arm)
+    page = diagnosis_page(result, title, read.logs[0], robot)
     page.provenance(provenance(arm))
     text = lines(result)
     text.append(f"prior of the robot file: {_prior(arm)}")

@@ -60,6 +60,10 @@ def check(
     return Summary({"logs": [answer for answer, _ in found]}, stop=reasons[0] if reasons else None)
 
 
+UNEVEN = 1e-3
+"""[s] scatter of stamps that are said to be used"""
+
+
 def _checked(
     path: Path, arm: Robot | None, reader: Reader
 ) -> tuple[dict[str, Any], InputError | None]:
@@ -79,25 +83,20 @@ def _checked(
     return found.to_json(), stop
 
 
-UNEVEN = 1e-3
-"""[s] scatter of stamps that are said to be used"""
-
-
 def lines(check: LogCheck) -> list[str]:
     """A log check for a terminal."""
     f = check.facts
     base = f.base
+    stamps = ""
+    if base.rebuilt:
+        stamps = "; the time base is rebuilt (even sampling)"
+    elif base.scatter > UNEVEN:
+        stamps = "; the stamps are used as they are"
     found = [
         f"{check.name}: {f.joints} joints, {f.samples} samples, {f.duration:.2f} s at "
         f"{f.rate:.5g} Hz; columns {', '.join(f.channels)}",
         f"jitter {1e3 * base.scatter:.3g} ms rms, {100 * base.lost:.3g} % lost, {f.gaps} gaps, "
-        f"the longest {f.longest_gap:.3g} s"
-        + ("; the time base is rebuilt (even sampling)" if base.rebuilt else "")
-        + (
-            "; the stamps are used as they are"
-            if base.scatter > UNEVEN and not base.rebuilt
-            else ""
-        ),
+        f"the longest {f.longest_gap:.3g} s{stamps}",
         f"{'joint':<34}" + " ".join(f"{j + 1:>8}" for j in range(f.joints)),
     ]
     table = f.to_json() | check.to_json()

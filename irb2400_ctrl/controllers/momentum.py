@@ -19,7 +19,7 @@ import casadi as ca
 
 from irb2400_ctrl.codegen import Block, Field
 from irb2400_ctrl.controllers.arm_numbers import ArmNumbers
-from irb2400_ctrl.controllers.parts import Values, assemble, gain
+from irb2400_ctrl.controllers.parts import Values, assemble, check_masses, gain
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.model.linear_solve import factorise
 from irb2400_ctrl.robot import Robot
@@ -91,6 +91,7 @@ def momentum_observer(
         robot: the arm it knows; sample_time: period [s].
         bandwidth: K [rad/s].
     """
+    check_masses(robot)
     n = robot.n
     core = Momentum(ArmNumbers(robot))
     jacobian = Model(robot).function("tcp_jacobian")

@@ -26,6 +26,19 @@ Values = dict[str, ca.SX]
 Law = Callable[[Values], Values]
 
 
+def check_masses(robot: Robot) -> None:
+    """Gains and torques of a controller follow from the arm's masses.
+
+    Raises:
+        InputError: no link has one.
+    """
+    if robot.weightless:
+        raise InputError(
+            f"{robot.name}: found no link with a mass, expected those of the arm: the torques of a "
+            "controller mean nothing without; state [[links]] body, or identify them"
+        )
+
+
 def signals_in(robot: Robot) -> tuple[Field, ...]:
     """Inputs of every controller: measured angle and speed, and the reference motion."""
     n = robot.n

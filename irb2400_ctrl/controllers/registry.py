@@ -14,6 +14,7 @@ from irb2400_ctrl.controllers.computed_torque import computed_torque
 from irb2400_ctrl.controllers.computed_torque_integral import computed_torque_integral
 from irb2400_ctrl.controllers.gravity_pd import gravity_pd
 from irb2400_ctrl.controllers.origin import origin_of
+from irb2400_ctrl.controllers.parts import check_masses
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.robot import Robot
 
@@ -38,8 +39,9 @@ def controller(name: str, robot: Robot, sample_time: float = 0.001, **design: An
             otherwise.
 
     Raises:
-        InputError: no such controller or wish.
+        InputError: no such controller or wish; an arm without masses.
     """
+    check_masses(robot)
     if name not in CONTROLLERS:
         raise InputError(f"no controller {name!r}; expected one of {', '.join(CONTROLLERS)}")
     build = CONTROLLERS[name]

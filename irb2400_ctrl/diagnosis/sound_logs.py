@@ -10,7 +10,7 @@ import numpy as np
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.measurement.log import Log
 from irb2400_ctrl.plausibility import LogProblem
-from irb2400_ctrl.plausibility.log_check import doubts, examined
+from irb2400_ctrl.plausibility.log_check import examined
 from irb2400_ctrl.robot import Robot
 
 LEAST_SECONDS = 3.0
@@ -40,14 +40,14 @@ class SoundLogs:
     Args:
         used: effects are looked for on these; judged: sound ones beyond `MOST_SECONDS`;
         left_out: the rest; problem: of the only log, or of the first one where none is sound.
-        doubts: what is remarkable about those that are used.
+        remarkable: about those that are sound (`Examined`).
     """
 
     used: tuple[Log, ...]
     judged: tuple[Log, ...] = ()
     left_out: tuple[LeftOut, ...] = ()
     problem: LogProblem | None = None
-    doubts: tuple[str, ...] = ()
+    remarkable: tuple[str, ...] = ()
 
 
 def sound_logs(robot: Robot, logs: Sequence[Log]) -> SoundLogs:
@@ -60,7 +60,7 @@ def sound_logs(robot: Robot, logs: Sequence[Log]) -> SoundLogs:
         raise InputError("found no log, expected at least one")
     if len(logs) == 1:
         problem, told = _looked_at(robot, logs[0], LEAST_SECONDS)
-        return SoundLogs(tuple(logs), problem=problem, doubts=told)
+        return SoundLogs(tuple(logs), problem=problem, remarkable=told)
     sound = []
     remarkable: list[str] = []
     left_out = []
@@ -73,7 +73,7 @@ def sound_logs(robot: Robot, logs: Sequence[Log]) -> SoundLogs:
             continue
         if problem is None:
             sound.append(log)
-            remarkable += [f"{log.name}: {doubt}" for doubt in told]
+            remarkable += [f"{log.name}: {said}" for said in told]
         else:
             problems.append((log, problem))
             left_out.append(LeftOut(log.name, problem.says))
@@ -89,7 +89,7 @@ def sound_logs(robot: Robot, logs: Sequence[Log]) -> SoundLogs:
     if total < LEAST_SECONDS:
         raise InputError(_short("the logs together", total))
     judged = tuple(log for log in sound if not any(log is one for one in used))
-    return SoundLogs(used, judged, tuple(left_out), doubts=tuple(remarkable))
+    return SoundLogs(used, judged, tuple(left_out), remarkable=tuple(remarkable))
 
 
 def check_beside(robot: Robot, log: Log) -> None:
@@ -110,10 +110,10 @@ def _looked_at(robot: Robot, log: Log, least: float) -> tuple[LogProblem | None,
         raise InputError(f"{log.name}: found {log.n} joints, expected {robot.n} as in {robot.name}")
     if log.duration < least:
         raise InputError(_short(log.name, log.duration, least))
-    problem, understood = examined(robot, log)
-    if problem is not None and problem.unusable:
-        raise InputError(f"{log.name}: {problem.says}")
-    return problem, tuple(doubts(robot, log, understood)) if problem is None else ()
+    found = examined(robot, log)
+    if found.problem is not None and found.problem.unusable:
+        raise InputError(f"{log.name}: {found.problem.says}")
+    return found.problem, found.remarkable
 
 
 def _short(name: str, seconds: float, least: float = LEAST_SECONDS) -> str:

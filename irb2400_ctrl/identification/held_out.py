@@ -88,13 +88,11 @@ def slowly_left(results: Sequence[LogResult]) -> Array:
     each = [_slowly_left(result) for result in results]
     squares = np.array([found for found, _ in each])
     counts = np.array([count for _, count in each])
-    # a log with hardly any known rows is worst by chance: these count together
-    few = counts < FEWEST_MEANS
-    own = np.where(few, 0.0, squares / np.maximum(counts, 1)).max(axis=0)
-    together = np.where(few, squares, 0.0).sum(axis=0)
-    number = np.where(few, counts, 0).sum(axis=0)
-    pooled = np.where(own > 0.0, 0.0, together / np.maximum(number, 1))
-    return np.asarray(np.sqrt(np.maximum(own, pooled)))
+    # a log with hardly any known rows is worst by chance; of nothing but these all count together
+    long = counts >= FEWEST_MEANS
+    worst = np.where(long, squares / np.maximum(counts, 1), 0.0).max(axis=0)
+    together = squares.sum(axis=0) / np.maximum(counts.sum(axis=0), 1)
+    return np.asarray(np.sqrt(np.where(long.any(axis=0), worst, together)))
 
 
 def _slowly_left(result: LogResult) -> tuple[Array, Array]:

@@ -12,7 +12,6 @@ from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.identification.identification import LogResult
 from irb2400_ctrl.measurement import Log
 from irb2400_ctrl.plausibility import LogProblem
-from irb2400_ctrl.plausibility.log_check import doubts as doubts_about
 from irb2400_ctrl.plausibility.log_check import examined
 from irb2400_ctrl.plausibility.problem import named
 from irb2400_ctrl.robot import Robot
@@ -56,7 +55,8 @@ def understood_logs(robot: Robot, logs: Sequence[Log]) -> UnderstoodLogs:
     doubts = {}
     remarkable: list[str] = []
     for log in logs:
-        problem, understood = examined(robot, log)
+        found = examined(robot, log)
+        problem = found.problem
         if problem is None or problem.kind == FAR_FROM_THE_FILE:
             kept.append(log)
         else:
@@ -64,7 +64,7 @@ def understood_logs(robot: Robot, logs: Sequence[Log]) -> UnderstoodLogs:
         if problem is not None:
             doubts[log.name] = problem.says
         else:
-            remarkable += [f"{log.name}: {said}" for said in doubts_about(robot, log, understood)]
+            remarkable += [f"{log.name}: {said}" for said in found.remarkable]
     if problems and not kept:
         of_several = f" (and {len(problems) - 1} more)" if len(problems) > 1 else ""
         raise InputError(

@@ -10,7 +10,7 @@ import numpy.typing as npt
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.measurement.log import Log
 from irb2400_ctrl.measurement.log_facts import digit, neighbour_noise
-from irb2400_ctrl.plausibility.jumps import bend_of, cut, spikes, wrapped
+from irb2400_ctrl.plausibility.jumps import MOVES, bend_of, cut, spikes, wrapped
 from irb2400_ctrl.plausibility.problem import LogProblem, named
 
 Run = tuple[int, int]
@@ -21,8 +21,6 @@ NO_MOTION = 2e-3
 """[rad] a log in which no joint moves so far holds no motion"""
 FLICKER = 4.0
 """digits between which the angle of a joint at rest may change"""
-MOVES = 0.02
-"""[rad] a joint that goes so far is not at rest"""
 STUCK_TIME = 0.3
 """[s] of one and the same value"""
 ABRUPT = 6.0

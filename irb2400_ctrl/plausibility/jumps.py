@@ -3,8 +3,6 @@ missing."""
 
 from __future__ import annotations
 
-import warnings
-
 import numpy as np
 
 from irb2400_ctrl.arrays import Array
@@ -12,7 +10,7 @@ from irb2400_ctrl.measurement.log import Log
 from irb2400_ctrl.plausibility.problem import LogProblem, named
 
 MOVES = 0.02
-"""[rad] of a step that matters"""
+"""[rad] a joint that goes so far is not at rest"""
 SPIKE = 30.0
 """a torque over the largest of all others"""
 JUMP = 20.0
@@ -73,10 +71,8 @@ def cut(log: Log) -> LogProblem | None:
     speed = steps / np.maximum(passed, np.median(passed))[:, None]
     beside = np.maximum(np.roll(speed, 1, axis=0), np.roll(speed, -1, axis=0))
     # of those in which a joint moves at all: it may rest most of the time, or be read seldom
-    moving = np.where(speed > 0.0, speed, np.nan)
-    with warnings.catch_warnings(action="ignore", category=RuntimeWarning):
-        fast = np.nan_to_num(np.nanquantile(moving, 0.99, axis=0), nan=np.inf)
-    usual = np.maximum(fast, beside)
+    moving = [own[own > 0.0] for own in speed.T]
+    usual = np.maximum([np.quantile(own, 0.99) if len(own) else 0.0 for own in moving], beside)
     jumps = (speed > LEAP * usual) & (steps > MOVES)
     if not jumps.any():
         return None

@@ -71,7 +71,21 @@ class LogCheck:
         }
 
 
-@one_thread()
+@dataclass(frozen=True)
+class Examined:
+    """A log held against a robot.
+
+    Args:
+        problem: as of `log_problem`; understood: how the model explains it, None where it was not
+            asked.
+        remarkable: what is beyond the robot's limits, and what reading would fit it better.
+    """
+
+    problem: LogProblem | None
+    understood: Understanding | None
+    remarkable: tuple[str, ...] = ()
+
+
 def log_problem(robot: Robot | None, log: Log) -> LogProblem | None:
     """Why a log cannot be taken as labelled; None when it can.
 
@@ -81,30 +95,40 @@ def log_problem(robot: Robot | None, log: Log) -> LogProblem | None:
     Raises:
         InputError: another number of joints than the robot's.
     """
-    return examined(robot, log)[0]
+    return examined(robot, log).problem
 
 
-def examined(robot: Robot | None, log: Log) -> tuple[LogProblem | None, Understanding | None]:
-    """The problem as of `log_problem`, and how the model explains the log where it was asked."""
+@one_thread()
+def examined(robot: Robot | None, log: Log) -> Examined:
+    """The problem as of `log_problem`, and what else a log shows."""
     if robot is not None and robot.n != log.n:
         raise InputError(f"{log.name}: found {log.n} joints, expected {robot.n} as in {robot.name}")
     broken = channel_problem(log)
-    if broken is not None:
-        return broken, None
     # stamps that scatter by a good part of a period would make accelerations of nothing
-    log = with_time_base(log)
-    understood = None if robot is None else understand(robot, log)
+    even = with_time_base(log)
+    understood = None if robot is None or broken is not None else understand(robot, even)
+    problem = broken or _problem(robot, even, understood)
+    told = () if robot is None else _beyond_limits(robot, even)
+    return Examined(problem, understood, (*told, *_perhaps(problem, understood)))
+
+
+def _problem(robot: Robot | None, log: Log, understood: Understanding | None) -> LogProblem | None:
+    """Of a log whose columns themselves are whole.
+
+    Args:
+        robot: as of `log_problem`; log: with its time base; understood: how the model explains it.
+    """
     problem = None if understood is None else understood.problem
     if robot is not None and (problem is None or problem.kind == "not_this_robot"):
         problem = _travels(robot, log, understood) or problem
     if problem is not None:
-        return problem, understood
+        return problem
     found = speed_problem(log) or command_problem(log)
     # where the model explains the torques its speed limits are what is wrong
     vouched = understood is not None and understood.labelled.left.max() < SOUND_LEFT
     if found is None and robot is not None and not vouched:
         found = haste_problem(robot, log)
-    return found, understood
+    return found
 
 
 def _travels(robot: Robot, log: Log, understood: Understanding | None) -> LogProblem | None:
@@ -121,7 +145,8 @@ def check_log(robot: Robot | None, log: Log) -> LogCheck:
     Raises:
         InputError: another number of joints than the robot's.
     """
-    problem, understood = examined(robot, log)
+    found = examined(robot, log)
+    problem = found.problem
     usable = problem is None or not problem.unusable
     noise = None if robot is None or not usable else torque_from_angle_noise(robot, log)
     return LogCheck(
@@ -130,11 +155,11 @@ def check_log(robot: Robot | None, log: Log) -> LogCheck:
         facts=log_facts(log),
         problem=problem,
         made_by_angles=noise,
-        left=None if understood is None else understood.labelled.left,
+        left=None if found.understood is None else found.understood.labelled.left,
         remarks=tuple(
             _remarks(robot, log)
-            + (_not_vouched_for(understood) if usable else [])
-            + ([] if robot is None else doubts(robot, log, understood if usable else None))
+            + (_not_vouched_for(found.understood) if usable else [])
+            + list(found.remarkable)
             + (list(prepare(log).remarks) if usable and log.duration > SHORTEST else [])
         ),
     )
@@ -153,9 +178,9 @@ def _not_vouched_for(understood: Understanding | None) -> list[str]:
     ]
 
 
-def _perhaps(understood: Understanding | None) -> list[str]:
+def _perhaps(problem: LogProblem | None, understood: Understanding | None) -> list[str]:
     """A reading that fits clearly better where the columns fit as well."""
-    if understood is None or understood.problem is not None or not understood.reading.kind:
+    if problem is not None or understood is None or not understood.reading.kind:
         return []
     return [
         f"the robot fits better otherwise: {understood.reading.says} ({percent(understood.best)} % "
@@ -163,15 +188,10 @@ def _perhaps(understood: Understanding | None) -> list[str]:
     ]
 
 
-def doubts(robot: Robot, log: Log, understood: Understanding | None) -> list[str]:
-    """What of a sound log is beyond the robot's limits, and what reading would fit it better.
-
-    Args:
-        robot: the log is held against; log: that is taken.
-        understood: how the robot's model explains it; None where it was not asked.
-    """
+def _beyond_limits(robot: Robot, log: Log) -> list[str]:
+    """Where a log, with its time base, is beyond the limits of the robot file."""
     excess = np.maximum(robot.q_min - log.q.min(axis=0), log.q.max(axis=0) - robot.q_max)
-    ratio = fastest(robot, with_time_base(log))
+    ratio = fastest(robot, log)
     most = np.abs(log.tau).max(axis=0) / robot.tau_bound
     return [
         *(
@@ -186,7 +206,6 @@ def doubts(robot: Robot, log: Log, understood: Understanding | None) -> list[str
             f"joint {j + 1} has {most[j]:.1f} times the torque limit of the robot file"
             for j in np.flatnonzero(most > BEYOND)
         ),
-        *_perhaps(understood),
     ]
 
 

@@ -68,12 +68,6 @@ class Understanding:
     reading: Reading
     problem: LogProblem | None
 
-    @property
-    def as_read(self) -> LogProblem:
-        """That the columns are not what they say, but as `reading` takes them."""
-        reading = self.reading
-        return LogProblem(reading.kind, reading.says, dict(reading.fits), reading.joints)
-
 
 def understand(robot: Robot, log: Log) -> Understanding | None:
     """Compare all readings of a log with the robot's nominal model; None where it is too short."""
@@ -96,14 +90,14 @@ def understand(robot: Robot, log: Log) -> Understanding | None:
         reading, best = found
     if reading is plain:
         reading, best = search.misread(plain, best) or (plain, best)
-    understood = Understanding(labelled, best, reading, None)
-    if reading is not plain and best.price < FITS_PRICE * scale:
-        return replace(understood, problem=understood.as_read)
-    if labelled.price <= LOST_PRICE * scale:
-        return understood
-    near = reading is not plain and best.price < LOST_PRICE * scale
-    lost = _nearly(labelled, reading, best) if near else _lost(labelled)
-    return replace(understood, problem=lost)
+    otherwise = reading is not plain
+    problem: LogProblem | None = None
+    if otherwise and best.price < FITS_PRICE * scale:
+        problem = LogProblem(reading.kind, reading.says, dict(reading.fits), reading.joints)
+    elif labelled.price > LOST_PRICE * scale:
+        near = otherwise and best.price < LOST_PRICE * scale
+        problem = _nearly(labelled, reading, best) if near else _lost(labelled)
+    return Understanding(labelled, best, reading, problem)
 
 
 def sound(fit: Fit, n: int) -> bool:

@@ -3,19 +3,22 @@
 from __future__ import annotations
 
 import json
-from dataclasses import replace
-from importlib import resources
+from dataclasses import dataclass, replace
+from importlib import import_module, resources
 from pathlib import Path
 
 import numpy as np
 import pytest
 from command_line import irb2400 as run
+from typer.testing import CliRunner
 
+from irb2400_ctrl.cli.main import app
 from irb2400_ctrl.diagnosis import diagnose
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.measurement import Log, read_log, write_log
+from irb2400_ctrl.report.pages import diagnosis_page
 from irb2400_ctrl.report.pages.diagnosis_page import lines
-from irb2400_ctrl.robot import load_robot
+from irb2400_ctrl.robot import load_robot, save_robot
 
 LOG = Path(str(resources.files("irb2400_ctrl") / "data" / "arm" / "validation.csv.gz"))
 
@@ -124,3 +127,41 @@ def test_several_logs_are_checked_each_and_validated_together(tmp_path: Path) ->
     assert "--robot" not in done.stderr
     alone = json.loads(done.stdout)
     assert both["samples"][0] > 1.8 * alone["samples"][0]
+
+
+def test_uneven_stamps_that_are_right_are_said_to_be_used(tmp_path: Path) -> None:
+    """A loop that waits takes its time: the angles follow the stamps, not an even clock."""
+    rng = np.random.default_rng(2)
+    time = np.cumsum(rng.uniform(0.016, 0.026, 600))
+    q = np.sin(time[:, None] * np.arange(1, 7) * 0.5)
+    write_log(Log(time, q, 10.0 * q), tmp_path / "log.csv")
+    found = CliRunner().invoke(app, ["log", "check", "--no-robot", str(tmp_path / "log.csv")])
+    assert "ms rms" in found.output
+    assert "; the stamps are used as they are" in found.output
+
+
+def test_the_report_is_told_which_robot_was_given(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """For the line that plans the next motion."""
+    told: list[object] = []
+
+    def page(found: object, title: str, log: object, robot: str) -> None:
+        told.append(robot)
+        raise InputError("seen")
+
+    @dataclass(frozen=True)
+    class Nothing:
+        left_out: tuple[str, ...] = ()
+
+    monkeypatch.setattr(diagnosis_page, "diagnosis_page", page)
+    command = import_module("irb2400_ctrl.cli.diagnose")
+    monkeypatch.setattr(command, "_diagnosed", lambda *given: Nothing())
+    save_robot(load_robot("irb2400"), tmp_path / "my.toml")
+    time = np.arange(0.0, 4.0, 0.01)
+    q = np.sin(time[:, None] * np.arange(1, 7) * 0.5)
+    write_log(Log(time, q, 10.0 * q), tmp_path / "log.csv")
+    words = ["diagnose", str(tmp_path / "log.csv"), "--out", str(tmp_path / "out")]
+    CliRunner().invoke(app, [*words, "--robot", str(tmp_path / "my.toml")])
+    CliRunner().invoke(app, words)
+    assert told == [str(tmp_path / "my.toml"), "irb2400"]

@@ -250,6 +250,16 @@ def test_what_a_model_of_the_arm_leaves_of_any_motion_is_noise_of_slow_kind() ->
             assert whole.std() > 5.0
 
 
+def test_a_wander_counts_on_few_rows_as_well() -> None:
+    rng = np.random.default_rng(4)
+    rows = np.ones((30, 1), dtype=bool)
+    residual = 0.1 * rng.standard_normal((30, 1))
+    (plain,) = NoiseModel(rows, ~rows, np.zeros(1), 0.04).coloured(residual)
+    (wary,) = NoiseModel(rows, ~rows, np.full(1, 0.7), 0.04).coloured(residual)
+    assert 1.0 / plain.weight[0] < 0.2
+    assert 1.0 / wary.weight[0] == pytest.approx(np.hypot(0.7, 1.0 / plain.weight[0]))
+
+
 def test_the_step_of_the_noise_is_that_of_the_rows() -> None:
     """Rows of logs that a recorder low-passed stand further apart than the common filter says."""
     rows = np.concatenate([np.arange(0.0, 5.0, 0.124), np.arange(6.0, 12.0, 0.124)])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import html
 from dataclasses import dataclass, replace
 from types import SimpleNamespace
 from typing import Any, cast
@@ -10,9 +11,13 @@ import numpy as np
 import pytest
 
 from irb2400_ctrl.diagnosis import Curve, Finding, Number
+from irb2400_ctrl.diagnosis.findings import _gain
 from irb2400_ctrl.diagnosis.lists import FindingList, list_of
 from irb2400_ctrl.effects import LIBRARY
 from irb2400_ctrl.identification.reference_error import has_changed, simplest, worse_joints
+from irb2400_ctrl.report.elements.page import Page
+from irb2400_ctrl.report.pages.diagnosis_page import _add_findings
+from irb2400_ctrl.report.pages.diagnosis_tables import parameter_rows
 from irb2400_ctrl.report.pages.three_lists import findings_of, list_lines, number_lines, numbers_of
 
 NOTHING = np.zeros(1)
@@ -141,3 +146,59 @@ def test_links_of_one_number_are_listed_as_joints_are() -> None:
     numbers.append(number("tool", "com_y_m", 0.1, 0.2))
     (line,) = number_lines(numbers)
     assert line == "centre of mass y [m] of links 1, 2 and 10 and tool: +100 to +100 %"
+
+
+def test_a_change_of_next_to_nothing_is_no_per_cent() -> None:
+    """Of a centre of mass of 4e-10 m "-5742496534 %" was printed."""
+    numbers = [number("link 2", "com_z_m", 4e-10, -0.02), number("link 4", "com_z_m", 0.4, 0.2)]
+    (line,) = number_lines(numbers)
+    assert line == "centre of mass z [m] of links 2 and 4: -0.0200, 0.200"
+    assert "%" not in number_lines(numbers[:1])[0]
+
+
+@pytest.mark.parametrize(("gain", "said"), [(12.4, "12 % smaller"), (-3.2, "3 % larger")])
+def test_a_name_that_makes_unseen_rows_worse_says_so(gain: float, said: str) -> None:
+    """ "held-out error -3 % smaller" was printed."""
+    (entry,) = findings_of(
+        diagnosis(replace(finding("gear_ripple", 2, 0.1), validation_gain=gain)), "special"
+    )
+    assert f"held-out error {said}" in entry.line
+
+
+def test_an_error_that_says_nothing_is_no_number() -> None:
+    one = finding("load_friction", 2, 0.2)
+    effect = LIBRARY["load_friction"].of(2, coefficient=0.2, friction_share=0.0)
+    errors = {"coefficient": 0.05, "friction_share": 7.1e11}
+    told = replace(one, effect=effect, standard_errors=errors)
+    rows = {row[0]: row[2] for row in parameter_rows(told)}
+    assert rows["friction_share"] == "not shown by this log"
+    assert "0.05" in str(rows["coefficient"])
+    spring = LIBRARY["elastic_joint"].of(1, **LIBRARY["elastic_joint"].example)
+    told = replace(one, effect=spring, standard_errors={"stiffness_Nm_rad": 2e6})
+    assert "not shown" not in str([row[2] for row in parameter_rows(told)])
+
+
+@pytest.mark.parametrize(("joint", "gain"), [(2, 7.0), (4, -1.0)])
+def test_of_a_wrong_angle_the_joint_that_shows_it_is_told(joint: int, gain: float) -> None:
+    """The zero of axis 3 moves the torque of axis 2; of a ripple its own joint is asked."""
+    step: Any = SimpleNamespace(validation_gain=np.array([0.0, 7.0, -2.0, -1.0, 0.0, 0.0]))
+    zero = LIBRARY["encoder_zero"].of(joint, zero_rad=0.01)
+    ripple = LIBRARY["gear_ripple"].of(joint, **LIBRARY["gear_ripple"].example)
+    assert _gain(step, zero, joint - 1) == 7.0
+    assert _gain(step, ripple, joint - 1) == gain
+
+
+@pytest.mark.parametrize(
+    ("robot", "said"),
+    [
+        ("irb2400", "irb2400 excite --for gear_ripple --out next"),
+        ("my arm.toml", "irb2400 excite --for gear_ripple --robot 'my arm.toml' --out next"),
+    ],
+)
+def test_the_next_motion_is_for_the_robot_that_was_given(robot: str, said: str) -> None:
+    """The line as printed planned for the IRB 2400, whatever arm had been diagnosed."""
+    one = finding("gear_ripple", 2, 0.1)
+    told = replace(one, alternatives=("hysteresis",))
+    page = Page("any")
+    _add_findings(page, diagnosis(told), robot)
+    assert said in html.unescape(page.html())

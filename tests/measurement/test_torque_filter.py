@@ -142,6 +142,10 @@ def test_predictions_of_each_log_go_through_its_own_filter() -> None:
     rows = np.concatenate([slow.filtered(np.sign(slow.qd)), fast.filtered(np.sign(fast.qd))])
     np.testing.assert_allclose(both.filtered(steps), rows)
     assert both.rows == slow.rows + fast.rows == len(both.row_known)
+    # the same as one filter after the other, to the ends, which the recorder took to last
+    rng = np.random.default_rng(2)
+    wild = np.cumsum(rng.standard_normal((len(slow.time), 3)), axis=0) + 5.0
+    np.testing.assert_allclose(slow.filtered(wild), slow.low_pass(slow.as_recorded(wild)))
     # rows stand as far apart as the log tells something new
     assert slow.rows < 0.5 * prepare(one).rows
 

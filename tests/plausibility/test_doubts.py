@@ -7,13 +7,14 @@ from dataclasses import replace
 import numpy as np
 from sound_logs import sound_log
 
+from irb2400_ctrl.diagnosis import diagnose
 from irb2400_ctrl.diagnosis.sound_logs import sound_logs
 from irb2400_ctrl.identification.understood_logs import understood_logs
 from irb2400_ctrl.measurement import Log
 from irb2400_ctrl.plausibility import LogCheck, check_log, log_problem
 from irb2400_ctrl.plausibility.channels import channel_problem
 from irb2400_ctrl.plausibility.evidence import Fit, Nominal
-from irb2400_ctrl.plausibility.log_check import doubts
+from irb2400_ctrl.plausibility.log_check import _beyond_limits, _perhaps, examined
 from irb2400_ctrl.plausibility.reading import as_labelled, motion_readings, torque_readings
 from irb2400_ctrl.plausibility.rows import rows_of
 from irb2400_ctrl.plausibility.search import Understanding, _Search
@@ -49,18 +50,20 @@ def test_what_is_remarkable_about_a_sound_log_is_told_by_every_command() -> None
     """Of a clock 1.5 times too fast, and of a reading that fits better where the columns fit."""
     times = 1.5 / float(fastest(ROBOT, LOG).max())
     quick = Log(LOG.time / times, LOG.q, LOG.tau)
-    told = doubts(ROBOT, quick, None)
+    told = _beyond_limits(ROBOT, quick)
     assert told[0] == "joint 1 moves at 1.5 times the speed limit of the robot file"
     assert all("times the speed limit" in one for one in told)
     turned = next(one for one in torque_readings(ROBOT) if one.joints == (5,))
     labelled = Fit(250.0, 250.0, np.array([0.1, 0.1, 0.1, 0.1, 0.4, 0.1]))
     best = Fit(160.0, 160.0, np.full(6, 0.1))
-    (said,) = doubts(ROBOT, LOG, Understanding(labelled, best, turned, None))
+    (said,) = _perhaps(None, Understanding(labelled, best, turned, None))
     assert said.startswith("the robot fits better otherwise: the torque of joint 5 looks turned")
     assert (
         "(10, 10, 10, 10, 10, 10 % of the joints' torques left in the place of 10, 10, 10" in said
     )
-    assert not doubts(ROBOT, LOG, Understanding(best, best, as_labelled(6), None))
+    assert not _perhaps(None, Understanding(best, best, as_labelled(6), None))
+    sound = examined(ROBOT, LOG)
+    assert (sound.problem, sound.remarkable) == (None, ())
 
 
 def test_a_diagnosis_and_an_identification_say_it() -> None:
@@ -72,9 +75,12 @@ def test_a_diagnosis_and_an_identification_say_it() -> None:
         update={"joints": (first.model_copy(update={"limits": limits}), *rest)}
     )
     told = "joint 1 moves at 1.2 times the speed limit of the robot file"
-    assert sound_logs(robot, [LOG]).doubts == (told,)
+    assert sound_logs(robot, [LOG]).remarkable == (told,)
     assert understood_logs(robot, [LOG]).notes == [f"{LOG.name}: {told}"]
-    assert sound_logs(robot, [LOG, LOG]).doubts == (f"{LOG.name}: {told}",) * 2
+    few = LOG.time < LOG.time[0] + 8.0
+    parts = {name: getattr(LOG, name)[few] for name in ("time", "q", "tau")}
+    assert told in diagnose(robot, Log(**parts)).weak
+    assert sound_logs(robot, [LOG, LOG]).remarkable == (f"{LOG.name}: {told}",) * 2
 
 
 def test_nothing_is_said_of_the_angle_of_a_joint_that_rests() -> None:
@@ -97,13 +103,12 @@ def test_nothing_is_said_of_the_angle_of_a_joint_that_rests() -> None:
 
 def test_a_packet_that_came_late_is_no_jump() -> None:
     """Its step takes hardly any time by the stamps; rows that are read seldom are held ones."""
-    time = np.array(LOG.time)
-    rng = np.random.default_rng(6)
-    late = rng.choice(np.arange(10, len(time) - 10), 12, replace=False)
-    step = np.median(np.diff(time))
-    time[late] = time[late + 1] - 0.02 * step
-    assert channel_problem(replace(LOG, time=time)) is None
-    held = np.arange(len(time)) // 30 * 30
+    thin = {name: getattr(LOG, name)[::12] for name in ("time", "q", "tau")}
+    time = np.array(thin.pop("time"))
+    fastest_at = np.abs(np.diff(thin["q"], axis=0)).max(axis=1).argmax()
+    time[fastest_at] = time[fastest_at + 1] - 0.02 * np.median(np.diff(time))
+    assert channel_problem(Log(time, **thin)) is None
+    held = np.arange(len(LOG.time)) // 30 * 30
     found = channel_problem(replace(LOG, q=LOG.q[held], tau=LOG.tau[held], qd=None, q_ref=None))
     assert found is not None
     assert found.kind == "held_samples"

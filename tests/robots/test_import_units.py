@@ -13,6 +13,7 @@ from typer.testing import CliRunner
 
 import irb2400_ctrl as irb
 from irb2400_ctrl.cli.main import app
+from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.excitation.feasible import Extent
 from irb2400_ctrl.model.plausibility import plausibility
 from irb2400_ctrl.robot import Robot
@@ -65,6 +66,23 @@ def test_the_frame_of_the_tool_is_the_end(name: str, tmp_path: Path) -> None:
     assert np.linalg.norm(longer[:3, 3] - plain[:3, 3]) == pytest.approx(0.126, abs=1e-6)
 
 
+def test_bodies_of_a_model_are_less_sure_than_those_of_a_table(tmp_path: Path) -> None:
+    path = tmp_path / "arm.urdf"
+    path.write_text(UR5)
+    drawn = import_robot(path)
+    assert drawn.robot.uncertainty.of_body("any") == (0.06, 0.015, 0.15)
+    assert (
+        sum("known to 6 % of a mass, 15 mm and 15 % of an inertia" in n for n in drawn.notes) == 1
+    )
+    path.write_text(re.sub("<inertial>.*?</inertial>", "", UR5, flags=re.DOTALL))
+    assert not any("known to" in note for note in import_robot(path).notes)
+    table = tmp_path / "arm.csv"
+    masses = "mass_kg,com_x_mm,com_y_mm,com_z_mm,ixx_kgm2,iyy_kgm2,izz_kgm2"
+    row = "one,0,0,400,5,1,2,3,0.1,0.1,0.1"
+    table.write_text(f"# convention: modified\nname,alpha_deg,a_mm,d_mm,{masses}\n{row}\n")
+    assert import_robot(table).robot.uncertainty.of_body("any") == (0.02, 0.005, 0.05)
+
+
 def test_no_controller_is_made_of_an_arm_without_masses(tmp_path: Path) -> None:
     """Its torques were zero, and its verdict "passed"."""
     robot = read(re.sub("<inertial>.*?</inertial>", "", UR5, flags=re.DOTALL), tmp_path)
@@ -81,6 +99,10 @@ def test_no_controller_is_made_of_an_arm_without_masses(tmp_path: Path) -> None:
     found = CliRunner().invoke(app, words)
     assert found.exit_code != 0
     assert "found no link with a mass" in str(found.exception) + found.output
+    with pytest.raises(InputError, match="found no link with a mass"):
+        irb.controller("pid", robot)
+    with pytest.raises(InputError, match="found no link with a mass"):
+        irb.controllers.momentum_observer(robot)
 
 
 def test_what_is_wrong_with_slow_runs_is_said_alone() -> None:

@@ -33,8 +33,8 @@ class Alternative:
 
 
 class Comparison:
-    """The ground of one step: filtered torques y (rows, n) that are left, and the base Z (rows, n,
-    k) that may move."""
+    """What one step is judged on: filtered torques y (rows, n) that are left, and the base Z (rows,
+    n, k) that may move."""
 
     def __init__(
         self, scan: Scan, noise: NoiseModel, y: Array, Z: Array, chosen: Sequence[Candidate] = ()

@@ -16,6 +16,7 @@ from irb2400_ctrl.arrays import Array, Mask
 from irb2400_ctrl.measurement.prepared_log import PreparedLog
 
 ORDER = 2
+"""of the filter; `_colour` is that of two coefficients"""
 MOST_COLOUR = 4.0
 """largest over geometric mean power density that is believed to be noise"""
 SLOW = 0.3

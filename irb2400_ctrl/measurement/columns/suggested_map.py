@@ -24,10 +24,12 @@ COMMANDED = re.compile(
     r"ref|cmd|comm|target|des|goal|set|soll|nominal|[a-z]_d(?![a-z])|指令|目標|consigne"
 )
 MEASURED = re.compile(r"act(?!uator)|meas|msr|mes|real|(?<!wr)ist|fb|feed|state")
+TORQUE = (
+    r"tau|τ|torq|trq|tq|mom|qfrc|(?<![a-z])(tor|couple|coppia|par)(?![a-z])|トルク|扭矩|力矩|转矩"
+)
+CURRENT = r"cur|(?<![a-z])(courant|corrente|corriente)(?![a-z])|電流|电流"
 QUANTITIES = {
-    "tau": r"tau|τ|torq|trq|tq|(?<!co)eff|mom|curr?|load|qfrc|m(?=act)|^m?t\W*$"
-    r"|(?<![a-z])(couple|coppia|par|courant|corrente|corriente)(?![a-z])"
-    r"|トルク|扭矩|力矩|转矩|電流|电流",
+    "tau": rf"{TORQUE}|{CURRENT}|(?<!co)eff|load|m(?=act)|^m?t\W*$",
     "qd": r"vel|speed|dq|qd|qv|qp(?!os)|omega|ω|geschw|vitesse|速度",
     "q": r"pos|ang|q|theta|θ|rax|joint|jnt|axis|achse|winkel|^([aj]|jt|mp)\W*$|state\W*$"
     r"|(?<![a-z])(axe|asse|eje)(?![a-z])|角|軸|轴|关节|関節",
@@ -37,11 +39,10 @@ TIME = re.compile(
     r"(.*[^a-z])?(time|t|tm|tout|time_?stamps?|stamp|zeit|tick|ipoc|sec|temps|tempo|tiempo|時間|时间)"
     r"([^a-z].*)?"
 )
-CURRENT = re.compile(r"cur|amp|courant|corrente|corriente|電流|电流")
-SURELY = re.compile(
-    r"tau|τ|torq|(?<![a-z])tor(?![a-z])|trq|tq|nm|mom|couple|coppia|トルク|扭矩|力矩|转矩|(?<![a-z])par(?![a-z])"
-)
-"""words of what is no current"""
+AMPERE = re.compile(rf"{CURRENT}|(?<![a-z])(amp|amps|ampere|amperes)(?![a-z])")
+"""words of a current"""
+SURELY = re.compile(rf"{TORQUE}|nm")
+"""words of what is none"""
 MOTOR = re.compile(r"motor|resolver|rotor")
 """words of what may be on the motor's side"""
 NAMED = "{name}"
@@ -133,7 +134,7 @@ def _quantity(pattern: str) -> tuple[str, int]:
         # some controllers record no other torque
         return {"q": ("q_ref", 1), "tau": ("tau", 2)}.get(meant, ("", 3))
     # beside a torque a current is the second choice
-    return meant, 2 if meant == "tau" and CURRENT.search(words) else 1
+    return meant, 2 if meant == "tau" and AMPERE.search(words) else 1
 
 
 def _time(columns: Mapping[str, Array], rows: int) -> list[str]:
@@ -164,7 +165,7 @@ def _entry(quantity: str, pattern: str, names: Sequence[str], degrees: bool) -> 
 def _unit(quantity: str, words: str, degrees: bool) -> list[str]:
     """What stands in a table about the unit."""
     gear = ["gear_ratio = nan   # motor turns per joint turn, signed"]
-    if quantity == "tau" and CURRENT.search(words):
+    if quantity == "tau" and AMPERE.search(words):
         return ['unit = "A"', "Nm_per_A = nan   # of the motors: a number, or a list", *gear]
     if quantity == "tau" and "%" in words:
         return ['unit = "percent"', "full_scale_Nm = nan   # what 100 % are"]

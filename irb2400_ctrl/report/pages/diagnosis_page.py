@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from pathlib import Path
 
 import numpy as np
@@ -70,13 +71,13 @@ def verdict_sentence(diagnosis: Diagnosis) -> str:
 
 
 def diagnosis_page(
-    diagnosis: Diagnosis, title: str, log: Log | None = None, robot: str = ""
+    diagnosis: Diagnosis, title: str, log: Log | None = None, robot: str = "irb2400"
 ) -> Page:
     """The whole report; with the log its motion is replayed too.
 
     Args:
         diagnosis: what was found; title: of the page; log: whose motion is shown.
-        robot: what the command line says to take this one, for the lines to run next.
+        robot: as the command line names it, for the line to run next.
     """
     page = Page(title)
     grade: Grade = GRADES[diagnosis.verdict]
@@ -108,7 +109,7 @@ def facts(diagnosis: Diagnosis) -> list[tuple[str, str]]:
 
 
 def add_diagnosis(
-    page: Page, diagnosis: Diagnosis, log: Log | None = None, robot: str = ""
+    page: Page, diagnosis: Diagnosis, log: Log | None = None, robot: str = "irb2400"
 ) -> None:
     """The three lists first, then errors, figures, and what to measure next.
 
@@ -148,6 +149,7 @@ def add_diagnosis(
 
 def _add_findings(page: Page, diagnosis: Diagnosis, robot: str) -> None:
     """Each effect on its own: its law on the log, its numbers, what it may be instead."""
+    other = "" if robot == "irb2400" else f" --robot {shlex.quote(robot)}"
     for finding in diagnosis.findings:
         page.heading(finding_title(finding))
         page.figure(
@@ -160,7 +162,7 @@ def _add_findings(page: Page, diagnosis: Diagnosis, robot: str) -> None:
             page.text(
                 f"This log cannot exclude {', '.join(finding.alternatives)}. Measure next: "
                 f"{finding.splits}. "
-                f"A motion for it: irb2400 excite --for {finding.effect.kind}{robot} --out next"
+                f"A motion for it: irb2400 excite --for {finding.effect.kind}{other} --out next"
             )
     for rest in diagnosis.unexplained:
         page.heading(f"Joint {rest.joint}: unexplained")

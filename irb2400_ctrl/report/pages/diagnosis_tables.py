@@ -13,8 +13,8 @@ from irb2400_ctrl.effects.base import OPEN_END_S
 from irb2400_ctrl.report.elements.page import show
 from irb2400_ctrl.robot import Robot
 
-NO_ERROR = 1e6
-"""standard error, whatever the unit, of a number that a log does not show"""
+NO_ERROR = 1e3
+"""standard error over a number, or over one, that says that the log does not show it"""
 
 UNITS = {"coulomb": "Nm", "viscous": "Nm s/rad", "offset": "Nm", "rotor": "kg m2"}
 """of recalibrated terms"""
@@ -73,13 +73,15 @@ def parameter_rows(finding: Finding) -> list[list[object]]:
             else f"{show(float(start))} on"
         )
 
-    def error(name: str) -> str:
-        found = finding.standard_errors.get(name, ())
-        if np.max(found, initial=0.0) > NO_ERROR:
-            return "not shown by this log"
-        return text(found) if name in finding.standard_errors else ""
+    def error(name: str, value: Any) -> str:
+        if name not in finding.standard_errors:
+            return ""
+        found = finding.standard_errors[name]
+        size = max(float(np.abs(value).max()), 1.0)
+        return "not shown by this log" if np.max(found) > NO_ERROR * size else text(found)
 
-    return [[name, text(value), error(name)] for name, value in finding.effect.parameters().items()]
+    told = finding.effect.parameters()
+    return [[name, text(value), error(name, value)] for name, value in told.items()]
 
 
 def recalibration_rows(recalibrated: Mapping[str, Any], given: Robot) -> list[list[object]]:

@@ -33,10 +33,6 @@ from irb2400_ctrl.robot.importing.which_joints import (
 
 DRAWN = {"mass_relative": 0.06, "com_m": 0.015, "inertia_relative": 0.15}
 """one standard deviation of bodies that somebody drew: three times those of a data sheet"""
-AS_DRAWN = (
-    "bodies of a model are taken as known to 6 % of a mass, 15 mm and 15 % of an inertia; where "
-    "these are the maker's, state less in [uncertainty]"
-)
 _OF_ONE = re.compile(r"(?P<what>joint|link) (?P<name>[^ :]+)(?P<says>: .*)")
 
 
@@ -95,7 +91,7 @@ def chain_robot(
     Raises:
         InputError: a chain that is none, a joint that slides or follows another.
     """
-    notes = [*tree.notes, *[AS_DRAWN] * tree.drawn]
+    notes = list(tree.notes)
     base = base or tree.root()
     tip = tip or end_of_arm(tree, base)
     path = stood_still(tree.path(base, tip), notes)
@@ -129,10 +125,23 @@ def chain_robot(
     }
     fields["effects"] = _rotors(chain.joints) + _springs(chain.joints)
     fields["tool"] = None if payload is None else _payload(payload)
-    notes += [] if any(mass.mass for mass in chain.masses) else [WEIGHTLESS]
+    notes += _on_bodies(tree, chain)
     drawn = chain.drawn if outline else []
     robot = with_outline(_valid(tree, fields), drawn, tree.folders, notes)
     return Imported(robot, tuple(grouped(notes)))
+
+
+def _on_bodies(tree: Tree, chain: _Collected) -> list[str]:
+    """What the reader should know of the masses."""
+    if not any(mass.mass for mass in chain.masses):
+        return [WEIGHTLESS]
+    if not tree.drawn:
+        return []
+    return [
+        f"bodies of a model are taken as known to {100 * DRAWN['mass_relative']:.0f} % of a mass, "
+        f"{1e3 * DRAWN['com_m']:.0f} mm and {100 * DRAWN['inertia_relative']:.0f} % of an inertia; "
+        "where these are the maker's, state less in [uncertainty]"
+    ]
 
 
 def _rotors(joints: list[TreeJoint]) -> list[dict[str, Any]]:

@@ -1,0 +1,37 @@
+"""What `identify` says first: no more than the logs show."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from irb2400_ctrl.identification.fitting.columns import ColumnLayout, Extra
+from irb2400_ctrl.identification.identify import _notes
+from irb2400_ctrl.report.pages.identification_page import _share
+
+
+@pytest.mark.parametrize(
+    ("value", "error", "sure"), [(0.15, 0.35, False), (0.15, 0.07, True), (-0.15, 0.07, True)]
+)
+def test_what_is_within_its_own_error_is_not_said_as_a_fact(
+    value: float, error: float, sure: bool
+) -> None:
+    """Of a hobby arm 0.15 ± 0.35 kg m2 was "reads its torque without part of what accelerates"."""
+    layout = ColumnLayout(2, (Extra("reading", 2),))
+    theta = np.ones(layout.count)
+    errors = np.full(layout.count, 1e-6)
+    theta[layout.extra(layout.extras[0])] = value
+    errors[layout.extra(layout.extras[0])] = error
+    found: Any = SimpleNamespace(layout=layout, theta=theta)
+    (note,) = _notes((), found, errors, "")
+    assert note.startswith("joint 2 reads its torque without part of what accelerates it")
+    assert note.endswith("perhaps not") != sure
+
+
+def test_a_share_that_no_motion_determines_has_no_digits() -> None:
+    """Of plain least squares on joints at rest 494428718402185600.0 % was printed."""
+    assert _share(12.34) == "   12.3"
+    assert _share(4.9e17) == "   >999"
