@@ -136,7 +136,7 @@ def _searched(
     each = log_errors(motion, *torques, logs, (found.given, found.robot))
     noise = noise_test(robot, logs.used, motion, compared.after, _unsure(fit, motion))
     numbers = (*found.numbers, *moved)
-    weak = (*found.weak, *logs.remarkable)
+    weak = (*logs.remarkable, *found.weak)
     return replace(
         found, numbers=numbers, weak=weak, logs=each, left_out=logs.left_out, noise=noise
     )
