@@ -33,6 +33,7 @@ def candidate(size: Any = (0.0, 5.0, 0.0), **given: Any) -> Any:
         "expected": (), "discrepancy_share": 0.5, "effects": (effect,), "rattles": False,
         "has_own_shape": False,
         "score": SimpleNamespace(gain=gain), "torque": lambda n: ROWS[:, None] * np.array(size),
+        "acts_on": lambda n: np.array(size) != 0.0,
     }  # fmt: skip
     return SimpleNamespace(**(usual | given))
 
@@ -121,7 +122,8 @@ def test_beside_a_delay_everything_shows_in_motion() -> None:
 
 
 def test_beside_flexible_columns_of_what_an_earlier_law_leaves_evidence_alone_speaks() -> None:
-    earlier = candidate((0.0, 8.0, 0.0), gain=9000.0)  # may leave 1,125 nats of any shape
+    # may leave 1,125 nats of any shape
+    earlier = candidate((0.0, 8.0, 0.0), gain=9000.0, kind="balancer")
 
     def beside(gain: float, left: float, known: Any = "angle") -> bool:
         return accepts(
@@ -192,7 +194,7 @@ def test_a_second_that_says_it_nearly_alone_is_no_law() -> None:
 def test_what_an_earlier_law_of_another_shape_leaves_is_nothing_new() -> None:
     """It takes half the earlier torque off, or gains a quarter of what the earlier one gained on
     that joint, under the same noise."""
-    earlier = candidate((0.0, 8.0, 0.0), gain=900.0)
+    earlier = candidate((0.0, 8.0, 0.0), gain=900.0, kind="balancer")
 
     def beside(added: float, gain: float = 100.0, before: Any = earlier, **given: Any) -> bool:
         return accepts(
@@ -205,6 +207,11 @@ def test_what_an_earlier_law_of_another_shape_leaves_is_nothing_new() -> None:
     assert beside(0.0, gain=112.6)
     assert not beside(0.0, gain=112.4)
     assert not accepts(candidate(gain=112.4), earlier, gain=1e4, added=lambda one: np.zeros(3))
+    # the same effect once more: all of its share, unless a joint may have several
+    twice = candidate((0.0, 8.0, 0.0), gain=900.0)
+    assert not beside(9.0, gain=449.9, before=twice)
+    assert beside(0.0, gain=450.1, before=twice)
+    assert beside(4.01, before=twice, repeats=True)
     # the swing of one transmission: only the evidence speaks, and half of all of it
     swing = frozenset({"spring"})
     springs = candidate((0.0, 8.0, 0.0), gain=900.0, devices=swing)
@@ -231,7 +238,7 @@ def test_a_law_without_a_name_is_new_by_its_size_alone() -> None:
 
 
 def test_a_moment_has_one_cause() -> None:
-    first = candidate(gain=900.0, begins=(12.0,))
+    first = candidate(gain=900.0, begins=(12.0,), kind="balancer")
     assert not accepts(candidate(gain=60.0, begins=(12.999,)), first)
     assert accepts(candidate(gain=60.0, begins=(13.0,)), first)
     assert of_one_moment(candidate(gain=60.0, begins=(11.001,)), [first])

@@ -65,15 +65,16 @@ def test_alternatives_are_the_best_of_the_scan_that_were_not_refused(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     told = Told(monkeypatch)
-    assert told.best() == ["w1", "unexplained", "n6", "n4", "n2", "n5", "n1", "n0"]
-    assert told.between == ["n0", "n1", "n2", "n4", "n5", "n6", "unexplained"]
+    # the best of joint 4 is among them, as a number of a joint's friction counts from 6 nats on
+    assert told.best() == ["w1", "unexplained", "n7", "n6", "n4", "n2", "n5", "n1", "n0"]
+    assert told.between == ["n0", "n1", "n2", "n4", "n5", "n6", "n7", "unexplained"]
     assert told.joints == [{1, 2, 3}]
     # play that the neighbours feel is among them, wherever the scan has it, and has their word
     best = Told(monkeypatch, NAMES[8]).best()
-    assert best == ["w1", "unexplained", "n8", "n6", "n4", "n2", "n5", "n1", "n0"]
+    assert best == ["w1", "unexplained", "n8", "n7", "n6", "n4", "n2", "n5", "n1", "n0"]
     told = Told(monkeypatch, NAMES[2])
-    assert told.best()[:4] == ["w1", "unexplained", "n2", "n6"]
-    assert told.between == ["n0", "n1", "n2", "n4", "n5", "n6", "unexplained"]
+    assert told.best()[:4] == ["w1", "unexplained", "n2", "n7"]
+    assert told.between == ["n0", "n1", "n2", "n4", "n5", "n6", "n7", "unexplained"]
 
 
 def test_what_was_judged_is_not_judged_again_once_a_name_is_refused(
@@ -87,7 +88,8 @@ def test_what_was_judged_is_not_judged_again_once_a_name_is_refused(
     assert told.ground.accepts(first)
     assert told.judged == ["w0"]
     assert told.best(REFUSED)[0] == "w1"
-    assert told.compared == [*seen, "n6"]  # which comes in the place of the refused one
+    # which come in the place of the refused one, and for its joint
+    assert told.compared == [*seen, "n6", "n7"]
     assert told.joints == [{1, 2, 3}]
     # where the best names sit on other joints these are looked at
     told.best({named(NAMES[0])})

@@ -1,4 +1,5 @@
-"""A force that acts in one stretch alone is not to be predicted from the others."""
+"""A force that acts in one stretch alone: its times, and that they are not to be predicted from the
+others."""
 
 from __future__ import annotations
 
@@ -8,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from irb2400_ctrl.diagnosis.comparison.onset import PER_EDGE, Windowing
 from irb2400_ctrl.diagnosis.estimation.held_out import FOLDS, HeldOut, folds
 from irb2400_ctrl.effects import LIBRARY
 
@@ -42,3 +44,20 @@ def test_a_short_force_is_as_all_rows_say(open_end: bool) -> None:
     worst = max(np.sqrt(np.mean(left[held_out.fold == k] ** 2)) for k in range(FOLDS))
     # what acts to the end is asked of all stretches that it acts in
     assert (worst < 0.11) == (not open_end)
+
+
+@pytest.mark.parametrize(("noise", "left"), [(9.9, 1), (10.1, 2)])
+def test_a_window_stays_where_it_is_worth_its_two_edges(noise: float, left: int) -> None:
+    """Of a force of two seconds there were three windows, two of them of 0.06 s of noise; what it
+    seemed to leave so came as a second force, and pushed a friction of 117 nats out."""
+    force = (4.0, 6.0)
+    glitch = (1.0, 1.06)
+    worth = {force: 3000.0, glitch: noise, (8.0, 8.06): 3.0}
+    windowing: Any = Windowing.__new__(Windowing)
+    windowing._gain = lambda law, windows: sum(worth[w] for w in windows)
+    kept, gain = windowing._worth_their_edges(None, tuple(sorted(worth)))
+    assert kept == (glitch, force)[2 - left :]
+    assert gain == sum(worth[w] for w in kept)
+    assert PER_EDGE == 5.0
+    # one stays, however little it says
+    assert windowing._worth_their_edges(None, (glitch,)) == ((glitch,), noise)

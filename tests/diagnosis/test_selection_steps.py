@@ -5,6 +5,7 @@ from __future__ import annotations
 from types import SimpleNamespace
 from typing import Any
 
+import numpy as np
 import pytest
 
 from irb2400_ctrl.diagnosis.comparison.comparison import Alternative
@@ -36,6 +37,7 @@ def explanation(kind: str, joint: int | None = 1, known: bool = True, **given: A
     usual: dict[str, Any] = {"name": kind, "penalty": 0.0, "begins": (), "gain": 100.0}
     told = SimpleNamespace(kind=kind, joint=joint, known=known, **(usual | given))
     told.score = SimpleNamespace(gain=told.gain)
+    told.acts_on = lambda n: np.arange(1, n + 1) == (joint or 1)
     return told
 
 
@@ -203,7 +205,7 @@ def test_each_explanation_is_judged_again_beside_the_others(
         return said.get("".join(asked[-1]))
 
     monkeypatch.setattr(Selection, "next_step", again)
-    selection = bare(fitter=fitter_of())
+    selection = bare(fitter=fitter_of(), scan=SimpleNamespace(motion=SimpleNamespace(n=3)))
 
     def exchanged(*candidates: Any) -> list[str]:
         asked.clear()
@@ -229,6 +231,17 @@ def test_each_explanation_is_judged_again_beside_the_others(
     # what began together with something larger is its leftover
     said["b"] = Step(explanation("late", begins=(4.0,), gain=5.0), 60.0, ())
     assert exchanged(a, explanation("b", begins=(4.5,), gain=9.0)) == ["b"]
+    # where nothing has come or gone nothing is judged again
+    other = explanation("o", 2)
+    assert exchanged(other, a, explanation("p", 3)) == ["o", "a", "p"]
+    assert asked == []
+    # but for a law without a name, which a name may take in beside what has come
+    said["p"] = Step(explanation("g", 2), 60.0, ())
+    assert exchanged(explanation("u", 2, known=False), explanation("p", 3)) == ["g", "p"]
+    said.clear()
+    said["oc"] = Step(explanation("m", 2), 60.0, ())
+    assert exchanged(other, a, c) == ["m", "c"]
+    assert asked == [("o", "c"), ("m", "c")]
 
 
 def test_the_search_ends_after_as_many_steps_and_refusals_as_the_criteria_say(

@@ -209,9 +209,9 @@ class Threshold:
         for earlier in comparison.chosen:
             torque = earlier.torque(self.n)
             share = earlier.discrepancy_share
-            # the swing of one transmission moves its neighbours' links too: there only the evidence
-            # speaks
-            same = bool(candidate.devices & earlier.devices)
+            # the swing of one transmission moves its neighbours' links too, a force that comes and
+            # goes has no step's edges: there only the evidence speaks
+            same = bool(candidate.devices & earlier.devices) or _once_more(candidate, earlier)
             more = np.full(self.n, not same) & (added > share * np.sqrt(np.mean(torque**2, axis=0)))
             # a flexible law has taken in whatever the base could hide there
             if candidate.known and earlier.known:
@@ -243,7 +243,7 @@ class Threshold:
         if FRICTION.intersection(LIBRARY[candidate.kind].ambiguity.change_of):
             alone = c.gain_changed
         # what an earlier law leaves bends the base
-        acts = np.any(candidate.torque(self.n) != 0.0, axis=0)
+        acts = candidate.acts_on(self.n)
         left = [
             float(self._leaves(comparison, e)[acts].max(initial=0.0)) for e in comparison.chosen
         ]
@@ -303,6 +303,15 @@ class Threshold:
         )
         place = (non_parametric.candidate.joint or 1) - 1
         return bool(np.sqrt(np.mean(more[:, place] ** 2)) < self.criteria.little * law[place])
+
+
+def _once_more(candidate: Candidate, earlier: Candidate) -> bool:
+    """Whether a candidate is an earlier one's effect again, one that a joint or an arm has once."""
+    return (
+        candidate.known
+        and (candidate.kind, candidate.joint) == (earlier.kind, earlier.joint)
+        and not any(e.search.repeats for e in candidate.effects)
+    )
 
 
 def of_one_moment(candidate: Candidate, others: Sequence[Candidate]) -> bool:

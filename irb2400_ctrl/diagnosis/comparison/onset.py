@@ -155,9 +155,10 @@ class Windowing:
         )
 
     def _sharpened(self, law: Point, windows: Windows) -> Windows:
-        """Every edge moved to where the evidence is largest, coarse to fine."""
+        """Every edge moved to where the evidence is largest, coarse to fine; without the windows
+        that are not worth their two edges."""
+        windows, gain = self._worth_their_edges(law, windows)
         best = [list(w) for w in windows]
-        gain = self._gain(law, windows)
         width = 0.5 * self.motion.duration / STARTS if len(windows) == 1 else 0.5 * BLOCK
         for _ in range(3):
             for i in range(len(best)):
@@ -174,7 +175,21 @@ class Windowing:
                             best = trial
                             gain = there
             width /= 2
-        return _frozen(best)
+        return self._worth_their_edges(law, _frozen(best))[0]
+
+    def _worth_their_edges(self, law: Point, windows: Windows) -> tuple[Windows, float]:
+        """Those of some windows that gain more than their choice costs, one at least, and what the
+        law gains in them."""
+        gain = self._gain(law, windows)
+        while len(windows) > 1:
+            fewer = [windows[:k] + windows[k + 1 :] for k in range(len(windows))]
+            gains = [self._gain(law, rest) for rest in fewer]
+            best = int(np.argmax(gains))
+            if gains[best] < gain - 2 * PER_EDGE:
+                break
+            windows = fewer[best]
+            gain = gains[best]
+        return windows, gain
 
 
 def _ordered(windows: Sequence[Sequence[float]]) -> bool:

@@ -249,16 +249,25 @@ class Selection:
         return first if comparison.gain(first) + second.gain > gained else non_parametric
 
     def _exchanged(self, steps: list[Step]) -> list[Step]:
-        """Each explanation judged again given the others; one that no longer counts falls out."""
+        """Each explanation judged again given the others, a name only if one that acts on a joint
+        of it has come or gone; one that no longer counts falls out."""
         kept = list(steps)
+        n = self.scan.motion.n
+        changed = steps[-1].candidate.acts_on(n)
         for place in reversed(range(len(steps) - 1)):
+            earlier = kept[place].candidate
+            if earlier.known and not (changed & earlier.acts_on(n)).any():
+                continue
             others = [s.candidate for k, s in enumerate(kept) if k != place]
             step = self.next_step(self._beside(others))
             if step is None and all(o.known for o in others):
                 kept.pop(place)
-            elif step is not None and (step.candidate.known or not kept[place].candidate.known):
+                changed |= earlier.acts_on(n)
+            elif step is not None and (step.candidate.known or not earlier.known):
                 # a flexible law never takes the place of a name
                 kept[place] = step
+                if named(step.candidate) != named(earlier):
+                    changed |= earlier.acts_on(n) | step.candidate.acts_on(n)
         return [
             s
             for s in kept

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
+import numpy.typing as npt
 from pydantic import ValidationError
 
 from irb2400_ctrl.arrays import Array
@@ -52,6 +53,10 @@ class Candidate:
         if self.discrepancy is not None and len(self.score.discrepancy):
             tau += self.discrepancy.torque(self.score.discrepancy, n)
         return tau
+
+    def acts_on(self, n: int) -> npt.NDArray[np.bool_]:
+        """Joints that it gives a torque, shape (n,)."""
+        return np.asarray(np.any(self.torque(n) != 0.0, axis=0))
 
     def only(self, members: Sequence[bool]) -> Candidate:
         """Of one effect on every joint, which has a column for each: with some of its effects."""
