@@ -71,11 +71,12 @@ class Fit:
 
 
 class Nominal:
-    """A robot's model as a yardstick for logs."""
+    """A robot's model as a yardstick for logs; its friction as the file states it, or unknown."""
 
-    def __init__(self, robot: Robot) -> None:
+    def __init__(self, robot: Robot, friction_known: bool = True) -> None:
         self.robot = robot
         self.model = Model(robot)
+        self.friction = robot.friction if friction_known else np.zeros_like(robot.friction)
 
     @cached_property
     def reach(self) -> float:
@@ -122,19 +123,34 @@ class Nominal:
             columns: of the rows' motion (`columns`).
             misfit: standard deviation of what the model does not know over the torque's size.
         """
+        size = np.sqrt(np.mean(rows.tau**2, axis=0)) + 1e-9
+        if not np.abs(columns[0]).max() < ABSURD * size.max():
+            return Fit(np.inf, np.inf, np.ones(len(size)))
+        most = np.maximum(misfit, self.robot.usually_left / size)
+        found = self._fitted(rows, columns, misfit, most)
+        if (most > misfit).any():
+            # what was left of the worst log need not be left of this one
+            found = self._fitted(rows, columns, misfit, np.clip(found.left, misfit, most))
+        return found
+
+    def _fitted(self, rows: Rows, columns: tuple[Array, Array], misfit: float, own: Array) -> Fit:
+        """The account beside a misfit of each joint.
+
+        Args:
+            rows, columns, misfit: as of `explained`.
+            own: standard deviation of what the model does not know of a joint over the torque's
+                size, (n,).
+        """
         nominal, Y = columns
         m, n = rows.tau.shape
         size = np.sqrt(np.mean(rows.tau**2, axis=0)) + 1e-9
-        own = np.maximum(misfit, self.robot.usually_left / size)
-        if not np.abs(nominal).max() < ABSURD * size.max():
-            return Fit(np.inf, np.inf, np.ones(n))
         weight = np.sqrt(_independent(rows) / m) / (own * size)
-        dry = self.robot.friction[:, 1]
+        dry = self.friction[:, 1]
         # a joint at rest is held by its dry friction: its torque may be off by so much
         held = np.minimum(STILL, own * size / np.hypot(own * size, dry))
         weight = weight * np.where(rows.still, held, 1.0)
         k = Y.shape[2]
-        viscous = self.robot.friction[:, 2]
+        viscous = self.friction[:, 2]
         spread = self._friction_spreads(rows, size)
         y = (rows.tau - nominal - dry * rows.turn - viscous * rows.qd) * weight
         X = np.zeros((m, n, k + 3 * n))
@@ -174,8 +190,8 @@ class Nominal:
 
     def _friction_spreads(self, rows: Rows, size: Array) -> Array:
         """Standard deviations of Coulomb, viscous friction and offset, shape (3, n)."""
-        dry = self.robot.friction[:, 1]
-        viscous = self.robot.friction[:, 2]
+        dry = self.friction[:, 1]
+        viscous = self.friction[:, 2]
         speed = np.sqrt(np.mean(rows.qd**2, axis=0)) + 1e-6
         unknown = UNKNOWN_FRICTION * size
         return np.vstack(

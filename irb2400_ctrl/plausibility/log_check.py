@@ -179,8 +179,16 @@ def _not_vouched_for(understood: Understanding | None) -> list[str]:
 
 
 def _perhaps(problem: LogProblem | None, understood: Understanding | None) -> list[str]:
-    """A reading that fits clearly better where the columns fit as well."""
-    if problem is not None or understood is None or not understood.reading.kind:
+    """What would fit clearly better where the columns fit as well: another friction than the
+    file's, another reading."""
+    if problem is not None or understood is None:
+        return []
+    if not understood.friction_fits:
+        return [
+            "the log does not fit the friction that the robot file states, and fits with another: "
+            "take the friction out of the file, which is unknown then, or identify the arm"
+        ]
+    if not understood.reading.kind:
         return []
     return [
         f"the robot fits better otherwise: {understood.reading.says} ({percent(understood.best)} % "

@@ -18,26 +18,34 @@ Cost = Callable[[Array], float]
 
 LEAST = 2.5
 """a factor nearer to one than this is an arm's own doing, not a unit's"""
+WORTH = 1.3
+"""a joint whose torque is so far from the model's, either way, is searched: the file may be off"""
 SHARP = 0.05
 """misfit of the model over the torque while a factor is searched: less than for a verdict"""
+AGAINST = -0.5
+"""correlation of the model's torque with one that is turned over besides"""
 PRICE = 4.0
 """of each factor that is searched"""
 UNITS = {1e3: "kNm", 1e-3: "mNm", 1e-2: "cNm"}
 
 
 def scale_readings(nominal: Nominal, rows: Rows, columns: tuple[Array, Array]) -> list[Reading]:
-    """The best common factor, the best factor of each joint alone, and one factor per joint."""
+    """The best common factor, the best factor of each joint alone, and one factor per joint; where
+    the recorded torque goes against the model's, of a joint alone it is negative."""
     n = nominal.robot.n
-    start = np.log(_guess(nominal, rows, columns))
+    size, way = _guess(nominal, rows, columns)
+    start = np.log(size)
 
     def cost(factors: Array) -> float:
         scaled = rows.with_torque(rows.tau * factors)
-        return nominal.explained(scaled, columns, misfit=SHARP).price
+        return nominal.explained(scaled, columns, misfit=SHARP).cost
 
     def searched(joints: list[int], factors: Array, middle: float, width: float) -> Array:
+        signs = np.ones(n) if len(joints) == n else way
+
         def changed(logarithm: float) -> Array:
             new = factors.copy()
-            new[joints] = np.exp(logarithm)
+            new[joints] = signs[joints] * np.exp(logarithm)
             return new
 
         found = minimize_scalar(
@@ -52,37 +60,42 @@ def scale_readings(nominal: Nominal, rows: Rows, columns: tuple[Array, Array]) -
     common = searched(everyone, np.ones(n), float(np.median(start)), 1.5)
     readings = [_reading(nominal, common, everyone, cost)]
     for j in range(n):
-        if abs(start[j]) > np.log(LEAST):
+        if abs(start[j]) > np.log(WORTH):
             one = searched([j], np.ones(n), float(start[j]), 1.2)
             readings.append(_reading(nominal, one, [j], cost))
-    each = np.exp(start)
+    each = way * size
     for _ in range(2):
         for j in range(n):
-            each = searched([j], each, float(np.log(each[j])), 0.7)
+            each = searched([j], each, float(np.log(abs(each[j]))), 0.7)
     readings.append(_reading(nominal, each, everyone, cost))
-    return [r for r in readings if np.abs(np.log(np.diag(r.torques))).max() > np.log(LEAST)]
+    return [r for r in readings if np.abs(np.log(np.abs(np.diag(r.torques)))).max() > np.log(LEAST)]
 
 
-def _guess(nominal: Nominal, rows: Rows, columns: tuple[Array, Array]) -> Array:
-    """Size of the nominal torque over that of the recorded one, per joint."""
-    friction = nominal.robot.friction
+def _guess(nominal: Nominal, rows: Rows, columns: tuple[Array, Array]) -> tuple[Array, Array]:
+    """Size of the nominal torque over that of the recorded one, and -1 where the two clearly go
+    against each other, else 1, per joint."""
+    friction = nominal.friction
     expected = columns[0] + friction[:, 1] * rows.turn + friction[:, 2] * rows.qd
     wanted = np.mean(expected**2, axis=0)
     found = np.mean(rows.tau**2, axis=0)
     known = (wanted > 1e-12) & (found > 1e-24)
     # a joint that needs no torque, or of which none is recorded, tells no factor
-    return np.sqrt(np.where(known, wanted, 1.0) / np.where(known, found, 1.0))
+    wanted = np.where(known, wanted, 1.0)
+    found = np.where(known, found, 1.0)
+    against = np.mean(expected * rows.tau, axis=0) < AGAINST * np.sqrt(wanted * found)
+    return np.sqrt(wanted / found), np.where(known & against, -1.0, 1.0)
 
 
 def _reading(nominal: Nominal, factors: Array, joints: list[int], cost: Cost) -> Reading:
     n = len(factors)
-    here = [j for j in joints if abs(np.log(factors[j])) > np.log(LEAST)] or joints
-    common = np.ptp(np.log(factors[here])) < 1e-9
+    size = np.abs(factors)
+    here = [j for j in joints if abs(np.log(size[j])) > np.log(LEAST)] or joints
+    common = np.ptp(factors[here]) < 1e-9 * size[here[0]]
     plain = replace(as_labelled(n), kind="torque_scale", torques=np.diag(factors))
     if not common:
         bound = nominal.robot.tau_bound
         stated = np.isfinite(bound)
-        limits = factors[stated] / bound[stated] * 100.0
+        limits = size[stated] / bound[stated] * 100.0
         percent = bool(stated.any() and np.abs(np.log(limits)).max() < 0.35)
         what = "per cent of the limits" if percent else "motor side, or currents"
         listed = ", ".join(f"{f:.3g}" for f in factors)
@@ -93,11 +106,14 @@ def _reading(nominal: Nominal, factors: Array, joints: list[int], cost: Cost) ->
             price=n * PRICE,
         )
     factor = float(factors[here[0]])
-    sigma = factor * _relative_error(lambda x: cost(_scaled(factors, here, x)))
+    sigma = abs(factor) * _relative_error(lambda x: cost(_scaled(factors, here, x)))
     where = "" if len(here) == n else f" on {named([j + 1 for j in here])}"
+    # masses that are all off by one factor are the same to the torque
+    bodies = ", or the masses of the robot file are off by as much" if len(here) == n else ""
+    unit = _unit(factor, sigma)
     return replace(
         plain,
-        says=f"torque looks like {_unit(factor, sigma)}{where}: x {factor:.3g} +- {sigma:.1g}",
+        says=f"torque looks like {unit}{where}: x {factor:.3g} +- {sigma:.1g}{bodies}",
         fits={"factor": float(f"{factor:.4g}"), "standard_error": float(f"{sigma:.2g}")},
         joints=() if len(here) == n else tuple(j + 1 for j in here),
         price=PRICE,
@@ -121,4 +137,4 @@ def _unit(factor: float, sigma: float) -> str:
     near = [name for size, name in UNITS.items() if abs(factor - size) < max(3 * sigma, 0.3 * size)]
     if near:
         return near[0]
-    return "motor side" if factor > 1.0 else "another unit"
+    return "motor side" if abs(factor) > 1.0 else "another unit"

@@ -46,7 +46,7 @@ FITS_PRICE = 150.0
 """of six joints: a reading that leaves more than this does not fit either"""
 LOST_PRICE = 300.0
 """of six joints: above this, and no reading that fits, the log is not this robot's"""
-SINGLE = ("angle_unit", "angle_sign", "torque_sign")
+SINGLE = ("angle_unit", "angle_sign", "torque_sign", "coupling")
 """what is asked of each joint alone with a sharper misfit"""
 RESTS = 1e-3
 """[rad] of travel as labelled below which a joint rests, whatever the unit"""
@@ -61,12 +61,15 @@ class Understanding:
     Args:
         labelled: how well the columns are explained as labelled; best: as `reading` takes them.
         reading: what the columns look like; as labelled where nothing is clearly better.
+        friction_fits: whether the log fits with the friction that the file states; if not, it was
+            held against the robot with unknown friction.
     """
 
     labelled: Fit
     best: Fit
     reading: Reading
     problem: LogProblem | None
+    friction_fits: bool = True
 
 
 def understand(robot: Robot, log: Log) -> Understanding | None:
@@ -74,7 +77,18 @@ def understand(robot: Robot, log: Log) -> Understanding | None:
     rows = rows_of(log)
     if rows is None:
         return None
-    nominal = Nominal(robot)
+    found = _understood(Nominal(robot), log, rows)
+    if sound(found.labelled, robot.n) or not robot.friction.any():
+        return found
+    # many files state a friction to please a simulator: no column is wrong that fits without it
+    free = _understood(Nominal(robot, friction_known=False), log, rows)
+    better = found.best.cost - free.best.cost > MARGIN * robot.n / 6.0
+    return replace(free, friction_fits=False) if better else found
+
+
+def _understood(nominal: Nominal, log: Log, rows: Rows) -> Understanding:
+    """The best reading of a log beside a robot's model."""
+    robot = nominal.robot
     search = _Search(nominal, log, rows)
     plain = as_labelled(robot.n)
     labelled = search.fit(plain)
@@ -105,11 +119,17 @@ def sound(fit: Fit, n: int) -> bool:
     return fit.price < SOUND_PRICE * n / 6.0 and bool(fit.left.max() < SOUND_LEFT)
 
 
-def clearly_better(one: Fit, other: Fit) -> bool:
-    """Whether a reading is so much better than another that the log is not what the other says."""
+def clearly_better(one: Fit, other: Fit, hidden: bool = False) -> bool:
+    """Whether a reading is so much better than another that the log is not what the other says.
+
+    Args:
+        one: the reading; other: what it is held against.
+        hidden: whether bodies far from the file's would leave as little without it: a scale of the
+            torques, which they make up for.
+    """
     gain = other.cost - one.cost
     return gain > max(MARGIN, SHARE * other.cost) and bool(
-        np.sum(one.left**2) < HALF * np.sum(other.left**2) or other.price > BEYOND
+        hidden or np.sum(one.left**2) < HALF * np.sum(other.left**2) or other.price > BEYOND
     )
 
 
@@ -185,10 +205,11 @@ class _Search:
                 break
         fits = [(reading, self.fit(reading)) for _, _, reading in sorted(tried)[:FINALISTS]]
         reading, found = min(fits, key=lambda pair: pair[1].cost)
-        return (reading, found) if clearly_better(found, fit) else None
+        hidden = reading.kind == "torque_scale"
+        return (reading, found) if clearly_better(found, fit, hidden) else None
 
     def misread(self, plain: Reading, labelled: Fit) -> tuple[Reading, Fit] | None:
-        """A unit or sign of one joint that explains a log far better than its label does.
+        """A unit, sign or coupling of one joint that explains a log far better than its label does.
 
         On a joint that hardly loads the others even a wrong unit fits within the misfit of a crude
         model; the same model leaves far less with the right one (`Nominal.sharp_cost`).

@@ -143,6 +143,15 @@ def test_a_wrong_unit_is_seen_on_a_joint_that_hardly_loads_the_others(joint: int
     assert problem.fits["factor"] == pytest.approx(180.0 / np.pi)
 
 
+def test_link_angles_are_told_where_bodies_make_up_for_them() -> None:
+    """Of one drawn arm they left 7 to 18 %, at a price that sound logs have."""
+    drawn = sound_log(98112, plain=True)
+    (one,) = [c for c in corruptions(drawn.robot) if c.name == "link angles"]
+    problem = log_problem(drawn.robot, one.change(drawn.log, np.random.default_rng(1)))
+    assert problem is not None
+    assert problem.kind == "coupling"
+
+
 def test_the_gear_ratio_of_the_robot_file_is_said_for_angles_of_motors() -> None:
     gears = [
         joint.model_copy(update={"transmission": Transmission(gear_ratio=-100.0 - k, source="s")})

@@ -1,0 +1,106 @@
+"""Torques in another unit are not made up for by bodies, and a friction of the file is no column's
+fault."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+from sound_logs import Drawn, sound_log
+
+from irb2400_ctrl.measurement import Log
+from irb2400_ctrl.plausibility import check_log, log_problem
+from irb2400_ctrl.robot import Identified, Robot, load_robot
+from irb2400_ctrl.robot.joint import Friction
+
+ROBOT = load_robot("irb2400")
+
+
+@cache
+def plain() -> Drawn:
+    return sound_log(601, plain=True)
+
+
+def with_torque(factors: float | np.ndarray) -> Log:
+    log = plain().log
+    return replace(log, tau=log.tau * factors)
+
+
+@pytest.mark.parametrize("factor", [0.02, 0.1, 0.2, 0.3, 3.0, 5.0])
+def test_a_factor_that_bodies_could_make_up_for_is_told(factor: float) -> None:
+    """A tenth of the torques was sound, with a link of -431 times its inertia, and at a fiftieth
+    with factors of 8 for 10: bodies far from the file's leave as little."""
+    problem = log_problem(ROBOT, with_torque(factor))
+    assert problem is not None
+    assert problem.kind == "torque_scale"
+    assert problem.fits["factor"] == pytest.approx(1.0 / factor, rel=0.15)
+    # the masses may be what is wrong
+    assert "or the masses of the robot file are off by as much" in problem.says
+
+
+def test_of_one_joint_nothing_is_said_of_masses() -> None:
+    factors = np.array([1.0, 1.0, 0.1, 1.0, 1.0, 1.0])
+    problem = log_problem(ROBOT, with_torque(factors))
+    assert problem is not None
+    assert problem.joints == (3,)
+    assert "masses" not in problem.says
+
+
+def test_a_current_of_a_motor_that_turns_the_other_way_is_one_thing() -> None:
+    """Small and turned over: neither alone explains anything."""
+    factors = np.array([0.05, 0.1, -0.1, -0.05, 0.1, 0.1])
+    problem = log_problem(ROBOT, with_torque(factors))
+    assert problem is not None
+    assert problem.kind == "torque_scale"
+    np.testing.assert_allclose(problem.fits["factors"], 1.0 / factors, rtol=0.3)
+    one = np.array([1.0, 1.0, -0.1, 1.0, 1.0, 1.0])
+    problem = log_problem(ROBOT, with_torque(one))
+    assert problem is not None
+    assert problem.joints == (3,)
+    assert problem.fits["factor"] == pytest.approx(-10.0, rel=0.15)
+
+
+def test_small_torques_do_not_hide_below_what_an_identification_has_left() -> None:
+    """Amperes under the name of Nm passed on an arm of which a third is not understood: all of them
+    were less than that."""
+    log = plain().log
+    size = np.sqrt(np.mean(log.tau**2, axis=0))
+    ways = log.time[:, None] * np.linspace(2.0, 5.0, 6) + np.arange(6)
+    rough = log.tau + 0.3 * np.sqrt(2.0) * size * np.sin(ways)
+    known = Identified.of(["coulomb_1"], np.eye(1), left_Nm=tuple(0.3 * size))
+    robot = ROBOT.model_copy(update={"identified": known})
+    assert log_problem(robot, replace(log, tau=rough)) is None
+    problem = log_problem(robot, replace(log, tau=0.1 * rough))
+    assert problem is not None
+    assert problem.kind == "torque_scale"
+    one = np.array([1.0, 1.0, 1.0, 0.1, 1.0, 1.0])
+    problem = log_problem(robot, replace(log, tau=one * rough))
+    assert problem is not None
+    assert problem.joints == (4,)
+
+
+def with_friction(coulomb: float, viscous: float) -> Robot:
+    joints = [
+        joint.model_copy(update={"friction": Friction(coulomb_Nm=coulomb, viscous_Nms_rad=viscous)})
+        for joint in ROBOT.joints
+    ]
+    return ROBOT.model_copy(update={"joints": tuple(joints)})
+
+
+@pytest.mark.parametrize("value", [0.1, 1.0, 2.0])
+def test_a_placeholder_of_friction_refuses_no_log(value: float) -> None:
+    """Damping and friction of one on every joint, as URDFs have them for a simulator: a sound log
+    was another robot's, of another arm "another unit on joint 1: x 0.166"."""
+    check = check_log(with_friction(value, value), plain().log)
+    assert check.sound
+    assert any("does not fit the friction" in remark for remark in check.remarks)
+    # what no friction explains is still named
+    problem = log_problem(with_friction(value, value), with_torque(0.02))
+    assert problem is not None
+    assert problem.kind == "torque_scale"
+
+
+def test_a_friction_that_fits_is_not_remarked_on() -> None:
+    assert not any("friction" in remark for remark in check_log(ROBOT, plain().log).remarks)
