@@ -38,6 +38,7 @@ from irb2400_ctrl.diagnosis.recalibrated import recalibrated_terms
 from irb2400_ctrl.diagnosis.regressors.bases import Bases
 from irb2400_ctrl.diagnosis.regressors.predict import predicted_torque
 from irb2400_ctrl.diagnosis.sound_logs import SoundLogs, check_beside, sound_logs
+from irb2400_ctrl.diagnosis.unstated_friction import with_friction_first
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.measurement.joined_log import prepare_together
 from irb2400_ctrl.measurement.log import Log
@@ -227,7 +228,7 @@ def _concluded(
 ) -> Diagnosis:
     robot = prior.robot
     motion = fitter.motion
-    fit = with_possible_bodies(prior, fit)
+    fit = with_possible_bodies(prior, with_friction_first(prior, fit))
     recalibrated = prior.updated(prior.deviations(fit.z))
     effects = (*recalibrated.effects, *fit.effects)
     augmented = Robot.model_validate({**dict(recalibrated), "effects": effects})
