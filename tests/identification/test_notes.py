@@ -10,7 +10,7 @@ import pytest
 
 from irb2400_ctrl.identification.fitting.columns import ColumnLayout, Extra
 from irb2400_ctrl.identification.identify import _notes
-from irb2400_ctrl.report.pages.identification_page import _share
+from irb2400_ctrl.report.pages.identification_page import _facts, _sentence, _share
 
 
 @pytest.mark.parametrize(
@@ -35,3 +35,24 @@ def test_a_share_that_no_motion_determines_has_no_digits() -> None:
     """Of plain least squares on joints at rest 494428718402185600.0 % was printed."""
     assert _share(12.34) == "   12.3"
     assert _share(4.9e17) == "   >999"
+
+
+def test_the_first_sentence_and_the_tiles_are_of_one_log() -> None:
+    """What was left of one log stood beside what the file had left of another."""
+
+    def log(name: str, before: list[float], unseen: list[float]) -> Any:
+        shares = {"before": before, "unseen": unseen}
+        return SimpleNamespace(
+            name=name, error=lambda which: SimpleNamespace(rmse_over_mean_percent=shares[which])
+        )
+
+    first = log("first.csv", [60.0, 70.0], [39.0, 40.0])
+    second = log("second.csv", [80.0, 90.0], [28.0, 29.0])
+    result: Any = SimpleNamespace(logs=[first, second])
+    said = _sentence(result)
+    assert "to 39.5 % of its mean" in said
+    assert "on first.csv, the worst of the logs" in said
+    assert "the file as given to 65.0 %" in said
+    assert [value for _, value in _facts(result)] == ["60.0 → 39.0 %", "70.0 → 40.0 %"]
+    alone: Any = SimpleNamespace(logs=[second])
+    assert "worst of the logs" not in _sentence(alone)

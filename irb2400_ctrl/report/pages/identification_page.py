@@ -95,13 +95,19 @@ def identification_page(result: Identification, logs: Sequence[Log] = ()) -> Pag
     return page
 
 
+def _worst(result: Identification) -> LogResult:
+    """The log of which most is left that the fit had not seen."""
+    return max(result.logs, key=lambda log: float(np.median(_shares(log, "unseen"))))
+
+
 def _sentence(result: Identification) -> str:
     """How much of the torque the file left, and what is left now, on what the fit had not seen."""
-    before = max(float(np.median(_shares(log, "before"))) for log in result.logs)
-    after = max(float(np.median(_shares(log, "unseen"))) for log in result.logs)
+    log = _worst(result)
+    before, after = (float(np.median(_shares(log, which))) for which in ("before", "unseen"))
+    where = f", on {Path(log.name).name}, the worst of the logs" if len(result.logs) > 1 else ""
     return (
         f"The identified arm predicts torque it has not seen to {after:.1f} % of its mean (median "
-        f"of the joints); the file as given to {before:.1f} %."
+        f"of the joints{where}); the file as given to {before:.1f} %."
     )
 
 
@@ -110,7 +116,7 @@ def _shares(log: LogResult, which: str) -> Array:
 
 
 def _facts(result: Identification) -> list[tuple[str, str]]:
-    worst = result.logs[-1]
+    worst = _worst(result)
     return [
         (f"joint {j + 1}, RMSE/AVG", f"{was:.1f} → {now:.1f} %")
         for j, (was, now) in enumerate(
