@@ -16,6 +16,8 @@ from irb2400_ctrl.diagnosis.estimation.evidence import Problem
 from irb2400_ctrl.diagnosis.estimation.fit import Fit, Fitter
 from irb2400_ctrl.diagnosis.estimation.held_out import HeldOut, Worth
 from irb2400_ctrl.effects import Effect
+from irb2400_ctrl.effects.added_body import AddedBody
+from irb2400_ctrl.robot import Robot
 
 STANDARD_ERRORS = 3.0
 """that some size of an effect stands away from nothing"""
@@ -82,6 +84,17 @@ def usual(effect: Effect) -> bool:
     return True
 
 
+def can_be_taken_off(robot: Robot, effect: Effect) -> bool:
+    """Whether an arm has the mass that an effect takes off a link: with all that this link carries,
+    as the torque hardly knows on which of these a mass sits."""
+    if not isinstance(effect, AddedBody) or effect.mass_kg >= 0.0:
+        return True
+    first = min(effect.carrier(robot.n), robot.n) - 1
+    bodies = [link.body for link in robot.links[first:]]
+    bodies += [] if robot.tool is None else [robot.tool.body]
+    return sum(body.mass_kg for body in bodies) + effect.mass_kg > 0.0
+
+
 def own(candidate: Candidate, worth: Worth) -> float:
     """What an explanation is worth where it sits, of the whole arm on all joints together: there
     one of them may be worse as long as another effect of its own is not found yet. A wrong angle
@@ -128,7 +141,8 @@ class Acceptance:
         """
         chosen = [s.candidate for s in steps]
         candidate = chosen[place]
-        if not all(usual(fit.effects[k]) for k in effects_of(chosen, place)):
+        fitted = [fit.effects[k] for k in effects_of(chosen, place)]
+        if not all(usual(e) and can_be_taken_off(self.fitter.robot, e) for e in fitted):
             return False
         if candidate.devices:
             # how a swing began is free, and its linear columns do not bear out its frequency
