@@ -214,3 +214,15 @@ def test_structures_with_time_show_their_map(tmp_path: Path) -> None:
     }
     savemat(path, signals)
     same(read_log(path, columns=suggested(path)), LOG)
+
+
+def test_columns_of_the_same_kind_are_listed_beside_the_one_that_is_taken(tmp_path: Path) -> None:
+    """Of four torques of an arm's own recorder one was proposed and nothing said of the others."""
+    columns = {"Time": T, "Position{j}": Q, "Torque{j}": TAU, "TorqueSm{j}": TAU, "Cur{j}": TAU}
+    path = written(tmp_path / "log.csv", columns)
+    with pytest.raises(InputError) as refused:
+        read_log(path)
+    told = str(refused.value)
+    assert 'file = "Torque{j}"' in told
+    assert "# or, of the same kind by its name: TorqueSm{j}, Cur{j}" in told
+    same(read_log(path, columns=load_column_map(suggested(path))), LOG)

@@ -68,8 +68,10 @@ def suggested_map(columns: Mapping[str, Array], joints: Sequence[str] | None = N
     """
     patterns = _numbered(columns) | _named(columns, joints or ())
     chosen: dict[str, tuple[int, int, str]] = {}
+    rivals: dict[str, list[str]] = {}
     for pattern in patterns:
         quantity, told = _quantity(pattern)
+        rivals.setdefault(quantity, []).append(pattern)
         if quantity and (told, len(pattern)) < chosen.get(quantity, (3, 0, ""))[:2]:
             chosen[quantity] = (told, len(pattern), pattern)
     if "tau" not in chosen and {"q", "q_ref"} & chosen.keys():
@@ -81,7 +83,11 @@ def suggested_map(columns: Mapping[str, Array], joints: Sequence[str] | None = N
     lines = _time(columns, len(columns[names["q"][0]]))
     for quantity in ("q", "qd", "tau", "q_ref"):
         if quantity in names:
-            lines += _entry(quantity, chosen[quantity][2], names[quantity], size > DEGREES)
+            pattern = chosen[quantity][2]
+            others = [other for other in rivals[quantity] if other != pattern]
+            lines += _entry(quantity, pattern, names[quantity], size > DEGREES)
+            if others:
+                lines[-1:] = [f"# or, of the same kind by its name: {', '.join(others)}", ""]
     return (
         ". A column map for it (--columns map.toml); quantities and units are guessed, check "
         "them:\n\n" + "\n".join(lines)

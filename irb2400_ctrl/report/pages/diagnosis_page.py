@@ -215,7 +215,7 @@ def _add_remarks(page: Page, diagnosis: Diagnosis) -> None:
             f"{rest.description}"
         )
     for joint in diagnosis.not_excited:
-        page.text(f"Joint {joint} hardly moves in this log: nothing can be said about it.")
+        page.text(f"Joint {joint} moves too slowly in this log for much to be said about it.")
     for sentence in diagnosis.weak:
         page.text(f"{sentence[0].upper()}{sentence[1:]}.")
     for one in diagnosis.left_out:
