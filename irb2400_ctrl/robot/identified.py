@@ -58,10 +58,12 @@ class Identified(Table):
             covariance: in their units squared, shape (p, p).
             logs: that they were identified from; left_Nm: of each joint, unseen.
         """
-        size = np.sqrt(np.diag(covariance))
-        scaled = covariance / np.outer(size, size)
+        size = np.sqrt(np.maximum(np.diag(covariance), np.finfo(float).tiny))
+        value, vector = np.linalg.eigh(covariance / np.outer(size, size))
         # what rounding has made negative is nothing
-        lower = np.linalg.cholesky(scaled + 1e-12 * np.eye(len(size))) * size[:, None]
+        root = vector * np.sqrt(np.maximum(value, 0.0))
+        lower = np.transpose(np.linalg.qr(root.T)[1])
+        lower = lower * np.where(np.diag(lower) < 0.0, -1.0, 1.0) * size[:, None]
         rows = {
             name: " ".join(f"{value:.{DIGITS - 1}e}" for value in lower[k, : k + 1])
             for k, name in enumerate(names)

@@ -49,6 +49,20 @@ def test_a_sum_that_is_known_well_stays_so() -> None:
     assert float(pick @ L @ L.T @ pick) == pytest.approx(true, rel=1e-2)
 
 
+def test_a_covariance_that_rounding_made_indefinite_is_written() -> None:
+    """What an odd log left was no positive definite matrix: a traceback."""
+    C = covariance()
+    C[1:, 0] = C[0, 1:] = 0.0
+    C[0, 0] = 0.0
+    C[-1, -1] *= 1.0 - 1e-9
+    C[2] = C[1]
+    C[:, 2] = C[:, 1]
+    C[2, 2] = C[1, 1] * (1.0 - 1e-10)
+    L = Identified.of(NAMES, C).rows(NAMES)
+    size = np.sqrt(np.maximum(np.diag(C), 1e-30))
+    np.testing.assert_allclose((L @ L.T - C) / np.outer(size, size), 0.0, atol=1e-5)
+
+
 def test_a_number_that_is_not_there_is_said() -> None:
     known = Identified.of(NAMES, covariance())
     with pytest.raises(InputError, match="found no rotor_1"):
