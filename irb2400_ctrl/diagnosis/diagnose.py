@@ -96,6 +96,9 @@ def diagnose(
             return _not_understood(robot, logs, logs.problem)
         if validation is not None:
             check_beside(robot, validation)
+        if not logs.friction_fits:
+            # a placeholder says nothing of the arm's friction, and would bend its bodies
+            robot = robot.with_unknown_friction()
         return _searched(robot, logs, validation, uncertainty, criteria, progress, change)
 
 

@@ -10,7 +10,7 @@ import numpy as np
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.measurement.log import Log
 from irb2400_ctrl.plausibility import LogProblem
-from irb2400_ctrl.plausibility.log_check import examined
+from irb2400_ctrl.plausibility.log_check import Examined, examined
 from irb2400_ctrl.robot import Robot
 
 LEAST_SECONDS = 3.0
@@ -40,7 +40,8 @@ class SoundLogs:
     Args:
         used: effects are looked for on these; judged: sound ones beyond `MOST_SECONDS`;
         left_out: the rest; problem: of the only log, or of the first one where none is sound.
-        remarkable: about those that are sound (`Examined`).
+        remarkable: about those that are sound (`Examined`); friction_fits: whether all of these fit
+            with the friction that the robot's file states.
     """
 
     used: tuple[Log, ...]
@@ -48,6 +49,7 @@ class SoundLogs:
     left_out: tuple[LeftOut, ...] = ()
     problem: LogProblem | None = None
     remarkable: tuple[str, ...] = ()
+    friction_fits: bool = True
 
 
 def sound_logs(robot: Robot, logs: Sequence[Log]) -> SoundLogs:
@@ -59,24 +61,31 @@ def sound_logs(robot: Robot, logs: Sequence[Log]) -> SoundLogs:
     if not logs:
         raise InputError("found no log, expected at least one")
     if len(logs) == 1:
-        problem, told = _looked_at(robot, logs[0], LEAST_SECONDS)
-        return SoundLogs(tuple(logs), problem=problem, remarkable=told)
+        only = _looked_at(robot, logs[0], LEAST_SECONDS)
+        return SoundLogs(
+            tuple(logs),
+            problem=only.problem,
+            remarkable=only.remarkable,
+            friction_fits=only.friction_fits,
+        )
     sound = []
     remarkable: list[str] = []
+    fits = True
     left_out = []
     problems = []
     for log in logs:
         try:
-            problem, told = _looked_at(robot, log, SHORTEST_SECONDS)
+            seen = _looked_at(robot, log, SHORTEST_SECONDS)
         except InputError as error:
             left_out.append(LeftOut(log.name, str(error).removeprefix(f"{log.name}: ")))
             continue
-        if problem is None:
+        if seen.problem is None:
             sound.append(log)
-            remarkable += [f"{log.name}: {said}" for said in told]
+            remarkable += [f"{log.name}: {said}" for said in seen.remarkable]
+            fits &= seen.friction_fits
         else:
-            problems.append((log, problem))
-            left_out.append(LeftOut(log.name, problem.says))
+            problems.append((log, seen.problem))
+            left_out.append(LeftOut(log.name, seen.problem.says))
     if not sound and not problems:
         raise InputError(
             f"found {len(logs)} logs and none that can be used; the first, {logs[0].name}: "
@@ -89,7 +98,9 @@ def sound_logs(robot: Robot, logs: Sequence[Log]) -> SoundLogs:
     if total < LEAST_SECONDS:
         raise InputError(_short("the logs together", total))
     judged = tuple(log for log in sound if not any(log is one for one in used))
-    return SoundLogs(used, judged, tuple(left_out), remarkable=tuple(remarkable))
+    return SoundLogs(
+        used, judged, tuple(left_out), remarkable=tuple(remarkable), friction_fits=fits
+    )
 
 
 def check_beside(robot: Robot, log: Log) -> None:
@@ -98,14 +109,13 @@ def check_beside(robot: Robot, log: Log) -> None:
     Raises:
         InputError: it is not.
     """
-    problem, _ = _looked_at(robot, log, 0.0)
+    problem = _looked_at(robot, log, 0.0).problem
     if problem is not None:
         raise InputError(f"{log.name}: {problem.says}; try `irb2400 log check`")
 
 
-def _looked_at(robot: Robot, log: Log, least: float) -> tuple[LogProblem | None, tuple[str, ...]]:
-    """Why the log is not what its columns say, and what is remarkable if it is; InputError where
-    nothing can be said at all."""
+def _looked_at(robot: Robot, log: Log, least: float) -> Examined:
+    """A log held against the robot; InputError where nothing can be said at all."""
     if log.n != robot.n:
         raise InputError(f"{log.name}: found {log.n} joints, expected {robot.n} as in {robot.name}")
     if log.duration < least:
@@ -113,7 +123,7 @@ def _looked_at(robot: Robot, log: Log, least: float) -> tuple[LogProblem | None,
     found = examined(robot, log)
     if found.problem is not None and found.problem.unusable:
         raise InputError(f"{log.name}: {found.problem.says}")
-    return found.problem, found.remarkable
+    return found
 
 
 def _short(name: str, seconds: float, least: float = LEAST_SECONDS) -> str:

@@ -71,12 +71,11 @@ class Fit:
 
 
 class Nominal:
-    """A robot's model as a yardstick for logs; its friction as the file states it, or unknown."""
+    """A robot's model as a yardstick for logs."""
 
-    def __init__(self, robot: Robot, friction_known: bool = True) -> None:
+    def __init__(self, robot: Robot) -> None:
         self.robot = robot
         self.model = Model(robot)
-        self.friction = robot.friction if friction_known else np.zeros_like(robot.friction)
 
     @cached_property
     def reach(self) -> float:
@@ -145,12 +144,12 @@ class Nominal:
         m, n = rows.tau.shape
         size = np.sqrt(np.mean(rows.tau**2, axis=0)) + 1e-9
         weight = np.sqrt(_independent(rows) / m) / (own * size)
-        dry = self.friction[:, 1]
+        dry = self.robot.friction[:, 1]
         # a joint at rest is held by its dry friction: its torque may be off by so much
         held = np.minimum(STILL, own * size / np.hypot(own * size, dry))
         weight = weight * np.where(rows.still, held, 1.0)
         k = Y.shape[2]
-        viscous = self.friction[:, 2]
+        viscous = self.robot.friction[:, 2]
         spread = self._friction_spreads(rows, size)
         y = (rows.tau - nominal - dry * rows.turn - viscous * rows.qd) * weight
         X = np.zeros((m, n, k + 3 * n))
@@ -190,8 +189,8 @@ class Nominal:
 
     def _friction_spreads(self, rows: Rows, size: Array) -> Array:
         """Standard deviations of Coulomb, viscous friction and offset, shape (3, n)."""
-        dry = self.friction[:, 1]
-        viscous = self.friction[:, 2]
+        dry = self.robot.friction[:, 1]
+        viscous = self.robot.friction[:, 2]
         speed = np.sqrt(np.mean(rows.qd**2, axis=0)) + 1e-6
         unknown = UNKNOWN_FRICTION * size
         return np.vstack(

@@ -85,6 +85,11 @@ class Examined:
     understood: Understanding | None
     remarkable: tuple[str, ...] = ()
 
+    @property
+    def friction_fits(self) -> bool:
+        """Whether nothing speaks against the friction that the robot's file states."""
+        return self.understood is None or self.understood.friction_fits
+
 
 def log_problem(robot: Robot | None, log: Log) -> LogProblem | None:
     """Why a log cannot be taken as labelled; None when it can.
@@ -186,7 +191,7 @@ def _perhaps(problem: LogProblem | None, understood: Understanding | None) -> li
     if not understood.friction_fits:
         return [
             "the log does not fit the friction that the robot file states, and fits with another: "
-            "take the friction out of the file, which is unknown then, or identify the arm"
+            "it counts as unknown; take it out of the file, or identify the arm"
         ]
     if not understood.reading.kind:
         return []

@@ -74,7 +74,7 @@ def scale_readings(nominal: Nominal, rows: Rows, columns: tuple[Array, Array]) -
 def _guess(nominal: Nominal, rows: Rows, columns: tuple[Array, Array]) -> tuple[Array, Array]:
     """Size of the nominal torque over that of the recorded one, and -1 where the two clearly go
     against each other, else 1, per joint."""
-    friction = nominal.friction
+    friction = nominal.robot.friction
     expected = columns[0] + friction[:, 1] * rows.turn + friction[:, 2] * rows.qd
     wanted = np.mean(expected**2, axis=0)
     found = np.mean(rows.tau**2, axis=0)

@@ -78,10 +78,11 @@ def understand(robot: Robot, log: Log) -> Understanding | None:
     if rows is None:
         return None
     found = _understood(Nominal(robot), log, rows)
-    if sound(found.labelled, robot.n) or not robot.friction.any():
+    stated = robot.friction.any() and robot.identified is None
+    if sound(found.labelled, robot.n) or not stated:
         return found
     # many files state a friction to please a simulator: no column is wrong that fits without it
-    free = _understood(Nominal(robot, friction_known=False), log, rows)
+    free = _understood(Nominal(robot.with_unknown_friction()), log, rows)
     better = found.best.cost - free.best.cost > MARGIN * robot.n / 6.0
     return replace(free, friction_fits=False) if better else found
 

@@ -21,7 +21,7 @@ from irb2400_ctrl.effects.base import OPEN_END_S
 from irb2400_ctrl.effects.blank import discrepancy_size
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.robot.identified import Identified
-from irb2400_ctrl.robot.joint import Joint, MotorCoupling
+from irb2400_ctrl.robot.joint import Friction, Joint, MotorCoupling
 from irb2400_ctrl.robot.link import Coupling, Link, ModifiedDH, Tool, Transform
 from irb2400_ctrl.robot.outline import Outline
 from irb2400_ctrl.robot.table import Table, Vector3
@@ -187,6 +187,11 @@ class Robot(Table):
                 f"write {key} = ... [{unit}] into the joint's limits table of the robot file"
             )
         return np.array(values, dtype=float)
+
+    def with_unknown_friction(self) -> Robot:
+        """The same arm, of whose friction nothing is known."""
+        joints = [joint.model_copy(update={"friction": Friction()}) for joint in self.joints]
+        return self.model_copy(update={"joints": tuple(joints)})
 
     @cached_property
     def friction(self) -> Array:

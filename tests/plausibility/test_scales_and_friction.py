@@ -10,8 +10,11 @@ import numpy as np
 import pytest
 from sound_logs import Drawn, sound_log
 
+from irb2400_ctrl.diagnosis import diagnose
+from irb2400_ctrl.identification.understood_logs import understood_logs
 from irb2400_ctrl.measurement import Log
 from irb2400_ctrl.plausibility import check_log, log_problem
+from irb2400_ctrl.plausibility.log_check import examined
 from irb2400_ctrl.robot import Identified, Robot, load_robot
 from irb2400_ctrl.robot.joint import Friction
 
@@ -100,6 +103,21 @@ def test_a_placeholder_of_friction_refuses_no_log(value: float) -> None:
     problem = log_problem(with_friction(value, value), with_torque(0.02))
     assert problem is not None
     assert problem.kind == "torque_scale"
+
+
+def test_a_placeholder_bends_no_bodies() -> None:
+    """An identification held to it left 60 % of a joint where plain least squares left 46, a
+    diagnosis had inertial numbers of three links off."""
+    robot = with_friction(1.0, 1.0)
+    log = plain().log
+    found = diagnose(robot, log)
+    assert found.findings == ()
+    assert {number.list for number in found.numbers} == {"lacks"}
+    assert not understood_logs(robot, [log]).friction_fits
+    assert understood_logs(ROBOT, [log]).friction_fits
+    # an identification's friction is no placeholder
+    known = Identified.of(["coulomb_1"], np.eye(1), left_Nm=(1e-3,) * 6)
+    assert examined(robot.model_copy(update={"identified": known}), log).friction_fits
 
 
 def test_a_friction_that_fits_is_not_remarked_on() -> None:
