@@ -1,0 +1,78 @@
+"""Channels that stand while others go on, torques that were hardly recorded, speeds of another
+unit."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.signal import lfilter
+
+from irb2400_ctrl.measurement import Log
+from irb2400_ctrl.plausibility import LogProblem
+from irb2400_ctrl.plausibility.agreement import speed_problem
+
+STEP = 0.004
+
+
+def waves(seconds: float = 40.0) -> Log:
+    """Three joints of slow sines with noise on the torques, a speed, and a command that they follow
+    20 ms late."""
+    rng = np.random.default_rng(6)
+    time = np.arange(0.0, seconds, STEP)
+    omega = np.array([0.9, 1.3, 1.7])
+    tau = 20.0 * np.cos(0.7 * time[:, None] + np.arange(3)) + rng.standard_normal((len(time), 3))
+    return Log(
+        time,
+        np.round(np.sin(time[:, None] * omega), 5),
+        np.round(tau, 3),
+        qd=omega * np.cos(time[:, None] * omega) + 0.01 * rng.standard_normal((len(time), 3)),
+        q_ref=np.sin((time[:, None] + 0.02) * omega),
+    )
+
+
+def stopped(log: Log, joints: list[int], first: float, last: float) -> Log:
+    """Angles that stand from where the joint turns next, so that nothing breaks off.
+
+    Args:
+        log: the record; joints: from 0; first, last: times after and until which they stand [s].
+    """
+    q = np.array(log.q)
+    start = int(np.searchsorted(log.time, first))
+    stop = int(np.searchsorted(log.time, last))
+    for j in joints:
+        turn = start + int(np.argmin(np.abs(np.diff(q[start : start + 900, j]))))
+        q[turn:stop, j] = q[turn, j]
+    return replace(log, q=q)
+
+
+def kind(problem: LogProblem | None) -> str | None:
+    return None if problem is None else problem.kind
+
+
+@pytest.mark.parametrize("factor", [0.5, 0.8, 1.25, 2.0])
+def test_a_clock_a_little_off_is_told_by_the_recorded_speed(factor: float) -> None:
+    found = speed_problem(replace(waves(), time=waves().time * factor))
+    assert found is not None
+    assert found.kind == "time_scale"
+    assert found.fits["factor"] == pytest.approx(1.0 / factor, rel=0.02)
+
+
+def test_a_factor_on_one_speed_is_a_unit_and_a_late_or_filtered_speed_is_none() -> None:
+    log = waves()
+    assert log.qd is not None
+    found = speed_problem(replace(log, qd=log.qd * [1.0, 1.0, 1.5]))
+    assert found is not None
+    assert (found.kind, found.joints) == ("speed_unit", (3,))
+    assert "gear ratio" in found.says
+    late = np.roll(log.qd, round(0.19 / STEP), axis=0)
+    late[: round(0.19 / STEP)] = 0.0
+    assert kind(speed_problem(replace(log, qd=late))) is None
+    # takes 13 % of the quickest joint's speed away
+    slow = lfilter([STEP / 0.4], [1.0, STEP / 0.4 - 1.0], log.qd, axis=0)
+    assert np.std(slow[1000:, 2]) < 0.87 * np.std(log.qd[1000:, 2])
+    for speed in (slow, np.round(log.qd, 1), 1.05 * log.qd):
+        assert kind(speed_problem(replace(log, qd=speed))) is None
+    # a clock is seen behind a late speed, too
+    assert kind(speed_problem(replace(log, time=0.5 * log.time, qd=late))) == "time_scale"
