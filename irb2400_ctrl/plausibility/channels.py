@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 
 import numpy as np
-import numpy.typing as npt
 
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.measurement.log import Log
-from irb2400_ctrl.measurement.log_facts import digit, neighbour_noise
+from irb2400_ctrl.measurement.log_facts import digit
 from irb2400_ctrl.plausibility.jumps import MOVES, bend_of, cut, spikes, wrapped
-from irb2400_ctrl.plausibility.problem import LogProblem, named
-
-Run = tuple[int, int]
+from irb2400_ctrl.plausibility.problem import LogProblem
+from irb2400_ctrl.plausibility.runs import held, runs, stretches
+from irb2400_ctrl.plausibility.torques import clipped, torque_problem
 
 LEAST = 20
 """samples of a log that can be looked at"""
@@ -27,10 +26,6 @@ ABRUPT = 6.0
 """second difference of an angle over the largest of the rest of the record"""
 LOST = 3.0
 """times the usual step after which samples are lost"""
-FINE = 0.5
-"""digit over noise of a column in which a value does not stay by chance"""
-CLIPPED = 0.005
-"""share of samples exactly at one end of the range"""
 FASTEST = 20e3
 """[Hz] no arm's log is sampled faster"""
 SPARSE = 20.0
@@ -88,62 +83,12 @@ def _rest(log: Log) -> LogProblem | None:
     )
 
 
-def _torques(log: Log) -> LogProblem | None:
-    """Torques that are constant while others, or the joint, move."""
-    flat = np.ptp(log.tau, axis=0) == 0.0
-    if not log.tau.any():
-        return LogProblem("zero_torque", "all torques are zero: nothing was recorded")
-    moving = np.ptp(log.q, axis=0) > MOVES
-    dead = [j + 1 for j in range(log.n) if flat[j] and moving[j]]
-    if dead:
-        return LogProblem(
-            "constant_torque",
-            f"the torque of {named(dead)} has one value all the time while it moves",
-            joints=tuple(dead),
-        )
-    least = max(20, round(0.5 * log.rate))
-    fine = _fine(log.tau)
-    for j in np.flatnonzero(moving & fine):
-        for start, stop in _runs(log.tau[:, j], least):
-            # a value at the end of the range is a limit that was met (`_clipped`)
-            end = log.tau[start, j] in (log.tau[:, j].max(), log.tau[:, j].min())
-            if not end and np.ptp(log.q[start:stop, j]) > 0.05:
-                return _held("constant_torque", "torque", log, start, stop, int(j))
-    return None
-
-
-def _clipped(log: Log) -> LogProblem | None:
-    """Torques cut off at one value."""
-    found = []
-    levels = []
-    for j in np.flatnonzero(_fine(log.tau)):
-        tau = log.tau[:, j]
-        for end in (tau.max(), tau.min()):
-            level, counts = np.unique(tau, return_counts=True)
-            place = 0 if end == tau.min() else len(level) - 1
-            near = counts[1:6] if place == 0 else counts[-6:-1]
-            here = counts[place]
-            if len(near) and end and here > max(CLIPPED * len(tau), 10, 8 * near.max()):
-                found.append(int(j) + 1)
-                levels.append(float(f"{abs(end):.4g}"))
-                break
-    if not found:
-        return None
-    return LogProblem(
-        "saturation",
-        f"the torque of {named(found)} is cut off at "
-        f"{', '.join(f'{v:g}' for v in levels)} Nm: what the arm needed above that is not recorded",
-        {"level_Nm": levels},
-        tuple(found),
-    )
-
-
 def _stuck(log: Log) -> LogProblem | None:
     """Angles that stop dead in full motion, alone or all columns at once."""
     least = max(5, round(STUCK_TIME * log.rate))
     same = np.concatenate([log.q, log.tau], axis=1)
     equal = np.all(np.diff(same, axis=0) == 0.0, axis=1)
-    for start, stop in _stretches(equal, least):
+    for start, stop in stretches(equal, least):
         if any(_abrupt(log, j, start, stop) for j in range(log.n)):
             return LogProblem(
                 "frozen",
@@ -160,12 +105,12 @@ def _stuck(log: Log) -> LogProblem | None:
                     f"the angle of joint {j + 1} never changes though the log says it moves",
                     joints=(j + 1,),
                 )
-        for start, stop in _runs(log.q[:, j], least):
+        for start, stop in runs(log.q[:, j], least):
             asked = None if log.q_ref is None else log.q_ref[start:stop, j]
             if asked is not None and np.ptp(asked) < NO_MOTION:
                 continue  # it was to stand there
             if _abrupt(log, j, start, stop):
-                return _held("stuck_encoder", "angle", log, start, stop, j)
+                return held("stuck_encoder", "angle", log, start, stop, j)
     return None
 
 
@@ -177,7 +122,7 @@ def _repeated(log: Log) -> LogProblem | None:
     for k, row in enumerate(rows):
         lag[k] = k - first.setdefault(row.tobytes(), k)
     least = max(10, round(0.1 * log.rate))
-    for start, stop in _stretches((np.diff(lag) == 0) & (lag[1:] > 1), least):
+    for start, stop in stretches((np.diff(lag) == 0) & (lag[1:] > 1), least):
         begin, end = (start, stop) if lag[start] else (start + 1, stop)
         if any(_bent(log, j, edge) for j in range(log.n) for edge in (begin, end)):
             return LogProblem(
@@ -224,42 +169,14 @@ CHECKS: tuple[Callable[[Log], LogProblem | None], ...] = (
     _clock,
     spikes,
     _rest,
-    _torques,
+    torque_problem,
     wrapped,
     _stuck,
     _repeated,
     _stairs,
     cut,
-    _clipped,
+    clipped,
 )
-
-
-def _held(kind: str, what: str, log: Log, start: int, stop: int, j: int) -> LogProblem:
-    return LogProblem(
-        kind,
-        f"the {what} of joint {j + 1} stands at one value from {log.time[start]:.2f} to "
-        f"{log.time[stop - 1]:.2f} s while the joint moves",
-        {"from_s": float(log.time[start]), "to_s": float(log.time[stop - 1])},
-        (j + 1,),
-    )
-
-
-def _fine(tau: Array) -> npt.NDArray[np.bool_]:
-    """Columns whose digit is so much finer than their noise that equal neighbours are rare."""
-    return np.asarray(digit(tau) < FINE * neighbour_noise(tau))
-
-
-def _runs(values: Array, least: int) -> Iterator[Run]:
-    """Stretches of at least so many samples of one value, as [start, stop)."""
-    return _stretches(np.diff(values) == 0.0, least)
-
-
-def _stretches(equal: npt.NDArray[np.bool_], least: int) -> Iterator[Run]:
-    """Stretches of neighbours that are `equal`, as [start, stop) of their samples."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[0], equal.astype(np.int8), [0]])))
-    for start, stop in zip(edges[::2], edges[1::2], strict=True):
-        if stop - start + 1 >= least:
-            yield int(start), int(stop) + 1
 
 
 def _abrupt(log: Log, j: int, start: int, stop: int) -> bool:

@@ -12,6 +12,7 @@ from scipy.signal import lfilter
 from irb2400_ctrl.measurement import Log
 from irb2400_ctrl.plausibility import LogProblem
 from irb2400_ctrl.plausibility.agreement import speed_problem
+from irb2400_ctrl.plausibility.channels import channel_problem
 
 STEP = 0.004
 
@@ -51,6 +52,43 @@ def kind(problem: LogProblem | None) -> str | None:
     return None if problem is None else problem.kind
 
 
+@pytest.mark.parametrize("share", [0.3, 0.45, 0.6])
+def test_a_torque_that_is_stuck_for_most_of_the_record_is_named(share: float) -> None:
+    """The median of its noise is zero from half of the rows on."""
+    log = waves()
+    start = int(share * len(log.time))
+    tau = np.array(log.tau)
+    tau[start:, 1] = tau[start, 1]
+    found = channel_problem(replace(log, tau=tau))
+    assert found is not None
+    assert (found.kind, found.joints) == ("constant_torque", (2,))
+    assert found.fits["from_s"] == pytest.approx(log.time[start], abs=0.01)
+    assert found.fits["to_s"] == pytest.approx(log.time[-1])
+
+
+def test_a_torque_that_is_stuck_at_its_largest_value_is_no_limit() -> None:
+    log = waves()
+    tau = np.array(log.tau)
+    tau[3000:, 1] = 30.0
+    assert kind(channel_problem(replace(log, tau=tau))) == "constant_torque"
+
+
+def test_torques_that_stay_for_good_reasons_are_no_stuck_channel() -> None:
+    """Coarse steps, channels read seldom, brakes that hold a joint."""
+    log = waves()
+    coarse = replace(log, tau=np.round(log.tau / 15.0) * 15.0)
+    seldom = replace(log, tau=log.tau[np.arange(len(log.tau)) // 5 * 5])
+    braked = stopped(log, [0, 1, 2], 15.0, 40.0)
+    begin = 5000
+    tau = np.array(log.tau)
+    tau[begin:] = tau[begin]
+    still = np.array(braked.q)
+    still[begin:] = still[begin]
+    held = replace(braked, q=still, tau=tau, qd=None, q_ref=None)
+    for one in (log, coarse, seldom, held):
+        assert kind(channel_problem(one)) is None
+
+
 @pytest.mark.parametrize("factor", [0.5, 0.8, 1.25, 2.0])
 def test_a_clock_a_little_off_is_told_by_the_recorded_speed(factor: float) -> None:
     found = speed_problem(replace(waves(), time=waves().time * factor))
@@ -76,3 +114,20 @@ def test_a_factor_on_one_speed_is_a_unit_and_a_late_or_filtered_speed_is_none() 
         assert kind(speed_problem(replace(log, qd=speed))) is None
     # a clock is seen behind a late speed, too
     assert kind(speed_problem(replace(log, time=0.5 * log.time, qd=late))) == "time_scale"
+
+
+def test_torques_that_are_hardly_recorded_are_named_and_not_another_robot() -> None:
+    """Of a Tiago the currents of the wrist are zero in nine rows of ten."""
+    log = waves()
+    tau = np.array(log.tau)
+    kept = np.random.default_rng(3).uniform(size=tau.shape) < 0.12
+    tau[:, 1:] = np.where(kept, tau, 0.0)[:, 1:]
+    found = channel_problem(replace(log, tau=tau))
+    assert found is not None
+    assert (found.kind, found.joints) == ("zero_torque", (2, 3))
+    assert "Record it, or make the joint fixed" in found.says
+    # torques that are small beside their digit are zero, too
+    coarse = 15.0 * np.round(log.tau / 15.0)
+    coarse[:, 1] = np.where(np.abs(log.tau[:, 1]) > 21.0, coarse[:, 1], 0.0)
+    assert np.mean(coarse[:, 1] == 0.0) > 0.8
+    assert kind(channel_problem(replace(log, tau=coarse))) is None
