@@ -12,6 +12,7 @@ from irb2400_ctrl.measurement.log_facts import digit
 from irb2400_ctrl.plausibility.jumps import MOVES, bend_of, cut, spikes, wrapped
 from irb2400_ctrl.plausibility.problem import LogProblem
 from irb2400_ctrl.plausibility.runs import held, runs, stretches
+from irb2400_ctrl.plausibility.standing import standing_problem
 from irb2400_ctrl.plausibility.torques import clipped, torque_problem
 
 LEAST = 20
@@ -24,6 +25,8 @@ STUCK_TIME = 0.3
 """[s] of one and the same value"""
 ABRUPT = 6.0
 """second difference of an angle over the largest of the rest of the record"""
+DROP = 0.05
+"""[rad/s] least step of a recorded speed that breaks off"""
 LOST = 3.0
 """times the usual step after which samples are lost"""
 FASTEST = 20e3
@@ -174,6 +177,7 @@ CHECKS: tuple[Callable[[Log], LogProblem | None], ...] = (
     _stuck,
     _repeated,
     _stairs,
+    standing_problem,
     cut,
     clipped,
 )
@@ -181,7 +185,26 @@ CHECKS: tuple[Callable[[Log], LogProblem | None], ...] = (
 
 def _abrupt(log: Log, j: int, start: int, stop: int) -> bool:
     """Whether the joint is in full motion just before or after a stretch without any."""
-    return _bent(log, j, start) or _bent(log, j, stop - 1)
+    if _bent(log, j, start) or _bent(log, j, stop - 1):
+        return True
+    return log.qd is not None and (_drops(log, j, start) or _drops(log, j, stop - 1))
+
+
+def _drops(log: Log, j: int, place: int) -> bool:
+    """Whether the recorded speed breaks off at a sample as it does nowhere else.
+
+    Drives differentiate the encoder: of a stuck one the speed is zero from one row to the next.
+
+    Args:
+        log: with a recorded speed; j: joint from 0; place: the sample.
+    """
+    assert log.qd is not None
+    steps = np.abs(np.diff(log.qd[:, j], append=log.qd[-1, j]))
+    near = slice(max(0, place - 2), place + 3)
+    others = np.delete(steps, near)
+    others = others[others > 0.0]  # of those that are no rest
+    usual = np.quantile(others, 0.998) if len(others) else 0.0
+    return bool(steps[near].max() > max(ABRUPT * usual, DROP))
 
 
 def _bent(log: Log, j: int, place: int) -> bool:

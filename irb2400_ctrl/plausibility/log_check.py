@@ -19,6 +19,7 @@ from irb2400_ctrl.plausibility.cost_of_noise import torque_from_angle_noise
 from irb2400_ctrl.plausibility.problem import LogProblem, named
 from irb2400_ctrl.plausibility.rows import SHORTEST
 from irb2400_ctrl.plausibility.search import SOUND_LEFT, Understanding, percent, understand
+from irb2400_ctrl.plausibility.standing import standing_remarks
 from irb2400_ctrl.plausibility.travel import fastest, haste_problem, travel_problem
 from irb2400_ctrl.robot import Robot
 
@@ -114,7 +115,8 @@ def examined(robot: Robot | None, log: Log) -> Examined:
     understood = None if robot is None or broken is not None else understand(robot, even)
     problem = broken or _problem(robot, even, understood)
     told = () if robot is None else _beyond_limits(robot, even)
-    return Examined(problem, understood, (*told, *_perhaps(problem, understood)))
+    stands = standing_remarks(log) if problem is None else ()
+    return Examined(problem, understood, (*told, *stands, *_perhaps(problem, understood)))
 
 
 def _problem(robot: Robot | None, log: Log, understood: Understanding | None) -> LogProblem | None:

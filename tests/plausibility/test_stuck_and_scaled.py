@@ -13,6 +13,7 @@ from irb2400_ctrl.measurement import Log
 from irb2400_ctrl.plausibility import LogProblem
 from irb2400_ctrl.plausibility.agreement import speed_problem
 from irb2400_ctrl.plausibility.channels import channel_problem
+from irb2400_ctrl.plausibility.log_check import examined
 
 STEP = 0.004
 
@@ -87,6 +88,81 @@ def test_torques_that_stay_for_good_reasons_are_no_stuck_channel() -> None:
     held = replace(braked, q=still, tau=tau, qd=None, q_ref=None)
     for one in (log, coarse, seldom, held):
         assert kind(channel_problem(one)) is None
+
+
+@pytest.mark.parametrize("told_by", ["qd", "q_ref", "both"])
+def test_an_angle_that_stands_while_another_signal_goes_on_is_named(told_by: str) -> None:
+    """It stopped where the joint turned: nothing breaks off."""
+    log = stopped(waves(), [1], 18.0, 40.0)
+    if told_by != "both":
+        log = replace(log, **{"q_ref" if told_by == "qd" else "qd": None})
+    found = channel_problem(log)
+    assert found is not None
+    assert (found.kind, found.joints) == ("stuck_encoder", (2,))
+    assert found.fits["to_s"] == pytest.approx(log.time[-1])
+    assert 18.0 < found.fits["from_s"] < 22.0
+    told = "commanded angle" if told_by == "q_ref" else "recorded speed"
+    assert f"while its {told} goes on" in found.says
+
+
+def test_an_angle_that_flickers_by_a_digit_stands() -> None:
+    log = stopped(waves(), [1], 18.0, 40.0)
+    q = np.array(log.q)
+    q[6000:, 1] += 1e-5 * np.random.default_rng(1).integers(0, 2, len(q) - 6000)
+    assert kind(channel_problem(replace(log, q=q))) == "stuck_encoder"
+
+
+def test_joints_that_stand_rightly_are_not_stuck() -> None:
+    """One that was to stand, its speed with an offset and noise; an arm that was stopped while the
+    controller went on commanding; rows that a host wrote again for half a second."""
+    whole = waves()
+    assert whole.qd is not None
+    assert whole.q_ref is not None
+    one = stopped(whole, [1], 18.0, 40.0)
+    stands = np.diff(one.q, axis=0, prepend=0.0) == 0.0
+    noise = np.random.default_rng(2).standard_normal(stands.shape)
+    speed = np.where(stands, 0.0, whole.qd) + 0.05 + 0.02 * noise
+    commanded = replace(one, qd=speed, q_ref=np.where(stands, one.q, whole.q_ref))
+    halted = replace(stopped(whole, [0, 1, 2], 18.0, 40.0), qd=None)
+    rows = np.arange(len(whole.time))
+    slow = int(np.argmin(np.abs(whole.qd[3000:4000, 1]))) + 3000
+    rows[slow : slow + 125] = slow
+    again = Log(whole.time, whole.q[rows], whole.tau[rows], qd=whole.qd[rows])
+    for log in (whole, commanded, halted):
+        assert kind(channel_problem(log)) is None
+    # all columns at once are another thing
+    assert kind(channel_problem(again)) == "frozen"
+
+
+def test_a_joint_that_stands_to_the_end_is_remarked_on_where_nothing_says_that_it_was_to() -> None:
+    log = stopped(waves(), [1], 18.0, 41.0)
+    assert log.qd is not None
+    speed = np.where(np.diff(log.q, axis=0, prepend=0.0) == 0.0, 0.0, log.qd)
+    alone = replace(log, qd=np.round(speed, 3), q_ref=None)
+    (said,) = examined(None, alone).remarkable
+    assert said.startswith("joint 2 stands at one value from ")
+    assert examined(None, alone).problem is None
+    for other in (replace(alone, q_ref=log.q), replace(waves(), q_ref=None)):
+        assert examined(None, other).remarkable == ()
+
+
+def test_a_speed_that_breaks_off_is_that_of_a_stuck_encoder() -> None:
+    """Of a Tiago the angle stood for 55 of 80 s and the drive's speed with it; with coarse angles
+    the break of the angle alone is none."""
+    whole = waves()
+    assert whole.qd is not None
+    # angles as coarse as those of a slow encoder: their bends are digits
+    q = np.round(whole.q, 3)
+    smooth = np.cos(whole.time[:, None] * [0.9, 1.3, 1.7]) * [0.9, 1.3, 1.7]
+    start = int(np.argmax(np.abs(smooth[4500:5500, 1]) > 1.2)) + 4500
+    q[start:, 1] = q[start, 1]
+    speed = np.array(smooth)
+    speed[start:, 1] = 0.0
+    log = replace(whole, q=q, qd=speed, q_ref=None)
+    found = channel_problem(log)
+    assert found is not None
+    assert (found.kind, found.joints) == ("stuck_encoder", (2,))
+    assert kind(channel_problem(replace(log, qd=None))) is None
 
 
 @pytest.mark.parametrize("factor", [0.5, 0.8, 1.25, 2.0])
