@@ -28,7 +28,9 @@ FARTHER = 3.0
 ELSEWHERE = 0.1
 """share of the record in which they must be seen to agree"""
 LONG = 0.3
-"""share of the record for which a joint stands at its end that is remarked on"""
+"""share of the record for which a joint stands at its end that is remarked on, and"""
+LASTS = 10.0
+"""[s] at least: of a single move joints that arrive first stand for most of it"""
 SPEED_SHARE = 0.2
 """rms speed in the stretch over that elsewhere: less is the offset or the noise of a joint that
 stands"""
@@ -71,8 +73,8 @@ def standing_remarks(log: Log) -> list[str]:
         moved = np.flatnonzero(np.diff(log.q[:, j]) != 0.0)
         since = int(moved[-1]) + 1
         others = np.delete(np.ptp(log.q[since:], axis=0), j)
-        last = log.time[-1] - log.time[since] > LONG * log.duration
-        if last and (others > MOVES).any():
+        stands = log.time[-1] - log.time[since]
+        if stands > max(LONG * log.duration, LASTS) and (others > MOVES).any():
             found.append(
                 f"joint {j + 1} stands at one value from {log.time[since]:.2f} s to the end while "
                 "others move: if it was not to stand, its encoder is stuck"

@@ -8,9 +8,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from scipy.signal import lfilter
+from sound_logs import sound_log
 
 from irb2400_ctrl.measurement import Log
-from irb2400_ctrl.plausibility import LogProblem
+from irb2400_ctrl.plausibility import LogProblem, log_problem
 from irb2400_ctrl.plausibility.agreement import speed_problem
 from irb2400_ctrl.plausibility.channels import channel_problem
 from irb2400_ctrl.plausibility.log_check import examined
@@ -139,6 +140,8 @@ def test_a_joint_that_stands_to_the_end_is_remarked_on_where_nothing_says_that_i
     assert log.qd is not None
     speed = np.where(np.diff(log.q, axis=0, prepend=0.0) == 0.0, 0.0, log.qd)
     alone = replace(log, qd=np.round(speed, 3), q_ref=None)
+    short = replace(waves(15.0), qd=None, q_ref=None)
+    assert examined(None, stopped(short, [1], 8.0, 16.0)).remarkable == ()
     (said,) = examined(None, alone).remarkable
     assert said.startswith("joint 2 stands at one value from ")
     assert examined(None, alone).problem is None
@@ -171,6 +174,16 @@ def test_a_clock_a_little_off_is_told_by_the_recorded_speed(factor: float) -> No
     assert found is not None
     assert found.kind == "time_scale"
     assert found.fits["factor"] == pytest.approx(1.0 / factor, rel=0.02)
+
+
+def test_the_factor_of_a_clock_is_that_of_the_recorded_speed() -> None:
+    """The model tries few: of a clock 1.75 times too fast it was 2.5."""
+    drawn = sound_log(601, plain=True)
+    assert drawn.log.qd is not None
+    found = log_problem(drawn.robot, replace(drawn.log, time=drawn.log.time / 1.75))
+    assert found is not None
+    assert found.kind == "time_scale"
+    assert found.fits["factor"] == pytest.approx(1.75, rel=0.02)
 
 
 def test_a_factor_on_one_speed_is_a_unit_and_a_late_or_filtered_speed_is_none() -> None:
