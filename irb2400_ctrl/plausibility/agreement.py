@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import numpy.typing as npt
 from scipy.optimize import linear_sum_assignment
 
 from irb2400_ctrl.arrays import Array, Mask
@@ -132,8 +133,22 @@ def _compared(
     ]
     if not wrong:
         return None
+    return _scaled(ratio, joints, wrong, (kind, name, other))
+
+
+def _scaled(
+    ratio: Array, joints: npt.NDArray[np.intp], wrong: list[int], words: tuple[str, str, str]
+) -> LogProblem:
+    """One factor between two columns: a clock, or a unit.
+
+    Args:
+        ratio: of what is measured over what is held against it; joints: that take part, from 0.
+        wrong: places among these whose ratio is too far from one.
+        words: kind, name and other as of `_compared`.
+    """
+    kind, name, other = words
     factor = float(np.median(ratio[wrong]))
-    if kind == "speed" and len(wrong) == len(joints) > 1 and _clock(ratio, factor):
+    if kind == "speed" and len(wrong) == len(ratio) > 1 and _clock(ratio, factor):
         fast = f"{factor:.3g} times too fast" if factor > 1 else f"{1 / factor:.3g} times too slow"
         return LogProblem(
             "time_scale",
