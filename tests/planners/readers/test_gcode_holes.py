@@ -197,3 +197,30 @@ def test_an_axis_that_turns_by_an_angle(tmp_path: Path) -> None:
     assert np.allclose(axes[0], axes[1])
     assert np.allclose(axes[0], axes[2])
     assert not np.allclose(axes[0][-1], axes[0][-2])
+
+
+@pytest.mark.parametrize(
+    ("words", "says"),
+    [
+        ("G73 X5 Y0 Z-10 R2 Q2 K0.5 F100", r"line 3: G73 with K0.5: K says how often .* length"),
+        ("G83 X5 Y0 Z-10 R2 Q2 K0.2 F100", "G83 with K0.2"),
+        ("G81 X5 Y0 Z-10 R2 L1.5 F100", "G81 with L1.5"),
+        ("G81 X5 Y0 Z-10 R2 K-1 F100", "G81 with K-1"),
+        ("G81 X5 Y0 Z-10 R2 L2 K3 F100", "found L2 and K3 in a cycle"),
+    ],
+)
+def test_a_count_that_is_none_loses_no_hole(tmp_path: Path, words: str, says: str) -> None:
+    with pytest.raises(InputError, match=says):
+        program(tmp_path, f"{HEAD}{words}\nX9\nG80\nM2\n")
+
+
+def test_a_count_of_zero_only_keeps_the_words_and_is_said(tmp_path: Path) -> None:
+    text = f"{HEAD}G81 X5 Y0 Z-5 R2 K0 F100\nX9\nG80\nM2\n"
+    found = heights(tmp_path, text)
+    assert [x for x, z, _ in found if z == -5] == [9]
+    assert "K0 in a cycle" in " ".join(map(str, program(tmp_path, text).of_kind("assumed")))
+
+
+def test_the_same_hole_several_times_is_said(tmp_path: Path) -> None:
+    notes = program(tmp_path, f"{HEAD}G73 X5 Y0 Z-5 R2 Q2 K2 F100\nG80\nM2\n").of_kind("assumed")
+    assert "the same hole 2 times; on some controls K is a length" in " ".join(map(str, notes))

@@ -72,9 +72,7 @@ class GcodeCycles:
                 f"{place}: G{motion:g} without {(missing or ['a positive Q'])[0]}; expected X, Y, "
                 "Z, R" + (", Q" if motion in {73, 83} else "")
             )
-        repeats = round(values.get("L", values.get("K", 1.0)))
-        if not 0 <= repeats <= MOST_REPEATS:
-            raise InputError(f"{place}: a cycle repeated {repeats} times, expected 0 … 10,000")
+        repeats = self._repeats(motion, values)
         if words["Z"] > words["R"] + 1e-9:
             raise InputError(
                 f"{place}: G{motion:g}: Z is above R ({1e3 * words['Z']:.4g} over "
@@ -82,6 +80,44 @@ class GcodeCycles:
             )
         for _ in range(repeats):
             self._one_hole(motion, values)
+
+    def _repeats(self, motion: float, values: dict[str, float]) -> int:
+        """L or K: how many holes a block makes, one where neither is stated.
+
+        Raises:
+            InputError: not a whole number of 0 to 10,000, or two different ones.
+        """
+        builder = self._builder
+        stated = [letter for letter in "LK" if letter in values]
+        if not stated:
+            return 1
+        letter = stated[0]
+        count = values[letter]
+        if count != values[stated[-1]]:
+            raise InputError(
+                f"{builder.place}: found L{count:g} and K{values['K']:g} in a cycle, and both say "
+                "how often; expected one of them"
+            )
+        if not (0 <= count <= MOST_REPEATS and count == int(count)):
+            raise InputError(
+                f"{builder.place}: G{motion:g} with {letter}{count:g}: {letter} says how often the "
+                "hole is repeated, expected a whole number from 0 to 10,000; where it is a length "
+                "of the cycle (some controls), leave it out or let the CAM system write for Fanuc "
+                "or LinuxCNC"
+            )
+        if count == 0:
+            builder.note(
+                "assumed",
+                f"{letter}0 in a cycle: its words are kept for the next blocks, and no hole is "
+                "drilled here (Fanuc)",
+            )
+        elif count > 1 and self._state.absolute:
+            builder.note(
+                "assumed",
+                f"G{motion:g} with {letter}{count:g} in G90: the same hole {count:g} times; on "
+                f"some controls {letter} is a length of the cycle",
+            )
+        return int(count)
 
     def _store(self, values: dict[str, float]) -> None:
         """Z, R, Q and P stay for the next blocks: Z and R as heights, whichever way they were
