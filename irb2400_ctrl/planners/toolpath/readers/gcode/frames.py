@@ -11,7 +11,7 @@ import numpy as np
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.planners.toolpath.readers.gcode.rotary import rotation, tilted_plane
-from irb2400_ctrl.planners.toolpath.readers.gcode.state import AXES, GcodeState
+from irb2400_ctrl.planners.toolpath.readers.gcode.state import AXES, ROTARY, GcodeState
 from irb2400_ctrl.planners.toolpath.readers.program_builder import ProgramBuilder
 
 CODES = frozenset([52, 68, 68.2, 69, 92, 92.1, 92.2])
@@ -101,6 +101,7 @@ class GcodeFrames:
     def _local(self, values: dict[str, float]) -> None:
         """G52 X Y Z: the zero lies there in the work frame; zeros end it."""
         state = self._state
+        self._no_turned_zero(52, values)
         offset = state.offset.copy()
         for index, letter in enumerate(AXES):
             if letter in values:
@@ -112,6 +113,9 @@ class GcodeFrames:
         """G92 X Y Z: the place of the tool is called so from here on."""
         state = self._state
         builder = self._builder
+        self._no_turned_zero(92, values)
+        if not set(AXES) & set(values):
+            return
         named: list[float | None] = [
             values[letter] * state.unit if letter in values else state.at[index]
             for index, letter in enumerate(AXES)
@@ -128,6 +132,23 @@ class GcodeFrames:
         offset[:3, 3] += away
         state.reframe(offset=offset)
         state.at = named
+
+    def _no_turned_zero(self, code: int, values: dict[str, float]) -> None:
+        """G52 A5 and G92 A5 count the angles of A from another zero; nothing changes where G52
+        states zero, or G92 the angle that there is.
+
+        Raises:
+            InputError: the zero of a rotary axis would be another one.
+        """
+        rotary = self._state.rotary
+        for letter in ROTARY:
+            same = 0.0 if code == 52 else rotary[letter]
+            if values.get(letter, same) != same:
+                raise InputError(
+                    f"{self._builder.place}: G{code} {letter}{values[letter]:g} moves the zero of "
+                    f"the rotary axis {letter}, which is not read; expected X, Y or Z, and angles "
+                    "from the axis's own zero"
+                )
 
     def _moved(self, point: list[float | None]) -> Array:
         state = self._state

@@ -140,15 +140,20 @@ class GcodeMotion:
             state.placed(centre, builder.place),
             R @ normal,
             None,
-            max(round(self._turns(values)), 1),
+            self._turns(values),
         )
         builder.arc(arc, state.placed(q, builder.place), axis=axis)
         state.at = target
 
-    @staticmethod
-    def _turns(values: dict[str, float]) -> float:
+    def _turns(self, values: dict[str, float]) -> int:
         """P turns (LinuxCNC), or TURN= whole ones besides (Siemens)."""
-        return values.get("P", values.get("TURN", 0.0) + 1)
+        turns = values.get("P", values.get("TURN", 0.0) + 1)
+        if turns < 1 or turns != int(turns):
+            raise InputError(
+                f"{self._builder.place}: an arc of {turns:g} turns (P, TURN=), expected a whole "
+                "number of at least 1"
+            )
+        return int(turns)
 
     def _centre(self, values: dict[str, float], p: Array, plane: tuple[int, int, int]) -> Array:
         state = self._state

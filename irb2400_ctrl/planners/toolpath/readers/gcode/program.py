@@ -8,9 +8,16 @@ from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.planners.toolpath.cam_program import CamProgram
 from irb2400_ctrl.planners.toolpath.readers.feed import LENGTHS
 from irb2400_ctrl.planners.toolpath.readers.gcode.blocks import Block, blocks
+from irb2400_ctrl.planners.toolpath.readers.gcode.codes import (
+    HARMLESS,
+    MANY_OFFSETS,
+    MOTION,
+    REFUSED,
+    SPECIAL,
+    without_owned,
+)
 from irb2400_ctrl.planners.toolpath.readers.gcode.cycles import CYCLES, dwell_seconds
 from irb2400_ctrl.planners.toolpath.readers.gcode.decimal_points import without_point
-from irb2400_ctrl.planners.toolpath.readers.gcode.frames import CODES as FRAMES
 from irb2400_ctrl.planners.toolpath.readers.gcode.frames import GcodeFrames
 from irb2400_ctrl.planners.toolpath.readers.gcode.machine import GcodeMachine
 from irb2400_ctrl.planners.toolpath.readers.gcode.motion import GcodeMotion, moves
@@ -21,40 +28,6 @@ from irb2400_ctrl.planners.toolpath.readers.gcode.subprograms import in_order
 from irb2400_ctrl.planners.toolpath.readers.gcode.swivel import swivel
 from irb2400_ctrl.planners.toolpath.readers.program_builder import ProgramBuilder
 from irb2400_ctrl.planners.toolpath.readers.unread_line import UnreadLineError
-
-MOTION = {0, 1, 2, 3, 80, *SPLINES, *CYCLES}
-# exact stop, blending, safe zones, look-ahead, compensation off: nothing for the points
-_QUIET = """8 9 22 23 25 26 40 49.1 50 50.1 60 61 61.1 62 63 64 69.1 80.1 97 103 187
-601 602 603 641 642 643 644 645 450 451"""
-HARMLESS = frozenset(map(float, _QUIET.split()))
-# take axis words for something else than a place to go to, or end something
-SPECIAL = frozenset([4, 28, 28.1, 30, 53, 53.1, *FRAMES])
-# with a number behind P: G54.1 P1 … (Fanuc), G154 P1 … (Haas)
-MANY_OFFSETS = frozenset([54.1, 154])
-RADIUS = (
-    "the offset by the tool's radius, which the control knows; let the CAM system write the path "
-    "of the tool's centre"
-)
-REFUSED = {
-    5.2: "a spline",
-    6.3: "a spline",
-    7: "programming in diameters",
-    10: "a change of the control's offsets",
-    31: "a probe",
-    33: "thread cutting",
-    38.2: "a probe",
-    41: RADIUS,
-    42: RADIUS,
-    51: "scaling",
-    51.1: "mirroring",
-    65: "a macro",
-    66: "a macro",
-    87: "boring from below",
-    96: "constant surface speed",
-    110: "a pole",
-    111: "a pole",
-    112: "a pole",
-}
 
 
 def read_gcode(
@@ -176,6 +149,7 @@ class _Reader:
         if block.plane is not None:
             swivel(block.plane, self._state, builder)
         self._modes(codes, values)
+        values = without_owned(codes, values, builder)
         self._machine.before(functions, values, block.orders)
         used = self._special(codes, values, block.orders)
         self._set_motion(codes)
@@ -202,7 +176,7 @@ class _Reader:
             if values["F"] < 0:
                 raise InputError(f"{builder.place}: F{values['F']}, expected a positive feed")
             builder.feed = state.feed(values["F"])
-        if "H" in values and {43, 43.4, 43.5} & set(codes):
+        if "H" in values and {43, 43.1, 43.4, 43.5} & set(codes):
             builder.set_length_offset(int(values["H"]))
 
     def _mode(self, code: float) -> None:

@@ -1,0 +1,107 @@
+"""The G codes: which move, which end or shift something, which are refused, and the words that some
+of them own."""
+
+from __future__ import annotations
+
+from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.planners.toolpath.readers.gcode.cycles import CYCLES
+from irb2400_ctrl.planners.toolpath.readers.gcode.frames import CODES as FRAMES
+from irb2400_ctrl.planners.toolpath.readers.gcode.splines import MODES as SPLINES
+from irb2400_ctrl.planners.toolpath.readers.program_builder import ProgramBuilder
+
+MOTION = {0, 1, 2, 3, 80, *SPLINES, *CYCLES}
+# exact stop, blending, safe zones, look-ahead, compensation off: nothing for the points
+_QUIET = """8 9 22 23 25 26 40 49.1 50 50.1 60 61 61.1 62 63 64 69.1 80.1 97 103 187
+601 602 603 641 642 643 644 645 450 451"""
+HARMLESS = frozenset(map(float, _QUIET.split()))
+# take axis words for something else than a place to go to, or end something
+SPECIAL = frozenset([4, 28, 28.1, 30, 53, 53.1, *FRAMES])
+# with a number behind P: G54.1 P1 … (Fanuc), G154 P1 … (Haas)
+MANY_OFFSETS = frozenset([54.1, 154])
+RADIUS = (
+    "the offset by the tool's radius, which the control knows; let the CAM system write the path "
+    "of the tool's centre"
+)
+REFUSED = {
+    5.2: "a spline",
+    6.3: "a spline",
+    7: "programming in diameters",
+    10: "a change of the control's offsets",
+    31: "a probe",
+    33: "thread cutting",
+    38.2: "a probe",
+    41: RADIUS,
+    42: RADIUS,
+    51: "scaling",
+    51.1: "mirroring",
+    65: "a macro",
+    66: "a macro",
+    87: "boring from below",
+    96: "constant surface speed",
+    110: "a pole",
+    111: "a pole",
+    112: "a pole",
+}
+PLACE_WORDS = frozenset("XYZABC")
+_LIMITS = ("XYZABCIJKPQRS", "limits, which are not held")
+_NUMBER = ("P", "")
+# the letters that belong to a code, and what they are; without a text nobody takes them for a place
+OWNED: dict[float, tuple[str, str]] = {
+    8: _NUMBER,
+    22: _LIMITS,
+    25: _LIMITS,
+    26: _LIMITS,
+    43.1: (
+        "XYZABC",
+        "the tool's length offset and no motion (LinuxCNC, grbl); it is not applied: the places "
+        "are those of the tip",
+    ),
+    50: ("S", "the highest speed of the spindle, which is not held"),
+    50.1: ("XYZABC", "the axes that are no longer mirrored"),
+    54.1: _NUMBER,
+    64: ("PQ", ""),
+    92: ("S", "the highest speed of the spindle, which is not held"),
+    103: _NUMBER,
+    154: _NUMBER,
+    187: _NUMBER,
+}
+
+
+def without_owned(
+    codes: list[float], values: dict[str, float], builder: ProgramBuilder
+) -> dict[str, float]:
+    """The words of a block without those that belong to a code which moves nothing.
+
+    Args:
+        codes: the G codes of the block.
+        values: its words by their letter.
+        builder: takes the notes.
+
+    Raises:
+        InputError: the words could also be the place that another code of the block moves to, or
+            the code changes the coordinates and that is not read.
+    """
+    left = dict(values)
+    for code in codes:
+        if code == 50 and PLACE_WORDS & set(values):
+            raise InputError(
+                f"{builder.place}: G50 with {min(PLACE_WORDS & set(values))} sets the coordinates "
+                "(lathes of Fanuc); not read, expected G92 for it, or G50 alone (scaling off)"
+            )
+        letters, says = OWNED.get(code, ("", ""))
+        # G43.1 with H goes to the place beside it (Fanuc)
+        taken = [letter for letter in letters if letter in values]
+        if not taken or (code == 43.1 and "H" in values):
+            continue
+        moving = [other for other in codes if other in MOTION and other != 80]
+        if moving and PLACE_WORDS & set(taken):
+            raise InputError(
+                f"{builder.place}: G{code:g} and G{moving[0]:g} in one block: whose is "
+                f"{taken[0]}{values[taken[0]]:g}? Expected them in two lines"
+            )
+        for letter in taken:
+            left.pop(letter, None)
+        if says:
+            shown = " ".join(f"{letter}{values[letter]:g}" for letter in taken)
+            builder.note("assumed", f"G{code:g} {shown}: {says}")
+    return left

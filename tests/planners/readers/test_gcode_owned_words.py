@@ -1,0 +1,84 @@
+"""G-code: words that belong to a code which moves nothing are no place to go to."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.planners import CamProgram, read_program
+
+HEAD = "G21 G90 G17\nG0 X0. Y0. Z10.\nG1 X5. F100\n"
+
+
+def program(tmp_path: Path, text: str) -> CamProgram:
+    file = tmp_path / "part.nc"
+    file.write_text(text)
+    return read_program(file)
+
+
+def assumed(read: CamProgram) -> str:
+    return " ".join(map(str, read.of_kind("assumed")))
+
+
+@pytest.mark.parametrize(
+    ("block", "says"),
+    [
+        ("G43.1 Z-48.2", "line 4: G43.1 Z-48.2: the tool's length offset and no motion"),
+        ("G22 X100. Y100. Z100. I-1. J-1. K-1.", "G22 X100 Y100 Z100 I-1 J-1 K-1: limits"),
+        ("G25 X-10. Y-10.", "G25 X-10 Y-10: limits"),
+        ("G26 P1 Q2 R3 I4", "G26 I4 P1 Q2 R3: limits"),
+        ("G50.1 X0.", "G50.1 X0: the axes that are no longer mirrored"),
+        ("G92 S2000", "G92 S2000: the highest speed of the spindle, which is not held"),
+        ("G50 S2000", "G50 S2000: the highest speed of the spindle, which is not held"),
+    ],
+)
+def test_words_of_a_code_make_no_motion(tmp_path: Path, block: str, says: str) -> None:
+    read = program(tmp_path, f"{HEAD}{block}\nX9.\nM30\n")
+    points = 1e3 * read.operation().path.position
+    assert np.allclose(points, [[0, 0, 10], [5, 0, 10], [9, 0, 10]])
+    assert says in assumed(read)
+    assert "the zero is moved" not in assumed(read)
+
+
+def test_limits_are_no_circle(tmp_path: Path) -> None:
+    read = program(tmp_path, f"{HEAD}G2 X9. I2.\nG26 P1 Q2 R3 I4\nM30\n")
+    assert set(read.operation().line) == {2, 3, 4}
+
+
+@pytest.mark.parametrize("block", ["G92 S3000", "G26 S3000", "G50 S3000"])
+def test_a_limit_of_the_spindle_is_not_its_speed(tmp_path: Path, block: str) -> None:
+    read = program(tmp_path, f"S600 M3\n{HEAD}{block}\nG95 G1 X9. F0.1\nM30\n")
+    assert read.operation().path.feed[-1] == pytest.approx(1e-3)
+
+
+def test_a_length_offset_with_a_register_goes_to_the_place(tmp_path: Path) -> None:
+    read = program(tmp_path, f"{HEAD}G43.1 Z2. H3\nM30\n")
+    assert 1e3 * read.operation().path.position[-1, 2] == pytest.approx(2)
+    assert read.operation().tool.length_offset == 3
+
+
+def test_the_number_of_an_offset_is_not_of_the_arc(tmp_path: Path) -> None:
+    read = program(tmp_path, "G21 G90\nG54.1 P7 G0 X0. Y0. Z0.\nG54.1 P7 G2 X10. I5. F60\nM30\n")
+    path = read.operation().path.position
+    way = 1e3 * np.linalg.norm(np.diff(path, axis=0), axis=1).sum()
+    assert way == pytest.approx(5 * np.pi, rel=1e-2)
+
+
+@pytest.mark.parametrize(
+    ("block", "says"),
+    [
+        ("G50 X100. Z50.", "line 4: G50 with X sets the coordinates .* expected G92"),
+        ("G0 G43.1 Z-48.2", "line 4: G43.1 and G0 in one block: whose is Z-48.2"),
+        ("G0 G22 X100.", "G22 and G0 in one block"),
+        ("G92 C0. X0.\nG92 C5.", "line 5: G92 C5 moves the zero of the rotary axis C"),
+        ("G52 A5.", "G52 A5 moves the zero of the rotary axis A"),
+        ("G2 X9. I2. P1.5", "an arc of 1.5 turns .*, expected a whole number"),
+        ("G2 X9. I2. P-2", "an arc of -2 turns .*, expected a whole number"),
+    ],
+)
+def test_what_changes_the_coordinates_is_refused(tmp_path: Path, block: str, says: str) -> None:
+    with pytest.raises(InputError, match=says):
+        program(tmp_path, f"{HEAD}{block}\nX9.\nM30\n")
