@@ -259,3 +259,47 @@ def test_an_angle_to_turn_to_holds_among_differences_too(tmp_path: Path, word: s
     assert np.allclose(axis[1], [s20, 0, np.sqrt(1 - s20**2)])
     assert np.allclose(axis[2], [0, 0.5, np.sqrt(0.75)])
     assert np.allclose(axis[3], [0.5, 0, np.sqrt(0.75)])
+
+
+def feeds_of_g70(tmp_path: Path, file: str, text: str, **options: str) -> tuple[float, float, str]:
+    """Length of the cut [mm], its feed [mm/min], and what is assumed."""
+    path = tmp_path / file
+    path.write_text(text)
+    read = read_program(path, **options)
+    found = read.operation()
+    assumed = " ".join(map(str, read.of_kind("assumed")))
+    return 1e3 * found.lengths()[0], 6e4 * float(found.path.feed[-1]), assumed
+
+
+@pytest.mark.parametrize(("file", "sign"), [("part.mpf", ""), ("part.nc", "SUPA"), ("a.nc", "=")])
+def test_g70_of_siemens_leaves_feeds_in_mm(tmp_path: Path, file: str, sign: str) -> None:
+    order = {"SUPA": "SUPA Z0.\n", "=": "", "": ""}[sign]
+    x = "X=4" if sign == "=" else "X4."
+    text = f"{order}G71 G90\nG0 X0. Y0. Z10.\nG70\nG1 {x} F250\nM30\n"
+    length, feed, assumed = feeds_of_g70(tmp_path, file, text)
+    assert length == pytest.approx(101.6)
+    assert feed == pytest.approx(250)
+    assert "G70 (Siemens): lengths in inch, feeds still in mm" in assumed
+    both = feeds_of_g70(tmp_path, file, text.replace("G70\n", "G700\n"))
+    assert both[:2] == pytest.approx((101.6, 250 * 25.4))
+    assert feeds_of_g70(tmp_path, file, text, units="inch")[1] == pytest.approx(250 * 25.4)
+
+
+def test_g70_of_siemens_leaves_the_feed_of_a_cycle_in_mm(tmp_path: Path) -> None:
+    text = "G70 G90\nG0 X0. Y0. Z1.\nF100\nCYCLE85(1,0,0.1,-1,,0,120,240)\nM30\n"
+    length, _, _ = feeds_of_g70(tmp_path, "part.mpf", text)
+    found = read_program(tmp_path / "part.mpf").operation().path.feed
+    assert length > 25
+    assert 6e4 * found[np.isfinite(found)] == pytest.approx([120, 120])
+
+
+def test_g70_of_another_control_is_of_feeds_too_and_said(tmp_path: Path) -> None:
+    text = "#1=4\nG71 G90\nG0 X0. Y0. Z10.\nG70\nG1 X#1 F10.\nM30\n"
+    length, feed, assumed = feeds_of_g70(tmp_path, "part.nc", text)
+    assert (length, feed) == pytest.approx((101.6, 254))
+    assert "G70: lengths and feeds in inch; a control of Siemens takes feeds in mm" in assumed
+
+
+def test_a_variable_makes_no_control_of_siemens(tmp_path: Path) -> None:
+    text = "#1=4\n#<len>=5\nG21 G90\nG0 X0. Y0. Z10.\nG1 X20 F100\nM30\n"
+    assert "no decimal point" in feeds_of_g70(tmp_path, "part.nc", text)[2]

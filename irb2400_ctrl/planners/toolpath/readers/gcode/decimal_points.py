@@ -4,18 +4,17 @@ from __future__ import annotations
 
 import re
 
+from irb2400_ctrl.planners.toolpath.readers.gcode.control import is_siemens, without_comments
+
 _LENGTH = re.compile(r"(?<![A-Z#\d.])[XYZIJKR]\s*[-+]?(\d+\.?\d*|\.\d+)")
-_COMMENT = re.compile(r"\([^()]*\)|;.*")
-# what controls write where X100 is 100 mm
-_SIEMENS = re.compile(r"=|\bCYCLE\d|\bTRAORI\b|^\s*%_N_", re.MULTILINE)
 
 
-def without_point(text: str) -> list[tuple[int, str]]:
+def without_point(text: str, name: str) -> list[tuple[int, str]]:
     """The first line with a length without a point, and what is assumed of it; nothing where none
-    is, or the file is of a control on which it means the same."""
-    code = _COMMENT.sub("", text.upper())
-    if _SIEMENS.search(code):
+    is, or the file is of a control of Siemens, on which X100 is always 100 mm."""
+    if is_siemens(text, name):
         return []
+    code = without_comments(text)
     bare = 0
     first = 0
     pointed = 0

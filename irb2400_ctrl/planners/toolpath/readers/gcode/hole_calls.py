@@ -95,7 +95,7 @@ def cycle_of(
         max(retract - plane, clear) * unit,
         tuple(step * unit for step in steps),
         _dwell(at, call.name, spindle_rpm, place),
-        _feed(at, call, unit, place),
+        _feed(at, call, state, place),
         call.name,
     )
 
@@ -155,12 +155,12 @@ def _dwell(at: list[float | None], name: str, spindle_rpm: float, place: str) ->
     return -stated * 60 / spindle_rpm
 
 
-def _feed(at: list[float | None], call: HoleCall, unit: float, place: str) -> Feed | None:
+def _feed(at: list[float | None], call: HoleCall, state: GcodeState, place: str) -> Feed | None:
     """CYCLE84: pitch times speed; CYCLE85: FFR; the others have the one in force."""
     if call.name == "CYCLE85" and at[6]:
-        return Feed("speed", at[6] * unit / 60)
+        return Feed("speed", at[6] * state.feed_unit / 60)
     if call.name != "CYCLE84":
         return None
     if not at[8] or not at[10]:
         raise InputError(f"{place}: CYCLE84 without PIT and SST; expected pitch and speed")
-    return Feed("speed", abs(at[8] * at[10]) * unit / 60)
+    return Feed("speed", abs(at[8] * at[10]) * state.unit / 60)

@@ -16,6 +16,7 @@ from irb2400_ctrl.planners.toolpath.readers.gcode.codes import (
     SPECIAL,
     without_owned,
 )
+from irb2400_ctrl.planners.toolpath.readers.gcode.control import is_siemens
 from irb2400_ctrl.planners.toolpath.readers.gcode.cycles import CYCLES, dwell_seconds
 from irb2400_ctrl.planners.toolpath.readers.gcode.decimal_points import without_point
 from irb2400_ctrl.planners.toolpath.readers.gcode.frames import GcodeFrames
@@ -50,6 +51,7 @@ def read_gcode(
         InputError: a word that is not known or not read, with its line.
     """
     reader = _Reader(builder, units, None if rotary is None else Rotary.of(rotary))
+    reader.siemens = is_siemens(text, name)
     lines, notes = in_order(text, name)
     listed = list(blocks(lines, name))
     if not any("Z" in block.values() for block in listed if isinstance(block, Block)):
@@ -70,7 +72,7 @@ def read_gcode(
         reader.end()
     except InputError as error:
         builder.failed(error)
-    for builder.line, note in [*notes, *without_point(text)]:
+    for builder.line, note in [*notes, *without_point(text, name)]:
         builder.note("assumed", note)
     return builder.finish("G-code", reader.unit_name(), reader.unit_stated)
 
@@ -83,6 +85,7 @@ class _Reader:
         self._state = GcodeState()
         if units is not None:
             self._state.unit = LENGTHS[units]
+            self._state.feed_unit = LENGTHS[units]
             self._state.unit_fixed = True
         self._units = units
         self._motion = GcodeMotion(builder, self._state, rotary)
@@ -91,6 +94,8 @@ class _Reader:
         self._used_offset = ""
         self._again = False
         self.ended = False
+        self.siemens = False
+        """the file is for a control of Siemens: G70 and G71 leave the unit of feeds alone"""
 
     @property
     def unit_stated(self) -> bool:
@@ -189,8 +194,8 @@ class _Reader:
             19: lambda: setattr(state, "plane", 19),
             20: lambda: state.set_units(20),
             21: lambda: state.set_units(21),
-            70: lambda: state.set_units(20),
-            71: lambda: state.set_units(21),
+            70: lambda: self._unit_of_lengths(20),
+            71: lambda: self._unit_of_lengths(21),
             700: lambda: state.set_units(20),
             710: lambda: state.set_units(21),
             90: lambda: setattr(state, "absolute", True),
@@ -218,6 +223,21 @@ class _Reader:
             state.work_offset = f"G{code:g}"
         elif code not in MOTION and code not in SPECIAL:
             raise InputError(f"{self._builder.place}: unknown code G{code:g}")
+
+    def _unit_of_lengths(self, code: int) -> None:
+        """G70, G71: of lengths alone on a control of Siemens, where feeds stay in the basic unit of
+        the machine; else of feeds, too."""
+        self._state.set_units(code, feeds=not self.siemens)
+        if code == 21 or self._state.unit_fixed:
+            return
+        self._builder.note(
+            "assumed",
+            "G70 (Siemens): lengths in inch, feeds still in mm, the machine's basic unit; for both "
+            "in inch G700, or --units inch"
+            if self.siemens
+            else "G70: lengths and feeds in inch; a control of Siemens takes feeds in mm still: "
+            "name a file for one part.mpf",
+        )
 
     def _no_tool_centre(self) -> None:
         self._state.tool_centre = False

@@ -22,6 +22,8 @@ class GcodeState:
     """What holds until it is changed."""
 
     unit: float = MM
+    feed_unit: float = MM
+    """of lengths in feeds"""
     unit_stated: bool = False
     unit_fixed: bool = False
     """the user states the unit: G20 and G21 do not change it"""
@@ -61,11 +63,12 @@ class GcodeState:
         """Pose in the work frame of the frame that coordinates are stated in, shape (4, 4)."""
         return self.offset @ self.plane_pose @ self.turned
 
-    def set_units(self, code: int) -> None:
-        """G20, G21 (G70, G71)."""
+    def set_units(self, code: int, *, feeds: bool = True) -> None:
+        """G20 or G21; without `feeds` for places and lengths alone, feeds are in mm then."""
         self.unit_stated = True
         if not self.unit_fixed:
-            self.unit = INCH if code in {20, 70} else MM
+            self.unit = INCH if code == 20 else MM
+            self.feed_unit = self.unit if feeds else MM
 
     def feed(self, value: float) -> Feed:
         """The feed of an F word in the mode in force; zero states none."""
@@ -74,8 +77,8 @@ class GcodeState:
         if self.feed_mode == 93:
             return Feed("inverse", value / 60)
         if self.feed_mode == 95:
-            return Feed("turn", value * self.unit)
-        return Feed("speed", value * self.unit / 60)
+            return Feed("turn", value * self.feed_unit)
+        return Feed("speed", value * self.feed_unit / 60)
 
     def absolute_of(self, letter: str, values: dict[str, float]) -> bool:
         """Whether a word of a block is a place, not a way: its own AC or IC counts before G90."""

@@ -1,0 +1,27 @@
+"""Whose control a file of G-code is for, as far as its words or its name say so."""
+
+from __future__ import annotations
+
+import re
+from pathlib import PurePath
+
+_COMMENT = re.compile(r"\([^()]*\)|;.*")
+# X=10, R1=5, T="…", but not #1=5 and #<name>=5 (Fanuc, LinuxCNC); words and codes of 840D
+_SIEMENS = re.compile(
+    r"[A-Z_]\w*\s*=|\bCYCLE\d|\bMCALL\b|\bTRA(?:ORI|FOOF)\b|\bSUPA\b|\bMSG\b|\bA?TRANS\b"
+    r"|^\s*%_N_|\bG(?:500|700|710)\b",
+    re.MULTILINE,
+)
+_SUFFIXES = {".mpf", ".spf"}
+
+
+def without_comments(text: str) -> str:
+    """The code of a file in capitals, line by line as in the file."""
+    return _COMMENT.sub("", text.upper())
+
+
+def is_siemens(text: str, name: str = "") -> bool:
+    """Whether only a control of Siemens reads such words, or the file is named as one of its
+    programs."""
+    suffix = PurePath(name).suffix.lower()
+    return suffix in _SUFFIXES or _SIEMENS.search(without_comments(text)) is not None
