@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -20,6 +21,7 @@ from irb2400_ctrl.planners.toolpath.readers.program_builder import (
     ProgramBuilder,
 )
 from irb2400_ctrl.planners.toolpath.readers.text import read_text
+from irb2400_ctrl.planners.toolpath.tool_lengths import tool_lengths
 from irb2400_ctrl.planners.toolpath.toolpath import ToolPath
 
 # a path that is as small as this is more likely one in metres [m]
@@ -98,7 +100,8 @@ def read_program(
             program = read_apt(text, str(path), kind, builder, units)
     if units is None:
         _check_size(program)
-    return program
+    lengths = tool_lengths(program)
+    return program if lengths is None else replace(program, notes=(*program.notes, lengths))
 
 
 def _check_size(program: CamProgram) -> None:
