@@ -289,7 +289,7 @@ def test_tool_vectors_need_no_kinematics(tmp_path: Path) -> None:
 
 
 def test_a_cut_without_feed_is_noted(tmp_path: Path) -> None:
-    read = program(tmp_path, "G21\nG0 X0 Y0 Z0\nG1 X9\nF0 Y9\n")
+    read = program(tmp_path, "G21\nG0 X0 Y0 Z0\nG1 X9\nY9\n")
     assert np.isinf(read.operation().path.feed).all()
     assert "a cut without a stated feed" in str(read.of_kind("assumed")[0])
 

@@ -59,6 +59,10 @@ def read_csv(text: str, name: str, unit: float = 1e-3) -> CamProgram:
     numbers = [line for line, _ in lines[1:]]
     path = _path(table, full, FEED in header, name, numbers, unit)
     notes = [Note("ignored", lines[0][0], f"column {column}") for column in others]
+    if not np.isfinite(path.feed).any():
+        says = f"the column {FEED} is empty" if FEED in header else f"no column {FEED}"
+        says += ": no feed is stated, and the moves are as fast as the limits of the arm allow"
+        notes.append(Note("assumed", lines[0][0], says))
     operation = Operation(
         1, path.name, path, ~np.isfinite(path.feed), np.array(numbers, dtype=np.int64)
     )

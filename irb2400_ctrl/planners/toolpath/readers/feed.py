@@ -31,8 +31,13 @@ class Feed:
             place: file and line, for messages.
 
         Raises:
-            InputError: a feed per revolution, and the spindle stands.
+            InputError: a feed of zero; one per revolution, and the spindle stands.
         """
+        if self.value == 0:
+            raise InputError(
+                f"{place}: a cut with the feed zero, at which the tool stands; expected a positive "
+                "feed before it or in its block"
+            )
         if self.kind == "turn":
             if spindle_speed <= 0:
                 raise InputError(

@@ -71,9 +71,7 @@ class GcodeState:
             self.feed_unit = self.unit if feeds else MM
 
     def feed(self, value: float) -> Feed:
-        """The feed of an F word in the mode in force; zero states none."""
-        if value == 0:
-            return Feed()
+        """The feed of an F word in the mode in force."""
         if self.feed_mode == 93:
             return Feed("inverse", value / 60)
         if self.feed_mode == 95:
