@@ -112,7 +112,8 @@ class GcodeMachine:
         elif function in SUBPROGRAMS:
             raise InputError(
                 f"{builder.place}: M{function} calls a sub-program that is not in the file, or by "
-                "a line's number; not read, put it into the file as O… or write out its moves"
+                "a line's number (P, Q, H); not read, put it into the file as O… or write out its "
+                "moves"
             )
         elif function == 99:
             builder.note("assumed", "M99: the control begins again here; carried out once")

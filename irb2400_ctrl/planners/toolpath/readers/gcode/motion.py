@@ -3,12 +3,19 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.errors import InputError
-from irb2400_ctrl.planners.toolpath.readers.expansion.arcs import Arc
+from irb2400_ctrl.planners.toolpath.readers.expansion.arcs import (
+    EXPECTED_MISS,
+    Arc,
+    largest_miss,
+    miss,
+    sweep,
+)
 from irb2400_ctrl.planners.toolpath.readers.gcode.blocks import TO_ANGLE
 from irb2400_ctrl.planners.toolpath.readers.gcode.cycles import CYCLES, GcodeCycles
 from irb2400_ctrl.planners.toolpath.readers.gcode.rotary import REFUSAL, UNCONTROLLED, Rotary
@@ -126,7 +133,8 @@ class GcodeMotion:
         q = np.array(target, dtype=float)
         normal = np.zeros(3)
         normal[across] = 1.0 if motion == 3 else -1.0
-        if any(letter in values for letter in (*CENTRE, *ABSOLUTE)):
+        by_centre = any(letter in values for letter in (*CENTRE, *ABSOLUTE))
+        if by_centre:
             centre = self._centre(values, p, (first, second, across))
         elif "R" in values:
             centre = self._centre_of_radius(p, q, values["R"] * state.unit, normal)
@@ -135,15 +143,43 @@ class GcodeMotion:
                 f"{builder.place}: G{motion:g} without a centre; expected "
                 f"{CENTRE[first]}, {CENTRE[second]} or R"
             )
+        stated = Arc(centre, normal, None, self._turns(values))
+        if by_centre and "R" in values:
+            self._same_arc(stated, p, q, values["R"] * state.unit)
         R = state.tilt[:3, :3]
-        arc = Arc(
-            state.placed(centre, builder.place),
-            R @ normal,
-            None,
-            self._turns(values),
-        )
+        arc = replace(stated, centre=state.placed(centre, builder.place), normal=R @ normal)
         builder.arc(arc, state.placed(q, builder.place), axis=axis)
         state.at = target
+
+    def _same_arc(self, arc: Arc, p: Array, q: Array, radius: float) -> None:
+        """I, J, K and R in one block say the same: Fanuc follows R, others I, J, K.
+
+        Args:
+            arc: by I, J, K.
+            p: its start [m], shape (3,).
+            q: its end [m], shape (3,).
+            radius: as R states it, negative for more than half a turn [m].
+
+        Raises:
+            InputError: another radius than rounding explains, or the other way round the circle.
+        """
+        allowed = largest_miss(arc, p)
+        found = miss(replace(arc, radius=abs(radius)), p, q)
+        turned = sweep(replace(arc, turns=1), p, q)
+        # R says nothing of a full circle, and its rounding decides what is just half of one
+        full = abs(2 * radius * math.sin(turned / 2)) < EXPECTED_MISS
+        beside = abs(radius * math.cos(turned / 2))
+        half = beside < math.sqrt(2 * abs(radius) * EXPECTED_MISS)
+        if found > allowed:
+            why = f"their radii differ by {1e3 * found:.4g} mm"
+        elif full or half or (turned < math.pi) == (radius > 0):
+            return
+        else:
+            why = f"the one turns by {math.degrees(turned):.0f} deg, the other by the rest"
+        raise InputError(
+            f"{self._builder.place}: the centre by I, J, K and R ({1e3 * radius:g} mm) of an arc "
+            f"differ: {why}; controls follow one or the other, expected one of them"
+        )
 
     def _turns(self, values: dict[str, float]) -> int:
         """P turns (LinuxCNC), or TURN= whole ones besides (Siemens)."""

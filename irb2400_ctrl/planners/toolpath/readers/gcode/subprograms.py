@@ -21,6 +21,7 @@ _END_SUB = re.compile(r"^\s*O\s*(\d+|<\w+>)\s+ENDSUB\b", re.IGNORECASE)
 _M98 = re.compile(r"M0*98(?!\d)", re.IGNORECASE)
 _P = re.compile(r"P\s*(\d+)", re.IGNORECASE)
 _L = re.compile(r"[LK]\s*(\d+)", re.IGNORECASE)
+_FROM_BLOCK = re.compile(r"[QH]\s*\d", re.IGNORECASE)
 _O_CALL = re.compile(r"^\s*O\s*(\d+|<\w+>)\s+CALL\b(.*)", re.IGNORECASE)
 _NAMED = re.compile(
     r'^\s*(?:N\d+\s*)?(?:CALL\s+"(\w+)"|([A-Z_]\w+))\s*(?:P\s*=?\s*(\d+))?\s*$', re.IGNORECASE
@@ -74,6 +75,11 @@ def in_order(text: str, name: str) -> tuple[Iterator[Line], list[Line]]:
         for key in free
         if key != first
     ]
+    notes += [
+        (number, f"{_code(raw)}: the sub-program is called no times: its moves are left out")
+        for lines in programs.lines.values() for number, raw in lines
+        if (found := _call(raw, programs)) is not None and found[1] == 0
+    ]  # fmt: skip
     return _run(programs, first, 0, name, [0]), notes
 
 
@@ -110,7 +116,8 @@ def _call(raw: str, programs: _Programs) -> tuple[str, int, str, str] | None:
     if _M98.search(code):
         p = _P.search(code)
         times = _L.search(code)
-        if p is None:
+        # P2 Q10, P2 H10: from a block of it on
+        if p is None or _FROM_BLOCK.search(code):
             return None
         target = programs.named(p[1])
         count = int(times[1]) if times else 1

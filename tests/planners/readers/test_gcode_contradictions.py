@@ -1,0 +1,100 @@
+"""G-code: words that say two things, and feeds that say none."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.planners import CamProgram, read_program
+
+HEAD = "G21 G90 G17\nG0 X0. Y0. Z0.\nF600\n"
+
+
+def program(tmp_path: Path, text: str) -> CamProgram:
+    file = tmp_path / "part.nc"
+    file.write_text(text)
+    return read_program(file)
+
+
+def way(tmp_path: Path, text: str) -> float:
+    """Length of the feed moves [mm]."""
+    return 1e3 * program(tmp_path, f"{HEAD}{text}\nM30\n").operation().lengths()[0]
+
+
+QUARTER = 10 * np.pi / 2
+
+
+@pytest.mark.parametrize(
+    ("arc", "length"),
+    [
+        ("G3 X10. Y10. I0. J10. R10.", QUARTER),
+        ("G3 X10. Y10. I0. J10. R10.02", QUARTER),
+        ("G2 X10. Y10. I0. J10. R-10.", 3 * QUARTER),
+        ("G3 X0. Y20. I0. J10. R10.", 2 * QUARTER),
+        # half a turn but for rounding
+        ("G3 X0.01 Y20. I0. J10. R10.", 2 * QUARTER),
+        ("G3 X-0.01 Y20. I0. J10. R10.", 2 * QUARTER),
+        ("G3 X0. Y0. I0. J10. R10.", 4 * QUARTER),
+        ("G3 X0. Y0. Z1. I0. J10. R10.", 4 * QUARTER),
+        ("G3 X10. Y10. I0. J10. R10. P2", 5 * QUARTER),
+    ],
+)
+def test_centre_and_radius_that_agree(tmp_path: Path, arc: str, length: float) -> None:
+    assert way(tmp_path, arc) == pytest.approx(length, rel=1e-2)
+
+
+@pytest.mark.parametrize(
+    ("arc", "says"),
+    [
+        ("G3 X10. Y10. I0. J10. R20.", r"line 4: the centre .* R \(20 mm\) .* radii differ by 10"),
+        ("G3 X10. Y10. I0. J10. R10.2", "their radii differ by 0.2 mm"),
+        ("G3 X10. Y10. I0. J10. R-10.", "the one turns by 90 deg, the other by the rest"),
+        ("G2 X10. Y10. I0. J10. R10.", "the one turns by 270 deg"),
+        ("G3 X-0.2 Y0. I0. J10. R10.", "the one turns by 359 deg"),
+    ],
+)
+def test_centre_and_radius_that_differ_are_refused(tmp_path: Path, arc: str, says: str) -> None:
+    with pytest.raises(InputError, match=says):
+        way(tmp_path, arc)
+
+
+@pytest.mark.parametrize("block", ["Q10", "H10"])
+def test_a_sub_program_from_a_block_on_is_refused(tmp_path: Path, block: str) -> None:
+    sub = "O2\nX5.\nN10 X9.\nM99\n"
+    with pytest.raises(InputError, match=r"line 5: M98 calls .* by a line's number \(P, Q, H\)"):
+        program(tmp_path, f"O1\n{HEAD}M98 P2 {block}\nM30\n{sub}")
+
+
+def test_a_call_of_no_times_is_said(tmp_path: Path) -> None:
+    read = program(tmp_path, f"O1\n{HEAD}G1 X1.\nM98 P2 L0\nM30\nO2\nX5.\nM99\n")
+    assert 1e3 * read.operation().path.position[-1, 0] == pytest.approx(1)
+    notes = " ".join(map(str, read.of_kind("assumed")))
+    assert "line 6: M98 P2 L0: the sub-program is called no times" in notes
+
+
+@pytest.mark.parametrize("feed", ["F0", "F0.", "G93 F0"])
+def test_a_cut_at_feed_zero_is_refused(tmp_path: Path, feed: str) -> None:
+    with pytest.raises(InputError, match="line 4: a cut with the feed zero"):
+        way(tmp_path, f"G1 X9. {feed}")
+    assert way(tmp_path, "G0 X9. F0\nG1 X10. F60") == pytest.approx(1)
+
+
+@pytest.mark.parametrize("cells", [("", ""), (",feed_mm_s", ",")])
+def test_a_table_without_feeds_says_so(tmp_path: Path, cells: tuple[str, str]) -> None:
+    file = tmp_path / "path.csv"
+    head, row = cells
+    rows = "".join(f"{x},0,0,0,0,1{row}\n" for x in (0, 100))
+    file.write_text(f"# drawn\nx_mm,y_mm,z_mm,i,j,k{head}\n{rows}")
+    (note,) = read_program(file).of_kind("assumed")
+    assert note.line == 2
+    assert "feed_mm_s" in note.text
+    assert "no feed is stated, and the moves are as fast as the limits of the arm" in note.text
+
+
+def test_a_table_with_a_feed_says_nothing(tmp_path: Path) -> None:
+    file = tmp_path / "path.csv"
+    file.write_text("x_mm,y_mm,z_mm,i,j,k,feed_mm_s\n0,0,0,0,0,1,\n100,0,0,0,0,1,20\n")
+    assert read_program(file).of_kind("assumed") == []
