@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from irb2400_ctrl.errors import InputError
-from irb2400_ctrl.planners.toolpath.cam_program import CamProgram
+from irb2400_ctrl.planners.toolpath.cam_program import CamProgram, Note
 from irb2400_ctrl.planners.toolpath.readers.apt.program import read_apt
 from irb2400_ctrl.planners.toolpath.readers.csv_path import read_csv
 from irb2400_ctrl.planners.toolpath.readers.dialect import dialect
@@ -100,6 +100,10 @@ def read_program(
             program = read_apt(text, str(path), kind, builder, units)
     if units is None:
         _check_size(program)
+    if not program.operations:
+        # a strict reader refuses such a file itself
+        empty = Note("unknown", 1, "no motion in the whole file: expected at least 2 points")
+        program = replace(program, notes=(*program.notes, empty))
     lengths = tool_lengths(program)
     return program if lengths is None else replace(program, notes=(*program.notes, lengths))
 
@@ -111,8 +115,16 @@ def _check_size(program: CamProgram) -> None:
     position = np.concatenate([o.path.position for o in program.operations])
     size = float(np.linalg.norm(np.ptp(position, axis=0)))
     if size < TINY and float(np.abs(position).max()) < NEAR:
+        # machine tools count in inch or mm; a table, and APT of anyone, may well be in metres
+        likely = ("inch", "m") if program.dialect == "G-code" else ("m", "inch")
+        name = {"inch": "inches", "m": "metres"}
+        sizes = " or ".join(
+            f"units={unit!r} (--units {unit}; {1e3 * size * LENGTHS[unit] / LENGTHS['mm']:.4g} mm large)"
+            for unit in likely
+        )
         raise InputError(
             f"{program.name}: the whole path is {1e3 * size:.3g} mm large and lies within "
-            f"{1e3 * float(np.abs(position).max()):.3g} mm of the origin: metres instead of "
-            "millimetres? State the unit: units='m' (--units m), or units='mm' if it is right"
+            f"{1e3 * float(np.abs(position).max()):.3g} mm of the origin: "
+            f"{' or '.join(name[unit] for unit in likely)} instead of millimetres? State the unit: "
+            f"{sizes}, or units='mm' if it is right"
         )

@@ -126,15 +126,21 @@ def test_incremental_mode(tmp_path: Path) -> None:
     assert np.allclose(1e3 * read_path(file).position, expected)
 
 
-@pytest.mark.parametrize(("name", "text"), [
-    ("a.csv", "x_mm,y_mm,z_mm,i,j,k\n1,0,0,0,0,1\n1,2,0,0,0,1\n"),
-    ("a.apt", "GOTO/1,0,0\nGOTO/1,2,0\n"),
-    ("a.nc", "G0 X1 Y0 Z0\nG1 Y2 F100\n"),
+METRES = r"metres or inches instead of millimetres\? State the unit: units='m' \(--units m; 2000 mm"
+INCHES = r"inches or metres instead .* units='inch' \(--units inch; 50.8 mm large\)"
+
+
+@pytest.mark.parametrize(("name", "text", "says"), [
+    ("a.csv", "x_mm,y_mm,z_mm,i,j,k\n1,0,0,0,0,1\n1,2,0,0,0,1\n", METRES),
+    ("a.apt", "GOTO/1,0,0\nGOTO/1,2,0\n", METRES),
+    ("a.nc", "G0 X1 Y0 Z0\nG1 Y2 F100\n", INCHES),
 ])  # fmt: skip
-def test_a_part_of_two_millimetres_is_asked_about(tmp_path: Path, name: str, text: str) -> None:
+def test_a_part_of_two_millimetres_is_asked_about(
+    tmp_path: Path, name: str, text: str, says: str
+) -> None:
     file = tmp_path / name
     file.write_text(text)
-    with pytest.raises(InputError, match=r"metres instead of millimetres\? State the unit"):
+    with pytest.raises(InputError, match=says):
         read_path(file)
     assert np.allclose(read_path(file, units="mm").position[1], [1e-3, 2e-3, 0])
     assert np.allclose(read_path(file, units="m").position[1], [1, 2, 0])

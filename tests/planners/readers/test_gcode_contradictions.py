@@ -98,3 +98,29 @@ def test_a_table_with_a_feed_says_nothing(tmp_path: Path) -> None:
     file = tmp_path / "path.csv"
     file.write_text("x_mm,y_mm,z_mm,i,j,k,feed_mm_s\n0,0,0,0,0,1,\n100,0,0,0,0,1,20\n")
     assert read_program(file).of_kind("assumed") == []
+
+
+@pytest.mark.parametrize("switch", ["/", "/2 ", "/2", "/ 9"])
+def test_blocks_behind_a_switch_are_carried_out_and_it_is_said(tmp_path: Path, switch: str) -> None:
+    assert way(tmp_path, f"{switch}G1 X9.") == pytest.approx(9)
+    sub = f"O1\n{HEAD}{switch}M98 P2\nM30\nO2\nG1 X9.\nM99\n"
+    read = program(tmp_path, sub)
+    assert read.operation().lengths()[0] == pytest.approx(9e-3)
+    assert "line 5: blocks behind / are carried out" in map(str, read.of_kind("assumed"))
+
+
+@pytest.mark.parametrize("line", ["// Note: G70 is inch", "//G1 X50.", "//O0001 rail"])
+def test_two_slashes_begin_no_comment(tmp_path: Path, line: str) -> None:
+    with pytest.raises(InputError, match=r"line 4: found //, which begins no comment .*; before"):
+        way(tmp_path, line)
+
+
+@pytest.mark.parametrize("text", ["", "(only a comment)\n", "M3 S600\n"])
+def test_a_file_without_motion_is_not_said_to_lack_z(tmp_path: Path, text: str) -> None:
+    file = tmp_path / "part.nc"
+    file.write_text(text)
+    notes = " ".join(map(str, read_program(file, strict=False).notes))
+    assert "no Z" not in notes
+    assert "line 1: no motion in the whole file" in notes
+    with pytest.raises(InputError, match="found 0 point"):
+        read_program(file)

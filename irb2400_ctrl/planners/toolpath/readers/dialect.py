@@ -18,7 +18,7 @@ APT_LINE = re.compile(
     re.IGNORECASE | re.MULTILINE,
 )
 GCODE_LINE = re.compile(
-    r"^\s*/?\s*(?:N\s*\d+\s*)?(?:[GM]\s*\d+(?:\.\d+)?(?=[\sA-Z(;]|$)"
+    r"^\s*(?:/[1-9]?)?\s*(?:N\s*\d+\s*)?(?:[GM]\s*\d+(?:\.\d+)?(?=[\sA-Z(;]|$)"
     r"|[XYZ]\s*[-+]?[\d.]+(?=[\sA-Z(;]|$))",
     re.IGNORECASE | re.MULTILINE,
 )

@@ -28,6 +28,8 @@ WORD = re.compile(rf"\s*([A-Z])\s*=?\s*{_NUMBER}")
 TO_ANGLE = "TOANGLE"
 # one word that says for itself what G90 and G91 say for a block: X=IC(10), X=AC(10)
 BY_ITSELF = tuple(f"{axis}{how}" for axis in "XYZABC" for how in ("IC", "AC"))
+# a block that the operator may skip, by one of nine switches: /G1, /2 G1
+OPTIONAL = re.compile(r"/\s*(?:[1-9](?=\s*(?:[A-Z]|$)))?\s*")
 # words of several letters (Siemens)
 EXTENDED = (TO_ANGLE, "CR", "TURN", "RPL", "A3", "B3", "C3", "IAC", "JAC", "KAC", *BY_ITSELF)
 LETTERS = frozenset([*"ABCDFGHIJKLMNPQRSTXYZ", *EXTENDED])
@@ -167,8 +169,8 @@ def blocks(lines: Iterable[Line], name: str) -> Iterator[Block | UnreadLineError
         raw = SWIVEL.sub(" ", raw)
         code, comments, closed = _split(with_square_brackets(raw) if "=" in raw else raw)
         code = code.strip().upper()
-        optional = code.startswith("/")
-        code = code.lstrip("/").strip() if optional else code
+        skipped = OPTIONAL.match(code)
+        code = code[skipped.end() :] if skipped else code
         if code.startswith("%"):
             continue
         # program number or name: O1234, :1234, <NAME>
@@ -176,15 +178,20 @@ def blocks(lines: Iterable[Line], name: str) -> Iterator[Block | UnreadLineError
         try:
             if not closed:
                 raise InputError(f"{name}, line {line}: found a comment ( without its )")
+            if skipped and code.startswith("/"):
+                raise InputError(
+                    f"{name}, line {line}: found //, which begins no comment in G-code; expected "
+                    "(…) or ; before it, or one / before a block that may be skipped"
+                )
             code = variables.resolve(code, f"{name}, line {line}")
             words, orders = _words(code, f"{name}, line {line}")
         except InputError as error:
             yield UnreadLineError(line, str(error))
             continue
         plane = tuple(part.strip() for part in swivelled[1].split(",")) if swivelled else None
-        if words or comments or orders or call or swivelled:
+        if words or comments or orders or call or swivelled or skipped:
             found = (tuple(words), tuple(comments), tuple(orders))
-            yield Block(line, *found, call, optional, plane)
+            yield Block(line, *found, call, skipped is not None, plane)
 
 
 def _split(raw: str) -> tuple[str, list[str], bool]:

@@ -54,7 +54,8 @@ def read_gcode(
     reader.siemens = is_siemens(text, name)
     lines, notes = in_order(text, name)
     listed = list(blocks(lines, name))
-    if not any("Z" in block.values() for block in listed if isinstance(block, Block)):
+    words = {letter for block in listed if isinstance(block, Block) for letter in block.values()}
+    if "Z" not in words and {"X", "Y"} & words:
         reader.flat()
     for index, block in enumerate(listed):
         builder.line = block.line
