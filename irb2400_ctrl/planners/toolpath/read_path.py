@@ -118,8 +118,9 @@ def _check_size(program: CamProgram) -> None:
         # machine tools count in inch or mm; a table, and APT of anyone, may well be in metres
         likely = ("inch", "m") if program.dialect == "G-code" else ("m", "inch")
         name = {"inch": "inches", "m": "metres"}
+        number = 1e3 * size / LENGTHS["mm"]
         sizes = " or ".join(
-            f"units={unit!r} (--units {unit}; {1e3 * size * LENGTHS[unit] / LENGTHS['mm']:.4g} mm large)"
+            f"units={unit!r} (--units {unit}; {number * LENGTHS[unit]:.4g} mm large)"
             for unit in likely
         )
         raise InputError(

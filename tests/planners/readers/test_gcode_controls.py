@@ -293,8 +293,9 @@ def test_g70_of_siemens_leaves_the_feed_of_a_cycle_in_mm(tmp_path: Path) -> None
     assert 6e4 * found[np.isfinite(found)] == pytest.approx([120, 120])
 
 
-def test_g70_of_another_control_is_of_feeds_too_and_said(tmp_path: Path) -> None:
-    text = "#1=4\nG71 G90\nG0 X0. Y0. Z10.\nG70\nG1 X#1 F10.\nM30\n"
+@pytest.mark.parametrize("said", ["#1=4", "(D=10 (CR=0) X=2)\n#1=4", "; X=2\n#1=4"])
+def test_g70_of_another_control_is_of_feeds_too_and_said(tmp_path: Path, said: str) -> None:
+    text = f"{said}\nG71 G90\nG0 X0. Y0. Z10.\nG70\nG1 X#1 F10.\nM30\n"
     length, feed, assumed = feeds_of_g70(tmp_path, "part.nc", text)
     assert (length, feed) == pytest.approx((101.6, 254))
     assert "G70: lengths and feeds in inch; a control of Siemens takes feeds in mm" in assumed

@@ -5,7 +5,8 @@ from __future__ import annotations
 import re
 from pathlib import PurePath
 
-_COMMENT = re.compile(r"\([^()]*\)|;.*")
+# brackets within brackets from the inner one on; a line behind // is refused, and no code
+_COMMENT = re.compile(r"\([^()\n]*\)|;.*|^\s*//.*", re.MULTILINE)
 # X=10, R1=5, T="…", but not #1=5 and #<name>=5 (Fanuc, LinuxCNC); words and codes of 840D
 _SIEMENS = re.compile(
     r"[A-Z_]\w*\s*=|\bCYCLE\d|\bMCALL\b|\bTRA(?:ORI|FOOF)\b|\bSUPA\b|\bMSG\b|\bA?TRANS\b"
@@ -17,7 +18,11 @@ _SUFFIXES = {".mpf", ".spf"}
 
 def without_comments(text: str) -> str:
     """The code of a file in capitals, line by line as in the file."""
-    return _COMMENT.sub("", text.upper())
+    code = text.upper()
+    count = 1
+    while count:
+        code, count = _COMMENT.subn("", code)
+    return code
 
 
 def is_siemens(text: str, name: str = "") -> bool:
