@@ -6,7 +6,7 @@ import re
 from pathlib import PurePath
 
 # brackets within brackets from the inner one on; a line behind // is refused, and no code
-_COMMENT = re.compile(r"\([^()\n]*\)|;.*|^\s*//.*", re.MULTILINE)
+_COMMENT = re.compile(r"\([^()\n]*\)|;.*|^[ \t]*//.*", re.MULTILINE)
 # X=10, R1=5, T="…", but not #1=5 and #<name>=5 (Fanuc, LinuxCNC); words and codes of 840D
 _SIEMENS = re.compile(
     r"[A-Z_]\w*\s*=|\bCYCLE\d|\bMCALL\b|\bTRA(?:ORI|FOOF)\b|\bSUPA\b|\bMSG\b|\bA?TRANS\b"
