@@ -75,6 +75,7 @@ def test_the_number_of_an_offset_is_not_of_the_arc(tmp_path: Path) -> None:
         ("G0 G22 X100.", "G22 and G0 in one block"),
         ("G92 C0. X0.\nG92 C5.", "line 5: G92 C5 moves the zero of the rotary axis C"),
         ("G52 A5.", "G52 A5 moves the zero of the rotary axis A"),
+        ("G92 X0. Y3.\nG92.1 X0.", "line 5: G92.1 with X ends the moved zero of some axes only"),
         ("G2 X9. I2. P1.5", "an arc of 1.5 turns .*, expected a whole number"),
         ("G2 X9. I2. P-2", "an arc of -2 turns .*, expected a whole number"),
     ],

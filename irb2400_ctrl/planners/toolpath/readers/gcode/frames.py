@@ -37,6 +37,12 @@ class GcodeFrames:
         if 69 in codes:
             state.reframe(plane_pose=np.eye(4), turned=np.eye(4))
         if {92.1, 92.2} & set(codes):
+            named = set(AXES) & set(values)
+            if named and named != set(AXES):
+                raise InputError(
+                    f"{self._builder.place}: G92.1 with {min(named)} ends the moved zero of some "
+                    "axes only (Fanuc); not read, expected G92.1 alone, or with X, Y and Z"
+                )
             state.reframe(offset=np.eye(4))
             return True
         orders = {68.2: self._tilt, 68: self._turn, 52: self._local, 92: self._shift}
