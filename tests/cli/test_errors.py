@@ -86,7 +86,8 @@ def test_nan_in_a_log_says_where(tmp_path: Path) -> None:
 def test_unreachable_path_names_point_and_distance(tmp_path: Path) -> None:
     path = tmp_path / "far.csv"
     path.write_text(
-        "x_mm,y_mm,z_mm,i,j,k\n1000,0,800,0,0,1\n1000,50,800,0,0,1\n4000,100,800,0,0,1\n"
+        "x_mm,y_mm,z_mm,i,j,k,feed_mm_s\n"
+        "1000,0,800,0,0,1,20\n1000,50,800,0,0,1,20\n4000,100,800,0,0,1,20\n"
     )
     text = complaint("plan", path, "--out", tmp_path / "out", cwd=tmp_path)
     assert "point 3" in text
