@@ -96,9 +96,6 @@ def diagnose(
             return _not_understood(robot, logs, logs.problem)
         if validation is not None:
             check_beside(robot, validation)
-        if not logs.friction_fits:
-            # a placeholder says nothing of the arm's friction, and would bend its bodies
-            robot = robot.with_unknown_friction()
         return _searched(robot, logs, validation, uncertainty, criteria, progress, change)
 
 
@@ -113,6 +110,10 @@ def _searched(
 ) -> Diagnosis:
     """The diagnosis of logs that are understood."""
     progress("prepare")
+    given = robot
+    if len(logs.other_friction) == robot.n:
+        # a placeholder would bend the bodies; that of a few joints has changed, and has a name
+        robot = robot.with_unknown_friction(logs.other_friction)
     motion = prepare_together(logs.used)
     _has_room(motion)
     bases = _bases(robot.bare())
@@ -133,7 +134,7 @@ def _searched(
     steps, fit = Selection(scan, fitter, criteria).run()
     progress("conclude")
     beside = None if validation is None else prepare(validation)
-    found = _concluded(prior, fitter, load, steps, fit, beside, change)
+    found = _concluded(given, prior, fitter, load, steps, fit, beside, change)
     moved = moved_as_by_a_load(scan, fitter, fit, change)
     compared = found.identification
     torques = (compared.before, compared.after)
@@ -221,6 +222,7 @@ def _bases(robot: Robot) -> Bases:
 
 
 def _concluded(
+    given: Robot,
     prior: BasePrior | IdentifiedPrior,
     fitter: Fitter,
     load: Array,
@@ -229,7 +231,6 @@ def _concluded(
     validation: PreparedLog | None,
     change: bool,
 ) -> Diagnosis:
-    robot = prior.robot
     motion = fitter.motion
     fit = with_possible_bodies(prior, with_friction_first(prior, fit))
     recalibrated = prior.updated(prior.deviations(fit.z))
@@ -237,9 +238,9 @@ def _concluded(
     augmented = Robot.model_validate({**dict(recalibrated), "effects": effects})
     # what began in the middle of one record is there all through the next
     later = augmented.lasting()
-    compared = [_compared(motion, robot, recalibrated, augmented)]
+    compared = [_compared(motion, given, recalibrated, augmented)]
     if validation is not None:
-        compared.append(_compared(validation, robot, recalibrated, later))
+        compared.append(_compared(validation, given, recalibrated, later))
     idle = tuple(
         j + 1 for j in range(motion.n) if np.sqrt(np.mean(motion.qd[:, j] ** 2)) < LEAST_SPEED
     )
@@ -257,12 +258,12 @@ def _concluded(
         later,
         change=change,
         inflation=INFLATION,
-        friction_counts=_better_with_numbers(motion, robot, augmented, change),
+        friction_counts=_better_with_numbers(motion, given, augmented, change),
     )
-    if any(one.name in BODY for one in told) and turns_impossible(robot, recalibrated):
+    if any(one.name in BODY for one in told) and turns_impossible(given, recalibrated):
         weak.append(IMPOSSIBLE)
     return Diagnosis(
-        given=robot,
+        given=given,
         robot=later,
         findings=findings_of(prior, steps, fit, fitter, load, change),
         unexplained=unexplained_of(steps, fit, motion, load),

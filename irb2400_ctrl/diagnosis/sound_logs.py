@@ -40,8 +40,8 @@ class SoundLogs:
     Args:
         used: effects are looked for on these; judged: sound ones beyond `MOST_SECONDS`;
         left_out: the rest; problem: of the only log, or of the first one where none is sound.
-        remarkable: about those that are sound (`Examined`); friction_fits: whether all of these fit
-            with the friction that the robot's file states.
+        remarkable: about those that are sound (`Examined`); other_friction: joints (from 1) on
+            which one of these contradicts the friction that the robot's file states.
     """
 
     used: tuple[Log, ...]
@@ -49,7 +49,7 @@ class SoundLogs:
     left_out: tuple[LeftOut, ...] = ()
     problem: LogProblem | None = None
     remarkable: tuple[str, ...] = ()
-    friction_fits: bool = True
+    other_friction: frozenset[int] = frozenset()
 
 
 def sound_logs(robot: Robot, logs: Sequence[Log]) -> SoundLogs:
@@ -66,11 +66,11 @@ def sound_logs(robot: Robot, logs: Sequence[Log]) -> SoundLogs:
             tuple(logs),
             problem=only.problem,
             remarkable=only.remarkable,
-            friction_fits=only.friction_fits,
+            other_friction=frozenset(only.other_friction),
         )
     sound = []
     remarkable: list[str] = []
-    fits = True
+    off: set[int] = set()
     left_out = []
     problems = []
     for log in logs:
@@ -82,7 +82,7 @@ def sound_logs(robot: Robot, logs: Sequence[Log]) -> SoundLogs:
         if seen.problem is None:
             sound.append(log)
             remarkable += [f"{log.name}: {said}" for said in seen.remarkable]
-            fits &= seen.friction_fits
+            off |= set(seen.other_friction)
         else:
             problems.append((log, seen.problem))
             left_out.append(LeftOut(log.name, seen.problem.says))
@@ -99,7 +99,7 @@ def sound_logs(robot: Robot, logs: Sequence[Log]) -> SoundLogs:
         raise InputError(_short("the logs together", total))
     judged = tuple(log for log in sound if not any(log is one for one in used))
     return SoundLogs(
-        used, judged, tuple(left_out), remarkable=tuple(remarkable), friction_fits=fits
+        used, judged, tuple(left_out), remarkable=tuple(remarkable), other_friction=frozenset(off)
     )
 
 

@@ -105,7 +105,7 @@ def _identified(robot: Robot, seen: Sequence[Log], others: Sequence[Log]) -> Ide
     curves = friction_curves([run for some in runs for run in some])
     sensed = sensed_load(robot, seen)
     # a placeholder says nothing of the friction that is looked for
-    stated = robot if understood.friction_fits else robot.with_unknown_friction()
+    stated = robot.with_unknown_friction(understood.other_friction)
     base, kept = fit_base(with_load(with_curves(stated, curves), sensed))
     model = Model(base)
     source, parts = _recorded(model, kept, seen)

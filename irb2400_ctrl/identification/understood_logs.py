@@ -34,13 +34,13 @@ class UnderstoodLogs:
         logs: that can be what their columns say; notes: on those that were left out, and on what is
             remarkable about the others.
         doubts: by name, of logs that fit the file's numbers under no reading.
-        friction_fits: whether all of them fit with the friction that the file states.
+        other_friction: joints (from 1) on which one of them contradicts the file's friction.
     """
 
     logs: list[Log]
     notes: list[str]
     doubts: dict[str, str]
-    friction_fits: bool = True
+    other_friction: frozenset[int] = frozenset()
 
 
 def understood_logs(robot: Robot, logs: Sequence[Log]) -> UnderstoodLogs:
@@ -56,13 +56,13 @@ def understood_logs(robot: Robot, logs: Sequence[Log]) -> UnderstoodLogs:
     problems = []
     doubts = {}
     remarkable: list[str] = []
-    fits = True
+    off: set[int] = set()
     for log in logs:
         found = examined(robot, log)
         problem = found.problem
         if problem is None or problem.kind == FAR_FROM_THE_FILE:
             kept.append(log)
-            fits &= found.friction_fits
+            off |= set(found.other_friction)
         else:
             problems.append(f"{log.name}: {problem.says}{_way_out(problem)}")
         if problem is not None:
@@ -75,7 +75,7 @@ def understood_logs(robot: Robot, logs: Sequence[Log]) -> UnderstoodLogs:
             f"{problems[0]}{of_several}; expected a sound log of this arm, try `irb2400 log check`"
         )
     left_out = [f"left out, not understood: {problem}" for problem in problems]
-    return UnderstoodLogs(kept, [*left_out, *remarkable], doubts, fits)
+    return UnderstoodLogs(kept, [*left_out, *remarkable], doubts, frozenset(off))
 
 
 def _way_out(problem: LogProblem) -> str:

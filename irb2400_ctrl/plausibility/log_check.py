@@ -87,9 +87,10 @@ class Examined:
     remarkable: tuple[str, ...] = ()
 
     @property
-    def friction_fits(self) -> bool:
-        """Whether nothing speaks against the friction that the robot's file states."""
-        return self.understood is None or self.understood.friction_fits
+    def other_friction(self) -> tuple[int, ...]:
+        """Joints (from 1) on which the log contradicts the friction that the robot's file
+        states."""
+        return () if self.understood is None else self.understood.other_friction
 
 
 def log_problem(robot: Robot | None, log: Log) -> LogProblem | None:
@@ -193,10 +194,11 @@ def _perhaps(problem: LogProblem | None, understood: Understanding | None) -> li
     file's, another reading."""
     if problem is not None or understood is None:
         return []
-    if not understood.friction_fits:
+    if understood.other_friction:
         return [
-            "the log does not fit the friction that the robot file states, and fits with another: "
-            "it counts as unknown; take it out of the file, or identify the arm"
+            f"the friction that the robot file states for {named(understood.other_friction)} is "
+            "not that of this log: a placeholder, or it has changed; identify the arm, or take it "
+            "out of the file"
         ]
     if not understood.reading.kind:
         return []

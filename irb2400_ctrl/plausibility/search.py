@@ -48,6 +48,9 @@ LOST_PRICE = 300.0
 """of six joints: above this, and no reading that fits, the log is not this robot's"""
 SINGLE = ("angle_unit", "angle_sign", "torque_sign", "coupling")
 """what is asked of each joint alone with a sharper misfit"""
+PLACEHOLDERS = 0.5
+"""share of the joints whose stated friction is not the arm's, above which none of it is taken for
+the arm's"""
 RESTS = 1e-3
 """[rad] of travel as labelled below which a joint rests, whatever the unit"""
 DELAYS = (-1.0, -0.5, -0.3, -0.2, -0.1, 0.1, 0.2, 0.3, 0.5, 1.0)
@@ -61,15 +64,15 @@ class Understanding:
     Args:
         labelled: how well the columns are explained as labelled; best: as `reading` takes them.
         reading: what the columns look like; as labelled where nothing is clearly better.
-        friction_fits: whether the log fits with the friction that the file states; if not, it was
-            held against the robot with unknown friction.
+        other_friction: joints (from 1) on which the log contradicts the friction that the file
+            states; it was held against the robot without it.
     """
 
     labelled: Fit
     best: Fit
     reading: Reading
     problem: LogProblem | None
-    friction_fits: bool = True
+    other_friction: tuple[int, ...] = ()
 
 
 def understand(robot: Robot, log: Log) -> Understanding | None:
@@ -82,9 +85,31 @@ def understand(robot: Robot, log: Log) -> Understanding | None:
     if sound(found.labelled, robot.n) or not stated:
         return found
     # many files state a friction to please a simulator: no column is wrong that fits without it
-    free = _understood(Nominal(robot.with_unknown_friction()), log, rows)
-    better = found.best.cost - free.best.cost > MARGIN * robot.n / 6.0
-    return replace(free, friction_fits=False) if better else found
+    every = range(1, robot.n + 1)
+    free = _understood(Nominal(robot.with_unknown_friction(every)), log, rows)
+    if found.best.cost - free.best.cost < MARGIN * robot.n / 6.0:
+        return found
+    off = _contradicted(robot, log, rows, free)
+    return replace(free, other_friction=off) if off else found
+
+
+def _contradicted(robot: Robot, log: Log, rows: Rows, free: Understanding) -> tuple[int, ...]:
+    """Joints (from 1) whose stated friction explains a log worse than an unknown one; all, where
+    most do.
+
+    Args:
+        robot: as its file states it.
+        log, rows: as it is read, and its slow part.
+        free: the log beside unknown friction of all joints.
+    """
+    every = set(range(1, robot.n + 1))
+    off = []
+    for j in sorted(every):
+        stated = _Search(Nominal(robot.with_unknown_friction(every - {j})), log, rows)
+        if stated.fit(free.reading).cost > free.best.cost:
+            off.append(j)
+    # where most of them say nothing of the arm, the file's friction is a placeholder
+    return tuple(sorted(every) if len(off) > PLACEHOLDERS * robot.n else off)
 
 
 def _understood(nominal: Nominal, log: Log, rows: Rows) -> Understanding:

@@ -6,7 +6,7 @@ word assumption. Inside the library the arrays of `Robot` are SI and radians wit
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from functools import cached_property
 from pathlib import Path
 from typing import Any, Literal, Self
@@ -188,9 +188,12 @@ class Robot(Table):
             )
         return np.array(values, dtype=float)
 
-    def with_unknown_friction(self) -> Robot:
-        """The same arm, of whose friction nothing is known."""
-        joints = [joint.model_copy(update={"friction": Friction()}) for joint in self.joints]
+    def with_unknown_friction(self, of: Collection[int]) -> Robot:
+        """The same arm, nothing known of the friction of these joints (from 1)."""
+        joints = [
+            joint.model_copy(update={"friction": Friction()}) if j in of else joint
+            for j, joint in enumerate(self.joints, 1)
+        ]
         return self.model_copy(update={"joints": tuple(joints)})
 
     @cached_property

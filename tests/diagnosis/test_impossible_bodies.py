@@ -4,8 +4,12 @@ from __future__ import annotations
 
 from typing import Any
 
+import pytest
+
 import irb2400_ctrl as irb
+from irb2400_ctrl.diagnosis.comparison.acceptance import can_be_taken_off
 from irb2400_ctrl.diagnosis.possible_bodies import turns_impossible
+from irb2400_ctrl.effects import LIBRARY
 from irb2400_ctrl.robot import Robot
 
 
@@ -24,3 +28,21 @@ def test_bodies_that_turn_impossible_are_noted() -> None:
     assert turns_impossible(robot, negative)
     # what was so already is no news
     assert not turns_impossible(negative, with_inertia(robot, (-3.0, -3.0, -3.0, 0.0, 0.0, 0.0)))
+
+
+@pytest.mark.parametrize(("taken", "there"), [(4.0, True), (6.0, False), (-50.0, True)])
+def test_a_link_is_no_lighter_than_nothing(taken: float, there: bool) -> None:
+    """Of an arm of ten kilograms a log of late torques took 39 off a link of two, "explained"."""
+    robot = irb.load_robot("irb2400").model_copy(update={"tool": None})
+    last = robot.links[-1].body.mass_kg
+    before = robot.links[-2].body.mass_kg
+    payload = LIBRARY["payload"].of(None, mass_kg=-taken * last / 5.0)
+    assert can_be_taken_off(robot, payload) == there
+    # what the link carries is its as well: the torque hardly knows which mass is whose
+    together = (last + before) / 5.0
+    link = LIBRARY["link_inertia"].of(5, mass_kg=-taken * together)
+    assert can_be_taken_off(robot, link) == there
+    assert can_be_taken_off(robot, LIBRARY["torque_offset"].of(1, offset_Nm=-5.0))
+    # what the file says besides that it carries
+    loaded = robot.with_effects(LIBRARY["payload"].of(None, mass_kg=2.0 * last))
+    assert can_be_taken_off(loaded, payload)

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from irb2400_ctrl.diagnosis.comparison.onset import PER_EDGE, Windowing
+from irb2400_ctrl.diagnosis.comparison.onset import Windowing
 from irb2400_ctrl.diagnosis.estimation.held_out import FOLDS, HeldOut, folds
 from irb2400_ctrl.effects import LIBRARY
 
@@ -58,6 +58,5 @@ def test_a_window_stays_where_it_is_worth_its_two_edges(noise: float, left: int)
     kept, gain = windowing._worth_their_edges(None, tuple(sorted(worth)))
     assert kept == (glitch, force)[2 - left :]
     assert gain == sum(worth[w] for w in kept)
-    assert PER_EDGE == 5.0
     # one stays, however little it says
     assert windowing._worth_their_edges(None, (glitch,)) == ((glitch,), noise)

@@ -98,7 +98,7 @@ def test_a_placeholder_of_friction_refuses_no_log(value: float) -> None:
     was another robot's, of another arm "another unit on joint 1: x 0.166"."""
     check = check_log(with_friction(value, value), plain().log)
     assert check.sound
-    assert any("does not fit the friction" in remark for remark in check.remarks)
+    assert any("the friction that the robot file states for joints 1" in r for r in check.remarks)
     # what no friction explains is still named
     problem = log_problem(with_friction(value, value), with_torque(0.02))
     assert problem is not None
@@ -113,11 +113,30 @@ def test_a_placeholder_bends_no_bodies() -> None:
     found = diagnose(robot, log)
     assert found.findings == ()
     assert {number.list for number in found.numbers} == {"lacks"}
-    assert not understood_logs(robot, [log]).friction_fits
-    assert understood_logs(ROBOT, [log]).friction_fits
+    assert len(understood_logs(robot, [log]).other_friction) > 3
+    assert understood_logs(ROBOT, [log]).other_friction == frozenset()
     # an identification's friction is no placeholder
     known = Identified.of(["coulomb_1"], np.eye(1), left_Nm=(1e-3,) * 6)
-    assert examined(robot.model_copy(update={"identified": known}), log).friction_fits
+    assert examined(robot.model_copy(update={"identified": known}), log).other_friction == ()
+    # what it was before is that of the file
+    assert found.given is robot
+
+
+@pytest.mark.parametrize("joint", [1, 3])
+def test_one_joint_that_drags_keeps_the_friction_of_the_others(joint: int) -> None:
+    """Its friction has changed, and has a name; that of the others is the file's."""
+    joints = list(ROBOT.joints)
+    drags = joints[joint - 1].friction
+    tenth = {
+        name: 0.1 * getattr(drags, name) for name in ("coulomb_Nm", "viscous_Nms_rad", "static_Nm")
+    }
+    joints[joint - 1] = joints[joint - 1].model_copy(
+        update={"friction": drags.model_copy(update=tenth)}
+    )
+    robot = ROBOT.model_copy(update={"joints": tuple(joints)})
+    assert set(examined(robot, plain().log).other_friction) <= {joint}
+    found = diagnose(robot, plain().log)
+    assert ("coulomb_change", joint) in {(f.effect.kind, f.effect.joint) for f in found.findings}
 
 
 def test_a_friction_that_fits_is_not_remarked_on() -> None:

@@ -89,10 +89,12 @@ def can_be_taken_off(robot: Robot, effect: Effect) -> bool:
     as the torque hardly knows on which of these a mass sits."""
     if not isinstance(effect, AddedBody) or effect.mass_kg >= 0.0:
         return True
-    first = min(effect.carrier(robot.n), robot.n) - 1
-    bodies = [link.body for link in robot.links[first:]]
-    bodies += [] if robot.tool is None else [robot.tool.body]
-    return sum(body.mass_kg for body in bodies) + effect.mass_kg > 0.0
+    n = robot.n
+    first = min(effect.carrier(n), n)
+    masses = [link.body.mass_kg for link in robot.links[first - 1 :]]
+    masses += [] if robot.tool is None else [robot.tool.body.mass_kg]
+    added = [e for e in robot.effects if isinstance(e, AddedBody) and e.carrier(n) >= first]
+    return sum(masses) + sum(e.mass_kg for e in added) + effect.mass_kg > 0.0
 
 
 def own(candidate: Candidate, worth: Worth) -> float:

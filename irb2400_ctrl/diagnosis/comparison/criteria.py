@@ -81,6 +81,11 @@ class Criteria:
     most: int = 8
     most_refused: int = 4
 
+    @property
+    def lowest(self) -> float:
+        """The least evidence that is enough for any name but play [nats]."""
+        return min(self.gain, self.gain_in_base, self.gain_stated, self.gain_changed)
+
 
 class Threshold:
     """The criteria applied to one log."""

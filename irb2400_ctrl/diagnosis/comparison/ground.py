@@ -62,7 +62,7 @@ class Ground:
         of `refused` names."""
         criteria = self.threshold.criteria
         ranked = [c for c in self.ranked if named(c) not in refused]
-        listed = shortlist(ranked, criteria.shortlist, criteria.gain_changed)
+        listed = shortlist(ranked, criteria.shortlist, criteria.lowest)
         chosen = self.comparison.chosen
         rattling = next((c for c in ranked if self.load_changes.rattles(c, chosen)), None)
         if rattling is not None and all(c is not rattling for c in listed):
