@@ -182,13 +182,13 @@ class Windowing:
         law gains in them."""
         gain = self._gain(law, windows)
         while len(windows) > 1:
-            fewer = [windows[:k] + windows[k + 1 :] for k in range(len(windows))]
-            gains = [self._gain(law, rest) for rest in fewer]
-            best = int(np.argmax(gains))
-            if gains[best] < gain - 2 * PER_EDGE:
+            without = [self._gain(law, windows[:k] + windows[k + 1 :]) for k in range(len(windows))]
+            worth = gain - np.array(without)
+            kept = (worth > 2 * PER_EDGE) | (worth == worth.max())
+            if kept.all():
                 break
-            windows = fewer[best]
-            gain = gains[best]
+            windows = tuple(w for w, stays in zip(windows, kept, strict=True) if stays)
+            gain = self._gain(law, windows)
         return windows, gain
 
 
