@@ -161,11 +161,19 @@ def test_cycles_say_what_is_not_carried_out(tmp_path: Path) -> None:
     assert "the spindle is not stopped" in " ".join(map(str, read.of_kind("assumed")))
 
 
+AT = "G21 G90\nG0 X0. Y0. Z9.\n"
+
+
 @pytest.mark.parametrize(
     ("text", "says"),
     [
         ("G21 G90 G0 X0 Y0 Z9\nG1 X100 F60\nM30\n", "lengths have no decimal point"),
         ("G21 G90 G0 X0. Y0. Z9.\nG1 X100 F60\nM30\n", "1 of 4 lengths have no decimal point"),
+        (f"{AT}G81 X1. Y1. Z-5. R2. F60 K1\nX2. K2\nG80\nM30\n", None),
+        (f"{AT}G84 X1. Y1. Z-5. R2. F60 J2\nG80\nM30\n", None),
+        (f"{AT}G81 X1. Y1. Z-5. R2 F60 K1\nG80\nM30\n", "1 of 7 lengths have no"),
+        (f"{AT}G81 X1. Y1. Z-5. R2. F60\nG2 X1. Y5. I0 J2\nM30\n", "1 of 10 lengths have"),
+        (f"O1\n{AT}M98 P2 K2\nM30\nO2\nG91 G1 X5. F60\nG90\nM99\n", None),
         ("G21 G90 G0 X0 Y0 Z9.\nG1 X100. F60 (X5 X6)\nM30\n", None),
         ("G21 G90 G0 X0 Y0 Z9\nG1 X100 F=60\nM30\n", None),
     ],

@@ -5,8 +5,14 @@ from __future__ import annotations
 import re
 
 from irb2400_ctrl.planners.toolpath.readers.gcode.control import is_siemens, without_comments
+from irb2400_ctrl.planners.toolpath.readers.gcode.cycles import CYCLES
 
-_LENGTH = re.compile(r"(?<![A-Z#\d.])[XYZIJKR]\s*[-+]?(\d+\.?\d*|\.\d+)")
+_LENGTH = re.compile(r"(?<![A-Z#\d.])([XYZIJKR])\s*[-+]?(\d+\.?\d*|\.\d+)")
+# what ends a cycle or begins one, G9 and G40 do not
+_MOTION = re.compile(r"G\s*0*(0|[1-3]|7[346]|8\d)(?![\d.])")
+_CALL = re.compile(r"M\s*0*98(?!\d)")
+# K is how often a hole is drilled or a sub-program called, J how fast the tap turns back (Haas)
+_COUNTS = frozenset("JK")
 
 
 def without_point(text: str, name: str) -> list[tuple[int, str]]:
@@ -18,8 +24,14 @@ def without_point(text: str, name: str) -> list[tuple[int, str]]:
     bare = 0
     first = 0
     pointed = 0
+    in_cycle = False
     for line, raw in enumerate(code.split("\n"), 1):
-        for number in _LENGTH.findall(raw):
+        for motion in _MOTION.findall(raw):
+            in_cycle = int(motion) in CYCLES
+        counts = _COUNTS if in_cycle or _CALL.search(raw) else frozenset[str]()
+        for letter, number in _LENGTH.findall(raw):
+            if letter in counts:
+                continue
             if "." in number:
                 pointed += 1
             elif float(number) != 0:
