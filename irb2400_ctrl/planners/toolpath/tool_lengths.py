@@ -24,12 +24,17 @@ def tool_lengths(program: CamProgram) -> Note | None:
     if len(told) > 1 or len(lengths) > 1 or len(offsets) > 1:
         other = next((o for o in stated if o.tool != stated[0].tool), stated[0])
         more = f"; and {len(told) - MOST_NAMED} more" if len(told) > MOST_NAMED else ""
+        said = (
+            f"lengths of tools in the file are not applied: {'; '.join(told[:MOST_NAMED])}{more}"
+            if lengths or offsets
+            else "several tools, and the file states no length of any: "
+            f"{'; '.join(list(tools)[:MOST_NAMED])}{more}"
+        )
         return Note(
             "assumed",
             int(other.line.min()),
-            f"lengths of tools in the file are not applied: {'; '.join(told[:MOST_NAMED])}{more}. "
-            "Each tool has the tip that the cell gives it (--cell: [[tools]] with number and "
-            "offset_mm, docs/cells.md); without one all have the TCP of the robot file",
+            f"{said}. Each tool has the tip that the cell gives it (--cell: [[tools]] with number "
+            "and offset_mm, docs/cells.md); without one all have the TCP of the robot file",
         )
     if lengths or offsets:
         return Note(

@@ -57,7 +57,7 @@ CUT = "G0 X0. Y0. Z5.\nG1 X9. F60\n"
     ("text", "says"),
     [
         (f"T1 M6\nG43 H1\n{CUT}T2 M6\nG43 H2\n{CUT}", "tool 1 (offset H1); tool 2 (offset H2)."),
-        (f"T1 M6\n{CUT}T2 M6\n{CUT}", "tool 1 (none stated); tool 2 (none stated)."),
+        (f"T1 M6\n{CUT}T2 M6\nG43 H2\n{CUT}", "tool 1 (none stated); tool 2 (offset H2)."),
         (f"T1 M6\nG43 H1\n{CUT}M0\nG43 H5\n{CUT}", "tool 1 (offset H1, offset H5)."),
         (f"T1 M6\nG43 H1\n{CUT}", "tool 1 (offset H1): its length is not applied"),
     ],
@@ -65,6 +65,14 @@ CUT = "G0 X0. Y0. Z5.\nG1 X9. F60\n"
 def test_registers_of_g_code(tmp_path: Path, text: str, says: str) -> None:
     (note,) = said(tmp_path, "part.nc", f"G21 G90\n{text}M30\n")
     assert says in note
+
+
+def test_tools_without_lengths_are_said_to_need_tips_of_a_cell(tmp_path: Path) -> None:
+    text = "".join(f"T{n} M6\n{CUT}" for n in range(1, 11))
+    assert said(tmp_path, "part.nc", f"G21 G90\n{text}M30\n") == []
+    notes = " ".join(map(str, read_program(tmp_path / "part.nc").of_kind("assumed")))
+    assert "the file states no length of any: tool 1; tool 2; " in notes
+    assert "tool 8; and 2 more. Each tool has the tip that the cell gives it (--cell:" in notes
 
 
 @pytest.mark.parametrize("text", [f"T1 M6\n{CUT}", CUT, f"T1 M6\nG43 H0\n{CUT}"])
