@@ -48,6 +48,12 @@ def test_limits_are_no_circle(tmp_path: Path) -> None:
     assert set(read.operation().line) == {2, 3, 4}
 
 
+@pytest.mark.parametrize("block", ["G50 G69 G0 X9.", "G1 G50 X9.", "G50 G81 X9. Z1. R10. F60"])
+def test_a_place_beside_the_end_of_scaling_is_of_the_motion(tmp_path: Path, block: str) -> None:
+    read = program(tmp_path, f"{HEAD}{block}\nG80\nM30\n")
+    assert np.allclose(1e3 * read.operation().path.position[-1], [9, 0, 10])
+
+
 @pytest.mark.parametrize("block", ["G92 S3000", "G26 S3000", "G50 S3000"])
 def test_a_limit_of_the_spindle_is_not_its_speed(tmp_path: Path, block: str) -> None:
     read = program(tmp_path, f"S600 M3\n{HEAD}{block}\nG95 G1 X9. F0.1\nM30\n")
@@ -70,7 +76,9 @@ def test_the_number_of_an_offset_is_not_of_the_arc(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("block", "says"),
     [
-        ("G50 X100. Z50.", "line 4: G50 with X sets the coordinates .* expected G92"),
+        ("G50 X100. Z50.", "line 4: G50 with X and no motion code sets .* expected G92"),
+        ("G50 G80 X100.", "line 4: G50 with X and no motion code"),
+        ("G50 G0 X9. S2000", "line 4: G50 and G0 in one block: whose is S2000"),
         ("G0 G43.1 Z-48.2", "line 4: G43.1 and G0 in one block: whose is Z-48.2"),
         ("G0 G22 X100.", "G22 and G0 in one block"),
         ("G92 C0. X0.\nG92 C5.", "line 5: G92 C5 moves the zero of the rotary axis C"),

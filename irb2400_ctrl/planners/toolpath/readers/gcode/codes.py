@@ -82,19 +82,22 @@ def without_owned(
             the code changes the coordinates and that is not read.
     """
     left = dict(values)
+    moving = [code for code in codes if code in MOTION and code != 80]
+    places = PLACE_WORDS & set(values)
     for code in codes:
-        if code == 50 and PLACE_WORDS & set(values):
+        if code == 50 and places and not moving:
             raise InputError(
-                f"{builder.place}: G50 with {min(PLACE_WORDS & set(values))} sets the coordinates "
-                "(lathes of Fanuc); not read, expected G92 for it, or G50 alone (scaling off)"
+                f"{builder.place}: G50 with {min(places)} and no motion code sets the coordinates "
+                "(lathes of Fanuc); not read, expected G92 for it, or where it ends scaling "
+                "(mills), G50 alone or beside G0 or G1"
             )
         letters, says = OWNED.get(code, ("", ""))
         # G43.1 with H goes to the place beside it (Fanuc)
         taken = [letter for letter in letters if letter in values]
         if not taken or (code == 43.1 and "H" in values):
             continue
-        moving = [other for other in codes if other in MOTION and other != 80]
-        if moving and PLACE_WORDS & set(taken):
+        # of a mill G50 S5000 G0 X9 is the spindle's speed, of a lathe its highest one
+        if moving and (PLACE_WORDS & set(taken) or (code == 50 and places)):
             raise InputError(
                 f"{builder.place}: G{code:g} and G{moving[0]:g} in one block: whose is "
                 f"{taken[0]}{values[taken[0]]:g}? Expected them in two lines"
