@@ -73,6 +73,13 @@ def test_the_number_of_an_offset_is_not_of_the_arc(tmp_path: Path) -> None:
     assert way == pytest.approx(5 * np.pi, rel=1e-2)
 
 
+@pytest.mark.parametrize("end", ["G92.1", "G92.1 X0 Y0", "G92.1 X0 Y0 Z0", "G92.2 X0 Y0"])
+def test_the_end_of_a_moved_zero_names_the_axes_that_were_moved(tmp_path: Path, end: str) -> None:
+    text = f"{HEAD}G52 Z0.\nG92 X50. Y50.\nG1 X60.\n{end}\nX3.\nG92 Z0.\nG92.1 Z0.\nZ9.\nM30\n"
+    found = 1e3 * program(tmp_path, text).operation().path.position
+    assert np.allclose(found[2:], [[15, 0, 10], [3, 0, 10], [3, 0, 9]])
+
+
 @pytest.mark.parametrize(
     ("block", "says"),
     [
@@ -83,7 +90,9 @@ def test_the_number_of_an_offset_is_not_of_the_arc(tmp_path: Path) -> None:
         ("G0 G22 X100.", "G22 and G0 in one block"),
         ("G92 C0. X0.\nG92 C5.", "line 5: G92 C5 moves the zero of the rotary axis C"),
         ("G52 A5.", "G52 A5 moves the zero of the rotary axis A"),
-        ("G92 X0. Y3.\nG92.1 X0.", "line 5: G92.1 with X ends the moved zero of some axes only"),
+        ("G92 X0. Y3.\nG92.1 X0.", r"line 5: G92.1 with X .* that of Y stays; .* with X, Y$"),
+        ("G52 Z3.\nG92 X0.\nG92.1 X0.", "line 6: G92.1 with X .* that of Z stays"),
+        ("G68 X0. Y0. R30.\nG92 X1.\nG69\nG92.1 X0.", "line 7: G92.1 with X .* of Y stays"),
         ("G2 X9. I2. P1.5", "an arc of 1.5 turns .*, expected a whole number"),
         ("G2 X9. I2. P-2", "an arc of -2 turns .*, expected a whole number"),
     ],

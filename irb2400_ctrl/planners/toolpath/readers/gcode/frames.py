@@ -24,6 +24,8 @@ class GcodeFrames:
     def __init__(self, builder: ProgramBuilder, state: GcodeState) -> None:
         self._builder = builder
         self._state = state
+        self._shifted: set[str] = set()
+        """axes of which G52 or G92 moved the zero"""
 
     def run(
         self, codes: list[float], values: dict[str, float], words: tuple[str, ...] = ()
@@ -37,19 +39,28 @@ class GcodeFrames:
         if 69 in codes:
             state.reframe(plane_pose=np.eye(4), turned=np.eye(4))
         if {92.1, 92.2} & set(codes):
-            named = set(AXES) & set(values)
-            if named and named != set(AXES):
-                raise InputError(
-                    f"{self._builder.place}: G92.1 with {min(named)} ends the moved zero of some "
-                    "axes only (Fanuc); not read, expected G92.1 alone, or with X, Y and Z"
-                )
-            state.reframe(offset=np.eye(4))
+            self._end_shift(set(AXES) & set(values))
             return True
         orders = {68.2: self._tilt, 68: self._turn, 52: self._local, 92: self._shift}
         found = [code for code in codes if code in orders]
         for code in found:
             orders[code](values)
         return bool(found)
+
+    def _end_shift(self, named: set[str]) -> None:
+        """G92.1, with the axes that it names (Fanuc).
+
+        Raises:
+            InputError: the zero of an axis that is not among them was moved, too.
+        """
+        if named and not self._shifted <= named:
+            raise InputError(
+                f"{self._builder.place}: G92.1 with {min(named)} ends the moved zero of some "
+                f"axes only (Fanuc), that of {min(self._shifted - named)} stays; not read, "
+                f"expected G92.1 alone, or with {', '.join(sorted(self._shifted | named))}"
+            )
+        self._shifted.clear()
+        self._state.reframe(offset=np.eye(4))
 
     def _tilt(self, values: dict[str, float]) -> None:
         """G68.2 X Y Z I J K."""
@@ -112,6 +123,8 @@ class GcodeFrames:
         for index, letter in enumerate(AXES):
             if letter in values:
                 offset[index, 3] = values[letter] * state.unit
+                if values[letter] != 0:
+                    self._shifted.add(letter)
         self._builder.note("assumed", "G52: the zero is moved by what it states")
         state.reframe(offset=offset)
 
@@ -127,6 +140,9 @@ class GcodeFrames:
             for index, letter in enumerate(AXES)
         ]
         builder.note("assumed", "G92: the zero is moved so that the tool's place has these numbers")
+        # in turned coordinates each axis moves the zero of others
+        straight = np.array_equal(state.tilt[:3, :3], np.eye(3))
+        self._shifted |= set(AXES) & set(values) if straight else set(AXES)
         if builder.here is None and not builder.moved:
             state.at = named
             return
