@@ -61,11 +61,21 @@ def test_centre_and_radius_that_differ_are_refused(tmp_path: Path, arc: str, say
         way(tmp_path, arc)
 
 
-@pytest.mark.parametrize("block", ["Q10", "H10"])
-def test_a_sub_program_from_a_block_on_is_refused(tmp_path: Path, block: str) -> None:
+@pytest.mark.parametrize(
+    "call", ["M98 P2 Q10", "M98 P2 H10", "G43 M98 P2 H10", "G43 H1 M98 P2 Q10"]
+)
+def test_a_sub_program_from_a_block_on_is_refused(tmp_path: Path, call: str) -> None:
     sub = "O2\nX5.\nN10 X9.\nM99\n"
     with pytest.raises(InputError, match=r"line 5: M98 calls .* by a line's number \(P, Q, H\)"):
-        program(tmp_path, f"O1\n{HEAD}M98 P2 {block}\nM30\n{sub}")
+        program(tmp_path, f"O1\n{HEAD}{call}\nM30\n{sub}")
+
+
+@pytest.mark.parametrize("block", ["G43 H4", "G43.4 Z0. H04", "N5G43H4"])
+def test_the_register_of_a_length_is_no_block_of_a_sub_program(tmp_path: Path, block: str) -> None:
+    sub = "O2\nG1 X5.\nN4 X9.\nM99\n"
+    found = program(tmp_path, f"O1\n{HEAD}{block} M98 P2\nM30\n{sub}").operation()
+    assert found.tool.length_offset == 4
+    assert found.lengths()[0] == pytest.approx(9e-3)
 
 
 def test_a_call_of_no_times_is_said(tmp_path: Path) -> None:

@@ -22,6 +22,10 @@ _M98 = re.compile(r"M0*98(?!\d)", re.IGNORECASE)
 _P = re.compile(r"P\s*(\d+)", re.IGNORECASE)
 _L = re.compile(r"[LK]\s*(\d+)", re.IGNORECASE)
 _FROM_BLOCK = re.compile(r"[QH]\s*\d", re.IGNORECASE)
+# the H behind G43 is the register of the tool's length; one behind M98 may be a block
+_LENGTH_OFFSET = re.compile(
+    r"G\s*0*43(?:\.[145])?(?![\d.])(?:(?!M\s*0*98(?!\d)).)*?H\s*\d+", re.IGNORECASE
+)
 _O_CALL = re.compile(r"^\s*O\s*(\d+|<\w+>)\s+CALL\b(.*)", re.IGNORECASE)
 _NAMED = re.compile(
     r'^\s*(?:N\d+\s*)?(?:CALL\s+"(\w+)"|([A-Z_]\w+))\s*(?:P\s*=?\s*(\d+))?\s*$', re.IGNORECASE
@@ -117,7 +121,7 @@ def _call(raw: str, programs: _Programs) -> tuple[str, int, str, str] | None:
         p = _P.search(code)
         times = _L.search(code)
         # P2 Q10, P2 H10: from a block of it on
-        if p is None or _FROM_BLOCK.search(code):
+        if p is None or _FROM_BLOCK.search(_LENGTH_OFFSET.sub("", code, count=1)):
             return None
         target = programs.named(p[1])
         count = int(times[1]) if times else 1
