@@ -298,7 +298,13 @@ def test_g70_of_another_control_is_of_feeds_too_and_said(tmp_path: Path, said: s
     text = f"{said}\nG71 G90\nG0 X0. Y0. Z10.\nG70\nG1 X#1 F10.\nM30\n"
     length, feed, assumed = feeds_of_g70(tmp_path, "part.nc", text)
     assert (length, feed) == pytest.approx((101.6, 254))
-    assert "G70: lengths and feeds in inch; a control of Siemens takes feeds in mm" in assumed
+    assert "G70 is taken for G20, lengths and feeds in inch. On a control of Siemens" in assumed
+    assert (
+        "feeds stay in mm: if the file is for one, give it the ending .mpf; if not, --units inch"
+        in assumed
+    )
+    assert "G70" not in feeds_of_g70(tmp_path, "part.nc", text, units="inch")[2]
+    assert feeds_of_g70(tmp_path, "part.mpf", text)[:2] == pytest.approx((101.6, 10))
 
 
 def test_a_variable_makes_no_control_of_siemens(tmp_path: Path) -> None:

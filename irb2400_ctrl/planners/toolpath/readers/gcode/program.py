@@ -236,8 +236,8 @@ class _Reader:
             "G70 (Siemens): lengths in inch, feeds still in mm, the machine's basic unit; for both "
             "in inch G700, or --units inch"
             if self.siemens
-            else "G70: lengths and feeds in inch; a control of Siemens takes feeds in mm still: "
-            "name a file for one part.mpf",
+            else "G70 is taken for G20, lengths and feeds in inch. On a control of Siemens feeds "
+            "stay in mm: if the file is for one, give it the ending .mpf; if not, --units inch",
         )
 
     def _no_tool_centre(self) -> None:
