@@ -52,6 +52,7 @@ def test_limits_are_no_circle(tmp_path: Path) -> None:
 def test_a_place_beside_the_end_of_scaling_is_of_the_motion(tmp_path: Path, block: str) -> None:
     read = program(tmp_path, f"{HEAD}{block}\nG80\nM30\n")
     assert np.allclose(1e3 * read.operation().path.position[-1], [9, 0, 10])
+    assert "line 4: G50 beside G" in assumed(read)
 
 
 @pytest.mark.parametrize("block", ["G92 S3000", "G26 S3000", "G50 S3000"])

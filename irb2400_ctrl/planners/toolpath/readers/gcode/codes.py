@@ -91,6 +91,12 @@ def without_owned(
                 "(lathes of Fanuc); not read, expected G92 for it, or where it ends scaling "
                 "(mills), G50 alone or beside G0 or G1"
             )
+        if code == 50 and places:
+            builder.note(
+                "assumed",
+                f"G50 beside G{moving[0]:g} ends scaling, and the place is that of G{moving[0]:g} "
+                "(mills)",
+            )
         letters, says = OWNED.get(code, ("", ""))
         # G43.1 with H goes to the place beside it (Fanuc)
         taken = [letter for letter in letters if letter in values]
