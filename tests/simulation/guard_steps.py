@@ -48,6 +48,8 @@ def step(of: Block, **given: object) -> dict[str, np.ndarray]:
         "load_speed": 0.0, "load_speed_slow": 0.0, "doubt": 0.0, "doubt_slow": 0.0,
         **defaults(of),
     }  # fmt: skip
+    # a torque that has acted for long
+    usual["tau_seen"] = given.get("tau_last", usual["tau_last"])
     values = usual | given
     fields = (*of.states, *of.inputs, *of.parameters)
     found = of.step(*(np.broadcast_to(values[f.name], f.size) for f in fields))

@@ -32,6 +32,9 @@ STILL = 0.04
 RESTART = (0.0012, 0.011)
 """[s] times torque limit and static friction: momentum that a speed still wrong after an angle was,
 from a drive that forms speeds from angles, may seem to have as the observers begin"""
+SPEED_LAG = 0.00076
+"""[s] by which a speed is late that a drive forms from angles (half a millisecond) and filters at
+250 Hz: a torque that changes by 50 limits a second is 4 % of its limit ahead of what it shows"""
 UNBOUNDED = 1e6
 """[Nm] in place of a torque limit that the robot file does not state"""
 STATIC = 0.1
@@ -81,7 +84,7 @@ class Consistency:
         """What both observers remember."""
         n = self.core.arm.robot.n
         explained, running = observer_states(n)
-        fields = [running]
+        fields = [running, Field("tau_seen", n, "Nm", "torque as late as the speed shows it")]
         for band in BANDS:
             fields += [
                 replace(explained, name=f"explained{band.suffix}"),
@@ -98,9 +101,11 @@ class Consistency:
         robot = self.core.arm.robot
         doc = "load at the flange that nobody told, at most"
         u = "share of friction that is not known"
+        late = "by how much the measured speed is late"
         fields = [
             Field("unknown_load", 1, "kg", doc, (UNKNOWN_LOAD,), lower=(0.0,)),
             gain(robot, "unknown_friction", "-", u, UNKNOWN_FRICTION),
+            Field("speed_lag", 1, "s", late, (SPEED_LAG,), lower=(0.0,)),
         ]
         for band in BANDS:
             limit = band.share * self._strongest + STATIC * robot.friction[:, 0]
@@ -130,7 +135,8 @@ class Consistency:
         speed = J @ qd
         doubt = self._doubt(v, qd)
         gravity = ca.DM(self.core.arm.robot.gravity)
-        after: Values = {"running": ca.SX(1), "p": p, "beta": beta}
+        tau = self._seen(v)
+        after: Values = {"running": ca.SX(1), "p": p, "beta": beta, "tau_seen": tau}
         conditions = []
         for band in BANDS:
             of = {name: f"{name}{band.suffix}" for name in ("explained", "load_speed", "doubt")}
@@ -138,7 +144,7 @@ class Consistency:
             now = {"explained": p, "load_speed": speed, "doubt": K * self._restart}
             # at the first sample nothing has been observed yet: the present counts as explained
             old = {name: ca.if_else(v["running"] > 0, v[of[name]], now[name]) for name in of}
-            left, explained = followed(K, p, old["explained"], v["tau_last"] + beta, T)
+            left, explained = followed(K, p, old["explained"], tau + beta, T)
             # the load is one body: its acceleration is low-passed with the first joint's bandwidth
             a, load_speed = followed(K[0], speed, old["load_speed"], ca.SX.zeros(3), T)
             load = v["unknown_load"] * (J.T @ (gravity - a))
@@ -165,6 +171,12 @@ class Consistency:
         by_torque, by_friction = RESTART
         static = self.core.arm.robot.friction[:, 0]
         return ca.DM(by_torque * self._strongest + by_friction * static)
+
+    def _seen(self, v: Values) -> ca.SX:
+        """The torque that acts, as late as the speed [Nm], shape (n,)."""
+        last = ca.if_else(v["running"] > 0, v["tau_seen"], v["tau_last"])
+        share = self.sample_time / (self.sample_time + v["speed_lag"])
+        return ca.SX(last + share * (v["tau_last"] - last))
 
     def _doubt(self, v: Values, qd: ca.SX) -> ca.SX:
         """Friction that may differ from the model's [Nm], shape (n,)."""
