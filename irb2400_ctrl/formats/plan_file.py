@@ -133,6 +133,9 @@ class _Promise(Table):
     )
     max_torque_ratio: NotNegative = Field(description="over the robot's limit, at every instant")
     max_velocity_ratio: NotNegative = Field(description="over the robot's limit, at every instant")
+    max_acceleration_ratio: NotNegative | None = Field(
+        None, description="over the robot's limit, at every instant; null where it states none"
+    )
     max_feed_ratio: NotNegative | None = Field(description="over the feed; null without a feed")
     feed: FeedEntry | None = Field(description="null without a programmed feed")
     torque_share: float = Field(gt=0, le=1, description="of the torque limits that was allowed")
@@ -193,6 +196,7 @@ class SegmentEntry(Table):
     guaranteed: bool
     max_torque_ratio: NotNegative
     max_velocity_ratio: NotNegative
+    max_acceleration_ratio: NotNegative | None = None
     above_clearance_plane_mm: float | None = None
     feed: FeedEntry | None = None
     rail_mm: float | None = Field(None, description="where the carriage is at the start")

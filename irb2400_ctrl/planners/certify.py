@@ -13,6 +13,7 @@ from irb2400_ctrl.planners.joint_path import JointPath
 from irb2400_ctrl.planners.margins_as_read import followed_as_read
 from irb2400_ctrl.planners.timing.certificate import Certificate, check
 from irb2400_ctrl.planners.timing.motion_bounds import Checked
+from irb2400_ctrl.planners.timing.motion_limits import MotionLimits
 from irb2400_ctrl.planners.timing.rate_limited.sampled_check import SAMPLED_NOTE
 from irb2400_ctrl.planners.timing.sampled_reference.settled_reference import Settled
 from irb2400_ctrl.planners.timing.sampled_timing import guarantee_note
@@ -34,6 +35,8 @@ class JointBounds:
     """largest |tau| over the robot's own limit; of samples where there is no bound"""
     velocity_ratio: float
     """largest |qd| over the robot's own limit"""
+    acceleration_ratio: float | None
+    """largest |qdd| over the robot's own limit; None where it states none"""
     external: tuple[AxisBounds, ...] = ()
     """of the axes that carry the part or the arm"""
 
@@ -51,6 +54,8 @@ class PlanBounds:
     """largest |tau| over the robot's own limit; of samples where there is no bound"""
     velocity_ratio: float
     """largest |qd| over the robot's own limit"""
+    acceleration_ratio: float | None
+    """largest |qdd| over the robot's own limit; None where it states none"""
     feed_ratio: float | None
     """speed of the TCP over the feed; None without a feed"""
     deviation: Deviation
@@ -82,6 +87,7 @@ def certify(
         note=joints.note,
         torque_ratio=joints.torque_ratio,
         velocity_ratio=joints.velocity_ratio,
+        acceleration_ratio=joints.acceleration_ratio,
         feed_ratio=settled.feed_ratio,
         deviation=_deviation(dynamics, orientation, timed, settled),
         singularity_margin=singularity_margins(dynamics.model, path.followed),
@@ -92,7 +98,7 @@ def certify(
 def certify_joints(
     dynamics: PathDynamics, joints: JointPath, settled: Settled, options: TimingOptions
 ) -> JointBounds:
-    """Bound torque and speed of a timed joint path, whatever its TCP does."""
+    """Bound torque, speed and acceleration of a timed joint path, whatever its TCP does."""
     robot = dynamics.model.robot
     limits = options.limits
     certificate = Certificate(joints, settled.law, limits, dynamics.carriage)
@@ -101,9 +107,10 @@ def certify_joints(
     return JointBounds(
         certificate=certificate,
         guaranteed=options.certified and kept and not robot.weightless,
-        note=_note(dynamics, checked, kept, options),
+        note=_note(dynamics, checked, settled, kept, options),
         torque_ratio=float((settled.torque[: robot.n] / robot.tau_max).max()),
         velocity_ratio=settled.bounds.first(robot.n).velocity_ratio(robot.qd_max),
+        acceleration_ratio=_acceleration_ratio(dynamics, settled),
         external=axis_bounds(
             settled.reference.places, settled.bounds, limits, robot.n, dynamics.lengths
         ),
@@ -123,15 +130,42 @@ def _deviation(
 
 
 def _rates_kept(checked: Checked, options: TimingOptions) -> bool:
-    """Whether the limits of torque rate and jerk that somebody stated are kept by the time law."""
-    if not options.rates_stated:
-        return True
-    rates = (checked.acceleration_ratio, checked.torque_rate_ratio, checked.jerk_ratio)
+    """Whether the limits of acceleration, and those of torque rate and jerk that somebody stated,
+    are kept by the time law."""
+    rates = [checked.acceleration_ratio]
+    if options.rates_stated:
+        rates += [checked.torque_rate_ratio, checked.jerk_ratio]
     return max(rates) <= 1 + 1e-9
 
 
-def _note(dynamics: PathDynamics, checked: Checked, kept: bool, options: TimingOptions) -> str:
-    """Why the torque bound is not guaranteed; empty where it is."""
+def _acceleration_ratio(dynamics: PathDynamics, settled: Settled) -> float | None:
+    """Of the rows as they are read, over the robot's own limits; None where it states none."""
+    robot = dynamics.model.robot
+    own = MotionLimits.of(robot).qdd_max
+    if not np.isfinite(own).any():
+        return None
+    return settled.bounds.first(robot.n).acceleration_ratio(own)
+
+
+def _note(
+    dynamics: PathDynamics, checked: Checked, settled: Settled, kept: bool, options: TimingOptions
+) -> str:
+    """Why the bounds are not guaranteed; empty where they are.
+
+    Args:
+        dynamics: the arm's torque along the path.
+        checked: what is sure of the law.
+        settled: the rows.
+        kept: whether law and rows are inside the limits.
+        options: of the timing.
+    """
+    bend = settled.bounds.acceleration_ratio(options.limits.qdd_max)
+    bend = max(bend, checked.acceleration_ratio)
+    if bend > 1 + 1e-9 and np.isfinite(bend):
+        return (
+            f"the acceleration of an axis reaches {bend:.3g} times its limit; plan with more rows "
+            "(--rate), or lower the feed"
+        )
     if dynamics.model.robot.weightless:
         return "no link of the robot file has mass, so the torques are not known"
     unbounded = np.isfinite(checked.torque_ratio) and not np.isfinite(checked.torque_rate_ratio)

@@ -118,7 +118,7 @@ def _of_rows(rows: Trajectory, speed: Array, acceleration: Array) -> tuple[AxisB
     h = np.diff(rows.time)[:, None]
     first, second = (places.on_piece(ends[0], piece, k) for k in (1, 2))
     slope = bernstein.leaving(first, second * h, places.on_piece(ends[1], piece, 1))
-    bounds = ReferenceBounds(rows.time, bend, bernstein.largest_size(slope))
+    bounds = ReferenceBounds(rows.time, bend, bernstein.largest_size(slope), np.zeros_like(bend))
     limits = MotionLimits(speed, acceleration, np.full_like(speed, np.inf))
     return axis_bounds(places, bounds, limits, 0, rows.lengths)
 

@@ -58,6 +58,8 @@ class Plan(Displayed):
     max_torque_ratio: float
     max_velocity_ratio: float
     """over all times of the rows as they are read, as parts of the robot's own limits"""
+    max_acceleration_ratio: float | None
+    """likewise, the column of accelerations included; None where the robot states no limit"""
     max_feed_ratio: float | None
     """speed of the TCP over the feed, upper bound over all times; None without a feed"""
     chosen: str
@@ -149,6 +151,7 @@ class Plan(Displayed):
             "deflection": self.deflection,
             "max_torque_ratio": self.max_torque_ratio,
             "max_velocity_ratio": self.max_velocity_ratio,
+            "max_acceleration_ratio": self.max_acceleration_ratio,
             "max_feed_ratio": self.max_feed_ratio,
             "feed": None if self.feed_use is None else self.feed_use.summary(),
             "torque_share": self.torque_share,

@@ -50,14 +50,14 @@ def report(
         reference: the rows of the trajectory.
         wall_time: of the stages [s]; the caller goes on writing to it.
     """
-    tcp = chosen.path.tcp
+    path = chosen.path
     choice = chosen.choice
-    trajectory, s = law_rows(dynamics, chosen.law, tcp, reference)
+    trajectory, s = law_rows(dynamics, chosen.law, path.tcp, reference)
     return Plan(
         robot=dynamics.model.robot,
         path=orientation.curve.path,
         trajectory=trajectory,
-        length=float(tcp.lengths[-1]),
+        length=float(path.tcp.lengths[-1]),
         certificate=bounds.certificate,
         duration=chosen.law.duration,
         guaranteed=bounds.guaranteed,
@@ -72,15 +72,14 @@ def report(
         singularity_margin=bounds.singularity_margin,
         max_torque_ratio=bounds.torque_ratio,
         max_velocity_ratio=bounds.velocity_ratio,
+        max_acceleration_ratio=bounds.acceleration_ratio,
         max_feed_ratio=bounds.feed_ratio,
         external=bounds.external,
         chosen=choice.kind,
         branch=choice.branch,
         rotation=choice.rotation(s),
-        feed_use=feed_use(dynamics, orientation.curve, chosen.path, chosen.law, options.limits),
-        point_times=passing_times(
-            chosen.law, point_lengths(orientation.curve, chosen.path.followed)
-        ),
+        feed_use=feed_use(dynamics, orientation.curve, path, chosen.law, options.limits),
+        point_times=passing_times(chosen.law, point_lengths(orientation.curve, path.followed)),
         alternatives=tuple(_compared(option) for option in timed),
         passages=tuple(_passages(chosen)),
         remedies=tuple(remedy.summary() for remedy in remedies),

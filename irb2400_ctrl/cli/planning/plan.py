@@ -27,12 +27,14 @@ from irb2400_ctrl.cli.planning.cutting import CuttingForceOption, StiffnessOptio
 from irb2400_ctrl.cli.planning.job import Job
 from irb2400_ctrl.cli.planning.placing import PositionerOption, placed
 from irb2400_ctrl.cli.planning.plan_program import (
+    held,
     link_options,
     plan_all,
     plan_parts,
     print_external,
     print_feed,
     report,
+    used,
 )
 from irb2400_ctrl.cli.planning.rapid_out import (
     RapidIoOption,
@@ -309,13 +311,7 @@ def _print_summary(planned: Plan) -> None:
             f"the tip gives way by {given['largest_mm']:.3f} mm at most, at "
             f"{given['at_mm']:.0f} mm of the way (joint stiffness: {given['stiffness_from']})"
         )
-    held = f"; guaranteed for the rows read as {s['interpolation']}"
-    if not s["guaranteed"]:
-        held = f"; not guaranteed: {s['guarantee_note']}" if s["guarantee_note"] else ""
-    print(
-        f"torque at most {100 * s['max_torque_ratio']:.1f} % of its limit, speed "
-        f"{100 * s['max_velocity_ratio']:.1f} %{held}"
-    )
+    print(f"{used(s)}{held(s)}")
     print_external(s["external_axes"])
     print_feed(s["feed"])
     if "rates_note" in s:

@@ -178,11 +178,24 @@ def print_motion(motion: ProgramMotion, name: str) -> None:
         print(f"the arm stands for: {told}{more}")
     print_external(s["external_axes"])
     print_feed(s["feed"])
-    held = "; the torque bound holds at every instant by construction" if s["guaranteed"] else ""
-    print(
+    print(f"{used(s)}{held(s)}")
+
+
+def used(s: dict[str, Any]) -> str:
+    """How much of the limits a motion uses at most."""
+    found = (
         f"torque at most {100 * s['max_torque_ratio']:.1f} % of its limit, speed "
-        f"{100 * s['max_velocity_ratio']:.1f} %{held}"
+        f"{100 * s['max_velocity_ratio']:.1f} %"
     )
+    bend = s["max_acceleration_ratio"]
+    return found if bend is None else f"{found}, acceleration {100 * bend:.1f} %"
+
+
+def held(s: dict[str, Any]) -> str:
+    """Whether that is guaranteed, or why it is not."""
+    if s["guaranteed"]:
+        return f"; guaranteed for the rows read as {s['interpolation']}"
+    return f"; not guaranteed: {s['guarantee_note']}" if s["guarantee_note"] else ""
 
 
 def print_external(axes: Sequence[dict[str, Any]]) -> None:

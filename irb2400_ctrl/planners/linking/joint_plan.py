@@ -25,7 +25,7 @@ from irb2400_ctrl.planners.timing.sampled_reference import SampledReference
 from irb2400_ctrl.planners.timing.sampled_reference.interpolation import Interpolation
 from irb2400_ctrl.planners.timing.sampled_reference.settled_reference import settled_reference
 from irb2400_ctrl.planners.timing.task_path import TaskPath
-from irb2400_ctrl.planners.timing.time_choices import fastest
+from irb2400_ctrl.planners.timing.time_choices import fastest, roomy
 from irb2400_ctrl.planners.timing.time_law import TimeLaw
 from irb2400_ctrl.planners.timing.timing_options import TimingOptions
 from irb2400_ctrl.robot import Robot
@@ -52,7 +52,8 @@ class JointPlan:
     guarantee_note: str
     max_torque_ratio: float
     max_velocity_ratio: float
-    """over all times"""
+    max_acceleration_ratio: float | None
+    """over all times; the last is None where the robot states no limit"""
     lowest: float
     """height of the TCP over the clearance plane, a lower bound over all times [m]"""
     clearance: dict[str, Any] = field(default_factory=lambda: unknown("not asked for"))
@@ -94,6 +95,7 @@ def plan_joints(
     followed = Followed(joints, np.arange(len(knots), dtype=float), 0.0, 0.0)
     task = TaskPath(followed, tcp, np.full(len(knots) - 1, np.inf))
     law, rates = _timed(dynamics, task, timing)
+    law = roomy(dynamics, task, law, timing)
     settled = settled_reference(
         dynamics, task, law, timing.limits, timing.sampling, timing.certified
     )
@@ -110,6 +112,7 @@ def plan_joints(
         guarantee_note=bounds.note,
         max_torque_ratio=bounds.torque_ratio,
         max_velocity_ratio=bounds.velocity_ratio,
+        max_acceleration_ratio=bounds.acceleration_ratio,
         lowest=lowest(tcp, plane),
         clearance=_clearance(scene, tcp),
         rates=rates,

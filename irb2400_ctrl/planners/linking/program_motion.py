@@ -223,6 +223,7 @@ def worst(plans: Sequence[Plan], pieces: Sequence[Plan | JointPlan | Rest]) -> d
     """What `plan.json` promises of a motion, as the worst of its pieces."""
     notes = [piece.guarantee_note for piece in pieces if piece.guarantee_note]
     feeds = [plan.max_feed_ratio for plan in plans if plan.max_feed_ratio is not None]
+    bends = [piece.max_acceleration_ratio for piece in pieces]
     margins = [plan.singularity_margin for plan in plans]
     return {
         "reachable": True,
@@ -235,6 +236,7 @@ def worst(plans: Sequence[Plan], pieces: Sequence[Plan | JointPlan | Rest]) -> d
         },
         "max_torque_ratio": max(piece.max_torque_ratio for piece in pieces),
         "max_velocity_ratio": max(piece.max_velocity_ratio for piece in pieces),
+        "max_acceleration_ratio": max((b for b in bends if b is not None), default=None),
         "max_feed_ratio": max(feeds, default=None),
         "guaranteed": all(piece.guaranteed for piece in pieces),
         "guarantee_note": "; ".join(dict.fromkeys(notes)),

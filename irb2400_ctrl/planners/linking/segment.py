@@ -86,6 +86,7 @@ class Segment:
             "guaranteed": piece.guaranteed,
             "max_torque_ratio": piece.max_torque_ratio,
             "max_velocity_ratio": piece.max_velocity_ratio,
+            "max_acceleration_ratio": piece.max_acceleration_ratio,
         }
         if isinstance(piece, JointPlan):
             found["above_clearance_plane_mm"] = 1e3 * piece.lowest

@@ -39,6 +39,7 @@ class Rest:
     guaranteed: bool = True
     guarantee_note: str = ""
     max_velocity_ratio: float = 0.0
+    max_acceleration_ratio: float | None = None
     length: float = 0.0
 
     @classmethod

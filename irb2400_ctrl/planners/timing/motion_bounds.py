@@ -18,6 +18,7 @@ class Checked:
     torque_at: tuple[float, int]
     """where: length [m] and axis 1…n"""
     acceleration_ratio: float = 0.0
+    """largest |qdd| / qdd_max; zero without a limit"""
     torque_rate_ratio: float = 0.0
     jerk_ratio: float = 0.0
     """of a motion without jumps, as parts of their limits; zero where there is none"""

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike
 
-from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.arrays import Array, Mask
 from irb2400_ctrl.cell.external_axes import ExternalAxes
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.planners.enclosure import bernstein
@@ -70,6 +70,20 @@ class MotionLimits:
                 )
         return self
 
+    def no_faster(self, torque_rate: Array | None, jerk: Array | None) -> MotionLimits:
+        """The same with rates that are no larger than these, either, each (n,); None is none."""
+        return replace(
+            self,
+            torque_rate=_smaller(self.torque_rate, torque_rate),
+            jerk=_smaller(self.jerk, jerk),
+        )
+
+    @property
+    def bounds_bend(self) -> Mask:
+        """Which axes have a limit of acceleration or jerk, shape (n,)."""
+        jerk = np.inf if self.jerk is None else self.jerk
+        return np.asarray(np.isfinite(self.qdd_max) | np.isfinite(jerk))
+
     @property
     def smooth(self) -> bool:
         """Whether the motion has to be one without jumps of the acceleration."""
@@ -96,8 +110,13 @@ class MotionLimits:
         )
 
     def with_room(self, n: int, part: float) -> MotionLimits:
-        """The same with that part of the acceleration of what follows the first n axes."""
-        return replace(self, tau_max=np.append(self.tau_max[:n], part * self.tau_max[n:]))
+        """The same with that part of the limits of acceleration, which of what follows the first n
+        axes stand where these have their torque."""
+        return replace(
+            self,
+            tau_max=np.append(self.tau_max[:n], part * self.tau_max[n:]),
+            qdd_max=part * self.qdd_max,
+        )
 
     def first(self, n: int) -> MotionLimits:
         """Those of the first n axes."""
@@ -108,12 +127,21 @@ class MotionLimits:
     @classmethod
     def of(cls, robot: Robot) -> MotionLimits:
         """The limits of a robot's description."""
-        stated = [joint.limits.acceleration_deg_s2 for joint in robot.joints]
+        stated = [joint.limits for joint in robot.joints]
+        bend = [limit.acceleration_deg_s2 for limit in stated]
+        rate = [limit.torque_rate_Nm_s for limit in stated]
         return cls(
             robot.qd_max,
             robot.tau_max,
-            np.array([np.inf if a is None else np.radians(a) for a in stated]),
+            np.array([np.inf if a is None else np.radians(a) for a in bend]),
+            None if rate.count(None) == len(rate) else np.array([r or np.inf for r in rate]),
         )
+
+
+def _smaller(a: Array | None, b: Array | None) -> Array | None:
+    if a is None or b is None:
+        return b if a is None else a
+    return np.asarray(np.minimum(a, b))
 
 
 def speed_bounds(cells: Cells, qd_max: Array, cell_bound: Array | None = None) -> Array:

@@ -15,7 +15,11 @@ from irb2400_ctrl.planners.joint_path import JointPath
 from irb2400_ctrl.planners.timing.motion_bounds import Checked, Peaks
 from irb2400_ctrl.planners.timing.motion_limits import MotionLimits
 from irb2400_ctrl.planners.timing.time_law import TimeLaw
-from irb2400_ctrl.planners.timing.torque_bounds import squared_speed_ratio, torque_bounds
+from irb2400_ctrl.planners.timing.torque_bounds import (
+    acceleration_ratio,
+    squared_speed_ratio,
+    torque_bounds,
+)
 
 # parts that each cell is cut into for the check; more, while a bound is above the limit
 _PARTS = (2, 4, 8)
@@ -100,7 +104,7 @@ class PiecewiseConstantLaw(TimeLaw):
         return s[own | far], np.interp(passed[kept], time, factor)
 
     def bounds(self, path: JointPath, limits: MotionLimits, dynamics: PathDynamics) -> Checked:
-        """Torque and speed cell by cell, from u and x alone.
+        """Torque, speed and acceleration cell by cell, from u and x alone.
 
         In a cell u is a number, x(t) is linear, and tau is a cubic with known Bernstein
         coefficients plus friction at known speeds plus a bounded remainder. The cells are parts of
@@ -113,6 +117,7 @@ class PiecewiseConstantLaw(TimeLaw):
             u = np.repeat(self.u, parts)
             ratio = np.empty((len(u), len(limits.tau_max)))
             speed = 0.0
+            bend = 0.0
             # not all at once: of a long path they would be the largest arrays of its plan
             for part in at_once(dynamics, s):
                 ends = slice(part.start, part.stop + 1)
@@ -121,6 +126,7 @@ class PiecewiseConstantLaw(TimeLaw):
                 ratio[part] = np.maximum(above, -below) / limits.tau_max
                 squared = squared_speed_ratio(cells, x[ends], limits.qd_max)
                 speed = max(speed, float(np.sqrt(squared.max())))
+                bend = max(bend, acceleration_ratio(cells, u[part], x[ends], limits.qdd_max))
             if ratio.max() <= 1:
                 break
         if dynamics.irregular or not np.isfinite(ratio).all():
@@ -130,6 +136,7 @@ class PiecewiseConstantLaw(TimeLaw):
             torque_ratio=float(ratio[cell, axis]),
             velocity_ratio=speed,
             torque_at=(float(s[cell]), int(axis) + 1),
+            acceleration_ratio=bend,
         )
 
     def peaks(self, path: JointPath, limits: MotionLimits, dynamics: PathDynamics) -> Peaks:

@@ -6,6 +6,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
+import numpy as np
+
 from irb2400_ctrl.errors import InfeasibleError
 from irb2400_ctrl.planners.enclosure.cells import enclose, grid
 from irb2400_ctrl.planners.enclosure.path_dynamics import PathDynamics
@@ -91,6 +93,7 @@ def best_first(timed: Sequence[TimedChoice], axis_tolerance: float) -> list[Time
     return sorted(allowed or timed, key=lambda option: option.rank)
 
 
+# cubics through angles and speeds swing above an acceleration between two limits by up to 2/3
 _ROOM_FOR_ROWS = 0.6
 RATES_UP_TO = 1000
 """pieces of a path above which rates that nobody stated are not limited: it would take minutes"""
@@ -147,22 +150,38 @@ def settle(
     """The choice as its rows say it, slowed by what they swing above the limits; with toppra's
     timing as it is.
 
-    Where the acceleration may jump, axes that carry the part leave room for what rows swing above
-    it: they are too weak to be slowed around a few rows.
+    Where the acceleration may jump, axes that carry the part, and those of the arm with a limit of
+    it, leave room for what rows swing above it: they are too weak to be slowed around a few rows.
 
     Args:
         dynamics: the arm's torque along the path.
         timed: the choice with its law.
         options: of the timing.
     """
-    if dynamics.external and isinstance(timed.law, PiecewiseConstantLaw):
-        n = dynamics.model.robot.n
-        roomy = replace(options, limits=options.limits.with_room(n, _ROOM_FOR_ROWS))
-        timed = replace(timed, law=fastest(dynamics, timed.path, roomy).law)
+    timed = replace(timed, law=roomy(dynamics, timed.path, timed.law, options))
     found = settled_reference(
         dynamics, timed.path, timed.law, options.limits, options.sampling, options.certified
     )
     return replace(timed, law=found.law), found
+
+
+def roomy(dynamics: PathDynamics, path: TaskPath, law: TimeLaw, options: TimingOptions) -> TimeLaw:
+    """The law, or where its acceleration may jump and has a limit, one that leaves room for the
+    rows.
+
+    Args:
+        dynamics: the arm's torque along the path.
+        path: the TCP along the joints.
+        law: its fastest.
+        options: of the timing.
+    """
+    limits = options.limits
+    swings = options.sampling.interpolation == "cubic" and np.isfinite(limits.qdd_max).any()
+    jumps = options.certified and isinstance(law, PiecewiseConstantLaw)
+    if not (jumps and (dynamics.external or swings)):
+        return law
+    kept = limits.with_room(dynamics.model.robot.n, _ROOM_FOR_ROWS)
+    return fastest(dynamics, path, replace(options, limits=kept)).law
 
 
 def fastest(dynamics: PathDynamics, path: TaskPath, options: TimingOptions) -> Timed:

@@ -69,15 +69,16 @@ class TimingOptions:
         own = MotionLimits.of(robot)
         stated = own if limits is None else limits.within(own)
         stated = replace(stated, tau_max=torque_share * stated.tau_max)
-        limited = stated.with_rates(torque_rate, jerk)
+        # what the robot file states holds beside what is asked for
+        limited = stated.with_rates(torque_rate, jerk).no_faster(own.torque_rate, None)
         rates_stated = limited.smooth
         if rates_stated and backend != "certified":
             raise InputError(
-                f"timing: found {backend!r} with a limit of torque rate or jerk, expected "
-                "'certified'"
+                f"timing: found {backend!r} with a limit of torque rate or jerk (asked for, or "
+                "torque_rate_Nm_s of the robot file), expected 'certified'"
             )
-        if torque_rate is None and backend == "certified":
-            limited = limited.with_rates(sampling.torque_rate * own.tau_max, None)
+        if backend == "certified":
+            limited = _for_rows(limited, own, sampling, torque_rate)
         if external is not None:
             if backend != "certified":
                 raise InputError(
@@ -93,3 +94,24 @@ class TimingOptions:
     def certified(self) -> bool:
         """Whether the torque is bounded between grid points."""
         return self.backend == "certified"
+
+
+def _for_rows(
+    limits: MotionLimits, own: MotionLimits, sampling: Sampling, torque_rate: ArrayLike | None
+) -> MotionLimits:
+    """The limits with the rates that rows can follow, of torques and of accelerations that have a
+    limit, unless the torque may jump.
+
+    Args:
+        limits: with the rates that are stated.
+        own: of the robot.
+        sampling: rows of the trajectory.
+        torque_rate: that was asked for [Nm/s]; inf lets the torque jump.
+    """
+    if torque_rate is not None and not np.isfinite(torque_rate).any():
+        return limits
+    rate = sampling.torque_rate
+    jerk = rate * limits.qdd_max if np.isfinite(limits.qdd_max).any() else None
+    return limits.no_faster(
+        rate * own.tau_max if torque_rate is None else None, jerk if limits.jerk is None else None
+    )

@@ -97,6 +97,22 @@ def _above_root(e: Array, x: Array) -> Array:
     return pushing + bernstein.product(np.minimum(e, 0.0), secant[..., None])
 
 
+def acceleration_ratio(cells: Cells, u: Array, x: Array, qdd_max: Array) -> float:
+    """Upper bound of |q' u + q'' x| / qdd_max over all cells; zero without a limit.
+
+    Args:
+        cells: the path enclosed cell by cell.
+        u: sddot in each cell [m/s2], shape (m,).
+        x: sdot^2 at the ends of the cells [m2/s2], shape (m + 1,).
+        qdd_max: [rad/s2], shape (n,).
+    """
+    some = np.isfinite(qdd_max)
+    X = bernstein.linear(x[:-1], x[1:])[..., None]
+    bend = cells.speed[:, :, some] * u[:, None, None]
+    bend = bend + bernstein.product(cells.curvature[:, :, some], X)
+    return float((bernstein.largest_size(bend) / qdd_max[some]).max(initial=0.0))
+
+
 def squared_speed_ratio(cells: Cells, x: Array, qd_max: Array) -> Array:
     """Upper bound of (q'^2 x) / qd_max^2 in each cell, shape (m, n).
 

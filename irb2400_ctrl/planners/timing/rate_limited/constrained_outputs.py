@@ -79,7 +79,7 @@ class ConstrainedOutputs:
             (_rows([rate], m)[0], _rows([jerk], m)[0]),
             2 * (np.broadcast_to(np.arange(1, n + 1), (m, n)),),
         )
-        wanted = np.flatnonzero(np.isfinite(limits.qdd_max) | np.isfinite(jerk))
+        wanted = np.flatnonzero(limits.bounds_bend)
         parts: list[Any] = [
             np.concatenate([torque, motion[..., wanted]], axis=-1) for torque, motion in pairs
         ]

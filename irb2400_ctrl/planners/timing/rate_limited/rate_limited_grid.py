@@ -15,6 +15,8 @@ from irb2400_ctrl.planners.timing.time_law import TimeLaw
 # grow by a factor
 _FIRST = 0.04
 _GROWTH = 1.25
+# smallest of them, as a part of the path: what is cut further has to stay above its rounding
+_LEAST = 1e-10
 # largest change of log x within a cell
 _CHANGE = 0.35
 # where the speed changes: cells passed within this part of the time in which the acceleration
@@ -41,6 +43,7 @@ def first_grid(path: JointPath, fastest: TimeLaw, outputs: ConstrainedOutputs, c
     steps = [s]
     for end, side in ((0, 1.0), (-1, -1.0)):
         first = min(jerk[end] * (_FIRST * ramp[end]) ** 3 / 6, 1e-2 * np.diff(s)[end])
+        first = max(first, _LEAST * path.length)
         growing = first * _GROWTH ** np.arange(
             np.ceil(np.log(path.length / 4 / first) / np.log(_GROWTH))
         )

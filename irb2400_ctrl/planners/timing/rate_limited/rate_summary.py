@@ -41,7 +41,7 @@ def rate_summary(
         found["max_torque_rate_Nm_s"] = _listed(limits.torque_rate[arm], most[arm])
     if limits.jerk is not None:
         ratio = np.zeros(n)
-        ratio[np.isfinite(limits.qdd_max) | np.isfinite(limits.jerk)] = most[n:]
+        ratio[limits.bounds_bend] = most[n:]
         found["jerk_limit_deg_s3"] = _listed(np.degrees(limits.jerk[arm]))
         found["max_jerk_deg_s3"] = _listed(np.degrees(limits.jerk[arm]), ratio[arm])
     return found

@@ -135,15 +135,17 @@ class _Search:
         return law.sampled_ratios(self.path, self.limits, self.dynamics, halvings)
 
     def as_read(self, law: RateLimitedLaw, ratios: OutputRatios) -> OutputRatios:
-        """The same with torques, speeds and feed of the rows, and of what is read between them."""
+        """The same with torques, accelerations, speeds and feed of the rows, and of what is read
+        between them."""
         if self.sampling is None or self.dynamics.irregular:
             return ratios
         n = self.path.n
-        torque, speed = self.sampling.ratios(
+        torque, bend, speed = self.sampling.ratios(
             law, self.path, self.limits, self.dynamics, ratios.s, self.feed_ratios
         )
         value = ratios.value.copy()
         value[:, :n] = np.maximum(value[:, :n], torque)
+        value[:, n:] = np.maximum(value[:, n:], bend[:, self.limits.bounds_bend])
         return replace(ratios, value=value, speed=np.hstack([ratios.speed, speed]))
 
     def program(self, s: Array, near: TimeLaw) -> GriddedProgram:

@@ -1,4 +1,4 @@
-"""`ReferenceBounds`: torque and speed of a sampled reference over all times, bounded.
+"""`ReferenceBounds`: torque, speed and acceleration of a sampled reference over all times, bounded.
 
 The reference is a motion with the time as its parameter, sdot = 1 and sddot = 0: it is enclosed as
 any path (`enclosure.cells`), cut at the rows and wherever a joint turns back. No law and no solver
@@ -8,6 +8,7 @@ enters, only the numbers of the rows.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -34,16 +35,19 @@ class ReferenceBounds:
     """|tau|, friction and effects included [Nm], shape (m, n); inf where there is no bound"""
     speed: Array
     """|qd| [rad/s], shape (m, n)"""
+    acceleration: Array
+    """|qdd| [rad/s2], shape (m, n); zero where no axis has a limit of it"""
 
     @property
     def largest(self) -> ReferenceBounds:
         """Of the whole motion as one cell."""
-        ends = self.time[[0, -1]]
-        return ReferenceBounds(ends, self.torque.max(axis=0)[None], self.speed.max(axis=0)[None])
+        parts = (self.torque, self.speed, self.acceleration)
+        return ReferenceBounds(self.time[[0, -1]], *(part.max(axis=0)[None] for part in parts))
 
     def first(self, n: int) -> ReferenceBounds:
         """Those of the first n axes."""
-        return ReferenceBounds(self.time, self.torque[:, :n], self.speed[:, :n])
+        parts = (self.torque, self.speed, self.acceleration)
+        return ReferenceBounds(self.time, *(part[:, :n] for part in parts))
 
     def torque_ratio(self, tau_max: Array) -> float:
         """Largest |tau| / tau_max; inf where nothing can be said."""
@@ -52,6 +56,18 @@ class ReferenceBounds:
     def velocity_ratio(self, qd_max: Array) -> float:
         """Largest |qd| / qd_max."""
         return _largest(self.speed / qd_max)
+
+    def acceleration_ratio(self, qdd_max: Array) -> float:
+        """Largest |qdd| / qdd_max; zero without a limit."""
+        return _largest(self.acceleration / qdd_max)
+
+
+class _Enclosed(NamedTuple):
+    """Of `ReferenceBounds` what has to be enclosed."""
+
+    time: Array
+    torque: Array
+    speed: Array
 
 
 def reference_bounds(
@@ -79,12 +95,23 @@ def reference_bounds(
         torque[end] = np.maximum(torque[end], _at_rest(dynamics, motion, s[end]))
     if dynamics.irregular:
         torque[:, : dynamics.model.robot.n] = np.inf
-    return ReferenceBounds(s, torque, speed)
+    return ReferenceBounds(s, torque, speed, _bend(motion, s, limits))
+
+
+def _bend(motion: JointMotion, s: Array, limits: MotionLimits) -> Array:
+    """|qdd| on cells: it goes straight between rows, so that the ends of a cell have its largest,
+    shape (m, n)."""
+    n = len(limits.qdd_max)
+    if not np.isfinite(limits.qdd_max).any():
+        return np.broadcast_to(0.0, (len(s) - 1, n))
+    piece = motion.piece((s[:-1] + s[1:]) / 2)
+    first, last = (np.abs(motion.on_piece(at, piece, 2)) for at in (s[:-1], s[1:]))
+    return np.asarray(np.maximum(first, last))
 
 
 def _bounds(
     dynamics: PathDynamics, motion: JointMotion, s: Array, limits: MotionLimits
-) -> ReferenceBounds:
+) -> _Enclosed:
     """Between some of the rows, which do not depend on the others."""
     torque, speed = _enclosed(dynamics, motion, s)
     for _ in range(_ROUNDS):
@@ -101,7 +128,7 @@ def _bounds(
             torque[new], speed[new] = _enclosed(dynamics, cut, cut.knots)
         else:
             torque, speed = _enclosed(dynamics, motion, s)
-    return ReferenceBounds(s, torque, speed)
+    return _Enclosed(s, torque, speed)
 
 
 def _enclosed(dynamics: PathDynamics, motion: JointMotion, s: Array) -> tuple[Array, Array]:

@@ -83,14 +83,24 @@ class SampledReference:
         return JointPath.hermite(rows.time, rows.q, rows.qd)
 
     def bounds(self, dynamics: PathDynamics, limits: MotionLimits) -> ReferenceBounds:
-        """Torque and speed over all times, from the rows alone."""
+        """Torque, speed and acceleration over all times, from the rows alone."""
         found = reference_bounds(dynamics, self.motion, limits)
         if self.interpolation == "cubic":
-            return found
+            return self._with_column(found, limits)
         # straight between rows the joints are as fast as their angles say, too
         places = self.places
         slope = np.abs(places((found.time[:-1] + found.time[1:]) / 2, 1))
         return replace(found, speed=np.maximum(found.speed, slope))
+
+    def _with_column(self, found: ReferenceBounds, limits: MotionLimits) -> ReferenceBounds:
+        """The same with the column of accelerations: cubics do not read it, a feed-forward does."""
+        if not np.isfinite(limits.qdd_max).any():
+            return found
+        rows = self.rows
+        size = np.abs(rows.qdd)
+        after = np.searchsorted(rows.time, (found.time[:-1] + found.time[1:]) / 2)
+        column = np.maximum(size[after - 1], size[np.minimum(after, len(size) - 1)])
+        return replace(found, acceleration=np.maximum(found.acceleration, column))
 
     def states(self, time: Array) -> tuple[Array, Array, Array]:
         """q, qd, qdd at any times (k,), each (k, n)."""

@@ -57,9 +57,10 @@ class Sampling:
         dynamics: PathDynamics,
         s: Array,
         feed_ratios: FeedRatios | None,
-    ) -> tuple[Array, Array]:
-        """Largest |tau| / tau_max, and largest speed of an axis or of the TCP over its limit, while
-        the reference passes each cell between the lengths s, shapes (m, n) and (m, 1).
+    ) -> tuple[Array, Array, Array]:
+        """Largest |tau| / tau_max, |qdd| / qdd_max, and speed of an axis or of the TCP over its
+        limit, while the reference passes each cell between the lengths s, shapes (m, n) twice and
+        (m, 1).
 
         A motion that is changed a little has its rows elsewhere: the largest over rows that begin
         at several times is what does not depend on that.
@@ -72,23 +73,26 @@ class Sampling:
             s: ends of the cells [m], shape (m + 1,).
             feed_ratios: of the TCP's speed over the programmed feed; None where none is.
         """
-        found = np.zeros((len(s) - 1, path.n + 1))
+        n = path.n
+        found = np.zeros((len(s) - 1, 2 * n + 1))
         for part in range(_PHASES):
             reference = self.reference(law, path, part / _PHASES / self.rate)
             bounds = reference.bounds(dynamics, limits)
             rows = reference.rows.time
-            ratio = np.zeros((len(rows) - 1, path.n + 1))
+            ratio = np.zeros((len(rows) - 1, 2 * n + 1))
+            torque = bounds.torque / limits.tau_max
+            bend = bounds.acceleration / limits.qdd_max
             speed = (bounds.speed / limits.qd_max).max(axis=1, keepdims=True)
-            parts = [(bounds.time, np.hstack([bounds.torque / limits.tau_max, speed]))]
+            parts = [(bounds.time, np.hstack([torque, bend, speed]))]
             feed = None if feed_ratios is None else feed_ratios(law, reference.places)
             if feed is not None:
-                nothing = np.zeros((len(feed[1]), path.n))
+                nothing = np.zeros((len(feed[1]), 2 * n))
                 parts.append((feed[0], np.hstack([nothing, feed[1][:, None]])))
             for time, value in parts:
                 interval = np.searchsorted(rows, (time[:-1] + time[1:]) / 2) - 1
                 np.maximum.at(ratio, np.clip(interval, 0, len(ratio) - 1), value)
             found = np.maximum(found, _on_cells(s, law.at(rows)[0], ratio))
-        return found[:, :-1], found[:, -1:]
+        return found[:, :n], found[:, n:-1], found[:, -1:]
 
 
 def _on_cells(s: Array, ends: Array, values: Array) -> Array:

@@ -76,13 +76,17 @@ class Settled:
         """The largest part of a torque limit."""
         return float((self.torque / limits.tau_max).max())
 
+    def by_effort(self, limits: MotionLimits) -> float:
+        """The largest part of a limit of torque or acceleration."""
+        return max(self.by_torque(limits), self.bounds.acceleration_ratio(limits.qdd_max))
+
     def worst(self, limits: MotionLimits) -> float:
         """The largest part of a limit, feed included."""
-        return max(self.by_torque(limits), self._by_speed(limits))
+        return max(self.by_effort(limits), self._by_speed(limits))
 
     def slower(self, limits: MotionLimits) -> float:
         """About how many times slower the motion has to be: below 1 where it keeps its limits."""
-        return max(1 + _BY_TORQUE * (self.by_torque(limits) - 1), self._by_speed(limits))
+        return max(1 + _BY_TORQUE * (self.by_effort(limits) - 1), self._by_speed(limits))
 
     def _by_speed(self, limits: MotionLimits) -> float:
         return max(self.bounds.velocity_ratio(limits.qd_max), self.feed_ratio or 0.0)
@@ -97,9 +101,9 @@ def settled_reference(
     slow: bool,
 ) -> Settled:
     """The rows of a timed path, bounded; the law slowed first, where allowed, until they keep
-    torque, speed and feed: all over if hardly anything is missing, or if its torque may not jump
-    (such a law was made for its rows, see `Sampling.ratios`); else where they swing above a limit,
-    and all over by the little that is left then, or if that does not settle.
+    torque, acceleration, speed and feed: all over if hardly anything is missing, or if its torque
+    may not jump (such a law was made for its rows, see `Sampling.ratios`); else where they swing
+    above a limit, and all over by the little that is left then, or if that does not settle.
 
     Args:
         dynamics: the arm's torque along the path.
@@ -134,7 +138,7 @@ def _slowed(
     if not (isinstance(law, PiecewiseConstantLaw) and bounded):
         return look(_slower_all_over(look, law, limits, _HOPELESS))
     for _ in range(_ROUNDS):
-        if swing.by_torque >= _HOPELESS:
+        if swing.by_effort >= _HOPELESS:
             break
         slower = _slower_where(dynamics, task, law, swing, limits, sampling)
         if slower.duration <= law.duration:
@@ -150,10 +154,11 @@ def _slowed(
         return look(_slower_all_over(look, asked, limits, _HOPELESS))
     # coming back to its speed the law itself may need more than its rows
     own = law.bounds(task.joints, limits, dynamics)
-    if own.torque_ratio > 1:
-        law = law.slowed(1 + _BY_TORQUE * (own.torque_ratio - 1))
+    effort = max(own.torque_ratio, own.acceleration_ratio)
+    if effort > 1:
+        law = law.slowed(1 + _BY_TORQUE * (effort - 1))
     last = _slower_all_over(look, law, limits, _HOPELESS)
-    kept = last is law and own.torque_ratio <= 1
+    kept = last is law and effort <= 1
     return replace(look(last), own=own) if kept else look(last)
 
 
@@ -178,7 +183,7 @@ class _Look:
 class _Swing:
     """How far, and where, the rows of a law swing above the limits."""
 
-    by_torque: float
+    by_effort: float
     rows: Array
     """[s]"""
     wanted: Array
@@ -187,7 +192,7 @@ class _Swing:
     @classmethod
     def of(cls, found: Settled, limits: MotionLimits) -> _Swing:
         rows = found.reference.rows.time
-        return cls(found.by_torque(limits), rows, _wanted(found.bounds, found.feed, rows, limits))
+        return cls(found.by_effort(limits), rows, _wanted(found.bounds, found.feed, rows, limits))
 
 
 def _slower_all_over(look: _Look, law: TimeLaw, limits: MotionLimits, most: float) -> TimeLaw:
@@ -265,10 +270,11 @@ def _wanted(
     bounds: ReferenceBounds, feed: tuple[Array, Array] | None, rows: Array, limits: MotionLimits
 ) -> Array:
     """How many times slower each interval between rows has to be, at least 1, shape (rows - 1,)."""
-    # torque falls with the square of the speed, but for gravity and friction
+    # both fall with the square of the speed, torque but for gravity and friction
     torque = (bounds.torque / limits.tau_max).max(axis=1)
+    effort = np.maximum(torque, (bounds.acceleration / limits.qdd_max).max(axis=1))
     speed = (bounds.speed / limits.qd_max).max(axis=1)
-    parts = [(bounds.time, np.maximum(1 + _MORE * _BY_TORQUE * (torque - 1), speed))]
+    parts = [(bounds.time, np.maximum(1 + _MORE * _BY_TORQUE * (effort - 1), speed))]
     if feed is not None:
         parts.append(feed)
     found = np.ones(len(rows) - 1)
