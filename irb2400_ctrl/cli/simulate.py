@@ -80,8 +80,13 @@ def _lines(controller: str, summary: dict[str, Any]) -> list[str]:
     from irb2400_ctrl.simulation.bounds_reached import in_words
 
     error = summary["tcp_error_mm"]
+    closed = summary["bounds_reached"]["brake_closed_s"]
+    followed = []
+    if closed is not None:
+        followed.append(f"not followed to its end: the brake closes at {closed:.3f} s and stays so")
     return [
         f"{controller}: {summary['duration_s']:.2f} s simulated",
+        *followed,
         f"TCP error {error['rms']:.3f} mm rms, {error['max']:.3f} mm at most",
         *in_words(summary["bounds_reached"]),
     ]

@@ -53,8 +53,8 @@ def in_words(reached: dict[str, Any]) -> list[str]:
         "end_stop": "the end stop is hit on axis",
         "samples_refused_by_package": "samples that the C package refuses (FAULT_INPUT):",
         "brake_closed_s": "the guard closes the brake (an input at fault, or an effect that the "
-        "controller's robot lacks, such as friction that its file leaves out; --bare: no guard) at "
-        "[s]",
+        "controller's robot lacks, such as friction that its file leaves out, or a torque that "
+        "changes faster than the guard's torque_rate; --bare: no guard) at [s]",
     }
     lines = []
     for name, value in reached.items():
