@@ -142,6 +142,9 @@ OutOption = Annotated[
 ]
 
 
+# of what looks wrong in a robot file, told by every command
+_NOTES = 3
+
 settings: ContextVar[list[str]] = ContextVar("settings", default=[])  # noqa: B039
 """what `--set` changes in the robot of this command"""
 
@@ -161,9 +164,23 @@ def load_arm(robot: str, uncertainty: list[str] | None = None) -> Robot:
         changed = arm.uncertainty.changed(uncertainty, bodies)
         # what was identified would take the place of what was just asked for
         arm = arm.model_copy(update={"uncertainty": changed, "identified": None})
-    for line in arm.assumptions():
+    for line in [*_looks_wrong(arm, robot), *arm.assumptions()]:
         print(f"{arm.name}: {line}", file=sys.stderr)
     return arm
+
+
+def _looks_wrong(arm: Robot, source: str) -> list[str]:
+    """What `robot check` would note of the numbers: the first few, and how many more; nothing of
+    what the library's own robots are published with."""
+    from irb2400_ctrl.model.plausibility import plausibility
+    from irb2400_ctrl.robot import load_robot, robot_names
+
+    published = plausibility(load_robot(source)) if source in robot_names() else []
+    notes = [note for note in plausibility(arm) if note not in published]
+    if len(notes) > _NOTES:
+        more = f"and {len(notes) - _NOTES} more that look wrong (irb2400 robot check)"
+        notes = [*notes[:_NOTES], more]
+    return notes
 
 
 def input_file(path: Path, what: str) -> Path:

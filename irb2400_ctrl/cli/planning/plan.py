@@ -31,6 +31,8 @@ from irb2400_ctrl.cli.planning.plan_program import (
     link_options,
     plan_all,
     plan_parts,
+    print_clearance,
+    print_deviation,
     print_external,
     print_feed,
     report,
@@ -292,19 +294,20 @@ def _plan_one(job: Job) -> Summary:
             frame = frame_of(options)
             written += write_plan_module(planned, operation, job.rapid, frame, job.out)
     print(f"{job.program.name}: {len(toolpath)} points, {planned.summary()['duration_s']:.2f} s")
-    _print_summary(planned)
+    _print_summary(planned, options["tolerance"])
     print(f"written to {job.out}: {', '.join(written)}")
     return Summary(planned.summary(), [job.out / name for name in written])
 
 
-def _print_summary(planned: Plan) -> None:
+def _print_summary(planned: Plan, tolerance: float) -> None:
     s = planned.summary()
+    print_deviation(s, tolerance)
     margin = s["singularity_margin"]
     print(
         f"smallest margins: wrist {margin['wrist']:.3f}, shoulder {margin['shoulder']:.3f} m, "
         f"elbow {margin['elbow']:.3f} m"
     )
-    print(f"clearance: {_clearance(s['clearance_mm'])}")
+    print_clearance(s["clearance_mm"])
     if planned.deflection is not None:
         given = planned.deflection
         print(
@@ -320,14 +323,3 @@ def _print_summary(planned: Plan) -> None:
         # that of the jumping law is a bound of its cells: a hair above what can be
         longer = max(planned.duration - s["duration_without_rates_s"], 0.0)
         print(f"{longer:.2f} s longer than without limits of the rates")
-
-
-def _clearance(found: dict[str, Any]) -> str:
-    """The smallest distance in words, or why it is not known."""
-    if found["value"] is None:
-        return f"not known, {found['reason']}"
-    first, other = found["pair"]
-    return (
-        f"at least {found['value']:.1f} mm everywhere, least between {first} and {other} at "
-        f"{found['at_mm']:.0f} mm of the way"
-    )

@@ -21,6 +21,10 @@ if TYPE_CHECKING:
     from irb2400_ctrl.robot import Robot
 
 
+# a bound is a little above what is reached, and rows cut corners anew
+_CLEARLY = 1.1
+
+
 def link_options(
     operations: int,
     links: bool | None,
@@ -81,7 +85,7 @@ def plan_all(job: Job) -> Summary:
         )
         say(f"{task}: writing")
         written = _write(found, job)
-    return _told(found, job.out, written)
+    return _told(found, job, written)
 
 
 def plan_parts(job: Job, because: UnreachableError) -> Summary:
@@ -94,7 +98,7 @@ def plan_parts(job: Job, because: UnreachableError) -> Summary:
 
     found = plan_unwound(job.arm, job.program, job.links, because, **job.options)
     written = _write(found, job)
-    return _told(found, job.out, written)
+    return _told(found, job, written)
 
 
 def _write(found: ProgramPlan, job: Job) -> list[Path]:
@@ -151,7 +155,7 @@ def _common_frame(found: ProgramPlan, job: Job) -> Array | None:
     return first if alike else None
 
 
-def _told(found: ProgramPlan, out: Path, written: Sequence[Path]) -> Summary:
+def _told(found: ProgramPlan, job: Job, written: Sequence[Path]) -> Summary:
     """What was planned: plan.json of the whole, and program.json under `program`; stops where an
     operation, or a way between two, has no plan."""
     for done in found.operations:
@@ -159,14 +163,20 @@ def _told(found: ProgramPlan, out: Path, written: Sequence[Path]) -> Summary:
             points = len(done.operation.path)
             print(f"{done.folder}: {points} points, {done.duration:.2f} s")
     if found.motion is not None:
-        print_motion(found.motion, found.program.name)
-    print(f"written to {out}: {_files(found)}")
+        print_motion(found.motion, found.program.name, job.options["tolerance"])
+    print(f"written to {job.out}: {_files(found)}")
     whole = {} if found.motion is None else found.motion.summary()
     return Summary({**whole, "program": found.summary()}, written, _refusal(found))
 
 
-def print_motion(motion: ProgramMotion, name: str) -> None:
-    """Duration, unwindings and what is sure of the whole."""
+def print_motion(motion: ProgramMotion, name: str, tolerance: float) -> None:
+    """Duration, unwindings and what is sure of the whole.
+
+    Args:
+        motion: of the whole program.
+        name: of the program.
+        tolerance: how far corners might be cut [m].
+    """
     s = motion.summary()
     print(f"{name}: one motion of {len(motion.segments)} segments, {motion.duration:.2f} s")
     for unwound in motion.unwindings:
@@ -176,6 +186,8 @@ def print_motion(motion: ProgramMotion, name: str) -> None:
         told = ", ".join(f"{event.kind} at {event.time:.2f} s" for event in rests[:6])
         more = f" and {len(rests) - 6} more" if len(rests) > 6 else ""
         print(f"the arm stands for: {told}{more}")
+    print_deviation(s, tolerance)
+    print_clearance(s["clearance_mm"])
     print_external(s["external_axes"])
     print_feed(s["feed"])
     print(f"{used(s)}{held(s)}")
@@ -196,6 +208,30 @@ def held(s: dict[str, Any]) -> str:
     if s["guaranteed"]:
         return f"; guaranteed for the rows read as {s['interpolation']}"
     return f"; not guaranteed: {s['guarantee_note']}" if s["guarantee_note"] else ""
+
+
+def print_deviation(s: dict[str, Any], tolerance: float) -> None:
+    """How far the rows leave the path, where that is clearly more than was asked for [m]."""
+    most = s["max_tcp_deviation_mm"]
+    if most <= _CLEARLY * 1e3 * tolerance:
+        return
+    why = "; straight between rows the TCP cuts curves" if s["interpolation"] == "linear" else ""
+    print(
+        f"the TCP leaves the path by up to {most:.3f} mm, {1e3 * tolerance:g} mm were asked for"
+        f"{why}; more rows (--rate) or a lower feed bring it nearer"
+    )
+
+
+def print_clearance(found: dict[str, Any]) -> None:
+    """The smallest distance in words, or why it is not known."""
+    if found["value"] is None:
+        print(f"clearance: not known, {found['reason']}")
+        return
+    first, other = found["pair"]
+    print(
+        f"clearance: at least {found['value']:.1f} mm everywhere, least between {first} and "
+        f"{other} at {found['at_mm']:.0f} mm of the way"
+    )
 
 
 def print_external(axes: Sequence[dict[str, Any]]) -> None:

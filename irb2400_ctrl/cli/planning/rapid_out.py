@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -15,6 +16,7 @@ if TYPE_CHECKING:
     from irb2400_ctrl.planners import Plan, ProgramMotion
     from irb2400_ctrl.planners.programs.rapid import RapidOptions, RapidProgram
     from irb2400_ctrl.planners.toolpath.cam_program import Operation
+    from irb2400_ctrl.robot import Robot
 
 RapidOption = Annotated[
     bool, typer.Option("--rapid", help="Also write the motion as a RAPID module, program.mod.")
@@ -85,7 +87,7 @@ def write_plan_module(
     """The module of one plan; the names of its files."""
     from irb2400_ctrl.planners.programs.rapid.rapid_of_plan import rapid_of_plan
 
-    return _save(rapid_of_plan(plan, operation, options, X_BW=X_BW), out)
+    return _save(rapid_of_plan(plan, operation, options, X_BW=X_BW), plan.robot, out)
 
 
 def write_motion_module(
@@ -94,11 +96,16 @@ def write_motion_module(
     """The module of a whole program; the names of its files."""
     from irb2400_ctrl.planners.programs.rapid.rapid_of_plan import rapid_of_motion
 
-    return _save(rapid_of_motion(motion, options, X_BW=X_BW), out)
+    return _save(rapid_of_motion(motion, options, X_BW=X_BW), motion.plans[0].robot, out)
 
 
-def _save(program: RapidProgram, out: Path) -> list[str]:
+def _save(program: RapidProgram, robot: Robot, out: Path) -> list[str]:
     program.save(out / "program.mod")
+    if not re.search("abb|irb", robot.name, re.IGNORECASE):
+        print(
+            "note: program.mod is RAPID, which only ABB's controllers run; the robot is "
+            f"{robot.name}. For other controllers take trajectory.csv"
+        )
     if program.not_written:
         told = "; ".join(dict.fromkeys(program.not_written))
         print(f"program.mod only shows, because --rapid-io names no signal: {told[:300]}")

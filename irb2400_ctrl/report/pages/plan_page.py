@@ -116,6 +116,7 @@ def facts(summary: Mapping[str, Any]) -> list[tuple[str, str]]:
         ("duration", f"{summary['duration_s']:.2f} s"),
         ("torque, at most", of_limit(summary["max_torque_ratio"])),
         ("speed, at most", of_limit(summary["max_velocity_ratio"])),
+        *[("acceleration, at most", of_limit(bend)) for bend in _accelerations(summary)],
         ("TCP deviation, at most", f"{summary['max_tcp_deviation_mm']:.3f} mm"),
         ("clearance, at least", "not known" if clearance is None else f"{clearance:.0f} mm"),
         ("wrist margin |sin q5|", f"{margin['wrist']:.3f}"),
@@ -141,10 +142,27 @@ def numbers(summary: Mapping[str, Any]) -> tuple[list[str], list[list[object]]]:
         [f"clearance, at least{where}", least, "mm" if near is not None else ""],
         ["torque, at most", f"{100 * summary['max_torque_ratio']:.1f}", "% of limit"],
         ["speed, at most", f"{100 * summary['max_velocity_ratio']:.1f}", "% of limit"],
+        *[
+            ["acceleration, at most", f"{100 * b:.1f}", "% of limit"]
+            for b in _accelerations(summary)
+        ],
         *_external_rows(summary),
         ["rows are read as", summary["interpolation"], ""],
     ]
     return ["quantity", "value", "unit"], rows
+
+
+def _accelerations(summary: Mapping[str, Any]) -> list[float]:
+    """The largest over its limit; none where the robot states none."""
+    found = summary["max_acceleration_ratio"]
+    return [] if found is None else [found]
+
+
+def _acceleration_rows(summary: Mapping[str, Any]) -> list[list[object]]:
+    return [
+        ["acceleration, at most", f"{100 * bend:.1f}", "% of limit"]
+        for bend in _accelerations(summary)
+    ]
 
 
 def _external_rows(summary: Mapping[str, Any]) -> list[list[object]]:

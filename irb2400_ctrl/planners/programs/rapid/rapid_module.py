@@ -9,6 +9,7 @@ from irb2400_ctrl.model import Model
 from irb2400_ctrl.planners.programs.rapid import rapid_data as data
 from irb2400_ctrl.planners.programs.rapid.rapid_module_names import Names
 from irb2400_ctrl.planners.programs.rapid.rapid_steps import Step
+from irb2400_ctrl.robot import Robot
 
 _START = ["ConfL\\On;", "ConfJ\\On;", "SingArea\\Off;"]
 
@@ -31,10 +32,11 @@ def module_texts(
     if X_BW is not None:
         unit = options.positioner if coupled else ""
         shared += data.wobjdata(names.work_object, X_BW, unit)
+    head = _head(options.module, models[0].robot)
     if options.targets_per_module == 0:
         calls, parts = _procedures(steps, options.moves_per_procedure, 0)
         body = ["", *_procedure(options.entry, [*_START, *calls]), *parts]
-        return _module(options.module, shared + _local_data(names, steps), body), {}
+        return _module(head, shared + _local_data(names, steps), body), {}
     loads = list(_START)
     files = {}
     count = 0
@@ -43,11 +45,12 @@ def module_texts(
         calls, parts = _procedures(portion, options.moves_per_procedure, count)
         count += len(calls)
         body = ["", *_procedure(f"Stretch{k}", calls), *parts]
-        files[f"{name}.mod"] = _module(name, _local_data(names, portion), body)
+        of_part = _head(name, models[0].robot)
+        files[f"{name}.mod"] = _module(of_part, _local_data(names, portion), body)
         place = [f'"{options.folder}"', f'  \\File:="{name}.mod";']
         loads += [f"Load\\Dynamic,{place[0]}", place[1], f'%"Stretch{k}"%;']
         loads += [f"UnLoad {place[0]}", place[1]]
-    return _module(options.module, shared, ["", *_procedure(options.entry, loads)]), files
+    return _module(head, shared, ["", *_procedure(options.entry, loads)]), files
 
 
 def _portions(steps: list[Step], names: Names) -> list[list[Step]]:
@@ -106,10 +109,16 @@ def _procedure(name: str, lines: list[str]) -> list[str]:
     return [f"  PROC {name}()", *("    " + line for line in lines), "  ENDPROC"]
 
 
-def _module(name: str, declarations: list[str], body: list[str]) -> str:
-    head = [
+def _module(head: list[str], declarations: list[str], body: list[str]) -> str:
+    return "\n".join([*head, *("  " + line for line in declarations), *body, "ENDMODULE", ""])
+
+
+def _head(name: str, robot: Robot) -> list[str]:
+    """The first lines; how axis 3 counts is the arm's own."""
+    rod = robot.n > 2 and robot.A[2, 1] != 0
+    counts = "counts from the vertical (parallel rod)" if rod else "counts from the upper arm"
+    return [
         f"MODULE {name}",
         "  ! Written from a plan. Run it slowly and without the work-piece first.",
-        "  ! Base frame = world frame; axis 3 counts from the vertical (parallel rod).",
+        f"  ! Base frame = world frame; axis 3 {counts}.",
     ]
-    return "\n".join([*head, *("  " + line for line in declarations), *body, "ENDMODULE", ""])
