@@ -142,10 +142,7 @@ def numbers(summary: Mapping[str, Any]) -> tuple[list[str], list[list[object]]]:
         [f"clearance, at least{where}", least, "mm" if near is not None else ""],
         ["torque, at most", f"{100 * summary['max_torque_ratio']:.1f}", "% of limit"],
         ["speed, at most", f"{100 * summary['max_velocity_ratio']:.1f}", "% of limit"],
-        *[
-            ["acceleration, at most", f"{100 * b:.1f}", "% of limit"]
-            for b in _accelerations(summary)
-        ],
+        *_acceleration_rows(summary),
         *_external_rows(summary),
         ["rows are read as", summary["interpolation"], ""],
     ]
