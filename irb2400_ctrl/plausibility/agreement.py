@@ -9,6 +9,7 @@ from scipy.optimize import linear_sum_assignment
 from irb2400_ctrl.arrays import Array, Mask
 from irb2400_ctrl.measurement.log import Log
 from irb2400_ctrl.measurement.log_facts import LAG
+from irb2400_ctrl.plausibility.factors import filled, one_factor, trapezoid_loss
 from irb2400_ctrl.plausibility.problem import LogProblem
 
 DEGREES = 180.0 / np.pi
@@ -22,6 +23,8 @@ SCALE = 1.1
 """ratio that is then a contradiction: of real recordings the worst is 1.04 (a Panda whose host
 loses 6 % of the rows). It is no remark: which of the two columns is wrong cannot be seen, and one
 is made of clock and angles, on which all else depends"""
+TIE = 1e-3
+"""of the agreement, that it must be better by after the longest shift"""
 LEAST_SPEED = 0.05
 """[rad/s] rms, and"""
 LEAST_RANGE = 0.05
@@ -35,14 +38,15 @@ def speed_problem(log: Log) -> LogProblem | None:
     # averages over a few samples: quantised angles make noisy differences
     width = max(1, round(0.04 * log.rate))
     derived = (log.q[width:] - log.q[:-width]) / (log.time[width:] - log.time[:-width])[:, None]
-    mean = np.cumsum(np.vstack([np.zeros(log.n), 0.5 * (log.qd[1:] + log.qd[:-1])]), axis=0)
+    qd = filled(log.qd, width + 1)
+    mean = np.cumsum(np.vstack([np.zeros(log.n), 0.5 * (qd[1:] + qd[:-1])]), axis=0)
     recorded = (mean[width:] - mean[:-width]) / width
     moving = np.sqrt(np.mean(derived**2, axis=0)) > LEAST_SPEED
     derived, recorded, late = _aligned(derived, recorded, moving, round(LAG * log.rate))
     # a low-pass of first order that makes a speed so late also takes so much of it away
     size = np.maximum(np.linalg.norm(derived, axis=0), 1e-12)
     quick = np.linalg.norm(derived[width:] - derived[:-width], axis=0) * log.rate / width / size
-    scale = SCALE * np.hypot(1.0, quick * late / log.rate)
+    scale = SCALE * np.hypot(1.0, quick * late / log.rate) * trapezoid_loss(derived, width)
     return _compared(derived, recorded, moving, "speed", "recorded speed", "dq/dt", scale)
 
 
@@ -63,7 +67,9 @@ def _aligned(here: Array, there: Array, moving: Mask, most: int) -> tuple[Array,
     def agreement(shift: int) -> float:
         b = there[most + shift :, moving][:rows]
         size = np.linalg.norm(a, axis=0) * np.linalg.norm(b, axis=0)
-        return float(np.sum(np.abs(np.sum(a * b, axis=0)) / np.maximum(size, 1e-12)))
+        agrees = float(np.sum(np.abs(np.sum(a * b, axis=0)) / np.maximum(size, 1e-12)))
+        # half a period of a sine later agrees as well, but for the sign
+        return agrees * (1.0 - TIE * abs(shift) / most)
 
     best = max(range(-most, most + 1, max(1, most // 25)), key=agreement)
     return here[most:-most], there[most + best :][:rows], best
@@ -76,7 +82,7 @@ def command_problem(log: Log) -> LogProblem | None:
     q = log.q - log.q.mean(axis=0)
     ref = log.q_ref - log.q_ref.mean(axis=0)
     moving = np.ptp(log.q, axis=0) > LEAST_RANGE
-    return _compared(q, ref, moving, "command", "commanded angle", "measured angle")
+    return _compared(q, ref, moving, "command", "commanded angle", "the measured angle")
 
 
 def _compared(
@@ -93,7 +99,7 @@ def _compared(
     Args:
         here: what is measured; there: what is held against it; shapes (m, n).
         moving: joints that take part, shape (n,).
-        kind: first word of a problem; name, other: of the two in words.
+        kind: first word of a problem; name: of `there`; other: of `here`, with its article.
         scale: factor that is too much where the two go together closely, shape (n,); None: not
             looked at.
     """
@@ -120,20 +126,32 @@ def _compared(
     if turned:
         return LogProblem(
             f"{kind}_sign",
-            f"the {name} of joint {_text(turned)} goes against the {other}",
+            f"the {name} of joint {_text(turned)} goes against {other}",
             {"factor": -1.0},
             tuple(turned),
         )
     ratio = np.linalg.norm(here[:, joints], axis=0) / size * straight
-    wrong = [
-        k
-        for k in range(len(joints))
-        if (straight[k] > CLEAR and _far(ratio[k], FACTOR))
-        or (scale is not None and straight[k] > CLOSE and _far(ratio[k], scale[joints[k]]))
-    ]
+    wrong = [k for k in range(len(joints)) if straight[k] > CLEAR and _far(ratio[k], FACTOR)]
+    if scale is not None:
+        near = straight > CLOSE
+        known = _known(here[:, joints], there[:, joints], ratio, near, scale[joints])
+        wrong = sorted({*wrong, *known})
     if not wrong:
         return None
     return _scaled(ratio, joints, wrong, (kind, name, other))
+
+
+def _known(here: Array, there: Array, ratio: Array, near: Mask, scale: Array) -> list[int]:
+    """Columns that go together closely with a factor that is too much.
+
+    Args:
+        here, there: columns that are compared, shapes (m, n); ratio: of the first over the second.
+        near: of them, those that go together closely; scale: what is too much; shapes (n,).
+    """
+    far = [k for k in range(len(ratio)) if near[k] and _far(ratio[k], scale[k])]
+    shown = [k for k in far if one_factor(here[:, k], there[:, k], ratio[k])]
+    # what most show is the factor of the others, too: theirs is only less clear
+    return far if 2 * len(shown) > len(far) else shown
 
 
 def _scaled(
@@ -159,7 +177,7 @@ def _scaled(
     which = [int(joints[k]) + 1 for k in wrong]
     return LogProblem(
         f"{kind}_unit",
-        f"the {other} is {factor:.3g} times the {name} on joint {_text(which)}"
+        f"{other} is {factor:.3g} times the {name} on joint {_text(which)}"
         f"{_unit(factor) or _either(kind)}",
         {"factor": float(f"{factor:.4g}")},
         tuple(which),
