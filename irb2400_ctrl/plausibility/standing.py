@@ -23,6 +23,8 @@ TOLD = 0.05
 """[rad] and"""
 DIGITS = 20.0
 """digits that the other signal must go on meanwhile, and"""
+CRAWLS = 3.0
+"""times what the angle goes: a slow joint stands in every window but not in the stretch; and"""
 FARTHER = 3.0
 """times what the two disagree by at most in as long a stretch elsewhere"""
 ELSEWHERE = 0.1
@@ -95,7 +97,7 @@ def _contradicted(log: Log, j: int, run: Run, step: float) -> LogProblem | None:
     elsewhere[start:stop] = False
     if elsewhere.mean() < ELSEWHERE:
         return None
-    least = max(TOLD, DIGITS * step)
+    least = max(TOLD, DIGITS * step, CRAWLS * float(np.ptp(log.q[start:stop, j])))
     goes = _speed_goes(log, j, run, elsewhere)
     name = "recorded speed"
     if goes < least:

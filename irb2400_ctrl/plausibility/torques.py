@@ -17,12 +17,16 @@ CLIPPED = 0.005
 """share of samples exactly at one end of the range"""
 STUCK_TIME = 0.5
 """[s] of one torque"""
+FEW = 10
+"""rows whose noise cannot be told"""
 TRAVEL = 0.05
 """[rad] that the joint moves meanwhile"""
 SILENT = 0.75
 """share of the rows in motion whose torque is zero, in a channel that is hardly recorded"""
-STEPS = 10.0
-"""digits up to the largest torque: zero is no rounding of a channel that has so many"""
+STEPS = 5.0
+"""digits of the torques that are not rare: zero is no rounding of a channel that has so many"""
+RARE = 0.02
+"""share of the largest torques, those of contacts, which say nothing of the others"""
 CREEP = 0.05
 """of a joint's fastest speed, from which it moves"""
 
@@ -54,7 +58,7 @@ def _unrecorded(log: Log, moving: Mask) -> LogProblem | None:
     moves = (speed > CREEP * speed.max(axis=0)) & moving
     zero = log.tau[: len(speed)] == 0.0
     share = np.sum(zero & moves, axis=0) / np.maximum(moves.sum(axis=0), 1)
-    many = np.abs(log.tau).max(axis=0) > STEPS * digit(log.tau)
+    many = np.quantile(np.abs(log.tau), 1.0 - RARE, axis=0) > STEPS * digit(log.tau)
     found = [int(j) + 1 for j in np.flatnonzero((share > SILENT) & many)]
     if not found:
         return None
@@ -88,14 +92,18 @@ def _stuck(log: Log, moving: Mask) -> LogProblem | None:
 def _noise_beside_runs(tau: Array, least: int) -> Array:
     """`neighbour_noise` of the rows outside of long runs of one value, shape (n,).
 
-    Its median is zero once a channel is stuck for more than half of the record.
+    Its median is zero once a channel is stuck for more than half of the record. A channel of a
+    single run and hardly anything else is stuck whatever its noise: it is infinite. One of coarse
+    steps has several runs.
     """
     found = neighbour_noise(tau)
     for j in range(tau.shape[1]):
         free = np.ones(len(tau), dtype=bool)
-        for start, stop in runs(tau[:, j], least):
+        stays = list(runs(tau[:, j], least))
+        for start, stop in stays:
             free[start:stop] = False
-        found[j] = neighbour_noise(tau[free, j : j + 1])[0]
+        alone = len(stays) == 1 and free.sum() < FEW
+        found[j] = np.inf if alone else neighbour_noise(tau[free, j : j + 1])[0]
     return found
 
 

@@ -75,6 +75,18 @@ def test_a_torque_that_is_stuck_at_its_largest_value_is_no_limit() -> None:
     assert kind(channel_problem(replace(log, tau=tau))) == "constant_torque"
 
 
+@pytest.mark.parametrize("rows", [3, 8, 12])
+def test_a_torque_that_is_stuck_but_for_a_few_rows_is_named(rows: int) -> None:
+    """Of so few no noise is known."""
+    log = waves()
+    tau = np.array(log.tau)
+    tau[rows:, 1] = tau[rows, 1]
+    assert kind(channel_problem(replace(log, tau=tau))) == "constant_torque"
+    # a channel of coarse steps has no other rows, either
+    tau[:, 1] = np.where(log.time % 8.0 < 4.0, 1.0, 2.0)
+    assert kind(channel_problem(replace(log, tau=tau))) is None
+
+
 def test_torques_that_stay_for_good_reasons_are_no_stuck_channel() -> None:
     """Coarse steps, channels read seldom, brakes that hold a joint."""
     log = waves()
@@ -111,6 +123,22 @@ def test_an_angle_that_flickers_by_a_digit_stands() -> None:
     q = np.array(log.q)
     q[6000:, 1] += 1e-5 * np.random.default_rng(1).integers(0, 2, len(q) - 6000)
     assert kind(channel_problem(replace(log, q=q))) == "stuck_encoder"
+
+
+@pytest.mark.parametrize("told_by", ["qd", "q_ref"])
+def test_a_joint_that_crawls_does_not_stand(told_by: str) -> None:
+    """In half a second it moves by a digit; only its way back is quicker."""
+    log = waves()
+    q = np.array(log.q)
+    reached = np.minimum(0.0018 * log.time, 0.006 * (44.2 - log.time))
+    q[:, 1] = np.round(reached, 3)
+    qd = np.array(log.qd)
+    qd[:, 1] = np.gradient(reached, log.time)
+    ref = np.array(log.q_ref)
+    ref[:, 1] = reached
+    told = replace(log, q=q, qd=qd, q_ref=ref)
+    crawls = replace(told, q_ref=None) if told_by == "qd" else replace(told, qd=None)
+    assert kind(channel_problem(crawls)) is None
 
 
 def test_joints_that_stand_rightly_are_not_stuck() -> None:
@@ -203,6 +231,16 @@ def test_a_factor_on_one_speed_is_a_unit_and_a_late_or_filtered_speed_is_none() 
         assert kind(speed_problem(replace(log, qd=speed))) is None
     # a clock is seen behind a late speed, too
     assert kind(speed_problem(replace(log, time=0.5 * log.time, qd=late))) == "time_scale"
+
+
+def test_a_contact_does_not_make_coarse_torques_unrecorded() -> None:
+    """A wrist whose torques are below half a digit, and one peak."""
+    log = waves()
+    tau = np.array(log.tau)
+    tau[:, 1] = np.round(0.35 * np.cos(log.time) + 0.1 * tau[:, 1] / 20.0)
+    tau[2000:2060, 1] = np.round(12.0 * np.sin(np.linspace(0.0, np.pi, 60)))
+    assert np.mean(tau[:, 1] == 0.0) > 0.9
+    assert kind(channel_problem(replace(log, tau=tau))) is None
 
 
 def test_torques_that_are_hardly_recorded_are_named_and_not_another_robot() -> None:
