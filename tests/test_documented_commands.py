@@ -32,7 +32,7 @@ ROOT = Path(__file__).parents[1]
 DATA = ROOT / "irb2400_ctrl" / "data" / "arm"
 HERE = {
     "diagnosis.md": 3,
-    "evaluation.md": 17,
+    "evaluation.md": 4,
     "programs_out.md": 2,
     "sweep.md": 5,
     "watching.md": 9,

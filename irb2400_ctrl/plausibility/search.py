@@ -46,7 +46,7 @@ FITS_PRICE = 150.0
 """of six joints: a reading that leaves more than this does not fit either"""
 LOST_PRICE = 300.0
 """of six joints: above this, and no reading that fits, the log is not this robot's"""
-SINGLE = ("angle_unit", "angle_sign", "torque_sign", "coupling")
+SINGLE = ("angle_unit", "angle_sign", "axis_sign", "torque_sign", "coupling")
 """what is asked of each joint alone with a sharper misfit"""
 PLACEHOLDERS = 0.5
 """share of the joints whose stated friction is not the arm's, above which none of it is taken for
@@ -226,8 +226,10 @@ class _Search:
                 reading = one.after(first) if first.kind else one
                 tried.append((quick.fit(reading).cost, len(tried), reading))
             best = min(tried)[2]
-            # a factor that explains all is not found by chance; a sign or an order may be another's
-            if best.kind == "torque_scale" and sound(self.fit(best), self._nominal.robot.n):
+            # a factor of all that explains all is not found by chance; a sign, an order, a factor
+            # of one joint may be another's
+            every = best.kind == "torque_scale" and not best.joints
+            if every and sound(self.fit(best), self._nominal.robot.n):
                 break
         fits = [(reading, self.fit(reading)) for _, _, reading in sorted(tried)[:FINALISTS]]
         reading, found = min(fits, key=lambda pair: pair[1].cost)

@@ -152,6 +152,20 @@ def test_link_angles_are_told_where_bodies_make_up_for_them() -> None:
     assert problem.kind == "coupling"
 
 
+@pytest.mark.parametrize(
+    ("name", "kind"), [("one axis turned", "axis_sign"), ("one angle radians", "angle_unit")]
+)
+def test_what_bodies_or_a_factor_would_make_up_for_is_told(name: str, kind: str) -> None:
+    """Of one drawn arm the axis passed as sound, and the unit as a factor of 0.08 of a torque."""
+    drawn = sound_log(98503, plain=True)
+    every = list(corruptions(drawn.robot))
+    (place,) = [k for k, one in enumerate(every) if one.name == name]
+    log = every[place].change(drawn.log, np.random.default_rng([98502, 1, place]))
+    problem = log_problem(drawn.robot, log)
+    assert problem is not None
+    assert problem.kind == kind
+
+
 def test_the_gear_ratio_of_the_robot_file_is_said_for_angles_of_motors() -> None:
     gears = [
         joint.model_copy(update={"transmission": Transmission(gear_ratio=-100.0 - k, source="s")})
