@@ -84,14 +84,19 @@ def benchmark(line: str, folder: Path, **instead: str) -> str:
     line = re.sub(r"\bbuild/", f"{folder.as_posix()}/fresh/", line)
     for name, value in instead.items():
         line = re.sub(rf"--{name} \S+", f"--{name} {value}", line)
-    python, script, *rest = words(line)
+    python, *told = words(line)
     assert python == "python"
+    module = told[0] == "-m"
+    script, *rest = told[module:]
     out = io.StringIO()
     given = mock.patch.object(sys, "argv", [script, *rest])
     # what it finds its imports by is its own
-    places = mock.patch.object(sys, "path", [str(ROOT / "benchmarks"), *sys.path])
+    places = mock.patch.object(sys, "path", [str(ROOT), str(ROOT / "benchmarks"), *sys.path])
     with contextlib.chdir(ROOT), contextlib.redirect_stdout(out), given, places:
-        runpy.run_path(script, run_name="__main__")
+        if module:
+            runpy.run_module(script, run_name="__main__", alter_sys=True)
+        else:
+            runpy.run_path(script, run_name="__main__")
     return out.getvalue()
 
 
