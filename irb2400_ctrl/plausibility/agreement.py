@@ -9,7 +9,7 @@ from scipy.optimize import linear_sum_assignment
 from irb2400_ctrl.arrays import Array, Mask
 from irb2400_ctrl.measurement.log import Log
 from irb2400_ctrl.measurement.log_facts import LAG
-from irb2400_ctrl.plausibility.factors import filled, one_factor, trapezoid_loss
+from irb2400_ctrl.plausibility.factors import filled, one_factor, quotients, trapezoid_loss
 from irb2400_ctrl.plausibility.problem import LogProblem
 
 DEGREES = 180.0 / np.pi
@@ -35,9 +35,7 @@ def speed_problem(log: Log) -> LogProblem | None:
     """Recorded speed against the derivative of the angle."""
     if log.qd is None:
         return None
-    # averages over a few samples: quantised angles make noisy differences
-    width = max(1, round(0.04 * log.rate))
-    derived = (log.q[width:] - log.q[:-width]) / (log.time[width:] - log.time[:-width])[:, None]
+    derived, width = quotients(log)
     qd = filled(log.qd, width + 1)
     mean = np.cumsum(np.vstack([np.zeros(log.n), 0.5 * (qd[1:] + qd[:-1])]), axis=0)
     recorded = (mean[width:] - mean[:-width]) / width

@@ -10,6 +10,7 @@ the log is judged by its evidence.
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -73,9 +74,14 @@ class Fit:
 class Nominal:
     """A robot's model as a yardstick for logs."""
 
-    def __init__(self, robot: Robot) -> None:
+    def __init__(self, robot: Robot, model: Model | None = None) -> None:
+        """`model`: of the same arm with whatever friction, where there is one already."""
         self.robot = robot
-        self.model = Model(robot)
+        self.model = Model(robot) if model is None else model
+
+    def with_unknown_friction(self, of: Collection[int]) -> Nominal:
+        """The same of an arm of which nothing is known of the friction of these joints (from 1)."""
+        return Nominal(self.robot.with_unknown_friction(of), self.model)
 
     @cached_property
     def reach(self) -> float:
@@ -122,7 +128,7 @@ class Nominal:
             columns: of the rows' motion (`columns`).
             misfit: standard deviation of what the model does not know over the torque's size.
         """
-        size = np.sqrt(np.mean(rows.tau**2, axis=0)) + 1e-9
+        size = rows.size
         if not np.abs(columns[0]).max() < ABSURD * size.max():
             return Fit(np.inf, np.inf, np.ones(len(size)))
         most = np.maximum(misfit, self.robot.usually_left / size)
@@ -142,7 +148,7 @@ class Nominal:
         """
         nominal, Y = columns
         m, n = rows.tau.shape
-        size = np.sqrt(np.mean(rows.tau**2, axis=0)) + 1e-9
+        size = rows.size
         weight = np.sqrt(_independent(rows) / m) / (own * size)
         dry = self.robot.friction[:, 1]
         # a joint at rest is held by its dry friction: its torque may be off by so much

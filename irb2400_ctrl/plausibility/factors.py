@@ -5,9 +5,12 @@ from __future__ import annotations
 import numpy as np
 
 from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.measurement.log import Log
 from irb2400_ctrl.measurement.log_facts import digit
 from irb2400_ctrl.plausibility.runs import stretches
 
+OVER = 0.04
+"""[s] of a difference quotient"""
 REST = 0.2
 """of a joint's fast speed (95 % are slower), below which it does not count, and"""
 SLOW = 0.5
@@ -20,6 +23,13 @@ COARSE = 5.0
 """digits of a speed beside which zero is no rounding"""
 STEEP = 0.95
 """sine of half the phase between two samples, that is looked at at most"""
+
+
+def quotients(log: Log) -> tuple[Array, int]:
+    """Speeds as difference quotients of the angles, shape (m - w, n) [rad/s], and the samples w
+    that each reaches over: quantised angles make noisy differences of neighbours."""
+    w = max(1, round(OVER * log.rate))
+    return (log.q[w:] - log.q[:-w]) / (log.time[w:] - log.time[:-w])[:, None], w
 
 
 def filled(qd: Array, most: int) -> Array:

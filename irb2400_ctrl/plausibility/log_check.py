@@ -129,11 +129,10 @@ def _problem(robot: Robot | None, log: Log, understood: Understanding | None) ->
     problem = None if understood is None else understood.problem
     if robot is not None and (problem is None or problem.kind == "not_this_robot"):
         problem = _travels(robot, log, understood) or problem
-    speed = speed_problem(log)
+    speed = speed_problem(log) if problem is None or problem.kind == "time_scale" else None
     if problem is not None:
         # the recorded speed knows the factor of a clock, the model the nearest of those it tries
-        clock = speed is not None and problem.kind == speed.kind == "time_scale"
-        return speed if clock else problem
+        return speed if speed is not None and speed.kind == problem.kind else problem
     found = speed or command_problem(log)
     # where the model explains the torques its speed limits are what is wrong
     vouched = understood is not None and understood.labelled.left.max() < SOUND_LEFT

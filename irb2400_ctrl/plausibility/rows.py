@@ -43,6 +43,11 @@ class Rows:
     tau: Array
     seconds: float
 
+    @property
+    def size(self) -> Array:
+        """Rms torque of each joint, shape (n,) [Nm]; never zero."""
+        return np.asarray(np.sqrt(np.mean(self.tau**2, axis=0)) + 1e-9)
+
     def thinned(self, keep: int) -> Rows:
         """Every `keep`-th row of as many seconds."""
         if keep == 1 or len(self.q) < LEAST * keep:

@@ -80,36 +80,37 @@ def understand(robot: Robot, log: Log) -> Understanding | None:
     rows = rows_of(log)
     if rows is None:
         return None
-    found = _understood(Nominal(robot), log, rows)
+    nominal = Nominal(robot)
+    found = _understood(nominal, log, rows)
     stated = robot.friction.any() and robot.identified is None
     if sound(found.labelled, robot.n) or not stated:
         return found
     # many files state a friction to please a simulator: no column is wrong that fits without it
     every = range(1, robot.n + 1)
-    free = _understood(Nominal(robot.with_unknown_friction(every)), log, rows)
+    free = _understood(nominal.with_unknown_friction(every), log, rows)
     if found.best.cost - free.best.cost < MARGIN * robot.n / 6.0:
         return found
-    off = _contradicted(robot, log, rows, free)
+    off = _contradicted(nominal, log, rows, free)
     return replace(free, other_friction=off) if off else found
 
 
-def _contradicted(robot: Robot, log: Log, rows: Rows, free: Understanding) -> tuple[int, ...]:
+def _contradicted(nominal: Nominal, log: Log, rows: Rows, free: Understanding) -> tuple[int, ...]:
     """Joints (from 1) whose stated friction explains a log worse than an unknown one; all, where
     most do.
 
     Args:
-        robot: as its file states it.
+        nominal: of the robot as its file states it.
         log, rows: as it is read, and its slow part.
         free: the log beside unknown friction of all joints.
     """
-    every = set(range(1, robot.n + 1))
+    every = set(range(1, nominal.robot.n + 1))
     off = []
     for j in sorted(every):
-        stated = _Search(Nominal(robot.with_unknown_friction(every - {j})), log, rows)
+        stated = _Search(nominal.with_unknown_friction(every - {j}), log, rows)
         if stated.fit(free.reading).cost > free.best.cost:
             off.append(j)
     # where most of them say nothing of the arm, the file's friction is a placeholder
-    return tuple(sorted(every) if len(off) > PLACEHOLDERS * robot.n else off)
+    return tuple(sorted(every) if len(off) > PLACEHOLDERS * len(every) else off)
 
 
 def _understood(nominal: Nominal, log: Log, rows: Rows) -> Understanding:

@@ -7,6 +7,7 @@ import numpy as np
 from irb2400_ctrl.arrays import Array, Mask
 from irb2400_ctrl.measurement.log import Log
 from irb2400_ctrl.measurement.log_facts import digit, neighbour_noise
+from irb2400_ctrl.plausibility.factors import quotients
 from irb2400_ctrl.plausibility.jumps import MOVES
 from irb2400_ctrl.plausibility.problem import LogProblem, named
 from irb2400_ctrl.plausibility.runs import held, runs
@@ -53,8 +54,7 @@ def _unrecorded(log: Log, moving: Mask) -> LogProblem | None:
     A dead band of a drive, or currents of a motor that nobody calibrated: what is left of them is
     no torque, and no robot fits it.
     """
-    width = max(1, round(0.04 * log.rate))
-    speed = np.abs(log.q[width:] - log.q[:-width])
+    speed = np.abs(quotients(log)[0])
     moves = (speed > CREEP * speed.max(axis=0)) & moving
     zero = log.tau[: len(speed)] == 0.0
     share = np.sum(zero & moves, axis=0) / np.maximum(moves.sum(axis=0), 1)
@@ -78,7 +78,7 @@ def _unrecorded(log: Log, moving: Mask) -> LogProblem | None:
 def _stuck(log: Log, moving: Mask) -> LogProblem | None:
     """A torque that keeps one value for long while its joint moves."""
     least = max(20, round(STUCK_TIME * log.rate))
-    fine = digit(log.tau) < FINE * _noise_beside_runs(log.tau, least)
+    fine = _fine(log.tau, _noise_beside_runs(log.tau, least))
     for j in np.flatnonzero(moving & fine):
         ends = (log.tau[:, j].max(), log.tau[:, j].min())
         for start, stop in runs(log.tau[:, j], least):
@@ -111,7 +111,7 @@ def clipped(log: Log) -> LogProblem | None:
     """Torques cut off at one value."""
     found = []
     levels = []
-    for j in np.flatnonzero(_fine(log.tau)):
+    for j in np.flatnonzero(_fine(log.tau, neighbour_noise(log.tau))):
         tau = log.tau[:, j]
         for end in (tau.max(), tau.min()):
             level, counts = np.unique(tau, return_counts=True)
@@ -133,6 +133,6 @@ def clipped(log: Log) -> LogProblem | None:
     )
 
 
-def _fine(tau: Array) -> Mask:
+def _fine(tau: Array, noise: Array) -> Mask:
     """Columns whose digit is so much finer than their noise that equal neighbours are rare."""
-    return np.asarray(digit(tau) < FINE * neighbour_noise(tau))
+    return np.asarray(digit(tau) < FINE * noise)

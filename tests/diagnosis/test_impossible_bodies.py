@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
 
 import irb2400_ctrl as irb
-from irb2400_ctrl.diagnosis.comparison.acceptance import can_be_taken_off
+from irb2400_ctrl.diagnosis.comparison.acceptance import Acceptance, can_be_taken_off
+from irb2400_ctrl.diagnosis.comparison.criteria import Criteria
 from irb2400_ctrl.diagnosis.possible_bodies import turns_impossible
 from irb2400_ctrl.effects import LIBRARY
 from irb2400_ctrl.robot import Robot
@@ -46,3 +48,12 @@ def test_a_link_is_no_lighter_than_nothing(taken: float, there: bool) -> None:
     # what the file says besides that it carries
     loaded = robot.with_effects(LIBRARY["payload"].of(None, mass_kg=2.0 * last))
     assert can_be_taken_off(loaded, payload)
+
+
+def test_a_name_that_takes_more_than_there_is_is_not_borne_out() -> None:
+    robot = irb.load_robot("irb2400")
+    effect = LIBRARY["link_inertia"].of(4, mass_kg=-500.0)
+    acceptance = Acceptance(SimpleNamespace(robot=robot), Criteria())  # type: ignore[arg-type]
+    step: Any = SimpleNamespace(candidate=SimpleNamespace(effects=(effect,)))
+    fit: Any = SimpleNamespace(effects=(effect,))
+    assert not acceptance.bears_out([step], fit, 0)

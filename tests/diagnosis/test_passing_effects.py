@@ -60,3 +60,21 @@ def test_a_window_stays_where_it_is_worth_its_two_edges(noise: float, left: int)
     assert gain == sum(worth[w] for w in kept)
     # one stays, however little it says
     assert windowing._worth_their_edges(None, (glitch,)) == ((glitch,), noise)
+
+
+def test_of_a_force_its_own_window_is_left_and_sharpened() -> None:
+    """Every window costs as much as its two edges, also of those that are moved."""
+    force = (4.0, 6.0)
+
+    def overlap(window: tuple[float, float]) -> float:
+        return max(0.0, min(window[1], force[1]) - max(window[0], force[0]))
+
+    def gain(law: object, windows: tuple[tuple[float, float], ...]) -> float:
+        inside = sum(overlap(w) for w in windows)
+        return 1000.0 * inside - 900.0 * (sum(b - a for a, b in windows) - inside)
+
+    windowing: Any = Windowing.__new__(Windowing)
+    windowing.motion = SimpleNamespace(duration=20.0)
+    windowing._gain = gain
+    ((start, stop),) = windowing._sharpened(None, ((1.0, 1.5), (4.2, 5.9), (8.0, 8.5)))
+    assert (start, stop) == pytest.approx(force, abs=0.07)

@@ -134,3 +134,21 @@ def test_a_torque_rate_of_the_robot_file_is_kept() -> None:
     assert own["torque_rate_limit_Nm_s"] == pytest.approx([500.0] * 6)
     with pytest.raises(InputError, match="torque_rate_Nm_s of the robot file"):
         planned(robot, timing="toppra")
+
+
+def test_room_for_the_rows_is_quicker_than_slowing_all(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Rows of a law that may jump swing by up to two thirds above its accelerations: without room
+    the whole motion is slowed where slowing a few rows does not settle."""
+    monkeypatch.setattr(time_choices, "RATES_UP_TO", 1)
+    points = np.array([[0.9, -0.3, 0.8], [0.9, 0.3, 0.8], [1.2, 0.3, 0.8]])
+    path = builders.way_points(points, np.tile([0.0, 0.0, 1.0], (3, 1)), feed=0.8)
+    robot = limited("irb2400", acceleration_deg_s2=300.0)
+
+    def seconds() -> float:
+        plan = plan_path(robot, path, free_tool_rotation=False, cells=300)
+        assert plan.guaranteed
+        return plan.duration
+
+    own = seconds()
+    monkeypatch.setattr(time_choices, "roomy", lambda dynamics, path, law, options: law)
+    assert own < 0.9 * seconds()

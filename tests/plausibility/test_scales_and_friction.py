@@ -5,14 +5,16 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import cache
+from importlib import resources
 
 import numpy as np
 import pytest
 from sound_logs import Drawn, sound_log
 
 from irb2400_ctrl.diagnosis import diagnose
+from irb2400_ctrl.identification import identify
 from irb2400_ctrl.identification.understood_logs import understood_logs
-from irb2400_ctrl.measurement import Log
+from irb2400_ctrl.measurement import Log, read_log
 from irb2400_ctrl.plausibility import check_log, log_problem
 from irb2400_ctrl.plausibility.log_check import examined
 from irb2400_ctrl.robot import Identified, Robot, load_robot
@@ -41,6 +43,29 @@ def test_a_factor_that_bodies_could_make_up_for_is_told(factor: float) -> None:
     assert problem.fits["factor"] == pytest.approx(1.0 / factor, rel=0.15)
     # the masses may be what is wrong
     assert "or the masses of the robot file are off by as much" in problem.says
+
+
+@pytest.mark.parametrize("factor", [0.1, 0.3])
+def test_a_factor_is_told_where_as_little_is_left_without_it(factor: float) -> None:
+    """Of the log that the package brings along bodies far off leave even less of some joints, and a
+    factor sought by what is left alone came out as 8.3 for 10."""
+    log = read_log(str(resources.files("irb2400_ctrl") / "data" / "arm" / "validation.csv.gz"))
+    problem = log_problem(ROBOT, replace(log, tau=factor * log.tau))
+    assert problem is not None
+    assert problem.kind == "torque_scale"
+    assert problem.fits["factor"] == pytest.approx(1.0 / factor, rel=0.1)
+
+
+@pytest.mark.parametrize("joint", [1, 4])
+def test_a_factor_is_sought_where_the_file_itself_is_off(joint: int) -> None:
+    """Without its friction the model's torque is 1.9 to 2.2 times the recorded one, not three."""
+    factors = np.ones(6)
+    factors[joint - 1] = 1.0 / 3.0
+    bare = ROBOT.with_unknown_friction(range(1, 7))
+    problem = log_problem(bare, with_torque(factors))
+    assert problem is not None
+    assert problem.joints == (joint,)
+    assert problem.fits["factor"] == pytest.approx(3.0, rel=0.1)
 
 
 def test_of_one_joint_nothing_is_said_of_masses() -> None:
@@ -84,6 +109,22 @@ def test_small_torques_do_not_hide_below_what_an_identification_has_left() -> No
     assert problem.joints == (4,)
 
 
+@pytest.mark.parametrize("share", [0.3, 1.2])
+def test_what_was_left_of_a_worse_log_is_no_measure_of_this_one(share: float) -> None:
+    """Torques were enlarged until they left as much as that: 21 to 32 for 10, and where one joint
+    was in another unit all were."""
+    size = np.sqrt(np.mean(plain().log.tau ** 2, axis=0))
+    known = Identified.of(["coulomb_1"], np.eye(1), left_Nm=tuple(share * size))
+    robot = ROBOT.model_copy(update={"identified": known})
+    every = log_problem(robot, with_torque(0.1))
+    assert every is not None
+    assert every.fits["factor"] == pytest.approx(10.0, rel=0.15)
+    one = log_problem(robot, with_torque(np.array([1.0, 1.0, 1.0, 0.1, 1.0, 1.0])))
+    assert one is not None
+    assert one.joints == (4,)
+    assert one.fits["factor"] == pytest.approx(10.0, rel=0.05)
+
+
 def with_friction(coulomb: float, viscous: float) -> Robot:
     joints = [
         joint.model_copy(update={"friction": Friction(coulomb_Nm=coulomb, viscous_Nms_rad=viscous)})
@@ -118,6 +159,9 @@ def test_a_placeholder_bends_no_bodies() -> None:
     # an identification's friction is no placeholder
     known = Identified.of(["coulomb_1"], np.eye(1), left_Nm=(1e-3,) * 6)
     assert examined(robot.model_copy(update={"identified": known}), log).other_friction == ()
+    # an identification is that of a file that states none
+    unknown = identify(ROBOT.with_unknown_friction(range(1, 7)), log)
+    np.testing.assert_allclose(identify(robot, log).theta, unknown.theta, rtol=1e-6)
     # what it was before is that of the file
     assert found.given is robot
 
