@@ -19,7 +19,7 @@ from irb2400_ctrl.codegen.verification import Verification
 from irb2400_ctrl.report import ArmView, Colouring, Page, Provenance
 from irb2400_ctrl.report.elements.glossary import WORDS
 from irb2400_ctrl.report.elements.inline_svg import COLOURS
-from irb2400_ctrl.report.elements.page import TEMPLATES, of_limit, show, with_error
+from irb2400_ctrl.report.elements.page import TEMPLATES, of_limit, sentence, show, with_error
 from irb2400_ctrl.report.elements.plots import Line, joint_plots, parity, spectrum, thin
 from irb2400_ctrl.report.figures.plan_figures import feed_figure
 from irb2400_ctrl.report.pages.main_page import _compared
@@ -247,3 +247,16 @@ def test_rapid_moves_leave_the_feed_to_be_seen() -> None:
 )
 def test_a_limit_that_is_not_reached_is_not_called_so(ratio: float, says: str) -> None:
     assert of_limit(ratio) == says
+
+
+@pytest.mark.parametrize(
+    ("remark", "shown"),
+    [
+        ("joint 2 rests", "Joint 2 rests."),
+        ("joint 2: 0.5 Nm are left", "Joint 2: 0.5 Nm are left."),
+        ("monday.csv: joint 2 rests", "monday.csv: joint 2 rests."),
+    ],
+)
+def test_a_remark_becomes_a_sentence_that_leaves_file_names_alone(remark: str, shown: str) -> None:
+    """A log called tiago.csv was Tiago.csv."""
+    assert sentence(remark) == shown

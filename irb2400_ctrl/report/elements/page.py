@@ -255,6 +255,18 @@ def _source(name: str) -> Markup:
     return Markup((TEMPLATES / name).read_text(encoding="utf-8"))
 
 
+def sentence(text: str) -> str:
+    """A remark with a capital and a full stop; the name of a file before a colon stays as it is."""
+    first = text.partition(":")[0]
+    named = ":" in text and "." in first and " " not in first
+    return f"{text if named else capital(text)}."
+
+
+def capital(text: str) -> str:
+    """With a capital."""
+    return text[:1].upper() + text[1:]
+
+
 def show(value: object) -> str:
     """A number for a reader: three significant digits, also where they are zeros; anything else as
     text."""

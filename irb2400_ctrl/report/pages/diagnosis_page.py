@@ -10,7 +10,7 @@ import numpy as np
 from irb2400_ctrl.diagnosis import Comparison, Diagnosis, Finding
 from irb2400_ctrl.diagnosis.numbers import off_bodies
 from irb2400_ctrl.measurement import Log
-from irb2400_ctrl.report.elements.page import Grade, Page
+from irb2400_ctrl.report.elements.page import Grade, Page, capital, sentence
 from irb2400_ctrl.report.figures.diagnosis_figures import (
     closer_figures,
     curve_figure,
@@ -216,8 +216,8 @@ def _add_remarks(page: Page, diagnosis: Diagnosis) -> None:
         )
     for joint in diagnosis.not_excited:
         page.text(f"Joint {joint} moves too slowly in this log for much to be said about it.")
-    for sentence in diagnosis.weak:
-        page.text(f"{sentence[0].upper()}{sentence[1:]}.")
+    for remark in diagnosis.weak:
+        page.text(sentence(remark))
     for one in diagnosis.left_out:
         page.text(f"Left out: {Path(one.name).name}: {one.why}.")
 
@@ -232,16 +232,16 @@ def _add_lists(page: Page, diagnosis: Diagnosis) -> None:
         page.heading(heading)
         page.text(advice)
         for entry in entries:
-            where = f"{entry.where[0].upper()}{entry.where[1:]}"
             page.finding(
-                f"{where}: {entry.sentence} {entry.share} of the torque, {entry.confidence} sure."
+                f"{capital(entry.where)}: {entry.sentence} {entry.share} of the torque, "
+                f"{entry.confidence} sure."
             )
             for line in body_lines(entry):
                 page.text(f"With the {line}.")
             if entry.lookalikes and entry.splits:
                 page.text(f"It could be {entry.lookalikes}. To tell them apart: {entry.splits}.")
         for line in number_lines(numbers):
-            page.finding(f"{line[0].upper()}{line[1:]}.")
+            page.finding(sentence(line))
         if entries:
             page.table("Findings", *entry_rows(entries))
 
@@ -250,7 +250,7 @@ def _why(diagnosis: Diagnosis) -> list[str]:
     """What is wrong with the log, and what is left after all that was found."""
     problem = diagnosis.log_problem
     if problem is not None:
-        return [f"{problem.says[0].upper()}{problem.says[1:]} ({problem.kind})."]
+        return [sentence(f"{problem.says} ({problem.kind})")]
     left = diagnosis.identification.error_after.rmse
     noise = diagnosis.noise
     # what is said of a joint already is not said again
@@ -286,7 +286,7 @@ def lines(diagnosis: Diagnosis) -> list[str]:
         f"  joint {u.joint}: {u.rmse:.2f} Nm rms unexplained, depends on {', '.join(u.depends_on)}"
         for u in diagnosis.unexplained
     ]
-    found += [f"note: {sentence}" for sentence in diagnosis.weak]
+    found += [f"note: {remark}" for remark in diagnosis.weak]
     if len(diagnosis.logs) > 1:
         used = sum(log.used for log in diagnosis.logs)
         found.append(f"{used} logs together; {len(diagnosis.logs) - used} only judged")

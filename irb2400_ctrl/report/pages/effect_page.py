@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from irb2400_ctrl.report.elements.page import Page
+from irb2400_ctrl.report.elements.page import Page, sentence
 from irb2400_ctrl.report.figures.effect_figure import effect_figure
 
 SHOWN = (
@@ -21,9 +21,8 @@ def effect_page(found: Mapping[str, Any]) -> Page:
         found: of `report.effect_words.explain`.
     """
     page = Page(f"The effect {found['kind']}")
-    sentence = found["sentence"]
     page.answer(
-        f"{sentence[0].upper()}{sentence[1:]}.",
+        sentence(found["sentence"]),
         "note",
         [("acts", found["acts_where"]), ("sits on", found["on"])],
     )
@@ -53,5 +52,5 @@ def effect_page(found: Mapping[str, Any]) -> Page:
         page.table("Look-alikes", head, others)
         page.text(f"A motion that separates them: irb2400 excite --for {found['kind']} --out next")
     for remark in found["remarks"]:
-        page.text(f"{remark[0].upper()}{remark[1:]}.")
+        page.text(sentence(remark))
     return page

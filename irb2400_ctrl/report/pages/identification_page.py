@@ -13,7 +13,7 @@ from irb2400_ctrl.identification import Identification, LogResult
 from irb2400_ctrl.identification.moved import ALARM, NAMES, Moved
 from irb2400_ctrl.measurement import Log
 from irb2400_ctrl.measurement.prepared_log import UNEVEN
-from irb2400_ctrl.report.elements.page import Page, with_error
+from irb2400_ctrl.report.elements.page import Page, sentence, with_error
 from irb2400_ctrl.report.elements.plots import Line, joint_plots, parity, small, spectrum
 from irb2400_ctrl.report.figures.friction_figures import friction_figure, law_rows, run_figure
 from irb2400_ctrl.report.figures.residual_figures import (
@@ -49,7 +49,7 @@ def identification_page(result: Identification, logs: Sequence[Log] = ()) -> Pag
     page.answer(_sentence(result), "good", _facts(result))
     page.heading("What was found")
     for note in result.notes or ["the bodies of the file are this arm's"]:
-        page.finding(f"{note[0].upper()}{note[1:]}.")
+        page.finding(sentence(note))
     by_speed = result.source == "speed" or UNEVEN in result.notes
     page.text(
         f"Speed and acceleration are taken from the {'recorded speed' if by_speed else 'angles'}."

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from irb2400_ctrl.diagnosis import Diagnosis, Finding, Number
-from irb2400_ctrl.report.elements.page import show, with_error
+from irb2400_ctrl.report.elements.page import sentence, show, with_error
 
 LISTS = {
     "changed": (
@@ -68,8 +68,7 @@ class Entry:
     @property
     def sentence(self) -> str:
         """What it is, in plain words."""
-        text = self.findings[0].effect.sentence
-        return f"{text[0].upper()}{text[1:]}."
+        return sentence(self.findings[0].effect.sentence)
 
     @property
     def size(self) -> str:

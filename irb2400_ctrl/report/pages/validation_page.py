@@ -9,7 +9,7 @@ import numpy as np
 from irb2400_ctrl.diagnosis.preparation.metrics import Errors
 from irb2400_ctrl.identification import LogComparison, Validation
 from irb2400_ctrl.measurement import Log
-from irb2400_ctrl.report.elements.page import Page
+from irb2400_ctrl.report.elements.page import Page, sentence
 from irb2400_ctrl.report.elements.plots import Line, joint_plots, parity, spectrum
 from irb2400_ctrl.report.figures.residual_figures import (
     AUTOCORRELATION,
@@ -49,7 +49,7 @@ def validation_page(result: Validation, robot: Robot | None = None, log: Log | N
             page.heading(Path(seen.log).name)
             page.table(f"Errors of the torque on {Path(seen.log).name}", *rows(seen.error))
         for remark in seen.remarks:
-            page.text(f"{remark[0].upper()}{remark[1:]}.")
+            page.text(sentence(remark))
         _add_log(page, seen)
     if robot is not None and log is not None:
         first = result.logs[0]
