@@ -7,19 +7,14 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 import pytest
+from gcode_files import program
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from irb2400_ctrl.errors import InputError
-from irb2400_ctrl.planners import CamProgram, Operation, read_program
+from irb2400_ctrl.planners import Operation, read_program
 
 Array = npt.NDArray[np.float64]
-
-
-def program(tmp_path: Path, text: str, rotary: str | None = None) -> CamProgram:
-    file = tmp_path / "part.nc"
-    file.write_text(text)
-    return read_program(file, rotary=rotary)
 
 
 def operation(tmp_path: Path, text: str) -> Operation:

@@ -7,17 +7,12 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 import pytest
+from gcode_files import program
 
 from irb2400_ctrl.errors import InputError
-from irb2400_ctrl.planners import CamProgram, Operation, read_program
+from irb2400_ctrl.planners import Operation, read_program
 
 Array = npt.NDArray[np.float64]
-
-
-def program(tmp_path: Path, text: str) -> CamProgram:
-    file = tmp_path / "part.nc"
-    file.write_text(text)
-    return read_program(file)
 
 
 def operation(tmp_path: Path, text: str) -> Operation:

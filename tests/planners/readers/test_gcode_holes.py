@@ -6,17 +6,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from gcode_files import program
 
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.planners import CamProgram, read_program
 
 HEAD = "G21 G17 G94\nG90 G0 X0 Y0 Z10\n"
-
-
-def program(tmp_path: Path, text: str) -> CamProgram:
-    file = tmp_path / "part.nc"
-    file.write_text(text)
-    return read_program(file)
 
 
 def heights(tmp_path: Path, text: str) -> list[tuple[float, ...]]:

@@ -7,18 +7,13 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 import pytest
+from gcode_files import program
 
 from irb2400_ctrl.errors import InputError
-from irb2400_ctrl.planners import CamProgram, read_program
+from irb2400_ctrl.planners import read_program
 
 Array = npt.NDArray[np.float64]
 HEAD = "G21 G90 G54 G0 X0. Y0. Z30.\nG1 Z1. F60.\n"
-
-
-def program(tmp_path: Path, text: str) -> CamProgram:
-    file = tmp_path / "part.nc"
-    file.write_text(text)
-    return read_program(file)
 
 
 def places(tmp_path: Path, text: str) -> Array:
