@@ -5,6 +5,7 @@ from __future__ import annotations
 from types import SimpleNamespace
 from typing import Any
 
+import numpy as np
 import pytest
 from diagnosis.test_selection_steps import explanation, of
 
@@ -21,8 +22,11 @@ REFUSED = {named(NAMES[3]), named(LAWS[0]), named(WINDOWED[0])}
 class Told:
     """A ground whose candidates are plain numbers, and what was asked for."""
 
-    def __init__(self, monkeypatch: pytest.MonkeyPatch, rattling: Any = None) -> None:
+    def __init__(
+        self, monkeypatch: pytest.MonkeyPatch, rattling: Any = None, on: Any = None
+    ) -> None:
         self.between: list[str] = []
+        self.on: list[Any] = []
         self.joints: list[set[int]] = []
         self.compared: list[str] = []
         self.judged: list[str] = []
@@ -30,7 +34,7 @@ class Told:
             module, "Windowing", lambda scan, start: SimpleNamespace(candidates=self._windowed)
         )
         scan = SimpleNamespace(
-            rank=lambda start, chosen: [*NAMES, *LAWS],
+            rank=lambda start, chosen, on: self.on.append(on) or [*NAMES, *LAWS],
             between=lambda start, c: self.between.append(c.kind) or c,
         )
         comparison: Any = SimpleNamespace(
@@ -51,7 +55,7 @@ class Told:
             rattles=lambda c, chosen: 10.0 * (c is rattling),
             told=lambda a, chosen: of(a.candidate, a.evidence + 10.0 * (a.candidate is rattling)),
         )
-        self.ground = Ground(comparison, threshold, turns, load_changes)
+        self.ground = Ground(comparison, threshold, turns, load_changes, on)
 
     def _windowed(self, joints: Any) -> list[Any]:
         self.joints.append(set(joints))
@@ -75,6 +79,13 @@ def test_alternatives_are_the_best_of_the_scan_that_were_not_refused(
     told = Told(monkeypatch, NAMES[2])
     assert told.best()[:4] == ["w1", "unexplained", "n2", "n7"]
     assert told.between == ["n0", "n1", "n2", "n4", "n5", "n6", "n7", "unexplained"]
+
+
+def test_the_scan_is_asked_for_what_acts_on_these_joints(monkeypatch: pytest.MonkeyPatch) -> None:
+    there = np.array([False, True, False])
+    told = Told(monkeypatch, on=there)
+    told.best()
+    assert told.on == [there]
 
 
 def test_what_was_judged_is_not_judged_again_once_a_name_is_refused(

@@ -9,9 +9,13 @@ from typing import Any
 import numpy as np
 import pytest
 
-from irb2400_ctrl.diagnosis.comparison.onset import Windowing
+from irb2400_ctrl.diagnosis.comparison.onset import Windowing, _worth_their_edges
+from irb2400_ctrl.diagnosis.estimation.evidence import Problem
 from irb2400_ctrl.diagnosis.estimation.held_out import FOLDS, HeldOut, folds
+from irb2400_ctrl.diagnosis.preparation.noise import Noise
+from irb2400_ctrl.diagnosis.regressors.bases import RegressorColumns
 from irb2400_ctrl.effects import LIBRARY
+from irb2400_ctrl.effects.base import OPEN_END_S, within
 
 
 @pytest.mark.parametrize("open_end", [False, True])
@@ -53,13 +57,45 @@ def test_a_window_stays_where_it_is_worth_its_two_edges(noise: float, left: int)
     force = (4.0, 6.0)
     glitch = (1.0, 1.06)
     worth = {force: 3000.0, glitch: noise, (8.0, 8.06): 3.0}
-    windowing: Any = Windowing.__new__(Windowing)
-    windowing._gain = lambda law, windows: sum(worth[w] for w in windows)
-    kept, gain = windowing._worth_their_edges(None, tuple(sorted(worth)))
+    kept = _worth_their_edges(tuple(sorted(worth)), lambda windows: sum(worth[w] for w in windows))
     assert kept == (glitch, force)[2 - left :]
-    assert gain == sum(worth[w] for w in kept)
     # one stays, however little it says
-    assert windowing._worth_their_edges(None, (glitch,)) == ((glitch,), noise)
+    assert _worth_their_edges((glitch,), lambda windows: noise) == (glitch,)
+
+
+def test_what_a_force_gains_in_its_times_comes_of_sums_over_pieces() -> None:
+    """The same as from the columns set to nothing outside of these times, a row here or there of
+    the filter's reach; and every edge is moved to where the force begins and ends."""
+    time = np.arange(0.0, 24.0, 0.02)
+    rng = np.random.default_rng(5)
+    law = rng.normal(size=(len(time), 2, 3)).cumsum(axis=0) * 0.05 + 1.0
+    windows = ((3.91, 6.27), (13.0, 15.9))
+    acts = within(windows, time)[:, None]
+    y = law @ [2.0, -1.0, 3.0] * acts + rng.normal(scale=0.5, size=(len(time), 2))
+    base = rng.normal(size=(len(time), 2, 4))
+    kept = np.arange(5, len(time))
+    noise = [Noise(np.array([1.0, 0.0, 0.0]), np.full(len(kept), 2.0), kept) for _ in range(2)]
+    problem = Problem(y, base, noise)
+    columns = RegressorColumns((0, 1), law)
+    motion = SimpleNamespace(time=time, row_time=time, duration=24.0)
+    scan: Any = SimpleNamespace(motion=motion, columns=lambda point: columns)
+    windowing = Windowing(scan, problem)
+    point: Any = SimpleNamespace(kind="process_force", joint=None, nonlinear={})
+
+    def exact(windows: Any) -> float:
+        there = RegressorColumns((0, 1), law * within(windows, time)[:, None, None])
+        return problem.score(there, expected=LIBRARY["process_force"].prior.coefficients).gain
+
+    open_end = ((4.0, OPEN_END_S),)
+    for tried in (windows, windows[:1], ((3.91, 15.9),), open_end):
+        gain = windowing._in_pieces(point, [3.91, 4.0, 6.27, 13.0, 15.9])
+        assert gain(tried) == pytest.approx(exact(tried), rel=1e-9)
+    found, begun, always = windowing._begun(point)
+    assert begun == pytest.approx(exact(found), rel=1e-9)
+    assert always == pytest.approx(exact(((0.0, OPEN_END_S),)), rel=1e-9)
+    near = ((3.75, 6.5), (9.0, 9.1), (12.75, 16.0))
+    sharp = windowing._sharpened(point, near)
+    assert np.abs(np.subtract(sharp, windows)).max() < 0.04
 
 
 def test_of_a_force_its_own_window_is_left_and_sharpened() -> None:
@@ -69,12 +105,12 @@ def test_of_a_force_its_own_window_is_left_and_sharpened() -> None:
     def overlap(window: tuple[float, float]) -> float:
         return max(0.0, min(window[1], force[1]) - max(window[0], force[0]))
 
-    def gain(law: object, windows: tuple[tuple[float, float], ...]) -> float:
+    def gain(windows: tuple[tuple[float, float], ...]) -> float:
         inside = sum(overlap(w) for w in windows)
         return 1000.0 * inside - 900.0 * (sum(b - a for a, b in windows) - inside)
 
     windowing: Any = Windowing.__new__(Windowing)
     windowing.motion = SimpleNamespace(duration=20.0)
-    windowing._gain = gain
+    windowing._in_pieces = lambda law, edges: gain
     ((start, stop),) = windowing._sharpened(None, ((1.0, 1.5), (4.2, 5.9), (8.0, 8.5)))
     assert (start, stop) == pytest.approx(force, abs=0.07)

@@ -35,7 +35,9 @@ def test_explanations_that_push_each_other_out_are_not_tried_for_ever(
         gains=lambda steps, fit: [0.0] * len(steps),
     )
     monkeypatch.setattr(Selection, "next_step", lambda self, ground, alone=False: next(offered))
-    monkeypatch.setattr(Selection, "_beside", lambda self, chosen: SimpleNamespace(comparison=None))
+    monkeypatch.setattr(
+        Selection, "_beside", lambda self, chosen, on=None: SimpleNamespace(comparison=None)
+    )
     monkeypatch.setattr(Selection, "_exchanged", lambda self, steps: steps[-1:])
     monkeypatch.setattr(Selection, "_weighty", lambda self, steps, fit: (steps, fit))
     monkeypatch.setattr(Selection, "_rather_wider", lambda self, step, beside: None)
@@ -76,7 +78,9 @@ def test_numbers_further_off_than_stated_are_a_rival_and_all_is_judged_anew(
     monkeypatch.setattr(
         Selection, "next_step", lambda self, ground, alone=False: None if widened else name
     )
-    monkeypatch.setattr(Selection, "_beside", lambda self, chosen: SimpleNamespace(comparison=None))
+    monkeypatch.setattr(
+        Selection, "_beside", lambda self, chosen, on=None: SimpleNamespace(comparison=None)
+    )
     monkeypatch.setattr(
         Selection, "_rather_wider", lambda self, step, beside: None if widened else 2.0
     )

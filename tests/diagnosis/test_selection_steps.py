@@ -22,15 +22,16 @@ def bare(**given: Any) -> Any:
         "refused": set(),
         "_weighty": lambda steps, fit: (steps, fit),
         "_beside": beside,
+        "scan": SimpleNamespace(motion=SimpleNamespace(n=3)),
     }
     for name, value in (usual | given).items():
         setattr(selection, name, value)
     return selection
 
 
-def beside(chosen: Any) -> Any:
+def beside(chosen: Any, on: Any = None) -> Any:
     """The ground beside what is chosen, of which a test gives the rest."""
-    return SimpleNamespace(comparison=SimpleNamespace(chosen=chosen))
+    return SimpleNamespace(comparison=SimpleNamespace(chosen=chosen), on=on)
 
 
 def explanation(kind: str, joint: int | None = 1, known: bool = True, **given: Any) -> Any:
@@ -160,6 +161,8 @@ def test_two_effects_in_the_place_of_a_law_without_a_name(
         if not alone:
             return once(self, ground)
         assert [c.kind for c in ground.comparison.chosen] == ["first"]
+        # the second one is looked for on that joint: a larger one elsewhere is no answer
+        assert ground.on.tolist() == [True, False, False]
         return another
 
     monkeypatch.setattr(Selection, "next_step", nested)
@@ -199,13 +202,15 @@ def test_each_explanation_is_judged_again_beside_the_others(
 ) -> None:
     said: dict[str, Any] = {}
     asked: list[tuple[str, ...]] = []
+    joints: list[Any] = []
 
     def again(self: Any, ground: Any, alone: bool = False) -> Any:
         asked.append(tuple(c.kind for c in ground.comparison.chosen))
+        joints.append(ground.on.tolist())
         return said.get("".join(asked[-1]))
 
     monkeypatch.setattr(Selection, "next_step", again)
-    selection = bare(fitter=fitter_of(), scan=SimpleNamespace(motion=SimpleNamespace(n=3)))
+    selection = bare(fitter=fitter_of())
 
     def exchanged(*candidates: Any) -> list[str]:
         asked.clear()
@@ -238,6 +243,8 @@ def test_each_explanation_is_judged_again_beside_the_others(
     # but for a law without a name, which a name may take in beside what has come
     said["p"] = Step(explanation("g", 2), 60.0, ())
     assert exchanged(explanation("u", 2, known=False), explanation("p", 3)) == ["g", "p"]
+    # each against what acts on its own joint: what is larger elsewhere has its turn as a step
+    assert joints[-1] == [False, True, False]
     said.clear()
     said["oc"] = Step(explanation("m", 2), 60.0, ())
     assert exchanged(other, a, c) == ["m", "c"]

@@ -6,6 +6,7 @@ from collections.abc import Callable, Collection, Sequence
 from functools import cache, cached_property, partial
 from typing import TypeVar
 
+from irb2400_ctrl.arrays import Mask
 from irb2400_ctrl.diagnosis.comparison.at_load_changes import AtLoadChanges
 from irb2400_ctrl.diagnosis.comparison.at_reversals import AtReversals
 from irb2400_ctrl.diagnosis.comparison.comparison import Alternative, Comparison
@@ -28,6 +29,7 @@ class Ground:
         threshold: Threshold,
         turns: AtReversals,
         load_changes: AtLoadChanges,
+        on: Mask | None = None,
     ) -> None:
         """Nothing is judged yet.
 
@@ -36,7 +38,9 @@ class Ground:
             threshold: says what counts.
             turns: what the turns of the joints say of an effect.
             load_changes: what the changes of their load say.
+            on: joints of which a candidate acts on one at least; default all, shape (n,).
         """
+        self.on = on
         self.comparison = comparison
         self.threshold = threshold
         self.load_changes = load_changes
@@ -55,7 +59,7 @@ class Ground:
     @cached_property
     def ranked(self) -> list[Candidate]:
         """All plausible candidates, best first."""
-        return self.comparison.scan.rank(self.comparison.start, self.comparison.chosen)
+        return self.comparison.scan.rank(self.comparison.start, self.comparison.chosen, self.on)
 
     def alternatives(self, refused: Collection[Name] = ()) -> list[Alternative]:
         """The most promising candidates, each judged under its own noise, best first; without those

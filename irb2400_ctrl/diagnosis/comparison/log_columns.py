@@ -156,8 +156,8 @@ class LogColumns:
         share = 1.0 if joint is None else len(LIBRARY[kind].joints(n)) / n
         return float(np.log(len(self.laws[kind, joint][0]) * share))
 
-    def shows(self, kind: str, joint: int | None) -> bool:
-        """Whether any torque of this arm depends on the effect (none does on the zero of axis
-        1)."""
+    def acts_on(self, kind: str, joint: int | None) -> tuple[int, ...]:
+        """Joints (from 0) whose torque depends on the effect, of one with memory its own; none does
+        on the zero of axis 1."""
         laws = self.laws[kind, joint][1]
-        return bool(laws and laws[0].joints)
+        return laws[0].joints if laws else ()

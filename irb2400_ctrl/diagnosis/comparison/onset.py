@@ -3,9 +3,9 @@ comes and goes."""
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Callable, Collection, Iterable, Sequence
 from dataclasses import replace
-from itertools import pairwise
+from itertools import chain, pairwise
 
 import numpy as np
 
@@ -25,6 +25,10 @@ PER_EDGE = 5.0
 BLOCK = 0.5
 """[s] resolution of the first look at a force over time"""
 STARTS = 16
+FINER = 3
+"""how often the width in which an edge is moved is halved"""
+EDGE_DIGITS = 6
+"""of the time of an edge [s]"""
 TRIED = 6
 """how many effects are judged as acting part of the time, and as many again in the same times as
 the best of them"""
@@ -81,7 +85,8 @@ class Windowing:
         windows, gain, always = self._begun(law)
         if LIBRARY[law.kind].search.comes_and_goes:
             comes_and_goes = self._on_and_off(law)
-            if comes_and_goes and (there := self._gain(law, comes_and_goes)) > gain:
+            pieces = self._in_pieces(law, chain(*comes_and_goes))
+            if comes_and_goes and (there := pieces(comes_and_goes)) > gain:
                 windows = comes_and_goes
                 gain = there
         return (law, windows, gain) if gain > always + CLEARLY / 2 else None
@@ -111,28 +116,37 @@ class Windowing:
         acting = within(windows, self.motion.time)[:, None, None]
         return RegressorColumns(whole.joints, self.motion.filtered(whole.values * acting))
 
-    def _gain(self, law: Point, windows: Windows) -> float:
-        return self.problem.score(
-            self._columns(law, windows), expected=LIBRARY[law.kind].prior.coefficients
-        ).gain
-
-    def _begun(self, law: Point) -> tuple[Windows, float, float]:
-        """The best of a few times at which the effect may have begun, what that gains, and what it
-        gains always."""
-        edges = np.linspace(self.motion.time[0], self.motion.time[-1], STARTS + 2)[1:-1]
+    def _in_pieces(self, law: Point, edges: Iterable[float]) -> Callable[[Windows], float]:
+        """What a law gains in windows between some of these edges [nats], from one pass over the
+        log; the filter's reach across an edge is left out."""
+        edges = np.unique(np.round([*edges, OPEN_END_S], EDGE_DIGITS))
         columns = self.scan.columns(law)
         place = np.searchsorted(edges, self.motion.row_time, side="right")
         gram, right = self.problem.projected_in_blocks(columns, place)
         k = columns.values.shape[2]
-        gains = []
-        for start in range(STARTS + 1):
-            # a sum of blocks is the effect from there on
-            count = STARTS + 1 - start
-            later = gram[start * k :, start * k :].reshape(count, k, count, k).sum(axis=(0, 2))
-            ahead = right[start * k :].reshape(-1, k).sum(axis=0)
-            gains.append(law_gain(later, ahead, LIBRARY[law.kind].prior.coefficients)[0])
-        best = int(np.argmax(gains[1:]))
-        return ((float(edges[best]), OPEN_END_S),), gains[1 + best], gains[0]
+        gram = gram.reshape(-1, k, len(right) // k, k)
+        right = right.reshape(-1, k)
+
+        def gain(windows: Windows) -> float:
+            """From the sums over the pieces in these windows."""
+            stops = np.searchsorted(edges, np.round(windows, EDGE_DIGITS), side="right")
+            acting = np.concatenate([np.arange(a, b) for a, b in stops])
+            acting = acting[acting < len(right)]
+            there = gram[acting][:, :, acting].sum(axis=(0, 2))
+            expected = LIBRARY[law.kind].prior.coefficients
+            return law_gain(there, right[acting].sum(axis=0), expected)[0]
+
+        return gain
+
+    def _begun(self, law: Point) -> tuple[Windows, float, float]:
+        """The best of a few times at which the effect may have begun, what that gains, and what it
+        gains always."""
+        start, *edges = np.linspace(self.motion.time[0], self.motion.time[-1], STARTS + 2)[:-1]
+        gain = self._in_pieces(law, [start, *edges])
+        begun = [((float(edge), OPEN_END_S),) for edge in edges]
+        gains = [gain(windows) for windows in begun]
+        best = int(np.argmax(gains))
+        return begun[best], gains[best], gain(((float(start), OPEN_END_S),))
 
     def _on_and_off(self, law: Point) -> Windows:
         """Times at which a force of constant direction is there, from its value in short blocks."""
@@ -157,10 +171,15 @@ class Windowing:
     def _sharpened(self, law: Point, windows: Windows) -> Windows:
         """Every edge moved to where the evidence is largest, coarse to fine; without the windows
         that are not worth their two edges."""
-        windows, gain = self._worth_their_edges(law, windows)
-        best = [list(w) for w in windows]
+        windows = _worth_their_edges(windows, self._in_pieces(law, chain(*windows)))
         width = 0.5 * self.motion.duration / STARTS if len(windows) == 1 else 0.5 * BLOCK
-        for _ in range(3):
+        widths = [width / 2**k for k in range(FINER)]
+        steps = widths[-1] * np.arange(1 - 2**FINER, 2**FINER)
+        within_reach = [e + s for e in chain(*windows) if e < OPEN_END_S for s in steps]
+        gain = self._in_pieces(law, within_reach)
+        best = [list(w) for w in windows]
+        highest = gain(windows)
+        for width in widths:
             for i in range(len(best)):
                 for side in (0, 1):
                     if best[i][side] >= OPEN_END_S:
@@ -168,28 +187,22 @@ class Windowing:
                     for move in (-width, width):
                         trial = [list(w) for w in best]
                         trial[i][side] += move
-                        if not _ordered(trial):
-                            continue
-                        there = self._gain(law, _frozen(trial))
-                        if there > gain:
+                        if _ordered(trial) and (there := gain(_frozen(trial))) > highest:
                             best = trial
-                            gain = there
-            width /= 2
-        return self._worth_their_edges(law, _frozen(best))[0]
+                            highest = there
+        return _worth_their_edges(_frozen(best), gain)
 
-    def _worth_their_edges(self, law: Point, windows: Windows) -> tuple[Windows, float]:
-        """Those of some windows that gain more than their choice costs, one at least, and what the
-        law gains in them."""
-        gain = self._gain(law, windows)
-        while len(windows) > 1:
-            without = [self._gain(law, windows[:k] + windows[k + 1 :]) for k in range(len(windows))]
-            worth = gain - np.array(without)
-            kept = (worth > 2 * PER_EDGE) | (worth == worth.max())
-            if kept.all():
-                break
-            windows = tuple(w for w, stays in zip(windows, kept, strict=True) if stays)
-            gain = self._gain(law, windows)
-        return windows, gain
+
+def _worth_their_edges(windows: Windows, gain: Callable[[Windows], float]) -> Windows:
+    """Those of some windows that gain more than their choice costs, one at least."""
+    while len(windows) > 1:
+        without = [gain(windows[:k] + windows[k + 1 :]) for k in range(len(windows))]
+        worth = gain(windows) - np.array(without)
+        kept = (worth > 2 * PER_EDGE) | (worth == worth.max())
+        if kept.all():
+            break
+        windows = tuple(w for w, stays in zip(windows, kept, strict=True) if stays)
+    return windows
 
 
 def _ordered(windows: Sequence[Sequence[float]]) -> bool:

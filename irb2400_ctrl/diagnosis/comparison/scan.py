@@ -8,6 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from irb2400_ctrl.arrays import Mask
 from irb2400_ctrl.diagnosis.comparison.log_columns import LogColumns
 from irb2400_ctrl.diagnosis.estimation.candidate import Candidate, Point, most_of, plausible
 from irb2400_ctrl.diagnosis.estimation.evidence import (
@@ -33,16 +34,27 @@ KEPT_GRID_POINTS = 2
 class Scan(LogColumns):
     """The columns of one log, scored against what is left of it in any situation."""
 
-    def rank(self, problem: Problem, chosen: Sequence[Candidate] = ()) -> list[Candidate]:
-        """All plausible candidates, best first; what is chosen already does not come twice
-        (but for `Search.repeats`)."""
+    def rank(
+        self, problem: Problem, chosen: Sequence[Candidate] = (), on: Mask | None = None
+    ) -> list[Candidate]:
+        """All plausible candidates, best first.
+
+        Args:
+            problem: what is to be explained.
+            chosen: explanations that do not come twice (but for `Search.repeats`).
+            on: joints of which a candidate acts on one at least; default all, shape (n,).
+        """
+        n = self.motion.n
+        on = np.ones(n, dtype=bool) if on is None else on
         there = [e for c in chosen for e in c.effects]
         taken = {(e.kind, e.joint) for e in there if not e.search.repeats}
         devices = {(e.search.device, e.joint) for e in there if e.search.device}
         families = [
             f
             for f in self.families
-            if f not in taken and (LIBRARY[f[0]].search.device, f[1]) not in devices
+            if f not in taken
+            and (LIBRARY[f[0]].search.device, f[1]) not in devices
+            and on[list(self.acts_on(*f))].any()
         ]
         found = [c for kind, joint in families for c in self._library(problem, kind, joint)]
         rest = [
@@ -51,8 +63,10 @@ class Scan(LogColumns):
             if effect.search.on_every_joint and kind not in {e.kind for e in there}
         ]
         found += [c for kind in rest if (c := self._everywhere(problem, kind)) is not None]
-        found += [c for joint in range(self.motion.n) for c in self._non_parametric(problem, joint)]
-        found += [self._vibration(problem, joint) for joint in range(self.motion.n)]
+        found += [
+            c for joint in range(n) if on[joint] for c in self._non_parametric(problem, joint)
+        ]
+        found += [self._vibration(problem, joint) for joint in range(n) if on[joint]]
         return sorted((c for c in found if c.score.gain > 0), key=lambda c: -c.score.gain)
 
     def points(
@@ -63,7 +77,7 @@ class Scan(LogColumns):
         found = []
         acting = within(windows, self.motion.row_time)[:, None, None]
         for kind, at in self.families:
-            if at != joint or not self.shows(kind, at):
+            if at != joint or not self.acts_on(kind, at):
                 continue
             grid, always = self.laws[kind, at]
             # the filter's reach across the edges of the windows hardly matters for a first look
@@ -79,8 +93,6 @@ class Scan(LogColumns):
 
     def _library(self, problem: Problem, kind: str, joint: int | None) -> list[Candidate]:
         grid, laws = self.laws[kind, joint]
-        if not self.shows(kind, joint):
-            return []
         best: Candidate | None = None
         for place in self._promising(problem, kind, joint, laws):
             nonlinear = grid[place]

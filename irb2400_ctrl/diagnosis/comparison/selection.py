@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from irb2400_ctrl.arrays import Mask
 from irb2400_ctrl.diagnosis.comparison.acceptance import Acceptance
 from irb2400_ctrl.diagnosis.comparison.at_load_changes import AtLoadChanges
 from irb2400_ctrl.diagnosis.comparison.at_reversals import AtReversals
@@ -95,11 +96,11 @@ class Selection:
             tried.add(names)
         return steps, self.fitter.fit([s.candidate for s in steps])
 
-    def _beside(self, chosen: Sequence[Candidate]) -> Ground:
-        """The ground beside what is chosen."""
+    def _beside(self, chosen: Sequence[Candidate], on: Mask | None = None) -> Ground:
+        """The ground beside what is chosen, on some joints (n,) or all."""
         fit = self.fitter.fit(chosen)
         comparison = Comparison(self.scan, self.fitter.noise, fit.y, fit.Z, chosen)
-        return Ground(comparison, self.threshold, self.turns, self.load_changes)
+        return Ground(comparison, self.threshold, self.turns, self.load_changes, on)
 
     def _refused(self) -> int:
         """Number of names that were refused; the flexible laws of a joint, of which there is one,
@@ -242,32 +243,34 @@ class Selection:
         first = next((r for r in alternatives if simple(r.candidate)), None)
         if first is None or gained > (1.0 + self.criteria.two_at_once) * comparison.gain(first):
             return non_parametric
-        both = self._beside([*comparison.chosen, first.candidate])
+        own = np.arange(self.scan.motion.n) + 1 == joint
+        both = self._beside([*comparison.chosen, first.candidate], own)
         second = self.next_step(both, alone=True)
         if second is None or not simple(second.candidate):
             return non_parametric
         return first if comparison.gain(first) + second.gain > gained else non_parametric
 
     def _exchanged(self, steps: list[Step]) -> list[Step]:
-        """Each explanation judged again given the others, a name only if one that acts on a joint
-        of it has come or gone; one that no longer counts falls out."""
+        """Each explanation held again, given the others, against what acts on a joint of it, a name
+        only if one of these has come or gone; one that no longer counts falls out."""
         kept = list(steps)
         n = self.scan.motion.n
         changed = steps[-1].candidate.acts_on(n)
         for place in reversed(range(len(steps) - 1)):
             earlier = kept[place].candidate
-            if earlier.known and not (changed & earlier.acts_on(n)).any():
+            there = earlier.acts_on(n)
+            if earlier.known and not (changed & there).any():
                 continue
             others = [s.candidate for k, s in enumerate(kept) if k != place]
-            step = self.next_step(self._beside(others))
+            step = self.next_step(self._beside(others, there))
             if step is None and all(o.known for o in others):
                 kept.pop(place)
-                changed |= earlier.acts_on(n)
+                changed |= there
             elif step is not None and (step.candidate.known or not earlier.known):
                 # a flexible law never takes the place of a name
                 kept[place] = step
                 if named(step.candidate) != named(earlier):
-                    changed |= earlier.acts_on(n) | step.candidate.acts_on(n)
+                    changed |= there | step.candidate.acts_on(n)
         return [
             s
             for s in kept
