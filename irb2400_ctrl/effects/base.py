@@ -244,7 +244,8 @@ class Effect(BaseModel, ABC):
         """
         tau = self.basis(s) @ coefficients
         if discrepancy.numel():
-            tau += self.discrepancy_basis(s) @ discrepancy
+            # a file holds the first columns, those that last
+            tau += self.discrepancy_basis(s)[:, : discrepancy.numel()] @ discrepancy
         if not self.windows_s:
             return tau
         active = [ca.logic_and(s.time >= start, s.time < stop) for start, stop in self.windows_s]

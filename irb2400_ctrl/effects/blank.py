@@ -54,7 +54,8 @@ class Blank:
 
 @cache
 def discrepancy_size(effect: type[Effect], joint: int | None, n: int) -> int:
-    """How many numbers the `discrepancy` of this kind of effect has on an arm of n joints.
+    """How many numbers the `discrepancy` of this kind of effect has in a robot's file, on an arm of
+    n joints.
 
     Args:
         effect: its class.
@@ -62,4 +63,5 @@ def discrepancy_size(effect: type[Effect], joint: int | None, n: int) -> int:
         n: joints of the arm.
     """
     prototype = effect.prototype(joint, effect.grid(joint)[0])
-    return int(prototype.discrepancy_basis(Blank.of(n, len(effect.states))).shape[1])
+    columns = prototype.discrepancy_basis(Blank.of(n, len(effect.states))).shape[1]
+    return int(effect.prior.lasting or columns)

@@ -27,7 +27,7 @@ class LoadFriction(Effect):
     )
     example: ClassVar[Mapping[str, Any]] = {"coefficient": 0.05}
     ambiguity: ClassVar[Ambiguity] = FRICTION_LEVEL
-    prior: ClassVar[Prior] = Prior(leftover=("speed", "friction over load"))
+    prior: ClassVar[Prior] = Prior(leftover=("speed", "friction over load"), lasting=1)
     drawing: ClassVar[Drawing] = Drawing("load", against_motion=True)
 
     kind: Literal["load_friction"] = "load_friction"
@@ -46,8 +46,10 @@ class LoadFriction(Effect):
     def discrepancy_basis(self, s: Signals) -> ca.SX:
         load = self._carried(s)
         n = s.q.numel()
-        # a power of the load near one, in units that keep the column of the law's size
-        return self.on(load * ca.log(load / 50.0 + 1e-3) * s.sign[self.index], n)
+        # a power of the load near one, in units that keep the column of the law's size; and a gear
+        # that loses more braked than driven: |load| sgn(qd) sgn(load qd), else taken for a gain
+        power = load * ca.log(load / 50.0 + 1e-3) * s.sign[self.index]
+        return ca.horzcat(self.on(power, n), self.on(s.load[self.index], n))
 
     def coefficients(self) -> tuple[float, ...]:
         return (self.coefficient,)

@@ -45,8 +45,8 @@ class Prior:
             leave for others to explain.
         leftover: names of the flexible laws of its joint (`comparison.non_parametric`) that take in
             what its law may leave; empty: what it leaves may look like anything.
-        discrepancy_lasts: whether the discrepancy found on one log says something about another
-            motion or load.
+        lasting: how many columns of its discrepancy, the first, say something about another motion
+            or load; None: all. The others stand beside the law while one log is explained.
     """
 
     coefficients: tuple[Normal, ...] = ()
@@ -57,4 +57,4 @@ class Prior:
     largest: Mapping[str, float] = field(default_factory=dict)
     discrepancy_share: float = 0.22
     leftover: tuple[str, ...] = ()
-    discrepancy_lasts: bool = True
+    lasting: int | None = None

@@ -29,7 +29,7 @@ class TorqueGain(Effect):
     ambiguity: ClassVar[Ambiguity] = GAIN
     # quadratic in a load that a payload found beside it changes
     prior: ClassVar[Prior] = Prior(
-        discrepancy_lasts=False, leftover=("load", "load over time", "friction over load")
+        lasting=0, leftover=("load", "load over time", "friction over load")
     )
     drawing: ClassVar[Drawing] = Drawing("load")
 

@@ -10,7 +10,10 @@ import pytest
 
 from irb2400_ctrl.diagnosis.comparison.scan import Scan, step_at
 from irb2400_ctrl.diagnosis.estimation.candidate import Candidate
+from irb2400_ctrl.diagnosis.estimation.evidence import Score
+from irb2400_ctrl.diagnosis.regressors.bases import RegressorColumns
 from irb2400_ctrl.effects import LIBRARY
+from irb2400_ctrl.effects.prior import Nested
 
 GRID = [
     {"neutral_rad": a, "lever_ratio": b, "free_ratio": c}
@@ -82,3 +85,30 @@ def test_the_choice_of_its_axes_is_no_shape_of_a_force() -> None:
         effects = (LIBRARY[kind].of(joint, **LIBRARY[kind].example),)
         one = Candidate(kind, joint, kind, (), effects, nothing, None, nothing)
         assert one.has_own_shape == shaped, kind
+
+
+@pytest.mark.parametrize(
+    ("kind", "exact", "departs", "gain"),
+    [
+        # with its departures it may cost more than they say, as the base's own number has none
+        ("coulomb_change", 9.0, 2.0, 9.0 - np.log(2.0)),
+        ("coulomb_change", 9.0, 12.0, 12.0 - np.log(2.0)),
+        # a device is never quite the textbook's
+        ("coulomb_asymmetry", 9.0, 2.0, 2.0),
+    ],
+)
+def test_a_change_of_a_number_may_follow_the_law_of_the_base(
+    kind: str, exact: float, departs: float, gain: float
+) -> None:
+    law = RegressorColumns((1,), np.ones((4, 1, 1)))
+    extra = RegressorColumns((1,), np.ones((4, 1, 2)))
+
+    def score(columns: Any, discrepancy: Any = None, expected: Any = (), shares: Any = None) -> Any:
+        found = exact if discrepancy is None else departs
+        return Score(found, 0.0, np.ones(1), np.eye(1), np.zeros(0))
+
+    made = scan(member=lambda *place: (law, extra))
+    problem = SimpleNamespace(score=score)
+    found = made._in_form(problem, (kind, 2), {}, Nested(np.eye(1), ()), 0.0)
+    assert found.score.gain == pytest.approx(gain)
+    assert (found.discrepancy is None) == (gain == pytest.approx(exact - np.log(2.0)))

@@ -9,6 +9,8 @@ import numpy as np
 import pytest
 from diagnosis.test_names import ROBOT, names, sound
 from mujoco_plant.suites import suite
+from third_plant.case import Case
+from third_plant.suites import plan
 
 from irb2400_ctrl.diagnosis import diagnose
 from irb2400_ctrl.measurement import Log
@@ -79,3 +81,19 @@ def test_a_reading_that_drifts_is_no_gain_from_some_moment_on() -> None:
     found = diagnose(ROBOT, replace(log, tau=tau))
     assert names(found) == []
     assert [(u.joint, u.depends_on) for u in found.unexplained] == [(5, ("load", "time"))]
+
+
+def test_a_gear_that_loses_more_braked_than_driven_leaves_no_gain() -> None:
+    """What it loses more is |load| sgn(qd) sgn(load qd), the load itself: beside its friction there
+    was a gain of 0.985 at 0.96."""
+    (arm,) = (one for one in plan(20261601) if (one.suite, one.number) == ("pairs", 3))
+    case = Case(arm)
+    seen = case.identification()
+    log = Log(seen.time, seen.q, seen.tau, qd=seen.qd, q_ref=seen.q_ref)
+    there = {(t.kind, t.joint) for t in case.truth}
+    assert there == {("load_friction", 3), ("torque_offset", 5)}
+    found = diagnose(ROBOT, log)
+    assert set(names(found)) == there
+    # and the file says nothing of it: of another load it is another torque
+    (effect,) = (e for e in found.robot.effects if e.kind == "load_friction")
+    assert len(effect.discrepancy) == 1

@@ -25,6 +25,8 @@ from irb2400_ctrl.effects.prior import Nested
 
 EVERYWHERE_PENALTY = 15.0
 """[nats]"""
+EITHER = float(np.log(2.0))
+"""[nats] for one of two forms that are as probable"""
 KEPT_NON_PARAMETRIC = 4
 """how many non-parametric laws of each joint are judged"""
 KEPT_GRID_POINTS = 2
@@ -119,9 +121,17 @@ class Scan(LogColumns):
         """A member of a family in one of its forms; without an effect where its numbers are not
         plausible."""
         kind, joint = family
-        law, extra = self.member(kind, joint, nonlinear)
+        law, departures = self.member(kind, joint, nonlinear)
+        extra: RegressorColumns | None = departures
         columns = RegressorColumns(law.joints, law.values @ form.columns)
-        score = self._score(problem, kind, columns, extra, form.coefficients)
+        score = self._score(problem, kind, columns, departures, form.coefficients)
+        if LIBRARY[kind].ambiguity.change_of:
+            # it may as well be another number of the base, which follows that law
+            exact = problem.score(columns, expected=form.coefficients)
+            penalty += EITHER
+            if exact.gain > score.gain:
+                score = exact
+                extra = None
         score = replace(score, gain=score.gain - penalty)
         effect = plausible(kind, joint, form.columns @ score.coefficients, nonlinear)
         effects = () if effect is None else (effect,)

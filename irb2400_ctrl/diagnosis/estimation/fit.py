@@ -210,7 +210,8 @@ class Fitter:
         place = k + p
         for effect, unit in zip(effects, shapes, strict=True):
             # how the record began is no property of the robot: its columns are not kept
-            kept = len(unit) - effect.beginnings() if effect.prior.discrepancy_lasts else 0
+            kept = len(unit) - effect.beginnings()
+            kept = kept if effect.prior.lasting is None else min(kept, effect.prior.lasting)
             values = (b[place : place + len(unit)] * unit)[:kept]
             place += len(unit)
             shaped.append(
