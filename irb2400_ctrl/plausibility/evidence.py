@@ -153,7 +153,7 @@ class Nominal:
         dry = self.robot.friction[:, 1]
         # a joint at rest is held by its dry friction: its torque may be off by so much
         held = np.minimum(STILL, own * size / np.hypot(own * size, dry))
-        weight = weight * np.where(rows.still, held, 1.0)
+        weight = weight * np.where(rows.still, held, 1.0) * ~rows.silent
         k = Y.shape[2]
         viscous = self.robot.friction[:, 2]
         spread = self._friction_spreads(rows, size)

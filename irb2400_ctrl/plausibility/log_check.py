@@ -16,6 +16,7 @@ from irb2400_ctrl.measurement.time_base import with_time_base
 from irb2400_ctrl.plausibility.agreement import command_problem, speed_problem
 from irb2400_ctrl.plausibility.channels import channel_problem
 from irb2400_ctrl.plausibility.cost_of_noise import torque_from_angle_noise
+from irb2400_ctrl.plausibility.parts import silent_problem
 from irb2400_ctrl.plausibility.problem import LogProblem, named
 from irb2400_ctrl.plausibility.rows import SHORTEST
 from irb2400_ctrl.plausibility.search import SOUND_LEFT, Understanding, percent, understand
@@ -111,6 +112,8 @@ def examined(robot: Robot | None, log: Log) -> Examined:
     if robot is not None and robot.n != log.n:
         raise InputError(f"{log.name}: found {log.n} joints, expected {robot.n} as in {robot.name}")
     broken = channel_problem(log)
+    if broken is None and robot is not None:
+        broken = silent_problem(robot, log)
     # stamps that scatter by a good part of a period would make accelerations of nothing
     even = with_time_base(log)
     understood = None if robot is None or broken is not None else understand(robot, even)

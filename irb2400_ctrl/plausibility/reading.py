@@ -70,7 +70,8 @@ class Reading:
         and says both."""
         alike = self.kind == first.kind in TURNED and self.joints and first.joints
         joints = tuple(sorted({*first.joints, *self.joints})) if alike else first.joints
-        says = _turned(first.kind, joints) if alike else f"{first.says}; beside it {self.says}"
+        twice = "" if self.says == first.says else f"; beside it {self.says}"
+        says = _turned(first.kind, joints) if alike else f"{first.says}{twice}"
         return replace(
             first,
             says=says,

@@ -25,6 +25,10 @@ CREEP = 0.01
 """[rad/s] below this the direction of dry friction is not known, and"""
 SLOW = 0.05
 """of the joint's rms speed"""
+UNMOVED = 1e-9
+"""[rad] of travel of an angle that never changes"""
+SMALLEST = 1e-5
+"""of the arm's largest torque, below which a joint's is as good as none"""
 
 
 @dataclass(frozen=True)
@@ -46,7 +50,13 @@ class Rows:
     @property
     def size(self) -> Array:
         """Rms torque of each joint, shape (n,) [Nm]; never zero."""
-        return np.asarray(np.sqrt(np.mean(self.tau**2, axis=0)) + 1e-9)
+        size = np.sqrt(np.mean(self.tau**2, axis=0))
+        return np.asarray(size + SMALLEST * size.max() + 1e-9)
+
+    @property
+    def silent(self) -> Mask:
+        """Joints of which nothing was recorded, or that a brake holds: they tell nothing, (n,)."""
+        return np.asarray((np.ptp(self.q, axis=0) < UNMOVED) & ~self.tau.any(axis=0))
 
     def thinned(self, keep: int) -> Rows:
         """Every `keep`-th row of as many seconds."""

@@ -10,6 +10,7 @@ import numpy as np
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.measurement.log import Log
 from irb2400_ctrl.plausibility.evidence import MISFITS, Fit, Nominal
+from irb2400_ctrl.plausibility.parts import best_part
 from irb2400_ctrl.plausibility.problem import LogProblem
 from irb2400_ctrl.plausibility.reading import (
     Reading,
@@ -19,6 +20,7 @@ from irb2400_ctrl.plausibility.reading import (
 )
 from irb2400_ctrl.plausibility.rows import Rows, rows_of
 from irb2400_ctrl.plausibility.scales import scale_readings
+from irb2400_ctrl.plausibility.travel import fastest
 from irb2400_ctrl.robot import Robot
 
 SOUND_PRICE = 35.0
@@ -51,6 +53,12 @@ SINGLE = ("angle_unit", "angle_sign", "axis_sign", "torque_sign", "coupling")
 PLACEHOLDERS = 0.5
 """share of the joints whose stated friction is not the arm's, above which none of it is taken for
 the arm's"""
+SLOWED = 100.0
+"""times slower, by which clock only the torques of postures are left of a motion, and"""
+POSSIBLE = 1.2
+"""of the speed limit at most, for which the clock as labelled is right"""
+UNEXPLAINED = 0.7
+"""of a joint's torque left, by which its factor is no unit's"""
 RESTS = 1e-3
 """[rad] of travel as labelled below which a joint rests, whatever the unit"""
 DELAYS = (-1.0, -0.5, -0.3, -0.2, -0.1, 0.1, 0.2, 0.3, 0.5, 1.0)
@@ -134,10 +142,17 @@ def _understood(nominal: Nominal, log: Log, rows: Rows) -> Understanding:
     otherwise = reading is not plain
     problem: LogProblem | None = None
     if otherwise and best.price < FITS_PRICE * scale:
-        problem = LogProblem(reading.kind, reading.says, dict(reading.fits), reading.joints)
+        problem = _strange(reading, best) or LogProblem(
+            reading.kind, reading.says, dict(reading.fits), reading.joints
+        )
     elif labelled.price > LOST_PRICE * scale:
         near = otherwise and best.price < LOST_PRICE * scale
         problem = _nearly(labelled, reading, best) if near else _lost(labelled)
+    if not sound(labelled, robot.n):
+        part, said = best_part(nominal, rows, labelled)
+        better = best.cost - part.cost > MARGIN or _slowed(robot, log, reading)
+        if better and clearly_better(part, labelled) and part.price < FITS_PRICE * scale:
+            problem = said
     return Understanding(labelled, best, reading, problem)
 
 
@@ -157,6 +172,30 @@ def clearly_better(one: Fit, other: Fit, hidden: bool = False) -> bool:
     gain = other.cost - one.cost
     return gain > max(MARGIN, SHARE * other.cost) and bool(
         hidden or np.sum(one.left**2) < HALF * np.sum(other.left**2) or other.price > BEYOND
+    )
+
+
+def _slowed(robot: Robot, log: Log, reading: Reading) -> bool:
+    """Whether a reading slows down a motion that the robot can make as it is labelled."""
+    speed = fastest(robot, log)
+    return reading.clock >= SLOWED and bool(speed.any()) and bool(speed.max() < POSSIBLE)
+
+
+def _strange(reading: Reading, best: Fit) -> LogProblem | None:
+    """A joint whose torque even its best factor does not explain."""
+    if reading.kind != "torque_scale" or len(reading.joints) != 1:
+        return None
+    j = reading.joints[0]
+    left = float(best.left[j - 1])
+    if left < UNEXPLAINED:
+        return None
+    return LogProblem(
+        "not_this_robot",
+        f"the torque of joint {j} does not go with the motion in any unit, sign or order "
+        f"({100 * left:.0f} % of it are left): its columns are another thing's, a gripper's or an "
+        "external axis's, or nothing was recorded of it",
+        {"left_percent": [round(100 * float(v), 1) for v in best.left]},
+        (j,),
     )
 
 

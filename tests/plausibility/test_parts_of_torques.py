@@ -1,0 +1,119 @@
+"""Torques that hold a part of what an arm needs, and columns of something else among the joints."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+from other_arm_logs import other_arm_log
+from robots.imported import robot
+from sound_logs import Drawn, sound_log
+
+import irb2400_ctrl as irb
+from irb2400_ctrl.measurement import Log
+from irb2400_ctrl.plausibility import log_problem
+from irb2400_ctrl.plausibility.problem import LogProblem
+from irb2400_ctrl.plausibility.reading import motion_readings
+from irb2400_ctrl.robot import Robot, load_robot
+
+ROBOT = load_robot("irb2400")
+RNG = np.random.default_rng(7)
+
+
+@cache
+def plain() -> Drawn:
+    return sound_log(601, plain=True)
+
+
+def weight(arm: Robot, log: Log) -> np.ndarray:
+    """Torque that holds the postures of a log."""
+    rest = 0.0 * log.q
+    return np.asarray(irb.Model(arm).inverse_dynamics(log.q, rest, rest, friction=False))
+
+
+def part(problem: LogProblem | None) -> object:
+    return None if problem is None else problem.fits.get("part", problem.kind)
+
+
+@pytest.mark.parametrize("seed", [None, 990003])
+def test_torques_without_gravity_are_told(seed: int | None) -> None:
+    """A controller that holds the arm by itself publishes what comes on top: no unit, sign or order
+    of it fits, and of 24 arms eight were called sound."""
+    drawn = plain() if seed is None else other_arm_log(seed)
+    tau = drawn.log.tau - weight(drawn.robot, drawn.log)
+    assert part(log_problem(drawn.robot, replace(drawn.log, tau=tau))) == "without_gravity"
+    assert log_problem(drawn.robot, drawn.log) is None
+
+
+@pytest.mark.parametrize("seed", [None, 990001])
+def test_gravity_alone_is_told_and_no_clock(seed: int | None) -> None:
+    """Beside a clock a thousand times too slow nothing is left of a motion but its postures."""
+    drawn = plain() if seed is None else other_arm_log(seed)
+    tau = weight(drawn.robot, drawn.log)
+    tau = tau + 1e-6 * np.abs(tau).max() * RNG.standard_normal(tau.shape)
+    log = replace(drawn.log, tau=tau, qd=None)
+    assert part(log_problem(drawn.robot, log)) == "gravity"
+
+
+def among_the_joints(angle: np.ndarray, torque: np.ndarray) -> Log:
+    """A gripper in the place of joint 4: what follows goes on by one, and joint 6 is lost."""
+    log = plain().log
+    q = np.column_stack([log.q[:, :3], angle, log.q[:, 3:5]])
+    tau = np.column_stack([log.tau[:, :3], torque, log.tau[:, 3:5]])
+    return Log(log.time, q, tau)
+
+
+def test_a_gripper_among_the_joints_is_told() -> None:
+    """Closed all the time it ended in a singular matrix; moved, its torque was called one in
+    kNm."""
+    time = plain().log.time
+    closed = log_problem(ROBOT, among_the_joints(0.0 * time + 0.3, 0.0 * time))
+    assert closed is not None
+    assert (closed.kind, closed.joints) == ("zero_torque", (4,))
+    assert "gripper" in closed.says
+    ur = robot("ur10e")
+    drawn = replace(ur_log(), q=np.insert(ur_log().q[:, :5], 3, 0.3 + 0.2 * np.sin(time_of()), 1))
+    drawn = replace(drawn, tau=np.insert(ur_log().tau[:, :5], 3, 0.01 * np.sin(5 * time_of()), 1))
+    moved = log_problem(ur, drawn)
+    assert moved is not None
+    assert moved.kind == "not_this_robot"
+
+
+@cache
+def ur_log() -> Log:
+    """A UR10e on sines, friction besides."""
+    time = np.arange(0.0, 25.0, 0.008)
+    rate = np.array([0.35, 0.45, 0.55, 0.7, 0.8, 0.9])
+    size = np.array([0.9, 0.7, 0.8, 1.2, 1.2, 1.5])
+    q = size * np.sin(time[:, None] * rate) + np.array([0.0, -1.5, 1.5, -1.0, 1.5, 0.0])
+    qd = size * rate * np.cos(time[:, None] * rate)
+    qdd = -size * rate**2 * np.sin(time[:, None] * rate)
+    tau = np.asarray(irb.Model(robot("ur10e")).inverse_dynamics(q, qd, qdd, friction=False))
+    tau = tau + np.array([9.0, 9.0, 6.0, 2.0, 2.0, 2.0]) * np.tanh(qd / 0.02)
+    return Log(time, q, tau + 0.05 * RNG.standard_normal(tau.shape))
+
+
+def time_of() -> np.ndarray:
+    return ur_log().time
+
+
+def test_a_joint_at_rest_that_needs_no_torque_is_not_refused() -> None:
+    """Of an upright first axis gravity asks nothing, with a brake or without."""
+    log = ur_log()
+    rest = 0.0 * log.q[:, 0]
+    q = np.column_stack([rest + 0.2, log.q[:, 1:]])
+    qd = np.gradient(q, log.time, axis=0)
+    qdd = np.gradient(qd, log.time, axis=0)
+    tau = np.asarray(irb.Model(robot("ur10e")).inverse_dynamics(q, qd, qdd, friction=False))
+    assert (
+        log_problem(robot("ur10e"), Log(log.time, q, np.column_stack([rest, tau[:, 1:]]))) is None
+    )
+
+
+def test_one_reading_twice_is_said_once() -> None:
+    slow = next(r for r in motion_readings(ROBOT) if r.clock == 1e3)
+    twice = slow.after(slow)
+    assert twice.clock == 1e6
+    assert twice.says == slow.says
