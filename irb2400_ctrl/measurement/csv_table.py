@@ -37,6 +37,7 @@ from irb2400_ctrl.measurement.text.csv_pieces import (
     fast_pieces,
     slow_pieces,
 )
+from irb2400_ctrl.measurement.text.echoed_topic import echoed_names
 from irb2400_ctrl.reading import text_blocks
 
 MOST_CELLS = 19_500_000
@@ -72,9 +73,11 @@ def read_csv_table(
     dialect = dialect_of(path, head)
     header = _header(path, head, dialect)
     headless = _headless(path, head, dialect, header)
-    if headless:
-        header = [f"column {k + 1}" for k in range(len(header))]
     start = dialect.skip + (0 if headless else 1)
+    if headless:
+        known = echoed_names(header, lambda cell: is_number(cell, dialect))
+        headless = "" if known else headless
+        header = known or [f"column {k + 1}" for k in range(len(header))]
     row = _first_row(path, head, dialect, start)
     if is_unit(row[0]) and not any(is_number(cell, dialect) for cell in row):
         units = [f" [{cell.strip('[]()')}]" if cell else "" for cell in row]

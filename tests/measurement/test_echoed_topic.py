@@ -1,0 +1,48 @@
+"""`ros2 topic echo --csv` of joint states: numbers and names of joints, and no line of names."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from measured_logs import made, same
+
+from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.measurement import read_log
+
+LOG = made()
+ROBOT = ("pan", "lift", "elbow", "wrist_1", "wrist_2", "wrist_3")
+ORDER = (2, None, 1, 0, 3, 4, 5)
+"""by the alphabet, a finger among them"""
+
+
+def echoed(folder: Path, parts: int = 3, frame: str = "base_link") -> Path:
+    nanoseconds = np.round(1e9 * LOG.time).astype(int)
+    names = ["finger_joint" if k is None else f"{ROBOT[k]}_joint" for k in ORDER]
+    signals = [LOG.q, np.asarray(LOG.qd), LOG.tau][:parts]
+    lines = []
+    for row, n in enumerate(nanoseconds):
+        values = [0.3 if k is None else signal[row, k] for signal in signals for k in ORDER]
+        stamp = f"{1_700_000_000 + n // 10**9},{n % 10**9},{frame}"
+        lines.append(",".join([stamp, *names, *(f"{v:.17g}" for v in values)]))
+    path = folder / "log.csv"
+    path.write_text("\n".join(lines) + "\n")
+    return path
+
+
+@pytest.mark.parametrize("frame", ["base_link", ""])
+def test_joints_are_found_by_name(frame: str, tmp_path: Path) -> None:
+    found = read_log(echoed(tmp_path, frame=frame), names=ROBOT)
+    same(found, LOG)
+    np.testing.assert_allclose(found.qd, LOG.qd, atol=1e-12)
+
+
+def test_a_stretch_of_it_is_read(tmp_path: Path) -> None:
+    found = read_log(echoed(tmp_path), names=ROBOT, between=(0.4, 1.2))
+    np.testing.assert_allclose(found.q, LOG.q[100:300], atol=1e-12)
+
+
+def test_another_line_without_names_is_refused_as_before(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="found numbers"):
+        read_log(echoed(tmp_path, parts=2), names=ROBOT)
