@@ -7,12 +7,23 @@ from dataclasses import dataclass, field
 from types import MappingProxyType
 
 import numpy as np
+import numpy.typing as npt
 
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.errors import InputError
 
 MIN_RATE = 10.0
 """[Hz] below this the torque of a moving arm is not resolved"""
+FASTEST = 8e3
+"""[Hz] at which recorders of arms sample at most"""
+MOST_RECORDS = 10
+"""runs that somebody has put into one file"""
+NEAR = 0.05
+"""of the whole span, from its beginning, to where the clock of another record goes back"""
+LEAST_ROWS = 20
+"""of a record"""
+MOSTLY = 0.9
+"""share of the steps back that stay within a second where digits are lost"""
 
 
 @dataclass(frozen=True)
@@ -80,20 +91,42 @@ class Log:
         steps = np.diff(self.time)
         if (steps <= 0).any():
             k = int(np.argmax(steps <= 0))
-            hint = "sort the rows, delete doubled ones"
-            if steps[k] == 0 and (self.q[k] != self.q[k + 1]).any():
-                hint += "; of a clock too coarse for its rows, state rate_Hz in a column map"
             raise InputError(
-                f"{self.name}: time does not rise at sample {k + 2} ({self.time[k]:g} s, then "
-                f"{self.time[k + 1]:g} s); "
-                f"expected rising times: {hint}"
+                f"{self.name}: time does not rise at sample {k + 2} ({self.time[k]:.12g} s, then "
+                f"{self.time[k + 1]:.12g} s); expected rising times: {self._why_not_rising(steps)}"
             )
         if self.rate < MIN_RATE * 0.999:
             raise InputError(
                 f"{self.name}: found {self.rate:.3g} samples per second, expected at least "
-                f"{MIN_RATE:.0f}; "
-                "is time_s in seconds? Milliseconds are time_ms"
+                f"{MIN_RATE:.0f}; is time_s in seconds? {_unit_of(self.rate)}"
             )
+
+    def _why_not_rising(self, steps: Array) -> str:
+        """What to do about times that do not rise, by where they go back."""
+        back = np.flatnonzero(steps <= 0)
+        k = int(back[0])
+        whole = np.floor(self.time)
+        if len(back) <= MOST_RECORDS and self._begins_again(back):
+            return "another record begins there: give each a file of its own"
+        if len(back) > 1 and (steps[back] < 0).all():
+            within = whole[back] == whole[back + 1]
+            if within.mean() > MOSTLY:
+                return (
+                    "were nanoseconds written behind the point without their leading zeros (7.8 "
+                    "for 7 s and 8 ns)? Write both as columns of their own, sec and nanosec, or "
+                    "sort the rows"
+                )
+        hint = "sort the rows, delete doubled ones"
+        if steps[k] == 0 and (self.q[k] != self.q[k + 1]).any():
+            hint += "; of a clock too coarse for its rows, state rate_Hz in a column map"
+        return hint
+
+    def _begins_again(self, back: npt.NDArray[np.intp]) -> bool:
+        """Whether the clock goes back to where it began, and on from there, at each of these."""
+        span = float(self.time.max() - self.time.min())
+        near = self.time[back + 1] - self.time[0] < NEAR * span
+        lengths = np.diff([-1, *back, len(self.time) - 1])
+        return bool(near.all() and lengths.min() > LEAST_ROWS)
 
     @property
     def n(self) -> int:
@@ -109,6 +142,16 @@ class Log:
     def duration(self) -> float:
         """From the first to the last sample [s]."""
         return float(self.time[-1] - self.time[0])
+
+
+def _unit_of(rate: float) -> str:
+    """The unit of time by which so many samples a second are those of a recorder."""
+    for per_second, name in ((1e3, "milliseconds, time_ms"), (1e6, "microseconds, time_us")):
+        if MIN_RATE <= rate * per_second <= FASTEST and rate < 1.0:
+            return f"In {name}, it would be {rate * per_second:.4g}"
+    if MIN_RATE <= rate * 1e9 <= FASTEST:
+        return f"In nanoseconds, time_ns, it would be {rate * 1e9:.4g}"
+    return "Milliseconds are time_ms"
 
 
 def _own(value: Array) -> Array:

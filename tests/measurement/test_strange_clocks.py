@@ -1,0 +1,49 @@
+"""What is said of a clock that goes back, or ticks in another unit than its name says."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from measured_logs import made
+
+from irb2400_ctrl.errors import InputError
+
+LOG = made()
+
+
+def told(time: np.ndarray) -> str:
+    """The refusal of the log at these times."""
+    with pytest.raises(InputError) as refused:
+        replace(LOG, time=time)
+    return str(refused.value)
+
+
+def test_a_second_record_in_one_file_is_told() -> None:
+    half = len(LOG.time) // 2
+    again = np.concatenate([LOG.time[:half], LOG.time[: len(LOG.time) - half]])
+    assert "another record begins there" in told(again)
+    assert "sample 251 (0.996 s, then 0 s)" in told(again)
+    back = LOG.time.copy()
+    back[half] -= 0.1
+    assert "sort the rows" in told(back)
+
+
+def test_nanoseconds_without_their_zeros_are_told() -> None:
+    """`f"{sec}.{nanosec}"`; of 1,700,000,000 seconds the message held two digits."""
+    nanoseconds = np.round(1e9 * LOG.time).astype(int)
+    joined = [f"{1_700_000_000 + n // 10**9}.{n % 10**9}" for n in nanoseconds]
+    said = told(np.array([float(text) for text in joined]))
+    assert "without their leading zeros" in said
+    assert "1700000000.8 s, then 1700000000.12 s" in said
+
+
+@pytest.mark.parametrize(
+    ("times", "unit"), [(1e3, "time_ms"), (1e6, "time_us"), (1e9, "time_ns"), (50.0, "time_ms")]
+)
+def test_the_unit_by_which_a_rate_is_one_is_said(times: float, unit: str) -> None:
+    said = told(LOG.time * times)
+    assert "is time_s in seconds?" in said
+    assert unit in said
+    assert ("it would be 250" in said) == (times > 100.0)
