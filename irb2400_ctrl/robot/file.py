@@ -23,6 +23,9 @@ from irb2400_ctrl.robot.outline import KeptApart, Outline, Part
 from irb2400_ctrl.robot.shape import Box, Capsule, Cylinder, Hull, Sphere
 from irb2400_ctrl.robot.uncertainty import BodyUncertainty, Uncertainty
 
+OTHER_MODELS = (".urdf", ".xacro", ".xml", ".mjcf")
+"""suffixes of what `irb2400 robot import` reads"""
+
 
 def robot_names() -> list[str]:
     """Names of the robots that come with the library."""
@@ -50,6 +53,11 @@ def load_robot(source: str | Path) -> Robot:
             known = ", ".join(robot_names())
             raise InputError(
                 f"no robot file {path}: expected a TOML file or one of the robots {known}"
+            )
+        if path.suffix.lower() in OTHER_MODELS:
+            raise InputError(
+                f"{path} is a robot in another format, expected a robot file (TOML): make one of "
+                f"it with `irb2400 robot import {path} --out arm.toml`"
             )
         text = bounded_text(path, "a robot file (TOML)")
         folder = path.parent

@@ -309,3 +309,11 @@ def test_the_same_body_on_every_link_is_a_placeholder(tmp_path: Path) -> None:
 def test_a_xacro_is_told_how_it_is_expanded(tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"xacro arm.xacro > .*xacrodoc arm.xacro -d"):
         imported(tmp_path, "arm.xacro", ur5("link_1", "${prefix}link_1"))
+
+
+def test_a_urdf_in_the_place_of_a_robot_file_is_told_how_to_become_one(tmp_path: Path) -> None:
+    """It was "not TOML"."""
+    path = tmp_path / "ur5e.urdf"
+    path.write_text(urdf(arms()["ur5"]))
+    with pytest.raises(InputError, match=r"irb2400 robot import .*ur5e.urdf --out"):
+        irb.load_robot(path)
