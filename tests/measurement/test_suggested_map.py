@@ -23,6 +23,7 @@ TAU = LOG.tau
 SPEED = np.asarray(LOG.qd)
 DEG = 2 * np.degrees(Q)
 """beyond what can be radians"""
+ROBOT = ("pan", "lift", "elbow", "wrist_1", "wrist_2", "wrist_3")
 EPOCH = 1.6e9
 
 
@@ -73,6 +74,21 @@ NAMES = {
         "measured_torque_{j}": TAU,
     },
     "letters": {"IPOC": 4e6 + 1e3 * T, "RIst.X": T, "AIPos.A{j}": DEG, "Mom_A{j}": TAU},
+    "actions beside states": {
+        "timestamp": T,
+        "action.joint_{j}.pos": Q + 1.0,
+        "observation.state.joint_{j}.pos": Q,
+        "observation.state.joint_{j}.torque": TAU,
+    },
+    "flags beside positions": {
+        "Time": T,
+        "A{j}": 0 * Q,
+        "Position_A{j}": DEG,
+        "Torque_A{j}": TAU,
+        "Current_A{j}": TAU / 9,
+        "Position_Command_A{j}": DEG + 9.0,
+    },
+    "forces of joints": {"t": T, "Joint{j}_Pos": Q, "Joint{j}_Force": TAU, "tcp_force_{j}": 0 * Q},
     "units in words": {"time_s": T, "q{j}_rad": Q, "joint_measured_torque_{j}_nm": TAU},
     "commanded torque alone": {
         "Time": T,
@@ -87,12 +103,14 @@ NAMES = {
     },
 }
 
+IN_DEGREES = {"letters", "commanded torque alone", "flags beside positions"}
+
 
 @pytest.mark.parametrize("name", NAMES)
 def test_a_refused_file_is_read_with_the_map_that_is_shown(name: str, tmp_path: Path) -> None:
     path = written(tmp_path / "log.csv", NAMES[name])
     found = read_log(path, columns=suggested(path))
-    wanted = DEG * np.pi / 180 if name in {"letters", "commanded torque alone"} else Q
+    wanted = DEG * np.pi / 180 if name in IN_DEGREES else Q
     np.testing.assert_allclose(found.q, wanted, atol=1e-8)
     np.testing.assert_allclose(found.tau, TAU, atol=1e-8)
     np.testing.assert_allclose(found.time - found.time[0], T, atol=1e-6)
@@ -226,3 +244,28 @@ def test_columns_of_the_same_kind_are_listed_beside_the_one_that_is_taken(tmp_pa
     assert 'file = "Torque{j}"' in told
     assert "# or, of the same kind by its name: TorqueSm{j}, Cur{j}" in told
     same(read_log(path, columns=load_column_map(suggested(path))), LOG)
+
+
+def test_more_columns_than_joints_are_said(tmp_path: Path) -> None:
+    """A gripper that goes on counting; the map that was shown had nine joints for six."""
+    columns = {"timestamp": T}
+    for name, values in (("pos", Q), ("torque", TAU)):
+        columns |= {f"{name}_{j + 1}": values[:, j] if j < 6 else 0 * T for j in range(9)}
+    path = written(tmp_path / "log.csv", columns)
+    with pytest.raises(InputError) as refused:
+        read_log(path, names=ROBOT)
+    told = str(refused.value).split("check them:\n")[1]
+    assert told.count("joints = 6   # of 9 such columns") == 2
+    (tmp_path / "map.toml").write_text(told)
+    np.testing.assert_allclose(read_log(path, columns=tmp_path / "map.toml").tau, TAU, atol=1e-8)
+
+
+def test_the_columns_that_are_taken_are_no_others_of_their_kind(tmp_path: Path) -> None:
+    """`wrist_{j}_joint` is a part of the joints by name."""
+    columns = {"t": T}
+    columns |= {f"{name}_pos": Q[:, j] for j, name in enumerate(ROBOT)}
+    columns |= {f"{name}_eff": TAU[:, j] for j, name in enumerate(ROBOT)}
+    with pytest.raises(InputError) as refused:
+        read_log(written(tmp_path / "log.csv", columns), names=ROBOT)
+    assert "wrist_{j}" not in str(refused.value)
+    assert "wrist_1_pos" in str(refused.value)

@@ -17,19 +17,20 @@ from irb2400_ctrl.measurement.columns.recorder_names import unit_by_step
 from irb2400_ctrl.measurement.columns.two_part_time import time_pair
 
 OTHERS = re.compile(
-    r"acc|qdd|ddq|err|ext|grav|limit|temp(?!s)|volt|tcp|cart|force|wrench|jerk|collision|inertia|dist"
+    r"acc|qdd|ddq|err|ext|grav|limit|temp(?!s)|volt|tcp|cart|wrench|jerk|collision|inertia|dist"
+    r"|(?<!joint)(?<!joint_)(?<!axis_)force"
     r"|加速|温|電圧"
 )
 COMMANDED = re.compile(
-    r"ref|cmd|comm|target|des|goal|set|soll|nominal|[a-z]_d(?![a-z])|指令|目標|consigne"
+    r"ref|cmd|comm|action|target|des|goal|set|soll|nominal|[a-z]_d(?![a-z])|指令|目標|consigne"
 )
-MEASURED = re.compile(r"act(?!uator)|meas|msr|mes|real|(?<!wr)ist|fb|feed|state")
+MEASURED = re.compile(r"act(?!uator|ion)|meas|msr|mes|real|(?<!wr)ist|fb|feed|state")
 TORQUE = (
     r"tau|τ|torq|trq|tq|mom|qfrc|(?<![a-z])(tor|couple|coppia|par)(?![a-z])|トルク|扭矩|力矩|转矩"
 )
 CURRENT = r"cur|(?<![a-z])(courant|corrente|corriente)(?![a-z])|電流|电流"
 QUANTITIES = {
-    "tau": rf"{TORQUE}|{CURRENT}|(?<!co)eff|load|m(?=act)|^m?t\W*$",
+    "tau": rf"{TORQUE}|{CURRENT}|(?<!co)eff|load|force|m(?=act)|^m?t\W*$",
     "qd": r"vel|speed|dq|qd|qv|qp(?!os)|omega|ω|geschw|vitesse|速度",
     "q": r"pos|ang|q|theta|θ|rax|joint|jnt|axis|achse|winkel|^([aj]|jt|mp)\W*$|state\W*$"
     r"|(?<![a-z])(axe|asse|eje)(?![a-z])|角|軸|轴|关节|関節",
@@ -39,6 +40,8 @@ TIME = re.compile(
     r"(.*[^a-z])?(time|t|tm|tout|time_?stamps?|stamp|zeit|tick|ipoc|sec|temps|tempo|tiempo|時間|时间)"
     r"([^a-z].*)?"
 )
+BARE = re.compile(r"\W*(a|j|jt|joint|jnt|axis|achse|axe|asse|eje|軸|轴|关节|関節)?\W*")
+"""of a joint's number alone: an angle, or what a recorder counts by axes"""
 AMPERE = re.compile(rf"{CURRENT}|(?<![a-z])(amp|amps|ampere|amperes)(?![a-z])")
 """words of a current"""
 SURELY = re.compile(rf"{TORQUE}|nm")
@@ -84,8 +87,15 @@ def suggested_map(columns: Mapping[str, Array], joints: Sequence[str] | None = N
     for quantity in ("q", "qd", "tau", "q_ref"):
         if quantity in names:
             pattern = chosen[quantity][2]
-            others = [other for other in rivals[quantity] if other != pattern]
+            taken = set(names[quantity])
+            others = [other for other in rivals[quantity] if not taken >= set(patterns[other])]
             lines += _entry(quantity, pattern, names[quantity], size > DEGREES)
+            if joints and len(names[quantity]) > len(joints):
+                lines[-1:] = [
+                    f"joints = {len(joints)}   # of {len(names[quantity])} such columns: the first "
+                    "ones, where no gripper stands among them",
+                    "",
+                ]
             if others:
                 lines[-1:] = [f"# or, of the same kind by its name: {', '.join(others)}", ""]
     return (
@@ -139,8 +149,9 @@ def _quantity(pattern: str) -> tuple[str, int]:
     if COMMANDED.search(words):
         # some controllers record no other torque
         return {"q": ("q_ref", 1), "tau": ("tau", 2)}.get(meant, ("", 3))
-    # beside a torque a current is the second choice
-    return meant, 2 if meant == "tau" and AMPERE.search(words) else 1
+    # beside a torque a current is the second choice, beside a position a name without a word
+    second = AMPERE.search(words) if meant == "tau" else BARE.fullmatch(words)
+    return meant, 2 if second else 1
 
 
 def _time(columns: Mapping[str, Array], rows: int) -> list[str]:
