@@ -12,6 +12,7 @@ import numpy as np
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.measurement.columns.clock import Clock
 from irb2400_ctrl.measurement.columns.column_map import TIME, ColumnMap
+from irb2400_ctrl.measurement.columns.guessed_places import guessed_places
 from irb2400_ctrl.measurement.columns.mapped_time import with_time
 from irb2400_ctrl.measurement.columns.recorder_names import (
     has_time,
@@ -82,7 +83,7 @@ def understood(
     """
     if given is None:
         if table.headless:
-            raise InputError(table.headless)
+            raise InputError(f"{table.headless}{guessed_places(table.columns, names)}")
         given_columns = table.columns
         try:
             if not has_time(table):
@@ -93,7 +94,8 @@ def understood(
             told = f"{error}{said_of_copies(given_columns)}"
             if names_joints(table):
                 raise InputError(told) from error
-            raise InputError(f"{told}{suggested_map(given_columns, names)}") from error
+            shown = suggested_map(given_columns, names) or guessed_places(given_columns, names)
+            raise InputError(f"{told}{shown}") from error
     else:
         table = unwrapped(with_time(table, given), given)
         time, found, scales = _by_map(table, given)

@@ -1,0 +1,73 @@
+"""Tables without names are refused with the map that their numbers show."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from measured_logs import made, same
+from scipy.io import savemat
+
+from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.measurement import Log, read_log
+
+LOG = made()
+T = LOG.time[:, None]
+SPEED = np.asarray(LOG.qd)
+ROBOT = tuple(f"axis_{j}" for j in range(1, 7))
+NOISE = np.random.default_rng(3).standard_normal(LOG.q.shape)
+
+
+def table(path: Path, *parts: np.ndarray) -> Path:
+    np.savetxt(path, np.hstack(parts), fmt="%.17g", delimiter=",")
+    return path
+
+
+def told(path: Path, names: tuple[str, ...] | None = ROBOT) -> str:
+    with pytest.raises(InputError) as refused:
+        read_log(path, names=names)
+    return str(refused.value)
+
+
+def read_as_shown(path: Path, *changes: tuple[str, str]) -> Log:
+    shown = told(path).split("check all of it:\n")[1]
+    for old, new in changes:
+        assert old in shown
+        shown = shown.replace(old, new)
+    columns = path.parent / "map.toml"
+    columns.write_text(shown)
+    return read_log(path, columns=columns)
+
+
+def test_time_angles_speeds_and_what_may_be_torques(tmp_path: Path) -> None:
+    path = table(tmp_path / "log.csv", 1300.0 + T, LOG.q, SPEED, LOG.tau, 0.9 * LOG.tau)
+    found = read_as_shown(path)
+    np.testing.assert_allclose(found.q, LOG.q, atol=1e-12)
+    np.testing.assert_allclose(found.tau, LOG.tau, atol=1e-12)
+    assert "nothing says it; further such columns: column {j+19}" in told(path)
+
+
+def test_degrees_and_no_time(tmp_path: Path) -> None:
+    path = table(tmp_path / "log.csv", NOISE[:, :2], LOG.tau, np.degrees(SPEED), np.degrees(LOG.q))
+    same(read_as_shown(path, ("rate_Hz = nan", "rate_Hz = 250")), LOG)
+
+
+def test_a_matrix_of_matlab(tmp_path: Path) -> None:
+    path = tmp_path / "log.mat"
+    savemat(path, {"data": np.hstack([1e3 * T, LOG.q, SPEED, LOG.tau])})
+    found = read_as_shown(path)
+    np.testing.assert_allclose(found.time, LOG.time, atol=1e-9)
+    np.testing.assert_allclose(found.tau, LOG.tau, atol=1e-12)
+
+
+def test_nothing_is_shown_where_the_numbers_do_not_tell(tmp_path: Path) -> None:
+    assert "check all of it" not in told(table(tmp_path / "log.csv", T, NOISE, NOISE[::-1]))
+    assert "check all of it" not in told(table(tmp_path / "log.csv", T, LOG.q, LOG.tau * NOISE))
+    rest = 0.0 * LOG.q
+    assert "check all of it" not in told(table(tmp_path / "log.csv", T, rest, rest, rest))
+
+
+def test_joints_of_an_unknown_arm_are_counted(tmp_path: Path) -> None:
+    path = table(tmp_path / "log.csv", T, LOG.q, SPEED, LOG.tau)
+    assert told(path, None).count("joints = 6\n") == 3
