@@ -10,7 +10,7 @@ from irb2400_ctrl.arrays import Array, Mask
 from irb2400_ctrl.measurement.log import Log
 from irb2400_ctrl.measurement.log_facts import LAG
 from irb2400_ctrl.plausibility.factors import filled, one_factor, quotients, trapezoid_loss
-from irb2400_ctrl.plausibility.problem import LogProblem
+from irb2400_ctrl.plausibility.problem import LogProblem, named
 
 DEGREES = 180.0 / np.pi
 CLEAR = 0.9
@@ -23,6 +23,8 @@ SCALE = 1.1
 """ratio that is then a contradiction: of real recordings the worst is 1.04 (a Panda whose host
 loses 6 % of the rows). It is no remark: which of the two columns is wrong cannot be seen, and one
 is made of clock and angles, on which all else depends"""
+UNRELATED = 0.5
+"""correlation below which a recorded speed is not that of the joint"""
 TIE = 1e-3
 """of the agreement, that it must be better by after the longest shift"""
 LEAST_SPEED = 0.05
@@ -35,17 +37,55 @@ def speed_problem(log: Log) -> LogProblem | None:
     """Recorded speed against the derivative of the angle."""
     if log.qd is None:
         return None
-    derived, width = quotients(log)
-    qd = filled(log.qd, width + 1)
-    mean = np.cumsum(np.vstack([np.zeros(log.n), 0.5 * (qd[1:] + qd[:-1])]), axis=0)
-    recorded = (mean[width:] - mean[:-width]) / width
-    moving = np.sqrt(np.mean(derived**2, axis=0)) > LEAST_SPEED
-    derived, recorded, late = _aligned(derived, recorded, moving, round(LAG * log.rate))
+    derived, recorded, moving, late, width = _paired(log, log.qd)
     # a low-pass of first order that makes a speed so late also takes so much of it away
     size = np.maximum(np.linalg.norm(derived, axis=0), 1e-12)
     quick = np.linalg.norm(derived[width:] - derived[:-width], axis=0) * log.rate / width / size
     scale = SCALE * np.hypot(1.0, quick * late / log.rate) * trapezoid_loss(derived, width)
     return _compared(derived, recorded, moving, "speed", "recorded speed", "dq/dt", scale)
+
+
+def speed_remarks(log: Log) -> list[str]:
+    """Recorded speeds that have nothing to do with the motion."""
+    if log.qd is None:
+        return []
+    derived, recorded, moving, _, _ = _paired(log, log.qd)
+    size = np.linalg.norm(derived, axis=0) * np.linalg.norm(recorded, axis=0)
+    goes = np.sum(derived * recorded, axis=0) / np.maximum(size, 1e-12)
+    others = [int(j) + 1 for j in np.flatnonzero(moving & (np.abs(goes) < UNRELATED))]
+    if not others:
+        return []
+    return [
+        f"the recorded speed of {named(others)} has nothing of dq/dt (correlation "
+        f"{', '.join(f'{goes[j - 1]:.2f}' for j in others)}): another thing's columns, or hardly "
+        "recorded; leave the speed out"
+    ]
+
+
+def command_remarks(log: Log) -> list[str]:
+    """Commanded angles that are a copy of the measured ones, or the other way round."""
+    if log.q_ref is None:
+        return []
+    same = (log.q_ref == log.q).all(axis=0) & (np.ptp(log.q, axis=0) > LEAST_RANGE)
+    copies = [int(j) + 1 for j in np.flatnonzero(same)]
+    if not copies:
+        return []
+    return [
+        f"commanded and measured angle of {named(copies)} are the same to the last digit: one is a "
+        "copy of the other, and of commanded angles nothing of the arm can be learned"
+    ]
+
+
+def _paired(log: Log, speed: Array) -> tuple[Array, Array, Mask, int, int]:
+    """Derived and recorded speed of every joint where they agree best, which joints move, by how
+    many samples the recorded one is late, and over how many both are taken."""
+    derived, width = quotients(log)
+    qd = filled(speed, width + 1)
+    mean = np.cumsum(np.vstack([np.zeros(log.n), 0.5 * (qd[1:] + qd[:-1])]), axis=0)
+    recorded = (mean[width:] - mean[:-width]) / width
+    moving = np.sqrt(np.mean(derived**2, axis=0)) > LEAST_SPEED
+    derived, recorded, late = _aligned(derived, recorded, moving, round(LAG * log.rate))
+    return derived, recorded, moving, late, width
 
 
 def _aligned(here: Array, there: Array, moving: Mask, most: int) -> tuple[Array, Array, int]:

@@ -13,7 +13,12 @@ from irb2400_ctrl.measurement.log import Log
 from irb2400_ctrl.measurement.log_facts import LogFacts, log_facts
 from irb2400_ctrl.measurement.prepared_log import prepare
 from irb2400_ctrl.measurement.time_base import with_time_base
-from irb2400_ctrl.plausibility.agreement import command_problem, speed_problem
+from irb2400_ctrl.plausibility.agreement import (
+    command_problem,
+    command_remarks,
+    speed_problem,
+    speed_remarks,
+)
 from irb2400_ctrl.plausibility.channels import channel_problem
 from irb2400_ctrl.plausibility.cost_of_noise import torque_from_angle_noise
 from irb2400_ctrl.plausibility.parts import silent_problem
@@ -119,7 +124,9 @@ def examined(robot: Robot | None, log: Log) -> Examined:
     understood = None if robot is None or broken is not None else understand(robot, even)
     problem = broken or _problem(robot, even, understood)
     told = () if robot is None else _beyond_limits(robot, even)
-    stands = standing_remarks(log) if problem is None else ()
+    stands: tuple[str, ...] = ()
+    if problem is None:
+        stands = (*standing_remarks(log), *speed_remarks(even), *command_remarks(log))
     return Examined(problem, understood, (*told, *stands, *_perhaps(problem, understood)))
 
 
@@ -240,7 +247,8 @@ def _remarks(robot: Robot | None, log: Log) -> list[str]:
         )
     idle = [j + 1 for j in range(log.n) if np.ptp(log.q[:, j]) < 0.02]
     if idle:
-        found.append(f"{named(idle)} hardly moves: nothing can be said about it")
+        moves = "moves" if len(idle) == 1 else "move"
+        found.append(f"{named(idle)} hardly {moves}: nothing can be said about it")
     return found
 
 

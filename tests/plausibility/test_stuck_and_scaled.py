@@ -173,7 +173,7 @@ def test_a_joint_that_stands_to_the_end_is_remarked_on_where_nothing_says_that_i
     (said,) = examined(None, alone).remarkable
     assert said.startswith("joint 2 stands at one value from ")
     assert examined(None, alone).problem is None
-    for other in (replace(alone, q_ref=log.q), replace(waves(), q_ref=None)):
+    for other in (replace(alone, q_ref=log.q + 1e-5), replace(waves(), q_ref=None)):
         assert examined(None, other).remarkable == ()
 
 
