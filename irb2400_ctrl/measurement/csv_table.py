@@ -38,6 +38,7 @@ from irb2400_ctrl.measurement.text.csv_pieces import (
     slow_pieces,
 )
 from irb2400_ctrl.measurement.text.echoed_topic import echoed_names
+from irb2400_ctrl.measurement.text.grouped_header import grouped_names
 from irb2400_ctrl.reading import text_blocks
 
 MOST_CELLS = 19_500_000
@@ -79,6 +80,11 @@ def read_csv_table(
         headless = "" if known else headless
         header = known or [f"column {k + 1}" for k in range(len(header))]
     row = _first_row(path, head, dialect, start)
+    grouped = grouped_names(header, row, lambda cell: is_number(cell, dialect))
+    if grouped and not is_unit(row[1]):
+        header = grouped
+        start += 1 + next(k for k, line in enumerate(head[start:]) if line.strip(EMPTY))
+        row = _first_row(path, head, dialect, start)
     if is_unit(row[0]) and not any(is_number(cell, dialect) for cell in row):
         units = [f" [{cell.strip('[]()')}]" if cell else "" for cell in row]
         units += [""] * (len(header) - len(row))
