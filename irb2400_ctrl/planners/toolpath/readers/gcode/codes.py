@@ -11,13 +11,11 @@ from irb2400_ctrl.planners.toolpath.readers.program_builder import ProgramBuilde
 
 MOTION = {0, 1, 2, 3, 80, *SPLINES, *CYCLES}
 # exact stop, blending, safe zones, look-ahead, compensation off: nothing for the points
-_QUIET = """8 9 22 23 25 26 40 49.1 50 50.1 60 61 61.1 62 63 64 69.1 80.1 97 103 187
+_QUIET = """8 9 22 23 25 26 40 49.1 50 50.1 60 61 61.1 62 63 64 67 69.1 80.1 97 103 187
 601 602 603 641 642 643 644 645 450 451"""
 HARMLESS = frozenset(map(float, _QUIET.split()))
 # take axis words for something else than a place to go to, or end something
 SPECIAL = frozenset([4, 28, 28.1, 30, 53, 53.1, *FRAMES])
-# with a number behind P: G54.1 P1 … (Fanuc), G154 P1 … (Haas)
-MANY_OFFSETS = frozenset([54.1, 154])
 RADIUS = (
     "the offset by the tool's radius, which the control knows; let the CAM system write the path "
     "of the tool's centre"

@@ -14,7 +14,7 @@ from irb2400_ctrl.planners.toolpath.readers.program_builder import ProgramBuilde
 
 STOPS = {0: "stop", 1: "optional stop", 60: "pallet change"}
 COOLANT = {7: "mist", 8: "flood", 9: "off"}
-SUBPROGRAMS = {97, 98}
+SUBPROGRAMS = {97, 98, 198}
 BEGIN = re.compile(r"begin operation\s*:\s*(.*)", re.IGNORECASE)
 FINISH = re.compile(r"finish operation", re.IGNORECASE)
 TOOL_NAME = re.compile(r"TC\s*:\s*(.*)", re.IGNORECASE)
@@ -52,6 +52,20 @@ class GcodeMachine:
             self._function(function)
         for order in orders:
             self._order(order)
+
+    def library(self, number: float) -> list[int]:
+        """L6 of a control of Siemens, where it is not in the file: the change of tool, as M6.
+
+        Raises:
+            InputError: another sub-program.
+        """
+        if number != 6:
+            raise InputError(
+                f"{self._builder.place}: L{number:g} calls a sub-program that is not in the file "
+                "(Siemens); not read, put it into the file or write out its moves"
+            )
+        self._builder.note("assumed", "L6 changes the tool, as M6 (Siemens)")
+        return [6]
 
     def after(self, functions: list[int]) -> None:
         """What comes after it: stops."""

@@ -10,7 +10,6 @@ from irb2400_ctrl.planners.toolpath.readers.feed import LENGTHS
 from irb2400_ctrl.planners.toolpath.readers.gcode.blocks import Block, blocks
 from irb2400_ctrl.planners.toolpath.readers.gcode.codes import (
     HARMLESS,
-    MANY_OFFSETS,
     MOTION,
     REFUSED,
     SPECIAL,
@@ -27,6 +26,7 @@ from irb2400_ctrl.planners.toolpath.readers.gcode.splines import MODES as SPLINE
 from irb2400_ctrl.planners.toolpath.readers.gcode.state import AXES, GcodeState
 from irb2400_ctrl.planners.toolpath.readers.gcode.subprograms import in_order
 from irb2400_ctrl.planners.toolpath.readers.gcode.swivel import swivel
+from irb2400_ctrl.planners.toolpath.readers.gcode.work_offsets import WorkOffsets
 from irb2400_ctrl.planners.toolpath.readers.program_builder import ProgramBuilder
 from irb2400_ctrl.planners.toolpath.readers.unread_line import UnreadLineError
 
@@ -92,7 +92,7 @@ class _Reader:
         self._motion = GcodeMotion(builder, self._state, rotary)
         self._machine = GcodeMachine(builder, self._state)
         self._frames = GcodeFrames(builder, self._state)
-        self._used_offset = ""
+        self._offsets = WorkOffsets(builder, self._state)
         self._again = False
         self.ended = False
         self.siemens = False
@@ -152,6 +152,8 @@ class _Reader:
         if 4 in codes:
             values = self._dwell(values)
         functions = [int(code) for code in block.codes("M")]
+        if self.siemens and "L" in values and not CYCLES.keys() & {*codes, self._state.motion}:
+            functions += self._machine.library(values["L"])
         if block.plane is not None:
             swivel(block.plane, self._state, builder)
         self._modes(codes, values)
@@ -174,10 +176,8 @@ class _Reader:
     def _modes(self, codes: list[float], values: dict[str, float]) -> None:
         state = self._state
         builder = self._builder
-        for code in codes:
+        for code in self._offsets.select(codes, values):
             self._mode(code)
-        if MANY_OFFSETS & set(codes):
-            state.work_offset += f" P{values.get('P', 1):g}"
         if "F" in values:
             if values["F"] < 0:
                 raise InputError(f"{builder.place}: F{values['F']}, expected a positive feed")
@@ -220,8 +220,6 @@ class _Reader:
             raise InputError(f"{self._builder.place}: G{code:g} is {REFUSED[code]}; not read")
         elif code in HARMLESS:
             self._builder.note("ignored", f"G{code:g}")
-        elif 54 <= code < 60 or code in {154, 500} or 505 <= code < 600:
-            state.work_offset = f"G{code:g}"
         elif code not in MOTION and code not in SPECIAL:
             raise InputError(f"{self._builder.place}: unknown code G{code:g}")
 
@@ -330,12 +328,5 @@ class _Reader:
         builder = self._builder
         if state.feed_mode == 93 and state.motion in {1, 2, 3} and "F" not in values:
             raise InputError(f"{builder.place}: G93 (inverse time) needs F in every cutting block")
-        offset = state.work_offset
-        if not self._used_offset:
-            self._used_offset = offset
-        elif offset != self._used_offset:
-            raise InputError(
-                f"{builder.place}: {offset} after motion in {self._used_offset}: how the two lie "
-                "to each other is stored in the control, not in the file; split the file"
-            )
+        self._offsets.used()
         self._motion.run(values)
