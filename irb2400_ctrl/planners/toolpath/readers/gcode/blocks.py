@@ -14,6 +14,11 @@ from dataclasses import dataclass
 
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.planners.toolpath.readers.gcode.hole_calls import HoleCall, taken_out
+from irb2400_ctrl.planners.toolpath.readers.gcode.siemens_words import (
+    NAMED,
+    TO_ANGLE,
+    rewritten,
+)
 from irb2400_ctrl.planners.toolpath.readers.gcode.subprograms import ENTER, LEAVE, Line
 from irb2400_ctrl.planners.toolpath.readers.gcode.swivel import CALL as SWIVEL
 from irb2400_ctrl.planners.toolpath.readers.gcode.variables import (
@@ -24,8 +29,6 @@ from irb2400_ctrl.planners.toolpath.readers.unread_line import UnreadLineError
 
 _NUMBER = r"([-+]?(?:\d+\.?\d*|\.\d+))"
 WORD = re.compile(rf"\s*([A-Z])\s*=?\s*{_NUMBER}")
-# an angle to turn to, in G91 too: C=DC(30), C=AC(30)
-TO_ANGLE = "TOANGLE"
 # one word that says for itself what G90 and G91 say for a block: X=IC(10), X=AC(10)
 BY_ITSELF = tuple(f"{axis}{how}" for axis in "XYZABC" for how in ("IC", "AC"))
 # a block that the operator may skip, by one of nine switches: /G1, /2 G1
@@ -35,12 +38,6 @@ EXTENDED = (TO_ANGLE, "CR", "TURN", "RPL", "A3", "B3", "C3", "IAC", "JAC", "KAC"
 LETTERS = frozenset([*"ABCDFGHIJKLMNPQRSTXYZ", *EXTENDED])
 PLACES = frozenset("XYZABCIJKRQ")
 EXTENDED_WORD = re.compile(rf"\s*({'|'.join(EXTENDED)})\s*=\s*{_NUMBER}")
-# orders of Siemens' controls written as words: transformation, acceleration, feed, compression
-_QUIET = """SOFT BRISK DRIVE FFWON FFWOF COMPCAD COMPON COMPCURV COMPOF FNORM FLIN CFC CFTCP CFIN
-ORIWKS ORIAXES ORIVECT ORISON ORISOF DIAMOF STOPRE FGROUP WAITS"""
-NAMED = re.compile(
-    rf"\s*(TRAORI|TRAFOOF|SUPA|A?TRANS|A?ROT|{'|'.join(_QUIET.split())})\b(\(\s*[\w, ]*\s*\))?"
-)
 SUBPROGRAM = re.compile(r"^\s*O\s*<|^\s*O\d+\s+(SUB|CALL|IF|WHILE|REPEAT|DO|ENDSUB)")
 UNREADABLE = (
     (
@@ -68,31 +65,13 @@ UNREADABLE = (
         "of programmed frames (Siemens) TRANS, ATRANS, ROT and AROT are read",
     ),
 )
-# Siemens' messages and names of tools, as comments; absolute centres as one word
+# the tool's length from the control's own table (FreeCAD for Fanuc): a place of the machine
 REWRITTEN = (
-    (re.compile(r'\bMSG\s*\(\s*"([^"]*)"\s*\)', re.IGNORECASE), r"(MSG, \1)"),
-    (re.compile(r"\bMSG\s*\(\s*\)", re.IGNORECASE), ""),
-    (re.compile(r'\bT\s*=\s*"([^"]*)"', re.IGNORECASE), r"(TC: \1)"),
-    (re.compile(rf"\b([IJK])\s*=\s*AC\s*\(\s*{_NUMBER}\s*\)", re.IGNORECASE), r"\1AC=\2"),
-    (re.compile(r"\bCYCLE832\s*\([^()]*\)", re.IGNORECASE), ""),
-    (
-        re.compile(rf"\b([ABC])\s*=\s*(?:DC|AC[PN]?)\s*\(\s*{_NUMBER}\s*\)", re.IGNORECASE),
-        rf"\1=\2 {TO_ANGLE}=1",
-    ),
-    (
-        re.compile(rf"\b([XYZABC])\s*=\s*(IC|AC)\s*\(\s*{_NUMBER}\s*\)", re.IGNORECASE),
-        r"\1=\3 \1\2=1",
-    ),
-    # the tool's length from the control's own table (FreeCAD for Fanuc): a place of the machine
     (
         re.compile(r"\bZ\s*-?\s*\[\s*#\s*\[\s*2[02]00\s*\+\s*#4120\s*\]\s*\]", re.IGNORECASE),
         "G53 Z0",
     ),
     (re.compile(r"\bH\s*#4120\b", re.IGNORECASE), ""),
-    # the blank for the simulation, the main spindle
-    (re.compile(r"\b(WORKPIECE\s*\([^()]*\)|SETMS\b(\s*\(\d*\))?)", re.IGNORECASE), ""),
-    (re.compile(r"\bTRAORI\s*\(\s*1?\s*\)", re.IGNORECASE), "TRAORI"),
-    (re.compile(r"\bTRAFOOF\s*\(\s*\)", re.IGNORECASE), "TRAFOOF"),
 )
 
 
@@ -164,6 +143,7 @@ def blocks(lines: Iterable[Line], name: str) -> Iterator[Block | UnreadLineError
             continue
         for pattern, text_for_it in REWRITTEN:
             raw = pattern.sub(text_for_it, raw)
+        raw = rewritten(raw)
         call, raw = taken_out(raw)
         swivelled = SWIVEL.search(raw)
         raw = SWIVEL.sub(" ", raw)

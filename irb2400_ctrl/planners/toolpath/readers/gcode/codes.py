@@ -11,7 +11,7 @@ from irb2400_ctrl.planners.toolpath.readers.program_builder import ProgramBuilde
 
 MOTION = {0, 1, 2, 3, 80, *SPLINES, *CYCLES}
 # exact stop, blending, safe zones, look-ahead, compensation off: nothing for the points
-_QUIET = """8 9 22 23 25 26 40 49.1 50 50.1 60 61 61.1 62 63 64 67 69.1 80.1 97 103 187
+_QUIET = """8 9 22 23 25 26 40 49.1 50 50.1 60 61 61.1 62 63 64 67 69.1 80.1 97 103 187 290
 601 602 603 641 642 643 644 645 450 451"""
 HARMLESS = frozenset(map(float, _QUIET.split()))
 # take axis words for something else than a place to go to, or end something

@@ -38,6 +38,7 @@ class GcodeFrames:
                 return True
         if 69 in codes:
             state.reframe(plane_pose=np.eye(4), turned=np.eye(4))
+            state.turned_by_file = False
         if {92.1, 92.2} & set(codes):
             self._end_shift(set(AXES) & set(values))
             return True

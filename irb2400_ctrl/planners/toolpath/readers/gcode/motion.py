@@ -16,9 +16,9 @@ from irb2400_ctrl.planners.toolpath.readers.expansion.arcs import (
     miss,
     sweep,
 )
-from irb2400_ctrl.planners.toolpath.readers.gcode.blocks import TO_ANGLE
 from irb2400_ctrl.planners.toolpath.readers.gcode.cycles import CYCLES, GcodeCycles
 from irb2400_ctrl.planners.toolpath.readers.gcode.rotary import REFUSAL, UNCONTROLLED, Rotary
+from irb2400_ctrl.planners.toolpath.readers.gcode.siemens_words import TO_ANGLE
 from irb2400_ctrl.planners.toolpath.readers.gcode.splines import MODES, GcodeSplines
 from irb2400_ctrl.planners.toolpath.readers.gcode.state import AXES, PLANES, ROTARY, GcodeState
 from irb2400_ctrl.planners.toolpath.readers.program_builder import ProgramBuilder
@@ -29,6 +29,8 @@ ABSOLUTE = ("IAC", "JAC", "KAC")
 VECTOR = ("A3", "B3", "C3")
 # an arc by its radius may miss its chord by rounding
 RADIUS_SHORT = 1e-5
+# angles of axes and of planes are written with three decimals or four
+PLANE_APART_DEG = 0.1
 
 
 class GcodeMotion:
@@ -97,6 +99,7 @@ class GcodeMotion:
                 turned_to = state.absolute_of(letter, values)
                 turned_to = turned_to or (TO_ANGLE in values and f"{letter}IC" not in values)
                 before = 0.0 if turned_to else state.rotary[letter]
+                state.turned_by_file = True
                 state.rotary[letter] = before + values[letter]
 
     def _straight(self, values: dict[str, float], axis: Array, *, rapid: bool) -> None:
@@ -259,6 +262,7 @@ class GcodeMotion:
             return builder.axis if state.vectors else np.asarray(R[:, 2])
         if not state.tool_centre and not np.array_equal(state.plane_pose, np.eye(4)):
             # G68.2: the control turns the axes to the tilted plane
+            self._agrees(state.plane_pose[:3, 2])
             return np.asarray(R[:, 2])
         if self._rotary is None:
             raise InputError(f"{builder.place}: {REFUSAL}")
@@ -268,6 +272,32 @@ class GcodeMotion:
             return np.asarray(R @ self._rotary.axis(state.rotary))
         except InputError as error:
             raise InputError(f"{builder.place}: {error}") from error
+
+    def _agrees(self, normal: Array) -> None:
+        """The angles that the file states lead to the plane that it states.
+
+        Args:
+            normal: of the plane, shape (3,).
+
+        Raises:
+            InputError: the machine's axes are others than `rotary` says.
+        """
+        state = self._state
+        if self._rotary is None or not state.turned_by_file:
+            return
+        try:
+            found = self._rotary.axis(state.rotary)
+        except InputError as error:
+            raise InputError(f"{self._builder.place}: {error}") from error
+        apart = math.degrees(math.acos(min(float(found @ normal), 1.0)))
+        if apart > PLANE_APART_DEG:
+            angles = " ".join(f"{k}{v:g}" for k, v in state.rotary.items() if v)
+            raise InputError(
+                f"{self._builder.place}: the tilted plane and its angles {angles} differ by "
+                f"{apart:.1f} deg with the stated rotary axes: the machine has them in another "
+                "order, another sign (-C), or inclined ones, which are not read; expected others, "
+                "or APT with tool axes"
+            )
 
 
 def moves(values: dict[str, float], motion: float | None = None) -> bool:

@@ -23,7 +23,7 @@ from irb2400_ctrl.planners.toolpath.readers.gcode.machine import GcodeMachine
 from irb2400_ctrl.planners.toolpath.readers.gcode.motion import GcodeMotion, moves
 from irb2400_ctrl.planners.toolpath.readers.gcode.rotary import Rotary
 from irb2400_ctrl.planners.toolpath.readers.gcode.splines import MODES as SPLINES
-from irb2400_ctrl.planners.toolpath.readers.gcode.state import AXES, GcodeState
+from irb2400_ctrl.planners.toolpath.readers.gcode.state import AXES, ROTARY, GcodeState
 from irb2400_ctrl.planners.toolpath.readers.gcode.subprograms import in_order
 from irb2400_ctrl.planners.toolpath.readers.gcode.swivel import swivel
 from irb2400_ctrl.planners.toolpath.readers.gcode.work_offsets import WorkOffsets
@@ -302,6 +302,8 @@ class _Reader:
         builder.leave()
         for i in named or range(3):
             state.at[i] = None
+        for letter in set(ROTARY) & set(values):
+            state.rotary[letter] = values[letter] if 53 in codes else 0.0
 
     def _set_motion(self, codes: list[float]) -> None:
         found = [code for code in codes if code in MOTION]

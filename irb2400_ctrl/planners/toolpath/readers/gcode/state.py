@@ -49,6 +49,8 @@ class GcodeState:
     """pose of the turned coordinates (G68) in that"""
     rotary: dict[str, float] = field(default_factory=lambda: dict.fromkeys(ROTARY, 0.0))
     """[deg]"""
+    turned_by_file: bool = False
+    """the file states angles of the axes for the tilted plane that comes"""
     tool_centre: bool = False
     """the coordinates are those of the tool's tip in the part (G43.4, M128, TRAORI)"""
     vectors: bool = False

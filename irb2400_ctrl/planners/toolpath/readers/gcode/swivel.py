@@ -34,11 +34,13 @@ def swivel(arguments: tuple[str, ...], state: GcodeState, builder: ProgramBuilde
     place = f"{builder.place}, CYCLE800"
     if arguments in {(), ("",)}:
         state.reframe(plane_pose=np.eye(4))
+        state.turned_by_file = False
         return
     at = [_number(text, place) for text in arguments] + [0.0] * 16
     status = int(at[2])
     mode = int(at[3])
-    if status % 10 or status // 100 % 1000:
+    # ten thousands and more: in which direction the machine turns
+    if status % 10 or status // 100 % 100:
         raise InputError(
             f"{place}: _ST {status} puts the plane on top of another one, or aligns a turning "
             "tool; expected a new plane (0)"
@@ -51,19 +53,23 @@ def swivel(arguments: tuple[str, ...], state: GcodeState, builder: ProgramBuilde
     axes = [mode >> shift & 3 for shift in (0, 2, 4)]
     if sorted(axes) != [1, 2, 3]:
         raise InputError(f"{place}: _MODE {mode} names no three axes, expected one such as 57")
-    if at[13] == 0:
-        raise InputError(
-            f"{place}: _DIR 0 tilts the plane and does not turn the tool to it; expected -1 or 1"
-        )
     X = np.eye(4)
     for axis, angle in zip(axes, at[7:10], strict=True):
         X[:3, :3] = X[:3, :3] @ rotation(axis - 1, math.radians(angle))
+    turns = at[13] != 0
+    if not (turns or state.turned_by_file or np.array_equal(X[:3, :3], np.eye(3))):
+        raise InputError(
+            f"{place}: _DIR 0 tilts the plane and does not turn the tool to it, nor does the file "
+            "by A, B, C before it; expected -1 or 1"
+        )
     X[:3, 3] = state.unit * (np.array(at[4:7]) + X[:3, :3] @ np.array(at[10:13]))
     state.reframe(plane_pose=X)
     builder.note(
         "assumed",
         "CYCLE800 turns table or head, and may draw the tool back; the robot goes on at the next "
-        "stated place",
+        "stated place"
+        if turns
+        else "CYCLE800 with _DIR 0: the file has turned the tool to the plane by A, B, C before it",
     )
     builder.leave()
     state.at = [None, None, None]

@@ -1,0 +1,69 @@
+"""Words of Siemens' controls (840D): what shapes the control's own timing, and what is written in
+another way than elsewhere."""
+
+from __future__ import annotations
+
+import re
+
+_NUMBER = r"([-+]?(?:\d+\.?\d*|\.\d+))"
+# an angle to turn to, in G91 too: C=DC(30), C=AC(30)
+TO_ANGLE = "TOANGLE"
+# transformation, acceleration, feed, compression, dynamics, look-ahead, approach, protected zones
+_QUIET = """SOFT BRISK DRIVE FFWON FFWOF COMPCAD COMPON COMPCURV COMPOF COMPSURF COMPPATH FNORM FLIN
+CFC CFTCP CFIN ORIWKS ORIMKS ORIAXES ORIVECT ORIPLANE ORIPATH ORIEULER ORIRPY2 ORIRPY ORIVIRT1
+ORIVIRT2 ORISON ORISOF DIAMOF STOPRE FGROUP WAITS DYNNORM DYNPOS DYNROUGH DYNSEMIFIN DYNFINISH
+DYNPREC UPATH SPATH FIFOCTRL STARTFIFO STOPFIFO KONT NORM CUT2DF CUT2D CDOF2 CDOF CDON WALIMON
+WALIMOF RTLION RTLIOF GROUP_BEGIN GROUP_END"""
+NAMED = re.compile(
+    rf"\s*(TRAORI|TRAFOOF|SUPA|A?TRANS|A?ROT|{'|'.join(_QUIET.split())})\b"
+    r"(\(\s*[\w, ]*\s*\))?"
+)
+# tolerances, blending, overrides, the arm's branch; by axis: jerk, speed, acceleration
+_SETTINGS = re.compile(
+    r"(?<![A-Z_])(?:(?:ADIS(?:POS)?|[ACO]TOL|OVR(?:RAP)?|STAT|TU)|"
+    rf"(?:JERKLIM|VELOLIM|ACCLIM|ACC|OVRA|FGREF)\s*\[\s*\w+\s*\])\s*=\s*(?:{_NUMBER}|'\w+')",
+    re.IGNORECASE,
+)
+_FIXED_POINT = re.compile(
+    r"\bG75\b((?:\s*(?:FP\s*=\s*\d+|[XYZABC]\d?\s*=?\s*[-+]?[\d.]+))*)", re.IGNORECASE
+)
+_REWRITTEN = (
+    (re.compile(r'\bMSG\s*\(\s*"([^"]*)"\s*\)', re.IGNORECASE), r"(MSG, \1)"),
+    (re.compile(r"\bMSG\s*\(\s*\)", re.IGNORECASE), ""),
+    (re.compile(r'\bT\s*=\s*"([^"]*)"', re.IGNORECASE), r"(TC: \1)"),
+    (re.compile(rf"\b([IJK])\s*=\s*AC\s*\(\s*{_NUMBER}\s*\)", re.IGNORECASE), r"\1AC=\2"),
+    (re.compile(r"\bCYCLE832\s*\([^()]*\)", re.IGNORECASE), ""),
+    (
+        re.compile(rf"\b([ABC])\s*=\s*(?:DC|AC[PN]?)\s*\(\s*{_NUMBER}\s*\)", re.IGNORECASE),
+        rf"\1=\2 {TO_ANGLE}=1",
+    ),
+    (
+        re.compile(rf"\b([XYZABC])\s*=\s*(IC|AC)\s*\(\s*{_NUMBER}\s*\)", re.IGNORECASE),
+        r"\1=\3 \1\2=1",
+    ),
+    # the blank for the simulation, the main spindle
+    (re.compile(r"\b(WORKPIECE\s*\([^()]*\)|SETMS\b(\s*\(\d*\))?)", re.IGNORECASE), ""),
+    (re.compile(r"\b(GROUP_BEGIN)\s*\([^()]*\)", re.IGNORECASE), r"\1"),
+    (re.compile(r"\bTRAORI\s*\(\s*1?\s*\)", re.IGNORECASE), "TRAORI"),
+    (re.compile(r"\bTRAFOOF\s*\(\s*\)", re.IGNORECASE), "TRAFOOF"),
+    # the first spindle by its number: S1=5000 M1=3
+    (re.compile(r"(?<![A-Z_])([SM])[1-9]\s*=\s*(\d+\.?\d*)", re.IGNORECASE), r"\1\2"),
+    (re.compile(r"\bG153\b", re.IGNORECASE), "SUPA"),
+    (_SETTINGS, ""),
+)
+_BEGINS = re.compile(r"[=(]|\bG(?:153|75)\b", re.IGNORECASE)
+
+
+def rewritten(raw: str) -> str:
+    """A line with these words as the rest of the reader knows them: messages and names of tools as
+    comments, absolute centres as one word, fixed points as places of the machine."""
+    if not _BEGINS.search(raw):
+        return raw
+    for pattern, text_for_it in _REWRITTEN:
+        raw = pattern.sub(text_for_it, raw)
+    return _FIXED_POINT.sub(_as_machine_place, raw)
+
+
+def _as_machine_place(found: re.Match[str]) -> str:
+    axes = re.findall(r"[XYZABC](?=\d?\s*=?)", found[1].upper().replace("FP", ""))
+    return f"SUPA {' '.join(f'{axis}0' for axis in axes)}"

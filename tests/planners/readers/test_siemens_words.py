@@ -1,0 +1,92 @@
+"""G-code of Siemens' controls: words of other posts, tilted planes, what turns back to zero."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.planners import CamProgram, read_program
+
+HEAD = "G710 G90 G54\nG0 X0 Y0 Z9\n"
+CUT = "G1 Z1 F100\nX5\nM30\n"
+
+
+def read(tmp_path: Path, text: str, rotary: str | None = None) -> CamProgram:
+    file = tmp_path / "part.mpf"
+    file.write_text(text)
+    return read_program(file, rotary=rotary)
+
+
+@pytest.mark.parametrize(
+    "block",
+    [
+        "DYNFINISH",
+        "G641 ADIS=0.5 ADISPOS=1",
+        "CTOL=0.01 OTOL=0.5",
+        "ORIMKS COMPSURF UPATH FIFOCTRL",
+        "G17 KONT NORM CUT2D CDOF",
+        "JERKLIM[X]=90 FGREF[C]=10",
+        "G290",
+        'GROUP_BEGIN(0,"ROUGH, 1",0,0)',
+        "GROUP_END(0,0)",
+        "STAT='B10' TU=1",
+    ],
+)
+def test_words_for_the_control_alone_move_nothing(tmp_path: Path, block: str) -> None:
+    found = read(tmp_path, f"{HEAD}{block}\n{CUT}").operation()
+    assert np.allclose(1e3 * found.path.position, [[0, 0, 9], [0, 0, 1], [5, 0, 1]])
+
+
+@pytest.mark.parametrize("block", ["G153 G0 Z500 D0", "G75 Z1=0", "G75 FP=1 Z1=0", "G0 G53 Z0"])
+def test_places_of_the_machine_are_not_gone_to(tmp_path: Path, block: str) -> None:
+    found = read(tmp_path, f"{HEAD}{CUT[:-4]}{block}\nG0 X7 Y0\nZ9\n{CUT}")
+    assert [len(operation.path) for operation in found.operations] == [3, 3]
+    assert "places of the machine tool" in str(found.of_kind("assumed")[0])
+
+
+def test_a_spindle_by_its_number(tmp_path: Path) -> None:
+    found = read(tmp_path, f"G710 G90\nS1=5000 M1=3\nG0 X0 Y0 Z9\n{CUT}").operation()
+    assert found.spindle.rpm == pytest.approx(5000)
+
+
+PLANE = 'CYCLE800(0,"",220000,39,0,0,0,-30,50,0,0,0,0,0,0)\nG0 X0 Y0 Z9\nG1 Z0 F100\nM30\n'
+# C and A that lead to it: about z by -30, then about x by 50
+TURNED = "G0 A50 C=DC(330)\n"
+
+
+def test_a_plane_that_the_file_has_turned_the_tool_to(tmp_path: Path) -> None:
+    found = read(tmp_path, f"G710 G90\n{TURNED}{PLANE}", "C,A")
+    normal = [-0.38302222, -0.66341395, 0.64278761]
+    axis = found.operation().path.axis
+    assert axis is not None
+    assert np.allclose(axis, normal)
+    assert np.allclose(1e3 * found.operation().path.position[0], 9 * np.array(normal))
+    assert "_DIR 0: the file has turned the tool" in str(found.of_kind("assumed"))
+    with pytest.raises(InputError, match="nor does the file by A, B, C before it"):
+        read(tmp_path, f"G710 G90\n{PLANE}")
+
+
+def test_angles_that_do_not_lead_to_the_plane_are_refused(tmp_path: Path) -> None:
+    says = r"angles B50 C330 differ by 65\.6 deg with the stated rotary axes"
+    with pytest.raises(InputError, match=says):
+        read(tmp_path, f"G710 G90\n{TURNED.replace('A', 'B')}{PLANE}", "C,B")
+    file = tmp_path / "part.nc"
+    file.write_text("G21 G90\nG0 A30. C0.\nG68.2 X0 Y0 Z0 I0 J-30. K0\nG53.1\nG0 X0 Y0 Z9\nG1 Z0\n")
+    with pytest.raises(InputError, match=r"A30 differ by 60\.0 deg"):
+        read_program(file, rotary="C,A")
+    # without stated axes only the plane counts
+    assert len(read_program(file).operations) == 1
+
+
+@pytest.mark.parametrize("back", ["SUPA A0 C0", "G28 A0 C0", "G53 G0 A0 C0"])
+def test_axes_that_went_home_stand_at_zero(tmp_path: Path, back: str) -> None:
+    text = (
+        "G710 G90\nTRAORI\nG0 X0 Y0 Z9 A30 C0\nG1 Z1 F100\n"
+        f"TRAFOOF\n{back}\nG0 X0 Y0 Z9\nG1 Z1\nM30\n"
+    )
+    found = read(tmp_path, text, "C,A").operations[-1].path.axis
+    assert found is not None
+    assert np.allclose(found, [0, 0, 1])
