@@ -118,6 +118,20 @@ def test_frames_and_units_that_are_not_known(tmp_path: Path, statement: str, say
         program(tmp_path, f"{text}{statement}\nGOTO/1,2,3\n")
 
 
+def test_one_frame_of_all_operations_moves_no_point(tmp_path: Path) -> None:
+    away = CSI.replace("CSYS/1.,0,0,0,0,1.,0,0", "CSYS/1.,0,0,-57.,0,1.,0,-57.")
+    text = f"{away}FEDRAT/60,MMPM\nGOTO/9,0,0\n{{}}\nRAPID/\nGOTO/0,9,25.\nGOTO/0,9,0\nFINI\n"
+    again = away[away.index("TRNTYP") : away.index("RAPID")] + "SPINDL/99,RPM,CLW"
+    read = program(tmp_path, text.format(again))
+    assert np.allclose(1e3 * read.operations[-1].path.position[-1], [0, 9, 0])
+    assert "the points are those of this frame" in str(read.of_kind("assumed"))
+    with pytest.raises(InputError, match="expected the same CSYS/ in the whole file"):
+        program(tmp_path, text.format(again.replace("-57.", "-58.")))
+    late = "PARTNO/1\nGOTO/1,2,3\nCSYS/1.,0,0,5.,0,1.,0,0,0,0,1.,0\nGOTO/9,0,0\nFINI\n"
+    with pytest.raises(InputError, match="line 3: CSYS/ moves or turns the points"):
+        program(tmp_path, late)
+
+
 def test_rapto_beside_fedto_counts_from_the_point(tmp_path: Path) -> None:
     cycle = "CYCLE/DRILL,FEDTO,8.,MMPM,200,CLEAR,15.,RTRCTO,15.,RAPTO,2.\n"
     found = operation(tmp_path, f"{HEAD}{cycle}GOTO/20,0,0\nCYCLE/OFF\nFINI\n")

@@ -8,6 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.planners.toolpath.cam_program import Tool
 from irb2400_ctrl.planners.toolpath.readers.apt import frames, units
@@ -20,6 +21,8 @@ class Machine:
 
     def __init__(self, builder: ProgramBuilder) -> None:
         self._builder = builder
+        self._system: Array | None = None
+        """what the first CSYS/ states"""
         self._do: dict[str, Callable[[Statement, float], None]] = {
             "TOOL PATH": self._tool_path,
             "TLDATA": self._tool_data,
@@ -145,17 +148,26 @@ class Machine:
         builder.set_frame(frames.of_axes(values, unit, builder.place))
 
     def _rows(self, statement: Statement, unit: float) -> None:
-        """CSYS/ with three rows of four numbers; which of two frames it states only the identity
-        leaves open."""
+        """CSYS/ with three rows of four numbers. The points are those of this frame; where it is
+        seen from which other one stays open, so that all must be the same.
+
+        Raises:
+            InputError: another frame than that of the points before it.
+        """
         builder = self._builder
         X = frames.of_rows(statement.numbers(builder.place), unit, builder.place)
-        if not np.allclose(X, np.eye(4)):
+        if self._system is None and not builder.moved:
+            self._system = X
+        known = np.eye(4) if self._system is None else self._system
+        if not np.allclose(X, known):
             raise InputError(
                 f"{builder.place}: CSYS/ moves or turns the points, and whether from or to the "
-                "part is not known; expected CSYS/1,0,0,0,0,1,0,0,0,0,1,0 (let the CAM system "
+                "part is not known; expected the same CSYS/ in the whole file (let the CAM system "
                 "write all operations in one frame)"
             )
-        builder.set_frame(X)
+        if not np.allclose(X, np.eye(4)):
+            builder.note("assumed", "CSYS/: the points are those of this frame, of all operations")
+        builder.set_frame(np.eye(4))
 
     def _transformation(self, statement: Statement, unit: float) -> None:
         """TRNTYP/WORLD,0,0,0"""
