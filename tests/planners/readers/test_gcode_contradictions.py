@@ -114,10 +114,34 @@ def test_blocks_behind_a_switch_are_carried_out_and_it_is_said(tmp_path: Path, s
     assert "line 5: blocks behind / are carried out" in map(str, read.of_kind("assumed"))
 
 
-@pytest.mark.parametrize("line", ["// Note: G70 is inch", "//G1 X50.", "//O0001 rail"])
-def test_two_slashes_begin_no_comment(tmp_path: Path, line: str) -> None:
-    with pytest.raises(InputError, match=r"line 4: found //, which begins no comment .*; before"):
-        way(tmp_path, line)
+@pytest.mark.parametrize("line", ["// Note: G70 is inch", "//G1 X50.", "//O0001 rail", "// M98 P2"])
+def test_a_line_behind_two_slashes_is_a_comment_and_it_is_said(tmp_path: Path, line: str) -> None:
+    read = program(tmp_path, f"O1\n{HEAD}{line}\nG1 X9.\nM30\nO2\nG1 X50.\nM99\n")
+    assert read.operation().lengths()[0] == pytest.approx(9e-3)
+    assert "line 5: lines behind // are comments" in map(str, read.of_kind("assumed"))
+
+
+@pytest.mark.parametrize(
+    ("comment", "code", "says"),
+    [
+        ("(UNITS: INCHES)", "", "line 1: the unit of lengths from the comment (UNITS: INCHES)"),
+        ("(INCH)", "", "line 1: the unit of lengths from the comment (INCH)"),
+        (
+            "(ALL UNITS IN INCH)",
+            "G21",
+            "(ALL UNITS IN INCH) and the code differ: lengths are in mm",
+        ),
+        ("(METRIC)", "G20", "(METRIC) and the code differ: lengths are in inch (G20)"),
+        ("(1/2 INCH ENDMILL)", "", "neither G20 nor G21 in the file: lengths in mm"),
+        ("(Units: mm)", "G21", ""),
+    ],
+)
+def test_a_unit_in_a_comment(tmp_path: Path, comment: str, code: str, says: str) -> None:
+    read = program(tmp_path, f"{comment}\n{code} G90\nG0 X0. Y0. Z9.\nG1 X60. F100.\nM30\n")
+    inch = code == "G20" or (not code and "unit of lengths from" in says)
+    assert read.operation().lengths()[0] == pytest.approx(60 * (25.4e-3 if inch else 1e-3))
+    assert says in " ".join(map(str, read.notes))
+    assert bool(says) == any("comment" in str(n) or "neither" in str(n) for n in read.notes)
 
 
 @pytest.mark.parametrize("text", ["", "(only a comment)\n", "M3 S600\n"])

@@ -235,3 +235,16 @@ def test_the_unit_of_lengths_from_a_comment(tmp_path: Path) -> None:
     text = "%prog1\n(Units: 'in' and 'in/min')\nG17 (XY)\nG0 X0. Y0. Z2.\nG1 Z1. F6.\nM30 (end)\n"
     assert np.allclose(places(tmp_path, text)[:, 2], [50.8, 25.4])
     assert np.allclose(places(tmp_path, text.replace("G17", "G21"))[:, 2], [2, 1])
+
+
+def test_the_steps_of_a_deep_hole_are_no_block_of_the_sub_program(tmp_path: Path) -> None:
+    text = (
+        "O1\nG21 G90\nG0 X0. Y0. Z9.\nG83 G99 Z-4. R1. Q3. F60 {}M98 P2\nG80\nM30\n"
+        "O2\nX5.\nX9.\nM99\n"
+    )
+    places = program(tmp_path, text.format("")).operation().path.position
+    bottoms = places[np.isclose(places[:, 2], -4e-3)]
+    assert np.allclose(1e3 * bottoms[:, 0], [0, 5, 9])
+    # whose is L2: the hole's or the call's?
+    with pytest.raises(InputError, match="M98 calls a sub-program"):
+        program(tmp_path, text.format("L2 "))

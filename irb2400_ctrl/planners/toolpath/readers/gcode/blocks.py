@@ -88,6 +88,8 @@ class Block:
     """holes as a call (Siemens)"""
     optional: bool = False
     """behind a / : skipped when the operator wants it"""
+    behind_slashes: bool = False
+    """behind //, which no standard knows"""
     plane: tuple[str, ...] | None = None
     """what CYCLE800 states (Siemens)"""
 
@@ -141,6 +143,9 @@ def blocks(lines: Iterable[Line], name: str) -> Iterator[Block | UnreadLineError
             except InputError as error:
                 yield UnreadLineError(line, str(error))
             continue
+        if raw.lstrip().startswith("//"):
+            yield Block(line, (), (raw.strip(),), behind_slashes=True)
+            continue
         for pattern, text_for_it in REWRITTEN:
             raw = pattern.sub(text_for_it, raw)
         raw = rewritten(raw)
@@ -158,11 +163,6 @@ def blocks(lines: Iterable[Line], name: str) -> Iterator[Block | UnreadLineError
         try:
             if not closed:
                 raise InputError(f"{name}, line {line}: found a comment ( without its )")
-            if skipped and code.startswith("/"):
-                raise InputError(
-                    f"{name}, line {line}: found //, which begins no comment in G-code; expected "
-                    "(…) or ; before it, or one / before a block that may be skipped"
-                )
             code = variables.resolve(code, f"{name}, line {line}")
             words, orders = _words(code, f"{name}, line {line}")
         except InputError as error:
@@ -171,7 +171,7 @@ def blocks(lines: Iterable[Line], name: str) -> Iterator[Block | UnreadLineError
         plane = tuple(part.strip() for part in swivelled[1].split(",")) if swivelled else None
         if words or comments or orders or call or swivelled or skipped:
             found = (tuple(words), tuple(comments), tuple(orders))
-            yield Block(line, *found, call, skipped is not None, plane)
+            yield Block(line, *found, call, skipped is not None, plane=plane)
 
 
 def _split(raw: str) -> tuple[str, list[str], bool]:

@@ -8,6 +8,7 @@ from dataclasses import replace
 
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.planners.toolpath.cam_program import Spindle, Tool
+from irb2400_ctrl.planners.toolpath.readers.feed import INCH, MM
 from irb2400_ctrl.planners.toolpath.readers.gcode.frames import PROGRAMMED
 from irb2400_ctrl.planners.toolpath.readers.gcode.state import GcodeState
 from irb2400_ctrl.planners.toolpath.readers.program_builder import ProgramBuilder
@@ -20,8 +21,13 @@ FINISH = re.compile(r"finish operation", re.IGNORECASE)
 TOOL_NAME = re.compile(r"TC\s*:\s*(.*)", re.IGNORECASE)
 HIDDEN_CHANGE = re.compile(r"M0?6\s*T(\d+)", re.IGNORECASE)
 DIAMETER = re.compile(r"Compensated Tool Path\.\s*Diameter:\s*([\d.]+)", re.IGNORECASE)
-# a control that has neither G20 nor G21 (FreeCAD for UC-CNC)
-UNITS = re.compile(r"Units:\s*'(in|mm)'")
+# (Units: 'in') of FreeCAD for UC-CNC, which has neither G20 nor G21; (INCH), (ALL UNITS IN MM)
+UNITS = re.compile(
+    r"(?:(?:all\s+)?units?\s*(?:are|in|[:=])*\s*'?(in)'?"
+    r"|(?:(?:all\s+)?units?\s*(?:are|in|[:=])*\s*)?'?(inch(?:es)?|imperial|mm|metric"
+    r"|millimet(?:er|re)s?)'?)[.\s]*(?:and\b.*)?",
+    re.IGNORECASE,
+)
 MESSAGE = re.compile(r"MSG\s*,\s*(.*)", re.IGNORECASE)
 
 
@@ -31,6 +37,8 @@ class GcodeMachine:
     def __init__(self, builder: ProgramBuilder, state: GcodeState) -> None:
         self._builder = builder
         self._state = state
+        self._unit_said = (0, MM, "")
+        """line, unit [m] and text of the comment that names one"""
 
     def before(
         self, functions: list[int], values: dict[str, float], orders: tuple[str, ...]
@@ -81,7 +89,7 @@ class GcodeMachine:
         hidden = HIDDEN_CHANGE.match(text)
         diameter = DIAMETER.search(text)
         message = MESSAGE.match(text)
-        unit = UNITS.match(text)
+        unit = UNITS.fullmatch(text)
         if name:
             known = builder.tool if builder.tool.name == name.group(1) else Tool()
             builder.describe_tool(replace(known, name=name.group(1)))
@@ -95,11 +103,36 @@ class GcodeMachine:
         elif diameter and float(diameter.group(1)) > 0:
             value = float(diameter.group(1)) * self._state.unit
             builder.describe_tool(replace(builder.tool, diameter=value))
-        elif unit and not self._state.unit_stated:
-            self._state.set_units(20 if unit.group(1) == "in" else 21)
-            builder.note("assumed", f"the unit of lengths from the comment ({text})")
+        elif unit:
+            self._unit(20 if (unit[1] or unit[2])[0] in "iI" else 21, text)
         elif message:
             builder.event("message", message.group(1))
+
+    def _unit(self, code: int, text: str) -> None:
+        """A comment names the unit of lengths: it counts where no code has said one."""
+        state = self._state
+        if not state.unit_stated:
+            state.set_units(code)
+            state.unit_stated = False
+        self._unit_said = (self._builder.line, INCH if code == 20 else MM, text)
+
+    def unit_said(self) -> None:
+        """At the end: a comment that named the unit in the place of a code, or against it."""
+        line, said, text = self._unit_said
+        state = self._state
+        if not text or state.unit_fixed:
+            return
+        self._builder.line = line
+        if not state.unit_stated:
+            state.unit_stated = True
+            self._builder.note("assumed", f"the unit of lengths from the comment ({text})")
+        elif said != state.unit:
+            found = "mm (G21)" if state.unit == MM else "inch (G20)"
+            self._builder.note(
+                "assumed",
+                f"the comment ({text}) and the code differ: lengths are in {found}; if the comment "
+                f"is right, --units {'inch' if said == INCH else 'mm'}",
+            )
 
     def _change(self) -> None:
         builder = self._builder

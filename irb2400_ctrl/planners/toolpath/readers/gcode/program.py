@@ -107,6 +107,7 @@ class _Reader:
         """For the summary."""
         if self._units is not None:
             return self._units
+        self._machine.unit_said()
         if not self._state.unit_stated:
             self._builder.line = 1
             self._builder.note("assumed", "neither G20 nor G21 in the file: lengths in mm")
@@ -143,6 +144,8 @@ class _Reader:
             self._machine.comment(comment)
         if block.optional:
             builder.note("assumed", "blocks behind / are carried out")
+        if block.behind_slashes:
+            builder.note("assumed", "lines behind // are comments")
         values = block.checked(builder.place)
         codes = [round(code, 3) for code in block.codes("G")]
         if {5, 5.1} & set(codes) and not moves(values, 2):

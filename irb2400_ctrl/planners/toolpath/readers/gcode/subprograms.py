@@ -26,12 +26,14 @@ _FROM_BLOCK = re.compile(r"[QH]\s*\d", re.IGNORECASE)
 _LENGTH_OFFSET = re.compile(
     r"G\s*0*43(?:\.[145])?(?![\d.])(?:(?!M\s*0*98(?!\d)).)*?H\s*\d+", re.IGNORECASE
 )
+# a cycle with steps or a way aside: its Q is none of M98
+_CYCLE_Q = re.compile(r"(G\s*0*(?:73|76|83|87)(?![\d.]).*?)Q\s*[-+]?[\d.]+", re.IGNORECASE)
 _O_CALL = re.compile(r"^\s*O\s*(\d+|<\w+>)\s+CALL\b(.*)", re.IGNORECASE)
 _NAMED = re.compile(
     r'^\s*(?:N\d+\s*)?(?:CALL\s+"(\w+)"|([A-Z_]\w+))\s*(?:P\s*=?\s*(\d+))?\s*$', re.IGNORECASE
 )
 _RETURN = re.compile(r"M0*(?:99|17)(?!\d)|\bRET\b", re.IGNORECASE)
-_COMMENT = re.compile(r"\([^()]*\)|;.*")
+_COMMENT = re.compile(r"\([^()]*\)|;.*|^\s*//.*")
 # between the lines: a program of LinuxCNC begins, with its arguments, and ends; no text has a zero
 ENTER = "\0enter "
 LEAVE = "\0leave"
@@ -121,7 +123,8 @@ def _call(raw: str, programs: _Programs) -> tuple[str, int, str, str] | None:
         p = _P.search(code)
         times = _L.search(code)
         # P2 Q10, P2 H10: from a block of it on
-        if p is None or _FROM_BLOCK.search(_LENGTH_OFFSET.sub("", code, count=1)):
+        others = _CYCLE_Q.sub(r"\1", _LENGTH_OFFSET.sub("", code, count=1), count=1)
+        if p is None or _FROM_BLOCK.search(others) or (times and _CYCLE_Q.search(code)):
             return None
         target = programs.named(p[1])
         count = int(times[1]) if times else 1
