@@ -47,7 +47,10 @@ app.command("bag", short_help="a motion as a ROS 2 bag")(bag.bag)
 @answers
 def show(
     file: Annotated[
-        Path, typer.Argument(metavar="FILE", help="CSV, APT/CLDATA (NX, Creo, CATIA) or G-code.")
+        Path,
+        typer.Argument(
+            metavar="FILE", help="CSV, APT/CLDATA (NX, Creo, CATIA), G-code, Heidenhain's .h."
+        ),
     ],
     units: UnitsOption = None,
     rotary: RotaryOption = None,

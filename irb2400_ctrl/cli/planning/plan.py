@@ -55,7 +55,8 @@ if TYPE_CHECKING:
 PathArgument = Annotated[
     Path,
     typer.Argument(
-        metavar="PATH", help="Toolpath: CSV, APT/CLDATA (NX CLSF, Creo NCL, CATIA) or G-code."
+        metavar="PATH",
+        help="Toolpath: CSV, APT/CLDATA (NX CLSF, Creo NCL, CATIA), G-code or Heidenhain's .h.",
     ),
 ]
 OperationOption = Annotated[

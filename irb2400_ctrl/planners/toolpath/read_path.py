@@ -1,4 +1,5 @@
-"""Reading tool paths and CAM programs: CSV, APT/CLDATA in its dialects, and G-code."""
+"""Reading tool paths and CAM programs: CSV, APT/CLDATA in its dialects, G-code and
+Heidenhain's plain language."""
 
 from __future__ import annotations
 
@@ -12,9 +13,10 @@ from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.planners.toolpath.cam_program import CamProgram, Note
 from irb2400_ctrl.planners.toolpath.readers.apt.program import read_apt
 from irb2400_ctrl.planners.toolpath.readers.csv_path import read_csv
-from irb2400_ctrl.planners.toolpath.readers.dialect import dialect
+from irb2400_ctrl.planners.toolpath.readers.dialect import HEIDENHAIN, dialect
 from irb2400_ctrl.planners.toolpath.readers.feed import LENGTHS
 from irb2400_ctrl.planners.toolpath.readers.gcode.program import read_gcode
+from irb2400_ctrl.planners.toolpath.readers.heidenhain.program import read_heidenhain
 from irb2400_ctrl.planners.toolpath.readers.program_builder import (
     CHORD,
     MOST_POINTS,
@@ -65,7 +67,8 @@ def read_program(
     strict: bool = True,
     most_points: int = MOST_POINTS,
 ) -> CamProgram:
-    """All operations of a CAM file: CSV, NX CLSF, Creo NCL, CATIA aptsource, APT/CLDATA, G-code.
+    """All operations of a CAM file: CSV, NX CLSF, Creo NCL, CATIA aptsource, APT/CLDATA, G-code,
+    Heidenhain's plain language.
 
     Args:
         strict: refuse the file at a statement that is not understood; else list it in `notes`, to
@@ -96,6 +99,8 @@ def read_program(
         )
         if kind == "G-code":
             program = read_gcode(text, str(path), builder, units, rotary)
+        elif kind == HEIDENHAIN:
+            program = read_heidenhain(text, str(path), builder, units, rotary)
         else:
             program = read_apt(text, str(path), kind, builder, units)
     if units is None:

@@ -69,7 +69,6 @@ def test_content_first_suffix_second(text: str, name: str, kind: str) -> None:
 
 @pytest.mark.parametrize(("text", "name", "says"), [
     ("GOTO/1,2,3\nG0 X1\nG1 Y2\n", "part.nc", "1 lines of APT and 2 of G-code"),
-    ("0 BEGIN PGM A MM\n1 L X+10\n", "part.h", "Heidenhain"),
     ("1013\n0 0 0 0\n0\n0 10. 20. 5. -2. 0\n", "part.nci", "Mastercam"),
     ("hello\n", "part.step", "unknown kind '.step'"),
     ("hello\n", "part.step", "let a CAM system make them"),

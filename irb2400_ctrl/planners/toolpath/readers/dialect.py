@@ -10,6 +10,7 @@ from irb2400_ctrl.errors import InputError
 NX = "NX CLSF"
 CREO = "Creo NCL"
 CATIA = "CATIA aptsource"
+HEIDENHAIN = "Heidenhain"
 APT_SUFFIXES = (".apt", ".aptsource", ".cls", ".clsf", ".cl", ".cldata", ".cld", ".ncl")
 GCODE_SUFFIXES = (".nc", ".ngc", ".gcode", ".gc", ".tap", ".cnc", ".mpf", ".iso", ".eia", ".din")
 APT_LINE = re.compile(
@@ -22,7 +23,7 @@ GCODE_LINE = re.compile(
     r"|[XYZ]\s*[-+]?[\d.]+(?=[\sA-Z(;]|$))",
     re.IGNORECASE | re.MULTILINE,
 )
-HEIDENHAIN = re.compile(r"^\s*\d*\s*BEGIN PGM\b", re.IGNORECASE | re.MULTILINE)
+PLAIN = re.compile(r"^\s*\d*\s*BEGIN PGM\b", re.IGNORECASE | re.MULTILINE)
 CSV_COLUMNS = re.compile(r"(^|,)\s*[xyz]_?\w*\s*(,|$)", re.IGNORECASE)
 ROBOTS = "a program of a robot: give the CAM file it was made from"
 DRAWING = "a drawing or a shape without tool paths: let a CAM system make them"
@@ -37,23 +38,19 @@ OTHERS = {
     ".gbr": "layers of a circuit board (Gerber): let pcb2gcode write G-code",
 }
 """by suffix, what is not read, and what to give"""
-LISTED = ".csv, " + ", ".join((*APT_SUFFIXES[:5], ".ncl", ".nc", ".ngc", ".gcode"))
+LISTED = ".csv, " + ", ".join((*APT_SUFFIXES[:5], ".ncl", ".nc", ".ngc", ".gcode", ".h"))
 
 
 def dialect(text: str, path: Path) -> str:
-    """ "CSV", "G-code", "NX CLSF", "Creo NCL", "CATIA aptsource" or "APT".
+    """ "CSV", "G-code", "Heidenhain", "NX CLSF", "Creo NCL", "CATIA aptsource" or "APT".
 
     Raises:
         InputError: the content is of no known language, or of two.
     """
     # Creo counts versions behind its suffix: part.ncl.8
     suffix = next((s for s in reversed(path.suffixes) if not s[1:].isdecimal()), "").lower()
-    if plain := HEIDENHAIN.search(text):
-        line = text.count("\n", 0, plain.end()) + 1
-        raise InputError(
-            f"{path}, line {line}: found BEGIN PGM, Heidenhain's plain language, which is not "
-            "read; let the CAM system write G-code (ISO, as for Fanuc) or APT"
-        )
+    if PLAIN.search(text):
+        return HEIDENHAIN
     if suffix == ".nci":
         raise InputError(
             f"{path}, line 1: found Mastercam's own NCI, which is not read; "

@@ -43,6 +43,10 @@ class GcodeMotion:
         self.splines = GcodeSplines(builder, state)
         self.cycles = GcodeCycles(builder, state)
 
+    def steer(self, rotary: Rotary | None) -> None:
+        """Other rotary axes from here on."""
+        self._rotary = rotary
+
     def run(self, values: dict[str, float]) -> None:
         """The motion in force to the words of a block.
 

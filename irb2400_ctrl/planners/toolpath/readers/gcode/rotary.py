@@ -55,14 +55,25 @@ class Rotary:
         Raises:
             InputError: another axis than the stated ones is turned.
         """
+        return np.asarray(self.rotation(degrees)[:, 2])
+
+    def rotation(self, degrees: dict[str, float], place: str = "") -> Array:
+        """Of the tool against the part, shape (3, 3).
+
+        Raises:
+            InputError: another axis than the stated ones is turned.
+        """
+        before = f"{place}: " if place else ""
         known = [name for name, _ in self.order]
         others = [name for name, angle in degrees.items() if angle != 0 and name not in known]
         if others:
-            raise InputError(f"axis {others[0]} turns, but only {', '.join(known)} are stated")
+            raise InputError(
+                f"{before}axis {others[0]} turns, but only {', '.join(known)} are stated"
+            )
         R = np.eye(3)
         for name, sign in self.order:
             R = R @ rotation("ABC".index(name), sign * math.radians(degrees[name]))
-        return np.asarray(R[:, 2])
+        return R
 
 
 def rotation(index: int, angle: float) -> Array:

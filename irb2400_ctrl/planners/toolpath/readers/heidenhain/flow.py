@@ -1,0 +1,110 @@
+"""The blocks in the order in which a TNC carries them out: labels, calls, repeats, jumps on a
+condition."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from dataclasses import replace
+
+from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.planners.toolpath.readers.heidenhain.parameters import COMPARISONS, Parameters
+from irb2400_ctrl.planners.toolpath.readers.heidenhain.statements import Statement
+
+_LABEL = re.compile(r'^LBL\s+("[^"]+"|\d+)')
+_CALL = re.compile(r'^CALL\s+LBL\s+("[^"]+"|\d+)\s*(?:REP\s*(\d+)(?:/\d+)?)?')
+_JUMP = re.compile(
+    r'^FN\s*(9|1[012])\s*:\s*IF\s+(.+?)\s+(?:EQU|NE|GT|LT)\s+(.+?)\s+GOTO\s+LBL\s+("[^"]+"|\d+)'
+)
+_END = re.compile(r"^END\s+PGM\b|(?<![A-Z])M0*(?:2|30)(?!\d)")
+MOST_BLOCKS = 2_000_000
+DEEPEST = 20
+
+
+class Flow:
+    """Goes through the blocks of a file."""
+
+    def __init__(self, listed: list[Statement], name: str) -> None:
+        self._listed = listed
+        self._name = name
+        self._parameters = Parameters()
+        self._labels = {
+            found[1]: at for at, block in enumerate(listed) if (found := _LABEL.match(block.code))
+        }
+        self._at = 0
+        self._returns: list[int] = []
+        """where the calls in hand go back to"""
+        self._left: dict[int, int] = {}
+        """how often each repeat in hand is still to come, by its index"""
+
+    def blocks(self) -> Iterator[Statement | tuple[int, InputError]]:
+        """As they are carried out, numbers in the place of parameters; one that cannot be read
+        comes as its line and error.
+
+        Raises:
+            InputError: blocks that call each other without an end.
+        """
+        count = 0
+        while self._at < len(self._listed):
+            block = self._listed[self._at]
+            place = f"{self._name}, line {block.line}"
+            count += 1
+            if count > MOST_BLOCKS or len(self._returns) > DEEPEST:
+                raise InputError(
+                    f"{place}: calls of labels more than {DEEPEST} deep, or more than "
+                    f"{MOST_BLOCKS:,} blocks in all; expected calls and jumps that end"
+                )
+            self._at += 1
+            try:
+                steered = self._label(block) or self._call(block, place) or self._jump(block, place)
+                if not steered and block.heading is not None:
+                    yield block
+                elif not steered and not self._parameters.assign(block.code, place):
+                    yield replace(block, code=self._parameters.resolve(block.code, place))
+            except InputError as error:
+                yield block.line, error
+            if _END.search(block.code) and block.heading is None:
+                return
+
+    def _label(self, block: Statement) -> bool:
+        found = _LABEL.match(block.code)
+        if found and found[1] == "0" and self._returns:
+            self._at = self._returns.pop()
+        return found is not None
+
+    def _call(self, block: Statement, place: str) -> bool:
+        """A sub-program up to LBL 0, or the blocks from a label to here some times more."""
+        found = _CALL.match(block.code)
+        if found is None:
+            return False
+        target = self._target(found[1], place)
+        call = self._at - 1
+        if found[2] is None:
+            self._returns.append(self._at)
+            self._at = target
+            return True
+        remaining = self._left.pop(call, int(found[2]))
+        if remaining > 0:
+            self._left[call] = remaining - 1
+            self._at = target
+        return True
+
+    def _jump(self, block: Statement, place: str) -> bool:
+        """FN 9 to FN 12."""
+        found = _JUMP.match(block.code)
+        if found is None:
+            return False
+        first, second = (self._parameters.expression(found[i], place) for i in (2, 3))
+        if COMPARISONS[int(found[1])](first, second):
+            self._at = self._target(found[4], place)
+        return True
+
+    def _target(self, label: str, place: str) -> int:
+        """Behind a label.
+
+        Raises:
+            InputError: it is not in the file.
+        """
+        if label not in self._labels:
+            raise InputError(f"{place}: LBL {label} is not in the file; expected a label of it")
+        return self._labels[label] + 1

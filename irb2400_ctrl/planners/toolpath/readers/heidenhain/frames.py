@@ -1,0 +1,146 @@
+"""What moves and turns the coordinates: datum shift (cycle 7), rotation (cycle 10), `PLANE …`."""
+
+from __future__ import annotations
+
+import math
+import re
+
+import numpy as np
+
+from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.planners.toolpath.readers.gcode.rotary import REFUSAL, Rotary, rotation
+from irb2400_ctrl.planners.toolpath.readers.gcode.state import (
+    AXES,
+    ROTARY,
+    GcodeState,
+)
+from irb2400_ctrl.planners.toolpath.readers.program_builder import ProgramBuilder
+
+_NUMBER = r"([-+]?\s*(?:\d+\.?\d*|\.\d+))"
+_ANGLE = re.compile(rf"\b(SP[ABC]|EUL(?:PR|NU|ROT)|[BN][XYZ]|[ABC])\s*{_NUMBER}")
+_SHIFT = re.compile(rf"\b(I?)([XYZ])\s*{_NUMBER}")
+_EYE = np.eye(4)
+FORMS = "PLANE SPATIAL, AXIAL, EULER and VECTOR"
+
+
+class PlainFrames:
+    """Carries them out on the state; the tool stays where it is."""
+
+    def __init__(self, builder: ProgramBuilder, state: GcodeState, rotary: Rotary | None) -> None:
+        self._builder = builder
+        self._state = state
+        self._rotary = rotary
+        self._shift = np.zeros(3)
+        """[m]"""
+        self._turn = 0.0
+        """[deg]"""
+        self._inside = False
+        """the datum was moved in the tilted plane"""
+        self.turned = True
+        """the tool is turned to the plane, by the control or by the file"""
+
+    def shift(self, code: str) -> None:
+        """CYCL DEF 7.1 X+10: the new datum, in the tilted plane where there is one; axes that are
+        not named stay.
+
+        Raises:
+            InputError: a row of a table that is kept in the control, or a turned frame.
+        """
+        place = self._builder.place
+        found = _SHIFT.findall(code)
+        if not found:
+            raise InputError(
+                f"{place}: {code[:30]!r} takes its datum from a table of the control; expected "
+                "X, Y, Z"
+            )
+        if self._turn:
+            raise InputError(f"{place}: a datum shift in rotated coordinates (cycle 10); not read")
+        for step, letter, number in found:
+            i = AXES.index(letter)
+            way = float(number.replace(" ", "")) * self._state.unit
+            self._shift[i] = self._shift[i] + way if step else way
+        tilted = not np.array_equal(self._state.plane_pose, _EYE)
+        self._inside = tilted and bool(self._shift.any())
+        self._builder.note("assumed", "CYCL DEF 7: the datum is moved by what it states")
+        self._apply()
+
+    def turn(self, code: str) -> None:
+        """CYCL DEF 10.1 ROT+30: about the datum, in the plane X Y."""
+        found = re.search(rf"\b(I?)ROT\s*{_NUMBER}", code)
+        if found is None:
+            raise InputError(f"{self._builder.place}: CYCL DEF 10 without ROT; expected ROT+30")
+        angle = float(found[2].replace(" ", ""))
+        self._turn = self._turn + angle if found[1] else angle
+        self._apply()
+
+    def plane(self, code: str) -> None:
+        """PLANE SPATIAL SPA SPB SPC …, PLANE RESET.
+
+        Raises:
+            InputError: a form that is not read, or a datum in the plane that goes.
+        """
+        state = self._state
+        place = self._builder.place
+        form = code.split()[1] if len(code.split()) > 1 else ""
+        values = {key: float(n.replace(" ", "")) for key, n in _ANGLE.findall(code)}
+        R = np.eye(3) if form == "RESET" else self._rotation(form, values)
+        if self._inside:
+            raise InputError(
+                f"{place}: another plane while the datum is moved in the tilted one; expected "
+                "CYCL DEF 7 with zeros before it"
+            )
+        X = np.eye(4)
+        X[:3, :3] = R
+        tilted = not np.allclose(R, np.eye(3))
+        stays = "STAY" in code
+        self.turned = not tilted or not stays or state.turned_by_file
+        if not stays:
+            state.rotary = dict.fromkeys(ROTARY, 0.0)
+        if not (stays and tilted):
+            state.turned_by_file = False
+        state.reframe(plane_pose=X if tilted else np.eye(4))
+        if stays and not tilted:
+            return
+        self._builder.note(
+            "assumed",
+            "PLANE turns table or head, and may draw the tool back; the robot goes on at the next "
+            "stated place",
+        )
+        self._builder.leave()
+        state.at = [None, None, None]
+
+    def _rotation(self, form: str, values: dict[str, float]) -> Array:
+        place = self._builder.place
+        if form == "SPATIAL":
+            # about the fixed axes x, y, z one after another
+            return _turned("ZYX", [values.get(f"SP{axis}", 0.0) for axis in "CBA"])
+        if form == "EULER":
+            return _turned("ZXZ", [values.get(f"EUL{name}", 0.0) for name in ("PR", "NU", "ROT")])
+        if form == "AXIAL":
+            if self._rotary is None:
+                raise InputError(f"{place}: PLANE AXIAL: {REFUSAL}")
+            return self._rotary.rotation({axis: values.get(axis, 0.0) for axis in "ABC"}, place)
+        if form == "VECTOR" and {"NX", "NY", "NZ", "BX", "BY", "BZ"} <= set(values):
+            z = np.array([values[f"N{axis}"] for axis in AXES])
+            x = np.array([values[f"B{axis}"] for axis in AXES])
+            z = z / np.linalg.norm(z)
+            x = x - (x @ z) * z
+            x = x / np.linalg.norm(x)
+            return np.stack([x, np.cross(z, x), z], axis=1)
+        raise InputError(f"{place}: PLANE {form} is not read; expected {FORMS}")
+
+    def _apply(self) -> None:
+        moved = np.eye(4)
+        moved[:3, 3] = self._shift
+        turned = np.eye(4)
+        turned[:3, :3] = rotation(2, math.radians(self._turn))
+        inner = moved @ turned if self._inside else turned
+        self._state.reframe(offset=np.eye(4) if self._inside else moved, turned=inner)
+
+
+def _turned(axes: str, degrees: list[float]) -> Array:
+    R = np.eye(3)
+    for axis, angle in zip(axes, degrees, strict=True):
+        R = R @ rotation(AXES.index(axis), math.radians(angle))
+    return R

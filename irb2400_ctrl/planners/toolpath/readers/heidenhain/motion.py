@@ -1,0 +1,254 @@
+"""What moves the tool in plain language: L, LN, LP, CC with C and CP, CR, places of the machine."""
+
+from __future__ import annotations
+
+import math
+
+from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.planners.toolpath.readers.feed import Feed
+from irb2400_ctrl.planners.toolpath.readers.gcode.motion import GcodeMotion
+from irb2400_ctrl.planners.toolpath.readers.gcode.rotary import Rotary
+from irb2400_ctrl.planners.toolpath.readers.gcode.siemens_words import TO_ANGLE
+from irb2400_ctrl.planners.toolpath.readers.gcode.state import AXES, PLANES, ROTARY, GcodeState
+from irb2400_ctrl.planners.toolpath.readers.gcode.work_offsets import WorkOffsets
+from irb2400_ctrl.planners.toolpath.readers.heidenhain.cycles import PlainCycles
+from irb2400_ctrl.planners.toolpath.readers.heidenhain.frames import PlainFrames
+from irb2400_ctrl.planners.toolpath.readers.heidenhain.machine import PlainMachine
+from irb2400_ctrl.planners.toolpath.readers.heidenhain.words import Words, words_of
+from irb2400_ctrl.planners.toolpath.readers.program_builder import ProgramBuilder
+
+CENTRES = dict(zip(AXES, ("IAC", "JAC", "KAC"), strict=True))
+VECTOR = dict(zip(("TX", "TY", "TZ"), ("A3", "B3", "C3"), strict=True))
+COMPENSATED = (
+    "the offset by the tool's radius, which the control knows; let the CAM system write the path "
+    "of the tool's centre"
+)
+
+
+class PlainMotion:
+    """Carries out blocks with coordinates."""
+
+    def __init__(
+        self,
+        builder: ProgramBuilder,
+        state: GcodeState,
+        machine: PlainMachine,
+        rotary: Rotary | None,
+    ) -> None:
+        self._builder = builder
+        self._state = state
+        self._machine = machine
+        self.frames = PlainFrames(builder, state, rotary)
+        self.cycles = PlainCycles(builder, state)
+        self.motion = GcodeMotion(builder, state, rotary)
+        self.offsets = WorkOffsets(builder, state)
+        self._pole: dict[str, float] = {}
+        self._compensated = ""
+        self._turning = 1.0
+        self._rapid = True
+
+    def run(self, order: str, code: str) -> None:
+        """One block.
+
+        Args:
+            order: L, LN, LP, C, CR, CP or CC; empty for a block of M functions alone.
+            code: what stands behind it.
+
+        Raises:
+            InputError: words that are not read, or contradict each other.
+        """
+        words = words_of(code, self._builder.place)
+        if order == "CC":
+            self._centre(words)
+            return
+        self._machine.before(words.functions)
+        self._speed(words)
+        values = self._values(order, words)
+        if {91, 92} & set(words.functions):
+            self._machine_place(values)
+        elif values or words.to_plane:
+            self._go(order, words, values)
+        if words.retreat is not None:
+            self._retreat(words.retreat)
+        self.cycles.modal |= 89 in words.functions
+        called = 99 in words.functions or (self.cycles.modal and bool(values))
+        self.cycles.modal &= 99 not in words.functions
+        if called:
+            self.cycles.call()
+            self._rapid = True
+        self._machine.after(words.functions)
+
+    def _speed(self, words: Words) -> None:
+        builder = self._builder
+        if words.feed == "AUTO":
+            if self._machine.tool_feed is None:
+                raise InputError(f"{builder.place}: F AUTO without F in TOOL CALL; expected F")
+            builder.feed = self._machine.feed(self._machine.tool_feed)
+        elif "F" in words.numbers:
+            builder.feed = self._machine.feed(words.numbers["F"])
+        elif "FU" in words.numbers:
+            builder.feed = Feed("turn", words.numbers["FU"] * self._state.feed_unit)
+        elif {"FZ", "FT"} & set(words.numbers):
+            raise InputError(f"{builder.place}: a feed per tooth or by a time; expected F or FU")
+        if words.compensated:
+            self._compensated = "" if words.compensated == "R0" else words.compensated
+
+    def _values(self, order: str, words: Words) -> dict[str, float]:
+        """Places and axes in the words of the G-code reader."""
+        place = self._builder.place
+        values: dict[str, float] = {}
+        for letter, number in words.numbers.items():
+            step = letter.startswith("I")
+            axis = letter[1:] if step else letter
+            if axis in (*AXES, *ROTARY):
+                if axis in values:
+                    raise InputError(f"{place}: found {axis} and I{axis} in one block")
+                values[axis] = number
+                if step:
+                    values[f"{axis}IC"] = 1.0
+            elif letter in VECTOR:
+                values[VECTOR[letter]] = number
+            elif axis in {"U", "V", "W"}:
+                raise InputError(f"{place}: found the axis {axis}, which is not read")
+        if order in {"CP", "LP"}:
+            self._polar(order, words, values)
+        return values
+
+    def _go(self, order: str, words: Words, values: dict[str, float]) -> None:
+        state = self._state
+        builder = self._builder
+        turned = set(ROTARY) & set(values)
+        if turned or words.to_plane:
+            self.frames.turned = True
+        if words.to_plane:
+            # to the tilted plane, by angles that the control has calculated
+            state.turned_by_file = False
+            builder.leave()
+            state.at = [None, None, None]
+        if not values:
+            return
+        if self._compensated:
+            raise InputError(f"{builder.place}: {self._compensated} is {COMPENSATED}; not read")
+        alone = bool(turned) and not set(values) & {*AXES, *VECTOR.values()}
+        rapid = words.feed == "MAX" or (alone and not state.tool_centre)
+        if not (rapid or self.frames.turned):
+            raise InputError(
+                f"{builder.place}: a cut in a tilted plane (STAY) that the tool is not turned to; "
+                "expected TURN, or a block with A, B, C before it"
+            )
+        self._machine.named(apart=self._rapid)
+        if order in {"C", "CR", "CP"}:
+            if rapid:
+                raise InputError(f"{builder.place}: an arc at FMAX, expected a feed")
+            self._turning = words.turning or self._turning
+            state.motion = 3 if self._turning > 0 else 2
+            values |= self._arc(order, words)
+        else:
+            state.motion = 0 if rapid else 1
+        if turned:
+            values[TO_ANGLE] = 1.0
+        if set(values) - {TO_ANGLE} != turned:
+            self.offsets.used()
+        self.motion.run(values)
+        self._rapid = rapid
+
+    def _arc(self, order: str, words: Words) -> dict[str, float]:
+        """Centre or radius, and turns, in the words of the G-code reader."""
+        if order == "CR":
+            if "R" not in words.numbers:
+                raise InputError(f"{self._builder.place}: CR without R; expected its radius")
+            return {"R": words.numbers["R"]}
+        centre = {CENTRES[axis]: value for axis, value in self._centre_of().items()}
+        turns = (abs(words.numbers.get("IPA", 0.0)) - 1e-6) // 360
+        return {**centre, "P": max(turns, 0.0) + 1}
+
+    def _centre(self, words: Words) -> None:
+        """CC: the pole, in the plane of the two axes that it states."""
+        state = self._state
+        named = {letter.removeprefix("I") for letter in words.numbers} & set(AXES)
+        planes = [plane for plane, (a, b, _) in PLANES.items() if named == {AXES[a], AXES[b]}]
+        if planes or not named:
+            state.plane = planes[0] if planes else 17
+            self._pole = {}
+        elif not named < {AXES[i] for i in PLANES[state.plane][:2]}:
+            state.plane = 17
+        for i in PLANES[state.plane][:2]:
+            axis = AXES[i]
+            here = state.at[i]
+            if axis in words.numbers:
+                self._pole[axis] = words.numbers[axis]
+            elif f"I{axis}" in words.numbers or axis not in self._pole:
+                if here is None:
+                    raise InputError(
+                        f"{self._builder.place}: CC from where the tool is, and its {axis} is not "
+                        "stated yet"
+                    )
+                self._pole[axis] = here / state.unit + words.numbers.get(f"I{axis}", 0.0)
+
+    def _centre_of(self) -> dict[str, float]:
+        if not self._pole:
+            raise InputError(f"{self._builder.place}: an arc without its centre; expected CC")
+        return self._pole
+
+    def _polar(self, order: str, words: Words, values: dict[str, float]) -> None:
+        """PR and PA about the pole, as places of the plane's axes.
+
+        Args:
+            order: CP or LP.
+            words: of the block.
+            values: get the places.
+        """
+        state = self._state
+        pole = self._centre_of()
+        first, second, _ = PLANES[state.plane]
+        from_pole = [
+            None if (at := state.at[i]) is None else at / state.unit - pole[AXES[i]]
+            for i in (first, second)
+        ]
+        u, v = from_pole
+        stated = words.numbers
+        step = stated.get("IPA")
+        known = u is not None and v is not None
+        if (step is not None or "IPR" in stated or order == "CP") and not known:
+            raise InputError(f"{self._builder.place}: a polar step from a place that is not stated")
+        radius = math.hypot(u or 0.0, v or 0.0)
+        angle = math.degrees(math.atan2(v or 0.0, u or 0.0))
+        if order == "LP":
+            radius = stated.get("PR", radius + stated.get("IPR", 0.0))
+        angle = stated.get("PA", angle + (step or 0.0))
+        if step is not None and order == "CP":
+            if words.turning and words.turning * step < 0:
+                raise InputError(
+                    f"{self._builder.place}: IPA{step:+g} and DR{'+' if words.turning > 0 else '-'}"
+                    " turn against each other; expected the same sign"
+                )
+            self._turning = math.copysign(1.0, step)
+        turn = math.radians(angle)
+        values[AXES[first]] = pole[AXES[first]] + radius * math.cos(turn)
+        values[AXES[second]] = pole[AXES[second]] + radius * math.sin(turn)
+
+    def _machine_place(self, values: dict[str, float]) -> None:
+        """M91, M92: a place of the machine tool."""
+        state = self._state
+        self._builder.note(
+            "assumed", "M91, M92: places of the machine tool; the robot does not go there"
+        )
+        self._builder.leave()
+        for i, axis in enumerate(AXES):
+            if axis in values:
+                state.at[i] = None
+        for axis in set(ROTARY) & set(values):
+            state.rotary[axis] = values[axis]
+        self._rapid = True
+
+    def _retreat(self, way: float) -> None:
+        """M140 MB: away from the part along the tool axis."""
+        state = self._state
+        if math.isfinite(way) and None not in state.at and not state.tool_centre:
+            state.motion = 0
+            self.motion.run({"Z": way, "ZIC": 1.0})
+        else:
+            self._builder.note("assumed", "M140 MB MAX: up to the machine's limit; left out")
+            self._builder.leave()
+            state.at = [None, None, None] if state.tool_centre else [*state.at[:2], None]
+        self._rapid = True

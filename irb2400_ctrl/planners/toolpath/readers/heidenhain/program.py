@@ -1,0 +1,221 @@
+"""`read_heidenhain`: plain language of Heidenhain's controls (.h) as a `CamProgram`."""
+
+from __future__ import annotations
+
+import re
+
+from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.planners.toolpath.cam_program import CamProgram
+from irb2400_ctrl.planners.toolpath.readers.feed import INCH, LENGTHS, MM
+from irb2400_ctrl.planners.toolpath.readers.gcode.rotary import Rotary
+from irb2400_ctrl.planners.toolpath.readers.gcode.state import GcodeState
+from irb2400_ctrl.planners.toolpath.readers.heidenhain.flow import Flow
+from irb2400_ctrl.planners.toolpath.readers.heidenhain.machine import PlainMachine
+from irb2400_ctrl.planners.toolpath.readers.heidenhain.motion import PlainMotion
+from irb2400_ctrl.planners.toolpath.readers.heidenhain.statements import Statement, statements
+from irb2400_ctrl.planners.toolpath.readers.program_builder import ProgramBuilder
+
+_MOVES = re.compile(r"^(LN|LP|L|CC|CR|CP|C)(?=\s|$)\s*(.*)$")
+_CYCLE = re.compile(r"^CYCLE?\s+DEF\s+(\d+)(?:\.(\d+))?\s*(.*)$")
+_CALL = re.compile(r"^CYCLE?\s+CALL\s*(POS|PAT|M(?=\d))?\s*(.*)$")
+_NUMBER = re.compile(r"[-+]?\s*(?:\d+\.?\d*|\.\d+)")
+QUIET_CYCLES = {13: "orientation of the spindle", 32: "tolerance", 332: "tolerance"}
+REFUSED = {
+    8: "mirroring",
+    11: "scaling",
+    12: "a program of another file",
+    26: "scaling",
+    220: "a pattern of holes",
+    221: "a pattern of holes",
+    224: "a pattern of holes",
+}
+UNREAD = {
+    "CT": "an arc by its tangent; of arcs C with CC, CP and CR are read",
+    "RND": "a rounded corner; let the CAM system write the arc",
+    "CHF": "a chamfer; let the CAM system write the line",
+    "APPR": "an approach that the control makes; let the CAM system write its moves",
+    "DEP": "a departure that the control makes; let the CAM system write its moves",
+    "TCH": "a probe",
+    "CALL": "a program of another file",
+    "SEL": "a program or table of another file",
+    "PATTERN": "a pattern of holes; let the CAM system write a block for each",
+}
+
+
+def read_heidenhain(
+    text: str,
+    name: str,
+    builder: ProgramBuilder,
+    units: str | None = None,
+    rotary: str | None = None,
+) -> CamProgram:
+    """All operations of a program in plain language.
+
+    Args:
+        text: of the file.
+        name: of the file, for messages.
+        builder: that takes the moves.
+        units: unit of length, against BEGIN PGM.
+        rotary: the machine's rotary axes from part to tool, such as "C,A".
+
+    Raises:
+        InputError: a block that is not read, with its line.
+    """
+    reader = _Reader(builder, units, None if rotary is None else Rotary.of(rotary))
+    for found in Flow(statements(text), name).blocks():
+        if isinstance(found, tuple):
+            builder.line = found[0]
+            builder.failed(found[1])
+            continue
+        builder.line = found.line
+        try:
+            reader.block(found)
+        except InputError as error:
+            builder.failed(error)
+    return builder.finish("Heidenhain", reader.unit_name(), True)
+
+
+class _Reader:
+    """Goes through the blocks in the order in which they are carried out."""
+
+    def __init__(self, builder: ProgramBuilder, units: str | None, rotary: Rotary | None) -> None:
+        self._builder = builder
+        self._state = GcodeState()
+        self._units = units
+        self._rotary = rotary
+        self._machine = PlainMachine(builder, self._state)
+        self._motion = PlainMotion(builder, self._state, self._machine, rotary)
+
+    def unit_name(self) -> str:
+        """For the summary."""
+        return self._units or ("inch" if self._state.unit == INCH else "mm")
+
+    def block(self, block: Statement) -> None:
+        """One of them.
+
+        Raises:
+            InputError: it is not read.
+        """
+        builder = self._builder
+        code = block.code
+        if block.optional:
+            builder.note("assumed", "blocks behind / are carried out")
+        if block.heading is not None:
+            self._machine.heading(block.heading)
+        elif code.startswith("BEGIN PGM"):
+            self._begin(code)
+        elif code.startswith(("END PGM", "BLK FORM")):
+            builder.note("ignored", code[:8])
+        elif code.startswith("TOOL"):
+            self._machine.tool(code)
+        elif code.startswith("CYCL"):
+            self._cycle(code)
+        elif code.startswith("PLANE"):
+            self._motion.frames.plane(code)
+        elif code.startswith("FUNCTION"):
+            self._function(code)
+        elif code.startswith("STOP"):
+            builder.stop("stop", "STOP")
+            self._motion.run("", code[4:])
+        elif re.match(r"M\d", code):
+            self._motion.run("", code)
+        elif found := _MOVES.match(code):
+            self._motion.run(found[1], found[2])
+        else:
+            word = re.split(r"[^A-Z]", code)[0]
+            why = UNREAD.get(word, "not known")
+            raise InputError(f"{builder.place}: found {code[:30]!r}: {why}; not read")
+
+    def _begin(self, code: str) -> None:
+        """BEGIN PGM NAME MM, or INCH, where feeds are in tenths of an inch."""
+        state = self._state
+        inch = code.rstrip().endswith("INCH")
+        state.unit = LENGTHS[self._units] if self._units else (INCH if inch else MM)
+        state.feed_unit = state.unit
+        state.unit_stated = True
+        if inch and not self._units:
+            state.feed_unit = 0.1 * INCH
+            self._builder.note("assumed", "a program in INCH: feeds are in tenths of inch/min")
+
+    def _cycle(self, code: str) -> None:
+        builder = self._builder
+        if found := _CALL.match(code):
+            self._called(found[1] or "", found[2])
+            return
+        found = _CYCLE.match(code)
+        if found is None:
+            raise InputError(
+                f"{builder.place}: found {code[:30]!r}, expected CYCL DEF or CYCL CALL"
+            )
+        number = int(found[1])
+        part = found[2]
+        rest = found[3]
+        if number in {7, 8, 9, 10, 11, 12, 13, 19, 26, 32} and part == "0":
+            return
+        if number == 7:
+            self._motion.frames.shift(rest)
+        elif number == 10:
+            self._motion.frames.turn(rest)
+        elif number == 9:
+            self._dwell(rest)
+        elif number == 19:
+            self._tilt(rest)
+        elif number == 247:
+            row = re.search(r"Q339\s*=\s*\+?(\d+)", rest)
+            self._state.work_offset = f"preset {row[1] if row else '?'}"
+        elif number in QUIET_CYCLES:
+            builder.note("ignored", f"CYCL DEF {number}: {QUIET_CYCLES[number]}")
+        elif number in REFUSED:
+            if number != 8 or rest:
+                raise InputError(
+                    f"{builder.place}: CYCL DEF {number} is {REFUSED[number]}; not read, let the "
+                    "CAM system write the moves"
+                )
+        elif number >= 300:
+            says = f"CYCL DEF {number}: a cycle of the machine's maker, not carried out"
+            builder.note("assumed", says)
+        elif part in {None, "0"}:
+            self._motion.cycles.define(number, rest)
+
+    def _called(self, how: str, rest: str) -> None:
+        if how == "PAT":
+            raise InputError(
+                f"{self._builder.place}: CYCL CALL PAT takes its places from a table or pattern; "
+                "not read, let the CAM system write a block for each"
+            )
+        if how == "POS":
+            self._motion.run("L", f"{rest} FMAX" if " F" not in rest else rest)
+        self._motion.cycles.call()
+        if how == "M":
+            self._motion.run("", f"M{rest}")
+
+    def _dwell(self, rest: str) -> None:
+        found = _NUMBER.search(rest)
+        if found is None:
+            raise InputError(f"{self._builder.place}: CYCL DEF 9.1 without a time")
+        self._builder.dwell(abs(float(found[0].replace(" ", ""))))
+
+    def _tilt(self, rest: str) -> None:
+        """CYCL DEF 19.1: angles in space or of the axes, as a setting of the control says."""
+        if any(float(n.replace(" ", "")) for n in _NUMBER.findall(rest)):
+            raise InputError(
+                f"{self._builder.place}: CYCL DEF 19.1 {rest[:30]}: whether these are angles in "
+                "space or of the axes is set in the control; expected PLANE SPATIAL"
+            )
+        self._motion.frames.plane("PLANE RESET STAY")
+
+    def _function(self, code: str) -> None:
+        state = self._state
+        if re.match(r"FUNCTION\s+RESET\s+TCPM", code):
+            state.tool_centre = False
+            state.vectors = False
+            self._motion.motion.steer(self._rotary)
+        elif re.match(r"FUNCTION\s+TCPM", code):
+            state.tool_centre = True
+            # angles in space turn about the fixed axes x, y, z
+            space = re.search(r"AXIS\s+SPAT", code)
+            self._motion.motion.steer(Rotary.of("C,B,A") if space else self._rotary)
+        elif re.match(r"FUNCTION\s+(MODE\s+MILL|PROG\s+PATH|FEED|S-PULSE|DCM|COUNT)", code):
+            self._builder.note("ignored", code[:30])
+        else:
+            raise InputError(f"{self._builder.place}: found {code[:30]!r}, which is not read")

@@ -1,0 +1,90 @@
+"""The words of a block that moves: coordinates, feeds, M functions."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass, field
+
+from irb2400_ctrl.errors import InputError
+
+_NUMBER = r"[-+]?\s*(?:\d+\.?\d*|\.\d+)"
+_WORD = re.compile(
+    r"\s*(?:(?P<alone>F\s*MAX|F\s*AUTO|R0(?![\d.])|RL|RR|DR[+-](?![\d.])|MB\s*MAX)"
+    rf"|(?P<letter>I?[XYZABCUVW]|I?P[AR]|[NT][XYZ]|F[UZT]?|MB|LA|R|M)\s*(?P<number>{_NUMBER}"
+    r"|[-+]?\s*Q12[012]))"
+)
+# the F and the LA behind these functions are theirs
+_OWNERS = frozenset([103, 120, 128, 140])
+
+
+@dataclass
+class Words:
+    """What a block states."""
+
+    numbers: dict[str, float] = field(default_factory=dict)
+    """by their letter; `IX` counts from where the tool is"""
+    to_plane: bool = False
+    """angles that the control has calculated for the tilted plane: A+Q120"""
+    feed: str = ""
+    """"MAX", "AUTO", or empty: one in `numbers`, or none"""
+    compensated: str = ""
+    """RL or RR; R0 where it ends"""
+    turning: float = 0.0
+    """DR+ or DR-"""
+    functions: list[int] = field(default_factory=list)
+    """M"""
+    retreat: float | None = None
+    """of M140: how far, inf for as far as the machine can [mm]"""
+
+
+def words_of(code: str, place: str) -> Words:
+    """The words behind the order of a block, or of a block of M functions.
+
+    Args:
+        code: of the block, without the order.
+        place: for messages.
+
+    Raises:
+        InputError: what is no word, a word twice.
+    """
+    found = Words()
+    at = 0
+    while code[at:].strip():
+        word = _WORD.match(code, at)
+        if word is None:
+            raise InputError(
+                f"{place}: found {code[at:].strip()[:30]!r}, expected words such as X+10, R0, "
+                "FMAX, M3"
+            )
+        at = word.end()
+        if word["alone"]:
+            _alone(found, "".join(word["alone"].split()))
+            continue
+        letter = word["letter"]
+        number = word["number"].replace(" ", "")
+        if "Q" in number:
+            found.to_plane = True
+            continue
+        value = float(number)
+        if letter == "M":
+            found.functions.append(int(value))
+        elif letter == "MB":
+            found.retreat = value
+        elif letter == "LA" or (letter == "F" and _OWNERS & set(found.functions)):
+            continue
+        elif letter in found.numbers:
+            raise InputError(f"{place}: found {letter} twice in one block, expected it once")
+        else:
+            found.numbers[letter] = value
+    return found
+
+
+def _alone(found: Words, word: str) -> None:
+    if word.startswith("F"):
+        found.feed = word[1:]
+    elif word.startswith("DR"):
+        found.turning = 1.0 if word[2] == "+" else -1.0
+    elif word.startswith("MB"):
+        found.retreat = float("inf")
+    else:
+        found.compensated = word
