@@ -43,6 +43,13 @@ def test_lines_feeds_and_what_the_machine_is_told(tmp_path: Path) -> None:
     assert [event.text for event in found.events if event.kind != "tool"] == ["flood", "off"]
 
 
+def test_comments_and_blocks_over_several_lines(tmp_path: Path) -> None:
+    body = "4 ; a machine with axes on the~\n Head\n5 L X+5~\n  Y+6 ;there ~\n  F60\n"
+    found = program(tmp_path, body).operation().path
+    assert np.allclose(1e3 * found.position[-1], [5, 6, 9])
+    assert found.feed[-1] == pytest.approx(1e-3)
+
+
 def test_inches_and_their_feeds(tmp_path: Path) -> None:
     text = HEAD.replace("PART MM", "PART INCH")
     read = program(tmp_path, "4 L Z-1 F300\n5 L X+2\n", head=text)

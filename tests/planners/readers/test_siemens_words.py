@@ -81,6 +81,16 @@ def test_angles_that_do_not_lead_to_the_plane_are_refused(tmp_path: Path) -> Non
     assert len(read_program(file).operations) == 1
 
 
+def test_angles_under_tool_centre_control_are_no_way_to_the_next_plane(tmp_path: Path) -> None:
+    text = (
+        "G710 G90\nTRAORI\nG0 X0 Y0 Z9 A30 C0\nG1 Z1 F100\nTRAFOOF\n"
+        'CYCLE800(1,"R",0,57,0,0,0,0,-15,0,0,0,0,-1,0)\nG0 X0 Y0 Z9\nG1 Z1\nM30\n'
+    )
+    found = read(tmp_path, text, "C,A").operations[-1].path.axis
+    assert found is not None
+    assert np.allclose(found, [np.sin(np.radians(-15)), 0, np.cos(np.radians(15))])
+
+
 @pytest.mark.parametrize("back", ["SUPA A0 C0", "G28 A0 C0", "G53 G0 A0 C0"])
 def test_axes_that_went_home_stand_at_zero(tmp_path: Path, back: str) -> None:
     text = (

@@ -103,7 +103,8 @@ class GcodeMotion:
                 turned_to = state.absolute_of(letter, values)
                 turned_to = turned_to or (TO_ANGLE in values and f"{letter}IC" not in values)
                 before = 0.0 if turned_to else state.rotary[letter]
-                state.turned_by_file = True
+                # under tool centre control angles are no way to a plane
+                state.turned_by_file = not state.tool_centre
                 state.rotary[letter] = before + values[letter]
 
     def _straight(self, values: dict[str, float], axis: Array, *, rapid: bool) -> None:

@@ -41,7 +41,10 @@ def statements(text: str) -> list[Statement]:
         parts.append(raw.rstrip().removesuffix("~").split(";")[0])
         if goes_on:
             continue
-        joined = " ".join(parts)
+        number = _NUMBER.match(parts[0])
+        # a comment that goes on is one in the next line, too
+        only_comment = number is not None and not parts[0][number.end() :].strip()
+        joined = "" if only_comment and len(parts) > 1 else " ".join(parts)
         parts = []
         number = _NUMBER.match(joined)
         code = joined[number.end() :].strip() if number else joined.strip()
