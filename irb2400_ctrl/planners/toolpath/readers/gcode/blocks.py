@@ -72,6 +72,11 @@ REWRITTEN = (
         "G53 Z0",
     ),
     (re.compile(r"\bH\s*#4120\b", re.IGNORECASE), ""),
+    # smoothing: G187 P3 E.01 (Haas), G61.1 ,A1 (Mazak)
+    (re.compile(r"(\bG187\b[^;(]*?)\s*E\s*[\d.]+", re.IGNORECASE), r"\1"),
+    (re.compile(r"(\bG61\.1)\s*,\s*[A-Z]\s*\d+", re.IGNORECASE), r"\1"),
+    # the name of a program (Okuma)
+    (re.compile(r"^\s*\$[\w.-]+%?\s*$"), ""),
 )
 
 

@@ -11,7 +11,7 @@ from irb2400_ctrl.planners.toolpath.readers.program_builder import ProgramBuilde
 
 MOTION = {0, 1, 2, 3, 80, *SPLINES, *CYCLES}
 # exact stop, blending, safe zones, look-ahead, compensation off: nothing for the points
-_QUIET = """8 9 22 23 25 26 40 49.1 50 50.1 60 61 61.1 62 63 64 67 69.1 80.1 97 103 187 290
+_QUIET = """8 9 22 23 25 26 40 49.1 50 50.1 60 61 61.1 62 63 64 67 69.1 80.1 97 103 131 187 290 332
 601 602 603 641 642 643 644 645 450 451"""
 HARMLESS = frozenset(map(float, _QUIET.split()))
 # take axis words for something else than a place to go to, or end something
@@ -34,11 +34,16 @@ REFUSED = {
     51.1: "mirroring",
     65: "a macro",
     66: "a macro",
+    12: "a circular pocket (Haas); let the CAM system write its arcs",
+    13: "a circular pocket (Haas); let the CAM system write its arcs",
+    44: "a tool's length with the other sign",
     87: "boring from below",
     96: "constant surface speed",
     110: "a pole",
     111: "a pole",
     112: "a pole",
+    150: "a pocket (Haas); let the CAM system write its moves",
+    268: "a tilted plane of Haas, whose order of angles stands elsewhere; expected G68.2 or G254",
 }
 PLACE_WORDS = frozenset("XYZABC")
 _LIMITS = ("XYZABCIJKPQRS", "limits, which are not held")
@@ -61,7 +66,9 @@ OWNED: dict[float, tuple[str, str]] = {
     92: ("S", "the highest speed of the spindle, which is not held"),
     103: _NUMBER,
     154: _NUMBER,
+    131: ("RJ", ""),
     187: _NUMBER,
+    332: ("R", ""),
 }
 
 

@@ -43,6 +43,27 @@ class GcodeMotion:
         self.splines = GcodeSplines(builder, state)
         self.cycles = GcodeCycles(builder, state)
 
+    def follow(self, on: bool) -> None:
+        """G254 and G255 (Haas): the coordinates turn with the rotary axes, or no longer.
+
+        Raises:
+            InputError: the axes are turned, and which they are is not stated.
+        """
+        self._state.follows = on
+        if on:
+            self._follow()
+        else:
+            self._state.reframe(plane_pose=np.eye(4))
+
+    def _follow(self) -> None:
+        state = self._state
+        X = np.eye(4)
+        if any(state.rotary.values()):
+            if self._rotary is None:
+                raise InputError(f"{self._builder.place}: {REFUSAL}")
+            X[:3, :3] = self._rotary.rotation(state.rotary, self._builder.place)
+        state.reframe(plane_pose=X)
+
     def steer(self, rotary: Rotary | None) -> None:
         """Other rotary axes from here on."""
         self._rotary = rotary
@@ -106,6 +127,8 @@ class GcodeMotion:
                 # under tool centre control angles are no way to a plane
                 state.turned_by_file = not state.tool_centre
                 state.rotary[letter] = before + values[letter]
+        if state.follows and set(ROTARY) & set(values):
+            self._follow()
 
     def _straight(self, values: dict[str, float], axis: Array, *, rapid: bool) -> None:
         state = self._state

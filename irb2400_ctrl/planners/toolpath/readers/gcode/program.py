@@ -185,7 +185,7 @@ class _Reader:
             if values["F"] < 0:
                 raise InputError(f"{builder.place}: F{values['F']}, expected a positive feed")
             builder.feed = state.feed(values["F"])
-        if "H" in values and {43, 43.1, 43.4, 43.5} & set(codes):
+        if "H" in values and {43, 43.1, 43.4, 43.5, 234} & set(codes):
             builder.set_length_offset(int(values["H"]))
 
     def _mode(self, code: float) -> None:
@@ -216,6 +216,9 @@ class _Reader:
             43.4: lambda: setattr(state, "tool_centre", True),
             43.5: lambda: setattr(state, "vectors", True),
             49: self._no_tool_centre,
+            234: lambda: setattr(state, "tool_centre", True),
+            254: lambda: self._motion.follow(True),
+            255: lambda: self._motion.follow(False),
         }
         if code in simple:
             simple[code]()

@@ -51,6 +51,8 @@ class GcodeState:
     """[deg]"""
     turned_by_file: bool = False
     """the file states angles of the axes for the tilted plane that comes"""
+    follows: bool = False
+    """the coordinates turn with the rotary axes about the work frame's zero (G254, Haas)"""
     tool_centre: bool = False
     """the coordinates are those of the tool's tip in the part (G43.4, M128, TRAORI)"""
     vectors: bool = False

@@ -15,6 +15,8 @@ _LEAVES_P = frozenset(
 )
 # offsets by the table's angle (Fanuc); P0 ends them
 _TABLE = frozenset([54.2, 54.4])
+# the codes whose H is a register of the tool's length
+_LENGTHS = frozenset([43, 43.1, 43.4, 43.5, 44, 234])
 
 
 def selects(code: float) -> bool:
@@ -48,6 +50,10 @@ class WorkOffsets:
         if 15 in codes and "H" in values:
             self._state.work_offset = f"G15 H{values['H']:g}"
             return [code for code in codes if code != 15]
+        if 56 in codes and "H" in values and not _LENGTHS & set(codes):
+            self._builder.set_length_offset(int(values["H"]))
+            self._builder.note("assumed", "G56 H is the tool's length offset (Okuma), not applied")
+            codes = [code for code in codes if code != 56]
         for code in filter(selects, codes):
             if code in _TABLE and values.get("P", 1) == 0:
                 continue

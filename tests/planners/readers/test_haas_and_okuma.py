@@ -1,0 +1,72 @@
+"""G-code of Haas, Okuma, Brother and Mazak: tool centre, turned offsets, smoothing, names."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from gcode_files import program
+
+from irb2400_ctrl.errors import InputError
+
+CUT = "G0 X1. Y2. Z9.\nG1 Z3. F60.\n"
+
+
+def test_coordinates_that_turn_with_the_axes(tmp_path: Path) -> None:
+    text = f"G21 G90 G54\nG0 B30. C90.\nG254\n{CUT}G0 Z9.\nG255\nG0 B0. C0.\n{CUT}M30\n"
+    read = program(tmp_path, text, rotary="C,B")
+    tilted, straight = (operation.path for operation in read.operations)
+    c = np.cos(np.pi / 6)
+    # about y by 30 deg, then about z by 90 deg
+    turned = np.array([[0, -1, 0], [c, 0, 0.5], [-0.5, 0, c]])
+    assert tilted.axis is not None
+    assert np.allclose(tilted.axis, turned[:, 2])
+    assert np.allclose(1e3 * tilted.position[1], turned @ [1, 2, 3])
+    assert straight.axis is not None
+    assert np.allclose(straight.axis, [0, 0, 1])
+    assert np.allclose(1e3 * straight.position[-1], [1, 2, 3])
+    with pytest.raises(InputError, match="state its rotations from part to tool"):
+        program(tmp_path, text)
+    # axes that stand at zero turn nothing
+    assert len(program(tmp_path, f"G21 G90\nG254\n{CUT}M30\n").operations) == 1
+
+
+def test_tool_centre_control_of_haas(tmp_path: Path) -> None:
+    text = f"G21 G90 G54\nG0 B30. C0.\nG234 H7\n{CUT}X5. B60.\nG49\nM30\n"
+    found = program(tmp_path, text, rotary="C,B").operation()
+    assert found.path.axis is not None
+    assert np.allclose(found.path.axis[-1], [np.sin(np.pi / 3), 0, 0.5])
+    assert found.tool.length_offset == 7
+
+
+@pytest.mark.parametrize(
+    "block", ["G187 P3 E.01", "G187 E0.02 P1", "G332 R5", "G131 R2", "G61.1 ,A1", "$PART-1.MIN%"]
+)
+def test_smoothing_and_names_move_nothing(tmp_path: Path, block: str) -> None:
+    found = program(tmp_path, f"G21 G90 G54\nG0 X0 Y0 Z9\n{block}\nG1 Z1 F60\nM30\n").operation()
+    assert np.allclose(1e3 * found.path.position, [[0, 0, 9], [0, 0, 1]])
+
+
+def test_the_tools_length_of_okuma_is_no_work_frame(tmp_path: Path) -> None:
+    text = "G21 G90\nG15 H1\nG0 X0 Y0\nG56 H4 Z50.\nG1 Z1 F60\nX5\nM2\n"
+    read = program(tmp_path, text)
+    assert np.allclose(1e3 * read.operation().path.position, [[0, 0, 50], [0, 0, 1], [5, 0, 1]])
+    assert read.operation().tool.length_offset == 4
+    assert "G56 H is the tool's length offset (Okuma)" in str(read.of_kind("assumed"))
+    both = "G21 G90\nG56\nG0 X0 Y0\nG43 G56 H4 Z50.\nG1 Z1 F60\nM2\n"
+    assert "Okuma" not in str(program(tmp_path, both).notes)
+
+
+@pytest.mark.parametrize(
+    ("block", "says"),
+    [
+        ("G12 I5. F60.", "G12 is a circular pocket"),
+        ("G150 P2000", "G150 is a pocket"),
+        ("G268 X0 Y0 Z0 I0 J0 K0", "G268 is a tilted plane of Haas"),
+        ("G44 H1 Z5.", "G44 is a tool's length with the other sign"),
+    ],
+)
+def test_what_is_not_read_is_named(tmp_path: Path, block: str, says: str) -> None:
+    with pytest.raises(InputError, match=says):
+        program(tmp_path, f"G21 G90 G54\nG0 X0 Y0 Z9\n{block}\nG1 Z1 F60\nM30\n")
