@@ -167,7 +167,7 @@ def test_canned_cycles_point_by_point(tmp_path: Path, cycle: str) -> None:
     ("G1 X5 (to the left Y7 F60", "a comment ( without its )"),
     ("G1 X#1 F60", "found #1, which the file does not set"),
     ("G1 X[1+] F60", "in an expression, expected a number"),
-    ("O100 IF [1]", "without conditions"),
+    ("O100 IF [1]", "o100 IF without ENDIF"),
     ("M98 P1000", "M98 calls a sub-program that is not in the file"),
     ("G1 X=R1 F60", "found R1, which the file does not set"),
     ("G1 X=IC(R1) F60", "of words with = only"),

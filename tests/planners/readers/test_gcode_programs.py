@@ -73,7 +73,7 @@ def test_programs_of_which_none_begins_are_refused(tmp_path: Path) -> None:
 
 def test_what_a_sub_program_lacks_is_refused_with_its_line(tmp_path: Path) -> None:
     sub = f"%\nO1\n{HEAD}M98 P1000\nM30\nO1000\nX9.\n"
-    with pytest.raises(InputError, match=r"line 9: found 'GOTO P30'.*jumps and loops are not"):
+    with pytest.raises(InputError, match=r"line 9: found 'GOTO P30'.*of jumps and loops IF"):
         program(tmp_path, f"{sub}M99 P30\n")
     with pytest.raises(InputError, match=r"line 8: found #500"):
         program(tmp_path, sub.replace("X9.", "X#500"))
@@ -111,9 +111,9 @@ def test_variables_that_the_file_sets_are_numbers(
 @pytest.mark.parametrize(
     ("text", "says"),
     [
-        ("WHILE [#1 LT 5] DO1", "jumps and loops"),
-        ("IF [#1 EQ 5] GOTO 20", "jumps and loops"),
-        ("IF [#1 EQ 5] THEN #2=3", "jumps and loops"),
+        ("WHILE [#1 LT 5] DO1", "the loop 1 has no other end"),
+        ("IF [#1 EQ 5] GOTO 20", "found #1, which the file does not set"),
+        ("IF [#1 EQ 5] THEN #2=3", "found #1, which the file does not set"),
         ("N5 IF R1>5 GOTOF ENDE", "jumps and loops"),
         ("#1=[5/0]", "a division by zero"),
         ("#1=SQRT[-1]", "SQRT of -1"),

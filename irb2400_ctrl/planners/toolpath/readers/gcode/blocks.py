@@ -13,15 +13,17 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.planners.toolpath.readers.gcode.flow import ERROR, Line
 from irb2400_ctrl.planners.toolpath.readers.gcode.hole_calls import HoleCall, taken_out
 from irb2400_ctrl.planners.toolpath.readers.gcode.siemens_words import (
     NAMED,
     TO_ANGLE,
     rewritten,
 )
-from irb2400_ctrl.planners.toolpath.readers.gcode.subprograms import ENTER, LEAVE, Line
 from irb2400_ctrl.planners.toolpath.readers.gcode.swivel import CALL as SWIVEL
 from irb2400_ctrl.planners.toolpath.readers.gcode.variables import (
+    ENTER,
+    LEAVE,
     Variables,
     with_square_brackets,
 )
@@ -44,11 +46,11 @@ UNREADABLE = (
         re.compile(r"CYCLE\d+|MCALL|HOLES\d|POCKET\d|SLOT\d"),
         "cycles written as calls (Siemens) are not read; let the CAM system write the moves",
     ),
-    (SUBPROGRAM, "of sub-programs those are read that are in the file, without conditions"),
+    (SUBPROGRAM, "of o-words sub, call, while, do, repeat and if are read"),
     (
         re.compile(r"[#\[\]]|\bR\d+\s*=|=\s*R\d|\b(WHILE|IF|GOTO[FB]?|END\d)\b|^\$|DEF\b"),
-        "of variables and expressions those are read that set or state a number; jumps and loops "
-        "are not: let the CAM system write all moves out",
+        "of variables and expressions those are read that set or state a number, of jumps and "
+        "loops IF [ ] GOTO, IF [ ] THEN and WHILE [ ] DO1: let the CAM system write all moves out",
     ),
     (
         re.compile(r"^[A-Z_]\w+\s*:|\b(REPEAT|LOOP)\b"),
@@ -133,20 +135,25 @@ class Block:
         return values
 
 
-def blocks(lines: Iterable[Line], name: str) -> Iterator[Block | UnreadLineError]:
+def blocks(
+    lines: Iterable[Line], name: str, variables: Variables
+) -> Iterator[Block | UnreadLineError]:
     """All lines that hold anything; a line that cannot be read comes as its error.
 
     Args:
         lines: with their numbers, as they are carried out.
         name: of the file, for messages.
+        variables: that the lines set.
     """
-    variables = Variables()
     for line, raw in lines:
         if raw.startswith((ENTER, LEAVE)):
             try:
                 variables.scope(raw, f"{name}, line {line}")
             except InputError as error:
                 yield UnreadLineError(line, str(error))
+            continue
+        if raw.startswith(ERROR):
+            yield UnreadLineError(line, raw.removeprefix(ERROR))
             continue
         if raw.lstrip().startswith("//"):
             yield Block(line, (), (raw.strip(),), behind_slashes=True)

@@ -26,6 +26,7 @@ from irb2400_ctrl.planners.toolpath.readers.gcode.splines import MODES as SPLINE
 from irb2400_ctrl.planners.toolpath.readers.gcode.state import AXES, ROTARY, GcodeState
 from irb2400_ctrl.planners.toolpath.readers.gcode.subprograms import in_order
 from irb2400_ctrl.planners.toolpath.readers.gcode.swivel import swivel
+from irb2400_ctrl.planners.toolpath.readers.gcode.variables import Variables
 from irb2400_ctrl.planners.toolpath.readers.gcode.work_offsets import WorkOffsets
 from irb2400_ctrl.planners.toolpath.readers.program_builder import ProgramBuilder
 from irb2400_ctrl.planners.toolpath.readers.unread_line import UnreadLineError
@@ -52,8 +53,9 @@ def read_gcode(
     """
     reader = _Reader(builder, units, None if rotary is None else Rotary.of(rotary))
     reader.siemens = is_siemens(text, name)
-    lines, notes = in_order(text, name)
-    listed = list(blocks(lines, name))
+    variables = Variables()
+    lines, notes = in_order(text, name, variables)
+    listed = list(blocks(lines, name, variables))
     words = {letter for block in listed if isinstance(block, Block) for letter in block.values()}
     if "Z" not in words and {"X", "Y"} & words:
         reader.flat()

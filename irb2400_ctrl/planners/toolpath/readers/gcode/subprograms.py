@@ -12,8 +12,9 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.planners.toolpath.readers.gcode.flow import Flow, Line
+from irb2400_ctrl.planners.toolpath.readers.gcode.variables import ENTER, LEAVE, Variables
 
-Line = tuple[int, str]
 _NUMBERED = re.compile(r"^\s*(?:/\s*)?[O:]\s*(\d+)\s*(?:$|[(<;])", re.IGNORECASE)
 _ARCHIVE = re.compile(r"^\s*%_N_(\w+)_(MPF|SPF)\b", re.IGNORECASE)
 _SUB = re.compile(r"^\s*O\s*(\d+|<\w+>)\s+SUB\b", re.IGNORECASE)
@@ -34,9 +35,6 @@ _NAMED = re.compile(
 )
 _RETURN = re.compile(r"M0*(?:99|17)(?!\d)|\bRET\b", re.IGNORECASE)
 _COMMENT = re.compile(r"\([^()]*\)|;.*|^\s*//.*")
-# between the lines: a program of LinuxCNC begins, with its arguments, and ends; no text has a zero
-ENTER = "\0enter "
-LEAVE = "\0leave"
 DEEPEST = 10
 MOST_LINES = 2_000_000
 
@@ -54,8 +52,13 @@ class _Programs:
         return key if key in self.lines else None
 
 
-def in_order(text: str, name: str) -> tuple[Iterator[Line], list[Line]]:
+def in_order(text: str, name: str, variables: Variables) -> tuple[Iterator[Line], list[Line]]:
     """Lines with their numbers as the control carries them out, and what is to be noted.
+
+    Args:
+        text: of the file.
+        name: of the file, for messages.
+        variables: which who takes the lines one by one sets; loops and conditions ask them.
 
     Raises:
         InputError: no program begins; while the lines are gone through: calls within calls without
@@ -68,7 +71,7 @@ def in_order(text: str, name: str) -> tuple[Iterator[Line], list[Line]]:
         if (target := (_call(raw, programs) or ("",))[0])
     }  # fmt: skip
     if not called:
-        return iter(listed), []
+        return Flow(listed, variables, name).lines(), []
     free = [key for key in programs.lines if key not in called and programs.lines[key]]
     if not free:
         raise InputError(
@@ -86,7 +89,7 @@ def in_order(text: str, name: str) -> tuple[Iterator[Line], list[Line]]:
         for lines in programs.lines.values() for number, raw in lines
         if (found := _call(raw, programs)) is not None and found[1] == 0
     ]  # fmt: skip
-    return _run(programs, first, 0, name, [0]), notes
+    return _Runner(programs, variables, name).run(first, 0), notes
 
 
 def _parted(listed: list[Line]) -> _Programs:
@@ -144,36 +147,42 @@ def _call(raw: str, programs: _Programs) -> tuple[str, int, str, str] | None:
     return None if target is None else (target, int(found[3] or 1), "", "")
 
 
-def _run(programs: _Programs, name: str, depth: int, file: str, count: list[int]) -> Iterator[Line]:
-    """The lines of a program and of those that it calls."""
-    for number, raw in programs.lines[name]:
-        count[0] += 1
-        if depth > DEEPEST or count[0] > MOST_LINES:
-            raise InputError(
-                f"{file}, line {number}: calls of sub-programs more than {DEEPEST} deep, or more "
-                f"than {MOST_LINES:,} lines in all; expected calls that end"
-            )
-        code = _code(raw)
-        if _END_SUB.match(code):
-            return
-        if depth and _RETURN.search(code):
-            rest = _RETURN.sub("", code)
-            if _P.search(rest):
-                # back to another line than that of the call
-                yield number, f"GOTO {rest.strip()}"
+class _Runner:
+    """Goes through a program and those that it calls."""
+
+    def __init__(self, programs: _Programs, variables: Variables, file: str) -> None:
+        self._programs = programs
+        self._variables = variables
+        self._file = file
+        self._count = 0
+
+    def run(self, name: str, depth: int) -> Iterator[Line]:
+        """The lines of a program and of those that it calls."""
+        for number, raw in Flow(self._programs.lines[name], self._variables, self._file).lines():
+            self._count += 1
+            if depth > DEEPEST or self._count > MOST_LINES:
+                raise InputError(
+                    f"{self._file}, line {number}: calls of sub-programs more than {DEEPEST} deep, "
+                    f"or more than {MOST_LINES:,} lines in all; expected calls that end"
+                )
+            code = _code(raw)
+            if _END_SUB.match(code):
                 return
+            if depth and _RETURN.search(code):
+                rest = _RETURN.sub("", code)
+                # back to another line than that of the call
+                yield number, f"GOTO {rest.strip()}" if _P.search(rest) else rest
+                return
+            call = _call(raw, self._programs)
+            if call is None:
+                yield number, raw
+                continue
+            target, times, rest, arguments = call
             yield number, rest
-            return
-        call = _call(raw, programs)
-        if call is None:
-            yield number, raw
-            continue
-        target, times, rest, arguments = call
-        yield number, rest
-        own = _O_CALL.match(code) is not None
-        if own:
-            yield number, f"{ENTER}{arguments}"
-        for _ in range(times):
-            yield from _run(programs, target, depth + 1, file, count)
-        if own:
-            yield number, LEAVE
+            own = _O_CALL.match(code) is not None
+            if own:
+                yield number, f"{ENTER}{arguments}"
+            for _ in range(times):
+                yield from self.run(target, depth + 1)
+            if own:
+                yield number, LEAVE

@@ -7,12 +7,15 @@ Assignments and arithmetic; angles in degrees. What a file does not set, the con
 from __future__ import annotations
 
 import math
+import operator
 import re
 from collections.abc import Callable
 
 from irb2400_ctrl.errors import InputError
-from irb2400_ctrl.planners.toolpath.readers.gcode.subprograms import ENTER, LEAVE
 
+# between the lines: a program of LinuxCNC begins, with its arguments, and ends; no text has a zero
+ENTER = "\0enter "
+LEAVE = "\0leave"
 _NUMBER = re.compile(r"\s*(\d+\.?\d*|\.\d+)")
 _NAME = re.compile(r"\s*([A-Z]+2?)\s*(?=\[)")
 _SET = re.compile(r"\s*(?:N\d+\s*)?(?:#\s*(\d+|<\w+>)|(R\d+))\s*=(?!=)")
@@ -45,6 +48,14 @@ FUNCTIONS: dict[str, Callable[[float], float]] = {
     "POT": lambda x: x * x,
     "EXP": math.exp,
     "LN": math.log,
+}
+COMPARISONS: dict[str, Callable[[float, float], bool]] = {
+    "EQ": operator.eq,
+    "NE": operator.ne,
+    "GT": operator.gt,
+    "GE": operator.ge,
+    "LT": operator.lt,
+    "LE": operator.le,
 }
 # what each sub-program of LinuxCNC has for itself
 _LOCAL = re.compile(r"[1-9]|[12]\d|30|<[^_]\w*>")
@@ -84,6 +95,22 @@ class Variables:
         given = self._arguments(order.removeprefix(ENTER).upper(), place)
         given += [0.0] * (MOST_ARGUMENTS - len(given))
         self._known = shared | {str(number): value for number, value in enumerate(given, 1)}
+
+    def value(self, code: str, place: str) -> float:
+        """An expression, such as a condition in brackets: 1 where it holds.
+
+        Args:
+            code: upper case, without comments.
+            place: for messages.
+
+        Raises:
+            InputError: a variable that is not set, or no expression.
+        """
+        reader = _Expression(code, 0, self._known, place)
+        found = reader.signed()
+        if code[reader.at :].strip():
+            raise InputError(f"{place}: found {code.strip()[:30]!r}, expected one condition")
+        return found
 
     def _arguments(self, code: str, place: str) -> list[float]:
         found = []
@@ -195,9 +222,23 @@ class _Expression:
     def bracket(self) -> float:
         """[ and ] with an expression between them."""
         self._expect("[")
-        value = self.sum()
+        value = self._logic()
         self._expect("]")
         return value
+
+    def _logic(self) -> float:
+        """Comparisons joined by AND, OR, XOR; 1 where they hold. Without any, a sum."""
+        value = self._comparison()
+        while word := self._taken("AND", "OR", "XOR"):
+            other = self._comparison() != 0
+            joined = {"AND": value != 0 and other, "OR": value != 0 or other}
+            value = float(joined.get(word, (value != 0) != other))
+        return value
+
+    def _comparison(self) -> float:
+        value = self.sum()
+        word = self._taken(*COMPARISONS)
+        return float(COMPARISONS[word](value, self.sum())) if word else value
 
     def _product(self) -> float:
         value = self._power()

@@ -1,0 +1,243 @@
+"""Loops and conditions of G-code, as far as what they ask is set by the file: WHILE … DO1, IF …
+GOTO, IF … THEN (Fanuc), o100 while, do, repeat, if (LinuxCNC).
+
+The lines are given out one by one, so that a condition finds the variables as the lines before it
+have set them.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.planners.toolpath.readers.gcode.variables import Variables
+
+Line = tuple[int, str]
+_O_WORD = re.compile(
+    r"^\s*(?:N\d+\s*)?O\s*(\d+|<\w+>)\s+"
+    r"(WHILE|ENDWHILE|DO|IF|ELSEIF|ELSE|ENDIF|REPEAT|ENDREPEAT|BREAK|CONTINUE)\b(.*)$",
+    re.IGNORECASE,
+)
+_WHILE = re.compile(r"^\s*(?:N\d+\s*)?WHILE\s*(\[.*\])\s*DO\s*(\d+)\s*$", re.IGNORECASE)
+_END = re.compile(r"^\s*(?:N\d+\s*)?END\s*(\d+)\s*$", re.IGNORECASE)
+_GOTO = re.compile(
+    r"^\s*(?:N\d+\s*)?(?:IF\s*(\[.*\])\s*)?GOTO\s*(\d+|#\d+|\[.*\])\s*$", re.IGNORECASE
+)
+_THEN = re.compile(r"^\s*(?:N\d+\s*)?IF\s*(\[.*\])\s*THEN\s*(#.*)$", re.IGNORECASE)
+_PROGRAM_END = re.compile(r"(?<![A-Z])M\s*0*(?:2|30|99)(?!\d)", re.IGNORECASE)
+_COMMENT = re.compile(r"\([^()]*\)|;.*|^\s*//.*")
+ERROR = "\0error "
+"""begins a line that stands for one that cannot be carried out, with what is to be said"""
+MOST_LINES = 2_000_000
+
+
+@dataclass
+class _Word:
+    """A line with an o-word."""
+
+    label: str
+    kind: str
+    rest: str
+
+
+class Flow:
+    """Goes through the lines of one program."""
+
+    def __init__(self, lines: list[Line], variables: Variables, file: str) -> None:
+        self._lines = lines
+        self._variables = variables
+        self._file = file
+        self._left: dict[int, int] = {}
+        """how often each repeat in hand is still to come, by its index"""
+        self._codes = [_COMMENT.sub(" ", raw).strip().upper() for _, raw in lines]
+        self._words = {
+            at: _Word(found[1], found[2], found[3])
+            for at, code in enumerate(self._codes)
+            if (found := _O_WORD.match(code))
+        }
+
+    def lines(self) -> Iterator[Line]:
+        """Those that remain, in the order in which they are carried out. What cannot be steered
+        comes as an error in its line, and it goes on behind it.
+
+        Raises:
+            InputError: a loop without an end.
+        """
+        at = 0
+        count = 0
+        while at < len(self._lines):
+            number, raw = self._lines[at]
+            count += 1
+            if count > MOST_LINES:
+                raise InputError(
+                    f"{self._file}, line {number}: more than {MOST_LINES:,} lines are carried out; "
+                    "expected loops and jumps that end"
+                )
+            try:
+                follows = self._follows(at, f"{self._file}, line {number}")
+            except InputError as error:
+                yield number, f"{ERROR}{error}"
+                at += 1
+                continue
+            if isinstance(follows, int):
+                at = follows
+                continue
+            yield number, raw if follows is None else follows
+            at += 1
+            if _PROGRAM_END.search(self._codes[at - 1]):
+                # what stands behind the end is said, and not carried out
+                yield from self._lines[at:]
+                return
+
+    def _follows(self, at: int, place: str) -> int | str | None:
+        """The index that comes next, or the line in the place of this one; None: as it stands."""
+        code = self._codes[at]
+        if at in self._words:
+            return self._o_word(at, self._words[at], place)
+        if found := _WHILE.match(code):
+            end = self._matching(at, _END, found[2], place, 1)
+            return at + 1 if self._holds(found[1], place) else end + 1
+        if found := _END.match(code):
+            return self._matching(at, _WHILE, found[1], place, -1)
+        if found := _THEN.match(code):
+            return found[2] if self._holds(found[1], place) else at + 1
+        if found := _GOTO.match(code):
+            if found[1] and not self._holds(found[1], place):
+                return at + 1
+            return self._numbered(at, self._variables.value(found[2], place), place)
+        return None
+
+    def _holds(self, condition: str, place: str) -> bool:
+        return self._variables.value(condition, place) != 0
+
+    def _matching(
+        self, at: int, pattern: re.Pattern[str], number: str, place: str, step: int
+    ) -> int:
+        """The nearest line of WHILE or END with this number.
+
+        Args:
+            at: index to begin at.
+            pattern: of the line; its last group is the number.
+            number: of the loop.
+            place: for messages.
+            step: 1 forwards, -1 backwards.
+
+        Raises:
+            InputError: there is none.
+        """
+        at += step
+        while 0 <= at < len(self._codes):
+            found = pattern.match(self._codes[at])
+            if found and found.groups()[-1] == number:
+                return at
+            at += step
+        raise InputError(f"{place}: the loop {number} has no other end; expected WHILE and END")
+
+    def _numbered(self, at: int, number: float, place: str) -> int:
+        """The block N of this number: ahead first, then from the beginning.
+
+        Args:
+            at: index to begin at.
+            number: of the block.
+            place: for messages.
+
+        Raises:
+            InputError: there is none.
+        """
+        target = re.compile(rf"N\s*0*{number:.0f}(?!\d)")
+        order: list[int] = [*range(at + 1, len(self._codes)), *range(at + 1)]
+        for index in order:
+            if target.match(self._codes[index]):
+                return index
+        raise InputError(f"{place}: GOTO {number:g}, and no block N{number:g} is in the program")
+
+    def _o_word(self, at: int, word: _Word, place: str) -> int:
+        """Where an o-word leads.
+
+        Args:
+            at: its index.
+            word: it.
+            place: for messages.
+        """
+        loops = ("ENDWHILE", "ENDREPEAT", "WHILE")
+        match word.kind:
+            case "WHILE":
+                return self._while(at, word, place)
+            case "REPEAT":
+                return self._repeat(at, word, place)
+            case "IF":
+                return self._branch(at, word, place)
+            case "ELSEIF" | "ELSE":
+                # a branch that was carried out ends here
+                return self._end(at, word, place, "ENDIF") + 1
+            case "ENDWHILE":
+                return self._begin(at, word, place, "WHILE")
+            case "ENDREPEAT":
+                return self._again(at, word, place)
+            case "BREAK":
+                return self._end(at, word, place, *loops) + 1
+            case "CONTINUE":
+                return self._end(at, word, place, *loops)
+            case _:
+                return at + 1
+
+    def _while(self, at: int, word: _Word, place: str) -> int:
+        """At the head of a loop, or at the foot of one that begins with DO."""
+        holds = self._holds(word.rest, place)
+        foot = self._find(at, word, -1, "DO", "ENDWHILE")
+        if foot is not None and self._words[foot].kind == "DO":
+            return foot + 1 if holds else at + 1
+        end = self._end(at, word, place, "ENDWHILE")
+        return at + 1 if holds else end + 1
+
+    def _repeat(self, at: int, word: _Word, place: str) -> int:
+        times = self._variables.value(word.rest, place)
+        if times != int(times) or times > MOST_LINES:
+            raise InputError(f"{place}: repeat [{times:g}], expected a whole number")
+        self._left[at] = int(times)
+        end = self._end(at, word, place, "ENDREPEAT")
+        return at + 1 if times > 0 else end + 1
+
+    def _again(self, at: int, word: _Word, place: str) -> int:
+        begin = self._begin(at, word, place, "REPEAT")
+        self._left[begin] = self._left.get(begin, 1) - 1
+        return begin + 1 if self._left[begin] > 0 else at + 1
+
+    def _branch(self, at: int, word: _Word, place: str) -> int:
+        """Behind the first IF or ELSEIF that holds, or behind ELSE."""
+        self._end(at, word, place, "ENDIF")
+        while word.kind in {"IF", "ELSEIF"} and not self._holds(word.rest, place):
+            at = self._end(at, word, place, "ELSEIF", "ELSE", "ENDIF")
+            word = self._words[at]
+        return at + 1
+
+    def _end(self, at: int, word: _Word, place: str, *kinds: str) -> int:
+        found = self._find(at, word, 1, *kinds)
+        if found is None:
+            raise InputError(f"{place}: o{word.label} {word.kind} without {' or '.join(kinds)}")
+        return found
+
+    def _begin(self, at: int, word: _Word, place: str, kind: str) -> int:
+        found = self._find(at, word, -1, kind)
+        if found is None:
+            raise InputError(f"{place}: o{word.label} {word.kind} without {kind}")
+        return found
+
+    def _find(self, at: int, word: _Word, step: int, *kinds: str) -> int | None:
+        """The nearest o-word of this label and one of these kinds.
+
+        Args:
+            at: index to begin at.
+            word: whose label it is.
+            step: 1 forwards, -1 backwards.
+            kinds: of the word.
+        """
+        at += step
+        while 0 <= at < len(self._codes):
+            other = self._words.get(at)
+            if other and other.label == word.label and other.kind in kinds:
+                return at
+            at += step
+        return None
