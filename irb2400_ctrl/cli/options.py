@@ -130,6 +130,15 @@ RotaryOption = Annotated[
         "--rotary", help="Rotary axes of the machine from part to tool, for 5-axis G-code: C,A."
     ),
 ]
+WorkOffsetOption = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--work-offset",
+        metavar="NAME=X,Y,Z,RX,RY,RZ",
+        help="Where another work frame of the control lies in the first that the file uses "
+        "[mm, deg]: G55=200,0,0,0,0,0; may be given again.",
+    ),
+]
 FreeOption = Annotated[
     bool,
     typer.Option(

@@ -14,6 +14,7 @@ from irb2400_ctrl.cli.options import (
     ToolOption,
     UnitsOption,
     WorkFrameOption,
+    WorkOffsetOption,
     input_file,
 )
 from irb2400_ctrl.cli.planning import bag
@@ -54,6 +55,7 @@ def show(
     ],
     units: UnitsOption = None,
     rotary: RotaryOption = None,
+    work_offset: WorkOffsetOption = None,
     work_frame: WorkFrameOption = None,
     cell: CellOption = None,
     tool: ToolOption = None,
@@ -63,7 +65,9 @@ def show(
 
     from irb2400_ctrl.planners import read_program
 
-    program = read_program(file, units=units, rotary=rotary, strict=False)
+    program = read_program(
+        file, units=units, rotary=rotary, work_offsets=work_offset or (), strict=False
+    )
     count = len(program.operations)
     operations = "1 operation" if count == 1 else f"{count} operations"
     print(f"{program.name}: {program.dialect}, {operations}")

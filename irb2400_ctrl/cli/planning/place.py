@@ -13,8 +13,10 @@ from irb2400_ctrl.cli.options import (
     FreeOption,
     OutOption,
     RobotOption,
+    RotaryOption,
     ToolOption,
     UnitsOption,
+    WorkOffsetOption,
     input_file,
     load_arm,
     output_folder,
@@ -84,6 +86,8 @@ def place(
     cell: CellOption = None,
     tool: ToolOption = None,
     units: UnitsOption = None,
+    rotary: RotaryOption = None,
+    work_offset: WorkOffsetOption = None,
     cutting_force: CuttingForceOption = None,
     joint_stiffness: StiffnessOption = None,
     plan: PlanOption = False,
@@ -101,7 +105,10 @@ def place(
     from irb2400_ctrl.report.pages.placement_page import placement_page
 
     around = _cell_of(cell)
-    programs = [read_program(part, units=units) for part in parts]
+    programs = [
+        read_program(part, units=units, rotary=rotary, work_offsets=work_offset or ())
+        for part in parts
+    ]
     arm = load_arm(robot)
     load = cutting_load(arm, cutting_force, joint_stiffness, None)
     start = None if work_frame is None else pose_of(work_frame)

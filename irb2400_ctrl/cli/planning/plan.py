@@ -18,6 +18,7 @@ from irb2400_ctrl.cli.options import (
     ToolOption,
     UnitsOption,
     WorkFrameOption,
+    WorkOffsetOption,
     input_file,
     interpolations_named,
     load_arm,
@@ -186,6 +187,7 @@ def plan(
     positioner: PositionerOption = None,
     units: UnitsOption = None,
     rotary: RotaryOption = None,
+    work_offset: WorkOffsetOption = None,
     spindle_rpm: SpindleOption = None,
     links: LinksOption = None,
     clearance: ClearanceOption = None,
@@ -198,10 +200,7 @@ def plan(
     """Plan a toolpath: branch, tool rotation, torque-limited timing -> trajectory.csv, plan.json,
     report.html."""
     input_file(path, "a toolpath (CSV, APT/CLDATA or G-code)")
-    from irb2400_ctrl.planners import read_program
-
-    read = read_program(path, units=units, rotary=rotary, spindle_rpm=spindle_rpm)
-    program = _only(read, operation)
+    program = _read(path, operation, units, rotary, spindle_rpm, work_offset)
     output_folder(out)
     arm = load_arm(robot)
     pose, around, frame = placed(work_frame, cell, positioner)
@@ -234,13 +233,32 @@ def _in_parts(job: Job) -> bool:
     return job.links.ends or len(operations) > 1 or any(map(waits, operations))
 
 
-def _only(program: CamProgram, operation: str | None) -> CamProgram:
-    """The program with this operation alone; all of it with None."""
-    return (
-        program
-        if operation is None
-        else replace(program, operations=(program.operation(operation),))
+def _read(
+    path: Path,
+    operation: str | None,
+    units: str | None,
+    rotary: str | None,
+    spindle_rpm: float | None,
+    offsets: list[str] | None,
+) -> CamProgram:
+    """The program of a file, with one operation alone where that is asked for.
+
+    Args:
+        path: of the file.
+        operation: number or name; None: all of them.
+        units: unit of length, against what the file says.
+        rotary: rotary axes of the machine.
+        spindle_rpm: for feeds per revolution.
+        offsets: where work frames of the control lie.
+    """
+    from irb2400_ctrl.planners import read_program
+
+    program = read_program(
+        path, units=units, rotary=rotary, spindle_rpm=spindle_rpm, work_offsets=offsets or ()
     )
+    if operation is None:
+        return program
+    return replace(program, operations=(program.operation(operation),))
 
 
 def _say_assumed(program: CamProgram, options: dict[str, Any]) -> None:

@@ -4,6 +4,7 @@ Heidenhain's plain language."""
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from dataclasses import replace
 from pathlib import Path
 
@@ -25,6 +26,7 @@ from irb2400_ctrl.planners.toolpath.readers.program_builder import (
 from irb2400_ctrl.planners.toolpath.readers.text import read_text
 from irb2400_ctrl.planners.toolpath.tool_lengths import tool_lengths
 from irb2400_ctrl.planners.toolpath.toolpath import ToolPath
+from irb2400_ctrl.planners.toolpath.work_frame import named_frames
 
 # a path that is as small as this is more likely one in metres [m]
 TINY = 5e-3
@@ -38,6 +40,7 @@ def read_path(
     units: str | None = None,
     rotary: str | None = None,
     spindle_rpm: float | None = None,
+    work_offsets: Iterable[str] = (),
     chord: float = CHORD,
 ) -> ToolPath:
     """The tool path in a file: that of its only operation, or of the chosen one.
@@ -47,13 +50,22 @@ def read_path(
         units: unit of length, against what the file says: "mm", "cm", "m", "inch" or "foot".
         rotary: rotary axes of the machine from part to tool, for 5-axis G-code ("C,A").
         spindle_rpm: speed of the spindle for feeds per revolution where the file states none.
+        work_offsets: where the control's work frames lie in the first that the file uses, such as
+            "G55=200,0,0,0,0,0" [mm, deg].
         chord: how far arcs and splines may lie beside the straight moves that stand for them [m].
 
     Raises:
         InputError: no such file, a line that cannot be read (the message has its number), or
             several operations and no choice.
     """
-    program = read_program(file, units=units, rotary=rotary, spindle_rpm=spindle_rpm, chord=chord)
+    program = read_program(
+        file,
+        units=units,
+        rotary=rotary,
+        spindle_rpm=spindle_rpm,
+        work_offsets=work_offsets,
+        chord=chord,
+    )
     return program.operation(operation).path
 
 
@@ -63,6 +75,7 @@ def read_program(
     units: str | None = None,
     rotary: str | None = None,
     spindle_rpm: float | None = None,
+    work_offsets: Iterable[str] = (),
     chord: float = CHORD,
     strict: bool = True,
     most_points: int = MOST_POINTS,
@@ -74,7 +87,7 @@ def read_program(
         strict: refuse the file at a statement that is not understood; else list it in `notes`, to
             look at the file (its motion may then be incomplete).
         most_points: limit of the number of way-points.
-        file, units, rotary, spindle_rpm, chord: as in `read_path`.
+        file, units, rotary, spindle_rpm, work_offsets, chord: as in `read_path`.
 
     Raises:
         InputError: as in `read_path`.
@@ -84,6 +97,7 @@ def read_program(
         raise InputError(f"units: found {units!r}, expected one of {', '.join(LENGTHS)}")
     if spindle_rpm is not None and not 0 < spindle_rpm < math.inf:
         raise InputError(f"spindle_rpm: found {spindle_rpm}, expected a positive speed [1/min]")
+    frames = named_frames(work_offsets)
     text = read_text(path)
     kind = dialect(text, path)
     if kind == "CSV":
@@ -98,9 +112,9 @@ def read_program(
             default_spindle=2 * math.pi * (spindle_rpm or 0.0) / 60,
         )
         if kind == "G-code":
-            program = read_gcode(text, str(path), builder, units, rotary)
+            program = read_gcode(text, str(path), builder, units, rotary, frames)
         elif kind == HEIDENHAIN:
-            program = read_heidenhain(text, str(path), builder, units, rotary)
+            program = read_heidenhain(text, str(path), builder, units, rotary, frames)
         else:
             program = read_apt(text, str(path), kind, builder, units)
     if units is None:

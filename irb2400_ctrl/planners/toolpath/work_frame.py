@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 
 import numpy as np
 
@@ -36,6 +37,31 @@ def work_frame(values_mm_deg: str | tuple[float, ...]) -> Array:
     X[:3, :3] = _turn(2, rz) @ _turn(1, ry) @ _turn(0, rx)
     X[:3, 3] = np.array(values[:3]) / 1e3
     return X
+
+
+def named_frames(texts: Iterable[str]) -> dict[str, Array]:
+    """The poses of a control's work frames by their names, of texts such as
+    `G55=200,0,0,0,0,90`.
+
+    Raises:
+        InputError: a text without a name or a pose, a name twice.
+    """
+    frames: dict[str, Array] = {}
+    for text in texts:
+        name, equals, pose = text.rpartition("=")
+        key = frame_key(name)
+        if not equals or not key or key in frames:
+            raise InputError(
+                f"work offset: found {text!r}, expected the name of a work frame and its pose, "
+                "each once, such as G55=200,0,0,0,0,0"
+            )
+        frames[key] = work_frame(pose)
+    return frames
+
+
+def frame_key(name: str) -> str:
+    """A name without blanks, in capitals: G54.1P3."""
+    return "".join(name.split()).upper()
 
 
 def _turn(index: int, angle: float) -> Array:

@@ -46,6 +46,40 @@ def test_the_same_work_frame_named_again(tmp_path: Path, first: str, second: str
     assert np.allclose(1e3 * found.path.position[-1], [2, 1, 1])
 
 
+@pytest.mark.parametrize("name", ["G55", "G54.1 P3", "G15 H2"])
+def test_a_work_frame_whose_place_is_stated(tmp_path: Path, name: str) -> None:
+    file = tmp_path / "part.nc"
+    file.write_text(CUT.format(first="G54", second=name).replace("M30", "G0 Z9\nG54\nX7\nM30"))
+    said = [f"{name.replace(' ', '').lower()}=100,0,10,0,0,90"]
+    read = read_program(file, work_offsets=said)
+    points = 1e3 * read.operation().path.position
+    # X2 Y1 of a frame turned by 90 deg is X-1 Y2; G54 is where it was
+    expected = [[1, 1, 9], [1, 1, 1], [1, 1, 9], [99, 2, 19], [99, 2, 11], [99, 2, 19], [7, 2, 19]]
+    assert np.allclose(points, expected)
+    with pytest.raises(InputError, match=r"state it \(--work-offset"):
+        read_program(file, work_offsets=["G57=1,2,3"])
+
+
+@pytest.mark.parametrize("said", [["G55"], ["=1,2,3"], ["G55=1,2"], ["G55=1,2,3", "g55=0,0,0"]])
+def test_work_frames_that_are_stated_wrongly(tmp_path: Path, said: list[str]) -> None:
+    file = tmp_path / "part.nc"
+    file.write_text(CUT.format(first="G54", second="G55"))
+    with pytest.raises(InputError, match=r"work (offset|frame): found"):
+        read_program(file, work_offsets=said)
+
+
+def test_a_preset_whose_place_is_stated(tmp_path: Path) -> None:
+    file = tmp_path / "part.h"
+    file.write_text(
+        "BEGIN PGM A MM\nCYCL DEF 247 DATUM ~\n Q339=+1\nL X+0 Y+0 Z+9 FMAX\nL Z+1 F60\n"
+        "CYCL DEF 247 DATUM ~\n Q339=+2\nL X+1\nEND PGM A MM\n"
+    )
+    found = read_program(file, work_offsets=["PRESET 2=50,0,0"]).operation().path.position
+    assert np.allclose(1e3 * found[-1], [51, 0, 1])
+    with pytest.raises(InputError, match="preset 2 after motion in preset 1"):
+        read_program(file)
+
+
 def test_sub_programs_of_another_file_are_not_passed_over(tmp_path: Path) -> None:
     file = tmp_path / "part.mpf"
     file.write_text("G710 G90\nG0 X0 Y0 Z9\nL100 P2\nG1 X5 F100\nM30\n")

@@ -9,6 +9,7 @@ from dataclasses import replace
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.planners.toolpath.cam_program import Spindle, Tool
 from irb2400_ctrl.planners.toolpath.readers.feed import INCH, MM
+from irb2400_ctrl.planners.toolpath.readers.gcode.cycles import dwell_seconds
 from irb2400_ctrl.planners.toolpath.readers.gcode.frames import PROGRAMMED
 from irb2400_ctrl.planners.toolpath.readers.gcode.state import GcodeState
 from irb2400_ctrl.planners.toolpath.readers.program_builder import ProgramBuilder
@@ -107,6 +108,22 @@ class GcodeMachine:
             self._unit(20 if (unit[1] or unit[2])[0] in "iI" else 21, text)
         elif message:
             builder.event("message", message.group(1))
+
+    def dwell(self, values: dict[str, float]) -> dict[str, float]:
+        """G4 P, X or F: seconds, or milliseconds where there are very many; what is left of the
+        block: a move in it comes after the dwell (LinuxCNC)."""
+        builder = self._builder
+        word = next((letter for letter in "PXF" if letter in values), "")
+        stated = values.get(word, -1.0)
+        if stated < 0:
+            raise InputError(f"{builder.place}: G4 states no time, expected G4 P or X")
+        seconds = dwell_seconds(stated)
+        if seconds != stated:
+            builder.note("assumed", "a dwell of 100 or more is in milliseconds")
+        elif "P" in values and stated >= 1:
+            builder.note("assumed", "G4 P of less than 100 is in seconds")
+        builder.dwell(seconds)
+        return {key: value for key, value in values.items() if key != word}
 
     def _unit(self, code: int, text: str) -> None:
         """A comment names the unit of lengths: it counts where no code has said one."""

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.planners.toolpath.cam_program import CamProgram
 from irb2400_ctrl.planners.toolpath.readers.feed import LENGTHS
@@ -16,7 +17,7 @@ from irb2400_ctrl.planners.toolpath.readers.gcode.codes import (
     without_owned,
 )
 from irb2400_ctrl.planners.toolpath.readers.gcode.control import is_siemens
-from irb2400_ctrl.planners.toolpath.readers.gcode.cycles import CYCLES, dwell_seconds
+from irb2400_ctrl.planners.toolpath.readers.gcode.cycles import CYCLES
 from irb2400_ctrl.planners.toolpath.readers.gcode.decimal_points import without_point
 from irb2400_ctrl.planners.toolpath.readers.gcode.frames import GcodeFrames
 from irb2400_ctrl.planners.toolpath.readers.gcode.machine import GcodeMachine
@@ -38,6 +39,7 @@ def read_gcode(
     builder: ProgramBuilder,
     units: str | None = None,
     rotary: str | None = None,
+    frames: Mapping[str, Array] | None = None,
 ) -> CamProgram:
     """All operations of a G-code file.
 
@@ -47,11 +49,12 @@ def read_gcode(
         builder: that takes the moves.
         units: unit of length, against G20 and G21.
         rotary: the machine's rotary axes from part to tool, such as "C,A".
+        frames: poses of work frames such as G55 in the first one, by their keys.
 
     Raises:
         InputError: a word that is not known or not read, with its line.
     """
-    reader = _Reader(builder, units, None if rotary is None else Rotary.of(rotary))
+    reader = _Reader(builder, units, None if rotary is None else Rotary.of(rotary), frames)
     reader.siemens = is_siemens(text, name)
     variables = Variables()
     lines, notes = in_order(text, name, variables)
@@ -83,7 +86,13 @@ def read_gcode(
 class _Reader:
     """Goes through the blocks; within a block in the order of RS-274."""
 
-    def __init__(self, builder: ProgramBuilder, units: str | None, rotary: Rotary | None) -> None:
+    def __init__(
+        self,
+        builder: ProgramBuilder,
+        units: str | None,
+        rotary: Rotary | None,
+        frames: Mapping[str, Array] | None,
+    ) -> None:
         self._builder = builder
         self._state = GcodeState()
         if units is not None:
@@ -94,7 +103,7 @@ class _Reader:
         self._motion = GcodeMotion(builder, self._state, rotary)
         self._machine = GcodeMachine(builder, self._state)
         self._frames = GcodeFrames(builder, self._state)
-        self._offsets = WorkOffsets(builder, self._state)
+        self._offsets = WorkOffsets(builder, self._state, frames)
         self._again = False
         self.ended = False
         self.siemens = False
@@ -116,7 +125,7 @@ class _Reader:
         return "mm" if self._state.unit == LENGTHS["mm"] else "inch"
 
     def end(self) -> None:
-        """The file ends: nothing may be left open."""
+        """Nothing may be left open."""
         self._motion.splines.none_open()
 
     def flat(self) -> None:
@@ -136,8 +145,10 @@ class _Reader:
                 )
             )
         elif lost:
-            says = f"the program has ended: {lost} blocks with places behind it are left out"
-            self._builder.note("assumed", says)
+            self._builder.note(
+                "assumed",
+                f"the program has ended: {lost} blocks with places behind it are left out",
+            )
 
     def block(self, block: Block) -> None:
         """One line."""
@@ -155,7 +166,7 @@ class _Reader:
             builder.note("ignored", "G5, G5.1: look-ahead")
             codes = [code for code in codes if code not in {5, 5.1}]
         if 4 in codes:
-            values = self._dwell(values)
+            values = self._machine.dwell(values)
         functions = [int(code) for code in block.codes("M")]
         if self.siemens and "L" in values and not CYCLES.keys() & {*codes, self._state.motion}:
             functions += self._machine.library(values["L"])
@@ -265,22 +276,6 @@ class _Reader:
             self._machine_place([53, *codes] if "SUPA" in orders else codes, values)
             return True
         return 28.1 in codes
-
-    def _dwell(self, values: dict[str, float]) -> dict[str, float]:
-        """G4 P, X or F: seconds, or milliseconds where there are very many; what is left of the
-        block: a move in it comes after the dwell (LinuxCNC)."""
-        builder = self._builder
-        word = next((letter for letter in "PXF" if letter in values), "")
-        stated = values.get(word, -1.0)
-        if stated < 0:
-            raise InputError(f"{builder.place}: G4 states no time, expected G4 P or X")
-        seconds = dwell_seconds(stated)
-        if seconds != stated:
-            builder.note("assumed", "a dwell of 100 or more is in milliseconds")
-        elif "P" in values and stated >= 1:
-            builder.note("assumed", "G4 P of less than 100 is in seconds")
-        builder.dwell(seconds)
-        return {key: value for key, value in values.items() if key != word}
 
     def _after_cycle(self) -> None:
         """Axis words after G80: G0 or G1 from before the cycle goes on (Fanuc)."""

@@ -41,6 +41,8 @@ class GcodeState:
     work_offset: str = ""
     at: list[float | None] = field(default_factory=lambda: [None, None, None])
     """place in the (tilted) work frame [m]; None where the file has not stated it yet"""
+    work_pose: Array = field(default_factory=lambda: np.eye(4))
+    """pose of the work frame in force in the first one"""
     offset: Array = field(default_factory=lambda: np.eye(4))
     """pose of the shifted zero (G52, G92) in the work frame"""
     plane_pose: Array = field(default_factory=lambda: np.eye(4))
@@ -64,8 +66,8 @@ class GcodeState:
 
     @property
     def tilt(self) -> Array:
-        """Pose in the work frame of the frame that coordinates are stated in, shape (4, 4)."""
-        return self.offset @ self.plane_pose @ self.turned
+        """Pose in the first work frame of the frame that coordinates are in, shape (4, 4)."""
+        return self.work_pose @ self.offset @ self.plane_pose @ self.turned
 
     def set_units(self, code: int, *, feeds: bool = True) -> None:
         """G20 or G21; without `feeds` for places and lengths alone, feeds are in mm then."""
@@ -149,7 +151,7 @@ class GcodeState:
         return np.asarray(self.tilt[:3, :3] @ p + self.tilt[:3, 3])
 
     def reframe(self, **frames: Array) -> None:
-        """Other poses of `offset`, `plane_pose` or `turned`; the tool stays where it is."""
+        """Other poses of `work_pose`, `offset`, `plane_pose`, `turned`; the tool stays."""
         old = self.tilt
         for name, pose in frames.items():
             setattr(self, name, pose)

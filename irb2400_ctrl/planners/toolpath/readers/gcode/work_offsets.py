@@ -3,9 +3,15 @@ G15 H (Okuma)."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
+import numpy as np
+
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.planners.toolpath.readers.gcode.state import GcodeState
 from irb2400_ctrl.planners.toolpath.readers.program_builder import ProgramBuilder
+from irb2400_ctrl.planners.toolpath.work_frame import frame_key
 
 # with a number behind P: G54.1 P1 … (Fanuc), G154 P1 … (Haas)
 MANY = frozenset([54.1, 154])
@@ -25,12 +31,18 @@ def selects(code: float) -> bool:
 
 
 class WorkOffsets:
-    """Which of them is in force. How two of them lie to each other is stored in the control."""
+    """Which of them is in force. How two of them lie to each other is stored in the control: the
+    user says it, or a file with two of them is refused."""
 
-    def __init__(self, builder: ProgramBuilder, state: GcodeState) -> None:
+    def __init__(
+        self, builder: ProgramBuilder, state: GcodeState, poses: Mapping[str, Array] | None = None
+    ) -> None:
         self._builder = builder
         self._state = state
+        self._poses = poses or {}
+        """by their keys, all in one frame"""
         self._used = ""
+        self._first = ""
 
     def select(self, codes: list[float], values: dict[str, float]) -> list[float]:
         """Take the frame that a block names; the codes that are left.
@@ -63,16 +75,23 @@ class WorkOffsets:
         return [code for code in codes if not selects(code)]
 
     def used(self) -> None:
-        """A move in the frame in force.
+        """A move in the frame in force: its places are brought into the common one.
 
         Raises:
-            InputError: after one in another frame.
+            InputError: after a move in another frame, and where they are is not stated.
         """
         offset = self._state.work_offset
+        if offset == self._used:
+            return
         if not self._used:
-            self._used = offset
-        elif offset != self._used:
+            self._first = offset
+        pose = self._poses.get(frame_key(offset), np.eye(4) if offset == self._first else None)
+        if pose is None:
             raise InputError(
                 f"{self._builder.place}: {offset} after motion in {self._used}: how the two lie to "
-                "each other is stored in the control, not in the file; split the file"
+                "each other is stored in the control, not in the file; state it "
+                f'(--work-offset "{offset}=X,Y,Z,RX,RY,RZ", in the frame of {self._first}), or '
+                "split the file"
             )
+        self._used = offset
+        self._state.reframe(work_pose=pose)

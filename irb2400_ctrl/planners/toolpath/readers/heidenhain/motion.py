@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.planners.toolpath.readers.feed import Feed
 from irb2400_ctrl.planners.toolpath.readers.gcode.motion import GcodeMotion
@@ -34,6 +36,7 @@ class PlainMotion:
         state: GcodeState,
         machine: PlainMachine,
         rotary: Rotary | None,
+        frames: Mapping[str, Array] | None,
     ) -> None:
         self._builder = builder
         self._state = state
@@ -41,7 +44,7 @@ class PlainMotion:
         self.frames = PlainFrames(builder, state, rotary)
         self.cycles = PlainCycles(builder, state)
         self.motion = GcodeMotion(builder, state, rotary)
-        self.offsets = WorkOffsets(builder, state)
+        self.offsets = WorkOffsets(builder, state, frames)
         self._pole: dict[str, float] = {}
         self._compensated = ""
         self._turning = 1.0

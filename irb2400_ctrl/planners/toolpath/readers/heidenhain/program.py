@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping
 
+from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.planners.toolpath.cam_program import CamProgram
 from irb2400_ctrl.planners.toolpath.readers.feed import INCH, LENGTHS, MM
@@ -48,6 +50,7 @@ def read_heidenhain(
     builder: ProgramBuilder,
     units: str | None = None,
     rotary: str | None = None,
+    frames: Mapping[str, Array] | None = None,
 ) -> CamProgram:
     """All operations of a program in plain language.
 
@@ -57,11 +60,12 @@ def read_heidenhain(
         builder: that takes the moves.
         units: unit of length, against BEGIN PGM.
         rotary: the machine's rotary axes from part to tool, such as "C,A".
+        frames: poses of presets in the first one, by their keys.
 
     Raises:
         InputError: a block that is not read, with its line.
     """
-    reader = _Reader(builder, units, None if rotary is None else Rotary.of(rotary))
+    reader = _Reader(builder, units, None if rotary is None else Rotary.of(rotary), frames)
     for found in Flow(statements(text), name).blocks():
         if isinstance(found, tuple):
             builder.line = found[0]
@@ -78,13 +82,19 @@ def read_heidenhain(
 class _Reader:
     """Goes through the blocks in the order in which they are carried out."""
 
-    def __init__(self, builder: ProgramBuilder, units: str | None, rotary: Rotary | None) -> None:
+    def __init__(
+        self,
+        builder: ProgramBuilder,
+        units: str | None,
+        rotary: Rotary | None,
+        frames: Mapping[str, Array] | None,
+    ) -> None:
         self._builder = builder
         self._state = GcodeState()
         self._units = units
         self._rotary = rotary
         self._machine = PlainMachine(builder, self._state)
-        self._motion = PlainMotion(builder, self._state, self._machine, rotary)
+        self._motion = PlainMotion(builder, self._state, self._machine, rotary, frames)
 
     def unit_name(self) -> str:
         """For the summary."""
