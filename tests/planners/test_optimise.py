@@ -106,6 +106,25 @@ def test_torque_rate_is_kept_and_the_start_has_no_jump(robot: irb.Robot) -> None
     assert found.ratio < 0.95
     rows = found.trajectory(irb.Model(robot), rate=1e4)
     assert np.abs(rows.qdd[0]).max() < 1e-6
+
+
+def test_the_torque_rate_of_the_robot_file_is_kept(robot: irb.Robot) -> None:
+    most = 20 * robot.tau_max
+    # the first axis states none
+    joints = [
+        joint.model_copy(
+            update={"limits": joint.limits.model_copy(update={"torque_rate_Nm_s": rate})}
+        )
+        for joint, rate in zip(robot.joints, [None, *most[1:].tolist()], strict=True)
+    ]
+    limited = robot.model_copy(update={"joints": tuple(joints)})
+    found = optimise_motion(limited, drawn(2, 3), intervals=60)
+    assert (found.motion.torque_rate[1:] <= most[1:] * (1 + 1e-6)).all()
+    assert found.motion.torque_rate[0] > most[0]
+    assert found.motion.guaranteed
+    # what is asked for can only be less
+    both = optimise_motion(limited, drawn(2, 3), torque_rate=2 * most, intervals=60)
+    assert (both.motion.torque_rate[1:] <= most[1:] * (1 + 1e-6)).all()
     keeps_limits_at_10_kHz(robot, found)
 
 

@@ -31,6 +31,14 @@ from irb2400_ctrl.planners.trajectory_optimisation.waypoints import (
 )
 from irb2400_ctrl.robot import Robot
 
+# of the torque limits in a second: an axis without a limit of its own
+_UNLIMITED = 1e4
+
+
+def _finite(rate: Array, tau_max: Array) -> Array:
+    """Torque rates, with a large one for axes that have no limit."""
+    return np.asarray(np.where(np.isfinite(rate), rate, _UNLIMITED * tau_max))
+
 
 @dataclass(frozen=True)
 class MotionRequest:
@@ -74,6 +82,9 @@ class MotionRequest:
             raise InputError(f"duration is {duration}, expected a positive number of seconds")
         longest = np.inf if duration is None else duration
         stated = MotionLimits.of(robot) if limits is None else limits
+        own = None if stated.torque_rate is None else _finite(stated.torque_rate, stated.tau_max)
+        if own is not None:
+            rate = own if rate is None else np.minimum(rate, own)
         return cls(dynamics, stated, W, objective, longest, bounds, rate)
 
     @property

@@ -85,7 +85,7 @@ def optimise_motion(
             the path; the way-points must lie on one side of each singularity named.
         torque_rate: limit of the change of the torque, dry friction apart [Nm/s], shape (n,). The
             torque then starts and ends at what holds the arm. Bounded at every instant; for energy
-            sampled at 5 kHz.
+            sampled at 5 kHz. `torque_rate_Nm_s` of the robot file is kept in any case.
         limits: default those of the robot.
         start: warm start: a joint path (of the path planner), its certificate, a joint move or a
             trajectory; default the cubic spline through the way-points at even parameters.
@@ -99,9 +99,9 @@ def optimise_motion(
         a singularity. InfeasibleError: neither the optimiser nor the warm start gives a motion
         within the limits.
     """
-    if intervals is None:
-        intervals = 300 if objective == "time" and torque_rate is None else 200
     request = MotionRequest.of(robot, waypoints, objective, duration, margins, torque_rate, limits)
+    if intervals is None:
+        intervals = 300 if objective == "time" and request.torque_rate is None else 200
     if objective not in ("time", "energy") or intervals < 1 or iterations < 0:
         raise InputError(
             f"objective {objective!r} with {intervals} intervals and {iterations} iterations, "
