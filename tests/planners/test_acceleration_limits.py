@@ -152,3 +152,24 @@ def test_room_for_the_rows_is_quicker_than_slowing_all(monkeypatch: pytest.Monke
     own = seconds()
     monkeypatch.setattr(time_choices, "roomy", lambda dynamics, path, law, options: law)
     assert own < 0.9 * seconds()
+
+
+def test_of_a_short_path_the_shorter_of_both_laws_is_taken(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Where only a few rows swing, slowing them costs less than room for all."""
+    monkeypatch.setattr(time_choices, "RATES_UP_TO", 1)
+    points = np.array([[0.5, -0.1, 0.3], [0.5, 0.0, 0.3]])
+    path = builders.way_points(points, np.tile([0.0, 0.0, 1.0], (2, 1)), feed=0.3)
+    robot = limited(acceleration_deg_s2=MOST)
+
+    def seconds() -> float:
+        plan = plan_path(robot, path, free_tool_rotation=False, cells=300)
+        assert plan.guaranteed
+        assert plan.max_acceleration_ratio is not None
+        assert plan.max_acceleration_ratio <= 1
+        return plan.duration
+
+    own = seconds()
+    monkeypatch.setattr(time_choices, "_SHORT", 0)
+    assert own < 0.97 * seconds()

@@ -23,9 +23,8 @@ from irb2400_ctrl.planners.timing.rate_limited.rate_summary import rate_summary
 from irb2400_ctrl.planners.timing.rate_limited.time_rate_limited import time_rate_limited
 from irb2400_ctrl.planners.timing.sampled_reference import SampledReference
 from irb2400_ctrl.planners.timing.sampled_reference.interpolation import Interpolation
-from irb2400_ctrl.planners.timing.sampled_reference.settled_reference import settled_reference
 from irb2400_ctrl.planners.timing.task_path import TaskPath
-from irb2400_ctrl.planners.timing.time_choices import fastest, roomy
+from irb2400_ctrl.planners.timing.time_choices import fastest, settled_law
 from irb2400_ctrl.planners.timing.time_law import TimeLaw
 from irb2400_ctrl.planners.timing.timing_options import TimingOptions
 from irb2400_ctrl.robot import Robot
@@ -95,10 +94,7 @@ def plan_joints(
     followed = Followed(joints, np.arange(len(knots), dtype=float), 0.0, 0.0)
     task = TaskPath(followed, tcp, np.full(len(knots) - 1, np.inf))
     law, rates = _timed(dynamics, task, timing)
-    law = roomy(dynamics, task, law, timing)
-    settled = settled_reference(
-        dynamics, task, law, timing.limits, timing.sampling, timing.certified
-    )
+    settled = settled_law(dynamics, task, law, timing)
     bounds = certify_joints(dynamics, joints, settled, timing)
     trajectory, _ = law_rows(dynamics, settled.law, tcp, settled.reference)
     return JointPlan(

@@ -94,6 +94,8 @@ def best_first(timed: Sequence[TimedChoice], axis_tolerance: float) -> list[Time
 
 
 # cubics through angles and speeds swing above an acceleration between two limits by up to 2/3
+_SHORT = 300
+"""knots of a path of which both laws are made"""
 _ROOM_FOR_ROWS = 0.6
 RATES_UP_TO = 1000
 """pieces of a path above which rates that nobody stated are not limited: it would take minutes"""
@@ -158,11 +160,35 @@ def settle(
         timed: the choice with its law.
         options: of the timing.
     """
-    timed = replace(timed, law=roomy(dynamics, timed.path, timed.law, options))
-    found = settled_reference(
-        dynamics, timed.path, timed.law, options.limits, options.sampling, options.certified
-    )
+    found = settled_law(dynamics, timed.path, timed.law, options)
     return replace(timed, law=found.law), found
+
+
+def settled_law(
+    dynamics: PathDynamics, path: TaskPath, law: TimeLaw, options: TimingOptions
+) -> Settled:
+    """The rows of a law, or of one that leaves room for them; of a short path the shorter of both,
+    as a few rows that are slowed may cost less than the room.
+
+    Args:
+        dynamics: the arm's torque along the path.
+        path: the TCP along the joints.
+        law: its fastest.
+        options: of the timing.
+    """
+    limits = options.limits
+
+    def settled(law: TimeLaw) -> Settled:
+        sampling = options.sampling
+        return settled_reference(dynamics, path, law, limits, sampling, options.certified)
+
+    room = roomy(dynamics, path, law, options)
+    found = settled(room)
+    if room is law or len(path.joints.knots) > _SHORT:
+        return found
+    other = settled(law)
+    keeps = other.worst(limits) <= max(1.0, found.worst(limits))
+    return other if keeps and other.law.duration < found.law.duration else found
 
 
 def roomy(dynamics: PathDynamics, path: TaskPath, law: TimeLaw, options: TimingOptions) -> TimeLaw:
