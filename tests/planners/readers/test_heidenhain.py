@@ -160,6 +160,7 @@ def test_places_of_the_machine(tmp_path: Path) -> None:
         ("L X+5 F60\nRND R2\n", "a rounded corner; let the CAM system write the arc"),
         ("APPR LT X+5 Y+5 LEN5 RL F9\n", "an approach that the control makes"),
         ("CT X+5 Y+5\n", "an arc by its tangent"),
+        ("LN X+5 Y+0 Z+1 TX+0 TY+0.6 TZ+0.8 F60\n", "without M128 or FUNCTION TCPM"),
         ("C X+5 Y+5 DR+\n", "an arc without its centre; expected CC"),
         ("CC X+5 Y+0\nCP IPA+90 DR-\n", "turn against each other"),
         ("CYCL DEF 8.0 MIRROR\nCYCL DEF 8.1 X\n", "CYCL DEF 8 is mirroring"),

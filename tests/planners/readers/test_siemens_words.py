@@ -47,6 +47,11 @@ def test_places_of_the_machine_are_not_gone_to(tmp_path: Path, block: str) -> No
     assert "places of the machine tool" in str(found.of_kind("assumed")[0])
 
 
+def test_a_cycle_of_other_controls_is_no_fixed_point(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="unknown code G75"):
+        read(tmp_path, f"{HEAD}G75 X4. Z-5. P1000 Q2000 F0.1\n{CUT}")
+
+
 def test_a_spindle_by_its_number(tmp_path: Path) -> None:
     found = read(tmp_path, f"G710 G90\nS1=5000 M1=3\nG0 X0 Y0 Z9\n{CUT}").operation()
     assert found.spindle.rpm == pytest.approx(5000)

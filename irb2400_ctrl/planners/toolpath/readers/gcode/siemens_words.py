@@ -24,8 +24,11 @@ _SETTINGS = re.compile(
     rf"(?:JERKLIM|VELOLIM|ACCLIM|ACC|OVRA|FGREF)\s*\[\s*\w+\s*\])\s*=\s*(?:{_NUMBER}|'\w+')",
     re.IGNORECASE,
 )
+# G75 alone with axes at zero: words with numbers are a cycle of other controls
 _FIXED_POINT = re.compile(
-    r"\bG75\b((?:\s*(?:FP\s*=\s*\d+|[XYZABC]\d?\s*=?\s*[-+]?[\d.]+))*)", re.IGNORECASE
+    r"^(\s*(?:N\d+)?\s*(?:G\s*\d+\s*)*?)\bG75\b"
+    r"((?:\s*(?:FP\s*=\s*\d+|[XYZABC]\d?\s*=?\s*[-+]?0*\.?0*(?![\d.])))+)\s*(?:D0\s*)?$",
+    re.IGNORECASE,
 )
 _REWRITTEN = (
     (re.compile(r'\bMSG\s*\(\s*"([^"]*)"\s*\)', re.IGNORECASE), r"(MSG, \1)"),
@@ -65,5 +68,5 @@ def rewritten(raw: str) -> str:
 
 
 def _as_machine_place(found: re.Match[str]) -> str:
-    axes = re.findall(r"[XYZABC](?=\d?\s*=?)", found[1].upper().replace("FP", ""))
-    return f"SUPA {' '.join(f'{axis}0' for axis in axes)}"
+    axes = re.findall(r"[XYZABC]", found[2].upper())
+    return f"{found[1]} SUPA {' '.join(f'{axis}0' for axis in axes)}"

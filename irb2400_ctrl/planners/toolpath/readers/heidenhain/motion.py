@@ -132,6 +132,11 @@ class PlainMotion:
             return
         if self._compensated:
             raise InputError(f"{builder.place}: {self._compensated} is {COMPENSATED}; not read")
+        if set(VECTOR.values()) & set(values) and not state.tool_centre:
+            raise InputError(
+                f"{builder.place}: TX, TY, TZ without M128 or FUNCTION TCPM; expected one of them "
+                "before it"
+            )
         alone = bool(turned) and not set(values) & {*AXES, *VECTOR.values()}
         rapid = words.feed == "MAX" or (alone and not state.tool_centre)
         if not (rapid or self.frames.turned):
