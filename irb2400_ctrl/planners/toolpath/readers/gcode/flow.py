@@ -30,7 +30,7 @@ _PROGRAM_END = re.compile(r"(?<![A-Z])M\s*0*(?:2|30|99)(?!\d)", re.IGNORECASE)
 _COMMENT = re.compile(r"\([^()]*\)|;.*|^\s*//.*")
 ERROR = "\0error "
 """begins a line that stands for one that cannot be carried out, with what is to be said"""
-MOST_LINES = 2_000_000
+MOST_LINES = 300_000
 
 
 @dataclass

@@ -17,7 +17,7 @@ _JUMP = re.compile(
     r'^FN\s*(9|1[012])\s*:\s*IF\s+(.+?)\s+(?:EQU|NE|GT|LT)\s+(.+?)\s+GOTO\s+LBL\s+("[^"]+"|\d+)'
 )
 _END = re.compile(r"^END\s+PGM\b|(?<![A-Z])M0*(?:2|30)(?!\d)")
-MOST_BLOCKS = 2_000_000
+MOST_BLOCKS = 500_000
 DEEPEST = 20
 
 
