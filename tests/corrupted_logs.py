@@ -213,13 +213,8 @@ def _every_sample(log: Log, rows: int, columns: tuple[str, ...]) -> Log:
     return replace(log, **{name: getattr(log, name)[held] for name in columns})
 
 
-def _samples_held(log: Log, rng: np.random.Generator) -> Log:
-    rows = int(rng.integers(2, 9))
-    return replace(_every_sample(log, rows, ("q", "tau")), qd=None, q_ref=None)
-
-
 def _torque_held(log: Log, rng: np.random.Generator) -> Log:
-    return _every_sample(log, max(2, round(rng.uniform(0.05, 0.1) * log.rate)), ("tau",))
+    return _every_sample(log, max(2, round(rng.uniform(0.06, 0.1) * log.rate)), ("tau",))
 
 
 def _other_record(log: Log, rng: np.random.Generator) -> Log:
@@ -277,7 +272,6 @@ def _of_torques(robot: Robot) -> list[Named]:
         ("torque saturated", _torque(_clipped), "saturation"),
         ("one huge torque", _spike("tau"), "spike"),
         ("torque held", _torque_held, "held_samples"),
-        ("samples held", _samples_held, "held_samples"),
     ]
 
 

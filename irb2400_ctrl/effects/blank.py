@@ -64,4 +64,4 @@ def discrepancy_size(effect: type[Effect], joint: int | None, n: int) -> int:
     """
     prototype = effect.prototype(joint, effect.grid(joint)[0])
     columns = prototype.discrepancy_basis(Blank.of(n, len(effect.states))).shape[1]
-    return int(effect.prior.lasting or columns)
+    return effect.prior.kept(int(columns)) or int(columns)

@@ -58,3 +58,7 @@ class Prior:
     discrepancy_share: float = 0.22
     leftover: tuple[str, ...] = ()
     lasting: int | None = None
+
+    def kept(self, columns: int) -> int:
+        """How many of so many columns of discrepancy a robot's file keeps, the first."""
+        return columns if self.lasting is None else min(columns, self.lasting)

@@ -12,6 +12,7 @@ from scipy.ndimage import uniform_filter1d
 from irb2400_ctrl.arrays import Array, Mask
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.measurement.log import Log
+from irb2400_ctrl.measurement.motion.held_samples import released
 from irb2400_ctrl.measurement.motion.recorded_speed import calmer_speed
 from irb2400_ctrl.measurement.motion.servo import followed
 from irb2400_ctrl.measurement.time_base import with_time_base
@@ -91,6 +92,8 @@ class PreparedLog:
     """of each of several logs"""
     recorders: tuple[TorqueFilter | None, ...] = (None,)
     """what each log's torques went through before they were written"""
+    held: tuple[str, ...] = ()
+    """of channels that hold their last value between samples (`held_samples`), by log"""
     by_speed: bool = False
     """whether the speed that it recorded stands in for differentiated angles (`recorded_speed`), in
     one of several logs at least"""
@@ -115,7 +118,7 @@ class PreparedLog:
     def remarks(self) -> tuple[str, ...]:
         """What the reader should know of how it was recorded."""
         said = tuple(dict.fromkeys(found.says() for found in self.recorders if found))
-        return said + ((UNEVEN,) if self.by_speed else ())
+        return self.held + said + ((UNEVEN,) if self.by_speed else ())
 
     @property
     def duration(self) -> float:
@@ -216,6 +219,7 @@ def prepare(log: Log, rate: float | None = None) -> PreparedLog:
         row_time=low_pass.instants(time),
         row_known=row_known,
         recorders=(recorder,),
+        held=tuple(filter(None, released(log)[1:])),
         by_speed=by_speed,
     )
 

@@ -18,6 +18,7 @@ from scipy.optimize import isotonic_regression
 
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.measurement.log import Log
+from irb2400_ctrl.measurement.motion.held_samples import released
 
 Index = npt.NDArray[np.int64]
 
@@ -118,7 +119,9 @@ def _lost(even: Array, step: float) -> float:
 
 
 def with_time_base(log: Log) -> Log:
-    """The log on its rebuilt time base; the log itself where its stamps are as good."""
+    """The rows of a log that are new (`held_samples`) on their rebuilt time base; the log itself
+    where all are, and its stamps are as good."""
+    log = released(log)[0]
     base = time_base(log)
     return replace(log, time=base.time) if base.rebuilt else log
 

@@ -9,6 +9,7 @@ import numpy as np
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.measurement.log import Log
 from irb2400_ctrl.measurement.log_facts import digit
+from irb2400_ctrl.measurement.motion.held_samples import released
 from irb2400_ctrl.plausibility.jumps import MOVES, bend_of, cut, spikes, wrapped
 from irb2400_ctrl.plausibility.problem import LogProblem
 from irb2400_ctrl.plausibility.runs import held, runs, stretches
@@ -138,7 +139,10 @@ def _repeated(log: Log) -> LogProblem | None:
 
 
 def _stairs(log: Log) -> LogProblem | None:
-    """Samples that are written several times, or torques that change more slowly than the rows."""
+    """Samples that are written several times, or torques that change more slowly than the rows, and
+    too few that are new."""
+    if released(log)[1]:
+        return None
     everything = _held_for(np.concatenate([log.q, log.tau], axis=1))
     torque = _held_for(log.tau)
     if everything:

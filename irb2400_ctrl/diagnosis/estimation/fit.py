@@ -209,9 +209,8 @@ class Fitter:
         shaped = []
         place = k + p
         for effect, unit in zip(effects, shapes, strict=True):
-            # how the record began is no property of the robot: its columns are not kept
-            kept = len(unit) - effect.beginnings()
-            kept = kept if effect.prior.lasting is None else min(kept, effect.prior.lasting)
+            # how the record began is no property of the robot
+            kept = effect.prior.kept(len(unit) - effect.beginnings())
             values = (b[place : place + len(unit)] * unit)[:kept]
             place += len(unit)
             shaped.append(

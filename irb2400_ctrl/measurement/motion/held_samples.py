@@ -1,0 +1,109 @@
+"""Channels that hold their last value between samples: torques of a slow source beside faster
+angles, topics joined row by row, every sample written several times.
+
+What is held comes late, by half of the time for which it is held in the mean, and no model knows
+that: the rows are used in which it is new. Where angles and torques are new in different rows, the
+angles are interpolated between their own, being the smoother of the two.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+
+from irb2400_ctrl.arrays import Array, Integers, Mask
+from irb2400_ctrl.measurement.log import Log
+
+HELD = 0.3
+"""share of the rows that repeat the row before, from which a channel is held"""
+BY_CHANCE = 0.2
+"""of that share at most may come of single columns that happen not to change"""
+DIGITS = 3.0
+"""digits by which a channel of coarse steps changes where it does, at most: it keeps its value all
+the same"""
+REST = 0.2
+"""[s] for which a value is kept by an arm at rest"""
+SLOWEST = 20.0
+"""[Hz] of new samples, below which the torque of a moving arm is not resolved"""
+FEWEST = 20
+"""new samples"""
+
+
+def new_rows(values: Array, time: Array) -> Mask | None:
+    """Rows in which a channel has a new value; None where it is not held.
+
+    Args:
+        values: of all joints, shape (m, n).
+        time: shape (m,) [s].
+    """
+    change = np.abs(np.diff(values, axis=0))
+    new = np.concatenate([[False], (change > 0.0).any(axis=1)])
+    places = np.flatnonzero(new)
+    if len(places) < FEWEST:
+        return None
+    rests = np.diff(time[places]) > REST
+    rows = np.diff(places)[~rests]
+    if len(rows) < FEWEST or 1.0 - len(rows) / rows.sum() < HELD:
+        return None
+    there = change[places - 1]
+    digit = np.min(np.where(change > 0.0, change, np.inf), axis=0)
+    if np.median((there / digit).max(axis=1)) <= DIGITS:
+        return None
+    if np.prod(np.mean(there == 0.0, axis=0)) > BY_CHANCE * HELD:
+        return None
+    # an arm at rest is seen as often as in motion
+    usual = int(np.median(rows))
+    for start, stop in zip(places[:-1][rests], places[1:][rests], strict=True):
+        new[start:stop:usual] = True
+    return new
+
+
+def released(log: Log) -> tuple[Log, str]:
+    """A log's rows in which its torques are new (its angles where only these are held), and what to
+    say of that; the log itself and nothing where no channel is held, or what is new is too little.
+    """
+    torques = new_rows(log.tau, log.time)
+    angles = new_rows(log.q, log.time)
+    rows = angles if torques is None else torques
+    if rows is None:
+        return log, ""
+    kept = np.flatnonzero(rows)
+    if angles is not None:
+        ends = np.flatnonzero(angles)[[0, -1]]
+        kept = kept[(kept >= ends[0]) & (kept <= ends[1])]
+    if len(kept) < FEWEST or len(kept) < SLOWEST * log.duration:
+        return log, ""
+    fresh = replace(
+        log,
+        time=log.time[kept],
+        q=_at(kept, log.q, log.time),
+        tau=log.tau[kept],
+        qd=None if log.qd is None else _at(kept, log.qd, log.time),
+        q_ref=None if log.q_ref is None else _at(kept, log.q_ref, log.time),
+        extra={name: np.asarray(column)[kept] for name, column in log.extra.items()},
+    )
+    said = [
+        f"{name} are new in {100.0 * np.mean(new):.0f} % of the rows only"
+        for name, new in (("torques", torques), ("angles", angles))
+        if new is not None
+    ]
+    what = "torques" if torques is not None else "angles"
+    return fresh, (
+        f"{', '.join(said)}, and held in the others: the rows with new {what} are used, "
+        f"{fresh.rate:.4g} a second"
+    )
+
+
+def _at(kept: Integers, values: Array, time: Array) -> Array:
+    """A smooth channel in some rows, between its own new values where it is held.
+
+    Args:
+        kept: the rows; values: of the channel, shape (m, n).
+        time: of all rows [s], shape (m,).
+    """
+    new = new_rows(values, time)
+    if new is None:
+        return np.asarray(values[kept])
+    return np.asarray(CubicSpline(time[new], values[new])(time[kept]))

@@ -1,0 +1,125 @@
+"""Channels that hold their last value between samples: which rows are new, and what becomes of the
+others."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from irb2400_ctrl.measurement import Log
+from irb2400_ctrl.measurement.motion.held_samples import new_rows, released
+from irb2400_ctrl.measurement.prepared_log import prepare
+from irb2400_ctrl.plausibility.channels import channel_problem
+
+RATE = 250.0
+TIME = np.arange(0.0, 12.0, 1.0 / RATE)
+FREQUENCIES = np.array([0.7, 0.9, 1.3])
+
+
+def moved(time: np.ndarray) -> np.ndarray:
+    return np.sin(2 * np.pi * FREQUENCIES * time[:, None] + [0.0, 1.0, 2.0])
+
+
+def log(noise: float = 0.3) -> Log:
+    rng = np.random.default_rng(4)
+    q = moved(TIME)
+    tau = 40.0 * np.cos(q) + 3.0 * np.sign(np.gradient(q, axis=0))
+    return Log(TIME, q, tau + noise * rng.standard_normal(q.shape))
+
+
+def held(values: np.ndarray, rows: int, first: int = 0) -> np.ndarray:
+    place = (np.arange(len(values)) - first) // rows * rows + first
+    return np.asarray(values[np.clip(place, 0, None)])
+
+
+@pytest.mark.parametrize("rows", [2, 5, 10])
+def test_the_rows_with_new_torques_are_used(rows: int) -> None:
+    whole = log()
+    fresh, said = released(replace(whole, tau=held(whole.tau, rows)))
+    assert fresh.rate == pytest.approx(RATE / rows)
+    # the first row may hold what was new long before
+    assert fresh.time[0] == pytest.approx(rows / RATE)
+    place = np.searchsorted(whole.time, fresh.time - 1e-6)
+    assert np.array_equal(fresh.tau, whole.tau[place])
+    assert np.array_equal(fresh.q, whole.q[place])
+    assert said == (
+        f"torques are new in {100 / rows:.0f} % of the rows only, and held in the others: the rows "
+        f"with new torques are used, {RATE / rows:.4g} a second"
+    )
+
+
+def test_angles_that_are_new_in_other_rows_are_interpolated() -> None:
+    """They were taken for half a period early or late: a delay of all joints."""
+    whole = log()
+    q = held(whole.q, 5)
+    late = replace(whole, q=q, qd=held(np.gradient(whole.q, TIME, axis=0), 5), q_ref=q)
+    fresh, said = released(replace(late, tau=held(whole.tau, 5, 2)))
+    assert fresh.rate == pytest.approx(50.0)
+    assert "torques are new in 20 % of the rows only, angles are new in 20 %" in said
+    assert np.abs(fresh.q - moved(fresh.time)).max() < 2e-4
+    assert fresh.q_ref is not None
+    assert fresh.qd is not None
+    assert np.array_equal(fresh.q_ref, fresh.q)
+    assert np.abs(fresh.qd - np.gradient(moved(TIME), TIME, axis=0)[7:-7:5]).max() < 0.05
+    # written several times together, they are new together, and nothing is interpolated
+    fresh, _ = released(replace(whole, q=q, tau=held(whole.tau, 5)))
+    assert np.array_equal(fresh.q, whole.q[5::5][: len(fresh.q)])
+
+
+def test_topics_joined_row_by_row_at_their_own_times() -> None:
+    rng = np.random.default_rng(8)
+    whole = log()
+    every = np.arange(len(TIME))
+
+    def last(values: np.ndarray) -> np.ndarray:
+        own = np.sort(rng.choice(every[1:], len(every) * 2 // 5, replace=False))
+        place = np.searchsorted(own, every, side="right") - 1
+        return np.asarray(values[np.where(place < 0, 0, own[place])])
+
+    fresh, said = released(replace(whole, q=last(whole.q), tau=last(whole.tau)))
+    assert said
+    assert np.abs(fresh.q - moved(fresh.time)).max() < 2e-3
+
+
+def test_what_a_channel_keeps_by_itself_is_not_held() -> None:
+    whole = log()
+    assert released(whole) == (whole, "")
+    # torques in coarse steps keep their value as well, of a digit or two at a time
+    coarse = replace(whole, tau=np.round(whole.tau))
+    assert new_rows(coarse.tau, TIME) is None
+    # and so do the angles of a slow motion
+    slow = np.round(moved(TIME / 30.0), 3)
+    assert new_rows(slow, TIME) is None
+    # an arm that rests without noise, now and then
+    rests = log(0.0)
+    asleep = (TIME > 4.0) & (TIME < 7.0)
+    tau = np.where(asleep[:, None], rests.tau[1000], rests.tau)
+    assert new_rows(tau, TIME) is None
+    # a tenth of the rows read twice
+    twice = np.arange(len(TIME)) - (np.arange(len(TIME)) % 10 == 3)
+    assert new_rows(whole.q[twice], TIME) is None
+
+
+def test_rows_are_kept_while_the_arm_rests() -> None:
+    """There nothing is new, and a gap of seconds would be a gap of the record."""
+    whole = log(0.0)
+    asleep = (TIME > 4.0) & (TIME < 7.0)
+    tau = np.where(asleep[:, None], whole.tau[1000], held(whole.tau, 5))
+    fresh, said = released(replace(whole, tau=tau))
+    assert said
+    assert np.diff(fresh.time).max() < 0.05
+
+
+def test_too_few_new_samples_are_refused_and_the_others_remarked_on() -> None:
+    whole = log()
+    slow = replace(whole, tau=held(whole.tau, 20))
+    assert released(slow) == (slow, "")
+    found = channel_problem(slow)
+    assert found is not None
+    assert found.kind == "held_samples"
+    enough = replace(whole, tau=held(whole.tau, 8))
+    assert channel_problem(enough) is None
+    assert prepare(enough).remarks[0] == released(enough)[1]
+    assert prepare(whole).remarks == ()
