@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from irb2400_ctrl.cli.command_line import provenance
-from irb2400_ctrl.cli.logs_in import Reader, stretch_of_one
+from irb2400_ctrl.cli.logs_in import WHAT, Reader, stretch_of_one
 from irb2400_ctrl.cli.options import (
     BetweenOption,
     ColumnsOption,
@@ -62,7 +62,7 @@ def identify(
     heavy = loaded or []
     body = None if load is None else _load(load)
     for path in (*logs, *others, *heavy):
-        input_file(path, "a log (.csv or .csv.gz)")
+        input_file(path, WHAT)
     stretch_of_one("validate", others, validate_between)
     output_folder(out)
 

@@ -97,7 +97,7 @@ def lines(check: LogCheck) -> list[str]:
         f"{f.rate:.5g} Hz; columns {', '.join(f.channels)}",
         f"jitter {1e3 * base.scatter:.3g} ms rms, {100 * base.lost:.3g} % lost, {f.gaps} gaps, "
         f"the longest {f.longest_gap:.3g} s{stamps}",
-        f"{'joint':<34}" + " ".join(f"{j + 1:>8}" for j in range(f.joints)),
+        f"{'joint':<36}" + " ".join(f"{j + 1:>8}" for j in range(f.joints)),
     ]
     table = f.to_json() | check.to_json()
     for title, key in (
@@ -113,7 +113,7 @@ def lines(check: LogCheck) -> list[str]:
         values = table[key]
         if values is not None:
             found.append(
-                f"{title:<34}" + " ".join(f"{'-' if v is None else f'{v:.3g}':>8}" for v in values)
+                f"{title:<36}" + " ".join(f"{'-' if v is None else f'{v:.3g}':>8}" for v in values)
             )
     found += [f"note: {remark}" for remark in check.remarks]
     if check.sound:

@@ -11,7 +11,7 @@ import pytest
 from command_line import irb2400
 
 import irb2400_ctrl as irb
-from irb2400_ctrl.cli.logs_in import Reader, read_logs
+from irb2400_ctrl.cli.logs_in import WHAT, Reader, read_logs
 
 
 def complaint(*arguments: object, cwd: Path) -> str:
@@ -22,13 +22,15 @@ def complaint(*arguments: object, cwd: Path) -> str:
     return done.stderr
 
 
-@pytest.mark.parametrize("command", ["plan", "diagnose", "simulate"])
+@pytest.mark.parametrize("command", ["plan", "diagnose", "simulate", "identify"])
 def test_missing_file(command: str, tmp_path: Path) -> None:
     extra = ["--controller", "computed_torque"] if command == "simulate" else []
     text = complaint(command, "nowhere.csv", "--out", "out", *extra, cwd=tmp_path)
     assert "nowhere.csv" in text
     assert "expected" in text
     assert not (tmp_path / "out").exists()
+    if command in ("diagnose", "identify"):
+        assert WHAT in text
 
 
 def write_log(path: Path, drop: str = "", nan_row: int | None = None) -> Path:
