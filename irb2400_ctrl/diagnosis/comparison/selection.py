@@ -176,10 +176,10 @@ class Selection:
             best, alternatives = self._best(ground, every, alone)
             if best is None:
                 return None
-            joint = None if alone else self._doubted(ground, best)
-            if joint is None:
+            if alone or not self._doubted(ground, best):
                 break
-            # what is there is none of the joint's effects
+            # what is there is none of the effects of this joint, or of the whole arm
+            joint = best.candidate.joint
             every = [a for a in every if not (a.candidate.known and a.candidate.joint == joint)]
         counts = best in alternatives
         alternatives += [] if counts else [best]
@@ -207,18 +207,21 @@ class Selection:
             best = self._first_of_two(ground, best, every)
         return best, alternatives
 
-    def _doubted(self, ground: Ground, best: Alternative) -> int | None:
-        """Joint of an effect beside which a non-parametric law gains so much more that no second
-        effect makes up for it, a law that unseen rows do not bear out; None if there is no such
-        law: what is there is not this effect all the same."""
+    def _doubted(self, ground: Ground, best: Alternative) -> bool:
+        """Whether non-parametric laws of the joint of an effect, one on each joint of one of the
+        whole arm, gain so much more that no second effect makes up for it, laws that unseen rows do
+        not bear out: what is there is not this effect all the same."""
+        if not best.candidate.known:
+            return False
         joint = best.candidate.joint
-        if not best.candidate.known or ("unexplained", joint, "") not in self.refused:
-            return None
+        joints = {j for kind, j, _ in self.refused if kind == "unexplained"}
         comparison = ground.comparison
-        laws = [c for c in ground.ranked if not c.known and c.joint == joint][:DOUBTS]
-        most = (1.0 + self.criteria.two_at_once) * comparison.gain(best)
-        beaten = any(comparison.gain(comparison.compared(law)) > most for law in laws)
-        return joint if beaten else None
+        gained = 0.0
+        for place in joints if joint is None else joints & {joint}:
+            laws = [c for c in ground.ranked if not c.known and c.joint == place][:DOUBTS]
+            gains = [comparison.gain(comparison.compared(law)) for law in laws]
+            gained += max(gains, default=0.0)
+        return gained > (1.0 + self.criteria.two_at_once) * comparison.gain(best)
 
     def _first_of_two(
         self, ground: Ground, non_parametric: Alternative, alternatives: Sequence[Alternative]
