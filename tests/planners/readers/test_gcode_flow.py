@@ -31,12 +31,19 @@ def reached(tmp_path: Path, body: str) -> list[float]:
             [0, 1, 10, 11],
         ),
         ("N5 #1=#1+1\nG1 X#1\nIF [#1 LE 2] GOTO 5\nX9", [1, 2, 3, 9]),
+        ("N5 #1=#1+1\nX#1\nIF [#1 EQ 1] GOTO 5\nGOTO 6\nX8\nN06 X9\nN6 X7", [1, 2, 9, 7]),
+        ("IF [#1 EQ 0 XOR #2 EQ 3] GOTO 9\nX5\nN9 X6", [5, 6]),
         ("GOTO 20\nG1 X8\nN0020 X9", [9]),
         ("IF [#2 EQ 3] THEN #1=7\nIF [#2 NE 3] THEN #1=8\nX#1", [7]),
         ("IF [[#1 EQ 0] AND [#2 GE 4]] GOTO 9\nX5\nN9 X6", [5, 6]),
         ("IF [#1 EQ 1 OR #2 EQ 3] GOTO 9\nX5\nN9 X6", [6]),
         ("o10 while [#1 lt 3]\n#1=[#1+1]\nX#1\no10 endwhile", [1, 2, 3]),
         ("o10 do\n#1=[#1+1]\nX#1\no10 while [#1 lt 2]\nX9", [1, 2, 9]),
+        (
+            "o10 do\n#1=[#1+1]\nX#1\no10 while [#1 lt 2]\no10 while [#1 lt 4]\n#1=[#1+1]\n"
+            "X#1\no10 endwhile\nX9",
+            [1, 2, 3, 4, 9],
+        ),
         ("o10 repeat [#2]\nG91 X1\no10 endrepeat\nG90 X9", [1, 2, 3, 9]),
         ("o10 repeat [0]\nX8\no10 endrepeat\nX9", [9]),
         ("o10 if [#1 gt 0]\nX1\no10 elseif [#2 eq 3]\nX2\no10 else\nX3\no10 endif\nX9", [2, 9]),
@@ -86,7 +93,9 @@ def test_what_cannot_be_steered_is_refused_with_its_line(
 
 
 def test_a_loop_without_an_end(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("irb2400_ctrl.planners.toolpath.readers.gcode.flow.MOST_LINES", 1_000)
+    monkeypatch.setattr("irb2400_ctrl.planners.toolpath.readers.gcode.flow.MOST_LINES", 50)
+    # lines of a long file are none that are carried out again
+    assert len(reached(tmp_path, "X1\n" * 60)) == 60
     with pytest.raises(InputError, match="expected loops and jumps that end"):
         reached(tmp_path, "N5 X1\nGOTO 5")
 

@@ -10,6 +10,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cached_property
 
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.planners.toolpath.readers.gcode.variables import Variables
@@ -25,12 +26,14 @@ _END = re.compile(r"^\s*(?:N\d+\s*)?END\s*(\d+)\s*$", re.IGNORECASE)
 _GOTO = re.compile(
     r"^\s*(?:N\d+\s*)?(?:IF\s*(\[.*\])\s*)?GOTO\s*(\d+|#\d+|\[.*\])\s*$", re.IGNORECASE
 )
+_BLOCK = re.compile(r"N\s*(\d+)")
 _THEN = re.compile(r"^\s*(?:N\d+\s*)?IF\s*(\[.*\])\s*THEN\s*(#.*)$", re.IGNORECASE)
 _PROGRAM_END = re.compile(r"(?<![A-Z])M\s*0*(?:2|30|99)(?!\d)", re.IGNORECASE)
 _COMMENT = re.compile(r"\([^()]*\)|;.*|^\s*//.*")
 ERROR = "\0error "
 """begins a line that stands for one that cannot be carried out, with what is to be said"""
 MOST_LINES = 300_000
+"""that loops and jumps carry out again"""
 
 
 @dataclass
@@ -66,14 +69,16 @@ class Flow:
             InputError: a loop without an end.
         """
         at = 0
-        count = 0
+        furthest = -1
+        again = 0
         while at < len(self._lines):
             number, raw = self._lines[at]
-            count += 1
-            if count > MOST_LINES:
+            again += at <= furthest
+            furthest = max(at, furthest)
+            if again > MOST_LINES:
                 raise InputError(
-                    f"{self._file}, line {number}: more than {MOST_LINES:,} lines are carried out; "
-                    "expected loops and jumps that end"
+                    f"{self._file}, line {number}: more than {MOST_LINES:,} lines are carried out "
+                    "again; expected loops and jumps that end"
                 )
             try:
                 follows = self._follows(at, f"{self._file}, line {number}")
@@ -146,12 +151,21 @@ class Flow:
         Raises:
             InputError: there is none.
         """
-        target = re.compile(rf"N\s*0*{number:.0f}(?!\d)")
-        order: list[int] = [*range(at + 1, len(self._codes)), *range(at + 1)]
-        for index in order:
-            if target.match(self._codes[index]):
-                return index
-        raise InputError(f"{place}: GOTO {number:g}, and no block N{number:g} is in the program")
+        found = self._numbers.get(round(number), ()) if number == round(number) else ()
+        if not found:
+            raise InputError(
+                f"{place}: GOTO {number:g}, and no block N{number:g} is in the program"
+            )
+        return next((index for index in found if index > at), found[0])
+
+    @cached_property
+    def _numbers(self) -> dict[int, list[int]]:
+        """The indices of the blocks by their N, rising."""
+        found: dict[int, list[int]] = {}
+        for at, code in enumerate(self._codes):
+            if block := _BLOCK.match(code):
+                found.setdefault(int(block[1]), []).append(at)
+        return found
 
     def _o_word(self, at: int, word: _Word, place: str) -> int:
         """Where an o-word leads.
@@ -186,7 +200,7 @@ class Flow:
     def _while(self, at: int, word: _Word, place: str) -> int:
         """At the head of a loop, or at the foot of one that begins with DO."""
         holds = self._holds(word.rest, place)
-        foot = self._find(at, word, -1, "DO", "ENDWHILE")
+        foot = self._find(at, word, -1, "DO", "ENDWHILE", "WHILE")
         if foot is not None and self._words[foot].kind == "DO":
             return foot + 1 if holds else at + 1
         end = self._end(at, word, place, "ENDWHILE")

@@ -12,12 +12,13 @@ from irb2400_ctrl.planners.toolpath.readers.heidenhain.parameters import COMPARI
 from irb2400_ctrl.planners.toolpath.readers.heidenhain.statements import Statement
 
 _LABEL = re.compile(r'^LBL\s+("[^"]+"|\d+)')
-_CALL = re.compile(r'^CALL\s+LBL\s+("[^"]+"|\d+)\s*(?:REP\s*(\d+)(?:/\d+)?)?')
+_CALL = re.compile(r'^CALL\s+LBL\s+("[^"]+"|\d+)\s*(?:REP\s*\+?(\S*))?(.*)$')
 _JUMP = re.compile(
     r'^FN\s*(9|1[012])\s*:\s*IF\s+(.+?)\s+(?:EQU|NE|GT|LT)\s+(.+?)\s+GOTO\s+LBL\s+("[^"]+"|\d+)'
 )
-_END = re.compile(r"^END\s+PGM\b|(?<![A-Z])M0*(?:2|30)(?!\d)")
+_END = re.compile(r"^END\s+PGM\b|^(?!BEGIN)[^\"]*(?<![A-Z])M0*(?:2|30)(?!\d)")
 MOST_BLOCKS = 500_000
+"""that calls, repeats and jumps carry out again"""
 DEEPEST = 20
 
 
@@ -44,15 +45,17 @@ class Flow:
         Raises:
             InputError: blocks that call each other without an end.
         """
-        count = 0
+        furthest = -1
+        again = 0
         while self._at < len(self._listed):
             block = self._listed[self._at]
             place = f"{self._name}, line {block.line}"
-            count += 1
-            if count > MOST_BLOCKS or len(self._returns) > DEEPEST:
+            again += self._at <= furthest
+            furthest = max(self._at, furthest)
+            if again > MOST_BLOCKS or len(self._returns) > DEEPEST:
                 raise InputError(
                     f"{place}: calls of labels more than {DEEPEST} deep, or more than "
-                    f"{MOST_BLOCKS:,} blocks in all; expected calls and jumps that end"
+                    f"{MOST_BLOCKS:,} blocks carried out again; expected calls and jumps that end"
                 )
             self._at += 1
             try:
@@ -79,11 +82,17 @@ class Flow:
             return False
         target = self._target(found[1], place)
         call = self._at - 1
-        if found[2] is None:
+        times = re.fullmatch(r"(\d*)(?:/\d+)?", found[2] or "")
+        if times is None or found[3].strip():
+            raise InputError(
+                f"{place}: found {block.code[:30]!r}, expected CALL LBL 1, or CALL LBL 1 REP 2 "
+                "with a whole number"
+            )
+        if not times[1]:
             self._returns.append(self._at)
             self._at = target
             return True
-        remaining = self._left.pop(call, int(found[2]))
+        remaining = self._left.pop(call, int(times[1]))
         if remaining > 0:
             self._left[call] = remaining - 1
             self._at = target
