@@ -184,6 +184,29 @@ def test_the_table_turns_before_tool_centre_control(tmp_path: Path) -> None:
         read_program(file, rotary="C,B")
 
 
+TILTED = "G21 G90 G54\nG0 B30. C0.\nG68.2 X0 Y0 Z0 I90. J30. K-90.\nG53.1\n"
+
+
+def test_angles_of_a_tilted_plane_are_not_turned_twice(tmp_path: Path) -> None:
+    file = tmp_path / "part.nc"
+    cut = "G0 X5. Y0 Z9.\nG1 Z1. F60\nM30\n"
+    file.write_text(f"{TILTED}G43.4 H1\n{cut}")
+    found = read_program(file, rotary="C,B").operation().path.axis
+    assert found is not None
+    assert np.allclose(found, [0.5, 0, np.sqrt(0.75)])
+    file.write_text(f"{TILTED}G43.4 H1\n{cut.replace('Z1.', 'Z1. B0. C0.')}")
+    with pytest.raises(InputError, match=r"the tilted plane and its angles .* differ by 30"):
+        read_program(file, rotary="C,B")
+
+
+def test_the_machines_z_moves_along_all_axes_of_a_tilted_plane(tmp_path: Path) -> None:
+    text = f"{TILTED}G0 X5. Y0 Z9.\nG53 Z0\nG0 Z9.\nG1 Z2. F60\nM30\n"
+    with pytest.raises(InputError, match="line 8: a cut, but X and Y of the tool is not stated"):
+        program(tmp_path, text)
+    read = program(tmp_path, text.replace("G0 Z9.\n", "G0 X5. Y0\nZ9.\n"))
+    assert len(read.operations[-1].path) == 2
+
+
 def test_a_comment_with_commas_is_no_header_of_columns(tmp_path: Path) -> None:
     for comment in ("(size x, y, z)", "; x, y, z", "%"):
         text = f"{comment}\nG21 G90 G0 X0 Y0 Z9\nG1 Z1 F60\nM30\n"

@@ -286,12 +286,15 @@ class GcodeMotion:
                     f"{builder.place}: the tool axis I J K has length {length:.4g}, expected 1"
                 )
             return np.asarray(R @ vector / length)
+        tilted = not np.array_equal(state.plane_pose, np.eye(4))
+        # under tool centre control angles are of the machine's axes, which no plane turns
+        stated = tilted and state.tool_centre and bool(set(ROTARY) & set(values))
+        if tilted and (stated or any(state.rotary.values())):
+            # G68.2: the control turns the axes to the tilted plane
+            self._agrees(state.plane_pose[:3, 2], stated=stated)
+            return np.asarray(R[:, 2])
         if not any(state.rotary.values()):
             return builder.axis if state.vectors else np.asarray(R[:, 2])
-        if not state.tool_centre and not np.array_equal(state.plane_pose, np.eye(4)):
-            # G68.2: the control turns the axes to the tilted plane
-            self._agrees(state.plane_pose[:3, 2])
-            return np.asarray(R[:, 2])
         if self._rotary is None:
             raise InputError(f"{builder.place}: {REFUSAL}")
         if not state.tool_centre:
@@ -301,17 +304,20 @@ class GcodeMotion:
         except InputError as error:
             raise InputError(f"{builder.place}: {error}") from error
 
-    def _agrees(self, normal: Array) -> None:
+    def _agrees(self, normal: Array, *, stated: bool = False) -> None:
         """The angles that the file states lead to the plane that it states.
 
         Args:
             normal: of the plane, shape (3,).
+            stated: in this block, whether or not the control has turned the axes before.
 
         Raises:
             InputError: the machine's axes are others than `rotary` says.
         """
         state = self._state
-        if self._rotary is None or not state.turned_by_file:
+        if self._rotary is None and stated:
+            raise InputError(f"{self._builder.place}: {REFUSAL}")
+        if self._rotary is None or not (state.turned_by_file or stated):
             return
         try:
             found = self._rotary.axis(state.rotary)

@@ -303,8 +303,7 @@ class _Reader:
             "assumed", "G28, G30, G53: places of the machine tool; the robot does not go there"
         )
         builder.leave()
-        for i in named or range(3):
-            state.at[i] = None
+        state.lose({AXES[i] for i in named or range(3)})
         for letter in set(ROTARY) & set(values):
             state.rotary[letter] = values[letter] if 53 in codes else 0.0
 

@@ -135,6 +135,18 @@ class GcodeState:
             return "polar coordinates (G16) without their angle Y"
         return ""
 
+    def lose(self, axes: set[str]) -> None:
+        """The machine has moved these axes to a place of its own; in turned coordinates that moves
+        the tool along all of theirs.
+
+        Args:
+            axes: some of X, Y, Z.
+        """
+        turned = not np.allclose(self.tilt[:3, :3], np.eye(3))
+        for i, axis in enumerate(AXES):
+            if axis in axes or (axes and turned):
+                self.at[i] = None
+
     def placed(self, point: list[float | None] | Array, place: str) -> Array:
         """A place in the (tilted) work frame, in the work frame.
 
