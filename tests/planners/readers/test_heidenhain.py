@@ -72,6 +72,11 @@ def test_inches_and_their_feeds(tmp_path: Path) -> None:
         ("L X+10\nCC X+10 Y+10\nCP IPA-360\n", "G1 X10\nG2 X10 Y0 I0 J10\n"),
         ("L X+10\nCC X+10 Y+10\nCP IPA+810 IZ-6 DR+\n", "G1 X10\nG3 X20 Y10 Z-5 I0 J10 P3\n"),
         ("L X+10\nCC X+9 Z+1\nCP IPA+90 DR+\n", "G1 X10\nG18 G3 X9 Z0 I-1 K0\n"),
+        (
+            "CC X+0 Z+0\nL X+1\nL X+10\nCR X+20 Y+10 R+10 DR+\n",
+            "G1 X1\nX10\nG3 X20 Y10 R10\n",
+        ),
+        ("CR X+10 Z-9 R+10 DR+\n", "G18 G3 X10 Z-9 R10\n"),
         ("L X+10\nCC X+0 Y+0\nLP PR+20 PA+90\nLP IPA+90\n", "G1 X10\nX0 Y20\nX-20 Y0\n"),
     ],
 )
@@ -145,11 +150,55 @@ def test_tool_axes_with_tool_centre_control(tmp_path: Path) -> None:
         program(tmp_path, body)
 
 
+def test_angles_under_tool_centre_control_are_none_of_the_plane(tmp_path: Path) -> None:
+    plane = "PLANE SPATIAL SPA+0 SPB+30 SPC+0 TURN\nL X+0 Y+0 Z+9 FMAX\nM128\n"
+    found = program(tmp_path, f"{plane}L Z+5 B+30 C+0 F60\nL X+5\n", "C,B").operation().path.axis
+    assert found is not None
+    assert np.allclose(found, TILTED)
+    with pytest.raises(InputError, match="the tilted plane and its angles"):
+        program(tmp_path, f"{plane}L Z+5 B+0 C+0 F60\n", "C,B")
+    with pytest.raises(InputError, match="state its rotations from part to tool"):
+        program(tmp_path, f"{plane}L Z+5 B+30 C+0 F60\n")
+
+
+def test_words_that_are_no_places_and_names_that_end_nothing(tmp_path: Path) -> None:
+    body = "L Z+1 F60 M118 X0.2 Z5\nQ1 = 7\nTOOL CALL Q1 Z SQ1\nL X+0 Y+0 Z+9 FMAX\n"
+    body += 'TOOL CALL "BOHRER M2" Z S600 F120\nL X+0 Y+0 Z+5 FMAX\nL X+4 FAUTO\n'
+    read = program(tmp_path, f"{body}L X+5\n")
+    assert np.allclose(1e3 * read.operations[0].path.position[-1], [0, 0, 1])
+    assert [operation.tool.name for operation in read.operations][-1] == "BOHRER M2"
+    assert np.allclose(1e3 * read.operations[-1].path.position[-1], [5, 0, 5])
+    assert np.allclose(1e3 * read.operations[-1].path.feed[-1], 2)
+    with_number = f"{HEAD}Q1 = 7\nTOOL CALL Q1 Z SQ1\nL X+0 Y+0 Z+9 FMAX M3\nL Z+1 F60\n"
+    found = program(tmp_path, "", head=with_number).operations[-1]
+    assert (found.tool.number, round(found.spindle.rpm)) == (7, 7)
+
+
+def test_feeds_per_turn_in_inches(tmp_path: Path) -> None:
+    head = HEAD.replace("PART MM", "PART INCH")
+    found = program(tmp_path, "L Z-1 FU0.01\n", head=head).operation().path.feed[-1]
+    assert found == pytest.approx(0.01 * 25.4e-3 * 2000 / 60)
+    with pytest.raises(InputError, match="M136 in a program in INCH"):
+        program(tmp_path, "L Z-1 F2 M136\n", head=head)
+
+
+def test_another_preset_ends_the_datum_shift(tmp_path: Path) -> None:
+    preset = "CYCL DEF 247 PRESET ~\nQ339=+1\n"
+    body = f"{preset}CYCL DEF 7.1 X+100\nL X+0 Y+0 Z+9 FMAX\n{preset}L X+5 Y+0 Z+1 FMAX\n"
+    head = HEAD.split("2 L")[0]
+    found = program(tmp_path, f"{body}L X+9 F60\n", head=head).operation().path.position
+    assert np.allclose(1e3 * found, [[100, 0, 9], [5, 0, 1], [9, 0, 1]])
+
+
 def test_places_of_the_machine(tmp_path: Path) -> None:
     body = "L Z-1 F60\nL Z+0 R0 FMAX M91\nL X+5 Y+5 R0 FMAX\nL Z+9 FMAX\nL Z-2 F60\nL M140 MB50\n"
     read = program(tmp_path, body)
     assert [len(operation.path) for operation in read.operations] == [2, 3]
     assert 1e3 * read.operations[-1].path.position[-1, 2] == pytest.approx(48)
+    # in a tilted plane the machine's Z moves along all of its axes
+    tilted = "PLANE SPATIAL SPA+0 SPB+30 SPC+0 TURN\nL X+0 Y+0 Z+5 FMAX\nL Z-1 FMAX M91\n"
+    with pytest.raises(InputError, match="a cut, but X and Y of the tool is not stated yet"):
+        program(tmp_path, f"{tilted}L Z+5 FMAX\nL Z+0 F60\n")
     assert "M91, M92: places of the machine tool" in str(read.of_kind("assumed"))
 
 
@@ -176,6 +225,27 @@ def test_places_of_the_machine(tmp_path: Path) -> None:
         ("L X+5 FZ0.1\n", "a feed per tooth"),
         ("L X+5 X+6 F60\n", "found X twice in one block"),
         ("L X+5 WOBBLE\n", "found 'WOBBLE', expected words such as X"),
+        ("L X+5 PR+3 F60\n", "found PR in a block L, which it is no word of"),
+        ("PLANE SPATIAL SPA+0 SPB+Q121 SPC+0 TURN\n", r"found 'SPB\+Q121' in PLANE"),
+        ("PLANE EULER EULPR+0 EULNUT+30 EULROT+0 TURN\n", r"found 'EULNUT\+30' in PLANE"),
+        (
+            "PLANE SPATIAL SPA+0 SPB+30 SPC+0 TURN\nL X+0 Y+0 Z+5 FMAX M130\n",
+            "M130 states a place in the untilted coordinates",
+        ),
+        (
+            "PLANE SPATIAL SPA+0 SPB+30 SPC+0 TURN\nCC X+0 Y+0\nLP PA+30 FMAX\n",
+            "a polar step from a place that is not stated",
+        ),
+        (
+            "CYCL DEF 7.1 X+9\nPLANE SPATIAL SPA+0 SPB+30 SPC+0 TURN\nCYCL DEF 7.1 Z+5\n",
+            "how the two add up is not known here",
+        ),
+        (
+            "PLANE SPATIAL SPA+0 SPB+30 SPC+0 TURN\nL X+0 Y+0 Z+5 FMAX\nPLANE RESET STAY\n"
+            "L X+9 F60\n",
+            r"turned to a plane that was left \(RESET STAY\)",
+        ),
+        ("LBL 1\nCALL LBL 1 REP Q5\n", "found 'CALL LBL 1 REP Q5', expected CALL LBL 1"),
         ("TOOL CALL 5 Y S100\n", "with the tool axis Y; expected Z"),
         ("FUNCTION MODE TURN\n", "which is not read"),
         ("WOBBLE\n", "found 'WOBBLE': not known; not read"),

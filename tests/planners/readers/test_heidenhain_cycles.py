@@ -60,7 +60,7 @@ def test_holes(tmp_path: Path, number: int, more: dict[str, float], heights: lis
     [
         "L X+1 Y+1 FMAX M99\nL X+5 FMAX M99\n",
         "L X+1 Y+1 FMAX\nCYCL CALL\nL X+5 FMAX\nCYCL CALL M8\n",
-        "CYCL CALL POS X+1 Y+1 Z+30\nCYCL CALL POS X+5 Y+1 Z+30\n",
+        "CYCL CALL POS X+1 Y+1 Z+0 FMAX\nCYCL CALL POS X+5 Y+1 Z+0 F900 M8\n",
         "L X+1 Y+1 FMAX M89\nL X+5 FMAX M99\nL Z+30 FMAX\n",
         "LBL 1\nL IX+1 Y+1 FMAX M99\nLBL 0\nL X+4 FMAX\nCALL LBL 1\n",
     ],
@@ -69,6 +69,31 @@ def test_calls_of_a_cycle(tmp_path: Path, calls: str) -> None:
     found = operation(tmp_path, defined(200, **COMMON, q202=10.0) + calls)
     bottoms = 1e3 * found.path.position[np.isclose(found.path.position[:, 2], -5e-3)]
     assert np.allclose(bottoms[:, :2], [[1, 1], [5, 1]])
+
+
+def test_z_of_a_call_moves_the_surface(tmp_path: Path) -> None:
+    body = defined(200, **COMMON, q202=10.0) + "CYCL CALL POS X+1 Y+2 Z-3 FMAX\n"
+    found = operation(tmp_path, body)
+    expected = [[0, 0, 30], [1, 2, 30], [1, 2, 4], [1, 2, -8], [1, 2, 22]]
+    assert np.allclose(1e3 * found.path.position, expected)
+    with pytest.raises(InputError, match=r"CYCL CALL POS X\+1 Y\+2, expected X, Y and Z"):
+        operation(tmp_path, defined(200, **COMMON, q202=10.0) + "CYCL CALL POS X+1 Y+2\n")
+
+
+def test_values_of_a_cycle_in_words(tmp_path: Path) -> None:
+    text = defined(200, **COMMON, q202=10.0) + "L X+1 FMAX M99\n"
+    tool = "TOOL CALL 3 Z S600 F180\nL X+0 Y+0 Z+30 FMAX\n"
+    found = operation(tmp_path, tool + text.replace("Q206=+120", "Q206= FAUTO"))
+    assert np.allclose(1e3 * found.path.feed[~found.rapid], 3)
+    for old, new in (("Q206=+120", "Q206=FU0.1"), ("Q200=+2", "Q200= PREDEF")):
+        with pytest.raises(InputError, match=f"found {new.replace('= ', '=')}, expected a number"):
+            operation(tmp_path, text.replace(old, new))
+
+
+def test_a_cycle_of_another_kind_is_not_drilled(tmp_path: Path) -> None:
+    body = defined(200, **COMMON) + "CYCL DEF 1271 POCKET ~\nQ650=+1\nL X+1 FMAX M99\n"
+    with pytest.raises(InputError, match="CYCL DEF 1271 POCKET is not read"):
+        operation(tmp_path, body)
 
 
 def test_what_no_hole_is_made_of(tmp_path: Path) -> None:
@@ -128,6 +153,8 @@ def test_formulas_without_a_value(tmp_path: Path, formula: str) -> None:
 def test_programs_without_an_end(
     tmp_path: Path, body: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("irb2400_ctrl.planners.toolpath.readers.heidenhain.flow.MOST_BLOCKS", 2_000)
+    monkeypatch.setattr("irb2400_ctrl.planners.toolpath.readers.heidenhain.flow.MOST_BLOCKS", 50)
+    # blocks of a long file are none that are carried out again
+    assert len(operation(tmp_path, "L X+1 F60\n" * 60).path) > 60
     with pytest.raises(InputError, match="expected calls and jumps that end"):
         operation(tmp_path, f"L X+1 F60\n{body}")

@@ -14,6 +14,7 @@ from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.planners.toolpath.readers.expansion.drilling import HoleCycle
 from irb2400_ctrl.planners.toolpath.readers.feed import Feed
 from irb2400_ctrl.planners.toolpath.readers.gcode.state import GcodeState
+from irb2400_ctrl.planners.toolpath.readers.heidenhain.machine import PlainMachine
 from irb2400_ctrl.planners.toolpath.readers.program_builder import ProgramBuilder
 
 KINDS = {
@@ -38,7 +39,7 @@ NOT_CARRIED_OUT = {
     241: "at one feed from the clearance on; speed and coolant stay",
 }
 """what the robot does otherwise than the control"""
-_Q = re.compile(r"Q(\d+)\s*=\s*(\+?-?\s*(?:\d+\.?\d*|\.\d+)|[A-Z]+)")
+_Q = re.compile(r"Q(\d+)\s*=\s*(\+?-?\s*(?:\d+\.?\d*|\.\d+)|[-+]?[A-Z]+[\d.]*)")
 MOST_STEPS = 10_000
 
 
@@ -54,26 +55,43 @@ class Definition:
 class PlainCycles:
     """Carries them out."""
 
-    def __init__(self, builder: ProgramBuilder, state: GcodeState) -> None:
+    def __init__(self, builder: ProgramBuilder, state: GcodeState, machine: PlainMachine) -> None:
         self._builder = builder
         self._state = state
+        self._machine = machine
         self._defined: Definition | None = None
         self.modal = False
         """each positioning is followed by the cycle (M89)"""
 
     def define(self, number: int, code: str) -> None:
-        """Keep a cycle for its calls."""
+        """Keep a cycle for its calls.
+
+        Raises:
+            InputError: a value that another block or the control states.
+        """
         values = {}
         for key, text in _Q.findall(code):
-            if text[0].isalpha():
+            word = text.lstrip("+-")
+            if word[0].isalpha():
                 # Q208= MAX: rapid
+                automatic = word in {"AUTO", "FAUTO"} and self._machine.tool_feed is not None
+                if word == "PREDEF" or (key == "206" and not automatic):
+                    raise InputError(
+                        f"{self._builder.place}: found Q{key}={word}, expected a number"
+                        + (", or FAUTO with F in TOOL CALL" if key == "206" else "")
+                    )
+                if key == "206":
+                    values[206] = self._machine.tool_feed or 0.0
                 continue
             values[int(key)] = float(text.replace(" ", "").replace("+-", "-"))
         name = re.split(r"\bQ\d+\s*=", code)[0].strip()
         self._defined = Definition(number, values, f"CYCL DEF {number} {name}".strip())
 
-    def call(self) -> None:
+    def call(self, above: float = 0.0) -> None:
         """The defined cycle where the tool is.
+
+        Args:
+            above: how far the surface lies above that of the definition [m].
 
         Raises:
             InputError: none is defined, one that is not read, or values that contradict.
@@ -94,7 +112,7 @@ class PlainCycles:
             builder.note("assumed", f"CYCL DEF {defined.number}: {NOT_CARRIED_OUT[defined.number]}")
         cycle = self._cycle(defined, place)
         x, y, _ = state.at
-        surface = defined.values.get(203, 0.0) * state.unit
+        surface = defined.values.get(203, 0.0) * state.unit + above
         axis = state.tilt[:3, 2]
         if builder.moved and not np.allclose(axis, builder.axis, atol=1e-6):
             raise InputError(f"{place}: a cycle with the tool not along its Z")

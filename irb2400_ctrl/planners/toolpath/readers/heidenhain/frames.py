@@ -20,6 +20,7 @@ from irb2400_ctrl.planners.toolpath.readers.program_builder import ProgramBuilde
 _NUMBER = r"([-+]?\s*(?:\d+\.?\d*|\.\d+))"
 _ANGLE = re.compile(rf"\b(SP[ABC]|EUL(?:PR|NU|ROT)|[BN][XYZ]|[ABC])\s*{_NUMBER}")
 _SHIFT = re.compile(rf"\b(I?)([XYZ])\s*{_NUMBER}")
+_UNREAD_ANGLE = re.compile(r"\b(?:SP[ABC](?!TIAL\b)|EUL(?!ER\b)|[BN][XYZ]|[ABC]\s*[-+]?\s*Q)\S*")
 _EYE = np.eye(4)
 FORMS = "PLANE SPATIAL, AXIAL, EULER and VECTOR"
 
@@ -56,14 +57,29 @@ class PlainFrames:
             )
         if self._turn:
             raise InputError(f"{place}: a datum shift in rotated coordinates (cycle 10); not read")
+        tilted = not np.array_equal(self._state.plane_pose, _EYE)
+        zero = not any(float(number.replace(" ", "")) for _, _, number in found)
+        if tilted and not self._inside and self._shift.any() and not zero:
+            raise InputError(
+                f"{place}: the datum is moved in the tilted plane, and was moved before it: how "
+                "the two add up is not known here; expected one of them"
+            )
         for step, letter, number in found:
             i = AXES.index(letter)
             way = float(number.replace(" ", "")) * self._state.unit
             self._shift[i] = self._shift[i] + way if step else way
-        tilted = not np.array_equal(self._state.plane_pose, _EYE)
         self._inside = tilted and bool(self._shift.any())
         self._builder.note("assumed", "CYCL DEF 7: the datum is moved by what it states")
         self._apply()
+
+    def preset(self) -> None:
+        """CYCL DEF 247: another preset ends shifts and rotations."""
+        if self._turn or self._shift.any():
+            self._shift = np.zeros(3)
+            self._turn = 0.0
+            self._inside = False
+            self._builder.note("assumed", "CYCL DEF 247 ends the datum shift and the rotation")
+            self._apply()
 
     def turn(self, code: str) -> None:
         """CYCL DEF 10.1 ROT+30: about the datum, in the plane X Y."""
@@ -83,7 +99,7 @@ class PlainFrames:
         state = self._state
         place = self._builder.place
         form = code.split()[1] if len(code.split()) > 1 else ""
-        values = {key: float(n.replace(" ", "")) for key, n in _ANGLE.findall(code)}
+        values = self._angles(code)
         R = np.eye(3) if form == "RESET" else self._rotation(form, values)
         if self._inside:
             raise InputError(
@@ -94,7 +110,11 @@ class PlainFrames:
         X[:3, :3] = R
         tilted = not np.allclose(R, np.eye(3))
         stays = "STAY" in code
-        self.turned = not tilted or not stays or state.turned_by_file
+        was_tilted = not np.array_equal(state.plane_pose, _EYE)
+        # a plane that is left and lets the tool stay: turned to it is turned no longer
+        self.turned = (
+            not stays or state.turned_by_file or (not tilted and was_tilted != self.turned)
+        )
         if not stays:
             state.rotary = dict.fromkeys(ROTARY, 0.0)
         if not (stays and tilted):
@@ -109,6 +129,21 @@ class PlainFrames:
         )
         self._builder.leave()
         state.at = [None, None, None]
+
+    def _angles(self, code: str) -> dict[str, float]:
+        """Of a PLANE, by their names.
+
+        Raises:
+            InputError: a word that sounds like an angle and is none that is read.
+        """
+        found = {key: float(n.replace(" ", "")) for key, n in _ANGLE.findall(code)}
+        rest = _ANGLE.sub(" ", code)
+        if wrong := _UNREAD_ANGLE.search(rest):
+            raise InputError(
+                f"{self._builder.place}: found {wrong[0]!r} in PLANE, expected words such as "
+                "SPB+30 or EULNU+30"
+            )
+        return found
 
     def _rotation(self, form: str, values: dict[str, float]) -> Array:
         place = self._builder.place

@@ -7,15 +7,15 @@ import re
 
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.planners.toolpath.cam_program import Spindle, Tool
-from irb2400_ctrl.planners.toolpath.readers.feed import Feed
+from irb2400_ctrl.planners.toolpath.readers.feed import INCH, Feed
 from irb2400_ctrl.planners.toolpath.readers.gcode.state import GcodeState
 from irb2400_ctrl.planners.toolpath.readers.program_builder import ProgramBuilder
 
 _TOOL = re.compile(
-    r'^TOOL\s+CALL\s*("[^"]*"|\d+(?:\.\d+)?)?\s*([XYZUVW](?![\w.]))?\s*(.*)$', re.IGNORECASE
+    r'^TOOL\s+CALL\s*("[^"]*"|\+?\d+(?:\.\d+)?)?\s*([XYZUVW](?![\w.]))?\s*(.*)$', re.IGNORECASE
 )
-_SPEED = re.compile(r"\bS\s*(\d+\.?\d*)")
-_FEED = re.compile(r"\bF\s*(\d+\.?\d*)")
+_SPEED = re.compile(r"\bS\s*\+?(\d+\.?\d*)")
+_FEED = re.compile(r"\bF\s*\+?(\d+\.?\d*)")
 _LONGER = re.compile(r"\bD[LR]\d*\s*([-+]?\d*\.?\d+)")
 STOPS = {0: "stop", 1: "optional stop"}
 COOLANT = {7: "mist", 8: "flood", 9: "off"}
@@ -66,7 +66,7 @@ class PlainMachine:
             )
         if found[1]:
             self.named(apart=True)
-            numbered = found[1][0].isdigit()
+            numbered = found[1][0] != '"'
             name = "" if numbered else found[1].strip('"')
             builder.change_tool(Tool(int(float(found[1])) if numbered else None, name))
         if speed := _SPEED.search(found[3]):
@@ -98,7 +98,7 @@ class PlainMachine:
             elif function == 128:
                 self._state.tool_centre = True
             elif function in {136, 137}:
-                self._state.feed_mode = 95 if function == 136 else 94
+                self._per_turn(function == 136)
                 builder.feed = Feed()
             elif function in FEEDS:
                 builder.note("assumed", f"M{function}: {FEEDS[function]}")
@@ -118,6 +118,14 @@ class PlainMachine:
                 self._state.vectors = False
             elif function in STOPS:
                 builder.stop(STOPS[function], f"M{function}")
+
+    def _per_turn(self, on: bool) -> None:
+        if on and self._state.unit == INCH:
+            raise InputError(
+                f"{self._builder.place}: M136 in a program in INCH: whether F counts inches or "
+                "their tenths per turn is not known here; expected FU"
+            )
+        self._state.feed_mode = 95 if on else 94
 
     def _turn(self, clockwise: bool) -> None:
         speed = 2 * math.pi * self._state.spindle_speed / 60

@@ -5,12 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 
+import numpy as np
+
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.planners.toolpath.readers.feed import Feed
 from irb2400_ctrl.planners.toolpath.readers.gcode.motion import GcodeMotion
 from irb2400_ctrl.planners.toolpath.readers.gcode.rotary import Rotary
-from irb2400_ctrl.planners.toolpath.readers.gcode.siemens_words import TO_ANGLE
 from irb2400_ctrl.planners.toolpath.readers.gcode.state import AXES, PLANES, ROTARY, GcodeState
 from irb2400_ctrl.planners.toolpath.readers.gcode.work_offsets import WorkOffsets
 from irb2400_ctrl.planners.toolpath.readers.heidenhain.cycles import PlainCycles
@@ -21,6 +22,14 @@ from irb2400_ctrl.planners.toolpath.readers.program_builder import ProgramBuilde
 
 CENTRES = dict(zip(AXES, ("IAC", "JAC", "KAC"), strict=True))
 VECTOR = dict(zip(("TX", "TY", "TZ"), ("A3", "B3", "C3"), strict=True))
+_POLAR = frozenset(("PR", "PA", "IPR", "IPA"))
+# what a block of this kind has not
+_ONLY_OTHERS = {
+    "CR": _POLAR,
+    "CP": frozenset(("R", "PR", "IPR")),
+    "LP": frozenset("R"),
+    "L": _POLAR | {"R"},
+}
 COMPENSATED = (
     "the offset by the tool's radius, which the control knows; let the CAM system write the path "
     "of the tool's centre"
@@ -42,7 +51,7 @@ class PlainMotion:
         self._state = state
         self._machine = machine
         self.frames = PlainFrames(builder, state, rotary)
-        self.cycles = PlainCycles(builder, state)
+        self.cycles = PlainCycles(builder, state, machine)
         self.motion = GcodeMotion(builder, state, rotary)
         self.offsets = WorkOffsets(builder, state, frames)
         self._pole: dict[str, float] = {}
@@ -64,6 +73,7 @@ class PlainMotion:
         if order == "CC":
             self._centre(words)
             return
+        self._none_of_others(order, words)
         self._machine.before(words.functions)
         self._speed(words)
         values = self._values(order, words)
@@ -81,6 +91,32 @@ class PlainMotion:
             self._rapid = True
         self._machine.after(words.functions)
 
+    def call_at(self, code: str) -> None:
+        """CYCL CALL POS X Y Z: the cycle at X, Y, with the datum moved by Z along the tool's axis.
+
+        Args:
+            code: what stands behind POS.
+
+        Raises:
+            InputError: not all three places, or other axes.
+        """
+        place = self._builder.place
+        words = words_of(code, place)
+        values = self._values("L", words)
+        if set(AXES) != set(values):
+            raise InputError(f"{place}: CYCL CALL POS {code[:30]}, expected X, Y and Z")
+        self._machine.before(words.functions)
+        self._machine.named(apart=True)
+        self.offsets.used()
+        if values["Z"]:
+            self._builder.note("assumed", "CYCL CALL POS: Z moves the surface (Q203) of the hole")
+        state = self._state
+        target = state.target(values)
+        state.at = [*target[:2], state.at[2]]
+        self.cycles.call(values["Z"] * state.unit)
+        self._rapid = True
+        self._machine.after(words.functions)
+
     def _speed(self, words: Words) -> None:
         builder = self._builder
         if words.feed == "AUTO":
@@ -90,11 +126,34 @@ class PlainMotion:
         elif "F" in words.numbers:
             builder.feed = self._machine.feed(words.numbers["F"])
         elif "FU" in words.numbers:
-            builder.feed = Feed("turn", words.numbers["FU"] * self._state.feed_unit)
+            builder.feed = Feed("turn", words.numbers["FU"] * self._state.unit)
         elif {"FZ", "FT"} & set(words.numbers):
             raise InputError(f"{builder.place}: a feed per tooth or by a time; expected F or FU")
         if words.compensated:
             self._compensated = "" if words.compensated == "R0" else words.compensated
+
+    def _none_of_others(self, order: str, words: Words) -> None:
+        """Words that only another kind of block knows.
+
+        Args:
+            order: of the block.
+            words: of the block.
+
+        Raises:
+            InputError: there is one, and no one says where it leads.
+        """
+        place = self._builder.place
+        wrong = set(words.numbers) & _ONLY_OTHERS[order if order in _ONLY_OTHERS else "L"]
+        if wrong:
+            raise InputError(
+                f"{place}: found {min(wrong)} in a block {order or 'M'}, which it is no word of; "
+                "expected PR and PA in LP, PA in CP, R in CR"
+            )
+        if 130 in words.functions and not np.allclose(self._state.plane_pose, np.eye(4)):
+            raise InputError(
+                f"{place}: M130 states a place in the untilted coordinates within a tilted plane; "
+                "not read, expected PLANE RESET before it"
+            )
 
     def _values(self, order: str, words: Words) -> dict[str, float]:
         """Places and axes in the words of the G-code reader."""
@@ -111,7 +170,7 @@ class PlainMotion:
                     values[f"{axis}IC"] = 1.0
             elif letter in VECTOR:
                 values[VECTOR[letter]] = number
-            elif axis in {"U", "V", "W"}:
+            elif axis in "UVW":
                 raise InputError(f"{place}: found the axis {axis}, which is not read")
         if order in {"CP", "LP"}:
             self._polar(order, words, values)
@@ -141,8 +200,9 @@ class PlainMotion:
         rapid = words.feed == "MAX" or (alone and not state.tool_centre)
         if not (rapid or self.frames.turned):
             raise InputError(
-                f"{builder.place}: a cut in a tilted plane (STAY) that the tool is not turned to; "
-                "expected TURN, or a block with A, B, C before it"
+                f"{builder.place}: a cut in a tilted plane (STAY) that the tool is not turned to, "
+                "or turned to a plane that was left (RESET STAY); expected TURN, or a block with "
+                "A, B, C before it"
             )
         self._machine.named(apart=self._rapid)
         if order in {"C", "CR", "CP"}:
@@ -150,21 +210,29 @@ class PlainMotion:
                 raise InputError(f"{builder.place}: an arc at FMAX, expected a feed")
             self._turning = words.turning or self._turning
             state.motion = 3 if self._turning > 0 else 2
-            values |= self._arc(order, words)
+            values |= self._arc(order, words, values)
         else:
             state.motion = 0 if rapid else 1
-        if turned:
-            values[TO_ANGLE] = 1.0
-        if set(values) - {TO_ANGLE} != turned:
+        if set(values) != turned:
             self.offsets.used()
         self.motion.run(values)
         self._rapid = rapid
 
-    def _arc(self, order: str, words: Words) -> dict[str, float]:
-        """Centre or radius, and turns, in the words of the G-code reader."""
+    def _arc(self, order: str, words: Words, values: dict[str, float]) -> dict[str, float]:
+        """Centre or radius, and turns, in the words of the G-code reader.
+
+        Args:
+            order: C, CR or CP.
+            words: of the block.
+            values: its places.
+        """
         if order == "CR":
             if "R" not in words.numbers:
                 raise InputError(f"{self._builder.place}: CR without R; expected its radius")
+            # a pole in another plane is none of this arc
+            named = set(AXES) & set(values)
+            across = named == {"Y", "Z"}, named == {"X", "Z"}
+            self._state.plane = 19 if across[0] else 18 if across[1] else 17
             return {"R": words.numbers["R"]}
         centre = {CENTRES[axis]: value for axis, value in self._centre_of().items()}
         turns = (abs(words.numbers.get("IPA", 0.0)) - 1e-6) // 360
@@ -217,7 +285,8 @@ class PlainMotion:
         stated = words.numbers
         step = stated.get("IPA")
         known = u is not None and v is not None
-        if (step is not None or "IPR" in stated or order == "CP") and not known:
+        stated_alone = order == "LP" and {"PR", "PA"} <= set(stated)
+        if not (known or stated_alone):
             raise InputError(f"{self._builder.place}: a polar step from a place that is not stated")
         radius = math.hypot(u or 0.0, v or 0.0)
         angle = math.degrees(math.atan2(v or 0.0, u or 0.0))
@@ -242,11 +311,10 @@ class PlainMotion:
             "assumed", "M91, M92: places of the machine tool; the robot does not go there"
         )
         self._builder.leave()
-        for i, axis in enumerate(AXES):
-            if axis in values:
-                state.at[i] = None
+        state.lose({axis for axis in AXES if axis in values})
         for axis in set(ROTARY) & set(values):
             state.rotary[axis] = values[axis]
+            self.frames.turned = True
         self._rapid = True
 
     def _retreat(self, way: float) -> None:

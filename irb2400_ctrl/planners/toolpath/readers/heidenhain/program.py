@@ -22,6 +22,8 @@ _CYCLE = re.compile(r"^CYCLE?\s+DEF\s+(\d+)(?:\.(\d+))?\s*(.*)$")
 _CALL = re.compile(r"^CYCLE?\s+CALL\s*(POS|PAT|M(?=\d))?\s*(.*)$")
 _NUMBER = re.compile(r"[-+]?\s*(?:\d+\.?\d*|\.\d+)")
 QUIET_CYCLES = {13: "orientation of the spindle", 32: "tolerance", 332: "tolerance"}
+MAKERS_END = 800
+"""from here on cycles turn and mill where they are called"""
 REFUSED = {
     8: "mirroring",
     11: "scaling",
@@ -173,6 +175,7 @@ class _Reader:
         elif number == 247:
             row = re.search(r"Q339\s*=\s*\+?(\d+)", rest)
             self._state.work_offset = f"preset {row[1] if row else '?'}"
+            self._motion.frames.preset()
         elif number in QUIET_CYCLES:
             builder.note("ignored", f"CYCL DEF {number}: {QUIET_CYCLES[number]}")
         elif number in REFUSED:
@@ -181,7 +184,7 @@ class _Reader:
                     f"{builder.place}: CYCL DEF {number} is {REFUSED[number]}; not read, let the "
                     "CAM system write the moves"
                 )
-        elif number >= 300:
+        elif 300 <= number < MAKERS_END:
             says = f"CYCL DEF {number}: a cycle of the machine's maker, not carried out"
             builder.note("assumed", says)
         elif part in {None, "0"}:
@@ -194,8 +197,9 @@ class _Reader:
                 "not read, let the CAM system write a block for each"
             )
         if how == "POS":
-            self._motion.run("L", f"{rest} FMAX" if " F" not in rest else rest)
-        self._motion.cycles.call()
+            self._motion.call_at(rest)
+        else:
+            self._motion.cycles.call()
         if how == "M":
             self._motion.run("", f"M{rest}")
 

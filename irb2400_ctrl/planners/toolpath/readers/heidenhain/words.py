@@ -15,6 +15,8 @@ _WORD = re.compile(
 )
 # the F and the LA behind these functions are theirs
 _OWNERS = frozenset([103, 120, 128, 140])
+# how far the handwheel may move the axes behind M118
+_HANDWHEEL = frozenset("XYZABC")
 
 
 @dataclass
@@ -70,13 +72,20 @@ def words_of(code: str, place: str) -> Words:
             found.functions.append(int(value))
         elif letter == "MB":
             found.retreat = value
-        elif letter == "LA" or (letter == "F" and _OWNERS & set(found.functions)):
+        elif _owned(letter, found.functions):
             continue
         elif letter in found.numbers:
             raise InputError(f"{place}: found {letter} twice in one block, expected it once")
         else:
             found.numbers[letter] = value
     return found
+
+
+def _owned(letter: str, functions: list[int]) -> bool:
+    """Whether a word belongs to a function before it."""
+    if letter == "F":
+        return bool(_OWNERS & set(functions))
+    return letter == "LA" or (letter in _HANDWHEEL and 118 in functions)
 
 
 def _alone(found: Words, word: str) -> None:
