@@ -54,6 +54,9 @@ def test_the_tools_length_of_okuma_is_no_work_frame(tmp_path: Path) -> None:
     assert np.allclose(1e3 * read.operation().path.position, [[0, 0, 50], [0, 0, 1], [5, 0, 1]])
     assert read.operation().tool.length_offset == 4
     assert "G56 H is the tool's length offset (Okuma)" in str(read.of_kind("assumed"))
+    # beside G43 its H is the tool's, and G15 ends polar coordinates
+    polar = "G21 G90 G54\nG0 X0 Y0 Z9\nG15 G43 H2 Z8\nG1 Z1 F60\nM2\n"
+    assert program(tmp_path, polar).operation().tool.length_offset == 2
     both = "G21 G90\nG56\nG0 X0 Y0\nG43 G56 H4 Z50.\nG1 Z1 F60\nM2\n"
     assert "Okuma" not in str(program(tmp_path, both).notes)
 

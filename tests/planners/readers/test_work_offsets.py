@@ -20,6 +20,7 @@ CUT = "G21 G90\n{first}\nG0 X1 Y1 Z9\nG1 Z1 F100\nG0 Z9\n{second}\nG0 X2 Y1 Z9\n
         ("G15 H1", "G15 H2", "G15 H2 after motion in G15 H1"),
         ("G54 P1", "G54 P2", "G54 P2 after motion in G54 P1"),
         ("G54", "G54 P2 G17", "G54 P2 after motion in G54"),
+        ("", "G55", "G55 after motion in no stated frame: .*in the frame of the one in force"),
         ("G54", "G16 H2", "G16 H2 takes another work frame for one block"),
     ],
 )
@@ -39,6 +40,8 @@ def test_another_work_frame_is_not_taken_for_the_same(
         ("G54", "G54.2 P0"),
         ("G54.1 P3", "G54.1 P3 G17"),
         ("G54", "G67"),
+        ("", "G54"),
+        ("G0 Z50", "G0 Z40"),
     ],
 )
 def test_the_same_work_frame_named_again(tmp_path: Path, first: str, second: str) -> None:

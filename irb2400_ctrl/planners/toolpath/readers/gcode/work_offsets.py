@@ -19,6 +19,8 @@ MANY = frozenset([54.1, 154])
 _LEAVES_P = frozenset(
     [0, 1, 17, 18, 19, 20, 21, 40, 43, 49, *range(54, 60), 69, 80, 90, 91, 94, 98, 99]
 )
+AT_START = "G54"
+"""in force where the file has stated none"""
 # offsets by the table's angle (Fanuc); P0 ends them
 _TABLE = frozenset([54.2, 54.4])
 # the codes whose H is a register of the tool's length
@@ -59,7 +61,7 @@ class WorkOffsets:
                 f"{self._builder.place}: G16 H{values['H']:g} takes another work frame for one "
                 "block (Okuma), which is not read; expected G15 H for all that follows"
             )
-        if 15 in codes and "H" in values:
+        if 15 in codes and "H" in values and not _LENGTHS & set(codes):
             self._state.work_offset = f"G15 H{values['H']:g}"
             return [code for code in codes if code != 15]
         if 56 in codes and "H" in values and not _LENGTHS & set(codes):
@@ -83,14 +85,16 @@ class WorkOffsets:
         offset = self._state.work_offset
         if offset == self._used:
             return
-        if not self._used:
+        if not self._used and not (self._builder.moved and offset != AT_START):
             self._first = offset
         pose = self._poses.get(frame_key(offset), np.eye(4) if offset == self._first else None)
         if pose is None:
+            used = self._used or "no stated frame"
+            first = self._first or "the one in force at the start"
             raise InputError(
-                f"{self._builder.place}: {offset} after motion in {self._used}: how the two lie to "
-                "each other is stored in the control, not in the file; state it "
-                f'(--work-offset "{offset}=X,Y,Z,RX,RY,RZ", in the frame of {self._first}), or '
+                f"{self._builder.place}: {offset} after motion in {used}: how the two lie to each "
+                "other is stored in the control, not in the file; state it "
+                f'(--work-offset "{offset}=X,Y,Z,RX,RY,RZ", in the frame of {first}), or '
                 "split the file"
             )
         self._used = offset
