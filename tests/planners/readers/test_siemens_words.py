@@ -33,6 +33,7 @@ def read(tmp_path: Path, text: str, rotary: str | None = None) -> CamProgram:
         'GROUP_BEGIN(0,"ROUGH, 1",0,0)',
         "GROUP_END(0,0)",
         "STAT='B10' TU=1",
+        "OVR=100 OVRRAP=50",
     ],
 )
 def test_words_for_the_control_alone_move_nothing(tmp_path: Path, block: str) -> None:
@@ -50,6 +51,12 @@ def test_places_of_the_machine_are_not_gone_to(tmp_path: Path, block: str) -> No
 def test_a_cycle_of_other_controls_is_no_fixed_point(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="unknown code G75"):
         read(tmp_path, f"{HEAD}G75 X4. Z-5. P1000 Q2000 F0.1\n{CUT}")
+
+
+def test_an_override_of_feeds_is_refused(tmp_path: Path) -> None:
+    for block in ("OVR=50", "OVR=1000"):
+        with pytest.raises(InputError, match=rf"line 3: found '{block}'"):
+            read(tmp_path, f"{HEAD}{block}\n{CUT}")
 
 
 def test_a_spindle_by_its_number(tmp_path: Path) -> None:

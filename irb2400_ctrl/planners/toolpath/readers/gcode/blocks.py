@@ -19,13 +19,13 @@ from irb2400_ctrl.planners.toolpath.readers.gcode.siemens_words import (
     NAMED,
     TO_ANGLE,
     rewritten,
+    with_square_brackets,
 )
 from irb2400_ctrl.planners.toolpath.readers.gcode.swivel import CALL as SWIVEL
 from irb2400_ctrl.planners.toolpath.readers.gcode.variables import (
     ENTER,
     LEAVE,
     Variables,
-    with_square_brackets,
 )
 from irb2400_ctrl.planners.toolpath.readers.unread_line import UnreadLineError
 

@@ -18,9 +18,10 @@ NAMED = re.compile(
     rf"\s*(TRAORI|TRAFOOF|SUPA|A?TRANS|A?ROT|{'|'.join(_QUIET.split())})\b"
     r"(\(\s*[\w, ]*\s*\))?"
 )
-# tolerances, blending, overrides, the arm's branch; by axis: jerk, speed, acceleration
+# tolerances, blending, the override of rapid moves, the arm's branch; by axis: jerk, speed,
+# acceleration
 _SETTINGS = re.compile(
-    r"(?<![A-Z_])(?:(?:ADIS(?:POS)?|[ACO]TOL|OVR(?:RAP)?|STAT|TU)|"
+    r"(?<![A-Z_])(?:(?:ADIS(?:POS)?|[ACO]TOL|OVRRAP|OVR(?=\s*=\s*100(?!\d))|STAT|TU)|"
     rf"(?:JERKLIM|VELOLIM|ACCLIM|ACC|OVRA|FGREF)\s*\[\s*\w+\s*\])\s*=\s*(?:{_NUMBER}|'\w+')",
     re.IGNORECASE,
 )
@@ -54,6 +55,10 @@ _REWRITTEN = (
     (re.compile(r"\bG153\b", re.IGNORECASE), "SUPA"),
     (_SETTINGS, ""),
 )
+# brackets of Siemens' expressions are round, as comments are
+_ROUND = re.compile(
+    r"(?:[=+\-*/\[,]|\b(?:A?SIN|A?COS|TAN|ATAN2|SQRT|ABS|ROUND|TRUNC|POT))\s*\(", re.IGNORECASE
+)
 _BEGINS = re.compile(r"[=(]|\bG(?:153|75)\b", re.IGNORECASE)
 
 
@@ -65,6 +70,22 @@ def rewritten(raw: str) -> str:
     for pattern, text_for_it in _REWRITTEN:
         raw = pattern.sub(text_for_it, raw)
     return _FIXED_POINT.sub(_as_machine_place, raw)
+
+
+def with_square_brackets(raw: str) -> str:
+    """A line of Siemens with the round brackets of its expressions as square ones, so that they are
+    told from comments."""
+    while found := _ROUND.search(raw):
+        opened = found.end() - 1
+        depth = 0
+        for at in range(opened, len(raw)):
+            depth += {"(": 1, ")": -1}.get(raw[at], 0)
+            if depth == 0:
+                raw = f"{raw[:opened]}[{raw[opened + 1 : at]}]{raw[at + 1 :]}"
+                break
+        else:
+            break
+    return raw
 
 
 def _as_machine_place(found: re.Match[str]) -> str:

@@ -28,10 +28,6 @@ _FLOW = re.compile(r"\b(WHILE|IF|GOTO[FBCS]?|DO\s*\d|END\s*\d?|FOR|LOOP|REPEAT|U
 # a word whose number is a variable or an expression: X#1, X-[#1+2], X=R1*2, CR=R5
 _WORD = re.compile(r"([A-Z](?:R(?==)|\d(?==))?)\s*(=?)\s*(?=[-+]?\s*(?:#|\[))")
 _EQUALS = re.compile(r"([A-Z][A-Z0-9]*)\s*=\s*(?=[^=]*(?:\bR\d|\[|[-+*/]\s*[\d.(]))")
-# brackets of Siemens' expressions are round, as comments are
-_ROUND = re.compile(
-    r"(?:[=+\-*/\[,]|\b(?:A?SIN|A?COS|TAN|ATAN2|SQRT|ABS|ROUND|TRUNC|POT))\s*\(", re.IGNORECASE
-)
 FUNCTIONS: dict[str, Callable[[float], float]] = {
     "SIN": lambda x: math.sin(math.radians(x)),
     "COS": lambda x: math.cos(math.radians(x)),
@@ -157,8 +153,14 @@ class Variables:
     def _assigned(self, code: str, place: str) -> str:
         while found := _SET.match(code) or self._name_set(code):
             reader = _Expression(code, found.end(), self._known, place)
-            self._known[next(name for name in found.groups() if name)] = reader.sum()
+            name = next(name for name in found.groups() if name)
+            self._known[name] = reader.sum()
             code = code[reader.at :]
+            if re.search(rf"#\s*{name}(?!\d)", code):
+                raise InputError(
+                    f"{place}: #{name} is set and used in one block, where some controls take the "
+                    "value from before it; expected two blocks"
+                )
         return code
 
     def _name_set(self, code: str) -> re.Match[str] | None:
@@ -177,22 +179,6 @@ class Variables:
             if equals:
                 self._assigned(part, place)
         return ""
-
-
-def with_square_brackets(raw: str) -> str:
-    """A line of Siemens with the round brackets of its expressions as square ones, so that they are
-    told from comments."""
-    while found := _ROUND.search(raw):
-        opened = found.end() - 1
-        depth = 0
-        for at in range(opened, len(raw)):
-            depth += {"(": 1, ")": -1}.get(raw[at], 0)
-            if depth == 0:
-                raw = f"{raw[:opened]}[{raw[opened + 1 : at]}]{raw[at + 1 :]}"
-                break
-        else:
-            break
-    return raw
 
 
 class _Expression:
@@ -229,10 +215,13 @@ class _Expression:
     def _logic(self) -> float:
         """Comparisons joined by AND, OR, XOR; 1 where they hold. Without any, a sum."""
         value = self._comparison()
+        joint = ""
         while word := self._taken("AND", "OR", "XOR"):
-            other = self._comparison() != 0
-            joined = {"AND": value != 0 and other, "OR": value != 0 or other}
-            value = float(joined.get(word, (value != 0) != other))
+            other = self._comparison()
+            if {value, other} - {0.0, 1.0} or word != (joint := joint or word):
+                raise self._by_control(f"{word} of numbers, or beside {joint}")
+            joined = {"AND": min(value, other), "OR": max(value, other)}
+            value = joined.get(word, abs(value - other))
         return value
 
     def _comparison(self) -> float:
@@ -246,6 +235,8 @@ class _Expression:
             other = self._power()
             if sign != "*" and other == 0:
                 raise InputError(f"{self._place}: a division by zero in {self._code.strip()!r}")
+            if sign == "MOD" and min(value, other) < 0:
+                raise self._by_control("MOD of a negative number")
             results = {"*": lambda a, b: a * b, "/": lambda a, b: a / b, "MOD": math.fmod}
             value = results[sign](value, other)
         return value
@@ -293,6 +284,8 @@ class _Expression:
         self._expect("]")
         if name not in FUNCTIONS:
             raise InputError(f"{self._place}: found the function {name}, which is not read")
+        if name in {"FIX", "FUP"} and value < 0 and value != math.trunc(value):
+            raise self._by_control(f"{name} of a negative number")
         try:
             return FUNCTIONS[name](value)
         except (ValueError, OverflowError) as error:
@@ -332,6 +325,12 @@ class _Expression:
         rest = self._code[self.at :].strip()[:20]
         return InputError(
             f"{self._place}: found {rest!r} in an expression, expected a number, a variable or [ ]"
+        )
+
+    def _by_control(self, what: str) -> InputError:
+        return InputError(
+            f"{self._place}: {what}, which controls calculate in different ways; expected another "
+            f"way to write {self._code.strip()[:30]!r}"
         )
 
     def _finite(self, value: float | complex) -> float:
