@@ -106,6 +106,7 @@ def test_torque_rate_is_kept_and_the_start_has_no_jump(robot: irb.Robot) -> None
     assert found.ratio < 0.95
     rows = found.trajectory(irb.Model(robot), rate=1e4)
     assert np.abs(rows.qdd[0]).max() < 1e-6
+    keeps_limits_at_10_kHz(robot, found)
 
 
 def test_the_torque_rate_of_the_robot_file_is_kept(robot: irb.Robot) -> None:

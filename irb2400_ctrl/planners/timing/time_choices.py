@@ -93,9 +93,9 @@ def best_first(timed: Sequence[TimedChoice], axis_tolerance: float) -> list[Time
     return sorted(allowed or timed, key=lambda option: option.rank)
 
 
-# cubics through angles and speeds swing above an acceleration between two limits by up to 2/3
 _SHORT = 300
 """knots of a path of which both laws are made"""
+# cubics through angles and speeds swing above an acceleration between two limits by up to 2/3
 _ROOM_FOR_ROWS = 0.6
 RATES_UP_TO = 1000
 """pieces of a path above which rates that nobody stated are not limited: it would take minutes"""
