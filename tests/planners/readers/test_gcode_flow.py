@@ -100,6 +100,13 @@ def test_a_loop_without_an_end(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) 
         reached(tmp_path, "N5 X1\nGOTO 5")
 
 
+def test_a_jump_stays_in_its_program(tmp_path: Path) -> None:
+    body = "N5 #1=#1+1\nX#1\nIF [#1 LT 3] GOTO 5\nM30\nO2\nN5 X99\nN6 X98"
+    assert reached(tmp_path, body) == [1, 2, 3]
+    with pytest.raises(InputError, match="GOTO 6, and no block N6 is in the program"):
+        reached(tmp_path, body.replace("GOTO 5", "GOTO 6"))
+
+
 def test_loops_behind_the_end_are_not_carried_out(tmp_path: Path) -> None:
     text = f"{HEAD}X5\nM30\nN5 X1\nGOTO 5\n"
     assert np.allclose(1e3 * program(tmp_path, text).operation().path.position[-1], [5, 0, 0])

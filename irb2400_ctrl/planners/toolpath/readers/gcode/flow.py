@@ -8,6 +8,7 @@ have set them.
 from __future__ import annotations
 
 import re
+from bisect import bisect_right
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
@@ -26,6 +27,7 @@ _END = re.compile(r"^\s*(?:N\d+\s*)?END\s*(\d+)\s*$", re.IGNORECASE)
 _GOTO = re.compile(
     r"^\s*(?:N\d+\s*)?(?:IF\s*(\[.*\])\s*)?GOTO\s*(\d+|#\d+|\[.*\])\s*$", re.IGNORECASE
 )
+_PROGRAM = re.compile(r"[O:]\s*\d+\s*$")
 _BLOCK = re.compile(r"N\s*(\d+)")
 _THEN = re.compile(r"^\s*(?:N\d+\s*)?IF\s*(\[.*\])\s*THEN\s*(#.*)$", re.IGNORECASE)
 _PROGRAM_END = re.compile(r"(?<![A-Z])M\s*0*(?:2|30|99)(?!\d)", re.IGNORECASE)
@@ -151,12 +153,19 @@ class Flow:
         Raises:
             InputError: there is none.
         """
-        found = self._numbers.get(round(number), ()) if number == round(number) else ()
+        known = self._numbers.get(round(number), ()) if number == round(number) else ()
+        own = bisect_right(self._programs, at)
+        found = [index for index in known if bisect_right(self._programs, index) == own]
         if not found:
             raise InputError(
                 f"{place}: GOTO {number:g}, and no block N{number:g} is in the program"
             )
         return next((index for index in found if index > at), found[0])
+
+    @cached_property
+    def _programs(self) -> list[int]:
+        """The indices where a program of a number begins: a jump stays in its own."""
+        return [at for at, code in enumerate(self._codes) if _PROGRAM.match(code)]
 
     @cached_property
     def _numbers(self) -> dict[int, list[int]]:
