@@ -150,6 +150,27 @@ def test_tool_axes_with_tool_centre_control(tmp_path: Path) -> None:
         program(tmp_path, body)
 
 
+def test_what_ends_with_tool_centre_control(tmp_path: Path) -> None:
+    space = "FUNCTION TCPM F TCP AXIS SPAT\nL Z+1 A+0 B+30 C+90 F60\nL A+0 B+0 C+0\n"
+    body = f"{space}FUNCTION RESET TCPM\nM128\nL X+5 B+30 C+90\n"
+    # the machine's axes again, C then B the other way
+    found = program(tmp_path, body, "-C,B").operation().path.axis
+    assert found is not None
+    assert np.allclose(found[[1, -1]], [[0, 0.5, np.sqrt(0.75)], [0, -0.5, np.sqrt(0.75)]])
+    upright = "M128\nLN X+5 TX+0.6 TY+0 TZ+0.8 F60\nM129\nL B+0 C+0 FMAX M91\nL X+0 Y+0 Z+9 FMAX\n"
+    found = program(tmp_path, f"{upright}L Z+1 F60\n").operations[-1].path.axis
+    assert found is not None
+    assert np.allclose(found[-1], [0, 0, 1])
+    # the F behind M128 is that of its own turning
+    read = program(tmp_path, "L Z+1 F60 M128 F9000\nL X+5\n").operation()
+    assert np.allclose(1e3 * read.path.feed[-1], 1)
+
+
+def test_steps_of_datum_and_rotation(tmp_path: Path) -> None:
+    body = "CYCL DEF 7.1 X+10\nCYCL DEF 7.1 IX+5\nCYCL DEF 10.1 ROT+30\nCYCL DEF 10.1 IROT+60\n"
+    assert np.allclose(points(tmp_path, f"{body}L X+2 Y+0 Z+1 F60\n")[-1], [15, 2, 1])
+
+
 def test_angles_under_tool_centre_control_are_none_of_the_plane(tmp_path: Path) -> None:
     plane = "PLANE SPATIAL SPA+0 SPB+30 SPC+0 TURN\nL X+0 Y+0 Z+9 FMAX\nM128\n"
     found = program(tmp_path, f"{plane}L Z+5 B+30 C+0 F60\nL X+5\n", "C,B").operation().path.axis
@@ -212,6 +233,13 @@ def test_places_of_the_machine(tmp_path: Path) -> None:
         ("LN X+5 Y+0 Z+1 TX+0 TY+0.6 TZ+0.8 F60\n", "without M128 or FUNCTION TCPM"),
         ("C X+5 Y+5 DR+\n", "an arc without its centre; expected CC"),
         ("CC X+5 Y+0\nCP IPA+90 DR-\n", "turn against each other"),
+        ("FUNCTION TCPM F TCP AXIS POS REFPNT CENTER-CENTER\n", "places of the ball's centre"),
+        ("M128\nLN X+5 TX+0.6 TY+0 TZ+0.8 F60\nM129\nL X+9\n", "or by TX, TY, TZ before M129"),
+        (
+            "FUNCTION TCPM F TCP AXIS POS\nLN X+5 TX+0.6 TY+0 TZ+0.8 F60\nFUNCTION RESET TCPM\n"
+            "L X+9\n",
+            "or by TX, TY, TZ before M129",
+        ),
         ("CYCL DEF 8.0 MIRROR\nCYCL DEF 8.1 X\n", "CYCL DEF 8 is mirroring"),
         ("CYCL DEF 19.0 PLANE\nCYCL DEF 19.1 A+30\n", "expected PLANE SPATIAL"),
         ("CYCL DEF 7.0 DATUM\nCYCL DEF 7.1 #5\n", "takes its datum from a table of the control"),

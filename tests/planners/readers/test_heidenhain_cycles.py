@@ -90,6 +90,32 @@ def test_values_of_a_cycle_in_words(tmp_path: Path) -> None:
             operation(tmp_path, text.replace(old, new))
 
 
+def test_the_way_out_is_to_the_clearance_at_least(tmp_path: Path) -> None:
+    low = {**COMMON, "q204": 0.0}
+    found = operation(tmp_path, defined(200, **low, q202=10.0) + "L X+8 FMAX M99\n")
+    assert np.allclose(1e3 * found.path.position[-1], [8, 0, 7])
+
+
+def test_parameters_of_a_cycle_are_not_set_behind_it(tmp_path: Path) -> None:
+    text = "FN 0: Q203 = +1\n" + defined(200, **COMMON) + "FN 0: Q203 = -5\nL X+1 FMAX M99\n"
+    with pytest.raises(InputError, match="Q203 of the cycle before it is set anew"):
+        operation(tmp_path, text)
+
+
+@pytest.mark.parametrize(
+    "call",
+    [
+        "L X+0 Y+0 Z+30 FMAX M99\n",
+        "L X+0 Y+0 Z+30 FMAX\nCYCL CALL\n",
+        "CYCL CALL POS X+0 Y+0 Z+0\n",
+    ],
+)
+def test_no_hole_in_a_plane_that_the_tool_is_not_turned_to(tmp_path: Path, call: str) -> None:
+    plane = "PLANE SPATIAL SPA+0 SPB+30 SPC+0 STAY\n"
+    with pytest.raises(InputError, match=r"a tilted plane \(STAY\) that the tool is not turned to"):
+        operation(tmp_path, defined(200, **COMMON) + plane + call)
+
+
 def test_a_cycle_of_another_kind_is_not_drilled(tmp_path: Path) -> None:
     body = defined(200, **COMMON) + "CYCL DEF 1271 POCKET ~\nQ650=+1\nL X+1 FMAX M99\n"
     with pytest.raises(InputError, match="CYCL DEF 1271 POCKET is not read"):
@@ -133,6 +159,8 @@ def test_a_loop_on_a_condition(tmp_path: Path) -> None:
         ("- ( 3 - 5 ) * 2", 4.0),
         ("SQRT 16 + ABS - 2", 6.0),
         ("INT 2.7 + FRAC 2.5", 2.5),
+        ("INT -2.7 + 10", 8.0),
+        ("FRAC -2.25 + 1", 0.75),
         ("10 / 4 + COS 60", 3.0),
         ("ATAN 1 / 45 + SGN - 3", 0.0),
         ("PI * 0 + SQ 3", 9.0),

@@ -17,6 +17,7 @@ _JUMP = re.compile(
     r'^FN\s*(9|1[012])\s*:\s*IF\s+(.+?)\s+(?:EQU|NE|GT|LT)\s+(.+?)\s+GOTO\s+LBL\s+("[^"]+"|\d+)'
 )
 _END = re.compile(r"^END\s+PGM\b|^(?!BEGIN)[^\"]*(?<![A-Z])M0*(?:2|30)(?!\d)")
+_SETS = re.compile(r"(?:FN\s*\d+\s*:\s*)?(Q\d+)\s*=")
 MOST_BLOCKS = 500_000
 """that calls, repeats and jumps carry out again"""
 DEEPEST = 20
@@ -32,6 +33,8 @@ class Flow:
         self._labels = {
             found[1]: at for at, block in enumerate(listed) if (found := _LABEL.match(block.code))
         }
+        self._of_cycle: set[str] = set()
+        """the parameters of the cycle that is defined"""
         self._at = 0
         self._returns: list[int] = []
         """where the calls in hand go back to"""
@@ -62,12 +65,27 @@ class Flow:
                 steered = self._label(block) or self._call(block, place) or self._jump(block, place)
                 if not steered and block.heading is not None:
                     yield block
-                elif not steered and not self._parameters.assign(block.code, place):
+                elif not steered and not self._assigned(block.code, place):
                     yield replace(block, code=self._parameters.resolve(block.code, place))
             except InputError as error:
                 yield block.line, error
             if _END.search(block.code) and block.heading is None:
                 return
+
+    def _assigned(self, code: str, place: str) -> bool:
+        """Whether a block sets a parameter, and sets it.
+
+        Raises:
+            InputError: one of the cycle that is defined: the control would drill otherwise then.
+        """
+        if code.startswith("CYCL DEF"):
+            self._of_cycle = set(re.findall(r"\bQ\d+(?=\s*=)", code))
+        found = _SETS.match(code)
+        if found and found[1] in self._of_cycle:
+            raise InputError(
+                f"{place}: {found[1]} of the cycle before it is set anew; expected another CYCL DEF"
+            )
+        return self._parameters.assign(code, place)
 
     def _label(self, block: Statement) -> bool:
         found = _LABEL.match(block.code)

@@ -130,6 +130,19 @@ class PlainFrames:
         self._builder.leave()
         state.at = [None, None, None]
 
+    def hold_turned(self) -> None:
+        """Before a cut.
+
+        Raises:
+            InputError: the tool is turned otherwise than the plane.
+        """
+        if not self.turned:
+            raise InputError(
+                f"{self._builder.place}: a cut in a tilted plane (STAY) that the tool is not "
+                "turned to, or turned to a plane that was left (RESET STAY) or by TX, TY, TZ "
+                "before M129; expected TURN, or a block with A, B, C before it"
+            )
+
     def _angles(self, code: str) -> dict[str, float]:
         """Of a PLANE, by their names.
 

@@ -113,9 +113,6 @@ class PlainMachine:
                 builder.set_spindle(Spindle(0.0, builder.spindle.clockwise))
             elif function == 9:
                 builder.set_coolant("off")
-            elif function == 129:
-                self._state.tool_centre = False
-                self._state.vectors = False
             elif function in STOPS:
                 builder.stop(STOPS[function], f"M{function}")
 

@@ -87,9 +87,19 @@ class PlainMotion:
         called = 99 in words.functions or (self.cycles.modal and bool(values))
         self.cycles.modal &= 99 not in words.functions
         if called:
-            self.cycles.call()
+            self.drill()
             self._rapid = True
+        if 129 in words.functions:
+            self.without_centre()
         self._machine.after(words.functions)
+
+    def without_centre(self) -> None:
+        """M129, FUNCTION RESET TCPM: head or table stand as TX, TY, TZ had turned them."""
+        state = self._state
+        if state.vectors and not np.allclose(self._builder.axis, state.tilt[:3, 2]):
+            self.frames.turned = False
+        state.tool_centre = False
+        state.vectors = False
 
     def call_at(self, code: str) -> None:
         """CYCL CALL POS X Y Z: the cycle at X, Y, with the datum moved by Z along the tool's axis.
@@ -113,9 +123,18 @@ class PlainMotion:
         state = self._state
         target = state.target(values)
         state.at = [*target[:2], state.at[2]]
-        self.cycles.call(values["Z"] * state.unit)
+        self.drill(values["Z"] * state.unit)
         self._rapid = True
         self._machine.after(words.functions)
+
+    def drill(self, above: float = 0.0) -> None:
+        """The defined cycle where the tool is.
+
+        Args:
+            above: how far the surface lies above that of the definition [m].
+        """
+        self.frames.hold_turned()
+        self.cycles.call(above)
 
     def _speed(self, words: Words) -> None:
         builder = self._builder
@@ -198,12 +217,8 @@ class PlainMotion:
             )
         alone = bool(turned) and not set(values) & {*AXES, *VECTOR.values()}
         rapid = words.feed == "MAX" or (alone and not state.tool_centre)
-        if not (rapid or self.frames.turned):
-            raise InputError(
-                f"{builder.place}: a cut in a tilted plane (STAY) that the tool is not turned to, "
-                "or turned to a plane that was left (RESET STAY); expected TURN, or a block with "
-                "A, B, C before it"
-            )
+        if not rapid:
+            self.frames.hold_turned()
         self._machine.named(apart=self._rapid)
         if order in {"C", "CR", "CP"}:
             if rapid:

@@ -199,7 +199,7 @@ class _Reader:
         if how == "POS":
             self._motion.call_at(rest)
         else:
-            self._motion.cycles.call()
+            self._motion.drill()
         if how == "M":
             self._motion.run("", f"M{rest}")
 
@@ -221,10 +221,14 @@ class _Reader:
     def _function(self, code: str) -> None:
         state = self._state
         if re.match(r"FUNCTION\s+RESET\s+TCPM", code):
-            state.tool_centre = False
-            state.vectors = False
+            self._motion.without_centre()
             self._motion.motion.steer(self._rotary)
         elif re.match(r"FUNCTION\s+TCPM", code):
+            if "CENTER-CENTER" in code:
+                raise InputError(
+                    f"{self._builder.place}: REFPNT CENTER-CENTER: places of the ball's centre, "
+                    "whose radius the control knows; expected those of the tip"
+                )
             state.tool_centre = True
             # angles in space turn about the fixed axes x, y, z
             space = re.search(r"AXIS\s+SPAT", code)
