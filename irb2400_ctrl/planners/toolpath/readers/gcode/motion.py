@@ -286,14 +286,14 @@ class GcodeMotion:
                     f"{builder.place}: the tool axis I J K has length {length:.4g}, expected 1"
                 )
             return np.asarray(R @ vector / length)
-        tilted = not np.array_equal(state.plane_pose, np.eye(4))
         # under tool centre control angles are of the machine's axes, which no plane turns
-        stated = tilted and state.tool_centre and bool(set(ROTARY) & set(values))
-        if tilted and (stated or any(state.rotary.values())):
+        stated = state.tool_centre and any(letter in values for letter in ROTARY)
+        turned = any(state.rotary.values())
+        if (stated or turned) and not np.array_equal(state.plane_pose, np.eye(4)):
             # G68.2: the control turns the axes to the tilted plane
             self._agrees(state.plane_pose[:3, 2], stated=stated)
             return np.asarray(R[:, 2])
-        if not any(state.rotary.values()):
+        if not turned:
             return builder.axis if state.vectors else np.asarray(R[:, 2])
         if self._rotary is None:
             raise InputError(f"{builder.place}: {REFUSAL}")
