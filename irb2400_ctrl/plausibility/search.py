@@ -7,9 +7,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from irb2400_ctrl.arrays import Array
+from irb2400_ctrl.arrays import Array, Mask
 from irb2400_ctrl.measurement.log import Log
 from irb2400_ctrl.plausibility.evidence import MISFITS, Fit, Nominal
+from irb2400_ctrl.plausibility.jumps import MOVES
 from irb2400_ctrl.plausibility.parts import best_part
 from irb2400_ctrl.plausibility.problem import LogProblem
 from irb2400_ctrl.plausibility.reading import (
@@ -151,7 +152,10 @@ def _understood(nominal: Nominal, log: Log, rows: Rows) -> Understanding:
     if not sound(labelled, robot.n):
         part, said = best_part(nominal, rows, labelled)
         better = best.cost - part.cost > MARGIN or _slowed(robot, log, reading)
-        if better and clearly_better(part, labelled) and part.price < FITS_PRICE * scale:
+        # what holds a joint at rest may be friction, of which no part can be told
+        moves = np.ptp(rows.q, axis=0) > MOVES
+        clear = clearly_better(part, labelled, on=moves)
+        if better and clear and part.price < FITS_PRICE * scale:
             problem = said
     return Understanding(labelled, best, reading, problem)
 
@@ -161,18 +165,20 @@ def sound(fit: Fit, n: int) -> bool:
     return fit.price < SOUND_PRICE * n / 6.0 and bool(fit.left.max() < SOUND_LEFT)
 
 
-def clearly_better(one: Fit, other: Fit, hidden: bool = False) -> bool:
+def clearly_better(
+    one: Fit, other: Fit, hidden: bool = False, on: Mask | slice = slice(None)
+) -> bool:
     """Whether a reading is so much better than another that the log is not what the other says.
 
     Args:
         one: the reading; other: what it is held against.
         hidden: whether bodies far from the file's would leave as little without it: a scale of the
             torques, which they make up for.
+        on: joints of which little must be left; default all, shape (n,).
     """
     gain = other.cost - one.cost
-    return gain > max(MARGIN, SHARE * other.cost) and bool(
-        hidden or np.sum(one.left**2) < HALF * np.sum(other.left**2) or other.price > BEYOND
-    )
+    less = np.sum(one.left[on] ** 2) < HALF * np.sum(other.left[on] ** 2)
+    return gain > max(MARGIN, SHARE * other.cost) and bool(hidden or less or other.price > BEYOND)
 
 
 def _slowed(robot: Robot, log: Log, reading: Reading) -> bool:

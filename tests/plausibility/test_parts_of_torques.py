@@ -13,9 +13,11 @@ from sound_logs import Drawn, sound_log
 
 import irb2400_ctrl as irb
 from irb2400_ctrl.measurement import Log
-from irb2400_ctrl.plausibility import log_problem
+from irb2400_ctrl.plausibility import log_problem, search
+from irb2400_ctrl.plausibility.evidence import Fit, Nominal
 from irb2400_ctrl.plausibility.problem import LogProblem
 from irb2400_ctrl.plausibility.reading import motion_readings
+from irb2400_ctrl.plausibility.rows import Rows
 from irb2400_ctrl.robot import Robot, load_robot
 
 ROBOT = load_robot("irb2400")
@@ -55,6 +57,29 @@ def test_gravity_alone_is_told_and_no_clock(seed: int | None) -> None:
     tau = tau + 1e-6 * np.abs(tau).max() * RNG.standard_normal(tau.shape)
     log = replace(drawn.log, tau=tau, qd=None)
     assert part(log_problem(drawn.robot, log)) == "gravity"
+
+
+@pytest.mark.parametrize(("travel", "kind"), [(0.0, None), (0.5, "torque_part")])
+def test_what_holds_a_joint_at_rest_tells_no_part(
+    monkeypatch: pytest.MonkeyPatch, travel: float, kind: str | None
+) -> None:
+    """Its dry friction may be any: three runs of a real arm of guessed bodies were refused."""
+    time = time_of()
+    q = ur_log().q.copy()
+    q[:, 5] = travel * np.sin(0.9 * time)
+    tau = ur_log().tau.copy()
+    tau[:, 5] = 5.0 * np.sin(3.1 * time)
+
+    def without_that_joint(nominal: Nominal, rows: Rows, labelled: Fit) -> tuple[Fit, LogProblem]:
+        left = np.append(labelled.left[:5], 0.0)
+        return Fit(labelled.cost - 1e3, 50.0, left), LogProblem("torque_part", "a part")
+
+    monkeypatch.setattr(search, "best_part", without_that_joint)
+    understood = search.understand(robot("ur10e"), Log(time, q, tau))
+    assert understood is not None
+    assert not search.sound(understood.labelled, 6)
+    found = understood.problem
+    assert (None if found is None else found.kind) == kind
 
 
 def among_the_joints(angle: np.ndarray, torque: np.ndarray) -> Log:
