@@ -81,7 +81,7 @@ def read_csv_table(
         header = known or [f"column {k + 1}" for k in range(len(header))]
     row = _first_row(path, head, dialect, start)
     grouped = grouped_names(header, row, lambda cell: is_number(cell, dialect))
-    if grouped and not is_unit(row[1]):
+    if grouped:
         header = grouped
         start += 1 + next(k for k, line in enumerate(head[start:]) if line.strip(EMPTY))
         row = _first_row(path, head, dialect, start)

@@ -45,5 +45,39 @@ def test_groups_and_names_are_joined(merged: bool, separator: str, tmp_path: Pat
     np.testing.assert_allclose(found.q, LOG.q, atol=1e-9)
     np.testing.assert_allclose(found.tau, LOG.tau, atol=1e-9)
     assert len(found.time) == len(LOG.time)
-    # names that are each their own need no group
-    assert grouped_names(above, ["Time [s]", *units], str.isdigit) is None
+    # with units at the names nothing is left to be said
+    same = written(tmp_path / "b.csv", above, ["Time [s]", *units], separator)
+    np.testing.assert_allclose(read_log(same).q, LOG.q, atol=1e-9)
+
+
+@pytest.mark.parametrize("time", [("Time [s]", ""), ("", "Time [s]"), ("Time", "[s]")])
+def test_a_time_merged_over_both_lines_and_the_unit_of_a_group(
+    time: tuple[str, str], tmp_path: Path
+) -> None:
+    """The first was "found 13 cells, expected 8 as in the header"."""
+    fill = [""] * 5
+    above = [time[0], "Position [deg]", *fill, "Torque [Nm]", *fill]
+    found = read_log(written(tmp_path / "a.csv", above, [time[1], *AXES, *AXES], ","))
+    np.testing.assert_allclose(found.q, LOG.q, atol=1e-9)
+    np.testing.assert_allclose(found.tau, LOG.tau, atol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("above", "below", "names"),
+    [
+        # a name, and below it one unit for each of a joint's columns
+        (["Axis 1", "", "Axis 2", ""], "rad Nm rad Nm", "Axis 1 [rad],Axis 1 [Nm],Axis 2 [rad]"),
+        # of the first samples of a file these are the words
+        (["time_s", "q1_rad", "state", "state"], "-- -- -- --", None),
+        (["", "position", "velocity", "effort"], "12:00:00.008 off off on", None),
+        (["", "position", "velocity", "effort"], "a [0.1;0.2] [0.0;0.0] [0.0;0.0]", None),
+        (["", "", "Position", ""], "t n A1 A2", "t,n,Position A1,Position A2"),
+        (["a", "b", "b"], "x y 3", None),
+    ],
+)
+def test_words_below_are_names_where_each_column_then_has_its_own(
+    above: list[str], below: str, names: str | None
+) -> None:
+    found = grouped_names(above, below.split(" "), str.isdigit)
+    assert (names is None) == (found is None)
+    assert found is None or ",".join(found).startswith(str(names))
