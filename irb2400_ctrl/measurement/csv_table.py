@@ -37,7 +37,7 @@ from irb2400_ctrl.measurement.text.csv_pieces import (
     fast_pieces,
     slow_pieces,
 )
-from irb2400_ctrl.measurement.text.echoed_topic import echoed_names
+from irb2400_ctrl.measurement.text.echoed_topic import echoed_names, names_joint
 from irb2400_ctrl.measurement.text.grouped_header import grouped_names
 from irb2400_ctrl.reading import text_blocks
 
@@ -72,30 +72,13 @@ def read_csv_table(
         )
     head = next(text(path), b"").decode().split("\n")
     dialect = dialect_of(path, head)
-    header = _header(path, head, dialect)
-    headless = _headless(path, head, dialect, header)
-    start = dialect.skip + (0 if headless else 1)
-    if headless:
-        known = echoed_names(header, lambda cell: is_number(cell, dialect))
-        headless = "" if known else headless
-        header = known or [f"column {k + 1}" for k in range(len(header))]
-    row = _first_row(path, head, dialect, start)
-    grouped = grouped_names(header, row, lambda cell: is_number(cell, dialect))
-    if grouped:
-        header = grouped
-        start += 1 + next(k for k, line in enumerate(head[start:]) if line.strip(EMPTY))
-        row = _first_row(path, head, dialect, start)
-    if is_unit(row[0]) and not any(is_number(cell, dialect) for cell in row):
-        units = [f" [{cell.strip('[]()')}]" if cell else "" for cell in row]
-        units += [""] * (len(header) - len(row))
-        header = [name + unit for name, unit in zip(header, units, strict=False)]
-        start += 1 + next(k for k, line in enumerate(head[start:]) if line.strip(EMPTY))
-        row = _first_row(path, head, dialect, start)
+    header, row, start, headless = _named(path, head, dialect)
     header = distinct(header)
     clocks = {k for k, cell in enumerate(row) if seconds_of_day(cell) is not None}
     if len(clocks) == 1 and "time_s" not in header:
         header[min(clocks)] = "time_s"
-    body = Body(path, dialect, start, frozenset(clocks), text)
+    joints = {k: row[k] for k, name in enumerate(header[: len(row)]) if names_joint(name, row[k])}
+    body = Body(path, dialect, start, frozenset(clocks), joints, text)
     names, widths = spread(header, row)
     words = {
         name: cell
@@ -107,6 +90,36 @@ def read_csv_table(
         with contextlib.suppress(CloserLook):
             return _gathered(fast_pieces(body, header), empty, header, cut, progress)
     return _gathered(slow_pieces(body, header, names, widths), empty, names, cut, progress)
+
+
+def _named(path: Path, head: list[str], dialect: Dialect) -> tuple[list[str], list[str], int, str]:
+    """Names of the columns, cells of the first sample, the line that it may stand in first (from
+    0), and what to say of a file without names."""
+    header = _header(path, head, dialect)
+    headless = _headless(path, head, dialect, header)
+    start = dialect.skip + (0 if headless else 1)
+    if headless:
+        known = echoed_names(header, lambda cell: is_number(cell, dialect))
+        headless = "" if known else headless
+        header = known or [f"column {k + 1}" for k in range(len(header))]
+    row = _first_row(path, head, dialect, start)
+    grouped = grouped_names(header, row, lambda cell: is_number(cell, dialect))
+    if grouped:
+        header = grouped
+        start = _behind(head, start)
+        row = _first_row(path, head, dialect, start)
+    if is_unit(row[0]) and not any(is_number(cell, dialect) for cell in row):
+        units = [f" [{cell.strip('[]()')}]" if cell else "" for cell in row]
+        units += [""] * (len(header) - len(row))
+        header = [name + unit for name, unit in zip(header, units, strict=False)]
+        start = _behind(head, start)
+        row = _first_row(path, head, dialect, start)
+    return header, row, start, headless
+
+
+def _behind(lines: list[str], start: int) -> int:
+    """The line behind the first with something in it."""
+    return start + 1 + next(k for k, line in enumerate(lines[start:]) if line.strip(EMPTY))
 
 
 def _first_row(path: Path, lines: list[str], dialect: Dialect, start: int) -> list[str]:

@@ -10,6 +10,7 @@ from measured_logs import made, same
 
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.measurement import read_log
+from irb2400_ctrl.measurement.text.echoed_topic import names_joint
 
 LOG = made()
 ROBOT = ("pan", "lift", "elbow", "wrist_1", "wrist_2", "wrist_3")
@@ -46,3 +47,23 @@ def test_a_stretch_of_it_is_read(tmp_path: Path) -> None:
 def test_another_line_without_names_is_refused_as_before(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="found numbers"):
         read_log(echoed(tmp_path, parts=2), names=ROBOT)
+
+
+@pytest.mark.parametrize("row", [1, 150])
+def test_joints_that_stand_in_another_order_later_are_refused(row: int, tmp_path: Path) -> None:
+    """They were read as those of the first message: angles of the elbow under the name of the
+    pan."""
+    path = echoed(tmp_path)
+    lines = path.read_text().split("\n")
+    cells = lines[row].split(",")
+    cells[3:5] = [cells[4], cells[3]]
+    lines[row] = ",".join(cells)
+    path.write_text("\n".join(lines))
+    with pytest.raises(InputError, match=rf"line {row + 1}: found joint 'finger_joint', expected"):
+        read_log(path, names=ROBOT)
+
+
+def test_only_what_names_joints_must_stay_the_same() -> None:
+    told = [("name 2", "pan"), ("field.name0", "pan"), ("/joints/name", "['pan', 'lift']")]
+    other = [("name", "moving"), ("state", "on"), ("frame_id", "base"), ("surname", "[a, b]")]
+    assert [names_joint(*one) for one in told + other] == [True] * 3 + [False] * 4

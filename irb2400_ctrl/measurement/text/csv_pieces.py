@@ -6,7 +6,7 @@ from __future__ import annotations
 import re
 from array import array
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
 
@@ -19,6 +19,7 @@ from irb2400_ctrl.measurement.text.clock_times import Midnights, seconds_of_day
 from irb2400_ctrl.measurement.text.csv_dialect import EMPTY, Dialect
 from irb2400_ctrl.reading import text_blocks
 
+_BLANKS = re.compile(r"\s+")
 SLOW_ROWS = 10_000
 """of a piece, where cells are read one by one"""
 Piece = Callable[[Sequence[str]], list[Array]]
@@ -32,12 +33,13 @@ class CloserLook(Exception):
 @dataclass(frozen=True)
 class Body:
     """The samples of a file: what stands from line `start` on, lines counted from 0; cells that
-    hold times of day, by their place in a line."""
+    hold times of day, by their place in a line, and those that name the joints, with the names."""
 
     path: Path
     dialect: Dialect
     start: int
     clocks: frozenset[int] = frozenset()
+    joints: Mapping[int, str] = field(default_factory=dict)
     text: Callable[[Path], Iterator[bytes]] = text_blocks
 
     def blocks(self) -> Iterator[bytes]:
@@ -134,6 +136,7 @@ def slow_pieces(
                 raise torn
             continue
         place = f"{body.path}, line {number}"
+        _same_joints(body, cells, place)
         for column, value in zip(columns, _values(body, cells, widths, place), strict=True):
             column.append(value)
         rows += 1
@@ -141,6 +144,18 @@ def slow_pieces(
             yield so_far()
     if rows % SLOW_ROWS:
         yield so_far()
+
+
+def _same_joints(body: Body, cells: list[str], place: str) -> None:
+    """Refuse a line whose joints are not those of the first sample, or in another order."""
+    for k, name in body.joints.items():
+        there = cells[k].strip().strip('"').strip()
+        if there and _BLANKS.sub("", there) != _BLANKS.sub("", name):
+            raise InputError(
+                f"{place}: found joint {there[:60]!r}, expected {name[:60]!r} as in the first "
+                "sample: two publishers, or two records, write into one topic; give each a file of "
+                "its own"
+            )
 
 
 def _wrong_width(body: Body, number: int, line: str, found: int, width: int) -> InputError:

@@ -6,11 +6,14 @@ positions, velocities and efforts.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Sequence
 
 PARTS = ("position", "velocity", "effort")
 LEAST = 2
 """joints of a message that is taken for one"""
+_LISTED = re.compile(r"name \d+|field\.name\d+")
+_TOGETHER = re.compile(r"([\w./]*[/.])?name")
 
 
 def echoed_names(row: Sequence[str], number: Callable[[str], bool]) -> list[str] | None:
@@ -35,3 +38,14 @@ def echoed_names(row: Sequence[str], number: Callable[[str], bool]) -> list[str]
         return None
     listed = [f"name {k + 1}" for k in range(n)]
     return ["sec", "nanosec", "frame_id", *listed, *(f"{j}/{p}" for p in PARTS for j in joints)]
+
+
+def names_joint(column: str, cell: str) -> bool:
+    """Whether a cell of a message names a joint, or lists all: it is the same in every message of
+    the arm.
+
+    Args:
+        column: its name; cell: of the first sample.
+    """
+    listed = _TOGETHER.fullmatch(column) is not None and cell[:1] in ("[", "(")
+    return listed or _LISTED.fullmatch(column) is not None
