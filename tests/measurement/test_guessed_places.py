@@ -71,3 +71,30 @@ def test_nothing_is_shown_where_the_numbers_do_not_tell(tmp_path: Path) -> None:
 def test_joints_of_an_unknown_arm_are_counted(tmp_path: Path) -> None:
     path = table(tmp_path / "log.csv", T, LOG.q, SPEED, LOG.tau)
     assert told(path, None).count("joints = 6\n") == 3
+
+
+def test_rows_that_are_counted_beside_a_time_are_none(tmp_path: Path) -> None:
+    count = np.arange(len(T))[:, None]
+    path = table(tmp_path / "log.csv", count, T, LOG.q, SPEED, LOG.tau)
+    assert 'column = "column 2"\nunit = "s"' in told(path)
+    same(read_as_shown(path), LOG)
+    path = table(tmp_path / "log.csv", count, LOG.q, SPEED, LOG.tau)
+    assert 'column = "column 1"\n' in told(path)
+
+
+def test_friction_that_follows_the_motion_is_no_speed(tmp_path: Path) -> None:
+    """On each joint it has another size; where it is all there is, it was shown as the speed."""
+    friction = SPEED * [90.0, 80.0, 70.0, 20.0, 15.0, 10.0]
+    assert "check all of it" not in told(table(tmp_path / "log.csv", T, LOG.q, friction))
+    shown = told(table(tmp_path / "log.csv", T, LOG.q, friction, SPEED))
+    assert 'file = "column {j+13}"\njoints = 6\nquantity = "qd"' in shown
+
+
+@pytest.mark.parametrize(("factor", "unit"), [(1.0, "rad_s"), (180.0 / np.pi, "deg_s")])
+def test_a_speed_beside_degrees_has_the_unit_that_the_clock_says(
+    factor: float, unit: str, tmp_path: Path
+) -> None:
+    path = table(tmp_path / "log.csv", 1e3 * T, np.degrees(LOG.q), factor * SPEED, LOG.tau)
+    assert f'unit = "{unit}"' in told(path)
+    found = read_as_shown(path)
+    np.testing.assert_allclose(found.qd, SPEED, atol=1e-9)

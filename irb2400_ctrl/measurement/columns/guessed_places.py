@@ -24,6 +24,8 @@ STRAIGHT = 0.01
 """of its span, that a time may be off the straight line"""
 GOES_WITH = 0.9
 """correlation of a change and its rate"""
+ALIKE = 1.5
+"""most that the ratios of joints differ by: of a speed they are one, of friction not"""
 STILL = 1e-3
 """travel of a joint that is at rest"""
 LEAST = 3
@@ -45,7 +47,7 @@ def guessed_places(columns: Mapping[str, Array], joints: Sequence[str] | None = 
     table = np.column_stack([columns[name][:MOST_ROWS] for name in names])
     if len(table) < 10 * WIDTH or not np.isfinite(table).all():
         return ""
-    clock = next((k for k in range(table.shape[1]) if _is_time(table[:, k])), None)
+    clock = _clock(table)
     for n in (len(joints),) if joints else COUNTS:
         found = _angles(table, n, clock)
         if found is not None:
@@ -65,6 +67,13 @@ def _counted(columns: Mapping[str, Array]) -> tuple[str, list[str]]:
     return form, names if all(name in columns for name in names) else []
 
 
+def _clock(table: Array) -> int | None:
+    """The column of the time; one that counts rows only where there is no other."""
+    times = [k for k in range(table.shape[1]) if _is_time(table[:, k])]
+    counts = [k for k in times if (np.diff(table[:, k]) == 1.0).all()]
+    return next((k for k in times if k not in counts), counts[0] if counts else None)
+
+
 def _is_time(values: Array) -> bool:
     """Whether it rises all along, and along a straight line."""
     span = float(values[-1] - values[0])
@@ -73,8 +82,9 @@ def _is_time(values: Array) -> bool:
     return rises and bool(np.abs(values - line).max() < STRAIGHT * span)
 
 
-def _angles(table: Array, n: int, clock: int | None) -> tuple[int, int] | None:
-    """Where n angles begin, and where the speeds that go with them do."""
+def _angles(table: Array, n: int, clock: int | None) -> tuple[int, int, float] | None:
+    """Where n angles begin, where the speeds that go with them do, and the change of an angle in a
+    row over its speed."""
     changes = table[WIDTH:] - table[:-WIDTH]
     sums = np.cumsum(table, axis=0)
     rates = sums[WIDTH:] - sums[:-WIDTH]
@@ -82,6 +92,7 @@ def _angles(table: Array, n: int, clock: int | None) -> tuple[int, int] | None:
     if clock is not None:
         moves[clock] = False
     goes = _correlation(changes, rates, moves)
+    power = np.sum(rates**2, axis=0)
     starts = range(table.shape[1] - n + 1)
     for angle in starts:
         inside = np.flatnonzero(moves[angle : angle + n])
@@ -90,7 +101,10 @@ def _angles(table: Array, n: int, clock: int | None) -> tuple[int, int] | None:
         for speed in starts:
             apart = abs(speed - angle) >= n
             if apart and goes[angle + inside, speed + inside].min() > GOES_WITH:
-                return angle, speed
+                products = np.sum(changes[:, angle + inside] * rates[:, speed + inside], axis=0)
+                ratios = products / power[speed + inside]
+                if ratios.max() < ALIKE * ratios.min():
+                    return angle, speed, float(np.median(ratios))
     return None
 
 
@@ -102,23 +116,29 @@ def _correlation(changes: Array, rates: Array, moves: Mask) -> Array:
     return np.asarray(a.T @ b / np.where(size > 0.0, size, np.inf))
 
 
-def _map(form: str, table: Array, clock: int | None, found: tuple[int, int, int]) -> str:
+def _map(form: str, table: Array, clock: int | None, found: tuple[int, int, int, float]) -> str:
     """The map as text.
 
     Args:
         form: of the names; table: columns in their order; clock: which is the time.
-        found: joints, first angle, first speed; columns from 0.
+        found: joints, first angle, first speed, columns from 0; change of an angle in a row over
+            its speed.
     """
-    n, angle, speed = found
+    n, angle, speed, ratio = found
     turns = np.abs(table[:, angle : angle + n]).max() > DEGREES
     taken = {*range(angle, angle + n), *range(speed, speed + n), clock}
     free = _free(table.shape[1], n, taken)
     lines = ["[time]", "rate_Hz = nan   # samples a second: no column rises as a time does", ""]
+    rate = "deg_s" if turns else "rad_s"
     if clock is not None:
-        unit = {1e-3: "ms", 1e-6: "us", 1e-9: "ns"}.get(unit_by_step(table[:, clock]), "s")
+        scale = unit_by_step(table[:, clock]) or 1.0
+        unit = {1e-3: "ms", 1e-6: "us", 1e-9: "ns"}.get(scale, "s")
+        step = scale * float(table[-1, clock] - table[0, clock]) / (len(table) - 1)
+        if turns and 1.0 / ALIKE < np.radians(ratio) / step < ALIKE:
+            rate = "rad_s"
         lines = ["[time]", f'column = "{form.format(clock + 1)}"', f'unit = "{unit}"', ""]
     lines += _entry(form, n, angle, ("q", "deg" if turns else "rad"))
-    lines += _entry(form, n, speed, ("qd", "deg_s" if turns else "rad_s"))
+    lines += _entry(form, n, speed, ("qd", rate))
     if free:
         others = ", ".join(form.format(f"{{j+{first}}}") for first in free[1:])
         lines += _entry(form, n, free[0], ("tau", "Nm"))
