@@ -16,8 +16,6 @@ MIN_RATE = 10.0
 """[Hz] below this the torque of a moving arm is not resolved"""
 FASTEST = 8e3
 """[Hz] at which recorders of arms sample at most"""
-MOST_RECORDS = 10
-"""runs that somebody has put into one file"""
 NEAR = 0.05
 """of the whole span, from its beginning, to where the clock of another record goes back"""
 LEAST_ROWS = 20
@@ -106,7 +104,15 @@ class Log:
         back = np.flatnonzero(steps <= 0)
         k = int(back[0])
         whole = np.floor(self.time)
-        if len(back) <= MOST_RECORDS and self._begins_again(back):
+        if self._begins_again(back):
+            lengths = np.diff(back)
+            if len(back) > 2 and np.ptp(lengths) <= 1:
+                every = float(np.median(steps) - np.median(steps[back]))
+                return (
+                    f"the clock begins again every {every:.3g} s: a counter that wraps (state "
+                    "rate_Hz in a column map), or records one after another (give each a file of "
+                    "its own)"
+                )
             return "another record begins there: give each a file of its own"
         if len(back) > 1 and (steps[back] < 0).all():
             within = whole[back] == whole[back + 1]

@@ -112,3 +112,22 @@ def test_a_change_of_a_number_may_follow_the_law_of_the_base(
     found = made._in_form(problem, (kind, 2), {}, Nested(np.eye(1), ()), 0.0)
     assert found.score.gain == pytest.approx(gain)
     assert (found.discrepancy is None) == (gain == pytest.approx(exact - np.log(2.0)))
+
+
+@pytest.mark.parametrize("on", [None, (0, 1, 0, 0, 0, 0), (1, 0, 1, 1, 1, 1)])
+def test_only_what_acts_on_the_joints_that_are_asked_is_ranked(on: Any) -> None:
+    asked: list[Any] = []
+    acting = {("balancer", 2): (1,), ("payload", None): (0, 1, 2), ("encoder_zero", 1): ()}
+    made = scan(
+        families=list(acting),
+        acts_on=lambda *family: acting[family],
+        _library=lambda problem, kind, joint: asked.append((kind, joint)) or [],
+        _everywhere=lambda problem, kind: None,
+        _non_parametric=lambda problem, joint: asked.append(joint) or [],
+        _vibration=lambda problem, joint: SimpleNamespace(score=SimpleNamespace(gain=0.0)),
+    )
+    there = None if on is None else np.array(on, dtype=bool)
+    assert made.rank(None, (), there) == []
+    joints = range(6) if on is None else [j for j in range(6) if on[j]]
+    families = [("balancer", 2)] * (1 in joints) + [("payload", None)]
+    assert asked == [*families, *joints]

@@ -10,7 +10,7 @@ from measured_logs import made, same
 
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.measurement import read_log
-from irb2400_ctrl.measurement.text.echoed_topic import names_joint
+from irb2400_ctrl.measurement.text.echoed_topic import echoed_names, names_joint
 
 LOG = made()
 ROBOT = ("pan", "lift", "elbow", "wrist_1", "wrist_2", "wrist_3")
@@ -61,6 +61,25 @@ def test_joints_that_stand_in_another_order_later_are_refused(row: int, tmp_path
     path.write_text("\n".join(lines))
     with pytest.raises(InputError, match=rf"line {row + 1}: found joint 'finger_joint', expected"):
         read_log(path, names=ROBOT)
+
+
+@pytest.mark.parametrize(
+    "row",
+    [
+        "7,8,base,pan,pan,0,0,0,0,0,0",
+        "7,8,base,pan,lift,0,0,0,0,0,off",
+        "7,8,0.5,pan,lift,0,0,0,0,0,0",
+        "7,8,base,pan,0,0,0",
+    ],
+)
+def test_a_line_that_is_no_message_of_joint_states(row: str) -> None:
+    assert echoed_names(row.split(","), is_plain) is None
+    known = ["7", "8", "base", "pan", "lift", *6 * ["0"]]
+    assert echoed_names(known, is_plain) is not None
+
+
+def is_plain(cell: str) -> bool:
+    return cell.replace(".", "").isdigit()
 
 
 def test_only_what_names_joints_must_stay_the_same() -> None:

@@ -30,6 +30,37 @@ def test_a_second_record_in_one_file_is_told() -> None:
     assert "sort the rows" in told(back)
 
 
+def test_runs_one_after_another_are_told_however_many() -> None:
+    """Of eleven and more it was "sort the rows"."""
+    ends = np.arange(30, 30 + len(LOG.time), 33) + np.arange(0, len(LOG.time), 33) // 33 % 3
+    parts = np.split(np.arange(len(LOG.time)), ends[ends < len(LOG.time) - 25])
+    runs = [LOG.time[: len(part)] for part in parts]
+    assert len(runs) > 11
+    assert "another record begins there" in told(np.concatenate(runs))
+
+
+def test_a_few_rows_before_the_clock_is_set_are_no_record() -> None:
+    early = np.concatenate([LOG.time[:5], LOG.time[:-5]])
+    assert "another record" not in told(early)
+    assert "sort the rows" in told(early)
+
+
+def test_a_counter_that_wraps_is_told() -> None:
+    said = told(0.004 * (np.arange(len(LOG.time)) % 50))
+    assert "the clock begins again every 0.2 s" in said
+    assert "rate_Hz" in said
+
+
+def test_rows_out_of_order_are_no_lost_zeros() -> None:
+    """Digits that are lost go back within a second, and never stand still."""
+    swapped = LOG.time.copy()
+    swapped[100:400:2], swapped[101:401:2] = swapped[101:401:2].copy(), swapped[100:400:2].copy()
+    seconds = 300.0 * swapped
+    assert "leading zeros" not in told(seconds)
+    doubled = np.repeat(LOG.time[: (len(LOG.time) + 1) // 2], 2)[: len(LOG.time)]
+    assert "leading zeros" not in told(doubled)
+
+
 def test_nanoseconds_without_their_zeros_are_told() -> None:
     """`f"{sec}.{nanosec}"`; of 1,700,000,000 seconds the message held two digits."""
     nanoseconds = np.round(1e9 * LOG.time).astype(int)

@@ -269,3 +269,15 @@ def test_the_columns_that_are_taken_are_no_others_of_their_kind(tmp_path: Path) 
         read_log(written(tmp_path / "log.csv", columns), names=ROBOT)
     assert "wrist_{j}" not in str(refused.value)
     assert "wrist_1_pos" in str(refused.value)
+
+
+def test_as_many_columns_as_joints_need_no_word_and_no_force_of_the_tool_is_a_torque(
+    tmp_path: Path,
+) -> None:
+    columns = {"timestamp": T, "pos_{j}": Q, "joint_force_{j}": TAU, "tool_force_{j}": 3 * TAU}
+    with pytest.raises(InputError) as refused:
+        read_log(written(tmp_path / "log.csv", columns), names=ROBOT)
+    told = str(refused.value).split("check them:\n")[1]
+    assert "such columns" not in told
+    assert 'file = "joint_force_{j}"' in told
+    assert "tool_force" not in told
