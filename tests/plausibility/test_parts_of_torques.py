@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import cache
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -15,6 +17,7 @@ import irb2400_ctrl as irb
 from irb2400_ctrl.measurement import Log
 from irb2400_ctrl.plausibility import log_problem, search
 from irb2400_ctrl.plausibility.evidence import Fit, Nominal
+from irb2400_ctrl.plausibility.parts import best_part
 from irb2400_ctrl.plausibility.problem import LogProblem
 from irb2400_ctrl.plausibility.reading import motion_readings
 from irb2400_ctrl.plausibility.rows import Rows
@@ -57,6 +60,58 @@ def test_gravity_alone_is_told_and_no_clock(seed: int | None) -> None:
     tau = tau + 1e-6 * np.abs(tau).max() * RNG.standard_normal(tau.shape)
     log = replace(drawn.log, tau=tau, qd=None)
     assert part(log_problem(drawn.robot, log)) == "gravity"
+
+
+def test_a_reading_that_fits_better_than_a_part_is_what_is_said(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def near(nominal: Nominal, rows: Rows, labelled: Fit) -> tuple[Fit, LogProblem]:
+        fit = Fit(0.6 * labelled.cost, 50.0, 0.5 * labelled.left)
+        assert search.clearly_better(fit, labelled)
+        return fit, LogProblem("torque_part", "a part")
+
+    monkeypatch.setattr(search, "best_part", near)
+    found = log_problem(ROBOT, replace(plain().log, tau=-plain().log.tau))
+    assert found is not None
+    assert found.kind == "torque_sign"
+
+
+def test_a_clock_that_slows_a_possible_motion_down_is_no_reading_beside_a_part() -> None:
+    log = ur_log()
+    arm = robot("ur10e")
+    slow = {r.clock: r for r in motion_readings(arm) if r.kind == "time_scale"}
+    assert search._slowed(arm, log, slow[1e3])
+    assert not search._slowed(arm, log, slow[min(slow)])
+    # of degrees under the name of radians the clock may be what is wrong
+    assert not search._slowed(arm, replace(log, q=np.degrees(log.q)), slow[1e3])
+
+
+@pytest.mark.parametrize(
+    ("left", "travel", "torque", "asked"),
+    [
+        (0.3, 0.5, 10.0, True),
+        (0.1, 0.5, 10.0, False),
+        (0.9, 0.01, 10.0, False),
+        (0.9, 0.5, 0.5, False),
+    ],
+)
+def test_gravity_alone_is_asked_of_what_moves_and_has_torque(
+    left: float, travel: float, torque: float, asked: bool
+) -> None:
+    t = np.linspace(0.0, 6.0, 50)[:, None]
+    q = np.sin(t) * [0.5, travel]
+    tau = np.cos(t) * [100.0, torque]
+    rows = Rows(q, q, q, q, q > 9.0, tau, 6.0)
+    fits: list[bool] = []
+
+    def explained(of: Rows, columns: object) -> Fit:
+        fits.append(bool(of.qd.any()))
+        return Fit(float(len(fits)), 1.0, np.zeros(2))
+
+    nominal: Any = SimpleNamespace(columns=lambda of: (of.q, of.q), explained=explained)
+    _, said = best_part(nominal, rows, Fit(90.0, 90.0, np.array([0.02, left])))
+    assert fits == [True, *[False] * asked]
+    assert said.fits == {"part": "without_gravity"}
 
 
 @pytest.mark.parametrize(("travel", "kind"), [(0.0, None), (0.5, "torque_part")])

@@ -27,12 +27,13 @@ def test_angles_under_the_name_of_speeds_are_told() -> None:
     assert check_log(None, log).sound
 
 
-@pytest.mark.parametrize("kind", ["exact", "noisy", "late", "coarse"])
+@pytest.mark.parametrize("kind", ["exact", "noisy", "noisier", "late", "coarse"])
 def test_a_speed_of_the_joint_is_none_of_these(kind: str) -> None:
     late = np.roll(SPEED, 24, axis=0)
     speeds = {
         "exact": SPEED,
         "noisy": SPEED + 0.5 * NOISE,
+        "noisier": SPEED + 1.5 * NOISE,
         "late": late,
         "coarse": np.round(2.0 * SPEED) / 2.0,
     }
