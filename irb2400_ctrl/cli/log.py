@@ -118,6 +118,8 @@ def lines(check: LogCheck) -> list[str]:
     found += [f"note: {remark}" for remark in check.remarks]
     if check.sound:
         against = "" if check.robot is None else f" and fits {check.robot}"
+        if check.robot is not None and check.left is None:
+            against = f"; too short to be held against {check.robot}"
         found.append(f"sound: the log is what its columns say{against}")
     else:
         assert check.problem is not None

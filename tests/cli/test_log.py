@@ -36,6 +36,17 @@ def test_a_sound_log_exits_0(tmp_path: Path) -> None:
     assert "lag behind the command [ms]" in done.stdout
 
 
+def test_a_log_that_is_too_short_to_be_held_against_the_robot_does_not_fit_it(
+    tmp_path: Path,
+) -> None:
+    done = run("log", "check", write_log(part(2.0), tmp_path / "log.csv"))
+    assert done.returncode == 0, done.stderr
+    said = done.stdout.splitlines()[-1]
+    assert said == (
+        "sound: the log is what its columns say; too short to be held against ABB IRB 2400"
+    )
+
+
 def test_a_misread_log_exits_2_with_what_would_fit(tmp_path: Path) -> None:
     log = part(10.0)
     path = write_log(replace(log, tau=log.tau / 100.0), tmp_path / "log.csv")

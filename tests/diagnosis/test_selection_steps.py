@@ -134,11 +134,15 @@ def test_the_next_step_is_the_best_that_counts() -> None:
         (190.0, 100.0, 91.0, 0.0, 1, "first"),  # together more than the law
         (190.0, 100.0, 90.0, 0.0, 1, "unexplained"),  # only as much
         (200.0, 100.0, 150.0, 0.0, 1, "first"),
-        (200.1, 100.0, 150.0, 0.0, 1, "unexplained"),  # over twice the best effect: no two make it
+        # over twice the best effect two may be anything: more by what a law without a name needs
+        (200.1, 100.0, 110.2, 0.0, 1, "first"),
+        (200.1, 100.0, 110.0, 0.0, 1, "unexplained"),
         (190.0, 100.0, None, 0.0, 1, "unexplained"),
-        (190.0, 100.0, 150.0, 2.99, 1, "first"),  # a family of nineteen is one law still
-        (190.0, 100.0, 150.0, 3.0, 1, "unexplained"),
+        (190.0, 100.0, 91.0, 2.99, 1, "first"),  # a family of nineteen is one law still
+        (190.0, 100.0, 91.0, 3.0, 1, "unexplained"),
+        (190.0, 100.0, 100.1, 3.0, 1, "first"),
         (190.0, 100.0, 150.0, 0.0, 2, "unexplained"),  # of another joint
+        (25.0, 21.9, 150.0, 0.0, 1, "unexplained"),  # that is nothing by itself
     ],
 )
 def test_two_effects_in_the_place_of_a_law_without_a_name(
@@ -176,12 +180,12 @@ def test_two_effects_in_the_place_of_a_law_without_a_name(
         assert any(r.candidate is step.candidate for r in step.alternatives)
 
 
-def test_a_second_effect_of_another_joint_or_a_large_family_is_no_pair(
+def test_a_second_effect_of_another_joint_or_without_a_name_is_no_pair(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     flexible = of(explanation("unexplained", known=False), 150.0)
     name = of(explanation("first"), 100.0)
-    for second in (explanation("b", 2), explanation("b", penalty=9.0), explanation("b", 1, False)):
+    for second in (explanation("b", 2), explanation("b", 1, False)):
         once = Selection.next_step
         with monkeypatch.context() as patch:
             patch.setattr(

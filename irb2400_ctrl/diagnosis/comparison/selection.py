@@ -230,28 +230,34 @@ class Selection:
         non-parametric law, else that law.
 
         A flexible function takes in both at once, so that either of them alone is beaten by it.
-        Large families (a ripple of any order) are flexible functions themselves.
+        Large families (a ripple of any order) are flexible functions themselves, and of two of
+        which the better says less than half of it either may be anything: these must be better as
+        clearly as it would have to be.
         """
         comparison = ground.comparison
         joint = non_parametric.candidate.joint
         gained = comparison.gain(non_parametric)
-
-        def simple(candidate: Candidate) -> bool:
-            return (
-                candidate.known
-                and candidate.joint == joint
-                and candidate.penalty < np.log(SMALL_FAMILY)
-            )
-
-        first = next((r for r in alternatives if simple(r.candidate)), None)
-        if first is None or gained > (1.0 + self.criteria.two_at_once) * comparison.gain(first):
-            return non_parametric
         own = np.arange(self.scan.motion.n) + 1 == joint
-        both = self._beside([*comparison.chosen, first.candidate], own)
-        second = self.next_step(both, alone=True)
-        if second is None or not simple(second.candidate):
-            return non_parametric
-        return first if comparison.gain(first) + second.gain > gained else non_parametric
+
+        def of_joint(candidate: Candidate) -> bool:
+            """What begins now and then follows whatever grows with the time."""
+            return candidate.known and candidate.joint == joint and not candidate.begins
+
+        known = [r for r in alternatives if of_joint(r.candidate)]
+        simple = [r for r in known if _simple(r.candidate)]
+        for first in {id(r): r for r in (*simple[:1], *known[:1])}.values():
+            gain = comparison.gain(first)
+            if gain < self.criteria.gain:
+                continue
+            both = self._beside([*comparison.chosen, first.candidate], own)
+            second = self.next_step(both, alone=True)
+            if second is None or not of_joint(second.candidate):
+                continue
+            near = gained <= (1.0 + self.criteria.two_at_once) * gain
+            plain = near and _simple(first.candidate) and _simple(second.candidate)
+            if gain + second.gain > gained + (0.0 if plain else self.criteria.unknown):
+                return first
+        return non_parametric
 
     def _exchanged(self, steps: list[Step]) -> list[Step]:
         """Each explanation held again, given the others, against what acts on a joint of it, a name
@@ -279,6 +285,11 @@ class Selection:
             for s in kept
             if not of_one_moment(s.candidate, [k.candidate for k in kept if k is not s])
         ]
+
+
+def _simple(candidate: Candidate) -> bool:
+    """Whether an effect's family is one law."""
+    return bool(candidate.penalty < np.log(SMALL_FAMILY))
 
 
 def _without_its_other(steps: Sequence[Step]) -> int | None:
