@@ -192,6 +192,9 @@ def _looks_wrong(arm: Robot, source: str) -> list[str]:
     return notes
 
 
+TOOLPATH = "a toolpath (CSV, APT/CLDATA, G-code or Heidenhain's .h)"
+
+
 def input_file(path: Path, what: str) -> Path:
     """The path, if a file is there; InputError says what was expected otherwise."""
     from irb2400_ctrl.errors import InputError

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from irb2400_ctrl.cli.options import (
+    TOOLPATH,
     CellOption,
     RotaryOption,
     ToolOption,
@@ -61,7 +62,7 @@ def show(
     tool: ToolOption = None,
 ) -> Summary:
     """Print the operations: tool, points, length, feed, extent; what was not understood."""
-    input_file(file, "a CAM file (CSV, APT/CLDATA or G-code)")
+    input_file(file, TOOLPATH)
 
     from irb2400_ctrl.planners import read_program
 

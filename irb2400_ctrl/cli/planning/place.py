@@ -9,6 +9,7 @@ import typer
 
 from irb2400_ctrl.cli.command_line import provenance
 from irb2400_ctrl.cli.options import (
+    TOOLPATH,
     CellOption,
     FreeOption,
     OutOption,
@@ -96,7 +97,7 @@ def place(
     """Find the pose of a part that leaves the largest margins -> placement.json,
     report.html."""
     for part in parts:
-        input_file(part, "a toolpath (CSV, APT/CLDATA or G-code)")
+        input_file(part, TOOLPATH)
 
     from irb2400_ctrl.model import Model
     from irb2400_ctrl.planners import read_program

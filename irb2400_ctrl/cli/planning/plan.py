@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from irb2400_ctrl.cli.options import (
+    TOOLPATH,
     CellOption,
     FreeOption,
     OutOption,
@@ -199,7 +200,7 @@ def plan(
 ) -> Summary:
     """Plan a toolpath: branch, tool rotation, torque-limited timing -> trajectory.csv, plan.json,
     report.html."""
-    input_file(path, "a toolpath (CSV, APT/CLDATA or G-code)")
+    input_file(path, TOOLPATH)
     program = _read(path, operation, units, rotary, spindle_rpm, work_offset)
     output_folder(out)
     arm = load_arm(robot)

@@ -27,7 +27,9 @@ def read_text(path: Path) -> str:
         InputError: no such file, larger than 200 MB, or not text.
     """
     if not path.is_file():
-        raise InputError(f"no path file {path}: expected a CSV, APT/CLDATA or G-code file")
+        raise InputError(
+            f"no path file {path}: expected a CSV, APT/CLDATA, G-code or Heidenhain file"
+        )
     size = path.stat().st_size
     if size > LARGEST:
         raise InputError(f"{path} has {size / 1e6:.0f} MB, expected at most 200; split the file")
