@@ -14,6 +14,7 @@ from spline_paths import random_path
 
 from irb2400_ctrl import load_robot
 from irb2400_ctrl.effects import LIBRARY, Effect
+from irb2400_ctrl.effects.blank import discrepancy_size
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.planners import Certificate, MotionLimits, check, plan_path
 from irb2400_ctrl.planners.enclosure.cells import enclose, grid
@@ -212,11 +213,7 @@ def test_every_effect_but_a_swinging_one_has_a_bound() -> None:
             continue
         joint = next(iter(cls.joints(6)))
         bare = cls.prototype(joint, cls.grid(joint)[0])
-        width = (
-            bare.discrepancy_basis(path_dynamics(ROBOT).model.signals()).shape[1]
-            if not cls.states
-            else 0
-        )
+        width = 0 if cls.states else discrepancy_size(cls, joint, 6)
         for shape in ((), tuple(rng.uniform(0.1, 1.0, width))):
             for windows in ((), ((0.1, 0.4),)):
                 fields = {

@@ -148,7 +148,8 @@ def test_an_offset_wrist_has_every_branch_found(kind: str) -> None:
     assert (counts % 2 == 0).all()
     assert counts.max() > 8
     alone = NewtonBranches(robot_).one(model.flange_pose(q[0]), None)[0]
-    np.testing.assert_array_equal(alone, found[0][exists[0]])
+    # up to the last digits: some processors add the columns of one matrix in another order
+    np.testing.assert_allclose(alone, found[0][exists[0]], rtol=0, atol=1e-12)
 
 
 def test_seven_axes_are_refused_with_a_way_out() -> None:
