@@ -92,6 +92,19 @@ def test_what_a_channel_keeps_by_itself_is_not_held() -> None:
     # and so do the angles of a slow motion
     slow = np.round(moved(TIME / 30.0), 3)
     assert new_rows(slow, TIME) is None
+    # of one joint alone, too, by a digit at a time
+    alone = np.zeros((len(TIME), 3))
+    alone[:, 0] = np.round(moved(TIME / 8.0)[:, 0], 2)
+    assert (np.diff(alone, axis=0) == 0.0).all(axis=1).mean() > 0.5
+    assert new_rows(alone, TIME) is None
+    # joints that are read each at times of its own repeat now and then all together
+    rng = np.random.default_rng(6)
+    every = np.arange(len(TIME))
+    columns = []
+    for column in whole.tau[:, :2].T:
+        read = np.where(rng.uniform(size=len(TIME)) < 0.4, every, 0)
+        columns.append(column[np.maximum.accumulate(read)])
+    assert new_rows(np.column_stack(columns), TIME) is None
     # an arm that rests without noise, now and then
     rests = log(0.0)
     asleep = (TIME > 4.0) & (TIME < 7.0)
