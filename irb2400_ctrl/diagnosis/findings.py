@@ -81,7 +81,7 @@ def _gain(step: Step, effect: Effect, joint: int) -> float:
     the joint that shows it best."""
     assert step.validation_gain is not None
     gains = step.validation_gain
-    return float(gains.max() if effect.chain == "angle" else gains[joint])
+    return float(gains.max() if any(effect.angle_error) else gains[joint])
 
 
 def _share(torque: Array, measured: Array) -> Array:

@@ -278,9 +278,9 @@ class Effect(BaseModel, ABC):
         return None
 
     @property
-    def angle_offset(self) -> float:
-        """True minus reported angle of its joint [rad], of an effect on the encoder's angle."""
-        return 0.0
+    def angle_error(self) -> tuple[float, float]:
+        """True minus reported angle of its joint [rad], and how late that is reported [s]."""
+        return 0.0, 0.0
 
     def active(self, time: Array) -> npt.NDArray[np.bool_]:
         """Whether it acts at these times [s]."""

@@ -25,6 +25,7 @@ class Blank:
     tool_axes: ca.SX
     tau: ca.SX
     tau_rate: ca.SX
+    tau_rates: ca.SX
     tau_jacobian: ca.SX
     load_rate2: ca.SX
     mass_matrix: ca.SX
@@ -40,7 +41,7 @@ class Blank:
             "tool_axes": (3, 3),
             "state": (states, 1),
         }
-        square = dict.fromkeys(("tau_jacobian", "mass_matrix"), (n, n))
+        square = dict.fromkeys(("tau_rates", "tau_jacobian", "mass_matrix"), (n, n))
         return cls(
             **{
                 name: ca.SX.sym(name, *(sizes | square).get(name, (n, 1)))

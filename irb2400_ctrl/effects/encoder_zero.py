@@ -33,8 +33,8 @@ class EncoderZero(Effect):
         return s.tau_jacobian[:, self.index]
 
     @property
-    def angle_offset(self) -> float:
-        return self.zero_rad
+    def angle_error(self) -> tuple[float, float]:
+        return self.zero_rad, 0.0
 
     def coefficients(self) -> tuple[float, ...]:
         return (self.zero_rad,)

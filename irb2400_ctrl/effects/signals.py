@@ -61,6 +61,10 @@ class Signals(Protocol):
         """time derivative of `tau` [Nm/s]"""
 
     @property
+    def tau_rates(self) -> ca.SX:
+        """`tau_rate` by the motion of one joint alone, one column each, shape (n, n) [Nm/s]"""
+
+    @property
     def tau_jacobian(self) -> ca.SX:
         """d tau / d q, shape (n, n) [Nm/rad]"""
 

@@ -19,11 +19,17 @@ from irb2400_ctrl.effects.signals import Signals
 
 class TimeDelay(Effect):
     """measured tau_j(t) = tau_j(t - delay), to first order tau_j - delay dtau_j/dt; without a
-    joint, all alike."""
+    joint, all alike.
+
+    Where it is the angle that is late, q_j(t) = q_j(t - delay), the torques of all joints are those
+    of the time before: tau + delay (dtau/dq_j qd_j + dtau/dqd_j qdd_j + dtau/dqdd_j qddd_j).
+    """
 
     acts: ClassVar[Acts] = "measurement"
     chain: ClassVar[Link] = "clock"
-    sentence: ClassVar[str] = "the torque of the joint is recorded later than its position"
+    sentence: ClassVar[str] = (
+        "of torque and position of the joint one is recorded later than the other"
+    )
     example: ClassVar[Mapping[str, Any]] = {"delay_s": 0.004}
     ambiguity: ClassVar[Ambiguity] = DELAY
     search: ClassVar[Search] = Search(shows_moving=True)
@@ -31,11 +37,23 @@ class TimeDelay(Effect):
 
     kind: Literal["time_delay"] = "time_delay"
     delay_s: float = Field(description="delay [s]")
+    of_angle: bool = Field(
+        default=False, description="whether the joint's angle is late, not its torque [-]"
+    )
 
     def basis(self, s: Signals) -> ca.SX:
-        return -s.tau_rate if self.joint is None else self.on(-s.tau_rate[self.index], s.q.numel())
+        if self.joint is None:
+            return -s.tau_rate
+        late = self.on(-s.tau_rate[self.index], s.q.numel())
+        return self.of_angle * s.tau_rates[:, self.index] + (1 - self.of_angle) * late
+
+    @property
+    def angle_error(self) -> tuple[float, float]:
+        return 0.0, self.of_angle * self.delay_s
 
     def _shown(self, time: Array, tau: Array) -> Array:
+        if self.of_angle:
+            return tau
         shown = np.array(tau)
         for j in range(tau.shape[1]) if self.joint is None else [self.index]:
             shown[:, j] = np.interp(time - self.delay_s, time, tau[:, j])
@@ -48,14 +66,22 @@ class TimeDelay(Effect):
     def from_coefficients(
         cls, joint: int | None, coefficients: Sequence[float], nonlinear: dict[str, float]
     ) -> Self:
-        return cls.of(joint, delay_s=coefficients[0])
+        return cls.of(joint, delay_s=coefficients[0], **nonlinear)
+
+    @classmethod
+    def grid(cls, joint: int | None) -> list[dict[str, float]]:
+        # all angles late are all torques early
+        return [{}] if joint is None else [{"of_angle": False}, {"of_angle": True}]
 
     @property
     def unlikely(self) -> bool:
         # time stamps of a stream are no truer than a part of its period; a torque held from sample
         # to sample, and friction at reversals, make it look a little ahead of its motion, a single
         # joint more than the whole arm
-        return -0.003 < self.delay_s < (0.0007 if self.joint is None else 0.0015)
+        least = 0.0007 if self.joint is None else 0.0015
+        if self.of_angle:
+            return -least < self.delay_s < 0.003
+        return -0.003 < self.delay_s < least
 
     @classmethod
     def joints(cls, n: int) -> Sequence[int | None]:

@@ -130,10 +130,24 @@ class ArmSignals:
     def tau_rate(self) -> ca.SX:
         """d tau / dt [Nm/s] along the motion; the jump of dry friction at a reversal is spread over
         about 10 ms."""
-        law = FrictionLaw.of(self.robot)
-        smooth = self.load + ca.DM(law.viscous) * self.qd
-        rate: ca.SX = self._rate(smooth) + law.reversal_rate(self.qd, self.qdd)
+        smooth, dry = self._friction_apart
+        rate: ca.SX = self._rate(smooth) + dry
         return rate
+
+    @cached_property
+    def tau_rates(self) -> ca.SX:
+        """`tau_rate` by the motion of one joint alone, one column each, shape (n, n) [Nm/s]."""
+        smooth, dry = self._friction_apart
+        state = ca.vertcat(self.q, self.qd, self.qdd)
+        along = ca.vertcat(ca.diag(self.qd), ca.diag(self.qdd), ca.diag(self.qddd))
+        rates: ca.SX = ca.jtimes(smooth, state, along) + ca.diag(dry)
+        return rates
+
+    @property
+    def _friction_apart(self) -> tuple[ca.SX, ca.SX]:
+        """`tau` without dry friction [Nm], and the rate of that [Nm/s]."""
+        law = FrictionLaw.of(self.robot)
+        return self.load + ca.DM(law.viscous) * self.qd, law.reversal_rate(self.qd, self.qdd)
 
     @cached_property
     def tau_jacobian(self) -> ca.SX:

@@ -222,8 +222,9 @@ def encoder_zero(robot: Robot) -> list[float]:
     """True minus reported angle of each joint [rad], from the effects of the measuring chain."""
     zero = [0.0] * robot.n
     for effect in robot.effects:
-        if effect.chain == "angle":
-            zero[effect.index] += effect.angle_offset
+        offset, _ = effect.angle_error
+        if offset:
+            zero[effect.index] += offset
     return zero
 
 

@@ -138,8 +138,8 @@ class Simulation(Displayed):
         n = self.plant.n
         columns = {"time_s": self.time[rows]}
         for name, unit, values in (
-            ("q", "deg", np.degrees(self.signals["q_seen"])),
-            ("qd", "deg_s", np.degrees(self.signals["qd_seen"])),
+            ("q", "deg", np.degrees(self._reported("q_seen"))),
+            ("qd", "deg_s", np.degrees(self._reported("qd_seen"))),
             ("tau", "Nm", self.reported_torque()),
         ):
             columns |= {f"{name}{j + 1}_{unit}": values[rows, j] for j in range(n)}
@@ -151,9 +151,9 @@ class Simulation(Displayed):
         rows = self._logged
         return Log(
             self.time[rows],
-            self.signals["q_seen"][rows],
+            self._reported("q_seen")[rows],
             self.reported_torque()[rows],
-            qd=self.signals["qd_seen"][rows],
+            qd=self._reported("qd_seen")[rows],
             q_ref=self.q_ref[rows],
             name=f"{self.controller.name} on {self.plant.name}",
         )
@@ -163,6 +163,18 @@ class Simulation(Displayed):
         """Rows that the data stream gives out."""
         every = max(1, round(1.0 / (self.sensors.rate_Hz * self.controller.sample_time)))
         return slice(None, None, every)
+
+    def _reported(self, name: str) -> Array:
+        """A signal of the encoders as the log gives it: of a joint whose angle is recorded late,
+        as late; the loop is closed before that."""
+        seen = np.array(self.signals[name])
+        for effect in self.plant.effects:
+            _, delay = effect.angle_error
+            if delay:
+                late = np.interp(self.time - delay, self.time, seen[:, effect.index])
+                active = effect.active(self.time)
+                seen[active, effect.index] = late[active]
+        return seen
 
     def reported_torque(self) -> Array:
         """Torque as the measuring chain reports it: with the plant's gain, offset and delay, and

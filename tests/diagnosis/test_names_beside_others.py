@@ -29,6 +29,8 @@ from irb2400_ctrl.measurement import Log
         # friction of axis 4 that grows with the motor's torque, not with what moves the links, and
         # grease of axis 6
         ("pairs", 0, 20261127),
+        # play of axis 1, on which no weight rests, beside a wrong zero of axis 2: it was a spring
+        ("pairs", 5, 20261720),
     ],
 )
 def test_an_effect_beside_others_is_named(name: str, place: int, seed: int) -> None:

@@ -25,7 +25,30 @@ from irb2400_ctrl.effects import LIBRARY
 def test_a_delay_below_the_truth_of_the_time_stamps_is_not_named(
     joint: int | None, delay: float, named: bool
 ) -> None:
-    assert (plausible("time_delay", joint, np.array([delay]), {}) is not None) == named
+    there = {} if joint is None else {"of_angle": False}
+    assert (plausible("time_delay", joint, np.array([delay]), there) is not None) == named
+
+
+@pytest.mark.parametrize(
+    ("delay", "named"), [(0.002, False), (0.004, True), (-0.001, False), (-0.002, True)]
+)
+def test_a_late_angle_looks_like_a_torque_ahead_of_it(delay: float, named: bool) -> None:
+    """The misfit of a torque that is held from sample to sample is the other way round."""
+    late = plausible("time_delay", 2, np.array([delay]), {"of_angle": True})
+    assert (late is not None) == named
+
+
+@pytest.mark.parametrize(
+    ("swing", "twist", "named"),
+    [(1.0, 1.0, True), (0.7, 0.9, True), (0.0, 0.8, False), (0.01, 0.5, False), (0.2, 0.1, True)],
+)
+def test_what_twists_and_does_not_swing_is_no_spring(
+    swing: float, twist: float, named: bool
+) -> None:
+    """Play of axis 1 was 0.0 and 0.8, a liquid at the tool 0.0 and 0.2."""
+    there = {"stiffness_Nm_rad": 1e5, "damping_ratio": 0.04}
+    spring = plausible("elastic_joint", 1, np.array([swing, twist]), there)
+    assert (spring is not None) == named
 
 
 def test_bounds_of_the_physics_hold() -> None:

@@ -215,7 +215,9 @@ def test_what_the_chain_reports_is_the_law_to_first_order(effect: Effect) -> Non
         for f, w in ((np.sin, 1), (np.cos, 3))
     )
     s: Any = SimpleNamespace(
-        **{name: ca.SX.sym(name, 6) for name in ("q", "tau", "tau_rate")}, time=ca.SX.sym("t")
+        **{name: ca.SX.sym(name, 6) for name in ("q", "tau", "tau_rate")},
+        tau_rates=ca.SX.sym("tau_rates", 6, 6),
+        time=ca.SX.sym("t"),
     )
     law = ca.Function("law", [s.tau, s.tau_rate, s.time], [effect.torque(s)]).map(len(time))
     first_order = np.array(law(tau.T, rate.T, time)).T

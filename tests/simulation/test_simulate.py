@@ -147,6 +147,21 @@ def test_measuring_chain_of_the_plant_reaches_the_log_only() -> None:
     np.testing.assert_allclose(reported[4:, 0], plain.tau[:-4, 0], atol=1e-9)
 
 
+def test_an_angle_that_is_recorded_late_reaches_the_log_only() -> None:
+    plant = with_effect(arm(), "time_delay", 2, {"delay_s": 0.008, "of_angle": True})
+    late, plain = (simulate(arm(), MOVE, "computed_torque", plant=p) for p in (plant, arm()))
+    np.testing.assert_array_equal(late.q, plain.q)
+    np.testing.assert_array_equal(late.reported_torque(), plain.reported_torque())
+    then = late.log()
+    now = plain.log()
+    assert then.qd is not None
+    assert now.qd is not None
+    for a, b in ((then.q, now.q), (then.qd, now.qd)):
+        rows = round(0.008 / (now.time[1] - now.time[0]))
+        np.testing.assert_allclose(a[rows:, 1], b[:-rows, 1], atol=1e-9)
+        np.testing.assert_array_equal(np.delete(a, 1, axis=1), np.delete(b, 1, axis=1))
+
+
 def test_encoder_zero_shifts_the_arm_not_the_reading() -> None:
     plant = with_effect(arm(), "encoder_zero", 3, {"zero_rad": 0.002})
     run = simulate(arm(), MOVE, "computed_torque", plant=plant)

@@ -102,7 +102,7 @@ def own(candidate: Candidate, worth: Worth) -> float:
     one of them may be worse as long as another effect of its own is not found yet. A wrong angle
     moves the torque of all joints as well [nats]."""
     nats = worth.nats
-    if candidate.joint is None or any(e.chain == "angle" for e in candidate.effects):
+    if candidate.joint is None or any(any(e.angle_error) for e in candidate.effects):
         return float(nats.sum())
     return float(nats[candidate.joint - 1])
 

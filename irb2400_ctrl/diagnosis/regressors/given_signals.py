@@ -106,6 +106,10 @@ class GivenSignals:
         return self._given("tau_rate")
 
     @property
+    def tau_rates(self) -> ca.SX:
+        return self._given("tau_rates")
+
+    @property
     def tau_jacobian(self) -> ca.SX:
         return self._given("tau_jacobian")
 

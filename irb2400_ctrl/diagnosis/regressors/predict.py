@@ -3,6 +3,7 @@ included."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -31,13 +32,9 @@ def predicted_torque(robot: Robot, motion: PreparedLog, bases: Bases | None = No
     others = [e for e in robot.effects if e.role != "parameters"]
     bases = Bases(arm) if bases is None else bases
     bodies = _further_bodies(arm, bases.robot)
-    q = motion.q.copy()
-    for effect in others:
-        if effect.chain == "angle":
-            q[effect.active(motion.time), effect.index] += effect.angle_offset
+    moved = _true(motion, others)
     model = Model(arm) if bodies is None else bases.model
-    tau = np.array(model.inverse_dynamics(q, motion.qd, motion.qdd))
-    moved = replace(motion, q=q)
+    tau = np.array(model.inverse_dynamics(moved.q, moved.qd, moved.qdd))
     for effect in (*(bodies or ()), *others):
         if effect.chain == "torque":
             tau += effect_torque(bases, effect, moved)
@@ -46,6 +43,20 @@ def predicted_torque(robot: Robot, motion: PreparedLog, bases: Bases | None = No
             if effect.chain == link:
                 tau = effect.reported(motion.time, tau)
     return motion.as_recorded(tau)
+
+
+def _true(motion: PreparedLog, effects: Sequence[Effect]) -> PreparedLog:
+    """The motion that the arm has where effects falsify what the log says of its angles."""
+    q, qd, qdd = (part.copy() for part in (motion.q, motion.qd, motion.qdd))
+    for effect in effects:
+        offset, delay = effect.angle_error
+        if offset or delay:
+            active = effect.active(motion.time)
+            for part in (q, qd, qdd) if delay else ():
+                then = np.interp(motion.time + delay, motion.time, part[:, effect.index])
+                part[active, effect.index] = then[active]
+            q[active, effect.index] += offset
+    return replace(motion, q=q, qd=qd, qdd=qdd)
 
 
 def _further_bodies(arm: Robot, known: Robot) -> tuple[Effect, ...] | None:
