@@ -64,6 +64,7 @@ def judged(
     n: int = 3,
     beside: Any = None,
     over_given: float = 1.0,
+    of_one_size: bool = True,
 ) -> bool:
     """What `bears_out` says of an offset on joint 2 of three: worth [nats] by joint."""
     held_out = SimpleNamespace(
@@ -74,6 +75,7 @@ def judged(
     acceptance: Any = Acceptance.__new__(Acceptance)
     acceptance.fitter = SimpleNamespace(robot=None, motion=SimpleNamespace(duration=10.0, n=n))
     acceptance._beyond_base = lambda candidate, fit: beyond
+    acceptance._of_one_size = lambda steps, fit, place: of_one_size
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(module, "HeldOut", lambda fitter, chosen, fit: held_out)
         step: Any = SimpleNamespace(candidate=candidate, gain=20.0)
@@ -96,6 +98,7 @@ def test_a_name_stays_only_where_the_files_own_error_is_better_with_it() -> None
     )
     assert judged(load, [9.0, -5.0, 0.0])  # a balancer beside it is not found yet
     assert not judged(load, [4.0, -5.0, 0.0])
+    assert not judged(load, [9.0, -5.0, 0.0], of_one_size=False)
     # what other numbers could say as well has the evidence against them to its credit
     assert judged(name, [0.0, -3.0, 0.0], beyond=False)
     assert not judged(name, [0.0, -21.0, 0.0], beyond=False)

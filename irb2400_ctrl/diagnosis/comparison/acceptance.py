@@ -15,10 +15,14 @@ from irb2400_ctrl.diagnosis.estimation.effect_parameters import value_of, with_v
 from irb2400_ctrl.diagnosis.estimation.evidence import Problem
 from irb2400_ctrl.diagnosis.estimation.fit import Fit, Fitter
 from irb2400_ctrl.diagnosis.estimation.held_out import HeldOut, Worth
+from irb2400_ctrl.diagnosis.regressors.bases import RegressorColumns
 from irb2400_ctrl.effects import Effect
 from irb2400_ctrl.effects.added_body import AddedBody
 from irb2400_ctrl.robot import Robot
 
+OWN_SIZES = 0.1
+"""share of its own evidence that a law of the whole arm gains at most by another size on each
+joint"""
 STANDARD_ERRORS = 3.0
 """that some size of an effect stands away from nothing"""
 QUICKEST = 0.5
@@ -156,7 +160,7 @@ class Acceptance:
         if not candidate.known:
             return own(candidate, held_out.worth(place)) > 0.0
         beyond = self._beyond_base(candidate, fit)
-        if not any(self.clear(steps, fit, place)):
+        if not any(self.clear(steps, fit, place)) or not self._of_one_size(steps, fit, place):
             return False
         worth = held_out.worth(place)
         if beyond and own(candidate, worth) <= 0.0:
@@ -175,6 +179,25 @@ class Acceptance:
             # beside a law of rough shape such numbers bend where that was seen
             nats.append(elsewhere(candidate, worth))
         return min(nats) + credit > 0.0
+
+    def _of_one_size(self, steps: Sequence[Step], fit: Fit, place: int) -> bool:
+        """Whether a law of the whole arm is as large on each joint as on the others: a liquid at
+        the tool passes for a delay of all joints, but not of the same on each.
+
+        Held against factors 1 + z_j of its torque on each joint, z_j ~ N(0, 1).
+        """
+        candidate = steps[place].candidate
+        if candidate.joint is not None or candidate.everywhere:
+            return True
+        n = self.fitter.motion.n
+        torque = np.zeros((*fit.y.shape, n))
+        for k in effects_of([s.candidate for s in steps], place):
+            size = np.array(fit.effects[k].coefficients())
+            torque[:, range(n), range(n)] += self.fitter.placed(fit.effects[k]) @ size
+        own = Problem(fit.y, fit.Z, fit.noise).score(
+            RegressorColumns(tuple(range(n)), torque), expected=[(0.0, 1.0)] * n
+        )
+        return own.gain < OWN_SIZES * steps[place].gain
 
     def _told(self, held_out: HeldOut, candidate: Candidate, place: int) -> Worth:
         """What a name is worth to what the robot's file will say; where other numbers of the robot

@@ -260,15 +260,17 @@ class Selection:
         return non_parametric
 
     def _exchanged(self, steps: list[Step]) -> list[Step]:
-        """Each explanation held again, given the others, against what acts on a joint of it, a name
-        only if one of these has come or gone; one that no longer counts falls out."""
+        """Each explanation held again, given the others, against what acts on a joint of it, if one
+        of these has come or gone; a flexible law also beside a name of other joints, which the base
+        may have been bent to hide. One that no longer counts falls out."""
         kept = list(steps)
         n = self.scan.motion.n
         changed = steps[-1].candidate.acts_on(n)
         for place in reversed(range(len(steps) - 1)):
             earlier = kept[place].candidate
             there = earlier.acts_on(n)
-            if earlier.known and not (changed & there).any():
+            name_beside = not earlier.known and steps[-1].candidate.known
+            if not name_beside and not (changed & there).any():
                 continue
             others = [s.candidate for k, s in enumerate(kept) if k != place]
             step = self.next_step(self._beside(others, there))
