@@ -13,7 +13,7 @@ from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.effects.ambiguity import GAIN, Ambiguity
 from irb2400_ctrl.effects.base import Acts, Effect, Link
 from irb2400_ctrl.effects.drawing import Drawing
-from irb2400_ctrl.effects.prior import Prior
+from irb2400_ctrl.effects.prior import EXACT, Prior
 from irb2400_ctrl.effects.signals import Signals
 
 
@@ -29,7 +29,10 @@ class TorqueGain(Effect):
     ambiguity: ClassVar[Ambiguity] = GAIN
     # quadratic in a load that a payload found beside it changes
     prior: ClassVar[Prior] = Prior(
-        lasting=0, leftover=("load", "load over time", "friction over load")
+        lasting=0,
+        leftover=("load", "load over time", "friction over load"),
+        # a reading that bends with the torque is a motor in saturation, and no constant factor
+        discrepancy_share=EXACT,
     )
     drawing: ClassVar[Drawing] = Drawing("load")
 

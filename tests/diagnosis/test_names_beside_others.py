@@ -85,6 +85,18 @@ def test_a_reading_that_drifts_is_no_gain_from_some_moment_on() -> None:
     assert [(u.joint, u.depends_on) for u in found.unexplained] == [(5, ("load", "time"))]
 
 
+def test_a_motor_in_saturation_has_no_other_gain() -> None:
+    """Its current grows more than its torque: a factor of 0.976 at 0.98, "explained", was 72 nats
+    behind a free function of the load."""
+    (arm,) = (one for one in plan(20261721) if (one.suite, one.number) == ("outside", 15))
+    case = Case(arm)
+    assert [(t.kind, t.joint) for t in case.truth] == [("motor_saturation", 2)]
+    seen = case.identification()
+    found = diagnose(ROBOT, Log(seen.time, seen.q, seen.tau, qd=seen.qd, q_ref=seen.q_ref))
+    assert names(found) == []
+    assert [(u.joint, u.depends_on) for u in found.unexplained] == [(2, ("load",))]
+
+
 def test_a_gear_that_loses_more_braked_than_driven_leaves_no_gain() -> None:
     """What it loses more is |load| sgn(qd) sgn(load qd), the load itself: beside its friction there
     was a gain of 0.985 at 0.96."""
