@@ -26,6 +26,7 @@ from benchmarks.naming.measures import (
     moved,
     table,
 )
+from benchmarks.naming.without_rules import RULES, differences, left_out
 
 
 def _log(case: Case) -> Log:
@@ -55,6 +56,7 @@ def _line(**changes: Any) -> dict[str, Any]:
     truth = {"kind": "payload", "joint": None, "in_library": True, "strength": 50.0, "size": 2.0}
     line = {
         "case": "payload/0",
+        "seed": 1,
         "by": "diagnosis",
         "truth": [{**truth, "main_joint": 2}],
         "names": [],
@@ -109,3 +111,25 @@ def test_the_table_has_both_givers_side_by_side() -> None:
     text = table([clean, silent])
     assert "| clean | a name on a clean arm | 1 / 1 | 0 / 1 |" in text
     assert "| suite | measure | diagnosis | baseline |" in text
+
+
+@pytest.mark.parametrize("rule", RULES)
+def test_a_rule_that_is_left_out_is_back_afterwards(rule: str) -> None:
+    before = [getattr(where, name) for where, name, _ in RULES[rule]]
+    with left_out(rule):
+        now = [getattr(where, name) for where, name, _ in RULES[rule]]
+        assert now == [instead for _, _, instead in RULES[rule]]
+    assert [getattr(where, name) for where, name, _ in RULES[rule]] == before
+
+
+def test_arms_with_other_names_are_told_giver_by_giver() -> None:
+    usual = _line(case="single/0", names=[_name("time_delay", 0.8)])
+    same = usual | {"by": "without_once"}
+    other = usual | {"by": "without_doubted", "names": []}
+    text = differences([usual, same, other]).splitlines()
+    assert text[0].startswith("without_doubted single/0: ")
+    assert text[0].endswith("-> ['nothing_missing']")
+    assert text[1:] == [
+        "without_doubted: other names on 1 of 1 arms",
+        "without_once: other names on 0 of 1 arms",
+    ]

@@ -2,6 +2,8 @@
 
     python -m benchmarks.naming run OUT.jsonl --count 6 [--suites clean,single] [--seed S]
     python -m benchmarks.naming table OUT.jsonl
+    python -m benchmarks.naming run OUT.jsonl --by diagnosis,without_once   (a rule left out)
+    python -m benchmarks.naming differ OUT.jsonl
 
 A run goes on where it stopped: arms that are in OUT.jsonl are not run again. Without a seed a fresh
 one is drawn and printed.
@@ -24,6 +26,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "tests"))
 from benchmarks.naming.givers import GIVERS
 from benchmarks.naming.lines import NoLog, given, go, read
 from benchmarks.naming.measures import table
+from benchmarks.naming.without_rules import differences
 from irb2400_ctrl.measurement import Log
 from irb2400_ctrl.robot import Robot, load_robot
 
@@ -91,6 +94,9 @@ def main() -> None:
     shower = commands.add_parser("table", help="counts as Markdown")
     shower.add_argument("files", nargs="+")
     shower.set_defaults(do=lambda args: print(table(read(args.files))))
+    differ = commands.add_parser("differ", help="arms with other names than the diagnosis gives")
+    differ.add_argument("files", nargs="+")
+    differ.set_defaults(do=lambda args: print(differences(read(args.files))))
     args = parser.parse_args()
     with threadpool_limits(limits=1, user_api="blas"):
         args.do(args)

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from benchmarks.naming.givers import GIVERS, difference_floor
+from benchmarks.naming.without_rules import WITHOUT
 from irb2400_ctrl.measurement import Log
 from irb2400_ctrl.robot import Robot
 
@@ -25,10 +26,11 @@ def given(about: Line, log: Log, robot: Robot, givers: Sequence[str]) -> list[Li
         about: case, seed and truth.
         log: of the arm.
         robot: what is known of it.
-        givers: of `GIVERS`.
+        givers: of `GIVERS` and `WITHOUT`.
     """
     about = {**about, "floor": difference_floor(log).tolist()}
-    return [{**about, "by": giver, **GIVERS[giver](robot, log)} for giver in givers]
+    everyone = {**GIVERS, **WITHOUT}
+    return [{**about, "by": giver, **everyone[giver](robot, log)} for giver in givers]
 
 
 def go(
