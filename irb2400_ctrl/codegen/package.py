@@ -10,6 +10,7 @@ import numpy as np
 
 from irb2400_ctrl.codegen import package_pages
 from irb2400_ctrl.codegen.block import Block, Field, Origin
+from irb2400_ctrl.codegen.c_names import check_field_name, check_package_name
 from irb2400_ctrl.codegen.c_text import (
     default_table,
     finished,
@@ -37,12 +38,6 @@ from irb2400_ctrl.codegen.own_math import prelude
 from irb2400_ctrl.codegen.provenance import constant, flash_text, provenance, stamped
 from irb2400_ctrl.errors import InputError
 
-_KEYWORDS = frozenset(
-    """auto bool break case char const continue default do double else enum extern false float for
-    goto if inline int long register restrict return short signed sizeof static struct
-    switch true typedef union unsigned void volatile while real_t state input output
-    parameters status""".split()  # noqa: SIM905
-)
 FAULT_INPUT = 1
 """status bit: an input is not a number or outside its range"""
 FAULT_RESULT = 2
@@ -69,12 +64,9 @@ class Package:
             *self.block.outputs,
             *self.parameter_fields,
         )
-        for name in (self.block.name, *(f.name for f in fields)):
-            if name in _KEYWORDS or not name.isidentifier() or not name.isascii():
-                raise InputError(
-                    f"block {self.block.name!r}: {name!r} is no name in C; rename the block or the "
-                    "field"
-                )
+        check_package_name(self.block.name)
+        for field in fields:
+            check_field_name(self.block.name, field.name)
         for group in (self.state_fields, self.parameter_fields):
             names = [f.name for f in group]
             if len(names) != len(set(names)):
