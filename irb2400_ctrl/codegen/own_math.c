@@ -1,5 +1,4 @@
-/*@ bits */
-/* The bit pattern of a real and back; a copy of equal size, which every compiler turns into a register move. */
+/*@ bit_types */
 #if REAL_IS_FLOAT
 typedef uint32_t bits_t;
 typedef int32_t signed_bits_t;
@@ -12,6 +11,8 @@ typedef int64_t signed_bits_t;
 #define SIGN_SHIFT 63
 #endif
 
+/*@ bits : bit_types */
+/* The bit pattern of a real and back; a copy of equal size, which every compiler turns into a register move. */
 static inline real_t from_bits(bits_t bits)
 {
     real_t x;
@@ -395,9 +396,10 @@ static inline real_t own_limit(real_t x, real_t magnitude)
     return (size <= magnitude) ? x : (magnitude * (x / size));
 }
 
-/*@ pattern : bits */
+/*@ pattern : bit_types */
 /* The bit pattern of a real in memory, and the same as a number with a sign: reals that are read as integers need no
-   register of the floating-point unit. */
+   register of the floating-point unit. In single precision alone; in double a comparison is as good. */
+#if REAL_IS_FLOAT
 static inline bits_t pattern_at(const real_t *x)
 {
     bits_t bits;
@@ -411,18 +413,23 @@ static inline signed_bits_t signed_pattern_at(const real_t *x)
     (void)memcpy((unsigned char *)&bits, (const unsigned char *)x, sizeof(bits));
     return bits;
 }
+#endif
 
 /*@ within_magnitude : pattern */
 /* |x| <= magnitude, false for what is no number; magnitude >= 0. */
+#if REAL_IS_FLOAT
 static inline bool own_within_magnitude(const real_t *x, const real_t *magnitude)
 {
     return (pattern_at(x) << 1) <= (pattern_at(magnitude) << 1);
 }
+#endif
 
 /*@ within : pattern */
 /* low <= x <= high, false for what is no number; low < 0 < high. The patterns of positive numbers, read as integers
    with a sign, and of negative ones, read without, are ordered like the numbers. */
+#if REAL_IS_FLOAT
 static inline bool own_within(const real_t *x, const real_t *low, const real_t *high)
 {
     return (pattern_at(x) <= pattern_at(low)) && (signed_pattern_at(x) <= signed_pattern_at(high));
 }
+#endif

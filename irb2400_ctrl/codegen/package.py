@@ -223,8 +223,14 @@ extern const char {name}_provenance[{len(flash_text(name, self.provenance)) + 1}
 #include <stdbool.h>
 {"#include <string.h>" if "memcpy" in own else ""}
 
-#if defined(__FAST_MATH__)
+#if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__) || defined(_M_FP_FAST)
 #error "-ffast-math breaks the rounding that this file relies on"
+#endif
+#if defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ != 0)
+#error "-ffinite-math-only takes the tests out that find an input or a result that is no number"
+#endif
+#if defined(__FLT_EVAL_METHOD__) && ((__FLT_EVAL_METHOD__ == 1) || (__FLT_EVAL_METHOD__ == 2))
+#error "excess precision breaks the rounding that this file relies on: compile with -msse2 -mfpmath=sse"
 #endif
 
 typedef {name}_real_t real_t;

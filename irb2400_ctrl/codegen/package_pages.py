@@ -129,7 +129,8 @@ can carry: `{name}_init` tests each (`{upper}_FAULT_PARAMETERS`), and from one s
 * Outputs with bounds are saturated to them.
 * Precision: `{real}` unless `{upper}_SINGLE` is defined otherwise (1 float, 0 double).
 * Sine and cosine come along: |angle| up to 1600 rad in float, 3e6 rad in double; accuracy stands in the source.
-* Compiled with `-ffp-contract=off`, host and target give the same bits. Never use `-ffast-math`.
+* Compiled with `-ffp-contract=off`, host and target give the same bits. Never use
+  `-ffast-math`, a part of it, or x87 arithmetic: most are refused by the source.
 * `verification.json` says what was measured on this package, with which compiler and flags.
 """
 

@@ -1,0 +1,71 @@
+"""Builds by other compilers and flags than the verified one: refused where the source would be
+wrong, silent where it is right."""
+
+from __future__ import annotations
+
+import shutil
+import subprocess
+from pathlib import Path
+
+import pytest
+
+import irb2400_ctrl as irb
+from irb2400_ctrl.codegen import Block, export_package
+from irb2400_ctrl.controllers import controller, guarded, momentum_observer
+
+from .blocks import pd_block, stateless_block
+
+ROBOT = irb.load_robot("irb2400")
+GCC = shutil.which("gcc")
+CLANG = shutil.which("clang")
+
+
+def complaint(compiler: str, *flags: str, folder: Path) -> str:
+    """What a compiler says of the package's source."""
+    command = [compiler, "-c", *flags, "pd_control.c", "-o", "out.o"]
+    done = subprocess.run(command, cwd=folder, check=False, capture_output=True, text=True)
+    return done.stderr if done.returncode else ""
+
+
+@pytest.mark.skipif(GCC is None, reason="no gcc")
+@pytest.mark.parametrize(
+    ("flags", "reason"),
+    [
+        ("-ffast-math", "breaks the rounding"),
+        ("-Ofast", "breaks the rounding"),
+        # the tests of inputs and results that are no number are then left out by the compiler
+        ("-ffinite-math-only", "takes the tests out"),
+        # a register of 80 bits does not round where the sine counts on it
+        ("-U__FLT_EVAL_METHOD__ -D__FLT_EVAL_METHOD__=2", "-msse2"),
+    ],
+)
+def test_arithmetic_that_would_be_wrong_is_refused(flags: str, reason: str, tmp_path: Path) -> None:
+    export_package(pd_block(), tmp_path, states=8)
+    assert GCC
+    assert reason in complaint(GCC, *flags.split(), folder=tmp_path)
+    assert not complaint(GCC, "-O2", folder=tmp_path)
+
+
+@pytest.mark.skipif(CLANG is None, reason="no clang")
+@pytest.mark.parametrize("single", ["0", "1"])
+@pytest.mark.parametrize(
+    "block",
+    [
+        controller("computed_torque", ROBOT),
+        guarded(controller("gravity_pd", ROBOT), ROBOT),
+        controller("pid", ROBOT),
+        momentum_observer(ROBOT),
+        pd_block(),
+        stateless_block(),
+    ],
+    ids=lambda block: block.name,
+)
+def test_clang_has_no_function_too_many(block: Block, single: str, tmp_path: Path) -> None:
+    """It counts `static inline` functions of a source that nobody calls; gcc does not."""
+    export_package(block, tmp_path, name="arm", states=8)
+    flags = ["-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Werror", f"-DARM_SINGLE={single}"]
+    done = subprocess.run(
+        ["clang", *flags, "-c", "arm.c", "-o", "arm.o"],
+        cwd=tmp_path, check=False, capture_output=True, text=True,
+    )  # fmt: skip
+    assert not done.stderr
