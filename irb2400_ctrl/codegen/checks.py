@@ -7,38 +7,97 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from irb2400_ctrl.codegen.block import Field
+from irb2400_ctrl.codegen.block import Block, Field
 from irb2400_ctrl.codegen.controller import Controller
 from irb2400_ctrl.codegen.package import FAULT_INPUT, Package
 
 Array = NDArray[Any]
+RUNS = 16
+STEPS = 96
+"""of a run; a guard's start is over after half of them"""
+FARTHEST = 1e4
+"""of a reached state, in its unit: one that ran away says nothing of the others"""
 
 
 def random_points(package: Package, count: int) -> tuple[Array, Array]:
-    """States (count, nx) and inputs (count, nu) inside the bounds; half of them small, where
-    friction is steep."""
+    """States (count, nx) and inputs (count, nu) inside the bounds.
+
+    Half of the inputs are small, where friction is steep. Half of the states are drawn, each number
+    for itself; the others are such as the block comes to by itself: a drawn one hardly has a
+    switch, a counter or a share of the start at a value that lets the law through, and the law
+    would be compared nowhere.
+    """
     rng = np.random.default_rng(20240)
-    held = sum(f.size for f in package.block.outputs)
-    states = np.hstack([_drawn(rng, package.block.states, count), np.zeros((count, held))])
-    inputs = _drawn(rng, package.block.inputs, count)
+    block = package.block
+    drawn = _drawn(rng, block.states, count)
+    inputs = _drawn(rng, block.inputs, count)
+    states = _with_reached(rng, block, drawn, inputs)
+    held = sum(f.size for f in block.outputs)
     dtype = np.float32 if package.real == "float" else np.float64
     # rounded first: both sides get the very same numbers; towards zero, so that bounds are kept
-    return states.astype(dtype), _inwards(inputs, dtype)
+    states = np.hstack([states, np.zeros((count, held))]).astype(dtype)
+    return states, _inwards(inputs, dtype)
 
 
 def _drawn(rng: np.random.Generator, fields: tuple[Field, ...], count: int) -> Array:
     """Values of all fields side by side, every other row drawn towards the start values."""
     columns = [np.zeros((count, 0))]
     for f in fields:
-        room = np.maximum(1.0, np.abs(f.start))
-        low = np.array(f.lower) if f.lower else f.start - room
-        high = np.array(f.upper) if f.upper else f.start + room
+        low, high, near = _room(f)
         values = low + (high - low) * rng.uniform(0, 1, (count, f.size))
-        near = np.clip(f.start, low, high)
         small = 10.0 ** rng.uniform(-4, 0, count)
         shrink = np.where(np.arange(count) % 2, 1.0, small)
         columns.append(near + shrink[:, None] * (values - near))
     return np.hstack(columns)
+
+
+def _room(field: Field) -> tuple[Array, Array, Array]:
+    """Least, largest and start value to draw of a field, shapes (size,)."""
+    room = np.maximum(1.0, np.abs(field.start))
+    low = np.array(field.lower) if field.lower else field.start - room
+    high = np.array(field.upper) if field.upper else field.start + room
+    return low, high, np.clip(field.start, low, high)
+
+
+def _with_reached(rng: np.random.Generator, block: Block, states: Array, inputs: Array) -> Array:
+    """The states with every second pair of rows from runs of the block; the inputs of such a row,
+    in place, between those of its run and those that were drawn.
+
+    A run starts at the initial state and has the same input at every step: next to the start values
+    by a millionth of the range or more. What ran away is left out.
+
+    Args:
+        rng: draws runs and steps.
+        block: that is run, in double.
+        states: drawn, a row a point.
+        inputs: drawn, likewise.
+    """
+    if not block.states:
+        return states
+    every = [_room(f) for f in block.inputs]
+    near = np.concatenate([np.zeros(0), *(start for _, _, start in every)])
+    far = _drawn(rng, block.inputs, RUNS)
+    held = near + 10.0 ** rng.uniform(-6, 0, (RUNS, 1)) * (far - near)
+    parameters = np.concatenate([np.zeros(0), *(f.start for f in block.parameters)])
+    start = np.concatenate([f.start for f in block.states])
+    run = block.flat().mapaccum(STEPS).map(RUNS)
+    found, _ = run(
+        np.tile(start[:, None], RUNS),
+        np.repeat(held, STEPS, axis=0).T,
+        np.tile(parameters[:, None], RUNS * STEPS),
+    )
+    reached = np.array(found).T.reshape(RUNS, STEPS, -1)
+    rows = np.flatnonzero(np.arange(len(states)) % 4 >= 2)
+    which = rng.integers(RUNS, size=rows.size)
+    taken = reached[which, rng.integers(STEPS, size=rows.size)]
+    quiet = np.all(np.abs(taken) <= FARTHEST, axis=1)
+    rows = rows[quiet]
+    states = states.copy()
+    states[rows] = taken[quiet]
+    away = 10.0 ** rng.uniform(-6, 0, (rows.size, 1))
+    base = held[which[quiet]]
+    inputs[rows] = base + away * (inputs[rows] - base)
+    return states
 
 
 def _inwards(values: Array, dtype: type[np.floating[Any]]) -> Array:
