@@ -10,8 +10,9 @@ import numpy as np
 
 from irb2400_ctrl.codegen import package_pages
 from irb2400_ctrl.codegen.block import Block, Field, Origin
-from irb2400_ctrl.codegen.c_names import check_field_name, check_package_name
 from irb2400_ctrl.codegen.c_text import (
+    check_field_name,
+    check_package_name,
     default_table,
     finished,
     held,

@@ -57,7 +57,8 @@ def test_a_wrong_law_behind_a_guard_is_found() -> None:
 def test_inputs_are_within_their_bounds_and_half_of_the_states_are_reached() -> None:
     package = Package(pd_block(), "float")
     states, inputs = random_points(package, 64)
-    q, qd = inputs[:, :2], inputs[:, 2:4]
+    q = inputs[:, :2]
+    qd = inputs[:, 2:4]
     assert np.all((q >= [-3, -1]) & (q <= [3, 2]))
     assert np.all(np.abs(qd) <= 4)
     assert np.all(inputs[:, 6] <= 50)
