@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import json
+import sys
 from enum import StrEnum
+from functools import partial
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
@@ -24,6 +26,8 @@ if TYPE_CHECKING:
     from irb2400_ctrl.robot import Robot
 
 OBSERVER = "momentum_observer"
+DESIGNED_AT = 0.001
+"""[s] that the gains of the controllers were chosen for"""
 
 
 class TargetName(StrEnum):
@@ -124,12 +128,22 @@ def _block(
     name: str, robot: Robot, sample_time: float, wishes: dict[str, Any], with_guards: bool
 ) -> Block:
     from irb2400_ctrl.controllers import controller, guarded, momentum_observer
+    from irb2400_ctrl.controllers.sampling import check_sampled_loop
     from irb2400_ctrl.errors import InputError
 
     if name != OBSERVER:
-        block = controller(name, robot, sample_time=sample_time, **wishes)
+        build = partial(controller, name, robot, **wishes)
+        block = build(sample_time=sample_time)
+        # as they are, controllers are stable at their own rate; the question costs two seconds
+        if sample_time > DESIGNED_AT or set(wishes) - {"tables"}:
+            _say_unstable(check_sampled_loop(robot, lambda T: build(sample_time=T), sample_time))
         return guarded(block, robot) if with_guards else block
     unknown = sorted(set(wishes) - {"bandwidth"})
     if unknown:
         raise InputError(f"{OBSERVER}: found {', '.join(unknown)}; it has bandwidth only")
     return momentum_observer(robot, sample_time, **wishes)
+
+
+def _say_unstable(remark: str) -> None:
+    if remark:
+        print(f"irb2400: {remark}", file=sys.stderr)

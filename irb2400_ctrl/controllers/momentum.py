@@ -16,10 +16,12 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import casadi as ca
+from numpy.typing import ArrayLike
 
 from irb2400_ctrl.codegen import Block, Field
 from irb2400_ctrl.controllers.arm_numbers import ArmNumbers
 from irb2400_ctrl.controllers.parts import Values, assemble, check_masses, gain
+from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.model.linear_solve import factorise
 from irb2400_ctrl.robot import Robot
@@ -119,9 +121,34 @@ def momentum_observer(
         states=observer_states(n),
         inputs=inputs,
         outputs=outputs,
-        parameters=(gain(robot, "observer", "rad/s", "bandwidth of the observer", bandwidth),),
+        parameters=(observer_bandwidth(robot, "observer", bandwidth, sample_time),),
         told=observer_told(n),
     )
+
+
+def observer_bandwidth(robot: Robot, name: str, value: ArrayLike, sample_time: float) -> Field:
+    """K of each joint as a parameter; the sampled observer loses the factor 1 - K T of its error
+    with each sample, so that K is held below 1 / T.
+
+    Args:
+        robot: whose joints it is of.
+        name: of the parameter.
+        value: [rad/s], one number or shape (n,).
+        sample_time: T [s].
+
+    Raises:
+        InputError: a negative K, or one above 1 / T.
+    """
+    field = gain(robot, name, "rad/s", "bandwidth of the observer", value)
+    most = 1.0 / sample_time
+    if max(field.default) > most:
+        raise InputError(
+            f"the momentum observer has {max(field.default):g} rad/s and a sample every "
+            f"{sample_time:g} s; expected at most {most:g} rad/s (from twice that on its estimate "
+            "grows without end); sample more often, ask for less, or leave a guard's observers "
+            "out (consistency=False; codegen --bare has no guard)"
+        )
+    return replace(field, upper=(most,) * field.size)
 
 
 def observer_states(n: int) -> tuple[Field, ...]:

@@ -15,6 +15,7 @@ from irb2400_ctrl.controllers.guards.sample_check import all_of
 from irb2400_ctrl.controllers.momentum import (
     Momentum,
     followed,
+    observer_bandwidth,
     observer_states,
     observer_told,
 )
@@ -112,7 +113,7 @@ class Consistency:
             end = band.suffix
             doc = "largest torque that is not explained"
             fields += [
-                gain(robot, f"observer{end}", "rad/s", "bandwidth of the observer", band.bandwidth),
+                observer_bandwidth(robot, f"observer{end}", band.bandwidth, self.sample_time),
                 gain(robot, f"unexplained_limit{end}", "Nm", doc, limit),
             ]
         return tuple(fields)

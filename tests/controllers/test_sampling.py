@@ -1,0 +1,119 @@
+"""A controller that is sampled too seldom for its gains is not delivered as one that works."""
+
+from __future__ import annotations
+
+from functools import partial
+from pathlib import Path
+
+import casadi as ca
+import numpy as np
+import pytest
+from command_line import irb2400
+
+import irb2400_ctrl as irb
+from irb2400_ctrl.codegen import Block
+from irb2400_ctrl.codegen.controller import HostController
+from irb2400_ctrl.codegen.package import FAULT_PARAMETERS, Package
+from irb2400_ctrl.controllers import CONTROLLERS, controller, guarded, momentum_observer
+from irb2400_ctrl.controllers.sampling import check_sampled_loop
+from irb2400_ctrl.errors import InputError
+
+ROBOT = irb.load_robot("irb2400")
+UR10E = irb.load_robot("ur10e")
+
+
+@pytest.mark.parametrize("robot", [ROBOT, UR10E], ids=["irb2400", "ur10e"])
+@pytest.mark.parametrize("name", CONTROLLERS)
+def test_every_controller_as_it_is_suits_its_own_rate(name: str, robot: irb.Robot) -> None:
+    assert check_sampled_loop(robot, partial(controller, name, robot), 0.001) == ""
+
+
+def build(bandwidth: float, sample_time: float) -> Block:
+    return controller("computed_torque", ROBOT, sample_time=sample_time, bandwidth=bandwidth)
+
+
+def grows(bandwidth: float, sample_time: float, steps: int = 400) -> bool:
+    """Whether a ten-thousandth of a radian grows where the controller moves its own model, held
+    torque and Runge-Kutta between two samples."""
+    step = build(bandwidth, sample_time).step
+    model = irb.Model(ROBOT)
+    hold = np.array([0.1, 0.2, 0.3, 0.4, 0.5, 0.6])
+    off = 1e-4 * np.array([1.0, -1.0, 1.0, -1.0, 1.0, -1.0])
+    names = step.name_in()
+    given = {f.name: f.start for f in build(bandwidth, sample_time).parameters}
+    arm = model.function("forward_dynamics_without_friction")
+    x = ca.SX.sym("x", 12)
+    tau = ca.SX.sym("tau", 6)
+    rate = ca.Function("rate", [x, tau], [ca.vertcat(x[6:], arm(x[:6], x[6:], tau, 0))])
+    h = sample_time / 4
+    now: ca.SX = x
+    for _ in range(4):
+        k1 = rate(now, tau)
+        k2 = rate(now + h / 2 * k1, tau)
+        k3 = rate(now + h / 2 * k2, tau)
+        now = now + h / 6 * (k1 + 2 * k2 + 2 * k3 + rate(now + h * k3, tau))
+    plant = ca.Function("plant", [x, tau], [now])
+    state = np.concatenate([hold + off, np.zeros(6)])
+    for _ in range(steps):
+        values = {"q": state[:6], "qd": state[6:], "q_ref": hold, **given}
+        result = step(*(values.get(n, np.zeros(6)) for n in names))
+        torque = result[-1] if isinstance(result, tuple) else result
+        state = np.asarray(plant(state, torque)).ravel()
+        if np.abs(state[:6] - hold).max() > 1e-2:
+            return True
+    return bool(np.abs(state[:6] - hold).max() > 1e-4)
+
+
+@pytest.mark.parametrize(("bandwidth", "sample_time"), [(60.0, 0.017), (200.0, 0.006)])
+def test_what_is_refused_runs_away(bandwidth: float, sample_time: float) -> None:
+    assert grows(bandwidth, sample_time)
+    with pytest.raises(InputError, match=r"unstable on its own arm.*sample every"):
+        check_sampled_loop(ROBOT, partial(build, bandwidth), sample_time)
+
+
+@pytest.mark.parametrize(("bandwidth", "sample_time"), [(60.0, 0.016), (200.0, 0.0045)])
+def test_what_an_ideal_drive_can_do_is_remarked_on(bandwidth: float, sample_time: float) -> None:
+    assert not grows(bandwidth, sample_time)
+    assert "a sample late" in check_sampled_loop(ROBOT, partial(build, bandwidth), sample_time)
+
+
+def test_the_command_refuses_twenty_milliseconds(tmp_path: Path) -> None:
+    """They were "passed"."""
+    done = irb2400(
+        "codegen", "--controller", "computed_torque", "--sample-time", 0.02, "--out", tmp_path
+    )
+    assert done.returncode == 2
+    assert "grows 1.56 times" in done.stderr
+    assert "sample every 0.005 s" in done.stderr
+    assert not list(tmp_path.iterdir())
+
+
+def test_the_command_remarks_on_what_a_drive_spoils(tmp_path: Path) -> None:
+    done = irb2400(
+        "codegen", "--controller", "gravity_pd", "--sample-time", 0.004, "--out", tmp_path
+    )
+    assert done.returncode == 0
+    assert "a sample late" in done.stderr
+    assert "sample every 0.002 s" in done.stderr
+    wide = irb2400(
+        "codegen", "--controller", "computed_torque", "--bandwidth", 5000, "--out", tmp_path
+    )
+    assert wide.returncode == 2
+    assert "lower the bandwidth" in wide.stderr
+
+
+def test_an_observer_is_slower_than_its_samples() -> None:
+    with pytest.raises(InputError, match="at most 1000 rad/s"):
+        momentum_observer(ROBOT, bandwidth=3000.0)
+    with pytest.raises(InputError, match=r"at most 50 rad/s.*--bare"):
+        guarded(build(20.0, 0.02), ROBOT)
+    assert guarded(build(20.0, 0.02), ROBOT, consistency=False).name == "computed_torque"
+    package = Package(momentum_observer(ROBOT), "double")
+    host = HostController(package)
+    assert host.init_status == 0
+    names = [f.name for f in package.parameter_fields]
+    table = host.parameters
+    table[6 * names.index("observer")] = 3000.0
+    host.parameters = table
+    host.reset()
+    assert host.init_status == FAULT_PARAMETERS
