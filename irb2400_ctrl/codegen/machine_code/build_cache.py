@@ -27,6 +27,7 @@ from irb2400_ctrl.codegen.machine_code.toolchain import (
     find_compiler,
     native_flags,
     run_tool,
+    shared_flags,
 )
 from irb2400_ctrl.errors import IrbError, ToolMissingError
 from irb2400_ctrl.files import flush_to_disk
@@ -147,7 +148,7 @@ def build_shared(
         IrbError: the compiler rejects the text, or says it succeeded and made no library.
     """
     compiler = find_compiler()
-    flags = (*(FUSED_FLAGS if fused else EXACT_FLAGS), *native_flags(), "-fPIC", "-shared")
+    flags = (*(FUSED_FLAGS if fused else EXACT_FLAGS), *native_flags(), *shared_flags())
     written = made_of or _text(source).encode()
     level = (str(LONG), *LONG_FLAGS) if straight else ()
     told = "\0".join(("", *flags, *level, compiler.identity, processor())).encode()

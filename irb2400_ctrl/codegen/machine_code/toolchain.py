@@ -5,6 +5,7 @@ from __future__ import annotations
 import importlib.util
 import os
 import platform
+import re
 import shlex
 import shutil
 import subprocess
@@ -15,6 +16,7 @@ from pathlib import Path
 
 from irb2400_ctrl.errors import IrbError, ToolMissingError
 
+WINDOWS = os.name == "nt"
 # -fno-math-errno and -fno-trapping-math free the compiler from bookkeeping nobody reads; values
 # stay the same. Contraction to fused multiply-add would change last bits from machine to machine;
 # so would straight code made into vectors, where GCC 12 fuses what it was told not to.
@@ -24,6 +26,7 @@ FUSED_FLAGS = (*_PLAIN, "-ffp-contract=fast")
 # long straight code compiles in half the time, exact values stay, and it runs within an eighth as
 # fast; it is what a first start waits for
 LONG_FLAGS = ("-O1", "-ftree-vectorize")
+MICROSOFT = frozenset({"cl", "clang-cl"})
 LONG = 60_000
 """characters of a text from which on"""
 
@@ -39,11 +42,15 @@ class Compiler:
 def find_compiler() -> Compiler:
     """`$CC`, else cc, gcc or clang on the path, else the one in the Python package ziglang.
 
+    On Windows clang is used where `$CC` names it only: LLVM's own makes libraries for Microsoft's
+    linker, which show none of their functions.
+
     Raises:
-        ToolMissingError: none of them is there.
+        ToolMissingError: none of them is there, or `$CC` names one that takes other flags.
     """
-    chosen = shlex.split(os.environ.get("CC", ""))
-    candidates = [chosen] if chosen else [["cc"], ["gcc"], ["clang"], *_from_python()]
+    chosen = _chosen(os.environ.get("CC", ""))
+    by_name = [["cc"], ["gcc"]] if WINDOWS else [["cc"], ["gcc"], ["clang"]]
+    candidates = [chosen] if chosen else [*by_name, *_from_python()]
     for command in candidates:
         path = shutil.which(command[0])
         if path:
@@ -60,6 +67,27 @@ def find_compiler() -> Compiler:
     )
 
 
+def _chosen(text: str) -> list[str]:
+    """The words of `$CC`: a path with blanks is one word where such a file is there.
+
+    Raises:
+        ToolMissingError: Microsoft's compiler.
+    """
+    whole = text.strip().strip('"')
+    if WINDOWS:
+        # a backslash separates folders there, and quotes stay with the word
+        words = [word.strip('"') for word in shlex.split(text, posix=False)]
+    else:
+        words = shlex.split(text)
+    words = [whole] if whole and shutil.which(whole) else words
+    if words and re.split(r"[/\\]", words[0])[-1].lower().removesuffix(".exe") in MICROSOFT:
+        raise ToolMissingError(
+            f"found CC={text}, which takes Microsoft's flags; expected gcc, or what takes its "
+            "flags (any system: pip install ziglang, and CC unset)"
+        )
+    return words
+
+
 def _from_python() -> list[list[str]]:
     """The compiler that a wheel brings along, on systems that have none of their own."""
     if importlib.util.find_spec("ziglang") is None:
@@ -73,6 +101,11 @@ def native_flags() -> tuple[str, ...]:
     if sys.platform.startswith("linux"):
         return ("-march=native",) if platform.machine() == "x86_64" else ("-mcpu=native",)
     return ("-mcpu=native",) if platform.machine() == "arm64" else ()
+
+
+def shared_flags() -> tuple[str, ...]:
+    """Flags of a library; on Windows all code may lie anywhere, and clang refuses to be told."""
+    return ("-shared",) if WINDOWS else ("-fPIC", "-shared")
 
 
 def run_tool(command: list[str], *, cwd: Path | None = None, timeout: float = 600.0) -> str:
