@@ -28,6 +28,9 @@ def main_c(block: Block) -> str:
         or "{ 0 }"
     )
     first = block.outputs[0]
+    # a string and a format of C, in whatever code page the console has
+    unit = first.unit.encode("ascii", "replace").decode("ascii")
+    unit = unit.replace("\\", "/").replace('"', "'").replace("%", "%%").replace("??", "?")
     return f"""\
 #include <stdio.h>
 #include "{name}.h"
@@ -39,7 +42,7 @@ int main(void)
     {name}_output_t output;
     uint32_t status = {name}_init(&state, &{name}_default_parameters);
     status |= {name}_step(&state, &input, &{name}_default_parameters, &output);
-    (void)printf("status %u, {first.name}[0] = %g {first.unit}\\n", (unsigned)status, (double)output.{first.name}[0]);
+    (void)printf("status %u, {first.name}[0] = %g {unit}\\n", (unsigned)status, (double)output.{first.name}[0]);
     return (int)status;
 }}
 """
@@ -126,6 +129,8 @@ can carry: `{name}_init` tests each (`{upper}_FAULT_PARAMETERS`), and from one s
 * An input that is not a number or outside its bounds: `{upper}_FAULT_INPUT`; the state stands still and the last good
   output is repeated. Inputs without bounds are only tested for being finite.
 * A result that is not finite: `{upper}_FAULT_RESULT`, same answer.
+* Two arms, or two tasks, each with its own state and output may be served at once: there is no memory behind. Pointers
+  are not tested, and the state has to be what `{name}_init` wrote and the steps since then made of it, none left out.
 * Outputs with bounds are saturated to them.
 * Precision: `{real}` unless `{upper}_SINGLE` is defined otherwise (1 float, 0 double).
 * Sine and cosine come along: |angle| up to 1600 rad in float, 3e6 rad in double; accuracy stands in the source.
@@ -227,8 +232,10 @@ if(CMAKE_CROSSCOMPILING AND CMAKE_C_COMPILER_ID STREQUAL "GNU")
   add_executable({name}_firmware firmware/firmware.c)
   set_target_properties({name}_firmware PROPERTIES OUTPUT_NAME firmware SUFFIX .elf)
   target_compile_options({name}_firmware PRIVATE ${{{upper}_FLAGS}} {" ".join(START_UP_FLAGS)})
+  # found by its folder: a path with blanks would come apart in a flag
+  target_link_directories({name}_firmware PRIVATE ${{CMAKE_CURRENT_SOURCE_DIR}}/firmware)
   target_link_libraries({name}_firmware {name} ${{{upper}_FLAGS}} {" ".join(LINK_FLAGS)}
-    -T${{CMAKE_CURRENT_SOURCE_DIR}}/firmware/firmware.ld -lgcc)
+    -Tfirmware.ld -lgcc)
 endif()
 """
 

@@ -188,6 +188,8 @@ def export_package(
     files = package.files() | builds
     if processor:
         files |= {f"firmware/{name}": text for name, text in firmware_files(package).items()}
+    # what was said of an earlier package must not stand beside this one if it cannot be verified
+    (out / "verification.json").unlink(missing_ok=True)
     for name, text in files.items():
         write_atomic(out / name, text)
     verification = verify(package, processor, states)

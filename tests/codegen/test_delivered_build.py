@@ -97,6 +97,13 @@ def test_a_package_for_a_processor_still_builds_here(tmp_path: Path) -> None:
     assert said.stdout.startswith("status 0")
 
 
+def test_a_folder_may_have_blanks_and_letters_of_its_own(tmp_path: Path) -> None:
+    """As below `C:\\Users\\Jörg Müller`: the linker's script was looked for at the first blank."""
+    folder = tmp_path / "Jörg Müller (arm)"
+    export_package(pd_block(), folder, "cortex-m4f", states=8)
+    assert (built(folder) / "firmware.elf").is_file()
+
+
 def test_a_build_without_a_type_is_optimised(tmp_path: Path) -> None:
     export_package(pd_block(), tmp_path, states=8)
     made = built(tmp_path, "-DCMAKE_EXPORT_COMPILE_COMMANDS=1")

@@ -3,6 +3,7 @@ wrong, silent where it is right."""
 
 from __future__ import annotations
 
+import dataclasses
 import shutil
 import subprocess
 from pathlib import Path
@@ -11,6 +12,7 @@ import pytest
 
 import irb2400_ctrl as irb
 from irb2400_ctrl.codegen import Block, export_package
+from irb2400_ctrl.codegen.machine_code.toolchain import find_compiler
 from irb2400_ctrl.controllers import controller, guarded, momentum_observer
 
 from .blocks import pd_block, stateless_block
@@ -69,3 +71,19 @@ def test_clang_has_no_function_too_many(block: Block, single: str, tmp_path: Pat
         cwd=tmp_path, check=False, capture_output=True, text=True,
     )  # fmt: skip
     assert not done.stderr
+
+
+@pytest.mark.parametrize("unit", ["%", '"', "\\", "1/s %d %s", "°", "??/"])
+def test_a_unit_is_no_format_of_the_example(unit: str, tmp_path: Path) -> None:
+    """`%` of valve travel made a program that reads arguments which are not there."""
+    block = stateless_block()
+    first, *others = block.outputs
+    outputs = (dataclasses.replace(first, unit=unit), *others)
+    export_package(dataclasses.replace(block, outputs=outputs), tmp_path, name="arm", states=8)
+    strict = ["-std=c99", "-Wall", "-Wextra", "-Wformat=2", "-Werror"]
+    command = [*find_compiler().command, *strict, "arm.c", "main.c", "-o", "example"]
+    subprocess.run(command, cwd=tmp_path, check=True)
+    # its input of zeros has no result: the status says so
+    done = subprocess.run([tmp_path / "example"], check=False, capture_output=True, text=True)
+    plain = {"\\": "/", '"': "'", "°": "?", "??/": "?/"}
+    assert done.stdout.endswith(f" {plain.get(unit, unit)}\n")

@@ -145,6 +145,22 @@ def ordinary() -> np.ndarray:
     return np.array([0.1, -0.2, 0.3, -0.01, 0.2, 0.0, 0.0])
 
 
+def test_an_old_verification_does_not_vouch_for_new_code(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Stopped between the two, the folder said "passed" of a source that nobody had run."""
+    assert export_package(pd_block(), tmp_path, states=8).passed
+
+    def stopped(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("irb2400_ctrl.codegen.verification.verify", stopped)
+    with pytest.raises(KeyboardInterrupt):
+        export_package(pd_block(), tmp_path, states=8)
+    assert (tmp_path / "pd_control.c").is_file()
+    assert not (tmp_path / "verification.json").exists()
+
+
 def test_faults_hold_the_last_safe_output() -> None:
     controller = HostController(Package(pd_block(), "double"))
     safe, status = controller.step(ordinary())
