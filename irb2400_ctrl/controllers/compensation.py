@@ -33,6 +33,8 @@ BREAKAWAY = 0.0045
 """reference speed [rad/s] at which half of the static friction above Coulomb's is compensated (0.9
 at three times as much); with less, a joint that has just broken loose overshoots the reference and
 sticks again, and its gear pays"""
+LEAST_BREAKAWAY = 1e-6
+"""[rad/s] by which nothing changes, and above the zero that at rest would be divided by"""
 SIGN_WIDTH = 2e-3
 """eps of the regularised sign [rad/s]: a reference passes it in a millisecond or two, friction of
 0.5 % is lost at ten times this speed"""
@@ -155,7 +157,9 @@ class Compensation:
     def parameters(self) -> tuple[Field, ...]:
         """What can be tuned without new code."""
         doc = "reference speed at which half of the static friction is compensated"
-        breakaway = Field("breakaway", self.robot.n, "rad/s", doc, (BREAKAWAY,) * self.robot.n)
+        n = self.robot.n
+        least = (LEAST_BREAKAWAY,) * n
+        breakaway = Field("breakaway", n, "rad/s", doc, (BREAKAWAY,) * n, lower=least)
         return (breakaway, *self._numbers.parameters)
 
     def torque(

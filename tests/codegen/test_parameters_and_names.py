@@ -18,7 +18,7 @@ from irb2400_ctrl.codegen.firmware import TOOLS, build_firmware
 from irb2400_ctrl.codegen.machine_code.toolchain import find_compiler
 from irb2400_ctrl.codegen.package import FAULT_INPUT, FAULT_PARAMETERS, FAULT_RESULT, Package
 from irb2400_ctrl.codegen.targets import find_target
-from irb2400_ctrl.controllers import controller
+from irb2400_ctrl.controllers import controller, guarded
 from irb2400_ctrl.errors import InputError
 
 from .blocks import pd_block, stateless_block
@@ -227,3 +227,27 @@ def test_a_block_without_bounds_has_nothing_to_refuse() -> None:
     assert HostController(Package(stateless_block(), "float")).init_status == 0
     renamed = dataclasses.replace(stateless_block(), name="other")
     assert Package(renamed).provenance[0][0] == "irb2400_ctrl"
+
+
+@pytest.mark.parametrize("tables", [False, True])
+@pytest.mark.parametrize("name", ["computed_torque", "feedforward_pid", "adaptive"])
+def test_a_row_of_zeros_is_refused_or_served(name: str, tables: bool) -> None:
+    """`breakaway` 0 passed the init and was a fault of every result at rest."""
+    robot = irb.load_robot("irb2400")
+    design = {"tables": True} if tables and name != "adaptive" else {}
+    package = Package(guarded(controller(name, robot, **design), robot), "float")
+    host = HostController(package)
+    table = host.parameters
+    at = 0
+    refused = set()
+    for field in package.parameter_fields:
+        zero = table.copy()
+        zero[at : at + field.size] = 0.0
+        at += field.size
+        host.parameters = zero
+        host.reset()
+        refused |= {field.name} if host.init_status else set()
+        if not host.init_status:
+            # an input outside bounds of zero is said to be the input's fault
+            assert host.step(package.initial_input())[1] != FAULT_RESULT, field.name
+    assert "breakaway" in refused
