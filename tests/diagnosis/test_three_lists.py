@@ -141,6 +141,14 @@ def test_of_a_direction_its_largest_part_is_said() -> None:
     assert entry.size.startswith("amplitude_Nm")
 
 
+@pytest.mark.parametrize("of_angle", [False, True])
+def test_which_of_two_is_late_is_said(of_angle: bool) -> None:
+    late = finding("time_delay", 5, 0.04)
+    effect = LIBRARY["time_delay"].of(5, delay_s=0.0058, of_angle=of_angle)
+    (entry,) = findings_of(diagnosis(replace(late, effect=effect)), late.list)
+    assert entry.size == "delay_s 0.00580" + (", of_angle" if of_angle else "")
+
+
 def test_links_of_one_number_are_listed_as_joints_are() -> None:
     numbers = [number(f"link {k}", "com_y_m", 0.1, 0.2) for k in (1, 2, 10)]
     numbers.append(number("tool", "com_y_m", 0.1, 0.2))

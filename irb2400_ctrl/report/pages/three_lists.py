@@ -261,8 +261,10 @@ def number_rows(numbers: Iterable[Number]) -> tuple[Sequence[str], list[list[obj
 
 
 def _size(finding: Finding) -> str:
-    """The first number of an effect, of a direction its largest part, with its error."""
-    numbers = {k: v for k, v in finding.effect.parameters().items() if isinstance(v, float)}
+    """The first number of an effect, of a direction its largest part, with its error, and what is
+    so of it (`of_angle`, `in_tool_frame`)."""
+    parameters = finding.effect.parameters()
+    numbers = {k: v for k, v in parameters.items() if isinstance(v, float)}
     if not numbers:
         return ""
     first = next(iter(numbers))
@@ -271,7 +273,7 @@ def _size(finding: Finding) -> str:
     name = max(parts, key=lambda k: abs(numbers[k]))
     error = finding.standard_errors.get(name)
     told = with_error(numbers[name], error) if isinstance(error, float) else show(numbers[name])
-    return f"{name} {told}"
+    return ", ".join([f"{name} {told}", *(k for k, v in parameters.items() if v is True)])
 
 
 def _without_axis(name: str) -> str:
