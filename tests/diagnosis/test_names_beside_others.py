@@ -85,16 +85,22 @@ def test_a_reading_that_drifts_is_no_gain_from_some_moment_on() -> None:
     assert [(u.joint, u.depends_on) for u in found.unexplained] == [(5, ("load", "time"))]
 
 
-def test_a_motor_in_saturation_has_no_other_gain() -> None:
+@pytest.mark.parametrize(
+    ("number", "joint"),
+    # at the wrist most of what a drive reads is friction
+    [(15, 2), pytest.param(1, 6, marks=pytest.mark.slow)],
+)
+def test_a_motor_in_saturation_has_no_other_gain(number: int, joint: int) -> None:
     """Its current grows more than its torque: a factor of 0.976 at 0.98, "explained", was 72 nats
-    behind a free function of the load."""
-    (arm,) = (one for one in plan(20261721) if (one.suite, one.number) == ("outside", 15))
+    behind a free function of the load; one of axis 6 had a load at the tool beside it."""
+    seed = {15: 20261721, 1: 20261811}[number]
+    (arm,) = (one for one in plan(seed) if (one.suite, one.number) == ("outside", number))
     case = Case(arm)
-    assert [(t.kind, t.joint) for t in case.truth] == [("motor_saturation", 2)]
+    assert [(t.kind, t.joint) for t in case.truth] == [("motor_saturation", joint)]
     seen = case.identification()
     found = diagnose(ROBOT, Log(seen.time, seen.q, seen.tau, qd=seen.qd, q_ref=seen.q_ref))
     assert names(found) == []
-    assert [(u.joint, u.depends_on) for u in found.unexplained] == [(2, ("load",))]
+    assert [(u.joint, u.depends_on) for u in found.unexplained] == [(joint, ("load", "qd"))]
 
 
 def test_a_gear_that_loses_more_braked_than_driven_leaves_no_gain() -> None:

@@ -103,6 +103,8 @@ def _of_joint(
     time = splines(motion.time, 6)
     own: dict[tuple[str, tuple[str, ...]], Array] = {
         ("load", ("load",)): splines(load[:, j], 10),
+        # at the wrist friction is most of what a drive reads
+        ("torque", ("load", "qd")): splines(torque[:, j], 10),
         ("load over time", ("load", "time")): torque[:, j, None] * time,
     }
     if np.ptp(motion.qd[:, j]) > 1e-3:
