@@ -27,9 +27,7 @@ class TimeDelay(Effect):
 
     acts: ClassVar[Acts] = "measurement"
     chain: ClassVar[Link] = "clock"
-    sentence: ClassVar[str] = (
-        "of torque and position of the joint one is recorded later than the other"
-    )
+    sentence: ClassVar[str] = "torque and position of the joint are recorded at different times"
     example: ClassVar[Mapping[str, Any]] = {"delay_s": 0.004}
     ambiguity: ClassVar[Ambiguity] = DELAY
     search: ClassVar[Search] = Search(shows_moving=True)
