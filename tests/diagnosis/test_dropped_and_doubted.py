@@ -30,7 +30,7 @@ def test_what_a_dropped_explanation_had_stood_in_for_is_looked_for(
         searched.append([c.kind for c in chosen])
         return Step(left[0], 30.0, ()) if left else None
 
-    def bears_out(steps: Any, fit: Any, place: int) -> bool:
+    def bears_out(steps: Any, fit: Any, place: int, **_: Any) -> bool:
         several = any(s.candidate.kind == "zero" for s in steps)
         return not (several and steps[place].candidate.kind == "every joint")
 

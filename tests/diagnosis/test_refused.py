@@ -26,7 +26,7 @@ def test_refused_laws_of_many_joints_leave_a_name_its_turn(
     """
     offers = [*LAWS, *(explanation(kind) for kind in names), explanation("delay", None)]
     acceptance = SimpleNamespace(
-        bears_out=lambda steps, fit, place: steps[place].candidate.kind == "delay",
+        bears_out=lambda steps, fit, place, **_: steps[place].candidate.kind == "delay",
         clear=lambda steps, fit, place: [True],
         gains=lambda steps, fit: [0.0] * len(steps),
     )

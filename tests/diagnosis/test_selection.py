@@ -30,7 +30,7 @@ def test_explanations_that_push_each_other_out_are_not_tried_for_ever(
     selection.fitter = SimpleNamespace(fit=lambda chosen: len(chosen), as_stated=lambda fit: fit)
     selection.refused = set()
     selection.acceptance = SimpleNamespace(
-        bears_out=lambda steps, fit, place: True,
+        bears_out=lambda steps, fit, place, **_: True,
         clear=lambda steps, fit, place: [True],
         gains=lambda steps, fit: [0.0] * len(steps),
     )

@@ -57,7 +57,7 @@ def fitter_of() -> Any:
 def test_what_the_common_fit_no_longer_bears_out_falls_out_from_the_last_on() -> None:
     judged: list[tuple[list[str], int]] = []
 
-    def bears_out(steps: Any, fit: Any, place: int) -> bool:
+    def bears_out(steps: Any, fit: Any, place: int, **_: Any) -> bool:
         judged.append(([s.candidate.kind for s in steps], place))
         assert fit.of == judged[-1][0]
         return bool(steps[place].candidate.kind != "b")
@@ -263,7 +263,7 @@ def test_the_search_ends_after_as_many_steps_and_refusals_as_the_criteria_say(
         selection = bare(
             fitter=fitter_of(),
             acceptance=SimpleNamespace(
-                bears_out=lambda steps, fit, place: borne_out,
+                bears_out=lambda steps, fit, place, **_: borne_out,
                 clear=lambda steps, fit, place: [True],
                 gains=lambda steps, fit: [0.0] * len(steps),
             ),

@@ -137,13 +137,17 @@ class Acceptance:
         inflation = INFLATION if self._beyond_base(chosen[place], fit) else 1.0
         return [stands_clear(fit, k, duration, inflation) for k in effects_of(chosen, place)]
 
-    def bears_out(self, steps: Sequence[Step], fit: Fit, place: int) -> bool:
+    def bears_out(
+        self, steps: Sequence[Step], fit: Fit, place: int, *, all_found: bool = False
+    ) -> bool:
         """Whether the common fit of all bears one of them out.
 
         Args:
             steps: of the selection so far.
             fit: of all that was chosen.
             place: of the candidate in it.
+            all_found: whether nothing further is to be found: what another effect of one joint
+                adds there makes a law of the whole arm another one there.
         """
         chosen = [s.candidate for s in steps]
         candidate = chosen[place]
@@ -160,7 +164,9 @@ class Acceptance:
         if not candidate.known:
             return own(candidate, held_out.worth(place)) > 0.0
         beyond = self._beyond_base(candidate, fit)
-        if not any(self.clear(steps, fit, place)) or not self._of_one_size(steps, fit, place):
+        if not any(self.clear(steps, fit, place)):
+            return False
+        if all_found and not self._of_one_size(steps, fit, place):
             return False
         worth = held_out.worth(place)
         if beyond and own(candidate, worth) <= 0.0:

@@ -128,7 +128,7 @@ class Selection:
         place = len(steps) - 1
         while place >= 0:
             steps, fit = self._clear(steps, place)
-            if not self.acceptance.bears_out(steps, fit, place):
+            if not self.acceptance.bears_out(steps, fit, place, all_found=True):
                 steps = steps[:place] + steps[place + 1 :]
                 fit = self.fitter.fit([s.candidate for s in steps])
             place -= 1
