@@ -55,6 +55,7 @@ def comparison(**given: Any) -> Any:
         "by_joint": lambda gain, torque: gain * np.array([0.25, 0.5, 0.25]),
         "explained": lambda one: one.torque(3),
         "leftover": lambda one: None,
+        "with_its_leftover": lambda one: one.evidence,
         "chosen": (),
     }
     return SimpleNamespace(**(usual | given))

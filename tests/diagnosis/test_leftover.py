@@ -9,6 +9,10 @@ import numpy as np
 import pytest
 
 from irb2400_ctrl.diagnosis.comparison.comparison import Comparison
+from irb2400_ctrl.diagnosis.estimation.candidate import Candidate
+from irb2400_ctrl.diagnosis.estimation.evidence import Score
+from irb2400_ctrl.diagnosis.preparation.noise import NoiseModel
+from irb2400_ctrl.diagnosis.regressors.bases import RegressorColumns
 
 
 def leftover(names: tuple[str, ...], known: dict[str, np.ndarray], **given: Any) -> Any:
@@ -40,3 +44,34 @@ def test_where_nothing_is_known_there_is_none() -> None:
     assert leftover(("angle",), known, begins=(3.0,)) is None
     # a joint that rests has no law of its angle
     assert leftover(("angle",), {"load": np.ones((4, 2))}) is None
+
+
+@pytest.mark.parametrize(("beside", "more"), [(0.15, True), (0.0, False)])
+def test_a_name_with_what_its_law_may_leave_says_more_where_it_left_something(
+    beside: float, more: bool
+) -> None:
+    """A law of the angle of rms 0.7 Nm, and 0.15 of its bend beside it."""
+    rng = np.random.default_rng(4)
+    angle = np.sin(np.arange(600) / 23.0)
+    bend = 4 * angle**3 - 3 * angle
+    y = (angle + beside * bend + rng.normal(0, 0.02, 600))[:, None]
+    law = RegressorColumns((0,), angle[:, None, None])
+    prior = SimpleNamespace(leftover=("angle",), discrepancy_share=0.22)
+    effect = SimpleNamespace(prior=prior, windows_s=(), states=())
+    candidate = Candidate(
+        "cable_spring", 1, "", (), (effect,), law, None,  # type: ignore[arg-type]
+        Score(0.0, 0.0, np.ones(1), np.zeros((1, 1)), np.zeros(0)),
+    )  # fmt: skip
+    scan: Any = SimpleNamespace(
+        motion=SimpleNamespace(n=1),
+        non_parametric={0: [SimpleNamespace(name="angle", columns=bend[:, None])]},
+    )
+    every = np.ones((600, 1), dtype=bool)
+    noise = NoiseModel(every, ~every, np.zeros(1), 0.04)
+    comparison = Comparison(scan, noise, y, np.full((600, 1, 1), 0.1))
+    alone = comparison.compared(candidate)
+    gained = comparison.with_its_leftover(alone) - alone.evidence
+    assert (gained > 50.0) if more else (-10.0 < gained < 1.0)
+    # of a law of which nothing is known it is what it says alone
+    effect.prior.leftover = ()
+    assert comparison.with_its_leftover(alone) == alone.evidence

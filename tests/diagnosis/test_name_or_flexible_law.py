@@ -6,7 +6,7 @@ from dataclasses import replace
 from typing import Any
 
 import pytest
-from diagnosis.test_criteria import alternative, candidate, comparison, threshold
+from diagnosis.test_criteria import BASE, alternative, candidate, comparison, threshold
 
 
 def test_a_law_without_a_name_beats_the_library_by_more_than_earlier_laws_may_leave() -> None:
@@ -34,6 +34,23 @@ def test_a_law_without_a_name_beats_the_library_by_more_than_earlier_laws_may_le
     for gain, wins_here in ((1430.0, whole), (1450.0, name)):
         beside = comparison(chosen=(candidate(gain=gain),))
         assert judge.best(beside, [whole, name]) is wins_here
+
+
+@pytest.mark.parametrize(
+    ("gain", "leftover", "named"),
+    # a law gains 1200: with what its own law leaves the name needs ten less, and by itself all but
+    # the half that its law may leave
+    [(800.0, 1190.0, True), (800.0, 1189.9, False), (799.9, 1e4, False), (1195.0, 0.0, True)],
+)
+def test_a_name_may_leave_what_its_law_is_too_simple_for(
+    gain: float, leftover: float, named: bool
+) -> None:
+    """A friction that is larger in one direction, at some speeds more than at others, was a
+    function of the speed without a name, for one part in nine of its evidence."""
+    name = alternative(candidate(), gain=gain)
+    unnamed = alternative(candidate((0.0, 9.0, 0.0), known=False), gain=1200.0)
+    given = comparison(with_its_leftover=lambda one: BASE + leftover)
+    assert (threshold().best(given, [unnamed, name]) is name) == named
 
 
 @pytest.mark.parametrize(

@@ -158,6 +158,22 @@ class Comparison:
         size = np.sqrt(np.mean(earlier.torque(self.n)[:, place] ** 2))
         return np.asarray(columns * (earlier.discrepancy_share * size / max(whole, 1e-12)))
 
+    def with_its_leftover(self, alternative: Alternative) -> float:
+        """Log evidence of an alternative and what its law may leave on its joint [nats]; that of
+        the alternative alone where nothing is known of it."""
+        candidate = alternative.candidate
+        columns = self.leftover(candidate)
+        if columns is None:
+            return alternative.evidence
+        Z = np.concatenate([self.Z, columns], axis=2)
+        problem = Problem(self.y, Z, self.start.noise)
+        for _ in range(2):
+            tau = candidate.torque(self.n)
+            left = self.y - tau - Z @ problem.base_beside(tau)
+            problem = Problem(self.y, Z, self.noise.coloured(left))
+            candidate = self._rescored(candidate, problem)
+        return problem.log_evidence + candidate.score.gain
+
     def gain_beside(self, candidate: Candidate, columns: Array) -> float:
         """What a candidate gains beside columns (rows, n, k) that move as the base does [nats]."""
         problem = self._under(self.y - self.explained(candidate))

@@ -286,8 +286,12 @@ class Threshold:
         mostly_base = comparison.share_beyond_base(known.candidate) < self.criteria.mostly_base
         if (close or mostly_base) and self._leaves_little(comparison, known, best):
             return known
-        needed = self.criteria.unknown + self.left_by(comparison, best.candidate.joint or 1)
-        return best if best.evidence - known.evidence > needed else known
+        earlier = self.left_by(comparison, best.candidate.joint or 1)
+        rival = known.evidence
+        if close:
+            rival = max(rival, comparison.with_its_leftover(known))
+        needed = self.criteria.unknown + earlier
+        return best if best.evidence - rival > needed else known
 
     def _leaves_little(
         self, comparison: Comparison, known: Alternative, non_parametric: Alternative
