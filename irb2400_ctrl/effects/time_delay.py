@@ -78,7 +78,8 @@ class TimeDelay(Effect):
         # joint more than the whole arm
         least = 0.0007 if self.joint is None else 0.0015
         if self.of_angle:
-            return -least < self.delay_s < 0.003
+            # no angle is recorded ahead of its time
+            return self.delay_s < 0.003
         return -0.003 < self.delay_s < least
 
     @classmethod

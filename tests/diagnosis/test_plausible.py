@@ -30,10 +30,11 @@ def test_a_delay_below_the_truth_of_the_time_stamps_is_not_named(
 
 
 @pytest.mark.parametrize(
-    ("delay", "named"), [(0.002, False), (0.004, True), (-0.001, False), (-0.002, True)]
+    ("delay", "named"), [(0.002, False), (0.004, True), (-0.001, False), (-0.004, False)]
 )
 def test_a_late_angle_looks_like_a_torque_ahead_of_it(delay: float, named: bool) -> None:
-    """The misfit of a torque that is held from sample to sample is the other way round."""
+    """The misfit of a torque that is held from sample to sample is the other way round, and liquids
+    at the tool were angles ahead of their time."""
     late = plausible("time_delay", 2, np.array([delay]), {"of_angle": True})
     assert (late is not None) == named
 
