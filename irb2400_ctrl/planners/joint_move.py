@@ -94,7 +94,7 @@ def joint_move(
         q_start, q_target: actuator angles inside the joint box [rad], shape (n,).
         qd_start, qdd_start: state at the start, default rest [rad/s, rad/s2], shape (n,).
         qdd_max: upper limits of acceleration [rad/s2], shape (n,); default those of the robot file,
-            else what the torque leaves of each axis (then scaled up as well as down).
+            on an axis without one what the torque leaves of it (then scaled up as well as down).
         qddd_max: upper limits of jerk [rad/s3], shape (n,); default `qdd_max` reached in 50 ms.
         rate: of the rows; the duration is a whole number of them [1/s].
 
@@ -116,18 +116,19 @@ def joint_move(
         inside_box(model, name, q)
         can_hold(model, name, q)
     _within_speed(robot, speed)
-    given = qdd_max if qdd_max is not None else _limits_of_file(model)
-    if given is None:
-        box = _accelerations(model, start, target)
+    if qdd_max is None:
+        stated = _limits_of_file(robot)
     else:
-        box = _vector("qdd_max", given, robot.n, positive=True)
+        stated = _vector("qdd_max", qdd_max, robot.n, positive=True)
+    known = np.isfinite(stated)
+    box = stated if known.all() else np.where(known, stated, _accelerations(model, start, target))
     if qddd_max is None:
         jerk = box / RAMP_TIME
     else:
         jerk = _vector("qddd_max", qddd_max, robot.n, positive=True)
     # what somebody stated is never exceeded; what was only estimated may be scaled up
-    top = 1.0 if given is not None or qddd_max is not None else _SCALES[0]
-    return _Search(model, start, target, speed, acceleration, box, jerk, rate).best(top)
+    top = 1.0 if known.all() or qddd_max is not None else _SCALES[0]
+    return _Search(model, start, target, speed, acceleration, box, jerk, rate, known).best(top)
 
 
 def _vector(name: str, value: ArrayLike, n: int, positive: bool = False) -> Array:
@@ -158,10 +159,10 @@ def _within_speed(robot: Robot, speed: Array) -> None:
         )
 
 
-def _limits_of_file(model: Model) -> Array | None:
-    values = [joint.limits.acceleration_deg_s2 for joint in model.robot.joints]
-    stated = [value for value in values if value is not None]
-    return np.radians(stated) if len(stated) == len(values) else None
+def _limits_of_file(robot: Robot) -> Array:
+    """Accelerations that the robot file states [rad/s2], infinite where it states none, (n,)."""
+    values = [joint.limits.acceleration_deg_s2 for joint in robot.joints]
+    return np.array([np.inf if value is None else np.radians(value) for value in values])
 
 
 def _accelerations(model: Model, start: Array, target: Array) -> Array:
@@ -187,6 +188,12 @@ class _Search:
     qdd_max: Array
     qddd_max: Array
     rate: float
+    stated: Array
+    """which accelerations somebody stated, shape (n,): they are scaled down only"""
+
+    def scales(self, scale: float) -> Array:
+        """By what the boxes of each axis are multiplied, shape (n,)."""
+        return np.where(self.stated, min(scale, 1.0), scale)
 
     def best(self, top: float) -> JointMove:
         """The shortest move inside the torque limits over scales up to `top` and a few shares of
@@ -271,8 +278,8 @@ class _Search:
         order.current_velocity = self.qd.tolist()
         order.current_acceleration = self.qdd.tolist()
         order.max_velocity = (share * self.model.robot.qd_max).tolist()
-        order.max_acceleration = (scale * self.qdd_max).tolist()
-        order.max_jerk = (scale * self.qddd_max).tolist()
+        order.max_acceleration = (self.scales(scale) * self.qdd_max).tolist()
+        order.max_jerk = (self.scales(scale) * self.qddd_max).tolist()
         # straight in joint space where the start state allows it, else only of equal duration
         order.synchronization = ruckig.Synchronization.Phase
         order.duration_discretization = ruckig.DurationDiscretization.Discrete
@@ -290,7 +297,8 @@ class _Search:
         count = round(trajectory.duration * self.rate)
         time = np.arange(count + 1) / self.rate
         rows = Trajectory(time, *_states(trajectory, time), check_speeds=False)
-        return JointMove(rows, scale * self.qdd_max, scale * self.qddd_max, ratio)
+        own = self.scales(scale)
+        return JointMove(rows, own * self.qdd_max, own * self.qddd_max, ratio)
 
 
 def _states(trajectory: Any, time: Array) -> tuple[Array, Array, Array]:

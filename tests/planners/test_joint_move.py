@@ -106,6 +106,22 @@ def test_stated_limits_are_never_exceeded(model: irb.Model) -> None:
     assert np.abs(move.qdd).max() > 1.4
 
 
+def test_accelerations_stated_for_some_axes_are_kept() -> None:
+    """A file that stated one of six was read as one that states none: 80 times as much was used."""
+    robot = irb.load_robot("irb2400")
+    first, *others = robot.joints
+    limits = first.limits.model_copy(update={"acceleration_deg_s2": 60.0})
+    joints = (first.model_copy(update={"limits": limits}), *others)
+    part = irb.Model(robot.model_copy(update={"joints": joints}))
+    target = HOME + np.radians([70.0, 20.0, 10.0, 0.0, 0.0, 0.0])
+    move = joint_move(part, HOME, target)
+    assert np.degrees(np.abs(move.qdd[:, 0]).max()) <= 60.0 * (1 + 1e-9)
+    assert np.degrees(move.qdd_max[0]) == pytest.approx(60.0)
+    # an axis that states none is only held to its torque
+    alone = joint_move(part, HOME, HOME + np.radians([0.0, 20.0, 10.0, 0.0, 0.0, 0.0]))
+    assert np.degrees(np.abs(alone.qdd[:, 1]).max()) > 200.0
+
+
 def test_weaker_motors_make_a_slower_move(model: irb.Model) -> None:
     target = HOME + np.array([1.0, 0.6, -0.4, 0.0, 0.0, 0.0])
     limits = [joint.limits for joint in model.robot.joints]
