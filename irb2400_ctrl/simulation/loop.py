@@ -44,7 +44,7 @@ def closed_loop(
     of the step before, `q_link` (differs from `q` where a joint is elastic).
     States and parameters of the controller bear the prefix `c_`, those of the plant `p_`.
     """
-    _check_ports(controller)
+    _check_ports(controller, plant.n)
     period = controller.sample_time
     arm = plant_block(plant, period, substeps=substeps, wrench=wrench)
     states = _states(arm, controller)
@@ -107,8 +107,9 @@ def _braked(
     return drive * ca.logic_not(closed), {"p_friction": friction}, {"brake_time": clock}
 
 
-def _check_ports(controller: Block) -> None:
-    """InputError where the loop has nothing to give to an input, or the controller no torque."""
+def _check_ports(controller: Block, n: int) -> None:
+    """InputError where the loop has nothing to give to an input, the controller no torque, or one
+    of them is of another arm."""
     inputs = [f.name for f in controller.inputs]
     known = {"q", "qd", "fresh", *REFERENCE}
     if not set(inputs) <= known or "tau" not in {f.name for f in controller.outputs}:
@@ -116,6 +117,14 @@ def _check_ports(controller: Block) -> None:
             f"controller {controller.name!r} has inputs {inputs}; "
             "expected some of q, qd, q_ref, qd_ref, qdd_ref, fresh, and an output tau"
         )
+    torque = [f for f in controller.outputs if f.name == "tau"]
+    for field in (*controller.inputs, *torque):
+        size = 1 if field.name == "fresh" else n
+        if field.size != size:
+            raise InputError(
+                f"controller {controller.name!r}: {field.name} has {field.size} elements; expected "
+                f"{size}: the arm has {n} joints"
+            )
 
 
 def _extra(controller: Block) -> list[Field]:

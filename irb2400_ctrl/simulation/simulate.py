@@ -12,22 +12,28 @@ from numpy.typing import ArrayLike
 
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.codegen import Block, CompiledBlock, compile_block
-from irb2400_ctrl.errors import InputError, IrbError
-from irb2400_ctrl.model import Model
+from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.robot import Robot
+from irb2400_ctrl.simulation.divergence import check_finite
 from irb2400_ctrl.simulation.effect_data import data_of, structure
 from irb2400_ctrl.simulation.initial_state import InitialState
 from irb2400_ctrl.simulation.instruments import Actuators, Sensors
 from irb2400_ctrl.simulation.loop import closed_loop, encoder_zero
+from irb2400_ctrl.simulation.loop_request import (
+    check_controller,
+    check_duration,
+    check_rate,
+    check_robot,
+    check_seed,
+    controller_parameters,
+)
 from irb2400_ctrl.simulation.mechanics import force_effects, mass_data
 from irb2400_ctrl.simulation.plant import SUBSTEPS
 from irb2400_ctrl.simulation.reference_check import check_reference
 from irb2400_ctrl.simulation.simulation import Simulation
 from irb2400_ctrl.simulation.spring_step import elastic_data, elastic_joints
+from irb2400_ctrl.simulation.viscous_step import MOST_SUBSTEPS, needed_substeps
 from irb2400_ctrl.trajectory import Trajectory
-
-FAR = 1e3
-"""[rad] farther than this an arm has diverged"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,6 +50,8 @@ class Loop:
     sensors: Sensors
     actuators: Actuators
     compiled: CompiledBlock
+    substeps: int = SUBSTEPS
+    """time steps of the plant per control period"""
 
     def run(
         self,
@@ -76,10 +84,12 @@ class Loop:
             unstable).
         """
         arm = self.plant if plant is None else plant
+        check_robot("plant", arm)
+        check_seed(seed)
         self._check_structure(arm)
         motion = self._reference(trajectory, hold)
         inputs = self._inputs(motion, wrench, lost, seed)
-        own = self._gains(gains or {})
+        own = controller_parameters(self.controller, {} if gains is None else gains)
         x0, hold_torque = self._initial.of(arm, motion, own)
         if any(f.name == "c_hold" for f in self.compiled.block.parameters):
             own = {"c_hold": hold_torque, **own}
@@ -87,7 +97,8 @@ class Loop:
         begun = clock.perf_counter()
         _, outputs = self.compiled.rollout(inputs, x0=x0, p=p)
         wall = clock.perf_counter() - begun
-        self._check_finite(motion, outputs)
+        signals = self.compiled.split(self.compiled.block.outputs, outputs)
+        check_finite(self.controller, arm, self.substeps, motion, signals)
         return Simulation(
             self.robot,
             arm,
@@ -95,7 +106,7 @@ class Loop:
             self.sensors,
             self.actuators,
             motion,
-            self.compiled.split(self.compiled.block.outputs, outputs),
+            signals,
             wall,
             seed,
         )
@@ -116,6 +127,7 @@ class Loop:
                 "trajectory: found one whose carriage moves, which accelerates the base of the "
                 "arm; expected a base that stands: the simulated arm would need other torques"
             )
+        check_duration(trajectory, self.controller.sample_time, hold)
         motion = trajectory.at_rate(1.0 / self.controller.sample_time, hold=hold)
         axes = motion.q.shape[1]
         if axes != self.plant.n:
@@ -131,31 +143,6 @@ class Loop:
                 "this loop was compiled for a plant with other effects; make a new one with "
                 "`make_loop`"
             )
-
-    def _check_finite(self, motion: Trajectory, outputs: Array) -> None:
-        """The true angles are the first outputs of the loop."""
-        angles = np.abs(outputs[:, : motion.q.shape[1]])
-        lost = ~np.isfinite(outputs).all(axis=1) | (angles.max(axis=1) > FAR)
-        if lost.any():
-            raise IrbError(
-                f"the simulated arm diverged at {motion.time[np.argmax(lost)]:.3f} s under "
-                f"{self.controller.name!r}: {self._why(motion)}"
-            )
-
-    def _why(self, motion: Trajectory) -> str:
-        """What to look at: friction that stops a joint within a time step, or gains and masses."""
-        inertia = np.diag(Model(self.plant).mass_matrix(motion.q[0]))
-        viscous = self.plant.friction[:, 2]
-        j = int(np.argmax(viscous / inertia))
-        within = inertia[j] / max(viscous[j], 1e-12)
-        if within > self.controller.sample_time:
-            return "lower the gains, or check the plant's mass data"
-        return (
-            f"viscous friction of {viscous[j]:.3g} Nm s/rad stops joint {j + 1}, of "
-            f"{inertia[j]:.2g} kg m2, within {1e6 * within:.2g} us, less than the period of "
-            f"{1e6 * self.controller.sample_time:.0f} us. State the inertia of its rotor "
-            '(kind = "rotor_inertia" in [[effects]]), or a smaller friction'
-        )
 
     def _inputs(
         self, motion: Trajectory, wrench: ArrayLike | None, lost: ArrayLike | None, seed: int
@@ -189,22 +176,10 @@ class Loop:
                 f"{name}: found shape {array.shape}; expected ({count}, {size}), one row per "
                 "control period"
             )
+        if not np.isfinite(array).all():
+            row = int(np.argmin(np.isfinite(array).all(axis=1)))
+            raise InputError(f"{name}: row {row + 1} holds no number; expected finite numbers")
         return [array]
-
-    def _gains(self, gains: Mapping[str, ArrayLike]) -> dict[str, Array]:
-        """Parameters of the controller under their names in the loop; one number stands for all
-        elements."""
-        sizes = {f.name: f.size for f in self.controller.parameters}
-        unknown = sorted(set(gains) - set(sizes))
-        if unknown:
-            raise InputError(
-                f"{self.controller.name} has no parameter {', '.join(unknown)}; it has "
-                f"{', '.join(sizes)}"
-            )
-        return {
-            f"c_{name}": np.broadcast_to(np.asarray(g, dtype=float), sizes[name])
-            for name, g in gains.items()
-        }
 
 
 def make_loop(
@@ -215,7 +190,7 @@ def make_loop(
     rate: float = 1000.0,
     sensors: Sensors | None = None,
     actuators: Actuators | None = None,
-    substeps: int = SUBSTEPS,
+    substeps: int | None = None,
     wrench: bool = False,
 ) -> Loop:
     """Compile controller, instruments and plant into one loop; arguments as for `simulate`.
@@ -225,17 +200,24 @@ def make_loop(
         rate: of a controller that is named [1/s].
         wrench: whether a force on the tool is an input.
     """
+    check_robot("robot", robot)
+    check_controller(controller)
+    arm = robot if plant is None else plant
+    check_robot("plant", arm)
     if isinstance(controller, str):
+        rate = check_rate(rate)
         from irb2400_ctrl.controllers import controller as by_name
 
         controller = by_name(controller, robot, 1.0 / rate)
-    arm = robot if plant is None else plant
     sensors = sensors or Sensors()
     actuators = actuators or Actuators()
+    if substeps is None:
+        needed = needed_substeps(arm, controller.sample_time)
+        substeps = needed if needed <= MOST_SUBSTEPS else SUBSTEPS
     block = closed_loop(
         controller, arm, sensors=sensors, actuators=actuators, substeps=substeps, wrench=wrench
     )
-    return Loop(robot, arm, controller, sensors, actuators, compile_block(block))
+    return Loop(robot, arm, controller, sensors, actuators, compile_block(block), substeps)
 
 
 def simulate(
@@ -247,7 +229,7 @@ def simulate(
     rate: float = 1000.0,
     sensors: Sensors | None = None,
     actuators: Actuators | None = None,
-    substeps: int = SUBSTEPS,
+    substeps: int | None = None,
     gains: Mapping[str, ArrayLike] | None = None,
     wrench: ArrayLike | None = None,
     hold: float = 0.0,
@@ -264,7 +246,8 @@ def simulate(
         plant: the true arm with its effects; default the robot itself.
         rate: control rate [Hz] for a controller given by name; a block brings its own.
         sensors, actuators: of the drive; default `Sensors()`, `Actuators()`.
-        substeps: time steps of the plant per control period.
+        substeps: time steps of the plant per control period; default one, or as many as viscous
+            friction of light joints asks for.
         gains: controller parameters by name.
         wrench: force and moment on the tool at the TCP, base frame [N, Nm], shape (m, 6) at the
             control rate.

@@ -191,6 +191,9 @@ class Simulation(Displayed):
         text = io.StringIO()
         text.write(",".join(columns) + "\n")
         formats = [_format(name) for name in columns]
+        # four digits are those of the usual rates; others would lose the evenness of their steps
+        if np.abs(np.round(columns["time_s"], 4) - columns["time_s"]).max() > 1e-9:
+            formats[list(columns).index("time_s")] = "%.9f"
         np.savetxt(text, np.column_stack(list(columns.values())), fmt=formats, delimiter=",")
         log = write_atomic(Path(out) / "log.csv", text.getvalue())
         return log, write_json(Path(out) / "simulation.json", self.summary())

@@ -3,13 +3,19 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
 
+import casadi as ca
 import numpy as np
 import pytest
 from simulation.arms import START, STOP, arm, quintic_move, strong, with_effect, without_friction
 
+from irb2400_ctrl.codegen import Block, Field
 from irb2400_ctrl.errors import InputError, IrbError
 from irb2400_ctrl.model import Model
+from irb2400_ctrl.robot import load_robot
 from irb2400_ctrl.simulation import (
     IDEAL_ACTUATORS,
     IDEAL_SENSORS,
@@ -20,6 +26,7 @@ from irb2400_ctrl.simulation import (
     perturbed_robot,
     simulate,
 )
+from irb2400_ctrl.simulation.viscous_step import needed_substeps
 
 MOVE = quintic_move(START, STOP, 1.2)
 
@@ -216,6 +223,67 @@ def test_friction_that_stops_a_joint_within_a_period_is_what_diverges() -> None:
     )
     with pytest.raises(IrbError, match=r"viscous friction of 5e\+04 Nm s/rad stops joint 6"):
         simulate(stiff, MOVE, "gravity_pd", actuators=IDEAL_ACTUATORS)
+
+
+def test_a_light_joint_with_much_friction_gets_finer_time_steps() -> None:
+    """Puma 560 as it is shipped, its wrist without rotors, diverged at 1 kHz; so did arms of a URDF
+    with damping and nothing of their rotors."""
+    robot = load_robot("puma560")
+    start = np.radians([0.0, -45.0, -60.0, 0.0, 40.0, 0.0])
+    stop = start + np.radians([20.0, 20.0, 20.0, 60.0, -60.0, 90.0])
+    loop = make_loop(robot, "computed_torque", sensors=IDEAL_SENSORS)
+    assert loop.substeps == needed_substeps(robot, 1e-3) > 1
+    run = loop.run(quintic_move(start, stop, 1.0))
+    assert np.degrees(np.abs(run.q - run.q_ref).max()) < 0.5
+    coarse = make_loop(robot, "computed_torque", sensors=IDEAL_SENSORS, substeps=1)
+    with pytest.raises(IrbError, match=rf"stops joint 6, .* or substeps={loop.substeps}"):
+        coarse.run(quintic_move(start, stop, 1.0))
+    assert needed_substeps(arm(), 1e-3) == 1
+
+
+@pytest.mark.parametrize(
+    ("asked", "says"),
+    [
+        ({"rate": 0}, "rate is 0; expected a positive number"),
+        ({"rate": 0.001}, "a rate in 1/s"),
+        ({"hold": -1.0}, "hold is -1.0"),
+        ({"seed": -1}, "seed is -1"),
+        ({"plant": "irb2400.toml"}, "plant: found a str; expected a Robot"),
+        ({"gains": {"kp": np.nan}}, "kp: found nan; expected finite numbers"),
+        ({"gains": {"kp": [1.0, 2.0]}}, r"kp: found shape \(2,\)"),
+        ({"wrench": np.full((1201, 6), np.nan)}, "wrench: row 1 holds no number"),
+    ],
+)
+def test_a_wrong_request_is_refused_in_words(asked: dict[str, Any], says: str) -> None:
+    with pytest.raises(InputError, match=says):
+        simulate(arm(), MOVE, "gravity_pd", **asked)
+
+
+def own_law(torque: Callable[[ca.SX], ca.SX], n: int = 6) -> Block:
+    """A controller of the measured angles alone."""
+    q = ca.SX.sym("q", n)
+    step = ca.Function("own", [q], [torque(q)], ["q"], ["tau"])
+    fields = (Field("q", n, "rad", "angles"),), (Field("tau", n, "Nm", "torques"),)
+    return Block("own", "a law of one's own", 1e-3, (), *fields, (), step)
+
+
+def test_a_controller_without_numbers_is_not_blamed_on_the_arm() -> None:
+    with pytest.raises(IrbError, match=r"controller 'own' gives no number as tau at 0\.000 s"):
+        simulate(arm(), MOVE, own_law(lambda q: ca.sqrt(-1 - q**2)))
+
+
+def test_a_controller_of_another_arm_or_no_controller_is_refused() -> None:
+    with pytest.raises(InputError, match="q has 2 elements; expected 6: the arm has 6 joints"):
+        simulate(arm(), MOVE, own_law(lambda q: -q, n=2))
+    with pytest.raises(InputError, match="controller: found a function; expected the name"):
+        simulate(arm(), MOVE, lambda q: -q)
+
+
+def test_a_fast_stream_keeps_its_times_in_the_file(tmp_path: Path) -> None:
+    """With four decimals steps of 1/3 ms were written as 0.3, 0.4 and 0.3 ms."""
+    run = simulate(arm(), MOVE, "gravity_pd", rate=3000.0, sensors=Sensors(rate_Hz=3000.0))
+    time = np.loadtxt(run.write(tmp_path)[0], delimiter=",", skiprows=1, usecols=0)
+    np.testing.assert_allclose(np.diff(time), 1 / 3000.0, rtol=1e-4)
 
 
 def test_says_what_does_not_fit() -> None:
