@@ -14,6 +14,7 @@ from irb2400_ctrl.codegen import Block, Field
 from irb2400_ctrl.codegen.block import Quantities
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.robot import Robot
+from irb2400_ctrl.robot.given import check_robot
 
 BEYOND = 0.05
 """how far beyond the joint box an angle is still believed [rad]: an arm at its limit overshoots a
@@ -21,6 +22,9 @@ little"""
 FASTEST = 2.0
 """largest speed that is believed, as a multiple of the robot's limit: a filtered difference of
 angles overshoots; ten times the limit is a wrong unit or a broken encoder"""
+
+LONGEST = 1.0
+"""longest sample time [s]: more is a rate, or milliseconds"""
 
 Values = dict[str, ca.SX]
 Law = Callable[[Values], Values]
@@ -32,6 +36,7 @@ def check_masses(robot: Robot) -> None:
     Raises:
         InputError: no link has one.
     """
+    check_robot("robot", robot)
     if robot.weightless:
         raise InputError(
             f"{robot.name}: found no link with a mass, expected those of the arm: the torques of a "
@@ -161,10 +166,10 @@ def assemble(
         outputs: of every step.
         parameters: that may change while it runs.
     """
-    if not (np.isfinite(sample_time) and sample_time > 0):
+    if not 0 < sample_time <= LONGEST:
         raise InputError(
-            f"sample time is {sample_time} s; expected a positive number of seconds, for example "
-            "0.001"
+            f"sample time is {sample_time} s; expected a positive number of seconds, at most "
+            f"{LONGEST:g}, for example 0.001"
         )
     taken = (*states, *inputs, *parameters)
     symbols = {field.name: ca.SX.sym(field.name, field.size) for field in taken}

@@ -36,6 +36,9 @@ class BoundsEntry(Table):
     end_stop: Axes
     samples_refused_by_package: int = Field(ge=0, description="by the test of its inputs")
     brake_closed_s: NotNegative | None = Field(description="since when the brake is closed")
+    brake_closed_far_from_reference: Axes = Field(
+        default=[], description="why: these got farther from the reference than the guard allows"
+    )
 
 
 class SensorsEntry(Table):

@@ -17,6 +17,7 @@ from irb2400_ctrl.model.joint_box import JointBox
 from irb2400_ctrl.model.numeric import Value, evaluate
 from irb2400_ctrl.model.symbolic_arm import SymbolicArm
 from irb2400_ctrl.robot import Robot
+from irb2400_ctrl.robot.given import check_robot
 
 
 class Model(SymbolicArm):
@@ -28,6 +29,7 @@ class Model(SymbolicArm):
     """
 
     def __init__(self, robot: Robot) -> None:
+        check_robot("robot", robot)
         super().__init__(robot)
         self._built = _built_of(robot, tuple(map(type, robot.effects)))
 

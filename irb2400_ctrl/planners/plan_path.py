@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 from irb2400_ctrl.arrays import Array, one_thread
 from irb2400_ctrl.cell import Cell, Scene, with_tool
 from irb2400_ctrl.cell.external_axes import ExternalAxes
+from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.planners.certify import certify
 from irb2400_ctrl.planners.enclosure.path_dynamics import Way, path_dynamics
@@ -42,6 +43,7 @@ from irb2400_ctrl.planners.timing.timing_options import Backend, TimingOptions
 from irb2400_ctrl.planners.toolpath.orientation import Orientation
 from irb2400_ctrl.planners.toolpath.toolpath import ToolPath
 from irb2400_ctrl.robot import Robot
+from irb2400_ctrl.robot.given import check_robot
 
 Ways = Callable[[Model, Orientation, Scene | None], Iterable[Choice]]
 """the joint paths that are compared for a tool path"""
@@ -100,6 +102,12 @@ def plan_path(
         UnreachableError: no continuous motion, or (CollisionError) none that touches nothing.
         InfeasibleError: the torque limits leave no motion; says where.
     """
+    check_robot("robot", robot)
+    if not isinstance(path, ToolPath):
+        raise InputError(
+            f"path: found a {type(path).__name__}; expected a ToolPath, such as `read_path(file)` "
+            "or of `builders`"
+        )
     turning = (free_tool_rotation, work_frame, tolerance, axis_tolerance)
     options = PlanOptions(rate, *turning, checked(interpolation), cell, tool, load, rotation_map)
     bounds = (limits, torque_rate, jerk)

@@ -15,7 +15,11 @@ from irb2400_ctrl.trajectory import Trajectory
 
 
 def bounds_reached(
-    robot: Robot, plant: Robot, reference: Trajectory, signals: Mapping[str, Array]
+    robot: Robot,
+    plant: Robot,
+    reference: Trajectory,
+    signals: Mapping[str, Array],
+    error_limit: Array | None = None,
 ) -> dict[str, Any]:
     """Axes count from 1; empty lists, 0 and None where nothing was reached.
 
@@ -24,12 +28,17 @@ def bounds_reached(
         plant: as it is.
         reference: that was asked for.
         signals: of the run by name, a row a sample.
+        error_limit: of a guard: farther from the reference it closes the brake [rad], shape (n,).
     """
     at_limit = np.greater_equal(np.abs(signals["tau"]), plant.tau_bound * (1 - 1e-9))
     brake = signals.get("c_brake")
     closed = None
+    far: list[int] = []
     if brake is not None and brake.any():
-        closed = float(reference.time[np.argmax(brake > 0)])
+        row = int(np.argmax(brake > 0))
+        closed = float(reference.time[row])
+        if error_limit is not None:
+            far = _left(np.abs(signals["q_seen"] - reference.q) > error_limit, row)
     return {
         "reference_outside_joint_box": outside_box(robot, reference.q),
         "reference_above_speed_limit": too_fast(robot, reference.qd),
@@ -39,6 +48,7 @@ def bounds_reached(
         "end_stop": _axes(np.not_equal(signals["end_stop"], 0)),
         "samples_refused_by_package": int(signals["fault"].sum()),
         "brake_closed_s": closed,
+        "brake_closed_far_from_reference": far,
     }
 
 
@@ -55,6 +65,8 @@ def in_words(reached: dict[str, Any]) -> list[str]:
         "brake_closed_s": "the guard closes the brake (an input at fault, or an effect that the "
         "controller's robot lacks, such as friction that its file leaves out, or a torque that "
         "changes faster than the guard's torque_rate; --bare: no guard) at [s]",
+        "brake_closed_far_from_reference": "why: farther from the reference than the guard's "
+        "error_limit is axis",
     }
     lines = []
     for name, value in reached.items():
@@ -62,6 +74,12 @@ def in_words(reached: dict[str, Any]) -> list[str]:
             shown = ", ".join(str(v) for v in value) if isinstance(value, list) else str(value)
             lines.append(f"{says[name]} {shown}")
     return lines
+
+
+def _left(far: npt.NDArray[np.bool_], row: int) -> list[int]:
+    """Axes that were near until a row and are far from it on."""
+    before = far[max(row - 1, 0)] & (row > 0)
+    return [int(j) + 1 for j in np.flatnonzero(far[row] & ~before)]
 
 
 def _axes(reached: npt.NDArray[np.bool_]) -> list[int]:

@@ -11,21 +11,7 @@ from numpy.typing import ArrayLike
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.codegen import Block
 from irb2400_ctrl.errors import InputError
-from irb2400_ctrl.robot import Robot
 from irb2400_ctrl.trajectory import Trajectory
-
-
-def check_robot(name: str, robot: object) -> None:
-    """Refuse what is no robot, such as the path of its file.
-
-    Raises:
-        InputError: not a `Robot`.
-    """
-    if not isinstance(robot, Robot):
-        raise InputError(
-            f"{name}: found a {type(robot).__name__}; expected a Robot, such as "
-            '`load_robot("irb2400")`, which takes the path of a robot file, too'
-        )
 
 
 def check_controller(controller: object) -> None:

@@ -14,6 +14,7 @@ from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.codegen import Block, CompiledBlock, compile_block
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.robot import Robot
+from irb2400_ctrl.robot.given import check_robot
 from irb2400_ctrl.simulation.divergence import check_finite
 from irb2400_ctrl.simulation.effect_data import data_of, structure
 from irb2400_ctrl.simulation.initial_state import InitialState
@@ -23,7 +24,6 @@ from irb2400_ctrl.simulation.loop_request import (
     check_controller,
     check_duration,
     check_rate,
-    check_robot,
     check_seed,
     controller_parameters,
 )

@@ -125,12 +125,20 @@ class Simulation(Displayed):
             },
             "max_torque_ratio": (np.abs(self.tau).max(axis=0) / limit).tolist(),
             "saturated_share": (np.abs(self.tau) >= limit * (1 - 1e-9)).mean(axis=0).tolist(),
-            "bounds_reached": bounds_reached(self.robot, self.plant, self.reference, self.signals),
+            "bounds_reached": bounds_reached(
+                self.robot, self.plant, self.reference, self.signals, self._error_limit
+            ),
             "sensors": self.sensors.model_dump(),
             "actuators": self.actuators.model_dump(),
             "seed": self.seed,
             "real_time_factor": self.real_time_factor,
         }
+
+    @property
+    def _error_limit(self) -> Array | None:
+        """Of the controller's guard, if it has one [rad], shape (n,)."""
+        stated = [f.start for f in self.controller.parameters if f.name == "error_limit"]
+        return stated[0] if stated else None
 
     def log_columns(self) -> dict[str, Array]:
         """The log as the robot's data stream would give it: header name -> column."""

@@ -13,7 +13,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from irb2400_ctrl import load_robot
-from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.errors import InputError, UnreachableError
+from irb2400_ctrl.model import Model
 from irb2400_ctrl.planners import MotionLimits, ToolPath, plan_path, read_path
 from irb2400_ctrl.planners.toolpath import builders
 from irb2400_ctrl.planners.toolpath.task_curve import smooth_curve
@@ -244,3 +245,34 @@ def test_limits_of_a_plan_can_only_tighten_the_robots(name: str, axis: int) -> N
     wider[axis - 1] *= 1.01
     with pytest.raises(InputError, match=rf"{name} of axis {axis} .*at most the robot's own"):
         plan_path(robot, path, limits=replace(own, **{name: wider}))
+
+
+def test_what_is_no_robot_or_no_path_is_said() -> None:
+    circle = builders.circle((0.95, 0.0, 0.6), 0.1, feed=0.1)
+    with pytest.raises(InputError, match="robot: found a str; expected a Robot"):
+        plan_path("irb2400", circle)  # type: ignore[arg-type]
+    with pytest.raises(InputError, match="path: found a str; expected a ToolPath"):
+        plan_path(load_robot("irb2400"), "part.apt")  # type: ignore[arg-type]
+    with pytest.raises(InputError, match="robot: found a str; expected a Robot"):
+        Model("irb2400")  # type: ignore[arg-type]
+
+
+def test_lengths_in_millimetres_are_asked_about() -> None:
+    robot = load_robot("irb2400")
+    circle = builders.circle((700.0, 0.0, 500.0), 100.0, feed=100.0)
+    with pytest.raises(UnreachableError, match="are its millimetres taken for metres"):
+        plan_path(robot, circle)
+
+
+def test_a_free_rotation_is_not_asked_for_again() -> None:
+    """A wrist that turns too little: freeing what was free already was the advice."""
+    robot = load_robot("irb2400")
+    *others, last = robot.joints
+    short = last.limits.model_copy(update={"range_deg": (0.0, 1.0)})
+    joints = (*others, last.model_copy(update={"limits": short}))
+    middle = joints[3].limits.model_copy(update={"range_deg": (0.0, 1.0)})
+    joints = (*joints[:3], joints[3].model_copy(update={"limits": middle}), *joints[4:])
+    stiff = robot.model_copy(update={"joints": joints})
+    circle = builders.circle((0.95, 0.5, 0.6), 0.15, feed=0.1)
+    with pytest.raises(UnreachableError, match=r"at every other rotation about the tool; .* tool"):
+        plan_path(stiff, circle)

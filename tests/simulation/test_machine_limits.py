@@ -84,6 +84,19 @@ def test_a_closed_brake_stops_the_arm() -> None:
     assert reached(run)["brake_closed_s"] == pytest.approx(0.520)
 
 
+def test_a_brake_that_closes_far_from_the_reference_names_the_axis() -> None:
+    block = guarded(controller("gravity_pd", arm()), arm(), consistency=False)
+    pushed = np.zeros((len(MOVE.at_rate(1000.0).time), 6))
+    pushed[300:, 5] = 200.0
+    run = simulate(arm(), MOVE, block, wrench=pushed)
+    assert reached(run)["brake_closed_s"] is not None
+    (axis,) = reached(run)["brake_closed_far_from_reference"]
+    row = np.searchsorted(run.time, reached(run)["brake_closed_s"] - 1e-9)
+    error = np.abs(run.signals["q_seen"] - run.q_ref)[row]
+    assert error[axis - 1] == error.max() > np.radians(8.0)
+    assert "error_limit is axis" in in_words(reached(run))[-1]
+
+
 def test_degrees_taken_for_radians_are_refused() -> None:
     wrong = Trajectory(
         *(np.degrees(x) if i else x for i, x in enumerate((MOVE.time, MOVE.q, MOVE.qd, MOVE.qdd)))

@@ -11,6 +11,11 @@ from irb2400_ctrl.errors import UnreachableError
 from irb2400_ctrl.planners.redundancy.ladder_graph import FREE_SHIFTS, Ladder
 from irb2400_ctrl.planners.redundancy.ladder_moves import LARGEST_STEP
 
+OTHER_UNIT = 50.0
+"""[m] so far beyond its reach no part is placed by mistake, but by another unit"""
+FREE = "free the tool rotation"
+TOOL = "look at the tool of the robot file, whose z axis has to point out of the spindle"
+
 
 def refusal(ladder: Ladder, names: Integers) -> UnreachableError:
     """The first station without any configuration, or where every continuous motion breaks.
@@ -54,10 +59,13 @@ def _no_configuration(ladder: Ladder, i: int, point: int) -> UnreachableError:
     robot = ladder.model.robot
     q = ladder.q[i].reshape(-1, robot.n)
     if not np.isfinite(q).any():
-        gap = 1e3 * float(ladder.overreach[i].min())
+        gap = float(ladder.overreach[i].min())
+        advice = "move the work frame closer, or choose another tool axis"
+        if gap > OTHER_UNIT:
+            advice = "are its millimetres taken for metres? Lengths are in m in Python"
         return UnreachableError(
-            f"point {point} is out of reach: the wrist centre lies {gap:.1f} mm beyond the arm; "
-            "move the work frame closer, or choose another tool axis"
+            f"point {point} is out of reach: the wrist centre lies {1e3 * gap:.1f} mm beyond the "
+            f"arm; {advice}"
         )
     low = robot.q_min + ladder.inset
     high = robot.q_max - ladder.inset
@@ -70,8 +78,13 @@ def _no_configuration(ladder: Ladder, i: int, point: int) -> UnreachableError:
         f"point {point} is out of the joint box: axis {axis + 1} would need "
         f"{np.degrees(q[best, axis]):.1f} deg, {np.degrees(excess[best, axis]):.1f} deg "
         "beyond its range "
-        f"{ends[0]:.0f} to {ends[1]:.0f} deg; move the work frame or free the tool rotation"
+        f"{ends[0]:.0f} to {ends[1]:.0f} deg{_whichever(ladder)}; move the work frame or "
+        + (FREE if len(ladder.rotation) == 1 else TOOL)
     )
+
+
+def _whichever(ladder: Ladder) -> str:
+    return "" if len(ladder.rotation) == 1 else ", and more at every other rotation about the tool"
 
 
 def _blocking_collision(
