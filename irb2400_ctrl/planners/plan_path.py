@@ -102,12 +102,7 @@ def plan_path(
         UnreachableError: no continuous motion, or (CollisionError) none that touches nothing.
         InfeasibleError: the torque limits leave no motion; says where.
     """
-    check_robot("robot", robot)
-    if not isinstance(path, ToolPath):
-        raise InputError(
-            f"path: found a {type(path).__name__}; expected a ToolPath, such as `read_path(file)` "
-            "or of `builders`"
-        )
+    _check_given(robot, path)
     turning = (free_tool_rotation, work_frame, tolerance, axis_tolerance)
     options = PlanOptions(rate, *turning, checked(interpolation), cell, tool, load, rotation_map)
     bounds = (limits, torque_rate, jerk)
@@ -115,6 +110,16 @@ def plan_path(
     timed = TimingOptions.of(robot, timing, cells, *bounds, *sampled)
     ways = _chosen(free_tool_rotation, way_out, load)
     return plan_ways(robot, path, ways, options, timed, StageClock(progress))
+
+
+def _check_given(robot: object, path: object) -> None:
+    """InputError where a name or an array stands in for the robot or the path."""
+    check_robot("robot", robot)
+    if not isinstance(path, ToolPath):
+        raise InputError(
+            f"path: found a {type(path).__name__}; expected a ToolPath, such as `read_path(file)` "
+            "or of `builders`"
+        )
 
 
 def _carried(external: ExternalAxes | None) -> tuple[int, Way | None]:

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.codegen import Block
+from irb2400_ctrl.controllers.parts import LONGEST
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.trajectory import Trajectory
 
@@ -36,6 +37,8 @@ def check_rate(rate: object) -> float:
     """
     if not (isinstance(rate, int | float | np.number) and math.isfinite(rate) and rate > 0):
         raise InputError(f"rate is {rate!r}; expected a positive number [1/s], for example 1000")
+    if rate * LONGEST < 1:
+        raise InputError(f"rate is {rate!r}; expected at least 1, a rate in 1/s and no period")
     return float(rate)
 
 
