@@ -21,7 +21,7 @@ def test_the_first_of_two_goes_where_the_other_one_does_not_come(
     refused; it was said alone, at 0.90, and is nothing."""
     first = explanation("first", 1)
     other = explanation("other", joint)
-    accept = {"bears_out": lambda *_: True, "clear": lambda *_: [True]}
+    accept = {"bears_out": lambda *_, **__: True, "clear": lambda *_: [True]}
     acceptance = SimpleNamespace(**accept, gains=lambda steps, fit: [0.0] * len(steps))
     selection = bare(fitter=fitter_of(), refused=set(), acceptance=acceptance)
 

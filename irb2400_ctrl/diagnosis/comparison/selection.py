@@ -199,6 +199,7 @@ class Selection:
             for alternative in every
             if ground.accepts(alternative)
             and not self.threshold.said_by_less(ground.comparison, alternative, every)
+            and not _lags_on_a_spring(ground.comparison, alternative.candidate, every)
         ]
         if not alternatives:
             return None, []
@@ -287,6 +288,24 @@ class Selection:
             for s in kept
             if not of_one_moment(s.candidate, [k.candidate for k in kept if k is not s])
         ]
+
+
+def _lags_on_a_spring(
+    comparison: Comparison, candidate: Candidate, every: Sequence[Alternative]
+) -> bool:
+    """Whether an angle that seems late is a link behind a soft transmission, which is there or
+    counts as well: of arms whose angle was late it did on none.
+
+    Args:
+        comparison: of all alternatives.
+        candidate: in question.
+        every: alternatives.
+    """
+    if candidate.kind != "time_delay" or not any(e.angle_error[1] for e in candidate.effects):
+        return False
+    springs = [a.candidate for a in every if comparison.gain(a) > Criteria().gain]
+    rivals = [*comparison.chosen, *springs]
+    return any(rival.joint == candidate.joint and rival.devices for rival in rivals)
 
 
 def _simple(candidate: Candidate) -> bool:
