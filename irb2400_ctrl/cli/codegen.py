@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import sys
 from enum import StrEnum
-from functools import partial
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
@@ -132,18 +131,18 @@ def _block(
     from irb2400_ctrl.errors import InputError
 
     if name != OBSERVER:
-        build = partial(controller, name, robot, **wishes)
-        block = build(sample_time=sample_time)
+
+        def build(T: float) -> Block:
+            return controller(name, robot, sample_time=T, **wishes)
+
         # as they are, controllers are stable at their own rate; the question costs two seconds
         if sample_time > DESIGNED_AT or set(wishes) - {"tables"}:
-            _say_unstable(check_sampled_loop(robot, lambda T: build(sample_time=T), sample_time))
+            remark = check_sampled_loop(robot, build, sample_time)
+            if remark:
+                print(f"irb2400: {remark}", file=sys.stderr)
+        block = build(sample_time)
         return guarded(block, robot) if with_guards else block
     unknown = sorted(set(wishes) - {"bandwidth"})
     if unknown:
         raise InputError(f"{OBSERVER}: found {', '.join(unknown)}; it has bandwidth only")
     return momentum_observer(robot, sample_time, **wishes)
-
-
-def _say_unstable(remark: str) -> None:
-    if remark:
-        print(f"irb2400: {remark}", file=sys.stderr)

@@ -15,8 +15,9 @@ from irb2400_ctrl.codegen import Block
 from irb2400_ctrl.codegen.controller import HostController
 from irb2400_ctrl.codegen.package import FAULT_PARAMETERS, Package
 from irb2400_ctrl.controllers import CONTROLLERS, controller, guarded, momentum_observer
-from irb2400_ctrl.controllers.sampling import check_sampled_loop
+from irb2400_ctrl.controllers.sampling import _poses, check_sampled_loop
 from irb2400_ctrl.errors import InputError
+from irb2400_ctrl.robot.changed import changed
 
 ROBOT = irb.load_robot("irb2400")
 UR10E = irb.load_robot("ur10e")
@@ -77,13 +78,34 @@ def test_what_an_ideal_drive_can_do_is_remarked_on(bandwidth: float, sample_time
     assert "a sample late" in check_sampled_loop(ROBOT, partial(build, bandwidth), sample_time)
 
 
+@pytest.mark.parametrize("name", ["gravity_pd", "computed_torque"])
+def test_an_arm_without_gains_is_guided_by_hand(name: str) -> None:
+    """On the ur10e it was "unstable": a held torque balances the weight of a sample ago."""
+    build = partial(controller, name, UR10E, bandwidth=0.0)
+    assert check_sampled_loop(UR10E, build, 0.001) == ""
+
+
+def test_gains_that_no_rate_makes_good_are_said_to_be_that() -> None:
+    """An integral that turns faster than its loop; "lower the bandwidth" would make it worse."""
+    build = partial(controller, "pid", ROBOT, integral_time=1e-3)
+    with pytest.raises(InputError, match="ask for other gains: a rate 128 times as high"):
+        check_sampled_loop(ROBOT, build, 0.001)
+
+
+def test_poses_are_within_a_box_beyond_half_a_turn() -> None:
+    turned = changed(ROBOT, ["joints.6.limits.range_deg=[200, 900]"])
+    poses = _poses(turned)
+    assert np.all((poses >= turned.q_min) & (poses <= turned.q_max))
+    assert np.ptp(poses, axis=0).min() > 0.5
+
+
 def test_the_command_refuses_twenty_milliseconds(tmp_path: Path) -> None:
     """They were "passed"."""
     done = irb2400(
         "codegen", "--controller", "computed_torque", "--sample-time", 0.02, "--out", tmp_path
     )
     assert done.returncode == 2
-    assert "grows 1.56 times" in done.stderr
+    assert "doubles every 0.031 s" in done.stderr
     assert "sample every 0.005 s" in done.stderr
     assert not list(tmp_path.iterdir())
 
