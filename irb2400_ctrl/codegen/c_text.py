@@ -23,11 +23,11 @@ _KEYWORDS_OF_CPP = frozenset(
     or or_eq private protected public reinterpret_cast requires static_assert static_cast template
     this thread_local throw try typeid typename using virtual wchar_t xor xor_eq""".split()  # noqa: SIM905
 )
-# NAME.h would be found in place of the header of C
+# NAME.h would be found in place of the header of C, or of one that those of glibc read
 _HEADERS = frozenset(
-    """assert complex ctype errno fenv float inttypes iso646 limits locale math setjmp signal
-    stdalign stdarg stdatomic stdbool stddef stdint stdio stdlib string tgmath threads time uchar
-    wchar wctype windows""".split()  # noqa: SIM905
+    """assert complex ctype errno features fenv float inttypes iso646 limits locale math setjmp
+    signal stdalign stdarg stdatomic stdbool stddef stdint stdio stdlib string tgmath threads time
+    uchar wchar wctype windows""".split()  # noqa: SIM905
 )
 # a file NAME.c cannot be made on Windows, whose file names know no case
 _DEVICES = frozenset(
@@ -213,23 +213,22 @@ def check_package_name(name: str) -> None:
         if taken:
             raise InputError(
                 f"found {name!r} as the name of a package: {owner}; expected a prefix of its "
-                f"own, for example arm_{name.strip('_')}"
+                f"own, for example arm_{name}"
             )
     if not re.fullmatch(r"[A-Za-z](_?[A-Za-z0-9])*", name):
         raise InputError(
-            f"block {name!r}: {name!r} is no name in C that a package can have; expected a letter, "
-            "then letters, digits and single underscores between them, as in left_arm"
+            f"found {name!r} as the name of a package: no name in C that one can have; expected a "
+            "letter, then letters, digits and single underscores between them, as in left_arm"
         )
 
 
 def check_field_name(block: str, name: str) -> None:
-    """Refuse a name that cannot be a member of a struct in C and C++.
+    """Refuse a name that `Field` takes and that cannot be a member of a struct in C and C++.
 
     Raises:
         InputError: the block and the name.
     """
-    reserved = name in _KEYWORDS | _KEYWORDS_OF_CPP
-    if reserved or not name.isidentifier() or not name.isascii():
+    if name in _KEYWORDS | _KEYWORDS_OF_CPP or not name.isascii():
         raise InputError(
             f"block {block!r}: {name!r} is no name in C or C++; rename the block or the field"
         )

@@ -82,15 +82,18 @@ def build_firmware(package: Package, target: Target) -> Firmware:
     flags = (*target.flags, *FLAGS)
     with tempfile.TemporaryDirectory(prefix="irb2400_ctrl-") as folder:
         work = Path(folder)
-        for file, text in {**package.files(), **firmware_files(package)}.items():
-            (work / file).write_text(text, encoding="utf-8")
-        for name in (package.name, "firmware"):
-            plain = START_UP_FLAGS if name == "firmware" else ()
-            compile_one = ("arm-none-eabi-gcc", *flags, *plain, *WARNINGS, "-c")
+        # in a folder of its own, as it is delivered: a package may be called firmware, too
+        start_up = work / "firmware"
+        start_up.mkdir()
+        for place, files in ((work, package.files()), (start_up, firmware_files(package))):
+            for file, text in files.items():
+                (place / file).write_text(text, encoding="utf-8")
+        for name, plain in ((package.name, ()), ("firmware/firmware", START_UP_FLAGS)):
+            compile_one = ("arm-none-eabi-gcc", *flags, *plain, *WARNINGS, "-I.", "-c")
             run_tool([*compile_one, f"{name}.c", "-o", f"{name}.o"], cwd=work)
         # memcpy of a few bytes is a move; were it not, linking without a C library fails here
-        link = ("arm-none-eabi-gcc", *flags, *LINK_FLAGS, "-T", "firmware.ld")
-        objects = (f"{package.name}.o", "firmware.o", "-lgcc", "-o", "firmware.elf")
+        link = ("arm-none-eabi-gcc", *flags, *LINK_FLAGS, "-T", "firmware/firmware.ld")
+        objects = (f"{package.name}.o", "firmware/firmware.o", "-lgcc", "-o", "firmware.elf")
         run_tool([*link, *objects], cwd=work)
         return read_firmware(package, target, work / "firmware.elf", work / f"{package.name}.o")
 

@@ -24,18 +24,26 @@ from .blocks import pd_block
         ("main", "main.c"),
         ("Main", "main.c"),
         ("stdint", "header"),
+        ("windows", "header"),
+        # glibc's own headers read that of this name
+        ("features", "header"),
         ("String", "header"),
         ("AUX", "device of Windows"),
         ("com3", "device of Windows"),
+        ("lpt1", "device of Windows"),
         ("all", "word of CMake"),
         ("INTERFACE", "word of CMake"),
         ("ZERO_CHECK", "word of CMake"),
         ("class", "no name in C"),
+        ("while", "no name in C"),
         ("hess", "CasADi"),
         ("_left", "no name in C"),
         ("left__arm", "no name in C"),
         ("left arm", "no name in C"),
         ("_main", "no name in C"),
+        # with what follows it makes two underscores
+        ("left_", "no name in C"),
+        ("2nd_arm", "no name in C"),
     ],
 )
 def test_a_package_cannot_be_called_what_others_are(name: str, owner: str, tmp_path: Path) -> None:

@@ -44,6 +44,15 @@ def test_words_after_it_are_its_flags(monkeypatch: pytest.MonkeyPatch, tmp_path:
         assert find_compiler().command == (str(place), "cc", "-g")
 
 
+@pytest.mark.parametrize("system", [True, False])
+def test_a_quote_that_does_not_end_is_said(system: bool, monkeypatch: pytest.MonkeyPatch) -> None:
+    """It was "a fault of irb2400 itself"."""
+    monkeypatch.setattr(toolchain, "WINDOWS", system)
+    monkeypatch.setenv("CC", "gcc '-g")
+    with pytest.raises(ToolMissingError, match="found CC=gcc '-g: No closing quotation"):
+        find_compiler()
+
+
 @pytest.mark.usefixtures("windows")
 def test_backslashes_are_kept_on_windows(monkeypatch: pytest.MonkeyPatch) -> None:
     """They were eaten: `C:msys64ucrt64bingcc.exe` was looked for."""

@@ -97,6 +97,12 @@ def test_a_package_for_a_processor_still_builds_here(tmp_path: Path) -> None:
     assert said.stdout.startswith("status 0")
 
 
+def test_a_package_may_be_called_as_its_image_is(tmp_path: Path) -> None:
+    """Its source was written over by the start-up code."""
+    assert export_package(pd_block(), tmp_path, "cortex-m4f", name="firmware", states=8).passed
+    assert (built(tmp_path) / "firmware.elf").is_file()
+
+
 def test_a_folder_may_have_blanks_and_letters_of_its_own(tmp_path: Path) -> None:
     """As below `C:\\Users\\Jörg Müller`: the linker's script was looked for at the first blank."""
     folder = tmp_path / "Jörg Müller (arm)"

@@ -71,21 +71,29 @@ def _chosen(text: str) -> list[str]:
     """The words of `$CC`: a path with blanks is one word where such a file is there.
 
     Raises:
-        ToolMissingError: Microsoft's compiler.
+        ToolMissingError: a quote that does not end; Microsoft's compiler.
     """
     whole = text.strip().strip('"')
-    if WINDOWS:
-        # a backslash separates folders there, and quotes stay with the word
-        words = [word.strip('"') for word in shlex.split(text, posix=False)]
-    else:
-        words = shlex.split(text)
-    words = [whole] if whole and shutil.which(whole) else words
+    try:
+        words = [whole] if whole and shutil.which(whole) else _split(text)
+    except ValueError as error:
+        raise ToolMissingError(
+            f"found CC={text}: {error}; expected a program and its flags, for example gcc -g"
+        ) from error
     if words and re.split(r"[/\\]", words[0])[-1].lower().removesuffix(".exe") in MICROSOFT:
         raise ToolMissingError(
             f"found CC={text}, which takes Microsoft's flags; expected gcc, or what takes its "
             "flags (any system: pip install ziglang, and CC unset)"
         )
     return words
+
+
+def _split(text: str) -> list[str]:
+    """The words of a command line of this system."""
+    if not WINDOWS:
+        return shlex.split(text)
+    # a backslash separates folders there, and quotes stay with the word
+    return [word.strip('"') for word in shlex.split(text, posix=False)]
 
 
 def _from_python() -> list[list[str]]:
