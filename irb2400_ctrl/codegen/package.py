@@ -225,7 +225,7 @@ extern const char {name}_provenance[{len(flash_text(name, self.provenance)) + 1}
 {"#include <string.h>" if "memcpy" in own else ""}
 
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__) || defined(_M_FP_FAST)
-#error "-ffast-math breaks the rounding that this file relies on"
+#error "-ffast-math, or a part of it such as -funsafe-math-optimizations, breaks the rounding that this file relies on"
 #endif
 #if defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ != 0)
 #error "-ffinite-math-only takes the tests out that find an input or a result that is no number"

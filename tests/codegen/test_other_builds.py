@@ -35,9 +35,15 @@ def complaint(compiler: str, *flags: str, folder: Path) -> str:
     [
         ("-ffast-math", "breaks the rounding"),
         ("-Ofast", "breaks the rounding"),
+        # what gcc before 10 says of it alone
+        ("-D__FAST_MATH__=1", "breaks the rounding"),
+        ("-funsafe-math-optimizations", "breaks the rounding"),
+        # what Microsoft's compiler says of /fp:fast
+        ("-D_M_FP_FAST=1", "breaks the rounding"),
         # the tests of inputs and results that are no number are then left out by the compiler
         ("-ffinite-math-only", "takes the tests out"),
         # a register of 80 bits does not round where the sine counts on it
+        ("-U__FLT_EVAL_METHOD__ -D__FLT_EVAL_METHOD__=1", "-msse2"),
         ("-U__FLT_EVAL_METHOD__ -D__FLT_EVAL_METHOD__=2", "-msse2"),
     ],
 )
@@ -45,7 +51,15 @@ def test_arithmetic_that_would_be_wrong_is_refused(flags: str, reason: str, tmp_
     export_package(pd_block(), tmp_path, states=8)
     assert GCC
     assert reason in complaint(GCC, *flags.split(), folder=tmp_path)
-    assert not complaint(GCC, "-O2", folder=tmp_path)
+
+
+@pytest.mark.parametrize("compiler", [c for c in (GCC, CLANG) if c])
+def test_flags_of_every_day_are_taken(compiler: str, tmp_path: Path) -> None:
+    export_package(pd_block(), tmp_path, states=8)
+    # 16: a processor that counts in half precision, which changes nothing here
+    half = "-U__FLT_EVAL_METHOD__ -D__FLT_EVAL_METHOD__=16"
+    for flags in ("-O2", "-Os -flto", "-O3 -march=native", "-ffp-contract=off", "-std=gnu17", half):
+        assert not complaint(compiler, *flags.split(), folder=tmp_path)
 
 
 @pytest.mark.skipif(CLANG is None, reason="no clang")
