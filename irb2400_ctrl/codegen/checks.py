@@ -29,9 +29,10 @@ def random_points(package: Package, count: int) -> tuple[Array, Array]:
     """
     rng = np.random.default_rng(20240)
     block = package.block
-    drawn = _drawn(rng, block.states, count)
+    states = _drawn(rng, block.states, count)
     inputs = _drawn(rng, block.inputs, count)
-    states = _with_reached(rng, block, drawn, inputs)
+    if block.states:
+        _put_reached(rng, block, states, inputs)
     held = sum(f.size for f in block.outputs)
     dtype = np.float32 if package.real == "float" else np.float64
     # rounded first: both sides get the very same numbers; towards zero, so that bounds are kept
@@ -59,9 +60,9 @@ def _room(field: Field) -> tuple[Array, Array, Array]:
     return low, high, np.clip(field.start, low, high)
 
 
-def _with_reached(rng: np.random.Generator, block: Block, states: Array, inputs: Array) -> Array:
-    """The states with every second pair of rows from runs of the block; the inputs of such a row,
-    in place, between those of its run and those that were drawn.
+def _put_reached(rng: np.random.Generator, block: Block, states: Array, inputs: Array) -> None:
+    """Put states from runs of the block into every second pair of rows, and inputs between those of
+    the run and those that were drawn.
 
     A run starts at the initial state and has the same input at every step: next to the start values
     by a millionth of the range or more. What ran away is left out.
@@ -69,11 +70,9 @@ def _with_reached(rng: np.random.Generator, block: Block, states: Array, inputs:
     Args:
         rng: draws runs and steps.
         block: that is run, in double.
-        states: drawn, a row a point.
+        states: drawn, a row a point; changed in place.
         inputs: drawn, likewise.
     """
-    if not block.states:
-        return states
     every = [_room(f) for f in block.inputs]
     near = np.concatenate([np.zeros(0), *(start for _, _, start in every)])
     far = _drawn(rng, block.inputs, RUNS)
@@ -92,12 +91,10 @@ def _with_reached(rng: np.random.Generator, block: Block, states: Array, inputs:
     taken = reached[which, rng.integers(STEPS, size=rows.size)]
     quiet = np.all(np.abs(taken) <= FARTHEST, axis=1)
     rows = rows[quiet]
-    states = states.copy()
     states[rows] = taken[quiet]
     away = 10.0 ** rng.uniform(-6, 0, (rows.size, 1))
     base = held[which[quiet]]
     inputs[rows] = base + away * (inputs[rows] - base)
-    return states
 
 
 def _inwards(values: Array, dtype: type[np.floating[Any]]) -> Array:
