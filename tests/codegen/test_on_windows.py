@@ -57,8 +57,16 @@ int main(void)
 """
 
 
+@pytest.fixture(scope="module")
+def wine_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Of one Windows for all tests: making it takes longer than they do."""
+    return tmp_path_factory.mktemp("wine")
+
+
 @pytest.mark.parametrize("real", ["double", "float"])
-def test_a_program_of_windows_gives_the_same_bits(real: Real, tmp_path: Path) -> None:
+def test_a_program_of_windows_gives_the_same_bits(
+    real: Real, tmp_path: Path, wine_folder: Path
+) -> None:
     assert COMPILER
     assert WINE
     robot = irb.load_robot("irb2400")
@@ -71,7 +79,7 @@ def test_a_program_of_windows_gives_the_same_bits(real: Real, tmp_path: Path) ->
     (tmp_path / "main.c").write_text(PROGRAM, encoding="utf-8")
     sources = ["arm.c", "main.c", "-o", "arm.exe"]
     subprocess.run([COMPILER, *EXACT_FLAGS, *sources], cwd=tmp_path, check=True)
-    surroundings = {**os.environ, "WINEPREFIX": str(tmp_path / "wine"), "WINEDEBUG": "-all"}
+    surroundings = {**os.environ, "WINEPREFIX": str(wine_folder), "WINEDEBUG": "-all"}
     done = subprocess.run([WINE, "arm.exe"], cwd=tmp_path, env=surroundings, check=False)
     assert done.returncode == 0
     after, outputs = run_points(HostController(package), states, inputs)
