@@ -119,6 +119,11 @@ def _wishes(given: list[str]) -> dict[str, Any]:
                 f"--design {text}: expected WISH=NUMBER or one number per joint, for example "
                 "bandwidth=60 or bandwidth=60,60,60,80,80,80"
             ) from None
+        if wish in {"name", "robot", "sample_time"}:
+            raise InputError(
+                f"--design {text}: expected a wish of the controller; {wish} has an option of its "
+                f"own, --{wish.replace('_', '-')}"
+            )
         wishes[wish] = numbers[0] if len(numbers) == 1 else numbers
     return wishes
 
