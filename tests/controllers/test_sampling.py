@@ -97,6 +97,7 @@ def test_poses_are_within_a_box_beyond_half_a_turn() -> None:
     poses = _poses(turned)
     assert np.all((poses >= turned.q_min) & (poses <= turned.q_max))
     assert np.ptp(poses, axis=0).min() > 0.5
+    assert poses[0] == pytest.approx((turned.q_min + turned.q_max) / 2)
 
 
 def test_the_command_refuses_twenty_milliseconds(tmp_path: Path) -> None:
