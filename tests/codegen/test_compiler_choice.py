@@ -7,9 +7,9 @@ from pathlib import Path
 
 import pytest
 
-from irb2400_ctrl.codegen.machine_code import toolchain
+from irb2400_ctrl.codegen.machine_code import build_cache, toolchain
 from irb2400_ctrl.codegen.machine_code.toolchain import find_compiler, shared_flags
-from irb2400_ctrl.errors import ToolMissingError
+from irb2400_ctrl.errors import IrbError, ToolMissingError
 
 
 def program(place: Path) -> Path:
@@ -62,6 +62,20 @@ def test_backslashes_are_kept_on_windows(monkeypatch: pytest.MonkeyPatch) -> Non
     with pytest.raises(ToolMissingError, match="pip install ziglang"):
         find_compiler()
     assert looked_for[-1] == r"C:\msys64\ucrt64\bin\gcc.exe"
+
+
+@pytest.mark.usefixtures("windows")
+def test_a_library_is_built_with_the_flags_of_its_system(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    commands: list[list[str]] = []
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    monkeypatch.setenv("CC", str(program(tmp_path / "gcc")))
+    monkeypatch.setattr(build_cache, "run_tool", commands.append)
+    with pytest.raises(IrbError, match="made no library"):
+        build_cache.build_shared("int x;")
+    assert "-shared" in commands[0]
+    assert "-fPIC" not in commands[0]
 
 
 @pytest.mark.usefixtures("windows")

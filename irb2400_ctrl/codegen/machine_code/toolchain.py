@@ -73,9 +73,8 @@ def _chosen(text: str) -> list[str]:
     Raises:
         ToolMissingError: a quote that does not end; Microsoft's compiler.
     """
-    whole = text.strip().strip('"')
     try:
-        words = [whole] if whole and shutil.which(whole) else _split(text)
+        words = [text] if text and shutil.which(text) else _split(text)
     except ValueError as error:
         raise ToolMissingError(
             f"found CC={text}: {error}; expected a program and its flags, for example gcc -g"
