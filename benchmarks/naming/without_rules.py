@@ -30,6 +30,7 @@ RULES: dict[str, tuple[Put, ...]] = {
     "borne_out_again": ((SELECTION, "_borne_out", lambda _, steps, fit: (steps, fit)),),
     "weighty": ((SELECTION, "_weighty", lambda _, steps, fit: (steps, fit)),),
     "doubted": ((SELECTION, "_doubted", lambda *_: False),),
+    "lags_on_a_spring": ((SELECTION, "_lags_on_a_spring", lambda *_: False),),
     "first_of_two": ((SELECTION, "_first_of_two", lambda _, ground, law, every: law),),
     "shows_moving": ((THRESHOLD, "_shows_moving", lambda *_: True),),
     "said_by_less": ((THRESHOLD, "said_by_less", lambda *_: False),),

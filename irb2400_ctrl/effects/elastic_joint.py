@@ -25,8 +25,8 @@ LEAST_SHOWN = 0.1
 """share of swing or twist that stiffness and load give, below which nothing shows"""
 LEAST_SWING = 0.3
 """swing over twist, both over what stiffness and load give: one spring does both, and what twists
-but hardly swings lags for another reason (play, a liquid at the tool). Of arms with a soft
-transmission 0.7 to 1.2, of the others that passed for one 0.0 to 0.1"""
+but hardly swings lags for another reason (play, a liquid at the tool). Of twelve arms with a soft
+transmission 0.49 to 1.13, of five others that passed for one 0.00 to 0.08"""
 USUAL_RESONANCE_Hz = 7.0
 
 

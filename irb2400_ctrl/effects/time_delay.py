@@ -7,7 +7,7 @@ from typing import Any, ClassVar, Literal, Self
 
 import casadi as ca
 import numpy as np
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.effects.ambiguity import DELAY, Ambiguity
@@ -15,6 +15,11 @@ from irb2400_ctrl.effects.base import Acts, Effect, Link
 from irb2400_ctrl.effects.drawing import Drawing
 from irb2400_ctrl.effects.search import Search
 from irb2400_ctrl.effects.signals import Signals
+
+
+def late(time: Array, values: Array, delay: float) -> Array:
+    """values(t - delay) of a signal at the times `time` (m,) [s]; beyond the record its ends."""
+    return np.interp(time - delay, time, values)
 
 
 class TimeDelay(Effect):
@@ -39,11 +44,20 @@ class TimeDelay(Effect):
         default=False, description="whether the joint's angle is late, not its torque [-]"
     )
 
+    @model_validator(mode="after")
+    def _an_angle_has_a_joint(self) -> Self:
+        if self.of_angle and self.joint is None:
+            raise ValueError(
+                "of_angle: found no joint; expected the joint whose angle is late. All angles late "
+                "are all torques early: a negative delay_s"
+            )
+        return self
+
     def basis(self, s: Signals) -> ca.SX:
         if self.joint is None:
             return -s.tau_rate
-        late = self.on(-s.tau_rate[self.index], s.q.numel())
-        return self.of_angle * s.tau_rates[:, self.index] + (1 - self.of_angle) * late
+        torque = self.on(-s.tau_rate[self.index], s.q.numel())
+        return self.of_angle * s.tau_rates[:, self.index] + (1 - self.of_angle) * torque
 
     @property
     def angle_error(self) -> tuple[float, float]:
@@ -54,7 +68,7 @@ class TimeDelay(Effect):
             return tau
         shown = np.array(tau)
         for j in range(tau.shape[1]) if self.joint is None else [self.index]:
-            shown[:, j] = np.interp(time - self.delay_s, time, tau[:, j])
+            shown[:, j] = late(time, tau[:, j], self.delay_s)
         return shown
 
     def coefficients(self) -> tuple[float, ...]:

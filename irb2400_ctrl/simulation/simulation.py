@@ -14,6 +14,7 @@ import numpy as np
 
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.codegen import Block
+from irb2400_ctrl.effects.time_delay import late
 from irb2400_ctrl.files import write_atomic, write_json
 from irb2400_ctrl.measurement import Log
 from irb2400_ctrl.notebook import Displayed
@@ -179,9 +180,8 @@ class Simulation(Displayed):
         for effect in self.plant.effects:
             _, delay = effect.angle_error
             if delay:
-                late = np.interp(self.time - delay, self.time, seen[:, effect.index])
                 active = effect.active(self.time)
-                seen[active, effect.index] = late[active]
+                seen[active, effect.index] = late(self.time, seen[:, effect.index], delay)[active]
         return seen
 
     def reported_torque(self) -> Array:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import subprocess
 from functools import partial
 from pathlib import Path
 
@@ -101,11 +102,14 @@ def test_poses_are_within_a_box_beyond_half_a_turn() -> None:
     assert poses[0] == pytest.approx((turned.q_min + turned.q_max) / 2)
 
 
+def asked(out: Path, name: str, *options: object) -> subprocess.CompletedProcess[str]:
+    """What `irb2400 codegen` does with a controller."""
+    return irb2400("codegen", "--controller", name, *options, "--out", out)
+
+
 def test_the_command_refuses_twenty_milliseconds(tmp_path: Path) -> None:
     """They were "passed"."""
-    done = irb2400(
-        "codegen", "--controller", "computed_torque", "--sample-time", 0.02, "--out", tmp_path
-    )
+    done = asked(tmp_path, "computed_torque", "--sample-time", 0.02)
     assert done.returncode == 2
     assert "doubles every 0.031 s" in done.stderr
     assert "sample every 0.005 s" in done.stderr
@@ -113,15 +117,11 @@ def test_the_command_refuses_twenty_milliseconds(tmp_path: Path) -> None:
 
 
 def test_the_command_remarks_on_what_a_drive_spoils(tmp_path: Path) -> None:
-    done = irb2400(
-        "codegen", "--controller", "gravity_pd", "--sample-time", 0.004, "--out", tmp_path
-    )
+    done = asked(tmp_path, "gravity_pd", "--sample-time", 0.004)
     assert done.returncode == 0
     assert "a sample late" in done.stderr
     assert "sample every 0.002 s" in done.stderr
-    wide = irb2400(
-        "codegen", "--controller", "computed_torque", "--bandwidth", 5000, "--out", tmp_path
-    )
+    wide = asked(tmp_path, "computed_torque", "--bandwidth", 5000)
     assert wide.returncode == 2
     assert "lower the bandwidth" in wide.stderr
 

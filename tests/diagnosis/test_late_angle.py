@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -12,9 +13,23 @@ from third_plant.case import Case
 from third_plant.suites import plan
 
 from irb2400_ctrl.diagnosis import diagnose
+from irb2400_ctrl.diagnosis.comparison.comparison import Alternative
+from irb2400_ctrl.diagnosis.comparison.criteria import Criteria
+from irb2400_ctrl.diagnosis.comparison.selection import Selection
+from irb2400_ctrl.diagnosis.estimation.candidate import Candidate
+from irb2400_ctrl.diagnosis.estimation.evidence import Score
+from irb2400_ctrl.diagnosis.regressors.bases import RegressorColumns
 from irb2400_ctrl.diagnosis.regressors.predict import effect_torque, predicted_torque
+from irb2400_ctrl.effects import LIBRARY
 from irb2400_ctrl.effects.time_delay import TimeDelay
 from irb2400_ctrl.measurement import Log
+
+BARE: Any = (
+    RegressorColumns((3,), np.ones((4, 1, 1))),
+    None,
+    Score(0.0, 0.0, np.ones(1), np.eye(1), np.zeros(0)),
+)
+"""columns and score of a candidate of which neither is asked"""
 
 
 @pytest.mark.parametrize("joint", [1, 2, 4])
@@ -61,3 +76,39 @@ def test_an_angle_that_is_late_is_named(suite: str, number: int, delay: float, j
     effect: Any = next(f.effect for f in found.findings if f.effect.kind == "time_delay")
     assert (effect.joint, effect.of_angle) == (joint, True)
     assert effect.delay_s == pytest.approx(delay, abs=3e-4)
+
+
+@pytest.mark.parametrize(
+    ("kind", "at", "gain", "chosen", "lags"),
+    [
+        # a soft axis 4 was an angle 16 ms late at 0.97, of which the spring alone said 324 nats
+        ("elastic_joint", 4, 324.0, False, True),
+        ("transmission_backlash", 4, 22.1, False, True),
+        ("elastic_joint", 4, 21.9, False, False),
+        ("elastic_joint", 4, 0.0, True, True),
+        ("elastic_joint", 3, 324.0, False, False),
+        ("torque_offset", 4, 324.0, False, False),
+    ],
+)
+def test_a_link_behind_a_spring_is_no_late_angle(
+    kind: str, at: int, gain: float, chosen: bool, lags: bool
+) -> None:
+    other = Candidate(kind, at, kind, (), (LIBRARY[kind].of(at, **LIBRARY[kind].example),), *BARE)
+    comparison = SimpleNamespace(chosen=[other] if chosen else [], gain=lambda one: gain)
+    every = [] if chosen else [Alternative(other, gain, gain)]
+    selection: Any = Selection.__new__(Selection)
+    selection.criteria = Criteria()
+    ground: Any = SimpleNamespace(comparison=comparison)
+
+    def said(of_angle: bool) -> bool:
+        delay = TimeDelay(joint=4, delay_s=0.016, of_angle=of_angle)
+        late = Candidate("time_delay", 4, "time_delay", (), (delay,), *BARE)
+        return bool(selection._lags_on_a_spring(ground, late, every))
+
+    assert said(of_angle=True) == lags
+    assert not said(of_angle=False)
+
+
+def test_a_late_angle_has_a_joint() -> None:
+    with pytest.raises(ValueError, match="of_angle: found no joint; expected the joint whose"):
+        TimeDelay(delay_s=0.004, of_angle=True)

@@ -35,7 +35,13 @@ def beside(chosen: Any, on: Any = None) -> Any:
 
 
 def explanation(kind: str, joint: int | None = 1, known: bool = True, **given: Any) -> Any:
-    usual: dict[str, Any] = {"name": kind, "penalty": 0.0, "begins": (), "gain": 100.0}
+    usual: dict[str, Any] = {
+        "name": kind,
+        "penalty": 0.0,
+        "begins": (),
+        "gain": 100.0,
+        "effects": (),
+    }
     told = SimpleNamespace(kind=kind, joint=joint, known=known, **(usual | given))
     told.score = SimpleNamespace(gain=told.gain)
     told.acts_on = lambda n: np.arange(1, n + 1) == (joint or 1)

@@ -199,7 +199,7 @@ class Selection:
             for alternative in every
             if ground.accepts(alternative)
             and not self.threshold.said_by_less(ground.comparison, alternative, every)
-            and not _lags_on_a_spring(ground.comparison, alternative.candidate, every)
+            and not self._lags_on_a_spring(ground, alternative.candidate, every)
         ]
         if not alternatives:
             return None, []
@@ -207,6 +207,24 @@ class Selection:
         if not best.candidate.known and not alone:
             best = self._first_of_two(ground, best, every)
         return best, alternatives
+
+    def _lags_on_a_spring(
+        self, ground: Ground, candidate: Candidate, every: Sequence[Alternative]
+    ) -> bool:
+        """Whether an angle that seems late is a link behind a soft transmission, or one with play,
+        that is there or counts as well.
+
+        Args:
+            ground: beside what is chosen.
+            candidate: in question.
+            every: alternatives.
+        """
+        if not any(e.angle_error[1] for e in candidate.effects):
+            return False
+        gain = ground.comparison.gain
+        counting = [a.candidate for a in every if gain(a) > self.criteria.gain]
+        rivals = [*ground.comparison.chosen, *counting]
+        return any(r.joint == candidate.joint and r.devices for r in rivals)
 
     def _doubted(self, ground: Ground, best: Alternative) -> bool:
         """Whether non-parametric laws of the joint of an effect, one on each joint of one of the
@@ -288,24 +306,6 @@ class Selection:
             for s in kept
             if not of_one_moment(s.candidate, [k.candidate for k in kept if k is not s])
         ]
-
-
-def _lags_on_a_spring(
-    comparison: Comparison, candidate: Candidate, every: Sequence[Alternative]
-) -> bool:
-    """Whether an angle that seems late is a link behind a soft transmission, which is there or
-    counts as well: of arms whose angle was late it did on none.
-
-    Args:
-        comparison: of all alternatives.
-        candidate: in question.
-        every: alternatives.
-    """
-    if candidate.kind != "time_delay" or not any(e.angle_error[1] for e in candidate.effects):
-        return False
-    springs = [a.candidate for a in every if comparison.gain(a) > Criteria().gain]
-    rivals = [*comparison.chosen, *springs]
-    return any(rival.joint == candidate.joint and rival.devices for rival in rivals)
 
 
 def _simple(candidate: Candidate) -> bool:

@@ -11,6 +11,7 @@ import numpy as np
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.diagnosis.regressors.bases import Bases, RegressorColumns
 from irb2400_ctrl.effects import Effect
+from irb2400_ctrl.effects.time_delay import late
 from irb2400_ctrl.measurement.prepared_log import PreparedLog
 from irb2400_ctrl.model import Model
 from irb2400_ctrl.robot import Robot
@@ -53,8 +54,9 @@ def _true(motion: PreparedLog, effects: Sequence[Effect]) -> PreparedLog:
         if offset or delay:
             active = effect.active(motion.time)
             for part in (q, qd, qdd) if delay else ():
-                then = np.interp(motion.time + delay, motion.time, part[:, effect.index])
-                part[active, effect.index] = then[active]
+                part[active, effect.index] = late(motion.time, part[:, effect.index], -delay)[
+                    active
+                ]
             q[active, effect.index] += offset
     return replace(motion, q=q, qd=qd, qdd=qdd)
 
