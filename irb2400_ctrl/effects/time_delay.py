@@ -18,7 +18,13 @@ from irb2400_ctrl.effects.signals import Signals
 
 
 def late(time: Array, values: Array, delay: float) -> Array:
-    """values(t - delay) of a signal at the times `time` (m,) [s]; beyond the record its ends."""
+    """values(t - delay) of a signal; beyond the record its ends.
+
+    Args:
+        time: instants of the samples (m,), increasing [s].
+        values: the signal at these instants (m,) [its unit].
+        delay: how much later it is told [s].
+    """
     return np.interp(time - delay, time, values)
 
 
