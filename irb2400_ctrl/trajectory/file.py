@@ -20,6 +20,7 @@ MOST_NUMBERS = 26_000_000
 """of one file: a million rows with everything, 67 minutes at 4 ms"""
 
 _UNITS = {"deg": math.pi / 180, "rad": 1.0}
+_ANGLE = re.compile(r"q(\d{1,2})_(?:deg|rad)")
 _NAME = re.compile(r"(time|q|qd|qdd|e|ed|edd|tau|s)\d*(_\w{1,20})?")
 
 
@@ -32,21 +33,21 @@ def save_trajectory(trajectory: Trajectory, path: Path | str) -> Path:
     )
 
 
-def load_trajectory(path: Path | str, axes: int = 6) -> Trajectory:
+def load_trajectory(path: Path | str, axes: int | None = None) -> Trajectory:
     """Read `trajectory.csv` (`time_s, q1_deg…`, optionally `qd1_deg_s…, qdd1_deg_s2…, tau1_Nm…, s`,
     `e1_deg…, ed1_deg_s…, edd1_deg_s2…` of external axes, `e1_mm…` of a rail, which comes first; rad
-    also), `.csv` or `.csv.gz`.
+    also), `.csv` or `.csv.gz`. It has as many axes as the file has angles `q1_deg…`; `axes` is how
+    many are expected, where that is known.
 
     Raises:
-        InputError: no such file, missing columns (which), or values that are not numbers (which
-        row).
+        InputError: no such file, missing columns (which), another number of axes, or values that
+        are not numbers (which row).
     """
     path = Path(path)
     if not path.is_file():
-        raise InputError(
-            f"no trajectory file {path}; expected a CSV with time_s, q1_deg … q{axes}_deg"
-        )
+        raise InputError(f"no trajectory file {path}; expected a CSV with time_s, q1_deg, q2_deg …")
     header, table = _table(path)
+    axes = _axes(path, header, axes)
     doubled = sorted({name for name in header if header.count(name) > 1 and _NAME.fullmatch(name)})
     if doubled:
         raise InputError(f"{path}: found the column {doubled[0]} more than once, expected one")
@@ -69,6 +70,15 @@ def load_trajectory(path: Path | str, axes: int = 6) -> Trajectory:
     motion = Trajectory(time[:, 0], q, qd, qdd, tau, way, external=external)
     motion.check_moves()
     return motion
+
+
+def _axes(path: Path, header: list[str], expected: int | None) -> int:
+    """The highest number of an angle in the header, 1 where there is none."""
+    numbers = [match[1] for name in header if (match := _ANGLE.fullmatch(name))]
+    found = max(map(int, numbers), default=expected or 1)
+    if expected not in (None, found):
+        raise InputError(f"{path}: found q1 … q{found}, expected {expected} axes")
+    return found
 
 
 def _external(path: Path, header: list[str], table: Array, time: Array) -> Trajectory | None:

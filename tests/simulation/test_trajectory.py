@@ -47,6 +47,17 @@ def test_angles_alone_are_enough(tmp_path) -> None:
     np.testing.assert_allclose(motion.qd[[0, -1]], 0, atol=1e-15)
 
 
+@pytest.mark.parametrize("axes", [3, 7])
+def test_has_as_many_axes_as_the_file(tmp_path, axes: int) -> None:
+    """Seven were read as six, so that no arm of seven took the motion that was made for it."""
+    time = np.arange(20) / 20
+    motion = from_angles(time, np.outer(np.sin(time), np.arange(1.0, axes + 1)))
+    (tmp_path / "motion.csv").write_text(motion.csv())
+    assert load_trajectory(tmp_path / "motion.csv").q.shape == (20, axes)
+    with pytest.raises(InputError, match=f"found q1 … q{axes}, expected 6 axes"):
+        load_trajectory(tmp_path / "motion.csv", 6)
+
+
 def test_quintic_interpolation_is_exact_for_quintics() -> None:
     coarse = quintic_move(START, STOP, 1.2, rate=25.0)
     fine = coarse.at_rate(1000.0)
