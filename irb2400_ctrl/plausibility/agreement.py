@@ -45,13 +45,26 @@ def speed_problem(log: Log) -> LogProblem | None:
     return _compared(derived, recorded, moving, "speed", "recorded speed", "dq/dt", scale)
 
 
+def speeds_agree(log: Log) -> bool:
+    """Whether recorded speeds go with dq/dt on every joint that moves, in size, too."""
+    if log.qd is None or speed_problem(log) is not None:
+        return False
+    derived, recorded, moving, _, _ = _paired(log, log.qd)
+    return bool(moving.any() and (_correlation(derived, recorded)[moving] > CLOSE).all())
+
+
+def _correlation(here: Array, there: Array) -> Array:
+    """Of the columns of two tables (m, n), one by one, shape (n,)."""
+    size = np.linalg.norm(here, axis=0) * np.linalg.norm(there, axis=0)
+    return np.asarray(np.sum(here * there, axis=0) / np.maximum(size, 1e-12))
+
+
 def speed_remarks(log: Log) -> list[str]:
     """Recorded speeds that have nothing to do with the motion."""
     if log.qd is None:
         return []
     derived, recorded, moving, _, _ = _paired(log, log.qd)
-    size = np.linalg.norm(derived, axis=0) * np.linalg.norm(recorded, axis=0)
-    goes = np.sum(derived * recorded, axis=0) / np.maximum(size, 1e-12)
+    goes = _correlation(derived, recorded)
     others = [int(j) + 1 for j in np.flatnonzero(moving & (np.abs(goes) < UNRELATED))]
     if not others:
         return []

@@ -18,6 +18,7 @@ from irb2400_ctrl.plausibility.agreement import (
     command_remarks,
     speed_problem,
     speed_remarks,
+    speeds_agree,
 )
 from irb2400_ctrl.plausibility.channels import channel_problem
 from irb2400_ctrl.plausibility.cost_of_noise import torque_from_angle_noise
@@ -139,16 +140,29 @@ def _problem(robot: Robot | None, log: Log, understood: Understanding | None) ->
     problem = None if understood is None else understood.problem
     if robot is not None and (problem is None or problem.kind == "not_this_robot"):
         problem = _travels(robot, log, understood) or problem
-    speed = speed_problem(log) if problem is None or problem.kind == "time_scale" else None
+    asked = problem is None or problem.kind in {"time_scale", "not_this_robot"}
+    speed = speed_problem(log) if asked else None
     if problem is not None:
         # the recorded speed knows the factor of a clock, the model the nearest of those it tries
-        return speed if speed is not None and speed.kind == problem.kind else problem
+        told = speed is not None and speed.kind == "time_scale"
+        return speed if told else _unless_speeds(problem, log)
     found = speed or command_problem(log)
     # where the model explains the torques its speed limits are what is wrong
     vouched = understood is not None and understood.labelled.left.max() < SOUND_LEFT
     if found is None and robot is not None and not vouched:
         found = haste_problem(robot, log)
     return found
+
+
+def _unless_speeds(problem: LogProblem, log: Log) -> LogProblem:
+    """A clock that the torques ask for, and the recorded speeds do not."""
+    if problem.kind != "time_scale" or not speeds_agree(log):
+        return problem
+    says = (
+        f"{problem.says} by the torques, but the recorded speeds are dq/dt by this clock: unless "
+        "they were made with it, it is the torques that are not what their columns say"
+    )
+    return replace(problem, says=says)
 
 
 def _travels(robot: Robot, log: Log, understood: Understanding | None) -> LogProblem | None:

@@ -214,6 +214,30 @@ def test_the_factor_of_a_clock_is_that_of_the_recorded_speed() -> None:
     assert found.fits["factor"] == pytest.approx(1.75, rel=0.02)
 
 
+def test_a_clock_is_told_by_the_speeds_where_the_torques_fit_nothing() -> None:
+    """It was "these columns do not fit the robot", with readings of the torques to choose from."""
+    drawn = sound_log(601, plain=True)
+    log = replace(drawn.log, time=2.5 * drawn.log.time, tau=drawn.log.tau[::-1])
+    found = log_problem(drawn.robot, log)
+    assert found is not None
+    assert found.kind == "time_scale"
+    assert found.fits["factor"] == pytest.approx(0.4, rel=0.02)
+
+
+def test_a_clock_that_speeds_agree_with_is_said_with_them() -> None:
+    """Torques of a faster motion: that the clock is wrong is not all that can be."""
+    drawn = sound_log(601, plain=True)
+    assert drawn.log.qd is not None
+    log = replace(drawn.log, time=drawn.log.time / 1.75)
+    found = log_problem(drawn.robot, replace(log, qd=1.75 * drawn.log.qd))
+    assert found is not None
+    assert found.kind == "time_scale"
+    assert "by the torques, but the recorded speeds are dq/dt by this clock" in found.says
+    silent = log_problem(drawn.robot, replace(log, qd=None))
+    assert silent is not None
+    assert "but" not in silent.says
+
+
 def test_a_factor_on_one_speed_is_a_unit_and_a_late_or_filtered_speed_is_none() -> None:
     log = waves()
     assert log.qd is not None
