@@ -8,6 +8,7 @@ import contextlib
 import re
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -39,6 +40,7 @@ from irb2400_ctrl.measurement.text.csv_pieces import (
 )
 from irb2400_ctrl.measurement.text.echoed_topic import echoed_names, names_joint
 from irb2400_ctrl.measurement.text.grouped_header import grouped_names
+from irb2400_ctrl.measurement.text.long_table import long_table
 from irb2400_ctrl.reading import text_blocks
 
 MOST_CELLS = 19_500_000
@@ -70,6 +72,9 @@ def read_csv_table(
         raise InputError(
             f"no log file {path}: expected a .csv or .csv.gz with time_s, q1_deg…, tau1_Nm…"
         )
+    long = long_table(path, text)
+    if long is not None:
+        text = partial(long.rows, text=text)
     head = next(text(path), b"").decode().split("\n")
     dialect = dialect_of(path, head)
     header, row, start, headless = _named(path, head, dialect)
@@ -85,7 +90,8 @@ def read_csv_table(
         for k, (name, cell) in enumerate(zip(header, row, strict=False))
         if cell and k not in clocks and not is_number(cell, dialect)
     }
-    empty = Table(path, {}, start + 1, words, headless=headless)
+    first_line = None if long is not None else start + 1
+    empty = Table(path, {}, first_line, words, headless=headless)
     if not widths and not clocks:
         with contextlib.suppress(CloserLook):
             return _gathered(fast_pieces(body, header), empty, header, cut, progress)

@@ -19,6 +19,7 @@ _LIST = re.compile(
     r"(?:array\(\s*(?:'\w',\s*)?)?[\[(](?P<inside>[^\[\]()'\"]*)[\])](?:\s*(?:,\s*dtype=\w+)?\))?"
 )
 _OF_SEVERAL = re.compile(r"(?P<name>.*) \((?P<place>\d+) of (?P<n>\d+)\)")
+_WHICH_JOINT = re.compile(r"(joint|axis)([ _]?(name|id|index|number|no))?", re.IGNORECASE)
 _BETWEEN = re.compile(r"[\s,;]+")
 
 
@@ -111,6 +112,18 @@ def said_of_copies(names: Iterable[str]) -> str:
     if found is None:
         return ""
     return f"; column {found['name']!r} appears {found['n']} times, expected once"
+
+
+def said_of_joint_rows(names: Iterable[str]) -> str:
+    """For a message: a column that says which joint a row is of; empty where none does."""
+    found = next((name for name in names if _WHICH_JOINT.fullmatch(name)), None)
+    if found is None:
+        return ""
+    return (
+        f"; column {found!r} looks like the joint that a row is of: expected a row per sample with "
+        "a column for every joint, or the columns time_s, joint, position, velocity, effort "
+        "(rad, Nm) with the joints' names"
+    )
 
 
 def numbered(name: str, j: int) -> str:

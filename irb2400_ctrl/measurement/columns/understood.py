@@ -31,7 +31,7 @@ from irb2400_ctrl.measurement.columns.signal_names import (
 from irb2400_ctrl.measurement.columns.suggested_map import suggested_map
 from irb2400_ctrl.measurement.columns.two_part_time import joined_time, time_pair
 from irb2400_ctrl.measurement.columns.whole_turns import unwrapped
-from irb2400_ctrl.measurement.table import Table, said_of_copies
+from irb2400_ctrl.measurement.table import Table, said_of_copies, said_of_joint_rows
 from irb2400_ctrl.reading import looks_like
 
 Found = dict[str, dict[int, str]]
@@ -91,7 +91,7 @@ def understood(
             time, found, scales = _by_name(table, names)
             n = _joints(table, found, joints)
         except InputError as error:
-            told = f"{error}{said_of_copies(given_columns)}"
+            told = f"{error}{said_of_copies(given_columns)}{said_of_joint_rows(given_columns)}"
             if names_joints(table):
                 raise InputError(told) from error
             shown = suggested_map(given_columns, names) or guessed_places(given_columns, names)
