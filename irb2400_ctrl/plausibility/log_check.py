@@ -27,7 +27,7 @@ from irb2400_ctrl.plausibility.problem import LogProblem, named
 from irb2400_ctrl.plausibility.rows import SHORTEST
 from irb2400_ctrl.plausibility.search import SOUND_LEFT, Understanding, percent, understand
 from irb2400_ctrl.plausibility.standing import standing_remarks
-from irb2400_ctrl.plausibility.travel import fastest, haste_problem, travel_problem
+from irb2400_ctrl.plausibility.travel import fastest, haste_problem, travel_problem, travelled
 from irb2400_ctrl.robot import Robot
 
 UNEXPLAINED = 0.5
@@ -170,7 +170,18 @@ def _travels(robot: Robot, log: Log, understood: Understanding | None) -> LogPro
     far = travel_problem(robot, log)
     if far is None or understood is None or understood.reading.kind != "angle_unit":
         return far
-    return replace(far, says=f"{far.says}; or {understood.reading.says}, which the torques fit")
+    reading = understood.reading
+    told = understood.problem
+    near = reading.kind if told is None else told.fits.get("nearest", {}).get("kind")
+    if near != reading.kind:
+        return far
+    inside = np.ptp(log.q @ reading.angles.T, axis=0) <= robot.q_max - robot.q_min
+    if reading.joints or not inside.all():
+        return replace(far, says=f"{far.says}; or {reading.says}, which the torques fit")
+    # no arm has gears of 57 on every joint
+    as_written = travelled(robot, log, far.joints[0] - 1)
+    says = f"{reading.says}: as written {as_written}, and the torques fit better otherwise"
+    return LogProblem(reading.kind, says, dict(reading.fits))
 
 
 def check_log(robot: Robot | None, log: Log) -> LogCheck:

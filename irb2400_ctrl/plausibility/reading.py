@@ -28,12 +28,22 @@ CLOCKS = {
     2.5: "the clock looks 2.5 times too fast",
 }
 
+BESIDE = "; beside it "
+"""between two things that are read otherwise"""
+
 TURNED = {
     "torque_sign": ("the torque", "the torques", ""),
     "angle_sign": ("the angle", "the angles", ""),
     "axis_sign": ("the axis", "the axes", ", angle and torque, against the robot file"),
 }
 """signs of single joints"""
+
+ORDERS = {
+    "torque_order": "torque columns look exchanged",
+    "angle_order": "angle columns look exchanged",
+    "axis_order": "the axes look numbered otherwise",
+}
+"""of the columns of all joints"""
 
 
 @dataclass(frozen=True)
@@ -68,9 +78,11 @@ class Reading:
     def after(self, first: Reading) -> Reading:
         """This one applied to what another has made of the file; it keeps the kind of the other,
         and says both."""
+        if self.kind == first.kind in ORDERS and BESIDE not in first.says:
+            return _in_order(first, self.angles @ first.angles, self.torques @ first.torques)
         alike = self.kind == first.kind in TURNED and self.joints and first.joints
         joints = tuple(sorted({*first.joints, *self.joints})) if alike else first.joints
-        twice = "" if self.says == first.says else f"; beside it {self.says}"
+        twice = "" if self.says == first.says else f"{BESIDE}{self.says}"
         says = _turned(first.kind, joints) if alike else f"{first.says}{twice}"
         return replace(
             first,
@@ -103,9 +115,7 @@ def torque_readings(robot: Robot) -> Iterator[Reading]:
         says = _turned("torque_sign", (j + 1,))
         yield reading("torque_sign", says, _flipped(n, j), j + 1, factor=-1.0)
     for order in _orders(n):
-        said = [k + 1 for k in order]
-        says = f"torque columns look exchanged: joints 1 to {n} are columns {_listed(said)}"
-        yield reading("torque_order", says, np.eye(n)[list(order)], *_moved(order), columns=said)
+        yield _in_order(replace(plain, kind="torque_order"), np.eye(n), np.eye(n)[list(order)])
 
 
 def motion_readings(robot: Robot) -> Iterator[Reading]:
@@ -132,13 +142,9 @@ def motion_readings(robot: Robot) -> Iterator[Reading]:
         both = reading("axis_sign", _turned("axis_sign", (j + 1,)), _flipped(n, j), j + 1)
         yield replace(both, torques=_flipped(n, j), fits={"factor": -1.0})
     for order in _orders(n):
-        said = [k + 1 for k in order]
         P = np.eye(n)[list(order)]
-        says = f"angle columns look exchanged: joints 1 to {n} are columns {_listed(said)}"
-        yield reading("angle_order", says, P, *_moved(order), columns=said)
-        says = f"the axes look numbered otherwise: joints 1 to {n} are columns {_listed(said)}"
-        both = reading("axis_order", says, P, *_moved(order), columns=said)
-        yield replace(both, torques=P)
+        yield _in_order(replace(plain, kind="angle_order"), P, np.eye(n))
+        yield _in_order(replace(plain, kind="axis_order"), P, P)
     for j in range(n):
         for zero in (90.0, -90.0, 180.0):
             says = f"the zero of joint {j + 1} looks {zero:+.0f} deg off"
@@ -185,6 +191,26 @@ def _turned(kind: str, joints: tuple[int, ...]) -> str:
     if len(joints) > 1:
         what = f"{several} of {named(joints)} look"
     return f"{what} turned over{against}"
+
+
+def _in_order(reading: Reading, angles: Array, torques: Array) -> Reading:
+    """An order of the columns, with what it is called.
+
+    Args:
+        reading: of this kind; angles, torques: rows of the unit matrix in this order, shape (n, n).
+    """
+    rows = angles if reading.kind == "angle_order" else torques
+    order = tuple(int(k) for k in rows.argmax(axis=1))
+    columns = [k + 1 for k in order]
+    says = f"{ORDERS[reading.kind]}: joints 1 to {len(order)} are columns {_listed(columns)}"
+    return replace(
+        reading,
+        says=says,
+        angles=angles,
+        torques=torques,
+        joints=_moved(order),
+        fits={"columns": columns},
+    )
 
 
 def _flipped(n: int, j: int) -> Array:

@@ -42,12 +42,17 @@ def travel_problem(robot: Robot, log: Log) -> LogProblem | None:
     stated = ", ".join(f"{ratio:g}" for ratio in gears.values())
     return LogProblem(
         "angle_scale",
-        f"the angle of {named(joints)} looks like the motor's: joint {j + 1} travels "
-        f"{np.degrees(travel[j]):.0f} deg, its range is {np.degrees(room[j]):.0f} deg; give the "
-        "gear ratio in a column map" + (f" (the robot file states {stated})" if gears else ""),
+        f"the angle of {named(joints)} looks like the motor's: {travelled(robot, log, j)}; give "
+        "the gear ratio in a column map" + (f" (the robot file states {stated})" if gears else ""),
         {"gear_ratios": {str(k): ratio for k, ratio in gears.items()}} if gears else {},
         tuple(joints),
     )
+
+
+def travelled(robot: Robot, log: Log, j: int) -> str:
+    """How far joint `j` (from 0) goes, and how far it can."""
+    travel, room = np.degrees([np.ptp(log.q[:, j]), robot.q_max[j] - robot.q_min[j]])
+    return f"joint {j + 1} travels {travel:.0f} deg, its range is {room:.0f} deg"
 
 
 def fastest(robot: Robot, log: Log) -> Array:
