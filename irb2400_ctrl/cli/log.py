@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -22,6 +23,11 @@ if TYPE_CHECKING:
     from irb2400_ctrl.errors import InputError
     from irb2400_ctrl.plausibility import LogCheck
     from irb2400_ctrl.robot import Robot
+
+MOST_NAMED = 12
+"""columns of a log that are named"""
+MOST_SAID = 1e4
+"""per cent that are printed"""
 
 app = typer.Typer(
     help="what a log holds, before anything is made of it",
@@ -94,7 +100,7 @@ def lines(check: LogCheck) -> list[str]:
         stamps = "; the stamps are used as they are"
     found = [
         f"{check.name}: {f.joints} joints, {f.samples} samples, {f.duration:.2f} s at "
-        f"{f.rate:.5g} Hz; columns {', '.join(f.channels)}",
+        f"{f.rate:.5g} Hz; columns {_some(f.channels)}",
         f"jitter {1e3 * base.scatter:.3g} ms rms, {100 * base.lost:.3g} % lost, {f.gaps} gaps, "
         f"the longest {f.longest_gap:.3g} s{stamps}",
         f"{'joint':<36}" + " ".join(f"{j + 1:>8}" for j in range(f.joints)),
@@ -112,9 +118,7 @@ def lines(check: LogCheck) -> list[str]:
     ):
         values = table[key]
         if values is not None:
-            found.append(
-                f"{title:<36}" + " ".join(f"{'-' if v is None else f'{v:.3g}':>8}" for v in values)
-            )
+            found.append(f"{title:<36}" + " ".join(f"{_short(v):>8}" for v in values))
     found += [f"note: {remark}" for remark in check.remarks]
     if check.sound:
         against = "" if check.robot is None else f" and fits {check.robot}"
@@ -125,3 +129,16 @@ def lines(check: LogCheck) -> list[str]:
         assert check.problem is not None
         found.append(f"not understood ({check.problem.kind}): {check.problem.says}")
     return found
+
+
+def _some(channels: Sequence[str]) -> str:
+    """The first names; a recorder may write a hundred others."""
+    others = len(channels) - MOST_NAMED
+    return ", ".join(channels[:MOST_NAMED]) + (f" and {others} others" if others > 0 else "")
+
+
+def _short(value: float | None) -> str:
+    """A number of the table; a share of a torque that is nothing is beyond it."""
+    if value is None:
+        return "-"
+    return f"{value:.3g}" if value < MOST_SAID else f"> {MOST_SAID:.0e}"

@@ -47,6 +47,15 @@ def test_a_log_that_is_too_short_to_be_held_against_the_robot_does_not_fit_it(
     )
 
 
+def test_of_many_other_columns_the_first_are_named(tmp_path: Path) -> None:
+    """A recorder of 78 columns filled twelve lines with them."""
+    log = part(10.0)
+    extra = {f"temperature_{k}": np.zeros(len(log.time)) for k in range(40)}
+    path = write_log(replace(log, extra=extra), tmp_path / "log.csv")
+    head = run("log", "check", path).stdout.splitlines()[0]
+    assert head.endswith("temperature_8 and 31 others")
+
+
 def test_a_misread_log_exits_2_with_what_would_fit(tmp_path: Path) -> None:
     log = part(10.0)
     path = write_log(replace(log, tau=log.tau / 100.0), tmp_path / "log.csv")

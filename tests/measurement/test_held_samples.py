@@ -50,6 +50,18 @@ def test_the_rows_with_new_torques_are_used(rows: int) -> None:
     )
 
 
+def test_how_many_are_new_a_second_is_their_mean() -> None:
+    """Of a host that polls by chance the smallest distance is one row: it was all 250."""
+    rng = np.random.default_rng(5)
+    whole = log()
+    place = np.maximum.accumulate(np.arange(len(TIME)) + rng.integers(-2, 2, len(TIME)))
+    place = np.clip(place, 0, len(TIME) - 1)
+    fresh, said = released(replace(whole, q=whole.q[place], tau=whole.tau[place]))
+    mean = float(said.rsplit(", ", 1)[1].split()[0])
+    assert mean == pytest.approx((len(fresh.time) - 1) / fresh.duration, rel=1e-3)
+    assert mean < 0.7 * RATE
+
+
 def test_angles_that_are_new_in_other_rows_are_interpolated() -> None:
     """They were taken for half a period early or late: a delay of all joints."""
     whole = log()

@@ -90,9 +90,10 @@ def released(log: Log) -> tuple[Log, str]:
         if new is not None
     ]
     what = "torques" if torques is not None else "angles"
+    mean = (len(kept) - 1) / fresh.duration
     return fresh, (
         f"{', '.join(said)}, and held in the others: the rows with new {what} are used, "
-        f"{fresh.rate:.4g} a second"
+        f"{mean:.4g} a second"
     )
 
 
