@@ -39,3 +39,15 @@ def test_an_unknown_table_is_not_named(tmp_path: Path) -> None:
     with pytest.raises(InputError) as raised:
         irb.read_log(file)
     assert "these are the columns" not in str(raised.value)
+
+
+@pytest.mark.parametrize("read", [irb.read_log, load_trajectory])
+def test_a_motion_or_log_without_its_time_is_not_sent_to_its_own_verb(
+    tmp_path: Path, read: Callable[[Path], object]
+) -> None:
+    """It was: "these are the columns of a log: `irb2400 diagnose` takes it", said by that verb."""
+    file = tmp_path / "table.csv"
+    file.write_text(MOTION.replace("time_s", "n"))
+    with pytest.raises(InputError) as raised:
+        read(file)
+    assert "these are the columns" not in str(raised.value)

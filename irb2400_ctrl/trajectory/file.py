@@ -57,7 +57,7 @@ def load_trajectory(path: Path | str, axes: int | None = None) -> Trajectory:
         known = ", ".join(name for name in header if _NAME.fullmatch(name)) or "none of a motion"
         raise InputError(
             f"{path} lacks time_s or q1_deg … q{axes}_deg (or _rad); its columns are {known}"
-            + looks_like(header)
+            + looks_like(header, "motion")
         )
     qd = _angles(path, header, table, "qd", "_s", axes)
     qdd = _angles(path, header, table, "qdd", "_s2", axes)

@@ -281,3 +281,26 @@ def test_as_many_columns_as_joints_need_no_word_and_no_force_of_the_tool_is_a_to
     assert "such columns" not in told
     assert 'file = "joint_force_{j}"' in told
     assert "tool_force" not in told
+
+
+def test_dots_are_speeds_and_two_dots_are_none(tmp_path: Path) -> None:
+    """`thetaDotData` was a second angle."""
+    path = tmp_path / "log.mat"
+    acceleration = np.gradient(SPEED, T, axis=0)
+    told = {"thetaData": Q, "thetaDotData": SPEED, "thetaDDotData": acceleration, "tau_pos": TAU}
+    savemat(path, told)
+    with pytest.raises(InputError) as refused:
+        read_log(path)
+    text = str(refused.value)
+    assert 'file = "thetaDotData[{j}]"\nquantity = "qd"' in text
+    assert "of the same kind" not in text
+    assert "DDot" not in text.split("check them")[1]
+
+
+@pytest.mark.parametrize(("name", "lacks"), [("tau", "angles of joints"), ("q", "torques")])
+def test_a_signal_in_a_file_of_its_own_needs_the_others(
+    tmp_path: Path, name: str, lacks: str
+) -> None:
+    savemat(tmp_path / "one.mat", {name: Q})
+    with pytest.raises(InputError, match=f"{lacks}.*put the columns into one"):
+        read_log(tmp_path / "one.mat")

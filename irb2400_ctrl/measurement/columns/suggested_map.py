@@ -17,7 +17,7 @@ from irb2400_ctrl.measurement.columns.recorder_names import unit_by_step
 from irb2400_ctrl.measurement.columns.two_part_time import time_pair
 
 OTHERS = re.compile(
-    r"acc|qdd|ddq|err|ext|grav|limit|temp(?!s)|volt|tcp|cart|wrench|jerk|collision|inertia|dist"
+    r"acc|qdd|ddq|ddot|err|ext|grav|limit|temp(?!s)|volt|tcp|cart|wrench|jerk|collision|inertia|dist"
     r"|(?<!joint)(?<!joint_)(?<!axis_)force"
     r"|加速|温|電圧"
 )
@@ -31,7 +31,7 @@ TORQUE = (
 CURRENT = r"cur|(?<![a-z])(courant|corrente|corriente)(?![a-z])|電流|电流"
 QUANTITIES = {
     "tau": rf"{TORQUE}|{CURRENT}|(?<!co)eff|load|force|m(?=act)|^m?t\W*$",
-    "qd": r"vel|speed|dq|qd|qv|qp(?!os)|omega|ω|geschw|vitesse|速度",
+    "qd": r"vel|speed|dot|dq|qd|qv|qp(?!os)|omega|ω|geschw|vitesse|速度",
     "q": r"pos|ang|q|theta|θ|rax|joint|jnt|axis|achse|winkel|^([aj]|jt|mp)\W*$|state\W*$"
     r"|(?<![a-z])(axe|asse|eje)(?![a-z])|角|軸|轴|关节|関節",
 }
@@ -53,6 +53,7 @@ NAMED = "{name}"
 MOST_JOINTS = 16
 DEGREES = 7.0
 """an angle beyond this is hardly in radians"""
+NEEDED = "and a log needs them (of signals in files of their own, put the columns into one)"
 UNITS = {
     "q": ("rad", "deg"),
     "qd": ("rad_s", "deg_s"),
@@ -78,7 +79,9 @@ def suggested_map(columns: Mapping[str, Array], joints: Sequence[str] | None = N
         if quantity and (told, len(pattern)) < chosen.get(quantity, (3, 0, ""))[:2]:
             chosen[quantity] = (told, len(pattern), pattern)
     if "tau" not in chosen and {"q", "q_ref"} & chosen.keys():
-        return "; no columns are called as measured torques or currents are, and a log needs them"
+        return f"; no columns are called as measured torques or currents are, {NEEDED}"
+    if set(chosen) - {""} == {"tau"}:
+        return f"; no columns are called as angles of joints are, {NEEDED}"
     if not {"q", "tau"} <= chosen.keys():
         return ""
     names = {quantity: patterns[pattern] for quantity, (*_, pattern) in chosen.items()}

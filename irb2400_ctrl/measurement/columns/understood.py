@@ -181,7 +181,7 @@ def _by_name(
         raise InputError(
             f"{table.path}: no column time_s, time_ms or 'Time [s]'; found {table.some}: rename "
             "them, or say what they are in a column map (--columns, docs/logs.md)"
-            + looks_like(table.columns)
+            + looks_like(table.columns, "motion")
         )
     return (times[0], NAMED_TIMES[times[0]]), found, scales
 

@@ -80,7 +80,7 @@ def _columns(header: list[str], name: str, line: int) -> tuple[bool, list[str]]:
         name_them = f"; write the unit into the names: {example}" if bare <= there.keys() else ""
         raise InputError(
             f"{name}, line {line}: no column {', '.join(missing)} in the header "
-            f"{told}{looks_like(header)}{name_them}"
+            f"{told}{looks_like(header, 'path')}{name_them}"
         )
     twice = sorted({key for key in header if header.count(key) > 1})
     if twice:
