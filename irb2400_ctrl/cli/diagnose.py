@@ -97,6 +97,8 @@ def diagnose(
 
     from irb2400_ctrl.report.pages.diagnosis_page import diagnosis_page, lines
 
+    reference = reference or []
+    robot = _robot_of(reference, robot)
     arm = load_arm(robot, uncertainty)
     if close_loop:
         from irb2400_ctrl.controllers import controller as make_controller
@@ -108,7 +110,7 @@ def diagnose(
         read = read_logs(logs, reader, say)
         other = None if validate is None else unseen.read(validate, say)
     with step("comparing log and model"):
-        result = _diagnosed(arm, read.logs, other, reference or [], columns)
+        result = _diagnosed(arm, read.logs, other, reference, columns)
         result = replace(result, left_out=(*read.left_out, *result.left_out))
     say_left_out(result.left_out)
     title = f"Diagnosis of {_name(logs, read.logs)}"
@@ -129,6 +131,23 @@ def diagnose(
     return Summary(result.to_json(), [out / name for name in written])
 
 
+def _robot_of(reference: list[Path], robot: str) -> str:
+    """The robot that logs are read for and held against: the reference's file, where it is one.
+
+    Raises:
+        InputError: a robot file among several references.
+    """
+    from irb2400_ctrl.errors import InputError
+
+    robots = [path for path in reference if is_robot(path)]
+    if robots and len(reference) > 1:
+        raise InputError(
+            f"--reference: found {len(reference)} with the robot file {robots[0]} among them; "
+            "expected one robot file, or logs"
+        )
+    return str(robots[0]) if robots else robot
+
+
 def _diagnosed(
     arm: Robot,
     logs: list[Log],
@@ -136,22 +155,14 @@ def _diagnosed(
     reference: list[Path],
     columns: Path | None,
 ) -> Diagnosis:
-    """Against the robot file, another robot file of this arm, or logs of it."""
+    """Against the robot file, which may be the reference's, or against logs of the arm."""
     from irb2400_ctrl.diagnosis import diagnose as run
-    from irb2400_ctrl.errors import InputError
     from irb2400_ctrl.identification import diagnose_change
-    from irb2400_ctrl.robot import load_robot
 
     if not reference:
         return run(arm, logs, validation)
-    robots = [path for path in reference if is_robot(path)]
-    if robots and len(reference) > 1:
-        raise InputError(
-            f"--reference: found {len(reference)} with the robot file {robots[0]} among them; "
-            "expected one robot file, or logs"
-        )
-    if robots:
-        return diagnose_change(arm, logs, load_robot(str(robots[0])), validation)
+    if is_robot(reference[0]):
+        return diagnose_change(arm, logs, arm, validation)
     before = read_logs(reference, Reader(columns, arm.joint_names))
     say_left_out(before.left_out)
     return diagnose_change(arm, logs, before.logs, validation)

@@ -16,6 +16,7 @@ from irb2400_ctrl.cli.main import app
 from irb2400_ctrl.diagnosis import diagnose
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.measurement import Log, read_log, write_log
+from irb2400_ctrl.model import Model
 from irb2400_ctrl.report.pages import diagnosis_page
 from irb2400_ctrl.report.pages.diagnosis_page import lines
 from irb2400_ctrl.robot import load_robot, save_robot
@@ -82,6 +83,25 @@ def test_diagnose_tries_no_effect_on_a_misread_log(tmp_path: Path) -> None:
     assert found["effects"] == []
     assert found["log_problem"]["kind"] == "torque_sign"
     assert "All torques look turned over" in (tmp_path / "out" / "report.html").read_text()
+
+
+def test_a_log_is_read_for_the_robot_of_its_reference(tmp_path: Path) -> None:
+    """Its joints were looked for among those of the default robot, whose prior was printed."""
+    arm = load_robot("ur10e")
+    time = np.arange(0.0, 20.0, 0.02)
+    rate = np.array([0.35, 0.45, 0.55, 0.7, 0.8, 0.9])
+    middle = np.array([0.0, -1.5, 1.5, -1.0, 1.5, 0.0])
+    q = np.sin(time[:, None] * rate) + middle
+    qd = rate * np.cos(time[:, None] * rate)
+    tau = -np.asarray(Model(arm).inverse_dynamics(q, qd, -(rate**2) * (q - middle)))
+    names = [f"{joint}/{part}" for part in ("position", "effort") for joint in arm.joint_names]
+    path = tmp_path / "log.csv"
+    table = np.column_stack([time, q, tau])
+    np.savetxt(path, table, "%.9f", ",", header=",".join(["__time", *names]), comments="")
+    done = run("diagnose", path, "--reference", "ur10e", "--out", tmp_path / "out")
+    assert done.returncode == 0, done.stderr
+    assert "verdict: log_not_understood" in done.stdout
+    assert f"prior of the robot file: {arm.uncertainty.says()}" in done.stdout
 
 
 def rest(log: Log) -> Log:

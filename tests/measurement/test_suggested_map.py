@@ -304,3 +304,20 @@ def test_a_signal_in_a_file_of_its_own_needs_the_others(
     savemat(tmp_path / "one.mat", {name: Q})
     with pytest.raises(InputError, match=f"{lacks}.*put the columns into one"):
         read_log(tmp_path / "one.mat")
+
+
+def test_a_number_in_the_names_of_some_joints_counts_none(tmp_path: Path) -> None:
+    """The map for `wrist_{j}_joint/position` was one of three joints of six."""
+    names = [
+        f"{joint}_joint" for joint in ("elbow", "lift", "pan", "wrist_1", "wrist_2", "wrist_3")
+    ]
+    signals = {"position": Q, "velocity": SPEED, "effort": TAU}
+    told = {
+        f"{name}/{word}": s[:, k] for word, s in signals.items() for k, name in enumerate(names)
+    }
+    with pytest.raises(InputError, match="expected the robot's joints axis_1") as refused:
+        read_log(written(tmp_path / "log.csv", {"__time": T, **told}), names=AXES)
+    assert "column map for it" not in str(refused.value)
+
+
+AXES = tuple(f"axis_{j}" for j in range(1, 7))

@@ -123,7 +123,19 @@ def _numbered(columns: Mapping[str, Array]) -> dict[str, list[str]]:
             patterns[pattern] = [names[j + 1] for j in range(n)]
         elif 2 <= n <= MOST_JOINTS and names.keys() == set(range(n)):
             patterns[pattern.replace("{j}", "{j0}")] = [names[j] for j in range(n)]
-    return patterns
+    return {
+        pattern: names
+        for pattern, names in patterns.items()
+        if not _of_some(pattern, names, columns)
+    }
+
+
+def _of_some(pattern: str, names: Sequence[str], columns: Mapping[str, Array]) -> bool:
+    """Whether as many other columns end as these do: `wrist_{j}_joint/position` counts three of
+    six joints, which have names."""
+    tail = re.split(r"\{j0?\}", pattern)[-1]
+    alike = [name for name in columns if name.endswith(tail) and not re.search(r"\d", name)]
+    return bool(_quantity(tail)[0]) and len(alike) >= len(names)
 
 
 def _named(columns: Mapping[str, Array], joints: Sequence[str]) -> dict[str, list[str]]:
