@@ -109,7 +109,12 @@ def _head(path: Path, lines: bytes) -> bytes:
         table = read_csv_table(copy)
     if table.headless:
         raise InputError(f"{path}: a log that grows needs a line of names above its samples")
-    return b"".join(lines.splitlines(keepends=True)[: (table.first_line or 1) - 1])
+    if table.first_line is None:
+        raise InputError(
+            f"{path}: a table of one row per joint cannot be read while it is written; expected a "
+            "row per sample, or watch the closed file without --follow"
+        )
+    return b"".join(lines.splitlines(keepends=True)[: table.first_line - 1])
 
 
 def _parsed(path: Path, text: bytes, columns: Path | None, names: Sequence[str] | None) -> Log:

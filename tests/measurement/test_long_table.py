@@ -10,6 +10,7 @@ from measured_logs import made
 
 from irb2400_ctrl.errors import InputError
 from irb2400_ctrl.measurement import read_log
+from irb2400_ctrl.measurement.growing import growing_log
 
 LOG = made()
 ROBOT = ("pan", "lift", "elbow", "wrist_1", "wrist_2", "wrist_3")
@@ -96,3 +97,10 @@ def test_a_table_of_this_shape_with_other_names_is_refused_as_one(tmp_path: Path
         lines += [f"{time:.3f},{j + 1},{q[j]:.6f},{tau[j]:.4f}" for j in range(6)]
     with pytest.raises(InputError, match="'joint' looks like the joint that a row is of: expected"):
         read_log(written(tmp_path, lines))
+
+
+def test_one_that_grows_is_refused(tmp_path: Path) -> None:
+    """Its samples may be cut anywhere."""
+    path = written(tmp_path, lines_of())
+    with pytest.raises(InputError, match="one row per joint cannot be read while it is written"):
+        next(growing_log(path, names=ROBOT, quiet=1.0))
