@@ -283,6 +283,16 @@ def test_as_many_columns_as_joints_need_no_word_and_no_force_of_the_tool_is_a_to
     assert "tool_force" not in told
 
 
+def test_a_planned_angle_is_the_command(tmp_path: Path) -> None:
+    """It was the second choice for the measured one."""
+    told = {"tm": 1e3 * T, "fb_joint_{j}": DEG, "plan_joint_{j}": DEG + 0.1, "torque_{j}": TAU}
+    columns = suggested(written(tmp_path / "log.csv", told))
+    assert 'file = "plan_joint_{j}"\nquantity = "q_ref"' in columns.read_text("utf-8")
+    found = read_log(tmp_path / "log.csv", columns=columns)
+    assert found.q_ref is not None
+    np.testing.assert_allclose(found.q_ref, np.radians(DEG + 0.1), atol=1e-9)
+
+
 def test_dots_are_speeds_and_two_dots_are_none(tmp_path: Path) -> None:
     """`thetaDotData` was a second angle."""
     path = tmp_path / "log.mat"

@@ -22,7 +22,7 @@ OTHERS = re.compile(
     r"|加速|温|電圧"
 )
 COMMANDED = re.compile(
-    r"ref|cmd|comm|action|target|des|goal|set|soll|nominal|[a-z]_d(?![a-z])|指令|目標|consigne"
+    r"ref|cmd|comm|action|target|des|goal|set|soll|plan(?!e)|nominal|[a-z]_d(?![a-z])|指令|目標|consigne"
 )
 MEASURED = re.compile(r"act(?!uator|ion)|meas|msr|mes|real|(?<!wr)ist|fb|feed|state")
 TORQUE = (

@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 
 from irb2400_ctrl.arrays import Array
 from irb2400_ctrl.identification import Identification, LogResult
+from irb2400_ctrl.identification.few_samples import few_samples
 from irb2400_ctrl.identification.moved import ALARM, NAMES, Moved
 from irb2400_ctrl.measurement import Log
 from irb2400_ctrl.measurement.prepared_log import UNEVEN
@@ -59,6 +60,8 @@ def identification_page(result: Identification, logs: Sequence[Log] = ()) -> Pag
         page.table(
             f"{Path(log.name).name} ({log.role}): RMSE over mean torque [%]", *error_rows(log)
         )
+        for said in few_samples(log):
+            page.text(f"Of {Path(log.name).name}, identified, unseen: {said}.")
     page.text(
         "What the identified arm leaves is noise, or something that these numbers cannot express: "
         "irb2400 diagnose LOG --robot robot.toml says which."
@@ -199,6 +202,7 @@ def lines(result: Identification) -> list[str]:
         for which, name in MODELS.items():
             values = log.error(which).rmse_over_mean_percent
             found.append(f"  {name:<21}" + " ".join(_share(v) for v in values))
+        found += [f"  unseen, {said}" for said in few_samples(log)]
     grades = [verdict.grade for verdict in result.verdicts]
     told = ", ".join(f"{grades.count(grade)} {grade}" for grade in dict.fromkeys(grades))
     return [*found, f"numbers that these motions show: {told}"]
