@@ -10,6 +10,9 @@ from irb2400_ctrl.diagnosis import Comparison, Curve
 from irb2400_ctrl.report.elements.plots import Line, over_time, parity, spectrum, wide
 from irb2400_ctrl.report.figures.residual_figures import autocorrelation_figure
 
+GAP = 3.5
+"""times the usual step from one bin to the next, over which no line is drawn"""
+
 AXIS_NAMES = {
     "q": "angle",
     "qd": "speed",
@@ -90,10 +93,11 @@ def curve_figure(curve: Curve, law: str) -> Figure:
     """An effect's own torque: what the log shows once all else is taken off, with its band, and the
     law."""
     figure, (axis,) = wide(3.6)
-    axis.fill_between(curve.x, curve.low, curve.high, color="0.8", label="log, 95 % band")
+    x, low, high, line = _with_gaps(curve.x, curve.x, curve.low, curve.high, curve.law)
+    axis.fill_between(x, low, high, color="0.8", label="log, 95 % band")
     axis.plot(curve.x, curve.measured, "o", ms=3, color="0.35", label="log, mean of the bin")
     if np.isfinite(curve.law).all() and np.any(curve.law):
-        axis.plot(curve.x, curve.law, color="tab:blue", lw=1.5, label=law)
+        axis.plot(x, line, color="tab:blue", lw=1.5, label=law)
     direction = ", against the motion" if curve.turned else ""
     axis.set(
         xlabel=f"{_signal_name(curve.signal)} [{curve.unit}]",
@@ -101,6 +105,14 @@ def curve_figure(curve: Curve, law: str) -> Figure:
     )
     axis.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), frameon=False, ncols=3)
     return figure
+
+
+def _with_gaps(x: Array, *values: Array) -> list[Array]:
+    """Values over rising x with a NaN where nothing was recorded between two of them."""
+    step = np.diff(x)
+    usual = float(np.median(step)) if len(step) else 0.0
+    behind = np.flatnonzero(step > GAP * usual) + 1
+    return [np.insert(each.astype(float), behind, np.nan) for each in values]
 
 
 def _signal_name(signal: str) -> str:
