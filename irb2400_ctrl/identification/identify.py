@@ -271,7 +271,7 @@ def _notes(moved: Sequence[Moved], found: Fit, errors: Array, said: str) -> list
     notes = []
     for one in moved:
         if one.alarms:
-            name, sigmas = one.most
+            name, sigmas = one.shown
             notes.append(
                 f"the bodies of the file are not this arm's: link {one.link}, {name} went by "
                 f"{sigmas:+.1f} of the file's standard deviations (alarm at {ALARM:.0f})"

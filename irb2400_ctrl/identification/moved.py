@@ -19,6 +19,9 @@ from irb2400_ctrl.robot import Body, Robot
 
 ALARM = 4.0
 """standard deviations beyond which a body is not the file's"""
+SHOWN = 2.0
+"""of its own standard errors, that a number must be from the file's for the logs to show it: what
+they leave open may end anywhere, because all numbers of a body have to be possible together"""
 ROUNDING = 1e-9
 """of the trace of a pseudo-inertia"""
 LEAST = np.array([1e-3, *[1e-3] * 3, *[1e-5] * 6])
@@ -56,9 +59,17 @@ class Moved:
         return NAMES[place], float(self.sigmas[place])
 
     @property
+    def shown(self) -> tuple[str, float]:
+        """The number that went furthest of those of which the logs say that it went; a nameless
+        one that stayed where there is none."""
+        clear = np.where(np.abs(self.sigmas) > SHOWN * self.errors, self.sigmas, 0.0)
+        place = int(np.argmax(np.abs(clear)))
+        return (NAMES[place], float(clear[place])) if clear[place] else ("", 0.0)
+
+    @property
     def alarms(self) -> bool:
         """Whether the body is not the file's; one that cannot exist has to move."""
-        return self.could_be and abs(self.most[1]) > ALARM
+        return self.could_be and abs(self.shown[1]) > ALARM
 
 
 def moved_bodies(

@@ -43,3 +43,18 @@ def test_the_figure_shows_change_and_what_is_open() -> None:
         name.removesuffix("_kg").removesuffix("_m") for name in NAMES
     ]
     assert axis.get_ylim()[1] > max(ALARM, 7.0)
+
+
+def test_a_number_that_the_logs_leave_open_is_no_alarm() -> None:
+    """Of a light last link `Iyy went by -5.4 standard deviations` was said, known to +- 8.6; it had
+    gone the other way."""
+    sigmas = np.array([1.0, 4.5, 0.2, 0.1, 0.0, -5.4, 0.3, 0.0, 0.0, 0.0])
+    open_ones = np.array([1.0, 3.0, 1.0, 1.0, 1.0, 8.6, 1.0, 1.0, 1.0, 1.0])
+    one = Moved(7, PHI, PHI, sigmas, open_ones, 2.2, True)
+    assert one.most == ("Iyy", -5.4)
+    assert one.shown == ("", 0.0)
+    assert not one.alarms
+    known = Moved(7, PHI, PHI, sigmas, 0.5 * open_ones, 2.2, True)
+    assert known.shown == ("com_x_m", 4.5)
+    assert known.alarms
+    assert not Moved(7, PHI, PHI, sigmas, 0.5 * open_ones, 2.2, False).alarms
