@@ -26,6 +26,8 @@ AGAINST = -0.5
 """correlation of the model's torque with one that is turned over besides"""
 PRICE = 4.0
 """of each factor that is searched"""
+MOST_NM_A = 30.0
+"""[Nm/A] at a joint, as the drivers of some arms publish currents; reductions are mostly larger"""
 UNITS = {1e3: "kNm", 1e-3: "mNm", 1e-2: "cNm"}
 
 
@@ -137,4 +139,6 @@ def _unit(factor: float, sigma: float) -> str:
     near = [name for size, name in UNITS.items() if abs(factor - size) < max(3 * sigma, 0.3 * size)]
     if near:
         return near[0]
-    return "motor side" if abs(factor) > 1.0 else "another unit"
+    if abs(factor) < 1.0:
+        return "another unit"
+    return "motor side" if abs(factor) > MOST_NM_A else "motor side, or currents"

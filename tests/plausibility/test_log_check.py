@@ -123,6 +123,15 @@ def test_what_would_fit_is_said_with_its_uncertainty() -> None:
     assert "motor side: x" in problem.says
 
 
+def test_a_small_factor_may_be_that_of_a_current() -> None:
+    """Efforts of an arm's driver are currents, of 7 to 13 Nm/A: "motor side" sent to its gears."""
+    log = plain().log
+    problem = log_problem(ROBOT, replace(log, tau=log.tau / 9.5))
+    assert problem is not None
+    assert problem.kind == "torque_scale"
+    assert "motor side, or currents: x " in problem.says
+
+
 def test_the_exchanged_columns_are_told() -> None:
     log = plain().log
     problem = log_problem(ROBOT, replace(log, tau=log.tau[:, [0, 2, 1, 3, 4, 5]]))
