@@ -97,8 +97,7 @@ def diagnose(
 
     from irb2400_ctrl.report.pages.diagnosis_page import diagnosis_page, lines
 
-    reference = reference or []
-    robot = _robot_of(reference, robot)
+    robot = _robot_of(reference or [], robot)
     arm = load_arm(robot, uncertainty)
     if close_loop:
         from irb2400_ctrl.controllers import controller as make_controller
@@ -110,14 +109,13 @@ def diagnose(
         read = read_logs(logs, reader, say)
         other = None if validate is None else unseen.read(validate, say)
     with step("comparing log and model"):
-        result = _diagnosed(arm, read.logs, other, reference, columns)
+        result = _diagnosed(arm, read.logs, other, reference or [], columns)
         result = replace(result, left_out=(*read.left_out, *result.left_out))
     say_left_out(result.left_out)
     title = f"Diagnosis of {_name(logs, read.logs)}"
     page = diagnosis_page(result, title, read.logs[0], robot)
     page.provenance(provenance(arm))
-    text = lines(result)
-    text.append(f"prior of the robot file: {_prior(arm)}")
+    text = [*lines(result), f"prior of the robot file: {_prior(arm)}"]
     written = ["findings.json", "robot.toml", "report.html"]
     if close_loop and result.log_problem is None:
         with step("closing the loop"):

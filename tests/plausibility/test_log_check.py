@@ -123,15 +123,6 @@ def test_what_would_fit_is_said_with_its_uncertainty() -> None:
     assert "motor side: x" in problem.says
 
 
-def test_a_small_factor_may_be_that_of_a_current() -> None:
-    """Efforts of an arm's driver are currents, of 7 to 13 Nm/A: "motor side" sent to its gears."""
-    log = plain().log
-    problem = log_problem(ROBOT, replace(log, tau=log.tau / 9.5))
-    assert problem is not None
-    assert problem.kind == "torque_scale"
-    assert "motor side, or currents: x " in problem.says
-
-
 def test_the_exchanged_columns_are_told() -> None:
     log = plain().log
     problem = log_problem(ROBOT, replace(log, tau=log.tau[:, [0, 2, 1, 3, 4, 5]]))
@@ -188,30 +179,6 @@ def test_the_gear_ratio_of_the_robot_file_is_said_for_angles_of_motors() -> None
     assert problem.kind == "angle_scale"
     assert problem.fits["gear_ratios"]["2"] == -101.0
     assert "the robot file states -100, -101" in problem.says
-
-
-def test_degrees_are_said_first_where_the_torques_want_them() -> None:
-    """Of an arm that is far from its file they were "the motor's", with gears to be given."""
-    log = plain().log
-    tau = log.tau + 0.5 * log.tau.std(axis=0) * np.sin(2.3 * log.time)[:, None]
-    problem = log_problem(ROBOT, replace(log, q=np.degrees(log.q), tau=tau, qd=None, q_ref=None))
-    assert problem is not None
-    assert problem.kind == "angle_unit"
-    assert problem.says.startswith("angles look like degrees under the name of radians: as written")
-    assert "its range is 360 deg" in problem.says
-
-
-def test_an_order_of_several_exchanges_is_said_as_one() -> None:
-    """As joint states of a bag come: it was three exchanges, one beside the other."""
-    log = plain().log
-    problem = log_problem(ROBOT, replace(log, tau=log.tau[:, [1, 2, 3, 0, 4, 5]]))
-    assert problem is not None
-    assert problem.kind == "torque_order"
-    assert problem.says == (
-        "torque columns look exchanged: joints 1 to 6 are columns 4, 1, 2, 3, 5, 6"
-    )
-    assert problem.fits == {"columns": [4, 1, 2, 3, 5, 6]}
-    assert problem.joints == (1, 2, 3, 4)
 
 
 def test_two_things_at_once_are_not_called_sound() -> None:

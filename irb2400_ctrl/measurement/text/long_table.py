@@ -65,7 +65,8 @@ class LongTable:
 
         for block in self._cells(path, text):
             for cells in block:
-                joint, now = cells[self.name], [cells[k] for k in self.stamps]
+                joint = cells[self.name]
+                now = [cells[k] for k in self.stamps]
                 if joint not in known:
                     continue
                 if sample and (now != stamp or joint in sample):

@@ -1,0 +1,52 @@
+"""What a log looks like is said as one thing, the likeliest first."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+from sound_logs import Drawn, sound_log
+
+from irb2400_ctrl.plausibility import log_problem
+from irb2400_ctrl.robot import load_robot
+
+ROBOT = load_robot("irb2400")
+
+
+@cache
+def plain() -> Drawn:
+    return sound_log(601, plain=True)
+
+
+def test_a_small_factor_may_be_that_of_a_current() -> None:
+    """Efforts of an arm's driver are currents, of 7 to 13 Nm/A: "motor side" sent to its gears."""
+    log = plain().log
+    problem = log_problem(ROBOT, replace(log, tau=log.tau / 9.5))
+    assert problem is not None
+    assert problem.kind == "torque_scale"
+    assert "motor side, or currents: x " in problem.says
+
+
+def test_degrees_are_said_first_where_the_torques_want_them() -> None:
+    """Of an arm that is far from its file they were "the motor's", with gears to be given."""
+    log = plain().log
+    tau = log.tau + 0.5 * log.tau.std(axis=0) * np.sin(2.3 * log.time)[:, None]
+    problem = log_problem(ROBOT, replace(log, q=np.degrees(log.q), tau=tau, qd=None, q_ref=None))
+    assert problem is not None
+    assert problem.kind == "angle_unit"
+    assert problem.says.startswith("angles look like degrees under the name of radians: as written")
+    assert "its range is 360 deg" in problem.says
+
+
+def test_an_order_of_several_exchanges_is_said_as_one() -> None:
+    """As joint states of a bag come: it was three exchanges, one beside the other."""
+    log = plain().log
+    problem = log_problem(ROBOT, replace(log, tau=log.tau[:, [1, 2, 3, 0, 4, 5]]))
+    assert problem is not None
+    assert problem.kind == "torque_order"
+    assert problem.says == (
+        "torque columns look exchanged: joints 1 to 6 are columns 4, 1, 2, 3, 5, 6"
+    )
+    assert problem.fits == {"columns": [4, 1, 2, 3, 5, 6]}
+    assert problem.joints == (1, 2, 3, 4)
