@@ -132,7 +132,11 @@ def _numbered(columns: Mapping[str, Array]) -> dict[str, list[str]]:
 
 def _of_some(pattern: str, names: Sequence[str], columns: Mapping[str, Array]) -> bool:
     """Whether as many other columns end as these do: `wrist_{j}_joint/position` counts three of
-    six joints, which have names."""
+    six joints, which have names.
+
+    Args:
+        pattern: with a place for the number; names: that it stands for; columns: all of the file.
+    """
     tail = re.split(r"\{j0?\}", pattern)[-1]
     alike = [name for name in columns if name.endswith(tail) and not re.search(r"\d", name)]
     return bool(_quantity(tail)[0]) and len(alike) >= len(names)
