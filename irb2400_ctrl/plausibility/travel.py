@@ -50,7 +50,11 @@ def travel_problem(robot: Robot, log: Log) -> LogProblem | None:
 
 
 def travelled(robot: Robot, log: Log, j: int) -> str:
-    """How far joint `j` (from 0) goes, and how far it can."""
+    """How far a joint goes, and how far it can.
+
+    Args:
+        robot: with the range; log: with the angle; j: the joint, from 0.
+    """
     travel, room = np.degrees([np.ptp(log.q[:, j]), robot.q_max[j] - robot.q_min[j]])
     return f"joint {j + 1} travels {travel:.0f} deg, its range is {room:.0f} deg"
 
