@@ -10,11 +10,12 @@ import numpy as np
 import numpy.typing as npt
 
 from irb2400_ctrl.arrays import Array, one_thread
+from irb2400_ctrl.diagnosis.bent_numbers import BENT, beside_noise
 from irb2400_ctrl.diagnosis.comparison.acceptance import INFLATION
 from irb2400_ctrl.diagnosis.comparison.criteria import Criteria
 from irb2400_ctrl.diagnosis.comparison.scan import Scan
 from irb2400_ctrl.diagnosis.comparison.selection import Selection
-from irb2400_ctrl.diagnosis.comparison.step import Step
+from irb2400_ctrl.diagnosis.comparison.step import Step, of_the_whole_arm
 from irb2400_ctrl.diagnosis.diagnosis import Comparison, Diagnosis
 from irb2400_ctrl.diagnosis.estimation.fit import Fit, Fitter
 from irb2400_ctrl.diagnosis.estimation.reversals import noisy_reversals_masked, reversal_rows
@@ -133,6 +134,8 @@ def _searched(
     fitter = Fitter(robot, bases, motion, Z, reversal, own, plain)
     steps, fit = Selection(scan, fitter, criteria).run()
     progress("conclude")
+    bent = of_the_whole_arm(steps, motion.n)
+    fit = beside_noise(fitter, steps, fit) if bent else fit
     beside = None if validation is None else prepare(validation)
     found = _concluded(given, prior, fitter, load, steps, fit, beside, change)
     moved = moved_as_by_a_load(scan, fitter, fit, change)
@@ -142,6 +145,9 @@ def _searched(
     noise = noise_test(robot, logs.used, motion, compared.after, _unsure(fit, motion))
     numbers = (*found.numbers, *moved)
     weak = (*logs.remarkable, *found.weak)
+    if bent:
+        numbers = tuple(one for one in numbers if one.list == "lacks")
+        weak = (*weak, BENT)
     return replace(
         found, numbers=numbers, weak=weak, logs=each, left_out=logs.left_out, noise=noise
     )

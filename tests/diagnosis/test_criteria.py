@@ -55,6 +55,7 @@ def comparison(**given: Any) -> Any:
         "by_joint": lambda gain, torque: gain * np.array([0.25, 0.5, 0.25]),
         "explained": lambda one: one.torque(3),
         "leftover": lambda one: None,
+        "relieves_base": lambda one: False,
         "with_its_leftover": lambda one: one.evidence,
         "chosen": (),
     }
@@ -217,6 +218,26 @@ def test_what_an_earlier_law_of_another_shape_leaves_is_nothing_new() -> None:
     springs = candidate((0.0, 8.0, 0.0), gain=900.0, devices=swing)
     assert not beside(9.0, gain=449.9, before=springs, devices=swing)
     assert beside(0.0, gain=450.1, before=springs, devices=swing)
+
+
+def test_what_the_base_need_not_hide_any_longer_is_as_large_as_its_own_torque() -> None:
+    """Grease of axis 1 that had doubled was told as a number, viscous friction moved by 26 standard
+    deviations, because a springy axis 5 that shakes axis 1 might have left as much evidence."""
+    earlier = candidate((0.0, 8.0, 0.0), gain=900.0, kind="elastic_joint")
+
+    def beside(size: float, relieved: bool, **given: Any) -> bool:
+        return accepts(
+            candidate((0.0, size, 0.0), **given),
+            earlier,
+            added=lambda one: np.zeros(3),
+            relieves_base=lambda one: relieved,
+        )
+
+    assert beside(4.1, True)
+    assert not beside(4.1, False)
+    assert not beside(3.9, True)
+    # flexible laws have taken in whatever the base could hide
+    assert not beside(4.1, True, known=False)
 
 
 def test_a_law_without_a_name_is_new_by_its_size_alone() -> None:

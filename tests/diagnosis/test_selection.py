@@ -26,6 +26,7 @@ def test_explanations_that_push_each_other_out_are_not_tried_for_ever(
         for kind in ("one", "other", "third")
     )
     selection: Any = Selection.__new__(Selection)
+    selection.scan = SimpleNamespace(motion=SimpleNamespace(n=6))
     selection.criteria = Criteria(most=3)
     selection.fitter = SimpleNamespace(fit=lambda chosen: len(chosen), as_stated=lambda fit: fit)
     selection.refused = set()
@@ -64,6 +65,7 @@ def test_numbers_further_off_than_stated_are_a_rival_and_all_is_judged_anew(
     """What the stated numbers leave may be a name; beside wider ones nothing is left."""
     widened: list[float] = []
     selection: Any = Selection.__new__(Selection)
+    selection.scan = SimpleNamespace(motion=SimpleNamespace(n=6))
     selection.criteria = Criteria(wider=(2.0,))
     selection.fitter = SimpleNamespace(
         fit=lambda chosen: len(chosen), as_stated=lambda fit: fit, widen=widened.append

@@ -15,18 +15,19 @@ from irb2400_ctrl.diagnosis.comparison import selection as module
 
 @pytest.mark.parametrize(
     ("more", "step", "wider"),
-    # beside the best step it pays as a name does, 8 nats; else what any step needs: 22 nats
+    # what several effects say together is twice the best of them, and it pays as a name does, 8
+    # nats; without a step what any needs: 22 nats
     [
-        ((38.1, 0.0), 30.0, 2.0),
-        ((37.9, 0.0), 30.0, None),
+        ((68.1, 0.0), 30.0, 2.0),
+        ((67.9, 0.0), 30.0, None),
         ((22.1, 0.0), None, 2.0),
         ((21.9, 0.0), None, None),
         # bodies that are another arm's: the better of both
-        ((30.0, 40.0), 30.0, 4.0),
-        ((40.0, 30.0), 30.0, 2.0),
+        ((60.0, 70.0), 30.0, 4.0),
+        ((70.0, 60.0), 30.0, 2.0),
     ],
 )
-def test_wider_numbers_of_the_robot_must_say_more_than_the_best_step(
+def test_wider_numbers_of_the_robot_must_say_more_than_two_best_steps(
     more: tuple[float, float],
     step: float | None,
     wider: float | None,

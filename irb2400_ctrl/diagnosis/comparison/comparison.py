@@ -104,6 +104,12 @@ class Comparison:
         """Share of its torque that no other numbers of the base would give."""
         return self.start.share_beyond_base(candidate.torque(self.n))
 
+    def relieves_base(self, candidate: Candidate) -> bool:
+        """Whether the base is bent half as much beside a candidate."""
+        z = self.base.z
+        beside = self.base.base_beside(candidate.torque(self.n))
+        return bool(beside @ beside < 0.5 * (z @ z))
+
     def moving(self, candidate: Candidate) -> tuple[float, float]:
         """What its law gains on the rows away from reversals alone [nats], and how large these find
         it: over what all rows say."""

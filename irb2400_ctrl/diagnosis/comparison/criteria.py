@@ -47,7 +47,7 @@ class Criteria:
         elsewhere: share of what it explains that lies outside the second in which it explains most,
             over the share of its torque there.
         two_at_once: how much more a non-parametric law may gain than the best effect, for two
-            effects to be tried instead.
+            effects to be tried instead, and numbers further off must.
         unknown: how much a non-parametric law must beat the best effect by [nats]; little: how much
             more it must say: rms torque over the effect's, where it beats that by less than the
             share that its law may leave or the base takes the effect in for the most part.
@@ -211,13 +211,17 @@ class Threshold:
             if candidate.known
             else added > np.sqrt(c.energy * comparison.energy)
         )
+        size = np.sqrt(np.mean(candidate.torque(self.n) ** 2, axis=0))
+        size *= candidate.known and comparison.relieves_base(candidate)
         for earlier in comparison.chosen:
             torque = earlier.torque(self.n)
             share = earlier.discrepancy_share
             # the swing of one transmission moves its neighbours' links too, a force that comes and
             # goes has no step's edges: there only the evidence speaks
             same = bool(candidate.devices & earlier.devices) or _once_more(candidate, earlier)
-            more = np.full(self.n, not same) & (added > share * np.sqrt(np.mean(torque**2, axis=0)))
+            may_leave = share * np.sqrt(np.mean(torque**2, axis=0))
+            # what the base has hidden of it and hides no more is its torque itself
+            more = np.full(self.n, not same) & ((added > may_leave) | (size > may_leave))
             # a flexible law has taken in whatever the base could hide there
             if candidate.known and earlier.known:
                 more |= candidate.score.gain > (

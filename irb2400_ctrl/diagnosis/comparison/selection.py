@@ -15,7 +15,7 @@ from irb2400_ctrl.diagnosis.comparison.comparison import Alternative, Comparison
 from irb2400_ctrl.diagnosis.comparison.criteria import Criteria, Threshold, of_one_moment
 from irb2400_ctrl.diagnosis.comparison.ground import Ground, Name, named
 from irb2400_ctrl.diagnosis.comparison.scan import Scan
-from irb2400_ctrl.diagnosis.comparison.step import Step
+from irb2400_ctrl.diagnosis.comparison.step import Step, of_the_whole_arm
 from irb2400_ctrl.diagnosis.estimation.candidate import Candidate
 from irb2400_ctrl.diagnosis.estimation.fit import Fit, Fitter
 from irb2400_ctrl.diagnosis.regressors.predict import predicted_torque
@@ -65,7 +65,7 @@ class Selection:
         """Explanations added to those there are, while they count."""
         ground = self._beside([s.candidate for s in steps])
         tried: set[frozenset[Name]] = set()
-        while len(steps) < self.criteria.most and self._refused() < self.criteria.most_refused:
+        while self._goes_on(steps):
             step = self.next_step(ground)
             wider = self._rather_wider(step, ground.comparison)
             if wider is not None:
@@ -102,14 +102,19 @@ class Selection:
         comparison = Comparison(self.scan, self.fitter.noise, fit.y, fit.Z, chosen)
         return Ground(comparison, self.threshold, self.turns, self.load_changes, on)
 
+    def _goes_on(self, steps: Sequence[Step]) -> bool:
+        """Whether a further explanation may be looked for."""
+        few = len(steps) < self.criteria.most and self._refused() < self.criteria.most_refused
+        return few and not of_the_whole_arm(steps, self.scan.motion.n)
+
     def _refused(self) -> int:
         """Number of names that were refused; the flexible laws of a joint, of which there is one,
         do not keep a name from its turn."""
         return sum(bool(name) for _, _, name in self.refused)
 
     def _rather_wider(self, step: Step | None, beside: Comparison) -> float | None:
-        """How many times further off than stated numbers of the robot explain more than the best
-        step, a rival like any other; None where they do not."""
+        """How many times further off than stated numbers of the robot explain more than two such
+        steps as the best one; None where they do not."""
         fitter = self.fitter
 
         def evidence(wider: float) -> float:
@@ -119,8 +124,9 @@ class Selection:
 
         found = {wider: evidence(wider) for wider in self.criteria.wider}
         wider = max(found, key=lambda w: found[w])
-        # that all numbers are further off is a claim as well: beside a name it pays as one does
-        least = self.criteria.gain if step is None else step.gain + self.criteria.gain_stated
+        # numbers further off take in several effects at once, of which the best alone says less
+        c = self.criteria
+        least = c.gain if step is None else (1.0 + c.two_at_once) * step.gain + c.gain_stated
         return wider if found[wider] - beside.base.log_evidence > least else None
 
     def _borne_out(self, steps: list[Step], fit: Fit) -> tuple[list[Step], Fit]:

@@ -60,3 +60,9 @@ class Step:
 def _same(one: Candidate, other: Candidate) -> bool:
     """Whether two candidates say the same, one of them perhaps for every joint."""
     return one.kind == other.kind and (one.joint == other.joint or None in (one.joint, other.joint))
+
+
+def of_the_whole_arm(steps: Sequence[Step], n: int) -> bool:
+    """Whether what has no name is on more than half of n joints: something acts on the whole arm,
+    and the robot's numbers bend with it."""
+    return 2 * len({s.candidate.joint for s in steps if not s.candidate.known}) > n

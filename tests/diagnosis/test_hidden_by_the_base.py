@@ -1,0 +1,114 @@
+"""What other numbers of the robot could hide beside another effect, and what they cannot."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+from diagnosis.test_names import ROBOT, names
+from mujoco_plant.suites import suite
+from third_plant.case import Case
+from third_plant.suites import plan
+
+from irb2400_ctrl.diagnosis import Diagnosis, diagnose
+from irb2400_ctrl.diagnosis.bent_numbers import beside_noise
+from irb2400_ctrl.diagnosis.comparison.comparison import Comparison
+from irb2400_ctrl.diagnosis.comparison.step import of_the_whole_arm
+from irb2400_ctrl.diagnosis.estimation.candidate import Candidate
+from irb2400_ctrl.diagnosis.estimation.evidence import Score
+from irb2400_ctrl.diagnosis.estimation.fit import Fit
+from irb2400_ctrl.diagnosis.preparation.noise import NoiseModel
+from irb2400_ctrl.diagnosis.regressors.bases import RegressorColumns
+from irb2400_ctrl.measurement import Log
+
+
+def told(seen: Any) -> Diagnosis:
+    return diagnose(ROBOT, Log(seen.time, seen.q, seen.tau, qd=seen.qd, q_ref=seen.q_ref))
+
+
+def of_third_plant(seed: int, where: str, number: int) -> Diagnosis:
+    (arm,) = (one for one in plan(seed) if (one.suite, one.number) == (where, number))
+    return told(Case(arm).identification())
+
+
+def of_second_plant(seed: int, where: str, number: int) -> Diagnosis:
+    (case,) = suite(where, number, 1, seed)
+    return told(case.simulate())
+
+
+@pytest.mark.parametrize(("size", "relieved"), [(1.0, True), (0.2, False), (0.0, False)])
+def test_a_candidate_relieves_a_base_that_had_been_bent_to_hide_it(
+    size: float, relieved: bool
+) -> None:
+    """A torque of 1 Nm that a base of prior rms 0.1 Nm hides with ten standard deviations."""
+    rng = np.random.default_rng(5)
+    shape = np.sin(np.arange(600) / 23.0)
+    y = (shape + rng.normal(0, 0.02, 600))[:, None]
+    nothing = Score(0.0, 0.0, np.array([size]), np.zeros((1, 1)), np.zeros(0))
+    law = RegressorColumns((0,), shape[:, None, None])
+    candidate = Candidate("viscous_change", 1, "", (), (), law, None, nothing)
+    every = np.ones((600, 1), dtype=bool)
+    scan: Any = SimpleNamespace(motion=SimpleNamespace(n=1))
+    noise = NoiseModel(every, ~every, np.zeros(1), 0.04)
+    comparison = Comparison(scan, noise, y, 0.1 * shape[:, None, None])
+    assert comparison.relieves_base(candidate) == relieved
+
+
+@pytest.mark.parametrize(
+    ("joints", "whole"), [((1, 2, 3, 4), True), ((1, 2, 3), False), ((1, 1, 2, 3), False)]
+)
+def test_what_has_no_name_on_most_joints_is_of_the_whole_arm(
+    joints: tuple[int, ...], whole: bool
+) -> None:
+    steps: list[Any] = [
+        SimpleNamespace(candidate=SimpleNamespace(joint=joint, known=False)) for joint in joints
+    ]
+    name: Any = SimpleNamespace(candidate=SimpleNamespace(joint=6, known=True))
+    assert of_the_whole_arm([*steps, name], 6) == whole
+
+
+def test_the_file_takes_the_numbers_that_the_names_alone_leave() -> None:
+    widened: list[float] = []
+    fitter: Any = SimpleNamespace(
+        widened=4.0,
+        widen=widened.append,
+        fit=lambda chosen: SimpleNamespace(z=np.array([float(len(chosen))]), z_covariance=None),
+    )
+    steps: list[Any] = [
+        SimpleNamespace(candidate=SimpleNamespace(known=known)) for known in (True, False, False)
+    ]
+    empty = np.zeros(0)
+    of_all = Fit((), (), empty, empty, np.array([9.0]), empty, empty, empty, empty, ())
+    assert beside_noise(fitter, steps, of_all).z.tolist() == [1.0]
+    assert widened == [0.25]
+
+
+def test_a_liquid_that_shakes_all_joints_changes_no_number_of_the_robot() -> None:
+    """Twenty-three numbers were told, moved by up to 34 standard deviations, and the file left
+    17.8 Nm on axis 2 where it had left 4.3."""
+    found = of_third_plant(20261802, "outside", 10)
+    assert (found.verdict, names(found), found.numbers) == ("unexplained", [], ())
+    assert len(found.unexplained) > 3
+    assert any("no name is on most joints" in one for one in found.weak)
+    compared = found.identification
+    assert (compared.error_after.rmse <= 1.01 * compared.error_before.rmse).all()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("found", "said"),
+    [
+        # grease of axis 1 that a springy axis 5 might have left by its evidence alone
+        (lambda: of_third_plant(20261821, "pairs", 5), ("viscous_power", 1)),
+        (lambda: of_second_plant(20261710, "pairs", 13), ("viscous_change", 1)),
+        # bodies four times further off said more than the best one of two effects
+        (lambda: of_second_plant(20261720, "three", 0), ("link_inertia", 2)),
+        (lambda: of_second_plant(20261710, "three", 4), ("link_inertia", 4)),
+        # sliders of which most turn over at once
+        (lambda: of_third_plant(20261831, "single", 41), ("hysteresis", 2)),
+    ],
+)
+def test_it_has_its_name(found: Any, said: tuple[str, int]) -> None:
+    assert said in names(found())
